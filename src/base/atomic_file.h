@@ -1,0 +1,37 @@
+// AtomicFile: a file that appears whole under its name or not at all.
+//
+// Writes go to "<path>.<pid>.tmp" in the same folder; commit() flushes, syncs and renames it. A
+// file not committed is removed by the destructor, so an exception or an interruption leaves
+// nothing behind. One thread.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <span>
+#include <string_view>
+
+namespace sluice {
+
+class AtomicFile {
+ public:
+  // Throws Error when the folder cannot be written.
+  explicit AtomicFile(std::filesystem::path path);
+  ~AtomicFile();
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+
+  // Appends. Throws Error (path and reason, a full disk too).
+  void write(std::span<const std::byte> bytes);
+  void write(std::string_view text);
+  // Where a library wants a name to write to by itself; commit() then renames it.
+  const std::filesystem::path& temporaryPath() const { return temporary_; }
+  // Throws Error; the old file, if any, stays as it was then.
+  void commit();
+
+ private:
+  const std::filesystem::path path_;
+  const std::filesystem::path temporary_;
+  int file_ = -1;
+};
+
+}  // namespace sluice

@@ -1,0 +1,58 @@
+// Error: bad input or a bad environment, one line for a person. CHECK: a mistake of ours.
+//
+// Error carries the whole line: which file (and block), what was expected, what was found, what to
+// do. It is caught once, in the program's main. Libraries' own exceptions are translated where the
+// library is used (io/, src/gl/). Expected outcomes (a miss, not resident) are return values.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <stdexcept>
+#include <string>
+
+namespace sluice {
+
+class Error : public std::runtime_error {
+ public:
+  explicit Error(const std::string& line) : std::runtime_error(line) {}
+};
+
+// Throws Error with a line made from a fmt format string. Start it with the path.
+template <class... Args>
+[[noreturn]] void fail(fmt::format_string<Args...> format, Args&&... args) {
+  throw Error(fmt::format(format, std::forward<Args>(args)...));
+}
+
+// Error with strerror(error_number) at the end: "<what>: <reason>".
+[[noreturn]] void failErrno(const std::string& what, int error_number);
+
+namespace internal {
+[[noreturn]] void checkFailed(const char* file, int line, const char* condition,
+                              const std::string& values);
+template <class A, class B>
+std::string describe(const A& a, const B& b) {
+  if constexpr (fmt::is_formattable<A>::value && fmt::is_formattable<B>::value) {
+    return fmt::format("{} against {}", a, b);
+  } else {
+    return "values that do not print";
+  }
+}
+}  // namespace internal
+}  // namespace sluice
+
+// Abort with file, line and both values: an invariant of ours does not hold.
+#define SLUICE_CHECK(condition)                                                            \
+  do {                                                                                     \
+    if (!(condition)) ::sluice::internal::checkFailed(__FILE__, __LINE__, #condition, ""); \
+  } while (false)
+#define SLUICE_CHECK_OP(a, op, b)                                                        \
+  do {                                                                                   \
+    const auto& check_a_ = (a);                                                          \
+    const auto& check_b_ = (b);                                                          \
+    if (!(check_a_ op check_b_))                                                         \
+      ::sluice::internal::checkFailed(__FILE__, __LINE__, #a " " #op " " #b,             \
+                                      ::sluice::internal::describe(check_a_, check_b_)); \
+  } while (false)
+#define SLUICE_CHECK_EQ(a, b) SLUICE_CHECK_OP(a, ==, b)
+#define SLUICE_CHECK_LE(a, b) SLUICE_CHECK_OP(a, <=, b)
+#define SLUICE_CHECK_LT(a, b) SLUICE_CHECK_OP(a, <, b)

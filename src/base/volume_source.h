@@ -1,0 +1,73 @@
+// VolumeSource: what level 1 (disk) offers to the levels above; one implementation a file format.
+//
+// A source describes a volume on disk and copies boxes of voxels out of it. It holds no cache of
+// voxels of its own beyond what its format forces on it (a compressed single stream is decoded once
+// into a spool file). All members may be called from any thread at once after construction.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "src/base/vec.h"
+#include "src/base/voxel_type.h"
+
+namespace sluice {
+
+// A closed interval of values.
+struct ValueRange {
+  double lo = 0, hi = 0;
+  friend constexpr bool operator==(const ValueRange&, const ValueRange&) = default;
+};
+
+// Where the voxels lie and what they mean. world = origin + sum over axes of
+// axes[a] * spacing[a] * index[a]; value = stored * value_scale + value_offset.
+struct VolumeLayout {
+  Vec3i dims;                       // voxels, each >= 1
+  VoxelType type = VoxelType::kU8;  // as readRegion delivers them, in this machine's byte order
+  Vec3d spacing{1, 1, 1};           // world units between neighbouring voxels, each > 0
+  Vec3d origin{0, 0, 0};            // world position of voxel (0, 0, 0)
+  std::array<Vec3d, 3> axes{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};  // unit directions of x, y, z
+  int64_t time_steps = 1;
+  std::optional<ValueRange> stored_range;  // of stored values, where the file says it
+  double value_scale = 1, value_offset = 0;
+  std::string name;  // for people: the file's name or the grid's
+};
+
+// A constant outside a list of boxes: what sparse formats know without reading a voxel.
+struct Occupancy {
+  double background = 0;    // the stored value outside all boxes
+  std::vector<Box3> boxes;  // voxels, clipped to the volume; may touch or overlap
+};
+
+class VolumeSource {
+ public:
+  virtual ~VolumeSource() = default;
+
+  // Constant after construction.
+  virtual const VolumeLayout& layout() const = 0;
+
+  // Copies the voxels of `box` at time step `time` to `out`, x fastest, packed, in layout().type.
+  // Requires: 0 <= time < time_steps; box not empty and inside [0, dims);
+  // out.size() == box.count() * bytesPerVoxel(type). Throws Error when the read fails or is short.
+  virtual void readRegion(int64_t time, const Box3& box, std::span<std::byte> out) = 0;
+
+  // Where voxels may differ from a constant; nullopt: anywhere.
+  virtual std::optional<Occupancy> occupancy(int64_t /*time*/) { return std::nullopt; }
+
+  // One line that changes whenever the voxels may have changed: absolute path, size, modification
+  // time in ns and what else selects the voxels (grid name, dims given by the user). Keys the
+  // index.
+  virtual std::string identity() const = 0;
+
+  // Bytes taken from files so far by this source (compressed bytes where compressed). Exact for
+  // readers of ours; an estimate for OpenVDB, whose delayed loading maps the file.
+  virtual uint64_t storedBytesRead() const = 0;
+};
+
+}  // namespace sluice
