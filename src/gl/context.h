@@ -1,0 +1,117 @@
+// GlContext: an OpenGL core profile of at least 3.3 without a window, chosen at run time.
+//
+// One binary carries both ways: OSMesa (Mesa's software renderer as a library) and EGL (a device,
+// the surfaceless platform, or the default display). Their libraries are opened with
+// dlopen(RTLD_NOW | RTLD_LOCAL) when asked for and nothing links to them, so that the program
+// starts where one is missing and their symbols never meet. They are never closed: Mesa leaves
+// thread-local destructors and atexit handlers behind that would run in unmapped code.
+//
+// There is no picture to draw on: make a framebuffer object. The draw framebuffer 0 is incomplete
+// or a few pixels wide.
+//
+// Threads: a context is current on one thread at a time, and its functions may be called on that
+// thread only. createContext leaves the new context current on the calling thread. Several
+// contexts, of several backends too, may exist at once and take turns on one thread through
+// makeCurrent. A context must be current on no other thread when it is destroyed. createContext
+// sets environment variables (below): call it before other threads read the environment.
+//
+// Environment. GALLIVM_PERF gets "no_aos_sampling" appended (other flags of the user stay): Mesa's
+// llvmpipe otherwise filters 8-bit textures in 8-bit arithmetic, which rounds every sample to 1/255
+// and shows against the reference picture. EGL_LOG_LEVEL becomes "fatal" where it is unset, so that
+// trying one display after another prints nothing. Both are read when a library is first opened.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "src/gl/gl_functions.h"
+
+namespace sluice {
+
+// What --gl takes. kAuto is the first that works of
+//   1. EGL on a hardware device: a GPU samples an order of magnitude faster than any CPU;
+//   2. OSMesa: of the software ways the one with the fewest parts (one library, no display, no
+//      driver search, no second dispatch layer), so the one that fails least and repeats best;
+//   3. EGL on whatever it offers: the same llvmpipe, for systems without OSMesa (Mesa 25.1 on).
+// kEgl is the first that works of: each hardware device, each software device, the surfaceless
+// platform, the default display.
+enum class GlChoice { kAuto, kOsmesa, kEgl };
+
+// "auto", "osmesa", "egl"; nullopt when it is none of them.
+std::optional<GlChoice> parseGlChoice(std::string_view text);
+std::string_view name(GlChoice choice);
+
+// The names the libraries are looked for under, in this order.
+struct GlLibraries {
+  std::vector<std::string> osmesa{"libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so"};
+  std::vector<std::string> egl{"libEGL.so.1", "libEGL.so"};
+};
+
+struct GlLimits {
+  int max_3d_texture_size = 0;  // voxels along an axis
+  int max_texture_size = 0;     // texels along an axis, 1D and 2D
+  int max_array_layers = 0;
+  int max_renderbuffer_size = 0;
+  int max_viewport_size = 0;  // the smaller of width and height
+  int max_color_attachments = 0;
+  int max_draw_buffers = 0;
+  int max_texture_units = 0;  // of a fragment shader
+  int max_uniform_block_bytes = 0;
+  int max_samples = 0;
+};
+
+class GlContext {
+ public:
+  virtual ~GlContext() = default;
+  GlContext(const GlContext&) = delete;
+  GlContext& operator=(const GlContext&) = delete;
+
+  // Makes this the calling thread's context in place of any other, of another backend too. Throws
+  // Error when the library refuses.
+  virtual void makeCurrent() = 0;
+  // Leaves the calling thread without a context, so that another thread may take this one.
+  // Requires: this is the calling thread's context.
+  virtual void release() = 0;
+
+  // Constant after construction, from any thread.
+  const GlFunctions& functions() const { return functions_; }
+  std::string_view backend() const { return backend_; }      // "osmesa" or "egl"
+  const std::string& device() const { return device_; }      // as GlProbe::device; "" for OSMesa
+  const std::string& vendor() const { return vendor_; }      // GL_VENDOR
+  const std::string& renderer() const { return renderer_; }  // GL_RENDERER
+  const std::string& version() const { return version_; }    // GL_VERSION
+  // 33, 45, ...: major * 10 + minor.
+  int versionNumber() const { return version_number_; }
+  // Mesa's CPU rasterisers by their names: textures then live in the process's memory.
+  bool isSoftware() const { return is_software_; }
+  const GlLimits& limits() const { return limits_; }
+  bool has(std::string_view extension) const;
+
+ protected:
+  // `backend` is a literal.
+  GlContext(std::string_view backend, std::string device)
+      : backend_(backend), device_(std::move(device)) {}
+  // Fills everything above. Requires: the context is current. Throws Error when it is older than
+  // 3.3 or lacks a function.
+  void describe(const GlLoader& loader);
+
+ private:
+  // Set by describe(), constant after construction.
+  const std::string_view backend_;
+  const std::string device_;
+  std::string vendor_, renderer_, version_;
+  int version_number_ = 0;
+  bool is_software_ = false;
+  GlLimits limits_;
+  std::vector<std::string> extensions_;  // sorted
+  GlFunctions functions_;
+};
+
+// A new context, current on the calling thread, with the highest core version offered. Throws
+// Error: what was tried, why each failed and what to install.
+std::unique_ptr<GlContext> createContext(GlChoice choice, const GlLibraries& libraries = {});
+
+}  // namespace sluice
