@@ -69,12 +69,12 @@ class GlContext {
   GlContext(const GlContext&) = delete;
   GlContext& operator=(const GlContext&) = delete;
 
-  // Makes this the calling thread's context in place of any other, of another backend too. Throws
-  // Error when the library refuses.
-  virtual void makeCurrent() = 0;
-  // Leaves the calling thread without a context, so that another thread may take this one.
-  // Requires: this is the calling thread's context.
-  virtual void release() = 0;
+  // Makes this the calling thread's context in place of any other GlContext, of another backend
+  // too; costs nothing when it is already. Throws Error when the library refuses.
+  void makeCurrent();
+  // Leaves the calling thread without a context, so that another thread may take this one. Does
+  // nothing when this is not the calling thread's context.
+  void release() noexcept;
 
   // Constant after construction, from any thread.
   const GlFunctions& functions() const { return functions_; }
@@ -97,9 +97,13 @@ class GlContext {
   // Fills everything above. Requires: the context is current. Throws Error when it is older than
   // 3.3 or lacks a function.
   void describe(const GlLoader& loader);
+  // The library's own way of making this the thread's context and of leaving it with none. The
+  // destructor of a derived class calls release() first.
+  virtual void bind() = 0;
+  virtual void unbind() noexcept = 0;
 
  private:
-  // Set by describe(), constant after construction.
+  // Constant after construction, set by describe() from vendor_ on.
   const std::string_view backend_;
   const std::string device_;
   std::string vendor_, renderer_, version_;
