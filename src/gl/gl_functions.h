@@ -4,7 +4,8 @@
 // its own table. A member is called like the function without its prefix, gl.TexSubImage3D(...).
 // The functions of GL 3.3 are never null; those named optional below are null unless the context
 // has the version or the extension given with them. Constants (GL_TEXTURE_3D, ...) come from
-// GL/glcorearb.h, which declares no functions here, so that nothing can link to libGL by mistake.
+// GL/glcorearb.h, which declares no functions here, so that nothing can link to libGL by mistake. A
+// file that needs GL/gl.h too (osmesa.h, a toolkit's header) includes it after this one.
 //
 // A table may be used on the thread only on which its context is current.
 #pragma once

@@ -1,0 +1,31 @@
+// SharedLibrary: a library opened at run time with its symbols kept to itself, and never closed
+// (context.h says why). Copies name the same library. Any thread.
+#pragma once
+
+#include <span>
+#include <string>
+
+namespace sluice {
+
+class SharedLibrary {
+ public:
+  // Opens the first of `names` that opens. Throws Error: what the system says of the first one, and
+  // `hint` (what to install).
+  SharedLibrary(std::span<const std::string> names, const std::string& hint);
+
+  // Null when the library has no such symbol.
+  void* find(const char* symbol) const;
+  // Throws Error when the library has no such symbol.
+  template <class Function>
+  Function get(const char* symbol) const {
+    return reinterpret_cast<Function>(require(symbol));
+  }
+
+ private:
+  void* require(const char* symbol) const;
+
+  std::string name_;
+  void* handle_ = nullptr;
+};
+
+}  // namespace sluice
