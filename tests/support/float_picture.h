@@ -1,0 +1,32 @@
+// FloatPicture: what the reference renderer gives, and how pictures are compared.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace sluice {
+
+struct FloatPicture {
+  int width = 0, height = 0;
+  std::vector<float> rgba;   // premultiplied, row 0 on top, 4 floats a pixel
+  std::vector<float> depth;  // world units along the view, 0 where the picture is transparent
+
+  std::array<float, 4> at(int x, int y) const;
+};
+
+// In units of 1/255, over all channels, after clamping both to 0..1; NaN differs by 255.
+struct Difference {
+  double max_255 = 0, mean_255 = 0;
+  int pixels_over = 0;           // pixels with a channel that differs by more than the tolerance
+  int worst_x = 0, worst_y = 0;  // where the maximum is
+};
+
+// Requires: both hold 4 * width * height floats for some height.
+Difference compare(std::span<const float> a, std::span<const float> b, int width,
+                   double tolerance_255 = 1);
+// Requires: equal sizes.
+Difference compare(const FloatPicture& a, const FloatPicture& b, double tolerance_255 = 1);
+
+}  // namespace sluice

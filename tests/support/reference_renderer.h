@@ -1,0 +1,52 @@
+// The independent reference: the picture as the contracts of src/render/camera.h,
+// src/render/lighting.h and src/classify/transfer_function.h define it, in plain double-precision
+// loops over the pixels and the slices of a View. No blocks, no skipping, no tables, and nothing of
+// the renderer but those structs.
+//
+// A slice's sample counts where 0 <= p[a] < dims[a] - 1 on every axis (p: its position in voxels),
+// inside the crop box and kept by every clip plane. Reads the whole time step into memory.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "src/base/volume_source.h"
+#include "src/classify/transfer_function.h"
+#include "src/render/camera.h"
+#include "src/render/lighting.h"
+#include "tests/support/float_picture.h"
+
+namespace sluice {
+
+enum class ReferenceMode {
+  kComposite,
+  // Over the values of the samples whose opacity is above 0; the colour of that one value, opaque,
+  // or transparent where there is no such sample. Unlit; depth is 0.
+  kMaximum,
+  kMinimum,
+  kAverage,
+};
+
+// A sample is kept where dot(normal, world position) <= offset.
+struct ReferenceClipPlane {
+  Vec3d normal;
+  double offset = 0;
+};
+
+struct ReferenceScene {
+  TransferFunction transfer;
+  ReferenceMode mode = ReferenceMode::kComposite;
+  int64_t time = 0;
+  std::optional<Box3> crop;  // voxels: a sample counts where lo <= p < hi - 1
+  std::vector<ReferenceClipPlane> clip_planes;
+  std::optional<Lighting> lighting;  // unlit where absent
+  ValueRange value_range;            // of the volume, for Lighting::flat_share
+  double opacity_threshold = 1;      // a ray ends once its opacity has reached this
+};
+
+// Composites front to back: opacity a of one voxel length of the finest spacing becomes
+// 1 - (1 - a)^(L / finest), L being the ray's way between two slices. Depth is the opacity-weighted
+// mean depth of the samples. Runs on all cores.
+FloatPicture renderReference(VolumeSource& source, const View& view, const ReferenceScene& scene);
+
+}  // namespace sluice

@@ -1,0 +1,36 @@
+#include "tests/support/temp_folder.h"
+
+#include <cerrno>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <system_error>
+
+#include "src/base/error.h"
+
+namespace sluice {
+
+TempFolder::TempFolder() {
+  std::string name = (std::filesystem::temp_directory_path() / "sluice-test-XXXXXX").string();
+  if (mkdtemp(name.data()) == nullptr) failErrno(name, errno);
+  path_ = name;
+}
+
+TempFolder::~TempFolder() {
+  std::error_code ignored;
+  std::filesystem::remove_all(path_, ignored);
+}
+
+std::string readFile(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) fail("{}: cannot be read", path.string());
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+void writeFile(const std::filesystem::path& path, std::string_view bytes) {
+  std::ofstream file(path, std::ios::binary);
+  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  if (!file.flush()) fail("{}: cannot be written", path.string());
+}
+
+}  // namespace sluice
