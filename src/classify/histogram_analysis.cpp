@@ -1,0 +1,196 @@
+#include "src/classify/histogram_analysis.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
+#include <span>
+
+namespace sluice {
+namespace {
+
+// Enough to tell the values of 8-bit data apart, few enough that noise does not look like valleys.
+constexpr size_t kBins = 256;
+// Values beyond these shares do not stretch the analysis.
+constexpr double kLowShare = 0.0005, kHighShare = 0.9995;
+// Of the visible values, how many exceed the top.
+constexpr double kTopShare = 0.997;
+
+using Density = std::vector<double>;
+
+double sum(std::span<const double> part) {
+  return std::accumulate(part.begin(), part.end(), 0.0);
+}
+
+// Shares of the counted values in equal bins over `range`, each input bin spread evenly over those
+// that it touches; what lies outside goes to the first and the last.
+Density resample(const Histogram& histogram, ValueRange range, size_t bins) {
+  Density density(bins, 0.0);
+  const auto all = static_cast<double>(total(histogram));
+  const auto position = [&](double value) {
+    const double share = (value - range.lo) / (range.hi - range.lo);
+    return std::clamp(share, 0.0, 1.0) * static_cast<double>(bins);
+  };
+  for (size_t i = 0; i < histogram.counts.size(); ++i) {
+    if (histogram.counts[i] == 0) continue;
+    const double share = static_cast<double>(histogram.counts[i]) / all;
+    const double a = position(binEdge(histogram, i)), b = position(binEdge(histogram, i + 1));
+    const auto first = std::min(bins - 1, static_cast<size_t>(a));
+    const auto last = std::min(bins - 1, static_cast<size_t>(std::max(a, std::ceil(b) - 1)));
+    for (size_t bin = first; bin <= last; ++bin) {
+      const double lo = std::max(a, static_cast<double>(bin));
+      const double hi = std::min(b, static_cast<double>(bin + 1));
+      density[bin] += b > a ? share * std::max(0.0, hi - lo) / (b - a) : share;
+    }
+  }
+  return density;
+}
+
+// Three box filters of 2 radius + 1 bins, close to a Gaussian; at the ends the filter is narrower.
+Density smooth(std::span<const double> density, size_t radius) {
+  Density result(density.begin(), density.end());
+  for (int pass = 0; pass < 3; ++pass) {
+    const Density from = result;
+    for (size_t i = 0; i < from.size(); ++i) {
+      const size_t reach = std::min({radius, i, from.size() - 1 - i});
+      const std::span<const double> window(from.data() + i - reach, 2 * reach + 1);
+      result[i] = sum(window) / static_cast<double>(window.size());
+    }
+  }
+  return result;
+}
+
+// The end of the background: the first bin after `mode` that belongs to something else. The peak
+// ends where it has fallen to a tenth; a narrow hump right beside it is its noise and ends alike.
+size_t backgroundEnd(const Density& density, size_t mode) {
+  const auto fallsToATenth = [&](size_t from) {
+    size_t i = from;
+    while (i < density.size() && density[i] >= 0.1 * density[from]) ++i;
+    return i;
+  };
+  size_t end = fallsToATenth(mode);
+  for (int hump = 0; hump < 2 && end < density.size(); ++hump) {
+    // Smooth over a few bins: integer values leave bins empty.
+    const size_t next = fallsToATenth(end);
+    if (next - mode > density.size() * 8 / 100) break;
+    end = next;
+  }
+  return end;
+}
+
+struct Valley {
+  size_t middle, peak;  // bins
+};
+
+// The valley before the peak that stands out most; nothing where the values beyond it are fewer
+// than those before it, as in fog, whose tail also has ups and downs.
+std::optional<Valley> valleyAfter(const Density& density, size_t end) {
+  if (end + 2 >= density.size()) return std::nullopt;
+  const std::span<const double> rest(density.data() + end, density.size() - end);
+  const Density curve = smooth(rest, density.size() / 100);
+  double floor = curve[0], prominence = 0, floor_of_peak = 0;
+  size_t peak = 0;
+  for (size_t i = 0; i < curve.size(); ++i) {
+    floor = std::min(floor, curve[i]);
+    if (curve[i] - floor > prominence) {
+      prominence = curve[i] - floor;
+      floor_of_peak = floor;
+      peak = i;
+    }
+  }
+  if (prominence < 0.5 * floor_of_peak || prominence <= 0) return std::nullopt;
+  std::vector<size_t> low;
+  for (size_t i = 0; i < peak; ++i) {
+    if (curve[i] <= floor_of_peak + 0.1 * prominence) low.push_back(i);
+  }
+  if (low.empty()) return std::nullopt;
+  const size_t middle = low[low.size() * 2 / 5];
+  if (sum(rest.subspan(middle)) < 0.75 * sum(rest.first(middle))) return std::nullopt;
+  return Valley{end + middle, end + peak};
+}
+
+// The bin at which the visible values begin.
+struct Threshold {
+  size_t bin;
+  bool valley;
+};
+
+Threshold thresholdAfter(const Density& density, size_t mode) {
+  const size_t end = backgroundEnd(density, mode);
+  const auto valley = valleyAfter(density, end);
+  if (!valley) return {end, false};
+  // A peak close to the first is background too where a third follows: the air of a CT after the
+  // padding around its field of view.
+  if (valley->peak - mode < density.size() / 10) {
+    const auto next = valleyAfter(density, backgroundEnd(density, valley->peak));
+    if (next) return {next->middle, true};
+  }
+  return {valley->middle, true};
+}
+
+size_t largest(std::span<const double> density) {
+  return static_cast<size_t>(std::max_element(density.begin(), density.end()) - density.begin());
+}
+
+// kDiverging: most values near zero, fewer and fewer away from it on both sides.
+bool diverges(const Density& density, ValueRange range) {
+  if (!(range.lo < 0 && range.hi > 0)) return false;
+  const double extent = range.hi - range.lo;
+  if (std::min(-range.lo, range.hi) < 0.15 * extent) return false;
+  const auto bins = static_cast<double>(density.size());
+  const double zero = -range.lo / extent * bins;
+  if (std::abs(static_cast<double>(largest(density)) + 0.5 - zero) > 0.03 * bins) return false;
+  // Air in a CT in Hounsfield units is a second peak far below zero: not a tail.
+  const auto near_lo = static_cast<size_t>(zero / 2);
+  const auto near_hi = static_cast<size_t>((zero + bins) / 2);
+  const std::span<const double> all(density);
+  const double middle = sum(all.subspan(near_lo, near_hi - near_lo));
+  return sum(all.first(near_lo)) < 0.2 * middle && sum(all.subspan(near_hi)) < 0.2 * middle;
+}
+
+double topOf(const Histogram& histogram, double threshold) {
+  const double visible = shareAbove(histogram, threshold);
+  return std::max(threshold, percentile(histogram, 1 - visible * (1 - kTopShare)));
+}
+
+HistogramFindings divergingFindings(const Histogram& histogram) {
+  const Histogram distance = folded(histogram);
+  const Density density = resample(distance, {0, percentile(distance, kHighShare)}, kBins);
+  // The far eighth of what is not background: the rest is noise around zero.
+  const size_t end = backgroundEnd(density, largest(density));
+  const double beside = sum(std::span(density).subspan(std::min(end, density.size())));
+  const double threshold = percentile(distance, 1 - beside / 8);
+  return {HistogramKind::kDiverging, 0, threshold, topOf(distance, threshold), false};
+}
+
+}  // namespace
+
+HistogramFindings analyse(const Histogram& histogram) {
+  const ValueRange range{percentile(histogram, kLowShare), percentile(histogram, kHighShare)};
+  const auto occupied = std::count_if(histogram.counts.begin(), histogram.counts.end(),
+                                      [](uint64_t count) { return count > 0; });
+  if (occupied <= 1 || !(range.hi > range.lo)) {
+    return {HistogramKind::kConstant, range.lo, range.lo, range.lo, false};
+  }
+  const Density density = resample(histogram, range, kBins);
+  if (diverges(density, range)) return divergingFindings(histogram);
+  const size_t mode = largest(density);
+  if (mode > kBins * 9 / 10 && density[mode] > 0.25) {
+    HistogramFindings findings = analyse(mirrored(histogram));
+    findings.kind = HistogramKind::kBelow;
+    findings.background *= -1;
+    findings.threshold *= -1;
+    findings.top *= -1;
+    return findings;
+  }
+  // A tightly cropped object may hold more voxels than the background: look for that lower down.
+  const size_t low_mode = largest(std::span(density).first(kBins / 2));
+  const Threshold found = thresholdAfter(density, low_mode);
+  const double width = (range.hi - range.lo) / static_cast<double>(kBins);
+  const auto edge = [&](size_t bin) { return range.lo + width * static_cast<double>(bin); };
+  const double threshold = edge(found.bin);
+  return {HistogramKind::kAbove, edge(low_mode) + width / 2, threshold, topOf(histogram, threshold),
+          found.valley};
+}
+
+}  // namespace sluice

@@ -1,0 +1,32 @@
+// What a histogram tells of a volume: which values are background and which are worth showing.
+//
+// A pure function of the counts, in steps that each leave a number to look at: the background is
+// the dominating peak and the noise beside it; an object that stands out has a valley before it and
+// the threshold lies in that valley; where there is none (fog, a simulation) everything above the
+// background is visible.
+#pragma once
+
+#include "src/classify/histogram.h"
+
+namespace sluice {
+
+enum class HistogramKind {
+  kConstant,   // one value, or nothing counted
+  kAbove,      // background low, the visible values above it
+  kBelow,      // background high (a bright field), the visible values below it
+  kDiverging,  // background at zero, visible values on both sides
+};
+
+struct HistogramFindings {
+  HistogramKind kind = HistogramKind::kConstant;
+  double background = 0;  // the most frequent value
+  // The visible values lie beyond the threshold, away from the background, and up to `top`, which
+  // a 500th of them exceed. kDiverging: both are distances from zero. kConstant: both the value.
+  double threshold = 0;
+  double top = 0;
+  bool valley = false;  // the threshold lies in a valley, not at the edge of the background
+};
+
+HistogramFindings analyse(const Histogram& histogram);
+
+}  // namespace sluice
