@@ -11,9 +11,9 @@
 namespace sluice {
 namespace {
 
-// Which of ours the thread has: a mirror of the state that GL keeps a thread. It is needed because
-// Mesa's OSMesa and EGL share one dispatch table (libglapi) and neither knows of the other: each
-// must let go through its own library before the other takes the thread.
+// Which of ours the thread has: a mirror of the state that GL keeps for a thread. Mesa's OSMesa and
+// EGL share one dispatch table (libglapi), and neither knows of the other: each lets go through its
+// own library before the other takes the thread, so that neither touches a context of the other's.
 GlContext*& currentOfThread() {
   thread_local GlContext* current = nullptr;
   return current;
@@ -54,7 +54,7 @@ GlLimits limitsOf(const GlFunctions& gl) {
 // Tries one way after another and remembers why each failed.
 class Attempts {
  public:
-  // Null when `create` throws Error or gives what `accepts` refuses.
+  // Null when `create` throws Error.
   std::unique_ptr<GlContext> attempt(const std::string& what,
                                      const std::function<std::unique_ptr<GlContext>()>& create) {
     try {
@@ -123,6 +123,7 @@ std::string_view name(GlChoice choice) {
 }
 
 void prepareGlEnvironment() {
+  linkLeakSuppressions();
   constexpr std::string_view kFlag = "no_aos_sampling";
   const char* const given = std::getenv("GALLIVM_PERF");
   std::string flags = given == nullptr ? "" : given;

@@ -125,8 +125,10 @@ EGLDisplay openDisplay(const EglApi& egl, EglTarget target) {
   }
   if (display == EGL_NO_DISPLAY) fail("EGL opens no display ({:#06x})", egl.get_error());
   if (!egl.initialize(display, nullptr, nullptr))
-    fail("EGL does not initialise its display ({:#06x}): no driver, or no right to open the device",
-         egl.get_error());
+    fail(
+        "EGL does not initialise its display ({:#06x}): no display server, no driver, or no right "
+        "to open the device",
+        egl.get_error());
   return display;
 }
 

@@ -1,0 +1,107 @@
+#include "src/gl/box_buffer.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sluice {
+namespace {
+
+// The rasteriser only proposes pixels; the shader decides which slices of a pixel's ray are in the
+// box. So the drawn cube is a little larger, in voxels and in pixels, than the box.
+constexpr double kMarginVoxels = 0.01;
+constexpr double kMarginPixels = 0.1;
+
+Vec3d absolute(Vec3d v) {
+  return {std::abs(v.x), std::abs(v.y), std::abs(v.z)};
+}
+
+struct ClipCorner {
+  double x, y, w;
+};
+
+ClipCorner project(const FrameSetup& setup, Vec3d index) {
+  const auto row = [&](const std::array<double, 4>& r) {
+    return r[0] * index.x + r[1] * index.y + r[2] * index.z + r[3];
+  };
+  return {row(setup.clip_from_index[0]), row(setup.clip_from_index[1]),
+          row(setup.clip_from_index[2])};
+}
+
+Vec3d cornerOf(Vec3d lo, Vec3d hi, int corner) {
+  return {(corner & 1) != 0 ? hi.x : lo.x, (corner & 2) != 0 ? hi.y : lo.y,
+          (corner & 4) != 0 ? hi.z : lo.z};
+}
+
+// Nearest and farthest slice numbers of the box's corners.
+std::array<double, 2> sliceSpan(const FrameSetup& setup, Vec3d lo, Vec3d hi) {
+  const RayGrid& rays = setup.rays;
+  std::array<double, 2> span{1e300, -1e300};
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3d p = cornerOf(lo, hi, corner);
+    double k = 0;
+    if (setup.projection == Projection::kPerspective) {
+      k = (project(setup, p).w - setup.first_depth) / setup.depth_step;
+    } else {
+      // The slice planes are spanned by origin_dx and origin_dy.
+      const Vec3d normal = cross(rays.origin_dx, rays.origin_dy);
+      k = dot(p - rays.origin0, normal) / dot(rays.step0, normal);
+    }
+    span = {std::min(span[0], k), std::max(span[1], k)};
+  }
+  return span;
+}
+
+class TexelWriter {
+ public:
+  explicit TexelWriter(size_t boxes) { texels.reserve(boxes * kTexelsPerBox * 4); }
+  void add(double x, double y, double z, double w) {
+    for (const double v : {x, y, z, w}) texels.push_back(static_cast<float>(v));
+  }
+  void add(Vec3d v, double w = 0) { add(v.x, v.y, v.z, w); }
+  std::vector<float> texels;
+};
+
+void addBox(const FrameSetup& setup, const BoxDraw& box, TexelWriter& out) {
+  const RayGrid& rays = setup.rays;
+  const Vec3d lo = toDouble(box.cells.lo), hi = toDouble(box.cells.hi);
+  const auto [near_k, far_k] = sliceSpan(setup, lo, hi);
+  const Vec3d pixel = absolute(rays.origin_dx) + absolute(rays.origin_dy) +
+                      (absolute(rays.step_dx) + absolute(rays.step_dy)) * std::max(0.0, far_k);
+  const Vec3d margin = pixel * kMarginPixels + Vec3d{kMarginVoxels, kMarginVoxels, kMarginVoxels};
+  for (int corner = 0; corner < 8; ++corner) {
+    const ClipCorner clip = project(setup, cornerOf(lo - margin, hi + margin, corner));
+    out.add(clip.x, clip.y, clip.w, 0);
+  }
+  // Slice numbers stay exact in single precision up to 2^24.
+  const double first_k = std::max(static_cast<double>(setup.first_slice), std::floor(near_k));
+  const int turn = box.axes[2];
+  const auto ordered = [&](Vec3d v) {
+    return Vec3d{v[box.axes[0]], v[box.axes[1]], v[box.axes[2]]};
+  };
+  out.add(lo - rays.origin0, first_k);
+  out.add(hi - rays.origin0, turn);
+  const double k = first_k + 0.5;
+  const Vec3d texel_centre{0.5, 0.5, 0.5};
+  out.add(ordered(rays.origin0 + rays.step0 * k) - toDouble(box.texel_origin) + texel_centre);
+  out.add(ordered(rays.origin_dx + rays.step_dx * k));
+  out.add(ordered(rays.origin_dy + rays.step_dy * k));
+}
+
+}  // namespace
+
+std::vector<float> boxTexels(const FrameSetup& setup, std::span<const BoxDraw> boxes) {
+  TexelWriter out(boxes.size());
+  for (const BoxDraw& box : boxes) addBox(setup, box, out);
+  return std::move(out.texels);
+}
+
+bool isMirrored(const FrameSetup& setup) {
+  const RayGrid& rays = setup.rays;
+  const bool perspective = setup.projection == Projection::kPerspective;
+  const Vec3d right = perspective ? rays.step_dx : rays.origin_dx;
+  const Vec3d up = perspective ? rays.step_dy : rays.origin_dy;
+  // right x up points toward the viewer in a right-handed space.
+  return dot(cross(right, up), rays.step0) > 0;
+}
+
+}  // namespace sluice

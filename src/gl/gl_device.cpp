@@ -1,0 +1,343 @@
+#include "src/gl/gl_device.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "src/base/error.h"
+#include "src/gl/box_buffer.h"
+
+namespace sluice {
+namespace {
+
+// Boxes a draw call: bounded by what the smallest legal buffer texture (65536 texels) holds.
+constexpr size_t kBoxesPerDraw = 65536 / kTexelsPerBox;
+constexpr GLenum kChunkUnit = 0, kLookUpUnit = 1, kBoxUnit = 2;
+
+// What the shader reads of a voxel, times this, is the device value.
+double valueScale(DeviceType type) {
+  switch (type) {
+    case DeviceType::kU8: return 255;
+    case DeviceType::kU16: return 65535;
+    case DeviceType::kF32: break;
+  }
+  return 1;
+}
+
+// rgba of the look-up texture. Parallel views have one distance between samples, so the opacity is
+// corrected and the colour premultiplied here; perspective ones get log2(1 - opacity) for a unit of
+// slice_length and do the rest a pixel.
+std::vector<float> lookUpTexels(const FrameSetup& setup) {
+  std::vector<float> texels = setup.look_up.rgba;
+  const bool perspective = setup.projection == Projection::kPerspective;
+  for (size_t i = 0; i < texels.size(); i += 4) {
+    const double opacity = texels[i + 3];
+    if (setup.mode != Mode::kComposite) continue;
+    if (perspective) {
+      // An opaque entry stays opaque at any length.
+      texels[i + 3] =
+          static_cast<float>(opacity < 1 ? std::log2(1 - opacity) * setup.slice_length : -1e4);
+      continue;
+    }
+    const double corrected = 1 - std::pow(1 - opacity, setup.slice_length);
+    for (size_t channel = 0; channel < 3; ++channel)
+      texels[i + channel] = static_cast<float>(texels[i + channel] * corrected);
+    texels[i + 3] = static_cast<float>(corrected);
+  }
+  return texels;
+}
+
+std::array<float, 3> asFloats(Vec3d v) {
+  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+}
+
+// Modes other than composite bring back numbers to look up: max, min, or sum and count.
+void resolveMode(const FrameSetup& setup, std::vector<float>& rgba) {
+  const auto& table = setup.look_up.rgba;
+  const size_t entries = table.size() / 4;
+  const ValueRange range = setup.look_up.device_range;
+  const double per_device =
+      range.hi > range.lo ? static_cast<double>(entries - 1) / (range.hi - range.lo) : 0;
+  for (size_t i = 0; i < rgba.size(); i += 4) {
+    const bool average = setup.mode == Mode::kAverage;
+    const bool seen = average ? rgba[i + 1] > 0 : std::abs(rgba[i]) < 2e38F;
+    double device = seen ? rgba[i] * valueScale(setup.type) : 0;
+    if (seen && average) device /= rgba[i + 1];
+    const double at = std::clamp((device - range.lo) * per_device + 0.5, 0.0,
+                                 static_cast<double>(entries - 1));
+    const float* entry = &table[4 * static_cast<size_t>(at)];
+    for (size_t channel = 0; channel < 3; ++channel) rgba[i + channel] = seen ? entry[channel] : 0;
+    rgba[i + 3] = seen ? 1 : 0;
+  }
+}
+
+}  // namespace
+
+GlDevice::GlDevice(std::unique_ptr<GlContext> context)
+    : context_(std::move(context)), gl_(context_->functions()), pool_(gl_) {
+  gl_.GenVertexArrays(1, &vertex_array_);
+  gl_.BindVertexArray(vertex_array_);
+  gl_.GenBuffers(1, &index_buffer_);
+  gl_.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, index_buffer_);
+  gl_.BufferData(GL_ELEMENT_ARRAY_BUFFER, kCubeTriangles.size(), kCubeTriangles.data(),
+                 GL_STATIC_DRAW);
+  gl_.GenBuffers(1, &box_buffer_);
+  gl_.GenTextures(1, &box_texture_);
+  gl_.GenTextures(1, &look_up_);
+}
+
+GlDevice::~GlDevice() {
+  for (auto& [id, chunk] : resident_) gl_.DeleteTextures(1, &chunk.texture);
+  gl_.DeleteTextures(1, &look_up_);
+  gl_.DeleteTextures(1, &box_texture_);
+  gl_.DeleteBuffers(1, &box_buffer_);
+  gl_.DeleteBuffers(1, &index_buffer_);
+  gl_.DeleteVertexArrays(1, &vertex_array_);
+  gl_.DeleteFramebuffers(1, &target_.framebuffer);
+  gl_.DeleteTextures(1, &target_.color);
+  gl_.DeleteTextures(1, &target_.depth);
+}
+
+DeviceLimits GlDevice::limits() const {
+  const GlLimits& limits = context_->limits();
+  return {limits.max_3d_texture_size, std::min(limits.max_texture_size, limits.max_viewport_size),
+          context_->isSoftware()};
+}
+
+void GlDevice::makeResident(ChunkId id, Vec3i storage_vox, DeviceType type,
+                            std::span<const std::byte> texels) {
+  gl_.ActiveTexture(GL_TEXTURE0 + kChunkUnit);
+  const GLuint texture = pool_.take(storage_vox, type, texels);
+  const bool fresh = resident_.emplace(id, Resident{texture, storage_vox, type}).second;
+  SLUICE_CHECK(fresh);
+}
+
+void GlDevice::evict(ChunkId id) {
+  const auto found = resident_.find(id);
+  SLUICE_CHECK(found != resident_.end());
+  pool_.giveBack(found->second.texture, found->second.storage_vox, found->second.type);
+  resident_.erase(found);
+}
+
+GlProgram& GlDevice::programFor(const ShaderVariant& variant) {
+  auto& program = programs_[variant];
+  if (!program)
+    program = std::make_unique<GlProgram>(gl_, vertexShader(), fragmentShader(variant));
+  program->use();
+  return *program;
+}
+
+void GlDevice::resizeTarget(PictureSize size) {
+  if (size.width == target_size_.width && size.height == target_size_.height) return;
+  if (target_.framebuffer == 0) {
+    gl_.GenFramebuffers(1, &target_.framebuffer);
+    gl_.GenTextures(1, &target_.color);
+    gl_.GenTextures(1, &target_.depth);
+  }
+  gl_.BindFramebuffer(GL_FRAMEBUFFER, target_.framebuffer);
+  for (const auto& [texture, attachment] :
+       {std::pair(target_.color, GL_COLOR_ATTACHMENT0), std::pair(target_.depth, GL_COLOR_ATTACHMENT1)}) {
+    gl_.BindTexture(GL_TEXTURE_2D, texture);
+    gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, size.width, size.height, 0, GL_RGBA, GL_FLOAT,
+                   nullptr);
+    gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
+    gl_.FramebufferTexture2D(GL_FRAMEBUFFER, static_cast<GLenum>(attachment), GL_TEXTURE_2D,
+                             texture, 0);
+  }
+  if (gl_.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
+    fail("the GL driver cannot draw a float picture of {} x {} pixels", size.width, size.height);
+  target_size_ = size;
+}
+
+void GlDevice::setBlending(Mode mode) {
+  gl_.Enable(GL_BLEND);
+  gl_.BlendEquation(mode == Mode::kMip ? GL_MAX : mode == Mode::kMinip ? GL_MIN : GL_FUNC_ADD);
+  // `under` for premultiplied colour drawn front to back.
+  gl_.BlendFunc(mode == Mode::kComposite ? GL_ONE_MINUS_DST_ALPHA : GL_ONE, GL_ONE);
+}
+
+void GlDevice::setView(GlProgram& program) {
+  const RayGrid& rays = setup_.rays;
+  program.set("boxes", static_cast<int>(kBoxUnit));
+  program.set("origin_dx", rays.origin_dx);
+  program.set("origin_dy", rays.origin_dy);
+  program.set("step0", rays.step0);
+  program.set("step_dx", rays.step_dx);
+  program.set("step_dy", rays.step_dy);
+  program.set("first_slice", static_cast<double>(setup_.first_slice));
+  std::vector<float> planes;
+  for (const ClipPlane& plane : setup_.clip_planes) {
+    for (const float v : asFloats(plane.normal)) planes.push_back(v);
+    planes.push_back(static_cast<float>(plane.offset - dot(plane.normal, rays.origin0)));
+  }
+  if (!planes.empty())
+    program.set4("clip_planes", planes.data(), static_cast<int>(setup_.clip_planes.size()));
+}
+
+void GlDevice::setLookUp(GlProgram& program) {
+  const std::vector<float> texels = lookUpTexels(setup_);
+  const auto entries = static_cast<GLsizei>(texels.size() / 4);
+  gl_.ActiveTexture(GL_TEXTURE0 + kLookUpUnit);
+  gl_.BindTexture(GL_TEXTURE_2D, look_up_);
+  gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, entries, 1, 0, GL_RGBA, GL_FLOAT, texels.data());
+  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+    gl_.TexParameteri(GL_TEXTURE_2D, filter, GL_NEAREST);
+  for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
+    gl_.TexParameteri(GL_TEXTURE_2D, wrap, GL_CLAMP_TO_EDGE);
+  gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
+  // Entry e covers [e, e + 1) / entries of the texture.
+  const ValueRange range = setup_.look_up.device_range;
+  const double span = range.hi - range.lo;
+  const double per_device = span > 0 ? (entries - 1) / span : 0;
+  const double scale = valueScale(setup_.type);
+  program.set("chunk", static_cast<int>(kChunkUnit));
+  program.set("look_up", static_cast<int>(kLookUpUnit));
+  program.set("value_scale", scale);
+  program.set("entry_scale", scale * per_device / entries);
+  program.set("entry_offset", (0.5 - range.lo * per_device) / entries);
+}
+
+void GlDevice::setLighting(GlProgram& program) {
+  const Lighting& lighting = setup_.lighting;
+  program.set("camera_x", setup_.camera_gradient[0]);
+  program.set("camera_y", setup_.camera_gradient[1]);
+  program.set("camera_z", setup_.camera_gradient[2]);
+  program.set("flat_squared", setup_.flat * setup_.flat);
+  std::vector<float> lights, halfways;
+  for (const Light& light : lighting.lights) {
+    for (const float v : asFloats(light.toward)) lights.push_back(v);
+    lights.push_back(static_cast<float>(light.strength));
+    for (const float v : asFloats(normalized(light.toward + Vec3d{0, 0, 1}))) halfways.push_back(v);
+  }
+  program.set4("lights", lights.data(), 2);
+  program.set3("halfways", halfways.data(), 2);
+  const std::array<float, 4> reflectance = {
+      static_cast<float>(lighting.ambient), static_cast<float>(lighting.diffuse),
+      static_cast<float>(lighting.specular), static_cast<float>(lighting.shininess)};
+  program.set4("reflectance", reflectance.data(), 1);
+}
+
+void GlDevice::beginFrame(const FrameSetup& setup) {
+  SLUICE_CHECK_LE(setup.clip_planes.size(), kMostClipPlanes);
+  setup_ = setup;
+  const bool composite = setup.mode == Mode::kComposite;
+  variant_ = {.mode = setup.mode,
+              .perspective = composite && setup.projection == Projection::kPerspective,
+              .lit = composite && setup.lit,
+              .with_depth = composite && setup.with_depth,
+              .stops_early = composite && setup.opacity_threshold < 1,
+              .counts = false,
+              .clip_planes = static_cast<int>(setup.clip_planes.size())};
+  resizeTarget(setup.size);
+  gl_.BindFramebuffer(GL_FRAMEBUFFER, target_.framebuffer);
+  gl_.Viewport(0, 0, setup.size.width, setup.size.height);
+  const std::array<GLenum, 2> outputs = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
+  gl_.DrawBuffers(variant_.with_depth ? 2 : 1, outputs.data());
+  const float start = setup.mode == Mode::kMip     ? std::numeric_limits<float>::lowest()
+                      : setup.mode == Mode::kMinip ? std::numeric_limits<float>::max()
+                                                   : 0.0F;
+  gl_.ClearColor(start, start, start, start);
+  gl_.Clear(GL_COLOR_BUFFER_BIT);
+  setBlending(setup.mode);
+  gl_.Enable(GL_CULL_FACE);
+  gl_.CullFace(GL_FRONT);
+  gl_.FrontFace(isMirrored(setup) ? GL_CW : GL_CCW);
+
+  GlProgram& program = programFor(variant_);
+  setView(program);
+  setLookUp(program);
+  program.set("stop_opacity", setup.opacity_threshold);
+  program.set("first_depth", setup.first_depth);
+  program.set("depth_step", setup.depth_step);
+  const double ux = 2 * setup.tan_half_x / setup.size.width;
+  const double vy = 2 * setup.tan_half_y / setup.size.height;
+  const std::array<float, 4> pixel_ray = {
+      static_cast<float>(ux), static_cast<float>(-setup.tan_half_x), static_cast<float>(vy),
+      static_cast<float>(-setup.tan_half_y)};
+  program.set4("pixel_ray", pixel_ray.data(), 1);
+  if (variant_.lit) setLighting(program);
+}
+
+void GlDevice::drawBoxes(std::span<const BoxDraw> boxes) {
+  gl_.ActiveTexture(GL_TEXTURE0 + kBoxUnit);
+  gl_.BindTexture(GL_TEXTURE_BUFFER, box_texture_);
+  for (size_t from = 0; from < boxes.size(); from += kBoxesPerDraw) {
+    const auto part = boxes.subspan(from, std::min(kBoxesPerDraw, boxes.size() - from));
+    const std::vector<float> texels = boxTexels(setup_, part);
+    gl_.BindBuffer(GL_TEXTURE_BUFFER, box_buffer_);
+    gl_.BufferData(GL_TEXTURE_BUFFER, static_cast<GLsizeiptr>(texels.size() * sizeof(float)),
+                   texels.data(), GL_STREAM_DRAW);
+    gl_.TexBuffer(GL_TEXTURE_BUFFER, GL_RGBA32F, box_buffer_);
+    gl_.DrawElementsInstanced(GL_TRIANGLES, static_cast<GLsizei>(kCubeTriangles.size()),
+                              GL_UNSIGNED_BYTE, nullptr, static_cast<GLsizei>(part.size()));
+  }
+}
+
+void GlDevice::draw(ChunkId id, std::span<const BoxDraw> boxes) {
+  const auto found = resident_.find(id);
+  SLUICE_CHECK(found != resident_.end());
+  const Vec3d size = toDouble(found->second.storage_vox);
+  programFor(variant_).set("texel_size", Vec3d{1 / size.x, 1 / size.y, 1 / size.z});
+  gl_.ActiveTexture(GL_TEXTURE0 + kChunkUnit);
+  gl_.BindTexture(GL_TEXTURE_3D, found->second.texture);
+  ++binds_;
+  drawBoxes(boxes);
+}
+
+std::vector<float> GlDevice::readTarget(GLenum attachment) const {
+  const auto width = static_cast<size_t>(target_size_.width);
+  const auto height = static_cast<size_t>(target_size_.height);
+  std::vector<float> rgba(width * height * 4);
+  gl_.ReadBuffer(attachment);
+  gl_.PixelStorei(GL_PACK_ALIGNMENT, 1);
+  gl_.ReadPixels(0, 0, target_size_.width, target_size_.height, GL_RGBA, GL_FLOAT, rgba.data());
+  // GL's rows go upwards.
+  for (size_t row = 0; row < height / 2; ++row)
+    std::swap_ranges(rgba.begin() + static_cast<ptrdiff_t>(row * width * 4),
+                     rgba.begin() + static_cast<ptrdiff_t>((row + 1) * width * 4),
+                     rgba.begin() + static_cast<ptrdiff_t>((height - 1 - row) * width * 4));
+  return rgba;
+}
+
+uint64_t GlDevice::countSamples(std::span<const BoxDraw> boxes) {
+  // The depth attachment is free between frames: it takes the counts, the picture stays.
+  ShaderVariant counting;
+  counting.counts = true;
+  counting.clip_planes = variant_.clip_planes;
+  GlProgram& program = programFor(counting);
+  setView(program);
+  gl_.BindFramebuffer(GL_FRAMEBUFFER, target_.framebuffer);
+  const GLenum output = GL_COLOR_ATTACHMENT1;
+  gl_.DrawBuffers(1, &output);
+  gl_.ClearColor(0, 0, 0, 0);
+  gl_.Clear(GL_COLOR_BUFFER_BIT);
+  setBlending(Mode::kAverage);
+  drawBoxes(boxes);
+  double sum = 0;
+  const std::vector<float> counts = readTarget(GL_COLOR_ATTACHMENT1);
+  for (size_t i = 0; i < counts.size(); i += 4) sum += counts[i];
+  return static_cast<uint64_t>(sum);
+}
+
+Picture GlDevice::endFrame() {
+  Picture picture;
+  picture.width = target_size_.width;
+  picture.height = target_size_.height;
+  picture.rgba = readTarget(GL_COLOR_ATTACHMENT0);
+  if (setup_.mode != Mode::kComposite) resolveMode(setup_, picture.rgba);
+  if (variant_.with_depth) {
+    const std::vector<float> sums = readTarget(GL_COLOR_ATTACHMENT1);
+    picture.depth.resize(picture.rgba.size() / 4);
+    for (size_t i = 0; i < picture.depth.size(); ++i) {
+      const float opacity = sums[4 * i + 3];
+      // Nothing there: infinitely far, as renderers write it.
+      picture.depth[i] = opacity > 0 ? sums[4 * i] / opacity
+                                     : std::numeric_limits<float>::infinity();
+    }
+  }
+  return picture;
+}
+
+}  // namespace sluice

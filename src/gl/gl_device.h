@@ -1,0 +1,72 @@
+// GlDevice: the GL implementation of Device. It draws the back faces of each box once and walks the
+// view's slices through the box in the fragment shader: the samples are those of slice polygons, in
+// the same places and order, but a pixel's sum is blended into the target once a box and not once a
+// slice, which is what software GL spends most of its time on otherwise.
+//
+// One thread, the one that made the context.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <unordered_map>
+
+#include "src/gl/context.h"
+#include "src/gl/gl_program.h"
+#include "src/gl/shaders.h"
+#include "src/gl/texture_pool.h"
+#include "src/render/device.h"
+
+namespace sluice {
+
+class GlDevice : public Device {
+ public:
+  // The context must be current on the calling thread.
+  explicit GlDevice(std::unique_ptr<GlContext> context);
+  ~GlDevice() override;
+
+  DeviceLimits limits() const override;
+  const char* backend() const override { return context_->backend().data(); }
+  const char* renderer() const override { return context_->renderer().c_str(); }
+  void makeResident(ChunkId id, Vec3i storage_vox, DeviceType type,
+                    std::span<const std::byte> texels) override;
+  void evict(ChunkId id) override;
+  uint64_t uploadedBytes() const override { return pool_.uploadedBytes(); }
+  uint64_t binds() const override { return binds_; }
+  void beginFrame(const FrameSetup& setup) override;
+  void draw(ChunkId id, std::span<const BoxDraw> boxes) override;
+  uint64_t countSamples(std::span<const BoxDraw> boxes) override;
+  Picture endFrame() override;
+
+ private:
+  struct Resident {
+    GLuint texture;
+    Vec3i storage_vox;
+    DeviceType type;
+  };
+  struct Target {
+    GLuint framebuffer = 0, color = 0, depth = 0;
+  };
+
+  GlProgram& programFor(const ShaderVariant& variant);
+  void setView(GlProgram& program);
+  void setLookUp(GlProgram& program);
+  void setLighting(GlProgram& program);
+  void setBlending(Mode mode);
+  void resizeTarget(PictureSize size);
+  void drawBoxes(std::span<const BoxDraw> boxes);
+  std::vector<float> readTarget(GLenum attachment) const;
+
+  std::unique_ptr<GlContext> context_;
+  const GlFunctions& gl_;
+  TexturePool pool_;
+  std::unordered_map<ChunkId, Resident> resident_;
+  std::map<ShaderVariant, std::unique_ptr<GlProgram>> programs_;
+  FrameSetup setup_;
+  ShaderVariant variant_;
+  Target target_;
+  PictureSize target_size_{0, 0};
+  GLuint vertex_array_ = 0, index_buffer_ = 0, box_buffer_ = 0, box_texture_ = 0, look_up_ = 0;
+  uint64_t binds_ = 0;
+};
+
+}  // namespace sluice

@@ -1,0 +1,35 @@
+// For builds with AddressSanitizer: what Mesa itself leaves allocated at exit is not reported, so
+// that a leak of ours is. OSMesa keeps its screen and one framebuffer description a context; the
+// modules are named, since Debian's Mesa has no symbols. Options in LSAN_OPTIONS go on top.
+//
+// This file is linked because prepareGlEnvironment() calls linkLeakSuppressions().
+#include "src/gl/backends.h"
+
+#if defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define SLUICE_HAS_LEAK_SANITIZER
+#endif
+#endif
+#if defined(__SANITIZE_ADDRESS__)
+#define SLUICE_HAS_LEAK_SANITIZER
+#endif
+
+#ifdef SLUICE_HAS_LEAK_SANITIZER
+// NOLINTBEGIN(bugprone-reserved-identifier): the names that the sanitizer looks for
+extern "C" const char* __lsan_default_suppressions();
+extern "C" const char* __lsan_default_options();
+
+const char* __lsan_default_suppressions() {
+  return "leak:libOSMesa.so\nleak:libEGL\nleak:swrast_dri.so\nleak:libgallium\nleak:libLLVM\n";
+}
+const char* __lsan_default_options() {
+  return "print_suppressions=0";
+}
+// NOLINTEND(bugprone-reserved-identifier)
+#endif
+
+namespace sluice {
+
+void linkLeakSuppressions() {}
+
+}  // namespace sluice

@@ -1,0 +1,185 @@
+#include "src/gl/shaders.h"
+
+#include <fmt/format.h>
+
+namespace sluice {
+namespace {
+
+constexpr const char* kVersion = "#version 330 core\n";
+
+constexpr const char* kVertex = R"(
+uniform samplerBuffer boxes;
+flat out vec3 box_lo, box_hi, texel0, texel_dx, texel_dy;
+flat out int first_k, turn;
+void main() {
+  int at = gl_InstanceID * 13;
+  vec4 corner = texelFetch(boxes, at + gl_VertexID);
+  vec4 lo = texelFetch(boxes, at + 8), hi = texelFetch(boxes, at + 9);
+  box_lo = lo.xyz;
+  box_hi = hi.xyz;
+  first_k = int(lo.w);
+  turn = int(hi.w);
+  texel0 = texelFetch(boxes, at + 10).xyz;
+  texel_dx = texelFetch(boxes, at + 11).xyz;
+  texel_dy = texelFetch(boxes, at + 12).xyz;
+  gl_Position = vec4(corner.xy, 0.0, corner.z);
+}
+)";
+
+// The slices of this pixel's ray inside the box: [from, to).
+constexpr const char* kInterval = R"(
+flat in vec3 box_lo, box_hi, texel0, texel_dx, texel_dy;
+flat in int first_k, turn;
+layout(location = 0) out vec4 result;
+uniform vec3 origin_dx, origin_dy, step0, step_dx, step_dy;
+uniform float first_slice;
+#if CLIP_PLANES > 0
+uniform vec4 clip_planes[CLIP_PLANES];
+#endif
+
+// The first slice past the face at distance t. Both boxes at a face compute the same number.
+vec3 sliceAt(vec3 t, vec3 step) {
+  return mix(floor(t) + 1.0, ceil(t), greaterThan(step, vec3(0.0)));
+}
+
+ivec2 slices(vec3 origin, vec3 step) {
+  vec3 safe = mix(step, vec3(1e-12), lessThan(abs(step), vec3(1e-12)));
+  vec3 at_lo = sliceAt((box_lo - origin) / safe - 0.5, safe);
+  vec3 at_hi = sliceAt((box_hi - origin) / safe - 0.5, safe);
+  vec3 enter = min(at_lo, at_hi), leave = max(at_lo, at_hi);
+  float from = max(max(enter.x, enter.y), max(enter.z, first_slice));
+  float to = min(leave.x, min(leave.y, leave.z));
+#if CLIP_PLANES > 0
+  for (int i = 0; i < CLIP_PLANES; ++i) {
+    float along = dot(clip_planes[i].xyz, step);
+    float t = (clip_planes[i].w - dot(clip_planes[i].xyz, origin)) /
+              (abs(along) < 1e-12 ? 1e-12 : along) - 0.5;
+    if (along < 0.0) from = max(from, ceil(t));
+    else to = min(to, floor(t) + 1.0);
+  }
+#endif
+  return ivec2(int(from), int(to));
+}
+)";
+
+constexpr const char* kCount = R"(
+void main() {
+  vec2 pixel = gl_FragCoord.xy;
+  ivec2 range = slices(pixel.x * origin_dx + pixel.y * origin_dy,
+                       step0 + pixel.x * step_dx + pixel.y * step_dy);
+  if (range.x >= range.y) discard;
+  result = vec4(float(range.y - range.x));
+}
+)";
+
+constexpr const char* kSample = R"(
+uniform sampler3D chunk;
+uniform vec3 texel_size;     // 1 / texels of the chunk
+uniform sampler2D look_up;   // nearest
+uniform float entry_scale, entry_offset, value_scale, stop_opacity;
+#if WITH_DEPTH
+layout(location = 1) out vec4 depth_sum;  // opacity times depth, and opacity to blend by
+uniform float first_depth, depth_step;
+#endif
+#if PERSPECTIVE
+uniform vec4 pixel_ray;      // u tan x = x * .x + .y, v tan y = y * .z + .w
+#endif
+#if LIT
+uniform vec3 camera_x, camera_y, camera_z;
+uniform float flat_squared;
+uniform vec4 lights[2];      // toward, strength
+uniform vec3 halfways[2];
+uniform vec4 reflectance;    // ambient, diffuse, specular, shininess
+
+vec3 indexOrder(vec3 v) { return turn == 2 ? v : turn == 0 ? v.zxy : v.yzx; }
+
+vec4 shade(vec4 color, vec3 at) {
+  vec2 n = vec2(1.0, 0.0);
+  vec3 difference = 0.5 * value_scale * vec3(
+      textureLod(chunk, at + n.xyy * texel_size, 0.0).r - textureLod(chunk, at - n.xyy * texel_size, 0.0).r,
+      textureLod(chunk, at + n.yxy * texel_size, 0.0).r - textureLod(chunk, at - n.yxy * texel_size, 0.0).r,
+      textureLod(chunk, at + n.yyx * texel_size, 0.0).r - textureLod(chunk, at - n.yyx * texel_size, 0.0).r);
+  difference = indexOrder(difference);
+  vec3 g = difference.x * camera_x + difference.y * camera_y + difference.z * camera_z;
+  float squared = dot(g, g);
+  if (squared <= 0.0) return color;
+  vec3 normal = g * inversesqrt(squared);
+  float diffuse = 0.0, specular = 0.0;
+  for (int i = 0; i < 2; ++i) {
+    diffuse += lights[i].w * abs(dot(normal, lights[i].xyz));
+    specular += lights[i].w * pow(abs(dot(normal, halfways[i])), reflectance.w);
+  }
+  vec3 lit = color.rgb * (reflectance.x + reflectance.y * diffuse) +
+             color.a * reflectance.z * specular;
+  return vec4(mix(color.rgb, lit, squared / (squared + flat_squared)), color.a);
+}
+#endif
+
+vec3 textureOrder(vec3 v) { return turn == 2 ? v : turn == 0 ? v.yzx : v.zxy; }
+
+void main() {
+  vec2 pixel = gl_FragCoord.xy;
+  vec3 step = step0 + pixel.x * step_dx + pixel.y * step_dy;
+  ivec2 range = slices(pixel.x * origin_dx + pixel.y * origin_dy, step);
+  if (range.x >= range.y) discard;
+  vec3 along = textureOrder(step) * texel_size;
+  vec3 first = (texel0 + pixel.x * texel_dx + pixel.y * texel_dy) * texel_size;
+#if PERSPECTIVE
+  float ray_length = length(vec3(pixel.x * pixel_ray.x + pixel_ray.y, pixel.y * pixel_ray.z + pixel_ray.w, 1.0));
+#endif
+  vec4 sum = MODE == 1 ? vec4(-3e38) : MODE == 2 ? vec4(3e38) : vec4(0.0);
+#if WITH_DEPTH
+  float weighted_depth = 0.0;
+#endif
+  for (int k = range.x; k < range.y; ++k) {
+    vec3 at = first + float(k - first_k) * along;
+    float value = textureLod(chunk, at, 0.0).r;
+    vec4 color = textureLod(look_up, vec2(value * entry_scale + entry_offset, 0.5), 0.0);
+#if MODE == 0
+#if PERSPECTIVE
+    color.a = 1.0 - exp2(color.a * ray_length);
+    color.rgb *= color.a;
+#endif
+#if LIT
+    if (color.a > 0.0) color = shade(color, at);
+#endif
+#if WITH_DEPTH
+    weighted_depth += (1.0 - sum.a) * color.a * (first_depth + (float(k) + 0.5) * depth_step);
+#endif
+    sum += (1.0 - sum.a) * color;
+#if STOPS_EARLY
+    if (sum.a >= stop_opacity) break;
+#endif
+#elif MODE == 1
+    if (color.a > 0.0) sum.r = max(sum.r, value);
+#elif MODE == 2
+    if (color.a > 0.0) sum.r = min(sum.r, value);
+#else
+    if (color.a > 0.0) sum += vec4(value, 1.0, 0.0, 0.0);
+#endif
+  }
+  result = sum;
+#if WITH_DEPTH
+  depth_sum = vec4(weighted_depth, 0.0, 0.0, sum.a);
+#endif
+}
+)";
+
+}  // namespace
+
+std::string vertexShader() {
+  return std::string(kVersion) + kVertex;
+}
+
+std::string fragmentShader(const ShaderVariant& v) {
+  std::string source = kVersion;
+  source += fmt::format("#define MODE {}\n#define PERSPECTIVE {}\n#define LIT {}\n",
+                        static_cast<int>(v.mode), int{v.perspective}, int{v.lit});
+  source += fmt::format("#define WITH_DEPTH {}\n#define STOPS_EARLY {}\n#define CLIP_PLANES {}\n",
+                        int{v.with_depth}, int{v.stops_early}, v.clip_planes);
+  source += kInterval;
+  source += v.counts ? kCount : kSample;
+  return source;
+}
+
+}  // namespace sluice

@@ -1,0 +1,27 @@
+// The device's shaders: one source with variants, since every branch not taken in a sampling loop
+// is time saved in each sample.
+#pragma once
+
+#include <string>
+
+#include "src/render/device.h"
+
+namespace sluice {
+
+// Selects the loop's body. Two frames with equal variants share a program.
+struct ShaderVariant {
+  Mode mode = Mode::kComposite;
+  bool perspective = false;
+  bool lit = false;
+  bool with_depth = false;
+  bool stops_early = false;
+  bool counts = false;  // writes the number of samples, samples nothing
+  int clip_planes = 0;
+  friend auto operator<=>(const ShaderVariant&, const ShaderVariant&) = default;
+};
+
+// Boxes come as kTexelsPerBox RGBA32F texels each of a buffer texture; see box_buffer.h.
+std::string vertexShader();
+std::string fragmentShader(const ShaderVariant& variant);
+
+}  // namespace sluice

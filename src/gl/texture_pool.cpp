@@ -1,0 +1,108 @@
+#include "src/gl/texture_pool.h"
+
+#include <algorithm>
+
+#include "src/base/bytes.h"
+#include "src/base/error.h"
+
+namespace sluice {
+namespace {
+
+struct Format {
+  GLint internal;
+  GLenum type;
+};
+Format formatOf(DeviceType type) {
+  switch (type) {
+    case DeviceType::kU8:
+      return {GL_R8, GL_UNSIGNED_BYTE};
+    case DeviceType::kU16:
+      return {GL_R16, GL_UNSIGNED_SHORT};
+    case DeviceType::kF32:
+      break;
+  }
+  return {GL_R32F, GL_FLOAT};
+}
+
+uint64_t bytesOf(Vec3i size_vox, DeviceType type) {
+  return static_cast<uint64_t>(volume(size_vox)) * bytesPerVoxel(type);
+}
+
+}  // namespace
+
+TexturePool::~TexturePool() {
+  for (auto& [size, textures] : idle_)
+    gl_.DeleteTextures(static_cast<GLsizei>(textures.size()), textures.data());
+}
+
+GLuint TexturePool::create(Vec3i size_vox, DeviceType type) {
+  GLuint texture = 0;
+  gl_.GenTextures(1, &texture);
+  gl_.BindTexture(GL_TEXTURE_3D, texture);
+  for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R})
+    gl_.TexParameteri(GL_TEXTURE_3D, wrap, GL_CLAMP_TO_EDGE);
+  gl_.TexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+  gl_.TexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  gl_.TexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MAX_LEVEL, 0);
+  const Format format = formatOf(type);
+  while (gl_.GetError() != GL_NO_ERROR) {
+  }
+  gl_.TexImage3D(GL_TEXTURE_3D, 0, format.internal, static_cast<GLsizei>(size_vox.x),
+                 static_cast<GLsizei>(size_vox.y), static_cast<GLsizei>(size_vox.z), 0, GL_RED,
+                 format.type, nullptr);
+  if (gl_.GetError() != GL_NO_ERROR) {
+    gl_.DeleteTextures(1, &texture);
+    fail("the GL driver has no room for a texture of {} x {} x {} texels ({}); give fewer --pages",
+         size_vox.x, size_vox.y, size_vox.z, formatBytes(bytesOf(size_vox, type)));
+  }
+  return texture;
+}
+
+void TexturePool::dropIdle(uint64_t bytes) {
+  for (auto entry = idle_.begin(); entry != idle_.end() && bytes > 0;) {
+    auto& [size, textures] = *entry;
+    const uint64_t each = bytesOf({size.x, size.y, size.z}, size.type);
+    while (!textures.empty() && bytes > 0) {
+      gl_.DeleteTextures(1, &textures.back());
+      textures.pop_back();
+      idle_bytes_ -= each;
+      bytes -= std::min(bytes, each);
+    }
+    entry = textures.empty() ? idle_.erase(entry) : std::next(entry);
+  }
+}
+
+GLuint TexturePool::take(Vec3i size_vox, DeviceType type, std::span<const std::byte> texels) {
+  const uint64_t bytes = bytesOf(size_vox, type);
+  SLUICE_CHECK_EQ(texels.size(), bytes);
+  used_bytes_ += bytes;
+  most_used_bytes_ = std::max(most_used_bytes_, used_bytes_);
+  GLuint texture = 0;
+  const auto found = idle_.find({size_vox.x, size_vox.y, size_vox.z, type});
+  if (found != idle_.end()) {
+    texture = found->second.back();
+    found->second.pop_back();
+    if (found->second.empty()) idle_.erase(found);
+    idle_bytes_ -= bytes;
+    gl_.BindTexture(GL_TEXTURE_3D, texture);
+  } else {
+    if (used_bytes_ + idle_bytes_ > most_used_bytes_)
+      dropIdle(used_bytes_ + idle_bytes_ - most_used_bytes_);
+    texture = create(size_vox, type);
+  }
+  gl_.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  gl_.TexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, 0, static_cast<GLsizei>(size_vox.x),
+                    static_cast<GLsizei>(size_vox.y), static_cast<GLsizei>(size_vox.z), GL_RED,
+                    formatOf(type).type, texels.data());
+  uploaded_bytes_ += texels.size();
+  return texture;
+}
+
+void TexturePool::giveBack(GLuint texture, Vec3i size_vox, DeviceType type) {
+  const uint64_t bytes = bytesOf(size_vox, type);
+  used_bytes_ -= bytes;
+  idle_bytes_ += bytes;
+  idle_[{size_vox.x, size_vox.y, size_vox.z, type}].push_back(texture);
+}
+
+}  // namespace sluice

@@ -1,0 +1,50 @@
+// TexturePool: level 4's textures, reused and not re-created.
+//
+// Storage that a driver sees for the first time is slow to fill (software GL: some hundred MB/s
+// against ten GB/s), so an evicted chunk's texture waits for the next chunk of its size. What is
+// kept never exceeds the bytes that were ever resident at once by more than the pool is told. One
+// thread, the context's.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <span>
+#include <vector>
+
+#include "src/base/vec.h"
+#include "src/gl/gl_functions.h"
+#include "src/volume/device_voxel.h"
+
+namespace sluice {
+
+class TexturePool {
+ public:
+  // `gl` must outlive the pool, and its context be current in every call, the destructor included.
+  explicit TexturePool(const GlFunctions& gl) : gl_(gl) {}
+  ~TexturePool();
+  TexturePool(const TexturePool&) = delete;
+  TexturePool& operator=(const TexturePool&) = delete;
+
+  // A texture of exactly `size_vox` texels holding `texels`. Throws Error when the driver has no
+  // memory for it.
+  GLuint take(Vec3i size_vox, DeviceType type, std::span<const std::byte> texels);
+  void giveBack(GLuint texture, Vec3i size_vox, DeviceType type);
+
+  uint64_t uploadedBytes() const { return uploaded_bytes_; }
+
+ private:
+  struct Size {
+    int64_t x, y, z;
+    DeviceType type;
+    friend auto operator<=>(const Size&, const Size&) = default;
+  };
+  GLuint create(Vec3i size_vox, DeviceType type);
+  void dropIdle(uint64_t bytes);
+
+  const GlFunctions& gl_;
+  std::map<Size, std::vector<GLuint>> idle_;
+  uint64_t used_bytes_ = 0, idle_bytes_ = 0, most_used_bytes_ = 0;
+  uint64_t uploaded_bytes_ = 0;
+};
+
+}  // namespace sluice
