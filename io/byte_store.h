@@ -1,0 +1,35 @@
+// ByteStore: bytes at positions, that is a file (File) or what a compressed one decodes to (Spool).
+//
+// RawSource reads voxels out of one without knowing which it is. Every member may be called from
+// any thread at once.
+#pragma once
+
+#include <sys/uio.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+
+namespace sluice {
+
+class ByteStore {
+ public:
+  virtual ~ByteStore() = default;
+
+  // Fills `parts`, one after the other, with the bytes from `offset` on. At most kMaxParts parts.
+  // Throws Error when there are fewer bytes, and when they cannot be had.
+  virtual void read(uint64_t offset, std::span<const iovec> parts) = 0;
+
+  // Bytes taken from the file itself so far: compressed bytes of a compressed file.
+  virtual uint64_t storedBytesRead() const = 0;
+
+  static constexpr size_t kMaxParts = 1024;  // Linux' IOV_MAX
+};
+
+// Fills `parts` (at most ByteStore::kMaxParts) from `offset` of an open file on; returns the bytes
+// that the file had for them. Throws Error, which names `path`, when the system refuses.
+uint64_t readParts(const std::string& path, int descriptor, uint64_t offset,
+                   std::span<const iovec> parts);
+
+}  // namespace sluice

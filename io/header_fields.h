@@ -1,0 +1,43 @@
+// The small change of text headers: lines, words, numbers, and how they are quoted in messages.
+//
+// Pure functions on views into the caller's text.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace sluice {
+
+// Without white space at both ends.
+std::string_view trimmed(std::string_view text);
+// ASCII letters only.
+std::string lowercase(std::string_view text);
+// What stands between runs of spaces and tabs.
+std::vector<std::string_view> splitWords(std::string_view text);
+
+// All of `text` (a sign allowed); nullopt when it is something else or out of range.
+std::optional<int64_t> parseInteger(std::string_view text);
+// The same; "nan" and "inf" are numbers.
+std::optional<double> parseReal(std::string_view text);
+
+// For messages: in quotation marks, on one line, printable, cut after 60 characters.
+std::string quoted(std::string_view text);
+
+// Takes lines off the front of a text; "\n" and "\r\n" end one, the end of the text too.
+class LineReader {
+ public:
+  explicit LineReader(std::string_view text) : text_(text) {}
+  // nullopt at the end of the text.
+  std::optional<std::string_view> next();
+  // Where the next line starts.
+  size_t position() const { return position_; }
+
+ private:
+  const std::string_view text_;
+  size_t position_ = 0;
+};
+
+}  // namespace sluice

@@ -1,0 +1,151 @@
+#include "io/raw_source.h"
+
+#include <gmock/gmock.h>
+
+#include <cstring>
+#include <random>
+#include <thread>
+
+#include "tests/io/volume_files.h"
+
+namespace sluice {
+namespace {
+
+constexpr VoxelType kType = VoxelType::kU16;
+constexpr Vec3i kDims{13, 11, 12};
+
+// Bytes in memory that count the reads: the second observer.
+class MemoryStore : public ByteStore {
+ public:
+  explicit MemoryStore(std::string bytes) : bytes_(std::move(bytes)) {}
+  void read(uint64_t offset, std::span<const iovec> parts) override {
+    ++reads;
+    for (const iovec& part : parts) {
+      ASSERT_LE(offset + part.iov_len, bytes_.size());
+      std::memcpy(part.iov_base, bytes_.data() + offset, part.iov_len);
+      offset += part.iov_len;
+      read_bytes += part.iov_len;
+    }
+  }
+  uint64_t storedBytesRead() const override { return read_bytes; }
+
+  int reads = 0;
+  uint64_t read_bytes = 0;
+
+ private:
+  const std::string bytes_;
+};
+
+VolumeLayout layoutOf(Vec3i dims, VoxelType type, int64_t time_steps = 1) {
+  VolumeLayout layout;
+  layout.dims = dims;
+  layout.type = type;
+  layout.time_steps = time_steps;
+  return layout;
+}
+
+void expectBox(VolumeSource& source, int64_t time, const Box3& box) {
+  const std::vector<std::byte> bytes = readBox(source, time, box);
+  size_t at = 0;
+  for (int64_t z = box.lo.z; z < box.hi.z; ++z)
+    for (int64_t y = box.lo.y; y < box.hi.y; ++y)
+      for (int64_t x = box.lo.x; x < box.hi.x; ++x) {
+        uint16_t voxel = 0;
+        std::memcpy(&voxel, bytes.data() + at, sizeof(voxel));
+        at += sizeof(voxel);
+        ASSERT_EQ(voxel, knownVoxel(kType, {x, y, z}, time)) << x << " " << y << " " << z;
+      }
+}
+
+Box3 randomBox(std::mt19937& random, Vec3i dims) {
+  Box3 box;
+  for (int axis = 0; axis < 3; ++axis) {
+    box.lo[axis] = std::uniform_int_distribution<int64_t>(0, dims[axis] - 1)(random);
+    box.hi[axis] = std::uniform_int_distribution<int64_t>(box.lo[axis] + 1, dims[axis])(random);
+  }
+  return box;
+}
+
+TEST(RawSourceTest, readsAnyBoxOfAnyTimeStep) {
+  const auto store = std::make_shared<MemoryStore>("skip" + knownVoxels(kType, kDims, 3));
+  RawSource source(layoutOf(kDims, kType, 3), std::endian::native, {{store, 4}}, nullptr, "");
+  std::mt19937 random(1);
+  for (int i = 0; i < 300; ++i) expectBox(source, i % 3, randomBox(random, kDims));
+}
+
+TEST(RawSourceTest, readsBoxesAcrossSegmentsThatCutRows) {
+  // 4 segments of 3 planes each, then 22 of half a dozen rows: each with another offset.
+  const std::string voxels = knownVoxels(kType, kDims, 2);
+  for (const size_t count : {8U, 44U, 24U}) {
+    ASSERT_EQ(voxels.size() % count, 0U);
+    std::vector<RawSegment> segments;
+    for (size_t i = 0; i < count; ++i) {
+      const std::string front(i, '#');
+      const size_t size = voxels.size() / count;
+      segments.push_back({std::make_shared<MemoryStore>(front + voxels.substr(i * size, size)), i});
+    }
+    RawSource source(layoutOf(kDims, kType, 2), std::endian::native, segments, nullptr, "");
+    std::mt19937 random(2);
+    for (int i = 0; i < 200; ++i) expectBox(source, i % 2, randomBox(random, kDims));
+  }
+}
+
+TEST(RawSourceTest, turnsTheOtherByteOrderAround) {
+  const std::endian other =
+      std::endian::native == std::endian::little ? std::endian::big : std::endian::little;
+  for (const VoxelType type : {VoxelType::kU8, VoxelType::kI16, VoxelType::kF32, VoxelType::kF64}) {
+    const std::string voxels = knownVoxels(type, kDims);
+    const auto store = std::make_shared<MemoryStore>(swapped(voxels, type));
+    RawSource source(layoutOf(kDims, type), other, {{store, 0}}, nullptr, "");
+    EXPECT_TRUE(readAll(source) == voxels) << name(type);
+  }
+}
+
+TEST(RawSourceTest, wholePlanesAreOneRead) {
+  const auto store = std::make_shared<MemoryStore>(knownVoxels(kType, kDims));
+  RawSource source(layoutOf(kDims, kType), std::endian::native, {{store, 0}}, nullptr, "");
+  expectBox(source, 0, {{0, 0, 2}, {13, 11, 9}});
+  EXPECT_EQ(store->reads, 1);
+  EXPECT_EQ(store->read_bytes, 13U * 11 * 7 * 2);
+}
+
+TEST(RawSourceTest, bridgesSmallGapsAndCountsThem) {
+  const auto store = std::make_shared<MemoryStore>(knownVoxels(kType, kDims));
+  RawSource source(layoutOf(kDims, kType), std::endian::native, {{store, 0}}, nullptr, "");
+  expectBox(source, 0, {{1, 1, 1}, {3, 4, 3}});
+  EXPECT_EQ(store->reads, 1);
+  // From (1,1,1) to (2,3,2): one plane, two rows and two voxels.
+  EXPECT_EQ(store->read_bytes, (13U * 11 + 13 * 2 + 2) * 2);
+  EXPECT_EQ(source.storedBytesRead(), store->read_bytes);
+}
+
+TEST(RawSourceTest, doesNotReadLargeGaps) {
+  const Vec3i dims{5000, 3, 2};
+  const auto store = std::make_shared<MemoryStore>(knownVoxels(VoxelType::kU8, dims));
+  RawSource source(layoutOf(dims, VoxelType::kU8), std::endian::native, {{store, 0}}, nullptr, "");
+  readBox(source, 0, {{10, 0, 0}, {20, 3, 2}});
+  EXPECT_EQ(store->reads, 6);
+  EXPECT_EQ(store->read_bytes, 60U);
+}
+
+TEST(RawSourceTest, manyRowsTakeSeveralVectoredReads) {
+  const Vec3i dims{3, 2000, 2};
+  const auto store = std::make_shared<MemoryStore>(knownVoxels(kType, dims));
+  RawSource source(layoutOf(dims, kType), std::endian::native, {{store, 0}}, nullptr, "");
+  expectBox(source, 0, {{1, 0, 0}, {2, 2000, 2}});
+  EXPECT_EQ(store->reads, 8);  // 4000 rows, 512 or so with their gaps in each
+}
+
+TEST(RawSourceTest, countsTheHeadersBytesToo) {
+  const auto header = std::make_shared<MemoryStore>("");
+  header->read_bytes = 7;
+  const auto store = std::make_shared<MemoryStore>(knownVoxels(kType, kDims));
+  RawSource source(layoutOf(kDims, kType), std::endian::native, {{store, 0}}, header, "who");
+  EXPECT_EQ(source.storedBytesRead(), 7U);
+  readBox(source, 0, {{0, 0, 0}, {1, 1, 1}});
+  EXPECT_EQ(source.storedBytesRead(), 9U);
+  EXPECT_EQ(source.identity(), "who");
+}
+
+}  // namespace
+}  // namespace sluice
