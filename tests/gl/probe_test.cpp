@@ -33,10 +33,10 @@ std::string openLibraries() {
 }
 
 TEST(RunIsolated, bringsBackAnAnswerLongerThanAPipe) {
-  const std::string answer(1'000'000, 'a');
-  const Isolated result = runIsolated([&] { return answer; }, minutes(1));
+  constexpr size_t kLength = 1'000'000;
+  const Isolated result = runIsolated([] { return std::string(kLength, 'a'); }, minutes(1));
   EXPECT_TRUE(result.answered);
-  EXPECT_EQ(result.answer, answer);
+  EXPECT_EQ(result.answer, std::string(kLength, 'a'));
   EXPECT_EQ(result.reason, "");
 }
 
