@@ -4,7 +4,8 @@
 // curve  lruCurve(), the exact curve
 // over the same trace: `requests` requests of `distinct` pages drawn evenly with `seed`, which is
 // the worst case, since nothing is near in memory or in the stack. The trace is made beforehand and
-// not counted. The best of `repeats` runs is given: the machine may be shared.
+// not counted. Seconds are the thread's own on the processor and the best of `repeats` runs is
+// given, since the machine may be shared.
 #pragma once
 
 #include <cstddef>

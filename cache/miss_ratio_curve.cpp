@@ -12,24 +12,47 @@ constexpr uint64_t kHashes = uint64_t{1} << 32;
 constexpr size_t kPositionAhead = 32;
 constexpr size_t kRankAhead = 12;
 
-template <class Rank>
-MissRatioCurve exactCurve(const PreparedTrace& trace) {
+// Calls record(distance, weight) for each request.
+template <class Rank, class Record>
+void forEachDistance(const PreparedTrace& trace, Record&& record) {
   StackDistances<Rank> distances(trace.distinct);
-  DistanceHistogram histogram;
   const size_t count = trace.keys.size();
   for (size_t i = 0; i < count; ++i) {
     if (i + kPositionAhead < count) {
       distances.prefetchPosition(trace.keys[i + kPositionAhead]);
       distances.prefetchRank(trace.keys[i + kRankAhead]);
     }
-    const uint32_t weight = trace.weightOf(trace.keys[i]);
-    const uint64_t distance = distances.request(trace.keys[i], weight);
-    if (distance == distances.kCold) {
+    const uint32_t weight = Rank::kWeighted ? trace.weightOf(trace.keys[i]) : 1;
+    record(distances.request(trace.keys[i], weight), weight);
+  }
+}
+
+constexpr uint64_t kColdDistance = StackDistances<UnitRank>::kCold;
+
+// Distances are at most the number of distinct keys: small counts in one array.
+MissRatioCurve unitCurve(const PreparedTrace& trace) {
+  FlatArray<uint32_t> counts(size_t{trace.distinct} + 1, 0);
+  uint32_t cold = 0;
+  forEachDistance<UnitRank>(trace, [&](uint64_t distance, uint32_t) {
+    ++(distance == kColdDistance ? cold : counts[distance]);
+  });
+  DistanceHistogram histogram;
+  histogram.addCold(cold);
+  for (size_t distance = 0; distance < counts.size(); ++distance) {
+    if (counts[distance] != 0) histogram.add(distance, counts[distance]);
+  }
+  return histogram.curve();
+}
+
+MissRatioCurve weightedCurve(const PreparedTrace& trace) {
+  DistanceHistogram histogram;
+  forEachDistance<WeightRank>(trace, [&](uint64_t distance, uint32_t weight) {
+    if (distance == kColdDistance) {
       histogram.addCold(weight);
     } else {
       histogram.add(distance, weight);
     }
-  }
+  });
   return histogram.curve();
 }
 
@@ -42,7 +65,7 @@ double MissRatioCurve::missesAt(uint64_t pages) const {
 }
 
 MissRatioCurve lruCurve(const PreparedTrace& trace) {
-  return trace.heaviest == 1 ? exactCurve<UnitRank>(trace) : exactCurve<WeightRank>(trace);
+  return trace.heaviest == 1 ? unitCurve(trace) : weightedCurve(trace);
 }
 
 MissRatioCurve DistanceHistogram::curve() const {

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "cache/belady.h"
+#include "cache/lru_replay.h"
 #include "src/base/error.h"
 
 namespace sluice {
@@ -45,6 +46,27 @@ class Replay {
     }
     row_.chunks.requests += hits;
     row_.chunks.hits += hits;
+  }
+
+  void run(LruReplay& lru) {
+    const size_t count = trace_.keys.size();
+    const Key* keys = trace_.keys.data();
+    CacheCounters& c = row_.chunks;
+    for (size_t i = 0; i < count; ++i) {
+      if (i + kEntryAhead < count) lru.prefetch(keys[i + kEntryAhead]);
+      const Outcome outcome = lru.request(keys[i]);
+      if (outcome == Outcome::kHit) continue;
+      was_resident_[keys[i]] = lru.wasRedundant();
+      const uint64_t evicted_before = c.evictions;
+      const uint64_t bytes_before = c.evicted_bytes;
+      c.evictions = lru.evictions();
+      c.evicted_bytes = lru.evictedWeight() * trace_.page_bytes;
+      c.resident -= c.evictions - evicted_before;
+      c.current_bytes -= c.evicted_bytes - bytes_before;
+      countMiss(keys[i], outcome);
+    }
+    c.hits = count - c.misses;
+    c.requests = count;
   }
 
   void run(BeladyPages& belady) {
@@ -141,6 +163,9 @@ SimulationRow simulate(const PreparedTrace& trace, const SimulationConfig& confi
       BeladyPages belady(config.pages, trace, next_uses);
       replay.run(belady);
     }
+  } else if (config.policy == PolicyKind::kLru && !config.pin_clusters) {
+    LruReplay lru(trace, config.pages);
+    replay.run(lru);
   } else {
     replay.run(*makePolicy(config.policy, config.pages, config.seed));
   }

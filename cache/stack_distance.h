@@ -8,14 +8,15 @@
 // key's pages, where requests that do not fit leave a real cache unchanged, is it not.
 //
 // Memory is O(distinct keys): positions are used up one a request and packed again when they run
-// out, every n-th request for n distinct keys. `Rank` is UnitRank (all weights 1) or WeightRank.
-// One thread.
+// out, after 3n or more requests for n distinct keys. `Rank` is UnitRank (all weights 1) or
+// WeightRank. One thread.
 #pragma once
 
 #include <algorithm>
 #include <cstdint>
 #include <vector>
 
+#include "cache/flat_array.h"
 #include "cache/policy.h"
 #include "cache/rank_index.h"
 #include "src/base/error.h"
@@ -28,33 +29,32 @@ class StackDistances {
   static constexpr uint64_t kCold = UINT64_MAX;  // the first request of a key
 
   // Keys are below `keys`, which may grow later at a cost.
-  explicit StackDistances(size_t keys) : position_of_(keys, kNowhere) {
-    resizePositions(std::max<size_t>(2 * keys, kFewestPositions));
+  explicit StackDistances(size_t keys) {
+    growKeys(keys);
+    takePositions(std::max(kSlack * keys, kFewestPositions), 0);
   }
 
   // The distance of the next request. Requires: weight > 0, the same each time for a key.
   uint64_t request(Key key, uint64_t weight) {
-    if (key >= position_of_.size()) position_of_.resize(size_t{key} * 2 + 1, kNowhere);
+    if (key >= position_of_.size()) growKeys(size_t{key} * 2 + 1);
     if (next_ == owner_.size()) pack();
     const uint32_t last = position_of_[key];
     uint64_t distance = kCold;
     if (last != kNowhere) {
       distance = rank_.after(last) + weight;
       rank_.remove(last, weight);
-      owner_[last] = kNobody;
     } else {
       ++live_;
+      if constexpr (Rank::kWeighted) weight_of_[key] = weight;
     }
     rank_.add(next_, weight);
-    owner_[next_] = {key, weight};
+    owner_[next_] = key;
     position_of_[key] = next_++;
     return distance;
   }
   // Forgets a key. Requires: it has been requested and not been forgotten since.
   void forget(Key key) {
-    const uint32_t last = position_of_[key];
-    rank_.remove(last, owner_[last].weight);
-    owner_[last] = kNobody;
+    rank_.remove(position_of_[key], weightOf(key));
     position_of_[key] = kNowhere;
     --live_;
   }
@@ -64,43 +64,54 @@ class StackDistances {
     if (key < position_of_.size()) __builtin_prefetch(&position_of_[key]);
   }
   void prefetchRank(Key key) const {
-    if (key < position_of_.size() && position_of_[key] != kNowhere) {
+    if (key < position_of_.size() && position_of_[key] != kNowhere)
       rank_.prefetch(position_of_[key]);
-      __builtin_prefetch(&owner_[position_of_[key]]);
-    }
   }
 
  private:
-  struct Owner {
-    Key key = UINT32_MAX;
-    uint64_t weight = 0;
-  };
   static constexpr uint32_t kNowhere = UINT32_MAX;
   static constexpr size_t kFewestPositions = 4096;
-  static constexpr Owner kNobody{};
+  static constexpr size_t kSlack = 4;  // positions a key: packed every 3n requests at worst
+  static constexpr uint32_t kPackAhead = 16;
 
-  void resizePositions(size_t positions) {
-    SLUICE_CHECK_LT(positions, size_t{kNowhere});
-    owner_.resize(positions, kNobody);
-    rank_.clear(positions);
+  uint64_t weightOf(Key key) const {
+    if constexpr (Rank::kWeighted) return weight_of_[key];
+    return 1;
   }
-  // Moves the live positions to the front, in order; twice as many positions as live ones remain.
+  void growKeys(size_t keys) {
+    position_of_.resize(keys, kNowhere);
+    if constexpr (Rank::kWeighted) weight_of_.resize(keys, 0);
+  }
+  // `positions` of them from now on, the first `first` taken.
+  void takePositions(size_t positions, uint32_t first) {
+    SLUICE_CHECK_LT(positions, size_t{kNowhere});
+    owner_.resize(positions);
+    rank_.reset(positions, first, [&](size_t p) { return weightOf(owner_[p]); });
+    next_ = first;
+  }
+  bool isLive(uint32_t position) const {
+    if constexpr (Rank::kWeighted) return position_of_[owner_[position]] == position;
+    // The same answer from memory in order.
+    else
+      return rank_.isTaken(position);
+  }
+  // Moves the live positions to the front, in order.
   void pack() {
     uint32_t to = 0;
     for (uint32_t from = 0; from < next_; ++from) {
-      if (owner_[from].weight == 0) continue;
-      owner_[to] = owner_[from];
-      position_of_[owner_[to].key] = to;
-      ++to;
+      if (!isLive(from)) continue;
+      owner_[to++] = owner_[from];
     }
-    std::fill(owner_.begin() + to, owner_.end(), kNobody);
-    resizePositions(std::max(owner_.size(), 2 * size_t{live_}));
-    next_ = to;
-    for (uint32_t p = 0; p < to; ++p) rank_.add(p, owner_[p].weight);
+    for (uint32_t p = 0; p < to; ++p) {
+      if (p + kPackAhead < to) __builtin_prefetch(&position_of_[owner_[p + kPackAhead]], 1);
+      position_of_[owner_[p]] = p;
+    }
+    takePositions(std::max(owner_.size(), kSlack * live_), to);
   }
 
-  std::vector<uint32_t> position_of_;  // by key
-  std::vector<Owner> owner_;           // by position
+  FlatArray<uint32_t> position_of_;  // by key
+  std::vector<uint64_t> weight_of_;  // by key; with WeightRank only
+  FlatArray<Key> owner_;             // by position; live where position_of_ says so
   Rank rank_;
   uint32_t next_ = 0;  // the first position not used yet
   uint32_t live_ = 0;  // keys with a position
