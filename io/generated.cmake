@@ -1,0 +1,7 @@
+# Synthetic volumes, the writer of volumes, and the store of min-max indices.
+target_sources(sluice_io PRIVATE
+  synth_source.cpp synth_fields.cpp synth_phantom.cpp synth_noise.cpp synth_flow.cpp
+  raw_writer.cpp)
+# The same voxels on every machine: no multiply-add in one rounding.
+set_source_files_properties(synth_source.cpp synth_fields.cpp synth_phantom.cpp synth_noise.cpp
+  synth_flow.cpp PROPERTIES COMPILE_OPTIONS -ffp-contract=off)

@@ -1,0 +1,3 @@
+sluice_test(io_generated
+  SOURCES synth_source_test.cpp raw_writer_test.cpp
+  DEPENDS sluice_io sluice_test_support)
