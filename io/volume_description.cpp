@@ -58,10 +58,11 @@ void setSteps(const std::string& path, std::vector<Vec3d> steps, VolumeLayout& l
   std::vector<Vec3d> unit;
   for (size_t axis = 0; axis < steps.size(); ++axis) {
     const Vec3d step = steps[axis];
-    const double size = std::hypot(step.x, step.y, step.z);
+    const bool finite = std::isfinite(step.x) && std::isfinite(step.y) && std::isfinite(step.z);
+    const double size = finite ? std::hypot(step.x, step.y, step.z) : 0;
     if (!(size >= kLeastStep && size <= kMostStep))
-      fail("{}: spacing {} of axis {} is not between {} and {}", path, size, axis, kLeastStep,
-           kMostStep);
+      fail("{}: the spacing of axis {}, the step ({}, {}, {}), is not from {} to {}", path, axis,
+           step.x, step.y, step.z, kLeastStep, kMostStep);
     layout.spacing[static_cast<int>(axis)] = size;
     unit.push_back(step / size);
   }
