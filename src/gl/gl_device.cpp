@@ -18,9 +18,12 @@ constexpr GLenum kChunkUnit = 0, kLookUpUnit = 1, kBoxUnit = 2;
 // What the shader reads of a voxel, times this, is the device value.
 double valueScale(DeviceType type) {
   switch (type) {
-    case DeviceType::kU8: return 255;
-    case DeviceType::kU16: return 65535;
-    case DeviceType::kF32: break;
+    case DeviceType::kU8:
+      return 255;
+    case DeviceType::kU16:
+      return 65535;
+    case DeviceType::kF32:
+      break;
   }
   return 1;
 }
@@ -64,8 +67,8 @@ void resolveMode(const FrameSetup& setup, std::vector<float>& rgba) {
     const bool seen = average ? rgba[i + 1] > 0 : std::abs(rgba[i]) < 2e38F;
     double device = seen ? rgba[i] * valueScale(setup.type) : 0;
     if (seen && average) device /= rgba[i + 1];
-    const double at = std::clamp((device - range.lo) * per_device + 0.5, 0.0,
-                                 static_cast<double>(entries - 1));
+    const double at =
+        std::clamp((device - range.lo) * per_device + 0.5, 0.0, static_cast<double>(entries - 1));
     const float* entry = &table[4 * static_cast<size_t>(at)];
     for (size_t channel = 0; channel < 3; ++channel) rgba[i + channel] = seen ? entry[channel] : 0;
     rgba[i + 3] = seen ? 1 : 0;
@@ -105,7 +108,7 @@ DeviceLimits GlDevice::limits() const {
           context_->isSoftware()};
 }
 
-void GlDevice::makeResident(ChunkId id, Vec3i storage_vox, DeviceType type,
+void GlDevice::makeResident(uint64_t id, Vec3i storage_vox, DeviceType type,
                             std::span<const std::byte> texels) {
   gl_.ActiveTexture(GL_TEXTURE0 + kChunkUnit);
   const GLuint texture = pool_.take(storage_vox, type, texels);
@@ -113,7 +116,7 @@ void GlDevice::makeResident(ChunkId id, Vec3i storage_vox, DeviceType type,
   SLUICE_CHECK(fresh);
 }
 
-void GlDevice::evict(ChunkId id) {
+void GlDevice::evict(uint64_t id) {
   const auto found = resident_.find(id);
   SLUICE_CHECK(found != resident_.end());
   pool_.giveBack(found->second.texture, found->second.storage_vox, found->second.type);
@@ -122,8 +125,7 @@ void GlDevice::evict(ChunkId id) {
 
 GlProgram& GlDevice::programFor(const ShaderVariant& variant) {
   auto& program = programs_[variant];
-  if (!program)
-    program = std::make_unique<GlProgram>(gl_, vertexShader(), fragmentShader(variant));
+  if (!program) program = std::make_unique<GlProgram>(gl_, vertexShader(), fragmentShader(variant));
   program->use();
   return *program;
 }
@@ -136,8 +138,8 @@ void GlDevice::resizeTarget(PictureSize size) {
     gl_.GenTextures(1, &target_.depth);
   }
   gl_.BindFramebuffer(GL_FRAMEBUFFER, target_.framebuffer);
-  for (const auto& [texture, attachment] :
-       {std::pair(target_.color, GL_COLOR_ATTACHMENT0), std::pair(target_.depth, GL_COLOR_ATTACHMENT1)}) {
+  for (const auto& [texture, attachment] : {std::pair(target_.color, GL_COLOR_ATTACHMENT0),
+                                            std::pair(target_.depth, GL_COLOR_ATTACHMENT1)}) {
     gl_.BindTexture(GL_TEXTURE_2D, texture);
     gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, size.width, size.height, 0, GL_RGBA, GL_FLOAT,
                    nullptr);
@@ -275,7 +277,7 @@ void GlDevice::drawBoxes(std::span<const BoxDraw> boxes) {
   }
 }
 
-void GlDevice::draw(ChunkId id, std::span<const BoxDraw> boxes) {
+void GlDevice::draw(uint64_t id, std::span<const BoxDraw> boxes) {
   const auto found = resident_.find(id);
   SLUICE_CHECK(found != resident_.end());
   const Vec3d size = toDouble(found->second.storage_vox);
@@ -333,8 +335,8 @@ Picture GlDevice::endFrame() {
     for (size_t i = 0; i < picture.depth.size(); ++i) {
       const float opacity = sums[4 * i + 3];
       // Nothing there: infinitely far, as renderers write it.
-      picture.depth[i] = opacity > 0 ? sums[4 * i] / opacity
-                                     : std::numeric_limits<float>::infinity();
+      picture.depth[i] =
+          opacity > 0 ? sums[4 * i] / opacity : std::numeric_limits<float>::infinity();
     }
   }
   return picture;

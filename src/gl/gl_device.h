@@ -27,13 +27,13 @@ class GlDevice : public Device {
   DeviceLimits limits() const override;
   const char* backend() const override { return context_->backend().data(); }
   const char* renderer() const override { return context_->renderer().c_str(); }
-  void makeResident(ChunkId id, Vec3i storage_vox, DeviceType type,
+  void makeResident(uint64_t id, Vec3i storage_vox, DeviceType type,
                     std::span<const std::byte> texels) override;
-  void evict(ChunkId id) override;
+  void evict(uint64_t id) override;
   uint64_t uploadedBytes() const override { return pool_.uploadedBytes(); }
   uint64_t binds() const override { return binds_; }
   void beginFrame(const FrameSetup& setup) override;
-  void draw(ChunkId id, std::span<const BoxDraw> boxes) override;
+  void draw(uint64_t id, std::span<const BoxDraw> boxes) override;
   uint64_t countSamples(std::span<const BoxDraw> boxes) override;
   Picture endFrame() override;
 
@@ -59,7 +59,7 @@ class GlDevice : public Device {
   std::unique_ptr<GlContext> context_;
   const GlFunctions& gl_;
   TexturePool pool_;
-  std::unordered_map<ChunkId, Resident> resident_;
+  std::unordered_map<uint64_t, Resident> resident_;
   std::map<ShaderVariant, std::unique_ptr<GlProgram>> programs_;
   FrameSetup setup_;
   ShaderVariant variant_;

@@ -41,7 +41,9 @@ GlProgram::GlProgram(const GlFunctions& gl, const std::string& vertex, const std
   fail("the GL driver refuses to link a program: {}", log.data());
 }
 
-GlProgram::~GlProgram() { gl_.DeleteProgram(program_); }
+GlProgram::~GlProgram() {
+  gl_.DeleteProgram(program_);
+}
 
 GLint GlProgram::locate(const char* name) {
   const auto found = locations_.find(name);
@@ -49,7 +51,9 @@ GLint GlProgram::locate(const char* name) {
   return locations_.emplace(name, gl_.GetUniformLocation(program_, name)).first->second;
 }
 
-void GlProgram::set(const char* name, int value) { gl_.Uniform1i(locate(name), value); }
+void GlProgram::set(const char* name, int value) {
+  gl_.Uniform1i(locate(name), value);
+}
 void GlProgram::set(const char* name, double value) {
   gl_.Uniform1f(locate(name), static_cast<GLfloat>(value));
 }

@@ -1,0 +1,57 @@
+// OpacityTable: a transfer function sampled over the device values of a volume, and the question
+// that every acceleration asks of it: is anything in [lo, hi] visible?
+//
+// The table is what classification reads and what a device looks values up in, so that a block
+// called empty is empty in the picture. Entry i stands for the device value
+//   lo + i * (hi - lo) / (entries - 1);
+// a sample takes the nearest entry. For integers of a range below the entry count, each value falls
+// on an entry exactly. Immutable after construction; any thread may read.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "src/base/volume_source.h"
+#include "src/classify/transfer_function.h"
+#include "src/volume/device_voxel.h"
+
+namespace sluice {
+
+class OpacityTable {
+ public:
+  // About `most_entries` entries over `device_range` (all device values of the volume).
+  OpacityTable(const TransferFunction& transfer, const ValueMap& map, ValueRange device_range,
+               int most_entries = 4096);
+
+  int entries() const { return static_cast<int>(opacity_.size()); }
+  ValueRange deviceRange() const { return range_; }
+  // The nearest entry of a device value, clamped to the table.
+  int entryOf(double device) const {
+    const double at = (device - range_.lo) * entries_per_device_ + 0.5;
+    if (!(at > 0)) return 0;
+    return at >= entries() ? entries() - 1 : static_cast<int>(at);
+  }
+  // Of one voxel length of the finest spacing, not corrected for a step.
+  const std::vector<float>& opacity() const { return opacity_; }
+  // r, g, b of each entry, not premultiplied.
+  const std::vector<float>& rgb() const { return rgb_; }
+
+  // False only when every sample between device values lo <= hi has opacity 0, also one that
+  // single-precision arithmetic moves to the next entry. O(1).
+  bool anyOpaque(double lo, double hi) const { return anyOpaqueEntry(entryOf(lo), entryOf(hi)); }
+  // The same for entries lo <= hi.
+  bool anyOpaqueEntry(int lo, int hi) const {
+    const int from = lo > 0 ? lo - 1 : 0;
+    const int to = hi + 1 < entries() ? hi + 2 : entries();
+    return opaque_before_[static_cast<size_t>(to)] != opaque_before_[static_cast<size_t>(from)];
+  }
+
+ private:
+  ValueRange range_;
+  double entries_per_device_ = 0;
+  std::vector<float> opacity_;
+  std::vector<float> rgb_;
+  std::vector<uint32_t> opaque_before_;  // [i]: entries below i whose opacity is not 0
+};
+
+}  // namespace sluice

@@ -1,0 +1,122 @@
+// Device: the narrow interface behind which something draws (design, "Devices").
+//
+// A device knows chunks of texels, boxes and slices; it knows nothing of volumes, thresholds or
+// budgets. The texture cache model decides what is resident, the device obeys. Calls come from one
+// thread, in this order: beginFrame, then makeResident / evict / draw in any mix, boxes front to
+// back, then endFrame.
+//
+// Index space: positions in voxels, voxel (i, j, k) at (i, j, k). A pixel's ray in index space is
+//   p(k) = origin + (k + 1/2) * step  at slice k, with
+//   origin = origin0 + x * origin_dx + y * origin_dy,   step = step0 + x * step_dx + y * step_dy
+// for pixel (x, y), y upwards from the lower left, at its centre (x + 1/2, y + 1/2). Both parallel
+// and perspective views have this form. A box is half-open along the ray: of two boxes that share a
+// face, exactly one takes each sample, because both compute the face's slice from the same numbers.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "io/picture.h"
+#include "src/base/vec.h"
+#include "src/render/camera.h"
+#include "src/render/lighting.h"
+#include "src/volume/device_voxel.h"
+
+namespace sluice {
+
+enum class Mode { kComposite, kMip, kMinip, kAverage };
+
+// See the top: the rays of a view in index space.
+struct RayGrid {
+  Vec3d origin0, origin_dx, origin_dy;
+  Vec3d step0, step_dx, step_dy;
+};
+
+// Keeps index positions p with dot(normal, p) <= offset.
+struct ClipPlane {
+  Vec3d normal;
+  double offset = 0;
+};
+
+// What a value looks like, ready to be looked up: entry e of `rgba` is for device values around
+// lo + e * (hi - lo) / (entries - 1); a sample takes the nearest entry, clamped.
+struct LookUp {
+  ValueRange device_range;
+  // r, g, b not premultiplied; opacity of one unit length, not corrected for the step.
+  std::vector<float> rgba;
+};
+
+struct FrameSetup {
+  PictureSize size;
+  Projection projection = Projection::kOrtho;
+  RayGrid rays;
+  // Rows x, y and w of clip space, from (index position, 1).
+  std::array<std::array<double, 4>, 3> clip_from_index{};
+  int64_t first_slice = 0;                 // slices below lie behind the eye
+  double first_depth = 0, depth_step = 1;  // world depth of slice k: first + (k + 1/2) * step
+  // Unit lengths between samples: this for a parallel view; for a perspective one times the length
+  // of (u tan_half.x, v tan_half.y, 1), u and v from -1 to 1. Opacity is corrected by it.
+  double slice_length = 1;
+  double tan_half_x = 0, tan_half_y = 0;
+  DeviceType type = DeviceType::kU8;
+  LookUp look_up;
+  Mode mode = Mode::kComposite;
+  double opacity_threshold = 1;  // a ray ends inside a box at this opacity; 1: never
+  bool with_depth = false;       // composite only: the picture gets a depth channel
+  bool lit = false;              // composite only: chunks carry a ghost layer around each block
+  Lighting lighting;
+  // Camera-space direction (right, up, toward the viewer) of one device value more a voxel along
+  // each index axis: unit axis / spacing.
+  std::array<Vec3d, 3> camera_gradient{};
+  double flat = 1;                     // device values a world unit, see Lighting
+  std::vector<ClipPlane> clip_planes;  // at most kMostClipPlanes
+};
+inline constexpr size_t kMostClipPlanes = 6;
+
+// A box of cells to resample: p with cells.lo <= p < cells.hi. Texel coordinates of an index
+// position p: axis a of the chunk holds p[axes[a]] - texel_origin[a] (texel centres at integers).
+struct BoxDraw {
+  Box3 cells;
+  std::array<int, 3> axes{0, 1, 2};
+  Vec3i texel_origin;
+};
+
+struct DeviceLimits {
+  int64_t max_texture_size = 0;     // texels along any axis of a chunk
+  int64_t max_picture_size = 0;     // pixels along an axis
+  bool textures_in_memory = false;  // software: textures take the process's memory
+};
+
+class Device {
+ public:
+  virtual ~Device() = default;
+
+  virtual DeviceLimits limits() const = 0;
+  // "osmesa" and the renderer's own name, for reports.
+  virtual const char* backend() const = 0;
+  virtual const char* renderer() const = 0;
+
+  // Uploads a chunk of `storage_vox` texels (whole pages), x fastest, under `id`. Blocks until the
+  // bytes are taken over. Requires: id is not resident.
+  virtual void makeResident(uint64_t id, Vec3i storage_vox, DeviceType type,
+                            std::span<const std::byte> texels) = 0;
+  // Requires: id is resident. Its texture is kept for another chunk of the same size.
+  virtual void evict(uint64_t id) = 0;
+  // Bytes handed to the upload call since construction, counted at that call.
+  virtual uint64_t uploadedBytes() const = 0;
+  virtual uint64_t binds() const = 0;
+
+  virtual void beginFrame(const FrameSetup& setup) = 0;
+  // Resamples boxes that lie in one resident chunk, front to back, behind all drawn before.
+  virtual void draw(uint64_t id, std::span<const BoxDraw> boxes) = 0;
+  // Exactly how many samples draw() of these boxes takes over all pixels. Leaves the picture alone.
+  virtual uint64_t countSamples(std::span<const BoxDraw> boxes) = 0;
+  // Waits for what was drawn; premultiplied.
+  virtual Picture endFrame() = 0;
+};
+
+}  // namespace sluice

@@ -1,0 +1,143 @@
+// A frame, from the transfer function to the picture.
+#include <algorithm>
+
+#include "src/base/clock.h"
+#include "src/base/error.h"
+#include "src/base/interrupt.h"
+#include "src/render/session.h"
+
+namespace sluice {
+
+Frame Session::frame() {
+  SLUICE_CHECK(transfer_.has_value());
+  Frame frame;
+  FrameReport& report = frame.report;
+  const Stopwatch watch;
+  const StageSeconds before = workerSeconds();
+  const uint64_t uploaded_before = device_.uploadedBytes(), binds_before = device_.binds();
+  const uint64_t pages_before = cache_.pagesLoaded();
+
+  classifyBlocks(report);
+  planChunks(report);
+
+  const View view = resolve(frame_options_.camera, source_.layout(), frame_options_.size,
+                            frame_options_.step_vox);
+  FrameSetup setup = frameSetup(view, source_.layout(), *table_, ranges_.map, frame_options_);
+  setup.lit = options_.lit;
+  const EyePosition eye = eyePosition(view, source_.layout());
+  device_.beginFrame(setup);
+  for (const int64_t position : clusterOrder(*plan_, eye)) {
+    throwIfInterrupted();
+    const Cluster& cluster = plan_->clusters[static_cast<size_t>(position)];
+    makeResident(cluster, report);
+    drawCluster(cluster, eye, report);
+  }
+  const Stopwatch draw_watch;
+  frame.picture = device_.endFrame();
+  report.stages.draw += draw_watch.seconds();
+
+  report.seconds = watch.seconds();
+  const StageSeconds after = workerSeconds();
+  report.stages.read = after.read - before.read;
+  report.stages.decode = after.decode - before.decode;
+  report.stages.copy = after.copy - before.copy;
+  report.uploaded_bytes = device_.uploadedBytes() - uploaded_before;
+  report.binds = device_.binds() - binds_before;
+  report.pages_loaded = cache_.pagesLoaded() - pages_before;
+  if (frame_options_.count_samples) countSamples(report);
+  return frame;
+}
+
+void Session::classifyBlocks(FrameReport& report) {
+  const Stopwatch watch;
+  if (!table_) table_.emplace(*transfer_, ranges_.map, ranges_.device_range);
+  if (!classification_) {
+    classification_ = classify(ranges_, *table_, crop(), pool_);
+    plan_.reset();
+  }
+  report.white = classification_->white;
+  report.grey = classification_->grey;
+  report.black = classification_->black;
+  report.stages.classify = watch.seconds();
+}
+
+void Session::planChunks(FrameReport& report) {
+  const Stopwatch watch;
+  if (!plan_) {
+    plan_ = planTextures(ranges_.layout, *classification_, options_.page, frame_options_.algorithm,
+                         time_, crop());
+    names_ = chunk_names_.namesOf(*plan_);
+  }
+  report.clusters = static_cast<int64_t>(plan_->clusters.size());
+  report.chunks = static_cast<int64_t>(plan_->chunks.size());
+  report.pages = plan_->pageCount();
+  report.stages.plan = watch.seconds();
+}
+
+void Session::makeResident(const Cluster& cluster, FrameReport& report) {
+  // The model decides, the device obeys (design, point 5).
+  cache_.unpinAll();
+  std::vector<int64_t> missing;
+  for (const int64_t position : cluster.chunks) {
+    const Chunk& chunk = plan_->chunks[static_cast<size_t>(position)];
+    const uint64_t name = names_[static_cast<size_t>(position)];
+    const TextureCache::Answer answer = cache_.request(name, static_cast<uint32_t>(chunk.pages),
+                                                       TextureBuffer::bytesOf(*plan_, chunk));
+    if (answer.outcome == Outcome::kDoesNotFit)
+      fail("a cluster needs more than the texture cache's {} pages; give more --pages",
+           cache_.capacityPages());
+    cache_.pin(name);
+    for (const uint64_t evicted : answer.evicted) device_.evict(evicted);
+    if (answer.outcome == Outcome::kLoaded) missing.push_back(position);
+  }
+  // In batches that leave level 3 room to keep what other clusters filled.
+  const uint64_t most = std::max<uint64_t>(1, budgets_.texture_buffer / 2);
+  for (size_t from = 0; from < missing.size();) {
+    uint64_t bytes = 0;
+    size_t to = from;
+    while (to < missing.size() && (to == from || bytes < most))
+      bytes += TextureBuffer::bytesOf(*plan_, plan_->chunks[static_cast<size_t>(missing[to++])]);
+    const std::span<const int64_t> batch(missing.data() + from, to - from);
+    const std::vector<ChunkTexelsPtr> texels = chunks_.acquire(*plan_, names_, batch);
+    const Stopwatch watch;
+    for (size_t i = 0; i < batch.size(); ++i)
+      device_.makeResident(names_[static_cast<size_t>(batch[i])], texels[i]->storage_vox,
+                           ranges_.map.type, texels[i]->span());
+    report.stages.upload += watch.seconds();
+    from = to;
+  }
+}
+
+void Session::drawCluster(const Cluster& cluster, const EyePosition& eye, FrameReport& report) {
+  const Stopwatch watch;
+  std::vector<BoxDraw> boxes;  // that follow each other in one chunk
+  int64_t chunk = -1;
+  const auto flush = [&] {
+    if (!boxes.empty()) device_.draw(names_[static_cast<size_t>(chunk)], boxes);
+    boxes.clear();
+  };
+  for (const int64_t position : blockOrder(*plan_, cluster, eye)) {
+    const TextureBlock& block = plan_->blocks[static_cast<size_t>(position)];
+    if (block.cells.empty()) continue;  // loaded whole, shows nothing (algorithm II)
+    if (block.chunk != chunk) flush();
+    chunk = block.chunk;
+    boxes.push_back(boxDraw(block));
+  }
+  flush();
+  report.stages.draw += watch.seconds();
+}
+
+void Session::countSamples(FrameReport& report) {
+  std::vector<BoxDraw> drawn, object;
+  for (const TextureBlock& block : plan_->blocks)
+    if (!block.cells.empty()) drawn.push_back(boxDraw(block));
+  for (const ObjectBlock& block : classification_->visible) {
+    BoxDraw box;
+    box.cells = block.cells;
+    object.push_back(box);
+  }
+  report.samples_drawn = device_.countSamples(drawn);
+  report.samples_object = device_.countSamples(object);
+}
+
+}  // namespace sluice

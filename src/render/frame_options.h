@@ -1,0 +1,36 @@
+// FrameOptions: what may change from one frame to the next, the transfer function and the camera
+// included. Plain data.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "src/classify/transfer_function.h"
+#include "src/render/camera.h"
+#include "src/render/device.h"
+#include "src/render/lighting.h"
+#include "src/texture/texture_plan.h"
+
+namespace sluice {
+
+// Keeps world positions p with dot(normal, p) <= offset.
+struct WorldPlane {
+  Vec3d normal;
+  double offset = 0;
+};
+
+struct FrameOptions {
+  Camera camera;
+  PictureSize size;
+  double step_vox = 1;  // between slices, in units of the finest spacing
+  Mode mode = Mode::kComposite;
+  bool with_depth = false;
+  double opacity_threshold = 1;
+  Lighting lighting;         // used by sessions opened lit
+  std::optional<Box3> crop;  // voxels; what lies between its outer voxel planes is shown
+  std::vector<WorldPlane> clip_planes;
+  Algorithm algorithm = Algorithm::kTrimmed;
+  bool count_samples = false;  // fills FrameReport::samples_*; costs a pass without texture reads
+};
+
+}  // namespace sluice

@@ -1,0 +1,128 @@
+#include "src/render/frame_setup.h"
+
+#include <cmath>
+
+#include "src/render/index_space.h"
+
+namespace sluice {
+namespace {
+
+struct Frustum {
+  Vec3d right, up;  // world: half the picture's width and height (perspective: at depth 1)
+};
+
+Frustum frustumOf(const View& view) {
+  const double aspect = static_cast<double>(view.size.width) / view.size.height;
+  return {view.right * (aspect * view.half_height), view.up * view.half_height};
+}
+
+// u = 2 x / width - 1 and v = 2 y / height - 1, put into the ray's formula.
+RayGrid raysOf(const View& view, const VolumeLayout& layout) {
+  const auto [right, up] = frustumOf(view);
+  const auto direction = [&](Vec3d world) { return indexFromWorldDirection(layout, world); };
+  const Vec3d corner = direction(right + up) * -1.0;  // of u = v = -1
+  const Vec3d dx = direction(right) * (2.0 / view.size.width);
+  const Vec3d dy = direction(up) * (2.0 / view.size.height);
+  const Vec3d eye = indexFromWorld(layout, view.eye), forward = direction(view.forward);
+  RayGrid rays;
+  if (view.projection == Projection::kPerspective) {
+    rays.origin0 = eye + (forward + corner) * view.first_depth;
+    rays.origin_dx = dx * view.first_depth;
+    rays.origin_dy = dy * view.first_depth;
+    rays.step0 = (forward + corner) * view.step;
+    rays.step_dx = dx * view.step;
+    rays.step_dy = dy * view.step;
+  } else {
+    rays.origin0 = eye + corner + forward * view.first_depth;
+    rays.origin_dx = dx;
+    rays.origin_dy = dy;
+    rays.step0 = forward * view.step;
+  }
+  return rays;
+}
+
+// A row that takes dot(world - eye, along) from an index position.
+std::array<double, 4> rowOf(const View& view, const VolumeLayout& layout, Vec3d along) {
+  std::array<double, 4> row{};
+  for (size_t a = 0; a < 3; ++a)
+    row[a] = dot(layout.axes[a], along) * layout.spacing[static_cast<int>(a)];
+  row[3] = dot(layout.origin - view.eye, along);
+  return row;
+}
+
+std::vector<ClipPlane> clipPlanes(const std::vector<WorldPlane>& planes,
+                                  const VolumeLayout& layout) {
+  std::vector<ClipPlane> result;
+  for (const WorldPlane& plane : planes) {
+    ClipPlane clip;
+    for (int a = 0; a < 3; ++a)
+      clip.normal[a] = dot(layout.axes[static_cast<size_t>(a)], plane.normal) * layout.spacing[a];
+    clip.offset = plane.offset - dot(layout.origin, plane.normal);
+    result.push_back(clip);
+  }
+  return result;
+}
+
+LookUp lookUp(const OpacityTable& table) {
+  LookUp result;
+  result.device_range = table.deviceRange();
+  for (size_t i = 0; i < static_cast<size_t>(table.entries()); ++i) {
+    for (size_t channel = 0; channel < 3; ++channel)
+      result.rgba.push_back(table.rgb()[3 * i + channel]);
+    result.rgba.push_back(table.opacity()[i]);
+  }
+  return result;
+}
+
+// The first slice in front of a perspective eye.
+int64_t firstSlice(const View& view) {
+  if (view.projection == Projection::kOrtho || view.first_depth > 0) return 0;
+  return static_cast<int64_t>(std::floor(-view.first_depth / view.step - 0.5)) + 1;
+}
+
+}  // namespace
+
+FrameSetup frameSetup(const View& view, const VolumeLayout& layout, const OpacityTable& table,
+                      const ValueMap& map, const FrameOptions& options) {
+  FrameSetup setup;
+  setup.size = view.size;
+  setup.projection = view.projection;
+  setup.rays = raysOf(view, layout);
+  const auto [right, up] = frustumOf(view);
+  setup.clip_from_index[0] = rowOf(view, layout, right / dot(right, right));
+  setup.clip_from_index[1] = rowOf(view, layout, up / dot(up, up));
+  if (view.projection == Projection::kPerspective) {
+    setup.clip_from_index[2] = rowOf(view, layout, view.forward);
+    setup.tan_half_x = length(right);
+    setup.tan_half_y = length(up);
+  } else {
+    setup.clip_from_index[2] = {0, 0, 0, 1};
+  }
+  setup.first_slice = firstSlice(view);
+  setup.first_depth = view.first_depth;
+  setup.depth_step = view.step;
+  setup.slice_length = view.step / finestSpacing(layout);
+  setup.type = map.type;
+  setup.look_up = lookUp(table);
+  setup.mode = options.mode;
+  setup.opacity_threshold = options.opacity_threshold;
+  setup.with_depth = options.with_depth;
+  setup.lighting = options.lighting;
+  for (size_t a = 0; a < 3; ++a) {
+    const Vec3d gradient = layout.axes[a] / layout.spacing[static_cast<int>(a)];
+    setup.camera_gradient[a] = {dot(gradient, view.right), dot(gradient, view.up),
+                                -dot(gradient, view.forward)};
+  }
+  const ValueRange range = table.deviceRange();
+  setup.flat = options.lighting.flat_share * (range.hi - range.lo) / finestSpacing(layout);
+  setup.clip_planes = clipPlanes(options.clip_planes, layout);
+  return setup;
+}
+
+EyePosition eyePosition(const View& view, const VolumeLayout& layout) {
+  if (view.projection == Projection::kOrtho)
+    return {true, indexFromWorldDirection(layout, view.forward)};
+  return {false, indexFromWorld(layout, view.eye)};
+}
+
+}  // namespace sluice

@@ -1,0 +1,113 @@
+// Session: a volume open for drawing. It owns levels 2 to 4 and carries what stays the same from
+// frame to frame: blocks, chunks, the classification and the plan while nothing changes them.
+//
+// Reading order: this header, then frame.cpp, whose one function is the frame. One thread, the
+// device's; workers run inside the calls.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "cache/texture_cache.h"
+#include "src/base/worker_pool.h"
+#include "src/render/frame_options.h"
+#include "src/render/frame_setup.h"
+#include "src/texture/chunk_names.h"
+#include "src/texture/texture_buffer.h"
+#include "src/volume/volume_buffer.h"
+
+namespace sluice {
+
+struct SessionOptions {
+  PageGeometry page;          // bytes_per_voxel that of the volume's device form
+  uint64_t memory_bytes = 0;  // of levels 2 and 3, and of level 4 on a software device
+  PolicyKind policy = PolicyKind::kLru;
+  uint64_t seed = 1;  // of the random policy
+  bool lit = false;   // the layout has a ghost layer and frames are shaded
+};
+
+// How --memory is shared out (design, point 3).
+struct Budgets {
+  uint64_t volume_buffer = 0, texture_buffer = 0, texture_cache = 0;
+};
+// Throws Error, with the least that works, when level 4 leaves too little to levels 2 and 3.
+Budgets shareMemory(uint64_t memory_bytes, const PageGeometry& page, bool textures_in_memory,
+                    uint64_t block_bytes, int threads);
+
+// Seconds of wall clock, but read, decode and copy: summed over all threads that did it.
+struct StageSeconds {
+  double classify = 0, plan = 0, read = 0, decode = 0, copy = 0, upload = 0, draw = 0;
+};
+
+struct FrameReport {
+  double seconds = 0;
+  StageSeconds stages;
+  uint64_t samples_drawn = 0;   // taken by the device, when counted
+  uint64_t samples_object = 0;  // of them or not, those inside object boxes
+  int64_t white = 0, grey = 0, black = 0;
+  int64_t clusters = 0, chunks = 0, pages = 0;               // of the plan
+  uint64_t pages_loaded = 0, uploaded_bytes = 0, binds = 0;  // by this frame
+};
+
+struct Frame {
+  Picture picture;
+  FrameReport report;
+};
+
+class Session {
+ public:
+  // All references must outlive the session. `ranges` are of time step `time` of `source` in its
+  // block layout.
+  Session(VolumeSource& source, int64_t time, const SliceRanges& ranges, Device& device,
+          WorkerPool& pool, const SessionOptions& options);
+  ~Session();
+
+  // A changed transfer function costs a classification and the chunks that it changes.
+  void setTransferFunction(const TransferFunction& transfer);
+  // Everything else of a frame.
+  void setOptions(const FrameOptions& options);
+  // Draws. Throws Error. Requires: a transfer function is set.
+  Frame frame();
+
+  CacheCounters volumeBufferCounters() const { return blocks_.counters(); }
+  CacheCounters textureBufferCounters() const { return chunks_.counters(); }
+  const TextureCache& textureCache() const { return cache_; }
+  const PageGeometry& page() const { return options_.page; }
+
+ private:
+  // The frame's stages, in order; frame.cpp tells the story.
+  void classifyBlocks(FrameReport& report);
+  void planChunks(FrameReport& report);
+  void makeResident(const Cluster& cluster, FrameReport& report);
+  void drawCluster(const Cluster& cluster, const EyePosition& eye, FrameReport& report);
+  void countSamples(FrameReport& report);
+
+  Box3 crop() const;
+  BoxDraw boxDraw(const TextureBlock& block) const;
+  StageSeconds workerSeconds() const;
+
+  VolumeSource& source_;
+  const int64_t time_;
+  const SliceRanges& ranges_;
+  Device& device_;
+  WorkerPool& pool_;
+  const SessionOptions options_;
+  const Budgets budgets_;
+  VolumeBuffer blocks_;
+  TextureBuffer chunks_;
+  TextureCache cache_;
+  ChunkNames chunk_names_;
+
+  FrameOptions frame_options_;
+  std::optional<TransferFunction> transfer_;
+  // Kept until what they follow from changes.
+  std::optional<OpacityTable> table_;
+  std::optional<Classification> classification_;
+  std::optional<TexturePlan> plan_;
+  std::vector<uint64_t> names_;  // of plan_->chunks
+};
+
+}  // namespace sluice

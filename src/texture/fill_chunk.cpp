@@ -1,0 +1,61 @@
+#include "src/texture/fill_chunk.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "src/base/error.h"
+
+namespace sluice {
+namespace {
+
+// Copies `count` elements that lie `stride` elements apart.
+template <class T>
+void gather(const T* from, int64_t stride, T* to, int64_t count) {
+  if (stride == 1) {
+    std::memcpy(to, from, static_cast<size_t>(count) * sizeof(T));
+  } else {
+    for (int64_t i = 0; i < count; ++i) to[i] = from[i * stride];
+  }
+}
+
+template <class T>
+void copyTyped(const TextureBlock& block, const VolumeBlock& from, Vec3i storage_vox, T* out) {
+  const auto axes = textureAxes(block.trimming_axis);
+  const Vec3i texels = block.texels(), have = from.voxels.size();
+  const Vec3i strides{1, have.x, have.x * have.y};
+  const auto* voxels = reinterpret_cast<const T*>(from.bytes.get());
+  // The nearest voxel that exists, relative to the volume block.
+  const auto clamped = [&](int axis, int64_t texel) {
+    return std::clamp(block.voxels.lo[axis] + texel, from.voxels.lo[axis],
+                      from.voxels.hi[axis] - 1) -
+           from.voxels.lo[axis];
+  };
+  const int along = axes[0];
+  const int64_t first =
+      std::clamp<int64_t>(from.voxels.lo[along] - block.voxels.lo[along], 0, texels.x);
+  const int64_t end =
+      std::clamp<int64_t>(from.voxels.hi[along] - block.voxels.lo[along], first, texels.x);
+  for (int64_t z = 0; z < texels.z; ++z)
+    for (int64_t y = 0; y < texels.y; ++y) {
+      const T* line =
+          voxels + clamped(axes[2], z) * strides[axes[2]] + clamped(axes[1], y) * strides[axes[1]];
+      T* to =
+          out + ((block.at.z + z) * storage_vox.y + block.at.y + y) * storage_vox.x + block.at.x;
+      gather(line + clamped(along, first) * strides[along], strides[along], to + first,
+             end - first);
+      std::fill(to, to + first, line[clamped(along, 0) * strides[along]]);
+      std::fill(to + end, to + texels.x, line[clamped(along, texels.x - 1) * strides[along]]);
+    }
+}
+
+}  // namespace
+
+void copyTextureBlock(const TextureBlock& block, const VolumeBlock& from, Vec3i storage_vox,
+                      std::span<std::byte> out) {
+  SLUICE_CHECK_EQ(out.size(), static_cast<size_t>(volume(storage_vox)) * bytesPerVoxel(from.type));
+  visitDeviceType(from.type, [&](auto tag) {
+    copyTyped(block, from, storage_vox, reinterpret_cast<decltype(tag)*>(out.data()));
+  });
+}
+
+}  // namespace sluice

@@ -1,0 +1,97 @@
+// TexturePlan: level 3 before a byte of it exists (design, point 1).
+//
+// From the classified blocks and the page geometry alone: which part of each volume block becomes a
+// texture block, how texture blocks lie in chunks, and which chunks a cluster needs (Tong 1999,
+// sections 3.2.2 and 3.2.3). A pure function of its arguments; it touches no voxel. The renderer,
+// the simulator and `sluice plan` work from the same plan. Immutable once made.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "cache/page_geometry.h"
+#include "src/classify/classification.h"
+#include "src/volume/block_layout.h"
+
+namespace sluice {
+
+// The paper's four (section 4): I loads and draws every block whole; II clips what is drawn by the
+// object boxes; III loads trimmed blocks, one a chunk; IV merges them.
+enum class Algorithm { kConventional, kClipped, kTrimmed, kMerged };
+std::string_view name(Algorithm algorithm);
+std::optional<Algorithm> parseAlgorithm(std::string_view text);
+
+// The volume axes that become texture x, y and z: a turn that brings the trimming axis to z.
+constexpr std::array<int, 3> textureAxes(int trimming_axis) {
+  return {(trimming_axis + 1) % 3, (trimming_axis + 2) % 3, trimming_axis};
+}
+// `volume_size` in texture order.
+constexpr Vec3i turned(Vec3i volume_size, int trimming_axis) {
+  const auto axes = textureAxes(trimming_axis);
+  return {volume_size[axes[0]], volume_size[axes[1]], volume_size[axes[2]]};
+}
+
+// A part of a volume block, copied into a chunk.
+struct TextureBlock {
+  int64_t block = 0;      // id of the volume block
+  Box3 cells;             // what is resampled: cells of the volume, half-open
+  Box3 voxels;            // what is copied; reaches beyond the volume where the block is padded
+  int trimming_axis = 2;  // becomes texture z
+  int64_t chunk = 0;      // position in TexturePlan::chunks
+  Vec3i at;               // texel of voxels.lo in the chunk
+  int64_t cluster = 0;    // position in TexturePlan::clusters
+
+  Vec3i texels() const { return turned(voxels.size(), trimming_axis); }
+};
+
+// What is loaded into the texture cache as one: texture blocks and the texels between them.
+struct Chunk {
+  Vec3i size_vox;               // texels, before rounding up to whole pages
+  int64_t pages = 0;            // of the page geometry
+  std::vector<int64_t> blocks;  // positions in TexturePlan::blocks
+};
+
+// u x v blocks of one z index whose black blocks together fill the texture cache.
+struct Cluster {
+  Vec3i index;                  // in the grid of clusters
+  std::vector<int64_t> blocks;  // positions in TexturePlan::blocks, those of this cluster
+  std::vector<int64_t> chunks;  // positions in TexturePlan::chunks that these blocks lie in
+};
+
+struct TexturePlan {
+  BlockLayout layout;
+  PageGeometry page;
+  Algorithm algorithm = Algorithm::kTrimmed;
+  int64_t time = 0;
+  Vec3i cluster_blocks;  // u, v, 1
+  Vec3i cluster_grid;
+  std::vector<TextureBlock> blocks;
+  std::vector<Chunk> chunks;
+  std::vector<Cluster> clusters;  // those with anything to draw
+
+  int64_t pageCount() const;
+  // Bytes of all chunks in whole pages.
+  uint64_t bytes() const;
+};
+
+// Throws Error when the texture cache has fewer pages than one block.
+TexturePlan planTextures(const BlockLayout& layout, const Classification& classification,
+                         const PageGeometry& page, Algorithm algorithm, int64_t time,
+                         const Box3& crop);
+
+// Where the eye is among the cells of the volume: a parallel view looks along a direction.
+struct EyePosition {
+  bool parallel = true;
+  Vec3d index;  // parallel: the viewing direction; otherwise the eye, both in index space
+};
+// Positions in plan.clusters, front to back: along z first, then y, then x (section 3.2.3.3).
+std::vector<int64_t> clusterOrder(const TexturePlan& plan, const EyePosition& eye);
+// Positions in plan.blocks of one cluster, front to back.
+std::vector<int64_t> blockOrder(const TexturePlan& plan, const Cluster& cluster,
+                                const EyePosition& eye);
+
+}  // namespace sluice

@@ -1,0 +1,27 @@
+#include "src/volume/block_layout.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "src/base/error.h"
+
+namespace sluice {
+
+BlockLayout blockLayout(Vec3i dims, int64_t size, int ghost, const char* where) {
+  SLUICE_CHECK(std::has_single_bit(static_cast<uint64_t>(size)));
+  SLUICE_CHECK(ghost == 0 || ghost == 1);
+  if (dims.x < 2 || dims.y < 2 || dims.z < 2)
+    fail("{}: {} x {} x {} voxels: a picture needs at least 2 along each axis", where, dims.x,
+         dims.y, dims.z);
+  BlockLayout layout{dims, size, ghost, {}};
+  SLUICE_CHECK_LE(int64_t{1}, layout.cells());
+  for (int a = 0; a < 3; ++a) layout.grid[a] = ceilDiv(dims[a] - 1, layout.cells());
+  return layout;
+}
+
+int64_t blockSizeFor(Vec3i page_vox) {
+  const int64_t longest = std::max({page_vox.x, page_vox.y, page_vox.z, int64_t{4}});
+  return static_cast<int64_t>(std::bit_ceil(static_cast<uint64_t>(longest)));
+}
+
+}  // namespace sluice

@@ -1,0 +1,56 @@
+// DeviceVoxel: the three scalar forms that levels 2 to 4 hold and draw, and the way into them.
+//
+// u8, u16 and f32 stay as they are stored; i8 and i16 are shifted to u8 and u16, u32, i32 and f64
+// become f32: no type loses its range. In f32, NaN becomes kNotANumber, far below any value, so
+// that cells around it fade to what the transfer function shows at the low end, and infinities are
+// clamped to finite numbers, so that interpolation never meets an undefined sum.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "src/base/volume_source.h"
+
+namespace sluice {
+
+enum class DeviceType { kU8, kU16, kF32 };
+
+inline constexpr float kNotANumber = -1e30F;
+inline constexpr float kLargest = 1e30F;
+
+// 1, 2 or 4.
+size_t bytesPerVoxel(DeviceType type);
+// "u8", "u16", "f32".
+const char* name(DeviceType type);
+
+// What levels 2 to 4 hold and how a value follows from it: value = device * scale + offset.
+struct ValueMap {
+  DeviceType type = DeviceType::kU8;
+  double scale = 1, offset = 0;
+
+  double valueOf(double device) const { return device * scale + offset; }
+  double deviceOf(double value) const { return (value - offset) / scale; }
+};
+ValueMap deviceMap(const VolumeLayout& layout);
+// Of a stored value, as `toDevice` would convert it, in double precision.
+double deviceFromStored(VoxelType type, double stored);
+
+// Converts packed voxels. Requires: out.size() == count * bytesPerVoxel(deviceMap(...).type).
+void toDevice(VoxelType type, std::span<const std::byte> in, std::span<std::byte> out);
+
+// Calls f with a value of the C++ type; returns what f returns.
+template <class F>
+decltype(auto) visitDeviceType(DeviceType type, F&& f) {
+  switch (type) {
+    case DeviceType::kU8:
+      return f(uint8_t{});
+    case DeviceType::kU16:
+      return f(uint16_t{});
+    case DeviceType::kF32:
+      break;
+  }
+  return f(float{});
+}
+
+}  // namespace sluice

@@ -1,0 +1,60 @@
+// SliceRanges: the three min-max arrays of every block (Tong 1999, section 3.2.1), always resident.
+//
+// For each block and axis, element i is the least and the greatest voxel of the block's owned plane
+// i orthogonal to that axis. Blocks whose voxels all equal one `background` are not held: on disk,
+// in memory and in every loop over blocks a volume costs what is in it. Immutable once built; any
+// thread may read.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "src/base/progress.h"
+#include "src/base/volume_source.h"
+#include "src/base/worker_pool.h"
+#include "src/classify/histogram.h"
+#include "src/volume/block_layout.h"
+#include "src/volume/device_voxel.h"
+
+namespace sluice {
+
+// One element of a min-max array, device voxels. lo > hi: the plane does not exist (padding).
+template <class T>
+struct PlaneRange {
+  T lo, hi;
+};
+
+struct SliceRanges {
+  BlockLayout layout;
+  ValueMap map;
+  double background = 0;        // device value of every voxel of the blocks that are not held
+  std::vector<int64_t> blocks;  // ids of the held blocks, ascending
+  // PlaneRange<T> of each held block, of all its owned voxels.
+  std::vector<std::byte> totals;
+  // PlaneRange<T>[held][axis][plane], layout.planes() an axis.
+  std::vector<std::byte> planes;
+  ValueRange device_range;  // of all voxels, NaN left out
+  Histogram histogram;      // device values, from a quarter of the voxel rows
+
+  template <class T>
+  std::span<const PlaneRange<T>> totalsAs() const {
+    return {reinterpret_cast<const PlaneRange<T>*>(totals.data()), blocks.size()};
+  }
+  // The array of one held block (by its position in `blocks`) and axis.
+  template <class T>
+  std::span<const PlaneRange<T>> planesAs(size_t held, int axis) const {
+    const size_t count = static_cast<size_t>(layout.planes());
+    const auto* first = reinterpret_cast<const PlaneRange<T>*>(planes.data());
+    return {first + (held * 3 + static_cast<size_t>(axis)) * count, count};
+  }
+  uint64_t bytes() const { return blocks.size() * 8 + totals.size() + planes.size(); }
+};
+
+// Reads every voxel that may differ from the background once, in rows of blocks, on all threads of
+// `pool`. Throws Error from the source, Interrupted.
+SliceRanges buildSliceRanges(VolumeSource& source, int64_t time, const BlockLayout& layout,
+                             WorkerPool& pool, Progress& progress);
+
+}  // namespace sluice

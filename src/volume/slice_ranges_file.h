@@ -1,0 +1,19 @@
+// The index: a volume's slice ranges as bytes, kept beside the file so that the next opening takes
+// milliseconds. Where and how it is kept, and that a torn file is not believed, is io/index_file.h.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "src/volume/slice_ranges.h"
+
+namespace sluice {
+
+std::vector<std::byte> serialize(const SliceRanges& ranges);
+// nullopt when the bytes are no index of this layout and map.
+std::optional<SliceRanges> deserialize(std::span<const std::byte> bytes, const BlockLayout& layout,
+                                       const ValueMap& map);
+
+}  // namespace sluice

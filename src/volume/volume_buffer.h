@@ -1,0 +1,102 @@
+// VolumeBuffer: level 2, the volume blocks in memory under a hard budget.
+//
+// Blocks come from a VolumeSource in device form, each once however many threads want it: the first
+// publishes the entry and loads outside the lock, the others wait. The least recently used block
+// that no one holds goes first. A handle pins its block. The buffer must outlive its handles' use
+// of the source, not the handles. All members may be called from any thread.
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <list>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <string>
+#include <unordered_map>
+#include <unordered_set>
+#include <vector>
+
+#include "src/base/counters.h"
+#include "src/base/volume_source.h"
+#include "src/volume/block_layout.h"
+#include "src/volume/device_voxel.h"
+
+namespace sluice {
+
+struct BlockKey {
+  int64_t time = 0;
+  int64_t block = 0;  // id in the layout
+  friend bool operator==(const BlockKey&, const BlockKey&) = default;
+};
+struct BlockKeyHash {
+  size_t operator()(const BlockKey& key) const {
+    return static_cast<size_t>((static_cast<uint64_t>(key.time) * 0x9e3779b97f4a7c15U) ^
+                               (static_cast<uint64_t>(key.block) * 0xff51afd7ed558ccdU));
+  }
+};
+
+// The voxels of one block: those of its cube that exist (BlockLayout::storedVoxels), x fastest.
+struct VolumeBlock {
+  Box3 voxels;
+  DeviceType type = DeviceType::kU8;
+  std::unique_ptr<std::byte[]> bytes;
+
+  size_t byteCount() const { return static_cast<size_t>(voxels.count()) * bytesPerVoxel(type); }
+  // Requires: voxels.contains(voxel).
+  const std::byte* at(Vec3i voxel) const {
+    const Vec3i local = voxel - voxels.lo, size = voxels.size();
+    return bytes.get() + static_cast<size_t>((local.z * size.y + local.y) * size.x + local.x) *
+                             bytesPerVoxel(type);
+  }
+};
+using VolumeBlockPtr = std::shared_ptr<const VolumeBlock>;
+
+class VolumeBuffer {
+ public:
+  // `source` must outlive the buffer.
+  VolumeBuffer(VolumeSource& source, const BlockLayout& layout, uint64_t budget_bytes);
+  ~VolumeBuffer();
+
+  // The blocks of `keys`, in that order; blocks that follow each other along x are read together.
+  // Throws Error when a read fails or when the budget cannot hold these blocks beside those that
+  // other handles pin; the failed blocks are not kept.
+  std::vector<VolumeBlockPtr> acquire(std::span<const BlockKey> keys);
+
+  // Bytes of an inner block: what a budget is planned with.
+  uint64_t blockBytes() const;
+  CacheCounters counters() const;
+  void resetCounters();
+  // Seconds that all threads together spent reading and converting since construction.
+  double readSeconds() const { return static_cast<double>(read_ns_.load()) * 1e-9; }
+  double decodeSeconds() const { return static_cast<double>(decode_ns_.load()) * 1e-9; }
+
+ private:
+  struct Entry;
+  using EntryPtr = std::shared_ptr<Entry>;
+
+  // Both require mutex_ to be held.
+  EntryPtr publish(const BlockKey& key);
+  void makeRoom(uint64_t bytes);
+
+  // A run of entries along x that this call reads.
+  void load(std::span<const EntryPtr> run);
+  void finish(std::span<const EntryPtr> run, const std::string& failure);
+
+  VolumeSource& source_;      // constant after construction
+  const BlockLayout layout_;  // constant after construction
+  const ValueMap map_;        // constant after construction
+  std::atomic<int64_t> read_ns_{0}, decode_ns_{0};
+  mutable std::mutex mutex_;
+  std::condition_variable loaded_;
+  // Guarded by mutex_.
+  std::unordered_map<BlockKey, EntryPtr, BlockKeyHash> entries_;
+  std::list<EntryPtr> recent_;  // resident ones, most recently used first
+  std::unordered_set<BlockKey, BlockKeyHash> seen_;
+  uint64_t reserved_bytes_ = 0;  // of loads under way
+  CacheCounters counters_;
+};
+
+}  // namespace sluice

@@ -1,0 +1,119 @@
+// sluice bench: speeds of this machine and of the renderer, as medians.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "src/gl/gl_device.h"
+#include "src/render/sampling_limit.h"
+#include "tools/commands.h"
+#include "tools/report.h"
+
+namespace sluice {
+namespace {
+
+struct Arguments {
+  VolumeArguments volume;
+  LookArguments look;
+  FrameOptions frame;
+  ResourceArguments resources;
+  int frames = 9;
+  bool json = false;
+};
+constexpr int kWarmFrames = 2;
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const size_t middle = values.size() / 2;
+  return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
+}
+
+int runLimit(const Arguments& arguments) {
+  GlDevice device(createContext(arguments.resources.gl));
+  const double rate = samplingLimit(device, arguments.frame.size, arguments.frames);
+  if (arguments.json) {
+    const nlohmann::json report{{"samples_per_second", rate},
+                                {"backend", device.backend()},
+                                {"renderer", device.renderer()}};
+    fmt::print("{}\n", report.dump(2));
+  } else {
+    fmt::print("{:.1f} million samples a second ({}, {})\n", rate / 1e6, device.backend(),
+               device.renderer());
+  }
+  return 0;
+}
+
+int runRender(const Arguments& arguments, const CLI::App& app) {
+  Scene scene(arguments.volume, arguments.look, arguments.resources);
+  FrameOptions options = arguments.frame;
+  std::vector<double> seconds;
+  double drawn = 0, object = 0;
+  RenderedFrame last;
+  for (int i = -kWarmFrames; i < arguments.frames; ++i) {
+    options.camera.azimuth_deg =
+        arguments.frame.camera.azimuth_deg + 360.0 * std::max(0, i) / arguments.frames;
+    options.count_samples = i >= 0;
+    scene.session->setOptions(options);
+    last.report = scene.session->frame().report;
+    if (i < 0) continue;
+    seconds.push_back(last.report.seconds);
+    drawn += static_cast<double>(last.report.samples_drawn) / arguments.frames;
+    object += static_cast<double>(last.report.samples_object) / arguments.frames;
+  }
+  // In the same process and moment, since machines drift.
+  const double limit = samplingLimit(*scene.device, options.size, arguments.frames);
+  const auto [least, most] = std::minmax_element(seconds.begin(), seconds.end());
+  const double middle = median(seconds);
+  const double share = object / middle / limit;
+  if (arguments.json) {
+    nlohmann::json report = sceneJson(scene, {last});
+    report.update({{"command", "bench render"},
+                   {"options", optionsJson(app)},
+                   {"frame_seconds", {{"median", middle}, {"min", *least}, {"max", *most}}},
+                   {"samples_drawn", drawn},
+                   {"samples_object", object},
+                   {"limit_samples_per_second", limit},
+                   {"share_of_limit", share}});
+    fmt::print("{}\n", report.dump(2));
+  } else {
+    fmt::print("frame {:.4f} s (least {:.4f}, most {:.4f}), warm, {} frames of a turn\n", middle,
+               *least, *most, arguments.frames);
+    fmt::print("{:.2f} million samples drawn, {:.2f} million inside object boxes\n", drawn / 1e6,
+               object / 1e6);
+    fmt::print("{:.2f} of this machine's {:.1f} million samples a second\n", share, limit / 1e6);
+  }
+  return 0;
+}
+
+}  // namespace
+
+Command addBench(CLI::App& program) {
+  auto arguments = std::make_shared<Arguments>();
+  arguments->frame.camera.azimuth_deg = 30;
+  arguments->frame.camera.elevation_deg = 20;
+  CLI::App* app = program.add_subcommand(
+      "bench", "Measures speeds\n\n  sluice bench render bonsai.nii.gz --threshold 40");
+  app->require_subcommand(1);
+
+  CLI::App* limit = app->add_subcommand(
+      "limit", "This machine's sampling rate: full-screen slices of one resident texture");
+  addParsed(
+      *limit, "--gl", "How to reach OpenGL (auto)", "auto|osmesa|egl",
+      [](const std::string& word) { return parseGlChoice(word); },
+      [arguments](GlChoice choice) { arguments->resources.gl = choice; });
+  CLI::App* render = app->add_subcommand(
+      "render", "The median frame of a turn, warm, and its share of the sampling rate");
+  addVolumeOptions(*render, arguments->volume);
+  addLookOptions(*render, arguments->look);
+  addViewOptions(*render, arguments->frame);
+  addResourceOptions(*render, arguments->resources);
+  for (CLI::App* each : {limit, render}) {
+    each->add_option("--frames", arguments->frames, "Frames measured, after 2 warm ones")
+        ->capture_default_str()
+        ->check(CLI::Range(1, 100000));
+    each->add_flag("--json", arguments->json, "One JSON object");
+  }
+  return [=] { return limit->parsed() ? runLimit(*arguments) : runRender(*arguments, *render); };
+}
+
+}  // namespace sluice

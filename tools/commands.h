@@ -1,0 +1,19 @@
+// The subcommands of the program, one file each. Each adds itself to the command line; what the
+// returned function does runs when that subcommand was given, and its result is the exit status.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include <functional>
+
+namespace sluice {
+
+using Command = std::function<int()>;
+
+Command addInfo(CLI::App& program);
+Command addRender(CLI::App& program);
+Command addSynth(CLI::App& program);
+Command addDoctor(CLI::App& program);
+Command addBench(CLI::App& program);
+
+}  // namespace sluice

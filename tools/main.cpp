@@ -1,0 +1,62 @@
+// sluice: renders volumes larger than memory, from the command line.
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include <cstdio>
+#include <exception>
+#include <vector>
+
+#include "src/base/interrupt.h"
+#include "tools/commands.h"
+
+namespace {
+
+constexpr int kBadInput = 1, kUsage = 2, kInterrupted = 130;
+
+// One line, whatever the message holds.
+void printError(std::string line) {
+  for (char& c : line)
+    if (c == '\n') c = ' ';
+  fmt::print(stderr, "sluice: {}\n", line);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    CLI::App program(
+        "Renders volumes larger than memory.\n\n"
+        "  sluice render bonsai.nii.gz -o bonsai.png --threshold 40\n\n"
+        "`sluice COMMAND --help` has a command's options. Sizes take K, M, G, T.",
+        "sluice");
+    program.set_version_flag("--version", SLUICE_VERSION);
+    program.require_subcommand(1);
+    std::vector<std::pair<CLI::App*, sluice::Command>> commands;
+    for (const auto add : {sluice::addInfo, sluice::addRender, sluice::addSynth, sluice::addDoctor,
+                           sluice::addBench}) {
+      sluice::Command command = add(program);
+      commands.emplace_back(program.get_subcommands(nullptr).back(), std::move(command));
+    }
+    try {
+      program.parse(argc, argv);
+    } catch (const CLI::Success& success) {  // --help, --version
+      return program.exit(success);
+    } catch (const CLI::ParseError& error) {
+      printError(std::string(error.what()) + " (see sluice --help)");
+      return kUsage;
+    }
+    sluice::watchForInterruption();
+    for (const auto& [subcommand, command] : commands)
+      if (subcommand->parsed()) return command();
+    return kUsage;
+  } catch (const sluice::Interrupted&) {
+    printError("interrupted");
+    return kInterrupted;
+  } catch (const std::bad_alloc&) {
+    printError("out of memory; give a smaller --memory or a larger machine");
+    return kBadInput;
+  } catch (const std::exception& error) {
+    printError(error.what());
+    return kBadInput;
+  }
+}

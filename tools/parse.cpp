@@ -1,0 +1,58 @@
+#include "tools/parse.h"
+
+#include <charconv>
+#include <cmath>
+
+namespace sluice {
+
+std::optional<std::vector<double>> parseNumbers(const std::string& text, size_t count) {
+  std::vector<double> numbers;
+  const char* at = text.data();
+  const char* end = at + text.size();
+  while (at != end) {
+    double number = 0;
+    const auto [next, status] = std::from_chars(at, end, number);
+    if (status != std::errc() || !std::isfinite(number)) return std::nullopt;
+    numbers.push_back(number);
+    at = next;
+    if (at == end) break;
+    if (*at != ',' && *at != 'x') return std::nullopt;
+    if (++at == end) return std::nullopt;
+  }
+  if (numbers.size() != count) return std::nullopt;
+  return numbers;
+}
+
+std::optional<PictureSize> parsePictureSize(const std::string& text) {
+  auto numbers = parseNumbers(text, 2);
+  if (!numbers) {
+    numbers = parseNumbers(text, 1);
+    if (!numbers) return std::nullopt;
+    numbers->push_back(numbers->front());
+  }
+  for (const double n : *numbers)
+    if (n < 1 || n > 65536 || n != std::floor(n)) return std::nullopt;
+  return PictureSize{static_cast<int>((*numbers)[0]), static_cast<int>((*numbers)[1])};
+}
+
+std::optional<std::array<float, 3>> parseColor(const std::string& text) {
+  const std::string digits = text.starts_with('#') ? text.substr(1) : text;
+  unsigned value = 0;
+  const auto [end, status] =
+      std::from_chars(digits.data(), digits.data() + digits.size(), value, 16);
+  if (digits.size() != 6 || status != std::errc() || end != digits.data() + digits.size())
+    return std::nullopt;
+  const auto channel = [&](unsigned shift) {
+    return static_cast<float>(value >> shift & 255U) / 255.0F;
+  };
+  return std::array<float, 3>{channel(16), channel(8), channel(0)};
+}
+
+Vec3d asVec3d(const std::vector<double>& n) {
+  return {n[0], n[1], n[2]};
+}
+Vec3i asVec3i(const std::vector<double>& n) {
+  return {static_cast<int64_t>(n[0]), static_cast<int64_t>(n[1]), static_cast<int64_t>(n[2])};
+}
+
+}  // namespace sluice

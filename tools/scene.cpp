@@ -1,0 +1,131 @@
+#include "tools/scene.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "src/base/clock.h"
+#include "src/base/error.h"
+#include "src/classify/transfer_file.h"
+#include "src/classify/transfer_makers.h"
+#include "src/gl/gl_device.h"
+#include "src/render/index_space.h"
+
+namespace sluice {
+namespace {
+
+// Textures may take this share of the memory where they live in it; elsewhere their memory is not
+// known to the program, and this much is on any GPU of the last ten years.
+constexpr uint64_t kTextureShare = 4;
+constexpr uint64_t kDeviceTextureBytes = uint64_t{1} << 30;
+
+// The standard page of the voxel type, and as many as hold the volume or as memory comfortably
+// does.
+PageGeometry pageGeometry(const ResourceArguments& resources, const ValueMap& map, Vec3i dims) {
+  PageGeometry page;
+  page.bytes_per_voxel = static_cast<int64_t>(bytesPerVoxel(map.type));
+  const char* standard = page.bytes_per_voxel == 1   ? "sparse-8"
+                         : page.bytes_per_voxel == 2 ? "sparse-16"
+                                                     : "sparse-32";
+  page.size_vox = resources.page_vox.value_or(findPageConfiguration(standard)->geometry.size_vox);
+  if (resources.pages) {
+    page.pages = *resources.pages;
+  } else {
+    const uint64_t bytes = std::min(memoryBudget(resources) / kTextureShare, kDeviceTextureBytes);
+    const auto fits =
+        std::bit_floor(std::max<uint64_t>(1, bytes / static_cast<uint64_t>(page.pageBytes())));
+    // Blocks share planes and are padded: twice the volume's own pages holds them all.
+    const double whole =
+        2 * static_cast<double>(page.pagesOf(min(dims, Vec3i{1 << 20, 1 << 20, 1 << 20})));
+    page.pages = static_cast<int64_t>(fits);
+    if (whole < static_cast<double>(fits))
+      page.pages = static_cast<int64_t>(std::bit_ceil(static_cast<uint64_t>(whole)));
+  }
+  return page;
+}
+
+// Of values, where the ranges count device values.
+Histogram valueHistogram(const SliceRanges& ranges) {
+  Histogram histogram = ranges.histogram;
+  histogram.range = {ranges.map.valueOf(histogram.range.lo),
+                     ranges.map.valueOf(histogram.range.hi)};
+  if (ranges.map.scale < 0) {
+    std::swap(histogram.range.lo, histogram.range.hi);
+    std::reverse(histogram.counts.begin(), histogram.counts.end());
+  }
+  return histogram;
+}
+
+TransferFunction automaticFor(const IndexedVolume& volume, const LookArguments& look) {
+  const VolumeLayout& layout = volume.source->layout();
+  AutomaticOptions options;
+  const double finest = finestSpacing(layout);
+  options.thickness_vox = 0;
+  for (int a = 0; a < 3; ++a)
+    options.thickness_vox += static_cast<double>(layout.dims[a]) * layout.spacing[a] / finest / 3;
+  options.signed_distance = layout.name.ends_with("(level set)");
+  options.finest_spacing = finest;
+  options.map = look.map;
+  TransferFunction transfer = automaticTransfer(valueHistogram(volume.index.ranges), options);
+  return look.opacity ? scaleOpacity(std::move(transfer), *look.opacity / kDefaultOpacity)
+                      : transfer;
+}
+
+}  // namespace
+
+uint64_t memoryBudget(const ResourceArguments& resources) {
+  return resources.memory_bytes != 0 ? resources.memory_bytes : availableMemoryBytes() / 2;
+}
+
+ValueRange IndexedVolume::valueRange() const {
+  const ValueRange device = index.ranges.device_range;
+  const double a = map.valueOf(device.lo), b = map.valueOf(device.hi);
+  return {std::min(a, b), std::max(a, b)};
+}
+
+IndexedVolume openIndexed(const VolumeArguments& arguments, const ResourceArguments& resources,
+                          bool lit, WorkerPool& pool) {
+  IndexedVolume volume;
+  volume.source = openVolume(arguments.inputs, arguments.open);
+  const VolumeLayout& layout = volume.source->layout();
+  const std::string& name = arguments.inputs.front();
+  if (arguments.time >= layout.time_steps)
+    fail("{}: --time {}: the volume has {} time step{}, counted from 0", name, arguments.time,
+         layout.time_steps, layout.time_steps == 1 ? "" : "s");
+  volume.map = deviceMap(layout);
+  volume.page = pageGeometry(resources, volume.map, layout.dims);
+  const int64_t block = resources.block.value_or(blockSizeFor(volume.page.size_vox));
+  volume.layout = blockLayout(layout.dims, block, lit ? 1 : 0, name.c_str());
+  volume.index = indexedRanges(*volume.source, arguments.time, volume.layout, pool);
+  return volume;
+}
+
+TransferFunction transferFor(const IndexedVolume& volume, const LookArguments& look) {
+  const ValueRange range = volume.valueRange();
+  const double opacity = look.opacity.value_or(kDefaultOpacity);
+  if (!look.transfer_file.empty()) return readTransferFunction(look.transfer_file, range, look.map);
+  if (look.threshold)
+    return thresholdTransfer(*look.threshold, range, opacity,
+                             look.map.empty() ? kDefaultColorMap : std::string_view(look.map));
+  return automaticFor(volume, look);
+}
+
+Scene::Scene(const VolumeArguments& arguments, const LookArguments& look,
+             const ResourceArguments& resources)
+    : pool(resources.threads),
+      volume(openIndexed(arguments, resources, look.shade, pool)),
+      memory_bytes(memoryBudget(resources)),
+      device(std::make_unique<GlDevice>(createContext(resources.gl))),
+      transfer(transferFor(volume, look)) {
+  SessionOptions options;
+  options.page = volume.page;
+  options.memory_bytes = memory_bytes;
+  options.policy = resources.policy;
+  options.seed = resources.seed;
+  options.lit = look.shade;
+  session = std::make_unique<Session>(*volume.source, arguments.time, volume.index.ranges, *device,
+                                      pool, options);
+  session->setTransferFunction(transfer);
+}
+
+}  // namespace sluice

@@ -1,0 +1,47 @@
+// Scene: a volume opened for a command: source, index, device, session, and the transfer function
+// that the options ask for. It only puts library calls together.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "src/base/worker_pool.h"
+#include "src/render/session.h"
+#include "src/volume/indexed_ranges.h"
+#include "tools/options.h"
+
+namespace sluice {
+
+// A volume with its min-max arrays; no device.
+struct IndexedVolume {
+  std::unique_ptr<VolumeSource> source;
+  ValueMap map;
+  PageGeometry page;
+  BlockLayout layout;
+  IndexedRanges index;
+
+  // Least and greatest value of the volume.
+  ValueRange valueRange() const;
+};
+// Opens the volume and reads or builds its index. Throws Error.
+IndexedVolume openIndexed(const VolumeArguments& volume, const ResourceArguments& resources,
+                          bool lit, WorkerPool& pool);
+
+TransferFunction transferFor(const IndexedVolume& volume, const LookArguments& look);
+
+struct Scene {
+  Scene(const VolumeArguments& volume, const LookArguments& look,
+        const ResourceArguments& resources);
+
+  WorkerPool pool;
+  IndexedVolume volume;
+  uint64_t memory_bytes;
+  std::unique_ptr<Device> device;
+  TransferFunction transfer;
+  std::unique_ptr<Session> session;
+};
+
+// What --memory means when it is not given: half of what the machine or its cgroup has.
+uint64_t memoryBudget(const ResourceArguments& resources);
+
+}  // namespace sluice
