@@ -152,7 +152,7 @@ MissRatioCurve ShardsEstimator::curve() const {
   for (MissRatioCurve::Step& step : out.steps)
     step.page_misses = std::clamp(step.page_misses, 0.0, seen_);
   out.stated_error =
-      rate() >= 1 ? 0 : 1 / std::sqrt(static_cast<double>(std::max<size_t>(1, keys_.size())));
+      rate() >= 1 ? 0 : 2 / std::sqrt(static_cast<double>(std::max<size_t>(1, keys_.size())));
   return out;
 }
 

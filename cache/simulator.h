@@ -33,7 +33,7 @@ struct SimulationConfig {
   // Ignored by kBeladyPages.
   bool pin_clusters = false;
   uint64_t seed = 1;  // for kRandom
-  CostModel costs;
+  CostModel costs = {};
 };
 
 struct SimulationRow {
