@@ -1,0 +1,243 @@
+#include "io/index_file.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+#include <array>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <mutex>
+#include <system_error>
+
+#include "io/synth_source.h"
+#include "src/base/atomic_file.h"
+#include "src/base/error.h"
+
+namespace sluice {
+namespace {
+
+// A file is this header, the identity, the name of what it is, the blob, and nothing after it. In
+// this machine's byte order: another machine finds the magic reversed and builds its own.
+struct Header {
+  uint64_t magic = 0x31584449'4c554953;  // "SIULIDX1" in little-endian memory
+  uint32_t container_version = 1;
+  uint32_t key_version = 0;
+  uint32_t identity_bytes = 0;
+  uint32_t what_bytes = 0;
+  uint64_t blob_bytes = 0;
+  uint64_t blob_checksum = 0;    // XXH3 of the blob
+  uint64_t header_checksum = 0;  // XXH3 of the header with 0 here, then of identity and what
+};
+static_assert(sizeof(Header) == 48, "no padding, whose bytes would be unchecked");
+
+uint64_t checksumOf(std::span<const std::byte> bytes) {
+  return XXH3_64bits(bytes.data(), bytes.size());
+}
+
+std::string headerAndKey(Header header, const std::string& key_text) {
+  std::string text(sizeof header, '\0');
+  header.header_checksum = 0;
+  std::memcpy(text.data(), &header, sizeof header);
+  text += key_text;
+  header.header_checksum = checksumOf(std::as_bytes(std::span(text)));
+  std::memcpy(text.data(), &header, sizeof header);
+  return text;
+}
+
+// `what` as a file name; what had to be changed is told apart by a hash.
+std::string fileName(const std::string& what) {
+  std::string name;
+  bool changed = what.empty() || what.size() > 100;
+  for (const char c : what.substr(0, 100)) {
+    const bool safe = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '_' ||
+                      (c == '.' && !name.empty());
+    name += safe ? c : '_';
+    changed = changed || !safe;
+  }
+  if (changed) name += fmt::format("-{:016x}", checksumOf(std::as_bytes(std::span(what))));
+  return name + ".idx";
+}
+
+class OpenFile {
+ public:
+  // Not blocking: whatever lies at the path may be a pipe.
+  explicit OpenFile(const std::filesystem::path& path)
+      : file_(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)),
+        missing_(file_ < 0 && (errno == ENOENT || errno == ENOTDIR)) {}
+  ~OpenFile() {
+    if (file_ >= 0) close(file_);
+  }
+  OpenFile(const OpenFile&) = delete;
+  OpenFile& operator=(const OpenFile&) = delete;
+
+  bool missing() const { return missing_; }
+  // Of a regular file; nullopt otherwise.
+  std::optional<uint64_t> size() const {
+    struct stat status {};
+    if (file_ < 0 || fstat(file_, &status) != 0 || !S_ISREG(status.st_mode)) return std::nullopt;
+    return static_cast<uint64_t>(status.st_size);
+  }
+  // False when the file ends before `out` is full, or cannot be read.
+  bool read(std::span<std::byte> out) {
+    while (!out.empty()) {
+      const ssize_t got = ::read(file_, out.data(), out.size());
+      if (got < 0 && errno == EINTR) continue;
+      if (got <= 0) return false;
+      out = out.subspan(static_cast<size_t>(got));
+    }
+    return true;
+  }
+
+ private:
+  const int file_;
+  const bool missing_;
+};
+
+struct Verdict {
+  IndexState state = IndexState::kTorn;
+  std::string reason;
+  std::vector<std::byte> blob;
+};
+
+Verdict readFile(const std::filesystem::path& path, const IndexKey& key) {
+  OpenFile file(path);
+  if (file.missing()) return {IndexState::kMissing, "", {}};
+  const std::optional<uint64_t> size = file.size();
+  if (!size) return {IndexState::kTorn, "not a file that can be read", {}};
+  Header header;
+  if (*size < sizeof header || !file.read(std::as_writable_bytes(std::span(&header, 1))))
+    return {IndexState::kTorn, "shorter than its header", {}};
+  const Header ours;
+  if (header.magic != ours.magic) return {IndexState::kTorn, "not an index", {}};
+  if (header.container_version != ours.container_version)
+    return {IndexState::kStale, "of another version of sluice", {}};
+  // Before anything is allocated by it: the lengths make up the file's size exactly.
+  const uint64_t key_bytes = uint64_t{header.identity_bytes} + header.what_bytes;
+  const uint64_t rest = *size - sizeof header;
+  if (key_bytes > rest || header.blob_bytes != rest - key_bytes)
+    return {IndexState::kTorn, "not of the length that its header says", {}};
+  std::string key_text(key_bytes, '\0');
+  if (!file.read(std::as_writable_bytes(std::span(key_text))))
+    return {IndexState::kTorn, "cut short", {}};
+  Header expected;
+  std::memcpy(&expected, headerAndKey(header, key_text).data(), sizeof expected);
+  if (header.header_checksum != expected.header_checksum)
+    return {IndexState::kTorn, "damaged in its header", {}};
+  if (header.identity_bytes != key.identity.size() || key_text != key.identity + key.what)
+    return {IndexState::kStale, "of another state of the volume", {}};
+  if (header.key_version != key.version)
+    return {IndexState::kStale, "of another version of sluice", {}};
+  Verdict verdict;
+  verdict.blob.resize(header.blob_bytes);
+  if (!file.read(verdict.blob)) return {IndexState::kTorn, "cut short", {}};
+  if (checksumOf(verdict.blob) != header.blob_checksum) return {IndexState::kTorn, "damaged", {}};
+  verdict.state = IndexState::kFound;
+  return verdict;
+}
+
+void writeFile(const std::filesystem::path& path, const IndexKey& key,
+               std::span<const std::byte> blob) {
+  Header header;
+  header.key_version = key.version;
+  header.identity_bytes = static_cast<uint32_t>(key.identity.size());
+  header.what_bytes = static_cast<uint32_t>(key.what.size());
+  header.blob_bytes = blob.size();
+  header.blob_checksum = checksumOf(blob);
+  // AtomicFile's temporary name tells processes apart, not threads.
+  static std::mutex one_thread_at_a_time;
+  const std::lock_guard lock(one_thread_at_a_time);
+  AtomicFile file(path);
+  file.write(headerAndKey(header, key.identity + key.what));
+  file.write(blob);
+  file.commit();
+}
+
+// Empty when the environment names none.
+std::filesystem::path cacheFolder() {
+  const char* xdg = std::getenv("XDG_CACHE_HOME");
+  if (xdg != nullptr && xdg[0] == '/') return xdg;
+  const char* home = std::getenv("HOME");
+  if (home != nullptr && home[0] == '/') return std::filesystem::path(home) / ".cache";
+  return {};
+}
+
+}  // namespace
+
+IndexPlaces indexPlaces(const std::string& volume) {
+  const char* setting = std::getenv("SLUICE_INDEX");
+  const std::string_view wish = setting == nullptr ? "" : setting;
+  IndexPlaces places;
+  places.disabled = wish == "off";
+  if (places.disabled) return places;
+  std::string full = volume;
+  if (!isSynthSpec(volume)) {
+    std::error_code ignored;
+    full = std::filesystem::absolute(volume, ignored).lexically_normal().string();
+    while (full.size() > 1 && full.back() == '/') full.pop_back();
+    if (wish != "cache") places.folders.emplace_back(full + ".sluice-index");
+  }
+  const std::filesystem::path cache = cacheFolder();
+  if (!cache.empty()) {
+    std::string stem = fileName(std::filesystem::path(full).filename().string().substr(0, 60));
+    stem.resize(stem.size() - std::string_view(".idx").size());
+    places.folders.push_back(
+        cache / "sluice" / "index" /
+        fmt::format("{}-{:016x}", stem, checksumOf(std::as_bytes(std::span(full)))));
+  }
+  return places;
+}
+
+std::string_view name(IndexState state) {
+  constexpr std::array<std::string_view, 5> kNames = {"found", "missing", "stale", "torn",
+                                                      "disabled"};
+  return kNames[static_cast<size_t>(state)];
+}
+
+IndexRead readIndex(const IndexPlaces& places, const IndexKey& key) {
+  IndexRead result;
+  if (places.disabled) result.state = IndexState::kDisabled;
+  for (const std::filesystem::path& folder : places.folders) {
+    const std::filesystem::path path = folder / fileName(key.what);
+    Verdict verdict = readFile(path, key);
+    if (verdict.state == IndexState::kFound)
+      return {IndexState::kFound, std::move(verdict.blob), path, ""};
+    if (verdict.state != IndexState::kMissing && result.state == IndexState::kMissing)
+      result = {verdict.state, std::nullopt, path,
+                fmt::format("{}: {}, not used", path.string(), verdict.reason)};
+  }
+  return result;
+}
+
+IndexWritten writeIndex(const IndexPlaces& places, const IndexKey& key,
+                        std::span<const std::byte> blob) {
+  IndexWritten result;
+  if (places.disabled) result.note = "the index is disabled (SLUICE_INDEX=off)";
+  for (const std::filesystem::path& folder : places.folders) {
+    std::string reason;
+    std::error_code status;
+    std::filesystem::create_directories(folder, status);
+    if (!status) {
+      try {
+        result.path = folder / fileName(key.what);
+        writeFile(result.path, key, blob);
+        return result;
+      } catch (const Error& error) {
+        reason = error.what();
+        result.path.clear();
+      }
+    } else {
+      reason = fmt::format("{}: cannot be made: {}", folder.string(), status.message());
+    }
+    result.note += fmt::format("{}{}", result.note.empty() ? "" : "; ", reason);
+  }
+  if (result.note.empty() && places.folders.empty())
+    result.note = "no folder to keep the index in: neither XDG_CACHE_HOME nor HOME is set";
+  return result;
+}
+
+}  // namespace sluice
