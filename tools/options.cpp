@@ -196,9 +196,14 @@ void addViewOptions(CLI::App& app, FrameOptions& options) {
             })
       ->trigger_on_parse();
   addParsed(
-      app, "--algorithm", "What is loaded and drawn of each block (trimmed)",
-      "conventional|clipped|trimmed", [](const std::string& word) { return parseAlgorithm(word); },
+      app, "--algorithm", "What is loaded and drawn of each block (merged)",
+      "conventional|clipped|trimmed|merged",
+      [](const std::string& word) { return parseAlgorithm(word); },
       [&options](Algorithm algorithm) { options.algorithm = algorithm; });
+  addParsed(
+      app, "--merge", "Order of the merge operations (paper)", "paper|first-fit",
+      [](const std::string& word) { return parseMergeOrder(word); },
+      [&options](MergeOrder order) { options.merge_order = order; });
   addParsed(app, "--opacity-threshold", "A ray ends at this opacity; 1 never (1)", "0..1",
             unitShare, [&options](double threshold) { options.opacity_threshold = threshold; });
 }

@@ -58,6 +58,8 @@ ivec2 slices(vec3 origin, vec3 step) {
     else to = min(to, floor(t) + 1.0);
   }
 #endif
+  // A ray beside the box along an axis that it does not move on enters at infinity.
+  if (from >= to) return ivec2(0);
   return ivec2(int(from), int(to));
 }
 )";

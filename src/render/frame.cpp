@@ -64,8 +64,8 @@ void Session::classifyBlocks(FrameReport& report) {
 void Session::planChunks(FrameReport& report) {
   const Stopwatch watch;
   if (!plan_) {
-    plan_ = planTextures(ranges_.layout, *classification_, options_.page, frame_options_.algorithm,
-                         time_, crop());
+    plan_ = planTextures(ranges_.layout, *classification_, options_.page,
+                         {frame_options_.algorithm, frame_options_.merge_order, time_, crop()});
     names_ = chunk_names_.namesOf(*plan_);
   }
   report.clusters = static_cast<int64_t>(plan_->clusters.size());

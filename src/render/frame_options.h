@@ -29,7 +29,8 @@ struct FrameOptions {
   Lighting lighting;         // used by sessions opened lit
   std::optional<Box3> crop;  // voxels; what lies between its outer voxel planes is shown
   std::vector<WorldPlane> clip_planes;
-  Algorithm algorithm = Algorithm::kTrimmed;
+  Algorithm algorithm = Algorithm::kMerged;
+  MergeOrder merge_order = MergeOrder::kPaper;
   bool count_samples = false;  // fills FrameReport::samples_*; costs a pass without texture reads
 };
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <tuple>
 #include <unordered_map>
 
 #include "src/base/error.h"
@@ -66,6 +68,100 @@ std::vector<TextureBlock> textureBlocks(const BlockLayout& layout,
   return blocks;
 }
 
+void groupIntoClusters(TexturePlan& plan) {
+  std::unordered_map<int64_t, int64_t> cluster_at;  // linear index in the grid -> position
+  for (size_t i = 0; i < plan.blocks.size(); ++i) {
+    TextureBlock& block = plan.blocks[i];
+    const Vec3i index = plan.layout.indexOf(block.block) / plan.cluster_blocks;
+    const int64_t linear =
+        (index.z * plan.cluster_grid.y + index.y) * plan.cluster_grid.x + index.x;
+    const auto [found, fresh] =
+        cluster_at.emplace(linear, static_cast<int64_t>(plan.clusters.size()));
+    if (fresh) plan.clusters.push_back({index, {}, {}});
+    block.cluster = found->second;
+    plan.clusters[static_cast<size_t>(block.cluster)].blocks.push_back(static_cast<int64_t>(i));
+  }
+}
+
+MergeBlock mergeBlock(const TexturePlan& plan, int64_t position) {
+  return {position, plan.blocks[static_cast<size_t>(position)].texels().z};
+}
+
+MergedChunk singleChunk(const TexturePlan& plan, size_t position) {
+  const MergeBlock block = mergeBlock(plan, static_cast<int64_t>(position));
+  return {{{{block}, block.thickness}}};
+}
+
+// Gives each block its chunk and place, and each cluster of a block the chunk.
+void addChunk(TexturePlan& plan, const MergedChunk& merged) {
+  const auto number = static_cast<int64_t>(plan.chunks.size());
+  const int64_t side = plan.layout.size;
+  Chunk chunk;
+  for (size_t c = 0; c < merged.columns.size(); ++c) {
+    int64_t z = 0;
+    for (const MergeBlock& piled : merged.columns[c].blocks) {
+      TextureBlock& block = plan.blocks[static_cast<size_t>(piled.block)];
+      block.chunk = number;
+      block.at = {static_cast<int64_t>(c) * side, 0, z};
+      z += piled.thickness;
+      chunk.blocks.push_back(piled.block);
+      std::vector<int64_t>& of_cluster = plan.clusters[static_cast<size_t>(block.cluster)].chunks;
+      if (of_cluster.empty() || of_cluster.back() != number) of_cluster.push_back(number);
+    }
+  }
+  chunk.size_vox = {static_cast<int64_t>(merged.columns.size()) * side, side, merged.thickness()};
+  chunk.pages = plan.page.pagesOf(chunk.size_vox);
+  plan.chunks.push_back(std::move(chunk));
+}
+
+// Sections 3.2.3.2 and 3.2.3.3.
+void mergeChunks(TexturePlan& plan, MergeOrder order) {
+  const int64_t limit = plan.layout.size;
+  const auto pagesOf = [&](const MergedChunk& chunk) {
+    return plan.page.pagesOf(
+        {static_cast<int64_t>(chunk.columns.size()) * limit, limit, chunk.thickness()});
+  };
+  std::vector<std::vector<MergedChunk>> merged(plan.clusters.size());
+  std::vector<int64_t> pages(plan.clusters.size());
+  std::map<std::tuple<int64_t, int64_t, int64_t>, size_t> by_row;  // x, y, z of the cluster
+  for (size_t i = 0; i < plan.clusters.size(); ++i) {
+    std::vector<MergeBlock> blocks;
+    for (const int64_t position : plan.clusters[i].blocks)
+      blocks.push_back(mergeBlock(plan, position));
+    merged[i] = mergeInCluster(blocks, limit, order);
+    for (const MergedChunk& chunk : merged[i]) pages[i] += pagesOf(chunk);
+    const Vec3i index = plan.clusters[i].index;
+    by_row[{index.x, index.y, index.z}] = i;
+  }
+  const auto alone = [](std::vector<MergedChunk>& chunks) {
+    return std::find_if(chunks.begin(), chunks.end(),
+                        [](const MergedChunk& chunk) { return chunk.isSingleBlock(); });
+  };
+  for (const auto& [place, i] : by_row) {
+    const auto& [x, y, z] = place;
+    const auto next = by_row.find({x, y, z + 1});
+    if (next == by_row.end()) continue;
+    const size_t j = next->second;
+    for (;;) {
+      const auto a = alone(merged[i]), b = alone(merged[j]);
+      if (a == merged[i].end() || b == merged[j].end()) break;
+      MergedChunk both =
+          mergeBetweenClusters(a->columns[0].blocks[0], b->columns[0].blocks[0], limit, order);
+      // Each cluster now holds the other's block too, and must still fit the cache.
+      const int64_t with_both = pagesOf(both);
+      const int64_t pages_i = pages[i] - pagesOf(*a) + with_both;
+      const int64_t pages_j = pages[j] - pagesOf(*b) + with_both;
+      if (std::max(pages_i, pages_j) > plan.page.pages) break;
+      pages[i] = pages_i;
+      pages[j] = pages_j;
+      *a = std::move(both);
+      merged[j].erase(b);
+    }
+  }
+  for (const std::vector<MergedChunk>& chunks : merged)
+    for (const MergedChunk& chunk : chunks) addChunk(plan, chunk);
+}
+
 // Smaller is nearer along this axis; two may share a rank only on opposite sides of the eye, where
 // neither can hide the other. `cells` is the width of one step of the index.
 int64_t rankOf(int64_t index, int64_t cells, const EyePosition& eye, int axis) {
@@ -108,9 +204,26 @@ uint64_t TexturePlan::bytes() const {
   return static_cast<uint64_t>(pageCount() * page.pageBytes());
 }
 
+LoadBytes TexturePlan::loadBytes(const Chunk& chunk) const {
+  const auto bytes = [&](int64_t voxels) {
+    return static_cast<uint64_t>(voxels * page.bytes_per_voxel);
+  };
+  LoadBytes load;
+  load.moved = static_cast<uint64_t>(chunk.pages * page.pageBytes());
+  int64_t copied = 0;
+  for (const int64_t position : chunk.blocks) {
+    const TextureBlock& block = blocks[static_cast<size_t>(position)];
+    copied += volume(block.texels());
+    // Cells interpolate the planes on both sides.
+    if (!block.cells.empty()) load.needed += bytes(volume(block.cells.size() + Vec3i{1, 1, 1}));
+  }
+  load.empty = bytes(copied) - load.needed;
+  load.extended = bytes(volume(chunk.size_vox) - copied);
+  return load;
+}
+
 TexturePlan planTextures(const BlockLayout& layout, const Classification& classification,
-                         const PageGeometry& page, Algorithm algorithm, int64_t time,
-                         const Box3& crop) {
+                         const PageGeometry& page, const PlanOptions& options) {
   const int64_t block_pages = page.pagesOf(Vec3i{layout.size, layout.size, layout.size});
   const int64_t capacity_blocks = page.pages / block_pages;
   if (capacity_blocks < 1)
@@ -118,28 +231,19 @@ TexturePlan planTextures(const BlockLayout& layout, const Classification& classi
         "a block of {0} x {0} x {0} voxels takes {1} pages and the texture cache has {2}; give "
         "--pages {1} or a smaller --block",
         layout.size, block_pages, page.pages);
-  TexturePlan plan{layout, page, algorithm, time, clusterBlocks(layout, capacity_blocks),
-                   {},     {},   {},        {}};
+  TexturePlan plan;
+  plan.layout = layout;
+  plan.page = page;
+  plan.time = options.time;
+  plan.cluster_blocks = clusterBlocks(layout, capacity_blocks);
   for (int a = 0; a < 3; ++a)
     plan.cluster_grid[a] = ceilDiv(layout.grid[a], plan.cluster_blocks[a]);
-  plan.blocks = textureBlocks(layout, classification, algorithm, crop);
-
-  std::unordered_map<int64_t, int64_t> cluster_at;  // linear index in the grid -> position
-  for (size_t i = 0; i < plan.blocks.size(); ++i) {
-    TextureBlock& block = plan.blocks[i];
-    const Vec3i index = layout.indexOf(block.block) / plan.cluster_blocks;
-    const int64_t linear =
-        (index.z * plan.cluster_grid.y + index.y) * plan.cluster_grid.x + index.x;
-    const auto [found, fresh] =
-        cluster_at.emplace(linear, static_cast<int64_t>(plan.clusters.size()));
-    if (fresh) plan.clusters.push_back({index, {}, {}});
-    block.cluster = found->second;
-    block.chunk = static_cast<int64_t>(i);
-    Cluster& cluster = plan.clusters[static_cast<size_t>(block.cluster)];
-    cluster.blocks.push_back(static_cast<int64_t>(i));
-    cluster.chunks.push_back(block.chunk);
-    plan.chunks.push_back(
-        {block.texels(), page.pagesOf(block.texels()), {static_cast<int64_t>(i)}});
+  plan.blocks = textureBlocks(layout, classification, options.algorithm, options.crop);
+  groupIntoClusters(plan);
+  if (options.algorithm == Algorithm::kMerged) {
+    mergeChunks(plan, options.merge_order);
+  } else {
+    for (size_t i = 0; i < plan.blocks.size(); ++i) addChunk(plan, singleChunk(plan, i));
   }
   return plan;
 }

@@ -14,7 +14,9 @@
 #include <vector>
 
 #include "cache/page_geometry.h"
+#include "cache/trace.h"
 #include "src/classify/classification.h"
+#include "src/texture/merging.h"
 #include "src/volume/block_layout.h"
 
 namespace sluice {
@@ -59,13 +61,14 @@ struct Chunk {
 struct Cluster {
   Vec3i index;                  // in the grid of clusters
   std::vector<int64_t> blocks;  // positions in TexturePlan::blocks, those of this cluster
-  std::vector<int64_t> chunks;  // positions in TexturePlan::chunks that these blocks lie in
+  // Positions in TexturePlan::chunks that these blocks lie in. A chunk merged between two clusters
+  // is in both.
+  std::vector<int64_t> chunks;
 };
 
 struct TexturePlan {
   BlockLayout layout;
   PageGeometry page;
-  Algorithm algorithm = Algorithm::kTrimmed;
   int64_t time = 0;
   Vec3i cluster_blocks;  // u, v, 1
   Vec3i cluster_grid;
@@ -74,14 +77,22 @@ struct TexturePlan {
   std::vector<Cluster> clusters;  // those with anything to draw
 
   int64_t pageCount() const;
+  // What one load of a chunk moves, by cause.
+  LoadBytes loadBytes(const Chunk& chunk) const;
   // Bytes of all chunks in whole pages.
   uint64_t bytes() const;
 };
 
+struct PlanOptions {
+  Algorithm algorithm = Algorithm::kMerged;
+  MergeOrder merge_order = MergeOrder::kPaper;  // of kMerged
+  int64_t time = 0;
+  Box3 crop;  // cells that may show
+};
+
 // Throws Error when the texture cache has fewer pages than one block.
 TexturePlan planTextures(const BlockLayout& layout, const Classification& classification,
-                         const PageGeometry& page, Algorithm algorithm, int64_t time,
-                         const Box3& crop);
+                         const PageGeometry& page, const PlanOptions& options);
 
 // Where the eye is among the cells of the volume: a parallel view looks along a direction.
 struct EyePosition {

@@ -1,0 +1,130 @@
+#include "src/texture/merging.h"
+
+#include <algorithm>
+#include <array>
+#include <queue>
+#include <tuple>
+
+namespace sluice {
+namespace {
+
+constexpr std::array<std::string_view, 2> kOrderNames = {"paper", "first-fit"};
+
+Column columnOf(const MergeBlock& block) {
+  return {{block}, block.thickness};
+}
+
+// Takes the pair of columns with the least difference in thickness, again and again, until at most
+// one is left alone. Neighbours in sorted order are the only candidates, and stay so as pairs go.
+std::vector<MergedChunk> pairByThickness(std::vector<Column> columns) {
+  std::stable_sort(columns.begin(), columns.end(),
+                   [](const Column& a, const Column& b) { return a.thickness < b.thickness; });
+  const size_t count = columns.size();
+  std::vector<size_t> before(count), after(count);  // count: none
+  std::vector<bool> taken(count, false);
+  using Pair = std::tuple<int64_t, size_t, size_t>;  // difference, lower, upper
+  std::priority_queue<Pair, std::vector<Pair>, std::greater<>> pairs;
+  const auto offer = [&](size_t a, size_t b) {
+    pairs.emplace(columns[b].thickness - columns[a].thickness, a, b);
+  };
+  for (size_t i = 0; i < count; ++i) {
+    before[i] = i == 0 ? count : i - 1;
+    after[i] = i + 1;
+    if (i + 1 < count) offer(i, i + 1);
+  }
+  std::vector<MergedChunk> chunks;
+  while (!pairs.empty()) {
+    const auto [difference, a, b] = pairs.top();
+    pairs.pop();
+    if (taken[a] || taken[b]) continue;
+    taken[a] = taken[b] = true;
+    const size_t left = before[a], right = after[b];
+    if (left < count) after[left] = right;
+    if (right < count) before[right] = left;
+    if (left < count && right < count) offer(left, right);
+    chunks.push_back({{std::move(columns[a]), std::move(columns[b])}});
+  }
+  for (size_t i = 0; i < count; ++i)
+    if (!taken[i]) chunks.push_back({{std::move(columns[i])}});
+  return chunks;
+}
+
+// Piles a chunk of one block on the column, of all chunks', that it fills best.
+void pileUpLeftover(std::vector<MergedChunk>& chunks, int64_t limit) {
+  const auto alone = std::find_if(chunks.begin(), chunks.end(),
+                                  [](const MergedChunk& chunk) { return chunk.isSingleBlock(); });
+  if (alone == chunks.end()) return;
+  const MergeBlock block = alone->columns[0].blocks[0];
+  Column* best = nullptr;
+  for (MergedChunk& chunk : chunks) {
+    if (&chunk == &*alone) continue;
+    for (Column& column : chunk.columns)
+      if (column.thickness + block.thickness <= limit &&
+          (best == nullptr || column.thickness > best->thickness))
+        best = &column;
+  }
+  if (best == nullptr) return;
+  best->blocks.push_back(block);
+  best->thickness += block.thickness;
+  chunks.erase(alone);
+}
+
+// First-fit decreasing by height.
+std::vector<Column> pileUp(std::vector<MergeBlock> blocks, int64_t limit) {
+  std::stable_sort(blocks.begin(), blocks.end(), [](const MergeBlock& a, const MergeBlock& b) {
+    return a.thickness > b.thickness;
+  });
+  std::vector<Column> columns;
+  // Columns before this are too high for any block still to come.
+  size_t first_open = 0;
+  for (const MergeBlock& block : blocks) {
+    const int64_t thinnest = blocks.back().thickness;
+    while (first_open < columns.size() && columns[first_open].thickness + thinnest > limit)
+      ++first_open;
+    size_t at = first_open;
+    while (at < columns.size() && columns[at].thickness + block.thickness > limit) ++at;
+    if (at == columns.size()) columns.push_back({});
+    columns[at].blocks.push_back(block);
+    columns[at].thickness += block.thickness;
+  }
+  return columns;
+}
+
+}  // namespace
+
+std::string_view name(MergeOrder order) {
+  return kOrderNames[static_cast<size_t>(order)];
+}
+
+std::optional<MergeOrder> parseMergeOrder(std::string_view text) {
+  for (size_t i = 0; i < kOrderNames.size(); ++i)
+    if (kOrderNames[i] == text) return static_cast<MergeOrder>(i);
+  return std::nullopt;
+}
+
+int64_t MergedChunk::thickness() const {
+  int64_t most = 0;
+  for (const Column& column : columns) most = std::max(most, column.thickness);
+  return most;
+}
+
+std::vector<MergedChunk> mergeInCluster(const std::vector<MergeBlock>& blocks, int64_t limit,
+                                        MergeOrder order) {
+  if (order == MergeOrder::kFirstFit) return pairByThickness(pileUp(blocks, limit));
+  std::vector<Column> columns;
+  columns.reserve(blocks.size());
+  for (const MergeBlock& block : blocks) columns.push_back(columnOf(block));
+  std::vector<MergedChunk> chunks = pairByThickness(std::move(columns));
+  // Horizontal merges leave at most one block alone.
+  pileUpLeftover(chunks, limit);
+  return chunks;
+}
+
+MergedChunk mergeBetweenClusters(const MergeBlock& a, const MergeBlock& b, int64_t limit,
+                                 MergeOrder order) {
+  if (order == MergeOrder::kFirstFit && a.thickness + b.thickness <= limit)
+    return {{{{a, b}, a.thickness + b.thickness}}};
+  return {{columnOf(a), columnOf(b)}};
+}
+
+}  // namespace sluice
