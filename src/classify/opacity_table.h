@@ -4,8 +4,11 @@
 // The table is what classification reads and what a device looks values up in, so that a block
 // called empty is empty in the picture. Entry i stands for the device value
 //   lo + i * (hi - lo) / (entries - 1);
-// a sample takes the nearest entry. For integers of a range below the entry count, each value falls
-// on an entry exactly. Immutable after construction; any thread may read.
+// a sample takes the nearest entry, or interpolates two where neighbours differ visibly. For
+// integers of a range below the entry count, each value falls on an entry exactly. A step of the
+// opacity is spread over a few entries around its place (a twentieth of a value of 8-bit data),
+// since a value that rounding moves across a sharp one would flip a pixel between two ways of
+// drawing the same sample. Immutable after construction; any thread may read.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +24,7 @@ class OpacityTable {
  public:
   // About `most_entries` entries over `device_range` (all device values of the volume).
   OpacityTable(const TransferFunction& transfer, const ValueMap& map, ValueRange device_range,
-               int most_entries = 4096);
+               int most_entries = 16384);
 
   int entries() const { return static_cast<int>(opacity_.size()); }
   ValueRange deviceRange() const { return range_; }
@@ -33,6 +36,8 @@ class OpacityTable {
   }
   // Of one voxel length of the finest spacing, not corrected for a step.
   const std::vector<float>& opacity() const { return opacity_; }
+  // Whether neighbouring entries differ by so much that a sample must interpolate.
+  bool mustInterpolate() const { return must_interpolate_; }
   // r, g, b of each entry, not premultiplied.
   const std::vector<float>& rgb() const { return rgb_; }
 
@@ -47,10 +52,14 @@ class OpacityTable {
   }
 
  private:
+  void spreadSteps();
+  bool neighborsDiffer() const;
+
   ValueRange range_;
   double entries_per_device_ = 0;
   std::vector<float> opacity_;
   std::vector<float> rgb_;
+  bool must_interpolate_ = false;
   std::vector<uint32_t> opaque_before_;  // [i]: entries below i whose opacity is not 0
 };
 

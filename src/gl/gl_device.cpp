@@ -185,7 +185,7 @@ void GlDevice::setLookUp(GlProgram& program) {
   gl_.BindTexture(GL_TEXTURE_2D, look_up_);
   gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, entries, 1, 0, GL_RGBA, GL_FLOAT, texels.data());
   for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
-    gl_.TexParameteri(GL_TEXTURE_2D, filter, GL_NEAREST);
+    gl_.TexParameteri(GL_TEXTURE_2D, filter, setup_.look_up.interpolates ? GL_LINEAR : GL_NEAREST);
   for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
     gl_.TexParameteri(GL_TEXTURE_2D, wrap, GL_CLAMP_TO_EDGE);
   gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);

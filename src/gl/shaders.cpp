@@ -77,7 +77,7 @@ void main() {
 constexpr const char* kSample = R"(
 uniform sampler3D chunk;
 uniform vec3 texel_size;     // 1 / texels of the chunk
-uniform sampler2D look_up;   // nearest
+uniform sampler2D look_up;
 uniform float entry_scale, entry_offset, value_scale, stop_opacity;
 #if WITH_DEPTH
 layout(location = 1) out vec4 depth_sum;  // opacity times depth, and opacity to blend by

@@ -43,9 +43,10 @@ struct ClipPlane {
 };
 
 // What a value looks like, ready to be looked up: entry e of `rgba` is for device values around
-// lo + e * (hi - lo) / (entries - 1); a sample takes the nearest entry, clamped.
+// lo + e * (hi - lo) / (entries - 1); a sample takes the nearest entry, clamped, or interpolates.
 struct LookUp {
   ValueRange device_range;
+  bool interpolates = false;
   // r, g, b not premultiplied; opacity of one unit length, not corrected for the step.
   std::vector<float> rgba;
 };

@@ -66,6 +66,7 @@ std::vector<ClipPlane> clipPlanes(const std::vector<WorldPlane>& planes,
 LookUp lookUp(const OpacityTable& table) {
   LookUp result;
   result.device_range = table.deviceRange();
+  result.interpolates = table.mustInterpolate();
   for (size_t i = 0; i < static_cast<size_t>(table.entries()); ++i) {
     for (size_t channel = 0; channel < 3; ++channel)
       result.rgba.push_back(table.rgb()[3 * i + channel]);
