@@ -23,8 +23,8 @@ svg{max-width:100%;height:auto}
 .now{fill:#2a78b8}.kept{fill:#b9d3e8}
 .needed{fill:#2a78b8}.rounding{fill:#e0a43a}.extended{fill:#c2547a}.empty{fill:#9aa5b1}
 .key{display:inline-block;width:.8em;height:.8em;margin:0 .35em 0 1em}
-table{border-collapse:collapse;font-size:13px;font-variant-numeric:tabular-nums}
-td,th{padding:.15em .7em;text-align:right;border-bottom:1px solid #e4e8ed}
+table{border-collapse:collapse;font-size:13px;font-variant-numeric:tabular-nums;display:block;overflow-x:auto}
+td,th{padding:.15em .6em;text-align:right;white-space:nowrap;border-bottom:1px solid #e4e8ed}
 td:first-child,th:first-child{text-align:left}tr.on{background:#fdf1ea}
 )";
 
@@ -122,11 +122,13 @@ std::string pageMapPicture(const SimulationReport& report) {
                                  ? "#fff"
                                  : fmt::format("hsl({} {}% {}%)", mixed % 360,
                                                45 + mixed / 360 % 20, 55 + mixed / 7200 % 20);
+    const size_t column = page % columns;
+    const size_t line = page / columns;
     out += fmt::format(
         "<rect x='{:.1f}' y='{:.1f}' width='{:.1f}' height='{:.1f}' fill='{}' stroke='#e4e8ed'>"
         "<title>page {}: {}</title></rect>",
-        2 + static_cast<double>(page % columns) * cell,
-        2 + static_cast<double>(page / columns) * cell, cell - 1, cell - 1, fill, page,
+        2 + static_cast<double>(column) * cell, 2 + static_cast<double>(line) * cell, cell - 1,
+        cell - 1, fill, page,
         chunk == TextureCache::kNoChunk ? "free" : fmt::format("chunk {}", chunk));
   }
   out += "</svg>";
