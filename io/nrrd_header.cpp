@@ -83,7 +83,10 @@ Fields readFields(std::string_view text, const std::string& path) {
 VoxelType voxelType(const Fields& fields) {
   std::string text = withoutSpaces(fields.demand("type"));
   if (text.starts_with("signed")) text.erase(0, 6);
-  if (text.starts_with("unsigned")) text.replace(0, 8, "u");
+  if (text.starts_with("unsigned")) {
+    text.erase(0, 7);
+    text[0] = 'u';
+  }
   // "unsigned short int" and "short" mean what C means by them.
   if (text.ends_with("shortint")) text.erase(text.size() - 3);
   if (const std::optional<VoxelType> type = parseVoxelType(text)) return *type;
