@@ -1,0 +1,196 @@
+#include "io/open_volume.h"
+
+#include <array>
+#include <filesystem>
+#include <string_view>
+#include <utility>
+
+#include "io/file.h"
+#include "io/file_list.h"
+#include "io/meta_image.h"
+#include "io/nifti.h"
+#include "io/nrrd.h"
+#include "io/raw.h"
+#include "io/raw_name.h"
+#include "io/sequence.h"
+#include "io/slice_picture.h"
+#include "io/slice_stack.h"
+#include "io/synth_source.h"
+#include "io/vdb_source.h"
+#include "src/base/error.h"
+
+namespace sluice {
+namespace {
+
+using namespace std::string_view_literals;
+namespace fs = std::filesystem;
+
+enum class Format { kNrrd, kMetaImage, kNifti, kVdb, kPicture, kRaw, kUnknown };
+
+constexpr std::string_view kUnderstood =
+    "NRRD, MetaImage, NIfTI, OpenVDB, PNG or TIFF slices, or raw with --dims X,Y,Z --type T";
+
+Format formatOfContent(const fs::path& path) {
+  std::array<std::byte, 4096> bytes{};
+  File file(path);
+  const size_t got = file.readSome(0, bytes);
+  const std::string_view head(reinterpret_cast<const char*>(bytes.data()), got);
+  const auto has = [&](size_t at, std::string_view magic) {
+    return head.size() >= at + magic.size() && head.substr(at, magic.size()) == magic;
+  };
+  if (has(0, "NRRD")) return Format::kNrrd;
+  if (has(0, " BDV")) return Format::kVdb;
+  if (isSlicePicture(path)) return Format::kPicture;
+  constexpr size_t kNifti1MagicAt = 344, kNifti2MagicAt = 4;
+  if (has(kNifti1MagicAt, "n+1\0"sv) || has(kNifti1MagicAt, "ni1\0"sv) ||
+      has(kNifti2MagicAt, "n+2\0"sv) || has(kNifti2MagicAt, "ni2\0"sv))
+    return Format::kNifti;
+  const std::string_view first_line = head.substr(0, head.find('\n'));
+  const bool starts_as_meta = first_line.find('=') != std::string_view::npos &&
+                              first_line.find('\0') == std::string_view::npos;
+  if (starts_as_meta && head.find("DimSize") != std::string_view::npos) return Format::kMetaImage;
+  return Format::kUnknown;
+}
+
+Format formatOfName(const fs::path& path, const OpenOptions& options) {
+  const std::string extension = lowerExtension(path);
+  if (extension == ".nrrd" || extension == ".nhdr") return Format::kNrrd;
+  if (extension == ".mhd" || extension == ".mha") return Format::kMetaImage;
+  if (extension == ".nii" || extension == ".nii.gz" || extension == ".hdr" ||
+      extension == ".hdr.gz")
+    return Format::kNifti;
+  if (extension == ".img" || extension == ".img.gz") {
+    fs::path header = path;
+    if (extension == ".img.gz") header.replace_extension();
+    header.replace_extension(".hdr");
+    for (const auto* const end : {"", ".gz"}) {
+      if (fs::exists(header.string() + end)) return Format::kNifti;
+    }
+    return Format::kRaw;
+  }
+  if (extension == ".vdb") return Format::kVdb;
+  if (extension == ".png" || extension == ".tif" || extension == ".tiff") return Format::kPicture;
+  if (extension == ".raw" || extension == ".raw.gz" || options.dims || options.type ||
+      parseRawName(path.filename().string()).dims)
+    return Format::kRaw;
+  return Format::kUnknown;
+}
+
+// A source with other distances between its voxels.
+class RespacedSource final : public VolumeSource {
+ public:
+  RespacedSource(std::unique_ptr<VolumeSource> source, Vec3d spacing)
+      : source_(std::move(source)), layout_(source_->layout()) {
+    layout_.spacing = spacing;
+  }
+  const VolumeLayout& layout() const override { return layout_; }
+  void readRegion(int64_t time, const Box3& box, std::span<std::byte> out) override {
+    source_->readRegion(time, box, out);
+  }
+  std::optional<Occupancy> occupancy(int64_t time) override { return source_->occupancy(time); }
+  std::string identity() const override { return source_->identity(); }
+  uint64_t storedBytesRead() const override { return source_->storedBytesRead(); }
+
+ private:
+  const std::unique_ptr<VolumeSource> source_;
+  VolumeLayout layout_;  // constant after construction
+};
+
+std::unique_ptr<VolumeSource> respaced(std::unique_ptr<VolumeSource> source,
+                                       const OpenOptions& options) {
+  if (!options.spacing) return source;
+  return std::make_unique<RespacedSource>(std::move(source), *options.spacing);
+}
+
+void checkOptions(const std::string& input, Format format, const OpenOptions& options) {
+  const bool is_described = options.dims || options.time_steps || options.type ||
+                            options.byte_order || options.skip_bytes != 0;
+  if (format != Format::kRaw && is_described)
+    fail(
+        "{}: the file says its own size and type; --dims, --type, --endian and --skip are for raw "
+        "files, leave them out",
+        input);
+  if (format != Format::kVdb && !options.grid.empty())
+    fail("{}: --grid {} is for OpenVDB files, which this is not; leave it out", input,
+         options.grid);
+  if (options.spacing) {
+    const Vec3d s = *options.spacing;
+    for (int a = 0; a < 3; ++a) {
+      if (!(s[a] > 0) || !std::isfinite(s[a]))
+        fail("{}: spacing {}, {}, {}, expected three positive numbers", input, s.x, s.y, s.z);
+    }
+  }
+}
+
+// A name that stands for one source: a file, a folder, a synthetic volume.
+std::unique_ptr<VolumeSource> openOne(const std::string& input, const OpenOptions& options) {
+  const fs::path path(input);
+  if (isSynthSpec(input)) {
+    checkOptions(input, Format::kUnknown, options);
+    return respaced(openSynth(parseSynthSpec(input)), options);
+  }
+  if (fs::is_directory(path)) {
+    checkOptions(input, Format::kPicture, options);
+    return openSliceFolder(path, {.spacing = options.spacing});
+  }
+  Format format = formatOfContent(path);
+  if (format == Format::kUnknown) format = formatOfName(path, options);
+  if (format == Format::kUnknown) fail("{}: unknown kind of file, expected {}", input, kUnderstood);
+  checkOptions(input, format, options);
+  switch (format) {
+    case Format::kNrrd:
+      return respaced(openNrrd(path), options);
+    case Format::kMetaImage:
+      return respaced(openMetaImage(path), options);
+    case Format::kNifti:
+      return respaced(openNifti(path), options);
+    case Format::kVdb:
+      return respaced(openVdb(path, options.grid), options);
+    case Format::kPicture:
+      return openSlices({path}, {.spacing = options.spacing});
+    case Format::kRaw:
+    case Format::kUnknown:
+      break;
+  }
+  return openRaw(path, {.dims = options.dims,
+                        .time_steps = options.time_steps,
+                        .type = options.type,
+                        .byte_order = options.byte_order,
+                        .skip_bytes = options.skip_bytes,
+                        .spacing = options.spacing});
+}
+
+bool isSlice(const std::string& input) {
+  if (isSynthSpec(input) || fs::is_directory(input) || !isSlicePicture(input)) return false;
+  return openSlicePicture(input)->format().pages == 1;
+}
+
+}  // namespace
+
+std::unique_ptr<VolumeSource> openVolume(const std::string& input, const OpenOptions& options) {
+  return openVolume(std::vector<std::string>{input}, options);
+}
+
+std::unique_ptr<VolumeSource> openVolume(const std::vector<std::string>& inputs,
+                                         const OpenOptions& options) {
+  SLUICE_CHECK(!inputs.empty());
+  std::vector<std::string> files;
+  for (const std::string& input : inputs) {
+    if (isSynthSpec(input) || !isPattern(input)) {
+      files.push_back(input);
+      continue;
+    }
+    const auto matches = expandPattern(input);
+    requireOneSeries(input, matches);
+    for (const fs::path& file : matches) files.push_back(file.string());
+  }
+  if (files.size() == 1) return openOne(files[0], options);
+  if (isSlice(files[0])) {
+    checkOptions(files[0], Format::kPicture, options);
+    return openSlices({files.begin(), files.end()}, {.spacing = options.spacing});
+  }
+  return std::make_unique<SequenceSource>(
+      files, [options](const std::string& path) { return openOne(path, options); });
+}
+
+}  // namespace sluice

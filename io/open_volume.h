@@ -1,0 +1,41 @@
+// The one way in: from what a user names on the command line to a VolumeSource.
+//
+// The reader is chosen by the file's first bytes, and by its extension where those say nothing.
+// What can be named: a file (NRRD, MetaImage, NIfTI, OpenVDB, PNG, TIFF, raw), a folder of slices,
+// a pattern ('slice-*.png', 'step_%03d.raw'), several of these, and "synth:KIND,..." volumes.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "src/base/volume_source.h"
+
+namespace sluice {
+
+// What a user says beside the name. The fields that only a raw or only an OpenVDB file leaves open
+// are an Error with other formats, so that nothing said is silently without effect.
+struct OpenOptions {
+  std::optional<Vec3i> dims = {};              // raw
+  std::optional<int64_t> time_steps = {};      // raw
+  std::optional<VoxelType> type = {};          // raw
+  std::optional<std::endian> byte_order = {};  // raw
+  int64_t skip_bytes = 0;                      // raw
+  std::optional<Vec3d> spacing = {};           // any; replaces what the file says
+  std::string grid = {};                       // OpenVDB; empty: see vdb_source.h
+};
+
+// One name. Throws Error in one line: what is missing, damaged or not understood, and what would
+// be.
+std::unique_ptr<VolumeSource> openVolume(const std::string& input, const OpenOptions& options = {});
+
+// Several names, or one. Patterns are expanded in place. More than one file are: the slices of one
+// volume, in this order, where they are pictures of one page; else the time steps of one volume.
+// Requires: inputs not empty.
+std::unique_ptr<VolumeSource> openVolume(const std::vector<std::string>& inputs,
+                                         const OpenOptions& options = {});
+
+}  // namespace sluice

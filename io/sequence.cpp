@@ -1,0 +1,118 @@
+#include "io/sequence.h"
+
+#include <algorithm>
+
+#include "io/file_list.h"
+#include "src/base/error.h"
+
+namespace sluice {
+namespace {
+
+std::vector<std::filesystem::path> filesOf(const std::vector<std::string>& steps) {
+  std::vector<std::filesystem::path> files;
+  for (const std::string& step : steps) {
+    if (std::filesystem::is_directory(step)) {
+      for (auto& file : listFolder(step)) files.push_back(std::move(file));
+    } else {
+      files.emplace_back(step);
+    }
+  }
+  return files;
+}
+
+// Positions that differ by rounding in a text header are the same.
+bool isClose(Vec3d a, Vec3d b, double scale) {
+  constexpr double kTolerance = 1e-6;
+  return length(a - b) <= kTolerance * scale;
+}
+
+}  // namespace
+
+SequenceSource::SequenceSource(std::vector<std::string> steps, Opener opener, size_t max_open_files)
+    : steps_(std::move(steps)),
+      opener_(std::move(opener)),
+      max_open_files_(std::max<size_t>(max_open_files, 1)) {
+  SLUICE_CHECK(!steps_.empty());
+  std::shared_ptr<VolumeSource> first = opener_(steps_[0]);
+  layout_ = first->layout();
+  checkAgrees(steps_[0], layout_);
+  layout_.time_steps = static_cast<int64_t>(steps_.size());
+  layout_.stored_range.reset();
+  // The files' states alone do not say how they are read (dims given by the user); the first
+  // volume's identity does.
+  identity_ = "sequence|" + fileIdentity(filesOf(steps_)) + "|first: " + first->identity();
+  open_.push_front({0, std::move(first)});
+}
+
+void SequenceSource::readRegion(int64_t time, const Box3& box, std::span<std::byte> out) {
+  at(time)->readRegion(0, box, out);
+}
+
+std::optional<Occupancy> SequenceSource::occupancy(int64_t time) {
+  return at(time)->occupancy(0);
+}
+
+uint64_t SequenceSource::storedBytesRead() const {
+  const std::lock_guard lock(mutex_);
+  uint64_t bytes = closed_read_bytes_;
+  for (const OpenFile& file : open_) bytes += file.source->storedBytesRead();
+  return bytes;
+}
+
+std::shared_ptr<VolumeSource> SequenceSource::at(int64_t time) {
+  SLUICE_CHECK(time >= 0 && time < layout_.time_steps);
+  const auto find = [&] {
+    return std::find_if(open_.begin(), open_.end(),
+                        [&](const OpenFile& file) { return file.time == time; });
+  };
+  {
+    const std::lock_guard lock(mutex_);
+    if (const auto found = find(); found != open_.end()) {
+      open_.splice(open_.begin(), open_, found);
+      return found->source;
+    }
+  }
+  // Opened without the lock: another thread may do the same, and the first to finish stays.
+  const std::string& path = steps_[static_cast<size_t>(time)];
+  std::shared_ptr<VolumeSource> source = opener_(path);
+  checkAgrees(path, source->layout());
+  const std::lock_guard lock(mutex_);
+  if (const auto found = find(); found != open_.end()) {
+    closed_read_bytes_ += source->storedBytesRead();
+    return found->source;
+  }
+  open_.push_front({time, source});
+  closeIdle();
+  return source;
+}
+
+void SequenceSource::closeIdle() {
+  for (auto it = open_.end(); open_.size() > max_open_files_ && it != open_.begin();) {
+    --it;
+    // In use elsewhere: its reads are not done, so its count is not final.
+    if (it->source.use_count() > 1) continue;
+    closed_read_bytes_ += it->source->storedBytesRead();
+    it = open_.erase(it);
+  }
+}
+
+void SequenceSource::checkAgrees(const std::string& path, const VolumeLayout& other) const {
+  if (other.time_steps != 1)
+    fail("{}: {} time steps in one file of a sequence, expected 1", path, other.time_steps);
+  if (other.dims != layout_.dims || other.type != layout_.type)
+    fail("{}: {} x {} x {} of {}, expected {} x {} x {} of {} as in {}; all time steps must agree",
+         path, other.dims.x, other.dims.y, other.dims.z, name(other.type), layout_.dims.x,
+         layout_.dims.y, layout_.dims.z, name(layout_.type), steps_[0]);
+  const double scale = length(layout_.spacing);
+  bool is_same_place = isClose(other.spacing, layout_.spacing, scale) &&
+                       isClose(other.origin, layout_.origin, scale + length(layout_.origin));
+  for (size_t a = 0; a < 3; ++a) is_same_place &= isClose(other.axes[a], layout_.axes[a], 1);
+  if (!is_same_place)
+    fail("{}: spacing, origin or axes differ from {}; all time steps must agree", path, steps_[0]);
+  if (other.value_scale != layout_.value_scale || other.value_offset != layout_.value_offset)
+    fail("{}: values are scaled by {} + {}, expected {} + {} as in {}; all time steps must agree",
+         path, other.value_scale, other.value_offset, layout_.value_scale, layout_.value_offset,
+         steps_[0]);
+}
+
+}  // namespace sluice

@@ -1,0 +1,65 @@
+// SequenceSource: files of one layout as the time steps of one volume.
+//
+// The first file is opened at once and gives the layout; the others when they are read, a bounded
+// number at a time. Reads run on any number of threads at once.
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <functional>
+#include <list>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "src/base/volume_source.h"
+
+namespace sluice {
+
+class SequenceSource final : public VolumeSource {
+ public:
+  // Opens the volume of one time step. Called from any thread.
+  using Opener = std::function<std::unique_ptr<VolumeSource>(const std::string& path)>;
+  static constexpr size_t kMaxOpenFiles = 8;
+
+  // Opens steps[0]. At most `max_open_files` others stay open, more only while threads read them.
+  // Requires: steps not empty. Throws Error: the first file's own, a file that is missing, a file
+  // that holds several time steps itself.
+  SequenceSource(std::vector<std::string> steps, Opener opener,
+                 size_t max_open_files = kMaxOpenFiles);
+
+  // The first file's layout with time_steps set; a stored range is left out, as it says nothing of
+  // the other files.
+  const VolumeLayout& layout() const override { return layout_; }
+  // Throws Error where a file's size, type, place or scaling differs from the first one's.
+  void readRegion(int64_t time, const Box3& box, std::span<std::byte> out) override;
+  std::optional<Occupancy> occupancy(int64_t time) override;
+  // Covers all files as they were at the opening.
+  std::string identity() const override { return identity_; }
+  uint64_t storedBytesRead() const override;
+
+ private:
+  struct OpenFile {
+    int64_t time = 0;
+    std::shared_ptr<VolumeSource> source;
+  };
+
+  // The volume of a step, opened if need be.
+  std::shared_ptr<VolumeSource> at(int64_t time);
+  void checkAgrees(const std::string& path, const VolumeLayout& other) const;
+  void closeIdle();  // Requires: mutex_ held
+
+  const std::vector<std::string> steps_;
+  const Opener opener_;
+  const size_t max_open_files_;
+  VolumeLayout layout_;   // constant after construction
+  std::string identity_;  // constant after construction
+
+  mutable std::mutex mutex_;
+  std::list<OpenFile> open_;        // guarded by mutex_; used last in front
+  uint64_t closed_read_bytes_ = 0;  // guarded by mutex_; of files closed since
+};
+
+}  // namespace sluice

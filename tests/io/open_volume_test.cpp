@@ -1,0 +1,178 @@
+#include "io/open_volume.h"
+
+#include <gmock/gmock.h>
+
+#include "io/png_file.h"
+#include "tests/io/image_test_support.h"
+#include "tests/io/vdb_writer.h"
+
+namespace sluice {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+// A grey PNG of 4 x 3 pixels, all of one value.
+void writeSlice(const std::filesystem::path& path, uint8_t value) {
+  Rgba8Picture picture{4, 3, std::vector<uint8_t>(48, value)};
+  writePng(path, picture);
+}
+
+TEST(OpenVolume, knowsAFileByItsFirstBytesWhateverItsName) {
+  const TempFolder folder;
+  writePoints(folder / "a.raw", {{{0, 0, 0}, 2.0F}});
+  writeSlice(folder / "b.vdb", 9);
+  writeFile(folder / "c.txt",
+            "NRRD0001\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nencoding: raw\n\n12345678");
+  writeFile(
+      folder / "d",
+      "NDims = 3\nDimSize = 2 2 2\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n12345678");
+  EXPECT_EQ(openVolume((folder / "a.raw").string())->layout().dims, (Vec3i{3, 3, 3}));
+  EXPECT_EQ(openVolume((folder / "b.vdb").string())->layout().dims, (Vec3i{4, 3, 1}));
+  EXPECT_EQ(valueAt<uint8_t>(*openVolume((folder / "c.txt").string()), {1, 0, 0}), '2');
+  EXPECT_EQ(valueAt<uint8_t>(*openVolume((folder / "d").string()), {1, 0, 0}), '2');
+}
+
+TEST(OpenVolume, takesRawFilesFromTheirNamesOrTheOptions) {
+  const TempFolder folder;
+  writeFile(folder / "a_2x2x2_uint8.raw", "12345678");
+  writeFile(folder / "b", "xx12345678");
+  EXPECT_EQ(valueAt<uint8_t>(*openVolume((folder / "a_2x2x2_uint8.raw").string()), {1, 1, 1}), '8');
+  const auto source = openVolume((folder / "b").string(), {.dims = Vec3i{2, 1, 2},
+                                                           .type = VoxelType::kU16,
+                                                           .byte_order = std::endian::big,
+                                                           .skip_bytes = 2,
+                                                           .spacing = Vec3d{1, 2, 3}});
+  EXPECT_EQ(valueAt<uint16_t>(*source, {0, 0, 0}), ('1' << 8) + '2');
+  EXPECT_EQ(source->layout().spacing, (Vec3d{1, 2, 3}));
+}
+
+TEST(OpenVolume, takesAFolderOrAPatternOfSlices) {
+  const TempFolder folder;
+  for (const int n : {0, 1, 2, 9, 10, 11})
+    writeSlice(folder / fmt::format("s-{}.png", n), static_cast<uint8_t>(n));
+  writeFile(folder / "notes.txt", "of no interest");
+  for (const std::string& input :
+       {folder.path().string(), (folder / "s-%d.png").string(), (folder / "s-*.png").string()}) {
+    const auto source = openVolume(input, {.spacing = Vec3d{1, 1, 2}});
+    EXPECT_EQ(source->layout().dims, (Vec3i{4, 3, 6}));
+    EXPECT_EQ(source->layout().time_steps, 1);
+    EXPECT_EQ(source->layout().spacing, (Vec3d{1, 1, 2}));
+    EXPECT_EQ(valueAt<uint8_t>(*source, {3, 2, 3}), 9);
+    EXPECT_EQ(valueAt<uint8_t>(*source, {0, 0, 4}), 10);
+  }
+  // A list is in the order given.
+  const auto two = openVolume({(folder / "s-10.png").string(), (folder / "s-9.png").string()});
+  EXPECT_EQ(valueAt<uint8_t>(*two, {0, 0, 0}), 10);
+}
+
+TEST(OpenVolume, takesAPatternOfVolumesAsTimeSteps) {
+  const TempFolder folder;
+  writeFile(folder / "step_000.raw", "12345678");
+  writeFile(folder / "step_010.raw", "abcdefgh");
+  writeFile(folder / "step_100.raw", "ABCDEFGH");
+  const OpenOptions options{.dims = Vec3i{2, 2, 2}, .type = VoxelType::kU8};
+  const auto source = openVolume((folder / "step_%03d.raw").string(), options);
+  EXPECT_EQ(source->layout().time_steps, 3);
+  EXPECT_EQ(valuesOf<char>(readBox(*source, {{0, 0, 0}, {2, 1, 1}}, 1)),
+            (std::vector<char>{'a', 'b'}));
+  EXPECT_EQ(valuesOf<char>(readBox(*source, {{0, 0, 0}, {2, 1, 1}}, 2)),
+            (std::vector<char>{'A', 'B'}));
+  writeFile(folder / "step_010.raw", "abcdefghi");
+  const auto damaged = openVolume((folder / "step_%03d.raw").string(), options);
+  EXPECT_THAT(errorOf([&] { readAll(*damaged, 1); }), HasSubstr("step_010.raw"));
+}
+
+TEST(OpenVolume, takesFoldersOfSlicesAsTimeSteps) {
+  const TempFolder folder;
+  for (const int t : {0, 1}) {
+    std::filesystem::create_directory(folder / std::to_string(t));
+    for (const int n : {0, 1, 2})
+      writeSlice(folder / fmt::format("{}/{}.png", t, n), static_cast<uint8_t>(10 * t + n));
+  }
+  const auto source = openVolume({(folder / "0").string(), (folder / "1").string()});
+  EXPECT_EQ(source->layout().time_steps, 2);
+  EXPECT_EQ(source->layout().dims, (Vec3i{4, 3, 3}));
+  std::vector<std::byte> out(1);
+  source->readRegion(1, {{0, 0, 2}, {1, 1, 3}}, out);
+  EXPECT_EQ(out[0], std::byte{12});
+}
+
+TEST(OpenVolume, makesSyntheticVolumes) {
+  EXPECT_EQ(openVolume("synth:cube,dims=5x6x7")->layout().dims, (Vec3i{5, 6, 7}));
+}
+
+TEST(OpenVolume, spacingReplacesWhatTheFileSays) {
+  const TempFolder folder;
+  writePoints(folder / "a.vdb", {{{0, 0, 0}, 2.0F}});
+  const auto source = openVolume((folder / "a.vdb").string(), {.spacing = Vec3d{1, 2, 3}});
+  EXPECT_EQ(source->layout().spacing, (Vec3d{1, 2, 3}));
+  EXPECT_EQ(valueAt<float>(*source, {1, 1, 1}), 2.0F);
+  EXPECT_TRUE(source->occupancy(0).has_value());
+  EXPECT_THAT(errorOf([&] {
+                openVolume((folder / "a.vdb").string(), {.spacing = Vec3d{1, 0, 3}});
+              }),
+              HasSubstr("three positive numbers"));
+}
+
+TEST(OpenVolume, refusesOptionsThatWouldHaveNoEffect) {
+  const TempFolder folder;
+  writePoints(folder / "a.vdb", {{{0, 0, 0}, 2.0F}});
+  writeSlice(folder / "b.png", 1);
+  EXPECT_THAT(errorOf([&] {
+                openVolume((folder / "a.vdb").string(), {.dims = Vec3i{1, 1, 1}});
+              }),
+              HasSubstr("are for raw files"));
+  EXPECT_THAT(errorOf([&] { openVolume((folder / "b.png").string(), {.grid = "density"}); }),
+              HasSubstr("--grid density is for OpenVDB"));
+}
+
+TEST(OpenVolume, saysWhatIsWrongWithAName) {
+  const TempFolder folder;
+  writeFile(folder / "a.txt", "hello");
+  writeFile(folder / "empty", "");
+  writeFile(folder / "a.nrrd", "hello");
+  writeFile(folder / "a.vdb", "hello");
+  EXPECT_THAT(errorOf([&] { openVolume((folder / "a.txt").string()); }),
+              AllOf(HasSubstr("a.txt: unknown kind of file"),
+                    HasSubstr("NRRD, MetaImage, NIfTI, OpenVDB")));
+  EXPECT_THAT(errorOf([&] { openVolume((folder / "empty").string()); }),
+              HasSubstr("unknown kind of file"));
+  EXPECT_THAT(errorOf([&] { openVolume((folder / "none.nii").string()); }), HasSubstr("none.nii"));
+  EXPECT_THAT(errorOf([&] { openVolume((folder / "a.nrrd").string()); }), HasSubstr("a.nrrd"));
+  EXPECT_THAT(errorOf([&] { openVolume((folder / "a.vdb").string()); }),
+              HasSubstr("not an OpenVDB file"));
+  EXPECT_THAT(errorOf([&] { openVolume(folder.path().string()); }), HasSubstr("has no slices"));
+  EXPECT_THAT(errorOf([&] { openVolume((folder / "*.png").string()); }),
+              HasSubstr("no file matches"));
+}
+
+TEST(OpenVolume, opensTheRealVolumes) {
+  struct Known {
+    const char* name;
+    Vec3i dims;
+    VoxelType type;
+    int64_t steps;
+  };
+  for (const Known& known :
+       {Known{"bonsai.nii.gz", {256, 256, 256}, VoxelType::kU8, 1},
+        Known{"engine_256x256x128_uint8.raw", {256, 256, 128}, VoxelType::kU8, 1},
+        Known{"HeadMRVolume.mhd", {48, 62, 42}, VoxelType::kU8, 1},
+        Known{"tooth/tooth.nhdr", {103, 94, 161}, VoxelType::kU16, 1},
+        Known{"smoke.vdb", {113, 224, 114}, VoxelType::kF32, 1},
+        Known{"cthead/%03d.tif", {256, 256, 99}, VoxelType::kU8, 1},
+        Known{"viscous-fingers/step_%03d.nrrd", {64, 64, 64}, VoxelType::kF32, 40}}) {
+    SCOPED_TRACE(known.name);
+    const std::string path = fmt::format("{}/{}", SLUICE_DATA_DIR, known.name);
+    if (!std::filesystem::exists(path) &&
+        !std::filesystem::exists(std::filesystem::path(path).parent_path()))
+      GTEST_SKIP() << path << " is missing";
+    const auto source = openVolume(path);
+    EXPECT_EQ(source->layout().dims, known.dims);
+    EXPECT_EQ(source->layout().type, known.type);
+    EXPECT_EQ(source->layout().time_steps, known.steps);
+  }
+}
+
+}  // namespace
+}  // namespace sluice
