@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <memory>
 
+#include "cache/bench_simulate.h"
 #include "src/gl/gl_device.h"
 #include "src/render/sampling_limit.h"
+#include "tools/algorithms_bench.h"
 #include "tools/commands.h"
 #include "tools/report.h"
 
@@ -85,6 +87,37 @@ int runRender(const Arguments& arguments, const CLI::App& app) {
   return 0;
 }
 
+int runAlgorithms(const Arguments& arguments, const CLI::App& app) {
+  AlgorithmsBench bench;
+  bench.volumes = arguments.volume.inputs;
+  bench.open = arguments.volume.open;
+  bench.look = arguments.look;
+  bench.frame = arguments.frame;
+  bench.resources = arguments.resources;
+  bench.frames = arguments.frames;
+  nlohmann::json report = benchAlgorithms(bench);
+  if (arguments.json) {
+    report.update({{"command", "bench algorithms"}, {"options", optionsJson(app)}});
+    fmt::print("{}\n", report.dump(2));
+  } else {
+    printAlgorithms(report);
+  }
+  return 0;
+}
+
+int runSimulate(bool as_json) {
+  const SimulateBenchResult result = benchSimulate({});
+  if (as_json) {
+    const nlohmann::json report{
+        {"requests_per_second", {{"lru", result.lru}, {"curve", result.curve}}}};
+    fmt::print("{}\n", report.dump(2));
+  } else {
+    fmt::print("LRU {:.1f}, exact curve {:.1f} million page requests a second on one core\n",
+               result.lru / 1e6, result.curve / 1e6);
+  }
+  return 0;
+}
+
 }  // namespace
 
 Command addBench(CLI::App& program) {
@@ -107,13 +140,38 @@ Command addBench(CLI::App& program) {
   addLookOptions(*render, arguments->look);
   addViewOptions(*render, arguments->frame);
   addResourceOptions(*render, arguments->resources);
+  CLI::App* simulate =
+      app->add_subcommand("simulate", "The simulator's page requests a second, on one core");
+  simulate->add_flag("--json", arguments->json, "One JSON object");
+  // The paper's machine and picture, unless told otherwise.
+  auto paper = std::make_shared<Arguments>(*arguments);
+  paper->resources.page_vox = {32, 64, 2};
+  paper->resources.pages = 256;
+  paper->frame.size = {400, 400};
+  CLI::App* algorithms =
+      app->add_subcommand("algorithms",
+                          "Tong's Table 1: I conventional, II clipped, III trimmed, IV merged\n\n"
+                          "  sluice bench algorithms bonsai.nii.gz@40 engine.nii.gz@80");
+  addVolumeOptions(*algorithms, paper->volume);
+  addLookOptions(*algorithms, paper->look);
+  addViewOptions(*algorithms, paper->frame);
+  addResourceOptions(*algorithms, paper->resources);
+  algorithms->add_option("--frames", paper->frames, "Frames measured, after 2 warm ones")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 100000));
+  algorithms->add_flag("--json", paper->json, "One JSON object");
   for (CLI::App* each : {limit, render}) {
     each->add_option("--frames", arguments->frames, "Frames measured, after 2 warm ones")
         ->capture_default_str()
         ->check(CLI::Range(1, 100000));
     each->add_flag("--json", arguments->json, "One JSON object");
   }
-  return [=] { return limit->parsed() ? runLimit(*arguments) : runRender(*arguments, *render); };
+  return [=] {
+    if (limit->parsed()) return runLimit(*arguments);
+    if (simulate->parsed()) return runSimulate(arguments->json);
+    if (algorithms->parsed()) return runAlgorithms(*paper, *algorithms);
+    return runRender(*arguments, *render);
+  };
 }
 
 }  // namespace sluice

@@ -12,6 +12,8 @@ using Command = std::function<int()>;
 
 Command addInfo(CLI::App& program);
 Command addRender(CLI::App& program);
+Command addPlan(CLI::App& program);
+Command addSimulate(CLI::App& program);
 Command addSynth(CLI::App& program);
 Command addDoctor(CLI::App& program);
 Command addBench(CLI::App& program);

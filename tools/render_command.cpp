@@ -15,6 +15,7 @@
 #include "src/render/camera_path.h"
 #include "tools/commands.h"
 #include "tools/report.h"
+#include "tools/trace_files.h"
 
 namespace sluice {
 namespace {
@@ -27,6 +28,7 @@ struct Arguments {
   std::string output;
   std::string report_file;
   std::string path_file;
+  std::string trace_file;
   int64_t frames = 1;
   bool verify = false;
   bool json = false;
@@ -138,6 +140,12 @@ int run(const Arguments& arguments, const CLI::App& app) {
   if (!arguments.path_file.empty()) path = readCameraPath(arguments.path_file);
   const bool wants_report = !arguments.report_file.empty() || arguments.json;
 
+  std::unique_ptr<TraceWriter> trace;
+  if (!arguments.trace_file.empty()) {
+    trace = makeTraceWriter(arguments.trace_file, traceFormatOf(arguments.trace_file),
+                            static_cast<uint64_t>(scene.session->page().pageBytes()));
+    scene.session->recordTo(trace.get());
+  }
   std::vector<RenderedFrame> frames;
   std::filesystem::path name;
   Picture picture;
@@ -159,6 +167,10 @@ int run(const Arguments& arguments, const CLI::App& app) {
     const Stopwatch watch;
     write(name, picture, arguments, options, scene);
     frames.push_back({frame.report, watch.seconds()});
+  }
+  if (trace) {
+    trace->finish();
+    scene.session->recordTo(nullptr);
   }
   nlohmann::json report;
   if (wants_report) {
@@ -210,6 +222,10 @@ Command addRender(CLI::App& program) {
       ->type_name("FILE")
       ->needs(frames);
   addResourceOptions(*app, arguments->resources);
+  app->add_option("--trace", arguments->trace_file,
+                  "Records the texture cache's requests: text (.txt), .csv, .oracleGeneral, .din, "
+                  "otherwise compact binary")
+      ->type_name("FILE");
   app->add_option("--report", arguments->report_file, "What it took, as JSON")->type_name("FILE");
   app->add_flag("--verify", arguments->verify,
                 "Draws the plain way too and prints the largest and mean difference");

@@ -96,7 +96,7 @@ IndexedVolume openIndexed(const VolumeArguments& arguments, const ResourceArgume
   volume.page = pageGeometry(resources, volume.map, layout.dims);
   const int64_t block = resources.block.value_or(blockSizeFor(volume.page.size_vox));
   volume.layout = blockLayout(layout.dims, block, lit ? 1 : 0, name.c_str());
-  volume.index = indexedRanges(*volume.source, arguments.time, volume.layout, pool);
+  volume.index = indexedRanges(*volume.source, name, arguments.time, volume.layout, pool);
   return volume;
 }
 
@@ -108,6 +108,21 @@ TransferFunction transferFor(const IndexedVolume& volume, const LookArguments& l
     return thresholdTransfer(*look.threshold, range, opacity,
                              look.map.empty() ? kDefaultColorMap : std::string_view(look.map));
   return automaticFor(volume, look);
+}
+
+PlannedFrame planFrame(const IndexedVolume& volume, const TransferFunction& transfer,
+                       const FrameOptions& options, int64_t time, WorkerPool& pool) {
+  const SliceRanges& ranges = volume.index.ranges;
+  Stopwatch watch;
+  PlannedFrame result;
+  const Box3 crop = cropCells(options, ranges.layout.dims);
+  const OpacityTable table(transfer, ranges.map, ranges.device_range);
+  const Classification classes = classify(ranges, table, crop, pool);
+  result.classify_seconds = watch.lap();
+  result.plan = planTextures(ranges.layout, classes, volume.page,
+                             {options.algorithm, options.merge_order, time, crop});
+  result.plan_seconds = watch.lap();
+  return result;
 }
 
 Scene::Scene(const VolumeArguments& arguments, const LookArguments& look,

@@ -29,6 +29,14 @@ IndexedVolume openIndexed(const VolumeArguments& volume, const ResourceArguments
 
 TransferFunction transferFor(const IndexedVolume& volume, const LookArguments& look);
 
+// The classification and the plan of a frame, without a device.
+struct PlannedFrame {
+  TexturePlan plan;
+  double classify_seconds = 0, plan_seconds = 0;
+};
+PlannedFrame planFrame(const IndexedVolume& volume, const TransferFunction& transfer,
+                       const FrameOptions& options, int64_t time, WorkerPool& pool);
+
 struct Scene {
   Scene(const VolumeArguments& volume, const LookArguments& look,
         const ResourceArguments& resources);

@@ -5,6 +5,7 @@
 #include "src/base/error.h"
 #include "src/base/interrupt.h"
 #include "src/render/session.h"
+#include "src/texture/requests.h"
 
 namespace sluice {
 
@@ -29,7 +30,7 @@ Frame Session::frame() {
   for (const int64_t position : clusterOrder(*plan_, eye)) {
     throwIfInterrupted();
     const Cluster& cluster = plan_->clusters[static_cast<size_t>(position)];
-    makeResident(cluster, report);
+    makeResident(position, report);
     drawCluster(cluster, eye, report);
   }
   const Stopwatch draw_watch;
@@ -44,6 +45,7 @@ Frame Session::frame() {
   report.uploaded_bytes = device_.uploadedBytes() - uploaded_before;
   report.binds = device_.binds() - binds_before;
   report.pages_loaded = cache_.pagesLoaded() - pages_before;
+  ++frame_number_;
   if (frame_options_.count_samples) countSamples(report);
   return frame;
 }
@@ -74,7 +76,8 @@ void Session::planChunks(FrameReport& report) {
   report.stages.plan = watch.seconds();
 }
 
-void Session::makeResident(const Cluster& cluster, FrameReport& report) {
+void Session::makeResident(int64_t cluster_position, FrameReport& report) {
+  const Cluster& cluster = plan_->clusters[static_cast<size_t>(cluster_position)];
   // The model decides, the device obeys (design, point 5).
   cache_.unpinAll();
   std::vector<int64_t> missing;

@@ -34,4 +34,11 @@ struct FrameOptions {
   bool count_samples = false;  // fills FrameReport::samples_*; costs a pass without texture reads
 };
 
+// The cells that options.crop lets show: those between its outer voxel planes.
+inline Box3 cropCells(const FrameOptions& options, Vec3i dims) {
+  const Box3 all = boxOf(dims - Vec3i{1, 1, 1});
+  if (!options.crop) return all;
+  return intersect({options.crop->lo, options.crop->hi - Vec3i{1, 1, 1}}, all);
+}
+
 }  // namespace sluice

@@ -80,11 +80,7 @@ void Session::setOptions(const FrameOptions& options) {
 }
 
 Box3 Session::crop() const {
-  const Vec3i all_cells = ranges_.layout.dims - Vec3i{1, 1, 1};
-  if (!frame_options_.crop) return boxOf(all_cells);
-  // Between the outer voxel planes of the crop box.
-  return intersect({frame_options_.crop->lo, frame_options_.crop->hi - Vec3i{1, 1, 1}},
-                   boxOf(all_cells));
+  return cropCells(frame_options_, ranges_.layout.dims);
 }
 
 BoxDraw Session::boxDraw(const TextureBlock& block) const {

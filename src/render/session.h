@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "cache/texture_cache.h"
+#include "cache/trace.h"
 #include "src/base/worker_pool.h"
 #include "src/render/frame_options.h"
 #include "src/render/frame_setup.h"
@@ -69,6 +70,9 @@ class Session {
   void setTransferFunction(const TransferFunction& transfer);
   // Everything else of a frame.
   void setOptions(const FrameOptions& options);
+  // From now on each request of the texture cache is written there too; null: no longer. It must
+  // outlive the frames drawn.
+  void recordTo(TraceWriter* trace) { trace_ = trace; }
   // Draws. Throws Error. Requires: a transfer function is set.
   Frame frame();
 
@@ -81,7 +85,7 @@ class Session {
   // The frame's stages, in order; frame.cpp tells the story.
   void classifyBlocks(FrameReport& report);
   void planChunks(FrameReport& report);
-  void makeResident(const Cluster& cluster, FrameReport& report);
+  void makeResident(int64_t cluster_position, FrameReport& report);
   void drawCluster(const Cluster& cluster, const EyePosition& eye, FrameReport& report);
   void countSamples(FrameReport& report);
 
@@ -101,6 +105,8 @@ class Session {
   TextureCache cache_;
   ChunkNames chunk_names_;
 
+  TraceWriter* trace_ = nullptr;
+  int64_t frame_number_ = 0;
   FrameOptions frame_options_;
   std::optional<TransferFunction> transfer_;
   // Kept until what they follow from changes.

@@ -1,0 +1,143 @@
+#include "tools/algorithms_bench.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "cache/cost_model.h"
+#include "src/base/error.h"
+#include "tools/parse.h"
+#include "tools/scene.h"
+
+namespace sluice {
+namespace {
+
+constexpr std::array<Algorithm, 4> kAlgorithms = {Algorithm::kConventional, Algorithm::kClipped,
+                                                  Algorithm::kTrimmed, Algorithm::kMerged};
+constexpr int kWarmFrames = 2;
+// The step by which the threshold changes to measure data processing.
+constexpr double kThresholdStep = 1.02;
+
+// Share of the voxels that the transfer function makes invisible, counted voxel by voxel.
+double emptyPercent(const IndexedVolume& volume, const TransferFunction& transfer, int64_t time) {
+  const VolumeLayout& layout = volume.source->layout();
+  const OpacityTable table(transfer, volume.map, volume.index.ranges.device_range);
+  int64_t empty = 0;
+  for (int64_t z = 0; z < layout.dims.z; ++z) {
+    const Box3 plane{{0, 0, z}, {layout.dims.x, layout.dims.y, z + 1}};
+    const auto count = static_cast<size_t>(plane.count());
+    std::vector<std::byte> stored(count * bytesPerVoxel(layout.type));
+    volume.source->readRegion(time, plane, stored);
+    std::vector<std::byte> device(count * bytesPerVoxel(volume.map.type));
+    toDevice(layout.type, stored, device);
+    visitDeviceType(volume.map.type, [&](auto tag) {
+      const auto* voxels = reinterpret_cast<const decltype(tag)*>(device.data());
+      for (size_t i = 0; i < count; ++i)
+        empty += table.opacity()[static_cast<size_t>(table.entryOf(voxels[i]))] > 0 ? 0 : 1;
+    });
+  }
+  return 100.0 * static_cast<double>(empty) / static_cast<double>(sluice::volume(layout.dims));
+}
+
+struct Measured {
+  double seconds = 0;
+  FrameReport report;
+};
+
+Measured measure(Session& session, FrameOptions options, Algorithm algorithm, int frames) {
+  options.algorithm = algorithm;
+  session.setOptions(options);
+  std::vector<double> seconds;
+  Measured result;
+  for (int i = -kWarmFrames; i < frames; ++i) {
+    result.report = session.frame().report;
+    if (i >= 0) seconds.push_back(result.report.seconds);
+  }
+  std::sort(seconds.begin(), seconds.end());
+  result.seconds = seconds[seconds.size() / 2];
+  return result;
+}
+
+// Classifying, planning with all merges, and copying what the new plan changed.
+double processingSeconds(Scene& scene, const LookArguments& look, const FrameOptions& options) {
+  LookArguments changed = look;
+  if (changed.threshold) changed.threshold = *changed.threshold * kThresholdStep;
+  scene.session->setOptions(options);
+  scene.session->setTransferFunction(changed.threshold ? transferFor(scene.volume, changed)
+                                                       : scene.transfer);
+  const StageSeconds stages = scene.session->frame().report.stages;
+  return stages.classify + stages.plan + stages.copy;
+}
+
+nlohmann::json rowOf(const AlgorithmsBench& bench, const std::string& word) {
+  const auto [file, threshold] = splitThreshold(word, bench.look.threshold);
+  LookArguments look = bench.look;
+  look.threshold = threshold;
+  Scene scene({{file}, bench.open, 0}, look, bench.resources);
+  nlohmann::json row{{"volume", file},
+                     {"threshold", threshold ? nlohmann::json(*threshold) : nlohmann::json()},
+                     {"empty_percent", emptyPercent(scene.volume, scene.transfer, 0)}};
+  const auto page_bytes = static_cast<uint64_t>(scene.volume.page.pageBytes());
+  for (const Algorithm algorithm : kAlgorithms) {
+    const Measured measured = measure(*scene.session, bench.frame, algorithm, bench.frames);
+    const std::string key(name(algorithm));
+    const FrameReport& report = measured.report;
+    row["seconds"][key] = measured.seconds;
+    row["chunks"][key] = report.chunks;
+    row["pages"][key] = report.pages;
+    row["pages_loaded"][key] = report.pages_loaded;
+    row["binds"][key] = report.binds;
+    row["uploaded_bytes"][key] = report.uploaded_bytes;
+    row["modelled_seconds"][key] =
+        octaneCosts().seconds(report.pages_loaded * page_bytes, report.pages_loaded, report.binds);
+  }
+  const double i = row["seconds"]["conventional"], iv = row["seconds"]["merged"];
+  row["saved_percent"] = 100 * (i - iv) / i;
+  FrameOptions merged = bench.frame;
+  merged.algorithm = Algorithm::kMerged;
+  row["processing_seconds"] = processingSeconds(scene, look, merged);
+  return row;
+}
+
+}  // namespace
+
+std::pair<std::string, std::optional<double>> splitThreshold(const std::string& word,
+                                                             std::optional<double> threshold) {
+  const size_t at = word.rfind('@');
+  if (at == std::string::npos) return {word, threshold};
+  const auto number = parseNumbers(word.substr(at + 1), 1);
+  if (!number) return {word, threshold};
+  return {word.substr(0, at), number->front()};
+}
+
+nlohmann::json benchAlgorithms(const AlgorithmsBench& bench) {
+  nlohmann::json rows = nlohmann::json::array();
+  for (const std::string& word : bench.volumes) rows.push_back(rowOf(bench, word));
+  return {{"rows", rows}};
+}
+
+void printAlgorithms(const nlohmann::json& report) {
+  fmt::print("{:<28} {:>6} {:>8} {:>8} {:>8} {:>8} {:>6} {:>10}\n", "volume", "empty%", "I s",
+             "II s", "III s", "IV s", "S%", "processing");
+  for (const auto& row : report["rows"]) {
+    const auto& s = row["seconds"];
+    fmt::print("{:<28} {:>6.1f} {:>8.4f} {:>8.4f} {:>8.4f} {:>8.4f} {:>6.1f} {:>10.4f}\n",
+               row["volume"].get<std::string>(), row["empty_percent"].get<double>(),
+               s["conventional"].get<double>(), s["clipped"].get<double>(),
+               s["trimmed"].get<double>(), s["merged"].get<double>(),
+               row["saved_percent"].get<double>(), row["processing_seconds"].get<double>());
+    for (const char* what : {"chunks", "pages", "pages_loaded", "binds", "uploaded_bytes"}) {
+      const auto& v = row[what];
+      fmt::print("  {:<26} {:>6} {:>8} {:>8} {:>8} {:>8}\n", what, "",
+                 v["conventional"].get<int64_t>(), v["clipped"].get<int64_t>(),
+                 v["trimmed"].get<int64_t>(), v["merged"].get<int64_t>());
+    }
+    const auto& m = row["modelled_seconds"];
+    fmt::print("  {:<26} {:>6} {:>8.4f} {:>8.4f} {:>8.4f} {:>8.4f}\n", "modelled Octane seconds",
+               "", m["conventional"].get<double>(), m["clipped"].get<double>(),
+               m["trimmed"].get<double>(), m["merged"].get<double>());
+  }
+}
+
+}  // namespace sluice
