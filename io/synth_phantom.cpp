@@ -32,12 +32,12 @@ constexpr std::array<Ellipsoid, 10> kHead = {{
 }};
 constexpr double kScale = 0.9;        // leaves room for the texture above bone
 constexpr float kTexture = 0.03F;     // amplitude
-constexpr double kAirDensity = 0.01;  // below this is air: exactly 0, no texture
+constexpr float kAirDensity = 0.01F;  // below this is air: exactly 0, no texture
+constexpr double kSoftVoxels = 1;     // beyond this far from a surface a voxel is in or out
 
-// A half-open run of voxels along x inside one ellipsoid.
+// A half-open run of voxels along x.
 struct Run {
-  int64_t lo, hi;
-  double density;
+  int64_t lo = 0, hi = 0;
 };
 
 class PhantomField : public SynthField {
@@ -51,62 +51,94 @@ class PhantomField : public SynthField {
   }
 
   bool fillRow(int64_t, int64_t y, int64_t z, int64_t x0, std::span<float> row) const override {
-    const int64_t end = x0 + static_cast<int64_t>(row.size());
-    std::array<Run, kHead.size()> runs;
-    std::array<int64_t, 2 * kHead.size() + 2> edges{x0, end};
-    size_t run_count = 0, edge_count = 2;
+    const Run whole{x0, x0 + static_cast<int64_t>(row.size())};
+    const auto clipped = [&](Run run) {
+      const int64_t lo = std::clamp(run.lo, whole.lo, whole.hi);
+      return Run{lo, std::clamp(run.hi, lo, whole.hi)};
+    };
+    bool any = false;
     for (size_t i = 0; i < kHead.size(); ++i) {
-      const Run run = runOf(i, y, z);
-      if (run.lo >= end || run.hi <= x0 || run.lo >= run.hi) {
+      const Run outer = clipped(runOf(i, y, z, kSoftVoxels));
+      if (outer.lo == outer.hi) {
         if (i == 0) return false;  // all others lie inside the first
         continue;
       }
-      runs[run_count++] = run;
-      edges[edge_count++] = std::max(run.lo, x0);
-      edges[edge_count++] = std::min(run.hi, end);
+      if (!any) std::fill(row.begin(), row.end(), 0.0F);
+      any = true;
+      Run inner = clipped(runOf(i, y, z, -kSoftVoxels));
+      inner.lo = std::clamp(inner.lo, outer.lo, outer.hi);
+      inner.hi = std::clamp(inner.hi, inner.lo, outer.hi);
+      const auto density = static_cast<float>(kHead[i].density * kScale);
+      for (int64_t x = outer.lo; x < inner.lo; ++x)
+        row[static_cast<size_t>(x - x0)] += density * coverage(i, x, y, z);
+      for (int64_t x = inner.lo; x < inner.hi; ++x) row[static_cast<size_t>(x - x0)] += density;
+      for (int64_t x = inner.hi; x < outer.hi; ++x)
+        row[static_cast<size_t>(x - x0)] += density * coverage(i, x, y, z);
     }
-    std::sort(edges.begin(), edges.begin() + static_cast<std::ptrdiff_t>(edge_count));
+    return any && addTexture(y, z, x0, row);
+  }
+
+ private:
+  // Air becomes exactly 0, everything else is textured. Returns whether anything is left.
+  bool addTexture(int64_t y, int64_t z, int64_t x0, std::span<float> row) const {
     bool any = false;
-    for (size_t e = 0; e + 1 < edge_count; ++e) {
-      const int64_t lo = edges[e], hi = edges[e + 1];
-      if (lo == hi) continue;
-      double density = 0;
-      for (size_t r = 0; r < run_count; ++r)
-        if (runs[r].lo <= lo && lo < runs[r].hi) density += runs[r].density;
-      const auto part = row.subspan(static_cast<size_t>(lo - x0), static_cast<size_t>(hi - lo));
-      if (density < kAirDensity) {
-        std::fill(part.begin(), part.end(), 0.0F);
-      } else {
-        std::fill(part.begin(), part.end(), static_cast<float>(density * kScale));
-        texture_.add(part, lo, y, z, kTexture);
-        any = true;
+    for (size_t lo = 0; lo < row.size();) {
+      if (row[lo] < kAirDensity) {
+        row[lo++] = 0;
+        continue;
       }
+      size_t hi = lo;
+      while (hi < row.size() && row[hi] >= kAirDensity) ++hi;
+      texture_.add(row.subspan(lo, hi - lo), x0 + static_cast<int64_t>(lo), y, z, kTexture);
+      any = true;
+      lo = hi;
     }
     return any;
   }
 
- private:
   // The voxel's centre on one axis, -1..1.
   double coordinate(int axis, int64_t i) const {
     return static_cast<double>(2 * i + 1) / static_cast<double>(dims_[axis]) - 1;
   }
+  double voxelSize(int axis) const { return 2.0 / static_cast<double>(dims_[axis]); }
 
-  // Where row (y, z) is inside ellipsoid i, in voxels of the whole row, so that it does not depend
-  // on the box that is read.
-  Run runOf(size_t i, int64_t y, int64_t z) const {
+  // Where row (y, z) is inside ellipsoid i grown by `grown_vox` voxels, in voxels of the whole row,
+  // so that it does not depend on the box that is read.
+  Run runOf(size_t i, int64_t y, int64_t z, double grown_vox) const {
     const Ellipsoid& e = kHead[i];
-    const double dy = coordinate(1, y) - e.y, dz = (coordinate(2, z) - e.z) / e.c;
+    const double grown = grown_vox * std::max({voxelSize(0), voxelSize(1), voxelSize(2)});
+    const double a = e.a + grown, b = e.b + grown, c = e.c + grown;
+    if (std::min({a, b, c}) <= 0) return {};
+    const double dy = coordinate(1, y) - e.y, dz = (coordinate(2, z) - e.z) / c;
     const double rest = 1 - dz * dz;
-    if (rest <= 0) return {0, 0, 0};
+    if (rest <= 0) return {};
     // ((cos dx + sin dy) / a)^2 + ((cos dy - sin dx) / b)^2 <= rest, a quadratic in dx.
-    const double p = cosine_[i] / e.a, q = -sine_[i] / e.b;
-    const double r = sine_[i] * dy / e.a, s = cosine_[i] * dy / e.b;
+    const double p = cosine_[i] / a, q = -sine_[i] / b;
+    const double r = sine_[i] * dy / a, s = cosine_[i] * dy / b;
     const double square = p * p + q * q, half_linear = p * r + q * s;
     const double discriminant = half_linear * half_linear - square * (r * r + s * s - rest);
-    if (discriminant <= 0) return {0, 0, 0};
+    if (discriminant <= 0) return {};
     const double root = std::sqrt(discriminant);
     return {firstVoxelAt(e.x + (-half_linear - root) / square),
-            firstVoxelAt(e.x + (-half_linear + root) / square), e.density};
+            firstVoxelAt(e.x + (-half_linear + root) / square)};
+  }
+
+  // The share of a voxel that lies inside ellipsoid i, from its distance to the surface: edges a
+  // scanner would give, and no stairs in the picture.
+  float coverage(size_t i, int64_t x, int64_t y, int64_t z) const {
+    const Ellipsoid& e = kHead[i];
+    const double dx = coordinate(0, x) - e.x, dy = coordinate(1, y) - e.y;
+    const double u = (cosine_[i] * dx + sine_[i] * dy) / e.a;
+    const double v = (cosine_[i] * dy - sine_[i] * dx) / e.b;
+    const double w = (coordinate(2, z) - e.z) / e.c;
+    // Of u^2 + v^2 + w^2, a voxel along each axis.
+    const double gx = 2 * (u * cosine_[i] / e.a - v * sine_[i] / e.b) * voxelSize(0);
+    const double gy = 2 * (u * sine_[i] / e.a + v * cosine_[i] / e.b) * voxelSize(1);
+    const double gz = 2 * w / e.c * voxelSize(2);
+    const double steepness = std::sqrt(gx * gx + gy * gy + gz * gz);
+    const double inside = 1 - (u * u + v * v + w * w);
+    if (steepness <= 0) return inside > 0 ? 1 : 0;
+    return static_cast<float>(std::clamp(0.5 + inside / steepness, 0.0, 1.0));
   }
 
   // The first voxel whose centre is at or beyond x in -1..1.

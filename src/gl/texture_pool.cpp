@@ -32,7 +32,7 @@ uint64_t bytesOf(Vec3i size_vox, DeviceType type) {
 
 TexturePool::~TexturePool() {
   for (auto& [size, textures] : idle_)
-    gl_.DeleteTextures(static_cast<GLsizei>(textures.size()), textures.data());
+    for (const GLuint texture : textures) gl_.DeleteTextures(1, &texture);
 }
 
 GLuint TexturePool::create(Vec3i size_vox, DeviceType type) {
@@ -63,8 +63,8 @@ void TexturePool::dropIdle(uint64_t bytes) {
     auto& [size, textures] = *entry;
     const uint64_t each = bytesOf({size.x, size.y, size.z}, size.type);
     while (!textures.empty() && bytes > 0) {
-      gl_.DeleteTextures(1, &textures.back());
-      textures.pop_back();
+      gl_.DeleteTextures(1, &textures.front());
+      textures.pop_front();
       idle_bytes_ -= each;
       bytes -= std::min(bytes, each);
     }
@@ -80,14 +80,14 @@ GLuint TexturePool::take(Vec3i size_vox, DeviceType type, std::span<const std::b
   GLuint texture = 0;
   const auto found = idle_.find({size_vox.x, size_vox.y, size_vox.z, type});
   if (found != idle_.end()) {
-    texture = found->second.back();
-    found->second.pop_back();
+    texture = found->second.front();
+    found->second.pop_front();
     if (found->second.empty()) idle_.erase(found);
     idle_bytes_ -= bytes;
     gl_.BindTexture(GL_TEXTURE_3D, texture);
   } else {
-    if (used_bytes_ + idle_bytes_ > most_used_bytes_)
-      dropIdle(used_bytes_ + idle_bytes_ - most_used_bytes_);
+    const uint64_t most = most_used_bytes_ + kSpareTextureBytes;
+    if (used_bytes_ + idle_bytes_ > most) dropIdle(used_bytes_ + idle_bytes_ - most);
     texture = create(size_vox, type);
   }
   gl_.PixelStorei(GL_UNPACK_ALIGNMENT, 1);

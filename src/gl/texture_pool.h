@@ -1,18 +1,20 @@
 // TexturePool: level 4's textures, reused and not re-created.
 //
 // Storage that a driver sees for the first time is slow to fill (software GL: some hundred MB/s
-// against ten GB/s), so an evicted chunk's texture waits for the next chunk of its size. What is
-// kept never exceeds the bytes that were ever resident at once by more than the pool is told. One
-// thread, the context's.
+// against ten GB/s), so an evicted chunk's texture waits for the next chunk of its size. The one
+// that waited longest is taken first: a driver that still draws from the last ones would wait for
+// itself. Idle textures never take more than kSpareTextureBytes beyond what was resident at once at
+// the most. One thread, the context's.
 #pragma once
 
 #include <cstddef>
+#include <deque>
 #include <map>
 #include <span>
-#include <vector>
 
 #include "src/base/vec.h"
 #include "src/gl/gl_functions.h"
+#include "src/render/device.h"
 #include "src/volume/device_voxel.h"
 
 namespace sluice {
@@ -42,7 +44,7 @@ class TexturePool {
   void dropIdle(uint64_t bytes);
 
   const GlFunctions& gl_;
-  std::map<Size, std::vector<GLuint>> idle_;
+  std::map<Size, std::deque<GLuint>> idle_;
   uint64_t used_bytes_ = 0, idle_bytes_ = 0, most_used_bytes_ = 0;
   uint64_t uploaded_bytes_ = 0;
 };

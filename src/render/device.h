@@ -92,6 +92,10 @@ struct DeviceLimits {
   bool textures_in_memory = false;  // software: textures take the process's memory
 };
 
+// Textures that a device may keep beside the resident ones, so that it uploads into storage that
+// nothing draws from any more. On a software device they count against --memory.
+inline constexpr uint64_t kSpareTextureBytes = uint64_t{8} << 20;
+
 class Device {
  public:
   virtual ~Device() = default;

@@ -25,7 +25,7 @@ Budgets shareMemory(uint64_t memory_bytes, const PageGeometry& page, bool textur
   const uint64_t chunk_bytes = std::max(block_bytes, static_cast<uint64_t>(page.pageBytes()));
   // One chunk at level 3, a block a thread at level 2.
   const uint64_t least_buffers = 2 * chunk_bytes + 2 * static_cast<uint64_t>(threads) * block_bytes;
-  const uint64_t textures = textures_in_memory ? budgets.texture_cache : 0;
+  const uint64_t textures = textures_in_memory ? budgets.texture_cache + kSpareTextureBytes : 0;
   if (memory_bytes < textures + least_buffers)
     fail(
         "--memory {} is too small: {} of textures and {} of buffers are the least that works; "

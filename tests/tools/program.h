@@ -1,0 +1,36 @@
+// Runs the program as a user does, with an index folder of its own.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include <string>
+
+#include "src/base/error.h"
+#include "tests/support/run_command.h"
+#include "tests/support/temp_folder.h"
+
+namespace sluice {
+
+class Program {
+ public:
+  // `arguments` is a line of sh. Indices go into the folder.
+  CommandResult run(const std::string& arguments) const {
+    return runCommand("cd " + shellQuoted(folder.path().string()) +
+                      " && XDG_CACHE_HOME=cache " SLUICE_PROGRAM " " + arguments);
+  }
+  // Requires: the command prints one JSON object.
+  nlohmann::json json(const std::string& arguments) const {
+    const CommandResult result = run(arguments + " --json");
+    nlohmann::json parsed = nlohmann::json::parse(result.output, nullptr, false);
+    if (result.status != 0 || parsed.is_discarded()) throw Error(result.output);
+    return parsed;
+  }
+  bool exists(const std::string& name) const { return std::filesystem::exists(folder / name); }
+
+  TempFolder folder;
+};
+
+// A volume that every test can afford.
+inline constexpr const char* kSmall = "synth:shells,dims=48x40x36";
+
+}  // namespace sluice

@@ -1,0 +1,254 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+
+#include "io/exr_file.h"
+#include "io/png_file.h"
+#include "tests/tools/program.h"
+
+namespace sluice {
+namespace {
+
+bool isOneLine(const std::string& text) {
+  return !text.empty() && std::count(text.begin(), text.end(), '\n') == 1 && text.back() == '\n';
+}
+
+TEST(Program, printsItsVersionAndHelp) {
+  const Program program;
+  EXPECT_EQ(program.run("--version").output, std::string(SLUICE_VERSION) + "\n");
+  for (const char* command :
+       {"info", "render", "plan", "simulate", "synth", "doctor", "bench", "bench limit",
+        "bench render", "bench algorithms", "bench simulate"}) {
+    const CommandResult help = program.run(std::string(command) + " --help");
+    EXPECT_EQ(help.status, 0) << command;
+    EXPECT_NE(help.output.find("--json"), std::string::npos) << command;
+  }
+}
+
+TEST(Program, wrongUsageIsOneLineAndStatusTwo) {
+  const Program program;
+  for (const char* line :
+       {"", "paint", "render", "render synth:cube", "render synth:cube -o a.png --size 0x4",
+        "render synth:cube -o a.png --threshold 1 --transfer b.json",
+        "render synth:cube -o a.png --mode x", "render synth:cube -o a.png --page 3x4x5",
+        "render synth:cube -o a.png --pages 100", "render synth:cube -o a.png --eye 1,2,3",
+        "info synth:cube --dims 0,1,1", "info synth:cube --memory lots", "synth paper -o a.raw",
+        "bench"}) {
+    const CommandResult result = program.run(line);
+    EXPECT_EQ(result.status, 2) << line << ": " << result.output;
+    EXPECT_TRUE(isOneLine(result.output)) << result.output;
+  }
+}
+
+TEST(Program, badInputIsOneLineAndStatusOne) {
+  const Program program;
+  writeFile(program.folder / "short_16x16x16_uint8.raw", std::string(4000, 'x'));
+  writeFile(program.folder / "noise.bin", "not a volume");
+  std::filesystem::create_directory(program.folder / "empty");
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {"info missing.nrrd", "missing.nrrd"},
+      {"info short_16x16x16_uint8.raw", "4096"},
+      {"info noise.bin", "noise.bin"},
+      {"info empty", "empty"},
+      {"render synth:cube,dims=16x16x16 -o a.jpg", ".png"},
+      {"render synth:cube,dims=16x16x16 -o nowhere/a.png", "nowhere/a.png"},
+      {"render synth:cube,dims=16x16x16 -o a.png --transfer none.json", "none.json"},
+      {"render synth:cube,dims=16x16x16 -o a.png --time 3", "--time 3"},
+      {"render synth:cube,dims=16x16x16 -o a.png --map nosuch", "nosuch"},
+      {"render synth:cube,dims=64x64x64 -o a.png --memory 1M", "--memory"},
+      {"render synth:cube,dims=1x16x16 -o a.png", "at least 2"},
+      {"simulate noise.bin --format text", "noise.bin"}};
+  for (const auto& [line, named] : cases) {
+    const CommandResult result = program.run(line);
+    EXPECT_EQ(result.status, 1) << line << ": " << result.output;
+    EXPECT_TRUE(isOneLine(result.output)) << result.output;
+    EXPECT_NE(result.output.find(named), std::string::npos) << result.output;
+  }
+  EXPECT_FALSE(program.exists("a.png"));
+}
+
+TEST(Program, theLeastMemoryThatAnErrorNamesWorks) {
+  const Program program;
+  const std::string line = "render synth:shells,dims=70x70x70 -o a.png --size 32x32 --memory ";
+  const CommandResult refused = program.run(line + "1M");
+  ASSERT_EQ(refused.status, 1);
+  const size_t at = refused.output.find("give --memory ");
+  ASSERT_NE(at, std::string::npos) << refused.output;
+  const std::string least = std::to_string(std::stoull(refused.output.substr(at + 14)));
+  EXPECT_EQ(program.run(line + least).status, 0) << program.run(line + least).output;
+}
+
+TEST(Program, infoSaysWhatTheVolumeIs) {
+  const Program program;
+  const auto info =
+      program.json("info synth:cube,dims=100x50x20,type=u16,spacing=1x2x3 --block 16");
+  EXPECT_EQ(info["dims"], nlohmann::json({100, 50, 20}));
+  EXPECT_EQ(info["voxel_type"], "u16");
+  EXPECT_EQ(info["spacing"], nlohmann::json({1.0, 2.0, 3.0}));
+  EXPECT_EQ(info["time_steps"], 1);
+  EXPECT_EQ(info["blocks"]["size"], 16);
+  EXPECT_EQ(info["blocks"]["count"], 7 * 4 * 2);  // ceil(99/15) x ceil(49/15) x ceil(19/15)
+  EXPECT_TRUE(info["index"].contains("path"));
+  EXPECT_TRUE(info["index"].contains("state"));
+}
+
+TEST(Program, theSecondOpeningReadsTheIndex) {
+  const Program program;
+  const CommandResult made = program.run("synth phantom -o head.raw --dims 40,40,40");
+  ASSERT_EQ(made.status, 0) << made.output;
+  EXPECT_EQ(program.json("info head_40x40x40_uint8.raw")["index"]["state"], "built");
+  EXPECT_EQ(program.json("info head_40x40x40_uint8.raw")["index"]["state"], "read");
+  // Another voxel, another modification time: built again.
+  std::fstream file(program.folder / "head_40x40x40_uint8.raw",
+                    std::ios::in | std::ios::out | std::ios::binary);
+  file.seekp(20000);
+  file.put('\xff');
+  file.close();
+  EXPECT_EQ(program.json("info head_40x40x40_uint8.raw")["index"]["state"], "built");
+}
+
+TEST(Program, rendersAPictureAndReportsWhatItTook) {
+  const Program program;
+  const CommandResult result =
+      program.run(std::string("render ") + kSmall +
+                  " -o a.png --size 80x60 --azimuth 20 --report r.json --verify");
+  ASSERT_EQ(result.status, 0) << result.output;
+  const Rgba8Picture picture = readPng(program.folder / "a.png");
+  EXPECT_EQ(picture.width, 80);
+  EXPECT_EQ(picture.height, 60);
+  EXPECT_GT(*std::max_element(picture.rgba.begin(), picture.rgba.end()), 30);
+
+  const auto report = nlohmann::json::parse(readFile(program.folder / "r.json"));
+  EXPECT_EQ(report["command"], "render");
+  EXPECT_EQ(report["options"]["size"], "80x60");
+  EXPECT_EQ(report["frames"].size(), 1U);
+  for (const char* stage :
+       {"classify", "plan", "read", "decode", "copy", "upload", "draw", "write"})
+    EXPECT_GE(report["frames"][0]["stages"][stage].get<double>(), 0) << stage;
+  EXPECT_GT(report["frames"][0]["samples_drawn"].get<int64_t>(), 0);
+  EXPECT_EQ(report["frames"][0]["samples_drawn"], report["frames"][0]["samples_object"]);
+  for (const char* level : {"volume_buffer", "texture_buffer", "texture_cache"}) {
+    const auto& counters = report["levels"][level];
+    EXPECT_EQ(counters["requests"].get<int64_t>(),
+              counters["hits"].get<int64_t>() + counters["misses"].get<int64_t>())
+        << level;
+    EXPECT_LE(counters["peak_bytes"].get<uint64_t>(), counters["budget_bytes"].get<uint64_t>());
+  }
+  EXPECT_TRUE(report["levels"]["disk"].contains("read_bytes"));
+  EXPECT_GT(report["levels"]["texture_cache"]["uploaded_bytes"].get<int64_t>(), 0);
+  EXPECT_GT(report["peak_rss_bytes"].get<int64_t>(), 1 << 20);
+  EXPECT_TRUE(report["gl"].contains("renderer"));
+  EXPECT_LE(report["verify"]["max_difference"].get<double>(), 1.0);
+}
+
+TEST(Program, framesAreNumberedAndTurn) {
+  const Program program;
+  ASSERT_EQ(program.run(std::string("render ") + kSmall + " -o t.png --frames 3 --size 32").status,
+            0);
+  ASSERT_EQ(
+      program.run(std::string("render ") + kSmall + " -o p_%02d.png --frames 2 --size 32").status,
+      0);
+  for (const char* name : {"t_000.png", "t_001.png", "t_002.png", "p_00.png", "p_01.png"})
+    EXPECT_TRUE(program.exists(name)) << name;
+  EXPECT_NE(readFile(program.folder / "t_000.png"), readFile(program.folder / "t_001.png"));
+}
+
+TEST(Program, aPathOfKeyFramesMovesTheCamera) {
+  const Program program;
+  writeFile(program.folder / "path.json",
+            R"({"keys": [{"at": 0, "azimuth": 10}, {"at": 1, "azimuth": 70, "zoom": 2}]})");
+  ASSERT_EQ(
+      program
+          .run(std::string("render ") + kSmall + " -o k.png --path path.json --frames 2 --size 40")
+          .status,
+      0);
+  ASSERT_EQ(
+      program.run(std::string("render ") + kSmall + " -o end.png --azimuth 70 --zoom 2 --size 40")
+          .status,
+      0);
+  EXPECT_EQ(readFile(program.folder / "k_001.png"), readFile(program.folder / "end.png"));
+}
+
+TEST(Program, anExrHoldsDepthAndTheSettingsThatMakeItAgain) {
+  const Program program;
+  const std::string view =
+      " --size 48x40 --projection perspective --azimuth 33 --elevation 12 --step 0.7";
+  const CommandResult made = program.run(std::string("render ") + kSmall + " -o a.exr" + view);
+  ASSERT_EQ(made.status, 0) << made.output;
+  const ExrContents first = readExr(program.folder / "a.exr");
+  ASSERT_EQ(first.picture.depth.size(), 48U * 40);
+  EXPECT_TRUE(std::any_of(first.picture.depth.begin(), first.picture.depth.end(),
+                          [](float d) { return std::isfinite(d) && d > 0; }));
+  std::string camera, transfer;
+  for (const auto& [name, text] : first.attributes) {
+    if (name == "camera") camera = text;
+    if (name == "transferFunction") transfer = text;
+  }
+  writeFile(program.folder / "t.json", transfer);
+  ASSERT_EQ(
+      program.run(std::string("render ") + kSmall + " -o b.exr --transfer t.json " + camera).status,
+      0);
+  EXPECT_EQ(readExr(program.folder / "b.exr").picture.rgba, first.picture.rgba);
+}
+
+TEST(Program, aBackgroundLeavesNoTransparency) {
+  const Program program;
+  ASSERT_EQ(program.run(std::string("render ") + kSmall + " -o a.png --size 24 --background 204060")
+                .status,
+            0);
+  const Rgba8Picture picture = readPng(program.folder / "a.png");
+  EXPECT_EQ(picture.rgba[0], 0x20);
+  EXPECT_EQ(picture.rgba[1], 0x40);
+  EXPECT_EQ(picture.rgba[2], 0x60);
+  for (size_t i = 3; i < picture.rgba.size(); i += 4) ASSERT_EQ(picture.rgba[i], 255);
+}
+
+TEST(Program, anInterruptionLeavesNoFileAndStatus130) {
+  const Program program;
+  const CommandResult result = runCommand("cd " + shellQuoted(program.folder.path().string()) +
+                                          " && timeout --preserve-status -s INT 1 " SLUICE_PROGRAM
+                                          " synth noise -o big.raw --dims 3000,3000,3000");
+  EXPECT_EQ(result.status, 130) << result.output;
+  EXPECT_TRUE(std::filesystem::is_empty(program.folder.path()));
+}
+
+TEST(Program, doctorListsEveryWayToOpenGl) {
+  const Program program;
+  const auto report = program.json("doctor");
+  EXPECT_EQ(report["version"], SLUICE_VERSION);
+  EXPECT_GT(report["memory_bytes"].get<uint64_t>(), uint64_t{1} << 28);
+  ASSERT_GE(report["gl"].size(), 2U);
+  for (const auto& way : report["gl"]) {
+    EXPECT_TRUE(way["backend"] == "osmesa" || way["backend"] == "egl");
+    if (way["works"].get<bool>()) {
+      EXPECT_GE(way["max_3d_texture_size"].get<int>(), 256);
+    } else {
+      EXPECT_NE(way["reason"], "");
+    }
+  }
+}
+
+TEST(Program, eachGlGivesTheSamePicture) {
+  const Program program;
+  const auto report = program.json("doctor");
+  std::vector<Rgba8Picture> pictures;
+  for (const std::string backend : {"osmesa", "egl"}) {
+    const bool works = std::any_of(report["gl"].begin(), report["gl"].end(), [&](const auto& way) {
+      return way["backend"] == backend && way["works"].template get<bool>();
+    });
+    if (!works) GTEST_SKIP() << backend << " does not work on this machine";
+    ASSERT_EQ(
+        program.run(std::string("render ") + kSmall + " -o g.png --size 64 --gl " + backend).status,
+        0);
+    pictures.push_back(readPng(program.folder / "g.png"));
+  }
+  int most = 0;
+  for (size_t i = 0; i < pictures[0].rgba.size(); ++i)
+    most = std::max(most, std::abs(pictures[0].rgba[i] - pictures[1].rgba[i]));
+  EXPECT_LE(most, 2);
+}
+
+}  // namespace
+}  // namespace sluice

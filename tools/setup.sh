@@ -1,0 +1,33 @@
+#!/usr/bin/env bash
+# Installs what building, running and testing sluice needs on Debian 12, as root or through sudo.
+# Quick and quiet when all of it is there.
+set -euo pipefail
+
+packages=(
+  # To build.
+  g++ cmake ninja-build ccache pkg-config
+  libopenvdb-dev libopenexr-dev libosmesa6-dev libegl-dev libgl-dev libtbb-dev
+  libblosc-dev libcli11-dev libfmt-dev nlohmann-json3-dev libpng-dev libtiff-dev zlib1g-dev
+  libxxhash-dev libgtest-dev libgmock-dev
+  # To draw.
+  libosmesa6 libegl1 libegl-mesa0 libgl1-mesa-dri
+  # To test: sanitizers, gates, and the programs of others that results are checked against.
+  clang clang-format clang-tidy libclang-rt-14-dev
+  libopenvdb-tools nifti-bin teem-apps openexr
+  python3 python3-numpy python3-vtk9 python3-nibabel python3-tifffile
+)
+
+missing=()
+for package in "${packages[@]}"; do
+  dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null | grep -qx installed || missing+=("$package")
+done
+((${#missing[@]} == 0)) && exit 0
+
+as_root=()
+if ((EUID != 0)); then
+  command -v sudo >/dev/null || { echo "setup.sh: not root and no sudo; install: ${missing[*]}" >&2; exit 1; }
+  as_root=(sudo)
+fi
+echo "Installing ${#missing[@]} packages: ${missing[*]}"
+"${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get update -q
+"${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends "${missing[@]}"
