@@ -1,0 +1,45 @@
+#!/usr/bin/env python3
+"""The clang-tidy gate catches a fault in any file of a group, also where local names clash."""
+import json
+import pathlib
+import sys
+import tempfile
+import unittest
+
+from check_tidy import check, missing
+
+CLEAN = 'namespace { struct Local { int a = 0; }; }\nint NAME() { return Local{}.a; }\n'
+FAULTY = ('#include <string>\n#include <utility>\nnamespace { struct Local { std::string a; }; }\n'
+          'std::string NAME(std::string s) { Local l; l.a = std::move(s); return s; }\n')
+
+
+class TidyGate(unittest.TestCase):
+    def said(self, sources):
+        with tempfile.TemporaryDirectory() as folder:
+            root = pathlib.Path(folder).resolve()
+            (root / '.clang-tidy').write_text("Checks: '-*,bugprone-use-after-move'\nWarningsAsErrors: '*'\n")
+            (root / 'io').mkdir()
+            commands = []
+            for name, text in sources.items():
+                (root / 'io' / name).write_text(text.replace('NAME', name.split('.')[0]))
+                commands.append({'directory': str(root), 'file': f'io/{name}', 'command': f'c++ -I{root} -c io/{name}'})
+            (root / 'compile_commands.json').write_text(json.dumps(commands))
+            return check(root, root)
+
+    def test_says_nothing_of_clean_sources(self):
+        self.assertEqual(self.said({'a.cpp': CLEAN, 'b.cpp': CLEAN}), '')
+
+    def test_names_the_faulty_one(self):
+        said = self.said({'a.cpp': CLEAN, 'b.cpp': FAULTY, 'c.cpp': 'int c() { return 1; }\n'})
+        self.assertIn('io/b.cpp:4', said)
+        self.assertNotIn('io/a.cpp', said)
+
+    def test_source_that_does_not_compile_is_a_fault(self):
+        self.assertIn('a.cpp', self.said({'a.cpp': 'int a( {\n', 'b.cpp': CLEAN}))
+
+
+if __name__ == '__main__':
+    if missing(pathlib.Path('.')) and 'installed' in missing(pathlib.Path('.')):
+        print(missing(pathlib.Path('.')))
+        sys.exit(77)
+    unittest.main()
