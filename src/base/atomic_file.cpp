@@ -4,22 +4,48 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <system_error>
 #include <utility>
 
 #include "src/base/error.h"
 
 namespace sluice {
 
-AtomicFile::AtomicFile(std::filesystem::path path)
-    : path_(std::move(path)), temporary_(fmt::format("{}.{}.tmp", path_.string(), getpid())) {
-  file_ = open(temporary_.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, 0666);
+namespace {
+
+// The file that a symbolic link stands for, whether it exists or not.
+std::filesystem::path followed(std::filesystem::path path) {
+  std::error_code status;
+  if (!std::filesystem::is_symlink(path, status)) return path;
+  std::filesystem::path target = std::filesystem::weakly_canonical(path, status);
+  return status ? path : target;
+}
+
+}  // namespace
+
+AtomicFile::AtomicFile(std::filesystem::path path) : path_(followed(std::move(path))) {
+  std::error_code ignored;
+  const std::filesystem::file_status status = std::filesystem::status(path_, ignored);
+  if (std::filesystem::is_directory(status))
+    fail("{}: is a folder; give the name of a file", path_.string());
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
+    temporary_ = path_;
+    file_ = open(temporary_.c_str(), O_WRONLY | O_CLOEXEC);
+  } else {
+    // A name of its own, also beside what a process that was killed left behind.
+    for (int n = 0; file_ < 0; ++n) {
+      temporary_ = fmt::format("{}.{}-{}.tmp", path_.string(), getpid(), n);
+      file_ = open(temporary_.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
+      if (file_ < 0 && errno != EEXIST) break;
+    }
+  }
   if (file_ < 0) failErrno(fmt::format("{}: cannot be written", path_.string()), errno);
 }
 
 AtomicFile::~AtomicFile() {
   if (file_ < 0) return;
   close(file_);
-  unlink(temporary_.c_str());
+  if (temporary_ != path_) unlink(temporary_.c_str());
 }
 
 void AtomicFile::write(std::span<const std::byte> bytes) {
@@ -36,9 +62,11 @@ void AtomicFile::write(std::string_view text) {
 }
 
 void AtomicFile::commit() {
-  if (fsync(file_) != 0) failErrno(fmt::format("{}: write failed", path_.string()), errno);
-  if (rename(temporary_.c_str(), path_.c_str()) != 0)
-    failErrno(fmt::format("{}: cannot be renamed into place", path_.string()), errno);
+  if (temporary_ != path_) {
+    if (fsync(file_) != 0) failErrno(fmt::format("{}: write failed", path_.string()), errno);
+    if (rename(temporary_.c_str(), path_.c_str()) != 0)
+      failErrno(fmt::format("{}: cannot be renamed into place", path_.string()), errno);
+  }
   close(file_);
   file_ = -1;
 }

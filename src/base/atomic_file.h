@@ -1,8 +1,10 @@
 // AtomicFile: a file that appears whole under its name or not at all.
 //
-// Writes go to "<path>.<pid>.tmp" in the same folder; commit() flushes, syncs and renames it. A
+// Writes go to "<path>.<pid>-<n>.tmp" in the same folder; commit() flushes, syncs and renames it. A
 // file not committed is removed by the destructor, so an exception or an interruption leaves
-// nothing behind. One thread.
+// nothing behind. A path that is a symbolic link is followed, so that the link stays one. What is
+// no regular file (/dev/null, a pipe) is written to directly: it can be neither replaced nor taken
+// back. One thread an object; several objects, threads and processes may share a path.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +16,7 @@ namespace sluice {
 
 class AtomicFile {
  public:
-  // Throws Error when the folder cannot be written.
+  // Throws Error when the folder cannot be written or the path is a folder itself.
   explicit AtomicFile(std::filesystem::path path);
   ~AtomicFile();
   AtomicFile(const AtomicFile&) = delete;
@@ -30,7 +32,7 @@ class AtomicFile {
 
  private:
   const std::filesystem::path path_;
-  const std::filesystem::path temporary_;
+  std::filesystem::path temporary_;  // path_ itself where that is no regular file
   int file_ = -1;
 };
 

@@ -6,26 +6,48 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <limits>
 
 namespace sluice {
 
+namespace {
+
+// The power of 1024 that a unit stands for: "" and "B" 0, "k", "KB" and "KiB" 1; -1 when none.
+int powerOf(std::string_view unit) {
+  if (unit.empty()) return 0;
+  std::string lower(unit);
+  for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const size_t power = std::string_view("bkmgt").find(lower.front());
+  if (power == std::string_view::npos) return -1;
+  lower.erase(0, 1);
+  const bool whole = lower.empty() || (power > 0 && (lower == "b" || lower == "ib"));
+  return whole ? static_cast<int>(power) : -1;
+}
+
+}  // namespace
+
 std::optional<uint64_t> parseBytes(std::string_view text) {
-  double number = 0;
-  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (status != std::errc() || !(number >= 0)) return std::nullopt;
-  std::string_view unit(end, static_cast<size_t>(text.data() + text.size() - end));
-  double scale = 1;
-  if (!unit.empty()) {
-    const char letter = static_cast<char>(std::toupper(static_cast<unsigned char>(unit.front())));
-    const size_t power = std::string_view("BKMGT").find(letter);
-    if (power == std::string_view::npos) return std::nullopt;
-    scale = std::ldexp(1.0, static_cast<int>(10 * power));
-    const std::string_view rest = unit.substr(1);
-    if (!(rest.empty() || (power > 0 && (rest == "B" || rest == "iB" || rest == "b"))))
-      return std::nullopt;
+  constexpr auto kMost = static_cast<uint64_t>(std::numeric_limits<int64_t>::max());
+  const char* const end = text.data() + text.size();
+  if (text.starts_with('-')) return std::nullopt;
+  const auto rest = [&](const char* from) {
+    return std::string_view(from, static_cast<size_t>(end - from));
+  };
+  // Whole numbers apart: a double has only 53 bits of them.
+  uint64_t whole = 0;
+  const auto [whole_end, whole_status] = std::from_chars(text.data(), end, whole);
+  if (whole_status == std::errc() && powerOf(rest(whole_end)) >= 0) {
+    const int shift = 10 * powerOf(rest(whole_end));
+    if (whole > kMost >> shift) return std::nullopt;
+    return whole << shift;
   }
-  const double bytes = number * scale;
-  if (!(bytes < 9.2e18)) return std::nullopt;
+  double number = 0;
+  const auto [number_end, status] = std::from_chars(text.data(), end, number);
+  if (status != std::errc() || !(number >= 0)) return std::nullopt;
+  const int power = powerOf(rest(number_end));
+  if (power < 0) return std::nullopt;
+  const double bytes = std::ldexp(number, 10 * power);
+  if (!(bytes < std::ldexp(1.0, 63))) return std::nullopt;
   return static_cast<uint64_t>(bytes);
 }
 

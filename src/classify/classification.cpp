@@ -96,24 +96,39 @@ class Classifier {
   const EntryOf<T> entry_of_;
 };
 
+// The grid's blocks that own cells of `cells`.
+Box3 blocksOf(const BlockLayout& layout, const Box3& cells) {
+  const Box3 inside = intersect(cells, {{0, 0, 0}, layout.dims - Vec3i{1, 1, 1}});
+  if (inside.empty()) return {};
+  const int64_t side = layout.cells();
+  return {inside.lo / side, (inside.hi - Vec3i{1, 1, 1}) / side + Vec3i{1, 1, 1}};
+}
+
 template <class T>
-void addVisibleBackground(const SliceRanges& ranges, const Classifier<T>& classifier,
-                          std::vector<ObjectBlock>& visible) {
-  const int64_t all = ranges.layout.blockCount();
-  if (all > kMostBackgroundBlocks)
+void addVisibleBackground(const SliceRanges& ranges, const Box3& crop,
+                          const Classifier<T>& classifier, std::vector<ObjectBlock>& visible) {
+  const BlockLayout& layout = ranges.layout;
+  const Box3 blocks = blocksOf(layout, crop);
+  if (blocks.count() > kMostBackgroundBlocks)
     fail(
         "the value outside the stored region ({}) is visible under this transfer function and "
         "would fill {} blocks; make its opacity 0 or crop the volume",
-        ranges.map.valueOf(ranges.background), all);
-  size_t held = 0;
-  for (int64_t block = 0; block < all; ++block) {
-    if (held < ranges.blocks.size() && ranges.blocks[held] == block) {
-      ++held;
-      continue;
+        ranges.map.valueOf(ranges.background), blocks.count());
+  for (int64_t z = blocks.lo.z; z < blocks.hi.z; ++z)
+    for (int64_t y = blocks.lo.y; y < blocks.hi.y; ++y) {
+      // Ids ascend along the row, so that one look finds the first held one.
+      int64_t block = layout.idOf({blocks.lo.x, y, z});
+      const int64_t end = block + blocks.size().x;
+      auto held = std::lower_bound(ranges.blocks.begin(), ranges.blocks.end(), block);
+      for (; block < end; ++block) {
+        if (held != ranges.blocks.end() && *held == block) {
+          ++held;
+          continue;
+        }
+        const ObjectBlock object = classifier.backgroundBlock(block);
+        if (!object.cells.empty()) visible.push_back(object);
+      }
     }
-    const ObjectBlock object = classifier.backgroundBlock(block);
-    if (!object.cells.empty()) visible.push_back(object);
-  }
   std::sort(visible.begin(), visible.end(),
             [](const ObjectBlock& a, const ObjectBlock& b) { return a.block < b.block; });
 }
@@ -140,7 +155,7 @@ Classification classify(const SliceRanges& ranges, const OpacityTable& table, co
       result.visible.insert(result.visible.end(), part.begin(), part.end());
     if (table.anyOpaque(ranges.background, ranges.background) &&
         static_cast<int64_t>(held_count) < ranges.layout.blockCount())
-      addVisibleBackground(ranges, classifier, result.visible);
+      addVisibleBackground(ranges, crop, classifier, result.visible);
   });
   for (const ObjectBlock& object : result.visible)
     ++(object.kind == BlockClass::kBlack ? result.black : result.grey);

@@ -15,7 +15,17 @@ BlockLayout blockLayout(Vec3i dims, int64_t size, int ghost, const char* where) 
          dims.y, dims.z);
   BlockLayout layout{dims, size, ghost, {}};
   SLUICE_CHECK_LE(int64_t{1}, layout.cells());
-  for (int a = 0; a < 3; ++a) layout.grid[a] = ceilDiv(dims[a] - 1, layout.cells());
+  int64_t blocks = 1;
+  bool countable = true;
+  for (int a = 0; a < 3; ++a) {
+    layout.grid[a] = (dims[a] - 2) / layout.cells() + 1;
+    countable = !__builtin_mul_overflow(blocks, layout.grid[a], &blocks) && countable;
+  }
+  if (!countable)
+    fail(
+        "{}: {} x {} x {} voxels make {} x {} x {} blocks of {}, more than 2^63; give a larger "
+        "--block",
+        where, dims.x, dims.y, dims.z, layout.grid.x, layout.grid.y, layout.grid.z, size);
   return layout;
 }
 

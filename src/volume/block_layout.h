@@ -46,7 +46,8 @@ struct BlockLayout {
   Box3 storedVoxels(Vec3i index) const { return intersect(cube(index), boxOf(dims)); }
 };
 
-// Throws Error when an axis has fewer than 2 voxels (`where` starts the line).
+// Throws Error when an axis has fewer than 2 voxels, or there are more blocks than 63 bits count
+// (`where` starts the line).
 // Requires: size a power of two, size - 1 - 2 * ghost >= 1, ghost 0 or 1.
 BlockLayout blockLayout(Vec3i dims, int64_t size, int ghost, const char* where = "volume");
 

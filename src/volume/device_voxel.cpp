@@ -77,8 +77,12 @@ ValueMap deviceMap(const VolumeLayout& layout) {
 }
 
 double deviceFromStored(VoxelType type, double stored) {
-  if (std::isnan(stored)) return kNotANumber;
-  return std::clamp<double>(stored + static_cast<double>(shiftOf(type)), -kLargest, kLargest);
+  return visitVoxelType(type, [stored](auto tag) {
+    using Stored = decltype(tag);
+    // An integer has no NaN: whoever asks for one means the float that it becomes.
+    if (std::is_integral_v<Stored> && std::isnan(stored)) return static_cast<double>(kNotANumber);
+    return static_cast<double>(convert(static_cast<Stored>(stored)));
+  });
 }
 
 void toDevice(VoxelType type, std::span<const std::byte> in, std::span<std::byte> out) {

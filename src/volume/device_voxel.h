@@ -33,8 +33,13 @@ struct ValueMap {
   double deviceOf(double value) const { return (value - offset) / scale; }
 };
 ValueMap deviceMap(const VolumeLayout& layout);
-// Of a stored value, as `toDevice` would convert it, in double precision.
+// Of a stored value, exactly what `toDevice` makes of it. Requires: `stored` is NaN or one of the
+// type's values.
 double deviceFromStored(VoxelType type, double stored);
+// Whether `toDevice` copies voxels of this type as they are.
+constexpr bool isStoredAsDevice(VoxelType type) {
+  return type == VoxelType::kU8 || type == VoxelType::kU16;
+}
 
 // Converts packed voxels. Requires: out.size() == count * bytesPerVoxel(deviceMap(...).type).
 void toDevice(VoxelType type, std::span<const std::byte> in, std::span<std::byte> out);

@@ -5,11 +5,13 @@
 // spreads the keys over equal bins of the range found by then. Not shared between threads.
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <vector>
 
 #include "src/classify/histogram.h"
+#include "src/volume/device_voxel.h"
 
 namespace sluice {
 
@@ -22,7 +24,8 @@ class KeyHistogram {
   void add(const KeyHistogram& other) {
     for (size_t i = 0; i < counts_.size(); ++i) counts_[i] += other.counts_[i];
   }
-  // Device values. Integers of a range up to 4095 get one bin a value, others 4096 bins.
+  // Device values, NaN and infinities left out. Integers of a range up to 4095 get one bin a value,
+  // others 4096 bins. Requires: `range` holds every value added.
   void finish(ValueRange range, Histogram& out) const {
     const double span = range.hi - range.lo;
     size_t bins = 4096;
@@ -30,13 +33,11 @@ class KeyHistogram {
     out.range = range;
     out.counts.assign(bins, 0);
     for (size_t key = 0; key < counts_.size(); ++key) {
-      if (counts_[key] == 0) continue;
+      if (counts_[key] == 0 || standsForNoNumber(static_cast<uint32_t>(key))) continue;
       const double value = valueOf(static_cast<uint32_t>(key));
-      // A key's float stands for all that share its upper bits; what it moves past an end is kept,
-      // what stands for no number is not.
-      const double share = span > 0 ? (value - range.lo) / span : 0;
-      if (share < -0.01 || share > 1.01) continue;
-      const double bin = share < 0 ? 0 : share * static_cast<double>(bins);
+      // A key's float stands for all that share its upper bits, so that it may lie past an end.
+      const double share = span > 0 ? std::clamp((value - range.lo) / span, 0.0, 1.0) : 0;
+      const double bin = share * static_cast<double>(bins);
       out.counts[bin >= static_cast<double>(bins) ? bins - 1 : static_cast<size_t>(bin)] +=
           counts_[key];
     }
@@ -49,6 +50,14 @@ class KeyHistogram {
     } else {
       const auto bits = std::bit_cast<uint32_t>(v);
       return ((bits & 0x80000000U) != 0 ? ~bits : bits | 0x80000000U) >> 16;
+    }
+  }
+  // NaN and infinities, as toDevice leaves them.
+  static bool standsForNoNumber(uint32_t key) {
+    if constexpr (sizeof(T) < 4) {
+      return false;
+    } else {
+      return key == keyOf(kNotANumber) || key == keyOf(kLargest);
     }
   }
   static double valueOf(uint32_t key) {

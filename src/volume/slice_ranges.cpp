@@ -1,24 +1,24 @@
 #include "src/volume/slice_ranges.h"
 
 #include <algorithm>
-#include <cmath>
-#include <cstring>
-#include <limits>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <type_traits>
+#include <utility>
 
-#include "src/base/error.h"
 #include "src/base/interrupt.h"
+#include "src/volume/block_ranges.h"
 #include "src/volume/key_histogram.h"
 
 namespace sluice {
 namespace {
 
-// One read holds at most about this many voxels, so that a row of a very wide volume is cut.
-constexpr int64_t kVoxelsPerRead = int64_t{16} << 20;
+// A read and its converted voxels together take at most this many bytes on each thread, and on all
+// together, so that a row of a very wide volume is cut and many threads share what is there.
+constexpr int64_t kBytesPerRead = int64_t{32} << 20;
+constexpr int64_t kBytesOfAllReads = int64_t{128} << 20;
 
 // A run of neighbouring blocks along x, read together.
 struct Run {
@@ -26,81 +26,21 @@ struct Run {
   int64_t count;
 };
 
-template <class T>
-constexpr PlaneRange<T> kNothing{std::numeric_limits<T>::max(), std::numeric_limits<T>::lowest()};
-
-template <class T>
-void widen(PlaneRange<T>& range, PlaneRange<T> by) {
-  range.lo = std::min(range.lo, by.lo);
-  range.hi = std::max(range.hi, by.hi);
-}
-
-// Element-wise, so that the compiler makes vector code of it for every type.
-template <class T>
-void widenRow(T* __restrict lo, T* __restrict hi, const T* __restrict row, int64_t count) {
-  for (int64_t i = 0; i < count; ++i) {
-    lo[i] = row[i] < lo[i] ? row[i] : lo[i];
-    hi[i] = row[i] > hi[i] ? row[i] : hi[i];
-  }
-}
-
-template <class T>
-PlaneRange<T> reduce(const T* lo, const T* hi, int64_t count) {
-  PlaneRange<T> range = kNothing<T>;
-  for (int64_t i = 0; i < count; ++i) widen(range, {lo[i], hi[i]});
-  return range;
-}
-
-// Work space of one thread for one block.
-template <class T>
-struct Scratch {
-  explicit Scratch(int64_t side)
-      : z_lo(side), z_hi(side), x_lo(side), x_hi(side), y_lo(side * side), y_hi(side * side) {}
-  std::vector<T> z_lo, z_hi, x_lo, x_hi, y_lo, y_hi;
-};
-
-// The arrays of one block from voxels laid out x fastest with the given strides. `out` is
-// [3][side].
-template <class T>
-PlaneRange<T> rangesOfBlock(const T* voxels, Vec3i size, int64_t row_stride, int64_t plane_stride,
-                            int64_t side, Scratch<T>& s, PlaneRange<T>* out) {
-  const auto reset = [](std::vector<T>& lo, std::vector<T>& hi) {
-    std::fill(lo.begin(), lo.end(), kNothing<T>.lo);
-    std::fill(hi.begin(), hi.end(), kNothing<T>.hi);
-  };
-  std::fill(out, out + 3 * side, kNothing<T>);
-  reset(s.x_lo, s.x_hi);
-  reset(s.y_lo, s.y_hi);
-  for (int64_t z = 0; z < size.z; ++z) {
-    reset(s.z_lo, s.z_hi);
-    for (int64_t y = 0; y < size.y; ++y) {
-      const T* row = voxels + z * plane_stride + y * row_stride;
-      widenRow(s.z_lo.data(), s.z_hi.data(), row, size.x);
-      widenRow(s.y_lo.data() + y * side, s.y_hi.data() + y * side, row, size.x);
-    }
-    widenRow(s.x_lo.data(), s.x_hi.data(), s.z_lo.data(), size.x);
-    widenRow(s.x_lo.data(), s.x_hi.data(), s.z_hi.data(), size.x);
-    out[2 * side + z] = reduce(s.z_lo.data(), s.z_hi.data(), size.x);
-  }
-  for (int64_t y = 0; y < size.y; ++y)
-    out[side + y] = reduce(s.y_lo.data() + y * side, s.y_hi.data() + y * side, size.x);
-  PlaneRange<T> total = kNothing<T>;
-  for (int64_t x = 0; x < size.x; ++x) {
-    out[x] = {s.x_lo[static_cast<size_t>(x)], s.x_hi[static_cast<size_t>(x)]};
-    widen(total, out[x]);
-  }
-  return total;
-}
-
 // The voxel planes between which the block's owned cells lie.
 Box3 ownedVoxels(const BlockLayout& layout, Vec3i index) {
   const Box3 cells = layout.ownedCells(index);
   return {cells.lo, cells.hi + Vec3i{1, 1, 1}};
 }
 
-std::vector<Run> runsOfRow(const BlockLayout& layout, const std::vector<int64_t>& blocks) {
-  const int64_t most =
-      std::max<int64_t>(1, kVoxelsPerRead / volume(Vec3i{layout.size, layout.size, layout.size}));
+int64_t blocksPerRead(const BlockLayout& layout, size_t voxel_bytes, int threads) {
+  const int64_t bytes = std::min(kBytesPerRead, kBytesOfAllReads / threads);
+  const int64_t block_bytes = volume(Vec3i{layout.cells(), layout.cells(), layout.cells()}) *
+                              static_cast<int64_t>(voxel_bytes);
+  return std::max<int64_t>(1, bytes / block_bytes);
+}
+
+std::vector<Run> runsOf(const BlockLayout& layout, const std::vector<int64_t>& blocks,
+                        int64_t most) {
   std::vector<Run> runs;
   for (const int64_t block : blocks) {
     const Vec3i index = layout.indexOf(block);
@@ -124,6 +64,11 @@ std::vector<int64_t> candidates(const BlockLayout& layout,
     for (size_t i = 0; i < blocks.size(); ++i) blocks[i] = static_cast<int64_t>(i);
     return blocks;
   }
+  const auto dropRepeats = [&blocks] {
+    std::sort(blocks.begin(), blocks.end());
+    blocks.erase(std::unique(blocks.begin(), blocks.end()), blocks.end());
+  };
+  size_t drop_at = size_t{1} << 22;
   for (const Box3& box : occupancy->boxes) {
     if (box.empty()) continue;
     // A voxel on a shared plane belongs to the blocks on both sides.
@@ -136,14 +81,66 @@ std::vector<int64_t> candidates(const BlockLayout& layout,
       for (int64_t y = lo.y; y <= hi.y; ++y)
         for (int64_t x = lo.x; x <= hi.x; ++x) blocks.push_back(layout.idOf({x, y, z}));
     // Leaves of sparse formats repeat blocks many times over.
-    if (blocks.size() > (size_t{1} << 22)) {
-      std::sort(blocks.begin(), blocks.end());
-      blocks.erase(std::unique(blocks.begin(), blocks.end()), blocks.end());
+    if (blocks.size() > drop_at) {
+      dropRepeats();
+      drop_at = std::max(drop_at, 2 * blocks.size());
     }
   }
-  std::sort(blocks.begin(), blocks.end());
-  blocks.erase(std::unique(blocks.begin(), blocks.end()), blocks.end());
+  dropRepeats();
   return blocks;
+}
+
+// What one thread reads into and counts with; handed on from run to run, since fresh memory of this
+// size costs as much as the work done in it.
+template <class T>
+struct WorkSpace {
+  explicit WorkSpace(int64_t planes) : ranges(planes) {}
+
+  // The device voxels of `box`, valid until the next call.
+  const T* read(VolumeSource& source, int64_t time, const Box3& box) {
+    const VoxelType type = source.layout().type;
+    const auto count = static_cast<size_t>(box.count());
+    const size_t stored_bytes = count * bytesPerVoxel(type);
+    if (count > capacity) {
+      // Uninitialised on purpose: the read overwrites every byte.
+      device = std::make_unique_for_overwrite<T[]>(count);
+      if (!isStoredAsDevice(type))
+        stored = std::make_unique_for_overwrite<std::byte[]>(stored_bytes);
+      capacity = count;
+    }
+    const auto device_bytes = std::as_writable_bytes(std::span(device.get(), count));
+    if (isStoredAsDevice(type)) {
+      source.readRegion(time, box, device_bytes);
+    } else {
+      source.readRegion(time, box, {stored.get(), stored_bytes});
+      toDevice(type, {stored.get(), stored_bytes}, device_bytes);
+    }
+    return device.get();
+  }
+
+  size_t capacity = 0;  // voxels
+  std::unique_ptr<T[]> device;
+  std::unique_ptr<std::byte[]> stored;
+  BlockRanges<T> ranges;
+  KeyHistogram<T> histogram;
+  PlaneRange<T> seen = kNoVoxels<T>;  // of all voxels that are numbers
+};
+
+// `total`, the range of a block's voxels, without those that stand for NaN and infinities. They are
+// rare, so that a second look at such a block costs nothing.
+template <class T>
+PlaneRange<T> numbersOf(PlaneRange<T> total, const T* voxels, Vec3i size, Vec3i stride_size) {
+  if constexpr (std::is_same_v<T, float>) {
+    if (total.lo > kNotANumber && total.hi < kLargest) return total;
+    total = kNoVoxels<T>;
+    for (int64_t z = 0; z < size.z; ++z)
+      for (int64_t y = 0; y < size.y; ++y) {
+        const float* row = voxels + (z * stride_size.y + y) * stride_size.x;
+        for (int64_t x = 0; x < size.x; ++x)
+          if (row[x] > kNotANumber && row[x] < kLargest) widen(total, {row[x], row[x]});
+      }
+  }
+  return total;
 }
 
 template <class T>
@@ -152,49 +149,51 @@ class Builder {
   Builder(VolumeSource& source, int64_t time, SliceRanges& result)
       : source_(source), time_(time), result_(result) {
     totals_.resize(result.blocks.size());
-    planes_.resize(result.blocks.size() * 3 * static_cast<size_t>(result.layout.planes()));
+    planes_.resize(result.blocks.size() * perBlock());
   }
 
   void readRun(const Run& run) {
     const BlockLayout& layout = result_.layout;
     const Vec3i last = run.first + Vec3i{run.count - 1, 0, 0};
     const Box3 box = unite(ownedVoxels(layout, run.first), ownedVoxels(layout, last));
-    const VoxelType stored_type = source_.layout().type;
-    const auto count = static_cast<size_t>(box.count());
-    // Uninitialised on purpose: every byte is overwritten by the read.
-    const auto stored =
-        std::make_unique_for_overwrite<std::byte[]>(count * bytesPerVoxel(stored_type));
-    const std::span<std::byte> stored_bytes(stored.get(), count * bytesPerVoxel(stored_type));
-    source_.readRegion(time_, box, stored_bytes);
-    const auto device = std::make_unique_for_overwrite<T[]>(count);
-    toDevice(stored_type, stored_bytes, std::as_writable_bytes(std::span(device.get(), count)));
-
     const Vec3i size = box.size();
-    Scratch<T> scratch(layout.planes());
+    std::unique_ptr<WorkSpace<T>> work = takeWorkSpace();
+    const T* voxels = work->read(source_, time_, box);
     const auto held = static_cast<size_t>(
         std::lower_bound(result_.blocks.begin(), result_.blocks.end(), layout.idOf(run.first)) -
         result_.blocks.begin());
     for (int64_t i = 0; i < run.count; ++i) {
-      const Box3 voxels = ownedVoxels(layout, run.first + Vec3i{i, 0, 0});
+      const Box3 own = ownedVoxels(layout, run.first + Vec3i{i, 0, 0});
+      const T* first = voxels + (own.lo.x - box.lo.x);
       const size_t at = held + static_cast<size_t>(i);
-      totals_[at] = rangesOfBlock(device.get() + (voxels.lo.x - box.lo.x), voxels.size(), size.x,
-                                  size.x * size.y, layout.planes(), scratch,
-                                  planes_.data() + at * 3 * static_cast<size_t>(layout.planes()));
+      totals_[at] = work->ranges.of(first, own.size(), size.x, size.x * size.y,
+                                    planes_.data() + at * perBlock());
+      widen(work->seen, numbersOf(totals_[at], first, own.size(), size));
     }
-    KeyHistogram<T> histogram;
     for (int64_t z = 0; z < size.z; z += 2)
       for (int64_t y = 0; y < size.y; y += 2)
-        histogram.add(device.get() + (z * size.y + y) * size.x, size.x);
-    std::lock_guard lock(mutex_);
-    histogram_.add(histogram);
+        work->histogram.add(voxels + (z * size.y + y) * size.x, size.x);
+    const std::lock_guard lock(mutex_);
+    idle_.push_back(std::move(work));
   }
 
+  // After the last run.
   void finish(std::optional<double> known_background) {
     result_.background = known_background
                              ? deviceFromStored(source_.layout().type, *known_background)
                              : mostCommonUniform();
-    result_.device_range = range(known_background.has_value());
-    histogram_.finish(result_.device_range, result_.histogram);
+    // A background that no block was read for is a value of the volume too.
+    const bool unread = static_cast<int64_t>(totals_.size()) < result_.layout.blockCount();
+    PlaneRange<T> seen = kNoVoxels<T>;
+    if (unread) seen = numbersOf<T>({background(), background()}, nullptr, {}, {});
+    KeyHistogram<T> histogram;
+    for (const auto& work : idle_) {
+      widen(seen, work->seen);
+      histogram.add(work->histogram);
+    }
+    if (seen.lo <= seen.hi)
+      result_.device_range = {static_cast<double>(seen.lo), static_cast<double>(seen.hi)};
+    histogram.finish(result_.device_range, result_.histogram);
     keepOnlyNonBackground();
     const auto bytesOf = [](const auto& values) {
       const auto bytes = std::as_bytes(std::span(values));
@@ -205,12 +204,26 @@ class Builder {
   }
 
  private:
-  bool uniform(size_t held) const { return totals_[held].lo == totals_[held].hi; }
+  size_t perBlock() const { return 3 * static_cast<size_t>(result_.layout.planes()); }
+  T background() const { return static_cast<T>(result_.background); }
+  bool isUniform(size_t held) const { return totals_[held].lo == totals_[held].hi; }
+
+  std::unique_ptr<WorkSpace<T>> takeWorkSpace() {
+    {
+      const std::lock_guard lock(mutex_);
+      if (!idle_.empty()) {
+        std::unique_ptr<WorkSpace<T>> work = std::move(idle_.back());
+        idle_.pop_back();
+        return work;
+      }
+    }
+    return std::make_unique<WorkSpace<T>>(result_.layout.planes());
+  }
 
   double mostCommonUniform() const {
     std::map<T, int64_t> counts;
     for (size_t i = 0; i < totals_.size(); ++i)
-      if (uniform(i)) ++counts[totals_[i].lo];
+      if (isUniform(i)) ++counts[totals_[i].lo];
     int64_t most = 0;
     double value = 0;
     for (const auto& [candidate, count] : counts)
@@ -221,43 +234,20 @@ class Builder {
     return value;
   }
 
-  ValueRange range(bool background_counts) const {
-    double lo = std::numeric_limits<double>::infinity(), hi = -lo;
-    const auto take = [&](double v) {
-      if (std::is_same_v<T, float> && (v <= kNotANumber || v >= kLargest)) return;
-      lo = std::min(lo, v);
-      hi = std::max(hi, v);
-    };
-    if (background_counts) take(result_.background);
-    for (size_t i = 0; i < totals_.size(); ++i) {
-      take(totals_[i].lo);
-      take(totals_[i].hi);
-      // NaN hides the least real value of its block: look at the planes.
-      if (std::is_same_v<T, float> && totals_[i].lo <= kNotANumber)
-        for (const PlaneRange<T>& plane :
-             std::span(planes_).subspan(i * 3 * static_cast<size_t>(result_.layout.planes()),
-                                        3 * static_cast<size_t>(result_.layout.planes())))
-          if (plane.lo <= plane.hi) take(plane.lo);
-    }
-    if (lo > hi) return {0, 0};
-    return {lo, hi};
-  }
-
   void keepOnlyNonBackground() {
-    const auto per_block = static_cast<size_t>(3 * result_.layout.planes());
     size_t kept = 0;
     for (size_t i = 0; i < totals_.size(); ++i) {
-      if (uniform(i) && static_cast<double>(totals_[i].lo) == result_.background) continue;
+      if (isUniform(i) && totals_[i].lo == background()) continue;
       if (kept != i) {
         totals_[kept] = totals_[i];
         result_.blocks[kept] = result_.blocks[i];
-        std::copy_n(planes_.begin() + static_cast<ptrdiff_t>(i * per_block), per_block,
-                    planes_.begin() + static_cast<ptrdiff_t>(kept * per_block));
+        std::copy_n(planes_.begin() + static_cast<ptrdiff_t>(i * perBlock()), perBlock(),
+                    planes_.begin() + static_cast<ptrdiff_t>(kept * perBlock()));
       }
       ++kept;
     }
     totals_.resize(kept);
-    planes_.resize(kept * per_block);
+    planes_.resize(kept * perBlock());
     result_.blocks.resize(kept);
     result_.blocks.shrink_to_fit();
   }
@@ -268,7 +258,7 @@ class Builder {
   // Each run writes its own elements.
   std::vector<PlaneRange<T>> totals_, planes_;
   std::mutex mutex_;
-  KeyHistogram<T> histogram_;  // guarded by mutex_
+  std::vector<std::unique_ptr<WorkSpace<T>>> idle_;  // guarded by mutex_
 };
 
 }  // namespace
@@ -280,17 +270,21 @@ SliceRanges buildSliceRanges(VolumeSource& source, int64_t time, const BlockLayo
   result.map = deviceMap(source.layout());
   const std::optional<Occupancy> occupancy = source.occupancy(time);
   result.blocks = candidates(layout, occupancy);
-  // Rows of blocks, so that each read is long and memory stays bounded whatever the volume.
-  std::vector<Run> runs = runsOfRow(layout, result.blocks);
+  const size_t stored_bytes = bytesPerVoxel(source.layout().type);
+  const std::vector<Run> runs =
+      runsOf(layout, result.blocks,
+             blocksPerRead(layout, stored_bytes + bytesPerVoxel(result.map.type), pool.threads()));
+  const auto block_bytes =
+      static_cast<uint64_t>(volume(Vec3i{layout.cells(), layout.cells(), layout.cells()})) *
+      stored_bytes;
+  progress.expect(result.blocks.size() * block_bytes);
   visitDeviceType(result.map.type, [&](auto tag) {
     Builder<decltype(tag)> builder(source, time, result);
     pool.parallelFor(static_cast<int64_t>(runs.size()), [&](int64_t i) {
       throwIfInterrupted();
       const Run& run = runs[static_cast<size_t>(i)];
       builder.readRun(run);
-      progress.add(static_cast<uint64_t>(
-                       run.count * volume(Vec3i{layout.cells(), layout.cells(), layout.cells()})) *
-                   bytesPerVoxel(source.layout().type));
+      progress.add(static_cast<uint64_t>(run.count) * block_bytes);
     });
     std::optional<double> background;
     if (occupancy) background = occupancy->background;

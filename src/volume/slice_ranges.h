@@ -35,7 +35,7 @@ struct SliceRanges {
   std::vector<std::byte> totals;
   // PlaneRange<T>[held][axis][plane], layout.planes() an axis.
   std::vector<std::byte> planes;
-  ValueRange device_range;  // of all voxels, NaN left out
+  ValueRange device_range;  // of all voxels but NaN and infinities; 0, 0 where there are no others
   Histogram histogram;      // device values, from a quarter of the voxel rows
 
   template <class T>
@@ -52,8 +52,10 @@ struct SliceRanges {
   uint64_t bytes() const { return blocks.size() * 8 + totals.size() + planes.size(); }
 };
 
-// Reads every voxel that may differ from the background once, in rows of blocks, on all threads of
-// `pool`. Throws Error from the source, Interrupted.
+// Reads the blocks that may hold something else than the background, each once, in rows of blocks
+// on all threads of `pool`, and holds at most 128 MiB of voxels (or a block a thread) meanwhile.
+// Adds the bytes of those blocks to what `progress` expects. Throws Error from the source,
+// Interrupted.
 SliceRanges buildSliceRanges(VolumeSource& source, int64_t time, const BlockLayout& layout,
                              WorkerPool& pool, Progress& progress);
 

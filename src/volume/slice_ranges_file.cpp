@@ -65,6 +65,16 @@ Header headerOf(const BlockLayout& layout, const ValueMap& map) {
           map.offset};
 }
 
+// Ids that exist, each once: what every loop over the blocks relies on.
+bool isAscending(const std::vector<int64_t>& blocks, int64_t count) {
+  int64_t least = 0;
+  for (const int64_t block : blocks) {
+    if (block < least) return false;
+    least = block + 1;
+  }
+  return least <= count;
+}
+
 }  // namespace
 
 std::vector<std::byte> serialize(const SliceRanges& ranges) {
@@ -96,7 +106,8 @@ std::optional<SliceRanges> deserialize(std::span<const std::byte> bytes, const B
   const size_t element = 2 * bytesPerVoxel(map.type);
   const size_t held = ranges.blocks.size();
   if (ranges.totals.size() != held * element ||
-      ranges.planes.size() != held * element * 3 * static_cast<size_t>(layout.planes()))
+      ranges.planes.size() != held * element * 3 * static_cast<size_t>(layout.planes()) ||
+      ranges.histogram.counts.empty() || !isAscending(ranges.blocks, layout.blockCount()))
     return std::nullopt;
   return ranges;
 }

@@ -1,21 +1,36 @@
 #include "src/volume/volume_buffer.h"
 
 #include <algorithm>
-#include <cstring>
+#include <utility>
 
 #include "src/base/bytes.h"
 #include "src/base/clock.h"
 #include "src/base/error.h"
+#include "src/base/interrupt.h"
 
 namespace sluice {
 
-// Its fields but the first are guarded by the buffer's mutex; `block` is constant once published.
+namespace {
+
+// Seconds since construction or the last call, in ns.
+class Laps {
+ public:
+  int64_t operator()() { return static_cast<int64_t>(watch_.lap() * 1e9); }
+
+ private:
+  Stopwatch watch_;
+};
+
+}  // namespace
+
+// `key` and `bytes` are constant after construction, the rest is guarded by the buffer's mutex.
 struct VolumeBuffer::Entry {
   BlockKey key;
   uint64_t bytes = 0;
   enum class State { kLoading, kResident, kFailed } state = State::kLoading;
   VolumeBlockPtr block;
-  std::string failure;
+  std::exception_ptr failure;           // Error or Interrupted, when kFailed
+  int64_t wanted_by = 0;                // calls of acquire that have not yet taken `block`
   std::list<EntryPtr>::iterator place;  // in recent_ while resident
 };
 
@@ -43,7 +58,6 @@ void VolumeBuffer::resetCounters() {
 void VolumeBuffer::makeRoom(uint64_t bytes) {
   auto victim = recent_.end();
   while (counters_.current_bytes + reserved_bytes_ + bytes > counters_.budget_bytes) {
-    // Only this cache holds it: no one can gain a handle while we hold the mutex.
     do {
       if (victim == recent_.begin())
         fail(
@@ -52,7 +66,9 @@ void VolumeBuffer::makeRoom(uint64_t bytes) {
             formatBytes(counters_.budget_bytes), formatBytes(bytes),
             formatBytes(counters_.current_bytes + reserved_bytes_));
       --victim;
-    } while ((*victim)->block.use_count() > 1);
+      // Not one that a handle pins, or that a call is about to take: no one can gain a handle
+      // otherwise while we hold the mutex.
+    } while ((*victim)->wanted_by > 0 || (*victim)->block.use_count() > 1);
     counters_.countEviction((*victim)->bytes);
     entries_.erase((*victim)->key);
     victim = recent_.erase(victim);
@@ -74,8 +90,7 @@ VolumeBuffer::EntryPtr VolumeBuffer::publish(const BlockKey& key) {
 std::vector<VolumeBlockPtr> VolumeBuffer::acquire(std::span<const BlockKey> keys) {
   std::vector<EntryPtr> wanted;
   std::vector<EntryPtr> ours;
-  std::vector<VolumeBlockPtr> pins;  // hits, so that making room for the rest does not evict them
-  std::string no_room;
+  std::exception_ptr failure;
   {
     std::lock_guard lock(mutex_);
     for (const BlockKey& key : keys) {
@@ -84,22 +99,22 @@ std::vector<VolumeBlockPtr> VolumeBuffer::acquire(std::span<const BlockKey> keys
         counters_.countMiss();
         try {
           wanted.push_back(publish(key));
-        } catch (const Error& error) {
+        } catch (const Error&) {
           counters_.countFailure();
-          no_room = error.what();
+          failure = std::current_exception();
           break;
         }
         ours.push_back(wanted.back());
       } else if (found->second->state == Entry::State::kResident) {
         counters_.countHit();
         recent_.splice(recent_.begin(), recent_, found->second->place);
-        pins.push_back(found->second->block);
         wanted.push_back(found->second);
       } else {
         counters_.countMiss();
         counters_.countCoalesced();
         wanted.push_back(found->second);
       }
+      ++wanted.back()->wanted_by;
     }
   }
   // What was published must be brought to an end also when there is no room for the rest.
@@ -110,29 +125,61 @@ std::vector<VolumeBlockPtr> VolumeBuffer::acquire(std::span<const BlockKey> keys
              b.key.block % layout_.grid.x != 0;
     };
     while (to < ours.size() && follows(*ours[to - 1], *ours[to])) ++to;
-    const std::span<const EntryPtr> run(ours.data() + from, to - from);
-    std::string failure;
-    try {
-      load(run);
-    } catch (const std::exception& error) {
-      failure = error.what();
-    }
-    finish(run, failure);
+    loadAndFinish({ours.data() + from, to - from});
     from = to;
   }
-  if (!no_room.empty()) throw Error(no_room);
 
   std::vector<VolumeBlockPtr> blocks;
   std::unique_lock lock(mutex_);
   for (const EntryPtr& entry : wanted) {
-    loaded_.wait(lock, [&] { return entry->state != Entry::State::kLoading; });
-    if (entry->state == Entry::State::kFailed) throw Error(entry->failure);
-    blocks.push_back(entry->block);
+    if (!failure) {
+      loaded_.wait(lock, [&] { return entry->state != Entry::State::kLoading; });
+      failure = entry->failure;
+      blocks.push_back(entry->block);
+    }
+    --entry->wanted_by;
   }
+  lock.unlock();
+  if (failure) std::rethrow_exception(failure);
   return blocks;
 }
 
-void VolumeBuffer::load(std::span<const EntryPtr> run) {
+void VolumeBuffer::loadAndFinish(std::span<const EntryPtr> run) {
+  std::vector<std::shared_ptr<VolumeBlock>> blocks;
+  std::exception_ptr failure;
+  try {
+    blocks = load(run);
+  } catch (const Error&) {
+    failure = std::current_exception();
+  } catch (const Interrupted&) {
+    failure = std::current_exception();
+  } catch (const std::exception& error) {
+    failure = std::make_exception_ptr(Error(fmt::format("{}: block {}: {}", source_.layout().name,
+                                                        run.front()->key.block, error.what())));
+  }
+  {
+    std::lock_guard lock(mutex_);
+    for (size_t i = 0; i < run.size(); ++i) {
+      Entry& entry = *run[i];
+      reserved_bytes_ -= entry.bytes;
+      if (failure) {
+        entry.state = Entry::State::kFailed;
+        entry.failure = failure;
+        entries_.erase(entry.key);
+        counters_.countFailure();
+      } else {
+        entry.state = Entry::State::kResident;
+        entry.block = std::move(blocks[i]);
+        recent_.push_front(run[i]);
+        entry.place = recent_.begin();
+        counters_.countLoad(entry.bytes, !seen_.insert(entry.key).second);
+      }
+    }
+  }
+  loaded_.notify_all();
+}
+
+std::vector<std::shared_ptr<VolumeBlock>> VolumeBuffer::load(std::span<const EntryPtr> run) {
   Box3 box;
   std::vector<std::shared_ptr<VolumeBlock>> blocks;
   for (const EntryPtr& entry : run) {
@@ -143,61 +190,51 @@ void VolumeBuffer::load(std::span<const EntryPtr> run) {
     box = unite(box, block->voxels);
     blocks.push_back(std::move(block));
   }
-  const VoxelType stored_type = source_.layout().type;
-  const size_t stored_size = bytesPerVoxel(stored_type), device_size = bytesPerVoxel(map_.type);
-  const auto stored_bytes = static_cast<size_t>(box.count()) * stored_size;
   const int64_t time = run.front()->key.time;
-  const bool as_it_is =
-      run.size() == 1 && (stored_type == VoxelType::kU8 || stored_type == VoxelType::kU16);
-  Stopwatch watch;
-  const auto nanoseconds = [&watch] { return static_cast<int64_t>(watch.lap() * 1e9); };
-  if (as_it_is) {
-    source_.readRegion(time, box, {blocks[0]->bytes.get(), stored_bytes});
+  const VoxelType type = source_.layout().type;
+  if (run.size() == 1 && isStoredAsDevice(type)) {
+    Laps nanoseconds;
+    source_.readRegion(time, box, {blocks[0]->bytes.get(), blocks[0]->byteCount()});
     read_ns_ += nanoseconds();
   } else {
-    const auto stored = std::make_unique_for_overwrite<std::byte[]>(stored_bytes);
-    source_.readRegion(time, box, {stored.get(), stored_bytes});
+    readThroughScratch(time, box, blocks);
+  }
+  std::lock_guard lock(mutex_);
+  counters_.decoded_bytes += static_cast<uint64_t>(box.count()) * bytesPerVoxel(type);
+  return blocks;
+}
+
+void VolumeBuffer::readThroughScratch(int64_t time, const Box3& box,
+                                      std::span<const std::shared_ptr<VolumeBlock>> blocks) {
+  const VoxelType type = source_.layout().type;
+  const size_t stored_size = bytesPerVoxel(type), device_size = bytesPerVoxel(map_.type);
+  const Vec3i size = box.size();
+  const size_t plane_bytes = static_cast<size_t>(size.x * size.y) * stored_size;
+  const int64_t most_planes =
+      static_cast<int64_t>(std::max<size_t>(1, kScratchBytes / plane_bytes));
+  const auto scratch = std::make_unique_for_overwrite<std::byte[]>(
+      plane_bytes * static_cast<size_t>(std::min(most_planes, size.z)));
+  Laps nanoseconds;
+  for (int64_t z0 = box.lo.z; z0 < box.hi.z; z0 += most_planes) {
+    const Box3 slab{{box.lo.x, box.lo.y, z0},
+                    {box.hi.x, box.hi.y, std::min(z0 + most_planes, box.hi.z)}};
+    source_.readRegion(time, slab,
+                       {scratch.get(), plane_bytes * static_cast<size_t>(slab.size().z)});
     read_ns_ += nanoseconds();
-    const Vec3i size = box.size();
     for (const auto& block : blocks) {
-      const Vec3i from = block->voxels.lo - box.lo, own = block->voxels.size();
-      std::byte* to = block->bytes.get();
-      for (int64_t z = 0; z < own.z; ++z)
-        for (int64_t y = 0; y < own.y; ++y) {
-          const auto at =
-              static_cast<size_t>(((from.z + z) * size.y + from.y + y) * size.x + from.x);
-          const auto row = static_cast<size_t>(own.x);
-          toDevice(stored_type, {stored.get() + at * stored_size, row * stored_size},
+      const Box3& own = block->voxels;
+      const auto row = static_cast<size_t>(own.size().x);
+      for (int64_t z = slab.lo.z; z < slab.hi.z; ++z)
+        for (int64_t y = own.lo.y; y < own.hi.y; ++y) {
+          const auto from = static_cast<size_t>(((z - z0) * size.y + y - box.lo.y) * size.x +
+                                                own.lo.x - box.lo.x);
+          std::byte* to = block->bytes.get() + block->offsetOf({own.lo.x, y, z});
+          toDevice(type, {scratch.get() + from * stored_size, row * stored_size},
                    {to, row * device_size});
-          to += row * device_size;
         }
     }
     decode_ns_ += nanoseconds();
   }
-  std::lock_guard lock(mutex_);
-  for (size_t i = 0; i < run.size(); ++i) run[i]->block = std::move(blocks[i]);
-  counters_.decoded_bytes += stored_bytes;
-}
-
-void VolumeBuffer::finish(std::span<const EntryPtr> run, const std::string& failure) {
-  {
-    std::lock_guard lock(mutex_);
-    for (const EntryPtr& entry : run) {
-      reserved_bytes_ -= entry->bytes;
-      if (failure.empty()) {
-        entry->state = Entry::State::kResident;
-        recent_.push_front(entry);
-        entry->place = recent_.begin();
-        counters_.countLoad(entry->bytes, !seen_.insert(entry->key).second);
-      } else {
-        entry->state = Entry::State::kFailed;
-        entry->failure = failure;
-        entries_.erase(entry->key);
-        counters_.countFailure();
-      }
-    }
-  }
-  loaded_.notify_all();
 }
 
 }  // namespace sluice

@@ -10,11 +10,11 @@
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
+#include <exception>
 #include <list>
 #include <memory>
 #include <mutex>
 #include <span>
-#include <string>
 #include <unordered_map>
 #include <unordered_set>
 #include <vector>
@@ -45,12 +45,13 @@ struct VolumeBlock {
   std::unique_ptr<std::byte[]> bytes;
 
   size_t byteCount() const { return static_cast<size_t>(voxels.count()) * bytesPerVoxel(type); }
-  // Requires: voxels.contains(voxel).
-  const std::byte* at(Vec3i voxel) const {
+  // Bytes in front of a voxel. Requires: voxels.contains(voxel).
+  size_t offsetOf(Vec3i voxel) const {
     const Vec3i local = voxel - voxels.lo, size = voxels.size();
-    return bytes.get() + static_cast<size_t>((local.z * size.y + local.y) * size.x + local.x) *
-                             bytesPerVoxel(type);
+    return static_cast<size_t>((local.z * size.y + local.y) * size.x + local.x) *
+           bytesPerVoxel(type);
   }
+  const std::byte* at(Vec3i voxel) const { return bytes.get() + offsetOf(voxel); }
 };
 using VolumeBlockPtr = std::shared_ptr<const VolumeBlock>;
 
@@ -62,8 +63,12 @@ class VolumeBuffer {
 
   // The blocks of `keys`, in that order; blocks that follow each other along x are read together.
   // Throws Error when a read fails or when the budget cannot hold these blocks beside those that
-  // other handles pin; the failed blocks are not kept.
+  // other handles pin and other calls wait for, Interrupted when the source does; the failed blocks
+  // are not kept. Beside its blocks each call holds at most kScratchBytes (or one plane of the
+  // blocks read together) while it reads.
   std::vector<VolumeBlockPtr> acquire(std::span<const BlockKey> keys);
+
+  static constexpr size_t kScratchBytes = size_t{8} << 20;
 
   // Bytes of an inner block: what a budget is planned with.
   uint64_t blockBytes() const;
@@ -81,9 +86,11 @@ class VolumeBuffer {
   EntryPtr publish(const BlockKey& key);
   void makeRoom(uint64_t bytes);
 
-  // A run of entries along x that this call reads.
-  void load(std::span<const EntryPtr> run);
-  void finish(std::span<const EntryPtr> run, const std::string& failure);
+  // A run of entries along x that this call reads; their state says how it went.
+  void loadAndFinish(std::span<const EntryPtr> run);
+  std::vector<std::shared_ptr<VolumeBlock>> load(std::span<const EntryPtr> run);
+  void readThroughScratch(int64_t time, const Box3& box,
+                          std::span<const std::shared_ptr<VolumeBlock>> blocks);
 
   VolumeSource& source_;      // constant after construction
   const BlockLayout layout_;  // constant after construction
