@@ -58,7 +58,9 @@ double shareAbove(const Histogram& histogram, double value) {
   for (size_t i = 0; i < histogram.counts.size(); ++i) {
     if (histogram.counts[i] == 0) continue;
     const double lo = binEdge(histogram, i), hi = binEdge(histogram, i + 1);
-    const double part = value <= lo ? 1 : value >= hi ? 0 : (hi - value) / (hi - lo);
+    const double part = value <= lo   ? 1
+                        : value >= hi ? 0
+                                      : (hi / 2 - value / 2) / (hi / 2 - lo / 2);
     above += part * static_cast<double>(histogram.counts[i]);
   }
   return above / all;

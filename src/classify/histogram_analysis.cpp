@@ -109,6 +109,25 @@ std::optional<Valley> valleyAfter(const Density& density, size_t end) {
   return Valley{end + middle, end + peak};
 }
 
+size_t largest(std::span<const double> density) {
+  return static_cast<size_t>(std::max_element(density.begin(), density.end()) - density.begin());
+}
+
+// The share within a 30th of all bins to either side.
+double massAround(const Density& density, size_t bin) {
+  const size_t reach = density.size() / 30;
+  const size_t first = bin - std::min(bin, reach);
+  return sum(std::span(density).subspan(first, std::min(density.size() - first, 2 * reach + 1)));
+}
+
+// A CT's air after the padding around its field of view: close to it, or a great peak farther on
+// where the padding is one exact value.
+bool isAirAfterPadding(const Density& density, size_t mode, size_t peak) {
+  if (peak - mode < density.size() / 10) return true;
+  const bool exact = density[mode + 1] < 0.01 * density[mode];
+  return exact && peak - mode < density.size() * 35 / 100 && massAround(density, peak) > 0.25;
+}
+
 // The bin at which the visible values begin.
 struct Threshold {
   size_t bin;
@@ -119,17 +138,19 @@ Threshold thresholdAfter(const Density& density, size_t mode) {
   const size_t end = backgroundEnd(density, mode);
   const auto valley = valleyAfter(density, end);
   if (!valley) return {end, false};
-  // A peak close to the first is background too where a third follows: the air of a CT after the
-  // padding around its field of view.
-  if (valley->peak - mode < density.size() / 10) {
+  if (isAirAfterPadding(density, mode, valley->peak)) {
+    // Only where something else follows.
     const auto next = valleyAfter(density, backgroundEnd(density, valley->peak));
     if (next) return {next->middle, true};
   }
   return {valley->middle, true};
 }
 
-size_t largest(std::span<const double> density) {
-  return static_cast<size_t>(std::max_element(density.begin(), density.end()) - density.begin());
+// A background at the high end holds most voxels. The upper of a mask's two values is none: the
+// lower one is as exact.
+bool isBrightField(const Density& density) {
+  const size_t mode = largest(density);
+  return mode > density.size() * 9 / 10 && massAround(density, mode) > 0.6 && density[0] < 0.05;
 }
 
 // kDiverging: most values near zero, fewer and fewer away from it on both sides.
@@ -163,9 +184,24 @@ HistogramFindings divergingFindings(const Histogram& histogram) {
   return {HistogramKind::kDiverging, 0, threshold, topOf(distance, threshold), false};
 }
 
+HistogramFindings scaled(HistogramFindings findings, double factor) {
+  findings.background *= factor;
+  findings.threshold *= factor;
+  findings.top *= factor;
+  return findings;
+}
+
+Histogram scaled(Histogram histogram, double factor) {
+  histogram.range = {histogram.range.lo * factor, histogram.range.hi * factor};
+  return histogram;
+}
+
 }  // namespace
 
 HistogramFindings analyse(const Histogram& histogram) {
+  if (!std::isfinite(histogram.range.hi - histogram.range.lo)) {
+    return scaled(analyse(scaled(histogram, 0.25)), 4);
+  }
   const ValueRange range{percentile(histogram, kLowShare), percentile(histogram, kHighShare)};
   const auto occupied = std::count_if(histogram.counts.begin(), histogram.counts.end(),
                                       [](uint64_t count) { return count > 0; });
@@ -174,13 +210,9 @@ HistogramFindings analyse(const Histogram& histogram) {
   }
   const Density density = resample(histogram, range, kBins);
   if (diverges(density, range)) return divergingFindings(histogram);
-  const size_t mode = largest(density);
-  if (mode > kBins * 9 / 10 && density[mode] > 0.25) {
-    HistogramFindings findings = analyse(mirrored(histogram));
+  if (isBrightField(density)) {
+    HistogramFindings findings = scaled(analyse(mirrored(histogram)), -1);
     findings.kind = HistogramKind::kBelow;
-    findings.background *= -1;
-    findings.threshold *= -1;
-    findings.top *= -1;
     return findings;
   }
   // A tightly cropped object may hold more voxels than the background: look for that lower down.

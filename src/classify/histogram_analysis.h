@@ -21,7 +21,7 @@ struct HistogramFindings {
   HistogramKind kind = HistogramKind::kConstant;
   double background = 0;  // the most frequent value
   // The visible values lie beyond the threshold, away from the background, and up to `top`, which
-  // a 500th of them exceed. kDiverging: both are distances from zero. kConstant: both the value.
+  // 3 in 1000 of them exceed. kDiverging: both are distances from zero. kConstant: both the value.
   double threshold = 0;
   double top = 0;
   bool valley = false;  // the threshold lies in a valley, not at the edge of the background

@@ -36,7 +36,7 @@ struct AutomaticOptions {
   // World units, where known: the shell of a signed distance is some of these thick.
   double finest_spacing = 0;
   // Replaces the map that would be chosen; empty: chosen.
-  std::string_view map;
+  std::string_view map = {};
 };
 
 // A picture worth looking at from the counts alone:

@@ -1,0 +1,65 @@
+// JsonField: a value of a JSON document that knows its file and its place in it, so that whoever
+// reads it gets what he expects or an Error that says file, place, what was expected and what
+// found.
+//
+// Refers to a document that must outlive it. One thread.
+#pragma once
+
+#include <cstddef>
+#include <initializer_list>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace sluice {
+
+// Parses `text`. Throws Error, starting with `where`, when it is not JSON or nests deeper than any
+// file of ours does.
+nlohmann::json parseJson(std::string_view text, const std::string& where);
+
+// One line of printable ASCII of bounded length, whatever a file holds: for messages.
+std::string printable(std::string_view text, size_t longest = 60);
+
+class JsonField {
+ public:
+  // The document itself.
+  JsonField(const nlohmann::json& value, std::string where)
+      : value_(&value), where_(std::move(where)) {}
+
+  bool isObject() const { return value_->is_object(); }
+  bool isArray() const { return value_->is_array(); }
+  bool isText() const { return value_->is_string(); }
+  // Elements of an array. Throws Error when it is none.
+  size_t size() const;
+  JsonField operator[](size_t index) const;
+  // The member of an object; nullopt when it has none of that name. Throws Error when not an
+  // object.
+  std::optional<JsonField> find(const char* key) const;
+  // The same; throws Error when it has none.
+  JsonField require(const char* key) const;
+  // Throws Error, listing the names, when the object has a member of another one: a misspelt field
+  // would be ignored in silence.
+  void allowOnly(std::initializer_list<std::string_view> keys) const;
+
+  // Finite, as JSON has no other numbers.
+  double number() const;
+  // A number in 0..1.
+  double share() const;
+  const std::string& text() const;
+  // true or false, or a number, as some programs write them.
+  bool flag() const;
+
+  [[noreturn]] void failExpected(std::string_view expected) const;
+
+ private:
+  JsonField(const nlohmann::json& value, std::string where, std::string place)
+      : value_(&value), where_(std::move(where)), place_(std::move(place)) {}
+
+  const nlohmann::json* value_;
+  std::string where_;
+  std::string place_;  // as a JSON pointer; empty for the document
+};
+
+}  // namespace sluice
