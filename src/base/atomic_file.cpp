@@ -13,12 +13,20 @@ namespace sluice {
 
 namespace {
 
-// The file that a symbolic link stands for, whether it exists or not.
+// The file that a symbolic link stands for, whether it exists or not. What the system gives no way
+// to name (the pipe behind /dev/stdout) keeps the name of the link.
 std::filesystem::path followed(std::filesystem::path path) {
   std::error_code status;
-  if (!std::filesystem::is_symlink(path, status)) return path;
-  std::filesystem::path target = std::filesystem::weakly_canonical(path, status);
-  return status ? path : target;
+  for (int hops = 0; hops < 40 && std::filesystem::is_symlink(path, status); ++hops) {
+    if (std::filesystem::exists(path, status)) {
+      const std::filesystem::path target = std::filesystem::canonical(path, status);
+      return status ? path : target;
+    }
+    const std::filesystem::path target = std::filesystem::read_symlink(path, status);
+    if (status) break;
+    path = path.parent_path() / target;  // the target alone where it is absolute
+  }
+  return path;
 }
 
 }  // namespace

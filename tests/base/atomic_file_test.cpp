@@ -1,0 +1,225 @@
+#include "src/base/atomic_file.h"
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <fstream>
+#include <set>
+#include <thread>
+
+#include "src/base/error.h"
+#include "tests/support/temp_folder.h"
+
+namespace sluice {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+std::set<std::string> filesIn(const std::filesystem::path& folder) {
+  std::set<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    names.insert(entry.path().filename().string());
+  return names;
+}
+
+// The line of the Error that `f` throws.
+template <class F>
+std::string errorOf(F&& f) {
+  try {
+    f();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(AtomicFile, committedFileHoldsWhatWasWritten) {
+  const TempFolder folder;
+  const auto path = folder / "out.txt";
+  AtomicFile file(path);
+  file.write(std::string_view("one "));
+  file.write(std::string_view("two"));
+  EXPECT_FALSE(std::filesystem::exists(path));
+  file.commit();
+  EXPECT_EQ(readFile(path), "one two");
+  EXPECT_EQ(filesIn(folder.path()), (std::set<std::string>{"out.txt"}));
+}
+
+TEST(AtomicFile, abandonedFileLeavesNothing) {
+  const TempFolder folder;
+  try {
+    AtomicFile file(folder / "out.txt");
+    file.write(std::string_view("half"));
+    throw std::runtime_error("interrupted");
+  } catch (const std::runtime_error&) {
+  }
+  EXPECT_EQ(filesIn(folder.path()), std::set<std::string>());
+}
+
+TEST(AtomicFile, oldFileStaysUntilTheCommit) {
+  const TempFolder folder;
+  const auto path = folder / "out.txt";
+  writeFile(path, "old");
+  { AtomicFile(path).write(std::string_view("abandoned")); }
+  EXPECT_EQ(readFile(path), "old");
+  AtomicFile file(path);
+  file.write(std::string_view("new"));
+  EXPECT_EQ(readFile(path), "old");
+  file.commit();
+  EXPECT_EQ(readFile(path), "new");
+}
+
+TEST(AtomicFile, aLibraryMayWriteToTheTemporaryName) {
+  const TempFolder folder;
+  const auto path = folder / "out.txt";
+  AtomicFile file(path);
+  EXPECT_EQ(file.temporaryPath().parent_path(), path.parent_path());
+  writeFile(file.temporaryPath(), "by another hand");
+  file.commit();
+  EXPECT_EQ(readFile(path), "by another hand");
+}
+
+TEST(AtomicFile, missingFolderIsNamed) {
+  const TempFolder folder;
+  const auto path = folder / "none" / "out.txt";
+  EXPECT_THAT(errorOf([&] { AtomicFile file(path); }),
+              AllOf(HasSubstr(path.string()), HasSubstr("No such file")));
+}
+
+TEST(AtomicFile, aFolderIsNoFile) {
+  const TempFolder folder;
+  EXPECT_THAT(errorOf([&] { AtomicFile file(folder.path()); }),
+              AllOf(HasSubstr(folder.path().string()), HasSubstr("is a folder")));
+}
+
+TEST(AtomicFile, folderThatCannotBeWrittenIsNamed) {
+  if (geteuid() == 0) GTEST_SKIP() << "root may write anywhere";
+  const TempFolder folder;
+  std::filesystem::permissions(
+      folder.path(), std::filesystem::perms::owner_read | std::filesystem::perms::owner_exec);
+  EXPECT_THAT(errorOf([&] { AtomicFile file(folder / "out.txt"); }), HasSubstr("Permission"));
+  std::filesystem::permissions(folder.path(), std::filesystem::perms::owner_all);
+}
+
+TEST(AtomicFile, aFullDiskIsAnErrorAndLeavesTheOldFile) {
+  const TempFolder folder;
+  const auto path = folder / "out.txt";
+  writeFile(path, "old");
+  // A limit on the size of files stands for a disk without room: write says so (EFBIG).
+  std::signal(SIGXFSZ, SIG_IGN);
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  const rlimit small{4096, before.rlim_max};
+  setrlimit(RLIMIT_FSIZE, &small);
+  const std::string line = errorOf([&] {
+    AtomicFile file(path);
+    file.write(std::string(10000, 'x'));
+    file.commit();
+  });
+  setrlimit(RLIMIT_FSIZE, &before);
+  EXPECT_THAT(line, AllOf(HasSubstr(path.string()), HasSubstr("write failed")));
+  EXPECT_EQ(readFile(path), "old");
+  EXPECT_EQ(filesIn(folder.path()), (std::set<std::string>{"out.txt"}));
+}
+
+TEST(AtomicFile, severalOfOnePathDoNotMix) {
+  const TempFolder folder;
+  const auto path = folder / "out.txt";
+  std::vector<std::thread> writers;
+  for (int writer = 0; writer < 8; ++writer)
+    writers.emplace_back([&path, writer] {
+      for (int round = 0; round < 20; ++round) {
+        AtomicFile file(path);
+        for (int piece = 0; piece < 10; ++piece)
+          file.write(std::string(100, static_cast<char>('a' + writer)));
+        file.commit();
+      }
+    });
+  for (std::thread& writer : writers) writer.join();
+  const std::string found = readFile(path);
+  EXPECT_EQ(found, std::string(1000, found.empty() ? '?' : found[0]));
+  EXPECT_EQ(filesIn(folder.path()), (std::set<std::string>{"out.txt"}));
+}
+
+TEST(AtomicFile, leftoversOfAKilledProcessAreNoObstacle) {
+  const TempFolder folder;
+  const auto path = folder / "out.txt";
+  std::filesystem::path wanted;
+  { wanted = AtomicFile(path).temporaryPath(); }
+  writeFile(wanted, "left behind");
+  AtomicFile file(path);
+  file.write(std::string_view("fresh"));
+  file.commit();
+  EXPECT_EQ(readFile(path), "fresh");
+  EXPECT_EQ(readFile(wanted), "left behind");
+}
+
+TEST(AtomicFile, aSymbolicLinkStaysOne) {
+  const TempFolder folder;
+  writeFile(folder / "real.txt", "old");
+  const auto link = folder / "link.txt";
+  std::filesystem::create_symlink("real.txt", link);
+  AtomicFile file(link);
+  file.write(std::string_view("new"));
+  file.commit();
+  EXPECT_TRUE(std::filesystem::is_symlink(link));
+  EXPECT_EQ(readFile(folder / "real.txt"), "new");
+}
+
+TEST(AtomicFile, aLinkToNothingMakesTheFileItNames) {
+  const TempFolder folder;
+  const auto link = folder / "link.txt";
+  std::filesystem::create_symlink("real.txt", link);
+  AtomicFile file(link);
+  file.write(std::string_view("new"));
+  file.commit();
+  EXPECT_TRUE(std::filesystem::is_symlink(link));
+  EXPECT_EQ(readFile(folder / "real.txt"), "new");
+}
+
+TEST(AtomicFile, aDeviceIsWrittenToAndNotReplaced) {
+  {
+    AtomicFile file("/dev/null");
+    EXPECT_EQ(file.temporaryPath(), "/dev/null");
+    file.write(std::string_view("gone"));
+    file.commit();
+  }
+  { const AtomicFile abandoned("/dev/null"); }
+  EXPECT_TRUE(std::filesystem::is_character_file("/dev/null"));
+}
+
+TEST(AtomicFile, aPipeGetsTheBytes) {
+  const TempFolder folder;
+  const auto path = folder / "pipe";
+  ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
+  std::string got;
+  std::thread reader([&] { got = readFile(path); });
+  {
+    AtomicFile file(path);
+    file.write(std::string_view("through the pipe"));
+    file.commit();
+  }
+  reader.join();
+  EXPECT_EQ(got, "through the pipe");
+  EXPECT_TRUE(std::filesystem::is_fifo(path));
+}
+
+TEST(AtomicFile, permissionsFollowTheUmask) {
+  const TempFolder folder;
+  const mode_t before = umask(027);
+  AtomicFile file(folder / "out.txt");
+  file.commit();
+  umask(before);
+  struct stat status {};
+  ASSERT_EQ(stat((folder / "out.txt").c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 0777U, 0640U);
+}
+
+}  // namespace
+}  // namespace sluice

@@ -1,0 +1,55 @@
+// FunctionSource: a VolumeSource whose voxels are computed, so that a test can have a volume of any
+// size, sparse ones too.
+//
+// Constant after construction but for the byte count; any thread may read, if `value` lets it.
+#pragma once
+
+#include <atomic>
+#include <cstring>
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "src/base/error.h"
+#include "src/base/volume_source.h"
+
+namespace sluice {
+
+class FunctionSource : public VolumeSource {
+ public:
+  // The stored value of a voxel at a time step.
+  using Value = std::function<double(int64_t time, Vec3i voxel)>;
+
+  FunctionSource(VolumeLayout layout, Value value,
+                 std::optional<Occupancy> occupancy = std::nullopt)
+      : layout_(std::move(layout)), value_(std::move(value)), occupancy_(std::move(occupancy)) {}
+
+  const VolumeLayout& layout() const override { return layout_; }
+  void readRegion(int64_t time, const Box3& box, std::span<std::byte> out) override {
+    SLUICE_CHECK(time >= 0 && time < layout_.time_steps);
+    SLUICE_CHECK(!box.empty() && boxOf(layout_.dims).contains(box));
+    SLUICE_CHECK_EQ(out.size(), static_cast<size_t>(box.count()) * bytesPerVoxel(layout_.type));
+    visitVoxelType(layout_.type, [&](auto tag) {
+      std::byte* to = out.data();
+      for (int64_t z = box.lo.z; z < box.hi.z; ++z)
+        for (int64_t y = box.lo.y; y < box.hi.y; ++y)
+          for (int64_t x = box.lo.x; x < box.hi.x; ++x, to += sizeof tag) {
+            const auto voxel = static_cast<decltype(tag)>(value_(time, {x, y, z}));
+            std::memcpy(to, &voxel, sizeof voxel);
+          }
+    });
+    read_bytes_ += out.size();
+  }
+  std::optional<Occupancy> occupancy(int64_t /*time*/) override { return occupancy_; }
+  std::string identity() const override { return "function:" + layout_.name; }
+  uint64_t storedBytesRead() const override { return read_bytes_; }
+
+ private:
+  const VolumeLayout layout_;
+  const Value value_;
+  const std::optional<Occupancy> occupancy_;
+  std::atomic<uint64_t> read_bytes_{0};
+};
+
+}  // namespace sluice
