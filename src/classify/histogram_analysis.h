@@ -6,7 +6,7 @@
 // background is visible.
 #pragma once
 
-#include "src/classify/histogram.h"
+#include "src/base/histogram.h"
 
 namespace sluice {
 

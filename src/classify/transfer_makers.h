@@ -5,8 +5,8 @@
 
 #include <string_view>
 
+#include "src/base/histogram.h"
 #include "src/classify/color_maps.h"
-#include "src/classify/histogram.h"
 #include "src/classify/transfer_function.h"
 
 namespace sluice {
@@ -41,7 +41,7 @@ struct AutomaticOptions {
 
 // A picture worth looking at from the counts alone:
 // - background and its noise at the low end: what lies above is visible, coloured from its lowest
-//   value to the one that a 500th of it exceed;
+//   value to the one that 3 in 1000 of it exceed;
 // - most values near zero and tails on both sides (a statistic, a vorticity): both tails are
 //   visible, cool below and warm above, zero grey whatever the range;
 // - background at the high end (a bright field): what lies below is visible;

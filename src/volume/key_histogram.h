@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "src/classify/histogram.h"
+#include "src/base/histogram.h"
 #include "src/volume/device_voxel.h"
 
 namespace sluice {

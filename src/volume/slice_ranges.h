@@ -11,10 +11,10 @@
 #include <span>
 #include <vector>
 
+#include "src/base/histogram.h"
 #include "src/base/progress.h"
 #include "src/base/volume_source.h"
 #include "src/base/worker_pool.h"
-#include "src/classify/histogram.h"
 #include "src/volume/block_layout.h"
 #include "src/volume/device_voxel.h"
 

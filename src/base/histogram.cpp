@@ -1,4 +1,4 @@
-#include "src/classify/histogram.h"
+#include "src/base/histogram.h"
 
 #include <algorithm>
 #include <cmath>
