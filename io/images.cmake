@@ -23,6 +23,8 @@ target_sources(sluice_io PRIVATE
   slice_picture.cpp
   slice_stack.cpp
   tiff_slice.cpp
+  vdb_check.cpp
   vdb_header.cpp
+  vdb_reader.cpp
   vdb_source.cpp)
 target_link_libraries(sluice_io PRIVATE sluice_openvdb PNG::PNG TIFF::TIFF OpenEXR::OpenEXR)

@@ -134,6 +134,7 @@ std::vector<int64_t> sizes(const Fields& fields) {
   if (words.size() != dimension)
     fail("{}: DimSize has {} numbers, NDims is {}", fields.path, words.size(), dimension);
   std::vector<int64_t> values;
+  values.reserve(dimension);
   for (const std::string_view word : words) values.push_back(integer(fields, "DimSize", word, 1));
   return values;
 }

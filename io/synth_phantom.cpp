@@ -90,6 +90,7 @@ class PhantomField : public SynthField {
       size_t hi = lo;
       while (hi < row.size() && row[hi] >= kAirDensity) ++hi;
       texture_.add(row.subspan(lo, hi - lo), x0 + static_cast<int64_t>(lo), y, z, kTexture);
+      for (size_t i = lo; i < hi; ++i) row[i] = std::max(row[i], 0.0F);
       any = true;
       lo = hi;
     }

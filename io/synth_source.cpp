@@ -37,7 +37,7 @@ constexpr std::array<SynthKind, kKinds.size()> kKindList = [] {
 
 constexpr std::string_view kPrefix = "synth:";
 // Raised when a kind's voxels change, so that what was computed from older ones is not believed.
-constexpr int kRevision = 1;
+constexpr int kRevision = 2;
 
 const KindEntry& entryOf(SynthKind kind) {
   return kKinds[static_cast<size_t>(kind)];

@@ -1,152 +1,166 @@
 #include "io/vdb_header.h"
 
-#include <cstddef>
+#include <array>
+#include <string_view>
+#include <utility>
 
-#include "io/file.h"
+#include "io/vdb_reader.h"
 #include "src/base/error.h"
 
 namespace sluice {
 namespace {
 
 constexpr uint64_t kMagic = 0x56444220;
-constexpr uint32_t kFirstVersionWithTextUuid = 218;
-constexpr uint32_t kFirstVersionWithCompressionByte = 220;
-constexpr uint32_t kFirstVersionWithNodeMasks = 222;
+constexpr uint32_t kOldestVersion = 222;  // of the nodes' encoding that vdb_check.cpp knows
 constexpr uint32_t kMaxGrids = 1 << 20;
 
-// Reads a file from its start, with every size held against what is left of it.
-class Reader {
- public:
-  explicit Reader(const std::filesystem::path& path) : file_(path) {}
-
-  uint64_t size() const { return file_.sizeBytes(); }
-  uint64_t position() const { return position_; }
-
-  void read(void* to, uint64_t bytes) {
-    need(bytes);
-    file_.readAt(position_, {static_cast<std::byte*>(to), bytes});
-    position_ += bytes;
-  }
-  template <class T>
-  T number() {
-    T value{};
-    read(&value, sizeof value);
-    return value;
-  }
-  std::string text() {
-    const auto bytes = number<uint32_t>();
-    need(bytes);
-    std::string value(bytes, '\0');
-    read(value.data(), bytes);
-    return value;
-  }
-  void skip(uint64_t bytes) {
-    need(bytes);
-    seek(position_ + bytes);
-  }
-  void seek(uint64_t position) {
-    if (position > size()) cutShort(position);
-    position_ = position;
-  }
-
- private:
-  void need(uint64_t bytes) const {
-    if (bytes > size() - position_) cutShort(position_ + bytes);
-  }
-  [[noreturn]] void cutShort(uint64_t needed) const {
-    fail("{}: OpenVDB file cut short or damaged: it needs byte {} but has {}", file_.path(), needed,
-         size());
-  }
-
-  File file_;
-  uint64_t position_ = 0;
+struct Metadata {
+  std::string grid_class;
+  bool is_half = false;
 };
 
-// Walks a block of named metadata; returns the value of the string called "class".
-std::string readClass(Reader& reader) {
-  std::string grid_class;
+// OpenVDB reads as many bytes of a metadatum as its type has, whatever length stands before it.
+bool isWellSized(const std::string& type, size_t bytes) {
+  static constexpr std::array<std::pair<std::string_view, size_t>, 16> kSizes{{{"bool", 1},
+                                                                               {"int32", 4},
+                                                                               {"int64", 8},
+                                                                               {"float", 4},
+                                                                               {"double", 8},
+                                                                               {"vec2i", 8},
+                                                                               {"vec2s", 8},
+                                                                               {"vec2d", 16},
+                                                                               {"vec3i", 12},
+                                                                               {"vec3s", 12},
+                                                                               {"vec3d", 24},
+                                                                               {"vec4i", 16},
+                                                                               {"vec4s", 16},
+                                                                               {"vec4d", 32},
+                                                                               {"mat4s", 64},
+                                                                               {"mat4d", 128}}};
+  for (const auto& [name, size] : kSizes) {
+    if (type == name) return bytes == size;
+  }
+  return true;
+}
+
+// Walks a block of named metadata.
+Metadata readMetadata(VdbReader& reader) {
+  Metadata result;
   const auto count = reader.number<uint32_t>();
   for (uint32_t i = 0; i < count; ++i) {
     const std::string key = reader.text();
     const std::string type = reader.text();
-    if (key == "class" && type == "string") {
-      grid_class = reader.text();
-    } else {
-      reader.skip(reader.number<uint32_t>());
-    }
+    const std::string value = reader.text();
+    if (!isWellSized(type, value.size()))
+      fail("{}: damaged OpenVDB file: metadatum \"{}\" of type {} has {} bytes", reader.path(), key,
+           type, value.size());
+    if (key == "class" && type == "string") result.grid_class = value;
+    if (key == "is_saved_as_half_float" && type == "bool")
+      result.is_half = !value.empty() && value[0] != 0;
   }
-  return grid_class;
-}
-
-// "Tree_float_5_4_3" -> "float"; other names unchanged.
-std::string valueTypeOf(const std::string& tree_type) {
-  const std::string prefix = "Tree_";
-  if (!tree_type.starts_with(prefix)) return tree_type;
-  return tree_type.substr(prefix.size(), tree_type.find('_', prefix.size()) - prefix.size());
+  return result;
 }
 
 // OpenVDB tells grids of one name apart by a number after an ASCII record separator.
-std::string readableName(std::string unique) {
+std::string readableName(const std::string& unique) {
   const size_t separator = unique.find('\x1e');
   if (separator == std::string::npos) return unique;
   return unique.substr(0, separator) + "[" + unique.substr(separator + 1) + "]";
 }
 
-VdbGridInfo readGrid(Reader& reader, const std::filesystem::path& path, uint32_t version) {
-  VdbGridInfo grid;
-  grid.name = readableName(reader.text());
-  std::string tree_type = reader.text();
-  const std::string half_suffix = "_HalfFloat";
+// "Tree_float_5_4_3" or "Tree_float_5_4_3_HalfFloat"; other names are kept as the value type.
+void splitTreeType(std::string tree_type, VdbGridInfo& grid) {
+  const std::string prefix = "Tree_", half_suffix = "_HalfFloat";
   if (tree_type.ends_with(half_suffix)) {
     grid.saved_as_half = true;
     tree_type.resize(tree_type.size() - half_suffix.size());
   }
-  grid.value_type = valueTypeOf(tree_type);
-  grid.is_instance = !reader.text().empty();
-  const auto grid_at = reader.number<uint64_t>();
-  const auto values_at = reader.number<uint64_t>();
-  const auto end = reader.number<uint64_t>();
-  if (grid_at < reader.position() || values_at < grid_at || end < values_at)
-    fail("{}: damaged OpenVDB file: grid \"{}\" lies at {} to {} with its values at {}",
-         path.string(), grid.name, grid_at, end, values_at);
-  grid.topology_bytes = values_at - grid_at;
-  grid.value_bytes = end - values_at;
+  grid.value_type = tree_type;
+  if (!tree_type.starts_with(prefix)) return;
+  const size_t value_end = tree_type.find('_', prefix.size());
+  grid.value_type = tree_type.substr(prefix.size(), value_end - prefix.size());
+  if (value_end != std::string::npos) grid.tree_shape = tree_type.substr(value_end + 1);
+}
 
+VdbGridInfo readGrid(VdbReader& reader) {
+  VdbGridInfo grid;
+  grid.name = readableName(reader.text());
+  splitTreeType(reader.text(), grid);
+  grid.instance_of = readableName(reader.text());
+  const auto grid_at = reader.number<uint64_t>();
+  grid.values_at = reader.number<uint64_t>();
+  grid.end = reader.number<uint64_t>();
+  if (grid_at < reader.position() || grid.values_at < grid_at || grid.end < grid.values_at)
+    fail("{}: damaged OpenVDB file: grid \"{}\" lies at {} to {} with its values at {}",
+         reader.path(), grid.name, grid_at, grid.end, grid.values_at);
   reader.seek(grid_at);
-  if (version >= kFirstVersionWithNodeMasks) reader.number<uint32_t>();  // compression
-  grid.grid_class = readClass(reader);
-  reader.seek(end);
+  grid.compression = reader.number<uint32_t>();
+  const Metadata metadata = readMetadata(reader);
+  if (metadata.is_half != grid.saved_as_half)
+    fail(
+        "{}: damaged OpenVDB file: grid \"{}\" is of halves by its type or by its metadata, not "
+        "both",
+        reader.path(), grid.name);
+  grid.grid_class = metadata.grid_class;
+  grid.transform_at = reader.position();
+  reader.seek(grid.end);
   return grid;
+}
+
+bool isReal(const VdbGridInfo& grid) {
+  return grid.value_type == "float" || grid.value_type == "double";
+}
+bool isScalar(const VdbGridInfo& grid) {
+  return isReal(grid) || grid.value_type == "int32" || grid.value_type == "int64" ||
+         grid.value_type == "bool" || grid.value_type == "mask";
 }
 
 }  // namespace
 
 std::vector<VdbGridInfo> readVdbGrids(const std::filesystem::path& path) {
-  Reader reader(path);
+  VdbReader reader(path);
   if (reader.size() < sizeof kMagic || reader.number<uint64_t>() != kMagic)
-    fail("{}: not an OpenVDB file (its first bytes are not OpenVDB's)", path.string());
+    fail("{}: not an OpenVDB file (its first bytes are not OpenVDB's)", reader.path());
   const auto version = reader.number<uint32_t>();
-  if (version < kFirstVersionWithTextUuid)
+  if (version < kOldestVersion)
     fail("{}: OpenVDB file format {}, expected {} or later; write it again with a newer OpenVDB",
-         path.string(), version, kFirstVersionWithTextUuid);
+         reader.path(), version, kOldestVersion);
   reader.skip(2 * sizeof(uint32_t));  // the library's version
   const bool has_table = reader.number<uint8_t>() != 0;
-  if (version >= kFirstVersionWithCompressionByte && version < kFirstVersionWithNodeMasks)
-    reader.skip(1);
   constexpr uint64_t kUuidBytes = 36;
   reader.skip(kUuidBytes);
-  readClass(reader);  // the file's own metadata
+  readMetadata(reader);
   if (!has_table)
     fail(
         "{}: OpenVDB file without a table of its grids (written through a pipe); "
         "write it again with vdb_tool -read IN.vdb -write OUT.vdb",
-        path.string());
+        reader.path());
 
   const auto count = reader.number<uint32_t>();
-  if (count > kMaxGrids) fail("{}: damaged OpenVDB file: it states {} grids", path.string(), count);
+  if (count > kMaxGrids) fail("{}: damaged OpenVDB file: it states {} grids", reader.path(), count);
   std::vector<VdbGridInfo> grids;
-  for (uint32_t i = 0; i < count; ++i) grids.push_back(readGrid(reader, path, version));
+  for (uint32_t i = 0; i < count; ++i) grids.push_back(readGrid(reader));
   return grids;
+}
+
+VdbGridInfo chooseVdbGrid(const std::filesystem::path& path, const std::vector<VdbGridInfo>& grids,
+                          const std::string& wanted) {
+  if (!wanted.empty()) {
+    for (const VdbGridInfo& grid : grids) {
+      if (grid.name != wanted) continue;
+      if (isScalar(grid)) return grid;
+      fail(
+          "{}: grid \"{}\" holds {}, expected float, double, int32, int64, bool or mask; it has {}",
+          path.string(), wanted, grid.value_type, describe(grids));
+    }
+    fail("{}: no grid \"{}\"; it has {}", path.string(), wanted, describe(grids));
+  }
+  for (const auto accepts : {isReal, isScalar}) {
+    for (const VdbGridInfo& grid : grids) {
+      if (accepts(grid)) return grid;
+    }
+  }
+  fail("{}: no grid of a scalar type; it has {}", path.string(), describe(grids));
 }
 
 std::string describe(const std::vector<VdbGridInfo>& grids) {

@@ -19,28 +19,32 @@ namespace {
 constexpr uint64_t kTextureShare = 4;
 constexpr uint64_t kDeviceTextureBytes = uint64_t{1} << 30;
 
-// The standard page of the voxel type, and as many as hold the volume or as memory comfortably
-// does.
-PageGeometry pageGeometry(const ResourceArguments& resources, const ValueMap& map, Vec3i dims) {
+// How many pages where the user does not say: what holds the volume, or what memory comfortably
+// does beside the least buffers, but never fewer than a block takes.
+int64_t defaultPages(const PageGeometry& page, int64_t block, uint64_t memory_bytes, Vec3i dims,
+                     int threads) {
+  const auto page_bytes = static_cast<uint64_t>(page.pageBytes());
+  const auto least = std::bit_ceil(static_cast<uint64_t>(page.pagesOf(Vec3i{block, block, block})));
+  // Blocks share planes and are padded: twice the volume's own pages holds them all.
+  const Vec3i bounded = min(dims, Vec3i{1 << 20, 1 << 20, 1 << 20});
+  const double whole = std::min(2.0 * static_cast<double>(page.pagesOf(bounded)), 1e15);
+  const uint64_t most = std::min(memory_bytes / kTextureShare, kDeviceTextureBytes) / page_bytes;
+  uint64_t pages = std::min(std::bit_floor(std::max<uint64_t>(1, most)),
+                            std::bit_ceil(static_cast<uint64_t>(whole)));
+  pages = std::max(pages, least);
+  const uint64_t rest = leastBufferBytes(page, block, threads) + kSpareTextureBytes;
+  while (pages > least && pages * page_bytes + rest > memory_bytes) pages /= 2;
+  return static_cast<int64_t>(pages);
+}
+
+// The standard 64 KiB page of the voxel type unless the user says otherwise; pages still open.
+PageGeometry pageShape(const ResourceArguments& resources, const ValueMap& map) {
   PageGeometry page;
   page.bytes_per_voxel = static_cast<int64_t>(bytesPerVoxel(map.type));
   const char* standard = page.bytes_per_voxel == 1   ? "sparse-8"
                          : page.bytes_per_voxel == 2 ? "sparse-16"
                                                      : "sparse-32";
   page.size_vox = resources.page_vox.value_or(findPageConfiguration(standard)->geometry.size_vox);
-  if (resources.pages) {
-    page.pages = *resources.pages;
-  } else {
-    const uint64_t bytes = std::min(memoryBudget(resources) / kTextureShare, kDeviceTextureBytes);
-    const auto fits =
-        std::bit_floor(std::max<uint64_t>(1, bytes / static_cast<uint64_t>(page.pageBytes())));
-    // Blocks share planes and are padded: twice the volume's own pages holds them all.
-    const double whole =
-        2 * static_cast<double>(page.pagesOf(min(dims, Vec3i{1 << 20, 1 << 20, 1 << 20})));
-    page.pages = static_cast<int64_t>(fits);
-    if (whole < static_cast<double>(fits))
-      page.pages = static_cast<int64_t>(std::bit_ceil(static_cast<uint64_t>(whole)));
-  }
   return page;
 }
 
@@ -93,8 +97,10 @@ IndexedVolume openIndexed(const VolumeArguments& arguments, const ResourceArgume
     fail("{}: --time {}: the volume has {} time step{}, counted from 0", name, arguments.time,
          layout.time_steps, layout.time_steps == 1 ? "" : "s");
   volume.map = deviceMap(layout);
-  volume.page = pageGeometry(resources, volume.map, layout.dims);
+  volume.page = pageShape(resources, volume.map);
   const int64_t block = resources.block.value_or(blockSizeFor(volume.page.size_vox));
+  volume.page.pages = resources.pages.value_or(
+      defaultPages(volume.page, block, memoryBudget(resources), layout.dims, pool.threads()));
   volume.layout = blockLayout(layout.dims, block, lit ? 1 : 0, name.c_str());
   volume.index = indexedRanges(*volume.source, name, arguments.time, volume.layout, pool);
   return volume;

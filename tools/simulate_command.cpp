@@ -56,8 +56,8 @@ bool isTraceFile(const std::string& name, const std::string& format) {
     return true;
   // Ours begin with their name.
   std::ifstream file(name, std::ios::binary);
-  std::string start(6, '\0');
-  return file.read(start.data(), 6) && (start == "sluice" || start == "SLUICE");
+  std::string start(7, '\0');
+  return file.read(start.data(), 7) && (start == "sluice-" || start == "SLTRACE");
 }
 
 // The requests of a turn of `frames` views, from plans alone.

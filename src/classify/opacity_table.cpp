@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 #include "src/base/error.h"
 
@@ -11,7 +12,7 @@ namespace {
 // Neighbouring entries may differ by this much, of 1: half of what an 8-bit picture shows.
 constexpr float kVisible = 0.5F / 255;
 // A step is spread over twice as many entries.
-constexpr size_t kSpread = 3;
+constexpr ptrdiff_t kSpread = 3;
 
 // For integers the entry count is chosen so that each value falls on an entry.
 int entryCount(const ValueMap& map, double span, int most) {
@@ -49,13 +50,20 @@ OpacityTable::OpacityTable(const TransferFunction& transfer, const ValueMap& map
 
 void OpacityTable::spreadSteps() {
   const std::vector<float> sharp = opacity_;
-  for (size_t i = 0; i + 1 < sharp.size(); ++i) {
-    if (std::abs(sharp[i + 1] - sharp[i]) <= kVisible) continue;
-    const size_t from = i + 1 > kSpread ? i + 1 - kSpread : 0;
-    const size_t to = std::min(sharp.size() - 1, i + kSpread);
-    for (size_t k = from + 1; k < to; ++k) {
-      const auto share = static_cast<float>(k - from) / static_cast<float>(to - from);
-      opacity_[k] = sharp[from] + share * (sharp[to] - sharp[from]);
+  const auto last = static_cast<ptrdiff_t>(sharp.size()) - 1;
+  constexpr ptrdiff_t kReach = kSpread - 1;
+  // Each entry within reach of a step becomes the mean of those within reach of it: a ramp for one
+  // step, and never 0 for what was visible, also where two steps are close together.
+  ptrdiff_t done = 0;  // entries below are final
+  for (ptrdiff_t step = 0; step < last; ++step) {
+    const auto at = static_cast<size_t>(step);
+    if (std::abs(sharp[at + 1] - sharp[at]) <= kVisible) continue;
+    for (ptrdiff_t i = std::max(done, step + 1 - kReach); i <= std::min(last, step + kReach); ++i) {
+      float sum = 0;
+      for (ptrdiff_t k = i - kReach; k <= i + kReach; ++k)
+        sum += sharp[static_cast<size_t>(std::clamp<ptrdiff_t>(k, 0, last))];
+      opacity_[static_cast<size_t>(i)] = sum / static_cast<float>(2 * kReach + 1);
+      done = i + 1;
     }
   }
 }

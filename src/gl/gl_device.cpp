@@ -132,6 +132,13 @@ GlProgram& GlDevice::programFor(const ShaderVariant& variant) {
 
 void GlDevice::resizeTarget(PictureSize size) {
   if (size.width == target_size_.width && size.height == target_size_.height) return;
+  const int64_t most = limits().max_picture_size;
+  if (std::max(size.width, size.height) > most)
+    fail("a picture of {} x {} pixels: the GL driver draws at most {} along an axis", size.width,
+         size.height, most);
+  target_size_ = {0, 0};  // until the driver has agreed to all of it
+  while (gl_.GetError() != GL_NO_ERROR) {
+  }
   if (target_.framebuffer == 0) {
     gl_.GenFramebuffers(1, &target_.framebuffer);
     gl_.GenTextures(1, &target_.color);
@@ -148,7 +155,8 @@ void GlDevice::resizeTarget(PictureSize size) {
     gl_.FramebufferTexture2D(GL_FRAMEBUFFER, static_cast<GLenum>(attachment), GL_TEXTURE_2D,
                              texture, 0);
   }
-  if (gl_.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
+  if (gl_.GetError() != GL_NO_ERROR ||
+      gl_.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
     fail("the GL driver cannot draw a float picture of {} x {} pixels", size.width, size.height);
   target_size_ = size;
 }
@@ -203,10 +211,13 @@ void GlDevice::setLookUp(GlProgram& program) {
 
 void GlDevice::setLighting(GlProgram& program) {
   const Lighting& lighting = setup_.lighting;
-  program.set("camera_x", setup_.camera_gradient[0]);
-  program.set("camera_y", setup_.camera_gradient[1]);
-  program.set("camera_z", setup_.camera_gradient[2]);
-  program.set("flat_squared", setup_.flat * setup_.flat);
+  // Gradients in units of `flat`: squares of device values themselves may overflow the shader's
+  // floats.
+  const double unit = setup_.flat > 0 ? setup_.flat : 1;
+  program.set("camera_x", setup_.camera_gradient[0] / unit);
+  program.set("camera_y", setup_.camera_gradient[1] / unit);
+  program.set("camera_z", setup_.camera_gradient[2] / unit);
+  program.set("flat_squared", setup_.flat > 0 ? 1.0 : 0.0);
   std::vector<float> lights, halfways;
   for (const Light& light : lighting.lights) {
     for (const float v : asFloats(light.toward)) lights.push_back(v);

@@ -75,8 +75,8 @@ void TexturePool::dropIdle(uint64_t bytes) {
 GLuint TexturePool::take(Vec3i size_vox, DeviceType type, std::span<const std::byte> texels) {
   const uint64_t bytes = bytesOf(size_vox, type);
   SLUICE_CHECK_EQ(texels.size(), bytes);
-  used_bytes_ += bytes;
-  most_used_bytes_ = std::max(most_used_bytes_, used_bytes_);
+  const uint64_t used_bytes = used_bytes_ + bytes;
+  const uint64_t most_used_bytes = std::max(most_used_bytes_, used_bytes);
   GLuint texture = 0;
   const auto found = idle_.find({size_vox.x, size_vox.y, size_vox.z, type});
   if (found != idle_.end()) {
@@ -86,10 +86,12 @@ GLuint TexturePool::take(Vec3i size_vox, DeviceType type, std::span<const std::b
     idle_bytes_ -= bytes;
     gl_.BindTexture(GL_TEXTURE_3D, texture);
   } else {
-    const uint64_t most = most_used_bytes_ + kSpareTextureBytes;
-    if (used_bytes_ + idle_bytes_ > most) dropIdle(used_bytes_ + idle_bytes_ - most);
+    const uint64_t most = most_used_bytes + kSpareTextureBytes;
+    if (used_bytes + idle_bytes_ > most) dropIdle(used_bytes + idle_bytes_ - most);
     texture = create(size_vox, type);
   }
+  used_bytes_ = used_bytes;
+  most_used_bytes_ = most_used_bytes;
   gl_.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
   gl_.TexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, 0, static_cast<GLsizei>(size_vox.x),
                     static_cast<GLsizei>(size_vox.y), static_cast<GLsizei>(size_vox.z), GL_RED,

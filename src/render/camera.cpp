@@ -37,6 +37,11 @@ Orbit orbitOf(const Camera& camera, const VolumeLayout& layout) {
   return {center + back * distance, center, up, radius};
 }
 
+void requireFinite(Vec3d v, const char* what) {
+  if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.z))
+    fail("the camera's {} at {}, {}, {}: must be finite", what, v.x, v.y, v.z);
+}
+
 }  // namespace
 
 View resolve(const Camera& camera, const VolumeLayout& layout, PictureSize size, double step_vox) {
@@ -48,12 +53,19 @@ View resolve(const Camera& camera, const VolumeLayout& layout, PictureSize size,
     fail("a zoom of {}: must be above 0", camera.zoom);
   if (!(camera.field_of_view_deg > 0 && camera.field_of_view_deg < 180))
     fail("a field of view of {} degrees: must be above 0 and below 180", camera.field_of_view_deg);
+  if (!std::isfinite(camera.azimuth_deg))
+    fail("an azimuth of {} degrees: must be finite", camera.azimuth_deg);
+  if (!std::isfinite(camera.elevation_deg))
+    fail("an elevation of {} degrees: must be finite", camera.elevation_deg);
   Orbit orbit = orbitOf(camera, layout);
   if (camera.look_at) {
     orbit.eye = camera.look_at->eye;
     orbit.target = camera.look_at->target;
     orbit.up = camera.look_at->up;
   }
+  requireFinite(orbit.eye, "eye");
+  requireFinite(orbit.target, "target");
+  requireFinite(orbit.up, "up direction");
   const Vec3d toward = orbit.target - orbit.eye;
   if (!(length(toward) > 0)) fail("the camera's eye lies on its target");
   const Vec3d side = cross(toward, orbit.up);

@@ -78,37 +78,55 @@ void Session::planChunks(FrameReport& report) {
 
 void Session::makeResident(int64_t cluster_position, FrameReport& report) {
   const Cluster& cluster = plan_->clusters[static_cast<size_t>(cluster_position)];
-  // The model decides, the device obeys (design, point 5).
   cache_.unpinAll();
-  std::vector<int64_t> missing;
-  for (const int64_t position : cluster.chunks) {
-    const Chunk& chunk = plan_->chunks[static_cast<size_t>(position)];
-    const uint64_t name = names_[static_cast<size_t>(position)];
-    const TextureCache::Answer answer = cache_.request(name, static_cast<uint32_t>(chunk.pages),
-                                                       TextureBuffer::bytesOf(*plan_, chunk));
-    if (answer.outcome == Outcome::kDoesNotFit)
-      fail("a cluster needs more than the texture cache's {} pages; give more --pages",
-           cache_.capacityPages());
-    cache_.pin(name);
-    for (const uint64_t evicted : answer.evicted) device_.evict(evicted);
-    if (answer.outcome == Outcome::kLoaded) missing.push_back(position);
-  }
-  // In batches that leave level 3 room to keep what other clusters filled.
+  // In batches that leave level 3 room to keep what other clusters filled. The texels come first:
+  // a chunk that cannot be read is one that the model was never asked for.
   const uint64_t most = std::max<uint64_t>(1, budgets_.texture_buffer / 2);
-  for (size_t from = 0; from < missing.size();) {
+  for (size_t from = 0; from < cluster.chunks.size();) {
+    std::vector<int64_t> absent;
     uint64_t bytes = 0;
     size_t to = from;
-    while (to < missing.size() && (to == from || bytes < most))
-      bytes += TextureBuffer::bytesOf(*plan_, plan_->chunks[static_cast<size_t>(missing[to++])]);
-    const std::span<const int64_t> batch(missing.data() + from, to - from);
-    const std::vector<ChunkTexelsPtr> texels = chunks_.acquire(*plan_, names_, batch);
-    const Stopwatch watch;
-    for (size_t i = 0; i < batch.size(); ++i)
-      device_.makeResident(names_[static_cast<size_t>(batch[i])], texels[i]->storage_vox,
-                           ranges_.map.type, texels[i]->span());
-    report.stages.upload += watch.seconds();
-    from = to;
+    for (; to < cluster.chunks.size() && bytes < most; ++to) {
+      const int64_t position = cluster.chunks[to];
+      if (cache_.contains(names_[static_cast<size_t>(position)])) continue;
+      absent.push_back(position);
+      bytes += TextureBuffer::bytesOf(*plan_, plan_->chunks[static_cast<size_t>(position)]);
+    }
+    const std::vector<ChunkTexelsPtr> texels = chunks_.acquire(*plan_, names_, absent);
+    for (size_t next = 0; from < to; ++from) {
+      const int64_t position = cluster.chunks[from];
+      const bool has_texels = next < absent.size() && absent[next] == position;
+      // A load of this batch may have taken its pages: then it opens the next batch.
+      if (!has_texels && !cache_.contains(names_[static_cast<size_t>(position)])) break;
+      requestChunk(position, cluster_position, has_texels ? texels[next++].get() : nullptr, report);
+    }
   }
+}
+
+void Session::requestChunk(int64_t position, int64_t cluster_position, const ChunkTexels* texels,
+                           FrameReport& report) {
+  const Chunk& chunk = plan_->chunks[static_cast<size_t>(position)];
+  const uint64_t name = names_[static_cast<size_t>(position)];
+  if (trace_ != nullptr)
+    trace_->write(requestFor(*plan_, position, name, cluster_position, frame_number_));
+  // The model decides, the device obeys (design, point 5).
+  const TextureCache::Answer answer = cache_.request(name, static_cast<uint32_t>(chunk.pages),
+                                                     TextureBuffer::bytesOf(*plan_, chunk));
+  if (answer.outcome == Outcome::kDoesNotFit)
+    fail("a cluster needs more than the texture cache's {} pages; give more --pages",
+         cache_.capacityPages());
+  cache_.pin(name);
+  for (const uint64_t evicted : answer.evicted) device_.evict(evicted);
+  if (answer.outcome != Outcome::kLoaded) return;
+  SLUICE_CHECK(texels != nullptr);
+  const Stopwatch watch;
+  try {
+    device_.makeResident(name, texels->storage_vox, ranges_.map.type, texels->span());
+  } catch (...) {
+    cache_.erase(name);
+    throw;
+  }
+  report.stages.upload += watch.seconds();
 }
 
 void Session::drawCluster(const Cluster& cluster, const EyePosition& eye, FrameReport& report) {

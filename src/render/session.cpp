@@ -10,7 +10,7 @@ namespace {
 
 // Plans differ when one of these does.
 bool samePlan(const FrameOptions& a, const FrameOptions& b) {
-  return a.algorithm == b.algorithm;
+  return a.algorithm == b.algorithm && a.merge_order == b.merge_order;
 }
 bool sameCrop(const FrameOptions& a, const FrameOptions& b) {
   return a.crop == b.crop;
@@ -18,13 +18,26 @@ bool sameCrop(const FrameOptions& a, const FrameOptions& b) {
 
 }  // namespace
 
+namespace {
+
+// The largest chunk: two whole blocks side by side, in whole pages.
+uint64_t largestChunkBytes(const PageGeometry& page, int64_t block_vox) {
+  return static_cast<uint64_t>(page.pagesOf(Vec3i{2 * block_vox, block_vox, block_vox}) *
+                               page.pageBytes());
+}
+
+}  // namespace
+
+uint64_t leastBufferBytes(const PageGeometry& page, int64_t block_vox, int threads) {
+  const int64_t block_bytes = volume(Vec3i{block_vox, block_vox, block_vox}) * page.bytes_per_voxel;
+  return 2 * largestChunkBytes(page, block_vox) + static_cast<uint64_t>(2 * threads * block_bytes);
+}
+
 Budgets shareMemory(uint64_t memory_bytes, const PageGeometry& page, bool textures_in_memory,
-                    uint64_t block_bytes, int threads) {
+                    int64_t block_vox, int threads) {
   Budgets budgets;
   budgets.texture_cache = static_cast<uint64_t>(page.cacheBytes());
-  const uint64_t chunk_bytes = std::max(block_bytes, static_cast<uint64_t>(page.pageBytes()));
-  // One chunk at level 3, a block a thread at level 2.
-  const uint64_t least_buffers = 2 * chunk_bytes + 2 * static_cast<uint64_t>(threads) * block_bytes;
+  const uint64_t least_buffers = leastBufferBytes(page, block_vox, threads);
   const uint64_t textures = textures_in_memory ? budgets.texture_cache + kSpareTextureBytes : 0;
   if (memory_bytes < textures + least_buffers)
     fail(
@@ -33,7 +46,7 @@ Budgets shareMemory(uint64_t memory_bytes, const PageGeometry& page, bool textur
         formatBytes(memory_bytes), formatBytes(textures), formatBytes(least_buffers),
         textures + least_buffers);
   const uint64_t rest = memory_bytes - textures;
-  budgets.texture_buffer = std::max(2 * chunk_bytes, rest / 3);
+  budgets.texture_buffer = std::max(2 * largestChunkBytes(page, block_vox), rest / 3);
   budgets.volume_buffer = rest - budgets.texture_buffer;
   return budgets;
 }
@@ -47,9 +60,7 @@ Session::Session(VolumeSource& source, int64_t time, const SliceRanges& ranges, 
       pool_(pool),
       options_(options),
       budgets_(shareMemory(options.memory_bytes, options.page, device.limits().textures_in_memory,
-                           static_cast<uint64_t>(volume(Vec3i{1, 1, 1} * ranges.layout.size)) *
-                               bytesPerVoxel(ranges.map.type),
-                           pool.threads())),
+                           ranges.layout.size, pool.threads())),
       blocks_(source, ranges.layout, budgets_.volume_buffer),
       chunks_(blocks_, pool, budgets_.texture_buffer),
       cache_(static_cast<uint64_t>(options.page.pages),

@@ -34,9 +34,12 @@ struct SessionOptions {
 struct Budgets {
   uint64_t volume_buffer = 0, texture_buffer = 0, texture_cache = 0;
 };
+// The least that levels 2 and 3 work with: two merged chunks, since batches take half of level 3
+// and one more, and two blocks a thread.
+uint64_t leastBufferBytes(const PageGeometry& page, int64_t block_vox, int threads);
 // Throws Error, with the least that works, when level 4 leaves too little to levels 2 and 3.
 Budgets shareMemory(uint64_t memory_bytes, const PageGeometry& page, bool textures_in_memory,
-                    uint64_t block_bytes, int threads);
+                    int64_t block_vox, int threads);
 
 // Seconds of wall clock, but read, decode and copy: summed over all threads that did it.
 struct StageSeconds {
@@ -86,6 +89,9 @@ class Session {
   void classifyBlocks(FrameReport& report);
   void planChunks(FrameReport& report);
   void makeResident(int64_t cluster_position, FrameReport& report);
+  // `texels` may be null when the chunk is resident.
+  void requestChunk(int64_t position, int64_t cluster_position, const ChunkTexels* texels,
+                    FrameReport& report);
   void drawCluster(const Cluster& cluster, const EyePosition& eye, FrameReport& report);
   void countSamples(FrameReport& report);
 

@@ -50,6 +50,7 @@ std::vector<ChunkTexelsPtr> TextureBuffer::acquire(const TexturePlan& plan,
   std::vector<ChunkTexelsPtr> texels;
   std::vector<Filling> fillings;
   std::vector<std::pair<uint64_t, std::shared_ptr<ChunkTexels>>> fresh;
+  std::unordered_map<uint64_t, size_t> fresh_at;  // name -> position in fresh
   uint64_t fresh_bytes = 0;
   for (const int64_t position : chunks) {
     const Chunk& chunk = plan.chunks[static_cast<size_t>(position)];
@@ -62,6 +63,12 @@ std::vector<ChunkTexelsPtr> TextureBuffer::acquire(const TexturePlan& plan,
       continue;
     }
     counters_.countMiss();
+    const auto twin = fresh_at.find(name);
+    if (twin != fresh_at.end()) {  // asked for twice: one load serves both
+      counters_.countCoalesced();
+      texels.push_back(fresh[twin->second].second);
+      continue;
+    }
     try {
       makeRoom(fresh_bytes + bytesOf(plan, chunk));
     } catch (const Error&) {
@@ -75,6 +82,7 @@ std::vector<ChunkTexelsPtr> TextureBuffer::acquire(const TexturePlan& plan,
     for (const int64_t block : chunk.blocks)
       fillings.push_back({&plan.blocks[static_cast<size_t>(block)], made.get()});
     fresh_bytes += made->byte_count;
+    fresh_at.emplace(name, fresh.size());
     fresh.emplace_back(name, made);
     texels.push_back(made);
   }

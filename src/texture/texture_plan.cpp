@@ -160,6 +160,16 @@ void mergeChunks(TexturePlan& plan, MergeOrder order) {
   }
   for (const std::vector<MergedChunk>& chunks : merged)
     for (const MergedChunk& chunk : chunks) addChunk(plan, chunk);
+  // A chunk of two clusters is asked for first, so that what the second of them loads cannot evict
+  // it: it is loaded once, in both traversal directions.
+  for (Cluster& cluster : plan.clusters)
+    std::stable_partition(cluster.chunks.begin(), cluster.chunks.end(), [&](int64_t position) {
+      const std::vector<int64_t>& blocks = plan.chunks[static_cast<size_t>(position)].blocks;
+      return std::any_of(blocks.begin(), blocks.end(), [&](int64_t block) {
+        return plan.blocks[static_cast<size_t>(block)].cluster !=
+               plan.blocks[static_cast<size_t>(blocks.front())].cluster;
+      });
+    });
 }
 
 // Smaller is nearer along this axis; two may share a rank only on opposite sides of the eye, where

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 #include <random>
 #include <string>
 #include <vector>
@@ -141,6 +142,28 @@ TEST(TransferFile, fileThatCannotBeReadIsAnError) {
   writeFile(folder / "empty.json", "");
   EXPECT_THROW(readTransferFunction(folder / "empty.json", kRange), Error);
   EXPECT_THROW(readTransferFunction("/dev/zero", kRange), Error);
+}
+
+TEST(TransferFile, examplesInTheDocumentationWork) {
+  const std::string page =
+      readFile(std::filesystem::path(SLUICE_SOURCE_DIR) / "docs" / "transfer-functions.md");
+  const std::string open = "```json\n", close = "```";
+  int examples = 0;
+  for (size_t at = page.find(open); at != page.npos; at = page.find(open, at)) {
+    at += open.size();
+    const std::string example = page.substr(at, page.find(close, at) - at);
+    EXPECT_EQ(failureOf(example), "") << example;
+    ++examples;
+  }
+  EXPECT_EQ(examples, 2);
+}
+
+TEST(TransferFile, documentationListsTheMaps) {
+  const std::string page =
+      readFile(std::filesystem::path(SLUICE_SOURCE_DIR) / "docs" / "transfer-functions.md");
+  for (const std::string_view name : colorMapNames()) {
+    EXPECT_THAT(page, HasSubstr("`" + std::string(name) + "`"));
+  }
 }
 
 struct Bad {

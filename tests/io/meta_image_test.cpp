@@ -29,7 +29,7 @@ std::string headerWith(const std::string& key = "", const std::string& value = "
   bool there = key.empty();
   for (const auto& [name, plain] : kPlain) {
     if (std::string(name) == "ElementDataFile" && !there && key != name)
-      text += key + " = " + value + "\n";
+      text.append(key).append(" = ").append(value).append("\n");
     const bool changed = key == name;
     there = there || changed;
     if (changed && value.empty()) continue;

@@ -148,6 +148,7 @@ TEST(RawTest, threadsMayReadAtOnce) {
   const std::string voxels = knownVoxels(VoxelType::kU8, dims);
   const auto source = openRaw(folder.write("a_64x64x32_uint8.raw", voxels));
   std::vector<std::jthread> threads;
+  threads.reserve(4);
   std::atomic<int> wrong{0};
   for (int i = 0; i < 4; ++i)
     threads.emplace_back([&] {

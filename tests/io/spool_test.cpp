@@ -11,6 +11,7 @@
 #include <optional>
 #include <thread>
 
+#include "src/base/interrupt.h"
 #include "tests/io/volume_files.h"
 
 namespace sluice {
@@ -126,6 +127,7 @@ TEST(SpoolTest, decodesOnceAndCountsCompressedBytes) {
   const auto spool = spoolOf(folder.write("f", stream), 0, 0, voxels.size());
   EXPECT_EQ(spool->storedBytesRead(), 0U);  // nothing is decoded before it is needed
   std::vector<std::jthread> threads;
+  threads.reserve(4);
   std::atomic<int> wrong{0};
   for (int i = 0; i < 4; ++i)
     threads.emplace_back([&] { wrong += readText(*spool, 5, 999'995) != voxels.substr(5); });
@@ -224,6 +226,23 @@ TEST(SpoolTest, aFullDiskSaysWhatToSet) {
   setrlimit(RLIMIT_FSIZE, &old);
   signal(SIGXFSZ, handler);
   EXPECT_THAT(line, HasSubstr("set TMPDIR to a folder with room"));
+}
+
+TEST(SpoolTest, anInterruptionUnwindsAndLeavesNothing) {
+  const TempFolder folder, spools;
+  const TemporaryFolderAt here(spools.path());
+  const auto path = folder.write("f", gzipped("abcdef", folder));
+  const auto interrupted = [&] {
+    watchForInterruption();
+    raise(SIGINT);
+    try {
+      readText(*spoolOf(path, 0, 0, 6), 0, 1);
+    } catch (const Interrupted&) {
+      std::exit(130);
+    }
+  };
+  EXPECT_EXIT(interrupted(), testing::ExitedWithCode(130), "");
+  EXPECT_TRUE(std::filesystem::is_empty(spools.path()));
 }
 
 TEST(SpoolTest, readsNumbersWrittenAsText) {

@@ -7,15 +7,17 @@
 namespace sluice {
 namespace {
 
-void write(const std::filesystem::path& path, const openvdb::GridPtrVec& grids) {
+void write(const std::filesystem::path& path, const openvdb::GridPtrVec& grids,
+           uint32_t compression = openvdb::io::COMPRESS_BLOSC | openvdb::io::COMPRESS_ACTIVE_MASK) {
   openvdb::io::File file(path.string());
+  file.setCompression(compression);
   file.write(grids);
   file.close();
 }
 
 template <class Grid>
 WrittenGrid writeMixed(const std::filesystem::path& path, typename Grid::ValueType background,
-                       bool as_half) {
+                       bool as_half, uint32_t compression) {
   using Value = typename Grid::ValueType;
   const auto grid = Grid::create(background);
   auto& tree = grid->tree();
@@ -40,7 +42,7 @@ WrittenGrid writeMixed(const std::filesystem::path& path, typename Grid::ValueTy
   tree.addTile(2, {-130, -100, -100}, value(), true);
   grid->setSaveFloatAsHalf(as_half);
   grid->setName("mixed");
-  write(path, {grid});
+  write(path, {grid}, compression);
 
   const auto active = grid->evalActiveVoxelBoundingBox();
   WrittenGrid result;
@@ -59,15 +61,17 @@ WrittenGrid writeMixed(const std::filesystem::path& path, typename Grid::ValueTy
 
 }  // namespace
 
-WrittenGrid writeMixedGrid(const std::filesystem::path& path, const std::string& type) {
+WrittenGrid writeMixedGrid(const std::filesystem::path& path, const std::string& type,
+                           uint32_t compression) {
   openvdb::initialize();
-  if (type == "float") return writeMixed<openvdb::FloatGrid>(path, 0.5F, false);
-  if (type == "half") return writeMixed<openvdb::FloatGrid>(path, 0.5F, true);
-  if (type == "double") return writeMixed<openvdb::DoubleGrid>(path, -0.1, false);
-  if (type == "int32") return writeMixed<openvdb::Int32Grid>(path, -7, false);
-  if (type == "int64") return writeMixed<openvdb::Int64Grid>(path, int64_t{1} << 40, false);
-  if (type == "bool") return writeMixed<openvdb::BoolGrid>(path, false, false);
-  return writeMixed<openvdb::MaskGrid>(path, false, false);
+  if (type == "float") return writeMixed<openvdb::FloatGrid>(path, 0.5F, false, compression);
+  if (type == "half") return writeMixed<openvdb::FloatGrid>(path, 0.5F, true, compression);
+  if (type == "double") return writeMixed<openvdb::DoubleGrid>(path, -0.1, false, compression);
+  if (type == "int32") return writeMixed<openvdb::Int32Grid>(path, -7, false, compression);
+  if (type == "int64")
+    return writeMixed<openvdb::Int64Grid>(path, int64_t{1} << 40, false, compression);
+  if (type == "bool") return writeMixed<openvdb::BoolGrid>(path, false, false, compression);
+  return writeMixed<openvdb::MaskGrid>(path, false, false, compression);
 }
 
 void writePoints(const std::filesystem::path& path,

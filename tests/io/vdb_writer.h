@@ -21,8 +21,10 @@ struct WrittenGrid {
 };
 
 // One grid of scattered leaves, active and inactive tiles of several sizes, some of them as the
-// background. `type`: float, half, double, int32, int64, bool, mask.
-WrittenGrid writeMixedGrid(const std::filesystem::path& path, const std::string& type);
+// background. `type`: float, half, double, int32, int64, bool, mask. `compression`: OpenVDB's flags
+// (1 zip, 2 active values only, 4 blosc).
+WrittenGrid writeMixedGrid(const std::filesystem::path& path, const std::string& type,
+                           uint32_t compression = 6);
 
 // One grid "f" of floats with the given active voxels, background 0; no values are worked out.
 void writePoints(const std::filesystem::path& path,

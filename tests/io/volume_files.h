@@ -62,9 +62,9 @@ bool runsPython(const TempFolder& folder, const std::string& lines);
 }  // namespace sluice
 
 // Skips the test, by name, where a program or module to check against is not installed.
-#define SLUICE_NEEDS(what, command)                                   \
-  do {                                                                \
-    if (!::sluice::runs(command)) GTEST_SKIP() << what << " missing"; \
+#define SLUICE_NEEDS(what, command)                                     \
+  do {                                                                  \
+    if (!::sluice::runs(command)) GTEST_SKIP() << (what) << " missing"; \
   } while (false)
 #define SLUICE_NEEDS_MODULE(module) \
   SLUICE_NEEDS("python module " module, "/usr/bin/python3 -c 'import " module "'")

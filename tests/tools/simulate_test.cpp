@@ -80,7 +80,7 @@ TEST(Bench, printsThePapersTableForEachVolume) {
   ASSERT_EQ(report["rows"].size(), 2U);
   for (const auto& row : report["rows"]) {
     EXPECT_GT(row["empty_percent"].get<double>(), 0);
-    for (const char* key : {"seconds", "chunks", "pages", "uploaded_bytes"})
+    for (const char* key : {"seconds", "chunks", "pages", "binds"})
       for (const char* algorithm : {"conventional", "clipped", "trimmed", "merged"})
         EXPECT_GT(row[key][algorithm].get<double>(), 0) << key << algorithm;
     EXPECT_TRUE(row.contains("saved_percent"));

@@ -1,0 +1,196 @@
+// The camera's conventions, checked with numbers worked out by hand, and its errors.
+#include "src/render/camera.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "src/base/error.h"
+
+namespace sluice {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr PictureSize kSquare{100, 100};
+
+// Outer voxel centres from (0, 0, 0) to (2, 4, 4): the sphere around them has radius 3.
+VolumeLayout box244() {
+  VolumeLayout layout;
+  layout.dims = {3, 5, 5};
+  return layout;
+}
+
+View viewOf(const Camera& camera) {
+  return resolve(camera, box244(), kSquare, 1);
+}
+
+void expectNear(Vec3d found, Vec3d expected, const char* what) {
+  for (int a = 0; a < 3; ++a) EXPECT_NEAR(found[a], expected[a], 1e-12) << what << ", axis " << a;
+}
+
+std::string errorOf(const Camera& camera, PictureSize size = kSquare, double step_vox = 1) {
+  try {
+    resolve(camera, box244(), size, step_vox);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Camera, azimuthZeroLooksAlongMinusZWithYUp) {
+  const View view = viewOf({});
+  expectNear(view.forward, {0, 0, -1}, "forward");
+  expectNear(view.up, {0, 1, 0}, "up");
+  expectNear(view.right, {1, 0, 0}, "right");
+  EXPECT_NEAR(view.eye.x, 1, 1e-12);
+  EXPECT_NEAR(view.eye.y, 2, 1e-12);
+  EXPECT_GT(view.eye.z, 4);
+}
+
+// The camera goes round +y by the right hand: at 90 degrees it stands on +x.
+TEST(Camera, azimuthTurnsTheCameraAboutY) {
+  Camera camera;
+  camera.azimuth_deg = 90;
+  View view = viewOf(camera);
+  expectNear(view.forward, {-1, 0, 0}, "forward");
+  expectNear(view.right, {0, 0, -1}, "right");
+  camera.azimuth_deg = 180;
+  view = viewOf(camera);
+  expectNear(view.forward, {0, 0, 1}, "forward");
+  expectNear(view.right, {-1, 0, 0}, "right");
+  expectNear(view.up, {0, 1, 0}, "up");
+}
+
+TEST(Camera, elevationLiftsTheCamera) {
+  Camera camera;
+  camera.elevation_deg = 30;
+  const View tilted = viewOf(camera);
+  expectNear(tilted.forward, {0, -0.5, -std::sqrt(0.75)}, "forward");
+  EXPECT_GT(tilted.eye.y, 4) << "above the volume";
+  camera.elevation_deg = 90;
+  const View above = viewOf(camera);
+  expectNear(above.forward, {0, -1, 0}, "forward");
+  expectNear(above.up, {0, 0, -1}, "up continues the way that it turned");
+  expectNear(above.right, {1, 0, 0}, "right");
+  camera.elevation_deg = -90;
+  expectNear(viewOf(camera).up, {0, 0, 1}, "up");
+}
+
+TEST(Camera, zoomOneFitsTheSphereAroundTheOuterVoxelCentres) {
+  Camera camera;
+  EXPECT_NEAR(viewOf(camera).half_height, 3, 1e-12);
+  camera.zoom = 2;
+  EXPECT_NEAR(viewOf(camera).half_height, 1.5, 1e-12);
+  // Wider than high: the height is what fits. Higher than wide: the width.
+  camera.zoom = 1;
+  EXPECT_NEAR(resolve(camera, box244(), {200, 100}, 1).half_height, 3, 1e-12);
+  EXPECT_NEAR(resolve(camera, box244(), {100, 200}, 1).half_height, 6, 1e-12);
+}
+
+TEST(Camera, perspectiveSphereTouchesThePictureSEdge) {
+  Camera camera;
+  camera.projection = Projection::kPerspective;
+  camera.field_of_view_deg = 60;
+  const View view = viewOf(camera);
+  EXPECT_NEAR(view.half_height, std::tan(M_PI / 6), 1e-12);
+  // The picture's upper edge plane passes through the eye and touches the sphere.
+  const double distance = length(view.eye - Vec3d{1, 2, 2});
+  EXPECT_NEAR(distance * std::sin(M_PI / 6), 3, 1e-12);
+}
+
+TEST(Camera, slicesStartAtTheNearestCorner) {
+  Camera camera;
+  camera.azimuth_deg = 90;
+  const View view = resolve(camera, box244(), kSquare, 0.5);
+  EXPECT_NEAR(view.first_depth, view.eye.x - 2, 1e-12) << "the face x = 2 is nearest";
+  EXPECT_EQ(view.step, 0.5);
+}
+
+TEST(Camera, stepIsInUnitsOfTheFinestSpacing) {
+  VolumeLayout layout = box244();
+  layout.spacing = {3, 0.5, 2};
+  EXPECT_NEAR(resolve({}, layout, kSquare, 2).step, 1, 1e-12);
+}
+
+TEST(Camera, orientedGridIsFittedInWorldSpace) {
+  VolumeLayout layout = box244();
+  layout.spacing = {2, 1, 1};
+  layout.origin = {10, 20, 30};
+  layout.axes = {{{0, 0, 1}, {1, 0, 0}, {0, 1, 0}}};
+  // Corners from (10, 20, 30) to (14, 24, 34): radius of a cube of 4.
+  const View view = resolve({}, layout, kSquare, 1);
+  EXPECT_NEAR(view.half_height, std::sqrt(12.0), 1e-12);
+  EXPECT_NEAR(view.eye.x, 12, 1e-12);
+  EXPECT_NEAR(view.eye.y, 22, 1e-12);
+  EXPECT_NEAR(view.first_depth, view.eye.z - 34, 1e-12);
+}
+
+TEST(Camera, lookAtReplacesTheOrbit) {
+  Camera camera;
+  camera.projection = Projection::kPerspective;
+  camera.azimuth_deg = 77;
+  camera.look_at = Camera::LookAt{{5, 2, 2}, {1, 2, 2}, {0, 0, 3}};
+  const View view = viewOf(camera);
+  expectNear(view.eye, {5, 2, 2}, "eye");
+  expectNear(view.forward, {-1, 0, 0}, "forward");
+  expectNear(view.up, {0, 0, 1}, "up");
+  expectNear(view.right, {0, 1, 0}, "right");
+  EXPECT_NEAR(view.first_depth, 3, 1e-12);
+}
+
+TEST(Camera, eyeInsideTheVolumeHasTheFirstSliceBehindIt) {
+  Camera camera;
+  camera.projection = Projection::kPerspective;
+  camera.look_at = Camera::LookAt{{1, 2, 2}, {1, 2, 0}, {0, 1, 0}};
+  EXPECT_NEAR(viewOf(camera).first_depth, -2, 1e-12);
+}
+
+TEST(Camera, degenerateCamerasAreRefusedInOneLine) {
+  EXPECT_THAT(errorOf({}, {0, 10}), HasSubstr("0 x 10"));
+  EXPECT_THAT(errorOf({}, {10, -1}), HasSubstr("10 x -1"));
+  for (const double bad : {0.0, -1.0, kNan, kInfinity}) {
+    EXPECT_THAT(errorOf({}, kSquare, bad), HasSubstr("step")) << bad;
+    Camera camera;
+    camera.zoom = bad;
+    EXPECT_THAT(errorOf(camera), HasSubstr("zoom")) << bad;
+  }
+  for (const double bad : {0.0, -30.0, 180.0, 400.0, kNan, kInfinity}) {
+    Camera camera;
+    camera.field_of_view_deg = bad;
+    EXPECT_THAT(errorOf(camera), HasSubstr("field of view")) << bad;
+  }
+  Camera camera;
+  camera.look_at = Camera::LookAt{{1, 1, 1}, {1, 1, 1}, {0, 1, 0}};
+  EXPECT_THAT(errorOf(camera), HasSubstr("eye lies on its target"));
+  camera.look_at = Camera::LookAt{{1, 1, 1}, {1, 5, 1}, {0, 1, 0}};
+  EXPECT_THAT(errorOf(camera), HasSubstr("up direction"));
+  camera.look_at = Camera::LookAt{{1, 1, 1}, {1, 5, 1}, {0, 0, 0}};
+  EXPECT_THAT(errorOf(camera), HasSubstr("up direction"));
+  EXPECT_EQ(errorOf({}), "");
+}
+
+TEST(Camera, numbersThatAreNotFiniteAreNamed) {
+  for (const double bad : {kNan, kInfinity, -kInfinity}) {
+    Camera camera;
+    camera.azimuth_deg = bad;
+    EXPECT_THAT(errorOf(camera), HasSubstr("azimuth"));
+    camera = {};
+    camera.elevation_deg = bad;
+    EXPECT_THAT(errorOf(camera), HasSubstr("elevation"));
+    camera = {};
+    camera.look_at = Camera::LookAt{{1, bad, 1}, {1, 5, 1}, {0, 0, 1}};
+    EXPECT_THAT(errorOf(camera), HasSubstr("eye"));
+    camera.look_at = Camera::LookAt{{1, 1, 1}, {1, 5, bad}, {0, 0, 1}};
+    EXPECT_THAT(errorOf(camera), HasSubstr("target"));
+    camera.look_at = Camera::LookAt{{1, 1, 1}, {1, 5, 1}, {bad, 0, 1}};
+    EXPECT_THAT(errorOf(camera), HasSubstr("up"));
+  }
+}
+
+}  // namespace
+}  // namespace sluice

@@ -1,0 +1,191 @@
+#include "tests/render/render_scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "src/render/index_space.h"
+
+namespace sluice {
+namespace {
+
+FloatPicture fromDevice(Picture picture) {
+  FloatPicture result;
+  result.width = picture.width;
+  result.height = picture.height;
+  result.rgba = std::move(picture.rgba);
+  result.depth = std::move(picture.depth);
+  return result;
+}
+
+ReferenceMode referenceMode(Mode mode) {
+  switch (mode) {
+    case Mode::kMip:
+      return ReferenceMode::kMaximum;
+    case Mode::kMinip:
+      return ReferenceMode::kMinimum;
+    case Mode::kAverage:
+      return ReferenceMode::kAverage;
+    case Mode::kComposite:
+      break;
+  }
+  return ReferenceMode::kComposite;
+}
+
+SliceRanges rangesOf(VolumeSource& source, const SceneOptions& options, WorkerPool& pool) {
+  const BlockLayout layout =
+      blockLayout(source.layout().dims, options.block_vox, options.lit ? 1 : 0);
+  Progress progress;
+  return buildSliceRanges(source, options.time, layout, pool, progress);
+}
+
+}  // namespace
+
+RenderScene::RenderScene(Device& device, VolumeSource& source, TransferFunction transfer,
+                         const SceneOptions& options)
+    : source_(source),
+      options_(options),
+      transfer_(std::move(transfer)),
+      pool_(options.threads),
+      ranges_(rangesOf(source, options, pool_)) {
+  SessionOptions session;
+  session.page = {options.page_vox, static_cast<int64_t>(bytesPerVoxel(ranges_.map.type)),
+                  options.pages};
+  session.memory_bytes = options.memory_bytes;
+  session.policy = options.policy;
+  session.lit = options.lit;
+  session_ = std::make_unique<Session>(source, options.time, ranges_, device, pool_, session);
+  session_->setTransferFunction(transfer_);
+}
+
+Frame RenderScene::frame(const FrameOptions& options) {
+  session_->setOptions(options);
+  Frame frame = session_->frame();
+  EXPECT_EQ(session_->volumeBufferCounters().brokenIdentity(), "");
+  EXPECT_EQ(session_->textureBufferCounters().brokenIdentity(), "");
+  EXPECT_EQ(session_->textureCache().counters().brokenIdentity(), "");
+  return frame;
+}
+
+FloatPicture RenderScene::draw(const FrameOptions& options) {
+  return fromDevice(frame(options).picture);
+}
+
+FloatPicture RenderScene::reference(const FrameOptions& options) const {
+  ReferenceScene scene;
+  scene.transfer = transfer_;
+  scene.mode = referenceMode(options.mode);
+  scene.time = options_.time;
+  scene.crop = options.crop;
+  for (const WorldPlane& plane : options.clip_planes)
+    scene.clip_planes.push_back({plane.normal, plane.offset});
+  if (options_.lit) scene.lighting = options.lighting;
+  scene.value_range = valueRangeOf(source_, options_.time);
+  scene.opacity_threshold = options.opacity_threshold;
+  return renderReference(
+      source_, resolve(options.camera, source_.layout(), options.size, options.step_vox), scene);
+}
+
+void RenderScene::setTransfer(TransferFunction transfer) {
+  transfer_ = std::move(transfer);
+  session_->setTransferFunction(transfer_);
+}
+
+ValueRange valueRangeOf(VolumeSource& source, int64_t time) {
+  const VolumeLayout& layout = source.layout();
+  std::vector<std::byte> bytes(static_cast<size_t>(volume(layout.dims)) *
+                               bytesPerVoxel(layout.type));
+  source.readRegion(time, boxOf(layout.dims), bytes);
+  ValueRange range{std::numeric_limits<double>::infinity(),
+                   -std::numeric_limits<double>::infinity()};
+  visitVoxelType(layout.type, [&](auto tag) {
+    const auto* voxels = reinterpret_cast<const decltype(tag)*>(bytes.data());
+    for (int64_t i = 0; i < volume(layout.dims); ++i) {
+      const double value =
+          static_cast<double>(voxels[i]) * layout.value_scale + layout.value_offset;
+      if (!std::isfinite(value)) continue;
+      range = {std::min(range.lo, value), std::max(range.hi, value)};
+    }
+  });
+  return range;
+}
+
+testing::AssertionResult within(double tolerance_255, const FloatPicture& a,
+                                const FloatPicture& b) {
+  const Difference d = compare(a, b, tolerance_255);
+  if (d.max_255 <= tolerance_255) return testing::AssertionSuccess();
+  const auto p = a.at(d.worst_x, d.worst_y), q = b.at(d.worst_x, d.worst_y);
+  return testing::AssertionFailure() << fmt::format(
+             "{:.3f}/255 at ({}, {}) of {} x {}, mean {:.5f}, {} pixels over {}: "
+             "{:.5f} {:.5f} {:.5f} {:.5f} against {:.5f} {:.5f} {:.5f} {:.5f}",
+             d.max_255, d.worst_x, d.worst_y, a.width, a.height, d.mean_255, d.pixels_over,
+             tolerance_255, p[0], p[1], p[2], p[3], q[0], q[1], q[2], q[3]);
+}
+
+testing::AssertionResult depthsWithin(double tolerance, const FloatPicture& a,
+                                      const FloatPicture& b) {
+  if (a.depth.size() != b.depth.size())
+    return testing::AssertionFailure() << a.depth.size() << " against " << b.depth.size();
+  // Where almost nothing shows, the depth is the quotient of two roundings.
+  constexpr float kLeastOpacity = 1e-3F;
+  int64_t compared = 0;
+  for (size_t i = 0; i < a.depth.size(); ++i) {
+    if (a.rgba[4 * i + 3] < kLeastOpacity || b.rgba[4 * i + 3] < kLeastOpacity) continue;
+    ++compared;
+    if (!(std::abs(a.depth[i] - b.depth[i]) <= tolerance))
+      return testing::AssertionFailure()
+             << fmt::format("{} against {} at pixel {}, {}", a.depth[i], b.depth[i],
+                            i % static_cast<size_t>(a.width), i / static_cast<size_t>(a.width));
+  }
+  if (compared == 0) return testing::AssertionFailure() << "no pixel has a depth";
+  return testing::AssertionSuccess();
+}
+
+double shownShare(const FloatPicture& picture) {
+  int64_t shown = 0;
+  for (size_t i = 3; i < picture.rgba.size(); i += 4) shown += picture.rgba[i] > 0.01F ? 1 : 0;
+  return static_cast<double>(shown) / static_cast<double>(picture.rgba.size() / 4);
+}
+
+std::unique_ptr<MemorySource> cropped(VolumeSource& source, const Box3& voxels, int64_t time) {
+  VolumeLayout layout = source.layout();
+  const Box3 box = intersect(voxels, boxOf(layout.dims));
+  std::vector<std::byte> bytes(static_cast<size_t>(box.count()) * bytesPerVoxel(layout.type));
+  source.readRegion(time, box, bytes);
+  layout.origin = worldFromIndex(layout, toDouble(box.lo));
+  layout.dims = box.size();
+  layout.time_steps = 1;
+  return std::make_unique<MemorySource>(layout, std::move(bytes));
+}
+
+void RenderTest::SetUpTestSuite() {
+  try {
+    device_ = std::make_unique<GlDevice>(createContext(GlChoice::kOsmesa));
+  } catch (const Error&) {
+    device_ = std::make_unique<GlDevice>(createContext(GlChoice::kEgl));
+  }
+}
+
+FrameOptions obliqueView(Projection projection, PictureSize size) {
+  FrameOptions options;
+  options.camera.projection = projection;
+  options.camera.azimuth_deg = 33;
+  options.camera.elevation_deg = 21;
+  options.camera.zoom = 1.3;
+  options.size = size;
+  return options;
+}
+
+FrameOptions insideView(const VolumeLayout& layout, Vec3d share, Vec3d toward_share) {
+  const Vec3d outer = toDouble(layout.dims - Vec3i{1, 1, 1});
+  FrameOptions options;
+  options.camera.projection = Projection::kPerspective;
+  options.camera.field_of_view_deg = 70;
+  options.camera.look_at = Camera::LookAt{worldFromIndex(layout, outer * share),
+                                          worldFromIndex(layout, outer * toward_share),
+                                          {0.1, 1, 0.05}};
+  options.size = {96, 80};
+  return options;
+}
+
+}  // namespace sluice

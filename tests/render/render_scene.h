@@ -1,0 +1,93 @@
+// RenderScene: a source drawn by the renderer and by the reference from the same options, so that a
+// test says only what is special about it.
+//
+//   RenderScene scene(device(), *source, transfer, {.block_vox = 8, .lit = true});
+//   EXPECT_TRUE(within(2, scene.draw(options), scene.reference(options)));
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <optional>
+
+#include "src/gl/gl_device.h"
+#include "src/render/session.h"
+#include "tests/support/float_picture.h"
+#include "tests/support/memory_source.h"
+#include "tests/support/reference_renderer.h"
+
+namespace sluice {
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+inline constexpr bool kSanitized = true;
+#else
+inline constexpr bool kSanitized = false;
+#endif
+
+struct SceneOptions {
+  int64_t block_vox = 16;  // a side; small, so that small volumes have many
+  Vec3i page_vox{8, 8, 8};
+  int64_t pages = 1 << 15;
+  uint64_t memory_bytes = uint64_t{1} << 30;
+  PolicyKind policy = PolicyKind::kLru;
+  int threads = 2;
+  bool lit = false;
+  int64_t time = 0;
+};
+
+class RenderScene {
+ public:
+  // The references must outlive the scene. The device may serve several scenes, one after another.
+  RenderScene(Device& device, VolumeSource& source, TransferFunction transfer,
+              const SceneOptions& options = {});
+
+  // Also expects that no identity of the counters is broken, at any level.
+  Frame frame(const FrameOptions& options);
+  FloatPicture draw(const FrameOptions& options);
+  // What the contracts say that draw() gives.
+  FloatPicture reference(const FrameOptions& options) const;
+
+  Session& session() { return *session_; }
+  const SliceRanges& ranges() const { return ranges_; }
+  void setTransfer(TransferFunction transfer);
+
+ private:
+  VolumeSource& source_;
+  const SceneOptions options_;
+  TransferFunction transfer_;
+  WorkerPool pool_;
+  SliceRanges ranges_;
+  std::unique_ptr<Session> session_;
+};
+
+// Least and greatest value of a time step that is a number, in a plain loop.
+ValueRange valueRangeOf(VolumeSource& source, int64_t time = 0);
+
+// Success when no channel differs by more than tolerance_255 / 255.
+testing::AssertionResult within(double tolerance_255, const FloatPicture& a, const FloatPicture& b);
+// The same for depths where both pictures are opaque enough to have one, in world units.
+testing::AssertionResult depthsWithin(double tolerance, const FloatPicture& a,
+                                      const FloatPicture& b);
+// Guards against comparing nothing with nothing: the share of pixels that show something.
+double shownShare(const FloatPicture& picture);
+
+// A part of a source, so that tests of large volumes stay quick. `source` must outlive it.
+std::unique_ptr<MemorySource> cropped(VolumeSource& source, const Box3& voxels, int64_t time = 0);
+
+// A test with a device of its own program: software GL, whose pictures are the same everywhere.
+class RenderTest : public testing::Test {
+ protected:
+  static void SetUpTestSuite();
+  static void TearDownTestSuite() { device_.reset(); }
+  static Device& device() { return *device_; }
+
+ private:
+  static inline std::unique_ptr<GlDevice> device_;
+};
+
+// Views that need not care: turned about both axes, small.
+FrameOptions obliqueView(Projection projection, PictureSize size = {96, 80});
+// A perspective eye inside the volume, at `share` (0..1) of it along each axis.
+FrameOptions insideView(const VolumeLayout& layout, Vec3d share, Vec3d toward_share);
+
+}  // namespace sluice

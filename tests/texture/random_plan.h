@@ -1,0 +1,77 @@
+// Volumes cut into blocks, with what is visible of each made up: what plans are made from in tests.
+#pragma once
+
+#include <algorithm>
+#include <random>
+
+#include "src/texture/texture_plan.h"
+
+namespace sluice {
+
+inline Box3 allCells(const BlockLayout& layout) {
+  return {{0, 0, 0}, layout.dims - Vec3i{1, 1, 1}};
+}
+
+// As classify() would: the kind and the trimming axis follow from the box.
+inline ObjectBlock objectBlock(const BlockLayout& layout, int64_t block, const Box3& cells) {
+  ObjectBlock object;
+  object.block = block;
+  object.cells = cells;
+  object.kind =
+      cells == layout.ownedCells(layout.indexOf(block)) ? BlockClass::kBlack : BlockClass::kGrey;
+  const Vec3i size = cells.size();
+  object.trimming_axis = 2;
+  for (int axis = 1; axis >= 0; --axis)
+    if (size[axis] < size[object.trimming_axis]) object.trimming_axis = axis;
+  return object;
+}
+
+inline Classification classificationOf(const BlockLayout& layout,
+                                       std::vector<ObjectBlock> visible) {
+  Classification result;
+  result.visible = std::move(visible);
+  for (const ObjectBlock& object : result.visible)
+    ++(object.kind == BlockClass::kBlack ? result.black : result.grey);
+  result.white = layout.blockCount() - result.black - result.grey;
+  return result;
+}
+
+// Every cell visible.
+inline Classification allBlack(const BlockLayout& layout) {
+  std::vector<ObjectBlock> visible;
+  for (int64_t block = 0; block < layout.blockCount(); ++block)
+    visible.push_back(objectBlock(layout, block, layout.ownedCells(layout.indexOf(block))));
+  return classificationOf(layout, std::move(visible));
+}
+
+// About `share` of the blocks visible, each in a random box of its cells.
+inline Classification randomClassification(const BlockLayout& layout, double share,
+                                           std::mt19937_64& random) {
+  const auto below = [&](int64_t n) {
+    return static_cast<int64_t>(random() % static_cast<uint64_t>(n));
+  };
+  std::vector<ObjectBlock> visible;
+  for (int64_t block = 0; block < layout.blockCount(); ++block) {
+    if (static_cast<double>(random() >> 11) * 0x1p-53 >= share) continue;
+    const Box3 owned = layout.ownedCells(layout.indexOf(block));
+    Box3 cells = owned;
+    if (below(5) > 0)
+      for (int a = 0; a < 3; ++a) {
+        cells.lo[a] += below(owned.size()[a]);
+        cells.hi[a] = cells.lo[a] + 1 + below(owned.hi[a] - cells.lo[a]);
+      }
+    visible.push_back(objectBlock(layout, block, cells));
+  }
+  return classificationOf(layout, std::move(visible));
+}
+
+inline PlanOptions planOptions(const BlockLayout& layout, Algorithm algorithm,
+                               MergeOrder order = MergeOrder::kPaper) {
+  PlanOptions options;
+  options.algorithm = algorithm;
+  options.merge_order = order;
+  options.crop = allCells(layout);
+  return options;
+}
+
+}  // namespace sluice

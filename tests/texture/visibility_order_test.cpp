@@ -1,0 +1,149 @@
+// clusterOrder and blockOrder against rays: of two boxes on a ray, the one that the ray leaves
+// before it enters the other must be drawn first.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "tests/texture/random_plan.h"
+
+namespace sluice {
+namespace {
+
+struct Ray {
+  Vec3d origin, direction;
+};
+
+struct Interval {
+  double enter, leave;
+};
+
+// The part of the ray inside a box, cut at `from`; nothing where it only touches.
+std::optional<Interval> inside(const Ray& ray, const Box3& box, double from) {
+  Interval part{from, std::numeric_limits<double>::infinity()};
+  for (int a = 0; a < 3; ++a) {
+    const double lo = static_cast<double>(box.lo[a]) - ray.origin[a];
+    const double hi = static_cast<double>(box.hi[a]) - ray.origin[a];
+    if (ray.direction[a] == 0) {
+      if (lo >= 0 || hi <= 0) return std::nullopt;
+      continue;
+    }
+    const double one = lo / ray.direction[a], other = hi / ray.direction[a];
+    part.enter = std::max(part.enter, std::min(one, other));
+    part.leave = std::min(part.leave, std::max(one, other));
+  }
+  if (part.leave - part.enter < 1e-9) return std::nullopt;
+  return part;
+}
+
+class VisibilityOrder : public testing::Test {
+ protected:
+  double unit() { return static_cast<double>(random_() >> 11) * 0x1p-53; }
+  Vec3d direction() {
+    for (;;) {
+      const Vec3d d{2 * unit() - 1, 2 * unit() - 1, 2 * unit() - 1};
+      if (length(d) > 0.1 && length(d) < 1) return normalized(d);
+    }
+  }
+  Vec3d pointIn(Vec3d lo, Vec3d hi) { return lo + Vec3d{unit(), unit(), unit()} * (hi - lo); }
+
+  // Blocks and small clusters of them.
+  TexturePlan plan(Algorithm algorithm) {
+    const BlockLayout layout = blockLayout({50, 36, 43}, 8, 0);
+    const PageGeometry page{{8, 8, 1}, 1, algorithm == Algorithm::kMerged ? 64 : 32};
+    return planTextures(layout, randomClassification(layout, 0.6, random_), page,
+                        planOptions(layout, algorithm));
+  }
+
+  // Positions in plan.blocks as they are drawn.
+  static std::vector<int64_t> drawn(const TexturePlan& plan, const EyePosition& eye) {
+    std::vector<int64_t> order;
+    for (const int64_t cluster : clusterOrder(plan, eye)) {
+      const auto blocks = blockOrder(plan, plan.clusters[static_cast<size_t>(cluster)], eye);
+      order.insert(order.end(), blocks.begin(), blocks.end());
+    }
+    return order;
+  }
+
+  // All pairs of boxes that the ray goes through from `from` on.
+  static void expectFrontToBack(const TexturePlan& plan, const std::vector<int64_t>& order,
+                                const Ray& ray, double from, int64_t& pairs) {
+    std::vector<Interval> parts;  // in the order of drawing
+    for (const int64_t position : order)
+      if (const auto part = inside(ray, plan.blocks[static_cast<size_t>(position)].cells, from))
+        parts.push_back(*part);
+    for (size_t i = 1; i < parts.size(); ++i) {
+      ++pairs;
+      ASSERT_LE(parts[i - 1].leave, parts[i].enter + 1e-9);
+    }
+  }
+
+  std::mt19937_64 random_{1};
+};
+
+TEST_F(VisibilityOrder, everyBlockIsDrawnOnce) {
+  const TexturePlan p = plan(Algorithm::kMerged);
+  std::vector<int64_t> order = drawn(p, {true, {1, -1, 0}});
+  std::sort(order.begin(), order.end());
+  for (size_t i = 0; i < order.size(); ++i) EXPECT_EQ(order[i], static_cast<int64_t>(i));
+  EXPECT_EQ(order.size(), p.blocks.size());
+}
+
+TEST_F(VisibilityOrder, parallelViewsAreFrontToBack) {
+  int64_t pairs = 0;
+  for (const Algorithm algorithm :
+       {Algorithm::kConventional, Algorithm::kTrimmed, Algorithm::kMerged})
+    for (int view = 0; view < 60; ++view) {
+      const TexturePlan p = plan(algorithm);
+      const Vec3d d = direction();
+      const std::vector<int64_t> order = drawn(p, {true, d});
+      for (int ray = 0; ray < 50; ++ray) {
+        const Ray r{pointIn({0, 0, 0}, toDouble(p.layout.dims)) - d * 200, d};
+        expectFrontToBack(p, order, r, 0, pairs);
+        if (HasFatalFailure()) FAIL() << "direction " << d.x << ' ' << d.y << ' ' << d.z;
+      }
+    }
+  EXPECT_GT(pairs, 10000);
+}
+
+TEST_F(VisibilityOrder, viewsAlongAnAxisAreFrontToBack) {
+  int64_t pairs = 0;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const double sign : {-1.0, 1.0}) {
+      const TexturePlan p = plan(Algorithm::kTrimmed);
+      Vec3d d{0, 0, 0};
+      d[axis] = sign;
+      const std::vector<int64_t> order = drawn(p, {true, d});
+      for (int ray = 0; ray < 200; ++ray) {
+        const Ray r{pointIn({0, 0, 0}, toDouble(p.layout.dims)) - d * 200, d};
+        expectFrontToBack(p, order, r, 0, pairs);
+        if (HasFatalFailure()) FAIL() << "axis " << axis << " sign " << sign;
+      }
+    }
+  EXPECT_GT(pairs, 1000);
+}
+
+TEST_F(VisibilityOrder, perspectiveViewsAreFrontToBackFromOutsideAndInside) {
+  int64_t pairs = 0;
+  for (const Algorithm algorithm :
+       {Algorithm::kConventional, Algorithm::kTrimmed, Algorithm::kMerged})
+    for (int view = 0; view < 80; ++view) {
+      const TexturePlan p = plan(algorithm);
+      const Vec3d dims = toDouble(p.layout.dims);
+      const bool eye_inside = view % 2 == 0;
+      Vec3d eye = eye_inside ? pointIn({0, 0, 0}, dims) : pointIn(dims * -2.0, dims * 3.0);
+      // On a boundary of blocks now and then.
+      if (view % 5 == 0) eye.x = std::floor(eye.x / 7) * 7;
+      const std::vector<int64_t> order = drawn(p, {false, eye});
+      for (int ray = 0; ray < 60; ++ray) {
+        const Ray r{eye, normalized(pointIn({0, 0, 0}, dims) - eye)};
+        expectFrontToBack(p, order, r, 0, pairs);
+        if (HasFatalFailure()) FAIL() << "eye " << eye.x << ' ' << eye.y << ' ' << eye.z;
+      }
+    }
+  EXPECT_GT(pairs, 10000);
+}
+
+}  // namespace
+}  // namespace sluice
