@@ -18,7 +18,7 @@ if (($# > 0)); then
   "$sluice" render "$@" -o "$picture"
 else
   "$sluice" synth phantom --dims 256,256,256 -o out/phantom.raw
-  "$sluice" render out/phantom_256x256x256_uint8.raw -o "$picture" --threshold 60 --opacity 0.3 --shade \
+  "$sluice" render out/phantom_256x256x256_uint8.raw -o "$picture" --threshold 30 --opacity 0.3 --shade \
     --step 0.5 --azimuth 125 --elevation 28 --zoom 1.3 --crop 0,0,0,256,128,256
 fi
 echo "The picture is $picture"

@@ -101,6 +101,8 @@ CameraPath parseCameraPath(std::string_view text, const std::string& where) {
   if (!root.is_object() || !root.contains("keys") || !root["keys"].is_array() ||
       root["keys"].empty())
     fail("{}: should be {{\"keys\": [...]}} with at least one key", where);
+  for (const auto& [field, value] : root.items())
+    if (field != "keys") fail("{}: \"{}\" is not known; \"keys\" is", where, field);
   CameraPath path;
   for (const json& key : root["keys"]) {
     const std::string place = fmt::format("{}: key {}", where, path.keys.size());

@@ -100,6 +100,10 @@ class Device {
  public:
   virtual ~Device() = default;
 
+  // Where the chunk ids of one user of the device begin, so that the sessions of a device never
+  // mean each other's chunks. Each user has 2^40.
+  uint64_t takeIdRange() { return id_ranges_taken_++ << 40; }
+
   virtual DeviceLimits limits() const = 0;
   // "osmesa" and the renderer's own name, for reports.
   virtual const char* backend() const = 0;
@@ -122,6 +126,9 @@ class Device {
   virtual uint64_t countSamples(std::span<const BoxDraw> boxes) = 0;
   // Waits for what was drawn; premultiplied.
   virtual Picture endFrame() = 0;
+
+ private:
+  uint64_t id_ranges_taken_ = 0;
 };
 
 }  // namespace sluice

@@ -69,6 +69,7 @@ void Session::planChunks(FrameReport& report) {
     plan_ = planTextures(ranges_.layout, *classification_, options_.page,
                          {frame_options_.algorithm, frame_options_.merge_order, time_, crop()});
     names_ = chunk_names_.namesOf(*plan_);
+    for (uint64_t& name : names_) name += first_id_;
   }
   report.clusters = static_cast<int64_t>(plan_->clusters.size());
   report.chunks = static_cast<int64_t>(plan_->chunks.size());
@@ -108,7 +109,7 @@ void Session::requestChunk(int64_t position, int64_t cluster_position, const Chu
   const Chunk& chunk = plan_->chunks[static_cast<size_t>(position)];
   const uint64_t name = names_[static_cast<size_t>(position)];
   if (trace_ != nullptr)
-    trace_->write(requestFor(*plan_, position, name, cluster_position, frame_number_));
+    trace_->write(requestFor(*plan_, position, name - first_id_, cluster_position, frame_number_));
   // The model decides, the device obeys (design, point 5).
   const TextureCache::Answer answer = cache_.request(name, static_cast<uint32_t>(chunk.pages),
                                                      TextureBuffer::bytesOf(*plan_, chunk));

@@ -106,6 +106,9 @@ FrameSetup frameSetup(const View& view, const VolumeLayout& layout, const Opacit
   setup.type = map.type;
   setup.look_up = lookUp(table);
   setup.mode = options.mode;
+  // The greatest value is the least device value where the scale is negative.
+  if (map.scale < 0 && options.mode == Mode::kMip) setup.mode = Mode::kMinip;
+  if (map.scale < 0 && options.mode == Mode::kMinip) setup.mode = Mode::kMip;
   setup.opacity_threshold = options.opacity_threshold;
   setup.with_depth = options.with_depth;
   setup.lighting = options.lighting;

@@ -65,7 +65,8 @@ Session::Session(VolumeSource& source, int64_t time, const SliceRanges& ranges, 
       chunks_(blocks_, pool, budgets_.texture_buffer),
       cache_(static_cast<uint64_t>(options.page.pages),
              static_cast<uint64_t>(options.page.pageBytes()),
-             makePolicy(options.policy, static_cast<uint64_t>(options.page.pages), options.seed)) {
+             makePolicy(options.policy, static_cast<uint64_t>(options.page.pages), options.seed)),
+      first_id_(device.takeIdRange()) {
   SLUICE_CHECK_EQ(options.page.bytes_per_voxel,
                   static_cast<int64_t>(bytesPerVoxel(ranges.map.type)));
   SLUICE_CHECK_EQ(options.lit, ranges.layout.ghost == 1);
@@ -73,8 +74,8 @@ Session::Session(VolumeSource& source, int64_t time, const SliceRanges& ranges, 
 
 Session::~Session() {
   // The device outlives us: leave it without our chunks.
-  for (uint64_t name = 0; name < chunk_names_.count(); ++name)
-    if (cache_.contains(name)) device_.evict(name);
+  for (uint64_t id = first_id_; id < first_id_ + chunk_names_.count(); ++id)
+    if (cache_.contains(id)) device_.evict(id);
 }
 
 void Session::setTransferFunction(const TransferFunction& transfer) {

@@ -110,6 +110,7 @@ class Session {
   TextureBuffer chunks_;
   TextureCache cache_;
   ChunkNames chunk_names_;
+  const uint64_t first_id_;  // of the device's ids, ours
 
   TraceWriter* trace_ = nullptr;
   int64_t frame_number_ = 0;
@@ -119,7 +120,7 @@ class Session {
   std::optional<OpacityTable> table_;
   std::optional<Classification> classification_;
   std::optional<TexturePlan> plan_;
-  std::vector<uint64_t> names_;  // of plan_->chunks
+  std::vector<uint64_t> names_;  // ids of plan_->chunks
 };
 
 }  // namespace sluice

@@ -105,7 +105,7 @@ TEST_F(CropAndClipTest, clipPlanesAcrossAndAlongTheView) {
       const FloatPicture drawn = expectRightPictures(
           options,
           fmt::format("azimuth {}, normal {} {} {}", azimuth, normal.x, normal.y, normal.z));
-      EXPECT_GT(shownShare(drawn), 0.05);
+      EXPECT_GT(shownShare(drawn), 0.02);
     }
 }
 

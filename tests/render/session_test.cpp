@@ -330,7 +330,7 @@ TEST_F(SessionTest, volumeBufferReadsEachBlockOnceWhileItFits) {
 TEST_F(SessionTest, failingReadSurfacesAndTheSessionGoesOn) {
   const auto source = blobs();
   for (const int64_t pages : {8, 1 << 15})
-    for (const int64_t first : {0, 1, 3, 7, 20}) {
+    for (const int64_t first : {0, 1, 3, 7}) {
       SCOPED_TRACE(fmt::format("{} pages, read {}", pages, first));
       // The index is built from the whole source: only the session's reads fail.
       const SceneOptions options{.block_vox = 8, .pages = pages};

@@ -116,7 +116,7 @@ TEST_F(UniformCubeTest, straightViewIsAnalyticToAHundredthOfALevel) {
         RenderScene scene(device(), *source, translucent(), {.block_vox = size});
         FrameOptions options;
         options.camera.azimuth_deg = azimuth;
-        options.camera.zoom = 2;  // the cube covers the picture
+        options.camera.zoom = 2.2;  // the cube covers the picture
         options.size = {48, 40};
         options.step_vox = step;
         const FloatPicture picture = scene.draw(options);
