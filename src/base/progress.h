@@ -32,7 +32,7 @@ class Progress {
 
   const std::string label_;
   const bool visible_ = false;
-  const Stopwatch watch_;
+  const Stopwatch watch_{};
   std::atomic<uint64_t> total_bytes_{0}, done_bytes_{0};
   std::mutex mutex_;
   double drawn_at_s_ = 0;  // guarded by mutex_; 0: never drawn
