@@ -1,9 +1,9 @@
 #include "src/classify/classification.h"
 
 #include <algorithm>
-#include <array>
 
 #include "src/base/error.h"
+#include "src/classify/visible_values.h"
 
 namespace sluice {
 namespace {
@@ -13,47 +13,26 @@ constexpr size_t kBlocksPerTask = 1024;
 // Most blocks that a visible background may fill.
 constexpr int64_t kMostBackgroundBlocks = int64_t{1} << 24;
 
-// Device value to table entry, a look-up for bytes.
-template <class T>
-class EntryOf {
- public:
-  explicit EntryOf(const OpacityTable& table) : table_(table) {
-    if constexpr (sizeof(T) == 1)
-      for (size_t v = 0; v < entries_.size(); ++v)
-        entries_[v] = table.entryOf(static_cast<double>(v));
-  }
-  int operator()(T v) const {
-    if constexpr (sizeof(T) == 1) {
-      return entries_[v];
-    } else {
-      return table_.entryOf(v);
-    }
-  }
-
- private:
-  const OpacityTable& table_;
-  std::array<int, sizeof(T) == 1 ? 256 : 1> entries_{};
-};
-
 template <class T>
 class Classifier {
  public:
   Classifier(const SliceRanges& ranges, const OpacityTable& table, const Box3& crop)
-      : ranges_(ranges), table_(table), crop_(crop), entry_of_(table) {}
+      : ranges_(ranges), crop_(crop), visible_(table) {}
 
   // White blocks come back with an empty box.
   ObjectBlock classifyHeld(size_t held) const {
     ObjectBlock result;
     result.block = ranges_.blocks[held];
     const PlaneRange<T> total = ranges_.totalsAs<T>()[held];
-    if (!opaque(total)) return result;
+    if (!visible_.any(total.lo, total.hi)) return result;
     const Box3 owned = ranges_.layout.ownedCells(ranges_.layout.indexOf(result.block));
     for (int axis = 0; axis < 3; ++axis) {
       const auto planes = ranges_.planesAs<T>(held, axis);
-      int64_t first = 0, last = owned.hi[axis] - owned.lo[axis];
-      while (first < last && !slabShows(planes, first)) ++first;
-      while (last > first && !slabShows(planes, last - 1)) --last;
-      if (first == last) return result;  // stays white
+      const int64_t slabs = owned.hi[axis] - owned.lo[axis];
+      int64_t first = 0, last = slabs;
+      while (first < slabs && !slabShows(planes.data() + first)) ++first;
+      if (first == slabs) return result;  // stays white
+      while (!slabShows(planes.data() + last - 1)) --last;
       result.cells.lo[axis] = owned.lo[axis] + first;
       result.cells.hi[axis] = owned.lo[axis] + last;
     }
@@ -72,13 +51,9 @@ class Classifier {
   }
 
  private:
-  bool opaque(PlaneRange<T> range) const {
-    return table_.anyOpaqueEntry(entry_of_(range.lo), entry_of_(range.hi));
-  }
-  bool slabShows(std::span<const PlaneRange<T>> planes, int64_t slab) const {
-    const PlaneRange<T> a = planes[static_cast<size_t>(slab)];
-    const PlaneRange<T> b = planes[static_cast<size_t>(slab) + 1];
-    return opaque({std::min(a.lo, b.lo), std::max(a.hi, b.hi)});
+  // Of the slab between this plane and the next.
+  bool slabShows(const PlaneRange<T>* plane) const {
+    return visible_.any(std::min(plane[0].lo, plane[1].lo), std::max(plane[0].hi, plane[1].hi));
   }
   void finish(ObjectBlock& result, const Box3& owned) const {
     result.cells = intersect(result.cells, crop_);
@@ -91,9 +66,8 @@ class Classifier {
   }
 
   const SliceRanges& ranges_;
-  const OpacityTable& table_;
   const Box3& crop_;
-  const EntryOf<T> entry_of_;
+  const VisibleValues<T> visible_;
 };
 
 // The grid's blocks that own cells of `cells`.
