@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "src/classify/json_field.h"
+#include "src/base/json_field.h"
 #include "src/classify/transfer_function.h"
 
 namespace sluice {

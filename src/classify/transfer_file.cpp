@@ -9,8 +9,8 @@
 #include <optional>
 
 #include "src/base/error.h"
+#include "src/base/json_field.h"
 #include "src/classify/color_maps.h"
-#include "src/classify/json_field.h"
 #include "src/classify/paraview_map.h"
 
 namespace sluice {

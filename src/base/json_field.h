@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <initializer_list>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -45,6 +46,8 @@ class JsonField {
 
   // Finite, as JSON has no other numbers.
   double number() const;
+  // A number without a fraction that fits 63 bits and a sign.
+  int64_t whole() const;
   // A number in 0..1.
   double share() const;
   const std::string& text() const;

@@ -1,7 +1,8 @@
-#include "src/classify/json_field.h"
+#include "src/base/json_field.h"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "src/base/error.h"
 
@@ -80,6 +81,14 @@ double JsonField::number() const {
   const auto number = value_->get<double>();
   if (!std::isfinite(number)) failExpected("a finite number");
   return number;
+}
+
+int64_t JsonField::whole() const {
+  const bool fits = value_->is_number_unsigned()
+                        ? value_->get<uint64_t>() <= uint64_t{std::numeric_limits<int64_t>::max()}
+                        : value_->is_number_integer();
+  if (!fits) failExpected("a whole number");
+  return value_->get<int64_t>();
 }
 
 double JsonField::share() const {
