@@ -11,12 +11,29 @@ namespace {
 
 // Neighbouring entries may differ by this much, of 1: half of what an 8-bit picture shows.
 constexpr float kVisible = 0.5F / 255;
-// A step is spread over twice as many entries.
-constexpr ptrdiff_t kSpread = 3;
 
-// For integers the entry count is chosen so that each value falls on an entry.
-int entryCount(const ValueMap& map, double span, int most) {
-  if (map.type == DeviceType::kF32 || span < 1 || span > most - 1) return most;
+// The part of `all` over which the transfer function changes, where that is so small a part that it
+// would get few entries: simulations write a value far off the data where they know nothing.
+// Beyond it the ends hold.
+ValueRange tableRange(const TransferFunction& transfer, const ValueMap& map, ValueRange all) {
+  constexpr double kFewOfAll = 1.0 / 64, kMargin = 1.0 / 64;
+  const double lo = std::min(transfer.colors.front().value, transfer.opacities.front().value);
+  const double hi = std::max(transfer.colors.back().value, transfer.opacities.back().value);
+  const auto [from, to] = std::minmax({map.deviceOf(lo), map.deviceOf(hi)});
+  // Something on both sides of a lone step too.
+  const double margin = std::max(kMargin * (to - from), 1e-3 * std::max(-from, to));
+  ValueRange part{from - margin, to + margin};
+  if (map.type != DeviceType::kF32) part = {std::floor(part.lo), std::ceil(part.hi)};
+  part = {std::max(part.lo, all.lo), std::min(part.hi, all.hi)};
+  const bool is_few = part.lo < part.hi && part.hi - part.lo < kFewOfAll * (all.hi - all.lo);
+  return is_few ? part : all;
+}
+
+// Each integer falls on an entry, of floats that hold integers too.
+int entryCount(ValueRange range, int most) {
+  const double span = range.hi - range.lo;
+  const bool has_integers = std::floor(range.lo) == range.lo && std::floor(span) == span;
+  if (!has_integers || span < 1 || span > most - 1) return most;
   return static_cast<int>(std::floor((most - 1) / span) * span) + 1;
 }
 
@@ -24,10 +41,10 @@ int entryCount(const ValueMap& map, double span, int most) {
 
 OpacityTable::OpacityTable(const TransferFunction& transfer, const ValueMap& map,
                            ValueRange device_range, int most_entries)
-    : range_(device_range) {
+    : range_(tableRange(transfer, map, device_range)), volume_range_(device_range) {
   SLUICE_CHECK_LE(2, most_entries);
   const double span = range_.hi - range_.lo;
-  const int count = entryCount(map, span, most_entries);
+  const int count = entryCount(range_, most_entries);
   entries_per_device_ = span > 0 ? (count - 1) / span : 0;
   const auto size = static_cast<size_t>(count);
   opacity_.resize(size);
@@ -51,18 +68,18 @@ OpacityTable::OpacityTable(const TransferFunction& transfer, const ValueMap& map
 void OpacityTable::spreadSteps() {
   const std::vector<float> sharp = opacity_;
   const auto last = static_cast<ptrdiff_t>(sharp.size()) - 1;
-  constexpr ptrdiff_t kReach = kSpread - 1;
-  // Each entry within reach of a step becomes the mean of those within reach of it: a ramp for one
-  // step, and never 0 for what was visible, also where two steps are close together.
+  // Each entry from which a step is in sight becomes the mean of itself and the kStepEntries after
+  // it: a ramp that ends where the step is, and never 0 for what was visible, also where two steps
+  // are close together.
   ptrdiff_t done = 0;  // entries below are final
   for (ptrdiff_t step = 0; step < last; ++step) {
     const auto at = static_cast<size_t>(step);
     if (std::abs(sharp[at + 1] - sharp[at]) <= kVisible) continue;
-    for (ptrdiff_t i = std::max(done, step + 1 - kReach); i <= std::min(last, step + kReach); ++i) {
+    for (ptrdiff_t i = std::max(done, step + 1 - kStepEntries); i <= step; ++i) {
       float sum = 0;
-      for (ptrdiff_t k = i - kReach; k <= i + kReach; ++k)
-        sum += sharp[static_cast<size_t>(std::clamp<ptrdiff_t>(k, 0, last))];
-      opacity_[static_cast<size_t>(i)] = sum / static_cast<float>(2 * kReach + 1);
+      for (ptrdiff_t k = i; k <= i + kStepEntries; ++k)
+        sum += sharp[static_cast<size_t>(std::min(k, last))];
+      opacity_[static_cast<size_t>(i)] = sum / static_cast<float>(kStepEntries + 1);
       done = i + 1;
     }
   }

@@ -4,11 +4,15 @@
 // The table is what classification reads and what a device looks values up in, so that a block
 // called empty is empty in the picture. Entry i stands for the device value
 //   lo + i * (hi - lo) / (entries - 1);
-// a sample takes the nearest entry, or interpolates two where neighbours differ visibly. For
-// integers of a range below the entry count, each value falls on an entry exactly. A step of the
-// opacity is spread over a few entries around its place (a twentieth of a value of 8-bit data),
-// since a value that rounding moves across a sharp one would flip a pixel between two ways of
-// drawing the same sample. Immutable after construction; any thread may read.
+// a sample takes the nearest entry, or interpolates two where neighbours differ visibly. Values
+// beyond the ends look as the ends do. For integers of a range below the entry count, each value
+// falls on an entry exactly.
+//
+// A step of the opacity is a ramp over the kStepEntries entries below it (a sixteenth of a value of
+// 8-bit data), since a value that rounding moves across a sharp one would flip a pixel between two
+// ways of drawing the same sample. At the step itself the ramp has reached its upper end.
+//
+// Immutable after construction; any thread may read.
 #pragma once
 
 #include <cstdint>
@@ -22,12 +26,18 @@ namespace sluice {
 
 class OpacityTable {
  public:
-  // About `most_entries` entries over `device_range` (all device values of the volume).
+  static constexpr int kStepEntries = 4;
+
+  // About `most_entries` entries over `device_range` (all device values of the volume), or over the
+  // part of it in which the transfer function changes where that is less than a 64th.
   OpacityTable(const TransferFunction& transfer, const ValueMap& map, ValueRange device_range,
                int most_entries = 16384);
 
   int entries() const { return static_cast<int>(opacity_.size()); }
+  // Of the first and the last entry.
   ValueRange deviceRange() const { return range_; }
+  // All device values of the volume.
+  ValueRange volumeRange() const { return volume_range_; }
   // The nearest entry of a device value, clamped to the table.
   int entryOf(double device) const {
     const double at = (device - range_.lo) * entries_per_device_ + 0.5;
@@ -55,7 +65,7 @@ class OpacityTable {
   void spreadSteps();
   bool neighborsDiffer() const;
 
-  ValueRange range_;
+  ValueRange range_, volume_range_;
   double entries_per_device_ = 0;
   std::vector<float> opacity_;
   std::vector<float> rgb_;

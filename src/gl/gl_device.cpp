@@ -28,15 +28,37 @@ double valueScale(DeviceType type) {
   return 1;
 }
 
+// Entries over which a sample's part fades to an end of what is visible, see LookUp.
+constexpr size_t kFadeEntries = 3;
+
+// Modes other than composite: the part, 0 to 1, that a sample of each entry takes, as its alpha.
+void setParts(std::vector<float>& rgba) {
+  const size_t entries = rgba.size() / 4;
+  std::vector<size_t> from_invisible(entries);
+  size_t distance = kFadeEntries;
+  const auto walk = [&](size_t entry) {
+    distance = rgba[4 * entry + 3] > 0 ? std::min(distance + 1, kFadeEntries) : 0;
+    return distance;
+  };
+  for (size_t i = 0; i < entries; ++i) from_invisible[i] = walk(i);
+  distance = kFadeEntries;
+  for (size_t i = entries; i-- > 0;) from_invisible[i] = std::min(from_invisible[i], walk(i));
+  for (size_t i = 0; i < entries; ++i)
+    rgba[4 * i + 3] = static_cast<float>(from_invisible[i]) / static_cast<float>(kFadeEntries);
+}
+
 // rgba of the look-up texture. Parallel views have one distance between samples, so the opacity is
 // corrected and the colour premultiplied here; perspective ones get log2(1 - opacity) for a unit of
 // slice_length and do the rest a pixel.
 std::vector<float> lookUpTexels(const FrameSetup& setup) {
   std::vector<float> texels = setup.look_up.rgba;
+  if (setup.mode != Mode::kComposite) {
+    setParts(texels);
+    return texels;
+  }
   const bool perspective = setup.projection == Projection::kPerspective;
   for (size_t i = 0; i < texels.size(); i += 4) {
     const double opacity = texels[i + 3];
-    if (setup.mode != Mode::kComposite) continue;
     if (perspective) {
       // An opaque entry stays opaque at any length.
       texels[i + 3] =
@@ -55,7 +77,7 @@ std::array<float, 3> asFloats(Vec3d v) {
   return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
 }
 
-// Modes other than composite bring back numbers to look up: max, min, or sum and count.
+// Modes other than composite bring back numbers to look up, see MODE in the shader.
 void resolveMode(const FrameSetup& setup, std::vector<float>& rgba) {
   const auto& table = setup.look_up.rgba;
   const size_t entries = table.size() / 4;
@@ -67,11 +89,14 @@ void resolveMode(const FrameSetup& setup, std::vector<float>& rgba) {
     const bool seen = average ? rgba[i + 1] > 0 : std::abs(rgba[i]) < 2e38F;
     double device = seen ? rgba[i] * valueScale(setup.type) : 0;
     if (seen && average) device /= rgba[i + 1];
+    const float part = !seen                        ? 0
+                       : setup.mode == Mode::kMinip ? 1 - rgba[i + 1]
+                                                    : std::min(rgba[i + 1], 1.0F);
     const double at =
         std::clamp((device - range.lo) * per_device + 0.5, 0.0, static_cast<double>(entries - 1));
     const float* entry = &table[4 * static_cast<size_t>(at)];
-    for (size_t channel = 0; channel < 3; ++channel) rgba[i + channel] = seen ? entry[channel] : 0;
-    rgba[i + 3] = seen ? 1 : 0;
+    for (size_t channel = 0; channel < 3; ++channel) rgba[i + channel] = entry[channel] * part;
+    rgba[i + 3] = part;
   }
 }
 
@@ -189,11 +214,12 @@ void GlDevice::setView(GlProgram& program) {
 void GlDevice::setLookUp(GlProgram& program) {
   const std::vector<float> texels = lookUpTexels(setup_);
   const auto entries = static_cast<GLsizei>(texels.size() / 4);
+  const bool interpolates = setup_.look_up.interpolates || setup_.mode != Mode::kComposite;
   gl_.ActiveTexture(GL_TEXTURE0 + kLookUpUnit);
   gl_.BindTexture(GL_TEXTURE_2D, look_up_);
   gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, entries, 1, 0, GL_RGBA, GL_FLOAT, texels.data());
   for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
-    gl_.TexParameteri(GL_TEXTURE_2D, filter, setup_.look_up.interpolates ? GL_LINEAR : GL_NEAREST);
+    gl_.TexParameteri(GL_TEXTURE_2D, filter, interpolates ? GL_LINEAR : GL_NEAREST);
   for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
     gl_.TexParameteri(GL_TEXTURE_2D, wrap, GL_CLAMP_TO_EDGE);
   gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
@@ -204,20 +230,18 @@ void GlDevice::setLookUp(GlProgram& program) {
   const double scale = valueScale(setup_.type);
   program.set("chunk", static_cast<int>(kChunkUnit));
   program.set("look_up", static_cast<int>(kLookUpUnit));
-  program.set("value_scale", scale);
   program.set("entry_scale", scale * per_device / entries);
   program.set("entry_offset", (0.5 - range.lo * per_device) / entries);
+  program.set("least", range.lo / scale);
+  program.set("greatest", range.hi / scale);
 }
 
 void GlDevice::setLighting(GlProgram& program) {
   const Lighting& lighting = setup_.lighting;
-  // Gradients in units of `flat`: squares of device values themselves may overflow the shader's
-  // floats.
-  const double unit = setup_.flat > 0 ? setup_.flat : 1;
-  program.set("camera_x", setup_.camera_gradient[0] / unit);
-  program.set("camera_y", setup_.camera_gradient[1] / unit);
-  program.set("camera_z", setup_.camera_gradient[2] / unit);
-  program.set("flat_squared", setup_.flat > 0 ? 1.0 : 0.0);
+  program.set("camera_x", setup_.camera_gradient[0]);
+  program.set("camera_y", setup_.camera_gradient[1]);
+  program.set("camera_z", setup_.camera_gradient[2]);
+  program.set("flat_difference", setup_.flat / valueScale(setup_.type));
   std::vector<float> lights, halfways;
   for (const Light& light : lighting.lights) {
     for (const float v : asFloats(light.toward)) lights.push_back(v);
@@ -241,6 +265,7 @@ void GlDevice::beginFrame(const FrameSetup& setup) {
               .lit = composite && setup.lit,
               .with_depth = composite && setup.with_depth,
               .stops_early = composite && setup.opacity_threshold < 1,
+              .floats = setup.type == DeviceType::kF32,
               .counts = false,
               .clip_planes = static_cast<int>(setup.clip_planes.size())};
   resizeTarget(setup.size);

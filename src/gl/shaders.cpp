@@ -78,7 +78,10 @@ constexpr const char* kSample = R"(
 uniform sampler3D chunk;
 uniform vec3 texel_size;     // 1 / texels of the chunk
 uniform sampler2D look_up;
-uniform float entry_scale, entry_offset, value_scale, stop_opacity;
+uniform float entry_scale, entry_offset, stop_opacity;
+uniform float least, greatest;  // texel values of the first and the last entry
+// Texels below are, or are interpolated with, one that stands for NaN.
+#define IS_NO_NUMBER(v) lessThan(v, vec3(-2e30))
 #if WITH_DEPTH
 layout(location = 1) out vec4 depth_sum;  // opacity times depth, and opacity to blend by
 uniform float first_depth, depth_step;
@@ -88,7 +91,7 @@ uniform vec4 pixel_ray;      // u tan x = x * .x + .y, v tan y = y * .z + .w
 #endif
 #if LIT
 uniform vec3 camera_x, camera_y, camera_z;
-uniform float flat_squared;
+uniform float flat_difference;  // `flat`, in texel values
 uniform vec4 lights[2];      // toward, strength
 uniform vec3 halfways[2];
 uniform vec4 reflectance;    // ambient, diffuse, specular, shininess
@@ -97,14 +100,24 @@ vec3 indexOrder(vec3 v) { return turn == 2 ? v : turn == 0 ? v.zxy : v.yzx; }
 
 vec4 shade(vec4 color, vec3 at) {
   vec2 n = vec2(1.0, 0.0);
-  vec3 difference = 0.5 * value_scale * vec3(
-      textureLod(chunk, at + n.xyy * texel_size, 0.0).r - textureLod(chunk, at - n.xyy * texel_size, 0.0).r,
-      textureLod(chunk, at + n.yxy * texel_size, 0.0).r - textureLod(chunk, at - n.yxy * texel_size, 0.0).r,
-      textureLod(chunk, at + n.yyx * texel_size, 0.0).r - textureLod(chunk, at - n.yyx * texel_size, 0.0).r);
-  difference = indexOrder(difference);
+  vec3 after = vec3(textureLod(chunk, at + n.xyy * texel_size, 0.0).r,
+                    textureLod(chunk, at + n.yxy * texel_size, 0.0).r,
+                    textureLod(chunk, at + n.yyx * texel_size, 0.0).r);
+  vec3 before = vec3(textureLod(chunk, at - n.xyy * texel_size, 0.0).r,
+                     textureLod(chunk, at - n.yxy * texel_size, 0.0).r,
+                     textureLod(chunk, at - n.yyx * texel_size, 0.0).r);
+  vec3 difference = 0.5 * (after - before);
+#if FLOATS
+  // A neighbour that is no number says nothing of the slope along its axis.
+  difference = mix(difference, vec3(0.0), IS_NO_NUMBER(min(after, before)));
+#endif
+  // In units of the steepest axis, since squares of the values themselves may overflow.
+  float steepest = max(abs(difference.x), max(abs(difference.y), abs(difference.z)));
+  if (steepest <= 0.0) return color;
+  difference = indexOrder(difference / steepest);
+  float flatness = flat_difference / steepest;
   vec3 g = difference.x * camera_x + difference.y * camera_y + difference.z * camera_z;
   float squared = dot(g, g);
-  if (squared <= 0.0) return color;
   vec3 normal = g * inversesqrt(squared);
   float diffuse = 0.0, specular = 0.0;
   for (int i = 0; i < 2; ++i) {
@@ -113,7 +126,7 @@ vec4 shade(vec4 color, vec3 at) {
   }
   vec3 lit = color.rgb * (reflectance.x + reflectance.y * diffuse) +
              color.a * reflectance.z * specular;
-  return vec4(mix(color.rgb, lit, squared / (squared + flat_squared)), color.a);
+  return vec4(mix(color.rgb, lit, squared / (squared + flatness * flatness)), color.a);
 }
 #endif
 
@@ -136,7 +149,14 @@ void main() {
   for (int k = range.x; k < range.y; ++k) {
     vec3 at = first + float(k - first_k) * along;
     float value = textureLod(chunk, at, 0.0).r;
-    vec4 color = textureLod(look_up, vec2(value * entry_scale + entry_offset, 0.5), 0.0);
+    float entry = value * entry_scale + entry_offset;
+#if FLOATS
+    entry = clamp(entry, 0.0, 1.0);  // drivers may wrap where a coordinate is beyond integers
+#endif
+    vec4 color = textureLod(look_up, vec2(entry, 0.5), 0.0);
+#if FLOATS
+    if (IS_NO_NUMBER(vec3(value)).x) color = vec4(0.0);
+#endif
 #if MODE == 0
 #if PERSPECTIVE
     color.a = 1.0 - exp2(color.a * ray_length);
@@ -152,12 +172,17 @@ void main() {
 #if STOPS_EARLY
     if (sum.a >= stop_opacity) break;
 #endif
-#elif MODE == 1
-    if (color.a > 0.0) sum.r = max(sum.r, value);
-#elif MODE == 2
-    if (color.a > 0.0) sum.r = min(sum.r, value);
 #else
-    if (color.a > 0.0) sum += vec4(value, 1.0, 0.0, 0.0);
+    // A sample's part (alpha) moves its value toward the end that loses: to (max, greatest part),
+    // (min, 1 - greatest part) or (sum, sum of parts).
+    float part = color.a;
+#if MODE == 1
+    if (part > 0.0) sum.rg = max(sum.rg, vec2(mix(least, value, part), part));
+#elif MODE == 2
+    if (part > 0.0) sum.rg = min(sum.rg, vec2(mix(greatest, value, part), 1.0 - part));
+#else
+    if (part > 0.0) sum.rg += vec2(value * part, part);
+#endif
 #endif
   }
   result = sum;
@@ -179,6 +204,7 @@ std::string fragmentShader(const ShaderVariant& v) {
                         static_cast<int>(v.mode), int{v.perspective}, int{v.lit});
   source += fmt::format("#define WITH_DEPTH {}\n#define STOPS_EARLY {}\n#define CLIP_PLANES {}\n",
                         int{v.with_depth}, int{v.stops_early}, v.clip_planes);
+  source += fmt::format("#define FLOATS {}\n", int{v.floats});
   source += kInterval;
   source += v.counts ? kCount : kSample;
   return source;

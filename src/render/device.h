@@ -47,7 +47,10 @@ struct ClipPlane {
 struct LookUp {
   ValueRange device_range;
   bool interpolates = false;
-  // r, g, b not premultiplied; opacity of one unit length, not corrected for the step.
+  // r, g, b not premultiplied; opacity of one unit length, not corrected for the step. In modes
+  // other than composite a sample takes part where the opacity is above 0; towards the last entries
+  // before one of opacity 0 its part fades, so that rounding at an end of what is visible changes
+  // a picture by little.
   std::vector<float> rgba;
 };
 

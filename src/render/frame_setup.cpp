@@ -117,7 +117,7 @@ FrameSetup frameSetup(const View& view, const VolumeLayout& layout, const Opacit
     setup.camera_gradient[a] = {dot(gradient, view.right), dot(gradient, view.up),
                                 -dot(gradient, view.forward)};
   }
-  const ValueRange range = table.deviceRange();
+  const ValueRange range = table.volumeRange();
   setup.flat = options.lighting.flat_share * (range.hi - range.lo) / finestSpacing(layout);
   setup.clip_planes = clipPlanes(options.clip_planes, layout);
   return setup;

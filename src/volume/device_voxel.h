@@ -1,9 +1,15 @@
 // DeviceVoxel: the three scalar forms that levels 2 to 4 hold and draw, and the way into them.
 //
 // u8, u16 and f32 stay as they are stored; i8 and i16 are shifted to u8 and u16, u32, i32 and f64
-// become f32: no type loses its range. In f32, NaN becomes kNotANumber, far below any value, so
-// that cells around it fade to what the transfer function shows at the low end, and infinities are
-// clamped to finite numbers, so that interpolation never meets an undefined sum.
+// become f32: no type loses its range. In f32,
+// - infinities, and what is as far away, become -kLargest and kLargest, values like others: they
+// are
+//   interpolated with their neighbours, so that nearly all of the cells around them looks as the
+//   transfer function's end does; they are no part of the value range;
+// - NaN becomes kNotANumber, so far below all values that a sample with any part of it is below
+// them
+//   too; such a sample shows nothing.
+// So interpolation never meets an undefined sum.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +22,7 @@ namespace sluice {
 
 enum class DeviceType { kU8, kU16, kF32 };
 
-inline constexpr float kNotANumber = -1e30F;
+inline constexpr float kNotANumber = -3e38F;
 inline constexpr float kLargest = 1e30F;
 
 // 1, 2 or 4.

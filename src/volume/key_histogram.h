@@ -57,7 +57,7 @@ class KeyHistogram {
     if constexpr (sizeof(T) < 4) {
       return false;
     } else {
-      return key == keyOf(kNotANumber) || key == keyOf(kLargest);
+      return key == keyOf(kNotANumber) || key == keyOf(-kLargest) || key == keyOf(kLargest);
     }
   }
   static double valueOf(uint32_t key) {

@@ -131,13 +131,13 @@ struct WorkSpace {
 template <class T>
 PlaneRange<T> numbersOf(PlaneRange<T> total, const T* voxels, Vec3i size, Vec3i stride_size) {
   if constexpr (std::is_same_v<T, float>) {
-    if (total.lo > kNotANumber && total.hi < kLargest) return total;
+    if (total.lo > -kLargest && total.hi < kLargest) return total;
     total = kNoVoxels<T>;
     for (int64_t z = 0; z < size.z; ++z)
       for (int64_t y = 0; y < size.y; ++y) {
         const float* row = voxels + (z * stride_size.y + y) * stride_size.x;
         for (int64_t x = 0; x < size.x; ++x)
-          if (row[x] > kNotANumber && row[x] < kLargest) widen(total, {row[x], row[x]});
+          if (row[x] > -kLargest && row[x] < kLargest) widen(total, {row[x], row[x]});
       }
   }
   return total;

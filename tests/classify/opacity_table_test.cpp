@@ -159,14 +159,15 @@ TEST(OpacityTable, singlePrecisionMayMoveAValueToTheNextEntry) {
       table.anyOpaque(deviceOf(table, first - 1) - width, deviceOf(table, first - 1) - width));
 }
 
-TEST(OpacityTable, aStepIsSpreadOverAFewEntriesAroundItsPlace) {
+TEST(OpacityTable, aStepIsARampOverAFewEntriesBelowIt) {
   const OpacityTable table(transferOf({{40, 0}, {40, 0.6}}), kBytes, {0, 255});
   const double entries_per_value = (table.entries() - 1) / 255.0;
   const auto opacity = [&](double value) {
     return table.opacity()[static_cast<size_t>(std::lround(value * entries_per_value))];
   };
   EXPECT_EQ(opacity(39.9), 0);
-  EXPECT_FLOAT_EQ(opacity(40.1), 0.6F);
+  // Integers at the step, labels say, are wholly above it.
+  EXPECT_FLOAT_EQ(opacity(40), 0.6F);
   // Never down on the way up, and no jump of more than a few parts of the step.
   for (int e = 1; e < table.entries(); ++e) {
     const float rise =
@@ -176,6 +177,12 @@ TEST(OpacityTable, aStepIsSpreadOverAFewEntriesAroundItsPlace) {
   }
 }
 
+TEST(OpacityTable, aStepDownIsARampOverAFewEntriesBelowItToo) {
+  const OpacityTable table(transferOf({{40, 0.6}, {40, 0}}), kBytes, {0, 255});
+  EXPECT_FLOAT_EQ(table.opacity()[static_cast<size_t>(table.entryOf(39.9))], 0.6F);
+  EXPECT_EQ(table.opacity()[static_cast<size_t>(table.entryOf(40))], 0);
+}
+
 TEST(OpacityTable, whatIsVisibleStaysSoWhereStepsAreSpread) {
   // A band of one entry: two steps, closer together than they are spread.
   const OpacityTable table(transferOf({{50, 0}, {50, 0.5}, {51, 0.5}, {51, 0}}), kFloats,
@@ -183,8 +190,49 @@ TEST(OpacityTable, whatIsVisibleStaysSoWhereStepsAreSpread) {
   ASSERT_EQ(table.entries(), 16384);
   EXPECT_GT(table.opacity()[50], 0);
   EXPECT_TRUE(table.anyOpaque(50, 50));
-  EXPECT_FALSE(table.anyOpaque(0, 45));
-  EXPECT_FALSE(table.anyOpaque(56, 16383));
+  EXPECT_FALSE(table.anyOpaque(0, 50 - OpacityTable::kStepEntries - 2));
+  EXPECT_FALSE(table.anyOpaque(53, 16383));
+}
+
+TEST(OpacityTable, floatsThatHoldIntegersFallOnEntriesToo) {
+  const OpacityTable table(transferOf({{40, 0}, {40, 0.6}}), kFloats, {0, 255});
+  EXPECT_EQ((table.entries() - 1) % 255, 0);
+  EXPECT_FLOAT_EQ(table.opacity()[static_cast<size_t>(table.entryOf(40))], 0.6F);
+}
+
+// Simulations write a value far off the data where they know nothing.
+TEST(OpacityTable, aValueFarOffLeavesTheEntriesToWhereTheTransferFunctionChanges) {
+  TransferFunction transfer = transferOf({{0.2, 0}, {0.8, 0.5}});
+  transfer.colors = {{0, {0, 0, 1}}, {1, {1, 0, 0}}};
+  for (const ValueRange range : {ValueRange{0, 1e20}, {-9999, 1}, {-1e20, 1e25}}) {
+    const OpacityTable table(transfer, kFloats, range);
+    EXPECT_EQ(table.volumeRange(), range);
+    for (const double value : {0.0, 0.1, 0.3, 0.55, 0.9, 1.0}) {
+      const auto entry = static_cast<size_t>(table.entryOf(value));
+      EXPECT_NEAR(table.opacity()[entry], opacityAt(transfer, value), 1e-4);
+      EXPECT_NEAR(table.rgb()[3 * entry], colorAt(transfer, value).x, 1e-4);
+    }
+    EXPECT_FLOAT_EQ(table.opacity()[static_cast<size_t>(table.entryOf(range.hi))],
+                    static_cast<float>(opacityAt(transfer, range.hi)));
+    EXPECT_EQ(table.anyOpaque(range.lo, range.lo), false);
+  }
+  // Integers still fall on entries.
+  const ValueMap words{DeviceType::kU16, 1, 0};
+  transfer.opacities = {{1000.5, 0}, {1100.25, 0.5}};
+  transfer.colors = {{1000.5, {1, 1, 1}}};
+  const OpacityTable table(transfer, words, {0, 65535});
+  const ValueRange part = table.deviceRange();
+  EXPECT_EQ(part.lo, std::floor(part.lo));
+  EXPECT_LT(part.lo, 1000);
+  EXPECT_GT(part.hi, 1101);
+  EXPECT_LT(part.hi - part.lo, 1000);
+  EXPECT_EQ((table.entries() - 1) % static_cast<int>(part.hi - part.lo), 0);
+  // A lone step far off zero.
+  transfer.opacities = {{2000, 0}, {2000, 0.5}};
+  transfer.colors = {{2000, {1, 1, 1}}};
+  const OpacityTable step(transfer, words, {0, 65535});
+  EXPECT_FALSE(step.anyOpaque(0, 1999));
+  EXPECT_TRUE(step.anyOpaque(2000, 2000));
 }
 
 TEST(OpacityTable, aSampleInterpolatesWhereNeighborsDifferVisibly) {

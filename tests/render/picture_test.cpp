@@ -21,6 +21,8 @@ constexpr Projection kProjections[] = {Projection::kOrtho, Projection::kPerspect
 std::unique_ptr<MemorySource> blobs(VoxelType type = VoxelType::kU8) {
   BlobOptions options;
   options.type = type;
+  options.blobs = 24;
+  options.radius_vox = 9;
   return makeSparseBlobs(options);
 }
 
@@ -43,7 +45,7 @@ TEST_F(PictureTest, everyAlgorithmGivesTheReferencePicture) {
       RenderScene scene(device(), *source, blobTransfer(*source), {.lit = lit});
       FrameOptions options = obliqueView(projection);
       const FloatPicture reference = scene.reference(options);
-      EXPECT_GT(shownShare(reference), 0.02);
+      EXPECT_GT(shownShare(reference), 0.2);
       options.algorithm = Algorithm::kConventional;
       const FloatPicture plain = scene.draw(options);
       for (const Algorithm algorithm : kAlgorithms) {
@@ -71,7 +73,7 @@ TEST_F(PictureTest, perspectiveEyeMayBeInsideTheVolume) {
       FrameOptions options = insideView(source->layout(), eye, target);
       options.step_vox = 0.5;
       const FloatPicture drawn = scene.draw(options);
-      EXPECT_GT(shownShare(drawn), 0.02);
+      EXPECT_GT(shownShare(drawn), 0.2);
       EXPECT_TRUE(within(kOfReference, drawn, scene.reference(options)));
       options.algorithm = Algorithm::kConventional;
       EXPECT_TRUE(within(kOfPlain, drawn, scene.draw(options)));
@@ -105,7 +107,7 @@ TEST_F(PictureTest, axisAlignedAndDiagonalViews) {
       options.camera.azimuth_deg = azimuth;
       options.camera.elevation_deg = elevation;
       const FloatPicture drawn = scene.draw(options);
-      EXPECT_GT(shownShare(drawn), 0.02);
+      EXPECT_GT(shownShare(drawn), 0.2);
       EXPECT_TRUE(within(kOfReference, drawn, scene.reference(options)))
           << azimuth << " " << elevation << " projection " << static_cast<int>(projection);
     }
@@ -174,11 +176,10 @@ TEST_F(PictureTest, mipMinipAndAverageGiveTheReferencePicture) {
       FrameOptions options = obliqueView(projection);
       options.mode = mode;
       const FloatPicture drawn = scene.draw(options);
-      EXPECT_GT(shownShare(drawn), 0.02);
+      EXPECT_GT(shownShare(drawn), 0.2);
       EXPECT_TRUE(within(kOfReference, drawn, scene.reference(options)));
       options.algorithm = Algorithm::kConventional;
-      // The greatest sample may be one on a step, which decides by rounding whether it takes part.
-      EXPECT_TRUE(within(kOfReference, drawn, scene.draw(options)));
+      EXPECT_TRUE(within(kOfPlain, drawn, scene.draw(options)));
     }
 }
 
@@ -248,6 +249,8 @@ TEST_F(PictureTest, syntheticVolumesOfEveryKind) {
       synth.dims = {45, 40, 50};
       synth.type = type;
       synth.spacing = {1, 1.5, 0.75};
+      if (kind == SynthKind::kSparse)
+        synth.object_share = 0.4;  // few balls fit into so small a one
       const auto source = openSynth(synth);
       const double top = type == VoxelType::kU8 ? 255 : type == VoxelType::kU16 ? 65535 : 1;
       const TransferFunction transfer = mapTransfer("inferno", {0, top}, 0.2);
@@ -257,6 +260,7 @@ TEST_F(PictureTest, syntheticVolumesOfEveryKind) {
         FrameOptions options =
             obliqueView(lit ? Projection::kOrtho : Projection::kPerspective, {72, 64});
         const FloatPicture drawn = scene.draw(options);
+        EXPECT_GT(shownShare(drawn), 0.05);
         EXPECT_TRUE(within(kOfReference, drawn, scene.reference(options)));
         options.algorithm = Algorithm::kConventional;
         EXPECT_TRUE(within(kOfPlain, drawn, scene.draw(options)));

@@ -63,7 +63,9 @@ class RenderScene {
 // Least and greatest value of a time step that is a number, in a plain loop.
 ValueRange valueRangeOf(VolumeSource& source, int64_t time = 0);
 
-// Success when no channel differs by more than tolerance_255 / 255.
+// Success when no channel differs by more than tolerance_255 / 255, and by what the reference says
+// that rounding may change (FloatPicture::doubt), which at most one pixel in 100 may need. Pictures
+// of the renderer itself carry no doubt.
 testing::AssertionResult within(double tolerance_255, const FloatPicture& a, const FloatPicture& b);
 // The same for depths where both pictures are opaque enough to have one, in world units.
 testing::AssertionResult depthsWithin(double tolerance, const FloatPicture& a,

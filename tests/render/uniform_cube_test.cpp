@@ -64,7 +64,9 @@ class UniformCubeTest : public RenderTest {
       RenderScene scene(device(), *source, translucent(),
                         {.block_vox = lit ? size * 2 : size, .lit = lit});
       const Frame frame = scene.frame(options);
-      if (!lit) EXPECT_EQ(frame.report.black, count);
+      if (!lit) {
+        EXPECT_EQ(frame.report.black, count);
+      }
       pictures.push_back(scene.draw(options));
     }
     EXPECT_GT(shownShare(pictures[0]), 0.2);

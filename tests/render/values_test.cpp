@@ -156,13 +156,41 @@ TEST_F(ValuesTest, notANumberIsTransparent) {
   const auto source = makeMemorySource<float>(kDims, [&](int64_t x, int64_t y, int64_t z) {
     return (x / 4 + y / 5 + z / 6) % 3 == 0 ? nan : static_cast<float>(wave(x, y, z));
   });
-  RenderScene scene(device(), *source, rampOver({0, 1}), {.block_vox = 8});
-  FrameOptions options = obliqueView(Projection::kOrtho, {64, 60});
-  const FloatPicture drawn = scene.draw(options);
-  EXPECT_GT(shownShare(drawn), 0.02);
-  EXPECT_TRUE(within(kOfReference, drawn, scene.reference(options)));
-  options.algorithm = Algorithm::kConventional;
-  EXPECT_TRUE(within(kOfPlain, drawn, scene.draw(options)));
+  expectRightPicture(*source, rampOver({0, 1}), "low values transparent");
+  // A mask of NaN is no low value: also where those are what shows.
+  TransferFunction low = rampOver({0, 1});
+  low.opacities = {{0.3, 0.3}, {0.5, 0}};
+  expectRightPicture(*source, low, "low values opaque");
+  RenderScene scene(device(), *source, low, {.block_vox = 8});
+  for (const Mode mode : {Mode::kMip, Mode::kMinip, Mode::kAverage}) {
+    FrameOptions options = obliqueView(Projection::kOrtho, {64, 60});
+    options.mode = mode;
+    EXPECT_TRUE(within(kOfReference, scene.draw(options), scene.reference(options)))
+        << static_cast<int>(mode);
+  }
+}
+
+// One infinite voxel neither spoils the others nor the table's resolution.
+TEST_F(ValuesTest, infinityIsTheHighestValue) {
+  const float infinity = std::numeric_limits<float>::infinity();
+  for (const float extreme : {infinity, -infinity}) {
+    const auto source = makeMemorySource<float>(kDims, [&](int64_t x, int64_t y, int64_t z) {
+      return x == 14 && y == 12 && z == 11 ? extreme : static_cast<float>(wave(x, y, z));
+    });
+    expectRightPicture(*source, rampOver({0, 1}), fmt::format("{}", extreme));
+  }
+}
+
+// A fill value far off the data, as simulations write it where they know nothing.
+TEST_F(ValuesTest, farOutlierDoesNotSpoilTheRest) {
+  for (const float fill : {-9999.0F, 1e20F}) {
+    const auto source = makeMemorySource<float>(kDims, [&](int64_t x, int64_t y, int64_t z) {
+      return x < 8 && y < 9 ? fill : static_cast<float>(wave(x, y, z));
+    });
+    TransferFunction transfer = rampOver({0, 1});
+    transfer.opacities.push_back({1.5, 0});
+    expectRightPicture(*source, transfer, fmt::format("fill value {}", fill));
+  }
 }
 
 }  // namespace

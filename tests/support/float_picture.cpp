@@ -15,6 +15,23 @@ std::array<float, 4> FloatPicture::at(int x, int y) const {
   return {p[0], p[1], p[2], p[3]};
 }
 
+namespace {
+
+double channelDifference255(float a, float b) {
+  const double d = 255 * std::abs(std::clamp(static_cast<double>(a), 0.0, 1.0) -
+                                  std::clamp(static_cast<double>(b), 0.0, 1.0));
+  return std::isnan(d) ? 255 : d;
+}
+
+}  // namespace
+
+double difference255(std::span<const float> a, std::span<const float> b, size_t pixel) {
+  double largest = 0;
+  for (size_t i = 4 * pixel; i < 4 * pixel + 4; ++i)
+    largest = std::max(largest, channelDifference255(a[i], b[i]));
+  return largest;
+}
+
 Difference compare(std::span<const float> a, std::span<const float> b, int width,
                    double tolerance_255) {
   SLUICE_CHECK_EQ(a.size(), b.size());
@@ -22,14 +39,8 @@ Difference compare(std::span<const float> a, std::span<const float> b, int width
   Difference result;
   double sum = 0, worst = -1;
   for (size_t pixel = 0; pixel < a.size() / 4; ++pixel) {
-    double largest = 0;
-    for (size_t i = 4 * pixel; i < 4 * pixel + 4; ++i) {
-      const double d = 255 * std::abs(std::clamp(static_cast<double>(a[i]), 0.0, 1.0) -
-                                      std::clamp(static_cast<double>(b[i]), 0.0, 1.0));
-      const double difference = std::isnan(d) ? 255 : d;
-      sum += difference;
-      largest = std::max(largest, difference);
-    }
+    for (size_t i = 4 * pixel; i < 4 * pixel + 4; ++i) sum += channelDifference255(a[i], b[i]);
+    const double largest = difference255(a, b, pixel);
     if (largest > tolerance_255) ++result.pixels_over;
     if (largest > worst) {
       worst = largest;

@@ -12,6 +12,8 @@ struct FloatPicture {
   int width = 0, height = 0;
   std::vector<float> rgba;   // premultiplied, row 0 on top, 4 floats a pixel
   std::vector<float> depth;  // world units along the view, 0 where the picture is transparent
+  // By how much rounding may change a channel of each pixel, of 1; empty: by nothing that counts.
+  std::vector<float> doubt = {};
 
   std::array<float, 4> at(int x, int y) const;
 };
@@ -22,6 +24,9 @@ struct Difference {
   int pixels_over = 0;           // pixels with a channel that differs by more than the tolerance
   int worst_x = 0, worst_y = 0;  // where the maximum is
 };
+
+// The largest difference of a pixel's channels, as below.
+double difference255(std::span<const float> a, std::span<const float> b, size_t pixel);
 
 // Requires: both hold 4 * width * height floats for some height.
 Difference compare(std::span<const float> a, std::span<const float> b, int width,

@@ -1,6 +1,7 @@
 #include "tests/support/reference_renderer.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <cstring>
@@ -13,6 +14,12 @@
 
 namespace sluice {
 namespace {
+
+// What infinities count as, and what is as far away (src/volume/device_voxel.h).
+constexpr double kFarthest = 1e30;
+
+// Of light reflected by white: what src/render/lighting.h adds up to at most by default.
+constexpr double kBrightestLit = 1.5;
 
 // A time step's values, read by their position in voxels.
 class Values {
@@ -38,14 +45,25 @@ class Values {
       i[a] = std::min(static_cast<int64_t>(p[a]), dims[a] - 2);
       f[a] = p[a] - static_cast<double>(i[a]);
     }
+    // Infinities are far values like others; std::clamp lets NaN through.
     const auto voxel = [&](int64_t x, int64_t y, int64_t z) {
-      return static_cast<double>(voxels[((i.z + z) * dims.y + i.y + y) * dims.x + i.x + x]);
+      const T v = voxels[((i.z + z) * dims.y + i.y + y) * dims.x + i.x + x];
+      return std::clamp(static_cast<double>(v), -kFarthest, kFarthest);
+    };
+    // A voxel of no weight has no say, also where it is no number.
+    const auto between = [](double t, auto&& first, auto&& second) {
+      return t == 0 ? first() : first() * (1 - t) + second() * t;
     };
     const auto along_x = [&](int64_t y, int64_t z) {
-      return voxel(0, y, z) * (1 - f.x) + voxel(1, y, z) * f.x;
+      return between(
+          f.x, [&] { return voxel(0, y, z); }, [&] { return voxel(1, y, z); });
     };
-    const auto along_y = [&](int64_t z) { return along_x(0, z) * (1 - f.y) + along_x(1, z) * f.y; };
-    return along_y(0) * (1 - f.z) + along_y(1) * f.z;
+    const auto along_y = [&](int64_t z) {
+      return between(
+          f.y, [&] { return along_x(0, z); }, [&] { return along_x(1, z); });
+    };
+    return between(
+        f.z, [&] { return along_y(0); }, [&] { return along_y(1); });
   }
 
   const VolumeLayout& layout_;
@@ -101,6 +119,7 @@ class Renderer {
   struct Pixel {
     Vec3d rgb;
     double opacity = 0, depth = 0;
+    double doubt = 0;
   };
 
   Pixel pixel(int i, int j) const {
@@ -117,41 +136,101 @@ class Renderer {
   }
 
  private:
-  // Calls sample(position in voxels, depth) front to back until it returns false.
+  struct Sample {
+    Vec3d p;       // voxels
+    double depth;  // world
+    // Whether it counts, and whether rounding decides that: it lies next to a face.
+    bool counts, near_face;
+  };
+
+  // Calls sample(Sample) front to back until it returns false.
   template <class F>
   void eachSample(Vec3d start, Vec3d direction, F&& sample) const {
+    const double near = scene_.rounding.face_vox;
     for (int64_t k = 0;; ++k) {
       const double depth = view_.first_depth + (static_cast<double>(k) + 0.5) * view_.step;
-      if (depth > last_depth_) return;
+      if (depth > last_depth_ + near * view_.step) return;
       if (depth <= 0 && view_.projection == Projection::kPerspective) continue;
       const Vec3d world = start + direction * depth;
       const Vec3d p = index_from_world_(world);
-      if (counts(p, world) && !sample(p, depth)) return;
+      if (!counts(p, world, near)) continue;
+      const bool inside = counts(p, world, 0);
+      const bool near_face = near > 0 && !counts(p, world, -near);
+      if (!sample(Sample{clampedToVolume(p), depth, inside, near_face})) return;
     }
   }
 
-  bool counts(Vec3d p, Vec3d world) const {
+  // Of a volume grown by `grown_vox` on all sides.
+  bool counts(Vec3d p, Vec3d world, double grown_vox) const {
     for (int a = 0; a < 3; ++a)
-      if (!(p[a] >= static_cast<double>(crop_.lo[a]) &&
-            p[a] < static_cast<double>(crop_.hi[a] - 1)))
+      if (!(p[a] >= static_cast<double>(crop_.lo[a]) - grown_vox &&
+            p[a] < static_cast<double>(crop_.hi[a] - 1) + grown_vox))
         return false;
     return std::all_of(scene_.clip_planes.begin(), scene_.clip_planes.end(),
-                       [&](const auto& plane) { return dot(plane.normal, world) <= plane.offset; });
+                       [&](const auto& plane) {
+                         return dot(plane.normal, world) <=
+                                plane.offset + grown_vox * finest_ * length(plane.normal);
+                       });
+  }
+
+  Vec3d clampedToVolume(Vec3d p) const {
+    for (int a = 0; a < 3; ++a)
+      p[a] = std::clamp(p[a], 0.0, static_cast<double>(layout_.dims[a] - 1));
+    return p;
+  }
+
+  // Premultiplied colour and opacity of a sample's length.
+  std::array<double, 4> shown(double value, double voxel_lengths) const {
+    const double a = 1 - std::pow(1 - opacityAt(scene_.transfer, value), voxel_lengths);
+    const Vec3d rgb = colorAt(scene_.transfer, value) * a;
+    return {rgb.x, rgb.y, rgb.z, a};
+  }
+
+  // Whether a step of the list of points lies so near that rounding chooses its side.
+  template <class Point>
+  bool isNearStep(const std::vector<Point>& points, double value) const {
+    const double reach = scene_.rounding.step_value;
+    for (size_t i = 0; i + 1 < points.size(); ++i)
+      if (points[i + 1].value - points[i].value <= 0.25 * reach &&
+          points[i].value <= value + reach && points[i + 1].value >= value - reach)
+        return reach > 0;
+    return false;
+  }
+  bool isNearStep(double value) const {
+    return isNearStep(scene_.transfer.opacities, value) ||
+           isNearStep(scene_.transfer.colors, value);
+  }
+
+  // By how much a channel of the sample may change where rounding moves it across a step.
+  double doubtOf(double value, double voxel_lengths) const {
+    if (!isNearStep(value)) return 0;
+    const double reach = scene_.rounding.step_value;
+    const auto here = shown(value, voxel_lengths);
+    double doubt = 0;
+    for (const double beside : {value - reach, value + reach}) {
+      const auto there = shown(beside, voxel_lengths);
+      for (size_t c = 0; c < 4; ++c) doubt = std::max(doubt, std::abs(there[c] - here[c]));
+    }
+    return doubt;
   }
 
   Pixel composite(Vec3d start, Vec3d direction) const {
     const double voxel_lengths = view_.step * length(direction) / finest_;
+    // Lit colours may be brighter than white.
+    const double brightest = scene_.lighting ? kBrightestLit : 1;
     Pixel out;
     double depth_sum = 0;
-    eachSample(start, direction, [&](Vec3d p, double depth) {
-      const double value = values_.at(p);
+    eachSample(start, direction, [&](const Sample& sample) {
+      const double value = values_.at(sample.p);
       const double a = 1 - std::pow(1 - opacityAt(scene_.transfer, value), voxel_lengths);
-      if (a > 0) {
+      const double doubt = sample.near_face ? a : doubtOf(value, voxel_lengths);
+      out.doubt += (1 - out.opacity) * doubt * brightest;
+      if (a > 0 && sample.counts) {
         Vec3d rgb = colorAt(scene_.transfer, value);
-        if (scene_.lighting) rgb = lit(p, rgb);
+        if (scene_.lighting) rgb = lit(sample.p, rgb);
         const double weight = (1 - out.opacity) * a;
         out.rgb = out.rgb + rgb * weight;
-        depth_sum += weight * depth;
+        depth_sum += weight * sample.depth;
         out.opacity += weight;
       }
       return out.opacity < scene_.opacity_threshold;
@@ -160,27 +239,50 @@ class Renderer {
     return out;
   }
 
-  Pixel project(Vec3d start, Vec3d direction) const {
-    double result = 0;
+  // Of some samples: their maximum, minimum or mean.
+  struct Projected {
+    double value = 0;
     int64_t taken = 0;
-    eachSample(start, direction, [&](Vec3d p, double) {
-      const double value = values_.at(p);
-      if (opacityAt(scene_.transfer, value) > 0) {
-        if (taken == 0)
-          result = value;
-        else if (scene_.mode == ReferenceMode::kMaximum)
-          result = std::max(result, value);
-        else if (scene_.mode == ReferenceMode::kMinimum)
-          result = std::min(result, value);
-        else
-          result += value;
-        ++taken;
-      }
+    void take(ReferenceMode mode, double v) {
+      if (taken == 0)
+        value = v;
+      else if (mode == ReferenceMode::kMaximum)
+        value = std::max(value, v);
+      else if (mode == ReferenceMode::kMinimum)
+        value = std::min(value, v);
+      else
+        value += v;
+      ++taken;
+    }
+  };
+  Pixel pixelOf(const Projected& projected) const {
+    if (projected.taken == 0) return {};
+    const bool mean = scene_.mode == ReferenceMode::kAverage;
+    const double taken = mean ? static_cast<double>(projected.taken) : 1;
+    return {colorAt(scene_.transfer, projected.value / taken), 1, 0};
+  }
+
+  Pixel project(Vec3d start, Vec3d direction) const {
+    // What takes part; the same without what rounding may leave out, and with what it may take in.
+    Projected exact, least, most;
+    eachSample(start, direction, [&](const Sample& sample) {
+      const double value = values_.at(sample.p);
+      const double reach = scene_.rounding.end_value;
+      const bool shows = opacityAt(scene_.transfer, value) > 0;
+      const bool shows_below = opacityAt(scene_.transfer, value - reach) > 0;
+      const bool shows_above = opacityAt(scene_.transfer, value + reach) > 0;
+      if (shows && sample.counts) exact.take(scene_.mode, value);
+      if (shows && shows_below && shows_above && !sample.near_face) least.take(scene_.mode, value);
+      if (shows || shows_below || shows_above) most.take(scene_.mode, value);
       return true;
     });
-    if (taken == 0) return {};
-    if (scene_.mode == ReferenceMode::kAverage) result /= static_cast<double>(taken);
-    return {colorAt(scene_.transfer, result), 1, 0};
+    Pixel out = pixelOf(exact);
+    for (const Pixel& other : {pixelOf(least), pixelOf(most)}) {
+      out.doubt = std::max(out.doubt, std::abs(other.opacity - out.opacity));
+      for (int c = 0; c < 3; ++c)
+        out.doubt = std::max(out.doubt, std::abs(other.rgb[c] - out.rgb[c]));
+    }
+    return out;
   }
 
   // Value units a world unit, in world directions.
@@ -190,8 +292,9 @@ class Renderer {
       Vec3d before = p, after = p;
       before[a] = std::max(p[a] - 1, 0.0);
       after[a] = std::min(p[a] + 1, static_cast<double>(layout_.dims[a] - 1));
-      g = g + layout_.axes[static_cast<size_t>(a)] *
-                  ((values_.at(after) - values_.at(before)) / (2 * layout_.spacing[a]));
+      const double difference = values_.at(after) - values_.at(before);
+      if (std::isnan(difference)) continue;  // says nothing of the slope along this axis
+      g = g + layout_.axes[static_cast<size_t>(a)] * (difference / (2 * layout_.spacing[a]));
     }
     return g;
   }
@@ -240,6 +343,7 @@ FloatPicture renderReference(VolumeSource& source, const View& view, const Refer
   const size_t pixels = static_cast<size_t>(picture.width) * static_cast<size_t>(picture.height);
   picture.rgba.resize(4 * pixels);
   picture.depth.resize(pixels);
+  picture.doubt.resize(pixels);
   std::atomic<int> next_row{0};
   const auto work = [&] {
     for (int j = next_row++; j < picture.height; j = next_row++)
@@ -251,6 +355,7 @@ FloatPicture renderReference(VolumeSource& source, const View& view, const Refer
         const std::array<double, 4> rgba = {rgb.x, rgb.y, rgb.z, pixel.opacity};
         for (size_t c = 0; c < 4; ++c) picture.rgba[4 * at + c] = static_cast<float>(rgba[c]);
         picture.depth[at] = static_cast<float>(pixel.depth);
+        picture.doubt[at] = static_cast<float>(pixel.doubt);
       }
   };
   std::vector<std::jthread> threads;

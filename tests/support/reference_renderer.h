@@ -4,7 +4,9 @@
 // the renderer but those structs.
 //
 // A slice's sample counts where 0 <= p[a] < dims[a] - 1 on every axis (p: its position in voxels),
-// inside the crop box and kept by every clip plane. Reads the whole time step into memory.
+// inside the crop box and kept by every clip plane. Infinities count as +-1e30; a sample with any
+// part of a NaN shows nothing, and an axis along which a gradient would meet one adds nothing to it
+// (src/volume/device_voxel.h). Reads the whole time step into memory.
 #pragma once
 
 #include <optional>
@@ -33,6 +35,18 @@ struct ReferenceClipPlane {
   double offset = 0;
 };
 
+// What a renderer of single precision may round: FloatPicture::doubt says by how much that may
+// change each pixel. With zeros nothing is in doubt.
+struct Rounding {
+  // A step of the transfer function (two points at one value, or almost) is met within this many
+  // value units of it.
+  double step_value = 0;
+  // Modes other than composite: so is an end of what is visible.
+  double end_value = 0;
+  // A face of the volume, of the crop box or a clip plane within this many voxels.
+  double face_vox = 0;
+};
+
 struct ReferenceScene {
   TransferFunction transfer;
   ReferenceMode mode = ReferenceMode::kComposite;
@@ -42,6 +56,7 @@ struct ReferenceScene {
   std::optional<Lighting> lighting;  // unlit where absent
   ValueRange value_range;            // of the volume, for Lighting::flat_share
   double opacity_threshold = 1;      // a ray ends once its opacity has reached this
+  Rounding rounding;
 };
 
 // Composites front to back: opacity a of one voxel length of the finest spacing becomes

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "tests/support/memory_source.h"
@@ -282,6 +283,57 @@ TEST(ReferenceRenderer, volumeOfOnePlaneHasNoCells) {
   const auto plane = makeMemorySource<uint8_t>({8, 8, 1}, [](auto...) { return 255; });
   const View view = alongMinusZ({4, 4, 0}, 0, 2, {2, 2});
   EXPECT_EQ(renderReference(*plane, view, sceneOf(constantOpacity(1))).at(1, 1)[3], 0);
+}
+
+TEST(ReferenceRenderer, infinityIsAFarValueAndNotANumberShowsNothing) {
+  const float infinity = std::numeric_limits<float>::infinity();
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const View view = alongMinusZ({4, 4, 4}, 8, 0.1, {1, 1});  // one ray through voxel (4, 4)
+  const auto opacityOf = [&](float middle) {
+    const auto source = makeMemorySource<float>({9, 9, 9}, [&](auto x, auto y, auto z) {
+      return x == 4 && y == 4 && z == 4 ? middle : 0.5F;
+    });
+    ReferenceScene scene = sceneOf({{{0, {1, 1, 1}}}, {{0, 0.1}, {0.5, 0.1}, {1, 0.3}}, "three"});
+    return renderReference(*source, view, scene).at(0, 0)[3];
+  };
+  // Eight samples half way between planes, of which two lie beside the voxel.
+  EXPECT_NEAR(opacityOf(0.5F), 1 - std::pow(0.9, 8), kTight);
+  EXPECT_NEAR(opacityOf(infinity), 1 - std::pow(0.9, 6) * std::pow(0.7, 2), kTight);
+  EXPECT_NEAR(opacityOf(-infinity), 1 - std::pow(0.9, 8), kTight);
+  EXPECT_NEAR(opacityOf(nan), 1 - std::pow(0.9, 6), kTight);
+}
+
+TEST(ReferenceRenderer, doubtIsWhatRoundingAtAStepOrAFaceMayChange) {
+  const auto cube = uniformCube(9);
+  const View view = alongMinusZ({4, 4, 4}, 8, 0.1, {1, 1});
+  // All eight samples lie a quarter of a value below a step of 0.2.
+  ReferenceScene scene = sceneOf({{{0, {1, 1, 1}}}, {{100.25, 0}, {100.25, 0.2}}, "step"});
+  const auto doubt = [&] { return renderReference(*cube, view, scene).doubt[0]; };
+  EXPECT_EQ(doubt(), 0) << "none, unless it is asked for";
+  scene.rounding.step_value = 0.2;
+  EXPECT_EQ(doubt(), 0) << "too far off";
+  scene.rounding.step_value = 0.3;
+  EXPECT_NEAR(doubt(), 8 * 0.2, kTight);
+  scene.transfer.opacities = {{90, 0}, {100.25, 0.2}};
+  EXPECT_EQ(doubt(), 0) << "a ramp is no step";
+
+  // The nearest and the farthest sample lie half a voxel inside the faces.
+  scene.transfer = constantOpacity(0.1);
+  scene.rounding = {.face_vox = 0.4};
+  EXPECT_EQ(doubt(), 0);
+  scene.rounding.face_vox = 0.6;
+  EXPECT_NEAR(doubt(), 0.1 + std::pow(0.9, 7) * 0.1 + std::pow(0.9, 8) * 0.1, kTight);
+
+  // Modes: whether samples at an end of what is visible take part.
+  for (const ReferenceMode mode :
+       {ReferenceMode::kMaximum, ReferenceMode::kMinimum, ReferenceMode::kAverage}) {
+    scene = sceneOf({{{0, {1, 1, 1}}}, {{100.25, 0}, {100.25, 0.2}}, "step"}, mode);
+    EXPECT_EQ(doubt(), 0);
+    scene.rounding.end_value = 0.2;
+    EXPECT_EQ(doubt(), 0);
+    scene.rounding.end_value = 0.3;
+    EXPECT_EQ(doubt(), 1);
+  }
 }
 
 }  // namespace
