@@ -19,9 +19,6 @@ inline constexpr std::array kCoreVersions{46, 45, 44, 43, 42, 41, 40, 33};
 // opens.
 void prepareGlEnvironment();
 
-// Does nothing; leak_sanitizer.cpp says why it is called.
-void linkLeakSuppressions();
-
 std::unique_ptr<GlContext> createOsmesaContext(const GlLibraries& libraries);
 
 struct EglDevice {

@@ -6,6 +6,7 @@
 #include <functional>
 
 #include "src/base/error.h"
+#include "src/base/leak_sanitizer.h"
 #include "src/gl/backends.h"
 
 namespace sluice {

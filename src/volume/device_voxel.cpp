@@ -31,7 +31,7 @@ template <class Stored>
 void convertAll(std::span<const std::byte> in, std::span<std::byte> out) {
   using Device = decltype(convert(Stored{}));
   if constexpr (std::is_same_v<Stored, Device> && std::is_integral_v<Stored>) {
-    std::memcpy(out.data(), in.data(), in.size());
+    std::copy(in.begin(), in.end(), out.begin());
   } else {
     // The buffers come from allocators of bytes and are aligned for any scalar.
     const auto* from = reinterpret_cast<const Stored*>(in.data());
