@@ -17,6 +17,7 @@ target_sources(sluice_io PRIVATE
   raw_name.cpp
   raw_source.cpp
   spool.cpp
+  swap_bytes.cpp
   text_voxels.cpp
   volume_description.cpp)
 target_link_libraries(sluice_io PRIVATE ZLIB::ZLIB)

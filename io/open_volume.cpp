@@ -17,6 +17,7 @@
 #include "io/slice_stack.h"
 #include "io/synth_source.h"
 #include "io/vdb_source.h"
+#include "io/zarr_source.h"
 #include "src/base/error.h"
 
 namespace sluice {
@@ -25,10 +26,10 @@ namespace {
 using namespace std::string_view_literals;
 namespace fs = std::filesystem;
 
-enum class Format { kNrrd, kMetaImage, kNifti, kVdb, kPicture, kRaw, kUnknown };
+enum class Format { kNrrd, kMetaImage, kNifti, kVdb, kPicture, kRaw, kZarr, kUnknown };
 
 constexpr std::string_view kUnderstood =
-    "NRRD, MetaImage, NIfTI, OpenVDB, PNG or TIFF slices, or raw with --dims X,Y,Z --type T";
+    "NRRD, MetaImage, NIfTI, OpenVDB, Zarr, PNG or TIFF slices, or raw with --dims X,Y,Z --type T";
 
 Format formatOfContent(const fs::path& path) {
   std::array<std::byte, 4096> bytes{};
@@ -113,6 +114,9 @@ void checkOptions(const std::string& input, Format format, const OpenOptions& op
   if (format != Format::kVdb && !options.grid.empty())
     fail("{}: --grid {} is for OpenVDB files, which this is not; leave it out", input,
          options.grid);
+  if (format != Format::kZarr && options.channel)
+    fail("{}: --channel {} is for Zarr stores, which this is not; leave it out", input,
+         *options.channel);
   if (options.spacing) {
     const Vec3d s = *options.spacing;
     for (int a = 0; a < 3; ++a) {
@@ -128,6 +132,12 @@ std::unique_ptr<VolumeSource> openOne(const std::string& input, const OpenOption
   if (isSynthSpec(input)) {
     checkOptions(input, Format::kUnknown, options);
     return respaced(openSynth(parseSynthSpec(input)), options);
+  }
+  if (fs::is_directory(path) && isZarr(path)) {
+    checkOptions(input, Format::kZarr, options);
+    const ZarrOptions zarr{.channel = options.channel,
+                           .chunk_cache_bytes = options.chunk_cache_bytes};
+    return respaced(std::make_unique<ZarrSource>(path, zarr), options);
   }
   if (fs::is_directory(path)) {
     checkOptions(input, Format::kPicture, options);
@@ -149,6 +159,7 @@ std::unique_ptr<VolumeSource> openOne(const std::string& input, const OpenOption
     case Format::kPicture:
       return openSlices({path}, {.spacing = options.spacing});
     case Format::kRaw:
+    case Format::kZarr:
     case Format::kUnknown:
       break;
   }

@@ -2,7 +2,8 @@
 //
 // The reader is chosen by the file's first bytes, and by its extension where those say nothing.
 // What can be named: a file (NRRD, MetaImage, NIfTI, OpenVDB, PNG, TIFF, raw), a folder of slices,
-// a pattern ('slice-*.png', 'step_%03d.raw'), several of these, and "synth:KIND,..." volumes.
+// an OME-Zarr image or Zarr array, a pattern ('slice-*.png', 'step_%03d.raw'), several of these,
+// and "synth:KIND,..." volumes.
 #pragma once
 
 #include <bit>
@@ -16,8 +17,8 @@
 
 namespace sluice {
 
-// What a user says beside the name. The fields that only a raw or only an OpenVDB file leaves open
-// are an Error with other formats, so that nothing said is silently without effect.
+// What a user says beside the name. The fields that only some formats leave open are an
+// Error with the others, so that nothing said is silently without effect.
 struct OpenOptions {
   std::optional<Vec3i> dims = {};              // raw
   std::optional<int64_t> time_steps = {};      // raw
@@ -26,6 +27,10 @@ struct OpenOptions {
   int64_t skip_bytes = 0;                      // raw
   std::optional<Vec3d> spacing = {};           // any; replaces what the file says
   std::string grid = {};                       // OpenVDB; empty: see vdb_source.h
+  std::optional<int64_t> channel = {};         // Zarr; without: the first
+  // Zarr: decoded chunks kept at most, see zarr_source.h. Not something that a user says of a
+  // volume, hence without effect on the others.
+  uint64_t chunk_cache_bytes = uint64_t{32} << 20;
 };
 
 // One name. Throws Error in one line: what is missing, damaged or not understood, and what would

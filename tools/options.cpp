@@ -101,8 +101,9 @@ std::string mapNames() {
 }  // namespace
 
 void addVolumeOptions(CLI::App& app, VolumeArguments& arguments) {
-  app.add_option("volume", arguments.inputs,
-                 "Files, a folder of slices, a pattern ('step_%03d.raw'), or synth:KIND,...")
+  app.add_option(
+         "volume", arguments.inputs,
+         "Files, a folder of slices, a Zarr store, a pattern ('step_%03d.raw'), or synth:KIND,...")
       ->required()
       ->type_name("VOLUME");
   addParsed(app, "--dims", "Raw: voxels along each axis, and time steps", "X,Y,Z[,T]", dimensions,
@@ -123,6 +124,9 @@ void addVolumeOptions(CLI::App& app, VolumeArguments& arguments) {
             spacings,
             [&arguments](const std::vector<double>& n) { arguments.open.spacing = asVec3d(n); });
   app.add_option("--grid", arguments.open.grid, "OpenVDB: the grid's name")->type_name("NAME");
+  app.add_option("--channel", arguments.open.channel, "Zarr: which channel, from 0 (the first)")
+      ->check(CLI::NonNegativeNumber)
+      ->type_name("N");
   app.add_option("--time", arguments.time, "Time step, from 0")
       ->check(CLI::NonNegativeNumber)
       ->type_name("STEP");

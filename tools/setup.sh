@@ -7,14 +7,14 @@ packages=(
   # To build.
   g++ cmake ninja-build ccache pkg-config
   libopenvdb-dev libopenexr-dev libosmesa6-dev libegl-dev libgl-dev libtbb-dev
-  libblosc-dev libcli11-dev libfmt-dev nlohmann-json3-dev libpng-dev libtiff-dev zlib1g-dev
+  libblosc-dev libzstd-dev libcli11-dev libfmt-dev nlohmann-json3-dev libpng-dev libtiff-dev zlib1g-dev
   libxxhash-dev libgtest-dev libgmock-dev
   # To draw.
   libosmesa6 libegl1 libegl-mesa0 libgl1-mesa-dri
   # To test: sanitizers, gates, and the programs of others that results are checked against.
   clang clang-format clang-tidy libclang-rt-14-dev
   libopenvdb-tools nifti-bin teem-apps openexr
-  python3 python3-numpy python3-vtk9 python3-nibabel python3-tifffile
+  python3 python3-numpy python3-vtk9 python3-nibabel python3-tifffile python3-zarr python3-numcodecs
 )
 
 missing=()

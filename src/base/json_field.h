@@ -32,6 +32,8 @@ class JsonField {
   bool isObject() const { return value_->is_object(); }
   bool isArray() const { return value_->is_array(); }
   bool isText() const { return value_->is_string(); }
+  bool isFlag() const { return value_->is_boolean(); }
+  bool isNull() const { return value_->is_null(); }
   // Elements of an array. Throws Error when it is none.
   size_t size() const;
   JsonField operator[](size_t index) const;

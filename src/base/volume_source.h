@@ -37,6 +37,7 @@ struct VolumeLayout {
   std::optional<ValueRange> stored_range;  // of stored values, where the file says it
   double value_scale = 1, value_offset = 0;
   std::string name;  // for people: the file's name or the grid's
+  std::string unit;  // of spacing and origin, where the file says it: "millimeter", "micrometer"
 };
 
 // A constant outside a list of boxes: what sparse formats know without reading a voxel.

@@ -1,0 +1,78 @@
+#include "io/zarr_chunk_cache.h"
+
+#include <iterator>
+#include <utility>
+
+namespace sluice {
+
+void HeldBytes::add(uint64_t bytes) {
+  const uint64_t now = now_.fetch_add(bytes) + bytes;
+  uint64_t peak = peak_.load();
+  while (peak < now && !peak_.compare_exchange_weak(peak, now)) {
+  }
+}
+
+CountedBytes::CountedBytes(uint64_t bytes, HeldBytes& held)
+    : size_(bytes),
+      held_(held),
+      bytes_(std::make_unique_for_overwrite<std::byte[]>(static_cast<size_t>(bytes))) {
+  held_.add(size_);
+}
+
+ZarrChunkCache::ZarrChunkCache(uint64_t chunk_bytes, uint64_t budget_bytes, Decode decode)
+    : chunk_bytes_(chunk_bytes), budget_bytes_(budget_bytes), decode_(std::move(decode)) {}
+
+ZarrChunkCache::Chunk ZarrChunkCache::get(int64_t chunk) {
+  std::unique_lock lock(mutex_);
+  if (const auto found = entries_.find(chunk); found != entries_.end()) {
+    const std::shared_ptr<Entry> entry = found->second;
+    decoded_.wait(lock, [&] { return entry->chunk || entry->failure; });
+    if (entry->failure) std::rethrow_exception(entry->failure);
+    // Gone from the list where it was dropped while this thread woke up.
+    if (const auto again = entries_.find(chunk); again != entries_.end() && again->second == entry)
+      used_.splice(used_.begin(), used_, entry->at);
+    return entry->chunk;
+  }
+  const auto entry = std::make_shared<Entry>();
+  entries_[chunk] = entry;
+  ++decoding_;
+  makeRoom();
+  lock.unlock();
+  Chunk decoded;
+  std::exception_ptr failure;
+  try {
+    decoded = decode_(chunk, held_);
+  } catch (...) {
+    failure = std::current_exception();
+  }
+  lock.lock();
+  --decoding_;
+  entry->chunk = decoded;
+  entry->failure = failure;
+  if (failure) {
+    entries_.erase(chunk);
+  } else {
+    used_.push_front(chunk);
+    entry->at = used_.begin();
+    makeRoom();
+  }
+  lock.unlock();
+  decoded_.notify_all();
+  if (failure) std::rethrow_exception(failure);
+  return decoded;
+}
+
+// Drops the chunks used longest ago, but none that somebody holds.
+void ZarrChunkCache::makeRoom() {
+  auto next = used_.end();
+  while (next != used_.begin() && (used_.size() + 2 * decoding_) * chunk_bytes_ > budget_bytes_) {
+    --next;
+    const auto entry = entries_.find(*next);
+    // One owner: the entry itself. Nobody else can come to be one without the mutex.
+    if (entry->second->chunk.use_count() > 1) continue;
+    entries_.erase(entry);
+    next = used_.erase(next);
+  }
+}
+
+}  // namespace sluice

@@ -1,0 +1,314 @@
+#include "io/zarr_source.h"
+
+#include <gmock/gmock.h>
+
+#include <fstream>
+#include <sstream>
+#include <thread>
+
+#include "io/open_volume.h"
+#include "tests/io/image_test_support.h"
+
+namespace sluice {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+
+struct Case {
+  std::string name, type;
+  Vec3i dims;
+  int64_t steps = 1, channel = -1;
+  bool missing = false;
+
+  ZarrOptions options() const {
+    ZarrOptions options;
+    if (channel >= 0) options.channel = channel;
+    return options;
+  }
+};
+
+std::string asText(const std::vector<std::byte>& bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+std::string allSteps(VolumeSource& source) {
+  std::string bytes;
+  for (int64_t t = 0; t < source.layout().time_steps; ++t) bytes += asText(readAll(source, t));
+  return bytes;
+}
+
+// The stores of make_zarr.py, written once for all tests here.
+class ZarrPython : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    if (!hasPythonModules("numpy, zarr, numcodecs")) return;
+    folder_ = std::make_unique<TempFolder>();
+    const auto made = runCommand("/usr/bin/python3 " SLUICE_TEST_DIR "/make_zarr.py " +
+                                 shellQuoted(folder_->path().string()));
+    ASSERT_EQ(made.status, 0) << made.output;
+    std::istringstream lines(readFile(*folder_ / "cases.txt"));
+    Case c;
+    while (lines >> c.name >> c.type >> c.dims.x >> c.dims.y >> c.dims.z >> c.steps >> c.channel >>
+           c.missing)
+      cases_.push_back(c);
+  }
+  static void TearDownTestSuite() {
+    folder_.reset();
+    cases_.clear();
+  }
+  void SetUp() override {
+    if (!folder_) GTEST_SKIP() << "python3 with numpy, zarr and numcodecs is missing";
+  }
+  static fs::path pathOf(const std::string& name) { return *folder_ / name; }
+  static std::string voxelsOf(const std::string& name) { return readFile(pathOf(name + ".bin")); }
+
+  static inline std::unique_ptr<TempFolder> folder_;
+  static inline std::vector<Case> cases_;
+};
+
+TEST_F(ZarrPython, storesAreReadAsTheyWereWritten) {
+  ASSERT_GT(cases_.size(), 80U);
+  for (const Case& c : cases_) {
+    SCOPED_TRACE(c.name);
+    ZarrSource source(pathOf(c.name), c.options());
+    EXPECT_EQ(source.layout().dims, c.dims);
+    EXPECT_EQ(name(source.layout().type), c.type);
+    EXPECT_EQ(source.layout().time_steps, c.steps);
+    EXPECT_TRUE(allSteps(source) == voxelsOf(c.name));
+  }
+}
+
+TEST_F(ZarrPython, boxesInAnyOrderAreParts) {
+  for (const Case& c : cases_) {
+    SCOPED_TRACE(c.name);
+    ZarrOptions options = c.options();
+    options.chunk_cache_bytes = 1;
+    ZarrSource source(pathOf(c.name), options);
+    const std::string whole = voxelsOf(c.name);
+    const size_t voxel = bytesPerVoxel(source.layout().type);
+    std::mt19937 random(11);
+    for (int i = 0; i < 12; ++i) {
+      Box3 box;
+      for (int a = 0; a < 3; ++a) {
+        box.lo[a] = static_cast<int64_t>(random() % static_cast<uint64_t>(c.dims[a]));
+        box.hi[a] = box.lo[a] + 1 +
+                    static_cast<int64_t>(random() % static_cast<uint64_t>(c.dims[a] - box.lo[a]));
+      }
+      const auto step = static_cast<int64_t>(random() % static_cast<uint64_t>(c.steps));
+      std::string expected;
+      for (int64_t z = box.lo.z; z < box.hi.z; ++z)
+        for (int64_t y = box.lo.y; y < box.hi.y; ++y)
+          expected += whole.substr(
+              static_cast<size_t>(((step * c.dims.z + z) * c.dims.y + y) * c.dims.x + box.lo.x) *
+                  voxel,
+              static_cast<size_t>(box.size().x) * voxel);
+      ASSERT_TRUE(asText(readBox(source, box, step)) == expected);
+    }
+  }
+}
+
+// The boxes cover every voxel that is not the fill value, and leave something out.
+TEST_F(ZarrPython, missingChunksAreKnownWithoutReading) {
+  int sparse = 0;
+  for (const Case& c : cases_) {
+    SCOPED_TRACE(c.name);
+    ZarrSource source(pathOf(c.name), c.options());
+    const auto header_bytes = source.storedBytesRead();
+    const auto occupancy = source.occupancy(c.steps - 1);
+    EXPECT_EQ(source.storedBytesRead(), header_bytes);
+    const bool finite =
+        c.name.find("nan") == std::string::npos && c.name.find("inf") == std::string::npos;
+    ASSERT_EQ(occupancy.has_value(), c.missing && finite);
+    if (!occupancy) continue;
+    ++sparse;
+    const auto voxels = readAll(source, c.steps - 1);
+    int64_t outside = 0;
+    visitVoxelType(source.layout().type, [&](auto tag) {
+      const auto values = valuesOf<decltype(tag)>(voxels);
+      size_t i = 0;
+      for (int64_t z = 0; z < c.dims.z; ++z)
+        for (int64_t y = 0; y < c.dims.y; ++y)
+          for (int64_t x = 0; x < c.dims.x; ++x, ++i) {
+            if (std::any_of(occupancy->boxes.begin(), occupancy->boxes.end(), [&](const Box3& box) {
+                  return box.contains(Vec3i{x, y, z});
+                }))
+              continue;
+            ++outside;
+            ASSERT_EQ(static_cast<double>(values[i]), occupancy->background);
+          }
+    });
+    EXPECT_GT(outside, 0);
+  }
+  EXPECT_GE(sparse, 7);
+}
+
+// A second observer: the sizes of the files themselves.
+TEST_F(ZarrPython, bytesReadAreThoseOfTheFiles) {
+  for (const char* name : {"zstd-dot", "blosc-lz4-1-slash", "none-dot", "chunk-odd"}) {
+    SCOPED_TRACE(name);
+    uint64_t bytes = 0;
+    for (const auto& entry : fs::recursive_directory_iterator(pathOf(name)))
+      if (entry.is_regular_file()) bytes += entry.file_size();
+    ZarrSource source(pathOf(name));
+    allSteps(source);
+    allSteps(source);  // from the kept chunks
+    EXPECT_EQ(source.storedBytesRead(), bytes);
+  }
+}
+
+TEST_F(ZarrPython, threadsReadAtOnceAndDecodeEachChunkOnce) {
+  ZarrSource source(pathOf("blosc-zstd-1-slash"));
+  const uint64_t before = source.storedBytesRead();
+  std::vector<std::string> results(8);
+  {
+    std::vector<std::jthread> threads;
+    for (std::string& result : results) threads.emplace_back([&] { result = allSteps(source); });
+  }
+  for (const std::string& result : results) EXPECT_TRUE(result == voxelsOf("blosc-zstd-1-slash"));
+  ZarrSource alone(pathOf("blosc-zstd-1-slash"));
+  const uint64_t alone_before = alone.storedBytesRead();
+  allSteps(alone);
+  EXPECT_EQ(source.storedBytesRead() - before, alone.storedBytesRead() - alone_before);
+}
+
+TEST_F(ZarrPython, heldBytesStayWithinTheBudget) {
+  constexpr uint64_t kChunk = 8 * 8 * 8 * 2;
+  for (const uint64_t chunks : {1, 4, 9}) {
+    ZarrSource source(pathOf("zlib-dot"), {.chunk_cache_bytes = chunks * kChunk});
+    allSteps(source);
+    EXPECT_LE(source.heldBytes(), chunks * kChunk);
+    EXPECT_GE(source.heldBytes(), std::max<uint64_t>(chunks - 1, 1) * kChunk);
+    EXPECT_LE(source.peakHeldBytes(), std::max<uint64_t>(chunks, 2) * kChunk);
+  }
+}
+
+TEST_F(ZarrPython, aLevelIsReadByItsOwnFolder) {
+  ZarrSource whole(pathOf("ome-3d")), level(pathOf("ome-3d") / "0");
+  EXPECT_EQ(whole.layout().spacing, (Vec3d{0.25, 0.5, 2}));
+  EXPECT_EQ(level.layout().spacing, whole.layout().spacing);
+  EXPECT_TRUE(allSteps(level) == voxelsOf("ome-3d"));
+}
+
+TEST_F(ZarrPython, openVolumeFindsThem) {
+  EXPECT_EQ(openVolume(pathOf("ome-3d").string())->layout().dims, (Vec3i{30, 21, 13}));
+  EXPECT_EQ(openVolume(pathOf("zstd-dot").string() + "/")->layout().name, "zstd-dot");
+  EXPECT_EQ(openVolume(pathOf("plain-4d").string())->layout().time_steps, 3);
+  EXPECT_EQ(openVolume(pathOf("plain-4d").string(), {.channel = 2})->layout().time_steps, 1);
+  const auto spaced = openVolume(pathOf("ome-3d").string(), {.spacing = Vec3d{3, 4, 5}});
+  EXPECT_EQ(spaced->layout().spacing, (Vec3d{3, 4, 5}));
+  EXPECT_THAT(errorOf([&] { openVolume(pathOf("zstd-dot").string(), {.channel = 0}); }),
+              HasSubstr("the volume has no channels"));
+  EXPECT_THAT(errorOf([&] { openVolume(pathOf("ome-4d").string(), {.channel = 2}); }),
+              HasSubstr("the volume has 2 channels"));
+  EXPECT_THAT(errorOf([&] { openVolume("synth:cube", {.channel = 0}); }),
+              HasSubstr("--channel 0 is for Zarr stores"));
+  EXPECT_THAT(errorOf([&] {
+                openVolume(pathOf("zstd-dot").string(), {.dims = Vec3i{1, 1, 1}});
+              }),
+              HasSubstr("are for raw files"));
+}
+
+// Damage of a copy, so that the other tests keep theirs.
+class ZarrDamage : public ZarrPython {
+ protected:
+  fs::path copyOf(const std::string& name) {
+    const fs::path copy = work_ / name;
+    fs::remove_all(copy);
+    fs::copy(pathOf(name), copy, fs::copy_options::recursive);
+    return copy;
+  }
+  TempFolder work_;
+};
+
+TEST_F(ZarrDamage, aCutOrChangedChunkIsNeverACrash) {
+  for (const char* name :
+       {"zlib-dot", "gzip-dot", "zstd-dot", "none-dot", "blosc-lz4-1-dot", "blosc-lz4hc-2-dot",
+        "blosc-zstd-0-dot", "blosc-zlib-1-dot", "blosc-blosclz-1-dot"}) {
+    SCOPED_TRACE(name);
+    const fs::path copy = copyOf(name);
+    const int accepted =
+        surviveDamage(pathOf(name) / "0.1.2", copy / "0.1.2", 25, 0, [&](const fs::path&) {
+          ZarrSource source(copy);
+          readAll(source);
+        });
+    EXPECT_EQ(accepted, 0);
+  }
+}
+
+TEST_F(ZarrDamage, aBloscHeaderThatLiesIsRefusedBeforeRoomIsMade) {
+  const fs::path chunk = copyOf("blosc-lz4-1-dot") / "0.0.0";
+  std::string bytes = readFile(chunk);
+  const uint32_t huge = 2000000000;
+  std::memcpy(bytes.data() + 4, &huge, 4);
+  writeFile(chunk, bytes);
+  ZarrSource source(chunk.parent_path());
+  EXPECT_THAT(errorOf([&] { readAll(source); }),
+              AllOf(HasSubstr("0.0.0"), HasSubstr("1024"), HasSubstr("2000000000")));
+  EXPECT_LT(source.peakHeldBytes(), 100000U);
+}
+
+TEST_F(ZarrDamage, aChunkThatGoesOrChangesWhileOpenIsAnError) {
+  const fs::path copy = copyOf("zstd-dot");
+  ZarrSource source(copy, {.chunk_cache_bytes = 1});
+  readAll(source);
+  const std::string bytes = readFile(copy / "1.2.3");
+  fs::remove(copy / "1.2.3");
+  EXPECT_THAT(errorOf([&] { readAll(source); }),
+              AllOf(HasSubstr("1.2.3"), HasSubstr("was there when the volume was opened")));
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  writeFile(copy / "1.2.3", bytes);
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  EXPECT_THAT(errorOf([&] { readAll(source); }),
+              AllOf(HasSubstr("1.2.3"), HasSubstr("changed while the volume was open")));
+  EXPECT_TRUE(asText(readAll(*std::make_unique<ZarrSource>(copy))) == voxelsOf("zstd-dot"));
+}
+
+TEST_F(ZarrDamage, identityChangesWithTheStore) {
+  const fs::path copy = copyOf("zstd-dot");
+  const std::string before = ZarrSource(copy).identity();
+  EXPECT_EQ(ZarrSource(copy).identity(), before);
+  fs::remove(copy / "1.2.3");
+  const std::string removed = ZarrSource(copy).identity();
+  EXPECT_NE(removed, before);
+  std::string header = readFile(copy / ".zarray");
+  header.replace(header.find("\"fill_value\": 0"), 15, "\"fill_value\": 1");
+  writeFile(copy / ".zarray", header);
+  EXPECT_NE(ZarrSource(copy).identity(), removed);
+  const fs::path channels = copyOf("plain-5d-channel");
+  EXPECT_NE(ZarrSource(channels, {.channel = 0}).identity(),
+            ZarrSource(channels, {.channel = 1}).identity());
+}
+
+TEST(Zarr, aFolderThatIsNoImageSaysWhatItHolds) {
+  const TempFolder folder;
+  fs::create_directories(folder / "a/0");
+  writeFile(folder / "a/.zgroup", "{\"zarr_format\": 2}");
+  writeFile(folder / "a/0/.zgroup", "{\"zarr_format\": 2}");
+  EXPECT_THAT(errorOf([&] { ZarrSource source(folder / "a"); }),
+              AllOf(HasSubstr("multiscales"), HasSubstr("a/0")));
+  fs::create_directories(folder / "b");
+  writeFile(folder / "b/zarr.json", "{\"zarr_format\": 3}");
+  EXPECT_THAT(errorOf([&] { openVolume((folder / "b").string()); }), HasSubstr("version 3"));
+}
+
+TEST(Zarr, aMissingArrayOrAFolderOutsideIsRefused) {
+  const TempFolder folder;
+  const auto image = [&](const std::string& path) {
+    writeFile(folder / ".zattrs",
+              R"({"multiscales": [{"datasets": [{"path": ")" + path + R"("}]}]})");
+  };
+  writeFile(folder / ".zgroup", "{\"zarr_format\": 2}");
+  image("0");
+  EXPECT_THAT(errorOf([&] { ZarrSource source(folder.path()); }), HasSubstr("0/.zarray"));
+  for (const char* path : {"../x", "/etc", "a/../../b", "", "a//../..", "."}) {
+    image(path);
+    EXPECT_THAT(errorOf([&] { ZarrSource source(folder.path()); }),
+                HasSubstr("expected the path of a folder inside this one"))
+        << path;
+  }
+}
+
+}  // namespace
+}  // namespace sluice
