@@ -88,6 +88,9 @@ class RespacedSource final : public VolumeSource {
   void readRegion(int64_t time, const Box3& box, std::span<std::byte> out) override {
     source_->readRegion(time, box, out);
   }
+  void readRegions(int64_t time, std::span<const RegionRead> regions) override {
+    source_->readRegions(time, regions);
+  }
   std::optional<Occupancy> occupancy(int64_t time) override { return source_->occupancy(time); }
   std::string identity() const override { return source_->identity(); }
   uint64_t storedBytesRead() const override { return source_->storedBytesRead(); }

@@ -4,50 +4,24 @@
 #include <array>
 #include <cstring>
 #include <utility>
+#include <vector>
 
 #include "src/base/error.h"
 
 namespace sluice {
 namespace {
 
-// Reading across a gap of a page costs less than another system call, and a disk reads it anyway.
+// A gap smaller than a page saves the disk nothing when it is left out. It is read across where the
+// pieces beside it are so small that a system call for each would cost more than the copying, or
+// where it adds at most a quarter to what is wanted.
 constexpr uint64_t kMaxGapBytes = 4096;
+constexpr uint64_t kSmallPieceBytes = 512;
+constexpr uint64_t kWantedBytesPerGapByte = 4;
 
-// Collects pieces of one store into vectored reads.
-class Gather {
- public:
-  // `to` is filled with `bytes` bytes from `offset` of `store`. Offsets rise within a store.
-  void add(ByteStore& store, uint64_t offset, std::byte* to, uint64_t bytes) {
-    const bool near = store_ == &store && count_ + 2 <= parts_.size() && offset >= end_ &&
-                      offset - end_ <= kMaxGapBytes;
-    if (!near) {
-      flush();
-      store_ = &store;
-      begin_ = end_ = offset;
-    }
-    if (offset > end_) parts_[count_++] = {gap_.data(), offset - end_};
-    const bool adjoins =
-        count_ > 0 && offset == end_ &&
-        static_cast<std::byte*>(parts_[count_ - 1].iov_base) + parts_[count_ - 1].iov_len == to;
-    if (adjoins)
-      parts_[count_ - 1].iov_len += bytes;
-    else
-      parts_[count_++] = {to, bytes};
-    end_ = offset + bytes;
-  }
-
-  void flush() {
-    if (count_ > 0) store_->read(begin_, std::span(parts_).first(count_));
-    count_ = 0;
-  }
-
- private:
-  ByteStore* store_ = nullptr;
-  uint64_t begin_ = 0, end_ = 0;  // of the pieces collected, in the store
-  size_t count_ = 0;
-  std::array<iovec, ByteStore::kMaxParts> parts_;
-  std::array<std::byte, kMaxGapBytes> gap_;
-};
+bool readsAcross(uint64_t gap_bytes, uint64_t piece_bytes) {
+  if (gap_bytes > kMaxGapBytes) return false;
+  return piece_bytes < kSmallPieceBytes || gap_bytes <= piece_bytes / kWantedBytesPerGapByte;
+}
 
 template <class Word>
 void swapWords(std::span<std::byte> bytes) {
@@ -67,7 +41,73 @@ void swapBytes(std::span<std::byte> bytes, size_t voxel_bytes) {
   if (voxel_bytes == 8) swapWords<uint64_t>(bytes);
 }
 
+bool sameRows(std::span<const RegionRead> regions) {
+  const Box3& first = regions.front().box;
+  return std::all_of(regions.begin(), regions.end(), [&](const RegionRead& region) {
+    const Box3& box = region.box;
+    return box.lo.y == first.lo.y && box.hi.y == first.hi.y && box.lo.z == first.lo.z &&
+           box.hi.z == first.hi.z;
+  });
+}
+
 }  // namespace
+
+// Collects pieces of a store, in the order of their offsets, into vectored reads. Pieces may
+// overlap: what two of them want is read once and copied.
+class RawSource::Gather {
+ public:
+  // `to` is filled with `bytes` bytes from `offset` of `store`.
+  void add(ByteStore& store, uint64_t offset, std::byte* to, uint64_t bytes) {
+    const bool near = store_ == &store && count_ + 2 <= parts_.size() && offset >= last_offset_ &&
+                      (offset <= end_ || readsAcross(offset - end_, bytes));
+    if (!near) {
+      flush();
+      store_ = &store;
+      begin_ = end_ = offset;
+    }
+    if (offset < end_) {
+      const uint64_t shared = std::min(bytes, end_ - offset);
+      copies_.push_back({last_ + (offset - last_offset_), to, shared});
+      offset += shared, to += shared, bytes -= shared;
+      if (bytes == 0) return;
+    }
+    if (offset > end_) parts_[count_++] = {gap_.data(), offset - end_};
+    const bool adjoins =
+        count_ > 0 && offset == end_ &&
+        static_cast<std::byte*>(parts_[count_ - 1].iov_base) + parts_[count_ - 1].iov_len == to;
+    if (adjoins)
+      parts_[count_ - 1].iov_len += bytes;
+    else
+      parts_[count_++] = {to, bytes};
+    last_ = to;
+    last_offset_ = offset;
+    end_ = offset + bytes;
+  }
+
+  void flush() {
+    if (count_ > 0) store_->read(begin_, std::span(parts_).first(count_));
+    for (const Copy& copy : copies_) std::memcpy(copy.to, copy.from, copy.bytes);
+    copies_.clear();
+    count_ = 0;
+    last_offset_ = UINT64_MAX;
+  }
+
+ private:
+  struct Copy {
+    const std::byte* from;
+    std::byte* to;
+    uint64_t bytes;
+  };
+
+  ByteStore* store_ = nullptr;
+  uint64_t begin_ = 0, end_ = 0;       // of the pieces collected, in the store
+  const std::byte* last_ = nullptr;    // where the last piece goes
+  uint64_t last_offset_ = UINT64_MAX;  // and where it comes from
+  size_t count_ = 0;
+  std::array<iovec, ByteStore::kMaxParts> parts_;
+  std::array<std::byte, kMaxGapBytes> gap_;
+  std::vector<Copy> copies_;
+};
 
 RawSource::RawSource(VolumeLayout layout, std::endian byte_order, std::vector<RawSegment> segments,
                      std::shared_ptr<const ByteStore> header, std::string identity)
@@ -88,39 +128,63 @@ uint64_t RawSource::storedBytesRead() const {
   return sum;
 }
 
+void RawSource::addPiece(Gather& gather, int64_t first, int64_t voxels, std::byte* to) const {
+  const auto voxel_bytes = static_cast<int64_t>(bytesPerVoxel(layout_.type));
+  while (voxels > 0) {
+    const RawSegment& segment = segments_[static_cast<size_t>(first / segment_voxels_)];
+    const int64_t inside = first % segment_voxels_;
+    const int64_t taken = std::min(voxels, segment_voxels_ - inside);
+    const auto bytes = static_cast<uint64_t>(taken * voxel_bytes);
+    gather.add(*segment.store, segment.offset_bytes + static_cast<uint64_t>(inside * voxel_bytes),
+               to, bytes);
+    to += bytes;
+    first += taken;
+    voxels -= taken;
+  }
+}
+
 void RawSource::readRegion(int64_t time, const Box3& box, std::span<std::byte> out) {
+  const RegionRead region{box, out};
+  readRegions(time, std::span(&region, 1));
+}
+
+void RawSource::readRegions(int64_t time, std::span<const RegionRead> regions) {
+  if (regions.empty()) return;
+  if (regions.size() > 1 && !sameRows(regions)) {
+    VolumeSource::readRegions(time, regions);
+    return;
+  }
   const Vec3i dims = layout_.dims;
-  const int64_t voxel_bytes = static_cast<int64_t>(bytesPerVoxel(layout_.type));
-  SLUICE_CHECK(!box.empty() && boxOf(dims).contains(box));
+  const auto voxel_bytes = static_cast<int64_t>(bytesPerVoxel(layout_.type));
   SLUICE_CHECK(time >= 0 && time < layout_.time_steps);
-  SLUICE_CHECK_EQ(static_cast<int64_t>(out.size()), box.count() * voxel_bytes);
+  for (const auto& [box, out] : regions) {
+    SLUICE_CHECK(!box.empty() && boxOf(dims).contains(box));
+    SLUICE_CHECK_EQ(static_cast<int64_t>(out.size()), box.count() * voxel_bytes);
+  }
+  std::vector<RegionRead> sorted(regions.begin(), regions.end());
+  std::sort(sorted.begin(), sorted.end(),
+            [](const RegionRead& a, const RegionRead& b) { return a.box.lo.x < b.box.lo.x; });
 
   // Whole rows that follow one another are one piece, and so are whole planes.
-  Vec3i pieces = box.size();
-  int64_t piece_voxels = std::exchange(pieces.x, 1);
-  if (box.size().x == dims.x) {
-    piece_voxels *= std::exchange(pieces.y, 1);
-    if (box.size().y == dims.y) piece_voxels *= std::exchange(pieces.z, 1);
+  const Box3& rows = sorted.front().box;
+  Vec3i pieces = rows.size();
+  int64_t rows_a_piece = 1;
+  if (sorted.size() == 1 && rows.size().x == dims.x) {
+    rows_a_piece = std::exchange(pieces.y, 1);
+    if (rows.size().y == dims.y) rows_a_piece *= std::exchange(pieces.z, 1);
   }
   Gather gather;
-  std::byte* to = out.data();
-  for (int64_t z = box.lo.z; z < box.lo.z + pieces.z; ++z)
-    for (int64_t y = box.lo.y; y < box.lo.y + pieces.y; ++y) {
-      int64_t voxel = ((time * dims.z + z) * dims.y + y) * dims.x + box.lo.x;
-      for (int64_t left = piece_voxels; left > 0;) {
-        const RawSegment& segment = segments_[static_cast<size_t>(voxel / segment_voxels_)];
-        const int64_t inside = voxel % segment_voxels_;
-        const int64_t taken = std::min(left, segment_voxels_ - inside);
-        const auto bytes = static_cast<uint64_t>(taken * voxel_bytes);
-        gather.add(*segment.store,
-                   segment.offset_bytes + static_cast<uint64_t>(inside * voxel_bytes), to, bytes);
-        to += bytes;
-        voxel += taken;
-        left -= taken;
+  for (int64_t z = 0; z < pieces.z; ++z)
+    for (int64_t y = 0; y < pieces.y; ++y)
+      for (const auto& [box, out] : sorted) {
+        const Vec3i size = box.size();
+        addPiece(gather,
+                 ((time * dims.z + box.lo.z + z) * dims.y + box.lo.y + y) * dims.x + box.lo.x,
+                 size.x * rows_a_piece, out.data() + (z * size.y + y) * size.x * voxel_bytes);
       }
-    }
   gather.flush();
-  if (swapped_) swapBytes(out, static_cast<size_t>(voxel_bytes));
+  if (swapped_)
+    for (const RegionRead& region : sorted) swapBytes(region.out, static_cast<size_t>(voxel_bytes));
 }
 
 }  // namespace sluice

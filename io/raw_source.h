@@ -35,10 +35,16 @@ class RawSource : public VolumeSource {
 
   const VolumeLayout& layout() const override { return layout_; }
   void readRegion(int64_t time, const Box3& box, std::span<std::byte> out) override;
+  // Regions of equal y and z extents are read row by row across all of them.
+  void readRegions(int64_t time, std::span<const RegionRead> regions) override;
   std::string identity() const override { return identity_; }
   uint64_t storedBytesRead() const override;
 
  private:
+  class Gather;
+  // Adds `voxels` voxels from `first` (in the sequence of all) on.
+  void addPiece(Gather& gather, int64_t first, int64_t voxels, std::byte* to) const;
+
   const VolumeLayout layout_;
   const bool swapped_;
   const std::vector<RawSegment> segments_;

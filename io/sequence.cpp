@@ -48,6 +48,10 @@ void SequenceSource::readRegion(int64_t time, const Box3& box, std::span<std::by
   at(time)->readRegion(0, box, out);
 }
 
+void SequenceSource::readRegions(int64_t time, std::span<const RegionRead> regions) {
+  at(time)->readRegions(0, regions);
+}
+
 std::optional<Occupancy> SequenceSource::occupancy(int64_t time) {
   return at(time)->occupancy(0);
 }

@@ -35,6 +35,7 @@ class SequenceSource final : public VolumeSource {
   const VolumeLayout& layout() const override { return layout_; }
   // Throws Error where a file's size, type, place or scaling differs from the first one's.
   void readRegion(int64_t time, const Box3& box, std::span<std::byte> out) override;
+  void readRegions(int64_t time, std::span<const RegionRead> regions) override;
   std::optional<Occupancy> occupancy(int64_t time) override;
   // Covers all files as they were at the opening.
   std::string identity() const override { return identity_; }

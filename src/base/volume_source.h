@@ -46,6 +46,12 @@ struct Occupancy {
   std::vector<Box3> boxes;  // voxels, clipped to the volume; may touch or overlap
 };
 
+// A box to be copied out, and where to.
+struct RegionRead {
+  Box3 box;
+  std::span<std::byte> out;
+};
+
 class VolumeSource {
  public:
   virtual ~VolumeSource() = default;
@@ -57,6 +63,12 @@ class VolumeSource {
   // Requires: 0 <= time < time_steps; box not empty and inside [0, dims);
   // out.size() == box.count() * bytesPerVoxel(type). Throws Error when the read fails or is short.
   virtual void readRegion(int64_t time, const Box3& box, std::span<std::byte> out) = 0;
+
+  // readRegion() of each; a source whose voxels lie in rows reads together what lies together. For
+  // blocks that lie side by side along x, which share the voxel planes between them.
+  virtual void readRegions(int64_t time, std::span<const RegionRead> regions) {
+    for (const RegionRead& region : regions) readRegion(time, region.box, region.out);
+  }
 
   // Where voxels may differ from a constant; nullopt: anywhere.
   virtual std::optional<Occupancy> occupancy(int64_t /*time*/) { return std::nullopt; }

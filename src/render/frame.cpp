@@ -10,13 +10,25 @@
 namespace sluice {
 
 Frame Session::frame() {
+  try {
+    return drawFrame();
+  } catch (...) {
+    // What was begun for this frame is not wanted any more, and its counters are to be right.
+    ahead_.reset();
+    chunks_.waitUntilIdle();
+    throw;
+  }
+}
+
+Frame Session::drawFrame() {
   SLUICE_CHECK(transfer_.has_value());
   Frame frame;
   FrameReport& report = frame.report;
   const Stopwatch watch;
+  const auto begin = std::chrono::steady_clock::now();
   const StageSeconds before = workerSeconds();
-  const uint64_t uploaded_before = device_.uploadedBytes(), binds_before = device_.binds();
-  const uint64_t pages_before = cache_.pagesLoaded();
+  const MovedBytes moved_before = movedBytes();
+  const uint64_t binds_before = device_.binds(), pages_before = cache_.pagesLoaded();
 
   classifyBlocks(report);
   planChunks(report);
@@ -27,11 +39,14 @@ Frame Session::frame() {
   setup.lit = options_.lit;
   const EyePosition eye = eyePosition(view, source_.layout());
   device_.beginFrame(setup);
-  for (const int64_t position : clusterOrder(*plan_, eye)) {
+  ahead_.emplace(chunks_, *plan_, names_, cache_, clusterOrder(*plan_, eye));
+  cache_.unpinAll();
+  while (const auto taken = ahead_->take(deadline(begin))) {
     throwIfInterrupted();
-    const Cluster& cluster = plan_->clusters[static_cast<size_t>(position)];
-    makeResident(position, report);
-    drawCluster(cluster, eye, report);
+    makeResident(*taken, report);
+    if (!taken->step.completes_cluster) continue;
+    drawCluster(plan_->clusters[static_cast<size_t>(taken->step.cluster)], eye, report);
+    cache_.unpinAll();
   }
   const Stopwatch draw_watch;
   frame.picture = device_.endFrame();
@@ -42,10 +57,24 @@ Frame Session::frame() {
   report.stages.read = after.read - before.read;
   report.stages.decode = after.decode - before.decode;
   report.stages.copy = after.copy - before.copy;
-  report.uploaded_bytes = device_.uploadedBytes() - uploaded_before;
+  const MovedBytes moved = movedBytes();
+  report.decoded_bytes = moved.decoded - moved_before.decoded;
+  report.copied_bytes = moved.copied - moved_before.copied;
+  report.uploaded_bytes = moved.uploaded - moved_before.uploaded;
   report.binds = device_.binds() - binds_before;
   report.pages_loaded = cache_.pagesLoaded() - pages_before;
+  report.before = last_blocks_;
+  last_blocks_ = {report.white, report.grey, report.black};
+  last_draw_s_ = report.stages.draw;
   ++frame_number_;
+  if (report.missing_share > 0) {
+    double cells = 0;
+    for (const TextureBlock& block : plan_->blocks)
+      cells += static_cast<double>(block.cells.count());
+    report.missing_share /= cells;
+  } else {
+    ahead_.reset();
+  }
   if (frame_options_.count_samples) countSamples(report);
   return frame;
 }
@@ -55,7 +84,7 @@ void Session::classifyBlocks(FrameReport& report) {
   if (!table_) table_.emplace(*transfer_, ranges_.map, ranges_.device_range);
   if (!classification_) {
     classification_ = classify(ranges_, *table_, crop(), pool_);
-    plan_.reset();
+    dropPlan();
   }
   report.white = classification_->white;
   report.grey = classification_->grey;
@@ -74,33 +103,20 @@ void Session::planChunks(FrameReport& report) {
   report.clusters = static_cast<int64_t>(plan_->clusters.size());
   report.chunks = static_cast<int64_t>(plan_->chunks.size());
   report.pages = plan_->pageCount();
+  report.rebuild = rebuildBytes();
   report.stages.plan = watch.seconds();
 }
 
-void Session::makeResident(int64_t cluster_position, FrameReport& report) {
-  const Cluster& cluster = plan_->clusters[static_cast<size_t>(cluster_position)];
-  cache_.unpinAll();
-  // In batches that leave level 3 room to keep what other clusters filled. The texels come first:
-  // a chunk that cannot be read is one that the model was never asked for.
-  const uint64_t most = std::max<uint64_t>(1, budgets_.texture_buffer / 2);
-  for (size_t from = 0; from < cluster.chunks.size();) {
-    std::vector<int64_t> absent;
-    uint64_t bytes = 0;
-    size_t to = from;
-    for (; to < cluster.chunks.size() && bytes < most; ++to) {
-      const int64_t position = cluster.chunks[to];
-      if (cache_.contains(names_[static_cast<size_t>(position)])) continue;
-      absent.push_back(position);
-      bytes += TextureBuffer::bytesOf(*plan_, plan_->chunks[static_cast<size_t>(position)]);
+void Session::makeResident(const ReadAhead::Taken& taken, FrameReport& report) {
+  for (size_t i = 0; i < taken.texels.size(); ++i) {
+    const int64_t position = taken.step.chunks[i];
+    ChunkTexelsPtr texels = taken.texels[i];
+    // The texels come first: a chunk that cannot be read is one that the model was never asked for.
+    if (texels == nullptr && !cache_.contains(names_[static_cast<size_t>(position)])) {
+      if (frame_options_.time_limit_s) continue;
+      texels = ahead_->takeOne(position);
     }
-    const std::vector<ChunkTexelsPtr> texels = chunks_.acquire(*plan_, names_, absent);
-    for (size_t next = 0; from < to; ++from) {
-      const int64_t position = cluster.chunks[from];
-      const bool has_texels = next < absent.size() && absent[next] == position;
-      // A load of this batch may have taken its pages: then it opens the next batch.
-      if (!has_texels && !cache_.contains(names_[static_cast<size_t>(position)])) break;
-      requestChunk(position, cluster_position, has_texels ? texels[next++].get() : nullptr, report);
-    }
+    requestChunk(position, taken.step.cluster, texels.get(), report);
   }
 }
 
@@ -141,6 +157,10 @@ void Session::drawCluster(const Cluster& cluster, const EyePosition& eye, FrameR
   for (const int64_t position : blockOrder(*plan_, cluster, eye)) {
     const TextureBlock& block = plan_->blocks[static_cast<size_t>(position)];
     if (block.cells.empty()) continue;  // loaded whole, shows nothing (algorithm II)
+    if (!cache_.contains(names_[static_cast<size_t>(block.chunk)])) {  // left out at the time limit
+      report.missing_share += static_cast<double>(block.cells.count());
+      continue;
+    }
     if (block.chunk != chunk) flush();
     chunk = block.chunk;
     boxes.push_back(boxDraw(block));

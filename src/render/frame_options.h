@@ -31,6 +31,9 @@ struct FrameOptions {
   std::vector<WorldPlane> clip_planes;
   Algorithm algorithm = Algorithm::kMerged;
   MergeOrder merge_order = MergeOrder::kPaper;
+  // How long a frame may wait for what it lacks, its drawing included as far as the last frame
+  // tells. What is missing then is left out; the next frames have it. Unset: all is waited for.
+  std::optional<double> time_limit_s;
   bool count_samples = false;  // fills FrameReport::samples_*; costs a pass without texture reads
 };
 

@@ -20,24 +20,32 @@ bool sameCrop(const FrameOptions& a, const FrameOptions& b) {
 
 namespace {
 
+// Enough to keep a disk busy that serves many reads at once, on machines of few cores too.
+constexpr int kReadsInFlight = 4;
+
 // The largest chunk: two whole blocks side by side, in whole pages.
 uint64_t largestChunkBytes(const PageGeometry& page, int64_t block_vox) {
   return static_cast<uint64_t>(page.pagesOf(Vec3i{2 * block_vox, block_vox, block_vox}) *
                                page.pageBytes());
 }
 
+// What a thread that reads has under way.
+uint64_t threadBytes(const PageGeometry& page, int64_t block_vox) {
+  const int64_t block_bytes = volume(Vec3i{block_vox, block_vox, block_vox}) * page.bytes_per_voxel;
+  return static_cast<uint64_t>(2 * block_bytes) + VolumeBuffer::kScratchBytes;
+}
+
 }  // namespace
 
-uint64_t leastBufferBytes(const PageGeometry& page, int64_t block_vox, int threads) {
-  const int64_t block_bytes = volume(Vec3i{block_vox, block_vox, block_vox}) * page.bytes_per_voxel;
-  return 2 * largestChunkBytes(page, block_vox) + static_cast<uint64_t>(2 * threads * block_bytes);
+uint64_t leastBufferBytes(const PageGeometry& page, int64_t block_vox) {
+  return 2 * largestChunkBytes(page, block_vox) + 2 * threadBytes(page, block_vox);
 }
 
 Budgets shareMemory(uint64_t memory_bytes, const PageGeometry& page, bool textures_in_memory,
-                    int64_t block_vox, int threads) {
+                    int64_t block_vox, int most_readers) {
   Budgets budgets;
   budgets.texture_cache = static_cast<uint64_t>(page.cacheBytes());
-  const uint64_t least_buffers = leastBufferBytes(page, block_vox, threads);
+  const uint64_t least_buffers = leastBufferBytes(page, block_vox);
   const uint64_t textures = textures_in_memory ? budgets.texture_cache + kSpareTextureBytes : 0;
   if (memory_bytes < textures + least_buffers)
     fail(
@@ -45,9 +53,15 @@ Budgets shareMemory(uint64_t memory_bytes, const PageGeometry& page, bool textur
         "give --memory {} or fewer --pages",
         formatBytes(memory_bytes), formatBytes(textures), formatBytes(least_buffers),
         textures + least_buffers);
-  const uint64_t rest = memory_bytes - textures;
-  budgets.texture_buffer = std::max(2 * largestChunkBytes(page, block_vox), rest / 3);
-  budgets.volume_buffer = rest - budgets.texture_buffer;
+  // Beyond the least: a third for chunks, the rest for blocks and for more readers.
+  const uint64_t surplus = memory_bytes - textures - least_buffers;
+  budgets.texture_buffer = 2 * largestChunkBytes(page, block_vox) + surplus / 3;
+  const uint64_t rest = memory_bytes - textures - budgets.texture_buffer;
+  const auto most_threads = static_cast<uint64_t>(most_readers) + 1;
+  const uint64_t threads = std::min(most_threads, rest / threadBytes(page, block_vox));
+  budgets.readers = static_cast<int>(threads) - 1;
+  budgets.scratch = threads * VolumeBuffer::kScratchBytes;
+  budgets.volume_buffer = rest - budgets.scratch;
   return budgets;
 }
 
@@ -60,9 +74,10 @@ Session::Session(VolumeSource& source, int64_t time, const SliceRanges& ranges, 
       pool_(pool),
       options_(options),
       budgets_(shareMemory(options.memory_bytes, options.page, device.limits().textures_in_memory,
-                           ranges.layout.size, pool.threads())),
+                           ranges.layout.size, std::max(pool.threads(), kReadsInFlight))),
       blocks_(source, ranges.layout, budgets_.volume_buffer),
-      chunks_(blocks_, pool, budgets_.texture_buffer),
+      readers_(budgets_.readers + 1),
+      chunks_(blocks_, readers_, budgets_.texture_buffer),
       cache_(static_cast<uint64_t>(options.page.pages),
              static_cast<uint64_t>(options.page.pageBytes()),
              makePolicy(options.policy, static_cast<uint64_t>(options.page.pages), options.seed)),
@@ -82,13 +97,18 @@ void Session::setTransferFunction(const TransferFunction& transfer) {
   transfer_ = transfer;
   table_.reset();
   classification_.reset();
-  plan_.reset();
+  dropPlan();
 }
 
 void Session::setOptions(const FrameOptions& options) {
   if (!sameCrop(options, frame_options_)) classification_.reset();
-  if (!samePlan(options, frame_options_)) plan_.reset();
+  if (!samePlan(options, frame_options_)) dropPlan();
   frame_options_ = options;
+}
+
+void Session::dropPlan() {
+  ahead_.reset();  // what it still reads is no longer wanted
+  plan_.reset();
 }
 
 Box3 Session::crop() const {
@@ -110,6 +130,29 @@ StageSeconds Session::workerSeconds() const {
   seconds.decode = blocks_.decodeSeconds();
   seconds.copy = chunks_.copySeconds();
   return seconds;
+}
+
+MovedBytes Session::movedBytes() const {
+  return {blocks_.counters().decoded_bytes, chunks_.counters().decoded_bytes,
+          device_.uploadedBytes()};
+}
+
+MovedBytes Session::rebuildBytes() const {
+  MovedBytes bytes;
+  const auto voxel_bytes = static_cast<uint64_t>(options_.page.bytes_per_voxel);
+  for (const TextureBlock& block : plan_->blocks) {
+    const Box3 stored = ranges_.layout.storedVoxels(ranges_.layout.indexOf(block.block));
+    bytes.decoded += static_cast<uint64_t>(stored.count()) * bytesPerVoxel(source_.layout().type);
+    bytes.copied += static_cast<uint64_t>(block.voxels.count()) * voxel_bytes;
+  }
+  bytes.uploaded = plan_->bytes();
+  return bytes;
+}
+
+ReadAhead::Deadline Session::deadline(std::chrono::steady_clock::time_point begin) const {
+  if (!frame_options_.time_limit_s) return std::nullopt;
+  const std::chrono::duration<double> waiting(*frame_options_.time_limit_s - last_draw_s_);
+  return begin + std::chrono::duration_cast<std::chrono::nanoseconds>(waiting);
 }
 
 }  // namespace sluice

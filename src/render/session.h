@@ -6,6 +6,7 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -16,6 +17,7 @@
 #include "src/base/worker_pool.h"
 #include "src/render/frame_options.h"
 #include "src/render/frame_setup.h"
+#include "src/render/read_ahead.h"
 #include "src/texture/chunk_names.h"
 #include "src/texture/texture_buffer.h"
 #include "src/volume/volume_buffer.h"
@@ -33,17 +35,29 @@ struct SessionOptions {
 // How --memory is shared out (design, point 3).
 struct Budgets {
   uint64_t volume_buffer = 0, texture_buffer = 0, texture_cache = 0;
+  uint64_t scratch = 0;  // of the threads that read
+  int readers = 1;       // threads that read and copy beside the one that draws
 };
-// The least that levels 2 and 3 work with: two merged chunks, since batches take half of level 3
-// and one more, and two blocks a thread.
-uint64_t leastBufferBytes(const PageGeometry& page, int64_t block_vox, int threads);
-// Throws Error, with the least that works, when level 4 leaves too little to levels 2 and 3.
+// The least that levels 2 and 3 work with: two merged chunks, and for one reader and the thread
+// that draws two blocks each and their scratch.
+uint64_t leastBufferBytes(const PageGeometry& page, int64_t block_vox);
+// Up to `most_readers` readers, fewer where memory is short. Throws Error, with the least that
+// works, when level 4 leaves too little to levels 2 and 3.
 Budgets shareMemory(uint64_t memory_bytes, const PageGeometry& page, bool textures_in_memory,
-                    int64_t block_vox, int threads);
+                    int64_t block_vox, int most_readers);
 
 // Seconds of wall clock, but read, decode and copy: summed over all threads that did it.
 struct StageSeconds {
   double classify = 0, plan = 0, read = 0, decode = 0, copy = 0, upload = 0, draw = 0;
+};
+
+// See the fields of the same names in FrameReport.
+struct MovedBytes {
+  uint64_t decoded = 0, copied = 0, uploaded = 0;
+};
+
+struct BlockClasses {
+  int64_t white = 0, grey = 0, black = 0;
 };
 
 struct FrameReport {
@@ -52,8 +66,16 @@ struct FrameReport {
   uint64_t samples_drawn = 0;   // taken by the device, when counted
   uint64_t samples_object = 0;  // of them or not, those inside object boxes
   int64_t white = 0, grey = 0, black = 0;
-  int64_t clusters = 0, chunks = 0, pages = 0;               // of the plan
-  uint64_t pages_loaded = 0, uploaded_bytes = 0, binds = 0;  // by this frame
+  BlockClasses before;                          // of the last frame; all 0 for the first
+  int64_t clusters = 0, chunks = 0, pages = 0;  // of the plan
+  // By this frame.
+  uint64_t pages_loaded = 0, binds = 0;
+  uint64_t decoded_bytes = 0;   // voxels into the volume buffer
+  uint64_t copied_bytes = 0;    // voxels into the texture buffer
+  uint64_t uploaded_bytes = 0;  // whole pages into the texture cache
+  MovedBytes rebuild;           // what a frame moves that starts from nothing
+  // Of the cells that can be seen, those left out at the time limit. 0: the picture is complete.
+  double missing_share = 0;
 };
 
 struct Frame {
@@ -85,16 +107,22 @@ class Session {
   const PageGeometry& page() const { return options_.page; }
 
  private:
-  // The frame's stages, in order; frame.cpp tells the story.
+  // The frame and its stages, in order; frame.cpp tells the story.
+  Frame drawFrame();
   void classifyBlocks(FrameReport& report);
   void planChunks(FrameReport& report);
-  void makeResident(int64_t cluster_position, FrameReport& report);
+  void makeResident(const ReadAhead::Taken& taken, FrameReport& report);
   // `texels` may be null when the chunk is resident.
   void requestChunk(int64_t position, int64_t cluster_position, const ChunkTexels* texels,
                     FrameReport& report);
   void drawCluster(const Cluster& cluster, const EyePosition& eye, FrameReport& report);
   void countSamples(FrameReport& report);
 
+  void dropPlan();
+  // Until when a frame begun at `begin` waits.
+  ReadAhead::Deadline deadline(std::chrono::steady_clock::time_point begin) const;
+  MovedBytes movedBytes() const;  // since construction
+  MovedBytes rebuildBytes() const;
   Box3 crop() const;
   BoxDraw boxDraw(const TextureBlock& block) const;
   StageSeconds workerSeconds() const;
@@ -107,6 +135,7 @@ class Session {
   const SessionOptions options_;
   const Budgets budgets_;
   VolumeBuffer blocks_;
+  WorkerPool readers_;
   TextureBuffer chunks_;
   TextureCache cache_;
   ChunkNames chunk_names_;
@@ -121,6 +150,9 @@ class Session {
   std::optional<Classification> classification_;
   std::optional<TexturePlan> plan_;
   std::vector<uint64_t> names_;  // ids of plan_->chunks
+  std::optional<ReadAhead> ahead_;
+  BlockClasses last_blocks_;
+  double last_draw_s_ = 0;
 };
 
 }  // namespace sluice

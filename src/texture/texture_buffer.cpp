@@ -1,7 +1,7 @@
 #include "src/texture/texture_buffer.h"
 
 #include <algorithm>
-#include <cstring>
+#include <utility>
 
 #include "src/base/bytes.h"
 #include "src/base/clock.h"
@@ -11,129 +11,323 @@
 
 namespace sluice {
 
+// `name` and `texels` are constant after construction (the bytes are the workers' until it is
+// filled); the rest is guarded by the buffer's mutex.
+struct TextureBuffer::Entry {
+  uint64_t name = 0;
+  std::shared_ptr<ChunkTexels> texels;
+  size_t fillings_left = 0;
+  int64_t pins = 0;  // batches that want it
+  enum class State { kFilling, kFilled, kFailed } state = State::kFilling;
+  std::exception_ptr failure;           // of the first filling that failed or was skipped
+  std::list<EntryPtr>::iterator place;  // in recent_ while filled
+};
+
 // A texture block on its way into a chunk.
 struct TextureBuffer::Filling {
-  const TextureBlock* block;
-  ChunkTexels* into;
+  TextureBlock block;
+  EntryPtr into;
 };
+
+// Constant from begin() to finish(), but for `next`.
+class TextureBuffer::Batch {
+ public:
+  int64_t time = 0;
+  std::vector<EntryPtr> wanted;  // in the order asked for; empty when finished or cancelled
+  std::vector<Filling> fillings;
+  // Positions in `fillings` of blocks that are read together: [from, to).
+  std::vector<std::pair<size_t, size_t>> runs;
+  std::atomic<size_t> next{0};  // the run that no one has taken yet
+};
+
+namespace {
+
+struct Cancelled : std::exception {
+  const char* what() const noexcept override { return "no longer wanted"; }
+};
+
+}  // namespace
 
 TextureBuffer::TextureBuffer(VolumeBuffer& blocks, WorkerPool& pool, uint64_t budget_bytes)
     : blocks_(blocks), pool_(pool) {
   counters_.budget_bytes = budget_bytes;
 }
 
+TextureBuffer::~TextureBuffer() {
+  waitUntilIdle();
+}
+
+void TextureBuffer::waitUntilIdle() {
+  std::unique_lock lock(mutex_);
+  settled_.wait(lock, [&] { return workers_under_way_ == 0; });
+}
+
 uint64_t TextureBuffer::bytesOf(const TexturePlan& plan, const Chunk& chunk) {
   return static_cast<uint64_t>(chunk.pages * plan.page.pageBytes());
 }
 
-void TextureBuffer::makeRoom(uint64_t bytes) {
+CacheCounters TextureBuffer::counters() const {
+  std::lock_guard lock(mutex_);
+  return counters_;
+}
+
+void TextureBuffer::resetCounters() {
+  std::lock_guard lock(mutex_);
+  counters_.reset();
+}
+
+bool TextureBuffer::makeRoom(uint64_t bytes) {
   auto victim = recent_.end();
-  while (counters_.current_bytes + bytes > counters_.budget_bytes) {
+  while (counters_.current_bytes + reserved_bytes_ + bytes > counters_.budget_bytes) {
     do {
-      if (victim == recent_.begin())
-        fail(
-            "the texture buffer of {} cannot hold {} more beside the {} in use; give more "
-            "--memory, a smaller --block or fewer --pages",
-            formatBytes(counters_.budget_bytes), formatBytes(bytes),
-            formatBytes(counters_.current_bytes));
+      if (victim == recent_.begin()) return false;
       --victim;
-    } while (victim->texels.use_count() > 1);
-    counters_.countEviction(victim->texels->byte_count);
-    entries_.erase(victim->name);
+    } while ((*victim)->pins > 0 || (*victim)->texels.use_count() > 1);
+    counters_.countEviction((*victim)->texels->byte_count);
+    entries_.erase((*victim)->name);
     victim = recent_.erase(victim);
   }
+  return true;
+}
+
+TextureBuffer::EntryPtr TextureBuffer::publish(const TexturePlan& plan, const Chunk& chunk,
+                                               uint64_t name) {
+  auto entry = std::make_shared<Entry>();
+  entry->name = name;
+  entry->texels = std::make_shared<ChunkTexels>();
+  entry->texels->storage_vox = plan.page.pageGridOf(chunk.size_vox) * plan.page.size_vox;
+  entry->texels->byte_count = bytesOf(plan, chunk);
+  entry->texels->bytes = std::make_unique<std::byte[]>(entry->texels->byte_count);
+  entry->fillings_left = chunk.blocks.size();
+  reserved_bytes_ += entry->texels->byte_count;
+  entries_[name] = entry;
+  return entry;
+}
+
+TextureBuffer::BatchPtr TextureBuffer::tryBegin(const TexturePlan& plan,
+                                                std::span<const uint64_t> names,
+                                                std::span<const int64_t> chunks) {
+  auto batch = std::make_shared<Batch>();
+  batch->time = plan.time;
+  std::vector<Filling> fillings;
+  {
+    std::lock_guard lock(mutex_);
+    // What is held already is pinned first, so that making room does not take it.
+    std::unordered_set<uint64_t> fresh;
+    uint64_t fresh_bytes = 0;
+    for (const int64_t position : chunks) {
+      const uint64_t name = names[static_cast<size_t>(position)];
+      const auto found = entries_.find(name);
+      if (found != entries_.end()) {
+        batch->wanted.push_back(found->second);
+        ++found->second->pins;
+      } else if (fresh.insert(name).second) {
+        fresh_bytes += bytesOf(plan, plan.chunks[static_cast<size_t>(position)]);
+      }
+    }
+    const bool has_room = makeRoom(fresh_bytes);
+    unpin(*batch);
+    if (!has_room) return nullptr;
+    for (const int64_t position : chunks) {
+      const Chunk& chunk = plan.chunks[static_cast<size_t>(position)];
+      const uint64_t name = names[static_cast<size_t>(position)];
+      const auto found = entries_.find(name);
+      EntryPtr entry = found == entries_.end() ? nullptr : found->second;
+      if (entry == nullptr) {
+        counters_.countMiss();
+        entry = publish(plan, chunk, name);
+        for (const int64_t block : chunk.blocks)
+          fillings.push_back({plan.blocks[static_cast<size_t>(block)], entry});
+      } else if (entry->state == Entry::State::kFilled) {
+        counters_.countHit();
+        recent_.splice(recent_.begin(), recent_, entry->place);
+      } else {
+        counters_.countMiss();
+        counters_.countCoalesced();
+      }
+      ++entry->pins;
+      batch->wanted.push_back(std::move(entry));
+    }
+  }
+  this->plan(*batch, std::move(fillings), plan.layout.grid.x);
+  const auto helpers = std::min<int64_t>(pool_.threads(), static_cast<int64_t>(batch->runs.size()));
+  {
+    std::lock_guard lock(mutex_);
+    workers_under_way_ += helpers;
+  }
+  for (int64_t i = 0; i < helpers; ++i)
+    pool_.submit([this, batch] {
+      work(*batch);
+      std::lock_guard lock(mutex_);
+      --workers_under_way_;
+      settled_.notify_all();
+    });
+  return batch;
+}
+
+TextureBuffer::BatchPtr TextureBuffer::begin(const TexturePlan& plan,
+                                             std::span<const uint64_t> names,
+                                             std::span<const int64_t> chunks) {
+  for (;;) {
+    std::unique_lock lock(mutex_);
+    const uint64_t filling_bytes = reserved_bytes_;
+    lock.unlock();
+    BatchPtr batch = tryBegin(plan, names, chunks);
+    if (batch != nullptr) return batch;
+    if (filling_bytes == 0) break;
+    lock.lock();
+    settled_.wait(lock, [&] { return reserved_bytes_ < filling_bytes; });
+  }
+  uint64_t bytes = 0;
+  std::lock_guard lock(mutex_);
+  for (const int64_t position : chunks) {
+    if (entries_.contains(names[static_cast<size_t>(position)])) {
+      counters_.countHit();
+      continue;
+    }
+    counters_.countMiss();
+    counters_.countFailure();
+    bytes += bytesOf(plan, plan.chunks[static_cast<size_t>(position)]);
+  }
+  fail(
+      "the texture buffer of {} cannot hold {} more beside the {} in use; give more --memory, a "
+      "smaller --block or fewer --pages",
+      formatBytes(counters_.budget_bytes), formatBytes(bytes),
+      formatBytes(counters_.current_bytes + reserved_bytes_));
+}
+
+void TextureBuffer::plan(Batch& batch, std::vector<Filling> fillings, int64_t grid_x) const {
+  // In the order of the volume, so that the blocks of a row along x are read together.
+  std::sort(fillings.begin(), fillings.end(),
+            [](const Filling& a, const Filling& b) { return a.block.block < b.block.block; });
+  // What all threads hold at once, the caller among them, stays within half of level 2.
+  const uint64_t share =
+      blocks_.counters().budget_bytes / 2 / (static_cast<uint64_t>(pool_.threads()) + 1);
+  const size_t most = std::max<size_t>(1, share / blocks_.blockBytes());
+  for (size_t from = 0; from < fillings.size();) {
+    size_t to = from + 1;
+    while (to < fillings.size() && to - from < most &&
+           fillings[to].block.block / grid_x == fillings[from].block.block / grid_x)
+      ++to;
+    batch.runs.emplace_back(from, to);
+    from = to;
+  }
+  batch.fillings = std::move(fillings);
+}
+
+void TextureBuffer::work(Batch& batch) {
+  for (size_t i = batch.next.fetch_add(1); i < batch.runs.size(); i = batch.next.fetch_add(1)) {
+    const auto [from, to] = batch.runs[i];
+    const std::span<const Filling> run(batch.fillings.data() + from, to - from);
+    std::exception_ptr failure;
+    try {
+      fill(batch, run);
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    std::lock_guard lock(mutex_);
+    for (const Filling& filling : run) {
+      if (failure && !filling.into->failure) filling.into->failure = failure;
+      if (!failure)
+        counters_.decoded_bytes +=
+            static_cast<uint64_t>(filling.block.voxels.count()) *
+            (filling.into->texels->byte_count /
+             static_cast<uint64_t>(volume(filling.into->texels->storage_vox)));
+      settle(filling.into, 1);
+    }
+    // One that failed fails the batch: the rest would be read for nothing.
+    if (failure) skipRest(batch, failure);
+    settled_.notify_all();
+  }
+}
+
+void TextureBuffer::fill(Batch& batch, std::span<const Filling> run) {
+  throwIfInterrupted();
+  std::vector<BlockKey> keys;
+  for (const Filling& filling : run) keys.push_back({batch.time, filling.block.block});
+  const std::vector<VolumeBlockPtr> blocks = blocks_.acquire(keys);
+  const Stopwatch watch;
+  for (size_t i = 0; i < run.size(); ++i)
+    copyTextureBlock(run[i].block, *blocks[i], run[i].into->texels->storage_vox,
+                     run[i].into->texels->span());
+  copy_ns_ += static_cast<int64_t>(watch.seconds() * 1e9);
+}
+
+void TextureBuffer::settle(const EntryPtr& entry, size_t fillings) {
+  entry->fillings_left -= fillings;
+  if (entry->fillings_left > 0) return;
+  const uint64_t bytes = entry->texels->byte_count;
+  reserved_bytes_ -= bytes;
+  const auto found = entries_.find(entry->name);
+  const bool ours = found != entries_.end() && found->second == entry;
+  if (entry->failure) {
+    entry->state = Entry::State::kFailed;
+    if (ours) entries_.erase(found);
+    counters_.countFailure();
+    return;
+  }
+  entry->state = Entry::State::kFilled;
+  recent_.push_front(entry);
+  entry->place = recent_.begin();
+  counters_.countLoad(bytes, !seen_.insert(entry->name).second);
+}
+
+void TextureBuffer::unpin(Batch& batch) {
+  for (const EntryPtr& entry : batch.wanted) --entry->pins;
+  batch.wanted.clear();
+}
+
+void TextureBuffer::skipRest(Batch& batch, const std::exception_ptr& why) {
+  for (size_t i = batch.next.exchange(batch.runs.size()); i < batch.runs.size(); ++i)
+    for (size_t at = batch.runs[i].first; at < batch.runs[i].second; ++at) {
+      const EntryPtr& entry = batch.fillings[at].into;
+      if (!entry->failure) entry->failure = why;
+      // No one finds it any more: a later request fills it anew.
+      const auto found = entries_.find(entry->name);
+      if (found != entries_.end() && found->second == entry) entries_.erase(found);
+      settle(entry, 1);
+    }
+}
+
+std::vector<ChunkTexelsPtr> TextureBuffer::finish(const BatchPtr& batch) {
+  work(*batch);
+  std::vector<ChunkTexelsPtr> texels;
+  std::exception_ptr failure;
+  std::unique_lock lock(mutex_);
+  for (const EntryPtr& entry : batch->wanted) {
+    settled_.wait(lock, [&] { return entry->state != Entry::State::kFilling; });
+    if (!failure) failure = entry->failure;
+    texels.push_back(entry->texels);
+  }
+  unpin(*batch);
+  batch->fillings.clear();  // all settled: a worker that comes late finds no run to take
+  lock.unlock();
+  if (failure) std::rethrow_exception(failure);
+  return texels;
+}
+
+std::vector<ChunkTexelsPtr> TextureBuffer::waitUntil(
+    const BatchPtr& batch, std::chrono::steady_clock::time_point deadline) {
+  std::vector<ChunkTexelsPtr> texels;
+  std::unique_lock lock(mutex_);
+  for (const EntryPtr& entry : batch->wanted) {
+    settled_.wait_until(lock, deadline, [&] { return entry->state != Entry::State::kFilling; });
+    if (entry->failure) std::rethrow_exception(entry->failure);
+    texels.push_back(entry->state == Entry::State::kFilled ? entry->texels : nullptr);
+  }
+  return texels;
+}
+
+void TextureBuffer::cancel(const BatchPtr& batch) {
+  std::lock_guard lock(mutex_);
+  skipRest(*batch, std::make_exception_ptr(Cancelled()));
+  unpin(*batch);
 }
 
 std::vector<ChunkTexelsPtr> TextureBuffer::acquire(const TexturePlan& plan,
                                                    std::span<const uint64_t> names,
                                                    std::span<const int64_t> chunks) {
-  std::vector<ChunkTexelsPtr> texels;
-  std::vector<Filling> fillings;
-  std::vector<std::pair<uint64_t, std::shared_ptr<ChunkTexels>>> fresh;
-  std::unordered_map<uint64_t, size_t> fresh_at;  // name -> position in fresh
-  uint64_t fresh_bytes = 0;
-  for (const int64_t position : chunks) {
-    const Chunk& chunk = plan.chunks[static_cast<size_t>(position)];
-    const uint64_t name = names[static_cast<size_t>(position)];
-    const auto found = entries_.find(name);
-    if (found != entries_.end()) {
-      counters_.countHit();
-      recent_.splice(recent_.begin(), recent_, found->second);
-      texels.push_back(found->second->texels);
-      continue;
-    }
-    counters_.countMiss();
-    const auto twin = fresh_at.find(name);
-    if (twin != fresh_at.end()) {  // asked for twice: one load serves both
-      counters_.countCoalesced();
-      texels.push_back(fresh[twin->second].second);
-      continue;
-    }
-    try {
-      makeRoom(fresh_bytes + bytesOf(plan, chunk));
-    } catch (const Error&) {
-      for (size_t i = 0; i <= fresh.size(); ++i) counters_.countFailure();
-      throw;
-    }
-    auto made = std::make_shared<ChunkTexels>();
-    made->storage_vox = plan.page.pageGridOf(chunk.size_vox) * plan.page.size_vox;
-    made->byte_count = bytesOf(plan, chunk);
-    made->bytes = std::make_unique<std::byte[]>(made->byte_count);
-    for (const int64_t block : chunk.blocks)
-      fillings.push_back({&plan.blocks[static_cast<size_t>(block)], made.get()});
-    fresh_bytes += made->byte_count;
-    fresh_at.emplace(name, fresh.size());
-    fresh.emplace_back(name, made);
-    texels.push_back(made);
-  }
-  try {
-    fill(plan, fillings);
-  } catch (...) {
-    for (size_t i = 0; i < fresh.size(); ++i) counters_.countFailure();
-    throw;
-  }
-  for (auto& [name, made] : fresh) {
-    counters_.countLoad(made->byte_count, !seen_.insert(name).second);
-    recent_.push_front({name, std::move(made)});
-    entries_[name] = recent_.begin();
-  }
-  return texels;
-}
-
-void TextureBuffer::fill(const TexturePlan& plan, const std::vector<Filling>& fillings) {
-  // In the order of the volume, so that neighbours along x are read together.
-  std::vector<Filling> sorted = fillings;
-  std::sort(sorted.begin(), sorted.end(),
-            [](const Filling& a, const Filling& b) { return a.block->block < b.block->block; });
-  // What all threads hold at once stays within half of level 2.
-  const uint64_t share =
-      blocks_.counters().budget_bytes / 2 / static_cast<uint64_t>(pool_.threads());
-  const size_t most = std::max<size_t>(1, share / blocks_.blockBytes());
-  std::vector<std::pair<size_t, size_t>> runs;
-  for (size_t from = 0; from < sorted.size();) {
-    size_t to = from + 1;
-    while (to < sorted.size() && to - from < most &&
-           sorted[to].block->block == sorted[to - 1].block->block + 1 &&
-           sorted[to].block->block % plan.layout.grid.x != 0)
-      ++to;
-    runs.emplace_back(from, to);
-    from = to;
-  }
-  pool_.parallelFor(static_cast<int64_t>(runs.size()), [&](int64_t i) {
-    throwIfInterrupted();
-    const auto [from, to] = runs[static_cast<size_t>(i)];
-    std::vector<BlockKey> keys;
-    for (size_t at = from; at < to; ++at) keys.push_back({plan.time, sorted[at].block->block});
-    const std::vector<VolumeBlockPtr> blocks = blocks_.acquire(keys);
-    const Stopwatch watch;
-    for (size_t at = from; at < to; ++at)
-      copyTextureBlock(*sorted[at].block, *blocks[at - from], sorted[at].into->storage_vox,
-                       sorted[at].into->span());
-    copy_ns_ += static_cast<int64_t>(watch.seconds() * 1e9);
-  });
-  for (const Filling& filling : fillings)
-    counters_.decoded_bytes += static_cast<uint64_t>(filling.block->voxels.count()) *
-                               static_cast<uint64_t>(plan.page.bytes_per_voxel);
+  return finish(begin(plan, names, chunks));
 }
 
 }  // namespace sluice

@@ -120,11 +120,11 @@ std::vector<VolumeBlockPtr> VolumeBuffer::acquire(std::span<const BlockKey> keys
   // What was published must be brought to an end also when there is no room for the rest.
   for (size_t from = 0; from < ours.size();) {
     size_t to = from + 1;
-    const auto follows = [&](const Entry& a, const Entry& b) {
-      return a.key.time == b.key.time && b.key.block == a.key.block + 1 &&
-             b.key.block % layout_.grid.x != 0;
+    const auto besideEachOther = [&](const Entry& a, const Entry& b) {
+      return a.key.time == b.key.time &&
+             a.key.block / layout_.grid.x == b.key.block / layout_.grid.x;
     };
-    while (to < ours.size() && follows(*ours[to - 1], *ours[to])) ++to;
+    while (to < ours.size() && besideEachOther(*ours[to - 1], *ours[to])) ++to;
     loadAndFinish({ours.data() + from, to - from});
     from = to;
   }
@@ -180,59 +180,58 @@ void VolumeBuffer::loadAndFinish(std::span<const EntryPtr> run) {
 }
 
 std::vector<std::shared_ptr<VolumeBlock>> VolumeBuffer::load(std::span<const EntryPtr> run) {
-  Box3 box;
   std::vector<std::shared_ptr<VolumeBlock>> blocks;
+  uint64_t voxels = 0;
   for (const EntryPtr& entry : run) {
     auto block = std::make_shared<VolumeBlock>();
     block->voxels = layout_.storedVoxels(layout_.indexOf(entry->key.block));
     block->type = map_.type;
     block->bytes = std::make_unique_for_overwrite<std::byte[]>(block->byteCount());
-    box = unite(box, block->voxels);
+    voxels += static_cast<uint64_t>(block->voxels.count());
     blocks.push_back(std::move(block));
   }
   const int64_t time = run.front()->key.time;
   const VoxelType type = source_.layout().type;
-  if (run.size() == 1 && isStoredAsDevice(type)) {
-    Laps nanoseconds;
-    source_.readRegion(time, box, {blocks[0]->bytes.get(), blocks[0]->byteCount()});
-    read_ns_ += nanoseconds();
+  if (bytesPerVoxel(type) == bytesPerVoxel(map_.type)) {
+    readInPlace(time, blocks);
   } else {
-    readThroughScratch(time, box, blocks);
+    for (const auto& block : blocks) readThroughScratch(time, *block);
   }
   std::lock_guard lock(mutex_);
-  counters_.decoded_bytes += static_cast<uint64_t>(box.count()) * bytesPerVoxel(type);
+  counters_.decoded_bytes += voxels * bytesPerVoxel(type);
   return blocks;
 }
 
-void VolumeBuffer::readThroughScratch(int64_t time, const Box3& box,
-                                      std::span<const std::shared_ptr<VolumeBlock>> blocks) {
-  const VoxelType type = source_.layout().type;
-  const size_t stored_size = bytesPerVoxel(type), device_size = bytesPerVoxel(map_.type);
-  const Vec3i size = box.size();
-  const size_t plane_bytes = static_cast<size_t>(size.x * size.y) * stored_size;
-  const int64_t most_planes =
-      static_cast<int64_t>(std::max<size_t>(1, kScratchBytes / plane_bytes));
-  const auto scratch = std::make_unique_for_overwrite<std::byte[]>(
-      plane_bytes * static_cast<size_t>(std::min(most_planes, size.z)));
+void VolumeBuffer::readInPlace(int64_t time, std::span<const std::shared_ptr<VolumeBlock>> blocks) {
   Laps nanoseconds;
-  for (int64_t z0 = box.lo.z; z0 < box.hi.z; z0 += most_planes) {
-    const Box3 slab{{box.lo.x, box.lo.y, z0},
-                    {box.hi.x, box.hi.y, std::min(z0 + most_planes, box.hi.z)}};
-    source_.readRegion(time, slab,
-                       {scratch.get(), plane_bytes * static_cast<size_t>(slab.size().z)});
+  std::vector<RegionRead> regions;
+  for (const auto& block : blocks)
+    regions.push_back({block->voxels, {block->bytes.get(), block->byteCount()}});
+  source_.readRegions(time, regions);
+  read_ns_ += nanoseconds();
+  const VoxelType type = source_.layout().type;
+  if (isStoredAsDevice(type)) return;
+  for (const RegionRead& region : regions) toDevice(type, region.out, region.out);
+  decode_ns_ += nanoseconds();
+}
+
+void VolumeBuffer::readThroughScratch(int64_t time, VolumeBlock& block) {
+  const VoxelType type = source_.layout().type;
+  const Box3& box = block.voxels;
+  const auto plane_voxels = static_cast<size_t>(box.size().x * box.size().y);
+  const size_t plane_bytes = plane_voxels * bytesPerVoxel(type);
+  const auto planes = static_cast<int64_t>(std::max<size_t>(1, kScratchBytes / plane_bytes));
+  const auto scratch = std::make_unique_for_overwrite<std::byte[]>(
+      plane_bytes * static_cast<size_t>(std::min(planes, box.size().z)));
+  Laps nanoseconds;
+  for (int64_t z = box.lo.z; z < box.hi.z; z += planes) {
+    const Box3 slab{{box.lo.x, box.lo.y, z}, {box.hi.x, box.hi.y, std::min(z + planes, box.hi.z)}};
+    const auto count = static_cast<size_t>(slab.count());
+    const std::span stored(scratch.get(), count * bytesPerVoxel(type));
+    source_.readRegion(time, slab, stored);
     read_ns_ += nanoseconds();
-    for (const auto& block : blocks) {
-      const Box3& own = block->voxels;
-      const auto row = static_cast<size_t>(own.size().x);
-      for (int64_t z = slab.lo.z; z < slab.hi.z; ++z)
-        for (int64_t y = own.lo.y; y < own.hi.y; ++y) {
-          const auto from = static_cast<size_t>(((z - z0) * size.y + y - box.lo.y) * size.x +
-                                                own.lo.x - box.lo.x);
-          std::byte* to = block->bytes.get() + block->offsetOf({own.lo.x, y, z});
-          toDevice(type, {scratch.get() + from * stored_size, row * stored_size},
-                   {to, row * device_size});
-        }
-    }
+    std::byte* to = block.bytes.get() + block.offsetOf(slab.lo);
+    toDevice(type, stored, {to, count * bytesPerVoxel(map_.type)});
     decode_ns_ += nanoseconds();
   }
 }

@@ -61,14 +61,15 @@ class VolumeBuffer {
   VolumeBuffer(VolumeSource& source, const BlockLayout& layout, uint64_t budget_bytes);
   ~VolumeBuffer();
 
-  // The blocks of `keys`, in that order; blocks that follow each other along x are read together.
+  // The blocks of `keys`, in that order; those of one row along x that follow each other in `keys`
+  // are read together.
   // Throws Error when a read fails or when the budget cannot hold these blocks beside those that
   // other handles pin and other calls wait for, Interrupted when the source does; the failed blocks
-  // are not kept. Beside its blocks each call holds at most kScratchBytes (or one plane of the
-  // blocks read together) while it reads.
+  // are not kept. Beside its blocks each call holds at most kScratchBytes (or one plane of a block)
+  // while it reads voxels that are larger on disk than here.
   std::vector<VolumeBlockPtr> acquire(std::span<const BlockKey> keys);
 
-  static constexpr size_t kScratchBytes = size_t{8} << 20;
+  static constexpr size_t kScratchBytes = size_t{256} << 10;
 
   // Bytes of an inner block: what a budget is planned with.
   uint64_t blockBytes() const;
@@ -86,11 +87,11 @@ class VolumeBuffer {
   EntryPtr publish(const BlockKey& key);
   void makeRoom(uint64_t bytes);
 
-  // A run of entries along x that this call reads; their state says how it went.
+  // Entries of one row of blocks that this call reads; their state says how it went.
   void loadAndFinish(std::span<const EntryPtr> run);
   std::vector<std::shared_ptr<VolumeBlock>> load(std::span<const EntryPtr> run);
-  void readThroughScratch(int64_t time, const Box3& box,
-                          std::span<const std::shared_ptr<VolumeBlock>> blocks);
+  void readInPlace(int64_t time, std::span<const std::shared_ptr<VolumeBlock>> blocks);
+  void readThroughScratch(int64_t time, VolumeBlock& block);
 
   VolumeSource& source_;      // constant after construction
   const BlockLayout layout_;  // constant after construction

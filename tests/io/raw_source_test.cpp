@@ -128,6 +128,50 @@ TEST(RawSourceTest, doesNotReadLargeGaps) {
   EXPECT_EQ(store->read_bytes, 60U);
 }
 
+TEST(RawSourceTest, gapsBesideLargePiecesAddAtMostAQuarter) {
+  const Vec3i dims{3000, 4, 1};
+  const auto store = std::make_shared<MemoryStore>(knownVoxels(VoxelType::kU8, dims));
+  RawSource source(layoutOf(dims, VoxelType::kU8), std::endian::native, {{store, 0}}, nullptr, "");
+  readBox(source, 0, {{0, 0, 0}, {2400, 4, 1}});  // gaps of 600
+  EXPECT_EQ(store->reads, 1);
+  EXPECT_EQ(store->read_bytes, 3U * 3000 + 2400);
+  store->reads = 0, store->read_bytes = 0;
+  readBox(source, 0, {{0, 0, 0}, {2300, 4, 1}});  // gaps of 700
+  EXPECT_EQ(store->reads, 4);
+  EXPECT_EQ(store->read_bytes, 4U * 2300);
+}
+
+TEST(RawSourceTest, regionsOfTheSameRowsAreReadOnce) {
+  // Blocks of 5 voxels that share a plane, one that is missing between, in any order.
+  const Vec3i dims{23, 6, 5};
+  const std::string voxels = knownVoxels(kType, dims);
+  for (const size_t segments : {1U, 5U, 10U}) {
+    std::vector<std::shared_ptr<MemoryStore>> stores;
+    std::vector<RawSegment> parts;
+    for (size_t i = 0; i < segments; ++i) {
+      const size_t size = voxels.size() / segments;
+      stores.push_back(std::make_shared<MemoryStore>(voxels.substr(i * size, size)));
+      parts.push_back({stores.back(), 0});
+    }
+    RawSource source(layoutOf(dims, kType), std::endian::native, parts, nullptr, "");
+    std::vector<Box3> boxes;
+    for (const int64_t x : {12, 0, 4, 18}) boxes.push_back({{x, 1, 1}, {x + 5, 5, 4}});
+    std::vector<std::vector<std::byte>> found(boxes.size());
+    std::vector<RegionRead> regions;
+    for (size_t i = 0; i < boxes.size(); ++i) {
+      found[i].resize(static_cast<size_t>(boxes[i].count()) * 2);
+      regions.push_back({boxes[i], found[i]});
+    }
+    source.readRegions(0, regions);
+    const uint64_t read_bytes = source.storedBytesRead();
+    for (size_t i = 0; i < boxes.size(); ++i)
+      EXPECT_TRUE(found[i] == readBox(source, 0, boxes[i])) << segments << " region " << i;
+    if (segments == 1) {
+      EXPECT_EQ(read_bytes, (2U * 6 * 23 + 3 * 23 + 23) * 2);  // from (0,1,1) to (22,4,3)
+    }
+  }
+}
+
 TEST(RawSourceTest, manyRowsTakeSeveralVectoredReads) {
   const Vec3i dims{3, 2000, 2};
   const auto store = std::make_shared<MemoryStore>(knownVoxels(kType, dims));

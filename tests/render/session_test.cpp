@@ -303,10 +303,10 @@ TEST_F(SessionTest, memoryIsSharedOutWithoutRest) {
   const Budgets software = shareMemory(kMemory, page, true, 16, 2);
   EXPECT_EQ(software.texture_cache, 8U * 1024);
   EXPECT_EQ(software.volume_buffer + software.texture_buffer + software.texture_cache +
-                kSpareTextureBytes,
+                software.scratch + kSpareTextureBytes,
             kMemory);
   const Budgets hardware = shareMemory(kMemory, page, false, 16, 2);
-  EXPECT_EQ(hardware.volume_buffer + hardware.texture_buffer, kMemory)
+  EXPECT_EQ(hardware.volume_buffer + hardware.texture_buffer + hardware.scratch, kMemory)
       << "textures have a memory of their own";
 }
 

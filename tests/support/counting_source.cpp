@@ -5,12 +5,17 @@
 namespace sluice {
 
 void CountingSource::readRegion(int64_t time, const Box3& box, std::span<std::byte> out) {
+  const RegionRead region{box, out};
+  readRegions(time, std::span(&region, 1));
+}
+
+void CountingSource::readRegions(int64_t time, std::span<const RegionRead> regions) {
   {
     const std::lock_guard lock(mutex_);
     counts_.max_at_once = std::max(counts_.max_at_once, ++under_way_);
   }
   try {
-    source_.readRegion(time, box, out);
+    source_.readRegions(time, regions);
   } catch (...) {
     const std::lock_guard lock(mutex_);
     --under_way_;
@@ -20,9 +25,11 @@ void CountingSource::readRegion(int64_t time, const Box3& box, std::span<std::by
   const std::lock_guard lock(mutex_);
   --under_way_;
   ++counts_.calls;
-  counts_.voxels += box.count();
-  counts_.bytes += static_cast<int64_t>(out.size());
-  reads_.push_back({time, box});
+  for (const auto& [box, out] : regions) {
+    counts_.voxels += box.count();
+    counts_.bytes += static_cast<int64_t>(out.size());
+    reads_.push_back({time, box});
+  }
 }
 
 CountingSource::Counts CountingSource::counts() const {

@@ -19,7 +19,7 @@ class CountingSource : public VolumeSource {
     friend bool operator==(const Read&, const Read&) = default;
   };
   struct Counts {
-    int64_t calls = 0, voxels = 0, bytes = 0;  // of readRegion calls that returned
+    int64_t calls = 0, voxels = 0, bytes = 0;  // of calls that returned
     int64_t failures = 0;                      // of those that threw
     int64_t max_at_once = 0;                   // calls under way at one moment, at most
   };
@@ -28,12 +28,14 @@ class CountingSource : public VolumeSource {
 
   const VolumeLayout& layout() const override { return source_.layout(); }
   void readRegion(int64_t time, const Box3& box, std::span<std::byte> out) override;
+  // One call, however many regions.
+  void readRegions(int64_t time, std::span<const RegionRead> regions) override;
   std::optional<Occupancy> occupancy(int64_t time) override { return source_.occupancy(time); }
   std::string identity() const override { return source_.identity(); }
   uint64_t storedBytesRead() const override { return source_.storedBytesRead(); }
 
   Counts counts() const;
-  // Each call that returned, in the order of returning.
+  // Each region of the calls that returned, in the order of returning.
   std::vector<Read> reads() const;
   // How often this very box was read.
   int64_t timesRead(int64_t time, const Box3& box) const;

@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cstring>
+#include <future>
 #include <numeric>
+#include <thread>
 
 #include "src/base/error.h"
 #include "src/base/interrupt.h"
@@ -160,7 +162,7 @@ TEST_F(TextureBufferTest, hitsAndMissesHaveTheNumbersOfTheirDefinition) {
   acquire(*buffer, {3, 2, 1, 0});   // 4 hits
   acquire(*buffer, {0, 4, 8, 12});  // 1 hit, 3 misses: 3 goes (least recently used)
   acquire(*buffer, {3});            // a miss, loaded before
-  const CacheCounters& c = buffer->counters();
+  const CacheCounters c = buffer->counters();
   EXPECT_EQ(c.requests, 13U);
   EXPECT_EQ(c.hits, 5U);
   EXPECT_EQ(c.misses, 8U);
@@ -241,12 +243,13 @@ TEST_F(TextureBufferTest, aFailedReadLeavesTheBufferUsable) {
   FailingSource failing(counted_, FailingSource::Failure::kError, 1);
   const auto buffer = bufferOf(failing, 24);
   EXPECT_THROW(acquire(*buffer, {0, 5, 10, 15}), Error);
-  const CacheCounters& c = buffer->counters();
-  EXPECT_EQ(c.failures, 4U);  // the call as a whole
-  EXPECT_EQ(c.resident, 0U);
+  CacheCounters c = buffer->counters();
+  EXPECT_GE(c.failures, 1U);
+  EXPECT_EQ(c.resident, 4 - c.failures);  // what other threads filled meanwhile is kept
   EXPECT_THAT(c.brokenIdentity(), IsEmpty());
   const auto texels = acquire(*buffer, {0, 5, 10, 15});
   expectTexels(plan_, 5, *texels[1], *memory_);
+  c = buffer->counters();
   EXPECT_EQ(c.loads, 4U);
   EXPECT_THAT(c.brokenIdentity(), IsEmpty());
   EXPECT_THAT(blocks_->counters().brokenIdentity(), IsEmpty());
@@ -257,6 +260,72 @@ TEST_F(TextureBufferTest, anInterruptionPassesThrough) {
   const auto buffer = bufferOf(source, 24);
   EXPECT_THROW(acquire(*buffer, {0, 1, 2}), Interrupted);
   EXPECT_THAT(buffer->counters().brokenIdentity(), IsEmpty());
+}
+
+// --- ahead of the one who asks
+
+TEST_F(TextureBufferTest, whatWasBegunIsThereWhenItIsAskedFor) {
+  const auto buffer = bufferOf(counted_, 24);
+  const auto first = buffer->begin(plan_, names_, std::vector<int64_t>{0, 1, 2});
+  const auto second = buffer->begin(plan_, names_, std::vector<int64_t>{2, 3});
+  const auto last = buffer->finish(second);
+  expectTexels(plan_, 2, *last[0], *memory_);
+  expectTexels(plan_, 3, *last[1], *memory_);
+  EXPECT_EQ(buffer->finish(first)[2], last[0]);
+  const CacheCounters c = buffer->counters();
+  EXPECT_EQ(c.loads, 4U);
+  EXPECT_EQ(c.hits + c.coalesced, 1U);
+  EXPECT_THAT(c.brokenIdentity(), IsEmpty());
+}
+
+TEST_F(TextureBufferTest, aheadIsNotBegunWithoutRoom) {
+  const auto buffer = bufferOf(counted_, 3);
+  const auto first = buffer->begin(plan_, names_, std::vector<int64_t>{0, 1});
+  EXPECT_EQ(buffer->tryBegin(plan_, names_, std::vector<int64_t>{2, 3}), nullptr);
+  const auto second = buffer->tryBegin(plan_, names_, std::vector<int64_t>{1, 2});
+  ASSERT_NE(second, nullptr);  // 1 is under way already
+  EXPECT_THROW(buffer->begin(plan_, names_, std::vector<int64_t>{4}), Error);
+  buffer->finish(first);
+  buffer->finish(second);
+  EXPECT_NE(buffer->begin(plan_, names_, std::vector<int64_t>{4, 5, 6}), nullptr);
+  EXPECT_EQ(buffer->counters().peak_bytes, 3 * kChunkBytes);
+}
+
+TEST_F(TextureBufferTest, cancelledChunksAreNotReadAndCanBeAskedForAgain) {
+  std::promise<void> go;
+  std::shared_future<void> may_go = go.get_future().share();
+  FunctionSource stalled(memory_->layout(), [&](int64_t, Vec3i) -> double {
+    may_go.wait();
+    return 7;
+  });
+  const auto buffer = bufferOf(stalled, 24);
+  // A pool of 2 has one worker: it stalls in the first block, the rest is not begun.
+  const auto batch = buffer->begin(plan_, names_, std::vector<int64_t>{0, 4, 8, 12, 16});
+  while (blocks_->counters().requests == 0) std::this_thread::yield();
+  buffer->cancel(batch);
+  go.set_value();
+  const auto texels = acquire(*buffer, {4, 8, 0});
+  EXPECT_EQ(texels[0]->bytes[0], std::byte{7});
+  const CacheCounters c = buffer->counters();
+  EXPECT_EQ(c.failures, 4U);
+  EXPECT_THAT(c.brokenIdentity(), IsEmpty());
+  EXPECT_EQ(blocks_->counters().loads, 3U);  // the one under way and the two asked for again
+}
+
+TEST_F(TextureBufferTest, aFailureAheadSurfacesWhereItIsAskedFor) {
+  FailingSource failing(counted_, FailingSource::Failure::kError, 0);
+  const auto buffer = bufferOf(failing, 24);
+  const auto ahead = buffer->begin(plan_, names_, std::vector<int64_t>{0});
+  EXPECT_THROW(buffer->finish(ahead), Error);
+  EXPECT_EQ(acquire(*buffer, {0}).size(), 1U);
+}
+
+TEST_F(TextureBufferTest, destructionWaitsForWhatIsUnderWay) {
+  for (int i = 0; i < 50; ++i) {
+    const auto buffer = bufferOf(counted_, 24);
+    const auto batch = buffer->begin(plan_, names_, allChunks(plan_));
+    buffer->cancel(batch);
+  }
 }
 
 TEST_F(TextureBufferTest, oneChunkTwiceInACallIsLoadedOnce) {
