@@ -1,11 +1,15 @@
 // sluice plan: what a picture will cost, level by level and algorithm by algorithm, from the
-// min-max arrays alone: no voxel is read.
+// min-max arrays alone: no voxel is read, unless the partition into growing boxes is asked for.
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <memory>
+#include <optional>
 
 #include "src/base/bytes.h"
+#include "src/base/clock.h"
+#include "src/classify/classification.h"
+#include "src/classify/volume_boxes.h"
 #include "src/render/frame_setup.h"
 #include "src/texture/requests.h"
 #include "tools/commands.h"
@@ -20,6 +24,7 @@ struct Arguments {
   LookArguments look;
   FrameOptions frame;
   ResourceArguments resources;
+  bool grown_boxes = false;
   bool json = false;
 };
 
@@ -46,6 +51,72 @@ void print(const std::vector<Cost>& costs, const PageGeometry& page) {
              1e3 * last.planned.plan_seconds);
 }
 
+// Growing boxes beside the two partitions that they lie between: one object box a block, and bricks
+// that know the transfer function.
+struct PlannedBoxes {
+  PartitionCost cost;
+  int64_t object_boxes = 0, object_cells = 0;
+  double seconds = 0;
+};
+
+PlannedBoxes planBoxes(const Arguments& arguments, const IndexedVolume& volume,
+                       const TransferFunction& transfer, WorkerPool& pool) {
+  const SliceRanges& ranges = volume.index.ranges;
+  const Box3 crop = cropCells(arguments.frame, ranges.layout.dims);
+  const OpacityTable table(transfer, ranges.map, ranges.device_range);
+  PlannedBoxes planned;
+  for (const ObjectBlock& block : classify(ranges, table, crop, pool).visible) {
+    ++planned.object_boxes;
+    planned.object_cells += block.cells.count();
+  }
+  Stopwatch watch;
+  Progress progress("growing boxes");
+  planned.cost =
+      partitionCost(*volume.source, arguments.volume.time, ranges, table, crop, pool, progress);
+  planned.seconds = watch.lap();
+  return planned;
+}
+
+void print(const PlannedBoxes& planned) {
+  const PartitionCost& cost = planned.cost;
+  const auto share = [&](int64_t cells) {
+    return cost.perfect_cells == 0
+               ? 0.0
+               : static_cast<double>(cells) / static_cast<double>(cost.perfect_cells);
+  };
+  fmt::print("\n{:<16} {:>9} {:>14} {:>9}   cells that a frame samples\n", "partition", "visible",
+             "cells", "of 8^3");
+  fmt::print("{:<16} {:>9} {:>14} {:>9.2f}\n", "object boxes", planned.object_boxes,
+             planned.object_cells, share(planned.object_cells));
+  fmt::print("{:<16} {:>9} {:>14} {:>9.2f}\n", "growing boxes", cost.visible_boxes,
+             cost.visible_cells, share(cost.visible_cells));
+  fmt::print("{:<16} {:>9} {:>14} {:>9.2f}\n", "bricks of 8^3", cost.perfect_bricks,
+             cost.perfect_cells, share(cost.perfect_cells));
+  fmt::print(
+      "{} boxes grown, {} in BSP trees ({} uniform, {} gradient, {} other) with {} textures; "
+      "{} blocks read and partitioned in {:.2f} s\n",
+      cost.grown, cost.boxes, cost.types[0], cost.types[1], cost.types[2], cost.textures,
+      cost.blocks, planned.seconds);
+}
+
+nlohmann::json boxesJson(const PlannedBoxes& planned) {
+  const PartitionCost& cost = planned.cost;
+  return {{"boxes", cost.boxes},
+          {"grown_boxes", cost.grown},
+          {"textures", cost.textures},
+          {"uniform_boxes", cost.types[0]},
+          {"gradient_boxes", cost.types[1]},
+          {"other_boxes", cost.types[2]},
+          {"visible_boxes", cost.visible_boxes},
+          {"visible_cells", cost.visible_cells},
+          {"object_boxes", planned.object_boxes},
+          {"object_cells", planned.object_cells},
+          {"perfect_bricks", cost.perfect_bricks},
+          {"perfect_cells", cost.perfect_cells},
+          {"blocks_read", cost.blocks},
+          {"seconds", planned.seconds}};
+}
+
 int run(const Arguments& arguments, const CLI::App& app) {
   WorkerPool pool(arguments.resources.threads);
   const IndexedVolume volume =
@@ -62,8 +133,11 @@ int run(const Arguments& arguments, const CLI::App& app) {
     cost.binds = bindCount(cost.planned.plan, eye);
     costs.push_back(std::move(cost));
   }
+  std::optional<PlannedBoxes> boxes;
+  if (arguments.grown_boxes) boxes = planBoxes(arguments, volume, transfer, pool);
   if (!arguments.json) {
     print(costs, volume.page);
+    if (boxes) print(*boxes);
     return 0;
   }
   const PlannedFrame& chosen = costs[static_cast<size_t>(arguments.frame.algorithm)].planned;
@@ -81,6 +155,7 @@ int run(const Arguments& arguments, const CLI::App& app) {
         {"pages", cost.planned.plan.pageCount()},
         {"bytes", cost.planned.plan.bytes()},
         {"binds", cost.binds}};
+  if (boxes) report["partition"] = boxesJson(*boxes);
   fmt::print("{}\n", report.dump(2));
   return 0;
 }
@@ -92,11 +167,23 @@ Command addPlan(CLI::App& program) {
   CLI::App* app = program.add_subcommand(
       "plan",
       "What a frame will load, by algorithm, without reading a voxel\n\n"
-      "  sluice plan bonsai.nii.gz --threshold 40 --page 32x64x2 --pages 256");
+      "  sluice plan bonsai.nii.gz --threshold 40 --page 32x64x2 --pages 256\n"
+      "  sluice plan bonsai.nii.gz --threshold 40 --partition boxes");
   addVolumeOptions(*app, arguments->volume);
   addLookOptions(*app, arguments->look);
   addViewOptions(*app, arguments->frame);
   addResourceOptions(*app, arguments->resources);
+  addParsed(
+      *app, "--partition",
+      "What is drawn of a block (blocks): its object box, or the visible ones of its growing "
+      "boxes; "
+      "boxes reads each block that holds something",
+      "blocks|boxes",
+      [](const std::string& word) -> std::optional<bool> {
+        if (word != "blocks" && word != "boxes") return std::nullopt;
+        return word == "boxes";
+      },
+      [arguments](bool boxes) { arguments->grown_boxes = boxes; });
   app->add_flag("--json", arguments->json, "One JSON object");
   return [arguments, app] { return run(*arguments, *app); };
 }

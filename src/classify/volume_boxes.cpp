@@ -1,0 +1,222 @@
+#include "src/classify/volume_boxes.h"
+
+#include <algorithm>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "src/base/interrupt.h"
+
+namespace sluice {
+namespace {
+
+// Voxels read at a time and their device form together.
+constexpr int64_t kBytesPerRead = int64_t{16} << 20;
+constexpr int64_t kPerfectSide = 8;
+
+// Neighbouring blocks along x.
+struct Run {
+  size_t first = 0, count = 1;  // in the list of blocks
+};
+
+std::vector<Run> runsOf(const BlockLayout& layout, std::span<const int64_t> blocks, int64_t most) {
+  std::vector<Run> runs;
+  for (size_t i = 0; i < blocks.size(); ++i) {
+    const bool joins = i > 0 && blocks[i] == blocks[i - 1] + 1 && blocks[i] % layout.grid.x != 0 &&
+                       runs.back().count < static_cast<size_t>(most);
+    if (joins)
+      ++runs.back().count;
+    else
+      runs.push_back({i, 1});
+  }
+  return runs;
+}
+
+Vec3d voxelSize(const VolumeLayout& layout) {
+  return layout.spacing / std::min({layout.spacing.x, layout.spacing.y, layout.spacing.z});
+}
+
+// The voxels at the corners of `cells` and one layer more, as far as they exist.
+Box3 voxelsAround(const Box3& cells, Vec3i dims) {
+  return intersect({cells.lo - Vec3i{1, 1, 1}, cells.hi + Vec3i{2, 2, 2}}, boxOf(dims));
+}
+
+struct DeviceVoxels {
+  Box3 box;
+  DeviceType type;
+  std::unique_ptr<std::byte[]> bytes;
+};
+
+DeviceVoxels readDevice(VolumeSource& source, int64_t time, const Box3& box) {
+  const VoxelType type = source.layout().type;
+  DeviceVoxels voxels{box, deviceMap(source.layout()).type, {}};
+  const auto count = static_cast<size_t>(box.count());
+  const size_t device_bytes = count * bytesPerVoxel(voxels.type);
+  voxels.bytes = std::make_unique_for_overwrite<std::byte[]>(device_bytes);
+  if (isStoredAsDevice(type)) {
+    source.readRegion(time, box, {voxels.bytes.get(), device_bytes});
+    return voxels;
+  }
+  const size_t stored_bytes = count * bytesPerVoxel(type);
+  const auto stored = std::make_unique_for_overwrite<std::byte[]>(stored_bytes);
+  source.readRegion(time, box, {stored.get(), stored_bytes});
+  toDevice(type, {stored.get(), stored_bytes}, {voxels.bytes.get(), device_bytes});
+  return voxels;
+}
+
+// Adds what one block has to the cost of all.
+class Counter {
+ public:
+  Counter(const OpacityTable& table, const Box3& crop, const GrowingParameters& parameters)
+      : table_(table), crop_(crop), parameters_(parameters) {}
+
+  PartitionCost of(const BrickGrid& grid) const {
+    PartitionCost cost;
+    const BoxTree tree = growBoxTree(grid, parameters_);
+    cost.blocks = 1;
+    cost.grown = tree.grown;
+    cost.boxes = static_cast<int64_t>(tree.boxes.size());
+    cost.textures = static_cast<int64_t>(tree.textures.size());
+    for (const GrownBox& box : tree.boxes) {
+      ++cost.types[static_cast<size_t>(box.type)];
+      const int64_t cells = shownCells(grid, box.local(), box.range);
+      cost.visible_cells += cells;
+      cost.visible_boxes += cells > 0 ? 1 : 0;
+    }
+    addPerfect(grid, cost);
+    return cost;
+  }
+
+ private:
+  int64_t shownCells(const BrickGrid& grid, const Box3& local, const CellRange& range) const {
+    if (!table_.anyOpaque(range.lo, range.hi)) return 0;
+    return intersect(translate(local, grid.cells.lo), crop_).count();
+  }
+
+  void addPerfect(const BrickGrid& grid, PartitionCost& cost) const {
+    if (kPerfectSide % grid.side != 0) return;
+    const int64_t side = kPerfectSide / grid.side;
+    for (int64_t z = 0; z < grid.size.z; z += side)
+      for (int64_t y = 0; y < grid.size.y; y += side)
+        for (int64_t x = 0; x < grid.size.x; x += side) {
+          const Vec3i lo{x, y, z};
+          const Box3 bricks{lo, min(lo + Vec3i{side, side, side}, grid.size)};
+          const int64_t cells = shownCells(grid, grid.cellsOf(bricks), rangeOf(grid, bricks));
+          cost.perfect_cells += cells;
+          cost.perfect_bricks += cells > 0 ? 1 : 0;
+        }
+  }
+
+  const OpacityTable& table_;
+  const Box3& crop_;
+  const GrowingParameters& parameters_;
+};
+
+void add(PartitionCost& sum, const PartitionCost& by) {
+  sum.blocks += by.blocks;
+  sum.grown += by.grown;
+  sum.boxes += by.boxes;
+  sum.textures += by.textures;
+  for (size_t i = 0; i < sum.types.size(); ++i) sum.types[i] += by.types[i];
+  sum.visible_boxes += by.visible_boxes;
+  sum.visible_cells += by.visible_cells;
+  sum.perfect_bricks += by.perfect_bricks;
+  sum.perfect_cells += by.perfect_cells;
+}
+
+// Blocks, bricks and cells of a box of blocks that the crop reaches into: all three are products of
+// what the axes have.
+struct Extent {
+  int64_t blocks = 1, bricks = 1, cells = 1;
+};
+Extent extentOf(const BlockLayout& layout, const Box3& blocks, const Box3& crop) {
+  Extent extent;
+  for (int a = 0; a < 3; ++a) {
+    Extent sum{0, 0, 0};
+    for (int64_t i = blocks.lo[a]; i < blocks.hi[a]; ++i) {
+      const int64_t first = i * layout.cells();
+      const int64_t end =
+          std::min({first + layout.cells(), layout.dims[a] - 1, crop.hi[a]}) - first;
+      const int64_t begin = std::max(crop.lo[a] - first, int64_t{0});
+      if (begin >= end) continue;
+      ++sum.blocks;
+      sum.bricks += ceilDiv(end, kPerfectSide) - begin / kPerfectSide;
+      sum.cells += end - begin;
+    }
+    extent = {extent.blocks * sum.blocks, extent.bricks * sum.bricks, extent.cells * sum.cells};
+  }
+  return extent;
+}
+
+// Blocks that are not held are one uniform box each; they show all of themselves or nothing.
+void addBackground(const SliceRanges& ranges, const OpacityTable& table, const Box3& crop,
+                   PartitionCost& cost) {
+  const BlockLayout& layout = ranges.layout;
+  const int64_t count = layout.blockCount() - static_cast<int64_t>(ranges.blocks.size());
+  cost.grown += count;
+  cost.boxes += count;
+  cost.types[static_cast<size_t>(BoxType::kUniform)] += count;
+  if (count == 0 || !table.anyOpaque(ranges.background, ranges.background)) return;
+  const Extent all = extentOf(layout, boxOf(layout.grid), crop);
+  cost.visible_boxes += all.blocks;
+  cost.visible_cells += all.cells;
+  cost.perfect_bricks += all.bricks;
+  cost.perfect_cells += all.cells;
+  for (const int64_t block : ranges.blocks) {
+    const Vec3i index = layout.indexOf(block);
+    const Extent held = extentOf(layout, {index, index + Vec3i{1, 1, 1}}, crop);
+    cost.visible_boxes -= held.blocks;
+    cost.visible_cells -= held.cells;
+    cost.perfect_bricks -= held.bricks;
+    cost.perfect_cells -= held.cells;
+  }
+}
+
+}  // namespace
+
+void forEachBlockBricks(VolumeSource& source, int64_t time, const BlockLayout& layout,
+                        std::span<const int64_t> blocks, WorkerPool& pool, Progress& progress,
+                        const TakeBricks& take) {
+  const VolumeLayout& voxels = source.layout();
+  const auto voxel_bytes =
+      static_cast<int64_t>(bytesPerVoxel(voxels.type) + bytesPerVoxel(deviceMap(voxels).type));
+  const int64_t side = layout.cells() + 3;
+  const int64_t most = std::max<int64_t>(1, kBytesPerRead / (side * side * side * voxel_bytes));
+  const std::vector<Run> runs = runsOf(layout, blocks, most);
+  const auto block_bytes = static_cast<uint64_t>(volume(Vec3i{side, side, side})) *
+                           static_cast<uint64_t>(bytesPerVoxel(voxels.type));
+  progress.expect(blocks.size() * block_bytes);
+  const Vec3d voxel_size = voxelSize(voxels);
+  pool.parallelFor(static_cast<int64_t>(runs.size()), [&](int64_t i) {
+    throwIfInterrupted();
+    const Run& run = runs[static_cast<size_t>(i)];
+    const std::span<const int64_t> of_run = blocks.subspan(run.first, run.count);
+    const Box3 cells = unite(layout.ownedCells(layout.indexOf(of_run.front())),
+                             layout.ownedCells(layout.indexOf(of_run.back())));
+    const DeviceVoxels held = readDevice(source, time, voxelsAround(cells, layout.dims));
+    const VoxelSpan span{held.box, held.type, held.bytes.get()};
+    for (const int64_t block : of_run)
+      take(block,
+           brickGrid(span, layout.ownedCells(layout.indexOf(block)), kBrickSide, voxel_size));
+    progress.add(run.count * block_bytes);
+  });
+}
+
+PartitionCost partitionCost(VolumeSource& source, int64_t time, const SliceRanges& ranges,
+                            const OpacityTable& table, const Box3& crop, WorkerPool& pool,
+                            Progress& progress) {
+  const GrowingParameters parameters = growingParameters(ranges.map.type, ranges.device_range);
+  const Counter counter(table, crop, parameters);
+  PartitionCost sum;
+  std::mutex mutex;
+  forEachBlockBricks(source, time, ranges.layout, ranges.blocks, pool, progress,
+                     [&](int64_t, const BrickGrid& grid) {
+                       const PartitionCost cost = counter.of(grid);
+                       const std::lock_guard lock(mutex);
+                       add(sum, cost);
+                     });
+  addBackground(ranges, table, crop, sum);
+  return sum;
+}
+
+}  // namespace sluice

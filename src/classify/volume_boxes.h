@@ -1,0 +1,53 @@
+// Growing boxes of a whole volume: one pass over its blocks, on all threads, in bounded memory; and
+// what a partition costs under a transfer function.
+//
+// Blocks that are nothing but the background (slice_ranges.h) are never read: each is one box of
+// one value. What its gradients are at its faces, its neighbours know.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <span>
+
+#include "src/base/progress.h"
+#include "src/base/volume_source.h"
+#include "src/base/worker_pool.h"
+#include "src/classify/box_tree.h"
+#include "src/classify/opacity_table.h"
+#include "src/volume/slice_ranges.h"
+
+namespace sluice {
+
+// Cells a side of a brick: what box faces are rounded to. Smaller ones fit tighter, in more boxes.
+inline constexpr int64_t kBrickSide = 4;
+
+// Called on any thread, on several at once.
+using TakeBricks = std::function<void(int64_t block, const BrickGrid& grid)>;
+// Calls `take` once for each of `blocks` (ids of the layout, ascending), with the bricks of the
+// cells that it owns. Neighbours along x are read together; each thread holds at most 16 MiB of
+// voxels, or a block. Adds the bytes read to what `progress` expects. Throws Error from the source,
+// Interrupted.
+void forEachBlockBricks(VolumeSource& source, int64_t time, const BlockLayout& layout,
+                        std::span<const int64_t> blocks, WorkerPool& pool, Progress& progress,
+                        const TakeBricks& take);
+
+// What drawing a partition takes. Cells are counted inside the crop, boxes where they reach into
+// it.
+struct PartitionCost {
+  int64_t blocks = 0;  // that were read
+  int64_t grown = 0;   // boxes before the conversion to trees
+  int64_t boxes = 0, textures = 0;
+  std::array<int64_t, 3> types{};  // of boxes, by BoxType
+  int64_t visible_boxes = 0, visible_cells = 0;
+  // The bricks of 8^3 cells, counted from each block's first, that hold a visible cell: what a
+  // partition that knew the transfer function would draw. 0 where blocks are so large that bricks
+  // are.
+  int64_t perfect_bricks = 0, perfect_cells = 0;
+};
+// Reads all blocks that are held.
+PartitionCost partitionCost(VolumeSource& source, int64_t time, const SliceRanges& ranges,
+                            const OpacityTable& table, const Box3& crop, WorkerPool& pool,
+                            Progress& progress);
+
+}  // namespace sluice

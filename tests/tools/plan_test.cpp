@@ -1,0 +1,43 @@
+// What `plan --partition boxes` says, against what it says without and against itself.
+#include <gtest/gtest.h>
+
+#include "tests/tools/program.h"
+
+namespace sluice {
+namespace {
+
+constexpr const char* kPlan = "plan synth:phantom,dims=60x56x50 --threshold 60 --block 32";
+
+TEST(Plan, growingBoxesLieBetweenObjectBoxesAndPerfectBricks) {
+  const Program program;
+  const auto plan = program.json(std::string(kPlan) + " --partition boxes");
+  const auto& boxes = plan["partition"];
+  EXPECT_GT(boxes["visible_boxes"].get<int64_t>(), 0);
+  EXPECT_LT(boxes["visible_boxes"], boxes["boxes"]);
+  EXPECT_LT(boxes["visible_cells"], boxes["object_cells"]);
+  EXPECT_LT(boxes["visible_cells"].get<double>(), 1.35 * boxes["perfect_cells"].get<double>());
+  EXPECT_LE(boxes["object_cells"].get<int64_t>(), 59 * 55 * 49);
+  EXPECT_LE(boxes["textures"], boxes["boxes"]);
+  EXPECT_EQ(boxes["uniform_boxes"].get<int64_t>() + boxes["gradient_boxes"].get<int64_t>() +
+                boxes["other_boxes"].get<int64_t>(),
+            boxes["boxes"].get<int64_t>());
+  EXPECT_EQ(plan["options"]["partition"], "boxes");
+}
+
+TEST(Plan, withoutGrowingBoxesNothingIsSaidOfThem) {
+  const Program program;
+  EXPECT_FALSE(program.json(kPlan).contains("partition"));
+  EXPECT_FALSE(program.json(std::string(kPlan) + " --partition blocks").contains("partition"));
+  EXPECT_EQ(program.run(std::string(kPlan) + " --partition bricks").status, 2);
+}
+
+TEST(Plan, printsTheThreePartitions) {
+  const Program program;
+  const CommandResult result = program.run(std::string(kPlan) + " --partition boxes");
+  EXPECT_EQ(result.status, 0);
+  for (const char* line : {"object boxes", "growing boxes", "bricks of 8^3", "boxes grown"})
+    EXPECT_NE(result.output.find(line), std::string::npos) << line;
+}
+
+}  // namespace
+}  // namespace sluice
