@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include <malloc.h>
+
 #include <cstdio>
 #include <exception>
 #include <vector>
@@ -23,6 +25,10 @@ void printError(std::string line) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  // Blocks and chunks go back to the system when they are freed: what --memory bounds is what the
+  // process takes, not what its allocator keeps.
+  constexpr int kMapFromBytes = 128 << 10;
+  mallopt(M_MMAP_THRESHOLD, kMapFromBytes);
   try {
     CLI::App program(
         "Renders volumes larger than memory.\n\n"

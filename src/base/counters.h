@@ -5,7 +5,8 @@
 // struct out for readers. What always holds while no load is under way (design point 4):
 //   requests = hits + misses
 //   misses = loads + coalesced + failures
-//   resident = resident at the last reset + loads - evictions, in entries and in bytes
+//   resident = resident at the last reset + loads - evictions, in entries and in bytes; in bytes
+//   also - packed + unpacked, where a level compresses what it holds
 // brokenIdentity() says which of them does not. A read-ahead is a request like any other: it counts
 // its own miss and load, and the later request that it serves counts a hit (or coalesced).
 #pragma once
@@ -30,6 +31,10 @@ struct CacheCounters {
   uint64_t evictions = 0;        // entries that went, for room or because they became invalid
   uint64_t loaded_bytes = 0;     // of loads, in the unit that current_bytes is in
   uint64_t evicted_bytes = 0;    // of evictions, in the same unit
+  uint64_t packs = 0;            // residents that were compressed where they are
+  uint64_t unpacks = 0;          // and made whole again for a hit
+  uint64_t packed_bytes = 0;     // that packs gave back to the budget
+  uint64_t unpacked_bytes = 0;   // that unpacks took from it again
   // What the loads cost, each kind apart; a level leaves at 0 what it does not do.
   uint64_t stored_bytes = 0;    // taken from files, compressed where they are
   uint64_t decoded_bytes = 0;   // written as voxels into this level
@@ -68,6 +73,20 @@ struct CacheCounters {
     current_bytes -= bytes;
   }
 
+  // A resident entry now takes `to` bytes of the budget where it took `from`, which are more.
+  void countPack(uint64_t from, uint64_t to) {
+    ++packs;
+    packed_bytes += from - to;
+    current_bytes -= from - to;
+  }
+  // The way back, from fewer to more.
+  void countUnpack(uint64_t from, uint64_t to) {
+    ++unpacks;
+    unpacked_bytes += to - from;
+    current_bytes += to - from;
+    peak_bytes = std::max(peak_bytes, current_bytes);
+  }
+
   // Zeroes events, never occupancy.
   void reset() {
     CacheCounters kept;
@@ -90,9 +109,11 @@ struct CacheCounters {
     if (resident_at_reset + loads != evictions + resident)
       return fmt::format("resident before {} + loads {} - evictions {} != resident {}",
                          resident_at_reset, loads, evictions, resident);
-    if (bytes_at_reset + loaded_bytes != evicted_bytes + current_bytes)
-      return fmt::format("bytes before {} + loaded {} - evicted {} != current {}", bytes_at_reset,
-                         loaded_bytes, evicted_bytes, current_bytes);
+    if (bytes_at_reset + loaded_bytes + unpacked_bytes !=
+        evicted_bytes + packed_bytes + current_bytes)
+      return fmt::format(
+          "bytes before {} + loaded {} - evicted {} - packed {} + unpacked {} != current {}",
+          bytes_at_reset, loaded_bytes, evicted_bytes, packed_bytes, unpacked_bytes, current_bytes);
     if (redundant_loads > loads)
       return fmt::format("redundant loads {} > loads {}", redundant_loads, loads);
     if (current_bytes > peak_bytes || resident > peak_resident)

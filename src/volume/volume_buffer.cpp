@@ -7,6 +7,7 @@
 #include "src/base/clock.h"
 #include "src/base/error.h"
 #include "src/base/interrupt.h"
+#include "src/volume/packed_block.h"
 
 namespace sluice {
 
@@ -26,16 +27,26 @@ class Laps {
 // `key` and `bytes` are constant after construction, the rest is guarded by the buffer's mutex.
 struct VolumeBuffer::Entry {
   BlockKey key;
-  uint64_t bytes = 0;
-  enum class State { kLoading, kResident, kFailed } state = State::kLoading;
-  VolumeBlockPtr block;
+  uint64_t bytes = 0;  // as it is
+  enum class State { kLoading, kResident, kPacked, kFailed } state = State::kLoading;
+  VolumeBlockPtr block;                 // when kResident
+  PackedBytes packed;                   // when kPacked, and while it is unpacked (kLoading)
+  bool reused = false;                  // asked for again, now or after an earlier load
+  bool being_packed = false;            // kResident, but not in recent_
   std::exception_ptr failure;           // Error or Interrupted, when kFailed
   int64_t wanted_by = 0;                // calls of acquire that have not yet taken `block`
-  std::list<EntryPtr>::iterator place;  // in recent_ while resident
+  std::list<EntryPtr>::iterator place;  // in recent_ or cold_
+
+  // No one can gain a handle but by wanting it first.
+  bool isFree() const { return wanted_by == 0 && (block == nullptr || block.use_count() == 1); }
 };
 
-VolumeBuffer::VolumeBuffer(VolumeSource& source, const BlockLayout& layout, uint64_t budget_bytes)
-    : source_(source), layout_(layout), map_(deviceMap(source.layout())) {
+VolumeBuffer::VolumeBuffer(VolumeSource& source, const BlockLayout& layout, uint64_t budget_bytes,
+                           Cold cold)
+    : source_(source),
+      layout_(layout),
+      map_(deviceMap(source.layout())),
+      packs_(cold == Cold::kPacked && budget_bytes >= 16 * blockBytes()) {
   counters_.budget_bytes = budget_bytes;
 }
 VolumeBuffer::~VolumeBuffer() = default;
@@ -55,36 +66,130 @@ void VolumeBuffer::resetCounters() {
   counters_.reset();
 }
 
-void VolumeBuffer::makeRoom(uint64_t bytes) {
-  auto victim = recent_.end();
-  while (counters_.current_bytes + reserved_bytes_ + bytes > counters_.budget_bytes) {
-    do {
-      if (victim == recent_.begin())
-        fail(
-            "the volume buffer of {} cannot hold {} more beside the {} in use; give more --memory "
-            "or a smaller --block",
-            formatBytes(counters_.budget_bytes), formatBytes(bytes),
-            formatBytes(counters_.current_bytes + reserved_bytes_));
-      --victim;
-      // Not one that a handle pins, or that a call is about to take: no one can gain a handle
-      // otherwise while we hold the mutex.
-    } while ((*victim)->wanted_by > 0 || (*victim)->block.use_count() > 1);
-    counters_.countEviction((*victim)->bytes);
-    entries_.erase((*victim)->key);
-    victim = recent_.erase(victim);
+bool VolumeBuffer::hasRoom(uint64_t bytes) const {
+  const uint64_t scratch = packs_ ? blockBytes() : 0;
+  return counters_.current_bytes + reserved_bytes_ + scratch + bytes <= counters_.budget_bytes;
+}
+
+void VolumeBuffer::freeSome(std::unique_lock<std::mutex>& lock, uint64_t wanted_bytes) {
+  const auto coldest = [](const std::list<EntryPtr>& entries) -> EntryPtr {
+    for (auto at = entries.rbegin(); at != entries.rend(); ++at)
+      if ((*at)->isFree()) return *at;
+    return nullptr;
+  };
+  const EntryPtr victim = coldest(recent_);
+  if (victim == nullptr || cold_bytes_ > counters_.budget_bytes / 2) {
+    const EntryPtr packed = coldest(cold_);
+    if (packed != nullptr) {
+      cold_bytes_ -= packed->packed.byte_count;
+      drop(packed, cold_);
+      return;
+    }
+  }
+  if (victim != nullptr) {
+    packOrDrop(lock, victim);
+  } else if (packing_) {
+    loaded_.wait(lock, [&] { return !packing_; });
+  } else {
+    fail(
+        "the volume buffer of {} cannot hold {} more beside the {} in use; give more --memory or a "
+        "smaller --block",
+        formatBytes(counters_.budget_bytes), formatBytes(wanted_bytes),
+        formatBytes(counters_.current_bytes + reserved_bytes_));
   }
 }
 
-VolumeBuffer::EntryPtr VolumeBuffer::publish(const BlockKey& key) {
+void VolumeBuffer::drop(const EntryPtr& victim, std::list<EntryPtr>& from) {
+  const bool is_packed = victim->state == Entry::State::kPacked;
+  counters_.countEviction(is_packed ? victim->packed.byte_count : victim->bytes);
+  from.erase(victim->place);
+  entries_.erase(victim->key);
+}
+
+void VolumeBuffer::packOrDrop(std::unique_lock<std::mutex>& lock, const EntryPtr& victim) {
+  if (!packs_ || !victim->reused) {
+    drop(victim, recent_);
+    return;
+  }
+  if (packing_) {
+    loaded_.wait(lock, [&] { return !packing_; });
+    return;
+  }
+  packing_ = victim->being_packed = true;
+  recent_.erase(victim->place);
+  const VolumeBlock& block = *victim->block;
+  lock.unlock();
+  std::optional<PackedBytes> packed =
+      pack({block.bytes.get(), block.byteCount()}, bytesPerVoxel(block.type));
+  lock.lock();
+  packing_ = victim->being_packed = false;
+  recent_.push_front(victim);
+  victim->place = recent_.begin();
+  if (victim->isFree()) {  // else someone wanted it in the meantime
+    if (packed) {
+      counters_.countPack(victim->bytes, packed->byte_count);
+      victim->state = Entry::State::kPacked;
+      victim->block.reset();
+      victim->packed = std::move(*packed);
+      cold_bytes_ += victim->packed.byte_count;
+      cold_.splice(cold_.begin(), recent_, victim->place);
+    } else {
+      drop(victim, recent_);
+    }
+  }
+  loaded_.notify_all();
+}
+
+VolumeBuffer::EntryPtr VolumeBuffer::request(std::unique_lock<std::mutex>& lock,
+                                             const BlockKey& key, std::vector<EntryPtr>& ours) {
   const Box3 voxels = layout_.storedVoxels(layout_.indexOf(key.block));
   const uint64_t bytes = static_cast<uint64_t>(voxels.count()) * bytesPerVoxel(map_.type);
-  makeRoom(bytes);
-  auto entry = std::make_shared<Entry>();
-  entry->key = key;
-  entry->bytes = bytes;
-  reserved_bytes_ += bytes;
-  entries_.emplace(key, entry);
-  return entry;
+  for (;;) {  // what is found may change while room is made
+    const auto found = entries_.find(key);
+    const EntryPtr entry = found == entries_.end() ? nullptr : found->second;
+    if (entry != nullptr) entry->reused = true;
+    if (entry != nullptr && entry->state == Entry::State::kResident) {
+      counters_.countHit();
+      if (!entry->being_packed) recent_.splice(recent_.begin(), recent_, entry->place);
+      return entry;
+    }
+    if (entry != nullptr && entry->state == Entry::State::kLoading) {
+      // One that is being unpacked is resident.
+      if (entry->packed.bytes != nullptr) {
+        counters_.countHit();
+      } else {
+        counters_.countMiss();
+        counters_.countCoalesced();
+      }
+      return entry;
+    }
+    if (!hasRoom(bytes)) {
+      try {
+        freeSome(lock, bytes);
+      } catch (const Error&) {
+        counters_.countMiss();
+        counters_.countFailure();
+        throw;
+      }
+      continue;
+    }
+    reserved_bytes_ += bytes;
+    if (entry != nullptr) {  // packed
+      counters_.countHit();
+      cold_bytes_ -= entry->packed.byte_count;
+      cold_.erase(entry->place);
+      entry->state = Entry::State::kLoading;
+      ours.push_back(entry);
+      return entry;
+    }
+    counters_.countMiss();
+    auto fresh = std::make_shared<Entry>();
+    fresh->key = key;
+    fresh->bytes = bytes;
+    entries_.emplace(key, fresh);
+    ours.push_back(fresh);
+    return fresh;
+  }
 }
 
 std::vector<VolumeBlockPtr> VolumeBuffer::acquire(std::span<const BlockKey> keys) {
@@ -92,42 +197,19 @@ std::vector<VolumeBlockPtr> VolumeBuffer::acquire(std::span<const BlockKey> keys
   std::vector<EntryPtr> ours;
   std::exception_ptr failure;
   {
-    std::lock_guard lock(mutex_);
+    std::unique_lock lock(mutex_);
     for (const BlockKey& key : keys) {
-      const auto found = entries_.find(key);
-      if (found == entries_.end()) {
-        counters_.countMiss();
-        try {
-          wanted.push_back(publish(key));
-        } catch (const Error&) {
-          counters_.countFailure();
-          failure = std::current_exception();
-          break;
-        }
-        ours.push_back(wanted.back());
-      } else if (found->second->state == Entry::State::kResident) {
-        counters_.countHit();
-        recent_.splice(recent_.begin(), recent_, found->second->place);
-        wanted.push_back(found->second);
-      } else {
-        counters_.countMiss();
-        counters_.countCoalesced();
-        wanted.push_back(found->second);
+      try {
+        wanted.push_back(request(lock, key, ours));
+      } catch (const Error&) {
+        failure = std::current_exception();
+        break;
       }
       ++wanted.back()->wanted_by;
     }
   }
   // What was published must be brought to an end also when there is no room for the rest.
-  for (size_t from = 0; from < ours.size();) {
-    size_t to = from + 1;
-    const auto besideEachOther = [&](const Entry& a, const Entry& b) {
-      return a.key.time == b.key.time &&
-             a.key.block / layout_.grid.x == b.key.block / layout_.grid.x;
-    };
-    while (to < ours.size() && besideEachOther(*ours[to - 1], *ours[to])) ++to;
-    loadAndFinish({ours.data() + from, to - from});
-    from = to;
-  }
+  loadOwn(ours);
 
   std::vector<VolumeBlockPtr> blocks;
   std::unique_lock lock(mutex_);
@@ -142,6 +224,68 @@ std::vector<VolumeBlockPtr> VolumeBuffer::acquire(std::span<const BlockKey> keys
   lock.unlock();
   if (failure) std::rethrow_exception(failure);
   return blocks;
+}
+
+void VolumeBuffer::loadOwn(std::span<const EntryPtr> ours) {
+  const auto besideEachOther = [&](const Entry& a, const Entry& b) {
+    return a.key.time == b.key.time && a.key.block / layout_.grid.x == b.key.block / layout_.grid.x;
+  };
+  for (size_t from = 0; from < ours.size();) {
+    if (ours[from]->packed.bytes != nullptr) {
+      unpackAndFinish(ours[from++]);
+      continue;
+    }
+    size_t to = from + 1;
+    while (to < ours.size() && ours[to]->packed.bytes == nullptr &&
+           besideEachOther(*ours[from], *ours[to]))
+      ++to;
+    loadAndFinish(ours.subspan(from, to - from));
+    from = to;
+  }
+}
+
+std::shared_ptr<VolumeBlock> VolumeBuffer::emptyBlock(const BlockKey& key) const {
+  auto block = std::make_shared<VolumeBlock>();
+  block->voxels = layout_.storedVoxels(layout_.indexOf(key.block));
+  block->type = map_.type;
+  block->bytes = std::make_unique_for_overwrite<std::byte[]>(block->byteCount());
+  return block;
+}
+
+void VolumeBuffer::hold(const EntryPtr& entry, VolumeBlockPtr block) {
+  reserved_bytes_ -= entry->bytes;
+  entry->state = Entry::State::kResident;
+  entry->block = std::move(block);
+  recent_.push_front(entry);
+  entry->place = recent_.begin();
+}
+
+void VolumeBuffer::unpackAndFinish(const EntryPtr& entry) {
+  Laps nanoseconds;
+  std::shared_ptr<VolumeBlock> block;
+  std::exception_ptr failure;
+  try {
+    block = emptyBlock(entry->key);
+    unpack(entry->packed, {block->bytes.get(), block->byteCount()});
+  } catch (...) {  // no memory: those who wait must hear of it
+    failure = std::current_exception();
+  }
+  decode_ns_ += nanoseconds();
+  {
+    std::lock_guard lock(mutex_);
+    if (failure) {
+      reserved_bytes_ -= entry->bytes;
+      counters_.countEviction(entry->packed.byte_count);
+      entry->state = Entry::State::kFailed;
+      entry->failure = failure;
+      entries_.erase(entry->key);
+    } else {
+      hold(entry, block);
+      counters_.countUnpack(entry->packed.byte_count, entry->bytes);
+    }
+    entry->packed = {};
+  }
+  loaded_.notify_all();
 }
 
 void VolumeBuffer::loadAndFinish(std::span<const EntryPtr> run) {
@@ -161,18 +305,17 @@ void VolumeBuffer::loadAndFinish(std::span<const EntryPtr> run) {
     std::lock_guard lock(mutex_);
     for (size_t i = 0; i < run.size(); ++i) {
       Entry& entry = *run[i];
-      reserved_bytes_ -= entry.bytes;
       if (failure) {
+        reserved_bytes_ -= entry.bytes;
         entry.state = Entry::State::kFailed;
         entry.failure = failure;
         entries_.erase(entry.key);
         counters_.countFailure();
       } else {
-        entry.state = Entry::State::kResident;
-        entry.block = std::move(blocks[i]);
-        recent_.push_front(run[i]);
-        entry.place = recent_.begin();
-        counters_.countLoad(entry.bytes, !seen_.insert(entry.key).second);
+        hold(run[i], std::move(blocks[i]));
+        const bool was_here_before = !seen_.insert(entry.key).second;
+        entry.reused = entry.reused || was_here_before;
+        counters_.countLoad(entry.bytes, was_here_before);
       }
     }
   }
@@ -183,12 +326,8 @@ std::vector<std::shared_ptr<VolumeBlock>> VolumeBuffer::load(std::span<const Ent
   std::vector<std::shared_ptr<VolumeBlock>> blocks;
   uint64_t voxels = 0;
   for (const EntryPtr& entry : run) {
-    auto block = std::make_shared<VolumeBlock>();
-    block->voxels = layout_.storedVoxels(layout_.indexOf(entry->key.block));
-    block->type = map_.type;
-    block->bytes = std::make_unique_for_overwrite<std::byte[]>(block->byteCount());
-    voxels += static_cast<uint64_t>(block->voxels.count());
-    blocks.push_back(std::move(block));
+    blocks.push_back(emptyBlock(entry->key));
+    voxels += static_cast<uint64_t>(blocks.back()->voxels.count());
   }
   const int64_t time = run.front()->key.time;
   const VoxelType type = source_.layout().type;

@@ -2,8 +2,10 @@
 //
 // Blocks come from a VolumeSource in device form, each once however many threads want it: the first
 // publishes the entry and loads outside the lock, the others wait. The least recently used block
-// that no one holds goes first. A handle pins its block. The buffer must outlive its handles' use
-// of the source, not the handles. All members may be called from any thread.
+// that no one holds goes first: one that was asked for more than once is compressed and stays, in
+// at most half of the budget, until it is the coldest of those; the others are dropped and read
+// again should they be wanted. A handle pins its block. The buffer must outlive its handles' use of
+// the source, not the handles. All members may be called from any thread.
 #pragma once
 
 #include <atomic>
@@ -57,8 +59,11 @@ using VolumeBlockPtr = std::shared_ptr<const VolumeBlock>;
 
 class VolumeBuffer {
  public:
+  // What happens to blocks that were asked for more than once when their room is needed.
+  enum class Cold { kDropped, kPacked };
   // `source` must outlive the buffer.
-  VolumeBuffer(VolumeSource& source, const BlockLayout& layout, uint64_t budget_bytes);
+  VolumeBuffer(VolumeSource& source, const BlockLayout& layout, uint64_t budget_bytes,
+               Cold cold = Cold::kDropped);
   ~VolumeBuffer();
 
   // The blocks of `keys`, in that order; those of one row along x that follow each other in `keys`
@@ -83,10 +88,18 @@ class VolumeBuffer {
   struct Entry;
   using EntryPtr = std::shared_ptr<Entry>;
 
-  // Both require mutex_ to be held.
-  EntryPtr publish(const BlockKey& key);
-  void makeRoom(uint64_t bytes);
+  // These require mutex_ to be held. With `lock` in the arguments they may give it up for a while.
+  EntryPtr request(std::unique_lock<std::mutex>& lock, const BlockKey& key,
+                   std::vector<EntryPtr>& ours);
+  bool hasRoom(uint64_t bytes) const;
+  void freeSome(std::unique_lock<std::mutex>& lock, uint64_t wanted_bytes);
+  void packOrDrop(std::unique_lock<std::mutex>& lock, const EntryPtr& victim);
+  void drop(const EntryPtr& victim, std::list<EntryPtr>& from);
+  void hold(const EntryPtr& entry, VolumeBlockPtr block);
 
+  std::shared_ptr<VolumeBlock> emptyBlock(const BlockKey& key) const;
+  void loadOwn(std::span<const EntryPtr> ours);
+  void unpackAndFinish(const EntryPtr& entry);
   // Entries of one row of blocks that this call reads; their state says how it went.
   void loadAndFinish(std::span<const EntryPtr> run);
   std::vector<std::shared_ptr<VolumeBlock>> load(std::span<const EntryPtr> run);
@@ -96,12 +109,16 @@ class VolumeBuffer {
   VolumeSource& source_;      // constant after construction
   const BlockLayout layout_;  // constant after construction
   const ValueMap map_;        // constant after construction
+  const bool packs_;          // constant after construction
   std::atomic<int64_t> read_ns_{0}, decode_ns_{0};
   mutable std::mutex mutex_;
   std::condition_variable loaded_;
   // Guarded by mutex_.
   std::unordered_map<BlockKey, EntryPtr, BlockKeyHash> entries_;
-  std::list<EntryPtr> recent_;  // resident ones, most recently used first
+  std::list<EntryPtr> recent_;  // resident as they are, most recently used first
+  std::list<EntryPtr> cold_;    // resident packed, most recently packed first
+  uint64_t cold_bytes_ = 0;     // of these
+  bool packing_ = false;        // a thread packs: one at a time, with scratch for one block
   std::unordered_set<BlockKey, BlockKeyHash> seen_;
   uint64_t reserved_bytes_ = 0;  // of loads under way
   CacheCounters counters_;
