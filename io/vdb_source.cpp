@@ -13,7 +13,6 @@
 #include "io/vdb_check.h"
 #include "io/vdb_header.h"
 #include "src/base/error.h"
-#include "src/base/leak_sanitizer.h"
 
 #if defined(__SANITIZE_ADDRESS__)
 #include <sanitizer/lsan_interface.h>
@@ -327,7 +326,6 @@ std::unique_ptr<VolumeSource> openVdb(const std::filesystem::path& path, const s
   const VdbTreeOnDisk tree = checkVdbGrid(path, grids, info);
   openvdb::GridBase::Ptr loaded;
   try {
-    linkLeakSuppressions();
     openvdb::initialize();
     // A table of the leaves' sizes, for a faster opening, which OpenVDB believes whatever it says;
     // unknown to it, it goes by what the leaves say, and that was checked.

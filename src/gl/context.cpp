@@ -6,7 +6,6 @@
 #include <functional>
 
 #include "src/base/error.h"
-#include "src/base/leak_sanitizer.h"
 #include "src/gl/backends.h"
 
 namespace sluice {
@@ -124,7 +123,6 @@ std::string_view name(GlChoice choice) {
 }
 
 void prepareGlEnvironment() {
-  linkLeakSuppressions();
   constexpr std::string_view kFlag = "no_aos_sampling";
   const char* const given = std::getenv("GALLIVM_PERF");
   std::string flags = given == nullptr ? "" : given;

@@ -1,4 +1,4 @@
-#include "src/base/leak_sanitizer.h"
+#include "src/base/sanitizer_options.h"
 
 #if defined(__has_feature)
 #if __has_feature(address_sanitizer)
@@ -25,8 +25,23 @@ const char* __lsan_default_options() {
 // NOLINTEND(bugprone-reserved-identifier)
 #endif
 
+#ifdef __SANITIZE_THREAD__
+// NOLINTBEGIN(bugprone-reserved-identifier): the name that the sanitizer looks for
+extern "C" const char* __tsan_default_suppressions();
+
+const char* __tsan_default_suppressions() {
+  return "race:tbb::detail\n"
+         "race:openvdb::v10_0\n"
+         "called_from_lib:libtbb.so\n"
+         "called_from_lib:libopenvdb.so\n"
+         "race:std::runtime_error::~runtime_error\n"
+         "race:sluice::Error::~Error\n";
+}
+// NOLINTEND(bugprone-reserved-identifier)
+#endif
+
 namespace sluice {
 
-void linkLeakSuppressions() {}
+void linkSanitizerOptions() {}
 
 }  // namespace sluice
