@@ -1,0 +1,142 @@
+#include "src/classify/box_store.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "io/index_file.h"
+#include "src/classify/volume_boxes.h"
+
+namespace sluice {
+namespace {
+
+// Tells apart the pieces of one volume name, as indexed_ranges.cpp does its min-max arrays.
+IndexKey keyOf(const VolumeSource& source, int64_t time, const BlockLayout& layout, int64_t first) {
+  const VolumeLayout& voxels = source.layout();
+  return {source.identity(),
+          fmt::format("boxes-{}{}-{}-{}x{}x{}-{}-t{}of{}-from{}", layout.size,
+                      layout.ghost == 0 ? "" : "-lit", name(voxels.type), voxels.dims.x,
+                      voxels.dims.y, voxels.dims.z, voxels.name, time, voxels.time_steps, first),
+          kBoxesVersion};
+}
+
+}  // namespace
+
+BoxStore::BoxStore(VolumeSource& source, std::string volume_name, int64_t time,
+                   const SliceRanges& ranges, WorkerPool& pool, uint64_t budget_bytes)
+    : source_(source),
+      volume_name_(std::move(volume_name)),
+      time_(time),
+      ranges_(ranges),
+      pool_(pool),
+      budget_bytes_(budget_bytes),
+      origin_{ranges.layout, ranges.map, growingParameters(ranges.map.type, ranges.device_range),
+              kBrickSide} {}
+
+BoxStoreCounters BoxStore::counters() const {
+  const std::lock_guard lock(mutex_);
+  return counters_;
+}
+
+BoxTreePtr BoxStore::tree(int64_t block) {
+  SLUICE_CHECK(block >= 0 && block < origin_.layout.blockCount());
+  const std::lock_guard lock(mutex_);
+  ++counters_.requests;
+  if (const auto found = kept_.find(block); found != kept_.end()) {
+    ++counters_.hits;
+    recent_.splice(recent_.begin(), recent_, found->second);
+    return found->second->second;
+  }
+  if (!std::binary_search(ranges_.blocks.begin(), ranges_.blocks.end(), block))
+    return backgroundTree(block);
+  const Vec3i cells = origin_.layout.ownedCells(origin_.layout.indexOf(block)).size();
+  std::optional<BoxTree> decoded = deserializeBoxTree(pieceOf(block).treeBytes(block), cells);
+  if (!decoded) {
+    // The index is intact and yet not ours: someone else's bytes under our key. Made anew.
+    const int64_t first = piece_->first, count = static_cast<int64_t>(piece_->ends.size());
+    piece_.reset();
+    piece_ = buildPiece(first, count);
+    ++counters_.pieces_built;
+    decoded = deserializeBoxTree(piece_->treeBytes(block), cells);
+    SLUICE_CHECK(decoded.has_value());
+  }
+  auto tree = std::make_shared<const BoxTree>(std::move(*decoded));
+  keep(block, tree);
+  return tree;
+}
+
+const BoxesPiece& BoxStore::pieceOf(int64_t block) {
+  const int64_t first = block / kPieceBlocks * kPieceBlocks;
+  if (piece_ && piece_->first == first) return *piece_;
+  const int64_t count = std::min(kPieceBlocks, origin_.layout.blockCount() - first);
+  piece_.reset();
+  piece_ = readPiece(first, count);
+  if (piece_) {
+    ++counters_.pieces_read;
+    return *piece_;
+  }
+  piece_ = buildPiece(first, count);
+  ++counters_.pieces_built;
+  return *piece_;
+}
+
+std::optional<BoxesPiece> BoxStore::readPiece(int64_t first, int64_t count) const {
+  const IndexRead kept =
+      readIndex(indexPlaces(volume_name_), keyOf(source_, time_, origin_.layout, first));
+  if (!kept.blob) return std::nullopt;
+  return deserializeBoxesPiece(*kept.blob, origin_, first, count);
+}
+
+BoxesPiece BoxStore::buildPiece(int64_t first, int64_t count) const {
+  const auto begin = std::lower_bound(ranges_.blocks.begin(), ranges_.blocks.end(), first);
+  const auto end = std::lower_bound(begin, ranges_.blocks.end(), first + count);
+  std::vector<std::vector<std::byte>> trees(static_cast<size_t>(count));
+  Progress progress;
+  forEachBlockBricks(source_, time_, origin_.layout, {begin, end}, pool_, progress,
+                     [&](int64_t block, const BrickGrid& grid) {
+                       trees[static_cast<size_t>(block - first)] =
+                           serialize(growBoxTree(grid, origin_.parameters));
+                     });
+  BoxesPiece piece;
+  piece.first = first;
+  for (const std::vector<std::byte>& tree : trees) {
+    piece.bytes.insert(piece.bytes.end(), tree.begin(), tree.end());
+    piece.ends.push_back(piece.bytes.size());
+  }
+  // An index is a convenience: where it cannot be kept, the next opening makes it again.
+  writeIndex(indexPlaces(volume_name_), keyOf(source_, time_, origin_.layout, first),
+             serialize(piece, origin_));
+  return piece;
+}
+
+BoxTreePtr BoxStore::backgroundTree(int64_t block) const {
+  const Vec3i cells = origin_.layout.ownedCells(origin_.layout.indexOf(block)).size();
+  const auto value = static_cast<float>(ranges_.background);
+  BoxTree tree;
+  GrownBox box;
+  for (int a = 0; a < 3; ++a) box.hi[static_cast<size_t>(a)] = static_cast<uint16_t>(cells[a]);
+  box.range = {value, value, 0, kLargest};
+  box.type = BoxType::kUniform;
+  tree.boxes = tree.textures = {box};
+  tree.texture_of = {0};
+  tree.grown = 1;
+  TreeNode leaf;
+  leaf.box = 0;
+  tree.nodes = {leaf};
+  return std::make_shared<const BoxTree>(std::move(tree));
+}
+
+void BoxStore::keep(int64_t block, const BoxTreePtr& tree) {
+  if (tree->bytes() > budget_bytes_) return;
+  counters_.current_bytes += tree->bytes();
+  while (counters_.current_bytes > budget_bytes_) {
+    counters_.current_bytes -= recent_.back().second->bytes();
+    kept_.erase(recent_.back().first);
+    recent_.pop_back();
+  }
+  recent_.emplace_front(block, tree);
+  kept_[block] = recent_.begin();
+  counters_.peak_bytes = std::max(counters_.peak_bytes, counters_.current_bytes);
+}
+
+}  // namespace sluice
