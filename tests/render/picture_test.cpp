@@ -113,6 +113,32 @@ TEST_F(PictureTest, axisAlignedAndDiagonalViews) {
     }
 }
 
+TEST_F(PictureTest, algorithmsAgreeInEveryOctantOfDirections) {
+  const auto source = blobs();
+  // A cache of two blocks, so that clusters are many and their order matters.
+  RenderScene scene(device(), *source, blobTransfer(*source), {.block_vox = 8, .pages = 2});
+  for (const Projection projection : kProjections)
+    for (const double azimuth : {38.0, 127.0, 221.0, 310.0})
+      for (const double elevation : {-41.0, 33.0}) {
+        SCOPED_TRACE(fmt::format("azimuth {}, elevation {}, projection {}", azimuth, elevation,
+                                 static_cast<int>(projection)));
+        FrameOptions options = obliqueView(projection, {64, 56});
+        options.camera.azimuth_deg = azimuth;
+        options.camera.elevation_deg = elevation;
+        options.algorithm = Algorithm::kConventional;
+        const FloatPicture plain = scene.draw(options);
+        EXPECT_GT(shownShare(plain), 0.2);
+        EXPECT_TRUE(within(kOfReference, plain, scene.reference(options)));
+        for (const Algorithm algorithm : kAlgorithms)
+          for (const MergeOrder order : {MergeOrder::kPaper, MergeOrder::kFirstFit}) {
+            options.algorithm = algorithm;
+            options.merge_order = order;
+            EXPECT_TRUE(within(kOfPlain, scene.draw(options), plain))
+                << name(algorithm) << ", order of merges " << static_cast<int>(order);
+          }
+      }
+}
+
 TEST_F(PictureTest, stepsFromAQuarterOfAVoxelToSeveral) {
   const auto source = blobs();
   for (const bool lit : {false, true}) {

@@ -1,14 +1,12 @@
 // Every real volume, through its reader, the automatic transfer function and the renderer, against
 // the reference and the plain picture: lit and unlit, orthographic and perspective, eye inside too.
+#include "tests/render/real_volumes.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <filesystem>
-#include <ostream>
 
-#include "io/open_volume.h"
-#include "src/classify/transfer_makers.h"
-#include "src/render/index_space.h"
 #include "tests/render/render_scene.h"
 
 namespace sluice {
@@ -18,54 +16,15 @@ constexpr double kOfReference = 2, kOfPlain = 1;
 // The middle of a larger volume stands for it: the reference takes every sample in doubles.
 constexpr int64_t kMostVoxels = kSanitized ? 64 : 160;
 
-struct RealVolume {
-  const char* path;
-  Vec3d spacing{0, 0, 0};  // what a user says beside the name; 0: nothing
-  friend void PrintTo(const RealVolume& volume, std::ostream* out) { *out << volume.path; }
-};
-
-const RealVolume kVolumes[] = {{"bonsai.nii.gz"},
-                               {"engine.nii.gz"},
-                               {"engine_256x256x128_uint8.raw"},
-                               {"visible-female-head"},
-                               {"cthead", {1, 1, 2}},
-                               {"head-mr.nii.gz"},
-                               {"motor-map.nii.gz"},
-                               {"tooth/tooth.nhdr"},
-                               {"headsq-quarter/quarter.nhdr"},
-                               {"HeadMRVolume.mhd"},
-                               {"nucleon.nrrd"},
-                               {"walnut_128x96x114_uint16.raw"},
-                               {"smoke.vdb"},
-                               {"cube.vdb"},
-                               {"sphere.vdb"},
-                               {"viscous-fingers/step_000.nrrd"}};
-
-TransferFunction automaticFor(const SliceRanges& ranges, const VolumeLayout& layout) {
-  Histogram histogram = ranges.histogram;
-  histogram.range = {ranges.map.valueOf(histogram.range.lo),
-                     ranges.map.valueOf(histogram.range.hi)};
-  AutomaticOptions options;
-  options.thickness_vox = 100;
-  options.signed_distance = layout.name.ends_with("(level set)");
-  options.finest_spacing = finestSpacing(layout);
-  return automaticTransfer(histogram, options);
-}
-
 class RealVolumesTest : public RenderTest, public testing::WithParamInterface<RealVolume> {};
 
 TEST_P(RealVolumesTest, pictureIsRight) {
-  const std::filesystem::path path = std::filesystem::path(SLUICE_DATA_DIR) / GetParam().path;
-  if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there";
-  OpenOptions open;
-  if (GetParam().spacing.x > 0) open.spacing = GetParam().spacing;
-  // A folder of two series, of which the numbered files are one.
-  const bool two_series = path.filename() == "cthead";
-  const auto file = openVolume(two_series ? (path / "%03d.tif").string() : path.string(), open);
+  const auto file = openReal(GetParam());
+  if (!file) GTEST_SKIP() << GetParam().input << " is not there";
   const Vec3i dims = file->layout().dims;
   const Vec3i size = min(dims, Vec3i{kMostVoxels, kMostVoxels, kMostVoxels});
   const Vec3i lo = (dims - size) / Vec3i{2, 2, 2};
-  const auto source = cropped(*file, {lo, lo + size});
+  const auto source = cropped(*file, {lo, lo + size}, GetParam().time);
 
   for (const bool lit : {false, true}) {
     TransferFunction transfer;
@@ -100,13 +59,23 @@ TEST_P(RealVolumesTest, pictureIsRight) {
   }
 }
 
-std::string testName(const testing::TestParamInfo<RealVolume>& info) {
-  std::string name = std::filesystem::path(info.param.path).filename().string();
-  for (char& c : name)
-    if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
-  return name;
+INSTANTIATE_TEST_SUITE_P(Data, RealVolumesTest, testing::ValuesIn(realVolumes()),
+                         [](const auto& each) { return std::string(each.param.name); });
+
+// A volume that is put into the folder and drawn by no test would go unseen.
+TEST(RealVolumes, eachEntryOfTheFolderIsDrawnByATest) {
+  if (!std::filesystem::exists(realVolumesFolder()))
+    GTEST_SKIP() << realVolumesFolder() << " is not there";
+  for (const auto& entry : std::filesystem::directory_iterator(realVolumesFolder())) {
+    const std::string name = entry.path().filename();
+    // Text, and the voxels of those headers that are named.
+    if (name.ends_with(".md") || name == "HeadMRVolume.raw" || name == "nucleon.raw") continue;
+    EXPECT_TRUE(std::ranges::any_of(realVolumes(), [&](const RealVolume& volume) {
+      const std::string_view input = volume.input;
+      return input == name || input.starts_with(name + "/");
+    })) << name;
+  }
 }
-INSTANTIATE_TEST_SUITE_P(Data, RealVolumesTest, testing::ValuesIn(kVolumes), testName);
 
 }  // namespace
 }  // namespace sluice
