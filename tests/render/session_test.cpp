@@ -329,8 +329,14 @@ TEST_F(SessionTest, volumeBufferReadsEachBlockOnceWhileItFits) {
 
 TEST_F(SessionTest, failingReadSurfacesAndTheSessionGoesOn) {
   const auto source = blobs();
+  CountingSource counting(*source);
+  RenderScene counted(device(), counting, someTransfer(), {.block_vox = 8});
+  counting.reset();
+  counted.frame(smallView());
+  const int64_t last = counting.counts().calls - 1;
+  ASSERT_GT(last, 10);
   for (const int64_t pages : {8, 1 << 15})
-    for (const int64_t first : {0, 1, 3, 7}) {
+    for (const int64_t first : {int64_t{0}, int64_t{1}, int64_t{3}, int64_t{7}, last}) {
       SCOPED_TRACE(fmt::format("{} pages, read {}", pages, first));
       // The index is built from the whole source: only the session's reads fail.
       const SceneOptions options{.block_vox = 8, .pages = pages};
