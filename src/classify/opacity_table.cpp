@@ -11,6 +11,9 @@ namespace {
 
 // Neighbouring entries may differ by this much, of 1: half of what an 8-bit picture shows.
 constexpr float kVisible = 0.5F / 255;
+// Entries that a step is spread over at least, so that rounding changes little, and at most: where
+// neighbours then differ by less than what is visible, samples need not interpolate.
+constexpr int kLeastStepEntries = 4, kMostStepEntries = 8;
 
 // The part of `all` over which the transfer function changes, where that is so small a part that it
 // would get few entries: simulations write a value far off the data where they know nothing.
@@ -68,18 +71,26 @@ OpacityTable::OpacityTable(const TransferFunction& transfer, const ValueMap& map
 void OpacityTable::spreadSteps() {
   const std::vector<float> sharp = opacity_;
   const auto last = static_cast<ptrdiff_t>(sharp.size()) - 1;
-  // Each entry from which a step is in sight becomes the mean of itself and the kStepEntries after
+  const auto stepAt = [&](ptrdiff_t i) {
+    return std::abs(sharp[static_cast<size_t>(i) + 1] - sharp[static_cast<size_t>(i)]);
+  };
+  float largest = 0;
+  for (ptrdiff_t i = 0; i < last; ++i) largest = std::max(largest, stepAt(i));
+  // A part more than needed, for what colours and the slopes beside the step add.
+  const auto parts = static_cast<int>(std::min(largest / kVisible, 1000.0F)) + 2;
+  step_entries_ =
+      parts - 1 <= kMostStepEntries ? std::max(parts - 1, kLeastStepEntries) : kLeastStepEntries;
+  // Each entry from which a step is in sight becomes the mean of itself and the step_entries_ after
   // it: a ramp that ends where the step is, and never 0 for what was visible, also where two steps
   // are close together.
   ptrdiff_t done = 0;  // entries below are final
   for (ptrdiff_t step = 0; step < last; ++step) {
-    const auto at = static_cast<size_t>(step);
-    if (std::abs(sharp[at + 1] - sharp[at]) <= kVisible) continue;
-    for (ptrdiff_t i = std::max(done, step + 1 - kStepEntries); i <= step; ++i) {
+    if (stepAt(step) <= kVisible) continue;
+    for (ptrdiff_t i = std::max(done, step + 1 - step_entries_); i <= step; ++i) {
       float sum = 0;
-      for (ptrdiff_t k = i; k <= i + kStepEntries; ++k)
+      for (ptrdiff_t k = i; k <= i + step_entries_; ++k)
         sum += sharp[static_cast<size_t>(std::min(k, last))];
-      opacity_[static_cast<size_t>(i)] = sum / static_cast<float>(kStepEntries + 1);
+      opacity_[static_cast<size_t>(i)] = sum / static_cast<float>(step_entries_ + 1);
       done = i + 1;
     }
   }

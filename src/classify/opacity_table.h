@@ -8,9 +8,10 @@
 // beyond the ends look as the ends do. For integers of a range below the entry count, each value
 // falls on an entry exactly.
 //
-// A step of the opacity is a ramp over the kStepEntries entries below it (a sixteenth of a value of
-// 8-bit data), since a value that rounding moves across a sharp one would flip a pixel between two
-// ways of drawing the same sample. At the step itself the ramp has reached its upper end.
+// A step of the opacity is a ramp over the few entries below it (a sixteenth to an eighth of a
+// value of 8-bit data), since a value that rounding moves across a sharp one would flip a pixel
+// between two ways of drawing the same sample. At the step itself the ramp has reached its upper
+// end.
 //
 // Immutable after construction; any thread may read.
 #pragma once
@@ -26,8 +27,6 @@ namespace sluice {
 
 class OpacityTable {
  public:
-  static constexpr int kStepEntries = 4;
-
   // About `most_entries` entries over `device_range` (all device values of the volume), or over the
   // part of it in which the transfer function changes where that is less than a 64th.
   OpacityTable(const TransferFunction& transfer, const ValueMap& map, ValueRange device_range,
@@ -36,6 +35,8 @@ class OpacityTable {
   int entries() const { return static_cast<int>(opacity_.size()); }
   // Of the first and the last entry.
   ValueRange deviceRange() const { return range_; }
+  // How many entries below a step are part of its ramp.
+  int stepEntries() const { return step_entries_; }
   // All device values of the volume.
   ValueRange volumeRange() const { return volume_range_; }
   // The nearest entry of a device value, clamped to the table.
@@ -69,6 +70,7 @@ class OpacityTable {
   double entries_per_device_ = 0;
   std::vector<float> opacity_;
   std::vector<float> rgb_;
+  int step_entries_ = 0;
   bool must_interpolate_ = false;
   std::vector<uint32_t> opaque_before_;  // [i]: entries below i whose opacity is not 0
 };

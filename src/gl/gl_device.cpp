@@ -211,13 +211,21 @@ void GlDevice::setView(GlProgram& program) {
     program.set4("clip_planes", planes.data(), static_cast<int>(setup_.clip_planes.size()));
 }
 
-void GlDevice::setLookUp(GlProgram& program) {
+void GlDevice::uploadLookUp() {
+  const LookUpKey key{setup_.mode, setup_.projection, setup_.slice_length, setup_.look_up.rgba};
+  if (key == look_up_key_) return;
+  look_up_key_ = key;
   const std::vector<float> texels = lookUpTexels(setup_);
-  const auto entries = static_cast<GLsizei>(texels.size() / 4);
+  gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, static_cast<GLsizei>(texels.size() / 4), 1, 0,
+                 GL_RGBA, GL_FLOAT, texels.data());
+}
+
+void GlDevice::setLookUp(GlProgram& program) {
+  const auto entries = static_cast<GLsizei>(setup_.look_up.rgba.size() / 4);
   const bool interpolates = setup_.look_up.interpolates || setup_.mode != Mode::kComposite;
   gl_.ActiveTexture(GL_TEXTURE0 + kLookUpUnit);
   gl_.BindTexture(GL_TEXTURE_2D, look_up_);
-  gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, entries, 1, 0, GL_RGBA, GL_FLOAT, texels.data());
+  uploadLookUp();
   for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
     gl_.TexParameteri(GL_TEXTURE_2D, filter, interpolates ? GL_LINEAR : GL_NEAREST);
   for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})

@@ -8,7 +8,9 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <unordered_map>
+#include <vector>
 
 #include "src/gl/context.h"
 #include "src/gl/gl_program.h"
@@ -43,6 +45,14 @@ class GlDevice : public Device {
     Vec3i storage_vox;
     DeviceType type;
   };
+  // What the texels of the look-up texture follow from.
+  struct LookUpKey {
+    Mode mode;
+    Projection projection;
+    double slice_length;
+    std::vector<float> rgba;
+    friend bool operator==(const LookUpKey&, const LookUpKey&) = default;
+  };
   struct Target {
     GLuint framebuffer = 0, color = 0, depth = 0;
   };
@@ -50,6 +60,8 @@ class GlDevice : public Device {
   GlProgram& programFor(const ShaderVariant& variant);
   void setView(GlProgram& program);
   void setLookUp(GlProgram& program);
+  // Into the bound texture, unless it is there.
+  void uploadLookUp();
   void setLighting(GlProgram& program);
   void setBlending(Mode mode);
   void resizeTarget(PictureSize size);
@@ -66,6 +78,7 @@ class GlDevice : public Device {
   Target target_;
   PictureSize target_size_{0, 0};
   GLuint vertex_array_ = 0, index_buffer_ = 0, box_buffer_ = 0, box_texture_ = 0, look_up_ = 0;
+  std::optional<LookUpKey> look_up_key_;  // of the texture's content
   uint64_t binds_ = 0;
 };
 

@@ -177,6 +177,15 @@ TEST(OpacityTable, aStepIsARampOverAFewEntriesBelowIt) {
   }
 }
 
+TEST(OpacityTable, aSmallStepIsSpreadUntilNoSampleNeedsToInterpolate) {
+  // The step of `--threshold`: a fifth of the opacity at the top.
+  const OpacityTable table(transferOf({{40, 0}, {40, 0.01}, {255, 0.05}}), kBytes, {0, 255});
+  EXPECT_FALSE(table.mustInterpolate());
+  EXPECT_LE(table.stepEntries(), 8);
+  EXPECT_EQ(table.opacity()[static_cast<size_t>(table.entryOf(39.8))], 0);
+  EXPECT_FLOAT_EQ(table.opacity()[static_cast<size_t>(table.entryOf(40))], 0.01F);
+}
+
 TEST(OpacityTable, aStepDownIsARampOverAFewEntriesBelowItToo) {
   const OpacityTable table(transferOf({{40, 0.6}, {40, 0}}), kBytes, {0, 255});
   EXPECT_FLOAT_EQ(table.opacity()[static_cast<size_t>(table.entryOf(39.9))], 0.6F);
@@ -190,7 +199,7 @@ TEST(OpacityTable, whatIsVisibleStaysSoWhereStepsAreSpread) {
   ASSERT_EQ(table.entries(), 16384);
   EXPECT_GT(table.opacity()[50], 0);
   EXPECT_TRUE(table.anyOpaque(50, 50));
-  EXPECT_FALSE(table.anyOpaque(0, 50 - OpacityTable::kStepEntries - 2));
+  EXPECT_FALSE(table.anyOpaque(0, 50 - table.stepEntries() - 2));
   EXPECT_FALSE(table.anyOpaque(53, 16383));
 }
 

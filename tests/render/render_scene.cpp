@@ -46,8 +46,8 @@ Rounding roundingOf(const OpacityTable& table, const ValueMap& map) {
   const ValueRange range = table.deviceRange();
   const double entry =
       std::abs(map.scale) * (range.hi - range.lo) / std::max(1, table.entries() - 1);
-  return {.step_value = (OpacityTable::kStepEntries + 1) * entry,
-          .end_value = (OpacityTable::kStepEntries + 4) * entry,
+  return {.step_value = (table.stepEntries() + 1) * entry,
+          .end_value = (table.stepEntries() + 4) * entry,
           .face_vox = 1e-4};
 }
 
