@@ -8,6 +8,7 @@
 
 #include "src/base/bytes.h"
 #include "src/base/clock.h"
+#include "src/classify/box_store.h"
 #include "src/classify/classification.h"
 #include "src/classify/volume_boxes.h"
 #include "src/render/frame_setup.h"
@@ -56,6 +57,7 @@ void print(const std::vector<Cost>& costs, const PageGeometry& page) {
 struct PlannedBoxes {
   PartitionCost cost;
   int64_t object_boxes = 0, object_cells = 0;
+  int64_t pieces_kept = 0;  // of the index
   double seconds = 0;
 };
 
@@ -71,8 +73,13 @@ PlannedBoxes planBoxes(const Arguments& arguments, const IndexedVolume& volume,
   }
   Stopwatch watch;
   Progress progress("growing boxes");
+  // The pass is made for the bricks; what a picture needs of it is kept on the way.
+  BoxIndexWriter index(*volume.source, arguments.volume.inputs.front(), arguments.volume.time,
+                       ranges);
   planned.cost =
-      partitionCost(*volume.source, arguments.volume.time, ranges, table, crop, pool, progress);
+      partitionCost(*volume.source, arguments.volume.time, ranges, table, crop, pool, progress,
+                    [&](int64_t block, const BoxTree& tree) { index.add(block, tree); });
+  planned.pieces_kept = index.piecesWritten();
   planned.seconds = watch.lap();
   return planned;
 }
@@ -114,6 +121,7 @@ nlohmann::json boxesJson(const PlannedBoxes& planned) {
           {"perfect_bricks", cost.perfect_bricks},
           {"perfect_cells", cost.perfect_cells},
           {"blocks_read", cost.blocks},
+          {"index_pieces", planned.pieces_kept},
           {"seconds", planned.seconds}};
 }
 

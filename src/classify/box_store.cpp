@@ -20,6 +20,35 @@ IndexKey keyOf(const VolumeSource& source, int64_t time, const BlockLayout& layo
           kBoxesVersion};
 }
 
+BoxesOrigin originOf(const SliceRanges& ranges) {
+  return {ranges.layout, ranges.map, growingParameters(ranges.map.type, ranges.device_range),
+          kBrickSide};
+}
+
+struct PieceSpan {
+  int64_t first = 0, count = 0;     // blocks
+  std::span<const int64_t> blocks;  // those of them that are not background
+};
+PieceSpan pieceSpan(const SliceRanges& ranges, int64_t block) {
+  PieceSpan piece;
+  piece.first = block / BoxStore::kPieceBlocks * BoxStore::kPieceBlocks;
+  piece.count = std::min(BoxStore::kPieceBlocks, ranges.layout.blockCount() - piece.first);
+  const auto begin = std::lower_bound(ranges.blocks.begin(), ranges.blocks.end(), piece.first);
+  const auto end = std::lower_bound(begin, ranges.blocks.end(), piece.first + piece.count);
+  piece.blocks = {begin, end};
+  return piece;
+}
+
+BoxesPiece assemble(int64_t first, const std::vector<std::vector<std::byte>>& trees) {
+  BoxesPiece piece;
+  piece.first = first;
+  for (const std::vector<std::byte>& tree : trees) {
+    piece.bytes.insert(piece.bytes.end(), tree.begin(), tree.end());
+    piece.ends.push_back(piece.bytes.size());
+  }
+  return piece;
+}
+
 }  // namespace
 
 BoxStore::BoxStore(VolumeSource& source, std::string volume_name, int64_t time,
@@ -30,8 +59,7 @@ BoxStore::BoxStore(VolumeSource& source, std::string volume_name, int64_t time,
       ranges_(ranges),
       pool_(pool),
       budget_bytes_(budget_bytes),
-      origin_{ranges.layout, ranges.map, growingParameters(ranges.map.type, ranges.device_range),
-              kBrickSide} {}
+      origin_(originOf(ranges)) {}
 
 BoxStoreCounters BoxStore::counters() const {
   const std::lock_guard lock(mutex_);
@@ -66,9 +94,8 @@ BoxTreePtr BoxStore::tree(int64_t block) {
 }
 
 const BoxesPiece& BoxStore::pieceOf(int64_t block) {
-  const int64_t first = block / kPieceBlocks * kPieceBlocks;
+  const auto [first, count, blocks] = pieceSpan(ranges_, block);
   if (piece_ && piece_->first == first) return *piece_;
-  const int64_t count = std::min(kPieceBlocks, origin_.layout.blockCount() - first);
   piece_.reset();
   piece_ = readPiece(first, count);
   if (piece_) {
@@ -88,21 +115,14 @@ std::optional<BoxesPiece> BoxStore::readPiece(int64_t first, int64_t count) cons
 }
 
 BoxesPiece BoxStore::buildPiece(int64_t first, int64_t count) const {
-  const auto begin = std::lower_bound(ranges_.blocks.begin(), ranges_.blocks.end(), first);
-  const auto end = std::lower_bound(begin, ranges_.blocks.end(), first + count);
   std::vector<std::vector<std::byte>> trees(static_cast<size_t>(count));
   Progress progress;
-  forEachBlockBricks(source_, time_, origin_.layout, {begin, end}, pool_, progress,
-                     [&](int64_t block, const BrickGrid& grid) {
+  forEachBlockBricks(source_, time_, origin_.layout, pieceSpan(ranges_, first).blocks, pool_,
+                     progress, [&](int64_t block, const BrickGrid& grid) {
                        trees[static_cast<size_t>(block - first)] =
                            serialize(growBoxTree(grid, origin_.parameters));
                      });
-  BoxesPiece piece;
-  piece.first = first;
-  for (const std::vector<std::byte>& tree : trees) {
-    piece.bytes.insert(piece.bytes.end(), tree.begin(), tree.end());
-    piece.ends.push_back(piece.bytes.size());
-  }
+  BoxesPiece piece = assemble(first, trees);
   // An index is a convenience: where it cannot be kept, the next opening makes it again.
   writeIndex(indexPlaces(volume_name_), keyOf(source_, time_, origin_.layout, first),
              serialize(piece, origin_));
@@ -137,6 +157,42 @@ void BoxStore::keep(int64_t block, const BoxTreePtr& tree) {
   recent_.emplace_front(block, tree);
   kept_[block] = recent_.begin();
   counters_.peak_bytes = std::max(counters_.peak_bytes, counters_.current_bytes);
+}
+
+BoxIndexWriter::BoxIndexWriter(const VolumeSource& source, std::string volume_name, int64_t time,
+                               const SliceRanges& ranges)
+    : source_(source),
+      volume_name_(std::move(volume_name)),
+      time_(time),
+      ranges_(ranges),
+      origin_(originOf(ranges)) {}
+
+void BoxIndexWriter::add(int64_t block, const BoxTree& tree) {
+  std::vector<std::byte> bytes = serialize(tree);
+  const auto [first, count, blocks] = pieceSpan(ranges_, block);
+  Pending whole;
+  {
+    const std::lock_guard lock(mutex_);
+    Pending& pending = pending_[first];
+    if (pending.trees.empty()) {
+      pending.trees.resize(static_cast<size_t>(count));
+      pending.missing = static_cast<int64_t>(blocks.size());
+    }
+    pending.trees[static_cast<size_t>(block - first)] = std::move(bytes);
+    if (--pending.missing > 0) return;
+    whole = std::move(pending);
+    pending_.erase(first);
+  }
+  const IndexWritten written =
+      writeIndex(indexPlaces(volume_name_), keyOf(source_, time_, origin_.layout, first),
+                 serialize(assemble(first, whole.trees), origin_));
+  const std::lock_guard lock(mutex_);
+  pieces_written_ += written.path.empty() ? 0 : 1;
+}
+
+int64_t BoxIndexWriter::piecesWritten() const {
+  const std::lock_guard lock(mutex_);
+  return pieces_written_;
 }
 
 }  // namespace sluice

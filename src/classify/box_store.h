@@ -16,6 +16,7 @@
 #include <string>
 #include <unordered_map>
 #include <utility>
+#include <vector>
 
 #include "src/base/worker_pool.h"
 #include "src/classify/boxes_file.h"
@@ -33,7 +34,7 @@ struct BoxStoreCounters {
 
 class BoxStore {
  public:
-  // Blocks of one piece.
+  // Blocks of one piece of the index.
   static constexpr int64_t kPieceBlocks = 256;
 
   // `volume_name` is what the user called the volume: where its index is kept. `source`, `ranges`
@@ -68,6 +69,37 @@ class BoxStore {
   std::list<std::pair<int64_t, BoxTreePtr>> recent_;  // most recently used first
   std::unordered_map<int64_t, std::list<std::pair<int64_t, BoxTreePtr>>::iterator> kept_;
   BoxStoreCounters counters_;
+};
+
+// Keeps trees in the index as they come by, for a pass over all blocks that is made anyway: piece
+// by piece, each as soon as all its blocks that are not background are there.
+class BoxIndexWriter {
+ public:
+  // As for a BoxStore, which finds what is written here.
+  BoxIndexWriter(const VolumeSource& source, std::string volume_name, int64_t time,
+                 const SliceRanges& ranges);
+
+  // Once for a block, from any thread. Requires: the tree is that of growingParameters() for the
+  // ranges, of bricks of kBrickSide.
+  void add(int64_t block, const BoxTree& tree);
+
+  // That some folder took.
+  int64_t piecesWritten() const;
+
+ private:
+  struct Pending {
+    std::vector<std::vector<std::byte>> trees;
+    int64_t missing = 0;
+  };
+
+  const VolumeSource& source_;
+  const std::string volume_name_;
+  const int64_t time_;
+  const SliceRanges& ranges_;
+  const BoxesOrigin origin_;  // constant after construction
+  mutable std::mutex mutex_;
+  std::unordered_map<int64_t, Pending> pending_;  // guarded by mutex_, by the first block
+  int64_t pieces_written_ = 0;                    // guarded by mutex_
 };
 
 }  // namespace sluice

@@ -67,12 +67,10 @@ DeviceVoxels readDevice(VolumeSource& source, int64_t time, const Box3& box) {
 // Adds what one block has to the cost of all.
 class Counter {
  public:
-  Counter(const OpacityTable& table, const Box3& crop, const GrowingParameters& parameters)
-      : table_(table), crop_(crop), parameters_(parameters) {}
+  Counter(const OpacityTable& table, const Box3& crop) : table_(table), crop_(crop) {}
 
-  PartitionCost of(const BrickGrid& grid) const {
+  PartitionCost of(const BrickGrid& grid, const BoxTree& tree) const {
     PartitionCost cost;
-    const BoxTree tree = growBoxTree(grid, parameters_);
     cost.blocks = 1;
     cost.grown = tree.grown;
     cost.boxes = static_cast<int64_t>(tree.boxes.size());
@@ -109,7 +107,6 @@ class Counter {
 
   const OpacityTable& table_;
   const Box3& crop_;
-  const GrowingParameters& parameters_;
 };
 
 void add(PartitionCost& sum, const PartitionCost& by) {
@@ -204,14 +201,16 @@ void forEachBlockBricks(VolumeSource& source, int64_t time, const BlockLayout& l
 
 PartitionCost partitionCost(VolumeSource& source, int64_t time, const SliceRanges& ranges,
                             const OpacityTable& table, const Box3& crop, WorkerPool& pool,
-                            Progress& progress) {
+                            Progress& progress, const TakeTree& take) {
   const GrowingParameters parameters = growingParameters(ranges.map.type, ranges.device_range);
-  const Counter counter(table, crop, parameters);
+  const Counter counter(table, crop);
   PartitionCost sum;
   std::mutex mutex;
   forEachBlockBricks(source, time, ranges.layout, ranges.blocks, pool, progress,
-                     [&](int64_t, const BrickGrid& grid) {
-                       const PartitionCost cost = counter.of(grid);
+                     [&](int64_t block, const BrickGrid& grid) {
+                       const BoxTree tree = growBoxTree(grid, parameters);
+                       if (take) take(block, tree);
+                       const PartitionCost cost = counter.of(grid, tree);
                        const std::lock_guard lock(mutex);
                        add(sum, cost);
                      });

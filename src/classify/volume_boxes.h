@@ -45,9 +45,11 @@ struct PartitionCost {
   // are.
   int64_t perfect_bricks = 0, perfect_cells = 0;
 };
-// Reads all blocks that are held.
+// Called on any thread, on several at once.
+using TakeTree = std::function<void(int64_t block, const BoxTree& tree)>;
+// Reads all blocks that are held, and hands each one's tree to `take` if there is one.
 PartitionCost partitionCost(VolumeSource& source, int64_t time, const SliceRanges& ranges,
                             const OpacityTable& table, const Box3& crop, WorkerPool& pool,
-                            Progress& progress);
+                            Progress& progress, const TakeTree& take = {});
 
 }  // namespace sluice

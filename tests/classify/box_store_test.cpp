@@ -137,6 +137,22 @@ TEST_F(BoxStoreTest, aDamagedIndexIsMadeAnew) {
   EXPECT_EQ(again.counters().pieces_read, 1) << "and is whole again";
 }
 
+TEST_F(BoxStoreTest, whatAPassOverAllBlocksKeepsIsFoundByTheStore) {
+  BoxIndexWriter index(*source_, (folder_ / "blobs.raw").string(), 0, ranges_);
+  forEachBlockBricks(*source_, 0, layout_, ranges_.blocks, pool_, progress_,
+                     [&](int64_t block, const BrickGrid& grid) {
+                       index.add(block, growBoxTree(grid, growingParameters(ranges_.map.type,
+                                                                            ranges_.device_range)));
+                     });
+  EXPECT_EQ(index.piecesWritten(), 2);
+  source_->reset();
+  BoxStore boxes = store();
+  for (const int64_t block : {ranges_.blocks.front(), ranges_.blocks.back()})
+    EXPECT_EQ(*boxes.tree(block), expected(block));
+  EXPECT_EQ(boxes.counters().pieces_read, 2);
+  EXPECT_EQ(source_->counts().calls, 0);
+}
+
 TEST_F(BoxStoreTest, withoutAnIndexNothingIsWritten) {
   setenv("SLUICE_INDEX", "off", 1);
   BoxStore boxes = store();

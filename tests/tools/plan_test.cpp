@@ -22,6 +22,7 @@ TEST(Plan, growingBoxesLieBetweenObjectBoxesAndPerfectBricks) {
                 boxes["other_boxes"].get<int64_t>(),
             boxes["boxes"].get<int64_t>());
   EXPECT_EQ(plan["options"]["partition"], "boxes");
+  EXPECT_EQ(boxes["index_pieces"], 1) << "kept for the picture that may follow";
 }
 
 TEST(Plan, withoutGrowingBoxesNothingIsSaidOfThem) {
