@@ -10,6 +10,7 @@
 #include "tools/algorithms_bench.h"
 #include "tools/commands.h"
 #include "tools/report.h"
+#include "tools/threshold_bench.h"
 
 namespace sluice {
 namespace {
@@ -105,6 +106,18 @@ int runAlgorithms(const Arguments& arguments, const CLI::App& app) {
   return 0;
 }
 
+int runThreshold(const Arguments& arguments, int changes, const CLI::App& app) {
+  nlohmann::json report = benchThreshold(
+      {arguments.volume, arguments.look, arguments.frame, arguments.resources, changes});
+  if (arguments.json) {
+    report.update({{"command", "bench threshold"}, {"options", optionsJson(app)}});
+    fmt::print("{}\n", report.dump(2));
+  } else {
+    printThreshold(report);
+  }
+  return 0;
+}
+
 int runSimulate(bool as_json) {
   const SimulateBenchResult result = benchSimulate({});
   if (as_json) {
@@ -160,6 +173,20 @@ Command addBench(CLI::App& program) {
       ->capture_default_str()
       ->check(CLI::Range(1, 100000));
   algorithms->add_flag("--json", paper->json, "One JSON object");
+  auto changes = std::make_shared<int>(24);
+  CLI::App* threshold = app->add_subcommand(
+      "threshold",
+      "From a changed threshold to the finished picture: small and large steps, a random walk and "
+      "a band; in memory, out of core and cold; and a full rebuild\n\n"
+      "  sluice bench threshold bonsai.nii.gz --threshold 40");
+  addVolumeOptions(*threshold, arguments->volume);
+  addLookOptions(*threshold, arguments->look);
+  addViewOptions(*threshold, arguments->frame);
+  addResourceOptions(*threshold, arguments->resources);
+  threshold->add_option("--changes", *changes, "Changes of each kind")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 100000));
+  threshold->add_flag("--json", arguments->json, "One JSON object");
   for (CLI::App* each : {limit, render}) {
     each->add_option("--frames", arguments->frames, "Frames measured, after 2 warm ones")
         ->capture_default_str()
@@ -169,6 +196,7 @@ Command addBench(CLI::App& program) {
   return [=] {
     if (limit->parsed()) return runLimit(*arguments);
     if (simulate->parsed()) return runSimulate(arguments->json);
+    if (threshold->parsed()) return runThreshold(*arguments, *changes, *threshold);
     if (algorithms->parsed()) return runAlgorithms(*paper, *algorithms);
     return runRender(*arguments, *render);
   };

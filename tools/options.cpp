@@ -210,6 +210,10 @@ void addViewOptions(CLI::App& app, FrameOptions& options) {
       [&options](MergeOrder order) { options.merge_order = order; });
   addParsed(app, "--opacity-threshold", "A ray ends at this opacity; 1 never (1)", "0..1",
             unitShare, [&options](double threshold) { options.opacity_threshold = threshold; });
+  app.add_option("--time-limit", options.time_limit_s,
+                 "A frame leaves out what is not read by then, and says so (waits for all)")
+      ->check(CLI::NonNegativeNumber)
+      ->type_name("SECONDS");
 }
 
 void addResourceOptions(CLI::App& app, ResourceArguments& arguments) {

@@ -126,6 +126,9 @@ void printHuman(const Scene& scene, const std::vector<RenderedFrame>& frames,
              frames.size() == 1 ? "" : "s, the last", report.seconds, scene.device->backend(),
              scene.device->renderer(), formatBytes(scene.volume.source->storedBytesRead()),
              formatBytes(peakResidentBytes()));
+  if (report.missing_share > 0)
+    fmt::print("incomplete: {:.1f} % of what can be seen was not there within --time-limit\n",
+               100 * report.missing_share);
   if (!scene.volume.index.note.empty()) fmt::print("{}\n", scene.volume.index.note);
   if (verified)
     fmt::print("against the plain picture: largest difference {:.3f}/255, mean {:.5f}/255\n",

@@ -7,8 +7,9 @@ namespace sluice {
 using nlohmann::json;
 
 json frameJson(const RenderedFrame& frame) {
-  const StageSeconds& s = frame.report.stages;
-  return {{"seconds", frame.report.seconds},
+  const FrameReport& report = frame.report;
+  const StageSeconds& s = report.stages;
+  return {{"seconds", report.seconds},
           {"stages",
            {{"classify", s.classify},
             {"plan", s.plan},
@@ -18,13 +19,26 @@ json frameJson(const RenderedFrame& frame) {
             {"upload", s.upload},
             {"draw", s.draw},
             {"write", frame.write_seconds}}},
-          {"samples_drawn", frame.report.samples_drawn},
-          {"samples_object", frame.report.samples_object},
-          {"chunks", frame.report.chunks},
-          {"pages", frame.report.pages},
-          {"pages_loaded", frame.report.pages_loaded},
-          {"uploaded_bytes", frame.report.uploaded_bytes},
-          {"binds", frame.report.binds}};
+          {"samples_drawn", report.samples_drawn},
+          {"samples_object", report.samples_object},
+          {"chunks", report.chunks},
+          {"pages", report.pages},
+          {"pages_loaded", report.pages_loaded},
+          {"decoded_bytes", report.decoded_bytes},
+          {"copied_bytes", report.copied_bytes},
+          {"uploaded_bytes", report.uploaded_bytes},
+          {"rebuild",
+           {{"decoded_bytes", report.rebuild.decoded},
+            {"copied_bytes", report.rebuild.copied},
+            {"uploaded_bytes", report.rebuild.uploaded}}},
+          {"blocks", {{"white", report.white}, {"grey", report.grey}, {"black", report.black}}},
+          {"blocks_before",
+           {{"white", report.before.white},
+            {"grey", report.before.grey},
+            {"black", report.before.black}}},
+          {"complete", report.missing_share == 0},
+          {"missing_share", report.missing_share},
+          {"binds", report.binds}};
 }
 
 json countersJson(const CacheCounters& c) {
@@ -39,7 +53,9 @@ json countersJson(const CacheCounters& c) {
           {"current_bytes", c.current_bytes},
           {"peak_bytes", c.peak_bytes},
           {"budget_bytes", c.budget_bytes},
-          {"decoded_bytes", c.decoded_bytes}};
+          {"decoded_bytes", c.decoded_bytes},
+          {"packs", c.packs},
+          {"unpacks", c.unpacks}};
 }
 
 json volumeJson(const IndexedVolume& volume) {

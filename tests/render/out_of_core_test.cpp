@@ -1,0 +1,238 @@
+// Frames under small budgets and while data is late: the same picture, nothing read for nothing,
+// and what is missing at a time limit is said.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <future>
+#include <unordered_set>
+
+#include "src/classify/transfer_makers.h"
+#include "src/texture/chunk_names.h"
+#include "tests/render/render_scene.h"
+#include "tests/support/counting_source.h"
+#include "tests/support/failing_source.h"
+#include "tests/support/random_volume.h"
+
+namespace sluice {
+namespace {
+
+constexpr Vec3i kDims{60, 52, 44};
+constexpr PageGeometry kPage{{8, 8, 8}, 1, 1 << 12};
+
+std::unique_ptr<MemorySource> blobs() {
+  BlobOptions options;
+  options.dims = kDims;
+  options.type = VoxelType::kU8;
+  options.blobs = 14;
+  return makeSparseBlobs(options);
+}
+
+TransferFunction above(double threshold) {
+  return thresholdTransfer(threshold, {0, 200}, 0.2, "viridis");
+}
+
+FrameOptions smallView() {
+  return obliqueView(Projection::kPerspective, {48, 44});
+}
+
+class OutOfCoreTest : public RenderTest {
+ protected:
+  SliceRanges rangesOf(VolumeSource& source, int64_t block_vox, bool lit = false) {
+    Progress silent;
+    return buildSliceRanges(source, 0, blockLayout(kDims, block_vox, lit ? 1 : 0), pool_, silent);
+  }
+  std::unique_ptr<Session> sessionOf(VolumeSource& source, const SliceRanges& ranges,
+                                     SessionOptions options = {}) {
+    options.page = options.page.pages == 0 ? kPage : options.page;
+    if (options.memory_bytes == 0) options.memory_bytes = uint64_t{256} << 20;
+    options.lit = ranges.layout.ghost == 1;
+    auto session = std::make_unique<Session>(source, 0, ranges, device(), pool_, options);
+    session->setTransferFunction(above(40));
+    session->setOptions(smallView());
+    return session;
+  }
+  std::vector<float> pictureOf(VolumeSource& source, const SliceRanges& ranges) {
+    return sessionOf(source, ranges)->frame().picture.rgba;
+  }
+
+  WorkerPool pool_{2};
+};
+
+TEST_F(OutOfCoreTest, anyBudgetGivesTheSamePicture) {
+  const auto source = blobs();
+  for (const int64_t block : {8, 16, 32})
+    for (const bool lit : {false, true}) {
+      const SliceRanges ranges = rangesOf(*source, block, lit);
+      SessionOptions options;
+      options.page = {{8, 8, 8}, 1, block * block * block / 512};  // a block
+      const std::vector<float> expected = sessionOf(*source, ranges, options)->frame().picture.rgba;
+      const uint64_t least = static_cast<uint64_t>(options.page.cacheBytes()) + kSpareTextureBytes +
+                             leastBufferBytes(options.page, block);
+      for (const uint64_t more : {0, 1, 100'000, 1'000'000, 100'000'000}) {
+        SCOPED_TRACE(fmt::format("blocks of {}, lit {}, {} more than the least", block, lit, more));
+        options.memory_bytes = least + more;
+        const auto session = sessionOf(*source, ranges, options);
+        for (int frame = 0; frame < 2; ++frame)
+          EXPECT_EQ(session->frame().picture.rgba, expected) << "frame " << frame;
+        const CacheCounters blocks = session->volumeBufferCounters(),
+                            chunks = session->textureBufferCounters();
+        EXPECT_EQ(blocks.brokenIdentity(), "");
+        EXPECT_EQ(chunks.brokenIdentity(), "");
+        EXPECT_LE(blocks.peak_bytes + chunks.peak_bytes +
+                      session->textureCache().counters().peak_bytes + kSpareTextureBytes,
+                  options.memory_bytes);
+      }
+    }
+}
+
+TEST_F(OutOfCoreTest, whiteBlocksAreNeverRead) {
+  const auto source = blobs();
+  CountingSource counting(*source);
+  const SliceRanges ranges = rangesOf(*source, 16);
+  const auto session = sessionOf(counting, ranges);
+  const FrameReport report = session->frame().report;
+  EXPECT_GT(report.white, 0);
+  EXPECT_EQ(counting.reads().size(), static_cast<size_t>(report.grey + report.black));
+  EXPECT_EQ(static_cast<uint64_t>(counting.counts().bytes), report.decoded_bytes);
+  EXPECT_EQ(report.decoded_bytes, report.rebuild.decoded);
+  EXPECT_EQ(report.copied_bytes, report.rebuild.copied);
+  EXPECT_EQ(report.uploaded_bytes, report.rebuild.uploaded);
+}
+
+// Voxels of chunks whose recipe no plan before had, counted from the plans alone.
+class ChangedVoxels {
+ public:
+  uint64_t of(const TexturePlan& plan) {
+    uint64_t voxels = 0;
+    const std::vector<uint64_t> names = names_.namesOf(plan);
+    for (size_t i = 0; i < names.size(); ++i)
+      if (seen_.insert(names[i]).second)
+        for (const int64_t block : plan.chunks[i].blocks)
+          voxels += static_cast<uint64_t>(plan.blocks[static_cast<size_t>(block)].voxels.count());
+    return voxels;
+  }
+
+ private:
+  ChunkNames names_;
+  std::unordered_set<uint64_t> seen_;
+};
+
+TEST_F(OutOfCoreTest, aChangedThresholdCopiesTheChangedChunksAndReadsTheNewBlocksAlone) {
+  const auto source = blobs();
+  const SliceRanges ranges = rangesOf(*source, 8);
+  for (const Algorithm algorithm : {Algorithm::kTrimmed, Algorithm::kMerged}) {
+    CountingSource counting(*source);
+    const auto session = sessionOf(counting, ranges);
+    FrameOptions options = smallView();
+    options.algorithm = algorithm;
+    session->setOptions(options);
+    ChangedVoxels changed;
+    std::unordered_set<int64_t> held;  // blocks
+    BlockClasses before;
+    for (const double threshold : {90.0, 91.0, 60.0, 20.0, 150.0, 150.5, 60.0}) {
+      SCOPED_TRACE(threshold);
+      const OpacityTable table(above(threshold), ranges.map, ranges.device_range);
+      const Box3 all = boxOf(kDims - Vec3i{1, 1, 1});
+      const Classification classes = classify(ranges, table, all, pool_);
+      int64_t fresh = 0;
+      for (const ObjectBlock& block : classes.visible) fresh += held.insert(block.block).second;
+      counting.reset();
+      session->setTransferFunction(above(threshold));
+      const FrameReport report = session->frame().report;
+      EXPECT_EQ(report.copied_bytes,
+                changed.of(planTextures(ranges.layout, classes, kPage,
+                                        {algorithm, MergeOrder::kPaper, 0, all})));
+      EXPECT_EQ(counting.reads().size(), static_cast<size_t>(fresh));
+      EXPECT_EQ(report.before.white, before.white);
+      EXPECT_EQ(report.before.black, before.black);
+      before = {report.white, report.grey, report.black};
+      EXPECT_EQ(report.white + report.grey + report.black, ranges.layout.blockCount());
+    }
+  }
+}
+
+TEST_F(OutOfCoreTest, atTheTimeLimitWhatIsThereIsDrawnAndTheNextFramesCompleteIt) {
+  const auto source = blobs();
+  const SliceRanges ranges = rangesOf(*source, 8);
+  const std::vector<float> expected = pictureOf(*source, ranges);
+  FailingSource stalled(*source, FailingSource::Failure::kStall, 5, FailingSource::kForever);
+  const auto session = sessionOf(stalled, ranges);
+  FrameOptions options = smallView();
+  options.time_limit_s = 0.02;
+  session->setOptions(options);
+  Frame frame = session->frame();
+  EXPECT_GT(frame.report.missing_share, 0);
+  EXPECT_LE(frame.report.missing_share, 1);
+  EXPECT_NE(frame.picture.rgba, expected);
+  stalled.release();
+  int frames = 0;
+  double missing = 1;
+  for (; missing > 0 && frames < 1000; ++frames) {
+    frame = session->frame();
+    EXPECT_LE(frame.report.missing_share, missing);
+    missing = frame.report.missing_share;
+  }
+  EXPECT_EQ(missing, 0);
+  EXPECT_EQ(frame.picture.rgba, expected);
+  EXPECT_EQ(session->volumeBufferCounters().brokenIdentity(), "");
+}
+
+TEST_F(OutOfCoreTest, anUnlimitedFrameCompletesALimitedOne) {
+  const auto source = blobs();
+  const SliceRanges ranges = rangesOf(*source, 8);
+  const std::vector<float> expected = pictureOf(*source, ranges);
+  const auto session = sessionOf(*source, ranges);
+  FrameOptions options = smallView();
+  options.time_limit_s = 0;
+  session->setOptions(options);
+  session->frame();
+  session->setOptions(smallView());
+  const Frame frame = session->frame();
+  EXPECT_EQ(frame.report.missing_share, 0);
+  EXPECT_EQ(frame.picture.rgba, expected);
+}
+
+TEST_F(OutOfCoreTest, whatAChangedThresholdMakesUselessIsNotRead) {
+  const auto source = blobs();
+  const SliceRanges ranges = rangesOf(*source, 8);
+  CountingSource counting(*source);
+  FailingSource stalled(counting, FailingSource::Failure::kStall, 0, FailingSource::kForever);
+  const auto session = sessionOf(stalled, ranges);
+  FrameOptions options = smallView();
+  options.time_limit_s = 0;
+  session->setOptions(options);
+  const FrameReport limited = session->frame().report;
+  stalled.waitUntilStalled();
+  session->setTransferFunction(above(1000));  // nothing is visible
+  stalled.release();
+  EXPECT_EQ(session->frame().report.missing_share, 0);
+  // What was under way when the change came: a run a reader.
+  EXPECT_LT(counting.reads().size(), static_cast<size_t>(limited.grey + limited.black) / 2);
+}
+
+TEST_F(OutOfCoreTest, aReadThatStallsIsWaitedFor) {
+  const auto source = blobs();
+  const SliceRanges ranges = rangesOf(*source, 8);
+  const std::vector<float> expected = pictureOf(*source, ranges);
+  FailingSource stalled(*source, FailingSource::Failure::kStall, 3);
+  const auto session = sessionOf(stalled, ranges);
+  auto helper = std::async(std::launch::async, [&] {
+    stalled.waitUntilStalled();
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    stalled.release();
+  });
+  EXPECT_EQ(session->frame().picture.rgba, expected);
+}
+
+TEST_F(OutOfCoreTest, aFailureAheadEndsTheFrameThatNeedsItAndNoOther) {
+  const auto source = blobs();
+  const SliceRanges ranges = rangesOf(*source, 8);
+  const std::vector<float> expected = pictureOf(*source, ranges);
+  FailingSource failing(*source, FailingSource::Failure::kError, 20);
+  const auto session = sessionOf(failing, ranges);
+  EXPECT_THROW(session->frame(), Error);
+  EXPECT_EQ(session->frame().picture.rgba, expected);
+}
+
+}  // namespace
+}  // namespace sluice

@@ -1,0 +1,292 @@
+#include "tools/threshold_bench.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <random>
+#include <unordered_set>
+
+#include "src/base/clock.h"
+#include "src/classify/transfer_makers.h"
+#include "src/texture/chunk_names.h"
+#include "tools/scene.h"
+
+namespace sluice {
+namespace {
+
+constexpr int kWarmFrames = 2;
+constexpr int kSteadyFrames = 9;
+constexpr int kRebuilds = 3;
+// Of the value range.
+constexpr double kSmallStep = 1.0 / 256, kLargeStep = 1.0 / 16, kWalkStep = 1.0 / 64;
+constexpr double kBandWidth = 1.0 / 8;
+
+double quantile(std::vector<double> values, double share) {
+  std::sort(values.begin(), values.end());
+  const double at = share * static_cast<double>(values.size() - 1);
+  return values[static_cast<size_t>(std::lround(at))];
+}
+
+struct Range {
+  double lo, hi, start;
+  double span() const { return hi - lo; }
+  double clamped(double threshold) const {
+    return std::clamp(threshold, lo + 0.02 * span(), hi - 0.02 * span());
+  }
+};
+
+// Visible in a band of values alone.
+TransferFunction band(const Range& range, double at, double opacity) {
+  TransferFunction transfer = thresholdTransfer(at, {range.lo, range.hi}, opacity);
+  const double end = at + kBandWidth * range.span();
+  transfer.opacities = {{at, 0}, {at, opacity}, {end, opacity}, {end, 0}};
+  transfer.name = fmt::format("band {:g} to {:g}", at, end);
+  return transfer;
+}
+
+// The transfer functions of one kind of change, each the change from the one before.
+std::vector<TransferFunction> changesOf(const std::string& kind, const Range& range, int count,
+                                        double opacity, uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> step(0, kWalkStep * range.span());
+  std::vector<TransferFunction> changes;
+  double threshold = range.start;
+  for (int i = 1; i <= count; ++i) {
+    // No threshold comes twice, so that none finds chunks of an earlier change by design.
+    if (kind == "small" || kind == "band") threshold = range.start + kSmallStep * range.span() * i;
+    if (kind == "large")
+      threshold = range.start + range.span() * (kLargeStep * (i % 4) + kSmallStep * (i / 4 + 0.5));
+    if (kind == "walk") threshold += step(random);
+    threshold = range.clamped(threshold);
+    changes.push_back(kind == "band" ? band(range, threshold, opacity)
+                                     : thresholdTransfer(threshold, {range.lo, range.hi}, opacity));
+  }
+  return changes;
+}
+
+struct Measured {
+  std::vector<double> seconds, classify, plan, copy, read, decode, upload, draw;
+  uint64_t copied_bytes = 0, uploaded_bytes = 0, decoded_bytes = 0, rebuild_bytes = 0;
+
+  void add(const FrameReport& report, double change_seconds) {
+    seconds.push_back(change_seconds);
+    const StageSeconds& s = report.stages;
+    classify.push_back(s.classify), plan.push_back(s.plan), copy.push_back(s.copy);
+    read.push_back(s.read), decode.push_back(s.decode), upload.push_back(s.upload);
+    draw.push_back(s.draw);
+    copied_bytes += report.copied_bytes, uploaded_bytes += report.uploaded_bytes;
+    decoded_bytes += report.decoded_bytes, rebuild_bytes += report.rebuild.copied;
+  }
+  nlohmann::json json() const {
+    const auto p50 = [](const std::vector<double>& values) { return quantile(values, 0.5); };
+    return {{"p50", p50(seconds)},
+            {"p95", quantile(seconds, 0.95)},
+            {"max", quantile(seconds, 1)},
+            {"parts",
+             {{"classify", p50(classify)},
+              {"plan", p50(plan)},
+              {"read", p50(read)},
+              {"decode", p50(decode)},
+              {"copy", p50(copy)},
+              {"upload", p50(upload)},
+              {"draw", p50(draw)}}},
+            {"bytes_copied", copied_bytes},
+            {"bytes_uploaded", uploaded_bytes},
+            {"bytes_decoded", decoded_bytes},
+            {"rebuild_bytes_copied", rebuild_bytes}};
+  }
+};
+
+FrameReport change(Session& session, const TransferFunction& transfer, Measured& into) {
+  const Stopwatch watch;
+  session.setTransferFunction(transfer);
+  const FrameReport report = session.frame().report;
+  into.add(report, watch.seconds());
+  return report;
+}
+
+// Counts for itself what a change should copy: the voxels of chunks whose recipe no plan had
+// before.
+class ChangedBytes {
+ public:
+  uint64_t of(const TexturePlan& plan) {
+    uint64_t voxels = 0;
+    const std::vector<uint64_t> names = names_.namesOf(plan);
+    for (size_t i = 0; i < names.size(); ++i)
+      if (seen_.insert(names[i]).second)
+        for (const int64_t block : plan.chunks[i].blocks)
+          voxels += static_cast<uint64_t>(plan.blocks[static_cast<size_t>(block)].voxels.count());
+    return voxels * static_cast<uint64_t>(plan.page.bytes_per_voxel);
+  }
+
+ private:
+  ChunkNames names_;
+  std::unordered_set<uint64_t> seen_;
+};
+
+constexpr std::array kKinds = {"small", "large", "walk", "band"};
+
+struct Bench {
+  const ThresholdBench& asked;
+  Scene& scene;
+  Range range;
+  double opacity;
+
+  std::vector<TransferFunction> changes(const char* kind) const {
+    return changesOf(kind, range, asked.changes, opacity, asked.resources.seed);
+  }
+  TransferFunction start() const {
+    return thresholdTransfer(range.start, {range.lo, range.hi}, opacity);
+  }
+  std::unique_ptr<Session> sessionOf(const SliceRanges& ranges, uint64_t memory_bytes) const {
+    SessionOptions options;
+    options.page = scene.volume.page;
+    options.memory_bytes = memory_bytes;
+    options.policy = asked.resources.policy;
+    options.seed = asked.resources.seed;
+    options.lit = asked.look.shade;
+    auto session = std::make_unique<Session>(*scene.volume.source, asked.volume.time, ranges,
+                                             *scene.device, scene.pool, options);
+    session->setOptions(asked.frame);
+    return session;
+  }
+};
+
+double steadySeconds(Session& session) {
+  std::vector<double> seconds;
+  for (int i = -kWarmFrames; i < kSteadyFrames; ++i) {
+    const double frame = session.frame().report.seconds;
+    if (i >= 0) seconds.push_back(frame);
+  }
+  return quantile(seconds, 0.5);
+}
+
+// All in memory: what the session holds is what any frame so far asked for.
+nlohmann::json warmChanges(const Bench& bench, nlohmann::json& report) {
+  nlohmann::json result;
+  ChangedBytes changed;
+  uint64_t copied_bytes = 0, changed_bytes = 0;
+  std::vector<double> classify, plan;
+  Session& session = *bench.scene.session;
+  const auto expected = [&](const TransferFunction& transfer) {
+    return changed.of(planFrame(bench.scene.volume, transfer, bench.asked.frame,
+                                bench.asked.volume.time, bench.scene.pool)
+                          .plan);
+  };
+  expected(bench.start());
+  for (const char* kind : kKinds) {
+    session.setTransferFunction(bench.start());
+    session.frame();
+    Measured measured;
+    for (const TransferFunction& transfer : bench.changes(kind)) {
+      changed_bytes += expected(transfer);
+      copied_bytes += change(session, transfer, measured).copied_bytes;
+    }
+    result[kind] = measured.json();
+    classify.insert(classify.end(), measured.classify.begin(), measured.classify.end());
+    plan.insert(plan.end(), measured.plan.begin(), measured.plan.end());
+  }
+  report["classify_seconds"] = quantile(classify, 0.5);
+  report["plan_seconds"] = quantile(plan, 0.5);
+  report["bytes_copied"] = copied_bytes;
+  report["bytes_changed"] = changed_bytes;
+  return result;
+}
+
+// Nothing is held but the index: each change opens a session of its own.
+nlohmann::json coldChanges(const Bench& bench) {
+  Measured measured;
+  for (const TransferFunction& transfer : bench.changes("small")) {
+    const auto session = bench.sessionOf(bench.scene.volume.index.ranges, bench.scene.memory_bytes);
+    change(*session, transfer, measured);
+  }
+  return {{"small", measured.json()}};
+}
+
+nlohmann::json outOfCoreChanges(const Bench& bench) {
+  const SliceRanges& ranges = bench.scene.volume.index.ranges;
+  const MovedBytes all = bench.scene.session->frame().report.rebuild;
+  const DeviceLimits limits = bench.scene.device->limits();
+  const PageGeometry& page = bench.scene.volume.page;
+  const uint64_t textures =
+      limits.textures_in_memory ? static_cast<uint64_t>(page.cacheBytes()) + kSpareTextureBytes : 0;
+  const uint64_t least = textures + leastBufferBytes(page, ranges.layout.size);
+  const uint64_t memory_bytes = std::max(least, textures + (all.decoded + all.uploaded) / 4);
+  nlohmann::json result{{"memory_bytes", memory_bytes}};
+  const auto session = bench.sessionOf(ranges, memory_bytes);
+  for (const char* kind : kKinds) {
+    session->setTransferFunction(bench.start());
+    session->frame();
+    Measured measured;
+    for (const TransferFunction& transfer : bench.changes(kind))
+      change(*session, transfer, measured);
+    result[kind] = measured.json();
+  }
+  return result;
+}
+
+// Without min-max arrays that are kept: every voxel is looked at, every chunk made anew.
+double rebuildSeconds(const Bench& bench) {
+  std::vector<double> seconds;
+  const std::vector<TransferFunction> transfers = bench.changes("small");
+  for (int i = 0; i < kRebuilds; ++i) {
+    const Stopwatch watch;
+    Progress silent;
+    const SliceRanges ranges =
+        buildSliceRanges(*bench.scene.volume.source, bench.asked.volume.time,
+                         bench.scene.volume.layout, bench.scene.pool, silent);
+    const auto session = bench.sessionOf(ranges, bench.scene.memory_bytes);
+    session->setTransferFunction(transfers[static_cast<size_t>(i) % transfers.size()]);
+    session->frame();
+    seconds.push_back(watch.seconds());
+  }
+  return quantile(seconds, 0.5);
+}
+
+}  // namespace
+
+nlohmann::json benchThreshold(const ThresholdBench& asked) {
+  Scene scene(asked.volume, asked.look, asked.resources);
+  const ValueRange values = scene.volume.valueRange();
+  const double start = asked.look.threshold.value_or(values.lo + 0.2 * (values.hi - values.lo));
+  const Bench bench{
+      asked, scene, {values.lo, values.hi, start}, asked.look.opacity.value_or(kDefaultOpacity)};
+  nlohmann::json report;
+  scene.session->setOptions(asked.frame);
+  scene.session->setTransferFunction(bench.start());
+  report["steady_frame_seconds"] = steadySeconds(*scene.session);
+  report["change_seconds"] = warmChanges(bench, report);
+  scene.session->setTransferFunction(bench.start());
+  report["out_of_core"] = outOfCoreChanges(bench);
+  report["cold"] = coldChanges(bench);
+  report["rebuild_seconds"] = rebuildSeconds(bench);
+  return report;
+}
+
+void printThreshold(const nlohmann::json& report) {
+  const double steady = report["steady_frame_seconds"];
+  fmt::print("steady frame {:.4f} s; rebuild without min-max arrays {:.4f} s\n", steady,
+             report["rebuild_seconds"].get<double>());
+  fmt::print("{:<22} {:>8} {:>8} {:>8} {:>7} {:>9} {:>8} {:>8} {:>8} {:>8}\n", "changes", "p50 s",
+             "p95 s", "max s", "frames", "classify", "plan", "copy", "upload", "draw");
+  const auto row = [&](const std::string& name, const nlohmann::json& m) {
+    const nlohmann::json& parts = m["parts"];
+    const double p50 = m["p50"];
+    fmt::print(
+        "{:<22} {:>8.4f} {:>8.4f} {:>8.4f} {:>7.2f} {:>9.5f} {:>8.5f} {:>8.4f} {:>8.4f} "
+        "{:>8.4f}\n",
+        name, p50, m["p95"].get<double>(), m["max"].get<double>(), p50 / steady,
+        parts["classify"].get<double>(), parts["plan"].get<double>(), parts["copy"].get<double>(),
+        parts["upload"].get<double>(), parts["draw"].get<double>());
+  };
+  for (const char* kind : kKinds) row(kind, report["change_seconds"][kind]);
+  for (const char* kind : kKinds)
+    row(std::string("out of core, ") + kind, report["out_of_core"][kind]);
+  row("cold, small", report["cold"]["small"]);
+  fmt::print("in memory: {} bytes copied, {} bytes of changed chunks\n",
+             report["bytes_copied"].get<uint64_t>(), report["bytes_changed"].get<uint64_t>());
+}
+
+}  // namespace sluice
