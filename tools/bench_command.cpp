@@ -7,6 +7,7 @@
 #include "cache/bench_simulate.h"
 #include "src/gl/gl_device.h"
 #include "src/render/sampling_limit.h"
+#include "src/render/slicing_cost.h"
 #include "tools/algorithms_bench.h"
 #include "tools/commands.h"
 #include "tools/report.h"
@@ -131,6 +132,25 @@ int runSimulate(bool as_json) {
   return 0;
 }
 
+int runSlicing(bool as_json) {
+  constexpr int kViews = 9;
+  constexpr uint64_t kSeed = 1;
+  const SlicingCost cost = slicingCost(kViews, kSeed);
+  if (as_json) {
+    const nlohmann::json report{{"command", "bench slicing"},
+                                {"slices", cost.slices},
+                                {"plain_ns", cost.plain_ns},
+                                {"incremental_ns", cost.incremental_ns},
+                                {"ratio", cost.ratio()}};
+    fmt::print("{}\n", report.dump(2));
+  } else {
+    fmt::print(
+        "{:.1f} ns a slice incrementally, {:.1f} ns from scratch: {:.2f} of it; {} slices a view\n",
+        cost.incremental_ns, cost.plain_ns, cost.ratio(), cost.slices);
+  }
+  return 0;
+}
+
 }  // namespace
 
 Command addBench(CLI::App& program) {
@@ -156,6 +176,10 @@ Command addBench(CLI::App& program) {
   CLI::App* simulate =
       app->add_subcommand("simulate", "The simulator's page requests a second, on one core");
   simulate->add_flag("--json", arguments->json, "One JSON object");
+  CLI::App* slicing = app->add_subcommand(
+      "slicing",
+      "Cutting boxes by a view's slices, incrementally against from scratch, on one core");
+  slicing->add_flag("--json", arguments->json, "One JSON object");
   // The paper's machine and picture, unless told otherwise.
   auto paper = std::make_shared<Arguments>(*arguments);
   paper->resources.page_vox = {32, 64, 2};
@@ -197,6 +221,7 @@ Command addBench(CLI::App& program) {
     if (limit->parsed()) return runLimit(*arguments);
     if (simulate->parsed()) return runSimulate(arguments->json);
     if (threshold->parsed()) return runThreshold(*arguments, *changes, *threshold);
+    if (slicing->parsed()) return runSlicing(arguments->json);
     if (algorithms->parsed()) return runAlgorithms(*paper, *algorithms);
     return runRender(*arguments, *render);
   };

@@ -40,5 +40,13 @@ TEST(Plan, printsTheThreePartitions) {
     EXPECT_NE(result.output.find(line), std::string::npos) << line;
 }
 
+TEST(BenchSlicing, saysWhatBothSlicersTake) {
+  const Program program;
+  const auto report = program.json("bench slicing");
+  EXPECT_GT(report["slices"].get<int64_t>(), 10000);
+  EXPECT_GT(report["incremental_ns"].get<double>(), 0);
+  EXPECT_GT(report["plain_ns"].get<double>(), 0);
+}
+
 }  // namespace
 }  // namespace sluice
