@@ -207,9 +207,12 @@ TEST(Program, aBackgroundLeavesNoTransparency) {
 
 TEST(Program, anInterruptionLeavesNoFileAndStatus130) {
   const Program program;
-  const CommandResult result = runCommand("cd " + shellQuoted(program.folder.path().string()) +
-                                          " && timeout --preserve-status -s INT 1 " SLUICE_PROGRAM
-                                          " synth noise -o big.raw --dims 3000,3000,3000");
+  // In the foreground timeout signals the program alone; else its group too, and a second signal
+  // ends the program at once, as watchForInterruption says.
+  const CommandResult result =
+      runCommand("cd " + shellQuoted(program.folder.path().string()) +
+                 " && timeout --foreground --preserve-status -s INT 1 " SLUICE_PROGRAM
+                 " synth noise -o big.raw --dims 3000,3000,3000");
   EXPECT_EQ(result.status, 130) << result.output;
   EXPECT_TRUE(std::filesystem::is_empty(program.folder.path()));
 }
