@@ -18,6 +18,9 @@ target_sources(sluice_io PRIVATE
   zarr_chunk_files.cpp
   zarr_codec.cpp
   zarr_image.cpp
-  zarr_source.cpp)
+  zarr_pack_folder.cpp
+  zarr_source.cpp
+  zarr_text.cpp
+  zarr_writer.cpp)
 target_include_directories(sluice_io PRIVATE ${BLOSC_INCLUDE_DIR} ${ZSTD_INCLUDE_DIR})
 target_link_libraries(sluice_io PRIVATE ${BLOSC_LIBRARY} ${ZSTD_LIBRARY})

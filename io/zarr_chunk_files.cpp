@@ -77,15 +77,21 @@ void ZarrChunkFiles::list() {
   if (checksums_) {
     for (size_t i = 0; i < checksums_->size(); ++i)
       if ((*checksums_)[i].bytes > 0) existing_.push_back(static_cast<int64_t>(i));
-    return;
+  } else {
+    existing_ = onDisk();
   }
-  std::vector<int64_t> index;
-  listFolder(folder_, index);
-  std::sort(existing_.begin(), existing_.end());
+}
+
+std::vector<int64_t> ZarrChunkFiles::onDisk() const {
+  std::vector<int64_t> index, found;
+  listFolder(folder_, index, found);
+  std::sort(found.begin(), found.end());
+  return found;
 }
 
 // With '/' a folder is a digit of the number; `index` has those of the folders above.
-void ZarrChunkFiles::listFolder(const std::filesystem::path& folder, std::vector<int64_t>& index) {
+void ZarrChunkFiles::listFolder(const std::filesystem::path& folder, std::vector<int64_t>& index,
+                                std::vector<int64_t>& found) const {
   const auto take = [&](std::string_view text) {
     const auto value = indexIn(text, array_.chunksAlong(index.size()));
     if (value) index.push_back(*value);
@@ -99,9 +105,9 @@ void ZarrChunkFiles::listFolder(const std::filesystem::path& folder, std::vector
     if (array_.separator == '/') {
       if (!take(name)) continue;
       if (index.size() == array_.axes())
-        existing_.push_back(array_.chunkNumber(index));
+        found.push_back(array_.chunkNumber(index));
       else if (entries->is_directory(status))
-        listFolder(entries->path(), index);
+        listFolder(entries->path(), index, found);
       status.clear();
     } else {
       std::string_view rest = name;
@@ -112,7 +118,7 @@ void ZarrChunkFiles::listFolder(const std::filesystem::path& folder, std::vector
         is_chunk = take(rest.substr(0, end));
         rest.remove_prefix(std::min(end + 1, rest.size()));
       }
-      if (is_chunk) existing_.push_back(array_.chunkNumber(index));
+      if (is_chunk) found.push_back(array_.chunkNumber(index));
     }
     index.resize(depth);
   }

@@ -38,6 +38,8 @@ class ZarrChunkFiles {
   // listed.
   const std::vector<int64_t>& existing();
   bool exists(int64_t chunk);
+  // The same from the folder alone, whatever the checksums say.
+  std::vector<int64_t> onDisk() const;
 
   // Reads the whole file of an existing chunk into what `room(bytes)` returns, after its size was
   // found credible; checks the checksum where there is one. Throws Error naming the file.
@@ -49,7 +51,8 @@ class ZarrChunkFiles {
 
  private:
   void list();
-  void listFolder(const std::filesystem::path& folder, std::vector<int64_t>& index);
+  void listFolder(const std::filesystem::path& folder, std::vector<int64_t>& index,
+                  std::vector<int64_t>& found) const;
 
   const std::filesystem::path folder_;
   const ZarrArray array_;

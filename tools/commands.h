@@ -15,6 +15,7 @@ Command addRender(CLI::App& program);
 Command addPlan(CLI::App& program);
 Command addSimulate(CLI::App& program);
 Command addSynth(CLI::App& program);
+Command addPack(CLI::App& program);
 Command addDoctor(CLI::App& program);
 Command addBench(CLI::App& program);
 

@@ -38,8 +38,9 @@ int main(int argc, char** argv) {
     program.set_version_flag("--version", SLUICE_VERSION);
     program.require_subcommand(1);
     std::vector<std::pair<CLI::App*, sluice::Command>> commands;
-    for (const auto add : {sluice::addInfo, sluice::addRender, sluice::addPlan, sluice::addSimulate,
-                           sluice::addSynth, sluice::addDoctor, sluice::addBench}) {
+    for (const auto add :
+         {sluice::addInfo, sluice::addRender, sluice::addPlan, sluice::addSimulate,
+          sluice::addSynth, sluice::addPack, sluice::addDoctor, sluice::addBench}) {
       sluice::Command command = add(program);
       commands.emplace_back(program.get_subcommands(nullptr).back(), std::move(command));
     }
