@@ -68,7 +68,12 @@ const std::vector<int64_t>& ZarrChunkFiles::existing() {
 }
 
 bool ZarrChunkFiles::exists(int64_t chunk) {
-  if (checksums_) return stored(chunk).bytes > 0;
+  if (checksums_) {
+    if (stored(chunk).bytes > 0) return true;
+    if (access(path(chunk).c_str(), F_OK) == 0)
+      fail("{}: expected no such chunk, as packed, found one", path(chunk));
+    return false;
+  }
   const std::vector<int64_t>& all = existing();
   return std::binary_search(all.begin(), all.end(), chunk);
 }

@@ -37,6 +37,7 @@ class ZarrChunkFiles {
   // The numbers of the chunks that have a file, ascending. Throws Error when the folder cannot be
   // listed.
   const std::vector<int64_t>& existing();
+  // Throws Error where the checksums say that there is none, and there is one.
   bool exists(int64_t chunk);
   // The same from the folder alone, whatever the checksums say.
   std::vector<int64_t> onDisk() const;

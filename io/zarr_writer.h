@@ -17,11 +17,11 @@ namespace sluice {
 
 struct PackOptions {
   int64_t chunk_voxels = 64;  // a side
-  BloscOptions blosc;
+  BloscOptions blosc = {};
   uint64_t memory_bytes = uint64_t{256} << 20;  // of all threads together
   bool verify = false;                          // read again and compare with the source
   bool replace = false;                         // an existing store, at the end
-  std::string unit;                             // of the spacing; empty: what the source says
+  std::string unit = {};                        // of the spacing; empty: what the source says
 };
 
 struct PackReport {

@@ -1,0 +1,192 @@
+// sluice pack as a user has it: killed, interrupted, out of room, beside another.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <map>
+
+#include "tests/tools/program.h"
+
+namespace sluice {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Takes a second or more on one thread: enough to be interrupted in.
+constexpr const char* kSlow = "synth:noise,dims=200x200x400,type=u16";
+constexpr const char* kOptions = " --codec zstd --level 7 --threads 1 --chunk 32";
+
+std::map<std::string, std::string> filesOf(const fs::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+    if (entry.is_regular_file())
+      files[entry.path().lexically_relative(folder).string()] = readFile(entry.path());
+  return files;
+}
+
+bool isOneLine(const std::string& text) {
+  return !text.empty() && std::count(text.begin(), text.end(), '\n') == 1 && text.back() == '\n';
+}
+
+// A line of sh in which $SLUICE is the program.
+CommandResult shell(const Program& program, const std::string& line) {
+  return runCommand("cd " + shellQuoted(program.folder.path().string()) +
+                    " && export XDG_CACHE_HOME=cache && SLUICE=" SLUICE_PROGRAM " && { " + line +
+                    "\n}");
+}
+
+TEST(PackCommand, packsChecksAndIsOpenedWithItsIndexRead) {
+  const Program program;
+  const auto report = program.json(
+      "pack synth:shells,dims=90x70x50,spacing=1x2x3 -o v.zarr --chunk 32 --verify --unit "
+      "micrometer");
+  EXPECT_EQ(report["chunks"]["count"], 3 * 3 * 2);
+  EXPECT_EQ(report["voxel_bytes"], 90 * 70 * 50);
+  EXPECT_TRUE(report["verified"]);
+  EXPECT_EQ(report["index"]["state"], "built");
+  const auto info = program.json("info v.zarr");
+  EXPECT_EQ(info["dims"], nlohmann::json({90, 70, 50}));
+  EXPECT_EQ(info["spacing"], nlohmann::json({1.0, 2.0, 3.0}));
+  EXPECT_EQ(info["index"]["state"], "read");
+  EXPECT_EQ(program.run("pack --check v.zarr").status, 0);
+  // One chunk with one bit changed.
+  std::fstream file(program.folder / "v.zarr/0/0/1/1",
+                    std::ios::in | std::ios::out | std::ios::binary);
+  file.seekg(100);
+  const int byte = file.get();
+  file.seekp(100);
+  file.put(static_cast<char>(byte ^ 1));
+  file.close();
+  for (const char* line :
+       {"pack --check v.zarr", "render v.zarr -o a.png --size 32 --algorithm conventional"}) {
+    const CommandResult result = program.run(line);
+    EXPECT_EQ(result.status, 1);
+    EXPECT_TRUE(isOneLine(result.output)) << result.output;
+    EXPECT_NE(result.output.find("v.zarr/0/0/1/1"), std::string::npos) << result.output;
+  }
+  EXPECT_FALSE(program.exists("a.png"));
+}
+
+TEST(PackCommand, aPackedVolumeGivesTheSamePicture) {
+  const Program program;
+  std::vector<std::string> volumes = {"synth:shells,dims=80x70x60,spacing=1x1.5x2"};
+  const std::string bonsai = SLUICE_DATA_DIR "/bonsai.nii.gz";
+  if (fs::exists(bonsai)) volumes.push_back(bonsai);
+  for (const std::string& volume : volumes)
+    for (const char* codec : {"lz4", "zstd"}) {
+      SCOPED_TRACE(volume + " " + codec);
+      ASSERT_EQ(program.run("pack " + volume + " -o v.zarr --force --codec " + codec).status, 0);
+      const std::string view = " --size 200 --threshold 40 --azimuth 30 --elevation 20 --shade -o ";
+      ASSERT_EQ(program.run("render " + volume + view + "a.png").status, 0);
+      ASSERT_EQ(program.run("render v.zarr" + view + "b.png").status, 0);
+      EXPECT_TRUE(readFile(program.folder / "a.png") == readFile(program.folder / "b.png"));
+    }
+}
+
+TEST(PackCommand, wrongUsageIsOneLine) {
+  const Program program;
+  for (const char* line :
+       {"pack synth:cube", "pack synth:cube -o a.zarr --codec lzma",
+        "pack synth:cube -o a.zarr --level 0", "pack synth:cube -o a.zarr --chunk 3",
+        "pack synth:cube -o a.zarr --time 1", "pack --check a.zarr -o b.zarr"}) {
+    const CommandResult result = program.run(line);
+    EXPECT_EQ(result.status, 2) << line << ": " << result.output;
+    EXPECT_TRUE(isOneLine(result.output)) << result.output;
+  }
+  for (const char* line :
+       {"pack synth:cube,dims=9x9x9 -o a.raw", "pack none.nrrd -o a.zarr", "pack --check none.zarr",
+        "pack synth:cube,dims=9x9x9 -o a.zarr --memory 1K",
+        "pack synth:cube,dims=9x9x9 -o no/such/a.zarr/.. "}) {
+    const CommandResult result = program.run(line);
+    EXPECT_EQ(result.status, 1) << line << ": " << result.output;
+    EXPECT_TRUE(isOneLine(result.output)) << result.output;
+  }
+  EXPECT_FALSE(program.exists("a.zarr"));
+}
+
+// Killed several times at several moments, then left alone.
+TEST(PackCommand, killedOrInterruptedItGoesOnToTheSameBytes) {
+  const Program program;
+  const std::string line = std::string("$SLUICE pack ") + kSlow + kOptions + " --json -o ";
+  ASSERT_EQ(shell(program, line + "whole.zarr").status, 0);
+  const auto expected = filesOf(program.folder / "whole.zarr");
+  for (const char* signal : {"INT", "TERM", "KILL"}) {
+    SCOPED_TRACE(signal);
+    int stopped = 0;
+    for (const int journal_bytes : {3200, 8000, 12800}) {  // of 637 chunks of 32 bytes
+      const CommandResult result = shell(
+          program, line + "v.zarr & pid=$!; while kill -0 $pid 2>/dev/null && " +
+                       fmt::format("[ $(stat -c %s v.zarr.partial/journal 2>/dev/null || echo 0) "
+                                   "-lt {} ]; do sleep 0.01; done; kill -{} $pid; wait $pid",
+                                   journal_bytes, signal));
+      if (result.status == 0) break;  // it was faster
+      ++stopped;
+      EXPECT_FALSE(program.exists("v.zarr"));
+      EXPECT_EQ(result.status, signal == std::string("KILL") ? 137 : 130) << result.output;
+      if (signal != std::string("KILL")) {
+        EXPECT_TRUE(isOneLine(result.output)) << result.output;
+        EXPECT_NE(result.output.find("the same command goes on"), std::string::npos);
+      }
+    }
+    EXPECT_GT(stopped, 0);
+    if (!program.exists("v.zarr")) {
+      const CommandResult last = shell(program, line + "v.zarr");
+      ASSERT_EQ(last.status, 0) << last.output;
+      EXPECT_GT(nlohmann::json::parse(last.output)["chunks"]["kept"].get<int64_t>(), 0);
+    }
+    EXPECT_TRUE(filesOf(program.folder / "v.zarr") == expected);
+    EXPECT_FALSE(program.exists("v.zarr.partial"));
+    fs::remove_all(program.folder / "v.zarr");
+  }
+}
+
+TEST(PackCommand, aFullDiskIsOneLineAndMoreRoomGoesOn) {
+  const Program program;
+  const std::string disk = (program.folder / "disk").string();
+  if (shell(program, "mkdir disk && mount -t tmpfs -o size=4m tmpfs disk").status != 0)
+    GTEST_SKIP() << "no file system can be mounted here";
+  const std::string line =
+      "$SLUICE pack synth:noise,dims=128x128x512,share=1 --chunk 32 -o disk/v.zarr";
+  const CommandResult full = shell(program, line);
+  const CommandResult again = shell(program, line);
+  const bool named = program.exists("disk/v.zarr");
+  shell(program, "mount -o remount,size=64m disk");
+  const CommandResult rest = shell(program, line);
+  const CommandResult sound = shell(program, "$SLUICE pack --check disk/v.zarr");
+  shell(program, "umount disk");
+  for (const CommandResult& result : {full, again}) {
+    EXPECT_EQ(result.status, 1);
+    EXPECT_TRUE(isOneLine(result.output)) << result.output;
+    EXPECT_NE(result.output.find("No space left on device"), std::string::npos) << result.output;
+  }
+  EXPECT_FALSE(named);
+  EXPECT_EQ(rest.status, 0) << rest.output;
+  EXPECT_NE(rest.output.find("done before an interruption"), std::string::npos) << rest.output;
+  EXPECT_EQ(sound.status, 0) << sound.output;
+}
+
+TEST(PackCommand, aFolderThatCannotBeWrittenIsOneLine) {
+  const Program program;
+  if (shell(program, "mkdir disk && mount -t tmpfs -o ro tmpfs disk").status != 0)
+    GTEST_SKIP() << "no file system can be mounted here";
+  const CommandResult result = shell(program, "$SLUICE pack synth:cube,dims=9x9x9 -o disk/v.zarr");
+  shell(program, "umount disk");
+  EXPECT_EQ(result.status, 1);
+  EXPECT_TRUE(isOneLine(result.output)) << result.output;
+  EXPECT_NE(result.output.find("Read-only file system"), std::string::npos) << result.output;
+}
+
+TEST(PackCommand, twoAtOnceAreOneStoreAndOneLine) {
+  const Program program;
+  const std::string line = std::string("$SLUICE pack ") + kSlow + kOptions + " -o v.zarr";
+  const CommandResult result = shell(
+      program,
+      line + " >first.txt 2>&1 & while [ ! -s v.zarr.partial/journal ]; do sleep 0.01; done; " +
+          line + "; echo $?; wait");
+  EXPECT_NE(result.output.find("another sluice is packing"), std::string::npos) << result.output;
+  EXPECT_TRUE(result.output.ends_with("\n1\n")) << result.output;
+  EXPECT_EQ(program.run("pack --check v.zarr").status, 0) << readFile(program.folder / "first.txt");
+}
+
+}  // namespace
+}  // namespace sluice
