@@ -15,7 +15,7 @@ namespace {
 // pieces beside it are so small that a system call for each would cost more than the copying, or
 // where it adds at most a quarter to what is wanted.
 constexpr uint64_t kMaxGapBytes = 4096;
-constexpr uint64_t kSmallPieceBytes = 512;
+constexpr uint64_t kSmallPieceBytes = 256;
 constexpr uint64_t kWantedBytesPerGapByte = 4;
 
 bool readsAcross(uint64_t gap_bytes, uint64_t piece_bytes) {
@@ -59,11 +59,11 @@ class RawSource::Gather {
   // `to` is filled with `bytes` bytes from `offset` of `store`.
   void add(ByteStore& store, uint64_t offset, std::byte* to, uint64_t bytes) {
     const bool near = store_ == &store && count_ + 2 <= parts_.size() && offset >= last_offset_ &&
-                      (offset <= end_ || readsAcross(offset - end_, bytes));
+                      (offset <= end_ || readsAcross(offset - end_, end_ - piece_begin_));
     if (!near) {
       flush();
       store_ = &store;
-      begin_ = end_ = offset;
+      begin_ = piece_begin_ = end_ = offset;
     }
     if (offset < end_) {
       const uint64_t shared = std::min(bytes, end_ - offset);
@@ -71,7 +71,10 @@ class RawSource::Gather {
       offset += shared, to += shared, bytes -= shared;
       if (bytes == 0) return;
     }
-    if (offset > end_) parts_[count_++] = {gap_.data(), offset - end_};
+    if (offset > end_) {
+      parts_[count_++] = {gap_.data(), offset - end_};
+      piece_begin_ = offset;
+    }
     const bool adjoins =
         count_ > 0 && offset == end_ &&
         static_cast<std::byte*>(parts_[count_ - 1].iov_base) + parts_[count_ - 1].iov_len == to;
@@ -101,6 +104,7 @@ class RawSource::Gather {
 
   ByteStore* store_ = nullptr;
   uint64_t begin_ = 0, end_ = 0;       // of the pieces collected, in the store
+  uint64_t piece_begin_ = 0;           // of what adjoins the last one
   const std::byte* last_ = nullptr;    // where the last piece goes
   uint64_t last_offset_ = UINT64_MAX;  // and where it comes from
   size_t count_ = 0;

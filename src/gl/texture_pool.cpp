@@ -59,6 +59,9 @@ GLuint TexturePool::create(Vec3i size_vox, DeviceType type) {
 }
 
 void TexturePool::dropIdle(uint64_t bytes) {
+  // A texture keeps its memory while a queued draw reads it: deleted sooner, the old ones and those
+  // that replace them would be there at once.
+  gl_.Finish();
   for (auto entry = idle_.begin(); entry != idle_.end() && bytes > 0;) {
     auto& [size, textures] = *entry;
     const uint64_t each = bytesOf({size.x, size.y, size.z}, size.type);

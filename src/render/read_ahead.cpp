@@ -63,12 +63,20 @@ uint64_t ReadAhead::bytesOf(int64_t chunk) const {
   return TextureBuffer::bytesOf(plan_, plan_.chunks[static_cast<size_t>(chunk)]);
 }
 
-TextureBuffer::BatchPtr ReadAhead::beginNow(std::span<const int64_t> chunks) {
+std::vector<int64_t> ReadAhead::soonAfter(size_t step) const {
+  std::vector<int64_t> chunks;
+  for (size_t i = step + 1; i < steps_.size() && !steps_[i - 1].completes_cluster; ++i)
+    for (const int64_t chunk : absent(steps_[i])) chunks.push_back(chunk);
+  return chunks;
+}
+
+TextureBuffer::BatchPtr ReadAhead::beginNow(std::span<const int64_t> chunks,
+                                            std::span<const int64_t> soon) {
   for (;;) {
-    TextureBuffer::BatchPtr batch = buffer_.tryBegin(plan_, names_, chunks);
+    TextureBuffer::BatchPtr batch = buffer_.tryBegin(plan_, names_, chunks, soon);
     if (batch != nullptr) return batch;
     // What is wanted now goes before what is wanted later.
-    if (begun_.size() <= 1) return buffer_.begin(plan_, names_, chunks);
+    if (begun_.size() <= 1) return buffer_.begin(plan_, names_, chunks, soon);
     buffer_.cancel(begun_.back().batch);
     begun_.pop_back();
   }
@@ -77,8 +85,10 @@ TextureBuffer::BatchPtr ReadAhead::beginNow(std::span<const int64_t> chunks) {
 void ReadAhead::beginNext(bool may_wait) {
   while (begun_.size() < std::min(steps_.size(), kMostStepsAhead)) {
     std::vector<int64_t> chunks = absent(steps_[begun_.size()]);
-    TextureBuffer::BatchPtr batch =
-        begun_.empty() && may_wait ? beginNow(chunks) : buffer_.tryBegin(plan_, names_, chunks);
+    const std::vector<int64_t> soon = soonAfter(begun_.size());
+    TextureBuffer::BatchPtr batch = begun_.empty() && may_wait
+                                        ? beginNow(chunks, soon)
+                                        : buffer_.tryBegin(plan_, names_, chunks, soon);
     if (batch == nullptr) return;
     begun_.push_back({std::move(chunks), std::move(batch)});
   }
@@ -111,7 +121,7 @@ std::optional<ReadAhead::Taken> ReadAhead::take(const Deadline& deadline) {
 }
 
 ChunkTexelsPtr ReadAhead::takeOne(int64_t chunk) {
-  const TextureBuffer::BatchPtr batch = beginNow(std::span(&chunk, 1));
+  const TextureBuffer::BatchPtr batch = beginNow(std::span(&chunk, 1), {});
   return buffer_.finish(batch).front();
 }
 

@@ -55,7 +55,9 @@ class ReadAhead {
   };
   std::vector<int64_t> absent(const Step& step) const;
   uint64_t bytesOf(int64_t chunk) const;
-  TextureBuffer::BatchPtr beginNow(std::span<const int64_t> chunks);
+  // Of the steps that follow steps_[step] in its cluster.
+  std::vector<int64_t> soonAfter(size_t step) const;
+  TextureBuffer::BatchPtr beginNow(std::span<const int64_t> chunks, std::span<const int64_t> soon);
   void beginNext(bool may_wait);
   std::vector<ChunkTexelsPtr> texelsOf(const Begun& begun, const Deadline& deadline);
 

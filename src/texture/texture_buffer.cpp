@@ -29,14 +29,19 @@ struct TextureBuffer::Filling {
   EntryPtr into;
 };
 
+// Blocks of one row along x that are read together, and the fillings that they serve.
+struct TextureBuffer::Run {
+  std::vector<int64_t> blocks;  // ascending
+  size_t from = 0, to = 0;      // positions in Batch::fillings
+};
+
 // Constant from begin() to finish(), but for `next`.
 class TextureBuffer::Batch {
  public:
   int64_t time = 0;
   std::vector<EntryPtr> wanted;  // in the order asked for; empty when finished or cancelled
   std::vector<Filling> fillings;
-  // Positions in `fillings` of blocks that are read together: [from, to).
-  std::vector<std::pair<size_t, size_t>> runs;
+  std::vector<Run> runs;
   std::atomic<size_t> next{0};  // the run that no one has taken yet
 };
 
@@ -106,10 +111,12 @@ TextureBuffer::EntryPtr TextureBuffer::publish(const TexturePlan& plan, const Ch
 
 TextureBuffer::BatchPtr TextureBuffer::tryBegin(const TexturePlan& plan,
                                                 std::span<const uint64_t> names,
-                                                std::span<const int64_t> chunks) {
+                                                std::span<const int64_t> chunks,
+                                                std::span<const int64_t> soon) {
   auto batch = std::make_shared<Batch>();
   batch->time = plan.time;
   std::vector<Filling> fillings;
+  std::vector<int64_t> soon_blocks;
   {
     std::lock_guard lock(mutex_);
     // What is held already is pinned first, so that making room does not take it.
@@ -148,8 +155,9 @@ TextureBuffer::BatchPtr TextureBuffer::tryBegin(const TexturePlan& plan,
       ++entry->pins;
       batch->wanted.push_back(std::move(entry));
     }
+    if (!fillings.empty()) soon_blocks = blocksSoon(plan, names, soon);
   }
-  this->plan(*batch, std::move(fillings), plan.layout.grid.x);
+  planRuns(*batch, std::move(fillings), std::move(soon_blocks), plan.layout.grid.x);
   const auto helpers = std::min<int64_t>(pool_.threads(), static_cast<int64_t>(batch->runs.size()));
   {
     std::lock_guard lock(mutex_);
@@ -167,12 +175,13 @@ TextureBuffer::BatchPtr TextureBuffer::tryBegin(const TexturePlan& plan,
 
 TextureBuffer::BatchPtr TextureBuffer::begin(const TexturePlan& plan,
                                              std::span<const uint64_t> names,
-                                             std::span<const int64_t> chunks) {
+                                             std::span<const int64_t> chunks,
+                                             std::span<const int64_t> soon) {
   for (;;) {
     std::unique_lock lock(mutex_);
     const uint64_t filling_bytes = reserved_bytes_;
     lock.unlock();
-    BatchPtr batch = tryBegin(plan, names, chunks);
+    BatchPtr batch = tryBegin(plan, names, chunks, soon);
     if (batch != nullptr) return batch;
     if (filling_bytes == 0) break;
     lock.lock();
@@ -196,29 +205,60 @@ TextureBuffer::BatchPtr TextureBuffer::begin(const TexturePlan& plan,
       formatBytes(counters_.current_bytes + reserved_bytes_));
 }
 
-void TextureBuffer::plan(Batch& batch, std::vector<Filling> fillings, int64_t grid_x) const {
-  // In the order of the volume, so that the blocks of a row along x are read together.
-  std::sort(fillings.begin(), fillings.end(),
-            [](const Filling& a, const Filling& b) { return a.block.block < b.block.block; });
+std::vector<int64_t> TextureBuffer::blocksSoon(const TexturePlan& plan,
+                                               std::span<const uint64_t> names,
+                                               std::span<const int64_t> soon) const {
+  std::vector<int64_t> blocks;
+  // More would be gone before their turn.
+  const uint64_t most = blocks_.counters().budget_bytes * 3 / 4 / blocks_.blockBytes();
+  for (const int64_t position : soon) {
+    if (blocks.size() >= most) break;
+    if (entries_.contains(names[static_cast<size_t>(position)])) continue;
+    for (const int64_t block : plan.chunks[static_cast<size_t>(position)].blocks)
+      blocks.push_back(plan.blocks[static_cast<size_t>(block)].block);
+  }
+  return blocks;
+}
+
+void TextureBuffer::planRuns(Batch& batch, std::vector<Filling> fillings, std::vector<int64_t> soon,
+                             int64_t grid_x) const {
+  const auto byBlock = [](const Filling& a, const Filling& b) {
+    return a.block.block < b.block.block;
+  };
+  std::sort(fillings.begin(), fillings.end(), byBlock);
+  std::sort(soon.begin(), soon.end());
   // What all threads hold at once, the caller among them, stays within half of level 2.
   const uint64_t share =
       blocks_.counters().budget_bytes / 2 / (static_cast<uint64_t>(pool_.threads()) + 1);
   const size_t most = std::max<size_t>(1, share / blocks_.blockBytes());
   for (size_t from = 0; from < fillings.size();) {
-    size_t to = from + 1;
-    while (to < fillings.size() && to - from < most &&
-           fillings[to].block.block / grid_x == fillings[from].block.block / grid_x)
-      ++to;
-    batch.runs.emplace_back(from, to);
-    from = to;
+    const int64_t row = fillings[from].block.block / grid_x;
+    size_t to = from;
+    std::vector<int64_t> blocks(std::lower_bound(soon.begin(), soon.end(), row * grid_x),
+                                std::lower_bound(soon.begin(), soon.end(), (row + 1) * grid_x));
+    for (; to < fillings.size() && fillings[to].block.block / grid_x == row; ++to)
+      blocks.push_back(fillings[to].block.block);
+    std::sort(blocks.begin(), blocks.end());
+    blocks.erase(std::unique(blocks.begin(), blocks.end()), blocks.end());
+    // In parts of at most `most` blocks, those that serve a filling.
+    for (size_t part = 0; part < blocks.size() && from < to; part += most) {
+      const size_t part_end = std::min(part + most, blocks.size());
+      Run run{.blocks = {blocks.begin() + static_cast<ptrdiff_t>(part),
+                         blocks.begin() + static_cast<ptrdiff_t>(part_end)},
+              .from = from,
+              .to = from};
+      while (run.to < to && fillings[run.to].block.block <= run.blocks.back()) ++run.to;
+      if (run.to == from) continue;
+      from = run.to;
+      batch.runs.push_back(std::move(run));
+    }
   }
   batch.fillings = std::move(fillings);
 }
 
 void TextureBuffer::work(Batch& batch) {
   for (size_t i = batch.next.fetch_add(1); i < batch.runs.size(); i = batch.next.fetch_add(1)) {
-    const auto [from, to] = batch.runs[i];
-    const std::span<const Filling> run(batch.fillings.data() + from, to - from);
+    const Run& run = batch.runs[i];
     std::exception_ptr failure;
     try {
       fill(batch, run);
@@ -226,14 +266,14 @@ void TextureBuffer::work(Batch& batch) {
       failure = std::current_exception();
     }
     std::lock_guard lock(mutex_);
-    for (const Filling& filling : run) {
-      if (failure && !filling.into->failure) filling.into->failure = failure;
+    for (size_t at = run.from; at < run.to; ++at) {
+      const auto& [block, into] = batch.fillings[at];
+      if (failure && !into->failure) into->failure = failure;
       if (!failure)
         counters_.decoded_bytes +=
-            static_cast<uint64_t>(filling.block.voxels.count()) *
-            (filling.into->texels->byte_count /
-             static_cast<uint64_t>(volume(filling.into->texels->storage_vox)));
-      settle(filling.into, 1);
+            static_cast<uint64_t>(block.voxels.count()) *
+            (into->texels->byte_count / static_cast<uint64_t>(volume(into->texels->storage_vox)));
+      settle(into, 1);
     }
     // One that failed fails the batch: the rest would be read for nothing.
     if (failure) skipRest(batch, failure);
@@ -241,15 +281,18 @@ void TextureBuffer::work(Batch& batch) {
   }
 }
 
-void TextureBuffer::fill(Batch& batch, std::span<const Filling> run) {
+void TextureBuffer::fill(Batch& batch, const Run& run) {
   throwIfInterrupted();
   std::vector<BlockKey> keys;
-  for (const Filling& filling : run) keys.push_back({batch.time, filling.block.block});
+  for (const int64_t block : run.blocks) keys.push_back({batch.time, block});
   const std::vector<VolumeBlockPtr> blocks = blocks_.acquire(keys);
   const Stopwatch watch;
-  for (size_t i = 0; i < run.size(); ++i)
-    copyTextureBlock(run[i].block, *blocks[i], run[i].into->texels->storage_vox,
-                     run[i].into->texels->span());
+  for (size_t at = run.from; at < run.to; ++at) {
+    const Filling& filling = batch.fillings[at];
+    const auto found = std::lower_bound(run.blocks.begin(), run.blocks.end(), filling.block.block);
+    copyTextureBlock(filling.block, *blocks[static_cast<size_t>(found - run.blocks.begin())],
+                     filling.into->texels->storage_vox, filling.into->texels->span());
+  }
   copy_ns_ += static_cast<int64_t>(watch.seconds() * 1e9);
 }
 
@@ -279,7 +322,7 @@ void TextureBuffer::unpin(Batch& batch) {
 
 void TextureBuffer::skipRest(Batch& batch, const std::exception_ptr& why) {
   for (size_t i = batch.next.exchange(batch.runs.size()); i < batch.runs.size(); ++i)
-    for (size_t at = batch.runs[i].first; at < batch.runs[i].second; ++at) {
+    for (size_t at = batch.runs[i].from; at < batch.runs[i].to; ++at) {
       const EntryPtr& entry = batch.fillings[at].into;
       if (!entry->failure) entry->failure = why;
       // No one finds it any more: a later request fills it anew.

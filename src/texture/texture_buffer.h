@@ -51,11 +51,14 @@ class TextureBuffer {
   // Begins to fill these chunks (positions in plan.chunks) named `names` (of all chunks) on the
   // worker threads; waits for the room of what is being filled and no longer wanted. Throws Error
   // when the budget cannot hold them beside what is pinned. The plan may go when this returns.
+  //
+  // `soon` are chunks that will be asked for next: their blocks are read with those of the same row
+  // along x that are read now, since rows of a file lie together, as far as level 2 holds them.
   BatchPtr begin(const TexturePlan& plan, std::span<const uint64_t> names,
-                 std::span<const int64_t> chunks);
+                 std::span<const int64_t> chunks, std::span<const int64_t> soon = {});
   // The same without waiting; null, and nothing begun, for want of room.
   BatchPtr tryBegin(const TexturePlan& plan, std::span<const uint64_t> names,
-                    std::span<const int64_t> chunks);
+                    std::span<const int64_t> chunks, std::span<const int64_t> soon = {});
   // The texels in the order asked for. Helps to fill, then waits for the workers. Throws Error or
   // Interrupted when a block cannot be read; the chunks are not kept then.
   std::vector<ChunkTexelsPtr> finish(const BatchPtr& batch);
@@ -88,9 +91,13 @@ class TextureBuffer {
   void skipRest(Batch& batch, const std::exception_ptr& why);
   static void unpin(Batch& batch);
 
-  void plan(Batch& batch, std::vector<Filling> fillings, int64_t grid_x) const;
+  struct Run;
+  std::vector<int64_t> blocksSoon(const TexturePlan& plan, std::span<const uint64_t> names,
+                                  std::span<const int64_t> soon) const;
+  void planRuns(Batch& batch, std::vector<Filling> fillings, std::vector<int64_t> soon,
+                int64_t grid_x) const;
   void work(Batch& batch);
-  void fill(Batch& batch, std::span<const Filling> run);
+  void fill(Batch& batch, const Run& run);
 
   VolumeBuffer& blocks_;
   WorkerPool& pool_;
