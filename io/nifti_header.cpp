@@ -52,6 +52,7 @@ struct Fields {
   double vox_offset = 0;  // a whole number in NIfTI-2
   double scl_slope = 0, scl_inter = 0;
   int64_t qform_code = 0, sform_code = 0;
+  int64_t xyzt_units = 0;
   std::array<double, 3> quatern{}, qoffset{};
   std::array<std::array<double, 4>, 3> srow{};
 };
@@ -70,6 +71,7 @@ Fields readFields(const Reader& r, bool second) {
   f.scl_slope = r.either<float, double>(second, 112, 176);
   f.scl_inter = r.either<float, double>(second, 116, 184);
   f.qform_code = r.either<int16_t, int32_t>(second, 252, 344);
+  f.xyzt_units = second ? r.at<int32_t>(500) : r.at<int8_t>(123);
   f.sform_code = r.either<int16_t, int32_t>(second, 254, 348);
   for (size_t i = 0; i < 3; ++i) {
     f.quatern[i] = r.either<float, double>(second, 256 + 4 * i, 352 + 8 * i);
@@ -165,6 +167,9 @@ void readGeometry(const Fields& f, const std::string& path, VolumeLayout& layout
   }
   setSteps(path, steps, layout);
   setOrigin(path, origin, layout);
+  constexpr std::array<const char*, 8> kUnits = {"", "meter", "millimeter", "micrometer"};
+  const char* unit = kUnits[static_cast<size_t>(f.xyzt_units & 7)];
+  layout.unit = unit == nullptr ? "" : unit;
 }
 
 int64_t voxelOffset(const Fields& f, bool pair, const std::string& path) {

@@ -192,9 +192,9 @@ ZarrSource::ZarrSource(const fs::path& folder, const ZarrOptions& options) {
   });
   header_bytes_ = found.header_bytes;
   identity_ = folderIdentity(found.array_folder);
-  for (const std::string& identity : found.identities) identity_ += "|" + identity;
+  for (const std::string& identity : found.identities) identity_ += fmt::format("|{}", identity);
   if (has(found.array_folder, std::string(kZarrChecksumsName).c_str()))
-    identity_ += "|" + File(found.array_folder / kZarrChecksumsName).identity();
+    identity_ += fmt::format("|{}", File(found.array_folder / kZarrChecksumsName).identity());
   if (view_.channel) identity_ += fmt::format("|channel {}", channel_);
 
   const uint64_t chunk_bytes = array.chunkBytes();

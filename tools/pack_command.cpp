@@ -27,7 +27,7 @@ struct Arguments {
   bool json = false;
 };
 
-constexpr int kLz4Level = 5, kZstdLevel = 3, kInterrupted = 130;
+constexpr int kLz4Level = 5, kZstdLevel = 1, kInterrupted = 130;
 
 // The index that the store's first opening would build: of every time step.
 IndexedRanges indexStore(const Arguments& arguments, WorkerPool& pool) {

@@ -243,6 +243,25 @@ affines['mirrored'][:3, :3] = turn @ np.diag([-1.5, 2, 3])
 for m in affines.values(): m[:3, 3] = [-7, 8, 90]
 )";
 
+TEST(NiftiPeerTest, readsTheUnitThatNibabelWrites) {
+  SLUICE_NEEDS_MODULE("nibabel");
+  const TempFolder folder;
+  ASSERT_TRUE(runsPython(folder, R"(
+import nibabel as nib
+for kind in [nib.Nifti1Image, nib.Nifti2Image]:
+    for unit in ['unknown', 'meter', 'mm', 'micron']:
+        image = kind(known('u1', 5, 4, 3), np.eye(4))
+        image.header.set_xyzt_units(unit, 'msec')
+        nib.save(image, folder + unit + ('1' if kind is nib.Nifti1Image else '2') + '.nii')
+)")) << readFile(folder / "script.log");
+  for (const auto& [file, unit] : {std::pair{"unknown", ""},
+                                   {"meter", "meter"},
+                                   {"mm", "millimeter"},
+                                   {"micron", "micrometer"}})
+    for (const char* version : {"1", "2"})
+      EXPECT_EQ(openNifti(folder / (std::string(file) + version + ".nii"))->layout().unit, unit);
+}
+
 TEST(NiftiPeerTest, readsEveryTypeVersionByteOrderAndPackingThatNibabelWrites) {
   SLUICE_NEEDS_MODULE("nibabel");
   const TempFolder folder;
