@@ -143,7 +143,7 @@ BoxType typeOf(const CellRange& range, int64_t cells, const GrowingParameters& p
 
 double costOf(const BrickGrid& grid, const Box3& bricks, const CellRange& range,
               const GrowingParameters& parameters) {
-  const bool flat = isFlat(range, parameters);
+  const bool flat = isFlat(range, parameters), constant = range.lo == range.hi;
   // A volume of one value has no range to scale by.
   const float per_value = parameters.cost_range > 0 ? 1 / parameters.cost_range : 0;
   const Vec3i cells = grid.cells.size();
@@ -157,9 +157,9 @@ double costOf(const BrickGrid& grid, const Box3& bricks, const CellRange& range,
       const auto area = static_cast<float>(sideAt(2, z) * sideAt(1, y));
       float of_row = 0;
       for (int64_t i = 0; i < bricks.size().x; ++i) {
-        const bool spoilt = !flat && isFlat(row[i], parameters);
-        const float cost =
-            (range.width() - row[i].width()) * per_value + (spoilt ? parameters.flat_cost : 0);
+        float cost = (range.width() - row[i].width()) * per_value;
+        if (!flat && isFlat(row[i], parameters)) cost += parameters.flat_cost;
+        if (!constant && row[i].lo == row[i].hi) cost = 1;
         of_row += std::min(1.F, cost) * static_cast<float>(sideAt(0, bricks.lo.x + i));
       }
       sum += static_cast<double>(of_row * area);

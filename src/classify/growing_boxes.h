@@ -15,6 +15,8 @@
 //   is more than the box, would swallow anything.
 // - Flat bricks in a box that has gradients count too, which keeps the paper's gradient boxes apart
 //   from the uniform ones without cutting a surface up where both are visible anyway.
+// - A brick of one value counts in full in a box of more than one. Such bricks are the background,
+//   and faint values beside it are what a low threshold is after, however near they are.
 // - A box grows by the slab that costs least a cell, on the axis where it is shortest among equals,
 //   rather than axis after axis.
 #pragma once

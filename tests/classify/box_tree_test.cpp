@@ -152,13 +152,13 @@ void expectWhole(const BoxTree& tree, Vec3i cells) {
   EXPECT_EQ(stored, volume(cells)) << "no cell's voxels are stored twice for one block";
 }
 
-// A grid of given values, one a brick of one cell.
-BrickGrid gridOf(Vec3i size, const std::vector<float>& values) {
+// Bricks of one cell, each from a given value to `width` above it.
+BrickGrid gridOf(Vec3i size, const std::vector<float>& values, float width = 0) {
   BrickGrid grid;
   grid.cells = boxOf(size);
   grid.side = 1;
   grid.size = size;
-  for (const float value : values) grid.bricks.push_back({value, value, 0, 0});
+  for (const float value : values) grid.bricks.push_back({value, value + width, 0, 0});
   return grid;
 }
 
@@ -252,26 +252,29 @@ TEST(BoxTree, uniformSiblingsMergeToAUniformBoxOnly) {
   GrowingParameters parameters;
   parameters.least_uniform_cells = 1;
   const auto boxesAfter = [&](float left, float right) {
-    const BrickGrid grid = gridOf({8, 4, 4}, [&] {
-      std::vector<float> values;
-      for (int i = 0; i < 8 * 4 * 4; ++i) values.push_back(i % 8 < 4 ? left : right);
-      return values;
-    }());
+    const BrickGrid grid = gridOf(
+        {8, 4, 4},
+        [&] {
+          std::vector<float> values;
+          for (int i = 0; i < 8 * 4 * 4; ++i) values.push_back(i % 8 < 4 ? left : right);
+          return values;
+        }(),
+        1);
     const std::array boxes = {boxOfBricks(grid, {{0, 0, 0}, {4, 4, 4}}, parameters),
                               boxOfBricks(grid, {{4, 0, 0}, {8, 4, 4}}, parameters)};
     return boxTree(grid, boxes, parameters).boxes.size();
   };
-  EXPECT_EQ(boxesAfter(10, 40), 1U);
-  EXPECT_EQ(boxesAfter(10, 43), 2U) << "wider than a uniform box may be";
+  EXPECT_EQ(boxesAfter(10, 41), 1U);
+  EXPECT_EQ(boxesAfter(10, 42), 2U) << "wider than a uniform box may be";
 }
 
 // A thin sheet joins its neighbour although their types differ; a thick one does not.
 TEST(BoxTree, thinBoxesJoinTheirSiblings) {
   const auto boxesAfter = [](int64_t thickness) {
-    BrickGrid grid = gridOf({8, 8, 8}, std::vector<float>(512, 10));
+    BrickGrid grid = gridOf({8, 8, 8}, std::vector<float>(512, 10), 1);
     for (int64_t z = 0; z < thickness; ++z)
       for (int64_t i = 0; i < 64; ++i)
-        grid.bricks[static_cast<size_t>(64 * z + i)] = {20, 20, 0, 9};  // a faint gradient
+        grid.bricks[static_cast<size_t>(64 * z + i)] = {20, 21, 0, 9};  // a faint gradient
     const std::array boxes = {boxAt(grid, {{0, 0, 0}, {8, 8, thickness}}),
                               boxAt(grid, {{0, 0, thickness}, {8, 8, 8}})};
     EXPECT_NE(boxes[0].type, boxes[1].type);

@@ -52,6 +52,16 @@ TEST(GrowingBoxes, aSurfaceIsCutFromWhatItDivides) {
   EXPECT_GE(uniform_cells, volume.cells().count() * 8 / 10);
 }
 
+TEST(GrowingBoxes, faintValuesAreCutFromTheBackground) {
+  const auto source = makeMemorySource<uint8_t>(
+      Vec3i{65, 65, 65}, [](int64_t x, int64_t y, auto...) { return x < 33 ? 0 : 1 + y % 2; });
+  const DeviceVolume volume(*source);
+  int64_t empty = 0;
+  for (const auto& [cells, box] : grownPartition(volume, 64))
+    if (box.range.hi == 0) empty += cells.count();
+  EXPECT_EQ(empty, 32 * 64 * 64);
+}
+
 TEST(GrowingBoxes, everyBoxKeepsWithinItsLimits) {
   const auto source = makeSparseBlobs({.dims = {64, 64, 64}, .blobs = 12, .radius_vox = 9});
   const DeviceVolume volume(*source);
