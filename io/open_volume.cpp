@@ -94,6 +94,8 @@ class RespacedSource final : public VolumeSource {
   std::optional<Occupancy> occupancy(int64_t time) override { return source_->occupancy(time); }
   std::string identity() const override { return source_->identity(); }
   uint64_t storedBytesRead() const override { return source_->storedBytesRead(); }
+  uint64_t heldBytesAThread() const override { return source_->heldBytesAThread(); }
+  void holdAtMost(uint64_t bytes) override { source_->holdAtMost(bytes); }
 
  private:
   const std::unique_ptr<VolumeSource> source_;

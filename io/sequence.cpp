@@ -41,7 +41,14 @@ SequenceSource::SequenceSource(std::vector<std::string> steps, Opener opener, si
   // The files' states alone do not say how they are read (dims given by the user); the first
   // volume's identity does.
   identity_ = "sequence|" + fileIdentity(filesOf(steps_)) + "|first: " + first->identity();
+  held_bytes_a_thread_ = first->heldBytesAThread();
   open_.push_front({0, std::move(first)});
+}
+
+void SequenceSource::holdAtMost(uint64_t bytes) {
+  const std::lock_guard lock(mutex_);
+  file_held_bytes_ = bytes / max_open_files_;
+  for (const OpenFile& file : open_) file.source->holdAtMost(file_held_bytes_);
 }
 
 void SequenceSource::readRegion(int64_t time, const Box3& box, std::span<std::byte> out) {
@@ -85,6 +92,7 @@ std::shared_ptr<VolumeSource> SequenceSource::at(int64_t time) {
     closed_read_bytes_ += source->storedBytesRead();
     return found->source;
   }
+  if (file_held_bytes_ != UINT64_MAX) source->holdAtMost(file_held_bytes_);
   open_.push_front({time, source});
   closeIdle();
   return source;

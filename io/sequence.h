@@ -40,6 +40,9 @@ class SequenceSource final : public VolumeSource {
   // Covers all files as they were at the opening.
   std::string identity() const override { return identity_; }
   uint64_t storedBytesRead() const override;
+  uint64_t heldBytesAThread() const override { return held_bytes_a_thread_; }
+  // Shared out among the files that stay open.
+  void holdAtMost(uint64_t bytes) override;
 
  private:
   struct OpenFile {
@@ -55,12 +58,14 @@ class SequenceSource final : public VolumeSource {
   const std::vector<std::string> steps_;
   const Opener opener_;
   const size_t max_open_files_;
-  VolumeLayout layout_;   // constant after construction
-  std::string identity_;  // constant after construction
+  VolumeLayout layout_;               // constant after construction
+  std::string identity_;              // constant after construction
+  uint64_t held_bytes_a_thread_ = 0;  // constant after construction
 
   mutable std::mutex mutex_;
-  std::list<OpenFile> open_;        // guarded by mutex_; used last in front
-  uint64_t closed_read_bytes_ = 0;  // guarded by mutex_; of files closed since
+  std::list<OpenFile> open_;               // guarded by mutex_; used last in front
+  uint64_t closed_read_bytes_ = 0;         // guarded by mutex_; of files closed since
+  uint64_t file_held_bytes_ = UINT64_MAX;  // guarded by mutex_; what each file may hold
 };
 
 }  // namespace sluice

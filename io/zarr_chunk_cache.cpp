@@ -20,7 +20,13 @@ CountedBytes::CountedBytes(uint64_t bytes, HeldBytes& held)
 }
 
 ZarrChunkCache::ZarrChunkCache(uint64_t chunk_bytes, uint64_t budget_bytes, Decode decode)
-    : chunk_bytes_(chunk_bytes), budget_bytes_(budget_bytes), decode_(std::move(decode)) {}
+    : chunk_bytes_(chunk_bytes), decode_(std::move(decode)), budget_bytes_(budget_bytes) {}
+
+void ZarrChunkCache::setBudget(uint64_t budget_bytes) {
+  const std::lock_guard lock(mutex_);
+  budget_bytes_ = budget_bytes;
+  makeRoom();
+}
 
 ZarrChunkCache::Chunk ZarrChunkCache::get(int64_t chunk) {
   std::unique_lock lock(mutex_);

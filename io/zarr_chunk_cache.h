@@ -62,6 +62,7 @@ class ZarrChunkCache {
   // next call tries anew.
   Chunk get(int64_t chunk);
 
+  void setBudget(uint64_t budget_bytes);
   const HeldBytes& held() const { return held_; }
 
  private:
@@ -73,10 +74,11 @@ class ZarrChunkCache {
 
   void makeRoom();  // Requires: mutex_ held
 
-  const uint64_t chunk_bytes_, budget_bytes_;
+  const uint64_t chunk_bytes_;
   const Decode decode_;
   HeldBytes held_;
   std::mutex mutex_;
+  uint64_t budget_bytes_;  // guarded by mutex_
   std::condition_variable decoded_;
   std::unordered_map<int64_t, std::shared_ptr<Entry>> entries_;  // guarded by mutex_
   std::list<int64_t> used_;                                      // guarded by mutex_; last in front

@@ -44,6 +44,10 @@ class ZarrSource final : public VolumeSource {
   std::string identity() const override { return identity_; }
   uint64_t storedBytesRead() const override { return header_bytes_ + files_->storedBytesRead(); }
 
+  // A chunk being decoded, its compressed bytes, and one being copied from.
+  uint64_t heldBytesAThread() const override { return 3 * files_->array().chunkBytes(); }
+  void holdAtMost(uint64_t bytes) override { cache_->setBudget(bytes); }
+
   // Bytes of decoded chunks, and of those being decoded, now and at most so far.
   uint64_t heldBytes() const { return cache_->held().now(); }
   uint64_t peakHeldBytes() const { return cache_->held().peak(); }

@@ -212,7 +212,9 @@ nlohmann::json outOfCoreChanges(const Bench& bench) {
   const PageGeometry& page = bench.scene.volume.page;
   const uint64_t textures =
       limits.textures_in_memory ? static_cast<uint64_t>(page.cacheBytes()) + kSpareTextureBytes : 0;
-  const uint64_t least = textures + leastBufferBytes(page, ranges.layout.size);
+  const uint64_t least =
+      textures +
+      leastBufferBytes(page, {ranges.layout.size, bench.scene.volume.source->heldBytesAThread()});
   const uint64_t memory_bytes = std::max(least, textures + (all.decoded + all.uploaded) / 4);
   nlohmann::json result{{"memory_bytes", memory_bytes}};
   const auto session = bench.sessionOf(ranges, memory_bytes);

@@ -78,6 +78,12 @@ class VolumeSource {
   // index.
   virtual std::string identity() const = 0;
 
+  // What a source of compressed chunks holds decoded at the least while a thread reads; 0: nothing.
+  virtual uint64_t heldBytesAThread() const { return 0; }
+  // From now on decoded chunks take at most these bytes, or what the threads inside readRegion
+  // need, whichever is more.
+  virtual void holdAtMost(uint64_t /*bytes*/) {}
+
   // Bytes taken from files so far by this source (compressed bytes where compressed). Exact for
   // readers of ours; an estimate for OpenVDB, whose delayed loading maps the file.
   virtual uint64_t storedBytesRead() const = 0;

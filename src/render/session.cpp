@@ -30,22 +30,24 @@ uint64_t largestChunkBytes(const PageGeometry& page, int64_t block_vox) {
 }
 
 // What a thread that reads has under way.
-uint64_t threadBytes(const PageGeometry& page, int64_t block_vox) {
-  const int64_t block_bytes = volume(Vec3i{block_vox, block_vox, block_vox}) * page.bytes_per_voxel;
-  return static_cast<uint64_t>(2 * block_bytes) + VolumeBuffer::kScratchBytes;
+uint64_t threadBytes(const PageGeometry& page, const BufferNeeds& needs) {
+  const int64_t side = needs.block_vox;
+  const auto block_bytes =
+      static_cast<uint64_t>(volume(Vec3i{side, side, side}) * page.bytes_per_voxel);
+  return 2 * block_bytes + VolumeBuffer::kScratchBytes + needs.source_thread_bytes;
 }
 
 }  // namespace
 
-uint64_t leastBufferBytes(const PageGeometry& page, int64_t block_vox) {
-  return 2 * largestChunkBytes(page, block_vox) + 2 * threadBytes(page, block_vox);
+uint64_t leastBufferBytes(const PageGeometry& page, const BufferNeeds& needs) {
+  return 2 * largestChunkBytes(page, needs.block_vox) + 2 * threadBytes(page, needs);
 }
 
 Budgets shareMemory(uint64_t memory_bytes, const PageGeometry& page, bool textures_in_memory,
-                    int64_t block_vox, int most_readers) {
+                    const BufferNeeds& needs, int most_readers) {
   Budgets budgets;
   budgets.texture_cache = static_cast<uint64_t>(page.cacheBytes());
-  const uint64_t least_buffers = leastBufferBytes(page, block_vox);
+  const uint64_t least_buffers = leastBufferBytes(page, needs);
   const uint64_t textures = textures_in_memory ? budgets.texture_cache + kSpareTextureBytes : 0;
   if (memory_bytes < textures + least_buffers)
     fail(
@@ -53,15 +55,18 @@ Budgets shareMemory(uint64_t memory_bytes, const PageGeometry& page, bool textur
         "give --memory {} or fewer --pages",
         formatBytes(memory_bytes), formatBytes(textures), formatBytes(least_buffers),
         textures + least_buffers);
-  // Beyond the least: a third for chunks, the rest for blocks and for more readers.
+  // Beyond the least: a third for chunks, an eighth for a source that can use it, the rest for
+  // blocks and for more readers.
   const uint64_t surplus = memory_bytes - textures - least_buffers;
-  budgets.texture_buffer = 2 * largestChunkBytes(page, block_vox) + surplus / 3;
-  const uint64_t rest = memory_bytes - textures - budgets.texture_buffer;
+  budgets.texture_buffer = 2 * largestChunkBytes(page, needs.block_vox) + surplus / 3;
+  const uint64_t source_surplus = needs.source_thread_bytes > 0 ? surplus / 8 : 0;
+  const uint64_t rest = memory_bytes - textures - budgets.texture_buffer - source_surplus;
   const auto most_threads = static_cast<uint64_t>(most_readers) + 1;
-  const uint64_t threads = std::min(most_threads, rest / threadBytes(page, block_vox));
+  const uint64_t threads = std::min(most_threads, rest / threadBytes(page, needs));
   budgets.readers = static_cast<int>(threads) - 1;
   budgets.scratch = threads * VolumeBuffer::kScratchBytes;
-  budgets.volume_buffer = rest - budgets.scratch;
+  budgets.source = threads * needs.source_thread_bytes + source_surplus;
+  budgets.volume_buffer = rest - budgets.scratch - threads * needs.source_thread_bytes;
   return budgets;
 }
 
@@ -74,7 +79,8 @@ Session::Session(VolumeSource& source, int64_t time, const SliceRanges& ranges, 
       pool_(pool),
       options_(options),
       budgets_(shareMemory(options.memory_bytes, options.page, device.limits().textures_in_memory,
-                           ranges.layout.size, std::max(pool.threads(), kReadsInFlight))),
+                           {ranges.layout.size, source.heldBytesAThread()},
+                           std::max(pool.threads(), kReadsInFlight))),
       blocks_(source, ranges.layout, budgets_.volume_buffer, VolumeBuffer::Cold::kPacked),
       readers_(budgets_.readers + 1),
       chunks_(blocks_, readers_, budgets_.texture_buffer),
@@ -85,6 +91,7 @@ Session::Session(VolumeSource& source, int64_t time, const SliceRanges& ranges, 
   SLUICE_CHECK_EQ(options.page.bytes_per_voxel,
                   static_cast<int64_t>(bytesPerVoxel(ranges.map.type)));
   SLUICE_CHECK_EQ(options.lit, ranges.layout.ghost == 1);
+  source_.holdAtMost(budgets_.source);
 }
 
 Session::~Session() {

@@ -36,15 +36,21 @@ struct SessionOptions {
 struct Budgets {
   uint64_t volume_buffer = 0, texture_buffer = 0, texture_cache = 0;
   uint64_t scratch = 0;  // of the threads that read
+  uint64_t source = 0;   // of chunks that the source holds decoded
   int readers = 1;       // threads that read and copy beside the one that draws
 };
-// The least that levels 2 and 3 work with: two merged chunks, and for one reader and the thread
-// that draws two blocks each and their scratch.
-uint64_t leastBufferBytes(const PageGeometry& page, int64_t block_vox);
+// What takes memory beside the textures.
+struct BufferNeeds {
+  int64_t block_vox = 64;            // a side
+  uint64_t source_thread_bytes = 0;  // VolumeSource::heldBytesAThread()
+};
+// The least that levels 1 to 3 work with: two merged chunks, and for one reader and the thread that
+// draws two blocks each, their scratch and what the source holds for them.
+uint64_t leastBufferBytes(const PageGeometry& page, const BufferNeeds& needs);
 // Up to `most_readers` readers, fewer where memory is short. Throws Error, with the least that
-// works, when level 4 leaves too little to levels 2 and 3.
+// works, when level 4 leaves too little to the others.
 Budgets shareMemory(uint64_t memory_bytes, const PageGeometry& page, bool textures_in_memory,
-                    int64_t block_vox, int most_readers);
+                    const BufferNeeds& needs, int most_readers);
 
 // Seconds of wall clock, but read, decode and copy: summed over all threads that did it.
 struct StageSeconds {

@@ -31,7 +31,7 @@ void addNote(std::string& note, const std::string& more) {
 }  // namespace
 
 IndexedRanges indexedRanges(VolumeSource& source, const std::string& volume_name, int64_t time,
-                            const BlockLayout& layout, WorkerPool& pool) {
+                            const BlockLayout& layout, WorkerPool& pool, uint64_t most_bytes) {
   const IndexPlaces places = indexPlaces(volume_name);
   const IndexKey key = keyOf(source, time, layout);
   IndexedRanges result;
@@ -48,7 +48,7 @@ IndexedRanges indexedRanges(VolumeSource& source, const std::string& volume_name
     addNote(result.note, fmt::format("{}: of another volume, not used", kept.path.string()));
   }
   Progress progress("indexing");
-  result.ranges = buildSliceRanges(source, time, layout, pool, progress);
+  result.ranges = buildSliceRanges(source, time, layout, pool, progress, most_bytes);
   IndexWritten written = writeIndex(places, key, serialize(result.ranges));
   result.path = std::move(written.path);
   result.state = result.path.empty() ? "built, not kept" : "built";

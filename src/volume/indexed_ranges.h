@@ -24,8 +24,9 @@ struct IndexedRanges {
 
 // `volume_name` is what the user called the volume (the first of several names): where its index
 // is kept. Throws Error when the source cannot be read, Interrupted. A damaged or stale index is
-// rebuilt; one that cannot be kept is no failure.
+// rebuilt, which holds at most `most_bytes` of voxels; one that cannot be kept is no failure.
 IndexedRanges indexedRanges(VolumeSource& source, const std::string& volume_name, int64_t time,
-                            const BlockLayout& layout, WorkerPool& pool);
+                            const BlockLayout& layout, WorkerPool& pool,
+                            uint64_t most_bytes = kMostIndexingBytes);
 
 }  // namespace sluice

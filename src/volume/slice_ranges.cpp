@@ -15,10 +15,9 @@
 namespace sluice {
 namespace {
 
-// A read and its converted voxels together take at most this many bytes on each thread, and on all
-// together, so that a row of a very wide volume is cut and many threads share what is there.
-constexpr int64_t kBytesPerRead = int64_t{32} << 20;
-constexpr int64_t kBytesOfAllReads = int64_t{128} << 20;
+// A read and its converted voxels together take at most this many bytes on each thread, so that a
+// row of a very wide volume is cut.
+constexpr uint64_t kBytesPerRead = uint64_t{32} << 20;
 
 // A run of neighbouring blocks along x, read together.
 struct Run {
@@ -32,8 +31,8 @@ Box3 ownedVoxels(const BlockLayout& layout, Vec3i index) {
   return {cells.lo, cells.hi + Vec3i{1, 1, 1}};
 }
 
-int64_t blocksPerRead(const BlockLayout& layout, size_t voxel_bytes, int threads) {
-  const int64_t bytes = std::min(kBytesPerRead, kBytesOfAllReads / threads);
+int64_t blocksPerRead(const BlockLayout& layout, size_t voxel_bytes, uint64_t thread_bytes) {
+  const auto bytes = static_cast<int64_t>(std::min(kBytesPerRead, thread_bytes));
   const int64_t block_bytes = volume(Vec3i{layout.cells(), layout.cells(), layout.cells()}) *
                               static_cast<int64_t>(voxel_bytes);
   return std::max<int64_t>(1, bytes / block_bytes);
@@ -264,7 +263,7 @@ class Builder {
 }  // namespace
 
 SliceRanges buildSliceRanges(VolumeSource& source, int64_t time, const BlockLayout& layout,
-                             WorkerPool& pool, Progress& progress) {
+                             WorkerPool& pool, Progress& progress, uint64_t most_bytes) {
   SliceRanges result;
   result.layout = layout;
   result.map = deviceMap(source.layout());
@@ -273,7 +272,8 @@ SliceRanges buildSliceRanges(VolumeSource& source, int64_t time, const BlockLayo
   const size_t stored_bytes = bytesPerVoxel(source.layout().type);
   const std::vector<Run> runs =
       runsOf(layout, result.blocks,
-             blocksPerRead(layout, stored_bytes + bytesPerVoxel(result.map.type), pool.threads()));
+             blocksPerRead(layout, stored_bytes + bytesPerVoxel(result.map.type),
+                           most_bytes / static_cast<uint64_t>(pool.threads())));
   const auto block_bytes =
       static_cast<uint64_t>(volume(Vec3i{layout.cells(), layout.cells(), layout.cells()})) *
       stored_bytes;

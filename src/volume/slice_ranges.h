@@ -52,11 +52,15 @@ struct SliceRanges {
   uint64_t bytes() const { return blocks.size() * 8 + totals.size() + planes.size(); }
 };
 
+// More makes the pass no faster.
+inline constexpr uint64_t kMostIndexingBytes = uint64_t{128} << 20;
+
 // Reads the blocks that may hold something else than the background, each once, in rows of blocks
-// on all threads of `pool`, and holds at most 128 MiB of voxels (or a block a thread) meanwhile.
-// Adds the bytes of those blocks to what `progress` expects. Throws Error from the source,
-// Interrupted.
+// on all threads of `pool`, and holds at most `most_bytes` of voxels (or a block a thread)
+// meanwhile. Adds the bytes of those blocks to what `progress` expects. Throws Error from the
+// source, Interrupted.
 SliceRanges buildSliceRanges(VolumeSource& source, int64_t time, const BlockLayout& layout,
-                             WorkerPool& pool, Progress& progress);
+                             WorkerPool& pool, Progress& progress,
+                             uint64_t most_bytes = kMostIndexingBytes);
 
 }  // namespace sluice

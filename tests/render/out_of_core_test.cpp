@@ -67,7 +67,7 @@ TEST_F(OutOfCoreTest, anyBudgetGivesTheSamePicture) {
       options.page = {{8, 8, 8}, 1, block * block * block / 512};  // a block
       const std::vector<float> expected = sessionOf(*source, ranges, options)->frame().picture.rgba;
       const uint64_t least = static_cast<uint64_t>(options.page.cacheBytes()) + kSpareTextureBytes +
-                             leastBufferBytes(options.page, block);
+                             leastBufferBytes(options.page, {block});
       for (const uint64_t more : {0, 1, 100'000, 1'000'000, 100'000'000}) {
         SCOPED_TRACE(fmt::format("blocks of {}, lit {}, {} more than the least", block, lit, more));
         options.memory_bytes = least + more;

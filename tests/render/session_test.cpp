@@ -300,14 +300,17 @@ TEST_F(SessionTest, smallBudgetsEvictAndGiveTheSamePicture) {
 TEST_F(SessionTest, memoryIsSharedOutWithoutRest) {
   const PageGeometry page{{8, 8, 8}, 2, 8};
   constexpr uint64_t kMemory = uint64_t{1} << 30;
-  const Budgets software = shareMemory(kMemory, page, true, 16, 2);
+  const Budgets software = shareMemory(kMemory, page, true, {16}, 2);
   EXPECT_EQ(software.texture_cache, 8U * 1024);
   EXPECT_EQ(software.volume_buffer + software.texture_buffer + software.texture_cache +
                 software.scratch + kSpareTextureBytes,
             kMemory);
-  const Budgets hardware = shareMemory(kMemory, page, false, 16, 2);
+  const Budgets hardware = shareMemory(kMemory, page, false, {16}, 2);
   EXPECT_EQ(hardware.volume_buffer + hardware.texture_buffer + hardware.scratch, kMemory)
       << "textures have a memory of their own";
+  const Budgets packed = shareMemory(kMemory, page, false, {16, 3 << 20}, 2);
+  EXPECT_EQ(packed.volume_buffer + packed.texture_buffer + packed.scratch + packed.source, kMemory);
+  EXPECT_GE(packed.source, static_cast<uint64_t>(packed.readers + 1) * (3 << 20));
 }
 
 // What level 2 says of its reads is what the source saw.

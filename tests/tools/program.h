@@ -16,7 +16,7 @@ class Program {
   // `arguments` is a line of sh. Indices go into the folder.
   CommandResult run(const std::string& arguments) const {
     return runCommand("cd " + shellQuoted(folder.path().string()) +
-                      " && XDG_CACHE_HOME=cache " SLUICE_PROGRAM " " + arguments);
+                      " && XDG_CACHE_HOME=\"$PWD/cache\" " SLUICE_PROGRAM " " + arguments);
   }
   // Requires: the command prints one JSON object.
   nlohmann::json json(const std::string& arguments) const {

@@ -1,0 +1,160 @@
+// Volumes larger than memory as a user has them: budgets of any size, both kinds of store, an index
+// that cannot be kept, a process beside another or killed on its way.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <charconv>
+#include <fstream>
+
+#include "io/png_file.h"
+#include "tests/tools/program.h"
+
+namespace sluice {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kView =
+    " --threshold 60 --azimuth 30 --elevation 20 --size 96x80 --gl osmesa";
+
+// v.raw and v.zarr of the same voxels; most blocks are visible.
+void makeStores(const Program& program) {
+  ASSERT_EQ(program.run("synth noise -o v.raw --dims 200,150,120 --share 0.3").status, 0);
+  ASSERT_EQ(program.run("pack v_200x150x120_uint8.raw -o v.zarr --chunk 40").status, 0);
+}
+
+int largestDifference(const Rgba8Picture& a, const Rgba8Picture& b) {
+  EXPECT_EQ(a.rgba.size(), b.rgba.size());
+  int most = 0;
+  for (size_t i = 0; i < std::min(a.rgba.size(), b.rgba.size()); ++i)
+    most = std::max(most, std::abs(a.rgba[i] - b.rgba[i]));
+  return most;
+}
+
+// What the line of a budget that is too small tells to give instead.
+std::string leastMemoryIn(const std::string& line) {
+  const std::string words = "give --memory ";
+  const size_t at = line.find(words);
+  if (at == std::string::npos) return {};
+  const size_t end = line.find(' ', at + words.size());
+  return line.substr(at + words.size(), end - at - words.size());
+}
+
+TEST(OutOfCore, anyBudgetGivesTheSamePictureFromAnyStore) {
+  const Program program;
+  makeStores(program);
+  for (const char* block : {"16", "32", "64"}) {
+    const std::string view = std::string(kView) + " --block " + block;
+    ASSERT_EQ(program.run("render v_200x150x120_uint8.raw --memory 1G -o all.png" + view).status,
+              0);
+    const Rgba8Picture expected = readPng(program.folder / "all.png");
+    EXPECT_GT(
+        std::count_if(expected.rgba.begin(), expected.rgba.end(), [](int v) { return v > 20; }),
+        1000);
+    for (const char* volume : {"v_200x150x120_uint8.raw", "v.zarr"})
+      for (const char* memory : {"16M", "24M", "64M", "256M"}) {
+        SCOPED_TRACE(std::string(volume) + ", blocks of " + block + ", --memory " + memory);
+        const auto report = program.json("render " + std::string(volume) + " --memory " + memory +
+                                         " -o some.png" + view);
+        EXPECT_LE(largestDifference(readPng(program.folder / "some.png"), expected), 1);
+        const auto& levels = report["levels"];
+        EXPECT_LE(levels["volume_buffer"]["peak_bytes"].get<uint64_t>() +
+                      levels["texture_buffer"]["peak_bytes"].get<uint64_t>() +
+                      levels["texture_cache"]["peak_bytes"].get<uint64_t>(),
+                  report["memory_bytes"].get<uint64_t>());
+      }
+  }
+}
+
+TEST(OutOfCore, theSameNumberOfPagesGivesTheVerySamePicture) {
+  const Program program;
+  makeStores(program);
+  const std::string view = std::string(kView) + " --pages 16";
+  ASSERT_EQ(program.run("render v_200x150x120_uint8.raw --memory 1G -o all.png" + view).status, 0);
+  const std::string expected = readFile(program.folder / "all.png");
+  for (const char* volume : {"v_200x150x120_uint8.raw", "v.zarr"}) {
+    ASSERT_EQ(
+        program.run(std::string("render ") + volume + " --memory 16M -o some.png" + view).status,
+        0);
+    EXPECT_TRUE(readFile(program.folder / "some.png") == expected) << volume;
+  }
+}
+
+TEST(OutOfCore, tooLittleMemoryIsOneLineWithTheLeastThatWorksAndThatWorks) {
+  const Program program;
+  makeStores(program);
+  for (const char* volume : {"v_200x150x120_uint8.raw", "v.zarr"})
+    for (const char* options :
+         {"", " --block 16", " --shade", " --threads 1", " --page 64x64x16"}) {
+      const std::string line =
+          std::string("render ") + volume + " -o least.png" + kView + options + " --memory ";
+      SCOPED_TRACE(line);
+      const CommandResult refused = program.run(line + "1M");
+      EXPECT_EQ(refused.status, 1);
+      EXPECT_EQ(std::count(refused.output.begin(), refused.output.end(), '\n'), 1);
+      const std::string least = leastMemoryIn(refused.output);
+      ASSERT_FALSE(least.empty()) << refused.output;
+      const CommandResult result = program.run(line + least);
+      EXPECT_EQ(result.status, 0) << result.output;
+      EXPECT_EQ(program.run(line + std::to_string(std::stoull(least) - 1)).status, 1);
+    }
+}
+
+TEST(OutOfCore, twoProcessesOpenOneVolumeForTheFirstTimeAtOnce) {
+  const Program program;
+  ASSERT_EQ(program.run("synth noise -o v.raw --dims 200,200,200 --share 0.3").status, 0);
+  const std::string line = SLUICE_PROGRAM " render v_200x200x200_uint8.raw" + std::string(kView);
+  const CommandResult both =
+      runCommand("cd " + shellQuoted(program.folder.path().string()) + " && " + line +
+                 " -o a.png & cd " + shellQuoted(program.folder.path().string()) + " && " + line +
+                 " -o b.png; b=$?; wait $!; exit $((b + $?))");
+  EXPECT_EQ(both.status, 0) << both.output;
+  EXPECT_TRUE(readFile(program.folder / "a.png") == readFile(program.folder / "b.png"));
+  EXPECT_EQ(program.json("info v_200x200x200_uint8.raw")["index"]["state"], "read");
+}
+
+TEST(OutOfCore, aProcessKilledWhileItIndexesLeavesNothingThatIsBelieved) {
+  const Program program;
+  ASSERT_EQ(program.run("synth noise -o v.raw --dims 256,256,256 --share 0.3").status, 0);
+  const std::string volume = "v_256x256x256_uint8.raw";
+  ASSERT_EQ(program.run("render " + volume + " -o whole.png" + kView).status, 0);
+  const std::string expected = readFile(program.folder / "whole.png");
+  for (const char* seconds : {"0.03", "0.06", "0.09", "0.12", "0.15"}) {
+    fs::remove_all(program.folder / (volume + ".sluice-index"));
+    runCommand("cd " + shellQuoted(program.folder.path().string()) + " && timeout -s KILL " +
+               seconds + " " SLUICE_PROGRAM " info " + volume);
+    ASSERT_EQ(program.run("render " + volume + " -o again.png" + kView).status, 0);
+    EXPECT_TRUE(readFile(program.folder / "again.png") == expected) << seconds;
+  }
+}
+
+TEST(OutOfCore, anIndexThatCannotBeKeptAnywhereIsSaidAndNoFailure) {
+  const Program program;
+  ASSERT_EQ(program.run("synth noise -o v.raw --dims 64,64,64 --share 0.3").status, 0);
+  const std::string volume = "v_64x64x64_uint8.raw";
+  // Files where the folders would be: root may write to any folder.
+  std::ofstream(program.folder / (volume + ".sluice-index")) << "no folder";
+  std::ofstream(program.folder / "cache") << "no folder";
+  fs::permissions(program.folder / volume, fs::perms::owner_read);
+  const auto info = program.json("info " + volume);
+  EXPECT_EQ(info["index"]["state"], "built, not kept");
+  const CommandResult drawn = program.run("render " + volume + " -o a.png" + kView);
+  EXPECT_EQ(drawn.status, 0);
+  EXPECT_NE(drawn.output.find(".sluice-index"), std::string::npos) << drawn.output;
+}
+
+TEST(OutOfCore, aLimitedPictureSaysWhatIsMissingAndTheNextOnesHaveIt) {
+  const Program program;
+  makeStores(program);
+  const auto report =
+      program.json("render v.zarr -o f.png --frames 8 --time-limit 0" + std::string(kView));
+  const auto& frames = report["frames"];
+  EXPECT_FALSE(frames[0]["complete"]);
+  EXPECT_GT(frames[0]["missing_share"].get<double>(), 0);
+  for (size_t i = 1; i < frames.size(); ++i)
+    EXPECT_LE(frames[i]["missing_share"].get<double>(),
+              frames[i - 1]["missing_share"].get<double>());
+}
+
+}  // namespace
+}  // namespace sluice
