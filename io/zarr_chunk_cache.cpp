@@ -1,30 +1,59 @@
 #include "io/zarr_chunk_cache.h"
 
+#include <algorithm>
 #include <iterator>
 #include <utility>
 
 namespace sluice {
 
-void HeldBytes::add(uint64_t bytes) {
-  const uint64_t now = now_.fetch_add(bytes) + bytes;
-  uint64_t peak = peak_.load();
-  while (peak < now && !peak_.compare_exchange_weak(peak, now)) {
+ChunkMemory::Buffer ChunkMemory::take(uint64_t bytes) {
+  const std::lock_guard lock(mutex_);
+  auto best = kept_.end();
+  for (auto buffer = kept_.begin(); buffer != kept_.end(); ++buffer)
+    if (buffer->size >= bytes && (best == kept_.end() || buffer->size < best->size)) best = buffer;
+  if (best != kept_.end()) {
+    Buffer found = std::move(*best);
+    kept_.erase(best);
+    return found;
+  }
+  // All too small: one of them makes way.
+  if (!kept_.empty()) {
+    now_ -= kept_.back().size;
+    kept_.pop_back();
+  }
+  Buffer made{std::make_unique_for_overwrite<std::byte[]>(static_cast<size_t>(bytes)), bytes};
+  now_ += bytes;
+  peak_ = std::max(peak_.load(), now_.load());
+  return made;
+}
+
+void ChunkMemory::give(Buffer buffer) {
+  const std::lock_guard lock(mutex_);
+  if (now_ <= limit_bytes_)
+    kept_.push_back(std::move(buffer));
+  else
+    now_ -= buffer.size;
+}
+
+void ChunkMemory::setLimit(uint64_t limit_bytes) {
+  const std::lock_guard lock(mutex_);
+  limit_bytes_ = limit_bytes;
+  while (!kept_.empty() && now_ > limit_bytes_) {
+    now_ -= kept_.back().size;
+    kept_.pop_back();
   }
 }
 
-CountedBytes::CountedBytes(uint64_t bytes, HeldBytes& held)
-    : size_(bytes),
-      held_(held),
-      bytes_(std::make_unique_for_overwrite<std::byte[]>(static_cast<size_t>(bytes))) {
-  held_.add(size_);
-}
-
 ZarrChunkCache::ZarrChunkCache(uint64_t chunk_bytes, uint64_t budget_bytes, Decode decode)
-    : chunk_bytes_(chunk_bytes), decode_(std::move(decode)), budget_bytes_(budget_bytes) {}
+    : chunk_bytes_(chunk_bytes),
+      decode_(std::move(decode)),
+      memory_(budget_bytes),
+      budget_bytes_(budget_bytes) {}
 
 void ZarrChunkCache::setBudget(uint64_t budget_bytes) {
   const std::lock_guard lock(mutex_);
   budget_bytes_ = budget_bytes;
+  memory_.setLimit(budget_bytes);
   makeRoom();
 }
 
@@ -47,7 +76,7 @@ ZarrChunkCache::Chunk ZarrChunkCache::get(int64_t chunk) {
   Chunk decoded;
   std::exception_ptr failure;
   try {
-    decoded = decode_(chunk, held_);
+    decoded = decode_(chunk, memory_);
   } catch (...) {
     failure = std::current_exception();
   }

@@ -16,43 +16,63 @@
 #include <mutex>
 #include <span>
 #include <unordered_map>
+#include <utility>
+#include <vector>
 
 namespace sluice {
 
-// Bytes held, now and at most so far.
-class HeldBytes {
+// Memory for chunks, taken and given back by the thousand: what is given back is kept for the next
+// as long as all of it is within a limit, as the system takes longer to map and clear memory than a
+// chunk to decode.
+class ChunkMemory {
  public:
-  void add(uint64_t bytes);
-  void remove(uint64_t bytes) { now_ -= bytes; }
+  struct Buffer {
+    std::unique_ptr<std::byte[]> bytes;  // not set to anything
+    uint64_t size = 0;
+  };
+
+  explicit ChunkMemory(uint64_t limit_bytes) : limit_bytes_(limit_bytes) {}
+
+  // Of `bytes` or somewhat more.
+  Buffer take(uint64_t bytes);
+  void give(Buffer buffer);
+  // Frees what is kept beyond it.
+  void setLimit(uint64_t limit_bytes);
+  // Bytes taken and kept, now and at most so far.
   uint64_t now() const { return now_; }
   uint64_t peak() const { return peak_; }
 
  private:
-  std::atomic<uint64_t> now_{0}, peak_{0};
+  std::atomic<uint64_t> now_{0}, peak_{0};  // written under mutex_
+  std::mutex mutex_;
+  uint64_t limit_bytes_;      // guarded by mutex_
+  std::vector<Buffer> kept_;  // guarded by mutex_
 };
 
-// Memory that is counted while it lives. Not set to anything.
+// A piece of it, given back at the end.
 class CountedBytes {
  public:
-  CountedBytes(uint64_t bytes, HeldBytes& held);
-  ~CountedBytes() { held_.remove(size_); }
+  CountedBytes(uint64_t bytes, ChunkMemory& memory)
+      : size_(bytes), memory_(memory), buffer_(memory.take(bytes)) {}
+  ~CountedBytes() { memory_.give(std::move(buffer_)); }
   CountedBytes(const CountedBytes&) = delete;
   CountedBytes& operator=(const CountedBytes&) = delete;
 
-  std::span<std::byte> span() { return {bytes_.get(), size_}; }
-  std::span<const std::byte> span() const { return {bytes_.get(), size_}; }
+  std::span<std::byte> span() { return {buffer_.bytes.get(), size_}; }
+  std::span<const std::byte> span() const { return {buffer_.bytes.get(), size_}; }
 
  private:
   const uint64_t size_;
-  HeldBytes& held_;
-  const std::unique_ptr<std::byte[]> bytes_;
+  ChunkMemory& memory_;
+  ChunkMemory::Buffer buffer_;
 };
 
 class ZarrChunkCache {
  public:
   using Chunk = std::shared_ptr<const CountedBytes>;
-  // Makes the decoded bytes of a chunk. May take about as much again meanwhile, counted in `held`.
-  using Decode = std::function<Chunk(int64_t chunk, HeldBytes& held)>;
+  // Makes the decoded bytes of a chunk. May take about as much again meanwhile, from the same
+  // `memory`.
+  using Decode = std::function<Chunk(int64_t chunk, ChunkMemory& memory)>;
 
   // Holds at most `budget_bytes`, but two chunks for each thread inside get() and one for each
   // Chunk that is still in use, whatever the budget.
@@ -63,7 +83,7 @@ class ZarrChunkCache {
   Chunk get(int64_t chunk);
 
   void setBudget(uint64_t budget_bytes);
-  const HeldBytes& held() const { return held_; }
+  const ChunkMemory& held() const { return memory_; }
 
  private:
   struct Entry {
@@ -76,7 +96,7 @@ class ZarrChunkCache {
 
   const uint64_t chunk_bytes_;
   const Decode decode_;
-  HeldBytes held_;
+  ChunkMemory memory_;
   std::mutex mutex_;
   uint64_t budget_bytes_;  // guarded by mutex_
   std::condition_variable decoded_;

@@ -16,6 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr uint64_t kMostHeaderBytes = 16 << 20;
+constexpr uint64_t kSmallChunkBytes = 4 << 20;
 
 struct HeaderFile {
   std::string path, text, identity;
@@ -201,7 +202,7 @@ ZarrSource::ZarrSource(const fs::path& folder, const ZarrOptions& options) {
   files_ = std::make_unique<ZarrChunkFiles>(found.array_folder, std::move(array), header.text);
   cache_ = std::make_unique<ZarrChunkCache>(
       chunk_bytes, options.chunk_cache_bytes,
-      [this](int64_t chunk, HeldBytes& held) { return decode(chunk, held); });
+      [this](int64_t chunk, ChunkMemory& memory) { return decode(chunk, memory); });
 }
 
 Vec3i ZarrSource::chunkVoxels() const {
@@ -222,23 +223,28 @@ std::vector<int64_t> ZarrSource::chunkIndexAt(int64_t time, Vec3i at) const {
   return index;
 }
 
-ZarrChunkCache::Chunk ZarrSource::decode(int64_t chunk, HeldBytes& held) {
+ZarrChunkCache::Chunk ZarrSource::decode(int64_t chunk, ChunkMemory& memory) {
   const ZarrArray& array = files_->array();
   std::shared_ptr<CountedBytes> decoded;
   std::unique_ptr<CountedBytes> stored;
+  uint64_t stored_bytes = 0;
   files_->read(chunk, [&](uint64_t bytes) {
     if (array.codec == ZarrCodec::kNone) {
-      decoded = std::make_shared<CountedBytes>(bytes, held);
+      decoded = std::make_shared<CountedBytes>(bytes, memory);
       return decoded->span();
     }
-    stored = std::make_unique<CountedBytes>(bytes, held);
-    return stored->span();
+    // As large as the chunk where that is not much, so that any memory does for any chunk.
+    stored_bytes = bytes;
+    stored = std::make_unique<CountedBytes>(
+        std::max(bytes, std::min(array.chunkBytes(), kSmallChunkBytes)), memory);
+    return stored->span().first(bytes);
   });
   if (stored) {
+    const auto file = std::as_const(*stored).span().first(stored_bytes);
     const std::string path = files_->path(chunk);
-    checkStored(array.codec, stored->span(), array.chunkBytes(), path);
-    decoded = std::make_shared<CountedBytes>(array.chunkBytes(), held);
-    decodeChunk(array.codec, stored->span(), decoded->span(), path);
+    checkStored(array.codec, file, array.chunkBytes(), path);
+    decoded = std::make_shared<CountedBytes>(array.chunkBytes(), memory);
+    decodeChunk(array.codec, file, decoded->span(), path);
   }
   if (array.byte_order != std::endian::native)
     swapBytes(decoded->span(), bytesPerVoxel(array.type));

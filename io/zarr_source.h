@@ -60,7 +60,7 @@ class ZarrSource final : public VolumeSource {
 
  private:
   std::vector<int64_t> chunkIndexAt(int64_t time, Vec3i at) const;
-  ZarrChunkCache::Chunk decode(int64_t chunk, HeldBytes& held);
+  ZarrChunkCache::Chunk decode(int64_t chunk, ChunkMemory& memory);
   void copyChunk(std::span<const std::byte> chunk, int64_t time, const Box3& part, const Box3& box,
                  std::span<std::byte> out) const;
 

@@ -16,15 +16,15 @@ constexpr uint64_t kChunk = 1000;
 
 // Decodes a chunk into its number, and counts for itself.
 struct Decoder {
-  ZarrChunkCache::Chunk operator()(int64_t chunk, HeldBytes& held) {
+  ZarrChunkCache::Chunk operator()(int64_t chunk, ChunkMemory& memory) {
     {
       const std::lock_guard lock(mutex);
       ++decoded[chunk];
       EXPECT_EQ(++under_way[chunk], 1) << "two threads decode " << chunk;
     }
-    const CountedBytes stored(kChunk, held);
+    const CountedBytes stored(kChunk, memory);
     std::this_thread::yield();
-    auto bytes = std::make_shared<CountedBytes>(kChunk, held);
+    auto bytes = std::make_shared<CountedBytes>(kChunk, memory);
     bytes->span()[0] = static_cast<std::byte>(chunk);
     const std::lock_guard lock(mutex);
     --under_way[chunk];
@@ -52,7 +52,7 @@ TEST(ZarrChunkCache, aFailureReachesTheCallerAndIsForgotten) {
   ZarrChunkCache cache(kChunk, 4 * kChunk, std::ref(decoder));
   EXPECT_THROW(cache.get(5), Error);
   EXPECT_THROW(cache.get(5), Error);
-  EXPECT_EQ(cache.held().now(), 0U);
+  EXPECT_LE(cache.held().now(), 2 * kChunk);  // kept for the next
   decoder.failing = -1;
   EXPECT_EQ(cache.get(5)->span()[0], std::byte{5});
 }
