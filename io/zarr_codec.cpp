@@ -155,7 +155,7 @@ std::span<const std::byte> encodeBlosc(std::span<const std::byte> chunk, size_t 
   const char* inside = options.codec == BloscCodec::kLz4 ? BLOSC_LZ4_COMPNAME : BLOSC_ZSTD_COMPNAME;
   const int got =
       blosc_compress_ctx(options.level, bloscShuffle(voxel_bytes), voxel_bytes, chunk.size(),
-                         chunk.data(), room.data(), room.size(), inside, 0, 1);
+                         chunk.data(), room.data(), room.size(), inside, kBloscBlockBytes, 1);
   SLUICE_CHECK_LT(0, got);
   return std::span(room).first(static_cast<size_t>(got));
 }

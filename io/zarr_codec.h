@@ -34,6 +34,9 @@ struct BloscOptions {
   BloscCodec codec = BloscCodec::kLz4;
   int level = 5;  // 1 to 9
 };
+// What Blosc compresses at once. Its own choice is larger by the level and no smaller on disk, but
+// then each decoding maps memory anew.
+constexpr int kBloscBlockBytes = 32 << 10;
 // Of bytes (bits for voxels of one byte), as numcodecs names them in .zarray.
 int bloscShuffle(size_t voxel_bytes);
 // The bytes of the chunk's file, in `room`, which is made as large as it may have to be. The same

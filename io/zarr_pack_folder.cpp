@@ -93,7 +93,7 @@ fs::path withoutSlash(const fs::path& path) {
 
 }  // namespace
 
-ZarrPackFolder::ZarrPackFolder(fs::path output, const ZarrArray& array,
+ZarrPackFolder::ZarrPackFolder(const fs::path& output, const ZarrArray& array,
                                const std::string& source_identity, const std::string& parameters)
     : output_(withoutSlash(output)),
       folder_(output_.string() + ".partial"),

@@ -32,7 +32,7 @@ class ZarrPackFolder {
   // Opens or makes the folder of `output`. `parameters` (one text) says what is packed and how.
   // Throws Error: another process packs to there, the folder is of another volume or other
   // parameters (the line says what to do), it cannot be written.
-  ZarrPackFolder(std::filesystem::path output, const ZarrArray& array,
+  ZarrPackFolder(const std::filesystem::path& output, const ZarrArray& array,
                  const std::string& source_identity, const std::string& parameters);
   ZarrPackFolder(const ZarrPackFolder&) = delete;
   ZarrPackFolder& operator=(const ZarrPackFolder&) = delete;

@@ -53,7 +53,7 @@ std::string zarrArrayText(const ZarrArray& array, const BloscOptions& options) {
                                 {"cname", options.codec == BloscCodec::kLz4 ? "lz4" : "zstd"},
                                 {"clevel", options.level},
                                 {"shuffle", bloscShuffle(bytesPerVoxel(array.type))},
-                                {"blocksize", 0}};
+                                {"blocksize", kBloscBlockBytes}};
   return ordered_json{{"zarr_format", 2},
                       {"shape", array.shape},
                       {"chunks", array.chunks},
