@@ -10,6 +10,7 @@
 #include "src/render/slicing_cost.h"
 #include "tools/algorithms_bench.h"
 #include "tools/commands.h"
+#include "tools/packing_bench.h"
 #include "tools/report.h"
 #include "tools/threshold_bench.h"
 
@@ -119,6 +120,16 @@ int runThreshold(const Arguments& arguments, int changes, const CLI::App& app) {
   return 0;
 }
 
+int runPacking(const Arguments& arguments) {
+  const nlohmann::json report = benchPacking(arguments.volume, arguments.resources);
+  if (arguments.json) {
+    fmt::print("{}\n", report.dump(2));
+  } else {
+    printPacking(report);
+  }
+  return 0;
+}
+
 int runSimulate(bool as_json) {
   const SimulateBenchResult result = benchSimulate({});
   if (as_json) {
@@ -211,6 +222,11 @@ Command addBench(CLI::App& program) {
       ->capture_default_str()
       ->check(CLI::Range(1, 100000));
   threshold->add_flag("--json", arguments->json, "One JSON object");
+  CLI::App* packing = app->add_subcommand(
+      "packing", "What compressing a volume's blocks in memory brings, by codec, on one core");
+  addVolumeOptions(*packing, arguments->volume);
+  addResourceOptions(*packing, arguments->resources);
+  packing->add_flag("--json", arguments->json, "One JSON object");
   for (CLI::App* each : {limit, render}) {
     each->add_option("--frames", arguments->frames, "Frames measured, after 2 warm ones")
         ->capture_default_str()
@@ -220,6 +236,7 @@ Command addBench(CLI::App& program) {
   return [=] {
     if (limit->parsed()) return runLimit(*arguments);
     if (simulate->parsed()) return runSimulate(arguments->json);
+    if (packing->parsed()) return runPacking(*arguments);
     if (threshold->parsed()) return runThreshold(*arguments, *changes, *threshold);
     if (slicing->parsed()) return runSlicing(arguments->json);
     if (algorithms->parsed()) return runAlgorithms(*paper, *algorithms);

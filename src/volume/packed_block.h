@@ -18,7 +18,7 @@ struct PackedBytes {
 
 struct PackCodec {
   const char* name = "lz4";  // of Blosc's compressors
-  int level = 1;             // 1 to 9
+  int level = 5;             // 1 to 9
 };
 
 // Nullopt where packing does not save an eighth: noise is better dropped and read again. Takes as

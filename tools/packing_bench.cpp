@@ -1,0 +1,75 @@
+#include "tools/packing_bench.h"
+
+#include <fmt/format.h>
+
+#include <array>
+
+#include "src/base/clock.h"
+#include "src/volume/packed_block.h"
+#include "src/volume/volume_buffer.h"
+#include "tools/scene.h"
+
+namespace sluice {
+namespace {
+
+constexpr std::array kCodecs = {
+    PackCodec{"lz4", 1},  PackCodec{"lz4", 5},  PackCodec{"lz4hc", 5}, PackCodec{"blosclz", 5},
+    PackCodec{"zlib", 1}, PackCodec{"zstd", 1}, PackCodec{"zstd", 3}};
+constexpr uint64_t kMostBytes = uint64_t{64} << 20;
+
+nlohmann::json rowOf(const std::vector<VolumeBlockPtr>& blocks, const PackCodec& codec) {
+  uint64_t whole_bytes = 0, kept_bytes = 0, unpacked_bytes = 0;
+  double pack_seconds = 0, unpack_seconds = 0;
+  std::vector<std::byte> out;
+  for (const VolumeBlockPtr& block : blocks) {
+    const std::span<const std::byte> voxels(block->bytes.get(), block->byteCount());
+    Stopwatch watch;
+    const std::optional<PackedBytes> packed = pack(voxels, bytesPerVoxel(block->type), codec);
+    pack_seconds += watch.lap();
+    whole_bytes += voxels.size();
+    kept_bytes += packed ? packed->byte_count : voxels.size();
+    if (!packed) continue;
+    out.resize(voxels.size());
+    watch.lap();
+    unpack(*packed, out);
+    unpack_seconds += watch.lap();
+    unpacked_bytes += voxels.size();
+  }
+  return {{"codec", codec.name},
+          {"level", codec.level},
+          {"ratio", static_cast<double>(whole_bytes) / static_cast<double>(kept_bytes)},
+          {"pack_bytes_per_second", static_cast<double>(whole_bytes) / pack_seconds},
+          {"unpack_bytes_per_second",
+           unpacked_bytes == 0 ? 0 : static_cast<double>(unpacked_bytes) / unpack_seconds}};
+}
+
+}  // namespace
+
+nlohmann::json benchPacking(const VolumeArguments& arguments, const ResourceArguments& resources) {
+  WorkerPool pool(resources.threads);
+  const IndexedVolume volume = openIndexed(arguments, resources, false, pool);
+  VolumeBuffer buffer(*volume.source, volume.layout, 2 * kMostBytes);
+  const std::vector<int64_t>& ids = volume.index.ranges.blocks;
+  // Spread over the volume, where it has more than is measured.
+  const size_t most = std::max<size_t>(1, kMostBytes / buffer.blockBytes());
+  const size_t stride = std::max<size_t>(1, ids.size() / most);
+  std::vector<VolumeBlockPtr> blocks;
+  for (size_t i = 0; i < ids.size() && blocks.size() < most; i += stride) {
+    const BlockKey key{arguments.time, ids[i]};
+    blocks.push_back(buffer.acquire(std::span(&key, 1)).front());
+  }
+  nlohmann::json report{{"blocks", blocks.size()}, {"rows", nlohmann::json::array()}};
+  for (const PackCodec& codec : kCodecs) report["rows"].push_back(rowOf(blocks, codec));
+  return report;
+}
+
+void printPacking(const nlohmann::json& report) {
+  fmt::print("{:<12} {:>7} {:>12} {:>14}\n", "codec", "ratio", "packs MB/s", "unpacks MB/s");
+  for (const auto& row : report["rows"])
+    fmt::print("{:<12} {:>7.2f} {:>12.0f} {:>14.0f}\n",
+               fmt::format("{}-{}", row["codec"].get<std::string>(), row["level"].get<int>()),
+               row["ratio"].get<double>(), row["pack_bytes_per_second"].get<double>() / 1e6,
+               row["unpack_bytes_per_second"].get<double>() / 1e6);
+}
+
+}  // namespace sluice
