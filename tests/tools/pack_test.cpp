@@ -31,8 +31,8 @@ bool isOneLine(const std::string& text) {
 // A line of sh in which $SLUICE is the program.
 CommandResult shell(const Program& program, const std::string& line) {
   return runCommand("cd " + shellQuoted(program.folder.path().string()) +
-                    " && export XDG_CACHE_HOME=\"$PWD/cache\" && SLUICE=" SLUICE_PROGRAM " && { " + line +
-                    "\n}");
+                    " && export XDG_CACHE_HOME=\"$PWD/cache\" && SLUICE=" SLUICE_PROGRAM " && { " +
+                    line + "\n}");
 }
 
 TEST(PackCommand, packsChecksAndIsOpenedWithItsIndexRead) {
