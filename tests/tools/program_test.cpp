@@ -253,5 +253,30 @@ TEST(Program, eachGlGivesTheSamePicture) {
   EXPECT_LE(most, 2);
 }
 
+TEST(Bench, aChangedThresholdCopiesWhatItChanges) {
+  const Program program;
+  const auto report = program.json(
+      "bench threshold synth:noise,dims=64x48x40,share=0.3 --threshold 60 --size 40x40 --changes 3 "
+      "--block 16 --gl osmesa");
+  EXPECT_EQ(report["bytes_copied"], report["bytes_changed"]);
+  EXPECT_GT(report["bytes_copied"].get<int64_t>(), 0);
+  for (const char* kind : {"small", "large", "walk", "band"})
+    for (const auto& measured : {report["change_seconds"][kind], report["out_of_core"][kind]}) {
+      EXPECT_GT(measured["p50"].get<double>(), 0);
+      EXPECT_LE(measured["p50"].get<double>(), measured["p95"].get<double>());
+      EXPECT_LE(measured["p95"].get<double>(), measured["max"].get<double>());
+    }
+  for (const char* name :
+       {"steady_frame_seconds", "classify_seconds", "plan_seconds", "rebuild_seconds"})
+    EXPECT_GT(report[name].get<double>(), 0) << name;
+}
+
+TEST(Bench, packingNamesEachCodec) {
+  const Program program;
+  const auto report = program.json("bench packing synth:shells,dims=80x64x64");
+  EXPECT_GE(report["rows"].size(), 4U);
+  for (const auto& row : report["rows"]) EXPECT_GE(row["ratio"].get<double>(), 1) << row["codec"];
+}
+
 }  // namespace
 }  // namespace sluice
