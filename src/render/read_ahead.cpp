@@ -76,7 +76,7 @@ TextureBuffer::BatchPtr ReadAhead::beginNow(std::span<const int64_t> chunks,
     TextureBuffer::BatchPtr batch = buffer_.tryBegin(plan_, names_, chunks, soon);
     if (batch != nullptr) return batch;
     // What is wanted now goes before what is wanted later.
-    if (begun_.size() <= 1) return buffer_.begin(plan_, names_, chunks, soon);
+    if (begun_.empty()) return buffer_.begin(plan_, names_, chunks, soon);
     buffer_.cancel(begun_.back().batch);
     begun_.pop_back();
   }

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <future>
+#include <random>
 #include <unordered_set>
 
 #include "src/classify/transfer_makers.h"
@@ -83,6 +84,36 @@ TEST_F(OutOfCoreTest, anyBudgetGivesTheSamePicture) {
                   options.memory_bytes);
       }
     }
+}
+
+TEST_F(OutOfCoreTest, manyViewsAndThresholdsUnderTheLeastBudget) {
+  const auto source = blobs();
+  const SliceRanges ranges = rangesOf(*source, 16);
+  std::mt19937 random(5);
+  for (const int64_t blocks_in_cache : {1, 3, 8}) {
+    SessionOptions options;
+    options.page = {{8, 8, 8}, 1, blocks_in_cache * 8};
+    const auto roomy = sessionOf(*source, ranges, options);
+    options.memory_bytes = static_cast<uint64_t>(options.page.cacheBytes()) + kSpareTextureBytes +
+                           leastBufferBytes(options.page, {16});
+    const auto tight = sessionOf(*source, ranges, options);
+    for (int i = 0; i < 40; ++i) {
+      FrameOptions view = smallView();
+      view.camera.azimuth_deg = static_cast<double>(random() % 360);
+      view.camera.elevation_deg = static_cast<double>(random() % 180) - 90;
+      const TransferFunction transfer = above(static_cast<double>(20 + random() % 120));
+      std::vector<float> pictures[2];
+      for (int s = 0; s < 2; ++s) {
+        Session& session = s == 0 ? *roomy : *tight;
+        session.setTransferFunction(transfer);
+        session.setOptions(view);
+        pictures[s] = session.frame().picture.rgba;
+      }
+      ASSERT_EQ(pictures[0], pictures[1]) << blocks_in_cache << " blocks, frame " << i;
+    }
+    EXPECT_EQ(tight->textureBufferCounters().brokenIdentity(), "");
+    EXPECT_EQ(tight->volumeBufferCounters().brokenIdentity(), "");
+  }
 }
 
 TEST_F(OutOfCoreTest, whiteBlocksAreNeverRead) {
