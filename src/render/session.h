@@ -101,6 +101,8 @@ class Session {
   void setTransferFunction(const TransferFunction& transfer);
   // Everything else of a frame.
   void setOptions(const FrameOptions& options);
+  // Of these the camera alone.
+  void setCamera(const Camera& camera) { frame_options_.camera = camera; }
   // From now on each request of the texture cache is written there too; null: no longer. It must
   // outlive the frames drawn.
   void recordTo(TraceWriter* trace) { trace_ = trace; }

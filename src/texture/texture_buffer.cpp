@@ -1,6 +1,7 @@
 #include "src/texture/texture_buffer.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "src/base/bytes.h"
@@ -8,6 +9,7 @@
 #include "src/base/error.h"
 #include "src/base/interrupt.h"
 #include "src/texture/fill_chunk.h"
+#include "src/texture/read_runs.h"
 
 namespace sluice {
 
@@ -29,19 +31,13 @@ struct TextureBuffer::Filling {
   EntryPtr into;
 };
 
-// Blocks of one row along x that are read together, and the fillings that they serve.
-struct TextureBuffer::Run {
-  std::vector<int64_t> blocks;  // ascending
-  size_t from = 0, to = 0;      // positions in Batch::fillings
-};
-
 // Constant from begin() to finish(), but for `next`.
 class TextureBuffer::Batch {
  public:
   int64_t time = 0;
   std::vector<EntryPtr> wanted;  // in the order asked for; empty when finished or cancelled
   std::vector<Filling> fillings;
-  std::vector<Run> runs;
+  std::vector<ReadRun> runs;    // of the fillings' blocks
   std::atomic<size_t> next{0};  // the run that no one has taken yet
 };
 
@@ -221,44 +217,23 @@ std::vector<int64_t> TextureBuffer::blocksSoon(const TexturePlan& plan,
 }
 
 void TextureBuffer::planRuns(Batch& batch, std::vector<Filling> fillings, std::vector<int64_t> soon,
-                             int64_t grid_x) const {
-  const auto byBlock = [](const Filling& a, const Filling& b) {
-    return a.block.block < b.block.block;
-  };
-  std::sort(fillings.begin(), fillings.end(), byBlock);
-  std::sort(soon.begin(), soon.end());
+                             int64_t blocks_a_row) const {
+  const auto blockOf = [](const Filling& filling) { return filling.block.block; };
+  std::ranges::sort(fillings, {}, blockOf);
+  std::ranges::sort(soon);
+  std::vector<int64_t> wanted;
+  std::ranges::transform(fillings, std::back_inserter(wanted), blockOf);
   // What all threads hold at once, the caller among them, stays within half of level 2.
   const uint64_t share =
       blocks_.counters().budget_bytes / 2 / (static_cast<uint64_t>(pool_.threads()) + 1);
   const size_t most = std::max<size_t>(1, share / blocks_.blockBytes());
-  for (size_t from = 0; from < fillings.size();) {
-    const int64_t row = fillings[from].block.block / grid_x;
-    size_t to = from;
-    std::vector<int64_t> blocks(std::lower_bound(soon.begin(), soon.end(), row * grid_x),
-                                std::lower_bound(soon.begin(), soon.end(), (row + 1) * grid_x));
-    for (; to < fillings.size() && fillings[to].block.block / grid_x == row; ++to)
-      blocks.push_back(fillings[to].block.block);
-    std::sort(blocks.begin(), blocks.end());
-    blocks.erase(std::unique(blocks.begin(), blocks.end()), blocks.end());
-    // In parts of at most `most` blocks, those that serve a filling.
-    for (size_t part = 0; part < blocks.size() && from < to; part += most) {
-      const size_t part_end = std::min(part + most, blocks.size());
-      Run run{.blocks = {blocks.begin() + static_cast<ptrdiff_t>(part),
-                         blocks.begin() + static_cast<ptrdiff_t>(part_end)},
-              .from = from,
-              .to = from};
-      while (run.to < to && fillings[run.to].block.block <= run.blocks.back()) ++run.to;
-      if (run.to == from) continue;
-      from = run.to;
-      batch.runs.push_back(std::move(run));
-    }
-  }
+  batch.runs = readRuns(wanted, soon, blocks_a_row, most);
   batch.fillings = std::move(fillings);
 }
 
 void TextureBuffer::work(Batch& batch) {
   for (size_t i = batch.next.fetch_add(1); i < batch.runs.size(); i = batch.next.fetch_add(1)) {
-    const Run& run = batch.runs[i];
+    const ReadRun& run = batch.runs[i];
     std::exception_ptr failure;
     try {
       fill(batch, run);
@@ -281,7 +256,7 @@ void TextureBuffer::work(Batch& batch) {
   }
 }
 
-void TextureBuffer::fill(Batch& batch, const Run& run) {
+void TextureBuffer::fill(Batch& batch, const ReadRun& run) {
   throwIfInterrupted();
   std::vector<BlockKey> keys;
   for (const int64_t block : run.blocks) keys.push_back({batch.time, block});

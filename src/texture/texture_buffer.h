@@ -27,6 +27,8 @@
 
 namespace sluice {
 
+struct ReadRun;
+
 // Texels of a chunk in whole pages, x fastest.
 struct ChunkTexels {
   Vec3i storage_vox;
@@ -91,13 +93,12 @@ class TextureBuffer {
   void skipRest(Batch& batch, const std::exception_ptr& why);
   static void unpin(Batch& batch);
 
-  struct Run;
   std::vector<int64_t> blocksSoon(const TexturePlan& plan, std::span<const uint64_t> names,
                                   std::span<const int64_t> soon) const;
   void planRuns(Batch& batch, std::vector<Filling> fillings, std::vector<int64_t> soon,
-                int64_t grid_x) const;
+                int64_t blocks_a_row) const;
   void work(Batch& batch);
-  void fill(Batch& batch, const Run& run);
+  void fill(Batch& batch, const ReadRun& run);
 
   VolumeBuffer& blocks_;
   WorkerPool& pool_;

@@ -1,0 +1,34 @@
+#include "src/texture/read_runs.h"
+
+#include <algorithm>
+
+namespace sluice {
+
+std::vector<ReadRun> readRuns(std::span<const int64_t> wanted, std::span<const int64_t> soon,
+                              int64_t blocks_a_row, size_t most) {
+  std::vector<ReadRun> runs;
+  for (size_t from = 0; from < wanted.size();) {
+    const int64_t row = wanted[from] / blocks_a_row * blocks_a_row, row_end = row + blocks_a_row;
+    std::vector<int64_t> blocks(std::lower_bound(soon.begin(), soon.end(), row),
+                                std::lower_bound(soon.begin(), soon.end(), row_end));
+    size_t to = from;
+    for (; to < wanted.size() && wanted[to] < row_end; ++to) blocks.push_back(wanted[to]);
+    std::sort(blocks.begin(), blocks.end());
+    blocks.erase(std::unique(blocks.begin(), blocks.end()), blocks.end());
+    // In parts of at most `most` blocks, those that serve someone.
+    for (size_t part = 0; part < blocks.size() && from < to; part += most) {
+      const size_t part_end = std::min(part + most, blocks.size());
+      ReadRun run{.blocks = {blocks.begin() + static_cast<ptrdiff_t>(part),
+                             blocks.begin() + static_cast<ptrdiff_t>(part_end)},
+                  .from = from,
+                  .to = from};
+      while (run.to < to && wanted[run.to] <= run.blocks.back()) ++run.to;
+      if (run.to == from) continue;
+      from = run.to;
+      runs.push_back(std::move(run));
+    }
+  }
+  return runs;
+}
+
+}  // namespace sluice

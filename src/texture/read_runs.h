@@ -1,0 +1,25 @@
+// readRuns: which blocks level 3 asks level 2 for together. A pure function.
+//
+// Rows of blocks along x lie in the same rows of a file, so those of one row are read at once, and
+// with them the ones that will be wanted soon.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace sluice {
+
+struct ReadRun {
+  std::vector<int64_t> blocks;  // ids, ascending, of one row
+  size_t from = 0, to = 0;      // positions in `wanted` that these blocks serve: [from, to)
+};
+
+// `wanted` and `soon` are ids of blocks, ascending; they may repeat. `blocks_a_row` is the grid's
+// size along x; a run has at most `most` blocks. Each wanted block is in exactly one run; one that
+// is only wanted soon is in a run of its row, or in none.
+std::vector<ReadRun> readRuns(std::span<const int64_t> wanted, std::span<const int64_t> soon,
+                              int64_t blocks_a_row, size_t most);
+
+}  // namespace sluice
