@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kOfReference = 2, kOfPlain = 1;
 // The middle of a larger volume stands for it: the reference takes every sample in doubles.
-constexpr int64_t kMostVoxels = kSanitized ? 96 : 160;
+constexpr int64_t kMostVoxels = kSanitized ? 128 : 160;
 
 class RealVolumesTest : public RenderTest, public testing::WithParamInterface<RealVolume> {};
 
