@@ -33,7 +33,6 @@ const char* __tsan_default_suppressions() {
   return "race:tbb::detail\n"
          "race:openvdb::v10_0\n"
          "called_from_lib:libtbb.so\n"
-         "called_from_lib:libopenvdb.so\n"
          "race:std::runtime_error::~runtime_error\n"
          "race:sluice::Error::~Error\n";
 }
