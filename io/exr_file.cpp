@@ -23,7 +23,7 @@ constexpr size_t kPixelFloats = 4;
 // OpenEXR's files are addressed from a pixel (0, 0) that need not be theirs.
 Imf::Slice floatSlice(float* pixels, const Imath::Box2i& window, size_t stride_floats,
                       double fill) {
-  const auto width = static_cast<size_t>(window.max.x - window.min.x + 1);
+  const auto width = static_cast<size_t>(window.max.x) - static_cast<size_t>(window.min.x) + 1;
   return Imf::Slice::Make(Imf::FLOAT, pixels, window, stride_floats * sizeof(float),
                           stride_floats * sizeof(float) * width, 1, 1, fill);
 }

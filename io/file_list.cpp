@@ -210,7 +210,7 @@ std::string lowerExtension(const std::filesystem::path& path) {
   std::transform(name.begin(), name.end(), name.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   const std::filesystem::path lower(name);
-  const std::string extension = lower.extension().string();
+  std::string extension = lower.extension().string();
   if (extension == ".gz") return lower.stem().extension().string() + extension;
   return extension;
 }

@@ -169,7 +169,7 @@ void addViewOptions(CLI::App& app, FrameOptions& options) {
   addParsed(app, "--fov", "Vertical field of view of a perspective camera (30)", "DEGREES",
             positive, [&options](double fov) { options.camera.field_of_view_deg = fov; });
   const auto look_at = [&options]() -> Camera::LookAt& {
-    if (!options.camera.look_at) options.camera.look_at.emplace();
+    if (!options.camera.look_at) options.camera.look_at = Camera::LookAt{};
     return *options.camera.look_at;
   };
   CLI::Option* eye =

@@ -57,7 +57,8 @@ std::vector<TransferFunction> changesOf(const std::string& kind, const Range& ra
     // No threshold comes twice, so that none finds chunks of an earlier change by design.
     if (kind == "small" || kind == "band") threshold = range.start + kSmallStep * range.span() * i;
     if (kind == "large")
-      threshold = range.start + range.span() * (kLargeStep * (i % 4) + kSmallStep * (i / 4 + 0.5));
+      threshold =
+          range.start + range.span() * (kLargeStep * (i % 4) + kSmallStep * (0.125 + 0.25 * i));
     if (kind == "walk") threshold += step(random);
     threshold = range.clamped(threshold);
     changes.push_back(kind == "band" ? band(range, threshold, opacity)

@@ -33,6 +33,7 @@ const char* __tsan_default_suppressions() {
   return "race:tbb::detail\n"
          "race:openvdb::v10_0\n"
          "called_from_lib:libtbb.so\n"
+         "race:std::__exception_ptr\n"
          "race:std::runtime_error::~runtime_error\n"
          "race:sluice::Error::~Error\n";
 }

@@ -66,7 +66,7 @@ Pose poseAfter(const Pose& before, const CameraKey& key) {
   pose.zoom = key.zoom.value_or(before.zoom);
   pose.field_of_view_deg = key.field_of_view_deg.value_or(before.field_of_view_deg);
   if (key.eye) {
-    if (!pose.look_at) pose.look_at.emplace();
+    if (!pose.look_at) pose.look_at = Camera::LookAt{};
     pose.look_at->eye = *key.eye;
     pose.look_at->target = *key.target;
   }

@@ -146,7 +146,7 @@ VolumeBuffer::EntryPtr VolumeBuffer::request(std::unique_lock<std::mutex>& lock,
   const uint64_t bytes = static_cast<uint64_t>(voxels.count()) * bytesPerVoxel(map_.type);
   for (;;) {  // what is found may change while room is made
     const auto found = entries_.find(key);
-    const EntryPtr entry = found == entries_.end() ? nullptr : found->second;
+    EntryPtr entry = found == entries_.end() ? nullptr : found->second;
     if (entry != nullptr) entry->reused = true;
     if (entry != nullptr && entry->state == Entry::State::kResident) {
       counters_.countHit();
