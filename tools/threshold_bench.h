@@ -18,8 +18,9 @@ struct ThresholdBench {
 };
 
 // The names of the interface, and beside them `walk` and `band` changes, the parts of each change,
-// and the same changes `cold` (a session that holds nothing) and `out_of_core` (memory for a
-// quarter of what the picture takes). Throws Error.
+// a threshold `raised_by_a_fifth` from ones drawn before, and the same changes `cold` (a session
+// that holds nothing) and `out_of_core` (memory for a quarter of what the picture takes). Throws
+// Error.
 nlohmann::json benchThreshold(const ThresholdBench& bench);
 void printThreshold(const nlohmann::json& report);
 
