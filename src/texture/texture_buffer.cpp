@@ -338,8 +338,12 @@ std::vector<ChunkTexelsPtr> TextureBuffer::waitUntil(
 
 void TextureBuffer::cancel(const BatchPtr& batch) {
   std::lock_guard lock(mutex_);
-  skipRest(*batch, std::make_exception_ptr(Cancelled()));
+  const std::vector<EntryPtr> entries = batch->wanted;
   unpin(*batch);
+  // Another batch may wait for what this one fills: then it goes on.
+  const bool is_wanted =
+      std::ranges::any_of(entries, [](const EntryPtr& entry) { return entry->pins > 0; });
+  if (!is_wanted) skipRest(*batch, std::make_exception_ptr(Cancelled()));
 }
 
 std::vector<ChunkTexelsPtr> TextureBuffer::acquire(const TexturePlan& plan,

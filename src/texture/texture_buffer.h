@@ -68,7 +68,7 @@ class TextureBuffer {
   // not filled then. The batch goes on, and is still to be finished or cancelled.
   std::vector<ChunkTexelsPtr> waitUntil(const BatchPtr& batch,
                                         std::chrono::steady_clock::time_point deadline);
-  // What no worker has begun to read will not be read.
+  // What no worker has begun to read will not be read, unless another batch wants a chunk of this.
   void cancel(const BatchPtr& batch);
   // Returns when nothing is being filled. Requires: every batch is finished or cancelled.
   void waitUntilIdle();

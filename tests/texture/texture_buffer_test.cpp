@@ -328,6 +328,48 @@ TEST_F(TextureBufferTest, destructionWaitsForWhatIsUnderWay) {
   }
 }
 
+TEST_F(TextureBufferTest, batchesBegunFinishedAndCancelledAtRandomKeepBudgetAndTexels) {
+  WorkerPool many(5);
+  for (uint32_t seed = 0; seed < 4; ++seed) {
+    blocks_ = std::make_unique<VolumeBuffer>(counted_, layout_, 20 * kChunkBytes,
+                                             VolumeBuffer::Cold::kPacked);
+    TextureBuffer buffer(*blocks_, many, 9 * kChunkBytes);
+    std::mt19937 random(seed);
+    struct Begun {
+      std::vector<int64_t> chunks;
+      TextureBuffer::BatchPtr batch;
+    };
+    std::vector<Begun> begun;
+    const auto takeOne = [&] {
+      const size_t which = random() % begun.size();
+      Begun taken = std::move(begun[which]);
+      begun.erase(begun.begin() + static_cast<ptrdiff_t>(which));
+      return taken;
+    };
+    for (int i = 0; i < 600; ++i) {
+      std::vector<int64_t> chunks(1 + random() % 3), soon(random() % 5);
+      for (int64_t& chunk : chunks) chunk = static_cast<int64_t>(random() % plan_.chunks.size());
+      for (int64_t& chunk : soon) chunk = static_cast<int64_t>(random() % plan_.chunks.size());
+      const auto batch = buffer.tryBegin(plan_, names_, chunks, soon);
+      if (batch != nullptr) begun.push_back({chunks, batch});
+      if (!begun.empty() && random() % 3 == 0) buffer.cancel(takeOne().batch);
+      if (!begun.empty() && random() % 2 == 0) {
+        const Begun taken = takeOne();
+        const auto texels = buffer.finish(taken.batch);
+        expectTexels(plan_, taken.chunks[0], *texels[0], *memory_);
+        if (HasFatalFailure()) return;
+      }
+      ASSERT_LE(buffer.counters().current_bytes, 9 * kChunkBytes);
+    }
+    for (const Begun& rest : begun) buffer.cancel(rest.batch);
+    buffer.waitUntilIdle();
+    EXPECT_THAT(buffer.counters().brokenIdentity(), IsEmpty());
+    EXPECT_THAT(blocks_->counters().brokenIdentity(), IsEmpty());
+    EXPECT_LE(buffer.counters().peak_bytes, 9 * kChunkBytes);
+    EXPECT_LE(blocks_->counters().peak_bytes, 20 * kChunkBytes);
+  }
+}
+
 TEST_F(TextureBufferTest, oneChunkTwiceInACallIsLoadedOnce) {
   const auto buffer = bufferOf(counted_, 2);
   const auto texels = acquire(*buffer, {4, 4, 4});
