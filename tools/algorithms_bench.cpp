@@ -74,7 +74,7 @@ nlohmann::json rowOf(const AlgorithmsBench& bench, const std::string& word) {
   const auto [file, threshold] = splitThreshold(word, bench.look.threshold);
   LookArguments look = bench.look;
   look.threshold = threshold;
-  Scene scene({{file}, bench.open, 0}, look, bench.resources);
+  Scene scene({{file}, bench.open, 0}, look, bench.resources, bench.frame.partition);
   nlohmann::json row{{"volume", file},
                      {"threshold", threshold ? nlohmann::json(*threshold) : nlohmann::json()},
                      {"empty_percent", emptyPercent(scene.volume, scene.transfer, 0)}};

@@ -54,6 +54,12 @@ std::optional<Projection> projectionOf(const std::string& word) {
   return std::nullopt;
 }
 
+std::optional<Partition> parsePartition(const std::string& word) {
+  if (word == "blocks") return Partition::kBlocks;
+  if (word == "boxes") return Partition::kBoxes;
+  return std::nullopt;
+}
+
 std::optional<int64_t> powerOfTwo(const std::string& word) {
   const auto number = parseNumbers(word, 1);
   if (!number || number->front() < 1 || number->front() > 1e15) return std::nullopt;
@@ -208,6 +214,12 @@ void addViewOptions(CLI::App& app, FrameOptions& options) {
       app, "--merge", "Order of the merge operations (paper)", "paper|first-fit",
       [](const std::string& word) { return parseMergeOrder(word); },
       [&options](MergeOrder order) { options.merge_order = order; });
+  addParsed(app, "--partition",
+            "What is drawn of a block (blocks): its object box, or the visible ones of its growing "
+            "boxes, "
+            "which are made once for a volume and kept with its index",
+            "blocks|boxes", parsePartition,
+            [&options](Partition partition) { options.partition = partition; });
   addParsed(app, "--opacity-threshold", "A ray ends at this opacity; 1 never (1)", "0..1",
             unitShare, [&options](double threshold) { options.opacity_threshold = threshold; });
   app.add_option("--time-limit", options.time_limit_s,

@@ -25,7 +25,6 @@ struct Arguments {
   LookArguments look;
   FrameOptions frame;
   ResourceArguments resources;
-  bool grown_boxes = false;
   bool json = false;
 };
 
@@ -142,7 +141,8 @@ int run(const Arguments& arguments, const CLI::App& app) {
     costs.push_back(std::move(cost));
   }
   std::optional<PlannedBoxes> boxes;
-  if (arguments.grown_boxes) boxes = planBoxes(arguments, volume, transfer, pool);
+  if (arguments.frame.partition == Partition::kBoxes)
+    boxes = planBoxes(arguments, volume, transfer, pool);
   if (!arguments.json) {
     print(costs, volume.page);
     if (boxes) print(*boxes);
@@ -181,17 +181,6 @@ Command addPlan(CLI::App& program) {
   addLookOptions(*app, arguments->look);
   addViewOptions(*app, arguments->frame);
   addResourceOptions(*app, arguments->resources);
-  addParsed(
-      *app, "--partition",
-      "What is drawn of a block (blocks): its object box, or the visible ones of its growing "
-      "boxes; "
-      "boxes reads each block that holds something",
-      "blocks|boxes",
-      [](const std::string& word) -> std::optional<bool> {
-        if (word != "blocks" && word != "boxes") return std::nullopt;
-        return word == "boxes";
-      },
-      [arguments](bool boxes) { arguments->grown_boxes = boxes; });
   app->add_flag("--json", arguments->json, "One JSON object");
   return [arguments, app] { return run(*arguments, *app); };
 }

@@ -90,6 +90,7 @@ void write(const std::filesystem::path& path, const Picture& picture, const Argu
 // Against the plain way: every block loaded and drawn whole.
 Verification verify(Scene& scene, FrameOptions options, const Picture& picture) {
   options.algorithm = Algorithm::kConventional;
+  options.partition = Partition::kBlocks;
   options.opacity_threshold = 1;
   options.count_samples = false;
   scene.session->setOptions(options);
@@ -138,7 +139,7 @@ void printHuman(const Scene& scene, const std::vector<RenderedFrame>& frames,
 
 int run(const Arguments& arguments, const CLI::App& app) {
   checkOutput(arguments);
-  Scene scene(arguments.volume, arguments.look, arguments.resources);
+  Scene scene(arguments.volume, arguments.look, arguments.resources, arguments.frame.partition);
   std::optional<CameraPath> path;
   if (!arguments.path_file.empty()) path = readCameraPath(arguments.path_file);
   const bool wants_report = !arguments.report_file.empty() || arguments.json;

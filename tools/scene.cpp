@@ -137,7 +137,7 @@ PlannedFrame planFrame(const IndexedVolume& volume, const TransferFunction& tran
 }
 
 Scene::Scene(const VolumeArguments& arguments, const LookArguments& look,
-             const ResourceArguments& resources)
+             const ResourceArguments& resources, Partition partition)
     : pool(resources.threads),
       volume(openIndexed(arguments, resources, look.shade, pool)),
       memory_bytes(memoryBudget(resources)),
@@ -149,6 +149,8 @@ Scene::Scene(const VolumeArguments& arguments, const LookArguments& look,
   options.policy = resources.policy;
   options.seed = resources.seed;
   options.lit = look.shade;
+  options.partition = partition;
+  options.volume_name = arguments.inputs.front();
   session = std::make_unique<Session>(*volume.source, arguments.time, volume.index.ranges, *device,
                                       pool, options);
   session->setTransferFunction(transfer);

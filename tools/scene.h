@@ -38,8 +38,9 @@ PlannedFrame planFrame(const IndexedVolume& volume, const TransferFunction& tran
                        const FrameOptions& options, int64_t time, WorkerPool& pool);
 
 struct Scene {
+  // `partition`: kBoxes where frames may ask for growing boxes.
   Scene(const VolumeArguments& volume, const LookArguments& look,
-        const ResourceArguments& resources);
+        const ResourceArguments& resources, Partition partition);
 
   WorkerPool pool;
   IndexedVolume volume;

@@ -148,6 +148,8 @@ struct Bench {
     options.policy = asked.resources.policy;
     options.seed = asked.resources.seed;
     options.lit = asked.look.shade;
+    options.partition = asked.frame.partition;
+    options.volume_name = asked.volume.inputs.front();
     auto session = std::make_unique<Session>(*scene.volume.source, asked.volume.time, ranges,
                                              *scene.device, scene.pool, options);
     session->setOptions(asked.frame);
@@ -268,7 +270,7 @@ double rebuildSeconds(const Bench& bench) {
 }  // namespace
 
 nlohmann::json benchThreshold(const ThresholdBench& asked) {
-  Scene scene(asked.volume, asked.look, asked.resources);
+  Scene scene(asked.volume, asked.look, asked.resources, asked.frame.partition);
   const ValueRange values = scene.volume.valueRange();
   const double start = asked.look.threshold.value_or(values.lo + 0.2 * (values.hi - values.lo));
   const Bench bench{

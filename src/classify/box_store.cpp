@@ -67,8 +67,17 @@ BoxStoreCounters BoxStore::counters() const {
 }
 
 BoxTreePtr BoxStore::tree(int64_t block) {
-  SLUICE_CHECK(block >= 0 && block < origin_.layout.blockCount());
   const std::lock_guard lock(mutex_);
+  return treeLocked(block, true);
+}
+
+BoxTreePtr BoxStore::treeIfMade(int64_t block) {
+  const std::lock_guard lock(mutex_);
+  return treeLocked(block, false);
+}
+
+BoxTreePtr BoxStore::treeLocked(int64_t block, bool may_build) {
+  SLUICE_CHECK(block >= 0 && block < origin_.layout.blockCount());
   ++counters_.requests;
   if (const auto found = kept_.find(block); found != kept_.end()) {
     ++counters_.hits;
@@ -78,8 +87,11 @@ BoxTreePtr BoxStore::tree(int64_t block) {
   if (!std::binary_search(ranges_.blocks.begin(), ranges_.blocks.end(), block))
     return backgroundTree(block);
   const Vec3i cells = origin_.layout.ownedCells(origin_.layout.indexOf(block)).size();
-  std::optional<BoxTree> decoded = deserializeBoxTree(pieceOf(block).treeBytes(block), cells);
+  const BoxesPiece* piece = pieceOf(block, may_build);
+  if (piece == nullptr) return nullptr;
+  std::optional<BoxTree> decoded = deserializeBoxTree(piece->treeBytes(block), cells);
   if (!decoded) {
+    if (!may_build) return nullptr;
     // The index is intact and yet not ours: someone else's bytes under our key. Made anew.
     const int64_t first = piece_->first, count = static_cast<int64_t>(piece_->ends.size());
     piece_.reset();
@@ -93,18 +105,19 @@ BoxTreePtr BoxStore::tree(int64_t block) {
   return tree;
 }
 
-const BoxesPiece& BoxStore::pieceOf(int64_t block) {
+const BoxesPiece* BoxStore::pieceOf(int64_t block, bool may_build) {
   const auto [first, count, blocks] = pieceSpan(ranges_, block);
-  if (piece_ && piece_->first == first) return *piece_;
+  if (piece_ && piece_->first == first) return &*piece_;
   piece_.reset();
   piece_ = readPiece(first, count);
   if (piece_) {
     ++counters_.pieces_read;
-    return *piece_;
+    return &*piece_;
   }
+  if (!may_build) return nullptr;
   piece_ = buildPiece(first, count);
   ++counters_.pieces_built;
-  return *piece_;
+  return &*piece_;
 }
 
 std::optional<BoxesPiece> BoxStore::readPiece(int64_t first, int64_t count) const {

@@ -45,12 +45,16 @@ class BoxStore {
   // The tree of a block. One that is nothing but background is one box, whose gradients are not
   // known: its neighbours' voxels have a part in them. Throws Error from the source, Interrupted.
   BoxTreePtr tree(int64_t block);
+  // The same where no voxel needs to be read for it: null where the index has no boxes yet.
+  BoxTreePtr treeIfMade(int64_t block);
 
   BoxStoreCounters counters() const;
 
  private:
   // All require mutex_ to be held.
-  const BoxesPiece& pieceOf(int64_t block);
+  BoxTreePtr treeLocked(int64_t block, bool may_build);
+  // Null where it is not in the index and may not be built.
+  const BoxesPiece* pieceOf(int64_t block, bool may_build);
   std::optional<BoxesPiece> readPiece(int64_t first, int64_t count) const;
   BoxesPiece buildPiece(int64_t first, int64_t count) const;
   BoxTreePtr backgroundTree(int64_t block) const;

@@ -10,8 +10,9 @@
 namespace sluice {
 namespace {
 
-// Voxels read at a time and their device form together.
+// Voxels read at a time and their device form together: of a thread, and of all.
 constexpr int64_t kBytesPerRead = int64_t{16} << 20;
+constexpr int64_t kBytesOfAllReads = int64_t{128} << 20;
 constexpr int64_t kPerfectSide = 8;
 
 // Neighbouring blocks along x.
@@ -178,7 +179,8 @@ void forEachBlockBricks(VolumeSource& source, int64_t time, const BlockLayout& l
   const auto voxel_bytes =
       static_cast<int64_t>(bytesPerVoxel(voxels.type) + bytesPerVoxel(deviceMap(voxels).type));
   const int64_t side = layout.cells() + 3;
-  const int64_t most = std::max<int64_t>(1, kBytesPerRead / (side * side * side * voxel_bytes));
+  const int64_t bytes_per_read = std::min(kBytesPerRead, kBytesOfAllReads / pool.threads());
+  const int64_t most = std::max<int64_t>(1, bytes_per_read / (side * side * side * voxel_bytes));
   const std::vector<Run> runs = runsOf(layout, blocks, most);
   const auto block_bytes = static_cast<uint64_t>(volume(Vec3i{side, side, side})) *
                            static_cast<uint64_t>(bytesPerVoxel(voxels.type));

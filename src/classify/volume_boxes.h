@@ -26,8 +26,8 @@ inline constexpr int64_t kBrickSide = 4;
 using TakeBricks = std::function<void(int64_t block, const BrickGrid& grid)>;
 // Calls `take` once for each of `blocks` (ids of the layout, ascending), with the bricks of the
 // cells that it owns. Neighbours along x are read together; each thread holds at most 16 MiB of
-// voxels, or a block. Adds the bytes read to what `progress` expects. Throws Error from the source,
-// Interrupted.
+// voxels, all together 128 MiB, or a block each. Adds the bytes read to what `progress` expects.
+// Throws Error from the source, Interrupted.
 void forEachBlockBricks(VolumeSource& source, int64_t time, const BlockLayout& layout,
                         std::span<const int64_t> blocks, WorkerPool& pool, Progress& progress,
                         const TakeBricks& take);

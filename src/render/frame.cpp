@@ -75,7 +75,7 @@ Frame Session::drawFrame() {
   } else {
     ahead_.reset();
   }
-  if (frame_options_.count_samples) countSamples(report);
+  if (frame_options_.count_samples) countSamples(eye, report);
   return frame;
 }
 
@@ -148,10 +148,12 @@ void Session::requestChunk(int64_t position, int64_t cluster_position, const Chu
 
 void Session::drawCluster(const Cluster& cluster, const EyePosition& eye, FrameReport& report) {
   const Stopwatch watch;
+  const double boxes_before = report.stages.boxes;
   std::vector<BoxDraw> boxes;  // that follow each other in one chunk
   int64_t chunk = -1;
   const auto flush = [&] {
     if (!boxes.empty()) device_.draw(names_[static_cast<size_t>(chunk)], boxes);
+    report.boxes_drawn += static_cast<int64_t>(boxes.size());
     boxes.clear();
   };
   for (const int64_t position : blockOrder(*plan_, cluster, eye)) {
@@ -163,16 +165,39 @@ void Session::drawCluster(const Cluster& cluster, const EyePosition& eye, FrameR
     }
     if (block.chunk != chunk) flush();
     chunk = block.chunk;
-    boxes.push_back(boxDraw(block));
+    addBoxes(position, eye, boxes, report);
   }
   flush();
-  report.stages.draw += watch.seconds();
+  report.stages.draw += watch.seconds() - (report.stages.boxes - boxes_before);
 }
 
-void Session::countSamples(FrameReport& report) {
+void Session::addBoxes(int64_t position, const EyePosition& eye, std::vector<BoxDraw>& boxes,
+                       FrameReport& report) {
+  const TextureBlock& block = plan_->blocks[static_cast<size_t>(position)];
+  BoxDraw box = boxDraw(block);
+  if (frame_options_.partition == Partition::kBlocks) {
+    boxes.push_back(box);
+    return;
+  }
+  const Stopwatch watch;
+  const std::shared_ptr<const DrawnBoxes> drawn = drawnBoxes(position);
+  if (drawn == nullptr) {  // the object box holds whatever its boxes would show
+    boxes.push_back(box);
+  } else {
+    const Vec3i first = ranges_.layout.ownedCells(ranges_.layout.indexOf(block.block)).lo;
+    const BoxEye from{eye.parallel, eye.parallel ? eye.index : eye.index - toDouble(first)};
+    drawn->visitFrontToBack(from, [&](const Box3& local) {
+      box.cells = translate(local, first);
+      boxes.push_back(box);
+    });
+  }
+  report.stages.boxes += watch.seconds();
+}
+
+void Session::countSamples(const EyePosition& eye, FrameReport& report) {
   std::vector<BoxDraw> drawn, object;
-  for (const TextureBlock& block : plan_->blocks)
-    if (!block.cells.empty()) drawn.push_back(boxDraw(block));
+  for (size_t i = 0; i < plan_->blocks.size(); ++i)
+    if (!plan_->blocks[i].cells.empty()) addBoxes(static_cast<int64_t>(i), eye, drawn, report);
   for (const ObjectBlock& block : classification_->visible) {
     BoxDraw box;
     box.cells = block.cells;

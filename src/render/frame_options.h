@@ -19,6 +19,10 @@ struct WorldPlane {
   double offset = 0;
 };
 
+// What is drawn of a texture block: its object box, or the visible ones of its growing boxes (Li
+// 2003), which hold fewer empty cells. The picture is the same.
+enum class Partition { kBlocks, kBoxes };
+
 struct FrameOptions {
   Camera camera;
   PictureSize size;
@@ -31,6 +35,7 @@ struct FrameOptions {
   std::vector<WorldPlane> clip_planes;
   Algorithm algorithm = Algorithm::kMerged;
   MergeOrder merge_order = MergeOrder::kPaper;
+  Partition partition = Partition::kBlocks;  // kBoxes only where the session has boxes
   // How long a frame may wait for what it lacks, its drawing included as far as the last frame
   // tells. What is missing then is left out; the next frames have it. Unset: all is waited for.
   std::optional<double> time_limit_s;

@@ -12,6 +12,10 @@ namespace {
 bool samePlan(const FrameOptions& a, const FrameOptions& b) {
   return a.algorithm == b.algorithm && a.merge_order == b.merge_order;
 }
+// What is drawn of growing boxes follows from these too.
+bool sameBoxCost(const FrameOptions& a, const FrameOptions& b) {
+  return a.step_vox == b.step_vox;
+}
 bool sameCrop(const FrameOptions& a, const FrameOptions& b) {
   return a.crop == b.crop;
 }
@@ -22,6 +26,10 @@ namespace {
 
 // Enough to keep a disk busy that serves many reads at once, on machines of few cores too.
 constexpr int kReadsInFlight = 4;
+
+// Growing boxes get one part in so many of the memory beyond the least. Half of that is for trees
+// of all boxes, half for the boxes that frames draw.
+constexpr uint64_t kBoxShare = 8;
 
 // The largest chunk: two whole blocks side by side, in whole pages.
 uint64_t largestChunkBytes(const PageGeometry& page, int64_t block_vox) {
@@ -55,12 +63,15 @@ Budgets shareMemory(uint64_t memory_bytes, const PageGeometry& page, bool textur
         "give --memory {} or fewer --pages",
         formatBytes(memory_bytes), formatBytes(textures), formatBytes(least_buffers),
         textures + least_buffers);
-  // Beyond the least: a third for chunks, an eighth for a source that can use it, the rest for
-  // blocks and for more readers.
-  const uint64_t surplus = memory_bytes - textures - least_buffers;
+  // Beyond the least: an eighth for growing boxes and one for a source where these can use it, a
+  // third of what is left for chunks, the rest for blocks and for more readers.
+  uint64_t surplus = memory_bytes - textures - least_buffers;
+  if (needs.partition == Partition::kBoxes) budgets.boxes = surplus / kBoxShare;
+  surplus -= budgets.boxes;
   budgets.texture_buffer = 2 * largestChunkBytes(page, needs.block_vox) + surplus / 3;
   const uint64_t source_surplus = needs.source_thread_bytes > 0 ? surplus / 8 : 0;
-  const uint64_t rest = memory_bytes - textures - budgets.texture_buffer - source_surplus;
+  const uint64_t rest =
+      memory_bytes - textures - budgets.texture_buffer - source_surplus - budgets.boxes;
   const auto most_threads = static_cast<uint64_t>(most_readers) + 1;
   const uint64_t threads = std::min(most_threads, rest / threadBytes(page, needs));
   budgets.readers = static_cast<int>(threads) - 1;
@@ -79,7 +90,7 @@ Session::Session(VolumeSource& source, int64_t time, const SliceRanges& ranges, 
       pool_(pool),
       options_(options),
       budgets_(shareMemory(options.memory_bytes, options.page, device.limits().textures_in_memory,
-                           {ranges.layout.size, source.heldBytesAThread()},
+                           {ranges.layout.size, source.heldBytesAThread(), options.partition},
                            std::max(pool.threads(), kReadsInFlight))),
       blocks_(source, ranges.layout, budgets_.volume_buffer, VolumeBuffer::Cold::kPacked),
       readers_(budgets_.readers + 1),
@@ -92,6 +103,8 @@ Session::Session(VolumeSource& source, int64_t time, const SliceRanges& ranges, 
                   static_cast<int64_t>(bytesPerVoxel(ranges.map.type)));
   SLUICE_CHECK_EQ(options.lit, ranges.layout.ghost == 1);
   source_.holdAtMost(budgets_.source);
+  if (options.partition == Partition::kBoxes)
+    box_store_.emplace(source, options.volume_name, time, ranges, pool, budgets_.boxes / 2);
 }
 
 Session::~Session() {
@@ -110,12 +123,37 @@ void Session::setTransferFunction(const TransferFunction& transfer) {
 void Session::setOptions(const FrameOptions& options) {
   if (!sameCrop(options, frame_options_)) classification_.reset();
   if (!samePlan(options, frame_options_)) dropPlan();
+  if (!sameBoxCost(options, frame_options_)) dropDrawnBoxes();
   frame_options_ = options;
 }
 
 void Session::dropPlan() {
   ahead_.reset();  // what it still reads is no longer wanted
   plan_.reset();
+  dropDrawnBoxes();
+}
+
+void Session::dropDrawnBoxes() {
+  drawn_boxes_.clear();
+  drawn_boxes_bytes_ = 0;
+}
+
+std::shared_ptr<const DrawnBoxes> Session::drawnBoxes(int64_t position) {
+  if (const auto found = drawn_boxes_.find(position); found != drawn_boxes_.end())
+    return found->second;
+  const TextureBlock& block = plan_->blocks[static_cast<size_t>(position)];
+  SLUICE_CHECK(box_store_.has_value());
+  const BoxTreePtr tree = frame_options_.time_limit_s ? box_store_->treeIfMade(block.block)
+                                                      : box_store_->tree(block.block);
+  if (tree == nullptr) return nullptr;
+  const Vec3i first = ranges_.layout.ownedCells(ranges_.layout.indexOf(block.block)).lo;
+  const auto drawn = std::make_shared<const DrawnBoxes>(
+      *tree, *table_, translate(block.cells, first * -1), boxCost(1 / frame_options_.step_vox));
+  if (drawn_boxes_bytes_ + drawn->bytes() <= budgets_.boxes / 2) {
+    drawn_boxes_bytes_ += drawn->bytes();
+    drawn_boxes_.emplace(position, drawn);
+  }
+  return drawn;
 }
 
 Box3 Session::crop() const {

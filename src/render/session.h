@@ -10,11 +10,15 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "cache/texture_cache.h"
 #include "cache/trace.h"
 #include "src/base/worker_pool.h"
+#include "src/classify/box_store.h"
+#include "src/render/drawn_boxes.h"
 #include "src/render/frame_options.h"
 #include "src/render/frame_setup.h"
 #include "src/render/read_ahead.h"
@@ -30,6 +34,10 @@ struct SessionOptions {
   PolicyKind policy = PolicyKind::kLru;
   uint64_t seed = 1;  // of the random policy
   bool lit = false;   // the layout has a ghost layer and frames are shaded
+  // kBoxes: frames may draw growing boxes, and a share of the memory is theirs. They are kept with
+  // the index of the volume of this name.
+  Partition partition = Partition::kBlocks;
+  std::string volume_name;
 };
 
 // How --memory is shared out (design, point 3).
@@ -37,12 +45,14 @@ struct Budgets {
   uint64_t volume_buffer = 0, texture_buffer = 0, texture_cache = 0;
   uint64_t scratch = 0;  // of the threads that read
   uint64_t source = 0;   // of chunks that the source holds decoded
+  uint64_t boxes = 0;    // growing boxes
   int readers = 1;       // threads that read and copy beside the one that draws
 };
 // What takes memory beside the textures.
 struct BufferNeeds {
-  int64_t block_vox = 64;            // a side
-  uint64_t source_thread_bytes = 0;  // VolumeSource::heldBytesAThread()
+  int64_t block_vox = 64;                    // a side
+  uint64_t source_thread_bytes = 0;          // VolumeSource::heldBytesAThread()
+  Partition partition = Partition::kBlocks;  // kBoxes: a share for growing boxes
 };
 // The least that levels 1 to 3 work with: two merged chunks, and for one reader and the thread that
 // draws two blocks each, their scratch and what the source holds for them.
@@ -55,6 +65,7 @@ Budgets shareMemory(uint64_t memory_bytes, const PageGeometry& page, bool textur
 // Seconds of wall clock, but read, decode and copy: summed over all threads that did it.
 struct StageSeconds {
   double classify = 0, plan = 0, read = 0, decode = 0, copy = 0, upload = 0, draw = 0;
+  double boxes = 0;  // growing boxes: made or read from the index, and those to draw chosen
 };
 
 // See the fields of the same names in FrameReport.
@@ -71,6 +82,7 @@ struct FrameReport {
   StageSeconds stages;
   uint64_t samples_drawn = 0;   // taken by the device, when counted
   uint64_t samples_object = 0;  // of them or not, those inside object boxes
+  int64_t boxes_drawn = 0;      // handed to the device
   int64_t white = 0, grey = 0, black = 0;
   BlockClasses before;                          // of the last frame; all 0 for the first
   int64_t clusters = 0, chunks = 0, pages = 0;  // of the plan
@@ -124,7 +136,14 @@ class Session {
   void requestChunk(int64_t position, int64_t cluster_position, const ChunkTexels* texels,
                     FrameReport& report);
   void drawCluster(const Cluster& cluster, const EyePosition& eye, FrameReport& report);
-  void countSamples(FrameReport& report);
+  void countSamples(const EyePosition& eye, FrameReport& report);
+  // Adds what is drawn of a block, front to back.
+  void addBoxes(int64_t position, const EyePosition& eye, std::vector<BoxDraw>& boxes,
+                FrameReport& report);
+  // Of a block of the plan; null where its growing boxes are not made and the frame does not wait
+  // for them.
+  std::shared_ptr<const DrawnBoxes> drawnBoxes(int64_t position);
+  void dropDrawnBoxes();
 
   void dropPlan();
   // Until when a frame begun at `begin` waits.
@@ -147,6 +166,7 @@ class Session {
   TextureBuffer chunks_;
   TextureCache cache_;
   ChunkNames chunk_names_;
+  std::optional<BoxStore> box_store_;
   const uint64_t first_id_;  // of the device's ids, ours
 
   TraceWriter* trace_ = nullptr;
@@ -159,6 +179,9 @@ class Session {
   std::optional<TexturePlan> plan_;
   std::vector<uint64_t> names_;  // ids of plan_->chunks
   std::optional<ReadAhead> ahead_;
+  // By position in plan_->blocks, as far as the budget goes.
+  std::unordered_map<int64_t, std::shared_ptr<const DrawnBoxes>> drawn_boxes_;
+  uint64_t drawn_boxes_bytes_ = 0;
   BlockClasses last_blocks_;
   double last_draw_s_ = 0;
 };

@@ -84,6 +84,20 @@ TEST_F(BoxStoreTest, treesAreThoseOfTheVoxelsAndComeFromTheIndexTheNextTime) {
   EXPECT_EQ(source_->counts().calls, 0) << "not one voxel";
 }
 
+TEST_F(BoxStoreTest, whatIsNotMadeYetIsMadeOnlyWhereThatIsAskedFor) {
+  const int64_t block = ranges_.blocks.front();
+  BoxStore boxes = store();
+  EXPECT_EQ(boxes.treeIfMade(block), nullptr);
+  EXPECT_EQ(source_->counts().calls, 0);
+  boxes.tree(block);
+  EXPECT_NE(boxes.treeIfMade(ranges_.blocks[1]), nullptr) << "of the piece that was made";
+  BoxStore later = store();
+  source_->reset();
+  ASSERT_NE(later.treeIfMade(block), nullptr) << "from the index";
+  EXPECT_EQ(*later.treeIfMade(block), expected(block));
+  EXPECT_EQ(source_->counts().calls, 0);
+}
+
 TEST_F(BoxStoreTest, onlyThePieceThatIsAskedForIsRead) {
   BoxStore boxes = store();
   boxes.tree(ranges_.blocks.back());

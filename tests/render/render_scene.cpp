@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 
 #include "src/render/index_space.h"
@@ -76,6 +77,8 @@ RenderScene::RenderScene(Device& device, VolumeSource& source, TransferFunction 
   session.memory_bytes = options.memory_bytes;
   session.policy = options.policy;
   session.lit = options.lit;
+  session.partition = options.partition;
+  if (options.partition == Partition::kBoxes) setenv("SLUICE_INDEX", "off", 1);
   session_ = std::make_unique<Session>(source, options.time, ranges_, device, pool_, session);
   session_->setTransferFunction(transfer_);
 }

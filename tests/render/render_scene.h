@@ -33,6 +33,7 @@ struct SceneOptions {
   int threads = 2;
   bool lit = false;
   int64_t time = 0;
+  Partition partition = Partition::kBlocks;  // kBoxes: frames may draw either; keeps no index
 };
 
 class RenderScene {

@@ -305,8 +305,11 @@ TEST_F(SessionTest, memoryIsSharedOutWithoutRest) {
   EXPECT_EQ(software.volume_buffer + software.texture_buffer + software.texture_cache +
                 software.scratch + kSpareTextureBytes,
             kMemory);
-  const Budgets hardware = shareMemory(kMemory, page, false, {16}, 2);
-  EXPECT_EQ(hardware.volume_buffer + hardware.texture_buffer + hardware.scratch, kMemory)
+  const Budgets hardware =
+      shareMemory(kMemory, page, false, {.block_vox = 16, .partition = Partition::kBoxes}, 2);
+  EXPECT_GT(hardware.boxes, 0U);
+  EXPECT_EQ(hardware.volume_buffer + hardware.texture_buffer + hardware.scratch + hardware.boxes,
+            kMemory)
       << "textures have a memory of their own";
   const Budgets packed = shareMemory(kMemory, page, false, {16, 3 << 20}, 2);
   EXPECT_EQ(packed.volume_buffer + packed.texture_buffer + packed.scratch + packed.source, kMemory);

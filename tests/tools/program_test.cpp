@@ -80,6 +80,37 @@ TEST(Program, theLeastMemoryThatAnErrorNamesWorks) {
   EXPECT_EQ(program.run(line + least).status, 0) << program.run(line + least).output;
 }
 
+TEST(Program, boxesDrawThePictureOfBlocksFromFewerSamplesAndKeepAnIndex) {
+  const Program program;
+  const CommandResult made = program.run("synth phantom -o head.raw --dims 96,96,96");
+  ASSERT_EQ(made.status, 0) << made.output;
+  const std::string line = "render head_96x96x96_uint8.raw -o a.png --size 64x64 --threshold 120 ";
+  const auto blocks = program.json(line + "--partition blocks");
+  const auto boxes = program.json(line + "--partition boxes --verify");
+  EXPECT_LT(boxes["verify"]["max_difference"].get<double>(), 1);
+  const auto &of_blocks = blocks["frames"][0], &of_boxes = boxes["frames"][0];
+  EXPECT_LT(of_boxes["samples_drawn"].get<int64_t>(), of_blocks["samples_drawn"].get<int64_t>());
+  EXPECT_EQ(of_boxes["samples_object"], of_blocks["samples_object"]);
+  EXPECT_GT(of_boxes["boxes_drawn"].get<int64_t>(), of_blocks["boxes_drawn"].get<int64_t>());
+  // The second time they come from the index.
+  EXPECT_LT(program.json(line + "--partition boxes")["levels"]["disk"]["read_bytes"],
+            boxes["levels"]["disk"]["read_bytes"]);
+  EXPECT_EQ(program.run(line + "--partition bricks").status, 2);
+}
+
+TEST(Program, benchSkippingComparesWholeBlocksWithBoxes) {
+  const Program program;
+  const auto report =
+      program.json(std::string("bench skipping ") + kSmall + "@90 --size 48x48 --frames 1");
+  EXPECT_EQ(report["command"], "bench skipping");
+  const auto& row = report["rows"][0];
+  EXPECT_EQ(row["volume"], kSmall);
+  EXPECT_EQ(row["threshold"], 90);
+  EXPECT_DOUBLE_EQ(row["speedup"], row["ess_fps"].get<double>() / row["basic_fps"].get<double>());
+  EXPECT_EQ(report["mean_speedup"], row["speedup"]);
+  EXPECT_LT(row["ess_samples"].get<int64_t>(), row["basic_samples"].get<int64_t>());
+}
+
 TEST(Program, infoSaysWhatTheVolumeIs) {
   const Program program;
   const auto info =

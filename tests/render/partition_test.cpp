@@ -1,0 +1,244 @@
+// Growing boxes in the frame: the picture of object boxes, whatever the view, the look and the
+// memory; and what they cost and save.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+
+#include "src/classify/transfer_makers.h"
+#include "src/classify/volume_boxes.h"
+#include "src/render/index_space.h"
+#include "tests/render/real_volumes.h"
+#include "tests/render/render_scene.h"
+#include "tests/support/counting_source.h"
+#include "tests/support/random_volume.h"
+
+namespace sluice {
+namespace {
+
+constexpr double kOfReference = 2, kOfBlocks = 1;
+
+TransferFunction someTransfer(double threshold = 40) {
+  return thresholdTransfer(threshold, {0, 200}, 0.2, "viridis");
+}
+
+std::unique_ptr<MemorySource> blobs(VoxelType type = VoxelType::kU8, uint64_t seed = 1) {
+  BlobOptions options;
+  options.dims = {61, 50, 55};
+  options.type = type;
+  options.seed = seed;
+  options.blobs = 12;
+  options.spacing = {1, 1.2, 0.9};
+  return makeSparseBlobs(options);
+}
+
+class PartitionTest : public RenderTest {
+ protected:
+  // Returns the boxes drawn.
+  int64_t expectSamePicture(RenderScene& scene, FrameOptions options) {
+    options.partition = Partition::kBlocks;
+    const FloatPicture blocks = scene.draw(options);
+    options.partition = Partition::kBoxes;
+    EXPECT_TRUE(within(kOfBlocks, scene.draw(options), blocks));
+    return scene.frame(options).report.boxes_drawn;
+  }
+};
+
+TEST_F(PartitionTest, anyOctantProjectionAndLightingGivesTheSamePicture) {
+  for (const VoxelType type : {VoxelType::kU8, VoxelType::kU16, VoxelType::kF32})
+    for (const bool lit : {false, true}) {
+      const auto source = blobs(type);
+      const ValueRange range = valueRangeOf(*source);
+      RenderScene scene(device(), *source, thresholdTransfer(0.3 * range.hi, range, 0.2, "viridis"),
+                        {.block_vox = 32, .lit = lit, .partition = Partition::kBoxes});
+      for (int octant = 0; octant < 8; ++octant)
+        for (const Projection projection : {Projection::kOrtho, Projection::kPerspective}) {
+          SCOPED_TRACE(fmt::format("{}, lit {}, octant {}, projection {}", name(type), lit, octant,
+                                   static_cast<int>(projection)));
+          FrameOptions options = obliqueView(projection, {64, 60});
+          options.camera.azimuth_deg = 90 * (octant % 4) + 33;
+          options.camera.elevation_deg = octant < 4 ? 35 : -35;
+          options.with_depth = octant == 0;
+          EXPECT_GT(expectSamePicture(scene, options), 8) << "no more boxes than blocks";
+          options.partition = Partition::kBoxes;
+          if (octant != 5) continue;
+          EXPECT_TRUE(within(kOfReference, scene.draw(options), scene.reference(options)));
+        }
+    }
+}
+
+TEST_F(PartitionTest, axisAlignedAndInsideViewsGiveTheSamePicture) {
+  const auto source = blobs(VoxelType::kU8, 2);
+  RenderScene scene(device(), *source, someTransfer(),
+                    {.block_vox = 32, .partition = Partition::kBoxes});
+  for (const double azimuth : {0.0, 90.0, 180.0, 270.0})
+    for (const double elevation : {0.0, 90.0, -90.0}) {
+      FrameOptions options = obliqueView(Projection::kOrtho, {64, 60});
+      options.camera.azimuth_deg = azimuth;
+      options.camera.elevation_deg = elevation;
+      expectSamePicture(scene, options);
+    }
+  for (const Vec3d eye : {Vec3d{0.5, 0.5, 0.5}, {0.2, 0.7, 0.4}, {0.9, 0.1, 0.6}, {0, 0, 0}})
+    expectSamePicture(scene, insideView(source->layout(), eye, {0.6, 0.3, 0.8}));
+}
+
+TEST_F(PartitionTest, cropsClipPlanesModesAndStepsGiveTheSamePicture) {
+  const auto source = blobs(VoxelType::kU8, 3);
+  const Vec3d center =
+      worldFromIndex(source->layout(), toDouble(source->layout().dims - Vec3i{1, 1, 1}) * 0.5);
+  RenderScene scene(device(), *source, someTransfer(),
+                    {.block_vox = 32, .partition = Partition::kBoxes});
+  for (const Mode mode : {Mode::kComposite, Mode::kMip, Mode::kMinip, Mode::kAverage})
+    for (const Projection projection : {Projection::kOrtho, Projection::kPerspective})
+      for (const double step : {0.5, 1.0, 1.7})
+        for (const int cut : {0, 1, 2, 3}) {
+          SCOPED_TRACE(fmt::format("mode {}, projection {}, step {}, cut {}",
+                                   static_cast<int>(mode), static_cast<int>(projection), step,
+                                   cut));
+          FrameOptions options = obliqueView(projection, {64, 60});
+          options.mode = mode;
+          options.step_vox = step;
+          if ((cut & 1) != 0) options.crop = Box3{{7, 9, 11}, {44, 41, 39}};
+          if ((cut & 2) != 0)
+            options.clip_planes = {{{0.3, -0.5, 0.8}, dot(Vec3d{0.3, -0.5, 0.8}, center)}};
+          expectSamePicture(scene, options);
+          if (step != 1 || cut != 3) continue;
+          options.partition = Partition::kBoxes;
+          EXPECT_TRUE(within(kOfReference, scene.draw(options), scene.reference(options)));
+        }
+}
+
+TEST_F(PartitionTest, eachAlgorithmAndNoiseGiveTheSamePicture) {
+  const auto noise = makeWhiteNoise({40, 37, 33}, VoxelType::kU8, 5);
+  const auto sparse = blobs(VoxelType::kU8, 4);
+  for (VolumeSource* source :
+       {static_cast<VolumeSource*>(noise.get()), static_cast<VolumeSource*>(sparse.get())})
+    for (const Algorithm algorithm :
+         {Algorithm::kConventional, Algorithm::kClipped, Algorithm::kTrimmed, Algorithm::kMerged}) {
+      RenderScene scene(device(), *source, someTransfer(90),
+                        {.block_vox = 16, .partition = Partition::kBoxes});
+      FrameOptions options = obliqueView(Projection::kPerspective, {64, 60});
+      options.algorithm = algorithm;
+      EXPECT_GT(expectSamePicture(scene, options), 0);
+    }
+}
+
+TEST_F(PartitionTest, aNewTransferFunctionReadsNoVoxelForTheBoxes) {
+  const auto source = blobs();
+  CountingSource counting(*source);
+  RenderScene scene(device(), counting, someTransfer(),
+                    {.block_vox = 32, .partition = Partition::kBoxes});
+  FrameOptions options = obliqueView(Projection::kOrtho, {64, 60});
+  options.partition = Partition::kBoxes;
+  scene.frame(options);
+  for (const double threshold : {90.0, 20.0, 150.0}) {
+    counting.reset();
+    scene.setTransfer(someTransfer(threshold));
+    const FrameReport report = scene.frame(options).report;
+    EXPECT_EQ(static_cast<uint64_t>(counting.counts().bytes), report.decoded_bytes)
+        << "more than the blocks that were read";
+    expectSamePicture(scene, options);
+  }
+}
+
+TEST_F(PartitionTest, aSmallBudgetGivesTheSamePicture) {
+  const auto source = blobs();
+  const PageGeometry page{{8, 8, 8}, 1, 64};
+  const uint64_t least =
+      static_cast<uint64_t>(page.cacheBytes()) + kSpareTextureBytes + leastBufferBytes(page, {16});
+  for (const uint64_t more : {0, 1000, 50'000, 1'000'000}) {
+    RenderScene scene(device(), *source, someTransfer(),
+                      {.block_vox = 16,
+                       .pages = page.pages,
+                       .memory_bytes = least + more,
+                       .partition = Partition::kBoxes});
+    EXPECT_GT(expectSamePicture(scene, obliqueView(Projection::kPerspective, {64, 60})), 0);
+  }
+}
+
+TEST_F(PartitionTest, reportCountsBoxesAndFewerSamples) {
+  const auto source = blobs();
+  RenderScene scene(device(), *source, someTransfer(),
+                    {.block_vox = 32, .partition = Partition::kBoxes});
+  FrameOptions options = obliqueView(Projection::kOrtho, {64, 60});
+  options.count_samples = true;
+  options.algorithm = Algorithm::kTrimmed;
+  const FrameReport blocks = scene.frame(options).report;
+  EXPECT_EQ(blocks.boxes_drawn, blocks.grey + blocks.black);
+  EXPECT_EQ(blocks.samples_drawn, blocks.samples_object);
+  options.partition = Partition::kBoxes;
+  const FrameReport boxes = scene.frame(options).report;
+  EXPECT_GT(boxes.boxes_drawn, blocks.boxes_drawn);
+  EXPECT_EQ(boxes.samples_object, blocks.samples_object);
+  EXPECT_LT(boxes.samples_drawn, blocks.samples_drawn);
+  EXPECT_GT(boxes.samples_drawn, blocks.samples_drawn / 10);
+}
+
+// A frame that does not wait draws object boxes where the growing ones are not made.
+TEST_F(PartitionTest, aTimeLimitMakesNoBoxes) {
+  const auto source = blobs();
+  RenderScene scene(device(), *source, someTransfer(),
+                    {.block_vox = 32, .partition = Partition::kBoxes});
+  FrameOptions options = obliqueView(Projection::kOrtho, {64, 60});
+  const FloatPicture expected = scene.draw(options);
+  options.partition = Partition::kBoxes;
+  options.time_limit_s = 100;
+  const Frame limited = scene.frame(options);
+  EXPECT_EQ(limited.report.boxes_drawn, limited.report.grey + limited.report.black);
+  options.time_limit_s.reset();
+  EXPECT_TRUE(within(kOfBlocks, scene.draw(options), expected));
+}
+
+class PartitionDataTest : public PartitionTest, public testing::WithParamInterface<RealVolume> {};
+
+TEST_P(PartitionDataTest, boxesDrawTheSamePicture) {
+  const auto file = openReal(GetParam());
+  if (!file) GTEST_SKIP() << GetParam().input << " is not there";
+  const Vec3i dims = file->layout().dims;
+  const Vec3i size = min(dims, Vec3i{kSanitized ? 64 : 160, 160, 160});
+  const Vec3i lo = (dims - size) / Vec3i{2, 2, 2};
+  const auto source = cropped(*file, {lo, lo + size}, GetParam().time);
+  WorkerPool pool(2);
+  Progress progress;
+  const SliceRanges ranges = buildSliceRanges(*source, 0, blockLayout(size, 64, 0), pool, progress);
+  const TransferFunction transfer = automaticFor(ranges, file->layout());
+  for (const bool lit : {false, true}) {
+    RenderScene scene(device(), *source, transfer,
+                      {.block_vox = 64, .lit = lit, .partition = Partition::kBoxes});
+    for (const FrameOptions& view :
+         {obliqueView(Projection::kOrtho, {96, 88}),
+          obliqueView(Projection::kPerspective, {96, 88}),
+          insideView(source->layout(), {0.45, 0.55, 0.6}, {0.2, 0.4, 0.3})})
+      EXPECT_GT(expectSamePicture(scene, view), 0);
+  }
+  // What a growing box shows lies within its block's object box, which is made from other numbers.
+  const OpacityTable table(transfer, ranges.map, ranges.device_range);
+  const Box3 all = boxOf(size - Vec3i{1, 1, 1});
+  std::vector<Box3> object(static_cast<size_t>(ranges.layout.blockCount()));
+  for (const ObjectBlock& block : classify(ranges, table, all, pool).visible)
+    object[static_cast<size_t>(block.block)] = block.cells;
+  const auto held = std::count_if(ranges.blocks.begin(), ranges.blocks.end(), [&](int64_t block) {
+    return !object[static_cast<size_t>(block)].empty();
+  });
+  std::atomic<int64_t> visible = 0, outside = 0;
+  forEachBlockBricks(
+      *source, 0, ranges.layout, ranges.blocks, pool, progress,
+      [&](int64_t block, const BrickGrid& grid) {
+        const Box3& box = object[static_cast<size_t>(block)];
+        for (const GrownBox& grown :
+             growBoxTree(grid, growingParameters(ranges.map.type, ranges.device_range)).boxes) {
+          if (!table.anyOpaque(grown.range.lo, grown.range.hi)) continue;
+          ++visible;
+          if (intersect(translate(grown.local(), grid.cells.lo), box).empty()) ++outside;
+        }
+      });
+  // Blocks of background alone may be all that shows.
+  EXPECT_EQ(visible > 0, held > 0);
+  EXPECT_EQ(outside, 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Data, PartitionDataTest, testing::ValuesIn(realVolumes()),
+                         [](const auto& each) { return std::string(each.param.name); });
+
+}  // namespace
+}  // namespace sluice

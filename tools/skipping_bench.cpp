@@ -1,0 +1,88 @@
+#include "tools/skipping_bench.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "tools/algorithms_bench.h"
+#include "tools/scene.h"
+
+namespace sluice {
+namespace {
+
+// Before the first measured frame of a way: one here, and one before each, which changes the plan.
+constexpr int kWarmFrames = 2;
+
+struct Way {
+  const char* name;
+  Algorithm algorithm;
+  Partition partition;
+};
+constexpr std::array<Way, 3> kWays = {{{"basic", Algorithm::kConventional, Partition::kBlocks},
+                                       {"object", Algorithm::kMerged, Partition::kBlocks},
+                                       {"ess", Algorithm::kMerged, Partition::kBoxes}}};
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return values[values.size() / 2];
+}
+
+nlohmann::json rowOf(const SkippingBench& bench, const std::string& word) {
+  const auto [file, threshold] = splitThreshold(word, bench.look.threshold);
+  LookArguments look = bench.look;
+  look.threshold = threshold;
+  Scene scene({{file}, bench.open, bench.time}, look, bench.resources, Partition::kBoxes);
+  nlohmann::json row{{"volume", file},
+                     {"threshold", threshold ? nlohmann::json(*threshold) : nlohmann::json()}};
+  std::array<std::vector<double>, kWays.size()> seconds;
+  for (int i = 1 - kWarmFrames; i < bench.frames; ++i)
+    for (size_t way = 0; way < kWays.size(); ++way) {
+      FrameOptions options = bench.frame;
+      options.algorithm = kWays[way].algorithm;
+      options.partition = kWays[way].partition;
+      options.count_samples = i + 1 == bench.frames;
+      scene.session->setOptions(options);
+      // Another way changes the plan: that belongs to neither.
+      FrameReport report = scene.session->frame().report;
+      options.count_samples = false;
+      if (i < 0) continue;
+      scene.session->setOptions(options);
+      seconds[way].push_back(scene.session->frame().report.seconds);
+      if (i + 1 < bench.frames) continue;
+      const std::string name = kWays[way].name;
+      row[name + "_fps"] = 1 / median(seconds[way]);
+      row[name + "_samples"] = report.samples_drawn;
+      row[name + "_boxes"] = report.boxes_drawn;
+    }
+  row["speedup"] = row["ess_fps"].get<double>() / row["basic_fps"].get<double>();
+  return row;
+}
+
+}  // namespace
+
+nlohmann::json benchSkipping(const SkippingBench& bench) {
+  nlohmann::json rows = nlohmann::json::array();
+  double sum = 0;
+  for (const std::string& word : bench.volumes) {
+    rows.push_back(rowOf(bench, word));
+    sum += rows.back()["speedup"].get<double>();
+  }
+  return {{"rows", rows}, {"mean_speedup", sum / static_cast<double>(bench.volumes.size())}};
+}
+
+void printSkipping(const nlohmann::json& report) {
+  fmt::print("{:<32} {:>9} {:>9} {:>9} {:>8}   {:>11} {:>11} {:>11} {:>7}\n", "volume", "basic fps",
+             "object", "ESS fps", "speedup", "basic Msamp", "object", "ESS Msamp", "boxes");
+  for (const auto& row : report["rows"]) {
+    const auto millions = [&](const char* name) { return row[name].get<double>() / 1e6; };
+    fmt::print("{:<32} {:>9.2f} {:>9.2f} {:>9.2f} {:>8.2f}   {:>11.2f} {:>11.2f} {:>11.2f} {:>7}\n",
+               row["volume"].get<std::string>(), row["basic_fps"].get<double>(),
+               row["object_fps"].get<double>(), row["ess_fps"].get<double>(),
+               row["speedup"].get<double>(), millions("basic_samples"), millions("object_samples"),
+               millions("ess_samples"), row["ess_boxes"].get<int64_t>());
+  }
+  fmt::print("mean speedup {:.2f}\n", report["mean_speedup"].get<double>());
+}
+
+}  // namespace sluice

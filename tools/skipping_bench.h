@@ -1,0 +1,30 @@
+// sluice bench skipping: Li's Table 1 for any set of volumes: frames a second of every block drawn
+// whole (Basic) and of the visible growing boxes alone (ESS).
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include <string>
+#include <vector>
+
+#include "tools/options.h"
+
+namespace sluice {
+
+struct SkippingBench {
+  std::vector<std::string> volumes;  // FILE or FILE@THRESHOLD
+  LookArguments look;                // threshold of those without one
+  FrameOptions frame;
+  ResourceArguments resources;
+  OpenOptions open;
+  int64_t time = 0;
+  int frames = 9;
+};
+
+// {"rows": [...], "mean_speedup": ...}: one object a volume, the names of the interface; samples
+// and boxes beside them, and object boxes (what `--partition blocks` draws) as a third way. The
+// ways take turns frame by frame, so that a machine that drifts favours none. Throws Error.
+nlohmann::json benchSkipping(const SkippingBench& bench);
+void printSkipping(const nlohmann::json& report);
+
+}  // namespace sluice
