@@ -16,11 +16,16 @@ constexpr std::array<std::string_view, 4> kAlgorithmNames = {"conventional", "cl
 // Most blocks that the conventional algorithm may list.
 constexpr int64_t kMostBlocks = int64_t{1} << 26;
 
-// u and v: a square as nearly as powers of two allow, never wider than the grid.
+// A cache of this many rows of blocks has clusters of whole rows, which a file stores together.
+constexpr int64_t kRowsOfACluster = 4;
+
+// u and v: whole rows where the cache has room for some, otherwise a square as nearly as powers of
+// two allow, never wider than the grid.
 Vec3i clusterBlocks(const BlockLayout& layout, int64_t capacity_blocks) {
   int64_t u = 1;
   while (4 * u * u <= capacity_blocks) u *= 2;
   u = std::min(u, layout.grid.x);
+  if (capacity_blocks >= kRowsOfACluster * layout.grid.x) u = layout.grid.x;
   const int64_t v = std::min(capacity_blocks / u, layout.grid.y);
   return {std::min(capacity_blocks / v, layout.grid.x), v, 1};
 }

@@ -266,6 +266,16 @@ TEST(TexturePlan, thePapersClusterIsTwoByTwoBlocks) {
   EXPECT_EQ(plan.clusters.size(), 18U);
 }
 
+TEST(TexturePlan, aLargeCacheHasClustersOfWholeRows) {
+  const BlockLayout layout = blockLayout({20 * 63 + 1, 30 * 63 + 1, 64}, 64, 0);
+  const Classification nothing = classificationOf(layout, {});
+  PageGeometry page = kOctane;
+  page.pages = 64 * 128;
+  EXPECT_EQ(planned(layout, nothing, page, Algorithm::kTrimmed).cluster_blocks, (Vec3i{20, 6, 1}));
+  page.pages = 64 * 64;  // three rows: a square gives more neighbours to merge with
+  EXPECT_EQ(planned(layout, nothing, page, Algorithm::kTrimmed).cluster_blocks, (Vec3i{8, 8, 1}));
+}
+
 TEST(TexturePlan, aClustersBlackBlocksFitTheCache) {
   for (const int64_t blocks_a_side : {1, 3, 40})
     for (const int64_t pages : {64, 128, 256, 512, 1024, 2048, 4096, 65536}) {
