@@ -3,8 +3,8 @@
 // Every format that is "a header, then the voxels" is one of these once its header is read: raw,
 // NRRD, MetaImage and NIfTI. The voxels of all time steps are one sequence, shared out evenly over
 // one or more segments (slices or slabs in files of their own). A box is gathered with as few
-// system calls as its layout allows: pieces that lie close together in a segment are one vectored
-// read, whose gaps go into a scratch line (and count as read). Nothing is cached.
+// system calls as its layout allows: pieces that lie close together in a segment are one read, gaps
+// included (and counted), out of which they are copied. Nothing is cached.
 #pragma once
 
 #include <bit>
