@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "io/swap_bytes.h"
 #include "src/base/error.h"
 
 namespace sluice {
@@ -21,24 +22,6 @@ constexpr uint64_t kWantedBytesPerGapByte = 4;
 bool readsAcross(uint64_t gap_bytes, uint64_t piece_bytes) {
   if (gap_bytes > kMaxGapBytes) return false;
   return piece_bytes < kSmallPieceBytes || gap_bytes <= piece_bytes / kWantedBytesPerGapByte;
-}
-
-template <class Word>
-void swapWords(std::span<std::byte> bytes) {
-  for (size_t i = 0; i + sizeof(Word) <= bytes.size(); i += sizeof(Word)) {
-    Word word;
-    std::memcpy(&word, bytes.data() + i, sizeof(Word));
-    if constexpr (sizeof(Word) == 2) word = __builtin_bswap16(word);
-    if constexpr (sizeof(Word) == 4) word = __builtin_bswap32(word);
-    if constexpr (sizeof(Word) == 8) word = __builtin_bswap64(word);
-    std::memcpy(bytes.data() + i, &word, sizeof(Word));
-  }
-}
-
-void swapBytes(std::span<std::byte> bytes, size_t voxel_bytes) {
-  if (voxel_bytes == 2) swapWords<uint16_t>(bytes);
-  if (voxel_bytes == 4) swapWords<uint32_t>(bytes);
-  if (voxel_bytes == 8) swapWords<uint64_t>(bytes);
 }
 
 bool sameRows(std::span<const RegionRead> regions) {
