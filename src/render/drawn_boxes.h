@@ -83,7 +83,7 @@ void DrawnBoxes::visitFrontToBack(const BoxEye& eye, Visit&& visit) const {
       waiting[count++] = lower_first ? node.upper : node.lower;
       at = lower_first ? node.lower : node.upper;
     }
-    const Cells& box = boxes_[static_cast<size_t>(~at)];
+    const Cells& box = boxes_[static_cast<size_t>(-(int64_t{at} + 1))];
     visit(Box3{{box.lo[0], box.lo[1], box.lo[2]}, {box.hi[0], box.hi[1], box.hi[2]}});
   }
 }

@@ -147,7 +147,7 @@ std::shared_ptr<const DrawnBoxes> Session::drawnBoxes(int64_t position) {
                                                       : box_store_->tree(block.block);
   if (tree == nullptr) return nullptr;
   const Vec3i first = ranges_.layout.ownedCells(ranges_.layout.indexOf(block.block)).lo;
-  const auto drawn = std::make_shared<const DrawnBoxes>(
+  auto drawn = std::make_shared<const DrawnBoxes>(
       *tree, *table_, translate(block.cells, first * -1), boxCost(1 / frame_options_.step_vox));
   if (drawn_boxes_bytes_ + drawn->bytes() <= budgets_.boxes / 2) {
     drawn_boxes_bytes_ += drawn->bytes();
