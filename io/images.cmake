@@ -12,6 +12,16 @@ add_library(sluice_openvdb INTERFACE)
 target_include_directories(sluice_openvdb SYSTEM INTERFACE ${OPENVDB_INCLUDE_DIR})
 target_link_libraries(sluice_openvdb INTERFACE ${OPENVDB_LIBRARY} TBB::tbb OpenEXR::OpenEXR)
 
+# Opened by vdb_source.cpp when it is wanted: see vdb_module.h.
+add_library(sluice_openvdb_module MODULE vdb_module.cpp)
+set_target_properties(sluice_openvdb_module PROPERTIES
+  OUTPUT_NAME sluice_openvdb PREFIX "" LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR})
+target_link_libraries(sluice_openvdb_module PRIVATE sluice_base sluice_openvdb)
+install(TARGETS sluice_openvdb_module LIBRARY DESTINATION lib/sluice)
+add_dependencies(sluice_io sluice_openvdb_module)
+set_source_files_properties(vdb_source.cpp PROPERTIES
+  COMPILE_DEFINITIONS SLUICE_OPENVDB_MODULE="sluice_openvdb.so")
+
 target_sources(sluice_io PRIVATE
   exr_file.cpp
   file_list.cpp
@@ -27,4 +37,4 @@ target_sources(sluice_io PRIVATE
   vdb_header.cpp
   vdb_reader.cpp
   vdb_source.cpp)
-target_link_libraries(sluice_io PRIVATE sluice_openvdb PNG::PNG TIFF::TIFF OpenEXR::OpenEXR)
+target_link_libraries(sluice_io PRIVATE PNG::PNG TIFF::TIFF OpenEXR::OpenEXR)

@@ -15,7 +15,8 @@
 // that
 //   it meets into scratch memory of 512 voxels. Nothing is read of tiles and of the space between.
 //
-// Only vdb_source.cpp includes OpenVDB's headers. Reads run on any number of threads at once.
+// OpenVDB itself is in a module of its own that is opened here, see vdb_module.h. Reads run on any
+// number of threads at once.
 #pragma once
 
 #include <filesystem>
@@ -28,7 +29,8 @@ namespace sluice {
 
 // Opens the grid called `grid`; when empty, the first grid of floats or doubles, else the first of
 // another scalar type. Throws Error: no such grid (the line lists the names and types), a grid that
-// is not scalar, has no active voxels, or whose transform is not affine; a damaged file.
+// is not scalar, has no active voxels, or whose transform is not affine; a damaged file; a program
+// without its module.
 //
 // occupancy() gives the boxes of the leaves and of the tiles that differ from the background.
 // storedBytesRead() is an estimate, since OpenVDB maps the file: the tree's nodes exactly, and for

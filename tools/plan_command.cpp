@@ -32,23 +32,56 @@ constexpr std::array<Algorithm, 4> kAlgorithms = {Algorithm::kConventional, Algo
                                                   Algorithm::kTrimmed, Algorithm::kMerged};
 
 struct Cost {
-  Algorithm algorithm;
-  PlannedFrame planned;
-  int64_t binds = 0;
+  size_t chunks = 0, clusters = 0;
+  Vec3i cluster_blocks;
+  int64_t pages = 0, binds = 0;
+  uint64_t bytes = 0;
+  double classify_seconds = 0, plan_seconds = 0;
 };
+using Costs = std::array<Cost, kAlgorithms.size()>;
 
-void print(const std::vector<Cost>& costs, const PageGeometry& page) {
+Cost costOf(const Arguments& arguments, const IndexedVolume& volume,
+            const TransferFunction& transfer, Algorithm algorithm, WorkerPool& pool) {
+  FrameOptions options = arguments.frame;
+  options.algorithm = algorithm;
+  const PlannedFrame planned = planFrame(volume, transfer, options, arguments.volume.time, pool);
+  const TexturePlan& plan = planned.plan;
+  const VolumeLayout& layout = volume.source->layout();
+  const View view = resolve(options.camera, layout, options.size, options.step_vox);
+  return {plan.chunks.size(),
+          plan.clusters.size(),
+          plan.cluster_blocks,
+          plan.pageCount(),
+          bindCount(plan, eyePosition(view, layout)),
+          plan.bytes(),
+          planned.classify_seconds,
+          planned.plan_seconds};
+}
+
+// Each plan takes room and time; the one asked for is timed with nothing beside it.
+Costs costsOf(const Arguments& arguments, const IndexedVolume& volume,
+              const TransferFunction& transfer, WorkerPool& pool) {
+  Costs costs;
+  const auto plan = [&](Algorithm algorithm) {
+    costs[static_cast<size_t>(algorithm)] = costOf(arguments, volume, transfer, algorithm, pool);
+  };
+  plan(arguments.frame.algorithm);
+  pool.parallelFor(kAlgorithms.size(), [&](int64_t i) {
+    const Algorithm algorithm = kAlgorithms[static_cast<size_t>(i)];
+    if (algorithm != arguments.frame.algorithm) plan(algorithm);
+  });
+  return costs;
+}
+
+void print(const Costs& costs, const Cost& chosen, const PageGeometry& page) {
   fmt::print("{:<13} {:>8} {:>9} {:>12} {:>7}   pages of {}, {} in the cache\n", "algorithm",
              "chunks", "pages", "bytes", "binds", printPageSize(page.size_vox), page.pages);
-  for (const Cost& cost : costs)
-    fmt::print("{:<13} {:>8} {:>9} {:>12} {:>7}\n", name(cost.algorithm),
-               cost.planned.plan.chunks.size(), cost.planned.plan.pageCount(),
-               formatBytes(cost.planned.plan.bytes()), cost.binds);
-  const Cost& last = costs.back();
+  for (size_t i = 0; i < costs.size(); ++i)
+    fmt::print("{:<13} {:>8} {:>9} {:>12} {:>7}\n", name(kAlgorithms[i]), costs[i].chunks,
+               costs[i].pages, formatBytes(costs[i].bytes), costs[i].binds);
   fmt::print("{} clusters of {} x {} blocks; classified in {:.2f} ms, planned in {:.2f} ms\n",
-             last.planned.plan.clusters.size(), last.planned.plan.cluster_blocks.x,
-             last.planned.plan.cluster_blocks.y, 1e3 * last.planned.classify_seconds,
-             1e3 * last.planned.plan_seconds);
+             chosen.clusters, chosen.cluster_blocks.x, chosen.cluster_blocks.y,
+             1e3 * chosen.classify_seconds, 1e3 * chosen.plan_seconds);
 }
 
 // Growing boxes beside the two partitions that they lie between: one object box a block, and bricks
@@ -129,40 +162,29 @@ int run(const Arguments& arguments, const CLI::App& app) {
   const IndexedVolume volume =
       openIndexed(arguments.volume, arguments.resources, arguments.look.shade, pool);
   const TransferFunction transfer = transferFor(volume, arguments.look);
-  const View view = resolve(arguments.frame.camera, volume.source->layout(), arguments.frame.size,
-                            arguments.frame.step_vox);
-  const EyePosition eye = eyePosition(view, volume.source->layout());
-  std::vector<Cost> costs;
-  for (const Algorithm algorithm : kAlgorithms) {
-    FrameOptions options = arguments.frame;
-    options.algorithm = algorithm;
-    Cost cost{algorithm, planFrame(volume, transfer, options, arguments.volume.time, pool), 0};
-    cost.binds = bindCount(cost.planned.plan, eye);
-    costs.push_back(std::move(cost));
-  }
+  const Costs costs = costsOf(arguments, volume, transfer, pool);
+  const Cost& chosen = costs[static_cast<size_t>(arguments.frame.algorithm)];
   std::optional<PlannedBoxes> boxes;
   if (arguments.frame.partition == Partition::kBoxes)
     boxes = planBoxes(arguments, volume, transfer, pool);
   if (!arguments.json) {
-    print(costs, volume.page);
+    print(costs, chosen, volume.page);
     if (boxes) print(*boxes);
     return 0;
   }
-  const PlannedFrame& chosen = costs[static_cast<size_t>(arguments.frame.algorithm)].planned;
   nlohmann::json report{{"command", "plan"},
                         {"options", optionsJson(app)},
                         {"volume", volumeJson(volume)},
                         {"transfer", transfer.name},
-                        {"clusters", chosen.plan.clusters.size()},
+                        {"clusters", chosen.clusters},
                         {"classify_seconds", chosen.classify_seconds},
                         {"plan_seconds", chosen.plan_seconds},
                         {"seconds", chosen.classify_seconds + chosen.plan_seconds}};
-  for (const Cost& cost : costs)
-    report["algorithms"][std::string(name(cost.algorithm))] = {
-        {"chunks", cost.planned.plan.chunks.size()},
-        {"pages", cost.planned.plan.pageCount()},
-        {"bytes", cost.planned.plan.bytes()},
-        {"binds", cost.binds}};
+  for (size_t i = 0; i < costs.size(); ++i)
+    report["algorithms"][std::string(name(kAlgorithms[i]))] = {{"chunks", costs[i].chunks},
+                                                               {"pages", costs[i].pages},
+                                                               {"bytes", costs[i].bytes},
+                                                               {"binds", costs[i].binds}};
   if (boxes) report["partition"] = boxesJson(*boxes);
   fmt::print("{}\n", report.dump(2));
   return 0;

@@ -9,8 +9,8 @@
 #include <array>
 
 #include "src/base/error.h"
+#include "src/base/shared_library.h"
 #include "src/gl/backends.h"
-#include "src/gl/shared_library.h"
 
 namespace sluice {
 namespace {

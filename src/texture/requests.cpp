@@ -20,6 +20,10 @@ std::vector<TraceRecord> frameRequests(const TexturePlan& plan, const std::vecto
 
 int64_t bindCount(const TexturePlan& plan, const EyePosition& eye) {
   int64_t binds = 0;
+  if (plan.chunks.size() == plan.blocks.size()) {  // in any order
+    for (const TextureBlock& block : plan.blocks) binds += block.cells.empty() ? 0 : 1;
+    return binds;
+  }
   for (const int64_t position : clusterOrder(plan, eye)) {
     const Cluster& cluster = plan.clusters[static_cast<size_t>(position)];
     int64_t bound = -1;

@@ -61,6 +61,7 @@ std::vector<TextureBlock> textureBlocks(const BlockLayout& layout,
   if (layout.blockCount() > kMostBlocks)
     fail("--algorithm {} loads every block, here {}; use trimmed or merged", name(algorithm),
          layout.blockCount());
+  blocks.reserve(static_cast<size_t>(layout.blockCount()));
   size_t next = 0;
   for (int64_t block = 0; block < layout.blockCount(); ++block) {
     Box3 cells;
@@ -75,15 +76,21 @@ std::vector<TextureBlock> textureBlocks(const BlockLayout& layout,
 
 void groupIntoClusters(TexturePlan& plan) {
   std::unordered_map<int64_t, int64_t> cluster_at;  // linear index in the grid -> position
+  int64_t last_linear = -1;                         // neighbours in a row share their cluster
+  int64_t position = 0;
   for (size_t i = 0; i < plan.blocks.size(); ++i) {
     TextureBlock& block = plan.blocks[i];
     const Vec3i index = plan.layout.indexOf(block.block) / plan.cluster_blocks;
     const int64_t linear =
         (index.z * plan.cluster_grid.y + index.y) * plan.cluster_grid.x + index.x;
-    const auto [found, fresh] =
-        cluster_at.emplace(linear, static_cast<int64_t>(plan.clusters.size()));
-    if (fresh) plan.clusters.push_back({index, {}, {}});
-    block.cluster = found->second;
+    if (linear != last_linear) {
+      const auto [found, fresh] =
+          cluster_at.emplace(linear, static_cast<int64_t>(plan.clusters.size()));
+      if (fresh) plan.clusters.push_back({index, {}, {}});
+      position = found->second;
+      last_linear = linear;
+    }
+    block.cluster = position;
     plan.clusters[static_cast<size_t>(block.cluster)].blocks.push_back(static_cast<int64_t>(i));
   }
 }
@@ -92,9 +99,17 @@ MergeBlock mergeBlock(const TexturePlan& plan, int64_t position) {
   return {position, plan.blocks[static_cast<size_t>(position)].texels().z};
 }
 
-MergedChunk singleChunk(const TexturePlan& plan, size_t position) {
-  const MergeBlock block = mergeBlock(plan, static_cast<int64_t>(position));
-  return {{{{block}, block.thickness}}};
+// Each block a chunk.
+void addSingleChunks(TexturePlan& plan) {
+  plan.chunks.reserve(plan.blocks.size());
+  for (size_t i = 0; i < plan.blocks.size(); ++i) {
+    TextureBlock& block = plan.blocks[i];
+    const auto position = static_cast<int64_t>(i);
+    const Vec3i size{plan.layout.size, plan.layout.size, block.texels().z};
+    block.chunk = position;
+    plan.clusters[static_cast<size_t>(block.cluster)].chunks.push_back(position);
+    plan.chunks.push_back({size, plan.page.pagesOf(size), {position}});
+  }
 }
 
 // Gives each block its chunk and place, and each cluster of a block the chunk.
@@ -258,7 +273,7 @@ TexturePlan planTextures(const BlockLayout& layout, const Classification& classi
   if (options.algorithm == Algorithm::kMerged) {
     mergeChunks(plan, options.merge_order);
   } else {
-    for (size_t i = 0; i < plan.blocks.size(); ++i) addChunk(plan, singleChunk(plan, i));
+    addSingleChunks(plan);
   }
   return plan;
 }

@@ -25,7 +25,7 @@ class IncludeGate(unittest.TestCase):
             'src/gl/b.cpp': '#include "src/render/a.h"\n#include <GL/gl.h>\n',
             'tools/b.cpp': '#include "src/gl/a.h"\n#include <CLI/CLI.hpp>\n',
             'tests/io/b.cpp': '#include "io/a.h"\n#include "tests/io/a.h"\n',
-            'io/vdb_source.cpp': '#include <openvdb/openvdb.h>\n',
+            'io/vdb_module.cpp': '#include <openvdb/openvdb.h>\n',
         }), [])
 
     def test_names_file_line_and_reason(self):

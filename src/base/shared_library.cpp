@@ -1,4 +1,4 @@
-#include "src/gl/shared_library.h"
+#include "src/base/shared_library.h"
 
 #include <dlfcn.h>
 

@@ -1,5 +1,6 @@
-// SharedLibrary: a library opened at run time with its symbols kept to itself, and never closed
-// (context.h says why). Copies name the same library. Any thread.
+// SharedLibrary: a library opened at run time with its symbols kept to itself, and never closed:
+// threads, exit handlers and objects of its making may outlive whoever opened it. Copies name the
+// same library. Any thread.
 #pragma once
 
 #include <span>
