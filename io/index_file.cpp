@@ -17,6 +17,7 @@
 #include "io/synth_source.h"
 #include "src/base/atomic_file.h"
 #include "src/base/error.h"
+#include "src/base/large_pages.h"
 
 namespace sluice {
 namespace {
@@ -133,6 +134,7 @@ Verdict readFile(const std::filesystem::path& path, const IndexKey& key) {
   if (header.key_version != key.version)
     return {IndexState::kStale, "of another version of sluice", {}};
   Verdict verdict;
+  reserveLarge(verdict.blob, header.blob_bytes);
   verdict.blob.resize(header.blob_bytes);
   if (!file.read(verdict.blob)) return {IndexState::kTorn, "cut short", {}};
   if (checksumOf(verdict.blob) != header.blob_checksum) return {IndexState::kTorn, "damaged", {}};

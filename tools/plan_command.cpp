@@ -36,34 +36,55 @@ struct Cost {
   Vec3i cluster_blocks;
   int64_t pages = 0, binds = 0;
   uint64_t bytes = 0;
-  double classify_seconds = 0, plan_seconds = 0;
+  double seconds = 0;  // that planning took
 };
 using Costs = std::array<Cost, kAlgorithms.size()>;
 
-Cost costOf(const Arguments& arguments, const IndexedVolume& volume,
-            const TransferFunction& transfer, Algorithm algorithm, WorkerPool& pool) {
-  FrameOptions options = arguments.frame;
-  options.algorithm = algorithm;
-  const PlannedFrame planned = planFrame(volume, transfer, options, arguments.volume.time, pool);
-  const TexturePlan& plan = planned.plan;
+// What the plans are made from: the blocks that show, the same for all.
+struct Classified {
+  Box3 crop;
+  OpacityTable table;
+  Classification classes;
+  double seconds = 0;
+};
+
+Classified classified(const Arguments& arguments, const IndexedVolume& volume,
+                      const TransferFunction& transfer, WorkerPool& pool) {
+  const SliceRanges& ranges = volume.index.ranges;
+  Stopwatch watch;
+  Classified result{cropCells(arguments.frame, ranges.layout.dims),
+                    OpacityTable(transfer, ranges.map, ranges.device_range),
+                    {}};
+  result.classes = classify(ranges, result.table, result.crop, pool);
+  result.seconds = watch.lap();
+  return result;
+}
+
+Cost costOf(const Arguments& arguments, const IndexedVolume& volume, const Classified& shown,
+            Algorithm algorithm) {
+  const FrameOptions& frame = arguments.frame;
+  Stopwatch watch;
+  const TexturePlan plan =
+      planTextures(volume.layout, shown.classes, volume.page,
+                   {algorithm, frame.merge_order, arguments.volume.time, shown.crop});
+  const double seconds = watch.lap();
   const VolumeLayout& layout = volume.source->layout();
-  const View view = resolve(options.camera, layout, options.size, options.step_vox);
+  const View view = resolve(frame.camera, layout, frame.size, frame.step_vox);
   return {plan.chunks.size(),
           plan.clusters.size(),
           plan.cluster_blocks,
           plan.pageCount(),
           bindCount(plan, eyePosition(view, layout)),
           plan.bytes(),
-          planned.classify_seconds,
-          planned.plan_seconds};
+          seconds};
 }
 
 // Each plan takes room and time; the one asked for is timed with nothing beside it.
-Costs costsOf(const Arguments& arguments, const IndexedVolume& volume,
-              const TransferFunction& transfer, WorkerPool& pool) {
+Costs costsOf(const Arguments& arguments, const IndexedVolume& volume, const Classified& shown,
+              WorkerPool& pool) {
   Costs costs;
   const auto plan = [&](Algorithm algorithm) {
-    costs[static_cast<size_t>(algorithm)] = costOf(arguments, volume, transfer, algorithm, pool);
+    costs[static_cast<size_t>(algorithm)] = costOf(arguments, volume, shown, algorithm);
   };
   plan(arguments.frame.algorithm);
   pool.parallelFor(kAlgorithms.size(), [&](int64_t i) {
@@ -73,15 +94,17 @@ Costs costsOf(const Arguments& arguments, const IndexedVolume& volume,
   return costs;
 }
 
-void print(const Costs& costs, const Cost& chosen, const PageGeometry& page) {
+void print(const Costs& costs, Algorithm algorithm, double classify_seconds,
+           const PageGeometry& page) {
   fmt::print("{:<13} {:>8} {:>9} {:>12} {:>7}   pages of {}, {} in the cache\n", "algorithm",
              "chunks", "pages", "bytes", "binds", printPageSize(page.size_vox), page.pages);
   for (size_t i = 0; i < costs.size(); ++i)
     fmt::print("{:<13} {:>8} {:>9} {:>12} {:>7}\n", name(kAlgorithms[i]), costs[i].chunks,
                costs[i].pages, formatBytes(costs[i].bytes), costs[i].binds);
+  const Cost& chosen = costs[static_cast<size_t>(algorithm)];
   fmt::print("{} clusters of {} x {} blocks; classified in {:.2f} ms, planned in {:.2f} ms\n",
              chosen.clusters, chosen.cluster_blocks.x, chosen.cluster_blocks.y,
-             1e3 * chosen.classify_seconds, 1e3 * chosen.plan_seconds);
+             1e3 * classify_seconds, 1e3 * chosen.seconds);
 }
 
 // Growing boxes beside the two partitions that they lie between: one object box a block, and bricks
@@ -94,12 +117,10 @@ struct PlannedBoxes {
 };
 
 PlannedBoxes planBoxes(const Arguments& arguments, const IndexedVolume& volume,
-                       const TransferFunction& transfer, WorkerPool& pool) {
+                       const Classified& shown, WorkerPool& pool) {
   const SliceRanges& ranges = volume.index.ranges;
-  const Box3 crop = cropCells(arguments.frame, ranges.layout.dims);
-  const OpacityTable table(transfer, ranges.map, ranges.device_range);
   PlannedBoxes planned;
-  for (const ObjectBlock& block : classify(ranges, table, crop, pool).visible) {
+  for (const ObjectBlock& block : shown.classes.visible) {
     ++planned.object_boxes;
     planned.object_cells += block.cells.count();
   }
@@ -109,8 +130,8 @@ PlannedBoxes planBoxes(const Arguments& arguments, const IndexedVolume& volume,
   BoxIndexWriter index(*volume.source, arguments.volume.inputs.front(), arguments.volume.time,
                        ranges);
   planned.cost =
-      partitionCost(*volume.source, arguments.volume.time, ranges, table, crop, pool, progress,
-                    [&](int64_t block, const BoxTree& tree) { index.add(block, tree); });
+      partitionCost(*volume.source, arguments.volume.time, ranges, shown.table, shown.crop, pool,
+                    progress, [&](int64_t block, const BoxTree& tree) { index.add(block, tree); });
   planned.pieces_kept = index.piecesWritten();
   planned.seconds = watch.lap();
   return planned;
@@ -162,13 +183,14 @@ int run(const Arguments& arguments, const CLI::App& app) {
   const IndexedVolume volume =
       openIndexed(arguments.volume, arguments.resources, arguments.look.shade, pool);
   const TransferFunction transfer = transferFor(volume, arguments.look);
-  const Costs costs = costsOf(arguments, volume, transfer, pool);
+  const Classified shown = classified(arguments, volume, transfer, pool);
+  const Costs costs = costsOf(arguments, volume, shown, pool);
   const Cost& chosen = costs[static_cast<size_t>(arguments.frame.algorithm)];
   std::optional<PlannedBoxes> boxes;
   if (arguments.frame.partition == Partition::kBoxes)
-    boxes = planBoxes(arguments, volume, transfer, pool);
+    boxes = planBoxes(arguments, volume, shown, pool);
   if (!arguments.json) {
-    print(costs, chosen, volume.page);
+    print(costs, arguments.frame.algorithm, shown.seconds, volume.page);
     if (boxes) print(*boxes);
     return 0;
   }
@@ -177,9 +199,9 @@ int run(const Arguments& arguments, const CLI::App& app) {
                         {"volume", volumeJson(volume)},
                         {"transfer", transfer.name},
                         {"clusters", chosen.clusters},
-                        {"classify_seconds", chosen.classify_seconds},
-                        {"plan_seconds", chosen.plan_seconds},
-                        {"seconds", chosen.classify_seconds + chosen.plan_seconds}};
+                        {"classify_seconds", shown.seconds},
+                        {"plan_seconds", chosen.seconds},
+                        {"seconds", shown.seconds + chosen.seconds}};
   for (size_t i = 0; i < costs.size(); ++i)
     report["algorithms"][std::string(name(kAlgorithms[i]))] = {{"chunks", costs[i].chunks},
                                                                {"pages", costs[i].pages},

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "src/base/error.h"
+#include "src/base/large_pages.h"
 #include "src/classify/visible_values.h"
 
 namespace sluice {
@@ -125,6 +126,9 @@ Classification classify(const SliceRanges& ranges, const OpacityTable& table, co
         if (!object.cells.empty()) parts[static_cast<size_t>(task)].push_back(object);
       }
     });
+    size_t visible = 0;
+    for (const auto& part : parts) visible += part.size();
+    reserveLarge(result.visible, visible);
     for (const auto& part : parts)
       result.visible.insert(result.visible.end(), part.begin(), part.end());
     if (table.anyOpaque(ranges.background, ranges.background) &&

@@ -7,6 +7,7 @@
 #include <unordered_map>
 
 #include "src/base/error.h"
+#include "src/base/large_pages.h"
 
 namespace sluice {
 namespace {
@@ -53,7 +54,7 @@ std::vector<TextureBlock> textureBlocks(const BlockLayout& layout,
                                         const Box3& crop) {
   std::vector<TextureBlock> blocks;
   if (algorithm == Algorithm::kTrimmed || algorithm == Algorithm::kMerged) {
-    blocks.reserve(classification.visible.size());
+    reserveLarge(blocks, classification.visible.size());
     for (const ObjectBlock& object : classification.visible)
       blocks.push_back(trimmedBlock(layout, object));
     return blocks;
@@ -61,7 +62,7 @@ std::vector<TextureBlock> textureBlocks(const BlockLayout& layout,
   if (layout.blockCount() > kMostBlocks)
     fail("--algorithm {} loads every block, here {}; use trimmed or merged", name(algorithm),
          layout.blockCount());
-  blocks.reserve(static_cast<size_t>(layout.blockCount()));
+  reserveLarge(blocks, static_cast<size_t>(layout.blockCount()));
   size_t next = 0;
   for (int64_t block = 0; block < layout.blockCount(); ++block) {
     Box3 cells;
@@ -101,7 +102,7 @@ MergeBlock mergeBlock(const TexturePlan& plan, int64_t position) {
 
 // Each block a chunk.
 void addSingleChunks(TexturePlan& plan) {
-  plan.chunks.reserve(plan.blocks.size());
+  reserveLarge(plan.chunks, plan.blocks.size());
   for (size_t i = 0; i < plan.blocks.size(); ++i) {
     TextureBlock& block = plan.blocks[i];
     const auto position = static_cast<int64_t>(i);

@@ -3,6 +3,8 @@
 #include <cstring>
 #include <type_traits>
 
+#include "src/base/large_pages.h"
+
 namespace sluice {
 namespace {
 
@@ -38,6 +40,7 @@ class Reader {
   bool list(std::vector<T>& v) {
     uint64_t count = 0;
     if (!value(count) || count > left_.size() / sizeof(T)) return false;
+    reserveLarge(v, count);
     v.resize(count);
     if (count > 0) std::memcpy(v.data(), left_.data(), count * sizeof(T));
     left_ = left_.subspan(count * sizeof(T));
