@@ -196,12 +196,12 @@ void GlDevice::setBlending(Mode mode) {
 void GlDevice::setView(GlProgram& program) {
   const RayGrid& rays = setup_.rays;
   program.set("boxes", static_cast<int>(kBoxUnit));
-  program.set("origin_dx", rays.origin_dx);
-  program.set("origin_dy", rays.origin_dy);
-  program.set("step0", rays.step0);
-  program.set("step_dx", rays.step_dx);
-  program.set("step_dy", rays.step_dy);
-  program.set("first_slice", static_cast<double>(setup_.first_slice));
+  program.set("view_origin_dx", rays.origin_dx);
+  program.set("view_origin_dy", rays.origin_dy);
+  program.set("view_step0", rays.step0);
+  program.set("view_step_dx", rays.step_dx);
+  program.set("view_step_dy", rays.step_dy);
+  program.set("view_first_slice", static_cast<double>(setup_.first_slice));
   std::vector<float> planes;
   for (const ClipPlane& plane : setup_.clip_planes) {
     for (const float v : asFloats(plane.normal)) planes.push_back(v);
@@ -238,10 +238,11 @@ void GlDevice::setLookUp(GlProgram& program) {
   const double scale = valueScale(setup_.type);
   program.set("chunk", static_cast<int>(kChunkUnit));
   program.set("look_up", static_cast<int>(kLookUpUnit));
-  program.set("entry_scale", scale * per_device / entries);
-  program.set("entry_offset", (0.5 - range.lo * per_device) / entries);
-  program.set("least", range.lo / scale);
-  program.set("greatest", range.hi / scale);
+  const std::array<float, 4> line = {static_cast<float>(scale * per_device / entries),
+                                     static_cast<float>((0.5 - range.lo * per_device) / entries),
+                                     static_cast<float>(range.lo / scale),
+                                     static_cast<float>(range.hi / scale)};
+  program.set4("entries", line.data(), 1);
 }
 
 void GlDevice::setLighting(GlProgram& program) {
@@ -294,15 +295,15 @@ void GlDevice::beginFrame(const FrameSetup& setup) {
   GlProgram& program = programFor(variant_);
   setView(program);
   setLookUp(program);
-  program.set("stop_opacity", setup.opacity_threshold);
-  program.set("first_depth", setup.first_depth);
-  program.set("depth_step", setup.depth_step);
+  program.set("opacity_threshold", setup.opacity_threshold);
+  program.set("view_first_depth", setup.first_depth);
+  program.set("view_depth_step", setup.depth_step);
   const double ux = 2 * setup.tan_half_x / setup.size.width;
   const double vy = 2 * setup.tan_half_y / setup.size.height;
   const std::array<float, 4> pixel_ray = {
       static_cast<float>(ux), static_cast<float>(-setup.tan_half_x), static_cast<float>(vy),
       static_cast<float>(-setup.tan_half_y)};
-  program.set4("pixel_ray", pixel_ray.data(), 1);
+  program.set4("view_pixel_ray", pixel_ray.data(), 1);
   if (variant_.lit) setLighting(program);
 }
 
@@ -325,7 +326,7 @@ void GlDevice::draw(uint64_t id, std::span<const BoxDraw> boxes) {
   const auto found = resident_.find(id);
   SLUICE_CHECK(found != resident_.end());
   const Vec3d size = toDouble(found->second.storage_vox);
-  programFor(variant_).set("texel_size", Vec3d{1 / size.x, 1 / size.y, 1 / size.z});
+  programFor(variant_).set("chunk_texel_size", Vec3d{1 / size.x, 1 / size.y, 1 / size.z});
   gl_.ActiveTexture(GL_TEXTURE0 + kChunkUnit);
   gl_.BindTexture(GL_TEXTURE_3D, found->second.texture);
   ++binds_;

@@ -7,10 +7,30 @@ namespace {
 
 constexpr const char* kVersion = "#version 330 core\n";
 
+// What a fragment needs of the box and of the frame. All of it comes as flat inputs, the frame's
+// numbers too: software GL reads a uniform anew for each pixel, in every turn of a loop, but an
+// input that is flat once for all the pixels that it draws together. GL 3.3 lets 60 components
+// pass; those that a variant does not read do not count.
+constexpr const char* kInputs = R"(
+FLAT vec3 box_lo, box_hi, texel0, texel_dx, texel_dy;
+FLAT int first_k, turn;
+FLAT vec3 texel_size;         // 1 / texels of the chunk
+FLAT vec3 origin_dx, origin_dy, step0, step_dx, step_dy;
+FLAT float first_slice;
+FLAT float entry_scale, entry_offset, stop_opacity;
+FLAT float least, greatest;   // texel values of the first and the last entry
+FLAT float first_depth, depth_step;
+FLAT vec4 pixel_ray;          // u tan x = x * .x + .y, v tan y = y * .z + .w
+)";
+
 constexpr const char* kVertex = R"(
 uniform samplerBuffer boxes;
-flat out vec3 box_lo, box_hi, texel0, texel_dx, texel_dy;
-flat out int first_k, turn;
+uniform vec3 chunk_texel_size;
+uniform vec3 view_origin_dx, view_origin_dy, view_step0, view_step_dx, view_step_dy;
+uniform float view_first_slice, view_first_depth, view_depth_step;
+uniform vec4 view_pixel_ray;
+uniform vec4 entries;      // scale, offset, least, greatest
+uniform float opacity_threshold;
 void main() {
   int at = gl_InstanceID * 13;
   vec4 corner = texelFetch(boxes, at + gl_VertexID);
@@ -19,20 +39,31 @@ void main() {
   box_hi = hi.xyz;
   first_k = int(lo.w);
   turn = int(hi.w);
-  texel0 = texelFetch(boxes, at + 10).xyz;
-  texel_dx = texelFetch(boxes, at + 11).xyz;
-  texel_dy = texelFetch(boxes, at + 12).xyz;
+  texel_size = chunk_texel_size;
+  texel0 = texelFetch(boxes, at + 10).xyz * texel_size;
+  texel_dx = texelFetch(boxes, at + 11).xyz * texel_size;
+  texel_dy = texelFetch(boxes, at + 12).xyz * texel_size;
+  origin_dx = view_origin_dx;
+  origin_dy = view_origin_dy;
+  step0 = view_step0;
+  step_dx = view_step_dx;
+  step_dy = view_step_dy;
+  first_slice = view_first_slice;
+  first_depth = view_first_depth;
+  depth_step = view_depth_step;
+  pixel_ray = view_pixel_ray;
+  entry_scale = entries.x;
+  entry_offset = entries.y;
+  least = entries.z;
+  greatest = entries.w;
+  stop_opacity = opacity_threshold;
   gl_Position = vec4(corner.xy, 0.0, corner.z);
 }
 )";
 
 // The slices of this pixel's ray inside the box: [from, to).
 constexpr const char* kInterval = R"(
-flat in vec3 box_lo, box_hi, texel0, texel_dx, texel_dy;
-flat in int first_k, turn;
 layout(location = 0) out vec4 result;
-uniform vec3 origin_dx, origin_dy, step0, step_dx, step_dy;
-uniform float first_slice;
 #if CLIP_PLANES > 0
 uniform vec4 clip_planes[CLIP_PLANES];
 #endif
@@ -76,18 +107,11 @@ void main() {
 
 constexpr const char* kSample = R"(
 uniform sampler3D chunk;
-uniform vec3 texel_size;     // 1 / texels of the chunk
 uniform sampler2D look_up;
-uniform float entry_scale, entry_offset, stop_opacity;
-uniform float least, greatest;  // texel values of the first and the last entry
 // Texels below are, or are interpolated with, one that stands for NaN.
 #define IS_NO_NUMBER(v) lessThan(v, vec3(-2e30))
 #if WITH_DEPTH
 layout(location = 1) out vec4 depth_sum;  // opacity times depth, and opacity to blend by
-uniform float first_depth, depth_step;
-#endif
-#if PERSPECTIVE
-uniform vec4 pixel_ray;      // u tan x = x * .x + .y, v tan y = y * .z + .w
 #endif
 #if LIT
 uniform vec3 camera_x, camera_y, camera_z;
@@ -138,7 +162,7 @@ void main() {
   ivec2 range = slices(pixel.x * origin_dx + pixel.y * origin_dy, step);
   if (range.x >= range.y) discard;
   vec3 along = textureOrder(step) * texel_size;
-  vec3 first = (texel0 + pixel.x * texel_dx + pixel.y * texel_dy) * texel_size;
+  vec3 first = texel0 + pixel.x * texel_dx + pixel.y * texel_dy;
 #if PERSPECTIVE
   float ray_length = length(vec3(pixel.x * pixel_ray.x + pixel_ray.y, pixel.y * pixel_ray.z + pixel_ray.w, 1.0));
 #endif
@@ -195,7 +219,7 @@ void main() {
 }  // namespace
 
 std::string vertexShader() {
-  return std::string(kVersion) + kVertex;
+  return fmt::format("{}#define FLAT flat out\n{}{}", kVersion, kInputs, kVertex);
 }
 
 std::string fragmentShader(const ShaderVariant& v) {
@@ -205,6 +229,8 @@ std::string fragmentShader(const ShaderVariant& v) {
   source += fmt::format("#define WITH_DEPTH {}\n#define STOPS_EARLY {}\n#define CLIP_PLANES {}\n",
                         int{v.with_depth}, int{v.stops_early}, v.clip_planes);
   source += fmt::format("#define FLOATS {}\n", int{v.floats});
+  source += "#define FLAT flat in\n";
+  source += kInputs;
   source += kInterval;
   source += v.counts ? kCount : kSample;
   return source;
