@@ -60,6 +60,19 @@ std::optional<Partition> parsePartition(const std::string& word) {
   return std::nullopt;
 }
 
+std::optional<double> positiveShare(const std::string& word) {
+  const auto share = unitShare(word);
+  return share && *share > 0 ? share : std::nullopt;
+}
+
+std::optional<Occlusion> parseOcclusion(const std::string& word) {
+  if (word == "off") return Occlusion::kOff;
+  if (word == "map") return Occlusion::kMap;
+  if (word == "cull") return Occlusion::kCull;
+  if (word == "clip") return Occlusion::kClip;
+  return std::nullopt;
+}
+
 std::optional<int64_t> powerOfTwo(const std::string& word) {
   const auto number = parseNumbers(word, 1);
   if (!number || number->front() < 1 || number->front() > 1e15) return std::nullopt;
@@ -220,8 +233,17 @@ void addViewOptions(CLI::App& app, FrameOptions& options) {
             "which are made once for a volume and kept with its index",
             "blocks|boxes", parsePartition,
             [&options](Partition partition) { options.partition = partition; });
-  addParsed(app, "--opacity-threshold", "A ray ends at this opacity; 1 never (1)", "0..1",
-            unitShare, [&options](double threshold) { options.opacity_threshold = threshold; });
+  addParsed(
+      app, "--occlusion",
+      "Leaves out what is hidden (off): map asks the opacity map and leaves out nothing, cull "
+      "leaves out hidden boxes, clip the hidden parts of boxes too",
+      "off|map|cull|clip", parseOcclusion,
+      [&options](Occlusion occlusion) { options.occlusion = occlusion; });
+  addParsed(app, "--opacity-threshold",
+            "Opaque: rays end there and hide what is behind; 1 changes no picture (1, with "
+            "--occlusion 0.95)",
+            "above 0, up to 1", positiveShare,
+            [&options](double threshold) { options.opacity_threshold = threshold; });
   app.add_option("--time-limit", options.time_limit_s,
                  "A frame leaves out what is not read by then, and says so (waits for all)")
       ->check(CLI::NonNegativeNumber)

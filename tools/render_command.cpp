@@ -92,6 +92,7 @@ Verification verify(Scene& scene, FrameOptions options, const Picture& picture) 
   options.algorithm = Algorithm::kConventional;
   options.partition = Partition::kBlocks;
   options.opacity_threshold = 1;
+  options.occlusion = Occlusion::kOff;
   options.count_samples = false;
   scene.session->setOptions(options);
   const Picture plain = scene.session->frame().picture;

@@ -6,6 +6,17 @@ namespace sluice {
 
 using nlohmann::json;
 
+json occlusionJson(const OcclusionReport& report) {
+  return {{"updates_wanted", report.updates_wanted},
+          {"updates", report.updates},
+          {"cells", report.cells},
+          {"cells_culled", report.cells_culled},
+          {"cells_clipped", report.cells_clipped},
+          {"skipped_share", report.skippedShare()},
+          {"chunks_hidden", report.chunks_hidden},
+          {"seconds", report.seconds}};
+}
+
 json frameJson(const RenderedFrame& frame) {
   const FrameReport& report = frame.report;
   const StageSeconds& s = report.stages;
@@ -21,6 +32,7 @@ json frameJson(const RenderedFrame& frame) {
             {"boxes", s.boxes},
             {"write", frame.write_seconds}}},
           {"samples_drawn", report.samples_drawn},
+          {"samples_taken", report.samples_taken},
           {"samples_object", report.samples_object},
           {"boxes_drawn", report.boxes_drawn},
           {"chunks", report.chunks},
@@ -40,6 +52,7 @@ json frameJson(const RenderedFrame& frame) {
             {"black", report.before.black}}},
           {"complete", report.missing_share == 0},
           {"missing_share", report.missing_share},
+          {"occlusion", occlusionJson(report.occlusion)},
           {"binds", report.binds}};
 }
 

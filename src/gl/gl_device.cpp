@@ -103,7 +103,7 @@ void resolveMode(const FrameSetup& setup, std::vector<float>& rgba) {
 }  // namespace
 
 GlDevice::GlDevice(std::unique_ptr<GlContext> context)
-    : context_(std::move(context)), gl_(context_->functions()), pool_(gl_) {
+    : context_(std::move(context)), gl_(context_->functions()), pool_(gl_), occlusion_(gl_) {
   gl_.GenVertexArrays(1, &vertex_array_);
   gl_.BindVertexArray(vertex_array_);
   gl_.GenBuffers(1, &index_buffer_);
@@ -265,6 +265,38 @@ void GlDevice::setLighting(GlProgram& program) {
   program.set4("reflectance", reflectance.data(), 1);
 }
 
+void GlDevice::bindTarget() {
+  gl_.BindFramebuffer(GL_FRAMEBUFFER, target_.framebuffer);
+  gl_.Viewport(0, 0, setup_.size.width, setup_.size.height);
+  const std::array<GLenum, 2> outputs = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
+  gl_.DrawBuffers(variant_.with_depth || variant_.counts_taken ? 2 : 1, outputs.data());
+  setBlending(setup_.mode);
+  gl_.Enable(GL_CULL_FACE);
+  gl_.CullFace(GL_FRONT);
+  gl_.FrontFace(isMirrored(setup_) ? GL_CW : GL_CCW);
+  // Boxes lie at half depth, marked pixels at none; see OcclusionPasses.
+  gl_.FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, marked_);
+  if (marked_ != 0)
+    gl_.Enable(GL_DEPTH_TEST);
+  else
+    gl_.Disable(GL_DEPTH_TEST);
+  gl_.DepthFunc(GL_LESS);
+  gl_.DepthMask(GL_FALSE);
+}
+
+std::vector<float> GlDevice::leastOpacity(const MapGrid& grid) {
+  SLUICE_CHECK(setup_.mode == Mode::kComposite);
+  std::vector<float> least = occlusion_.leastOpacity(target_.color, setup_.size, grid);
+  bindTarget();
+  return least;
+}
+
+void GlDevice::stopOpaque() {
+  SLUICE_CHECK(setup_.mode == Mode::kComposite);
+  marked_ = occlusion_.markOpaque(target_.color, setup_.size, setup_.opacity_threshold);
+  bindTarget();
+}
+
 void GlDevice::beginFrame(const FrameSetup& setup) {
   SLUICE_CHECK_LE(setup.clip_planes.size(), kMostClipPlanes);
   setup_ = setup;
@@ -275,23 +307,17 @@ void GlDevice::beginFrame(const FrameSetup& setup) {
               .with_depth = composite && setup.with_depth,
               .stops_early = composite && setup.opacity_threshold < 1,
               .floats = setup.type == DeviceType::kF32,
+              .counts_taken = composite && setup.counts_taken && !setup.with_depth,
               .counts = false,
               .clip_planes = static_cast<int>(setup.clip_planes.size())};
   resizeTarget(setup.size);
-  gl_.BindFramebuffer(GL_FRAMEBUFFER, target_.framebuffer);
-  gl_.Viewport(0, 0, setup.size.width, setup.size.height);
-  const std::array<GLenum, 2> outputs = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
-  gl_.DrawBuffers(variant_.with_depth ? 2 : 1, outputs.data());
+  marked_ = 0;
+  bindTarget();
   const float start = setup.mode == Mode::kMip     ? std::numeric_limits<float>::lowest()
                       : setup.mode == Mode::kMinip ? std::numeric_limits<float>::max()
                                                    : 0.0F;
   gl_.ClearColor(start, start, start, start);
   gl_.Clear(GL_COLOR_BUFFER_BIT);
-  setBlending(setup.mode);
-  gl_.Enable(GL_CULL_FACE);
-  gl_.CullFace(GL_FRONT);
-  gl_.FrontFace(isMirrored(setup) ? GL_CW : GL_CCW);
-
   GlProgram& program = programFor(variant_);
   setView(program);
   setLookUp(program);
@@ -358,10 +384,20 @@ uint64_t GlDevice::countSamples(std::span<const BoxDraw> boxes) {
   gl_.BindFramebuffer(GL_FRAMEBUFFER, target_.framebuffer);
   const GLenum output = GL_COLOR_ATTACHMENT1;
   gl_.DrawBuffers(1, &output);
+  gl_.Disable(GL_DEPTH_TEST);
   gl_.ClearColor(0, 0, 0, 0);
   gl_.Clear(GL_COLOR_BUFFER_BIT);
   setBlending(Mode::kAverage);
   drawBoxes(boxes);
+  return sumOfCounts();
+}
+
+uint64_t GlDevice::takenSamples() {
+  SLUICE_CHECK(variant_.counts_taken);
+  return sumOfCounts();
+}
+
+uint64_t GlDevice::sumOfCounts() const {
   double sum = 0;
   const std::vector<float> counts = readTarget(GL_COLOR_ATTACHMENT1);
   for (size_t i = 0; i < counts.size(); i += 4) sum += counts[i];

@@ -14,6 +14,7 @@
 
 #include "src/gl/context.h"
 #include "src/gl/gl_program.h"
+#include "src/gl/occlusion_passes.h"
 #include "src/gl/shaders.h"
 #include "src/gl/texture_pool.h"
 #include "src/render/device.h"
@@ -36,7 +37,10 @@ class GlDevice : public Device {
   uint64_t binds() const override { return binds_; }
   void beginFrame(const FrameSetup& setup) override;
   void draw(uint64_t id, std::span<const BoxDraw> boxes) override;
+  std::vector<float> leastOpacity(const MapGrid& grid) override;
+  void stopOpaque() override;
   uint64_t countSamples(std::span<const BoxDraw> boxes) override;
+  uint64_t takenSamples() override;
   Picture endFrame() override;
 
  private:
@@ -65,12 +69,17 @@ class GlDevice : public Device {
   void setLighting(GlProgram& program);
   void setBlending(Mode mode);
   void resizeTarget(PictureSize size);
+  // Again what beginFrame() set, after another pass.
+  void bindTarget();
   void drawBoxes(std::span<const BoxDraw> boxes);
   std::vector<float> readTarget(GLenum attachment) const;
+  // Of the counts in the second attachment.
+  uint64_t sumOfCounts() const;
 
   std::unique_ptr<GlContext> context_;
   const GlFunctions& gl_;
   TexturePool pool_;
+  OcclusionPasses occlusion_;
   std::unordered_map<uint64_t, Resident> resident_;
   std::map<ShaderVariant, std::unique_ptr<GlProgram>> programs_;
   FrameSetup setup_;
@@ -80,6 +89,7 @@ class GlDevice : public Device {
   GLuint vertex_array_ = 0, index_buffer_ = 0, box_buffer_ = 0, box_texture_ = 0, look_up_ = 0;
   std::optional<LookUpKey> look_up_key_;  // of the texture's content
   uint64_t binds_ = 0;
+  GLuint marked_ = 0;  // depth buffer with the opaque pixels; 0: none are marked in this frame
 };
 
 }  // namespace sluice

@@ -61,6 +61,10 @@ void GlProgram::set(const char* name, Vec3d v) {
   gl_.Uniform3f(locate(name), static_cast<GLfloat>(v.x), static_cast<GLfloat>(v.y),
                 static_cast<GLfloat>(v.z));
 }
+void GlProgram::set2(const char* name, const float* values) {
+  gl_.Uniform2fv(locate(name), 1, values);
+}
+
 void GlProgram::set4(const char* name, const float* values, int count) {
   gl_.Uniform4fv(locate(name), count, values);
 }

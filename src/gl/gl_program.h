@@ -22,6 +22,7 @@ class GlProgram {
   void set(const char* name, int value);
   void set(const char* name, double value);
   void set(const char* name, Vec3d value);
+  void set2(const char* name, const float* values);
   void set4(const char* name, const float* values, int count);
   void set3(const char* name, const float* values, int count);
 

@@ -113,6 +113,9 @@ uniform sampler2D look_up;
 #if WITH_DEPTH
 layout(location = 1) out vec4 depth_sum;  // opacity times depth, and opacity to blend by
 #endif
+#if COUNTS_TAKEN
+layout(location = 1) out vec4 taken;  // samples; of opacity 0, so that they add up
+#endif
 #if LIT
 uniform vec3 camera_x, camera_y, camera_z;
 uniform float flat_difference;  // `flat`, in texel values
@@ -170,7 +173,13 @@ void main() {
 #if WITH_DEPTH
   float weighted_depth = 0.0;
 #endif
+#if COUNTS_TAKEN
+  taken = vec4(0.0);
+#endif
   for (int k = range.x; k < range.y; ++k) {
+#if COUNTS_TAKEN
+    taken.r += 1.0;
+#endif
     vec3 at = first + float(k - first_k) * along;
     float value = textureLod(chunk, at, 0.0).r;
     float entry = value * entry_scale + entry_offset;
@@ -228,7 +237,8 @@ std::string fragmentShader(const ShaderVariant& v) {
                         static_cast<int>(v.mode), int{v.perspective}, int{v.lit});
   source += fmt::format("#define WITH_DEPTH {}\n#define STOPS_EARLY {}\n#define CLIP_PLANES {}\n",
                         int{v.with_depth}, int{v.stops_early}, v.clip_planes);
-  source += fmt::format("#define FLOATS {}\n", int{v.floats});
+  source += fmt::format("#define FLOATS {}\n#define COUNTS_TAKEN {}\n", int{v.floats},
+                        int{v.counts_taken});
   source += "#define FLAT flat in\n";
   source += kInputs;
   source += kInterval;

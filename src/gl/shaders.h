@@ -15,8 +15,9 @@ struct ShaderVariant {
   bool lit = false;
   bool with_depth = false;
   bool stops_early = false;
-  bool floats = false;  // texels may be such that stand for NaN
-  bool counts = false;  // writes the number of samples, samples nothing
+  bool floats = false;        // texels may be such that stand for NaN
+  bool counts_taken = false;  // writes the number of samples beside the picture
+  bool counts = false;        // writes the number of samples, samples nothing
   int clip_planes = 0;
   friend auto operator<=>(const ShaderVariant&, const ShaderVariant&) = default;
 };

@@ -71,6 +71,7 @@ struct FrameSetup {
   Mode mode = Mode::kComposite;
   double opacity_threshold = 1;  // a ray ends inside a box at this opacity; 1: never
   bool with_depth = false;       // composite only: the picture gets a depth channel
+  bool counts_taken = false;     // composite only, not with depth: takenSamples() can be asked
   bool lit = false;              // composite only: chunks carry a ghost layer around each block
   Lighting lighting;
   // Camera-space direction (right, up, toward the viewer) of one device value more a voxel along
@@ -87,6 +88,13 @@ struct BoxDraw {
   Box3 cells;
   std::array<int, 3> axes{0, 1, 2};
   Vec3i texel_origin;
+};
+
+// A square grid of side x side cells on a plane of index space, seen from the eye: rows x, y and w
+// of clip space, from (x, y, 1) in cells; cell (i, j) is [i, i + 1) x [j, j + 1).
+struct MapGrid {
+  int side = 1;
+  std::array<std::array<double, 3>, 3> clip_from_map{};
 };
 
 struct DeviceLimits {
@@ -125,8 +133,18 @@ class Device {
   virtual void beginFrame(const FrameSetup& setup) = 0;
   // Resamples boxes that lie in one resident chunk, front to back, behind all drawn before.
   virtual void draw(uint64_t id, std::span<const BoxDraw> boxes) = 0;
+  // For each cell of the grid, row after row, the least opacity that was drawn so far into a pixel
+  // whose ray meets the cell; 1 where no pixel's does, 0 where the cell reaches to the eye. Never
+  // more than that, it may be less. Composite only.
+  virtual std::vector<float> leastOpacity(const MapGrid& grid) = 0;
+  // From now on pixels that have reached FrameSetup::opacity_threshold take no more samples.
+  // Composite only.
+  virtual void stopOpaque() = 0;
   // Exactly how many samples draw() of these boxes takes over all pixels. Leaves the picture alone.
   virtual uint64_t countSamples(std::span<const BoxDraw> boxes) = 0;
+  // After endFrame(): how many samples the frame took, less than countSamples() says of its boxes
+  // where rays ended early or pixels were stopped. Requires: setup.counts_taken.
+  virtual uint64_t takenSamples() = 0;
   // Waits for what was drawn; premultiplied.
   virtual Picture endFrame() = 0;
 

@@ -75,6 +75,11 @@ class DrawnBoxes::Maker {
 DrawnBoxes::DrawnBoxes(const BoxTree& tree, const OpacityTable& table, const Box3& clip,
                        const BoxCost& cost) {
   Maker(*this, tree, table, clip, cost).make(0);
+  for (const Cells& box : boxes_) {
+    int64_t cells = 1;
+    for (size_t a = 0; a < 3; ++a) cells *= box.hi[a] - box.lo[a];
+    cell_count_ += cells;
+  }
   nodes_.shrink_to_fit();
   boxes_.shrink_to_fit();
 }

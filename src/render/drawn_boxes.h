@@ -43,6 +43,7 @@ class DrawnBoxes {
   DrawnBoxes(const BoxTree& tree, const OpacityTable& table, const Box3& clip, const BoxCost& cost);
 
   size_t count() const { return boxes_.size(); }
+  int64_t cells() const { return cell_count_; }  // in all boxes
   uint64_t bytes() const {
     return sizeof(*this) + nodes_.capacity() * sizeof(Node) + boxes_.capacity() * sizeof(Cells);
   }
@@ -66,6 +67,7 @@ class DrawnBoxes {
 
   std::vector<Node> nodes_;  // children before their parent, the root last
   std::vector<Cells> boxes_;
+  int64_t cell_count_ = 0;
 };
 
 template <class Visit>

@@ -37,9 +37,11 @@ Frame Session::drawFrame() {
                             frame_options_.step_vox);
   FrameSetup setup = frameSetup(view, source_.layout(), *table_, ranges_.map, frame_options_);
   setup.lit = options_.lit;
+  setup.counts_taken = countsTaken();
   const EyePosition eye = eyePosition(view, source_.layout());
   device_.beginFrame(setup);
-  ahead_.emplace(chunks_, *plan_, names_, cache_, clusterOrder(*plan_, eye));
+  startOcclusion(setup, eye);
+  ahead_.emplace(chunks_, *plan_, names_, cache_, clusterOrder(*plan_, eye), chunkNeeds());
   cache_.unpinAll();
   while (const auto taken = ahead_->take(deadline(begin))) {
     throwIfInterrupted();
@@ -51,6 +53,7 @@ Frame Session::drawFrame() {
   const Stopwatch draw_watch;
   frame.picture = device_.endFrame();
   report.stages.draw += draw_watch.seconds();
+  finishOcclusion(report);
 
   report.seconds = watch.seconds();
   const StageSeconds after = workerSeconds();
@@ -75,7 +78,7 @@ Frame Session::drawFrame() {
   } else {
     ahead_.reset();
   }
-  if (frame_options_.count_samples) countSamples(eye, report);
+  if (frame_options_.count_samples) countSamples(report);
   return frame;
 }
 
@@ -149,62 +152,80 @@ void Session::requestChunk(int64_t position, int64_t cluster_position, const Chu
 void Session::drawCluster(const Cluster& cluster, const EyePosition& eye, FrameReport& report) {
   const Stopwatch watch;
   const double boxes_before = report.stages.boxes;
-  std::vector<BoxDraw> boxes;  // that follow each other in one chunk
-  int64_t chunk = -1;
-  const auto flush = [&] {
-    if (!boxes.empty()) device_.draw(names_[static_cast<size_t>(chunk)], boxes);
-    report.boxes_drawn += static_cast<int64_t>(boxes.size());
-    boxes.clear();
-  };
   for (const int64_t position : blockOrder(*plan_, cluster, eye)) {
     const TextureBlock& block = plan_->blocks[static_cast<size_t>(position)];
     if (block.cells.empty()) continue;  // loaded whole, shows nothing (algorithm II)
+    if (occlusion_ && occlusion_->hides(block.cells)) {
+      occlusion_->leaveOut(block.cells.count());
+      continue;
+    }
     if (!cache_.contains(names_[static_cast<size_t>(block.chunk)])) {  // left out at the time limit
       report.missing_share += static_cast<double>(block.cells.count());
       continue;
     }
-    if (block.chunk != chunk) flush();
-    chunk = block.chunk;
-    addBoxes(position, eye, boxes, report);
+    drawBlock(position, eye, report);
   }
-  flush();
+  flushBoxes(report);
   report.stages.draw += watch.seconds() - (report.stages.boxes - boxes_before);
 }
 
-void Session::addBoxes(int64_t position, const EyePosition& eye, std::vector<BoxDraw>& boxes,
-                       FrameReport& report) {
+void Session::drawBlock(int64_t position, const EyePosition& eye, FrameReport& report) {
   const TextureBlock& block = plan_->blocks[static_cast<size_t>(position)];
   BoxDraw box = boxDraw(block);
   if (frame_options_.partition == Partition::kBlocks) {
-    boxes.push_back(box);
+    drawBox(block.chunk, box, report);
     return;
   }
   const Stopwatch watch;
   const std::shared_ptr<const DrawnBoxes> drawn = drawnBoxes(position);
-  if (drawn == nullptr) {  // the object box holds whatever its boxes would show
-    boxes.push_back(box);
-  } else {
-    const Vec3i first = ranges_.layout.ownedCells(ranges_.layout.indexOf(block.block)).lo;
-    const BoxEye from{eye.parallel, eye.parallel ? eye.index : eye.index - toDouble(first)};
-    drawn->visitFrontToBack(from, [&](const Box3& local) {
-      box.cells = translate(local, first);
-      boxes.push_back(box);
-    });
-  }
   report.stages.boxes += watch.seconds();
+  if (drawn == nullptr) {  // the object box holds whatever its boxes would show
+    drawBox(block.chunk, box, report);
+    return;
+  }
+  const Vec3i first = ranges_.layout.ownedCells(ranges_.layout.indexOf(block.block)).lo;
+  const BoxEye from{eye.parallel, eye.parallel ? eye.index : eye.index - toDouble(first)};
+  drawn->visitFrontToBack(from, [&](const Box3& local) {
+    box.cells = translate(local, first);
+    drawBox(block.chunk, box, report);
+  });
 }
 
-void Session::countSamples(const EyePosition& eye, FrameReport& report) {
-  std::vector<BoxDraw> drawn, object;
-  for (size_t i = 0; i < plan_->blocks.size(); ++i)
-    if (!plan_->blocks[i].cells.empty()) addBoxes(static_cast<int64_t>(i), eye, drawn, report);
+void Session::drawBox(int64_t chunk, BoxDraw box, FrameReport& report) {
+  if (occlusion_) {
+    const std::optional<Box3> visible = occlusion_->visible(box.cells);
+    if (!visible) return;
+    box.cells = *visible;
+    shown_[static_cast<size_t>(chunk)] = true;
+  }
+  if (chunk != pending_.chunk) flushBoxes(report);
+  pending_.chunk = chunk;
+  pending_.boxes.push_back(box);
+  if (occlusion_ && occlusion_->isUpdateDue()) updateOpacityMap(report);
+}
+
+void Session::flushBoxes(FrameReport& report) {
+  if (pending_.boxes.empty()) return;
+  device_.draw(names_[static_cast<size_t>(pending_.chunk)], pending_.boxes);
+  report.boxes_drawn += static_cast<int64_t>(pending_.boxes.size());
+  if (frame_options_.count_samples)
+    counted_.insert(counted_.end(), pending_.boxes.begin(), pending_.boxes.end());
+  pending_.boxes.clear();
+}
+
+void Session::countSamples(FrameReport& report) {
+  std::vector<BoxDraw> object;
   for (const ObjectBlock& block : classification_->visible) {
     BoxDraw box;
     box.cells = block.cells;
     object.push_back(box);
   }
-  report.samples_drawn = device_.countSamples(drawn);
+  // Before the other counts, which use the same place.
+  const uint64_t taken = countsTaken() ? device_.takenSamples() : 0;
+  report.samples_drawn = device_.countSamples(counted_);
+  report.samples_taken = countsTaken() ? taken : report.samples_drawn;
   report.samples_object = device_.countSamples(object);
+  counted_.clear();
 }
 
 }  // namespace sluice

@@ -8,6 +8,7 @@
 #include "src/classify/transfer_function.h"
 #include "src/render/camera.h"
 #include "src/render/device.h"
+#include "src/render/frame_occlusion.h"
 #include "src/render/lighting.h"
 #include "src/texture/texture_plan.h"
 
@@ -23,14 +24,20 @@ struct WorldPlane {
 // 2003), which hold fewer empty cells. The picture is the same.
 enum class Partition { kBlocks, kBoxes };
 
+// Opaque enough for what lies behind to be left out (Li 2003, section 4.1).
+inline constexpr double kDefaultOpaque = 0.95;
+
 struct FrameOptions {
   Camera camera;
   PictureSize size;
   double step_vox = 1;  // between slices, in units of the finest spacing
   Mode mode = Mode::kComposite;
   bool with_depth = false;
-  double opacity_threshold = 1;
-  Lighting lighting;         // used by sessions opened lit
+  // From this opacity on a pixel counts as opaque: rays end there, and boxes behind are hidden. 1:
+  // the picture is that of occlusion kOff. Unset: 1, with occlusion kDefaultOpaque.
+  std::optional<double> opacity_threshold;
+  Occlusion occlusion = Occlusion::kOff;  // composite only
+  Lighting lighting;                      // used by sessions opened lit
   std::optional<Box3> crop;  // voxels; what lies between its outer voxel planes is shown
   std::vector<WorldPlane> clip_planes;
   Algorithm algorithm = Algorithm::kMerged;
@@ -41,6 +48,11 @@ struct FrameOptions {
   std::optional<double> time_limit_s;
   bool count_samples = false;  // fills FrameReport::samples_*; costs a pass without texture reads
 };
+
+inline double opacityThreshold(const FrameOptions& options) {
+  return options.opacity_threshold.value_or(options.occlusion == Occlusion::kOff ? 1
+                                                                                 : kDefaultOpaque);
+}
 
 // The cells that options.crop lets show: those between its outer voxel planes.
 inline Box3 cropCells(const FrameOptions& options, Vec3i dims) {

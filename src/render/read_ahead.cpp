@@ -14,11 +14,12 @@ constexpr size_t kMostStepsAhead = 8;
 
 ReadAhead::ReadAhead(TextureBuffer& buffer, const TexturePlan& plan,
                      std::span<const uint64_t> names, const TextureCache& cache,
-                     std::span<const int64_t> order)
+                     std::span<const int64_t> order, Needs needs)
     : buffer_(buffer),
       plan_(plan),
       names_(names),
       cache_(cache),
+      needs_(std::move(needs)),
       most_bytes_(buffer.counters().budget_bytes / 4) {
   std::unordered_set<int64_t> seen;  // chunks between two clusters are loaded for the first
   for (const int64_t cluster : order) {
@@ -46,11 +47,13 @@ ReadAhead::~ReadAhead() {
   for (const TextureBuffer::BatchPtr& batch : late_) buffer_.cancel(batch);
 }
 
-std::vector<int64_t> ReadAhead::absent(const Step& step) const {
+std::vector<int64_t> ReadAhead::absent(const Step& step, bool ahead) const {
   std::vector<int64_t> chunks;
   uint64_t bytes = 0;
   for (const int64_t chunk : step.chunks) {
     if (cache_.contains(names_[static_cast<size_t>(chunk)])) continue;
+    if ((needs_.now && !needs_.now(chunk)) || (ahead && needs_.soon && !needs_.soon(chunk)))
+      continue;
     bytes += bytesOf(chunk);
     // More than planned have gone from the cache: takeOne() has them one by one.
     if (!chunks.empty() && bytes > most_bytes_) break;
@@ -66,7 +69,7 @@ uint64_t ReadAhead::bytesOf(int64_t chunk) const {
 std::vector<int64_t> ReadAhead::soonAfter(size_t step) const {
   std::vector<int64_t> chunks;
   for (size_t i = step + 1; i < steps_.size() && !steps_[i - 1].completes_cluster; ++i)
-    for (const int64_t chunk : absent(steps_[i])) chunks.push_back(chunk);
+    for (const int64_t chunk : absent(steps_[i], true)) chunks.push_back(chunk);
   return chunks;
 }
 
@@ -84,7 +87,7 @@ TextureBuffer::BatchPtr ReadAhead::beginNow(std::span<const int64_t> chunks,
 
 void ReadAhead::beginNext(bool may_wait) {
   while (begun_.size() < std::min(steps_.size(), kMostStepsAhead)) {
-    std::vector<int64_t> chunks = absent(steps_[begun_.size()]);
+    std::vector<int64_t> chunks = absent(steps_[begun_.size()], true);
     const std::vector<int64_t> soon = soonAfter(begun_.size());
     TextureBuffer::BatchPtr batch = begun_.empty() && may_wait
                                         ? beginNow(chunks, soon)
@@ -108,16 +111,33 @@ std::optional<ReadAhead::Taken> ReadAhead::take(const Deadline& deadline) {
   beginNext(!deadline);
   Taken taken{std::move(steps_.front()), {}};
   steps_.pop_front();
+  if (needs_.now)
+    std::erase_if(taken.step.chunks, [this](int64_t chunk) { return !needs_.now(chunk); });
   taken.texels.resize(taken.step.chunks.size());
   if (begun_.empty()) return taken;  // no room before the deadline
   const Begun begun = std::move(begun_.front());
   begun_.pop_front();
-  const std::vector<ChunkTexelsPtr> texels = texelsOf(begun, deadline);
-  size_t next = 0;
-  for (size_t i = 0; i < taken.texels.size(); ++i)
-    if (next < begun.chunks.size() && begun.chunks[next] == taken.step.chunks[i])
-      taken.texels[i] = texels[next++];
+  putTexels(begun, deadline, taken);
+  // Needed against expectation.
+  Begun rest;
+  for (const int64_t chunk : absent(taken.step, false))
+    if (std::find(begun.chunks.begin(), begun.chunks.end(), chunk) == begun.chunks.end())
+      rest.chunks.push_back(chunk);
+  if (rest.chunks.empty()) return taken;
+  rest.batch =
+      deadline ? buffer_.tryBegin(plan_, names_, rest.chunks, {}) : beginNow(rest.chunks, {});
+  if (rest.batch != nullptr) putTexels(rest, deadline, taken);
   return taken;
+}
+
+void ReadAhead::putTexels(const Begun& begun, const Deadline& deadline, Taken& taken) {
+  const std::vector<ChunkTexelsPtr> texels = texelsOf(begun, deadline);
+  const std::vector<int64_t>& chunks = taken.step.chunks;
+  for (size_t i = 0; i < begun.chunks.size(); ++i) {
+    const auto found = std::find(chunks.begin(), chunks.end(), begun.chunks[i]);
+    if (found != chunks.end())
+      taken.texels[static_cast<size_t>(found - chunks.begin())] = texels[i];
+  }
 }
 
 ChunkTexelsPtr ReadAhead::takeOne(int64_t chunk) {

@@ -128,6 +128,7 @@ void Session::setOptions(const FrameOptions& options) {
 }
 
 void Session::dropPlan() {
+  last_shown_.clear();
   ahead_.reset();  // what it still reads is no longer wanted
   plan_.reset();
   dropDrawnBoxes();

@@ -19,6 +19,7 @@
 #include "src/base/worker_pool.h"
 #include "src/classify/box_store.h"
 #include "src/render/drawn_boxes.h"
+#include "src/render/frame_occlusion.h"
 #include "src/render/frame_options.h"
 #include "src/render/frame_setup.h"
 #include "src/render/read_ahead.h"
@@ -80,7 +81,9 @@ struct BlockClasses {
 struct FrameReport {
   double seconds = 0;
   StageSeconds stages;
-  uint64_t samples_drawn = 0;   // taken by the device, when counted
+  // When counted: samples in the boxes that were drawn, and those that the device took of them,
+  // fewer where rays end early and pixels are stopped (with depth: not counted, all).
+  uint64_t samples_drawn = 0, samples_taken = 0;
   uint64_t samples_object = 0;  // of them or not, those inside object boxes
   int64_t boxes_drawn = 0;      // handed to the device
   int64_t white = 0, grey = 0, black = 0;
@@ -94,6 +97,7 @@ struct FrameReport {
   MovedBytes rebuild;           // what a frame moves that starts from nothing
   // Of the cells that can be seen, those left out at the time limit. 0: the picture is complete.
   double missing_share = 0;
+  OcclusionReport occlusion;  // of a frame with occlusion
 };
 
 struct Frame {
@@ -136,10 +140,22 @@ class Session {
   void requestChunk(int64_t position, int64_t cluster_position, const ChunkTexels* texels,
                     FrameReport& report);
   void drawCluster(const Cluster& cluster, const EyePosition& eye, FrameReport& report);
-  void countSamples(const EyePosition& eye, FrameReport& report);
-  // Adds what is drawn of a block, front to back.
-  void addBoxes(int64_t position, const EyePosition& eye, std::vector<BoxDraw>& boxes,
-                FrameReport& report);
+  void drawBlock(int64_t position, const EyePosition& eye, FrameReport& report);
+  // Draws the box, or what is not hidden of it, with those that follow it in its chunk.
+  void drawBox(int64_t chunk, BoxDraw box, FrameReport& report);
+  void flushBoxes(FrameReport& report);
+  void countSamples(FrameReport& report);
+  // Rays or pixels may stop in this frame, so that fewer samples are taken than lie in its boxes.
+  bool countsTaken() const {
+    return frame_options_.count_samples && frame_options_.mode == Mode::kComposite &&
+           !frame_options_.with_depth && opacityThreshold(frame_options_) < 1;
+  }
+  // What is hidden, see frame_occlusion.h.
+  void startOcclusion(const FrameSetup& setup, const EyePosition& eye);
+  void updateOpacityMap(FrameReport& report);
+  void finishOcclusion(FrameReport& report);
+  bool isHidden(const Chunk& chunk) const;
+  ReadAhead::Needs chunkNeeds();
   // Of a block of the plan; null where its growing boxes are not made and the frame does not wait
   // for them.
   std::shared_ptr<const DrawnBoxes> drawnBoxes(int64_t position);
@@ -182,6 +198,18 @@ class Session {
   // By position in plan_->blocks, as far as the budget goes.
   std::unordered_map<int64_t, std::shared_ptr<const DrawnBoxes>> drawn_boxes_;
   uint64_t drawn_boxes_bytes_ = 0;
+  // Drawn next, in one chunk.
+  struct PendingBoxes {
+    int64_t chunk = 0;
+    std::vector<BoxDraw> boxes;
+  };
+  PendingBoxes pending_;
+  std::vector<BoxDraw> counted_;  // the frame's boxes, where its samples are to be counted
+  std::optional<FrameOcclusion> occlusion_;
+  UpdateCount update_count_;
+  // Chunks of the plan of which something was drawn: in this frame, and in the last one with
+  // occlusion, empty before. What the last one hid is not read ahead.
+  std::vector<bool> shown_, last_shown_;
   BlockClasses last_blocks_;
   double last_draw_s_ = 0;
 };

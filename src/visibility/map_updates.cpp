@@ -9,13 +9,13 @@
 namespace sluice {
 
 UpdateSchedule::UpdateSchedule(int64_t voxels, int updates)
-    : delta_(updates == 0 ? 0 : voxels / (int64_t{updates} + 1)), next_(delta_) {
+    : voxels_(voxels), delta_(updates == 0 ? 0 : voxels / (int64_t{updates} + 1)), next_(delta_) {
   SLUICE_CHECK(voxels >= 0 && updates >= 0);
 }
 
 bool UpdateSchedule::isDueAfter(int64_t voxels) {
   drawn_ += voxels;
-  if (delta_ == 0 || drawn_ < next_) return false;
+  if (delta_ == 0 || drawn_ < next_ || drawn_ >= voxels_) return false;
   // A large box may have passed several marks: one update serves them all.
   next_ = (drawn_ / delta_ + 1) * delta_;
   ++updates_;

@@ -9,7 +9,8 @@
 namespace sluice {
 
 // Within a frame: an update is due each time another 1 / (updates + 1) of the voxels in visible
-// boxes has been drawn. A box may hold more than that, so fewer updates may come about.
+// boxes has been drawn. A box may hold more than that, so fewer updates may come about; none comes
+// after the last voxel, where there is nothing left to hide.
 class UpdateSchedule {
  public:
   // Requires: voxels >= 0, updates >= 0.
@@ -20,6 +21,7 @@ class UpdateSchedule {
   int updates() const { return updates_; }  // that were due so far: k' of the paper
 
  private:
+  const int64_t voxels_;
   int64_t delta_ = 0;  // DeltaVoxels; 0: never
   int64_t drawn_ = 0, next_ = 0;
   int updates_ = 0;

@@ -28,6 +28,12 @@ TEST(UpdateSchedule, aBoxLargerThanAShareIsFollowedByOneUpdate) {
   EXPECT_EQ(schedule.updates(), 2);
 }
 
+TEST(UpdateSchedule, nothingIsUpdatedAfterTheLastVoxel) {
+  UpdateSchedule schedule(1000, 3);
+  EXPECT_TRUE(schedule.isDueAfter(999));
+  EXPECT_FALSE(schedule.isDueAfter(1));
+}
+
 TEST(UpdateSchedule, noUpdatesAreNever) {
   UpdateSchedule none(1000, 0), empty(0, 5);
   EXPECT_FALSE(none.isDueAfter(1000));

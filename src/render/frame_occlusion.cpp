@@ -1,0 +1,95 @@
+#include "src/render/frame_occlusion.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "src/base/error.h"
+
+namespace sluice {
+namespace {
+
+// Of a cell: what rounding may take from a box that is cut.
+constexpr double kMarginCells = 1e-6;
+
+MapProjection projectionOf(const FrameSetup& setup, const EyePosition& eye, const Box3& hull) {
+  const RealBox volume{toDouble(hull.lo), toDouble(hull.hi)};
+  if (eye.parallel) return parallelMap(volume, eye.index, OpacityMap::kDefaultSide);
+  const RayGrid& rays = setup.rays;
+  const Vec3d direction = rays.step0 + rays.step_dx * (0.5 * setup.size.width) +
+                          rays.step_dy * (0.5 * setup.size.height);
+  return perspectiveMap(volume, eye.index, direction, OpacityMap::kDefaultSide);
+}
+
+}  // namespace
+
+FrameOcclusion::FrameOcclusion(Occlusion how, const FrameSetup& setup, const EyePosition& eye,
+                               const Work& work)
+    : how_(how),
+      threshold_(static_cast<float>(setup.opacity_threshold)),
+      clip_from_index_(setup.clip_from_index),
+      projection_(projectionOf(setup, eye, work.hull)),
+      schedule_(work.cells, work.updates) {
+  SLUICE_CHECK(how != Occlusion::kOff);
+  report_.updates_wanted = work.updates;
+}
+
+bool FrameOcclusion::hides(const Box3& cells) const {
+  return how_ != Occlusion::kMap && map_.isOpaque(project(projection_, asReal(cells)), threshold_);
+}
+
+std::optional<Box3> FrameOcclusion::visible(const Box3& cells) {
+  report_.cells += cells.count();
+  last_drawn_ = cells.count();
+  if (!map_.valid()) return cells;
+  const RealBox box = asReal(cells);
+  const std::optional<RealBox> shown =
+      clip(projection_, box, map_.visiblePart(project(projection_, box), threshold_));
+  if (how_ == Occlusion::kMap) return cells;
+  if (!shown) {
+    report_.cells_culled += cells.count();
+    last_drawn_ = 0;
+    return std::nullopt;
+  }
+  if (how_ == Occlusion::kCull) return cells;
+  Box3 part = cells;
+  for (int a = 0; a < 3; ++a) {
+    part.lo[a] =
+        std::max(cells.lo[a], static_cast<int64_t>(std::floor(shown->lo[a] - kMarginCells)));
+    part.hi[a] =
+        std::min(cells.hi[a], static_cast<int64_t>(std::ceil(shown->hi[a] + kMarginCells)));
+  }
+  last_drawn_ = part.count();
+  report_.cells_clipped += cells.count() - part.count();
+  return part;
+}
+
+void FrameOcclusion::leaveOut(int64_t cells) {
+  report_.cells += cells;
+  report_.cells_culled += cells;
+}
+
+MapGrid FrameOcclusion::grid() const {
+  MapGrid grid;
+  grid.side = map_.side();
+  const MapProjection& p = projection_;
+  for (size_t i = 0; i < 3; ++i) {
+    const auto& row = clip_from_index_[i];
+    const auto at = [&row](int axis) { return row[static_cast<size_t>(axis)]; };
+    grid.clip_from_map[i] = {at(p.u) / p.u_scale, at(p.v) / p.v_scale,
+                             at(p.axis) * p.plane + at(p.u) * p.u0 + at(p.v) * p.v0 + row[3]};
+  }
+  // w is 1 somewhere on the map, whatever the world's units.
+  const auto& w = grid.clip_from_map[2];
+  const double scale = std::abs(w[0]) * grid.side + std::abs(w[1]) * grid.side + std::abs(w[2]);
+  for (auto& row : grid.clip_from_map)
+    for (double& number : row) number /= scale;
+  return grid;
+}
+
+OcclusionReport FrameOcclusion::report() const {
+  OcclusionReport report = report_;
+  report.updates = schedule_.updates();
+  return report;
+}
+
+}  // namespace sluice

@@ -1,0 +1,80 @@
+// FrameOcclusion: what of a frame's boxes is hidden by what was drawn before them (Li 2003,
+// section 4). It says when the opacity map is to be updated and, of a box, what may still show.
+//
+// Of one frame, whose boxes come front to back. It needs no device: what the map holds is given to
+// it. One thread.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include "src/base/vec.h"
+#include "src/render/device.h"
+#include "src/texture/texture_plan.h"
+#include "src/visibility/box_occlusion.h"
+#include "src/visibility/map_updates.h"
+#include "src/visibility/opacity_map.h"
+
+namespace sluice {
+
+// The paper's ESS, ESS+M (maps are made and asked, nothing is left out), ESS+C and ESS+CC.
+enum class Occlusion { kOff, kMap, kCull, kClip };
+
+struct OcclusionReport {
+  int updates_wanted = 0, updates = 0;  // of the map: k and k' (section 4.4)
+  // Of all boxes that a frame without occlusion draws: in boxes that were left out, and cut off
+  // boxes that were drawn.
+  int64_t cells = 0, cells_culled = 0, cells_clipped = 0;
+  int64_t chunks_hidden = 0;  // chunks that only hold culled boxes
+  double seconds = 0;         // of updating the map; part of those of drawing
+
+  double skippedShare() const {
+    return cells == 0
+               ? 0
+               : static_cast<double>(cells_culled + cells_clipped) / static_cast<double>(cells);
+  }
+};
+
+class FrameOcclusion {
+ public:
+  struct Work {
+    Box3 hull;          // of the cells that may be drawn
+    int64_t cells = 0;  // in the boxes that are to come
+    int updates = 0;    // wanted
+  };
+  // Requires: how != kOff, work.hull not empty.
+  FrameOcclusion(Occlusion how, const FrameSetup& setup, const EyePosition& eye, const Work& work);
+
+  // Whether none of these cells can show.
+  bool hides(const Box3& cells) const;
+  // The part of a box to draw: nullopt where it is culled. Counts it.
+  std::optional<Box3> visible(const Box3& cells);
+  // Counts cells that were left out without a look at their boxes. Requires: hides() them.
+  void leaveOut(int64_t cells);
+
+  // After the box that visible() gave last was drawn: true when the map is to be updated now.
+  bool isUpdateDue() { return schedule_.isDueAfter(std::exchange(last_drawn_, 0)); }
+  // The cells of the map, for the device to fill.
+  MapGrid grid() const;
+  // Requires: least.size() == side * side of the grid.
+  void update(std::span<const float> least) { map_.update(least); }
+
+  const OpacityMap& map() const { return map_; }
+  OcclusionReport report() const;
+
+ private:
+  RealBox asReal(const Box3& cells) const { return {toDouble(cells.lo), toDouble(cells.hi)}; }
+
+  const Occlusion how_;
+  const float threshold_;
+  const std::array<std::array<double, 4>, 3> clip_from_index_;
+  const MapProjection projection_;
+  OpacityMap map_;
+  UpdateSchedule schedule_;
+  int64_t last_drawn_ = 0;
+  OcclusionReport report_;
+};
+
+}  // namespace sluice
