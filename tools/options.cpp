@@ -163,6 +163,14 @@ void addLookOptions(CLI::App& app, LookArguments& arguments) {
   addParsed(app, "--opacity", "Opacity of one voxel length at the top of the ramp (0.05)", "0..1",
             unitShare, [&arguments](double opacity) { arguments.opacity = opacity; });
   app.add_flag("--shade", arguments.shade, "Gradient Phong lighting");
+  CLI::Option* modulate =
+      app.add_flag("--modulate", arguments.modulate,
+                   "Opacity times a ramp of the gradient's magnitude, 0 where the volume is flat");
+  addParsed(app, "--full-gradient",
+            "The magnitude at which --modulate leaves all of it, as a share of the value range a "
+            "voxel length (0.1)",
+            "SHARE", positive, [&arguments](double share) { arguments.full_gradient = share; })
+      ->needs(modulate);
   addParsed(app, "--background", "Background colour; without it PNG keeps alpha", "RRGGBB",
             parseColor, [&arguments](const std::array<float, 3>& color) {
               arguments.background = color;

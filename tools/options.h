@@ -30,6 +30,8 @@ struct LookArguments {
   std::string map;
   std::optional<double> opacity;
   bool shade = false;
+  bool modulate = false;       // the opacity by the gradient's magnitude
+  double full_gradient = 0.1;  // where that is 1: a share of the value range a voxel length
   std::array<float, 3> background{0, 0, 0};
   bool has_background = false;
 };

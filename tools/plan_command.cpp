@@ -181,7 +181,7 @@ nlohmann::json boxesJson(const PlannedBoxes& planned) {
 int run(const Arguments& arguments, const CLI::App& app) {
   WorkerPool pool(arguments.resources.threads);
   const IndexedVolume volume =
-      openIndexed(arguments.volume, arguments.resources, arguments.look.shade, pool);
+      openIndexed(arguments.volume, arguments.resources, needsGradients(arguments.look), pool);
   const TransferFunction transfer = transferFor(volume, arguments.look);
   const Classified shown = classified(arguments, volume, transfer, pool);
   const Costs costs = costsOf(arguments, volume, shown, pool);

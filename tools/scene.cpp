@@ -89,7 +89,7 @@ ValueRange IndexedVolume::valueRange() const {
 }
 
 IndexedVolume openIndexed(const VolumeArguments& arguments, const ResourceArguments& resources,
-                          bool lit, WorkerPool& pool) {
+                          bool gradients, WorkerPool& pool) {
   IndexedVolume volume;
   volume.source = openVolume(arguments.inputs, arguments.open);
   const VolumeLayout& layout = volume.source->layout();
@@ -102,7 +102,7 @@ IndexedVolume openIndexed(const VolumeArguments& arguments, const ResourceArgume
   const int64_t block = resources.block.value_or(blockSizeFor(volume.page.size_vox));
   volume.page.pages = resources.pages.value_or(
       defaultPages(volume.page, block, memoryBudget(resources), *volume.source));
-  volume.layout = blockLayout(layout.dims, block, lit ? 1 : 0, name.c_str());
+  volume.layout = blockLayout(layout.dims, block, gradients ? 1 : 0, name.c_str());
   // The first opening reads everything, and nothing else is in memory then.
   const uint64_t memory_bytes = memoryBudget(resources);
   volume.source->holdAtMost(memory_bytes / 4);
@@ -111,7 +111,16 @@ IndexedVolume openIndexed(const VolumeArguments& arguments, const ResourceArgume
   return volume;
 }
 
-TransferFunction transferFor(const IndexedVolume& volume, const LookArguments& look) {
+bool needsGradients(const LookArguments& look) {
+  if (look.shade || look.modulate) return true;
+  // Whatever the volume's range is.
+  return !look.transfer_file.empty() &&
+         !readTransferFunction(look.transfer_file, {0, 1}, look.map).gradients.empty();
+}
+
+namespace {
+
+TransferFunction plainTransferFor(const IndexedVolume& volume, const LookArguments& look) {
   const ValueRange range = volume.valueRange();
   const double opacity = look.opacity.value_or(kDefaultOpacity);
   if (!look.transfer_file.empty()) return readTransferFunction(look.transfer_file, range, look.map);
@@ -119,6 +128,17 @@ TransferFunction transferFor(const IndexedVolume& volume, const LookArguments& l
     return thresholdTransfer(*look.threshold, range, opacity,
                              look.map.empty() ? kDefaultColorMap : std::string_view(look.map));
   return automaticFor(volume, look);
+}
+
+}  // namespace
+
+TransferFunction transferFor(const IndexedVolume& volume, const LookArguments& look) {
+  TransferFunction transfer = plainTransferFor(volume, look);
+  if (!look.modulate) return transfer;
+  const ValueRange range = volume.valueRange();
+  // A volume of one value is flat, whatever the unit.
+  const double unit = range.hi > range.lo ? range.hi - range.lo : 1;
+  return modulateByGradient(std::move(transfer), look.full_gradient * unit);
 }
 
 PlannedFrame planFrame(const IndexedVolume& volume, const TransferFunction& transfer,
@@ -139,7 +159,7 @@ PlannedFrame planFrame(const IndexedVolume& volume, const TransferFunction& tran
 Scene::Scene(const VolumeArguments& arguments, const LookArguments& look,
              const ResourceArguments& resources, Partition partition)
     : pool(resources.threads),
-      volume(openIndexed(arguments, resources, look.shade, pool)),
+      volume(openIndexed(arguments, resources, needsGradients(look), pool)),
       memory_bytes(memoryBudget(resources)),
       device(std::make_unique<GlDevice>(createContext(resources.gl))),
       transfer(transferFor(volume, look)) {

@@ -23,10 +23,13 @@ struct IndexedVolume {
   // Least and greatest value of the volume.
   ValueRange valueRange() const;
 };
-// Opens the volume and reads or builds its index. Throws Error.
+// Opens the volume and reads or builds its index. Throws Error. `gradients`: with a ghost layer.
 IndexedVolume openIndexed(const VolumeArguments& volume, const ResourceArguments& resources,
-                          bool lit, WorkerPool& pool);
+                          bool gradients, WorkerPool& pool);
 
+// Whether a picture of this look takes gradients: blocks then carry a ghost layer. Throws Error
+// from a transfer function's file.
+bool needsGradients(const LookArguments& look);
 TransferFunction transferFor(const IndexedVolume& volume, const LookArguments& look);
 
 // The classification and the plan of a frame, without a device.

@@ -64,7 +64,7 @@ bool isTraceFile(const std::string& name, const std::string& format) {
 Replay turnAround(const Arguments& arguments) {
   WorkerPool pool(arguments.resources.threads);
   const IndexedVolume volume =
-      openIndexed(arguments.volume, arguments.resources, arguments.look.shade, pool);
+      openIndexed(arguments.volume, arguments.resources, needsGradients(arguments.look), pool);
   const TransferFunction transfer = transferFor(volume, arguments.look);
   const PlannedFrame planned =
       planFrame(volume, transfer, arguments.frame, arguments.volume.time, pool);

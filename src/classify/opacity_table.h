@@ -13,9 +13,14 @@
 // between two ways of drawing the same sample. At the step itself the ramp has reached its upper
 // end.
 //
+// A transfer function that looks at gradients adds rows of factors, one for each of its magnitudes
+// and with one factor an entry; they are interpolated along both.
+//
 // Immutable after construction; any thread may read.
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -52,6 +57,12 @@ class OpacityTable {
   // r, g, b of each entry, not premultiplied.
   const std::vector<float>& rgb() const { return rgb_; }
 
+  // Of the rows, device values a voxel length of the finest spacing. Empty: the gradient makes no
+  // difference.
+  const std::vector<double>& magnitudes() const { return magnitudes_; }
+  // Row after row; entries() a row, or one a row where none depends on the value.
+  const std::vector<float>& factors() const { return factors_; }
+
   // False only when every sample between device values lo <= hi has opacity 0, also one that
   // single-precision arithmetic moves to the next entry. O(1).
   bool anyOpaque(double lo, double hi) const { return anyOpaqueEntry(entryOf(lo), entryOf(hi)); }
@@ -61,9 +72,16 @@ class OpacityTable {
     const int to = hi + 1 < entries() ? hi + 2 : entries();
     return opaque_before_[static_cast<size_t>(to)] != opaque_before_[static_cast<size_t>(from)];
   }
+  // The same for samples whose gradient's magnitude is between `gradient_lo` and `gradient_hi`,
+  // device values a voxel length. O(rows).
+  bool anyOpaque(double lo, double hi, double gradient_lo, double gradient_hi) const;
 
  private:
-  void spreadSteps();
+  void addGradients(const TransferFunction& transfer, const ValueMap& map);
+  double deviceAt(size_t entry) const {
+    return range_.lo + (range_.hi - range_.lo) * static_cast<double>(entry) /
+                           std::max(1.0, static_cast<double>(opacity_.size() - 1));
+  }
   bool neighborsDiffer() const;
 
   ValueRange range_, volume_range_;
@@ -73,6 +91,10 @@ class OpacityTable {
   int step_entries_ = 0;
   bool must_interpolate_ = false;
   std::vector<uint32_t> opaque_before_;  // [i]: entries below i whose opacity is not 0
+  std::vector<double> magnitudes_;
+  std::vector<float> factors_;
+  // Each row's own opaque_before_, of entries whose factor is not 0 either.
+  std::vector<std::vector<uint32_t>> opaque_before_in_row_;
 };
 
 }  // namespace sluice

@@ -43,7 +43,8 @@ bool inUnit(double x) {
 
 // `list` names the list in messages.
 template <class Point>
-void validateValues(const std::vector<Point>& points, const char* list, const std::string& where) {
+void validateValues(const std::vector<Point>& points, const std::string& list,
+                    const std::string& where) {
   if (points.empty()) {
     fail("{}: expected at least one point in {}, found none", where, list);
   }
@@ -55,6 +56,35 @@ void validateValues(const std::vector<Point>& points, const char* list, const st
       fail("{}: expected {} to ascend by value, found {} after {} at [{}]", where, list,
            points[i].value, points[i - 1].value, i);
     }
+  }
+}
+
+void validateOpacities(const std::vector<OpacityPoint>& points, const std::string& list,
+                       const std::string& where) {
+  validateValues(points, list, where);
+  for (size_t i = 0; i < points.size(); ++i) {
+    if (!inUnit(points[i].opacity)) {
+      fail("{}: expected an opacity in 0..1 in {}[{}], found {}", where, list, i,
+           points[i].opacity);
+    }
+  }
+}
+
+void validateGradients(const std::vector<GradientRow>& rows, const std::string& where) {
+  if (rows.size() > kMostGradientRows) {
+    fail("{}: expected at most {} gradient magnitudes, found {}", where, kMostGradientRows,
+         rows.size());
+  }
+  for (size_t i = 0; i < rows.size(); ++i) {
+    const double magnitude = rows[i].magnitude;
+    if (!std::isfinite(magnitude) || magnitude < 0) {
+      fail("{}: expected a magnitude of 0 or more in gradients[{}], found {}", where, i, magnitude);
+    }
+    if (i > 0 && magnitude <= rows[i - 1].magnitude) {
+      fail("{}: expected gradients to ascend by magnitude, found {} after {} at [{}]", where,
+           magnitude, rows[i - 1].magnitude, i);
+    }
+    validateOpacities(rows[i].factors, fmt::format("gradients[{}]", i), where);
   }
 }
 
@@ -74,9 +104,27 @@ double opacityAt(const TransferFunction& transfer, double value) {
   return std::lerp(a.opacity, b.opacity, t);
 }
 
+double gradientFactorAt(const GradientRow& row, double value) {
+  if (std::isnan(value)) return 0;
+  const auto [a, b, t] = segmentAt(row.factors, value);
+  return std::lerp(a.opacity, b.opacity, t);
+}
+
+double gradientFactorAt(const TransferFunction& transfer, double value, double magnitude) {
+  const std::vector<GradientRow>& rows = transfer.gradients;
+  if (rows.empty()) return 1;
+  const auto above =
+      std::upper_bound(rows.begin(), rows.end(), magnitude,
+                       [](double m, const GradientRow& row) { return m < row.magnitude; });
+  if (above == rows.begin()) return gradientFactorAt(rows.front(), value);
+  if (above == rows.end()) return gradientFactorAt(rows.back(), value);
+  const GradientRow& below = *(above - 1);
+  const double t = (magnitude - below.magnitude) / (above->magnitude - below.magnitude);
+  return std::lerp(gradientFactorAt(below, value), gradientFactorAt(*above, value), t);
+}
+
 void validate(const TransferFunction& transfer, const std::string& where) {
   validateValues(transfer.colors, "colors", where);
-  validateValues(transfer.opacities, "opacities", where);
   for (size_t i = 0; i < transfer.colors.size(); ++i) {
     const Vec3d& rgb = transfer.colors[i].rgb;
     if (!inUnit(rgb.x) || !inUnit(rgb.y) || !inUnit(rgb.z)) {
@@ -84,12 +132,8 @@ void validate(const TransferFunction& transfer, const std::string& where) {
            rgb.x, rgb.y, rgb.z);
     }
   }
-  for (size_t i = 0; i < transfer.opacities.size(); ++i) {
-    if (!inUnit(transfer.opacities[i].opacity)) {
-      fail("{}: expected an opacity in 0..1 in opacities[{}], found {}", where, i,
-           transfer.opacities[i].opacity);
-    }
-  }
+  validateOpacities(transfer.opacities, "opacities", where);
+  validateGradients(transfer.gradients, where);
 }
 
 }  // namespace sluice

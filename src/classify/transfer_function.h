@@ -3,7 +3,11 @@
 // the last point.
 //
 // Two points at one value make a step: below it the first holds, at it and above it the second.
-// Plain data; makers of it are in transfer_makers.h and the files it is read from in
+//
+// With gradients it is a function of the plane of values and gradient magnitudes: the opacity over
+// values times a factor that rows at some magnitudes give, each a curve over values. Magnitudes are
+// those of the gradient in the world, in value units a voxel length of the finest spacing. Plain
+// data; makers of it are in transfer_makers.h and the files it is read from in
 // transfer_file.h.
 #pragma once
 
@@ -25,18 +29,32 @@ struct OpacityPoint {
   double opacity = 0;  // 0..1, of one voxel length of the finest spacing
 };
 
+// What of the opacity shows at one gradient magnitude.
+struct GradientRow {
+  double magnitude = 0;
+  std::vector<OpacityPoint> factors;  // 0..1 over values, as `opacities` is; not empty
+};
+inline constexpr size_t kMostGradientRows = 16;
+
 struct TransferFunction {
   std::vector<ColorPoint> colors;       // ascending by value, not empty
   std::vector<OpacityPoint> opacities;  // ascending by value, not empty
   std::string name;                     // for reports: "threshold 40", "viridis", a file's name
+  // Strictly ascending by magnitude from 0 on, at most kMostGradientRows; linear in between and
+  // constant beyond. Empty: the gradient makes no difference.
+  std::vector<GradientRow> gradients = {};
 };
 
-// The colour and the opacity at `value`. NaN has opacity 0.
+// The colour and the opacity at `value`, whatever the gradient: the most that any shows. NaN has
+// opacity 0.
 Vec3d colorAt(const TransferFunction& transfer, double value);
 double opacityAt(const TransferFunction& transfer, double value);
+// What of the opacity a gradient magnitude shows there: 1 without rows.
+double gradientFactorAt(const TransferFunction& transfer, double value, double magnitude);
+double gradientFactorAt(const GradientRow& row, double value);
 
-// Throws Error, starting with `where`, when a list is empty or descends, or a number is not finite
-// or out of 0..1.
+// Throws Error, starting with `where`, when a list is empty or descends, there are too many rows,
+// or a number is not finite or out of 0..1.
 void validate(const TransferFunction& transfer, const std::string& where);
 
 }  // namespace sluice

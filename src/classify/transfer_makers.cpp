@@ -28,6 +28,19 @@ TransferFunction mapTransfer(std::string_view map, ValueRange range, double opac
   return transfer;
 }
 
+TransferFunction modulateByGradient(TransferFunction transfer, double full_magnitude) {
+  if (!transfer.gradients.empty())
+    fail("{}: expected a transfer function without gradients to modulate, found one with them",
+         transfer.name);
+  if (!(full_magnitude > 0))
+    fail("{}: expected a gradient magnitude above 0 to modulate by, found {}", transfer.name,
+         full_magnitude);
+  transfer.gradients = {{0, {{0, 0}}}, {full_magnitude, {{0, 1}}}};
+  transfer.name += ", modulated";
+  validate(transfer, transfer.name);
+  return transfer;
+}
+
 TransferFunction scaleOpacity(TransferFunction transfer, double factor) {
   for (OpacityPoint& point : transfer.opacities) {
     point.opacity = std::clamp(point.opacity * factor, 0.0, 1.0);

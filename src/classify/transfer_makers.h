@@ -51,6 +51,11 @@ struct AutomaticOptions {
 TransferFunction automaticTransfer(const Histogram& histogram,
                                    const AutomaticOptions& options = {});
 
+// Li 2003, figure 1: each opacity times a ramp of the gradient magnitude, 0 where the volume is
+// flat and 1 from `full_magnitude` on (value units a voxel length). Throws Error when `transfer`
+// looks at gradients already or the magnitude is not above 0.
+TransferFunction modulateByGradient(TransferFunction transfer, double full_magnitude);
+
 // Every opacity times `factor` (>= 0), at most 1.
 TransferFunction scaleOpacity(TransferFunction transfer, double factor);
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "src/base/interrupt.h"
+#include "src/classify/box_visibility.h"
 
 namespace sluice {
 namespace {
@@ -68,7 +69,8 @@ DeviceVoxels readDevice(VolumeSource& source, int64_t time, const Box3& box) {
 // Adds what one block has to the cost of all.
 class Counter {
  public:
-  Counter(const OpacityTable& table, const Box3& crop) : table_(table), crop_(crop) {}
+  Counter(const BoxVisibility& visibility, const Box3& crop)
+      : visibility_(visibility), crop_(crop) {}
 
   PartitionCost of(const BrickGrid& grid, const BoxTree& tree) const {
     PartitionCost cost;
@@ -88,7 +90,7 @@ class Counter {
 
  private:
   int64_t shownCells(const BrickGrid& grid, const Box3& local, const CellRange& range) const {
-    if (!table_.anyOpaque(range.lo, range.hi)) return 0;
+    if (!visibility_.shows(range)) return 0;
     return intersect(translate(local, grid.cells.lo), crop_).count();
   }
 
@@ -106,7 +108,7 @@ class Counter {
         }
   }
 
-  const OpacityTable& table_;
+  const BoxVisibility& visibility_;
   const Box3& crop_;
 };
 
@@ -205,7 +207,8 @@ PartitionCost partitionCost(VolumeSource& source, int64_t time, const SliceRange
                             const OpacityTable& table, const Box3& crop, WorkerPool& pool,
                             Progress& progress, const TakeTree& take) {
   const GrowingParameters parameters = growingParameters(ranges.map.type, ranges.device_range);
-  const Counter counter(table, crop);
+  const BoxVisibility visibility(table, source.layout());
+  const Counter counter(visibility, crop);
   PartitionCost sum;
   std::mutex mutex;
   forEachBlockBricks(source, time, ranges.layout, ranges.blocks, pool, progress,

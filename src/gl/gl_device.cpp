@@ -13,7 +13,7 @@ namespace {
 
 // Boxes a draw call: bounded by what the smallest legal buffer texture (65536 texels) holds.
 constexpr size_t kBoxesPerDraw = 65536 / kTexelsPerBox;
-constexpr GLenum kChunkUnit = 0, kLookUpUnit = 1, kBoxUnit = 2;
+constexpr GLenum kChunkUnit = 0, kLookUpUnit = 1, kBoxUnit = 2, kFactorUnit = 3;
 
 // What the shader reads of a voxel, times this, is the device value.
 double valueScale(DeviceType type) {
@@ -56,6 +56,8 @@ std::vector<float> lookUpTexels(const FrameSetup& setup) {
     setParts(texels);
     return texels;
   }
+  // A factor is for the opacity as it is: the shader does the rest.
+  if (!setup.look_up.magnitudes.empty()) return texels;
   const bool perspective = setup.projection == Projection::kPerspective;
   for (size_t i = 0; i < texels.size(); i += 4) {
     const double opacity = texels[i + 3];
@@ -75,6 +77,13 @@ std::vector<float> lookUpTexels(const FrameSetup& setup) {
 
 std::array<float, 3> asFloats(Vec3d v) {
   return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+}
+
+// The exponent of the highlights where multiplying it out is worth while; otherwise 0.
+int wholeShininess(const Lighting& lighting) {
+  constexpr int kMost = 256;
+  const int whole = static_cast<int>(std::clamp(lighting.shininess, 0.0, double{kMost}));
+  return whole == lighting.shininess ? whole : 0;
 }
 
 // Modes other than composite bring back numbers to look up, see MODE in the shader.
@@ -113,10 +122,12 @@ GlDevice::GlDevice(std::unique_ptr<GlContext> context)
   gl_.GenBuffers(1, &box_buffer_);
   gl_.GenTextures(1, &box_texture_);
   gl_.GenTextures(1, &look_up_);
+  gl_.GenTextures(1, &factors_);
 }
 
 GlDevice::~GlDevice() {
   for (auto& [id, chunk] : resident_) gl_.DeleteTextures(1, &chunk.texture);
+  gl_.DeleteTextures(1, &factors_);
   gl_.DeleteTextures(1, &look_up_);
   gl_.DeleteTextures(1, &box_texture_);
   gl_.DeleteBuffers(1, &box_buffer_);
@@ -212,7 +223,8 @@ void GlDevice::setView(GlProgram& program) {
 }
 
 void GlDevice::uploadLookUp() {
-  const LookUpKey key{setup_.mode, setup_.projection, setup_.slice_length, setup_.look_up.rgba};
+  const LookUpKey key{setup_.mode, setup_.projection, setup_.slice_length, setup_.look_up.rgba,
+                      setup_.look_up.factors};
   if (key == look_up_key_) return;
   look_up_key_ = key;
   const std::vector<float> texels = lookUpTexels(setup_);
@@ -245,11 +257,37 @@ void GlDevice::setLookUp(GlProgram& program) {
   program.set4("entries", line.data(), 1);
 }
 
+void GlDevice::setFactors(GlProgram& program) {
+  const std::vector<double>& magnitudes = setup_.look_up.magnitudes;
+  const std::vector<float>& factors = setup_.look_up.factors;
+  const size_t rows = magnitudes.size(), entries = factors.size() / rows;
+  const double scale = valueScale(setup_.type);
+  std::vector<float> between;
+  for (size_t row = 0; row < rows; ++row) {
+    const size_t next = std::min(row + 1, rows - 1);
+    const double distance = (magnitudes[next] - magnitudes[row]) / scale;
+    between.push_back(static_cast<float>(magnitudes[row] / scale));
+    between.push_back(static_cast<float>(distance > 0 ? 1 / distance : 0));
+    between.push_back(factors[next * entries] - factors[row * entries]);
+  }
+  program.set3("gradient_rows", between.data(), static_cast<int>(rows));
+  program.set("first_factor", factors[0]);
+  program.set("slice_length", setup_.slice_length);
+  if (!variant_.factor_table) return;
+  gl_.ActiveTexture(GL_TEXTURE0 + kFactorUnit);
+  gl_.BindTexture(GL_TEXTURE_2D, factors_);
+  gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_R32F, static_cast<GLsizei>(entries),
+                 static_cast<GLsizei>(rows), 0, GL_RED, GL_FLOAT, factors.data());
+  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+    gl_.TexParameteri(GL_TEXTURE_2D, filter, GL_LINEAR);
+  for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
+    gl_.TexParameteri(GL_TEXTURE_2D, wrap, GL_CLAMP_TO_EDGE);
+  gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
+  program.set("factors", static_cast<int>(kFactorUnit));
+}
+
 void GlDevice::setLighting(GlProgram& program) {
   const Lighting& lighting = setup_.lighting;
-  program.set("camera_x", setup_.camera_gradient[0]);
-  program.set("camera_y", setup_.camera_gradient[1]);
-  program.set("camera_z", setup_.camera_gradient[2]);
   program.set("flat_difference", setup_.flat / valueScale(setup_.type));
   std::vector<float> lights, halfways;
   for (const Light& light : lighting.lights) {
@@ -310,6 +348,12 @@ void GlDevice::beginFrame(const FrameSetup& setup) {
               .counts_taken = composite && setup.counts_taken && !setup.with_depth,
               .counts = false,
               .clip_planes = static_cast<int>(setup.clip_planes.size())};
+  if (variant_.lit) variant_.shininess = wholeShininess(setup.lighting);
+  if (composite && !setup.look_up.magnitudes.empty()) {
+    variant_.gradient_rows = static_cast<int>(setup.look_up.magnitudes.size());
+    variant_.factor_table = setup.look_up.factors.size() > setup.look_up.magnitudes.size();
+    variant_.corrects = variant_.perspective || setup.slice_length != 1;
+  }
   resizeTarget(setup.size);
   marked_ = 0;
   bindTarget();
@@ -330,6 +374,12 @@ void GlDevice::beginFrame(const FrameSetup& setup) {
       static_cast<float>(ux), static_cast<float>(-setup.tan_half_x), static_cast<float>(vy),
       static_cast<float>(-setup.tan_half_y)};
   program.set4("view_pixel_ray", pixel_ray.data(), 1);
+  if (variant_.lit || variant_.gradient_rows > 0) {
+    program.set("camera_x", setup.camera_gradient[0]);
+    program.set("camera_y", setup.camera_gradient[1]);
+    program.set("camera_z", setup.camera_gradient[2]);
+  }
+  if (variant_.gradient_rows > 0) setFactors(program);
   if (variant_.lit) setLighting(program);
 }
 

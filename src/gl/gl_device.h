@@ -54,7 +54,7 @@ class GlDevice : public Device {
     Mode mode;
     Projection projection;
     double slice_length;
-    std::vector<float> rgba;
+    std::vector<float> rgba, factors;
     friend bool operator==(const LookUpKey&, const LookUpKey&) = default;
   };
   struct Target {
@@ -66,6 +66,8 @@ class GlDevice : public Device {
   void setLookUp(GlProgram& program);
   // Into the bound texture, unless it is there.
   void uploadLookUp();
+  // Requires: look_up has magnitudes.
+  void setFactors(GlProgram& program);
   void setLighting(GlProgram& program);
   void setBlending(Mode mode);
   void resizeTarget(PictureSize size);
@@ -86,7 +88,8 @@ class GlDevice : public Device {
   ShaderVariant variant_;
   Target target_;
   PictureSize target_size_{0, 0};
-  GLuint vertex_array_ = 0, index_buffer_ = 0, box_buffer_ = 0, box_texture_ = 0, look_up_ = 0;
+  GLuint vertex_array_ = 0, index_buffer_ = 0, box_buffer_ = 0, box_texture_ = 0, look_up_ = 0,
+         factors_ = 0;
   std::optional<LookUpKey> look_up_key_;  // of the texture's content
   uint64_t binds_ = 0;
   GLuint marked_ = 0;  // depth buffer with the opaque pixels; 0: none are marked in this frame

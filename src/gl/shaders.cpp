@@ -116,16 +116,14 @@ layout(location = 1) out vec4 depth_sum;  // opacity times depth, and opacity to
 #if COUNTS_TAKEN
 layout(location = 1) out vec4 taken;  // samples; of opacity 0, so that they add up
 #endif
-#if LIT
+#if GRADIENTS
 uniform vec3 camera_x, camera_y, camera_z;
-uniform float flat_difference;  // `flat`, in texel values
-uniform vec4 lights[2];      // toward, strength
-uniform vec3 halfways[2];
-uniform vec4 reflectance;    // ambient, diffuse, specular, shininess
 
 vec3 indexOrder(vec3 v) { return turn == 2 ? v : turn == 0 ? v.zxy : v.yzx; }
 
-vec4 shade(vec4 color, vec3 at) {
+// Camera space, in units of the steepest axis' difference, since squares of the values themselves may
+// overflow. Both are 0 where the volume is flat.
+vec3 gradientAt(vec3 at, out float steepest) {
   vec2 n = vec2(1.0, 0.0);
   vec3 after = vec3(textureLod(chunk, at + n.xyy * texel_size, 0.0).r,
                     textureLod(chunk, at + n.yxy * texel_size, 0.0).r,
@@ -138,22 +136,77 @@ vec4 shade(vec4 color, vec3 at) {
   // A neighbour that is no number says nothing of the slope along its axis.
   difference = mix(difference, vec3(0.0), IS_NO_NUMBER(min(after, before)));
 #endif
-  // In units of the steepest axis, since squares of the values themselves may overflow.
-  float steepest = max(abs(difference.x), max(abs(difference.y), abs(difference.z)));
-  if (steepest <= 0.0) return color;
-  difference = indexOrder(difference / steepest);
+  steepest = max(abs(difference.x), max(abs(difference.y), abs(difference.z)));
+  difference = steepest > 0.0 ? indexOrder(difference / steepest) : vec3(0.0);
+  return difference.x * camera_x + difference.y * camera_y + difference.z * camera_z;
+}
+#endif
+
+#if GRADIENT_ROWS > 0
+// Between rows i and i + 1: the magnitude of row i, 1 / the distance to the next, and by how much
+// the factor grows where it depends on no value.
+uniform vec3 gradient_rows[GRADIENT_ROWS];
+uniform float first_factor, slice_length;
+#if FACTOR_TABLE
+uniform sampler2D factors;
+#endif
+
+float factorOf(float magnitude, float entry) {
+  float row = 0.0, factor = first_factor;
+  for (int i = 0; i + 1 < GRADIENT_ROWS; ++i) {
+    float passed = clamp((magnitude - gradient_rows[i].x) * gradient_rows[i].y, 0.0, 1.0);
+    row += passed;
+    factor += passed * gradient_rows[i].z;
+  }
+#if FACTOR_TABLE
+  factor = textureLod(factors, vec2(entry, (row + 0.5) / float(GRADIENT_ROWS)), 0.0).r;
+#endif
+  return factor;
+}
+
+// The opacity of `voxel_lengths` from that of one.
+float corrected(float opacity, float voxel_lengths) {
+#if CORRECTS
+  return opacity < 1.0 ? 1.0 - exp2(voxel_lengths * log2(1.0 - opacity)) : 1.0;
+#else
+  return opacity;
+#endif
+}
+#endif
+
+#if LIT
+uniform float flat_difference;  // `flat`, in texel values
+uniform vec4 lights[2];      // toward, strength
+uniform vec3 halfways[2];
+uniform vec4 reflectance;    // ambient, diffuse, specular, shininess
+
+vec2 shine(vec2 x) {
+#if SHININESS > 0
+  // Software GL takes long over a logarithm.
+  vec2 result = vec2(1.0);
+  for (int n = SHININESS; n > 0; n /= 2) {
+    if ((n & 1) != 0) result *= x;
+    x *= x;
+  }
+  return result;
+#else
+  return pow(x, vec2(reflectance.w));
+#endif
+}
+
+// `color` premultiplied; g and steepest as of gradientAt().
+vec4 shade(vec4 color, vec3 g, float steepest) {
   float flatness = flat_difference / steepest;
-  vec3 g = difference.x * camera_x + difference.y * camera_y + difference.z * camera_z;
   float squared = dot(g, g);
   vec3 normal = g * inversesqrt(squared);
-  float diffuse = 0.0, specular = 0.0;
-  for (int i = 0; i < 2; ++i) {
-    diffuse += lights[i].w * abs(dot(normal, lights[i].xyz));
-    specular += lights[i].w * pow(abs(dot(normal, halfways[i])), reflectance.w);
-  }
+  vec2 strength = vec2(lights[0].w, lights[1].w);
+  vec2 facing = abs(vec2(dot(normal, lights[0].xyz), dot(normal, lights[1].xyz)));
+  vec2 mirrored = abs(vec2(dot(normal, halfways[0]), dot(normal, halfways[1])));
+  float diffuse = dot(strength, facing), specular = dot(strength, shine(mirrored));
   vec3 lit = color.rgb * (reflectance.x + reflectance.y * diffuse) +
              color.a * reflectance.z * specular;
-  return vec4(mix(color.rgb, lit, squared / (squared + flatness * flatness)), color.a);
+  lit = mix(color.rgb, lit, squared / (squared + flatness * flatness));
+  return vec4(steepest > 0.0 ? lit : color.rgb, color.a);
 }
 #endif
 
@@ -168,6 +221,8 @@ void main() {
   vec3 first = texel0 + pixel.x * texel_dx + pixel.y * texel_dy;
 #if PERSPECTIVE
   float ray_length = length(vec3(pixel.x * pixel_ray.x + pixel_ray.y, pixel.y * pixel_ray.z + pixel_ray.w, 1.0));
+#else
+  const float ray_length = 1.0;
 #endif
   vec4 sum = MODE == 1 ? vec4(-3e38) : MODE == 2 ? vec4(3e38) : vec4(0.0);
 #if WITH_DEPTH
@@ -177,26 +232,46 @@ void main() {
   taken = vec4(0.0);
 #endif
   for (int k = range.x; k < range.y; ++k) {
+    vec3 at;
+    float entry, value;
+    vec4 color;
+#if GRADIENTS
+    // On to the next sample that may show something. Software GL runs a loop's body for several
+    // pixels together, as long as any of them needs it, and skips nothing by `if`: so each pixel goes
+    // ahead to where it has something to light, and the reads there are made for all at once.
+    for (;; ++k) {
+#endif
 #if COUNTS_TAKEN
-    taken.r += 1.0;
+      taken.r += 1.0;
 #endif
-    vec3 at = first + float(k - first_k) * along;
-    float value = textureLod(chunk, at, 0.0).r;
-    float entry = value * entry_scale + entry_offset;
+      at = first + float(k - first_k) * along;
+      value = textureLod(chunk, at, 0.0).r;
+      entry = value * entry_scale + entry_offset;
 #if FLOATS
-    entry = clamp(entry, 0.0, 1.0);  // drivers may wrap where a coordinate is beyond integers
+      entry = clamp(entry, 0.0, 1.0);  // drivers may wrap where a coordinate is beyond integers
 #endif
-    vec4 color = textureLod(look_up, vec2(entry, 0.5), 0.0);
+      color = textureLod(look_up, vec2(entry, 0.5), 0.0);
 #if FLOATS
-    if (IS_NO_NUMBER(vec3(value)).x) color = vec4(0.0);
+      if (IS_NO_NUMBER(vec3(value)).x) color = vec4(0.0);
+#endif
+#if GRADIENTS
+      if (color.a != 0.0 || k + 1 == range.y) break;
+    }
 #endif
 #if MODE == 0
-#if PERSPECTIVE
+#if GRADIENTS
+    float steepest;
+    vec3 g = gradientAt(at, steepest);
+#endif
+#if GRADIENT_ROWS > 0
+    color.a = corrected(color.a * factorOf(steepest * length(g), entry), slice_length * ray_length);
+    color.rgb *= color.a;
+#elif PERSPECTIVE
     color.a = 1.0 - exp2(color.a * ray_length);
     color.rgb *= color.a;
 #endif
 #if LIT
-    if (color.a > 0.0) color = shade(color, at);
+    color = shade(color, g, steepest);
 #endif
 #if WITH_DEPTH
     weighted_depth += (1.0 - sum.a) * color.a * (first_depth + (float(k) + 0.5) * depth_step);
@@ -239,6 +314,10 @@ std::string fragmentShader(const ShaderVariant& v) {
                         int{v.with_depth}, int{v.stops_early}, v.clip_planes);
   source += fmt::format("#define FLOATS {}\n#define COUNTS_TAKEN {}\n", int{v.floats},
                         int{v.counts_taken});
+  source += fmt::format("#define GRADIENTS {}\n#define GRADIENT_ROWS {}\n",
+                        int{v.lit || v.gradient_rows > 0}, v.gradient_rows);
+  source += fmt::format("#define SHININESS {}\n#define FACTOR_TABLE {}\n#define CORRECTS {}\n",
+                        v.shininess, int{v.factor_table}, int{v.corrects});
   source += "#define FLAT flat in\n";
   source += kInputs;
   source += kInterval;

@@ -19,6 +19,10 @@ struct ShaderVariant {
   bool counts_taken = false;  // writes the number of samples beside the picture
   bool counts = false;        // writes the number of samples, samples nothing
   int clip_planes = 0;
+  int shininess = 0;      // lit: the exponent where it is a small whole number, otherwise 0
+  int gradient_rows = 0;  // of factors by gradient magnitude; 0: the opacity follows from values
+  bool factor_table = false;  // factors depend on the value too
+  bool corrects = false;      // with factors: a sample's length is not the opacity's
   friend auto operator<=>(const ShaderVariant&, const ShaderVariant&) = default;
 };
 

@@ -52,6 +52,12 @@ struct LookUp {
   // before one of opacity 0 its part fades, so that rounding at an end of what is visible changes
   // a picture by little.
   std::vector<float> rgba;
+  // Composite only: the opacity is multiplied by a factor that depends on the gradient's magnitude,
+  // see lighting.h. Row r of `factors` is for magnitudes[r], device values a world unit, and has
+  // one factor, or one an entry; linear between rows and entries, constant beyond. Empty: no
+  // factor. Otherwise chunks carry a ghost layer around each block.
+  std::vector<double> magnitudes = {};
+  std::vector<float> factors = {};
 };
 
 struct FrameSetup {

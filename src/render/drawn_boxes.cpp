@@ -25,9 +25,9 @@ struct DrawnBoxes::Part {
 
 class DrawnBoxes::Maker {
  public:
-  Maker(DrawnBoxes& to, const BoxTree& tree, const OpacityTable& table, const Box3& clip,
+  Maker(DrawnBoxes& to, const BoxTree& tree, const BoxVisibility& visibility, const Box3& clip,
         const BoxCost& cost)
-      : to_(to), tree_(tree), table_(table), clip_(clip), cost_(cost) {}
+      : to_(to), tree_(tree), visibility_(visibility), clip_(clip), cost_(cost) {}
 
   // nullopt where nothing shows.
   std::optional<Part> make(int32_t at) {
@@ -50,7 +50,7 @@ class DrawnBoxes::Maker {
 
  private:
   std::optional<Part> leaf(const GrownBox& grown) {
-    if (!table_.anyOpaque(grown.range.lo, grown.range.hi)) return std::nullopt;
+    if (!visibility_.shows(grown.range)) return std::nullopt;
     const Box3 cells = intersect(grown.local(), clip_);
     if (cells.empty()) return std::nullopt;
     return box(cells);
@@ -67,14 +67,14 @@ class DrawnBoxes::Maker {
 
   DrawnBoxes& to_;
   const BoxTree& tree_;
-  const OpacityTable& table_;
+  const BoxVisibility& visibility_;
   const Box3& clip_;
   const BoxCost& cost_;
 };
 
-DrawnBoxes::DrawnBoxes(const BoxTree& tree, const OpacityTable& table, const Box3& clip,
+DrawnBoxes::DrawnBoxes(const BoxTree& tree, const BoxVisibility& visibility, const Box3& clip,
                        const BoxCost& cost) {
-  Maker(*this, tree, table, clip, cost).make(0);
+  Maker(*this, tree, visibility, clip, cost).make(0);
   for (const Cells& box : boxes_) {
     int64_t cells = 1;
     for (size_t a = 0; a < 3; ++a) cells *= box.hi[a] - box.lo[a];

@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "src/classify/box_tree.h"
-#include "src/classify/opacity_table.h"
+#include "src/classify/box_visibility.h"
 
 namespace sluice {
 
@@ -40,7 +40,8 @@ BoxCost boxCost(double slices_a_cell);
 class DrawnBoxes {
  public:
   // `clip`: the cells that may be drawn. Requires: tree.nodes not empty, clip not empty.
-  DrawnBoxes(const BoxTree& tree, const OpacityTable& table, const Box3& clip, const BoxCost& cost);
+  DrawnBoxes(const BoxTree& tree, const BoxVisibility& visibility, const Box3& clip,
+             const BoxCost& cost);
 
   size_t count() const { return boxes_.size(); }
   int64_t cells() const { return cell_count_; }  // in all boxes

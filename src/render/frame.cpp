@@ -84,7 +84,11 @@ Frame Session::drawFrame() {
 
 void Session::classifyBlocks(FrameReport& report) {
   const Stopwatch watch;
-  if (!table_) table_.emplace(*transfer_, ranges_.map, ranges_.device_range);
+  if (!table_) {
+    TransferFunction shown = *transfer_;
+    if (frame_options_.mode != Mode::kComposite) shown.gradients.clear();
+    table_.emplace(shown, ranges_.map, ranges_.device_range);
+  }
   if (!classification_) {
     classification_ = classify(ranges_, *table_, crop(), pool_);
     dropPlan();

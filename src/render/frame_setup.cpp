@@ -63,7 +63,7 @@ std::vector<ClipPlane> clipPlanes(const std::vector<WorldPlane>& planes,
   return result;
 }
 
-LookUp lookUp(const OpacityTable& table) {
+LookUp lookUp(const OpacityTable& table, double finest_spacing) {
   LookUp result;
   result.device_range = table.deviceRange();
   result.interpolates = table.mustInterpolate();
@@ -72,6 +72,9 @@ LookUp lookUp(const OpacityTable& table) {
       result.rgba.push_back(table.rgb()[3 * i + channel]);
     result.rgba.push_back(table.opacity()[i]);
   }
+  for (const double magnitude : table.magnitudes())
+    result.magnitudes.push_back(magnitude / finest_spacing);
+  result.factors = table.factors();
   return result;
 }
 
@@ -104,7 +107,7 @@ FrameSetup frameSetup(const View& view, const VolumeLayout& layout, const Opacit
   setup.depth_step = view.step;
   setup.slice_length = view.step / finestSpacing(layout);
   setup.type = map.type;
-  setup.look_up = lookUp(table);
+  setup.look_up = lookUp(table, finestSpacing(layout));
   setup.mode = options.mode;
   // The greatest value is the least device value where the scale is negative.
   if (map.scale < 0 && options.mode == Mode::kMip) setup.mode = Mode::kMinip;

@@ -7,6 +7,9 @@
 //   shown = mix(colour, lit, w),   h_l = normalized(l + toward the viewer), toward viewer =
 //   -forward
 // so that flat regions, whose direction is noise, keep their own colour without a jump.
+//
+// A transfer function that looks at gradients multiplies the opacity of one voxel length by its
+// factor for |g| before the opacity is corrected for the step, lit or unlit (Li 2003, figure 1).
 #pragma once
 
 #include <array>

@@ -16,6 +16,10 @@ bool samePlan(const FrameOptions& a, const FrameOptions& b) {
 bool sameBoxCost(const FrameOptions& a, const FrameOptions& b) {
   return a.step_vox == b.step_vox;
 }
+// Modes other than composite look at values alone.
+bool looksAtGradients(const FrameOptions& options) {
+  return options.mode == Mode::kComposite;
+}
 bool sameCrop(const FrameOptions& a, const FrameOptions& b) {
   return a.crop == b.crop;
 }
@@ -101,7 +105,7 @@ Session::Session(VolumeSource& source, int64_t time, const SliceRanges& ranges, 
       first_id_(device.takeIdRange()) {
   SLUICE_CHECK_EQ(options.page.bytes_per_voxel,
                   static_cast<int64_t>(bytesPerVoxel(ranges.map.type)));
-  SLUICE_CHECK_EQ(options.lit, ranges.layout.ghost == 1);
+  SLUICE_CHECK(!options.lit || ranges.layout.ghost == 1);
   source_.holdAtMost(budgets_.source);
   if (options.partition == Partition::kBoxes)
     box_store_.emplace(source, options.volume_name, time, ranges, pool, budgets_.boxes / 2);
@@ -114,6 +118,7 @@ Session::~Session() {
 }
 
 void Session::setTransferFunction(const TransferFunction& transfer) {
+  SLUICE_CHECK(transfer.gradients.empty() || ranges_.layout.ghost == 1);
   transfer_ = transfer;
   table_.reset();
   classification_.reset();
@@ -124,6 +129,10 @@ void Session::setOptions(const FrameOptions& options) {
   if (!sameCrop(options, frame_options_)) classification_.reset();
   if (!samePlan(options, frame_options_)) dropPlan();
   if (!sameBoxCost(options, frame_options_)) dropDrawnBoxes();
+  if (looksAtGradients(options) != looksAtGradients(frame_options_)) {
+    table_.reset();
+    dropDrawnBoxes();
+  }
   frame_options_ = options;
 }
 
@@ -148,8 +157,9 @@ std::shared_ptr<const DrawnBoxes> Session::drawnBoxes(int64_t position) {
                                                       : box_store_->tree(block.block);
   if (tree == nullptr) return nullptr;
   const Vec3i first = ranges_.layout.ownedCells(ranges_.layout.indexOf(block.block)).lo;
-  auto drawn = std::make_shared<const DrawnBoxes>(
-      *tree, *table_, translate(block.cells, first * -1), boxCost(1 / frame_options_.step_vox));
+  auto drawn = std::make_shared<const DrawnBoxes>(*tree, BoxVisibility(*table_, source_.layout()),
+                                                  translate(block.cells, first * -1),
+                                                  boxCost(1 / frame_options_.step_vox));
   if (drawn_boxes_bytes_ + drawn->bytes() <= budgets_.boxes / 2) {
     drawn_boxes_bytes_ += drawn->bytes();
     drawn_boxes_.emplace(position, drawn);

@@ -34,7 +34,7 @@ struct SessionOptions {
   uint64_t memory_bytes = 0;  // of levels 2 and 3, and of level 4 on a software device
   PolicyKind policy = PolicyKind::kLru;
   uint64_t seed = 1;  // of the random policy
-  bool lit = false;   // the layout has a ghost layer and frames are shaded
+  bool lit = false;   // frames are shaded; the layout has a ghost layer
   // kBoxes: frames may draw growing boxes, and a share of the memory is theirs. They are kept with
   // the index of the volume of this name.
   Partition partition = Partition::kBlocks;
@@ -113,7 +113,8 @@ class Session {
           WorkerPool& pool, const SessionOptions& options);
   ~Session();
 
-  // A changed transfer function costs a classification and the chunks that it changes.
+  // A changed transfer function costs a classification and the chunks that it changes. Requires: a
+  // layout with a ghost layer for one that looks at gradients, which composite frames do.
   void setTransferFunction(const TransferFunction& transfer);
   // Everything else of a frame.
   void setOptions(const FrameOptions& options);

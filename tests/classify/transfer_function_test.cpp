@@ -175,5 +175,42 @@ TEST(TransferFunction, validatesWhatItsContractSays) {
   }
 }
 
+TEST(GradientFactor, isBilinearBetweenRowsAndTheirPoints) {
+  TransferFunction transfer{{{0, {1, 1, 1}}}, {{0, 1}}, "rows"};
+  EXPECT_EQ(gradientFactorAt(transfer, 3, 7), 1) << "without rows";
+  transfer.gradients = {{2, {{0, 0}, {10, 1}}}, {6, {{0, 0.5}}}};
+  EXPECT_EQ(gradientFactorAt(transfer, 5, 0), 0.5) << "below the first row";
+  EXPECT_EQ(gradientFactorAt(transfer, 5, 2), 0.5);
+  EXPECT_DOUBLE_EQ(gradientFactorAt(transfer, 10, 3), 0.75 * 1 + 0.25 * 0.5);
+  EXPECT_DOUBLE_EQ(gradientFactorAt(transfer, 0, 4), 0.25);
+  EXPECT_EQ(gradientFactorAt(transfer, 0, 100), 0.5) << "beyond the last row";
+  EXPECT_EQ(gradientFactorAt(transfer, std::numeric_limits<double>::quiet_NaN(), 4), 0);
+}
+
+TEST(GradientFactor, rowsAreValidated) {
+  const TransferFunction good{{{0, {1, 1, 1}}}, {{0, 1}}, "rows", {{0, {{0, 0}}}, {2, {{0, 1}}}}};
+  validate(good, "good");
+  const auto expectRejected = [&](const std::vector<GradientRow>& rows, const char* what) {
+    TransferFunction bad = good;
+    bad.gradients = rows;
+    EXPECT_THROW(validate(bad, "bad"), Error) << what;
+  };
+  expectRejected({{-1, {{0, 0}}}}, "below 0");
+  expectRejected({{2, {{0, 0}}}, {2, {{0, 1}}}}, "a step");
+  expectRejected({{3, {{0, 0}}}, {2, {{0, 1}}}}, "descending");
+  expectRejected({{0, {}}}, "no factor");
+  expectRejected({{0, {{0, 1.5}}}}, "a factor above 1");
+  expectRejected({{0, {{4, 1}, {3, 1}}}}, "descending values");
+  expectRejected({{std::numeric_limits<double>::infinity(), {{0, 1}}}}, "infinite");
+  std::vector<GradientRow> many;
+  for (size_t i = 0; i <= kMostGradientRows; ++i)
+    many.push_back({static_cast<double>(i), {{0, 1}}});
+  expectRejected(many, "too many");
+  many.pop_back();
+  TransferFunction most = good;
+  most.gradients = many;
+  validate(most, "most");
+}
+
 }  // namespace
 }  // namespace sluice

@@ -131,5 +131,24 @@ TEST(Histogram, mirrorsAndFolds) {
   EXPECT_NEAR(shareAbove(fold, 2), 11.0 / 21, 0.05);
 }
 
+TEST(ModulateByGradient, isARampOfTheMagnitudeWhateverTheValue) {
+  const auto transfer = modulateByGradient(thresholdTransfer(40, {0, 240}, 0.05), 20);
+  for (const double value : {-5.0, 40.0, 100.0, 1000.0}) {
+    EXPECT_EQ(gradientFactorAt(transfer, value, 0), 0);
+    EXPECT_DOUBLE_EQ(gradientFactorAt(transfer, value, 5), 0.25);
+    EXPECT_EQ(gradientFactorAt(transfer, value, 20), 1);
+    EXPECT_EQ(gradientFactorAt(transfer, value, 1e300), 1);
+  }
+  EXPECT_DOUBLE_EQ(opacityAt(transfer, 240), 0.05) << "the most that any gradient shows";
+  EXPECT_EQ(transfer.name, "threshold 40, modulated");
+}
+
+TEST(ModulateByGradient, rejectsWhatIsNoMagnitudeAndASecondTime) {
+  const auto transfer = thresholdTransfer(40, {0, 240}, 0.05);
+  for (const double magnitude : {0.0, -1.0, kNan, std::numeric_limits<double>::infinity()})
+    EXPECT_THROW(modulateByGradient(transfer, magnitude), Error) << magnitude;
+  EXPECT_THROW(modulateByGradient(modulateByGradient(transfer, 3), 3), Error);
+}
+
 }  // namespace
 }  // namespace sluice

@@ -30,6 +30,7 @@ struct Block {
             deviceMap(source->layout()),
             {0, 200}};
   }
+  BoxVisibility seen(const OpacityTable& table) const { return {table, source->layout()}; }
   // By a plain loop over the cell's corners.
   bool shows(Vec3i cell, const OpacityTable& table) const {
     const Vec3i dims = source->layout().dims;
@@ -65,7 +66,7 @@ TEST(DrawnBoxes, holdEveryVisibleCellOnceWithinTheClip) {
         const Block block(seed);
         const OpacityTable table = block.tableOf(threshold);
         const Box3 clip = seed == 1 ? block.cells : Box3{{3, 2, 5}, {30, 21, 29}};
-        const DrawnBoxes drawn(block.tree, table, clip, cost);
+        const DrawnBoxes drawn(block.tree, block.seen(table), clip, cost);
         const std::vector<Box3> boxes = inOrder(drawn, {true, {1, -1, 1}});
         EXPECT_EQ(boxes.size(), drawn.count());
         int64_t visible = 0, wrong = 0;
@@ -98,7 +99,7 @@ TEST(DrawnBoxes, costsDecideOnlyHowMany) {
   size_t before = SIZE_MAX;
   double before_cells = 0;
   for (const BoxCost& cost : kCosts) {
-    const DrawnBoxes drawn(block.tree, table, block.cells, cost);
+    const DrawnBoxes drawn(block.tree, block.seen(table), block.cells, cost);
     double cells = 0;
     for (const Box3& box : inOrder(drawn, {true, {1, 1, 1}}))
       cells += static_cast<double>(box.count());
@@ -111,7 +112,8 @@ TEST(DrawnBoxes, costsDecideOnlyHowMany) {
 
 TEST(DrawnBoxes, noneWhereNothingShows) {
   const Block block(5);
-  const DrawnBoxes drawn(block.tree, block.tableOf(5000), block.cells, {6, 1500});
+  const OpacityTable table = block.tableOf(5000);
+  const DrawnBoxes drawn(block.tree, block.seen(table), block.cells, {6, 1500});
   EXPECT_EQ(drawn.count(), 0U);
   EXPECT_TRUE(inOrder(drawn, {true, {1, 0, 0}}).empty());
 }
@@ -124,7 +126,8 @@ TEST(DrawnBoxes, comeFrontToBackAlongEveryRay) {
   int64_t crossings = 0;
   for (int i = 0; i < 300; ++i) {
     const Block block(static_cast<uint64_t>(i % 3 + 1));
-    const DrawnBoxes drawn(block.tree, block.tableOf(60), block.cells, {0.3, 10});
+    const OpacityTable table = block.tableOf(60);
+    const DrawnBoxes drawn(block.tree, block.seen(table), block.cells, {0.3, 10});
     BoxEye eye;
     eye.parallel = i % 2 == 0;
     eye.at = eye.parallel ? Vec3d{unit(random), unit(random), unit(random)}

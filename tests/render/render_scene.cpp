@@ -35,7 +35,7 @@ ReferenceMode referenceMode(Mode mode) {
 
 SliceRanges rangesOf(VolumeSource& source, const SceneOptions& options, WorkerPool& pool) {
   const BlockLayout layout =
-      blockLayout(source.layout().dims, options.block_vox, options.lit ? 1 : 0);
+      blockLayout(source.layout().dims, options.block_vox, options.lit || options.ghost ? 1 : 0);
   Progress progress;
   return buildSliceRanges(source, options.time, layout, pool, progress);
 }

@@ -32,6 +32,7 @@ struct SceneOptions {
   PolicyKind policy = PolicyKind::kLru;
   int threads = 2;
   bool lit = false;
+  bool ghost = false;  // a ghost layer though unlit, for transfer functions that look at gradients
   int64_t time = 0;
   Partition partition = Partition::kBlocks;  // kBoxes: frames may draw either; keeps no index
 };

@@ -179,9 +179,15 @@ class Renderer {
     return p;
   }
 
-  // Premultiplied colour and opacity of a sample's length.
-  std::array<double, 4> shown(double value, double voxel_lengths) const {
-    const double a = 1 - std::pow(1 - opacityAt(scene_.transfer, value), voxel_lengths);
+  // Of a sample's length, for a gradient of `magnitude` value units a voxel length.
+  double opacity(double value, double magnitude, double voxel_lengths) const {
+    const double whole =
+        opacityAt(scene_.transfer, value) * gradientFactorAt(scene_.transfer, value, magnitude);
+    return 1 - std::pow(1 - whole, voxel_lengths);
+  }
+  // The same with the premultiplied colour.
+  std::array<double, 4> shown(double value, double magnitude, double voxel_lengths) const {
+    const double a = opacity(value, magnitude, voxel_lengths);
     const Vec3d rgb = colorAt(scene_.transfer, value) * a;
     return {rgb.x, rgb.y, rgb.z, a};
   }
@@ -197,18 +203,21 @@ class Renderer {
     return false;
   }
   bool isNearStep(double value) const {
+    const auto& rows = scene_.transfer.gradients;
     return isNearStep(scene_.transfer.opacities, value) ||
-           isNearStep(scene_.transfer.colors, value);
+           isNearStep(scene_.transfer.colors, value) ||
+           std::any_of(rows.begin(), rows.end(),
+                       [&](const GradientRow& row) { return isNearStep(row.factors, value); });
   }
 
   // By how much a channel of the sample may change where rounding moves it across a step.
-  double doubtOf(double value, double voxel_lengths) const {
+  double doubtOf(double value, double magnitude, double voxel_lengths) const {
     if (!isNearStep(value)) return 0;
     const double reach = scene_.rounding.step_value;
-    const auto here = shown(value, voxel_lengths);
+    const auto here = shown(value, magnitude, voxel_lengths);
     double doubt = 0;
     for (const double beside : {value - reach, value + reach}) {
-      const auto there = shown(beside, voxel_lengths);
+      const auto there = shown(beside, magnitude, voxel_lengths);
       for (size_t c = 0; c < 4; ++c) doubt = std::max(doubt, std::abs(there[c] - here[c]));
     }
     return doubt;
@@ -222,8 +231,10 @@ class Renderer {
     double depth_sum = 0;
     eachSample(start, direction, [&](const Sample& sample) {
       const double value = values_.at(sample.p);
-      const double a = 1 - std::pow(1 - opacityAt(scene_.transfer, value), voxel_lengths);
-      const double doubt = sample.near_face ? a : doubtOf(value, voxel_lengths);
+      const double magnitude =
+          scene_.transfer.gradients.empty() ? 0 : length(gradient(sample.p)) * finest_;
+      const double a = opacity(value, magnitude, voxel_lengths);
+      const double doubt = sample.near_face ? a : doubtOf(value, magnitude, voxel_lengths);
       out.doubt += (1 - out.opacity) * doubt * brightest;
       if (a > 0 && sample.counts) {
         Vec3d rgb = colorAt(scene_.transfer, value);

@@ -38,8 +38,8 @@ struct ReferenceClipPlane {
 // What a renderer of single precision may round: FloatPicture::doubt says by how much that may
 // change each pixel. With zeros nothing is in doubt.
 struct Rounding {
-  // A step of the transfer function (two points at one value, or almost) is met within this many
-  // value units of it.
+  // A step of the transfer function (two points at one value, or almost), of its gradient rows too,
+  // is met within this many value units of it.
   double step_value = 0;
   // Modes other than composite: so is an end of what is visible.
   double end_value = 0;
@@ -59,7 +59,8 @@ struct ReferenceScene {
   Rounding rounding;
 };
 
-// Composites front to back: opacity a of one voxel length of the finest spacing becomes
+// Composites front to back: opacity a of one voxel length, times the factor of the gradient's
+// magnitude where the transfer function has gradients, of the finest spacing becomes
 // 1 - (1 - a)^(L / finest), L being the ray's way between two slices. Depth is the opacity-weighted
 // mean depth of the samples. Runs on all cores.
 FloatPicture renderReference(VolumeSource& source, const View& view, const ReferenceScene& scene);
