@@ -231,12 +231,11 @@ Command addBench(CLI::App& program) {
   algorithms->add_flag("--json", paper->json, "One JSON object");
   auto lit = std::make_shared<Arguments>(*arguments);
   lit->frame.step_vox = 0.5;
-  lit->look.shade = true;
+  lit->look.shade = lit->look.modulate = true;
   CLI::App* skipping =
       app->add_subcommand("skipping",
-                          "Li's Table 1: every block whole against the visible growing boxes, lit, "
-                          "half a voxel between "
-                          "slices\n\n"
+                          "Li's Table 1: every block whole against the visible growing boxes, lit "
+                          "and modulated by the gradient, half a voxel between slices\n\n"
                           "  sluice bench skipping bonsai.nii.gz@40 engine.nii.gz@80");
   addVolumeOptions(*skipping, lit->volume);
   addLookOptions(*skipping, lit->look);
