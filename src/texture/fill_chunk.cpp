@@ -19,7 +19,8 @@ void gather(const T* from, int64_t stride, T* to, int64_t count) {
 }
 
 template <class T>
-void copyTyped(const TextureBlock& block, const VolumeBlock& from, Vec3i storage_vox, T* out) {
+void copyTyped(const TextureBlock& block, const VolumeBlock& from, Vec3i storage_vox, Vec3i room,
+               T* out) {
   const auto axes = textureAxes(block.trimming_axis);
   const Vec3i texels = block.texels(), have = from.voxels.size();
   const Vec3i strides{1, have.x, have.x * have.y};
@@ -35,27 +36,49 @@ void copyTyped(const TextureBlock& block, const VolumeBlock& from, Vec3i storage
       std::clamp<int64_t>(from.voxels.lo[along] - block.voxels.lo[along], 0, texels.x);
   const int64_t end =
       std::clamp<int64_t>(from.voxels.hi[along] - block.voxels.lo[along], first, texels.x);
-  for (int64_t z = 0; z < texels.z; ++z)
-    for (int64_t y = 0; y < texels.y; ++y) {
-      const T* line =
-          voxels + clamped(axes[2], z) * strides[axes[2]] + clamped(axes[1], y) * strides[axes[1]];
+  for (int64_t z = 0; z < room.z; ++z)
+    for (int64_t y = 0; y < room.y; ++y) {
       T* to =
           out + ((block.at.z + z) * storage_vox.y + block.at.y + y) * storage_vox.x + block.at.x;
+      if (z >= texels.z || y >= texels.y) {
+        std::fill(to, to + room.x, T{});
+        continue;
+      }
+      const T* line =
+          voxels + clamped(axes[2], z) * strides[axes[2]] + clamped(axes[1], y) * strides[axes[1]];
       gather(line + clamped(along, first) * strides[along], strides[along], to + first,
              end - first);
       std::fill(to, to + first, line[clamped(along, 0) * strides[along]]);
       std::fill(to + end, to + texels.x, line[clamped(along, texels.x - 1) * strides[along]]);
+      std::fill(to + texels.x, to + room.x, T{});
     }
 }
 
 }  // namespace
 
 void copyTextureBlock(const TextureBlock& block, const VolumeBlock& from, Vec3i storage_vox,
-                      std::span<std::byte> out) {
+                      Vec3i room, std::span<std::byte> out) {
   SLUICE_CHECK_EQ(out.size(), static_cast<size_t>(volume(storage_vox)) * bytesPerVoxel(from.type));
+  SLUICE_CHECK(boxOf(storage_vox).contains(Box3{block.at, block.at + room}));
   visitDeviceType(from.type, [&](auto tag) {
-    copyTyped(block, from, storage_vox, reinterpret_cast<decltype(tag)*>(out.data()));
+    copyTyped(block, from, storage_vox, room, reinterpret_cast<decltype(tag)*>(out.data()));
   });
+}
+
+std::vector<Vec3i> roomsOf(const TexturePlan& plan, const Chunk& chunk, Vec3i storage_vox) {
+  // Columns along x from the left, each listed from below: a block's room ends where the next block
+  // of its column, or the next column, begins.
+  std::vector<Vec3i> rooms(chunk.blocks.size());
+  Vec3i end = storage_vox;
+  int64_t column = -1;
+  for (size_t i = rooms.size(); i-- > 0;) {
+    const Vec3i at = plan.blocks[static_cast<size_t>(chunk.blocks[i])].at;
+    if (column >= 0 && at.x != column) end = {column, storage_vox.y, storage_vox.z};
+    column = at.x;
+    rooms[i] = end - at;
+    end.z = at.z;
+  }
+  return rooms;
 }
 
 }  // namespace sluice

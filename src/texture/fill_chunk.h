@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <span>
+#include <vector>
 
 #include "src/texture/texture_plan.h"
 #include "src/volume/volume_buffer.h"
@@ -11,10 +12,16 @@
 namespace sluice {
 
 // Copies the voxels of `block` (whose volume block is `from`) to their place in a chunk whose
-// storage is `storage_vox` texels, x fastest. Voxels outside the volume repeat the boundary: the
-// clamped neighbours that central differences want; padding is never sampled.
-// Requires: out.size() == volume(storage_vox) * bytes a voxel.
+// storage is `storage_vox` texels, x fastest, and clears the rest of `room`: of the texels that are
+// this block's to write, from block.at on. Voxels outside the volume repeat the boundary: the
+// clamped neighbours that central differences want; padding is never sampled but with weight 0,
+// where it must be a number.
+// Requires: out.size() == volume(storage_vox) * bytes a voxel; room within the storage.
 void copyTextureBlock(const TextureBlock& block, const VolumeBlock& from, Vec3i storage_vox,
-                      std::span<std::byte> out);
+                      Vec3i room, std::span<std::byte> out);
+
+// The texels of a chunk shared out among its blocks: what each fills from its place on, in the
+// order of chunk.blocks. Together they are the whole storage, once.
+std::vector<Vec3i> roomsOf(const TexturePlan& plan, const Chunk& chunk, Vec3i storage_vox);
 
 }  // namespace sluice

@@ -28,6 +28,7 @@ struct TextureBuffer::Entry {
 // A texture block on its way into a chunk.
 struct TextureBuffer::Filling {
   TextureBlock block;
+  Vec3i room;  // the texels from block.at on that it fills
   EntryPtr into;
 };
 
@@ -50,7 +51,7 @@ struct Cancelled : std::exception {
 }  // namespace
 
 TextureBuffer::TextureBuffer(VolumeBuffer& blocks, WorkerPool& pool, uint64_t budget_bytes)
-    : blocks_(blocks), pool_(pool) {
+    : blocks_(blocks), pool_(pool), memory_(BufferMemory::make(budget_bytes)) {
   counters_.budget_bytes = budget_bytes;
 }
 
@@ -98,9 +99,9 @@ TextureBuffer::EntryPtr TextureBuffer::publish(const TexturePlan& plan, const Ch
   entry->texels = std::make_shared<ChunkTexels>();
   entry->texels->storage_vox = plan.page.pageGridOf(chunk.size_vox) * plan.page.size_vox;
   entry->texels->byte_count = bytesOf(plan, chunk);
-  entry->texels->bytes = std::make_unique<std::byte[]>(entry->texels->byte_count);
   entry->fillings_left = chunk.blocks.size();
   reserved_bytes_ += entry->texels->byte_count;
+  entry->texels->bytes = memory_->take(entry->texels->byte_count);  // the workers write it all
   entries_[name] = entry;
   return entry;
 }
@@ -139,8 +140,9 @@ TextureBuffer::BatchPtr TextureBuffer::tryBegin(const TexturePlan& plan,
       if (entry == nullptr) {
         counters_.countMiss();
         entry = publish(plan, chunk, name);
-        for (const int64_t block : chunk.blocks)
-          fillings.push_back({plan.blocks[static_cast<size_t>(block)], entry});
+        const std::vector<Vec3i> rooms = roomsOf(plan, chunk, entry->texels->storage_vox);
+        for (size_t i = 0; i < rooms.size(); ++i)
+          fillings.push_back({plan.blocks[static_cast<size_t>(chunk.blocks[i])], rooms[i], entry});
       } else if (entry->state == Entry::State::kFilled) {
         counters_.countHit();
         recent_.splice(recent_.begin(), recent_, entry->place);
@@ -242,7 +244,7 @@ void TextureBuffer::work(Batch& batch) {
     }
     std::lock_guard lock(mutex_);
     for (size_t at = run.from; at < run.to; ++at) {
-      const auto& [block, into] = batch.fillings[at];
+      const auto& [block, room, into] = batch.fillings[at];
       if (failure && !into->failure) into->failure = failure;
       if (!failure)
         counters_.decoded_bytes +=
@@ -259,14 +261,19 @@ void TextureBuffer::work(Batch& batch) {
 void TextureBuffer::fill(Batch& batch, const ReadRun& run) {
   throwIfInterrupted();
   std::vector<BlockKey> keys;
-  for (const int64_t block : run.blocks) keys.push_back({batch.time, block});
-  const std::vector<VolumeBlockPtr> blocks = blocks_.acquire(keys);
+  std::vector<bool> ahead;
+  const std::span wanted(batch.fillings.data() + run.from, run.to - run.from);
+  for (const int64_t block : run.blocks) {
+    keys.push_back({batch.time, block});
+    ahead.push_back(!std::ranges::binary_search(
+        wanted, block, {}, [](const Filling& filling) { return filling.block.block; }));
+  }
+  const std::vector<VolumeBlockPtr> blocks = blocks_.acquire(keys, ahead);
   const Stopwatch watch;
-  for (size_t at = run.from; at < run.to; ++at) {
-    const Filling& filling = batch.fillings[at];
+  for (const Filling& filling : wanted) {
     const auto found = std::lower_bound(run.blocks.begin(), run.blocks.end(), filling.block.block);
     copyTextureBlock(filling.block, *blocks[static_cast<size_t>(found - run.blocks.begin())],
-                     filling.into->texels->storage_vox, filling.into->texels->span());
+                     filling.into->texels->storage_vox, filling.room, filling.into->texels->span());
   }
   copy_ns_ += static_cast<int64_t>(watch.seconds() * 1e9);
 }

@@ -20,6 +20,7 @@
 #include <unordered_set>
 #include <vector>
 
+#include "src/base/buffer_memory.h"
 #include "src/base/counters.h"
 #include "src/base/worker_pool.h"
 #include "src/texture/texture_plan.h"
@@ -33,7 +34,7 @@ struct ReadRun;
 struct ChunkTexels {
   Vec3i storage_vox;
   size_t byte_count = 0;
-  std::unique_ptr<std::byte[]> bytes;
+  BufferMemory::Piece bytes;
   std::span<std::byte> span() const { return {bytes.get(), byte_count}; }
 };
 using ChunkTexelsPtr = std::shared_ptr<const ChunkTexels>;
@@ -102,6 +103,7 @@ class TextureBuffer {
 
   VolumeBuffer& blocks_;
   WorkerPool& pool_;
+  const std::shared_ptr<BufferMemory> memory_;  // of the texels
   std::atomic<int64_t> copy_ns_{0};
   mutable std::mutex mutex_;
   std::condition_variable settled_;

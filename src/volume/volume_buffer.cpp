@@ -31,7 +31,8 @@ struct VolumeBuffer::Entry {
   enum class State { kLoading, kResident, kPacked, kFailed } state = State::kLoading;
   VolumeBlockPtr block;                 // when kResident
   PackedBytes packed;                   // when kPacked, and while it is unpacked (kLoading)
-  bool reused = false;                  // asked for again, now or after an earlier load
+  bool used = false;                    // asked for, not only ahead
+  bool reused = false;                  // used again, now or after an earlier load
   bool being_packed = false;            // kResident, but not in recent_
   std::exception_ptr failure;           // Error or Interrupted, when kFailed
   int64_t wanted_by = 0;                // calls of acquire that have not yet taken `block`
@@ -46,7 +47,8 @@ VolumeBuffer::VolumeBuffer(VolumeSource& source, const BlockLayout& layout, uint
     : source_(source),
       layout_(layout),
       map_(deviceMap(source.layout())),
-      packs_(cold == Cold::kPacked && budget_bytes >= 16 * blockBytes()) {
+      packs_(cold == Cold::kPacked && budget_bytes >= 16 * blockBytes()),
+      memory_(BufferMemory::make(budget_bytes)) {
   counters_.budget_bytes = budget_bytes;
 }
 VolumeBuffer::~VolumeBuffer() = default;
@@ -69,6 +71,12 @@ void VolumeBuffer::resetCounters() {
 bool VolumeBuffer::hasRoom(uint64_t bytes) const {
   const uint64_t scratch = packs_ ? blockBytes() : 0;
   return counters_.current_bytes + reserved_bytes_ + scratch + bytes <= counters_.budget_bytes;
+}
+
+void VolumeBuffer::countPacked(int64_t bytes) {
+  packed_bytes_ += static_cast<uint64_t>(bytes);
+  const uint64_t scratch = packs_ ? blockBytes() : 0;
+  memory_->setLimit(counters_.budget_bytes - scratch - packed_bytes_);
 }
 
 void VolumeBuffer::freeSome(std::unique_lock<std::mutex>& lock, uint64_t wanted_bytes) {
@@ -102,6 +110,7 @@ void VolumeBuffer::freeSome(std::unique_lock<std::mutex>& lock, uint64_t wanted_
 void VolumeBuffer::drop(const EntryPtr& victim, std::list<EntryPtr>& from) {
   const bool is_packed = victim->state == Entry::State::kPacked;
   counters_.countEviction(is_packed ? victim->packed.byte_count : victim->bytes);
+  if (is_packed) countPacked(-static_cast<int64_t>(victim->packed.byte_count));
   from.erase(victim->place);
   entries_.erase(victim->key);
 }
@@ -132,6 +141,7 @@ void VolumeBuffer::packOrDrop(std::unique_lock<std::mutex>& lock, const EntryPtr
       victim->block.reset();
       victim->packed = std::move(*packed);
       cold_bytes_ += victim->packed.byte_count;
+      countPacked(static_cast<int64_t>(victim->packed.byte_count));
       cold_.splice(cold_.begin(), recent_, victim->place);
     } else {
       drop(victim, recent_);
@@ -141,13 +151,17 @@ void VolumeBuffer::packOrDrop(std::unique_lock<std::mutex>& lock, const EntryPtr
 }
 
 VolumeBuffer::EntryPtr VolumeBuffer::request(std::unique_lock<std::mutex>& lock,
-                                             const BlockKey& key, std::vector<EntryPtr>& ours) {
+                                             const BlockKey& key, bool ahead,
+                                             std::vector<EntryPtr>& ours) {
   const Box3 voxels = layout_.storedVoxels(layout_.indexOf(key.block));
   const uint64_t bytes = static_cast<uint64_t>(voxels.count()) * bytesPerVoxel(map_.type);
   for (;;) {  // what is found may change while room is made
     const auto found = entries_.find(key);
     EntryPtr entry = found == entries_.end() ? nullptr : found->second;
-    if (entry != nullptr) entry->reused = true;
+    if (entry != nullptr && !ahead) {
+      entry->reused = entry->reused || entry->used;
+      entry->used = true;
+    }
     if (entry != nullptr && entry->state == Entry::State::kResident) {
       counters_.countHit();
       if (!entry->being_packed) recent_.splice(recent_.begin(), recent_, entry->place);
@@ -186,21 +200,23 @@ VolumeBuffer::EntryPtr VolumeBuffer::request(std::unique_lock<std::mutex>& lock,
     auto fresh = std::make_shared<Entry>();
     fresh->key = key;
     fresh->bytes = bytes;
+    fresh->used = !ahead;
     entries_.emplace(key, fresh);
     ours.push_back(fresh);
     return fresh;
   }
 }
 
-std::vector<VolumeBlockPtr> VolumeBuffer::acquire(std::span<const BlockKey> keys) {
+std::vector<VolumeBlockPtr> VolumeBuffer::acquire(std::span<const BlockKey> keys,
+                                                  const std::vector<bool>& ahead) {
   std::vector<EntryPtr> wanted;
   std::vector<EntryPtr> ours;
   std::exception_ptr failure;
   {
     std::unique_lock lock(mutex_);
-    for (const BlockKey& key : keys) {
+    for (size_t i = 0; i < keys.size(); ++i) {
       try {
-        wanted.push_back(request(lock, key, ours));
+        wanted.push_back(request(lock, keys[i], !ahead.empty() && ahead[i], ours));
       } catch (const Error&) {
         failure = std::current_exception();
         break;
@@ -248,7 +264,7 @@ std::shared_ptr<VolumeBlock> VolumeBuffer::emptyBlock(const BlockKey& key) const
   auto block = std::make_shared<VolumeBlock>();
   block->voxels = layout_.storedVoxels(layout_.indexOf(key.block));
   block->type = map_.type;
-  block->bytes = std::make_unique_for_overwrite<std::byte[]>(block->byteCount());
+  block->bytes = memory_->take(block->byteCount());
   return block;
 }
 
@@ -283,6 +299,7 @@ void VolumeBuffer::unpackAndFinish(const EntryPtr& entry) {
       hold(entry, block);
       counters_.countUnpack(entry->packed.byte_count, entry->bytes);
     }
+    countPacked(-static_cast<int64_t>(entry->packed.byte_count));
     entry->packed = {};
   }
   loaded_.notify_all();

@@ -2,7 +2,7 @@
 //
 // Blocks come from a VolumeSource in device form, each once however many threads want it: the first
 // publishes the entry and loads outside the lock, the others wait. The least recently used block
-// that no one holds goes first: one that was asked for more than once is compressed and stays, in
+// that no one holds goes first: one that was used more than once is compressed and stays, in
 // at most half of the budget, until it is the coldest of those; the others are dropped and read
 // again should they be wanted. A handle pins its block. The buffer must outlive its handles' use of
 // the source, not the handles. All members may be called from any thread.
@@ -21,6 +21,7 @@
 #include <unordered_set>
 #include <vector>
 
+#include "src/base/buffer_memory.h"
 #include "src/base/counters.h"
 #include "src/base/volume_source.h"
 #include "src/volume/block_layout.h"
@@ -44,7 +45,7 @@ struct BlockKeyHash {
 struct VolumeBlock {
   Box3 voxels;
   DeviceType type = DeviceType::kU8;
-  std::unique_ptr<std::byte[]> bytes;
+  BufferMemory::Piece bytes;
 
   size_t byteCount() const { return static_cast<size_t>(voxels.count()) * bytesPerVoxel(type); }
   // Bytes in front of a voxel. Requires: voxels.contains(voxel).
@@ -72,7 +73,11 @@ class VolumeBuffer {
   // other handles pin and other calls wait for, Interrupted when the source does; the failed blocks
   // are not kept. Beside its blocks each call holds at most kScratchBytes (or one plane of a block)
   // while it reads voxels that are larger on disk than here.
-  std::vector<VolumeBlockPtr> acquire(std::span<const BlockKey> keys);
+  //
+  // `ahead`, where given, says of each key whether its block is only brought because it lies beside
+  // the others: the next call that wants it is the first to use it.
+  std::vector<VolumeBlockPtr> acquire(std::span<const BlockKey> keys,
+                                      const std::vector<bool>& ahead = {});
 
   static constexpr size_t kScratchBytes = size_t{256} << 10;
 
@@ -89,9 +94,10 @@ class VolumeBuffer {
   using EntryPtr = std::shared_ptr<Entry>;
 
   // These require mutex_ to be held. With `lock` in the arguments they may give it up for a while.
-  EntryPtr request(std::unique_lock<std::mutex>& lock, const BlockKey& key,
+  EntryPtr request(std::unique_lock<std::mutex>& lock, const BlockKey& key, bool ahead,
                    std::vector<EntryPtr>& ours);
   bool hasRoom(uint64_t bytes) const;
+  void countPacked(int64_t bytes);
   void freeSome(std::unique_lock<std::mutex>& lock, uint64_t wanted_bytes);
   void packOrDrop(std::unique_lock<std::mutex>& lock, const EntryPtr& victim);
   void drop(const EntryPtr& victim, std::list<EntryPtr>& from);
@@ -106,10 +112,11 @@ class VolumeBuffer {
   void readInPlace(int64_t time, std::span<const std::shared_ptr<VolumeBlock>> blocks);
   void readThroughScratch(int64_t time, VolumeBlock& block);
 
-  VolumeSource& source_;      // constant after construction
-  const BlockLayout layout_;  // constant after construction
-  const ValueMap map_;        // constant after construction
-  const bool packs_;          // constant after construction
+  VolumeSource& source_;                        // constant after construction
+  const BlockLayout layout_;                    // constant after construction
+  const ValueMap map_;                          // constant after construction
+  const bool packs_;                            // constant after construction
+  const std::shared_ptr<BufferMemory> memory_;  // of the blocks as they are
   std::atomic<int64_t> read_ns_{0}, decode_ns_{0};
   mutable std::mutex mutex_;
   std::condition_variable loaded_;
@@ -118,6 +125,7 @@ class VolumeBuffer {
   std::list<EntryPtr> recent_;  // resident as they are, most recently used first
   std::list<EntryPtr> cold_;    // resident packed, most recently packed first
   uint64_t cold_bytes_ = 0;     // of these
+  uint64_t packed_bytes_ = 0;   // of these and those that are being unpacked
   bool packing_ = false;        // a thread packs: one at a time, with scratch for one block
   std::unordered_set<BlockKey, BlockKeyHash> seen_;
   uint64_t reserved_bytes_ = 0;  // of loads under way

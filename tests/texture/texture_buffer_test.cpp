@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <malloc.h>
+
 #include <algorithm>
 #include <cstring>
 #include <future>
@@ -32,7 +34,8 @@ std::vector<int64_t> allChunks(const TexturePlan& plan) {
   return chunks;
 }
 
-// Each texel of each texture block against the voxel that it stands for, found the long way.
+// Each texel of each texture block against the voxel that it stands for, found the long way; all
+// others are 0.
 void expectTexels(const TexturePlan& plan, int64_t position, const ChunkTexels& texels,
                   const MemorySource& source) {
   const Chunk& chunk = plan.chunks[static_cast<size_t>(position)];
@@ -42,6 +45,7 @@ void expectTexels(const TexturePlan& plan, int64_t position, const ChunkTexels& 
   ASSERT_EQ(texels.storage_vox, plan.page.pageGridOf(chunk.size_vox) * plan.page.size_vox);
   ASSERT_EQ(texels.byte_count, static_cast<size_t>(volume(texels.storage_vox)) * size);
   std::vector<std::byte> expected(size);
+  std::vector<bool> covered(static_cast<size_t>(volume(texels.storage_vox)));
   for (const int64_t b : chunk.blocks) {
     const TextureBlock& block = plan.blocks[static_cast<size_t>(b)];
     const Vec3i count = block.texels();
@@ -63,11 +67,25 @@ void expectTexels(const TexturePlan& plan, int64_t position, const ChunkTexels& 
           ASSERT_EQ(std::memcmp(texels.bytes.get() + texel * size, expected.data(), size), 0)
               << "block " << block.block << " axis " << axis << " texel " << t.x << ' ' << t.y
               << ' ' << t.z;
+          covered[texel] = true;
         }
+  }
+  std::ranges::fill(expected, std::byte{0});
+  for (size_t texel = 0; texel < covered.size(); ++texel) {
+    if (covered[texel]) continue;
+    ASSERT_EQ(std::memcmp(texels.bytes.get() + texel * size, expected.data(), size), 0)
+        << "of no block: " << texel;
   }
 }
 
+// Memory comes with junk in it, as that of an evicted chunk does.
+struct JunkInNewMemory {
+  JunkInNewMemory() { mallopt(M_PERTURB, 0x5a); }
+  ~JunkInNewMemory() { mallopt(M_PERTURB, 0); }
+};
+
 TEST(TextureBuffer, eachTexelIsTheVoxelItStandsFor) {
+  const JunkInNewMemory junk;
   std::mt19937_64 random(1);
   std::array<int, 3> axes_seen{};
   for (const VoxelType type : {VoxelType::kU8, VoxelType::kI16, VoxelType::kF32, VoxelType::kF64})
@@ -79,7 +97,8 @@ TEST(TextureBuffer, eachTexelIsTheVoxelItStandsFor) {
         const BlockLayout layout = blockLayout(dims, 8, ghost);
         const auto device_size =
             static_cast<int64_t>(bytesPerVoxel(deviceMap(source->layout()).type));
-        const PageGeometry page{{4, 8, 2}, device_size, 64};
+        // Blocks that fill their pages along x and y, and such that do not.
+        const PageGeometry page{ghost == 0 ? Vec3i{4, 8, 2} : Vec3i{32, 16, 2}, device_size, 64};
         const TexturePlan plan = planTextures(layout, randomClassification(layout, 0.5, random),
                                               page, planOptions(layout, algorithm));
         for (const TextureBlock& block : plan.blocks)
@@ -125,7 +144,35 @@ TEST(TextureBufferDeathTest, storageMustBeOfTheSizeItSays) {
   TextureBlock block;
   block.voxels = from.voxels;
   std::vector<std::byte> out(7);
-  EXPECT_DEATH(copyTextureBlock(block, from, {2, 2, 2}, out), "check failed");
+  EXPECT_DEATH(copyTextureBlock(block, from, {2, 2, 2}, {2, 2, 2}, out), "check failed");
+}
+
+// Chunks large enough to be kept where memory is passed on from one to the next.
+TEST(TextureBuffer, memoryThatIsPassedOnLeavesNothingOfItsLastChunk) {
+  const auto source = makeWhiteNoise({2 * 63 + 1, 64, 64}, VoxelType::kU8, 3);
+  const BlockLayout layout = blockLayout({2 * 63 + 1, 64, 64}, 64, 0);
+  const PageGeometry page{{64, 32, 32}, 1, 16};
+  const std::vector<Box3> shown = {allCells(layout),
+                                   {{0, 0, 5}, {126, 63, 12}},
+                                   {{0, 0, 20}, {126, 63, 60}},
+                                   {{3, 0, 0}, {110, 50, 63}}};
+  WorkerPool pool(2);
+  VolumeBuffer blocks(*source, layout, 4 << 20);
+  TextureBuffer buffer(blocks, pool, 512 << 10);  // one chunk of two whole blocks
+  ChunkNames names;
+  for (int turn = 0; turn < 3; ++turn)
+    for (const Box3& box : shown) {
+      std::vector<ObjectBlock> visible;
+      for (int64_t block = 0; block < 2; ++block)
+        visible.push_back(
+            objectBlock(layout, block, intersect(box, layout.ownedCells(layout.indexOf(block)))));
+      const TexturePlan plan = planTextures(layout, classificationOf(layout, visible), page,
+                                            planOptions(layout, Algorithm::kMerged));
+      const auto texels = buffer.acquire(plan, names.namesOf(plan), allChunks(plan));
+      for (size_t i = 0; i < texels.size(); ++i)
+        expectTexels(plan, static_cast<int64_t>(i), *texels[i], *source);
+    }
+  EXPECT_GT(buffer.counters().evictions, 4U);
 }
 
 // --- accounting: 4 x 3 x 2 whole blocks of 8^3 bytes, a chunk each

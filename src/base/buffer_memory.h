@@ -1,0 +1,76 @@
+// BufferMemory: where a buffer under a budget keeps its blocks or chunks.
+//
+// Memory that the system hands out anew costs more than reading a file into it: a fault for every
+// 4 KiB. So what is given back here stays, for whatever is taken next, of any size, and what is
+// taken for the first time comes in large pages (large_pages.h). What lies idle goes back to the
+// system where it would not fit beside what is taken: in use and idle together never exceed
+// `limit_bytes`, as long as what is in use alone does not. (Sizes are rounded up to 4 KiB, and the
+// large page that is in use in part counts for its part.)
+//
+// Any thread. Pieces keep their memory alive: they may outlive the owner of this.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+
+namespace sluice {
+
+class BufferMemory : public std::enable_shared_from_this<BufferMemory> {
+ public:
+  using Piece = std::shared_ptr<std::byte[]>;
+  // Smaller pieces are the allocator's: they are cheap there.
+  static constexpr size_t kLeastBytes = size_t{64} << 10;
+
+  static std::shared_ptr<BufferMemory> make(uint64_t limit_bytes);
+  ~BufferMemory();
+  BufferMemory(const BufferMemory&) = delete;
+  BufferMemory& operator=(const BufferMemory&) = delete;
+
+  // With whatever was in it. Throws std::bad_alloc.
+  Piece take(size_t bytes);
+
+  // From now on: for an owner that keeps bytes of another kind in the same budget.
+  void setLimit(uint64_t limit_bytes);
+
+  // In use and idle.
+  uint64_t heldBytes() const;
+
+ private:
+  // Free parts of the memory, neighbours joined: position -> length.
+  class Extents {
+   public:
+    void add(uint64_t at, uint64_t length);
+    // The first one that is long enough.
+    std::optional<uint64_t> take(uint64_t length);
+    struct Part {
+      uint64_t at, length;
+    };
+    // The end of the last one, of at most this length. Requires: not empty().
+    Part takeLast(uint64_t most);
+    bool empty() const { return lengths_.empty(); }
+
+   private:
+    std::map<uint64_t, uint64_t> lengths_;
+  };
+
+  explicit BufferMemory(uint64_t limit_bytes);
+  std::optional<uint64_t> takeExtent(uint64_t length);
+  void giveBack(uint64_t at, uint64_t length);
+  // Returns idle memory to the system until there is room for `length`. Requires mutex_ held.
+  void makeRoom(uint64_t length);
+
+  uint64_t mapped_bytes_ = 0;   // constant after construction; of addresses, not of memory
+  std::byte* begin_ = nullptr;  // constant after construction
+  mutable std::mutex mutex_;
+  // Guarded by mutex_.
+  Extents idle_;   // have memory
+  Extents empty_;  // have none
+  uint64_t limit_bytes_;
+  uint64_t held_bytes_ = 0;
+};
+
+}  // namespace sluice
