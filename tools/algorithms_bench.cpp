@@ -51,7 +51,7 @@ Measured measure(Session& session, FrameOptions options, Algorithm algorithm, in
   std::vector<double> seconds;
   Measured result;
   for (int i = -kWarmFrames; i < frames; ++i) {
-    result.report = session.frame().report;
+    result.report = session.frameReport();
     if (i >= 0) seconds.push_back(result.report.seconds);
   }
   std::sort(seconds.begin(), seconds.end());
@@ -66,7 +66,7 @@ double processingSeconds(Scene& scene, const LookArguments& look, const FrameOpt
   scene.session->setOptions(options);
   scene.session->setTransferFunction(changed.threshold ? transferFor(scene.volume, changed)
                                                        : scene.transfer);
-  const StageSeconds stages = scene.session->frame().report.stages;
+  const StageSeconds stages = scene.session->frameReport().stages;
   return stages.classify + stages.plan + stages.copy;
 }
 

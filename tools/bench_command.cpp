@@ -60,7 +60,7 @@ int runRender(const Arguments& arguments, const CLI::App& app) {
         arguments.frame.camera.azimuth_deg + 360.0 * std::max(0, i) / arguments.frames;
     options.count_samples = i >= 0;
     scene.session->setOptions(options);
-    last.report = scene.session->frame().report;
+    last.report = scene.session->frameReport();
     if (i < 0) continue;
     seconds.push_back(last.report.seconds);
     drawn += static_cast<double>(last.report.samples_drawn) / arguments.frames;

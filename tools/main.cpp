@@ -29,6 +29,9 @@ int main(int argc, char** argv) {
   // process takes, not what its allocator keeps.
   constexpr int kMapFromBytes = 128 << 10;
   mallopt(M_MMAP_THRESHOLD, kMapFromBytes);
+  // But for what a frame's small pieces take together: they come again with the next frame.
+  constexpr int kKeptBytes = 8 << 20;
+  mallopt(M_TRIM_THRESHOLD, kKeptBytes);
   try {
     CLI::App program(
         "Renders volumes larger than memory.\n\n"

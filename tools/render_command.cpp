@@ -166,6 +166,7 @@ int run(const Arguments& arguments, const CLI::App& app) {
       options.camera.azimuth_deg = arguments.frame.camera.azimuth_deg + 360 * share;
     }
     scene.session->setOptions(options);
+    scene.device->reuse(std::move(picture));
     Frame frame = scene.session->frame();
     picture = std::move(frame.picture);
     name = frameName(arguments.output, i, arguments.frames);

@@ -44,11 +44,11 @@ nlohmann::json rowOf(const SkippingBench& bench, const std::string& word) {
       options.count_samples = i + 1 == bench.frames;
       scene.session->setOptions(options);
       // Another way changes the plan: that belongs to neither.
-      FrameReport report = scene.session->frame().report;
+      FrameReport report = scene.session->frameReport();
       options.count_samples = false;
       if (i < 0) continue;
       scene.session->setOptions(options);
-      seconds[way].push_back(scene.session->frame().report.seconds);
+      seconds[way].push_back(scene.session->frameReport().seconds);
       if (i + 1 < bench.frames) continue;
       const std::string name = kWays[way].name;
       row[name + "_fps"] = 1 / median(seconds[way]);

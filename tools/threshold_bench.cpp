@@ -103,7 +103,7 @@ struct Measured {
 FrameReport change(Session& session, const TransferFunction& transfer, Measured& into) {
   const Stopwatch watch;
   session.setTransferFunction(transfer);
-  const FrameReport report = session.frame().report;
+  const FrameReport report = session.frameReport();
   into.add(report, watch.seconds());
   return report;
 }
@@ -160,7 +160,7 @@ struct Bench {
 double steadySeconds(Session& session) {
   std::vector<double> seconds;
   for (int i = -kWarmFrames; i < kSteadyFrames; ++i) {
-    const double frame = session.frame().report.seconds;
+    const double frame = session.frameReport().seconds;
     if (i >= 0) seconds.push_back(frame);
   }
   return quantile(seconds, 0.5);
@@ -181,7 +181,7 @@ nlohmann::json warmChanges(const Bench& bench, nlohmann::json& report) {
   expected(bench.start());
   for (const char* kind : kKinds) {
     session.setTransferFunction(bench.start());
-    session.frame();
+    session.frameReport();
     Measured measured;
     for (const TransferFunction& transfer : bench.changes(kind)) {
       changed_bytes += expected(transfer);
@@ -209,7 +209,7 @@ nlohmann::json raisedByAFifth(const Bench& bench) {
   for (int i = 0; i < bench.asked.changes; ++i) {
     const double start = bench.range.start * (1 + 0.003 * i);
     session.setTransferFunction(above(start));
-    session.frame();
+    session.frameReport();
     change(session, above(1.2 * start), measured);
   }
   return measured.json();
@@ -227,7 +227,7 @@ nlohmann::json coldChanges(const Bench& bench) {
 
 nlohmann::json outOfCoreChanges(const Bench& bench) {
   const SliceRanges& ranges = bench.scene.volume.index.ranges;
-  const MovedBytes all = bench.scene.session->frame().report.rebuild;
+  const MovedBytes all = bench.scene.session->frameReport().rebuild;
   const DeviceLimits limits = bench.scene.device->limits();
   const PageGeometry& page = bench.scene.volume.page;
   const uint64_t textures =
@@ -240,7 +240,7 @@ nlohmann::json outOfCoreChanges(const Bench& bench) {
   const auto session = bench.sessionOf(ranges, memory_bytes);
   for (const char* kind : kKinds) {
     session->setTransferFunction(bench.start());
-    session->frame();
+    session->frameReport();
     Measured measured;
     for (const TransferFunction& transfer : bench.changes(kind))
       change(*session, transfer, measured);
@@ -261,7 +261,7 @@ double rebuildSeconds(const Bench& bench) {
                          bench.scene.volume.layout, bench.scene.pool, silent);
     const auto session = bench.sessionOf(ranges, bench.scene.memory_bytes);
     session->setTransferFunction(transfers[static_cast<size_t>(i) % transfers.size()]);
-    session->frame();
+    session->frameReport();
     seconds.push_back(watch.seconds());
   }
   return quantile(seconds, 0.5);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdlib>
 #include <functional>
+#include <thread>
 
 #include "src/base/error.h"
 #include "src/gl/backends.h"
@@ -132,6 +133,9 @@ void prepareGlEnvironment() {
     setenv("GALLIVM_PERF", flags.c_str(), 1);
   }
   setenv("EGL_LOG_LEVEL", "fatal", 0);
+  // llvmpipe's own most is 16.
+  const unsigned threads = std::min(16U, 4 * std::max(1U, std::thread::hardware_concurrency()));
+  setenv("LP_NUM_THREADS", std::to_string(threads).c_str(), 0);
 }
 
 void GlContext::makeCurrent() {

@@ -18,7 +18,10 @@
 // Environment. GALLIVM_PERF gets "no_aos_sampling" appended (other flags of the user stay): Mesa's
 // llvmpipe otherwise filters 8-bit textures in 8-bit arithmetic, which rounds every sample to 1/255
 // and shows against the reference picture. EGL_LOG_LEVEL becomes "fatal" where it is unset, so that
-// trying one display after another prints nothing. Both are read when a library is first opened.
+// trying one display after another prints nothing. LP_NUM_THREADS becomes four times the processors
+// where it is unset: llvmpipe draws a picture in squares of 64 x 64 pixels, which differ in work,
+// and with a thread a processor the last heavy ones keep one of them busy while the others wait.
+// All are read when a library is first opened.
 #pragma once
 
 #include <memory>

@@ -4,8 +4,10 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "src/base/error.h"
+#include "src/base/large_pages.h"
 #include "src/gl/box_buffer.h"
 
 namespace sluice {
@@ -13,6 +15,8 @@ namespace {
 
 // Boxes a draw call: bounded by what the smallest legal buffer texture (65536 texels) holds.
 constexpr size_t kBoxesPerDraw = 65536 / kTexelsPerBox;
+// GL_PACK_INVERT_MESA of GL_MESA_pack_invert: rows are read downwards.
+constexpr GLenum kPackInvert = 0x8758;
 constexpr GLenum kChunkUnit = 0, kLookUpUnit = 1, kBoxUnit = 2, kFactorUnit = 3;
 
 // What the shader reads of a voxel, times this, is the device value.
@@ -223,10 +227,9 @@ void GlDevice::setView(GlProgram& program) {
 }
 
 void GlDevice::uploadLookUp() {
-  const LookUpKey key{setup_.mode, setup_.projection, setup_.slice_length, setup_.look_up.rgba,
-                      setup_.look_up.factors};
-  if (key == look_up_key_) return;
-  look_up_key_ = key;
+  if (look_up_key_ && look_up_key_->isOf(setup_)) return;
+  look_up_key_ = {setup_.mode, setup_.projection, setup_.slice_length, setup_.look_up.rgba,
+                  setup_.look_up.factors};
   const std::vector<float> texels = lookUpTexels(setup_);
   gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, static_cast<GLsizei>(texels.size() / 4), 1, 0,
                  GL_RGBA, GL_FLOAT, texels.data());
@@ -409,19 +412,29 @@ void GlDevice::draw(uint64_t id, std::span<const BoxDraw> boxes) {
   drawBoxes(boxes);
 }
 
-std::vector<float> GlDevice::readTarget(GLenum attachment) const {
+void GlDevice::readTarget(GLenum attachment, std::vector<float>& rgba) const {
   const auto width = static_cast<size_t>(target_size_.width);
   const auto height = static_cast<size_t>(target_size_.height);
-  std::vector<float> rgba(width * height * 4);
+  const size_t count = width * height * 4;
+  if (rgba.capacity() < count) {
+    rgba.clear();
+    reserveLarge(rgba, count);
+  }
+  rgba.resize(count);
+  // GL's rows go upwards.
+  const bool inverts = context_->has("GL_MESA_pack_invert");
   gl_.ReadBuffer(attachment);
   gl_.PixelStorei(GL_PACK_ALIGNMENT, 1);
+  if (inverts) gl_.PixelStorei(kPackInvert, GL_TRUE);
   gl_.ReadPixels(0, 0, target_size_.width, target_size_.height, GL_RGBA, GL_FLOAT, rgba.data());
-  // GL's rows go upwards.
+  if (inverts) {
+    gl_.PixelStorei(kPackInvert, GL_FALSE);
+    return;
+  }
   for (size_t row = 0; row < height / 2; ++row)
     std::swap_ranges(rgba.begin() + static_cast<ptrdiff_t>(row * width * 4),
                      rgba.begin() + static_cast<ptrdiff_t>((row + 1) * width * 4),
                      rgba.begin() + static_cast<ptrdiff_t>((height - 1 - row) * width * 4));
-  return rgba;
 }
 
 uint64_t GlDevice::countSamples(std::span<const BoxDraw> boxes) {
@@ -449,19 +462,22 @@ uint64_t GlDevice::takenSamples() {
 
 uint64_t GlDevice::sumOfCounts() const {
   double sum = 0;
-  const std::vector<float> counts = readTarget(GL_COLOR_ATTACHMENT1);
+  std::vector<float> counts;
+  readTarget(GL_COLOR_ATTACHMENT1, counts);
   for (size_t i = 0; i < counts.size(); i += 4) sum += counts[i];
   return static_cast<uint64_t>(sum);
 }
 
 Picture GlDevice::endFrame() {
-  Picture picture;
+  Picture picture = std::exchange(spare_, {});
   picture.width = target_size_.width;
   picture.height = target_size_.height;
-  picture.rgba = readTarget(GL_COLOR_ATTACHMENT0);
+  picture.depth.clear();
+  readTarget(GL_COLOR_ATTACHMENT0, picture.rgba);
   if (setup_.mode != Mode::kComposite) resolveMode(setup_, picture.rgba);
   if (variant_.with_depth) {
-    const std::vector<float> sums = readTarget(GL_COLOR_ATTACHMENT1);
+    std::vector<float> sums;
+    readTarget(GL_COLOR_ATTACHMENT1, sums);
     picture.depth.resize(picture.rgba.size() / 4);
     for (size_t i = 0; i < picture.depth.size(); ++i) {
       const float opacity = sums[4 * i + 3];

@@ -55,7 +55,11 @@ class GlDevice : public Device {
     Projection projection;
     double slice_length;
     std::vector<float> rgba, factors;
-    friend bool operator==(const LookUpKey&, const LookUpKey&) = default;
+    bool isOf(const FrameSetup& setup) const {
+      return mode == setup.mode && projection == setup.projection &&
+             slice_length == setup.slice_length && rgba == setup.look_up.rgba &&
+             factors == setup.look_up.factors;
+    }
   };
   struct Target {
     GLuint framebuffer = 0, color = 0, depth = 0;
@@ -74,7 +78,8 @@ class GlDevice : public Device {
   // Again what beginFrame() set, after another pass.
   void bindTarget();
   void drawBoxes(std::span<const BoxDraw> boxes);
-  std::vector<float> readTarget(GLenum attachment) const;
+  // Into `rgba`, top row first, whatever it held.
+  void readTarget(GLenum attachment, std::vector<float>& rgba) const;
   // Of the counts in the second attachment.
   uint64_t sumOfCounts() const;
 

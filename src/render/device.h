@@ -18,6 +18,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "io/picture.h"
@@ -153,6 +154,13 @@ class Device {
   virtual uint64_t takenSamples() = 0;
   // Waits for what was drawn; premultiplied.
   virtual Picture endFrame() = 0;
+
+  // A picture of endFrame()'s that is not needed any more: the next one is written over it, and
+  // takes no memory that the kernel has to clear first.
+  void reuse(Picture picture) { spare_ = std::move(picture); }
+
+ protected:
+  Picture spare_;
 
  private:
   uint64_t id_ranges_taken_ = 0;

@@ -20,6 +20,12 @@ Frame Session::frame() {
   }
 }
 
+FrameReport Session::frameReport() {
+  Frame drawn = frame();
+  device_.reuse(std::move(drawn.picture));
+  return drawn.report;
+}
+
 Frame Session::drawFrame() {
   SLUICE_CHECK(transfer_.has_value());
   Frame frame;

@@ -67,6 +67,7 @@ LookUp lookUp(const OpacityTable& table, double finest_spacing) {
   LookUp result;
   result.device_range = table.deviceRange();
   result.interpolates = table.mustInterpolate();
+  result.rgba.reserve(4 * static_cast<size_t>(table.entries()));
   for (size_t i = 0; i < static_cast<size_t>(table.entries()); ++i) {
     for (size_t channel = 0; channel < 3; ++channel)
       result.rgba.push_back(table.rgb()[3 * i + channel]);

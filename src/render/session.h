@@ -125,6 +125,8 @@ class Session {
   void recordTo(TraceWriter* trace) { trace_ = trace; }
   // Draws. Throws Error. Requires: a transfer function is set.
   Frame frame();
+  // The same where the picture is not wanted: its memory serves the next one.
+  FrameReport frameReport();
 
   CacheCounters volumeBufferCounters() const { return blocks_.counters(); }
   CacheCounters textureBufferCounters() const { return chunks_.counters(); }

@@ -334,6 +334,20 @@ TEST(GlEnvironment, keepsTheUsersFlags) {
   if (before != nullptr) setenv("GALLIVM_PERF", kept.c_str(), 1);
 }
 
+TEST(GlEnvironment, softwareGlGetsMoreThreadsThanProcessorsUnlessTheUserSays) {
+  const char* const before = std::getenv("LP_NUM_THREADS");
+  const std::string kept = before == nullptr ? "" : before;
+  setenv("LP_NUM_THREADS", "3", 1);
+  prepareGlEnvironment();
+  EXPECT_STREQ(std::getenv("LP_NUM_THREADS"), "3");
+  unsetenv("LP_NUM_THREADS");
+  prepareGlEnvironment();
+  const int threads = std::atoi(std::getenv("LP_NUM_THREADS"));
+  EXPECT_GE(threads, std::min(16, 4 * static_cast<int>(std::thread::hardware_concurrency())));
+  EXPECT_LE(threads, 16) << "llvmpipe takes no more";
+  if (before != nullptr) setenv("LP_NUM_THREADS", kept.c_str(), 1);
+}
+
 TEST(GlChoice, namesGoBothWays) {
   for (const GlChoice choice : {GlChoice::kAuto, GlChoice::kOsmesa, GlChoice::kEgl})
     EXPECT_EQ(parseGlChoice(name(choice)), choice);

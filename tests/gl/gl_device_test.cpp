@@ -98,6 +98,35 @@ TEST_F(GlDeviceTest, voxelsAppearWhereTheyLie) {
   EXPECT_NEAR(y_sum / sum, 55, 0.5);
 }
 
+// What a picture given back held is gone, its size and its depth too.
+TEST_F(GlDeviceTest, reusedMemoryHoldsTheNewPicture) {
+  const auto texels = voxelsWith({{{1, 6, 4}, 255}, {{5, 2, 3}, 180}});
+  device().makeResident(1, kDims, DeviceType::kU8, texels);
+  const BoxDraw box = wholeBox();
+  const auto drawn = [&] {
+    device().beginFrame(straightSetup(visibleAbove(0)));
+    device().draw(1, {&box, 1});
+    return device().endFrame();
+  };
+  const Picture fresh = drawn();
+  for (const PictureSize size : {PictureSize{200, 190}, {3, 2}, {161, 161}}) {
+    Picture old;
+    old.width = size.width;
+    old.height = size.height;
+    old.rgba.assign(4 * static_cast<size_t>(size.width) * static_cast<size_t>(size.height), 0.7F);
+    old.depth.assign(old.rgba.size() / 4, 0.7F);
+    const float* memory = old.rgba.data();
+    device().reuse(std::move(old));
+    const Picture again = drawn();
+    EXPECT_EQ(again.rgba, fresh.rgba);
+    EXPECT_EQ(again.width, fresh.width);
+    EXPECT_EQ(again.height, fresh.height);
+    EXPECT_TRUE(again.depth.empty());
+    EXPECT_EQ(again.rgba.data() == memory, size.width >= 161) << "where the new one fits";
+  }
+  device().evict(1);
+}
+
 TEST_F(GlDeviceTest, frontBoxHidesTheOneBehind) {
   const auto full = std::vector<std::byte>(512, std::byte{255});
   const auto half = std::vector<std::byte>(512, std::byte{128});
