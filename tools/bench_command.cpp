@@ -10,6 +10,7 @@
 #include "src/render/slicing_cost.h"
 #include "tools/algorithms_bench.h"
 #include "tools/commands.h"
+#include "tools/occlusion_bench.h"
 #include "tools/packing_bench.h"
 #include "tools/report.h"
 #include "tools/skipping_bench.h"
@@ -125,6 +126,25 @@ int runSkipping(const Arguments& arguments, const CLI::App& app) {
     fmt::print("{}\n", report.dump(2));
   } else {
     printSkipping(report);
+  }
+  return 0;
+}
+
+int runOcclusion(const Arguments& arguments, int adapt_frames, const CLI::App& app) {
+  VolumesBench bench;
+  bench.volumes = arguments.volume.inputs;
+  bench.open = arguments.volume.open;
+  bench.time = arguments.volume.time;
+  bench.look = arguments.look;
+  bench.frame = arguments.frame;
+  bench.resources = arguments.resources;
+  bench.frames = arguments.frames;
+  nlohmann::json report = benchOcclusion(bench, adapt_frames);
+  if (arguments.json) {
+    report.update({{"command", "bench occlusion"}, {"options", optionsJson(app)}});
+    fmt::print("{}\n", report.dump(2));
+  } else {
+    printOcclusion(report);
   }
   return 0;
 }
@@ -245,6 +265,28 @@ Command addBench(CLI::App& program) {
       ->capture_default_str()
       ->check(CLI::Range(1, 100000));
   skipping->add_flag("--json", lit->json, "One JSON object");
+  auto surface = std::make_shared<Arguments>(*lit);
+  auto adapt_frames = std::make_shared<int>(0);
+  CLI::App* occlusion =
+      app->add_subcommand("occlusion",
+                          "Li's Table 2: growing boxes without and with occlusion culling and "
+                          "clipping, surface-like\n\n"
+                          "  sluice bench occlusion bonsai.nii.gz@40 engine.nii.gz@80");
+  addVolumeOptions(*occlusion, surface->volume);
+  addLookOptions(*occlusion, surface->look);
+  addViewOptions(*occlusion, surface->frame);
+  addResourceOptions(*occlusion, surface->resources);
+  occlusion
+      ->add_option("--frames", surface->frames, "Frames measured of each way, after 2 warm ones")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 100000));
+  occlusion
+      ->add_option(
+          "--adapt-frames", *adapt_frames,
+          "Frames of each of four views whose numbers of map updates are listed (Figure 6)")
+      ->capture_default_str()
+      ->check(CLI::Range(0, 100000));
+  occlusion->add_flag("--json", surface->json, "One JSON object");
   auto changes = std::make_shared<int>(24);
   CLI::App* threshold = app->add_subcommand(
       "threshold",
@@ -277,6 +319,7 @@ Command addBench(CLI::App& program) {
     if (threshold->parsed()) return runThreshold(*arguments, *changes, *threshold);
     if (slicing->parsed()) return runSlicing(arguments->json);
     if (skipping->parsed()) return runSkipping(*lit, *skipping);
+    if (occlusion->parsed()) return runOcclusion(*surface, *adapt_frames, *occlusion);
     if (algorithms->parsed()) return runAlgorithms(*paper, *algorithms);
     return runRender(*arguments, *render);
   };

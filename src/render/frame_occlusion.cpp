@@ -25,7 +25,7 @@ MapProjection projectionOf(const FrameSetup& setup, const EyePosition& eye, cons
 FrameOcclusion::FrameOcclusion(Occlusion how, const FrameSetup& setup, const EyePosition& eye,
                                const Work& work)
     : how_(how),
-      threshold_(static_cast<float>(setup.opacity_threshold)),
+      threshold_(static_cast<float>(work.opaque)),
       clip_from_index_(setup.clip_from_index),
       projection_(projectionOf(setup, eye, work.hull)),
       schedule_(work.cells, work.updates) {
@@ -41,31 +41,39 @@ std::optional<Box3> FrameOcclusion::visible(const Box3& cells) {
   report_.cells += cells.count();
   last_drawn_ = cells.count();
   if (!map_.valid()) return cells;
-  const RealBox box = asReal(cells);
-  const std::optional<RealBox> shown =
-      clip(projection_, box, map_.visiblePart(project(projection_, box), threshold_));
+  const Box3 shown = shownPart(cells);
+  hidden_cells_ += cells.count() - shown.count();
   if (how_ == Occlusion::kMap) return cells;
-  if (!shown) {
+  if (shown.empty()) {
     report_.cells_culled += cells.count();
     last_drawn_ = 0;
     return std::nullopt;
   }
   if (how_ == Occlusion::kCull) return cells;
-  Box3 part = cells;
-  for (int a = 0; a < 3; ++a) {
-    part.lo[a] =
-        std::max(cells.lo[a], static_cast<int64_t>(std::floor(shown->lo[a] - kMarginCells)));
-    part.hi[a] =
-        std::min(cells.hi[a], static_cast<int64_t>(std::ceil(shown->hi[a] + kMarginCells)));
+  last_drawn_ = shown.count();
+  report_.cells_clipped += cells.count() - shown.count();
+  return shown;
+}
+
+// Empty where nothing shows.
+Box3 FrameOcclusion::shownPart(const Box3& cells) const {
+  const RealBox box = asReal(cells);
+  const std::optional<RealBox> real =
+      clip(projection_, box, map_.visiblePart(project(projection_, box), threshold_));
+  Box3 shown;
+  for (int a = 0; real && a < 3; ++a) {
+    shown.lo[a] =
+        std::max(cells.lo[a], static_cast<int64_t>(std::floor(real->lo[a] - kMarginCells)));
+    shown.hi[a] =
+        std::min(cells.hi[a], static_cast<int64_t>(std::ceil(real->hi[a] + kMarginCells)));
   }
-  last_drawn_ = part.count();
-  report_.cells_clipped += cells.count() - part.count();
-  return part;
+  return shown;
 }
 
 void FrameOcclusion::leaveOut(int64_t cells) {
   report_.cells += cells;
   report_.cells_culled += cells;
+  hidden_cells_ += cells;
 }
 
 MapGrid FrameOcclusion::grid() const {

@@ -43,6 +43,7 @@ class FrameOcclusion {
     Box3 hull;          // of the cells that may be drawn
     int64_t cells = 0;  // in the boxes that are to come
     int updates = 0;    // wanted
+    double opaque = 1;  // opacity from which on boxes behind are hidden
   };
   // Requires: how != kOff, work.hull not empty.
   FrameOcclusion(Occlusion how, const FrameSetup& setup, const EyePosition& eye, const Work& work);
@@ -63,8 +64,15 @@ class FrameOcclusion {
 
   const OpacityMap& map() const { return map_; }
   OcclusionReport report() const;
+  // Of the cells, those that are hidden: also where they are drawn all the same.
+  double hiddenShare() const {
+    return report_.cells == 0
+               ? 0
+               : static_cast<double>(hidden_cells_) / static_cast<double>(report_.cells);
+  }
 
  private:
+  Box3 shownPart(const Box3& cells) const;
   RealBox asReal(const Box3& cells) const { return {toDouble(cells.lo), toDouble(cells.hi)}; }
 
   const Occlusion how_;
@@ -74,6 +82,7 @@ class FrameOcclusion {
   OpacityMap map_;
   UpdateSchedule schedule_;
   int64_t last_drawn_ = 0;
+  int64_t hidden_cells_ = 0;
   OcclusionReport report_;
 };
 

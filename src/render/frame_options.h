@@ -33,8 +33,8 @@ struct FrameOptions {
   double step_vox = 1;  // between slices, in units of the finest spacing
   Mode mode = Mode::kComposite;
   bool with_depth = false;
-  // From this opacity on a pixel counts as opaque: rays end there, and boxes behind are hidden. 1:
-  // the picture is that of occlusion kOff. Unset: 1, with occlusion kDefaultOpaque.
+  // From this opacity on a pixel counts as opaque, see rayThreshold() and hidingThreshold(). 1: the
+  // picture does not change. Unset: 1, with occlusion kDefaultOpaque.
   std::optional<double> opacity_threshold;
   Occlusion occlusion = Occlusion::kOff;  // composite only
   Lighting lighting;                      // used by sessions opened lit
@@ -49,9 +49,22 @@ struct FrameOptions {
   bool count_samples = false;  // fills FrameReport::samples_*; costs a pass without texture reads
 };
 
-inline double opacityThreshold(const FrameOptions& options) {
-  return options.opacity_threshold.value_or(options.occlusion == Occlusion::kOff ? 1
-                                                                                 : kDefaultOpaque);
+// From which opacity on boxes behind are hidden, and where rays end and pixels take no more
+// samples: the paper's ESS+M and ESS+C take all samples of what they draw.
+inline double hidingThreshold(const FrameOptions& options) {
+  return options.opacity_threshold.value_or(kDefaultOpaque);
+}
+inline double rayThreshold(const FrameOptions& options) {
+  switch (options.occlusion) {
+    case Occlusion::kOff:
+      return options.opacity_threshold.value_or(1);
+    case Occlusion::kClip:
+      return hidingThreshold(options);
+    case Occlusion::kMap:
+    case Occlusion::kCull:
+      break;
+  }
+  return 1;
 }
 
 // The cells that options.crop lets show: those between its outer voxel planes.

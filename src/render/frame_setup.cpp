@@ -113,7 +113,7 @@ FrameSetup frameSetup(const View& view, const VolumeLayout& layout, const Opacit
   // The greatest value is the least device value where the scale is negative.
   if (map.scale < 0 && options.mode == Mode::kMip) setup.mode = Mode::kMinip;
   if (map.scale < 0 && options.mode == Mode::kMinip) setup.mode = Mode::kMip;
-  setup.opacity_threshold = opacityThreshold(options);
+  setup.opacity_threshold = rayThreshold(options);
   setup.with_depth = options.with_depth;
   setup.lighting = options.lighting;
   for (size_t a = 0; a < 3; ++a) {

@@ -133,6 +133,10 @@ void Session::setOptions(const FrameOptions& options) {
     table_.reset();
     dropDrawnBoxes();
   }
+  if (options.occlusion != frame_options_.occlusion) {
+    last_shown_.clear();
+    update_count_ = UpdateCount();
+  }
   frame_options_ = options;
 }
 

@@ -151,7 +151,7 @@ class Session {
   // Rays or pixels may stop in this frame, so that fewer samples are taken than lie in its boxes.
   bool countsTaken() const {
     return frame_options_.count_samples && frame_options_.mode == Mode::kComposite &&
-           !frame_options_.with_depth && opacityThreshold(frame_options_) < 1;
+           !frame_options_.with_depth && rayThreshold(frame_options_) < 1;
   }
   // What is hidden, see frame_occlusion.h.
   void startOcclusion(const FrameSetup& setup, const EyePosition& eye);

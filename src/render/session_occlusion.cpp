@@ -16,6 +16,7 @@ void Session::startOcclusion(const FrameSetup& setup, const EyePosition& eye) {
         "--occlusion");
   FrameOcclusion::Work work;
   work.updates = update_count_.next();
+  work.opaque = hidingThreshold(frame_options_);
   for (size_t i = 0; i < plan_->blocks.size(); ++i) {
     const Box3& cells = plan_->blocks[i].cells;
     if (cells.empty()) continue;
@@ -42,7 +43,7 @@ void Session::finishOcclusion(FrameReport& report) {
   report.occlusion = occlusion_->report();
   report.occlusion.seconds = seconds;
   report.occlusion.chunks_hidden = std::count(shown_.begin(), shown_.end(), false);
-  update_count_.finished({report.occlusion.skippedShare(), report.occlusion.updates});
+  update_count_.finished({occlusion_->hiddenShare(), report.occlusion.updates});
   last_shown_ = shown_;
 }
 

@@ -106,7 +106,7 @@ FloatPicture RenderScene::reference(const FrameOptions& options) const {
     scene.clip_planes.push_back({plane.normal, plane.offset});
   if (options_.lit) scene.lighting = options.lighting;
   scene.value_range = valueRangeOf(source_, options_.time);
-  scene.opacity_threshold = opacityThreshold(options);
+  scene.opacity_threshold = rayThreshold(options);
   scene.rounding = roundingOf({transfer_, ranges_.map, ranges_.device_range}, ranges_.map);
   return renderReference(
       source_, resolve(options.camera, source_.layout(), options.size, options.step_vox), scene);

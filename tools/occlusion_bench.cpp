@@ -1,0 +1,156 @@
+#include "tools/occlusion_bench.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "src/classify/transfer_makers.h"
+#include "tools/algorithms_bench.h"
+#include "tools/scene.h"
+
+namespace sluice {
+namespace {
+
+using nlohmann::json;
+
+constexpr int kWarmFrames = 2;
+// The default ramp begins at opacity 0.01: half opaque a voxel at the threshold, and soon all.
+constexpr double kSurfaceFactor = 50;
+constexpr std::array<double, 4> kAdaptTurns = {0, 60, 150, 240};  // degrees more of azimuth
+
+struct Way {
+  const char* name;
+  Algorithm algorithm;
+  Partition partition;
+  Occlusion occlusion;
+};
+constexpr std::array<Way, 5> kWays = {
+    {{"basic", Algorithm::kConventional, Partition::kBlocks, Occlusion::kOff},
+     {"ess", Algorithm::kMerged, Partition::kBoxes, Occlusion::kOff},
+     {"ess_m", Algorithm::kMerged, Partition::kBoxes, Occlusion::kMap},
+     {"ess_c", Algorithm::kMerged, Partition::kBoxes, Occlusion::kCull},
+     {"ess_cc", Algorithm::kMerged, Partition::kBoxes, Occlusion::kClip}}};
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return values[values.size() / 2];
+}
+
+struct Measured {
+  double fps = 0;
+  FrameReport report;  // of a frame whose samples were counted
+};
+
+Measured measure(Session& session, FrameOptions options, const Way& way, int frames) {
+  options.algorithm = way.algorithm;
+  options.partition = way.partition;
+  options.occlusion = way.occlusion;
+  session.setOptions(options);
+  std::vector<double> seconds;
+  for (int i = -kWarmFrames; i < frames; ++i) {
+    const double frame_seconds = session.frame().report.seconds;
+    if (i >= 0) seconds.push_back(frame_seconds);
+  }
+  options.count_samples = true;
+  session.setOptions(options);
+  return {1 / median(seconds), session.frame().report};
+}
+
+json updatesOf(Session& session, FrameOptions options, double turn, int frames) {
+  options.partition = Partition::kBoxes;
+  options.camera.azimuth_deg += turn;
+  options.occlusion = Occlusion::kOff;  // forgets the numbers of the view before
+  session.setOptions(options);
+  options.occlusion = Occlusion::kClip;
+  session.setOptions(options);
+  json wanted = json::array(), made = json::array();
+  for (int i = 0; i < frames; ++i) {
+    const OcclusionReport report = session.frame().report.occlusion;
+    wanted.push_back(report.updates_wanted);
+    made.push_back(report.updates);
+  }
+  return {{"azimuth", options.camera.azimuth_deg}, {"wanted", wanted}, {"made", made}};
+}
+
+json rowOf(const VolumesBench& bench, const std::string& word, int adapt_frames) {
+  const auto [file, threshold] = splitThreshold(word, bench.look.threshold);
+  LookArguments look = bench.look;
+  look.threshold = threshold;
+  Scene scene({{file}, bench.open, bench.time}, look, bench.resources, Partition::kBoxes);
+  Session& session = *scene.session;
+  if (look.transfer_file.empty() && !look.opacity)
+    session.setTransferFunction(scaleOpacity(scene.transfer, kSurfaceFactor));
+  json row{{"volume", file}, {"threshold", threshold ? json(*threshold) : json()}};
+  std::array<Measured, kWays.size()> measured;
+  for (size_t way = 0; way < kWays.size(); ++way) {
+    measured[way] = measure(session, bench.frame, kWays[way], bench.frames);
+    row["fps"][kWays[way].name] = measured[way].fps;
+    row["samples"][kWays[way].name] = measured[way].report.samples_taken;
+  }
+  const FrameReport& ess = measured[1].report;
+  const FrameReport& clipped = measured[4].report;
+  const auto percentOf = [](auto part, auto whole) {
+    return whole == 0 ? 0 : 100 * static_cast<double>(part) / static_cast<double>(whole);
+  };
+  row["culled_percent"] = percentOf(clipped.occlusion.cells_culled, clipped.occlusion.cells);
+  row["clipped_percent"] = percentOf(clipped.occlusion.cells_clipped, clipped.occlusion.cells);
+  row["stopped_percent"] =
+      percentOf(clipped.samples_drawn - clipped.samples_taken, ess.samples_taken);
+  row["skipped_percent"] = 100 - percentOf(clipped.samples_taken, ess.samples_taken);
+  const auto fps = [&](const char* way) { return row["fps"][way].get<double>(); };
+  row["speedup"] = {{"ess", fps("ess") / fps("basic")},
+                    {"cc", fps("ess_cc") / fps("ess")},
+                    {"ess_cc", fps("ess_cc") / fps("basic")}};
+  row["map_cost_percent"] = 100 * (fps("ess") / fps("ess_m") - 1);
+  row["updates"] = json::array();
+  for (const double turn : kAdaptTurns)
+    if (adapt_frames > 0)
+      row["updates"].push_back(updatesOf(session, bench.frame, turn, adapt_frames));
+  return row;
+}
+
+}  // namespace
+
+json benchOcclusion(const VolumesBench& bench, int adapt_frames) {
+  json rows = json::array();
+  for (const std::string& word : bench.volumes) rows.push_back(rowOf(bench, word, adapt_frames));
+  json mean;
+  const auto meanOf = [&rows](const json::json_pointer& at) {
+    double sum = 0;
+    for (const json& row : rows) sum += row[at].get<double>();
+    return sum / static_cast<double>(rows.size());
+  };
+  for (const char* at :
+       {"/culled_percent", "/clipped_percent", "/stopped_percent", "/skipped_percent",
+        "/map_cost_percent", "/speedup/ess", "/speedup/cc", "/speedup/ess_cc"})
+    mean[json::json_pointer(at)] = meanOf(json::json_pointer(at));
+  return {{"rows", rows}, {"mean", mean}};
+}
+
+void printOcclusion(const json& report) {
+  fmt::print(
+      "{:<28} {:>7} {:>7} {:>7} {:>7} {:>7}   {:>6} {:>6} {:>6} {:>7}   {:>5} {:>5} {:>6} {:>6}\n",
+      "volume", "basic", "ESS", "ESS+CC", "ESS+M", "ESS+C", "culled", "clip", "stop", "skipped",
+      "ESS", "CC", "ESS+CC", "map %");
+  const auto printParts = [](const json& row) {
+    const auto number = [&row](const char* at) {
+      return row[json::json_pointer(at)].get<double>();
+    };
+    fmt::print("   {:>6.1f} {:>6.1f} {:>6.1f} {:>7.1f}   {:>5.2f} {:>5.2f} {:>6.2f} {:>6.1f}\n",
+               number("/culled_percent"), number("/clipped_percent"), number("/stopped_percent"),
+               number("/skipped_percent"), number("/speedup/ess"), number("/speedup/cc"),
+               number("/speedup/ess_cc"), number("/map_cost_percent"));
+  };
+  for (const json& row : report["rows"]) {
+    const auto fps = [&row](const char* way) { return row["fps"][way].get<double>(); };
+    fmt::print("{:<28} {:>7.2f} {:>7.2f} {:>7.2f} {:>7.2f} {:>7.2f}",
+               row["volume"].get<std::string>(), fps("basic"), fps("ess"), fps("ess_cc"),
+               fps("ess_m"), fps("ess_c"));
+    printParts(row);
+  }
+  fmt::print("{:<68}", "mean");
+  printParts(report["mean"]);
+}
+
+}  // namespace sluice

@@ -1,0 +1,23 @@
+// sluice bench occlusion: Li's Table 2 and the data of Figure 6 for any set of volumes: frames a
+// second of every block drawn whole (Basic), of the visible growing boxes (ESS), of these with the
+// opacity map asked in vain (ESS+M), with hidden boxes culled (ESS+C), and clipped too (ESS+CC).
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "tools/volumes_bench.h"
+
+namespace sluice {
+
+// {"rows": [...], "mean": {...}}: one object a volume, the names of the interface. Percentages are
+// of what ESS draws: culled and clipped of its cells, skipped of its samples; `stopped_percent` of
+// its samples, those in boxes that ESS+CC drew but did not take, since the ray had ended or the
+// pixel was opaque. Under `updates`: the numbers of map updates wanted and made, frame by frame, of
+// `adapt_frames` frames of each of four views.
+//
+// Transfer functions of a threshold or of none become surface-like: 50 times as opaque. Each way
+// draws its frames in a row, since the number of updates adapts from frame to frame. Throws Error.
+nlohmann::json benchOcclusion(const VolumesBench& bench, int adapt_frames);
+void printOcclusion(const nlohmann::json& report);
+
+}  // namespace sluice
