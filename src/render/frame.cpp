@@ -1,5 +1,6 @@
 // A frame, from the transfer function to the picture.
 #include <algorithm>
+#include <numeric>
 
 #include "src/base/clock.h"
 #include "src/base/error.h"
@@ -8,6 +9,15 @@
 #include "src/texture/requests.h"
 
 namespace sluice {
+namespace {
+
+std::vector<int64_t> allBlocks(const TexturePlan& plan) {
+  std::vector<int64_t> positions(plan.blocks.size());
+  std::iota(positions.begin(), positions.end(), 0);
+  return positions;
+}
+
+}  // namespace
 
 Frame Session::frame() {
   try {
@@ -47,15 +57,22 @@ Frame Session::drawFrame() {
   const EyePosition eye = eyePosition(view, source_.layout());
   device_.beginFrame(setup);
   startOcclusion(setup, eye);
+  // All chunks at once, so that the picture's whole front comes first and hides what it can.
+  const bool draws_whole =
+      occlusion_ && plan_->pageCount() <= static_cast<int64_t>(cache_.capacityPages());
   ahead_.emplace(chunks_, *plan_, names_, cache_, clusterOrder(*plan_, eye), chunkNeeds());
   cache_.unpinAll();
   while (const auto taken = ahead_->take(deadline(begin))) {
     throwIfInterrupted();
     makeResident(*taken, report);
-    if (!taken->step.completes_cluster) continue;
-    drawCluster(plan_->clusters[static_cast<size_t>(taken->step.cluster)], eye, report);
+    if (!taken->step.completes_cluster || draws_whole) continue;
+    const Cluster& cluster = plan_->clusters[static_cast<size_t>(taken->step.cluster)];
+    drawBlocks(
+        occlusion_ ? layerOrder(*plan_, cluster.blocks, eye) : blockOrder(*plan_, cluster, eye),
+        eye, report);
     cache_.unpinAll();
   }
+  if (draws_whole) drawBlocks(layerOrder(*plan_, allBlocks(*plan_), eye), eye, report);
   const Stopwatch draw_watch;
   frame.picture = device_.endFrame();
   report.stages.draw += draw_watch.seconds();
@@ -159,10 +176,11 @@ void Session::requestChunk(int64_t position, int64_t cluster_position, const Chu
   report.stages.upload += watch.seconds();
 }
 
-void Session::drawCluster(const Cluster& cluster, const EyePosition& eye, FrameReport& report) {
+void Session::drawBlocks(std::span<const int64_t> order, const EyePosition& eye,
+                         FrameReport& report) {
   const Stopwatch watch;
   const double boxes_before = report.stages.boxes;
-  for (const int64_t position : blockOrder(*plan_, cluster, eye)) {
+  for (const int64_t position : order) {
     const TextureBlock& block = plan_->blocks[static_cast<size_t>(position)];
     if (block.cells.empty()) continue;  // loaded whole, shows nothing (algorithm II)
     if (occlusion_ && occlusion_->hides(block.cells)) {

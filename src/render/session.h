@@ -142,7 +142,8 @@ class Session {
   // `texels` may be null when the chunk is resident.
   void requestChunk(int64_t position, int64_t cluster_position, const ChunkTexels* texels,
                     FrameReport& report);
-  void drawCluster(const Cluster& cluster, const EyePosition& eye, FrameReport& report);
+  // Positions in the plan's blocks, front to back, whose chunks were asked for.
+  void drawBlocks(std::span<const int64_t> order, const EyePosition& eye, FrameReport& report);
   void drawBlock(int64_t position, const EyePosition& eye, FrameReport& report);
   // Draws the box, or what is not hidden of it, with those that follow it in its chunk.
   void drawBox(int64_t chunk, BoxDraw box, FrameReport& report);

@@ -302,4 +302,20 @@ std::vector<int64_t> blockOrder(const TexturePlan& plan, const Cluster& cluster,
   return order;
 }
 
+std::vector<int64_t> layerOrder(const TexturePlan& plan, std::span<const int64_t> blocks,
+                                const EyePosition& eye) {
+  // Along a ray no axis' rank descends, and one ascends from block to block.
+  std::vector<std::pair<int64_t, int64_t>> order;
+  for (const int64_t position : blocks) {
+    const Vec3i index = plan.layout.indexOf(plan.blocks[static_cast<size_t>(position)].block);
+    int64_t layer = 0;
+    for (int a = 0; a < 3; ++a) layer += rankOf(index[a], plan.layout.cells(), eye, a);
+    order.emplace_back(layer, position);
+  }
+  std::sort(order.begin(), order.end());
+  std::vector<int64_t> positions;
+  for (const auto& [layer, position] : order) positions.push_back(position);
+  return positions;
+}
+
 }  // namespace sluice

@@ -104,5 +104,9 @@ std::vector<int64_t> clusterOrder(const TexturePlan& plan, const EyePosition& ey
 // Positions in plan.blocks of one cluster, front to back.
 std::vector<int64_t> blockOrder(const TexturePlan& plan, const Cluster& cluster,
                                 const EyePosition& eye);
+// Any positions in plan.blocks, front to back in layers across the view: what is in front is drawn
+// all over the picture before what is behind it.
+std::vector<int64_t> layerOrder(const TexturePlan& plan, std::span<const int64_t> blocks,
+                                const EyePosition& eye);
 
 }  // namespace sluice

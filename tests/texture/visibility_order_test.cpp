@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <optional>
 
 #include "tests/texture/random_plan.h"
@@ -56,6 +57,12 @@ class VisibilityOrder : public testing::Test {
                         planOptions(layout, algorithm));
   }
 
+  // All positions in plan.blocks in layers.
+  static std::vector<int64_t> inLayers(const TexturePlan& plan, const EyePosition& eye) {
+    std::vector<int64_t> all(plan.blocks.size());
+    std::iota(all.begin(), all.end(), 0);
+    return layerOrder(plan, all, eye);
+  }
   // Positions in plan.blocks as they are drawn.
   static std::vector<int64_t> drawn(const TexturePlan& plan, const EyePosition& eye) {
     std::vector<int64_t> order;
@@ -88,6 +95,19 @@ TEST_F(VisibilityOrder, everyBlockIsDrawnOnce) {
   std::sort(order.begin(), order.end());
   for (size_t i = 0; i < order.size(); ++i) EXPECT_EQ(order[i], static_cast<int64_t>(i));
   EXPECT_EQ(order.size(), p.blocks.size());
+  std::vector<int64_t> layers = inLayers(p, {true, {1, -1, 0}});
+  std::sort(layers.begin(), layers.end());
+  EXPECT_EQ(layers, order);
+}
+
+TEST_F(VisibilityOrder, layersGoThroughTheWholeFrontFirst) {
+  const TexturePlan p = plan(Algorithm::kConventional);
+  int64_t last = 0;
+  for (const int64_t position : inLayers(p, {true, {1, 1, 1}})) {
+    const Vec3i index = p.layout.indexOf(p.blocks[static_cast<size_t>(position)].block);
+    EXPECT_GE(index.x + index.y + index.z, last);
+    last = index.x + index.y + index.z;
+  }
 }
 
 // A thousand random views each.
@@ -98,10 +118,11 @@ TEST_F(VisibilityOrder, parallelViewsAreFrontToBack) {
     for (int view = 0; view < 340; ++view) {
       const TexturePlan p = plan(algorithm);
       const Vec3d d = direction();
-      const std::vector<int64_t> order = drawn(p, {true, d});
+      const std::vector<int64_t> order = drawn(p, {true, d}), layers = inLayers(p, {true, d});
       for (int ray = 0; ray < 20; ++ray) {
         const Ray r{pointIn({0, 0, 0}, toDouble(p.layout.dims)) - d * 200, d};
         expectFrontToBack(p, order, r, 0, pairs);
+        expectFrontToBack(p, layers, r, 0, pairs);
         if (HasFatalFailure()) FAIL() << "direction " << d.x << ' ' << d.y << ' ' << d.z;
       }
     }
@@ -115,10 +136,11 @@ TEST_F(VisibilityOrder, viewsAlongAnAxisAreFrontToBack) {
       const TexturePlan p = plan(Algorithm::kTrimmed);
       Vec3d d{0, 0, 0};
       d[axis] = sign;
-      const std::vector<int64_t> order = drawn(p, {true, d});
+      const std::vector<int64_t> order = drawn(p, {true, d}), layers = inLayers(p, {true, d});
       for (int ray = 0; ray < 1000; ++ray) {
         const Ray r{pointIn({0, 0, 0}, toDouble(p.layout.dims)) - d * 200, d};
         expectFrontToBack(p, order, r, 0, pairs);
+        expectFrontToBack(p, layers, r, 0, pairs);
         if (HasFatalFailure()) FAIL() << "axis " << axis << " sign " << sign;
       }
     }
@@ -136,10 +158,11 @@ TEST_F(VisibilityOrder, perspectiveViewsAreFrontToBackFromOutsideAndInside) {
       Vec3d eye = eye_inside ? pointIn({0, 0, 0}, dims) : pointIn(dims * -2.0, dims * 3.0);
       // On a boundary of blocks now and then.
       if (view % 5 == 0) eye.x = std::floor(eye.x / 7) * 7;
-      const std::vector<int64_t> order = drawn(p, {false, eye});
+      const std::vector<int64_t> order = drawn(p, {false, eye}), layers = inLayers(p, {false, eye});
       for (int ray = 0; ray < 20; ++ray) {
         const Ray r{eye, normalized(pointIn({0, 0, 0}, dims) - eye)};
         expectFrontToBack(p, order, r, 0, pairs);
+        expectFrontToBack(p, layers, r, 0, pairs);
         if (HasFatalFailure()) FAIL() << "eye " << eye.x << ' ' << eye.y << ' ' << eye.z;
       }
     }
