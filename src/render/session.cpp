@@ -135,7 +135,7 @@ void Session::setOptions(const FrameOptions& options) {
   }
   if (options.occlusion != frame_options_.occlusion) {
     last_shown_.clear();
-    update_count_ = UpdateCount();
+    update_count_ = UpdateCount(kUpdates);
   }
   frame_options_ = options;
 }

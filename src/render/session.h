@@ -107,6 +107,10 @@ struct Frame {
 
 class Session {
  public:
+  // Where the numbers of map updates begin. The paper's machine took 9; on software GL each update
+  // waits for the slowest of its threads, and 2 to 3 gave the shortest frames.
+  static constexpr UpdateCountOptions kUpdates{.first = 3};
+
   // All references must outlive the session. `ranges` are of time step `time` of `source` in its
   // block layout.
   Session(VolumeSource& source, int64_t time, const SliceRanges& ranges, Device& device,
@@ -210,7 +214,7 @@ class Session {
   PendingBoxes pending_;
   std::vector<BoxDraw> counted_;  // the frame's boxes, where its samples are to be counted
   std::optional<FrameOcclusion> occlusion_;
-  UpdateCount update_count_;
+  UpdateCount update_count_{kUpdates};
   // Chunks of the plan of which something was drawn: in this frame, and in the last one with
   // occlusion, empty before. What the last one hid is not read ahead.
   std::vector<bool> shown_, last_shown_;
