@@ -115,9 +115,11 @@ TEST_F(OcclusionTest, whatAWallHidesIsCulledAndTheRestClipped) {
     EXPECT_EQ(cull.cells_clipped, 0);
     EXPECT_EQ(cull.cells, map.cells);
     EXPECT_EQ(clip.cells, map.cells);
-    // The blobs are about three quarters of the object's cells.
-    EXPECT_GT(cull.skippedShare(), 0.5);
-    EXPECT_GE(clip.skippedShare(), cull.skippedShare());
+    // Three quarters of the object's cells lie behind the wall; with three updates the first comes
+    // after a quarter of all, and layers of blocks reach behind the wall before they are through
+    // it.
+    EXPECT_GT(cull.skippedShare(), 0.4);
+    EXPECT_GT(clip.skippedShare(), 0.4);
     EXPECT_GT(cull.chunks_hidden, 0);
   }
 }
