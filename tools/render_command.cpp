@@ -14,6 +14,7 @@
 #include "src/classify/transfer_file.h"
 #include "src/render/camera_path.h"
 #include "tools/commands.h"
+#include "tools/debug_views.h"
 #include "tools/report.h"
 #include "tools/trace_files.h"
 
@@ -31,6 +32,7 @@ struct Arguments {
   std::string trace_file;
   int64_t frames = 1;
   bool verify = false;
+  bool debug_view = false;
   bool json = false;
 };
 
@@ -94,6 +96,7 @@ Verification verify(Scene& scene, FrameOptions options, const Picture& picture) 
   options.opacity_threshold = 1;
   options.occlusion = Occlusion::kOff;
   options.count_samples = false;
+  options.keep_phases = false;
   scene.session->setOptions(options);
   const Picture plain = scene.session->frame().picture;
   Verification result;
@@ -113,6 +116,8 @@ void checkOutput(const Arguments& arguments) {
   const std::filesystem::path path(arguments.output);
   if (path.extension() != ".png" && path.extension() != ".exr")
     fail("{}: pictures are written as .png or .exr", arguments.output);
+  if (arguments.debug_view && arguments.frames > 1)
+    fail("--debug-view is of one frame, not of --frames {}", arguments.frames);
   if (arguments.frame.with_depth && arguments.frame.mode != Mode::kComposite)
     SLUICE_CHECK(path.extension() == ".exr");
 }
@@ -153,9 +158,11 @@ int run(const Arguments& arguments, const CLI::App& app) {
   }
   std::vector<RenderedFrame> frames;
   std::filesystem::path name;
+  std::vector<std::filesystem::path> views;
   Picture picture;
   FrameOptions options = arguments.frame;
   options.count_samples = wants_report;
+  options.keep_phases = arguments.debug_view;
   options.with_depth = std::filesystem::path(arguments.output).extension() == ".exr" &&
                        options.mode == Mode::kComposite;
   for (int64_t i = 0; i < arguments.frames; ++i) {
@@ -173,6 +180,8 @@ int run(const Arguments& arguments, const CLI::App& app) {
     const Stopwatch watch;
     write(name, picture, arguments, options, scene);
     frames.push_back({frame.report, watch.seconds()});
+    if (arguments.debug_view)
+      views = writeDebugViews(name, frame, scene, arguments.volume, options.partition);
   }
   if (trace) {
     trace->finish();
@@ -200,6 +209,7 @@ int run(const Arguments& arguments, const CLI::App& app) {
     fmt::print("{}\n", report.dump(2));
   } else {
     printHuman(scene, frames, name, verified);
+    for (const std::filesystem::path& view : views) fmt::print("{}\n", view.string());
   }
   return 0;
 }
@@ -233,6 +243,9 @@ Command addRender(CLI::App& program) {
                   "otherwise compact binary")
       ->type_name("FILE");
   app->add_option("--report", arguments->report_file, "What it took, as JSON")->type_name("FILE");
+  app->add_flag("--debug-view", arguments->debug_view,
+                "Also writes what was drawn between updates of the opacity map, the maps, and the "
+                "growing boxes of the middle slice");
   app->add_flag("--verify", arguments->verify,
                 "Draws the plain way too and prints the largest and mean difference");
   app->add_flag("--json", arguments->json, "Prints the report instead of a summary");

@@ -102,6 +102,7 @@ Frame Session::drawFrame() {
     ahead_.reset();
   }
   if (frame_options_.count_samples) countSamples(report);
+  if (!phases_.empty()) frame.phases = drawPhases(setup);
   return frame;
 }
 
@@ -236,6 +237,7 @@ void Session::flushBoxes(FrameReport& report) {
   if (pending_.boxes.empty()) return;
   device_.draw(names_[static_cast<size_t>(pending_.chunk)], pending_.boxes);
   report.boxes_drawn += static_cast<int64_t>(pending_.boxes.size());
+  if (!phases_.empty()) phases_.back().drawn.push_back(pending_);
   if (frame_options_.count_samples)
     counted_.insert(counted_.end(), pending_.boxes.begin(), pending_.boxes.end());
   pending_.boxes.clear();

@@ -46,6 +46,7 @@ struct FrameOptions {
   // How long a frame may wait for what it lacks, its drawing included as far as the last frame
   // tells. What is missing then is left out; the next frames have it. Unset: all is waited for.
   std::optional<double> time_limit_s;
+  bool keep_phases = false;    // fills Frame::phases; with occlusion
   bool count_samples = false;  // fills FrameReport::samples_*; costs a pass without texture reads
 };
 

@@ -100,9 +100,16 @@ struct FrameReport {
   OcclusionReport occlusion;  // of a frame with occlusion
 };
 
+// What was drawn between two updates of the opacity map (Li 2003, Figure 8).
+struct FramePhase {
+  Picture picture;                // of these boxes alone, as far as their chunks are still resident
+  std::optional<OpacityMap> map;  // that they were held against; none before the first update
+};
+
 struct Frame {
   Picture picture;
   FrameReport report;
+  std::vector<FramePhase> phases;  // where they are kept
 };
 
 class Session {
@@ -162,6 +169,8 @@ class Session {
   void startOcclusion(const FrameSetup& setup, const EyePosition& eye);
   void updateOpacityMap(FrameReport& report);
   void finishOcclusion(FrameReport& report);
+  // Draws each phase again by itself.
+  std::vector<FramePhase> drawPhases(const FrameSetup& setup);
   bool isHidden(const Chunk& chunk) const;
   ReadAhead::Needs chunkNeeds();
   // Of a block of the plan; null where its growing boxes are not made and the frame does not wait
@@ -213,6 +222,11 @@ class Session {
   };
   PendingBoxes pending_;
   std::vector<BoxDraw> counted_;  // the frame's boxes, where its samples are to be counted
+  struct Phase {
+    std::optional<OpacityMap> map;
+    std::vector<PendingBoxes> drawn;
+  };
+  std::vector<Phase> phases_;  // of the frame, where they are kept
   std::optional<FrameOcclusion> occlusion_;
   UpdateCount update_count_{kUpdates};
   // Chunks of the plan of which something was drawn: in this frame, and in the last one with

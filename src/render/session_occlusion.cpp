@@ -9,6 +9,7 @@ namespace sluice {
 
 void Session::startOcclusion(const FrameSetup& setup, const EyePosition& eye) {
   occlusion_.reset();
+  phases_.clear();
   if (frame_options_.occlusion == Occlusion::kOff) return;
   if (frame_options_.mode != Mode::kComposite)
     fail(
@@ -27,6 +28,7 @@ void Session::startOcclusion(const FrameSetup& setup, const EyePosition& eye) {
   if (work.hull.empty()) return;
   occlusion_.emplace(frame_options_.occlusion, setup, eye, work);
   shown_.assign(plan_->chunks.size(), false);
+  if (frame_options_.keep_phases) phases_.emplace_back();
 }
 
 void Session::updateOpacityMap(FrameReport& report) {
@@ -34,6 +36,7 @@ void Session::updateOpacityMap(FrameReport& report) {
   const Stopwatch watch;
   occlusion_->update(device_.leastOpacity(occlusion_->grid()));
   if (frame_options_.occlusion == Occlusion::kClip) device_.stopOpaque();
+  if (!phases_.empty()) phases_.push_back({occlusion_->map(), {}});
   report.occlusion.seconds += watch.seconds();
 }
 
@@ -45,6 +48,19 @@ void Session::finishOcclusion(FrameReport& report) {
   report.occlusion.chunks_hidden = std::count(shown_.begin(), shown_.end(), false);
   update_count_.finished({occlusion_->hiddenShare(), report.occlusion.updates});
   last_shown_ = shown_;
+}
+
+std::vector<FramePhase> Session::drawPhases(const FrameSetup& setup) {
+  std::vector<FramePhase> phases;
+  for (const Phase& phase : phases_) {
+    device_.beginFrame(setup);
+    for (const PendingBoxes& drawn : phase.drawn) {
+      const uint64_t name = names_[static_cast<size_t>(drawn.chunk)];
+      if (cache_.contains(name)) device_.draw(name, drawn.boxes);
+    }
+    phases.push_back({device_.endFrame(), phase.map});
+  }
+  return phases;
 }
 
 ReadAhead::Needs Session::chunkNeeds() {

@@ -209,6 +209,34 @@ TEST_F(OcclusionTest, raysThatEndAndPixelsThatStopTakeFewerSamples) {
   EXPECT_LT(clipped.samples_taken, ending.samples_taken);
 }
 
+// Figure 8: blending what was drawn between updates gives the picture.
+TEST_F(OcclusionTest, phasesBlendToThePicture) {
+  const auto source = wallBeforeBlobs();
+  RenderScene scene(device(), *source, {{{0, {0.9, 0.5, 0.2}}}, {{30, 0}, {255, 0.3}}, "soft"},
+                    {.block_vox = 16});
+  for (const Occlusion occlusion : {Occlusion::kMap, Occlusion::kCull}) {
+    FrameOptions options = straight(Projection::kPerspective);
+    options.occlusion = occlusion;
+    options.keep_phases = true;
+    const Frame frame = scene.frame(options);
+    ASSERT_EQ(frame.phases.size(), static_cast<size_t>(frame.report.occlusion.updates) + 1);
+    EXPECT_FALSE(frame.phases.front().map.has_value());
+    std::vector<float> blended(frame.picture.rgba.size());
+    for (const FramePhase& phase : frame.phases)
+      for (size_t i = 0; i < blended.size(); i += 4) {
+        const float left = 1 - blended[i + 3];
+        for (size_t channel = 0; channel < 4; ++channel)
+          blended[i + channel] += left * phase.picture.rgba[i + channel];
+      }
+    double most = 0;
+    for (size_t i = 0; i < blended.size(); ++i)
+      most = std::max(most, std::abs(double{blended[i]} - frame.picture.rgba[i]));
+    EXPECT_LT(most, 0.5 / 255);
+    options.keep_phases = false;
+    EXPECT_TRUE(scene.frame(options).phases.empty());
+  }
+}
+
 TEST_F(OcclusionTest, modesWithoutOpacityHaveNone) {
   const auto source = wallBeforeBlobs();
   RenderScene scene(device(), *source, opaqueAbove(30), {.block_vox = 16});

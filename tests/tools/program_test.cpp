@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <filesystem>
+
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -109,6 +111,58 @@ TEST(Program, benchSkippingComparesWholeBlocksWithBoxes) {
   EXPECT_DOUBLE_EQ(row["speedup"], row["ess_fps"].get<double>() / row["basic_fps"].get<double>());
   EXPECT_EQ(report["mean_speedup"], row["speedup"]);
   EXPECT_LT(row["ess_samples"].get<int64_t>(), row["basic_samples"].get<int64_t>());
+}
+
+TEST(Program, benchOcclusionComparesThePapersFiveWays) {
+  const Program program;
+  const auto report = program.json(std::string("bench occlusion ") + kSmall +
+                                   "@90 --size 96x96 --frames 1 --adapt-frames 2");
+  EXPECT_EQ(report["command"], "bench occlusion");
+  const auto& row = report["rows"][0];
+  const auto& fps = row["fps"];
+  for (const char* way : {"basic", "ess", "ess_cc", "ess_m", "ess_c"})
+    EXPECT_GT(fps[way].get<double>(), 0) << way;
+  EXPECT_DOUBLE_EQ(row["speedup"]["cc"], fps["ess_cc"].get<double>() / fps["ess"].get<double>());
+  const auto& samples = row["samples"];
+  EXPECT_EQ(samples["ess_m"], samples["ess"]) << "maps alone leave out nothing";
+  EXPECT_LE(samples["ess_c"], samples["ess"]);
+  EXPECT_LT(samples["ess_cc"], samples["ess_c"]);
+  EXPECT_NEAR(row["skipped_percent"].get<double>(),
+              100 - 100 * samples["ess_cc"].get<double>() / samples["ess"].get<double>(), 1e-9);
+  EXPECT_EQ(report["mean"]["skipped_percent"], row["skipped_percent"]);
+  ASSERT_EQ(row["updates"].size(), 4);
+  EXPECT_EQ(row["updates"][0]["wanted"].size(), 2);
+  EXPECT_EQ(row["updates"][0]["made"].size(), 2);
+}
+
+TEST(Program, occlusionAtThresholdOneIsThePlainPicture) {
+  const Program program;
+  const std::string line =
+      std::string("render ") + kSmall +
+      " -o a.png --size 96x96 --block 16 --threshold 90 --opacity 1 --occlusion clip ";
+  const auto exact = program.json(line + "--opacity-threshold 1 --verify");
+  EXPECT_LT(exact["verify"]["max_difference"].get<double>(), 1);
+  const auto usual = program.json(line + "--verify");
+  EXPECT_LE(usual["verify"]["max_difference"].get<double>(), 0.05 * 255 + 1);
+  const auto& frame = usual["frames"][0];
+  EXPECT_GT(frame["occlusion"]["updates"].get<int>(), 0);
+  EXPECT_LT(frame["samples_taken"], exact["frames"][0]["samples_taken"]);
+  EXPECT_EQ(program.run(line + "--opacity-threshold 0").status, 2);
+  const CommandResult mip = program.run(line + "--mode mip");
+  EXPECT_EQ(mip.status, 1);
+  EXPECT_NE(mip.output.find("--occlusion"), std::string::npos) << mip.output;
+}
+
+TEST(Program, debugViewsShowPhasesMapsAndBoxes) {
+  const Program program;
+  const std::string line =
+      std::string("render ") + kSmall +
+      " -o a.png --size 96x96 --block 16 --threshold 90 --opacity 1 --debug-view ";
+  EXPECT_EQ(program.run(line + "--occlusion clip --partition boxes").status, 0);
+  for (const char* name : {"a.png", "a.boxes.png", "a.drawn_0.png", "a.drawn_1.png", "a.map_1.png"})
+    EXPECT_TRUE(std::filesystem::exists(program.folder / name)) << name;
+  EXPECT_FALSE(std::filesystem::exists(program.folder / "a.map_0.png")) << "nothing was hidden yet";
+  EXPECT_EQ(program.run(line + "--frames 2").status, 1);
 }
 
 TEST(Program, infoSaysWhatTheVolumeIs) {
