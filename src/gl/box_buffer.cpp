@@ -70,7 +70,7 @@ void addBox(const FrameSetup& setup, const BoxDraw& box, TexelWriter& out) {
   const Vec3d margin = pixel * kMarginPixels + Vec3d{kMarginVoxels, kMarginVoxels, kMarginVoxels};
   for (int corner = 0; corner < 8; ++corner) {
     const ClipCorner clip = project(setup, cornerOf(lo - margin, hi + margin, corner));
-    out.add(clip.x, clip.y, clip.w, 1);
+    out.add(clip.x, clip.y, clip.w, 0);
   }
   // Slice numbers stay exact in single precision up to 2^24.
   const double first_k = std::max(static_cast<double>(setup.first_slice), std::floor(near_k));

@@ -1,6 +1,6 @@
 // BoxBuffer: boxes to draw as the vertex shader reads them, and the index list of a cube.
 //
-// A box becomes kTexelsPerBox RGBA float texels: eight corners in clip space (x, y, w, 1), the two
+// A box becomes kTexelsPerBox RGBA float texels: eight corners in clip space (x, y, w), the two
 // faces relative to the rays' origin (w: first slice, turn), and the texel ray at the first slice
 // with its change a pixel. Everything is computed in double precision relative to the box, so that
 // single precision is enough in the shader however far from the origin the box lies.

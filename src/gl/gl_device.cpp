@@ -273,9 +273,9 @@ void GlDevice::setFactors(GlProgram& program) {
     between.push_back(static_cast<float>(distance > 0 ? 1 / distance : 0));
     between.push_back(factors[next * entries] - factors[row * entries]);
   }
-  program.set3("given_rows", between.data(), static_cast<int>(rows));
-  program.set("given_first_factor", factors[0]);
-  program.set("given_slice_length", setup_.slice_length);
+  program.set3("gradient_rows", between.data(), static_cast<int>(rows));
+  program.set("first_factor", factors[0]);
+  program.set("slice_length", setup_.slice_length);
   if (!variant_.factor_table) return;
   gl_.ActiveTexture(GL_TEXTURE0 + kFactorUnit);
   gl_.BindTexture(GL_TEXTURE_2D, factors_);
@@ -291,19 +291,19 @@ void GlDevice::setFactors(GlProgram& program) {
 
 void GlDevice::setLighting(GlProgram& program) {
   const Lighting& lighting = setup_.lighting;
-  program.set("given_flat_difference", setup_.flat / valueScale(setup_.type));
+  program.set("flat_difference", setup_.flat / valueScale(setup_.type));
   std::vector<float> lights, halfways;
   for (const Light& light : lighting.lights) {
     for (const float v : asFloats(light.toward)) lights.push_back(v);
     lights.push_back(static_cast<float>(light.strength));
     for (const float v : asFloats(normalized(light.toward + Vec3d{0, 0, 1}))) halfways.push_back(v);
   }
-  program.set4("given_lights", lights.data(), 2);
-  program.set3("given_halfways", halfways.data(), 2);
+  program.set4("lights", lights.data(), 2);
+  program.set3("halfways", halfways.data(), 2);
   const std::array<float, 4> reflectance = {
       static_cast<float>(lighting.ambient), static_cast<float>(lighting.diffuse),
       static_cast<float>(lighting.specular), static_cast<float>(lighting.shininess)};
-  program.set4("given_reflectance", reflectance.data(), 1);
+  program.set4("reflectance", reflectance.data(), 1);
 }
 
 void GlDevice::bindTarget() {
@@ -378,9 +378,9 @@ void GlDevice::beginFrame(const FrameSetup& setup) {
       static_cast<float>(-setup.tan_half_y)};
   program.set4("view_pixel_ray", pixel_ray.data(), 1);
   if (variant_.lit || variant_.gradient_rows > 0) {
-    program.set("view_camera_x", setup.camera_gradient[0]);
-    program.set("view_camera_y", setup.camera_gradient[1]);
-    program.set("view_camera_z", setup.camera_gradient[2]);
+    program.set("camera_x", setup.camera_gradient[0]);
+    program.set("camera_y", setup.camera_gradient[1]);
+    program.set("camera_z", setup.camera_gradient[2]);
   }
   if (variant_.gradient_rows > 0) setFactors(program);
   if (variant_.lit) setLighting(program);

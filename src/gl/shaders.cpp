@@ -21,7 +21,6 @@ FLAT float entry_scale, entry_offset, stop_opacity;
 FLAT float least, greatest;   // texel values of the first and the last entry
 FLAT float first_depth, depth_step;
 FLAT vec4 pixel_ray;          // u tan x = x * .x + .y, v tan y = y * .z + .w
-FLAT float one;               // 1, which no compiler knows
 )";
 
 constexpr const char* kVertex = R"(
@@ -58,7 +57,6 @@ void main() {
   least = entries.z;
   greatest = entries.w;
   stop_opacity = opacity_threshold;
-  one = corner.w;
   gl_Position = vec4(corner.xy, 0.0, corner.z);
 }
 )";
@@ -118,11 +116,8 @@ layout(location = 1) out vec4 depth_sum;  // opacity times depth, and opacity to
 #if COUNTS_TAKEN
 layout(location = 1) out vec4 taken;  // samples; of opacity 0, so that they add up
 #endif
-// Uniforms that do not fit the inputs are read once a pixel, before the loop, and multiplied by `one`:
-// a bare copy would be replaced by the uniform itself, read in every turn.
 #if GRADIENTS
-uniform vec3 view_camera_x, view_camera_y, view_camera_z;
-vec3 camera_x, camera_y, camera_z;
+uniform vec3 camera_x, camera_y, camera_z;
 
 vec3 indexOrder(vec3 v) { return turn == 2 ? v : turn == 0 ? v.zxy : v.yzx; }
 
@@ -150,10 +145,8 @@ vec3 gradientAt(vec3 at, out float steepest) {
 #if GRADIENT_ROWS > 0
 // Between rows i and i + 1: the magnitude of row i, 1 / the distance to the next, and by how much
 // the factor grows where it depends on no value.
-uniform vec3 given_rows[GRADIENT_ROWS];
-uniform float given_first_factor, given_slice_length;
-vec3 gradient_rows[GRADIENT_ROWS];
-float first_factor, slice_length;
+uniform vec3 gradient_rows[GRADIENT_ROWS];
+uniform float first_factor, slice_length;
 #if FACTOR_TABLE
 uniform sampler2D factors;
 #endif
@@ -182,13 +175,10 @@ float corrected(float opacity, float voxel_lengths) {
 #endif
 
 #if LIT
-uniform float given_flat_difference;  // `flat`, in texel values
-uniform vec4 given_lights[2];      // toward, strength
-uniform vec3 given_halfways[2];
-uniform vec4 given_reflectance;    // ambient, diffuse, specular, shininess
-float flat_difference;
-vec4 lights[2], reflectance;
-vec3 halfways[2];
+uniform float flat_difference;  // `flat`, in texel values
+uniform vec4 lights[2];      // toward, strength
+uniform vec3 halfways[2];
+uniform vec4 reflectance;    // ambient, diffuse, specular, shininess
 
 vec2 shine(vec2 x) {
 #if SHININESS > 0
@@ -220,27 +210,6 @@ vec4 shade(vec4 color, vec3 g, float steepest) {
 }
 #endif
 
-void readUniforms() {
-#if GRADIENTS
-  camera_x = view_camera_x * one;
-  camera_y = view_camera_y * one;
-  camera_z = view_camera_z * one;
-#endif
-#if GRADIENT_ROWS > 0
-  for (int i = 0; i < GRADIENT_ROWS; ++i) gradient_rows[i] = given_rows[i] * one;
-  first_factor = given_first_factor * one;
-  slice_length = given_slice_length * one;
-#endif
-#if LIT
-  flat_difference = given_flat_difference * one;
-  for (int i = 0; i < 2; ++i) {
-    lights[i] = given_lights[i] * one;
-    halfways[i] = given_halfways[i] * one;
-  }
-  reflectance = given_reflectance * one;
-#endif
-}
-
 vec3 textureOrder(vec3 v) { return turn == 2 ? v : turn == 0 ? v.yzx : v.zxy; }
 
 void main() {
@@ -248,7 +217,6 @@ void main() {
   vec3 step = step0 + pixel.x * step_dx + pixel.y * step_dy;
   ivec2 range = slices(pixel.x * origin_dx + pixel.y * origin_dy, step);
   if (range.x >= range.y) discard;
-  readUniforms();
   vec3 along = textureOrder(step) * texel_size;
   vec3 first = texel0 + pixel.x * texel_dx + pixel.y * texel_dy;
 #if PERSPECTIVE
