@@ -9,6 +9,7 @@
 #include "src/base/error.h"
 #include "src/base/large_pages.h"
 #include "src/gl/box_buffer.h"
+#include "src/gl/shading.h"
 
 namespace sluice {
 namespace {
@@ -18,19 +19,6 @@ constexpr size_t kBoxesPerDraw = 65536 / kTexelsPerBox;
 // GL_PACK_INVERT_MESA of GL_MESA_pack_invert: rows are read downwards.
 constexpr GLenum kPackInvert = 0x8758;
 constexpr GLenum kChunkUnit = 0, kLookUpUnit = 1, kBoxUnit = 2, kFactorUnit = 3;
-
-// What the shader reads of a voxel, times this, is the device value.
-double valueScale(DeviceType type) {
-  switch (type) {
-    case DeviceType::kU8:
-      return 255;
-    case DeviceType::kU16:
-      return 65535;
-    case DeviceType::kF32:
-      break;
-  }
-  return 1;
-}
 
 // Entries over which a sample's part fades to an end of what is visible, see LookUp.
 constexpr size_t kFadeEntries = 3;
@@ -83,11 +71,13 @@ std::array<float, 3> asFloats(Vec3d v) {
   return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
 }
 
-// The exponent of the highlights where multiplying it out is worth while; otherwise 0.
-int wholeShininess(const Lighting& lighting) {
-  constexpr int kMost = 256;
-  const int whole = static_cast<int>(std::clamp(lighting.shininess, 0.0, double{kMost}));
-  return whole == lighting.shininess ? whole : 0;
+// Of the bound table.
+void setFilter(const GlFunctions& gl, GLint filter) {
+  for (const GLenum way : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+    gl.TexParameteri(GL_TEXTURE_2D, way, filter);
+  for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
+    gl.TexParameteri(GL_TEXTURE_2D, wrap, GL_CLAMP_TO_EDGE);
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
 }
 
 // Modes other than composite bring back numbers to look up, see MODE in the shader.
@@ -165,7 +155,8 @@ void GlDevice::evict(uint64_t id) {
 
 GlProgram& GlDevice::programFor(const ShaderVariant& variant) {
   auto& program = programs_[variant];
-  if (!program) program = std::make_unique<GlProgram>(gl_, vertexShader(), fragmentShader(variant));
+  if (!program)
+    program = std::make_unique<GlProgram>(gl_, vertexShader(variant), fragmentShader(variant));
   program->use();
   return *program;
 }
@@ -230,9 +221,14 @@ void GlDevice::uploadLookUp() {
   if (look_up_key_ && look_up_key_->isOf(setup_)) return;
   look_up_key_ = {setup_.mode, setup_.projection, setup_.slice_length, setup_.look_up.rgba,
                   setup_.look_up.factors};
+  const auto width = static_cast<GLsizei>(setup_.look_up.rgba.size() / 4);
   const std::vector<float> texels = lookUpTexels(setup_);
-  gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, static_cast<GLsizei>(texels.size() / 4), 1, 0,
-                 GL_RGBA, GL_FLOAT, texels.data());
+  gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, width, 1, 0, GL_RGBA, GL_FLOAT, texels.data());
+  if (!variant_.factor_table) return;
+  gl_.BindTexture(GL_TEXTURE_2D, factors_);
+  gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_R32F, width, variant_.gradient_rows, 0, GL_RED, GL_FLOAT,
+                 setup_.look_up.factors.data());
+  gl_.BindTexture(GL_TEXTURE_2D, look_up_);
 }
 
 void GlDevice::setLookUp(GlProgram& program) {
@@ -241,11 +237,13 @@ void GlDevice::setLookUp(GlProgram& program) {
   gl_.ActiveTexture(GL_TEXTURE0 + kLookUpUnit);
   gl_.BindTexture(GL_TEXTURE_2D, look_up_);
   uploadLookUp();
-  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
-    gl_.TexParameteri(GL_TEXTURE_2D, filter, interpolates ? GL_LINEAR : GL_NEAREST);
-  for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
-    gl_.TexParameteri(GL_TEXTURE_2D, wrap, GL_CLAMP_TO_EDGE);
-  gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
+  setFilter(gl_, interpolates ? GL_LINEAR : GL_NEAREST);
+  if (variant_.factor_table) {
+    gl_.ActiveTexture(GL_TEXTURE0 + kFactorUnit);
+    gl_.BindTexture(GL_TEXTURE_2D, factors_);
+    setFilter(gl_, GL_LINEAR);
+    program.set("factors", static_cast<int>(kFactorUnit));
+  }
   // Entry e covers [e, e + 1) / entries of the texture.
   const ValueRange range = setup_.look_up.device_range;
   const double span = range.hi - range.lo;
@@ -258,52 +256,6 @@ void GlDevice::setLookUp(GlProgram& program) {
                                      static_cast<float>(range.lo / scale),
                                      static_cast<float>(range.hi / scale)};
   program.set4("entries", line.data(), 1);
-}
-
-void GlDevice::setFactors(GlProgram& program) {
-  const std::vector<double>& magnitudes = setup_.look_up.magnitudes;
-  const std::vector<float>& factors = setup_.look_up.factors;
-  const size_t rows = magnitudes.size(), entries = factors.size() / rows;
-  const double scale = valueScale(setup_.type);
-  std::vector<float> between;
-  for (size_t row = 0; row < rows; ++row) {
-    const size_t next = std::min(row + 1, rows - 1);
-    const double distance = (magnitudes[next] - magnitudes[row]) / scale;
-    between.push_back(static_cast<float>(magnitudes[row] / scale));
-    between.push_back(static_cast<float>(distance > 0 ? 1 / distance : 0));
-    between.push_back(factors[next * entries] - factors[row * entries]);
-  }
-  program.set3("gradient_rows", between.data(), static_cast<int>(rows));
-  program.set("first_factor", factors[0]);
-  program.set("slice_length", setup_.slice_length);
-  if (!variant_.factor_table) return;
-  gl_.ActiveTexture(GL_TEXTURE0 + kFactorUnit);
-  gl_.BindTexture(GL_TEXTURE_2D, factors_);
-  gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_R32F, static_cast<GLsizei>(entries),
-                 static_cast<GLsizei>(rows), 0, GL_RED, GL_FLOAT, factors.data());
-  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
-    gl_.TexParameteri(GL_TEXTURE_2D, filter, GL_LINEAR);
-  for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
-    gl_.TexParameteri(GL_TEXTURE_2D, wrap, GL_CLAMP_TO_EDGE);
-  gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
-  program.set("factors", static_cast<int>(kFactorUnit));
-}
-
-void GlDevice::setLighting(GlProgram& program) {
-  const Lighting& lighting = setup_.lighting;
-  program.set("flat_difference", setup_.flat / valueScale(setup_.type));
-  std::vector<float> lights, halfways;
-  for (const Light& light : lighting.lights) {
-    for (const float v : asFloats(light.toward)) lights.push_back(v);
-    lights.push_back(static_cast<float>(light.strength));
-    for (const float v : asFloats(normalized(light.toward + Vec3d{0, 0, 1}))) halfways.push_back(v);
-  }
-  program.set4("lights", lights.data(), 2);
-  program.set3("halfways", halfways.data(), 2);
-  const std::array<float, 4> reflectance = {
-      static_cast<float>(lighting.ambient), static_cast<float>(lighting.diffuse),
-      static_cast<float>(lighting.specular), static_cast<float>(lighting.shininess)};
-  program.set4("reflectance", reflectance.data(), 1);
 }
 
 void GlDevice::bindTarget() {
@@ -344,19 +296,13 @@ void GlDevice::beginFrame(const FrameSetup& setup) {
   const bool composite = setup.mode == Mode::kComposite;
   variant_ = {.mode = setup.mode,
               .perspective = composite && setup.projection == Projection::kPerspective,
-              .lit = composite && setup.lit,
               .with_depth = composite && setup.with_depth,
               .stops_early = composite && setup.opacity_threshold < 1,
               .floats = setup.type == DeviceType::kF32,
               .counts_taken = composite && setup.counts_taken && !setup.with_depth,
               .counts = false,
               .clip_planes = static_cast<int>(setup.clip_planes.size())};
-  if (variant_.lit) variant_.shininess = wholeShininess(setup.lighting);
-  if (composite && !setup.look_up.magnitudes.empty()) {
-    variant_.gradient_rows = static_cast<int>(setup.look_up.magnitudes.size());
-    variant_.factor_table = setup.look_up.factors.size() > setup.look_up.magnitudes.size();
-    variant_.corrects = variant_.perspective || setup.slice_length != 1;
-  }
+  if (composite) chooseShading(setup, variant_);
   resizeTarget(setup.size);
   marked_ = 0;
   bindTarget();
@@ -377,13 +323,7 @@ void GlDevice::beginFrame(const FrameSetup& setup) {
       static_cast<float>(ux), static_cast<float>(-setup.tan_half_x), static_cast<float>(vy),
       static_cast<float>(-setup.tan_half_y)};
   program.set4("view_pixel_ray", pixel_ray.data(), 1);
-  if (variant_.lit || variant_.gradient_rows > 0) {
-    program.set("camera_x", setup.camera_gradient[0]);
-    program.set("camera_y", setup.camera_gradient[1]);
-    program.set("camera_z", setup.camera_gradient[2]);
-  }
-  if (variant_.gradient_rows > 0) setFactors(program);
-  if (variant_.lit) setLighting(program);
+  if (composite) setShading(setup, variant_, program);
 }
 
 void GlDevice::drawBoxes(std::span<const BoxDraw> boxes) {

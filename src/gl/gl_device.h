@@ -68,11 +68,8 @@ class GlDevice : public Device {
   GlProgram& programFor(const ShaderVariant& variant);
   void setView(GlProgram& program);
   void setLookUp(GlProgram& program);
-  // Into the bound texture, unless it is there.
+  // Into the bound texture, and factors into theirs, unless they are there.
   void uploadLookUp();
-  // Requires: look_up has magnitudes.
-  void setFactors(GlProgram& program);
-  void setLighting(GlProgram& program);
   void setBlending(Mode mode);
   void resizeTarget(PictureSize size);
   // Again what beginFrame() set, after another pass.

@@ -65,6 +65,9 @@ void GlProgram::set2(const char* name, const float* values) {
   gl_.Uniform2fv(locate(name), 1, values);
 }
 
+void GlProgram::set2(const char* name, double x, double y) {
+  gl_.Uniform2f(locate(name), static_cast<GLfloat>(x), static_cast<GLfloat>(y));
+}
 void GlProgram::set4(const char* name, const float* values, int count) {
   gl_.Uniform4fv(locate(name), count, values);
 }

@@ -23,6 +23,7 @@ class GlProgram {
   void set(const char* name, double value);
   void set(const char* name, Vec3d value);
   void set2(const char* name, const float* values);
+  void set2(const char* name, double x, double y);
   void set4(const char* name, const float* values, int count);
   void set3(const char* name, const float* values, int count);
 

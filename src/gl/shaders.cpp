@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 namespace sluice {
 namespace {
 
@@ -10,27 +12,61 @@ constexpr const char* kVersion = "#version 330 core\n";
 // What a fragment needs of the box and of the frame. All of it comes as flat inputs, the frame's
 // numbers too: software GL reads a uniform anew for each pixel, in every turn of a loop, but an
 // input that is flat once for all the pixels that it draws together. GL 3.3 lets 60 components
-// pass; those that a variant does not read do not count.
+// pass; those that a variant does not read do not count. Where all are taken, what is read once a
+// pixel stays a uniform.
 constexpr const char* kInputs = R"(
 FLAT vec3 box_lo, box_hi, texel0, texel_dx, texel_dy;
 FLAT int first_k, turn;
 FLAT vec3 texel_size;         // 1 / texels of the chunk
-FLAT vec3 origin_dx, origin_dy, step0, step_dx, step_dy;
+FLAT vec3 origin_dx, origin_dy, step0;
 FLAT float first_slice;
 FLAT float entry_scale, entry_offset, stop_opacity;
 FLAT float least, greatest;   // texel values of the first and the last entry
 FLAT float first_depth, depth_step;
+#if PERSPECTIVE && GRADIENTS
+uniform vec3 view_step_dx, view_step_dy;
+uniform vec4 view_pixel_ray;
+#define step_dx view_step_dx
+#define step_dy view_step_dy
+#define pixel_ray view_pixel_ray
+#else
+FLAT vec3 step_dx, step_dy;
 FLAT vec4 pixel_ray;          // u tan x = x * .x + .y, v tan y = y * .z + .w
+#endif
+#if GRADIENTS
+FLAT vec2 visible;            // texel values beyond these show nothing
+// Along the texture's axes, for a difference of texel values from voxel to voxel: times slope, the
+// gradient in the world; the others make products with the direction of the light (times what of it
+// is reflected) and with the one in which it would be seen in a mirror.
+FLAT vec3 slope;
+#endif
+#if LIT
+FLAT vec3 toward0, toward1, halfway0, halfway1;
+FLAT vec4 reflection;         // of what is seen in a mirror, of each light; ambient; flat
+#endif
+#if GRADIENT_ROWS > 0
+FLAT vec4 ramp;               // of the first two rows: magnitude, 1 / distance, factor, its growth
+#endif
 )";
 
 constexpr const char* kVertex = R"(
 uniform samplerBuffer boxes;
 uniform vec3 chunk_texel_size;
-uniform vec3 view_origin_dx, view_origin_dy, view_step0, view_step_dx, view_step_dy;
+uniform vec3 view_origin_dx, view_origin_dy, view_step0;
 uniform float view_first_slice, view_first_depth, view_depth_step;
+#if !(PERSPECTIVE && GRADIENTS)
+uniform vec3 view_step_dx, view_step_dy;
 uniform vec4 view_pixel_ray;
+#endif
 uniform vec4 entries;      // scale, offset, least, greatest
 uniform float opacity_threshold;
+#if GRADIENTS
+// Along the volume's axes.
+uniform vec2 visible_texels;
+uniform vec3 index_slope, index_toward[2], index_halfway[2];
+uniform vec4 view_reflection, first_rows;
+vec3 textureOrder(vec3 v) { return turn == 2 ? v : turn == 0 ? v.yzx : v.zxy; }
+#endif
 void main() {
   int at = gl_InstanceID * 13;
   vec4 corner = texelFetch(boxes, at + gl_VertexID);
@@ -46,12 +82,28 @@ void main() {
   origin_dx = view_origin_dx;
   origin_dy = view_origin_dy;
   step0 = view_step0;
-  step_dx = view_step_dx;
-  step_dy = view_step_dy;
   first_slice = view_first_slice;
   first_depth = view_first_depth;
   depth_step = view_depth_step;
+#if !(PERSPECTIVE && GRADIENTS)
+  step_dx = view_step_dx;
+  step_dy = view_step_dy;
   pixel_ray = view_pixel_ray;
+#endif
+#if GRADIENTS
+  visible = visible_texels;
+  slope = textureOrder(index_slope);
+#endif
+#if LIT
+  toward0 = textureOrder(index_toward[0]);
+  toward1 = textureOrder(index_toward[1]);
+  halfway0 = textureOrder(index_halfway[0]);
+  halfway1 = textureOrder(index_halfway[1]);
+  reflection = view_reflection;
+#endif
+#if GRADIENT_ROWS > 0
+  ramp = first_rows;
+#endif
   entry_scale = entries.x;
   entry_offset = entries.y;
   least = entries.z;
@@ -116,14 +168,11 @@ layout(location = 1) out vec4 depth_sum;  // opacity times depth, and opacity to
 #if COUNTS_TAKEN
 layout(location = 1) out vec4 taken;  // samples; of opacity 0, so that they add up
 #endif
+vec3 textureOrder(vec3 v) { return turn == 2 ? v : turn == 0 ? v.yzx : v.zxy; }
+
 #if GRADIENTS
-uniform vec3 camera_x, camera_y, camera_z;
-
-vec3 indexOrder(vec3 v) { return turn == 2 ? v : turn == 0 ? v.zxy : v.yzx; }
-
-// Camera space, in units of the steepest axis' difference, since squares of the values themselves may
-// overflow. Both are 0 where the volume is flat.
-vec3 gradientAt(vec3 at, out float steepest) {
+// From one voxel to the next, along the texture's axes.
+vec3 differenceAt(vec3 at) {
   vec2 n = vec2(1.0, 0.0);
   vec3 after = vec3(textureLod(chunk, at + n.xyy * texel_size, 0.0).r,
                     textureLod(chunk, at + n.yxy * texel_size, 0.0).r,
@@ -136,28 +185,44 @@ vec3 gradientAt(vec3 at, out float steepest) {
   // A neighbour that is no number says nothing of the slope along its axis.
   difference = mix(difference, vec3(0.0), IS_NO_NUMBER(min(after, before)));
 #endif
-  steepest = max(abs(difference.x), max(abs(difference.y), abs(difference.z)));
-  difference = steepest > 0.0 ? indexOrder(difference / steepest) : vec3(0.0);
-  return difference.x * camera_x + difference.y * camera_y + difference.z * camera_z;
+  return difference;
+}
+
+#if OBLIQUE
+uniform vec3 axis_cosines;  // between y and z, z and x, x and y
+#endif
+
+// The square of the gradient's length in the world.
+float squareOf(vec3 difference) {
+  vec3 g = difference * slope;
+  float squared = dot(g, g);
+#if OBLIQUE
+  g = turn == 2 ? g : turn == 0 ? g.zxy : g.yzx;
+  squared += 2.0 * dot(axis_cosines, g.yzx * g.zxy);
+#endif
+  return squared;
 }
 #endif
 
 #if GRADIENT_ROWS > 0
-// Between rows i and i + 1: the magnitude of row i, 1 / the distance to the next, and by how much
-// the factor grows where it depends on no value.
-uniform vec3 gradient_rows[GRADIENT_ROWS];
-uniform float first_factor, slice_length;
+uniform float slice_length;
+#if GRADIENT_ROWS > 2
+uniform vec4 gradient_rows[GRADIENT_ROWS];  // as `ramp`, from each row to the next
+#endif
 #if FACTOR_TABLE
 uniform sampler2D factors;
 #endif
 
 float factorOf(float magnitude, float entry) {
-  float row = 0.0, factor = first_factor;
-  for (int i = 0; i + 1 < GRADIENT_ROWS; ++i) {
+  float row = clamp((magnitude - ramp.x) * ramp.y, 0.0, 1.0);
+  float factor = ramp.z + row * ramp.w;
+#if GRADIENT_ROWS > 2
+  for (int i = 1; i + 1 < GRADIENT_ROWS; ++i) {
     float passed = clamp((magnitude - gradient_rows[i].x) * gradient_rows[i].y, 0.0, 1.0);
     row += passed;
-    factor += passed * gradient_rows[i].z;
+    factor += passed * gradient_rows[i].w;
   }
+#endif
 #if FACTOR_TABLE
   factor = textureLod(factors, vec2(entry, (row + 0.5) / float(GRADIENT_ROWS)), 0.0).r;
 #endif
@@ -175,10 +240,9 @@ float corrected(float opacity, float voxel_lengths) {
 #endif
 
 #if LIT
-uniform float flat_difference;  // `flat`, in texel values
-uniform vec4 lights[2];      // toward, strength
-uniform vec3 halfways[2];
-uniform vec4 reflectance;    // ambient, diffuse, specular, shininess
+#if SHININESS == 0
+uniform float shininess;
+#endif
 
 vec2 shine(vec2 x) {
 #if SHININESS > 0
@@ -190,27 +254,20 @@ vec2 shine(vec2 x) {
   }
   return result;
 #else
-  return pow(x, vec2(reflectance.w));
+  return pow(x, vec2(shininess));
 #endif
 }
 
-// `color` premultiplied; g and steepest as of gradientAt().
-vec4 shade(vec4 color, vec3 g, float steepest) {
-  float flatness = flat_difference / steepest;
-  float squared = dot(g, g);
-  vec3 normal = g * inversesqrt(squared);
-  vec2 strength = vec2(lights[0].w, lights[1].w);
-  vec2 facing = abs(vec2(dot(normal, lights[0].xyz), dot(normal, lights[1].xyz)));
-  vec2 mirrored = abs(vec2(dot(normal, halfways[0]), dot(normal, halfways[1])));
-  float diffuse = dot(strength, facing), specular = dot(strength, shine(mirrored));
-  vec3 lit = color.rgb * (reflectance.x + reflectance.y * diffuse) +
-             color.a * reflectance.z * specular;
-  lit = mix(color.rgb, lit, squared / (squared + flatness * flatness));
-  return vec4(steepest > 0.0 ? lit : color.rgb, color.a);
+// `color` premultiplied; `squared` and `flatness` squares of lengths of gradients in one unit.
+vec4 shade(vec4 color, vec3 difference, float squared, float flatness) {
+  float to_unit = inversesqrt(max(squared, 1e-37));
+  vec2 facing = abs(vec2(dot(difference, toward0), dot(difference, toward1)));
+  vec2 mirrored = abs(vec2(dot(difference, halfway0), dot(difference, halfway1)));
+  vec3 lit = color.rgb * (reflection.z + to_unit * (facing.x + facing.y)) +
+             color.a * dot(reflection.xy, shine(to_unit * mirrored));
+  return vec4(mix(color.rgb, lit, squared / max(squared + flatness, 1e-37)), color.a);
 }
 #endif
-
-vec3 textureOrder(vec3 v) { return turn == 2 ? v : turn == 0 ? v.yzx : v.zxy; }
 
 void main() {
   vec2 pixel = gl_FragCoord.xy;
@@ -224,6 +281,9 @@ void main() {
 #else
   const float ray_length = 1.0;
 #endif
+#if GRADIENT_ROWS > 0
+  float voxel_lengths = slice_length * ray_length;
+#endif
   vec4 sum = MODE == 1 ? vec4(-3e38) : MODE == 2 ? vec4(3e38) : vec4(0.0);
 #if WITH_DEPTH
   float weighted_depth = 0.0;
@@ -233,8 +293,7 @@ void main() {
 #endif
   for (int k = range.x; k < range.y; ++k) {
     vec3 at;
-    float entry, value;
-    vec4 color;
+    float value;
 #if GRADIENTS
     // On to the next sample that may show something. Software GL runs a loop's body for several
     // pixels together, as long as any of them needs it, and skips nothing by `if`: so each pixel goes
@@ -246,32 +305,39 @@ void main() {
 #endif
       at = first + float(k - first_k) * along;
       value = textureLod(chunk, at, 0.0).r;
-      entry = value * entry_scale + entry_offset;
-#if FLOATS
-      entry = clamp(entry, 0.0, 1.0);  // drivers may wrap where a coordinate is beyond integers
-#endif
-      color = textureLod(look_up, vec2(entry, 0.5), 0.0);
-#if FLOATS
-      if (IS_NO_NUMBER(vec3(value)).x) color = vec4(0.0);
-#endif
 #if GRADIENTS
-      if (color.a != 0.0 || k + 1 == range.y) break;
+      if ((value >= visible.x && value <= visible.y) || k + 1 == range.y) break;
     }
+#endif
+    float entry = value * entry_scale + entry_offset;
+#if FLOATS
+    entry = clamp(entry, 0.0, 1.0);  // drivers may wrap where a coordinate is beyond integers
+#endif
+    vec4 color = textureLod(look_up, vec2(entry, 0.5), 0.0);
+#if FLOATS
+    if (IS_NO_NUMBER(vec3(value)).x) color = vec4(0.0);
 #endif
 #if MODE == 0
 #if GRADIENTS
-    float steepest;
-    vec3 g = gradientAt(at, steepest);
+    vec3 difference = differenceAt(at);
+    float unit = 1.0;
+#if FLOATS
+    // In units of the steepest axis, since squares of the values themselves may overflow.
+    unit = max(max(abs(difference.x), max(abs(difference.y), abs(difference.z))), 1e-37);
+    difference /= unit;
+#endif
+    float squared = squareOf(difference);
 #endif
 #if GRADIENT_ROWS > 0
-    color.a = corrected(color.a * factorOf(steepest * length(g), entry), slice_length * ray_length);
+    color.a = corrected(color.a * factorOf(unit * sqrt(squared), entry), voxel_lengths);
     color.rgb *= color.a;
 #elif PERSPECTIVE
     color.a = 1.0 - exp2(color.a * ray_length);
     color.rgb *= color.a;
 #endif
 #if LIT
-    color = shade(color, g, steepest);
+    float flatness = reflection.w / unit;
+    color = shade(color, difference, squared, flatness * flatness);
 #endif
 #if WITH_DEPTH
     weighted_depth += (1.0 - sum.a) * color.a * (first_depth + (float(k) + 0.5) * depth_step);
@@ -300,29 +366,35 @@ void main() {
 }
 )";
 
-}  // namespace
-
-std::string vertexShader() {
-  return fmt::format("{}#define FLAT flat out\n{}{}", kVersion, kInputs, kVertex);
+std::string definitions(const ShaderVariant& v) {
+  const std::pair<const char*, int> numbers[] = {{"MODE", static_cast<int>(v.mode)},
+                                                 {"PERSPECTIVE", v.perspective},
+                                                 {"LIT", v.lit},
+                                                 {"WITH_DEPTH", v.with_depth},
+                                                 {"STOPS_EARLY", v.stops_early},
+                                                 {"CLIP_PLANES", v.clip_planes},
+                                                 {"FLOATS", v.floats},
+                                                 {"COUNTS_TAKEN", v.counts_taken},
+                                                 {"GRADIENTS", v.lit || v.gradient_rows > 0},
+                                                 {"GRADIENT_ROWS", v.gradient_rows},
+                                                 {"FACTOR_TABLE", v.factor_table},
+                                                 {"CORRECTS", v.corrects},
+                                                 {"SHININESS", v.shininess},
+                                                 {"OBLIQUE", v.oblique}};
+  std::string lines;
+  for (const auto& [name, value] : numbers) lines += fmt::format("#define {} {}\n", name, value);
+  return lines;
 }
 
-std::string fragmentShader(const ShaderVariant& v) {
-  std::string source = kVersion;
-  source += fmt::format("#define MODE {}\n#define PERSPECTIVE {}\n#define LIT {}\n",
-                        static_cast<int>(v.mode), int{v.perspective}, int{v.lit});
-  source += fmt::format("#define WITH_DEPTH {}\n#define STOPS_EARLY {}\n#define CLIP_PLANES {}\n",
-                        int{v.with_depth}, int{v.stops_early}, v.clip_planes);
-  source += fmt::format("#define FLOATS {}\n#define COUNTS_TAKEN {}\n", int{v.floats},
-                        int{v.counts_taken});
-  source += fmt::format("#define GRADIENTS {}\n#define GRADIENT_ROWS {}\n",
-                        int{v.lit || v.gradient_rows > 0}, v.gradient_rows);
-  source += fmt::format("#define SHININESS {}\n#define FACTOR_TABLE {}\n#define CORRECTS {}\n",
-                        v.shininess, int{v.factor_table}, int{v.corrects});
-  source += "#define FLAT flat in\n";
-  source += kInputs;
-  source += kInterval;
-  source += v.counts ? kCount : kSample;
-  return source;
+}  // namespace
+
+std::string vertexShader(const ShaderVariant& variant) {
+  return kVersion + definitions(variant) + "#define FLAT flat out\n" + kInputs + kVertex;
+}
+
+std::string fragmentShader(const ShaderVariant& variant) {
+  return kVersion + definitions(variant) + "#define FLAT flat in\n" + kInputs + kInterval +
+         (variant.counts ? kCount : kSample);
 }
 
 }  // namespace sluice

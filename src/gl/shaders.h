@@ -23,11 +23,12 @@ struct ShaderVariant {
   int gradient_rows = 0;  // of factors by gradient magnitude; 0: the opacity follows from values
   bool factor_table = false;  // factors depend on the value too
   bool corrects = false;      // with factors: a sample's length is not the opacity's
+  bool oblique = false;       // with gradients: the volume's axes are not at right angles
   friend auto operator<=>(const ShaderVariant&, const ShaderVariant&) = default;
 };
 
 // Boxes come as kTexelsPerBox RGBA32F texels each of a buffer texture; see box_buffer.h.
-std::string vertexShader();
+std::string vertexShader(const ShaderVariant& variant);
 std::string fragmentShader(const ShaderVariant& variant);
 
 }  // namespace sluice

@@ -1,0 +1,25 @@
+// What the shaders read of gradients, lights and factors (render/lighting.h), in the units in which
+// they meet it: texel values, and differences along the volume's axes instead of directions, so
+// that a sample is lit without turning its gradient into the world. Pure functions.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "src/gl/gl_program.h"
+#include "src/gl/shaders.h"
+#include "src/render/device.h"
+
+namespace sluice {
+
+// What the shader reads of a voxel, times this, is the device value.
+double valueScale(DeviceType type);
+
+// Sets what depends on how the frame is lit and on factors, in a variant whose other members are
+// set. Requires: composite.
+void chooseShading(const FrameSetup& setup, ShaderVariant& variant);
+
+// Sets the uniforms of such a variant. Requires: the program is in use.
+void setShading(const FrameSetup& setup, const ShaderVariant& variant, GlProgram& program);
+
+}  // namespace sluice
