@@ -82,6 +82,38 @@ std::vector<Point> points(const JsonField& list, const Read& read) {
   return result;
 }
 
+// [magnitude, factor] or [magnitude, [[value, factor], ...]].
+GradientRow gradientRow(const JsonField& field) {
+  if (!field.isArray() || field.size() != 2)
+    field.failExpected("[magnitude, factor] or [magnitude, [[value, factor], ...]]");
+  GradientRow row{field[0].number(), {}};
+  if (row.magnitude < 0) field[0].failExpected("a magnitude of 0 or more");
+  row.factors = field[1].isArray() ? points<OpacityPoint>(
+                                         field[1],
+                                         [](const JsonField& point) {
+                                           if (!point.isArray() || point.size() != 2)
+                                             point.failExpected("[value, factor]");
+                                           return OpacityPoint{point[0].number(), point[1].share()};
+                                         })
+                                   : std::vector<OpacityPoint>{{0, field[1].share()}};
+  return row;
+}
+
+std::vector<GradientRow> readGradients(const JsonField& document) {
+  std::vector<GradientRow> rows;
+  const auto list = document.find("gradient_opacities");
+  if (!list) return rows;
+  if (list->size() == 0 || list->size() > kMostGradientRows)
+    list->failExpected(fmt::format("1 to {} gradient magnitudes", kMostGradientRows));
+  for (size_t i = 0; i < list->size(); ++i) {
+    rows.push_back(gradientRow((*list)[i]));
+    if (i > 0 && rows[i].magnitude <= rows[i - 1].magnitude)
+      (*list)[i][0].failExpected(
+          fmt::format("more than {}, as magnitudes ascend", rows[i - 1].magnitude));
+  }
+  return rows;
+}
+
 // true: values are fractions of the volume's range.
 bool readDomain(const JsonField& document) {
   const auto domain = document.find("domain");
@@ -120,7 +152,7 @@ std::vector<ColorPoint> readColors(const JsonField& document, ValueRange whole,
 TransferFunction ownTransfer(const JsonField& document, const std::string& where,
                              ValueRange range) {
   document.allowOnly({kVersionField, "name", "comment", "domain", "map", "map_range", "colors",
-                      "opacities", "unit_length_vox"});
+                      "opacities", "gradient_opacities", "unit_length_vox"});
   const JsonField version = document.require(kVersionField);
   if (version.number() != kVersion) version.failExpected(fmt::format("version {}", kVersion));
   const bool unit = readDomain(document);
@@ -132,7 +164,13 @@ TransferFunction ownTransfer(const JsonField& document, const std::string& where
   transfer.opacities = points<OpacityPoint>(
       document.require("opacities"),
       [&](const JsonField& field) { return opacityPoint(field, unit_length_vox); });
+  transfer.gradients = readGradients(document);
   if (unit) {
+    for (GradientRow& row : transfer.gradients) {
+      row.magnitude *= range.hi - range.lo;
+      for (OpacityPoint& point : row.factors)
+        point.value = std::lerp(range.lo, range.hi, point.value);
+    }
     for (ColorPoint& point : transfer.colors)
       point.value = std::lerp(range.lo, range.hi, point.value);
     for (OpacityPoint& point : transfer.opacities)
@@ -170,6 +208,14 @@ std::string writeTransferFunction(const TransferFunction& transfer) {
   }
   auto& opacities = json["opacities"] = nlohmann::ordered_json::array();
   for (const auto& [value, opacity] : transfer.opacities) opacities.push_back({value, opacity});
+  if (!transfer.gradients.empty()) {
+    auto& gradients = json["gradient_opacities"] = nlohmann::ordered_json::array();
+    for (const auto& [magnitude, factors] : transfer.gradients) {
+      auto list = nlohmann::ordered_json::array();
+      for (const auto& [value, factor] : factors) list.push_back({value, factor});
+      gradients.push_back({magnitude, list});
+    }
+  }
   // A name made from a path may be no UTF-8.
   return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }

@@ -54,7 +54,13 @@ bool same(const TransferFunction& a, const TransferFunction& b) {
          std::equal(a.colors.begin(), a.colors.end(), b.colors.begin(), b.colors.end(),
                     sameColor) &&
          std::equal(a.opacities.begin(), a.opacities.end(), b.opacities.begin(), b.opacities.end(),
-                    sameOpacity);
+                    sameOpacity) &&
+         std::equal(a.gradients.begin(), a.gradients.end(), b.gradients.begin(), b.gradients.end(),
+                    [&](const GradientRow& p, const GradientRow& q) {
+                      return p.magnitude == q.magnitude &&
+                             std::equal(p.factors.begin(), p.factors.end(), q.factors.begin(),
+                                        q.factors.end(), sameOpacity);
+                    });
 }
 
 TEST(TransferFile, readsValuesColorsAndOpacities) {
@@ -155,7 +161,7 @@ TEST(TransferFile, examplesInTheDocumentationWork) {
     EXPECT_EQ(failureOf(example), "") << example;
     ++examples;
   }
-  EXPECT_EQ(examples, 2);
+  EXPECT_EQ(examples, 3);
 }
 
 TEST(TransferFile, documentationListsTheMaps) {
@@ -260,6 +266,48 @@ TEST(TransferFile, damageIsAnErrorOrAValidTransferFunction) {
     }
   }
   EXPECT_GT(errors, 1000);
+}
+
+TEST(TransferFile, readsGradientOpacities) {
+  const std::string both = R"("map": "grey", "opacities": [[0, 0.5]], )";
+  const auto transfer = parsed(document(
+      both + R"("gradient_opacities": [[0, 0], [10, [[50, 0.25], [100, 0.75]]], [30, 1]])"));
+  ASSERT_EQ(transfer.gradients.size(), 3U);
+  EXPECT_EQ(gradientFactorAt(transfer, 70, 0), 0);
+  EXPECT_DOUBLE_EQ(gradientFactorAt(transfer, 75, 10), 0.5);
+  EXPECT_DOUBLE_EQ(gradientFactorAt(transfer, 100, 20), 0.875);
+  EXPECT_EQ(gradientFactorAt(transfer, 0, 1000), 1);
+  // Shares of the range of 200: magnitudes without its start.
+  const auto unit = parseTransferFunction(
+      document(both +
+               R"("domain": "unit", "gradient_opacities": [[0, 0], [0.1, [[0.5, 1], [1, 0]]]])"),
+      "f", {100, 300});
+  ASSERT_EQ(unit.gradients.size(), 2U);
+  EXPECT_DOUBLE_EQ(unit.gradients[1].magnitude, 20);
+  EXPECT_DOUBLE_EQ(gradientFactorAt(unit, 250, 20), 0.5);
+  EXPECT_TRUE(parsed(document(R"("map": "grey", "opacities": [[0, 0.5]])")).gradients.empty());
+}
+
+TEST(TransferFile, gradientOpacitiesAreWrittenAndReadBack) {
+  TransferFunction transfer = thresholdTransfer(40, {0, 240}, 0.05);
+  transfer.gradients = {{0.1, {{1.0 / 3, 0.7}, {2, 0.1}}}, {7, {{0, 1}}}};
+  EXPECT_TRUE(same(parsed(writeTransferFunction(transfer)), transfer));
+}
+
+TEST(TransferFile, rejectsGradientOpacitiesByPlace) {
+  const auto failure = [](const std::string& list) {
+    return failureOf(
+        document(R"("map": "grey", "opacities": [[0, 0.5]], "gradient_opacities": )" + list));
+  };
+  EXPECT_THAT(failure("[]"), HasSubstr("1 to 16"));
+  EXPECT_THAT(failure("3"), HasSubstr("gradient_opacities"));
+  EXPECT_THAT(failure("[[1, 0], [1, 1]]"), HasSubstr("/gradient_opacities/1/0"));
+  EXPECT_THAT(failure("[[-1, 0]]"), HasSubstr("0 or more"));
+  EXPECT_THAT(failure("[[1, 2]]"), HasSubstr("/gradient_opacities/0/1"));
+  EXPECT_THAT(failure("[[1, []]]"), HasSubstr("at least one point"));
+  EXPECT_THAT(failure("[[1, [[0, 1], 5]]]"), HasSubstr("[value, factor]"));
+  EXPECT_THAT(failure("[[1, [[2, 1], [1, 1]]]]"), HasSubstr("ascend"));
+  EXPECT_THAT(failure("[[1]]"), HasSubstr("[magnitude, factor]"));
 }
 
 }  // namespace
