@@ -18,10 +18,13 @@ struct Way {
   const char* name;
   Algorithm algorithm;
   Partition partition;
+  bool shades_every_sample;
 };
-constexpr std::array<Way, 3> kWays = {{{"basic", Algorithm::kConventional, Partition::kBlocks},
-                                       {"object", Algorithm::kMerged, Partition::kBlocks},
-                                       {"ess", Algorithm::kMerged, Partition::kBoxes}}};
+constexpr std::array<Way, 4> kWays = {
+    {{"basic", Algorithm::kConventional, Partition::kBlocks, true},
+     {"whole", Algorithm::kConventional, Partition::kBlocks, false},
+     {"object", Algorithm::kMerged, Partition::kBlocks, false},
+     {"ess", Algorithm::kMerged, Partition::kBoxes, false}}};
 
 double median(std::vector<double> values) {
   std::sort(values.begin(), values.end());
@@ -41,6 +44,7 @@ nlohmann::json rowOf(const SkippingBench& bench, const std::string& word) {
       FrameOptions options = bench.frame;
       options.algorithm = kWays[way].algorithm;
       options.partition = kWays[way].partition;
+      options.shades_every_sample = kWays[way].shades_every_sample;
       options.count_samples = i + 1 == bench.frames;
       scene.session->setOptions(options);
       // Another way changes the plan: that belongs to neither.
@@ -72,15 +76,18 @@ nlohmann::json benchSkipping(const SkippingBench& bench) {
 }
 
 void printSkipping(const nlohmann::json& report) {
-  fmt::print("{:<32} {:>9} {:>9} {:>9} {:>8}   {:>11} {:>11} {:>11} {:>7}\n", "volume", "basic fps",
-             "object", "ESS fps", "speedup", "basic Msamp", "object", "ESS Msamp", "boxes");
+  fmt::print("{:<32} {:>9} {:>9} {:>9} {:>9} {:>8}   {:>11} {:>11} {:>11} {:>7}\n", "volume",
+             "basic fps", "whole", "object", "ESS fps", "speedup", "basic Msamp", "object",
+             "ESS Msamp", "boxes");
   for (const auto& row : report["rows"]) {
     const auto millions = [&](const char* name) { return row[name].get<double>() / 1e6; };
-    fmt::print("{:<32} {:>9.2f} {:>9.2f} {:>9.2f} {:>8.2f}   {:>11.2f} {:>11.2f} {:>11.2f} {:>7}\n",
-               row["volume"].get<std::string>(), row["basic_fps"].get<double>(),
-               row["object_fps"].get<double>(), row["ess_fps"].get<double>(),
-               row["speedup"].get<double>(), millions("basic_samples"), millions("object_samples"),
-               millions("ess_samples"), row["ess_boxes"].get<int64_t>());
+    fmt::print(
+        "{:<32} {:>9.2f} {:>9.2f} {:>9.2f} {:>9.2f} {:>8.2f}   {:>11.2f} {:>11.2f} {:>11.2f} "
+        "{:>7}\n",
+        row["volume"].get<std::string>(), row["basic_fps"].get<double>(),
+        row["whole_fps"].get<double>(), row["object_fps"].get<double>(),
+        row["ess_fps"].get<double>(), row["speedup"].get<double>(), millions("basic_samples"),
+        millions("object_samples"), millions("ess_samples"), row["ess_boxes"].get<int64_t>());
   }
   fmt::print("mean speedup {:.2f}\n", report["mean_speedup"].get<double>());
 }

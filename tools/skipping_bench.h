@@ -1,5 +1,6 @@
 // sluice bench skipping: Li's Table 1 for any set of volumes: frames a second of every block drawn
-// whole (Basic) and of the visible growing boxes alone (ESS).
+// whole with every sample lit and blended, as without any skipping (Basic), and of the visible
+// growing boxes alone (ESS), whose rays go on over samples that show nothing.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -22,8 +23,9 @@ struct SkippingBench {
 };
 
 // {"rows": [...], "mean_speedup": ...}: one object a volume, the names of the interface; samples
-// and boxes beside them, and object boxes (what `--partition blocks` draws) as a third way. The
-// ways take turns frame by frame, so that a machine that drifts favours none. Throws Error.
+// and boxes beside them, whole blocks whose rays go on as well ("whole"), and object boxes
+// (what `--partition blocks` draws). The ways take turns frame by frame, so that a machine that
+// drifts favours none. Throws Error.
 nlohmann::json benchSkipping(const SkippingBench& bench);
 void printSkipping(const nlohmann::json& report);
 

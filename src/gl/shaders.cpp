@@ -33,8 +33,10 @@ uniform vec4 view_pixel_ray;
 FLAT vec3 step_dx, step_dy;
 FLAT vec4 pixel_ray;          // u tan x = x * .x + .y, v tan y = y * .z + .w
 #endif
-#if GRADIENTS
+#if GOES_AHEAD
 FLAT vec2 visible;            // texel values beyond these show nothing
+#endif
+#if GRADIENTS
 // Along the texture's axes, for a difference of texel values from voxel to voxel: times slope, the
 // gradient in the world; the others make products with the direction of the light (times what of it
 // is reflected) and with the one in which it would be seen in a mirror.
@@ -90,8 +92,10 @@ void main() {
   step_dy = view_step_dy;
   pixel_ray = view_pixel_ray;
 #endif
-#if GRADIENTS
+#if GOES_AHEAD
   visible = visible_texels;
+#endif
+#if GRADIENTS
   slope = textureOrder(index_slope);
 #endif
 #if LIT
@@ -294,7 +298,7 @@ void main() {
   for (int k = range.x; k < range.y; ++k) {
     vec3 at;
     float value;
-#if GRADIENTS
+#if GOES_AHEAD
     // On to the next sample that may show something. Software GL runs a loop's body for several
     // pixels together, as long as any of them needs it, and skips nothing by `if`: so each pixel goes
     // ahead to where it has something to light, and the reads there are made for all at once.
@@ -305,7 +309,7 @@ void main() {
 #endif
       at = first + float(k - first_k) * along;
       value = textureLod(chunk, at, 0.0).r;
-#if GRADIENTS
+#if GOES_AHEAD
       if ((value >= visible.x && value <= visible.y) || k + 1 == range.y) break;
     }
 #endif
@@ -380,6 +384,7 @@ std::string definitions(const ShaderVariant& v) {
                                                  {"FACTOR_TABLE", v.factor_table},
                                                  {"CORRECTS", v.corrects},
                                                  {"SHININESS", v.shininess},
+                                                 {"GOES_AHEAD", v.goes_ahead},
                                                  {"OBLIQUE", v.oblique}};
   std::string lines;
   for (const auto& [name, value] : numbers) lines += fmt::format("#define {} {}\n", name, value);

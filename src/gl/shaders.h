@@ -23,6 +23,7 @@ struct ShaderVariant {
   int gradient_rows = 0;  // of factors by gradient magnitude; 0: the opacity follows from values
   bool factor_table = false;  // factors depend on the value too
   bool corrects = false;      // with factors: a sample's length is not the opacity's
+  bool goes_ahead = false;    // with gradients: leaves out samples that show nothing
   bool oblique = false;       // with gradients: the volume's axes are not at right angles
   friend auto operator<=>(const ShaderVariant&, const ShaderVariant&) = default;
 };

@@ -118,6 +118,7 @@ void chooseShading(const FrameSetup& setup, ShaderVariant& variant) {
   variant.factor_table = look_up.factors.size() > look_up.magnitudes.size();
   variant.corrects = variant.gradient_rows > 0 && (variant.perspective || setup.slice_length != 1);
   if (!setup.lit && variant.gradient_rows == 0) return;
+  variant.goes_ahead = !setup.shades_every_sample;
   const Vec3d cosines = axisCosines(setup);
   constexpr double kRounding = 1e-6;
   variant.oblique =

@@ -76,10 +76,11 @@ struct FrameSetup {
   DeviceType type = DeviceType::kU8;
   LookUp look_up;
   Mode mode = Mode::kComposite;
-  double opacity_threshold = 1;  // a ray ends inside a box at this opacity; 1: never
-  bool with_depth = false;       // composite only: the picture gets a depth channel
-  bool counts_taken = false;     // composite only, not with depth: takenSamples() can be asked
-  bool lit = false;              // composite only: chunks carry a ghost layer around each block
+  double opacity_threshold = 1;      // a ray ends inside a box at this opacity; 1: never
+  bool with_depth = false;           // composite only: the picture gets a depth channel
+  bool counts_taken = false;         // composite only, not with depth: takenSamples() can be asked
+  bool shades_every_sample = false;  // see FrameOptions
+  bool lit = false;                  // composite only: chunks carry a ghost layer around each block
   Lighting lighting;
   // Camera-space direction (right, up, toward the viewer) of one device value more a voxel along
   // each index axis: unit axis / spacing.

@@ -46,7 +46,10 @@ struct FrameOptions {
   // How long a frame may wait for what it lacks, its drawing included as far as the last frame
   // tells. What is missing then is left out; the next frames have it. Unset: all is waited for.
   std::optional<double> time_limit_s;
-  bool keep_phases = false;    // fills Frame::phases; with occlusion
+  bool keep_phases = false;  // fills Frame::phases; with occlusion
+  // Reads, lights and blends every sample of what is drawn, also those that show nothing, as
+  // renderers without empty space skipping do (Li's Basic): what skipping is measured against.
+  bool shades_every_sample = false;
   bool count_samples = false;  // fills FrameReport::samples_*; costs a pass without texture reads
 };
 

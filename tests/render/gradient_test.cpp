@@ -187,6 +187,21 @@ TEST_F(GradientTest, depthAndEarlyEndsCountWhatIsLeftOfTheOpacity) {
   }
 }
 
+// What benches measure skipping against draws the same.
+TEST_F(GradientTest, samplesThatAreLeftOutShowNothing) {
+  for (const VoxelType type : {VoxelType::kU8, VoxelType::kF32})
+    for (const Projection projection : kProjections)
+      for (const bool lit : {false, true}) {
+        const auto source = blobs(type, 6);
+        RenderScene scene(device(), *source, modulated(0.2, valueRangeOf(*source)),
+                          {.lit = lit, .ghost = true});
+        FrameOptions options = obliqueView(projection);
+        const FloatPicture drawn = scene.draw(options);
+        options.shades_every_sample = true;
+        EXPECT_TRUE(within(0.25, scene.draw(options), drawn)) << name(type) << ", lit " << lit;
+      }
+}
+
 TEST_F(GradientTest, otherModesLookAtValuesAlone) {
   const auto source = blobs(VoxelType::kU8, 5);
   const ValueRange range = valueRangeOf(*source);
