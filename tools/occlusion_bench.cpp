@@ -15,8 +15,8 @@ namespace {
 using nlohmann::json;
 
 constexpr int kWarmFrames = 2;
-// The default ramp begins at opacity 0.01: half opaque a voxel at the threshold, and soon all.
-constexpr double kSurfaceFactor = 50;
+// The default ramp begins at opacity 0.01 a voxel: at the threshold a ray is opaque within two.
+constexpr double kSurfaceFactor = 80;
 constexpr std::array<double, 4> kAdaptTurns = {0, 60, 150, 240};  // degrees more of azimuth
 
 struct Way {

@@ -15,7 +15,7 @@ namespace sluice {
 // pixel was opaque. Under `updates`: the numbers of map updates wanted and made, frame by frame, of
 // `adapt_frames` frames of each of four views.
 //
-// Transfer functions of a threshold or of none become surface-like: 50 times as opaque. Each way
+// Transfer functions of a threshold or of none become surface-like: 80 times as opaque. Each way
 // draws its frames in a row, since the number of updates adapts from frame to frame. Throws Error.
 nlohmann::json benchOcclusion(const VolumesBench& bench, int adapt_frames);
 void printOcclusion(const nlohmann::json& report);
