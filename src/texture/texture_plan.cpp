@@ -314,6 +314,7 @@ std::vector<int64_t> layerOrder(const TexturePlan& plan, std::span<const int64_t
   }
   std::sort(order.begin(), order.end());
   std::vector<int64_t> positions;
+  positions.reserve(order.size());
   for (const auto& [layer, position] : order) positions.push_back(position);
   return positions;
 }
