@@ -46,6 +46,10 @@ Frame Session::drawFrame() {
   const MovedBytes moved_before = movedBytes();
   const uint64_t binds_before = device_.binds(), pages_before = cache_.pagesLoaded();
 
+  // A frame that failed may have left some.
+  pending_.boxes.clear();
+  counted_.clear();
+
   classifyBlocks(report);
   planChunks(report);
 
@@ -190,6 +194,7 @@ void Session::drawBlocks(std::span<const int64_t> order, const EyePosition& eye,
     }
     if (!cache_.contains(names_[static_cast<size_t>(block.chunk)])) {  // left out at the time limit
       report.missing_share += static_cast<double>(block.cells.count());
+      if (occlusion_) shown_[static_cast<size_t>(block.chunk)] = true;  // the next frame wants it
       continue;
     }
     drawBlock(position, eye, report);

@@ -6,6 +6,7 @@
 #include "src/classify/transfer_makers.h"
 #include "tests/render/render_scene.h"
 #include "tests/support/counting_source.h"
+#include "tests/support/failing_source.h"
 #include "tests/support/function_source.h"
 #include "tests/support/random_volume.h"
 
@@ -207,6 +208,43 @@ TEST_F(OcclusionTest, raysThatEndAndPixelsThatStopTakeFewerSamples) {
   const FrameReport clipped = scene.frame(options).report;
   EXPECT_LT(clipped.samples_drawn, ending.samples_drawn);
   EXPECT_LT(clipped.samples_taken, ending.samples_taken);
+}
+
+TEST_F(OcclusionTest, aFrameThatFailsLeavesNothingToTheNext) {
+  const auto source = wallBeforeBlobs();
+  const SceneOptions small{.block_vox = 16, .pages = 128, .memory_bytes = uint64_t{12} << 20};
+  RenderScene whole(device(), *source, opaqueAbove(30), small);
+  FrameOptions options = straight(Projection::kOrtho);
+  options.opacity_threshold = 1;
+  const Frame expected = whole.frame(options);
+  options.occlusion = Occlusion::kCull;
+  for (const int64_t read : {0, 3, 6}) {
+    FailingSource failing(*source, FailingSource::Failure::kError, read);
+    WorkerPool pool(2);
+    Session session(failing, 0, whole.ranges(), device(), pool,
+                    {.page = {small.page_vox, 1, small.pages}, .memory_bytes = small.memory_bytes});
+    session.setTransferFunction(opaqueAbove(30));
+    session.setOptions(options);
+    EXPECT_THROW(session.frame(), Error);
+    EXPECT_EQ(session.frame().picture.rgba, expected.picture.rgba);
+  }
+}
+
+// What a time limit left out was not hidden: the next frames have it.
+TEST_F(OcclusionTest, limitedFramesAreCompletedByTheNext) {
+  const auto source = wallBeforeBlobs();
+  const SceneOptions small{.block_vox = 16, .pages = 128, .memory_bytes = uint64_t{12} << 20};
+  RenderScene scene(device(), *source, opaqueAbove(30), small);
+  FrameOptions options = straight(Projection::kOrtho);
+  options.opacity_threshold = 1;
+  options.occlusion = Occlusion::kCull;
+  options.time_limit_s = 0;
+  for (int i = 0; i < 1000 && scene.session().frame().report.missing_share > 0; ++i)
+    scene.session().setOptions(options);
+  options.time_limit_s.reset();
+  const Frame complete = scene.frame(options);
+  options.occlusion = Occlusion::kOff;
+  EXPECT_EQ(complete.picture.rgba, scene.frame(options).picture.rgba);
 }
 
 // Figure 8: blending what was drawn between updates gives the picture.
