@@ -70,14 +70,14 @@ double processingSeconds(Scene& scene, const LookArguments& look, const FrameOpt
   return stages.classify + stages.plan + stages.copy;
 }
 
-nlohmann::json rowOf(const AlgorithmsBench& bench, const std::string& word) {
+nlohmann::json rowOf(const VolumesBench& bench, const std::string& word) {
   const auto [file, threshold] = splitThreshold(word, bench.look.threshold);
   LookArguments look = bench.look;
   look.threshold = threshold;
-  Scene scene({{file}, bench.open, 0}, look, bench.resources, bench.frame.partition);
+  Scene scene({{file}, bench.open, bench.time}, look, bench.resources, bench.frame.partition);
   nlohmann::json row{{"volume", file},
                      {"threshold", threshold ? nlohmann::json(*threshold) : nlohmann::json()},
-                     {"empty_percent", emptyPercent(scene.volume, scene.transfer, 0)}};
+                     {"empty_percent", emptyPercent(scene.volume, scene.transfer, bench.time)}};
   const auto page_bytes = static_cast<uint64_t>(scene.volume.page.pageBytes());
   for (const Algorithm algorithm : kAlgorithms) {
     const Measured measured = measure(*scene.session, bench.frame, algorithm, bench.frames);
@@ -102,16 +102,7 @@ nlohmann::json rowOf(const AlgorithmsBench& bench, const std::string& word) {
 
 }  // namespace
 
-std::pair<std::string, std::optional<double>> splitThreshold(const std::string& word,
-                                                             std::optional<double> threshold) {
-  const size_t at = word.rfind('@');
-  if (at == std::string::npos) return {word, threshold};
-  const auto number = parseNumbers(word.substr(at + 1), 1);
-  if (!number) return {word, threshold};
-  return {word.substr(0, at), number->front()};
-}
-
-nlohmann::json benchAlgorithms(const AlgorithmsBench& bench) {
+nlohmann::json benchAlgorithms(const VolumesBench& bench) {
   nlohmann::json rows = nlohmann::json::array();
   for (const std::string& word : bench.volumes) rows.push_back(rowOf(bench, word));
   return {{"rows", rows}};

@@ -29,12 +29,6 @@ struct Arguments {
 };
 constexpr int kWarmFrames = 2;
 
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const size_t middle = values.size() / 2;
-  return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
-}
-
 int runLimit(const Arguments& arguments) {
   GlDevice device(createContext(arguments.resources.gl));
   const double rate = samplingLimit(device, arguments.frame.size, arguments.frames);
@@ -93,72 +87,27 @@ int runRender(const Arguments& arguments, const CLI::App& app) {
   return 0;
 }
 
-int runAlgorithms(const Arguments& arguments, const CLI::App& app) {
-  AlgorithmsBench bench;
-  bench.volumes = arguments.volume.inputs;
-  bench.open = arguments.volume.open;
-  bench.look = arguments.look;
-  bench.frame = arguments.frame;
-  bench.resources = arguments.resources;
-  bench.frames = arguments.frames;
-  nlohmann::json report = benchAlgorithms(bench);
-  if (arguments.json) {
-    report.update({{"command", "bench algorithms"}, {"options", optionsJson(app)}});
-    fmt::print("{}\n", report.dump(2));
-  } else {
-    printAlgorithms(report);
-  }
-  return 0;
+VolumesBench volumesBench(const Arguments& arguments) {
+  return {arguments.volume.inputs, arguments.look,        arguments.frame, arguments.resources,
+          arguments.volume.open,   arguments.volume.time, arguments.frames};
 }
 
-int runSkipping(const Arguments& arguments, const CLI::App& app) {
-  SkippingBench bench;
-  bench.volumes = arguments.volume.inputs;
-  bench.open = arguments.volume.open;
-  bench.time = arguments.volume.time;
-  bench.look = arguments.look;
-  bench.frame = arguments.frame;
-  bench.resources = arguments.resources;
-  bench.frames = arguments.frames;
-  nlohmann::json report = benchSkipping(bench);
+// As JSON, with what was asked, or for people.
+int show(nlohmann::json report, const Arguments& arguments, const CLI::App& app,
+         void (*print)(const nlohmann::json&)) {
   if (arguments.json) {
-    report.update({{"command", "bench skipping"}, {"options", optionsJson(app)}});
+    report.update({{"command", "bench " + app.get_name()}, {"options", optionsJson(app)}});
     fmt::print("{}\n", report.dump(2));
   } else {
-    printSkipping(report);
-  }
-  return 0;
-}
-
-int runOcclusion(const Arguments& arguments, int adapt_frames, const CLI::App& app) {
-  VolumesBench bench;
-  bench.volumes = arguments.volume.inputs;
-  bench.open = arguments.volume.open;
-  bench.time = arguments.volume.time;
-  bench.look = arguments.look;
-  bench.frame = arguments.frame;
-  bench.resources = arguments.resources;
-  bench.frames = arguments.frames;
-  nlohmann::json report = benchOcclusion(bench, adapt_frames);
-  if (arguments.json) {
-    report.update({{"command", "bench occlusion"}, {"options", optionsJson(app)}});
-    fmt::print("{}\n", report.dump(2));
-  } else {
-    printOcclusion(report);
+    print(report);
   }
   return 0;
 }
 
 int runThreshold(const Arguments& arguments, int changes, const CLI::App& app) {
-  nlohmann::json report = benchThreshold(
-      {arguments.volume, arguments.look, arguments.frame, arguments.resources, changes});
-  if (arguments.json) {
-    report.update({{"command", "bench threshold"}, {"options", optionsJson(app)}});
-    fmt::print("{}\n", report.dump(2));
-  } else {
-    printThreshold(report);
-  }
-  return 0;
+  return show(benchThreshold({arguments.volume, arguments.look, arguments.frame,
+                              arguments.resources, changes}),
+              arguments, app, printThreshold);
 }
 
 int runPacking(const Arguments& arguments) {
@@ -203,6 +152,18 @@ int runSlicing(bool as_json) {
   return 0;
 }
 
+// Of the benches over any set of volumes.
+void addVolumesOptions(CLI::App& app, Arguments& arguments) {
+  addVolumeOptions(app, arguments.volume);
+  addLookOptions(app, arguments.look);
+  addViewOptions(app, arguments.frame);
+  addResourceOptions(app, arguments.resources);
+  app.add_option("--frames", arguments.frames, "Frames measured of each way, after 2 warm ones")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 100000));
+  app.add_flag("--json", arguments.json, "One JSON object");
+}
+
 }  // namespace
 
 Command addBench(CLI::App& program) {
@@ -241,14 +202,7 @@ Command addBench(CLI::App& program) {
       app->add_subcommand("algorithms",
                           "Tong's Table 1: I conventional, II clipped, III trimmed, IV merged\n\n"
                           "  sluice bench algorithms bonsai.nii.gz@40 engine.nii.gz@80");
-  addVolumeOptions(*algorithms, paper->volume);
-  addLookOptions(*algorithms, paper->look);
-  addViewOptions(*algorithms, paper->frame);
-  addResourceOptions(*algorithms, paper->resources);
-  algorithms->add_option("--frames", paper->frames, "Frames measured, after 2 warm ones")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 100000));
-  algorithms->add_flag("--json", paper->json, "One JSON object");
+  addVolumesOptions(*algorithms, *paper);
   auto lit = std::make_shared<Arguments>(*arguments);
   lit->frame.step_vox = 0.5;
   lit->look.shade = lit->look.modulate = true;
@@ -257,14 +211,7 @@ Command addBench(CLI::App& program) {
                           "Li's Table 1: every block whole against the visible growing boxes, lit "
                           "and modulated by the gradient, half a voxel between slices\n\n"
                           "  sluice bench skipping bonsai.nii.gz@40 engine.nii.gz@80");
-  addVolumeOptions(*skipping, lit->volume);
-  addLookOptions(*skipping, lit->look);
-  addViewOptions(*skipping, lit->frame);
-  addResourceOptions(*skipping, lit->resources);
-  skipping->add_option("--frames", lit->frames, "Frames measured of each, after 2 warm ones")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 100000));
-  skipping->add_flag("--json", lit->json, "One JSON object");
+  addVolumesOptions(*skipping, *lit);
   auto surface = std::make_shared<Arguments>(*lit);
   auto adapt_frames = std::make_shared<int>(0);
   CLI::App* occlusion =
@@ -272,21 +219,13 @@ Command addBench(CLI::App& program) {
                           "Li's Table 2: growing boxes without and with occlusion culling and "
                           "clipping, surface-like\n\n"
                           "  sluice bench occlusion bonsai.nii.gz@40 engine.nii.gz@80");
-  addVolumeOptions(*occlusion, surface->volume);
-  addLookOptions(*occlusion, surface->look);
-  addViewOptions(*occlusion, surface->frame);
-  addResourceOptions(*occlusion, surface->resources);
-  occlusion
-      ->add_option("--frames", surface->frames, "Frames measured of each way, after 2 warm ones")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 100000));
+  addVolumesOptions(*occlusion, *surface);
   occlusion
       ->add_option(
           "--adapt-frames", *adapt_frames,
           "Frames of each of four views whose numbers of map updates are listed (Figure 6)")
       ->capture_default_str()
       ->check(CLI::Range(0, 100000));
-  occlusion->add_flag("--json", surface->json, "One JSON object");
   auto changes = std::make_shared<int>(24);
   CLI::App* threshold = app->add_subcommand(
       "threshold",
@@ -318,9 +257,16 @@ Command addBench(CLI::App& program) {
     if (packing->parsed()) return runPacking(*arguments);
     if (threshold->parsed()) return runThreshold(*arguments, *changes, *threshold);
     if (slicing->parsed()) return runSlicing(arguments->json);
-    if (skipping->parsed()) return runSkipping(*lit, *skipping);
-    if (occlusion->parsed()) return runOcclusion(*surface, *adapt_frames, *occlusion);
-    if (algorithms->parsed()) return runAlgorithms(*paper, *algorithms);
+    if (skipping->parsed()) {
+      return show(benchSkipping(volumesBench(*lit)), *lit, *skipping, printSkipping);
+    }
+    if (occlusion->parsed()) {
+      return show(benchOcclusion(volumesBench(*surface), *adapt_frames), *surface, *occlusion,
+                  printOcclusion);
+    }
+    if (algorithms->parsed()) {
+      return show(benchAlgorithms(volumesBench(*paper)), *paper, *algorithms, printAlgorithms);
+    }
     return runRender(*arguments, *render);
   };
 }

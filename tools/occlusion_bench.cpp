@@ -6,7 +6,6 @@
 #include <array>
 
 #include "src/classify/transfer_makers.h"
-#include "tools/algorithms_bench.h"
 #include "tools/scene.h"
 
 namespace sluice {
@@ -31,11 +30,6 @@ constexpr std::array<Way, 5> kWays = {
      {"ess_m", Algorithm::kMerged, Partition::kBoxes, Occlusion::kMap},
      {"ess_c", Algorithm::kMerged, Partition::kBoxes, Occlusion::kCull},
      {"ess_cc", Algorithm::kMerged, Partition::kBoxes, Occlusion::kClip}}};
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
-}
 
 struct Measured {
   double fps = 0;

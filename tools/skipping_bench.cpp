@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 
-#include "tools/algorithms_bench.h"
 #include "tools/scene.h"
 
 namespace sluice {
@@ -26,12 +25,7 @@ constexpr std::array<Way, 4> kWays = {
      {"object", Algorithm::kMerged, Partition::kBlocks, false},
      {"ess", Algorithm::kMerged, Partition::kBoxes, false}}};
 
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
-}
-
-nlohmann::json rowOf(const SkippingBench& bench, const std::string& word) {
+nlohmann::json rowOf(const VolumesBench& bench, const std::string& word) {
   const auto [file, threshold] = splitThreshold(word, bench.look.threshold);
   LookArguments look = bench.look;
   look.threshold = threshold;
@@ -65,7 +59,7 @@ nlohmann::json rowOf(const SkippingBench& bench, const std::string& word) {
 
 }  // namespace
 
-nlohmann::json benchSkipping(const SkippingBench& bench) {
+nlohmann::json benchSkipping(const VolumesBench& bench) {
   nlohmann::json rows = nlohmann::json::array();
   double sum = 0;
   for (const std::string& word : bench.volumes) {

@@ -1,7 +1,9 @@
-// What benches over any set of volumes are asked.
+// What benches over any set of volumes are asked, and what they share.
 #pragma once
 
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tools/options.h"
@@ -17,5 +19,11 @@ struct VolumesBench {
   int64_t time = 0;
   int frames = 9;
 };
+
+// "bonsai.nii.gz@40" -> the file and 40; a file without one keeps `threshold`.
+std::pair<std::string, std::optional<double>> splitThreshold(const std::string& word,
+                                                             std::optional<double> threshold);
+// Requires: values not empty.
+double median(std::vector<double> values);
 
 }  // namespace sluice
