@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstdint>
+#include <numeric>
 #include <vector>
 
 #include "src/base/histogram.h"
@@ -21,9 +22,11 @@ class KeyHistogram {
   void add(const T* voxels, int64_t count) {
     for (int64_t i = 0; i < count; ++i) ++counts_[keyOf(voxels[i])];
   }
+  void add(T value, uint64_t count) { counts_[keyOf(value)] += count; }
   void add(const KeyHistogram& other) {
     for (size_t i = 0; i < counts_.size(); ++i) counts_[i] += other.counts_[i];
   }
+  uint64_t total() const { return std::accumulate(counts_.begin(), counts_.end(), uint64_t{0}); }
   // Device values, NaN and infinities left out. Integers of a range up to 4095 get one bin a value,
   // others 4096 bins. Requires: `range` holds every value added.
   void finish(ValueRange range, Histogram& out) const {

@@ -31,6 +31,19 @@ Box3 ownedVoxels(const BlockLayout& layout, Vec3i index) {
   return {cells.lo, cells.hi + Vec3i{1, 1, 1}};
 }
 
+// Voxels that the histogram counts: of every other row of every other plane of each block, each
+// row once though blocks share their ends.
+uint64_t sampledVoxels(const BlockLayout& layout) {
+  constexpr long double kMost = 1e18L;  // volumes that are mostly nothing may have 2^90 voxels
+  long double voxels = static_cast<long double>(layout.dims.x);
+  for (int a = 1; a < 3; ++a) {
+    const int64_t last = layout.dims[a] - (layout.grid[a] - 1) * layout.cells();
+    const int64_t rows = (layout.grid[a] - 1) * ceilDiv(layout.planes(), 2) + ceilDiv(last, 2);
+    voxels *= static_cast<long double>(rows);
+  }
+  return static_cast<uint64_t>(std::min(voxels, kMost));
+}
+
 int64_t blocksPerRead(const BlockLayout& layout, size_t voxel_bytes, uint64_t thread_bytes) {
   const auto bytes = static_cast<int64_t>(std::min(kBytesPerRead, thread_bytes));
   const int64_t block_bytes = volume(Vec3i{layout.cells(), layout.cells(), layout.cells()}) *
@@ -169,9 +182,11 @@ class Builder {
                                     planes_.data() + at * perBlock());
       widen(work->seen, numbersOf(totals_[at], first, own.size(), size));
     }
+    // The last plane is the next run's first.
+    const int64_t row = size.x - (last.x + 1 < layout.grid.x ? 1 : 0);
     for (int64_t z = 0; z < size.z; z += 2)
       for (int64_t y = 0; y < size.y; y += 2)
-        work->histogram.add(voxels + (z * size.y + y) * size.x, size.x);
+        work->histogram.add(voxels + (z * size.y + y) * size.x, row);
     const std::lock_guard lock(mutex_);
     idle_.push_back(std::move(work));
   }
@@ -192,6 +207,8 @@ class Builder {
     }
     if (seen.lo <= seen.hi)
       result_.device_range = {static_cast<double>(seen.lo), static_cast<double>(seen.hi)};
+    const uint64_t sampled = sampledVoxels(result_.layout), counted = histogram.total();
+    if (sampled > counted) histogram.add(background(), sampled - counted);
     histogram.finish(result_.device_range, result_.histogram);
     keepOnlyNonBackground();
     const auto bytesOf = [](const auto& values) {

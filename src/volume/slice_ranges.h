@@ -36,7 +36,8 @@ struct SliceRanges {
   // PlaneRange<T>[held][axis][plane], layout.planes() an axis.
   std::vector<std::byte> planes;
   ValueRange device_range;  // of all voxels but NaN and infinities; 0, 0 where there are no others
-  Histogram histogram;      // device values, from a quarter of the voxel rows
+  // Device values of a quarter of the voxel rows, the background of blocks not read included.
+  Histogram histogram;
 
   template <class T>
   std::span<const PlaneRange<T>> totalsAs() const {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <fstream>
+#include <set>
 
 #include "io/png_file.h"
 #include "tests/tools/program.h"
@@ -80,6 +81,37 @@ TEST(OutOfCore, theSameNumberOfPagesGivesTheVerySamePicture) {
   }
 }
 
+// Which blocks merge follows from the clusters, and with them from the pages that the memory has
+// room for; where a block lies in its chunk is what rounds its texture coordinates. Blocks that do
+// not merge lie where they lie.
+TEST(OutOfCore, unmergedBlocksGiveTheVerySamePictureUnderAnyBudget) {
+  const Program program;
+  makeStores(program);
+  const std::string view = std::string(kView) + " --block 16 --algorithm trimmed";
+  ASSERT_EQ(program.run("render v_200x150x120_uint8.raw --memory 1G -o all.png" + view).status, 0);
+  const std::string expected = readFile(program.folder / "all.png");
+  std::set<int64_t> pages;
+  for (const char* memory : {"16M", "24M", "64M", "256M"}) {
+    const auto report = program.json(std::string("render v_200x150x120_uint8.raw --memory ") +
+                                     memory + " -o some.png" + view);
+    EXPECT_TRUE(readFile(program.folder / "some.png") == expected) << memory;
+    pages.insert(report["levels"]["texture_cache"]["pages"].get<int64_t>());
+  }
+  EXPECT_GT(pages.size(), 1U) << "clusters of several sizes";
+}
+
+TEST(OutOfCore, aSlabGivesTheVerySamePictureUnderAnyBudget) {
+  const Program program;
+  ASSERT_EQ(program.run("synth slab -o s.raw --dims 260,200,200 --share 0.3").status, 0);
+  const std::string line = std::string("render s_260x200x200_uint8.raw") + kView + " -o ";
+  ASSERT_EQ(program.run(line + "all.png --memory 1G").status, 0);
+  const std::string expected = readFile(program.folder / "all.png");
+  for (const char* memory : {"24M", "32M", "64M", "256M"}) {
+    ASSERT_EQ(program.run(line + "some.png --memory " + memory).status, 0) << memory;
+    EXPECT_TRUE(readFile(program.folder / "some.png") == expected) << memory;
+  }
+}
+
 TEST(OutOfCore, tooLittleMemoryIsOneLineWithTheLeastThatWorksAndThatWorks) {
   const Program program;
   makeStores(program);
@@ -141,6 +173,42 @@ TEST(OutOfCore, anIndexThatCannotBeKeptAnywhereIsSaidAndNoFailure) {
   const CommandResult drawn = program.run("render " + volume + " -o a.png" + kView);
   EXPECT_EQ(drawn.status, 0);
   EXPECT_NE(drawn.output.find(".sluice-index"), std::string::npos) << drawn.output;
+}
+
+// A limit on file sizes stands in for a full disk.
+TEST(OutOfCore, aDiskThatIsFullWhileIndexingLeavesNoIndexAndThePictureIsDrawn) {
+  const Program program;
+  ASSERT_EQ(program.run("synth noise -o v.raw --dims 128,128,128 --share 0.3").status, 0);
+  const std::string volume = "v_128x128x128_uint8.raw";
+  const std::string folder = shellQuoted(program.folder.path().string());
+  const CommandResult info =
+      runCommand("cd " + folder + " && trap '' XFSZ; ulimit -f 1; XDG_CACHE_HOME=\"$PWD/cache\" " +
+                 SLUICE_PROGRAM " info " + volume + " --block 16");
+  EXPECT_EQ(info.status, 0) << info.output;
+  EXPECT_NE(info.output.find("not kept"), std::string::npos) << info.output;
+  EXPECT_NE(info.output.find("File too large"), std::string::npos) << info.output;
+  for (const char* place : {"v_128x128x128_uint8.raw.sluice-index", "cache"})
+    if (program.exists(place)) {
+      for (const auto& entry : fs::recursive_directory_iterator(program.folder / place))
+        EXPECT_FALSE(entry.is_regular_file()) << entry.path();
+    }
+  EXPECT_EQ(program.json("info " + volume + " --block 16")["index"]["state"], "built");
+  EXPECT_EQ(program.json("info " + volume + " --block 16")["index"]["state"], "read");
+}
+
+// The file ends while it is read: one whose pass is slow enough to be cut short on its way.
+TEST(OutOfCore, aFileCutShortWhileIndexingIsOneLineAndLeavesNoIndex) {
+  const Program program;
+  ASSERT_EQ(program.run("synth noise -o v.raw --dims 700,700,700 --share 0.3").status, 0);
+  const std::string volume = "v_700x700x700_uint8.raw";
+  const CommandResult info = runCommand(
+      "cd " + shellQuoted(program.folder.path().string()) + " && " SLUICE_PROGRAM " info " +
+      volume + " --threads 1 & sleep 0.1; truncate -s 1000000 " +
+      shellQuoted((program.folder / volume).string()) + "; wait $!");
+  EXPECT_EQ(info.status, 1) << info.output;
+  EXPECT_EQ(std::count(info.output.begin(), info.output.end(), '\n'), 1) << info.output;
+  EXPECT_NE(info.output.find(volume), std::string::npos) << info.output;
+  EXPECT_FALSE(program.exists(volume + ".sluice-index"));
 }
 
 // How much a limit leaves out depends on the machine; that a session leaves out what is late is

@@ -354,17 +354,22 @@ TEST(SliceRanges, occupancyGivesWhatReadingEverythingGives) {
       }
       boxes.push_back(box);
     }
+    const auto valueAt = [&](Vec3i p) {
+      for (const Box3& box : boxes)
+        if (box.contains(p)) return static_cast<double>(100 + p.x + p.y + p.z);
+      return 7.0;
+    };
     FunctionSource sparse = sparseSource(dims, VoxelType::kU16, 7, boxes, [](int64_t, Vec3i p) {
       return static_cast<double>(100 + p.x + p.y + p.z);
     });
+    FunctionSource dense(sparse.layout(), [&](int64_t, Vec3i p) { return valueAt(p); });
     for (const int ghost : {0, 1}) {
-      const SliceRanges ranges = build(sparse, 8, ghost);
+      const SliceRanges ranges = build(sparse, 8, ghost), all = build(dense, 8, ghost);
+      EXPECT_EQ(ranges.histogram.range, all.histogram.range);
+      EXPECT_EQ(ranges.histogram.counts, all.histogram.counts);
+      EXPECT_LT(sparse.storedBytesRead(), dense.storedBytesRead());
       EXPECT_EQ(ranges.background, 7);
-      expectRangesOf(ranges, [&](Vec3i p) {
-        for (const Box3& box : boxes)
-          if (box.contains(p)) return static_cast<double>(100 + p.x + p.y + p.z);
-        return 7.0;
-      });
+      expectRangesOf(ranges, valueAt);
       if (HasFatalFailure()) FAIL() << "trial " << trial << " ghost " << ghost;
     }
   }
@@ -383,6 +388,7 @@ TEST(SliceRanges, aTinyPartOfAnEnormousIndexSpaceCostsItself) {
   EXPECT_EQ(ranges.totalsAs<float>()[0].hi, 8);
   EXPECT_EQ(ranges.totalsAs<float>()[1].hi, 999);
   EXPECT_LE(source.counts().voxels, 2 * 64 * 64 * 64);
+  EXPECT_GT(ranges.histogram.counts.front(), 1'000'000'000'000U) << "background not read counts";
   EXPECT_LE(ranges.bytes(), 2U * (8 + 8 + 3 * 64 * 8));
 }
 
