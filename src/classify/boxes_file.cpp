@@ -1,8 +1,6 @@
 #include "src/classify/boxes_file.h"
 
-#include <cstring>
-#include <type_traits>
-
+#include "src/base/byte_stream.h"
 #include "src/base/error.h"
 
 namespace sluice {
@@ -11,34 +9,7 @@ namespace {
 // In place of an axis, for a node without a plane.
 constexpr uint8_t kLeaf = 3;
 
-class Writer {
- public:
-  template <class T>
-  void value(const T& v) {
-    static_assert(std::is_trivially_copyable_v<T>);
-    const auto* from = reinterpret_cast<const std::byte*>(&v);
-    bytes.insert(bytes.end(), from, from + sizeof v);
-  }
-  std::vector<std::byte> bytes;
-};
-
-class Reader {
- public:
-  explicit Reader(std::span<const std::byte> bytes) : left_(bytes) {}
-  template <class T>
-  bool value(T& v) {
-    if (left_.size() < sizeof v) return false;
-    std::memcpy(&v, left_.data(), sizeof v);
-    left_ = left_.subspan(sizeof v);
-    return true;
-  }
-  std::span<const std::byte> left() const { return left_; }
-
- private:
-  std::span<const std::byte> left_;
-};
-
-void write(Writer& out, const GrownBox& box) {
+void write(ByteWriter& out, const GrownBox& box) {
   out.value(box.range.lo);
   out.value(box.range.hi);
   out.value(box.range.gradient_lo);
@@ -47,7 +18,7 @@ void write(Writer& out, const GrownBox& box) {
 }
 
 // All but the cells. False also for intervals that are none.
-bool read(Reader& in, GrownBox& box) {
+bool read(ByteReader& in, GrownBox& box) {
   CellRange& range = box.range;
   uint8_t type = 0;
   if (!in.value(range.lo) || !in.value(range.hi) || !in.value(range.gradient_lo) ||
@@ -147,7 +118,7 @@ class TreeReader {
     return true;
   }
 
-  Reader in_;
+  ByteReader in_;
   const Vec3i cells_;
   BoxTree tree_;
 };
@@ -180,7 +151,7 @@ PieceHeader headerOf(const BoxesOrigin& origin, int64_t first, int64_t count) {
 }  // namespace
 
 std::vector<std::byte> serialize(const BoxTree& tree) {
-  Writer out;
+  ByteWriter out;
   out.value(tree.grown);
   out.value(static_cast<uint32_t>(tree.textures.size()));
   for (const GrownBox& texture : tree.textures) {
@@ -214,7 +185,7 @@ std::span<const std::byte> BoxesPiece::treeBytes(int64_t block) const {
 }
 
 std::vector<std::byte> serialize(const BoxesPiece& piece, const BoxesOrigin& origin) {
-  Writer out;
+  ByteWriter out;
   out.value(headerOf(origin, piece.first, static_cast<int64_t>(piece.ends.size())));
   for (const uint64_t end : piece.ends) out.value(end);
   out.bytes.insert(out.bytes.end(), piece.bytes.begin(), piece.bytes.end());
@@ -224,7 +195,7 @@ std::vector<std::byte> serialize(const BoxesPiece& piece, const BoxesOrigin& ori
 std::optional<BoxesPiece> deserializeBoxesPiece(std::span<const std::byte> bytes,
                                                 const BoxesOrigin& origin, int64_t first,
                                                 int64_t count) {
-  Reader in(bytes);
+  ByteReader in(bytes);
   PieceHeader header{};
   if (!in.value(header) || header != headerOf(origin, first, count)) return std::nullopt;
   BoxesPiece piece;

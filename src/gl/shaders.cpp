@@ -175,7 +175,9 @@ layout(location = 1) out vec4 taken;  // samples; of opacity 0, so that they add
 vec3 textureOrder(vec3 v) { return turn == 2 ? v : turn == 0 ? v.yzx : v.zxy; }
 
 #if GRADIENTS
-// From one voxel to the next, along the texture's axes.
+// From one voxel to the next, along the texture's axes. On software GL the reads beyond the first
+// are half of a lit frame, so that gradients kept with the voxels could save that at most; they
+// would need 16 bits a component and take eight times the bytes of 8-bit data at every level.
 vec3 differenceAt(vec3 at) {
   vec2 n = vec2(1.0, 0.0);
   vec3 after = vec3(textureLod(chunk, at + n.xyy * texel_size, 0.0).r,

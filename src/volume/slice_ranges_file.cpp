@@ -1,56 +1,9 @@
 #include "src/volume/slice_ranges_file.h"
 
-#include <cstring>
-#include <type_traits>
-
-#include "src/base/large_pages.h"
+#include "src/base/byte_stream.h"
 
 namespace sluice {
 namespace {
-
-// Appends and takes back plain values and vectors of them, with lengths in front.
-class Writer {
- public:
-  template <class T>
-  void value(const T& v) {
-    static_assert(std::is_trivially_copyable_v<T>);
-    const auto* from = reinterpret_cast<const std::byte*>(&v);
-    bytes.insert(bytes.end(), from, from + sizeof v);
-  }
-  template <class T>
-  void list(const std::vector<T>& v) {
-    value<uint64_t>(v.size());
-    const auto raw = std::as_bytes(std::span(v));
-    bytes.insert(bytes.end(), raw.begin(), raw.end());
-  }
-  std::vector<std::byte> bytes;
-};
-
-class Reader {
- public:
-  explicit Reader(std::span<const std::byte> bytes) : left_(bytes) {}
-  template <class T>
-  bool value(T& v) {
-    if (left_.size() < sizeof v) return false;
-    std::memcpy(&v, left_.data(), sizeof v);
-    left_ = left_.subspan(sizeof v);
-    return true;
-  }
-  template <class T>
-  bool list(std::vector<T>& v) {
-    uint64_t count = 0;
-    if (!value(count) || count > left_.size() / sizeof(T)) return false;
-    reserveLarge(v, count);
-    v.resize(count);
-    if (count > 0) std::memcpy(v.data(), left_.data(), count * sizeof(T));
-    left_ = left_.subspan(count * sizeof(T));
-    return true;
-  }
-  bool atEnd() const { return left_.empty(); }
-
- private:
-  std::span<const std::byte> left_;
-};
 
 struct Header {
   int64_t dims[3];
@@ -81,7 +34,7 @@ bool isAscending(const std::vector<int64_t>& blocks, int64_t count) {
 }  // namespace
 
 std::vector<std::byte> serialize(const SliceRanges& ranges) {
-  Writer out;
+  ByteWriter out;
   out.value(headerOf(ranges.layout, ranges.map));
   out.value(ranges.background);
   out.value(ranges.device_range);
@@ -95,7 +48,7 @@ std::vector<std::byte> serialize(const SliceRanges& ranges) {
 
 std::optional<SliceRanges> deserialize(std::span<const std::byte> bytes, const BlockLayout& layout,
                                        const ValueMap& map) {
-  Reader in(bytes);
+  ByteReader in(bytes);
   SliceRanges ranges;
   ranges.layout = layout;
   ranges.map = map;
@@ -104,7 +57,7 @@ std::optional<SliceRanges> deserialize(std::span<const std::byte> bytes, const B
                      in.value(ranges.background) && in.value(ranges.device_range) &&
                      in.value(ranges.histogram.range) && in.list(ranges.histogram.counts) &&
                      in.list(ranges.blocks) && in.list(ranges.totals) && in.list(ranges.planes) &&
-                     in.atEnd();
+                     in.left().empty();
   if (!whole) return std::nullopt;
   const size_t element = 2 * bytesPerVoxel(map.type);
   const size_t held = ranges.blocks.size();

@@ -26,7 +26,7 @@ struct Enclosed {
   }
 };
 
-Enclosed enclosedAt(const Partition& boxes, double threshold) {
+Enclosed enclosedAt(const VolumePartition& boxes, double threshold) {
   Enclosed visible;
   for (const auto& [cells, box] : boxes)
     if (box.range.hi >= threshold) visible.add(cells);
@@ -68,7 +68,7 @@ TEST_P(GrowingBoxesData, boxesAreRightAndTight) {
   if (!std::filesystem::exists(there)) GTEST_SKIP() << there << " is not there";
   const auto source = openVolume(path.string(), {});
   const DeviceVolume volume(*source);
-  const Partition grown = grownPartition(volume, 64), leaves = treePartition(volume, 64);
+  const VolumePartition grown = grownPartition(volume, 64), leaves = treePartition(volume, 64);
   {
     SCOPED_TRACE("grown boxes");
     expectRight(volume, grown);
@@ -95,7 +95,7 @@ TEST_P(GrowingBoxesData, boxesAreRightAndTight) {
       perfect.add(intersect({lo, lo + Vec3i{8, 8, 8}}, volume.cells()));
     }
     ASSERT_GT(perfect.boxes, 16) << "shows too little to mean anything";
-    for (const Partition* boxes : {&grown, &leaves}) {
+    for (const VolumePartition* boxes : {&grown, &leaves}) {
       const Enclosed visible = enclosedAt(*boxes, threshold);
       const double ratio = static_cast<double>(visible.cells) / static_cast<double>(perfect.cells);
       EXPECT_LE(ratio, 1.35) << (boxes == &grown ? "grown" : "leaves");

@@ -10,10 +10,10 @@ namespace sluice {
 namespace {
 
 template <class Boxes>
-Partition partition(const DeviceVolume& volume, int64_t block_vox, Boxes&& boxes_of) {
+VolumePartition partition(const DeviceVolume& volume, int64_t block_vox, Boxes&& boxes_of) {
   const BlockLayout layout = blockLayout(volume.dims, block_vox, 0);
   const GrowingParameters parameters = growingParameters(volume.map.type, volume.range);
-  Partition boxes;
+  VolumePartition boxes;
   for (int64_t block = 0; block < layout.blockCount(); ++block) {
     const Box3 owned = layout.ownedCells(layout.indexOf(block));
     for (const GrownBox& box : boxes_of(brickGrid(volume.span(), owned, kSide), parameters))
@@ -24,18 +24,18 @@ Partition partition(const DeviceVolume& volume, int64_t block_vox, Boxes&& boxes
 
 }  // namespace
 
-Partition grownPartition(const DeviceVolume& volume, int64_t block_vox) {
+VolumePartition grownPartition(const DeviceVolume& volume, int64_t block_vox) {
   return partition(volume, block_vox, growBoxes);
 }
 
-Partition treePartition(const DeviceVolume& volume, int64_t block_vox) {
+VolumePartition treePartition(const DeviceVolume& volume, int64_t block_vox) {
   return partition(volume, block_vox,
                    [](const BrickGrid& grid, const GrowingParameters& parameters) {
                      return growBoxTree(grid, parameters).boxes;
                    });
 }
 
-void expectRight(const DeviceVolume& volume, const Partition& boxes) {
+void expectRight(const DeviceVolume& volume, const VolumePartition& boxes) {
   const Vec3i size = volume.cells().size();
   std::vector<uint8_t> taken(static_cast<size_t>(sluice::volume(size)));
   int64_t cells = 0;

@@ -16,14 +16,14 @@ struct VolumeBox {
   Box3 cells;  // in the volume
   GrownBox box;
 };
-using Partition = std::vector<VolumeBox>;
+using VolumePartition = std::vector<VolumeBox>;
 
 // Blocks of block_vox voxels a side: the grown boxes, and the leaves of their trees.
-Partition grownPartition(const DeviceVolume& volume, int64_t block_vox);
-Partition treePartition(const DeviceVolume& volume, int64_t block_vox);
+VolumePartition grownPartition(const DeviceVolume& volume, int64_t block_vox);
+VolumePartition treePartition(const DeviceVolume& volume, int64_t block_vox);
 
 // Expects every cell in exactly one box, and each interval that of the voxels which the box's cells
 // touch.
-void expectRight(const DeviceVolume& volume, const Partition& boxes);
+void expectRight(const DeviceVolume& volume, const VolumePartition& boxes);
 
 }  // namespace sluice

@@ -49,8 +49,9 @@ TEST(Simulate, writesItsTableAndAReportThatStandsAlone) {
   const std::string page = readFile(program.folder / "r.html");
   EXPECT_NE(page.find("<svg"), std::string::npos);
   for (const char* outside : {"http://", "https://", "src=", "@import"})
-    if (std::string(outside).rfind("http", 0) != 0)
+    if (std::string(outside).rfind("http", 0) != 0) {
       EXPECT_EQ(page.find(outside), std::string::npos);
+    }
 }
 
 TEST(Plan, saysTheChunksAndPagesThatARenderMoves) {
