@@ -100,6 +100,22 @@ TEST(Program, boxesDrawThePictureOfBlocksFromFewerSamplesAndKeepAnIndex) {
   EXPECT_EQ(program.run(line + "--partition bricks").status, 2);
 }
 
+TEST(Program, opacityFollowsTheGradientByOptionAndByFile) {
+  const Program program;
+  const std::string line = std::string("render ") + kSmall + " -o a.png --size 48x48 ";
+  const auto plain = program.json(line + "--threshold 90 --verify");
+  const auto modulated = program.json(line + "--threshold 90 --modulate --verify");
+  EXPECT_LE(modulated["verify"]["max_difference"], 1);
+  EXPECT_EQ(modulated["blocks"], plain["blocks"]) << "blocks follow from values alone";
+  std::ofstream(program.folder / "t.json")
+      << R"({"sluice_transfer_function": 1, "map": "grey", "opacities": [[90, 0.1]],
+             "gradient_opacities": [[0, 0], [20, 1]]})";
+  EXPECT_LE(program.json(line + "--transfer t.json --verify")["verify"]["max_difference"], 1);
+  EXPECT_EQ(program.run(line + "--transfer t.json --modulate").status, 1) << "twice";
+  EXPECT_EQ(program.run(line + "--threshold 90 --full-gradient 0.2").status, 2);
+  EXPECT_EQ(program.run(line + "--threshold 90 --modulate --full-gradient 0").status, 2);
+}
+
 TEST(Program, benchSkippingComparesWholeBlocksWithBoxes) {
   const Program program;
   const auto report =
