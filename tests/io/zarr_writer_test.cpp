@@ -34,15 +34,6 @@ CheckReport check(const fs::path& folder) {
   return checkZarr(folder, pool, progress);
 }
 
-// Each file below a folder with its bytes.
-std::map<std::string, std::string> filesOf(const fs::path& folder) {
-  std::map<std::string, std::string> files;
-  for (const auto& entry : fs::recursive_directory_iterator(folder))
-    if (entry.is_regular_file())
-      files[entry.path().lexically_relative(folder).string()] = readFile(entry.path());
-  return files;
-}
-
 void flipBit(const fs::path& path, size_t at) {
   std::string bytes = readFile(path);
   bytes[at] = static_cast<char>(bytes[at] ^ 4);

@@ -33,4 +33,12 @@ void writeFile(const std::filesystem::path& path, std::string_view bytes) {
   if (!file.flush()) fail("{}: cannot be written", path.string());
 }
 
+std::map<std::string, std::string> filesOf(const std::filesystem::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
+    if (entry.is_regular_file())
+      files[entry.path().lexically_relative(folder).string()] = readFile(entry.path());
+  return files;
+}
+
 }  // namespace sluice

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <string_view>
 
@@ -24,5 +25,7 @@ class TempFolder {
 // The file's bytes. Throws Error when it cannot be read.
 std::string readFile(const std::filesystem::path& path);
 void writeFile(const std::filesystem::path& path, std::string_view bytes);
+// Each file below a folder, by its path from there, with its bytes.
+std::map<std::string, std::string> filesOf(const std::filesystem::path& folder);
 
 }  // namespace sluice

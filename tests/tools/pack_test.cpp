@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <fstream>
-#include <map>
 
 #include "tests/tools/program.h"
 
@@ -15,14 +14,6 @@ namespace fs = std::filesystem;
 // Takes a second or more on one thread: enough to be interrupted in.
 constexpr const char* kSlow = "synth:noise,dims=200x200x400,type=u16";
 constexpr const char* kOptions = " --codec zstd --level 7 --threads 1 --chunk 32";
-
-std::map<std::string, std::string> filesOf(const fs::path& folder) {
-  std::map<std::string, std::string> files;
-  for (const auto& entry : fs::recursive_directory_iterator(folder))
-    if (entry.is_regular_file())
-      files[entry.path().lexically_relative(folder).string()] = readFile(entry.path());
-  return files;
-}
 
 bool isOneLine(const std::string& text) {
   return !text.empty() && std::count(text.begin(), text.end(), '\n') == 1 && text.back() == '\n';
