@@ -138,7 +138,9 @@ TEST_F(OcclusionPassesTest, aCellHoldsNoMoreThanTheLeastOfItsPixels) {
 }
 
 TEST_F(OcclusionPassesTest, markedPixelsTakeNothingMore) {
-  const Camera camera{.azimuth_deg = 20, .elevation_deg = 10};
+  Camera camera;
+  camera.azimuth_deg = 20;
+  camera.elevation_deg = 10;
   const Drawn drawn = drawSeenBy(*device_, camera, 1);
   const Picture once = device_->endFrame();
   FrameSetup setup = drawn.setup;
