@@ -97,7 +97,8 @@ Picture boxesPicture(Scene& scene, const VolumeArguments& volume) {
     for (int64_t x = 0; x < layout.grid.x; ++x) {
       const Vec3i index{x, y, layer};
       const Vec3i first = layout.ownedCells(index).lo;
-      for (const GrownBox& box : store.tree(layout.idOf(index))->boxes) {
+      const BoxTreePtr tree = store.tree(layout.idOf(index));  // the store may let go of it
+      for (const GrownBox& box : tree->boxes) {
         const Box3 cells = translate(box.local(), first);
         if (cells.lo.z <= z && z < cells.hi.z) drawBox(picture, cells, box.type, scale);
       }
