@@ -115,7 +115,8 @@ TEST(BufferMemory, piecesAreApartAndWithinTheLimit) {
       }
     });
   for (std::thread& thread : threads) thread.join();
-  EXPECT_GT(memory->heldBytes(), kLimit / 2);
+  // What one thread used stays, also where they came to run one after another.
+  EXPECT_GT(memory->heldBytes(), kShare / 2);
 }
 
 }  // namespace
