@@ -9,6 +9,7 @@
 #include "src/base/error.h"
 #include "src/render/frame_setup.h"
 #include "src/render/index_space.h"
+#include "tests/gl/test_device.h"
 
 namespace sluice {
 namespace {
@@ -26,13 +27,7 @@ std::vector<std::byte> voxelsWith(std::initializer_list<std::pair<Vec3i, int>> v
 
 class GlDeviceTest : public testing::Test {
  protected:
-  static void SetUpTestSuite() {
-    try {
-      device_ = std::make_unique<GlDevice>(createContext(GlChoice::kOsmesa));
-    } catch (const Error&) {
-      device_ = std::make_unique<GlDevice>(createContext(GlChoice::kEgl));
-    }
-  }
+  static void SetUpTestSuite() { device_ = testDevice(); }
   static void TearDownTestSuite() { device_.reset(); }
   static GlDevice& device() { return *device_; }
 

@@ -10,6 +10,7 @@
 #include "src/render/frame_occlusion.h"
 #include "src/render/frame_setup.h"
 #include "src/render/index_space.h"
+#include "tests/gl/test_device.h"
 
 namespace sluice {
 namespace {
@@ -19,11 +20,7 @@ constexpr Vec3i kDims{24, 20, 28};
 class OcclusionPassesTest : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    try {
-      device_ = std::make_unique<GlDevice>(createContext(GlChoice::kOsmesa));
-    } catch (const Error&) {
-      device_ = std::make_unique<GlDevice>(createContext(GlChoice::kEgl));
-    }
+    device_ = testDevice();
     // Spots of all opacities.
     std::vector<std::byte> texels(static_cast<size_t>(volume(kDims)));
     uint32_t state = 7;

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "src/render/index_space.h"
+#include "tests/gl/test_device.h"
 
 namespace sluice {
 namespace {
@@ -205,11 +206,7 @@ std::unique_ptr<MemorySource> cropped(VolumeSource& source, const Box3& voxels, 
 }
 
 void RenderTest::SetUpTestSuite() {
-  try {
-    device_ = std::make_unique<GlDevice>(createContext(GlChoice::kOsmesa));
-  } catch (const Error&) {
-    device_ = std::make_unique<GlDevice>(createContext(GlChoice::kEgl));
-  }
+  device_ = testDevice();
 }
 
 FrameOptions obliqueView(Projection projection, PictureSize size) {
