@@ -118,6 +118,9 @@ void checkOutput(const Arguments& arguments) {
     fail("{}: pictures are written as .png or .exr", arguments.output);
   if (arguments.debug_view && arguments.frames > 1)
     fail("--debug-view is of one frame, not of --frames {}", arguments.frames);
+  if (arguments.debug_view && arguments.frame.occlusion == Occlusion::kOff &&
+      arguments.frame.partition == Partition::kBlocks)
+    fail("--debug-view shows what --occlusion and --partition boxes do; give one of them");
   if (arguments.frame.with_depth && arguments.frame.mode != Mode::kComposite)
     SLUICE_CHECK(path.extension() == ".exr");
 }

@@ -178,7 +178,10 @@ TEST(Program, debugViewsShowPhasesMapsAndBoxes) {
   for (const char* name : {"a.png", "a.boxes.png", "a.drawn_0.png", "a.drawn_1.png", "a.map_1.png"})
     EXPECT_TRUE(std::filesystem::exists(program.folder / name)) << name;
   EXPECT_FALSE(std::filesystem::exists(program.folder / "a.map_0.png")) << "nothing was hidden yet";
-  EXPECT_EQ(program.run(line + "--frames 2").status, 1);
+  EXPECT_EQ(program.run(line + "--occlusion clip --frames 2").status, 1);
+  const CommandResult nothing = program.run(line);
+  EXPECT_EQ(nothing.status, 1);
+  EXPECT_NE(nothing.output.find("--occlusion"), std::string::npos) << nothing.output;
 }
 
 TEST(Program, infoSaysWhatTheVolumeIs) {
