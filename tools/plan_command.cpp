@@ -131,7 +131,8 @@ PlannedBoxes planBoxes(const Arguments& arguments, const IndexedVolume& volume,
                        ranges);
   planned.cost =
       partitionCost(*volume.source, arguments.volume.time, ranges, shown.table, shown.crop, pool,
-                    progress, [&](int64_t block, const BoxTree& tree) { index.add(block, tree); });
+                    progress, std::min(memoryBudget(arguments.resources) / 2, kMostGrowingBytes),
+                    [&](int64_t block, const BoxTree& tree) { index.add(block, tree); });
   planned.pieces_kept = index.piecesWritten();
   planned.seconds = watch.lap();
   return planned;

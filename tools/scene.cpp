@@ -21,10 +21,11 @@ constexpr uint64_t kDeviceTextureBytes = uint64_t{1} << 30;
 
 // How many pages where the user does not say: what holds the volume, or what memory comfortably
 // does beside the least buffers, but never fewer than a block takes.
-int64_t defaultPages(const PageGeometry& page, int64_t block, uint64_t memory_bytes,
+int64_t defaultPages(const PageGeometry& page, const BlockLayout& layout, uint64_t memory_bytes,
                      const VolumeSource& source) {
   const auto page_bytes = static_cast<uint64_t>(page.pageBytes());
-  const auto least = std::bit_ceil(static_cast<uint64_t>(page.pagesOf(Vec3i{block, block, block})));
+  const Vec3i block{layout.size, layout.size, layout.size};
+  const auto least = std::bit_ceil(static_cast<uint64_t>(page.pagesOf(block)));
   // Blocks share planes and are padded: twice the volume's own pages holds them all.
   const Vec3i bounded = min(source.layout().dims, Vec3i{1 << 20, 1 << 20, 1 << 20});
   const double whole = std::min(2.0 * static_cast<double>(page.pagesOf(bounded)), 1e15);
@@ -32,8 +33,9 @@ int64_t defaultPages(const PageGeometry& page, int64_t block, uint64_t memory_by
   uint64_t pages = std::min(std::bit_floor(std::max<uint64_t>(1, most)),
                             std::bit_ceil(static_cast<uint64_t>(whole)));
   pages = std::max(pages, least);
-  const uint64_t rest =
-      leastBufferBytes(page, {block, source.heldBytesAThread()}) + kSpareTextureBytes;
+  // The partition makes no difference, so that a plan holds for both.
+  const BufferNeeds needs = bufferNeeds(source, layout, Partition::kBlocks);
+  const uint64_t rest = leastBufferBytes(page, needs) + kSpareTextureBytes;
   while (pages > least && pages * page_bytes + rest > memory_bytes) pages /= 2;
   return static_cast<int64_t>(pages);
 }
@@ -100,9 +102,9 @@ IndexedVolume openIndexed(const VolumeArguments& arguments, const ResourceArgume
   volume.map = deviceMap(layout);
   volume.page = pageShape(resources, volume.map);
   const int64_t block = resources.block.value_or(blockSizeFor(volume.page.size_vox));
-  volume.page.pages = resources.pages.value_or(
-      defaultPages(volume.page, block, memoryBudget(resources), *volume.source));
   volume.layout = blockLayout(layout.dims, block, gradients ? 1 : 0, name.c_str());
+  volume.page.pages = resources.pages.value_or(
+      defaultPages(volume.page, volume.layout, memoryBudget(resources), *volume.source));
   // The first opening reads everything, and nothing else is in memory then.
   const uint64_t memory_bytes = memoryBudget(resources);
   volume.source->holdAtMost(memory_bytes / 4);

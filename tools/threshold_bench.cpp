@@ -37,21 +37,20 @@ struct Range {
   }
 };
 
-// Visible in a band of values alone.
-TransferFunction band(const Range& range, double at, double opacity) {
-  TransferFunction transfer = thresholdTransfer(at, {range.lo, range.hi}, opacity);
+// Of a threshold, so that values are visible in a band alone.
+TransferFunction band(TransferFunction transfer, const Range& range, double at, double opacity) {
   const double end = at + kBandWidth * range.span();
   transfer.opacities = {{at, 0}, {at, opacity}, {end, opacity}, {end, 0}};
   transfer.name = fmt::format("band {:g} to {:g}", at, end);
   return transfer;
 }
 
-// The transfer functions of one kind of change, each the change from the one before.
-std::vector<TransferFunction> changesOf(const std::string& kind, const Range& range, int count,
-                                        double opacity, uint64_t seed) {
+// The thresholds of one kind of change, each the change from the one before.
+std::vector<double> thresholdsOf(const std::string& kind, const Range& range, int count,
+                                 uint64_t seed) {
   std::mt19937_64 random(seed);
   std::normal_distribution<double> step(0, kWalkStep * range.span());
-  std::vector<TransferFunction> changes;
+  std::vector<double> thresholds;
   double threshold = range.start;
   for (int i = 1; i <= count; ++i) {
     // No threshold comes twice, so that none finds chunks of an earlier change by design.
@@ -61,10 +60,9 @@ std::vector<TransferFunction> changesOf(const std::string& kind, const Range& ra
           range.start + range.span() * (kLargeStep * (i % 4) + kSmallStep * (0.125 + 0.25 * i));
     if (kind == "walk") threshold += step(random);
     threshold = range.clamped(threshold);
-    changes.push_back(kind == "band" ? band(range, threshold, opacity)
-                                     : thresholdTransfer(threshold, {range.lo, range.hi}, opacity));
+    thresholds.push_back(threshold);
   }
-  return changes;
+  return thresholds;
 }
 
 struct Measured {
@@ -133,13 +131,21 @@ struct Bench {
   const ThresholdBench& asked;
   Scene& scene;
   Range range;
-  double opacity;
 
-  std::vector<TransferFunction> changes(const char* kind) const {
-    return changesOf(kind, range, asked.changes, opacity, asked.resources.seed);
+  // What `sluice render` shows with this --threshold.
+  TransferFunction above(double threshold) const {
+    LookArguments look = asked.look;
+    look.transfer_file.clear();
+    look.threshold = threshold;
+    return transferFor(scene.volume, look);
   }
-  TransferFunction start() const {
-    return thresholdTransfer(range.start, {range.lo, range.hi}, opacity);
+  TransferFunction start() const { return above(range.start); }
+  std::vector<TransferFunction> changes(const std::string& kind) const {
+    const double opacity = asked.look.opacity.value_or(kDefaultOpacity);
+    std::vector<TransferFunction> changes;
+    for (const double at : thresholdsOf(kind, range, asked.changes, asked.resources.seed))
+      changes.push_back(kind == "band" ? band(above(at), range, at, opacity) : above(at));
+    return changes;
   }
   std::unique_ptr<Session> sessionOf(const SliceRanges& ranges, uint64_t memory_bytes) const {
     SessionOptions options;
@@ -202,15 +208,12 @@ nlohmann::json warmChanges(const Bench& bench, nlohmann::json& report) {
 // own that was drawn before.
 nlohmann::json raisedByAFifth(const Bench& bench) {
   Session& session = *bench.scene.session;
-  const auto above = [&](double threshold) {
-    return thresholdTransfer(threshold, {bench.range.lo, bench.range.hi}, bench.opacity);
-  };
   Measured measured;
   for (int i = 0; i < bench.asked.changes; ++i) {
     const double start = bench.range.start * (1 + 0.003 * i);
-    session.setTransferFunction(above(start));
+    session.setTransferFunction(bench.above(start));
     session.frameReport();
-    change(session, above(1.2 * start), measured);
+    change(session, bench.above(1.2 * start), measured);
   }
   return measured.json();
 }
@@ -232,9 +235,9 @@ nlohmann::json outOfCoreChanges(const Bench& bench) {
   const PageGeometry& page = bench.scene.volume.page;
   const uint64_t textures =
       limits.textures_in_memory ? static_cast<uint64_t>(page.cacheBytes()) + kSpareTextureBytes : 0;
-  const uint64_t least =
-      textures +
-      leastBufferBytes(page, {ranges.layout.size, bench.scene.volume.source->heldBytesAThread()});
+  const BufferNeeds needs =
+      bufferNeeds(*bench.scene.volume.source, ranges.layout, bench.asked.frame.partition);
+  const uint64_t least = textures + leastBufferBytes(page, needs);
   const uint64_t memory_bytes = std::max(least, textures + (all.decoded + all.uploaded) / 4);
   nlohmann::json result{{"memory_bytes", memory_bytes}};
   const auto session = bench.sessionOf(ranges, memory_bytes);
@@ -273,8 +276,7 @@ nlohmann::json benchThreshold(const ThresholdBench& asked) {
   Scene scene(asked.volume, asked.look, asked.resources, asked.frame.partition);
   const ValueRange values = scene.volume.valueRange();
   const double start = asked.look.threshold.value_or(values.lo + 0.2 * (values.hi - values.lo));
-  const Bench bench{
-      asked, scene, {values.lo, values.hi, start}, asked.look.opacity.value_or(kDefaultOpacity)};
+  const Bench bench{asked, scene, {values.lo, values.hi, start}};
   nlohmann::json report;
   scene.session->setOptions(asked.frame);
   scene.session->setTransferFunction(bench.start());

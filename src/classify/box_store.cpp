@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "io/index_file.h"
-#include "src/classify/volume_boxes.h"
 
 namespace sluice {
 namespace {
@@ -52,13 +51,15 @@ BoxesPiece assemble(int64_t first, const std::vector<std::vector<std::byte>>& tr
 }  // namespace
 
 BoxStore::BoxStore(VolumeSource& source, std::string volume_name, int64_t time,
-                   const SliceRanges& ranges, WorkerPool& pool, uint64_t budget_bytes)
+                   const SliceRanges& ranges, WorkerPool& pool, uint64_t budget_bytes,
+                   uint64_t growing_bytes)
     : source_(source),
       volume_name_(std::move(volume_name)),
       time_(time),
       ranges_(ranges),
       pool_(pool),
       budget_bytes_(budget_bytes),
+      growing_bytes_(growing_bytes),
       origin_(originOf(ranges)) {}
 
 BoxStoreCounters BoxStore::counters() const {
@@ -131,7 +132,7 @@ BoxesPiece BoxStore::buildPiece(int64_t first, int64_t count) const {
   std::vector<std::vector<std::byte>> trees(static_cast<size_t>(count));
   Progress progress;
   forEachBlockBricks(source_, time_, origin_.layout, pieceSpan(ranges_, first).blocks, pool_,
-                     progress, [&](int64_t block, const BrickGrid& grid) {
+                     progress, growing_bytes_, [&](int64_t block, const BrickGrid& grid) {
                        trees[static_cast<size_t>(block - first)] =
                            serialize(growBoxTree(grid, origin_.parameters));
                      });

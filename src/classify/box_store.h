@@ -20,6 +20,7 @@
 
 #include "src/base/worker_pool.h"
 #include "src/classify/boxes_file.h"
+#include "src/classify/volume_boxes.h"
 #include "src/volume/slice_ranges.h"
 
 namespace sluice {
@@ -37,10 +38,11 @@ class BoxStore {
   // Blocks of one piece of the index.
   static constexpr int64_t kPieceBlocks = 256;
 
-  // `volume_name` is what the user called the volume: where its index is kept. `source`, `ranges`
-  // and `pool` must outlive the store.
+  // `volume_name` is what the user called the volume: where its index is kept. `budget_bytes` are
+  // of trees, `growing_bytes` of voxels while boxes are made of them (forEachBlockBricks).
+  // `source`, `ranges` and `pool` must outlive the store.
   BoxStore(VolumeSource& source, std::string volume_name, int64_t time, const SliceRanges& ranges,
-           WorkerPool& pool, uint64_t budget_bytes);
+           WorkerPool& pool, uint64_t budget_bytes, uint64_t growing_bytes = kMostGrowingBytes);
 
   // The tree of a block. One that is nothing but background is one box, whose gradients are not
   // known: its neighbours' voxels have a part in them. Throws Error from the source, Interrupted.
@@ -65,7 +67,7 @@ class BoxStore {
   const int64_t time_;
   const SliceRanges& ranges_;
   WorkerPool& pool_;
-  const uint64_t budget_bytes_;
+  const uint64_t budget_bytes_, growing_bytes_;
   const BoxesOrigin origin_;  // constant after construction
   mutable std::mutex mutex_;
   // Guarded by mutex_.

@@ -11,9 +11,8 @@
 namespace sluice {
 namespace {
 
-// Voxels read at a time and their device form together: of a thread, and of all.
-constexpr int64_t kBytesPerRead = int64_t{16} << 20;
-constexpr int64_t kBytesOfAllReads = int64_t{128} << 20;
+// Read at a time by a thread, so that progress is seen.
+constexpr uint64_t kMostBytesPerRead = uint64_t{16} << 20;
 constexpr int64_t kPerfectSide = 8;
 
 // Neighbouring blocks along x.
@@ -21,11 +20,11 @@ struct Run {
   size_t first = 0, count = 1;  // in the list of blocks
 };
 
-std::vector<Run> runsOf(const BlockLayout& layout, std::span<const int64_t> blocks, int64_t most) {
+std::vector<Run> runsOf(const BlockLayout& layout, std::span<const int64_t> blocks, uint64_t most) {
   std::vector<Run> runs;
   for (size_t i = 0; i < blocks.size(); ++i) {
     const bool joins = i > 0 && blocks[i] == blocks[i - 1] + 1 && blocks[i] % layout.grid.x != 0 &&
-                       runs.back().count < static_cast<size_t>(most);
+                       runs.back().count < most;
     if (joins)
       ++runs.back().count;
     else
@@ -36,6 +35,12 @@ std::vector<Run> runsOf(const BlockLayout& layout, std::span<const int64_t> bloc
 
 Vec3d voxelSize(const VolumeLayout& layout) {
   return layout.spacing / std::min({layout.spacing.x, layout.spacing.y, layout.spacing.z});
+}
+
+// Of a whole block: see voxelsAround.
+uint64_t cornerVoxels(const BlockLayout& layout) {
+  const int64_t side = layout.cells() + 3;
+  return static_cast<uint64_t>(volume(Vec3i{side, side, side}));
 }
 
 // The voxels at the corners of `cells` and one layer more, as far as they exist.
@@ -174,18 +179,20 @@ void addBackground(const SliceRanges& ranges, const OpacityTable& table, const B
 
 }  // namespace
 
+uint64_t growingBytes(const VolumeLayout& volume, const BlockLayout& layout) {
+  return cornerVoxels(layout) *
+         (bytesPerVoxel(volume.type) + bytesPerVoxel(deviceMap(volume).type));
+}
+
 void forEachBlockBricks(VolumeSource& source, int64_t time, const BlockLayout& layout,
                         std::span<const int64_t> blocks, WorkerPool& pool, Progress& progress,
-                        const TakeBricks& take) {
+                        uint64_t most_bytes, const TakeBricks& take) {
   const VolumeLayout& voxels = source.layout();
-  const auto voxel_bytes =
-      static_cast<int64_t>(bytesPerVoxel(voxels.type) + bytesPerVoxel(deviceMap(voxels).type));
-  const int64_t side = layout.cells() + 3;
-  const int64_t bytes_per_read = std::min(kBytesPerRead, kBytesOfAllReads / pool.threads());
-  const int64_t most = std::max<int64_t>(1, bytes_per_read / (side * side * side * voxel_bytes));
+  const uint64_t bytes_per_read =
+      std::min(kMostBytesPerRead, most_bytes / static_cast<uint64_t>(pool.threads()));
+  const uint64_t most = std::max<uint64_t>(1, bytes_per_read / growingBytes(voxels, layout));
   const std::vector<Run> runs = runsOf(layout, blocks, most);
-  const auto block_bytes = static_cast<uint64_t>(volume(Vec3i{side, side, side})) *
-                           static_cast<uint64_t>(bytesPerVoxel(voxels.type));
+  const uint64_t block_bytes = cornerVoxels(layout) * bytesPerVoxel(voxels.type);
   progress.expect(blocks.size() * block_bytes);
   const Vec3d voxel_size = voxelSize(voxels);
   pool.parallelFor(static_cast<int64_t>(runs.size()), [&](int64_t i) {
@@ -205,13 +212,13 @@ void forEachBlockBricks(VolumeSource& source, int64_t time, const BlockLayout& l
 
 PartitionCost partitionCost(VolumeSource& source, int64_t time, const SliceRanges& ranges,
                             const OpacityTable& table, const Box3& crop, WorkerPool& pool,
-                            Progress& progress, const TakeTree& take) {
+                            Progress& progress, uint64_t most_bytes, const TakeTree& take) {
   const GrowingParameters parameters = growingParameters(ranges.map.type, ranges.device_range);
   const BoxVisibility visibility(table, source.layout());
   const Counter counter(visibility, crop);
   PartitionCost sum;
   std::mutex mutex;
-  forEachBlockBricks(source, time, ranges.layout, ranges.blocks, pool, progress,
+  forEachBlockBricks(source, time, ranges.layout, ranges.blocks, pool, progress, most_bytes,
                      [&](int64_t block, const BrickGrid& grid) {
                        const BoxTree tree = growBoxTree(grid, parameters);
                        if (take) take(block, tree);

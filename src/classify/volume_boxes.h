@@ -22,15 +22,20 @@ namespace sluice {
 // Cells a side of a brick: what box faces are rounded to. Smaller ones fit tighter, in more boxes.
 inline constexpr int64_t kBrickSide = 4;
 
+// Of voxels in memory where the caller does not say.
+inline constexpr uint64_t kMostGrowingBytes = uint64_t{128} << 20;
+// Voxels that a thread holds at least while it grows the boxes of one block.
+uint64_t growingBytes(const VolumeLayout& volume, const BlockLayout& layout);
+
 // Called on any thread, on several at once.
 using TakeBricks = std::function<void(int64_t block, const BrickGrid& grid)>;
 // Calls `take` once for each of `blocks` (ids of the layout, ascending), with the bricks of the
-// cells that it owns. Neighbours along x are read together; each thread holds at most 16 MiB of
-// voxels, all together 128 MiB, or a block each. Adds the bytes read to what `progress` expects.
+// cells that it owns. Neighbours along x are read together, as far as all threads hold at most
+// `most_bytes` of voxels, or growingBytes() each. Adds the bytes read to what `progress` expects.
 // Throws Error from the source, Interrupted.
 void forEachBlockBricks(VolumeSource& source, int64_t time, const BlockLayout& layout,
                         std::span<const int64_t> blocks, WorkerPool& pool, Progress& progress,
-                        const TakeBricks& take);
+                        uint64_t most_bytes, const TakeBricks& take);
 
 // What drawing a partition takes. Cells are counted inside the crop, boxes where they reach into
 // it.
@@ -47,9 +52,11 @@ struct PartitionCost {
 };
 // Called on any thread, on several at once.
 using TakeTree = std::function<void(int64_t block, const BoxTree& tree)>;
-// Reads all blocks that are held, and hands each one's tree to `take` if there is one.
+// Reads all blocks that are held, in `most_bytes` (forEachBlockBricks), and hands each one's tree
+// to `take` if there is one.
 PartitionCost partitionCost(VolumeSource& source, int64_t time, const SliceRanges& ranges,
                             const OpacityTable& table, const Box3& crop, WorkerPool& pool,
-                            Progress& progress, const TakeTree& take = {});
+                            Progress& progress, uint64_t most_bytes = kMostGrowingBytes,
+                            const TakeTree& take = {});
 
 }  // namespace sluice

@@ -31,8 +31,9 @@ namespace {
 // Enough to keep a disk busy that serves many reads at once, on machines of few cores too.
 constexpr int kReadsInFlight = 4;
 
-// Growing boxes get one part in so many of the memory beyond the least. Half of that is for trees
-// of all boxes, half for the boxes that frames draw.
+// Growing boxes get one part in so many of the memory beyond the least, and the voxels that they
+// are made of another. Half of the first is for trees of all boxes, half for the boxes that frames
+// draw.
 constexpr uint64_t kBoxShare = 8;
 
 // The largest chunk: two whole blocks side by side, in whole pages.
@@ -46,10 +47,18 @@ uint64_t threadBytes(const PageGeometry& page, const BufferNeeds& needs) {
   const int64_t side = needs.block_vox;
   const auto block_bytes =
       static_cast<uint64_t>(volume(Vec3i{side, side, side}) * page.bytes_per_voxel);
-  return 2 * block_bytes + VolumeBuffer::kScratchBytes + needs.source_thread_bytes;
+  return 2 * block_bytes + VolumeBuffer::kScratchBytes + needs.source_thread_bytes +
+         needs.growing_bytes;
 }
 
 }  // namespace
+
+BufferNeeds bufferNeeds(const VolumeSource& source, const BlockLayout& layout,
+                        Partition partition) {
+  BufferNeeds needs{layout.size, source.heldBytesAThread()};
+  if (partition == Partition::kBoxes) needs.growing_bytes = growingBytes(source.layout(), layout);
+  return needs;
+}
 
 uint64_t leastBufferBytes(const PageGeometry& page, const BufferNeeds& needs) {
   return 2 * largestChunkBytes(page, needs.block_vox) + 2 * threadBytes(page, needs);
@@ -67,21 +76,27 @@ Budgets shareMemory(uint64_t memory_bytes, const PageGeometry& page, bool textur
         "give --memory {} or fewer --pages",
         formatBytes(memory_bytes), formatBytes(textures), formatBytes(least_buffers),
         textures + least_buffers);
-  // Beyond the least: an eighth for growing boxes and one for a source where these can use it, a
-  // third of what is left for chunks, the rest for blocks and for more readers.
+  // Beyond the least: an eighth for growing boxes, one for what they are made of and one for a
+  // source where these can use it, a third of what is left for chunks, the rest for blocks and for
+  // more readers.
   uint64_t surplus = memory_bytes - textures - least_buffers;
-  if (needs.partition == Partition::kBoxes) budgets.boxes = surplus / kBoxShare;
-  surplus -= budgets.boxes;
+  if (needs.growing_bytes > 0) {
+    budgets.boxes = surplus / kBoxShare;
+    budgets.growing = std::min(surplus / kBoxShare, kMostGrowingBytes);
+  }
+  surplus -= budgets.boxes + budgets.growing;
   budgets.texture_buffer = 2 * largestChunkBytes(page, needs.block_vox) + surplus / 3;
   const uint64_t source_surplus = needs.source_thread_bytes > 0 ? surplus / 8 : 0;
-  const uint64_t rest =
-      memory_bytes - textures - budgets.texture_buffer - source_surplus - budgets.boxes;
+  const uint64_t rest = memory_bytes - textures - budgets.texture_buffer - source_surplus -
+                        budgets.boxes - budgets.growing;
   const auto most_threads = static_cast<uint64_t>(most_readers) + 1;
   const uint64_t threads = std::min(most_threads, rest / threadBytes(page, needs));
   budgets.readers = static_cast<int>(threads) - 1;
   budgets.scratch = threads * VolumeBuffer::kScratchBytes;
   budgets.source = threads * needs.source_thread_bytes + source_surplus;
-  budgets.volume_buffer = rest - budgets.scratch - threads * needs.source_thread_bytes;
+  budgets.growing += threads * needs.growing_bytes;
+  budgets.volume_buffer =
+      rest - budgets.scratch - threads * (needs.source_thread_bytes + needs.growing_bytes);
   return budgets;
 }
 
@@ -94,7 +109,7 @@ Session::Session(VolumeSource& source, int64_t time, const SliceRanges& ranges, 
       pool_(pool),
       options_(options),
       budgets_(shareMemory(options.memory_bytes, options.page, device.limits().textures_in_memory,
-                           {ranges.layout.size, source.heldBytesAThread(), options.partition},
+                           bufferNeeds(source, ranges.layout, options.partition),
                            std::max(pool.threads(), kReadsInFlight))),
       blocks_(source, ranges.layout, budgets_.volume_buffer, VolumeBuffer::Cold::kPacked),
       readers_(budgets_.readers + 1),
@@ -108,7 +123,8 @@ Session::Session(VolumeSource& source, int64_t time, const SliceRanges& ranges, 
   SLUICE_CHECK(!options.lit || ranges.layout.ghost == 1);
   source_.holdAtMost(budgets_.source);
   if (options.partition == Partition::kBoxes)
-    box_store_.emplace(source, options.volume_name, time, ranges, pool, budgets_.boxes / 2);
+    box_store_.emplace(source, options.volume_name, time, ranges, readers_, budgets_.boxes / 2,
+                       budgets_.growing);
 }
 
 Session::~Session() {

@@ -47,16 +47,18 @@ struct Budgets {
   uint64_t scratch = 0;  // of the threads that read
   uint64_t source = 0;   // of chunks that the source holds decoded
   uint64_t boxes = 0;    // growing boxes
+  uint64_t growing = 0;  // voxels that they are made of
   int readers = 1;       // threads that read and copy beside the one that draws
 };
 // What takes memory beside the textures.
 struct BufferNeeds {
-  int64_t block_vox = 64;                    // a side
-  uint64_t source_thread_bytes = 0;          // VolumeSource::heldBytesAThread()
-  Partition partition = Partition::kBlocks;  // kBoxes: a share for growing boxes
+  int64_t block_vox = 64;            // a side
+  uint64_t source_thread_bytes = 0;  // VolumeSource::heldBytesAThread()
+  uint64_t growing_bytes = 0;        // of a block (volume_boxes.h); 0: no growing boxes are drawn
 };
+BufferNeeds bufferNeeds(const VolumeSource& source, const BlockLayout& layout, Partition partition);
 // The least that levels 1 to 3 work with: two merged chunks, and for one reader and the thread that
-// draws two blocks each, their scratch and what the source holds for them.
+// draws two blocks each, their scratch, what the source holds for them and what they grow boxes of.
 uint64_t leastBufferBytes(const PageGeometry& page, const BufferNeeds& needs);
 // Up to `most_readers` readers, fewer where memory is short. Throws Error, with the least that
 // works, when level 4 leaves too little to the others.

@@ -153,7 +153,7 @@ TEST_F(BoxStoreTest, aDamagedIndexIsMadeAnew) {
 
 TEST_F(BoxStoreTest, whatAPassOverAllBlocksKeepsIsFoundByTheStore) {
   BoxIndexWriter index(*source_, (folder_ / "blobs.raw").string(), 0, ranges_);
-  forEachBlockBricks(*source_, 0, layout_, ranges_.blocks, pool_, progress_,
+  forEachBlockBricks(*source_, 0, layout_, ranges_.blocks, pool_, progress_, kMostGrowingBytes,
                      [&](int64_t block, const BrickGrid& grid) {
                        index.add(block, growBoxTree(grid, growingParameters(ranges_.map.type,
                                                                             ranges_.device_range)));

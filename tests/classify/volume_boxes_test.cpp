@@ -35,7 +35,7 @@ TEST(VolumeBoxes, eachBlockOnceWithTheBricksThatTheWholeVolumeHas) {
       Progress progress;
       std::mutex mutex;
       std::set<int64_t> taken;
-      forEachBlockBricks(*source, 0, layout, allBlocks(layout), pool, progress,
+      forEachBlockBricks(*source, 0, layout, allBlocks(layout), pool, progress, kMostGrowingBytes,
                          [&](int64_t block, const BrickGrid& grid) {
                            const std::lock_guard lock(mutex);
                            EXPECT_TRUE(taken.insert(block).second);
@@ -56,12 +56,36 @@ TEST(VolumeBoxes, onlyTheBlocksAskedForAreRead) {
   Progress progress;
   const std::vector<int64_t> blocks{1, 2, 5};
   std::atomic<int> taken = 0;
-  forEachBlockBricks(source, 0, layout, blocks, pool, progress,
+  forEachBlockBricks(source, 0, layout, blocks, pool, progress, kMostGrowingBytes,
                      [&](int64_t, const BrickGrid&) { ++taken; });
   EXPECT_EQ(taken, 3);
   // 1 and 2 of the row of four as one: 32 voxels and one more on each side, 17 of y and z. 5
   // likewise, in the second row: 18 of y.
   EXPECT_EQ(source.storedBytesRead(), uint64_t{33 * 17 * 17 + 18 * 18 * 17});
+}
+
+// Each thread has its part, and a block if that is too little for one.
+TEST(VolumeBoxes, readsStayWithinTheMemoryGiven) {
+  const auto blobs = makeSparseBlobs({.dims = {200, 30, 30}, .type = VoxelType::kF64});
+  const BlockLayout layout = blockLayout({200, 30, 30}, 16, 0);
+  const uint64_t block_bytes = growingBytes(blobs->layout(), layout);
+  EXPECT_EQ(block_bytes, uint64_t{18 * 18 * 18 * (8 + 4)}) << "as stored, and as floats";
+  constexpr int kThreads = 3;
+  for (const uint64_t blocks_a_thread : {0, 1, 4}) {
+    SCOPED_TRACE(blocks_a_thread);
+    CountingSource source(*blobs);
+    WorkerPool pool(kThreads);
+    Progress progress;
+    forEachBlockBricks(source, 0, layout, allBlocks(layout), pool, progress,
+                       kThreads * blocks_a_thread * block_bytes, [](int64_t, const BrickGrid&) {});
+    uint64_t most = 0;
+    for (const CountingSource::Read& read : source.reads())
+      most = std::max(most, static_cast<uint64_t>(read.box.count()) * (8 + 4));
+    const uint64_t blocks = std::max<uint64_t>(1, blocks_a_thread);
+    EXPECT_LE(most, blocks * block_bytes);
+    EXPECT_GT(most, (blocks - 1) * block_bytes) << "what is given is used";
+    EXPECT_LE(source.counts().max_at_once, kThreads);
+  }
 }
 
 // Opaque from `threshold` on.

@@ -218,11 +218,13 @@ TEST_F(OcclusionTest, aFrameThatFailsLeavesNothingToTheNext) {
   options.opacity_threshold = 1;
   const Frame expected = whole.frame(options);
   options.occlusion = Occlusion::kCull;
+  SessionOptions session_options;
+  session_options.page = {small.page_vox, 1, small.pages};
+  session_options.memory_bytes = small.memory_bytes;
   for (const int64_t read : {0, 3, 6}) {
     FailingSource failing(*source, FailingSource::Failure::kError, read);
     WorkerPool pool(2);
-    Session session(failing, 0, whole.ranges(), device(), pool,
-                    {.page = {small.page_vox, 1, small.pages}, .memory_bytes = small.memory_bytes});
+    Session session(failing, 0, whole.ranges(), device(), pool, session_options);
     session.setTransferFunction(opaqueAbove(30));
     session.setOptions(options);
     EXPECT_THROW(session.frame(), Error);

@@ -145,7 +145,9 @@ TEST_F(PartitionTest, aSmallBudgetGivesTheSamePicture) {
   const auto source = blobs();
   const PageGeometry page{{8, 8, 8}, 1, 64};
   const uint64_t least =
-      static_cast<uint64_t>(page.cacheBytes()) + kSpareTextureBytes + leastBufferBytes(page, {16});
+      static_cast<uint64_t>(page.cacheBytes()) + kSpareTextureBytes +
+      leastBufferBytes(page, bufferNeeds(*source, blockLayout(source->layout().dims, 16, 0, ""),
+                                         Partition::kBoxes));
   for (const uint64_t more : {0, 1000, 50'000, 1'000'000}) {
     RenderScene scene(device(), *source, someTransfer(),
                       {.block_vox = 16,
@@ -222,7 +224,7 @@ TEST_P(PartitionDataTest, boxesDrawTheSamePicture) {
   });
   std::atomic<int64_t> visible = 0, outside = 0;
   forEachBlockBricks(
-      *source, 0, ranges.layout, ranges.blocks, pool, progress,
+      *source, 0, ranges.layout, ranges.blocks, pool, progress, kMostGrowingBytes,
       [&](int64_t block, const BrickGrid& grid) {
         const Box3& box = object[static_cast<size_t>(block)];
         for (const GrownBox& grown :
