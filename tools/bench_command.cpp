@@ -11,6 +11,7 @@
 #include "tools/algorithms_bench.h"
 #include "tools/commands.h"
 #include "tools/occlusion_bench.h"
+#include "tools/options.h"
 #include "tools/packing_bench.h"
 #include "tools/report.h"
 #include "tools/skipping_bench.h"

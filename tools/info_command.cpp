@@ -5,6 +5,7 @@
 
 #include "src/base/bytes.h"
 #include "tools/commands.h"
+#include "tools/options.h"
 #include "tools/report.h"
 
 namespace sluice {

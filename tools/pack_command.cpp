@@ -12,6 +12,7 @@
 #include "src/base/error.h"
 #include "src/base/interrupt.h"
 #include "tools/commands.h"
+#include "tools/options.h"
 #include "tools/scene.h"
 
 namespace sluice {

@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "tools/options.h"
+#include "tools/arguments.h"
 
 namespace sluice {
 

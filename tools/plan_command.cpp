@@ -14,6 +14,7 @@
 #include "src/render/frame_setup.h"
 #include "src/texture/requests.h"
 #include "tools/commands.h"
+#include "tools/options.h"
 #include "tools/report.h"
 #include "tools/scene.h"
 

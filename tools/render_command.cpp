@@ -15,6 +15,7 @@
 #include "src/render/camera_path.h"
 #include "tools/commands.h"
 #include "tools/debug_views.h"
+#include "tools/options.h"
 #include "tools/report.h"
 #include "tools/trace_files.h"
 

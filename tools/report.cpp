@@ -1,5 +1,7 @@
 #include "tools/report.h"
 
+#include <CLI/CLI.hpp>
+
 #include "src/base/clock.h"
 
 namespace sluice {

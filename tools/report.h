@@ -9,6 +9,10 @@
 #include "src/render/session.h"
 #include "tools/scene.h"
 
+namespace CLI {
+class App;
+}
+
 namespace sluice {
 
 struct RenderedFrame {

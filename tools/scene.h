@@ -8,7 +8,7 @@
 #include "src/base/worker_pool.h"
 #include "src/render/session.h"
 #include "src/volume/indexed_ranges.h"
-#include "tools/options.h"
+#include "tools/arguments.h"
 
 namespace sluice {
 

@@ -18,6 +18,7 @@
 #include "src/texture/chunk_names.h"
 #include "src/texture/requests.h"
 #include "tools/commands.h"
+#include "tools/options.h"
 #include "tools/parse.h"
 #include "tools/scene.h"
 #include "tools/trace_files.h"

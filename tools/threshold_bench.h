@@ -4,7 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "tools/options.h"
+#include "src/render/frame_options.h"
+#include "tools/arguments.h"
 
 namespace sluice {
 

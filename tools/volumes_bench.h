@@ -6,7 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "tools/options.h"
+#include "src/render/frame_options.h"
+#include "tools/arguments.h"
 
 namespace sluice {
 

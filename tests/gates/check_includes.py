@@ -30,7 +30,7 @@ ALLOWED = {
 # Headers of a library and the places that may know it.
 LIBRARIES = {
     r'(GL|GLES\d?|EGL|GLFW|KHR)/': ['src/gl/', 'tests/gl/'],
-    r'openvdb/': ['io/vdb_module.cpp', 'tests/io/vdb_writer.cpp'],
+    r'openvdb/': ['io/vdb_module.cpp', 'tests/support/vdb_writer.cpp'],
     r'(OpenEXR|Imath)/': ['io/', 'tests/io/'],
     r'(png|tiffio)\.h': ['io/', 'tests/io/'],
     r'nifti': ['io/', 'tests/io/'],

@@ -4,7 +4,7 @@
 
 #include "io/png_file.h"
 #include "tests/io/image_test_support.h"
-#include "tests/io/vdb_writer.h"
+#include "tests/support/vdb_writer.h"
 
 namespace sluice {
 namespace {

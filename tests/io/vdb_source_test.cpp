@@ -7,7 +7,7 @@
 
 #include "io/vdb_header.h"
 #include "tests/io/image_test_support.h"
-#include "tests/io/vdb_writer.h"
+#include "tests/support/vdb_writer.h"
 
 namespace sluice {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "tests/io/vdb_writer.h"
+#include "tests/support/vdb_writer.h"
 #include "tests/tools/program.h"
 
 namespace sluice {

@@ -1,4 +1,4 @@
-#include "tests/io/vdb_writer.h"
+#include "tests/support/vdb_writer.h"
 
 #include <openvdb/openvdb.h>
 
