@@ -4,6 +4,7 @@
 #include <array>
 #include <queue>
 #include <tuple>
+#include <utility>
 
 namespace sluice {
 namespace {
@@ -12,6 +13,20 @@ constexpr std::array<std::string_view, 2> kOrderNames = {"paper", "first-fit"};
 
 Column columnOf(const MergeBlock& block) {
   return {{block}, block.thickness};
+}
+
+// Side by side; a brace list would copy the columns.
+MergedChunk chunkOf(Column left, Column right) {
+  MergedChunk chunk;
+  chunk.columns.reserve(2);
+  chunk.columns.push_back(std::move(left));
+  chunk.columns.push_back(std::move(right));
+  return chunk;
+}
+MergedChunk chunkOf(Column only) {
+  MergedChunk chunk;
+  chunk.columns.push_back(std::move(only));
+  return chunk;
 }
 
 // Takes the pair of columns with the least difference in thickness, again and again, until at most
@@ -23,7 +38,9 @@ std::vector<MergedChunk> pairByThickness(std::vector<Column> columns) {
   std::vector<size_t> before(count), after(count);  // count: none
   std::vector<bool> taken(count, false);
   using Pair = std::tuple<int64_t, size_t, size_t>;  // difference, lower, upper
-  std::priority_queue<Pair, std::vector<Pair>, std::greater<>> pairs;
+  std::vector<Pair> room;
+  room.reserve(count);
+  std::priority_queue pairs(std::greater<>(), std::move(room));
   const auto offer = [&](size_t a, size_t b) {
     pairs.emplace(columns[b].thickness - columns[a].thickness, a, b);
   };
@@ -33,6 +50,7 @@ std::vector<MergedChunk> pairByThickness(std::vector<Column> columns) {
     if (i + 1 < count) offer(i, i + 1);
   }
   std::vector<MergedChunk> chunks;
+  chunks.reserve((count + 1) / 2);
   while (!pairs.empty()) {
     const auto [difference, a, b] = pairs.top();
     pairs.pop();
@@ -42,10 +60,10 @@ std::vector<MergedChunk> pairByThickness(std::vector<Column> columns) {
     if (left < count) after[left] = right;
     if (right < count) before[right] = left;
     if (left < count && right < count) offer(left, right);
-    chunks.push_back({{std::move(columns[a]), std::move(columns[b])}});
+    chunks.push_back(chunkOf(std::move(columns[a]), std::move(columns[b])));
   }
   for (size_t i = 0; i < count; ++i)
-    if (!taken[i]) chunks.push_back({{std::move(columns[i])}});
+    if (!taken[i]) chunks.push_back(chunkOf(std::move(columns[i])));
   return chunks;
 }
 
@@ -124,7 +142,7 @@ MergedChunk mergeBetweenClusters(const MergeBlock& a, const MergeBlock& b, int64
                                  MergeOrder order) {
   if (order == MergeOrder::kFirstFit && a.thickness + b.thickness <= limit)
     return {{{{a, b}, a.thickness + b.thickness}}};
-  return {{columnOf(a), columnOf(b)}};
+  return chunkOf(columnOf(a), columnOf(b));
 }
 
 }  // namespace sluice

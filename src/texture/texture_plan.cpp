@@ -118,6 +118,9 @@ void addChunk(TexturePlan& plan, const MergedChunk& merged) {
   const auto number = static_cast<int64_t>(plan.chunks.size());
   const int64_t side = plan.layout.size;
   Chunk chunk;
+  size_t count = 0;
+  for (const Column& column : merged.columns) count += column.blocks.size();
+  chunk.blocks.reserve(count);
   for (size_t c = 0; c < merged.columns.size(); ++c) {
     int64_t z = 0;
     for (const MergeBlock& piled : merged.columns[c].blocks) {
@@ -147,6 +150,7 @@ void mergeChunks(TexturePlan& plan, MergeOrder order) {
   std::map<std::tuple<int64_t, int64_t, int64_t>, size_t> by_row;  // x, y, z of the cluster
   for (size_t i = 0; i < plan.clusters.size(); ++i) {
     std::vector<MergeBlock> blocks;
+    blocks.reserve(plan.clusters[i].blocks.size());
     for (const int64_t position : plan.clusters[i].blocks)
       blocks.push_back(mergeBlock(plan, position));
     merged[i] = mergeInCluster(blocks, limit, order);
@@ -179,6 +183,9 @@ void mergeChunks(TexturePlan& plan, MergeOrder order) {
       merged[j].erase(b);
     }
   }
+  size_t count = 0;
+  for (const std::vector<MergedChunk>& chunks : merged) count += chunks.size();
+  reserveLarge(plan.chunks, count);
   for (const std::vector<MergedChunk>& chunks : merged)
     for (const MergedChunk& chunk : chunks) addChunk(plan, chunk);
   // A chunk of two clusters is asked for first, so that what the second of them loads cannot evict
