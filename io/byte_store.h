@@ -21,6 +21,9 @@ class ByteStore {
   // Throws Error when there are fewer bytes, and when they cannot be had.
   virtual void read(uint64_t offset, std::span<const iovec> parts) = 0;
 
+  // `bytes` from `offset` on are read next: a disk may begin with them. Never fails.
+  virtual void expectRead(uint64_t /*offset*/, uint64_t /*bytes*/) {}
+
   // Bytes taken from the file itself so far: compressed bytes of a compressed file.
   virtual uint64_t storedBytesRead() const = 0;
 

@@ -84,6 +84,12 @@ void File::read(uint64_t offset, std::span<const iovec> parts) {
   checkUnchanged(descriptor.number);
 }
 
+void File::expectRead(uint64_t offset, uint64_t bytes) {
+  if (descriptor_ < 0) return;  // opened for each read: not worth the opening
+  posix_fadvise(descriptor_, static_cast<off_t>(offset), static_cast<off_t>(bytes),
+                POSIX_FADV_WILLNEED);
+}
+
 void File::readAt(uint64_t offset, std::span<std::byte> out) {
   const iovec part{out.data(), out.size()};
   read(offset, std::span(&part, 1));

@@ -31,6 +31,7 @@ class File : public ByteStore {
   File& operator=(const File&) = delete;
 
   void read(uint64_t offset, std::span<const iovec> parts) override;
+  void expectRead(uint64_t offset, uint64_t bytes) override;
   // The same into one piece of memory.
   void readAt(uint64_t offset, std::span<std::byte> out);
   // Reads up to out.size() bytes; returns how many the file had from `offset` on.

@@ -19,6 +19,9 @@ constexpr uint64_t kMaxGapBytes = 4096;
 constexpr uint64_t kSmallPieceBytes = 256;
 constexpr uint64_t kWantedBytesPerGapByte = 4;
 
+// A disk is told beforehand of pieces of planes from this size on, if all their pages are wanted.
+constexpr uint64_t kLeastExpectedBytes = 32 << 10;
+
 bool readsAcross(uint64_t gap_bytes, uint64_t piece_bytes) {
   if (gap_bytes > kMaxGapBytes) return false;
   return piece_bytes < kSmallPieceBytes || gap_bytes <= piece_bytes / kWantedBytesPerGapByte;
@@ -85,7 +88,7 @@ class RawSource::Gather {
     uint64_t bytes;
   };
   // Below what allocators map anew each time.
-  static constexpr uint64_t kSpanBytes = 120 << 10;
+  static constexpr uint64_t kSpanBytes = 256 << 10;
 
   void read(uint64_t offset, std::span<std::byte> to) {
     const iovec part{to.data(), to.size()};
@@ -133,6 +136,18 @@ void RawSource::addPiece(Gather& gather, int64_t first, int64_t voxels, std::byt
   }
 }
 
+void RawSource::expectPlanes(int64_t time, const Box3& rows) const {
+  const Vec3i dims = layout_.dims;
+  const auto voxel_bytes = static_cast<int64_t>(bytesPerVoxel(layout_.type));
+  for (int64_t z = rows.lo.z; z < rows.hi.z; ++z) {
+    const int64_t first = ((time * dims.z + z) * dims.y + rows.lo.y) * dims.x;
+    const RawSegment& segment = segments_[static_cast<size_t>(first / segment_voxels_)];
+    const int64_t inside = first % segment_voxels_ * voxel_bytes;
+    segment.store->expectRead(segment.offset_bytes + static_cast<uint64_t>(inside),
+                              static_cast<uint64_t>(rows.size().y * dims.x * voxel_bytes));
+  }
+}
+
 void RawSource::readRegion(int64_t time, const Box3& box, std::span<std::byte> out) {
   const RegionRead region{box, out};
   readRegions(time, std::span(&region, 1));
@@ -163,6 +178,10 @@ void RawSource::readRegions(int64_t time, std::span<const RegionRead> regions) {
     rows_a_piece = std::exchange(pieces.y, 1);
     if (rows.size().y == dims.y) rows_a_piece *= std::exchange(pieces.z, 1);
   }
+  const int64_t left_out = dims.x - (sorted.back().box.hi.x - sorted.front().box.lo.x);
+  if (pieces.z > 1 && static_cast<uint64_t>(left_out * voxel_bytes) < kMaxGapBytes &&
+      static_cast<uint64_t>(rows.size().y * dims.x * voxel_bytes) >= kLeastExpectedBytes)
+    expectPlanes(time, rows);
   Gather gather;
   for (int64_t z = 0; z < pieces.z; ++z)
     for (int64_t y = 0; y < pieces.y; ++y)

@@ -44,6 +44,9 @@ class RawSource : public VolumeSource {
   class Gather;
   // Adds `voxels` voxels from `first` (in the sequence of all) on.
   void addPiece(Gather& gather, int64_t first, int64_t voxels, std::byte* to) const;
+  // Tells the store of whole rows, plane by plane, before the first is read: a disk serves many
+  // places at once faster than one after the other.
+  void expectPlanes(int64_t time, const Box3& rows) const;
 
   const VolumeLayout layout_;
   const bool swapped_;

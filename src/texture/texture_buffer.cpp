@@ -225,10 +225,15 @@ void TextureBuffer::planRuns(Batch& batch, std::vector<Filling> fillings, std::v
   std::ranges::sort(soon);
   std::vector<int64_t> wanted;
   std::ranges::transform(fillings, std::back_inserter(wanted), blockOf);
-  // What all threads hold at once, the caller among them, stays within half of level 2.
-  const uint64_t share =
-      blocks_.counters().budget_bytes / 2 / (static_cast<uint64_t>(pool_.threads()) + 1);
-  const size_t most = std::max<size_t>(1, share / blocks_.blockBytes());
+  const auto blocksEach = [&](uint64_t bytes) {
+    return bytes / (static_cast<uint64_t>(pool_.threads()) + 1) / blocks_.blockBytes();
+  };
+  // What all threads hold at once, the caller among them, stays within half of level 2, or little
+  // less than all of it where that lets them read whole rows: these lie in a file in one piece.
+  const uint64_t level_bytes = blocks_.counters().budget_bytes;
+  const auto row = static_cast<uint64_t>(blocks_a_row);
+  uint64_t most = std::max<uint64_t>(1, blocksEach(level_bytes / 2));
+  if (most < row && row <= blocksEach(level_bytes / 8 * 7)) most = row;
   batch.runs = readRuns(wanted, soon, blocks_a_row, most);
   batch.fillings = std::move(fillings);
 }

@@ -27,8 +27,13 @@ class MemoryStore : public ByteStore {
       read_bytes += part.iov_len;
     }
   }
+  void expectRead(uint64_t offset, uint64_t bytes) override {
+    EXPECT_EQ(reads, 0) << "said too late";
+    expected.push_back({offset, bytes});
+  }
   uint64_t storedBytesRead() const override { return read_bytes; }
 
+  std::vector<std::pair<uint64_t, uint64_t>> expected;  // offset, bytes
   int reads = 0;
   uint64_t read_bytes = 0;
 
@@ -173,11 +178,33 @@ TEST(RawSourceTest, regionsOfTheSameRowsAreReadOnce) {
 }
 
 TEST(RawSourceTest, manyRowsTakeSeveralReadsOfBoundedSize) {
-  const Vec3i dims{3, 40000, 2};
+  const Vec3i dims{3, 100'000, 2};
   const auto store = std::make_shared<MemoryStore>(knownVoxels(kType, dims));
   RawSource source(layoutOf(dims, kType), std::endian::native, {{store, 0}}, nullptr, "");
-  expectBox(source, 0, {{1, 0, 0}, {2, 40000, 2}});
-  EXPECT_EQ(store->reads, 4);  // 480 KB with the gaps, in reads of at most 120 KiB
+  expectBox(source, 0, {{1, 0, 0}, {2, 100'000, 2}});
+  EXPECT_EQ(store->reads, 5);  // 1.2 MB with the gaps, in reads of at most 256 KiB
+}
+
+// Rows of some neighbouring blocks: all of the file's pages there are wanted.
+TEST(RawSourceTest, theDiskIsToldOfPiecesOfPlanesBeforeTheFirstIsRead) {
+  const Vec3i dims{5000, 20, 7};
+  const auto store = std::make_shared<MemoryStore>(knownVoxels(VoxelType::kU8, dims));
+  RawSource source(layoutOf(dims, VoxelType::kU8), std::endian::native, {{store, 100}}, nullptr,
+                   "");
+  readBox(source, 0, {{905, 3, 2}, {5000, 13, 4}});
+  const std::vector<std::pair<uint64_t, uint64_t>> rows{{100 + 43 * 5000, 50'000},
+                                                        {100 + 63 * 5000, 50'000}};
+  EXPECT_EQ(store->expected, rows);
+}
+
+TEST(RawSourceTest, theDiskIsNotToldOfPagesThatAreNotReadOrOfFew) {
+  const Vec3i dims{5000, 20, 7};
+  const auto store = std::make_shared<MemoryStore>(knownVoxels(VoxelType::kU8, dims));
+  RawSource source(layoutOf(dims, VoxelType::kU8), std::endian::native, {{store, 0}}, nullptr, "");
+  readBox(source, 0, {{0, 3, 2}, {904, 13, 4}});   // gaps of a page
+  readBox(source, 0, {{0, 3, 2}, {5000, 8, 4}});   // 25 KB of a plane
+  readBox(source, 0, {{0, 0, 2}, {5000, 20, 4}});  // one piece
+  EXPECT_TRUE(store->expected.empty());
 }
 
 TEST(RawSourceTest, countsTheHeadersBytesToo) {

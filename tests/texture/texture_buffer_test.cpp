@@ -244,6 +244,15 @@ TEST_F(TextureBufferTest, neighboursAlongXAreReadTogether) {
   EXPECT_EQ(counted_.counts().calls, 2);  // rows 0..3 and 4..5
 }
 
+// Three threads and rows of four blocks: half of level 2 is two blocks each.
+TEST_F(TextureBufferTest, wholeRowsAreReadTogetherAsFarAsLevel2HoldsOneForEachThread) {
+  acquire(*bufferOf(counted_, 24, 14), {0, 1, 2, 3, 4, 5, 6, 7});
+  EXPECT_EQ(counted_.counts().calls, 2);
+  counted_.reset();
+  acquire(*bufferOf(counted_, 24, 13), {0, 1, 2, 3, 4, 5, 6, 7});
+  EXPECT_EQ(counted_.counts().calls, 4);
+}
+
 TEST_F(TextureBufferTest, aPlanThatRepeatsARecipeFindsItsBytes) {
   const auto buffer = bufferOf(counted_, 24);
   acquire(*buffer, allChunks(plan_));
