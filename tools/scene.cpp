@@ -35,8 +35,12 @@ int64_t defaultPages(const PageGeometry& page, const BlockLayout& layout, uint64
   pages = std::max(pages, least);
   // The partition makes no difference, so that a plan holds for both.
   const BufferNeeds needs = bufferNeeds(source, layout, Partition::kBlocks);
-  const uint64_t rest = leastBufferBytes(page, needs) + kSpareTextureBytes;
-  while (pages > least && pages * page_bytes + rest > memory_bytes) pages /= 2;
+  const uint64_t buffers = leastBufferBytes(page, needs);
+  const auto needed = [&] {
+    const uint64_t textures = pages * page_bytes;
+    return textures + spareTextureBytes(textures) + buffers;
+  };
+  while (pages > least && needed() > memory_bytes) pages /= 2;
   return static_cast<int64_t>(pages);
 }
 

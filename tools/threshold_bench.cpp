@@ -233,8 +233,9 @@ nlohmann::json outOfCoreChanges(const Bench& bench) {
   const MovedBytes all = bench.scene.session->frameReport().rebuild;
   const DeviceLimits limits = bench.scene.device->limits();
   const PageGeometry& page = bench.scene.volume.page;
+  const auto cache_bytes = static_cast<uint64_t>(page.cacheBytes());
   const uint64_t textures =
-      limits.textures_in_memory ? static_cast<uint64_t>(page.cacheBytes()) + kSpareTextureBytes : 0;
+      limits.textures_in_memory ? cache_bytes + spareTextureBytes(cache_bytes) : 0;
   const BufferNeeds needs =
       bufferNeeds(*bench.scene.volume.source, ranges.layout, bench.asked.frame.partition);
   const uint64_t least = textures + leastBufferBytes(page, needs);

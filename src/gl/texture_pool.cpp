@@ -89,7 +89,7 @@ GLuint TexturePool::take(Vec3i size_vox, DeviceType type, std::span<const std::b
     idle_bytes_ -= bytes;
     gl_.BindTexture(GL_TEXTURE_3D, texture);
   } else {
-    const uint64_t most = most_used_bytes + kSpareTextureBytes;
+    const uint64_t most = most_used_bytes + spareTextureBytes(most_used_bytes);
     if (used_bytes + idle_bytes_ > most) dropIdle(used_bytes + idle_bytes_ - most);
     texture = create(size_vox, type);
   }

@@ -3,8 +3,8 @@
 // Storage that a driver sees for the first time is slow to fill (software GL: some hundred MB/s
 // against ten GB/s), so an evicted chunk's texture waits for the next chunk of its size. The one
 // that waited longest is taken first: a driver that still draws from the last ones would wait for
-// itself. Idle textures never take more than kSpareTextureBytes beyond what was resident at once at
-// the most. One thread, the context's.
+// itself. Idle textures never take more than spareTextureBytes() beyond what was resident at once
+// at the most. One thread, the context's.
 #pragma once
 
 #include <cstddef>

@@ -13,6 +13,7 @@
 // face, exactly one takes each sample, because both compute the face's slice from the same numbers.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -111,9 +112,12 @@ struct DeviceLimits {
   bool textures_in_memory = false;  // software: textures take the process's memory
 };
 
-// Textures that a device may keep beside the resident ones, so that it uploads into storage that
-// nothing draws from any more. On a software device they count against --memory.
-inline constexpr uint64_t kSpareTextureBytes = uint64_t{8} << 20;
+// Textures that a device may keep beside the resident ones, `resident_bytes` at once at the most,
+// so that it uploads into storage that nothing draws from any more: enough for chunks of two sizes
+// to take turns. On a software device they count against --memory.
+constexpr uint64_t spareTextureBytes(uint64_t resident_bytes) {
+  return std::max(uint64_t{8} << 20, resident_bytes / 2);
+}
 
 class Device {
  public:

@@ -69,7 +69,8 @@ Budgets shareMemory(uint64_t memory_bytes, const PageGeometry& page, bool textur
   Budgets budgets;
   budgets.texture_cache = static_cast<uint64_t>(page.cacheBytes());
   const uint64_t least_buffers = leastBufferBytes(page, needs);
-  const uint64_t textures = textures_in_memory ? budgets.texture_cache + kSpareTextureBytes : 0;
+  const uint64_t textures =
+      textures_in_memory ? budgets.texture_cache + spareTextureBytes(budgets.texture_cache) : 0;
   if (memory_bytes < textures + least_buffers)
     fail(
         "--memory {} is too small: {} of textures and {} of buffers are the least that works; "

@@ -4,6 +4,14 @@
 
 namespace sluice {
 
+RunLimits runLimits(size_t level_blocks, int64_t blocks_a_row, size_t threads) {
+  const auto row = static_cast<size_t>(blocks_a_row);
+  const size_t each = std::max<size_t>(1, level_blocks / 2 / threads);
+  const size_t rows = level_blocks * 7 / 8 / row;
+  if (each < row && rows >= 2) return {row, std::min(rows, threads)};
+  return {each, threads};
+}
+
 std::vector<ReadRun> readRuns(std::span<const int64_t> wanted, std::span<const int64_t> soon,
                               int64_t blocks_a_row, size_t most) {
   std::vector<ReadRun> runs;

@@ -1,4 +1,4 @@
-// readRuns: which blocks level 3 asks level 2 for together. A pure function.
+// readRuns: which blocks level 3 asks level 2 for together. Pure functions.
 //
 // Rows of blocks along x lie in the same rows of a file, so those of one row are read at once, and
 // with them the ones that will be wanted soon.
@@ -10,6 +10,15 @@
 #include <vector>
 
 namespace sluice {
+
+struct RunLimits {
+  size_t blocks = 1;  // of a run, at most
+  size_t runs = 1;    // at once, at most
+};
+// For `threads` that read, and a level 2 that holds `level_blocks`. What they hold at once stays
+// within half of it, so that blocks read with their row are there when their turn comes; or within
+// seven eighths where that allows for two whole rows, which lie in a file in one piece.
+RunLimits runLimits(size_t level_blocks, int64_t blocks_a_row, size_t threads);
 
 struct ReadRun {
   std::vector<int64_t> blocks;  // ids, ascending, of one row

@@ -39,6 +39,7 @@ class TextureBuffer::Batch {
   std::vector<EntryPtr> wanted;  // in the order asked for; empty when finished or cancelled
   std::vector<Filling> fillings;
   std::vector<ReadRun> runs;    // of the fillings' blocks
+  size_t runs_at_once = 1;      // of all batches
   std::atomic<size_t> next{0};  // the run that no one has taken yet
 };
 
@@ -225,21 +226,24 @@ void TextureBuffer::planRuns(Batch& batch, std::vector<Filling> fillings, std::v
   std::ranges::sort(soon);
   std::vector<int64_t> wanted;
   std::ranges::transform(fillings, std::back_inserter(wanted), blockOf);
-  const auto blocksEach = [&](uint64_t bytes) {
-    return bytes / (static_cast<uint64_t>(pool_.threads()) + 1) / blocks_.blockBytes();
-  };
-  // What all threads hold at once, the caller among them, stays within half of level 2, or little
-  // less than all of it where that lets them read whole rows: these lie in a file in one piece.
-  const uint64_t level_bytes = blocks_.counters().budget_bytes;
-  const auto row = static_cast<uint64_t>(blocks_a_row);
-  uint64_t most = std::max<uint64_t>(1, blocksEach(level_bytes / 2));
-  if (most < row && row <= blocksEach(level_bytes / 8 * 7)) most = row;
-  batch.runs = readRuns(wanted, soon, blocks_a_row, most);
+  // The caller reads too.
+  const RunLimits limits = runLimits(blocks_.counters().budget_bytes / blocks_.blockBytes(),
+                                     blocks_a_row, static_cast<size_t>(pool_.threads()) + 1);
+  batch.runs = readRuns(wanted, soon, blocks_a_row, limits.blocks);
+  batch.runs_at_once = limits.runs;
   batch.fillings = std::move(fillings);
 }
 
 void TextureBuffer::work(Batch& batch) {
-  for (size_t i = batch.next.fetch_add(1); i < batch.runs.size(); i = batch.next.fetch_add(1)) {
+  for (;;) {
+    std::unique_lock lock(mutex_);
+    settled_.wait(lock, [&] {
+      return runs_under_way_ < batch.runs_at_once || batch.next >= batch.runs.size();
+    });
+    const size_t i = batch.next.fetch_add(1);
+    if (i >= batch.runs.size()) return;
+    ++runs_under_way_;
+    lock.unlock();
     const ReadRun& run = batch.runs[i];
     std::exception_ptr failure;
     try {
@@ -247,7 +251,8 @@ void TextureBuffer::work(Batch& batch) {
     } catch (...) {
       failure = std::current_exception();
     }
-    std::lock_guard lock(mutex_);
+    lock.lock();
+    --runs_under_way_;
     for (size_t at = run.from; at < run.to; ++at) {
       const auto& [block, room, into] = batch.fillings[at];
       if (failure && !into->failure) into->failure = failure;

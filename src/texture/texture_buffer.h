@@ -113,6 +113,7 @@ class TextureBuffer {
   std::unordered_set<uint64_t> seen_;
   uint64_t reserved_bytes_ = 0;  // of chunks being filled
   int64_t workers_under_way_ = 0;
+  size_t runs_under_way_ = 0;  // being read and copied
   CacheCounters counters_;
 };
 

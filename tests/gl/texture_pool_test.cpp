@@ -106,7 +106,7 @@ TEST_F(TexturePoolTest, idleTexturesOfOtherSizesGoForNewOnes) {
   size_t left = 0;
   for (const GLuint texture : small) left += exists(texture) ? 1 : 0;
   // As many bytes were never in use at once as both kinds would take.
-  EXPECT_LE(left * kSmallBytes, kSpareTextureBytes);
+  EXPECT_LE(left * kSmallBytes, spareTextureBytes(kCount * kSmallBytes));
   for (const GLuint texture : large) pool.giveBack(texture, kLarge, DeviceType::kU8);
 }
 

@@ -67,8 +67,8 @@ TEST_F(OutOfCoreTest, anyBudgetGivesTheSamePicture) {
       SessionOptions options;
       options.page = {{8, 8, 8}, 1, block * block * block / 512};  // a block
       const std::vector<float> expected = sessionOf(*source, ranges, options)->frame().picture.rgba;
-      const uint64_t least = static_cast<uint64_t>(options.page.cacheBytes()) + kSpareTextureBytes +
-                             leastBufferBytes(options.page, {block});
+      const uint64_t least = static_cast<uint64_t>(options.page.cacheBytes()) +
+                             spareTextureBytes(0) + leastBufferBytes(options.page, {block});
       for (const uint64_t more : {0, 1, 100'000, 1'000'000, 100'000'000}) {
         SCOPED_TRACE(fmt::format("blocks of {}, lit {}, {} more than the least", block, lit, more));
         options.memory_bytes = least + more;
@@ -80,7 +80,7 @@ TEST_F(OutOfCoreTest, anyBudgetGivesTheSamePicture) {
         EXPECT_EQ(blocks.brokenIdentity(), "");
         EXPECT_EQ(chunks.brokenIdentity(), "");
         EXPECT_LE(blocks.peak_bytes + chunks.peak_bytes +
-                      session->textureCache().counters().peak_bytes + kSpareTextureBytes,
+                      session->textureCache().counters().peak_bytes + spareTextureBytes(0),
                   options.memory_bytes);
       }
     }
@@ -94,7 +94,7 @@ TEST_F(OutOfCoreTest, manyViewsAndThresholdsUnderTheLeastBudget) {
     SessionOptions options;
     options.page = {{8, 8, 8}, 1, blocks_in_cache * 8};
     const auto roomy = sessionOf(*source, ranges, options);
-    options.memory_bytes = static_cast<uint64_t>(options.page.cacheBytes()) + kSpareTextureBytes +
+    options.memory_bytes = static_cast<uint64_t>(options.page.cacheBytes()) + spareTextureBytes(0) +
                            leastBufferBytes(options.page, {16});
     const auto tight = sessionOf(*source, ranges, options);
     for (int i = 0; i < 40; ++i) {

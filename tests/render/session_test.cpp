@@ -303,7 +303,7 @@ TEST_F(SessionTest, memoryIsSharedOutWithoutRest) {
   const Budgets software = shareMemory(kMemory, page, true, {16}, 2);
   EXPECT_EQ(software.texture_cache, 8U * 1024);
   EXPECT_EQ(software.volume_buffer + software.texture_buffer + software.texture_cache +
-                software.scratch + kSpareTextureBytes,
+                software.scratch + spareTextureBytes(0),
             kMemory);
   const Budgets hardware =
       shareMemory(kMemory, page, false, {.block_vox = 16, .growing_bytes = 40'000}, 2);

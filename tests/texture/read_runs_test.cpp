@@ -26,6 +26,20 @@ TEST(ReadRuns, whatIsWantedSoonComesAlongInItsRow) {
   EXPECT_EQ(runs[0].blocks, (Ids{11, 13, 18}));
 }
 
+TEST(ReadRuns, limitsKeepRowsWholeWhereTwoFit) {
+  const auto limits = [](size_t level_blocks, int64_t blocks_a_row) {
+    const RunLimits l = runLimits(level_blocks, blocks_a_row, 5);
+    return std::pair(l.blocks, l.runs);
+  };
+  EXPECT_EQ(limits(1000, 32), std::pair(size_t{100}, size_t{5})) << "half of it for all";
+  EXPECT_EQ(limits(320, 32), std::pair(size_t{32}, size_t{5}));
+  EXPECT_EQ(limits(319, 32), std::pair(size_t{32}, size_t{5}));
+  EXPECT_EQ(limits(150, 32), std::pair(size_t{32}, size_t{4}));
+  EXPECT_EQ(limits(74, 32), std::pair(size_t{32}, size_t{2}));
+  EXPECT_EQ(limits(73, 32), std::pair(size_t{7}, size_t{5})) << "too few for two rows";
+  EXPECT_EQ(limits(2, 32), std::pair(size_t{1}, size_t{5}));
+}
+
 TEST(ReadRuns, eachWantedBlockIsInOneRunAndNoRunIsTooLong) {
   std::mt19937 random(3);
   for (int i = 0; i < 500; ++i) {
