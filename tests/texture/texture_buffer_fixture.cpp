@@ -1,0 +1,57 @@
+#include "tests/texture/texture_buffer_fixture.h"
+
+#include <algorithm>
+#include <cstring>
+#include <numeric>
+
+namespace sluice {
+
+std::vector<int64_t> allChunks(const TexturePlan& plan) {
+  std::vector<int64_t> chunks(plan.chunks.size());
+  std::iota(chunks.begin(), chunks.end(), 0);
+  return chunks;
+}
+
+void expectTexels(const TexturePlan& plan, int64_t position, const ChunkTexels& texels,
+                  const MemorySource& source) {
+  const Chunk& chunk = plan.chunks[static_cast<size_t>(position)];
+  const size_t size = bytesPerVoxel(deviceMap(source.layout()).type);
+  const size_t stored_size = bytesPerVoxel(source.layout().type);
+  const Vec3i dims = source.layout().dims;
+  ASSERT_EQ(texels.storage_vox, plan.page.pageGridOf(chunk.size_vox) * plan.page.size_vox);
+  ASSERT_EQ(texels.byte_count, static_cast<size_t>(volume(texels.storage_vox)) * size);
+  std::vector<std::byte> expected(size);
+  std::vector<bool> covered(static_cast<size_t>(volume(texels.storage_vox)));
+  for (const int64_t b : chunk.blocks) {
+    const TextureBlock& block = plan.blocks[static_cast<size_t>(b)];
+    const Vec3i count = block.texels();
+    for (int64_t z = 0; z < count.z; ++z)
+      for (int64_t y = 0; y < count.y; ++y)
+        for (int64_t x = 0; x < count.x; ++x) {
+          const int axis = block.trimming_axis;
+          Vec3i voxel;  // texture z is the trimming axis, x and y the next two in turn
+          voxel[axis] = block.voxels.lo[axis] + z;
+          voxel[(axis + 1) % 3] = block.voxels.lo[(axis + 1) % 3] + x;
+          voxel[(axis + 2) % 3] = block.voxels.lo[(axis + 2) % 3] + y;
+          voxel = max(Vec3i{0, 0, 0}, min(voxel, dims - Vec3i{1, 1, 1}));  // the border repeats
+          const auto at = static_cast<size_t>((voxel.z * dims.y + voxel.y) * dims.x + voxel.x);
+          toDevice(source.layout().type, source.bytes().subspan(at * stored_size, stored_size),
+                   expected);
+          const Vec3i t = block.at + Vec3i{x, y, z};
+          const auto texel =
+              static_cast<size_t>((t.z * texels.storage_vox.y + t.y) * texels.storage_vox.x + t.x);
+          ASSERT_EQ(std::memcmp(texels.bytes.get() + texel * size, expected.data(), size), 0)
+              << "block " << block.block << " axis " << axis << " texel " << t.x << ' ' << t.y
+              << ' ' << t.z;
+          covered[texel] = true;
+        }
+  }
+  std::ranges::fill(expected, std::byte{0});
+  for (size_t texel = 0; texel < covered.size(); ++texel) {
+    if (covered[texel]) continue;
+    ASSERT_EQ(std::memcmp(texels.bytes.get() + texel * size, expected.data(), size), 0)
+        << "of no block: " << texel;
+  }
+}
+
+}  // namespace sluice

@@ -1,0 +1,130 @@
+// The texels of a chunk: each is the voxel that it stands for, and what no block fills is 0.
+#include <gtest/gtest.h>
+
+#include <malloc.h>
+
+#include <array>
+#include <random>
+
+#include "src/texture/fill_chunk.h"
+#include "src/texture/texture_buffer.h"
+#include "tests/texture/texture_buffer_fixture.h"
+
+namespace sluice {
+namespace {
+
+// Memory comes with junk in it, as that of an evicted chunk does.
+struct JunkInNewMemory {
+  JunkInNewMemory() { mallopt(M_PERTURB, 0x5a); }
+  ~JunkInNewMemory() { mallopt(M_PERTURB, 0); }
+};
+
+TEST(TextureBuffer, eachTexelIsTheVoxelItStandsFor) {
+  const JunkInNewMemory junk;
+  std::mt19937_64 random(1);
+  std::array<int, 3> axes_seen{};
+  for (const VoxelType type : {VoxelType::kU8, VoxelType::kI16, VoxelType::kF32, VoxelType::kF64})
+    for (const int ghost : {0, 1})
+      for (const Algorithm algorithm : {Algorithm::kConventional, Algorithm::kClipped,
+                                        Algorithm::kTrimmed, Algorithm::kMerged}) {
+        const Vec3i dims{29, 20, 24};
+        const auto source = makeWhiteNoise(dims, type, 3);
+        const BlockLayout layout = blockLayout(dims, 8, ghost);
+        const auto device_size =
+            static_cast<int64_t>(bytesPerVoxel(deviceMap(source->layout()).type));
+        // Blocks that fill their pages along x and y, and such that do not.
+        const PageGeometry page{ghost == 0 ? Vec3i{4, 8, 2} : Vec3i{32, 16, 2}, device_size, 64};
+        const TexturePlan plan = planTextures(layout, randomClassification(layout, 0.5, random),
+                                              page, planOptions(layout, algorithm));
+        for (const TextureBlock& block : plan.blocks)
+          ++axes_seen[static_cast<size_t>(block.trimming_axis)];
+        WorkerPool pool(3);
+        VolumeBuffer blocks(*source, layout, 1 << 20);
+        TextureBuffer buffer(blocks, pool, 16 << 20);
+        ChunkNames names;
+        const std::vector<int64_t> chunks = allChunks(plan);
+        const auto texels = buffer.acquire(plan, names.namesOf(plan), chunks);
+        ASSERT_EQ(texels.size(), chunks.size());
+        for (size_t i = 0; i < chunks.size(); ++i) {
+          expectTexels(plan, chunks[i], *texels[i], *source);
+          if (HasFatalFailure()) FAIL() << name(type) << ' ' << name(algorithm) << ' ' << ghost;
+        }
+      }
+  for (const int count : axes_seen) EXPECT_GT(count, 50);
+}
+
+TEST(TextureBuffer, smallVolumesArePaddedByTheirBorder) {
+  // One block of 8 over a volume of 3 x 2 x 5 voxels.
+  const auto source = makeWhiteNoise({3, 2, 5}, VoxelType::kU16, 3);
+  for (const int ghost : {0, 1}) {
+    const BlockLayout layout = blockLayout({3, 2, 5}, 8, ghost);
+    const PageGeometry page{{8, 8, 8}, 2, 16};
+    for (const Algorithm algorithm : {Algorithm::kConventional, Algorithm::kTrimmed}) {
+      const TexturePlan plan =
+          planTextures(layout, allBlack(layout), page, planOptions(layout, algorithm));
+      WorkerPool pool(1);
+      VolumeBuffer blocks(*source, layout, 1 << 20);
+      TextureBuffer buffer(blocks, pool, 1 << 20);
+      ChunkNames names;
+      const auto texels = buffer.acquire(plan, names.namesOf(plan), allChunks(plan));
+      expectTexels(plan, 0, *texels.at(0), *source);
+    }
+  }
+}
+
+TEST(TextureBufferDeathTest, storageMustBeOfTheSizeItSays) {
+  VolumeBlock from;
+  from.voxels = {{0, 0, 0}, {2, 2, 2}};
+  from.bytes = std::make_unique<std::byte[]>(8);
+  TextureBlock block;
+  block.voxels = from.voxels;
+  std::vector<std::byte> out(7);
+  EXPECT_DEATH(copyTextureBlock(block, from, {2, 2, 2}, {2, 2, 2}, out), "check failed");
+}
+
+// Chunks large enough to be kept where memory is passed on from one to the next.
+TEST(TextureBuffer, memoryThatIsPassedOnLeavesNothingOfItsLastChunk) {
+  const auto source = makeWhiteNoise({2 * 63 + 1, 64, 64}, VoxelType::kU8, 3);
+  const BlockLayout layout = blockLayout({2 * 63 + 1, 64, 64}, 64, 0);
+  const PageGeometry page{{64, 32, 32}, 1, 16};
+  const std::vector<Box3> shown = {allCells(layout),
+                                   {{0, 0, 5}, {126, 63, 12}},
+                                   {{0, 0, 20}, {126, 63, 60}},
+                                   {{3, 0, 0}, {110, 50, 63}}};
+  WorkerPool pool(2);
+  VolumeBuffer blocks(*source, layout, 4 << 20);
+  TextureBuffer buffer(blocks, pool, 512 << 10);  // one chunk of two whole blocks
+  ChunkNames names;
+  for (int turn = 0; turn < 3; ++turn)
+    for (const Box3& box : shown) {
+      std::vector<ObjectBlock> visible;
+      for (int64_t block = 0; block < 2; ++block)
+        visible.push_back(
+            objectBlock(layout, block, intersect(box, layout.ownedCells(layout.indexOf(block)))));
+      const TexturePlan plan = planTextures(layout, classificationOf(layout, visible), page,
+                                            planOptions(layout, Algorithm::kMerged));
+      const auto texels = buffer.acquire(plan, names.namesOf(plan), allChunks(plan));
+      for (size_t i = 0; i < texels.size(); ++i)
+        expectTexels(plan, static_cast<int64_t>(i), *texels[i], *source);
+    }
+  EXPECT_GT(buffer.counters().evictions, 4U);
+}
+
+TEST_F(TextureBufferTest, whatPagesAddIsZero) {
+  const PageGeometry page{{16, 8, 4}, 1, 32};
+  Classification one = classificationOf(layout_, {objectBlock(layout_, 0, {{0, 0, 0}, {7, 7, 2}})});
+  const TexturePlan plan =
+      planTextures(layout_, one, page, planOptions(layout_, Algorithm::kTrimmed));
+  const auto buffer = bufferOf(counted_, 24);
+  const auto texels = buffer->acquire(plan, chunk_names_.namesOf(plan), allChunks(plan));
+  ASSERT_EQ(texels[0]->storage_vox, (Vec3i{16, 8, 4}));
+  for (int64_t z = 0; z < 4; ++z)
+    for (int64_t y = 0; y < 8; ++y)
+      for (int64_t x = 0; x < 16; ++x)
+        if (x >= 8 || z >= 3) {
+          EXPECT_EQ(texels[0]->bytes[static_cast<size_t>((z * 8 + y) * 16 + x)], std::byte{0});
+        }
+}
+
+}  // namespace
+}  // namespace sluice
