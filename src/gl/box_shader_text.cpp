@@ -1,0 +1,157 @@
+#include "src/gl/shader_text.h"
+
+namespace sluice {
+
+// What a fragment needs of the box and of the frame. All of it comes as flat inputs, the frame's
+// numbers too: software GL reads a uniform anew for each pixel, in every turn of a loop, but an
+// input that is flat once for all the pixels that it draws together. GL 3.3 lets 60 components
+// pass; those that a variant does not read do not count. Where all are taken, what is read once a
+// pixel stays a uniform.
+const char* const kInputsText = R"(
+FLAT vec3 box_lo, box_hi, texel0, texel_dx, texel_dy;
+FLAT int first_k, turn;
+FLAT vec3 texel_size;         // 1 / texels of the chunk
+FLAT vec3 origin_dx, origin_dy, step0;
+FLAT float first_slice;
+FLAT float entry_scale, entry_offset, stop_opacity;
+FLAT float least, greatest;   // texel values of the first and the last entry
+FLAT float first_depth, depth_step;
+#if PERSPECTIVE && GRADIENTS
+uniform vec3 view_step_dx, view_step_dy;
+uniform vec4 view_pixel_ray;
+#define step_dx view_step_dx
+#define step_dy view_step_dy
+#define pixel_ray view_pixel_ray
+#else
+FLAT vec3 step_dx, step_dy;
+FLAT vec4 pixel_ray;          // u tan x = x * .x + .y, v tan y = y * .z + .w
+#endif
+#if GOES_AHEAD
+FLAT vec2 visible;            // texel values beyond these show nothing
+#endif
+#if GRADIENTS
+// Along the texture's axes, for a difference of texel values from voxel to voxel: times slope, the
+// gradient in the world; the others make products with the direction of the light (times what of it
+// is reflected) and with the one in which it would be seen in a mirror.
+FLAT vec3 slope;
+#endif
+#if LIT
+FLAT vec3 toward0, toward1, halfway0, halfway1;
+FLAT vec4 reflection;         // of what is seen in a mirror, of each light; ambient; flat
+#endif
+#if GRADIENT_ROWS > 0
+FLAT vec4 ramp;               // of the first two rows: magnitude, 1 / distance, factor, its growth
+#endif
+)";
+
+const char* const kVertexText = R"(
+uniform samplerBuffer boxes;
+uniform vec3 chunk_texel_size;
+uniform vec3 view_origin_dx, view_origin_dy, view_step0;
+uniform float view_first_slice, view_first_depth, view_depth_step;
+#if !(PERSPECTIVE && GRADIENTS)
+uniform vec3 view_step_dx, view_step_dy;
+uniform vec4 view_pixel_ray;
+#endif
+uniform vec4 entries;      // scale, offset, least, greatest
+uniform float opacity_threshold;
+#if GRADIENTS
+// Along the volume's axes.
+uniform vec2 visible_texels;
+uniform vec3 index_slope, index_toward[2], index_halfway[2];
+uniform vec4 view_reflection, first_rows;
+vec3 textureOrder(vec3 v) { return turn == 2 ? v : turn == 0 ? v.yzx : v.zxy; }
+#endif
+void main() {
+  int at = gl_InstanceID * 13;
+  vec4 corner = texelFetch(boxes, at + gl_VertexID);
+  vec4 lo = texelFetch(boxes, at + 8), hi = texelFetch(boxes, at + 9);
+  box_lo = lo.xyz;
+  box_hi = hi.xyz;
+  first_k = int(lo.w);
+  turn = int(hi.w);
+  texel_size = chunk_texel_size;
+  texel0 = texelFetch(boxes, at + 10).xyz * texel_size;
+  texel_dx = texelFetch(boxes, at + 11).xyz * texel_size;
+  texel_dy = texelFetch(boxes, at + 12).xyz * texel_size;
+  origin_dx = view_origin_dx;
+  origin_dy = view_origin_dy;
+  step0 = view_step0;
+  first_slice = view_first_slice;
+  first_depth = view_first_depth;
+  depth_step = view_depth_step;
+#if !(PERSPECTIVE && GRADIENTS)
+  step_dx = view_step_dx;
+  step_dy = view_step_dy;
+  pixel_ray = view_pixel_ray;
+#endif
+#if GOES_AHEAD
+  visible = visible_texels;
+#endif
+#if GRADIENTS
+  slope = textureOrder(index_slope);
+#endif
+#if LIT
+  toward0 = textureOrder(index_toward[0]);
+  toward1 = textureOrder(index_toward[1]);
+  halfway0 = textureOrder(index_halfway[0]);
+  halfway1 = textureOrder(index_halfway[1]);
+  reflection = view_reflection;
+#endif
+#if GRADIENT_ROWS > 0
+  ramp = first_rows;
+#endif
+  entry_scale = entries.x;
+  entry_offset = entries.y;
+  least = entries.z;
+  greatest = entries.w;
+  stop_opacity = opacity_threshold;
+  gl_Position = vec4(corner.xy, 0.0, corner.z);
+}
+)";
+
+// The slices of this pixel's ray inside the box: [from, to).
+const char* const kIntervalText = R"(
+layout(location = 0) out vec4 result;
+#if CLIP_PLANES > 0
+uniform vec4 clip_planes[CLIP_PLANES];
+#endif
+
+// The first slice past the face at distance t. Both boxes at a face compute the same number.
+vec3 sliceAt(vec3 t, vec3 step) {
+  return mix(floor(t) + 1.0, ceil(t), greaterThan(step, vec3(0.0)));
+}
+
+ivec2 slices(vec3 origin, vec3 step) {
+  vec3 safe = mix(step, vec3(1e-12), lessThan(abs(step), vec3(1e-12)));
+  vec3 at_lo = sliceAt((box_lo - origin) / safe - 0.5, safe);
+  vec3 at_hi = sliceAt((box_hi - origin) / safe - 0.5, safe);
+  vec3 enter = min(at_lo, at_hi), leave = max(at_lo, at_hi);
+  float from = max(max(enter.x, enter.y), max(enter.z, first_slice));
+  float to = min(leave.x, min(leave.y, leave.z));
+#if CLIP_PLANES > 0
+  for (int i = 0; i < CLIP_PLANES; ++i) {
+    float along = dot(clip_planes[i].xyz, step);
+    float t = (clip_planes[i].w - dot(clip_planes[i].xyz, origin)) /
+              (abs(along) < 1e-12 ? 1e-12 : along) - 0.5;
+    if (along < 0.0) from = max(from, ceil(t));
+    else to = min(to, floor(t) + 1.0);
+  }
+#endif
+  // A ray beside the box along an axis that it does not move on enters at infinity.
+  if (from >= to) return ivec2(0);
+  return ivec2(int(from), int(to));
+}
+)";
+
+const char* const kCountText = R"(
+void main() {
+  vec2 pixel = gl_FragCoord.xy;
+  ivec2 range = slices(pixel.x * origin_dx + pixel.y * origin_dy,
+                       step0 + pixel.x * step_dx + pixel.y * step_dy);
+  if (range.x >= range.y) discard;
+  result = vec4(float(range.y - range.x));
+}
+)";
+
+}  // namespace sluice

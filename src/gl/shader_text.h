@@ -1,0 +1,14 @@
+// The text of the shaders in GLSL, in parts, which shaders.cpp puts together behind its version and
+// the variant's definitions. A pixel's way through a box: the vertices give it the box, the
+// interval the slices inside, and a main function takes the samples or counts them.
+#pragma once
+
+namespace sluice {
+
+extern const char* const kInputsText;    // what passes from vertices to pixels
+extern const char* const kVertexText;    // main: the outline of a box in the picture
+extern const char* const kIntervalText;  // ivec2 slices(origin, step)
+extern const char* const kSampleText;    // main: looks up, lights and blends the samples
+extern const char* const kCountText;     // main: how many samples there are
+
+}  // namespace sluice
