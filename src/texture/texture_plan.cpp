@@ -113,8 +113,12 @@ void addSingleChunks(TexturePlan& plan) {
   }
 }
 
-// Gives each block its chunk and place, and each cluster of a block the chunk.
-void addChunk(TexturePlan& plan, const MergedChunk& merged) {
+// Gives each block its chunk and place, and each cluster of a block the chunk. Whether there are
+// two.
+bool addChunk(TexturePlan& plan, const MergedChunk& merged) {
+  const int64_t first = merged.columns[0].blocks[0].block;
+  const int64_t first_cluster = plan.blocks[static_cast<size_t>(first)].cluster;
+  bool is_between = false;
   const auto number = static_cast<int64_t>(plan.chunks.size());
   const int64_t side = plan.layout.size;
   Chunk chunk;
@@ -129,6 +133,7 @@ void addChunk(TexturePlan& plan, const MergedChunk& merged) {
       block.at = {static_cast<int64_t>(c) * side, 0, z};
       z += piled.thickness;
       chunk.blocks.push_back(piled.block);
+      is_between = is_between || block.cluster != first_cluster;
       std::vector<int64_t>& of_cluster = plan.clusters[static_cast<size_t>(block.cluster)].chunks;
       if (of_cluster.empty() || of_cluster.back() != number) of_cluster.push_back(number);
     }
@@ -136,6 +141,7 @@ void addChunk(TexturePlan& plan, const MergedChunk& merged) {
   chunk.size_vox = {static_cast<int64_t>(merged.columns.size()) * side, side, merged.thickness()};
   chunk.pages = plan.page.pagesOf(chunk.size_vox);
   plan.chunks.push_back(std::move(chunk));
+  return is_between;
 }
 
 // Sections 3.2.3.2 and 3.2.3.3.
@@ -186,17 +192,15 @@ void mergeChunks(TexturePlan& plan, MergeOrder order) {
   size_t count = 0;
   for (const std::vector<MergedChunk>& chunks : merged) count += chunks.size();
   reserveLarge(plan.chunks, count);
+  std::vector<bool> is_between;
+  is_between.reserve(count);
   for (const std::vector<MergedChunk>& chunks : merged)
-    for (const MergedChunk& chunk : chunks) addChunk(plan, chunk);
+    for (const MergedChunk& chunk : chunks) is_between.push_back(addChunk(plan, chunk));
   // A chunk of two clusters is asked for first, so that what the second of them loads cannot evict
   // it: it is loaded once, in both traversal directions.
   for (Cluster& cluster : plan.clusters)
     std::stable_partition(cluster.chunks.begin(), cluster.chunks.end(), [&](int64_t position) {
-      const std::vector<int64_t>& blocks = plan.chunks[static_cast<size_t>(position)].blocks;
-      return std::any_of(blocks.begin(), blocks.end(), [&](int64_t block) {
-        return plan.blocks[static_cast<size_t>(block)].cluster !=
-               plan.blocks[static_cast<size_t>(blocks.front())].cluster;
-      });
+      return is_between[static_cast<size_t>(position)];
     });
 }
 
