@@ -83,5 +83,7 @@ class NaivePolicy {
 // `next_uses` is for Belady's optimum.
 std::unique_ptr<NaivePolicy> makeNaivePolicy(PolicyKind kind, uint64_t capacity, uint64_t seed,
                                              const std::vector<uint32_t>& next_uses = {});
+// Its part for those that remember what they evicted: kTwoQ, kArc and kS3Fifo.
+std::unique_ptr<NaivePolicy> makeNaiveGhostPolicy(PolicyKind kind, uint64_t capacity);
 
 }  // namespace sluice::test
