@@ -13,6 +13,7 @@
 #include <thread>
 
 #include "src/base/error.h"
+#include "tests/support/error_of.h"
 #include "tests/support/temp_folder.h"
 
 namespace sluice {
@@ -26,17 +27,6 @@ std::set<std::string> filesIn(const std::filesystem::path& folder) {
   for (const auto& entry : std::filesystem::directory_iterator(folder))
     names.insert(entry.path().filename().string());
   return names;
-}
-
-// The line of the Error that `f` throws.
-template <class F>
-std::string errorOf(F&& f) {
-  try {
-    f();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
 }
 
 TEST(AtomicFile, committedFileHoldsWhatWasWritten) {

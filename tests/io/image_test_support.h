@@ -11,6 +11,7 @@
 
 #include "src/base/error.h"
 #include "src/base/volume_source.h"
+#include "tests/support/error_of.h"
 #include "tests/support/run_command.h"
 #include "tests/support/temp_folder.h"
 
@@ -34,19 +35,6 @@ std::vector<T> valuesOf(const std::vector<std::byte>& bytes) {
 template <class T>
 T valueAt(VolumeSource& source, Vec3i at) {
   return valuesOf<T>(readBox(source, {at, at + Vec3i{1, 1, 1}}))[0];
-}
-
-// The line of the Error that f throws; fails the test and gives "" when there is none.
-template <class F>
-std::string errorOf(F f) {
-  try {
-    f();
-  } catch (const Error& e) {
-    EXPECT_EQ(std::string(e.what()).find('\n'), std::string::npos) << e.what();
-    return e.what();
-  }
-  ADD_FAILURE() << "no Error was thrown";
-  return "";
 }
 
 inline bool hasPythonModules(const std::string& modules) {

@@ -1,5 +1,6 @@
 #include "io/meta_image.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <array>
@@ -201,7 +202,7 @@ TEST(MetaImageTest, readsLocalListedAndNumberedData) {
   const VoxelType type = VoxelType::kI16;
   expectKnownVolume(*openMetaImage(folder.write("a.mha", headerWith() + voxels)), type, kDims);
   for (size_t z = 0; z < 3; ++z)
-    folder.write("s" + std::to_string(z), "head" + voxels.substr(z * 40, 40));
+    folder.write(fmt::format("s{}", z), "head" + voxels.substr(z * 40, 40));
   const std::string skip = headerWith("HeaderSize", "4");
   const std::string listed = skip.substr(0, skip.rfind("LOCAL"));
   expectKnownVolume(*openMetaImage(folder.write("b.mhd", listed + "LIST\ns0\ns1\ns2\n")), type,

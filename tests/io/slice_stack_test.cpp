@@ -2,12 +2,11 @@
 
 #include <gmock/gmock.h>
 
-#include <sstream>
 #include <thread>
 
 #include "io/file_list.h"
 #include "io/slice_picture.h"
-#include "tests/io/image_test_support.h"
+#include "tests/io/python_volumes.h"
 
 namespace sluice {
 namespace {
@@ -15,44 +14,25 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
+// A stack of make_slices.py.
 struct Case {
+  static constexpr const char* kScript = "make_slices.py";
+  static constexpr const char* kModules = "numpy, tifffile, vtkmodules.vtkIOImage";
+
   std::string name, type;
   Vec3i dims;
+
+  friend std::istream& operator>>(std::istream& line, Case& c) {
+    return line >> c.name >> c.type >> c.dims.x >> c.dims.y >> c.dims.z;
+  }
 };
 
-// The stacks of make_slices.py, written once for all tests here.
-class Slices : public testing::Test {
+class Slices : public PythonVolumesTest<Case> {
  protected:
-  static void SetUpTestSuite() {
-    if (!hasPythonModules("numpy, tifffile, vtkmodules.vtkIOImage")) return;
-    folder_ = std::make_unique<TempFolder>();
-    const auto made = runCommand("/usr/bin/python3 " SLUICE_TEST_DIR "/make_slices.py " +
-                                 shellQuoted(folder_->path().string()));
-    ASSERT_EQ(made.status, 0) << made.output;
-    std::istringstream lines(readFile(*folder_ / "cases.txt"));
-    Case c;
-    while (lines >> c.name >> c.type >> c.dims.x >> c.dims.y >> c.dims.z) cases_.push_back(c);
-  }
-  static void TearDownTestSuite() {
-    folder_.reset();
-    cases_.clear();
-  }
-  void SetUp() override {
-    if (!folder_) GTEST_SKIP() << "python3 with numpy, tifffile and VTK is missing";
-  }
-  static std::filesystem::path pathOf(const std::string& name) { return *folder_ / name; }
   static std::filesystem::path firstOf(const std::string& name) {
     return listFolder(pathOf(name)).at(0);
   }
-  static std::string voxelsOf(const std::string& name) { return readFile(pathOf(name + ".bin")); }
-
-  static inline std::unique_ptr<TempFolder> folder_;
-  static inline std::vector<Case> cases_;
 };
-
-std::string asText(const std::vector<std::byte>& bytes) {
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
 
 TEST_F(Slices, areReadAsOtherProgramsWroteThem) {
   ASSERT_GT(cases_.size(), 30U);
@@ -69,24 +49,7 @@ TEST_F(Slices, boxesInAnyOrderAreParts) {
   for (const Case& c : cases_) {
     SCOPED_TRACE(c.name);
     const auto source = openSliceFolder(pathOf(c.name), {.cache_bytes = 1, .max_open_pictures = 1});
-    const std::string whole = voxelsOf(c.name);
-    const size_t voxel = bytesPerVoxel(source->layout().type);
-    std::mt19937 random(11);
-    for (int i = 0; i < 12; ++i) {
-      Box3 box;
-      for (int a = 0; a < 3; ++a) {
-        box.lo[a] = static_cast<int64_t>(random() % static_cast<uint64_t>(c.dims[a]));
-        box.hi[a] = box.lo[a] + 1 +
-                    static_cast<int64_t>(random() % static_cast<uint64_t>(c.dims[a] - box.lo[a]));
-      }
-      std::string expected;
-      for (int64_t z = box.lo.z; z < box.hi.z; ++z)
-        for (int64_t y = box.lo.y; y < box.hi.y; ++y)
-          expected +=
-              whole.substr(static_cast<size_t>((z * c.dims.y + y) * c.dims.x + box.lo.x) * voxel,
-                           static_cast<size_t>(box.size().x) * voxel);
-      ASSERT_TRUE(asText(readBox(*source, box)) == expected);
-    }
+    expectBoxesAreParts(*source, voxelsOf(c.name));
   }
 }
 
@@ -228,8 +191,8 @@ TEST(SliceFolder, rejectsSeveralSeries) {
 void expectAsReadByPython(const std::string& folder, const std::string& pattern,
                           const std::string& script, Vec3i dims) {
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is missing";
-  if (!hasPythonModules("numpy, tifffile, vtkmodules.vtkIOImage"))
-    GTEST_SKIP() << "python3 with numpy, tifffile and VTK is missing";
+  if (!hasPythonModules(Case::kModules))
+    GTEST_SKIP() << "python3 with " << Case::kModules << " is missing";
   const TempFolder made;
   const std::string raw = (made / "voxels.bin").string();
   const auto run = runCommand("/usr/bin/python3 -c \"" + script + "\" " + shellQuoted(folder) +

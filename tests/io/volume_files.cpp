@@ -1,39 +1,9 @@
 #include "tests/io/volume_files.h"
 
-#include <gmock/gmock.h>
-#include <stdlib.h>
-
 #include <algorithm>
-#include <cstring>
-#include <fstream>
-#include <sstream>
-
-#include "src/base/error.h"
+#include <cstdlib>
 
 namespace sluice {
-
-TempFolder::TempFolder() {
-  std::string pattern = (std::filesystem::temp_directory_path() / "sluice-test-XXXXXX").string();
-  if (mkdtemp(pattern.data()) == nullptr) ADD_FAILURE() << "no temporary folder";
-  path_ = pattern;
-}
-
-TempFolder::~TempFolder() {
-  std::error_code ignored;
-  std::filesystem::remove_all(path_, ignored);
-}
-
-std::filesystem::path TempFolder::write(std::string_view name, std::string_view bytes) const {
-  const std::filesystem::path file = path_ / name;
-  std::ofstream(file, std::ios::binary) << bytes;
-  return file;
-}
-
-std::string readFile(const std::filesystem::path& path) {
-  std::ostringstream text;
-  text << std::ifstream(path, std::ios::binary).rdbuf();
-  return text.str();
-}
 
 double knownVoxel(VoxelType type, Vec3i at, int64_t time) {
   const double whole = static_cast<double>((3 * at.x + 5 * at.y + 7 * at.z + 11 * time) % 251);
@@ -85,19 +55,6 @@ void expectKnownVolume(VolumeSource& source, VoxelType type, Vec3i dims, int64_t
   EXPECT_EQ(layout.time_steps, time_steps);
   if (testing::Test::HasNonfatalFailure()) return;
   EXPECT_TRUE(readAll(source) == knownVoxels(type, dims, time_steps)) << "voxels differ";
-}
-
-std::string errorOf(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    const std::string line = error.what();
-    EXPECT_EQ(line.find_first_of("\n\r"), std::string::npos) << line;
-    EXPECT_LT(line.size(), 700U) << line;
-    return line;
-  }
-  ADD_FAILURE() << "no Error thrown";
-  return "";
 }
 
 bool runs(const std::string& command) {

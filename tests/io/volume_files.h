@@ -1,38 +1,19 @@
-// Files for the tests of the readers: a folder of their own, known voxels, programs that write.
+// Files for the tests of the readers: known voxels, and programs that write them.
 #pragma once
 
 #include <gtest/gtest.h>
 
 #include <cstddef>
 #include <filesystem>
-#include <functional>
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "src/base/volume_source.h"
+#include "tests/support/error_of.h"
+#include "tests/support/temp_folder.h"
 
 namespace sluice {
-
-// A folder that is gone after the test.
-class TempFolder {
- public:
-  TempFolder();
-  ~TempFolder();
-  TempFolder(const TempFolder&) = delete;
-  TempFolder& operator=(const TempFolder&) = delete;
-
-  const std::filesystem::path& path() const { return path_; }
-  std::filesystem::path operator/(std::string_view name) const { return path_ / name; }
-  // Writes a file into it; returns its path.
-  std::filesystem::path write(std::string_view name, std::string_view bytes) const;
-
- private:
-  std::filesystem::path path_;
-};
-
-std::string readFile(const std::filesystem::path& path);
 
 // The voxel that the tests' volumes have at a place: (3x + 5y + 7z + 11t) mod 251, or, for floats,
 // that minus 100.25.
@@ -48,10 +29,6 @@ std::vector<std::byte> readBox(VolumeSource& source, int64_t time, const Box3& b
 std::string readAll(VolumeSource& source);
 // Expects dimensions, type and all voxels to be those of knownVoxels.
 void expectKnownVolume(VolumeSource& source, VoxelType type, Vec3i dims, int64_t time_steps = 1);
-
-// The line of the Error that `action` must throw; a test failure when it throws none, or more than
-// one line.
-std::string errorOf(const std::function<void()>& action);
 
 // Runs a shell command, its output thrown away; false when it fails.
 bool runs(const std::string& command);

@@ -3,11 +3,10 @@
 #include <gmock/gmock.h>
 
 #include <fstream>
-#include <sstream>
 #include <thread>
 
 #include "io/open_volume.h"
-#include "tests/io/image_test_support.h"
+#include "tests/io/python_volumes.h"
 
 namespace sluice {
 namespace {
@@ -16,7 +15,11 @@ namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::HasSubstr;
 
+// A store of make_zarr.py.
 struct Case {
+  static constexpr const char* kScript = "make_zarr.py";
+  static constexpr const char* kModules = "numpy, zarr, numcodecs";
+
   std::string name, type;
   Vec3i dims;
   int64_t steps = 1, channel = -1;
@@ -27,46 +30,13 @@ struct Case {
     if (channel >= 0) options.channel = channel;
     return options;
   }
+  friend std::istream& operator>>(std::istream& line, Case& c) {
+    return line >> c.name >> c.type >> c.dims.x >> c.dims.y >> c.dims.z >> c.steps >> c.channel >>
+           c.missing;
+  }
 };
 
-std::string asText(const std::vector<std::byte>& bytes) {
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
-
-std::string allSteps(VolumeSource& source) {
-  std::string bytes;
-  for (int64_t t = 0; t < source.layout().time_steps; ++t) bytes += asText(readAll(source, t));
-  return bytes;
-}
-
-// The stores of make_zarr.py, written once for all tests here.
-class ZarrPython : public testing::Test {
- protected:
-  static void SetUpTestSuite() {
-    if (!hasPythonModules("numpy, zarr, numcodecs")) return;
-    folder_ = std::make_unique<TempFolder>();
-    const auto made = runCommand("/usr/bin/python3 " SLUICE_TEST_DIR "/make_zarr.py " +
-                                 shellQuoted(folder_->path().string()));
-    ASSERT_EQ(made.status, 0) << made.output;
-    std::istringstream lines(readFile(*folder_ / "cases.txt"));
-    Case c;
-    while (lines >> c.name >> c.type >> c.dims.x >> c.dims.y >> c.dims.z >> c.steps >> c.channel >>
-           c.missing)
-      cases_.push_back(c);
-  }
-  static void TearDownTestSuite() {
-    folder_.reset();
-    cases_.clear();
-  }
-  void SetUp() override {
-    if (!folder_) GTEST_SKIP() << "python3 with numpy, zarr and numcodecs is missing";
-  }
-  static fs::path pathOf(const std::string& name) { return *folder_ / name; }
-  static std::string voxelsOf(const std::string& name) { return readFile(pathOf(name + ".bin")); }
-
-  static inline std::unique_ptr<TempFolder> folder_;
-  static inline std::vector<Case> cases_;
-};
+using ZarrPython = PythonVolumesTest<Case>;
 
 TEST_F(ZarrPython, storesAreReadAsTheyWereWritten) {
   ASSERT_GT(cases_.size(), 80U);
@@ -86,26 +56,7 @@ TEST_F(ZarrPython, boxesInAnyOrderAreParts) {
     ZarrOptions options = c.options();
     options.chunk_cache_bytes = 1;
     ZarrSource source(pathOf(c.name), options);
-    const std::string whole = voxelsOf(c.name);
-    const size_t voxel = bytesPerVoxel(source.layout().type);
-    std::mt19937 random(11);
-    for (int i = 0; i < 12; ++i) {
-      Box3 box;
-      for (int a = 0; a < 3; ++a) {
-        box.lo[a] = static_cast<int64_t>(random() % static_cast<uint64_t>(c.dims[a]));
-        box.hi[a] = box.lo[a] + 1 +
-                    static_cast<int64_t>(random() % static_cast<uint64_t>(c.dims[a] - box.lo[a]));
-      }
-      const auto step = static_cast<int64_t>(random() % static_cast<uint64_t>(c.steps));
-      std::string expected;
-      for (int64_t z = box.lo.z; z < box.hi.z; ++z)
-        for (int64_t y = box.lo.y; y < box.hi.y; ++y)
-          expected += whole.substr(
-              static_cast<size_t>(((step * c.dims.z + z) * c.dims.y + y) * c.dims.x + box.lo.x) *
-                  voxel,
-              static_cast<size_t>(box.size().x) * voxel);
-      ASSERT_TRUE(asText(readBox(source, box, step)) == expected);
-    }
+    expectBoxesAreParts(source, voxelsOf(c.name));
   }
 }
 

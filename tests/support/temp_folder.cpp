@@ -21,6 +21,12 @@ TempFolder::~TempFolder() {
   std::filesystem::remove_all(path_, ignored);
 }
 
+std::filesystem::path TempFolder::write(std::string_view name, std::string_view bytes) const {
+  const std::filesystem::path file = path_ / name;
+  writeFile(file, bytes);
+  return file;
+}
+
 std::string readFile(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) fail("{}: cannot be read", path.string());

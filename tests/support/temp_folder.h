@@ -17,6 +17,8 @@ class TempFolder {
 
   const std::filesystem::path& path() const { return path_; }
   std::filesystem::path operator/(std::string_view name) const { return path_ / name; }
+  // Writes a file into it; returns its path. Throws Error when it cannot be written.
+  std::filesystem::path write(std::string_view name, std::string_view bytes) const;
 
  private:
   std::filesystem::path path_;
