@@ -6,25 +6,23 @@
 #include <limits>
 #include <random>
 
-#include "src/classify/transfer_makers.h"
+#include "tests/render/blob_scene.h"
 #include "tests/render/real_volumes.h"
-#include "tests/render/render_scene.h"
-#include "tests/support/random_volume.h"
 
 namespace sluice {
 namespace {
 
 constexpr double kOfReference = 2, kOfPlain = 1;
-constexpr Projection kProjections[] = {Projection::kOrtho, Projection::kPerspective};
+// Blocks for boxes to be smaller than.
+constexpr SceneOptions kLargeBlocks{.block_vox = 32, .ghost = true, .partition = Partition::kBoxes};
 
-std::unique_ptr<MemorySource> blobs(VoxelType type, uint64_t seed = 1) {
-  BlobOptions options;
-  options.dims = {61, 50, 55};
-  options.type = type;
-  options.seed = seed;
-  options.blobs = 12;
-  options.spacing = {1, 1.2, 0.9};
-  return makeSparseBlobs(options);
+// A cube of 200, `margin_vox` of zeros about it.
+std::unique_ptr<MemorySource> cube(int64_t side_vox, int64_t margin_vox) {
+  return makeMemorySource<uint8_t>(
+      Vec3i{side_vox, side_vox, side_vox}, [=](int64_t x, int64_t y, int64_t z) {
+        const auto inside = [=](int64_t i) { return i >= margin_vox && i < side_vox - margin_vox; };
+        return inside(x) && inside(y) && inside(z) ? 200.0 : 0.0;
+      });
 }
 
 TransferFunction above(double share, ValueRange range) {
@@ -83,7 +81,7 @@ class GradientTest : public RenderTest {
 TEST_F(GradientTest, modulationGivesTheReferencePicture) {
   for (const VoxelType type : {VoxelType::kU8, VoxelType::kI16, VoxelType::kF32}) {
     SCOPED_TRACE(name(type));
-    const auto source = blobs(type);
+    const auto source = spacedBlobs(type);
     expectRightPicture(*source, modulated(0.3, valueRangeOf(*source)));
   }
 }
@@ -91,7 +89,7 @@ TEST_F(GradientTest, modulationGivesTheReferencePicture) {
 TEST_F(GradientTest, rowsOverThePlaneGiveTheReferencePicture) {
   for (const VoxelType type : {VoxelType::kU8, VoxelType::kU16, VoxelType::kF32}) {
     SCOPED_TRACE(name(type));
-    const auto source = blobs(type, 2);
+    const auto source = spacedBlobs(type, 2);
     const ValueRange range = valueRangeOf(*source);
     expectRightPicture(*source, plane(range));
     expectRightPicture(*source, flatAlone(range), 0.02);
@@ -100,12 +98,7 @@ TEST_F(GradientTest, rowsOverThePlaneGiveTheReferencePicture) {
 
 TEST_F(GradientTest, modulationChangesThePictureAndFlatCoresVanish) {
   // A cube of one value: its faces show, its inside does not.
-  VolumeLayout layout;
-  layout.dims = {24, 24, 24};
-  const auto source = makeMemorySource<uint8_t>(layout, [](int64_t x, int64_t y, int64_t z) {
-    const auto inside = [](int64_t i) { return i >= 4 && i < 20; };
-    return inside(x) && inside(y) && inside(z) ? 200.0 : 0.0;
-  });
+  const auto source = cube(24, 4);
   const TransferFunction thin = thresholdTransfer(60, {0, 200}, 0.05);
   RenderScene scene(device(), *source, modulateByGradient(thin, 50), {.ghost = true});
   FrameOptions options = obliqueView(Projection::kOrtho, {65, 65});
@@ -144,16 +137,12 @@ TEST_F(GradientTest, whatIsNoNumberHasNoGradient) {
   });
   const TransferFunction transfer = modulated(0.3, {0.1, 0.9}, 0.1);
   expectRightPicture(*source, transfer);
-  RenderScene scene(device(), *source, transfer,
-                    {.block_vox = 32, .ghost = true, .partition = Partition::kBoxes});
-  FrameOptions options = obliqueView(Projection::kPerspective, {64, 60});
-  const FloatPicture blocks = scene.draw(options);
-  options.partition = Partition::kBoxes;
-  EXPECT_TRUE(within(kOfPlain, scene.draw(options), blocks));
+  RenderScene scene(device(), *source, transfer, kLargeBlocks);
+  EXPECT_TRUE(boxesDrawTheSame(scene, obliqueView(Projection::kPerspective, {64, 60})));
 }
 
 TEST_F(GradientTest, blockBordersDoNotShow) {
-  const auto source = blobs(VoxelType::kU8, 3);
+  const auto source = spacedBlobs(VoxelType::kU8, 3);
   const ValueRange range = valueRangeOf(*source);
   for (const bool lit : {false, true})
     for (const TransferFunction& transfer : {modulated(0.2, range), plane(range)}) {
@@ -172,7 +161,7 @@ TEST_F(GradientTest, blockBordersDoNotShow) {
 }
 
 TEST_F(GradientTest, depthAndEarlyEndsCountWhatIsLeftOfTheOpacity) {
-  const auto source = blobs(VoxelType::kU8, 4);
+  const auto source = spacedBlobs(VoxelType::kU8, 4);
   RenderScene scene(device(), *source, modulated(0.2, valueRangeOf(*source)), {.ghost = true});
   for (const Projection projection : kProjections) {
     FrameOptions options = obliqueView(projection);
@@ -192,7 +181,7 @@ TEST_F(GradientTest, samplesThatAreLeftOutShowNothing) {
   for (const VoxelType type : {VoxelType::kU8, VoxelType::kF32})
     for (const Projection projection : kProjections)
       for (const bool lit : {false, true}) {
-        const auto source = blobs(type, 6);
+        const auto source = spacedBlobs(type, 6);
         RenderScene scene(device(), *source, modulated(0.2, valueRangeOf(*source)),
                           {.lit = lit, .ghost = true});
         FrameOptions options = obliqueView(projection);
@@ -203,7 +192,7 @@ TEST_F(GradientTest, samplesThatAreLeftOutShowNothing) {
 }
 
 TEST_F(GradientTest, otherModesLookAtValuesAlone) {
-  const auto source = blobs(VoxelType::kU8, 5);
+  const auto source = spacedBlobs(VoxelType::kU8, 5);
   const ValueRange range = valueRangeOf(*source);
   RenderScene scene(device(), *source, modulated(0.3, range),
                     {.ghost = true, .partition = Partition::kBoxes});
@@ -228,7 +217,7 @@ TEST_F(GradientTest, growingBoxesGiveThePictureOfBlocks) {
     const VoxelType type = i % 3 == 0   ? VoxelType::kU8
                            : i % 3 == 1 ? VoxelType::kI16
                                         : VoxelType::kF32;
-    const auto source = blobs(type, random());
+    const auto source = spacedBlobs(type, random());
     const ValueRange range = valueRangeOf(*source);
     const TransferFunction transfers[] = {modulated(0.3, range), plane(range), flatAlone(range)};
     for (const TransferFunction& transfer : transfers) {
@@ -255,19 +244,13 @@ TEST_F(GradientTest, growingBoxesGiveThePictureOfBlocks) {
 // A box that is flat is skipped where flat regions show nothing: growing boxes are worth more with
 // modulation (Li 2003, section 6).
 TEST_F(GradientTest, flatBoxesAreSkipped) {
-  VolumeLayout layout;
-  layout.dims = {65, 65, 65};
-  const auto source = makeMemorySource<uint8_t>(layout, [](int64_t x, int64_t y, int64_t z) {
-    const auto inside = [](int64_t i) { return i >= 8 && i < 57; };
-    return inside(x) && inside(y) && inside(z) ? 200.0 : 0.0;
-  });
+  const auto source = cube(65, 8);
   FrameOptions options = obliqueView(Projection::kOrtho, {64, 60});
   options.count_samples = true;
   options.partition = Partition::kBoxes;
   RenderScene plain(device(), *source, above(0.3, {0, 200}),
                     {.block_vox = 32, .partition = Partition::kBoxes});
-  RenderScene scene(device(), *source, modulated(0.3, {0, 200}),
-                    {.block_vox = 32, .ghost = true, .partition = Partition::kBoxes});
+  RenderScene scene(device(), *source, modulated(0.3, {0, 200}), kLargeBlocks);
   const FrameReport report = scene.frame(options).report;
   EXPECT_LT(report.samples_drawn, plain.frame(options).report.samples_drawn * 7 / 10);
   EXPECT_TRUE(within(kOfReference, scene.draw(options), scene.reference(options)));
@@ -289,14 +272,12 @@ TEST_F(GradientTest, obliqueAxesBoundTheirGradients) {
   const double magnitude = length(slope);
   transfer.gradients = {
       {0.93 * magnitude, {{0, 0}}}, {magnitude, {{0, 1}}}, {1.07 * magnitude, {{0, 0}}}};
-  RenderScene scene(device(), *source, transfer,
-                    {.block_vox = 32, .ghost = true, .partition = Partition::kBoxes});
-  FrameOptions options = obliqueView(Projection::kOrtho, {64, 60});
+  RenderScene scene(device(), *source, transfer, kLargeBlocks);
+  const FrameOptions options = obliqueView(Projection::kOrtho, {64, 60});
   const FloatPicture blocks = scene.draw(options);
   EXPECT_GT(shownShare(blocks), 0.1);
   EXPECT_TRUE(within(kOfReference, blocks, scene.reference(options)));
-  options.partition = Partition::kBoxes;
-  EXPECT_TRUE(within(kOfPlain, scene.draw(options), blocks));
+  EXPECT_TRUE(boxesDrawTheSame(scene, options));
 }
 
 class GradientDataTest : public GradientTest, public testing::WithParamInterface<RealVolume> {};
@@ -322,10 +303,9 @@ TEST_P(GradientDataTest, modulatedPictureIsRightAndBoxesDrawIt) {
       FrameOptions options =
           obliqueView(lit ? Projection::kOrtho : Projection::kPerspective, {72, 64});
       options.step_vox = 0.5;
-      const FloatPicture blocks = scene.draw(options);
-      EXPECT_TRUE(within(kOfReference, blocks, scene.reference(options))) << "lit " << lit;
-      options.partition = Partition::kBoxes;
-      EXPECT_TRUE(within(kOfPlain, scene.draw(options), blocks)) << "lit " << lit;
+      EXPECT_TRUE(within(kOfReference, scene.draw(options), scene.reference(options)))
+          << "lit " << lit;
+      EXPECT_TRUE(boxesDrawTheSame(scene, options)) << "lit " << lit;
     }
 }
 

@@ -15,6 +15,9 @@ namespace {
 
 constexpr Vec3i kDims{64, 60, 72};
 constexpr PictureSize kSize{200, 180};
+// Room for a part of what the frames need.
+constexpr SceneOptions kLittleMemory{
+    .block_vox = 16, .pages = 128, .memory_bytes = uint64_t{12} << 20};
 
 // An opaque wall, wider than what lies behind it, seen from +z.
 std::unique_ptr<FunctionSource> wallBeforeBlobs() {
@@ -65,7 +68,7 @@ TEST_F(OcclusionTest, atThresholdOneNoPictureChanges) {
   for (const bool lit : {false, true}) {
     RenderScene scene(device(), *source, opaqueAbove(30),
                       {.block_vox = 16, .lit = lit, .partition = Partition::kBoxes});
-    for (const Projection projection : {Projection::kOrtho, Projection::kPerspective})
+    for (const Projection projection : kProjections)
       for (const double azimuth : {0.0, 37.0, 140.0, 250.0})
         for (const Partition partition : {Partition::kBlocks, Partition::kBoxes}) {
           FrameOptions options = straight(projection);
@@ -101,7 +104,7 @@ TEST_F(OcclusionTest, eyesInsideTheVolumeSeeTheSame) {
 TEST_F(OcclusionTest, whatAWallHidesIsCulledAndTheRestClipped) {
   const auto source = wallBeforeBlobs();
   RenderScene scene(device(), *source, opaqueAbove(30), {.block_vox = 16});
-  for (const Projection projection : {Projection::kOrtho, Projection::kPerspective}) {
+  for (const Projection projection : kProjections) {
     FrameOptions options = straight(projection);
     const Frame all = scene.frame(options);
     std::vector<OcclusionReport> reports;
@@ -153,8 +156,7 @@ TEST_F(OcclusionTest, hiddenBlocksAreNeitherReadNorUploaded) {
     return std::min(v.x, v.y) > 12 && std::max(v.x, v.y) < 52 ? 90.0 : 0.0;
   });
   CountingSource counting(source);
-  const SceneOptions small{.block_vox = 16, .pages = 128, .memory_bytes = uint64_t{12} << 20};
-  RenderScene scene(device(), counting, opaqueAbove(30), small);
+  RenderScene scene(device(), counting, opaqueAbove(30), kLittleMemory);
   FrameOptions options = straight(Projection::kOrtho);
   options.camera.azimuth_deg = 0;
   options.camera.elevation_deg = 0;
@@ -164,7 +166,7 @@ TEST_F(OcclusionTest, hiddenBlocksAreNeitherReadNorUploaded) {
   const int64_t bytes_of_all = counting.counts().bytes;
   EXPECT_GT(bytes_of_all, volume(layout.dims) / 2);
   options.occlusion = Occlusion::kCull;
-  RenderScene fresh(device(), counting, opaqueAbove(30), small);
+  RenderScene fresh(device(), counting, opaqueAbove(30), kLittleMemory);
   counting.reset();
   const Frame first = fresh.frame(options);
   EXPECT_LE(differingShare(first.picture, all.picture, 13), 0.05);
@@ -212,31 +214,24 @@ TEST_F(OcclusionTest, raysThatEndAndPixelsThatStopTakeFewerSamples) {
 
 TEST_F(OcclusionTest, aFrameThatFailsLeavesNothingToTheNext) {
   const auto source = wallBeforeBlobs();
-  const SceneOptions small{.block_vox = 16, .pages = 128, .memory_bytes = uint64_t{12} << 20};
-  RenderScene whole(device(), *source, opaqueAbove(30), small);
+  RenderScene whole(device(), *source, opaqueAbove(30), kLittleMemory);
   FrameOptions options = straight(Projection::kOrtho);
   options.opacity_threshold = 1;
   const Frame expected = whole.frame(options);
   options.occlusion = Occlusion::kCull;
-  SessionOptions session_options;
-  session_options.page = {small.page_vox, 1, small.pages};
-  session_options.memory_bytes = small.memory_bytes;
   for (const int64_t read : {0, 3, 6}) {
     FailingSource failing(*source, FailingSource::Failure::kError, read);
-    WorkerPool pool(2);
-    Session session(failing, 0, whole.ranges(), device(), pool, session_options);
-    session.setTransferFunction(opaqueAbove(30));
-    session.setOptions(options);
-    EXPECT_THROW(session.frame(), Error);
-    EXPECT_EQ(session.frame().picture.rgba, expected.picture.rgba);
+    const auto session = whole.sessionOver(failing);
+    session->setOptions(options);
+    EXPECT_THROW(session->frame(), Error);
+    EXPECT_EQ(session->frame().picture.rgba, expected.picture.rgba);
   }
 }
 
 // What a time limit left out was not hidden: the next frames have it.
 TEST_F(OcclusionTest, limitedFramesAreCompletedByTheNext) {
   const auto source = wallBeforeBlobs();
-  const SceneOptions small{.block_vox = 16, .pages = 128, .memory_bytes = uint64_t{12} << 20};
-  RenderScene scene(device(), *source, opaqueAbove(30), small);
+  RenderScene scene(device(), *source, opaqueAbove(30), kLittleMemory);
   FrameOptions options = straight(Projection::kOrtho);
   options.opacity_threshold = 1;
   options.occlusion = Occlusion::kCull;

@@ -5,11 +5,10 @@
 #include <algorithm>
 #include <atomic>
 
-#include "src/classify/transfer_makers.h"
 #include "src/classify/volume_boxes.h"
 #include "src/render/index_space.h"
+#include "tests/render/blob_scene.h"
 #include "tests/render/real_volumes.h"
-#include "tests/render/render_scene.h"
 #include "tests/support/counting_source.h"
 #include "tests/support/random_volume.h"
 
@@ -17,29 +16,15 @@ namespace sluice {
 namespace {
 
 constexpr double kOfReference = 2, kOfBlocks = 1;
-
-TransferFunction someTransfer(double threshold = 40) {
-  return thresholdTransfer(threshold, {0, 200}, 0.2, "viridis");
-}
-
-std::unique_ptr<MemorySource> blobs(VoxelType type = VoxelType::kU8, uint64_t seed = 1) {
-  BlobOptions options;
-  options.dims = {61, 50, 55};
-  options.type = type;
-  options.seed = seed;
-  options.blobs = 12;
-  options.spacing = {1, 1.2, 0.9};
-  return makeSparseBlobs(options);
-}
+// Blocks that are large beside the blobs, so that boxes have something to leave out of them.
+constexpr SceneOptions kLargeBlocks{.block_vox = 32, .partition = Partition::kBoxes};
 
 class PartitionTest : public RenderTest {
  protected:
   // Returns the boxes drawn.
   int64_t expectSamePicture(RenderScene& scene, FrameOptions options) {
-    options.partition = Partition::kBlocks;
-    const FloatPicture blocks = scene.draw(options);
+    EXPECT_TRUE(boxesDrawTheSame(scene, options));
     options.partition = Partition::kBoxes;
-    EXPECT_TRUE(within(kOfBlocks, scene.draw(options), blocks));
     return scene.frame(options).report.boxes_drawn;
   }
 };
@@ -47,12 +32,12 @@ class PartitionTest : public RenderTest {
 TEST_F(PartitionTest, anyOctantProjectionAndLightingGivesTheSamePicture) {
   for (const VoxelType type : {VoxelType::kU8, VoxelType::kU16, VoxelType::kF32})
     for (const bool lit : {false, true}) {
-      const auto source = blobs(type);
+      const auto source = spacedBlobs(type);
       const ValueRange range = valueRangeOf(*source);
       RenderScene scene(device(), *source, thresholdTransfer(0.3 * range.hi, range, 0.2, "viridis"),
                         {.block_vox = 32, .lit = lit, .partition = Partition::kBoxes});
       for (int octant = 0; octant < 8; ++octant)
-        for (const Projection projection : {Projection::kOrtho, Projection::kPerspective}) {
+        for (const Projection projection : kProjections) {
           SCOPED_TRACE(fmt::format("{}, lit {}, octant {}, projection {}", name(type), lit, octant,
                                    static_cast<int>(projection)));
           FrameOptions options = obliqueView(projection, {64, 60});
@@ -68,9 +53,8 @@ TEST_F(PartitionTest, anyOctantProjectionAndLightingGivesTheSamePicture) {
 }
 
 TEST_F(PartitionTest, axisAlignedAndInsideViewsGiveTheSamePicture) {
-  const auto source = blobs(VoxelType::kU8, 2);
-  RenderScene scene(device(), *source, someTransfer(),
-                    {.block_vox = 32, .partition = Partition::kBoxes});
+  const auto source = spacedBlobs(VoxelType::kU8, 2);
+  RenderScene scene(device(), *source, someTransfer(), kLargeBlocks);
   for (const double azimuth : {0.0, 90.0, 180.0, 270.0})
     for (const double elevation : {0.0, 90.0, -90.0}) {
       FrameOptions options = obliqueView(Projection::kOrtho, {64, 60});
@@ -83,13 +67,12 @@ TEST_F(PartitionTest, axisAlignedAndInsideViewsGiveTheSamePicture) {
 }
 
 TEST_F(PartitionTest, cropsClipPlanesModesAndStepsGiveTheSamePicture) {
-  const auto source = blobs(VoxelType::kU8, 3);
+  const auto source = spacedBlobs(VoxelType::kU8, 3);
   const Vec3d center =
       worldFromIndex(source->layout(), toDouble(source->layout().dims - Vec3i{1, 1, 1}) * 0.5);
-  RenderScene scene(device(), *source, someTransfer(),
-                    {.block_vox = 32, .partition = Partition::kBoxes});
+  RenderScene scene(device(), *source, someTransfer(), kLargeBlocks);
   for (const Mode mode : {Mode::kComposite, Mode::kMip, Mode::kMinip, Mode::kAverage})
-    for (const Projection projection : {Projection::kOrtho, Projection::kPerspective})
+    for (const Projection projection : kProjections)
       for (const double step : {0.5, 1.0, 1.7})
         for (const int cut : {0, 1, 2, 3}) {
           SCOPED_TRACE(fmt::format("mode {}, projection {}, step {}, cut {}",
@@ -110,11 +93,10 @@ TEST_F(PartitionTest, cropsClipPlanesModesAndStepsGiveTheSamePicture) {
 
 TEST_F(PartitionTest, eachAlgorithmAndNoiseGiveTheSamePicture) {
   const auto noise = makeWhiteNoise({40, 37, 33}, VoxelType::kU8, 5);
-  const auto sparse = blobs(VoxelType::kU8, 4);
+  const auto sparse = spacedBlobs(VoxelType::kU8, 4);
   for (VolumeSource* source :
        {static_cast<VolumeSource*>(noise.get()), static_cast<VolumeSource*>(sparse.get())})
-    for (const Algorithm algorithm :
-         {Algorithm::kConventional, Algorithm::kClipped, Algorithm::kTrimmed, Algorithm::kMerged}) {
+    for (const Algorithm algorithm : kAlgorithms) {
       RenderScene scene(device(), *source, someTransfer(90),
                         {.block_vox = 16, .partition = Partition::kBoxes});
       FrameOptions options = obliqueView(Projection::kPerspective, {64, 60});
@@ -124,10 +106,9 @@ TEST_F(PartitionTest, eachAlgorithmAndNoiseGiveTheSamePicture) {
 }
 
 TEST_F(PartitionTest, aNewTransferFunctionReadsNoVoxelForTheBoxes) {
-  const auto source = blobs();
+  const auto source = spacedBlobs();
   CountingSource counting(*source);
-  RenderScene scene(device(), counting, someTransfer(),
-                    {.block_vox = 32, .partition = Partition::kBoxes});
+  RenderScene scene(device(), counting, someTransfer(), kLargeBlocks);
   FrameOptions options = obliqueView(Projection::kOrtho, {64, 60});
   options.partition = Partition::kBoxes;
   scene.frame(options);
@@ -142,7 +123,7 @@ TEST_F(PartitionTest, aNewTransferFunctionReadsNoVoxelForTheBoxes) {
 }
 
 TEST_F(PartitionTest, aSmallBudgetGivesTheSamePicture) {
-  const auto source = blobs();
+  const auto source = spacedBlobs();
   const PageGeometry page{{8, 8, 8}, 1, 64};
   const uint64_t least =
       static_cast<uint64_t>(page.cacheBytes()) + spareTextureBytes(0) +
@@ -159,9 +140,8 @@ TEST_F(PartitionTest, aSmallBudgetGivesTheSamePicture) {
 }
 
 TEST_F(PartitionTest, reportCountsBoxesAndFewerSamples) {
-  const auto source = blobs();
-  RenderScene scene(device(), *source, someTransfer(),
-                    {.block_vox = 32, .partition = Partition::kBoxes});
+  const auto source = spacedBlobs();
+  RenderScene scene(device(), *source, someTransfer(), kLargeBlocks);
   FrameOptions options = obliqueView(Projection::kOrtho, {64, 60});
   options.count_samples = true;
   options.algorithm = Algorithm::kTrimmed;
@@ -178,9 +158,8 @@ TEST_F(PartitionTest, reportCountsBoxesAndFewerSamples) {
 
 // A frame that does not wait draws object boxes where the growing ones are not made.
 TEST_F(PartitionTest, aTimeLimitMakesNoBoxes) {
-  const auto source = blobs();
-  RenderScene scene(device(), *source, someTransfer(),
-                    {.block_vox = 32, .partition = Partition::kBoxes});
+  const auto source = spacedBlobs();
+  RenderScene scene(device(), *source, someTransfer(), kLargeBlocks);
   FrameOptions options = obliqueView(Projection::kOrtho, {64, 60});
   const FloatPicture expected = scene.draw(options);
   options.partition = Partition::kBoxes;
@@ -196,10 +175,8 @@ class PartitionDataTest : public PartitionTest, public testing::WithParamInterfa
 TEST_P(PartitionDataTest, boxesDrawTheSamePicture) {
   const auto file = openReal(GetParam());
   if (!file) GTEST_SKIP() << GetParam().input << " is not there";
-  const Vec3i dims = file->layout().dims;
-  const Vec3i size = min(dims, Vec3i{kSanitized ? 64 : 160, 160, 160});
-  const Vec3i lo = (dims - size) / Vec3i{2, 2, 2};
-  const auto source = cropped(*file, {lo, lo + size}, GetParam().time);
+  const auto source = middleOf(*file, {kSanitized ? 64 : 160, 160, 160}, GetParam().time);
+  const Vec3i size = source->layout().dims;
   WorkerPool pool(2);
   Progress progress;
   const SliceRanges ranges = buildSliceRanges(*source, 0, blockLayout(size, 64, 0), pool, progress);

@@ -14,10 +14,6 @@ namespace {
 // Of the issue: within 2/255 of the reference, within 1/255 of the unaccelerated picture.
 constexpr double kOfReference = 2, kOfPlain = 1;
 
-constexpr Algorithm kAlgorithms[] = {Algorithm::kConventional, Algorithm::kClipped,
-                                     Algorithm::kTrimmed, Algorithm::kMerged};
-constexpr Projection kProjections[] = {Projection::kOrtho, Projection::kPerspective};
-
 std::unique_ptr<MemorySource> blobs(VoxelType type = VoxelType::kU8) {
   BlobOptions options;
   options.type = type;

@@ -15,17 +15,10 @@ namespace {
 
 constexpr double kOfReference = 2, kOfPlain = 1;
 // The middle of a larger volume stands for it: the reference takes every sample in doubles.
-constexpr int64_t kMostVoxels = kSanitized ? 128 : 160;
+constexpr int64_t kMost = kSanitized ? 128 : 160;
+constexpr Vec3i kMostVoxels{kMost, kMost, kMost};
 
 class RealVolumesTest : public RenderTest, public testing::WithParamInterface<RealVolume> {};
-
-// The middle of a real volume.
-std::unique_ptr<MemorySource> middleOf(VolumeSource& file, int64_t time) {
-  const Vec3i dims = file.layout().dims;
-  const Vec3i size = min(dims, Vec3i{kMostVoxels, kMostVoxels, kMostVoxels});
-  const Vec3i lo = (dims - size) / Vec3i{2, 2, 2};
-  return cropped(file, {lo, lo + size}, time);
-}
 
 TransferFunction automaticOf(VolumeSource& source, const VolumeLayout& layout) {
   // The index knows the histogram; the scene builds its own.
@@ -39,7 +32,7 @@ TransferFunction automaticOf(VolumeSource& source, const VolumeLayout& layout) {
 TEST_P(RealVolumesTest, pictureIsRight) {
   const auto file = openReal(GetParam());
   if (!file) GTEST_SKIP() << GetParam().input << " is not there";
-  const auto source = middleOf(*file, GetParam().time);
+  const auto source = middleOf(*file, kMostVoxels, GetParam().time);
   const TransferFunction transfer = automaticOf(*source, file->layout());
   for (const bool lit : {false, true}) {
     RenderScene scene(device(), *source, transfer, {.block_vox = 32, .lit = lit});
@@ -70,7 +63,7 @@ TEST_P(RealVolumesTest, pictureIsRight) {
 TEST_P(RealVolumesTest, occlusionKeepsThePicture) {
   const auto file = openReal(GetParam());
   if (!file) GTEST_SKIP() << GetParam().input << " is not there";
-  const auto source = middleOf(*file, GetParam().time);
+  const auto source = middleOf(*file, kMostVoxels, GetParam().time);
   RenderScene scene(device(), *source, scaleOpacity(automaticOf(*source, file->layout()), 80),
                     {.block_vox = 32, .partition = Partition::kBoxes});
   for (const Projection projection : {Projection::kOrtho, Projection::kPerspective})

@@ -67,21 +67,26 @@ int mostExcused(const FloatPicture& picture) {
 
 RenderScene::RenderScene(Device& device, VolumeSource& source, TransferFunction transfer,
                          const SceneOptions& options)
-    : source_(source),
+    : device_(device),
+      source_(source),
       options_(options),
       transfer_(std::move(transfer)),
       pool_(options.threads),
-      ranges_(rangesOf(source, options, pool_)) {
-  SessionOptions session;
-  session.page = {options.page_vox, static_cast<int64_t>(bytesPerVoxel(ranges_.map.type)),
-                  options.pages};
-  session.memory_bytes = options.memory_bytes;
-  session.policy = options.policy;
-  session.lit = options.lit;
-  session.partition = options.partition;
-  if (options.partition == Partition::kBoxes) setenv("SLUICE_INDEX", "off", 1);
-  session_ = std::make_unique<Session>(source, options.time, ranges_, device, pool_, session);
-  session_->setTransferFunction(transfer_);
+      ranges_(rangesOf(source, options, pool_)),
+      session_(sessionOver(source)) {}
+
+std::unique_ptr<Session> RenderScene::sessionOver(VolumeSource& source) {
+  SessionOptions options;
+  options.page = {options_.page_vox, static_cast<int64_t>(bytesPerVoxel(ranges_.map.type)),
+                  options_.pages};
+  options.memory_bytes = options_.memory_bytes;
+  options.policy = options_.policy;
+  options.lit = options_.lit;
+  options.partition = options_.partition;
+  if (options_.partition == Partition::kBoxes) setenv("SLUICE_INDEX", "off", 1);
+  auto session = std::make_unique<Session>(source, options_.time, ranges_, device_, pool_, options);
+  session->setTransferFunction(transfer_);
+  return session;
 }
 
 Frame RenderScene::frame(const FrameOptions& options) {
@@ -188,6 +193,13 @@ testing::AssertionResult depthsWithin(double tolerance, const FloatPicture& a,
   return testing::AssertionSuccess();
 }
 
+testing::AssertionResult boxesDrawTheSame(RenderScene& scene, FrameOptions options) {
+  options.partition = Partition::kBlocks;
+  const FloatPicture blocks = scene.draw(options);
+  options.partition = Partition::kBoxes;
+  return within(1, scene.draw(options), blocks);
+}
+
 double shownShare(const FloatPicture& picture) {
   int64_t shown = 0;
   for (size_t i = 3; i < picture.rgba.size(); i += 4) shown += picture.rgba[i] > 0.01F ? 1 : 0;
@@ -203,6 +215,12 @@ std::unique_ptr<MemorySource> cropped(VolumeSource& source, const Box3& voxels, 
   layout.dims = box.size();
   layout.time_steps = 1;
   return std::make_unique<MemorySource>(layout, std::move(bytes));
+}
+
+std::unique_ptr<MemorySource> middleOf(VolumeSource& source, Vec3i most_vox, int64_t time) {
+  const Vec3i size = min(source.layout().dims, most_vox);
+  const Vec3i lo = (source.layout().dims - size) / Vec3i{2, 2, 2};
+  return cropped(source, {lo, lo + size}, time);
 }
 
 void RenderTest::SetUpTestSuite() {

@@ -24,6 +24,10 @@ inline constexpr bool kSanitized = true;
 inline constexpr bool kSanitized = false;
 #endif
 
+inline constexpr Algorithm kAlgorithms[] = {Algorithm::kConventional, Algorithm::kClipped,
+                                            Algorithm::kTrimmed, Algorithm::kMerged};
+inline constexpr Projection kProjections[] = {Projection::kOrtho, Projection::kPerspective};
+
 struct SceneOptions {
   int64_t block_vox = 16;  // a side; small, so that small volumes have many
   Vec3i page_vox{8, 8, 8};
@@ -49,11 +53,17 @@ class RenderScene {
   // What the contracts say that draw() gives.
   FloatPicture reference(const FrameOptions& options) const;
 
+  // A session over another source with this scene's index, options and transfer function: the index
+  // is built from this scene's source, so that a source may fail in the session alone. Must not
+  // outlive the scene.
+  std::unique_ptr<Session> sessionOver(VolumeSource& source);
+
   Session& session() { return *session_; }
   const SliceRanges& ranges() const { return ranges_; }
   void setTransfer(TransferFunction transfer);
 
  private:
+  Device& device_;
   VolumeSource& source_;
   const SceneOptions options_;
   TransferFunction transfer_;
@@ -72,11 +82,15 @@ testing::AssertionResult within(double tolerance_255, const FloatPicture& a, con
 // The same for depths where both pictures are opaque enough to have one, in world units.
 testing::AssertionResult depthsWithin(double tolerance, const FloatPicture& a,
                                       const FloatPicture& b);
+// Success when the growing boxes, which the scene must allow, give the picture of the object boxes.
+testing::AssertionResult boxesDrawTheSame(RenderScene& scene, FrameOptions options);
 // Guards against comparing nothing with nothing: the share of pixels that show something.
 double shownShare(const FloatPicture& picture);
 
 // A part of a source, so that tests of large volumes stay quick. `source` must outlive it.
 std::unique_ptr<MemorySource> cropped(VolumeSource& source, const Box3& voxels, int64_t time = 0);
+// The middle of a source, of `most_vox` along each axis at most.
+std::unique_ptr<MemorySource> middleOf(VolumeSource& source, Vec3i most_vox, int64_t time = 0);
 
 // A test with a device of its own program: software GL, whose pictures are the same everywhere.
 class RenderTest : public testing::Test {
