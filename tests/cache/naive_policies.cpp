@@ -1,6 +1,7 @@
 #include "tests/cache/naive_policies.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <optional>
 #include <utility>
 
@@ -220,9 +221,12 @@ std::unique_ptr<NaivePolicy> makeNaivePolicy(PolicyKind kind, uint64_t capacity,
     case PolicyKind::kArc:
     case PolicyKind::kS3Fifo:
       return makeNaiveGhostPolicy(kind, capacity);
-    default:
+    case PolicyKind::kBelady:
       return std::make_unique<NaiveBelady>(capacity, next_uses);
+    case PolicyKind::kBeladyPages:
+      break;  // held against kBelady and all others in simulator_test.cpp
   }
+  std::abort();
 }
 
 }  // namespace sluice::test
