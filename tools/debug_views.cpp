@@ -14,6 +14,8 @@ namespace {
 constexpr int64_t kBoxesSide = 768;  // pixels that a small slice is blown up to
 constexpr int64_t kMapScale = 8;
 constexpr uint64_t kTreeBytes = uint64_t{16} << 20;
+// --memory is the session's: a block for each thread.
+constexpr uint64_t kGrowingBytes = 0;
 
 using Color = std::array<float, 3>;
 // As the paper's Figure 2 has them.
@@ -91,7 +93,7 @@ Picture boxesPicture(Scene& scene, const VolumeArguments& volume) {
       put(picture, x, y, {value, value, value}, 1);
     }
   BoxStore store(*scene.volume.source, volume.inputs.front(), volume.time, ranges, scene.pool,
-                 kTreeBytes);
+                 kTreeBytes, kGrowingBytes);
   const int64_t layer = std::min(z / layout.cells(), layout.grid.z - 1);
   for (int64_t y = 0; y < layout.grid.y; ++y)
     for (int64_t x = 0; x < layout.grid.x; ++x) {

@@ -37,8 +37,9 @@ int64_t defaultPages(const PageGeometry& page, const BlockLayout& layout, uint64
   const BufferNeeds needs = bufferNeeds(source, layout, Partition::kBlocks);
   const uint64_t buffers = leastBufferBytes(page, needs);
   const auto needed = [&] {
-    const uint64_t textures = pages * page_bytes;
-    return textures + spareTextureBytes(textures) + buffers;
+    PageGeometry geometry = page;
+    geometry.pages = static_cast<int64_t>(pages);
+    return textureMemoryBytes(geometry, true) + buffers;
   };
   while (pages > least && needed() > memory_bytes) pages /= 2;
   return static_cast<int64_t>(pages);
@@ -162,6 +163,20 @@ PlannedFrame planFrame(const IndexedVolume& volume, const TransferFunction& tran
   return result;
 }
 
+SessionOptions sessionOptions(const VolumeArguments& arguments, const PageGeometry& page,
+                              const LookArguments& look, const ResourceArguments& resources,
+                              Partition partition, uint64_t memory_bytes) {
+  SessionOptions options;
+  options.page = page;
+  options.memory_bytes = memory_bytes;
+  options.policy = resources.policy;
+  options.seed = resources.seed;
+  options.lit = look.shade;
+  options.partition = partition;
+  options.volume_name = arguments.inputs.front();
+  return options;
+}
+
 Scene::Scene(const VolumeArguments& arguments, const LookArguments& look,
              const ResourceArguments& resources, Partition partition)
     : pool(resources.threads),
@@ -169,16 +184,9 @@ Scene::Scene(const VolumeArguments& arguments, const LookArguments& look,
       memory_bytes(memoryBudget(resources)),
       device(std::make_unique<GlDevice>(createContext(resources.gl))),
       transfer(transferFor(volume, look)) {
-  SessionOptions options;
-  options.page = volume.page;
-  options.memory_bytes = memory_bytes;
-  options.policy = resources.policy;
-  options.seed = resources.seed;
-  options.lit = look.shade;
-  options.partition = partition;
-  options.volume_name = arguments.inputs.front();
-  session = std::make_unique<Session>(*volume.source, arguments.time, volume.index.ranges, *device,
-                                      pool, options);
+  session = std::make_unique<Session>(
+      *volume.source, arguments.time, volume.index.ranges, *device, pool,
+      sessionOptions(arguments, volume.page, look, resources, partition, memory_bytes));
   session->setTransferFunction(transfer);
 }
 

@@ -40,6 +40,10 @@ struct PlannedFrame {
 PlannedFrame planFrame(const IndexedVolume& volume, const TransferFunction& transfer,
                        const FrameOptions& options, int64_t time, WorkerPool& pool);
 
+SessionOptions sessionOptions(const VolumeArguments& volume, const PageGeometry& page,
+                              const LookArguments& look, const ResourceArguments& resources,
+                              Partition partition, uint64_t memory_bytes);
+
 struct Scene {
   // `partition`: kBoxes where frames may ask for growing boxes.
   Scene(const VolumeArguments& volume, const LookArguments& look,

@@ -148,16 +148,10 @@ struct Bench {
     return changes;
   }
   std::unique_ptr<Session> sessionOf(const SliceRanges& ranges, uint64_t memory_bytes) const {
-    SessionOptions options;
-    options.page = scene.volume.page;
-    options.memory_bytes = memory_bytes;
-    options.policy = asked.resources.policy;
-    options.seed = asked.resources.seed;
-    options.lit = asked.look.shade;
-    options.partition = asked.frame.partition;
-    options.volume_name = asked.volume.inputs.front();
-    auto session = std::make_unique<Session>(*scene.volume.source, asked.volume.time, ranges,
-                                             *scene.device, scene.pool, options);
+    auto session = std::make_unique<Session>(
+        *scene.volume.source, asked.volume.time, ranges, *scene.device, scene.pool,
+        sessionOptions(asked.volume, scene.volume.page, asked.look, asked.resources,
+                       asked.frame.partition, memory_bytes));
     session->setOptions(asked.frame);
     return session;
   }
@@ -233,9 +227,7 @@ nlohmann::json outOfCoreChanges(const Bench& bench) {
   const MovedBytes all = bench.scene.session->frameReport().rebuild;
   const DeviceLimits limits = bench.scene.device->limits();
   const PageGeometry& page = bench.scene.volume.page;
-  const auto cache_bytes = static_cast<uint64_t>(page.cacheBytes());
-  const uint64_t textures =
-      limits.textures_in_memory ? cache_bytes + spareTextureBytes(cache_bytes) : 0;
+  const uint64_t textures = textureMemoryBytes(page, limits.textures_in_memory);
   const BufferNeeds needs =
       bufferNeeds(*bench.scene.volume.source, ranges.layout, bench.asked.frame.partition);
   const uint64_t least = textures + leastBufferBytes(page, needs);

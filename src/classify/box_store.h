@@ -42,7 +42,7 @@ class BoxStore {
   // of trees, `growing_bytes` of voxels while boxes are made of them (forEachBlockBricks).
   // `source`, `ranges` and `pool` must outlive the store.
   BoxStore(VolumeSource& source, std::string volume_name, int64_t time, const SliceRanges& ranges,
-           WorkerPool& pool, uint64_t budget_bytes, uint64_t growing_bytes = kMostGrowingBytes);
+           WorkerPool& pool, uint64_t budget_bytes, uint64_t growing_bytes);
 
   // The tree of a block. One that is nothing but background is one box, whose gradients are not
   // known: its neighbours' voxels have a part in them. Throws Error from the source, Interrupted.

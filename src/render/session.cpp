@@ -64,13 +64,17 @@ uint64_t leastBufferBytes(const PageGeometry& page, const BufferNeeds& needs) {
   return 2 * largestChunkBytes(page, needs.block_vox) + 2 * threadBytes(page, needs);
 }
 
+uint64_t textureMemoryBytes(const PageGeometry& page, bool textures_in_memory) {
+  const auto cache_bytes = static_cast<uint64_t>(page.cacheBytes());
+  return textures_in_memory ? cache_bytes + spareTextureBytes(cache_bytes) : 0;
+}
+
 Budgets shareMemory(uint64_t memory_bytes, const PageGeometry& page, bool textures_in_memory,
                     const BufferNeeds& needs, int most_readers) {
   Budgets budgets;
   budgets.texture_cache = static_cast<uint64_t>(page.cacheBytes());
   const uint64_t least_buffers = leastBufferBytes(page, needs);
-  const uint64_t textures =
-      textures_in_memory ? budgets.texture_cache + spareTextureBytes(budgets.texture_cache) : 0;
+  const uint64_t textures = textureMemoryBytes(page, textures_in_memory);
   if (memory_bytes < textures + least_buffers)
     fail(
         "--memory {} is too small: {} of textures and {} of buffers are the least that works; "

@@ -60,6 +60,8 @@ BufferNeeds bufferNeeds(const VolumeSource& source, const BlockLayout& layout, P
 // The least that levels 1 to 3 work with: two merged chunks, and for one reader and the thread that
 // draws two blocks each, their scratch, what the source holds for them and what they grow boxes of.
 uint64_t leastBufferBytes(const PageGeometry& page, const BufferNeeds& needs);
+// What level 4 takes of --memory: the cache and the textures that may wait beside it.
+uint64_t textureMemoryBytes(const PageGeometry& page, bool textures_in_memory);
 // Up to `most_readers` readers, fewer where memory is short. Throws Error, with the least that
 // works, when level 4 leaves too little to the others.
 Budgets shareMemory(uint64_t memory_bytes, const PageGeometry& page, bool textures_in_memory,

@@ -39,7 +39,8 @@ class BoxStoreTest : public testing::Test {
   void TearDown() override { unsetenv("SLUICE_INDEX"); }
 
   BoxStore store(uint64_t budget_bytes = kPlenty) {
-    return {*source_, (folder_ / "blobs.raw").string(), 0, ranges_, pool_, budget_bytes};
+    return {*source_,         (folder_ / "blobs.raw").string(), 0, ranges_, pool_, budget_bytes,
+            kMostGrowingBytes};
   }
   BoxTree expected(int64_t block) const {
     const DeviceVolume volume(*blobs_);
@@ -202,7 +203,7 @@ TEST(BoxStore, aBlockOfBackgroundIsOneBoxAndIsNotRead) {
       buildSliceRanges(sparse, 0, blockLayout(layout.dims, 32, 0), pool, progress);
   setenv("SLUICE_INDEX", "off", 1);
   CountingSource source(sparse);
-  BoxStore boxes(source, "sparse", 0, ranges, pool, kPlenty);
+  BoxStore boxes(source, "sparse", 0, ranges, pool, kPlenty, kMostGrowingBytes);
   const BoxTreePtr tree = boxes.tree(2);
   unsetenv("SLUICE_INDEX");
   EXPECT_EQ(source.counts().calls, 0);

@@ -67,8 +67,8 @@ TEST_F(OutOfCoreTest, anyBudgetGivesTheSamePicture) {
       SessionOptions options;
       options.page = {{8, 8, 8}, 1, block * block * block / 512};  // a block
       const std::vector<float> expected = sessionOf(*source, ranges, options)->frame().picture.rgba;
-      const uint64_t least = static_cast<uint64_t>(options.page.cacheBytes()) +
-                             spareTextureBytes(0) + leastBufferBytes(options.page, {block});
+      const uint64_t least =
+          textureMemoryBytes(options.page, true) + leastBufferBytes(options.page, {block});
       for (const uint64_t more : {0, 1, 100'000, 1'000'000, 100'000'000}) {
         SCOPED_TRACE(fmt::format("blocks of {}, lit {}, {} more than the least", block, lit, more));
         options.memory_bytes = least + more;
@@ -94,8 +94,8 @@ TEST_F(OutOfCoreTest, manyViewsAndThresholdsUnderTheLeastBudget) {
     SessionOptions options;
     options.page = {{8, 8, 8}, 1, blocks_in_cache * 8};
     const auto roomy = sessionOf(*source, ranges, options);
-    options.memory_bytes = static_cast<uint64_t>(options.page.cacheBytes()) + spareTextureBytes(0) +
-                           leastBufferBytes(options.page, {16});
+    options.memory_bytes =
+        textureMemoryBytes(options.page, true) + leastBufferBytes(options.page, {16});
     const auto tight = sessionOf(*source, ranges, options);
     for (int i = 0; i < 40; ++i) {
       FrameOptions view = smallView();

@@ -126,7 +126,7 @@ TEST_F(PartitionTest, aSmallBudgetGivesTheSamePicture) {
   const auto source = spacedBlobs();
   const PageGeometry page{{8, 8, 8}, 1, 64};
   const uint64_t least =
-      static_cast<uint64_t>(page.cacheBytes()) + spareTextureBytes(0) +
+      textureMemoryBytes(page, true) +
       leastBufferBytes(page, bufferNeeds(*source, blockLayout(source->layout().dims, 16, 0, ""),
                                          Partition::kBoxes));
   for (const uint64_t more : {0, 1000, 50'000, 1'000'000}) {

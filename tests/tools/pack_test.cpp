@@ -135,7 +135,7 @@ TEST(PackCommand, aFullDiskIsOneLineAndMoreRoomGoesOn) {
   const Program program;
   const std::string disk = (program.folder / "disk").string();
   if (shell(program, "mkdir disk && mount -t tmpfs -o size=4m tmpfs disk").status != 0)
-    GTEST_SKIP() << "no file system can be mounted here";
+    GTEST_SKIP() << "root, who may mount a tmpfs, is missing";
   const std::string line =
       "$SLUICE pack synth:noise,dims=128x128x512,share=1 --chunk 32 -o disk/v.zarr";
   const CommandResult full = shell(program, line);
@@ -159,7 +159,7 @@ TEST(PackCommand, aFullDiskIsOneLineAndMoreRoomGoesOn) {
 TEST(PackCommand, aFolderThatCannotBeWrittenIsOneLine) {
   const Program program;
   if (shell(program, "mkdir disk && mount -t tmpfs -o ro tmpfs disk").status != 0)
-    GTEST_SKIP() << "no file system can be mounted here";
+    GTEST_SKIP() << "root, who may mount a tmpfs, is missing";
   const CommandResult result = shell(program, "$SLUICE pack synth:cube,dims=9x9x9 -o disk/v.zarr");
   shell(program, "umount disk");
   EXPECT_EQ(result.status, 1);
