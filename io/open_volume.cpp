@@ -2,22 +2,24 @@
 
 #include <array>
 #include <filesystem>
+#include <map>
 #include <string_view>
 #include <utility>
 
-#include "io/file.h"
-#include "io/file_list.h"
-#include "io/meta_image.h"
-#include "io/nifti.h"
-#include "io/nrrd.h"
-#include "io/raw.h"
-#include "io/raw_name.h"
+#include "io/files/file.h"
+#include "io/files/file_list.h"
+#include "io/headers/meta_image.h"
+#include "io/headers/nifti.h"
+#include "io/headers/nrrd.h"
+#include "io/headers/raw.h"
+#include "io/headers/raw_name.h"
 #include "io/sequence.h"
-#include "io/slice_picture.h"
-#include "io/slice_stack.h"
-#include "io/synth_source.h"
-#include "io/vdb_source.h"
-#include "io/zarr_source.h"
+#include "io/slices/slice_picture.h"
+#include "io/slices/slice_stack.h"
+#include "io/synth/synth_source.h"
+#include "io/vdb/vdb_series.h"
+#include "io/vdb/vdb_source.h"
+#include "io/zarr/zarr_source.h"
 #include "src/base/error.h"
 
 namespace sluice {
@@ -77,13 +79,11 @@ Format formatOfName(const fs::path& path, const OpenOptions& options) {
   return Format::kUnknown;
 }
 
-// A source with other distances between its voxels.
-class RespacedSource final : public VolumeSource {
+// A source of which something else is said: the distances between its voxels, notes.
+class RelabelledSource final : public VolumeSource {
  public:
-  RespacedSource(std::unique_ptr<VolumeSource> source, Vec3d spacing)
-      : source_(std::move(source)), layout_(source_->layout()) {
-    layout_.spacing = spacing;
-  }
+  RelabelledSource(std::unique_ptr<VolumeSource> source, VolumeLayout layout)
+      : source_(std::move(source)), layout_(std::move(layout)) {}
   const VolumeLayout& layout() const override { return layout_; }
   void readRegion(int64_t time, const Box3& box, std::span<std::byte> out) override {
     source_->readRegion(time, box, out);
@@ -96,16 +96,27 @@ class RespacedSource final : public VolumeSource {
   uint64_t storedBytesRead() const override { return source_->storedBytesRead(); }
   uint64_t heldBytesAThread() const override { return source_->heldBytesAThread(); }
   void holdAtMost(uint64_t bytes) override { source_->holdAtMost(bytes); }
+  std::vector<std::string> files() override { return source_->files(); }
 
  private:
   const std::unique_ptr<VolumeSource> source_;
-  VolumeLayout layout_;  // constant after construction
+  const VolumeLayout layout_;
 };
 
 std::unique_ptr<VolumeSource> respaced(std::unique_ptr<VolumeSource> source,
                                        const OpenOptions& options) {
   if (!options.spacing) return source;
-  return std::make_unique<RespacedSource>(std::move(source), *options.spacing);
+  VolumeLayout layout = source->layout();
+  layout.spacing = *options.spacing;
+  return std::make_unique<RelabelledSource>(std::move(source), std::move(layout));
+}
+
+std::unique_ptr<VolumeSource> withNote(std::unique_ptr<VolumeSource> source,
+                                       const std::optional<std::string>& note) {
+  if (!note) return source;
+  VolumeLayout layout = source->layout();
+  layout.notes.push_back(*note);
+  return std::make_unique<RelabelledSource>(std::move(source), std::move(layout));
 }
 
 void checkOptions(const std::string& input, Format format, const OpenOptions& options) {
@@ -119,9 +130,9 @@ void checkOptions(const std::string& input, Format format, const OpenOptions& op
   if (format != Format::kVdb && !options.grid.empty())
     fail("{}: --grid {} is for OpenVDB files, which this is not; leave it out", input,
          options.grid);
-  if (format != Format::kZarr && options.channel)
-    fail("{}: --channel {} is for Zarr stores, which this is not; leave it out", input,
-         *options.channel);
+  if (format != Format::kZarr && format != Format::kPicture && options.channel)
+    fail("{}: --channel {} is for Zarr stores and TIFF files, which this is not; leave it out",
+         input, *options.channel);
   if (options.spacing) {
     const Vec3d s = *options.spacing;
     for (int a = 0; a < 3; ++a) {
@@ -129,6 +140,25 @@ void checkOptions(const std::string& input, Format format, const OpenOptions& op
         fail("{}: spacing {}, {}, {}, expected three positive numbers", input, s.x, s.y, s.z);
     }
   }
+}
+
+RawOptions rawOptions(const OpenOptions& options) {
+  return {.dims = options.dims,
+          .time_steps = options.time_steps,
+          .type = options.type,
+          .byte_order = options.byte_order,
+          .skip_bytes = options.skip_bytes,
+          .spacing = options.spacing,
+          .decode = options.decode};
+}
+
+std::unique_ptr<VolumeSource> openFolder(const fs::path& folder, const OpenOptions& options) {
+  if (options.dims && options.type) {  // as headerless slices need
+    checkOptions(folder.string(), Format::kRaw, options);
+    return openRawSlices(listFolder(folder), rawOptions(options));
+  }
+  checkOptions(folder.string(), Format::kPicture, options);
+  return openSliceFolder(folder, {.spacing = options.spacing, .channel = options.channel});
 }
 
 // A name that stands for one source: a file, a folder, a synthetic volume.
@@ -144,41 +174,76 @@ std::unique_ptr<VolumeSource> openOne(const std::string& input, const OpenOption
                            .chunk_cache_bytes = options.chunk_cache_bytes};
     return respaced(std::make_unique<ZarrSource>(path, zarr), options);
   }
-  if (fs::is_directory(path)) {
-    checkOptions(input, Format::kPicture, options);
-    return openSliceFolder(path, {.spacing = options.spacing});
-  }
+  if (fs::is_directory(path)) return openFolder(path, options);
   Format format = formatOfContent(path);
   if (format == Format::kUnknown) format = formatOfName(path, options);
   if (format == Format::kUnknown) fail("{}: unknown kind of file, expected {}", input, kUnderstood);
   checkOptions(input, format, options);
   switch (format) {
     case Format::kNrrd:
-      return respaced(openNrrd(path), options);
+      return respaced(openNrrd(path, options.decode), options);
     case Format::kMetaImage:
-      return respaced(openMetaImage(path), options);
+      return respaced(openMetaImage(path, options.decode), options);
     case Format::kNifti:
-      return respaced(openNifti(path), options);
+      return respaced(openNifti(path, options.decode), options);
     case Format::kVdb:
       return respaced(openVdb(path, options.grid), options);
     case Format::kPicture:
-      return openSlices({path}, {.spacing = options.spacing});
+      return openSlices({path}, {.spacing = options.spacing, .channel = options.channel});
     case Format::kRaw:
     case Format::kZarr:
     case Format::kUnknown:
       break;
   }
-  return openRaw(path, {.dims = options.dims,
-                        .time_steps = options.time_steps,
-                        .type = options.type,
-                        .byte_order = options.byte_order,
-                        .skip_bytes = options.skip_bytes,
-                        .spacing = options.spacing});
+  return openRaw(path, rawOptions(options));
+}
+
+// Where the steps of a series are all OpenVDB files: what is to be delivered of each.
+std::map<std::string, Box3> boxesOfVdbSteps(const std::vector<std::string>& files,
+                                            const OpenOptions& options) {
+  for (const std::string& file : files)
+    if (isSynthSpec(file) || fs::is_directory(file) || formatOfContent(file) != Format::kVdb)
+      return {};
+  checkOptions(files[0], Format::kVdb, options);
+  const std::vector<Box3> boxes = vdbSeriesBoxes({files.begin(), files.end()}, options.grid);
+  std::map<std::string, Box3> by_name;
+  for (size_t i = 0; i < files.size(); ++i) by_name[files[i]] = boxes[i];
+  return by_name;
 }
 
 bool isSlice(const std::string& input) {
   if (isSynthSpec(input) || fs::is_directory(input) || !isSlicePicture(input)) return false;
   return openSlicePicture(input)->format().pages == 1;
+}
+
+// Whether these are raw files of which each has the bytes of one slice of --dims.
+bool areRawSlices(const std::vector<std::string>& files, const OpenOptions& options) {
+  if (!options.dims || !options.type || static_cast<size_t>(options.dims->z) != files.size())
+    return false;
+  std::error_code unknown;
+  const auto slice_bytes =
+      static_cast<uint64_t>(options.dims->x * options.dims->y) * bytesPerVoxel(*options.type);
+  return fs::file_size(files[0], unknown) ==
+         slice_bytes + static_cast<uint64_t>(options.skip_bytes);
+}
+
+std::unique_ptr<VolumeSource> openSeveral(const std::vector<std::string>& files,
+                                          const OpenOptions& options) {
+  if (isSlice(files[0])) {
+    checkOptions(files[0], Format::kPicture, options);
+    return openSlices({files.begin(), files.end()},
+                      {.spacing = options.spacing, .channel = options.channel});
+  }
+  if (areRawSlices(files, options)) {
+    checkOptions(files[0], Format::kRaw, options);
+    return openRawSlices({files.begin(), files.end()}, rawOptions(options));
+  }
+  const std::map<std::string, Box3> boxes = boxesOfVdbSteps(files, options);
+  return std::make_unique<SequenceSource>(files, [options, boxes](const std::string& path) {
+    const auto box = boxes.find(path);
+    return box == boxes.end() ? openOne(path, options)
+                              : respaced(openVdb(path, options.grid, box->second), options);
+  });
 }
 
 }  // namespace
@@ -201,12 +266,8 @@ std::unique_ptr<VolumeSource> openVolume(const std::vector<std::string>& inputs,
     for (const fs::path& file : matches) files.push_back(file.string());
   }
   if (files.size() == 1) return openOne(files[0], options);
-  if (isSlice(files[0])) {
-    checkOptions(files[0], Format::kPicture, options);
-    return openSlices({files.begin(), files.end()}, {.spacing = options.spacing});
-  }
-  return std::make_unique<SequenceSource>(
-      files, [options](const std::string& path) { return openOne(path, options); });
+  const std::optional<std::string> note = orderByNumbers(files);
+  return withNote(openSeveral(files, options), note);
 }
 
 }  // namespace sluice

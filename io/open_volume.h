@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "io/headers/decode_options.h"
 #include "src/base/volume_source.h"
 
 namespace sluice {
@@ -27,10 +28,12 @@ struct OpenOptions {
   int64_t skip_bytes = 0;                      // raw
   std::optional<Vec3d> spacing = {};           // any; replaces what the file says
   std::string grid = {};                       // OpenVDB; empty: see vdb_source.h
-  std::optional<int64_t> channel = {};         // Zarr; without: the first
+  std::optional<int64_t> channel = {};         // Zarr, pages of a TIFF; without: the first
   // Zarr: decoded chunks kept at most, see zarr_source.h. Not something that a user says of a
   // volume, hence without effect on the others.
   uint64_t chunk_cache_bytes = uint64_t{32} << 20;
+  // Compressed volumes of one stream; without effect on the others either.
+  DecodeOptions decode = {};
 };
 
 // One name. Throws Error in one line: what is missing, damaged or not understood, and what would
@@ -38,8 +41,11 @@ struct OpenOptions {
 std::unique_ptr<VolumeSource> openVolume(const std::string& input, const OpenOptions& options = {});
 
 // Several names, or one. Patterns are expanded in place. More than one file are: the slices of one
-// volume, in this order, where they are pictures of one page; else the time steps of one volume.
-// Requires: inputs not empty.
+// volume, where they are pictures of one page, or raw files of which each has the bytes of a slice
+// of `dims`; else the time steps of one volume, OpenVDB files in the box around all of theirs. They
+// are taken in the order given, but for names that a shell has sorted as text: those in the order
+// of their numbers (a note of the layout says so, and which number is missing). Requires: inputs
+// not empty.
 std::unique_ptr<VolumeSource> openVolume(const std::vector<std::string>& inputs,
                                          const OpenOptions& options = {});
 

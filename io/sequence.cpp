@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "io/file_list.h"
+#include "io/files/file_list.h"
 #include "src/base/error.h"
 
 namespace sluice {
@@ -38,6 +38,7 @@ SequenceSource::SequenceSource(std::vector<std::string> steps, Opener opener, si
   checkAgrees(steps_[0], layout_);
   layout_.time_steps = static_cast<int64_t>(steps_.size());
   layout_.stored_range.reset();
+  if (const auto gap = gapNote({steps_.begin(), steps_.end()})) layout_.notes.push_back(*gap);
   // The files' states alone do not say how they are read (dims given by the user); the first
   // volume's identity does.
   identity_ = "sequence|" + fileIdentity(filesOf(steps_)) + "|first: " + first->identity();
@@ -46,9 +47,16 @@ SequenceSource::SequenceSource(std::vector<std::string> steps, Opener opener, si
 }
 
 void SequenceSource::holdAtMost(uint64_t bytes) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   file_held_bytes_ = bytes / max_open_files_;
   for (const OpenFile& file : open_) file.source->holdAtMost(file_held_bytes_);
+}
+
+std::vector<std::string> SequenceSource::files() {
+  std::vector<std::string> all;
+  for (int64_t time = 0; time < layout_.time_steps; ++time)
+    for (std::string& file : at(time)->files()) all.push_back(std::move(file));
+  return all;
 }
 
 void SequenceSource::readRegion(int64_t time, const Box3& box, std::span<std::byte> out) {
@@ -64,7 +72,7 @@ std::optional<Occupancy> SequenceSource::occupancy(int64_t time) {
 }
 
 uint64_t SequenceSource::storedBytesRead() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   uint64_t bytes = closed_read_bytes_;
   for (const OpenFile& file : open_) bytes += file.source->storedBytesRead();
   return bytes;
@@ -72,23 +80,16 @@ uint64_t SequenceSource::storedBytesRead() const {
 
 std::shared_ptr<VolumeSource> SequenceSource::at(int64_t time) {
   SLUICE_CHECK(time >= 0 && time < layout_.time_steps);
-  const auto find = [&] {
-    return std::find_if(open_.begin(), open_.end(),
-                        [&](const OpenFile& file) { return file.time == time; });
-  };
   {
-    const std::lock_guard lock(mutex_);
-    if (const auto found = find(); found != open_.end()) {
-      open_.splice(open_.begin(), open_, found);
-      return found->source;
-    }
+    const MutexLock lock(mutex_);
+    if (const OpenFile* const found = find(time)) return found->source;
   }
   // Opened without the lock: another thread may do the same, and the first to finish stays.
   const std::string& path = steps_[static_cast<size_t>(time)];
   std::shared_ptr<VolumeSource> source = opener_(path);
   checkAgrees(path, source->layout());
-  const std::lock_guard lock(mutex_);
-  if (const auto found = find(); found != open_.end()) {
+  const MutexLock lock(mutex_);
+  if (const OpenFile* const found = find(time)) {
     closed_read_bytes_ += source->storedBytesRead();
     return found->source;
   }
@@ -96,6 +97,14 @@ std::shared_ptr<VolumeSource> SequenceSource::at(int64_t time) {
   open_.push_front({time, source});
   closeIdle();
   return source;
+}
+
+SequenceSource::OpenFile* SequenceSource::find(int64_t time) {
+  const auto found = std::find_if(open_.begin(), open_.end(),
+                                  [time](const OpenFile& file) { return file.time == time; });
+  if (found == open_.end()) return nullptr;
+  open_.splice(open_.begin(), open_, found);
+  return &*found;
 }
 
 void SequenceSource::closeIdle() {

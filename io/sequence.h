@@ -9,11 +9,11 @@
 #include <functional>
 #include <list>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "src/base/mutex.h"
 #include "src/base/volume_source.h"
 
 namespace sluice {
@@ -41,6 +41,8 @@ class SequenceSource final : public VolumeSource {
   std::string identity() const override { return identity_; }
   uint64_t storedBytesRead() const override;
   uint64_t heldBytesAThread() const override { return held_bytes_a_thread_; }
+  // Opens each step whose files are not known, one after the other.
+  std::vector<std::string> files() override;
   // Shared out among the files that stay open.
   void holdAtMost(uint64_t bytes) override;
 
@@ -53,7 +55,7 @@ class SequenceSource final : public VolumeSource {
   // The volume of a step, opened if need be.
   std::shared_ptr<VolumeSource> at(int64_t time);
   void checkAgrees(const std::string& path, const VolumeLayout& other) const;
-  void closeIdle();  // Requires: mutex_ held
+  void closeIdle() SLUICE_REQUIRES(mutex_);
 
   const std::vector<std::string> steps_;
   const Opener opener_;
@@ -62,10 +64,13 @@ class SequenceSource final : public VolumeSource {
   std::string identity_;              // constant after construction
   uint64_t held_bytes_a_thread_ = 0;  // constant after construction
 
-  mutable std::mutex mutex_;
-  std::list<OpenFile> open_;               // guarded by mutex_; used last in front
-  uint64_t closed_read_bytes_ = 0;         // guarded by mutex_; of files closed since
-  uint64_t file_held_bytes_ = UINT64_MAX;  // guarded by mutex_; what each file may hold
+  OpenFile* find(int64_t time) SLUICE_REQUIRES(mutex_);
+
+  mutable Mutex mutex_;
+  std::list<OpenFile> open_ SLUICE_GUARDED_BY(mutex_);        // used last in front
+  uint64_t closed_read_bytes_ SLUICE_GUARDED_BY(mutex_) = 0;  // of files closed since
+  // What each file may hold.
+  uint64_t file_held_bytes_ SLUICE_GUARDED_BY(mutex_) = UINT64_MAX;
 };
 
 }  // namespace sluice

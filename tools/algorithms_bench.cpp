@@ -5,8 +5,9 @@
 #include <algorithm>
 #include <array>
 
-#include "cache/cost_model.h"
+#include "cache/simulate/cost_model.h"
 #include "src/base/error.h"
+#include "tools/command_line/console.h"
 #include "tools/parse.h"
 #include "tools/scene.h"
 
@@ -22,7 +23,7 @@ constexpr double kThresholdStep = 1.02;
 // Share of the voxels that the transfer function makes invisible, counted voxel by voxel.
 double emptyPercent(const IndexedVolume& volume, const TransferFunction& transfer, int64_t time) {
   const VolumeLayout& layout = volume.source->layout();
-  const OpacityTable table(transfer, volume.map, volume.index.ranges.device_range);
+  const OpacityTable table(transfer, volume.map, volume.index->ranges.device_range);
   int64_t empty = 0;
   for (int64_t z = 0; z < layout.dims.z; ++z) {
     const Box3 plane{{0, 0, z}, {layout.dims.x, layout.dims.y, z + 1}};
@@ -109,25 +110,24 @@ nlohmann::json benchAlgorithms(const VolumesBench& bench) {
 }
 
 void printAlgorithms(const nlohmann::json& report) {
-  fmt::print("{:<28} {:>6} {:>8} {:>8} {:>8} {:>8} {:>6} {:>10}\n", "volume", "empty%", "I s",
-             "II s", "III s", "IV s", "S%", "processing");
+  say("{:<28} {:>6} {:>8} {:>8} {:>8} {:>8} {:>6} {:>10}\n", "volume", "empty%", "I s", "II s",
+      "III s", "IV s", "S%", "processing");
   for (const auto& row : report["rows"]) {
     const auto& s = row["seconds"];
-    fmt::print("{:<28} {:>6.1f} {:>8.4f} {:>8.4f} {:>8.4f} {:>8.4f} {:>6.1f} {:>10.4f}\n",
-               row["volume"].get<std::string>(), row["empty_percent"].get<double>(),
-               s["conventional"].get<double>(), s["clipped"].get<double>(),
-               s["trimmed"].get<double>(), s["merged"].get<double>(),
-               row["saved_percent"].get<double>(), row["processing_seconds"].get<double>());
+    say("{:<28} {:>6.1f} {:>8.4f} {:>8.4f} {:>8.4f} {:>8.4f} {:>6.1f} {:>10.4f}\n",
+        row["volume"].get<std::string>(), row["empty_percent"].get<double>(),
+        s["conventional"].get<double>(), s["clipped"].get<double>(), s["trimmed"].get<double>(),
+        s["merged"].get<double>(), row["saved_percent"].get<double>(),
+        row["processing_seconds"].get<double>());
     for (const char* what : {"chunks", "pages", "pages_loaded", "binds", "uploaded_bytes"}) {
       const auto& v = row[what];
-      fmt::print("  {:<26} {:>6} {:>8} {:>8} {:>8} {:>8}\n", what, "",
-                 v["conventional"].get<int64_t>(), v["clipped"].get<int64_t>(),
-                 v["trimmed"].get<int64_t>(), v["merged"].get<int64_t>());
+      say("  {:<26} {:>6} {:>8} {:>8} {:>8} {:>8}\n", what, "", v["conventional"].get<int64_t>(),
+          v["clipped"].get<int64_t>(), v["trimmed"].get<int64_t>(), v["merged"].get<int64_t>());
     }
     const auto& m = row["modelled_seconds"];
-    fmt::print("  {:<26} {:>6} {:>8.4f} {:>8.4f} {:>8.4f} {:>8.4f}\n", "modelled Octane seconds",
-               "", m["conventional"].get<double>(), m["clipped"].get<double>(),
-               m["trimmed"].get<double>(), m["merged"].get<double>());
+    say("  {:<26} {:>6} {:>8.4f} {:>8.4f} {:>8.4f} {:>8.4f}\n", "modelled Octane seconds", "",
+        m["conventional"].get<double>(), m["clipped"].get<double>(), m["trimmed"].get<double>(),
+        m["merged"].get<double>());
   }
 }
 

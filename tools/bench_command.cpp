@@ -4,14 +4,14 @@
 #include <algorithm>
 #include <memory>
 
-#include "cache/bench_simulate.h"
-#include "src/gl/gl_device.h"
+#include "cache/simulate/bench_simulate.h"
 #include "src/render/sampling_limit.h"
-#include "src/render/slicing_cost.h"
+#include "src/slicing/slicing_cost.h"
 #include "tools/algorithms_bench.h"
+#include "tools/command_line/console.h"
+#include "tools/command_line/shared_options.h"
 #include "tools/commands.h"
 #include "tools/occlusion_bench.h"
-#include "tools/options.h"
 #include "tools/packing_bench.h"
 #include "tools/report.h"
 #include "tools/skipping_bench.h"
@@ -29,18 +29,25 @@ struct Arguments {
   bool json = false;
 };
 constexpr int kWarmFrames = 2;
+// What every bench draws: comparable over versions, and with other renderers.
+constexpr const char* kPlainPicture =
+    "Unless told otherwise pictures are plain: --view plain at azimuth 30 and elevation 20, fitted "
+    "to the volume's sphere, unlit, a step of 1, and without --threshold a ramp from a fifth of "
+    "the value range on.\n\n";
 
 int runLimit(const Arguments& arguments) {
-  GlDevice device(createContext(arguments.resources.gl));
-  const double rate = samplingLimit(device, arguments.frame.size, arguments.frames);
+  Workers pool(arguments.resources.threads);
+  const auto device = makeDevice(arguments.resources.device, pool);
+  const double rate = samplingLimit(*device, arguments.frame.size, arguments.frames);
   if (arguments.json) {
     const nlohmann::json report{{"samples_per_second", rate},
-                                {"backend", device.backend()},
-                                {"renderer", device.renderer()}};
-    fmt::print("{}\n", report.dump(2));
+                                {"device", nameOf(*device)},
+                                {"backend", device->backend()},
+                                {"renderer", device->renderer()}};
+    say("{}\n", report.dump(2));
   } else {
-    fmt::print("{:.1f} million samples a second ({}, {})\n", rate / 1e6, device.backend(),
-               device.renderer());
+    say("{:.1f} million samples a second ({}, {})\n", rate / 1e6, device->backend(),
+        device->renderer());
   }
   return 0;
 }
@@ -77,13 +84,13 @@ int runRender(const Arguments& arguments, const CLI::App& app) {
                    {"samples_object", object},
                    {"limit_samples_per_second", limit},
                    {"share_of_limit", share}});
-    fmt::print("{}\n", report.dump(2));
+    say("{}\n", report.dump(2));
   } else {
-    fmt::print("frame {:.4f} s (least {:.4f}, most {:.4f}), warm, {} frames of a turn\n", middle,
-               *least, *most, arguments.frames);
-    fmt::print("{:.2f} million samples drawn, {:.2f} million inside object boxes\n", drawn / 1e6,
-               object / 1e6);
-    fmt::print("{:.2f} of this machine's {:.1f} million samples a second\n", share, limit / 1e6);
+    say("frame {:.4f} s (least {:.4f}, most {:.4f}), warm, {} frames of a turn\n", middle, *least,
+        *most, arguments.frames);
+    say("{:.2f} million samples drawn, {:.2f} million inside object boxes\n", drawn / 1e6,
+        object / 1e6);
+    say("{:.2f} of this machine's {:.1f} million samples a second\n", share, limit / 1e6);
   }
   return 0;
 }
@@ -98,7 +105,7 @@ int show(nlohmann::json report, const Arguments& arguments, const CLI::App& app,
          void (*print)(const nlohmann::json&)) {
   if (arguments.json) {
     report.update({{"command", "bench " + app.get_name()}, {"options", optionsJson(app)}});
-    fmt::print("{}\n", report.dump(2));
+    say("{}\n", report.dump(2));
   } else {
     print(report);
   }
@@ -114,7 +121,7 @@ int runThreshold(const Arguments& arguments, int changes, const CLI::App& app) {
 int runPacking(const Arguments& arguments) {
   const nlohmann::json report = benchPacking(arguments.volume, arguments.resources);
   if (arguments.json) {
-    fmt::print("{}\n", report.dump(2));
+    say("{}\n", report.dump(2));
   } else {
     printPacking(report);
   }
@@ -126,10 +133,10 @@ int runSimulate(bool as_json) {
   if (as_json) {
     const nlohmann::json report{
         {"requests_per_second", {{"lru", result.lru}, {"curve", result.curve}}}};
-    fmt::print("{}\n", report.dump(2));
+    say("{}\n", report.dump(2));
   } else {
-    fmt::print("LRU {:.1f}, exact curve {:.1f} million page requests a second on one core\n",
-               result.lru / 1e6, result.curve / 1e6);
+    say("LRU {:.1f}, exact curve {:.1f} million page requests a second on one core\n",
+        result.lru / 1e6, result.curve / 1e6);
   }
   return 0;
 }
@@ -144,10 +151,9 @@ int runSlicing(bool as_json) {
                                 {"plain_ns", cost.plain_ns},
                                 {"incremental_ns", cost.incremental_ns},
                                 {"ratio", cost.ratio()}};
-    fmt::print("{}\n", report.dump(2));
+    say("{}\n", report.dump(2));
   } else {
-    fmt::print(
-        "{:.1f} ns a slice incrementally, {:.1f} ns from scratch: {:.2f} of it; {} slices a view\n",
+    say("{:.1f} ns a slice incrementally, {:.1f} ns from scratch: {:.2f} of it; {} slices a view\n",
         cost.incremental_ns, cost.plain_ns, cost.ratio(), cost.slices);
   }
   return 0;
@@ -156,13 +162,12 @@ int runSlicing(bool as_json) {
 // Of the benches over any set of volumes.
 void addVolumesOptions(CLI::App& app, Arguments& arguments) {
   addVolumeOptions(app, arguments.volume);
-  addLookOptions(app, arguments.look);
+  addLookOptions(app, arguments.look, arguments.frame);
   addViewOptions(app, arguments.frame);
   addResourceOptions(app, arguments.resources);
-  app.add_option("--frames", arguments.frames, "Frames measured of each way, after 2 warm ones")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 100000));
-  app.add_flag("--json", arguments.json, "One JSON object");
+  const OptionGroup output(app, kOutputHeading);
+  addFramesOption(output, arguments.frames, "Frames measured of each way, after 2 warm ones");
+  addJsonOption(output, arguments.json);
 }
 
 }  // namespace
@@ -171,38 +176,41 @@ Command addBench(CLI::App& program) {
   auto arguments = std::make_shared<Arguments>();
   arguments->frame.camera.azimuth_deg = 30;
   arguments->frame.camera.elevation_deg = 20;
-  CLI::App* app = program.add_subcommand(
-      "bench", "Measures speeds\n\n  sluice bench render bonsai.nii.gz --threshold 40");
+  CLI::App* app =
+      program.add_subcommand("bench", std::string("Measures speeds\n\n") + kPlainPicture +
+                                          "  sluice bench render bonsai.nii.gz --threshold 40");
   app->require_subcommand(1);
 
   CLI::App* limit = app->add_subcommand(
       "limit", "This machine's sampling rate: full-screen slices of one resident texture");
-  addParsed(
-      *limit, "--gl", "How to reach OpenGL (auto)", "auto|osmesa|egl",
-      [](const std::string& word) { return parseGlChoice(word); },
-      [arguments](GlChoice choice) { arguments->resources.gl = choice; });
+  const OptionGroup limit_machine(*limit, kMachineHeading);
+  addThreadsOption(limit_machine, arguments->resources.threads);
+  addDeviceOptions(limit_machine, arguments->resources.device);
   CLI::App* render = app->add_subcommand(
-      "render", "The median frame of a turn, warm, and its share of the sampling rate");
+      "render",
+      std::string("The median frame of a turn, warm, and its share of the sampling rate\n\n") +
+          kPlainPicture + "  sluice bench render bonsai.nii.gz --threshold 40");
   addVolumeOptions(*render, arguments->volume);
-  addLookOptions(*render, arguments->look);
+  addLookOptions(*render, arguments->look, arguments->frame);
   addViewOptions(*render, arguments->frame);
   addResourceOptions(*render, arguments->resources);
   CLI::App* simulate =
       app->add_subcommand("simulate", "The simulator's page requests a second, on one core");
-  simulate->add_flag("--json", arguments->json, "One JSON object");
+  addJsonOption(OptionGroup(*simulate, kOutputHeading), arguments->json);
   CLI::App* slicing = app->add_subcommand(
       "slicing",
       "Cutting boxes by a view's slices, incrementally against from scratch, on one core");
-  slicing->add_flag("--json", arguments->json, "One JSON object");
+  addJsonOption(OptionGroup(*slicing, kOutputHeading), arguments->json);
   // The paper's machine and picture, unless told otherwise.
   auto paper = std::make_shared<Arguments>(*arguments);
   paper->resources.page_vox = {32, 64, 2};
   paper->resources.pages = 256;
   paper->frame.size = {400, 400};
-  CLI::App* algorithms =
-      app->add_subcommand("algorithms",
-                          "Tong's Table 1: I conventional, II clipped, III trimmed, IV merged\n\n"
-                          "  sluice bench algorithms bonsai.nii.gz@40 engine.nii.gz@80");
+  CLI::App* algorithms = app->add_subcommand(
+      "algorithms", std::string("Tong's Table 1: I conventional, II clipped, III trimmed, IV "
+                                "merged\n\n") +
+                        kPlainPicture +
+                        "  sluice bench algorithms bonsai.nii.gz@40 engine.nii.gz@80");
   addVolumesOptions(*algorithms, *paper);
   auto lit = std::make_shared<Arguments>(*arguments);
   lit->frame.step_vox = 0.5;
@@ -221,36 +229,32 @@ Command addBench(CLI::App& program) {
                           "clipping, surface-like\n\n"
                           "  sluice bench occlusion bonsai.nii.gz@40 engine.nii.gz@80");
   addVolumesOptions(*occlusion, *surface);
-  occlusion
-      ->add_option(
-          "--adapt-frames", *adapt_frames,
-          "Frames of each of four views whose numbers of map updates are listed (Figure 6)")
-      ->capture_default_str()
-      ->check(CLI::Range(0, 100000));
+  OptionGroup(*occlusion, kOutputHeading)
+      .number("--adapt-frames", "N", *adapt_frames, {0, 100'000},
+              "Frames of each of four views whose numbers of map updates are listed (Figure 6)");
   auto changes = std::make_shared<int>(24);
   CLI::App* threshold = app->add_subcommand(
       "threshold",
-      "From a changed threshold to the finished picture: small and large steps, a random walk and "
-      "a band; in memory, out of core and cold; and a full rebuild\n\n"
-      "  sluice bench threshold bonsai.nii.gz --threshold 40");
+      std::string(
+          "From a changed threshold to the finished picture: small and large steps, a "
+          "random walk and a band; in memory, out of core and cold; and a full rebuild\n\n") +
+          kPlainPicture + "  sluice bench threshold bonsai.nii.gz --threshold 40");
   addVolumeOptions(*threshold, arguments->volume);
-  addLookOptions(*threshold, arguments->look);
+  addLookOptions(*threshold, arguments->look, arguments->frame);
   addViewOptions(*threshold, arguments->frame);
   addResourceOptions(*threshold, arguments->resources);
-  threshold->add_option("--changes", *changes, "Changes of each kind")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 100000));
-  threshold->add_flag("--json", arguments->json, "One JSON object");
+  const OptionGroup threshold_output(*threshold, kOutputHeading);
+  threshold_output.number("--changes", "N", *changes, {1, 100'000}, "Changes of each kind");
+  addJsonOption(threshold_output, arguments->json);
   CLI::App* packing = app->add_subcommand(
       "packing", "What compressing a volume's blocks in memory brings, by codec, on one core");
   addVolumeOptions(*packing, arguments->volume);
   addResourceOptions(*packing, arguments->resources);
-  packing->add_flag("--json", arguments->json, "One JSON object");
+  addJsonOption(OptionGroup(*packing, kOutputHeading), arguments->json);
   for (CLI::App* each : {limit, render}) {
-    each->add_option("--frames", arguments->frames, "Frames measured, after 2 warm ones")
-        ->capture_default_str()
-        ->check(CLI::Range(1, 100000));
-    each->add_flag("--json", arguments->json, "One JSON object");
+    const OptionGroup output(*each, kOutputHeading);
+    addFramesOption(output, arguments->frames, "Frames measured, after 2 warm ones");
+    addJsonOption(output, arguments->json);
   }
   return [=] {
     if (limit->parsed()) return runLimit(*arguments);

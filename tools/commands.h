@@ -8,6 +8,9 @@
 
 namespace sluice {
 
+// Besides: what interruptionStatus() says.
+enum ExitStatus : int { kDone = 0, kFailed = 1, kUsage = 2 };
+
 using Command = std::function<int()>;
 
 Command addInfo(CLI::App& program);

@@ -4,9 +4,10 @@
 
 #include <cstring>
 
-#include "io/png_file.h"
+#include "io/pictures/png_file.h"
 #include "src/base/error.h"
-#include "src/classify/box_store.h"
+#include "src/base/interrupt.h"
+#include "src/index/box_store.h"
 
 namespace sluice {
 namespace {
@@ -80,8 +81,8 @@ void drawBox(Picture& picture, const Box3& cells, BoxType type, int64_t scale) {
     }
 }
 
-Picture boxesPicture(Scene& scene, const VolumeArguments& volume) {
-  const SliceRanges& ranges = scene.volume.index.ranges;
+Picture boxesPicture(Scene& scene, const VolumeArguments& volume, const IndexPlaces& places) {
+  const SliceRanges& ranges = scene.volume.index->ranges;
   const BlockLayout& layout = ranges.layout;
   const int64_t z = layout.dims.z / 2;
   const int64_t scale = std::max<int64_t>(1, kBoxesSide / std::max(layout.dims.x, layout.dims.y));
@@ -92,14 +93,15 @@ Picture boxesPicture(Scene& scene, const VolumeArguments& volume) {
       const float value = grey[static_cast<size_t>(y / scale * layout.dims.x + x / scale)];
       put(picture, x, y, {value, value, value}, 1);
     }
-  BoxStore store(*scene.volume.source, volume.inputs.front(), volume.time, ranges, scene.pool,
-                 kTreeBytes, kGrowingBytes);
+  BoxStore store(*scene.volume.source, places, volume.time, ranges, scene.pool, kTreeBytes,
+                 kGrowingBytes);
   const int64_t layer = std::min(z / layout.cells(), layout.grid.z - 1);
   for (int64_t y = 0; y < layout.grid.y; ++y)
     for (int64_t x = 0; x < layout.grid.x; ++x) {
       const Vec3i index{x, y, layer};
       const Vec3i first = layout.ownedCells(index).lo;
-      const BoxTreePtr tree = store.tree(layout.idOf(index));  // the store may let go of it
+      // The store may let go of it.
+      const BoxTreePtr tree = store.tree(layout.idOf(index), {.stop = interruption()});
       for (const GrownBox& box : tree->boxes) {
         const Box3 cells = translate(box.local(), first);
         if (cells.lo.z <= z && z < cells.hi.z) drawBox(picture, cells, box.type, scale);
@@ -119,18 +121,31 @@ Picture mapPicture(const OpacityMap& map) {
   return picture;
 }
 
+std::filesystem::path debugViewName(const std::filesystem::path& output, const std::string& what) {
+  return output.parent_path() / (output.stem().string() + "." + what + ".png");
+}
+
 }  // namespace
+
+std::vector<std::filesystem::path> debugViewNames(const std::filesystem::path& output) {
+  constexpr int kMostPhases = 256;  // more than a frame ever has
+  std::vector<std::filesystem::path> names = {debugViewName(output, "boxes")};
+  for (int i = 0; i < kMostPhases; ++i)
+    for (const char* what : {"drawn", "map"})
+      names.push_back(debugViewName(output, fmt::format("{}_{}", what, i)));
+  return names;
+}
 
 std::vector<std::filesystem::path> writeDebugViews(const std::filesystem::path& output,
                                                    const Frame& frame, Scene& scene,
                                                    const VolumeArguments& volume,
-                                                   Partition partition) {
+                                                   const IndexPlaces& places, Partition partition) {
   std::vector<std::filesystem::path> written;
   const auto write = [&](const std::string& what, const Picture& picture) {
-    written.push_back(output.parent_path() / (output.stem().string() + "." + what + ".png"));
+    written.push_back(debugViewName(output, what));
     writePng(written.back(), picture);
   };
-  if (partition == Partition::kBoxes) write("boxes", boxesPicture(scene, volume));
+  if (partition == Partition::kBoxes) write("boxes", boxesPicture(scene, volume, places));
   for (size_t i = 0; i < frame.phases.size(); ++i) {
     write(fmt::format("drawn_{}", i), frame.phases[i].picture);
     if (frame.phases[i].map) write(fmt::format("map_{}", i), mapPicture(*frame.phases[i].map));

@@ -16,6 +16,8 @@ namespace sluice {
 std::vector<std::filesystem::path> writeDebugViews(const std::filesystem::path& output,
                                                    const Frame& frame, Scene& scene,
                                                    const VolumeArguments& volume,
-                                                   Partition partition);
+                                                   const IndexPlaces& places, Partition partition);
+// Every name that these may have, whether it will be written or not.
+std::vector<std::filesystem::path> debugViewNames(const std::filesystem::path& output);
 
 }  // namespace sluice

@@ -1,13 +1,15 @@
 #!/usr/bin/env bash
-# Installs what is needed, builds, and draws a volume: the one named, or a Shepp-Logan head that is
-# made on the spot. More options go to `sluice render` as they are:
+# Installs what building and drawing need, builds the program without its tests, and draws a volume:
+# the one named, or a Shepp-Logan head, cut open. More options go to `sluice render`
+# as they are:
 #   tools/demo.sh [FILE [OPTION...]]
 set -euo pipefail
 cd "$(dirname "$0")/.."
 caller=$OLDPWD
 
-tools/setup.sh
-cmake --preset release >/dev/null
+tools/setup.sh build
+# `cmake --preset release` brings the tests back.
+cmake --preset release -DBUILD_TESTING=OFF >/dev/null
 cmake --build --preset release --target sluice
 
 mkdir -p out
@@ -17,8 +19,7 @@ if (($# > 0)); then
   cd "$caller"
   "$sluice" render "$@" -o "$picture"
 else
-  "$sluice" synth phantom --dims 256,256,256 -o out/phantom.raw
-  "$sluice" render out/phantom_256x256x256_uint8.raw -o "$picture" --threshold 30 --opacity 0.3 --shade \
-    --step 0.5 --azimuth 125 --elevation 28 --zoom 1.3 --crop 0,0,0,256,128,256
+  "$sluice" render synth:phantom,dims=256x256x256 -o "$picture" --crop 0,0,0,256,128,256 \
+    --opacity 0.1 --annotate
 fi
 echo "The picture is $picture"

@@ -2,22 +2,60 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <memory>
-#include <thread>
+#include <string>
+#include <vector>
 
 #include "src/base/bytes.h"
 #include "src/base/clock.h"
-#include "src/gl/probe.h"
+#include "src/base/threads.h"
+#include "src/cpu/simd_target.h"
+#include "tools/command_line/console.h"
+#include "tools/command_line/shared_options.h"
 #include "tools/commands.h"
+#if SLUICE_HAS_GL
+#include "src/gl/probe.h"
+#endif
 
 namespace sluice {
 namespace {
+
+#if !SLUICE_HAS_GL
+struct GlProbe {
+  std::string backend, device;
+  bool works = false, is_software = false;
+  std::string renderer, version;
+  int max_3d_texture_size = 0;
+  std::string reason;
+};
+std::vector<GlProbe> probeGl() {
+  return {};
+}
+#endif
+
+// What --device auto takes here, and why.
+struct Chosen {
+  std::string device, reason;
+};
+Chosen chosenOf(const std::vector<GlProbe>& probes) {
+  for (const GlProbe& probe : probes)
+    if (probe.works && !probe.is_software && probe.backend == "egl")
+      return {"gl", "a GPU's driver works: " + probe.renderer};
+  if (std::any_of(probes.begin(), probes.end(), [](const GlProbe& each) { return each.works; }))
+    return {"cpu", "OpenGL works in software alone, which is slower"};
+  return {"cpu", "no OpenGL works"};
+}
 
 nlohmann::json asJson(const std::vector<GlProbe>& probes) {
   nlohmann::json report;
   report["version"] = SLUICE_VERSION;
   report["memory_bytes"] = availableMemoryBytes();
-  report["cores"] = std::thread::hardware_concurrency();
+  report["cores"] = processorCount();
+  const Chosen chosen = chosenOf(probes);
+  report["device"] = {{"auto", chosen.device}, {"reason", chosen.reason}};
+  report["simd"] = nlohmann::json::array();
+  for (const SimdTarget target : simdTargets()) report["simd"].push_back(name(target));
   report["gl"] = nlohmann::json::array();
   for (const GlProbe& probe : probes)
     report["gl"].push_back({{"backend", probe.backend},
@@ -32,21 +70,23 @@ nlohmann::json asJson(const std::vector<GlProbe>& probes) {
 }
 
 void print(const std::vector<GlProbe>& probes) {
-  fmt::print("sluice {}\n", SLUICE_VERSION);
-  fmt::print("memory {}, {} cores\n", formatBytes(availableMemoryBytes()),
-             std::thread::hardware_concurrency());
-  bool any = false;
+  say("sluice {}\n", SLUICE_VERSION);
+  say("memory {}, {} cores\n", formatBytes(availableMemoryBytes()), processorCount());
   for (const GlProbe& probe : probes) {
-    any = any || probe.works;
     const std::string where = probe.device.empty() ? "" : " (" + probe.device + ")";
     if (probe.works) {
-      fmt::print("{}{}: works, {}, OpenGL {}, 3D textures up to {} a side\n", probe.backend, where,
-                 probe.renderer, probe.version, probe.max_3d_texture_size);
+      say("{}{}: works, {}, OpenGL {}, 3D textures up to {} a side\n", probe.backend, where,
+          probe.renderer, probe.version, probe.max_3d_texture_size);
     } else {
-      fmt::print("{}{}: does not work: {}\n", probe.backend, where, probe.reason);
+      say("{}{}: does not work: {}\n", probe.backend, where, probe.reason);
     }
   }
-  if (!any) fmt::print("nothing can draw here; apt-get install libosmesa6\n");
+  std::string targets;
+  for (const SimdTarget target : simdTargets())
+    targets = std::string(name(target)) + (targets.empty() ? "" : ", ") + targets;
+  say("cpu: works, SIMD {}\n", targets);
+  const Chosen chosen = chosenOf(probes);
+  say("--device auto is {} here: {}\n", chosen.device, chosen.reason);
 }
 
 }  // namespace
@@ -55,11 +95,11 @@ Command addDoctor(CLI::App& program) {
   auto json = std::make_shared<bool>(false);
   CLI::App* app = program.add_subcommand(
       "doctor", "What works on this machine and why the rest does not\n\n  sluice doctor");
-  app->add_flag("--json", *json, "One JSON object");
+  addJsonOption(OptionGroup(*app, kOutputHeading), *json);
   return [json] {
     const std::vector<GlProbe> probes = probeGl();
     if (*json) {
-      fmt::print("{}\n", asJson(probes).dump(2));
+      say("{}\n", asJson(probes).dump(2));
     } else {
       print(probes);
     }

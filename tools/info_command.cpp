@@ -4,9 +4,11 @@
 #include <memory>
 
 #include "src/base/bytes.h"
+#include "tools/command_line/console.h"
+#include "tools/command_line/shared_options.h"
 #include "tools/commands.h"
-#include "tools/options.h"
 #include "tools/report.h"
+#include "tools/workers.h"
 
 namespace sluice {
 namespace {
@@ -17,22 +19,49 @@ struct Arguments {
   bool json = false;
 };
 
-void print(const IndexedVolume& volume) {
+std::string orientationText(const VolumeLayout& layout) {
+  switch (layout.frame) {
+    case WorldFrame::kRas:
+    case WorldFrame::kLps: {
+      const std::string letters = axisLetters(layout);
+      return fmt::format("orientation {}, the world's is {}", letters.empty() ? "oblique" : letters,
+                         layout.frame == WorldFrame::kRas ? "RAS" : "LPS");
+    }
+    case WorldFrame::kPictureRows:
+      return "orientation: x to the right, y down the rows, z through the stack";
+    case WorldFrame::kYUp:
+      return "orientation: y up";
+    case WorldFrame::kNone:
+      break;
+  }
+  return "orientation not said";
+}
+
+void print(const IndexedVolume& volume, const ChosenLook& look) {
   const VolumeLayout& layout = volume.source->layout();
   const ValueRange range = volume.valueRange();
   const auto voxels = static_cast<uint64_t>(layout.dims.x * layout.dims.y * layout.dims.z);
-  fmt::print("{}\n", layout.name);
-  fmt::print("  {} x {} x {} voxels, {}, {} a time step\n", layout.dims.x, layout.dims.y,
-             layout.dims.z, name(layout.type), formatBytes(voxels * bytesPerVoxel(layout.type)));
-  fmt::print("  spacing {} x {} x {}, {} time step{}\n", layout.spacing.x, layout.spacing.y,
-             layout.spacing.z, layout.time_steps, layout.time_steps == 1 ? "" : "s");
-  fmt::print("  values {} to {}\n", range.lo, range.hi);
-  fmt::print("  {} blocks of {} a side, {} of them not all {}\n", volume.layout.blockCount(),
-             volume.layout.size, volume.index.ranges.blocks.size(),
-             volume.map.valueOf(volume.index.ranges.background));
-  fmt::print("  index {}{}{}{}\n", volume.index.state, volume.index.path.empty() ? "" : ": ",
-             volume.index.path.string(),
-             volume.index.note.empty() ? "" : " (" + volume.index.note + ")");
+  say("{}\n", layout.name);
+  say("  {} x {} x {} voxels, {}, {} a time step\n", layout.dims.x, layout.dims.y, layout.dims.z,
+      name(layout.type), formatBytes(voxels * bytesPerVoxel(layout.type)));
+  say("  spacing {} x {} x {}, {} time step{}\n", layout.spacing.x, layout.spacing.y,
+      layout.spacing.z, layout.time_steps, layout.time_steps == 1 ? "" : "s");
+  const WorldBounds bounds = worldBounds(layout);
+  const auto triple = [](Vec3d v) { return fmt::format("{:g}, {:g}, {:g}", v.x, v.y, v.z); };
+  say("  from ({}) to ({}){}, origin ({})\n", triple(bounds.lo), triple(bounds.hi),
+      layout.unit.empty() ? ", unit not said" : " " + layout.unit, triple(layout.origin));
+  say("  {}\n", orientationText(layout));
+  if (layout.channels > 1) say("  channel {} of {}\n", layout.channel, layout.channels);
+  if (layout.levels > 1) say("  level 0 of {} resolutions\n", layout.levels);
+  if (layout.grids.size() > 1) say("  one of these grids: {}\n", joined(layout.grids, ", "));
+  say("  values {} to {}\n", range.lo, range.hi);
+  say("  {} blocks of {} a side, {} of them not all {}\n", volume.layout.blockCount(),
+      volume.layout.size, volume.index->ranges.blocks.size(),
+      volume.map.valueOf(volume.index->ranges.background));
+  say("  look {}: {}{}\n", look.transfer.name, look.options,
+      layout.time_steps > 1 ? " (of this step; a picture's is of all)" : "");
+  say("  index {}{}{}\n", volume.index->state, volume.index->path.empty() ? "" : ": ",
+      volume.index->path.string());
 }
 
 }  // namespace
@@ -41,18 +70,26 @@ Command addInfo(CLI::App& program) {
   auto arguments = std::make_shared<Arguments>();
   CLI::App* app =
       program.add_subcommand("info",
-                             "What a volume is: size, type, value range, blocks, index\n\n"
+                             "What a volume is: size, type, place in the world, values, index\n\n"
                              "  sluice info head_256x256x225_uint8.raw --json");
   addVolumeOptions(*app, arguments->volume);
   addResourceOptions(*app, arguments->resources);
-  app->add_flag("--json", arguments->json, "One JSON object");
+  const OptionGroup output(*app, kOutputHeading);
+  addQuietOption(output, arguments->resources.quiet);
+  addJsonOption(output, arguments->json);
   return [arguments] {
-    WorkerPool pool(arguments->resources.threads);
-    const IndexedVolume volume = openIndexed(arguments->volume, arguments->resources, false, pool);
+    Workers pool(arguments->resources.threads);
+    const IndexedVolume volume =
+        openIndexed(arguments->volume, arguments->resources, kUsualNeeds, pool);
+    LookArguments look;
+    look.first_picture = true;
+    const ChosenLook chosen = lookFor(volume, look, Mode::kComposite);
     if (arguments->json) {
-      fmt::print("{}\n", volumeJson(volume).dump(2));
-    } else {
-      print(volume);
+      nlohmann::json report = volumeJson(volume);
+      report["look"] = lookJson(chosen);
+      say("{}\n", report.dump(2));
+    } else if (!arguments->resources.quiet) {
+      print(volume, chosen);
     }
     return 0;
   };

@@ -1,25 +1,22 @@
 // sluice: renders volumes larger than memory, from the command line.
-#include <fmt/format.h>
-#include <CLI/CLI.hpp>
-
 #include <malloc.h>
+#include <sys/resource.h>
 
-#include <cstdio>
-#include <exception>
-#include <vector>
+#include <algorithm>
 
-#include "src/base/interrupt.h"
-#include "tools/commands.h"
+#include "tools/command_line/console.h"
+#include "tools/program.h"
 
 namespace {
 
-constexpr int kBadInput = 1, kUsage = 2, kInterrupted = 130;
-
-// One line, whatever the message holds.
-void printError(std::string line) {
-  for (char& c : line)
-    if (c == '\n') c = ' ';
-  fmt::print(stderr, "sluice: {}\n", line);
+// Slices and steps of a series are files of their own, many of them open at once, and a soft limit
+// is only the shell's habit.
+void raiseFileLimit() {
+  constexpr rlim_t kPlenty = 65536;
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur >= kPlenty) return;
+  limit.rlim_cur = std::min(limit.rlim_max, kPlenty);
+  setrlimit(RLIMIT_NOFILE, &limit);
 }
 
 }  // namespace
@@ -32,41 +29,11 @@ int main(int argc, char** argv) {
   // But for what a frame's small pieces take together: they come again with the next frame.
   constexpr int kKeptBytes = 8 << 20;
   mallopt(M_TRIM_THRESHOLD, kKeptBytes);
-  try {
-    CLI::App program(
-        "Renders volumes larger than memory.\n\n"
-        "  sluice render bonsai.nii.gz -o bonsai.png --threshold 40\n\n"
-        "`sluice COMMAND --help` has a command's options. Sizes take K, M, G, T.",
-        "sluice");
-    program.set_version_flag("--version", SLUICE_VERSION);
-    program.require_subcommand(1);
-    std::vector<std::pair<CLI::App*, sluice::Command>> commands;
-    for (const auto add :
-         {sluice::addInfo, sluice::addRender, sluice::addPlan, sluice::addSimulate,
-          sluice::addSynth, sluice::addPack, sluice::addDoctor, sluice::addBench}) {
-      sluice::Command command = add(program);
-      commands.emplace_back(program.get_subcommands(nullptr).back(), std::move(command));
-    }
-    try {
-      program.parse(argc, argv);
-    } catch (const CLI::Success& success) {  // --help, --version
-      return program.exit(success);
-    } catch (const CLI::ParseError& error) {
-      printError(std::string(error.what()) + " (see sluice --help)");
-      return kUsage;
-    }
-    sluice::watchForInterruption();
-    for (const auto& [subcommand, command] : commands)
-      if (subcommand->parsed()) return command();
-    return kUsage;
-  } catch (const sluice::Interrupted&) {
-    printError("interrupted");
-    return kInterrupted;
-  } catch (const std::bad_alloc&) {
-    printError("out of memory; give a smaller --memory or a larger machine");
-    return kBadInput;
-  } catch (const std::exception& error) {
-    printError(error.what());
-    return kBadInput;
-  }
+  // An arena a thread takes 64 MiB of addresses, which a driver needs more where they are few.
+  rlimit addresses{};
+  if (getrlimit(RLIMIT_AS, &addresses) == 0 && addresses.rlim_cur != RLIM_INFINITY)
+    mallopt(M_ARENA_MAX, 1);
+  sluice::openStandardStreams();
+  raiseFileLimit();
+  return sluice::runProgram({argv + (argc > 0 ? 1 : 0), argv + argc});
 }

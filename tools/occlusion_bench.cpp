@@ -5,7 +5,8 @@
 #include <algorithm>
 #include <array>
 
-#include "src/classify/transfer_makers.h"
+#include "src/classify/transfer/transfer_makers.h"
+#include "tools/command_line/console.h"
 #include "tools/scene.h"
 
 namespace sluice {
@@ -54,10 +55,9 @@ Measured measure(Session& session, FrameOptions options, const Way& way, int fra
 json updatesOf(Session& session, FrameOptions options, double turn, int frames) {
   options.partition = Partition::kBoxes;
   options.camera.azimuth_deg += turn;
-  options.occlusion = Occlusion::kOff;  // forgets the numbers of the view before
-  session.setOptions(options);
   options.occlusion = Occlusion::kClip;
   session.setOptions(options);
+  session.forgetLastFrame();  // and the number of updates with it
   json wanted = json::array(), made = json::array();
   for (int i = 0; i < frames; ++i) {
     const OcclusionReport report = session.frame().report.occlusion;
@@ -123,27 +123,25 @@ json benchOcclusion(const VolumesBench& bench, int adapt_frames) {
 }
 
 void printOcclusion(const json& report) {
-  fmt::print(
-      "{:<28} {:>7} {:>7} {:>7} {:>7} {:>7}   {:>6} {:>6} {:>6} {:>7}   {:>5} {:>5} {:>6} {:>6}\n",
+  say("{:<28} {:>7} {:>7} {:>7} {:>7} {:>7}   {:>6} {:>6} {:>6} {:>7}   {:>5} {:>5} {:>6} {:>6}\n",
       "volume", "basic", "ESS", "ESS+CC", "ESS+M", "ESS+C", "culled", "clip", "stop", "skipped",
       "ESS", "CC", "ESS+CC", "map %");
   const auto printParts = [](const json& row) {
     const auto number = [&row](const char* at) {
       return row[json::json_pointer(at)].get<double>();
     };
-    fmt::print("   {:>6.1f} {:>6.1f} {:>6.1f} {:>7.1f}   {:>5.2f} {:>5.2f} {:>6.2f} {:>6.1f}\n",
-               number("/culled_percent"), number("/clipped_percent"), number("/stopped_percent"),
-               number("/skipped_percent"), number("/speedup/ess"), number("/speedup/cc"),
-               number("/speedup/ess_cc"), number("/map_cost_percent"));
+    say("   {:>6.1f} {:>6.1f} {:>6.1f} {:>7.1f}   {:>5.2f} {:>5.2f} {:>6.2f} {:>6.1f}\n",
+        number("/culled_percent"), number("/clipped_percent"), number("/stopped_percent"),
+        number("/skipped_percent"), number("/speedup/ess"), number("/speedup/cc"),
+        number("/speedup/ess_cc"), number("/map_cost_percent"));
   };
   for (const json& row : report["rows"]) {
     const auto fps = [&row](const char* way) { return row["fps"][way].get<double>(); };
-    fmt::print("{:<28} {:>7.2f} {:>7.2f} {:>7.2f} {:>7.2f} {:>7.2f}",
-               row["volume"].get<std::string>(), fps("basic"), fps("ess"), fps("ess_cc"),
-               fps("ess_m"), fps("ess_c"));
+    say("{:<28} {:>7.2f} {:>7.2f} {:>7.2f} {:>7.2f} {:>7.2f}", row["volume"].get<std::string>(),
+        fps("basic"), fps("ess"), fps("ess_cc"), fps("ess_m"), fps("ess_c"));
     printParts(row);
   }
-  fmt::print("{:<68}", "mean");
+  say("{:<68}", "mean");
   printParts(report["mean"]);
 }
 

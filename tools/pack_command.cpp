@@ -6,14 +6,18 @@
 #include <memory>
 #include <string>
 
-#include "io/zarr_writer.h"
+#include "io/zarr/zarr_writer.h"
 #include "src/base/bytes.h"
 #include "src/base/clock.h"
 #include "src/base/error.h"
 #include "src/base/interrupt.h"
+#include "tools/command_line/console.h"
+#include "tools/command_line/outputs.h"
+#include "tools/command_line/progress_line.h"
+#include "tools/command_line/shared_options.h"
 #include "tools/commands.h"
-#include "tools/options.h"
 #include "tools/scene.h"
+#include "tools/workers.h"
 
 namespace sluice {
 namespace {
@@ -28,21 +32,27 @@ struct Arguments {
   bool json = false;
 };
 
-constexpr int kLz4Level = 5, kZstdLevel = 1, kInterrupted = 130;
+constexpr int kLz4Level = 5, kZstdLevel = 1;
 
 // The index that the store's first opening would build: of every time step.
-IndexedRanges indexStore(const Arguments& arguments, WorkerPool& pool) {
+std::shared_ptr<const IndexedRanges> indexStore(const Arguments& arguments, WorkerPool& pool) {
+  ProgressMeter progress;
   VolumeArguments store;
   store.inputs = {arguments.output};
-  IndexedVolume volume = openIndexed(store, arguments.resources, false, pool);
+  IndexedVolume volume = openIndexed(store, arguments.resources, kUsualNeeds, pool);
   for (int64_t t = 1; t < volume.source->layout().time_steps; ++t)
-    indexedRanges(*volume.source, arguments.output, t, volume.layout, pool);
-  return std::move(volume.index);
+    rangesOfStep(volume, t, {pool, progress, memoryBudget(arguments.resources), interruption()});
+  return volume.index;
 }
 
 int pack(const Arguments& arguments) {
-  WorkerPool pool(arguments.resources.threads);
+  Outputs outputs;
+  outputs.reads(arguments.volume.inputs);
+  outputs.writesFolder("-o", arguments.output);
+  outputs.checkNames();
   const auto source = openVolume(arguments.volume.inputs, arguments.volume.open);
+  outputs.check(filesOf(*source));
+  Workers pool(arguments.resources.threads);
   const VolumeLayout& layout = source->layout();
   PackOptions options = arguments.pack;
   options.memory_bytes = memoryBudget(arguments.resources);
@@ -51,15 +61,18 @@ int pack(const Arguments& arguments) {
                                                                   : kZstdLevel;
   PackReport report;
   try {
-    Progress progress("packing", static_cast<uint64_t>(volume(layout.dims) * layout.time_steps) *
-                                     bytesPerVoxel(layout.type) * (options.verify ? 2 : 1));
+    const uint64_t bytes = static_cast<uint64_t>(volume(layout.dims) * layout.time_steps) *
+                           bytesPerVoxel(layout.type) * (options.verify ? 2 : 1);
+    ProgressMeter progress =
+        arguments.resources.quiet ? ProgressMeter() : ProgressMeter(progressLine("packing"), bytes);
     report = packZarr(*source, arguments.output, options, pool, progress);
   } catch (const Interrupted&) {
-    fmt::print(stderr, "sluice: interrupted; the same command goes on where this one ended\n");
-    return kInterrupted;
+    printError("interrupted; the same command goes on where this one ended");
+    return interruptionStatus();
   }
   const Stopwatch watch;
-  const IndexedRanges index = indexStore(arguments, pool);
+  const auto kept = indexStore(arguments, pool);
+  const IndexedRanges& index = *kept;
   const double index_seconds = watch.seconds();
   const double ratio = static_cast<double>(report.voxel_bytes) /
                        static_cast<double>(std::max<uint64_t>(1, report.stored_bytes));
@@ -78,42 +91,44 @@ int pack(const Arguments& arguments) {
           {"index", index_seconds}}},
         {"index", {{"path", index.path.string()}, {"state", index.state}}},
         {"peak_rss_bytes", peakResidentBytes()}};
-    fmt::print("{}\n", json.dump(2));
+    say("{}\n", json.dump(2));
     return 0;
   }
-  fmt::print("{}\n", arguments.output);
-  fmt::print("  {} chunks, {} of them empty{}{}\n", report.chunks, report.empty_chunks,
-             report.kept_chunks == 0
-                 ? ""
-                 : fmt::format(", {} done before an interruption", report.kept_chunks),
-             options.verify ? ", all equal to the volume" : "");
-  fmt::print("  {} as {}: {:.2f} to 1, in {:.1f} s\n", formatBytes(report.voxel_bytes),
-             formatBytes(report.stored_bytes), ratio, report.pack_seconds + report.verify_seconds);
-  fmt::print("  index {}{}{}{}\n", index.state, index.path.empty() ? "" : ": ", index.path.string(),
-             index.note.empty() ? "" : " (" + index.note + ")");
+  if (arguments.resources.quiet) return kDone;
+  say("{}\n", arguments.output);
+  say("  {} chunks, {} of them empty{}{}\n", report.chunks, report.empty_chunks,
+      report.kept_chunks == 0 ? ""
+                              : fmt::format(", {} done before an interruption", report.kept_chunks),
+      options.verify ? ", all equal to the volume" : "");
+  say("  {} as {}: {:.2f} to 1, in {:.1f} s\n", formatBytes(report.voxel_bytes),
+      formatBytes(report.stored_bytes), ratio, report.pack_seconds + report.verify_seconds);
+  say("  index {}{}{}{}\n", index.state, index.path.empty() ? "" : ": ", index.path.string(),
+      index.note.empty() ? "" : " (" + index.note + ")");
   return 0;
 }
 
 int check(const Arguments& arguments) {
-  WorkerPool pool(arguments.resources.threads);
+  Workers pool(arguments.resources.threads);
   const std::string& name = arguments.volume.inputs.front();
   CheckReport report;
   {
-    Progress progress("checking " + name);
+    ProgressMeter progress = arguments.resources.quiet
+                                 ? ProgressMeter()
+                                 : ProgressMeter(progressLine("checking " + name));
     report = checkZarr(name, pool, progress);
   }
   if (arguments.json) {
     const nlohmann::json json{{"chunks", report.chunks},
                               {"stored_bytes", report.stored_bytes},
                               {"faults", report.faults}};
-    fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+    say("{}\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
   }
   if (!report.faults.empty())
     fail("{} of {} chunks are not as packed: {}", report.faults.size(), report.chunks,
          report.faults.front());
-  if (!arguments.json)
-    fmt::print("{}: {} chunks, {}, all as packed\n", name, report.chunks,
-               formatBytes(report.stored_bytes));
+  if (!arguments.json && !arguments.resources.quiet)
+    say("{}: {} chunks, {}, all as packed\n", name, report.chunks,
+        formatBytes(report.stored_bytes));
   return 0;
 }
 
@@ -131,43 +146,37 @@ Command addPack(CLI::App& program) {
       "whenever sluice reads it.");
   addVolumeOptions(*app, arguments->volume);
   app->remove_option(app->get_option("--time"));  // all of them are packed
-  CLI::Option* output = app->add_option("-o,--output", arguments->output, "The store, NAME.zarr")
-                            ->type_name("DIR.zarr");
-  app->add_option("--chunk", arguments->pack.chunk_voxels, "Voxels a side of a chunk")
-      ->capture_default_str()
-      ->check(CLI::Range(4, 1024))
-      ->type_name("N");
-  addParsed(
-      *app, "--codec", "Inside Blosc: lz4 is read faster, zstd is smaller (lz4)", "lz4|zstd",
-      [](const std::string& word) -> std::optional<BloscCodec> {
-        if (word == "lz4") return BloscCodec::kLz4;
-        if (word == "zstd") return BloscCodec::kZstd;
-        return std::nullopt;
-      },
-      [arguments](BloscCodec codec) { arguments->pack.blosc.codec = codec; });
-  app->add_option(
-         "--level", arguments->level,
-         fmt::format("How hard the codec tries ({} for lz4, {} for zstd)", kLz4Level, kZstdLevel))
-      ->check(CLI::Range(1, 9))
-      ->type_name("1..9");
-  app->add_option("--unit", arguments->pack.unit,
-                  "Of the spacing, where the file does not say it: micrometer, millimeter, ...")
-      ->type_name("NAME");
-  addParsed(*app, "--memory", "Budget of the voxels and chunks held (half the machine's)", "BYTES",
-            parseBytes, [arguments](uint64_t bytes) { arguments->resources.memory_bytes = bytes; });
-  app->add_option("--threads", arguments->resources.threads, "Worker threads, 0 one a core")
-      ->capture_default_str()
-      ->check(CLI::Range(0, 1024));
-  CLI::Option* verify = app->add_flag("--verify", arguments->pack.verify,
-                                      "Reads the store again and compares every voxel");
-  CLI::Option* force = app->add_flag("--force", arguments->pack.replace,
-                                     "Replaces an existing store, once the new one is whole");
-  app->add_flag("--check", arguments->check,
-                "VOLUME is a packed store: compares every chunk with its checksum")
+  const OptionGroup store(*app, "Store");
+  CLI::Option* output =
+      store.text("-o,--output", "DIR.zarr", arguments->output, "The store, NAME.zarr");
+  store.number("--chunk", "N", arguments->pack.chunk_voxels, {4, 1024}, "Voxels a side of a chunk");
+  store.choice("--codec", Words<BloscCodec>{{"lz4", BloscCodec::kLz4}, {"zstd", BloscCodec::kZstd}},
+               arguments->pack.blosc.codec, "Inside Blosc: lz4 is read faster, zstd is smaller");
+  store
+      .number(
+          "--level", "1..9", arguments->level, {1, 9},
+          fmt::format("How hard the codec tries ({} for lz4, {} for zstd)", kLz4Level, kZstdLevel))
+      ->default_str("");
+  store.text("--unit", "NAME", arguments->pack.unit,
+             "Of the spacing, where the file does not say it: micrometer, millimeter, ...");
+  CLI::Option* verify = store.flag("--verify", arguments->pack.verify,
+                                   "Reads the store again and compares every voxel");
+  CLI::Option* force = store.flag("--force", arguments->pack.replace,
+                                  "Replaces an existing store, once the new one is whole");
+  store
+      .flag("--check", arguments->check,
+            "VOLUME is a packed store: compares every chunk with its checksum")
       ->excludes(output)
       ->excludes(verify)
       ->excludes(force);
-  app->add_flag("--json", arguments->json, "One JSON object");
+  const OptionGroup printed(*app, kOutputHeading);
+  addQuietOption(printed, arguments->resources.quiet);
+  addJsonOption(printed, arguments->json);
+  const OptionGroup machine(*app, kMachineHeading);
+  machine.bytes("--memory", arguments->resources.memory_bytes,
+                "Budget of the voxels and chunks held (half the machine's)");
+  addThreadsOption(machine, arguments->resources.threads);
+  addIndexDirOption(machine, arguments->resources.index_dir);
   app->parse_complete_callback([arguments] {
     if (!arguments->check && arguments->output.empty()) throw CLI::RequiredError("--output");
   });

@@ -1,4 +1,5 @@
 #include "tools/packing_bench.h"
+#include "tools/workers.h"
 
 #include <fmt/format.h>
 
@@ -7,6 +8,7 @@
 #include "src/base/clock.h"
 #include "src/volume/packed_block.h"
 #include "src/volume/volume_buffer.h"
+#include "tools/command_line/console.h"
 #include "tools/scene.h"
 
 namespace sluice {
@@ -46,10 +48,10 @@ nlohmann::json rowOf(const std::vector<VolumeBlockPtr>& blocks, const PackCodec&
 }  // namespace
 
 nlohmann::json benchPacking(const VolumeArguments& arguments, const ResourceArguments& resources) {
-  WorkerPool pool(resources.threads);
-  const IndexedVolume volume = openIndexed(arguments, resources, false, pool);
+  Workers pool(resources.threads);
+  const IndexedVolume volume = openIndexed(arguments, resources, {}, pool);
   VolumeBuffer buffer(*volume.source, volume.layout, 2 * kMostBytes);
-  const std::vector<int64_t>& ids = volume.index.ranges.blocks;
+  const std::vector<int64_t>& ids = volume.index->ranges.blocks;
   // Spread over the volume, where it has more than is measured.
   const size_t most = std::max<size_t>(1, kMostBytes / buffer.blockBytes());
   const size_t stride = std::max<size_t>(1, ids.size() / most);
@@ -64,12 +66,12 @@ nlohmann::json benchPacking(const VolumeArguments& arguments, const ResourceArgu
 }
 
 void printPacking(const nlohmann::json& report) {
-  fmt::print("{:<12} {:>7} {:>12} {:>14}\n", "codec", "ratio", "packs MB/s", "unpacks MB/s");
+  say("{:<12} {:>7} {:>12} {:>14}\n", "codec", "ratio", "packs MB/s", "unpacks MB/s");
   for (const auto& row : report["rows"])
-    fmt::print("{:<12} {:>7.2f} {:>12.0f} {:>14.0f}\n",
-               fmt::format("{}-{}", row["codec"].get<std::string>(), row["level"].get<int>()),
-               row["ratio"].get<double>(), row["pack_bytes_per_second"].get<double>() / 1e6,
-               row["unpack_bytes_per_second"].get<double>() / 1e6);
+    say("{:<12} {:>7.2f} {:>12.0f} {:>14.0f}\n",
+        fmt::format("{}-{}", row["codec"].get<std::string>(), row["level"].get<int>()),
+        row["ratio"].get<double>(), row["pack_bytes_per_second"].get<double>() / 1e6,
+        row["unpack_bytes_per_second"].get<double>() / 1e6);
 }
 
 }  // namespace sluice

@@ -9,15 +9,20 @@
 
 #include "src/base/bytes.h"
 #include "src/base/clock.h"
-#include "src/classify/box_store.h"
-#include "src/classify/classification.h"
-#include "src/classify/volume_boxes.h"
+#include "src/base/interrupt.h"
+#include "src/index/box_store.h"
+#include "src/index/volume_boxes.h"
 #include "src/render/frame_setup.h"
-#include "src/texture/requests.h"
+#include "src/render/planner.h"
+#include "src/texture/frame_trace.h"
+#include "tools/command_line/console.h"
+#include "tools/command_line/progress_line.h"
+#include "tools/command_line/shared_options.h"
 #include "tools/commands.h"
-#include "tools/options.h"
+#include "tools/plan_forecast.h"
 #include "tools/report.h"
 #include "tools/scene.h"
+#include "tools/workers.h"
 
 namespace sluice {
 namespace {
@@ -27,6 +32,7 @@ struct Arguments {
   LookArguments look;
   FrameOptions frame;
   ResourceArguments resources;
+  FitChoice fit;
   bool json = false;
 };
 
@@ -43,46 +49,50 @@ struct Cost {
 using Costs = std::array<Cost, kAlgorithms.size()>;
 
 // What the plans are made from: the blocks that show, the same for all.
-struct Classified {
-  Box3 crop;
-  OpacityTable table;
-  Classification classes;
+struct Shown {
+  TimeStep step;
+  LookPtr look;
+  VisibleBlocksPtr blocks;
+  View view;
   double seconds = 0;
 };
 
-Classified classified(const Arguments& arguments, const IndexedVolume& volume,
-                      const TransferFunction& transfer, WorkerPool& pool) {
-  const SliceRanges& ranges = volume.index.ranges;
+Shown shownBlocks(const Arguments& arguments, const IndexedVolume& volume,
+                  const TransferFunction& transfer, WorkerPool& pool) {
+  const FrameOptions& frame = arguments.frame;
+  ChunkNames names;
+  Planner planner(volume.page, pool, names);
+  Shown shown{.step = volume.step(), .look = {}, .blocks = {}, .view = {}};
+  shown.view = resolve(frame.camera, volume.source->layout(), frame.size, frame.step_vox);
   Stopwatch watch;
-  Classified result{cropCells(arguments.frame, ranges.layout.dims),
-                    OpacityTable(transfer, ranges.map, ranges.device_range),
-                    {}};
-  result.classes = classify(ranges, result.table, result.crop, pool);
-  result.seconds = watch.lap();
-  return result;
+  shown.look =
+      planner.look(shown.step, std::make_shared<const TransferFunction>(transfer), frame.mode);
+  shown.blocks = planner.visibleBlocks(shown.step, shown.look, shown.view, frame);
+  shown.seconds = watch.lap();
+  return shown;
 }
 
-Cost costOf(const Arguments& arguments, const IndexedVolume& volume, const Classified& shown,
-            Algorithm algorithm) {
-  const FrameOptions& frame = arguments.frame;
+Cost costOf(const Arguments& arguments, const IndexedVolume& volume, const Shown& shown,
+            Algorithm algorithm, WorkerPool& pool) {
+  ChunkNames names;
+  Planner planner(volume.page, pool, names);
+  FrameOptions frame = arguments.frame;
+  frame.algorithm = algorithm;
   Stopwatch watch;
-  const TexturePlan plan =
-      planTextures(volume.layout, shown.classes, volume.page,
-                   {algorithm, frame.merge_order, arguments.volume.time, shown.crop});
+  const FramePlanPtr plan = planner.plan(shown.step, shown.blocks, frame);
   const double seconds = watch.lap();
-  const VolumeLayout& layout = volume.source->layout();
-  const View view = resolve(frame.camera, layout, frame.size, frame.step_vox);
-  return {plan.chunks.size(),
-          plan.clusters.size(),
-          plan.cluster_blocks,
-          plan.pageCount(),
-          bindCount(plan, eyePosition(view, layout)),
-          plan.bytes(),
+  const TexturePlan& textures = plan->textures;
+  return {textures.chunks.size(),
+          textures.clusters.size(),
+          textures.cluster_blocks,
+          plan->pages,
+          bindCount(textures, eyePosition(shown.view, volume.source->layout())),
+          textures.bytes(),
           seconds};
 }
 
 // The one asked for first, since merging takes longest.
-Costs costsOf(const Arguments& arguments, const IndexedVolume& volume, const Classified& shown,
+Costs costsOf(const Arguments& arguments, const IndexedVolume& volume, const Shown& shown,
               WorkerPool& pool) {
   std::array<Algorithm, kAlgorithms.size()> order = kAlgorithms;
   std::partition(order.begin(), order.end(),
@@ -90,22 +100,22 @@ Costs costsOf(const Arguments& arguments, const IndexedVolume& volume, const Cla
   Costs costs;
   pool.parallelFor(order.size(), [&](int64_t i) {
     const Algorithm algorithm = order[static_cast<size_t>(i)];
-    costs[static_cast<size_t>(algorithm)] = costOf(arguments, volume, shown, algorithm);
+    costs[static_cast<size_t>(algorithm)] = costOf(arguments, volume, shown, algorithm, pool);
   });
   return costs;
 }
 
 void print(const Costs& costs, Algorithm algorithm, double classify_seconds,
            const PageGeometry& page) {
-  fmt::print("{:<13} {:>8} {:>9} {:>12} {:>7}   pages of {}, {} in the cache\n", "algorithm",
-             "chunks", "pages", "bytes", "binds", printPageSize(page.size_vox), page.pages);
+  say("{:<13} {:>8} {:>9} {:>12} {:>7}   pages of {}, {} in the cache\n", "algorithm", "chunks",
+      "pages", "bytes", "binds", printPageSize(page.size_vox), page.pages);
   for (size_t i = 0; i < costs.size(); ++i)
-    fmt::print("{:<13} {:>8} {:>9} {:>12} {:>7}\n", name(kAlgorithms[i]), costs[i].chunks,
-               costs[i].pages, formatBytes(costs[i].bytes), costs[i].binds);
+    say("{:<13} {:>8} {:>9} {:>12} {:>7}\n", name(kAlgorithms[i]), costs[i].chunks, costs[i].pages,
+        formatBytes(costs[i].bytes), costs[i].binds);
   const Cost& chosen = costs[static_cast<size_t>(algorithm)];
-  fmt::print("{} clusters of {} x {} blocks; classified in {:.2f} ms, planned in {:.2f} ms\n",
-             chosen.clusters, chosen.cluster_blocks.x, chosen.cluster_blocks.y,
-             1e3 * classify_seconds, 1e3 * chosen.seconds);
+  say("{} clusters of {} x {} blocks; classified in {:.2f} ms, planned in {:.2f} ms\n",
+      chosen.clusters, chosen.cluster_blocks.x, chosen.cluster_blocks.y, 1e3 * classify_seconds,
+      1e3 * chosen.seconds);
 }
 
 // Growing boxes beside the two partitions that they lie between: one object box a block, and bricks
@@ -117,23 +127,24 @@ struct PlannedBoxes {
   double seconds = 0;
 };
 
-PlannedBoxes planBoxes(const Arguments& arguments, const IndexedVolume& volume,
-                       const Classified& shown, WorkerPool& pool) {
-  const SliceRanges& ranges = volume.index.ranges;
+PlannedBoxes planBoxes(const Arguments& arguments, const IndexedVolume& volume, const Shown& shown,
+                       WorkerPool& pool) {
+  const SliceRanges& ranges = volume.index->ranges;
+  const Box3 crop = cropCells(arguments.frame, ranges.layout.dims);
   PlannedBoxes planned;
-  for (const ObjectBlock& block : shown.classes.visible) {
+  for (const ObjectBlock& block : shown.blocks->blocks) {
     ++planned.object_boxes;
     planned.object_cells += block.cells.count();
   }
   Stopwatch watch;
-  Progress progress("growing boxes");
+  ProgressMeter progress =
+      arguments.resources.quiet ? ProgressMeter() : ProgressMeter(progressLine("growing boxes"));
   // The pass is made for the bricks; what a picture needs of it is kept on the way.
-  BoxIndexWriter index(*volume.source, arguments.volume.inputs.front(), arguments.volume.time,
-                       ranges);
-  planned.cost =
-      partitionCost(*volume.source, arguments.volume.time, ranges, shown.table, shown.crop, pool,
-                    progress, std::min(memoryBudget(arguments.resources) / 2, kMostGrowingBytes),
-                    [&](int64_t block, const BoxTree& tree) { index.add(block, tree); });
+  BoxIndexWriter index(*volume.source, volume.places, arguments.volume.time, ranges);
+  planned.cost = partitionCost(
+      *volume.source, arguments.volume.time, ranges, shown.look->table, crop, pool, progress,
+      std::min(memoryBudget(arguments.resources) / 2, kMostGrowingBytes),
+      [&](int64_t block, const BoxTree& tree) { index.add(block, tree); }, interruption());
   planned.pieces_kept = index.piecesWritten();
   planned.seconds = watch.lap();
   return planned;
@@ -146,16 +157,15 @@ void print(const PlannedBoxes& planned) {
                ? 0.0
                : static_cast<double>(cells) / static_cast<double>(cost.perfect_cells);
   };
-  fmt::print("\n{:<16} {:>9} {:>14} {:>9}   cells that a frame samples\n", "partition", "visible",
-             "cells", "of 8^3");
-  fmt::print("{:<16} {:>9} {:>14} {:>9.2f}\n", "object boxes", planned.object_boxes,
-             planned.object_cells, share(planned.object_cells));
-  fmt::print("{:<16} {:>9} {:>14} {:>9.2f}\n", "growing boxes", cost.visible_boxes,
-             cost.visible_cells, share(cost.visible_cells));
-  fmt::print("{:<16} {:>9} {:>14} {:>9.2f}\n", "bricks of 8^3", cost.perfect_bricks,
-             cost.perfect_cells, share(cost.perfect_cells));
-  fmt::print(
-      "{} boxes grown, {} in BSP trees ({} uniform, {} gradient, {} other) with {} textures; "
+  say("\n{:<16} {:>9} {:>14} {:>9}   cells that a frame samples\n", "partition", "visible", "cells",
+      "of 8^3");
+  say("{:<16} {:>9} {:>14} {:>9.2f}\n", "object boxes", planned.object_boxes, planned.object_cells,
+      share(planned.object_cells));
+  say("{:<16} {:>9} {:>14} {:>9.2f}\n", "growing boxes", cost.visible_boxes, cost.visible_cells,
+      share(cost.visible_cells));
+  say("{:<16} {:>9} {:>14} {:>9.2f}\n", "bricks of 8^3", cost.perfect_bricks, cost.perfect_cells,
+      share(cost.perfect_cells));
+  say("{} boxes grown, {} in BSP trees ({} uniform, {} gradient, {} other) with {} textures; "
       "{} blocks read and partitioned in {:.2f} s\n",
       cost.grown, cost.boxes, cost.types[0], cost.types[1], cost.types[2], cost.textures,
       cost.blocks, planned.seconds);
@@ -180,19 +190,30 @@ nlohmann::json boxesJson(const PlannedBoxes& planned) {
           {"seconds", planned.seconds}};
 }
 
-int run(const Arguments& arguments, const CLI::App& app) {
-  WorkerPool pool(arguments.resources.threads);
+int run(const Arguments& asked, const CLI::App& app) {
+  Arguments arguments = asked;
+  Workers pool(arguments.resources.threads);
+  const Mode mode = arguments.frame.mode;
   const IndexedVolume volume =
-      openIndexed(arguments.volume, arguments.resources, needsGradients(arguments.look), pool);
-  const TransferFunction transfer = transferFor(volume, arguments.look);
-  const Classified shown = classified(arguments, volume, transfer, pool);
+      openIndexed(arguments.volume, arguments.resources, needsOf(arguments.look, mode), pool);
+  const TransferFunction transfer = lookFor(volume, arguments.look, mode).transfer;
+  std::vector<Camera> cameras{arguments.frame.camera};
+  fitCameras(cameras, arguments.fit,
+             {volume, volume.step(), transfer, arguments.frame, arguments.look.this_step}, {},
+             arguments.resources, pool);
+  arguments.frame.camera = cameras.front();
+  const Shown shown = shownBlocks(arguments, volume, transfer, pool);
   const Costs costs = costsOf(arguments, volume, shown, pool);
   const Cost& chosen = costs[static_cast<size_t>(arguments.frame.algorithm)];
   std::optional<PlannedBoxes> boxes;
   if (arguments.frame.partition == Partition::kBoxes)
     boxes = planBoxes(arguments, volume, shown, pool);
+  const Forecast forecast =
+      forecastOf(volume, *shown.blocks, chosen.bytes, arguments.frame, arguments.resources);
   if (!arguments.json) {
+    if (arguments.resources.quiet) return 0;
     print(costs, arguments.frame.algorithm, shown.seconds, volume.page);
+    printForecast(forecast);
     if (boxes) print(*boxes);
     return 0;
   }
@@ -201,6 +222,8 @@ int run(const Arguments& arguments, const CLI::App& app) {
                         {"volume", volumeJson(volume)},
                         {"transfer", transfer.name},
                         {"clusters", chosen.clusters},
+                        {"read", readJson(forecast)},
+                        {"memory", memoryJson(forecast)},
                         {"classify_seconds", shown.seconds},
                         {"plan_seconds", chosen.seconds},
                         {"seconds", shown.seconds + chosen.seconds}};
@@ -210,7 +233,7 @@ int run(const Arguments& arguments, const CLI::App& app) {
                                                                {"bytes", costs[i].bytes},
                                                                {"binds", costs[i].binds}};
   if (boxes) report["partition"] = boxesJson(*boxes);
-  fmt::print("{}\n", report.dump(2));
+  say("{}\n", report.dump(2));
   return 0;
 }
 
@@ -218,16 +241,21 @@ int run(const Arguments& arguments, const CLI::App& app) {
 
 Command addPlan(CLI::App& program) {
   auto arguments = std::make_shared<Arguments>();
+  arguments->look.first_picture = true;
   CLI::App* app = program.add_subcommand(
       "plan",
-      "What a frame will load, by algorithm, without reading a voxel\n\n"
+      "What a picture will read, load and hold, without reading a voxel\n\n"
       "  sluice plan bonsai.nii.gz --threshold 40 --page 32x64x2 --pages 256\n"
       "  sluice plan bonsai.nii.gz --threshold 40 --partition boxes");
   addVolumeOptions(*app, arguments->volume);
-  addLookOptions(*app, arguments->look);
+  addLookOptions(*app, arguments->look, arguments->frame);
+  arguments->frame.camera.view = ViewName::kThreeQuarter;
   addViewOptions(*app, arguments->frame);
+  addFitOption(*app, arguments->fit);
   addResourceOptions(*app, arguments->resources);
-  app->add_flag("--json", arguments->json, "One JSON object");
+  const OptionGroup output(*app, kOutputHeading);
+  addQuietOption(output, arguments->resources.quiet);
+  addJsonOption(output, arguments->json);
   return [arguments, app] { return run(*arguments, *app); };
 }
 

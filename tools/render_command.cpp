@@ -5,18 +5,21 @@
 #include <filesystem>
 #include <memory>
 
-#include "io/exr_file.h"
-#include "io/png_file.h"
+#include "io/files/numbered_name.h"
+#include "src/annotate/annotate.h"
 #include "src/base/atomic_file.h"
 #include "src/base/bytes.h"
 #include "src/base/clock.h"
 #include "src/base/error.h"
-#include "src/classify/transfer_file.h"
 #include "src/render/camera_path.h"
+#include "tools/command_line/console.h"
+#include "tools/command_line/progress_line.h"
+#include "tools/command_line/shared_options.h"
 #include "tools/commands.h"
 #include "tools/debug_views.h"
-#include "tools/options.h"
+#include "tools/picture_output.h"
 #include "tools/report.h"
+#include "tools/scene.h"
 #include "tools/trace_files.h"
 
 namespace sluice {
@@ -27,11 +30,15 @@ struct Arguments {
   LookArguments look;
   FrameOptions frame;
   ResourceArguments resources;
+  FitChoice fit;
+  std::optional<Aovs> aovs;
+  bool annotate = false;
   std::string output;
   std::string report_file;
   std::string path_file;
   std::string trace_file;
   int64_t frames = 1;
+  bool force = false;
   bool verify = false;
   bool debug_view = false;
   bool json = false;
@@ -41,53 +48,34 @@ struct Verification {
   double max_difference = 0, mean_difference = 0;  // in 1/255
 };
 
-// "turn.png" -> "turn_007.png", or where "%03d" says.
-std::filesystem::path frameName(const std::string& output, int64_t frame, int64_t frames) {
-  const size_t percent = output.find('%');
-  if (percent != std::string::npos) {
-    const size_t end = output.find('d', percent);
-    const std::string width = output.substr(percent + 1, end - percent - 1);
-    const bool understood = end != std::string::npos && width.size() <= 3 &&
-                            width.find_first_not_of("0123456789") == std::string::npos;
-    if (!understood)
-      fail("{}: the only pattern understood in -o is %d, as in turn_%03d.png", output);
-    const int digits = width.empty() ? 1 : std::stoi(width);
-    return output.substr(0, percent) + fmt::format("{:0{}}", frame, digits) +
-           output.substr(end + 1);
-  }
-  if (frames == 1) return output;
-  const std::filesystem::path path(output);
-  return path.parent_path() /
-         fmt::format("{}_{:03}{}", path.stem().string(), frame, path.extension().string());
+// Frames of a turntable are numbered from 0, a single picture of a series by its time step.
+std::filesystem::path frameName(const Arguments& arguments, int64_t frame) {
+  const bool is_turn = arguments.frames > 1;
+  return numberedName(arguments.output, is_turn ? frame : arguments.volume.time, is_turn);
 }
 
-std::string cameraText(const FrameOptions& options) {
-  const Camera& c = options.camera;
-  std::string text =
-      fmt::format("--projection {} --zoom {} --fov {} --size {}x{} --step {}",
-                  c.projection == Projection::kOrtho ? "ortho" : "perspective", c.zoom,
-                  c.field_of_view_deg, options.size.width, options.size.height, options.step_vox);
-  if (!c.look_at)
-    return text + fmt::format(" --azimuth {} --elevation {}", c.azimuth_deg, c.elevation_deg);
-  const auto& [eye, target, up] = *c.look_at;
-  return text + fmt::format(" --eye {},{},{} --target {},{},{} --up {},{},{}", eye.x, eye.y, eye.z,
-                            target.x, target.y, target.z, up.x, up.y, up.z);
+// A single picture has its own progress, if any.
+bool showsFrames(const Arguments& arguments) {
+  return arguments.frames > 1 && !arguments.resources.quiet;
 }
 
-void write(const std::filesystem::path& path, const Picture& picture, const Arguments& arguments,
-           const FrameOptions& options, const Scene& scene) {
-  const Picture shown =
-      arguments.look.has_background ? over(picture, arguments.look.background) : picture;
-  if (path.extension() != ".exr") {
-    writePng(path, shown);
-    return;
-  }
-  writeExr(path, shown,
-           {{"camera", cameraText(options)},
-            {"transferFunction", writeTransferFunction(scene.transfer)},
-            {"volume", scene.volume.source->identity()},
-            {"software", std::string("sluice ") + SLUICE_VERSION}},
-           ExrPrecision::kFloat);
+bool isExr(const Arguments& arguments) {
+  return pictureKind(arguments.output) == PictureKind::kExr;
+}
+
+Outputs outputsOf(const Arguments& arguments) {
+  Outputs outputs(arguments.force);
+  outputs.reads(arguments.volume.inputs);
+  outputs.reads({arguments.look.transfer_file, arguments.path_file});
+  for (int64_t i = 0; i < arguments.frames; ++i)
+    outputs.writes("-o", frameName(arguments, i),
+                   isExr(arguments) ? FileKind::kExr : FileKind::kPng);
+  if (arguments.debug_view)
+    for (const auto& view : debugViewNames(frameName(arguments, 0)))
+      outputs.writes("--debug-view", view, FileKind::kPng);
+  outputs.writes("--report", arguments.report_file, FileKind::kJson);
+  outputs.writes("--trace", arguments.trace_file, FileKind::kTrace);
+  return outputs;
 }
 
 // Against the plain way: every block loaded and drawn whole.
@@ -114,44 +102,84 @@ Verification verify(Scene& scene, FrameOptions options, const Picture& picture) 
 }
 
 void checkOutput(const Arguments& arguments) {
-  const std::filesystem::path path(arguments.output);
-  if (path.extension() != ".png" && path.extension() != ".exr")
-    fail("{}: pictures are written as .png or .exr", arguments.output);
+  const auto kind = pictureKind(arguments.output);
+  if (!kind) fail("{}: pictures are written as .png or .exr", arguments.output);
+  if (arguments.aovs && kind != PictureKind::kExr)
+    fail("{}: --aov adds channels to .exr pictures", arguments.output);
+  if (arguments.annotate && kind != PictureKind::kPng)
+    fail("{}: --annotate draws over .png pictures; an .exr holds values", arguments.output);
+  if (arguments.aovs && arguments.aovs->depth && arguments.frame.mode != Mode::kComposite)
+    fail("--aov depth is of --mode composite, where samples have an opacity to weigh them");
   if (arguments.debug_view && arguments.frames > 1)
     fail("--debug-view is of one frame, not of --frames {}", arguments.frames);
   if (arguments.debug_view && arguments.frame.occlusion == Occlusion::kOff &&
       arguments.frame.partition == Partition::kBlocks)
     fail("--debug-view shows what --occlusion and --partition boxes do; give one of them");
-  if (arguments.frame.with_depth && arguments.frame.mode != Mode::kComposite)
-    SLUICE_CHECK(path.extension() == ".exr");
 }
 
 void printHuman(const Scene& scene, const std::vector<RenderedFrame>& frames,
                 const std::filesystem::path& last, const std::optional<Verification>& verified) {
   const FrameReport& report = frames.back().report;
   const VolumeLayout& layout = scene.volume.source->layout();
-  fmt::print("{} x {} x {} {}, {}: {} white, {} grey, {} black blocks\n", layout.dims.x,
-             layout.dims.y, layout.dims.z, name(layout.type), scene.transfer.name, report.white,
-             report.grey, report.black);
-  fmt::print("{} frame{} of {:.3f} s on {} ({}), read {}, peak memory {}\n", frames.size(),
-             frames.size() == 1 ? "" : "s, the last", report.seconds, scene.device->backend(),
-             scene.device->renderer(), formatBytes(scene.volume.source->storedBytesRead()),
-             formatBytes(peakResidentBytes()));
+  say("{} x {} x {} {}, {}: {} white, {} grey, {} black blocks\n", layout.dims.x, layout.dims.y,
+      layout.dims.z, name(layout.type), scene.transfer.name, report.white, report.grey,
+      report.black);
+  say("look: {}\n", scene.look.options);
+  say("{} frame{} of {:.3f} s on {} ({}), read {}, peak memory {} of its own, {} resident\n",
+      frames.size(), frames.size() == 1 ? "" : "s, the last", report.seconds,
+      scene.device->backend(), scene.device->renderer(),
+      formatBytes(scene.volume.source->storedBytesRead()), formatBytes(scene.peak_anonymous_bytes),
+      formatBytes(peakResidentBytes()));
   if (report.missing_share > 0)
-    fmt::print("incomplete: {:.1f} % of what can be seen was not there within --time-limit\n",
-               100 * report.missing_share);
-  if (!scene.volume.index.note.empty()) fmt::print("{}\n", scene.volume.index.note);
+    say("incomplete: {:.1f} % of what can be seen was not there within --time-limit\n",
+        100 * report.missing_share);
   if (verified)
-    fmt::print("against the plain picture: largest difference {:.3f}/255, mean {:.5f}/255\n",
-               verified->max_difference, verified->mean_difference);
-  fmt::print("{}\n", last.string());
+    say("against the plain picture: largest difference {:.3f}/255, mean {:.5f}/255\n",
+        verified->max_difference, verified->mean_difference);
+  say("{}\n", last.string());
+}
+
+// Between slices, where the user does not say: it follows from the first view.
+double chosenStep(const Scene& scene, const Camera& camera, const FrameOptions& options) {
+  if (options.mode != Mode::kComposite) return options.step_vox;
+  const VolumeLayout& layout = scene.volume.source->layout();
+  return stepFor(resolve(camera, layout, options.size, options.step_vox), layout);
+}
+
+PictureOutput outputOf(const Arguments& arguments) {
+  PictureOutput output;
+  if (arguments.look.has_background) output.background = arguments.look.background;
+  output.annotate = arguments.annotate;
+  if (pictureKind(arguments.output) == PictureKind::kExr)
+    output.aovs = arguments.aovs.value_or(Aovs{.depth = arguments.frame.mode == Mode::kComposite});
+  return output;
+}
+
+// One a frame: a turn, or along the path.
+std::vector<Camera> camerasOf(const Arguments& arguments, WorldFrame frame) {
+  Camera start = arguments.frame.camera;
+  if (arguments.path_file.empty()) return turnOf(start, arguments.frames);
+  const CameraPath path = readCameraPath(arguments.path_file);
+  start.up = frontAxes(start.view, frame, start.up).up;  // keys move it on
+  std::vector<Camera> cameras;
+  for (int64_t i = 0; i < arguments.frames; ++i)
+    cameras.push_back(cameraAt(path, start, i, arguments.frames));
+  return cameras;
 }
 
 int run(const Arguments& arguments, const CLI::App& app) {
   checkOutput(arguments);
-  Scene scene(arguments.volume, arguments.look, arguments.resources, arguments.frame.partition);
-  std::optional<CameraPath> path;
-  if (!arguments.path_file.empty()) path = readCameraPath(arguments.path_file);
+  const Outputs outputs = outputsOf(arguments);
+  Scene scene(arguments.volume, arguments.look, arguments.resources, arguments.frame.partition,
+              arguments.frame.mode, outputs);
+  for (const std::string& warning : scene.look.warnings) printWarning(warning);
+  std::vector<Camera> cameras = camerasOf(arguments, scene.volume.source->layout().frame);
+  fitCameras(cameras, arguments.fit,
+             {scene.volume, scene.volume.step(), scene.transfer, arguments.frame,
+              arguments.look.this_step},
+             arguments.annotate ? annotationRoom(arguments.frame.size) : Room{},
+             arguments.resources, scene.pool);
+  const PictureOutput output = outputOf(arguments);
   const bool wants_report = !arguments.report_file.empty() || arguments.json;
 
   std::unique_ptr<TraceWriter> trace;
@@ -165,27 +193,32 @@ int run(const Arguments& arguments, const CLI::App& app) {
   std::vector<std::filesystem::path> views;
   Picture picture;
   FrameOptions options = arguments.frame;
+  if (app.count("--step") == 0) options.step_vox = chosenStep(scene, cameras.front(), options);
+  if (options.mode == Mode::kComposite)
+    scene.look.options += fmt::format(" --step {}", options.step_vox);
+  options.lighting.flat_share *= scene.look.flat_scale;
   options.count_samples = wants_report;
   options.keep_phases = arguments.debug_view;
-  options.with_depth = std::filesystem::path(arguments.output).extension() == ".exr" &&
-                       options.mode == Mode::kComposite;
+  options.with_depth = output.aovs.depth;
+  ProgressMeter progress = showsFrames(arguments)
+                               ? ProgressMeter(progressLine("frames", ProgressUnit::kPieces),
+                                               static_cast<uint64_t>(arguments.frames))
+                               : ProgressMeter();
   for (int64_t i = 0; i < arguments.frames; ++i) {
-    const double share = static_cast<double>(i) / static_cast<double>(arguments.frames);
-    if (path) {
-      options.camera = cameraAt(*path, arguments.frame.camera, i, arguments.frames);
-    } else {
-      options.camera.azimuth_deg = arguments.frame.camera.azimuth_deg + 360 * share;
-    }
+    options.camera = cameras[static_cast<size_t>(i)];
     scene.session->setOptions(options);
     scene.device->reuse(std::move(picture));
     Frame frame = scene.session->frame();
+    scene.noteMemory();
     picture = std::move(frame.picture);
-    name = frameName(arguments.output, i, arguments.frames);
+    name = frameName(arguments, i);
     const Stopwatch watch;
-    write(name, picture, arguments, options, scene);
+    writePicture(name, picture, output, options, scene);
     frames.push_back({frame.report, watch.seconds()});
+    progress.add(1);
     if (arguments.debug_view)
-      views = writeDebugViews(name, frame, scene, arguments.volume, options.partition);
+      views = writeDebugViews(name, frame, scene, arguments.volume, scene.volume.places,
+                              options.partition);
   }
   if (trace) {
     trace->finish();
@@ -210,10 +243,10 @@ int run(const Arguments& arguments, const CLI::App& app) {
     file.commit();
   }
   if (arguments.json) {
-    fmt::print("{}\n", report.dump(2));
-  } else {
+    say("{}\n", report.dump(2));
+  } else if (!arguments.resources.quiet) {
     printHuman(scene, frames, name, verified);
-    for (const std::filesystem::path& view : views) fmt::print("{}\n", view.string());
+    for (const std::filesystem::path& view : views) say("{}\n", view.string());
   }
   return 0;
 }
@@ -222,37 +255,43 @@ int run(const Arguments& arguments, const CLI::App& app) {
 
 Command addRender(CLI::App& program) {
   auto arguments = std::make_shared<Arguments>();
+  arguments->look.first_picture = true;
   CLI::App* app = program.add_subcommand(
       "render",
       "Draws a volume into PNG or EXR pictures\n\n"
-      "  sluice render bonsai.nii.gz -o bonsai.png --threshold 40 --azimuth 30 --shade");
+      "  sluice render bonsai.nii.gz -o bonsai.png --threshold 40 --azimuth 30");
   addVolumeOptions(*app, arguments->volume);
-  app->add_option("-o,--output", arguments->output,
-                  "Picture: .png, or .exr with depth; %03d takes the frame")
-      ->required()
-      ->type_name("FILE");
-  addLookOptions(*app, arguments->look);
+  const OptionGroup output(*app, kOutputHeading);
+  output
+      .text("-o,--output", "FILE", arguments->output,
+            "Picture: .png, or .exr with depth; #### or %04d takes the frame's number")
+      ->required();
+  addFramesOption(output, arguments->frames, "Pictures of a full turn, or of the path");
+  output.text("--path", "FILE", arguments->path_file, "Key frames of the camera, JSON")
+      ->needs(app->get_option("--frames"));
+  output.flag("--annotate", arguments->annotate,
+              "PNG: draws orientation axes, a scale bar and a colour bar");
+  output.parsed(
+      "--aov", "LIST", "depth, opacity, both with a comma between, or none", parseAovs,
+      [arguments](const Aovs& aovs) { arguments->aovs = aovs; },
+      "EXR: channels beside colour and alpha: depth, opacity or none", "depth");
+  output.text("--trace", "FILE", arguments->trace_file,
+              "Records the texture cache's requests: text (.txt), .csv, .oracleGeneral, .din, "
+              "otherwise compact binary");
+  output.text("--report", "FILE", arguments->report_file, "What it took, as JSON");
+  output.flag("--debug-view", arguments->debug_view,
+              "Also writes what was drawn between updates of the opacity map, the maps, and the "
+              "growing boxes of the middle slice");
+  output.flag("--verify", arguments->verify,
+              "Draws the plain way too and prints the largest and mean difference");
+  addForceOption(output, arguments->force);
+  addQuietOption(output, arguments->resources.quiet);
+  addJsonOption(output, arguments->json, "Prints the report instead of a summary");
+  addLookOptions(*app, arguments->look, arguments->frame);
+  arguments->frame.camera.view = ViewName::kThreeQuarter;
   addViewOptions(*app, arguments->frame);
-  CLI::Option* frames =
-      app->add_option("--frames", arguments->frames, "Pictures of a full turn, or of the path")
-          ->capture_default_str()
-          ->check(CLI::PositiveNumber)
-          ->type_name("N");
-  app->add_option("--path", arguments->path_file, "Key frames of the camera, JSON")
-      ->type_name("FILE")
-      ->needs(frames);
+  addFitOption(*app, arguments->fit);
   addResourceOptions(*app, arguments->resources);
-  app->add_option("--trace", arguments->trace_file,
-                  "Records the texture cache's requests: text (.txt), .csv, .oracleGeneral, .din, "
-                  "otherwise compact binary")
-      ->type_name("FILE");
-  app->add_option("--report", arguments->report_file, "What it took, as JSON")->type_name("FILE");
-  app->add_flag("--debug-view", arguments->debug_view,
-                "Also writes what was drawn between updates of the opacity map, the maps, and the "
-                "growing boxes of the middle slice");
-  app->add_flag("--verify", arguments->verify,
-                "Draws the plain way too and prints the largest and mean difference");
-  app->add_flag("--json", arguments->json, "Prints the report instead of a summary");
   return [arguments, app] { return run(*arguments, *app); };
 }
 

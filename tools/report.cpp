@@ -1,8 +1,14 @@
 #include "tools/report.h"
 
+#include <algorithm>
+
 #include <CLI/CLI.hpp>
 
+#include <array>
+#include <cmath>
+
 #include "src/base/clock.h"
+#include "src/render/index_space.h"
 
 namespace sluice {
 
@@ -75,27 +81,90 @@ json countersJson(const CacheCounters& c) {
           {"unpacks", c.unpacks}};
 }
 
+json lookJson(const ChosenLook& look) {
+  return {{"name", look.transfer.name},
+          {"options", look.options},
+          {"lit", look.lit},
+          {"labels", look.transfer.labels}};
+}
+
+WorldBounds worldBounds(const VolumeLayout& layout) {
+  const Vec3d last = toDouble(layout.dims - Vec3i{1, 1, 1});
+  WorldBounds bounds{worldFromIndex(layout, {}), worldFromIndex(layout, {})};
+  for (int corner = 1; corner < 8; ++corner) {
+    const Vec3d index{(corner & 1) != 0 ? last.x : 0, (corner & 2) != 0 ? last.y : 0,
+                      (corner & 4) != 0 ? last.z : 0};
+    const Vec3d world = worldFromIndex(layout, index);
+    bounds = {min(bounds.lo, world), max(bounds.hi, world)};
+  }
+  return bounds;
+}
+
+std::string axisLetters(const VolumeLayout& layout) {
+  // Of the world's axes, towards their positive and negative ends.
+  std::array<std::string_view, 2> letters;
+  if (layout.frame == WorldFrame::kRas) letters = {"RAS", "LPI"};
+  if (layout.frame == WorldFrame::kLps) letters = {"LPS", "RAI"};
+  if (letters[0].empty()) return "";
+  std::string text;
+  std::array<bool, 3> taken{};
+  for (const Vec3d& axis : layout.axes) {
+    int main = 0;
+    for (int a = 1; a < 3; ++a)
+      if (std::abs(axis[a]) > std::abs(axis[main])) main = a;
+    if (taken[static_cast<size_t>(main)]) return "";  // turned by half a right angle
+    taken[static_cast<size_t>(main)] = true;
+    text += letters[axis[main] < 0 ? 1 : 0][static_cast<size_t>(main)];
+  }
+  return text;
+}
+
+std::string_view name(WorldFrame frame) {
+  switch (frame) {
+    case WorldFrame::kRas:
+      return "ras";
+    case WorldFrame::kLps:
+      return "lps";
+    case WorldFrame::kPictureRows:
+      return "picture-rows";
+    case WorldFrame::kYUp:
+      return "y-up";
+    case WorldFrame::kNone:
+      break;
+  }
+  return "none";
+}
+
 json volumeJson(const IndexedVolume& volume) {
   const VolumeLayout& layout = volume.source->layout();
   const ValueRange range = volume.valueRange();
   const auto triple = [](auto v) { return json::array({v.x, v.y, v.z}); };
+  const WorldBounds bounds = worldBounds(layout);
   return {{"name", layout.name},
           {"dims", triple(layout.dims)},
           {"voxel_type", name(layout.type)},
           {"spacing", triple(layout.spacing)},
           {"origin", triple(layout.origin)},
           {"axes", {triple(layout.axes[0]), triple(layout.axes[1]), triple(layout.axes[2])}},
+          {"bounds", {triple(bounds.lo), triple(bounds.hi)}},
+          {"unit", layout.unit},
+          {"orientation", {{"frame", name(layout.frame)}, {"axes", axisLetters(layout)}}},
+          {"channels", layout.channels},
+          {"channel", layout.channel},
+          {"levels", layout.levels},
+          {"grids", layout.grids},
+          {"notes", layout.notes},
           {"time_steps", layout.time_steps},
           {"value_range", {range.lo, range.hi}},
           {"blocks",
            {{"size", volume.layout.size},
             {"count", volume.layout.blockCount()},
-            {"held", volume.index.ranges.blocks.size()}}},
+            {"held", volume.index->ranges.blocks.size()}}},
           {"index",
-           {{"path", volume.index.path.string()},
-            {"state", volume.index.state},
-            {"note", volume.index.note},
-            {"bytes", volume.index.ranges.bytes()}}}};
+           {{"path", volume.index->path.string()},
+            {"state", volume.index->state},
+            {"note", volume.index->note},
+            {"bytes", volume.index->ranges.bytes()}}}};
 }
 
 json sceneJson(const Scene& scene, const std::vector<RenderedFrame>& frames) {
@@ -106,6 +175,7 @@ json sceneJson(const Scene& scene, const std::vector<RenderedFrame>& frames) {
   const FrameReport& last = frames.back().report;
   report["blocks"] = {{"white", last.white}, {"grey", last.grey}, {"black", last.black}};
   report["transfer"] = scene.transfer.name;
+  report["look"] = lookJson(scene.look);
 
   const Session& session = *scene.session;
   const TextureCache& cache = session.textureCache();
@@ -122,6 +192,8 @@ json sceneJson(const Scene& scene, const std::vector<RenderedFrame>& frames) {
                                   {"binds", scene.device->binds()}});
   report["memory_bytes"] = scene.memory_bytes;
   report["peak_rss_bytes"] = peakResidentBytes();
+  report["peak_anonymous_bytes"] = std::max(scene.peak_anonymous_bytes, anonymousBytes());
+  report["device"] = nameOf(*scene.device);
   report["gl"] = {{"backend", scene.device->backend()}, {"renderer", scene.device->renderer()}};
   report["version"] = SLUICE_VERSION;
   return report;

@@ -24,8 +24,21 @@ struct RenderedFrame {
 nlohmann::json frameJson(const RenderedFrame& frame);
 // The counters of a level.
 nlohmann::json countersJson(const CacheCounters& counters);
+// `look`: what was chosen, as the options that give it again.
+nlohmann::json lookJson(const ChosenLook& look);
 // `dims`, `voxel_type`, ..., as `info` prints them.
 nlohmann::json volumeJson(const IndexedVolume& volume);
+// Where the volume's outer voxel centres lie in the world, as a box along its axes.
+struct WorldBounds {
+  Vec3d lo, hi;
+};
+WorldBounds worldBounds(const VolumeLayout& layout);
+// What the voxels' axes mean: "RAS" (x to the right, y to the front, z up) and so on where the file
+// says it and they follow the world's axes nearly enough; empty otherwise.
+std::string axisLetters(const VolumeLayout& layout);
+// "ras", "lps", "picture-rows", "y-up" or "none".
+std::string_view name(WorldFrame frame);
+
 // The whole report of `render`: frames, blocks, levels, memory, GL.
 nlohmann::json sceneJson(const Scene& scene, const std::vector<RenderedFrame>& frames);
 // The options that were given or have defaults, long names without dashes.

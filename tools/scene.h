@@ -1,63 +1,59 @@
 // Scene: a volume opened for a command: source, index, device, session, and the transfer function
-// that the options ask for. It only puts library calls together.
+// that the options ask for. It only puts calls of the library together, and prints its warnings.
 #pragma once
 
 #include <memory>
 #include <string>
+#include <vector>
 
-#include "src/base/worker_pool.h"
-#include "src/render/session.h"
-#include "src/volume/indexed_ranges.h"
+#include "src/library/indexed_volume.h"
+#include "src/library/resources.h"
+#include "src/library/view_fit.h"
 #include "tools/arguments.h"
+#include "tools/command_line/outputs.h"
+#include "tools/workers.h"
 
 namespace sluice {
 
-// A volume with its min-max arrays; no device.
-struct IndexedVolume {
-  std::unique_ptr<VolumeSource> source;
-  ValueMap map;
-  PageGeometry page;
-  BlockLayout layout;
-  IndexedRanges index;
+// Every file that a source reads, as far as it says.
+template <class Source>
+std::vector<std::string> filesOf(Source& source) {
+  if constexpr (requires { source.files(); })
+    return source.files();
+  else
+    return {};
+}
 
-  // Least and greatest value of the volume.
-  ValueRange valueRange() const;
-};
-// Opens the volume and reads or builds its index. Throws Error. `gradients`: with a ghost layer.
+// Opens the volume, checks the files that the command will write against those it is read from,
+// reads or builds its index, and prints its notes. Throws Error.
 IndexedVolume openIndexed(const VolumeArguments& volume, const ResourceArguments& resources,
-                          bool gradients, WorkerPool& pool);
+                          const IndexNeeds& needs, WorkerPool& pool,
+                          const Outputs& outputs = Outputs());
 
-// Whether a picture of this look takes gradients: blocks then carry a ghost layer. Throws Error
-// from a transfer function's file.
-bool needsGradients(const LookArguments& look);
+// fitCameras() with progress, until a signal comes.
+void fitCameras(std::vector<Camera>& cameras, FitChoice choice, const FitRequest& request,
+                Room room, const ResourceArguments& resources, WorkerPool& pool);
+
+// lookFor() of a composite picture.
 TransferFunction transferFor(const IndexedVolume& volume, const LookArguments& look);
-
-// The classification and the plan of a frame, without a device.
-struct PlannedFrame {
-  TexturePlan plan;
-  double classify_seconds = 0, plan_seconds = 0;
-};
-PlannedFrame planFrame(const IndexedVolume& volume, const TransferFunction& transfer,
-                       const FrameOptions& options, int64_t time, WorkerPool& pool);
-
-SessionOptions sessionOptions(const VolumeArguments& volume, const PageGeometry& page,
-                              const LookArguments& look, const ResourceArguments& resources,
-                              Partition partition, uint64_t memory_bytes);
 
 struct Scene {
   // `partition`: kBoxes where frames may ask for growing boxes.
   Scene(const VolumeArguments& volume, const LookArguments& look,
-        const ResourceArguments& resources, Partition partition);
+        const ResourceArguments& resources, Partition partition, Mode mode = Mode::kComposite,
+        const Outputs& outputs = Outputs());
 
-  WorkerPool pool;
+  // After a frame: what the process then holds of its own.
+  void noteMemory();
+
+  Workers pool;
   IndexedVolume volume;
   uint64_t memory_bytes;
+  uint64_t peak_anonymous_bytes = 0;  // at the calls of noteMemory()
   std::unique_ptr<Device> device;
+  ChosenLook look;
   TransferFunction transfer;
   std::unique_ptr<Session> session;
 };
-
-// What --memory means when it is not given: half of what the machine or its cgroup has.
-uint64_t memoryBudget(const ResourceArguments& resources);
 
 }  // namespace sluice

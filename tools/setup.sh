@@ -1,21 +1,31 @@
 #!/usr/bin/env bash
-# Installs what building, running and testing sluice needs on Debian 12, as root or through sudo.
-# Quick and quiet when all of it is there.
+# Installs what sluice needs on Debian 12, as root or through sudo. Quick and quiet when it is there.
+#   tools/setup.sh build   what building and drawing need
+#   tools/setup.sh         what the tests and gates need, too
 set -euo pipefail
 
-packages=(
+build_packages=(
   # To build.
-  g++ cmake ninja-build ccache pkg-config
+  g++ cmake ninja-build pkg-config
   libopenvdb-dev libopenexr-dev libosmesa6-dev libegl-dev libgl-dev libtbb-dev
   libblosc-dev libzstd-dev libcli11-dev libfmt-dev nlohmann-json3-dev libpng-dev libtiff-dev zlib1g-dev
-  libxxhash-dev libgtest-dev libgmock-dev
+  libcairo2-dev libxxhash-dev libhwy-dev
   # To draw.
-  libosmesa6 libegl1 libegl-mesa0 libgl1-mesa-dri
-  # To test: sanitizers, gates, and the programs of others that results are checked against.
+  libosmesa6 libegl1 libegl-mesa0 libgl1-mesa-dri fonts-dejavu-core
+)
+test_packages=(
+  ccache libgtest-dev libgmock-dev
+  # Sanitizers, gates, and the programs of others that results are checked against.
   clang clang-format clang-tidy libclang-rt-14-dev
-  libopenvdb-tools nifti-bin teem-apps openexr
+  libopenvdb-tools nifti-bin teem-apps openexr openimageio-tools python3-openimageio
   python3 python3-numpy python3-vtk9 python3-nibabel python3-tifffile python3-zarr python3-numcodecs
 )
+
+case "${1-all}" in
+  build) packages=("${build_packages[@]}") ;;
+  all) packages=("${build_packages[@]}" "${test_packages[@]}") ;;
+  *) echo "setup.sh: expected 'build' or nothing, found '$1'" >&2; exit 2 ;;
+esac
 
 missing=()
 for package in "${packages[@]}"; do

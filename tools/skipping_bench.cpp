@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 
+#include "tools/command_line/console.h"
 #include "tools/scene.h"
 
 namespace sluice {
@@ -71,20 +72,18 @@ nlohmann::json benchSkipping(const VolumesBench& bench) {
 }
 
 void printSkipping(const nlohmann::json& report) {
-  fmt::print("{:<32} {:>9} {:>9} {:>9} {:>9} {:>8}   {:>11} {:>11} {:>11} {:>7}\n", "volume",
-             "basic fps", "whole", "object", "ESS fps", "speedup", "basic Msamp", "object",
-             "ESS Msamp", "boxes");
+  say("{:<32} {:>9} {:>9} {:>9} {:>9} {:>8}   {:>11} {:>11} {:>11} {:>7}\n", "volume", "basic fps",
+      "whole", "object", "ESS fps", "speedup", "basic Msamp", "object", "ESS Msamp", "boxes");
   for (const auto& row : report["rows"]) {
     const auto millions = [&](const char* name) { return row[name].get<double>() / 1e6; };
-    fmt::print(
-        "{:<32} {:>9.2f} {:>9.2f} {:>9.2f} {:>9.2f} {:>8.2f}   {:>11.2f} {:>11.2f} {:>11.2f} "
+    say("{:<32} {:>9.2f} {:>9.2f} {:>9.2f} {:>9.2f} {:>8.2f}   {:>11.2f} {:>11.2f} {:>11.2f} "
         "{:>7}\n",
         row["volume"].get<std::string>(), row["basic_fps"].get<double>(),
         row["whole_fps"].get<double>(), row["object_fps"].get<double>(),
         row["ess_fps"].get<double>(), row["speedup"].get<double>(), millions("basic_samples"),
         millions("object_samples"), millions("ess_samples"), row["ess_boxes"].get<int64_t>());
   }
-  fmt::print("mean speedup {:.2f}\n", report["mean_speedup"].get<double>());
+  say("mean speedup {:.2f}\n", report["mean_speedup"].get<double>());
 }
 
 }  // namespace sluice

@@ -6,12 +6,19 @@
 #include <memory>
 #include <string>
 
-#include "io/raw_writer.h"
-#include "io/synth_source.h"
+#include "io/files/file_list.h"
+#include "io/files/numbered_name.h"
+#include "io/headers/raw_name.h"
+#include "io/headers/raw_writer.h"
+#include "io/synth/synth_source.h"
 #include "src/base/worker_pool.h"
+#include "tools/command_line/console.h"
+#include "tools/command_line/outputs.h"
+#include "tools/command_line/progress_line.h"
+#include "tools/command_line/shared_options.h"
 #include "tools/commands.h"
-#include "tools/options.h"
 #include "tools/parse.h"
+#include "tools/workers.h"
 
 namespace sluice {
 namespace {
@@ -20,6 +27,8 @@ struct Arguments {
   SynthOptions synth;
   std::string output;
   int threads = 0;
+  bool force = false;
+  bool quiet = false;
   bool json = false;
 };
 
@@ -30,21 +39,47 @@ std::string kinds() {
   return text;
 }
 
+FileKind kindOf(const std::filesystem::path& file) {
+  const std::string extension = lowerExtension(file);
+  if (extension == ".nrrd" || extension == ".nhdr") return FileKind::kNrrd;
+  return extension == ".mhd" ? FileKind::kMetaImage : FileKind::kRaw;
+}
+
+// Whether the name of a raw file says all that it takes to read it.
+bool describes(const std::filesystem::path& file, const VolumeLayout& layout) {
+  const RawName said = parseRawName(file.filename().string());
+  return said.dims == layout.dims && said.type == layout.type;
+}
+
+Outputs outputsOf(const Arguments& arguments, const VolumeLayout& layout) {
+  Outputs outputs(arguments.force);
+  for (const auto& file : filesToWrite(layout, arguments.output))
+    outputs.writes("-o", file, kindOf(file));
+  return outputs;
+}
+
 void run(const Arguments& arguments) {
-  WorkerPool pool(arguments.threads);
   const auto source = openSynth(arguments.synth);
   const VolumeLayout& layout = source->layout();
-  Progress progress(
-      "writing " + arguments.output,
-      static_cast<uint64_t>(volume(layout.dims) * layout.time_steps) * bytesPerVoxel(layout.type));
-  const auto files =
-      writeVolume(*source, arguments.output, {.describe_in_name = true}, pool, progress);
+  outputsOf(arguments, layout).check();
+  Workers pool(arguments.threads);
+  const auto bytes =
+      static_cast<uint64_t>(volume(layout.dims) * layout.time_steps) * bytesPerVoxel(layout.type);
+  ProgressMeter progress = arguments.quiet
+                               ? ProgressMeter()
+                               : ProgressMeter(progressLine("writing " + arguments.output), bytes);
+  const auto files = writeVolume(*source, arguments.output, {}, pool, progress);
   if (arguments.json) {
     nlohmann::json report{{"spec", specOf(arguments.synth)}, {"files", nlohmann::json::array()}};
     for (const auto& file : files) report["files"].push_back(file.string());
-    fmt::print("{}\n", report.dump(2));
-  } else {
-    for (const auto& file : files) fmt::print("{}\n", file.string());
+    say("{}\n", report.dump(2));
+  } else if (!arguments.quiet) {
+    for (const auto& file : files) say("{}\n", file.string());
+    const bool says_what_it_holds =
+        lowerExtension(arguments.output) != ".raw" || describes(files.front(), layout);
+    if (!says_what_it_holds)
+      say("  to read it: --dims {},{},{} --type {}\n", layout.dims.x, layout.dims.y, layout.dims.z,
+          name(layout.type));
   }
 }
 
@@ -52,50 +87,47 @@ void run(const Arguments& arguments) {
 
 Command addSynth(CLI::App& program) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* app =
-      program.add_subcommand("synth",
-                             "Writes a synthetic volume of any size\n\n"
-                             "  sluice synth phantom -o head.raw --dims 512,512,512\n\nKinds:" +
-                                 kinds());
-  addParsed(
-      *app, "kind", "What to make", "KIND",
-      [](const std::string& word) { return parseSynthKind(word); },
-      [arguments](SynthKind kind) { arguments->synth.kind = kind; })
-      ->required();
-  app->add_option("-o,--output", arguments->output,
-                  "File: .raw (size and type go into its name), .nrrd, .nhdr or .mhd")
+  CLI::App* app = program.add_subcommand(
+      "synth",
+      "Writes a synthetic volume of any size\n\n"
+      "  sluice synth phantom -o head_512x512x512_uint8.raw --dims 512,512,512\n\nKinds:" +
+          kinds());
+  const OptionGroup group(*app, "Volume");
+  group
+      .choice("kind", wordsOf<SynthKind>(synthKinds(), [](SynthKind kind) { return name(kind); }),
+              arguments->synth.kind, "What to make, see above")
       ->required()
-      ->type_name("FILE");
-  addParsed(
-      *app, "--dims", "Voxels along each axis (256,256,256)", "X,Y,Z",
-      [](const std::string& word) -> std::optional<Vec3i> {
-        const auto n = parseNumbers(word, 3);
-        if (!n) return std::nullopt;
-        for (const double v : *n)
-          if (v < 1 || v != std::floor(v)) return std::nullopt;
-        return asVec3i(*n);
+      ->type_name("KIND");
+  group.numbers(
+      "--dims", "X,Y,Z", 3, {1, 1 << 20},
+      [arguments](const std::vector<double>& n) {
+        for (const double each : n)
+          if (each != std::floor(each))
+            throw CLI::ValidationError("--dims: expected whole numbers");
+        arguments->synth.dims = asVec3i(n);
       },
-      [arguments](Vec3i dims) { arguments->synth.dims = dims; });
-  addParsed(
-      *app, "--type", "Voxel type (u8)", "u8|u16|f32",
-      [](const std::string& word) { return parseVoxelType(word); },
-      [arguments](VoxelType type) { arguments->synth.type = type; });
-  app->add_option("--steps", arguments->synth.time_steps, "Time steps (flow)")
-      ->capture_default_str()
-      ->check(CLI::PositiveNumber);
-  app->add_option("--seed", arguments->synth.seed, "Of everything random")->capture_default_str();
-  app->add_option("--share", arguments->synth.object_share,
-                  "Share of non-zero voxels (slab, sparse, noise)")
-      ->capture_default_str()
-      ->check(CLI::Range(0.0, 1.0));
-  addParsed(
-      *app, "--spacing", "World units between voxels (1,1,1)", "X,Y,Z",
-      [](const std::string& word) { return parseNumbers(word, 3); },
-      [arguments](const std::vector<double>& n) { arguments->synth.spacing = asVec3d(n); });
-  app->add_option("--threads", arguments->threads, "Worker threads, 0 one a core")
-      ->capture_default_str()
-      ->check(CLI::Range(0, 1024));
-  app->add_flag("--json", arguments->json, "One JSON object");
+      "Voxels along each axis", "256,256,256");
+  addTypeOption(group, {VoxelType::kU8, VoxelType::kU16, VoxelType::kF32}, arguments->synth.type,
+                "Voxel type");
+  group.number("--steps", "N", arguments->synth.time_steps, {1, 1'000'000},
+               "Time steps (flow, mixing)");
+  group.number("--seed", "N", arguments->synth.seed, {}, "Of everything random");
+  group.number("--share", "SHARE", arguments->synth.object_share, {0, 1},
+               "Share of non-zero voxels (slab, sparse, noise)");
+  group.numbers(
+      "--spacing", "X,Y,Z", 3, {0, 1e12, true},
+      [arguments](const std::vector<double>& n) { arguments->synth.spacing = asVec3d(n); },
+      "World units between voxels", "1,1,1");
+  const OptionGroup output(*app, kOutputHeading);
+  output
+      .text("-o,--output", "FILE", arguments->output,
+            "File: .raw (a name like head_256x256x225_uint8.raw says what it holds), .nrrd, .nhdr "
+            "or .mhd; #### or %04d takes the step's number")
+      ->required();
+  addForceOption(output, arguments->force);
+  addQuietOption(output, arguments->quiet);
+  addJsonOption(output, arguments->json);
+  addThreadsOption(OptionGroup(*app, kMachineHeading), arguments->threads);
   return [arguments] {
     run(*arguments);
     return 0;

@@ -1,7 +1,9 @@
 #!/usr/bin/env bash
-# Installs what is needed, builds, and runs all tests and gates: the release build, then the fuzzers
-# for a bounded time. `tools/test.sh all` adds what takes long: clang-tidy over everything, and the
-# sanitizers, which build everything two times more. `tools/test.sh asan` runs one preset.
+# Installs what is needed, builds, and runs what must pass before a change lands: all tests and gates
+# of the release build, in which a warning is an error, and the fuzzers for a bounded time.
+# `tools/test.sh asan-fast tsan-fast` runs under sanitizers what needs neither GL nor OpenVDB.
+# `tools/test.sh all` adds what takes long: these, clang-tidy over everything, and the sanitizers over the
+# rest of it. `tools/test.sh asan` runs one preset. At the end: what each part took of the processor.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -10,12 +12,33 @@ presets=("$@")
 skip=(-E 'gates\.tidy$')
 ((${#presets[@]} > 0)) || presets=(release fuzz)
 if [[ ${presets[0]} == all ]]; then
-  presets=(release fuzz asan tsan)
+  presets=(release fuzz asan-fast tsan-fast asan tsan)
   skip=()
 fi
+
+# Into `now`: seconds of processor that this script's children took so far. A subshell would not know.
+scratch=$(mktemp)
+trap 'rm -f "$scratch"' EXIT
+note_processor() {
+  times >"$scratch"
+  now=$(awk 'END { split($0, part, /[ms ]+/); print part[1] * 60 + part[2] + part[3] * 60 + part[4] }' "$scratch")
+}
+
+table=()
 for preset in "${presets[@]}"; do
   echo "== $preset"
-  cmake --preset "$preset" >/dev/null
+  note_processor
+  before=$now
+  options=()
+  [[ $preset != release ]] || options=(-DSLUICE_WERROR=ON)
+  cmake --preset "$preset" "${options[@]}" >/dev/null
   cmake --build --preset "$preset"
+  note_processor
+  built=$now
   ctest --preset "$preset" -j "$(nproc)" --output-on-failure "${skip[@]}"
+  note_processor
+  table+=("$(awk -v p="$preset" -v a="$before" -v b="$built" -v c="$now" \
+    'BEGIN { printf "%-10s %6.0f s to build, %6.0f s to test", p, b - a, c - b }')")
 done
+echo "== of the processor"
+printf '%s\n' "${table[@]}"

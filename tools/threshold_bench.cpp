@@ -9,8 +9,8 @@
 #include <unordered_set>
 
 #include "src/base/clock.h"
-#include "src/classify/transfer_makers.h"
-#include "src/texture/chunk_names.h"
+#include "src/classify/transfer/transfer_makers.h"
+#include "tools/command_line/console.h"
 #include "tools/scene.h"
 
 namespace sluice {
@@ -110,19 +110,26 @@ FrameReport change(Session& session, const TransferFunction& transfer, Measured&
 // before.
 class ChangedBytes {
  public:
-  uint64_t of(const TexturePlan& plan) {
+  explicit ChangedBytes(Scene& scene)
+      : step_(scene.volume.step()), planner_(scene.volume.page, scene.pool, names_) {}
+
+  uint64_t of(const TransferFunction& transfer, const FrameOptions& options) {
+    const FramePlanPtr plan =
+        planner_.planFor(step_, std::make_shared<const TransferFunction>(transfer), options);
+    const TexturePlan& textures = plan->textures;
     uint64_t voxels = 0;
-    const std::vector<uint64_t> names = names_.namesOf(plan);
-    for (size_t i = 0; i < names.size(); ++i)
-      if (seen_.insert(names[i]).second)
-        for (const int64_t block : plan.chunks[i].blocks)
-          voxels += static_cast<uint64_t>(plan.blocks[static_cast<size_t>(block)].voxels.count());
-    return voxels * static_cast<uint64_t>(plan.page.bytes_per_voxel);
+    for (const ChunkPosition i : plan->names.indices())
+      if (seen_.insert(plan->names[i]).second)
+        for (const BlockPosition block : textures.chunks[i].blocks)
+          voxels += static_cast<uint64_t>(textures.blocks[block].voxels.count());
+    return voxels * static_cast<uint64_t>(textures.page.bytes_per_voxel);
   }
 
  private:
+  const TimeStep step_;
   ChunkNames names_;
-  std::unordered_set<uint64_t> seen_;
+  Planner planner_;
+  std::unordered_set<ChunkName> seen_;
 };
 
 constexpr std::array kKinds = {"small", "large", "walk", "band"};
@@ -147,11 +154,11 @@ struct Bench {
       changes.push_back(kind == "band" ? band(above(at), range, at, opacity) : above(at));
     return changes;
   }
-  std::unique_ptr<Session> sessionOf(const SliceRanges& ranges, uint64_t memory_bytes) const {
-    auto session = std::make_unique<Session>(
-        *scene.volume.source, asked.volume.time, ranges, *scene.device, scene.pool,
-        sessionOptions(asked.volume, scene.volume.page, asked.look, asked.resources,
-                       asked.frame.partition, memory_bytes));
+  std::unique_ptr<Session> sessionOf(const TimeStep& step, uint64_t memory_bytes) const {
+    auto session =
+        std::make_unique<Session>(step, *scene.device, scene.pool,
+                                  sessionOptions(scene.volume, scene.look.lit, asked.resources,
+                                                 asked.frame.partition, memory_bytes));
     session->setOptions(asked.frame);
     return session;
   }
@@ -169,14 +176,12 @@ double steadySeconds(Session& session) {
 // All in memory: what the session holds is what any frame so far asked for.
 nlohmann::json warmChanges(const Bench& bench, nlohmann::json& report) {
   nlohmann::json result;
-  ChangedBytes changed;
+  ChangedBytes changed(bench.scene);
   uint64_t copied_bytes = 0, changed_bytes = 0;
   std::vector<double> classify, plan;
   Session& session = *bench.scene.session;
   const auto expected = [&](const TransferFunction& transfer) {
-    return changed.of(planFrame(bench.scene.volume, transfer, bench.asked.frame,
-                                bench.asked.volume.time, bench.scene.pool)
-                          .plan);
+    return changed.of(transfer, bench.asked.frame);
   };
   expected(bench.start());
   for (const char* kind : kKinds) {
@@ -216,24 +221,24 @@ nlohmann::json raisedByAFifth(const Bench& bench) {
 nlohmann::json coldChanges(const Bench& bench) {
   Measured measured;
   for (const TransferFunction& transfer : bench.changes("small")) {
-    const auto session = bench.sessionOf(bench.scene.volume.index.ranges, bench.scene.memory_bytes);
+    const auto session = bench.sessionOf(bench.scene.volume.step(), bench.scene.memory_bytes);
     change(*session, transfer, measured);
   }
   return {{"small", measured.json()}};
 }
 
 nlohmann::json outOfCoreChanges(const Bench& bench) {
-  const SliceRanges& ranges = bench.scene.volume.index.ranges;
   const MovedBytes all = bench.scene.session->frameReport().rebuild;
   const DeviceLimits limits = bench.scene.device->limits();
   const PageGeometry& page = bench.scene.volume.page;
-  const uint64_t textures = textureMemoryBytes(page, limits.textures_in_memory);
+  const uint64_t textures = textureMemoryBytes(page, limits.texels);
   const BufferNeeds needs =
-      bufferNeeds(*bench.scene.volume.source, ranges.layout, bench.asked.frame.partition);
+      bufferNeeds(*bench.scene.volume.source, bench.scene.volume.layout,
+                  bench.asked.frame.partition, bench.scene.volume.index->ranges.bytes());
   const uint64_t least = textures + leastBufferBytes(page, needs);
   const uint64_t memory_bytes = std::max(least, textures + (all.decoded + all.uploaded) / 4);
   nlohmann::json result{{"memory_bytes", memory_bytes}};
-  const auto session = bench.sessionOf(ranges, memory_bytes);
+  const auto session = bench.sessionOf(bench.scene.volume.step(), memory_bytes);
   for (const char* kind : kKinds) {
     session->setTransferFunction(bench.start());
     session->frameReport();
@@ -251,11 +256,11 @@ double rebuildSeconds(const Bench& bench) {
   const std::vector<TransferFunction> transfers = bench.changes("small");
   for (int i = 0; i < kRebuilds; ++i) {
     const Stopwatch watch;
-    Progress silent;
-    const SliceRanges ranges =
-        buildSliceRanges(*bench.scene.volume.source, bench.asked.volume.time,
-                         bench.scene.volume.layout, bench.scene.pool, silent);
-    const auto session = bench.sessionOf(ranges, bench.scene.memory_bytes);
+    ProgressMeter silent;
+    TimeStep step = bench.scene.volume.step();
+    step.ranges = std::make_shared<const SliceRanges>(buildSliceRanges(
+        *step.source, step.time, bench.scene.volume.layout, bench.scene.pool, silent));
+    const auto session = bench.sessionOf(step, bench.scene.memory_bytes);
     session->setTransferFunction(transfers[static_cast<size_t>(i) % transfers.size()]);
     session->frameReport();
     seconds.push_back(watch.seconds());
@@ -268,7 +273,7 @@ double rebuildSeconds(const Bench& bench) {
 nlohmann::json benchThreshold(const ThresholdBench& asked) {
   Scene scene(asked.volume, asked.look, asked.resources, asked.frame.partition);
   const ValueRange values = scene.volume.valueRange();
-  const double start = asked.look.threshold.value_or(values.lo + 0.2 * (values.hi - values.lo));
+  const double start = asked.look.threshold.value_or(plainThreshold(values));
   const Bench bench{asked, scene, {values.lo, values.hi, start}};
   nlohmann::json report;
   scene.session->setOptions(asked.frame);
@@ -285,15 +290,14 @@ nlohmann::json benchThreshold(const ThresholdBench& asked) {
 
 void printThreshold(const nlohmann::json& report) {
   const double steady = report["steady_frame_seconds"];
-  fmt::print("steady frame {:.4f} s; rebuild without min-max arrays {:.4f} s\n", steady,
-             report["rebuild_seconds"].get<double>());
-  fmt::print("{:<22} {:>8} {:>8} {:>8} {:>7} {:>9} {:>8} {:>8} {:>8} {:>8}\n", "changes", "p50 s",
-             "p95 s", "max s", "frames", "classify", "plan", "copy", "upload", "draw");
+  say("steady frame {:.4f} s; rebuild without min-max arrays {:.4f} s\n", steady,
+      report["rebuild_seconds"].get<double>());
+  say("{:<22} {:>8} {:>8} {:>8} {:>7} {:>9} {:>8} {:>8} {:>8} {:>8}\n", "changes", "p50 s", "p95 s",
+      "max s", "frames", "classify", "plan", "copy", "upload", "draw");
   const auto row = [&](const std::string& name, const nlohmann::json& m) {
     const nlohmann::json& parts = m["parts"];
     const double p50 = m["p50"];
-    fmt::print(
-        "{:<22} {:>8.4f} {:>8.4f} {:>8.4f} {:>7.2f} {:>9.5f} {:>8.5f} {:>8.4f} {:>8.4f} "
+    say("{:<22} {:>8.4f} {:>8.4f} {:>8.4f} {:>7.2f} {:>9.5f} {:>8.5f} {:>8.4f} {:>8.4f} "
         "{:>8.4f}\n",
         name, p50, m["p95"].get<double>(), m["max"].get<double>(), p50 / steady,
         parts["classify"].get<double>(), parts["plan"].get<double>(), parts["copy"].get<double>(),
@@ -304,8 +308,8 @@ void printThreshold(const nlohmann::json& report) {
   for (const char* kind : kKinds)
     row(std::string("out of core, ") + kind, report["out_of_core"][kind]);
   row("cold, small", report["cold"]["small"]);
-  fmt::print("in memory: {} bytes copied, {} bytes of changed chunks\n",
-             report["bytes_copied"].get<uint64_t>(), report["bytes_changed"].get<uint64_t>());
+  say("in memory: {} bytes copied, {} bytes of changed chunks\n",
+      report["bytes_copied"].get<uint64_t>(), report["bytes_changed"].get<uint64_t>());
 }
 
 }  // namespace sluice

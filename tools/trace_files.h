@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "cache/trace.h"
+#include "cache/trace/trace.h"
 
 namespace sluice {
 

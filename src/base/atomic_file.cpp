@@ -1,10 +1,14 @@
 #include "src/base/atomic_file.h"
 
 #include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <chrono>
 #include <system_error>
+#include <thread>
 #include <utility>
 
 #include "src/base/error.h"
@@ -29,6 +33,52 @@ std::filesystem::path followed(std::filesystem::path path) {
   return path;
 }
 
+// Whether `path` still names the file that is open, and it is ours alone: not a link that somebody
+// put there to have another file overwritten.
+bool isOwn(int file, const std::filesystem::path& path) {
+  struct stat opened {
+  }, named{};
+  return fstat(file, &opened) == 0 && lstat(path.c_str(), &named) == 0 &&
+         opened.st_dev == named.st_dev && opened.st_ino == named.st_ino &&
+         S_ISREG(opened.st_mode) && opened.st_nlink == 1 && opened.st_uid == geteuid();
+}
+
+// The file of this name, empty and locked: made, or taken over from a process that ended without
+// removing it, whose lock went with it. -1 with errno EEXIST when somebody is writing to it.
+int openOwned(const std::filesystem::path& path) {
+  int file = open(path.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
+  const bool is_new = file >= 0;
+  if (!is_new && errno != EEXIST) return -1;
+  if (!is_new) file = open(path.c_str(), O_WRONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+  if (file < 0) {
+    if (errno == ENOENT || errno == ELOOP) errno = EEXIST;  // gone again, no file of ours: the next
+    return -1;
+  }
+  // Where the file system knows no locks only a new file is certain to be nobody's.
+  const bool is_locked = flock(file, LOCK_EX | LOCK_NB) == 0;
+  const bool is_taken = is_locked ? !isOwn(file, path) : !is_new || errno == EWOULDBLOCK;
+  if (!is_taken && ftruncate(file, 0) == 0) return file;
+  close(file);
+  errno = EEXIST;
+  return -1;
+}
+
+// A device, or a pipe, whose reader may come a little later but not never.
+int openDirectly(const std::filesystem::path& path) {
+  constexpr int kTries = 30;
+  constexpr auto kPause = std::chrono::milliseconds(100);
+  int file = -1;
+  for (int i = 0; i < kTries; ++i) {
+    file = open(path.c_str(), O_WRONLY | O_CLOEXEC | O_NONBLOCK);
+    if (file >= 0 || errno != ENXIO) break;
+    std::this_thread::sleep_for(kPause);
+  }
+  if (file < 0 && errno == ENXIO)
+    fail("{}: cannot be written: nobody reads this pipe", path.string());
+  if (file >= 0) fcntl(file, F_SETFL, fcntl(file, F_GETFL) & ~O_NONBLOCK);
+  return file;
+}
+
 }  // namespace
 
 AtomicFile::AtomicFile(std::filesystem::path path) : path_(followed(std::move(path))) {
@@ -38,31 +88,24 @@ AtomicFile::AtomicFile(std::filesystem::path path) : path_(followed(std::move(pa
     fail("{}: is a folder; give the name of a file", path_.string());
   if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
     temporary_ = path_;
-    file_ = open(temporary_.c_str(), O_WRONLY | O_CLOEXEC);
+    file_.reset(openDirectly(temporary_));
   } else {
-    // A name of its own, also beside what a process that was killed left behind.
-    for (int n = 0; file_ < 0; ++n) {
-      temporary_ = fmt::format("{}.{}-{}.tmp", path_.string(), getpid(), n);
-      file_ = open(temporary_.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
-      if (file_ < 0 && errno != EEXIST) break;
+    constexpr int kMostWriters = 1000;
+    for (int n = 0; !file_ && n < kMostWriters; ++n) {
+      temporary_ = fmt::format("{}.{}.tmp", path_.string(), n);
+      file_.reset(openOwned(temporary_));
+      if (!file_ && errno != EEXIST) break;
     }
   }
-  if (file_ < 0) failErrno(fmt::format("{}: cannot be written", path_.string()), errno);
+  if (!file_) failErrno(fmt::format("{}: cannot be written", path_.string()), errno);
 }
 
 AtomicFile::~AtomicFile() {
-  if (file_ < 0) return;
-  close(file_);
-  if (temporary_ != path_) unlink(temporary_.c_str());
+  if (file_ && temporary_ != path_) unlink(temporary_.c_str());
 }
 
 void AtomicFile::write(std::span<const std::byte> bytes) {
-  while (!bytes.empty()) {
-    const ssize_t written = ::write(file_, bytes.data(), bytes.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) failErrno(fmt::format("{}: write failed", path_.string()), errno);
-    bytes = bytes.subspan(static_cast<size_t>(written));
-  }
+  writeAll(file_.get(), bytes, fmt::format("{}: write failed", path_.string()));
 }
 
 void AtomicFile::write(std::string_view text) {
@@ -71,12 +114,11 @@ void AtomicFile::write(std::string_view text) {
 
 void AtomicFile::commit() {
   if (temporary_ != path_) {
-    if (fsync(file_) != 0) failErrno(fmt::format("{}: write failed", path_.string()), errno);
+    if (fsync(file_.get()) != 0) failErrno(fmt::format("{}: write failed", path_.string()), errno);
     if (rename(temporary_.c_str(), path_.c_str()) != 0)
       failErrno(fmt::format("{}: cannot be renamed into place", path_.string()), errno);
   }
-  close(file_);
-  file_ = -1;
+  file_.reset();
 }
 
 }  // namespace sluice

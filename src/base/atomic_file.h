@@ -1,16 +1,20 @@
 // AtomicFile: a file that appears whole under its name or not at all.
 //
-// Writes go to "<path>.<pid>-<n>.tmp" in the same folder; commit() flushes, syncs and renames it. A
-// file not committed is removed by the destructor, so an exception or an interruption leaves
-// nothing behind. A path that is a symbolic link is followed, so that the link stays one. What is
-// no regular file (/dev/null, a pipe) is written to directly: it can be neither replaced nor taken
-// back. One thread an object; several objects, threads and processes may share a path.
+// Writes go to "<path>.<n>.tmp" in the same folder, locked; commit() flushes, syncs and renames it.
+// A file not committed is removed by the destructor, so an exception or an interruption leaves
+// nothing behind, and what a killed process left is taken over by the next that writes the same
+// path. A path that is a symbolic link is followed, so that the link stays one. What is
+// no regular file (/dev/null, a pipe that is read) is written to directly: it can be neither
+// replaced nor taken back. One thread an object; several objects, threads and processes may share a
+// path.
 #pragma once
 
 #include <cstddef>
 #include <filesystem>
 #include <span>
 #include <string_view>
+
+#include "src/base/descriptor.h"
 
 namespace sluice {
 
@@ -33,7 +37,7 @@ class AtomicFile {
  private:
   const std::filesystem::path path_;
   std::filesystem::path temporary_;  // path_ itself where that is no regular file
-  int file_ = -1;
+  Descriptor file_;
 };
 
 }  // namespace sluice

@@ -65,6 +65,7 @@ BufferMemory::BufferMemory(uint64_t limit_bytes) : limit_bytes_(limit_bytes) {
   void* const mapped = mmap(nullptr, bytes, PROT_READ | PROT_WRITE,
                             MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   if (bytes == 0 || mapped == MAP_FAILED) return;
+  const MutexLock lock(mutex_);
   begin_ = static_cast<std::byte*>(mapped);
   mapped_bytes_ = bytes;
   // Beyond the limit large pages would be more than it.
@@ -88,7 +89,7 @@ BufferMemory::Piece BufferMemory::take(size_t bytes) {
 }
 
 std::optional<uint64_t> BufferMemory::takeExtent(uint64_t length) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (const std::optional<uint64_t> at = idle_.take(length)) return at;
   makeRoom(length);
   const std::optional<uint64_t> at = empty_.take(length);
@@ -106,18 +107,18 @@ void BufferMemory::makeRoom(uint64_t length) {
 }
 
 void BufferMemory::setLimit(uint64_t limit_bytes) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   limit_bytes_ = limit_bytes;
   makeRoom(0);
 }
 
 void BufferMemory::giveBack(uint64_t at, uint64_t length) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   idle_.add(at, length);
 }
 
 uint64_t BufferMemory::heldBytes() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return held_bytes_;
 }
 

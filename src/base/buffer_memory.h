@@ -14,8 +14,9 @@
 #include <cstdint>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
+
+#include "src/base/mutex.h"
 
 namespace sluice {
 
@@ -60,17 +61,16 @@ class BufferMemory : public std::enable_shared_from_this<BufferMemory> {
   explicit BufferMemory(uint64_t limit_bytes);
   std::optional<uint64_t> takeExtent(uint64_t length);
   void giveBack(uint64_t at, uint64_t length);
-  // Returns idle memory to the system until there is room for `length`. Requires mutex_ held.
-  void makeRoom(uint64_t length);
+  // Returns idle memory to the system until there is room for `length`.
+  void makeRoom(uint64_t length) SLUICE_REQUIRES(mutex_);
 
   uint64_t mapped_bytes_ = 0;   // constant after construction; of addresses, not of memory
   std::byte* begin_ = nullptr;  // constant after construction
-  mutable std::mutex mutex_;
-  // Guarded by mutex_.
-  Extents idle_;   // have memory
-  Extents empty_;  // have none
-  uint64_t limit_bytes_;
-  uint64_t held_bytes_ = 0;
+  mutable Mutex mutex_;
+  Extents idle_ SLUICE_GUARDED_BY(mutex_);   // have memory
+  Extents empty_ SLUICE_GUARDED_BY(mutex_);  // have none
+  uint64_t limit_bytes_ SLUICE_GUARDED_BY(mutex_);
+  uint64_t held_bytes_ SLUICE_GUARDED_BY(mutex_) = 0;
 };
 
 }  // namespace sluice

@@ -4,7 +4,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cinttypes>
+#include <cstdio>
 #include <fstream>
+#include <string>
 
 namespace sluice {
 
@@ -12,6 +15,15 @@ uint64_t peakResidentBytes() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return static_cast<uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+uint64_t anonymousBytes() {
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);) {
+    uint64_t kilobytes = 0;
+    if (std::sscanf(line.c_str(), "RssAnon: %" SCNu64, &kilobytes) == 1) return kilobytes * 1024;
+  }
+  return 0;
 }
 
 uint64_t availableMemoryBytes() {

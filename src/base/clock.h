@@ -25,6 +25,10 @@ class Stopwatch {
 
 // Peak resident bytes of this process, mapped files included.
 uint64_t peakResidentBytes();
+// What of the resident bytes is this process's own and no file's: what --memory is about. Pages of
+// files that are read or mapped, a driver's libraries too, are the system's to take back. 0 where
+// the system does not say.
+uint64_t anonymousBytes();
 // What this process may use: the machine's memory or its cgroup's limit, whichever is smaller.
 uint64_t availableMemoryBytes();
 

@@ -27,7 +27,7 @@ struct CacheCounters {
   uint64_t coalesced = 0;        // misses that wait for a load already begun by another thread
   uint64_t failures = 0;         // misses whose load ended in an error or that cannot fit
   uint64_t loads = 0;            // misses whose load brought the entry in
-  uint64_t redundant_loads = 0;  // loads of an entry that had been resident before
+  uint64_t redundant_loads = 0;  // loads of an entry that had been resident before, as remembered
   uint64_t evictions = 0;        // entries that went, for room or because they became invalid
   uint64_t loaded_bytes = 0;     // of loads, in the unit that current_bytes is in
   uint64_t evicted_bytes = 0;    // of evictions, in the same unit

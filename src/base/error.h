@@ -1,21 +1,16 @@
 // Error: bad input or a bad environment, one line for a person. CHECK: a mistake of ours.
 //
-// Error carries the whole line: which file (and block), what was expected, what was found, what to
-// do. It is caught once, in the program's main. Libraries' own exceptions are translated where the
-// library is used (io/, src/gl/). Expected outcomes (a miss, not resident) are return values.
+// Error is the one that users of the library catch, so its header is theirs; the program catches it
+// once, in main. Other libraries' exceptions are translated where the library is used (io/,
+// src/gl/). Expected outcomes (a miss, not resident) are return values.
 #pragma once
 
 #include <fmt/format.h>
+#include <sluice/error.h>
 
-#include <stdexcept>
 #include <string>
 
 namespace sluice {
-
-class Error : public std::runtime_error {
- public:
-  explicit Error(const std::string& line) : std::runtime_error(line) {}
-};
 
 // Throws Error with a line made from a fmt format string. Start it with the path.
 template <class... Args>

@@ -1,19 +1,23 @@
-// Interruption by SIGINT or SIGTERM: long loops ask, and unwind through their destructors, so that
-// temporary files go and the program ends with status 130.
+// Interruption by SIGINT, SIGTERM or SIGHUP as a stop token, which the program hands to what it
+// starts: long loops ask it and unwind through their destructors, so that temporary files go and
+// the program ends with a status that says which it was.
 #pragma once
 
-#include <exception>
+#include "src/base/stop_token.h"
 
 namespace sluice {
 
-class Interrupted : public std::exception {
- public:
-  const char* what() const noexcept override { return "interrupted"; }
-};
-
-// Installs the handlers; a second signal ends the process at once. Called once, by main.
+// Installs the handlers; a second signal ends the process at once. A signal that is ignored
+// already (nohup) stays so. Called once, by main.
 void watchForInterruption();
-// Throws Interrupted once a signal has come. Cheap; call it once a block.
-void throwIfInterrupted();
+// As shells count: 128 and the signal's number, 130 for SIGINT, 143 for SIGTERM, 129 for SIGHUP. 0
+// as long as none has come.
+int interruptionStatus();
+// Asked to stop once a signal has come.
+StopToken interruption();
+// For readers and writers of files, which are handed no token. Throws Interrupted.
+inline void throwIfInterrupted() {
+  interruption().throwIfStopped();
+}
 
 }  // namespace sluice

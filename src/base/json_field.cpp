@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
+#include <vector>
 
 #include "src/base/error.h"
 
@@ -29,13 +31,21 @@ std::string printable(std::string_view text, size_t longest) {
 }
 
 nlohmann::json parseJson(std::string_view text, const std::string& where) {
-  const auto limitDepth = [&](int depth, nlohmann::json::parse_event_t, nlohmann::json&) {
+  using Event = nlohmann::json::parse_event_t;
+  std::vector<std::set<std::string>> keys;  // of each object that is open
+  const auto check = [&](int depth, Event event, nlohmann::json& value) {
     if (depth > kDeepest)
       fail("{}: expected at most {} levels of nesting, found more", where, kDeepest);
+    if (event == Event::object_start) keys.emplace_back();
+    if (event == Event::object_end) keys.pop_back();
+    // The library would take the last one in silence.
+    if (event == Event::key && !keys.back().insert(value.get<std::string>()).second)
+      fail("{}: expected each key of an object once, found '{}' twice", where,
+           printable(value.get<std::string>()));
     return true;
   };
   try {
-    return nlohmann::json::parse(text.begin(), text.end(), limitDepth);
+    return nlohmann::json::parse(text.begin(), text.end(), check);
   } catch (const nlohmann::json::exception& error) {
     // The library's own "[json.exception.parse_error.101] " says nothing to a person.
     std::string_view reason = error.what();

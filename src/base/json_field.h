@@ -16,8 +16,8 @@
 
 namespace sluice {
 
-// Parses `text`. Throws Error, starting with `where`, when it is not JSON or nests deeper than any
-// file of ours does.
+// Parses `text`. Throws Error, starting with `where`, when it is not JSON, nests deeper than any
+// file of ours does, or has a key twice in one object.
 nlohmann::json parseJson(std::string_view text, const std::string& where);
 
 // One line of printable ASCII of bounded length, whatever a file holds: for messages.

@@ -2,7 +2,7 @@
 //
 // A source describes a volume on disk and copies boxes of voxels out of it. It holds no cache of
 // voxels of its own beyond what its format forces on it (a compressed single stream is decoded once
-// into a spool file). All members may be called from any thread at once after construction.
+// into a temporary file). All members may be called from any thread at once after construction.
 #pragma once
 
 #include <array>
@@ -25,6 +25,15 @@ struct ValueRange {
   friend constexpr bool operator==(const ValueRange&, const ValueRange&) = default;
 };
 
+// What the axes of the world mean to people, as far as the file says it.
+enum class WorldFrame {
+  kNone,         // nothing is known
+  kRas,          // right, anterior, superior: NIfTI
+  kLps,          // left, posterior, superior: DICOM, ITK's files
+  kPictureRows,  // x to the right, y down the rows, z through the stack: slices and microscopy
+  kYUp,          // computer graphics: OpenVDB
+};
+
 // Where the voxels lie and what they mean. world = origin + sum over axes of
 // axes[a] * spacing[a] * index[a]; value = stored * value_scale + value_offset.
 struct VolumeLayout {
@@ -38,11 +47,18 @@ struct VolumeLayout {
   double value_scale = 1, value_offset = 0;
   std::string name;  // for people: the file's name or the grid's
   std::string unit;  // of spacing and origin, where the file says it: "millimeter", "micrometer"
+  WorldFrame frame = WorldFrame::kNone;
+  // What else the file holds: of how many channels or components which one is read, how many levels
+  // of resolution there are, the names of all grids or arrays.
+  int64_t channels = 1, channel = 0, levels = 1;
+  std::vector<std::string> grids;
+  // For people, one line each: what was chosen among several, and what looks wrong but can be read.
+  std::vector<std::string> notes;
 };
 
 // A constant outside a list of boxes: what sparse formats know without reading a voxel.
 struct Occupancy {
-  double background = 0;    // the stored value outside all boxes
+  double background = 0;    // the stored value outside all boxes; of floats perhaps NaN or infinite
   std::vector<Box3> boxes;  // voxels, clipped to the volume; may touch or overlap
 };
 
@@ -78,14 +94,18 @@ class VolumeSource {
   // index.
   virtual std::string identity() const = 0;
 
+  // Every file that the volume is read from: headers, detached voxels, slices, each time step's. A
+  // folder stands for all that is in it (a Zarr store). As they were named, so perhaps relative to
+  // the current folder. May open files to find out; throws Error as opening them does.
+  virtual std::vector<std::string> files() { return {}; }
+
   // What a source of compressed chunks holds decoded at the least while a thread reads; 0: nothing.
   virtual uint64_t heldBytesAThread() const { return 0; }
   // From now on decoded chunks take at most these bytes, or what the threads inside readRegion
   // need, whichever is more.
   virtual void holdAtMost(uint64_t /*bytes*/) {}
 
-  // Bytes taken from files so far by this source (compressed bytes where compressed). Exact for
-  // readers of ours; an estimate for OpenVDB, whose delayed loading maps the file.
+  // Bytes taken from files so far by this source (compressed bytes where compressed).
   virtual uint64_t storedBytesRead() const = 0;
 };
 

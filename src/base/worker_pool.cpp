@@ -1,5 +1,6 @@
 #include "src/base/worker_pool.h"
 
+#include <algorithm>
 #include <atomic>
 #include <exception>
 #include <memory>
@@ -13,10 +14,10 @@ struct Loop {
   int64_t count;
   const std::function<void(int64_t)>* body;  // valid while `finished` < count
   std::atomic<int64_t> next{0};
-  std::mutex mutex;
-  std::condition_variable done;
-  int64_t finished = 0;        // guarded by mutex
-  std::exception_ptr failure;  // guarded by mutex
+  Mutex mutex;
+  Condition done;
+  int64_t finished SLUICE_GUARDED_BY(mutex) = 0;
+  std::exception_ptr failure SLUICE_GUARDED_BY(mutex);
 
   // Takes indices until none is left. After a failure the rest are counted, not run.
   void run() {
@@ -32,42 +33,48 @@ struct Loop {
         const int64_t from = next.exchange(count);
         if (from < count) counted += count - from;
       }
-      std::lock_guard lock(mutex);
+      const MutexLock lock(mutex);
       if (caught && !failure) failure = caught;
       finished += counted;
-      if (finished == count) done.notify_all();
+      if (finished == count) done.notifyAll();
     }
+  }
+
+  // Returns when every call has, rethrows the first failure.
+  void wait() {
+    MutexLock lock(mutex);
+    while (finished < count) done.wait(lock);
+    if (failure) std::rethrow_exception(failure);
   }
 };
 
-int workerCount(int threads) {
-  if (threads > 0) return threads;
-  const unsigned cores = std::thread::hardware_concurrency();
-  return cores == 0 ? 1 : static_cast<int>(cores);
-}
-
 }  // namespace
 
-WorkerPool::WorkerPool(int threads) : threads_(workerCount(threads)) {
-  const int started = threads_ > 1 ? threads_ - 1 : 1;
-  for (int i = 0; i < started; ++i) workers_.emplace_back([this] { work(); });
-}
+WorkerPool::WorkerPool(int threads, const ThreadStarter& start)
+    : wanted_threads_(threads > 0 ? threads : processorCount()),
+      workers_(startThreads(
+          std::max(wanted_threads_ - 1, 1), [this] { work(); }, start)),
+      threads_(std::min(wanted_threads_, static_cast<int>(workers_.size()) + 1)) {}
 
 WorkerPool::~WorkerPool() {
   {
-    std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     stopping_ = true;
   }
-  wake_.notify_all();
+  wake_.notifyAll();
   for (std::thread& worker : workers_) worker.join();
 }
 
 void WorkerPool::submit(std::function<void()> task) {
+  if (workers_.empty()) {
+    task();
+    return;
+  }
   {
-    std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     queue_.push_back(std::move(task));
   }
-  wake_.notify_one();
+  wake_.notifyOne();
 }
 
 void WorkerPool::parallelFor(int64_t count, const std::function<void(int64_t)>& body) {
@@ -78,17 +85,15 @@ void WorkerPool::parallelFor(int64_t count, const std::function<void(int64_t)>& 
   const int64_t helpers = std::min<int64_t>(threads_ - 1, count - 1);
   for (int64_t i = 0; i < helpers; ++i) submit([loop] { loop->run(); });
   loop->run();
-  std::unique_lock lock(loop->mutex);
-  loop->done.wait(lock, [&] { return loop->finished == loop->count; });
-  if (loop->failure) std::rethrow_exception(loop->failure);
+  loop->wait();
 }
 
 void WorkerPool::work() {
   for (;;) {
     std::function<void()> task;
     {
-      std::unique_lock lock(mutex_);
-      wake_.wait(lock, [&] { return stopping_ || !queue_.empty(); });
+      MutexLock lock(mutex_);
+      while (!stopping_ && queue_.empty()) wake_.wait(lock);
       if (queue_.empty()) return;
       task = std::move(queue_.front());
       queue_.pop_front();

@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-#include "src/render/device.h"
+#include "src/device/frame_values.h"
 
 namespace sluice {
 

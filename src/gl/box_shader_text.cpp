@@ -8,7 +8,8 @@ namespace sluice {
 // pass; those that a variant does not read do not count. Where all are taken, what is read once a
 // pixel stays a uniform.
 const char* const kInputsText = R"(
-FLAT vec3 box_lo, box_hi, texel0, texel_dx, texel_dy;
+FLAT vec3 box_lo, box_hi;
+FLAT vec3 texel0, texel_dx, texel_dy;  // of the texture, 0 to 1; with PLANES in texels
 FLAT int first_k, turn;
 FLAT vec3 texel_size;         // 1 / texels of the chunk
 FLAT vec3 origin_dx, origin_dy, step0;
@@ -71,9 +72,10 @@ void main() {
   first_k = int(lo.w);
   turn = int(hi.w);
   texel_size = chunk_texel_size;
-  texel0 = texelFetch(boxes, at + 10).xyz * texel_size;
-  texel_dx = texelFetch(boxes, at + 11).xyz * texel_size;
-  texel_dy = texelFetch(boxes, at + 12).xyz * texel_size;
+  vec3 texel_unit = PLANES == 1 ? vec3(1.0) : texel_size;
+  texel0 = texelFetch(boxes, at + 10).xyz * texel_unit;
+  texel_dx = texelFetch(boxes, at + 11).xyz * texel_unit;
+  texel_dy = texelFetch(boxes, at + 12).xyz * texel_unit;
   origin_dx = view_origin_dx;
   origin_dy = view_origin_dy;
   step0 = view_step0;
@@ -144,7 +146,63 @@ ivec2 slices(vec3 origin, vec3 step) {
 }
 )";
 
+// The voxel planes that this pixel's ray meets in the box, see FrameSetup: sample j of [from, to)
+// lies at clamp(start + j * along, 0, size) voxels from the box's lower corner, which is texel
+// `corner`. Along the volume's axes.
+const char* const kPlanesText = R"(
+#if PLANES
+uniform float planes_a_voxel;
+
+ivec2 planes(vec2 pixel, out vec3 start, out vec3 along, out vec3 size, out vec3 corner) {
+  const float kEdge = 1e-3, kTie = 1.0 + 1e-4;
+  vec3 origin = pixel.x * origin_dx + pixel.y * origin_dy;
+  vec3 step = step0 + pixel.x * step_dx + pixel.y * step_dy;
+  vec3 pace = abs(step);
+  vec3 axis = vec3(1.0, 0.0, 0.0);
+  if (pace.y > kTie * pace.x) axis = vec3(0.0, 1.0, 0.0);
+  if (pace.z > kTie * dot(pace, axis)) axis = vec3(0.0, 0.0, 1.0);
+  size = round(box_hi - box_lo);
+  // At slice first_k: in texels of the chunk, and from the box's corner.
+  vec3 texel = texel0 + pixel.x * texel_dx + pixel.y * texel_dy;
+  texel = turn == 2 ? texel : turn == 0 ? texel.zxy : texel.yzx;
+  corner = floor(texel + box_lo - origin - (float(first_k) + 0.5) * step) + 0.5;
+  vec3 at = texel - corner;
+  // Slices from first_k on, whole or not.
+  vec3 safe = mix(step, vec3(1e-12), lessThan(abs(step), vec3(1e-12)));
+  vec3 at_lo = (-kEdge - at) / safe, at_hi = (size + kEdge - at) / safe;
+  vec3 enter = min(at_lo, at_hi), leave = max(at_lo, at_hi);
+  float from = max(enter.x, max(enter.y, enter.z));
+  float to = min(leave.x, min(leave.y, leave.z));
+  if (first_slice > 0.0) from = max(from, first_slice - float(first_k));
+#if CLIP_PLANES > 0
+  for (int i = 0; i < CLIP_PLANES; ++i) {
+    float toward = dot(clip_planes[i].xyz, step);
+    float t = (clip_planes[i].w - dot(clip_planes[i].xyz, origin)) /
+              (abs(toward) < 1e-12 ? 1e-12 : toward) - 0.5 - float(first_k);
+    if (toward < 0.0) from = max(from, t);
+    else to = min(to, t);
+  }
+#endif
+  if (!(from <= to)) return ivec2(0);
+  float speed = dot(step, axis), place = dot(at, axis);
+  float way = speed < 0.0 ? -planes_a_voxel : planes_a_voxel;
+  start = at - place / speed * step;
+  along = step / (way * speed);
+  return ivec2(int(ceil(way * (place + from * speed))),
+               int(floor(way * (place + to * speed))) + 1);
+}
+#endif
+)";
+
 const char* const kCountText = R"(
+#if PLANES
+void main() {
+  vec3 start, along, size, corner;
+  ivec2 range = planes(gl_FragCoord.xy, start, along, size, corner);
+  if (range.x >= range.y) discard;
+  result = vec4(float(range.y - range.x));
+}
+#else
 void main() {
   vec2 pixel = gl_FragCoord.xy;
   ivec2 range = slices(pixel.x * origin_dx + pixel.y * origin_dy,
@@ -152,6 +210,7 @@ void main() {
   if (range.x >= range.y) discard;
   result = vec4(float(range.y - range.x));
 }
+#endif
 )";
 
 }  // namespace sluice

@@ -4,9 +4,11 @@
 #include <array>
 #include <cstdlib>
 #include <functional>
-#include <thread>
 
+#include "src/base/bytes.h"
 #include "src/base/error.h"
+#include "src/base/kept_addresses.h"
+#include "src/base/threads.h"
 #include "src/gl/backends.h"
 
 namespace sluice {
@@ -124,17 +126,17 @@ std::string_view name(GlChoice choice) {
 }
 
 void prepareGlEnvironment() {
-  constexpr std::string_view kFlag = "no_aos_sampling";
-  const char* const given = std::getenv("GALLIVM_PERF");
-  std::string flags = given == nullptr ? "" : given;
-  if (flags.find(kFlag) == std::string::npos) {
-    if (!flags.empty()) flags += ',';
-    flags += kFlag;
-    setenv("GALLIVM_PERF", flags.c_str(), 1);
-  }
+  // Mesa does not look whether it got the memory that it asked for. Its libraries take 160 MiB.
+  constexpr size_t kLeastAddresses = size_t{352} << 20;
+  if (!KeptAddresses(kLeastAddresses).areThere())
+    fail("OpenGL needs {} more of addresses than `ulimit -v` leaves; raise it",
+         formatBytes(kLeastAddresses));
+  setenv("GALLIVM_PERF", kExactSampling, 0);
   setenv("EGL_LOG_LEVEL", "fatal", 0);
-  // llvmpipe's own most is 16.
-  const unsigned threads = std::min(16U, 4 * std::max(1U, std::thread::hardware_concurrency()));
+  // llvmpipe's own most is 16. It waits forever for those that it does not get: where they are
+  // limited it draws with none.
+  const int wanted = std::min(16, 4 * processorCount());
+  const int threads = startableThreads(wanted) == wanted ? wanted : 0;
   setenv("LP_NUM_THREADS", std::to_string(threads).c_str(), 0);
 }
 
@@ -193,6 +195,15 @@ std::unique_ptr<GlContext> createContext(GlChoice choice, const GlLibraries& lib
   if (context == nullptr)
     fail("no OpenGL 3.3 context with --gl {}: {}", name(choice), attempts.reasons());
   return context;
+}
+
+std::unique_ptr<GlContext> createHardwareContext(const GlLibraries& libraries) {
+  Attempts attempts;
+  try {
+    return tryDevices(attempts, libraries, listEglDevices(libraries), false);
+  } catch (const Error&) {  // no libEGL
+    return nullptr;
+  }
 }
 
 }  // namespace sluice

@@ -15,13 +15,13 @@
 // makeCurrent. A context must be current on no other thread when it is destroyed. createContext
 // sets environment variables (below): call it before other threads read the environment.
 //
-// Environment. GALLIVM_PERF gets "no_aos_sampling" appended (other flags of the user stay): Mesa's
-// llvmpipe otherwise filters 8-bit textures in 8-bit arithmetic, which rounds every sample to 1/255
-// and shows against the reference picture. EGL_LOG_LEVEL becomes "fatal" where it is unset, so that
-// trying one display after another prints nothing. LP_NUM_THREADS becomes four times the processors
-// where it is unset: llvmpipe draws a picture in squares of 64 x 64 pixels, which differ in work,
-// and with a thread a processor the last heavy ones keep one of them busy while the others wait.
-// All are read when a library is first opened.
+// Environment. Mesa has no other way to be told, and what is set already stays. GALLIVM_PERF
+// becomes kExactSampling: llvmpipe otherwise filters 8-bit textures in 8-bit arithmetic, which
+// rounds every sample to 1/255 and shows against the reference picture. EGL_LOG_LEVEL becomes
+// "fatal" where it is unset, so that trying one display after another prints nothing.
+// LP_NUM_THREADS becomes four times the processors where it is unset: llvmpipe draws a picture in
+// squares of 64 x 64 pixels, which differ in work, and with a thread a processor the last heavy
+// ones keep one of them busy while the others wait. All are read when a library is first opened.
 #pragma once
 
 #include <memory>
@@ -30,18 +30,10 @@
 #include <string_view>
 #include <vector>
 
+#include "src/gl/gl_choice.h"
 #include "src/gl/gl_functions.h"
 
 namespace sluice {
-
-// What --gl takes. kAuto is the first that works of
-//   1. EGL on a hardware device: a GPU samples an order of magnitude faster than any CPU;
-//   2. OSMesa: of the software ways the one with the fewest parts (one library, no display, no
-//      driver search, no second dispatch layer), so the one that fails least and repeats best;
-//   3. EGL on whatever it offers: the same llvmpipe, for systems without OSMesa (Mesa 25.1 on).
-// kEgl is the first that works of: each hardware device, each software device, the surfaceless
-// platform, the default display.
-enum class GlChoice { kAuto, kOsmesa, kEgl };
 
 // "auto", "osmesa", "egl"; nullopt when it is none of them.
 std::optional<GlChoice> parseGlChoice(std::string_view text);
@@ -120,5 +112,7 @@ class GlContext {
 // A new context, current on the calling thread, with the highest core version offered. Throws
 // Error: what was tried, why each failed and what to install.
 std::unique_ptr<GlContext> createContext(GlChoice choice, const GlLibraries& libraries = {});
+// The same on a GPU, through EGL; null where no driver of one works.
+std::unique_ptr<GlContext> createHardwareContext(const GlLibraries& libraries = {});
 
 }  // namespace sluice

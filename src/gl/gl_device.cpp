@@ -7,8 +7,8 @@
 
 #include "src/base/error.h"
 #include "src/base/large_pages.h"
+#include "src/device/look_up_texels.h"
 #include "src/gl/box_buffer.h"
-#include "src/gl/look_up_texels.h"
 #include "src/gl/shading.h"
 
 namespace sluice {
@@ -33,10 +33,18 @@ void setFilter(const GlFunctions& gl, GLint filter) {
   gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
 }
 
+std::unique_ptr<GlContext> currentOf(std::unique_ptr<GlContext> context) {
+  context->makeCurrent();
+  return context;
+}
+
 }  // namespace
 
 GlDevice::GlDevice(std::unique_ptr<GlContext> context)
-    : context_(std::move(context)), gl_(context_->functions()), pool_(gl_), occlusion_(gl_) {
+    : context_(currentOf(std::move(context))),
+      gl_(context_->functions()),
+      pool_(gl_),
+      occlusion_(gl_) {
   gl_.GenVertexArrays(1, &vertex_array_);
   gl_.BindVertexArray(vertex_array_);
   gl_.GenBuffers(1, &index_buffer_);
@@ -50,6 +58,7 @@ GlDevice::GlDevice(std::unique_ptr<GlContext> context)
 }
 
 GlDevice::~GlDevice() {
+  context_->makeCurrent();
   for (auto& [id, chunk] : resident_) gl_.DeleteTextures(1, &chunk.texture);
   gl_.DeleteTextures(1, &factors_);
   gl_.DeleteTextures(1, &look_up_);
@@ -65,18 +74,20 @@ GlDevice::~GlDevice() {
 DeviceLimits GlDevice::limits() const {
   const GlLimits& limits = context_->limits();
   return {limits.max_3d_texture_size, std::min(limits.max_texture_size, limits.max_viewport_size),
-          context_->isSoftware()};
+          context_->isSoftware() ? TexelPlace::kInMemory : TexelPlace::kOnDevice};
 }
 
-void GlDevice::makeResident(uint64_t id, Vec3i storage_vox, DeviceType type,
-                            std::span<const std::byte> texels) {
+void GlDevice::makeResident(uint64_t id, ChunkTexelsPtr texels) {
+  context_->makeCurrent();
   gl_.ActiveTexture(GL_TEXTURE0 + kChunkUnit);
-  const GLuint texture = pool_.take(storage_vox, type, texels);
-  const bool fresh = resident_.emplace(id, Resident{texture, storage_vox, type}).second;
+  const Resident resident{pool_.take(texels->storage_vox, texels->type, texels->span()),
+                          texels->storage_vox, texels->type};
+  const bool fresh = resident_.emplace(id, resident).second;
   SLUICE_CHECK(fresh);
 }
 
 void GlDevice::evict(uint64_t id) {
+  context_->makeCurrent();
   const auto found = resident_.find(id);
   SLUICE_CHECK(found != resident_.end());
   pool_.giveBack(found->second.texture, found->second.storage_vox, found->second.type);
@@ -138,6 +149,7 @@ void GlDevice::setView(GlProgram& program) {
   program.set("view_step_dx", rays.step_dx);
   program.set("view_step_dy", rays.step_dy);
   program.set("view_first_slice", static_cast<double>(setup_.first_slice));
+  program.set("planes_a_voxel", static_cast<double>(setup_.planes_a_voxel));
   std::vector<float> planes;
   for (const ClipPlane& plane : setup_.clip_planes) {
     for (const float v : asFloats(plane.normal)) planes.push_back(v);
@@ -208,6 +220,7 @@ void GlDevice::bindTarget() {
 }
 
 std::vector<float> GlDevice::leastOpacity(const MapGrid& grid) {
+  context_->makeCurrent();
   SLUICE_CHECK(setup_.mode == Mode::kComposite);
   std::vector<float> least = occlusion_.leastOpacity(target_.color, setup_.size, grid);
   bindTarget();
@@ -215,14 +228,18 @@ std::vector<float> GlDevice::leastOpacity(const MapGrid& grid) {
 }
 
 void GlDevice::stopOpaque() {
+  context_->makeCurrent();
   SLUICE_CHECK(setup_.mode == Mode::kComposite);
   marked_ = occlusion_.markOpaque(target_.color, setup_.size, setup_.opacity_threshold);
   bindTarget();
 }
 
-void GlDevice::beginFrame(const FrameSetup& setup) {
+void GlDevice::beginFrame(const FrameSetup& setup, const StopToken& stop) {
   SLUICE_CHECK_LE(setup.clip_planes.size(), kMostClipPlanes);
+  context_->makeCurrent();
   setup_ = setup;
+  stop_ = stop;
+  pieces_.emplace(setup_);
   const bool composite = setup.mode == Mode::kComposite;
   variant_ = {.mode = setup.mode,
               .perspective = composite && setup.projection == Projection::kPerspective,
@@ -231,7 +248,9 @@ void GlDevice::beginFrame(const FrameSetup& setup) {
               .floats = setup.type == DeviceType::kF32,
               .counts_taken = composite && setup.counts_taken && !setup.with_depth,
               .counts = false,
-              .clip_planes = static_cast<int>(setup.clip_planes.size())};
+              .clip_planes = static_cast<int>(setup.clip_planes.size()),
+              .labels = composite && setup.look_up.labels,
+              .planes = setup.mode == Mode::kMip || setup.mode == Mode::kMinip};
   if (composite) chooseShading(setup, variant_);
   resizeTarget(setup.size);
   marked_ = 0;
@@ -271,15 +290,35 @@ void GlDevice::drawBoxes(std::span<const BoxDraw> boxes) {
   }
 }
 
-void GlDevice::draw(uint64_t id, std::span<const BoxDraw> boxes) {
-  const auto found = resident_.find(id);
+void GlDevice::draw(std::span<const BoxDraw> boxes) {
+  context_->makeCurrent();
+  while (!boxes.empty()) {
+    size_t count = 1;
+    while (count < boxes.size() && boxes[count].chunk == boxes[0].chunk) ++count;
+    drawFromChunk(boxes.first(count));
+    boxes = boxes.subspan(count);
+  }
+}
+
+void GlDevice::drawFromChunk(std::span<const BoxDraw> boxes) {
+  const auto found = resident_.find(boxes.front().chunk);
   SLUICE_CHECK(found != resident_.end());
   const Vec3d size = toDouble(found->second.storage_vox);
   programFor(variant_).set("chunk_texel_size", Vec3d{1 / size.x, 1 / size.y, 1 / size.z});
   gl_.ActiveTexture(GL_TEXTURE0 + kChunkUnit);
   gl_.BindTexture(GL_TEXTURE_3D, found->second.texture);
   ++binds_;
-  drawBoxes(boxes);
+  for (const DrawingPiece& piece : pieces_->cut(boxes)) {
+    if (piece.waits) gl_.Finish();
+    stop_.throwIfStopped();
+    const bool is_band = piece.row_lo > 0 || piece.row_hi < setup_.size.height;
+    if (is_band) {
+      gl_.Enable(GL_SCISSOR_TEST);
+      gl_.Scissor(0, piece.row_lo, setup_.size.width, piece.row_hi - piece.row_lo);
+    }
+    drawBoxes(boxes.subspan(piece.first, piece.count));
+    if (is_band) gl_.Disable(GL_SCISSOR_TEST);
+  }
 }
 
 void GlDevice::readTarget(GLenum attachment, std::vector<float>& rgba) const {
@@ -308,10 +347,12 @@ void GlDevice::readTarget(GLenum attachment, std::vector<float>& rgba) const {
 }
 
 uint64_t GlDevice::countSamples(std::span<const BoxDraw> boxes) {
+  context_->makeCurrent();
   // The depth attachment is free between frames: it takes the counts, the picture stays.
   ShaderVariant counting;
   counting.counts = true;
   counting.clip_planes = variant_.clip_planes;
+  counting.planes = variant_.planes;
   GlProgram& program = programFor(counting);
   setView(program);
   gl_.BindFramebuffer(GL_FRAMEBUFFER, target_.framebuffer);
@@ -321,11 +362,15 @@ uint64_t GlDevice::countSamples(std::span<const BoxDraw> boxes) {
   gl_.ClearColor(0, 0, 0, 0);
   gl_.Clear(GL_COLOR_BUFFER_BIT);
   setBlending(Mode::kAverage);
-  drawBoxes(boxes);
+  for (size_t from = 0; from < boxes.size(); from += kBoxesPerDraw) {
+    drawBoxes(boxes.subspan(from, std::min(kBoxesPerDraw, boxes.size() - from)));
+    gl_.Finish();  // else software GL keeps what it knows of all of them
+  }
   return sumOfCounts();
 }
 
 uint64_t GlDevice::takenSamples() {
+  context_->makeCurrent();
   SLUICE_CHECK(variant_.counts_taken);
   return sumOfCounts();
 }
@@ -339,12 +384,13 @@ uint64_t GlDevice::sumOfCounts() const {
 }
 
 Picture GlDevice::endFrame() {
+  context_->makeCurrent();
   Picture picture = std::exchange(spare_, {});
   picture.width = target_size_.width;
   picture.height = target_size_.height;
   picture.depth.clear();
   readTarget(GL_COLOR_ATTACHMENT0, picture.rgba);
-  if (setup_.mode != Mode::kComposite) resolveMode(setup_, picture.rgba);
+  if (setup_.mode != Mode::kComposite) resolveMode(setup_, valueScale(setup_.type), picture.rgba);
   if (variant_.with_depth) {
     std::vector<float> sums;
     readTarget(GL_COLOR_ATTACHMENT1, sums);

@@ -3,7 +3,8 @@
 // the same places and order, but a pixel's sum is blended into the target once a box and not once a
 // slice, which is what software GL spends most of its time on otherwise.
 //
-// One thread, the one that made the context.
+// One thread, the one that made the context. It makes its context current in every call, so that
+// several devices take turns on that thread.
 #pragma once
 
 #include <map>
@@ -12,36 +13,36 @@
 #include <unordered_map>
 #include <vector>
 
+#include "src/device/device.h"
 #include "src/gl/context.h"
+#include "src/gl/drawing_pieces.h"
 #include "src/gl/gl_program.h"
 #include "src/gl/occlusion_passes.h"
 #include "src/gl/shaders.h"
 #include "src/gl/texture_pool.h"
-#include "src/render/device.h"
 
 namespace sluice {
 
 class GlDevice : public Device {
  public:
-  // The context must be current on the calling thread.
   explicit GlDevice(std::unique_ptr<GlContext> context);
   ~GlDevice() override;
 
   DeviceLimits limits() const override;
   const char* backend() const override { return context_->backend().data(); }
   const char* renderer() const override { return context_->renderer().c_str(); }
-  void makeResident(uint64_t id, Vec3i storage_vox, DeviceType type,
-                    std::span<const std::byte> texels) override;
+  void makeResident(uint64_t id, ChunkTexelsPtr texels) override;
   void evict(uint64_t id) override;
   uint64_t uploadedBytes() const override { return pool_.uploadedBytes(); }
   uint64_t binds() const override { return binds_; }
-  void beginFrame(const FrameSetup& setup) override;
-  void draw(uint64_t id, std::span<const BoxDraw> boxes) override;
+  void beginFrame(const FrameSetup& setup, const StopToken& stop = {}) override;
+  void draw(std::span<const BoxDraw> boxes) override;
   std::vector<float> leastOpacity(const MapGrid& grid) override;
   void stopOpaque() override;
   uint64_t countSamples(std::span<const BoxDraw> boxes) override;
   uint64_t takenSamples() override;
   Picture endFrame() override;
+  void cancelFrame() override {}
 
  private:
   struct Resident {
@@ -74,6 +75,8 @@ class GlDevice : public Device {
   void resizeTarget(PictureSize size);
   // Again what beginFrame() set, after another pass.
   void bindTarget();
+  // Of one chunk, in pieces between which it looks whether to stop.
+  void drawFromChunk(std::span<const BoxDraw> boxes);
   void drawBoxes(std::span<const BoxDraw> boxes);
   // Into `rgba`, top row first, whatever it held.
   void readTarget(GLenum attachment, std::vector<float>& rgba) const;
@@ -87,6 +90,8 @@ class GlDevice : public Device {
   std::unordered_map<uint64_t, Resident> resident_;
   std::map<ShaderVariant, std::unique_ptr<GlProgram>> programs_;
   FrameSetup setup_;
+  StopToken stop_;
+  std::optional<DrawingPieces> pieces_;  // of the frame
   ShaderVariant variant_;
   Target target_;
   PictureSize target_size_{0, 0};

@@ -14,8 +14,8 @@
 #include <optional>
 #include <vector>
 
+#include "src/device/frame_values.h"
 #include "src/gl/gl_program.h"
-#include "src/render/device.h"
 
 namespace sluice {
 

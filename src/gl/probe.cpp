@@ -5,7 +5,7 @@
 
 #include "src/base/error.h"
 #include "src/gl/backends.h"
-#include "src/gl/isolated.h"
+#include "src/gl/child_process.h"
 
 namespace sluice {
 namespace {
@@ -24,7 +24,7 @@ GlProbe probe(std::string backend, std::string device, const Create& create,
   GlProbe result;
   result.backend = std::move(backend);
   result.device = std::move(device);
-  const Isolated child = runIsolated([&] { return ask(create); }, timeout);
+  const ChildAnswer child = runInChild([&] { return ask(create); }, timeout);
   result.works = child.answered;
   result.reason = child.reason;
   if (!result.works) return result;
@@ -48,7 +48,7 @@ std::vector<GlProbe> probeGl(const GlLibraries& libraries, std::chrono::millisec
   std::vector<GlProbe> result;
   result.push_back(probe(
       "osmesa", "", [&] { return createOsmesaContext(libraries); }, timeout));
-  const Isolated devices = runIsolated([&] { return listDevices(libraries); }, timeout);
+  const ChildAnswer devices = runInChild([&] { return listDevices(libraries); }, timeout);
   if (!devices.answered) {
     GlProbe& egl = result.emplace_back();
     egl.backend = "egl";

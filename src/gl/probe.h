@@ -1,8 +1,8 @@
 // probeGl: which ways to OpenGL work on this machine and why the others do not, for `sluice
 // doctor`.
 //
-// Each way is tried in a process of its own with a time limit (isolated.h), so that a driver that
-// crashes or hangs costs an entry in the list and not the program; nothing is printed. Call it
+// Each way is tried in a process of its own with a time limit (child_process.h), so that a driver
+// that crashes or hangs costs an entry in the list and not the program; nothing is printed. Call it
 // before this process makes a context and before it starts threads.
 #pragma once
 

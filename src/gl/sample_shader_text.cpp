@@ -15,6 +15,63 @@ layout(location = 1) out vec4 taken;  // samples; of opacity 0, so that they add
 #endif
 vec3 textureOrder(vec3 v) { return turn == 2 ? v : turn == 0 ? v.yzx : v.zxy; }
 
+#if LABELS
+// The value that has the greatest weight among the eight texels around, see LookUp.
+float labelAt(vec3 at) {
+  const float kTie = 1e-3;
+  ivec3 last = textureSize(chunk, 0) - 1;
+  vec3 texel = at / texel_size - 0.5;
+  vec3 low = floor(texel);
+  vec3 t = texel - low;
+  ivec3 first = clamp(ivec3(low), ivec3(0), last);
+  ivec3 next = min(first + 1, last);
+  float values[8];
+  float weights[8];
+  for (int i = 0; i < 8; ++i) {
+    bvec3 upper = bvec3((i & 1) != 0, (i & 2) != 0, (i & 4) != 0);
+    vec3 w = mix(1.0 - t, t, upper);
+    values[i] = texelFetch(chunk, ivec3(upper.x ? next.x : first.x, upper.y ? next.y : first.y,
+                                        upper.z ? next.z : first.z), 0).r;
+    weights[i] = w.x * w.y * w.z;
+  }
+  float best = values[0], most = -1.0;
+  for (int i = 0; i < 8; ++i) {
+    float weight = 0.0;
+    for (int k = 0; k < 8; ++k) weight += values[k] == values[i] ? weights[k] : 0.0;
+    if (weight > most + kTie || (weight > most - kTie && values[i] > best)) {
+      best = values[i];
+      most = weight;
+    }
+  }
+  return best;
+}
+#endif
+
+#if PLANES && FLOATS
+// On a voxel plane the voxels beside it have no part, but rounding gives them one, and of a texel
+// that stands for NaN the least is too much: here it is none.
+float valueOnPlane(vec3 at) {
+  const float kRounding = 1e-4;
+  ivec3 last = textureSize(chunk, 0) - 1;
+  vec3 texel = at / texel_size - 0.5;
+  vec3 nearest = round(texel);
+  texel = mix(texel, nearest, lessThan(abs(texel - nearest), vec3(kRounding)));
+  vec3 low = floor(texel);
+  vec3 t = texel - low;
+  ivec3 first = clamp(ivec3(low), ivec3(0), last);
+  ivec3 next = min(first + 1, last);
+  float value = 0.0;
+  for (int i = 0; i < 8; ++i) {
+    bvec3 upper = bvec3((i & 1) != 0, (i & 2) != 0, (i & 4) != 0);
+    vec3 w = mix(1.0 - t, t, upper);
+    value += w.x * w.y * w.z *
+             texelFetch(chunk, ivec3(upper.x ? next.x : first.x, upper.y ? next.y : first.y,
+                                     upper.z ? next.z : first.z), 0).r;
+  }
+  return value;
+}
+#endif
+
 #if GRADIENTS
 // From one voxel to the next, along the texture's axes. On software GL the reads beyond the first
 // are half of a lit frame, so that gradients kept with the voxels could save that at most; they
@@ -118,11 +175,17 @@ vec4 shade(vec4 color, vec3 difference, float squared, float flatness) {
 
 void main() {
   vec2 pixel = gl_FragCoord.xy;
+#if PLANES
+  vec3 start, way, size, corner;
+  ivec2 range = planes(pixel, start, way, size, corner);
+  if (range.x >= range.y) discard;
+#else
   vec3 step = step0 + pixel.x * step_dx + pixel.y * step_dy;
   ivec2 range = slices(pixel.x * origin_dx + pixel.y * origin_dy, step);
   if (range.x >= range.y) discard;
   vec3 along = textureOrder(step) * texel_size;
   vec3 first = texel0 + pixel.x * texel_dx + pixel.y * texel_dy;
+#endif
 #if PERSPECTIVE
   float ray_length = length(vec3(pixel.x * pixel_ray.x + pixel_ray.y, pixel.y * pixel_ray.z + pixel_ray.w, 1.0));
 #else
@@ -150,11 +213,21 @@ void main() {
 #if COUNTS_TAKEN
       taken.r += 1.0;
 #endif
+#if PLANES
+      at = textureOrder(corner + clamp(start + float(k) * way, vec3(0.0), size)) * texel_size;
+#else
       at = first + float(k - first_k) * along;
+#endif
       value = textureLod(chunk, at, 0.0).r;
 #if GOES_AHEAD
       if ((value >= visible.x && value <= visible.y) || k + 1 == range.y) break;
     }
+#endif
+#if LABELS
+    value = labelAt(at);
+#elif PLANES && FLOATS
+    // A loop, since software GL skips no `if`.
+    for (bool again = IS_NO_NUMBER(vec3(value)).x; again; again = false) value = valueOnPlane(at);
 #endif
     float entry = value * entry_scale + entry_offset;
 #if FLOATS

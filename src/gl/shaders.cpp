@@ -26,6 +26,8 @@ std::string definitions(const ShaderVariant& v) {
                                                  {"CORRECTS", v.corrects},
                                                  {"SHININESS", v.shininess},
                                                  {"GOES_AHEAD", v.goes_ahead},
+                                                 {"LABELS", v.labels},
+                                                 {"PLANES", v.planes},
                                                  {"OBLIQUE", v.oblique}};
   std::string lines;
   for (const auto& [name, value] : numbers) lines += fmt::format("#define {} {}\n", name, value);
@@ -40,7 +42,7 @@ std::string vertexShader(const ShaderVariant& variant) {
 
 std::string fragmentShader(const ShaderVariant& variant) {
   return kVersion + definitions(variant) + "#define FLAT flat in\n" + kInputsText + kIntervalText +
-         (variant.counts ? kCountText : kSampleText);
+         kPlanesText + (variant.counts ? kCountText : kSampleText);
 }
 
 }  // namespace sluice

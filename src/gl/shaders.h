@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "src/render/device.h"
+#include "src/device/frame_values.h"
 
 namespace sluice {
 
@@ -24,6 +24,8 @@ struct ShaderVariant {
   bool factor_table = false;  // factors depend on the value too
   bool corrects = false;      // with factors: a sample's length is not the opacity's
   bool goes_ahead = false;    // with gradients: leaves out samples that show nothing
+  bool labels = false;        // values are names, see LookUp
+  bool planes = false;        // samples lie on voxel planes, see FrameSetup
   bool oblique = false;       // with gradients: the volume's axes are not at right angles
   friend auto operator<=>(const ShaderVariant&, const ShaderVariant&) = default;
 };

@@ -1,14 +1,14 @@
-// What the shaders read of gradients, lights and factors (render/lighting.h), in the units in which
-// they meet it: texel values, and differences along the volume's axes instead of directions, so
-// that a sample is lit without turning its gradient into the world. Pure functions.
+// What the shaders read of gradients, lights and factors (src/device/lighting.h), in the units in
+// which they meet it: texel values, and differences along the volume's axes instead of directions,
+// so that a sample is lit without turning its gradient into the world. Pure functions.
 #pragma once
 
 #include <array>
 #include <vector>
 
+#include "src/device/frame_values.h"
 #include "src/gl/gl_program.h"
 #include "src/gl/shaders.h"
-#include "src/render/device.h"
 
 namespace sluice {
 

@@ -13,8 +13,8 @@
 #include <span>
 
 #include "src/base/vec.h"
+#include "src/device/device.h"
 #include "src/gl/gl_functions.h"
-#include "src/render/device.h"
 #include "src/volume/device_voxel.h"
 
 namespace sluice {

@@ -10,34 +10,45 @@
 
 #include "src/base/vec.h"
 #include "src/base/volume_source.h"
+#include "src/device/view_values.h"
+#include "src/render/camera_views.h"
 
 namespace sluice {
 
-enum class Projection { kOrtho, kPerspective };
+// What zoom 1 shows whole, see camera_framing.h.
+struct Framing {
+  Vec3d target;  // world
+  // Ortho: half the picture's height in world units. Perspective: from the eye to the target.
+  double reach = 1;
+  // Where the target lies in the picture: to the right of and above its middle, of half its width
+  // and height, at zoom 1 as at any other.
+  double right = 0, up = 0;
+};
 
-// Azimuth 0, elevation 0 looks along -z with +y up; azimuth turns the camera about +y, elevation
-// lifts it; zoom 1 fits the sphere around the volume's outer voxel centres.
+// Starts from a named view; azimuth turns the camera about what is up, to the viewer's right, and
+// elevation lifts it.
 struct Camera {
   Projection projection = Projection::kOrtho;
+  ViewName view = ViewName::kPlain;
+  std::optional<Vec3d> up;  // world: what is up in the picture; unset: what the view has
   double azimuth_deg = 0, elevation_deg = 0;
   double zoom = 1;
   double field_of_view_deg = 30;  // vertical, perspective only
-  // Given together, they replace azimuth, elevation and zoom's distance. World space.
+  // Unset: zoom 1 fits the sphere around the volume's outer voxel centres.
+  std::optional<Framing> framing;
+  // In place of view, azimuth, elevation and framing. World space.
   struct LookAt {
-    Vec3d eye, target, up{0, 1, 0};
+    Vec3d eye, target;
   };
   std::optional<LookAt> look_at;
 };
 
-struct PictureSize {
-  int width = 512, height = 512;
-};
-
 // The centre of pixel (i, j), j = 0 the top row, is the ray
 //   u = 2 (i + 1/2) / width - 1,  v = 1 - 2 (j + 1/2) / height,  a = width / height
-//   ortho:       p(depth) = eye + right * (u a half_height) + up * (v half_height) + forward *
-//   depth perspective: p(depth) = eye + depth * (forward + right * (u a half_height) + up * (v
-//   half_height))
+//   ortho:       p(depth) = eye + right * (u a half_height) + up * (v half_height)
+//                           + forward * depth
+//   perspective: p(depth) = eye + depth * (forward + right * (u a half_height)
+//                                          + up * (v half_height))
 struct View {
   Projection projection = Projection::kOrtho;
   PictureSize size;
@@ -48,8 +59,14 @@ struct View {
   double step = 1;           // world units between slices
 };
 
-// `step_vox` is in units of the finest spacing. Throws Error when the camera is degenerate (eye on
-// target, up along the view, zoom or step not positive, a picture of no pixels).
+// Throws Error: a zoom, an angle or an up direction that is none, a picture of no pixels.
+void requireValid(const Camera& camera, PictureSize size);
+
+// `step_vox` is in units of the finest spacing. Throws Error when the camera is not valid or
+// degenerate (eye on target, up along the view) or the step not positive.
 View resolve(const Camera& camera, const VolumeLayout& layout, PictureSize size, double step_vox);
+
+// The directions of the picture's sides. Requires: valid, no look_at.
+ViewAxes axesOf(const Camera& camera, WorldFrame frame);
 
 }  // namespace sluice

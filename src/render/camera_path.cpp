@@ -1,11 +1,11 @@
 #include "src/render/camera_path.h"
 
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "src/base/error.h"
+#include "src/base/json_field.h"
+#include "src/base/text_file.h"
 
 namespace sluice {
 namespace {
@@ -16,6 +16,7 @@ using nlohmann::json;
 struct Pose {
   double azimuth_deg, elevation_deg, zoom, field_of_view_deg;
   std::optional<Camera::LookAt> look_at;
+  std::optional<Vec3d> up;
 };
 
 std::optional<double> number(const json& key, const char* field, const std::string& where) {
@@ -41,7 +42,7 @@ CameraKey parseKey(const json& key, const std::string& where) {
   for (const auto& [field, value] : key.items())
     if (std::find(kFields.begin(), kFields.end(), field) == kFields.end())
       fail("{}: \"{}\" is not known; at, azimuth, elevation, zoom, fov, eye, target, up are", where,
-           field);
+           printable(field));
   CameraKey result;
   const auto at = number(key, "at", where);
   if (!at || *at < 0 || *at > 1) fail("{}: \"at\" should be a number from 0 to 1", where);
@@ -65,12 +66,8 @@ Pose poseAfter(const Pose& before, const CameraKey& key) {
   pose.elevation_deg = key.elevation_deg.value_or(before.elevation_deg);
   pose.zoom = key.zoom.value_or(before.zoom);
   pose.field_of_view_deg = key.field_of_view_deg.value_or(before.field_of_view_deg);
-  if (key.eye) {
-    if (!pose.look_at) pose.look_at = Camera::LookAt{};
-    pose.look_at->eye = *key.eye;
-    pose.look_at->target = *key.target;
-  }
-  if (key.up && pose.look_at) pose.look_at->up = *key.up;
+  if (key.eye) pose.look_at = Camera::LookAt{*key.eye, *key.target};
+  if (key.up) pose.up = key.up;
   return pose;
 }
 
@@ -88,21 +85,20 @@ Pose between(const Pose& a, const Pose& b, double share) {
   if (a.look_at && b.look_at) {
     pose.look_at->eye = mix(a.look_at->eye, b.look_at->eye, share);
     pose.look_at->target = mix(a.look_at->target, b.look_at->target, share);
-    pose.look_at->up = mix(a.look_at->up, b.look_at->up, share);
   }
+  if (a.up && b.up) pose.up = mix(*a.up, *b.up, share);
   return pose;
 }
 
 }  // namespace
 
 CameraPath parseCameraPath(std::string_view text, const std::string& where) {
-  const json root = json::parse(text, nullptr, false);
-  if (root.is_discarded()) fail("{}: is not JSON", where);
+  const json root = parseJson(text, where);
   if (!root.is_object() || !root.contains("keys") || !root["keys"].is_array() ||
       root["keys"].empty())
     fail("{}: should be {{\"keys\": [...]}} with at least one key", where);
   for (const auto& [field, value] : root.items())
-    if (field != "keys") fail("{}: \"{}\" is not known; \"keys\" is", where, field);
+    if (field != "keys") fail("{}: \"{}\" is not known; \"keys\" is", where, printable(field));
   CameraPath path;
   for (const json& key : root["keys"]) {
     const std::string place = fmt::format("{}: key {}", where, path.keys.size());
@@ -114,17 +110,15 @@ CameraPath parseCameraPath(std::string_view text, const std::string& where) {
 }
 
 CameraPath readCameraPath(const std::filesystem::path& path) {
-  std::ifstream file(path);
-  if (!file) fail("{}: cannot be read", path.string());
-  std::ostringstream text;
-  text << file.rdbuf();
-  return parseCameraPath(text.str(), path.string());
+  // No path is this long; a volume given by mistake is.
+  constexpr uint64_t kMostBytes = uint64_t{16} << 20;
+  return parseCameraPath(readTextFile(path, kMostBytes, "a camera path"), path.string());
 }
 
 Camera cameraAt(const CameraPath& path, const Camera& start, int64_t frame, int64_t frames) {
   const double at = frames > 1 ? static_cast<double>(frame) / static_cast<double>(frames - 1) : 0;
-  Pose pose{start.azimuth_deg, start.elevation_deg, start.zoom, start.field_of_view_deg,
-            start.look_at};
+  Pose pose{start.azimuth_deg,       start.elevation_deg, start.zoom,
+            start.field_of_view_deg, start.look_at,       start.up};
   Pose before = poseAfter(pose, path.keys.front());
   double before_at = path.keys.front().at;
   pose = before;
@@ -142,6 +136,7 @@ Camera cameraAt(const CameraPath& path, const Camera& start, int64_t frame, int6
   camera.zoom = pose.zoom;
   camera.field_of_view_deg = pose.field_of_view_deg;
   camera.look_at = pose.look_at;
+  camera.up = pose.up;
   return camera;
 }
 

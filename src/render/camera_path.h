@@ -4,6 +4,7 @@
 // `at` runs from 0 (first frame) to 1 (last frame), ascending. Every other field is optional and
 // keeps the value of the key before it, of the command line for the first: azimuth, elevation,
 // fov (degrees), zoom (factor), and eye, target, up (world, three numbers), the first two together.
+// azimuth and elevation turn the view that the command line names.
 // Between keys everything is linear but zoom, which is geometric.
 #pragma once
 

@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "src/base/vec.h"
-#include "src/render/device.h"
+#include "src/device/frame_values.h"
 #include "src/texture/texture_plan.h"
 #include "src/visibility/box_occlusion.h"
 #include "src/visibility/map_updates.h"

@@ -5,11 +5,13 @@
 #include <optional>
 #include <vector>
 
-#include "src/classify/transfer_function.h"
+#include "src/base/progress_meter.h"
+#include "src/base/stop_token.h"
+#include "src/classify/transfer/transfer_function.h"
+#include "src/device/frame_values.h"
+#include "src/device/lighting.h"
 #include "src/render/camera.h"
-#include "src/render/device.h"
 #include "src/render/frame_occlusion.h"
-#include "src/render/lighting.h"
 #include "src/texture/texture_plan.h"
 
 namespace sluice {
@@ -37,7 +39,8 @@ struct FrameOptions {
   // picture does not change. Unset: 1, with occlusion kDefaultOpaque.
   std::optional<double> opacity_threshold;
   Occlusion occlusion = Occlusion::kOff;  // composite only
-  Lighting lighting;                      // used by sessions opened lit
+  bool shades = true;                     // by sessions opened lit; they may draw a frame without
+  Lighting lighting;                      // of those
   std::optional<Box3> crop;  // voxels; what lies between its outer voxel planes is shown
   std::vector<WorldPlane> clip_planes;
   Algorithm algorithm = Algorithm::kMerged;
@@ -50,6 +53,11 @@ struct FrameOptions {
   // Reads, lights and blends every sample of what is drawn, also those that show nothing, as
   // renderers without empty space skipping do (Li's Basic): what skipping is measured against.
   bool shades_every_sample = false;
+  // Ends the frame, see Session::frame().
+  StopToken stop = {};
+  // Told how many clusters of how many are drawn: before the first, and after each. By the thread
+  // that draws.
+  ProgressWatch watch = {};
   bool count_samples = false;  // fills FrameReport::samples_*; costs a pass without texture reads
 };
 

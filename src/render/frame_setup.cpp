@@ -1,5 +1,6 @@
 #include "src/render/frame_setup.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "src/render/index_space.h"
@@ -76,6 +77,7 @@ LookUp lookUp(const OpacityTable& table, double finest_spacing) {
   for (const double magnitude : table.magnitudes())
     result.magnitudes.push_back(magnitude / finest_spacing);
   result.factors = table.factors();
+  result.labels = table.labels();
   return result;
 }
 
@@ -110,6 +112,10 @@ FrameSetup frameSetup(const View& view, const VolumeLayout& layout, const Opacit
   setup.type = map.type;
   setup.look_up = lookUp(table, finestSpacing(layout));
   setup.mode = options.mode;
+  // The rounding of 1 / (1 / n) makes no more of n.
+  setup.planes_a_voxel = std::max(
+      1, static_cast<int>(
+             std::ceil(setup.slice_length > 0 ? std::min(1 / setup.slice_length, 1e6) - 1e-6 : 1)));
   // The greatest value is the least device value where the scale is negative.
   if (map.scale < 0 && options.mode == Mode::kMip) setup.mode = Mode::kMinip;
   if (map.scale < 0 && options.mode == Mode::kMinip) setup.mode = Mode::kMip;
@@ -124,7 +130,18 @@ FrameSetup frameSetup(const View& view, const VolumeLayout& layout, const Opacit
   }
   const ValueRange range = table.volumeRange();
   setup.flat = options.lighting.flat_share * (range.hi - range.lo) / finestSpacing(layout);
+  if (table.labels()) setup.flat = 0;  // a number says nothing of how steep its surface is
   setup.clip_planes = clipPlanes(options.clip_planes, layout);
+  return setup;
+}
+
+FrameSetup frameSetup(const View& view, const VolumeLayout& layout, const Look& look,
+                      const ValueMap& map, const FrameOptions& options, bool lit) {
+  FrameSetup setup = frameSetup(view, layout, look.table, map, options);
+  setup.lit = lit;
+  // Rays or pixels may stop, so that fewer samples are taken than lie in the frame's boxes.
+  setup.counts_taken = options.count_samples && options.mode == Mode::kComposite &&
+                       !options.with_depth && rayThreshold(options) < 1;
   return setup;
 }
 

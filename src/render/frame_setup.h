@@ -2,9 +2,10 @@
 // functions.
 #pragma once
 
-#include "src/classify/opacity_table.h"
-#include "src/render/device.h"
+#include "src/classify/transfer/opacity_table.h"
+#include "src/device/frame_values.h"
 #include "src/render/frame_options.h"
+#include "src/render/look.h"
 #include "src/texture/texture_plan.h"
 #include "src/volume/slice_ranges.h"
 
@@ -12,6 +13,10 @@ namespace sluice {
 
 FrameSetup frameSetup(const View& view, const VolumeLayout& layout, const OpacityTable& table,
                       const ValueMap& map, const FrameOptions& options);
+// The same for a frame of a session that is lit or not, with what its options ask the device to
+// count.
+FrameSetup frameSetup(const View& view, const VolumeLayout& layout, const Look& look,
+                      const ValueMap& map, const FrameOptions& options, bool lit);
 
 // Where the eye is for ordering blocks front to back.
 EyePosition eyePosition(const View& view, const VolumeLayout& layout);

@@ -12,25 +12,26 @@ constexpr size_t kMostStepsAhead = 8;
 
 }  // namespace
 
-ReadAhead::ReadAhead(TextureBuffer& buffer, const TexturePlan& plan,
-                     std::span<const uint64_t> names, const TextureCache& cache,
-                     std::span<const int64_t> order, Needs needs)
-    : buffer_(buffer),
-      plan_(plan),
-      names_(names),
-      cache_(cache),
+ReadAhead::ReadAhead(Residency& residency, FramePlanPtr plan, const DrawOrder& order,
+                     ReadPurpose purpose, Needs needs)
+    : residency_(residency),
+      buffer_(residency.chunks()),
+      plan_(std::move(plan)),
+      purpose_(std::move(purpose)),
       needs_(std::move(needs)),
-      most_bytes_(buffer.counters().budget_bytes / 4) {
-  std::unordered_set<int64_t> seen;  // chunks between two clusters are loaded for the first
-  for (const int64_t cluster : order) {
-    Step step{.cluster = cluster, .chunks = {}, .completes_cluster = false};
+      // Beside what a device borrows.
+      most_bytes_((residency.budgets().texture_buffer - residency.budgets().borrowed) / 4) {
+  std::unordered_set<ChunkPosition> seen;  // chunks between two clusters are loaded for the first
+  for (const Visit& visit : order.visits) {
+    const Cluster& cluster = plan_->textures.clusters[visit.cluster];
+    Step step{.cluster = visit.cluster, .chunks = {}, .completes_cluster = false};
     uint64_t bytes = 0;
-    for (const int64_t chunk : plan.clusters[static_cast<size_t>(cluster)].chunks) {
-      if (!cache.contains(names[static_cast<size_t>(chunk)]) && seen.insert(chunk).second) {
-        const uint64_t more = TextureBuffer::bytesOf(plan, plan.chunks[static_cast<size_t>(chunk)]);
+    for (const ChunkPosition chunk : cluster.chunks) {
+      if (!isHeld(chunk) && seen.insert(chunk).second) {
+        const uint64_t more = bytesOf(chunk);
         if (bytes > 0 && bytes + more > most_bytes_) {
-          steps_.push_back(
-              std::exchange(step, {.cluster = cluster, .chunks = {}, .completes_cluster = false}));
+          steps_.push_back(std::exchange(
+              step, {.cluster = visit.cluster, .chunks = {}, .completes_cluster = false}));
           bytes = 0;
         }
         bytes += more;
@@ -42,16 +43,20 @@ ReadAhead::ReadAhead(TextureBuffer& buffer, const TexturePlan& plan,
   }
 }
 
-ReadAhead::~ReadAhead() {
-  for (const Begun& begun : begun_) buffer_.cancel(begun.batch);
-  for (const TextureBuffer::BatchPtr& batch : late_) buffer_.cancel(batch);
+bool ReadAhead::isHeld(ChunkPosition chunk) const {
+  return residency_.isResident(plan_->names[chunk]);
 }
 
-std::vector<int64_t> ReadAhead::absent(const Step& step, bool ahead) const {
-  std::vector<int64_t> chunks;
+uint64_t ReadAhead::bytesOf(ChunkPosition chunk) const {
+  const TexturePlan& textures = plan_->textures;
+  return TextureBuffer::bytesOf(textures, textures.chunks[chunk]);
+}
+
+std::vector<ChunkPosition> ReadAhead::absent(const Step& step, bool ahead) const {
+  std::vector<ChunkPosition> chunks;
   uint64_t bytes = 0;
-  for (const int64_t chunk : step.chunks) {
-    if (cache_.contains(names_[static_cast<size_t>(chunk)])) continue;
+  for (const ChunkPosition chunk : step.chunks) {
+    if (isHeld(chunk)) continue;
     if ((needs_.now && !needs_.now(chunk)) || (ahead && needs_.soon && !needs_.soon(chunk)))
       continue;
     bytes += bytesOf(chunk);
@@ -62,48 +67,46 @@ std::vector<int64_t> ReadAhead::absent(const Step& step, bool ahead) const {
   return chunks;
 }
 
-uint64_t ReadAhead::bytesOf(int64_t chunk) const {
-  return TextureBuffer::bytesOf(plan_, plan_.chunks[static_cast<size_t>(chunk)]);
-}
-
-std::vector<int64_t> ReadAhead::soonAfter(size_t step) const {
-  std::vector<int64_t> chunks;
+std::vector<ChunkPosition> ReadAhead::soonAfter(size_t step) const {
+  std::vector<ChunkPosition> chunks;
   for (size_t i = step + 1; i < steps_.size() && !steps_[i - 1].completes_cluster; ++i)
-    for (const int64_t chunk : absent(steps_[i], true)) chunks.push_back(chunk);
+    for (const ChunkPosition chunk : absent(steps_[i], true)) chunks.push_back(chunk);
   return chunks;
 }
 
-TextureBuffer::BatchPtr ReadAhead::beginNow(std::span<const int64_t> chunks,
-                                            std::span<const int64_t> soon) {
+std::optional<ReadAhead::Begun> ReadAhead::tryBegin(std::vector<ChunkPosition> chunks,
+                                                    std::span<const ChunkPosition> soon) {
+  TextureBuffer::BatchPtr batch =
+      buffer_.tryBegin(plan_->textures, plan_->names, chunks, soon, purpose_);
+  if (batch == nullptr) return std::nullopt;
+  return Begun(buffer_, std::move(chunks), std::move(batch));
+}
+
+ReadAhead::Begun ReadAhead::beginNow(std::vector<ChunkPosition> chunks,
+                                     std::span<const ChunkPosition> soon) {
   for (;;) {
-    TextureBuffer::BatchPtr batch = buffer_.tryBegin(plan_, names_, chunks, soon);
-    if (batch != nullptr) return batch;
+    if (std::optional<Begun> begun = tryBegin(chunks, soon)) return std::move(*begun);
     // What is wanted now goes before what is wanted later.
-    if (begun_.empty()) return buffer_.begin(plan_, names_, chunks, soon);
-    buffer_.cancel(begun_.back().batch);
+    if (begun_.empty()) break;
     begun_.pop_back();
   }
+  TextureBuffer::BatchPtr batch =
+      buffer_.begin(plan_->textures, plan_->names, chunks, soon, purpose_);
+  return {buffer_, std::move(chunks), std::move(batch)};
 }
 
 void ReadAhead::beginNext(bool may_wait) {
   while (begun_.size() < std::min(steps_.size(), kMostStepsAhead)) {
-    std::vector<int64_t> chunks = absent(steps_[begun_.size()], true);
-    const std::vector<int64_t> soon = soonAfter(begun_.size());
-    TextureBuffer::BatchPtr batch = begun_.empty() && may_wait
-                                        ? beginNow(chunks, soon)
-                                        : buffer_.tryBegin(plan_, names_, chunks, soon);
-    if (batch == nullptr) return;
-    begun_.push_back({std::move(chunks), std::move(batch)});
+    std::vector<ChunkPosition> chunks = absent(steps_[begun_.size()], true);
+    const std::vector<ChunkPosition> soon = soonAfter(begun_.size());
+    if (begun_.empty() && may_wait) {
+      begun_.push_back(beginNow(std::move(chunks), soon));
+      continue;
+    }
+    std::optional<Begun> begun = tryBegin(std::move(chunks), soon);
+    if (!begun) return;
+    begun_.push_back(std::move(*begun));
   }
-}
-
-std::vector<ChunkTexelsPtr> ReadAhead::texelsOf(const Begun& begun, const Deadline& deadline) {
-  if (!deadline) return buffer_.finish(begun.batch);
-  std::vector<ChunkTexelsPtr> texels = buffer_.waitUntil(begun.batch, *deadline);
-  if (std::find(texels.begin(), texels.end(), nullptr) == texels.end())
-    return buffer_.finish(begun.batch);
-  late_.push_back(begun.batch);
-  return texels;
 }
 
 std::optional<ReadAhead::Taken> ReadAhead::take(const Deadline& deadline) {
@@ -112,37 +115,40 @@ std::optional<ReadAhead::Taken> ReadAhead::take(const Deadline& deadline) {
   Taken taken{std::move(steps_.front()), {}};
   steps_.pop_front();
   if (needs_.now)
-    std::erase_if(taken.step.chunks, [this](int64_t chunk) { return !needs_.now(chunk); });
+    std::erase_if(taken.step.chunks, [this](ChunkPosition chunk) { return !needs_.now(chunk); });
   taken.texels.resize(taken.step.chunks.size());
   if (begun_.empty()) return taken;  // no room before the deadline
-  const Begun begun = std::move(begun_.front());
+  Begun begun = std::move(begun_.front());
   begun_.pop_front();
-  putTexels(begun, deadline, taken);
   // Needed against expectation.
-  Begun rest;
-  for (const int64_t chunk : absent(taken.step, false))
-    if (std::find(begun.chunks.begin(), begun.chunks.end(), chunk) == begun.chunks.end())
-      rest.chunks.push_back(chunk);
-  if (rest.chunks.empty()) return taken;
-  rest.batch =
-      deadline ? buffer_.tryBegin(plan_, names_, rest.chunks, {}) : beginNow(rest.chunks, {});
-  if (rest.batch != nullptr) putTexels(rest, deadline, taken);
+  std::vector<ChunkPosition> rest;
+  for (const ChunkPosition chunk : absent(taken.step, false))
+    if (std::ranges::find(begun.chunks(), chunk) == begun.chunks().end()) rest.push_back(chunk);
+  putTexels(std::move(begun), deadline, taken);
+  if (rest.empty()) return taken;
+  if (!deadline)
+    putTexels(beginNow(std::move(rest), {}), deadline, taken);
+  else if (std::optional<Begun> more = tryBegin(std::move(rest), {}))
+    putTexels(std::move(*more), deadline, taken);
   return taken;
 }
 
-void ReadAhead::putTexels(const Begun& begun, const Deadline& deadline, Taken& taken) {
-  const std::vector<ChunkTexelsPtr> texels = texelsOf(begun, deadline);
-  const std::vector<int64_t>& chunks = taken.step.chunks;
-  for (size_t i = 0; i < begun.chunks.size(); ++i) {
-    const auto found = std::find(chunks.begin(), chunks.end(), begun.chunks[i]);
+void ReadAhead::putTexels(Begun begun, const Deadline& deadline, Taken& taken) {
+  std::vector<ChunkTexelsPtr> texels =
+      deadline ? begun.waitUntil(*deadline) : std::vector<ChunkTexelsPtr>();
+  const bool is_late = std::ranges::find(texels, nullptr) != texels.end();
+  if (!is_late) texels = begun.finish();
+  const std::vector<ChunkPosition>& chunks = taken.step.chunks;
+  for (size_t i = 0; i < begun.chunks().size(); ++i) {
+    const auto found = std::ranges::find(chunks, begun.chunks()[i]);
     if (found != chunks.end())
       taken.texels[static_cast<size_t>(found - chunks.begin())] = texels[i];
   }
+  if (is_late) late_.push_back(std::move(begun));
 }
 
-ChunkTexelsPtr ReadAhead::takeOne(int64_t chunk) {
-  const TextureBuffer::BatchPtr batch = beginNow(std::span(&chunk, 1), {});
-  return buffer_.finish(batch).front();
+ChunkTexelsPtr ReadAhead::takeOne(ChunkPosition chunk) {
+  return beginNow({chunk}, {}).finish().front();
 }
 
 }  // namespace sluice

@@ -1,8 +1,9 @@
 // ReadAhead: the texels of a frame's chunks, filled ahead of the draw in the order of the visit.
 //
 // A frame is cut into steps, each a share of a cluster that takes at most a quarter of the texture
-// buffer; while one is drawn the next ones are read, decompressed and copied by the workers, as far
-// as the buffer has room. What is still to come when it is destroyed is cancelled. One thread.
+// buffer's room; while one is drawn the next ones are read, decompressed and copied by the workers,
+// as far as the buffer has room. What is still to come when it is destroyed is cancelled. One
+// thread.
 #pragma once
 
 #include <chrono>
@@ -12,11 +13,12 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
-#include "cache/texture_cache.h"
-#include "src/texture/texture_buffer.h"
-#include "src/texture/texture_plan.h"
+#include "src/render/draw_order.h"
+#include "src/render/frame_plan.h"
+#include "src/render/residency.h"
 
 namespace sluice {
 
@@ -28,20 +30,19 @@ class ReadAhead {
   // and again when it is taken, and does not go from false to true. `soon` is a guess of what it
   // will say, asked when a step is begun ahead.
   struct Needs {
-    std::function<bool(int64_t chunk)> now, soon;
+    std::function<bool(ChunkPosition chunk)> now, soon;
   };
-  // For the clusters of `order` (positions in plan.clusters). The plan, `names` (of its chunks),
-  // the buffer and the cache must outlive it; the cache says what needs no texels.
-  ReadAhead(TextureBuffer& buffer, const TexturePlan& plan, std::span<const uint64_t> names,
-            const TextureCache& cache, std::span<const int64_t> order, Needs needs = {});
-  ~ReadAhead();
+  // For the clusters of `order`, a visit of `plan`. `residency` must outlive it: its texture buffer
+  // is filled for `purpose`, its texture cache says what needs no texels.
+  ReadAhead(Residency& residency, FramePlanPtr plan, const DrawOrder& order,
+            ReadPurpose purpose = {}, Needs needs = {});
   ReadAhead(const ReadAhead&) = delete;
   ReadAhead& operator=(const ReadAhead&) = delete;
 
   struct Step {
-    int64_t cluster = 0;            // position in plan.clusters
-    std::vector<int64_t> chunks;    // positions in plan.chunks, those that are needed
-    bool completes_cluster = true;  // the last of its cluster's steps
+    ClusterPosition cluster;
+    std::vector<ChunkPosition> chunks;  // those that are needed
+    bool completes_cluster = true;      // the last of its cluster's steps
   };
   // Texels of step.chunks, in that order; null where the cache held the chunk when the step was
   // begun, and where they are not there by the deadline.
@@ -53,33 +54,53 @@ class ReadAhead {
   // does.
   std::optional<Taken> take(const Deadline& deadline);
   // Of a chunk that went from the cache after its step was begun.
-  ChunkTexelsPtr takeOne(int64_t chunk);
+  ChunkTexelsPtr takeOne(ChunkPosition chunk);
 
  private:
-  struct Begun {
-    std::vector<int64_t> chunks;  // those that are filled
-    TextureBuffer::BatchPtr batch;
+  // What is being filled; cancelled unless it is finished.
+  class Begun {
+   public:
+    Begun(TextureBuffer& buffer, std::vector<ChunkPosition> chunks, TextureBuffer::BatchPtr batch)
+        : buffer_(&buffer), chunks_(std::move(chunks)), batch_(std::move(batch)) {}
+    ~Begun() {
+      if (batch_ != nullptr) buffer_->cancel(batch_);
+    }
+    Begun(Begun&&) = default;
+    Begun& operator=(Begun&&) = delete;
+
+    const std::vector<ChunkPosition>& chunks() const { return chunks_; }
+    std::vector<ChunkTexelsPtr> finish() { return buffer_->finish(std::exchange(batch_, nullptr)); }
+    std::vector<ChunkTexelsPtr> waitUntil(std::chrono::steady_clock::time_point deadline) {
+      return buffer_->waitUntil(batch_, deadline);
+    }
+
+   private:
+    TextureBuffer* buffer_;
+    std::vector<ChunkPosition> chunks_;
+    TextureBuffer::BatchPtr batch_;  // null: finished
   };
   // Chunks of the step that must be filled, as far as one step may fill.
-  std::vector<int64_t> absent(const Step& step, bool ahead) const;
-  uint64_t bytesOf(int64_t chunk) const;
+  std::vector<ChunkPosition> absent(const Step& step, bool ahead) const;
+  bool isHeld(ChunkPosition chunk) const;  // by the texture cache
+  uint64_t bytesOf(ChunkPosition chunk) const;
   // Of the steps that follow steps_[step] in its cluster.
-  std::vector<int64_t> soonAfter(size_t step) const;
-  TextureBuffer::BatchPtr beginNow(std::span<const int64_t> chunks, std::span<const int64_t> soon);
+  std::vector<ChunkPosition> soonAfter(size_t step) const;
+  Begun beginNow(std::vector<ChunkPosition> chunks, std::span<const ChunkPosition> soon);
+  std::optional<Begun> tryBegin(std::vector<ChunkPosition> chunks,
+                                std::span<const ChunkPosition> soon);
   void beginNext(bool may_wait);
-  std::vector<ChunkTexelsPtr> texelsOf(const Begun& begun, const Deadline& deadline);
   // Waits for what was begun and puts it where the step has its chunks.
-  void putTexels(const Begun& begun, const Deadline& deadline, Taken& taken);
+  void putTexels(Begun begun, const Deadline& deadline, Taken& taken);
 
+  const Residency& residency_;
   TextureBuffer& buffer_;
-  const TexturePlan& plan_;
-  const std::span<const uint64_t> names_;
-  const TextureCache& cache_;
+  const FramePlanPtr plan_;
+  const ReadPurpose purpose_;
   const Needs needs_;
-  const uint64_t most_bytes_;                  // of a step, unless one chunk takes more
-  std::deque<Step> steps_;                     // those to come
-  std::deque<Begun> begun_;                    // of the first of steps_
-  std::vector<TextureBuffer::BatchPtr> late_;  // not filled at their deadline
+  const uint64_t most_bytes_;  // of a step, unless one chunk takes more
+  std::deque<Step> steps_;     // those to come
+  std::deque<Begun> begun_;    // of the first of steps_
+  std::vector<Begun> late_;    // not filled at their deadline
 };
 
 }  // namespace sluice

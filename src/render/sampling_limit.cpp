@@ -21,14 +21,17 @@ OpacityTable translucent(const ValueMap& map) {
   return {transfer, map, {0, 255}};
 }
 
-std::vector<std::byte> texels() {
-  std::vector<std::byte> bytes(static_cast<size_t>(kSide * kSide * kSide));
+ChunkTexelsPtr texels() {
+  auto chunk = std::make_shared<ChunkTexels>();
+  chunk->storage_vox = {kSide, kSide, kSide};
+  chunk->byte_count = static_cast<size_t>(kSide * kSide * kSide);
+  chunk->bytes = std::make_shared<std::byte[]>(chunk->byte_count);
   uint32_t state = 1;
-  for (std::byte& byte : bytes) {
+  for (std::byte& byte : chunk->span()) {
     state = state * 1664525U + 1013904223U;
     byte = static_cast<std::byte>(state >> 24);
   }
-  return bytes;
+  return chunk;
 }
 
 }  // namespace
@@ -46,14 +49,15 @@ double samplingLimit(Device& device, PictureSize size, int frames) {
   const View view = resolve(options.camera, layout, size, options.step_vox);
   const FrameSetup setup = frameSetup(view, layout, translucent(map), map, options);
   BoxDraw box;
+  box.chunk = kChunk;
   box.cells = boxOf(layout.dims - Vec3i{1, 1, 1});
-  device.makeResident(kChunk, layout.dims, map.type, texels());
+  device.makeResident(kChunk, texels());
   std::vector<double> seconds;
   uint64_t samples = 0;
   for (int i = -kWarmFrames; i < frames; ++i) {
     const Stopwatch watch;
     device.beginFrame(setup);
-    device.draw(kChunk, {&box, 1});
+    device.draw({&box, 1});
     device.endFrame();
     if (i >= 0) seconds.push_back(watch.seconds());
     if (i == -1) samples = device.countSamples({&box, 1});

@@ -3,7 +3,7 @@
 // looked up and blended as in a composite frame.
 #pragma once
 
-#include "src/render/device.h"
+#include "src/device/device.h"
 
 namespace sluice {
 

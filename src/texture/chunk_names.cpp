@@ -11,20 +11,22 @@ size_t ChunkNames::Hash::operator()(const Recipe& recipe) const {
   return static_cast<size_t>(hash);
 }
 
-std::vector<uint64_t> ChunkNames::namesOf(const TexturePlan& plan) {
-  std::vector<uint64_t> names;
+ChunkNameList ChunkNames::namesOf(const TexturePlan& plan) {
+  ChunkNameList names;
   names.reserve(plan.chunks.size());
   Recipe recipe;
   for (const Chunk& chunk : plan.chunks) {
-    recipe.assign({plan.time});
-    for (const int64_t position : chunk.blocks) {
-      const TextureBlock& block = plan.blocks[static_cast<size_t>(position)];
+    recipe.clear();
+    for (const BlockPosition position : chunk.blocks) {
+      const TextureBlock& block = plan.blocks[position];
       const int axis = block.trimming_axis;
-      for (const int64_t number : {block.block, int64_t{axis}, block.voxels.lo[axis],
+      for (const int64_t number : {block.time, block.block, int64_t{axis}, block.voxels.lo[axis],
                                    block.voxels.hi[axis], block.at.x, block.at.y, block.at.z})
         recipe.push_back(number);
     }
-    names.push_back(names_.emplace(recipe, names_.size()).first->second);
+    const auto [known, is_new] = names_.emplace(recipe, ChunkName(count_));
+    count_ += is_new ? 1 : 0;
+    names.push_back(known->second);
   }
   return names;
 }

@@ -1,9 +1,9 @@
 // ChunkNames: a number for each recipe of a chunk, so that a chunk whose recipe a new plan repeats
 // keeps its bytes at levels 3 and 4 (design, point 1).
 //
-// A recipe is everything that the texels follow from: the time step, and of each texture block its
-// volume block, the voxels copied, the turn and the place. Whole recipes are compared, not hashes
-// of them. One thread.
+// A recipe is everything that the texels follow from: of each texture block the time step and
+// the volume block, the voxels copied, the turn and the place. Whole recipes are compared, not
+// hashes of them. One thread.
 #pragma once
 
 #include <cstdint>
@@ -18,16 +18,24 @@ class ChunkNames {
  public:
   // The names of plan.chunks, in that order. Equal recipes have equal names over all plans of one
   // layout and page geometry.
-  std::vector<uint64_t> namesOf(const TexturePlan& plan);
-  // Names run from 0 up to this.
-  uint64_t count() const { return names_.size(); }
+  ChunkNameList namesOf(const TexturePlan& plan);
+  // Names run from 0 up to this; none is given twice.
+  int64_t count() const { return count_; }
+  // Recipes whose names are known. forgetUnused() drops those whose name `is_used` denies: should
+  // one come again it gets a new name.
+  size_t kept() const { return names_.size(); }
+  template <class IsUsed>
+  void forgetUnused(IsUsed&& is_used) {
+    std::erase_if(names_, [&](const auto& known) { return !is_used(known.second); });
+  }
 
  private:
   using Recipe = std::vector<int64_t>;
   struct Hash {
     size_t operator()(const Recipe& recipe) const;
   };
-  std::unordered_map<Recipe, uint64_t, Hash> names_;
+  std::unordered_map<Recipe, ChunkName, Hash> names_;
+  int64_t count_ = 0;
 };
 
 }  // namespace sluice

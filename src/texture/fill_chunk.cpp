@@ -72,7 +72,7 @@ std::vector<Vec3i> roomsOf(const TexturePlan& plan, const Chunk& chunk, Vec3i st
   Vec3i end = storage_vox;
   int64_t column = -1;
   for (size_t i = rooms.size(); i-- > 0;) {
-    const Vec3i at = plan.blocks[static_cast<size_t>(chunk.blocks[i])].at;
+    const Vec3i at = plan.blocks[chunk.blocks[i]].at;
     if (column >= 0 && at.x != column) end = {column, storage_vox.y, storage_vox.z};
     column = at.x;
     rooms[i] = end - at;

@@ -1,29 +1,18 @@
 #include "src/texture/texture_buffer.h"
 
 #include <algorithm>
-#include <iterator>
+#include <new>
+#include <tuple>
+#include <unordered_set>
 #include <utility>
 
 #include "src/base/bytes.h"
 #include "src/base/clock.h"
 #include "src/base/error.h"
-#include "src/base/interrupt.h"
 #include "src/texture/fill_chunk.h"
 #include "src/texture/read_runs.h"
 
 namespace sluice {
-
-// `name` and `texels` are constant after construction (the bytes are the workers' until it is
-// filled); the rest is guarded by the buffer's mutex.
-struct TextureBuffer::Entry {
-  uint64_t name = 0;
-  std::shared_ptr<ChunkTexels> texels;
-  size_t fillings_left = 0;
-  int64_t pins = 0;  // batches that want it
-  enum class State { kFilling, kFilled, kFailed } state = State::kFilling;
-  std::exception_ptr failure;           // of the first filling that failed or was skipped
-  std::list<EntryPtr>::iterator place;  // in recent_ while filled
-};
 
 // A texture block on its way into a chunk.
 struct TextureBuffer::Filling {
@@ -35,8 +24,9 @@ struct TextureBuffer::Filling {
 // Constant from begin() to finish(), but for `next`.
 class TextureBuffer::Batch {
  public:
-  int64_t time = 0;
+  ReadPurpose purpose;
   std::vector<EntryPtr> wanted;  // in the order asked for; empty when finished or cancelled
+  std::vector<EntryPtr> ours;    // those of them that this batch fills
   std::vector<Filling> fillings;
   std::vector<ReadRun> runs;    // of the fillings' blocks
   size_t runs_at_once = 1;      // of all batches
@@ -45,201 +35,206 @@ class TextureBuffer::Batch {
 
 namespace {
 
-struct Cancelled : std::exception {
+BlockKey keyOf(const TextureBlock& block) {
+  return {block.time, block.block};
+}
+
+struct Dropped : std::exception {
   const char* what() const noexcept override { return "no longer wanted"; }
 };
 
 }  // namespace
 
 TextureBuffer::TextureBuffer(VolumeBuffer& blocks, WorkerPool& pool, uint64_t budget_bytes)
-    : blocks_(blocks), pool_(pool), memory_(BufferMemory::make(budget_bytes)) {
-  counters_.budget_bytes = budget_bytes;
-}
+    : blocks_(blocks),
+      pool_(pool),
+      memory_(BufferMemory::make(budget_bytes)),
+      chunks_(budget_bytes, Held::kStays) {}
 
 TextureBuffer::~TextureBuffer() {
   waitUntilIdle();
 }
 
 void TextureBuffer::waitUntilIdle() {
-  std::unique_lock lock(mutex_);
-  settled_.wait(lock, [&] { return workers_under_way_ == 0; });
+  MutexLock lock(chunks_.mutex);
+  while (workers_under_way_ > 0) chunks_.changed.wait(lock);
 }
 
 uint64_t TextureBuffer::bytesOf(const TexturePlan& plan, const Chunk& chunk) {
   return static_cast<uint64_t>(chunk.pages * plan.page.pageBytes());
 }
 
-CacheCounters TextureBuffer::counters() const {
-  std::lock_guard lock(mutex_);
-  return counters_;
-}
-
-void TextureBuffer::resetCounters() {
-  std::lock_guard lock(mutex_);
-  counters_.reset();
-}
-
-bool TextureBuffer::makeRoom(uint64_t bytes) {
-  auto victim = recent_.end();
-  while (counters_.current_bytes + reserved_bytes_ + bytes > counters_.budget_bytes) {
-    do {
-      if (victim == recent_.begin()) return false;
-      --victim;
-    } while ((*victim)->pins > 0 || (*victim)->texels.use_count() > 1);
-    counters_.countEviction((*victim)->texels->byte_count);
-    entries_.erase((*victim)->name);
-    victim = recent_.erase(victim);
-  }
-  return true;
-}
-
 TextureBuffer::EntryPtr TextureBuffer::publish(const TexturePlan& plan, const Chunk& chunk,
-                                               uint64_t name) {
-  auto entry = std::make_shared<Entry>();
-  entry->name = name;
-  entry->texels = std::make_shared<ChunkTexels>();
-  entry->texels->storage_vox = plan.page.pageGridOf(chunk.size_vox) * plan.page.size_vox;
-  entry->texels->byte_count = bytesOf(plan, chunk);
-  entry->fillings_left = chunk.blocks.size();
-  reserved_bytes_ += entry->texels->byte_count;
-  entry->texels->bytes = memory_->take(entry->texels->byte_count);  // the workers write it all
-  entries_[name] = entry;
+                                               ChunkName name, std::vector<Filling>& fillings) {
+  auto texels = std::make_shared<ChunkTexels>();
+  texels->storage_vox = plan.page.pageGridOf(chunk.size_vox) * plan.page.size_vox;
+  texels->type = blocks_.type();
+  texels->byte_count = bytesOf(plan, chunk);
+  texels->bytes = memory_->take(texels->byte_count);  // the workers write it all
+  const std::vector<Vec3i> rooms = roomsOf(plan, chunk, texels->storage_vox);
+  fillings.reserve(fillings.size() + rooms.size());
+  EntryPtr entry = chunks_.publish(name, texels->byte_count);
+  entry->note = {texels, chunk.blocks.size()};
+  for (size_t i = 0; i < rooms.size(); ++i)
+    fillings.push_back({plan.blocks[chunk.blocks[i]], rooms[i], entry});
   return entry;
 }
 
-TextureBuffer::BatchPtr TextureBuffer::tryBegin(const TexturePlan& plan,
-                                                std::span<const uint64_t> names,
-                                                std::span<const int64_t> chunks,
-                                                std::span<const int64_t> soon) {
+bool TextureBuffer::makeRoomFor(const TexturePlan& plan, const ChunkNameList& names,
+                                std::span<const ChunkPosition> chunks) {
+  // What is held already is pinned meanwhile, so that making room does not take it.
+  std::vector<EntryPtr> held;
+  held.reserve(chunks.size());
+  std::unordered_set<ChunkName> fresh;
+  uint64_t fresh_bytes = 0;
+  for (const ChunkPosition position : chunks) {
+    const ChunkName name = names[position];
+    if (const EntryPtr entry = chunks_.find(name))
+      held.push_back(entry);
+    else if (fresh.insert(name).second)
+      fresh_bytes += bytesOf(plan, plan.chunks[position]);
+  }
+  for (const EntryPtr& entry : held) ++entry->wanted_by;
+  const bool has_room = chunks_.makeRoom(fresh_bytes);
+  for (const EntryPtr& entry : held) chunks_.letGo(entry);
+  return has_room;
+}
+
+TextureBuffer::BatchPtr TextureBuffer::tryBegin(const TexturePlan& plan, const ChunkNameList& names,
+                                                std::span<const ChunkPosition> chunks,
+                                                std::span<const ChunkPosition> soon,
+                                                const ReadPurpose& purpose) {
   auto batch = std::make_shared<Batch>();
-  batch->time = plan.time;
-  std::vector<Filling> fillings;
-  std::vector<int64_t> soon_blocks;
-  {
-    std::lock_guard lock(mutex_);
-    // What is held already is pinned first, so that making room does not take it.
-    std::unordered_set<uint64_t> fresh;
-    uint64_t fresh_bytes = 0;
-    for (const int64_t position : chunks) {
-      const uint64_t name = names[static_cast<size_t>(position)];
-      const auto found = entries_.find(name);
-      if (found != entries_.end()) {
-        batch->wanted.push_back(found->second);
-        ++found->second->pins;
-      } else if (fresh.insert(name).second) {
-        fresh_bytes += bytesOf(plan, plan.chunks[static_cast<size_t>(position)]);
-      }
-    }
-    const bool has_room = makeRoom(fresh_bytes);
-    unpin(*batch);
-    if (!has_room) return nullptr;
-    for (const int64_t position : chunks) {
-      const Chunk& chunk = plan.chunks[static_cast<size_t>(position)];
-      const uint64_t name = names[static_cast<size_t>(position)];
-      const auto found = entries_.find(name);
-      EntryPtr entry = found == entries_.end() ? nullptr : found->second;
+  batch->purpose = purpose;
+  batch->wanted.reserve(chunks.size());
+  batch->ours.reserve(chunks.size());
+  MutexLock lock(chunks_.mutex);
+  if (!makeRoomFor(plan, names, chunks)) return nullptr;
+  try {
+    std::vector<Filling> fillings;
+    for (const ChunkPosition position : chunks) {
+      const ChunkName name = names[position];
+      EntryPtr entry = chunks_.join(name);
       if (entry == nullptr) {
-        counters_.countMiss();
-        entry = publish(plan, chunk, name);
-        const std::vector<Vec3i> rooms = roomsOf(plan, chunk, entry->texels->storage_vox);
-        for (size_t i = 0; i < rooms.size(); ++i)
-          fillings.push_back({plan.blocks[static_cast<size_t>(chunk.blocks[i])], rooms[i], entry});
-      } else if (entry->state == Entry::State::kFilled) {
-        counters_.countHit();
-        recent_.splice(recent_.begin(), recent_, entry->place);
-      } else {
-        counters_.countMiss();
-        counters_.countCoalesced();
+        entry = publish(plan, plan.chunks[position], name, fillings);
+        batch->ours.push_back(entry);
       }
-      ++entry->pins;
       batch->wanted.push_back(std::move(entry));
     }
+    std::vector<BlockKey> soon_blocks;
     if (!fillings.empty()) soon_blocks = blocksSoon(plan, names, soon);
+    planRuns(*batch, std::move(fillings), std::move(soon_blocks), plan.layout.grid.x);
+  } catch (...) {  // no memory: what is published would never be filled
+    abandon(*batch);
+    throw;
   }
-  planRuns(*batch, std::move(fillings), std::move(soon_blocks), plan.layout.grid.x);
-  const auto helpers = std::min<int64_t>(pool_.threads(), static_cast<int64_t>(batch->runs.size()));
-  {
-    std::lock_guard lock(mutex_);
-    workers_under_way_ += helpers;
-  }
-  for (int64_t i = 0; i < helpers; ++i)
-    pool_.submit([this, batch] {
-      work(*batch);
-      std::lock_guard lock(mutex_);
-      --workers_under_way_;
-      settled_.notify_all();
-    });
+  lock.unlock();
+  startHelpers(batch);
   return batch;
 }
 
-TextureBuffer::BatchPtr TextureBuffer::begin(const TexturePlan& plan,
-                                             std::span<const uint64_t> names,
-                                             std::span<const int64_t> chunks,
-                                             std::span<const int64_t> soon) {
+void TextureBuffer::startHelpers(const BatchPtr& batch) {
+  const auto helpers = std::min<int64_t>(pool_.threads(), static_cast<int64_t>(batch->runs.size()));
+  for (int64_t i = 0; i < helpers; ++i) {
+    {
+      const MutexLock lock(chunks_.mutex);
+      ++workers_under_way_;
+    }
+    try {
+      pool_.submit([this, batch] {
+        work(*batch);
+        helperIsDone();
+      });
+    } catch (const std::bad_alloc&) {  // finish() does without
+      helperIsDone();
+      return;
+    }
+  }
+}
+
+void TextureBuffer::helperIsDone() {
+  const MutexLock lock(chunks_.mutex);
+  --workers_under_way_;
+  chunks_.changed.notifyAll();
+}
+
+TextureBuffer::BatchPtr TextureBuffer::begin(const TexturePlan& plan, const ChunkNameList& names,
+                                             std::span<const ChunkPosition> chunks,
+                                             std::span<const ChunkPosition> soon,
+                                             const ReadPurpose& purpose) {
   for (;;) {
-    std::unique_lock lock(mutex_);
-    const uint64_t filling_bytes = reserved_bytes_;
+    MutexLock lock(chunks_.mutex);
+    const uint64_t filling_bytes = chunks_.loadingBytes();
     lock.unlock();
-    BatchPtr batch = tryBegin(plan, names, chunks, soon);
+    BatchPtr batch = tryBegin(plan, names, chunks, soon, purpose);
     if (batch != nullptr) return batch;
     if (filling_bytes == 0) break;
     lock.lock();
-    settled_.wait(lock, [&] { return reserved_bytes_ < filling_bytes; });
+    while (chunks_.loadingBytes() >= filling_bytes) chunks_.changed.wait(lock);
   }
   uint64_t bytes = 0;
-  std::lock_guard lock(mutex_);
-  for (const int64_t position : chunks) {
-    if (entries_.contains(names[static_cast<size_t>(position)])) {
-      counters_.countHit();
+  const MutexLock lock(chunks_.mutex);
+  for (const ChunkPosition position : chunks) {
+    if (chunks_.find(names[position]) != nullptr) {
+      chunks_.countHit();
       continue;
     }
-    counters_.countMiss();
-    counters_.countFailure();
-    bytes += bytesOf(plan, plan.chunks[static_cast<size_t>(position)]);
+    chunks_.countNoRoom();
+    bytes += bytesOf(plan, plan.chunks[position]);
   }
   fail(
       "the texture buffer of {} cannot hold {} more beside the {} in use; give more --memory, a "
       "smaller --block or fewer --pages",
-      formatBytes(counters_.budget_bytes), formatBytes(bytes),
-      formatBytes(counters_.current_bytes + reserved_bytes_));
+      formatBytes(chunks_.budgetBytes()), formatBytes(bytes), formatBytes(chunks_.takenBytes()));
 }
 
-std::vector<int64_t> TextureBuffer::blocksSoon(const TexturePlan& plan,
-                                               std::span<const uint64_t> names,
-                                               std::span<const int64_t> soon) const {
-  std::vector<int64_t> blocks;
+std::vector<BlockKey> TextureBuffer::blocksSoon(const TexturePlan& plan, const ChunkNameList& names,
+                                                std::span<const ChunkPosition> soon) const {
+  std::vector<BlockKey> blocks;
   // More would be gone before their turn.
   const uint64_t most = blocks_.counters().budget_bytes * 3 / 4 / blocks_.blockBytes();
-  for (const int64_t position : soon) {
+  for (const ChunkPosition position : soon) {
     if (blocks.size() >= most) break;
-    if (entries_.contains(names[static_cast<size_t>(position)])) continue;
-    for (const int64_t block : plan.chunks[static_cast<size_t>(position)].blocks)
-      blocks.push_back(plan.blocks[static_cast<size_t>(block)].block);
+    if (chunks_.find(names[position]) != nullptr) continue;
+    for (const BlockPosition block : plan.chunks[position].blocks)
+      blocks.push_back(keyOf(plan.blocks[block]));
   }
   return blocks;
 }
 
-void TextureBuffer::planRuns(Batch& batch, std::vector<Filling> fillings, std::vector<int64_t> soon,
-                             int64_t blocks_a_row) const {
-  const auto blockOf = [](const Filling& filling) { return filling.block.block; };
-  std::ranges::sort(fillings, {}, blockOf);
-  std::ranges::sort(soon);
-  std::vector<int64_t> wanted;
-  std::ranges::transform(fillings, std::back_inserter(wanted), blockOf);
+void TextureBuffer::planRuns(Batch& batch, std::vector<Filling> fillings,
+                             std::vector<BlockKey> soon, int64_t blocks_a_row) const {
+  const auto inOrder = [](const BlockKey& a, const BlockKey& b) {
+    return std::tie(a.time, a.block) < std::tie(b.time, b.block);
+  };
+  std::ranges::sort(fillings, inOrder, [](const Filling& filling) { return keyOf(filling.block); });
+  std::ranges::sort(soon, inOrder);
   // The caller reads too.
   const RunLimits limits = runLimits(blocks_.counters().budget_bytes / blocks_.blockBytes(),
                                      blocks_a_row, static_cast<size_t>(pool_.threads()) + 1);
-  batch.runs = readRuns(wanted, soon, blocks_a_row, limits.blocks);
+  for (size_t from = 0; from < fillings.size();) {  // one time step after the other
+    const int64_t time = fillings[from].block.time;
+    std::vector<int64_t> wanted, beside;
+    for (size_t i = from; i < fillings.size() && fillings[i].block.time == time; ++i)
+      wanted.push_back(fillings[i].block.block);
+    for (const BlockKey& key : soon)
+      if (key.time == time) beside.push_back(key.block);
+    for (ReadRun& run : readRuns(wanted, beside, blocks_a_row, limits.blocks)) {
+      run.from += from;
+      run.to += from;
+      batch.runs.push_back(std::move(run));
+    }
+    from += wanted.size();
+  }
   batch.runs_at_once = limits.runs;
   batch.fillings = std::move(fillings);
 }
 
 void TextureBuffer::work(Batch& batch) {
   for (;;) {
-    std::unique_lock lock(mutex_);
-    settled_.wait(lock, [&] {
-      return runs_under_way_ < batch.runs_at_once || batch.next >= batch.runs.size();
-    });
+    MutexLock lock(chunks_.mutex);
+    while (runs_under_way_ >= batch.runs_at_once && batch.next < batch.runs.size())
+      chunks_.changed.wait(lock);
     const size_t i = batch.next.fetch_add(1);
     if (i >= batch.runs.size()) return;
     ++runs_under_way_;
@@ -255,72 +250,66 @@ void TextureBuffer::work(Batch& batch) {
     --runs_under_way_;
     for (size_t at = run.from; at < run.to; ++at) {
       const auto& [block, room, into] = batch.fillings[at];
-      if (failure && !into->failure) into->failure = failure;
-      if (!failure)
-        counters_.decoded_bytes +=
-            static_cast<uint64_t>(block.voxels.count()) *
-            (into->texels->byte_count / static_cast<uint64_t>(volume(into->texels->storage_vox)));
-      settle(into, 1);
+      const ChunkTexels& texels = *into->note.texels;
+      if (failure && !into->note.failure) into->note.failure = failure;
+      if (!failure) {
+        const uint64_t bytes =
+            static_cast<uint64_t>(block.voxels.count()) * bytesPerVoxel(texels.type);
+        chunks_.countDecoded(bytes);
+        if (batch.purpose.tally != nullptr) batch.purpose.tally->copied_bytes += bytes;
+      }
+      settle(into);
     }
     // One that failed fails the batch: the rest would be read for nothing.
     if (failure) skipRest(batch, failure);
-    settled_.notify_all();
+    chunks_.changed.notifyAll();
   }
 }
 
 void TextureBuffer::fill(Batch& batch, const ReadRun& run) {
-  throwIfInterrupted();
+  batch.purpose.stop.throwIfStopped();
+  ReadTally* const tally = batch.purpose.tally.get();
   std::vector<BlockKey> keys;
   std::vector<bool> ahead;
   const std::span wanted(batch.fillings.data() + run.from, run.to - run.from);
   for (const int64_t block : run.blocks) {
-    keys.push_back({batch.time, block});
+    keys.push_back({wanted.front().block.time, block});
     ahead.push_back(!std::ranges::binary_search(
         wanted, block, {}, [](const Filling& filling) { return filling.block.block; }));
   }
-  const std::vector<VolumeBlockPtr> blocks = blocks_.acquire(keys, ahead);
+  const std::vector<VolumeBlockPtr> blocks = blocks_.acquire(keys, ahead, tally);
   const Stopwatch watch;
   for (const Filling& filling : wanted) {
     const auto found = std::lower_bound(run.blocks.begin(), run.blocks.end(), filling.block.block);
     copyTextureBlock(filling.block, *blocks[static_cast<size_t>(found - run.blocks.begin())],
-                     filling.into->texels->storage_vox, filling.room, filling.into->texels->span());
+                     filling.into->note.texels->storage_vox, filling.room,
+                     filling.into->note.texels->span());
   }
-  copy_ns_ += static_cast<int64_t>(watch.seconds() * 1e9);
+  if (tally != nullptr) tally->copy_ns += static_cast<int64_t>(watch.seconds() * 1e9);
 }
 
-void TextureBuffer::settle(const EntryPtr& entry, size_t fillings) {
-  entry->fillings_left -= fillings;
-  if (entry->fillings_left > 0) return;
-  const uint64_t bytes = entry->texels->byte_count;
-  reserved_bytes_ -= bytes;
-  const auto found = entries_.find(entry->name);
-  const bool ours = found != entries_.end() && found->second == entry;
-  if (entry->failure) {
-    entry->state = Entry::State::kFailed;
-    if (ours) entries_.erase(found);
-    counters_.countFailure();
-    return;
-  }
-  entry->state = Entry::State::kFilled;
-  recent_.push_front(entry);
-  entry->place = recent_.begin();
-  counters_.countLoad(bytes, !seen_.insert(entry->name).second);
+void TextureBuffer::settle(const EntryPtr& entry) {
+  if (--entry->note.fillings_left > 0) return;
+  // The cache's value is then the only handle of ours.
+  const std::shared_ptr<ChunkTexels> texels = std::move(entry->note.texels);
+  if (entry->note.failure)
+    chunks_.fail(entry, entry->note.failure);
+  else
+    chunks_.finish(entry, texels, texels->byte_count);
 }
 
-void TextureBuffer::unpin(Batch& batch) {
-  for (const EntryPtr& entry : batch.wanted) --entry->pins;
-  batch.wanted.clear();
+void TextureBuffer::abandon(Batch& batch) {
+  for (const EntryPtr& entry : batch.ours) chunks_.fail(entry, std::current_exception());
+  for (const EntryPtr& entry : batch.wanted) Chunks::letGo(entry);
 }
 
 void TextureBuffer::skipRest(Batch& batch, const std::exception_ptr& why) {
   for (size_t i = batch.next.exchange(batch.runs.size()); i < batch.runs.size(); ++i)
     for (size_t at = batch.runs[i].from; at < batch.runs[i].to; ++at) {
       const EntryPtr& entry = batch.fillings[at].into;
-      if (!entry->failure) entry->failure = why;
-      // No one finds it any more: a later request fills it anew.
-      const auto found = entries_.find(entry->name);
-      if (found != entries_.end() && found->second == entry) entries_.erase(found);
-      settle(entry, 1);
+      if (!entry->note.failure) entry->note.failure = why;
+      chunks_.hide(entry);  // a later request fills it anew
+      settle(entry);
     }
 }
 
@@ -328,13 +317,16 @@ std::vector<ChunkTexelsPtr> TextureBuffer::finish(const BatchPtr& batch) {
   work(*batch);
   std::vector<ChunkTexelsPtr> texels;
   std::exception_ptr failure;
-  std::unique_lock lock(mutex_);
+  MutexLock lock(chunks_.mutex);
   for (const EntryPtr& entry : batch->wanted) {
-    settled_.wait(lock, [&] { return entry->state != Entry::State::kFilling; });
-    if (!failure) failure = entry->failure;
-    texels.push_back(entry->texels);
+    try {
+      texels.push_back(chunks_.take(lock, entry));
+    } catch (...) {
+      if (!failure) failure = std::current_exception();
+    }
   }
-  unpin(*batch);
+  batch->wanted.clear();
+  batch->ours.clear();
   batch->fillings.clear();  // all settled: a worker that comes late finds no run to take
   lock.unlock();
   if (failure) std::rethrow_exception(failure);
@@ -344,28 +336,30 @@ std::vector<ChunkTexelsPtr> TextureBuffer::finish(const BatchPtr& batch) {
 std::vector<ChunkTexelsPtr> TextureBuffer::waitUntil(
     const BatchPtr& batch, std::chrono::steady_clock::time_point deadline) {
   std::vector<ChunkTexelsPtr> texels;
-  std::unique_lock lock(mutex_);
+  MutexLock lock(chunks_.mutex);
   for (const EntryPtr& entry : batch->wanted) {
-    settled_.wait_until(lock, deadline, [&] { return entry->state != Entry::State::kFilling; });
+    while (entry->state == Chunks::Entry::State::kLoading &&
+           chunks_.changed.waitUntil(lock, deadline)) {
+    }
     if (entry->failure) std::rethrow_exception(entry->failure);
-    texels.push_back(entry->state == Entry::State::kFilled ? entry->texels : nullptr);
+    texels.push_back(entry->value);
   }
   return texels;
 }
 
 void TextureBuffer::cancel(const BatchPtr& batch) {
-  std::lock_guard lock(mutex_);
-  const std::vector<EntryPtr> entries = batch->wanted;
-  unpin(*batch);
+  const MutexLock lock(chunks_.mutex);
+  const std::vector<EntryPtr> entries = std::exchange(batch->wanted, {});
+  for (const EntryPtr& entry : entries) Chunks::letGo(entry);
   // Another batch may wait for what this one fills: then it goes on.
   const bool is_wanted =
-      std::ranges::any_of(entries, [](const EntryPtr& entry) { return entry->pins > 0; });
-  if (!is_wanted) skipRest(*batch, std::make_exception_ptr(Cancelled()));
+      std::ranges::any_of(entries, [](const EntryPtr& entry) { return entry->wanted_by > 0; });
+  if (!is_wanted) skipRest(*batch, std::make_exception_ptr(Dropped()));
 }
 
 std::vector<ChunkTexelsPtr> TextureBuffer::acquire(const TexturePlan& plan,
-                                                   std::span<const uint64_t> names,
-                                                   std::span<const int64_t> chunks) {
+                                                   const ChunkNameList& names,
+                                                   std::span<const ChunkPosition> chunks) {
   return finish(begin(plan, names, chunks));
 }
 

@@ -9,35 +9,25 @@
 
 #include <atomic>
 #include <chrono>
-#include <condition_variable>
 #include <cstddef>
 #include <cstdint>
-#include <list>
+#include <exception>
+#include <functional>
 #include <memory>
-#include <mutex>
 #include <span>
-#include <unordered_map>
-#include <unordered_set>
 #include <vector>
 
 #include "src/base/buffer_memory.h"
 #include "src/base/counters.h"
+#include "src/base/single_flight_cache.h"
 #include "src/base/worker_pool.h"
+#include "src/device/chunk_texels.h"
 #include "src/texture/texture_plan.h"
 #include "src/volume/volume_buffer.h"
 
 namespace sluice {
 
 struct ReadRun;
-
-// Texels of a chunk in whole pages, x fastest.
-struct ChunkTexels {
-  Vec3i storage_vox;
-  size_t byte_count = 0;
-  BufferMemory::Piece bytes;
-  std::span<std::byte> span() const { return {bytes.get(), byte_count}; }
-};
-using ChunkTexelsPtr = std::shared_ptr<const ChunkTexels>;
 
 class TextureBuffer {
  public:
@@ -51,19 +41,21 @@ class TextureBuffer {
   // Chunks asked for together; pinned until it is finished or cancelled, which each must be.
   class Batch;
   using BatchPtr = std::shared_ptr<Batch>;
-  // Begins to fill these chunks (positions in plan.chunks) named `names` (of all chunks) on the
-  // worker threads; waits for the room of what is being filled and no longer wanted. Throws Error
-  // when the budget cannot hold them beside what is pinned. The plan may go when this returns.
+  // Begins to fill these chunks named `names` (of all chunks) on the worker threads; waits for the
+  // room of what is being filled and no longer wanted. Throws Error when the budget cannot hold
+  // them beside what is pinned. The plan may go when this returns.
   //
   // `soon` are chunks that will be asked for next: their blocks are read with those of the same row
   // along x that are read now, since rows of a file lie together, as far as level 2 holds them.
-  BatchPtr begin(const TexturePlan& plan, std::span<const uint64_t> names,
-                 std::span<const int64_t> chunks, std::span<const int64_t> soon = {});
+  BatchPtr begin(const TexturePlan& plan, const ChunkNameList& names,
+                 std::span<const ChunkPosition> chunks, std::span<const ChunkPosition> soon = {},
+                 const ReadPurpose& purpose = {});
   // The same without waiting; null, and nothing begun, for want of room.
-  BatchPtr tryBegin(const TexturePlan& plan, std::span<const uint64_t> names,
-                    std::span<const int64_t> chunks, std::span<const int64_t> soon = {});
-  // The texels in the order asked for. Helps to fill, then waits for the workers. Throws Error or
-  // Interrupted when a block cannot be read; the chunks are not kept then.
+  BatchPtr tryBegin(const TexturePlan& plan, const ChunkNameList& names,
+                    std::span<const ChunkPosition> chunks, std::span<const ChunkPosition> soon = {},
+                    const ReadPurpose& purpose = {});
+  // The texels in the order asked for. Helps to fill, then waits for the workers. Throws Error
+  // when a block cannot be read, Interrupted when it was stopped; the chunks are not kept then.
   std::vector<ChunkTexelsPtr> finish(const BatchPtr& batch);
   // The same but waits no longer than until `deadline`, and does not help: null for those that are
   // not filled then. The batch goes on, and is still to be finished or cancelled.
@@ -74,47 +66,48 @@ class TextureBuffer {
   // Returns when nothing is being filled. Requires: every batch is finished or cancelled.
   void waitUntilIdle();
   // begin and finish.
-  std::vector<ChunkTexelsPtr> acquire(const TexturePlan& plan, std::span<const uint64_t> names,
-                                      std::span<const int64_t> chunks);
+  std::vector<ChunkTexelsPtr> acquire(const TexturePlan& plan, const ChunkNameList& names,
+                                      std::span<const ChunkPosition> chunks);
 
-  CacheCounters counters() const;
-  void resetCounters();
-  // Seconds that all threads together spent copying since construction.
-  double copySeconds() const { return static_cast<double>(copy_ns_.load()) * 1e-9; }
+  CacheCounters counters() const { return chunks_.counters(); }
+  void resetCounters() { chunks_.resetCounters(); }
 
  private:
-  struct Entry;
-  using EntryPtr = std::shared_ptr<Entry>;
+  // What the workers fill, until the last of the blocks is in it.
+  struct Underway {
+    std::shared_ptr<ChunkTexels> texels;
+    size_t fillings_left = 0;
+    std::exception_ptr failure = {};  // of the first filling that failed or was skipped
+  };
+  using Chunks = SingleFlightCache<ChunkName, const ChunkTexels, std::hash<ChunkName>, Underway>;
+  using EntryPtr = Chunks::EntryPtr;
   struct Filling;
 
-  // These require mutex_ to be held.
-  bool makeRoom(uint64_t bytes);
-  EntryPtr publish(const TexturePlan& plan, const Chunk& chunk, uint64_t name);
-  void settle(const EntryPtr& entry, size_t fillings);
-  void skipRest(Batch& batch, const std::exception_ptr& why);
-  static void unpin(Batch& batch);
+  bool makeRoomFor(const TexturePlan& plan, const ChunkNameList& names,
+                   std::span<const ChunkPosition> chunks) SLUICE_REQUIRES(chunks_.mutex);
+  EntryPtr publish(const TexturePlan& plan, const Chunk& chunk, ChunkName name,
+                   std::vector<Filling>& fillings) SLUICE_REQUIRES(chunks_.mutex);
+  void settle(const EntryPtr& entry) SLUICE_REQUIRES(chunks_.mutex);
+  void skipRest(Batch& batch, const std::exception_ptr& why) SLUICE_REQUIRES(chunks_.mutex);
+  // Of a batch that no worker has heard of. Called while an exception is handled.
+  void abandon(Batch& batch) SLUICE_REQUIRES(chunks_.mutex);
+  std::vector<BlockKey> blocksSoon(const TexturePlan& plan, const ChunkNameList& names,
+                                   std::span<const ChunkPosition> soon) const
+      SLUICE_REQUIRES(chunks_.mutex);
 
-  std::vector<int64_t> blocksSoon(const TexturePlan& plan, std::span<const uint64_t> names,
-                                  std::span<const int64_t> soon) const;
-  void planRuns(Batch& batch, std::vector<Filling> fillings, std::vector<int64_t> soon,
+  void planRuns(Batch& batch, std::vector<Filling> fillings, std::vector<BlockKey> soon,
                 int64_t blocks_a_row) const;
+  void startHelpers(const BatchPtr& batch);
+  void helperIsDone();
   void work(Batch& batch);
   void fill(Batch& batch, const ReadRun& run);
 
   VolumeBuffer& blocks_;
   WorkerPool& pool_;
   const std::shared_ptr<BufferMemory> memory_;  // of the texels
-  std::atomic<int64_t> copy_ns_{0};
-  mutable std::mutex mutex_;
-  std::condition_variable settled_;
-  // Guarded by mutex_.
-  std::list<EntryPtr> recent_;  // filled ones, most recently used first
-  std::unordered_map<uint64_t, EntryPtr> entries_;
-  std::unordered_set<uint64_t> seen_;
-  uint64_t reserved_bytes_ = 0;  // of chunks being filled
-  int64_t workers_under_way_ = 0;
-  size_t runs_under_way_ = 0;  // being read and copied
-  CacheCounters counters_;
+  Chunks chunks_;
+  int64_t workers_under_way_ SLUICE_GUARDED_BY(chunks_.mutex) = 0;
+  size_t runs_under_way_ SLUICE_GUARDED_BY(chunks_.mutex) = 0;  // being read and copied
 };
 
 }  // namespace sluice

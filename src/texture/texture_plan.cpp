@@ -32,32 +32,32 @@ Vec3i clusterBlocks(const BlockLayout& layout, int64_t capacity_blocks) {
 }
 
 // The whole block, drawn whole (I) or clipped to its object box (II).
-TextureBlock wholeBlock(const BlockLayout& layout, int64_t block, const Box3& cells) {
+TextureBlock wholeBlock(const BlockLayout& layout, const ObjectBlock& object) {
   TextureBlock result;
-  result.block = block;
-  result.voxels = layout.cube(layout.indexOf(block));
-  result.cells = cells;
+  result.time = object.time;
+  result.block = object.block;
+  result.voxels = layout.cube(layout.indexOf(object.block));
+  result.cells = object.cells;
   return result;
 }
 
 // Section 3.2.2: trimmed along one axis, 2^d along the others.
 TextureBlock trimmedBlock(const BlockLayout& layout, const ObjectBlock& object) {
-  TextureBlock result = wholeBlock(layout, object.block, object.cells);
+  TextureBlock result = wholeBlock(layout, object);
   const int axis = result.trimming_axis = object.trimming_axis;
   result.voxels.lo[axis] = object.cells.lo[axis] - layout.ghost;
   result.voxels.hi[axis] = object.cells.hi[axis] + 1 + layout.ghost;
   return result;
 }
 
-std::vector<TextureBlock> textureBlocks(const BlockLayout& layout,
-                                        const Classification& classification, Algorithm algorithm,
-                                        const Box3& crop) {
-  std::vector<TextureBlock> blocks;
+void addBlocks(TexturePlan& plan, const VisibleBlocks& visible, const PlanOptions& options) {
+  const BlockLayout& layout = plan.layout;
+  const Algorithm algorithm = options.algorithm;
+  auto& blocks = plan.blocks;
   if (algorithm == Algorithm::kTrimmed || algorithm == Algorithm::kMerged) {
-    reserveLarge(blocks, classification.visible.size());
-    for (const ObjectBlock& object : classification.visible)
-      blocks.push_back(trimmedBlock(layout, object));
-    return blocks;
+    reserveLarge(blocks, visible.blocks.size());
+    for (const ObjectBlock& object : visible.blocks) blocks.push_back(trimmedBlock(layout, object));
+    return;
   }
   if (layout.blockCount() > kMostBlocks)
     fail("--algorithm {} loads every block, here {}; use trimmed or merged", name(algorithm),
@@ -65,61 +65,61 @@ std::vector<TextureBlock> textureBlocks(const BlockLayout& layout,
   reserveLarge(blocks, static_cast<size_t>(layout.blockCount()));
   size_t next = 0;
   for (int64_t block = 0; block < layout.blockCount(); ++block) {
-    Box3 cells;
-    if (next < classification.visible.size() && classification.visible[next].block == block)
-      cells = classification.visible[next++].cells;
+    ObjectBlock object;
+    object.block = block;
+    object.time = options.time;
+    if (next < visible.blocks.size() && visible.blocks[next].block == block)
+      object = visible.blocks[next++];
     if (algorithm == Algorithm::kConventional)
-      cells = intersect(layout.ownedCells(layout.indexOf(block)), crop);
-    blocks.push_back(wholeBlock(layout, block, cells));
+      object.cells = intersect(layout.ownedCells(layout.indexOf(block)), options.crop);
+    blocks.push_back(wholeBlock(layout, object));
   }
-  return blocks;
 }
 
 void groupIntoClusters(TexturePlan& plan) {
-  std::unordered_map<int64_t, int64_t> cluster_at;  // linear index in the grid -> position
-  int64_t last_linear = -1;                         // neighbours in a row share their cluster
-  int64_t position = 0;
-  for (size_t i = 0; i < plan.blocks.size(); ++i) {
+  std::unordered_map<int64_t, ClusterPosition> cluster_at;  // by linear index in the grid
+  int64_t last_linear = -1;  // neighbours in a row share their cluster
+  ClusterPosition position;
+  for (const BlockPosition i : plan.blocks.indices()) {
     TextureBlock& block = plan.blocks[i];
     const Vec3i index = plan.layout.indexOf(block.block) / plan.cluster_blocks;
     const int64_t linear =
         (index.z * plan.cluster_grid.y + index.y) * plan.cluster_grid.x + index.x;
     if (linear != last_linear) {
-      const auto [found, fresh] =
-          cluster_at.emplace(linear, static_cast<int64_t>(plan.clusters.size()));
+      const auto [found, fresh] = cluster_at.emplace(linear, plan.clusters.endIndex());
       if (fresh) plan.clusters.push_back({index, {}, {}});
       position = found->second;
       last_linear = linear;
     }
     block.cluster = position;
-    plan.clusters[static_cast<size_t>(block.cluster)].blocks.push_back(static_cast<int64_t>(i));
+    plan.clusters[block.cluster].blocks.push_back(i);
   }
 }
 
-MergeBlock mergeBlock(const TexturePlan& plan, int64_t position) {
-  return {position, plan.blocks[static_cast<size_t>(position)].texels().z};
+MergeBlock mergeBlock(const TexturePlan& plan, BlockPosition position) {
+  return {position.value(), plan.blocks[position].texels().z};
 }
 
 // Each block a chunk.
 void addSingleChunks(TexturePlan& plan) {
   reserveLarge(plan.chunks, plan.blocks.size());
-  for (size_t i = 0; i < plan.blocks.size(); ++i) {
+  for (const BlockPosition i : plan.blocks.indices()) {
     TextureBlock& block = plan.blocks[i];
-    const auto position = static_cast<int64_t>(i);
+    const ChunkPosition position = plan.chunks.endIndex();
     const Vec3i size{plan.layout.size, plan.layout.size, block.texels().z};
     block.chunk = position;
-    plan.clusters[static_cast<size_t>(block.cluster)].chunks.push_back(position);
-    plan.chunks.push_back({size, plan.page.pagesOf(size), {position}});
+    plan.clusters[block.cluster].chunks.push_back(position);
+    plan.chunks.push_back({size, plan.page.pagesOf(size), {i}});
   }
 }
 
 // Gives each block its chunk and place, and each cluster of a block the chunk. Whether there are
 // two.
 bool addChunk(TexturePlan& plan, const MergedChunk& merged) {
-  const int64_t first = merged.columns[0].blocks[0].block;
-  const int64_t first_cluster = plan.blocks[static_cast<size_t>(first)].cluster;
+  const BlockPosition first(merged.columns[0].blocks[0].block);
+  const ClusterPosition first_cluster = plan.blocks[first].cluster;
   bool is_between = false;
-  const auto number = static_cast<int64_t>(plan.chunks.size());
+  const ChunkPosition number = plan.chunks.endIndex();
   const int64_t side = plan.layout.size;
   Chunk chunk;
   size_t count = 0;
@@ -128,13 +128,14 @@ bool addChunk(TexturePlan& plan, const MergedChunk& merged) {
   for (size_t c = 0; c < merged.columns.size(); ++c) {
     int64_t z = 0;
     for (const MergeBlock& piled : merged.columns[c].blocks) {
-      TextureBlock& block = plan.blocks[static_cast<size_t>(piled.block)];
+      const BlockPosition position(piled.block);
+      TextureBlock& block = plan.blocks[position];
       block.chunk = number;
       block.at = {static_cast<int64_t>(c) * side, 0, z};
       z += piled.thickness;
-      chunk.blocks.push_back(piled.block);
+      chunk.blocks.push_back(position);
       is_between = is_between || block.cluster != first_cluster;
-      std::vector<int64_t>& of_cluster = plan.clusters[static_cast<size_t>(block.cluster)].chunks;
+      std::vector<ChunkPosition>& of_cluster = plan.clusters[block.cluster].chunks;
       if (of_cluster.empty() || of_cluster.back() != number) of_cluster.push_back(number);
     }
   }
@@ -151,13 +152,14 @@ void mergeChunks(TexturePlan& plan, MergeOrder order) {
     return plan.page.pagesOf(
         {static_cast<int64_t>(chunk.columns.size()) * limit, limit, chunk.thickness()});
   };
-  std::vector<std::vector<MergedChunk>> merged(plan.clusters.size());
-  std::vector<int64_t> pages(plan.clusters.size());
-  std::map<std::tuple<int64_t, int64_t, int64_t>, size_t> by_row;  // x, y, z of the cluster
-  for (size_t i = 0; i < plan.clusters.size(); ++i) {
+  IndexedVector<ClusterPosition, std::vector<MergedChunk>> merged(plan.clusters.size());
+  IndexedVector<ClusterPosition, int64_t> pages(plan.clusters.size());
+  // By x, y, z of the cluster.
+  std::map<std::tuple<int64_t, int64_t, int64_t>, ClusterPosition> by_row;
+  for (const ClusterPosition i : plan.clusters.indices()) {
     std::vector<MergeBlock> blocks;
     blocks.reserve(plan.clusters[i].blocks.size());
-    for (const int64_t position : plan.clusters[i].blocks)
+    for (const BlockPosition position : plan.clusters[i].blocks)
       blocks.push_back(mergeBlock(plan, position));
     merged[i] = mergeInCluster(blocks, limit, order);
     for (const MergedChunk& chunk : merged[i]) pages[i] += pagesOf(chunk);
@@ -172,7 +174,7 @@ void mergeChunks(TexturePlan& plan, MergeOrder order) {
     const auto& [x, y, z] = place;
     const auto next = by_row.find({x, y, z + 1});
     if (next == by_row.end()) continue;
-    const size_t j = next->second;
+    const ClusterPosition j = next->second;
     for (;;) {
       const auto a = alone(merged[i]), b = alone(merged[j]);
       if (a == merged[i].end() || b == merged[j].end()) break;
@@ -199,9 +201,9 @@ void mergeChunks(TexturePlan& plan, MergeOrder order) {
   // A chunk of two clusters is asked for first, so that what the second of them loads cannot evict
   // it: it is loaded once, in both traversal directions.
   for (Cluster& cluster : plan.clusters)
-    std::stable_partition(cluster.chunks.begin(), cluster.chunks.end(), [&](int64_t position) {
-      return is_between[static_cast<size_t>(position)];
-    });
+    std::stable_partition(
+        cluster.chunks.begin(), cluster.chunks.end(),
+        [&](ChunkPosition position) { return is_between[static_cast<size_t>(position.value())]; });
 }
 
 // Smaller is nearer along this axis; two may share a rank only on opposite sides of the eye, where
@@ -212,15 +214,18 @@ int64_t rankOf(int64_t index, int64_t cells, const EyePosition& eye, int axis) {
   return std::abs(index - at);
 }
 
-std::vector<int64_t> sortedByRank(size_t count, const auto& rank_at) {
-  std::vector<std::pair<Vec3i, int64_t>> ranked(count);
-  for (size_t i = 0; i < count; ++i) ranked[i] = {rank_at(i), static_cast<int64_t>(i)};
+// `ids` by the rank of each, equals in the order given.
+template <class Id>
+std::vector<Id> sortedByRank(std::span<const Id> ids, const auto& rank_of) {
+  std::vector<std::pair<Vec3i, size_t>> ranked(ids.size());
+  for (size_t i = 0; i < ids.size(); ++i) ranked[i] = {rank_of(ids[i]), i};
   std::sort(ranked.begin(), ranked.end(), [](const auto& a, const auto& b) {
     return std::tie(a.first.x, a.first.y, a.first.z, a.second) <
            std::tie(b.first.x, b.first.y, b.first.z, b.second);
   });
-  std::vector<int64_t> order(count);
-  for (size_t i = 0; i < count; ++i) order[i] = ranked[i].second;
+  std::vector<Id> order;
+  order.reserve(ids.size());
+  for (const auto& [rank, i] : ranked) order.push_back(ids[i]);
   return order;
 }
 
@@ -253,8 +258,8 @@ LoadBytes TexturePlan::loadBytes(const Chunk& chunk) const {
   LoadBytes load;
   load.moved = static_cast<uint64_t>(chunk.pages * page.pageBytes());
   int64_t copied = 0;
-  for (const int64_t position : chunk.blocks) {
-    const TextureBlock& block = blocks[static_cast<size_t>(position)];
+  for (const BlockPosition position : chunk.blocks) {
+    const TextureBlock& block = blocks[position];
     copied += volume(block.texels());
     // Cells interpolate the planes on both sides.
     if (!block.cells.empty()) load.needed += bytes(volume(block.cells.size() + Vec3i{1, 1, 1}));
@@ -264,7 +269,7 @@ LoadBytes TexturePlan::loadBytes(const Chunk& chunk) const {
   return load;
 }
 
-TexturePlan planTextures(const BlockLayout& layout, const Classification& classification,
+TexturePlan planTextures(const BlockLayout& layout, const VisibleBlocks& visible,
                          const PageGeometry& page, const PlanOptions& options) {
   const int64_t block_pages = page.pagesOf(Vec3i{layout.size, layout.size, layout.size});
   const int64_t capacity_blocks = page.pages / block_pages;
@@ -276,11 +281,10 @@ TexturePlan planTextures(const BlockLayout& layout, const Classification& classi
   TexturePlan plan;
   plan.layout = layout;
   plan.page = page;
-  plan.time = options.time;
   plan.cluster_blocks = clusterBlocks(layout, capacity_blocks);
   for (int a = 0; a < 3; ++a)
     plan.cluster_grid[a] = ceilDiv(layout.grid[a], plan.cluster_blocks[a]);
-  plan.blocks = textureBlocks(layout, classification, options.algorithm, options.crop);
+  addBlocks(plan, visible, options);
   groupIntoClusters(plan);
   if (options.algorithm == Algorithm::kMerged) {
     mergeChunks(plan, options.merge_order);
@@ -290,41 +294,41 @@ TexturePlan planTextures(const BlockLayout& layout, const Classification& classi
   return plan;
 }
 
-std::vector<int64_t> clusterOrder(const TexturePlan& plan, const EyePosition& eye) {
+std::vector<ClusterPosition> clusterOrder(const TexturePlan& plan, const EyePosition& eye) {
   const int64_t cells = plan.layout.cells();
-  return sortedByRank(plan.clusters.size(), [&](size_t i) {
-    const Vec3i index = plan.clusters[i].index;
+  std::vector<ClusterPosition> all;
+  for (const ClusterPosition position : plan.clusters.indices()) all.push_back(position);
+  return sortedByRank<ClusterPosition>(all, [&](ClusterPosition position) {
+    const Vec3i index = plan.clusters[position].index;
     Vec3i rank;
     for (int a = 0; a < 3; ++a) rank[a] = rankOf(index[a], plan.cluster_blocks[a] * cells, eye, a);
     return rank;
   });
 }
 
-std::vector<int64_t> blockOrder(const TexturePlan& plan, const Cluster& cluster,
-                                const EyePosition& eye) {
-  std::vector<int64_t> order = sortedByRank(cluster.blocks.size(), [&](size_t i) {
-    const TextureBlock& block = plan.blocks[static_cast<size_t>(cluster.blocks[i])];
-    const Vec3i index = plan.layout.indexOf(block.block);
+std::vector<BlockPosition> blockOrder(const TexturePlan& plan, const Cluster& cluster,
+                                      const EyePosition& eye) {
+  return sortedByRank<BlockPosition>(cluster.blocks, [&](BlockPosition position) {
+    const Vec3i index = plan.layout.indexOf(plan.blocks[position].block);
     Vec3i rank;
     for (int a = 0; a < 3; ++a) rank[a] = rankOf(index[a], plan.layout.cells(), eye, a);
     return rank;
   });
-  for (int64_t& position : order) position = cluster.blocks[static_cast<size_t>(position)];
-  return order;
 }
 
-std::vector<int64_t> layerOrder(const TexturePlan& plan, std::span<const int64_t> blocks,
-                                const EyePosition& eye) {
+std::vector<BlockPosition> layerOrder(const TexturePlan& plan,
+                                      std::span<const BlockPosition> blocks,
+                                      const EyePosition& eye) {
   // Along a ray no axis' rank descends, and one ascends from block to block.
-  std::vector<std::pair<int64_t, int64_t>> order;
-  for (const int64_t position : blocks) {
-    const Vec3i index = plan.layout.indexOf(plan.blocks[static_cast<size_t>(position)].block);
+  std::vector<std::pair<int64_t, BlockPosition>> order;
+  for (const BlockPosition position : blocks) {
+    const Vec3i index = plan.layout.indexOf(plan.blocks[position].block);
     int64_t layer = 0;
     for (int a = 0; a < 3; ++a) layer += rankOf(index[a], plan.layout.cells(), eye, a);
     order.emplace_back(layer, position);
   }
   std::sort(order.begin(), order.end());
-  std::vector<int64_t> positions;
+  std::vector<BlockPosition> positions;
   positions.reserve(order.size());
   for (const auto& [layer, position] : order) positions.push_back(position);
   return positions;

@@ -13,10 +13,11 @@
 #include <string_view>
 #include <vector>
 
-#include "cache/page_geometry.h"
-#include "cache/trace.h"
-#include "src/classify/classification.h"
+#include "cache/model/page_geometry.h"
+#include "cache/trace/trace.h"
+#include "src/classify/blocks/classification.h"
 #include "src/texture/merging.h"
+#include "src/texture/positions.h"
 #include "src/volume/block_layout.h"
 
 namespace sluice {
@@ -39,42 +40,41 @@ constexpr Vec3i turned(Vec3i volume_size, int trimming_axis) {
 
 // A part of a volume block, copied into a chunk.
 struct TextureBlock {
-  int64_t block = 0;      // id of the volume block
+  int64_t time = 0;       // step of the volume block
+  int64_t block = 0;      // its id
   Box3 cells;             // what is resampled: cells of the volume, half-open
   Box3 voxels;            // what is copied; reaches beyond the volume where the block is padded
   int trimming_axis = 2;  // becomes texture z
-  int64_t chunk = 0;      // position in TexturePlan::chunks
-  Vec3i at;               // texel of voxels.lo in the chunk
-  int64_t cluster = 0;    // position in TexturePlan::clusters
+  ChunkPosition chunk;
+  Vec3i at;  // texel of voxels.lo in the chunk
+  ClusterPosition cluster;
 
   Vec3i texels() const { return turned(voxels.size(), trimming_axis); }
 };
 
 // What is loaded into the texture cache as one: texture blocks and the texels between them.
 struct Chunk {
-  Vec3i size_vox;               // texels, before rounding up to whole pages
-  int64_t pages = 0;            // of the page geometry
-  std::vector<int64_t> blocks;  // positions in TexturePlan::blocks
+  Vec3i size_vox;     // texels, before rounding up to whole pages
+  int64_t pages = 0;  // of the page geometry
+  std::vector<BlockPosition> blocks;
 };
 
 // u x v blocks of one z index whose black blocks together fill the texture cache.
 struct Cluster {
-  Vec3i index;                  // in the grid of clusters
-  std::vector<int64_t> blocks;  // positions in TexturePlan::blocks, those of this cluster
-  // Positions in TexturePlan::chunks that these blocks lie in. A chunk merged between two clusters
-  // is in both.
-  std::vector<int64_t> chunks;
+  Vec3i index;                        // in the grid of clusters
+  std::vector<BlockPosition> blocks;  // those of this cluster
+  // That these blocks lie in. A chunk merged between two clusters is in both.
+  std::vector<ChunkPosition> chunks;
 };
 
 struct TexturePlan {
   BlockLayout layout;
   PageGeometry page;
-  int64_t time = 0;
   Vec3i cluster_blocks;  // u, v, 1
   Vec3i cluster_grid;
-  std::vector<TextureBlock> blocks;
-  std::vector<Chunk> chunks;
-  std::vector<Cluster> clusters;  // those with anything to draw
+  IndexedVector<BlockPosition, TextureBlock> blocks;
+  IndexedVector<ChunkPosition, Chunk> chunks;
+  IndexedVector<ClusterPosition, Cluster> clusters;  // those with anything to draw
 
   int64_t pageCount() const;
   // What one load of a chunk moves, by cause.
@@ -86,12 +86,12 @@ struct TexturePlan {
 struct PlanOptions {
   Algorithm algorithm = Algorithm::kMerged;
   MergeOrder merge_order = MergeOrder::kPaper;  // of kMerged
-  int64_t time = 0;
-  Box3 crop;  // cells that may show
+  int64_t time = 0;  // of blocks that are loaded though nothing of them is visible
+  Box3 crop;         // cells that may show
 };
 
 // Throws Error when the texture cache has fewer pages than one block.
-TexturePlan planTextures(const BlockLayout& layout, const Classification& classification,
+TexturePlan planTextures(const BlockLayout& layout, const VisibleBlocks& visible,
                          const PageGeometry& page, const PlanOptions& options);
 
 // Where the eye is among the cells of the volume: a parallel view looks along a direction.
@@ -99,14 +99,15 @@ struct EyePosition {
   bool parallel = true;
   Vec3d index;  // parallel: the viewing direction; otherwise the eye, both in index space
 };
-// Positions in plan.clusters, front to back: along z first, then y, then x (section 3.2.3.3).
-std::vector<int64_t> clusterOrder(const TexturePlan& plan, const EyePosition& eye);
-// Positions in plan.blocks of one cluster, front to back.
-std::vector<int64_t> blockOrder(const TexturePlan& plan, const Cluster& cluster,
-                                const EyePosition& eye);
-// Any positions in plan.blocks, front to back in layers across the view: what is in front is drawn
-// all over the picture before what is behind it.
-std::vector<int64_t> layerOrder(const TexturePlan& plan, std::span<const int64_t> blocks,
-                                const EyePosition& eye);
+// Front to back: along z first, then y, then x (section 3.2.3.3).
+std::vector<ClusterPosition> clusterOrder(const TexturePlan& plan, const EyePosition& eye);
+// Of one cluster, front to back.
+std::vector<BlockPosition> blockOrder(const TexturePlan& plan, const Cluster& cluster,
+                                      const EyePosition& eye);
+// Any blocks, front to back in layers across the view: what is in front is drawn all over the
+// picture before what is behind it.
+std::vector<BlockPosition> layerOrder(const TexturePlan& plan,
+                                      std::span<const BlockPosition> blocks,
+                                      const EyePosition& eye);
 
 }  // namespace sluice

@@ -35,9 +35,8 @@ class OpacityMap {
   explicit OpacityMap(int side = kDefaultSide);
 
   int side() const { return side_; }
-  // False until the first update, and after invalidate(): everything is visible.
+  // False until the first update: everything is visible.
   bool valid() const { return valid_; }
-  void invalidate() { valid_ = false; }
   // Row after row, from y = 0. Requires: opacity.size() == side * side.
   void update(std::span<const float> opacity);
 

@@ -2,28 +2,51 @@
 
 #include <blosc.h>
 
-#include <cstring>
+#include <algorithm>
+#include <new>
 
 #include "src/base/error.h"
 
 namespace sluice {
+namespace {
+
+// Where packing to more does not pay.
+size_t mostPackedBytes(size_t byte_count) {
+  return byte_count - byte_count / 8;
+}
+
+// Blosc's blocks at the level that pack() takes by default; it holds two of them while it works.
+constexpr size_t kBloscBlockVoxels = size_t{128} << 10;
+
+}  // namespace
 
 std::optional<PackedBytes> pack(std::span<const std::byte> voxels, size_t voxel_bytes,
                                 PackCodec codec) {
-  const size_t most = voxels.size() - voxels.size() / 8;
-  const auto scratch = std::make_unique_for_overwrite<std::byte[]>(most + BLOSC_MAX_OVERHEAD);
+  const size_t most = mostPackedBytes(voxels.size());
+  PackedBytes result;
+  result.bytes.reset(static_cast<std::byte*>(std::malloc(most + BLOSC_MAX_OVERHEAD)));
+  if (result.bytes == nullptr) throw std::bad_alloc();
   const int shuffle = voxel_bytes > 1 ? BLOSC_SHUFFLE : BLOSC_NOSHUFFLE;
   const int packed = blosc_compress_ctx(codec.level, shuffle, voxel_bytes, voxels.size(),
-                                        voxels.data(), scratch.get(), most, codec.name, 0, 1);
+                                        voxels.data(), result.bytes.get(), most, codec.name, 0, 1);
   if (packed <= 0) return std::nullopt;  // larger than `most`
-  PackedBytes result{static_cast<size_t>(packed), nullptr};
-  result.bytes = std::make_unique_for_overwrite<std::byte[]>(result.byte_count);
-  std::memcpy(result.bytes.get(), scratch.get(), result.byte_count);
+  result.byte_count = static_cast<size_t>(packed);
+  void* const shorter = std::realloc(result.bytes.get(), result.byte_count);
+  if (shorter != nullptr) {
+    static_cast<void>(result.bytes.release());
+    result.bytes.reset(static_cast<std::byte*>(shorter));
+  }
   return result;
+}
+
+size_t packPeakBytes(size_t byte_count, size_t voxel_bytes) {
+  return mostPackedBytes(byte_count) + BLOSC_MAX_OVERHEAD +
+         2 * std::min(byte_count, kBloscBlockVoxels * voxel_bytes);
 }
 
 void unpack(const PackedBytes& packed, std::span<std::byte> out) {
   const int bytes = blosc_decompress_ctx(packed.bytes.get(), out.data(), out.size(), 1);
+  if (bytes < 0) throw std::bad_alloc();  // the bytes are ours: nothing else can be missing
   SLUICE_CHECK_EQ(bytes, static_cast<int>(out.size()));
 }
 

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdlib>
 #include <memory>
 #include <optional>
 #include <span>
@@ -12,8 +13,12 @@
 namespace sluice {
 
 struct PackedBytes {
+  // Of malloc: what is too long is cut off where it lies, not copied.
+  struct Free {
+    void operator()(std::byte* memory) const { std::free(memory); }
+  };
   size_t byte_count = 0;
-  std::unique_ptr<std::byte[]> bytes;
+  std::unique_ptr<std::byte[], Free> bytes;
 };
 
 struct PackCodec {
@@ -21,11 +26,14 @@ struct PackCodec {
   int level = 5;             // 1 to 9
 };
 
-// Nullopt where packing does not save an eighth: noise is better dropped and read again. Takes as
-// much memory again as `voxels` while it works.
+// Nullopt where packing does not save an eighth: noise is better dropped and read again. Throws
+// std::bad_alloc.
 std::optional<PackedBytes> pack(std::span<const std::byte> voxels, size_t voxel_bytes,
                                 PackCodec codec = {});
-// Requires: `packed` was made by pack() from out.size() bytes.
+// Bytes that pack() takes for a while beside voxels of `byte_count`, its result among them: room
+// for seven eighths of them, and two of Blosc's blocks, which unpack() takes too.
+size_t packPeakBytes(size_t byte_count, size_t voxel_bytes);
+// Requires: `packed` was made by pack() from out.size() bytes. Throws std::bad_alloc.
 void unpack(const PackedBytes& packed, std::span<std::byte> out);
 
 }  // namespace sluice

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <type_traits>
 #include <utility>
 
-#include "src/base/interrupt.h"
+#include "src/base/mutex.h"
 #include "src/volume/block_ranges.h"
+#include "src/volume/device_reader.h"
 #include "src/volume/key_histogram.h"
 
 namespace sluice {
@@ -31,16 +31,11 @@ Box3 ownedVoxels(const BlockLayout& layout, Vec3i index) {
   return {cells.lo, cells.hi + Vec3i{1, 1, 1}};
 }
 
-// Voxels that the histogram counts: of every other row of every other plane of each block, each
-// row once though blocks share their ends.
-uint64_t sampledVoxels(const BlockLayout& layout) {
-  constexpr long double kMost = 1e18L;  // volumes that are mostly nothing may have 2^90 voxels
-  long double voxels = static_cast<long double>(layout.dims.x);
-  for (int a = 1; a < 3; ++a) {
-    const int64_t last = layout.dims[a] - (layout.grid[a] - 1) * layout.cells();
-    const int64_t rows = (layout.grid[a] - 1) * ceilDiv(layout.planes(), 2) + ceilDiv(last, 2);
-    voxels *= static_cast<long double>(rows);
-  }
+// Volumes that are mostly nothing may have 2^90 voxels.
+uint64_t voxelsOf(const BlockLayout& layout) {
+  constexpr long double kMost = 1e18L;
+  long double voxels = 1;
+  for (int a = 0; a < 3; ++a) voxels *= static_cast<long double>(layout.dims[a]);
   return static_cast<uint64_t>(std::min(voxels, kMost));
 }
 
@@ -106,33 +101,23 @@ std::vector<int64_t> candidates(const BlockLayout& layout,
 // size costs as much as the work done in it.
 template <class T>
 struct WorkSpace {
-  explicit WorkSpace(int64_t planes) : ranges(planes) {}
+  WorkSpace(VolumeSource& source, int64_t planes) : reader(source, kBytesPerRead), ranges(planes) {}
 
   // The device voxels of `box`, valid until the next call.
-  const T* read(VolumeSource& source, int64_t time, const Box3& box) {
-    const VoxelType type = source.layout().type;
+  const T* read(int64_t time, const Box3& box) {
     const auto count = static_cast<size_t>(box.count());
-    const size_t stored_bytes = count * bytesPerVoxel(type);
     if (count > capacity) {
       // Uninitialised on purpose: the read overwrites every byte.
       device = std::make_unique_for_overwrite<T[]>(count);
-      if (!isStoredAsDevice(type))
-        stored = std::make_unique_for_overwrite<std::byte[]>(stored_bytes);
       capacity = count;
     }
-    const auto device_bytes = std::as_writable_bytes(std::span(device.get(), count));
-    if (isStoredAsDevice(type)) {
-      source.readRegion(time, box, device_bytes);
-    } else {
-      source.readRegion(time, box, {stored.get(), stored_bytes});
-      toDevice(type, {stored.get(), stored_bytes}, device_bytes);
-    }
+    reader.read(time, {box, std::as_writable_bytes(std::span(device.get(), count))});
     return device.get();
   }
 
+  DeviceReader reader;  // what it reads through is bounded by the run
   size_t capacity = 0;  // voxels
   std::unique_ptr<T[]> device;
-  std::unique_ptr<std::byte[]> stored;
   BlockRanges<T> ranges;
   KeyHistogram<T> histogram;
   PlaneRange<T> seen = kNoVoxels<T>;  // of all voxels that are numbers
@@ -170,7 +155,7 @@ class Builder {
     const Box3 box = unite(ownedVoxels(layout, run.first), ownedVoxels(layout, last));
     const Vec3i size = box.size();
     std::unique_ptr<WorkSpace<T>> work = takeWorkSpace();
-    const T* voxels = work->read(source_, time_, box);
+    const T* voxels = work->read(time_, box);
     const auto held = static_cast<size_t>(
         std::lower_bound(result_.blocks.begin(), result_.blocks.end(), layout.idOf(run.first)) -
         result_.blocks.begin());
@@ -182,17 +167,22 @@ class Builder {
                                     planes_.data() + at * perBlock());
       widen(work->seen, numbersOf(totals_[at], first, own.size(), size));
     }
-    // The last plane is the next run's first.
-    const int64_t row = size.x - (last.x + 1 < layout.grid.x ? 1 : 0);
-    for (int64_t z = 0; z < size.z; z += 2)
-      for (int64_t y = 0; y < size.y; y += 2)
-        work->histogram.add(voxels + (z * size.y + y) * size.x, row);
-    const std::lock_guard lock(mutex_);
+    // The last planes are the next blocks' first.
+    Vec3i own = size;
+    for (int a = 0; a < 3; ++a) own[a] -= last[a] + 1 < layout.grid[a] ? 1 : 0;
+    for (int64_t z = 0; z < own.z; ++z)
+      for (int64_t y = 0; y < own.y; ++y) {
+        const T* row = voxels + (z * size.y + y) * size.x;
+        work->histogram.add(row, own.x);
+        work->histogram.addChanges(row, size.x);
+      }
+    const MutexLock lock(mutex_);
     idle_.push_back(std::move(work));
   }
 
   // After the last run.
   void finish(std::optional<double> known_background) {
+    const MutexLock lock(mutex_);
     result_.background = known_background
                              ? deviceFromStored(source_.layout().type, *known_background)
                              : mostCommonUniform();
@@ -207,9 +197,9 @@ class Builder {
     }
     if (seen.lo <= seen.hi)
       result_.device_range = {static_cast<double>(seen.lo), static_cast<double>(seen.hi)};
-    const uint64_t sampled = sampledVoxels(result_.layout), counted = histogram.total();
-    if (sampled > counted) histogram.add(background(), sampled - counted);
-    histogram.finish(result_.device_range, result_.histogram);
+    const uint64_t all = voxelsOf(result_.layout), counted = histogram.total();
+    if (all > counted) histogram.add(background(), all - counted);
+    result_.counts = histogram.finish(result_.device_range);
     keepOnlyNonBackground();
     const auto bytesOf = [](const auto& values) {
       const auto bytes = std::as_bytes(std::span(values));
@@ -226,14 +216,14 @@ class Builder {
 
   std::unique_ptr<WorkSpace<T>> takeWorkSpace() {
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       if (!idle_.empty()) {
         std::unique_ptr<WorkSpace<T>> work = std::move(idle_.back());
         idle_.pop_back();
         return work;
       }
     }
-    return std::make_unique<WorkSpace<T>>(result_.layout.planes());
+    return std::make_unique<WorkSpace<T>>(source_, result_.layout.planes());
   }
 
   double mostCommonUniform() const {
@@ -273,14 +263,15 @@ class Builder {
   SliceRanges& result_;
   // Each run writes its own elements.
   std::vector<PlaneRange<T>> totals_, planes_;
-  std::mutex mutex_;
-  std::vector<std::unique_ptr<WorkSpace<T>>> idle_;  // guarded by mutex_
+  Mutex mutex_;
+  std::vector<std::unique_ptr<WorkSpace<T>>> idle_ SLUICE_GUARDED_BY(mutex_);
 };
 
 }  // namespace
 
 SliceRanges buildSliceRanges(VolumeSource& source, int64_t time, const BlockLayout& layout,
-                             WorkerPool& pool, Progress& progress, uint64_t most_bytes) {
+                             WorkerPool& pool, ProgressMeter& progress, uint64_t most_bytes,
+                             const StopToken& stop) {
   SliceRanges result;
   result.layout = layout;
   result.map = deviceMap(source.layout());
@@ -298,7 +289,7 @@ SliceRanges buildSliceRanges(VolumeSource& source, int64_t time, const BlockLayo
   visitDeviceType(result.map.type, [&](auto tag) {
     Builder<decltype(tag)> builder(source, time, result);
     pool.parallelFor(static_cast<int64_t>(runs.size()), [&](int64_t i) {
-      throwIfInterrupted();
+      stop.throwIfStopped();
       const Run& run = runs[static_cast<size_t>(i)];
       builder.readRun(run);
       progress.add(static_cast<uint64_t>(run.count) * block_bytes);

@@ -11,8 +11,9 @@
 #include <span>
 #include <vector>
 
-#include "src/base/histogram.h"
-#include "src/base/progress.h"
+#include "src/base/progress_meter.h"
+#include "src/base/stop_token.h"
+#include "src/base/value_counts.h"
 #include "src/base/volume_source.h"
 #include "src/base/worker_pool.h"
 #include "src/volume/block_layout.h"
@@ -36,8 +37,9 @@ struct SliceRanges {
   // PlaneRange<T>[held][axis][plane], layout.planes() an axis.
   std::vector<std::byte> planes;
   ValueRange device_range;  // of all voxels but NaN and infinities; 0, 0 where there are no others
-  // Device values of a quarter of the voxel rows, the background of blocks not read included.
-  Histogram histogram;
+  // Device values of all voxels, each counted once though blocks share planes: the same for any
+  // size of block. What a NaN or an infinity stands for is left out.
+  ValueCounts counts;
 
   template <class T>
   std::span<const PlaneRange<T>> totalsAs() const {
@@ -59,9 +61,9 @@ inline constexpr uint64_t kMostIndexingBytes = uint64_t{128} << 20;
 // Reads the blocks that may hold something else than the background, each once, in rows of blocks
 // on all threads of `pool`, and holds at most `most_bytes` of voxels (or a block a thread)
 // meanwhile. Adds the bytes of those blocks to what `progress` expects. Throws Error from the
-// source, Interrupted.
+// source, Interrupted when `stop` asks for it.
 SliceRanges buildSliceRanges(VolumeSource& source, int64_t time, const BlockLayout& layout,
-                             WorkerPool& pool, Progress& progress,
-                             uint64_t most_bytes = kMostIndexingBytes);
+                             WorkerPool& pool, ProgressMeter& progress,
+                             uint64_t most_bytes = kMostIndexingBytes, const StopToken& stop = {});
 
 }  // namespace sluice

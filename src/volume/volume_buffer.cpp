@@ -1,46 +1,14 @@
 #include "src/volume/volume_buffer.h"
 
-#include <algorithm>
+#include <new>
 #include <utility>
 
 #include "src/base/bytes.h"
 #include "src/base/clock.h"
 #include "src/base/error.h"
 #include "src/base/interrupt.h"
-#include "src/volume/packed_block.h"
 
 namespace sluice {
-
-namespace {
-
-// Seconds since construction or the last call, in ns.
-class Laps {
- public:
-  int64_t operator()() { return static_cast<int64_t>(watch_.lap() * 1e9); }
-
- private:
-  Stopwatch watch_;
-};
-
-}  // namespace
-
-// `key` and `bytes` are constant after construction, the rest is guarded by the buffer's mutex.
-struct VolumeBuffer::Entry {
-  BlockKey key;
-  uint64_t bytes = 0;  // as it is
-  enum class State { kLoading, kResident, kPacked, kFailed } state = State::kLoading;
-  VolumeBlockPtr block;                 // when kResident
-  PackedBytes packed;                   // when kPacked, and while it is unpacked (kLoading)
-  bool used = false;                    // asked for, not only ahead
-  bool reused = false;                  // used again, now or after an earlier load
-  bool being_packed = false;            // kResident, but not in recent_
-  std::exception_ptr failure;           // Error or Interrupted, when kFailed
-  int64_t wanted_by = 0;                // calls of acquire that have not yet taken `block`
-  std::list<EntryPtr>::iterator place;  // in recent_ or cold_
-
-  // No one can gain a handle but by wanting it first.
-  bool isFree() const { return wanted_by == 0 && (block == nullptr || block.use_count() == 1); }
-};
 
 VolumeBuffer::VolumeBuffer(VolumeSource& source, const BlockLayout& layout, uint64_t budget_bytes,
                            Cold cold)
@@ -48,9 +16,8 @@ VolumeBuffer::VolumeBuffer(VolumeSource& source, const BlockLayout& layout, uint
       layout_(layout),
       map_(deviceMap(source.layout())),
       packs_(cold == Cold::kPacked && budget_bytes >= 16 * blockBytes()),
-      memory_(BufferMemory::make(budget_bytes)) {
-  counters_.budget_bytes = budget_bytes;
-}
+      memory_(BufferMemory::make(budget_bytes)),
+      blocks_(budget_bytes, Held::kStays) {}
 VolumeBuffer::~VolumeBuffer() = default;
 
 uint64_t VolumeBuffer::blockBytes() const {
@@ -58,204 +25,180 @@ uint64_t VolumeBuffer::blockBytes() const {
          bytesPerVoxel(map_.type);
 }
 
-CacheCounters VolumeBuffer::counters() const {
-  std::lock_guard lock(mutex_);
-  return counters_;
-}
-
-void VolumeBuffer::resetCounters() {
-  std::lock_guard lock(mutex_);
-  counters_.reset();
-}
-
 bool VolumeBuffer::hasRoom(uint64_t bytes) const {
   const uint64_t scratch = packs_ ? blockBytes() : 0;
-  return counters_.current_bytes + reserved_bytes_ + scratch + bytes <= counters_.budget_bytes;
+  return blocks_.takenBytes() + scratch + bytes <= blocks_.budgetBytes();
 }
 
 void VolumeBuffer::countPacked(int64_t bytes) {
   packed_bytes_ += static_cast<uint64_t>(bytes);
   const uint64_t scratch = packs_ ? blockBytes() : 0;
-  memory_->setLimit(counters_.budget_bytes - scratch - packed_bytes_);
+  memory_->setLimit(blocks_.budgetBytes() - scratch - packed_bytes_);
 }
 
-void VolumeBuffer::freeSome(std::unique_lock<std::mutex>& lock, uint64_t wanted_bytes) {
-  const auto coldest = [](const std::list<EntryPtr>& entries) -> EntryPtr {
-    for (auto at = entries.rbegin(); at != entries.rend(); ++at)
-      if ((*at)->isFree()) return *at;
-    return nullptr;
-  };
-  const EntryPtr victim = coldest(recent_);
-  if (victim == nullptr || cold_bytes_ > counters_.budget_bytes / 2) {
-    const EntryPtr packed = coldest(cold_);
-    if (packed != nullptr) {
-      cold_bytes_ -= packed->packed.byte_count;
-      drop(packed, cold_);
-      return;
-    }
-  }
-  if (victim != nullptr) {
+void VolumeBuffer::freeSome(MutexLock& lock, uint64_t wanted_bytes) {
+  const EntryPtr victim = blocks_.coldest();
+  if ((victim == nullptr || cold_bytes_ > blocks_.budgetBytes() / 2) && !cold_.empty()) {
+    dropColdest();
+  } else if (victim != nullptr) {
     packOrDrop(lock, victim);
   } else if (packing_) {
-    loaded_.wait(lock, [&] { return !packing_; });
+    while (packing_) blocks_.changed.wait(lock);
   } else {
     fail(
         "the volume buffer of {} cannot hold {} more beside the {} in use; give more --memory or a "
         "smaller --block",
-        formatBytes(counters_.budget_bytes), formatBytes(wanted_bytes),
-        formatBytes(counters_.current_bytes + reserved_bytes_));
+        formatBytes(blocks_.budgetBytes()), formatBytes(wanted_bytes),
+        formatBytes(blocks_.takenBytes()));
   }
 }
 
-void VolumeBuffer::drop(const EntryPtr& victim, std::list<EntryPtr>& from) {
-  const bool is_packed = victim->state == Entry::State::kPacked;
-  counters_.countEviction(is_packed ? victim->packed.byte_count : victim->bytes);
-  if (is_packed) countPacked(-static_cast<int64_t>(victim->packed.byte_count));
-  from.erase(victim->place);
-  entries_.erase(victim->key);
+void VolumeBuffer::dropColdest() {
+  const Packed& packed = cold_.back();
+  cold_bytes_ -= packed.bytes.byte_count;
+  blocks_.countPackedEviction(packed.bytes.byte_count);
+  countPacked(-static_cast<int64_t>(packed.bytes.byte_count));
+  cold_by_key_.erase(packed.key);
+  cold_.pop_back();
 }
 
-void VolumeBuffer::packOrDrop(std::unique_lock<std::mutex>& lock, const EntryPtr& victim) {
-  if (!packs_ || !victim->reused) {
-    drop(victim, recent_);
+void VolumeBuffer::packOrDrop(MutexLock& lock, const EntryPtr& victim) {
+  if (!packs_ || !victim->note.reused) {
+    blocks_.evict(victim);
     return;
   }
   if (packing_) {
-    loaded_.wait(lock, [&] { return !packing_; });
+    while (packing_) blocks_.changed.wait(lock);
     return;
   }
-  packing_ = victim->being_packed = true;
-  recent_.erase(victim->place);
-  const VolumeBlock& block = *victim->block;
-  lock.unlock();
-  std::optional<PackedBytes> packed =
-      pack({block.bytes.get(), block.byteCount()}, bytesPerVoxel(block.type));
-  lock.lock();
-  packing_ = victim->being_packed = false;
-  recent_.push_front(victim);
-  victim->place = recent_.begin();
-  if (victim->isFree()) {  // else someone wanted it in the meantime
-    if (packed) {
-      counters_.countPack(victim->bytes, packed->byte_count);
-      victim->state = Entry::State::kPacked;
-      victim->block.reset();
-      victim->packed = std::move(*packed);
-      cold_bytes_ += victim->packed.byte_count;
-      countPacked(static_cast<int64_t>(victim->packed.byte_count));
-      cold_.splice(cold_.begin(), recent_, victim->place);
-    } else {
-      drop(victim, recent_);
-    }
+  packing_ = true;
+  ++victim->wanted_by;  // so that it stays meanwhile
+  const VolumeBlock& block = *victim->value;
+  blocks_.mutex.unlock();  // of `lock`
+  std::optional<PackedBytes> packed;
+  try {
+    packed = pack({block.bytes.get(), block.byteCount()}, bytesPerVoxel(block.type));
+  } catch (...) {  // no memory: then it is dropped, which gives more than packing would
   }
-  loaded_.notify_all();
+  blocks_.mutex.lock();
+  packing_ = false;
+  blocks_.letGo(victim);
+  // Else someone wanted it in the meantime.
+  if (blocks_.mayGo(*victim)) {
+    if (packed)
+      keepPacked(victim, std::move(*packed));
+    else
+      blocks_.evict(victim);
+  }
+  blocks_.changed.notifyAll();
 }
 
-VolumeBuffer::EntryPtr VolumeBuffer::request(std::unique_lock<std::mutex>& lock,
-                                             const BlockKey& key, bool ahead,
-                                             std::vector<EntryPtr>& ours) {
+void VolumeBuffer::keepPacked(const EntryPtr& entry, PackedBytes bytes) {
+  const uint64_t byte_count = bytes.byte_count;
+  try {
+    cold_.push_front({entry->key, entry->note, std::move(bytes)});
+    cold_by_key_.emplace(entry->key, cold_.begin());
+  } catch (const std::bad_alloc&) {
+    if (!cold_.empty() && cold_.front().key == entry->key) cold_.pop_front();
+    blocks_.evict(entry);
+    return;
+  }
+  blocks_.pack(entry, byte_count);
+  cold_bytes_ += byte_count;
+  countPacked(static_cast<int64_t>(byte_count));
+}
+
+VolumeBuffer::EntryPtr VolumeBuffer::request(MutexLock& lock, const BlockKey& key, bool ahead,
+                                             std::vector<Own>& ours) {
   const Box3 voxels = layout_.storedVoxels(layout_.indexOf(key.block));
   const uint64_t bytes = static_cast<uint64_t>(voxels.count()) * bytesPerVoxel(map_.type);
   for (;;) {  // what is found may change while room is made
-    const auto found = entries_.find(key);
-    EntryPtr entry = found == entries_.end() ? nullptr : found->second;
-    if (entry != nullptr && !ahead) {
-      entry->reused = entry->reused || entry->used;
-      entry->used = true;
-    }
-    if (entry != nullptr && entry->state == Entry::State::kResident) {
-      counters_.countHit();
-      if (!entry->being_packed) recent_.splice(recent_.begin(), recent_, entry->place);
-      return entry;
-    }
-    if (entry != nullptr && entry->state == Entry::State::kLoading) {
-      // One that is being unpacked is resident.
-      if (entry->packed.bytes != nullptr) {
-        counters_.countHit();
-      } else {
-        counters_.countMiss();
-        counters_.countCoalesced();
-      }
+    if (EntryPtr entry = blocks_.join(key)) {
+      entry->note.note(ahead);
       return entry;
     }
     if (!hasRoom(bytes)) {
       try {
         freeSome(lock, bytes);
       } catch (const Error&) {
-        counters_.countMiss();
-        counters_.countFailure();
+        blocks_.countNoRoom();
         throw;
       }
       continue;
     }
-    reserved_bytes_ += bytes;
-    if (entry != nullptr) {  // packed
-      counters_.countHit();
-      cold_bytes_ -= entry->packed.byte_count;
-      cold_.erase(entry->place);
-      entry->state = Entry::State::kLoading;
-      ours.push_back(entry);
-      return entry;
+    const auto packed = cold_by_key_.find(key);
+    if (packed == cold_by_key_.end()) {
+      ours.push_back({blocks_.publish(key, bytes), {}});
+      ours.back().entry->note.note(ahead);
+      return ours.back().entry;
     }
-    counters_.countMiss();
-    auto fresh = std::make_shared<Entry>();
-    fresh->key = key;
-    fresh->bytes = bytes;
-    fresh->used = !ahead;
-    entries_.emplace(key, fresh);
-    ours.push_back(fresh);
-    return fresh;
+    const std::list<Packed>::iterator from = packed->second;
+    ours.push_back({blocks_.publish(key, bytes, from->bytes.byte_count), std::move(from->bytes)});
+    EntryPtr entry = ours.back().entry;
+    entry->note = from->use;
+    entry->note.note(ahead);
+    cold_bytes_ -= ours.back().packed.byte_count;
+    cold_.erase(from);
+    cold_by_key_.erase(packed);
+    return entry;
   }
 }
 
 std::vector<VolumeBlockPtr> VolumeBuffer::acquire(std::span<const BlockKey> keys,
-                                                  const std::vector<bool>& ahead) {
+                                                  const std::vector<bool>& ahead,
+                                                  ReadTally* tally) {
+  // All memory of this call first: once entries are published they must come to an end.
   std::vector<EntryPtr> wanted;
-  std::vector<EntryPtr> ours;
+  std::vector<Own> ours;
+  std::vector<VolumeBlockPtr> blocks;
+  wanted.reserve(keys.size());
+  ours.reserve(keys.size());
+  blocks.reserve(keys.size());
   std::exception_ptr failure;
   {
-    std::unique_lock lock(mutex_);
-    for (size_t i = 0; i < keys.size(); ++i) {
+    MutexLock lock(blocks_.mutex);
+    for (size_t i = 0; i < keys.size() && !failure; ++i) {
       try {
         wanted.push_back(request(lock, keys[i], !ahead.empty() && ahead[i], ours));
-      } catch (const Error&) {
+      } catch (...) {  // no room, or no memory
         failure = std::current_exception();
-        break;
       }
-      ++wanted.back()->wanted_by;
     }
   }
   // What was published must be brought to an end also when there is no room for the rest.
-  loadOwn(ours);
+  loadOwn(ours, tally);
 
-  std::vector<VolumeBlockPtr> blocks;
-  std::unique_lock lock(mutex_);
+  MutexLock lock(blocks_.mutex);
   for (const EntryPtr& entry : wanted) {
-    if (!failure) {
-      loaded_.wait(lock, [&] { return entry->state != Entry::State::kLoading; });
-      failure = entry->failure;
-      blocks.push_back(entry->block);
+    if (failure) {
+      blocks_.letGo(entry);
+      continue;
     }
-    --entry->wanted_by;
+    try {
+      blocks.push_back(blocks_.take(lock, entry));
+    } catch (...) {
+      failure = std::current_exception();
+    }
   }
   lock.unlock();
   if (failure) std::rethrow_exception(failure);
   return blocks;
 }
 
-void VolumeBuffer::loadOwn(std::span<const EntryPtr> ours) {
-  const auto besideEachOther = [&](const Entry& a, const Entry& b) {
-    return a.key.time == b.key.time && a.key.block / layout_.grid.x == b.key.block / layout_.grid.x;
+void VolumeBuffer::loadOwn(std::span<Own> ours, ReadTally* tally) noexcept {
+  const auto besideEachOther = [&](const BlockKey& a, const BlockKey& b) {
+    return a.time == b.time && a.block / layout_.grid.x == b.block / layout_.grid.x;
   };
   for (size_t from = 0; from < ours.size();) {
-    if (ours[from]->packed.bytes != nullptr) {
-      unpackAndFinish(ours[from++]);
+    if (ours[from].packed.bytes != nullptr) {
+      unpackAndFinish(ours[from++], tally);
       continue;
     }
     size_t to = from + 1;
-    while (to < ours.size() && ours[to]->packed.bytes == nullptr &&
-           besideEachOther(*ours[from], *ours[to]))
+    while (to < ours.size() && ours[to].packed.bytes == nullptr &&
+           besideEachOther(ours[from].entry->key, ours[to].entry->key))
       ++to;
-    loadAndFinish(ours.subspan(from, to - from));
+    loadAndFinish(ours.subspan(from, to - from), tally);
     from = to;
   }
 }
@@ -268,128 +211,98 @@ std::shared_ptr<VolumeBlock> VolumeBuffer::emptyBlock(const BlockKey& key) const
   return block;
 }
 
-void VolumeBuffer::hold(const EntryPtr& entry, VolumeBlockPtr block) {
-  reserved_bytes_ -= entry->bytes;
-  entry->state = Entry::State::kResident;
-  entry->block = std::move(block);
-  recent_.push_front(entry);
-  entry->place = recent_.begin();
+std::exception_ptr VolumeBuffer::failureOf(const BlockKey& key) const noexcept {
+  try {
+    throw;
+  } catch (const Error&) {
+    return std::current_exception();
+  } catch (const Interrupted&) {
+    return std::current_exception();
+  } catch (const std::bad_alloc&) {
+    return std::current_exception();
+  } catch (const std::exception& error) {
+    try {
+      return std::make_exception_ptr(
+          Error(fmt::format("{}: block {}: {}", source_.layout().name, key.block, error.what())));
+    } catch (...) {
+      return std::current_exception();
+    }
+  } catch (...) {
+    return std::current_exception();
+  }
 }
 
-void VolumeBuffer::unpackAndFinish(const EntryPtr& entry) {
-  Laps nanoseconds;
+void VolumeBuffer::unpackAndFinish(Own& own, ReadTally* tally) noexcept {
+  Stopwatch watch;
   std::shared_ptr<VolumeBlock> block;
   std::exception_ptr failure;
   try {
-    block = emptyBlock(entry->key);
-    unpack(entry->packed, {block->bytes.get(), block->byteCount()});
+    block = emptyBlock(own.entry->key);
+    unpack(own.packed, {block->bytes.get(), block->byteCount()});
   } catch (...) {  // no memory: those who wait must hear of it
     failure = std::current_exception();
   }
-  decode_ns_ += nanoseconds();
-  {
-    std::lock_guard lock(mutex_);
-    if (failure) {
-      reserved_bytes_ -= entry->bytes;
-      counters_.countEviction(entry->packed.byte_count);
-      entry->state = Entry::State::kFailed;
-      entry->failure = failure;
-      entries_.erase(entry->key);
-    } else {
-      hold(entry, block);
-      counters_.countUnpack(entry->packed.byte_count, entry->bytes);
-    }
-    countPacked(-static_cast<int64_t>(entry->packed.byte_count));
-    entry->packed = {};
-  }
-  loaded_.notify_all();
+  if (tally != nullptr) tally->decode_ns += static_cast<int64_t>(watch.seconds() * 1e9);
+  const MutexLock lock(blocks_.mutex);
+  if (failure)
+    blocks_.fail(own.entry, failure);
+  else
+    blocks_.finish(own.entry, std::move(block), own.entry->bytes);
+  countPacked(-static_cast<int64_t>(own.packed.byte_count));
+  own.packed = {};
 }
 
-void VolumeBuffer::loadAndFinish(std::span<const EntryPtr> run) {
+void VolumeBuffer::loadAndFinish(std::span<const Own> run, ReadTally* tally) noexcept {
   std::vector<std::shared_ptr<VolumeBlock>> blocks;
   std::exception_ptr failure;
   try {
-    blocks = load(run);
-  } catch (const Error&) {
-    failure = std::current_exception();
-  } catch (const Interrupted&) {
-    failure = std::current_exception();
-  } catch (const std::exception& error) {
-    failure = std::make_exception_ptr(Error(fmt::format("{}: block {}: {}", source_.layout().name,
-                                                        run.front()->key.block, error.what())));
+    blocks = load(run, tally);
+  } catch (...) {
+    failure = failureOf(run.front().entry->key);
   }
-  {
-    std::lock_guard lock(mutex_);
-    for (size_t i = 0; i < run.size(); ++i) {
-      Entry& entry = *run[i];
-      if (failure) {
-        reserved_bytes_ -= entry.bytes;
-        entry.state = Entry::State::kFailed;
-        entry.failure = failure;
-        entries_.erase(entry.key);
-        counters_.countFailure();
-      } else {
-        hold(run[i], std::move(blocks[i]));
-        const bool was_here_before = !seen_.insert(entry.key).second;
-        entry.reused = entry.reused || was_here_before;
-        counters_.countLoad(entry.bytes, was_here_before);
-      }
+  const MutexLock lock(blocks_.mutex);
+  for (size_t i = 0; i < run.size(); ++i) {
+    const EntryPtr& entry = run[i].entry;
+    if (failure) {
+      blocks_.fail(entry, failure);
+    } else {
+      const bool was_here_before = blocks_.finish(entry, std::move(blocks[i]), entry->bytes);
+      entry->note.reused = entry->note.reused || was_here_before;
     }
   }
-  loaded_.notify_all();
 }
 
-std::vector<std::shared_ptr<VolumeBlock>> VolumeBuffer::load(std::span<const EntryPtr> run) {
+std::vector<std::shared_ptr<VolumeBlock>> VolumeBuffer::load(std::span<const Own> run,
+                                                             ReadTally* tally) {
   std::vector<std::shared_ptr<VolumeBlock>> blocks;
+  std::vector<RegionRead> regions;
   uint64_t voxels = 0;
-  for (const EntryPtr& entry : run) {
-    blocks.push_back(emptyBlock(entry->key));
-    voxels += static_cast<uint64_t>(blocks.back()->voxels.count());
+  for (const Own& own : run) {
+    const auto& block = blocks.emplace_back(emptyBlock(own.entry->key));
+    regions.push_back({block->voxels, {block->bytes.get(), block->byteCount()}});
+    voxels += static_cast<uint64_t>(block->voxels.count());
   }
-  const int64_t time = run.front()->key.time;
-  const VoxelType type = source_.layout().type;
-  if (bytesPerVoxel(type) == bytesPerVoxel(map_.type)) {
-    readInPlace(time, blocks);
-  } else {
-    for (const auto& block : blocks) readThroughScratch(time, *block);
-  }
-  std::lock_guard lock(mutex_);
-  counters_.decoded_bytes += voxels * bytesPerVoxel(type);
+  DeviceReader reader(source_);
+  reader.read(run.front().entry->key.time, regions);
+  countRead(reader, voxels, tally);
   return blocks;
 }
 
-void VolumeBuffer::readInPlace(int64_t time, std::span<const std::shared_ptr<VolumeBlock>> blocks) {
-  Laps nanoseconds;
-  std::vector<RegionRead> regions;
-  for (const auto& block : blocks)
-    regions.push_back({block->voxels, {block->bytes.get(), block->byteCount()}});
-  source_.readRegions(time, regions);
-  read_ns_ += nanoseconds();
-  const VoxelType type = source_.layout().type;
-  if (isStoredAsDevice(type)) return;
-  for (const RegionRead& region : regions) toDevice(type, region.out, region.out);
-  decode_ns_ += nanoseconds();
+void VolumeBuffer::readPast(int64_t time, const RegionRead& region, ReadTally* tally) {
+  DeviceReader reader(source_);
+  reader.read(time, region);
+  countRead(reader, static_cast<uint64_t>(region.box.count()), tally);
 }
 
-void VolumeBuffer::readThroughScratch(int64_t time, VolumeBlock& block) {
-  const VoxelType type = source_.layout().type;
-  const Box3& box = block.voxels;
-  const auto plane_voxels = static_cast<size_t>(box.size().x * box.size().y);
-  const size_t plane_bytes = plane_voxels * bytesPerVoxel(type);
-  const auto planes = static_cast<int64_t>(std::max<size_t>(1, kScratchBytes / plane_bytes));
-  const auto scratch = std::make_unique_for_overwrite<std::byte[]>(
-      plane_bytes * static_cast<size_t>(std::min(planes, box.size().z)));
-  Laps nanoseconds;
-  for (int64_t z = box.lo.z; z < box.hi.z; z += planes) {
-    const Box3 slab{{box.lo.x, box.lo.y, z}, {box.hi.x, box.hi.y, std::min(z + planes, box.hi.z)}};
-    const auto count = static_cast<size_t>(slab.count());
-    const std::span stored(scratch.get(), count * bytesPerVoxel(type));
-    source_.readRegion(time, slab, stored);
-    read_ns_ += nanoseconds();
-    std::byte* to = block.bytes.get() + block.offsetOf(slab.lo);
-    toDevice(type, stored, {to, count * bytesPerVoxel(map_.type)});
-    decode_ns_ += nanoseconds();
+void VolumeBuffer::countRead(const DeviceReader& reader, uint64_t voxels, ReadTally* tally) {
+  const uint64_t bytes = voxels * bytesPerVoxel(source_.layout().type);
+  if (tally != nullptr) {
+    tally->read_ns += reader.readNs();
+    tally->decode_ns += reader.convertNs();
+    tally->decoded_bytes += bytes;
   }
+  const MutexLock lock(blocks_.mutex);
+  blocks_.countDecoded(bytes);
 }
 
 }  // namespace sluice

@@ -9,23 +9,23 @@
 #pragma once
 
 #include <atomic>
-#include <condition_variable>
 #include <cstddef>
 #include <cstdint>
 #include <exception>
 #include <list>
 #include <memory>
-#include <mutex>
 #include <span>
 #include <unordered_map>
-#include <unordered_set>
 #include <vector>
 
 #include "src/base/buffer_memory.h"
 #include "src/base/counters.h"
+#include "src/base/single_flight_cache.h"
 #include "src/base/volume_source.h"
 #include "src/volume/block_layout.h"
-#include "src/volume/device_voxel.h"
+#include "src/volume/device_reader.h"
+#include "src/volume/packed_block.h"
+#include "src/volume/read_tally.h"
 
 namespace sluice {
 
@@ -75,61 +75,84 @@ class VolumeBuffer {
   // while it reads voxels that are larger on disk than here.
   //
   // `ahead`, where given, says of each key whether its block is only brought because it lies beside
-  // the others: the next call that wants it is the first to use it.
+  // the others: the next call that wants it is the first to use it. What this call reads is added
+  // to `tally`; it may be null.
   std::vector<VolumeBlockPtr> acquire(std::span<const BlockKey> keys,
-                                      const std::vector<bool>& ahead = {});
+                                      const std::vector<bool>& ahead = {},
+                                      ReadTally* tally = nullptr);
 
-  static constexpr size_t kScratchBytes = size_t{256} << 10;
+  // Reads voxels that are not kept here, for what is made of them and not drawn from them; counted
+  // as decoded like those that are. Throws what the source does.
+  void readPast(int64_t time, const RegionRead& region, ReadTally* tally = nullptr);
 
+  static constexpr size_t kScratchBytes = DeviceReader::kScratchBytes;
+
+  DeviceType type() const { return map_.type; }
   // Bytes of an inner block: what a budget is planned with.
   uint64_t blockBytes() const;
-  CacheCounters counters() const;
-  void resetCounters();
-  // Seconds that all threads together spent reading and converting since construction.
-  double readSeconds() const { return static_cast<double>(read_ns_.load()) * 1e-9; }
-  double decodeSeconds() const { return static_cast<double>(decode_ns_.load()) * 1e-9; }
+  CacheCounters counters() const { return blocks_.counters(); }
+  void resetCounters() { blocks_.resetCounters(); }
 
  private:
-  struct Entry;
-  using EntryPtr = std::shared_ptr<Entry>;
+  struct Use {
+    bool used = false;    // asked for, not only ahead
+    bool reused = false;  // used again, now or after an earlier load
+    void note(bool ahead) {
+      if (ahead) return;
+      reused = reused || used;
+      used = true;
+    }
+  };
+  using Blocks = SingleFlightCache<BlockKey, const VolumeBlock, BlockKeyHash, Use>;
+  using EntryPtr = Blocks::EntryPtr;
+  // A block that is kept compressed, and one on its way back.
+  struct Packed {
+    BlockKey key;
+    Use use;
+    PackedBytes bytes;
+  };
+  // An entry that this call brings to its end, from the source or, where it has bytes, from these.
+  struct Own {
+    EntryPtr entry;
+    PackedBytes packed;
+  };
 
-  // These require mutex_ to be held. With `lock` in the arguments they may give it up for a while.
-  EntryPtr request(std::unique_lock<std::mutex>& lock, const BlockKey& key, bool ahead,
-                   std::vector<EntryPtr>& ours);
-  bool hasRoom(uint64_t bytes) const;
-  void countPacked(int64_t bytes);
-  void freeSome(std::unique_lock<std::mutex>& lock, uint64_t wanted_bytes);
-  void packOrDrop(std::unique_lock<std::mutex>& lock, const EntryPtr& victim);
-  void drop(const EntryPtr& victim, std::list<EntryPtr>& from);
-  void hold(const EntryPtr& entry, VolumeBlockPtr block);
+  // With `lock` in the arguments they may give it up for a while.
+  EntryPtr request(MutexLock& lock, const BlockKey& key, bool ahead, std::vector<Own>& ours)
+      SLUICE_REQUIRES(blocks_.mutex);
+  bool hasRoom(uint64_t bytes) const SLUICE_REQUIRES(blocks_.mutex);
+  void countPacked(int64_t bytes) SLUICE_REQUIRES(blocks_.mutex);
+  void freeSome(MutexLock& lock, uint64_t wanted_bytes) SLUICE_REQUIRES(blocks_.mutex);
+  void packOrDrop(MutexLock& lock, const EntryPtr& victim) SLUICE_REQUIRES(blocks_.mutex);
+  void keepPacked(const EntryPtr& entry, PackedBytes bytes) SLUICE_REQUIRES(blocks_.mutex);
+  void dropColdest() SLUICE_REQUIRES(blocks_.mutex);
 
   std::shared_ptr<VolumeBlock> emptyBlock(const BlockKey& key) const;
-  void loadOwn(std::span<const EntryPtr> ours);
-  void unpackAndFinish(const EntryPtr& entry);
+  void loadOwn(std::span<Own> ours, ReadTally* tally) noexcept;
+  void unpackAndFinish(Own& own, ReadTally* tally) noexcept;
   // Entries of one row of blocks that this call reads; their state says how it went.
-  void loadAndFinish(std::span<const EntryPtr> run);
-  std::vector<std::shared_ptr<VolumeBlock>> load(std::span<const EntryPtr> run);
-  void readInPlace(int64_t time, std::span<const std::shared_ptr<VolumeBlock>> blocks);
-  void readThroughScratch(int64_t time, VolumeBlock& block);
+  void loadAndFinish(std::span<const Own> run, ReadTally* tally) noexcept;
+  std::vector<std::shared_ptr<VolumeBlock>> load(std::span<const Own> run, ReadTally* tally);
+  void countRead(const DeviceReader& reader, uint64_t voxels, ReadTally* tally)
+      SLUICE_EXCLUDES(blocks_.mutex);
+  // Of the exception that is being handled; a library's own becomes an Error.
+  std::exception_ptr failureOf(const BlockKey& key) const noexcept;
 
   VolumeSource& source_;                        // constant after construction
   const BlockLayout layout_;                    // constant after construction
   const ValueMap map_;                          // constant after construction
   const bool packs_;                            // constant after construction
   const std::shared_ptr<BufferMemory> memory_;  // of the blocks as they are
-  std::atomic<int64_t> read_ns_{0}, decode_ns_{0};
-  mutable std::mutex mutex_;
-  std::condition_variable loaded_;
-  // Guarded by mutex_.
-  std::unordered_map<BlockKey, EntryPtr, BlockKeyHash> entries_;
-  std::list<EntryPtr> recent_;  // resident as they are, most recently used first
-  std::list<EntryPtr> cold_;    // resident packed, most recently packed first
-  uint64_t cold_bytes_ = 0;     // of these
-  uint64_t packed_bytes_ = 0;   // of these and those that are being unpacked
-  bool packing_ = false;        // a thread packs: one at a time, with scratch for one block
-  std::unordered_set<BlockKey, BlockKeyHash> seen_;
-  uint64_t reserved_bytes_ = 0;  // of loads under way
-  CacheCounters counters_;
+  Blocks blocks_;                               // as they are
+  // Packed ones, most recently packed first.
+  std::list<Packed> cold_ SLUICE_GUARDED_BY(blocks_.mutex);
+  std::unordered_map<BlockKey, std::list<Packed>::iterator, BlockKeyHash> cold_by_key_
+      SLUICE_GUARDED_BY(blocks_.mutex);
+  uint64_t cold_bytes_ SLUICE_GUARDED_BY(blocks_.mutex) = 0;  // of these
+  uint64_t packed_bytes_ SLUICE_GUARDED_BY(blocks_.mutex) =
+      0;  // and of those that are unpacked now
+  // A thread packs: one at a time, with scratch for one block.
+  bool packing_ SLUICE_GUARDED_BY(blocks_.mutex) = false;
 };
 
 }  // namespace sluice

@@ -52,6 +52,37 @@ TEST(AtomicFile, abandonedFileLeavesNothing) {
   EXPECT_EQ(filesIn(folder.path()), std::set<std::string>());
 }
 
+TEST(AtomicFile, takesOverWhatAKilledProcessLeft) {
+  const TempFolder folder;
+  const auto path = folder / "out.txt";
+  writeFile(folder / "out.txt.0.tmp", "left behind by a process that was killed");
+  AtomicFile file(path);
+  EXPECT_EQ(file.temporaryPath(), folder / "out.txt.0.tmp");
+  file.write(std::string_view("new"));
+  AtomicFile beside(path);
+  EXPECT_EQ(beside.temporaryPath(), folder / "out.txt.1.tmp") << "the first is being written";
+  file.commit();
+  EXPECT_EQ(readFile(path), "new");
+}
+
+TEST(AtomicFile, neverWritesThroughALinkThatLiesInItsWay) {
+  const TempFolder folder;
+  writeFile(folder / "victim", "untouched");
+  std::filesystem::create_symlink("victim", folder / "out.txt.0.tmp");
+  std::filesystem::create_hard_link(folder / "victim", folder / "out.txt.1.tmp");
+  AtomicFile file(folder / "out.txt");
+  file.write(std::string_view("new"));
+  file.commit();
+  EXPECT_EQ(readFile(folder / "out.txt"), "new");
+  EXPECT_EQ(readFile(folder / "victim"), "untouched");
+}
+
+TEST(AtomicFile, aPipeThatNobodyReadsIsAnError) {
+  const TempFolder folder;
+  ASSERT_EQ(mkfifo((folder / "pipe").c_str(), 0600), 0);
+  EXPECT_THROW(AtomicFile(folder / "pipe"), Error);
+}
+
 TEST(AtomicFile, oldFileStaysUntilTheCommit) {
   const TempFolder folder;
   const auto path = folder / "out.txt";
@@ -164,7 +195,7 @@ TEST(AtomicFile, leftoversOfAKilledProcessAreNoObstacle) {
   file.write(std::string_view("fresh"));
   file.commit();
   EXPECT_EQ(readFile(path), "fresh");
-  EXPECT_EQ(readFile(wanted), "left behind");
+  EXPECT_FALSE(std::filesystem::exists(wanted)) << "it is taken over";
 }
 
 TEST(AtomicFile, aSymbolicLinkStaysOne) {

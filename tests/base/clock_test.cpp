@@ -1,10 +1,16 @@
 #include "src/base/clock.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 #include <cstring>
+#include <filesystem>
 #include <memory>
+
+#include "src/base/descriptor.h"
+#include "tests/support/temp_folder.h"
 
 namespace sluice {
 namespace {
@@ -27,6 +33,27 @@ TEST(Process, peakCoversMemoryThatWasTouched) {
   std::memset(bytes.get(), 1, kBytes);
   EXPECT_GE(peakResidentBytes(), kBytes);
   EXPECT_EQ(bytes[kBytes / 2], 1);
+}
+
+TEST(Process, ownMemoryIsWhatWasTouchedAndNoMappedFile) {
+  constexpr size_t kBytes = size_t{64} << 20;
+  const uint64_t before = anonymousBytes();
+  auto bytes = std::make_unique_for_overwrite<char[]>(kBytes);
+  EXPECT_LT(anonymousBytes(), before + kBytes / 2);  // addresses alone
+  std::memset(bytes.get(), 1, kBytes);
+  EXPECT_GE(anonymousBytes(), before + kBytes);
+  EXPECT_LE(anonymousBytes(), peakResidentBytes());
+  EXPECT_EQ(bytes[kBytes / 2], 1);
+  bytes.reset();
+  const TempFolder folder;
+  const auto path = folder / "file";
+  std::filesystem::resize_file(folder.write("file", "x"), kBytes);
+  const Descriptor file(open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  const uint64_t unmapped = anonymousBytes();
+  void* const mapped = mmap(nullptr, kBytes, PROT_READ, MAP_SHARED | MAP_POPULATE, file.get(), 0);
+  ASSERT_NE(mapped, MAP_FAILED);
+  EXPECT_LT(anonymousBytes(), unmapped + kBytes / 2);
+  munmap(mapped, kBytes);
 }
 
 TEST(Process, availableMemoryIsNoMoreThanTheMachineHas) {

@@ -13,7 +13,7 @@
 namespace sluice {
 namespace {
 
-// Ends with 130 when Interrupted comes, as the program does; 0 otherwise.
+// Ends as the program does when Interrupted comes; with 0 otherwise.
 void loopUntilInterrupted(int signal_number) {
   watchForInterruption();
   throwIfInterrupted();  // nothing yet
@@ -22,14 +22,24 @@ void loopUntilInterrupted(int signal_number) {
     throwIfInterrupted();
   } catch (const Interrupted& interrupted) {
     std::fprintf(stderr, "%s\n", interrupted.what());
-    std::_Exit(130);
+    std::_Exit(interruptionStatus());
   }
-  std::_Exit(0);
+  std::_Exit(interruptionStatus());
 }
 
 TEST(InterruptDeathTest, aSignalUnwindsTheLoop) {
   EXPECT_EXIT(loopUntilInterrupted(SIGINT), testing::ExitedWithCode(130), "interrupted");
-  EXPECT_EXIT(loopUntilInterrupted(SIGTERM), testing::ExitedWithCode(130), "interrupted");
+  EXPECT_EXIT(loopUntilInterrupted(SIGTERM), testing::ExitedWithCode(143), "interrupted");
+  EXPECT_EXIT(loopUntilInterrupted(SIGHUP), testing::ExitedWithCode(129), "interrupted");
+}
+
+TEST(InterruptDeathTest, aSignalThatIsIgnoredStaysSo) {
+  EXPECT_EXIT(
+      {
+        std::signal(SIGHUP, SIG_IGN);
+        loopUntilInterrupted(SIGHUP);
+      },
+      testing::ExitedWithCode(0), "");
 }
 
 TEST(InterruptDeathTest, aSecondSignalEndsTheProcess) {

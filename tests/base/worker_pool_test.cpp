@@ -8,6 +8,7 @@
 #include <numeric>
 #include <set>
 #include <stdexcept>
+#include <system_error>
 
 namespace sluice {
 namespace {
@@ -37,6 +38,7 @@ TEST(WorkerPool, loopOfNothingCallsNothing) {
 TEST(WorkerPool, zeroMeansOneACore) {
   WorkerPool pool(0);
   EXPECT_EQ(pool.threads(), std::max(1, static_cast<int>(std::thread::hardware_concurrency())));
+  EXPECT_EQ(pool.wantedThreads(), pool.threads());
 }
 
 TEST(WorkerPool, poolOfOneRunsLoopsOnTheCaller) {
@@ -181,6 +183,41 @@ TEST(WorkerPool, aTaskMayRunALoop) {
     for (int i = 0; i < 4; ++i) pool.submit([&] { pool.parallelFor(25, [&](int64_t) { ++ran; }); });
   }
   EXPECT_EQ(ran, 100);
+}
+
+// Gives `count` threads, then none.
+ThreadStarter starterOf(int count) {
+  return [left = count](const std::function<void()>& body) mutable {
+    if (left-- <= 0) throw std::system_error(EAGAIN, std::generic_category());
+    return startThread(body);
+  };
+}
+
+TEST(WorkerPool, goesOnWithTheThreadsThatStarted) {
+  for (const int started : {0, 1, 3}) {
+    WorkerPool pool(16, starterOf(started));
+    EXPECT_EQ(pool.threads(), started + 1);
+    EXPECT_EQ(pool.wantedThreads(), 16);
+    EXPECT_EQ(timesCalled(pool, 1000), std::vector<int>(1000, 1));
+  }
+}
+
+TEST(WorkerPool, withoutAnyThreadTasksRunWhereTheyAreSubmitted) {
+  WorkerPool pool(4, starterOf(0));
+  std::thread::id ran_on;
+  pool.submit([&] { ran_on = std::this_thread::get_id(); });
+  EXPECT_EQ(ran_on, std::this_thread::get_id());
+  std::atomic<int> ran{0};
+  pool.submit([&] { pool.parallelFor(25, [&](int64_t) { ++ran; }); });
+  EXPECT_EQ(ran, 25);
+}
+
+TEST(WorkerPool, aThreadThatFindsNoMemoryIsOneLess) {
+  WorkerPool pool(4, [started = false](const std::function<void()>& body) mutable {
+    if (std::exchange(started, true)) throw std::bad_alloc();
+    return startThread(body);
+  });
+  EXPECT_EQ(pool.threads(), 2);
 }
 
 }  // namespace

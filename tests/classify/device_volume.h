@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "src/base/volume_source.h"
-#include "src/classify/brick_grid.h"
+#include "src/classify/boxes/brick_grid.h"
 #include "src/volume/device_voxel.h"
 
 namespace sluice {

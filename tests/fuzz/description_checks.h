@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "io/volume_description.h"
+#include "io/headers/volume_description.h"
 
 namespace sluice {
 

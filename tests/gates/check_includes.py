@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Includes point one way only: tools -> src/* -> cache, io -> src/base.
+"""Includes point one way only: tools, src/view -> include/sluice -> src/* -> cache, io -> src/base, and so within each.
 
   check_includes.py ROOT
 
@@ -9,31 +9,60 @@ import pathlib
 import re
 import sys
 
-# Which folders a folder's sources may include from, besides itself. Among the layers of src the
-# frame knows nothing of GL, and what lies below the frame knows nothing of it.
-BELOW_FRAME = ['src/base', 'cache', 'io', 'src/volume', 'src/classify', 'src/texture', 'src/visibility']
+# Which folders a folder's sources may include from, besides itself and src/base. A folder that
+# is not named belongs to none: each part of a layer has its own line. Public headers, which are
+# included as <sluice/...>, see each other and the C++ library alone; src/library stands behind them.
+PUBLIC = 'include/sluice'
+TRANSFER, BLOCKS, BOXES = 'src/classify/transfer', 'src/classify/blocks', 'src/classify/boxes'
 ALLOWED = {
+    PUBLIC: [],
     'src/base': [],
-    'cache': ['src/base'],
-    'io': ['src/base'],
-    'src/volume': BELOW_FRAME,
-    'src/classify': BELOW_FRAME,
-    'src/texture': BELOW_FRAME,
-    'src/visibility': BELOW_FRAME,
-    'src/render': BELOW_FRAME,
-    'src/gl': BELOW_FRAME + ['src/render'],
-    'src/parallel': BELOW_FRAME + ['src/render'],
+    'cache/policies': [],
+    'cache/model': ['cache/policies'],
+    'cache/trace': ['cache/policies'],
+    'cache/simulate': ['cache/policies', 'cache/model', 'cache/trace'],
+    'cache/report': ['cache/policies', 'cache/simulate'],
+    'io/files': [],
+    'io/headers': ['io/files'],
+    'io/slices': ['io/files'],
+    'io/vdb': ['io/files'],
+    'io/zarr': ['io/files', 'io/headers'],
+    'io/synth': [],
+    'io/pictures': ['io/files'],
+    'io': ['io/files', 'io/headers', 'io/slices', 'io/vdb', 'io/zarr', 'io/synth'],
+    'src/volume': [],
+    TRANSFER: ['src/volume'],
+    BLOCKS: ['src/volume', TRANSFER],
+    BOXES: ['src/volume', TRANSFER],
+    'src/index': ['io/synth', 'src/volume', TRANSFER, BOXES],
+    'src/device': ['io/pictures', 'src/volume'],
+    'src/texture': ['cache/model', 'cache/trace', 'src/device', 'src/volume', BLOCKS],
+    'src/visibility': [],
+    'src/render': ['cache/model', 'cache/trace', 'io/pictures', 'src/volume', TRANSFER, BLOCKS, BOXES,
+                   'src/device', 'src/index', 'src/texture', 'src/visibility'],
+    'src/annotate': ['io/pictures', TRANSFER, 'src/device', 'src/render'],
+    'src/slicing': ['src/device', 'src/render'],
+    'src/gl': ['src/device', 'src/volume'],
+    'src/library': [PUBLIC, 'cache/model', 'cache/policies', 'io', 'io/pictures', 'src/volume', TRANSFER, BLOCKS, 'src/device',
+                    'src/cpu', 'src/gl', 'src/index', 'src/render'],
+    'src/cpu': ['io/pictures', 'src/device', 'src/volume'],
     'tools': None,  # everything
+    'tools/command_line': None,
     'tests': None,
 }
+
+# The one public header that all know: what they throw is what users catch.
+FOR_ALL = {'include/sluice/error.h': ['src/base']}
 
 # Headers of a library and the places that may know it.
 LIBRARIES = {
     r'(GL|GLES\d?|EGL|GLFW|KHR)/': ['src/gl/', 'tests/gl/'],
-    r'openvdb/': ['io/vdb_module.cpp', 'tests/support/vdb_writer.cpp'],
-    r'(OpenEXR|Imath)/': ['io/', 'tests/io/'],
+    r'openvdb/': ['io/vdb/vdb_module.cpp', 'io/vdb/vdb_tree_walk.h', 'tests/support/vdb_writer.cpp'],
+    r'(OpenEXR|Imath)/': ['io/pictures/', 'tests/io/'],
     r'(png|tiffio)\.h': ['io/', 'tests/io/'],
     r'nifti': ['io/', 'tests/io/'],
+    r'cairo': ['src/annotate/'],
+    r'hwy/': ['src/cpu/'],
     r'mpi\.h': ['src/parallel/', 'tests/parallel/'],
     r'CLI/': ['tools/', 'tests/tools/'],
 }
@@ -42,14 +71,22 @@ INCLUDE = re.compile(r'\s*#\s*include\s*([<"])([^>"]+)[>"]')
 
 def layer_of(path):
     """The folder that `path`, relative to the root, belongs to; None outside of all."""
-    parts = path.split('/')
-    two = '/'.join(parts[:2])
-    return two if two in ALLOWED else parts[0] if parts[0] in ALLOWED else None
+    if path.startswith('tests/'):
+        return 'tests'
+    folder = path.rpartition('/')[0]
+    return folder if folder in ALLOWED else None
 
 
 def fault(file, quote, target, root):
     """Why `file` may not include `target`; None when it may."""
-    if quote == '<':
+    if quote == '<' and target.startswith('sluice/'):
+        target = f'include/{target}'
+        if file.rpartition('/')[0] in FOR_ALL.get(target, []):
+            return None
+    elif file.startswith(PUBLIC):
+        standard = quote == '<' and re.fullmatch(r'[a-z_]+', target)
+        return None if standard else f'a public header may include <sluice/...> and the C++ library, not {target}'
+    elif quote == '<':
         for pattern, places in LIBRARIES.items():
             if re.match(pattern, target) and not any(file.startswith(place) for place in places):
                 return f'<{target}> is known in {", ".join(places)} only'
@@ -60,15 +97,15 @@ def fault(file, quote, target, root):
     if other == 'tests' and own != 'tests':
         return f'{own} may not include the tests'
     allowed = ALLOWED[own]
-    if own == other or allowed is None or other in allowed:
+    if own == other or allowed is None or other == 'src/base' or other in allowed:
         return None
-    return f'{own} may include {", ".join(allowed) or "nothing"}, not {other}'
+    return f'{own} may include {", ".join(["src/base", *allowed])}, not {other}'
 
 
 def check(root):
     """A list of complaints about the sources under `root`."""
     complaints = []
-    for top in ('src', 'io', 'cache', 'tools', 'tests'):
+    for top in ('include', 'src', 'io', 'cache', 'tools', 'tests'):
         for path in sorted((root / top).rglob('*')):
             if path.suffix not in ('.h', '.cpp'):
                 continue

@@ -20,7 +20,7 @@ import sys
 import tempfile
 
 GROUP = 10
-FOLDERS = re.compile(r'(src/\w+|io|cache|tools)/\w+\.cpp$')
+FOLDERS = re.compile(r'(src|io|cache|tools)(/\w+)*/\w+\.cpp$')
 
 
 def flags_of(command):
@@ -61,7 +61,7 @@ def check_group(root, scratch, group):
             return check_group(root, scratch, group[:half]) + check_group(root, scratch, group[half:])
     tidy = subprocess.run(
         ['clang-tidy', '--quiet', f'--config-file={root}/.clang-tidy', '--checks=-bugprone-suspicious-include',
-         f'--header-filter={root}/(src|io|cache|tools)/.*', unit, '--', *words],
+         f'--header-filter={root}/(include|src|io|cache|tools)/.*', unit, '--', *words],
         capture_output=True, text=True, check=False)
     said = tidy.stdout.strip()
     if tidy.returncode != 0 and not said:

@@ -109,8 +109,8 @@ TEST(BoxBuffer, texelRaysStayExactInEnormousVolumes) {
   VolumeLayout layout;
   layout.dims = {int64_t{1} << 22, int64_t{1} << 22, int64_t{1} << 22};
   const Vec3d target{4e6, 4e6, 4e6};
-  const Scene scene = sceneOf(layout, Projection::kPerspective,
-                              Camera::LookAt{target + Vec3d{3, 50, 20}, target, {0, 1, 0}});
+  const Scene scene =
+      sceneOf(layout, Projection::kPerspective, Camera::LookAt{target + Vec3d{3, 50, 20}, target});
   BoxDraw box;
   box.cells = {{3999990, 3999990, 3999990}, {4000020, 4000020, 4000020}};
   box.texel_origin = {3999990, 3999990, 3999990};
@@ -161,8 +161,8 @@ TEST(BoxBuffer, drawnCubeCoversItsBox) {
 TEST(BoxBuffer, slicesBeforeAPerspectiveEyeAreLeftOut) {
   const VolumeLayout layout = skewed();
   const Vec3d inside = worldFromIndex(layout, {150, 100, 50});
-  const Scene scene = sceneOf(layout, Projection::kPerspective,
-                              Camera::LookAt{inside, inside + Vec3d{1, 2, 3}, {0, 1, 0}});
+  const Scene scene =
+      sceneOf(layout, Projection::kPerspective, Camera::LookAt{inside, inside + Vec3d{1, 2, 3}});
   BoxDraw box;
   box.cells = boxOf(layout.dims - Vec3i{1, 1, 1});
   const double first_k = texelOf(boxTexels(scene.setup, {&box, 1}), 0, 8)[3];

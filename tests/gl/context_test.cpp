@@ -324,7 +324,7 @@ TEST(GlEnvironment, keepsTheUsersFlags) {
   setenv("EGL_LOG_LEVEL", "debug", 1);
   prepareGlEnvironment();
   prepareGlEnvironment();
-  EXPECT_STREQ(std::getenv("GALLIVM_PERF"), "nopt,no_aos_sampling");
+  EXPECT_STREQ(std::getenv("GALLIVM_PERF"), "nopt");
   EXPECT_STREQ(std::getenv("EGL_LOG_LEVEL"), "debug");
   unsetenv("GALLIVM_PERF");
   unsetenv("EGL_LOG_LEVEL");

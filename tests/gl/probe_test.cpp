@@ -13,7 +13,7 @@
 #include <sstream>
 
 #include "src/base/error.h"
-#include "src/gl/isolated.h"
+#include "src/gl/child_process.h"
 
 namespace sluice {
 namespace {
@@ -32,22 +32,22 @@ std::string openLibraries() {
   return text.str();
 }
 
-TEST(RunIsolated, bringsBackAnAnswerLongerThanAPipe) {
+TEST(RunInChild, bringsBackAnAnswerLongerThanAPipe) {
   constexpr size_t kLength = 1'000'000;
-  const Isolated result = runIsolated([] { return std::string(kLength, 'a'); }, minutes(1));
+  const ChildAnswer result = runInChild([] { return std::string(kLength, 'a'); }, minutes(1));
   EXPECT_TRUE(result.answered);
   EXPECT_EQ(result.answer, std::string(kLength, 'a'));
   EXPECT_EQ(result.reason, "");
 }
 
-TEST(RunIsolated, anEmptyAnswerIsAnAnswer) {
-  const Isolated result = runIsolated([] { return std::string(); }, minutes(1));
+TEST(RunInChild, anEmptyAnswerIsAnAnswer) {
+  const ChildAnswer result = runInChild([] { return std::string(); }, minutes(1));
   EXPECT_TRUE(result.answered);
   EXPECT_EQ(result.answer, "");
 }
 
-TEST(RunIsolated, survivesACrash) {
-  const Isolated result = runIsolated(
+TEST(RunInChild, survivesACrash) {
+  const ChildAnswer result = runInChild(
       []() -> std::string {
         (void)raise(SIGSEGV);
         return "";
@@ -57,8 +57,8 @@ TEST(RunIsolated, survivesACrash) {
   EXPECT_EQ(result.reason, "crashed (Segmentation fault)");
 }
 
-TEST(RunIsolated, endsWhatHangs) {
-  const Isolated result = runIsolated(
+TEST(RunInChild, endsWhatHangs) {
+  const ChildAnswer result = runInChild(
       []() -> std::string {
         for (;;) pause();
       },
@@ -69,24 +69,24 @@ TEST(RunIsolated, endsWhatHangs) {
   EXPECT_EQ(errno, ECHILD);
 }
 
-TEST(RunIsolated, tellsWhatWasThrown) {
-  const Isolated result =
-      runIsolated([]() -> std::string { fail("no driver for {}", "card0"); }, minutes(1));
+TEST(RunInChild, tellsWhatWasThrown) {
+  const ChildAnswer result =
+      runInChild([]() -> std::string { fail("no driver for {}", "card0"); }, minutes(1));
   EXPECT_FALSE(result.answered);
   EXPECT_EQ(result.reason, "no driver for card0");
   EXPECT_EQ(result.answer, "");
 }
 
-TEST(RunIsolated, anExitIsNoAnswer) {
-  const Isolated result = runIsolated([]() -> std::string { _exit(3); }, minutes(1));
+TEST(RunInChild, anExitIsNoAnswer) {
+  const ChildAnswer result = runInChild([]() -> std::string { _exit(3); }, minutes(1));
   EXPECT_FALSE(result.answered);
   EXPECT_EQ(result.reason, "ended with status 3 and no answer");
 }
 
-TEST(RunIsolated, printsNothing) {
+TEST(RunInChild, printsNothing) {
   testing::internal::CaptureStderr();
   testing::internal::CaptureStdout();
-  runIsolated(
+  runInChild(
       [] {
         std::cerr << "libEGL warning" << std::endl;
         std::cout << "hello" << std::endl;
@@ -124,8 +124,8 @@ TEST(ProbeGl, agreesWithTheContextsThatCanBeMade) {
     (probe.backend == "egl" ? has_egl : has_osmesa) |= probe.works;
   for (const GlChoice choice : {GlChoice::kOsmesa, GlChoice::kEgl}) {
     const bool expected = choice == GlChoice::kEgl ? has_egl : has_osmesa;
-    const Isolated made =
-        runIsolated([&] { return createContext(choice)->renderer(); }, minutes(1));
+    const ChildAnswer made =
+        runInChild([&] { return createContext(choice)->renderer(); }, minutes(1));
     EXPECT_EQ(made.answered, expected) << name(choice) << ": " << made.reason;
   }
 }

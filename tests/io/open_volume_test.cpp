@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "io/png_file.h"
+#include "io/pictures/png_file.h"
 #include "tests/io/image_test_support.h"
 #include "tests/support/vdb_writer.h"
 
@@ -61,9 +61,17 @@ TEST(OpenVolume, takesAFolderOrAPatternOfSlices) {
     EXPECT_EQ(valueAt<uint8_t>(*source, {3, 2, 3}), 9);
     EXPECT_EQ(valueAt<uint8_t>(*source, {0, 0, 4}), 10);
   }
-  // A list is in the order given.
-  const auto two = openVolume({(folder / "s-10.png").string(), (folder / "s-9.png").string()});
-  EXPECT_EQ(valueAt<uint8_t>(*two, {0, 0, 0}), 10);
+  // As a shell sorts them: the order of the numbers. Any other order is the user's.
+  const auto at = [&](int n) { return (folder / fmt::format("s-{}.png", n)).string(); };
+  const auto sorted = openVolume({at(10), at(2), at(9)});
+  EXPECT_EQ(valueAt<uint8_t>(*sorted, {0, 0, 0}), 2);
+  EXPECT_EQ(valueAt<uint8_t>(*sorted, {0, 0, 2}), 10);
+  EXPECT_THAT(sorted->layout().notes, testing::Contains(HasSubstr("order of their numbers")));
+  const auto backwards = openVolume({at(10), at(9), at(2)});
+  EXPECT_EQ(valueAt<uint8_t>(*backwards, {0, 0, 0}), 10);
+  EXPECT_THAT(backwards->layout().notes, testing::Contains(HasSubstr("in the order given")));
+  EXPECT_THAT(openVolume({at(9), at(10)})->layout().notes,
+              testing::Not(testing::Contains(HasSubstr("order"))));
 }
 
 TEST(OpenVolume, takesAPatternOfVolumesAsTimeSteps) {
@@ -96,6 +104,42 @@ TEST(OpenVolume, takesFoldersOfSlicesAsTimeSteps) {
   std::vector<std::byte> out(1);
   source->readRegion(1, {{0, 0, 2}, {1, 1, 3}}, out);
   EXPECT_EQ(out[0], std::byte{12});
+}
+
+TEST(OpenVolume, saysWhatTheAxesOfTheWorldMean) {
+  const TempFolder folder;
+  writeSlice(folder / "a.png", 1);
+  writePoints(folder / "a.vdb", {{{0, 0, 0}, 2.0F}});
+  EXPECT_EQ(openVolume((folder / "a.png").string())->layout().frame, WorldFrame::kPictureRows);
+  EXPECT_EQ(openVolume((folder / "a.vdb").string())->layout().frame, WorldFrame::kYUp);
+  EXPECT_EQ(openVolume("synth:cube,dims=5x6x7")->layout().frame, WorldFrame::kNone);
+}
+
+TEST(OpenVolume, listsEveryFileThatAVolumeIsReadFrom) {
+  const TempFolder folder;
+  const auto at = [&](const std::string& name) { return (folder / name).string(); };
+  const auto filesOf = [](const std::vector<std::string>& inputs, const OpenOptions& options = {}) {
+    return openVolume(inputs, options)->files();
+  };
+  const OpenOptions raw{.dims = Vec3i{2, 2, 2}, .type = VoxelType::kU8};
+  for (const char* name : {"a.raw", "b.raw", "c.raw"}) writeFile(folder / name, "12345678");
+  EXPECT_THAT(filesOf({at("a.raw")}, raw), testing::ElementsAre(at("a.raw")));
+  const std::string nrrd = "NRRD0001\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nencoding: raw\n";
+  writeFile(folder / "b.nhdr", nrrd + "data file: b.raw\n");
+  writeFile(folder / "c.nhdr", nrrd + "data file: c.raw\n");
+  EXPECT_THAT(filesOf({at("b.nhdr")}), testing::UnorderedElementsAre(at("b.nhdr"), at("b.raw")));
+  EXPECT_THAT(filesOf({at("b.nhdr"), at("c.nhdr")}, {.spacing = Vec3d{1, 1, 2}}),
+              testing::UnorderedElementsAre(at("b.nhdr"), at("b.raw"), at("c.nhdr"), at("c.raw")));
+  for (const char* name : {"s0.png", "s1.png"}) writeSlice(folder / name, 1);
+  EXPECT_THAT(filesOf({at("s%d.png")}), testing::ElementsAre(at("s0.png"), at("s1.png")));
+  writePoints(folder / "p.vdb", {{{0, 0, 0}, 2.0F}});
+  EXPECT_THAT(filesOf({at("p.vdb")}), testing::ElementsAre(at("p.vdb")));
+  std::filesystem::create_directory(folder / "z");
+  writeFile(folder / "z/.zarray",
+            R"({"zarr_format": 2, "shape": [2, 2, 2], "chunks": [2, 2, 2], "dtype": "|u1",
+                "compressor": null, "fill_value": 0, "order": "C", "filters": null})");
+  EXPECT_THAT(filesOf({at("z")}), testing::Contains(at("z")));
+  EXPECT_THAT(filesOf({"synth:cube,dims=5x6x7"}), testing::IsEmpty());
 }
 
 TEST(OpenVolume, makesSyntheticVolumes) {

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "src/classify/transfer_makers.h"
+#include "src/classify/transfer/transfer_makers.h"
 #include "tests/render/render_scene.h"
 #include "tests/support/random_volume.h"
 

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "src/base/error.h"
+#include "src/render/camera_matrices.h"
 
 namespace sluice {
 namespace {
@@ -134,7 +135,8 @@ TEST(Camera, lookAtReplacesTheOrbit) {
   Camera camera;
   camera.projection = Projection::kPerspective;
   camera.azimuth_deg = 77;
-  camera.look_at = Camera::LookAt{{5, 2, 2}, {1, 2, 2}, {0, 0, 3}};
+  camera.look_at = Camera::LookAt{{5, 2, 2}, {1, 2, 2}};
+  camera.up = Vec3d{0, 0, 3};
   const View view = viewOf(camera);
   expectNear(view.eye, {5, 2, 2}, "eye");
   expectNear(view.forward, {-1, 0, 0}, "forward");
@@ -146,8 +148,43 @@ TEST(Camera, lookAtReplacesTheOrbit) {
 TEST(Camera, eyeInsideTheVolumeHasTheFirstSliceBehindIt) {
   Camera camera;
   camera.projection = Projection::kPerspective;
-  camera.look_at = Camera::LookAt{{1, 2, 2}, {1, 2, 0}, {0, 1, 0}};
+  camera.look_at = Camera::LookAt{{1, 2, 2}, {1, 2, 0}};
   EXPECT_NEAR(viewOf(camera).first_depth, -2, 1e-12);
+}
+
+std::array<double, 4> times(Vec3d p, const Matrix4& m) {
+  std::array<double, 4> result{};
+  for (size_t c = 0; c < 4; ++c)
+    result[c] = p.x * m[c] + p.y * m[4 + c] + p.z * m[8 + c] + m[12 + c];
+  return result;
+}
+
+// Against the rays that View promises, at all depths.
+TEST(Camera, matricesTakeAPixelSRayToThePixel) {
+  for (const Projection projection : {Projection::kOrtho, Projection::kPerspective}) {
+    Camera camera;
+    camera.projection = projection;
+    camera.azimuth_deg = 33;
+    camera.elevation_deg = -12;
+    camera.zoom = 1.7;
+    const View view = resolve(camera, box244(), {64, 48}, 0.5);
+    for (const double depth : {view.first_depth, view.first_depth + 2.5})
+      for (const auto& [i, j] : {std::pair{0, 0}, {63, 0}, {10, 40}, {63, 47}}) {
+        const double u = 2 * (i + 0.5) / 64 - 1, v = 1 - 2 * (j + 0.5) / 48, a = 64.0 / 48;
+        const Vec3d side =
+            view.right * (u * a * view.half_height) + view.up * (v * view.half_height);
+        const Vec3d p = projection == Projection::kOrtho ? view.eye + side + view.forward * depth
+                                                         : view.eye + (view.forward + side) * depth;
+        const auto ndc = times(p, ndcFromWorld(view));
+        EXPECT_NEAR(ndc[0] / ndc[3], (i + 0.5) / 64, 1e-5);
+        EXPECT_NEAR(ndc[1] / ndc[3], (j + 0.5) / 48, 1e-5);
+        const auto seen = times(p, cameraFromWorld(view));
+        EXPECT_NEAR(seen[2], depth, 1e-5);
+        EXPECT_NEAR(seen[3], 1, 1e-12);
+        EXPECT_NEAR(seen[0], dot(p - view.eye, view.right), 1e-5);
+        EXPECT_NEAR(seen[1], dot(p - view.eye, view.up), 1e-5);
+      }
+  }
 }
 
 TEST(Camera, degenerateCamerasAreRefusedInOneLine) {
@@ -165,11 +202,11 @@ TEST(Camera, degenerateCamerasAreRefusedInOneLine) {
     EXPECT_THAT(errorOf(camera), HasSubstr("field of view")) << bad;
   }
   Camera camera;
-  camera.look_at = Camera::LookAt{{1, 1, 1}, {1, 1, 1}, {0, 1, 0}};
+  camera.look_at = Camera::LookAt{{1, 1, 1}, {1, 1, 1}};
   EXPECT_THAT(errorOf(camera), HasSubstr("eye lies on its target"));
-  camera.look_at = Camera::LookAt{{1, 1, 1}, {1, 5, 1}, {0, 1, 0}};
+  camera.look_at = Camera::LookAt{{1, 1, 1}, {1, 5, 1}};
   EXPECT_THAT(errorOf(camera), HasSubstr("up direction"));
-  camera.look_at = Camera::LookAt{{1, 1, 1}, {1, 5, 1}, {0, 0, 0}};
+  camera.up = Vec3d{0, 0, 0};
   EXPECT_THAT(errorOf(camera), HasSubstr("up direction"));
   EXPECT_EQ(errorOf({}), "");
 }
@@ -183,11 +220,12 @@ TEST(Camera, numbersThatAreNotFiniteAreNamed) {
     camera.elevation_deg = bad;
     EXPECT_THAT(errorOf(camera), HasSubstr("elevation"));
     camera = {};
-    camera.look_at = Camera::LookAt{{1, bad, 1}, {1, 5, 1}, {0, 0, 1}};
+    camera.look_at = Camera::LookAt{{1, bad, 1}, {1, 5, 1}};
     EXPECT_THAT(errorOf(camera), HasSubstr("eye"));
-    camera.look_at = Camera::LookAt{{1, 1, 1}, {1, 5, bad}, {0, 0, 1}};
+    camera.look_at = Camera::LookAt{{1, 1, 1}, {1, 5, bad}};
     EXPECT_THAT(errorOf(camera), HasSubstr("target"));
-    camera.look_at = Camera::LookAt{{1, 1, 1}, {1, 5, 1}, {bad, 0, 1}};
+    camera.look_at = Camera::LookAt{{1, 1, 1}, {1, 5, 1}};
+    camera.up = Vec3d{bad, 0, 1};
     EXPECT_THAT(errorOf(camera), HasSubstr("up"));
   }
 }

@@ -1,7 +1,7 @@
 // Crop boxes and clip planes against the reference and the plain picture.
 #include <gtest/gtest.h>
 
-#include "src/classify/transfer_makers.h"
+#include "src/classify/transfer/transfer_makers.h"
 #include "src/render/index_space.h"
 #include "tests/render/render_scene.h"
 #include "tests/support/random_volume.h"

@@ -2,7 +2,7 @@
 // volume, so that a swapped or mirrored axis cannot hide.
 #include <gtest/gtest.h>
 
-#include "src/classify/transfer_makers.h"
+#include "src/classify/transfer/transfer_makers.h"
 #include "src/render/index_space.h"
 #include "tests/render/render_scene.h"
 

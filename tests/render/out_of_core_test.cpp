@@ -7,7 +7,7 @@
 #include <random>
 #include <unordered_set>
 
-#include "src/classify/transfer_makers.h"
+#include "src/classify/transfer/transfer_makers.h"
 #include "src/texture/chunk_names.h"
 #include "tests/render/render_scene.h"
 #include "tests/support/counting_source.h"
@@ -39,7 +39,7 @@ FrameOptions smallView() {
 class OutOfCoreTest : public RenderTest {
  protected:
   SliceRanges rangesOf(VolumeSource& source, int64_t block_vox, bool lit = false) {
-    Progress silent;
+    ProgressMeter silent;
     return buildSliceRanges(source, 0, blockLayout(kDims, block_vox, lit ? 1 : 0), pool_, silent);
   }
   std::unique_ptr<Session> sessionOf(VolumeSource& source, const SliceRanges& ranges,
@@ -47,7 +47,9 @@ class OutOfCoreTest : public RenderTest {
     options.page = options.page.pages == 0 ? kPage : options.page;
     if (options.memory_bytes == 0) options.memory_bytes = uint64_t{256} << 20;
     options.lit = ranges.layout.ghost == 1;
-    auto session = std::make_unique<Session>(source, 0, ranges, device(), pool_, options);
+    auto session =
+        std::make_unique<Session>(TimeStep{&source, 0, std::make_shared<const SliceRanges>(ranges)},
+                                  device(), pool_, options);
     session->setTransferFunction(above(40));
     session->setOptions(smallView());
     return session;
@@ -67,8 +69,8 @@ TEST_F(OutOfCoreTest, anyBudgetGivesTheSamePicture) {
       SessionOptions options;
       options.page = {{8, 8, 8}, 1, block * block * block / 512};  // a block
       const std::vector<float> expected = sessionOf(*source, ranges, options)->frame().picture.rgba;
-      const uint64_t least =
-          textureMemoryBytes(options.page, true) + leastBufferBytes(options.page, {block});
+      const uint64_t least = textureMemoryBytes(options.page, TexelPlace::kInMemory) +
+                             leastBufferBytes(options.page, {block});
       for (const uint64_t more : {0, 1, 100'000, 1'000'000, 100'000'000}) {
         SCOPED_TRACE(fmt::format("blocks of {}, lit {}, {} more than the least", block, lit, more));
         options.memory_bytes = least + more;
@@ -94,8 +96,8 @@ TEST_F(OutOfCoreTest, manyViewsAndThresholdsUnderTheLeastBudget) {
     SessionOptions options;
     options.page = {{8, 8, 8}, 1, blocks_in_cache * 8};
     const auto roomy = sessionOf(*source, ranges, options);
-    options.memory_bytes =
-        textureMemoryBytes(options.page, true) + leastBufferBytes(options.page, {16});
+    options.memory_bytes = textureMemoryBytes(options.page, TexelPlace::kInMemory) +
+                           leastBufferBytes(options.page, {16});
     const auto tight = sessionOf(*source, ranges, options);
     for (int i = 0; i < 40; ++i) {
       FrameOptions view = smallView();
@@ -127,7 +129,7 @@ TEST_F(OutOfCoreTest, whiteBlocksAreNeverRead) {
   EXPECT_EQ(static_cast<uint64_t>(counting.counts().bytes), report.decoded_bytes);
   EXPECT_EQ(report.decoded_bytes, report.rebuild.decoded);
   EXPECT_EQ(report.copied_bytes, report.rebuild.copied);
-  EXPECT_EQ(report.uploaded_bytes, report.rebuild.uploaded);
+  EXPECT_EQ(report.uploaded_bytes, copied(report.rebuild.uploaded));
 }
 
 // Voxels of chunks whose recipe no plan before had, counted from the plans alone.
@@ -135,17 +137,17 @@ class ChangedVoxels {
  public:
   uint64_t of(const TexturePlan& plan) {
     uint64_t voxels = 0;
-    const std::vector<uint64_t> names = names_.namesOf(plan);
-    for (size_t i = 0; i < names.size(); ++i)
+    const ChunkNameList names = names_.namesOf(plan);
+    for (const ChunkPosition i : names.indices())
       if (seen_.insert(names[i]).second)
-        for (const int64_t block : plan.chunks[i].blocks)
-          voxels += static_cast<uint64_t>(plan.blocks[static_cast<size_t>(block)].voxels.count());
+        for (const BlockPosition block : plan.chunks[i].blocks)
+          voxels += static_cast<uint64_t>(plan.blocks[block].voxels.count());
     return voxels;
   }
 
  private:
   ChunkNames names_;
-  std::unordered_set<uint64_t> seen_;
+  std::unordered_set<ChunkName> seen_;
 };
 
 TEST_F(OutOfCoreTest, aChangedThresholdCopiesTheChangedChunksAndReadsTheNewBlocksAlone) {
@@ -164,9 +166,9 @@ TEST_F(OutOfCoreTest, aChangedThresholdCopiesTheChangedChunksAndReadsTheNewBlock
       SCOPED_TRACE(threshold);
       const OpacityTable table(above(threshold), ranges.map, ranges.device_range);
       const Box3 all = boxOf(kDims - Vec3i{1, 1, 1});
-      const Classification classes = classify(ranges, table, all, pool_);
+      const VisibleBlocks classes = classify(ranges, table, all, pool_);
       int64_t fresh = 0;
-      for (const ObjectBlock& block : classes.visible) fresh += held.insert(block.block).second;
+      for (const ObjectBlock& block : classes.blocks) fresh += held.insert(block.block).second;
       counting.reset();
       session->setTransferFunction(above(threshold));
       const FrameReport report = session->frame().report;

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <atomic>
 
-#include "src/classify/volume_boxes.h"
+#include "src/index/volume_boxes.h"
 #include "src/render/index_space.h"
 #include "tests/render/blob_scene.h"
 #include "tests/render/real_volumes.h"
@@ -111,7 +111,12 @@ TEST_F(PartitionTest, aNewTransferFunctionReadsNoVoxelForTheBoxes) {
   RenderScene scene(device(), counting, someTransfer(), kLargeBlocks);
   FrameOptions options = obliqueView(Projection::kOrtho, {64, 60});
   options.partition = Partition::kBoxes;
-  scene.frame(options);
+  counting.reset();
+  const FrameReport first = scene.frame(options).report;
+  EXPECT_EQ(static_cast<uint64_t>(counting.counts().bytes), first.decoded_bytes)
+      << "what boxes are grown from is read through level 2 and counted there";
+  EXPECT_GT(first.decoded_bytes, first.rebuild.decoded);
+  EXPECT_EQ(scene.session().volumeBufferCounters().decoded_bytes, first.decoded_bytes);
   for (const double threshold : {90.0, 20.0, 150.0}) {
     counting.reset();
     scene.setTransfer(someTransfer(threshold));
@@ -126,9 +131,9 @@ TEST_F(PartitionTest, aSmallBudgetGivesTheSamePicture) {
   const auto source = spacedBlobs();
   const PageGeometry page{{8, 8, 8}, 1, 64};
   const uint64_t least =
-      textureMemoryBytes(page, true) +
+      textureMemoryBytes(page, TexelPlace::kInMemory) +
       leastBufferBytes(page, bufferNeeds(*source, blockLayout(source->layout().dims, 16, 0, ""),
-                                         Partition::kBoxes));
+                                         Partition::kBoxes, 0));
   for (const uint64_t more : {0, 1000, 50'000, 1'000'000}) {
     RenderScene scene(device(), *source, someTransfer(),
                       {.block_vox = 16,
@@ -178,7 +183,7 @@ TEST_P(PartitionDataTest, boxesDrawTheSamePicture) {
   const auto source = middleOf(*file, {kSanitized ? 64 : 160, 160, 160}, GetParam().time);
   const Vec3i size = source->layout().dims;
   WorkerPool pool(2);
-  Progress progress;
+  ProgressMeter progress;
   const SliceRanges ranges = buildSliceRanges(*source, 0, blockLayout(size, 64, 0), pool, progress);
   const TransferFunction transfer = automaticFor(ranges, file->layout());
   for (const bool lit : {false, true}) {
@@ -194,7 +199,7 @@ TEST_P(PartitionDataTest, boxesDrawTheSamePicture) {
   const OpacityTable table(transfer, ranges.map, ranges.device_range);
   const Box3 all = boxOf(size - Vec3i{1, 1, 1});
   std::vector<Box3> object(static_cast<size_t>(ranges.layout.blockCount()));
-  for (const ObjectBlock& block : classify(ranges, table, all, pool).visible)
+  for (const ObjectBlock& block : classify(ranges, table, all, pool).blocks)
     object[static_cast<size_t>(block.block)] = block.cells;
   const auto held = std::count_if(ranges.blocks.begin(), ranges.blocks.end(), [&](int64_t block) {
     return !object[static_cast<size_t>(block)].empty();

@@ -3,8 +3,8 @@
 
 #include <numbers>
 
-#include "io/synth_source.h"
-#include "src/classify/transfer_makers.h"
+#include "io/synth/synth_source.h"
+#include "src/classify/transfer/transfer_makers.h"
 #include "tests/render/render_scene.h"
 #include "tests/support/random_volume.h"
 
@@ -82,7 +82,7 @@ TEST_F(PictureTest, eyeMayLieOnABlockFace) {
   RenderScene scene(device(), *source, blobTransfer(*source), {.block_vox = 8});
   for (const Vec3d eye : {Vec3d{21, 14, 14}, Vec3d{21, 13.3, 14}, Vec3d{21, 13.3, 15.2}}) {
     FrameOptions options = insideView(source->layout(), {0, 0, 0}, {1, 1, 1});
-    options.camera.look_at = Camera::LookAt{eye, {40, 15, 12}, {0, 1, 0}};
+    options.camera.look_at = Camera::LookAt{eye, {40, 15, 12}};
     EXPECT_TRUE(within(kOfReference, scene.draw(options), scene.reference(options)))
         << eye.x << " " << eye.y << " " << eye.z;
   }
@@ -211,7 +211,8 @@ TEST_F(PictureTest, modesIgnoreLighting) {
   RenderScene unlit(device(), *source, blobTransfer(*source));
   FrameOptions options = obliqueView(Projection::kOrtho);
   options.mode = Mode::kMip;
-  EXPECT_TRUE(within(0.1, lit.draw(options), unlit.draw(options)));
+  // Samples within kPlaneEdge of a face are moved onto it, and lit blocks have other faces.
+  EXPECT_TRUE(within(0.5, lit.draw(options), unlit.draw(options)));
 }
 
 TEST_F(PictureTest, depthIsTheMeanDepthOfWhatShows) {

@@ -3,7 +3,7 @@
 #include <ostream>
 
 #include "io/open_volume.h"
-#include "src/classify/transfer_makers.h"
+#include "src/classify/transfer/automatic_look.h"
 #include "src/render/index_space.h"
 
 namespace sluice {
@@ -54,14 +54,12 @@ std::unique_ptr<VolumeSource> openReal(const RealVolume& volume) {
 }
 
 TransferFunction automaticFor(const SliceRanges& ranges, const VolumeLayout& layout) {
-  Histogram histogram = ranges.histogram;
-  histogram.range = {ranges.map.valueOf(histogram.range.lo),
-                     ranges.map.valueOf(histogram.range.hi)};
   AutomaticOptions options;
   options.thickness_vox = 100;
   options.signed_distance = layout.name.ends_with("(level set)");
   options.finest_spacing = finestSpacing(layout);
-  return automaticTransfer(histogram, options);
+  return automaticLook(scaled(ranges.counts, ranges.map.scale, ranges.map.offset), options)
+      .transfer;
 }
 
 }  // namespace sluice

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "src/base/volume_source.h"
-#include "src/classify/transfer_function.h"
+#include "src/classify/transfer/transfer_function.h"
 #include "src/volume/slice_ranges.h"
 
 namespace sluice {

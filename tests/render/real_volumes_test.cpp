@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "src/classify/transfer_makers.h"
+#include "src/classify/transfer/transfer_makers.h"
 #include "tests/render/render_scene.h"
 
 namespace sluice {
@@ -23,7 +23,7 @@ class RealVolumesTest : public RenderTest, public testing::WithParamInterface<Re
 TransferFunction automaticOf(VolumeSource& source, const VolumeLayout& layout) {
   // The index knows the histogram; the scene builds its own.
   WorkerPool pool(2);
-  Progress progress;
+  ProgressMeter progress;
   return automaticFor(
       buildSliceRanges(source, 0, blockLayout(source.layout().dims, 32, 0), pool, progress),
       layout);

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "src/render/index_space.h"
-#include "tests/gl/test_device.h"
+#include "tests/device/suite_device.h"
 
 namespace sluice {
 namespace {
@@ -34,11 +34,13 @@ ReferenceMode referenceMode(Mode mode) {
   return ReferenceMode::kComposite;
 }
 
-SliceRanges rangesOf(VolumeSource& source, const SceneOptions& options, WorkerPool& pool) {
+std::shared_ptr<const SliceRanges> rangesOf(VolumeSource& source, const SceneOptions& options,
+                                            WorkerPool& pool) {
   const BlockLayout layout =
       blockLayout(source.layout().dims, options.block_vox, options.lit || options.ghost ? 1 : 0);
-  Progress progress;
-  return buildSliceRanges(source, options.time, layout, pool, progress);
+  ProgressMeter progress;
+  return std::make_shared<const SliceRanges>(
+      buildSliceRanges(source, options.time, layout, pool, progress));
 }
 
 // What single precision may round. Steps: the renderer makes ramps of them, see OpacityTable. Ends
@@ -50,7 +52,8 @@ Rounding roundingOf(const OpacityTable& table, const ValueMap& map) {
       std::abs(map.scale) * (range.hi - range.lo) / std::max(1, table.entries() - 1);
   return {.step_value = (table.stepEntries() + 1) * entry,
           .end_value = (table.stepEntries() + 4) * entry,
-          .face_vox = 1e-4};
+          .face_vox = 1e-4,
+          .label_weight = 1e-3};
 }
 
 float doubtOf(const FloatPicture& a, const FloatPicture& b, size_t pixel) {
@@ -77,14 +80,14 @@ RenderScene::RenderScene(Device& device, VolumeSource& source, TransferFunction 
 
 std::unique_ptr<Session> RenderScene::sessionOver(VolumeSource& source) {
   SessionOptions options;
-  options.page = {options_.page_vox, static_cast<int64_t>(bytesPerVoxel(ranges_.map.type)),
+  options.page = {options_.page_vox, static_cast<int64_t>(bytesPerVoxel(ranges_->map.type)),
                   options_.pages};
   options.memory_bytes = options_.memory_bytes;
   options.policy = options_.policy;
   options.lit = options_.lit;
   options.partition = options_.partition;
-  if (options_.partition == Partition::kBoxes) setenv("SLUICE_INDEX", "off", 1);
-  auto session = std::make_unique<Session>(source, options_.time, ranges_, device_, pool_, options);
+  auto session =
+      std::make_unique<Session>(TimeStep{&source, options_.time, ranges_}, device_, pool_, options);
   session->setTransferFunction(transfer_);
   return session;
 }
@@ -113,7 +116,7 @@ FloatPicture RenderScene::reference(const FrameOptions& options) const {
   if (options_.lit) scene.lighting = options.lighting;
   scene.value_range = valueRangeOf(source_, options_.time);
   scene.opacity_threshold = rayThreshold(options);
-  scene.rounding = roundingOf({transfer_, ranges_.map, ranges_.device_range}, ranges_.map);
+  scene.rounding = roundingOf({transfer_, ranges_->map, ranges_->device_range}, ranges_->map);
   return renderReference(
       source_, resolve(options.camera, source_.layout(), options.size, options.step_vox), scene);
 }
@@ -224,7 +227,7 @@ std::unique_ptr<MemorySource> middleOf(VolumeSource& source, Vec3i most_vox, int
 }
 
 void RenderTest::SetUpTestSuite() {
-  device_ = testDevice();
+  device_ = suiteDevice();
 }
 
 FrameOptions obliqueView(Projection projection, PictureSize size) {
@@ -243,8 +246,8 @@ FrameOptions insideView(const VolumeLayout& layout, Vec3d share, Vec3d toward_sh
   options.camera.projection = Projection::kPerspective;
   options.camera.field_of_view_deg = 70;
   options.camera.look_at = Camera::LookAt{worldFromIndex(layout, outer * share),
-                                          worldFromIndex(layout, outer * toward_share),
-                                          {0.1, 1, 0.05}};
+                                          worldFromIndex(layout, outer * toward_share)};
+  options.camera.up = Vec3d{0.1, 1, 0.05};
   options.size = {96, 80};
   return options;
 }

@@ -10,7 +10,6 @@
 #include <memory>
 #include <optional>
 
-#include "src/gl/gl_device.h"
 #include "src/render/session.h"
 #include "tests/support/float_picture.h"
 #include "tests/support/memory_source.h"
@@ -59,7 +58,8 @@ class RenderScene {
   std::unique_ptr<Session> sessionOver(VolumeSource& source);
 
   Session& session() { return *session_; }
-  const SliceRanges& ranges() const { return ranges_; }
+  const SliceRanges& ranges() const { return *ranges_; }
+  TimeStep step() const { return {&source_, options_.time, ranges_}; }
   void setTransfer(TransferFunction transfer);
 
  private:
@@ -68,7 +68,7 @@ class RenderScene {
   const SceneOptions options_;
   TransferFunction transfer_;
   WorkerPool pool_;
-  SliceRanges ranges_;
+  std::shared_ptr<const SliceRanges> ranges_;
   std::unique_ptr<Session> session_;
 };
 
@@ -92,15 +92,19 @@ std::unique_ptr<MemorySource> cropped(VolumeSource& source, const Box3& voxels, 
 // The middle of a source, of `most_vox` along each axis at most.
 std::unique_ptr<MemorySource> middleOf(VolumeSource& source, Vec3i most_vox, int64_t time = 0);
 
-// A test with a device of its own program: software GL, whose pictures are the same everywhere.
+// A test with the device of its program, see tests/device/suite_device.h.
 class RenderTest : public testing::Test {
  protected:
   static void SetUpTestSuite();
   static void TearDownTestSuite() { device_.reset(); }
   static Device& device() { return *device_; }
+  // What the device copies of so many bytes that it is given: none where it borrows.
+  static uint64_t copied(uint64_t bytes) {
+    return device().limits().texels == TexelPlace::kBorrowed ? 0 : bytes;
+  }
 
  private:
-  static inline std::unique_ptr<GlDevice> device_;
+  static inline std::unique_ptr<Device> device_;
 };
 
 // Views that need not care: turned about both axes, small.

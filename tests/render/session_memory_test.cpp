@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "cache/simulator.h"
+#include "cache/simulate/simulator.h"
 #include "src/base/error.h"
 #include "src/render/session.h"
 #include "src/texture/chunk_names.h"
-#include "src/texture/requests.h"
+#include "src/texture/frame_trace.h"
 #include "tests/render/blob_scene.h"
 #include "tests/support/counting_source.h"
 
@@ -45,8 +45,8 @@ TEST_F(SessionTest, modelAndDeviceCountTheSameBytes) {
           by_frames += scene.frame(options).report.uploaded_bytes;
         }
         const TextureCache& model = scene.session().textureCache();
-        EXPECT_EQ(model.counters().uploaded_bytes, device().uploadedBytes() - before);
-        EXPECT_EQ(model.counters().uploaded_bytes, by_frames);
+        EXPECT_EQ(copied(model.counters().uploaded_bytes), device().uploadedBytes() - before);
+        EXPECT_EQ(copied(model.counters().uploaded_bytes), by_frames);
         EXPECT_EQ(model.counters().uploaded_bytes,
                   model.pagesLoaded() * static_cast<uint64_t>(volume(page)));
         EXPECT_GT(model.counters().evictions, 0U) << "too many pages to mean anything";
@@ -94,7 +94,7 @@ TEST_F(SessionTest, recordedRequestsAreThoseOfThePlanAndSimulateToTheSameBytes) 
     const auto page_bytes = static_cast<uint64_t>(scene.session().page().pageBytes());
     const SimulationRow simulated =
         simulate(prepare({page_bytes, expected}), {.pages = 16, .pin_clusters = true});
-    EXPECT_EQ(simulated.bytes.moved, uploaded);
+    EXPECT_EQ(copied(simulated.bytes.moved), uploaded);
     EXPECT_EQ(simulated.chunks.evictions, scene.session().textureCache().counters().evictions);
     scene.frame(smallView());
     EXPECT_EQ(recorder.records.size(), expected.size()) << "no longer recorded";
@@ -207,21 +207,25 @@ TEST_F(SessionTest, smallBudgetsEvictAndGiveTheSamePicture) {
 TEST_F(SessionTest, memoryIsSharedOutWithoutRest) {
   const PageGeometry page{{8, 8, 8}, 2, 8};
   constexpr uint64_t kMemory = uint64_t{1} << 30;
-  const Budgets software = shareMemory(kMemory, page, true, {16}, 2);
+  const Budgets software = shareMemory(kMemory, page, TexelPlace::kInMemory, {16}, 2);
   EXPECT_EQ(software.texture_cache, 8U * 1024);
   EXPECT_EQ(software.volume_buffer + software.texture_buffer + software.texture_cache +
                 software.scratch + spareTextureBytes(0),
             kMemory);
-  const Budgets hardware =
-      shareMemory(kMemory, page, false, {.block_vox = 16, .growing_bytes = 40'000}, 2);
+  const Budgets hardware = shareMemory(kMemory, page, TexelPlace::kOnDevice,
+                                       {.block_vox = 16, .growing_bytes = 40'000}, 2);
   EXPECT_GT(hardware.boxes, 0U);
   EXPECT_GE(hardware.growing, static_cast<uint64_t>(hardware.readers + 1) * 40'000);
   EXPECT_EQ(hardware.volume_buffer + hardware.texture_buffer + hardware.scratch + hardware.boxes +
                 hardware.growing,
             kMemory)
       << "textures have a memory of their own";
-  const Budgets packed = shareMemory(kMemory, page, false, {16, 3 << 20}, 2);
+  const Budgets packed = shareMemory(kMemory, page, TexelPlace::kOnDevice, {16, 3 << 20}, 2);
   EXPECT_EQ(packed.volume_buffer + packed.texture_buffer + packed.scratch + packed.source, kMemory);
+  const Budgets borrowed = shareMemory(kMemory, page, TexelPlace::kBorrowed, {16}, 2);
+  EXPECT_EQ(borrowed.volume_buffer + borrowed.texture_buffer + borrowed.scratch, kMemory)
+      << "what is borrowed is counted once";
+  EXPECT_EQ(borrowed.borrowed, 8U * 1024);
   EXPECT_GE(packed.source, static_cast<uint64_t>(packed.readers + 1) * (3 << 20));
 }
 

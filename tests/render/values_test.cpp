@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "src/classify/transfer_makers.h"
+#include "src/classify/transfer/transfer_makers.h"
 #include "tests/render/render_scene.h"
 #include "tests/support/random_volume.h"
 

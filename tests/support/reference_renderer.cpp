@@ -7,6 +7,7 @@
 #include <cstring>
 #include <functional>
 #include <limits>
+#include <map>
 #include <memory>
 #include <thread>
 
@@ -18,7 +19,12 @@ namespace {
 // What infinities count as, and what is as far away (src/volume/device_voxel.h).
 constexpr double kFarthest = 1e30;
 
-// Of light reflected by white: what src/render/lighting.h adds up to at most by default.
+// Faces belong to the volume where voxel planes are sampled, to this part of a voxel.
+constexpr double kPlaneEdge = 1e-3;
+// Of labels whose weights are this close the greater one counts.
+constexpr double kLabelTie = 1e-3;
+
+// Of light reflected by white: what src/device/lighting.h adds up to at most by default.
 constexpr double kBrightestLit = 1.5;
 
 // A time step's values, read by their position in voxels.
@@ -28,6 +34,18 @@ class Values {
     bytes_.resize(static_cast<size_t>(volume(layout_.dims)) * bytesPerVoxel(layout_.type));
     source.readRegion(time, boxOf(layout_.dims), bytes_);
     trilinear_ = visitVoxelType(layout_.type, [](auto tag) { return &trilinear<decltype(tag)>; });
+    label_ = visitVoxelType(layout_.type, [](auto tag) { return &heaviest<decltype(tag)>; });
+  }
+
+  // That of the eight voxels around p whose value has the greatest weight, and by how much it
+  // leads. Requires: as at().
+  struct Label {
+    double value, lead;
+  };
+  Label labelAt(Vec3d p) const {
+    Label label = label_(bytes_.data(), layout_.dims, p);
+    label.value = label.value * layout_.value_scale + layout_.value_offset;
+    return label;
   }
 
   // Trilinear between the eight voxels around p. Requires: 0 <= p[a] <= dims[a] - 1, dims >= 2.
@@ -66,8 +84,44 @@ class Values {
         f.z, [&] { return along_y(0); }, [&] { return along_y(1); });
   }
 
+  template <class T>
+  static Label heaviest(const std::byte* bytes, Vec3i dims, Vec3d p) {
+    const auto* voxels = reinterpret_cast<const T*>(bytes);
+    std::map<double, double> weights;
+    for (int corner = 0; corner < 8; ++corner) {
+      Vec3i i;
+      double weight = 1;
+      for (int a = 0; a < 3; ++a) {
+        const int64_t low = std::min(static_cast<int64_t>(p[a]), dims[a] - 2);
+        const double t = p[a] - static_cast<double>(low);
+        const bool upper = (corner >> a & 1) != 0;
+        i[a] = low + (upper ? 1 : 0);
+        weight *= upper ? t : 1 - t;
+      }
+      const auto value = static_cast<double>(voxels[(i.z * dims.y + i.y) * dims.x + i.x]);
+      weights[std::isnan(value) ? -std::numeric_limits<double>::max() : value] += weight;
+    }
+    // Ascending, so that of two alike the greater one stays.
+    Label best{0, 0};
+    double most = -1, second = -1;
+    for (const auto& [value, weight] : weights) {
+      if (weight > most - kLabelTie) {
+        second = std::max(second, most);
+        most = weight;
+        best.value = value;
+      } else {
+        second = std::max(second, weight);
+      }
+    }
+    if (best.value == -std::numeric_limits<double>::max())
+      best.value = std::numeric_limits<double>::quiet_NaN();
+    best.lead = std::abs(std::abs(most - second) - kLabelTie);
+    return best;
+  }
+
   const VolumeLayout& layout_;
   std::vector<std::byte> bytes_;
+  Label (*label_)(const std::byte*, Vec3i, Vec3d) = nullptr;
   double (*trilinear_)(const std::byte*, Vec3i, Vec3d) = nullptr;
 };
 
@@ -143,7 +197,48 @@ class Renderer {
     bool counts, near_face;
   };
 
-  // Calls sample(Sample) front to back until it returns false.
+  // Calls sample(Sample) front to back where the mode says.
+  template <class F>
+  void eachProjected(Vec3d start, Vec3d direction, F&& sample) const {
+    if (scene_.mode == ReferenceMode::kAverage)
+      eachSample(start, direction, sample);
+    else
+      eachOnPlanes(start, direction, sample);
+  }
+
+  // Of the voxel planes of one axis.
+  template <class F>
+  void eachOnPlanes(Vec3d start, Vec3d direction, F&& sample) const {
+    const Vec3d from = index_from_world_(start);
+    const Vec3d d = index_from_world_(start + direction) - from;
+    int axis = 0;
+    for (int a = 1; a < 3; ++a)
+      if (std::abs(d[a]) > (1 + 1e-4) * std::abs(d[axis])) axis = a;
+    const auto parts = static_cast<int64_t>(std::ceil(finest_ / view_.step - 1e-6));
+    const double a_voxel = static_cast<double>(std::max<int64_t>(1, parts));
+    const auto count = static_cast<int64_t>(static_cast<double>(layout_.dims[axis] - 1) * a_voxel);
+    // Where the first slice in front of a perspective eye is.
+    double nearest = -std::numeric_limits<double>::infinity();
+    if (view_.projection == Projection::kPerspective && view_.first_depth <= 0) {
+      int64_t k = 0;
+      while (view_.first_depth + (static_cast<double>(k) + 0.5) * view_.step <= 0) ++k;
+      nearest = view_.first_depth + (static_cast<double>(k) + 0.5) * view_.step;
+    }
+    const double near = scene_.rounding.face_vox;
+    for (int64_t i = 0; i <= count; ++i) {
+      const double depth = (static_cast<double>(i) / a_voxel - from[axis]) / d[axis];
+      if (depth < nearest) continue;
+      const Vec3d world = start + direction * depth;
+      Vec3d p = index_from_world_(world);
+      p[axis] = static_cast<double>(i) / a_voxel;
+      if (!counts(p, world, near, kPlaneEdge)) continue;
+      const bool inside = counts(p, world, 0, kPlaneEdge);
+      const bool near_face = near > 0 && !counts(p, world, -near, kPlaneEdge);
+      if (!sample(Sample{clampedTo(crop_, p), depth, inside, near_face})) return;
+    }
+  }
+
+  // Calls sample(Sample) at the slices, front to back, until it returns false.
   template <class F>
   void eachSample(Vec3d start, Vec3d direction, F&& sample) const {
     const double near = scene_.rounding.face_vox;
@@ -156,15 +251,15 @@ class Renderer {
       if (!counts(p, world, near)) continue;
       const bool inside = counts(p, world, 0);
       const bool near_face = near > 0 && !counts(p, world, -near);
-      if (!sample(Sample{clampedToVolume(p), depth, inside, near_face})) return;
+      if (!sample(Sample{clampedTo(boxOf(layout_.dims), p), depth, inside, near_face})) return;
     }
   }
 
-  // Of a volume grown by `grown_vox` on all sides.
-  bool counts(Vec3d p, Vec3d world, double grown_vox) const {
+  // Of a volume grown by `grown_vox` on all sides, and by `edge_vox` where that is a box's.
+  bool counts(Vec3d p, Vec3d world, double grown_vox, double edge_vox = 0) const {
     for (int a = 0; a < 3; ++a)
-      if (!(p[a] >= static_cast<double>(crop_.lo[a]) - grown_vox &&
-            p[a] < static_cast<double>(crop_.hi[a] - 1) + grown_vox))
+      if (!(p[a] >= static_cast<double>(crop_.lo[a]) - grown_vox - edge_vox &&
+            p[a] < static_cast<double>(crop_.hi[a] - 1) + grown_vox + edge_vox))
         return false;
     return std::all_of(scene_.clip_planes.begin(), scene_.clip_planes.end(),
                        [&](const auto& plane) {
@@ -173,9 +268,9 @@ class Renderer {
                        });
   }
 
-  Vec3d clampedToVolume(Vec3d p) const {
+  static Vec3d clampedTo(const Box3& box, Vec3d p) {
     for (int a = 0; a < 3; ++a)
-      p[a] = std::clamp(p[a], 0.0, static_cast<double>(layout_.dims[a] - 1));
+      p[a] = std::clamp(p[a], static_cast<double>(box.lo[a]), static_cast<double>(box.hi[a] - 1));
     return p;
   }
 
@@ -230,11 +325,14 @@ class Renderer {
     Pixel out;
     double depth_sum = 0;
     eachSample(start, direction, [&](const Sample& sample) {
-      const double value = values_.at(sample.p);
+      const bool labels = scene_.transfer.labels;
+      const Values::Label label = labels ? values_.labelAt(sample.p) : Values::Label{};
+      const double value = labels ? label.value : values_.at(sample.p);
       const double magnitude =
           scene_.transfer.gradients.empty() ? 0 : length(gradient(sample.p)) * finest_;
       const double a = opacity(value, magnitude, voxel_lengths);
-      const double doubt = sample.near_face ? a : doubtOf(value, magnitude, voxel_lengths);
+      double doubt = sample.near_face ? a : doubtOf(value, magnitude, voxel_lengths);
+      if (labels && label.lead < scene_.rounding.label_weight) doubt = 1;
       out.doubt += (1 - out.opacity) * doubt * brightest;
       if (a > 0 && sample.counts) {
         Vec3d rgb = colorAt(scene_.transfer, value);
@@ -276,7 +374,7 @@ class Renderer {
   Pixel project(Vec3d start, Vec3d direction) const {
     // What takes part; the same without what rounding may leave out, and with what it may take in.
     Projected exact, least, most;
-    eachSample(start, direction, [&](const Sample& sample) {
+    eachProjected(start, direction, [&](const Sample& sample) {
       const double value = values_.at(sample.p);
       const double reach = scene_.rounding.end_value;
       const bool shows = opacityAt(scene_.transfer, value) > 0;
@@ -314,9 +412,11 @@ class Renderer {
     const Lighting& lighting = *scene_.lighting;
     const Vec3d g = gradient(p);
     const double g2 = dot(g, g);
-    if (g2 == 0) return rgb;
+    if (!(g2 > 0)) return rgb;
     const double flat =
-        lighting.flat_share * (scene_.value_range.hi - scene_.value_range.lo) / finest_;
+        scene_.transfer.labels
+            ? 0
+            : lighting.flat_share * (scene_.value_range.hi - scene_.value_range.lo) / finest_;
     const double w = g2 / (g2 + flat * flat);
     const Vec3d n = normalized(g);
     const Vec3d viewer = -view_.forward;

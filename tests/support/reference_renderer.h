@@ -1,7 +1,12 @@
 // The independent reference: the picture as the contracts of src/render/camera.h,
-// src/render/lighting.h and src/classify/transfer_function.h define it, in plain double-precision
-// loops over the pixels and the slices of a View. No blocks, no skipping, no tables, and nothing of
-// the renderer but those structs.
+// src/device/lighting.h and src/classify/transfer/transfer_function.h define it, in plain
+// double-precision loops over the pixels and the slices of a View. No blocks, no skipping, no
+// tables, and nothing of the renderer but those structs.
+//
+// Maxima and minima are taken where a ray meets the voxel planes of the axis that it runs along
+// most (in voxels; the first of those alike to 1e-4), or at ceil(1 / step) places a voxel there,
+// the step in units of the finest spacing; on the faces too, to a thousandth of a voxel. Everything
+// else is taken at the slices, where a sample with labels has the value of the greatest weight.
 //
 // A slice's sample counts where 0 <= p[a] < dims[a] - 1 on every axis (p: its position in voxels),
 // inside the crop box and kept by every clip plane. Infinities count as +-1e30; a sample with any
@@ -13,9 +18,9 @@
 #include <vector>
 
 #include "src/base/volume_source.h"
-#include "src/classify/transfer_function.h"
+#include "src/classify/transfer/transfer_function.h"
+#include "src/device/lighting.h"
 #include "src/render/camera.h"
-#include "src/render/lighting.h"
 #include "tests/support/float_picture.h"
 
 namespace sluice {
@@ -45,6 +50,8 @@ struct Rounding {
   double end_value = 0;
   // A face of the volume, of the crop box or a clip plane within this many voxels.
   double face_vox = 0;
+  // Labels: a weight among the eight voxels.
+  double label_weight = 0;
 };
 
 struct ReferenceScene {

@@ -122,17 +122,18 @@ TEST(ReferenceRenderer, modesShowTheExtremesAndTheMeanOfARamp) {
   layout.dims = {3, 3, 11};
   layout.value_scale = 0.5;
   layout.value_offset = -20;
-  // Values -20 + 5 z: samples at z = 9.5 ... 0.5 have 27.5 ... -17.5.
+  // Values -20 + 5 z: planes at z = 10 ... 0 have 30 ... -20, samples at 9.5 ... 0.5 27.5 ...
+  // -17.5.
   const auto ramp = makeMemorySource<int16_t>(layout, [](auto, auto, auto z) { return 10 * z; });
   const View view = alongMinusZ({1, 1, 0}, 10, 0.5, {1, 1});
   const auto red = [&](ReferenceMode mode, double threshold) {
     return renderReference(*ramp, view, sceneOf(redRamp(-100, 100, threshold), mode)).at(0, 0)[0];
   };
-  EXPECT_NEAR(red(ReferenceMode::kMaximum, -50), (27.5 + 100) / 200, kTight);
-  EXPECT_NEAR(red(ReferenceMode::kMinimum, -50), (-17.5 + 100) / 200, kTight);
+  EXPECT_NEAR(red(ReferenceMode::kMaximum, -50), (30.0 + 100) / 200, kTight);
+  EXPECT_NEAR(red(ReferenceMode::kMinimum, -50), (-20.0 + 100) / 200, kTight);
   EXPECT_NEAR(red(ReferenceMode::kAverage, -50), (5.0 + 100) / 200, kTight);
-  // Only 7.5 ... 27.5 are visible.
-  EXPECT_NEAR(red(ReferenceMode::kMinimum, 5), (7.5 + 100) / 200, kTight);
+  // Only planes of 5 ... 30, samples of 7.5 ... 27.5 are visible.
+  EXPECT_NEAR(red(ReferenceMode::kMinimum, 5), (5.0 + 100) / 200, kTight);
   EXPECT_NEAR(red(ReferenceMode::kAverage, 5), (17.5 + 100) / 200, kTight);
 }
 
@@ -156,7 +157,7 @@ TEST(ReferenceRenderer, interpolatesALinearFieldExactly) {
       renderReference(*source, view, sceneOf(redRamp(0, 100, -1), ReferenceMode::kMaximum));
   for (const int i : {0, 5, 15}) {
     const double x = 4 + (2 * (i + 0.5) / 16 - 1) * 3, y = 4 + (1 - 2 * (3 + 0.5) / 16) * 3;
-    EXPECT_NEAR(picture.at(i, 3)[0], field(x, y, 8 - 0.5 * 0.37) / 100, kTight);
+    EXPECT_NEAR(picture.at(i, 3)[0], field(x, y, 8) / 100, kTight);
   }
 }
 

@@ -6,9 +6,9 @@
 #include <map>
 #include <random>
 
-#include "cache/texture_cache.h"
+#include "cache/model/texture_cache.h"
 #include "src/texture/chunk_names.h"
-#include "src/texture/requests.h"
+#include "src/texture/frame_trace.h"
 #include "src/texture/texture_plan.h"
 
 namespace sluice {
@@ -152,9 +152,9 @@ struct Machine {
   }
   TexturePlan plan(std::vector<ObjectBlock> visible, Algorithm algorithm = Algorithm::kMerged,
                    MergeOrder order = MergeOrder::kPaper) const {
-    Classification classes;
-    classes.visible = std::move(visible);
-    std::sort(classes.visible.begin(), classes.visible.end(),
+    VisibleBlocks classes;
+    classes.blocks = std::move(visible);
+    std::sort(classes.blocks.begin(), classes.blocks.end(),
               [](const auto& a, const auto& b) { return a.block < b.block; });
     return planTextures(layout, classes, page,
                         {algorithm, order, 0, boxOf(layout.dims - Vec3i{1, 1, 1})});
@@ -183,8 +183,8 @@ TEST(MergingBetweenClusters, aChunkOfTwoClustersIsLoadedOnceInBothDirections) {
                      Algorithm::kMerged, order);
     ASSERT_EQ(plan.clusters.size(), 2U);
     ASSERT_EQ(plan.chunks.size(), 1U);
-    EXPECT_EQ(plan.clusters[0].chunks, plan.clusters[1].chunks);
-    EXPECT_EQ(plan.chunks[0].size_vox,
+    EXPECT_EQ(plan.clusters.front().chunks, plan.clusters.back().chunks);
+    EXPECT_EQ(plan.chunks.front().size_vox,
               order == MergeOrder::kPaper ? (Vec3i{128, 64, 30}) : (Vec3i{64, 64, 50}));
     EXPECT_EQ(loadsOf(plan, {0.3, 0.2, 1}), 1U);
     EXPECT_EQ(loadsOf(plan, {0.3, 0.2, -1}), 1U);
@@ -199,8 +199,8 @@ TEST(MergingBetweenClusters, theOddBlocksOfFullerClustersMergeToo) {
                     machine.slab({1, 0, 1}, 61, 2), machine.slab({0, 1, 1}, 44, 2)});
   // Two pairs, and the two left over.
   ASSERT_EQ(plan.chunks.size(), 3U);
-  EXPECT_EQ(plan.clusters[0].chunks.size(), 2U);
-  EXPECT_EQ(plan.clusters[1].chunks.size(), 2U);
+  EXPECT_EQ(plan.clusters.front().chunks.size(), 2U);
+  EXPECT_EQ(plan.clusters.back().chunks.size(), 2U);
   EXPECT_EQ(loadsOf(plan, {0, 0, 1}), 3U);
   EXPECT_EQ(loadsOf(plan, {0, 0, -1}), 3U);
 }
@@ -216,8 +216,7 @@ TEST(MergingBetweenClusters, aMergeThatWouldOverfillAClusterIsNotMade) {
   const TexturePlan plan = machine.plan(black);
   for (const Cluster& cluster : plan.clusters) {
     int64_t pages = 0;
-    for (const int64_t chunk : cluster.chunks)
-      pages += plan.chunks[static_cast<size_t>(chunk)].pages;
+    for (const ChunkPosition chunk : cluster.chunks) pages += plan.chunks[chunk].pages;
     EXPECT_LE(pages, machine.page.pages);
   }
 }
@@ -236,18 +235,16 @@ TEST(MergedPlan, everyClusterFitsTheCacheAndBlocksOfAChunkDoNotOverlap) {
         visible, Algorithm::kMerged, round % 2 == 0 ? MergeOrder::kPaper : MergeOrder::kFirstFit);
     for (const Cluster& cluster : plan.clusters) {
       int64_t pages = 0;
-      for (const int64_t chunk : cluster.chunks)
-        pages += plan.chunks[static_cast<size_t>(chunk)].pages;
+      for (const ChunkPosition chunk : cluster.chunks) pages += plan.chunks[chunk].pages;
       EXPECT_LE(pages, machine.page.pages);
-      for (const int64_t block : cluster.blocks)
-        EXPECT_EQ(std::count(cluster.chunks.begin(), cluster.chunks.end(),
-                             plan.blocks[static_cast<size_t>(block)].chunk),
-                  1);
+      for (const BlockPosition block : cluster.blocks)
+        EXPECT_EQ(
+            std::count(cluster.chunks.begin(), cluster.chunks.end(), plan.blocks[block].chunk), 1);
     }
     for (const Chunk& chunk : plan.chunks) {
       std::vector<Box3> places;
-      for (const int64_t position : chunk.blocks) {
-        const TextureBlock& block = plan.blocks[static_cast<size_t>(position)];
+      for (const BlockPosition position : chunk.blocks) {
+        const TextureBlock& block = plan.blocks[position];
         const Box3 place{block.at, block.at + block.texels()};
         EXPECT_TRUE(boxOf(chunk.size_vox).contains(place));
         for (const Box3& other : places) EXPECT_TRUE(intersect(place, other).empty());
@@ -262,7 +259,7 @@ TEST(MergedPlan, bytesByCauseAddUp) {
   const TexturePlan plan =
       machine.plan({machine.slab({0, 0, 0}, 19, 2), machine.slab({1, 0, 0}, 31, 2)});
   ASSERT_EQ(plan.chunks.size(), 1U);
-  const LoadBytes load = plan.loadBytes(plan.chunks[0]);
+  const LoadBytes load = plan.loadBytes(plan.chunks.front());
   // 128 x 64 x 32 texels in 4 x 1 x 16 pages; needed: 20 and 32 planes of 64 x 64.
   EXPECT_EQ(load.moved, 64U * 4096);
   EXPECT_EQ(load.needed, 64U * 64 * (20 + 32));

@@ -26,27 +26,26 @@ inline ObjectBlock objectBlock(const BlockLayout& layout, int64_t block, const B
   return object;
 }
 
-inline Classification classificationOf(const BlockLayout& layout,
-                                       std::vector<ObjectBlock> visible) {
-  Classification result;
-  result.visible = std::move(visible);
-  for (const ObjectBlock& object : result.visible)
+inline VisibleBlocks visibleBlocksOf(const BlockLayout& layout, std::vector<ObjectBlock> visible) {
+  VisibleBlocks result;
+  result.blocks = std::move(visible);
+  for (const ObjectBlock& object : result.blocks)
     ++(object.kind == BlockClass::kBlack ? result.black : result.grey);
   result.white = layout.blockCount() - result.black - result.grey;
   return result;
 }
 
 // Every cell visible.
-inline Classification allBlack(const BlockLayout& layout) {
+inline VisibleBlocks allBlack(const BlockLayout& layout) {
   std::vector<ObjectBlock> visible;
   for (int64_t block = 0; block < layout.blockCount(); ++block)
     visible.push_back(objectBlock(layout, block, layout.ownedCells(layout.indexOf(block))));
-  return classificationOf(layout, std::move(visible));
+  return visibleBlocksOf(layout, std::move(visible));
 }
 
 // About `share` of the blocks visible, each in a random box of its cells.
-inline Classification randomClassification(const BlockLayout& layout, double share,
-                                           std::mt19937_64& random) {
+inline VisibleBlocks randomVisibleBlocks(const BlockLayout& layout, double share,
+                                         std::mt19937_64& random) {
   const auto below = [&](int64_t n) {
     return static_cast<int64_t>(random() % static_cast<uint64_t>(n));
   };
@@ -62,7 +61,7 @@ inline Classification randomClassification(const BlockLayout& layout, double sha
       }
     visible.push_back(objectBlock(layout, block, cells));
   }
-  return classificationOf(layout, std::move(visible));
+  return visibleBlocksOf(layout, std::move(visible));
 }
 
 inline PlanOptions planOptions(const BlockLayout& layout, Algorithm algorithm,

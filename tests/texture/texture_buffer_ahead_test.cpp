@@ -19,11 +19,11 @@ using testing::IsEmpty;
 
 TEST_F(TextureBufferTest, whatWasBegunIsThereWhenItIsAskedFor) {
   const auto buffer = bufferOf(counted_, 24);
-  const auto first = buffer->begin(plan_, names_, std::vector<int64_t>{0, 1, 2});
-  const auto second = buffer->begin(plan_, names_, std::vector<int64_t>{2, 3});
+  const auto first = buffer->begin(plan_, names_, chunksOf({0, 1, 2}));
+  const auto second = buffer->begin(plan_, names_, chunksOf({2, 3}));
   const auto last = buffer->finish(second);
-  expectTexels(plan_, 2, *last[0], *memory_);
-  expectTexels(plan_, 3, *last[1], *memory_);
+  expectTexels(plan_, ChunkPosition(int64_t{2}), *last[0], *memory_);
+  expectTexels(plan_, ChunkPosition(int64_t{3}), *last[1], *memory_);
   EXPECT_EQ(buffer->finish(first)[2], last[0]);
   const CacheCounters c = buffer->counters();
   EXPECT_EQ(c.loads, 4U);
@@ -33,14 +33,14 @@ TEST_F(TextureBufferTest, whatWasBegunIsThereWhenItIsAskedFor) {
 
 TEST_F(TextureBufferTest, aheadIsNotBegunWithoutRoom) {
   const auto buffer = bufferOf(counted_, 3);
-  const auto first = buffer->begin(plan_, names_, std::vector<int64_t>{0, 1});
-  EXPECT_EQ(buffer->tryBegin(plan_, names_, std::vector<int64_t>{2, 3}), nullptr);
-  const auto second = buffer->tryBegin(plan_, names_, std::vector<int64_t>{1, 2});
+  const auto first = buffer->begin(plan_, names_, chunksOf({0, 1}));
+  EXPECT_EQ(buffer->tryBegin(plan_, names_, chunksOf({2, 3})), nullptr);
+  const auto second = buffer->tryBegin(plan_, names_, chunksOf({1, 2}));
   ASSERT_NE(second, nullptr);  // 1 is under way already
-  EXPECT_THROW(buffer->begin(plan_, names_, std::vector<int64_t>{4}), Error);
+  EXPECT_THROW(buffer->begin(plan_, names_, chunksOf({4})), Error);
   buffer->finish(first);
   buffer->finish(second);
-  EXPECT_NE(buffer->begin(plan_, names_, std::vector<int64_t>{4, 5, 6}), nullptr);
+  EXPECT_NE(buffer->begin(plan_, names_, chunksOf({4, 5, 6})), nullptr);
   EXPECT_EQ(buffer->counters().peak_bytes, 3 * kChunkBytes);
 }
 
@@ -53,7 +53,7 @@ TEST_F(TextureBufferTest, cancelledChunksAreNotReadAndCanBeAskedForAgain) {
   });
   const auto buffer = bufferOf(stalled, 24);
   // A pool of 2 has one worker: it stalls in the first block, the rest is not begun.
-  const auto batch = buffer->begin(plan_, names_, std::vector<int64_t>{0, 4, 8, 12, 16});
+  const auto batch = buffer->begin(plan_, names_, chunksOf({0, 4, 8, 12, 16}));
   while (blocks_->counters().requests == 0) std::this_thread::yield();
   buffer->cancel(batch);
   go.set_value();
@@ -68,7 +68,7 @@ TEST_F(TextureBufferTest, cancelledChunksAreNotReadAndCanBeAskedForAgain) {
 TEST_F(TextureBufferTest, aFailureAheadSurfacesWhereItIsAskedFor) {
   FailingSource failing(counted_, FailingSource::Failure::kError, 0);
   const auto buffer = bufferOf(failing, 24);
-  const auto ahead = buffer->begin(plan_, names_, std::vector<int64_t>{0});
+  const auto ahead = buffer->begin(plan_, names_, chunksOf({0}));
   EXPECT_THROW(buffer->finish(ahead), Error);
   EXPECT_EQ(acquire(*buffer, {0}).size(), 1U);
 }
@@ -89,7 +89,7 @@ TEST_F(TextureBufferTest, batchesBegunFinishedAndCancelledAtRandomKeepBudgetAndT
     TextureBuffer buffer(*blocks_, many, 9 * kChunkBytes);
     std::mt19937 random(seed);
     struct Begun {
-      std::vector<int64_t> chunks;
+      std::vector<ChunkPosition> chunks;
       TextureBuffer::BatchPtr batch;
     };
     std::vector<Begun> begun;
@@ -100,9 +100,9 @@ TEST_F(TextureBufferTest, batchesBegunFinishedAndCancelledAtRandomKeepBudgetAndT
       return taken;
     };
     for (int i = 0; i < 600; ++i) {
-      std::vector<int64_t> chunks(1 + random() % 3), soon(random() % 5);
-      for (int64_t& chunk : chunks) chunk = static_cast<int64_t>(random() % plan_.chunks.size());
-      for (int64_t& chunk : soon) chunk = static_cast<int64_t>(random() % plan_.chunks.size());
+      std::vector<ChunkPosition> chunks(1 + random() % 3), soon(random() % 5);
+      for (ChunkPosition& chunk : chunks) chunk = ChunkPosition(random() % plan_.chunks.size());
+      for (ChunkPosition& chunk : soon) chunk = ChunkPosition(random() % plan_.chunks.size());
       const auto batch = buffer.tryBegin(plan_, names_, chunks, soon);
       if (batch != nullptr) begun.push_back({chunks, batch});
       if (!begun.empty() && random() % 3 == 0) buffer.cancel(takeOne().batch);

@@ -2,19 +2,24 @@
 
 #include <algorithm>
 #include <cstring>
-#include <numeric>
 
 namespace sluice {
 
-std::vector<int64_t> allChunks(const TexturePlan& plan) {
-  std::vector<int64_t> chunks(plan.chunks.size());
-  std::iota(chunks.begin(), chunks.end(), 0);
+std::vector<ChunkPosition> allChunks(const TexturePlan& plan) {
+  std::vector<ChunkPosition> chunks;
+  for (const ChunkPosition chunk : plan.chunks.indices()) chunks.push_back(chunk);
   return chunks;
 }
 
-void expectTexels(const TexturePlan& plan, int64_t position, const ChunkTexels& texels,
+std::vector<ChunkPosition> chunksOf(const std::vector<int64_t>& numbers) {
+  std::vector<ChunkPosition> chunks;
+  for (const int64_t number : numbers) chunks.emplace_back(number);
+  return chunks;
+}
+
+void expectTexels(const TexturePlan& plan, ChunkPosition position, const ChunkTexels& texels,
                   const MemorySource& source) {
-  const Chunk& chunk = plan.chunks[static_cast<size_t>(position)];
+  const Chunk& chunk = plan.chunks[position];
   const size_t size = bytesPerVoxel(deviceMap(source.layout()).type);
   const size_t stored_size = bytesPerVoxel(source.layout().type);
   const Vec3i dims = source.layout().dims;
@@ -22,8 +27,8 @@ void expectTexels(const TexturePlan& plan, int64_t position, const ChunkTexels& 
   ASSERT_EQ(texels.byte_count, static_cast<size_t>(volume(texels.storage_vox)) * size);
   std::vector<std::byte> expected(size);
   std::vector<bool> covered(static_cast<size_t>(volume(texels.storage_vox)));
-  for (const int64_t b : chunk.blocks) {
-    const TextureBlock& block = plan.blocks[static_cast<size_t>(b)];
+  for (const BlockPosition b : chunk.blocks) {
+    const TextureBlock& block = plan.blocks[b];
     const Vec3i count = block.texels();
     for (int64_t z = 0; z < count.z; ++z)
       for (int64_t y = 0; y < count.y; ++y)

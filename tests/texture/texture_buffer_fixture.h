@@ -16,11 +16,13 @@
 namespace sluice {
 
 // Each chunk of a plan, in order.
-std::vector<int64_t> allChunks(const TexturePlan& plan);
+std::vector<ChunkPosition> allChunks(const TexturePlan& plan);
+// By number.
+std::vector<ChunkPosition> chunksOf(const std::vector<int64_t>& numbers);
 
 // Each texel of each texture block against the voxel that it stands for, found the long way; all
 // others are 0.
-void expectTexels(const TexturePlan& plan, int64_t position, const ChunkTexels& texels,
+void expectTexels(const TexturePlan& plan, ChunkPosition position, const ChunkTexels& texels,
                   const MemorySource& source);
 
 // 4 x 3 x 2 whole blocks of 8^3 bytes, a chunk each.
@@ -35,8 +37,8 @@ class TextureBufferTest : public testing::Test {
     blocks_ = std::make_unique<VolumeBuffer>(source, layout_, blocks * kChunkBytes);
     return std::make_unique<TextureBuffer>(*blocks_, pool_, chunks * kChunkBytes);
   }
-  std::vector<ChunkTexelsPtr> acquire(TextureBuffer& buffer, std::vector<int64_t> chunks) {
-    return buffer.acquire(plan_, names_, chunks);
+  std::vector<ChunkTexelsPtr> acquire(TextureBuffer& buffer, const std::vector<int64_t>& chunks) {
+    return buffer.acquire(plan_, names_, chunksOf(chunks));
   }
 
   const BlockLayout layout_ = blockLayout(kDims, 8, 0);
@@ -46,7 +48,7 @@ class TextureBufferTest : public testing::Test {
   const TexturePlan plan_ =
       planTextures(layout_, allBlack(layout_), page_, planOptions(layout_, Algorithm::kTrimmed));
   ChunkNames chunk_names_;
-  const std::vector<uint64_t> names_ = chunk_names_.namesOf(plan_);
+  const ChunkNameList names_ = chunk_names_.namesOf(plan_);
   WorkerPool pool_{2};
   std::unique_ptr<VolumeBuffer> blocks_;
 };

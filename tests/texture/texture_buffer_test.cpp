@@ -7,6 +7,7 @@
 
 #include "src/base/error.h"
 #include "src/base/interrupt.h"
+#include "tests/support/failing_memory.h"
 #include "tests/support/failing_source.h"
 #include "tests/support/function_source.h"
 #include "tests/texture/texture_buffer_fixture.h"
@@ -48,7 +49,7 @@ TEST_F(TextureBufferTest, chunksComeInTheOrderAskedFor) {
   const std::vector<int64_t> wanted{7, 0, 2, 23, 5};
   const auto texels = acquire(*buffer, wanted);
   for (size_t i = 0; i < wanted.size(); ++i) {
-    expectTexels(plan_, wanted[i], *texels[i], *memory_);
+    expectTexels(plan_, ChunkPosition(wanted[i]), *texels[i], *memory_);
     if (HasFatalFailure()) FAIL() << "chunk " << wanted[i];
   }
 }
@@ -63,26 +64,26 @@ TEST_F(TextureBufferTest, neighboursAlongXAreReadTogether) {
 // more than two rows at once.
 TEST_F(TextureBufferTest, wholeRowsAreReadTogetherAlsoByFewerThreads) {
   const auto buffer = bufferOf(counted_, 24, 10);
-  acquire(*buffer, allChunks(plan_));
+  buffer->acquire(plan_, names_, allChunks(plan_));
   EXPECT_EQ(counted_.counts().calls, 6);
   EXPECT_LE(counted_.counts().max_at_once, 2);
 }
 
 TEST_F(TextureBufferTest, aPlanThatRepeatsARecipeFindsItsBytes) {
   const auto buffer = bufferOf(counted_, 24);
-  acquire(*buffer, allChunks(plan_));
+  buffer->acquire(plan_, names_, allChunks(plan_));
   buffer->resetCounters();
   counted_.reset();
   // The same but for one block, which is trimmed.
-  Classification changed = allBlack(layout_);
-  changed.visible[9] = objectBlock(layout_, 9, {{7, 14, 0}, {14, 21, 3}});
+  VisibleBlocks changed = allBlack(layout_);
+  changed.blocks[9] = objectBlock(layout_, 9, {{7, 14, 0}, {14, 21, 3}});
   const TexturePlan plan =
       planTextures(layout_, changed, page_, planOptions(layout_, Algorithm::kTrimmed));
   const auto texels = buffer->acquire(plan, chunk_names_.namesOf(plan), allChunks(plan));
   EXPECT_EQ(buffer->counters().hits, 23U);
   EXPECT_EQ(buffer->counters().loads, 1U);
   EXPECT_EQ(counted_.counts().calls, 0);  // its block is at level 2 still
-  expectTexels(plan, 9, *texels[9], *memory_);
+  expectTexels(plan, ChunkPosition(int64_t{9}), *texels[9], *memory_);
 }
 
 TEST_F(TextureBufferTest, heldChunksStay) {
@@ -119,7 +120,7 @@ TEST_F(TextureBufferTest, aFailedReadLeavesTheBufferUsable) {
   EXPECT_EQ(c.resident, 4 - c.failures);  // what other threads filled meanwhile is kept
   EXPECT_THAT(c.brokenIdentity(), IsEmpty());
   const auto texels = acquire(*buffer, {0, 5, 10, 15});
-  expectTexels(plan_, 5, *texels[1], *memory_);
+  expectTexels(plan_, ChunkPosition(int64_t{5}), *texels[1], *memory_);
   c = buffer->counters();
   EXPECT_EQ(c.loads, 4U);
   EXPECT_THAT(c.brokenIdentity(), IsEmpty());
@@ -152,13 +153,37 @@ TEST_F(TextureBufferTest, budgetsOfBothLevelsHoldOverManyFrames) {
     std::vector<int64_t> wanted(1 + random() % kChunks);
     for (int64_t& chunk : wanted) chunk = static_cast<int64_t>(random() % plan_.chunks.size());
     const auto texels = acquire(*buffer, wanted);
-    expectTexels(plan_, wanted[0], *texels[0], *memory_);
+    expectTexels(plan_, ChunkPosition(wanted[0]), *texels[0], *memory_);
     ASSERT_LE(buffer->counters().current_bytes, kChunks * kChunkBytes);
     ASSERT_THAT(buffer->counters().brokenIdentity(), IsEmpty());
   }
   EXPECT_LE(blocks_->counters().peak_bytes, kBlocks * kChunkBytes);
   EXPECT_THAT(blocks_->counters().brokenIdentity(), IsEmpty());
   EXPECT_GT(buffer->counters().evictions, 0U);
+}
+
+TEST_F(TextureBufferTest, whereMemoryRunsOutNoChunkIsLeftHalfDone) {
+  forEachAllocation([&](int64_t n) {
+    const auto buffer = bufferOf(*memory_, 6);
+    acquire(*buffer, {0, 1, 2, 3});
+    bool failed = false;
+    {
+      const FailingMemory memory(n);
+      try {
+        acquire(*buffer, {3, 4, 8, 12});
+      } catch (const std::bad_alloc&) {
+      }
+      failed = memory.failed();
+    }
+    buffer->waitUntilIdle();
+    EXPECT_THAT(buffer->counters().brokenIdentity(), IsEmpty());
+    for (const int64_t chunk : {12, 8, 4, 3}) {
+      const auto texels = acquire(*buffer, {chunk});  // would wait for ever
+      expectTexels(plan_, ChunkPosition(chunk), *texels[0], *memory_);
+    }
+    EXPECT_THAT(buffer->counters().brokenIdentity(), IsEmpty());
+    return failed;
+  });
 }
 
 }  // namespace

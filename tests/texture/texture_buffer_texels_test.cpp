@@ -34,7 +34,7 @@ TEST(TextureBuffer, eachTexelIsTheVoxelItStandsFor) {
             static_cast<int64_t>(bytesPerVoxel(deviceMap(source->layout()).type));
         // Blocks that fill their pages along x and y, and such that do not.
         const PageGeometry page{ghost == 0 ? Vec3i{4, 8, 2} : Vec3i{32, 16, 2}, device_size, 64};
-        const TexturePlan plan = planTextures(layout, randomClassification(layout, 0.5, random),
+        const TexturePlan plan = planTextures(layout, randomVisibleBlocks(layout, 0.5, random),
                                               page, planOptions(layout, algorithm));
         for (const TextureBlock& block : plan.blocks)
           ++axes_seen[static_cast<size_t>(block.trimming_axis)];
@@ -42,7 +42,7 @@ TEST(TextureBuffer, eachTexelIsTheVoxelItStandsFor) {
         VolumeBuffer blocks(*source, layout, 1 << 20);
         TextureBuffer buffer(blocks, pool, 16 << 20);
         ChunkNames names;
-        const std::vector<int64_t> chunks = allChunks(plan);
+        const std::vector<ChunkPosition> chunks = allChunks(plan);
         const auto texels = buffer.acquire(plan, names.namesOf(plan), chunks);
         ASSERT_EQ(texels.size(), chunks.size());
         for (size_t i = 0; i < chunks.size(); ++i) {
@@ -67,7 +67,7 @@ TEST(TextureBuffer, smallVolumesArePaddedByTheirBorder) {
       TextureBuffer buffer(blocks, pool, 1 << 20);
       ChunkNames names;
       const auto texels = buffer.acquire(plan, names.namesOf(plan), allChunks(plan));
-      expectTexels(plan, 0, *texels.at(0), *source);
+      expectTexels(plan, ChunkPosition(int64_t{0}), *texels.at(0), *source);
     }
   }
 }
@@ -101,18 +101,18 @@ TEST(TextureBuffer, memoryThatIsPassedOnLeavesNothingOfItsLastChunk) {
       for (int64_t block = 0; block < 2; ++block)
         visible.push_back(
             objectBlock(layout, block, intersect(box, layout.ownedCells(layout.indexOf(block)))));
-      const TexturePlan plan = planTextures(layout, classificationOf(layout, visible), page,
+      const TexturePlan plan = planTextures(layout, visibleBlocksOf(layout, visible), page,
                                             planOptions(layout, Algorithm::kMerged));
       const auto texels = buffer.acquire(plan, names.namesOf(plan), allChunks(plan));
       for (size_t i = 0; i < texels.size(); ++i)
-        expectTexels(plan, static_cast<int64_t>(i), *texels[i], *source);
+        expectTexels(plan, ChunkPosition(i), *texels[i], *source);
     }
   EXPECT_GT(buffer.counters().evictions, 4U);
 }
 
 TEST_F(TextureBufferTest, whatPagesAddIsZero) {
   const PageGeometry page{{16, 8, 4}, 1, 32};
-  Classification one = classificationOf(layout_, {objectBlock(layout_, 0, {{0, 0, 0}, {7, 7, 2}})});
+  VisibleBlocks one = visibleBlocksOf(layout_, {objectBlock(layout_, 0, {{0, 0, 0}, {7, 7, 2}})});
   const TexturePlan plan =
       planTextures(layout_, one, page, planOptions(layout_, Algorithm::kTrimmed));
   const auto buffer = bufferOf(counted_, 24);

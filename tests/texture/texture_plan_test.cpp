@@ -28,13 +28,13 @@ BlockLayout wholeBlocks(int ghost = 0) {
   return blockLayout({5 * cells + 1, 4 * cells + 1, 3 * cells + 1}, 64, ghost);
 }
 
-TexturePlan planned(const BlockLayout& layout, const Classification& classification,
+TexturePlan planned(const BlockLayout& layout, const VisibleBlocks& classification,
                     const PageGeometry& page, Algorithm algorithm) {
   return planTextures(layout, classification, page, planOptions(layout, algorithm));
 }
 
 // Each block shows `thickness` cells along `axis`.
-Classification slabs(const BlockLayout& layout, int axis, int64_t thickness) {
+VisibleBlocks slabs(const BlockLayout& layout, int axis, int64_t thickness) {
   std::vector<ObjectBlock> visible;
   for (int64_t block = 0; block < layout.blockCount(); ++block) {
     Box3 cells = layout.ownedCells(layout.indexOf(block));
@@ -42,7 +42,7 @@ Classification slabs(const BlockLayout& layout, int axis, int64_t thickness) {
     cells.hi[axis] = cells.lo[axis] + thickness;
     visible.push_back(objectBlock(layout, block, cells));
   }
-  return classificationOf(layout, std::move(visible));
+  return visibleBlocksOf(layout, std::move(visible));
 }
 
 // --- chunks and pages in closed form
@@ -69,7 +69,7 @@ TEST(TexturePlan, trimmedSlabsTakeTheirThicknessWhateverTheAxis) {
     for (int axis = 0; axis < 3; ++axis)
       for (const int64_t thickness : {1, 2, 7, 8, 31, 32, 40}) {
         const int64_t planes = thickness + 1 + 2 * ghost;
-        const Classification classification = slabs(layout, axis, thickness);
+        const VisibleBlocks classification = slabs(layout, axis, thickness);
         const TexturePlan octane = planned(layout, classification, kOctane, Algorithm::kTrimmed);
         EXPECT_EQ(octane.pageCount(), 60 * 2 * ((planes + 1) / 2));
         const TexturePlan sparse = planned(layout, classification, kSparse, Algorithm::kTrimmed);
@@ -82,22 +82,22 @@ TEST(TexturePlan, trimmedSlabsTakeTheirThicknessWhateverTheAxis) {
 
 TEST(TexturePlan, untrimmedSlabsTakeWholeBlocks) {
   const BlockLayout layout = wholeBlocks();
-  const Classification classification = slabs(layout, 1, 7);
+  const VisibleBlocks classification = slabs(layout, 1, 7);
   for (const Algorithm algorithm : {Algorithm::kConventional, Algorithm::kClipped}) {
     const TexturePlan plan = planned(layout, classification, kOctane, algorithm);
     EXPECT_EQ(plan.pageCount(), 60 * 64);
-    for (size_t i = 0; i < plan.blocks.size(); ++i)
+    for (const BlockPosition i : plan.blocks.indices())
       EXPECT_EQ(plan.blocks[i].cells,
                 algorithm == Algorithm::kClipped
-                    ? classification.visible[i].cells
-                    : layout.ownedCells(layout.indexOf(static_cast<int64_t>(i))));
+                    ? classification.blocks[static_cast<size_t>(i.value())].cells
+                    : layout.ownedCells(layout.indexOf(i.value())));
   }
 }
 
 TEST(TexturePlan, conventionalLoadsWhiteBlocksAndTrimmedDoesNot) {
   const BlockLayout layout = wholeBlocks();
-  const Classification one =
-      classificationOf(layout, {objectBlock(layout, 17, layout.ownedCells(layout.indexOf(17)))});
+  const VisibleBlocks one =
+      visibleBlocksOf(layout, {objectBlock(layout, 17, layout.ownedCells(layout.indexOf(17)))});
   EXPECT_EQ(planned(layout, one, kOctane, Algorithm::kConventional).chunks.size(), 60U);
   const TexturePlan clipped = planned(layout, one, kOctane, Algorithm::kClipped);
   EXPECT_EQ(clipped.chunks.size(), 60U);
@@ -109,7 +109,7 @@ TEST(TexturePlan, conventionalLoadsWhiteBlocksAndTrimmedDoesNot) {
 TEST(TexturePlan, nothingVisibleIsNothingToLoad) {
   const BlockLayout layout = wholeBlocks();
   for (const Algorithm algorithm : {Algorithm::kTrimmed, Algorithm::kMerged}) {
-    const TexturePlan plan = planned(layout, classificationOf(layout, {}), kOctane, algorithm);
+    const TexturePlan plan = planned(layout, visibleBlocksOf(layout, {}), kOctane, algorithm);
     EXPECT_EQ(plan.pageCount(), 0);
     EXPECT_TRUE(plan.clusters.empty());
     EXPECT_TRUE(clusterOrder(plan, {}).empty());
@@ -134,7 +134,7 @@ TEST(TexturePlan, everyVisibleCellIsInOneTextureBlockThatHoldsItsVoxels) {
     for (const int ghost : {0, 1})
       for (const Algorithm algorithm : kAlgorithms) {
         const BlockLayout layout = blockLayout({30, 41, 23}, 8, ghost);
-        const Classification classification = randomClassification(layout, 0.4, random);
+        const VisibleBlocks classification = randomVisibleBlocks(layout, 0.4, random);
         const PageGeometry page{{8, 4, 2}, 1, 256};
         const TexturePlan plan = planned(layout, classification, page, algorithm);
         std::map<int64_t, Box3> shown;  // by volume block
@@ -146,7 +146,7 @@ TEST(TexturePlan, everyVisibleCellIsInOneTextureBlockThatHoldsItsVoxels) {
               Box3{block.cells.lo - border, block.cells.hi + Vec3i{1, 1, 1} + border}));
           EXPECT_TRUE(layout.cube(layout.indexOf(block.block)).contains(block.voxels));
         }
-        for (const ObjectBlock& object : classification.visible) {
+        for (const ObjectBlock& object : classification.blocks) {
           ASSERT_TRUE(shown.contains(object.block));
           if (algorithm == Algorithm::kConventional)
             EXPECT_TRUE(shown[object.block].contains(object.cells));
@@ -163,32 +163,32 @@ TEST(TexturePlan, chunksBlocksAndClustersPointAtEachOther) {
       const BlockLayout layout = blockLayout({50, 41, 60}, 8, 0);
       const PageGeometry page{{8, 4, 2}, 2, 128};
       const TexturePlan plan =
-          planned(layout, randomClassification(layout, 0.5, random), page, algorithm);
-      std::multiset<int64_t> in_chunks, in_clusters;
-      for (size_t c = 0; c < plan.chunks.size(); ++c) {
+          planned(layout, randomVisibleBlocks(layout, 0.5, random), page, algorithm);
+      std::multiset<BlockPosition> in_chunks, in_clusters;
+      for (const ChunkPosition c : plan.chunks.indices()) {
         const Chunk& chunk = plan.chunks[c];
         EXPECT_EQ(chunk.pages, page.pagesOf(chunk.size_vox));
-        for (const int64_t position : chunk.blocks) {
-          const TextureBlock& block = plan.blocks[static_cast<size_t>(position)];
-          EXPECT_EQ(block.chunk, static_cast<int64_t>(c));
+        for (const BlockPosition position : chunk.blocks) {
+          const TextureBlock& block = plan.blocks[position];
+          EXPECT_EQ(block.chunk, c);
           EXPECT_TRUE(boxOf(chunk.size_vox).contains(Box3{block.at, block.at + block.texels()}));
           in_chunks.insert(position);
         }
       }
-      for (size_t c = 0; c < plan.clusters.size(); ++c) {
+      for (const ClusterPosition c : plan.clusters.indices()) {
         const Cluster& cluster = plan.clusters[c];
-        const std::set<int64_t> chunks(cluster.chunks.begin(), cluster.chunks.end());
+        const std::set<ChunkPosition> chunks(cluster.chunks.begin(), cluster.chunks.end());
         EXPECT_EQ(chunks.size(), cluster.chunks.size());
-        for (const int64_t position : cluster.blocks) {
-          const TextureBlock& block = plan.blocks[static_cast<size_t>(position)];
-          EXPECT_EQ(block.cluster, static_cast<int64_t>(c));
+        for (const BlockPosition position : cluster.blocks) {
+          const TextureBlock& block = plan.blocks[position];
+          EXPECT_EQ(block.cluster, c);
           EXPECT_EQ(layout.indexOf(block.block) / plan.cluster_blocks, cluster.index);
           EXPECT_TRUE(chunks.contains(block.chunk));
           in_clusters.insert(position);
         }
       }
-      std::multiset<int64_t> all;
-      for (size_t i = 0; i < plan.blocks.size(); ++i) all.insert(static_cast<int64_t>(i));
+      std::multiset<BlockPosition> all;
+      for (const BlockPosition i : plan.blocks.indices()) all.insert(i);
       EXPECT_EQ(in_chunks, all);
       EXPECT_EQ(in_clusters, all);
     }
@@ -199,14 +199,14 @@ TEST(TexturePlan, blocksOfAChunkDoNotOverlap) {
   for (int trial = 0; trial < 10; ++trial)
     for (const MergeOrder order : {MergeOrder::kPaper, MergeOrder::kFirstFit}) {
       const BlockLayout layout = blockLayout({50, 41, 60}, 8, 0);
-      const TexturePlan plan = planTextures(layout, randomClassification(layout, 0.5, random),
+      const TexturePlan plan = planTextures(layout, randomVisibleBlocks(layout, 0.5, random),
                                             PageGeometry{{8, 4, 2}, 2, 128},
                                             planOptions(layout, Algorithm::kMerged, order));
       for (const Chunk& chunk : plan.chunks)
-        for (const int64_t a : chunk.blocks)
-          for (const int64_t b : chunk.blocks) {
-            const TextureBlock& one = plan.blocks[static_cast<size_t>(a)];
-            const TextureBlock& other = plan.blocks[static_cast<size_t>(b)];
+        for (const BlockPosition a : chunk.blocks)
+          for (const BlockPosition b : chunk.blocks) {
+            const TextureBlock& one = plan.blocks[a];
+            const TextureBlock& other = plan.blocks[b];
             EXPECT_EQ(
                 intersect({one.at, one.at + one.texels()}, {other.at, other.at + other.texels()})
                     .empty(),
@@ -220,7 +220,7 @@ TEST(TexturePlan, causesOfABytesMovedAddUp) {
   for (const Algorithm algorithm : kAlgorithms) {
     const BlockLayout layout = blockLayout({50, 41, 60}, 8, 1);
     const PageGeometry page{{8, 4, 2}, 2, 128};
-    const Classification classification = randomClassification(layout, 0.5, random);
+    const VisibleBlocks classification = randomVisibleBlocks(layout, 0.5, random);
     const TexturePlan plan = planned(layout, classification, page, algorithm);
     uint64_t moved = 0, needed = 0;
     for (const Chunk& chunk : plan.chunks) {
@@ -236,7 +236,7 @@ TEST(TexturePlan, causesOfABytesMovedAddUp) {
     EXPECT_EQ(moved, plan.bytes());
     if (algorithm == Algorithm::kConventional) continue;
     uint64_t expected = 0;  // the voxels around the object boxes' cells
-    for (const ObjectBlock& object : classification.visible)
+    for (const ObjectBlock& object : classification.blocks)
       expected += static_cast<uint64_t>(volume(object.cells.size() + Vec3i{1, 1, 1})) * 2;
     EXPECT_EQ(needed, expected);
   }
@@ -245,14 +245,15 @@ TEST(TexturePlan, causesOfABytesMovedAddUp) {
 TEST(TexturePlan, isAFunctionOfItsArguments) {
   std::mt19937_64 random(5);
   const BlockLayout layout = blockLayout({50, 41, 60}, 8, 0);
-  const Classification classification = randomClassification(layout, 0.5, random);
+  const VisibleBlocks classification = randomVisibleBlocks(layout, 0.5, random);
   const PageGeometry page{{8, 4, 2}, 1, 128};
   for (const Algorithm algorithm : kAlgorithms) {
     const TexturePlan a = planned(layout, classification, page, algorithm);
     const TexturePlan b = planned(layout, classification, page, algorithm);
     ASSERT_EQ(a.chunks.size(), b.chunks.size());
-    for (size_t i = 0; i < a.chunks.size(); ++i) EXPECT_EQ(a.chunks[i].blocks, b.chunks[i].blocks);
-    for (size_t i = 0; i < a.blocks.size(); ++i) EXPECT_EQ(a.blocks[i].at, b.blocks[i].at);
+    for (const ChunkPosition i : a.chunks.indices())
+      EXPECT_EQ(a.chunks[i].blocks, b.chunks[i].blocks);
+    for (const BlockPosition i : a.blocks.indices()) EXPECT_EQ(a.blocks[i].at, b.blocks[i].at);
   }
 }
 
@@ -268,7 +269,7 @@ TEST(TexturePlan, thePapersClusterIsTwoByTwoBlocks) {
 
 TEST(TexturePlan, aLargeCacheHasClustersOfWholeRows) {
   const BlockLayout layout = blockLayout({20 * 63 + 1, 30 * 63 + 1, 64}, 64, 0);
-  const Classification nothing = classificationOf(layout, {});
+  const VisibleBlocks nothing = visibleBlocksOf(layout, {});
   PageGeometry page = kOctane;
   page.pages = 64 * 128;
   EXPECT_EQ(planned(layout, nothing, page, Algorithm::kTrimmed).cluster_blocks, (Vec3i{20, 6, 1}));
@@ -283,7 +284,7 @@ TEST(TexturePlan, aClustersBlackBlocksFitTheCache) {
       const BlockLayout layout = blockLayout({voxels, voxels, voxels}, 64, 0);
       PageGeometry page = kOctane;
       page.pages = pages;
-      const Classification nothing = classificationOf(layout, {});
+      const VisibleBlocks nothing = visibleBlocksOf(layout, {});
       const TexturePlan plan = planned(layout, nothing, page, Algorithm::kTrimmed);
       const int64_t capacity = pages / 64;
       const Vec3i cluster = plan.cluster_blocks;
@@ -313,8 +314,8 @@ TEST(TexturePlan, rejectsACacheOfLessThanABlock) {
 
 TEST(TexturePlan, conventionalRefusesAVolumeOfTooManyBlocks) {
   const BlockLayout layout = blockLayout({100'000, 100'000, 100'000}, 64, 0);
-  const Classification one =
-      classificationOf(layout, {objectBlock(layout, 0, layout.ownedCells({0, 0, 0}))});
+  const VisibleBlocks one =
+      visibleBlocksOf(layout, {objectBlock(layout, 0, layout.ownedCells({0, 0, 0}))});
   for (const Algorithm algorithm : {Algorithm::kConventional, Algorithm::kClipped})
     EXPECT_THROW(planned(layout, one, kSparse, algorithm), Error);
   EXPECT_EQ(planned(layout, one, kSparse, Algorithm::kMerged).chunks.size(), 1U);

@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <optional>
 
 #include "tests/texture/random_plan.h"
@@ -53,33 +52,32 @@ class VisibilityOrder : public testing::Test {
   TexturePlan plan(Algorithm algorithm) {
     const BlockLayout layout = blockLayout({50, 36, 43}, 8, 0);
     const PageGeometry page{{8, 8, 1}, 1, algorithm == Algorithm::kMerged ? 64 : 32};
-    return planTextures(layout, randomClassification(layout, 0.6, random_), page,
+    return planTextures(layout, randomVisibleBlocks(layout, 0.6, random_), page,
                         planOptions(layout, algorithm));
   }
 
   // All positions in plan.blocks in layers.
-  static std::vector<int64_t> inLayers(const TexturePlan& plan, const EyePosition& eye) {
-    std::vector<int64_t> all(plan.blocks.size());
-    std::iota(all.begin(), all.end(), 0);
+  static std::vector<BlockPosition> inLayers(const TexturePlan& plan, const EyePosition& eye) {
+    std::vector<BlockPosition> all;
+    for (const BlockPosition block : plan.blocks.indices()) all.push_back(block);
     return layerOrder(plan, all, eye);
   }
   // Positions in plan.blocks as they are drawn.
-  static std::vector<int64_t> drawn(const TexturePlan& plan, const EyePosition& eye) {
-    std::vector<int64_t> order;
-    for (const int64_t cluster : clusterOrder(plan, eye)) {
-      const auto blocks = blockOrder(plan, plan.clusters[static_cast<size_t>(cluster)], eye);
+  static std::vector<BlockPosition> drawn(const TexturePlan& plan, const EyePosition& eye) {
+    std::vector<BlockPosition> order;
+    for (const ClusterPosition cluster : clusterOrder(plan, eye)) {
+      const auto blocks = blockOrder(plan, plan.clusters[cluster], eye);
       order.insert(order.end(), blocks.begin(), blocks.end());
     }
     return order;
   }
 
   // All pairs of boxes that the ray goes through from `from` on.
-  static void expectFrontToBack(const TexturePlan& plan, const std::vector<int64_t>& order,
+  static void expectFrontToBack(const TexturePlan& plan, const std::vector<BlockPosition>& order,
                                 const Ray& ray, double from, int64_t& pairs) {
     std::vector<Interval> parts;  // in the order of drawing
-    for (const int64_t position : order)
-      if (const auto part = inside(ray, plan.blocks[static_cast<size_t>(position)].cells, from))
-        parts.push_back(*part);
+    for (const BlockPosition position : order)
+      if (const auto part = inside(ray, plan.blocks[position].cells, from)) parts.push_back(*part);
     for (size_t i = 1; i < parts.size(); ++i) {
       ++pairs;
       ASSERT_LE(parts[i - 1].leave, parts[i].enter + 1e-9);
@@ -91,11 +89,11 @@ class VisibilityOrder : public testing::Test {
 
 TEST_F(VisibilityOrder, everyBlockIsDrawnOnce) {
   const TexturePlan p = plan(Algorithm::kMerged);
-  std::vector<int64_t> order = drawn(p, {true, {1, -1, 0}});
+  std::vector<BlockPosition> order = drawn(p, {true, {1, -1, 0}});
   std::sort(order.begin(), order.end());
-  for (size_t i = 0; i < order.size(); ++i) EXPECT_EQ(order[i], static_cast<int64_t>(i));
+  for (size_t i = 0; i < order.size(); ++i) EXPECT_EQ(order[i], BlockPosition(i));
   EXPECT_EQ(order.size(), p.blocks.size());
-  std::vector<int64_t> layers = inLayers(p, {true, {1, -1, 0}});
+  std::vector<BlockPosition> layers = inLayers(p, {true, {1, -1, 0}});
   std::sort(layers.begin(), layers.end());
   EXPECT_EQ(layers, order);
 }
@@ -103,8 +101,8 @@ TEST_F(VisibilityOrder, everyBlockIsDrawnOnce) {
 TEST_F(VisibilityOrder, layersGoThroughTheWholeFrontFirst) {
   const TexturePlan p = plan(Algorithm::kConventional);
   int64_t last = 0;
-  for (const int64_t position : inLayers(p, {true, {1, 1, 1}})) {
-    const Vec3i index = p.layout.indexOf(p.blocks[static_cast<size_t>(position)].block);
+  for (const BlockPosition position : inLayers(p, {true, {1, 1, 1}})) {
+    const Vec3i index = p.layout.indexOf(p.blocks[position].block);
     EXPECT_GE(index.x + index.y + index.z, last);
     last = index.x + index.y + index.z;
   }
@@ -118,7 +116,7 @@ TEST_F(VisibilityOrder, parallelViewsAreFrontToBack) {
     for (int view = 0; view < 340; ++view) {
       const TexturePlan p = plan(algorithm);
       const Vec3d d = direction();
-      const std::vector<int64_t> order = drawn(p, {true, d}), layers = inLayers(p, {true, d});
+      const std::vector<BlockPosition> order = drawn(p, {true, d}), layers = inLayers(p, {true, d});
       for (int ray = 0; ray < 20; ++ray) {
         const Ray r{pointIn({0, 0, 0}, toDouble(p.layout.dims)) - d * 200, d};
         expectFrontToBack(p, order, r, 0, pairs);
@@ -136,7 +134,7 @@ TEST_F(VisibilityOrder, viewsAlongAnAxisAreFrontToBack) {
       const TexturePlan p = plan(Algorithm::kTrimmed);
       Vec3d d{0, 0, 0};
       d[axis] = sign;
-      const std::vector<int64_t> order = drawn(p, {true, d}), layers = inLayers(p, {true, d});
+      const std::vector<BlockPosition> order = drawn(p, {true, d}), layers = inLayers(p, {true, d});
       for (int ray = 0; ray < 1000; ++ray) {
         const Ray r{pointIn({0, 0, 0}, toDouble(p.layout.dims)) - d * 200, d};
         expectFrontToBack(p, order, r, 0, pairs);
@@ -158,7 +156,8 @@ TEST_F(VisibilityOrder, perspectiveViewsAreFrontToBackFromOutsideAndInside) {
       Vec3d eye = eye_inside ? pointIn({0, 0, 0}, dims) : pointIn(dims * -2.0, dims * 3.0);
       // On a boundary of blocks now and then.
       if (view % 5 == 0) eye.x = std::floor(eye.x / 7) * 7;
-      const std::vector<int64_t> order = drawn(p, {false, eye}), layers = inLayers(p, {false, eye});
+      const std::vector<BlockPosition> order = drawn(p, {false, eye}),
+                                       layers = inLayers(p, {false, eye});
       for (int ray = 0; ray < 20; ++ray) {
         const Ray r{eye, normalized(pointIn({0, 0, 0}, dims) - eye)};
         expectFrontToBack(p, order, r, 0, pairs);

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <set>
 
-#include "io/png_file.h"
+#include "io/pictures/png_file.h"
 #include "tests/tools/program.h"
 
 namespace sluice {
@@ -20,7 +20,9 @@ constexpr const char* kView =
 
 // v.raw and v.zarr of the same voxels; most blocks are visible.
 void makeStores(const Program& program) {
-  ASSERT_EQ(program.run("synth noise -o v.raw --dims 200,150,120 --share 0.3").status, 0);
+  ASSERT_EQ(
+      program.run("synth noise -o v_200x150x120_uint8.raw --dims 200,150,120 --share 0.3").status,
+      0);
   ASSERT_EQ(program.run("pack v_200x150x120_uint8.raw -o v.zarr --chunk 40").status, 0);
 }
 
@@ -102,7 +104,9 @@ TEST(OutOfCore, unmergedBlocksGiveTheVerySamePictureUnderAnyBudget) {
 
 TEST(OutOfCore, aSlabGivesTheVerySamePictureUnderAnyBudget) {
   const Program program;
-  ASSERT_EQ(program.run("synth slab -o s.raw --dims 260,200,200 --share 0.3").status, 0);
+  ASSERT_EQ(
+      program.run("synth slab -o s_260x200x200_uint8.raw --dims 260,200,200 --share 0.3").status,
+      0);
   const std::string line = std::string("render s_260x200x200_uint8.raw") + kView + " -o ";
   ASSERT_EQ(program.run(line + "all.png --memory 1G").status, 0);
   const std::string expected = readFile(program.folder / "all.png");
@@ -134,7 +138,9 @@ TEST(OutOfCore, tooLittleMemoryIsOneLineWithTheLeastThatWorksAndThatWorks) {
 
 TEST(OutOfCore, twoProcessesOpenOneVolumeForTheFirstTimeAtOnce) {
   const Program program;
-  ASSERT_EQ(program.run("synth noise -o v.raw --dims 200,200,200 --share 0.3").status, 0);
+  ASSERT_EQ(
+      program.run("synth noise -o v_200x200x200_uint8.raw --dims 200,200,200 --share 0.3").status,
+      0);
   const std::string line = SLUICE_PROGRAM " render v_200x200x200_uint8.raw" + std::string(kView);
   const CommandResult both =
       runCommand("cd " + shellQuoted(program.folder.path().string()) + " && " + line +
@@ -147,12 +153,14 @@ TEST(OutOfCore, twoProcessesOpenOneVolumeForTheFirstTimeAtOnce) {
 
 TEST(OutOfCore, aProcessKilledWhileItIndexesLeavesNothingThatIsBelieved) {
   const Program program;
-  ASSERT_EQ(program.run("synth noise -o v.raw --dims 256,256,256 --share 0.3").status, 0);
+  ASSERT_EQ(
+      program.run("synth noise -o v_256x256x256_uint8.raw --dims 256,256,256 --share 0.3").status,
+      0);
   const std::string volume = "v_256x256x256_uint8.raw";
   ASSERT_EQ(program.run("render " + volume + " -o whole.png" + kView).status, 0);
   const std::string expected = readFile(program.folder / "whole.png");
   for (const char* seconds : {"0.03", "0.06", "0.09", "0.12", "0.15"}) {
-    fs::remove_all(program.folder / (volume + ".sluice-index"));
+    fs::remove_all(program.folder / "cache");
     runCommand("cd " + shellQuoted(program.folder.path().string()) + " && timeout -s KILL " +
                seconds + " " SLUICE_PROGRAM " info " + volume);
     ASSERT_EQ(program.run("render " + volume + " -o again.png" + kView).status, 0);
@@ -162,23 +170,25 @@ TEST(OutOfCore, aProcessKilledWhileItIndexesLeavesNothingThatIsBelieved) {
 
 TEST(OutOfCore, anIndexThatCannotBeKeptAnywhereIsSaidAndNoFailure) {
   const Program program;
-  ASSERT_EQ(program.run("synth noise -o v.raw --dims 64,64,64 --share 0.3").status, 0);
+  ASSERT_EQ(program.run("synth noise -o v_64x64x64_uint8.raw --dims 64,64,64 --share 0.3").status,
+            0);
   const std::string volume = "v_64x64x64_uint8.raw";
   // Files where the folders would be: root may write to any folder.
-  std::ofstream(program.folder / (volume + ".sluice-index")) << "no folder";
   std::ofstream(program.folder / "cache") << "no folder";
   fs::permissions(program.folder / volume, fs::perms::owner_read);
   const auto info = program.json("info " + volume);
   EXPECT_EQ(info["index"]["state"], "built, not kept");
   const CommandResult drawn = program.run("render " + volume + " -o a.png" + kView);
   EXPECT_EQ(drawn.status, 0);
-  EXPECT_NE(drawn.output.find(".sluice-index"), std::string::npos) << drawn.output;
+  EXPECT_NE(drawn.output.find("no index is kept"), std::string::npos) << drawn.output;
 }
 
 // A limit on file sizes stands in for a full disk.
 TEST(OutOfCore, aDiskThatIsFullWhileIndexingLeavesNoIndexAndThePictureIsDrawn) {
   const Program program;
-  ASSERT_EQ(program.run("synth noise -o v.raw --dims 128,128,128 --share 0.3").status, 0);
+  ASSERT_EQ(
+      program.run("synth noise -o v_128x128x128_uint8.raw --dims 128,128,128 --share 0.3").status,
+      0);
   const std::string volume = "v_128x128x128_uint8.raw";
   const std::string folder = shellQuoted(program.folder.path().string());
   const CommandResult info =
@@ -187,11 +197,10 @@ TEST(OutOfCore, aDiskThatIsFullWhileIndexingLeavesNoIndexAndThePictureIsDrawn) {
   EXPECT_EQ(info.status, 0) << info.output;
   EXPECT_NE(info.output.find("not kept"), std::string::npos) << info.output;
   EXPECT_NE(info.output.find("File too large"), std::string::npos) << info.output;
-  for (const char* place : {"v_128x128x128_uint8.raw.sluice-index", "cache"})
-    if (program.exists(place)) {
-      for (const auto& entry : fs::recursive_directory_iterator(program.folder / place))
-        EXPECT_FALSE(entry.is_regular_file()) << entry.path();
-    }
+  if (program.exists("cache")) {
+    for (const auto& entry : fs::recursive_directory_iterator(program.folder / "cache"))
+      EXPECT_FALSE(entry.is_regular_file()) << entry.path();
+  }
   EXPECT_EQ(program.json("info " + volume + " --block 16")["index"]["state"], "built");
   EXPECT_EQ(program.json("info " + volume + " --block 16")["index"]["state"], "read");
 }
@@ -200,7 +209,9 @@ TEST(OutOfCore, aDiskThatIsFullWhileIndexingLeavesNoIndexAndThePictureIsDrawn) {
 // before one thread is through it.
 TEST(OutOfCore, aFileCutShortWhileIndexingIsOneLineAndLeavesNoIndex) {
   const Program program;
-  ASSERT_EQ(program.run("synth noise -o v.raw --dims 700,700,700 --share 0.3").status, 0);
+  ASSERT_EQ(
+      program.run("synth noise -o v_700x700x700_uint8.raw --dims 700,700,700 --share 0.3").status,
+      0);
   const std::string volume = "v_700x700x700_uint8.raw";
   const CommandResult info = runCommand(
       "cd " + shellQuoted(program.folder.path().string()) + "; " SLUICE_PROGRAM " info " + volume +
@@ -209,7 +220,10 @@ TEST(OutOfCore, aFileCutShortWhileIndexingIsOneLineAndLeavesNoIndex) {
   EXPECT_EQ(info.status, 1) << info.output;
   EXPECT_EQ(std::count(info.output.begin(), info.output.end(), '\n'), 1) << info.output;
   EXPECT_NE(info.output.find(volume), std::string::npos) << info.output;
-  EXPECT_FALSE(program.exists(volume + ".sluice-index"));
+  if (program.exists("cache")) {
+    for (const auto& entry : fs::recursive_directory_iterator(program.folder / "cache"))
+      EXPECT_FALSE(entry.is_regular_file()) << entry.path();
+  }
 }
 
 // How much a limit leaves out depends on the machine; that a session leaves out what is late is

@@ -106,14 +106,19 @@ TEST(PackCommand, killedOrInterruptedItGoesOnToTheSameBytes) {
     int stopped = 0;
     for (const int journal_bytes : {3200, 8000, 12800}) {  // of 637 chunks of 32 bytes
       const CommandResult result = shell(
-          program, line + "v.zarr & pid=$!; while kill -0 $pid 2>/dev/null && " +
+          // sh has its background jobs ignore SIGINT.
+          program, "env --default-signal=INT " + line +
+                       "v.zarr & pid=$!; while kill -0 $pid 2>/dev/null && " +
                        fmt::format("[ $(stat -c %s v.zarr.partial/journal 2>/dev/null || echo 0) "
                                    "-lt {} ]; do sleep 0.01; done; kill -{} $pid; wait $pid",
                                    journal_bytes, signal));
       if (result.status == 0) break;  // it was faster
       ++stopped;
       EXPECT_FALSE(program.exists("v.zarr"));
-      EXPECT_EQ(result.status, signal == std::string("KILL") ? 137 : 130) << result.output;
+      EXPECT_EQ(result.status, signal == std::string("KILL")   ? 137
+                               : signal == std::string("TERM") ? 143
+                                                               : 130)
+          << result.output;
       if (signal != std::string("KILL")) {
         EXPECT_TRUE(isOneLine(result.output)) << result.output;
         EXPECT_NE(result.output.find("the same command goes on"), std::string::npos);
@@ -123,7 +128,11 @@ TEST(PackCommand, killedOrInterruptedItGoesOnToTheSameBytes) {
     if (!program.exists("v.zarr")) {
       const CommandResult last = shell(program, line + "v.zarr");
       ASSERT_EQ(last.status, 0) << last.output;
-      EXPECT_GT(nlohmann::json::parse(last.output)["chunks"]["kept"].get<int64_t>(), 0);
+      // A warning may come first: the last signal's store had an index.
+      const size_t begin = last.output.find('{');
+      ASSERT_NE(begin, std::string::npos) << last.output;
+      const auto report = nlohmann::json::parse(last.output.substr(begin));
+      EXPECT_GT(report["chunks"]["kept"].get<int64_t>(), 0);
     }
     EXPECT_TRUE(filesOf(program.folder / "v.zarr") == expected);
     EXPECT_FALSE(program.exists("v.zarr.partial"));

@@ -3,7 +3,10 @@
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
+#include <cstdlib>
 #include <string>
+#include <string_view>
 
 #include "src/base/error.h"
 #include "tests/support/run_command.h"
@@ -13,21 +16,26 @@ namespace sluice {
 
 class Program {
  public:
+  // For whatever the test itself starts, too: nothing goes into the user's cache folder.
+  Program() { setenv("XDG_CACHE_HOME", (folder / "cache").c_str(), 1); }
+
   // `arguments` is a line of sh. Indices go into the folder.
   CommandResult run(const std::string& arguments) const {
     return runCommand("cd " + shellQuoted(folder.path().string()) +
                       " && XDG_CACHE_HOME=\"$PWD/cache\" " SLUICE_PROGRAM " " + arguments);
   }
-  // Requires: the command prints one JSON object.
+  // Requires: the command prints one JSON object, behind warnings if any.
   nlohmann::json json(const std::string& arguments) const {
     const CommandResult result = run(arguments + " --json");
-    nlohmann::json parsed = nlohmann::json::parse(result.output, nullptr, false);
+    const size_t begin = std::min(result.output.find('{'), result.output.size());
+    nlohmann::json parsed =
+        nlohmann::json::parse(std::string_view(result.output).substr(begin), nullptr, false);
     if (result.status != 0 || parsed.is_discarded()) throw Error(result.output);
     return parsed;
   }
   bool exists(const std::string& name) const { return std::filesystem::exists(folder / name); }
 
-  TempFolder folder;
+  const TempFolder folder;
 };
 
 // A volume that every test can afford.

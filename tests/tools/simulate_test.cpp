@@ -1,5 +1,11 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <fstream>
+#include <set>
+#include <string>
+#include <vector>
+
 #include "tests/tools/program.h"
 
 namespace sluice {
@@ -36,6 +42,180 @@ TEST(Simulate, aPlannedTurnIsTheTraceOfTheDrawnOne) {
       program.run("simulate " + common + "--sizes 64 --policies lru --export planned.txt").status,
       0);
   EXPECT_EQ(readFile(program.folder / "drawn.txt"), readFile(program.folder / "planned.txt"));
+}
+
+// What the renderer does with a cache of N pages is what the table says of N pages, whatever
+// --pages is: each size has its own plan.
+TEST(Simulate, eachSizeIsPlannedAsTheRendererPlansIt) {
+  const Program program;
+  const std::string scene = std::string(kSmall) + " --page 16x16x4 --block 16 --frames 4";
+  const auto rows = program.json("simulate " + scene +
+                                 " --pages 64 --sizes 8,16,64,512 --policies lru,sieve")["rows"];
+  ASSERT_EQ(rows.size(), 8U);
+  std::set<int64_t> requests;
+  for (const auto& row : rows) {
+    const std::string pages = std::to_string(row["pages"].get<int64_t>());
+    EXPECT_EQ(row["planned_pages"], row["pages"]);
+    const CommandResult drawn =
+        program.run("render " + scene + " --pages " + pages + " --policy " +
+                    row["policy"].get<std::string>() + " -o t.png --size 32 --report r.json");
+    ASSERT_EQ(drawn.status, 0) << drawn.output;
+    const auto cache =
+        nlohmann::json::parse(readFile(program.folder / "r.json"))["levels"]["texture_cache"];
+    EXPECT_EQ(row["bytes_moved"], cache["uploaded_bytes"]) << pages;
+    EXPECT_EQ(row["chunk_requests"], cache["requests"]) << pages;
+    EXPECT_EQ(row["chunk_misses"], cache["misses"]) << pages;
+    EXPECT_EQ(row["evictions"], cache["evictions"]) << pages;
+    EXPECT_EQ(row["pages_loaded"], cache["pages_loaded"]) << pages;
+    requests.insert(row["chunk_requests"].get<int64_t>());
+  }
+  EXPECT_GT(requests.size(), 1U);  // or the test could not tell
+}
+
+TEST(Simulate, aFixedPlanIsThatOfItsPagesAtEverySize) {
+  const Program program;
+  const std::string scene = std::string(kSmall) + " --page 16x16x4 --block 16 --frames 3 ";
+  const auto rows = program.json(
+      "simulate " + scene + "--pages 64 --fixed-plan --sizes 16,64,512 --policies lru")["rows"];
+  const auto planned = program.json("simulate " + scene + "--sizes 64 --policies lru")["rows"][0];
+  ASSERT_EQ(rows.size(), 3U);
+  for (const auto& row : rows) {
+    EXPECT_EQ(row["planned_pages"], 64);
+    EXPECT_EQ(row["chunk_requests"], planned["chunk_requests"]);
+  }
+  EXPECT_EQ(rows[1], planned);
+}
+
+// A trace goes out in each format and comes back: the same table, clusters pinned.
+TEST(Simulate, anExportedTraceGivesTheNumbersOfTheTraceItself) {
+  const Program program;
+  ASSERT_EQ(program
+                .run(std::string("render ") + kSmall + kMachine +
+                     "lru -o t.png --frames 5 --size 32 --trace t.bin")
+                .status,
+            0);
+  const auto rows = program.json("simulate t.bin --sizes 8,16,64,100");
+  EXPECT_EQ(rows["pinned"], true);
+  EXPECT_EQ(rows["rows"].size(), 4 * 11U);
+  for (const std::string file : {"u.txt", "u.csv", "u.oracleGeneral", "u.din", "u.bin"}) {
+    ASSERT_EQ(program.run("simulate t.bin --sizes 64 --policies lru --export " + file).status, 0);
+    const auto back = program.json("simulate " + file + " --sizes 8,16,64,100");
+    EXPECT_EQ(back["rows"], rows["rows"]) << file;
+    EXPECT_EQ(back["pinned"], true) << file;
+    EXPECT_EQ(back["page_bytes"], rows["page_bytes"]);
+  }
+  EXPECT_EQ(program.json("simulate t.bin --sizes 64 --pin off")["pinned"], false);
+}
+
+// All requests of a time stamp are no cluster: nothing of others' traces is pinned.
+TEST(Simulate, othersTracesAreNotPinned) {
+  const Program program;
+  std::string csv = "time,obj_id,obj_size\n", din;
+  for (int i = 0; i < 600; ++i) {
+    csv += fmt::format("7,{},4096\n", i * 7 % 19);
+    din += fmt::format("0 {:x}\n", i * 7 % 19 * 4096);
+  }
+  std::ofstream(program.folder / "t.csv") << csv;
+  std::ofstream(program.folder / "t.din") << din;
+  const auto rows = program.json("simulate t.csv --sizes 8 --policies lru,fifo,belady");
+  EXPECT_EQ(rows["pinned"], false);
+  EXPECT_EQ(rows["rows"],
+            program.json("simulate t.din --sizes 8 --policies lru,fifo,belady")["rows"]);
+  for (const auto& row : rows["rows"]) EXPECT_EQ(row["failures"], 0);
+  EXPECT_NE(rows["rows"][0]["misses"], rows["rows"][2]["misses"]);
+  EXPECT_EQ(rows["rows"][0]["planned_pages"], nullptr);
+}
+
+TEST(Simulate, failuresAreCountedAndMarked) {
+  const Program program;
+  std::ofstream(program.folder / "t.csv") << "1,7,40960\n2,8,4096\n3,7,40960\n";
+  const CommandResult table = program.run("simulate t.csv --sizes 4 --policies lru --csv rows.csv");
+  EXPECT_NE(table.output.find("       2 !\n"), std::string::npos) << table.output;
+  EXPECT_NE(table.output.find("! requests that do not fit"), std::string::npos);
+  const auto row = program.json("simulate t.csv --sizes 4 --policies lru")["rows"][0];
+  EXPECT_EQ(row["failures"], 2);
+  EXPECT_EQ(row["bytes_moved"], 2 * 40960 + 4096);
+  EXPECT_NE(readFile(program.folder / "rows.csv").find(",86016,"), std::string::npos);
+  EXPECT_EQ(program.run("simulate t.csv --sizes 16 --policies lru").output.find('!'),
+            std::string::npos);
+}
+
+TEST(Simulate, sizesThatChangeAreReported) {
+  const Program program;
+  std::ofstream(program.folder / "t.csv") << "1,7,4096\n2,7,9000\n3,7,4096\n";
+  const CommandResult result = program.run("simulate t.csv --sizes 4 --policies lru 2>&1");
+  EXPECT_EQ(result.status, 0);
+  EXPECT_NE(result.output.find("t.csv: 1 of 3 requests name another size"), std::string::npos)
+      << result.output;
+}
+
+struct Refused {
+  std::string arguments;
+  int status;
+  std::string said;
+};
+
+TEST(Simulate, refusesWhatItWouldDropOrCannotReplay) {
+  const Program program;
+  std::ofstream(program.folder / "a.csv") << "1,7,4096\n2,8,4096\n";
+  std::ofstream(program.folder / "b.csv") << "1,7,4096\n";
+  std::ofstream(program.folder / "empty.csv");
+  std::ofstream(program.folder / "names.csv") << "time,obj_id,obj_size\n";
+  std::ofstream(program.folder / "bad.csv") << "1,x,3\n1,2,3\n";
+  std::ofstream(program.folder / "head.txt") << "sluice-trace 1 page_bytes 4096\n";
+  std::ofstream(program.folder / "wide.txt")
+      << "sluice-trace 1 page_bytes 4096\n1 2147483648 0 0 4096 0 0 0\n";
+  ASSERT_EQ(runCommand("mkfifo " + (program.folder / "pipe").string()).status, 0);
+  ASSERT_EQ(runCommand("mkdir " + (program.folder / "folder.csv").string()).status, 0);
+  const std::string small = std::string("simulate ") + kSmall;
+  const std::vector<Refused> cases{
+      {"simulate a.csv b.csv", 2, "one trace is replayed at a time"},
+      {"simulate a.csv --threshold 3", 2, "--threshold"},
+      {"simulate a.csv --fixed-plan", 2, "--fixed-plan"},
+      {small + " --page-bytes 4096", 2, "--page-bytes"},
+      {small + " --occlusion cull", 2, "--occlusion"},
+      {small + " --time-limit 1", 2, "--time-limit"},
+      {"simulate a.csv --prefetch sometimes", 2, "next-cluster"},
+      {"simulate a.csv --policies mru", 2, "s3-fifo"},
+      {"simulate a.csv --machine onyx", 2, "octane"},
+      {"simulate a.csv --pin on", 2, "auto"},
+      {"simulate a.csv --pages 4294967296", 2, "a power of two from 1 to 2147483648"},
+      {"simulate a.csv --sizes 0", 2, "--sizes"},
+      {"simulate a.csv --prefetch next-cluster", 1, "this trace carries none"},
+      {"simulate empty.csv", 1, "empty.csv: the trace holds no requests"},
+      {"simulate names.csv", 1, "names.csv: the trace holds no requests"},
+      {"simulate head.txt", 1, "head.txt: the trace holds no requests"},
+      {"simulate bad.csv", 1, "bad.csv:1: expected time,obj_id,obj_size"},
+      {"simulate pipe", 1, "found a pipe"},
+      {"simulate pipe --format csv", 1, "found a pipe"},
+      {"simulate folder.csv", 1, "found a folder"},
+      {"simulate wide.txt --by-page --memory 1G", 1, "--by-page needs"},
+      {small + " --sizes 1 --block 16 --page 4x4x4", 1, "give --pages"},
+  };
+  for (const Refused& c : cases) {
+    const CommandResult result = program.run(c.arguments + " 2>&1 < /dev/null");
+    EXPECT_EQ(result.status, c.status) << c.arguments << ": " << result.output;
+    EXPECT_NE(result.output.find(c.said), std::string::npos)
+        << c.arguments << ": " << result.output;
+    EXPECT_EQ(std::count(result.output.begin(), result.output.end(), '\n'), 1) << result.output;
+  }
+}
+
+TEST(Simulate, aRequestOfTwoToThe31PagesIsReplayedAtOnce) {
+  const Program program;
+  std::ofstream out(program.folder / "wide.txt");
+  out << "sluice-trace 1 page_bytes 4096\n";
+  for (int i = 0; i < 500; ++i) out << i % 2 << " 2147483648 0 " << i << " 8796093022208 0 0 0\n";
+  out.close();
+  // 2^43 bytes a load are more than a record may say.
+  EXPECT_NE(program.run("simulate wide.txt 2>&1").output.find("at most 2^40"), std::string::npos);
+  out.open(program.folder / "wide.txt");
+  out << "sluice-trace 1 page_bytes 4096\n";
+  for (int i = 0; i < 500; ++i) out << i % 2 << " 2147483648 0 " << i << " 1099511627776 0 0 0\n";
+  out.close();
+  const CommandResult result =
+      program.run("simulate wide.txt --pages 2147483648 --html r.html --export u.bin");
+  EXPECT_EQ(result.status, 0) << result.output;
 }
 
 TEST(Simulate, writesItsTableAndAReportThatStandsAlone) {

@@ -47,14 +47,24 @@ TEST(VdbModule, otherVolumesNeedNoModule) {
   EXPECT_EQ(program.run(std::string("info ") + kSmall).status, 0);
 }
 
-TEST(VdbModule, isFoundBesideTheProgramAndWhereItIsInstalled) {
-  for (const char* place : {"bin", "lib/sluice"}) {
+TEST(VdbModule, isFoundWhereTheProgramWasBuilt) {
+  const Program program;
+  writePoints(program.folder / "points.vdb", {{{1, 2, 3}, 4.0F}});
+  const CommandResult result = program.run("info points.vdb");
+  EXPECT_EQ(result.status, 0) << result.output;
+  EXPECT_NE(result.output.find("3 x 3 x 3 voxels"), std::string::npos) << result.output;
+}
+
+// What lies beside a program that was moved, above it, or in the current folder may be anybody's.
+TEST(VdbModule, isOpenedFromNoPlaceThatDependsOnWhereTheProgramIs) {
+  for (const char* place : {"bin", "lib/sluice", "lib", "."}) {
     const MovedProgram program;
     fs::create_directories(program.folder / place);
     fs::copy_file(builtModule(), program.folder / place / kModule);
     const CommandResult result = program.run("info points.vdb");
-    EXPECT_EQ(result.status, 0) << place << ": " << result.output;
-    EXPECT_NE(result.output.find("3 x 3 x 3 voxels"), std::string::npos) << result.output;
+    EXPECT_EQ(result.status, 1) << place << ": " << result.output;
+    EXPECT_NE(result.output.find("/lib/sluice/sluice_openvdb.so"), std::string::npos)
+        << result.output;
   }
 }
 

@@ -81,8 +81,6 @@ TEST(OpacityMap, beforeTheFirstUpdateEverythingIsVisible) {
   EXPECT_EQ(map.visiblePart(rect, 0), rect);
   map.update(std::vector<float>(64, 1));
   EXPECT_TRUE(map.isOpaque(rect, kThreshold));
-  map.invalidate();
-  EXPECT_EQ(map.visiblePart(rect, kThreshold), rect);
 }
 
 TEST(OpacityMap, whatLiesOutsideIsVisible) {

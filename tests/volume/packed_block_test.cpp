@@ -6,6 +6,8 @@
 #include <random>
 #include <vector>
 
+#include "tests/support/memory_peak.h"
+
 namespace sluice {
 namespace {
 
@@ -34,6 +36,22 @@ TEST(PackedBlock, whatDoesNotShrinkIsNotPacked) {
   const auto noise = bytesOf(100'000, [&](size_t) { return random(); });
   EXPECT_FALSE(pack(noise, 1));
   EXPECT_FALSE(pack(bytesOf(3, [](size_t i) { return i; }), 1));
+}
+
+TEST(PackedBlock, takesNoMoreMemoryThanItSays) {
+  if (!MemoryPeak::works()) GTEST_SKIP() << "a sanitizer's allocator";
+  for (const size_t voxel_bytes : {1U, 2U, 4U})
+    for (const size_t voxels : {4096U, 65536U, 262144U, 274625U, 2097152U}) {
+      const auto block = bytesOf(voxels * voxel_bytes, [](size_t i) { return i / 97; });
+      const MemoryPeak peak;
+      const auto packed = pack(block, voxel_bytes);
+      ASSERT_TRUE(packed);
+      constexpr int64_t kAllocatorsOwn = 16 << 10;
+      EXPECT_LE(peak.bytes(),
+                static_cast<int64_t>(packPeakBytes(block.size(), voxel_bytes)) + kAllocatorsOwn)
+          << voxels << " of " << voxel_bytes;
+      EXPECT_GE(peak.bytes(), static_cast<int64_t>(block.size() * 7 / 8));  // it counts
+    }
 }
 
 }  // namespace

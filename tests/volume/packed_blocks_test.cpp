@@ -8,6 +8,7 @@
 
 #include "src/volume/volume_buffer.h"
 #include "tests/support/counting_source.h"
+#include "tests/support/failing_memory.h"
 #include "tests/support/random_volume.h"
 
 namespace sluice {
@@ -107,6 +108,36 @@ TEST_F(PackedBlocksTest, budgetAndVoxelsHoldUnderManyThreads) {
   EXPECT_GT(c.unpacks, 0U);
   EXPECT_LE(c.peak_bytes, 20 * kBytes);
   EXPECT_THAT(c.brokenIdentity(), IsEmpty());
+}
+
+// As it was published, being packed or being unpacked: who waits for it must not wait for ever.
+TEST_F(PackedBlocksTest, whereMemoryRunsOutNoBlockIsLeftHalfDone) {
+  forEachAllocation([&](int64_t n) {
+    const auto buffer = bufferOf(*memory_, 18);
+    const auto visitAll = [&] {
+      for (int64_t block = 0; block + 1 < layout_.blockCount(); block += 2)
+        buffer->acquire(keysOf({block, block + 1}));
+    };
+    visitAll();
+    visitAll();
+    visitAll();
+    EXPECT_GT(buffer->counters().packs, 0U);
+    bool failed = false;
+    {
+      const FailingMemory memory(n);
+      try {
+        buffer->acquire(keysOf({0, 7, 35}));
+        buffer->acquire(keysOf({34, 1, 12}));
+      } catch (const std::bad_alloc&) {
+      }
+      failed = memory.failed();
+    }
+    EXPECT_THAT(buffer->counters().brokenIdentity(), IsEmpty());
+    for (int64_t block = 0; block < layout_.blockCount(); ++block)
+      expectVoxels(*buffer->acquire(keysOf({block}))[0]);
+    EXPECT_THAT(buffer->counters().brokenIdentity(), IsEmpty());
+    return failed;
+  });
 }
 
 }  // namespace

@@ -9,7 +9,7 @@ namespace sluice {
 
 SliceRanges buildRanges(VolumeSource& source, int64_t size, int ghost, int threads, int64_t time) {
   WorkerPool pool(threads);
-  Progress quiet;
+  ProgressMeter quiet;
   return buildSliceRanges(source, time, blockLayout(source.layout().dims, size, ghost), pool,
                           quiet);
 }

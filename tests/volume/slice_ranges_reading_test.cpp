@@ -105,8 +105,7 @@ TEST(SliceRanges, occupancyGivesWhatReadingEverythingGives) {
     FunctionSource dense(sparse.layout(), [&](int64_t, Vec3i p) { return valueAt(p); });
     for (const int ghost : {0, 1}) {
       const SliceRanges ranges = buildRanges(sparse, 8, ghost), all = buildRanges(dense, 8, ghost);
-      EXPECT_EQ(ranges.histogram.range, all.histogram.range);
-      EXPECT_EQ(ranges.histogram.counts, all.histogram.counts);
+      EXPECT_EQ(ranges.counts, all.counts);
       EXPECT_LT(sparse.storedBytesRead(), dense.storedBytesRead());
       EXPECT_EQ(ranges.background, 7);
       expectRangesOf(ranges, valueAt);
@@ -128,7 +127,8 @@ TEST(SliceRanges, aTinyPartOfAnEnormousIndexSpaceCostsItself) {
   EXPECT_EQ(ranges.totalsAs<float>()[0].hi, 8);
   EXPECT_EQ(ranges.totalsAs<float>()[1].hi, 999);
   EXPECT_LE(source.counts().voxels, 2 * 64 * 64 * 64);
-  EXPECT_GT(ranges.histogram.counts.front(), 1'000'000'000'000U) << "background not read counts";
+  EXPECT_GT(ranges.counts.entries.front().count, 1'000'000'000'000U)
+      << "background not read counts";
   EXPECT_LE(ranges.bytes(), 2U * (8 + 8 + 3 * 64 * 8));
 }
 
@@ -229,7 +229,10 @@ TEST(SliceRangesDeathTest, interruptionEndsThePass) {
         watchForInterruption();
         std::raise(SIGINT);
         try {
-          buildRanges(*source, 8, 0, 1);
+          WorkerPool pool(1);
+          ProgressMeter quiet;
+          buildSliceRanges(*source, 0, blockLayout(source->layout().dims, 8, 0), pool, quiet,
+                           kMostIndexingBytes, interruption());
         } catch (const Interrupted&) {
           std::_Exit(130);
         }

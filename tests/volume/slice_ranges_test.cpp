@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cmath>
 #include <limits>
+#include <map>
 #include <numeric>
 
 #include "tests/support/random_volume.h"
@@ -60,7 +62,7 @@ TEST(SliceRanges, doNotDependOnTheNumberOfThreads) {
   EXPECT_EQ(one.blocks, many.blocks);
   EXPECT_EQ(one.totals, many.totals);
   EXPECT_EQ(one.planes, many.planes);
-  EXPECT_EQ(one.histogram.counts, many.histogram.counts);
+  EXPECT_EQ(one.counts, many.counts);
   EXPECT_EQ(one.device_range, many.device_range);
 }
 
@@ -123,7 +125,7 @@ TEST(SliceRanges, volumeWithoutANumberHasTheRangeZero) {
       Vec3i{9, 9, 9}, [](auto...) { return std::numeric_limits<float>::quiet_NaN(); });
   const SliceRanges ranges = buildRanges(*source, 8);
   EXPECT_EQ(ranges.device_range, (ValueRange{0, 0}));
-  EXPECT_EQ(total(ranges.histogram), 0U);
+  EXPECT_EQ(total(ranges.counts), 0U);
   EXPECT_EQ(ranges.background, kNotANumber);
 }
 
@@ -133,48 +135,79 @@ TEST(SliceRanges, notANumberIsNotCountedBesideASingleValue) {
   });
   const SliceRanges ranges = buildRanges(*source, 8);
   EXPECT_EQ(ranges.device_range, (ValueRange{7, 7}));
-  EXPECT_EQ(total(ranges.histogram), 4U * 4U * 4U);
+  EXPECT_EQ(total(ranges.counts), 4U * 8U * 8U);
 }
 
-// --- the histogram
+// --- how often each value occurs
 
-TEST(SliceRanges, histogramCountsEveryOtherRowOfEveryOtherPlane) {
-  const auto source = makeWhiteNoise({30, 23, 17}, VoxelType::kU8, 3);
-  const SliceRanges ranges = buildRanges(*source, 8);
-  std::vector<uint64_t> expected(256, 0);
-  for (int64_t bz = 0; bz < ranges.layout.grid.z; ++bz)
-    for (int64_t by = 0; by < ranges.layout.grid.y; ++by)
-      for (int64_t z = bz * 7; z <= std::min<int64_t>(bz * 7 + 7, 16); z += 2)
-        for (int64_t y = by * 7; y <= std::min<int64_t>(by * 7 + 7, 22); y += 2)
-          for (int64_t x = 0; x < 30; ++x)
-            ++expected[static_cast<size_t>(voxelAt(*source, 0, {x, y, z}))];
-  ASSERT_EQ(ranges.histogram.range, (ValueRange{0, 255}));
-  EXPECT_EQ(ranges.histogram.counts, expected);
+// Every voxel of `source` at step 0, one at a time, as entries of single values.
+ValueCounts countedOneByOne(const MemorySource& source) {
+  std::map<double, uint64_t> counts;
+  ValueCounts result;
+  const Vec3i dims = source.layout().dims;
+  for (int64_t z = 0; z < dims.z; ++z)
+    for (int64_t y = 0; y < dims.y; ++y)
+      for (int64_t x = 0; x < dims.x; ++x) {
+        const double value = voxelAt(source, 0, {x, y, z});
+        ++counts[value];
+        if (x == 0) continue;
+        const double jump = std::abs(value - voxelAt(source, 0, {x - 1, y, z}));
+        result.changes += jump > 0 ? 1 : 0;
+        result.jumps += static_cast<uint64_t>(jump);
+      }
+  for (const auto& [value, count] : counts) result.entries.push_back({value, value, count});
+  return result;
 }
 
-TEST(SliceRanges, histogramHasABinForEachOfAFewIntegers) {
-  const auto source = makeMemorySource<int16_t>(
-      Vec3i{16, 16, 16}, [](auto x, auto y, auto) { return (x + y) % 2 == 0 ? -1000 : 3000; });
-  const SliceRanges ranges = buildRanges(*source, 8);
-  ASSERT_EQ(ranges.histogram.counts.size(), 4001U);
-  EXPECT_EQ(ranges.histogram.range, (ValueRange{31768, 35768}));
-  EXPECT_GT(ranges.histogram.counts.front(), 0U);
-  EXPECT_GT(ranges.histogram.counts.back(), 0U);
-  EXPECT_EQ(ranges.histogram.counts.front() + ranges.histogram.counts.back(),
-            total(ranges.histogram));
+TEST(SliceRanges, countEachVoxelOnceWhateverTheBlocks) {
+  const auto noise = makeWhiteNoise({30, 23, 17}, VoxelType::kU8, 3);
+  const auto few = makeMemorySource<int16_t>(Vec3i{19, 26, 18}, [](auto x, auto y, auto z) {
+    return (x / 3 + y + z / 2) % 7 * 500 - 900;
+  });
+  for (const MemorySource* source : {noise.get(), few.get()}) {
+    const ValueCounts expected = countedOneByOne(*source);
+    for (const int64_t size : {4, 8, 16, 64})
+      for (const int ghost : {0, 1}) {
+        if (size - 1 - 2 * ghost < 1) continue;
+        MemorySource copy(source->layout(), {source->bytes().begin(), source->bytes().end()});
+        const ValueCounts counts = buildRanges(copy, size, ghost).counts;
+        EXPECT_EQ(total(counts), static_cast<uint64_t>(volume(source->layout().dims)));
+        EXPECT_EQ(counts, expected) << size << " ghost " << ghost;
+      }
+  }
 }
 
-TEST(SliceRanges, histogramOfFloatsIsRightWithinItsKeys) {
+TEST(SliceRanges, countManyIntegersInFewEntries) {
+  const auto source = makeWhiteNoise({40, 40, 40}, VoxelType::kU16, 3);
+  const ValueCounts counts = buildRanges(*source, 16).counts;
+  EXPECT_LE(counts.entries.size(), kMostValueCounts);
+  EXPECT_GT(counts.entries.size(), kMostValueCounts / 4);
+  EXPECT_EQ(total(counts), 40U * 40U * 40U);
+  for (size_t i = 1; i < counts.entries.size(); ++i)
+    ASSERT_GT(counts.entries[i].lo, counts.entries[i - 1].hi);
+}
+
+TEST(SliceRanges, countFloatsWithinTheirKeys) {
   const auto source = makeWhiteNoise({64, 64, 64}, VoxelType::kF32, 9);
-  const SliceRanges ranges = buildRanges(*source, 32);
-  ASSERT_EQ(ranges.histogram.counts.size(), 4096U);
-  const uint64_t all = total(ranges.histogram);
+  const Histogram histogram = histogramOf(buildRanges(*source, 32).counts, 4096);
+  const uint64_t all = total(histogram);
+  EXPECT_EQ(all, 64U * 64U * 64U);
   // Uniform noise: each quarter of the range holds about a quarter of the values.
   for (size_t quarter = 0; quarter < 4; ++quarter) {
-    const auto first = ranges.histogram.counts.begin() + static_cast<ptrdiff_t>(quarter * 1024);
+    const auto first = histogram.counts.begin() + static_cast<ptrdiff_t>(quarter * 1024);
     const auto count = std::accumulate(first, first + 1024, uint64_t{0});
     EXPECT_NEAR(static_cast<double>(count) / static_cast<double>(all), 0.25, 0.01);
   }
+}
+
+TEST(SliceRanges, fewFloatsAreTheValuesThemselves) {
+  const auto source = makeMemorySource<float>(Vec3i{20, 20, 20}, [](auto x, auto y, auto) {
+    return x < 5 ? -9999.25F : y < 10 ? 0.0F : 1000003.0F;
+  });
+  const ValueCounts counts = buildRanges(*source, 8).counts;
+  EXPECT_EQ(counts.entries,
+            (std::vector<ValueCount>{
+                {-9999.25, -9999.25, 2000}, {0, 0, 3000}, {1000003, 1000003, 3000}}));
 }
 
 }  // namespace

@@ -1,0 +1,71 @@
+// Rows as csv and json; the names are those that scripts rely on.
+#include <fmt/format.h>
+
+#include "cache/simulate/simulator.h"
+
+namespace sluice {
+namespace {
+
+// `unknown` where there is no value.
+template <class Value>
+std::string textOf(const Value& value, const char* /*unknown*/) {
+  return fmt::format("{}", value);
+}
+std::string textOf(const std::optional<uint64_t>& value, const char* unknown) {
+  return value ? fmt::format("{}", *value) : unknown;
+}
+
+template <class Visit>
+void visitFields(const SimulationRow& r, Visit&& visit) {
+  visit("pages", r.pages);
+  visit("requests", r.requests);
+  visit("hits", r.hits);
+  visit("misses", r.misses);
+  visit("compulsory", r.compulsory);
+  visit("capacity", r.capacity);
+  visit("conflict", r.conflict);
+  visit("bytes_moved", r.bytes.moved);
+  visit("bytes_needed", r.bytes.needed);
+  visit("bytes_rounding", r.bytes.rounding());
+  visit("bytes_extended", r.bytes.extended);
+  visit("bytes_empty", r.bytes.empty);
+  visit("chunk_requests", r.chunks.requests);
+  visit("chunk_misses", r.chunks.misses);
+  visit("loads", r.chunks.loads);
+  visit("redundant_loads", r.chunks.redundant_loads);
+  visit("evictions", r.chunks.evictions);
+  visit("failures", r.failures);
+  visit("bytes_failed", r.failed_bytes);
+  visit("pages_loaded", r.pages_loaded);
+  visit("modelled_seconds", r.modelled_seconds);
+  visit("planned_pages", r.planned_pages);
+}
+
+}  // namespace
+
+std::string toCsv(std::span<const SimulationRow> rows) {
+  std::string out = "policy";
+  visitFields(SimulationRow{},
+              [&](const char* field, const auto&) { out += fmt::format(",{}", field); });
+  out += '\n';
+  for (const SimulationRow& row : rows) {
+    out += name(row.policy);
+    visitFields(row, [&](const char*, const auto& value) { out += ',' + textOf(value, ""); });
+    out += '\n';
+  }
+  return out;
+}
+
+std::string toJson(std::span<const SimulationRow> rows) {
+  std::string out = "{\"rows\": [";
+  for (size_t i = 0; i < rows.size(); ++i) {
+    out += fmt::format("{}\n  {{\"policy\": \"{}\"", i == 0 ? "" : ",", name(rows[i].policy));
+    visitFields(rows[i], [&](const char* field, const auto& value) {
+      out += fmt::format(", \"{}\": {}", field, textOf(value, "null"));
+    });
+    out += '}';
+  }
+  return out + "\n]}\n";
+}
+
+}  // namespace sluice

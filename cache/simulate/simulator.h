@@ -1,0 +1,83 @@
+// The simulator: a pure function of (trace, configuration). No clock, no device, no thread; the
+// same arguments give the same row on every machine.
+//
+// What it does not model: time (nothing overlaps, see cost_model.h), levels 1 to 3, the processor's
+// own texture caches, placement (any free page takes any part of a chunk, so memory never
+// fragments outside pages), and a driver that evicts on its own. Residency starts empty.
+//
+// Misses by class, in pages, so that compulsory + capacity + conflict = misses:
+//   compulsory  of the first request of a chunk
+//   capacity    what a fully associative LRU cache of the same pages misses beyond that
+//   conflict    the rest: what the policy at hand loses to that LRU. Negative when it does better;
+//               zero for LRU itself
+// A request that does not fit, even beside nothing but what is pinned, is a failure: the renderer
+// would stop there and say so. Each time it counts as missed and costs what loading the chunk
+// costs, as if it went through memory that is not the cache's; it is never resident.
+//
+// The model draws nothing, so it does not know how often the renderer goes back and forth between a
+// cluster's chunks (the renderer's `binds`): the seconds take one bind a chunk request, the least.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "cache/policies/policy.h"
+#include "cache/simulate/cost_model.h"
+#include "cache/trace/prepared_trace.h"
+#include "src/base/counters.h"
+
+namespace sluice {
+
+struct SimulationConfig {
+  PolicyKind policy = PolicyKind::kLru;
+  uint64_t pages = 256;  // > 0
+  // Keep the chunks of a cluster once requested until the next cluster, as the renderer does, where
+  // the trace carries clusters. Ignored by kBeladyPages.
+  bool pin_clusters = false;
+  uint64_t seed = 1;  // for kRandom
+  CostModel costs = {};
+};
+
+struct SimulationRow {
+  PolicyKind policy = PolicyKind::kLru;
+  uint64_t pages = 0;  // capacity
+  // Page requests.
+  uint64_t requests = 0, hits = 0, misses = 0;
+  int64_t compulsory = 0, capacity = 0, conflict = 0;
+  // Chunk requests, loads and evictions; bytes are whole pages. For kBeladyPages, which loads
+  // parts of chunks, all of it counts pages instead, and a load of pages of a chunk that had been
+  // loaded before is redundant.
+  CacheCounters chunks;
+  uint64_t pages_loaded = 0;
+  // What the loads moved, by cause: moved is bytes_moved, needed is bytes_needed.
+  // What failures cost is in it.
+  LoadBytes bytes;
+  // Chunk requests that did not fit, their pages, and the bytes moved for them.
+  uint64_t failures = 0, failed_pages = 0, failed_bytes = 0;
+  double modelled_seconds = 0;
+  // Where the chunks were planned for a cache: for one of so many pages.
+  std::optional<uint64_t> planned_pages;
+};
+
+// Requires: config.pages > 0. `lru_misses`: page misses of LRU at this size where the caller knows
+// them; simulated otherwise.
+SimulationRow simulate(const PreparedTrace& trace, const SimulationConfig& config,
+                       std::optional<uint64_t> lru_misses = std::nullopt);
+// Every policy at every size, sizes in the outer loop. `config` gives all but policy and pages.
+std::vector<SimulationRow> simulateTable(const PreparedTrace& trace,
+                                         std::span<const PolicyKind> policies,
+                                         std::span<const uint64_t> sizes_pages,
+                                         SimulationConfig config);
+
+// Empty, or one line that says which identity of the header or of the counters does not hold.
+std::string brokenIdentity(const SimulationRow& row);
+
+// "policy,pages,requests,...": a header line and a line a row, ended by newlines.
+std::string toCsv(std::span<const SimulationRow> rows);
+// {"rows": [{"policy": ...}]} with the names of toCsv. What is not known is empty there, null here.
+std::string toJson(std::span<const SimulationRow> rows);
+
+}  // namespace sluice

@@ -1,0 +1,187 @@
+#include "cache/trace/trace.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <fstream>
+#include <utility>
+
+#include "cache/trace/trace_formats.h"
+
+namespace sluice {
+namespace trace_internal {
+
+const char* problemOf(const TraceRecord& record) {
+  if (record.pages < 1 || record.pages > kMaxPages) return "pages from 1 to 2^31";
+  const LoadBytes& b = record.bytes;
+  if (b.moved > kMaxBytes) return "at most 2^40 bytes moved";
+  if (b.needed > b.moved || b.extended > b.moved || b.empty > b.moved ||
+      b.needed + b.extended + b.empty > b.moved)
+    return "needed, extended and empty bytes within the bytes moved";
+  return nullptr;
+}
+
+TraceRecord recordOfSize(uint64_t chunk, uint64_t bytes, uint64_t frame, uint64_t page_bytes) {
+  TraceRecord record;
+  record.chunk = chunk;
+  record.frame = static_cast<uint32_t>(std::min<uint64_t>(frame, UINT32_MAX));
+  const uint64_t pages = bytes / page_bytes + (bytes % page_bytes != 0 ? 1 : 0);
+  record.pages = static_cast<uint32_t>(std::clamp<uint64_t>(pages, 1, UINT32_MAX));
+  record.bytes.moved = record.pages * page_bytes;
+  record.bytes.needed = bytes;
+  return record;
+}
+
+TraceRecord recordOf(const RecordFields& v, const TraceInput& in, std::string_view line) {
+  if (v[1] > kMaxPages || v[2] > UINT32_MAX || v[3] > UINT32_MAX)
+    fail("{}:{}: expected pages to 2^31, cluster and frame to 2^32 - 1, found {}", in.label(),
+         in.lineNumber(), excerpt(line));
+  const TraceRecord record{v[0],
+                           static_cast<uint32_t>(v[1]),
+                           static_cast<uint32_t>(v[2]),
+                           static_cast<uint32_t>(v[3]),
+                           {v[4], v[5], v[6], v[7]}};
+  if (const char* problem = problemOf(record))
+    fail("{}:{}: expected {}, found {}", in.label(), in.lineNumber(), problem, excerpt(line));
+  return record;
+}
+
+std::string textOf(const TraceRecord& r) {
+  return fmt::format("{} {} {} {} {} {} {} {}", r.chunk, r.pages, r.cluster, r.frame, r.bytes.moved,
+                     r.bytes.needed, r.bytes.extended, r.bytes.empty);
+}
+
+std::string excerpt(std::string_view text) {
+  std::string out = "'";
+  for (const char c : text.substr(0, 40)) out += c >= 32 && c < 127 ? c : '?';
+  if (text.size() > 40) out += "...";
+  return out + "'";
+}
+
+}  // namespace trace_internal
+
+namespace {
+
+constexpr std::array kFormatNames{
+    std::pair{TraceFormat::kText, "text"}, std::pair{TraceFormat::kBinary, "binary"},
+    std::pair{TraceFormat::kCsv, "csv"}, std::pair{TraceFormat::kOracleGeneral, "oracleGeneral"},
+    std::pair{TraceFormat::kDin, "din"}};
+
+std::optional<TraceFormat> guessFormat(std::istream& in, const std::filesystem::path& path) {
+  std::array<char, 8> head{};
+  in.read(head.data(), head.size());
+  const std::string_view start(head.data(), static_cast<size_t>(in.gcount()));
+  in.clear();
+  in.seekg(0);
+  if (start == trace_internal::kBinaryMagic) return TraceFormat::kBinary;
+  if (trace_internal::kTextMagic.starts_with(start) && start.size() == head.size())
+    return TraceFormat::kText;
+  const std::string file = path.filename().string();
+  if (file.ends_with(".csv")) return TraceFormat::kCsv;
+  if (file.ends_with(".din")) return TraceFormat::kDin;
+  if (file.find(".oracleGeneral") != std::string::npos || file.ends_with(".bin"))
+    return TraceFormat::kOracleGeneral;
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::string_view name(TraceFormat format) {
+  for (const auto& [f, text] : kFormatNames) {
+    if (f == format) return text;
+  }
+  return "?";
+}
+
+std::optional<TraceFormat> parseTraceFormat(std::string_view text) {
+  for (const auto& [f, known] : kFormatNames) {
+    if (known == text) return f;
+  }
+  return std::nullopt;
+}
+
+namespace {
+
+// `companion` is for oracleGeneral.
+std::unique_ptr<TraceReader> readerOf(std::unique_ptr<std::istream> in, std::string label,
+                                      TraceFormat format, uint64_t page_bytes,
+                                      std::unique_ptr<TraceReader> companion) {
+  using namespace trace_internal;
+  SLUICE_CHECK_LT(uint64_t{0}, page_bytes);
+  if (page_bytes > kMaxBytes)
+    fail("{}: expected pages of 1 to 2^40 B, found {}", label, page_bytes);
+  switch (format) {
+    case TraceFormat::kText:
+      return makeTextReader(std::move(in), std::move(label));
+    case TraceFormat::kBinary:
+      return makeBinaryReader(std::move(in), std::move(label));
+    case TraceFormat::kCsv:
+      return makeCsvReader(std::move(in), std::move(label), page_bytes);
+    case TraceFormat::kDin:
+      return makeDinReader(std::move(in), std::move(label), page_bytes);
+    case TraceFormat::kOracleGeneral:
+      break;
+  }
+  return makeOracleGeneralReader(std::move(in), std::move(label), page_bytes, std::move(companion));
+}
+
+}  // namespace
+
+std::unique_ptr<TraceReader> makeTraceReader(std::unique_ptr<std::istream> in, std::string label,
+                                             TraceFormat format, uint64_t page_bytes) {
+  return readerOf(std::move(in), std::move(label), format, page_bytes, nullptr);
+}
+
+std::unique_ptr<TraceReader> openTrace(const std::filesystem::path& path,
+                                       std::optional<TraceFormat> format, uint64_t page_bytes) {
+  std::error_code none;
+  const std::filesystem::file_status status = std::filesystem::status(path, none);
+  if (std::filesystem::is_directory(status))
+    fail("{}: expected a trace file, found a folder", path.string());
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
+    fail("{}: expected a trace file, found a pipe or a device; copy what it gives into a file",
+         path.string());
+  auto in = std::make_unique<std::ifstream>(path, std::ios::binary);
+  if (!*in) failErrno(fmt::format("{}: cannot open the trace", path.string()), errno);
+  if (!format) format = guessFormat(*in, path);
+  if (!format)
+    fail(
+        "{}: expected a trace (text, binary, .csv, .oracleGeneral or .din), found neither our "
+        "first bytes nor a known extension; name the format",
+        path.string());
+  std::unique_ptr<TraceReader> companion;
+  const std::filesystem::path beside = trace_internal::companionOf(path);
+  if (format == TraceFormat::kOracleGeneral && std::filesystem::exists(beside, none))
+    companion = openTrace(beside, TraceFormat::kBinary, page_bytes);
+  return readerOf(std::move(in), path.string(), *format, page_bytes, std::move(companion));
+}
+
+std::unique_ptr<TraceWriter> makeTraceWriter(const std::filesystem::path& path, TraceFormat format,
+                                             uint64_t page_bytes) {
+  using namespace trace_internal;
+  SLUICE_CHECK_LT(uint64_t{0}, page_bytes);
+  switch (format) {
+    case TraceFormat::kText:
+      return makeTextWriter(path, page_bytes);
+    case TraceFormat::kBinary:
+      return makeBinaryWriter(path, page_bytes);
+    case TraceFormat::kCsv:
+      return makeCsvWriter(path, page_bytes);
+    case TraceFormat::kOracleGeneral:
+      return makeOracleGeneralWriter(path, page_bytes);
+    case TraceFormat::kDin:
+      break;
+  }
+  return makeDinWriter(path, page_bytes);
+}
+
+Trace readAll(TraceReader& reader) {
+  Trace trace;
+  trace.page_bytes = reader.pageBytes();
+  trace.carries_clusters = reader.carriesClusters();
+  TraceRecord record;
+  while (reader.next(record)) trace.records.push_back(record);
+  return trace;
+}
+
+}  // namespace sluice

@@ -1,0 +1,102 @@
+// What a picture shows and how: plain data, with the defaults of `sluice render`.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace sluice {
+
+// How values look. The first of these that is said makes the opacities: transfer_file, opacities,
+// labels, threshold. Otherwise they are chosen from the values.
+struct LookOptions {
+  enum class Mode { kComposite, kMaximum, kMinimum, kAverage };
+  enum class Light { kChosen, kOn, kOff };
+  struct Opacity {
+    double value = 0;
+    double opacity = 0;  // 0 to 1, of one voxel length of the finest spacing
+  };
+
+  Mode mode = Mode::kComposite;
+  // A ramp: opacity 0 below it, a fifth of `opacity` at it, and that at the top of the values.
+  std::optional<double> threshold = {};
+  std::optional<double> opacity = {};   // at the top; unset: 0.05, or what is chosen
+  std::vector<Opacity> opacities = {};  // ascending by value, linear in between
+  std::string transfer_file = {};       // our JSON, or ParaView's
+  bool labels = false;                  // values are names of things, each with its colour
+  std::string map = {};                 // of colours, "viridis"; empty: chosen
+  std::optional<std::array<double, 2>> range = {};  // that colours span; descending: turned round
+  Light light = Light::kChosen;  // of surfaces, in composite mode; chosen: where it shows more
+  // The opacity times a ramp of the gradient's magnitude, which is 1 from this share of the values'
+  // range a voxel length on, above 0; unset: no ramp.
+  std::optional<double> full_gradient = {};
+};
+
+// Where the volume is looked at from. World space is the volume's: voxel (0, 0, 0) at its origin.
+struct ViewOptions {
+  // Where azimuth and elevation start. kPlain: along -z, y up, whatever the axes mean; the others
+  // are those of what the file says of its axes.
+  enum class From { kPlain, kFront, kBack, kLeft, kRight, kTop, kBottom, kThreeQuarter };
+  enum class Projection { kParallel, kPerspective };
+  // What zoom 1 shows whole: what is visible, of a series in any of its steps (but see
+  // VolumeOptions::whole_series), or the sphere around the volume.
+  enum class Fit { kVisible, kVolume };
+  // In place of From, angles and Fit: world positions, eye and target apart.
+  struct LookAt {
+    std::array<double, 3> eye;
+    std::array<double, 3> target;
+  };
+  // A fit that pictures share, see Renderer::fit().
+  struct Framing {
+    std::array<double, 3> target;  // world
+    // Parallel: half the picture's height in world units; perspective: from the eye to the target.
+    double reach = 1;
+    // Where the target lies: to the right of and above the middle, of half the width and height.
+    double right = 0, up = 0;
+  };
+
+  From from = From::kThreeQuarter;
+  double azimuth_deg = 0;    // about what is up, to the viewer's right
+  double elevation_deg = 0;  // lifts the camera
+  double zoom = 1;           // above 0
+  Projection projection = Projection::kParallel;
+  double field_of_view_deg = 30;                 // vertical, of perspective; in (0, 180)
+  std::optional<std::array<double, 3>> up = {};  // world direction; unset: that of `from`
+  std::optional<Fit> fit = {};                   // unset: kVisible, and with kPlain kVolume
+  std::optional<LookAt> look_at = {};
+  std::optional<Framing> framing = {};  // in place of `fit`
+};
+
+// A picture of a Renderer's volume and look.
+struct PictureOptions {
+  // Voxels, half-open: what lies between its outer voxel planes is shown.
+  struct Box {
+    std::array<int64_t, 3> lo;
+    std::array<int64_t, 3> hi;
+  };
+
+  int width = 512, height = 512;  // pixels, each at least 1
+  ViewOptions view = {};
+  int64_t time = 0;  // step of a series, from 0
+  // Between samples along a ray, in voxel lengths of the finest spacing, above 0; unset: 1/2 where
+  // pixels are smaller than voxels, otherwise 1.
+  std::optional<double> step_vox = {};
+  std::optional<Box> crop = {};
+  bool with_depth = false;  // composite mode
+};
+
+// What drawing may take.
+struct RendererOptions {
+  // kGl: OpenGL on a GPU, or by Mesa's software renderer. kAuto: a GPU where there is one, else the
+  // CPU.
+  enum class Device { kAuto, kGl, kCpu };
+  Device device = Device::kAuto;
+  // A hard bound on the voxels in memory at once, with software GL its textures too; 0: half of the
+  // machine's.
+  uint64_t memory_bytes = 0;
+  int threads = 0;  // that read, copy and classify; 0: one a core
+};
+
+}  // namespace sluice

@@ -1,0 +1,58 @@
+// File: a regular file opened for reading at positions, which counts what it reads.
+//
+// There is no file position, so any number of threads may read at once. The file is expected to
+// stay as it was when opened: one that is truncated, rewritten or (where it is opened anew for each
+// read) replaced in the meantime is an Error, never a mixture of old and new voxels.
+#pragma once
+
+#include <sys/stat.h>
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+
+#include "io/files/byte_store.h"
+#include "src/base/descriptor.h"
+
+namespace sluice {
+
+class File : public ByteStore {
+ public:
+  // Volumes of thousands of files would use up the file descriptors: their files are opened anew
+  // for each read.
+  enum class Keep { kOpen, kClosed };
+
+  // Throws Error when there is no such file, it may not be read, or it is no regular file.
+  explicit File(const std::filesystem::path& path, Keep keep = Keep::kOpen);
+  File(const File&) = delete;
+  File& operator=(const File&) = delete;
+
+  void read(uint64_t offset, std::span<const iovec> parts) override;
+  void expectRead(uint64_t offset, uint64_t bytes) override;
+  // The same into one piece of memory.
+  void readAt(uint64_t offset, std::span<std::byte> out);
+  // Reads up to out.size() bytes; returns how many the file had from `offset` on.
+  size_t readSome(uint64_t offset, std::span<std::byte> out);
+
+  uint64_t storedBytesRead() const override { return read_bytes_.load(); }
+  std::vector<std::string> paths() const override { return {path_}; }
+  uint64_t sizeBytes() const { return static_cast<uint64_t>(opened_.st_size); }
+  // The path as it was given: for messages.
+  const std::string& path() const { return path_; }
+  // "<absolute path>|<size>|<modification time in ns>", as of the opening.
+  std::string identity() const;
+
+ private:
+  void checkUnchanged(int descriptor) const;
+
+  const std::string path_;
+  const std::string absolute_path_;
+  Descriptor descriptor_;    // constant after construction; none: opened for each read
+  struct stat opened_ = {};  // constant after construction
+  std::atomic<uint64_t> read_bytes_{0};
+};
+
+}  // namespace sluice

@@ -1,0 +1,304 @@
+#include "io/files/file_list.h"
+
+#include <glob.h>
+
+#include <algorithm>
+#include <cctype>
+#include <map>
+#include <optional>
+
+#include "io/files/file.h"
+#include "src/base/error.h"
+
+namespace sluice {
+namespace {
+
+bool isDigit(char c) {
+  return c >= '0' && c <= '9';
+}
+
+// A name with one number in it, as printf writes it.
+struct NumberedName {
+  std::string before, after;
+  size_t width = 0;  // digits at least, padded with zeros
+};
+
+// nullopt when the text has no printf number or more than one.
+std::optional<NumberedName> parseNumbered(const std::string& text) {
+  NumberedName name;
+  std::string* part = &name.before;
+  for (size_t i = 0; i < text.size(); ++i) {
+    if (text[i] != '%') {
+      *part += text[i];
+      continue;
+    }
+    if (i + 1 < text.size() && text[i + 1] == '%') {
+      *part += text[++i];
+      continue;
+    }
+    size_t end = i + 1;
+    while (end < text.size() && isDigit(text[end])) ++end;
+    const bool is_number =
+        end < text.size() && (text[end] == 'd' || text[end] == 'i' || text[end] == 'u');
+    constexpr size_t kMaxWidthDigits = 3;
+    if (!is_number || part == &name.after || end - i - 1 > kMaxWidthDigits) return std::nullopt;
+    if (end > i + 1) name.width = std::stoul(text.substr(i + 1, end - i - 1));
+    part = &name.after;
+    i = end;
+  }
+  if (part == &name.before) return std::nullopt;
+  return name;
+}
+
+// The digits of `file` where it is one of `name`'s files; empty where not.
+std::string_view digitsOf(std::string_view file, const NumberedName& name) {
+  if (file.size() <= name.before.size() + name.after.size() || !file.starts_with(name.before) ||
+      !file.ends_with(name.after))
+    return {};
+  const std::string_view digits =
+      file.substr(name.before.size(), file.size() - name.before.size() - name.after.size());
+  if (!std::all_of(digits.begin(), digits.end(), isDigit)) return {};
+  const bool is_padded = digits.size() > 1 && digits[0] == '0';
+  if (digits.size() < name.width || (is_padded && digits.size() > name.width)) return {};
+  return digits;
+}
+
+std::vector<std::filesystem::path> expandGlob(const std::string& pattern) {
+  glob_t found{};
+  const int status = ::glob(pattern.c_str(), GLOB_NOSORT, nullptr, &found);
+  std::vector<std::filesystem::path> paths;
+  for (size_t i = 0; i < found.gl_pathc; ++i) paths.emplace_back(found.gl_pathv[i]);
+  globfree(&found);
+  if (status != 0 && status != GLOB_NOMATCH) fail("{}: the folder cannot be read", pattern);
+  return paths;
+}
+
+// The name with '#' for each run of digits.
+std::string withoutNumbers(std::string_view name) {
+  std::string result;
+  for (const char c : name) {
+    if (!isDigit(c)) {
+      result += c;
+    } else if (result.empty() || result.back() != '#') {
+      result += '#';
+    }
+  }
+  return result;
+}
+
+// The name with its last number as printf would write it: "a-007.png" -> "a-%03d.png".
+std::string asPattern(const std::string& name) {
+  const std::string_view digits = "0123456789";
+  const size_t last = name.find_last_of(digits);
+  if (last == std::string::npos) return name;
+  const size_t before = name.find_last_not_of(digits, last);
+  const size_t first = before == std::string::npos ? 0 : before + 1;
+  const bool is_padded = name[first] == '0' && last > first;
+  const std::string number = is_padded ? fmt::format("%0{}d", last - first + 1) : "%d";
+  return name.substr(0, first) + number + name.substr(last + 1);
+}
+
+uint64_t hash(std::string_view text) {  // FNV-1a
+  uint64_t value = 0xcbf29ce484222325U;
+  for (const char c : text) value = (value ^ static_cast<unsigned char>(c)) * 0x100000001b3U;
+  return value;
+}
+
+}  // namespace
+
+std::string fileIdentity(const std::filesystem::path& path) {
+  return File(path).identity();
+}
+
+std::string fileIdentity(const std::vector<std::filesystem::path>& paths) {
+  if (paths.size() == 1) return fileIdentity(paths[0]);
+  std::string all;
+  for (const auto& path : paths) all += fileIdentity(path) + "\n";
+  return fmt::format("{}|{} more|{:016x}",
+                     std::filesystem::absolute(paths[0]).lexically_normal().string(),
+                     paths.size() - 1, hash(all));
+}
+
+bool naturalLess(std::string_view a, std::string_view b) {
+  const std::string_view whole_a = a, whole_b = b;
+  while (!a.empty() && !b.empty()) {
+    if (!isDigit(a[0]) || !isDigit(b[0])) {
+      if (a[0] != b[0]) return static_cast<unsigned char>(a[0]) < static_cast<unsigned char>(b[0]);
+      a.remove_prefix(1);
+      b.remove_prefix(1);
+      continue;
+    }
+    const auto takeNumber = [](std::string_view& text) {
+      const size_t end = std::min(text.find_first_not_of("0123456789"), text.size());
+      std::string_view number = text.substr(0, end);
+      text.remove_prefix(end);
+      number.remove_prefix(std::min(number.find_first_not_of('0'), number.size()));
+      return number;
+    };
+    const std::string_view number_a = takeNumber(a), number_b = takeNumber(b);
+    if (number_a.size() != number_b.size()) return number_a.size() < number_b.size();
+    if (number_a != number_b) return number_a < number_b;
+  }
+  if (a.empty() != b.empty()) return a.empty();
+  return whole_a < whole_b;  // equal but for leading zeros: any fixed order
+}
+
+bool isPattern(const std::string& name) {
+  std::error_code error;
+  if (std::filesystem::exists(name, error)) return false;
+  return name.find_first_of("*?[") != std::string::npos ||
+         parseNumbered(std::filesystem::path(name).filename().string()).has_value();
+}
+
+std::vector<std::filesystem::path> expandPattern(const std::string& pattern) {
+  std::vector<std::filesystem::path> paths;
+  const std::filesystem::path as_path(pattern);
+  const auto numbered = parseNumbered(as_path.filename().string());
+  if (numbered) {
+    const auto parent = as_path.parent_path();
+    for (const auto& file : listFolder(parent.empty() ? "." : parent)) {
+      if (!digitsOf(file.filename().string(), *numbered).empty())
+        paths.push_back(parent / file.filename());
+    }
+  } else {
+    paths = expandGlob(pattern);
+  }
+  if (paths.empty()) fail("{}: no file matches this pattern", pattern);
+  std::sort(paths.begin(), paths.end(),
+            [](const auto& a, const auto& b) { return naturalLess(a.native(), b.native()); });
+  return paths;
+}
+
+std::vector<std::filesystem::path> listFolder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::vector<std::filesystem::path> files;
+  for (std::filesystem::directory_iterator it(folder, error), end; !error && it != end;
+       it.increment(error)) {
+    const bool is_hidden = it->path().filename().native().starts_with('.');
+    if (!is_hidden && it->is_regular_file()) files.push_back(it->path());
+  }
+  if (error) fail("{}: the folder cannot be read: {}", folder.string(), error.message());
+  std::sort(files.begin(), files.end(),
+            [](const auto& a, const auto& b) { return naturalLess(a.native(), b.native()); });
+  return files;
+}
+
+void requireOneSeries(const std::string& name, const std::vector<std::filesystem::path>& files) {
+  struct Series {
+    std::string pattern;
+    int count = 0;
+  };
+  std::map<std::string, Series> all;
+  for (const auto& file : files) {
+    Series& series = all[withoutNumbers(file.filename().string())];
+    if (series.count++ == 0) series.pattern = asPattern(file.string());
+  }
+  std::string list;
+  int several = 0;
+  for (const auto& [key, series] : all) {
+    if (series.count < 2) continue;
+    ++several;
+    list +=
+        fmt::format("{}'{}' ({} files)", list.empty() ? "" : ", ", series.pattern, series.count);
+  }
+  if (several > 1)
+    fail("{}: {} series of files, expected one; name one of {}", name, several, list);
+}
+
+namespace {
+
+// A name around its last run of digits.
+struct SplitName {
+  std::string_view before, digits, after;
+};
+
+SplitName splitAtLastNumber(std::string_view name) {
+  const size_t last = name.find_last_of("0123456789");
+  if (last == std::string_view::npos) return {name, {}, {}};
+  const size_t before = name.find_last_not_of("0123456789", last);
+  const size_t first = before == std::string_view::npos ? 0 : before + 1;
+  return {name.substr(0, first), name.substr(first, last + 1 - first), name.substr(last + 1)};
+}
+
+// The number that a name of digits stands for; nullopt for more than fits.
+std::optional<int64_t> numberOf(std::string_view digits) {
+  constexpr size_t kMostDigits = 18;
+  if (digits.empty() || digits.size() > kMostDigits) return std::nullopt;
+  int64_t number = 0;
+  for (const char c : digits) number = number * 10 + (c - '0');
+  return number;
+}
+
+}  // namespace
+
+std::optional<std::string> gapNote(const std::vector<std::filesystem::path>& files) {
+  if (files.size() < 3) return std::nullopt;
+  std::vector<std::string> names;
+  for (const auto& file : files) names.push_back(file.filename().string());
+  const SplitName first = splitAtLastNumber(names[0]);
+  std::vector<int64_t> numbers;
+  for (const std::string& name : names) {
+    const SplitName split = splitAtLastNumber(name);
+    const auto number = numberOf(split.digits);
+    if (!number || split.before != first.before || split.after != first.after) return std::nullopt;
+    numbers.push_back(*number);
+  }
+  std::map<int64_t, size_t> steps;
+  for (size_t i = 1; i < numbers.size(); ++i) ++steps[numbers[i] - numbers[i - 1]];
+  const auto usual = std::max_element(
+      steps.begin(), steps.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  const int64_t step = usual->first;
+  // Numbers that go up anyhow are no series with gaps.
+  if (step <= 0 || usual->second * 4 < (numbers.size() - 1) * 3) return std::nullopt;
+  int64_t missing = 0;
+  size_t gap = 0;
+  for (size_t i = numbers.size() - 1; i > 0; --i) {
+    const int64_t between = (numbers[i] - numbers[i - 1]) / step - 1;
+    if (between < 1) continue;
+    missing += between;
+    gap = i;
+  }
+  if (missing == 0) return std::nullopt;
+  const std::string lost = std::to_string(numbers[gap - 1] + step);
+  const size_t width = splitAtLastNumber(names[gap - 1]).digits.size();
+  const std::string digits = std::string(width - std::min(width, lost.size()), '0') + lost;
+  const std::string what =
+      missing == 1 ? "is missing" : fmt::format("and {} more are missing", missing - 1);
+  return fmt::format("{}: {}{}{} {}, between {} and {}; those beside a gap are taken as neighbours",
+                     files[0].parent_path().empty() ? "." : files[0].parent_path().string(),
+                     first.before, digits, first.after, what, names[gap - 1], names[gap]);
+}
+
+std::optional<std::string> orderByNumbers(std::vector<std::string>& names) {
+  const auto by_number = [](const std::string& a, const std::string& b) {
+    return naturalLess(a, b);
+  };
+  if (std::is_sorted(names.begin(), names.end(), by_number)) return std::nullopt;
+  // As text, and as shells of most languages do it.
+  const auto without_case = [](const std::string& a, const std::string& b) {
+    const auto less = [](unsigned char x, unsigned char y) {
+      return std::tolower(x) < std::tolower(y);
+    };
+    return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end(), less);
+  };
+  const bool by_shell = std::is_sorted(names.begin(), names.end()) ||
+                        std::is_sorted(names.begin(), names.end(), without_case);
+  if (!by_shell)
+    return fmt::format(
+        "{}: the files are taken in the order given, which is not that of their numbers", names[0]);
+  std::sort(names.begin(), names.end(), by_number);
+  return fmt::format("{}: the files are taken in the order of their numbers, this one first",
+                     names[0]);
+}
+
+std::string lowerExtension(const std::filesystem::path& path) {
+  std::string name = path.filename().string();
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::filesystem::path lower(name);
+  std::string extension = lower.extension().string();
+  if (extension == ".gz") return lower.stem().extension().string() + extension;
+  return extension;
+}
+
+}  // namespace sluice

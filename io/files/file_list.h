@@ -1,0 +1,50 @@
+// Files by name: folders, patterns, natural order, and what tells one version of a file from
+// another. Plain functions, any thread.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace sluice {
+
+// File::identity() of a file. Throws Error when it cannot be read.
+std::string fileIdentity(const std::filesystem::path& path);
+// "<first absolute path>|N more|<hash of all identities>", one line whatever the number.
+// Requires: paths not empty. Throws Error naming the file that is missing.
+std::string fileIdentity(const std::vector<std::filesystem::path>& paths);
+
+// The order a person expects: runs of digits compare as numbers ("texture-2" before "texture-10").
+bool naturalLess(std::string_view a, std::string_view b);
+
+// Whether `name` is a pattern and not a file's name: it has *, ? or [, or one printf number (%d,
+// %03d, %i, %u), and no file is called so.
+bool isPattern(const std::string& name);
+
+// The files that a pattern stands for: for a glob in natural order; for a printf number (only in
+// the last component of the path; %% stands for %) in the order of the numbers, gaps allowed, so
+// that steps of 100 work. Throws Error when none matches.
+std::vector<std::filesystem::path> expandPattern(const std::string& pattern);
+
+// The visible regular files of a folder in natural order. Throws Error when it cannot be read.
+std::vector<std::filesystem::path> listFolder(const std::filesystem::path& folder);
+
+// Throws Error when `files`, found in the folder or by the pattern `name`, are two series or more
+// that differ in more than numbers ("001.tif" ... and "head-001.tif" ...), each of two files or
+// more: they would make one volume of several. The line gives the pattern of each.
+void requireOneSeries(const std::string& name, const std::vector<std::filesystem::path>& files);
+
+// One line where the numbers of files of one series go up in equal steps but for some that are
+// missing: which. nullopt: none missing, or no such series. The files are in order.
+std::optional<std::string> gapNote(const std::vector<std::filesystem::path>& files);
+
+// Sorts names as numbers are where a shell has sorted them as text ("s10" before "s2"). Returns
+// one line for people where the order changed, and where it stays another than that of the numbers.
+std::optional<std::string> orderByNumbers(std::vector<std::string>& names);
+
+// The extension in lower case, with its dot: ".tif"; ".nii.gz" for a name that ends so.
+std::string lowerExtension(const std::filesystem::path& path);
+
+}  // namespace sluice

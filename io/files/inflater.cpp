@@ -1,0 +1,75 @@
+#include "io/files/inflater.h"
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <utility>
+
+#include "src/base/error.h"
+
+namespace sluice {
+namespace {
+constexpr size_t kInputBytes = 256 * 1024;
+constexpr int kGzipOrZlib = 15 + 32;  // the largest window; the header tells which
+}  // namespace
+
+struct Inflater::State {
+  z_stream stream = {};
+  std::array<std::byte, kInputBytes> input;
+};
+
+Inflater::Inflater(std::shared_ptr<File> file, uint64_t offset)
+    : file_(std::move(file)), offset_(offset), state_(std::make_unique<State>()) {
+  if (inflateInit2(&state_->stream, kGzipOrZlib) != Z_OK)
+    fail("{}: not enough memory to decode it", file_->path());
+}
+
+Inflater::~Inflater() {
+  inflateEnd(&state_->stream);
+}
+
+// Makes two bytes of input available, or all that is left; false when there is none.
+bool Inflater::fillInput() {
+  z_stream& stream = state_->stream;
+  if (stream.avail_in >= 2) return true;
+  std::byte* const begin = state_->input.data();
+  if (stream.avail_in == 1) *begin = static_cast<std::byte>(*stream.next_in);
+  const size_t taken = file_->readSome(offset_, std::span(state_->input).subspan(stream.avail_in));
+  offset_ += taken;
+  stream.next_in = reinterpret_cast<Bytef*>(begin);
+  stream.avail_in += static_cast<uInt>(taken);
+  return stream.avail_in > 0;
+}
+
+void Inflater::startNextMember() {
+  z_stream& stream = state_->stream;
+  fillInput();
+  const bool another =
+      stream.avail_in >= 2 && stream.next_in[0] == 0x1f && stream.next_in[1] == 0x8b;
+  if (another)
+    inflateReset(&stream);
+  else
+    finished_ = true;
+}
+
+size_t Inflater::read(std::span<std::byte> out) {
+  z_stream& stream = state_->stream;
+  size_t got = 0;
+  while (got < out.size() && !finished_ && fillInput()) {
+    const size_t room = std::min<size_t>(out.size() - got, std::numeric_limits<uInt>::max());
+    stream.next_out = reinterpret_cast<Bytef*>(out.data() + got);
+    stream.avail_out = static_cast<uInt>(room);
+    const int status = inflate(&stream, Z_NO_FLUSH);
+    got += room - stream.avail_out;
+    if (status == Z_STREAM_END)
+      startNextMember();
+    else if (status != Z_OK && status != Z_BUF_ERROR)
+      fail("{}: the compressed stream is damaged near offset {}: {}", file_->path(),
+           offset_ - stream.avail_in, stream.msg != nullptr ? stream.msg : "unknown reason");
+  }
+  return got;
+}
+
+}  // namespace sluice

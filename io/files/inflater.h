@@ -1,0 +1,40 @@
+// Inflater: the decoded bytes of a gzip or zlib stream inside a file, from its start to its end.
+//
+// Holds a fixed 256 KiB of input and zlib's window, whatever the stream says. One thread.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "io/files/decoder.h"
+#include "io/files/file.h"
+
+namespace sluice {
+
+class Inflater : public Decoder {
+ public:
+  // The stream starts at `offset`; which of the two it is, its first bytes tell.
+  Inflater(std::shared_ptr<File> file, uint64_t offset);
+  ~Inflater() override;
+  Inflater(const Inflater&) = delete;
+  Inflater& operator=(const Inflater&) = delete;
+
+  // gzip members that follow one another are one stream; what follows the last one is ignored, as
+  // gzip does. A wrong checksum is damage.
+  size_t read(std::span<std::byte> out) override;
+  bool finished() const override { return finished_; }
+
+ private:
+  struct State;
+  bool fillInput();
+  void startNextMember();
+
+  const std::shared_ptr<File> file_;
+  uint64_t offset_;  // of the first byte not yet in the input buffer
+  bool finished_ = false;
+  const std::unique_ptr<State> state_;
+};
+
+}  // namespace sluice

@@ -1,0 +1,14 @@
+// Units of length as files spell them.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace sluice {
+
+// "millimeter" for "mm", "micrometer" for "um", "\u00B5m", "micron" and so on, in any case; a word
+// that is not known comes back as it is, cut to one short printable line; empty for a pixel's or
+// none.
+std::string lengthUnit(std::string_view said);
+
+}  // namespace sluice

@@ -1,0 +1,16 @@
+// The names of files that are written in numbers: frames of a turntable, steps of a series. Pure
+// functions.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+namespace sluice {
+
+// File number `number` of the name that a user gave: "####" or "%04d" in it (one of them) takes the
+// number, in as many digits at least; a name without either gets "_007" before its extension where
+// `numbered`, and is the file itself otherwise. Throws Error when a pattern is not understood.
+std::filesystem::path numberedName(const std::string& name, int64_t number, bool numbered);
+
+}  // namespace sluice

@@ -1,0 +1,17 @@
+// How compressed volumes of one stream are decoded (decoded_file.h). Plain data.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "src/base/progress_meter.h"
+
+namespace sluice {
+
+struct DecodeOptions {
+  std::string folder = {};  // of the temporary file; empty: /var/tmp, or /tmp
+  // Gives who is told of the bytes of a file as they are decoded; null: nobody.
+  std::function<ProgressWatch(const std::string& file)> watch = {};
+};
+
+}  // namespace sluice

@@ -1,0 +1,60 @@
+// RawSource: a VolumeSource over voxels that lie in files one after the other, x fastest.
+//
+// Every format that is "a header, then the voxels" is one of these once its header is read: raw,
+// NRRD, MetaImage and NIfTI. The voxels of all time steps are one sequence, shared out evenly over
+// one or more segments (slices or slabs in files of their own). A box is gathered with as few
+// system calls as its layout allows: pieces that lie close together in a segment are one read, gaps
+// included (and counted), out of which they are copied. Nothing is cached.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "io/files/byte_store.h"
+#include "src/base/volume_source.h"
+
+namespace sluice {
+
+// Where an even share of the voxels lies.
+struct RawSegment {
+  std::shared_ptr<ByteStore> store;
+  uint64_t offset_bytes = 0;
+};
+
+class RawSource : public VolumeSource {
+ public:
+  // `header`, where it is a file of its own and not null, is counted with the bytes read. The
+  // voxels are in `byte_order`. Requires: the layout's bytes do not overflow, and the number of
+  // segments divides the number of voxels; their sizes were checked.
+  RawSource(VolumeLayout layout, std::endian byte_order, std::vector<RawSegment> segments,
+            std::shared_ptr<const ByteStore> header, std::string identity);
+
+  const VolumeLayout& layout() const override { return layout_; }
+  void readRegion(int64_t time, const Box3& box, std::span<std::byte> out) override;
+  // Regions of equal y and z extents are read row by row across all of them.
+  void readRegions(int64_t time, std::span<const RegionRead> regions) override;
+  std::string identity() const override { return identity_; }
+  std::vector<std::string> files() override;
+  uint64_t storedBytesRead() const override;
+
+ private:
+  class Gather;
+  // Adds `voxels` voxels from `first` (in the sequence of all) on.
+  void addPiece(Gather& gather, int64_t first, int64_t voxels, std::byte* to) const;
+  // Tells the store of whole rows, plane by plane, before the first is read: a disk serves many
+  // places at once faster than one after the other.
+  void expectPlanes(int64_t time, const Box3& rows) const;
+
+  const VolumeLayout layout_;
+  const bool swapped_;
+  const std::vector<RawSegment> segments_;
+  const int64_t segment_voxels_;
+  const std::shared_ptr<const ByteStore> header_;
+  const std::string identity_;
+};
+
+}  // namespace sluice

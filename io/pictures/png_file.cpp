@@ -1,0 +1,105 @@
+#include "io/pictures/png_file.h"
+
+#include <png.h>
+
+#include <cstring>
+
+#include "io/files/file.h"
+#include "src/base/atomic_file.h"
+#include "src/base/error.h"
+
+namespace sluice {
+namespace {
+
+// What libpng calls back into while it writes. It leaves by longjmp, which runs no destructors, so
+// nothing that needs one stands between setjmp and the jump.
+struct Writer {
+  AtomicFile file;
+  png_structp png = nullptr;
+  png_infop info = nullptr;
+  char message[200] = "";
+
+  explicit Writer(const std::filesystem::path& path) : file(path) {}
+  ~Writer() { png_destroy_write_struct(&png, &info); }
+  Writer(const Writer&) = delete;
+  Writer& operator=(const Writer&) = delete;
+
+  void keepMessage(const char* text) {
+    if (message[0] == '\0') std::strncpy(message, text, sizeof message - 1);
+  }
+  static void onError(png_structp p, png_const_charp text) {
+    static_cast<Writer*>(png_get_error_ptr(p))->keepMessage(text);
+    png_longjmp(p, 1);
+  }
+  static void onWarning(png_structp, png_const_charp) {}
+  static void onWrite(png_structp p, png_bytep from, size_t bytes) {
+    if (!static_cast<Writer*>(png_get_io_ptr(p))->write(from, bytes)) png_error(p, "write failed");
+  }
+  static void onFlush(png_structp) {}
+  bool write(png_bytep from, size_t bytes) noexcept {
+    try {
+      file.write({reinterpret_cast<const std::byte*>(from), bytes});
+      return true;
+    } catch (const std::exception& e) {
+      keepMessage(e.what());
+      return false;
+    }
+  }
+
+  bool encode(const Rgba8Picture& picture) {
+    if (setjmp(png_jmpbuf(png)) != 0) return false;
+    png_set_write_fn(png, this, onWrite, onFlush);
+    png_set_IHDR(png, info, static_cast<png_uint_32>(picture.width),
+                 static_cast<png_uint_32>(picture.height), 8, PNG_COLOR_TYPE_RGBA,
+                 PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    png_write_info(png, info);
+    const size_t row_bytes = size_t{4} * static_cast<size_t>(picture.width);
+    for (size_t y = 0; y < static_cast<size_t>(picture.height); ++y)
+      png_write_row(png, picture.rgba.data() + y * row_bytes);
+    png_write_end(png, nullptr);
+    return true;
+  }
+};
+
+}  // namespace
+
+void writePng(const std::filesystem::path& path, const Rgba8Picture& picture) {
+  SLUICE_CHECK(picture.width > 0 && picture.height > 0);
+  SLUICE_CHECK_EQ(picture.rgba.size(), size_t{4} * static_cast<size_t>(picture.width) *
+                                           static_cast<size_t>(picture.height));
+  Writer writer(path);
+  writer.png =
+      png_create_write_struct(PNG_LIBPNG_VER_STRING, &writer, Writer::onError, Writer::onWarning);
+  writer.info = writer.png == nullptr ? nullptr : png_create_info_struct(writer.png);
+  if (writer.info == nullptr) fail("{}: libpng cannot be used (version or memory)", path.string());
+  if (!writer.encode(picture)) fail("{}: cannot be written: {}", path.string(), writer.message);
+  writer.file.commit();
+}
+
+void writePng(const std::filesystem::path& path, const Picture& picture) {
+  writePng(path, toRgba8(picture));
+}
+
+Rgba8Picture readPng(const std::filesystem::path& path) {
+  constexpr uint64_t kMaxPixels = uint64_t{1} << 28;
+  File file(path);
+  std::vector<std::byte> stored(file.sizeBytes());
+  file.readAt(0, stored);
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION;
+  if (png_image_begin_read_from_memory(&image, stored.data(), stored.size()) == 0)
+    fail("{}: no readable PNG: {}", path.string(), image.message);
+  if (uint64_t{image.width} * image.height > kMaxPixels) {
+    png_image_free(&image);
+    fail("{}: PNG of {} x {} pixels, expected at most {}", path.string(), image.width, image.height,
+         kMaxPixels);
+  }
+  image.format = PNG_FORMAT_RGBA;
+  Rgba8Picture picture{static_cast<int>(image.width), static_cast<int>(image.height), {}};
+  picture.rgba.resize(PNG_IMAGE_SIZE(image));
+  if (png_image_finish_read(&image, nullptr, picture.rgba.data(), 0, nullptr) == 0)
+    fail("{}: damaged PNG: {}", path.string(), image.message);
+  return picture;
+}
+
+}  // namespace sluice

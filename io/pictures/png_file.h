@@ -1,0 +1,20 @@
+// Pictures as PNG files, 8 bits a channel with straight alpha.
+//
+// Written under a temporary name and renamed when whole. Plain functions, any thread.
+#pragma once
+
+#include <filesystem>
+
+#include "io/pictures/picture.h"
+
+namespace sluice {
+
+// Throws Error when the file cannot be written; an older file of that name is then as it was.
+void writePng(const std::filesystem::path& path, const Rgba8Picture& picture);
+void writePng(const std::filesystem::path& path, const Picture& picture);  // of toRgba8(picture)
+
+// Reads any PNG, whatever its depth and kind, as 8 bit RGBA. Throws Error: no PNG, damaged, or of
+// more than 2^28 pixels.
+Rgba8Picture readPng(const std::filesystem::path& path);
+
+}  // namespace sluice

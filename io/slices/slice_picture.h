@@ -1,0 +1,65 @@
+// SlicePicture: a PNG or TIFF file as rows of scalars, for stacks of slices.
+//
+// Colors become luminance, 0.2126 R + 0.7152 G + 0.0722 B of the stored numbers (Rec. 709), rounded
+// to nearest, in integers: a grey that is stored as R = G = B comes out as it was. Alpha is
+// dropped. Row 0 is the top row, x grows to the right. One thread at a time uses a SlicePicture.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "io/slices/tiff_description.h"
+#include "src/base/voxel_type.h"
+
+namespace sluice {
+
+struct PictureFormat {
+  int64_t width = 0, height = 0;  // pixels, each 1 to kMaxSide
+  int64_t pages = 1;              // pictures in the file, all of this size and type
+  VoxelType type = VoxelType::kU8;
+  int64_t unit_rows = 1;  // rows that are best read together (tiles); a hint
+  PageOrder order;        // what the pages are; their number is `pages`
+  // What the picture holds at most while it is open and read: decoders, rows, a strip.
+  uint64_t open_bytes = 0;
+  std::vector<std::string> notes;  // for VolumeLayout, without the file's name
+
+  static constexpr int64_t kMaxSide = 1'000'000;
+};
+
+class SlicePicture {
+ public:
+  virtual ~SlicePicture() = default;
+
+  // Constant after construction.
+  virtual const PictureFormat& format() const = 0;
+
+  // Rows [first, first + count) of a page, packed, in format().type and this machine's byte order.
+  // Rows are cheapest in ascending order, call after call: compressed ones are decoded from the
+  // last row read onward, so a step back starts anew. No more than some rows are held in memory.
+  // Requires: the rows exist; out.size() fits. Throws Error when the file is damaged.
+  virtual void readRows(int64_t page, int64_t first, int64_t count, std::span<std::byte> out) = 0;
+
+  // Bytes taken from the file so far.
+  virtual uint64_t storedBytesRead() const = 0;
+};
+
+// Whether the file's first bytes are a PNG's or a TIFF's. Throws Error when it cannot be read.
+bool isSlicePicture(const std::filesystem::path& path);
+
+// Opens a PNG or TIFF by its first bytes. Throws Error: neither, damaged, or of a kind that is not
+// understood (the line says which are).
+std::unique_ptr<SlicePicture> openSlicePicture(const std::filesystem::path& path);
+
+// The luminance of 8 or 16 bit numbers, as above.
+template <class T>
+T luminance(T red, T green, T blue) {
+  constexpr uint32_t kRed = 2126, kGreen = 7152, kBlue = 722, kSum = kRed + kGreen + kBlue;
+  return static_cast<T>((kRed * red + kGreen * green + kBlue * blue + kSum / 2) / kSum);
+}
+
+}  // namespace sluice

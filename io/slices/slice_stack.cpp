@@ -1,0 +1,275 @@
+#include "io/slices/slice_stack.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cstring>
+#include <functional>
+#include <list>
+#include <utility>
+
+#include "io/files/channel_note.h"
+#include "io/files/file_list.h"
+#include "io/slices/slice_picture.h"
+#include "src/base/error.h"
+#include "src/base/interrupt.h"
+#include "src/base/mutex.h"
+#include "src/base/single_flight_cache.h"
+
+namespace sluice {
+namespace {
+
+constexpr int64_t kBandBytes = int64_t{512} << 10;
+constexpr int64_t kMaxUnitBytes = int64_t{8} << 20;
+
+// Pictures that are open and idle, each where its decoder stands. A thread takes one out, uses it
+// alone and gives it back; the ones idle longest are closed.
+class PicturePool {
+ public:
+  PicturePool(const std::vector<std::filesystem::path>& files, size_t max_idle)
+      : files_(files), max_idle_(max_idle) {}
+
+  std::unique_ptr<SlicePicture> take(size_t file) {
+    {
+      const MutexLock lock(mutex_);
+      const auto found = std::find_if(idle_.begin(), idle_.end(),
+                                      [&](const auto& entry) { return entry.first == file; });
+      if (found != idle_.end()) {
+        auto picture = std::move(found->second);
+        idle_.erase(found);
+        return picture;
+      }
+    }
+    auto picture = openSlicePicture(files_[file]);
+    countRead(picture->storedBytesRead());
+    return picture;
+  }
+
+  void giveBack(size_t file, std::unique_ptr<SlicePicture> picture) {
+    const MutexLock lock(mutex_);
+    idle_.emplace_front(file, std::move(picture));
+    closeBeyond();
+  }
+
+  // How many may be idle from now on.
+  void setMaxIdle(size_t max_idle) {
+    const MutexLock lock(mutex_);
+    max_idle_ = max_idle;
+    closeBeyond();
+  }
+
+  // The bytes read from all pictures, closed ones too.
+  void countRead(uint64_t bytes) { read_bytes_ += bytes; }
+  uint64_t storedBytesRead() const { return read_bytes_.load(); }
+
+ private:
+  void closeBeyond() SLUICE_REQUIRES(mutex_) {
+    while (idle_.size() > max_idle_) idle_.pop_back();
+  }
+
+  const std::vector<std::filesystem::path>& files_;
+  Mutex mutex_;
+  size_t max_idle_ SLUICE_GUARDED_BY(mutex_);
+  std::list<std::pair<size_t, std::unique_ptr<SlicePicture>>> idle_ SLUICE_GUARDED_BY(mutex_);
+  std::atomic<uint64_t> read_bytes_{0};
+};
+
+// A file or page and one of its bands of rows.
+struct BandKey {
+  int64_t picture = 0, band = 0;
+  friend bool operator==(const BandKey&, const BandKey&) = default;
+};
+struct BandKeyHash {
+  size_t operator()(const BandKey& key) const {
+    return std::hash<int64_t>()(key.picture) * 0x9e3779b97f4a7c15U + std::hash<int64_t>()(key.band);
+  }
+};
+using Rows = std::vector<std::byte>;
+using BandCache = SingleFlightCache<BandKey, const Rows, BandKeyHash>;
+
+class SliceStack final : public VolumeSource {
+ public:
+  SliceStack(std::vector<std::filesystem::path> files, const SliceOptions& options)
+      : files_(std::move(files)), pool_(files_, 0), max_open_pictures_(options.max_open_pictures) {
+    format_ = checkPictures();
+    identity_ = fileIdentity(files_);
+    describe(options);
+    row_bytes_ = format_.width * static_cast<int64_t>(bytesPerVoxel(format_.type));
+    const int64_t unit_rows = std::clamp<int64_t>(format_.unit_rows, 1, format_.height);
+    const int64_t unit = unit_rows * row_bytes_ <= kMaxUnitBytes ? unit_rows : 1;
+    band_rows_ = std::max<int64_t>(kBandBytes / row_bytes_ / unit, 1) * unit;
+    band_rows_ = std::min(band_rows_, format_.height);
+    holdAtMost(options.held_bytes);
+  }
+
+  const VolumeLayout& layout() const override { return layout_; }
+  std::string identity() const override { return identity_; }
+  uint64_t storedBytesRead() const override { return pool_.storedBytesRead(); }
+  std::vector<std::string> files() override {
+    std::vector<std::string> all;
+    for (const auto& file : files_) all.push_back(file.string());
+    return all;
+  }
+
+  // A picture, a band that is filled and one that is copied from.
+  uint64_t heldBytesAThread() const override { return format_.open_bytes + 2 * bandBytes(); }
+  // A third for pictures, whose number counts, the rest for rows.
+  void holdAtMost(uint64_t bytes) override {
+    const uint64_t open_bytes = std::max<uint64_t>(format_.open_bytes, 1);
+    const uint64_t pictures = std::min<uint64_t>(bytes / 3 / open_bytes, max_open_pictures_);
+    pool_.setMaxIdle(static_cast<size_t>(std::max<uint64_t>(pictures, 1)));
+    const uint64_t left = bytes - std::min(bytes, pictures * open_bytes);
+    cache_.setBudget(std::max(left, bandBytes()));
+  }
+
+  void readRegion(int64_t time, const Box3& box, std::span<std::byte> out) override {
+    const auto voxel_bytes = static_cast<int64_t>(bytesPerVoxel(layout_.type));
+    SLUICE_CHECK(time >= 0 && time < layout_.time_steps);
+    SLUICE_CHECK(!box.empty() && boxOf(layout_.dims).contains(box));
+    SLUICE_CHECK_EQ(out.size(), static_cast<size_t>(box.count() * voxel_bytes));
+    const size_t part_bytes = static_cast<size_t>(box.size().x * voxel_bytes);
+    std::byte* to = out.data();
+    for (int64_t z = box.lo.z; z < box.hi.z; ++z) {
+      throwIfInterrupted();
+      const int64_t picture = isOneFile() ? format_.order.page(time, z, layout_.channel) : z;
+      for (int64_t y = box.lo.y; y < box.hi.y;) {
+        const int64_t band = y / band_rows_;
+        const int64_t band_end = std::min((band + 1) * band_rows_, box.hi.y);
+        const BandCache::Value rows = cache_.get({picture, band}, bandBytes(), [&] {
+          return BandCache::Loaded{decode(picture, band), bandBytes()};
+        });
+        for (; y < band_end; ++y, to += part_bytes)
+          std::memcpy(to,
+                      rows->data() + (y - band * band_rows_) * row_bytes_ + box.lo.x * voxel_bytes,
+                      part_bytes);
+      }
+    }
+  }
+
+ private:
+  bool isOneFile() const { return files_.size() == 1; }
+  uint64_t bandBytes() const { return static_cast<uint64_t>(band_rows_ * row_bytes_); }
+
+  void describe(const SliceOptions& options) {
+    const PageOrder& order = format_.order;
+    const std::string first = files_[0].string();
+    layout_.dims = {format_.width, format_.height,
+                    isOneFile() ? order.slices : static_cast<int64_t>(files_.size())};
+    layout_.type = format_.type;
+    layout_.name = files_[0].filename().string();
+    layout_.frame = WorldFrame::kPictureRows;
+    layout_.spacing = options.spacing.value_or(order.spacing);
+    if (!options.spacing) layout_.unit = order.unit;
+    for (const std::string& note : format_.notes)
+      layout_.notes.push_back(fmt::format("{}: {}", first, note));
+    for (const std::string& note : order.notes)
+      layout_.notes.push_back(fmt::format("{}: {}", first, note));
+    if (isOneFile()) {
+      layout_.time_steps = order.frames;
+      layout_.channels = order.channels;
+    }
+    chooseChannel(first, options.channel);
+    if (const auto gap = gapNote(files_)) layout_.notes.push_back(*gap);
+  }
+
+  void chooseChannel(const std::string& first, std::optional<int64_t> wanted) {
+    if (wanted && (*wanted < 0 || *wanted >= layout_.channels))
+      fail("{}: --channel {}: the volume has {} channel{}, counted from 0", first, *wanted,
+           layout_.channels, layout_.channels == 1 ? "" : "s");
+    layout_.channel = wanted.value_or(0);
+    if (wanted) identity_ += fmt::format("|channel {}", *wanted);
+    if (!wanted) noteChannels(first, format_.order.channel_names, layout_);
+  }
+
+  std::shared_ptr<const Rows> decode(int64_t picture_number, int64_t band) {
+    const int64_t first = band * band_rows_;
+    const int64_t count = std::min(band_rows_, layout_.dims.y - first);
+    const size_t file = isOneFile() ? 0 : static_cast<size_t>(picture_number);
+    auto picture = pool_.take(file);
+    auto rows = std::make_shared<Rows>(static_cast<size_t>(count * row_bytes_));
+    const uint64_t read_before = picture->storedBytesRead();
+    picture->readRows(isOneFile() ? picture_number : 0, first, count, *rows);
+    pool_.countRead(picture->storedBytesRead() - read_before);
+    pool_.giveBack(file, std::move(picture));
+    return rows;
+  }
+
+  // Opens each file once, for its header alone.
+  PictureFormat checkPictures() {
+    PictureFormat first;
+    for (size_t i = 0; i < files_.size(); ++i) {
+      throwIfInterrupted();
+      const auto picture = pool_.take(i);
+      const PictureFormat& format = picture->format();
+      if (i == 0) first = format;
+      first.open_bytes = std::max(first.open_bytes, format.open_bytes);
+      if (files_.size() > 1 && format.pages != 1)
+        fail(
+            "{}: {} pages among {} files of a stack, expected one a file; give a multi-page file "
+            "alone",
+            files_[i].string(), format.pages, files_.size());
+      if (format.width != first.width || format.height != first.height || format.type != first.type)
+        fail("{}: {} x {} of {}, expected {} x {} of {} as in {}; all slices must agree",
+             files_[i].string(), format.width, format.height, name(format.type), first.width,
+             first.height, name(first.type), files_[0].string());
+    }
+    return first;
+  }
+
+  const std::vector<std::filesystem::path> files_;
+  PicturePool pool_;
+  const size_t max_open_pictures_;
+  PictureFormat format_;  // constant after construction, as all that follows but the cache
+  VolumeLayout layout_;
+  std::string identity_;
+  int64_t row_bytes_ = 0;
+  int64_t band_rows_ = 0;
+  BandCache cache_{0, Held::kStays};  // its budget is holdAtMost()'s
+};
+
+// Pieces of one size without a header are most likely raw slices.
+[[noreturn]] void failWithoutSlices(const std::filesystem::path& folder) {
+  std::optional<uint64_t> bytes;
+  bool same = true;
+  const auto files = listFolder(folder);
+  for (const auto& file : files) {
+    std::error_code unknown;
+    const uint64_t size = std::filesystem::file_size(file, unknown);
+    same = same && !unknown && (!bytes || *bytes == size);
+    bytes = size;
+  }
+  if (files.size() > 1 && same && bytes.value_or(0) > 0)
+    fail(
+        "{}: the folder has no .png or .tif slices, but {} files of {} bytes each; if they are raw "
+        "slices, give --dims X,Y,{} and --type T, where X x Y voxels of the type have {} bytes",
+        folder.string(), files.size(), *bytes, files.size(), *bytes);
+  fail("{}: the folder has no slices, expected .png, .tif or .tiff files", folder.string());
+}
+
+}  // namespace
+
+std::unique_ptr<VolumeSource> openSlices(const std::vector<std::filesystem::path>& files,
+                                         const SliceOptions& options) {
+  if (files.empty()) fail("a stack of slices needs at least one file");
+  return std::make_unique<SliceStack>(files, options);
+}
+
+std::unique_ptr<VolumeSource> openSliceFolder(const std::filesystem::path& folder,
+                                              const SliceOptions& options) {
+  std::vector<std::filesystem::path> pngs, tiffs;
+  for (const auto& file : listFolder(folder)) {
+    const std::string extension = lowerExtension(file);
+    if (extension == ".png") pngs.push_back(file);
+    if (extension == ".tif" || extension == ".tiff") tiffs.push_back(file);
+  }
+  if (pngs.empty() && tiffs.empty()) failWithoutSlices(folder);
+  if (!pngs.empty() && !tiffs.empty())
+    fail(
+        "{}: the folder has {} PNG and {} TIFF files, expected one kind; give a pattern such as "
+        "'{}/*.png'",
+        folder.string(), pngs.size(), tiffs.size(), folder.string());
+  const auto& slices = pngs.empty() ? tiffs : pngs;
+  requireOneSeries(folder.string(), slices);
+  return openSlices(slices, options);
+}
+
+}  // namespace sluice

@@ -1,0 +1,53 @@
+#include "io/slices/tiff_page.h"
+
+#include "src/base/error.h"
+
+namespace sluice {
+
+TiffPage tiffPageOf(TIFF* tiff) {
+  TiffPage p;
+  p.directory = TIFFCurrentDirOffset(tiff);
+  p.width = tiffField<uint32_t>(tiff, TIFFTAG_IMAGEWIDTH, 0);
+  p.height = tiffField<uint32_t>(tiff, TIFFTAG_IMAGELENGTH, 0);
+  p.bits = tiffField<uint16_t>(tiff, TIFFTAG_BITSPERSAMPLE, 1);
+  p.samples = tiffField<uint16_t>(tiff, TIFFTAG_SAMPLESPERPIXEL, 1);
+  p.sample_format = tiffField<uint16_t>(tiff, TIFFTAG_SAMPLEFORMAT, SAMPLEFORMAT_UINT);
+  p.photometric = tiffField<uint16_t>(tiff, TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK);
+  p.compression = tiffField<uint16_t>(tiff, TIFFTAG_COMPRESSION, COMPRESSION_NONE);
+  p.planar = tiffField<uint16_t>(tiff, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG);
+  p.orientation = tiffField<uint16_t>(tiff, TIFFTAG_ORIENTATION, ORIENTATION_TOPLEFT);
+  p.is_tiled = TIFFIsTiled(tiff) != 0;
+  return p;
+}
+
+VoxelType voxelTypeOf(const TiffPage& p, const std::string& path) {
+  const bool is_gray =
+      p.photometric == PHOTOMETRIC_MINISBLACK || p.photometric == PHOTOMETRIC_MINISWHITE;
+  const bool is_unsigned =
+      p.sample_format == SAMPLEFORMAT_UINT || p.sample_format == SAMPLEFORMAT_VOID;
+  const bool samples_fit = p.hasColor() ? p.samples >= 3 : p.samples >= 1;
+  const bool is_jpeg_color =
+      p.photometric == PHOTOMETRIC_YCBCR && p.compression == COMPRESSION_JPEG && p.bits == 8;
+  const bool is_side_by_side = p.planar == PLANARCONFIG_CONTIG || p.samples == 1;
+  if (samples_fit && p.samples <= 16 && is_side_by_side) {
+    if (p.photometric == PHOTOMETRIC_PALETTE && is_unsigned && p.bits == 8) return VoxelType::kU8;
+    if (((p.photometric == PHOTOMETRIC_RGB && is_unsigned) || is_jpeg_color) && p.bits == 8)
+      return VoxelType::kU8;
+    if (p.photometric == PHOTOMETRIC_RGB && is_unsigned && p.bits == 16) return VoxelType::kU16;
+    if (is_gray && is_unsigned && p.bits == 8) return VoxelType::kU8;
+    if (is_gray && is_unsigned && p.bits == 16) return VoxelType::kU16;
+    if (is_gray && is_unsigned && p.bits == 32) return VoxelType::kU32;
+    if (is_gray && p.sample_format == SAMPLEFORMAT_INT && p.bits == 8) return VoxelType::kI8;
+    if (is_gray && p.sample_format == SAMPLEFORMAT_INT && p.bits == 16) return VoxelType::kI16;
+    if (is_gray && p.sample_format == SAMPLEFORMAT_INT && p.bits == 32) return VoxelType::kI32;
+    if (is_gray && p.sample_format == SAMPLEFORMAT_IEEEFP && p.bits == 32) return VoxelType::kF32;
+    if (is_gray && p.sample_format == SAMPLEFORMAT_IEEEFP && p.bits == 64) return VoxelType::kF64;
+  }
+  fail(
+      "{}: TIFF of {} samples of {} bits (sample format {}, photometric {}, planar {}), expected "
+      "grey "
+      "of 8, 16 or 32 bit integers or 32 or 64 bit floats, or 8 or 16 bit palette or RGB",
+      path, p.samples, p.bits, p.sample_format, p.photometric, p.planar);
+}
+
+}  // namespace sluice

@@ -1,0 +1,328 @@
+#include "io/slices/tiff_slice.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "io/files/swap_bytes.h"
+#include "io/slices/tiff_page.h"
+#include "io/slices/tiff_stream.h"
+#include "src/base/error.h"
+
+namespace sluice {
+namespace {
+
+constexpr uint64_t kMaxTileBytes = uint64_t{64} << 20;
+constexpr size_t kPlainBytes = size_t{256} << 10;  // of uncompressed rows at once
+
+class TiffPicture final : public SlicePicture {
+ public:
+  explicit TiffPicture(const std::filesystem::path& path)
+      : stream_(path), tiff_(openTiff(stream_)) {
+    listPages();
+  }
+
+  const PictureFormat& format() const override { return format_; }
+  uint64_t storedBytesRead() const override { return stream_.file.storedBytesRead(); }
+
+  void readRows(int64_t page, int64_t first, int64_t count, std::span<std::byte> out) override {
+    const size_t row_bytes = static_cast<size_t>(format_.width) * bytesPerVoxel(format_.type);
+    SLUICE_CHECK(page >= 0 && page < format_.pages);
+    SLUICE_CHECK(first >= 0 && count >= 0 && first + count <= format_.height);
+    SLUICE_CHECK_EQ(out.size(), row_bytes * static_cast<size_t>(count));
+    goTo(page);
+    const TiffPage& p = pages_[static_cast<size_t>(page)];
+    const bool is_upside_down =
+        p.orientation == ORIENTATION_BOTLEFT || p.orientation == ORIENTATION_BOTRIGHT;
+    const bool is_mirrored =
+        p.orientation == ORIENTATION_TOPRIGHT || p.orientation == ORIENTATION_BOTRIGHT;
+    if (is_upside_down) first = format_.height - first - count;
+    const auto keepRow = [&](int64_t row, const std::byte* stored) {
+      const int64_t at = is_upside_down ? first + count - 1 - row : row - first;
+      convertRow(p, stored, out.subspan(static_cast<size_t>(at) * row_bytes, row_bytes),
+                 is_mirrored);
+    };
+    if (p.is_tiled) {
+      readTiles(p, first, count, keepRow);
+    } else if (p.compression == COMPRESSION_NONE) {
+      readPlainStrips(p, first, count, keepRow);
+    } else {
+      readStrips(p, first, count, keepRow);
+    }
+  }
+
+ private:
+  void listPages() {
+    do {
+      if ((tiffField<uint32_t>(tiff_.get(), TIFFTAG_SUBFILETYPE, 0) & FILETYPE_REDUCEDIMAGE) != 0)
+        continue;
+      const TiffPage p = tiffPageOf(tiff_.get());
+      const PictureFormat format = formatOf(p);
+      if (pages_.empty()) {
+        format_ = format;
+        readDescription();
+      } else if (format.width != format_.width || format.height != format_.height ||
+                 format.type != format_.type) {
+        fail("{}: page {} is {} x {} of {}, expected {} x {} of {} as on page 1",
+             stream_.file.path(), pages_.size() + 1, format.width, format.height, name(format.type),
+             format_.width, format_.height, name(format_.type));
+      }
+      pages_.push_back(p);
+    } while (TIFFReadDirectory(tiff_.get()) != 0);
+    if (!stream_.message.empty()) stream_.failWith("damaged TIFF");
+    if (pages_.empty()) stream_.failWith("TIFF without a picture of full size");
+    format_.order = parseTiffDescription(description_, static_cast<int64_t>(pages_.size()),
+                                         resolution_[0], resolution_[1]);
+    if (format_.order.untold_pages > 0) addUntoldPages();
+    format_.pages = static_cast<int64_t>(pages_.size());
+    noteColors();
+    format_.open_bytes = openBytes();
+  }
+
+  // Of the first page, where writers put what holds for the file.
+  void readDescription() {
+    const char* text = nullptr;
+    if (TIFFGetField(tiff_.get(), TIFFTAG_IMAGEDESCRIPTION, &text) == 1 && text != nullptr)
+      description_ = text;
+    const auto unit = tiffField<uint16_t>(tiff_.get(), TIFFTAG_RESOLUTIONUNIT, RESUNIT_INCH);
+    // An inch's or centimeter's pixels are a printer's affair unless the text says otherwise.
+    resolution_ = {tiffField<float>(tiff_.get(), TIFFTAG_XRESOLUTION, 0),
+                   tiffField<float>(tiff_.get(), TIFFTAG_YRESOLUTION, 0)};
+    if (unit == RESUNIT_INCH && !description_.starts_with("ImageJ=")) resolution_ = {};
+  }
+
+  // ImageJ writes stacks beyond 4 GiB as one page, behind which the others lie one by one.
+  void addUntoldPages() {
+    const TiffPage first = pages_[0];
+    const uint64_t page_bytes = uint64_t{first.width} * first.height * first.pixelBytes();
+    const uint64_t begin = TIFFGetStrileOffset(tiff_.get(), 0), size = stream_.file.sizeBytes();
+    const auto pages = static_cast<uint64_t>(format_.order.untold_pages) + 1;
+    if (first.is_tiled || first.compression != COMPRESSION_NONE || begin > size ||
+        pages > (size - begin) / page_bytes)
+      fail(
+          "{}: its ImageJ description says {} images of {} bytes, expected them uncompressed "
+          "behind "
+          "the first, in a file of {} bytes from {} on; the file was truncated or converted",
+          stream_.file.path(), pages, page_bytes, size, begin);
+    for (uint64_t i = 1; i < pages; ++i) {
+      pages_.push_back(first);
+      pages_.back().moved_bytes = i * page_bytes;
+    }
+  }
+
+  void noteColors() {
+    const TiffPage& p = pages_[0];
+    if (p.hasColor())
+      format_.notes.emplace_back("its colors are read as their luminance");
+    else if (p.samples > 1)
+      format_.notes.push_back(fmt::format("the first of {} samples a pixel is read", p.samples));
+  }
+
+  // libtiff holds a compressed strip or tile whole, and its tables.
+  uint64_t openBytes() {
+    goTo(0);
+    const TiffPage& p = pages_[0];
+    constexpr uint64_t kDecoderBytes = uint64_t{128} << 10;
+    uint64_t bytes = kDecoderBytes + pages_.size() * sizeof(TiffPage);
+    const uint64_t strips =
+        p.is_tiled ? TIFFNumberOfTiles(tiff_.get()) : TIFFNumberOfStrips(tiff_.get());
+    bytes += strips * 2 * sizeof(uint64_t);
+    uint64_t largest = 0;
+    if (p.compression != COMPRESSION_NONE || p.is_tiled)
+      for (uint64_t i = 0; i < strips; ++i)
+        largest = std::max<uint64_t>(largest,
+                                     TIFFGetStrileByteCount(tiff_.get(), static_cast<uint32_t>(i)));
+    bytes += std::min(largest, stream_.file.sizeBytes());
+    const uint64_t row_bytes = p.width * p.pixelBytes();
+    if (p.is_tiled) return bytes + TIFFTileSize64(tiff_.get()) + format_.unit_rows * row_bytes;
+    return bytes + std::max(row_bytes, kPlainBytes);
+  }
+
+  PictureFormat formatOf(const TiffPage& p) {
+    PictureFormat format;
+    format.width = p.width;
+    format.height = p.height;
+    if (p.width < 1 || p.height < 1 || p.width > PictureFormat::kMaxSide ||
+        p.height > PictureFormat::kMaxSide)
+      fail("{}: TIFF of {} x {} pixels, expected 1 to {} a side", stream_.file.path(), p.width,
+           p.height, PictureFormat::kMaxSide);
+    format.type = voxelTypeOf(p, stream_.file.path());
+    if (p.orientation > ORIENTATION_BOTLEFT)
+      fail("{}: TIFF with transposed rows and columns (orientation {}), expected 1 to 4",
+           stream_.file.path(), p.orientation);
+    if (p.is_tiled) {
+      const uint64_t tile_bytes = TIFFTileSize64(tiff_.get());
+      if (tile_bytes == 0 || tile_bytes > kMaxTileBytes)
+        fail("{}: TIFF with tiles of {} bytes, expected at most {}", stream_.file.path(),
+             tile_bytes, kMaxTileBytes);
+      format.unit_rows = tiffField<uint32_t>(tiff_.get(), TIFFTAG_TILELENGTH, 1);
+    }
+    return format;
+  }
+
+  void goTo(int64_t page) {
+    if (page == at_page_) return;
+    stream_.message.clear();
+    const TiffPage& p = pages_[static_cast<size_t>(page)];
+    if (TIFFSetSubDirectory(tiff_.get(), p.directory) == 0) stream_.failWith("damaged TIFF");
+    at_page_ = page;
+    next_row_ = -1;
+    if (p.photometric == PHOTOMETRIC_YCBCR)
+      TIFFSetField(tiff_.get(), TIFFTAG_JPEGCOLORMODE, JPEGCOLORMODE_RGB);
+    if (p.photometric == PHOTOMETRIC_PALETTE) readPalette();
+  }
+
+  void readPalette() {
+    uint16_t *red = nullptr, *green = nullptr, *blue = nullptr;
+    if (TIFFGetField(tiff_.get(), TIFFTAG_COLORMAP, &red, &green, &blue) != 1)
+      stream_.failWith("TIFF with a palette that is missing");
+    // Old writers put 8 bit numbers where 16 bit ones belong.
+    constexpr size_t kEntries = 256;
+    uint16_t highest = 0;
+    for (size_t i = 0; i < kEntries; ++i) highest = std::max({highest, red[i], green[i], blue[i]});
+    palette_.resize(kEntries);
+    for (size_t i = 0; i < kEntries; ++i) {
+      const uint16_t gray = luminance(red[i], green[i], blue[i]);
+      palette_[i] = static_cast<uint8_t>(highest < kEntries ? gray : gray >> 8);
+    }
+  }
+
+  // Calls keep(row, stored bytes of the row) for each row, top first as stored. Rows of a strip are
+  // decoded one after the other, so that a strip as large as the picture needs no memory of its
+  // size.
+  template <class Keep>
+  void readStrips(const TiffPage& p, int64_t first, int64_t count, Keep keep) {
+    const tmsize_t scanline = TIFFScanlineSize(tiff_.get());
+    if (scanline < static_cast<tmsize_t>(p.width * p.pixelBytes()))
+      stream_.failWith("damaged TIFF");
+    buffer_.resize(static_cast<size_t>(scanline));
+    const int64_t strip_rows = std::clamp<int64_t>(
+        tiffField<uint32_t>(tiff_.get(), TIFFTAG_ROWSPERSTRIP, p.height), 1, p.height);
+    const int64_t strip_start = first / strip_rows * strip_rows;
+    const bool can_go_on = next_row_ >= strip_start && next_row_ <= first;
+    for (int64_t row = can_go_on ? next_row_ : strip_start; row < first + count; ++row) {
+      next_row_ = -1;
+      if (TIFFReadScanline(tiff_.get(), buffer_.data(), static_cast<uint32_t>(row), 0) != 1)
+        stream_.failWith(fmt::format("page {}, row {}: damaged TIFF", at_page_ + 1, row));
+      next_row_ = row + 1;
+      if (row >= first) keep(row, buffer_.data());
+    }
+  }
+
+  // Uncompressed rows lie in the file as they are, strip behind strip as a rule: what follows one
+  // another is one read.
+  template <class Keep>
+  void readPlainStrips(const TiffPage& p, int64_t first, int64_t count, Keep keep) {
+    const size_t row_bytes = p.width * p.pixelBytes();
+    const auto most_rows = static_cast<int64_t>(std::max<size_t>(kPlainBytes / row_bytes, 1));
+    for (int64_t row = first; row < first + count;) {
+      const uint64_t begin = plainRowAt(p, row, row_bytes);
+      int64_t rows = 1;
+      while (rows < most_rows && row + rows < first + count &&
+             plainRowAt(p, row + rows, row_bytes) ==
+                 begin + static_cast<uint64_t>(rows) * row_bytes)
+        ++rows;
+      buffer_.resize(static_cast<size_t>(rows) * row_bytes);
+      stream_.file.readAt(begin, buffer_);
+      if (TIFFIsByteSwapped(tiff_.get()) != 0) swapBytes(buffer_, p.bits / 8U);
+      for (int64_t i = 0; i < rows; ++i)
+        keep(row + i, buffer_.data() + static_cast<size_t>(i) * row_bytes);
+      row += rows;
+    }
+  }
+
+  // Where in the file a row begins, all of which is there.
+  uint64_t plainRowAt(const TiffPage& p, int64_t row, size_t row_bytes) {
+    const int64_t strip_rows = std::clamp<int64_t>(
+        tiffField<uint32_t>(tiff_.get(), TIFFTAG_ROWSPERSTRIP, p.height), 1, p.height);
+    const auto strip = static_cast<uint32_t>(row / strip_rows);
+    const auto offset_in_strip = static_cast<uint64_t>(row % strip_rows) * row_bytes;
+    const uint64_t strip_at = TIFFGetStrileOffset(tiff_.get(), strip);
+    const uint64_t strip_bytes = TIFFGetStrileByteCount(tiff_.get(), strip);
+    const uint64_t file_bytes = stream_.file.sizeBytes();
+    const uint64_t end_in_file = offset_in_strip + row_bytes + p.moved_bytes;
+    if (offset_in_strip + row_bytes > strip_bytes || strip_at > file_bytes ||
+        end_in_file > file_bytes - strip_at)
+      fail(
+          "{}: TIFF cut short: page {}, row {} needs {} bytes at {} in a strip of {} and a file "
+          "of {}",
+          stream_.file.path(), at_page_ + 1, row, row_bytes,
+          strip_at + offset_in_strip + p.moved_bytes, strip_bytes, file_bytes);
+    return strip_at + offset_in_strip + p.moved_bytes;
+  }
+
+  template <class Keep>
+  void readTiles(const TiffPage& p, int64_t first, int64_t count, Keep keep) {
+    const int64_t tile_width = tiffField<uint32_t>(tiff_.get(), TIFFTAG_TILEWIDTH, 0);
+    const int64_t tile_height = tiffField<uint32_t>(tiff_.get(), TIFFTAG_TILELENGTH, 0);
+    const auto pixel = static_cast<int64_t>(p.pixelBytes());
+    if (tile_width < 1 || tile_height < 1 ||
+        TIFFTileSize(tiff_.get()) < tile_width * tile_height * pixel)
+      stream_.failWith("damaged TIFF");
+    buffer_.resize(static_cast<size_t>(TIFFTileSize(tiff_.get())));
+    std::vector<std::byte> rows;
+    for (int64_t top = first / tile_height * tile_height; top < first + count; top += tile_height) {
+      const int64_t begin = std::max(top, first);
+      const int64_t end = std::min(top + tile_height, first + count);
+      rows.resize(static_cast<size_t>((end - begin) * p.width * pixel));
+      for (int64_t left = 0; left < p.width; left += tile_width) {
+        if (TIFFReadTile(tiff_.get(), buffer_.data(), static_cast<uint32_t>(left),
+                         static_cast<uint32_t>(top), 0, 0) < 0)
+          stream_.failWith(
+              fmt::format("page {}, tile at ({}, {}): damaged TIFF", at_page_ + 1, left, top));
+        const int64_t columns = std::min<int64_t>(tile_width, p.width - left);
+        for (int64_t row = begin; row < end; ++row)
+          std::memcpy(rows.data() + ((row - begin) * p.width + left) * pixel,
+                      buffer_.data() + (row - top) * tile_width * pixel,
+                      static_cast<size_t>(columns * pixel));
+      }
+      for (int64_t row = begin; row < end; ++row)
+        keep(row, rows.data() + (row - begin) * p.width * pixel);
+    }
+  }
+
+  // A stored row of pixels to a row of scalars.
+  void convertRow(const TiffPage& p, const std::byte* stored, std::span<std::byte> out,
+                  bool is_mirrored) {
+    visitVoxelType(format_.type, [&](auto tag) {
+      using T = decltype(tag);
+      for (int64_t x = 0; x < p.width; ++x) {
+        T sample[3];
+        std::memcpy(sample, stored + x * static_cast<int64_t>(p.pixelBytes()),
+                    sizeof(T) * (p.hasColor() ? 3 : 1));
+        T value = sample[0];
+        if constexpr (std::is_same_v<T, uint8_t> || std::is_same_v<T, uint16_t>) {
+          if (p.hasColor()) value = luminance(sample[0], sample[1], sample[2]);
+          if (p.photometric == PHOTOMETRIC_PALETTE) value = palette_[sample[0]];
+        }
+        if constexpr (std::is_unsigned_v<T>) {
+          if (p.photometric == PHOTOMETRIC_MINISWHITE) value = static_cast<T>(~value);
+        }
+        const int64_t to = is_mirrored ? p.width - 1 - x : x;
+        std::memcpy(out.data() + to * static_cast<int64_t>(sizeof(T)), &value, sizeof(T));
+      }
+    });
+  }
+
+  TiffStream stream_;
+  const TiffPtr tiff_;
+  PictureFormat format_;
+  std::vector<TiffPage> pages_;
+  int64_t at_page_ = -1;
+  int64_t next_row_ = -1;               // of the page, that the decoder stands at; -1: none
+  std::vector<std::byte> buffer_;       // one row or tile as stored
+  std::vector<uint8_t> palette_;        // luminance of each entry
+  std::string description_;             // of the first page
+  std::array<double, 2> resolution_{};  // pixels a unit; 0 where the file does not say
+};
+
+}  // namespace
+
+std::unique_ptr<SlicePicture> openTiff(const std::filesystem::path& path) {
+  return std::make_unique<TiffPicture>(path);
+}
+
+}  // namespace sluice

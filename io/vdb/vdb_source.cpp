@@ -1,0 +1,84 @@
+#include "io/vdb/vdb_source.h"
+
+#include <memory>
+#include <span>
+#include <string_view>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "io/files/file.h"
+#include "io/vdb/vdb_module.h"
+#include "src/base/error.h"
+#include "src/base/shared_library.h"
+
+// Where the installed library's modules are, in programs that its package has built: it may have
+// been installed anywhere. Null in our own.
+extern "C" [[gnu::weak]] const char* sluiceModuleFolder();
+
+namespace sluice {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Where the module is: absolute paths that were fixed when the program was built, one for the
+// program in its build folder, one for those that are linked to the installed library, and one for
+// the installed program. Nothing beside a program that was copied elsewhere, and nothing relative
+// to any folder, is ever opened.
+std::string modulePath() {
+  if (sluiceModuleFolder != nullptr)
+    return std::string(sluiceModuleFolder()) + "/" SLUICE_OPENVDB_MODULE;
+  std::error_code unknown;
+  const fs::path program = fs::read_symlink("/proc/self/exe", unknown);
+  const bool in_build_folder = !unknown && program.parent_path() == SLUICE_BUILD_FOLDER;
+  return in_build_folder ? SLUICE_BUILD_FOLDER "/" SLUICE_OPENVDB_MODULE
+                         : SLUICE_INSTALL_FOLDER "/" SLUICE_OPENVDB_MODULE;
+}
+
+OpenVdbGrid* openModule(const std::string& volume) {
+  const std::string name = modulePath();
+  try {
+    const SharedLibrary library(std::span(&name, 1), "sluice's module for OpenVDB files");
+    const std::string_view version = library.get<OpenVdbVersion*>(kOpenVdbVersion)();
+    if (version != kOpenVdbModuleVersion)
+      fail("{} is of sluice {}, expected {}; install sluice again", name, version,
+           kOpenVdbModuleVersion);
+    return library.get<OpenVdbGrid*>(kOpenVdbGrid);
+  } catch (const Error& error) {
+    fail("{}: an OpenVDB file, which is not read without {}", volume, error.what());
+  }
+}
+
+// Which grid is read of several that could be.
+std::vector<std::string> notesOf(const std::string& path, const std::vector<VdbGridInfo>& grids,
+                                 const VdbGridInfo& taken, const std::string& wanted) {
+  if (grids.size() < 2 || !wanted.empty()) return {};
+  return {fmt::format("{}: grid {} of {} is read; --grid takes another of {}", path, taken.name,
+                      grids.size(), describe(grids))};
+}
+
+}  // namespace
+
+std::unique_ptr<VolumeSource> openVdb(const fs::path& path, const std::string& grid,
+                                      const std::optional<Box3>& box) {
+  const auto file = std::make_shared<File>(path);
+  const std::vector<VdbGridInfo> grids = readVdbGrids(*file);
+  const VdbGridInfo info = chooseVdbGrid(file->path(), grids, grid);
+  VdbOpening opening{.path = file->path(),
+                     .file = file,
+                     .info = info,
+                     .tree = checkVdbGrid(*file, grids, info),
+                     .identity = file->identity() + " grid " + info.name,
+                     .box = box,
+                     .grids = {},
+                     .notes = notesOf(file->path(), grids, info, grid)};
+  for (const VdbGridInfo& one : grids) opening.grids.push_back(one.name);
+  if (box)
+    opening.identity += fmt::format(" box {},{},{} to {},{},{}", box->lo.x, box->lo.y, box->lo.z,
+                                    box->hi.x, box->hi.y, box->hi.z);
+  std::unique_ptr<VolumeSource> source;
+  openModule(file->path())(opening, source);
+  return source;
+}
+
+}  // namespace sluice

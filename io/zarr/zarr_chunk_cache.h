@@ -1,0 +1,96 @@
+// ZarrChunkCache: decoded chunks, the ones used last, within a number of bytes.
+//
+// The blocks that are read of a volume share chunks with their neighbours; without this each chunk
+// would be decoded up to 8 times. A chunk that two threads want at once is decoded by the first,
+// and the other waits. Any thread may call anything at once.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "src/base/mutex.h"
+#include "src/base/single_flight_cache.h"
+
+namespace sluice {
+
+// Memory for chunks, taken and given back by the thousand: what is given back is kept for the next
+// as long as all of it is within a limit, as the system takes longer to map and clear memory than a
+// chunk to decode.
+class ChunkMemory {
+ public:
+  struct Buffer {
+    std::unique_ptr<std::byte[]> bytes;  // not set to anything
+    uint64_t size = 0;
+  };
+
+  explicit ChunkMemory(uint64_t limit_bytes) : limit_bytes_(limit_bytes) {}
+
+  // Of `bytes` or somewhat more.
+  Buffer take(uint64_t bytes);
+  void give(Buffer buffer);
+  // Frees what is kept beyond it.
+  void setLimit(uint64_t limit_bytes);
+  // Bytes taken and kept, now and at most so far.
+  uint64_t now() const { return now_; }
+  uint64_t peak() const { return peak_; }
+
+ private:
+  std::atomic<uint64_t> now_{0}, peak_{0};  // written under mutex_
+  Mutex mutex_;
+  uint64_t limit_bytes_ SLUICE_GUARDED_BY(mutex_);
+  std::vector<Buffer> kept_ SLUICE_GUARDED_BY(mutex_);
+};
+
+// A piece of it, given back at the end.
+class CountedBytes {
+ public:
+  CountedBytes(uint64_t bytes, ChunkMemory& memory)
+      : size_(bytes), memory_(memory), buffer_(memory.take(bytes)) {}
+  ~CountedBytes() { memory_.give(std::move(buffer_)); }
+  CountedBytes(const CountedBytes&) = delete;
+  CountedBytes& operator=(const CountedBytes&) = delete;
+
+  std::span<std::byte> span() { return {buffer_.bytes.get(), size_}; }
+  std::span<const std::byte> span() const { return {buffer_.bytes.get(), size_}; }
+
+ private:
+  const uint64_t size_;
+  ChunkMemory& memory_;
+  ChunkMemory::Buffer buffer_;
+};
+
+class ZarrChunkCache {
+ public:
+  using Chunk = std::shared_ptr<const CountedBytes>;
+  // Makes the decoded bytes of a chunk. May take about as much again meanwhile, from the same
+  // `memory`.
+  using Decode = std::function<Chunk(int64_t chunk, ChunkMemory& memory)>;
+
+  // Holds at most `budget_bytes`, but two chunks for each thread inside get() and one for each
+  // Chunk that is still in use, whatever the budget.
+  ZarrChunkCache(uint64_t chunk_bytes, uint64_t budget_bytes, Decode decode);
+
+  // The chunk stays as long as the result does. Throws what `decode` throws, to all who waited; the
+  // next call tries anew.
+  Chunk get(int64_t chunk);
+  CacheCounters counters() const { return chunks_.counters(); }
+
+  void setBudget(uint64_t budget_bytes);
+  const ChunkMemory& held() const { return memory_; }
+
+ private:
+  using Chunks = SingleFlightCache<int64_t, const CountedBytes>;
+
+  const uint64_t chunk_bytes_;
+  const Decode decode_;
+  ChunkMemory memory_;
+  Chunks chunks_;
+};
+
+}  // namespace sluice

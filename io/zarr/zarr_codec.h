@@ -1,0 +1,49 @@
+// The codecs of Zarr chunks: bytes to bytes, bounded by what the array's header says of a chunk.
+// Any number of threads at once.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "io/zarr/zarr_array.h"
+
+namespace sluice {
+
+// Throws Error, which starts with `path`, unless a file of `stored_bytes` can hold a chunk of
+// `chunk_bytes`: no codec makes data much larger. Called before anything is read or allocated.
+void checkStoredSize(ZarrCodec codec, uint64_t stored_bytes, uint64_t chunk_bytes,
+                     const std::string& path);
+
+// Throws Error, which starts with `path`, where the file's own header says that it is not a chunk
+// of `chunk_bytes`. Called with the whole file, before room for the chunk is made, so that a lie in
+// either header costs nothing.
+void checkStored(ZarrCodec codec, std::span<const std::byte> stored, uint64_t chunk_bytes,
+                 const std::string& path);
+
+// Fills `chunk`. Throws Error, which starts with `path`: damaged, of another size, a codec inside
+// Blosc that this machine's library does not have. Requires: checkStored.
+void decodeChunk(ZarrCodec codec, std::span<const std::byte> stored, std::span<std::byte> chunk,
+                 const std::string& path);
+
+// Blosc as it is written: the codec inside and how hard it tries.
+enum class BloscCodec { kLz4, kZstd };
+struct BloscOptions {
+  BloscCodec codec = BloscCodec::kLz4;
+  int level = 5;  // 1 to 9
+};
+// What Blosc compresses at once. Its own choice is larger by the level and no smaller on disk, but
+// then each decoding maps memory anew.
+constexpr int kBloscBlockBytes = 32 << 10;
+// Of bytes (bits for voxels of one byte), as numcodecs names them in .zarray.
+int bloscShuffle(size_t voxel_bytes);
+// The bytes of the chunk's file, in `room`, which is made as large as it may have to be. The same
+// for the same arguments and library. Requires: chunk not empty, at most kMostChunkBytes.
+std::span<const std::byte> encodeBlosc(std::span<const std::byte> chunk, size_t voxel_bytes,
+                                       const BloscOptions& options, std::vector<std::byte>& room);
+// What `room` becomes.
+uint64_t bloscRoomBytes(uint64_t chunk_bytes);
+
+}  // namespace sluice

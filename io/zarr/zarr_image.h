@@ -1,0 +1,60 @@
+// ZarrImage: what the .zattrs of an OME-Zarr image says of its levels, axes and place in the world.
+// ZarrView: an array of 3 to 5 axes as a volume: which axis is x, y, z, time, channel, and where
+// the voxels lie.
+//
+// Nothing here touches a file, so that the parser can be fuzzed. Source: OME-Zarr (NGFF) 0.1 to
+// 0.4. What those cannot say, the directions of oblique axes and the scaling of values, sluice
+// keeps under a key of its own ("sluice"), which other programs pass over.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "io/zarr/zarr_array.h"
+#include "src/base/volume_source.h"
+
+namespace sluice {
+
+struct ZarrAxis {
+  std::string name, type, unit;  // type and unit may be empty
+};
+
+struct ZarrImage {
+  std::vector<std::string> levels;         // folders of the arrays, the finest first; may be empty
+  std::vector<ZarrAxis> axes;              // empty: not said
+  std::vector<double> scale, translation;  // of the level asked for, an axis each; empty: not said
+  std::vector<std::string> channels;       // their names, where the file says them ("omero")
+  // Under the key "sluice".
+  std::optional<std::array<Vec3d, 3>> directions;
+  double value_scale = 1, value_offset = 0;
+  bool level_set = false;
+  std::optional<WorldFrame> frame;  // without: that of pictures, where the axes are an image's
+};
+
+// `level` is the folder whose scale is wanted; empty: the first. Axes also come from xarray's
+// _ARRAY_DIMENSIONS. Throws Error, which starts with `path`: not understood, no such level, a
+// level outside of the folder.
+ZarrImage parseZarrImage(std::string_view text, const std::string& path,
+                         const std::string& level = "");
+
+// What stands for a frame under the key "sluice".
+std::string_view zarrFrameName(WorldFrame frame);
+
+struct ZarrView {
+  VolumeLayout layout;            // all but the name
+  std::array<size_t, 3> space{};  // the array's axes that are x, y and z
+  std::optional<size_t> time, channel;
+};
+
+// Without names the axes are taken as z y x, t z y x and t c z y x; of four the first is the
+// channel where `channel_wanted`. Throws Error, which starts with `path`: fewer than 3 or more than
+// 5 axes, others than x, y, z, t and c, a place that is not finite.
+ZarrView viewZarr(const ZarrArray& array, const ZarrImage& image, bool channel_wanted,
+                  const std::string& path);
+
+}  // namespace sluice

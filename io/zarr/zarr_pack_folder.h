@@ -1,0 +1,74 @@
+// ZarrPackFolder: an unfinished pack on disk, DIR.zarr.partial beside the DIR.zarr that it becomes.
+//
+// Holds the future store ("store"), a lock against a second process, what is packed and how
+// ("pack.json"), and a journal of the chunks that are done with the checksum of each. A chunk is
+// written under another name and renamed, then noted in the journal; whoever opens the folder again
+// believes the journal only where the chunk's file has the length and the checksum noted, so
+// that a kill or a power cut at any moment costs chunks and never makes a wrong one. finish() is
+// the only way to the final name. chunk functions: any thread; the others: one.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "io/zarr/zarr_array.h"
+#include "io/zarr/zarr_checksums.h"
+#include "src/base/descriptor.h"
+#include "src/base/mutex.h"
+#include "src/base/progress_meter.h"
+#include "src/base/worker_pool.h"
+
+namespace sluice {
+
+// Throws Error when a store must not be written to `output`: the name does not end in .zarr, or it
+// exists and is not to be replaced, or is no store.
+void requireFreeName(const std::filesystem::path& output, bool replace);
+
+class ZarrPackFolder {
+ public:
+  // Opens or makes the folder of `output`. `parameters` (one text) says what is packed and how.
+  // Throws Error: another process packs to there, the folder is of another volume or other
+  // parameters (the line says what to do), it cannot be written.
+  ZarrPackFolder(const std::filesystem::path& output, const ZarrArray& array,
+                 const std::string& source_identity, const std::string& parameters);
+  ZarrPackFolder(const ZarrPackFolder&) = delete;
+  ZarrPackFolder& operator=(const ZarrPackFolder&) = delete;
+
+  // Reads the journal and checks each chunk's file against it, on all threads. Returns how many
+  // chunks are done, empty ones included. Called once, before the following.
+  int64_t recover(WorkerPool& pool, ProgressMeter& progress);
+  bool isDone(int64_t chunk) const { return done_[static_cast<size_t>(chunk)]; }
+
+  // Takes the bytes of a chunk's file; none for a chunk that is all fill value. Each thread gives a
+  // number of its own. Throws Error (a full disk too).
+  void write(int64_t chunk, std::span<const std::byte> stored, int thread);
+
+  // With the metadata in place the store can be opened, to be verified. Requires: all chunks done.
+  std::filesystem::path complete(const std::string& group_text, const std::string& image_text,
+                                 const std::string& array_text);
+  // Brings all to the disk and the store to its name, in place of an older one only if `replace`;
+  // the folder goes. Throws Error.
+  void finish(bool replace);
+
+  const std::vector<StoredChunk>& chunks() const { return chunks_; }
+  const std::filesystem::path& path() const { return folder_; }
+
+ private:
+  void lock();
+  void checkParameters(const std::string& source_identity, const std::string& parameters);
+  bool checkChunk(int64_t chunk) const;
+  std::filesystem::path chunkPath(int64_t chunk) const;
+
+  const std::filesystem::path output_, folder_, store_;
+  const ZarrArray array_;
+  Descriptor lock_, journal_;        // constant once open
+  Mutex mutex_;                      // of writing to the journal and to these
+  std::vector<StoredChunk> chunks_;  // guarded by mutex_, an element a chunk
+  std::vector<char> done_;           // guarded by mutex_, read between loops only
+};
+
+}  // namespace sluice

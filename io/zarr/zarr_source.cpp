@@ -1,0 +1,347 @@
+#include "io/zarr/zarr_source.h"
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+#include "io/files/channel_note.h"
+#include "io/files/file.h"
+#include "io/files/swap_bytes.h"
+#include "io/zarr/zarr_codec.h"
+#include "src/base/error.h"
+
+namespace sluice {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr uint64_t kMostHeaderBytes = 16 << 20;
+constexpr uint64_t kSmallChunkBytes = 4 << 20;
+
+struct HeaderFile {
+  std::string path, text, identity;
+};
+
+HeaderFile readHeader(const fs::path& path) {
+  File file(path);
+  if (file.sizeBytes() > kMostHeaderBytes)
+    fail("{}: expected at most {} bytes, found {}", path.string(), kMostHeaderBytes,
+         file.sizeBytes());
+  HeaderFile header{path.string(), std::string(static_cast<size_t>(file.sizeBytes()), '\0'),
+                    file.identity()};
+  file.readAt(0, std::as_writable_bytes(std::span(header.text)));
+  return header;
+}
+
+bool has(const fs::path& folder, const char* name) {
+  std::error_code ignored;
+  return fs::exists(folder / name, ignored);
+}
+
+// Of a folder: path and time of change.
+std::string folderIdentity(const fs::path& folder) {
+  struct stat status = {};
+  if (stat(folder.c_str(), &status) != 0)
+    failErrno(fmt::format("{}: cannot be opened", folder.string()), errno);
+  const int64_t ns =
+      static_cast<int64_t>(status.st_mtim.tv_sec) * 1'000'000'000 + status.st_mtim.tv_nsec;
+  return fmt::format("{}|{}", fs::absolute(folder).lexically_normal().string(), ns);
+}
+
+// The array that a folder stands for, and what is said of it.
+struct Found {
+  fs::path array_folder;
+  ZarrImage image;
+  std::vector<std::string> identities, header_paths;
+  uint64_t header_bytes = 0;
+  std::string said_by;  // the file that names the axes, or else the array's own
+};
+
+void take(const HeaderFile& header, Found& found) {
+  found.identities.push_back(header.identity);
+  found.header_paths.push_back(header.path);
+  found.header_bytes += header.text.size();
+}
+
+// An array by itself, or one of the levels of the image around it.
+Found findArray(const fs::path& folder) {
+  Found found;
+  found.array_folder = folder;
+  found.said_by = (folder / ".zarray").string();
+  const fs::path whole = fs::absolute(folder).lexically_normal();
+  const fs::path clean = whole.has_filename() ? whole : whole.parent_path();
+  const fs::path parent_attributes = clean.parent_path() / ".zattrs";
+  if (has(clean.parent_path(), ".zattrs")) {
+    const HeaderFile header = readHeader(parent_attributes);
+    const std::string level = clean.filename().string();
+    const auto levels = parseZarrImage(header.text, header.path).levels;
+    if (std::find(levels.begin(), levels.end(), level) != levels.end()) {
+      found.image = parseZarrImage(header.text, header.path, level);
+      found.said_by = header.path;
+      take(header, found);
+      return found;
+    }
+  }
+  if (has(folder, ".zattrs")) {
+    const HeaderFile header = readHeader(folder / ".zattrs");
+    found.image = parseZarrImage(header.text, header.path);
+    take(header, found);
+  }
+  return found;
+}
+
+// A name inside the folder that could be opened instead; empty when there is none.
+std::string insideOf(const fs::path& folder) {
+  std::vector<std::string> names;
+  std::error_code status;
+  fs::directory_iterator entries(folder, status);
+  for (; !status && entries != fs::directory_iterator(); entries.increment(status))
+    if (isZarr(entries->path())) names.push_back(entries->path().filename().string());
+  if (names.empty()) return "";
+  return fmt::format("; it holds others, such as {}",
+                     (folder / *std::min_element(names.begin(), names.end())).string());
+}
+
+Found find(const fs::path& folder) {
+  if (has(folder, ".zarray")) return findArray(folder);
+  if (has(folder, "zarr.json"))
+    fail("{}: expected Zarr version 2, found version 3 (zarr.json)", folder.string());
+  Found found;
+  if (has(folder, ".zattrs")) {
+    const HeaderFile header = readHeader(folder / ".zattrs");
+    found.image = parseZarrImage(header.text, header.path);
+    found.said_by = header.path;
+    take(header, found);
+  }
+  if (found.image.levels.empty())
+    fail(
+        "{}: expected an image (multiscales in .zattrs) or an array (.zarray), found a Zarr group "
+        "of neither{}",
+        folder.string(), insideOf(folder));
+  found.array_folder = folder / found.image.levels[0];
+  return found;
+}
+
+void fillWith(std::span<const std::byte> voxel, std::byte* out, int64_t voxels) {
+  const size_t bytes = voxel.size() * static_cast<size_t>(voxels);
+  if (bytes == 0) return;
+  std::memcpy(out, voxel.data(), voxel.size());
+  for (size_t done = voxel.size(); done < bytes;) {  // in doubling steps
+    const size_t more = std::min(done, bytes - done);
+    std::memcpy(out + done, out, more);
+    done += more;
+  }
+}
+
+template <class Word>
+void copyStrided(const std::byte* from, int64_t stride, std::byte* to, int64_t count) {
+  for (int64_t i = 0; i < count; ++i)
+    std::memcpy(to + i * static_cast<int64_t>(sizeof(Word)),
+                from + i * stride * static_cast<int64_t>(sizeof(Word)), sizeof(Word));
+}
+
+void copyRow(const std::byte* from, int64_t stride, std::byte* to, int64_t count, size_t voxel) {
+  if (stride == 1) {
+    std::memcpy(to, from, static_cast<size_t>(count) * voxel);
+    return;
+  }
+  if (voxel == 1) copyStrided<uint8_t>(from, stride, to, count);
+  if (voxel == 2) copyStrided<uint16_t>(from, stride, to, count);
+  if (voxel == 4) copyStrided<uint32_t>(from, stride, to, count);
+  if (voxel == 8) copyStrided<uint64_t>(from, stride, to, count);
+}
+
+// Voxels between neighbours along each of the array's axes, inside a chunk.
+std::vector<int64_t> stridesOf(const ZarrArray& array) {
+  std::vector<int64_t> strides(array.axes());
+  int64_t stride = 1;
+  for (size_t i = 0; i < array.axes(); ++i) {
+    const size_t axis = array.fortran_order ? i : array.axes() - 1 - i;
+    strides[axis] = stride;
+    stride *= array.chunks[axis];
+  }
+  return strides;
+}
+
+}  // namespace
+
+bool isZarr(const fs::path& folder) {
+  return has(folder, ".zarray") || has(folder, ".zgroup") || has(folder, "zarr.json");
+}
+
+ZarrSource::ZarrSource(const fs::path& folder, const ZarrOptions& options) {
+  Found found = find(folder);
+  const HeaderFile header = readHeader(found.array_folder / ".zarray");
+  take(header, found);
+  ZarrArray array = parseZarrArray(header.text, header.path);
+  view_ = viewZarr(array, found.image, options.channel.has_value(), found.said_by);
+  fs::path name = folder.lexically_normal();
+  if (!name.has_filename()) name = name.parent_path();
+  view_.layout.name = name.filename().string() + (found.image.level_set ? " (level set)" : "");
+  if (options.channel && !view_.channel)
+    fail("{}: --channel {}: the volume has no channels; leave it out", folder.string(),
+         *options.channel);
+  channel_ = options.channel.value_or(0);
+  if (view_.channel && (channel_ < 0 || channel_ >= array.shape[*view_.channel]))
+    fail("{}: --channel {}: the volume has {} channel{}, counted from 0", folder.string(), channel_,
+         array.shape[*view_.channel], array.shape[*view_.channel] == 1 ? "" : "s");
+  view_.layout.channel = channel_;
+  if (!options.channel) noteChannels(folder.string(), found.image.channels, view_.layout);
+  if (!found.image.axes.empty()) view_.layout.unit = found.image.axes[view_.space[0]].unit;
+
+  fill_.resize(bytesPerVoxel(array.type));
+  visitVoxelType(array.type, [&](auto tag) {
+    tag = static_cast<decltype(tag)>(array.fill_value);
+    std::memcpy(fill_.data(), &tag, sizeof tag);
+  });
+  header_bytes_ = found.header_bytes;
+  identity_ = folderIdentity(found.array_folder);
+  for (const std::string& identity : found.identities) identity_ += fmt::format("|{}", identity);
+  if (has(found.array_folder, std::string(kZarrChecksumsName).c_str()))
+    identity_ += fmt::format("|{}", File(found.array_folder / kZarrChecksumsName).identity());
+  if (view_.channel) identity_ += fmt::format("|channel {}", channel_);
+
+  places_ = std::move(found.header_paths);
+  places_.push_back(found.array_folder.string());
+  places_.push_back(folder.string());
+
+  const uint64_t chunk_bytes = array.chunkBytes();
+  files_ = std::make_unique<ZarrChunkFiles>(found.array_folder, std::move(array), header.text);
+  cache_ = std::make_unique<ZarrChunkCache>(
+      chunk_bytes, options.chunk_cache_bytes,
+      [this](int64_t chunk, ChunkMemory& memory) { return decode(chunk, memory); });
+}
+
+std::vector<std::string> ZarrSource::files() {
+  return places_;
+}
+
+Vec3i ZarrSource::chunkVoxels() const {
+  const ZarrArray& array = files_->array();
+  return {array.chunks[view_.space[0]], array.chunks[view_.space[1]], array.chunks[view_.space[2]]};
+}
+
+// The chunk that holds a voxel.
+std::vector<int64_t> ZarrSource::chunkIndexAt(int64_t time, Vec3i at) const {
+  const ZarrArray& array = files_->array();
+  std::vector<int64_t> index(array.axes(), 0);
+  for (int a = 0; a < 3; ++a) {
+    const size_t axis = view_.space[static_cast<size_t>(a)];
+    index[axis] = at[a] / array.chunks[axis];
+  }
+  if (view_.time) index[*view_.time] = time / array.chunks[*view_.time];
+  if (view_.channel) index[*view_.channel] = channel_ / array.chunks[*view_.channel];
+  return index;
+}
+
+ZarrChunkCache::Chunk ZarrSource::decode(int64_t chunk, ChunkMemory& memory) {
+  const ZarrArray& array = files_->array();
+  std::shared_ptr<CountedBytes> decoded;
+  std::unique_ptr<CountedBytes> stored;
+  uint64_t stored_bytes = 0;
+  files_->read(chunk, [&](uint64_t bytes) {
+    if (array.codec == ZarrCodec::kNone) {
+      decoded = std::make_shared<CountedBytes>(bytes, memory);
+      return decoded->span();
+    }
+    // As large as the chunk where that is not much, so that any memory does for any chunk.
+    stored_bytes = bytes;
+    stored = std::make_unique<CountedBytes>(
+        std::max(bytes, std::min(array.chunkBytes(), kSmallChunkBytes)), memory);
+    return stored->span().first(bytes);
+  });
+  if (stored) {
+    const auto file = std::as_const(*stored).span().first(stored_bytes);
+    const std::string path = files_->path(chunk);
+    checkStored(array.codec, file, array.chunkBytes(), path);
+    decoded = std::make_shared<CountedBytes>(array.chunkBytes(), memory);
+    decodeChunk(array.codec, file, decoded->span(), path);
+  }
+  if (array.byte_order != std::endian::native)
+    swapBytes(decoded->span(), bytesPerVoxel(array.type));
+  return decoded;
+}
+
+// `part` of `box` out of the one chunk that holds it.
+void ZarrSource::copyChunk(std::span<const std::byte> chunk, int64_t time, const Box3& part,
+                           const Box3& box, std::span<std::byte> out) const {
+  const ZarrArray& array = files_->array();
+  const std::vector<int64_t> strides = stridesOf(array);
+  const auto voxel = static_cast<int64_t>(bytesPerVoxel(array.type));
+  int64_t base = 0;
+  if (view_.time) base += time % array.chunks[*view_.time] * strides[*view_.time];
+  if (view_.channel) base += channel_ % array.chunks[*view_.channel] * strides[*view_.channel];
+  Vec3i stride;
+  for (int a = 0; a < 3; ++a) {
+    const size_t axis = view_.space[static_cast<size_t>(a)];
+    stride[a] = strides[axis];
+    base += part.lo[a] % array.chunks[axis] * strides[axis];
+  }
+  const Vec3i size = part.size(), whole = box.size(), at = part.lo - box.lo;
+  for (int64_t z = 0; z < size.z; ++z)
+    for (int64_t y = 0; y < size.y; ++y) {
+      const int64_t from = base + z * stride.z + y * stride.y;
+      const int64_t to = ((at.z + z) * whole.y + at.y + y) * whole.x + at.x;
+      copyRow(chunk.data() + from * voxel, stride.x, out.data() + to * voxel, size.x,
+              static_cast<size_t>(voxel));
+    }
+}
+
+void ZarrSource::readRegion(int64_t time, const Box3& box, std::span<std::byte> out) {
+  const VolumeLayout& layout = view_.layout;
+  const auto voxel = static_cast<int64_t>(fill_.size());
+  SLUICE_CHECK(!box.empty() && boxOf(layout.dims).contains(box));
+  SLUICE_CHECK(time >= 0 && time < layout.time_steps);
+  SLUICE_CHECK_EQ(static_cast<int64_t>(out.size()), box.count() * voxel);
+  const Vec3i step = chunkVoxels();
+  const Vec3i first = box.lo / step * step;
+  for (int64_t z = first.z; z < box.hi.z; z += step.z)
+    for (int64_t y = first.y; y < box.hi.y; y += step.y)
+      for (int64_t x = first.x; x < box.hi.x; x += step.x) {
+        const Vec3i corner{x, y, z};
+        const Box3 part = intersect(box, {corner, corner + step});
+        const int64_t number = files_->array().chunkNumber(chunkIndexAt(time, corner));
+        if (files_->exists(number)) {
+          copyChunk(cache_->get(number)->span(), time, part, box, out);
+          continue;
+        }
+        const Vec3i at = part.lo - box.lo;
+        for (int64_t pz = at.z; pz < at.z + part.size().z; ++pz)
+          for (int64_t py = at.y; py < at.y + part.size().y; ++py)
+            fillWith(fill_, out.data() + ((pz * box.size().y + py) * box.size().x + at.x) * voxel,
+                     part.size().x);
+      }
+}
+
+std::optional<Occupancy> ZarrSource::occupancy(int64_t time) {
+  const ZarrArray& array = files_->array();
+  const Vec3i step = chunkVoxels();
+  const Vec3i dims = view_.layout.dims;
+  const std::vector<int64_t> wanted = chunkIndexAt(time, {0, 0, 0});
+  Occupancy occupancy;
+  occupancy.background = array.fill_value;
+  int64_t present = 0;
+  for (const int64_t number : files_->existing()) {
+    const std::vector<int64_t> index = array.chunkIndex(number);
+    if ((view_.time && index[*view_.time] != wanted[*view_.time]) ||
+        (view_.channel && index[*view_.channel] != wanted[*view_.channel]))
+      continue;
+    ++present;
+    const Vec3i lo =
+        step * Vec3i{index[view_.space[0]], index[view_.space[1]], index[view_.space[2]]};
+    const Box3 box = intersect({lo, lo + step}, boxOf(dims));
+    // Chunks that follow one another along x, as the numbers mostly do, are one box.
+    Box3* last = occupancy.boxes.empty() ? nullptr : &occupancy.boxes.back();
+    const bool goes_on = last != nullptr && last->hi.x == box.lo.x && last->lo.y == box.lo.y &&
+                         last->lo.z == box.lo.z;
+    if (goes_on)
+      last->hi.x = box.hi.x;
+    else
+      occupancy.boxes.push_back(box);
+  }
+  const Vec3i grid{ceilDiv(dims.x, step.x), ceilDiv(dims.y, step.y), ceilDiv(dims.z, step.z)};
+  if (present == volume(grid)) return std::nullopt;
+  return occupancy;
+}
+
+}  // namespace sluice

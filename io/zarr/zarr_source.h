@@ -1,0 +1,79 @@
+// OME-Zarr images and plain Zarr v2 arrays as a VolumeSource.
+//
+// A folder with a .zarray is an array; one whose .zattrs has `multiscales` is an image, of which
+// level 0 is read (name the folder of another level to read that one; its scale is found in the
+// image around it). Axes, spacing and origin as io/zarr/zarr_image.h says, chunks as
+// io/zarr/zarr_array.h.
+//
+// - Missing chunks are the fill value, and known as such: occupancy() has the boxes of the others.
+//   Chunks that sluice packed carry checksums; then a missing or changed one is an Error.
+// - A few decoded chunks are kept (io/zarr/zarr_chunk_cache.h), as neighbouring blocks share them.
+// - identity() covers .zarray, .zattrs, checksums and the array's folder by size and time of
+//   change; not each chunk, of which there may be millions.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "io/zarr/zarr_chunk_cache.h"
+#include "io/zarr/zarr_chunk_files.h"
+#include "io/zarr/zarr_image.h"
+#include "src/base/volume_source.h"
+
+namespace sluice {
+
+struct ZarrOptions {
+  std::optional<int64_t> channel = {};  // without: the first
+  // Of decoded chunks; what ZarrChunkCache holds at least is held even if it is more.
+  uint64_t chunk_cache_bytes = uint64_t{32} << 20;
+};
+
+// Whether a folder is a Zarr group or array, of any version.
+bool isZarr(const std::filesystem::path& folder);
+
+class ZarrSource final : public VolumeSource {
+ public:
+  // Throws Error: nothing in the folder that can be read, --channel without such an axis.
+  explicit ZarrSource(const std::filesystem::path& folder, const ZarrOptions& options = {});
+
+  const VolumeLayout& layout() const override { return view_.layout; }
+  void readRegion(int64_t time, const Box3& box, std::span<std::byte> out) override;
+  // nullopt when no chunk is missing. The background may be NaN or infinite.
+  std::optional<Occupancy> occupancy(int64_t time) override;
+  std::string identity() const override { return identity_; }
+  std::vector<std::string> files() override;
+  uint64_t storedBytesRead() const override { return header_bytes_ + files_->storedBytesRead(); }
+
+  // A chunk being decoded, its compressed bytes, and one being copied from.
+  uint64_t heldBytesAThread() const override { return 3 * files_->array().chunkBytes(); }
+  void holdAtMost(uint64_t bytes) override { cache_->setBudget(bytes); }
+
+  // Bytes of decoded chunks, and of those being decoded, now and at most so far.
+  uint64_t heldBytes() const { return cache_->held().now(); }
+  uint64_t peakHeldBytes() const { return cache_->held().peak(); }
+  // The size of a chunk along x, y and z.
+  Vec3i chunkVoxels() const;
+  // Whether each chunk is checked as it is read.
+  bool hasChecksums() const { return files_->hasChecksums(); }
+  // The chunk files, for who wants them as they are stored.
+  ZarrChunkFiles& chunkFiles() { return *files_; }
+
+ private:
+  std::vector<int64_t> chunkIndexAt(int64_t time, Vec3i at) const;
+  ZarrChunkCache::Chunk decode(int64_t chunk, ChunkMemory& memory);
+  void copyChunk(std::span<const std::byte> chunk, int64_t time, const Box3& part, const Box3& box,
+                 std::span<std::byte> out) const;
+
+  ZarrView view_;        // constant after construction, as all that follows
+  int64_t channel_ = 0;  // of the axis view_.channel, if any
+  std::string identity_;
+  std::vector<std::string> places_;  // see files()
+  uint64_t header_bytes_ = 0;        // read of .zarray and .zattrs
+  std::vector<std::byte> fill_;      // one voxel
+  std::unique_ptr<ZarrChunkFiles> files_;
+  std::unique_ptr<ZarrChunkCache> cache_;
+};
+
+}  // namespace sluice

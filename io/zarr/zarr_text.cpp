@@ -1,0 +1,100 @@
+#include "io/zarr/zarr_text.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "io/zarr/zarr_image.h"
+
+namespace sluice {
+namespace {
+
+using nlohmann::ordered_json;
+
+std::string dtype(const ZarrArray& array) {
+  const std::string_view brief = name(array.type);  // "u16"
+  const size_t bytes = bytesPerVoxel(array.type);
+  const char order = bytes == 1 ? '|' : array.byte_order == std::endian::big ? '>' : '<';
+  return std::string(1, order) + brief[0] + std::to_string(bytes);
+}
+
+ordered_json fillOf(const ZarrArray& array) {
+  if (array.type != VoxelType::kF32 && array.type != VoxelType::kF64)
+    return static_cast<int64_t>(array.fill_value);
+  if (std::isnan(array.fill_value)) return "NaN";
+  if (std::isinf(array.fill_value)) return array.fill_value > 0 ? "Infinity" : "-Infinity";
+  return array.fill_value;
+}
+
+ordered_json axis(const char* name, const char* type, const std::string& unit) {
+  ordered_json result{{"name", name}, {"type", type}};
+  if (!unit.empty()) result["unit"] = unit;
+  return result;
+}
+
+ordered_json ownPart(const VolumeLayout& layout) {
+  ordered_json own = ordered_json::object();
+  const std::array<Vec3d, 3> straight{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+  if (layout.axes != straight)
+    for (const Vec3d& a : layout.axes) own["axes"].push_back({a.x, a.y, a.z});
+  if (layout.value_scale != 1 || layout.value_offset != 0) {
+    own["value_scale"] = layout.value_scale;
+    own["value_offset"] = layout.value_offset;
+  }
+  if (layout.name.ends_with("(level set)")) own["level_set"] = true;
+  if (layout.frame != WorldFrame::kPictureRows) own["frame"] = zarrFrameName(layout.frame);
+  return own;
+}
+
+}  // namespace
+
+std::string zarrGroupText() {
+  return ordered_json{{"zarr_format", 2}}.dump(2) + "\n";
+}
+
+std::string zarrArrayText(const ZarrArray& array, const BloscOptions& options) {
+  const ordered_json compressor{{"id", "blosc"},
+                                {"cname", options.codec == BloscCodec::kLz4 ? "lz4" : "zstd"},
+                                {"clevel", options.level},
+                                {"shuffle", bloscShuffle(bytesPerVoxel(array.type))},
+                                {"blocksize", kBloscBlockBytes}};
+  return ordered_json{{"zarr_format", 2},
+                      {"shape", array.shape},
+                      {"chunks", array.chunks},
+                      {"dtype", dtype(array)},
+                      {"compressor", compressor},
+                      {"fill_value", fillOf(array)},
+                      {"order", "C"},
+                      {"filters", nullptr},
+                      {"dimension_separator", std::string(1, array.separator)}}
+             .dump(2) +
+         "\n";
+}
+
+std::string zarrImageText(const VolumeLayout& layout, const std::string& name) {
+  ordered_json axes = ordered_json::array(), scale = ordered_json::array(),
+               translation = ordered_json::array();
+  if (layout.time_steps > 1) {
+    axes.push_back(axis("t", "time", ""));
+    scale.push_back(1.0);
+    translation.push_back(0.0);
+  }
+  constexpr const char* kNames[] = {"x", "y", "z"};
+  for (int a = 2; a >= 0; --a) {
+    axes.push_back(axis(kNames[a], "space", layout.unit));
+    scale.push_back(layout.spacing[a]);
+    translation.push_back(layout.origin[a]);
+  }
+  const ordered_json level{{"path", "0"},
+                           {"coordinateTransformations",
+                            {{{"type", "scale"}, {"scale", scale}},
+                             {{"type", "translation"}, {"translation", translation}}}}};
+  ordered_json image{
+      {"multiscales",
+       {{{"version", "0.4"}, {"name", name}, {"axes", axes}, {"datasets", {level}}}}}};
+  const ordered_json own = ownPart(layout);
+  if (!own.empty()) image["sluice"] = own;
+  // A name need not be UTF-8.
+  return image.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace sluice

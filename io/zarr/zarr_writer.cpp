@@ -1,0 +1,354 @@
+#include "io/zarr/zarr_writer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <memory>
+#include <utility>
+
+#include "io/zarr/zarr_pack_folder.h"
+#include "io/zarr/zarr_source.h"
+#include "io/zarr/zarr_text.h"
+#include "src/base/bytes.h"
+#include "src/base/clock.h"
+#include "src/base/error.h"
+#include "src/base/interrupt.h"
+#include "src/base/mutex.h"
+
+namespace sluice {
+namespace {
+
+ZarrArray arrayFor(VolumeSource& source, int64_t chunk_voxels) {
+  const VolumeLayout& layout = source.layout();
+  ZarrArray array;
+  if (layout.time_steps > 1) {
+    array.shape.push_back(layout.time_steps);
+    array.chunks.push_back(1);
+  }
+  for (int a = 2; a >= 0; --a) {
+    array.shape.push_back(layout.dims[a]);
+    array.chunks.push_back(chunk_voxels);
+  }
+  array.type = layout.type;
+  array.byte_order = std::endian::native;
+  array.codec = ZarrCodec::kBlosc;
+  array.separator = '/';
+  const std::optional<Occupancy> occupancy = source.occupancy(0);
+  if (occupancy && std::isfinite(occupancy->background)) array.fill_value = occupancy->background;
+  return array;
+}
+
+// What one thread needs beside the slab: a chunk, its file, and as much again inside Blosc.
+struct Scratch {
+  int number = 0;
+  std::vector<std::byte> chunk, stored;
+};
+uint64_t scratchBytes(uint64_t chunk_bytes) {
+  return 2 * chunk_bytes + bloscRoomBytes(chunk_bytes);
+}
+
+class Packer {
+ public:
+  Packer(VolumeSource& source, const PackOptions& options, const ZarrArray& array, WorkerPool& pool,
+         ProgressMeter& progress)
+      : source_(source),
+        options_(options),
+        array_(array),
+        pool_(pool),
+        progress_(progress),
+        voxel_(static_cast<int64_t>(bytesPerVoxel(array.type))),
+        fill_(static_cast<size_t>(voxel_)) {
+    visitVoxelType(array.type, [&](auto tag) {
+      tag = static_cast<decltype(tag)>(array.fill_value);
+      std::memcpy(fill_.data(), &tag, sizeof tag);
+    });
+    planSlabs();
+  }
+
+  void pack(ZarrPackFolder& folder) {
+    eachSlab([&](int64_t time, const Box3& slab, bool known_empty) {
+      const auto bytes = static_cast<uint64_t>(slab.count() * voxel_);
+      const std::vector<Vec3i> chunks = chunksOf(slab);
+      const bool is_done = std::all_of(chunks.begin(), chunks.end(), [&](Vec3i chunk) {
+        return folder.isDone(numberOf(time, chunk));
+      });
+      if (!is_done && !known_empty) read(source_, time, slab, slab_.get());
+      if (!is_done)
+        pool_.parallelFor(static_cast<int64_t>(chunks.size()), [&](int64_t i) {
+          throwIfInterrupted();
+          const Vec3i chunk = chunks[static_cast<size_t>(i)];
+          if (folder.isDone(numberOf(time, chunk))) return;
+          packChunk(folder, time, slab, chunk, known_empty);
+        });
+      progress_.add(bytes);
+    });
+  }
+
+  // Against the store as anybody reads it.
+  void verify(const std::filesystem::path& store) {
+    ZarrSource packed(store, {.chunk_cache_bytes = 0});
+    const auto other = std::make_unique_for_overwrite<std::byte[]>(slab_bytes_);
+    eachSlab([&](int64_t time, const Box3& slab, bool) {
+      read(source_, time, slab, slab_.get());
+      const Vec3i size = slab.size();
+      const std::vector<Vec3i> chunks = chunksOf(slab);
+      pool_.parallelFor(static_cast<int64_t>(chunks.size()), [&](int64_t i) {
+        throwIfInterrupted();
+        const Box3 box = intersect(boxOfChunk(chunks[static_cast<size_t>(i)]), slab);
+        const ScratchLease scratch(*this);
+        const auto bytes =
+            std::span(scratch->chunk).first(static_cast<size_t>(box.count() * voxel_));
+        packed.readRegion(time, box, bytes);
+        const std::byte* row = bytes.data();
+        for (int64_t z = box.lo.z; z < box.hi.z; ++z)
+          for (int64_t y = box.lo.y; y < box.hi.y; ++y) {
+            const int64_t at =
+                ((z - slab.lo.z) * size.y + y - slab.lo.y) * size.x + box.lo.x - slab.lo.x;
+            const auto row_bytes = static_cast<size_t>(box.size().x * voxel_);
+            if (std::memcmp(row, slab_.get() + at * voxel_, row_bytes) != 0)
+              fail("{}: chunk {} differs from the volume in row y {}, z {}, time step {}",
+                   store.string(), array_.chunkName(numberOf(time, chunks[static_cast<size_t>(i)])),
+                   y, z, time);
+            row += row_bytes;
+          }
+      });
+      progress_.add(static_cast<uint64_t>(slab.count() * voxel_));
+    });
+  }
+
+ private:
+  // Scratch of one thread for the time of one chunk. At most as many as threads are ever made.
+  class ScratchLease {
+   public:
+    explicit ScratchLease(Packer& packer) : packer_(packer) {
+      const MutexLock lock(packer.mutex_);
+      if (packer.idle_.empty()) {
+        scratch_ = std::make_unique<Scratch>();
+        scratch_->number = packer.made_++;
+        scratch_->chunk.resize(packer.array_.chunkBytes());
+      } else {
+        scratch_ = std::move(packer.idle_.back());
+        packer.idle_.pop_back();
+      }
+    }
+    ~ScratchLease() {
+      const MutexLock lock(packer_.mutex_);
+      packer_.idle_.push_back(std::move(scratch_));
+    }
+    ScratchLease(const ScratchLease&) = delete;
+    ScratchLease& operator=(const ScratchLease&) = delete;
+    Scratch* operator->() const { return scratch_.get(); }
+
+   private:
+    Packer& packer_;
+    std::unique_ptr<Scratch> scratch_;
+  };
+
+  // The largest slab that the memory has room for: whole planes of chunks, or rows of one plane, or
+  // a part of one row, and one chunk thick.
+  void planSlabs() {
+    const Vec3i dims = source_.layout().dims;
+    const int64_t side = options_.chunk_voxels;
+    const uint64_t table = static_cast<uint64_t>(array_.chunkCount()) * (sizeof(StoredChunk) + 1);
+    const uint64_t chunk = array_.chunkBytes();
+    // To verify, each thread holds two chunks inside the reader, which is less than packing takes.
+    const uint64_t fixed = table + static_cast<uint64_t>(pool_.threads()) * scratchBytes(chunk);
+    if (options_.memory_bytes < fixed + chunk)
+      fail(
+          "--memory {}: too small to pack with {} threads and chunks of {}; give --memory {} or "
+          "more",
+          options_.memory_bytes, pool_.threads(), formatBytes(chunk), fixed + chunk);
+    const auto rest = static_cast<int64_t>(std::min<uint64_t>(
+        (options_.memory_bytes - fixed) / static_cast<uint64_t>(voxel_), uint64_t{1} << 60));
+    slab_voxels_ = min(dims, Vec3i{dims.x, dims.y, side});
+    if (volume(slab_voxels_) > rest) {
+      const int64_t row = dims.x * std::min(side, dims.y) * slab_voxels_.z;
+      slab_voxels_.y = std::min(dims.y, std::max<int64_t>(1, rest / row) * side);
+      if (row > rest) {
+        const Vec3i one = min(dims, Vec3i{side, side, side});
+        slab_voxels_.x = std::min(dims.x, std::max<int64_t>(1, rest / volume(one)) * side);
+      }
+    }
+    slab_bytes_ = static_cast<size_t>(volume(slab_voxels_) * voxel_);
+    slab_ = std::make_unique_for_overwrite<std::byte[]>(slab_bytes_);
+  }
+
+  template <class F>
+  void eachSlab(F&& f) {
+    const VolumeLayout& layout = source_.layout();
+    const Vec3i step = slab_voxels_;
+    for (int64_t t = 0; t < layout.time_steps; ++t) {
+      const std::optional<Occupancy> occupancy = source_.occupancy(t);
+      const bool fill_is_background = occupancy && occupancy->background == array_.fill_value;
+      for (int64_t z = 0; z < layout.dims.z; z += step.z)
+        for (int64_t y = 0; y < layout.dims.y; y += step.y)
+          for (int64_t x = 0; x < layout.dims.x; x += step.x) {
+            throwIfInterrupted();
+            const Vec3i lo{x, y, z};
+            const Box3 slab = intersect({lo, lo + step}, boxOf(layout.dims));
+            f(t, slab,
+              fill_is_background &&
+                  std::none_of(occupancy->boxes.begin(), occupancy->boxes.end(),
+                               [&](const Box3& b) { return !intersect(b, slab).empty(); }));
+          }
+    }
+  }
+
+  // Places of the chunks that a slab consists of.
+  std::vector<Vec3i> chunksOf(const Box3& slab) const {
+    const int64_t side = options_.chunk_voxels;
+    std::vector<Vec3i> chunks;
+    for (int64_t z = slab.lo.z / side; z * side < slab.hi.z; ++z)
+      for (int64_t y = slab.lo.y / side; y * side < slab.hi.y; ++y)
+        for (int64_t x = slab.lo.x / side; x * side < slab.hi.x; ++x) chunks.push_back({x, y, z});
+    return chunks;
+  }
+  Box3 boxOfChunk(Vec3i chunk) const {
+    const int64_t side = options_.chunk_voxels;
+    return {chunk * side, chunk * side + Vec3i{side, side, side}};
+  }
+  int64_t numberOf(int64_t time, Vec3i chunk) const {
+    std::vector<int64_t> index;
+    if (array_.axes() == 4) index.push_back(time);
+    for (int a = 2; a >= 0; --a) index.push_back(chunk[a]);
+    return array_.chunkNumber(index);
+  }
+
+  // All threads at work on planes of the slab: each plane of a file is read by one of them, once.
+  void read(VolumeSource& source, int64_t time, const Box3& slab, std::byte* out) {
+    const int64_t planes = slab.size().z;
+    const int64_t pieces = std::min<int64_t>(planes, 2 * pool_.threads());
+    const int64_t plane_bytes = slab.size().x * slab.size().y * voxel_;
+    pool_.parallelFor(pieces, [&](int64_t i) {
+      throwIfInterrupted();
+      const int64_t first = planes * i / pieces, end = planes * (i + 1) / pieces;
+      Box3 piece = slab;
+      piece.lo.z = slab.lo.z + first;
+      piece.hi.z = slab.lo.z + end;
+      source.readRegion(
+          time, piece,
+          {out + first * plane_bytes, static_cast<size_t>((end - first) * plane_bytes)});
+    });
+  }
+
+  bool isFill(std::span<const std::byte> bytes) const {
+    return std::memcmp(bytes.data(), fill_.data(), fill_.size()) == 0 &&
+           std::memcmp(bytes.data(), bytes.data() + fill_.size(), bytes.size() - fill_.size()) == 0;
+  }
+
+  void packChunk(ZarrPackFolder& folder, int64_t time, const Box3& slab, Vec3i chunk,
+                 bool known_empty) {
+    const int64_t number = numberOf(time, chunk);
+    const ScratchLease scratch(*this);
+    if (known_empty) return folder.write(number, {}, scratch->number);
+    const Box3 whole = boxOfChunk(chunk), box = intersect(whole, slab);
+    std::vector<std::byte>& bytes = scratch->chunk;
+    if (box != whole)
+      for (size_t i = 0; i < bytes.size(); i += fill_.size())
+        std::memcpy(bytes.data() + i, fill_.data(), fill_.size());
+    const int64_t side = options_.chunk_voxels;
+    const Vec3i size = slab.size();
+    for (int64_t z = box.lo.z; z < box.hi.z; ++z)
+      for (int64_t y = box.lo.y; y < box.hi.y; ++y) {
+        const int64_t from =
+            ((z - slab.lo.z) * size.y + y - slab.lo.y) * size.x + box.lo.x - slab.lo.x;
+        const int64_t to = ((z - whole.lo.z) * side + y - whole.lo.y) * side;
+        std::memcpy(bytes.data() + to * voxel_, slab_.get() + from * voxel_,
+                    static_cast<size_t>(box.size().x * voxel_));
+      }
+    if (isFill(bytes)) return folder.write(number, {}, scratch->number);
+    folder.write(number,
+                 encodeBlosc(bytes, static_cast<size_t>(voxel_), options_.blosc, scratch->stored),
+                 scratch->number);
+  }
+
+  VolumeSource& source_;
+  const PackOptions& options_;
+  const ZarrArray& array_;
+  WorkerPool& pool_;
+  ProgressMeter& progress_;
+  const int64_t voxel_;
+  std::vector<std::byte> fill_;  // one voxel
+  Vec3i slab_voxels_;
+  size_t slab_bytes_ = 0;
+  std::unique_ptr<std::byte[]> slab_;
+  Mutex mutex_;
+  std::vector<std::unique_ptr<Scratch>> idle_ SLUICE_GUARDED_BY(mutex_);
+  int made_ SLUICE_GUARDED_BY(mutex_) = 0;
+};
+
+}  // namespace
+
+PackReport packZarr(VolumeSource& source, const std::filesystem::path& output,
+                    const PackOptions& options, WorkerPool& pool, ProgressMeter& progress) {
+  requireFreeName(output, options.replace);
+  VolumeLayout layout = source.layout();
+  if (!options.unit.empty()) layout.unit = options.unit;
+  const ZarrArray array = arrayFor(source, options.chunk_voxels);
+  const std::string array_text = zarrArrayText(array, options.blosc);
+  const std::string image_text = zarrImageText(layout, layout.name);
+  Packer packer(source, options, array, pool, progress);
+
+  const Stopwatch watch;
+  ZarrPackFolder folder(output, array, source.identity(), array_text + image_text);
+  PackReport report;
+  report.kept_chunks = folder.recover(pool, progress);
+  packer.pack(folder);
+  const std::filesystem::path store = folder.complete(zarrGroupText(), image_text, array_text);
+  report.pack_seconds = watch.seconds();
+  if (options.verify) packer.verify(store);
+  report.verify_seconds = watch.seconds() - report.pack_seconds;
+
+  report.chunks = array.chunkCount();
+  for (const StoredChunk& chunk : folder.chunks()) {
+    report.stored_bytes += chunk.bytes;
+    report.empty_chunks += chunk.bytes == 0 ? 1 : 0;
+  }
+  report.voxel_bytes =
+      static_cast<uint64_t>(volume(layout.dims) * layout.time_steps) * bytesPerVoxel(layout.type);
+  folder.finish(options.replace);
+  report.pack_seconds = watch.seconds() - report.verify_seconds;
+  return report;
+}
+
+CheckReport checkZarr(const std::filesystem::path& folder, WorkerPool& pool,
+                      ProgressMeter& progress) {
+  ZarrSource source(folder);
+  ZarrChunkFiles& files = source.chunkFiles();
+  if (!files.hasChecksums())
+    fail("{}: has no checksums, as only sluice pack writes them; pack it to have some",
+         folder.string());
+  const std::vector<int64_t>& chunks = files.existing();
+  CheckReport report;
+  for (const int64_t chunk : chunks) progress.expect(files.stored(chunk).bytes);
+  Mutex mutex;
+  pool.parallelFor(static_cast<int64_t>(chunks.size()), [&](int64_t i) {
+    throwIfInterrupted();
+    const int64_t chunk = chunks[static_cast<size_t>(i)];
+    std::string fault;
+    uint64_t read = 0;
+    try {
+      std::vector<std::byte> bytes;
+      files.read(chunk, [&](uint64_t count) {
+        bytes.resize(count);
+        return std::span(bytes);
+      });
+      read = bytes.size();
+    } catch (const Error& error) {
+      fault = error.what();
+    }
+    progress.add(files.stored(chunk).bytes);
+    const MutexLock lock(mutex);
+    report.stored_bytes += read;
+    if (!fault.empty()) report.faults.push_back(fault);
+  });
+  report.chunks = static_cast<int64_t>(chunks.size());
+  for (const int64_t chunk : files.onDisk())
+    if (files.stored(chunk).bytes == 0)
+      report.faults.push_back(
+          fmt::format("{}: expected no such chunk, as packed, found one", files.path(chunk)));
+  std::sort(report.faults.begin(), report.faults.end());
+  return report;
+}
+
+}  // namespace sluice

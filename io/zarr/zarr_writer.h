@@ -1,0 +1,55 @@
+// Packs any VolumeSource as a store of compressed chunks that everybody reads: OME-Zarr 0.4 over
+// Zarr v2, Blosc chunks, one level. A stream: memory stays within the budget whatever the volume's
+// size; restartable (io/zarr/zarr_pack_folder.h); the same volume and options give the same bytes.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "io/zarr/zarr_codec.h"
+#include "src/base/progress_meter.h"
+#include "src/base/volume_source.h"
+#include "src/base/worker_pool.h"
+
+namespace sluice {
+
+struct PackOptions {
+  int64_t chunk_voxels = 64;  // a side
+  BloscOptions blosc = {};
+  uint64_t memory_bytes = uint64_t{256} << 20;  // of all threads together
+  bool verify = false;                          // read again and compare with the source
+  bool replace = false;                         // an existing store, at the end
+  std::string unit = {};                        // of the spacing; empty: what the source says
+};
+
+struct PackReport {
+  int64_t chunks = 0;         // of the array
+  int64_t empty_chunks = 0;   // all fill value: no file
+  int64_t kept_chunks = 0;    // done by an earlier run that was interrupted
+  uint64_t voxel_bytes = 0;   // of the volume
+  uint64_t stored_bytes = 0;  // of the chunk files
+  double pack_seconds = 0, verify_seconds = 0;
+};
+
+// Writes all time steps, the stored values as they are, to the folder `output` (NAME.zarr), which
+// appears whole or not at all. The fill value is the background that the source knows of, else 0.
+// Throws Error: the output exists, the memory is too small (the line has the least), a read or a
+// write fails, a voxel differs when verified; and Interrupted. What was done stays in
+// NAME.zarr.partial for the next call.
+PackReport packZarr(VolumeSource& source, const std::filesystem::path& output,
+                    const PackOptions& options, WorkerPool& pool, ProgressMeter& progress);
+
+struct CheckReport {
+  int64_t chunks = 0;               // files read
+  uint64_t stored_bytes = 0;        // of them
+  std::vector<std::string> faults;  // a line for each chunk that is damaged, missing or too many
+};
+
+// Reads every chunk file of a packed store and compares its checksum. Throws Error when the store
+// cannot be opened or has no checksums, and Interrupted.
+CheckReport checkZarr(const std::filesystem::path& folder, WorkerPool& pool,
+                      ProgressMeter& progress);
+
+}  // namespace sluice

@@ -1,0 +1,45 @@
+#include "src/annotate/annotate.h"
+
+#include <algorithm>
+
+#include "src/annotate/parts.h"
+#include "src/base/error.h"
+
+namespace sluice {
+namespace {
+
+// A picture without a background is shown on white more often than not.
+bool isLight(const std::optional<std::array<float, 3>>& background) {
+  if (!background) return true;
+  const auto& [r, g, b] = *background;
+  return 0.3F * r + 0.59F * g + 0.11F * b > 0.5F;
+}
+
+}  // namespace
+
+double emOf(PictureSize size) {
+  constexpr double kLettersAPicture = 34, kLeastEm = 8;
+  return std::max(kLeastEm, std::min(size.width, size.height) / kLettersAPicture);
+}
+
+Picture annotated(const Picture& picture, const Annotations& annotations) {
+  const PictureSize size = annotations.view.size;
+  SLUICE_CHECK_EQ(picture.width, size.width);
+  SLUICE_CHECK_EQ(picture.height, size.height);
+  if (std::min(size.width, size.height) < kLeastAnnotatedPixels)
+    fail("a picture of {} x {} pixels is too small for --annotate, which needs {} x {}", size.width,
+         size.height, kLeastAnnotatedPixels, kLeastAnnotatedPixels);
+  Pen pen(size.width, size.height, emOf(size), isLight(annotations.background));
+  drawColorBar(pen, annotations);
+  drawScaleBar(pen, annotations);
+  drawOrientationAxes(pen, annotations);
+  return pen.over(picture);
+}
+
+Room annotationRoom(PictureSize size) {
+  const double em = emOf(size);
+  return {.right = (kColorBarEms + kFreeEms) * em / size.width,
+          .bottom = (kScaleBarEms + kFreeEms) * em / size.height};
+}
+
+}  // namespace sluice

@@ -1,0 +1,47 @@
+// Pen: lines, areas and words over a picture, each with a rim that keeps it legible on anything.
+// All lengths are pixels from the upper left corner. One thread.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "io/pictures/picture.h"
+#include "src/base/vec.h"
+
+namespace sluice {
+
+struct Point {
+  double x = 0, y = 0;
+};
+
+// Which end of a word lies at its point; up and down its middle does.
+enum class Anchor { kLeft, kMiddle, kRight };
+
+class Pen {
+ public:
+  // `em`: the size of letters. `light_below`: what lies below is light, so that the ink is dark.
+  // Throws Error when no font is installed.
+  Pen(int width, int height, double em, bool light_below);
+  ~Pen();
+  Pen(const Pen&) = delete;
+  Pen& operator=(const Pen&) = delete;
+
+  double em() const { return em_; }
+  Vec3d ink() const { return ink_; }
+  void word(Point at, Anchor anchor, const std::string& text, Vec3d rgb);
+  double widthOf(const std::string& text) const;
+  // With round ends.
+  void line(const std::vector<Point>& through, double width, Vec3d rgb);
+  void area(const std::vector<Point>& corners, Vec3d rgb);  // without a rim
+  // What was drawn, over the picture.
+  Picture over(const Picture& picture) const;
+
+ private:
+  struct Canvas;
+  const double em_;
+  Vec3d ink_, rim_;
+  std::unique_ptr<Canvas> canvas_;
+};
+
+}  // namespace sluice

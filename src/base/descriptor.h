@@ -1,0 +1,41 @@
+// Descriptor: an open file of the system, closed at the end; and reading and writing one whole.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <utility>
+
+namespace sluice {
+
+class Descriptor {
+ public:
+  // None, or what open() gave, -1 for none too.
+  explicit Descriptor(int number = -1) : number_(number) {}
+  ~Descriptor() { reset(); }
+  Descriptor(Descriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
+  Descriptor& operator=(Descriptor&& other) noexcept {
+    reset(std::exchange(other.number_, -1));
+    return *this;
+  }
+
+  explicit operator bool() const { return number_ >= 0; }
+  int get() const { return number_; }
+  int release() { return std::exchange(number_, -1); }
+  // Closes what it had.
+  void reset(int number = -1);
+
+ private:
+  int number_;
+};
+
+// Writes all of `bytes` where the file stands. Throws Error, "<what>: <reason>"; a full disk too.
+void writeAll(int descriptor, std::span<const std::byte> bytes, const std::string& what);
+// The same from `offset` of the file on.
+void writeAllAt(int descriptor, std::span<const std::byte> bytes, uint64_t offset,
+                const std::string& what);
+// Fills `out` from where the file stands. False when it ends before, or cannot be read.
+bool readAll(int descriptor, std::span<std::byte> out);
+
+}  // namespace sluice

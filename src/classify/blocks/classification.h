@@ -1,0 +1,43 @@
+// VisibleBlocks: which blocks are white, grey or black, and the object box of each that is not
+// white (Tong 1999, section 3.2.2), from the min-max arrays and the opacity table alone.
+//
+// The paper bounds object voxels; we bound cells. A sample between two voxel planes interpolates
+// both, so cell slab i of an axis is empty when nothing is opaque on the whole interval that planes
+// i and i+1 span. The object box is the box of the non-empty slabs of the three axes.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "src/base/worker_pool.h"
+#include "src/classify/transfer/opacity_table.h"
+#include "src/volume/slice_ranges.h"
+
+namespace sluice {
+
+enum class BlockClass : uint8_t {
+  kWhite,  // no cell can show anything
+  kGrey,   // something is trimmed off
+  kBlack,  // the object box is all the block's cells
+};
+
+struct ObjectBlock {
+  int64_t block = 0;  // id in the layout
+  int64_t time = 0;   // the step that it is read from
+  Box3 cells;         // the object box: cells of the volume, inside the block's owned cells
+  BlockClass kind = BlockClass::kGrey;
+  int trimming_axis = 2;  // the shortest side of the object box; the last of equals
+};
+
+struct VisibleBlocks {
+  std::vector<ObjectBlock> blocks;  // grey and black ones, ascending by block
+  int64_t white = 0, grey = 0, black = 0;
+};
+
+// `crop`: cells that may show at all (the whole volume's by default); blocks and boxes are cut by
+// it. `time` is the step that the ranges are of. Throws Error when a sparse volume's background
+// would be visible in more blocks than can be listed.
+VisibleBlocks classify(const SliceRanges& ranges, const OpacityTable& table, const Box3& crop,
+                       WorkerPool& pool, int64_t time = 0);
+
+}  // namespace sluice

@@ -1,0 +1,29 @@
+// BoxVisibility: whether a box of cells shows anything under a transfer function, from the
+// intervals of its values and of its gradient magnitudes (Li 2003, section 3.1). It is what flips
+// growing boxes between visible and skipped.
+//
+// Conservative: false only when every sample of every cell has opacity 0. Immutable; any thread may
+// read.
+#pragma once
+
+#include "src/classify/boxes/brick_grid.h"
+#include "src/classify/transfer/opacity_table.h"
+
+namespace sluice {
+
+class BoxVisibility {
+ public:
+  // `table` must outlive it. The axes of `layout`, of the volume, need not be at right angles.
+  BoxVisibility(const OpacityTable& table, const VolumeLayout& layout);
+
+  bool shows(const CellRange& range) const;
+
+ private:
+  const OpacityTable& table_;
+  // Of a gradient's length where the axes are taken for orthogonal, its true length is at least and
+  // at most so much.
+  double least_stretch_ = 1, most_stretch_ = 1;
+  bool knows_gradients_ = false;
+};
+
+}  // namespace sluice

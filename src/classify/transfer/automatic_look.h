@@ -1,0 +1,59 @@
+// automaticLook: a picture worth looking at from the counts of the values alone, in terms that a
+// person can give again: a colour map and where it begins and ends, opacities at a few values.
+//
+// - background and its noise at the low end: what lies above is visible, coloured from its lowest
+//   value to the one that 3 in 1000 of it exceed;
+// - most values near zero and tails on both sides (a statistic, a vorticity): both tails are
+//   visible, cool below and warm above, zero grey whatever the range;
+// - background at the high end (a bright field): what lies below is visible;
+// - no background at all: a solid block, unlit, in grey where the values form one broad hump
+//   (electron microscopy), in colours where they lie all over their range (a temperature);
+// - tissue with few values far above it (vessels with contrast agent): these alone;
+// - two values: the surface between them, opaque;
+// - labels: each its own colour, opaque;
+// - a signed distance: a shell around zero;
+// - one value: translucent everywhere.
+// Fill values far off all others show nothing and have no say. Pure functions.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "src/base/value_counts.h"
+#include "src/classify/transfer/transfer_function.h"
+
+namespace sluice {
+
+struct AutomaticOptions {
+  // How many voxel lengths of the finest spacing a ray spends in the volume: about the mean of the
+  // three sides. Opacities follow from it, so that one sees into a thick volume as into a thin one.
+  double thickness_vox = 256;
+  // The volume is a distance to a surface (an OpenVDB level set): show a shell around zero.
+  bool signed_distance = false;
+  // World units, where known: the shell of a signed distance is some of these thick.
+  double finest_spacing = 0;
+  // Replaces the map that would be chosen; empty: chosen.
+  std::string_view map = {};
+};
+
+struct AutomaticLook {
+  // Its name says what was chosen: "automatic above 40". Values have few digits, so that the
+  // options that say the same are short.
+  TransferFunction transfer;
+  std::string map;       // empty for labels without one
+  ValueRange map_range;  // lo > hi: the map is turned round
+  bool lit = true;       // surfaces are worth lighting
+};
+
+// Throws Error when the map is unknown.
+AutomaticLook automaticLook(const ValueCounts& counts, const AutomaticOptions& options = {});
+
+// Whether the values are names: whole numbers, few of them or far between, that change seldom from
+// voxel to voxel and by any amount.
+bool areLabels(const ValueCounts& counts);
+// What labels take as nothing: 0 where it occurs, otherwise the most frequent value.
+double backgroundLabel(const ValueCounts& counts);
+// labelsTransfer() of the values that occur.
+TransferFunction labelsTransferOf(const ValueCounts& counts, std::string_view map = {});
+
+}  // namespace sluice

@@ -1,0 +1,39 @@
+// Named colour maps: what --map takes and what a transfer function's file may name.
+//
+// viridis, inferno, plasma, magma, cividis, turbo, cool-warm and black-body are the published maps,
+// within 2/255 a channel of their 256-entry tables; hot, grey, ct-bone, ct-soft-tissue, smoke and
+// ember are plain ramps. None is a rainbow but turbo.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "src/classify/transfer/transfer_function.h"
+
+namespace sluice {
+
+// What --threshold and the automatic choice use when no map is named.
+inline constexpr std::string_view kDefaultColorMap = "ct-bone";
+
+// All names, in the order in which help lists them.
+std::span<const std::string_view> colorMapNames();
+
+// The control points of a map over 0..1, the first at 0, the last at 1; nullopt for an unknown
+// name.
+std::optional<std::vector<ColorPoint>> colorMap(std::string_view name);
+
+// The same; throws Error, starting with `where` (the option or the file's field) and listing the
+// names, for an unknown one.
+std::vector<ColorPoint> requireColorMap(std::string_view name, const std::string& where);
+
+// The colour of a label: the same for a number in every volume, unlike those of the numbers near
+// it.
+Vec3d labelColor(double value);
+
+// Points over 0..1 moved to lo..hi; 0 and 1 are met exactly. Requires: lo <= hi, both finite.
+std::vector<ColorPoint> rescale(std::vector<ColorPoint> points, double lo, double hi);
+
+}  // namespace sluice

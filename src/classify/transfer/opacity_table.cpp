@@ -1,0 +1,160 @@
+#include "src/classify/transfer/opacity_table.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "src/base/error.h"
+
+namespace sluice {
+namespace {
+
+// Neighbouring entries may differ by this much, of 1: half of what an 8-bit picture shows.
+constexpr float kVisible = 0.5F / 255;
+// Entries that a step is spread over at least, so that rounding changes little, and at most: where
+// neighbours then differ by less than what is visible, samples need not interpolate.
+constexpr int kLeastStepEntries = 4, kMostStepEntries = 8;
+
+// The part of `all` over which the transfer function changes, where that is so small a part that it
+// would get few entries: simulations write a value far off the data where they know nothing.
+// Beyond it the ends hold.
+ValueRange tableRange(const TransferFunction& transfer, const ValueMap& map, ValueRange all) {
+  constexpr double kFewOfAll = 1.0 / 64, kMargin = 1.0 / 64;
+  double lo = std::min(transfer.colors.front().value, transfer.opacities.front().value);
+  double hi = std::max(transfer.colors.back().value, transfer.opacities.back().value);
+  for (const GradientRow& row : transfer.gradients) {
+    if (row.factors.size() == 1) continue;  // constant
+    lo = std::min(lo, row.factors.front().value);
+    hi = std::max(hi, row.factors.back().value);
+  }
+  const auto [from, to] = std::minmax({map.deviceOf(lo), map.deviceOf(hi)});
+  // Something on both sides of a lone step too.
+  const double margin = std::max(kMargin * (to - from), 1e-3 * std::max(-from, to));
+  ValueRange part{from - margin, to + margin};
+  if (map.type != DeviceType::kF32) part = {std::floor(part.lo), std::ceil(part.hi)};
+  part = {std::max(part.lo, all.lo), std::min(part.hi, all.hi)};
+  const bool is_few = part.lo < part.hi && part.hi - part.lo < kFewOfAll * (all.hi - all.lo);
+  return is_few ? part : all;
+}
+
+// Each integer falls on an entry, of floats that hold integers too.
+int entryCount(ValueRange range, int most) {
+  const double span = range.hi - range.lo;
+  const bool has_integers = std::floor(range.lo) == range.lo && std::floor(span) == span;
+  if (!has_integers || span < 1 || span > most - 1) return most;
+  return static_cast<int>(std::floor((most - 1) / span) * span) + 1;
+}
+
+// Makes ramps of the steps of `entries`, see the header. Returns over how many entries.
+int spreadSteps(std::vector<float>& entries) {
+  const std::vector<float> sharp = entries;
+  const auto last = static_cast<ptrdiff_t>(sharp.size()) - 1;
+  const auto stepAt = [&](ptrdiff_t i) {
+    return std::abs(sharp[static_cast<size_t>(i) + 1] - sharp[static_cast<size_t>(i)]);
+  };
+  float largest = 0;
+  for (ptrdiff_t i = 0; i < last; ++i) largest = std::max(largest, stepAt(i));
+  // A part more than needed, for what colours and the slopes beside the step add.
+  const auto parts = static_cast<int>(std::min(largest / kVisible, 1000.0F)) + 2;
+  const int step_entries =
+      parts - 1 <= kMostStepEntries ? std::max(parts - 1, kLeastStepEntries) : kLeastStepEntries;
+  // Each entry from which a step is in sight becomes the mean of itself and the step_entries after
+  // it: a ramp that ends where the step is, and never 0 for what was visible, also where two steps
+  // are close together.
+  ptrdiff_t done = 0;  // entries below are final
+  for (ptrdiff_t step = 0; step < last; ++step) {
+    if (stepAt(step) <= kVisible) continue;
+    for (ptrdiff_t i = std::max(done, step + 1 - step_entries); i <= step; ++i) {
+      float sum = 0;
+      for (ptrdiff_t k = i; k <= i + step_entries; ++k)
+        sum += sharp[static_cast<size_t>(std::min(k, last))];
+      entries[static_cast<size_t>(i)] = sum / static_cast<float>(step_entries + 1);
+      done = i + 1;
+    }
+  }
+  return step_entries;
+}
+
+std::vector<uint32_t> countBefore(size_t entries, const auto& isOpaque) {
+  std::vector<uint32_t> before(entries + 1);
+  for (size_t i = 0; i < entries; ++i) before[i + 1] = before[i] + (isOpaque(i) ? 1 : 0);
+  return before;
+}
+
+}  // namespace
+
+OpacityTable::OpacityTable(const TransferFunction& transfer, const ValueMap& map,
+                           ValueRange device_range, int most_entries)
+    : range_(tableRange(transfer, map, device_range)),
+      volume_range_(device_range),
+      labels_(transfer.labels) {
+  SLUICE_CHECK_LE(2, most_entries);
+  const double span = range_.hi - range_.lo;
+  const int count = entryCount(range_, most_entries);
+  entries_per_device_ = span > 0 ? (count - 1) / span : 0;
+  const auto size = static_cast<size_t>(count);
+  opacity_.resize(size);
+  rgb_.resize(3 * size);
+  for (size_t i = 0; i < size; ++i) {
+    const double value = map.valueOf(deviceAt(i));
+    const Vec3d color = colorAt(transfer, value);
+    opacity_[i] = static_cast<float>(opacityAt(transfer, value));
+    for (int channel = 0; channel < 3; ++channel)
+      rgb_[3 * i + static_cast<size_t>(channel)] = static_cast<float>(color[channel]);
+  }
+  step_entries_ = spreadSteps(opacity_);
+  must_interpolate_ = neighborsDiffer();
+  opaque_before_ = countBefore(size, [&](size_t i) { return opacity_[i] > 0; });
+  addGradients(transfer, map);
+}
+
+void OpacityTable::addGradients(const TransferFunction& transfer, const ValueMap& map) {
+  const std::vector<GradientRow>& rows = transfer.gradients;
+  const bool depends = std::any_of(rows.begin(), rows.end(),
+                                   [](const GradientRow& row) { return row.factors.size() > 1; });
+  for (const GradientRow& row : rows) {
+    magnitudes_.push_back(row.magnitude / std::abs(map.scale));
+    std::vector<float> factors(depends ? opacity_.size() : 1);
+    for (size_t i = 0; i < factors.size(); ++i)
+      factors[i] = static_cast<float>(gradientFactorAt(row, map.valueOf(deviceAt(i))));
+    if (depends) step_entries_ = std::max(step_entries_, spreadSteps(factors));
+    // A factor is interpolated, so it reaches to the entries beside it.
+    const auto shows = [&](size_t i) {
+      if (!depends) return factors[0] > 0;
+      return factors[i] > 0 || (i > 0 && factors[i - 1] > 0) ||
+             (i + 1 < factors.size() && factors[i + 1] > 0);
+    };
+    opaque_before_in_row_.push_back(
+        countBefore(opacity_.size(), [&](size_t i) { return opacity_[i] > 0 && shows(i); }));
+    factors_.insert(factors_.end(), factors.begin(), factors.end());
+  }
+}
+
+bool OpacityTable::anyOpaque(double lo, double hi, double gradient_lo, double gradient_hi) const {
+  if (magnitudes_.empty()) return anyOpaque(lo, hi);
+  // From the last row at or below the least magnitude to the first at or above the greatest:
+  // between two rows both have a part.
+  const auto above = std::upper_bound(magnitudes_.begin(), magnitudes_.end(), gradient_lo);
+  const auto from = above == magnitudes_.begin() ? above : above - 1;
+  const auto last = std::lower_bound(from, magnitudes_.end() - 1, gradient_hi);
+  const size_t entry_from = static_cast<size_t>(std::max(0, entryOf(lo) - 1));
+  const size_t entry_to = static_cast<size_t>(std::min(entries(), entryOf(hi) + 2));
+  for (auto row = from; row <= last; ++row) {
+    const auto& before = opaque_before_in_row_[static_cast<size_t>(row - magnitudes_.begin())];
+    if (before[entry_to] != before[entry_from]) return true;
+  }
+  return false;
+}
+
+bool OpacityTable::neighborsDiffer() const {
+  for (size_t i = 0; i + 1 < opacity_.size(); ++i) {
+    if (std::abs(opacity_[i + 1] - opacity_[i]) > kVisible) return true;
+    for (size_t c = 0; c < 3; ++c)
+      if (std::abs(opacity_[i + 1] * rgb_[3 * i + 3 + c] - opacity_[i] * rgb_[3 * i + c]) >
+          kVisible)
+        return true;
+  }
+  return false;
+}
+
+}  // namespace sluice

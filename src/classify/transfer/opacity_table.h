@@ -1,0 +1,102 @@
+// OpacityTable: a transfer function sampled over the device values of a volume, and the question
+// that every acceleration asks of it: is anything in [lo, hi] visible?
+//
+// The table is what classification reads and what a device looks values up in, so that a block
+// called empty is empty in the picture. Entry i stands for the device value
+//   lo + i * (hi - lo) / (entries - 1);
+// a sample takes the nearest entry, or interpolates two where neighbours differ visibly. Values
+// beyond the ends look as the ends do. For integers of a range below the entry count, each value
+// falls on an entry exactly.
+//
+// A step of the opacity is a ramp over the few entries below it (a sixteenth to an eighth of a
+// value of 8-bit data), since a value that rounding moves across a sharp one would flip a pixel
+// between two ways of drawing the same sample. At the step itself the ramp has reached its upper
+// end.
+//
+// A transfer function that looks at gradients adds rows of factors, one for each of its magnitudes
+// and with one factor an entry; they are interpolated along both.
+//
+// Immutable after construction; any thread may read.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "src/base/volume_source.h"
+#include "src/classify/transfer/transfer_function.h"
+#include "src/volume/device_voxel.h"
+
+namespace sluice {
+
+class OpacityTable {
+ public:
+  // About `most_entries` entries over `device_range` (all device values of the volume), or over the
+  // part of it in which the transfer function changes where that is less than a 64th.
+  OpacityTable(const TransferFunction& transfer, const ValueMap& map, ValueRange device_range,
+               int most_entries = 16384);
+
+  int entries() const { return static_cast<int>(opacity_.size()); }
+  // Of the first and the last entry.
+  ValueRange deviceRange() const { return range_; }
+  // How many entries below a step are part of its ramp.
+  int stepEntries() const { return step_entries_; }
+  // All device values of the volume.
+  ValueRange volumeRange() const { return volume_range_; }
+  // The nearest entry of a device value, clamped to the table.
+  int entryOf(double device) const {
+    const double at = (device - range_.lo) * entries_per_device_ + 0.5;
+    if (!(at > 0)) return 0;
+    return at >= entries() ? entries() - 1 : static_cast<int>(at);
+  }
+  // Of one voxel length of the finest spacing, not corrected for a step.
+  const std::vector<float>& opacity() const { return opacity_; }
+  // Values are names, see TransferFunction.
+  bool labels() const { return labels_; }
+  // Whether neighbouring entries differ by so much that a sample must interpolate.
+  bool mustInterpolate() const { return must_interpolate_; }
+  // r, g, b of each entry, not premultiplied.
+  const std::vector<float>& rgb() const { return rgb_; }
+
+  // Of the rows, device values a voxel length of the finest spacing. Empty: the gradient makes no
+  // difference.
+  const std::vector<double>& magnitudes() const { return magnitudes_; }
+  // Row after row; entries() a row, or one a row where none depends on the value.
+  const std::vector<float>& factors() const { return factors_; }
+
+  // False only when every sample between device values lo <= hi has opacity 0, also one that
+  // single-precision arithmetic moves to the next entry. O(1).
+  bool anyOpaque(double lo, double hi) const { return anyOpaqueEntry(entryOf(lo), entryOf(hi)); }
+  // The same for entries lo <= hi.
+  bool anyOpaqueEntry(int lo, int hi) const {
+    const int from = lo > 0 ? lo - 1 : 0;
+    const int to = hi + 1 < entries() ? hi + 2 : entries();
+    return opaque_before_[static_cast<size_t>(to)] != opaque_before_[static_cast<size_t>(from)];
+  }
+  // The same for samples whose gradient's magnitude is between `gradient_lo` and `gradient_hi`,
+  // device values a voxel length. O(rows).
+  bool anyOpaque(double lo, double hi, double gradient_lo, double gradient_hi) const;
+
+ private:
+  void addGradients(const TransferFunction& transfer, const ValueMap& map);
+  double deviceAt(size_t entry) const {
+    return range_.lo + (range_.hi - range_.lo) * static_cast<double>(entry) /
+                           std::max(1.0, static_cast<double>(opacity_.size() - 1));
+  }
+  bool neighborsDiffer() const;
+
+  ValueRange range_, volume_range_;
+  double entries_per_device_ = 0;
+  std::vector<float> opacity_;
+  std::vector<float> rgb_;
+  int step_entries_ = 0;
+  bool must_interpolate_ = false, labels_ = false;
+  std::vector<uint32_t> opaque_before_;  // [i]: entries below i whose opacity is not 0
+  std::vector<double> magnitudes_;
+  std::vector<float> factors_;
+  // Each row's own opaque_before_, of entries whose factor is not 0 either.
+  std::vector<std::vector<uint32_t>> opaque_before_in_row_;
+};
+
+}  // namespace sluice

@@ -1,0 +1,213 @@
+#include "src/classify/transfer/transfer_file.h"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+
+#include "src/base/error.h"
+#include "src/base/json_field.h"
+#include "src/base/text_file.h"
+#include "src/classify/transfer/color_maps.h"
+#include "src/classify/transfer/paraview_map.h"
+
+namespace sluice {
+namespace {
+
+constexpr const char* kVersionField = "sluice_transfer_function";
+constexpr int kVersion = 1;
+// No transfer function is this long; a volume given by mistake is.
+constexpr uint64_t kMostBytes = uint64_t{16} << 20;
+
+// "#rrggbb".
+Vec3d hexColor(const JsonField& field) {
+  const std::string& text = field.text();
+  unsigned rgb = 0;
+  const bool framed = text.size() == 7 && text[0] == '#';
+  const char* end = text.data() + text.size();
+  if (!framed || std::from_chars(text.data() + 1, end, rgb, 16).ptr != end) {
+    field.failExpected("a colour as '#rrggbb'");
+  }
+  return Vec3d{static_cast<double>(rgb >> 16), static_cast<double>(rgb >> 8 & 255),
+               static_cast<double>(rgb & 255)} /
+         255.0;
+}
+
+// [value, r, g, b] or [value, "#rrggbb"].
+ColorPoint colorPoint(const JsonField& field) {
+  if (field.isArray() && field.size() == 2) return {field[0].number(), hexColor(field[1])};
+  if (!field.isArray() || field.size() != 4)
+    field.failExpected("[value, r, g, b] or [value, '#rrggbb']");
+  return {field[0].number(), {field[1].share(), field[2].share(), field[3].share()}};
+}
+
+OpacityPoint opacityPoint(const JsonField& field, double unit_length_vox) {
+  if (!field.isArray() || field.size() != 2) field.failExpected("[value, opacity]");
+  const double given = field[1].share();
+  // What passes one voxel length is the unit_length_vox-th root of what passes them all.
+  const double opacity =
+      unit_length_vox == 1 ? given : -std::expm1(std::log1p(-given) / unit_length_vox);
+  return {field[0].number(), opacity};
+}
+
+// The points of a list, ascending.
+template <class Point, class Read>
+std::vector<Point> points(const JsonField& list, const Read& read) {
+  if (list.size() == 0) list.failExpected("at least one point");
+  std::vector<Point> result;
+  for (size_t i = 0; i < list.size(); ++i) {
+    const Point point = read(list[i]);
+    if (i > 0 && point.value < result.back().value) {
+      list[i][0].failExpected(fmt::format("{} or more, as points ascend", result.back().value));
+    }
+    result.push_back(point);
+  }
+  return result;
+}
+
+// [magnitude, factor] or [magnitude, [[value, factor], ...]].
+GradientRow gradientRow(const JsonField& field) {
+  if (!field.isArray() || field.size() != 2)
+    field.failExpected("[magnitude, factor] or [magnitude, [[value, factor], ...]]");
+  GradientRow row{field[0].number(), {}};
+  if (row.magnitude < 0) field[0].failExpected("a magnitude of 0 or more");
+  row.factors = field[1].isArray() ? points<OpacityPoint>(
+                                         field[1],
+                                         [](const JsonField& point) {
+                                           if (!point.isArray() || point.size() != 2)
+                                             point.failExpected("[value, factor]");
+                                           return OpacityPoint{point[0].number(), point[1].share()};
+                                         })
+                                   : std::vector<OpacityPoint>{{0, field[1].share()}};
+  return row;
+}
+
+std::vector<GradientRow> readGradients(const JsonField& document) {
+  std::vector<GradientRow> rows;
+  const auto list = document.find("gradient_opacities");
+  if (!list) return rows;
+  if (list->size() == 0 || list->size() > kMostGradientRows)
+    list->failExpected(fmt::format("1 to {} gradient magnitudes", kMostGradientRows));
+  for (size_t i = 0; i < list->size(); ++i) {
+    rows.push_back(gradientRow((*list)[i]));
+    if (i > 0 && rows[i].magnitude <= rows[i - 1].magnitude)
+      (*list)[i][0].failExpected(
+          fmt::format("more than {}, as magnitudes ascend", rows[i - 1].magnitude));
+  }
+  return rows;
+}
+
+// true: values are fractions of the volume's range.
+bool readDomain(const JsonField& document) {
+  const auto domain = document.find("domain");
+  if (!domain) return false;
+  if (domain->text() != "unit" && domain->text() != "values")
+    domain->failExpected("'values' or 'unit'");
+  return domain->text() == "unit";
+}
+
+double readUnitLength(const JsonField& document) {
+  const auto field = document.find("unit_length_vox");
+  if (!field) return 1;
+  if (!(field->number() > 0)) field->failExpected("a length above 0");
+  return field->number();
+}
+
+std::vector<ColorPoint> readColors(const JsonField& document, ValueRange whole,
+                                   const std::string& where) {
+  const auto map = document.find("map"), colors = document.find("colors"),
+             map_range = document.find("map_range");
+  if (map.has_value() == colors.has_value()) {
+    fail("{}: expected one of the fields /map and /colors, found {}", where, map ? "both" : "none");
+  }
+  if (colors) {
+    if (map_range) map_range->failExpected("no map_range without a map");
+    return points<ColorPoint>(*colors, colorPoint);
+  }
+  if (map_range) {
+    if (map_range->size() != 2) map_range->failExpected("[lo, hi]");
+    whole = {(*map_range)[0].number(), (*map_range)[1].number()};
+    if (whole.hi < whole.lo) map_range->failExpected("[lo, hi] with lo <= hi");
+  }
+  return rescale(requireColorMap(map->text(), fmt::format("{}: /map", where)), whole.lo, whole.hi);
+}
+
+TransferFunction ownTransfer(const JsonField& document, const std::string& where,
+                             ValueRange range) {
+  document.allowOnly({kVersionField, "name", "comment", "domain", "map", "map_range", "colors",
+                      "opacities", "gradient_opacities", "labels", "unit_length_vox"});
+  const JsonField version = document.require(kVersionField);
+  if (version.number() != kVersion) version.failExpected(fmt::format("version {}", kVersion));
+  const bool unit = readDomain(document);
+  const double unit_length_vox = readUnitLength(document);
+  TransferFunction transfer;
+  const auto name = document.find("name");
+  transfer.name = name ? name->text() : where;
+  transfer.colors = readColors(document, unit ? ValueRange{0, 1} : range, where);
+  transfer.opacities = points<OpacityPoint>(
+      document.require("opacities"),
+      [&](const JsonField& field) { return opacityPoint(field, unit_length_vox); });
+  transfer.gradients = readGradients(document);
+  if (const auto labels = document.find("labels")) transfer.labels = labels->flag();
+  if (unit) {
+    for (GradientRow& row : transfer.gradients) {
+      row.magnitude *= range.hi - range.lo;
+      for (OpacityPoint& point : row.factors)
+        point.value = std::lerp(range.lo, range.hi, point.value);
+    }
+    for (ColorPoint& point : transfer.colors)
+      point.value = std::lerp(range.lo, range.hi, point.value);
+    for (OpacityPoint& point : transfer.opacities)
+      point.value = std::lerp(range.lo, range.hi, point.value);
+  }
+  return transfer;
+}
+
+}  // namespace
+
+TransferFunction parseTransferFunction(std::string_view json, const std::string& where,
+                                       ValueRange range, std::string_view map) {
+  const nlohmann::json parsed = parseJson(json, where);
+  const JsonField document(parsed, where);
+  const bool paraview = document.isArray() || (document.isObject() && document.find("RGBPoints"));
+  TransferFunction transfer = paraview ? paraviewTransfer(document, where, range, map)
+                                       : ownTransfer(document, where, range);
+  if (!paraview && !map.empty())
+    transfer.colors = rescale(requireColorMap(map, "--map"), transfer.colors.front().value,
+                              transfer.colors.back().value);
+  validate(transfer, where);
+  return transfer;
+}
+
+TransferFunction readTransferFunction(const std::filesystem::path& path, ValueRange range,
+                                      std::string_view map) {
+  return parseTransferFunction(readTextFile(path, kMostBytes, "a transfer function"), path.string(),
+                               range, map);
+}
+
+std::string writeTransferFunction(const TransferFunction& transfer) {
+  nlohmann::ordered_json json;
+  json[kVersionField] = kVersion;
+  json["name"] = transfer.name;
+  json["domain"] = "values";
+  auto& colors = json["colors"] = nlohmann::ordered_json::array();
+  for (const auto& [value, rgb] : transfer.colors) {
+    colors.push_back({value, rgb.x, rgb.y, rgb.z});
+  }
+  auto& opacities = json["opacities"] = nlohmann::ordered_json::array();
+  for (const auto& [value, opacity] : transfer.opacities) opacities.push_back({value, opacity});
+  if (transfer.labels) json["labels"] = true;
+  if (!transfer.gradients.empty()) {
+    auto& gradients = json["gradient_opacities"] = nlohmann::ordered_json::array();
+    for (const auto& [magnitude, factors] : transfer.gradients) {
+      auto list = nlohmann::ordered_json::array();
+      for (const auto& [value, factor] : factors) list.push_back({value, factor});
+      gradients.push_back({magnitude, list});
+    }
+  }
+  // A name made from a path may be no UTF-8.
+  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+}  // namespace sluice

@@ -1,0 +1,63 @@
+// TransferFunction: what a value looks like. Control points of colour and of opacity over volume
+// values (after VolumeLayout's scale and offset), piecewise linear, constant beyond the first and
+// the last point.
+//
+// Two points at one value make a step: below it the first holds, at it and above it the second.
+//
+// With gradients it is a function of the plane of values and gradient magnitudes: the opacity over
+// values times a factor that rows at some magnitudes give, each a curve over values. Magnitudes are
+// those of the gradient in the world, in value units a voxel length of the finest spacing. Plain
+// data; makers of it are in transfer_makers.h and the files it is read from in
+// transfer_file.h.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "src/base/vec.h"
+#include "src/base/volume_source.h"
+
+namespace sluice {
+
+struct ColorPoint {
+  double value = 0;
+  Vec3d rgb{1, 1, 1};  // 0..1, as shown on a screen, not premultiplied
+};
+
+struct OpacityPoint {
+  double value = 0;
+  double opacity = 0;  // 0..1, of one voxel length of the finest spacing
+};
+
+// What of the opacity shows at one gradient magnitude.
+struct GradientRow {
+  double magnitude = 0;
+  std::vector<OpacityPoint> factors;  // 0..1 over values, as `opacities` is; not empty
+};
+inline constexpr size_t kMostGradientRows = 16;
+
+struct TransferFunction {
+  std::vector<ColorPoint> colors;       // ascending by value, not empty
+  std::vector<OpacityPoint> opacities;  // ascending by value, not empty
+  std::string name;                     // for reports: "threshold 40", "viridis", a file's name
+  // Strictly ascending by magnitude from 0 on, at most kMostGradientRows; linear in between and
+  // constant beyond. Empty: the gradient makes no difference.
+  std::vector<GradientRow> gradients = {};
+  // Values are names of things, with nothing between them: where a sample would interpolate, it
+  // takes the one of the eight voxels around it whose value has the greatest weight among them.
+  bool labels = false;
+};
+
+// The colour and the opacity at `value`, whatever the gradient: the most that any shows. NaN has
+// opacity 0.
+Vec3d colorAt(const TransferFunction& transfer, double value);
+double opacityAt(const TransferFunction& transfer, double value);
+// What of the opacity a gradient magnitude shows there: 1 without rows.
+double gradientFactorAt(const TransferFunction& transfer, double value, double magnitude);
+double gradientFactorAt(const GradientRow& row, double value);
+
+// Throws Error, starting with `where`, when a list is empty or descends, there are too many rows,
+// or a number is not finite or out of 0..1.
+void validate(const TransferFunction& transfer, const std::string& where);
+
+}  // namespace sluice

@@ -1,0 +1,99 @@
+#include "src/classify/transfer/transfer_makers.h"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include "src/base/error.h"
+
+namespace sluice {
+
+TransferFunction thresholdTransfer(double threshold, ValueRange range, double opacity,
+                                   std::string_view map) {
+  const double top = std::max(range.hi, threshold);
+  TransferFunction transfer;
+  transfer.name = fmt::format("threshold {}", threshold);
+  transfer.colors = rescale(requireColorMap(map, "--map"), threshold, top);
+  transfer.opacities = {{threshold, 0}, {threshold, 0.2 * opacity}};
+  // Above the range there is no ramp to climb.
+  if (threshold <= range.hi) transfer.opacities.push_back({range.hi, opacity});
+  validate(transfer, transfer.name);
+  return transfer;
+}
+
+TransferFunction mapTransfer(std::string_view map, ValueRange range, double opacity) {
+  TransferFunction transfer;
+  transfer.name = map;
+  transfer.colors = rescale(requireColorMap(map, "--map"), range.lo, range.hi);
+  transfer.opacities = {{range.lo, 0}, {range.hi, opacity}};
+  validate(transfer, transfer.name);
+  return transfer;
+}
+
+TransferFunction pointsTransfer(std::string_view map, ValueRange map_range,
+                                std::vector<OpacityPoint> opacities) {
+  TransferFunction transfer;
+  transfer.name = map;
+  std::vector<ColorPoint> colors = requireColorMap(map, "--map");
+  if (map_range.lo > map_range.hi) {
+    std::reverse(colors.begin(), colors.end());
+    for (ColorPoint& point : colors) point.value = 1 - point.value;
+    std::swap(map_range.lo, map_range.hi);
+  }
+  transfer.colors = rescale(std::move(colors), map_range.lo, map_range.hi);
+  transfer.opacities = std::move(opacities);
+  validate(transfer, "--opacities");
+  return transfer;
+}
+
+TransferFunction wholeRangeTransfer(std::string_view map, ValueRange range) {
+  TransferFunction transfer = pointsTransfer(map, range, {{0, 1}});
+  transfer.name = fmt::format("all values, {:.6g} to {:.6g}", range.lo, range.hi);
+  return transfer;
+}
+
+TransferFunction labelsTransfer(const std::vector<double>& values, double background,
+                                std::string_view map) {
+  SLUICE_CHECK(!values.empty());
+  TransferFunction over_values;
+  if (!map.empty())
+    over_values.colors = rescale(requireColorMap(map, "--map"), values.front(), values.back());
+  TransferFunction transfer;
+  transfer.labels = true;
+  transfer.name = fmt::format("{} labels", values.size() - 1);
+  for (size_t i = 0; i < values.size(); ++i) {
+    const double value = values[i];
+    const Vec3d rgb = map.empty() ? labelColor(value) : colorAt(over_values, value);
+    const double opacity = value == background ? 0 : 1;
+    // Half way to its neighbours, so that rounding moves no label into the next one's colour.
+    const double lo = i == 0 ? value : std::midpoint(values[i - 1], value);
+    const double hi = i + 1 == values.size() ? value : std::midpoint(value, values[i + 1]);
+    transfer.colors.push_back({lo, rgb});
+    transfer.colors.push_back({hi, rgb});
+    transfer.opacities.push_back({lo, opacity});
+    transfer.opacities.push_back({hi, opacity});
+  }
+  return transfer;
+}
+
+TransferFunction modulateByGradient(TransferFunction transfer, double full_magnitude) {
+  if (!transfer.gradients.empty())
+    fail("{}: expected a transfer function without gradients to modulate, found one with them",
+         transfer.name);
+  if (!(full_magnitude > 0))
+    fail("{}: expected a gradient magnitude above 0 to modulate by, found {}", transfer.name,
+         full_magnitude);
+  transfer.gradients = {{0, {{0, 0}}}, {full_magnitude, {{0, 1}}}};
+  transfer.name += ", modulated";
+  validate(transfer, transfer.name);
+  return transfer;
+}
+
+TransferFunction scaleOpacity(TransferFunction transfer, double factor) {
+  for (OpacityPoint& point : transfer.opacities) {
+    point.opacity = std::clamp(point.opacity * factor, 0.0, 1.0);
+  }
+  return transfer;
+}
+
+}  // namespace sluice

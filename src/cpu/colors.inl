@@ -1,0 +1,165 @@
+// What a value looks like: the look-up, factors of gradients, light. Included once a target.
+
+struct Color {
+  V r, g, b, a;
+};
+
+// exp(x), and 2^x of it.
+HWY_INLINE V powerOfTwo(V x) { return hn::Exp(F(), hn::Mul(x, all(0.693147180559945F))); }
+
+HWY_INLINE Color entryAt(const KernelFrame& frame, VI entry) {
+  const VI at = hn::ShiftLeft<2>(entry);
+  return {hn::GatherIndex(F(), frame.entries, at), hn::GatherIndex(F(), frame.entries + 1, at),
+          hn::GatherIndex(F(), frame.entries + 2, at), hn::GatherIndex(F(), frame.entries + 3, at)};
+}
+
+#if HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX2
+constexpr bool kReadsPacked = true;
+// See packed_entries.h.
+HWY_INLINE Color packedEntryAt(const KernelFrame& frame, VI entry) {
+  const hn::Half<I> half;
+  const hn::Rebind<int64_t, decltype(half)> wide;
+  const auto lower = hn::GatherIndex(wide, frame.packed_entries,
+                                     hn::PromoteTo(wide, hn::LowerHalf(half, entry)));
+  const auto upper = hn::GatherIndex(wide, frame.packed_entries,
+                                     hn::PromoteTo(wide, hn::UpperHalf(half, entry)));
+  const VI first = hn::ConcatEven(I(), hn::BitCast(I(), upper), hn::BitCast(I(), lower));
+  const VI second = hn::ConcatOdd(I(), hn::BitCast(I(), upper), hn::BitCast(I(), lower));
+  const VI mask = hn::Set(I(), 0xFFFF << kPackedShift);
+  constexpr int kDown = 16 - kPackedShift;
+  const V unit = all(frame.color_unit);
+  return {
+      hn::Mul(unit, hn::BitCast(F(), hn::And(hn::ShiftLeft<kPackedShift>(first), mask))),
+      hn::Mul(unit, hn::BitCast(F(), hn::And(hn::ShiftRight<kDown>(first), mask))),
+      hn::Mul(unit, hn::BitCast(F(), hn::And(hn::ShiftLeft<kPackedShift>(second), mask))),
+      hn::Mul(all(frame.opacity_unit),
+              hn::BitCast(F(), hn::And(hn::ShiftRight<kDown>(second), mask)))};
+}
+#else
+// Gathers are loads of single lanes there.
+constexpr bool kReadsPacked = false;
+HWY_INLINE Color packedEntryAt(const KernelFrame& frame, VI entry) {
+  return entryAt(frame, entry);
+}
+#endif
+
+// From 0 to last_entry.
+HWY_INLINE V entryOf(const KernelFrame& frame, V value) {
+  const V at = hn::MulAdd(value, all(frame.entry_scale), all(frame.entry_offset));
+  return hn::Min(hn::Max(at, hn::Zero(F())), all(frame.last_entry));
+}
+
+HWY_INLINE Color colorAt(const KernelFrame& frame, V entry) {
+  if (!frame.interpolates) {
+    const VI nearest = wholeOf(hn::Add(entry, all(0.5F)));
+    return kReadsPacked ? packedEntryAt(frame, nearest) : entryAt(frame, nearest);
+  }
+  const VI first = hn::ConvertTo(I(), entry);
+  const VI last = hn::Set(I(), static_cast<int32_t>(frame.last_entry));
+  const Color a = entryAt(frame, first);
+  const Color b = entryAt(frame, hn::Min(hn::Add(first, hn::Set(I(), 1)), last));
+  const V part = hn::Sub(entry, hn::ConvertTo(F(), first)), rest = hn::Sub(all(1.0F), part);
+  return {between(a.r, b.r, part, rest), between(a.g, b.g, part, rest),
+          between(a.b, b.b, part, rest), between(a.a, b.a, part, rest)};
+}
+
+// The part, 0 to 1, that a sample takes in modes other than composite.
+HWY_INLINE V partAt(const KernelFrame& frame, V entry) {
+  const VI first = hn::ConvertTo(I(), entry);
+  const VI last = hn::Set(I(), static_cast<int32_t>(frame.last_entry));
+  const VI second = hn::Min(hn::Add(first, hn::Set(I(), 1)), last);
+  const V part = hn::Sub(entry, hn::ConvertTo(F(), first));
+  return between(hn::GatherIndex(F(), frame.entries + 3, hn::ShiftLeft<2>(first)),
+                 hn::GatherIndex(F(), frame.entries + 3, hn::ShiftLeft<2>(second)), part,
+                 hn::Sub(all(1.0F), part));
+}
+
+// Linear between rows and entries, constant beyond.
+HWY_INLINE V factorAt(const KernelFrame& frame, V magnitude, V entry) {
+  V row = hn::Zero(F());
+  for (int i = 0; i + 1 < frame.rows; ++i) {
+    const V passed = hn::Mul(hn::Sub(magnitude, all(frame.row_starts[i])),
+                             all(frame.row_growths[i]));
+    row = hn::Add(row, hn::Min(hn::Max(passed, hn::Zero(F())), all(1.0F)));
+  }
+  const int entries = frame.factor_entries;
+  const VI row_lo = hn::ConvertTo(I(), row);
+  const VI row_hi = hn::Min(hn::Add(row_lo, hn::Set(I(), 1)), hn::Set(I(), frame.rows - 1));
+  const V row_part = hn::Sub(row, hn::ConvertTo(F(), row_lo));
+  const V row_rest = hn::Sub(all(1.0F), row_part);
+  const VI width = hn::Set(I(), entries);
+  if (entries == 1)
+    return between(hn::GatherIndex(F(), frame.factors, row_lo),
+                   hn::GatherIndex(F(), frame.factors, row_hi), row_part, row_rest);
+  const VI lo = hn::ConvertTo(I(), entry);
+  const VI hi = hn::Min(hn::Add(lo, hn::Set(I(), 1)), hn::Set(I(), entries - 1));
+  const V part = hn::Sub(entry, hn::ConvertTo(F(), lo)), rest = hn::Sub(all(1.0F), part);
+  const VI from = hn::Mul(row_lo, width), next = hn::Mul(row_hi, width);
+  const V first = between(hn::GatherIndex(F(), frame.factors, hn::Add(from, lo)),
+                          hn::GatherIndex(F(), frame.factors, hn::Add(from, hi)), part, rest);
+  const V second = between(hn::GatherIndex(F(), frame.factors, hn::Add(next, lo)),
+                           hn::GatherIndex(F(), frame.factors, hn::Add(next, hi)), part, rest);
+  return between(first, second, row_part, row_rest);
+}
+
+// The opacity of `lengths` unit lengths from that of one.
+HWY_INLINE V corrected(V opacity, V lengths) {
+  const V clear = hn::Max(hn::Sub(all(1.0F), opacity), all(1e-37F));
+  const V left = hn::Exp(F(), hn::Mul(lengths, hn::Log(F(), clear)));
+  return hn::IfThenElse(hn::Lt(opacity, all(1.0F)), hn::Sub(all(1.0F), left), all(1.0F));
+}
+
+HWY_INLINE V shine(const KernelFrame& frame, V x) {
+  if (frame.whole_shininess > 0) {
+    V result = all(1.0F);
+    for (int n = frame.whole_shininess; n > 0; n /= 2) {
+      if ((n & 1) != 0) result = hn::Mul(result, x);
+      x = hn::Mul(x, x);
+    }
+    return result;
+  }
+  const V power = hn::Exp(
+      F(), hn::Mul(all(frame.shininess), hn::Log(F(), hn::Max(x, all(1e-37F)))));
+  return frame.shininess > 0 ? hn::IfThenElseZero(hn::Gt(x, hn::Zero(F())), power) : all(1.0F);
+}
+
+// Device values a world unit, camera space, divided by `unit`; its length squared.
+struct Gradient {
+  V3 g;
+  V unit, squared;
+};
+HWY_INLINE Gradient gradientOf(const KernelFrame& frame, const KernelBox& box, V3 difference) {
+  // In units of the steepest axis, since squares of the values themselves may overflow.
+  const V unit = hn::Max(
+      hn::Max(hn::Abs(difference.x), hn::Max(hn::Abs(difference.y), hn::Abs(difference.z))),
+      all(1e-30F));
+  const V scale = hn::Div(all(1.0F), unit);
+  difference = {hn::Mul(difference.x, scale), hn::Mul(difference.y, scale),
+                hn::Mul(difference.z, scale)};
+  const Float3& a = frame.camera_gradient[static_cast<size_t>(box.axes[0])];
+  const Float3& b = frame.camera_gradient[static_cast<size_t>(box.axes[1])];
+  const Float3& c = frame.camera_gradient[static_cast<size_t>(box.axes[2])];
+  const V3 g{dot3({a[0], b[0], c[0]}, difference), dot3({a[1], b[1], c[1]}, difference),
+             dot3({a[2], b[2], c[2]}, difference)};
+  return {g, unit, hn::MulAdd(g.z, g.z, hn::MulAdd(g.y, g.y, hn::Mul(g.x, g.x)))};
+}
+
+// As lighting.h has it; `color` premultiplied.
+HWY_INLINE Color shaded(const KernelFrame& frame, const Color& color, const Gradient& gradient) {
+  const V to_unit = hn::Div(all(1.0F), hn::Sqrt(hn::Max(gradient.squared, all(1e-37F))));
+  V diffuse = hn::Zero(F()), specular = hn::Zero(F());
+  for (size_t i = 0; i < frame.toward.size(); ++i) {
+    diffuse = hn::Add(diffuse, hn::Abs(dot3(frame.toward[i], gradient.g)));
+    const V mirrored = hn::Mul(to_unit, hn::Abs(dot3(frame.halfway[i], gradient.g)));
+    specular = hn::MulAdd(all(frame.specular[i]), shine(frame, mirrored), specular);
+  }
+  const V bright = hn::MulAdd(to_unit, diffuse, all(frame.ambient));
+  const V gleam = hn::Mul(color.a, specular);
+  const V flat = hn::Div(all(frame.flat), gradient.unit);
+  const V part = hn::Div(gradient.squared,
+                         hn::Max(hn::MulAdd(flat, flat, gradient.squared), all(1e-37F)));
+  const V rest = hn::Sub(all(1.0F), part);
+  return {between(color.r, hn::MulAdd(color.r, bright, gleam), part, rest),
+          between(color.g, hn::MulAdd(color.g, bright, gleam), part, rest),
+          between(color.b, hn::MulAdd(color.b, bright, gleam), part, rest), color.a};
+}

@@ -1,0 +1,211 @@
+// Composite: a packet of pixels goes through one box after another, front to back.
+#include <algorithm>
+
+// Highway says in which order.
+// clang-format off
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "src/cpu/composite_kernels.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+#include <hwy/contrib/math/math-inl.h>
+// clang-format on
+
+#include "src/cpu/kernel_values.h"
+#include "src/cpu/packed_entries.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace sluice::HWY_NAMESPACE {
+namespace {
+namespace hn = hwy::HWY_NAMESPACE;
+
+// Each needs those before it.
+// clang-format off
+#include "src/cpu/rays.inl"
+#include "src/cpu/texels.inl"
+#include "src/cpu/colors.inl"
+// clang-format on
+
+// What a sample's colour takes beyond the look-up.
+enum class Shading {
+  kTable,      // nothing: parallel views
+  kLength,     // the opacity corrected for the ray: perspective views
+  kGradients,  // light, or factors of the opacity; either view
+};
+
+// A packet's pixels while they are drawn.
+struct Pixels {
+  Color sum;
+  V depth_sum;
+  VI taken;
+};
+
+template <DeviceType kType, Shading kShading>
+HWY_INLINE Color colorOf(const KernelFrame& frame, const KernelBox& box, const V3& at,
+                         const Place& place, V value, V ray_length) {
+  const V entry = entryOf(frame, value);
+  Color color = colorAt(frame, entry);
+  if constexpr (kShading == Shading::kLength) {
+    color.a = hn::Sub(all(1.0F), powerOfTwo(hn::Mul(color.a, ray_length)));
+    color = {hn::Mul(color.r, color.a), hn::Mul(color.g, color.a), hn::Mul(color.b, color.a),
+             color.a};
+  }
+  if constexpr (kShading == Shading::kGradients) {
+    const V3 difference =
+        box.has_margin ? differencesAt<kType>(box, place)
+                       : V3{differenceAlong<kType>(box, at, 0), differenceAlong<kType>(box, at, 1),
+                            differenceAlong<kType>(box, at, 2)};
+    const Gradient gradient = gradientOf(frame, box, difference);
+    if (frame.rows > 0) {
+      const V magnitude = hn::Mul(gradient.unit, hn::Sqrt(gradient.squared));
+      color.a = hn::Mul(color.a, factorAt(frame, magnitude, entry));
+      if (frame.corrects)
+        color.a = corrected(color.a, hn::Mul(ray_length, all(frame.slice_length)));
+    } else if (frame.perspective) {
+      color.a = hn::Sub(all(1.0F), powerOfTwo(hn::Mul(color.a, ray_length)));
+    }
+    if (frame.rows > 0 || frame.perspective)
+      color = {hn::Mul(color.r, color.a), hn::Mul(color.g, color.a), hn::Mul(color.b, color.a),
+               color.a};
+    if (frame.lit) color = shaded(frame, color, gradient);
+  }
+  return color;
+}
+
+// The box for one packet. `going`: pixels that take samples.
+template <DeviceType kType, Shading kShading>
+HWY_INLINE void drawPacket(const KernelFrame& frame, const KernelBox& box,
+                           const Positions& positions, const Packet& packet, M going,
+                           Pixels& pixels) {
+  const V3 step = stepOf(frame, packet);
+  const Slices slices = slicesIn(frame, box, packet, step);
+  const V count = hn::IfThenElseZero(going, slices.count);
+  const float most = hn::GetLane(hn::MaxOfLanes(F(), count));
+  if (!(most > 0)) return;
+  const V3 first = texelsOf(box, voxelsOf(positions, packet));
+  const V3 pace = ordered(step, box.axes);
+  V ray_length = all(1.0F);
+  if (kShading != Shading::kTable && frame.perspective) {
+    const V u = hn::MulAdd(packet.px, all(frame.pixel_ray[0]), all(frame.pixel_ray[1]));
+    const V v = hn::MulAdd(packet.py, all(frame.pixel_ray[2]), all(frame.pixel_ray[3]));
+    ray_length = hn::Sqrt(hn::MulAdd(v, v, hn::MulAdd(u, u, all(1.0F))));
+  }
+  const Cells cells = cellsOf(box);
+  const V box_opacity = all(frame.box_opacity), ray_opacity = all(frame.ray_opacity);
+  // What stands for no number is too large for a part of it to be a matter of rounding.
+  const bool clamps =
+      kType == DeviceType::kF32 || kShading == Shading::kGradients || frame.labels || box.is_thin;
+  const bool ends_in_box = frame.box_opacity <= 1;
+  V in_box = hn::Zero(F());
+  M active = hn::Gt(count, hn::Zero(F()));
+  const int turns = static_cast<int>(most);
+  for (int j = 0; j < turns; ++j) {
+    const V turn = all(static_cast<float>(j));
+    active = hn::And(active, hn::Lt(turn, count));
+    const V k = hn::Add(slices.from, turn);
+    V3 at{hn::MulAdd(k, pace.x, first.x), hn::MulAdd(k, pace.y, first.y),
+          hn::MulAdd(k, pace.z, first.z)};
+    if (clamps) at = clamped(cells, at);
+    const Place place = placeAt(cells, at);
+    if (frame.counts_taken)
+      pixels.taken = hn::Sub(pixels.taken, hn::VecFromMask(I(), hn::RebindMask(I(), active)));
+    const V value = frame.labels ? labelAt<kType>(box, place) : valueAt<kType>(box, place);
+    M shows = active;
+    if (kType == DeviceType::kF32) shows = hn::AndNot(isNoNumber(value), shows);
+    if (!frame.shades_every_sample) {
+      shows = hn::And(shows, hn::And(hn::Ge(value, all(frame.least_visible)),
+                                     hn::Le(value, all(frame.most_visible))));
+      if (hn::AllFalse(F(), shows)) continue;
+    }
+    const Color color = colorOf<kType, kShading>(frame, box, at, place, value, ray_length);
+    const V left = hn::IfThenElseZero(shows, hn::Sub(all(1.0F), pixels.sum.a));
+    if (frame.with_depth) {
+      const V slice = hn::Add(k, all(box.first_slice + 0.5F));
+      const V depth = hn::MulAdd(slice, all(frame.depth_step), all(frame.first_depth));
+      pixels.depth_sum = hn::MulAdd(hn::Mul(left, color.a), depth, pixels.depth_sum);
+    }
+    pixels.sum = {hn::MulAdd(left, color.r, pixels.sum.r), hn::MulAdd(left, color.g, pixels.sum.g),
+                  hn::MulAdd(left, color.b, pixels.sum.b), hn::MulAdd(left, color.a, pixels.sum.a)};
+    if (ends_in_box) {
+      in_box = hn::MulAdd(hn::Sub(all(1.0F), in_box), hn::IfThenElseZero(shows, color.a), in_box);
+      active = hn::And(active, hn::Lt(in_box, box_opacity));
+    }
+    // One that is through may go on with the others: nothing of it is seen.
+    if (hn::AllFalse(F(), hn::And(active, hn::Lt(pixels.sum.a, ray_opacity)))) break;
+  }
+}
+
+// The packet's pixels that still take samples.
+HWY_INLINE M goingOf(const KernelFrame& frame, const TilePixels& tile, int at, V opacity) {
+  const V stopped = hn::Load(F(), tile.stopped + at);
+  return hn::And(hn::Eq(stopped, hn::Zero(F())), hn::Lt(opacity, all(frame.ray_opacity)));
+}
+
+template <DeviceType kType, Shading kShading>
+HWY_NOINLINE void drawBox(const KernelFrame& frame, const KernelBox& box, TilePixels& tile) {
+  const int x_lo = std::max(0, box.x_lo - tile.x) / kPacketWidth * kPacketWidth;
+  const int y_lo = std::max(0, box.y_lo - tile.y) / kPacketHeight * kPacketHeight;
+  const int x_hi = std::min(kTileSide, box.x_hi - tile.x);
+  const int y_hi = std::min(kTileSide, box.y_hi - tile.y);
+  const Positions positions = positionsIn(box, tile);
+  for (int y = y_lo; y < y_hi; y += kPacketHeight)
+    for (int x = x_lo; x < x_hi; x += kPacketWidth) {
+      const int at = (y / kPacketHeight * (kTileSide / kPacketWidth) + x / kPacketWidth) * kLanes;
+      const V opacity = hn::Load(F(), tile.color[3] + at);
+      const M going = goingOf(frame, tile, at, opacity);
+      if (hn::AllFalse(F(), going)) continue;
+      Pixels pixels{{hn::Load(F(), tile.color[0] + at), hn::Load(F(), tile.color[1] + at),
+                     hn::Load(F(), tile.color[2] + at), opacity},
+                    frame.with_depth ? hn::Load(F(), tile.depth_sum + at) : hn::Zero(F()),
+                    hn::Zero(I())};
+      drawPacket<kType, kShading>(frame, box, positions, packetAt(frame, tile, x, y), going,
+                                  pixels);
+      hn::Store(pixels.sum.r, F(), tile.color[0] + at);
+      hn::Store(pixels.sum.g, F(), tile.color[1] + at);
+      hn::Store(pixels.sum.b, F(), tile.color[2] + at);
+      hn::Store(pixels.sum.a, F(), tile.color[3] + at);
+      if (frame.with_depth) hn::Store(pixels.depth_sum, F(), tile.depth_sum + at);
+      if (frame.counts_taken)
+        tile.taken += static_cast<uint64_t>(hn::GetLane(hn::SumOfLanes(I(), pixels.taken)));
+    }
+}
+
+// Whether no pixel of the tile takes more samples.
+HWY_INLINE bool isThrough(const KernelFrame& frame, const TilePixels& tile) {
+  for (int at = 0; at < kTilePixels; at += kLanes)
+    if (!hn::AllFalse(F(), goingOf(frame, tile, at, hn::Load(F(), tile.color[3] + at))))
+      return false;
+  return true;
+}
+
+template <DeviceType kType>
+void drawTyped(const KernelFrame& frame, const KernelBox* boxes, const uint32_t* indices,
+               size_t count, TilePixels& tile) {
+  constexpr size_t kBoxesBetweenLooks = 8;
+  for (size_t i = 0; i < count; ++i) {
+    if (i % kBoxesBetweenLooks == 0 && isThrough(frame, tile)) return;
+    const KernelBox& box = boxes[indices[i]];
+    if (frame.lit || frame.rows > 0)
+      drawBox<kType, Shading::kGradients>(frame, box, tile);
+    else if (frame.perspective)
+      drawBox<kType, Shading::kLength>(frame, box, tile);
+    else
+      drawBox<kType, Shading::kTable>(frame, box, tile);
+  }
+}
+
+}  // namespace
+
+void drawComposite(const KernelFrame& frame, const KernelBox* boxes, const uint32_t* indices,
+                   size_t count, TilePixels& tile) {
+  switch (frame.type) {
+    case DeviceType::kU8:
+      return drawTyped<DeviceType::kU8>(frame, boxes, indices, count, tile);
+    case DeviceType::kU16:
+      return drawTyped<DeviceType::kU16>(frame, boxes, indices, count, tile);
+    case DeviceType::kF32:
+      return drawTyped<DeviceType::kF32>(frame, boxes, indices, count, tile);
+  }
+}
+
+}  // namespace sluice::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();

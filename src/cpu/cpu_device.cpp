@@ -1,0 +1,158 @@
+#include "src/cpu/cpu_device.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "src/base/error.h"
+#include "src/cpu/kernel_box.h"
+#include "src/cpu/tile_bins.h"
+#include "src/device/drawing_cost.h"
+
+namespace sluice {
+namespace {
+
+constexpr int64_t kMostTexels = 2048, kMostPixels = 1 << 14;
+// Boxes are put off until they have about so many samples, or are so many: tiles of fewer leave
+// threads waiting, and reading goes on meanwhile.
+constexpr double kMostPutOffSamples = 1 << 25;
+constexpr size_t kMostPutOffBoxes = 1 << 16;
+// What a kernel reads at once.
+constexpr size_t kLeastBytes = 4;
+// Boxes of a tile between two looks whether to stop.
+constexpr size_t kBoxesBetweenStops = 256;
+
+}  // namespace
+
+CpuDevice::CpuDevice(WorkerPool& pool, SimdTarget target)
+    : pool_(pool),
+      kernels_(kernelsOf(target)),
+      renderer_(fmt::format("SIMD {}, {} thread{}", kernels_.name, pool.threads(),
+                            pool.threads() == 1 ? "" : "s")),
+      picture_(pool) {}
+
+DeviceLimits CpuDevice::limits() const {
+  return {kMostTexels, kMostPixels, TexelPlace::kBorrowed};
+}
+
+void CpuDevice::makeResident(uint64_t id, ChunkTexelsPtr texels) {
+  Resident resident{std::move(texels), {}, false};
+  const ChunkTexels& chunk = *resident.texels;
+  if (chunk.byte_count < kLeastBytes) {
+    resident.padded.assign(chunk.bytes.get(), chunk.bytes.get() + chunk.byte_count);
+    resident.padded.resize(kLeastBytes);
+  }
+  const bool fresh = resident_.emplace(id, std::move(resident)).second;
+  SLUICE_CHECK(fresh);
+}
+
+void CpuDevice::evict(uint64_t id) {
+  const auto found = resident_.find(id);
+  SLUICE_CHECK(found != resident_.end());
+  if (found->second.is_put_off) drawNow();
+  resident_.erase(found);
+}
+
+void CpuDevice::beginFrame(const FrameSetup& setup, const StopToken& stop) {
+  SLUICE_CHECK_LE(setup.clip_planes.size(), kMostClipPlanes);
+  if (std::max(setup.size.width, setup.size.height) > kMostPixels)
+    fail("a picture of {} x {} pixels: the CPU device draws at most {} along an axis",
+         setup.size.width, setup.size.height, kMostPixels);
+  forgetPutOff();
+  setup_ = setup;
+  stop_ = stop;
+  taken_ = 0;
+  tables_.emplace(setup_);
+  picture_.clear(setup_, kernels_);
+}
+
+void CpuDevice::draw(std::span<const BoxDraw> boxes) {
+  stop_.throwIfStopped();
+  for (size_t i = 0; i < boxes.size(); ++i) {
+    if (i == 0 || boxes[i].chunk != boxes[i - 1].chunk) {
+      const auto found = resident_.find(boxes[i].chunk);
+      SLUICE_CHECK(found != resident_.end());
+      found->second.is_put_off = true;
+      ++binds_;
+    }
+    put_off_.push_back(boxes[i]);
+    put_off_samples_ += aboutSamples(setup_, boxes[i].cells);
+  }
+  if (put_off_samples_ > kMostPutOffSamples || put_off_.size() > kMostPutOffBoxes) drawNow();
+}
+
+void CpuDevice::forgetPutOff() {
+  if (put_off_.empty()) return;
+  put_off_.clear();
+  put_off_samples_ = 0;
+  for (auto& [id, chunk] : resident_) chunk.is_put_off = false;
+}
+
+void CpuDevice::drawNow() {
+  stop_.throwIfStopped();
+  if (put_off_.empty()) return;
+  std::vector<KernelBox> boxes;
+  boxes.reserve(put_off_.size());
+  for (const BoxDraw& box : put_off_) {
+    const Resident& chunk = resident_.at(box.chunk);
+    appendBox(setup_, box, chunk.texels.get(), chunk.bytes(), boxes);
+  }
+  forgetPutOff();
+  const TileBins bins = tileBins(boxes, picture_.tilesAcross(), picture_.tilesUp());
+  const KernelFrame& frame = tables_->frame();
+  const auto draw = setup_.mode == Mode::kComposite ? kernels_.composite : kernels_.other;
+  pool_.parallelFor(picture_.tiles(), [&](int64_t index) {
+    TilePixels tile = picture_.tile(index);
+    std::span<const uint32_t> rest = bins.of(index);
+    while (!rest.empty()) {
+      stop_.throwIfStopped();
+      const auto part = rest.first(std::min(kBoxesBetweenStops, rest.size()));
+      draw(frame, boxes.data(), part.data(), part.size(), tile);
+      rest = rest.subspan(part.size());
+    }
+    if (tile.taken > 0) taken_ += tile.taken;
+  });
+}
+
+std::vector<float> CpuDevice::leastOpacity(const MapGrid& grid) {
+  SLUICE_CHECK(setup_.mode == Mode::kComposite);
+  drawNow();
+  return picture_.leastOpacity(grid);
+}
+
+void CpuDevice::stopOpaque() {
+  SLUICE_CHECK(setup_.mode == Mode::kComposite);
+  drawNow();
+  picture_.stopOpaque(static_cast<float>(setup_.opacity_threshold));
+}
+
+uint64_t CpuDevice::countSamples(std::span<const BoxDraw> draws) {
+  std::vector<KernelBox> boxes;
+  boxes.reserve(draws.size());
+  for (const BoxDraw& box : draws) appendBox(setup_, box, nullptr, nullptr, boxes);
+  const TileBins bins = tileBins(boxes, picture_.tilesAcross(), picture_.tilesUp());
+  std::atomic<uint64_t> samples = 0;
+  pool_.parallelFor(picture_.tiles(), [&](int64_t index) {
+    const auto of_tile = bins.of(index);
+    if (of_tile.empty()) return;
+    samples += kernels_.count(tables_->frame(), boxes.data(), of_tile.data(), of_tile.size(),
+                              picture_.tile(index));
+  });
+  return samples;
+}
+
+uint64_t CpuDevice::takenSamples() {
+  SLUICE_CHECK(tables_->frame().counts_taken);
+  return taken_;
+}
+
+Picture CpuDevice::endFrame() {
+  drawNow();
+  stop_.throwIfStopped();
+  Picture picture = std::exchange(spare_, {});
+  picture_.copyTo(setup_, picture);
+  return picture;
+}
+
+}  // namespace sluice

@@ -1,0 +1,75 @@
+// CpuDevice: the Device that draws with the processor's own vector instructions, for machines
+// without a GPU. It borrows the texels of resident chunks (no copy), puts boxes off until there are
+// many, sorts them into tiles of the picture, front to back, and draws the tiles on the threads of
+// a pool: a packet of pixels goes through a box together, a lane a pixel.
+//
+// The way of a box: draw() -> kernel_box.h (single precision, the pixels that may see it) ->
+// tile_bins.h -> composite_kernels.cpp or mode_kernels.cpp (which samples: rays.inl; their values:
+// texels.inl; what these look like: colors.inl) -> tiled_picture.h.
+//
+// One thread calls it; the pool's threads work inside the calls.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "src/base/worker_pool.h"
+#include "src/cpu/kernel_frame.h"
+#include "src/cpu/simd_target.h"
+#include "src/cpu/tiled_picture.h"
+#include "src/device/device.h"
+
+namespace sluice {
+
+class CpuDevice : public Device {
+ public:
+  // `pool` must outlive the device. Throws Error where the processor lacks the target.
+  explicit CpuDevice(WorkerPool& pool, SimdTarget target = SimdTarget::kAuto);
+
+  DeviceLimits limits() const override;
+  const char* backend() const override { return "cpu"; }
+  const char* renderer() const override { return renderer_.c_str(); }  // "SIMD avx512, 2 threads"
+  void makeResident(uint64_t id, ChunkTexelsPtr texels) override;
+  void evict(uint64_t id) override;
+  uint64_t uploadedBytes() const override { return 0; }
+  uint64_t binds() const override { return binds_; }
+  void beginFrame(const FrameSetup& setup, const StopToken& stop = {}) override;
+  void draw(std::span<const BoxDraw> boxes) override;
+  std::vector<float> leastOpacity(const MapGrid& grid) override;
+  void stopOpaque() override;
+  uint64_t countSamples(std::span<const BoxDraw> boxes) override;
+  uint64_t takenSamples() override;
+  Picture endFrame() override;
+  void cancelFrame() override { forgetPutOff(); }
+
+ private:
+  struct Resident {
+    ChunkTexelsPtr texels;
+    // Of a chunk of less than four bytes, which is what the kernels read at once.
+    std::vector<std::byte> padded;
+    bool is_put_off = false;  // boxes of it are
+    const std::byte* bytes() const { return padded.empty() ? texels->bytes.get() : padded.data(); }
+  };
+
+  void forgetPutOff();
+  void drawNow();
+
+  WorkerPool& pool_;
+  const Kernels& kernels_;
+  const std::string renderer_;
+  std::unordered_map<uint64_t, Resident> resident_;
+  FrameSetup setup_;
+  std::optional<FrameTables> tables_;  // of the frame
+  StopToken stop_;
+  TiledPicture picture_;
+  std::vector<BoxDraw> put_off_;
+  double put_off_samples_ = 0;  // about
+  std::atomic<uint64_t> taken_ = 0;
+  uint64_t binds_ = 0;
+};
+
+}  // namespace sluice

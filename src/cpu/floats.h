@@ -1,0 +1,13 @@
+// From double to single precision, for what the kernels are told.
+#pragma once
+
+#include "src/base/vec.h"
+#include "src/cpu/kernel_values.h"
+
+namespace sluice {
+
+inline Float3 asFloats(Vec3d v) {
+  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+}
+
+}  // namespace sluice

@@ -1,0 +1,175 @@
+#include "src/cpu/kernel_box.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "src/cpu/floats.h"
+
+namespace sluice {
+namespace {
+
+// Texels; whole numbers up to here are exact in single precision.
+constexpr int64_t kMostOffset = int64_t{1} << 24;
+// Pixels around the projected box that are looked at, too: what rounding may move.
+constexpr double kMarginPixels = 0.6;
+
+double along(const std::array<double, 4>& row, Vec3d p) {
+  return row[0] * p.x + row[1] * p.y + row[2] * p.z + row[3];
+}
+
+Vec3d cornerOf(const Box3& cells, int corner) {
+  return {static_cast<double>((corner & 1) != 0 ? cells.hi.x : cells.lo.x),
+          static_cast<double>((corner & 2) != 0 ? cells.hi.y : cells.lo.y),
+          static_cast<double>((corner & 4) != 0 ? cells.hi.z : cells.lo.z)};
+}
+
+int clampedPixel(double at, int count) {
+  return static_cast<int>(std::clamp(at, 0.0, static_cast<double>(count)));
+}
+
+// Of the box's corners: the pixels around them, and the slice of the nearest.
+struct Seen {
+  double x_lo = 1e300, y_lo = 1e300, x_hi = -1e300, y_hi = -1e300, near_slice = 1e300;
+};
+
+Seen seenOf(const FrameSetup& setup, const Box3& cells) {
+  const RayGrid& rays = setup.rays;
+  const bool perspective = setup.projection == Projection::kPerspective;
+  // The slice planes of a parallel view are spanned by origin_dx and origin_dy.
+  const Vec3d normal = cross(rays.origin_dx, rays.origin_dy);
+  const double pace = dot(rays.step0, normal);
+  Seen seen;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3d p = cornerOf(cells, corner);
+    const double w = along(setup.clip_from_index[2], p);
+    seen.near_slice =
+        std::min(seen.near_slice, perspective ? (w - setup.first_depth) / setup.depth_step
+                                              : dot(p - rays.origin0, normal) / pace);
+    if (w <= 0) {  // beside the eye: anywhere
+      seen.x_lo = seen.y_lo = -1e300;
+      seen.x_hi = seen.y_hi = 1e300;
+      continue;
+    }
+    const double x = (along(setup.clip_from_index[0], p) / w + 1) / 2 * setup.size.width;
+    const double y = (along(setup.clip_from_index[1], p) / w + 1) / 2 * setup.size.height;
+    seen.x_lo = std::min(seen.x_lo, x), seen.x_hi = std::max(seen.x_hi, x);
+    seen.y_lo = std::min(seen.y_lo, y), seen.y_hi = std::max(seen.y_hi, y);
+  }
+  return seen;
+}
+
+Vec3i ordered(const BoxDraw& box, Vec3i v) {
+  return {v[box.axes[0]], v[box.axes[1]], v[box.axes[2]]};
+}
+
+// The texels that the box's samples lie between, clamped to what there is.
+struct TexelBox {
+  Vec3i lo, hi;
+};
+TexelBox texelsOf(const BoxDraw& box, Vec3i storage_vox) {
+  const auto inside = [&](Vec3i at) {
+    for (int a = 0; a < 3; ++a) at[a] = std::clamp<int64_t>(at[a], 0, storage_vox[a] - 1);
+    return at;
+  };
+  return {inside(ordered(box, box.cells.lo) - box.texel_origin),
+          inside(ordered(box, box.cells.hi) - box.texel_origin)};
+}
+
+void setTexels(const BoxDraw& box, const ChunkTexels& chunk, const std::byte* bytes,
+               KernelBox& out) {
+  const Vec3i storage = chunk.storage_vox;
+  const auto [lo, hi] = texelsOf(box, storage);
+  const auto texel = static_cast<int64_t>(bytesPerVoxel(chunk.type));
+  const Vec3i stride{texel, texel * storage.x, texel * storage.x * storage.y};
+  const auto offsetOf = [&](Vec3i at) {
+    return at.x * stride.x + at.y * stride.y + at.z * stride.z;
+  };
+  out.texels = bytes + offsetOf(lo);
+  out.has_margin = true;
+  Vec3i last;  // texel of the last read: one beyond the box's for differences
+  for (int a = 0; a < 3; ++a) {
+    const auto i = static_cast<size_t>(a);
+    out.texel_hi[i] = static_cast<float>(hi[a] - lo[a]);
+    out.storage_lo[i] = static_cast<float>(-lo[a]);
+    out.storage_hi[i] = static_cast<float>(storage[a] - 1 - lo[a]);
+    out.stride[i] = storage[a] > 1 ? static_cast<float>(stride[a]) : 0.0F;
+    out.has_margin = out.has_margin && lo[a] > 0 && hi[a] > lo[a] && hi[a] + 1 < storage[a];
+    out.is_thin = out.is_thin || hi[a] == lo[a];
+    last[a] = std::min(hi[a] + 1, storage[a] - 1);
+  }
+  const int64_t end = std::max<int64_t>(static_cast<int64_t>(chunk.byte_count), 4);
+  out.near_end = offsetOf(last) + 4 > end;
+  out.last_offset =
+      static_cast<int32_t>(std::min<int64_t>(end - 4 - offsetOf(lo), int64_t{1} << 30));
+}
+
+void appendPart(const FrameSetup& setup, const BoxDraw& box, const ChunkTexels* chunk,
+                const std::byte* bytes, std::vector<KernelBox>& out) {
+  const auto [x_lo, y_lo, x_hi, y_hi, near_slice] = seenOf(setup, box.cells);
+  KernelBox result;
+  const auto [width, height] = setup.size;
+  result.x_lo = clampedPixel(std::floor(x_lo - kMarginPixels), width);
+  result.y_lo = clampedPixel(std::floor(y_lo - kMarginPixels), height);
+  result.x_hi = clampedPixel(std::ceil(x_hi + kMarginPixels), width);
+  result.y_hi = clampedPixel(std::ceil(y_hi + kMarginPixels), height);
+  if (result.x_lo >= result.x_hi || result.y_lo >= result.y_hi) return;
+  const RayGrid& rays = setup.rays;
+  const Vec3d lo = toDouble(box.cells.lo), hi = toDouble(box.cells.hi);
+  result.lo = asFloats(lo - rays.origin0);
+  result.hi = asFloats(hi - rays.origin0);
+  result.axes = box.axes;
+  const double first = std::max(static_cast<double>(setup.first_slice), std::floor(near_slice));
+  result.first_slice = static_cast<float>(first);
+  const Vec3d at = rays.origin0 + rays.step0 * (first + 0.5) - lo;
+  const Vec3d dx = rays.origin_dx + rays.step_dx * (first + 0.5);
+  const Vec3d dy = rays.origin_dy + rays.step_dy * (first + 0.5);
+  result.voxel0 = at;
+  result.voxel_dx = dx;
+  result.voxel_dy = dy;
+  result.size = asFloats(hi - lo);
+  if (chunk != nullptr) {
+    setTexels(box, *chunk, bytes, result);
+    const Vec3d corner = toDouble(ordered(box, box.cells.lo) - box.texel_origin -
+                                  texelsOf(box, chunk->storage_vox).lo);
+    result.corner = asFloats(corner);
+  }
+  out.push_back(result);
+}
+
+// Whether the eye is on the lower side of the plane.
+bool seesLowerFirst(const FrameSetup& setup, int axis, int64_t plane) {
+  const RayGrid& rays = setup.rays;
+  if (setup.projection != Projection::kPerspective) return rays.step0[axis] >= 0;
+  const Vec3d eye = rays.origin0 - rays.step0 * (setup.first_depth / setup.depth_step);
+  return eye[axis] < static_cast<double>(plane);
+}
+
+}  // namespace
+
+void appendBox(const FrameSetup& setup, const BoxDraw& box, const ChunkTexels* chunk,
+               const std::byte* bytes, std::vector<KernelBox>& out) {
+  if (chunk == nullptr) {
+    appendPart(setup, box, chunk, bytes, out);
+    return;
+  }
+  const auto [lo, hi] = texelsOf(box, chunk->storage_vox);
+  const Vec3i storage = chunk->storage_vox;
+  // Two more along each axis, for differences.
+  const Vec3i span = hi - lo + Vec3i{2, 2, 2};
+  const Vec3i reach{span.x, span.y * storage.x, span.z * storage.x * storage.y};
+  int axis = 2;
+  while (axis > 0 && box.cells.size()[box.axes[static_cast<size_t>(axis)]] < 2) --axis;
+  const int cut = box.axes[static_cast<size_t>(axis)];
+  if (reach.x + reach.y + reach.z <= kMostOffset || box.cells.size()[cut] < 2) {
+    appendPart(setup, box, chunk, bytes, out);
+    return;
+  }
+  const int64_t middle = (box.cells.lo[cut] + box.cells.hi[cut]) / 2;
+  BoxDraw lower = box, upper = box;
+  lower.cells.hi[cut] = upper.cells.lo[cut] = middle;
+  const bool lower_first = seesLowerFirst(setup, cut, middle);
+  appendBox(setup, lower_first ? lower : upper, chunk, bytes, out);
+  appendBox(setup, lower_first ? upper : lower, chunk, bytes, out);
+}
+
+}  // namespace sluice

@@ -1,0 +1,17 @@
+// Boxes as the kernels take them. Pure functions.
+#pragma once
+
+#include <vector>
+
+#include "src/cpu/kernel_values.h"
+#include "src/device/chunk_texels.h"
+
+namespace sluice {
+
+// Appends the box to `out`, in parts, front to back, where offsets of its texels would not be exact
+// in single precision; nothing where no pixel can see it. `bytes` are the chunk's texels, at least
+// four of them; both may be null where samples are only counted.
+void appendBox(const FrameSetup& setup, const BoxDraw& box, const ChunkTexels* chunk,
+               const std::byte* bytes, std::vector<KernelBox>& out);
+
+}  // namespace sluice

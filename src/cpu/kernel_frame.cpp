@@ -1,0 +1,145 @@
+#include "src/cpu/kernel_frame.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "src/cpu/floats.h"
+#include "src/device/look_up_texels.h"
+
+namespace sluice {
+namespace {
+
+// From here on nothing behind a pixel can be seen: a tenth of 1/255.
+constexpr float kNothingMore = 1 - 4e-4F;
+
+// Perspective views look up a logarithm: from here on opaque.
+constexpr double kMostExponent = 32;
+
+// Values beyond which no entry of the look-up has an opacity; entries are interpolated, and
+// rounding may move by one more.
+std::array<double, 2> visibleValues(const LookUp& look_up) {
+  const size_t entries = look_up.rgba.size() / 4;
+  const auto shows = [&](size_t entry) { return look_up.rgba[4 * entry + 3] > 0; };
+  size_t first = 0, end = entries;
+  while (first < entries && !shows(first)) ++first;
+  while (end > first && !shows(end - 1)) --end;
+  constexpr double kAll = std::numeric_limits<float>::max();
+  if (first == end) return {kAll, -kAll};
+  const ValueRange range = look_up.device_range;
+  const double entry =
+      (range.hi - range.lo) / static_cast<double>(std::max<size_t>(1, entries - 1));
+  return {first < 2 ? -kAll : range.lo + (static_cast<double>(first) - 2) * entry,
+          end + 2 > entries ? kAll : range.lo + (static_cast<double>(end) + 1) * entry};
+}
+
+int wholeShininess(double shininess) {
+  constexpr double kMost = 256;
+  const double whole = std::floor(std::clamp(shininess, 0.0, kMost));
+  return whole == shininess ? static_cast<int>(whole) : 0;
+}
+
+}  // namespace
+
+FrameTables::FrameTables(const FrameSetup& setup) {
+  const bool composite = setup.mode == Mode::kComposite;
+  frame_.width = setup.size.width;
+  frame_.height = setup.size.height;
+  frame_.mode = setup.mode;
+  frame_.type = setup.type;
+  frame_.perspective = setup.projection == Projection::kPerspective;
+  frame_.with_depth = composite && setup.with_depth;
+  frame_.counts_taken = composite && setup.counts_taken && !setup.with_depth;
+  frame_.labels = composite && setup.look_up.labels;
+  frame_.shades_every_sample = setup.shades_every_sample;
+  frame_.interpolates = setup.look_up.interpolates;
+  frame_.lit = composite && setup.lit;
+  if (composite && setup.opacity_threshold < 1)
+    frame_.box_opacity = static_cast<float>(setup.opacity_threshold);
+  if (composite && !setup.shades_every_sample && !frame_.counts_taken)
+    frame_.ray_opacity = kNothingMore;
+  setRays(setup);
+  setLookUp(setup);
+  setLights(setup);
+  if (composite) setRows(setup);
+}
+
+void FrameTables::setRays(const FrameSetup& setup) {
+  const RayGrid& rays = setup.rays;
+  frame_.origin_dx = asFloats(rays.origin_dx);
+  frame_.origin_dy = asFloats(rays.origin_dy);
+  frame_.step0 = asFloats(rays.step0);
+  frame_.step_dx = asFloats(rays.step_dx);
+  frame_.step_dy = asFloats(rays.step_dy);
+  frame_.first_slice = static_cast<float>(setup.first_slice);
+  frame_.first_depth = static_cast<float>(setup.first_depth);
+  frame_.depth_step = static_cast<float>(setup.depth_step);
+  frame_.slice_length = static_cast<float>(setup.slice_length);
+  frame_.planes_a_voxel = static_cast<float>(setup.planes_a_voxel);
+  frame_.pixel_ray = {static_cast<float>(2 * setup.tan_half_x / setup.size.width),
+                      static_cast<float>(-setup.tan_half_x),
+                      static_cast<float>(2 * setup.tan_half_y / setup.size.height),
+                      static_cast<float>(-setup.tan_half_y)};
+  for (const ClipPlane& plane : setup.clip_planes) {
+    const Float3 normal = asFloats(plane.normal);
+    frame_.clip_plane[static_cast<size_t>(frame_.clip_planes++)] = {
+        normal[0], normal[1], normal[2],
+        static_cast<float>(plane.offset - dot(plane.normal, rays.origin0))};
+  }
+}
+
+void FrameTables::setLookUp(const FrameSetup& setup) {
+  entries_ = lookUpTexels(setup);
+  const ValueRange range = setup.look_up.device_range;
+  const auto last = static_cast<double>(entries_.size() / 4 - 1);
+  const double per_value = range.hi > range.lo ? last / (range.hi - range.lo) : 0;
+  frame_.entries = entries_.data();
+  if (setup.mode == Mode::kComposite && !setup.look_up.interpolates) {
+    packed_ = packedEntries(entries_, kMostExponent);
+    frame_.packed_entries = packed_.entries.data();
+    frame_.color_unit = packed_.color_unit;
+    frame_.opacity_unit = packed_.opacity_unit;
+  }
+  frame_.entry_scale = static_cast<float>(per_value);
+  frame_.entry_offset = static_cast<float>(-range.lo * per_value);
+  frame_.last_entry = static_cast<float>(last);
+  frame_.least = static_cast<float>(range.lo);
+  frame_.greatest = static_cast<float>(range.hi);
+  const auto [least, most] = visibleValues(setup.look_up);
+  frame_.least_visible = static_cast<float>(least);
+  frame_.most_visible = static_cast<float>(most);
+}
+
+void FrameTables::setLights(const FrameSetup& setup) {
+  const Lighting& lighting = setup.lighting;
+  for (size_t a = 0; a < 3; ++a) frame_.camera_gradient[a] = asFloats(setup.camera_gradient[a]);
+  for (size_t i = 0; i < lighting.lights.size(); ++i) {
+    const Light& light = lighting.lights[i];
+    frame_.toward[i] = asFloats(light.toward * (light.strength * lighting.diffuse));
+    frame_.halfway[i] = asFloats(normalized(light.toward + Vec3d{0, 0, 1}));
+    frame_.specular[i] = static_cast<float>(light.strength * lighting.specular);
+  }
+  frame_.ambient = static_cast<float>(lighting.ambient);
+  frame_.flat = static_cast<float>(setup.flat);
+  frame_.shininess = static_cast<float>(lighting.shininess);
+  frame_.whole_shininess = wholeShininess(lighting.shininess);
+}
+
+void FrameTables::setRows(const FrameSetup& setup) {
+  const std::vector<double>& magnitudes = setup.look_up.magnitudes;
+  if (magnitudes.empty()) return;
+  frame_.rows = static_cast<int>(magnitudes.size());
+  frame_.factor_entries = static_cast<int>(setup.look_up.factors.size() / magnitudes.size());
+  frame_.corrects = frame_.perspective || setup.slice_length != 1;
+  factors_ = setup.look_up.factors;
+  for (size_t row = 0; row < magnitudes.size(); ++row) {
+    const double next = magnitudes[std::min(row + 1, magnitudes.size() - 1)];
+    const double distance = next - magnitudes[row];
+    row_starts_.push_back(static_cast<float>(magnitudes[row]));
+    row_growths_.push_back(static_cast<float>(distance > 0 ? 1 / distance : 0));
+  }
+  frame_.factors = factors_.data();
+  frame_.row_starts = row_starts_.data();
+  frame_.row_growths = row_growths_.data();
+}
+
+}  // namespace sluice

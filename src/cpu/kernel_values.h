@@ -1,0 +1,116 @@
+// What the SIMD kernels are told: a frame, its boxes and the pixels of a tile as plain
+// single-precision values, so that one definition serves the code of every target. Made by
+// kernel_frame.h and kernel_box.h; nothing here owns memory.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "src/device/frame_values.h"
+
+namespace sluice {
+
+using Float3 = std::array<float, 3>;
+
+// A tile is kTileSide x kTileSide pixels, drawn by one thread at a time.
+inline constexpr int kTileSide = 16;
+inline constexpr int kTilePixels = kTileSide * kTileSide;
+// The widest packet: pixels that one instruction works on.
+inline constexpr int kMostLanes = 16;
+
+// FrameSetup in single precision; rays relative to origin0.
+struct KernelFrame {
+  int width = 0, height = 0;
+  Mode mode = Mode::kComposite;
+  DeviceType type = DeviceType::kU8;
+  Float3 origin_dx{}, origin_dy{}, step0{}, step_dx{}, step_dy{};
+  float first_slice = 0, first_depth = 0, depth_step = 1, slice_length = 1;
+  int clip_planes = 0;
+  std::array<std::array<float, 4>, kMostClipPlanes> clip_plane{};  // normal, offset from origin0
+  float planes_a_voxel = 1;
+  bool perspective = false, with_depth = false, counts_taken = false, labels = false;
+  bool shades_every_sample = false, interpolates = false;
+  std::array<float, 4> pixel_ray{};  // u tan x = x * [0] + [1], v tan y = y * [2] + [3]
+  // A ray ends inside a box at the first, for good at the second; both above 1 where it never does.
+  float box_opacity = 2, ray_opacity = 2;
+
+  // The look-up of lookUpTexels(): entry = value * entry_scale + entry_offset, from 0 to
+  // last_entry.
+  const float* entries = nullptr;  // rgba
+  // The same in 64 bits an entry, see packed_entries.h; null where it interpolates.
+  const int64_t* packed_entries = nullptr;
+  float color_unit = 1, opacity_unit = 1;  // of those
+  float entry_scale = 0, entry_offset = 0, last_entry = 0;
+  float least = 0, greatest = 0;              // values of the first and of the last entry
+  float least_visible = 0, most_visible = 0;  // what lies beyond has no opacity
+
+  // Gradients: lit, or factors of the opacity.
+  bool lit = false, corrects = false;
+  std::array<Float3, 3> camera_gradient{};    // of the volume's axes
+  std::array<Float3, 2> toward{}, halfway{};  // `toward` times the light's strength and diffuse
+  std::array<float, 2> specular{};
+  float ambient = 0, flat = 0, shininess = 0;
+  int whole_shininess = 0;  // the same where it is a small whole number, else 0
+  int rows = 0, factor_entries = 0;
+  const float* factors = nullptr;      // rows x factor_entries
+  const float* row_starts = nullptr;   // magnitudes
+  const float* row_growths = nullptr;  // 1 / the distance to the next
+};
+
+// A box of cells with its chunk's texels. Texel coordinates are along the chunk's axes and count
+// from `texels`; voxel coordinates are along the volume's and count from the box's lower corner.
+struct KernelBox {
+  Float3 lo{}, hi{};  // relative to origin0
+  float first_slice = 0;
+  // Voxel coordinates of pixel (x, y) at first_slice + 1/2: voxel0 + x * voxel_dx + y * voxel_dy.
+  // In double precision: single is left for the way from a tile's corner on.
+  Vec3d voxel0, voxel_dx, voxel_dy;
+  std::array<int, 3> axes{0, 1, 2};
+  Float3 texel_hi{};                  // samples lie from 0 to here
+  Float3 storage_lo{}, storage_hi{};  // of the first and the last texel that there is
+  const std::byte* texels = nullptr;
+  Float3 stride{};  // in bytes; 0 along an axis of one texel
+  // Reading four bytes at an offset beyond this one would leave the chunk.
+  int32_t last_offset = 0;
+  bool near_end = false;    // some read may be beyond it
+  bool is_thin = false;     // a single texel along some axis
+  bool has_margin = false;  // a texel more on every side
+  Float3 size{};            // in voxels
+  Float3 corner{};          // texel coordinates of the lower corner
+  // Pixels that may see the box, [lo, hi).
+  int x_lo = 0, y_lo = 0, x_hi = 0, y_hi = 0;
+};
+
+// The pixels of a tile, packet after packet. Each is kTilePixels floats.
+struct TilePixels {
+  int x = 0, y = 0;  // of the lower left pixel
+  // Composite: red, green, blue, opacity; other modes: what the shader of that name sums in two.
+  std::array<float*, 4> color{};
+  float* depth_sum = nullptr;  // with_depth
+  float* stopped = nullptr;    // 1 where a pixel takes no more samples
+  uint64_t taken = 0;          // samples, added to
+};
+
+// The code of one target. All functions are pure but for the pixels, from any thread.
+struct Kernels {
+  const char* name = "";
+  int packet_width = 1, packet_height = 1;
+  // Draws the boxes of these indices in turn: composite, and the other modes.
+  void (*composite)(const KernelFrame& frame, const KernelBox* boxes, const uint32_t* indices,
+                    size_t count, TilePixels& tile) = nullptr;
+  void (*other)(const KernelFrame& frame, const KernelBox* boxes, const uint32_t* indices,
+                size_t count, TilePixels& tile) = nullptr;
+  // How many samples that would be if no ray ended.
+  uint64_t (*count)(const KernelFrame& frame, const KernelBox* boxes, const uint32_t* indices,
+                    size_t count, const TilePixels& tile) = nullptr;
+
+  // Where in a tile's arrays pixel (x, y) of it is.
+  int placeOf(int x, int y) const {
+    const int packet = (y / packet_height) * (kTileSide / packet_width) + x / packet_width;
+    return packet * packet_width * packet_height + (y % packet_height) * packet_width +
+           x % packet_width;
+  }
+};
+
+}  // namespace sluice

@@ -1,0 +1,177 @@
+// Modes other than composite, and counting: the extremes and sums of what a packet's rays meet.
+#include <algorithm>
+
+// Highway says in which order.
+// clang-format off
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "src/cpu/mode_kernels.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+#include <hwy/contrib/math/math-inl.h>
+// clang-format on
+
+#include "src/cpu/kernel_values.h"
+#include "src/cpu/packed_entries.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace sluice::HWY_NAMESPACE {
+namespace {
+namespace hn = hwy::HWY_NAMESPACE;
+
+// Each needs those before it.
+// clang-format off
+#include "src/cpu/rays.inl"
+#include "src/cpu/texels.inl"
+#include "src/cpu/colors.inl"
+// clang-format on
+
+HWY_INLINE bool isExtreme(const KernelFrame& frame) {
+  return frame.mode == Mode::kMip || frame.mode == Mode::kMinip;
+}
+
+// Where a packet's rays are sampled in a box: count samples at first + j * pace, texels.
+struct Line {
+  V3 first, pace;
+  V count;
+  // Of extremes: samples lie in the box, whatever rounding says.
+  V3 size;
+};
+HWY_INLINE Line lineOf(const KernelFrame& frame, const KernelBox& box, const Positions& positions,
+                       const Packet& packet) {
+  const V3 step = stepOf(frame, packet);
+  if (isExtreme(frame)) {
+    const Planes planes = planesIn(frame, box, positions, packet, step);
+    const V3 start{hn::MulAdd(planes.from, planes.way.x, planes.start.x),
+                   hn::MulAdd(planes.from, planes.way.y, planes.start.y),
+                   hn::MulAdd(planes.from, planes.way.z, planes.start.z)};
+    return {ordered(start, box.axes), ordered(planes.way, box.axes), planes.count,
+            ordered({all(box.size[0]), all(box.size[1]), all(box.size[2])}, box.axes)};
+  }
+  const Slices slices = slicesIn(frame, box, packet, step);
+  const V3 start = texelsOf(box, voxelsOf(positions, packet));
+  const V3 pace = ordered(step, box.axes);
+  return {{hn::MulAdd(slices.from, pace.x, start.x), hn::MulAdd(slices.from, pace.y, start.y),
+           hn::MulAdd(slices.from, pace.z, start.z)},
+          pace,
+          slices.count,
+          {all(0.0F), all(0.0F), all(0.0F)}};
+}
+
+// On a plane of voxels where it is one but for rounding: next to a voxel that is no number, the
+// least part of it would make the sample none.
+HWY_INLINE V insideOf(V at, V size, float corner) {
+  constexpr float kOnPlane = 1e-4F;
+  const V plane = hn::Round(at);
+  at = hn::IfThenElse(hn::Lt(hn::Abs(hn::Sub(at, plane)), all(kOnPlane)), plane, at);
+  return hn::Add(hn::Min(hn::Max(at, hn::Zero(F())), size), all(corner));
+}
+
+template <DeviceType kType>
+HWY_INLINE void drawPacket(const KernelFrame& frame, const KernelBox& box,
+                           const Positions& positions, const Packet& packet, V& value_sum,
+                           V& part_sum) {
+  const Line line = lineOf(frame, box, positions, packet);
+  const float most = hn::GetLane(hn::MaxOfLanes(F(), line.count));
+  const bool extreme = isExtreme(frame);
+  const Cells cells = cellsOf(box);
+  for (int j = 0; j < static_cast<int>(most); ++j) {
+    const V turn = all(static_cast<float>(j));
+    V3 at{hn::MulAdd(turn, line.pace.x, line.first.x), hn::MulAdd(turn, line.pace.y, line.first.y),
+          hn::MulAdd(turn, line.pace.z, line.first.z)};
+    if (extreme)
+      at = {insideOf(at.x, line.size.x, box.corner[0]), insideOf(at.y, line.size.y, box.corner[1]),
+            insideOf(at.z, line.size.z, box.corner[2])};
+    const V value = valueAt<kType>(box, placeAt(cells, clamped(cells, at)));
+    M counts = hn::Lt(turn, line.count);
+    if (kType == DeviceType::kF32) counts = hn::AndNot(isNoNumber(value), counts);
+    const V part = hn::IfThenElseZero(counts, partAt(frame, entryOf(frame, value)));
+    const M shows = hn::Gt(part, hn::Zero(F()));
+    if (hn::AllFalse(F(), shows)) continue;
+    // A sample's part moves its value toward the end that loses.
+    const V rest = hn::Sub(all(1.0F), part);
+    if (frame.mode == Mode::kMip) {
+      const V moved = between(all(frame.least), value, part, rest);
+      value_sum = hn::IfThenElse(shows, hn::Max(value_sum, moved), value_sum);
+      part_sum = hn::IfThenElse(shows, hn::Max(part_sum, part), part_sum);
+    } else if (frame.mode == Mode::kMinip) {
+      const V moved = between(all(frame.greatest), value, part, rest);
+      value_sum = hn::IfThenElse(shows, hn::Min(value_sum, moved), value_sum);
+      part_sum = hn::IfThenElse(shows, hn::Min(part_sum, rest), part_sum);
+    } else {
+      value_sum = hn::IfThenElse(shows, hn::MulAdd(value, part, value_sum), value_sum);
+      part_sum = hn::Add(part_sum, part);
+    }
+  }
+}
+
+// The packets of the tile that may see the box: visit(x, y), in pixels of the tile.
+struct PacketRange {
+  int x_lo, y_lo, x_hi, y_hi;
+};
+PacketRange packetsOf(const KernelBox& box, const TilePixels& tile) {
+  return {std::max(0, box.x_lo - tile.x) / kPacketWidth * kPacketWidth,
+          std::max(0, box.y_lo - tile.y) / kPacketHeight * kPacketHeight,
+          std::min(kTileSide, box.x_hi - tile.x), std::min(kTileSide, box.y_hi - tile.y)};
+}
+
+template <DeviceType kType>
+HWY_NOINLINE void drawBox(const KernelFrame& frame, const KernelBox& box, TilePixels& tile) {
+  const auto [x_lo, y_lo, x_hi, y_hi] = packetsOf(box, tile);
+  const Positions positions = positionsIn(box, tile);
+  for (int y = y_lo; y < y_hi; y += kPacketHeight)
+    for (int x = x_lo; x < x_hi; x += kPacketWidth) {
+      const int at = (y / kPacketHeight * (kTileSide / kPacketWidth) + x / kPacketWidth) * kLanes;
+      V value = hn::Load(F(), tile.color[0] + at), part = hn::Load(F(), tile.color[1] + at);
+      drawPacket<kType>(frame, box, positions, packetAt(frame, tile, x, y), value, part);
+      hn::Store(value, F(), tile.color[0] + at);
+      hn::Store(part, F(), tile.color[1] + at);
+    }
+}
+
+}  // namespace
+
+void drawOtherMode(const KernelFrame& frame, const KernelBox* boxes, const uint32_t* indices,
+                   size_t count, TilePixels& tile) {
+  for (size_t i = 0; i < count; ++i) {
+    const KernelBox& box = boxes[indices[i]];
+    switch (frame.type) {
+      case DeviceType::kU8:
+        drawBox<DeviceType::kU8>(frame, box, tile);
+        break;
+      case DeviceType::kU16:
+        drawBox<DeviceType::kU16>(frame, box, tile);
+        break;
+      case DeviceType::kF32:
+        drawBox<DeviceType::kF32>(frame, box, tile);
+        break;
+    }
+  }
+}
+
+uint64_t countSamples(const KernelFrame& frame, const KernelBox* boxes, const uint32_t* indices,
+                      size_t count, const TilePixels& tile) {
+  uint64_t samples = 0;
+  for (size_t i = 0; i < count; ++i) {
+    const KernelBox& box = boxes[indices[i]];
+    const auto [x_lo, y_lo, x_hi, y_hi] = packetsOf(box, tile);
+    const Positions positions = positionsIn(box, tile);
+    for (int y = y_lo; y < y_hi; y += kPacketHeight)
+      for (int x = x_lo; x < x_hi; x += kPacketWidth) {
+        const Packet packet = packetAt(frame, tile, x, y);
+        const V3 step = stepOf(frame, packet);
+        const V found = isExtreme(frame) ? planesIn(frame, box, positions, packet, step).count
+                                         : slicesIn(frame, box, packet, step).count;
+        samples +=
+            static_cast<uint64_t>(hn::GetLane(hn::SumOfLanes(I(), hn::ConvertTo(I(), found))));
+      }
+  }
+  return samples;
+}
+
+void packetShape(int& width, int& height) {
+  width = kPacketWidth;
+  height = kPacketHeight;
+}
+
+}  // namespace sluice::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();

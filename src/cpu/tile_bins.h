@@ -1,0 +1,26 @@
+// TileBins: for each tile of a picture, which boxes may be seen in it, in the order in which they
+// were given. Pure function.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "src/cpu/kernel_values.h"
+
+namespace sluice {
+
+struct TileBins {
+  // Tile t has boxes[first[t]] .. boxes[first[t + 1]].
+  std::vector<size_t> first;
+  std::vector<uint32_t> boxes;
+
+  std::span<const uint32_t> of(int64_t tile) const {
+    const auto t = static_cast<size_t>(tile);
+    return {boxes.data() + first[t], first[t + 1] - first[t]};
+  }
+};
+
+TileBins tileBins(std::span<const KernelBox> boxes, int tiles_across, int tiles_up);
+
+}  // namespace sluice

@@ -1,0 +1,105 @@
+// Device: the narrow interface behind which something draws (design, "Devices").
+//
+// A device knows chunks of texels, boxes and slices; it knows nothing of volumes, thresholds or
+// budgets. The texture cache model decides what is resident, the device obeys. Calls come from one
+// thread, in this order: beginFrame, then makeResident / evict / draw in any mix, boxes front to
+// back, then endFrame or cancelFrame.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "io/pictures/picture.h"
+#include "src/base/stop_token.h"
+#include "src/device/chunk_texels.h"
+#include "src/device/frame_values.h"
+
+namespace sluice {
+
+// Where the texels of resident chunks are.
+enum class TexelPlace {
+  kOnDevice,  // copied to memory of the device's own
+  kInMemory,  // copied within the process's memory, as software GL does
+  kBorrowed,  // not copied: the device holds the texels that it was given
+};
+
+struct DeviceLimits {
+  int64_t max_texture_size = 0;  // texels along any axis of a chunk
+  int64_t max_picture_size = 0;  // pixels along an axis
+  TexelPlace texels = TexelPlace::kOnDevice;
+};
+
+// Textures that a device which copies may keep beside the resident ones, `resident_bytes` at once
+// at the most, so that it uploads into storage that nothing draws from any more: enough for chunks
+// of two sizes to take turns. In the process's memory they count against --memory.
+constexpr uint64_t spareTextureBytes(uint64_t resident_bytes) {
+  return std::max(uint64_t{8} << 20, resident_bytes / 2);
+}
+
+class Device {
+ public:
+  virtual ~Device() = default;
+
+  // Where the chunk ids of one user of the device begin, so that the sessions of a device never
+  // mean each other's chunks. Each user has 2^40.
+  uint64_t takeIdRange() { return id_ranges_taken_++ << 40; }
+
+  virtual DeviceLimits limits() const = 0;
+  // "osmesa" and the renderer's own name, for reports.
+  virtual const char* backend() const = 0;
+  virtual const char* renderer() const = 0;
+
+  // Takes a chunk (whole pages) under `id`. A device that copies is through with the texels when
+  // this returns; one that borrows holds them until the chunk is evicted. Requires: id is not
+  // resident.
+  virtual void makeResident(uint64_t id, ChunkTexelsPtr texels) = 0;
+  // Draws first what it has put off of this chunk; where that throws, as draw() does, the chunk is
+  // still resident. Requires: id is resident. A device that copies may keep the storage for another
+  // chunk of the same size.
+  virtual void evict(uint64_t id) = 0;
+  // Bytes of texels copied since construction, counted where they are; 0 for one that borrows.
+  virtual uint64_t uploadedBytes() const = 0;
+  // How often drawing changed from one chunk to another since construction.
+  virtual uint64_t binds() const = 0;
+
+  // `stop` is asked while the frame is drawn: draw(), leastOpacity() and endFrame() throw
+  // Interrupted within a fraction of a second once it is set, and cancelFrame() follows.
+  virtual void beginFrame(const FrameSetup& setup, const StopToken& stop = {}) = 0;
+  // Resamples boxes of resident chunks, front to back, behind all drawn before. The device may do
+  // it when it likes, before it evicts one of these chunks and before leastOpacity(), stopOpaque()
+  // and endFrame(): the longer the lists, the freer it is.
+  virtual void draw(std::span<const BoxDraw> boxes) = 0;
+  // For each cell of the grid, row after row, the least opacity that was drawn so far into a pixel
+  // whose ray meets the cell; 1 where no pixel's does, 0 where the cell reaches to the eye. Never
+  // more than that, it may be less. Composite only.
+  virtual std::vector<float> leastOpacity(const MapGrid& grid) = 0;
+  // From now on pixels that have reached FrameSetup::opacity_threshold take no more samples.
+  // Composite only.
+  virtual void stopOpaque() = 0;
+  // Exactly how many samples draw() of these boxes takes over all pixels; their chunks need not be
+  // resident. Leaves the picture alone. Not between beginFrame and endFrame.
+  virtual uint64_t countSamples(std::span<const BoxDraw> boxes) = 0;
+  // After endFrame(): how many samples the frame took, less than countSamples() says of its boxes
+  // where rays ended early or pixels were stopped. Requires: setup.counts_taken.
+  virtual uint64_t takenSamples() = 0;
+  // Waits for what was drawn; premultiplied.
+  virtual Picture endFrame() = 0;
+  // The frame is not wanted any more: what was put off is dropped. Chunks stay resident. Also after
+  // a beginFrame() that threw, and where no frame is under way.
+  virtual void cancelFrame() = 0;
+
+  // A picture of endFrame()'s that is not needed any more: the next one is written over it, and
+  // takes no memory that the kernel has to clear first.
+  void reuse(Picture picture) { spare_ = std::move(picture); }
+
+ protected:
+  Picture spare_;
+
+ private:
+  uint64_t id_ranges_taken_ = 0;
+};
+
+}  // namespace sluice

@@ -1,0 +1,116 @@
+// What a device is told of a frame: plain values, resolved from the camera, the transfer function
+// and the volume by whoever asks for the picture (src/render/frame_setup.h).
+//
+// Index space: positions in voxels, voxel (i, j, k) at (i, j, k). A pixel's ray in index space is
+//   p(k) = origin + (k + 1/2) * step  at slice k, with
+//   origin = origin0 + x * origin_dx + y * origin_dy,   step = step0 + x * step_dx + y * step_dy
+// for pixel (x, y), y upwards from the lower left, at its centre (x + 1/2, y + 1/2). Both parallel
+// and perspective views have this form. A box is half-open along the ray: of two boxes that share a
+// face, exactly one takes each sample, because both compute the face's slice from the same numbers.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "src/base/vec.h"
+#include "src/device/lighting.h"
+#include "src/device/view_values.h"
+#include "src/volume/device_voxel.h"
+
+namespace sluice {
+
+enum class Mode { kComposite, kMip, kMinip, kAverage };
+
+// See the top: the rays of a view in index space.
+struct RayGrid {
+  Vec3d origin0, origin_dx, origin_dy;
+  Vec3d step0, step_dx, step_dy;
+};
+
+// Keeps index positions p with dot(normal, p) <= offset.
+struct ClipPlane {
+  Vec3d normal;
+  double offset = 0;
+};
+
+// What a value looks like, ready to be looked up: entry e of `rgba` is for device values around
+// lo + e * (hi - lo) / (entries - 1); a sample takes the nearest entry, clamped, or interpolates.
+struct LookUp {
+  ValueRange device_range;
+  bool interpolates = false;
+  // r, g, b not premultiplied; opacity of one unit length, not corrected for the step. In modes
+  // other than composite a sample takes part where the opacity is above 0; towards the last entries
+  // before one of opacity 0 its part fades, so that rounding at an end of what is visible changes
+  // a picture by little.
+  std::vector<float> rgba;
+  // Composite only: the opacity is multiplied by a factor that depends on the gradient's magnitude,
+  // see lighting.h. Row r of `factors` is for magnitudes[r], device values a world unit, and has
+  // one factor, or one an entry; linear between rows and entries, constant beyond. Empty: no
+  // factor. Otherwise chunks carry a ghost layer around each block.
+  std::vector<double> magnitudes = {};
+  std::vector<float> factors = {};
+  // Composite only: values are names, see TransferFunction; a sample has the value of those of the
+  // eight texels around it that have the greatest weight together. Of two with the same weight (to
+  // kLabelTie) it is the greater value.
+  bool labels = false;
+};
+inline constexpr double kLabelTie = 1e-3;
+
+// Where a ray is sampled. Composite and average: at the view's slices. Maximum and minimum: where
+// it meets the voxel planes of the axis that it runs along most (in voxels; of axes that are alike
+// to kAxisTie the first), and `planes_a_voxel` - 1 places between two of them, so that along an
+// axis of the volume the extreme is that of the voxels themselves and anywhere no two samples are
+// more than a voxel apart on any axis. The faces of boxes belong to them there, to kPlaneEdge of a
+// voxel: what two boxes share counts once.
+inline constexpr double kAxisTie = 1e-4, kPlaneEdge = 1e-3;
+
+struct FrameSetup {
+  PictureSize size;
+  Projection projection = Projection::kOrtho;
+  RayGrid rays;
+  // Rows x, y and w of clip space, from (index position, 1).
+  std::array<std::array<double, 4>, 3> clip_from_index{};
+  int64_t first_slice = 0;                 // slices below lie behind the eye
+  double first_depth = 0, depth_step = 1;  // world depth of slice k: first + (k + 1/2) * step
+  // Unit lengths between samples: this for a parallel view; for a perspective one times the length
+  // of (u tan_half.x, v tan_half.y, 1), u and v from -1 to 1. Opacity is corrected by it.
+  double slice_length = 1;
+  double tan_half_x = 0, tan_half_y = 0;
+  DeviceType type = DeviceType::kU8;
+  LookUp look_up;
+  Mode mode = Mode::kComposite;
+  int planes_a_voxel = 1;            // maximum and minimum, see above
+  double opacity_threshold = 1;      // a ray ends inside a box at this opacity; 1: never
+  bool with_depth = false;           // composite only: the picture gets a depth channel
+  bool counts_taken = false;         // composite only, not with depth: takenSamples() can be asked
+  bool shades_every_sample = false;  // reads, lights and blends what shows nothing too
+  bool lit = false;                  // composite only: chunks carry a ghost layer around each block
+  Lighting lighting;
+  // Camera-space direction (right, up, toward the viewer) of one device value more a voxel along
+  // each index axis: unit axis / spacing.
+  std::array<Vec3d, 3> camera_gradient{};
+  double flat = 1;                     // device values a world unit, see Lighting
+  std::vector<ClipPlane> clip_planes;  // at most kMostClipPlanes
+};
+inline constexpr size_t kMostClipPlanes = 6;
+
+// A box of cells to resample from one resident chunk: p with cells.lo <= p < cells.hi. Texel
+// coordinates of an index position p: axis a of the chunk holds p[axes[a]] - texel_origin[a] (texel
+// centres at integers).
+struct BoxDraw {
+  uint64_t chunk = 0;  // id
+  Box3 cells;
+  std::array<int, 3> axes{0, 1, 2};
+  Vec3i texel_origin;
+};
+
+// A square grid of side x side cells on a plane of index space, seen from the eye: rows x, y and w
+// of clip space, from (x, y, 1) in cells; cell (i, j) is [i, i + 1) x [j, j + 1).
+struct MapGrid {
+  int side = 1;
+  std::array<std::array<double, 3>, 3> clip_from_map{};
+};
+
+}  // namespace sluice

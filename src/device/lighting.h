@@ -1,0 +1,36 @@
+// Lighting: Phong with two directional lights fixed to the camera (Li 2003, section 5).
+//
+// At a sample, g is the central difference of the interpolated values one voxel to either side
+// along each index axis (positions clamped to the volume), divided by twice the spacing and turned
+// to world directions. With n = g / |g|, w = |g|^2 / (|g|^2 + flat^2),
+//   lit = colour * (ambient + diffuse * sum_l s_l |n.l|) + specular * sum_l s_l |n.h_l|^shininess
+//   shown = mix(colour, lit, w),   h_l = normalized(l + toward the viewer), toward viewer =
+//   -forward
+// so that flat regions, whose direction is noise, keep their own colour without a jump. Labels have
+// no flat regions: `flat` is 0.
+//
+// A transfer function that looks at gradients multiplies the opacity of one voxel length by its
+// factor for |g| before the opacity is corrected for the step, lit or unlit (Li 2003, figure 1).
+#pragma once
+
+#include <array>
+
+#include "src/base/vec.h"
+
+namespace sluice {
+
+struct Light {
+  Vec3d toward;     // unit, camera space: x right, y up, z toward the viewer
+  double strength;  // s_l
+};
+
+struct Lighting {
+  double ambient = 0.3, diffuse = 0.65, specular = 0.2, shininess = 24;
+  // `flat` in value units a world unit is flat_share * (value range) / (finest spacing).
+  double flat_share = 0.02;
+  std::array<Light, 2> lights{
+      {{{-0.3244428422615251, 0.48666426339228763, 0.8111071056538127}, 0.9},
+       {{0.7844645405527362, -0.19611613513818404, 0.5883484054145521}, 0.35}}};
+};
+
+}  // namespace sluice

@@ -1,0 +1,77 @@
+#include "src/device/look_up_texels.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sluice {
+namespace {
+
+// Entries over which a sample's part fades to an end of what is visible, see LookUp.
+constexpr size_t kFadeEntries = 3;
+
+// Modes other than composite: the part, 0 to 1, that a sample of each entry takes, as its alpha.
+void setParts(std::vector<float>& rgba) {
+  const size_t entries = rgba.size() / 4;
+  std::vector<size_t> from_invisible(entries);
+  size_t distance = kFadeEntries;
+  const auto walk = [&](size_t entry) {
+    distance = rgba[4 * entry + 3] > 0 ? std::min(distance + 1, kFadeEntries) : 0;
+    return distance;
+  };
+  for (size_t i = 0; i < entries; ++i) from_invisible[i] = walk(i);
+  distance = kFadeEntries;
+  for (size_t i = entries; i-- > 0;) from_invisible[i] = std::min(from_invisible[i], walk(i));
+  for (size_t i = 0; i < entries; ++i)
+    rgba[4 * i + 3] = static_cast<float>(from_invisible[i]) / static_cast<float>(kFadeEntries);
+}
+
+}  // namespace
+
+std::vector<float> lookUpTexels(const FrameSetup& setup) {
+  std::vector<float> texels = setup.look_up.rgba;
+  if (setup.mode != Mode::kComposite) {
+    setParts(texels);
+    return texels;
+  }
+  // A factor is for the opacity as it is: the shader does the rest.
+  if (!setup.look_up.magnitudes.empty()) return texels;
+  const bool perspective = setup.projection == Projection::kPerspective;
+  for (size_t i = 0; i < texels.size(); i += 4) {
+    const double opacity = texels[i + 3];
+    if (perspective) {
+      // An opaque entry stays opaque at any length.
+      texels[i + 3] =
+          static_cast<float>(opacity < 1 ? std::log2(1 - opacity) * setup.slice_length : -1e4);
+      continue;
+    }
+    const double corrected = 1 - std::pow(1 - opacity, setup.slice_length);
+    for (size_t channel = 0; channel < 3; ++channel)
+      texels[i + channel] = static_cast<float>(texels[i + channel] * corrected);
+    texels[i + 3] = static_cast<float>(corrected);
+  }
+  return texels;
+}
+
+void resolveMode(const FrameSetup& setup, double device_unit, std::vector<float>& rgba) {
+  const auto& table = setup.look_up.rgba;
+  const size_t entries = table.size() / 4;
+  const ValueRange range = setup.look_up.device_range;
+  const double per_device =
+      range.hi > range.lo ? static_cast<double>(entries - 1) / (range.hi - range.lo) : 0;
+  for (size_t i = 0; i < rgba.size(); i += 4) {
+    const bool average = setup.mode == Mode::kAverage;
+    const bool seen = average ? rgba[i + 1] > 0 : std::abs(rgba[i]) < 2e38F;
+    double device = seen ? rgba[i] * device_unit : 0;
+    if (seen && average) device /= rgba[i + 1];
+    const float part = !seen                        ? 0
+                       : setup.mode == Mode::kMinip ? 1 - rgba[i + 1]
+                                                    : std::min(rgba[i + 1], 1.0F);
+    const double at =
+        std::clamp((device - range.lo) * per_device + 0.5, 0.0, static_cast<double>(entries - 1));
+    const float* entry = &table[4 * static_cast<size_t>(at)];
+    for (size_t channel = 0; channel < 3; ++channel) rgba[i + channel] = entry[channel] * part;
+    rgba[i + 3] = part;
+  }
+}
+
+}  // namespace sluice

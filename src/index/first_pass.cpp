@@ -1,0 +1,70 @@
+#include "src/index/first_pass.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "src/base/bytes.h"
+#include "src/base/error.h"
+#include "src/volume/device_voxel.h"
+#include "src/volume/slice_ranges.h"
+
+namespace sluice {
+namespace {
+
+// Blocks that may differ from a background, by the volume of the boxes where they can be: a box
+// smaller than a block counts for its part of one.
+double blocksAtMost(VolumeSource& source, int64_t time, const BlockLayout& layout) {
+  const auto all = static_cast<double>(layout.blockCount());
+  const auto occupancy = source.occupancy(time);
+  if (!occupancy) return all;
+  const auto cells = static_cast<double>(layout.cells());
+  double blocks = 0;
+  for (const Box3& box : occupancy->boxes) {
+    const Vec3d size = toDouble(box.size()) / cells;
+    blocks += size.x * size.y * size.z;
+  }
+  return std::min(all, blocks);
+}
+
+std::string wholeMebibytes(double bytes) {
+  constexpr double kMebibyte = 1 << 20;
+  return fmt::format("{:.0f}M", std::ceil(bytes / kMebibyte));
+}
+
+}  // namespace
+
+FirstPass planFirstPass(VolumeSource& source, int64_t time, const BlockLayout& layout,
+                        uint64_t memory_bytes, int threads) {
+  const VolumeLayout& voxels = source.layout();
+  const auto device_bytes = static_cast<double>(bytesPerVoxel(deviceMap(voxels).type));
+  constexpr double kAxes = 3, kEnds = 2;
+  const double array_bytes =
+      blocksAtMost(source, time, layout) *
+      (sizeof(int64_t) + kEnds * device_bytes * (1 + kAxes * static_cast<double>(layout.planes())));
+  if (array_bytes > static_cast<double>(memory_bytes))
+    fail(
+        "{}: {} x {} x {} voxels in blocks of {} a side have {} of min-max arrays, --memory is {}; "
+        "give --memory {} or more, or a larger --block",
+        voxels.name, voxels.dims.x, voxels.dims.y, voxels.dims.z, layout.size,
+        wholeMebibytes(array_bytes), formatBytes(memory_bytes), wholeMebibytes(array_bytes));
+
+  const Vec3i block = min(voxels.dims, Vec3i{layout.size, layout.size, layout.size});
+  const uint64_t block_bytes = static_cast<uint64_t>(volume(block)) *
+                               (bytesPerVoxel(voxels.type) + static_cast<uint64_t>(device_bytes));
+  const uint64_t thread_bytes = source.heldBytesAThread() + block_bytes;
+  if (thread_bytes > memory_bytes)
+    fail(
+        "{}: reading it takes {} at a time (decoded chunks or rows, and a block), --memory is {}; "
+        "give --memory {} or more to look at it, and twice that to draw it",
+        voxels.name, formatBytes(thread_bytes), formatBytes(memory_bytes),
+        wholeMebibytes(static_cast<double>(thread_bytes)));
+  const uint64_t for_threads = memory_bytes - memory_bytes / 4;
+  FirstPass pass;
+  pass.threads = static_cast<int>(
+      std::clamp<uint64_t>(for_threads / thread_bytes, 1, static_cast<uint64_t>(threads)));
+  const uint64_t held = static_cast<uint64_t>(pass.threads) * source.heldBytesAThread();
+  pass.voxel_bytes = std::min(for_threads - std::min(for_threads, held), kMostIndexingBytes);
+  return pass;
+}
+
+}  // namespace sluice

@@ -1,0 +1,25 @@
+// What the first pass over a volume's voxels may take of the memory, decided before any is taken.
+//
+// A pure function of what a source says of itself; nothing is read.
+#pragma once
+
+#include <cstdint>
+
+#include "src/base/volume_source.h"
+#include "src/volume/block_layout.h"
+
+namespace sluice {
+
+struct FirstPass {
+  int threads = 1;           // that may read at once
+  uint64_t voxel_bytes = 0;  // that they may hold together, beside what the source holds
+};
+
+// Fits the pass into `memory_bytes`, of which the source keeps a quarter for what it caches
+// (holdAtMost). Throws Error, which names the least that works: a thread's decoded chunks and a
+// block do not fit, or the min-max arrays of a volume whose blocks may all differ are larger than
+// that memory. `threads`: as many as there are.
+FirstPass planFirstPass(VolumeSource& source, int64_t time, const BlockLayout& layout,
+                        uint64_t memory_bytes, int threads);
+
+}  // namespace sluice

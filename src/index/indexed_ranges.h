@@ -1,0 +1,35 @@
+// indexedRanges: the min-max arrays of a volume, from its index where there is one, otherwise built
+// in one pass over the voxels and kept for the next opening.
+//
+// The index lies where src/index/index_file.h says.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "src/base/progress_meter.h"
+#include "src/base/stop_token.h"
+#include "src/base/worker_pool.h"
+#include "src/index/index_file.h"
+#include "src/volume/slice_ranges.h"
+
+namespace sluice {
+
+struct IndexedRanges {
+  SliceRanges ranges;
+  std::filesystem::path path;  // of the index file; empty when none could be kept
+  std::string state;           // "read", "built", or "built, not kept"
+  // One line for a person; empty when the index was read, or built where it belongs: why an older
+  // one was not believed, why this one was not kept.
+  std::string note;
+};
+
+// `places`: where the index is kept, by what the user called the volume (the first of several
+// names). Throws Error when the source cannot be read, Interrupted when `stop` asks for it. A
+// damaged or stale index is rebuilt within `memory_bytes` (first_pass.h, whose Error names the
+// least that works), adding the bytes read to `progress`; one that cannot be kept is no failure.
+IndexedRanges indexedRanges(VolumeSource& source, const IndexPlaces& places, int64_t time,
+                            const BlockLayout& layout, WorkerPool& pool, ProgressMeter& progress,
+                            uint64_t memory_bytes = UINT64_MAX, const StopToken& stop = {});
+
+}  // namespace sluice

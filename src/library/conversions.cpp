@@ -1,0 +1,232 @@
+#include "src/library/conversions.h"
+
+#include <bit>
+#include <cmath>
+
+#include "src/base/error.h"
+
+namespace sluice {
+namespace {
+
+constexpr int kMostThreads = 1024;
+
+Vec3d vec(const std::array<double, 3>& v) {
+  return {v[0], v[1], v[2]};
+}
+Vec3i vec(const std::array<int64_t, 3>& v) {
+  return {v[0], v[1], v[2]};
+}
+template <class T>
+std::array<T, 3> asArray(Vec3<T> v) {
+  return {v.x, v.y, v.z};
+}
+
+void requireFinite(const char* field, double value) {
+  if (!std::isfinite(value)) fail("{} {}: must be finite", field, value);
+}
+
+int threadsOf(int threads) {
+  if (threads < 0 || threads > kMostThreads)
+    fail("threads {}: must be 0, one a core, or up to {}", threads, kMostThreads);
+  return threads;
+}
+
+DeviceChoice deviceOf(RendererOptions::Device device) {
+  switch (device) {
+    case RendererOptions::Device::kAuto:
+      return DeviceChoice::kAuto;
+    case RendererOptions::Device::kGl:
+      return DeviceChoice::kGl;
+    case RendererOptions::Device::kCpu:
+      return DeviceChoice::kCpu;
+  }
+  fail("device {}: no such device", static_cast<int>(device));
+}
+
+ViewName viewName(ViewOptions::From from) {
+  switch (from) {
+    case ViewOptions::From::kPlain:
+      return ViewName::kPlain;
+    case ViewOptions::From::kFront:
+      return ViewName::kFront;
+    case ViewOptions::From::kBack:
+      return ViewName::kBack;
+    case ViewOptions::From::kLeft:
+      return ViewName::kLeft;
+    case ViewOptions::From::kRight:
+      return ViewName::kRight;
+    case ViewOptions::From::kTop:
+      return ViewName::kTop;
+    case ViewOptions::From::kBottom:
+      return ViewName::kBottom;
+    case ViewOptions::From::kThreeQuarter:
+      return ViewName::kThreeQuarter;
+  }
+  fail("view.from {}: no such view", static_cast<int>(from));
+}
+
+Framing framingOf(const ViewOptions::Framing& given) {
+  for (const double value :
+       {given.target[0], given.target[1], given.target[2], given.reach, given.right, given.up})
+    requireFinite("view.framing", value);
+  if (!(given.reach > 0)) fail("view.framing.reach {}: must be above 0", given.reach);
+  return {vec(given.target), given.reach, given.right, given.up};
+}
+
+Box3 cropOf(const PictureOptions::Box& given, Vec3i dims) {
+  const Box3 box{vec(given.lo), vec(given.hi)};
+  if (box.empty() || !boxOf(dims).contains(box))
+    fail("crop {},{},{} to {},{},{}: must hold a voxel and lie within the volume's {} x {} x {}",
+         box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z, dims.x, dims.y, dims.z);
+  return box;
+}
+
+}  // namespace
+
+VolumeArguments volumeArguments(const std::vector<std::string>& paths,
+                                const VolumeOptions& options) {
+  if (paths.empty()) fail("a volume of no files: name at least one");
+  VolumeArguments arguments;
+  arguments.inputs = paths;
+  arguments.time = options.time;
+  OpenOptions& open = arguments.open;
+  if (options.dims) open.dims = vec(*options.dims);
+  open.time_steps = options.time_steps;
+  if (!options.type.empty()) {
+    open.type = parseVoxelType(options.type);
+    if (!open.type)
+      fail("{}: voxel type \"{}\" is not known, expected u8, i8, u16, i16, u32, i32, f32 or f64",
+           paths.front(), options.type);
+  }
+  if (options.big_endian) open.byte_order = std::endian::big;
+  open.skip_bytes = options.skip_bytes;
+  if (options.spacing) open.spacing = vec(*options.spacing);
+  open.grid = options.grid;
+  open.channel = options.channel;
+  open.decode.folder = options.temporary_folder;
+  return arguments;
+}
+
+MachineOptions machineOptions(const VolumeOptions& options) {
+  MachineOptions machine;
+  machine.memory_bytes = options.memory_bytes;
+  machine.threads = threadsOf(options.threads);
+  return machine;
+}
+
+MachineOptions machineOptions(const RendererOptions& options) {
+  MachineOptions machine;
+  machine.device.device = deviceOf(options.device);
+  machine.memory_bytes = options.memory_bytes;
+  machine.threads = threadsOf(options.threads);
+  return machine;
+}
+
+Mode modeOf(const LookOptions& look) {
+  switch (look.mode) {
+    case LookOptions::Mode::kComposite:
+      return Mode::kComposite;
+    case LookOptions::Mode::kMaximum:
+      return Mode::kMip;
+    case LookOptions::Mode::kMinimum:
+      return Mode::kMinip;
+    case LookOptions::Mode::kAverage:
+      return Mode::kAverage;
+  }
+  fail("mode {}: no such mode", static_cast<int>(look.mode));
+}
+
+LookArguments lookArguments(const LookOptions& look, bool whole_series) {
+  LookArguments arguments;
+  arguments.first_picture = true;
+  arguments.this_step = !whole_series;
+  arguments.threshold = look.threshold;
+  if (look.threshold) requireFinite("threshold", *look.threshold);
+  if (look.opacity && !(*look.opacity >= 0 && *look.opacity <= 1))
+    fail("opacity {}: must be from 0 to 1", *look.opacity);
+  arguments.opacity = look.opacity;
+  arguments.transfer_file = look.transfer_file;
+  arguments.map = look.map;
+  for (const LookOptions::Opacity& point : look.opacities)
+    arguments.opacities.push_back({point.value, point.opacity});
+  arguments.labels = look.labels;
+  if (look.range) {
+    for (const double end : *look.range) requireFinite("range", end);
+    if ((*look.range)[0] == (*look.range)[1])
+      fail("range {} to {}: must be two different values", (*look.range)[0], (*look.range)[1]);
+    arguments.range = {(*look.range)[0], (*look.range)[1]};
+  }
+  arguments.shade = look.light == LookOptions::Light::kOn;
+  arguments.no_shade = look.light == LookOptions::Light::kOff;
+  arguments.modulate = look.full_gradient.has_value();
+  if (look.full_gradient) {
+    requireFinite("full_gradient", *look.full_gradient);
+    if (!(*look.full_gradient > 0)) fail("full_gradient {}: must be above 0", *look.full_gradient);
+    arguments.full_gradient = *look.full_gradient;
+  }
+  return arguments;
+}
+
+Camera cameraOf(const ViewOptions& view) {
+  Camera camera;
+  camera.view = viewName(view.from);
+  camera.projection = view.projection == ViewOptions::Projection::kPerspective
+                          ? Projection::kPerspective
+                          : Projection::kOrtho;
+  if (view.up) camera.up = vec(*view.up);
+  camera.azimuth_deg = view.azimuth_deg;
+  camera.elevation_deg = view.elevation_deg;
+  camera.zoom = view.zoom;
+  camera.field_of_view_deg = view.field_of_view_deg;
+  if (view.framing) camera.framing = framingOf(*view.framing);
+  if (view.look_at)
+    camera.look_at = Camera::LookAt{vec(view.look_at->eye), vec(view.look_at->target)};
+  return camera;
+}
+
+FitChoice fitChoice(const ViewOptions& view) {
+  if (!view.fit) return std::nullopt;
+  switch (*view.fit) {
+    case ViewOptions::Fit::kVisible:
+      return Fit::kVisible;
+    case ViewOptions::Fit::kVolume:
+      return Fit::kVolume;
+  }
+  fail("view.fit {}: no such fit", static_cast<int>(*view.fit));
+}
+
+ViewOptions::Framing framingOf(const Framing& framing) {
+  return {asArray(framing.target), framing.reach, framing.right, framing.up};
+}
+
+FrameOptions frameOptions(const PictureOptions& picture, const VolumeLayout& layout, Mode mode) {
+  FrameOptions options;
+  options.camera = cameraOf(picture.view);
+  options.size = {picture.width, picture.height};
+  options.mode = mode;
+  if (picture.step_vox) options.step_vox = *picture.step_vox;
+  resolve(options.camera, layout, options.size, options.step_vox);  // throws
+  if (picture.time < 0 || picture.time >= layout.time_steps)
+    fail("{}: time {}: the volume has {} time step{}, counted from 0", layout.name, picture.time,
+         layout.time_steps, layout.time_steps == 1 ? "" : "s");
+  if (picture.crop) options.crop = cropOf(*picture.crop, layout.dims);
+  if (picture.with_depth && mode != Mode::kComposite)
+    fail("with_depth: depth is of composite mode, where samples have an opacity to weigh them");
+  options.with_depth = picture.with_depth;
+  return options;
+}
+
+VolumeInfo volumeInfo(const VolumeLayout& layout, ValueRange values,
+                      const std::vector<std::string>& notes) {
+  return {.name = layout.name,
+          .dims = asArray(layout.dims),
+          .type = std::string(name(layout.type)),
+          .spacing = asArray(layout.spacing),
+          .origin = asArray(layout.origin),
+          .unit = layout.unit,
+          .time_steps = layout.time_steps,
+          .value_range = {values.lo, values.hi},
+          .warnings = notes};
+}
+
+}  // namespace sluice

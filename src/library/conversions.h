@@ -1,0 +1,37 @@
+// From what the public headers say to what the layers below ask for. Pure functions. All throw
+// Error, in one line that names the field, where a value is none.
+#pragma once
+
+#include <sluice/options.h>
+#include <sluice/volume.h>
+
+#include <string>
+#include <vector>
+
+#include "io/pictures/picture.h"
+#include "src/library/requests.h"
+#include "src/render/frame_options.h"
+
+namespace sluice {
+
+VolumeArguments volumeArguments(const std::vector<std::string>& paths,
+                                const VolumeOptions& options);
+// Without a device: for the pass over a volume.
+MachineOptions machineOptions(const VolumeOptions& options);
+MachineOptions machineOptions(const RendererOptions& options);
+
+LookArguments lookArguments(const LookOptions& look, bool whole_series);
+Mode modeOf(const LookOptions& look);
+
+// `framing`, but not `fit`, is the camera's.
+Camera cameraOf(const ViewOptions& view);
+FitChoice fitChoice(const ViewOptions& view);
+// Where step_vox is unset it is 1 here; without what the look says. Checks the crop box, the time
+// step and the camera against the volume.
+FrameOptions frameOptions(const PictureOptions& picture, const VolumeLayout& layout, Mode mode);
+ViewOptions::Framing framingOf(const Framing& framing);
+
+VolumeInfo volumeInfo(const VolumeLayout& layout, ValueRange values,
+                      const std::vector<std::string>& notes);
+
+}  // namespace sluice

@@ -1,0 +1,29 @@
+// Which device draws: --device, --gl and --simd together.
+#pragma once
+
+#include <memory>
+
+#include "src/base/worker_pool.h"
+#include "src/cpu/simd_target.h"
+#include "src/device/device.h"
+#include "src/gl/gl_choice.h"
+
+namespace sluice {
+
+// kAuto is GL where a GPU's driver works or --gl names a way to it; else the CPU device, which on
+// the same processor is faster than software GL.
+enum class DeviceChoice { kAuto, kGl, kCpu };
+
+struct DeviceArguments {
+  DeviceChoice device = DeviceChoice::kAuto;
+  GlChoice gl = GlChoice::kAuto;
+  SimdTarget simd = SimdTarget::kAuto;  // of the CPU device
+};
+
+// `pool`, whose threads the CPU device draws on, must outlive it. Throws Error.
+std::unique_ptr<Device> makeDevice(const DeviceArguments& arguments, WorkerPool& pool);
+
+// "gl" or "cpu".
+const char* nameOf(const Device& device);
+
+}  // namespace sluice

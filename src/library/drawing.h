@@ -1,0 +1,65 @@
+// Drawing: what the public Renderer does, on the one thread that the device is of: a volume, its
+// device and session, and the look. It keeps what fitting has found beside what the session keeps.
+#pragma once
+
+#include <sluice/image.h>
+#include <sluice/options.h>
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "src/library/chosen_look.h"
+#include "src/library/opened_volume.h"
+#include "src/library/progress_relay.h"
+#include "src/library/requests.h"
+#include "src/render/memo.h"
+#include "src/render/session.h"
+
+namespace sluice {
+
+class Drawing {
+ public:
+  // Makes the device. Throws Error.
+  Drawing(std::shared_ptr<const OpenedVolume> opened, const LookOptions& look,
+          const RendererOptions& options);
+
+  // See Renderer. These throw Interrupted where it throws Cancelled.
+  void setLook(const LookOptions& look);
+  const ChosenLook& look() const { return look_; }
+  std::string deviceName() const;
+  Image draw(const PictureOptions& picture, ProgressTeller& teller);
+  void fit(std::span<PictureOptions> pictures, ProgressTeller& teller);
+
+ private:
+  using Points = std::shared_ptr<const std::vector<Vec3d>>;
+  struct PointsKey {
+    int64_t time;
+    std::optional<Box3> crop;
+    int64_t look;
+    friend bool operator==(const PointsKey&, const PointsKey&) = default;
+  };
+
+  // In the series' range of values.
+  TimeStep stepAt(int64_t time, const IndexPass& pass);
+  // Framed for pictures from all these cameras together; null where they have what they need.
+  std::optional<Framing> framingFor(const std::vector<Camera>& cameras, FitChoice choice,
+                                    const FrameOptions& options, const TimeStep& step,
+                                    const IndexPass& pass);
+  const VolumeLayout& layout() const { return opened_->volume.source->layout(); }
+
+  const std::shared_ptr<const OpenedVolume> opened_;
+  const MachineOptions machine_;
+  WorkerPool pool_;
+  std::unique_ptr<Device> device_;
+  std::unique_ptr<Session> session_;
+  Mode mode_ = Mode::kComposite;
+  ChosenLook look_;
+  int64_t looks_ = 0;  // that were set so far
+  Memo<int64_t, const IndexedRanges> ranges_;
+  Memo<PointsKey, const std::vector<Vec3d>> points_;
+};
+
+}  // namespace sluice

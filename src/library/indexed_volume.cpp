@@ -1,0 +1,100 @@
+#include "src/library/indexed_volume.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "src/base/error.h"
+#include "src/library/resources.h"
+#include "src/volume/byte_order_hint.h"
+
+namespace sluice {
+namespace {
+
+// Of all steps of a series: their indices say it, and are made where they are missing.
+// `index` is that of the step which is drawn; its range becomes that of all.
+ValueStatistics statisticsOf(const IndexedVolume& volume, IndexedRanges& index, bool whole_series,
+                             const IndexPass& pass) {
+  const auto valuesOf = [&](const SliceRanges& ranges) {
+    return scaled(ranges.counts, volume.map.scale, volume.map.offset);
+  };
+  const auto widen = [](ValueRange& range, const ValueRange& by) {
+    range = {std::min(range.lo, by.lo), std::max(range.hi, by.hi)};
+  };
+  ValueStatistics values{valuesOf(index.ranges), {}};
+  // Tables and light follow from it too.
+  ValueRange& device = index.ranges.device_range;
+  const int64_t steps = whole_series ? volume.source->layout().time_steps : 0;
+  for (int64_t time = 0; time < steps; ++time) {
+    if (time == volume.time) continue;
+    const IndexedRanges other = rangesOfStep(volume, time, pass);
+    if (other.ranges.counts.entries.empty()) continue;
+    widen(device, other.ranges.device_range);
+    values.counts = merged(values.counts, valuesOf(other.ranges));
+  }
+  const double a = volume.map.valueOf(device.lo), b = volume.map.valueOf(device.hi);
+  values.range = {std::min(a, b), std::max(a, b)};
+  return values;
+}
+
+std::vector<std::string> notesOf(const std::string& name, const VolumeLayout& layout,
+                                 const IndexedRanges& index) {
+  std::vector<std::string> notes = layout.notes;
+  if (looksByteSwapped(index.ranges, layout.type))
+    notes.push_back(fmt::format(
+        "{}: its values jump as numbers do whose bytes are read in the wrong order; raw files take "
+        "--endian big or little, a header can be mended",
+        name));
+  if (!index.note.empty()) notes.push_back(index.note);
+  return notes;
+}
+
+}  // namespace
+
+IndexNeeds needsOf(const LookArguments& look, Mode mode) {
+  return {needsGradients(look, mode),
+          look.first_picture && needsStatistics(look) && !look.this_step};
+}
+
+std::unique_ptr<VolumeSource> openSource(const VolumeArguments& arguments) {
+  auto source = openVolume(arguments.inputs, arguments.open);
+  const int64_t steps = source->layout().time_steps;
+  if (arguments.time < 0 || arguments.time >= steps)
+    fail("{}: --time {}: the volume has {} time step{}, counted from 0", arguments.inputs.front(),
+         arguments.time, steps, steps == 1 ? "" : "s");
+  return source;
+}
+
+IndexedVolume indexVolume(std::unique_ptr<VolumeSource> source, const VolumeArguments& arguments,
+                          const MachineOptions& machine, const IndexNeeds& needs,
+                          const IndexWish& wish, const IndexPass& pass) {
+  IndexedVolume volume;
+  volume.source = std::move(source);
+  volume.name = arguments.inputs.front();
+  volume.places = indexPlaces(volume.name, wish);
+  const VolumeLayout& layout = volume.source->layout();
+  volume.map = deviceMap(layout);
+  volume.page = pageShape(machine, volume.map);
+  const int64_t block = machine.block.value_or(blockSizeFor(volume.page.size_vox));
+  volume.layout = blockLayout(layout.dims, block, needs.gradients ? 1 : 0, volume.name.c_str());
+  volume.time = arguments.time;
+  IndexedRanges index = rangesOfStep(volume, volume.time, pass);
+  volume.notes = notesOf(volume.name, layout, index);
+  volume.values = statisticsOf(volume, index, needs.whole_series, pass);
+  volume.index = std::make_shared<const IndexedRanges>(std::move(index));
+  volume.page.pages =
+      pageCount(machine, volume.page, volume.layout, *volume.source, volume.index->ranges.bytes());
+  return volume;
+}
+
+IndexedRanges rangesOfStep(const IndexedVolume& volume, int64_t time, const IndexPass& pass) {
+  // The first opening reads everything, and nothing else is in memory then.
+  volume.source->holdAtMost(pass.memory_bytes / 4);
+  return indexedRanges(*volume.source, volume.places, time, volume.layout, pass.pool, pass.progress,
+                       pass.memory_bytes, pass.stop);
+}
+
+ChosenLook lookFor(const IndexedVolume& volume, const LookArguments& look, Mode mode) {
+  return chooseLook(volume.source->layout(), volume.values, look, mode);
+}
+
+}  // namespace sluice

@@ -1,0 +1,69 @@
+// IndexedVolume: a volume with what is known of it without its voxels, the min-max arrays and the
+// values; no device. What a picture of it, a plan or a simulation start from.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "cache/model/page_geometry.h"
+#include "src/base/progress_meter.h"
+#include "src/base/stop_token.h"
+#include "src/base/worker_pool.h"
+#include "src/index/indexed_ranges.h"
+#include "src/library/chosen_look.h"
+#include "src/library/requests.h"
+#include "src/render/time_step.h"
+
+namespace sluice {
+
+struct IndexedVolume {
+  std::unique_ptr<VolumeSource> source;
+  std::string name;    // as the user says it; the first of several
+  IndexPlaces places;  // of its indices
+  ValueMap map;
+  PageGeometry page;
+  BlockLayout layout;
+  int64_t time = 0;
+  std::shared_ptr<const IndexedRanges> index;  // of this step
+  ValueStatistics values;                      // of its step, or of the series
+  // For people, one line each: what was chosen among several and what looks wrong.
+  std::vector<std::string> notes;
+
+  TimeStep step() const { return {source.get(), time, {index, &index->ranges}}; }
+  // Least and greatest value.
+  ValueRange valueRange() const { return values.range; }
+};
+
+struct IndexNeeds {
+  bool gradients = false;     // a ghost layer
+  bool whole_series = false;  // values of all steps
+};
+IndexNeeds needsOf(const LookArguments& look, Mode mode);
+// Of a picture that no option is given for: what makes an index ahead makes that one.
+inline constexpr IndexNeeds kUsualNeeds{.gradients = true};
+
+// The pass over the voxels where an index is missing: who makes it, within what, who watches.
+struct IndexPass {
+  WorkerPool& pool;
+  ProgressMeter& progress;
+  uint64_t memory_bytes = UINT64_MAX;
+  StopToken stop = {};
+};
+
+// Opens the volume and checks that it has the time step. Throws Error.
+std::unique_ptr<VolumeSource> openSource(const VolumeArguments& arguments);
+// Reads or builds the index of the step, or of all steps. `source` is that of `arguments`. Throws
+// Error, Interrupted.
+IndexedVolume indexVolume(std::unique_ptr<VolumeSource> source, const VolumeArguments& arguments,
+                          const MachineOptions& machine, const IndexNeeds& needs,
+                          const IndexWish& wish, const IndexPass& pass);
+
+// The min-max arrays of any step of the volume, as those of its own in IndexedVolume. Throws Error,
+// Interrupted.
+IndexedRanges rangesOfStep(const IndexedVolume& volume, int64_t time, const IndexPass& pass);
+
+ChosenLook lookFor(const IndexedVolume& volume, const LookArguments& look, Mode mode);
+
+}  // namespace sluice

@@ -1,0 +1,7 @@
+// Compiled into programs that link to the installed library, by its package: where its modules are.
+// Declared, and said what for, in io/vdb/vdb_source.cpp.
+extern "C" const char* sluiceModuleFolder();
+
+extern "C" const char* sluiceModuleFolder() {
+  return SLUICE_MODULE_FOLDER;
+}

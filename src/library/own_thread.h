@@ -1,0 +1,37 @@
+// OwnThread: a thread on which calls run one after the other, whichever thread they come from. For
+// what belongs to one thread, as OpenGL contexts do.
+#pragma once
+
+#include <exception>
+#include <functional>
+#include <thread>
+
+#include "src/base/mutex.h"
+#include "src/base/worker_pool.h"
+
+namespace sluice {
+
+class OwnThread {
+ public:
+  // Where the system gives no thread, calls run on that of their caller.
+  OwnThread() : worker_(1) {}
+  OwnThread(const OwnThread&) = delete;
+  OwnThread& operator=(const OwnThread&) = delete;
+
+  // Runs `call` and waits for it; other callers wait their turn. Throws what it throws, and Error
+  // where it is called from within such a call, which would wait for itself.
+  void run(const std::function<void()>& call);
+
+ private:
+  void execute(const std::function<void()>& call);
+
+  Mutex turn_;  // held for the whole of a call
+  Mutex mutex_;
+  Condition changed_;
+  bool is_done_ SLUICE_GUARDED_BY(mutex_) = false;
+  std::exception_ptr failure_ SLUICE_GUARDED_BY(mutex_);
+  std::thread::id running_ SLUICE_GUARDED_BY(mutex_);  // on which a call runs now
+  WorkerPool worker_;                                  // last: joins before the rest goes
+};
+
+}  // namespace sluice

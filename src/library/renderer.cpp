@@ -1,0 +1,89 @@
+#include <sluice/renderer.h>
+
+#include <utility>
+
+#include "src/base/error.h"
+#include "src/library/conversions.h"
+#include "src/library/drawing.h"
+#include "src/library/own_thread.h"
+
+namespace sluice {
+
+// The drawing is the own thread's alone, from its making to its end.
+struct Renderer::Impl {
+  OwnThread own;
+  std::unique_ptr<Drawing> drawing;
+
+  // What `call` gives, run on the own thread.
+  template <class Call>
+  auto on(const Call& call) {
+    return translated([&] {
+      std::optional<decltype(call(*drawing))> result;
+      own.run([&] { result = call(*drawing); });
+      return std::move(*result);
+    });
+  }
+  ~Impl() {
+    try {
+      own.run([&] { drawing.reset(); });
+    } catch (...) {  // no memory to say so on the other thread: then here
+      drawing.reset();
+    }
+  }
+};
+
+Renderer::Renderer(const Volume& volume, const LookOptions& look, const RendererOptions& options)
+    : impl_(std::make_unique<Impl>()) {
+  volume.info();  // throws where there is none
+  translated([&] {
+    impl_->own.run(
+        [&] { impl_->drawing = std::make_unique<Drawing>(volume.impl_, look, options); });
+  });
+}
+
+Renderer::~Renderer() = default;
+Renderer::Renderer(Renderer&&) noexcept = default;
+Renderer& Renderer::operator=(Renderer&&) noexcept = default;
+
+Renderer::Impl& Renderer::impl() const {
+  if (impl_ == nullptr) fail("a Renderer that was moved from: it draws no more");
+  return *impl_;
+}
+
+void Renderer::setLook(const LookOptions& look) {
+  impl().on([&](Drawing& drawing) {
+    drawing.setLook(look);
+    return true;
+  });
+}
+
+std::string Renderer::lookText() const {
+  return impl().on([](Drawing& drawing) { return drawing.look().options; });
+}
+
+std::vector<std::string> Renderer::lookWarnings() const {
+  return impl().on([](Drawing& drawing) { return drawing.look().warnings; });
+}
+
+std::string Renderer::deviceName() const {
+  return impl().on([](Drawing& drawing) { return drawing.deviceName(); });
+}
+
+Image Renderer::draw(const PictureOptions& picture, const ProgressFunction& progress,
+                     const std::stop_token& stop) {
+  return impl().on([&](Drawing& drawing) {
+    ProgressTeller teller(progress, stop);
+    return drawing.draw(picture, teller);
+  });
+}
+
+void Renderer::fit(std::span<PictureOptions> pictures, const ProgressFunction& progress,
+                   const std::stop_token& stop) {
+  impl().on([&](Drawing& drawing) {
+    ProgressTeller teller(progress, stop);
+    drawing.fit(pictures, teller);
+    return true;
+  });
+}
+
+}  // namespace sluice

@@ -1,0 +1,64 @@
+// What is asked of the library, with the defaults: which volume, how it looks, what drawing may
+// take. Plain data. The public headers have options of their own (include/sluice), of which these
+// are made; commands fill these.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cache/policies/policy.h"
+#include "io/open_volume.h"
+#include "src/classify/transfer/transfer_function.h"
+#include "src/library/device_choice.h"
+
+namespace sluice {
+
+// Which volume, and how to read it where the file does not say.
+struct VolumeArguments {
+  std::vector<std::string> inputs;
+  OpenOptions open;
+  int64_t time = 0;
+};
+
+// How it looks.
+struct LookArguments {
+  std::optional<double> threshold;
+  std::string transfer_file;
+  std::string map;
+  std::optional<double> opacity;
+  std::vector<OpacityPoint> opacities;  // empty: from one of the others
+  bool labels = false;
+  std::optional<ValueRange> range;  // in place of the data's; lo > hi turns a map round
+  // Of a series, look and fit follow from the step that is drawn alone.
+  bool this_step = false;
+  bool shade = false, no_shade = false;
+  // For people who give no options: lit where that shows more, one look for a whole series, chosen
+  // from the values. Benches stay plain: unlit, and a ramp from plainThreshold() on.
+  bool first_picture = false;
+  bool modulate = false;       // the opacity by the gradient's magnitude
+  double full_gradient = 0.1;  // where that is 1: a share of the value range a voxel length
+  std::array<float, 3> background{0, 0, 0};
+  bool has_background = false;
+};
+
+// What zoom 1 shows whole: what is visible, or the sphere around the volume. Unset: the plain view
+// has the sphere, all others what is visible.
+enum class Fit { kVisible, kVolume };
+using FitChoice = std::optional<Fit>;
+
+// What it may take.
+struct MachineOptions {
+  uint64_t memory_bytes = 0;  // 0: half of what the machine has
+  int threads = 0;            // 0: one a core
+  DeviceArguments device;
+  std::optional<Vec3i> page_vox;
+  std::optional<int64_t> pages;
+  std::optional<int64_t> block;
+  PolicyKind policy = PolicyKind::kLru;
+  uint64_t seed = 1;
+};
+
+}  // namespace sluice

@@ -1,0 +1,79 @@
+#include "src/library/resources.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "src/base/clock.h"
+
+namespace sluice {
+namespace {
+
+// Textures may take this share of the memory where they live in it; elsewhere their memory is not
+// known to the program, and this much is on any GPU of the last ten years.
+constexpr uint64_t kTextureShare = 4;
+constexpr uint64_t kDeviceTextureBytes = uint64_t{1} << 30;
+
+// Never fewer than a block takes.
+int64_t defaultPages(const PageGeometry& page, const BlockLayout& layout, uint64_t memory_bytes,
+                     const VolumeSource& source) {
+  const auto page_bytes = static_cast<uint64_t>(page.pageBytes());
+  const Vec3i block{layout.size, layout.size, layout.size};
+  const auto least = std::bit_ceil(static_cast<uint64_t>(page.pagesOf(block)));
+  // Blocks share planes and are padded: twice the volume's own pages holds them all.
+  const Vec3i bounded = min(source.layout().dims, Vec3i{1 << 20, 1 << 20, 1 << 20});
+  const double whole = std::min(2.0 * static_cast<double>(page.pagesOf(bounded)), 1e15);
+  const uint64_t most = std::min(memory_bytes / kTextureShare, kDeviceTextureBytes) / page_bytes;
+  uint64_t pages = std::min(std::bit_floor(std::max<uint64_t>(1, most)),
+                            std::bit_ceil(static_cast<uint64_t>(whole)));
+  pages = std::max(pages, least);
+  // The partition makes no difference, so that a plan holds for both. What is held beside is off
+  // `memory_bytes` already.
+  const BufferNeeds needs = bufferNeeds(source, layout, Partition::kBlocks, 0);
+  const uint64_t buffers = leastBufferBytes(page, needs);
+  const auto needed = [&] {
+    PageGeometry geometry = page;
+    geometry.pages = static_cast<int64_t>(pages);
+    return textureMemoryBytes(geometry, TexelPlace::kInMemory) + buffers;
+  };
+  while (pages > least && needed() > memory_bytes) pages /= 2;
+  return static_cast<int64_t>(pages);
+}
+
+}  // namespace
+
+uint64_t memoryBudget(const MachineOptions& machine) {
+  return machine.memory_bytes != 0 ? machine.memory_bytes : availableMemoryBytes() / 2;
+}
+
+PageGeometry pageShape(const MachineOptions& machine, const ValueMap& map) {
+  PageGeometry page;
+  page.bytes_per_voxel = static_cast<int64_t>(bytesPerVoxel(map.type));
+  const char* standard = page.bytes_per_voxel == 1   ? "sparse-8"
+                         : page.bytes_per_voxel == 2 ? "sparse-16"
+                                                     : "sparse-32";
+  page.size_vox = machine.page_vox.value_or(findPageConfiguration(standard)->geometry.size_vox);
+  return page;
+}
+
+int64_t pageCount(const MachineOptions& machine, const PageGeometry& page,
+                  const BlockLayout& layout, const VolumeSource& source, uint64_t ranges_bytes) {
+  const uint64_t memory_bytes = memoryBudget(machine);
+  return machine.pages.value_or(
+      defaultPages(page, layout, memory_bytes - std::min(memory_bytes, ranges_bytes), source));
+}
+
+SessionOptions sessionOptions(const IndexedVolume& volume, bool lit, const MachineOptions& machine,
+                              Partition partition, uint64_t memory_bytes) {
+  SessionOptions options;
+  options.page = volume.page;
+  options.memory_bytes = memory_bytes;
+  options.beside_bytes = volume.index->ranges.bytes();
+  options.policy = machine.policy;
+  options.seed = machine.seed;
+  options.lit = lit;
+  options.partition = partition;
+  options.index_places = volume.places;
+  return options;
+}
+
+}  // namespace sluice

@@ -1,0 +1,28 @@
+// What a request for a picture means on this machine: the budget, the texture pages, the
+// session. Pure functions.
+#pragma once
+
+#include <cstdint>
+
+#include "src/library/indexed_volume.h"
+#include "src/library/requests.h"
+#include "src/render/session.h"
+
+namespace sluice {
+
+// What MachineOptions::memory_bytes means when it is not given: half of what the machine or its
+// cgroup has.
+uint64_t memoryBudget(const MachineOptions& machine);
+
+// The standard 64 KiB page of the voxel type unless the user says otherwise; pages still open.
+PageGeometry pageShape(const MachineOptions& machine, const ValueMap& map);
+// How many pages, of what the min-max arrays leave of the memory: as the user says, or what holds
+// the volume, or what memory comfortably does beside the least buffers.
+int64_t pageCount(const MachineOptions& machine, const PageGeometry& page,
+                  const BlockLayout& layout, const VolumeSource& source, uint64_t ranges_bytes);
+
+// `lit`: frames may be shaded, the volume was indexed with gradients.
+SessionOptions sessionOptions(const IndexedVolume& volume, bool lit, const MachineOptions& machine,
+                              Partition partition, uint64_t memory_bytes);
+
+}  // namespace sluice

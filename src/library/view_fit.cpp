@@ -1,0 +1,60 @@
+#include "src/library/view_fit.h"
+
+#include <algorithm>
+#include <memory>
+
+#include "src/render/look.h"
+
+namespace sluice {
+namespace {
+
+void addStep(VisibleHull& hull, const TimeStep& step, const FitRequest& request, WorkerPool& pool) {
+  const Look look = makeLook(step, request.transfer, request.frame.mode);
+  hull.add(
+      classify(*step.ranges, look.table, cropCells(request.frame, step.ranges->layout.dims), pool));
+}
+
+}  // namespace
+
+Fit fitOf(const std::vector<Camera>& cameras, FitChoice choice) {
+  const bool looks_at = std::all_of(cameras.begin(), cameras.end(), [](const Camera& camera) {
+    return camera.look_at.has_value();
+  });
+  if (looks_at) return Fit::kVolume;
+  const bool plain = cameras.front().view == ViewName::kPlain;
+  return choice.value_or(plain ? Fit::kVolume : Fit::kVisible);
+}
+
+std::vector<Vec3d> visiblePoints(const FitRequest& request, const IndexPass& pass) {
+  const VolumeLayout& layout = request.volume.source->layout();
+  VisibleHull hull(layout);
+  for (int64_t time = 0; time < layout.time_steps; ++time) {
+    if (time == request.step.time) {
+      addStep(hull, request.step, request, pass.pool);
+    } else if (!request.this_step) {
+      const auto index =
+          std::make_shared<const IndexedRanges>(rangesOfStep(request.volume, time, pass));
+      addStep(hull, {request.volume.source.get(), time, {index, &index->ranges}}, request,
+              pass.pool);
+    }
+  }
+  return hull.points();
+}
+
+void fitCameras(std::vector<Camera>& cameras, FitChoice choice, const FitRequest& request,
+                Room room, const IndexPass& pass) {
+  if (fitOf(cameras, choice) == Fit::kVolume) return;
+  const auto framing = framingOf(visiblePoints(request, pass), cameras,
+                                 request.volume.source->layout().frame, request.frame.size, room);
+  for (Camera& camera : cameras) camera.framing = framing;
+}
+
+std::vector<Camera> turnOf(const Camera& start, int64_t frames) {
+  std::vector<Camera> cameras(static_cast<size_t>(frames), start);
+  for (int64_t i = 0; i < frames; ++i)
+    cameras[static_cast<size_t>(i)].azimuth_deg =
+        start.azimuth_deg + 360 * (static_cast<double>(i) / static_cast<double>(frames));
+  return cameras;
+}
+
+}  // namespace sluice

@@ -1,0 +1,35 @@
+// What is done so that what is visible fills the picture: --fit.
+#pragma once
+
+#include <vector>
+
+#include "src/library/indexed_volume.h"
+#include "src/render/camera_framing.h"
+#include "src/render/frame_options.h"
+
+namespace sluice {
+
+// A volume that is open, and what is to be shown of it.
+struct FitRequest {
+  const IndexedVolume& volume;
+  TimeStep step;  // that is drawn
+  const TransferFunction& transfer;
+  const FrameOptions& frame;  // crop, mode and size
+  bool this_step = false;     // what is visible in the other steps does not count
+};
+
+// What the choice means for these cameras; kVolume where they look at something of their own.
+Fit fitOf(const std::vector<Camera>& cameras, FitChoice choice);
+
+// The corners of what is visible (VisibleHull::points()). Classifies every time step that counts;
+// reads voxels only of steps that have no index yet.
+std::vector<Vec3d> visiblePoints(const FitRequest& request, const IndexPass& pass);
+
+// Gives all cameras one framing.
+void fitCameras(std::vector<Camera>& cameras, FitChoice choice, const FitRequest& request,
+                Room room, const IndexPass& pass);
+
+// `frames` cameras once around, from `start` on.
+std::vector<Camera> turnOf(const Camera& start, int64_t frames);
+
+}  // namespace sluice

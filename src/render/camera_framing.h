@@ -1,0 +1,50 @@
+// Framing: where a camera stands and how much it shows so that what is visible fills the picture.
+//
+// What is visible follows from the classification's object boxes, so that no voxel is read for it.
+// Several cameras (a turn, a path) and several classifications (time steps) share one framing, so
+// that nothing grows, shrinks or stands still that should not. Not for use from two threads at
+// once.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "src/classify/blocks/classification.h"
+#include "src/render/camera.h"
+
+namespace sluice {
+
+// The corners that reach farthest of all object boxes that were added: points of the world whose
+// hull is that of the boxes but for a few hundredths of its size, a bounded number of them.
+class VisibleHull {
+ public:
+  explicit VisibleHull(const VolumeLayout& layout);
+  void add(const VisibleBlocks& visible);
+  // Empty while nothing visible was added.
+  std::vector<Vec3d> points() const;
+
+ private:
+  struct Farthest {
+    Vec3d along;   // index space: how far an index position lies in one direction of the world
+    double far;    // of `corner`
+    Vec3d corner;  // index space
+  };
+  void add(const Box3& cells);
+
+  VolumeLayout layout_;
+  bool any_ = false;
+  std::vector<Farthest> farthest_;
+};
+
+// What of a picture's sides is to stay free of the volume, of its width and height.
+struct Room {
+  double right = 0, bottom = 0;
+};
+
+// Shows the points in all cameras that have no look_at, with a small margin at zoom 1: one camera's
+// picture is centred on them, several turn about their middle. nullopt: no point or no such camera.
+// Throws Error as requireValid() does. Requires: room below 1.
+std::optional<Framing> framingOf(std::span<const Vec3d> points, std::span<const Camera> cameras,
+                                 WorldFrame frame, PictureSize size, Room room = {});
+
+}  // namespace sluice

@@ -1,0 +1,24 @@
+#include "src/render/frame_plan.h"
+
+namespace sluice {
+
+FramePlan makeFramePlan(const TimeStep& step, const VisibleBlocks& visible,
+                        const PageGeometry& page, const PlanOptions& options, ChunkNames& names) {
+  const BlockLayout& layout = step.ranges->layout;
+  FramePlan plan;
+  plan.textures = planTextures(layout, visible, page, options);
+  plan.names = names.namesOf(plan.textures);
+  plan.pages = plan.textures.pageCount();
+  const uint64_t stored_bytes = bytesPerVoxel(step.source->layout().type);
+  for (const TextureBlock& block : plan.textures.blocks) {
+    const Box3 stored = layout.storedVoxels(layout.indexOf(block.block));
+    plan.rebuild.decoded += static_cast<uint64_t>(stored.count()) * stored_bytes;
+    plan.rebuild.copied += static_cast<uint64_t>(block.voxels.count() * page.bytes_per_voxel);
+    plan.hull = unite(plan.hull, block.cells);
+    plan.cells += block.cells.count();
+  }
+  plan.rebuild.uploaded = plan.textures.bytes();
+  return plan;
+}
+
+}  // namespace sluice

@@ -1,0 +1,64 @@
+// What a frame gives back beside its picture: what it did and what it took. Plain data, gathered by
+// the frame itself (frame_run.h).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "io/pictures/picture.h"
+#include "src/render/frame_occlusion.h"
+
+namespace sluice {
+
+// Seconds of wall clock, but read, decode and copy: summed over all threads that did it.
+struct StageSeconds {
+  double classify = 0, plan = 0, read = 0, decode = 0, copy = 0, upload = 0, draw = 0;
+  double boxes =
+      0;  // that drawing waited for growing boxes: made or read, and those to draw chosen
+};
+
+// See the fields of the same names in FrameReport.
+struct MovedBytes {
+  uint64_t decoded = 0, copied = 0, uploaded = 0;
+};
+
+struct BlockClasses {
+  int64_t white = 0, grey = 0, black = 0;
+};
+
+struct FrameReport {
+  double seconds = 0;
+  StageSeconds stages;
+  // When counted: samples in the boxes that were drawn, and those that the device took of them,
+  // fewer where rays end early and pixels are stopped (with depth: not counted, all).
+  uint64_t samples_drawn = 0, samples_taken = 0;
+  uint64_t samples_object = 0;  // of them or not, those inside object boxes
+  int64_t boxes_drawn = 0;      // handed to the device
+  int64_t white = 0, grey = 0, black = 0;
+  BlockClasses before;                          // of the last frame; all 0 for the first
+  int64_t clusters = 0, chunks = 0, pages = 0;  // of the plan
+  // By this frame.
+  uint64_t pages_loaded = 0, binds = 0;
+  uint64_t decoded_bytes = 0;   // voxels that level 2 read, those for growing boxes too
+  uint64_t copied_bytes = 0;    // voxels into the texture buffer
+  uint64_t uploaded_bytes = 0;  // whole pages copied into the texture cache
+  MovedBytes rebuild;           // what a frame moves that starts from nothing
+  // Of the cells that can be seen, those left out at the time limit. 0: the picture is complete.
+  double missing_share = 0;
+  OcclusionReport occlusion;  // of a frame with occlusion
+};
+
+// What was drawn between two updates of the opacity map (Li 2003, Figure 8).
+struct FramePhase {
+  Picture picture;                // of these boxes alone, as far as their chunks are still resident
+  std::optional<OpacityMap> map;  // that they were held against; none before the first update
+};
+
+struct Frame {
+  Picture picture;
+  FrameReport report;
+  std::vector<FramePhase> phases;  // where they are kept
+};
+
+}  // namespace sluice

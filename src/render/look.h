@@ -1,0 +1,22 @@
+// Look: what values look like in a frame, the second value of its chain: the transfer function as
+// the frame's mode uses it, and its table for the step's device values. Immutable.
+#pragma once
+
+#include <memory>
+
+#include "src/classify/transfer/opacity_table.h"
+#include "src/device/frame_values.h"
+#include "src/render/time_step.h"
+
+namespace sluice {
+
+struct Look {
+  TransferFunction transfer;
+  OpacityTable table;
+};
+using LookPtr = std::shared_ptr<const Look>;
+
+// Modes other than composite look at values alone: gradients make no difference to them.
+Look makeLook(const TimeStep& step, TransferFunction transfer, Mode mode);
+
+}  // namespace sluice

@@ -1,0 +1,37 @@
+#include "src/render/planner.h"
+
+namespace sluice {
+
+LookPtr Planner::look(const TimeStep& step, const TransferPtr& transfer, Mode mode) {
+  return look_.of({step, transfer, mode}, [&] { return makeLook(step, *transfer, mode); });
+}
+
+VisibleBlocksPtr Planner::visibleBlocks(const TimeStep& step, const LookPtr& look, const View& view,
+                                        const FrameOptions& options) {
+  BlockChooser& chooser = chooser_ != nullptr ? *chooser_ : classified_;
+  return chooser.choose({step, look, cropCells(options, step.ranges->layout.dims), view});
+}
+
+FramePlanPtr Planner::plan(const TimeStep& step, const VisibleBlocksPtr& visible,
+                           const FrameOptions& options) {
+  const Box3 crop = cropCells(options, step.ranges->layout.dims);
+  return plan_.of({step, visible, options.algorithm, options.merge_order, crop}, [&] {
+    return makeFramePlan(step, *visible, page_,
+                         {options.algorithm, options.merge_order, step.time, crop}, names_);
+  });
+}
+
+FramePlanPtr Planner::planFor(const TimeStep& step, const TransferPtr& transfer,
+                              const FrameOptions& options) {
+  const View view = resolve(options.camera, step.source->layout(), options.size, options.step_vox);
+  const LookPtr shown = look(step, transfer, options.mode);
+  return plan(step, visibleBlocks(step, shown, view, options), options);
+}
+
+DrawOrderPtr Planner::order(const FramePlanPtr& plan, const EyePosition& eye,
+                            Arrangement arrangement) {
+  return order_.of({plan, eye.parallel, eye.index, arrangement},
+                   [&] { return makeDrawOrder(plan->textures, eye, arrangement); });
+}
+
+}  // namespace sluice

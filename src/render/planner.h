@@ -1,0 +1,75 @@
+// Planner: the front half of a frame's chain, the same for pictures, for what `sluice plan` says of
+// them and for simulated ones: from a time step to the order of its visit.
+//
+//   TimeStep -> Look -> VisibleBlocks -> FramePlan -> DrawOrder
+//
+// Each is a pure function of what stands left of it and of options, and each value is kept while it
+// is asked for the same. No voxel is touched, no device asked. One thread; classification runs on
+// all threads of the pool.
+#pragma once
+
+#include <memory>
+
+#include "cache/model/page_geometry.h"
+#include "src/render/draw_order.h"
+#include "src/render/frame_options.h"
+#include "src/render/frame_plan.h"
+#include "src/render/visible_blocks.h"
+
+namespace sluice {
+
+using TransferPtr = std::shared_ptr<const TransferFunction>;
+
+class Planner {
+ public:
+  // `pool` and `names` must outlive it.
+  Planner(const PageGeometry& page, WorkerPool& pool, ChunkNames& names)
+      : page_(page), names_(names), classified_(pool) {}
+
+  // From now on blocks are chosen by this, which must outlive its use; null: by classification.
+  void chooseBlocksBy(BlockChooser* chooser) { chooser_ = chooser; }
+
+  LookPtr look(const TimeStep& step, const TransferPtr& transfer, Mode mode);
+  VisibleBlocksPtr visibleBlocks(const TimeStep& step, const LookPtr& look, const View& view,
+                                 const FrameOptions& options);
+  // Throws Error when the texture cache has fewer pages than one block.
+  FramePlanPtr plan(const TimeStep& step, const VisibleBlocksPtr& visible,
+                    const FrameOptions& options);
+  // The three in a row.
+  FramePlanPtr planFor(const TimeStep& step, const TransferPtr& transfer,
+                       const FrameOptions& options);
+  DrawOrderPtr order(const FramePlanPtr& plan, const EyePosition& eye, Arrangement arrangement);
+
+ private:
+  struct LookKey {
+    TimeStep step;
+    Identity<TransferFunction> transfer;
+    Mode mode;
+    friend bool operator==(const LookKey&, const LookKey&) = default;
+  };
+  struct PlanKey {
+    TimeStep step;
+    Identity<VisibleBlocks> visible;
+    Algorithm algorithm;
+    MergeOrder merge_order;
+    Box3 crop;
+    friend bool operator==(const PlanKey&, const PlanKey&) = default;
+  };
+  struct OrderKey {
+    Identity<FramePlan> plan;
+    bool parallel;
+    Vec3d eye;
+    Arrangement arrangement;
+    friend bool operator==(const OrderKey&, const OrderKey&) = default;
+  };
+
+  const PageGeometry page_;
+  ChunkNames& names_;
+  BlockChooser* chooser_ = nullptr;
+  ClassifiedBlocks classified_;
+  Memo<LookKey, const Look> look_;
+  Memo<PlanKey, const FramePlan> plan_;
+  Memo<OrderKey, const DrawOrder> order_;
+};
+
+}  // namespace sluice

@@ -1,0 +1,87 @@
+#include "src/render/residency.h"
+
+#include <algorithm>
+#include <unordered_set>
+
+#include "src/base/clock.h"
+#include "src/base/error.h"
+
+namespace sluice {
+namespace {
+
+// Enough to keep a disk busy that serves many reads at once, on machines of few cores too.
+constexpr int kReadsInFlight = 4;
+
+// Names that no plan in use has: of thresholds seen before, whose chunks level 3 may still hold.
+constexpr size_t kMostUnusedNames = size_t{1} << 16;
+
+}  // namespace
+
+Residency::Residency(VolumeSource& source, const BlockLayout& layout, Device& device,
+                     const ResidencyOptions& options)
+    : device_(device),
+      budgets_(shareMemory(options.memory_bytes, options.page, device.limits().texels,
+                           bufferNeeds(source, layout, options.partition, options.beside_bytes),
+                           std::max(options.threads, kReadsInFlight))),
+      blocks_(source, layout, budgets_.volume_buffer, VolumeBuffer::Cold::kPacked),
+      readers_(budgets_.readers + 1),
+      chunks_(blocks_, readers_, budgets_.texture_buffer),
+      cache_(static_cast<uint64_t>(options.page.pages),
+             static_cast<uint64_t>(options.page.pageBytes()),
+             makePolicy(options.policy, static_cast<uint64_t>(options.page.pages), options.seed)),
+      first_id_(device.takeIdRange()) {
+  SLUICE_CHECK_EQ(options.page.bytes_per_voxel,
+                  static_cast<int64_t>(bytesPerVoxel(blocks_.type())));
+  source.holdAtMost(budgets_.source);
+}
+
+Residency::~Residency() {
+  for (const ChunkId id : cache_.residents()) device_.evict(first_id_ + id);
+}
+
+Residency::Made Residency::makeResident(const FramePlan& plan, ChunkPosition position,
+                                        const ChunkTexelsPtr& texels) {
+  const Chunk& chunk = plan.textures.chunks[position];
+  const ChunkId id = modelId(plan.names[position]);
+  const TextureCache::Answer answer = cache_.request(id, static_cast<uint32_t>(chunk.pages),
+                                                     TextureBuffer::bytesOf(plan.textures, chunk));
+  if (answer.outcome == Outcome::kDoesNotFit)
+    fail("a cluster needs more than the texture cache's {} pages; give more --pages",
+         cache_.capacityPages());
+  cache_.pin(id);
+  if (answer.outcome != Outcome::kLoaded) return {};
+  Stopwatch watch;
+  try {
+    evict(answer.evicted);
+    SLUICE_CHECK(texels != nullptr);
+    watch = Stopwatch();
+    device_.makeResident(first_id_ + id, texels);
+  } catch (...) {
+    cache_.erase(id);
+    throw;
+  }
+  const bool is_copied = device_.limits().texels != TexelPlace::kBorrowed;
+  return {static_cast<uint64_t>(chunk.pages), is_copied ? texels->byte_count : 0, watch.seconds()};
+}
+
+void Residency::evict(std::span<const ChunkId> ids) {
+  size_t gone = 0;
+  try {
+    for (; gone < ids.size(); ++gone) device_.evict(first_id_ + ids[gone]);
+  } catch (...) {
+    device_.cancelFrame();  // so that there is nothing to be drawn first
+    for (; gone < ids.size(); ++gone) device_.evict(first_id_ + ids[gone]);
+    throw;
+  }
+}
+
+void Residency::forgetUnused(const FramePlan& plan) {
+  if (names_.kept() <= kMostUnusedNames + 2 * plan.names.size()) return;
+  std::unordered_set<ChunkId> used;
+  for (const ChunkName name : plan.names) used.insert(modelId(name));
+  for (const ChunkId id : cache_.residents()) used.insert(id);
+  names_.forgetUnused([&used](ChunkName name) { return used.contains(modelId(name)); });
+  cache_.forgetUnused([&used](ChunkId id) { return used.contains(id); });
+}
+
+}  // namespace sluice

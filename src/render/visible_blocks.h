@@ -1,0 +1,53 @@
+// BlockChooser: who says which blocks of a time step a picture needs, the third arrow of a frame's
+// chain. What comes after it knows nothing of how they were chosen.
+//
+// By default that is the classification: blocks in which something is not transparent. An estimate
+// of what hides what, or a cut through levels of resolution, is another chooser.
+#pragma once
+
+#include <memory>
+
+#include "src/base/worker_pool.h"
+#include "src/classify/blocks/classification.h"
+#include "src/render/camera.h"
+#include "src/render/look.h"
+#include "src/render/memo.h"
+
+namespace sluice {
+
+using VisibleBlocksPtr = std::shared_ptr<const VisibleBlocks>;
+
+struct BlockQuestion {
+  TimeStep step;
+  LookPtr look;
+  Box3 crop;  // cells that may show
+  View view;
+};
+
+class BlockChooser {
+ public:
+  virtual ~BlockChooser() = default;
+  // Blocks of the step's layout, of this or of other time steps, ascending; each cell at most once.
+  // Gives the same object again where nothing that it depends on has changed: then what follows
+  // from it is kept too.
+  virtual VisibleBlocksPtr choose(const BlockQuestion& question) = 0;
+};
+
+// classify(), kept while step, look and crop stay.
+class ClassifiedBlocks : public BlockChooser {
+ public:
+  explicit ClassifiedBlocks(WorkerPool& pool) : pool_(pool) {}
+  VisibleBlocksPtr choose(const BlockQuestion& question) override;
+
+ private:
+  struct Key {
+    TimeStep step;
+    Identity<Look> look;
+    Box3 crop;
+    friend bool operator==(const Key&, const Key&) = default;
+  };
+  WorkerPool& pool_;
+  Memo<Key, const VisibleBlocks> memo_;
+};
+
+}  // namespace sluice

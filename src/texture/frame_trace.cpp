@@ -1,0 +1,41 @@
+#include "src/texture/frame_trace.h"
+
+namespace sluice {
+
+TraceRecord requestFor(const TexturePlan& plan, ChunkPosition chunk, ChunkName name,
+                       ClusterPosition cluster, int64_t frame) {
+  const Chunk& wanted = plan.chunks[chunk];
+  return {static_cast<uint64_t>(name.value()), static_cast<uint32_t>(wanted.pages),
+          static_cast<uint32_t>(cluster.value()), static_cast<uint32_t>(frame),
+          plan.loadBytes(wanted)};
+}
+
+std::vector<TraceRecord> frameRequests(const TexturePlan& plan, const ChunkNameList& names,
+                                       const EyePosition& eye, int64_t frame) {
+  std::vector<TraceRecord> records;
+  for (const ClusterPosition cluster : clusterOrder(plan, eye))
+    for (const ChunkPosition chunk : plan.clusters[cluster].chunks)
+      records.push_back(requestFor(plan, chunk, names[chunk], cluster, frame));
+  return records;
+}
+
+int64_t bindCount(const TexturePlan& plan, const EyePosition& eye) {
+  int64_t binds = 0;
+  if (plan.chunks.size() == plan.blocks.size()) {  // in any order
+    for (const TextureBlock& block : plan.blocks) binds += block.cells.empty() ? 0 : 1;
+    return binds;
+  }
+  for (const ClusterPosition position : clusterOrder(plan, eye)) {
+    const Cluster& cluster = plan.clusters[position];
+    ChunkPosition bound(int64_t{-1});
+    for (const BlockPosition at : blockOrder(plan, cluster, eye)) {
+      const TextureBlock& block = plan.blocks[at];
+      if (block.cells.empty() || block.chunk == bound) continue;
+      bound = block.chunk;
+      ++binds;
+    }
+  }
+  return binds;
+}
+
+}  // namespace sluice

@@ -1,0 +1,47 @@
+// DeviceReader: boxes of a source's voxels in device form, the way that level 2, the min-max arrays
+// and the growing boxes all read.
+//
+// Where device voxels are as large as stored ones they are converted where they were read; where
+// they are smaller (doubles) they go through scratch memory in slabs of planes, kept from read to
+// read. One thread at a time each.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "src/base/volume_source.h"
+#include "src/volume/device_voxel.h"
+
+namespace sluice {
+
+class DeviceReader {
+ public:
+  static constexpr size_t kScratchBytes = size_t{256} << 10;
+
+  // The scratch takes at most `scratch_bytes`, or one plane of a box. `source` must outlive it.
+  explicit DeviceReader(VolumeSource& source, size_t scratch_bytes = kScratchBytes)
+      : source_(source), scratch_bytes_(scratch_bytes) {}
+
+  // Fills each region's `out`, x fastest. Throws what the source does. Requires: `out` has
+  // box.count() device voxels.
+  void read(int64_t time, std::span<const RegionRead> regions);
+  void read(int64_t time, const RegionRead& region) { read(time, std::span(&region, 1)); }
+
+  // Time spent since construction.
+  int64_t readNs() const { return read_ns_; }
+  int64_t convertNs() const { return convert_ns_; }
+
+ private:
+  void readInPlace(int64_t time, std::span<const RegionRead> regions);
+  void readThroughScratch(int64_t time, const RegionRead& region);
+
+  VolumeSource& source_;
+  const size_t scratch_bytes_;
+  size_t scratch_size_ = 0;
+  std::unique_ptr<std::byte[]> scratch_;
+  int64_t read_ns_ = 0, convert_ns_ = 0;
+};
+
+}  // namespace sluice

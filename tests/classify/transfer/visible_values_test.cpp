@@ -1,0 +1,91 @@
+#include "src/classify/transfer/visible_values.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <random>
+
+namespace sluice {
+namespace {
+
+// `bands` opaque pieces between lo and hi, down to single points.
+OpacityTable randomTable(std::mt19937_64& random, int bands, DeviceType type, ValueRange range) {
+  std::vector<double> ends;
+  for (int i = 0; i < 2 * bands; ++i)
+    ends.push_back(std::lerp(range.lo, range.hi, static_cast<double>(random() >> 11) * 0x1p-53));
+  std::sort(ends.begin(), ends.end());
+  TransferFunction transfer;
+  transfer.colors = {{0, {1, 1, 1}}};
+  transfer.opacities = {{range.lo, random() % 4 == 0 ? 0.5 : 0.0}};
+  for (size_t i = 0; i < ends.size(); i += 2)
+    transfer.opacities.insert(transfer.opacities.end(),
+                              {{ends[i], 0}, {ends[i], 0.3}, {ends[i + 1], 0.3}, {ends[i + 1], 0}});
+  return {transfer, {type, 1, 0}, range};
+}
+
+TEST(VisibleValues, agreeWithTheTableOnEveryPairOfBytes) {
+  std::mt19937_64 random(1);
+  for (const int bands : {0, 1, 2, 5, 40})
+    for (const ValueRange range : {ValueRange{0, 255}, {17, 201}, {90, 90}}) {
+      const OpacityTable table = randomTable(random, bands, DeviceType::kU8, range);
+      const VisibleValues<uint8_t> visible(table);
+      for (int lo = 0; lo < 256; ++lo)
+        for (int hi = lo; hi < 256; ++hi)
+          ASSERT_EQ(visible.any(static_cast<uint8_t>(lo), static_cast<uint8_t>(hi)),
+                    table.anyOpaque(lo, hi))
+              << lo << " to " << hi << ", " << bands << " bands";
+    }
+}
+
+TEST(VisibleValues, agreeWithTheTableOnSixteenBits) {
+  std::mt19937_64 random(2);
+  for (const int bands : {1, 3, 300})
+    for (const ValueRange range : {ValueRange{0, 65535}, {31768, 35768}}) {
+      const OpacityTable table = randomTable(random, bands, DeviceType::kU16, range);
+      const VisibleValues<uint16_t> visible(table);
+      for (uint32_t v = 0; v < 65536; ++v)
+        ASSERT_EQ(visible.any(static_cast<uint16_t>(v), static_cast<uint16_t>(v)),
+                  table.anyOpaque(v, v))
+            << v;
+      for (int pair = 0; pair < 20000; ++pair) {
+        const auto lo = static_cast<uint16_t>(random());
+        const auto hi = static_cast<uint16_t>(std::min<uint64_t>(65535, lo + random() % 3000));
+        ASSERT_EQ(visible.any(lo, hi), table.anyOpaque(lo, hi)) << lo << " to " << hi;
+      }
+    }
+}
+
+TEST(VisibleValues, agreeWithTheTableOnNeighboringFloats) {
+  std::mt19937_64 random(3);
+  for (const int bands : {1, 2, 50})
+    for (const ValueRange range : {ValueRange{-3, 5}, {1e-8, 2e-8}, {-1e20, 1e25}, {0, 0}}) {
+      const OpacityTable table = randomTable(random, bands, DeviceType::kF32, range);
+      const VisibleValues<float> visible(table);
+      const auto expectSame = [&](float v) {
+        ASSERT_EQ(visible.any(v, v), table.anyOpaque(v, v)) << v;
+      };
+      for (const float v : {kNotANumber, kLargest, 0.0F, -0.0F}) expectSame(v);
+      for (int i = 0; i < 20000 && !HasFatalFailure(); ++i)
+        expectSame(static_cast<float>(std::lerp(
+            range.lo, range.hi, 1.2 * static_cast<double>(random() >> 11) * 0x1p-53 - 0.1)));
+      // One float on each side of where the answer changes.
+      auto last = static_cast<float>(range.lo);
+      for (int step = 1; step <= 2000 && !HasFatalFailure(); ++step) {
+        const auto next = static_cast<float>(std::lerp(range.lo, range.hi, step / 2000.0));
+        if (table.anyOpaque(last, last) != table.anyOpaque(next, next)) {
+          float lo = last, hi = next;
+          for (float middle = std::midpoint(lo, hi); lo < middle && middle < hi;
+               middle = std::midpoint(lo, hi))
+            (table.anyOpaque(middle, middle) == table.anyOpaque(lo, lo) ? lo : hi) = middle;
+          expectSame(lo);
+          expectSame(hi);
+        }
+        last = next;
+      }
+    }
+}
+
+}  // namespace
+}  // namespace sluice

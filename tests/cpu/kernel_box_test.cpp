@@ -1,0 +1,74 @@
+#include "src/cpu/kernel_box.h"
+
+#include <gtest/gtest.h>
+
+#include "src/render/frame_setup.h"
+#include "src/render/index_space.h"
+#include "tests/support/plain_device.h"
+
+namespace sluice {
+namespace {
+
+FrameSetup setupOf(Vec3i dims, Projection projection, double azimuth_deg) {
+  VolumeLayout layout;
+  layout.dims = dims;
+  FrameOptions options;
+  options.camera.projection = projection;
+  options.camera.azimuth_deg = azimuth_deg;
+  options.camera.elevation_deg = 25;
+  options.size = {100, 80};
+  const ValueMap map = deviceMap(layout);
+  const TransferFunction transfer{{{0, {1, 1, 1}}}, {{0, 0.1}}, "all"};
+  return frameSetup(resolve(options.camera, layout, options.size, 1), layout,
+                    OpacityTable(transfer, map, {0, 255}), map, options);
+}
+
+// Offsets of texels in a large chunk are not exact in single precision: it is drawn in parts, which
+// share the box without rest and come front to back.
+TEST(KernelBox, largeBoxesAreDrawnInPartsFrontToBack) {
+  const Vec3i dims{300, 300, 300};
+  ChunkTexels chunk;  // its texels are not looked at
+  chunk.storage_vox = dims;
+  chunk.byte_count = static_cast<size_t>(volume(dims));
+  const std::byte none{};
+  BoxDraw box;
+  box.cells = boxOf(dims - Vec3i{1, 1, 1});
+  for (const Projection projection : {Projection::kOrtho, Projection::kPerspective})
+    for (const double azimuth : {20.0, 160.0}) {
+      const FrameSetup setup = setupOf(dims, projection, azimuth);
+      std::vector<KernelBox> parts;
+      appendBox(setup, box, &chunk, &none, parts);
+      ASSERT_GT(parts.size(), 1U);
+      double cells = 0;
+      for (const KernelBox& part : parts) {
+        cells += static_cast<double>(part.size[0]) * part.size[1] * part.size[2];
+        EXPECT_LT(part.stride[2] * (part.texel_hi[2] + 2), 1 << 24);
+      }
+      EXPECT_EQ(cells, static_cast<double>(box.cells.count()));
+      const Vec3d eye =
+          setup.projection == Projection::kOrtho
+              ? toDouble(dims) * 0.5 - setup.rays.step0 * 1e4
+              : setup.rays.origin0 - setup.rays.step0 * (setup.first_depth / setup.depth_step);
+      for (size_t i = 0; i + 1 < parts.size(); ++i) {
+        const auto depthOf = [&](const KernelBox& part) {
+          return std::abs((part.lo[2] + part.hi[2]) / 2 + setup.rays.origin0.z - eye.z);
+        };
+        EXPECT_LT(depthOf(parts[i]), depthOf(parts[i + 1])) << i;
+      }
+    }
+}
+
+TEST(KernelBox, boxesThatNoPixelSeesAreLeftOut) {
+  const FrameSetup setup = setupOf({8, 8, 8}, Projection::kPerspective, 0);
+  std::vector<KernelBox> boxes;
+  BoxDraw box;
+  box.cells = {{500, 0, 0}, {507, 7, 7}};
+  appendBox(setup, box, nullptr, nullptr, boxes);
+  EXPECT_TRUE(boxes.empty());
+  box.cells = boxOf({7, 7, 7});
+  appendBox(setup, box, nullptr, nullptr, boxes);
+  EXPECT_EQ(boxes.size(), 1U);
+}
+
+}  // namespace
+}  // namespace sluice

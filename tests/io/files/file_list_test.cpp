@@ -1,0 +1,94 @@
+#include "io/files/file_list.h"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+
+#include "tests/io/image_test_support.h"
+
+namespace sluice {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+std::vector<std::string> namesOf(const std::vector<std::filesystem::path>& paths) {
+  std::vector<std::string> names;
+  for (const auto& path : paths) names.push_back(path.filename().string());
+  return names;
+}
+
+TEST(NaturalOrder, comparesRunsOfDigitsAsNumbers) {
+  std::vector<std::string> names{
+      "b1", "a10", "a2", "a1x", "a1", "a", "a02b3", "a2b10", "a123456789012345678901", "a99"};
+  std::sort(names.begin(), names.end(), naturalLess);
+  EXPECT_THAT(names, ElementsAre("a", "a1", "a1x", "a2", "a02b3", "a2b10", "a10", "a99",
+                                 "a123456789012345678901", "b1"));
+}
+
+TEST(NaturalOrder, isStrictForNumbersThatDifferByZerosOnly) {
+  EXPECT_NE(naturalLess("a01", "a1"), naturalLess("a1", "a01"));
+  EXPECT_FALSE(naturalLess("a01", "a01"));
+}
+
+TEST(Pattern, globsInNaturalOrder) {
+  const TempFolder folder;
+  for (const char* name : {"s-10.png", "s-9.png", "s-1.png", "t-3.png", "s-2.txt"})
+    writeFile(folder / name, "");
+  EXPECT_THAT(namesOf(expandPattern((folder / "s-*.png").string())),
+              ElementsAre("s-1.png", "s-9.png", "s-10.png"));
+}
+
+TEST(Pattern, takesPrintfNumbersWithGaps) {
+  const TempFolder folder;
+  for (const char* name :
+       {"s_000.raw", "s_100.raw", "s_020.raw", "s_1000.raw", "s_7.raw", "s_x.raw", "s_0100.raw"})
+    writeFile(folder / name, "");
+  EXPECT_THAT(namesOf(expandPattern((folder / "s_%03d.raw").string())),
+              ElementsAre("s_000.raw", "s_020.raw", "s_100.raw", "s_1000.raw"));
+  EXPECT_THAT(namesOf(expandPattern((folder / "s_%d.raw").string())),
+              ElementsAre("s_7.raw", "s_100.raw", "s_1000.raw"));
+}
+
+TEST(Pattern, isNoneWhereAFileIsCalledSo) {
+  const TempFolder folder;
+  writeFile(folder / "a[1].raw", "");
+  writeFile(folder / "b%d.raw", "");
+  EXPECT_FALSE(isPattern((folder / "a[1].raw").string()));
+  EXPECT_FALSE(isPattern((folder / "b%d.raw").string()));
+  EXPECT_TRUE(isPattern((folder / "a[2].raw").string()));
+  EXPECT_TRUE(isPattern((folder / "c%d.raw").string()));
+  EXPECT_FALSE(isPattern((folder / "100%.raw").string()));
+  EXPECT_FALSE(isPattern((folder / "%d-%d.raw").string()));
+}
+
+TEST(Pattern, rejectsOneThatMatchesNothing) {
+  const TempFolder folder;
+  EXPECT_THAT(errorOf([&] { expandPattern((folder / "*.png").string()); }),
+              HasSubstr("no file matches"));
+  EXPECT_THAT(errorOf([&] { expandPattern((folder / "%d.png").string()); }),
+              HasSubstr("no file matches"));
+  EXPECT_THAT(errorOf([&] { expandPattern((folder / "no/%d.png").string()); }),
+              HasSubstr("cannot be read"));
+}
+
+TEST(FileIdentity, changesWithAnyFileOfAList) {
+  const TempFolder folder;
+  writeFile(folder / "a", "1");
+  writeFile(folder / "b", "2");
+  const std::vector<std::filesystem::path> files{folder / "a", folder / "b"};
+  const std::string before = fileIdentity(files);
+  EXPECT_EQ(fileIdentity(files), before);
+  writeFile(folder / "b", "22");
+  EXPECT_NE(fileIdentity(files), before);
+  EXPECT_NE(fileIdentity({folder / "b", folder / "a"}), fileIdentity(files));
+}
+
+TEST(LowerExtension, keepsWhatGzipHides) {
+  EXPECT_EQ(lowerExtension("/x/A.NII.gz"), ".nii.gz");
+  EXPECT_EQ(lowerExtension("a.TIF"), ".tif");
+  EXPECT_EQ(lowerExtension("a"), "");
+}
+
+}  // namespace
+}  // namespace sluice

@@ -1,0 +1,141 @@
+// TIFF files that say of their pages what they are, and how much is read of them.
+#include <gmock/gmock.h>
+
+#include <fstream>
+
+#include "io/open_volume.h"
+#include "io/slices/slice_stack.h"
+#include "io/slices/tiff_description.h"
+#include "tests/io/python_volumes.h"
+
+namespace sluice {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+// A file of make_tiff_pages.py.
+struct Case {
+  static constexpr const char* kScript = "make_tiff_pages.py";
+  static constexpr const char* kModules = "numpy, tifffile";
+
+  std::string name;
+  Vec3i dims;
+  int64_t steps = 1, channels = 1;
+  Vec3d spacing;
+  std::string unit;
+
+  friend std::istream& operator>>(std::istream& line, Case& c) {
+    return line >> c.name >> c.dims.x >> c.dims.y >> c.dims.z >> c.steps >> c.channels >>
+           c.spacing.x >> c.spacing.y >> c.spacing.z >> c.unit;
+  }
+};
+
+using TiffPages = PythonVolumesTest<Case>;
+
+TEST_F(TiffPages, areSlicesChannelsAndStepsAsTheirDescriptionSays) {
+  ASSERT_EQ(cases_.size(), 9U);
+  for (const Case& c : cases_) {
+    SCOPED_TRACE(c.name);
+    const std::string path = pathOf(c.name + ".tif").string();
+    const auto source = openVolume(path, {.channel = c.channels - 1});
+    const VolumeLayout& layout = source->layout();
+    EXPECT_EQ(layout.dims, c.dims);
+    EXPECT_EQ(layout.time_steps, c.steps);
+    EXPECT_EQ(layout.channels, c.channels);
+    EXPECT_EQ(layout.channel, c.channels - 1);
+    EXPECT_EQ(layout.unit, c.unit);
+    for (int a = 0; a < 3; ++a) EXPECT_NEAR(layout.spacing[a], c.spacing[a], 1e-6 * c.spacing[a]);
+    EXPECT_THAT(layout.notes, testing::IsEmpty());
+    EXPECT_TRUE(allSteps(*source) == voxelsOf(c.name));
+    expectBoxesAreParts(*source, voxelsOf(c.name));
+  }
+}
+
+TEST_F(TiffPages, theFirstChannelIsReadWhereNoneIsChosenAndANoteSaysSo) {
+  const auto source = openVolume(pathOf("ome-zct.tif").string());
+  EXPECT_EQ(source->layout().channel, 0);
+  ASSERT_EQ(source->layout().notes.size(), 1U);
+  EXPECT_THAT(source->layout().notes[0],
+              AllOf(HasSubstr("channel 0 (stain 0) of 4"), HasSubstr("3 (stain 3)")));
+  EXPECT_NE(source->identity(),
+            openVolume(pathOf("ome-zct.tif").string(), {.channel = 1})->identity());
+  EXPECT_THAT(errorOf([&] { openVolume(pathOf("ome-zct.tif").string(), {.channel = 4}); }),
+              HasSubstr("has 4 channels"));
+}
+
+TEST_F(TiffPages, whatIsCutOffIsAnError) {
+  const std::string bytes = readFile(pathOf("imagej-one-table.tif"));
+  const TempFolder folder;
+  writeFile(folder / "cut.tif", std::string_view(bytes).substr(0, bytes.size() - 100));
+  EXPECT_THAT(errorOf([&] { openVolume((folder / "cut.tif").string()); }),
+              HasSubstr("says 20 images of 1200 bytes"));
+}
+
+TEST(TiffDescription, thatDoesNotFitGivesSlicesAndANote) {
+  const PageOrder imagej = parseTiffDescription("ImageJ=1\nslices=4\nchannels=3\n", 5, 0, 0);
+  EXPECT_EQ(imagej.slices, 5);
+  EXPECT_THAT(imagej.notes, testing::ElementsAre(HasSubstr("the file has 5 pages")));
+  const PageOrder ome = parseTiffDescription(
+      "<OME><Image><Pixels DimensionOrder=\"XYZCT\" SizeZ=\"4\" SizeC=\"1\" SizeT=\"1\"/></OME>", 5,
+      0, 0);
+  EXPECT_EQ(ome.slices, 5);
+  EXPECT_THAT(ome.notes, testing::ElementsAre(HasSubstr("set of several files")));
+  for (const char* nothing :
+       {"", "a microscope", "<OME", "ImageJ=", "<OME><Pixels", "ImageJ=1\nimages=x"}) {
+    EXPECT_EQ(parseTiffDescription(nothing, 1, 0, 0).slices, 1) << nothing;
+    EXPECT_EQ(parseTiffDescription(nothing, 1, 0, 0).spacing, (Vec3d{1, 1, 1})) << nothing;
+  }
+}
+
+TEST(TiffDescription, blocksSayWhereEachPlaneIs) {
+  const std::string front =
+      "<OME><Pixels DimensionOrder=\"XYZCT\" SizeZ=\"2\" SizeC=\"2\" SizeT=\"1\">";
+  const PageOrder order = parseTiffDescription(
+      front +
+          "<TiffData FirstZ=\"0\" FirstC=\"1\" IFD=\"0\" PlaneCount=\"2\"/>"
+          "<TiffData FirstZ=\"0\" FirstC=\"0\" IFD=\"2\" PlaneCount=\"2\"/></Pixels></OME>",
+      4, 0, 0);
+  EXPECT_EQ(order.page(0, 0, 0), 2);
+  EXPECT_EQ(order.page(0, 1, 1), 1);
+  for (const char* wrong :
+       {"<TiffData IFD=\"9\"/>", "<TiffData FirstZ=\"2\" IFD=\"0\"/>", "<TiffData IFD=\"-1\"/>",
+        "<TiffData IFD=\"1\"/>", "<TiffData IFD=\"0\" PlaneCount=\"9\"/>"}) {
+    const PageOrder plain = parseTiffDescription(front + wrong + "</Pixels></OME>", 4, 0, 0);
+    EXPECT_EQ(plain.slices, 4) << wrong;
+    EXPECT_EQ(plain.notes.size(), 1U) << wrong;
+  }
+}
+
+// Every system call that reads, of this process.
+int64_t readCalls() {
+  std::ifstream file("/proc/self/io");
+  std::string key;
+  int64_t value = 0;
+  while (file >> key >> value)
+    if (key == "syscr:") return value;
+  return -1;
+}
+
+// Rows of strips that lie one behind the other are one read, not one each.
+TEST(TiffStrips, areReadWhole) {
+  if (readCalls() < 0) GTEST_SKIP() << "/proc/self/io is missing";
+  if (!hasPythonModules("numpy, tifffile")) GTEST_SKIP() << "python3 with tifffile is missing";
+  const TempFolder folder;
+  constexpr int kSlices = 20;
+  ASSERT_EQ(runCommand(
+                "/usr/bin/python3 -c \"import numpy as n, tifffile as t; "
+                "[t.imwrite('" +
+                folder.path().string() +
+                "/s%02d.tif' % i, n.zeros((512, 512), 'u1'), rowsperstrip=8) for i in range(20)]\"")
+                .status,
+            0);
+  const int64_t before = readCalls();
+  const auto source = openSliceFolder(folder.path());
+  readAll(*source);
+  // 512 rows in 64 strips; some for the tables, which are looked at twice.
+  EXPECT_LT(readCalls() - before, kSlices * 14);
+}
+
+}  // namespace
+}  // namespace sluice

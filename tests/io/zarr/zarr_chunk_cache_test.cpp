@@ -1,0 +1,90 @@
+#include "io/zarr/zarr_chunk_cache.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <random>
+#include <thread>
+#include <vector>
+
+#include "src/base/error.h"
+
+namespace sluice {
+namespace {
+
+constexpr uint64_t kChunk = 1000;
+
+// Decodes a chunk into its number, and counts for itself.
+struct Decoder {
+  ZarrChunkCache::Chunk operator()(int64_t chunk, ChunkMemory& memory) {
+    {
+      const std::lock_guard lock(mutex);
+      ++decoded[chunk];
+      EXPECT_EQ(++under_way[chunk], 1) << "two threads decode " << chunk;
+    }
+    const CountedBytes stored(kChunk, memory);
+    std::this_thread::yield();
+    auto bytes = std::make_shared<CountedBytes>(kChunk, memory);
+    bytes->span()[0] = static_cast<std::byte>(chunk);
+    const std::lock_guard lock(mutex);
+    --under_way[chunk];
+    if (chunk == failing) throw Error("damaged");
+    return bytes;
+  }
+  std::mutex mutex;
+  std::map<int64_t, int> decoded, under_way;  // guarded by mutex
+  int64_t failing = -1;
+};
+
+TEST(ZarrChunkCache, keepsWhatWasUsedLast) {
+  Decoder decoder;
+  ZarrChunkCache cache(kChunk, 4 * kChunk, std::ref(decoder));
+  // Room for two beside the one that is decoded, which takes two.
+  for (const int64_t chunk : {1, 2, 1, 3, 1, 4, 1, 2}) cache.get(chunk);
+  EXPECT_EQ(decoder.decoded[1], 1);
+  EXPECT_EQ(decoder.decoded[2], 2);
+  EXPECT_LE(cache.held().peak(), 4 * kChunk);
+}
+
+TEST(ZarrChunkCache, aFailureReachesTheCallerAndIsForgotten) {
+  Decoder decoder;
+  decoder.failing = 5;
+  ZarrChunkCache cache(kChunk, 4 * kChunk, std::ref(decoder));
+  EXPECT_THROW(cache.get(5), Error);
+  EXPECT_THROW(cache.get(5), Error);
+  EXPECT_LE(cache.held().now(), 2 * kChunk);  // kept for the next
+  decoder.failing = -1;
+  EXPECT_EQ(cache.get(5)->span()[0], std::byte{5});
+}
+
+TEST(ZarrChunkCache, aChunkInUseStays) {
+  Decoder decoder;
+  ZarrChunkCache cache(kChunk, 0, std::ref(decoder));
+  const auto kept = cache.get(7);
+  for (int64_t chunk = 8; chunk < 20; ++chunk) cache.get(chunk);
+  EXPECT_EQ(kept->span()[0], std::byte{7});
+  EXPECT_EQ(cache.held().now(), 2 * kChunk);  // it and the last one
+}
+
+TEST(ZarrChunkCache, threadsShareOneDecodingWithinTheBudget) {
+  constexpr int kThreads = 8;
+  for (const uint64_t budget : {uint64_t{0}, 10 * kChunk, 40 * kChunk}) {
+    Decoder decoder;
+    ZarrChunkCache cache(kChunk, budget, std::ref(decoder));
+    {
+      std::vector<std::jthread> threads;
+      for (unsigned seed = 0; seed < kThreads; ++seed)
+        threads.emplace_back([&cache, seed] {
+          std::mt19937 random(seed);
+          for (int i = 0; i < 300; ++i) {
+            const auto chunk = static_cast<int64_t>(random() % 30);
+            ASSERT_EQ(cache.get(chunk)->span()[0], static_cast<std::byte>(chunk));
+          }
+        });
+    }
+    EXPECT_LE(cache.held().peak(), std::max(budget, 2 * kThreads * kChunk) + kThreads * kChunk);
+  }
+}
+
+}  // namespace
+}  // namespace sluice

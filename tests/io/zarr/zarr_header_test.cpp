@@ -1,0 +1,190 @@
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "io/zarr/zarr_array.h"
+#include "io/zarr/zarr_image.h"
+#include "tests/io/image_test_support.h"
+
+namespace sluice {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+// A sound .zarray with one member replaced, or left out where `value` is empty.
+std::string arrayWith(const std::string& key, const std::string& value) {
+  std::vector<std::pair<std::string, std::string>> members = {
+      {"zarr_format", "2"}, {"shape", "[10, 20, 30]"}, {"chunks", "[4, 5, 6]"},
+      {"dtype", "\"<u2\""}, {"compressor", "null"},    {"fill_value", "3"},
+      {"order", "\"C\""},   {"filters", "null"},       {"dimension_separator", "\"/\""}};
+  std::string text;
+  for (const auto& [name, sound] : members) {
+    const std::string& said = name == key ? value : sound;
+    if (said.empty()) continue;
+    text += (text.empty() ? "{\"" : ", \"") + name + "\": " + said;
+  }
+  return text + "}";
+}
+
+TEST(ZarrArray, saysShapeChunksTypeAndNames) {
+  const ZarrArray array = parseZarrArray(arrayWith("", ""), ".zarray");
+  EXPECT_EQ(array.shape, (std::vector<int64_t>{10, 20, 30}));
+  EXPECT_EQ(array.chunkBytes(), 4U * 5 * 6 * 2);
+  EXPECT_EQ(array.chunkCount(), 3 * 4 * 5);
+  EXPECT_EQ(array.fill_value, 3);
+  EXPECT_EQ(array.chunkName(array.chunkNumber(std::vector<int64_t>{2, 0, 4})), "2/0/4");
+  for (int64_t i = 0; i < array.chunkCount(); ++i)
+    ASSERT_EQ(array.chunkNumber(array.chunkIndex(i)), i);
+  EXPECT_EQ(parseZarrArray(arrayWith("dimension_separator", ""), "").separator, '.');
+  EXPECT_EQ(parseZarrArray(arrayWith("fill_value", "null"), "").fill_value, 0);
+}
+
+TEST(ZarrArray, floatFillsMayBeWords) {
+  const auto fill = [](const std::string& value) {
+    std::string text = arrayWith("fill_value", value);
+    text.replace(text.find("<u2"), 3, "<f4");
+    return parseZarrArray(text, "").fill_value;
+  };
+  EXPECT_TRUE(std::isnan(fill("\"NaN\"")));
+  EXPECT_EQ(fill("\"Infinity\""), INFINITY);
+  EXPECT_EQ(fill("\"-Infinity\""), -INFINITY);
+  EXPECT_EQ(fill("-1.5"), -1.5);
+  EXPECT_THAT(errorOf([&] { fill("1e300"); }), HasSubstr("that the type holds"));
+  EXPECT_THAT(errorOf([&] { fill("\"many\""); }), HasSubstr("'many'"));
+}
+
+TEST(ZarrArray, eachFieldIsCheckedByName) {
+  struct Wrong {
+    const char *key, *value, *said;
+  };
+  for (const Wrong& wrong : {Wrong{"zarr_format", "3", "version 2"},
+                             {"zarr_format", "", "zarr_format"},
+                             {"shape", "[]", "1 to 5 axes"},
+                             {"shape", "[10, 0, 30]", "/shape/1"},
+                             {"shape", "[10, -2, 30]", "/shape/1"},
+                             {"shape", "[10, 2.5, 30]", "/shape/1"},
+                             {"shape", "[1, 2, 3, 4, 5, 6]", "1 to 5 axes"},
+                             {"shape", "[4000000000, 4000000000, 4000000000]", "2^59"},
+                             {"shape", "[18446744073709551615, 1, 1]", "whole number"},
+                             {"shape", "7", "an array"},
+                             {"chunks", "[4, 5]", "3 extents"},
+                             {"chunks", "[4, 5, 0]", "/chunks/2"},
+                             {"chunks", "[4000000, 4000000, 4000000]", "voxels a chunk"},
+                             {"dtype", "\"<i8\"", "found '<i8'"},
+                             {"dtype", "\"<f2\"", "found '<f2'"},
+                             {"dtype", "\"u2\"", "found 'u2'"},
+                             {"dtype", "\"|u2\"", "found '|u2'"},
+                             {"dtype", "[[\"a\", \"<u2\"]]", "/dtype"},
+                             {"compressor", "{\"id\": \"lzma\"}", "found 'lzma'"},
+                             {"compressor", "{}", "id"},
+                             {"compressor", "", "compressor"},
+                             {"fill_value", "70000", "that the type holds"},
+                             {"fill_value", "-1", "that the type holds"},
+                             {"fill_value", "1.5", "that the type holds"},
+                             {"fill_value", "\"NaN\"", "a number"},
+                             {"order", "\"K\"", "C or F"},
+                             {"filters", "[{\"id\": \"delta\"}]", "filters"},
+                             {"dimension_separator", "\"-\"", "'.' or '/'"}}) {
+    const std::string line =
+        errorOf([&] { parseZarrArray(arrayWith(wrong.key, wrong.value), "a/.zarray"); });
+    EXPECT_THAT(line, AllOf(testing::StartsWith("a/.zarray: "), HasSubstr(wrong.said)))
+        << wrong.key << " " << wrong.value;
+  }
+  EXPECT_THAT(errorOf([] { parseZarrArray("{", "a/.zarray"); }), HasSubstr("expected JSON"));
+  EXPECT_THAT(errorOf([] { parseZarrArray("[]", "a/.zarray"); }), HasSubstr("an object"));
+}
+
+std::string imageOf(const std::string& axes, const std::string& level, const std::string& whole) {
+  return R"({"multiscales": [{"axes": )" + axes +
+         R"(, "datasets": [{"path": "0", "coordinateTransformations": )" + level +
+         R"(}, {"path": "1", "coordinateTransformations": [{"type": "scale", "scale": [8, 8, 8]}]}])" +
+         (whole.empty() ? "" : ", \"coordinateTransformations\": " + whole) + "}]}";
+}
+constexpr const char* kZyx =
+    R"([{"name": "z", "type": "space", "unit": "millimeter"}, {"name": "y", "type": "space"}, "x"])";
+
+VolumeLayout layoutOf(const std::string& image, const std::string& level = "") {
+  return viewZarr(parseZarrArray(arrayWith("", ""), ""), parseZarrImage(image, ".zattrs", level),
+                  false, ".zattrs")
+      .layout;
+}
+
+// world = whole.scale * (level.scale * i + level.translation) + whole.translation
+TEST(ZarrImage, transformationsOfTheLevelComeBeforeThoseOfTheImage) {
+  const std::string level =
+      R"([{"type": "scale", "scale": [2, 3, 4]}, {"type": "translation", "translation": [1, 1, 2]}])";
+  const std::string whole =
+      R"([{"type": "scale", "scale": [10, 10, 10]}, {"type": "translation", "translation": [5, 0, 0]}])";
+  const VolumeLayout layout = layoutOf(imageOf(kZyx, level, whole));
+  EXPECT_EQ(layout.dims, (Vec3i{30, 20, 10}));
+  EXPECT_EQ(layout.spacing, (Vec3d{40, 30, 20}));
+  EXPECT_EQ(layout.origin, (Vec3d{20, 10, 15}));
+  EXPECT_EQ(layoutOf(imageOf(kZyx, level, ""), "1").spacing, (Vec3d{8, 8, 8}));
+  EXPECT_EQ(layoutOf("{}").spacing, (Vec3d{1, 1, 1}));
+}
+
+TEST(ZarrImage, aNegativeScaleTurnsTheAxis) {
+  const VolumeLayout layout =
+      layoutOf(imageOf(kZyx, R"([{"type": "scale", "scale": [1, 1, -2]}])", ""));
+  EXPECT_EQ(layout.spacing, (Vec3d{2, 1, 1}));
+  EXPECT_EQ(layout.axes[0], (Vec3d{-1, 0, 0}));
+}
+
+TEST(ZarrImage, saysFrameLevelsAndChannels) {
+  const std::string sound = R"([{"type": "scale", "scale": [1, 1, 1]}])";
+  const VolumeLayout image = layoutOf(imageOf(kZyx, sound, ""));
+  EXPECT_EQ(image.frame, WorldFrame::kPictureRows);
+  EXPECT_EQ(image.levels, 2);
+  EXPECT_EQ(image.channels, 1);
+  EXPECT_EQ(layoutOf("{}").frame, WorldFrame::kNone);
+  EXPECT_EQ(layoutOf(R"({"sluice": {"frame": "ras"}})").frame, WorldFrame::kRas);
+  EXPECT_THAT(errorOf([&] { layoutOf(R"({"sluice": {"frame": "up"}})"); }), HasSubstr("lps"));
+  EXPECT_EQ(parseZarrImage(R"({"omero": {"channels": [{"label": "DAPI"}, {}, 3]}})", "").channels,
+            (std::vector<std::string>{"DAPI", "", ""}));
+}
+
+TEST(ZarrImage, eachFieldIsCheckedByName) {
+  const std::string sound = R"([{"type": "scale", "scale": [1, 1, 1]}])";
+  struct Wrong {
+    std::string text, said;
+  };
+  for (const Wrong& wrong :
+       {Wrong{R"({"multiscales": []})", "one image"},
+        {R"({"multiscales": 3})", "an array"},
+        {R"({"multiscales": [{}]})", "datasets"},
+        {R"({"multiscales": [{"datasets": []}]})", "one level"},
+        {R"({"multiscales": [{"datasets": [{"path": 3}]}]})", "a text"},
+        {imageOf(R"(["q", "y", "x"])", sound, ""), "axis 'q'"},
+        {imageOf(R"(["z", "x", "x"])", sound, ""), "each of the axes"},
+        {imageOf(R"(["t", "y", "x"])", sound, ""), "each of the axes"},
+        {imageOf(R"(["t", "z", "y", "x"])", sound, ""), "4 axes"},
+        {imageOf(R"(["a", "b", "c", "d", "e", "f"])", sound, ""), "at most 5"},
+        {imageOf(kZyx, R"([{"type": "scale", "scale": [1, 1]}])", ""), "3 numbers"},
+        {imageOf(kZyx, R"([{"type": "scale", "scale": [1, 0, 1]}])", ""), "spacing"},
+        {imageOf(kZyx, R"([{"type": "scale", "scale": [1, 1e300, 1]}])", ""), "spacing"},
+        {imageOf(kZyx, R"([{"type": "scale", "path": "s"}])", ""), "scale"},
+        {imageOf(kZyx, R"([{"type": "affine"}])", ""), "'affine'"},
+        {imageOf(kZyx, sound, R"([{"type": "scale", "scale": [1, 1, "a"]}])"), "a number"},
+        {imageOf(kZyx, sound, R"([{"type": "translation", "translation": [1, 1e40, 1]}])"),
+         "origin"},
+        {R"({"sluice": {"axes": [[1, 0, 0], [0, 1, 0], [0, 2, 0]]}})", "length 1"},
+        {R"({"sluice": {"axes": [[1, 0, 0], [0, 1, 0], [0, 1, 0]]}})", "one plane"},
+        {R"({"sluice": {"axes": [[1, 0], [0, 1, 0], [0, 0, 1]]}})", "3 numbers"},
+        {R"({"sluice": {"value_scale": 0}})", "values are stored"}}) {
+    EXPECT_THAT(errorOf([&] { layoutOf(wrong.text); }),
+                AllOf(testing::StartsWith(".zattrs: "), HasSubstr(wrong.said)))
+        << wrong.text;
+  }
+  EXPECT_THAT(errorOf([&] { layoutOf(imageOf(kZyx, sound, ""), "2"); }), HasSubstr("level '2'"));
+}
+
+TEST(ZarrImage, twoAxesAreNoVolume) {
+  std::string text = arrayWith("shape", "[20, 30]");
+  text.replace(text.find("[4, 5, 6]"), 9, "[4, 5]");
+  EXPECT_THAT(errorOf([&] { viewZarr(parseZarrArray(text, ""), {}, false, "a"); }),
+              HasSubstr("3 to 5 axes, found 2"));
+}
+
+}  // namespace
+}  // namespace sluice

@@ -1,0 +1,117 @@
+// Pictures of the library are those of the program.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/library/library_support.h"
+
+namespace sluice {
+namespace {
+
+// Each by other ways than the program's own parsing of the same.
+TEST(Renderer, picturesAreThoseOfTheProgram) {
+  using From = ViewOptions::From;
+  struct Case {
+    LookOptions look;
+    PictureOptions picture;
+    std::string look_arguments, picture_arguments;
+  };
+  PictureOptions plain = kSmall, turned = kSmall, deep = kSmall, cropped = kSmall, fitted = kSmall,
+                 looks_at = kSmall;
+  plain.view.from = From::kPlain;
+  plain.step_vox = 1;
+  turned.view = {.from = From::kTop, .azimuth_deg = 33, .elevation_deg = 12, .zoom = 1.3};
+  deep.view.projection = ViewOptions::Projection::kPerspective;
+  deep.view.field_of_view_deg = 45;
+  deep.view.up = {{1, 0, 0}};
+  cropped.crop = {{{4, 5, 6}, {40, 30, 31}}};
+  fitted.view.fit = ViewOptions::Fit::kVolume;
+  looks_at.view.look_at = {{{100, 80, 60}, {20, 20, 20}}};
+  const std::vector<Case> cases = {
+      {{}, kSmall, "", ""},
+      {{.threshold = 90}, plain, "--threshold 90", "--view plain --step 1"},
+      {{.threshold = 90, .opacity = 0.3, .map = "viridis", .light = LookOptions::Light::kOff},
+       turned,
+       "--threshold 90 --opacity 0.3 --map viridis --no-shade",
+       "--view top --azimuth 33 --elevation 12 --zoom 1.3"},
+      {{.opacities = {{60, 0}, {200, 0.4}}, .range = {{200, 10}}},
+       deep,
+       "--opacities 60:0,200:0.4 --range 200,10",
+       "--projection perspective --fov 45 --up 1,0,0"},
+      {{.mode = LookOptions::Mode::kMaximum}, cropped, "", "--mode mip --crop 4,5,6,40,30,31"},
+      {{.mode = LookOptions::Mode::kAverage}, fitted, "", "--mode average --fit volume"},
+      {{.threshold = 60, .full_gradient = 0.2},
+       looks_at,
+       "--threshold 60 --modulate --full-gradient 0.2",
+       "--eye 100,80,60 --target 20,20,20"}};
+  const TempFolder folder;
+  const Volume volume(kShells);
+  Renderer renderer(volume);
+  for (const auto& [look, picture, look_arguments, picture_arguments] : cases) {
+    renderer.setLook(look);
+    const std::vector<uint8_t> drawn = renderer.draw(picture).toRgba8();
+    EXPECT_GT(visiblePixels(drawn), 500U);
+    // The second: what it says of the look gives the same once more.
+    for (const std::string& arguments : {look_arguments, renderer.lookText()}) {
+      SCOPED_TRACE(arguments + " " + picture_arguments);
+      const Rgba8Picture expected = programPicture(
+          folder, std::string(kShells) + " --size 96x80 " + arguments + " " + picture_arguments);
+      EXPECT_LE(largestDifference(drawn, expected.rgba), 1);
+    }
+  }
+}
+
+TEST(Renderer, aTurnHasOneFramingAsTheProgramsHas) {
+  const TempFolder folder;
+  const Volume volume(kShells);
+  Renderer renderer(volume, {.threshold = 90});
+  std::vector<PictureOptions> turn(3, kSmall);
+  for (size_t i = 0; i < 3; ++i) turn[i].view.azimuth_deg = 120.0 * static_cast<double>(i);
+  renderer.fit(turn);
+  for (size_t i = 0; i < 3; ++i) {
+    const Rgba8Picture expected =
+        programPicture(folder, std::string(kShells) + " --size 96x80 --threshold 90 --frames 3",
+                       "turn_#.png", "turn_" + std::to_string(i) + ".png");
+    EXPECT_LE(largestDifference(renderer.draw(turn[i]).toRgba8(), expected.rgba), 1) << i;
+  }
+  renderer.fit({});
+}
+
+TEST(Renderer, drawsEachStepOfASeriesInOneLook) {
+  const std::string series = "synth:flow,dims=40x40x40,steps=3";
+  const TempFolder folder;
+  const Volume volume(series, {.index_folder = folder / "index"});
+  ASSERT_EQ(volume.info().time_steps, 3);
+  Renderer renderer(volume);
+  for (const int64_t time : {2, 0, 1, 2}) {
+    PictureOptions picture = kSmall;
+    picture.time = time;
+    const Rgba8Picture expected =
+        programPicture(folder, series + " --size 96x80 --time " + std::to_string(time));
+    EXPECT_LE(largestDifference(renderer.draw(picture).toRgba8(), expected.rgba), 1) << time;
+  }
+  const Volume one_step(series, {.whole_series = false, .time = 1});
+  Renderer alone(one_step);
+  PictureOptions picture = kSmall;
+  picture.time = 1;
+  const Rgba8Picture expected =
+      programPicture(folder, series + " --size 96x80 --time 1 --this-step");
+  EXPECT_LE(largestDifference(alone.draw(picture).toRgba8(), expected.rgba), 1);
+}
+
+TEST(Renderer, depthIsThatOfTheOpaqueSurface) {
+  const Volume volume("synth:cube,dims=32x32x32");
+  Renderer renderer(volume, {.opacities = {{100, 0}, {100, 1}}});
+  PictureOptions picture = kSmall;
+  picture.view.look_at = {{{16, 16, 116}, {16, 16, 16}}};
+  picture.with_depth = true;
+  const Image image = renderer.draw(picture);
+  ASSERT_EQ(image.depth.size(), 96U * 80U);
+  const float middle = image.depth[40 * 96 + 48];
+  EXPECT_GT(middle, 84);
+  EXPECT_LT(middle, 116);
+  EXPECT_TRUE(std::isinf(image.depth[0]));
+}
+
+}  // namespace
+}  // namespace sluice

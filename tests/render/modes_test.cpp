@@ -1,0 +1,196 @@
+// Maximum and minimum against plain loops over the voxels, and labels against the reference.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "src/classify/transfer/automatic_look.h"
+#include "src/classify/transfer/transfer_makers.h"
+#include "src/render/index_space.h"
+#include "tests/gl/test_device.h"
+#include "tests/render/render_scene.h"
+#include "tests/support/random_volume.h"
+
+namespace sluice {
+namespace {
+
+// Software GL against a renderer in double precision.
+constexpr double kOfReference = 1.5;
+
+class ModesTest : public RenderTest {};
+
+// Looks along an axis, up or down it, so that each pixel's ray runs through a row of voxels.
+FrameOptions alongAxis(const VolumeLayout& layout, int axis, bool from_above) {
+  const int up = axis == 1 ? 2 : 1, right = 3 - axis - up;
+  FrameOptions options;
+  options.size = {static_cast<int>(layout.dims[right]), static_cast<int>(layout.dims[up])};
+  const Vec3d center = worldFromIndex(layout, toDouble(layout.dims - Vec3i{1, 1, 1}) * 0.5);
+  Camera::LookAt look;
+  look.target = look.eye = center;
+  look.eye[axis] += from_above ? 100 : -100;
+  Vec3d upwards;
+  upwards[up] = 1;
+  options.camera.look_at = look;
+  options.camera.up = upwards;
+  const View whole = resolve(options.camera, layout, options.size, 1);
+  options.camera.zoom =
+      whole.half_height / (0.5 * static_cast<double>(layout.dims[up]) * layout.spacing[up]);
+  return options;
+}
+
+// The greatest or least voxel of the row that a pixel's ray runs through.
+double extremeOfRow(const MemorySource& source, const View& view, int axis, int i, int j,
+                    bool greatest) {
+  const VolumeLayout& layout = source.layout();
+  const double u = 2 * (i + 0.5) / view.size.width - 1, v = 1 - 2 * (j + 0.5) / view.size.height;
+  const double aspect = static_cast<double>(view.size.width) / view.size.height;
+  const Vec3d world =
+      view.eye + view.right * (u * aspect * view.half_height) + view.up * (v * view.half_height);
+  Vec3i at;
+  for (int a = 0; a < 3; ++a) at[a] = std::llround(indexFromWorld(layout, world)[a]);
+  double extreme = greatest ? -1 : 256;
+  for (at[axis] = 0; at[axis] < layout.dims[axis]; ++at[axis]) {
+    const auto index = static_cast<size_t>((at.z * layout.dims.y + at.y) * layout.dims.x + at.x);
+    const auto voxel = static_cast<double>(std::to_integer<int>(source.bytes()[index]));
+    extreme = greatest ? std::max(extreme, voxel) : std::min(extreme, voxel);
+  }
+  return extreme;
+}
+
+TEST_F(ModesTest, alongAnAxisTheExtremesAreThoseOfTheVoxels) {
+  VolumeLayout layout;
+  layout.dims = {22, 19, 17};
+  for (const Vec3d spacing : {Vec3d{1, 1, 1}, Vec3d{1, 1, 2.5}, Vec3d{0.7, 0.7, 0.7}}) {
+    layout.spacing = spacing;
+    const auto noise = makeWhiteNoise(layout.dims, VoxelType::kU8, 4);
+    MemorySource source(layout, {noise->bytes().begin(), noise->bytes().end()});
+    RenderScene scene(device(), source, wholeRangeTransfer("grey", {0, 255}), {.block_vox = 8});
+    for (int axis = 0; axis < 3; ++axis) {
+      // Square pixels need square cells across the view.
+      if (spacing.z != spacing.x && axis != 2) continue;
+      for (const bool from_above : {false, true})
+        for (const Mode mode : {Mode::kMip, Mode::kMinip})
+          for (const double step : {1.0, 0.5, 3.0}) {
+            SCOPED_TRACE(fmt::format("axis {} above {} mode {} step {}", axis, from_above,
+                                     static_cast<int>(mode), step));
+            FrameOptions options = alongAxis(layout, axis, from_above);
+            options.mode = mode;
+            options.step_vox = step;
+            const View view = resolve(options.camera, layout, options.size, step);
+            const FloatPicture drawn = scene.draw(options);
+            const FloatPicture reference = scene.reference(options);
+            double worst = 0, worst_of_reference = 0;
+            for (int j = 0; j < options.size.height; ++j)
+              for (int i = 0; i < options.size.width; ++i) {
+                const double plain =
+                    extremeOfRow(source, view, axis, i, j, mode == Mode::kMip) / 255;
+                worst = std::max(worst, std::abs(drawn.at(i, j)[0] - plain));
+                worst_of_reference =
+                    std::max(worst_of_reference, std::abs(reference.at(i, j)[0] - plain));
+              }
+            EXPECT_LT(255 * worst, 0.1);
+            EXPECT_LT(255 * worst_of_reference, 0.01);
+          }
+    }
+  }
+}
+
+TEST_F(ModesTest, extremesFromAnywhereAreTheReferencePicture) {
+  const auto noise = makeWhiteNoise({26, 21, 19}, VoxelType::kU8, 8);
+  for (const int64_t block : {8, 32}) {
+    RenderScene scene(device(), *noise, wholeRangeTransfer("grey", {0, 255}), {.block_vox = block});
+    for (const Projection projection : kProjections)
+      for (const Mode mode : {Mode::kMip, Mode::kMinip, Mode::kAverage})
+        for (const double step : {1.0, 0.4}) {
+          SCOPED_TRACE(fmt::format("projection {} mode {} step {}", static_cast<int>(projection),
+                                   static_cast<int>(mode), step));
+          FrameOptions options = obliqueView(projection);
+          options.mode = mode;
+          options.step_vox = step;
+          EXPECT_TRUE(within(kOfReference, scene.draw(options), scene.reference(options)));
+        }
+  }
+}
+
+TEST_F(ModesTest, finerStepsOnlyAddToAMaximum) {
+  const auto noise = makeWhiteNoise({26, 21, 19}, VoxelType::kU8, 8);
+  RenderScene scene(device(), *noise, wholeRangeTransfer("grey", {0, 255}), {.block_vox = 8});
+  FrameOptions options = obliqueView(Projection::kOrtho);
+  options.mode = Mode::kMip;
+  const FloatPicture coarse = scene.draw(options);
+  options.step_vox = 0.25;
+  const FloatPicture fine = scene.draw(options);
+  for (size_t i = 0; i < coarse.rgba.size(); ++i) ASSERT_GE(fine.rgba[i], coarse.rgba[i] - 1e-4F);
+}
+
+TEST_F(ModesTest, samplesOfAMaximumAreThePlanesThatRaysMeet) {
+  const auto noise = makeWhiteNoise({22, 19, 17}, VoxelType::kU8, 4);
+  RenderScene scene(device(), *noise, wholeRangeTransfer("grey", {0, 255}), {.block_vox = 64});
+  FrameOptions options = alongAxis(noise->layout(), 2, true);
+  options.mode = Mode::kMip;
+  options.count_samples = true;
+  EXPECT_EQ(scene.frame(options).report.samples_drawn, 22U * 19U * 17U);
+  options.step_vox = 0.5;
+  EXPECT_EQ(scene.frame(options).report.samples_drawn, 22U * 19U * (2U * 16U + 1U));
+}
+
+// --- labels
+
+// Balls that touch, of numbers that are far apart and in no order.
+std::unique_ptr<MemorySource> things() {
+  return makeMemorySource<uint8_t>(Vec3i{30, 28, 26}, [](auto x, auto y, auto z) {
+    const auto inside = [&](int64_t cx, int64_t cy, int64_t cz, int64_t r) {
+      return (x - cx) * (x - cx) + (y - cy) * (y - cy) + (z - cz) * (z - cz) < r * r;
+    };
+    return inside(9, 10, 12, 7) ? 200 : inside(18, 10, 12, 6) ? 3 : inside(15, 19, 14, 7) ? 90 : 0;
+  });
+}
+
+TEST_F(ModesTest, labelsGiveTheReferencePicture) {
+  const auto source = things();
+  const TransferFunction transfer = labelsTransfer({0, 3, 90, 200}, 0);
+  for (const bool lit : {false, true})
+    for (const int64_t block : {8, 32}) {
+      RenderScene scene(device(), *source, transfer, {.block_vox = block, .lit = lit});
+      for (const Projection projection : kProjections)
+        for (const double step : {1.0, 0.5}) {
+          SCOPED_TRACE(fmt::format("lit {} block {} projection {} step {}", lit, block,
+                                   static_cast<int>(projection), step));
+          FrameOptions options = obliqueView(projection);
+          options.step_vox = step;
+          EXPECT_TRUE(within(kOfReference, scene.draw(options), scene.reference(options)));
+        }
+    }
+}
+
+TEST_F(ModesTest, labelsShowNoColourButTheirOwn) {
+  const auto source = things();
+  const TransferFunction transfer = labelsTransfer({0, 3, 90, 200}, 0);
+  RenderScene scene(device(), *source, transfer, {.block_vox = 8});
+  FrameOptions options = obliqueView(Projection::kOrtho, {128, 128});
+  options.step_vox = 0.25;
+  const FloatPicture drawn = scene.draw(options);
+  std::array<int, 3> seen{};
+  for (int j = 0; j < 128; ++j)
+    for (int i = 0; i < 128; ++i) {
+      const auto pixel = drawn.at(i, j);
+      if (pixel[3] < 0.5) continue;
+      ASSERT_GT(pixel[3], 0.999) << "nothing is between a thing and nothing";
+      bool known = false;
+      for (size_t label = 0; label < 3; ++label) {
+        const Vec3d rgb = labelColor(std::array{3, 90, 200}[label]);
+        const double off = std::max(
+            {std::abs(rgb.x - pixel[0]), std::abs(rgb.y - pixel[1]), std::abs(rgb.z - pixel[2])});
+        if (off < 1.0 / 255) {
+          known = true;
+          ++seen[label];
+        }
+      }
+      ASSERT_TRUE(known) << i << ", " << j;
+    }
+  for (const int pixels : seen) EXPECT_GT(pixels, 100);
+}
+
+}  // namespace
+}  // namespace sluice

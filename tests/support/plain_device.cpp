@@ -1,0 +1,448 @@
+#include "tests/support/plain_device.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <map>
+
+#include "src/base/error.h"
+
+namespace sluice {
+namespace {
+
+// Below it lie the stand-in for NaN and whatever is interpolated with it (device_voxel.h).
+constexpr double kNoNumber = -2e30;
+
+double texelAt(const ChunkTexels& chunk, Vec3i texel) {
+  const Vec3i size = chunk.storage_vox;
+  for (int a = 0; a < 3; ++a) texel[a] = std::clamp<int64_t>(texel[a], 0, size[a] - 1);
+  const auto i = static_cast<size_t>((texel.z * size.y + texel.y) * size.x + texel.x);
+  return visitDeviceType(chunk.type, [&](auto tag) {
+    decltype(tag) value;
+    std::memcpy(&value, chunk.bytes.get() + i * sizeof(value), sizeof(value));
+    return static_cast<double>(value);
+  });
+}
+
+// Trilinear; texel centres at integers.
+double valueAt(const ChunkTexels& chunk, Vec3d at) {
+  const Vec3i lo{static_cast<int64_t>(std::floor(at.x)), static_cast<int64_t>(std::floor(at.y)),
+                 static_cast<int64_t>(std::floor(at.z))};
+  const Vec3d part = at - toDouble(lo);
+  double sum = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    double weight = 1;
+    Vec3i texel = lo;
+    for (int a = 0; a < 3; ++a) {
+      const int up = corner >> a & 1;
+      texel[a] += up;
+      weight *= up != 0 ? part[a] : 1 - part[a];
+    }
+    if (weight > 0) sum += weight * texelAt(chunk, texel);
+  }
+  return sum;
+}
+
+// Of the eight texels around: the value that has the greatest weight, of two alike the greater.
+double labelAt(const ChunkTexels& chunk, Vec3d at) {
+  const Vec3d lo{std::floor(at.x), std::floor(at.y), std::floor(at.z)};
+  std::map<double, double> weights;
+  for (int corner = 0; corner < 8; ++corner) {
+    double weight = 1;
+    Vec3i texel;
+    for (int a = 0; a < 3; ++a) {
+      const int up = corner >> a & 1;
+      texel[a] = static_cast<int64_t>(lo[a]) + up;
+      weight *= up != 0 ? at[a] - lo[a] : 1 - (at[a] - lo[a]);
+    }
+    weights[texelAt(chunk, texel)] += weight;
+  }
+  double best = 0, most = -1;
+  for (const auto& [value, weight] : weights)
+    if (weight > most - kLabelTie) {
+      best = value;
+      most = weight;
+    }
+  return best;
+}
+
+// Position among `count` entries, and what lies there between them.
+struct Entry {
+  size_t first = 0, second = 0;
+  double part = 0;
+};
+Entry entryOf(double at, size_t count, bool interpolates) {
+  at = std::clamp(at, 0.0, static_cast<double>(count - 1));
+  if (!interpolates) at = std::floor(at + 0.5);
+  const auto first = static_cast<size_t>(at);
+  return {first, std::min(first + 1, count - 1), at - static_cast<double>(first)};
+}
+double between(const Entry& entry, double first, double second) {
+  return first * (1 - entry.part) + second * entry.part;
+}
+
+double entryPosition(const LookUp& look_up, double value) {
+  const ValueRange range = look_up.device_range;
+  if (!(range.hi > range.lo)) return 0;
+  return (value - range.lo) / (range.hi - range.lo) *
+         (static_cast<double>(look_up.rgba.size() / 4) - 1);
+}
+
+std::array<double, 4> lookedUp(const LookUp& look_up, double value, bool interpolates) {
+  const Entry entry = entryOf(entryPosition(look_up, value), look_up.rgba.size() / 4, interpolates);
+  std::array<double, 4> rgba{};
+  for (size_t c = 0; c < 4; ++c)
+    rgba[c] = between(entry, look_up.rgba[4 * entry.first + c], look_up.rgba[4 * entry.second + c]);
+  return rgba;
+}
+
+double factorOf(const LookUp& look_up, double magnitude, double value) {
+  const std::vector<double>& rows = look_up.magnitudes;
+  if (rows.empty()) return 1;
+  const size_t entries = look_up.factors.size() / rows.size();
+  const Entry entry = entryOf(entries > 1 ? entryPosition(look_up, value) : 0, entries, true);
+  const auto inRow = [&](size_t row) {
+    const float* factors = &look_up.factors[row * entries];
+    return between(entry, factors[entry.first], factors[entry.second]);
+  };
+  if (magnitude <= rows.front()) return inRow(0);
+  for (size_t row = 1; row < rows.size(); ++row)
+    if (magnitude < rows[row])
+      return between({0, 0, (magnitude - rows[row - 1]) / (rows[row] - rows[row - 1])},
+                     inRow(row - 1), inRow(row));
+  return inRow(rows.size() - 1);
+}
+
+// Of a row of clip space.
+double along(const std::array<double, 4>& row, Vec3d p) {
+  return row[0] * p.x + row[1] * p.y + row[2] * p.z + row[3];
+}
+
+double safe(double step) {
+  return std::abs(step) < 1e-12 ? 1e-12 : step;
+}
+
+int clampedInt(double v) {
+  return static_cast<int>(std::clamp(v, -1e9, 1e9));
+}
+
+}  // namespace
+
+struct PlainDevice::Ray {
+  Vec3d origin, step;
+  double length = 1;  // of the way between two slices, in FrameSetup::slice_length
+
+  Vec3d at(int64_t slice) const { return origin + step * (static_cast<double>(slice) + 0.5); }
+  // Slices [from, to) inside the box and the clip planes.
+  std::array<int64_t, 2> slicesIn(const Box3& cells, const FrameSetup& setup) const {
+    double from = static_cast<double>(setup.first_slice), to = 1e15;
+    for (int a = 0; a < 3; ++a) {
+      const double s = safe(step[a]);
+      // The first slice at or past a face seen from before it: both boxes there say the same.
+      const auto sliceAt = [&](int64_t face) {
+        const double t = (static_cast<double>(face) - origin[a]) / s - 0.5;
+        return s > 0 ? std::ceil(t) : std::floor(t) + 1;
+      };
+      const double lo = sliceAt(cells.lo[a]), hi = sliceAt(cells.hi[a]);
+      from = std::max(from, std::min(lo, hi));
+      to = std::min(to, std::max(lo, hi));
+    }
+    for (const ClipPlane& plane : setup.clip_planes) {
+      const double s = dot(plane.normal, step);
+      const double t = (plane.offset - dot(plane.normal, origin)) / safe(s) - 0.5;
+      if (s < 0)
+        from = std::max(from, std::ceil(t));
+      else
+        to = std::min(to, std::floor(t) + 1);
+    }
+    if (!(from < to)) return {0, 0};
+    return {static_cast<int64_t>(from), static_cast<int64_t>(to)};
+  }
+};
+
+// Where the ray is sampled inside the box, see FrameSetup: visit(position, slice) until false.
+template <class Visit>
+void PlainDevice::eachSample(const Ray& ray, const Box3& cells, Visit&& visit) const {
+  if (setup_.mode == Mode::kComposite || setup_.mode == Mode::kAverage) {
+    const auto [from, to] = ray.slicesIn(cells, setup_);
+    for (int64_t k = from; k < to; ++k)
+      if (!visit(ray.at(k), static_cast<double>(k))) return;
+    return;
+  }
+  int main = 0;
+  for (int a = 1; a < 3; ++a)
+    if (std::abs(ray.step[a]) > (1 + kAxisTie) * std::abs(ray.step[main])) main = a;
+  const int64_t parts = setup_.planes_a_voxel;
+  for (int64_t i = cells.lo[main] * parts; i <= cells.hi[main] * parts; ++i) {
+    const double place = static_cast<double>(i) / static_cast<double>(parts);
+    const double t = (place - ray.origin[main]) / ray.step[main];
+    if (setup_.first_slice > 0 && t - 0.5 < static_cast<double>(setup_.first_slice)) continue;
+    Vec3d p = ray.origin + ray.step * t;
+    bool counts = std::ranges::all_of(setup_.clip_planes, [&](const ClipPlane& plane) {
+      return dot(plane.normal, p) <= plane.offset;
+    });
+    for (int a = 0; a < 3; ++a) {
+      const auto lo = static_cast<double>(cells.lo[a]), hi = static_cast<double>(cells.hi[a]);
+      counts = counts && p[a] >= lo - kPlaneEdge && p[a] <= hi + kPlaneEdge;
+      p[a] = std::clamp(p[a], lo, hi);
+    }
+    if (counts && !visit(p, t - 0.5)) return;
+  }
+}
+
+void PlainDevice::makeResident(uint64_t id, ChunkTexelsPtr texels) {
+  if (!options_.borrows) {
+    uploaded_bytes_ += texels->byte_count;
+    texels = chunkTexels(texels->storage_vox, texels->type, texels->span());
+  }
+  const bool fresh = resident_.emplace(id, std::move(texels)).second;
+  SLUICE_CHECK(fresh);
+}
+
+void PlainDevice::evict(uint64_t id) {
+  if (on_evict) on_evict();
+  if (std::ranges::any_of(put_off_, [id](const BoxDraw& box) { return box.chunk == id; }))
+    drawNow();
+  const size_t gone = resident_.erase(id);
+  SLUICE_CHECK_EQ(gone, size_t{1});
+}
+
+uint64_t PlainDevice::residentBytes() const {
+  uint64_t bytes = 0;
+  for (const auto& [id, texels] : resident_) bytes += texels->byte_count;
+  return bytes;
+}
+
+void PlainDevice::beginFrame(const FrameSetup& setup, const StopToken& stop) {
+  SLUICE_CHECK_LE(setup.clip_planes.size(), kMostClipPlanes);
+  if (std::max(setup.size.width, setup.size.height) > limits().max_picture_size)
+    fail("a picture of {} x {} pixels is too large", setup.size.width, setup.size.height);
+  setup_ = setup;
+  stop_ = stop;
+  taken_ = 0;
+  put_off_.clear();
+  pixels_.assign(static_cast<size_t>(setup.size.width) * static_cast<size_t>(setup.size.height),
+                 {});
+}
+
+PlainDevice::Ray PlainDevice::rayOf(int x, int y) const {
+  const RayGrid& rays = setup_.rays;
+  const double px = x + 0.5, py = y + 0.5;
+  Ray ray{rays.origin0 + rays.origin_dx * px + rays.origin_dy * py,
+          rays.step0 + rays.step_dx * px + rays.step_dy * py};
+  if (setup_.projection == Projection::kPerspective)
+    ray.length = length(Vec3d{(2 * px / setup_.size.width - 1) * setup_.tan_half_x,
+                              (2 * py / setup_.size.height - 1) * setup_.tan_half_y, 1});
+  return ray;
+}
+
+// visit(x, y) for each pixel that may see the box.
+template <class Visit>
+void PlainDevice::eachPixelOf(const Box3& cells, Visit&& visit) const {
+  const auto [width, height] = setup_.size;
+  double x0 = 1e9, y0 = 1e9, x1 = -1e9, y1 = -1e9;
+  for (int corner = 0; corner < 8; ++corner) {
+    Vec3d p;
+    for (int a = 0; a < 3; ++a)
+      p[a] = static_cast<double>((corner >> a & 1) != 0 ? cells.hi[a] : cells.lo[a]);
+    const double w = along(setup_.clip_from_index[2], p);
+    if (w <= 0) {  // beside the eye: anywhere
+      x0 = y0 = -1e9;
+      x1 = y1 = 1e9;
+      break;
+    }
+    const double x = (along(setup_.clip_from_index[0], p) / w + 1) / 2 * width;
+    const double y = (along(setup_.clip_from_index[1], p) / w + 1) / 2 * height;
+    x0 = std::min(x0, x), x1 = std::max(x1, x);
+    y0 = std::min(y0, y), y1 = std::max(y1, y);
+  }
+  for (int y = std::max(0, clampedInt(y0) - 2); y < std::min(height, clampedInt(y1) + 3); ++y)
+    for (int x = std::max(0, clampedInt(x0) - 2); x < std::min(width, clampedInt(x1) + 3); ++x)
+      visit(x, y);
+}
+
+void PlainDevice::draw(std::span<const BoxDraw> boxes) {
+  if (on_draw) on_draw(boxes);
+  for (size_t i = 0; i < boxes.size(); ++i) {
+    SLUICE_CHECK(resident_.contains(boxes[i].chunk));
+    if (i == 0 || boxes[i].chunk != boxes[i - 1].chunk) ++binds_;
+    put_off_.push_back(boxes[i]);
+  }
+  if (!options_.puts_off) drawNow();
+}
+
+void PlainDevice::drawNow() {
+  for (const BoxDraw& box : std::exchange(put_off_, {})) {
+    stop_.throwIfStopped();
+    drawBox(box);
+  }
+}
+
+void PlainDevice::drawBox(const BoxDraw& box) {
+  const ChunkTexels& chunk = *resident_.at(box.chunk);
+  eachPixelOf(box.cells, [&](int x, int y) {
+    Pixel& pixel = at(x, y);
+    if (!pixel.is_stopped) take(rayOf(x, y), box, chunk, pixel);
+  });
+}
+
+void PlainDevice::take(const Ray& ray, const BoxDraw& box, const ChunkTexels& chunk, Pixel& pixel) {
+  const bool composite = setup_.mode == Mode::kComposite;
+  const LookUp& look_up = setup_.look_up;
+  double in_box = 0;
+  eachSample(ray, box.cells, [&](Vec3d p, double k) {
+    Vec3d texel;
+    for (int a = 0; a < 3; ++a)
+      texel[a] = p[box.axes[static_cast<size_t>(a)]] - static_cast<double>(box.texel_origin[a]);
+    const bool labels = composite && look_up.labels;
+    const double value = labels ? labelAt(chunk, texel) : valueAt(chunk, texel);
+    ++taken_;
+    if (value < kNoNumber) return true;
+    const auto rgba = lookedUp(look_up, value, look_up.interpolates || !composite);
+    if (rgba[3] <= 0) return true;
+    if (!composite) {
+      const bool replaces = pixel.count == 0 ||
+                            (setup_.mode == Mode::kMip && value > pixel.value) ||
+                            (setup_.mode == Mode::kMinip && value < pixel.value);
+      if (setup_.mode == Mode::kAverage)
+        pixel.value += value;
+      else if (replaces)
+        pixel.value = value;
+      ++pixel.count;
+      return true;
+    }
+    Vec3d gradient;  // camera space, device values a world unit
+    if (setup_.lit || !look_up.magnitudes.empty())
+      for (int a = 0; a < 3; ++a) {
+        Vec3d after = texel, before = texel;
+        after[a] += 1;
+        before[a] -= 1;
+        const double next = valueAt(chunk, after), last = valueAt(chunk, before);
+        if (next < kNoNumber || last < kNoNumber) continue;
+        gradient = gradient +
+                   setup_.camera_gradient[static_cast<size_t>(box.axes[static_cast<size_t>(a)])] *
+                       (0.5 * (next - last));
+      }
+    const double one = rgba[3] * factorOf(look_up, length(gradient), value);
+    const double opacity = 1 - std::pow(1 - one, setup_.slice_length * ray.length);
+    Vec3d rgb{rgba[0], rgba[1], rgba[2]};
+    if (setup_.lit) rgb = shaded(rgb, gradient);
+    const double weight = (1 - pixel.opacity) * opacity;
+    pixel.rgb = pixel.rgb + rgb * weight;
+    pixel.depth_sum += weight * (setup_.first_depth + (k + 0.5) * setup_.depth_step);
+    pixel.opacity += weight;
+    in_box += (1 - in_box) * opacity;
+    return in_box < setup_.opacity_threshold || setup_.opacity_threshold >= 1;
+  });
+}
+
+// As lighting.h has it.
+Vec3d PlainDevice::shaded(Vec3d rgb, Vec3d gradient) const {
+  const double squared = dot(gradient, gradient);
+  if (!(squared > 0)) return rgb;
+  const Lighting& lighting = setup_.lighting;
+  const Vec3d n = normalized(gradient);
+  double diffuse = 0, specular = 0;
+  for (const Light& light : lighting.lights) {
+    const Vec3d halfway = normalized(light.toward + Vec3d{0, 0, 1});
+    diffuse += light.strength * std::abs(dot(n, light.toward));
+    specular += light.strength * std::pow(std::abs(dot(n, halfway)), lighting.shininess);
+  }
+  const double shine = lighting.specular * specular;
+  const Vec3d lit =
+      rgb * (lighting.ambient + lighting.diffuse * diffuse) + Vec3d{shine, shine, shine};
+  const double w = squared / (squared + setup_.flat * setup_.flat);
+  return rgb * (1 - w) + lit * w;
+}
+
+std::vector<float> PlainDevice::leastOpacity(const MapGrid& grid) {
+  drawNow();
+  const auto [width, height] = setup_.size;
+  std::vector<float> least;
+  for (int j = 0; j < grid.side; ++j)
+    for (int i = 0; i < grid.side; ++i) {
+      double x0 = 1e9, y0 = 1e9, x1 = -1e9, y1 = -1e9;
+      bool reaches_eye = false;
+      for (int corner = 0; corner < 4; ++corner) {
+        const Vec3d at{i + static_cast<double>(corner & 1), j + static_cast<double>(corner >> 1),
+                       1};
+        std::array<double, 3> clip{};
+        for (size_t r = 0; r < 3; ++r)
+          clip[r] = dot(
+              {grid.clip_from_map[r][0], grid.clip_from_map[r][1], grid.clip_from_map[r][2]}, at);
+        reaches_eye = reaches_eye || clip[2] <= 0;
+        const double x = (clip[0] / clip[2] + 1) / 2 * width;
+        const double y = (clip[1] / clip[2] + 1) / 2 * height;
+        x0 = std::min(x0, x), x1 = std::max(x1, x);
+        y0 = std::min(y0, y), y1 = std::max(y1, y);
+      }
+      double cell = reaches_eye ? 0 : 1;
+      // Pixels whose centre may lie in it.
+      for (int y = std::max(0, clampedInt(y0 - 1)); y < std::min(height, clampedInt(y1 + 1)); ++y)
+        for (int x = std::max(0, clampedInt(x0 - 1)); x < std::min(width, clampedInt(x1 + 1)); ++x)
+          if (x + 0.5 >= x0 - 1e-6 && x + 0.5 <= x1 + 1e-6 && y + 0.5 >= y0 - 1e-6 &&
+              y + 0.5 <= y1 + 1e-6)
+            cell = std::min(cell, at(x, y).opacity);
+      // Single precision may round up what is less.
+      least.push_back(std::nextafter(static_cast<float>(cell), 0.0F));
+    }
+  return least;
+}
+
+void PlainDevice::stopOpaque() {
+  drawNow();
+  for (Pixel& pixel : pixels_) pixel.is_stopped = pixel.opacity >= setup_.opacity_threshold;
+}
+
+uint64_t PlainDevice::countSamples(std::span<const BoxDraw> boxes) {
+  uint64_t samples = 0;
+  for (const BoxDraw& box : boxes)
+    eachPixelOf(box.cells, [&](int x, int y) {
+      eachSample(rayOf(x, y), box.cells, [&](Vec3d, double) {
+        ++samples;
+        return true;
+      });
+    });
+  return samples;
+}
+
+Picture PlainDevice::endFrame() {
+  drawNow();
+  stop_.throwIfStopped();
+  Picture picture = std::exchange(spare_, {});
+  const auto [width, height] = setup_.size;
+  picture.width = width;
+  picture.height = height;
+  picture.rgba.clear();
+  picture.depth.clear();
+  for (int row = 0; row < height; ++row)
+    for (int x = 0; x < width; ++x) {
+      const Pixel& pixel = at(x, height - 1 - row);
+      std::array<double, 4> rgba{pixel.rgb.x, pixel.rgb.y, pixel.rgb.z, pixel.opacity};
+      if (setup_.mode != Mode::kComposite && pixel.count > 0) {
+        const double taken = setup_.mode == Mode::kAverage ? static_cast<double>(pixel.count) : 1;
+        rgba = lookedUp(setup_.look_up, pixel.value / taken, false);
+        rgba[3] = 1;
+      }
+      for (const double channel : rgba) picture.rgba.push_back(static_cast<float>(channel));
+      if (setup_.mode == Mode::kComposite && setup_.with_depth)
+        picture.depth.push_back(pixel.opacity > 0
+                                    ? static_cast<float>(pixel.depth_sum / pixel.opacity)
+                                    : std::numeric_limits<float>::infinity());
+    }
+  return picture;
+}
+
+ChunkTexelsPtr chunkTexels(Vec3i storage_vox, DeviceType type, std::span<const std::byte> bytes) {
+  auto chunk = std::make_shared<ChunkTexels>();
+  chunk->storage_vox = storage_vox;
+  chunk->type = type;
+  chunk->byte_count = bytes.size();
+  chunk->bytes = std::make_shared_for_overwrite<std::byte[]>(bytes.size());
+  std::copy(bytes.begin(), bytes.end(), chunk->bytes.get());
+  return chunk;
+}
+
+}  // namespace sluice

@@ -1,0 +1,87 @@
+// PlainDevice: the contract of src/device/ in plain double-precision loops, for tests of whatever
+// draws: it needs no driver, is exact, and small pictures take milliseconds. It shares nothing with
+// the devices of the program but their interface.
+//
+// Where the contract leaves a choice, the options take one: a device that holds the texels that it
+// is given instead of copying them, and one that draws as late as it may.
+#pragma once
+
+#include <functional>
+#include <unordered_map>
+#include <vector>
+
+#include "src/device/device.h"
+
+namespace sluice {
+
+struct PlainDeviceOptions {
+  bool borrows = false;
+  bool puts_off = false;
+};
+
+class PlainDevice : public Device {
+ public:
+  explicit PlainDevice(const PlainDeviceOptions& options = {}) : options_(options) {}
+
+  DeviceLimits limits() const override {
+    return {1 << 20, 1 << 14, options_.borrows ? TexelPlace::kBorrowed : TexelPlace::kInMemory};
+  }
+  const char* backend() const override { return "plain"; }
+  const char* renderer() const override { return "plain loops"; }
+  void makeResident(uint64_t id, ChunkTexelsPtr texels) override;
+  void evict(uint64_t id) override;
+  uint64_t uploadedBytes() const override { return uploaded_bytes_; }
+  uint64_t binds() const override { return binds_; }
+  void beginFrame(const FrameSetup& setup, const StopToken& stop = {}) override;
+  void draw(std::span<const BoxDraw> boxes) override;
+  std::vector<float> leastOpacity(const MapGrid& grid) override;
+  void stopOpaque() override;
+  uint64_t countSamples(std::span<const BoxDraw> boxes) override;
+  uint64_t takenSamples() override { return taken_; }
+  Picture endFrame() override;
+  void cancelFrame() override { put_off_.clear(); }
+
+  uint64_t residentBytes() const;
+  // Called with each list that comes, before it is drawn, and before each eviction.
+  std::function<void(std::span<const BoxDraw>)> on_draw;
+  std::function<void()> on_evict;
+
+ private:
+  struct Pixel {
+    Vec3d rgb;
+    double opacity = 0, depth_sum = 0;
+    // Other modes: of the samples that took part.
+    double value = 0;
+    int64_t count = 0;
+    bool is_stopped = false;
+  };
+  struct Ray;
+  struct Sample;
+
+  Ray rayOf(int x, int y) const;
+  template <class Visit>
+  void eachPixelOf(const Box3& cells, Visit&& visit) const;
+  template <class Visit>
+  void eachSample(const Ray& ray, const Box3& cells, Visit&& visit) const;
+  void drawNow();
+  void drawBox(const BoxDraw& box);
+  void take(const Ray& ray, const BoxDraw& box, const ChunkTexels& chunk, Pixel& pixel);
+  Vec3d shaded(Vec3d rgb, Vec3d gradient) const;
+  Pixel& at(int x, int y) {
+    return pixels_[static_cast<size_t>(y) * static_cast<size_t>(setup_.size.width) +
+                   static_cast<size_t>(x)];
+  }
+
+  const PlainDeviceOptions options_;
+  std::unordered_map<uint64_t, ChunkTexelsPtr> resident_;
+  uint64_t uploaded_bytes_ = 0, binds_ = 0, taken_ = 0;
+  FrameSetup setup_;
+  StopToken stop_;
+  std::vector<Pixel> pixels_;  // rows upwards
+  std::vector<BoxDraw> put_off_;
+};
+
+// Of these bytes, x fastest.
+ChunkTexelsPtr chunkTexels(Vec3i storage_vox, DeviceType type, std::span<const std::byte> bytes);
+
+}  // namespace sluice

@@ -1,0 +1,290 @@
+// The command line as the parser has it: what options there are, and which words they take.
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <set>
+#include <sstream>
+
+#include "tests/tools/program.h"
+#include "tools/command_line/help.h"
+#include "tools/command_line/near_miss.h"
+#include "tools/command_line/option_group.h"
+#include "tools/command_line/usage.h"
+#include "tools/program.h"
+
+namespace sluice {
+namespace {
+
+struct Place {
+  const CLI::App* app;
+  std::vector<std::string> words;  // that lead there: "bench", "render"
+};
+
+void collect(const CLI::App& app, const std::vector<std::string>& words,
+             std::vector<Place>& places) {
+  const auto commands = app.get_subcommands([](const CLI::App*) { return true; });
+  if (commands.empty()) places.push_back({&app, words});
+  for (const CLI::App* command : commands) {
+    std::vector<std::string> longer = words;
+    longer.push_back(command->get_name());
+    collect(*command, longer, places);
+  }
+}
+
+std::vector<Place> commandsOf(const CommandLine& line) {
+  std::vector<Place> places;
+  collect(*line.program, {}, places);
+  return places;
+}
+
+std::vector<std::string> linesOf(const std::string& text) {
+  std::istringstream stream(text);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+// What the program says of these words; empty: they are taken. Missing arguments do not count.
+std::string complaint(const std::vector<std::string>& words) {
+  const CommandLine line = makeCommandLine();
+  if (const auto wrong = wrongUsage(*line.program, words)) return *wrong;
+  try {
+    line.program->parse(std::vector<std::string>(words.rbegin(), words.rend()));
+  } catch (const CLI::RequiredError&) {
+  } catch (const CLI::RequiresError&) {
+  } catch (const CLI::ParseError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(CommandLine, groupsHoldAtMostTwelveOptionsWithNamedValues) {
+  const CommandLine line = makeCommandLine();
+  ASSERT_GE(commandsOf(line).size(), 15U);
+  for (const Place& place : commandsOf(line)) {
+    std::map<std::string, size_t> sizes;
+    for (const CLI::Option* option : place.app->get_options()) {
+      const std::string name = place.app->get_name() + " " + option->get_name();
+      ++sizes[option->get_group()];
+      EXPECT_FALSE(option->get_group().empty()) << name;
+      EXPECT_FALSE(option->get_description().empty()) << name;
+      if (option->get_expected_max() == 0) continue;
+      const std::string value = option->get_type_name();
+      EXPECT_FALSE(value.empty() || value == "TEXT" || value == "INT" || value == "FLOAT") << name;
+    }
+    for (const auto& [group, size] : sizes)
+      EXPECT_LE(size, OptionGroup::kMostOptions) << place.app->get_name() << " " << group;
+  }
+}
+
+TEST(CommandLine, helpFitsAHundredColumnsAndShowsDefaults) {
+  const CommandLine line = makeCommandLine();
+  for (const Place& place : commandsOf(line))
+    for (const std::string& shown : linesOf(place.app->help()))
+      EXPECT_LE(shown.size(), kHelpColumns) << place.app->get_name() << ": " << shown;
+  const std::string help = line.program->get_subcommand("render")->help();
+  for (const char* part : {"-s, --size WxH", "[512x512]", "-t, --threshold VALUE", "-o, --output",
+                           "-j, --threads", "composite|mip|minip|average", "[composite]",
+                           "Look:", "View:", "Drawing:", "Output:", "Volume:"})
+    EXPECT_NE(help.find(part), std::string::npos) << part;
+}
+
+TEST(CommandLine, theOverviewIsTwentyFiveLinesThatNameEveryCommand) {
+  const CommandLine line = makeCommandLine();
+  const std::string text = overview(*line.program);
+  EXPECT_LE(linesOf(text).size(), 25U);
+  for (const std::string& shown : linesOf(text)) EXPECT_LE(shown.size(), kHelpColumns) << shown;
+  for (const CLI::App* command :
+       line.program->get_subcommands([](const CLI::App*) { return true; }))
+    EXPECT_NE(text.find("\n  " + command->get_name() + " "), std::string::npos)
+        << command->get_name();
+}
+
+TEST(CommandLine, sayingNothingOrHelpPrintsTheOverview) {
+  const Program program;
+  const CommandResult nothing = program.run("");
+  EXPECT_EQ(nothing.status, 0);
+  EXPECT_NE(nothing.output.find("  render "), std::string::npos) << nothing.output;
+  for (const char* words : {"help", "-h", "--help"})
+    EXPECT_EQ(program.run(words).output, nothing.output) << words;
+  EXPECT_EQ(program.run("help render").output, program.run("render --help").output);
+  EXPECT_EQ(program.run("help bench limit").output, program.run("bench limit -h").output);
+  EXPECT_EQ(program.run("-V").output, program.run("--version").output);
+}
+
+// Texts that are no sensible number, and the options that take one of them all the same.
+TEST(CommandLine, noOptionTakesANumberOutsideItsRange) {
+  const std::set<std::string> signed_angles = {"--azimuth", "--elevation"};
+  const auto takes = [&](const std::string& option, const std::string& word) {
+    if (option == "--threshold") return parseReal(word).has_value();  // any that is finite
+    return signed_angles.contains(option) && word == "-1";
+  };
+  const std::set<std::string> texts = {"FILE", "DIR.zarr", "DIR"};
+  const std::set<std::string> names = {"--grid", "--unit"};
+  const CommandLine line = makeCommandLine();
+  size_t tried = 0;
+  for (const Place& place : commandsOf(line))
+    for (const CLI::Option* option : place.app->get_options()) {
+      if (option->get_positional() || option->get_expected_max() == 0) continue;
+      const std::string name = "--" + option->get_lnames().front();
+      for (const std::string word :
+           {"", "nan", "inf", "-inf", "1e30", "99999999999999999999", "-1", "0x10", "1e", " 1",
+            "1,", "1 2", "18446744073709551616", "-9223372036854775809", "0,0,0,1e30,1e30,1e30"}) {
+        const bool is_text = texts.contains(option->get_type_name()) || names.contains(name);
+        if (is_text && !word.empty()) continue;
+        std::vector<std::string> words = place.words;
+        words.insert(words.end(), {name, word});
+        const std::string said = complaint(words);
+        ++tried;
+        if (takes(name, word)) {
+          EXPECT_EQ(said, "") << name << " " << word;
+          continue;
+        }
+        ASSERT_NE(said, "") << place.app->get_name() << " " << name << " '" << word << "'";
+        EXPECT_TRUE(said.starts_with(name + ": expected ")) << said;
+        // Of a list of names, the one that is none.
+        const std::string first = word.substr(0, word.find(','));
+        const auto finds = [&](const std::string& found) {
+          return said.find("found '" + found + "'") != std::string::npos;
+        };
+        EXPECT_TRUE(finds(word) || finds(first)) << said;
+        // Not the ends of a type as 309 digits.
+        EXPECT_LE(said.size(), 300U) << said;
+      }
+    }
+  EXPECT_GT(tried, 2000U);
+}
+
+TEST(CommandLine, aRefusedNumberIsAnsweredWithTheRange) {
+  const std::vector<std::tuple<std::string, std::string, std::string>> cases = {
+      {"render --frames", "99999999999999999999", "a whole number from 1 to 100000"},
+      {"render --seed", "-1", "a whole number from 0 to 18446744073709551615"},
+      {"render --memory", "0", "a size above 0"},
+      {"render --time-limit", "nan", "a number from 0 to 1e+09"},
+      {"render --threshold", "", "a number"},
+      {"render --crop", "0,0,0,1e30,1e30,1e30", "from 0 to 2^40"},
+      {"render --page", "65536x1x1", "each from 1 to 1024"},
+      {"render --pages", "4294967296", "a power of two from 1 to 2147483648"},
+      {"render --pages", "100", "a power of two from 1 to 2147483648"},
+      {"render --step", "0", "a number above 0, up to 1e+06"},
+      {"render --size", "0", "each from 1 to 65536"},
+      {"render --block", "3", "a power of two from 4 to 1024"},
+      {"render --opacity", "1.01", "a number from 0 to 1"},
+      {"render --threads", "-1", "a whole number from 0 to 1024"},
+      {"info --skip", "-1", "a whole number from 0 to"},
+      {"info --dims", "0,1,1", "each from 1 to 2^40"},
+      {"synth --share", "2", "a number from 0 to 1"},
+      {"pack --level", "10", "a whole number from 1 to 9"},
+      {"simulate --sizes", "0", "each from 1 to 2^40"}};
+  for (const auto& [option, word, range] : cases) {
+    std::vector<std::string> words = {option.substr(0, option.find(' ')),
+                                      option.substr(option.find(' ') + 1), word};
+    const std::string said = complaint(words);
+    EXPECT_NE(said.find(range), std::string::npos) << option << " " << word << ": " << said;
+  }
+}
+
+TEST(CommandLine, numbersAreTakenWholeAtBothEndsOfTheirRange) {
+  for (const char* words :
+       {"--frames 1", "--frames 100000", "--seed 0", "--seed 18446744073709551615", "--opacity 0",
+        "--opacity 1", "--block 4", "--block 1024", "--pages 1", "--pages 2147483648", "--memory 1",
+        "--time-limit 0", "--fov 179", "--page 1024x1x1", "--threshold -1e300", "--step 1e6",
+        "--type uint8", "--crop 0,0,0,1099511627776,1,1", "--azimuth -30"}) {
+    const std::string text = words;
+    const size_t space = text.find(' ');
+    EXPECT_EQ(complaint({"render", text.substr(0, space), text.substr(space + 1)}), "") << words;
+    EXPECT_EQ(complaint({"render", text.substr(0, space) + "=" + text.substr(space + 1)}), "")
+        << words;
+  }
+}
+
+TEST(CommandLine, aNearMissIsAnsweredWithTheRightWord) {
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {"rendr a.nii", "did you mean sluice render?"},
+      {"sythn cube", "did you mean sluice synth?"},
+      {"bench renderer", "did you mean sluice bench render?"},
+      {"render --treshold 4", "did you mean --threshold?"},
+      {"render --colormap x", "--map"},
+      {"render --outptu a.png", "did you mean --output?"},
+      {"render --mode mipp", "did you mean mip?"},
+      {"render --mode vr", "composite, mip, minip or average"},
+      {"render --map viridus", "did you mean viridis?"},
+      {"render --policy arcs", "did you mean arc?"},
+      {"simulate --policies lru,beladi", "did you mean belady?"},
+      {"synth phantm", "did you mean phantom?"},
+      {"render --codec lz4", "pack has it"},
+      {"paint", "render, info, plan"},
+      {"synth:cube", "sluice render synth:cube -o picture.png"},
+      {"bench", "limit, render"},
+      {"render --size", "expected WxH after it"},
+      {"render --size=", "expected WxH after the '='"},
+      {"render --size 4 --size 5", "--size is given twice"},
+      {"render -s 4 --size 5", "--size is given twice"},
+      {"render -x", "no option -x"}};
+  for (const auto& [line, said] : cases) {
+    std::istringstream stream(line);
+    std::vector<std::string> words;
+    for (std::string word; stream >> word;) words.push_back(word);
+    EXPECT_NE(complaint(words).find(said), std::string::npos) << line << ": " << complaint(words);
+  }
+}
+
+TEST(CommandLine, valuesMayLookLikeOptionsAndCommands) {
+  EXPECT_EQ(complaint({"render", "info", "-o", "-strange.png", "--azimuth", "-5"}), "");
+  EXPECT_EQ(complaint({"render", "a.nii", "-ob.png", "-j4", "-s64"}), "");
+  EXPECT_EQ(complaint({"render", "-o", "b.png", "--", "--odd-name.raw"}), "");
+}
+
+TEST(CommandLine, distancesAreThoseOfInsertingDeletingReplacingAndSwapping) {
+  EXPECT_EQ(editDistance("", "abc"), 3U);
+  EXPECT_EQ(editDistance("kitten", "sitting"), 3U);
+  EXPECT_EQ(editDistance("smal", "slam"), 2U);
+  EXPECT_EQ(editDistance("outptu", "output"), 1U);
+  EXPECT_EQ(editDistance("MIP", "mip"), 0U);
+  EXPECT_EQ(nearest("zebra", {"lion", "tiger"}), "");
+}
+
+TEST(CommandLine, aFullDeviceOrAClosedOutputIsStatusOne) {
+  const Program program;
+  const std::string trace = "t.trace";
+  ASSERT_EQ(
+      program.run(std::string("render ") + kSmall + " -o a.png --size 16 --trace " + trace).status,
+      0);
+  ASSERT_EQ(program.run(std::string("pack ") + kSmall + " -o a.zarr").status, 0);
+  const std::string volume = kSmall;
+  const std::vector<std::string> lines = {"help",
+                                          "--version",
+                                          "render --help",
+                                          "info " + volume,
+                                          "plan " + volume,
+                                          "render " + volume + " -o b.png --size 16",
+                                          "simulate " + trace,
+                                          "synth cube --dims 8,8,8 -o c.nrrd",
+                                          "pack --check a.zarr",
+                                          "doctor",
+                                          "bench slicing"};
+  for (const std::string& line : lines)
+    for (const std::string json : {"", " --json"}) {
+      if (!json.empty() && (line.find("-h") != std::string::npos || line.starts_with("help") ||
+                            line.starts_with("--")))
+        continue;
+      for (const std::string device : {" >/dev/full", " >&-"}) {
+        const CommandResult result = program.run(line + json + device);
+        EXPECT_EQ(result.status, 1) << line << json << device << ": " << result.output;
+        EXPECT_NE(result.output.find("standard output"), std::string::npos) << result.output;
+      }
+    }
+}
+
+TEST(CommandLine, standardErrorThatTakesNothingChangesNoStatus) {
+  const Program program;
+  for (const std::string device : {" 2>&-", " 2>/dev/full"}) {
+    EXPECT_EQ(program.run("info missing.nrrd" + device).status, 1) << device;
+    EXPECT_EQ(program.run("rendr" + device).status, 2) << device;
+    EXPECT_EQ(program.run(std::string("info ") + kSmall + device).status, 0) << device;
+    EXPECT_EQ(program.run(std::string("info ") + kSmall + device + " <&-").status, 0) << device;
+  }
+}
+
+}  // namespace
+}  // namespace sluice

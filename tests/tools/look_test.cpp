@@ -1,0 +1,359 @@
+// What is chosen where the user says nothing, and that the options it is printed as give the same.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <type_traits>
+#include <vector>
+
+#include "io/pictures/exr_file.h"
+#include "io/pictures/png_file.h"
+#include "tests/tools/program.h"
+
+namespace sluice {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+constexpr int64_t kSide = 40;
+
+// A number from -1 to 1 that says nothing of its place.
+double noise(int64_t x, int64_t y, int64_t z) {
+  auto n = static_cast<uint32_t>(x * 73856093 ^ y * 19349663 ^ z * 83492791);
+  n = (n ^ (n >> 13)) * 1274126177U;
+  n ^= n >> 16;
+  return static_cast<double>(n & 0xffffU) / 32768 - 1;
+}
+// The sum of four is nearly normal, of deviation 1.
+double normalNoise(int64_t x, int64_t y, int64_t z) {
+  double sum = 0;
+  for (int64_t i = 0; i < 4; ++i) sum += noise(x + 101 * i, y + 53 * i, z + 17 * i);
+  return sum / std::sqrt(4.0 / 3);
+}
+
+double fromCenter(int64_t x, int64_t y, int64_t z) {
+  const double half = (kSide - 1) / 2.0;
+  return std::hypot(static_cast<double>(x) - half, static_cast<double>(y) - half,
+                    static_cast<double>(z) - half);
+}
+
+using Voxel = std::function<double(int64_t, int64_t, int64_t)>;
+
+template <class T>
+std::string rawBytes(const Voxel& voxel) {
+  std::string bytes;
+  for (int64_t z = 0; z < kSide; ++z)
+    for (int64_t y = 0; y < kSide; ++y)
+      for (int64_t x = 0; x < kSide; ++x) {
+        const auto value = static_cast<T>(voxel(x, y, z));
+        bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+      }
+  return bytes;
+}
+
+// Kinds of volumes that people have, small. `name`: what the look is called, in part.
+struct Kind {
+  std::string file, name, bytes;
+};
+
+// Layers as in a head: air, skin, bone, brain.
+double headLayers(double r) {
+  return r > 17 ? -1000 : r > 15 ? 60 : r > 12.5 ? 1200 : 30;
+}
+
+template <class T>
+constexpr const char* kTypeName = std::is_same_v<T, uint8_t>    ? "uint8"
+                                  : std::is_same_v<T, int16_t>  ? "int16"
+                                  : std::is_same_v<T, uint16_t> ? "uint16"
+                                                                : "float32";
+
+class Kinds {
+ public:
+  template <class T>
+  void add(const std::string& what, const std::string& name, const Voxel& voxel) {
+    all.push_back({fmt::format("{}_{}x{}x{}_{}.raw", what, kSide, kSide, kSide, kTypeName<T>), name,
+                   rawBytes<T>(voxel)});
+  }
+  std::vector<Kind> all;
+};
+
+std::vector<Kind> kinds() {
+  Kinds result;
+  result.add<uint8_t>("em", "solid", [](auto x, auto y, auto z) {
+    return std::clamp(140 + 38 * normalNoise(x, y, z), 0.0, 255.0);
+  });
+  result.add<uint8_t>("filled_em", "solid", [](auto x, auto y, auto z) {
+    return y < 6 ? 0 : std::clamp(140 + 30 * normalNoise(x, y, z), 1.0, 255.0);
+  });
+  result.add<int16_t>("ct", "above", [](auto x, auto y, auto z) {
+    const double half = (kSide - 1) / 2.0;
+    if (std::hypot(static_cast<double>(x) - half, static_cast<double>(y) - half) > 19.5)
+      return -2000.0;
+    return headLayers(fromCenter(x, y, z)) + 15 * normalNoise(x, y, z);
+  });
+  result.add<uint8_t>("mask", "surface",
+                      [](auto x, auto y, auto z) { return fromCenter(x, y, z) < 14 ? 1 : 0; });
+  result.add<uint16_t>("labels", "labels", [](auto x, auto y, auto z) {
+    if (fromCenter(x, y, z) > 17) return 0;
+    return x < 20 ? (y < 20 ? 17 : 1001) : z < 20 ? 3 : 240;
+  });
+  result.add<uint16_t>("vessels", "tail", [](auto x, auto y, auto z) {
+    const double wave = 6 * std::sin(static_cast<double>(z) / 6);
+    const double axis = std::hypot(static_cast<double>(x) - 20 - wave, static_cast<double>(y) - 20);
+    const double brain = fromCenter(x, y, z) < 19 ? 150 : 10;
+    return std::max(0.0, (axis < 2.2 ? 600 - 60 * axis : brain) + 12 * normalNoise(x, y, z));
+  });
+  result.add<float>("smoke", "above", [](auto x, auto y, auto z) {
+    return std::max(0.0, std::exp(-fromCenter(x, y, z) / 6) * (1 + 0.3 * noise(x, y, z)) - 0.05);
+  });
+  result.add<uint8_t>("bright", "below", [](auto x, auto y, auto z) {
+    return std::clamp((fromCenter(x, y, z) < 12 ? 110 : 249) + 2 * normalNoise(x, y, z), 0.0,
+                      255.0);
+  });
+  result.add<float>("signed", "beyond", [](auto x, auto y, auto z) {
+    return normalNoise(x / 3, y / 3, z / 3) * std::exp(-fromCenter(x, y, z) / 5);
+  });
+  result.add<float>("ocean", "", [](auto x, auto y, auto z) {
+    return x < 8 ? 1e20 : 10 + static_cast<double>(z) / 4 + noise(x, y, z);
+  });
+  return result.all;
+}
+
+std::string attributeOf(const std::filesystem::path& picture, const std::string& name) {
+  for (const auto& [attribute, text] : readExr(picture).attributes)
+    if (attribute == name) return text;
+  return "";
+}
+
+std::string lookOptions(const nlohmann::json& report) {
+  return report["look"]["options"].get<std::string>();
+}
+
+// The part of a look's options from one to the next.
+std::string optionOf(const std::string& options, const std::string& name) {
+  const size_t at = options.find(name + " ");
+  return at == std::string::npos ? "" : options.substr(at, options.find(" --", at) - at);
+}
+
+TEST(Look, optionsOfWhatWasChosenGiveTheSamePicture) {
+  const Program program;
+  for (const Kind& kind : kinds()) {
+    SCOPED_TRACE(kind.file);
+    writeFile(program.folder / kind.file, kind.bytes);
+    const std::string line = "render " + kind.file + " --size 48x48 ";
+    const auto chosen = program.json(line + "-o chosen.png");
+    EXPECT_THAT(chosen["look"]["name"].get<std::string>(), HasSubstr(kind.name));
+    const std::string options = lookOptions(chosen);
+    const auto again = program.json(line + "-o again.png " + options);
+    EXPECT_EQ(lookOptions(again), options);
+    const std::string picture = readFile(program.folder / "chosen.png");
+    EXPECT_EQ(picture, readFile(program.folder / "again.png")) << options;
+    // There is something to see, and it is no flat disc.
+    const Rgba8Picture seen = readPng(program.folder / "chosen.png");
+    int shown = 0;
+    for (size_t i = 3; i < seen.rgba.size(); i += 4) shown += seen.rgba[i] > 40 ? 1 : 0;
+    EXPECT_GT(shown, 48 * 48 / 50) << options;
+  }
+}
+
+TEST(Look, doesNotDependOnTheSizeOfBlocks) {
+  const Program program;
+  for (const Kind& kind : kinds()) {
+    writeFile(program.folder / kind.file, kind.bytes);
+    const auto lookWith = [&](const char* block) {
+      return lookOptions(
+          program.json("render " + kind.file + " --size 16x16 -o a.png --block " + block));
+    };
+    const std::string small = lookWith("8");
+    EXPECT_EQ(lookWith("16"), small) << kind.file;
+    EXPECT_EQ(lookWith("64"), small) << kind.file;
+  }
+}
+
+TEST(Look, isSaidByRenderInfoAndTheReport) {
+  const Program program;
+  const std::string line = std::string("render ") + kSmall + " --size 32x32 -o a.exr";
+  const CommandResult said = program.run(line);
+  ASSERT_EQ(said.status, 0) << said.output;
+  const std::string options = lookOptions(program.json(line));
+  EXPECT_THAT(said.output, HasSubstr("look: " + options + "\n"));
+  EXPECT_EQ(attributeOf(program.folder / "a.exr", "look"), options);
+  const std::string of_info = program.json(std::string("info ") + kSmall)["look"]["options"];
+  EXPECT_EQ(options.substr(0, of_info.size()), of_info) << "info knows no picture's size";
+  EXPECT_THAT(program.run(std::string("info ") + kSmall).output, HasSubstr(of_info));
+}
+
+TEST(Look, isLitUnlessToldOtherwise) {
+  const Program program;
+  const std::string line = std::string("render ") + kSmall + " --threshold 90 -o a.png --size ";
+  EXPECT_THAT(lookOptions(program.json(line + "24x24")), HasSubstr("--shade --step 1"));
+  EXPECT_THAT(lookOptions(program.json(line + "200x200")), HasSubstr("--step 0.5"));
+  EXPECT_THAT(lookOptions(program.json(line + "200x200 --step 1")), HasSubstr("--step 1"));
+  const auto unlit = program.json(line + "24x24 --no-shade");
+  EXPECT_THAT(lookOptions(unlit), HasSubstr("--no-shade"));
+  EXPECT_EQ(unlit["look"]["lit"], false);
+  EXPECT_EQ(program.run(line + "24x24 --shade --no-shade").status, 2);
+}
+
+TEST(Look, mapSetsColoursAlone) {
+  const Program program;
+  const std::string line = std::string("render ") + kSmall + " --size 24x24 -o a.png ";
+  const std::string plain = lookOptions(program.json(line));
+  const std::string viridis = lookOptions(program.json(line + "--map viridis"));
+  EXPECT_THAT(viridis, HasSubstr("--map viridis"));
+  for (const char* option : {"--opacities", "--range"}) {
+    EXPECT_NE(optionOf(plain, option), "");
+    EXPECT_EQ(optionOf(viridis, option), optionOf(plain, option));
+  }
+}
+
+TEST(Look, mapIsFoundInAParaviewFileOrReplacesItsColours) {
+  const Program program;
+  const auto mapOf = [](const std::string& name) {
+    return R"({"Name": ")" + name +
+           R"(", "ColorSpace": "RGB", "RGBPoints": [40, 1, 0, 0, 200, 0, 0, 1],
+              "Points": [40, 0, 0.5, 0, 200, 0.3, 0.5, 0]})";
+  };
+  writeFile(program.folder / "one.json", mapOf("Sunset"));
+  writeFile(program.folder / "two.json", "[" + mapOf("Sunset") + "," + mapOf("My dawn") + "]");
+  const std::string line = std::string("render ") + kSmall + " --size 24x24 -o a.exr ";
+  const auto transferWith = [&](const std::string& options) {
+    const CommandResult result = program.run(line + options);
+    EXPECT_EQ(result.status, 0) << result.output;
+    return nlohmann::json::parse(attributeOf(program.folder / "a.exr", "transferFunction"));
+  };
+  const auto sunset = transferWith("--transfer one.json");
+  EXPECT_EQ(transferWith("--transfer two.json --map Sunset"), sunset);
+  EXPECT_EQ(transferWith("--map 'My dawn' --transfer two.json")["name"], "My dawn");
+  EXPECT_EQ(transferWith("--transfer one.json --map Sunset"), sunset);
+  const auto viridis = transferWith("--transfer one.json --map viridis");
+  EXPECT_EQ(viridis["opacities"], sunset["opacities"]);
+  EXPECT_NE(viridis["colors"], sunset["colors"]);
+  EXPECT_EQ(viridis["colors"].front()[0], 40);
+  EXPECT_EQ(viridis["colors"].back()[0], 200);
+  for (const char* options : {"two.json", "two.json --map viridis", "one.json --map dusk"}) {
+    const CommandResult result = program.run(line + "--transfer " + options);
+    EXPECT_EQ(result.status, 1) << options;
+    EXPECT_THAT(result.output, HasSubstr("Sunset")) << "which names there are";
+    EXPECT_EQ(std::count(result.output.begin(), result.output.end(), '\n'), 1) << result.output;
+  }
+}
+
+TEST(Look, ofBenchesIsPlain) {
+  const Program program;
+  const std::string line = std::string("bench render ") + kSmall + " --size 24x24 --frames 1";
+  const auto range = program.json(std::string("info ") + kSmall)["value_range"];
+  const double fifth = std::lerp(range[0].get<double>(), range[1].get<double>(), 0.2);
+  const std::string plain = lookOptions(program.json(line));
+  EXPECT_EQ(plain, fmt::format("--threshold {} --opacity 0.05 --map ct-bone --no-shade", fifth));
+  EXPECT_EQ(lookOptions(program.json(line + fmt::format(" --threshold {}", fifth))), plain);
+  for (const char* command : {"bench", "bench render", "bench threshold", "bench algorithms"})
+    EXPECT_THAT(program.run(std::string(command) + " --help").output,
+                HasSubstr("pictures are plain"));
+}
+
+TEST(Look, modesTakeTheWholeRange) {
+  const Program program;
+  const std::string line = std::string("render ") + kSmall + " --size 24x24 -o a.png ";
+  const auto range = program.json(std::string("info ") + kSmall)["value_range"];
+  for (const std::string mode : {"mip", "minip", "average"}) {
+    const auto report = program.json(line + "--mode " + mode);
+    EXPECT_EQ(lookOptions(report), fmt::format("--map grey --range {},{}", range[0].get<double>(),
+                                               range[1].get<double>()));
+    EXPECT_EQ(report["blocks"]["white"], 0) << "everything takes part";
+    const std::string own = lookOptions(program.json(line + "--threshold 90 --mode " + mode));
+    EXPECT_THAT(own, HasSubstr("--threshold 90"));
+  }
+}
+
+TEST(Look, thresholdBeyondTheValuesIsAWarning) {
+  const Program program;
+  const std::string line = std::string("render ") + kSmall + " --size 24x24 -o a.png --threshold ";
+  const CommandResult high = program.run(line + "300"), low = program.run(line + "-5");
+  EXPECT_EQ(high.status, 0);
+  EXPECT_THAT(high.output,
+              HasSubstr("warning: --threshold 300: nothing shows, the values are 0 to"));
+  EXPECT_THAT(low.output, HasSubstr("everything shows"));
+  EXPECT_THAT(program.run(line + "90").output, Not(HasSubstr("warning")));
+}
+
+TEST(Look, optionsThatContradictEachOtherAreRefused) {
+  const Program program;
+  const std::string line = std::string("render ") + kSmall + " -o a.png ";
+  for (const char* options :
+       {"--eye 1,2,300 --target 1,2,3 --azimuth 10", "--eye 1,2,300 --target 1,2,3 --elevation 10",
+        "--threshold 4 --labels", "--opacities 3:0,5:1 --threshold 4",
+        "--opacities 3:0 --opacity 0.1", "--opacities 5:0,3:1", "--opacities 5:2", "--opacities 5",
+        "--range 3,3", "--range 3"}) {
+    const CommandResult result = program.run(line + options);
+    EXPECT_EQ(result.status, 2) << options << ": " << result.output;
+  }
+}
+
+// --- series
+
+std::vector<float> growing(int step) {
+  std::vector<float> voxels;
+  for (int64_t z = 0; z < kSide; ++z)
+    for (int64_t y = 0; y < kSide; ++y)
+      for (int64_t x = 0; x < kSide; ++x)
+        voxels.push_back(static_cast<float>(
+            std::max(0.0, (6.0 + 3 * step - fromCenter(x, y, z)) * (1 + step * step))));
+  return voxels;
+}
+
+void writeSeries(const Program& program) {
+  for (int step = 0; step < 4; ++step) {
+    const std::vector<float> voxels = growing(step);
+    writeFile(program.folder / fmt::format("s{}_40x40x40_float32.raw", step),
+              std::string(reinterpret_cast<const char*>(voxels.data()), 4 * voxels.size()));
+  }
+}
+
+TEST(Look, ofASeriesIsTheSameAtEveryStep) {
+  const Program program;
+  writeSeries(program);
+  const auto lookAt = [&](int step, const std::string& options) {
+    return lookOptions(program.json(fmt::format(
+        "render s%d_40x40x40_float32.raw --size 24x24 -o a.png --time {} {}", step, options)));
+  };
+  const std::string first = lookAt(0, "");
+  for (int step = 1; step < 4; ++step) EXPECT_EQ(lookAt(step, ""), first);
+  EXPECT_NE(lookAt(0, "--this-step"), lookAt(3, "--this-step"));
+  // A threshold's ramp ends at the top of all steps, or where it is told to.
+  const auto colorAt = [&](int step, const std::string& options) {
+    program.json(
+        fmt::format("render s%d_40x40x40_float32.raw --size 24x24 -o {}.exr --time {} "
+                    "--threshold 1 --no-shade {}",
+                    step, step, options));
+    return attributeOf(program.folder / fmt::format("{}.exr", step), "transferFunction");
+  };
+  EXPECT_EQ(colorAt(0, ""), colorAt(3, ""));
+  EXPECT_NE(colorAt(0, "--this-step"), colorAt(3, "--this-step"));
+  EXPECT_EQ(colorAt(0, "--range 0,50"), colorAt(3, "--range 0,50"));
+}
+
+TEST(Look, ofASeriesGrowsAsTheSeriesDoes) {
+  const Program program;
+  writeSeries(program);
+  double last = 0;
+  for (int step = 0; step < 4; ++step) {
+    const std::string name = fmt::format("g{}.png", step);
+    ASSERT_EQ(program
+                  .run(fmt::format("render s%d_40x40x40_float32.raw --size 48x48 --time {} -o {}",
+                                   step, name))
+                  .status,
+              0);
+    const Rgba8Picture picture = readPng(program.folder / name);
+    double opacity = 0;
+    for (size_t i = 3; i < picture.rgba.size(); i += 4) opacity += picture.rgba[i];
+    EXPECT_GT(opacity, 1.1 * last) << step;
+    last = opacity;
+  }
+}
+
+}  // namespace
+}  // namespace sluice

@@ -1,0 +1,163 @@
+// What a command writes never takes the place of what it reads, of another output, or, unless it is
+// told to, of something else that was there.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "io/pictures/png_file.h"
+#include "tests/tools/program.h"
+
+namespace sluice {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool isOneLine(const std::string& text) {
+  return std::count(text.begin(), text.end(), '\n') == 1 && text.back() == '\n';
+}
+
+// Folders and files with what they hold, but for indices and new results.
+class Outputs : public testing::Test {
+ protected:
+  void SetUp() override {
+    made("synth shells -o v_24x20x16_uint8.raw --dims 24,20,16 -q");
+    made("synth shells -o v.mhd --dims 24,20,16 -q");
+    made("synth shells -o v.nhdr --dims 24,20,16 -q --force");
+    made("synth shells -o w.nrrd --dims 24,20,16 -q");
+    made("pack w.nrrd -o v.zarr -q");
+    fs::create_directory(program_.folder / "pngs");
+    for (const char* angle : {"10", "20", "30"})
+      made("render w.nrrd -q --size 16 --background 000000 -o pngs/s" + std::string(angle) +
+           ".png --azimuth " + angle);
+    made("render w.nrrd -q -o t.png --size 16 --trace t.trace --report r.json");
+    writeFile(program_.folder / "t.json",
+              R"({"sluice_transfer_function": 1, "map": "grey", "opacities": [[90, 0.1]]})");
+    writeFile(program_.folder / "path.json", R"({"keys": [{"at": 0, "azimuth": 10}]})");
+    writeFile(program_.folder / "notes.txt", "my only copy\n");
+    writeFile(program_.folder / "photo.png", "GIF89a");
+    fs::create_symlink("w.nrrd", program_.folder / "link.png");
+    fs::create_hard_link(program_.folder / "w.nrrd", program_.folder / "hard.png");
+    fs::create_symlink("pngs", program_.folder / "scan");
+    before_ = filesOf(program_.folder.path());
+  }
+  void made(const std::string& line) {
+    const CommandResult result = program_.run(line);
+    ASSERT_EQ(result.status, 0) << line << ": " << result.output;
+  }
+  // Nothing that was there is gone or changed, and nothing new is there.
+  void unchanged(const std::string& line) {
+    std::map<std::string, std::string> after = filesOf(program_.folder.path());
+    std::erase_if(after, [](const auto& file) { return file.first.starts_with("cache/"); });
+    std::map<std::string, std::string> expected = before_;
+    std::erase_if(expected, [](const auto& file) { return file.first.starts_with("cache/"); });
+    EXPECT_TRUE(after == expected) << line;
+  }
+  void refuses(const std::string& line, const std::string& said) {
+    const CommandResult result = program_.run(line);
+    EXPECT_EQ(result.status, 1) << line << ": " << result.output;
+    EXPECT_TRUE(isOneLine(result.output)) << line << ": " << result.output;
+    EXPECT_NE(result.output.find(said), std::string::npos) << line << ": " << result.output;
+    unchanged(line);
+  }
+
+  const Program program_;
+  std::map<std::string, std::string> before_;
+};
+
+TEST_F(Outputs, areNeverWhatTheCommandReads) {
+  for (const std::string force : {"", " --force"}) {
+    const std::string render = "render w.nrrd --size 16" + force;
+    refuses(render + " -o link.png", "link.png: is the file w.nrrd");
+    refuses(render + " -o hard.png", "hard.png: is the file w.nrrd");
+    refuses(render + " -o a.png --report w.nrrd", "--report w.nrrd: is the file w.nrrd");
+    refuses(render + " -o a.png --trace ./w.nrrd", "--trace");
+    refuses(render + " -o a.png --transfer t.json --report t.json", "is the file t.json");
+    refuses(render + " -o a.png --frames 2 --path path.json --report path.json",
+            "is the file path.json");
+    refuses("render pngs -o pngs/s10.png --size 16" + force, "pngs/s10.png");
+    refuses("render pngs -o scan/new.png --size 16" + force, "lies in pngs");
+    refuses("render pngs/s10.png pngs/s20.png pngs/s30.png -o pngs/s20.png --size 16" + force,
+            "is the file pngs/s20.png");
+    refuses("render 'pngs/s*.png' -o pngs/s20.png --size 16" + force, "is the file pngs/s20.png");
+    refuses("render v.mhd -o a.png --size 16 --report v.raw" + force, "is the file v.raw");
+    refuses("render v.nhdr -o a.png --size 16 --trace v.raw" + force, "is the file v.raw");
+    refuses("render v.zarr -o v.zarr/a.png --size 16" + force, "lies in v.zarr");
+    refuses("render v.zarr -o a.png --size 16 --report v.zarr/0/.zarray" + force, "v.zarr");
+    refuses("simulate t.trace --csv t.trace" + force, "is the file t.trace");
+    refuses("simulate t.trace --export t.trace" + force, "is the file t.trace");
+    refuses("simulate w.nrrd --frames 2 --html w.nrrd" + force, "is the file w.nrrd");
+    refuses("pack v.zarr -o v.zarr" + force, "is the file v.zarr");
+    refuses("pack v.zarr -o v.zarr/b.zarr" + force, "lies in v.zarr");
+  }
+}
+
+TEST_F(Outputs, areNeverOneAnother) {
+  const std::string render = "render w.nrrd --size 16 -o a.png ";
+  refuses(render + "--report a.png", "is the same file as -o a.png");
+  refuses(render + "--report b --trace ./b", "is the same file as --report b");
+  refuses(render + "--frames 3 --report a_001.png", "is the same file as -o a_001.png");
+  refuses(render + "--debug-view --partition boxes --report a.boxes.png", "a.boxes.png");
+  refuses("simulate t.trace --csv c --html ./c", "is the same file as");
+  fs::create_symlink("a.png", program_.folder / "to_be.json");
+  before_ = filesOf(program_.folder.path());
+  refuses(render + "--report to_be.json", "is the same file as -o a.png");
+}
+
+TEST_F(Outputs, replaceWhatIsOfTheirKindAndAnythingElseByForceAlone) {
+  const std::string render = "render w.nrrd --size 16 -q ";
+  refuses(render + "-o photo.png", "photo.png: exists and is not a PNG picture; --force");
+  refuses(render + "-o a.png --report notes.txt", "notes.txt: exists and is not JSON; --force");
+  refuses(render + "-o a.png --trace v.raw", "v.raw: exists and is not a trace; --force");
+  refuses("simulate t.trace --html notes.txt", "exists and is not HTML");
+  refuses("simulate t.trace --csv v.raw", "exists and is not text");
+  refuses("synth cube --dims 8,8,8 -o v_24x20x16_uint8.raw", "--force");
+  fs::rename(program_.folder / "v.raw", program_.folder / "x.raw");
+  before_ = filesOf(program_.folder.path());
+  refuses("synth cube --dims 8,8,8 -o x.mhd", "x.raw: exists");
+  made(render + "-o t.png --report r.json --trace t.trace");
+  made(render + "-o photo.png --report notes.txt --force");
+  EXPECT_NO_THROW(readPng(program_.folder / "photo.png"));
+  made("synth cube --dims 8,8,8 -o x.mhd -q --force");
+  made("synth cube --dims 8,8,8 -o w.nrrd -q");
+  made(render + "-o z.png --report /dev/null --trace /dev/null");
+}
+
+TEST_F(Outputs, aStoreIsReplacedOnlyWhenNothingElseIsInIt) {
+  refuses("pack v.nhdr -o v.zarr", "--force");
+  made("pack v.nhdr -o v.zarr --force -q");
+  writeFile(program_.folder / "v.zarr" / "0" / "thesis.txt", "my only copy");
+  before_ = filesOf(program_.folder.path());
+  refuses("pack v.nhdr -o v.zarr --force", "thesis.txt");
+  fs::create_directory(program_.folder / "mine.zarr");
+  writeFile(program_.folder / "mine.zarr" / "letter.txt", "my only copy");
+  before_ = filesOf(program_.folder.path());
+  refuses("pack v.nhdr -o mine.zarr --force", "mine.zarr");
+}
+
+TEST_F(Outputs, carryTheVeryNameThatWasGiven) {
+  const std::string render = "render w.nrrd --size 16 -q ";
+  made("synth cube --dims 8,8,8 -q -o x_8x8x8_uint8.raw");
+  EXPECT_EQ(fs::file_size(program_.folder / "x_8x8x8_uint8.raw"), 512U);
+  const CommandResult bare = program_.run("synth cube --dims 8,8,8 -o bare.raw");
+  EXPECT_EQ(fs::file_size(program_.folder / "bare.raw"), 512U);
+  EXPECT_NE(bare.output.find("--dims 8,8,8 --type u8"), std::string::npos) << bare.output;
+  made(render + "-o UPPER.PNG");
+  EXPECT_NO_THROW(readPng(program_.folder / "UPPER.PNG"));
+  made(render + "-o h_####.png --frames 2");
+  made(render + "-o p_%04d.png --frames 2");
+  for (const char* name : {"h_0000.png", "h_0001.png", "p_0000.png", "p_0001.png"})
+    EXPECT_TRUE(program_.exists(name)) << name;
+  made("synth flow --dims 16,16,16 --steps 3 -q -o f_16x16x16_uint8_##.raw");
+  made("render 'f_16x16x16_uint8_%02d.raw' --time 2 --size 16 -q -o step_###.png");
+  EXPECT_TRUE(program_.exists("step_002.png")) << "numbered by the step";
+}
+
+TEST_F(Outputs, quietLeavesErrorsAlone) {
+  EXPECT_EQ(program_.run("render w.nrrd --size 16 -o q.png -q").output, "");
+  EXPECT_EQ(program_.run("info w.nrrd -q").output, "");
+  EXPECT_NE(program_.run("info none.nrrd -q").output, "");
+}
+
+}  // namespace
+}  // namespace sluice

@@ -1,0 +1,54 @@
+#include "tools/command_line/console.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+
+#include "src/base/error.h"
+
+namespace sluice {
+namespace {
+
+[[noreturn]] void failOutput(int reason) {
+  if (reason == EBADF) fail("standard output: closed, so that nothing can be printed");
+  failErrno("standard output: cannot be written", reason);
+}
+
+}  // namespace
+
+void openStandardStreams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (fcntl(stream, F_GETFD) != -1 || errno != EBADF) continue;
+    // The lowest free number is this one.
+    const int mode = stream == STDERR_FILENO ? O_WRONLY : O_RDONLY;
+    if (open("/dev/null", mode) < 0) return;  // nothing to be done without /dev
+  }
+}
+
+void sayText(std::string_view text) {
+  errno = 0;
+  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size()) failOutput(errno);
+}
+
+void printError(std::string line) {
+  for (char& c : line)
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
+  line = "sluice: " + line + "\n";
+  std::fflush(stdout);
+  // In one write, so that lines of several processes do not mix.
+  while (::write(STDERR_FILENO, line.data(), line.size()) < 0 && errno == EINTR) {
+  }
+}
+
+void printWarning(const std::string& line) {
+  printError("warning: " + line);
+}
+
+void finishOutput() {
+  errno = 0;
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) failOutput(errno);
+}
+
+}  // namespace sluice

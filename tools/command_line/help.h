@@ -1,0 +1,27 @@
+// What --help prints: options under the headings of their groups, defaults in brackets, everything
+// within 100 columns.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include <string>
+
+namespace sluice {
+
+inline constexpr size_t kHelpColumns = 100;
+
+// For every command: the layout of its --help. A group's options stand in the order in which they
+// were added.
+class HelpFormatter : public CLI::Formatter {
+ public:
+  std::string make_help(const CLI::App* app, std::string name,
+                        CLI::AppFormatMode mode) const override;
+};
+
+// What there is, in 25 lines: the commands by what they are for.
+std::string overview(const CLI::App& program);
+
+// `text` in lines of at most `columns`, each begun by `indent` spaces but the first.
+std::string wrapped(const std::string& text, size_t indent, size_t columns);
+
+}  // namespace sluice

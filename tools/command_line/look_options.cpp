@@ -1,0 +1,101 @@
+#include <algorithm>
+
+#include "src/classify/transfer/color_maps.h"
+#include "tools/command_line/shared_options.h"
+#include "tools/parse.h"
+
+namespace sluice {
+namespace {
+
+// "40:0,60:0.1".
+std::optional<std::vector<OpacityPoint>> opacityPoints(const std::string& word) {
+  std::vector<OpacityPoint> points;
+  for (size_t from = 0; from <= word.size();) {
+    const size_t end = std::min(word.find(',', from), word.size());
+    std::string pair = word.substr(from, end - from);
+    const size_t colon = pair.find(':');
+    if (colon == std::string::npos) return std::nullopt;
+    pair[colon] = ',';
+    const auto numbers = parseNumbers(pair, 2);
+    if (!numbers || (*numbers)[1] < 0 || (*numbers)[1] > 1) return std::nullopt;
+    if (!points.empty() && (*numbers)[0] < points.back().value) return std::nullopt;
+    points.push_back({(*numbers)[0], (*numbers)[1]});
+    from = end + 1;
+  }
+  return points;
+}
+
+std::optional<ValueRange> valueRange(const std::string& word) {
+  const auto numbers = parseNumbers(word, 2);
+  const bool is_size = word.find('x') != std::string::npos;  // "0x10" is no range
+  if (!numbers || is_size || (*numbers)[0] == (*numbers)[1]) return std::nullopt;
+  return ValueRange{(*numbers)[0], (*numbers)[1]};
+}
+
+}  // namespace
+
+void addLookOptions(CLI::App& app, LookArguments& look, FrameOptions& frame) {
+  const OptionGroup group(app, "Look"), light(app, "Light");
+  CLI::Option* threshold = group.number("-t,--threshold", "VALUE", look.threshold, {},
+                                        "Opacity 0 below this value and a ramp above it");
+  CLI::Option* transfer = group.text("--transfer", "FILE", look.transfer_file,
+                                     "Transfer function: our JSON or ParaView's colour map");
+  CLI::Option* points = group.parsed(
+      "--opacities", "V:A,V:A,...", "pairs V:A of values, ascending, and opacities from 0 to 1",
+      opacityPoints, [&look](const std::vector<OpacityPoint>& found) { look.opacities = found; },
+      "Opacities of one voxel length at some values, linear in between");
+  CLI::Option* labels =
+      group.flag("--labels", look.labels,
+                 "Values are numbers of things: each opaque in a colour of its own, 0 is nothing");
+  Words<std::string> maps;
+  for (const std::string_view name : colorMapNames()) maps.emplace_back(name, name);
+  // Options are taken in the order in which they are added: --transfer is known by now.
+  const auto mapOfFile = [&look](const std::string& word) {
+    return look.transfer_file.empty() ? std::nullopt : std::optional(word);
+  };
+  group.choice<std::string>("--map", maps, look.map,
+                            "Colours alone, whatever the opacities: " + listed(namesOf(maps)) +
+                                "; or the map of that name in --transfer",
+                            mapOfFile);
+  group.parsed(
+      "--range", "LO,HI", "two different numbers LO,HI", valueRange,
+      [&look](ValueRange range) { look.range = range; },
+      "The values that colours and ramps are laid over (those of the data, of all steps of a "
+      "series)");
+  group.flag("--this-step", look.this_step,
+             "Of a series, look and fit follow from the step that is drawn alone");
+  CLI::Option* opacity = group.number("--opacity", "A", look.opacity, {0, 1},
+                                      "Opacity of one voxel length at the top of the ramp (0.05)");
+  for (CLI::Option* one : {threshold, transfer, points, labels})
+    for (CLI::Option* other : {threshold, transfer, points, labels})
+      if (one != other) one->excludes(other);
+  points->excludes(opacity);
+  CLI::Option* shade = light.flag("--shade", look.shade, "Gradient Phong lighting");
+  light
+      .flag("--no-shade", look.no_shade,
+            "No lighting, which pictures have otherwise where they show surfaces")
+      ->excludes(shade);
+  CLI::Option* modulate =
+      light.flag("--modulate", look.modulate,
+                 "Opacity times a ramp of the gradient's magnitude, 0 where the volume is flat");
+  light
+      .number("--full-gradient", "SHARE", look.full_gradient, {0, 1e6, true},
+              "The magnitude at which --modulate leaves all of it, as a share of the value range a "
+              "voxel length")
+      ->needs(modulate);
+  group.choice("--mode",
+               Words<Mode>{{"composite", Mode::kComposite},
+                           {"mip", Mode::kMip},
+                           {"minip", Mode::kMinip},
+                           {"average", Mode::kAverage}},
+               frame.mode, "How samples along a ray combine");
+  group.parsed(
+      "--background", "RRGGBB", "six hexadecimal digits RRGGBB", parseColor,
+      [&look](const std::array<float, 3>& color) {
+        look.background = color;
+        look.has_background = true;
+      },
+      "Background colour; without it PNG keeps alpha");
+}
+
+}  // namespace sluice

@@ -1,0 +1,52 @@
+// Numbers on the command line: one parser for all options, which know what they take and say so.
+// Pure functions.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <type_traits>
+
+namespace sluice {
+
+// What an option takes, both ends included unless `above_least` leaves the lower one out.
+template <class Number>
+struct NumberRange {
+  Number least = std::numeric_limits<Number>::lowest();
+  Number most = std::numeric_limits<Number>::max();
+  bool above_least = false;
+
+  bool holds(Number n) const {
+    return n <= most && (above_least ? n > least : n >= least);  // false for NaN
+  }
+};
+
+// The whole of `text` as a finite number; nullopt otherwise, also where it does not fit the type.
+std::optional<double> parseReal(const std::string& text);
+std::optional<int64_t> parseWhole(const std::string& text);
+std::optional<uint64_t> parseUnsigned(const std::string& text);
+
+// "a number above 0, up to 1", "a whole number from 1 to 100000"; an end that is the type's own is
+// left out.
+std::string rangeText(const NumberRange<double>& range);
+std::string rangeText(const NumberRange<int64_t>& range);
+std::string rangeText(const NumberRange<uint64_t>& range);
+// As people write it: 0.05, 30, 1e+12.
+std::string numberText(double number);
+
+// A number of the range; nullopt otherwise.
+template <class Number>
+std::optional<Number> parseIn(const std::string& text, const NumberRange<Number>& range) {
+  std::optional<Number> number;
+  if constexpr (std::is_same_v<Number, double>) {
+    number = parseReal(text);
+  } else if constexpr (std::is_same_v<Number, uint64_t>) {
+    number = parseUnsigned(text);
+  } else {
+    number = parseWhole(text);
+  }
+  return number && range.holds(*number) ? number : std::nullopt;
+}
+
+}  // namespace sluice

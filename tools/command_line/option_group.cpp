@@ -1,0 +1,105 @@
+#include "tools/command_line/option_group.h"
+
+#include <fmt/format.h>
+
+#include "src/base/bytes.h"
+#include "tools/command_line/near_miss.h"
+#include "tools/parse.h"
+
+namespace sluice {
+
+std::string joined(const std::vector<std::string>& words, const std::string& between) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : between) + word;
+  return text;
+}
+
+std::string listed(const std::vector<std::string>& words) {
+  if (words.size() < 2) return joined(words, "");
+  const std::vector<std::string> head(words.begin(), words.end() - 1);
+  return joined(head, ", ") + " or " + words.back();
+}
+
+CLI::Option* OptionGroup::flag(const std::string& names, bool& on, const std::string& help) const {
+  return app_.add_flag(names, on, help)->group(heading_);
+}
+
+CLI::Option* OptionGroup::numbers(const std::string& names, const std::string& what, size_t count,
+                                  const NumberRange<double>& range,
+                                  const std::function<void(const std::vector<double>&)>& take,
+                                  const std::string& help, const std::string& shown) const {
+  const auto parse = [=](const std::string& word) {
+    auto found = parseNumbers(word, count);
+    if (found)
+      for (const double n : *found)
+        if (!range.holds(n)) return std::optional<std::vector<double>>();
+    return found;
+  };
+  return parsed(names, what, fmt::format("{}, each {}", what, rangeText(range)), parse, take, help,
+                shown);
+}
+
+CLI::Option* OptionGroup::bytes(const std::string& names, uint64_t& target,
+                                const std::string& help) const {
+  const auto parse = [](const std::string& word) {
+    const auto size = parseBytes(word);
+    return size && *size > 0 ? size : std::nullopt;
+  };
+  return parsed(
+      names, "BYTES", "a size above 0 and below 8 EiB, as in 512M or 4G", parse,
+      [&target](uint64_t size) { target = size; }, help);
+}
+
+CLI::Option* OptionGroup::text(const std::string& names, const std::string& what,
+                               std::string& target, const std::string& help) const {
+  const auto parse = [](const std::string& word) {
+    return word.empty() ? std::nullopt : std::optional(word);
+  };
+  return parsed(
+      names, what, "a name that is not empty", parse,
+      [&target](const std::string& word) { target = word; }, help);
+}
+
+CLI::Option* OptionGroup::add(const std::string& names, const std::string& what,
+                              const std::string& help,
+                              const std::function<void(const std::string&)>& take) const {
+  return app_.add_option_function<std::string>(names, take, help)->type_name(what)->group(heading_);
+}
+
+std::string OptionGroup::chooseName(const std::vector<std::string>& words) {
+  constexpr size_t kMostLetters = 44;
+  const std::string all = joined(words, "|");
+  return all.size() <= kMostLetters ? all : "NAME";
+}
+
+std::string OptionGroup::longName(const std::string& names) {
+  const size_t dashes = names.find("--");
+  if (dashes == std::string::npos) return names;
+  return names.substr(dashes, names.find(',', dashes) - dashes);
+}
+
+std::vector<std::string> OptionGroup::parts(const std::string& given) {
+  std::vector<std::string> found(1);
+  for (const char c : given) {
+    if (c == ',')
+      found.emplace_back();
+    else
+      found.back() += c;
+  }
+  return found;
+}
+
+void OptionGroup::refuse(const std::string& name, const std::string& found,
+                         const std::string& expected) {
+  throw CLI::ValidationError(fmt::format("{}: expected {}, found '{}'", name, expected, found));
+}
+
+void OptionGroup::refuseWord(const std::string& name, const std::string& found,
+                             const std::vector<std::string>& words) {
+  const std::string meant = nearest(found, words);
+  throw CLI::ValidationError(fmt::format("{}: expected {}, found '{}'{}", name, listed(words),
+                                         found,
+                                         meant.empty() ? "" : "; did you mean " + meant + "?"));
+}
+
+}  // namespace sluice

@@ -1,0 +1,189 @@
+// How a command gets its options: in groups of at most twelve, each under a heading of --help, one
+// call an option. The call says the names, what the value is called, where it goes, what it may be,
+// and what it does; the default shown is what the target holds at that moment.
+//
+//   OptionGroup view(app, "View");
+//   view.number("--zoom", "FACTOR", options.camera.zoom, {0, 1e6, true}, "1 fits the volume");
+//   view.choice("--mode", modes(), options.mode, "How samples along a ray combine");
+//   view.flag("--shade", look.shade, "Gradient Phong lighting");
+//
+// A value that is refused is a usage error with the name, what is taken, what was found, and the
+// word that was probably meant.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <array>
+#include <concepts>
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "src/base/vec.h"
+#include "tools/command_line/number.h"
+
+namespace sluice {
+
+// The words of an option that takes one of a few, and what they stand for.
+template <class Value>
+using Words = std::vector<std::pair<std::string, Value>>;
+
+template <class Value, class List, class Name>
+Words<Value> wordsOf(const List& values, Name name_of) {
+  Words<Value> words;
+  for (const Value& value : values) words.emplace_back(std::string(name_of(value)), value);
+  return words;
+}
+
+template <class Value>
+std::vector<std::string> namesOf(const Words<Value>& words) {
+  std::vector<std::string> names;
+  for (const auto& [word, value] : words) names.push_back(word);
+  return names;
+}
+
+// "composite|mip|minip|average"
+std::string joined(const std::vector<std::string>& words, const std::string& between);
+// "composite, mip, minip or average"
+std::string listed(const std::vector<std::string>& words);
+
+class OptionGroup {
+ public:
+  // The most that one heading may hold.
+  static constexpr size_t kMostOptions = 12;
+
+  // `app` must outlive the call alone.
+  OptionGroup(CLI::App& app, std::string heading) : app_(app), heading_(std::move(heading)) {}
+
+  CLI::Option* flag(const std::string& names, bool& on, const std::string& help) const;
+
+  // double, int64_t, uint64_t, int, or an optional of these.
+  template <class Number>
+  CLI::Option* number(const std::string& names, const std::string& what, Number& target,
+                      const NumberRange<double>& range, const std::string& help)
+      const requires std::same_as<Number, double> || std::same_as<Number, std::optional<double>> {
+    return ranged(names, what, target, range, help);
+  }
+  template <class Number>
+  CLI::Option* number(const std::string& names, const std::string& what, Number& target,
+                      const NumberRange<int64_t>& range,
+                      const std::string& help) const requires std::same_as<Number, int64_t> ||
+      std::same_as<Number, std::optional<int64_t>> || std::same_as<Number, int> {
+    return ranged(names, what, target, range, help);
+  }
+  CLI::Option* number(const std::string& names, const std::string& what, uint64_t& target,
+                      const NumberRange<uint64_t>& range, const std::string& help) const {
+    return ranged(names, what, target, range, help);
+  }
+
+  // `count` numbers of the range with commas between; `take` gets them. `shown`: the default.
+  CLI::Option* numbers(const std::string& names, const std::string& what, size_t count,
+                       const NumberRange<double>& range,
+                       const std::function<void(const std::vector<double>&)>& take,
+                       const std::string& help, const std::string& shown = "") const;
+
+  // A size in bytes from 1 up: 512M.
+  CLI::Option* bytes(const std::string& names, uint64_t& target, const std::string& help) const;
+
+  // Any text but the empty one: a file's name.
+  CLI::Option* text(const std::string& names, const std::string& what, std::string& target,
+                    const std::string& help) const;
+
+  // One of a few words. `also` understands more words than those that are shown.
+  template <class Value, class Target>
+  CLI::Option* choice(
+      const std::string& names, const Words<Value>& words, Target& target, const std::string& help,
+      const std::function<std::optional<Value>(const std::string&)>& also = nullptr) const {
+    std::string shown;
+    if constexpr (std::same_as<Target, Value>)
+      for (const auto& [word, value] : words)
+        if (value == target) shown = word;
+    const auto take = [=, &target](const std::string& word) {
+      for (const auto& [known, value] : words)
+        if (word == known) {
+          target = value;
+          return;
+        }
+      const std::optional<Value> value = also ? also(word) : std::nullopt;
+      if (!value) refuseWord(longName(names), word, namesOf(words));
+      target = *value;
+    };
+    return add(names, chooseName(namesOf(words)), help, take)->default_str(shown);
+  }
+
+  // Several of a few words, with commas between.
+  template <class Value>
+  CLI::Option* choices(const std::string& names, const Words<Value>& words,
+                       std::vector<Value>& target, const std::string& help) const {
+    return add(names, "NAME,...", help, [=, &target](const std::string& given) {
+      target.clear();
+      for (const std::string& word : parts(given)) {
+        const auto known = std::find_if(words.begin(), words.end(),
+                                        [&](const auto& each) { return each.first == word; });
+        if (known == words.end()) refuseWord(longName(names), word, namesOf(words));
+        target.push_back(known->second);
+      }
+    });
+  }
+
+  // Anything else: `parse` turns the word into a value (nullopt: it is refused, and `expected`
+  // said), `take` gets it.
+  template <class Parse, class Take>
+  CLI::Option* parsed(const std::string& names, const std::string& what,
+                      const std::string& expected, Parse parse, Take take, const std::string& help,
+                      const std::string& shown = "") const {
+    return add(names, what, help,
+               [=](const std::string& word) {
+                 const auto value = parse(word);
+                 if (!value) refuse(longName(names), word, expected);
+                 take(*value);
+               })
+        ->default_str(shown);
+  }
+
+ private:
+  CLI::Option* add(const std::string& names, const std::string& what, const std::string& help,
+                   const std::function<void(const std::string&)>& take) const;
+  // What the value is called in --help: the words where they are few, else NAME.
+  static std::string chooseName(const std::vector<std::string>& words);
+  // What stands between commas.
+  static std::vector<std::string> parts(const std::string& given);
+  // The long name of "-s,--size".
+  static std::string longName(const std::string& names);
+  [[noreturn]] static void refuse(const std::string& name, const std::string& found,
+                                  const std::string& expected);
+  [[noreturn]] static void refuseWord(const std::string& name, const std::string& found,
+                                      const std::vector<std::string>& words);
+
+  template <class Target, class Number>
+  CLI::Option* ranged(const std::string& names, const std::string& what, Target& target,
+                      const NumberRange<Number>& range, const std::string& help) const {
+    std::string shown;
+    if constexpr (requires { target.has_value(); }) {
+      if (target) shown = numberText(static_cast<double>(*target));
+    } else if constexpr (std::same_as<Number, double>) {
+      shown = numberText(target);
+    } else {
+      shown = std::to_string(target);
+    }
+    return parsed(
+        names, what, rangeText(range),
+        [range](const std::string& word) { return parseIn(word, range); },
+        [&target](Number number) {
+          if constexpr (std::same_as<Target, int>) {
+            target = static_cast<int>(number);
+          } else {
+            target = number;
+          }
+        },
+        help, shown);
+  }
+
+  CLI::App& app_;
+  const std::string heading_;
+};
+
+}  // namespace sluice

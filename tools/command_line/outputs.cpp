@@ -1,0 +1,264 @@
+#include "tools/command_line/outputs.h"
+
+#include <fmt/format.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <fstream>
+#include <map>
+#include <optional>
+
+#include "io/files/file_list.h"
+#include "io/files/numbered_name.h"
+#include "src/base/error.h"
+
+namespace sluice {
+namespace {
+
+namespace fs = std::filesystem;
+
+// What a name leads to: an inode, or where there is none yet a name in the inode of a folder.
+struct Target {
+  dev_t device = 0;
+  ino_t inode = 0;
+  std::string name;  // empty: the inode itself
+  friend auto operator<=>(const Target&, const Target&) = default;
+};
+
+std::optional<struct stat> statusOf(const fs::path& path) {
+  struct stat status {};
+  if (stat(path.c_str(), &status) != 0) return std::nullopt;
+  return status;
+}
+
+// Pipes and devices (/dev/null) can be written twice and hold nothing.
+bool isDevice(const std::optional<struct stat>& status) {
+  return status && !S_ISREG(status->st_mode) && !S_ISDIR(status->st_mode);
+}
+
+fs::path parentOf(const fs::path& path) {
+  const fs::path parent = path.parent_path();
+  return parent.empty() ? fs::path(".") : parent;
+}
+
+fs::path withoutSlash(const fs::path& path) {
+  return path.has_filename() ? path : path.parent_path();
+}
+
+// Where writing to `path` ends up when a link there leads to what does not exist yet.
+fs::path followed(fs::path path) {
+  constexpr int kMostLinks = 40;
+  std::error_code status;
+  for (int i = 0; i < kMostLinks && fs::is_symlink(path, status); ++i) {
+    const fs::path target = fs::read_symlink(path, status);
+    if (status) break;
+    path = parentOf(path) / target;
+  }
+  return path;
+}
+
+// nullopt: nowhere, since its folder does not exist.
+std::optional<Target> targetOf(const fs::path& given) {
+  if (const auto status = statusOf(given)) return Target{status->st_dev, status->st_ino, ""};
+  const fs::path path = followed(withoutSlash(given));
+  const auto folder = statusOf(parentOf(path));
+  if (!folder) return std::nullopt;
+  return Target{folder->st_dev, folder->st_ino, path.filename().string()};
+}
+
+bool sameInode(const struct stat& a, const struct stat& b) {
+  return a.st_dev == b.st_dev && a.st_ino == b.st_ino;
+}
+
+// Whether `path` lies in `folder`, at any depth.
+bool liesIn(const fs::path& path, const struct stat& folder) {
+  std::error_code status;
+  fs::path at = fs::weakly_canonical(followed(withoutSlash(path)), status);
+  if (status) return false;
+  while (at.has_relative_path()) {
+    at = at.parent_path();
+    const auto here = statusOf(at);
+    if (here && sameInode(*here, folder)) return true;
+  }
+  return false;
+}
+
+bool isStore(const fs::path& folder) {
+  std::error_code ignored;
+  for (const char* name : {".zarray", ".zgroup", ".zattrs", "zarr.json"})
+    if (fs::exists(folder / name, ignored)) return true;
+  return false;
+}
+
+// A picture put into a folder of slices is one more slice the next time.
+bool isSlice(const fs::path& path) {
+  const std::string extension = lowerExtension(path);
+  return extension == ".png" || extension == ".tif" || extension == ".tiff";
+}
+
+// Requires: a regular file.
+std::string startOf(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string start(512, '\0');
+  file.read(start.data(), static_cast<std::streamsize>(start.size()));
+  start.resize(static_cast<size_t>(file.gcount()));
+  return start;
+}
+
+bool isText(const std::string& start) {
+  return std::none_of(start.begin(), start.end(), [](char c) {
+    const auto code = static_cast<unsigned char>(c);
+    return code == 0x7f || (code < 0x20 && code != '\t' && code != '\n' && code != '\r');
+  });
+}
+
+// The first letter that is no space.
+char firstLetter(const std::string& start) {
+  const size_t at = start.find_first_not_of(" \t\r\n");
+  return at == std::string::npos ? '\0' : start[at];
+}
+
+bool isOfKind(const std::string& start, FileKind kind) {
+  switch (kind) {
+    case FileKind::kPng:
+      return start.starts_with("\x89PNG\r\n");
+    case FileKind::kExr:
+      return start.starts_with("\x76\x2f\x31\x01");
+    case FileKind::kJson:
+      return isText(start) && (firstLetter(start) == '{' || firstLetter(start) == '[');
+    case FileKind::kHtml:
+      return isText(start) && firstLetter(start) == '<';
+    case FileKind::kText:
+      return isText(start);
+    case FileKind::kTrace:
+      return start.starts_with("SLTRACE") || isText(start);
+    case FileKind::kNrrd:
+      return start.starts_with("NRRD000");
+    case FileKind::kMetaImage:
+      return isText(start) && start.find("ObjectType") != std::string::npos;
+    case FileKind::kRaw:
+      break;
+  }
+  return false;  // any bytes may be raw voxels, also those of somebody's only copy
+}
+
+const char* nameOf(FileKind kind) {
+  switch (kind) {
+    case FileKind::kPng:
+      return "a PNG picture";
+    case FileKind::kExr:
+      return "an OpenEXR picture";
+    case FileKind::kJson:
+      return "JSON";
+    case FileKind::kHtml:
+      return "HTML";
+    case FileKind::kText:
+      return "text";
+    case FileKind::kTrace:
+      return "a trace";
+    case FileKind::kNrrd:
+      return "NRRD";
+    case FileKind::kMetaImage:
+      return "MetaImage";
+    case FileKind::kRaw:
+      break;
+  }
+  return "something that is known to be replaceable";
+}
+
+}  // namespace
+
+void Outputs::reads(const fs::path& path) {
+  if (!path.empty()) inputs_.push_back(path);
+}
+
+void Outputs::reads(const std::vector<std::string>& paths) {
+  for (const std::string& path : paths) reads(fs::path(path));
+}
+
+void Outputs::writes(const std::string& option, const fs::path& path, FileKind kind) {
+  if (!path.empty()) outputs_.push_back({option, path, kind});
+}
+
+void Outputs::writesFolder(const std::string& option, const fs::path& path) {
+  outputs_.push_back({option, path, FileKind::kRaw, true});
+}
+
+namespace {
+
+// What is read, by inode: asked once, however many files are written.
+class Inputs {
+ public:
+  void add(const fs::path& path) {
+    const auto status = statusOf(path);
+    if (!status) return;
+    names_.emplace(Target{status->st_dev, status->st_ino, ""}, path);
+    if (S_ISDIR(status->st_mode)) folders_.push_back({*status, path, isStore(path)});
+  }
+
+  // Throws Error when writing `path`, which `what` says, would change something that is read.
+  void require(const std::string& what, const fs::path& path, bool is_folder) const {
+    const auto status = statusOf(path);
+    const auto refuse = [&](const fs::path& input, const char* how) {
+      fail("{} {} {}, which this command reads; write to another place", what, how, input.string());
+    };
+    if (status) {
+      const auto found = names_.find(Target{status->st_dev, status->st_ino, ""});
+      if (found != names_.end()) refuse(found->second, "is the file");
+    }
+    if (is_folder && status)
+      for (const auto& [target, input] : names_)
+        if (liesIn(input, *status)) refuse(input, "holds");
+    for (const Folder& folder : folders_)
+      if ((folder.is_store || is_folder || isSlice(path)) && liesIn(path, folder.status))
+        refuse(folder.path, "lies in");
+  }
+
+ private:
+  struct Folder {
+    struct stat status;
+    fs::path path;
+    bool is_store;
+  };
+  std::map<Target, fs::path> names_;
+  std::vector<Folder> folders_;
+};
+
+}  // namespace
+
+void Outputs::check(const std::vector<std::string>& more_read) const {
+  checkNames(more_read);
+  for (const Output& output : outputs_)
+    if (!output.is_folder) checkExisting(output);
+}
+
+void Outputs::checkNames(const std::vector<std::string>& more_read) const {
+  if (outputs_.empty()) return;
+  Inputs inputs;
+  for (const fs::path& path : inputs_) inputs.add(path);
+  for (const std::string& path : more_read) inputs.add(path);
+  std::map<Target, const Output*> seen;
+  for (const Output& output : outputs_) {
+    if (isDevice(statusOf(output.path))) continue;
+    const std::string what = output.option + " " + output.path.string() + ":";
+    if (const auto target = targetOf(output.path)) {
+      const auto [other, is_new] = seen.emplace(*target, &output);
+      if (!is_new)
+        fail("{} is the same file as {} {}; give two names", what, other->second->option,
+             other->second->path.string());
+    }
+    inputs.require(what, output.path, output.is_folder);
+  }
+}
+
+void Outputs::checkExisting(const Output& output) const {
+  const auto status = statusOf(output.path);
+  if (!status || isDevice(status) || status->st_size == 0 || force_) return;
+  if (S_ISDIR(status->st_mode))
+    fail("{} {}: is a folder; give the name of a file", output.option, output.path.string());
+  if (!isOfKind(startOf(output.path), output.kind))
+    fail("{} {}: exists and is not {}; --force replaces it", output.option, output.path.string(),
+         nameOf(output.kind));
+}
+
+}  // namespace sluice

@@ -1,0 +1,54 @@
+// Outputs: every file that a command is going to write, checked against what it reads and against
+// one another before anything is read in full or written. Every command has one and names its files
+// there; nothing is written under a name that is not.
+//
+// Two names are the same file when they lead to the same inode, through symbolic and hard links,
+// or to the same name in the same folder where there is no file yet.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace sluice {
+
+// What a file holds: an existing file of the kind that is written may be replaced, any other only
+// with --force.
+enum class FileKind { kPng, kExr, kJson, kText, kHtml, kTrace, kNrrd, kMetaImage, kRaw };
+
+class Outputs {
+ public:
+  // `force`: existing files may be replaced whatever they hold. What is read never is.
+  explicit Outputs(bool force = false) : force_(force) {}
+
+  // A file or folder that the command reads. Names that do not exist are no concern of this class.
+  void reads(const std::filesystem::path& path);
+  void reads(const std::vector<std::string>& paths);
+  // A file that it is going to write, named by `option` ("--report").
+  void writes(const std::string& option, const std::filesystem::path& path, FileKind kind);
+  // A folder that it is going to write, whose old contents the writer checks itself.
+  void writesFolder(const std::string& option, const std::filesystem::path& path);
+
+  // Throws Error, in one line, for the first output that is what is read, or another output; says
+  // nothing of what else is there. For when not all that is read is known yet.
+  void checkNames() const { checkNames({}); }
+  // The same, and for the first that would replace a file of another kind. `more_read`: files that
+  // are known to be read only now, such as those that a volume's header names.
+  void check(const std::vector<std::string>& more_read = {}) const;
+
+ private:
+  struct Output {
+    std::string option;
+    std::filesystem::path path;
+    FileKind kind;
+    bool is_folder = false;
+  };
+  void checkNames(const std::vector<std::string>& more_read) const;
+  void checkExisting(const Output& output) const;
+
+  const bool force_;
+  std::vector<std::filesystem::path> inputs_;
+  std::vector<Output> outputs_;
+};
+
+}  // namespace sluice

@@ -1,0 +1,70 @@
+#include "tools/command_line/progress_line.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+#include <utility>
+
+#include "src/base/bytes.h"
+#include "src/base/clock.h"
+
+namespace sluice {
+namespace {
+constexpr double kFirstDrawSeconds = 0.5;
+constexpr double kRedrawSeconds = 0.2;
+
+// What cannot be shown is lost and no failure.
+void show(const std::string& text) {
+  std::fputs(text.c_str(), stderr);
+  std::fflush(stderr);
+}
+
+class Line {
+ public:
+  Line(std::string label, ProgressUnit unit) : label_(std::move(label)), unit_(unit) {}
+  ~Line() {
+    if (drawn_at_s_ > 0)
+      show(fmt::format("\r\033[K{}: {} in {:.1f} s\n", label_, textOf(done_), watch_.seconds()));
+  }
+  Line(const Line&) = delete;
+  Line& operator=(const Line&) = delete;
+
+  void tell(uint64_t done, uint64_t total) {
+    done_ = done;
+    const double now_s = watch_.seconds();
+    if (now_s < kFirstDrawSeconds || now_s - drawn_at_s_ < kRedrawSeconds) return;
+    drawn_at_s_ = now_s;
+    const double rate = static_cast<double>(done) / now_s;
+    const double left_s = rate > 0 ? static_cast<double>(total - std::min(done, total)) / rate : 0;
+    const double share = total == 0 ? 1 : static_cast<double>(done) / static_cast<double>(total);
+    const std::string speed = unit_ == ProgressUnit::kBytes
+                                  ? formatBytes(static_cast<uint64_t>(rate)) + "/s"
+                                  : fmt::format("{:.2f} s each", rate > 0 ? 1 / rate : 0);
+    show(fmt::format("\r\033[K{} {:.0f} % of {}, {}, {:.0f} s left", label_,
+                     100 * std::min(share, 1.0), textOf(total), speed, left_s));
+  }
+
+ private:
+  std::string textOf(uint64_t amount) const {
+    return unit_ == ProgressUnit::kBytes ? formatBytes(amount) : fmt::format("{}", amount);
+  }
+
+  const std::string label_;
+  const ProgressUnit unit_;
+  const Stopwatch watch_{};
+  uint64_t done_ = 0;
+  double drawn_at_s_ = 0;  // 0: never drawn
+};
+
+}  // namespace
+
+ProgressWatch progressLine(std::string label, ProgressUnit unit) {
+  if (isatty(STDERR_FILENO) != 1) return {};
+  auto line = std::make_shared<Line>(std::move(label), unit);
+  return [line](uint64_t done, uint64_t total) { line->tell(done, total); };
+}
+
+}  // namespace sluice

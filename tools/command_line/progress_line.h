@@ -1,0 +1,17 @@
+// Progress on a terminal: one line with share, rate and time left, which ends with what was done;
+// silent when standard error is none. A terminal that takes nothing changes nothing.
+#pragma once
+
+#include <string>
+
+#include "src/base/progress_meter.h"
+
+namespace sluice {
+
+enum class ProgressUnit { kBytes, kPieces };
+
+// The line appears after half a second, and ends with the last copy of what is returned. Not to be
+// told by two threads at once, as a ProgressMeter never does.
+ProgressWatch progressLine(std::string label, ProgressUnit unit = ProgressUnit::kBytes);
+
+}  // namespace sluice

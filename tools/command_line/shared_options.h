@@ -1,0 +1,52 @@
+// The options that commands share, a group a function, a file a group. The names are those of the
+// interface that scripts read; nothing is renamed. To add one is one call in the right file.
+#pragma once
+
+#include <algorithm>
+
+#include "src/render/frame_options.h"
+#include "tools/arguments.h"
+#include "tools/command_line/option_group.h"
+
+namespace sluice {
+
+void addVolumeOptions(CLI::App& app, VolumeArguments& arguments);
+void addLookOptions(CLI::App& app, LookArguments& look, FrameOptions& frame);
+// The groups View (the camera) and Drawing (what is drawn, and how).
+void addViewOptions(CLI::App& app, FrameOptions& options);
+void addFitOption(CLI::App& app, FitChoice& fit);
+void addResourceOptions(CLI::App& app, ResourceArguments& arguments);
+
+// Some of the last group, for commands that take no more.
+inline constexpr int64_t kMostFrames = 100'000;
+void addThreadsOption(const OptionGroup& group, int& threads);
+void addDeviceOptions(const OptionGroup& group, DeviceArguments& arguments);
+// Pictures, or frames that are measured: int64_t or int.
+template <class Number>
+void addFramesOption(const OptionGroup& group, Number& frames, const std::string& help) {
+  group.number("--frames", "N", frames, {1, kMostFrames}, help);
+}
+void addIndexDirOption(const OptionGroup& group, std::string& folder);
+void addQuietOption(const OptionGroup& group, bool& quiet);
+void addForceOption(const OptionGroup& group, bool& force);
+void addJsonOption(const OptionGroup& group, bool& json,
+                   const std::string& help = "One JSON object");
+
+// One of `types`, also by its long name ("uint8"). Target: VoxelType, or an optional of it.
+template <class Target>
+CLI::Option* addTypeOption(const OptionGroup& group, const std::vector<VoxelType>& types,
+                           Target& target, const std::string& help) {
+  const auto also = [types](const std::string& word) {
+    const auto type = parseVoxelType(word);
+    return type && std::find(types.begin(), types.end(), *type) != types.end() ? type
+                                                                               : std::nullopt;
+  };
+  return group.choice("--type",
+                      wordsOf<VoxelType>(types, [](VoxelType type) { return name(type); }), target,
+                      help, std::function<std::optional<VoxelType>(const std::string&)>(also));
+}
+
+inline constexpr const char* kOutputHeading = "Output";
+inline constexpr const char* kMachineHeading = "Memory and device";
+
+}  // namespace sluice

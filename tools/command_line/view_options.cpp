@@ -1,0 +1,133 @@
+#include <fmt/format.h>
+
+#include "src/base/interrupt.h"
+#include "tools/command_line/shared_options.h"
+#include "tools/parse.h"
+
+namespace sluice {
+namespace {
+
+constexpr double kMostDegrees = 36000;  // a hundred turns
+constexpr NumberRange<double> kWorld{-1e15, 1e15};
+constexpr double kMostVoxels = 1LL << 40;  // along an axis
+
+std::optional<Box3> cropBox(const std::string& word) {
+  const auto found = parseNumbers(word, 6);
+  if (!found) return std::nullopt;
+  for (const double n : *found)
+    if (n < 0 || n > kMostVoxels || n != static_cast<double>(static_cast<int64_t>(n)))
+      return std::nullopt;
+  for (size_t a = 0; a < 3; ++a)
+    if ((*found)[a + 3] <= (*found)[a]) return std::nullopt;
+  return Box3{asVec3i(*found), asVec3i({(*found)[3], (*found)[4], (*found)[5]})};
+}
+
+void addCameraOptions(const OptionGroup& group, Camera& camera) {
+  group.choice(
+      "--projection",
+      Words<Projection>{{"ortho", Projection::kOrtho}, {"perspective", Projection::kPerspective}},
+      camera.projection, "How depth shows");
+  const auto views = wordsOf<ViewName>(
+      std::array{ViewName::kFront, ViewName::kBack, ViewName::kLeft, ViewName::kRight,
+                 ViewName::kTop, ViewName::kBottom, ViewName::kThreeQuarter, ViewName::kPlain},
+      [](ViewName each) { return name(each); });
+  CLI::Option* view = group.choice("--view", views, camera.view,
+                                   "Where the camera starts: " + listed(namesOf(views)) +
+                                       ", along -z with +y up whatever the axes mean");
+  CLI::Option* azimuth =
+      group.number("--azimuth", "DEGREES", camera.azimuth_deg, {-kMostDegrees, kMostDegrees},
+                   "Turns the camera from the view about what is up");
+  CLI::Option* elevation =
+      group.number("--elevation", "DEGREES", camera.elevation_deg, {-kMostDegrees, kMostDegrees},
+                   "Lifts the camera from the view");
+  group.number("--zoom", "FACTOR", camera.zoom, {0, 1e6, true}, "1 shows all of what is fitted");
+  group.number("--fov", "DEGREES", camera.field_of_view_deg, {0, 179, true},
+               "Vertical field of view of a perspective camera");
+  const auto look_at = [&camera]() -> Camera::LookAt& {
+    if (!camera.look_at) camera.look_at = Camera::LookAt{};
+    return *camera.look_at;
+  };
+  CLI::Option* eye = group.numbers(
+      "--eye", "X,Y,Z", 3, kWorld,
+      [look_at](const std::vector<double>& n) { look_at().eye = asVec3d(n); },
+      "Camera position in the world, with --target");
+  CLI::Option* target = group.numbers(
+      "--target", "X,Y,Z", 3, kWorld,
+      [look_at](const std::vector<double>& n) { look_at().target = asVec3d(n); },
+      "World position looked at, with --eye");
+  group.numbers(
+      "--up", "X,Y,Z", 3, kWorld,
+      [&camera](const std::vector<double>& n) { camera.up = asVec3d(n); },
+      "What is up in the world (what the view has)");
+  eye->needs(target)->excludes(view)->excludes(azimuth)->excludes(elevation);
+  target->needs(eye);
+}
+
+void addDrawingOptions(const OptionGroup& group, FrameOptions& options) {
+  group.parsed(
+      "-s,--size", "WxH", "WxH or one number for both, each from 1 to 65536", parsePictureSize,
+      [&options](PictureSize size) { options.size = size; }, "Pixels",
+      fmt::format("{}x{}", options.size.width, options.size.height));
+  group.number("--step", "VOXELS", options.step_vox, {0, 1e6, true},
+               "Distance between slices in voxels of the finest spacing");
+  group.parsed(
+      "--crop", "X0,Y0,Z0,X1,Y1,Z1",
+      "six whole numbers X0,Y0,Z0,X1,Y1,Z1 from 0 to 2^40, each upper one above the lower", cropBox,
+      [&options](const Box3& box) { options.crop = box; },
+      "Shows what lies between these voxel planes, the upper ones not included");
+  group
+      .numbers(
+          "--clip", "A,B,C,D", 4, kWorld,
+          [&options](const std::vector<double>& n) {
+            if (options.clip_planes.size() == kMostClipPlanes)
+              throw CLI::ValidationError("--clip: at most 6 planes");
+            options.clip_planes.push_back({asVec3d(n), n[3]});
+          },
+          "Shows world positions with a x + b y + c z <= d; up to 6 times")
+      ->trigger_on_parse();
+  group.choice("--algorithm",
+               wordsOf<Algorithm>(std::array{Algorithm::kConventional, Algorithm::kClipped,
+                                             Algorithm::kTrimmed, Algorithm::kMerged},
+                                  [](Algorithm algorithm) { return name(algorithm); }),
+               options.algorithm, "What is loaded and drawn of each block");
+  group.choice(
+      "--merge",
+      Words<MergeOrder>{{"paper", MergeOrder::kPaper}, {"first-fit", MergeOrder::kFirstFit}},
+      options.merge_order, "Order of the merge operations");
+  group.choice("--partition",
+               Words<Partition>{{"blocks", Partition::kBlocks}, {"boxes", Partition::kBoxes}},
+               options.partition,
+               "What is drawn of a block: its object box, or the visible ones of its growing "
+               "boxes, which are made once for a volume and kept with its index");
+  group.choice("--occlusion",
+               Words<Occlusion>{{"off", Occlusion::kOff},
+                                {"map", Occlusion::kMap},
+                                {"cull", Occlusion::kCull},
+                                {"clip", Occlusion::kClip}},
+               options.occlusion,
+               "Leaves out what is hidden: map asks the opacity map and leaves out nothing, cull "
+               "leaves out hidden boxes, clip the hidden parts of boxes too");
+  group.number("--opacity-threshold", "A", options.opacity_threshold, {0, 1, true},
+               "Opaque: rays end there and hide what is behind; 1 changes no picture (1, with "
+               "--occlusion 0.95)");
+  group.number("--time-limit", "SECONDS", options.time_limit_s, {0, 1e9},
+               "A frame leaves out what is not read by then, and says so (waits for all)");
+}
+
+}  // namespace
+
+void addViewOptions(CLI::App& app, FrameOptions& options) {
+  options.stop = interruption();
+  addCameraOptions(OptionGroup(app, "View"), options.camera);
+  addDrawingOptions(OptionGroup(app, "Drawing"), options);
+}
+
+void addFitOption(CLI::App& app, FitChoice& fit) {
+  OptionGroup(app, "View")
+      .choice("--fit", Words<Fit>{{"visible", Fit::kVisible}, {"volume", Fit::kVolume}}, fit,
+              "What fills the picture: what is visible, of a series in all its steps unless "
+              "--this-step, or the volume's sphere (visible; with --view plain volume)")
+      ->excludes(app.get_option("--eye"));
+}
+
+}  // namespace sluice

@@ -1,0 +1,75 @@
+#include <bit>
+
+#include "io/headers/volume_description.h"
+#include "tools/command_line/shared_options.h"
+#include "tools/environment.h"
+#include "tools/parse.h"
+
+namespace sluice {
+namespace {
+
+constexpr double kMostVoxels = 1LL << 40;  // along an axis
+constexpr double kMostSpacing = 1e12;
+constexpr int64_t kMostSteps = 1'000'000'000;
+
+std::optional<std::vector<double>> dimensions(const std::string& word) {
+  auto found = parseNumbers(word, 3);
+  if (!found) found = parseNumbers(word, 4);
+  if (!found) return std::nullopt;
+  for (const double n : *found)
+    if (n < 1 || n > kMostVoxels || n != static_cast<double>(static_cast<int64_t>(n)))
+      return std::nullopt;
+  return found;
+}
+
+// One for all axes, or one each.
+std::optional<std::vector<double>> spacings(const std::string& word) {
+  auto found = parseNumbers(word, 3);
+  if (!found) {
+    const auto one = parseNumbers(word, 1);
+    if (!one) return std::nullopt;
+    found = std::vector<double>(3, one->front());
+  }
+  for (const double n : *found)
+    if (!(n > 0 && n <= kMostSpacing)) return std::nullopt;
+  return found;
+}
+
+}  // namespace
+
+void addVolumeOptions(CLI::App& app, VolumeArguments& arguments) {
+  arguments.open.decode = decodeOptions();
+  app.add_option(
+         "volume", arguments.inputs,
+         "Files, a folder of slices, a Zarr store, a pattern ('step_%03d.raw'), or synth:KIND,...")
+      ->required()
+      ->type_name("VOLUME")
+      ->group("Volume");
+  const OptionGroup group(app, "Volume");
+  group.parsed(
+      "--dims", "X,Y,Z[,T]", "whole numbers X,Y,Z or X,Y,Z,T, each from 1 to 2^40", dimensions,
+      [&arguments](const std::vector<double>& n) {
+        arguments.open.dims = asVec3i(n);
+        if (n.size() == 4) arguments.open.time_steps = static_cast<int64_t>(n[3]);
+      },
+      "Raw: voxels along each axis, and time steps");
+  addTypeOption(group,
+                {VoxelType::kU8, VoxelType::kI8, VoxelType::kU16, VoxelType::kI16, VoxelType::kU32,
+                 VoxelType::kI32, VoxelType::kF32, VoxelType::kF64},
+                arguments.open.type, "Raw: voxel type");
+  group.choice("--endian",
+               Words<std::endian>{{"little", std::endian::little}, {"big", std::endian::big}},
+               arguments.open.byte_order, "Raw: byte order");
+  group.number("--skip", "BYTES", arguments.open.skip_bytes, {0, kMostSkipBytes},
+               "Raw: bytes before the voxels");
+  group.parsed(
+      "--spacing", "X,Y,Z", "one number or X,Y,Z, each above 0, up to 1e+12", spacings,
+      [&arguments](const std::vector<double>& n) { arguments.open.spacing = asVec3d(n); },
+      "World units between voxels, in place of the file's");
+  group.text("--grid", "NAME", arguments.open.grid, "OpenVDB: the grid's name");
+  group.number("--channel", "N", arguments.open.channel, {0, 1'000'000},
+               "Zarr: which channel, from 0 (the first)");
+  group.number("--time", "STEP", arguments.time, {0, kMostSteps}, "Time step, from 0");
+}
+
+}  // namespace sluice

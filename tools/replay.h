@@ -1,0 +1,62 @@
+// What `sluice simulate` replays: a recorded trace, which is the same at every cache size, or the
+// requests of a turn around a volume, planned for each size as the renderer would.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cache/trace/prepared_trace.h"
+#include "src/render/frame_options.h"
+#include "tools/arguments.h"
+#include "tools/command_line/outputs.h"
+
+namespace sluice {
+
+class ReplaySource {
+ public:
+  virtual ~ReplaySource() = default;
+  // For people.
+  virtual std::string title() const = 0;
+  // The size to study where the user does not say.
+  virtual uint64_t defaultPages() const = 0;
+  // The least size that can be planned for.
+  virtual uint64_t leastPages() const { return 1; }
+  // For which size the chunks are planned that a cache of `pages` pages is asked for; nullopt where
+  // that is not known. Requests for two sizes are the same where this is.
+  virtual std::optional<uint64_t> plannedPages(uint64_t pages) const = 0;
+  // The requests to a cache of `pages` pages. Throws Error: a damaged or empty file, a volume that
+  // cannot be read, a cache too small to plan for.
+  virtual PreparedTrace requests(uint64_t pages) = 0;
+  // The same as records, which take some six times the memory.
+  virtual Trace records(uint64_t pages) = 0;
+  // A line each on what was read so far: what a person should know of it.
+  virtual std::vector<std::string> warnings() const { return {}; }
+};
+
+// Whether a file is a recorded trace, by its name or first bytes. A pipe is none, and not waited
+// for.
+bool isTraceFile(const std::string& name);
+
+// `format`: none where the file's name or first bytes say. `page_bytes`: where the format does not.
+std::unique_ptr<ReplaySource> openTraceFile(const std::string& file,
+                                            std::optional<TraceFormat> format, uint64_t page_bytes);
+
+struct TurnArguments {
+  VolumeArguments volume;
+  LookArguments look;
+  FrameOptions frame;
+  ResourceArguments resources;
+  FitChoice fit;
+  int64_t frames = 36;
+  bool is_plan_fixed =
+      false;  // planned for `fixed_pages` (0: the default) whatever the cache's size
+  uint64_t fixed_pages = 0;
+};
+// `frames` views of a full turn, from plans alone; the volume is opened and indexed here, once
+// `outputs` are none of the files that it is read from. Throws Error.
+std::unique_ptr<ReplaySource> openTurn(const TurnArguments& arguments, const Outputs& outputs);
+
+}  // namespace sluice
