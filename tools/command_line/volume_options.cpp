@@ -3,6 +3,7 @@
 #include "io/headers/volume_description.h"
 #include "tools/command_line/shared_options.h"
 #include "tools/environment.h"
+#include "tools/interrupt.h"
 #include "tools/parse.h"
 
 namespace sluice {
@@ -39,6 +40,7 @@ std::optional<std::vector<double>> spacings(const std::string& word) {
 
 void addVolumeOptions(CLI::App& app, VolumeArguments& arguments) {
   arguments.open.decode = decodeOptions();
+  arguments.open.stop = interruption();
   app.add_option(
          "volume", arguments.inputs,
          "Files, a folder of slices, a Zarr store, a pattern ('step_%03d.raw'), or synth:KIND,...")
