@@ -119,8 +119,8 @@ struct Passage {
                                      hn::Le(sample.value, all(frame.most_visible))));
       if (hn::AllFalse(F(), shows)) return true;
     }
-    const Color color = colorOf<kType, kShading>(frame, box, sample.at, sample.place, sample.value,
-                                                 ray_length);
+    const Color color =
+        colorOf<kType, kShading>(frame, box, sample.at, sample.place, sample.value, ray_length);
     const V left = hn::IfThenElseZero(shows, hn::Sub(all(1.0F), pixels.sum.a));
     if (frame.with_depth) {
       const V slice = hn::Add(sample.k, all(box.first_slice + 0.5F));

@@ -73,7 +73,8 @@ void lowerAround(std::vector<std::atomic<uint32_t>>& cells, int side, double u, 
 }  // namespace
 
 void TiledPicture::clear(const FrameSetup& setup, const Kernels& kernels) {
-  kernels_ = &kernels;
+  for (int i = 0; i < kTilePixels; ++i)
+    place_[static_cast<size_t>(i)] = kernels.placeOf(i % kTileSide, i / kTileSide);
   size_ = setup.size;
   across_ = (size_.width + kTileSide - 1) / kTileSide;
   up_ = (size_.height + kTileSide - 1) / kTileSide;
@@ -124,7 +125,7 @@ std::vector<float> TiledPicture::leastOpacity(const MapGrid& grid) {
         if (w <= 0) continue;
         const double u = dot(map_from_clip[0], clip) / w, v = dot(map_from_clip[1], clip) / w;
         if (!(u > -1 && v > -1 && u < grid.side + 1 && v < grid.side + 1)) continue;
-        const float opacity = pixels.color[3][kernels_->placeOf(x, y)];
+        const float opacity = pixels.color[3][placeOf(x, y)];
         lowerAround(cells, grid.side, u, v, std::bit_cast<uint32_t>(std::max(opacity, 0.0F)));
       }
   });
@@ -154,19 +155,28 @@ void TiledPicture::copyTo(const FrameSetup& setup, Picture& picture) {
   picture.depth.resize(with_depth_ ? width * height : 0);
   pool_.parallelFor(tiles(), [&](int64_t index) {
     const TilePixels pixels = tile(index);
-    for (int y = 0; y < std::min(kTileSide, size_.height - pixels.y); ++y)
-      for (int x = 0; x < std::min(kTileSide, size_.width - pixels.x); ++x) {
-        const auto from = static_cast<size_t>(kernels_->placeOf(x, y));
-        const size_t to = (height - 1 - static_cast<size_t>(pixels.y + y)) * width +
-                          static_cast<size_t>(pixels.x + x);
-        for (size_t channel = 0; channel < kColors; ++channel)
-          picture.rgba[4 * to + channel] = pixels.color[channel][from];
-        // Nothing there: infinitely far, as renderers write it.
-        const float opacity = pixels.color[3][from];
-        if (with_depth_)
-          picture.depth[to] = opacity > 0 ? pixels.depth_sum[from] / opacity
-                                          : std::numeric_limits<float>::infinity();
+    const auto& [red, green, blue, opacity] = pixels.color;
+    const int count = std::min(kTileSide, size_.width - pixels.x);
+    for (int y = 0; y < std::min(kTileSide, size_.height - pixels.y); ++y) {
+      const size_t to =
+          (height - 1 - static_cast<size_t>(pixels.y + y)) * width + static_cast<size_t>(pixels.x);
+      float* out = picture.rgba.data() + 4 * to;
+      for (int x = 0; x < count; ++x, out += 4) {
+        const size_t from = placeOf(x, y);
+        out[0] = red[from];
+        out[1] = green[from];
+        out[2] = blue[from];
+        out[3] = opacity[from];
       }
+      if (!with_depth_) continue;
+      for (int x = 0; x < count; ++x) {
+        const size_t from = placeOf(x, y);
+        // Nothing there: infinitely far, as renderers write it.
+        picture.depth[to + static_cast<size_t>(x)] = opacity[from] > 0
+                                                         ? pixels.depth_sum[from] / opacity[from]
+                                                         : std::numeric_limits<float>::infinity();
+      }
+    }
   });
   if (setup.mode != Mode::kComposite) resolveMode(setup, 1, picture.rgba);
 }
