@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "cache/simulate/bench_simulate.h"
+#include "src/base/clock.h"
 #include "src/render/sampling_limit.h"
 #include "src/slicing/slicing_cost.h"
 #include "tools/algorithms_bench.h"
@@ -55,32 +56,47 @@ int runLimit(const Arguments& arguments) {
 int runRender(const Arguments& arguments, const CLI::App& app) {
   Scene scene(arguments.volume, arguments.look, arguments.resources, arguments.frame.partition);
   FrameOptions options = arguments.frame;
-  std::vector<double> seconds;
-  double drawn = 0, object = 0;
-  RenderedFrame last;
-  for (int i = -kWarmFrames; i < arguments.frames; ++i) {
+  const auto turnTo = [&](int frame) {
     options.camera.azimuth_deg =
-        arguments.frame.camera.azimuth_deg + 360.0 * std::max(0, i) / arguments.frames;
-    options.count_samples = i >= 0;
+        arguments.frame.camera.azimuth_deg + 360.0 * std::max(0, frame) / arguments.frames;
     scene.session->setOptions(options);
-    last.report = scene.session->frameReport();
+  };
+  std::vector<double> seconds;
+  // Of all threads: other work on the machine makes it longer by little.
+  double processor_seconds = 0;
+  for (int i = -kWarmFrames; i < arguments.frames; ++i) {
+    turnTo(i);
+    const double before = processorSeconds();
+    const double frame_seconds = scene.session->frameReport().seconds;
     if (i < 0) continue;
-    seconds.push_back(last.report.seconds);
+    processor_seconds += (processorSeconds() - before) / arguments.frames;
+    seconds.push_back(frame_seconds);
+  }
+  // Counting takes time: the same frames again.
+  double drawn = 0, taken = 0, object = 0;
+  RenderedFrame last;
+  options.count_samples = options.counts_leaps = true;
+  for (int i = 0; i < arguments.frames; ++i) {
+    turnTo(i);
+    last.report = scene.session->frameReport();
     drawn += static_cast<double>(last.report.samples_drawn) / arguments.frames;
+    taken += static_cast<double>(last.report.samples_taken) / arguments.frames;
     object += static_cast<double>(last.report.samples_object) / arguments.frames;
   }
   // In the same process and moment, since machines drift.
   const double limit = samplingLimit(*scene.device, options.size, arguments.frames);
   const auto [least, most] = std::minmax_element(seconds.begin(), seconds.end());
   const double middle = median(seconds);
-  // Cells outside the object boxes are drawn in vain; inside them only what was drawn counts.
-  const double share = std::min(drawn, object) / middle / limit;
+  // Cells outside the object boxes are drawn in vain; inside them only what was taken counts.
+  const double share = std::min(taken, object) / middle / limit;
   if (arguments.json) {
     nlohmann::json report = sceneJson(scene, {last});
     report.update({{"command", "bench render"},
                    {"options", optionsJson(app)},
                    {"frame_seconds", {{"median", middle}, {"min", *least}, {"max", *most}}},
+                   {"frame_processor_seconds", processor_seconds},
                    {"samples_drawn", drawn},
+                   {"samples_taken", taken},
                    {"samples_object", object},
                    {"limit_samples_per_second", limit},
                    {"share_of_limit", share}});
@@ -88,8 +104,9 @@ int runRender(const Arguments& arguments, const CLI::App& app) {
   } else {
     say("frame {:.4f} s (least {:.4f}, most {:.4f}), warm, {} frames of a turn\n", middle, *least,
         *most, arguments.frames);
-    say("{:.2f} million samples drawn, {:.2f} million inside object boxes\n", drawn / 1e6,
-        object / 1e6);
+    say("{:.4f} s of the processor's time a frame, all threads\n", processor_seconds);
+    say("{:.2f} million samples drawn, {:.2f} million taken, {:.2f} million inside object boxes\n",
+        drawn / 1e6, taken / 1e6, object / 1e6);
     say("{:.2f} of this machine's {:.1f} million samples a second\n", share, limit / 1e6);
   }
   return 0;

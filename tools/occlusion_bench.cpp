@@ -39,6 +39,7 @@ struct Measured {
 
 Measured measure(Session& session, FrameOptions options, const Way& way, int frames) {
   options.algorithm = way.algorithm;
+  options.leaps = false;
   options.partition = way.partition;
   options.occlusion = way.occlusion;
   session.setOptions(options);
@@ -54,6 +55,7 @@ Measured measure(Session& session, FrameOptions options, const Way& way, int fra
 
 json updatesOf(Session& session, FrameOptions options, double turn, int frames) {
   options.partition = Partition::kBoxes;
+  options.leaps = false;
   options.camera.azimuth_deg += turn;
   options.occlusion = Occlusion::kClip;
   session.setOptions(options);

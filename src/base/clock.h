@@ -1,4 +1,5 @@
-// Stopwatch: seconds on the steady clock. Process: what the system says of this process's memory.
+// Stopwatch: seconds on the steady clock. Process: what the system says of this process's memory
+// and processor time.
 #pragma once
 
 #include <chrono>
@@ -22,6 +23,9 @@ class Stopwatch {
  private:
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
+
+// Of all its threads, since it began.
+double processorSeconds();
 
 // Peak resident bytes of this process, mapped files included.
 uint64_t peakResidentBytes();

@@ -13,18 +13,10 @@ HWY_INLINE Color entryAt(const KernelFrame& frame, VI entry) {
           hn::GatherIndex(F(), frame.entries + 2, at), hn::GatherIndex(F(), frame.entries + 3, at)};
 }
 
-#if HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX2
-constexpr bool kReadsPacked = true;
 // See packed_entries.h.
 HWY_INLINE Color packedEntryAt(const KernelFrame& frame, VI entry) {
-  const hn::Half<I> half;
-  const hn::Rebind<int64_t, decltype(half)> wide;
-  const auto lower = hn::GatherIndex(wide, frame.packed_entries,
-                                     hn::PromoteTo(wide, hn::LowerHalf(half, entry)));
-  const auto upper = hn::GatherIndex(wide, frame.packed_entries,
-                                     hn::PromoteTo(wide, hn::UpperHalf(half, entry)));
-  const VI first = hn::ConcatEven(I(), hn::BitCast(I(), upper), hn::BitCast(I(), lower));
-  const VI second = hn::ConcatOdd(I(), hn::BitCast(I(), upper), hn::BitCast(I(), lower));
+  const auto [first, second] = wideAt(reinterpret_cast<const std::byte*>(frame.packed_entries),
+                                      hn::ShiftLeft<3>(entry));
   const VI mask = hn::Set(I(), 0xFFFF << kPackedShift);
   constexpr int kDown = 16 - kPackedShift;
   const V unit = all(frame.color_unit);
@@ -35,13 +27,6 @@ HWY_INLINE Color packedEntryAt(const KernelFrame& frame, VI entry) {
       hn::Mul(all(frame.opacity_unit),
               hn::BitCast(F(), hn::And(hn::ShiftRight<kDown>(second), mask)))};
 }
-#else
-// Gathers are loads of single lanes there.
-constexpr bool kReadsPacked = false;
-HWY_INLINE Color packedEntryAt(const KernelFrame& frame, VI entry) {
-  return entryAt(frame, entry);
-}
-#endif
 
 // From 0 to last_entry.
 HWY_INLINE V entryOf(const KernelFrame& frame, V value) {
@@ -52,7 +37,7 @@ HWY_INLINE V entryOf(const KernelFrame& frame, V value) {
 HWY_INLINE Color colorAt(const KernelFrame& frame, V entry) {
   if (!frame.interpolates) {
     const VI nearest = wholeOf(hn::Add(entry, all(0.5F)));
-    return kReadsPacked ? packedEntryAt(frame, nearest) : entryAt(frame, nearest);
+    return packedEntryAt(frame, nearest);
   }
   const VI first = hn::ConvertTo(I(), entry);
   const VI last = hn::Set(I(), static_cast<int32_t>(frame.last_entry));

@@ -11,6 +11,7 @@
 // clang-format on
 
 #include "src/cpu/kernel_values.h"
+#include "src/cpu/leap_grid.h"
 #include "src/cpu/packed_entries.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -21,8 +22,10 @@ namespace hn = hwy::HWY_NAMESPACE;
 // Each needs those before it.
 // clang-format off
 #include "src/cpu/rays.inl"
+#include "src/cpu/loads.inl"
 #include "src/cpu/texels.inl"
 #include "src/cpu/colors.inl"
+#include "src/cpu/leaps.inl"
 // clang-format on
 
 // What a sample's colour takes beyond the look-up.
@@ -71,6 +74,99 @@ HWY_INLINE Color colorOf(const KernelFrame& frame, const KernelBox& box, const V
   return color;
 }
 
+// Turns between two looks for bricks to leap over: few, where the last look found some.
+constexpr float kTurnsAfterLeap = 4, kTurnsBetweenLooks = 8;
+
+// A sample a lane, at slice k of the box.
+struct Sample {
+  V k, value;
+  M active;
+  // For gradients.
+  V3 at;
+  Place place;
+};
+
+// The way of a packet through a box.
+template <DeviceType kType, Shading kShading>
+struct Passage {
+  const KernelFrame& frame;
+  const KernelBox& box;
+  V3 first, pace;
+  V ray_length;
+  Cells cells;
+  bool clamps;
+  V in_box;  // opacity
+  M going;   // lanes that take samples still
+
+  HWY_INLINE Sample take(V k, V end) const {
+    V3 at{hn::MulAdd(k, pace.x, first.x), hn::MulAdd(k, pace.y, first.y),
+          hn::MulAdd(k, pace.z, first.z)};
+    if (clamps) at = clamped(cells, at);
+    const Place place = placeAt(cells, at);
+    const V value = frame.labels ? labelAt<kType>(box, place) : valueAt<kType>(box, place);
+    return {k, value, hn::Lt(k, end), at, place};
+  }
+
+  // Whether some lane goes on.
+  HWY_INLINE bool blend(const Sample& sample, Pixels& pixels) {
+    const M active = hn::And(sample.active, going);
+    if (frame.counts_taken)
+      pixels.taken = hn::Sub(pixels.taken, hn::VecFromMask(I(), hn::RebindMask(I(), active)));
+    M shows = active;
+    if (kType == DeviceType::kF32) shows = hn::AndNot(isNoNumber(sample.value), shows);
+    if (!frame.shades_every_sample) {
+      shows = hn::And(shows, hn::And(hn::Ge(sample.value, all(frame.least_visible)),
+                                     hn::Le(sample.value, all(frame.most_visible))));
+      if (hn::AllFalse(F(), shows)) return true;
+    }
+    const Color color =
+        colorOf<kType, kShading>(frame, box, sample.at, sample.place, sample.value, ray_length);
+    const V left = hn::IfThenElseZero(shows, hn::Sub(all(1.0F), pixels.sum.a));
+    if (frame.with_depth) {
+      const V slice = hn::Add(sample.k, all(box.first_slice + 0.5F));
+      const V depth = hn::MulAdd(slice, all(frame.depth_step), all(frame.first_depth));
+      pixels.depth_sum = hn::MulAdd(hn::Mul(left, color.a), depth, pixels.depth_sum);
+    }
+    pixels.sum = {hn::MulAdd(left, color.r, pixels.sum.r), hn::MulAdd(left, color.g, pixels.sum.g),
+                  hn::MulAdd(left, color.b, pixels.sum.b), hn::MulAdd(left, color.a, pixels.sum.a)};
+    if (frame.box_opacity <= 1) {
+      in_box = hn::MulAdd(hn::Sub(all(1.0F), in_box), hn::IfThenElseZero(shows, color.a), in_box);
+      going = hn::And(going, hn::Lt(in_box, all(frame.box_opacity)));
+    }
+    // One that is through may go on with the others: nothing of it is seen.
+    return !hn::AllFalse(F(), hn::And(going, hn::Lt(pixels.sum.a, all(frame.ray_opacity))));
+  }
+
+  // Slices [k, end). A sample is looked up and blended while the next one is read.
+  HWY_INLINE void go(V k, V end, bool leaps, Pixels& pixels) {
+    BrickWay way;
+    if (leaps) way = brickWay(box, first, pace);
+    Sample last;
+    last.active = hn::MaskFromVec(hn::Zero(F()));
+    bool has_last = false;
+    const V one = all(1.0F);
+    for (;;) {
+      bool leapt = false;
+      if (leaps) k = nextShown(box, way, k, hn::IfThenElse(going, end, k), leapt);
+      float turns = hn::GetLane(hn::MaxOfLanes(F(), hn::IfThenElseZero(going, hn::Sub(end, k))));
+      if (!(turns > 0)) break;
+      if (leaps) turns = std::min(turns, leapt ? kTurnsAfterLeap : kTurnsBetweenLooks);
+      for (int j = static_cast<int>(turns); j > 0; --j) {
+        const Sample next = take(k, end);
+        k = hn::Add(k, one);
+        if constexpr (kShading == Shading::kGradients) {
+          if (!blend(next, pixels)) return;
+        } else {
+          if (has_last && !blend(last, pixels)) return;
+          last = next;
+          has_last = true;
+        }
+      }
+    }
+    if (has_last) blend(last, pixels);
+  }
+};
+
 // The box for one packet. `going`: pixels that take samples.
 template <DeviceType kType, Shading kShading>
 HWY_INLINE void drawPacket(const KernelFrame& frame, const KernelBox& box,
@@ -78,60 +174,27 @@ HWY_INLINE void drawPacket(const KernelFrame& frame, const KernelBox& box,
                            Pixels& pixels) {
   const V3 step = stepOf(frame, packet);
   const Slices slices = slicesIn(frame, box, packet, step);
-  const V count = hn::IfThenElseZero(going, slices.count);
-  const float most = hn::GetLane(hn::MaxOfLanes(F(), count));
-  if (!(most > 0)) return;
-  const V3 first = texelsOf(box, voxelsOf(positions, packet));
-  const V3 pace = ordered(step, box.axes);
+  const M meets = hn::And(going, hn::Gt(slices.count, hn::Zero(F())));
+  if (hn::AllFalse(F(), meets)) return;
   V ray_length = all(1.0F);
   if (kShading != Shading::kTable && frame.perspective) {
     const V u = hn::MulAdd(packet.px, all(frame.pixel_ray[0]), all(frame.pixel_ray[1]));
     const V v = hn::MulAdd(packet.py, all(frame.pixel_ray[2]), all(frame.pixel_ray[3]));
     ray_length = hn::Sqrt(hn::MulAdd(v, v, hn::MulAdd(u, u, all(1.0F))));
   }
-  const Cells cells = cellsOf(box);
-  const V box_opacity = all(frame.box_opacity), ray_opacity = all(frame.ray_opacity);
   // What stands for no number is too large for a part of it to be a matter of rounding.
   const bool clamps =
       kType == DeviceType::kF32 || kShading == Shading::kGradients || frame.labels || box.is_thin;
-  const bool ends_in_box = frame.box_opacity <= 1;
-  V in_box = hn::Zero(F());
-  M active = hn::Gt(count, hn::Zero(F()));
-  const int turns = static_cast<int>(most);
-  for (int j = 0; j < turns; ++j) {
-    const V turn = all(static_cast<float>(j));
-    active = hn::And(active, hn::Lt(turn, count));
-    const V k = hn::Add(slices.from, turn);
-    V3 at{hn::MulAdd(k, pace.x, first.x), hn::MulAdd(k, pace.y, first.y),
-          hn::MulAdd(k, pace.z, first.z)};
-    if (clamps) at = clamped(cells, at);
-    const Place place = placeAt(cells, at);
-    if (frame.counts_taken)
-      pixels.taken = hn::Sub(pixels.taken, hn::VecFromMask(I(), hn::RebindMask(I(), active)));
-    const V value = frame.labels ? labelAt<kType>(box, place) : valueAt<kType>(box, place);
-    M shows = active;
-    if (kType == DeviceType::kF32) shows = hn::AndNot(isNoNumber(value), shows);
-    if (!frame.shades_every_sample) {
-      shows = hn::And(shows, hn::And(hn::Ge(value, all(frame.least_visible)),
-                                     hn::Le(value, all(frame.most_visible))));
-      if (hn::AllFalse(F(), shows)) continue;
-    }
-    const Color color = colorOf<kType, kShading>(frame, box, at, place, value, ray_length);
-    const V left = hn::IfThenElseZero(shows, hn::Sub(all(1.0F), pixels.sum.a));
-    if (frame.with_depth) {
-      const V slice = hn::Add(k, all(box.first_slice + 0.5F));
-      const V depth = hn::MulAdd(slice, all(frame.depth_step), all(frame.first_depth));
-      pixels.depth_sum = hn::MulAdd(hn::Mul(left, color.a), depth, pixels.depth_sum);
-    }
-    pixels.sum = {hn::MulAdd(left, color.r, pixels.sum.r), hn::MulAdd(left, color.g, pixels.sum.g),
-                  hn::MulAdd(left, color.b, pixels.sum.b), hn::MulAdd(left, color.a, pixels.sum.a)};
-    if (ends_in_box) {
-      in_box = hn::MulAdd(hn::Sub(all(1.0F), in_box), hn::IfThenElseZero(shows, color.a), in_box);
-      active = hn::And(active, hn::Lt(in_box, box_opacity));
-    }
-    // One that is through may go on with the others: nothing of it is seen.
-    if (hn::AllFalse(F(), hn::And(active, hn::Lt(pixels.sum.a, ray_opacity)))) break;
-  }
+  Passage<kType, kShading> passage{frame,
+                                   box,
+                                   texelsOf(box, voxelsOf(positions, packet)),
+                                   ordered(step, box.axes),
+                                   ray_length,
+                                   cellsOf(box),
+                                   clamps,
+                                   hn::Zero(F()),
+                                   meets};
+  passage.go(slices.from, hn::Add(slices.from, slices.count), box.distances != nullptr, pixels);
 }
 
 // The packet's pixels that still take samples.

@@ -18,6 +18,8 @@ constexpr int64_t kMostTexels = 2048, kMostPixels = 1 << 14;
 // threads waiting, and reading goes on meanwhile.
 constexpr double kMostPutOffSamples = 1 << 25;
 constexpr size_t kMostPutOffBoxes = 1 << 16;
+// Where fewer bricks of a chunk show nothing, looking for them costs more than it saves.
+constexpr double kMostShownToLeap = 0.9;
 // What a kernel reads at once.
 constexpr size_t kLeastBytes = 4;
 // Boxes of a tile between two looks whether to stop.
@@ -37,7 +39,7 @@ DeviceLimits CpuDevice::limits() const {
 }
 
 void CpuDevice::makeResident(uint64_t id, ChunkTexelsPtr texels) {
-  Resident resident{std::move(texels), {}, false};
+  Resident resident{std::move(texels), {}, false, {}, 0};
   const ChunkTexels& chunk = *resident.texels;
   if (chunk.byte_count < kLeastBytes) {
     resident.padded.assign(chunk.bytes.get(), chunk.bytes.get() + chunk.byte_count);
@@ -64,6 +66,11 @@ void CpuDevice::beginFrame(const FrameSetup& setup, const StopToken& stop) {
   stop_ = stop;
   taken_ = 0;
   tables_.emplace(setup_);
+  leaps_ = setup_.leaps && setup_.mode == Mode::kComposite;
+  if (ShownValues shown; leaps_ && (shown = ShownValues(setup_.look_up)) != shown_) {
+    shown_ = std::move(shown);
+    ++shown_number_;
+  }
   picture_.clear(setup_, kernels_);
 }
 
@@ -89,14 +96,29 @@ void CpuDevice::forgetPutOff() {
   for (auto& [id, chunk] : resident_) chunk.is_put_off = false;
 }
 
+void CpuDevice::prepareLeaps() {
+  std::vector<Resident*> stale;
+  for (auto& [id, chunk] : resident_)
+    if (chunk.is_put_off && chunk.leaps_for != shown_number_) stale.push_back(&chunk);
+  pool_.parallelFor(static_cast<int64_t>(stale.size()), [&](int64_t i) {
+    Resident& chunk = *stale[static_cast<size_t>(i)];
+    if (!chunk.leaps) chunk.leaps = leapGrid(*chunk.texels, chunk.bytes());
+    setDistances(*chunk.leaps, chunk.texels->type, shown_);
+    chunk.leaps_for = shown_number_;
+  });
+}
+
 void CpuDevice::drawNow() {
   stop_.throwIfStopped();
   if (put_off_.empty()) return;
+  if (leaps_) prepareLeaps();
   std::vector<KernelBox> boxes;
   boxes.reserve(put_off_.size());
   for (const BoxDraw& box : put_off_) {
     const Resident& chunk = resident_.at(box.chunk);
-    appendBox(setup_, box, chunk.texels.get(), chunk.bytes(), boxes);
+    const bool leaps = leaps_ && chunk.leaps->shown_share < kMostShownToLeap;
+    appendBox(setup_, box, chunk.texels.get(), chunk.bytes(), leaps ? &*chunk.leaps : nullptr,
+              boxes);
   }
   forgetPutOff();
   const TileBins bins = tileBins(boxes, picture_.tilesAcross(), picture_.tilesUp());
@@ -130,7 +152,7 @@ void CpuDevice::stopOpaque() {
 uint64_t CpuDevice::countSamples(std::span<const BoxDraw> draws) {
   std::vector<KernelBox> boxes;
   boxes.reserve(draws.size());
-  for (const BoxDraw& box : draws) appendBox(setup_, box, nullptr, nullptr, boxes);
+  for (const BoxDraw& box : draws) appendBox(setup_, box, nullptr, nullptr, nullptr, boxes);
   const TileBins bins = tileBins(boxes, picture_.tilesAcross(), picture_.tilesUp());
   std::atomic<uint64_t> samples = 0;
   pool_.parallelFor(picture_.tiles(), [&](int64_t index) {

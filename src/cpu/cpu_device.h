@@ -19,6 +19,7 @@
 
 #include "src/base/worker_pool.h"
 #include "src/cpu/kernel_frame.h"
+#include "src/cpu/leap_grid.h"
 #include "src/cpu/simd_target.h"
 #include "src/cpu/tiled_picture.h"
 #include "src/device/device.h"
@@ -51,12 +52,16 @@ class CpuDevice : public Device {
     ChunkTexelsPtr texels;
     // Of a chunk of less than four bytes, which is what the kernels read at once.
     std::vector<std::byte> padded;
-    bool is_put_off = false;  // boxes of it are
+    bool is_put_off = false;        // boxes of it are
+    std::optional<LeapGrid> leaps;  // once it was drawn
+    uint64_t leaps_for = 0;         // which `shown_number_` its distances are of
     const std::byte* bytes() const { return padded.empty() ? texels->bytes.get() : padded.data(); }
   };
 
   void forgetPutOff();
   void drawNow();
+  // Of all chunks whose boxes are put off, on the pool.
+  void prepareLeaps();
 
   WorkerPool& pool_;
   const Kernels& kernels_;
@@ -64,6 +69,9 @@ class CpuDevice : public Device {
   std::unordered_map<uint64_t, Resident> resident_;
   FrameSetup setup_;
   std::optional<FrameTables> tables_;  // of the frame
+  bool leaps_ = false;                 // the frame does
+  ShownValues shown_;                  // of the last frame that did
+  uint64_t shown_number_ = 0;          // counts the changes of it
   StopToken stop_;
   TiledPicture picture_;
   std::vector<BoxDraw> put_off_;

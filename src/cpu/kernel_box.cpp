@@ -97,14 +97,22 @@ void setTexels(const BoxDraw& box, const ChunkTexels& chunk, const std::byte* by
     out.is_thin = out.is_thin || hi[a] == lo[a];
     last[a] = std::min(hi[a] + 1, storage[a] - 1);
   }
+  out.one_by_one = out.is_thin || storage.x < 2 || storage.y < 2 || storage.z < 2;
   const int64_t end = std::max<int64_t>(static_cast<int64_t>(chunk.byte_count), 4);
   out.near_end = offsetOf(last) + 4 > end;
   out.last_offset =
       static_cast<int32_t>(std::min<int64_t>(end - 4 - offsetOf(lo), int64_t{1} << 30));
 }
 
+void setLeaps(const LeapGrid& leaps, Vec3i lo, KernelBox& out) {
+  out.distances = leaps.distances.data();
+  out.brick_at = asFloats(toDouble(lo) * (1.0 / kBrickSide));
+  out.brick_last = asFloats(toDouble(leaps.bricks - Vec3i{1, 1, 1}));
+  out.brick_stride = asFloats(toDouble(Vec3i{1, leaps.bricks.x, leaps.bricks.x * leaps.bricks.y}));
+}
+
 void appendPart(const FrameSetup& setup, const BoxDraw& box, const ChunkTexels* chunk,
-                const std::byte* bytes, std::vector<KernelBox>& out) {
+                const std::byte* bytes, const LeapGrid* leaps, std::vector<KernelBox>& out) {
   const auto [x_lo, y_lo, x_hi, y_hi, near_slice] = seenOf(setup, box.cells);
   KernelBox result;
   const auto [width, height] = setup.size;
@@ -132,6 +140,7 @@ void appendPart(const FrameSetup& setup, const BoxDraw& box, const ChunkTexels* 
     const Vec3d corner = toDouble(ordered(box, box.cells.lo) - box.texel_origin -
                                   texelsOf(box, chunk->storage_vox).lo);
     result.corner = asFloats(corner);
+    if (leaps != nullptr) setLeaps(*leaps, texelsOf(box, chunk->storage_vox).lo, result);
   }
   out.push_back(result);
 }
@@ -147,9 +156,9 @@ bool seesLowerFirst(const FrameSetup& setup, int axis, int64_t plane) {
 }  // namespace
 
 void appendBox(const FrameSetup& setup, const BoxDraw& box, const ChunkTexels* chunk,
-               const std::byte* bytes, std::vector<KernelBox>& out) {
+               const std::byte* bytes, const LeapGrid* leaps, std::vector<KernelBox>& out) {
   if (chunk == nullptr) {
-    appendPart(setup, box, chunk, bytes, out);
+    appendPart(setup, box, chunk, bytes, leaps, out);
     return;
   }
   const auto [lo, hi] = texelsOf(box, chunk->storage_vox);
@@ -161,15 +170,15 @@ void appendBox(const FrameSetup& setup, const BoxDraw& box, const ChunkTexels* c
   while (axis > 0 && box.cells.size()[box.axes[static_cast<size_t>(axis)]] < 2) --axis;
   const int cut = box.axes[static_cast<size_t>(axis)];
   if (reach.x + reach.y + reach.z <= kMostOffset || box.cells.size()[cut] < 2) {
-    appendPart(setup, box, chunk, bytes, out);
+    appendPart(setup, box, chunk, bytes, leaps, out);
     return;
   }
   const int64_t middle = (box.cells.lo[cut] + box.cells.hi[cut]) / 2;
   BoxDraw lower = box, upper = box;
   lower.cells.hi[cut] = upper.cells.lo[cut] = middle;
   const bool lower_first = seesLowerFirst(setup, cut, middle);
-  appendBox(setup, lower_first ? lower : upper, chunk, bytes, out);
-  appendBox(setup, lower_first ? upper : lower, chunk, bytes, out);
+  appendBox(setup, lower_first ? lower : upper, chunk, bytes, leaps, out);
+  appendBox(setup, lower_first ? upper : lower, chunk, bytes, leaps, out);
 }
 
 }  // namespace sluice

@@ -75,9 +75,14 @@ struct KernelBox {
   int32_t last_offset = 0;
   bool near_end = false;    // some read may be beyond it
   bool is_thin = false;     // a single texel along some axis
+  bool one_by_one = false;  // so is the chunk, or the box is: rows may lie beyond it
   bool has_margin = false;  // a texel more on every side
   Float3 size{};            // in voxels
   Float3 corner{};          // texel coordinates of the lower corner
+  // Leaps, see leap_grid.h: distances of the chunk's bricks, null where every sample is taken;
+  // brick coordinates of texel 0, the last brick, and strides in bricks.
+  const uint8_t* distances = nullptr;
+  Float3 brick_at{}, brick_last{}, brick_stride{};
   // Pixels that may see the box, [lo, hi).
   int x_lo = 0, y_lo = 0, x_hi = 0, y_hi = 0;
 };

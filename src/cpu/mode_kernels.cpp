@@ -21,6 +21,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 // Each needs those before it.
 // clang-format off
 #include "src/cpu/rays.inl"
+#include "src/cpu/loads.inl"
 #include "src/cpu/texels.inl"
 #include "src/cpu/colors.inl"
 // clang-format on

@@ -27,7 +27,7 @@ struct PackedEntries {
 
 // Requires: 0 <= share <= 1.
 inline uint16_t packed(double share) {
-  const auto small = static_cast<float>(std::ldexp(share, -112));
+  const auto small = static_cast<float>(share * 0x1p-112);
   return static_cast<uint16_t>((std::bit_cast<uint32_t>(small) + (1U << (kPackedShift - 1))) >>
                                kPackedShift);
 }

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "src/base/error.h"
+#include "src/cpu/kernel_values.h"
 
 namespace sluice {
 

@@ -6,9 +6,9 @@
 #include <string_view>
 #include <vector>
 
-#include "src/cpu/kernel_values.h"
-
 namespace sluice {
+
+struct Kernels;  // kernel_values.h
 
 // kAuto is the best that works. kPlain is what any processor has (kept for those older than SSE4.1,
 // and, on other architectures, their own instructions).

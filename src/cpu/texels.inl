@@ -58,6 +58,14 @@ HWY_INLINE VI fourBytes(const KernelBox& box, VI offset, int64_t more) {
 struct Pair {
   V first, second;
 };
+// kDown: bytes before the pair in what was read.
+template <DeviceType kType, int kDown = 0>
+HWY_INLINE Pair pairIn(VI bytes) {
+  constexpr int kBits = kType == DeviceType::kU8 ? 8 : 16;
+  const VI mask = hn::Set(I(), (1 << kBits) - 1);
+  return {hn::ConvertTo(F(), hn::And(hn::ShiftRight<8 * kDown>(bytes), mask)),
+          hn::ConvertTo(F(), hn::And(hn::ShiftRight<8 * kDown + kBits>(bytes), mask))};
+}
 template <DeviceType kType, bool kNearEnd>
 HWY_INLINE Pair pairAt(const KernelBox& box, VI offset, int64_t more) {
   if constexpr (kType == DeviceType::kF32) {
@@ -66,11 +74,7 @@ HWY_INLINE Pair pairAt(const KernelBox& box, VI offset, int64_t more) {
                                                       static_cast<int64_t>(box.stride[0]));
     return {hn::GatherOffset(F(), base, offset), hn::GatherOffset(F(), next, offset)};
   } else {
-    constexpr int kBits = kType == DeviceType::kU8 ? 8 : 16;
-    const VI mask = hn::Set(I(), (1 << kBits) - 1);
-    const VI bytes = fourBytes<kNearEnd>(box, offset, more);
-    return {hn::ConvertTo(F(), hn::And(bytes, mask)),
-            hn::ConvertTo(F(), hn::And(hn::ShiftRight<kBits>(bytes), mask))};
+    return pairIn<kType>(fourBytes<kNearEnd>(box, offset, more));
   }
 }
 
@@ -85,23 +89,51 @@ HWY_INLINE V alongX(const KernelBox& box, VI offset, int64_t more, V part, V res
   return between(pair.first, pair.second, part, rest);
 }
 
-template <DeviceType kType, bool kNearEnd>
-HWY_INLINE V trilinear(const KernelBox& box, const Place& place) {
+// The pairs of the four rows around a place: [0] and [1] one after the other along y, [2] and [3]
+// the same a plane on.
+struct Rows {
+  Pair pair[4];
+};
+template <DeviceType kType>
+HWY_INLINE Rows rowsNearEnd(const KernelBox& box, VI offset, int64_t y, int64_t z) {
+  return {{pairAt<kType, true>(box, offset, 0), pairAt<kType, true>(box, offset, y),
+           pairAt<kType, true>(box, offset, z), pairAt<kType, true>(box, offset, y + z)}};
+}
+template <DeviceType kType>
+HWY_INLINE Rows rowsAt(const KernelBox& box, VI offset) {
   const auto y = static_cast<int64_t>(box.stride[1]), z = static_cast<int64_t>(box.stride[2]);
-  const V rx = hn::Sub(all(1.0F), place.fx), ry = hn::Sub(all(1.0F), place.fy);
-  const V lower = between(alongX<kType, kNearEnd>(box, place.offset, 0, place.fx, rx),
-                          alongX<kType, kNearEnd>(box, place.offset, y, place.fx, rx), place.fy, ry);
-  const V upper = between(alongX<kType, kNearEnd>(box, place.offset, z, place.fx, rx),
-                          alongX<kType, kNearEnd>(box, place.offset, y + z, place.fx, rx), place.fy, ry);
-  return between(lower, upper, place.fz, hn::Sub(all(1.0F), place.fz));
+  if constexpr (kType == DeviceType::kF32) {
+    if (HWY_UNLIKELY(box.one_by_one)) return rowsNearEnd<kType>(box, offset, y, z);
+    Rows rows;
+    const int64_t more[4] = {0, y, z, y + z};
+    for (int row = 0; row < 4; ++row) {
+      const Wide both = wideAt(box.texels + more[row], offset);
+      rows.pair[row] = {hn::BitCast(F(), both.first), hn::BitCast(F(), both.second)};
+    }
+    return rows;
+  } else {
+    if (HWY_UNLIKELY(box.one_by_one)) return rowsNearEnd<kType>(box, offset, y, z);
+    // Of the last row the bytes before are read, not those behind, which may lie beyond the chunk.
+    constexpr int kDown = kType == DeviceType::kU8 ? 2 : 0;
+    const std::byte* from[4] = {box.texels, box.texels + y, box.texels + z,
+                                box.texels + (y + z - kDown)};
+    VI bytes[4];
+    fourAtOnce(from, offset, bytes);
+    return {{pairIn<kType>(bytes[0]), pairIn<kType>(bytes[1]), pairIn<kType>(bytes[2]),
+             pairIn<kType, kDown>(bytes[3])}};
+  }
 }
 
 template <DeviceType kType>
 HWY_INLINE V valueAt(const KernelBox& box, const Place& place) {
-  // Of floats every read is of a texel.
-  if (kType != DeviceType::kF32 && HWY_UNLIKELY(box.near_end))
-    return trilinear<kType, true>(box, place);
-  return trilinear<kType, false>(box, place);
+  const Rows rows = rowsAt<kType>(box, place.offset);
+  const V rx = hn::Sub(all(1.0F), place.fx), ry = hn::Sub(all(1.0F), place.fy);
+  V row[4];
+  for (int i = 0; i < 4; ++i)
+    row[i] = between(rows.pair[i].first, rows.pair[i].second, place.fx, rx);
+  const V lower = between(row[0], row[1], place.fy, ry);
+  const V upper = between(row[2], row[3], place.fy, ry);
+  return between(lower, upper, place.fz, hn::Sub(all(1.0F), place.fz));
 }
 
 // Below it lie the stand-in for NaN and whatever is interpolated with it.

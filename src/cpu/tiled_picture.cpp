@@ -57,23 +57,24 @@ void lower(std::atomic<uint32_t>& cell, uint32_t to) {
 }
 
 // Into the cells around (u, v): those that it is in, whatever rounding says.
+// Requires: -1 < u, v < side + 1.
 void lowerAround(std::vector<std::atomic<uint32_t>>& cells, int side, double u, double v,
                  uint32_t to) {
   constexpr double kMargin = 1e-3;
-  const double last = side - 1;
-  const double u_lo = std::max(0.0, std::floor(u - kMargin)),
-               u_hi = std::min(last, std::floor(u + kMargin)),
-               v_lo = std::max(0.0, std::floor(v - kMargin)),
-               v_hi = std::min(last, std::floor(v + kMargin));
-  for (double y = v_lo; y <= v_hi; ++y)
-    for (double x = u_lo; x <= u_hi; ++x)
+  // One more, so that whole numbers are cut off downwards; -1 and `side` are no cells.
+  const auto cellOf = [](double at) { return static_cast<int>(at + 1) - 1; };
+  const int u_lo = std::max(0, cellOf(u - kMargin)), u_hi = std::min(side - 1, cellOf(u + kMargin)),
+            v_lo = std::max(0, cellOf(v - kMargin)), v_hi = std::min(side - 1, cellOf(v + kMargin));
+  for (int y = v_lo; y <= v_hi; ++y)
+    for (int x = u_lo; x <= u_hi; ++x)
       lower(cells[static_cast<size_t>(y) * static_cast<size_t>(side) + static_cast<size_t>(x)], to);
 }
 
 }  // namespace
 
 void TiledPicture::clear(const FrameSetup& setup, const Kernels& kernels) {
-  kernels_ = &kernels;
+  for (int i = 0; i < kTilePixels; ++i)
+    place_[static_cast<size_t>(i)] = kernels.placeOf(i % kTileSide, i / kTileSide);
   size_ = setup.size;
   across_ = (size_.width + kTileSide - 1) / kTileSide;
   up_ = (size_.height + kTileSide - 1) / kTileSide;
@@ -114,19 +115,28 @@ TilePixels TiledPicture::tile(int64_t index) {
 std::vector<float> TiledPicture::leastOpacity(const MapGrid& grid) {
   std::vector<std::atomic<uint32_t>> cells = emptyMap(grid);
   const auto map_from_clip = mapFromClip(grid);
+  const auto& [to_u, to_v, to_w] = map_from_clip;
+  const Vec3d a_pixel{2.0 / size_.width, 2.0 / size_.height, 0};
+  // Of a parallel view all pixels have the same w: no division for each.
+  const bool parallel = to_w.x == 0 && to_w.y == 0;
   pool_.parallelFor(tiles(), [&](int64_t index) {
     const TilePixels pixels = tile(index);
-    for (int y = 0; y < std::min(kTileSide, size_.height - pixels.y); ++y)
-      for (int x = 0; x < std::min(kTileSide, size_.width - pixels.x); ++x) {
-        const Vec3d clip{(pixels.x + x + 0.5) / size_.width * 2 - 1,
-                         (pixels.y + y + 0.5) / size_.height * 2 - 1, 1};
-        const double w = dot(map_from_clip[2], clip);
-        if (w <= 0) continue;
-        const double u = dot(map_from_clip[0], clip) / w, v = dot(map_from_clip[1], clip) / w;
+    const int count = std::min(kTileSide, size_.width - pixels.x);
+    for (int y = 0; y < std::min(kTileSide, size_.height - pixels.y); ++y) {
+      const Vec3d clip{(pixels.x + 0.5) * a_pixel.x - 1, (pixels.y + y + 0.5) * a_pixel.y - 1, 1};
+      const double u0 = dot(to_u, clip), v0 = dot(to_v, clip), w0 = dot(to_w, clip);
+      double to_unit = 1 / w0;
+      for (int x = 0; x < count; ++x) {
+        const double w = w0 + x * a_pixel.x * to_w.x;
+        if (!(w > 0)) continue;
+        if (!parallel) to_unit = 1 / w;
+        const double u = (u0 + x * a_pixel.x * to_u.x) * to_unit;
+        const double v = (v0 + x * a_pixel.x * to_v.x) * to_unit;
         if (!(u > -1 && v > -1 && u < grid.side + 1 && v < grid.side + 1)) continue;
-        const float opacity = pixels.color[3][kernels_->placeOf(x, y)];
+        const float opacity = pixels.color[3][placeOf(x, y)];
         lowerAround(cells, grid.side, u, v, std::bit_cast<uint32_t>(std::max(opacity, 0.0F)));
       }
+    }
   });
   std::vector<float> least;
   least.reserve(cells.size());
@@ -154,19 +164,28 @@ void TiledPicture::copyTo(const FrameSetup& setup, Picture& picture) {
   picture.depth.resize(with_depth_ ? width * height : 0);
   pool_.parallelFor(tiles(), [&](int64_t index) {
     const TilePixels pixels = tile(index);
-    for (int y = 0; y < std::min(kTileSide, size_.height - pixels.y); ++y)
-      for (int x = 0; x < std::min(kTileSide, size_.width - pixels.x); ++x) {
-        const auto from = static_cast<size_t>(kernels_->placeOf(x, y));
-        const size_t to = (height - 1 - static_cast<size_t>(pixels.y + y)) * width +
-                          static_cast<size_t>(pixels.x + x);
-        for (size_t channel = 0; channel < kColors; ++channel)
-          picture.rgba[4 * to + channel] = pixels.color[channel][from];
-        // Nothing there: infinitely far, as renderers write it.
-        const float opacity = pixels.color[3][from];
-        if (with_depth_)
-          picture.depth[to] = opacity > 0 ? pixels.depth_sum[from] / opacity
-                                          : std::numeric_limits<float>::infinity();
+    const auto& [red, green, blue, opacity] = pixels.color;
+    const int count = std::min(kTileSide, size_.width - pixels.x);
+    for (int y = 0; y < std::min(kTileSide, size_.height - pixels.y); ++y) {
+      const size_t to =
+          (height - 1 - static_cast<size_t>(pixels.y + y)) * width + static_cast<size_t>(pixels.x);
+      float* out = picture.rgba.data() + 4 * to;
+      for (int x = 0; x < count; ++x, out += 4) {
+        const size_t from = placeOf(x, y);
+        out[0] = red[from];
+        out[1] = green[from];
+        out[2] = blue[from];
+        out[3] = opacity[from];
       }
+      if (!with_depth_) continue;
+      for (int x = 0; x < count; ++x) {
+        const size_t from = placeOf(x, y);
+        // Nothing there: infinitely far, as renderers write it.
+        picture.depth[to + static_cast<size_t>(x)] = opacity[from] > 0
+                                                         ? pixels.depth_sum[from] / opacity[from]
+                                                         : std::numeric_limits<float>::infinity();
+      }
+    }
   });
   if (setup.mode != Mode::kComposite) resolveMode(setup, 1, picture.rgba);
 }

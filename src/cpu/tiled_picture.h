@@ -5,6 +5,7 @@
 // loops to the pool.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -18,7 +19,7 @@ class TiledPicture {
  public:
   explicit TiledPicture(WorkerPool& pool) : pool_(pool) {}
 
-  // Empty pixels. `kernels` must outlive them.
+  // Empty pixels, placed as `kernels` want them.
   void clear(const FrameSetup& setup, const Kernels& kernels);
 
   int tilesAcross() const { return across_; }
@@ -33,11 +34,15 @@ class TiledPicture {
   void copyTo(const FrameSetup& setup, Picture& picture);
 
  private:
+  size_t placeOf(int x, int y) const {
+    return static_cast<size_t>(place_[static_cast<size_t>(y * kTileSide + x)]);
+  }
   // Floats a tile has, and of them where each array begins.
   size_t floatsATile() const { return arrays_ * kTilePixels; }
 
   WorkerPool& pool_;
-  const Kernels* kernels_ = nullptr;
+  // Of each pixel of a tile, row after row: Kernels::placeOf().
+  std::array<int, kTilePixels> place_{};
   PictureSize size_{0, 0};
   int across_ = 0, up_ = 0;
   size_t arrays_ = 0;

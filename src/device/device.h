@@ -83,7 +83,7 @@ class Device {
   // resident. Leaves the picture alone. Not between beginFrame and endFrame.
   virtual uint64_t countSamples(std::span<const BoxDraw> boxes) = 0;
   // After endFrame(): how many samples the frame took, less than countSamples() says of its boxes
-  // where rays ended early or pixels were stopped. Requires: setup.counts_taken.
+  // where rays ended early, leapt, or pixels were stopped. Requires: setup.counts_taken.
   virtual uint64_t takenSamples() = 0;
   // Waits for what was drawn; premultiplied.
   virtual Picture endFrame() = 0;

@@ -53,12 +53,17 @@ struct FrameOptions {
   // Reads, lights and blends every sample of what is drawn, also those that show nothing, as
   // renderers without empty space skipping do (Li's Basic): what skipping is measured against.
   bool shades_every_sample = false;
+  // Rays may leap over cells inside a box that show nothing, where the device can: the picture is
+  // the same. Off where a bench measures what skipping without it brings.
+  bool leaps = true;
   // Ends the frame, see Session::frame().
   StopToken stop = {};
   // Told how many clusters of how many are drawn: before the first, and after each. By the thread
   // that draws.
   ProgressWatch watch = {};
   bool count_samples = false;  // fills FrameReport::samples_*; costs a pass without texture reads
+  // With it: samples_taken is without what was leapt over, also where no ray ends early.
+  bool counts_leaps = false;
 };
 
 // From which opacity on boxes behind are hidden, and where rays end and pixels take no more

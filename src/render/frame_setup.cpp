@@ -122,6 +122,7 @@ FrameSetup frameSetup(const View& view, const VolumeLayout& layout, const Opacit
   setup.opacity_threshold = rayThreshold(options);
   setup.with_depth = options.with_depth;
   setup.shades_every_sample = options.shades_every_sample;
+  setup.leaps = options.leaps && !options.shades_every_sample;
   setup.lighting = options.lighting;
   for (size_t a = 0; a < 3; ++a) {
     const Vec3d gradient = layout.axes[a] / layout.spacing[static_cast<int>(a)];
@@ -139,9 +140,10 @@ FrameSetup frameSetup(const View& view, const VolumeLayout& layout, const Look& 
                       const ValueMap& map, const FrameOptions& options, bool lit) {
   FrameSetup setup = frameSetup(view, layout, look.table, map, options);
   setup.lit = lit;
-  // Rays or pixels may stop, so that fewer samples are taken than lie in the frame's boxes.
+  // Rays or pixels may stop, or leap, so that fewer samples are taken than lie in the frame's
+  // boxes.
   setup.counts_taken = options.count_samples && options.mode == Mode::kComposite &&
-                       !options.with_depth && rayThreshold(options) < 1;
+                       !options.with_depth && (rayThreshold(options) < 1 || options.counts_leaps);
   return setup;
 }
 

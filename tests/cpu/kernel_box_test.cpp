@@ -37,7 +37,7 @@ TEST(KernelBox, largeBoxesAreDrawnInPartsFrontToBack) {
     for (const double azimuth : {20.0, 160.0}) {
       const FrameSetup setup = setupOf(dims, projection, azimuth);
       std::vector<KernelBox> parts;
-      appendBox(setup, box, &chunk, &none, parts);
+      appendBox(setup, box, &chunk, &none, nullptr, parts);
       ASSERT_GT(parts.size(), 1U);
       double cells = 0;
       for (const KernelBox& part : parts) {
@@ -63,10 +63,10 @@ TEST(KernelBox, boxesThatNoPixelSeesAreLeftOut) {
   std::vector<KernelBox> boxes;
   BoxDraw box;
   box.cells = {{500, 0, 0}, {507, 7, 7}};
-  appendBox(setup, box, nullptr, nullptr, boxes);
+  appendBox(setup, box, nullptr, nullptr, nullptr, boxes);
   EXPECT_TRUE(boxes.empty());
   box.cells = boxOf({7, 7, 7});
-  appendBox(setup, box, nullptr, nullptr, boxes);
+  appendBox(setup, box, nullptr, nullptr, nullptr, boxes);
   EXPECT_EQ(boxes.size(), 1U);
 }
 

@@ -1,0 +1,137 @@
+#include "src/cpu/leap_grid.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace sluice {
+namespace {
+
+// Entries beyond an interval of values that are looked at, too: what rounding may move.
+constexpr double kMarginEntries = 0.02;
+// Below it lies the stand-in for texels that are no number.
+constexpr float kNoNumber = -2e30F;
+
+template <class T>
+struct Range {
+  T lo, hi;
+};
+
+template <class T>
+constexpr Range<T> kNothing{std::numeric_limits<T>::max(), std::numeric_limits<T>::lowest()};
+
+// Takes `count` texels into as many ranges.
+template <class T>
+void widen(const T* texels, T* lo, T* hi, int64_t count) {
+  for (int64_t i = 0; i < count; ++i) {
+    T least = texels[i];
+    if constexpr (std::is_same_v<T, float>) least = least < kNoNumber ? kNothing<T>.lo : least;
+    lo[i] = std::min(lo[i], least);
+    hi[i] = std::max(hi[i], texels[i]);
+  }
+}
+
+template <class T>
+void setRanges(Vec3i storage, const T* texels, LeapGrid& grid) {
+  const auto row_texels = static_cast<size_t>(storage.x);
+  std::vector<T> lo(row_texels), hi(row_texels);
+  auto* out = reinterpret_cast<Range<T>*>(grid.ranges.data());
+  for (int64_t bz = 0; bz < grid.bricks.z; ++bz)
+    for (int64_t by = 0; by < grid.bricks.y; ++by) {
+      std::ranges::fill(lo, kNothing<T>.lo);
+      std::ranges::fill(hi, kNothing<T>.hi);
+      for (int64_t z = bz * kBrickSide; z <= std::min((bz + 1) * kBrickSide, storage.z - 1); ++z)
+        for (int64_t y = by * kBrickSide; y <= std::min((by + 1) * kBrickSide, storage.y - 1); ++y)
+          widen(texels + (z * storage.y + y) * storage.x, lo.data(), hi.data(), storage.x);
+      for (int64_t bx = 0; bx < grid.bricks.x; ++bx) {
+        const auto from = static_cast<size_t>(bx * kBrickSide);
+        const size_t to = std::min(from + kBrickSide + 1, row_texels);
+        Range<T> range = kNothing<T>;
+        for (size_t x = from; x < to; ++x)
+          range = {std::min(range.lo, lo[x]), std::max(range.hi, hi[x])};
+        *out++ = range;
+      }
+    }
+}
+
+// Each flag becomes whether it or one beside it along the axis was set. `stride` is the axis's.
+void spreadAlong(std::vector<uint8_t>& flags, int64_t count, int64_t stride,
+                 std::vector<uint8_t>& before) {
+  before.assign(flags.begin(), flags.end());
+  const auto take = [&](int64_t to, int64_t from, int64_t many) {
+    for (int64_t i = 0; i < many; ++i)
+      flags[static_cast<size_t>(to + i)] |= before[static_cast<size_t>(from + i)];
+  };
+  const int64_t line = count * stride, all = static_cast<int64_t>(flags.size());
+  for (int64_t at = 0; at < all; at += line) {
+    take(at + stride, at, line - stride);
+    take(at, at + stride, line - stride);
+  }
+}
+
+}  // namespace
+
+ShownValues::ShownValues(const LookUp& look_up) : interpolates_(look_up.interpolates) {
+  const size_t entries = look_up.rgba.size() / 4;
+  const ValueRange range = look_up.device_range;
+  scale_ = range.hi > range.lo ? static_cast<double>(entries - 1) / (range.hi - range.lo) : 0;
+  offset_ = -range.lo * scale_;
+  for (size_t entry = 0; entry < entries; ++entry)
+    shown_before_.push_back(shown_before_.back() + (look_up.rgba[4 * entry + 3] > 0 ? 1 : 0));
+}
+
+bool ShownValues::anyIn(float lo, float hi) const {
+  if (lo > hi) return false;
+  const double last = static_cast<double>(shown_before_.size()) - 2;
+  const auto entryOf = [&](double value) {
+    const double entry = value * scale_ + offset_;
+    return entry > 0 ? std::min(entry, last) : 0.0;
+  };
+  // Interpolated ones take from both entries around, others from the nearest.
+  const double half = interpolates_ ? 0 : 0.5;
+  const double from = std::floor(entryOf(lo) - kMarginEntries + half);
+  const double to = interpolates_ ? std::ceil(entryOf(hi) + kMarginEntries)
+                                  : std::floor(entryOf(hi) + kMarginEntries + half);
+  return shown_before_[static_cast<size_t>(std::min(to, last)) + 1] >
+         shown_before_[static_cast<size_t>(std::max(from, 0.0))];
+}
+
+LeapGrid leapGrid(const ChunkTexels& chunk, const std::byte* bytes) {
+  const Vec3i storage = chunk.storage_vox;
+  LeapGrid grid;
+  for (int a = 0; a < 3; ++a)
+    grid.bricks[a] = (std::max<int64_t>(storage[a] - 1, 1) + kBrickSide - 1) / kBrickSide;
+  const auto bricks = static_cast<size_t>(volume(grid.bricks));
+  grid.ranges.resize(bricks * 2 * bytesPerVoxel(chunk.type));
+  visitDeviceType(chunk.type, [&](auto tag) {
+    using T = decltype(tag);
+    setRanges(storage, reinterpret_cast<const T*>(bytes), grid);
+  });
+  return grid;
+}
+
+void setDistances(LeapGrid& grid, DeviceType type, const ShownValues& shown) {
+  const auto bricks = static_cast<size_t>(volume(grid.bricks));
+  std::vector<uint8_t> shows(bricks), copy;
+  size_t count = 0;
+  visitDeviceType(type, [&](auto tag) {
+    using T = decltype(tag);
+    const auto* ranges = reinterpret_cast<const Range<T>*>(grid.ranges.data());
+    for (size_t i = 0; i < bricks; ++i) {
+      shows[i] = shown.anyIn(static_cast<float>(ranges[i].lo), static_cast<float>(ranges[i].hi));
+      count += shows[i];
+    }
+  });
+  grid.shown_share = static_cast<double>(count) / static_cast<double>(bricks);
+  grid.distances.assign(bricks + 4, 0);
+  const Vec3i size = grid.bricks;
+  for (int distance = 0; distance < kMostDistance; ++distance) {
+    for (size_t i = 0; i < bricks; ++i) grid.distances[i] += 1 - shows[i];
+    if (distance + 1 == kMostDistance) break;
+    spreadAlong(shows, size.x, 1, copy);
+    spreadAlong(shows, size.y, size.x, copy);
+    spreadAlong(shows, size.z, size.x * size.y, copy);
+  }
+}
+
+}  // namespace sluice

@@ -1,0 +1,193 @@
+// What may be leapt over is checked cell by cell, and pictures are the same with and without.
+#include "src/cpu/leap_grid.h"
+
+#include <gtest/gtest.h>
+
+#include <fmt/format.h>
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <vector>
+
+#include "src/render/frame_setup.h"
+#include "tests/cpu/test_device.h"
+#include "tests/support/plain_device.h"
+
+namespace sluice {
+namespace {
+
+constexpr Vec3i kDims{45, 38, 41};
+
+// Opaque from `least` to `most`, entries a device value.
+LookUp showing(double least, double most, bool interpolates = false) {
+  LookUp look_up;
+  look_up.device_range = {0, 255};
+  look_up.interpolates = interpolates;
+  for (int entry = 0; entry < 256; ++entry) {
+    const float opacity = entry >= least && entry <= most ? 0.05F : 0.0F;
+    look_up.rgba.insert(look_up.rgba.end(),
+                        {0.2F + static_cast<float>(entry) / 400, 0.5F, 0.9F, opacity});
+  }
+  return look_up;
+}
+
+// A few small balls in a lot of nothing that is not even.
+int valueAt(Vec3i at) {
+  const int noise = static_cast<int>((at.x * 7 + at.y * 13 + at.z * 5) % 23);
+  for (const Vec3d centre : {Vec3d{9, 8, 30}, Vec3d{33, 25, 9}, Vec3d{20, 30, 22}}) {
+    const Vec3d way = toDouble(at) - centre;
+    const double distance = std::sqrt(dot(way, way));
+    if (distance < 5) return 200 - static_cast<int>(distance * 15);
+  }
+  return noise;
+}
+
+ChunkTexelsPtr texelsOf(DeviceType type) {
+  std::vector<std::byte> bytes(static_cast<size_t>(volume(kDims)) * bytesPerVoxel(type));
+  size_t i = 0;
+  for (int64_t z = 0; z < kDims.z; ++z)
+    for (int64_t y = 0; y < kDims.y; ++y)
+      for (int64_t x = 0; x < kDims.x; ++x, ++i)
+        visitDeviceType(type, [&](auto tag) {
+          auto texel = static_cast<decltype(tag)>(valueAt({x, y, z}));
+          if constexpr (std::is_same_v<decltype(tag), float>)
+            if (x + 2 * y + z == 40) texel = kNotANumber;
+          std::memcpy(bytes.data() + i * sizeof(texel), &texel, sizeof(texel));
+        });
+  return chunkTexels(kDims, type, bytes);
+}
+
+size_t placeOf(const LeapGrid& grid, Vec3i brick) {
+  return static_cast<size_t>((brick.z * grid.bricks.y + brick.y) * grid.bricks.x + brick.x);
+}
+
+template <class F>
+void eachBrick(const LeapGrid& grid, F&& visit) {
+  for (int64_t z = 0; z < grid.bricks.z; ++z)
+    for (int64_t y = 0; y < grid.bricks.y; ++y)
+      for (int64_t x = 0; x < grid.bricks.x; ++x) visit(Vec3i{x, y, z});
+}
+
+// By the texels themselves: some of the brick's is at least `least`.
+bool reaches(Vec3i brick, int least) {
+  for (int64_t z = brick.z * kBrickSide; z <= (brick.z + 1) * kBrickSide && z < kDims.z; ++z)
+    for (int64_t y = brick.y * kBrickSide; y <= (brick.y + 1) * kBrickSide && y < kDims.y; ++y)
+      for (int64_t x = brick.x * kBrickSide; x <= (brick.x + 1) * kBrickSide && x < kDims.x; ++x)
+        if (valueAt({x, y, z}) >= least) return true;
+  return false;
+}
+
+TEST(LeapGridTest, distancesAreThoseToTheNearestBrickThatShowsSomething) {
+  const ChunkTexelsPtr texels = texelsOf(DeviceType::kU8);
+  LeapGrid grid = leapGrid(*texels, texels->bytes.get());
+  EXPECT_EQ(grid.bricks, (Vec3i{11, 10, 10}));
+  setDistances(grid, DeviceType::kU8, ShownValues(showing(100, 255)));
+  std::vector<Vec3i> shown;
+  eachBrick(grid, [&](Vec3i brick) {
+    if (reaches(brick, 100)) shown.push_back(brick);
+  });
+  ASSERT_GT(shown.size(), 10U);
+  EXPECT_DOUBLE_EQ(grid.shown_share,
+                   static_cast<double>(shown.size()) / static_cast<double>(volume(grid.bricks)));
+  int far = 0;
+  eachBrick(grid, [&](Vec3i brick) {
+    int64_t nearest = kMostDistance;
+    for (const Vec3i other : shown) {
+      const Vec3i way = brick - other;
+      nearest = std::min(nearest, std::max({std::abs(way.x), std::abs(way.y), std::abs(way.z)}));
+    }
+    EXPECT_EQ(grid.distances[placeOf(grid, brick)], nearest)
+        << brick.x << ' ' << brick.y << ' ' << brick.z;
+    far += nearest > 2 ? 1 : 0;
+  });
+  EXPECT_GT(far, 100) << "the volume is too full to tell";
+  // Another look, the same ranges.
+  setDistances(grid, DeviceType::kU8, ShownValues(showing(0, 255)));
+  EXPECT_EQ(grid.shown_share, 1);
+  setDistances(grid, DeviceType::kU8, ShownValues(showing(250, 255)));
+  EXPECT_EQ(grid.shown_share, 0);
+  eachBrick(grid,
+            [&](Vec3i brick) { EXPECT_EQ(grid.distances[placeOf(grid, brick)], kMostDistance); });
+}
+
+TEST(LeapGridTest, valuesBetweenTwoThatShowNothingMayShowSomething) {
+  const ShownValues band(showing(40, 60));
+  EXPECT_TRUE(band.anyIn(10, 200));
+  EXPECT_TRUE(band.anyIn(60, 200));
+  EXPECT_TRUE(band.anyIn(10, 40));
+  EXPECT_TRUE(band.anyIn(50, 50));
+  EXPECT_FALSE(band.anyIn(10, 39)) << "rounds to an entry of nothing";
+  EXPECT_FALSE(band.anyIn(61, 255));
+  EXPECT_TRUE(band.anyIn(10, 39.5F)) << "the nearest entry shows something";
+  EXPECT_FALSE(band.anyIn(10, 39.4F));
+  const ShownValues smooth(showing(40, 60, true));
+  EXPECT_TRUE(smooth.anyIn(10, 39.1F)) << "takes part of the entry above";
+  EXPECT_FALSE(smooth.anyIn(10, 38.9F));
+  EXPECT_TRUE(smooth.anyIn(60.9F, 255));
+  EXPECT_FALSE(smooth.anyIn(61.1F, 255));
+  EXPECT_FALSE(band.anyIn(3e38F, -3e38F)) << "no value at all";
+}
+
+struct Drawn {
+  Picture picture;
+  uint64_t taken = 0;
+};
+Drawn draw(SimdTarget target, FrameSetup setup, bool leaps) {
+  TestCpuDevice device(target);
+  setup.leaps = leaps;
+  setup.counts_taken = true;
+  device.makeResident(1, texelsOf(setup.type));
+  std::vector<BoxDraw> boxes;
+  // Whole, and parts that begin within bricks.
+  for (const auto& [lo, hi] : {std::pair<int64_t, int64_t>{0, 19}, {19, 22}, {22, kDims.z - 1}}) {
+    BoxDraw box;
+    box.chunk = 1;
+    box.cells = {{1, 0, lo}, {kDims.x - 1, kDims.y - 2, hi}};
+    boxes.push_back(box);
+  }
+  const double way = setup.rays.step0.z + setup.rays.step_dx.z * 30 + setup.rays.step_dy.z * 30;
+  if (way < 0) std::ranges::reverse(boxes);
+  device.beginFrame(setup);
+  device.draw(boxes);
+  Drawn drawn{device.endFrame(), 0};
+  drawn.taken = device.takenSamples();
+  device.evict(1);
+  return drawn;
+}
+
+TEST(LeapGridTest, leapingLeavesOutSamplesAndNothingOfThePicture) {
+  VolumeLayout layout;
+  layout.dims = kDims;
+  layout.spacing = {1, 1.1, 0.8};
+  for (const SimdTarget target : simdTargets())
+    for (const DeviceType type : {DeviceType::kU8, DeviceType::kU16, DeviceType::kF32})
+      for (const Projection projection : {Projection::kOrtho, Projection::kPerspective})
+        for (const double azimuth : {0.0, 33.0, 200.0}) {
+          FrameOptions options;
+          options.camera.projection = projection;
+          options.camera.azimuth_deg = azimuth;
+          options.camera.elevation_deg = azimuth / 10;
+          options.size = {67, 59};
+          options.step_vox = 0.6;
+          const ValueMap map = deviceMap(layout);
+          const TransferFunction transfer{{{0, {0.2, 0.3, 0.9}}, {255, {1, 0.6, 0.1}}},
+                                          {{0, 0}, {99, 0}, {100, 0.1}, {255, 0.3}},
+                                          "t"};
+          FrameSetup setup =
+              frameSetup(resolve(options.camera, layout, options.size, options.step_vox), layout,
+                         OpacityTable(transfer, map, {0, 255}), map, options);
+          setup.type = type;
+          for (const bool lit : {false, true}) {
+            setup.lit = lit;
+            SCOPED_TRACE(fmt::format("{}, {}, projection {}, azimuth {}, lit {}", name(target),
+                                     name(type), static_cast<int>(projection), azimuth, lit));
+            const Drawn all = draw(target, setup, false), leapt = draw(target, setup, true);
+            EXPECT_EQ(all.picture.rgba, leapt.picture.rgba);
+            EXPECT_LT(leapt.taken, all.taken / 3);
+            EXPECT_GT(leapt.taken, 1000U);
+          }
+        }
+}
+
+}  // namespace
+}  // namespace sluice
