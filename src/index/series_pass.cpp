@@ -56,6 +56,13 @@ class Pass {
            2 * (voxels + parts) * sizeof(float);
   }
 
+  // As progress counts them: voxels of so many blocks at one step.
+  uint64_t bytesOfSteps(int64_t blocks) const {
+    const int64_t side = layout_.cells();
+    return static_cast<uint64_t>(blocks * volume(Vec3i{side, side, side})) *
+           bytesPerVoxel(source_.layout().type);
+  }
+
   std::vector<Run> runs(int threads) const {
     const uint64_t a_thread = options_.most_bytes / static_cast<uint64_t>(threads);
     const int64_t most =
@@ -78,7 +85,7 @@ class Pass {
       add(clocks_.read, watch);
       for (int64_t i = 0; i < run.count; ++i)
         addStep(growing[static_cast<size_t>(i)], run.first + i, step, box, voxels, current);
-      progress.add(1);
+      progress.add(bytesOfSteps(run.count));
     }
     std::vector<BlockOpacity> result;
     for (Growing& each : growing) {
@@ -239,7 +246,7 @@ SeriesOpacity makeSeriesOpacity(VolumeSource& source, const BlockLayout& layout,
   Pass pass(source, layout, steps, table, options);
   const std::vector<Run> runs = pass.runs(pool.threads());
   std::vector<BlockOpacity> blocks(static_cast<size_t>(layout.blockCount()));
-  progress.expect(runs.size() * steps.size());
+  progress.expect(pass.bytesOfSteps(layout.blockCount()) * steps.size());
   pool.parallelFor(static_cast<int64_t>(runs.size()), [&](int64_t i) {
     const Run& run = runs[static_cast<size_t>(i)];
     std::vector<BlockOpacity> made = pass.of(run, progress, stop);

@@ -33,6 +33,12 @@ CulledBlocks::CulledBlocks(SeriesOpacityPtr series, const VolumeLayout& layout,
   SLUICE_CHECK_EQ(series_->steps, layout_.time_steps);
 }
 
+const CullingCounts& CulledBlocks::countsOf(int64_t time) const {
+  if (counts_.time == time) return counts_;
+  SLUICE_CHECK_EQ(before_.time, time);
+  return before_;
+}
+
 VisibleBlocksPtr CulledBlocks::choose(const BlockQuestion& question) {
   const VisibleBlocksPtr all = classified_.choose(question);
   const bool same_view =
@@ -54,7 +60,9 @@ VisibleBlocksPtr CulledBlocks::choose(const BlockQuestion& question) {
     (block.kind == BlockClass::kBlack ? chosen->black : chosen->grey) += 1;
     chosen->blocks.push_back(block);
   }
-  counts_ = {static_cast<int64_t>(all->blocks.size()),
+  before_ = counts_;
+  counts_ = {question.step.time,
+             static_cast<int64_t>(all->blocks.size()),
              static_cast<int64_t>(chosen->blocks.size()),
              estimate_->pixelsChecked(),
              estimate_->allPixels(),

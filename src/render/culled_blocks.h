@@ -27,6 +27,7 @@ struct CullingOptions {
 
 // What the last choice took and found.
 struct CullingCounts {
+  int64_t time = -1;  // step
   int64_t blocks_nonempty = 0, blocks_visible = 0;
   int64_t pixels_checked = 0, pixels = 0;
   int64_t changed_blocks = 0;
@@ -41,6 +42,9 @@ class CulledBlocks : public BlockChooser {
 
   VisibleBlocksPtr choose(const BlockQuestion& question) override;
   const CullingCounts& counts() const { return counts_; }
+  // Of a step: the last one that was chosen for, or the one before it, since a frame may choose for
+  // the next step too. Requires: one of them.
+  const CullingCounts& countsOf(int64_t time) const;
 
  private:
   struct Asked {
@@ -58,7 +62,7 @@ class CulledBlocks : public BlockChooser {
   std::optional<VisibilityEstimate> estimate_;
   std::optional<Asked> asked_;
   VisibleBlocksPtr answer_;
-  CullingCounts counts_;
+  CullingCounts counts_, before_;
 };
 
 // What the estimate needs of a view.
