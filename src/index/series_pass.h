@@ -43,7 +43,7 @@ class StepBlocks {
 struct SeriesPassOptions {
   double difference = 0.001;  // blocks of less (equation 2) are fused; 0: none are
   int64_t part_cells = 4;
-  DirectionGrid directions;
+  DirectionGrid directions = {};
   uint64_t most_bytes = uint64_t{256} << 20;  // of all workers
 };
 

@@ -102,7 +102,7 @@ class VisibilityEstimate {
   std::vector<int64_t> axisOrder(int axis, int64_t first, int64_t count, int64_t side,
                                  int64_t offset) const;
   std::vector<size_t> affectedTiles(int64_t step) const;
-  void estimateTile(Tile& tile, TileWork& work) const;
+  void estimateTile(Tile& tile) const;
   float ratioOf(const OpacityFunction& function, const Place& place) const;
 
   const SeriesOpacityPtr series_;
