@@ -94,8 +94,9 @@ Command addPrepare(CLI::App& program) {
   arguments->look.first_picture = true;
   CLI::App* app = program.add_subcommand(
       "prepare",
-      "Makes what --culling needs, ahead: how much each block of a series hides, and when that "
-      "changes; kept with the index, for the look that is given\n\n"
+      "Makes what render --culling needs of a series, ahead\n\n"
+      "How much each block hides, and at which steps that changes: kept with the index, for the "
+      "look that is given.\n\n"
       "  sluice prepare 'step_%03d.raw' --threshold 40");
   addVolumeOptions(*app, arguments->volume);
   addLookOptions(*app, arguments->look, arguments->frame);

@@ -347,8 +347,6 @@ Command addRender(CLI::App& program) {
   output.flag("--verify", arguments->verify,
               "Draws the plain way too and prints the largest and mean difference");
   addForceOption(output, arguments->force);
-  output.flag("--continue", arguments->resume,
-              "Draws only those of several pictures that are not there yet");
   addQuietOption(output, arguments->resources.quiet);
   addJsonOption(output, arguments->json, "Prints the report instead of a summary");
   addLookOptions(*app, arguments->look, arguments->frame);
@@ -356,6 +354,9 @@ Command addRender(CLI::App& program) {
   addViewOptions(*app, arguments->frame);
   addFitOption(*app, arguments->fit);
   addCullingOptions(*app, arguments->culling, true);
+  OptionGroup(*app, kSeriesHeading)
+      .flag("--continue", arguments->resume,
+            "Draws only those of several pictures that are not there yet");
   addResourceOptions(*app, arguments->resources);
   return [arguments, app] { return run(*arguments, *app); };
 }

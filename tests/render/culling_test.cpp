@@ -265,6 +265,38 @@ TEST(Culling, whatIsCutAwayHidesNothing) {
   }
 }
 
+// What the next step needs is in the buffers when it is asked for, and what it does not is not.
+TEST(Culling, theNextStepIsReadWhileOneIsDrawn) {
+  const auto source = rocks(5, {50, 45, 61}, 3);
+  PlainDevice device;
+  RenderScene scene(device, *source, looks(0), {.block_vox = 8, .threads = 1});
+  const TestSeries series = makeTestSeries(
+      *source, scene.ranges().layout, makeLook(scene.step(), looks(0), Mode::kComposite).table);
+  WorkerPool pool(2);
+  CulledBlocks culled(series.opacity, source->layout(), {}, pool);
+  Session& session = scene.session();
+  session.chooseBlocksBy(&culled);
+  CullingScene next(*source, looks(0), 8, 1);
+  const FrameOptions options = obliqueView(Projection::kOrtho);
+  session.expectAfterwards(next.step);
+  scene.frame(options);
+  const CullingCounts first = culled.countsOf(0), second = culled.countsOf(1);
+  EXPECT_GT(first.blocks_visible, 0);
+  session.setTimeStep(next.step);
+  const uint64_t requests = session.textureBufferCounters().requests;
+  const Frame frame = scene.frame(options);
+  EXPECT_EQ(frame.report.grey + frame.report.black, second.blocks_visible);
+  EXPECT_GT(session.textureBufferCounters().requests, requests);
+  // Each visible block of both steps was loaded once at the most, whoever asked for it.
+  EXPECT_LE(session.volumeBufferCounters().loads,
+            static_cast<uint64_t>(first.blocks_visible + second.blocks_visible));
+  PlainDevice other_device;
+  RenderScene other(other_device, *source, looks(0), {.block_vox = 8, .time = 1});
+  other.session().chooseBlocksBy(&culled);
+  EXPECT_EQ(other.frame(options).picture.rgba, frame.picture.rgba);
+  session.chooseBlocksBy(nullptr);
+}
+
 TEST(Culling, theSameAnswerIsTheSameObject) {
   const auto source = rocks(9);
   CullingScene scene(*source, looks(0), 8);

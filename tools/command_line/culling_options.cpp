@@ -3,7 +3,7 @@
 namespace sluice {
 
 void addCullingOptions(CLI::App& app, CullingArguments& arguments, bool chooses) {
-  const OptionGroup group(app, "Culling");
+  const OptionGroup group(app, kSeriesHeading);
   if (chooses)
     group.choice("--culling",
                  Words<Culling>{{"none", Culling::kNone},

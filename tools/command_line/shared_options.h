@@ -52,6 +52,7 @@ CLI::Option* addTypeOption(const OptionGroup& group, const std::vector<VoxelType
 }
 
 inline constexpr const char* kOutputHeading = "Output";
+inline constexpr const char* kSeriesHeading = "Series";
 inline constexpr const char* kMachineHeading = "Memory and device";
 
 }  // namespace sluice
