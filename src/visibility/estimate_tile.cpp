@@ -97,25 +97,30 @@ class VisibilityEstimate::TileWork {
     }
     const PartGrid grid = of_.series_->partsOf(block);
     const Vec3i count = grid.count();
-    std::array<std::vector<int64_t>, 3> order;
-    for (int a = 0; a < 3; ++a)
-      order[static_cast<size_t>(a)] = of_.axisOrder(a, 0, count[a], grid.side, cells.lo[a]);
+    for (int a = 0; a < 3; ++a) setOrder(a, count[a], grid.side, cells.lo[a]);
     // Layers and rows of parts first: most have nothing in a tile.
-    for (const int64_t z : order[2]) {
+    for (const int64_t z : order_[2]) {
       const Box3 layer{grid.cellsOf({0, 0, z}).lo + cells.lo,
                        grid.cellsOf({count.x - 1, count.y - 1, z}).hi + cells.lo};
       if (!meets(of_.footprintOf(layer))) continue;
-      for (const int64_t y : order[1]) {
+      for (const int64_t y : order_[1]) {
         const Box3 row{grid.cellsOf({0, y, z}).lo + cells.lo,
                        grid.cellsOf({count.x - 1, y, z}).hi + cells.lo};
         if (!meets(of_.footprintOf(row))) continue;
-        for (const int64_t x : order[0])
+        for (const int64_t x : order_[0])
           addPart(translate(grid.cellsOf({x, y, z}), cells.lo), place.whole,
                   function.parts.empty()
                       ? function.floor
                       : function.parts[static_cast<size_t>((z * count.y + y) * count.x + x)]);
       }
     }
+  }
+
+  // That of a parallel view is that of the last block, if it has as many parts.
+  void setOrder(int axis, int64_t count, int64_t side, int64_t first) {
+    std::vector<int64_t>& order = order_[static_cast<size_t>(axis)];
+    if (of_.view_.parallel && static_cast<int64_t>(order.size()) == count) return;
+    order = of_.axisOrder(axis, 0, count, side, first);
   }
 
   void addPart(const Box3& part, bool block_is_whole, uint8_t packed) {
@@ -199,7 +204,8 @@ class VisibilityEstimate::TileWork {
   TileRays rays_;
   TileRays::BoxPlanes planes_{};
   int x0_ = 0, y0_ = 0, x1_ = 0, y1_ = 0;
-  bool rises_ = false;  // something was added
+  bool rises_ = false;                         // something was added
+  std::array<std::vector<int64_t>, 3> order_;  // of parts
   std::array<float, kTilePixels> sum_{}, before_{}, level_{}, rising_{}, since_{};
   std::array<float, static_cast<size_t>(kSide)> thickness_{};
 };

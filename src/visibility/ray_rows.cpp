@@ -20,7 +20,7 @@ void TileRays::set(const RayGrid& rays, bool parallel, double first_slice, int x
   origin_ = rays.origin0 + rays.origin_dx * px + rays.origin_dy * py;
   dx_ = rays.origin_dx;
   dy_ = rays.origin_dy;
-  step_ = {safe(rays.step0.x), safe(rays.step0.y), safe(rays.step0.z)};
+  slices_ = {1 / safe(rays.step0.x), 1 / safe(rays.step0.y), 1 / safe(rays.step0.z)};
   // The first sample in front of the eye is half a slice behind this.
   first_ = static_cast<float>(first_slice > 0 ? first_slice : -1e9);
   if (parallel) return;
@@ -42,7 +42,7 @@ TileRays::BoxPlanes TileRays::planesOf(Vec3d lo, Vec3d hi) const {
     box.lo[i] = static_cast<float>(lo[a]);
     box.hi[i] = static_cast<float>(hi[a]);
     if (!parallel_) continue;
-    const double scale = 1 / step_[a];
+    const double scale = slices_[a];
     const double at_lo = (lo[a] - origin_[a]) * scale, at_hi = (hi[a] - origin_[a]) * scale;
     box.entry[i] = static_cast<float>(std::min(at_lo, at_hi));
     box.exit[i] = static_cast<float>(std::max(at_lo, at_hi));
@@ -78,6 +78,33 @@ void TileRays::thickness(const BoxPlanes& box, int y, int x0, int x1, float* out
       exit = std::min(exit, std::max(at_lo, at_hi));
     }
     out[x - x0] = exit - entry;
+  }
+}
+
+void addStretch(const float* __restrict thickness, int count, float k, const RaySums& rays) {
+  float* __restrict sums = rays.sum;
+  float* __restrict levels = rays.level;
+  float* __restrict risings = rays.rising;
+  float* __restrict sinces = rays.since;
+  // Without branches, for all lanes of a vector at once.
+  for (int x = 0; x < count; ++x) {
+    const float d = std::max(thickness[x] - kThicknessDoubt, 0.0F);
+    const float level = levels[x], rising = risings[x], since = sinces[x];
+    const float kept = std::min(k, level);
+    // What was rising goes on to rise, or is through.
+    const float both = std::max(kept, std::min(k, rising));
+    const float run = since + d;
+    sums[x] +=
+        kept * d + (both - kept) * std::max(run - 1, 0.0F) + (k - both) * std::max(d - 1, 0.0F);
+    // Of two that rise the one that was there for longer stays, unless it ends here.
+    const float next = run >= 1 ? both : kept;
+    const float waits = both > kept ? both : k, waits_since = both > kept ? run : d;
+    const float next_rising = run >= 1 ? k : waits, next_since = run >= 1 ? d : waits_since;
+    const float now = d >= 1 ? k : next;
+    const float now_rising = d >= 1 ? 0 : next_rising, now_since = d >= 1 ? 0 : next_since;
+    levels[x] = d > 0 ? now : level;
+    risings[x] = d > 0 ? now_rising : rising;
+    sinces[x] = d > 0 ? now_since : since;
   }
 }
 

@@ -38,7 +38,8 @@ class TileRays {
  private:
   bool parallel_ = true;
   float first_ = 0;
-  Vec3d origin_, dx_, dy_, step_;  // at the centre of the tile's pixel (0, 0)
+  Vec3d origin_, dx_, dy_;  // at the centre of the tile's pixel (0, 0)
+  Vec3d slices_;            // a voxel along each axis there
   // Perspective: of each pixel.
   std::array<std::array<float, kSide * kSide>, 3> at_{}, slices_a_voxel_{};
 };
@@ -54,26 +55,6 @@ struct RaySums {
 };
 
 // A stretch of `thickness` slices of extinction `k`: see visibility_estimate.h. `count` pixels.
-inline void addStretch(const float* thickness, int count, float k, const RaySums& rays) {
-  for (int x = 0; x < count; ++x) {
-    const float d = std::max(thickness[x] - kThicknessDoubt, 0.0F);
-    const float level = rays.level[x], rising = rays.rising[x];
-    const float kept = std::min(k, level);
-    // What was rising goes on to rise, or is through.
-    const float both = std::max(kept, std::min(k, rising));
-    const float run = rays.since[x] + d;
-    const float over = std::max(run - 1, 0.0F), alone = std::max(d - 1, 0.0F);
-    rays.sum[x] += kept * d + (both - kept) * over + (k - both) * alone;
-    const bool is_through = run >= 1, is_through_alone = d >= 1;
-    const float next = is_through_alone ? k : is_through ? both : kept;
-    // Of two that rise the one that was there for longer, unless it ends here.
-    const bool is_old = !is_through && both > kept;
-    const float next_rising = is_through_alone ? 0 : is_old ? both : k;
-    const float next_since = is_through_alone ? 0 : is_old ? run : d;
-    rays.level[x] = d > 0 ? next : level;
-    rays.rising[x] = d > 0 ? next_rising : rising;
-    rays.since[x] = d > 0 ? next_since : rays.since[x];
-  }
-}
+void addStretch(const float* thickness, int count, float k, const RaySums& rays);
 
 }  // namespace sluice

@@ -213,12 +213,43 @@ void VisibilityEstimate::makeTiles() {
   }
 }
 
+// The cells of the block of which it makes a difference that the one function stands for it and no
+// longer the other; empty where it makes none.
+Box3 VisibilityEstimate::changedCells(int64_t block, int32_t before, int32_t now) const {
+  const OpacityFunction& a = series_->functions[static_cast<size_t>(before)];
+  const OpacityFunction& b = series_->functions[static_cast<size_t>(now)];
+  const Place& place = places_[static_cast<size_t>(block)];
+  const Box3 cells = series_->cellsOf(block);
+  const float ratio_a = ratioOf(a, place), ratio_b = ratioOf(b, place);
+  const bool as_wholes = options_.form != OpacityForm::kOpof;
+  const bool has_table =
+      as_wholes || ratio_a > extinction_[a.floor] || ratio_b > extinction_[b.floor];
+  if (has_table && (ratio_a != ratio_b || a.floor != b.floor)) return cells;
+  Box3 changed{};
+  if (as_wholes) return changed;
+  const PartGrid grid = series_->partsOf(block);
+  const Vec3i count = grid.count();
+  size_t at = 0;
+  for (int64_t z = 0; z < count.z; ++z)
+    for (int64_t y = 0; y < count.y; ++y)
+      for (int64_t x = 0; x < count.x; ++x, ++at)
+        if ((a.parts.empty() ? a.floor : a.parts[at]) != (b.parts.empty() ? b.floor : b.parts[at]))
+          changed = unite(changed, grid.cellsOf({x, y, z}));
+  return changed.empty() ? changed : translate(changed, cells.lo);
+}
+
 std::vector<size_t> VisibilityEstimate::affectedTiles(int64_t step) const {
   std::vector<bool> is_affected(tiles_.size(), false);
   for (const int64_t block : series_->tree->changedBetween(step_, step)) {
-    if (series_->functionAt(block, step) == functions_[static_cast<size_t>(block)]) continue;
+    const int32_t before = functions_[static_cast<size_t>(block)];
+    const int32_t now = series_->functionAt(block, step);
+    if (now == before) continue;
     const Place& place = places_[static_cast<size_t>(block)];
-    const Rect& at = place.footprint;
+    const Box3 changed = changedCells(block, before, now);
+    if (changed.empty()) continue;
+    const Rect part = footprintOf(changed), whole = place.footprint;
+    const Rect at{std::max(part.x0, whole.x0), std::max(part.y0, whole.y0),
+                  std::min(part.x1, whole.x1), std::min(part.y1, whole.y1)};
     if (at.x0 >= at.x1 || at.y0 >= at.y1) continue;
     for (int y = at.y0 / kSide; y <= (at.y1 - 1) / kSide; ++y)
       for (int x = at.x0 / kSide; x <= (at.x1 - 1) / kSide; ++x) {

@@ -101,6 +101,7 @@ class VisibilityEstimate {
   bool isShown(const Box3& cells) const;
   std::vector<int64_t> axisOrder(int axis, int64_t first, int64_t count, int64_t side,
                                  int64_t offset) const;
+  Box3 changedCells(int64_t block, int32_t before, int32_t now) const;
   std::vector<size_t> affectedTiles(int64_t step) const;
   void estimateTile(Tile& tile) const;
   float ratioOf(const OpacityFunction& function, const Place& place) const;
