@@ -8,6 +8,26 @@
 
 namespace sluice {
 
+// Steps of a series: first, first + stride, ... up to last.
+struct TimeRange {
+  int64_t first = 0, last = 0, stride = 1;
+
+  int64_t count() const { return (last - first) / stride + 1; }
+  int64_t at(int64_t i) const { return first + i * stride; }
+};
+
+// Which blocks of a step are left out because others hide them (src/render/culled_blocks.h): none;
+// by the least opacity of a block; by the ratio of opacity to thickness; and the same, looking only
+// at what changes from step to step.
+enum class Culling { kNone, kPof, kOpof, kToc };
+
+struct CullingArguments {
+  Culling culling = Culling::kNone;
+  double difference = 0.001;  // of blocks that are fused
+  int directions = 4;         // rows of the table of directions over 90 degrees
+  int64_t part = 4;           // cells a side of a block's parts
+};
+
 struct ResourceArguments : MachineOptions {
   std::string index_dir;  // of the indices of all volumes; empty: as tools/environment.h says
   bool quiet = false;     // no progress, no warnings

@@ -12,6 +12,7 @@
 #include "tools/command_line/console.h"
 #include "tools/command_line/shared_options.h"
 #include "tools/commands.h"
+#include "tools/culling_bench.h"
 #include "tools/occlusion_bench.h"
 #include "tools/packing_bench.h"
 #include "tools/report.h"
@@ -249,6 +250,26 @@ Command addBench(CLI::App& program) {
   OptionGroup(*occlusion, kOutputHeading)
       .number("--adapt-frames", "N", *adapt_frames, {0, 100'000},
               "Frames of each of four views whose numbers of map updates are listed (Figure 6)");
+  auto culled = std::make_shared<CullingBench>();
+  culled->frame = arguments->frame;
+  CLI::App* culling = app->add_subcommand(
+      "culling",
+      "Gao's figures and table for a series: blocks with culling and without, the optimum, what "
+      "changes from step to step, thresholds of fusion, and the time of the series\n\n"
+      "  sluice bench culling 'step_%03d.raw' --threshold 40");
+  addVolumeOptions(*culling, culled->volume);
+  addLookOptions(*culling, culled->look, culled->frame);
+  addViewOptions(*culling, culled->frame);
+  addCullingOptions(*culling, culled->culling, false);
+  addResourceOptions(*culling, culled->resources);
+  const OptionGroup culling_output(*culling, kOutputHeading);
+  culling_output.number("--views", "N", culled->views, {1, 360}, "Views of a turn");
+  culling_output.flag("--no-optimum", culled->no_optimum,
+                      "Without the limit that early ray termination sets, which reads every step");
+  culling_output.flag("--no-thresholds", culled->no_thresholds,
+                      "Without thresholds of fusion, which make all functions five times");
+  culling_output.flag("--no-series", culled->no_series, "Without drawing the series");
+  addJsonOption(culling_output, arguments->json);
   auto changes = std::make_shared<int>(24);
   CLI::App* threshold = app->add_subcommand(
       "threshold",
@@ -277,6 +298,7 @@ Command addBench(CLI::App& program) {
     if (limit->parsed()) return runLimit(*arguments);
     if (simulate->parsed()) return runSimulate(arguments->json);
     if (packing->parsed()) return runPacking(*arguments);
+    if (culling->parsed()) return show(benchCulling(*culled), *arguments, *culling, printCulling);
     if (threshold->parsed()) return runThreshold(*arguments, *changes, *threshold);
     if (slicing->parsed()) return runSlicing(arguments->json);
     if (skipping->parsed()) {

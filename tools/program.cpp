@@ -68,7 +68,7 @@ CommandLine makeCommandLine() {
   program.set_version_flag("-V,--version", SLUICE_VERSION);
   program.require_subcommand(1);
   const std::vector<Heading> headings = {{"Pictures", {addRender, addInfo, addPlan}},
-                                         {"Volumes", {addSynth, addPack}},
+                                         {"Volumes", {addSynth, addPack, addPrepare}},
                                          {"Measuring", {addSimulate, addBench, addDoctor}}};
   for (const auto& [title, commands] : headings)
     for (const auto add : commands) {

@@ -21,6 +21,7 @@
 #include "tools/picture_output.h"
 #include "tools/report.h"
 #include "tools/scene.h"
+#include "tools/series.h"
 #include "tools/trace_files.h"
 
 namespace sluice {
@@ -39,6 +40,9 @@ struct Arguments {
   std::string path_file;
   std::string trace_file;
   int64_t frames = 1;
+  std::optional<TimeRange> times;
+  CullingArguments culling;
+  bool resume = false;
   bool force = false;
   bool verify = false;
   bool debug_view = false;
@@ -49,15 +53,32 @@ struct Verification {
   double max_difference = 0, mean_difference = 0;  // in 1/255
 };
 
-// Frames of a turntable are numbered from 0, a single picture of a series by its time step.
+int64_t frameCount(const Arguments& arguments) {
+  return arguments.times ? arguments.times->count() : arguments.frames;
+}
+
+int64_t timeOf(const Arguments& arguments, int64_t frame) {
+  return arguments.times ? arguments.times->at(frame) : arguments.volume.time;
+}
+
+// Frames of a turntable are numbered from 0, pictures of a series by their time steps.
 std::filesystem::path frameName(const Arguments& arguments, int64_t frame) {
   const bool is_turn = arguments.frames > 1;
-  return numberedName(arguments.output, is_turn ? frame : arguments.volume.time, is_turn);
+  return numberedName(arguments.output, is_turn ? frame : timeOf(arguments, frame),
+                      frameCount(arguments) > 1);
 }
 
 // A single picture has its own progress, if any.
 bool showsFrames(const Arguments& arguments) {
-  return arguments.frames > 1 && !arguments.resources.quiet;
+  return frameCount(arguments) > 1 && !arguments.resources.quiet;
+}
+
+// Those that are still to be drawn: pictures appear whole or not at all.
+std::vector<int64_t> framesToDraw(const Arguments& arguments) {
+  std::vector<int64_t> frames;
+  for (int64_t i = 0; i < frameCount(arguments); ++i)
+    if (!arguments.resume || !std::filesystem::exists(frameName(arguments, i))) frames.push_back(i);
+  return frames;
 }
 
 bool isExr(const Arguments& arguments) {
@@ -68,7 +89,7 @@ Outputs outputsOf(const Arguments& arguments) {
   Outputs outputs(arguments.force);
   outputs.reads(arguments.volume.inputs);
   outputs.reads({arguments.look.transfer_file, arguments.path_file});
-  for (int64_t i = 0; i < arguments.frames; ++i)
+  for (const int64_t i : framesToDraw(arguments))
     outputs.writes("-o", frameName(arguments, i),
                    isExr(arguments) ? FileKind::kExr : FileKind::kPng);
   if (arguments.debug_view)
@@ -87,6 +108,7 @@ Verification verify(Scene& scene, FrameOptions options, const Picture& picture) 
   options.occlusion = Occlusion::kOff;
   options.count_samples = false;
   options.keep_phases = false;
+  scene.session->chooseBlocksBy(nullptr);
   scene.session->setOptions(options);
   const Picture plain = scene.session->frame().picture;
   Verification result;
@@ -111,14 +133,20 @@ void checkOutput(const Arguments& arguments) {
     fail("{}: --annotate draws over .png pictures; an .exr holds values", arguments.output);
   if (arguments.aovs && arguments.aovs->depth && arguments.frame.mode != Mode::kComposite)
     fail("--aov depth is of --mode composite, where samples have an opacity to weigh them");
-  if (arguments.debug_view && arguments.frames > 1)
-    fail("--debug-view is of one frame, not of --frames {}", arguments.frames);
+  if (arguments.debug_view && frameCount(arguments) > 1)
+    fail("--debug-view is of one frame, not of {}", frameCount(arguments));
+  if (arguments.times && arguments.frames > 1)
+    fail("--frames {} is of one time step, not of a range of --time", arguments.frames);
+  if (arguments.culling.culling != Culling::kNone && arguments.frame.mode != Mode::kComposite)
+    fail("--culling is of --mode composite, where what is in front hides what is behind");
+  if (arguments.verify && arguments.culling.culling != Culling::kNone && frameCount(arguments) > 1)
+    fail("--verify with --culling is of one frame, not of {}", frameCount(arguments));
   if (arguments.debug_view && arguments.frame.occlusion == Occlusion::kOff &&
       arguments.frame.partition == Partition::kBlocks)
     fail("--debug-view shows what --occlusion and --partition boxes do; give one of them");
 }
 
-void printHuman(const Scene& scene, const std::vector<RenderedFrame>& frames,
+void printHuman(const Scene& scene, const Series& series, const std::vector<RenderedFrame>& frames,
                 const std::filesystem::path& last, const std::optional<Verification>& verified) {
   const FrameReport& report = frames.back().report;
   const VolumeLayout& layout = scene.volume.source->layout();
@@ -131,6 +159,12 @@ void printHuman(const Scene& scene, const std::vector<RenderedFrame>& frames,
       scene.device->backend(), scene.device->renderer(),
       formatBytes(scene.volume.source->storedBytesRead()), formatBytes(scene.peak_anonymous_bytes),
       formatBytes(peakResidentBytes()));
+  if (series.culls()) {
+    const CullingCounts& counts = series.counts();
+    say("culling: {} of {} blocks visible, estimated in {:.2f} ms from {} of {} pixels\n",
+        counts.blocks_visible, counts.blocks_nonempty, 1e3 * counts.estimate_seconds,
+        counts.pixels_checked, counts.pixels);
+  }
   if (report.missing_share > 0)
     say("incomplete: {:.1f} % of what can be seen was not there within --time-limit\n",
         100 * report.missing_share);
@@ -156,6 +190,14 @@ PictureOutput outputOf(const Arguments& arguments) {
   return output;
 }
 
+// A step that the series lacks is said before anything is drawn.
+void checkLastStep(const Arguments& arguments) {
+  if (!arguments.times) return;
+  VolumeArguments last = arguments.volume;
+  last.time = arguments.times->at(arguments.times->count() - 1);
+  openSource(last);
+}
+
 // One a frame: a turn, or along the path.
 std::vector<Camera> camerasOf(const Arguments& arguments, WorldFrame frame) {
   Camera start = arguments.frame.camera;
@@ -168,9 +210,17 @@ std::vector<Camera> camerasOf(const Arguments& arguments, WorldFrame frame) {
   return cameras;
 }
 
-int run(const Arguments& arguments, const CLI::App& app) {
+int run(Arguments& arguments, const CLI::App& app) {
   checkOutput(arguments);
   const Outputs outputs = outputsOf(arguments);
+  const std::vector<int64_t> to_draw = framesToDraw(arguments);
+  if (to_draw.empty()) {
+    if (!arguments.resources.quiet) say("all {} pictures are there\n", frameCount(arguments));
+    return 0;
+  }
+  const bool is_series = arguments.times || arguments.culling.culling != Culling::kNone;
+  arguments.look.whole_series = is_series;
+  checkLastStep(arguments);
   Scene scene(arguments.volume, arguments.look, arguments.resources, arguments.frame.partition,
               arguments.frame.mode, outputs);
   for (const std::string& warning : scene.look.warnings) printWarning(warning);
@@ -203,13 +253,21 @@ int run(const Arguments& arguments, const CLI::App& app) {
   options.with_depth = output.aovs.depth;
   ProgressMeter progress = showsFrames(arguments)
                                ? ProgressMeter(progressLine("frames", ProgressUnit::kPieces),
-                                               static_cast<uint64_t>(arguments.frames))
+                                               static_cast<uint64_t>(to_draw.size()))
                                : ProgressMeter();
-  for (int64_t i = 0; i < arguments.frames; ++i) {
-    options.camera = cameras[static_cast<size_t>(i)];
+  std::vector<nlohmann::json> culling;
+  Series series(scene, arguments.culling, arguments.resources, options);
+  for (size_t at = 0; at < to_draw.size(); ++at) {
+    const int64_t i = to_draw[at];
+    options.camera = cameras[static_cast<size_t>(arguments.times ? 0 : i)];
     scene.session->setOptions(options);
+    if (is_series)
+      series.show(timeOf(arguments, i), arguments.times && at + 1 < to_draw.size()
+                                            ? std::optional(timeOf(arguments, to_draw[at + 1]))
+                                            : std::nullopt);
     scene.device->reuse(std::move(picture));
     Frame frame = scene.session->frame();
+    if (series.culls()) culling.push_back(countsJson(series.counts()));
     scene.noteMemory();
     picture = std::move(frame.picture);
     name = frameName(arguments, i);
@@ -231,6 +289,9 @@ int run(const Arguments& arguments, const CLI::App& app) {
     report["command"] = "render";
     report["options"] = optionsJson(app);
     report["output"] = name.string();
+    for (size_t i = 0; i < to_draw.size() && is_series; ++i)
+      report["frames"][i]["time"] = timeOf(arguments, to_draw[i]);
+    for (size_t i = 0; i < culling.size(); ++i) report["frames"][i]["culling"] = culling[i];
   }
   std::optional<Verification> verified;
   if (arguments.verify) {
@@ -246,7 +307,7 @@ int run(const Arguments& arguments, const CLI::App& app) {
   if (arguments.json) {
     say("{}\n", report.dump(2));
   } else if (!arguments.resources.quiet) {
-    printHuman(scene, frames, name, verified);
+    printHuman(scene, series, frames, name, verified);
     for (const std::filesystem::path& view : views) say("{}\n", view.string());
   }
   return 0;
@@ -260,11 +321,12 @@ Command addRender(CLI::App& program) {
       "render",
       "Draws a volume into PNG or EXR pictures\n\n"
       "  sluice render bonsai.nii.gz -o bonsai.png --threshold 40 --azimuth 30");
-  addVolumeOptions(*app, arguments->volume);
+  addVolumeOptions(*app, arguments->volume, &arguments->times);
   const OptionGroup output(*app, kOutputHeading);
   output
-      .text("-o,--output", "FILE", arguments->output,
-            "Picture: .png, or .exr with depth; #### or %04d takes the frame's number")
+      .text(
+          "-o,--output", "FILE", arguments->output,
+          "Picture: .png, or .exr with depth; #### or %04d takes the frame's or time step's number")
       ->required();
   addFramesOption(output, arguments->frames, "Pictures of a full turn, or of the path");
   output.text("--path", "FILE", arguments->path_file, "Key frames of the camera, JSON")
@@ -288,6 +350,10 @@ Command addRender(CLI::App& program) {
   addQuietOption(output, arguments->resources.quiet);
   addJsonOption(output, arguments->json, "Prints the report instead of a summary");
   addPictureOptions(*app, arguments->look, arguments->frame, arguments->fit);
+  addCullingOptions(*app, arguments->culling, true);
+  OptionGroup(*app, kSeriesHeading)
+      .flag("--continue", arguments->resume,
+            "Draws only those of several pictures that are not there yet");
   addResourceOptions(*app, arguments->resources);
   return [arguments, app] { return run(*arguments, *app); };
 }

@@ -52,7 +52,7 @@ std::vector<std::string> notesOf(const std::string& name, const VolumeLayout& la
 
 IndexNeeds needsOf(const LookArguments& look, Mode mode) {
   return {needsGradients(look, mode),
-          look.first_picture && needsStatistics(look) && !look.this_step};
+          look.whole_series || (look.first_picture && needsStatistics(look) && !look.this_step)};
 }
 
 std::unique_ptr<VolumeSource> openSource(const VolumeArguments& arguments) {

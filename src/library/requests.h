@@ -35,6 +35,8 @@ struct LookArguments {
   std::optional<ValueRange> range;  // in place of the data's; lo > hi turns a map round
   // Of a series, look and fit follow from the step that is drawn alone.
   bool this_step = false;
+  // Steps are drawn one after another: the range of values is that of all.
+  bool whole_series = false;
   bool shade = false, no_shade = false;
   // For people who give no options: lit where that shows more, one look for a whole series, chosen
   // from the values. Benches stay plain: unlit, and a ramp from plainThreshold() on.

@@ -37,8 +37,10 @@ Frame Session::frame() {
       frameSetup(view, volume, *look, step_.ranges->map, options_, session_.lit && options_.shades);
 
   lessons_.unfinished.reset();  // this frame asks anew for what it wants of it
+  read_afterwards_.reset();     // and so of what was read ahead for it
   residency_.forgetUnused(*plan);
-  FrameRun run({step_, look, visible, plan, order, boxesOf(look, plan), setup, options_, asked_at},
+  FrameRun run({step_, look, visible, plan, order, boxesOf(look, plan), setup, options_, asked_at,
+                [this] { readAfterwards(); }},
                residency_, device_, trace_, frame_number_, lessons_);
   Frame frame;
   frame.picture = run.draw();
@@ -50,6 +52,7 @@ Frame Session::frame() {
   frame.report = run.report();
   lessons_ = run.lessons();
   ++frame_number_;
+  afterwards_.reset();
   return frame;
 }
 

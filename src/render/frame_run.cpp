@@ -67,6 +67,7 @@ Picture FrameRun::draw() {
   while (const auto taken = ahead_->take(deadline)) {
     options_.stop.throwIfStopped();
     makeResident(*taken);
+    if (ahead_->isDone() && values_.when_read) values_.when_read();
     if (!taken->step.completes_cluster) continue;
     const Visit& now = values_.order->visits[visit++];
     if (now.draws) {

@@ -8,6 +8,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -33,6 +34,8 @@ struct FrameValues {
   FrameSetup setup;
   FrameOptions options;
   std::chrono::steady_clock::time_point asked_at;
+  // Called once all is read that the frame needs, before the rest of it is drawn; may be empty.
+  std::function<void()> when_read = {};
 };
 
 // What a frame tells the next.

@@ -89,8 +89,8 @@ int64_t firstSlice(const View& view) {
 
 }  // namespace
 
-FrameSetup frameSetup(const View& view, const VolumeLayout& layout, const OpacityTable& table,
-                      const ValueMap& map, const FrameOptions& options) {
+FrameSetup viewSetup(const View& view, const VolumeLayout& layout,
+                     const std::vector<WorldPlane>& planes) {
   FrameSetup setup;
   setup.size = view.size;
   setup.projection = view.projection;
@@ -109,6 +109,13 @@ FrameSetup frameSetup(const View& view, const VolumeLayout& layout, const Opacit
   setup.first_depth = view.first_depth;
   setup.depth_step = view.step;
   setup.slice_length = view.step / finestSpacing(layout);
+  setup.clip_planes = clipPlanes(planes, layout);
+  return setup;
+}
+
+FrameSetup frameSetup(const View& view, const VolumeLayout& layout, const OpacityTable& table,
+                      const ValueMap& map, const FrameOptions& options) {
+  FrameSetup setup = viewSetup(view, layout, options.clip_planes);
   setup.type = map.type;
   setup.look_up = lookUp(table, finestSpacing(layout));
   setup.mode = options.mode;
@@ -132,7 +139,6 @@ FrameSetup frameSetup(const View& view, const VolumeLayout& layout, const Opacit
   const ValueRange range = table.volumeRange();
   setup.flat = options.lighting.flat_share * (range.hi - range.lo) / finestSpacing(layout);
   if (table.labels()) setup.flat = 0;  // a number says nothing of how steep its surface is
-  setup.clip_planes = clipPlanes(options.clip_planes, layout);
   return setup;
 }
 

@@ -18,6 +18,10 @@ FrameSetup frameSetup(const View& view, const VolumeLayout& layout, const Opacit
 FrameSetup frameSetup(const View& view, const VolumeLayout& layout, const Look& look,
                       const ValueMap& map, const FrameOptions& options, bool lit);
 
+// The view's part of it alone: rays, clip space, slices and clip planes.
+FrameSetup viewSetup(const View& view, const VolumeLayout& layout,
+                     const std::vector<WorldPlane>& clip_planes);
+
 // Where the eye is for ordering blocks front to back.
 EyePosition eyePosition(const View& view, const VolumeLayout& layout);
 

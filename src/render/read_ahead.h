@@ -50,6 +50,10 @@ class ReadAhead {
     Step step;
     std::vector<ChunkTexelsPtr> texels;
   };
+  // Begins to read what there is room for, and nothing else: of a frame that comes later.
+  void begin() { beginNext(false); }
+  // Whether the last step was taken.
+  bool isDone() const { return steps_.empty(); }
   // The next step; nullopt behind the last. Throws Error and Interrupted as the texture buffer
   // does.
   std::optional<Taken> take(const Deadline& deadline);

@@ -9,6 +9,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "src/index/index_file.h"
@@ -47,6 +48,9 @@ class Session {
   // From now on each request of the texture cache is written there too; null: no longer. It must
   // outlive the frames drawn.
   void recordTo(TraceWriter* trace) { trace_ = trace; }
+  // The step that the frame after the next one will show: what that one needs is read while the
+  // last of the next one is drawn, as far as the buffers have room. Of the next frame alone.
+  void expectAfterwards(const TimeStep& step) { afterwards_ = step; }
   // The next frame is drawn as if it were the first; what the levels hold stays.
   void forgetLastFrame() { lessons_ = {}; }
 
@@ -70,6 +74,8 @@ class Session {
     friend bool operator==(const BoxesKey&, const BoxesKey&) = default;
   };
 
+  // Begins to read for the step that is expected afterwards.
+  void readAfterwards();
   // Null where object boxes are drawn.
   ChosenBoxesPtr boxesOf(const LookPtr& look, const FramePlanPtr& plan);
 
@@ -80,6 +86,8 @@ class Session {
   Planner planner_;
   Memo<BoxesKey, const ChosenBoxes> boxes_;
   TimeStep step_;
+  std::optional<TimeStep> afterwards_;
+  std::unique_ptr<ReadAhead> read_afterwards_;
   TransferPtr transfer_;
   FrameOptions options_;
   TraceWriter* trace_ = nullptr;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <optional>
 
 #include "src/render/frame_options.h"
 #include "tools/arguments.h"
@@ -10,7 +11,11 @@
 
 namespace sluice {
 
-void addVolumeOptions(CLI::App& app, VolumeArguments& arguments);
+// `times`: --time takes a range of steps too, and sets it and arguments.time to its first.
+void addVolumeOptions(CLI::App& app, VolumeArguments& arguments,
+                      std::optional<TimeRange>* times = nullptr);
+// `chooses`: --culling is one of them; otherwise those of the opacity functions alone.
+void addCullingOptions(CLI::App& app, CullingArguments& arguments, bool chooses);
 void addLookOptions(CLI::App& app, LookArguments& look, FrameOptions& frame);
 // The groups View (the camera) and Drawing (what is drawn, and how).
 void addViewOptions(CLI::App& app, FrameOptions& options);
@@ -49,6 +54,7 @@ CLI::Option* addTypeOption(const OptionGroup& group, const std::vector<VoxelType
 }
 
 inline constexpr const char* kOutputHeading = "Output";
+inline constexpr const char* kSeriesHeading = "Series";
 inline constexpr const char* kMachineHeading = "Memory and device";
 
 }  // namespace sluice

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <bit>
 
 #include "io/headers/volume_description.h"
@@ -36,9 +37,26 @@ std::optional<std::vector<double>> spacings(const std::string& word) {
   return found;
 }
 
+// "5", "0:63" or "0:63:4", the last one included.
+std::optional<TimeRange> timeRange(const std::string& word) {
+  std::vector<int64_t> numbers;
+  for (size_t at = 0; at <= word.size();) {
+    const size_t end = std::min(word.find(':', at), word.size());
+    const auto number = parseIn<int64_t>(word.substr(at, end - at), {0, kMostSteps});
+    if (!number) return std::nullopt;
+    numbers.push_back(*number);
+    at = end + 1;
+  }
+  if (numbers.empty() || numbers.size() > 3) return std::nullopt;
+  TimeRange range{numbers.front(), numbers.size() > 1 ? numbers[1] : numbers.front(),
+                  numbers.size() > 2 ? numbers[2] : 1};
+  if (range.last < range.first || range.stride < 1) return std::nullopt;
+  return range;
+}
+
 }  // namespace
 
-void addVolumeOptions(CLI::App& app, VolumeArguments& arguments) {
+void addVolumeOptions(CLI::App& app, VolumeArguments& arguments, std::optional<TimeRange>* times) {
   arguments.open.decode = decodeOptions();
   arguments.open.stop = interruption();
   app.add_option(
@@ -71,7 +89,17 @@ void addVolumeOptions(CLI::App& app, VolumeArguments& arguments) {
   group.text("--grid", "NAME", arguments.open.grid, "OpenVDB: the grid's name");
   group.number("--channel", "N", arguments.open.channel, {0, 1'000'000},
                "Zarr: which channel, from 0 (the first)");
-  group.number("--time", "STEP", arguments.time, {0, kMostSteps}, "Time step, from 0");
+  if (times == nullptr) {
+    group.number("--time", "STEP", arguments.time, {0, kMostSteps}, "Time step, from 0");
+    return;
+  }
+  group.parsed(
+      "--time", "STEP|A:B[:S]", "a time step from 0, or A:B or A:B:S with A <= B", timeRange,
+      [&arguments, times](const TimeRange& range) {
+        arguments.time = range.first;
+        if (range.count() > 1) *times = range;
+      },
+      "Time step, from 0; or the steps A, A + S, ... up to B", "0");
 }
 
 }  // namespace sluice

@@ -1,0 +1,70 @@
+// The pass over a series that makes its opacity functions (Gao 2004, sections 4 and 5): block by
+// block over all time steps, each fused with what it is coherent with, a function for each span.
+//
+// A worker holds a run of neighbouring blocks along x twice, the representatives so far and those
+// of one step, however many steps there are; a run is one block where memory is short. What is
+// empty or of one value, as the min-max arrays know, is not read.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "src/base/progress_meter.h"
+#include "src/base/stop_token.h"
+#include "src/base/volume_source.h"
+#include "src/base/worker_pool.h"
+#include "src/visibility/extinction.h"
+#include "src/visibility/series_opacity.h"
+#include "src/volume/slice_ranges.h"
+
+namespace sluice {
+
+// What the min-max arrays of a step say of its blocks.
+class StepBlocks {
+ public:
+  StepBlocks(const SliceRanges& ranges, const ExtinctionTable& table);
+
+  // No sample in the block shows anything.
+  bool isEmpty(int64_t block) const { return kinds_[static_cast<size_t>(block)] == Kind::kEmpty; }
+  bool isUniform(int64_t block) const {
+    return kinds_[static_cast<size_t>(block)] == Kind::kUniform;
+  }
+  // Its device value. Requires: isUniform(block).
+  double valueOf(int64_t block) const { return values_[static_cast<size_t>(block)]; }
+  int64_t nonEmpty() const;
+
+ private:
+  enum class Kind : uint8_t { kEmpty, kUniform, kMixed };
+  std::vector<Kind> kinds_;
+  std::vector<float> values_;
+};
+
+struct SeriesPassOptions {
+  double difference = 0.001;  // blocks of less (equation 2) are fused; 0: none are
+  int64_t part_cells = 4;
+  DirectionGrid directions = {};
+  uint64_t most_bytes = uint64_t{256} << 20;  // of all workers
+};
+
+struct SeriesPassReport {
+  // Of all threads together, divided by their number.
+  double read_seconds = 0, functions_seconds = 0, fusion_seconds = 0;
+  double tree_seconds = 0;
+  uint64_t worker_bytes = 0;  // that one worker held at the most
+  // Of each step but the first: blocks that are not empty there or a step before, and those of them
+  // that stay in their span.
+  std::vector<int64_t> blocks, coherent;
+
+  double coherentShare() const;
+};
+
+// `steps`: of all time steps of the source, in the layout's blocks. Throws Error from the source,
+// which names the file, Interrupted when `stop` asks for it.
+SeriesOpacity makeSeriesOpacity(VolumeSource& source, const BlockLayout& layout,
+                                const std::vector<StepBlocks>& steps, const ExtinctionTable& table,
+                                const SeriesPassOptions& options, WorkerPool& pool,
+                                ProgressMeter& progress, SeriesPassReport* report = nullptr,
+                                const StopToken& stop = {});
+
+}  // namespace sluice

@@ -1,0 +1,142 @@
+#include "src/library/series_functions.h"
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+#include "src/base/error.h"
+#include "src/visibility/extinction.h"
+
+namespace sluice {
+namespace {
+
+// Less of the opacity than this would hide next to nothing.
+constexpr double kLeastExponent = 0.2;
+
+SeriesRecipe recipeOf(const IndexedVolume& volume, const TransferFunction& transfer,
+                      const SeriesOptions& options) {
+  return {transfer,           volume.layout,      volume.source->layout().time_steps,
+          options.difference, options.part_cells, {options.direction_rows}};
+}
+
+// Names the functions that were made last, whatever their look.
+IndexKey lastKey(const IndexedVolume& volume, const SeriesRecipe& recipe) {
+  IndexKey key = seriesKey(*volume.source, recipe);
+  key.what.resize(key.what.rfind('-'));
+  key.what += "-last";
+  return key;
+}
+
+OpacityTable tableOf(const TransferFunction& transfer, const IndexedVolume& volume,
+                     ValueRange device_range) {
+  TransferFunction colored = transfer;
+  if (colored.colors.empty()) colored.colors = {{0, {1, 1, 1}}};
+  return {colored, volume.map, device_range};
+}
+
+// Of the look itself, or of another one that it is a member of the family of.
+std::optional<SeriesFunctions> keptFunctions(const IndexedVolume& volume,
+                                             const SeriesRecipe& recipe) {
+  SeriesFunctions found;
+  found.state = "read";
+  IndexRead own = readIndex(volume.places, seriesKey(*volume.source, recipe));
+  found.note = std::move(own.note);
+  if (own.blob) {
+    if (auto kept = deserializeSeries(*own.blob, recipe)) {
+      found.bytes = own.blob->size();
+      found.path = std::move(own.path);
+      found.kept = std::make_shared<const KeptSeries>(std::move(*kept));
+      return found;
+    }
+  }
+  const IndexRead last = readIndex(volume.places, lastKey(volume, recipe));
+  if (!last.blob) return std::nullopt;
+  IndexKey key = seriesKey(*volume.source, recipe);
+  key.what.assign(reinterpret_cast<const char*>(last.blob->data()), last.blob->size());
+  IndexRead other = readIndex(volume.places, key);
+  if (!other.blob) return std::nullopt;
+  auto kept = deserializeSeries(*other.blob, recipe, true);
+  if (!kept) return std::nullopt;
+  found.exponent = greatestExponent(tableOf(recipe.transfer, volume, kept->device_range),
+                                    tableOf(kept->transfer, volume, kept->device_range));
+  if (found.exponent < kLeastExponent) return std::nullopt;
+  found.bytes = other.blob->size();
+  found.path = std::move(other.path);
+  found.note = fmt::format(
+      "opacity functions of another look serve, with an exponent of {:.3g}; sluice prepare makes "
+      "those of this one",
+      found.exponent);
+  found.kept = std::make_shared<const KeptSeries>(std::move(*kept));
+  return found;
+}
+
+void keep(const IndexedVolume& volume, const SeriesRecipe& recipe, SeriesFunctions& made) {
+  const IndexKey key = seriesKey(*volume.source, recipe);
+  const std::vector<std::byte> blob = serialize(*made.kept, recipe);
+  made.bytes = blob.size();
+  IndexWritten written = writeIndex(volume.places, key, blob);
+  made.path = std::move(written.path);
+  made.state = made.path.empty() ? "built, not kept" : "built";
+  if (!written.note.empty()) made.note = written.note;
+  if (made.path.empty()) return;
+  writeIndex(volume.places, lastKey(volume, recipe),
+             std::as_bytes(std::span(key.what.data(), key.what.size())));
+}
+
+}  // namespace
+
+double greatestExponent(const OpacityTable& a, const OpacityTable& b) {
+  if (a.entries() != b.entries() || a.deviceRange() != b.deviceRange() || a.labels() != b.labels())
+    return 0;
+  const ExtinctionTable of_a(a), of_b(b);
+  double least = 1e9;
+  for (size_t i = 0; i < of_a.entries().size(); ++i) {
+    const double have = static_cast<double>(of_a.entries()[i]);
+    const double want = static_cast<double>(of_b.entries()[i]);
+    if (want > 0) least = std::min(least, have / want);
+  }
+  // Between two entries opacities are interpolated, which of extinctions says a little less.
+  constexpr double kBetweenEntries = 0.998;
+  return least > 1e8 ? 0 : least == 1 ? 1 : least * kBetweenEntries;
+}
+
+TimeStep stepOfSeries(const IndexedVolume& volume, int64_t time, const IndexPass& pass) {
+  if (time == volume.time) return volume.step();
+  auto ranges = std::make_shared<SliceRanges>(rangesOfStep(volume, time, pass).ranges);
+  ranges->device_range = volume.index->ranges.device_range;
+  return {volume.source.get(), time, std::move(ranges)};
+}
+
+SeriesFunctions seriesFunctions(const IndexedVolume& volume, const TransferFunction& transfer,
+                                const SeriesOptions& options, const IndexPass& pass) {
+  const SeriesRecipe recipe = recipeOf(volume, transfer, options);
+  if (!options.anew)
+    if (auto found = keptFunctions(volume, recipe)) return std::move(*found);
+  auto kept = std::make_shared<KeptSeries>();
+  kept->transfer = transfer;
+  kept->device_range = volume.index->ranges.device_range;
+  const ExtinctionTable table(tableOf(transfer, volume, kept->device_range));
+  std::vector<StepBlocks> steps;
+  for (int64_t time = 0; time < recipe.steps; ++time) {
+    steps.emplace_back(rangesOfStep(volume, time, pass).ranges, table);
+    kept->nonempty.push_back(steps.back().nonEmpty());
+  }
+  SeriesPassOptions how;
+  how.difference = options.difference;
+  how.part_cells = options.part_cells;
+  how.directions = recipe.directions;
+  how.most_bytes = std::min(how.most_bytes, pass.memory_bytes / 4);
+  kept->opacity = makeSeriesOpacity(*volume.source, volume.layout, steps, table, how, pass.pool,
+                                    pass.progress, &kept->report, pass.stop);
+  SeriesFunctions made;
+  made.kept = std::move(kept);
+  if (options.anew) {
+    made.bytes = serialize(*made.kept, recipe).size();
+    made.state = "built, not kept";
+  } else {
+    keep(volume, recipe, made);
+  }
+  return made;
+}
+
+}  // namespace sluice

@@ -1,0 +1,51 @@
+// SeriesFunctions: the opacity functions of a series for the look that it is drawn with, from its
+// index where they are, otherwise made and kept there; and the time steps as they are drawn with
+// them.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "src/index/series_file.h"
+#include "src/library/indexed_volume.h"
+
+namespace sluice {
+
+struct SeriesOptions {
+  double difference = 0.001;  // see SeriesPassOptions
+  int64_t part_cells = 4;
+  int direction_rows = 4;
+  bool anew = false;  // not read from the index, and not kept in it
+};
+
+struct SeriesFunctions {
+  std::shared_ptr<const KeptSeries> kept;
+  // The look's extinction is at least this times that of the functions' transfer function
+  // (Gao 2004, equation 4, of a basis of one): 1 where it is the same.
+  double exponent = 1;
+  std::string state;           // "read", "built", "built, not kept"
+  std::filesystem::path path;  // empty where none is kept
+  uint64_t bytes = 0;          // of the file, or as they would be there
+  std::string note;            // for people; empty: nothing to say
+
+  SeriesOpacityPtr opacity() const { return {kept, &kept->opacity}; }
+};
+
+// For a volume that was opened for the whole series (IndexNeeds). `transfer` is the look's. Where
+// the index has functions of another look whose opacity this one has in no less a measure anywhere,
+// those serve: opacity edits need no new pass. Otherwise all steps are read, once for the min-max
+// arrays where these are missing, and once more. Throws Error, which names the step's file,
+// Interrupted.
+SeriesFunctions seriesFunctions(const IndexedVolume& volume, const TransferFunction& transfer,
+                                const SeriesOptions& options, const IndexPass& pass);
+
+// A step of the series with the value range of all of them, so that one table of opacities serves
+// every step. Requires: the volume was opened for the whole series.
+TimeStep stepOfSeries(const IndexedVolume& volume, int64_t time, const IndexPass& pass);
+
+// The greatest k for which (1 - b)^k is nowhere less than 1 - a, with a and b the opacities of the
+// tables; 0 where the tables cannot be compared.
+double greatestExponent(const OpacityTable& a, const OpacityTable& b);
+
+}  // namespace sluice

@@ -1,0 +1,71 @@
+// CulledBlocks: the blocks of a time step that its picture can see, from the opacity functions of
+// the series (Gao 2004, section 6). Another source of visible blocks: what follows in a frame's
+// chain does not know of it, and nothing of a hidden block is read.
+//
+// The answer to the last question is kept; for another step of the same view only what a changed
+// block can affect is looked at anew. One thread.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "src/render/frame_options.h"
+#include "src/render/visible_blocks.h"
+#include "src/visibility/visibility_estimate.h"
+
+namespace sluice {
+
+struct CullingOptions {
+  OpacityForm form = OpacityForm::kOpof;
+  double opacity_threshold = kDefaultOpaque;
+  bool uses_coherence = true;  // the tree; without it every step is looked at as a whole
+  std::vector<WorldPlane> clip_planes = {};
+  double exponent = 1;  // see EstimateOptions
+};
+
+// What the last choice took and found.
+struct CullingCounts {
+  int64_t time = -1;  // step
+  int64_t blocks_nonempty = 0, blocks_visible = 0;
+  int64_t pixels_checked = 0, pixels = 0;
+  int64_t changed_blocks = 0;
+  double estimate_seconds = 0;
+};
+
+class CulledBlocks : public BlockChooser {
+ public:
+  // `pool` must outlive it. Requires: the functions are of the volume's series, in its blocks.
+  CulledBlocks(SeriesOpacityPtr series, const VolumeLayout& layout, const CullingOptions& options,
+               WorkerPool& pool);
+
+  VisibleBlocksPtr choose(const BlockQuestion& question) override;
+  const CullingCounts& counts() const { return counts_; }
+  // Of a step: the last one that was chosen for, or the one before it, since a frame may choose for
+  // the next step too. Requires: one of them.
+  const CullingCounts& countsOf(int64_t time) const;
+
+ private:
+  struct Asked {
+    Identity<VisibleBlocks> classified;
+    View view;
+    Box3 crop;
+    int64_t time;
+  };
+
+  const SeriesOpacityPtr series_;
+  const VolumeLayout layout_;
+  const CullingOptions options_;
+  WorkerPool& pool_;
+  ClassifiedBlocks classified_;
+  std::optional<VisibilityEstimate> estimate_;
+  std::optional<Asked> asked_;
+  VisibleBlocksPtr answer_;
+  CullingCounts counts_, before_;
+};
+
+// What the estimate needs of a view.
+EstimateView estimateView(const View& view, const VolumeLayout& layout);
+
+}  // namespace sluice

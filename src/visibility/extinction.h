@@ -1,0 +1,48 @@
+// ExtinctionTable: what opacity an interval of values has at least, as an extinction: the opacity
+// of d voxel lengths of extinction k is 1 - exp(-k d), so that extinctions add up along a ray where
+// opacities multiply (Gao 2004, section 4, after Max 1995).
+//
+// Also how extinctions are kept: in one byte each, rounded down, so that what is kept never claims
+// more than there is. Immutable; any thread may read.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "src/classify/transfer/opacity_table.h"
+
+namespace sluice {
+
+// Of an opacity of 1 and near it: a voxel length of this leaves 1e-7 of what is behind.
+inline constexpr float kMostExtinction = 16;
+
+class ExtinctionTable {
+ public:
+  explicit ExtinctionTable(const OpacityTable& table);
+
+  // The least extinction that a sample between device values lo <= hi may have, whatever its
+  // gradient, a voxel length of the finest spacing; 0 where one of them stands for NaN. O(1).
+  float leastIn(double lo, double hi) const;
+  // Of each entry of the table, whatever the gradient.
+  const std::vector<float>& entries() const { return levels_.front(); }
+  // Opacity of a device value at a voxel, whatever the gradient: Opa(v) of equation 1.
+  float opacityOf(double device) const {
+    return device < kLeastNumber ? 0 : opacity_[static_cast<size_t>(table_.entryOf(device))];
+  }
+  bool anyOpaque(double lo, double hi) const { return table_.anyOpaque(lo, hi); }
+
+ private:
+  static constexpr double kLeastNumber = -2e38;  // what is less stands for NaN
+
+  const OpacityTable table_;
+  std::vector<float> opacity_;
+  // levels_[n][i]: the least of entries i up to i + 2^n.
+  std::vector<std::vector<float>> levels_;
+};
+
+// Extinctions as bytes: 0 is 0, and each further one is greater by a 14th of an octave, up to
+// kMostExtinction.
+uint8_t packExtinction(float extinction);  // the greatest that is not above it
+float unpackExtinction(uint8_t packed);
+
+}  // namespace sluice

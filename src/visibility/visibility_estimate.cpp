@@ -1,0 +1,307 @@
+#include "src/visibility/visibility_estimate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "src/base/error.h"
+
+namespace sluice {
+namespace {
+
+constexpr int kSide = VisibilityEstimate::kTileSide;
+
+// What arithmetic in floats may add to a ray's sum, of it.
+constexpr double kSumDoubt = 1e-3;
+
+// Further off than any picture reaches.
+constexpr int kFarPixels = 1 << 28;
+
+float limitOf(const EstimateView& view, const EstimateOptions& options) {
+  SLUICE_CHECK(options.opacity_threshold > 0);
+  if (options.opacity_threshold >= 1) return std::numeric_limits<float>::infinity();
+  const double depth = -std::log1p(-options.opacity_threshold);
+  // A perspective view's slices are further apart beside the middle: it accumulates more.
+  return static_cast<float>(depth * (1 + kSumDoubt) / view.slice_length);
+}
+
+Vec3d corner(const Box3& cells, int i) {
+  return {static_cast<double>((i & 1) != 0 ? cells.hi.x : cells.lo.x),
+          static_cast<double>((i & 2) != 0 ? cells.hi.y : cells.lo.y),
+          static_cast<double>((i & 4) != 0 ? cells.hi.z : cells.lo.z)};
+}
+
+double along(const std::array<double, 4>& row, Vec3d p) {
+  return row[0] * p.x + row[1] * p.y + row[2] * p.z + row[3];
+}
+
+}  // namespace
+
+EstimateView estimateView(const FrameSetup& setup, Vec3d eye_or_direction) {
+  return {setup.size,
+          setup.rays,
+          setup.clip_from_index,
+          setup.projection == Projection::kOrtho,
+          eye_or_direction,
+          static_cast<double>(setup.first_slice),
+          setup.depth_step,
+          setup.slice_length,
+          {setup.tan_half_x, setup.tan_half_y}};
+}
+
+VisibilityEstimate::VisibilityEstimate(SeriesOpacityPtr series, const EstimateView& view,
+                                       const EstimateOptions& options)
+    : series_(std::move(series)),
+      view_(view),
+      options_(options),
+      limit_(limitOf(view, options)),
+      reached_in_(static_cast<size_t>(series_->blockCount())),
+      functions_(reached_in_.size(), -1) {
+  for (size_t i = 0; i < extinction_.size(); ++i)
+    extinction_[i] =
+        static_cast<float>(options.exponent) * unpackExtinction(static_cast<uint8_t>(i));
+  for (size_t i = 0; i < 4; ++i) {
+    pixel_from_index_[0][i] = view.clip_from_index[0][i] * 0.5 * view.size.width;
+    pixel_from_index_[1][i] = view.clip_from_index[1][i] * 0.5 * view.size.height;
+  }
+  if (view.parallel) {
+    pixel_from_index_[0][3] += 0.5 * view.size.width;
+    pixel_from_index_[1][3] += 0.5 * view.size.height;
+  }
+  placeBlocks();
+  makeTiles();
+}
+
+bool VisibilityEstimate::isShown(const Box3& cells) const {
+  for (const Box3& shown : options_.shown)
+    if (!shown.contains(cells)) return false;
+  for (const ClipPlane& plane : options_.clip_planes)
+    for (int i = 0; i < 8; ++i)
+      if (dot(plane.normal, corner(cells, i)) > plane.offset) return false;
+  return true;
+}
+
+VisibilityEstimate::Rect VisibilityEstimate::footprintOf(const Box3& cells) const {
+  const Rect all{0, 0, view_.size.width, view_.size.height};
+  // Centres of pixels count; one more on each side for what rounding does.
+  const auto pixel = [](double v, int most) {
+    return std::clamp(static_cast<int>(v + kFarPixels) - kFarPixels, 0, most);
+  };
+  if (view_.parallel) {
+    // The bounds of a box are its middle's place and the sums of what its sides add.
+    const Vec3d middle = (toDouble(cells.lo) + toDouble(cells.hi)) * 0.5;
+    const Vec3d half = toDouble(cells.size()) * 0.5;
+    std::array<double, 2> at{}, reach{};
+    for (size_t i = 0; i < 2; ++i) {
+      const auto& row = pixel_from_index_[i];
+      at[i] = along(row, middle);
+      reach[i] = std::abs(row[0]) * half.x + std::abs(row[1]) * half.y + std::abs(row[2]) * half.z;
+      at[i] = std::clamp(at[i], -kFarPixels / 2.0, kFarPixels / 2.0);
+      reach[i] = std::min(reach[i], kFarPixels / 4.0);
+    }
+    return {pixel(at[0] - reach[0] - 1, all.x1), pixel(at[1] - reach[1] - 1, all.y1),
+            pixel(at[0] + reach[0] + 2, all.x1), pixel(at[1] + reach[1] + 2, all.y1)};
+  }
+  double x0 = 1e9, y0 = 1e9, x1 = -1e9, y1 = -1e9;
+  for (int i = 0; i < 8; ++i) {
+    const Vec3d at = corner(cells, i);
+    const double w = along(view_.clip_from_index[2], at);
+    if (!(w > 1e-6 * view_.depth_step)) return all;  // beside or behind the eye
+    const double x = along(pixel_from_index_[0], at) / w + 0.5 * all.x1;
+    const double y = along(pixel_from_index_[1], at) / w + 0.5 * all.y1;
+    x0 = std::min(x0, x), x1 = std::max(x1, x);
+    y0 = std::min(y0, y), y1 = std::max(y1, y);
+  }
+  const double far = kFarPixels / 2.0;
+  return {pixel(std::max(x0 - 1, -far), all.x1), pixel(std::max(y0 - 1, -far), all.y1),
+          pixel(std::min(x1 + 2, far), all.x1), pixel(std::min(y1 + 2, far), all.y1)};
+}
+
+// Boxes of a row of `count` boxes, `side` cells each, the first at `offset`: those first that can
+// hide others.
+std::vector<int64_t> VisibilityEstimate::axisOrder(int axis, int64_t first, int64_t count,
+                                                   int64_t side, int64_t offset) const {
+  std::vector<int64_t> order;
+  for (int64_t i = 0; i < count; ++i) order.push_back(first + i);
+  if (view_.parallel) {
+    if (view_.eye[axis] < 0) std::reverse(order.begin(), order.end());
+    return order;
+  }
+  const double eye = (view_.eye[axis] - static_cast<double>(offset)) / static_cast<double>(side);
+  std::sort(order.begin(), order.end(), [&](int64_t a, int64_t b) {
+    return std::abs(static_cast<double>(a) + 0.5 - eye) <
+           std::abs(static_cast<double>(b) + 0.5 - eye);
+  });
+  return order;
+}
+
+void VisibilityEstimate::placeDirections(int64_t block, Place& place) const {
+  const Box3 cells = series_->cellsOf(block);
+  const PartGrid grid = series_->partsOf(block);
+  const DirectionGrid& directions = series_->directions;
+  if (view_.parallel) {
+    const int cell = directions.cellOf(view_.eye);
+    const int axis = directions.slopesOf(cell).axis;
+    const double step = std::abs(view_.rays.step0[axis]);
+    place.directions = {cell};
+    place.has_ratio = step > 0 && step <= 1 + 1e-9;
+    place.least_slices = static_cast<float>(leastDepthVox(grid, axis) / step);
+    return;
+  }
+  place.directions = directions.cellsToward(view_.eye, toDouble(cells.lo), toDouble(cells.hi));
+  for (const int cell : place.directions) {
+    const int axis = directions.slopesOf(cell).axis;
+    // Cells of the axis from slice to slice: over a box its extremes are at the corners.
+    double least = std::numeric_limits<double>::infinity(), most = -least;
+    for (int i = 0; i < 8; ++i) {
+      const Vec3d at = corner(cells, i);
+      const double depth = along(view_.clip_from_index[2], at);
+      const double step = depth > 0 ? (at[axis] - view_.eye[axis]) / depth * view_.depth_step : 0;
+      least = std::min(least, step);
+      most = std::max(most, step);
+    }
+    const bool crosses = least <= 0 && most >= 0;
+    const double slowest = crosses ? 0 : std::min(std::abs(least), std::abs(most));
+    const double fastest = std::max(std::abs(least), std::abs(most));
+    place.has_ratio = place.has_ratio && slowest > 0 && fastest <= 1 + 1e-9;
+    if (slowest > 0)
+      place.least_slices =
+          std::max(place.least_slices, static_cast<float>(leastDepthVox(grid, axis) / slowest));
+  }
+}
+
+void VisibilityEstimate::placeBlocks() {
+  const Vec3i grid = series_->grid;
+  places_.resize(static_cast<size_t>(series_->blockCount()));
+  std::array<std::vector<int64_t>, 3> order;
+  for (int a = 0; a < 3; ++a)
+    order[static_cast<size_t>(a)] = axisOrder(a, 0, grid[a], series_->block_cells, 0);
+  for (const int64_t z : order[2])
+    for (const int64_t y : order[1])
+      for (const int64_t x : order[0]) {
+        const int64_t block = (z * grid.y + y) * grid.x + x;
+        Place& place = places_[static_cast<size_t>(block)];
+        place.rank = static_cast<uint32_t>(order_.size());
+        order_.push_back(static_cast<uint32_t>(block));
+        const Box3 cells = series_->cellsOf(block);
+        place.footprint = footprintOf(cells);
+        place.whole = isShown(cells);
+        placeDirections(block, place);
+      }
+}
+
+void VisibilityEstimate::makeTiles() {
+  tiles_x_ = (view_.size.width + kSide - 1) / kSide;
+  tiles_y_ = (view_.size.height + kSide - 1) / kSide;
+  for (int y = 0; y < tiles_y_; ++y)
+    for (int x = 0; x < tiles_x_; ++x)
+      tiles_.push_back({{x * kSide, y * kSide, std::min((x + 1) * kSide, view_.size.width),
+                         std::min((y + 1) * kSide, view_.size.height)},
+                        {},
+                        {}});
+  for (const uint32_t block : order_) {
+    const Rect& at = places_[block].footprint;
+    if (at.x0 >= at.x1 || at.y0 >= at.y1) continue;
+    for (int y = at.y0 / kSide; y <= (at.y1 - 1) / kSide; ++y)
+      for (int x = at.x0 / kSide; x <= (at.x1 - 1) / kSide; ++x)
+        tiles_[static_cast<size_t>(y * tiles_x_ + x)].blocks.push_back(block);
+  }
+  for (Tile& tile : tiles_) {
+    tile.reached.assign(tile.blocks.size(), false);
+    const Rect& p = tile.pixels;
+    if (!tile.blocks.empty()) all_pixels_ += static_cast<int64_t>(p.x1 - p.x0) * (p.y1 - p.y0);
+  }
+}
+
+// The cells of the block of which it makes a difference that the one function stands for it and no
+// longer the other; empty where it makes none.
+Box3 VisibilityEstimate::changedCells(int64_t block, int32_t before, int32_t now) const {
+  const OpacityFunction& a = series_->functions[static_cast<size_t>(before)];
+  const OpacityFunction& b = series_->functions[static_cast<size_t>(now)];
+  const Place& place = places_[static_cast<size_t>(block)];
+  const Box3 cells = series_->cellsOf(block);
+  const float ratio_a = ratioOf(a, place), ratio_b = ratioOf(b, place);
+  const bool as_wholes = options_.form != OpacityForm::kOpof;
+  const bool has_table =
+      as_wholes || ratio_a > extinction_[a.floor] || ratio_b > extinction_[b.floor];
+  if (has_table && (ratio_a != ratio_b || a.floor != b.floor)) return cells;
+  Box3 changed{};
+  if (as_wholes) return changed;
+  const PartGrid grid = series_->partsOf(block);
+  const Vec3i count = grid.count();
+  size_t at = 0;
+  for (int64_t z = 0; z < count.z; ++z)
+    for (int64_t y = 0; y < count.y; ++y)
+      for (int64_t x = 0; x < count.x; ++x, ++at)
+        if ((a.parts.empty() ? a.floor : a.parts[at]) != (b.parts.empty() ? b.floor : b.parts[at]))
+          changed = unite(changed, grid.cellsOf({x, y, z}));
+  return changed.empty() ? changed : translate(changed, cells.lo);
+}
+
+std::vector<size_t> VisibilityEstimate::affectedTiles(int64_t step) const {
+  std::vector<bool> is_affected(tiles_.size(), false);
+  for (const int64_t block : series_->tree->changedBetween(step_, step)) {
+    const int32_t before = functions_[static_cast<size_t>(block)];
+    const int32_t now = series_->functionAt(block, step);
+    if (now == before) continue;
+    const Place& place = places_[static_cast<size_t>(block)];
+    const Box3 changed = changedCells(block, before, now);
+    if (changed.empty()) continue;
+    const Rect part = footprintOf(changed), whole = place.footprint;
+    const Rect at{std::max(part.x0, whole.x0), std::max(part.y0, whole.y0),
+                  std::min(part.x1, whole.x1), std::min(part.y1, whole.y1)};
+    if (at.x0 >= at.x1 || at.y0 >= at.y1) continue;
+    for (int y = at.y0 / kSide; y <= (at.y1 - 1) / kSide; ++y)
+      for (int x = at.x0 / kSide; x <= (at.x1 - 1) / kSide; ++x) {
+        const auto i = static_cast<size_t>(y * tiles_x_ + x);
+        if (is_affected[i]) continue;
+        const Tile& tile = tiles_[i];
+        const auto found =
+            std::lower_bound(tile.blocks.begin(), tile.blocks.end(), place.rank,
+                             [&](uint32_t of, uint32_t rank) { return places_[of].rank < rank; });
+        // What no ray of a tile reached makes no difference there.
+        is_affected[i] = tile.reached[static_cast<size_t>(found - tile.blocks.begin())];
+      }
+  }
+  std::vector<size_t> tiles;
+  for (size_t i = 0; i < tiles_.size(); ++i)
+    if (is_affected[i]) tiles.push_back(i);
+  return tiles;
+}
+
+void VisibilityEstimate::setStep(int64_t step, WorkerPool& pool, bool from_scratch) {
+  SLUICE_CHECK(step >= 0 && step < series_->steps);
+  std::vector<size_t> tiles;
+  changed_blocks_ = 0;
+  if (step_ < 0 || from_scratch) {
+    for (size_t i = 0; i < tiles_.size(); ++i)
+      if (!tiles_[i].blocks.empty()) tiles.push_back(i);
+    for (int64_t block = 0; block < series_->blockCount(); ++block) {
+      int32_t& function = functions_[static_cast<size_t>(block)];
+      const int32_t now = series_->functionAt(block, step);
+      changed_blocks_ += now != function ? 1 : 0;
+      function = now;
+    }
+  } else {
+    tiles = affectedTiles(step);
+    for (const int64_t block : series_->tree->changedBetween(step_, step)) {
+      functions_[static_cast<size_t>(block)] = series_->functionAt(block, step);
+      ++changed_blocks_;
+    }
+  }
+  step_ = step;
+  pixels_checked_ = 0;
+  for (const size_t i : tiles) {
+    const Rect& p = tiles_[i].pixels;
+    pixels_checked_ += static_cast<int64_t>(p.x1 - p.x0) * (p.y1 - p.y0);
+    for (size_t k = 0; k < tiles_[i].blocks.size(); ++k)
+      if (tiles_[i].reached[k]) --reached_in_[tiles_[i].blocks[k]];
+  }
+  pool.parallelFor(static_cast<int64_t>(tiles.size()),
+                   [&](int64_t i) { estimateTile(tiles_[tiles[static_cast<size_t>(i)]]); });
+  for (const size_t i : tiles)
+    for (size_t k = 0; k < tiles_[i].blocks.size(); ++k)
+      if (tiles_[i].reached[k]) ++reached_in_[tiles_[i].blocks[k]];
+}
+
+}  // namespace sluice

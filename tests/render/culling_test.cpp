@@ -1,0 +1,313 @@
+// Culling against every sample of every ray: no block that rays reach may be missing, and pictures
+// differ by no more than what opaque leaves.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "src/render/culled_blocks.h"
+#include "src/render/index_space.h"
+#include "src/visibility/early_termination.h"
+#include "tests/render/blob_scene.h"
+#include "tests/support/plain_device.h"
+#include "tests/support/series_functions.h"
+
+namespace sluice {
+namespace {
+
+// Something solid with holes in it, of many shades.
+std::unique_ptr<MemorySource> rocks(uint64_t seed, Vec3i dims = {50, 45, 61}, int64_t steps = 1,
+                                    Vec3d spacing = {1, 1, 1}) {
+  VolumeLayout layout;
+  layout.dims = dims;
+  layout.time_steps = steps;
+  layout.spacing = spacing;
+  std::mt19937 random(static_cast<unsigned>(seed));
+  std::uniform_real_distribution<double> unit(0, 1);
+  struct Hole {
+    Vec3d at, way;
+    double radius;
+  };
+  std::vector<Hole> holes(7);
+  for (Hole& hole : holes)
+    hole = {Vec3d{unit(random), unit(random), unit(random)} * toDouble(dims),
+            {2 * unit(random) - 1, 2 * unit(random) - 1, 2 * unit(random) - 1},
+            2 + 9 * unit(random)};
+  return makeMemorySource<uint8_t>(layout, [=](int64_t x, int64_t y, int64_t z, int64_t t) {
+    const Vec3d p = toDouble({x, y, z});
+    double value = 120 + 40 * std::sin(0.4 * p.x) * std::sin(0.3 * p.y + 0.2 * p.z);
+    for (const Hole& hole : holes) {
+      const double d = length(p - hole.at - hole.way * static_cast<double>(t)) / hole.radius;
+      value *= std::clamp(3 * (d - 0.8), 0.0, 1.0);
+    }
+    return value;
+  });
+}
+
+TransferFunction looks(int which) {
+  if (which == 0) return thresholdTransfer(30, {0, 200}, 1, "grey");  // an opaque surface
+  if (which == 1) return thresholdTransfer(30, {0, 200}, 0.4, "grey");
+  TransferFunction bands;  // opaque layers with nothing in between
+  bands.colors = {{0, {1, 1, 1}}};
+  bands.opacities = {{0, 0}, {60, 0}, {70, 0.6}, {100, 0.6}, {110, 0.01}, {140, 0.5}, {255, 0.8}};
+  return bands;
+}
+
+struct CullingScene {
+  CullingScene(MemorySource& volume, const TransferFunction& transfer, int64_t block,
+               int64_t time = 0)
+      : source(volume),
+        pool(2),
+        ranges(std::make_shared<const SliceRanges>(buildSliceRanges(
+            source, time, blockLayout(source.layout().dims, block, 0), pool, progress))),
+        step{&source, time, ranges},
+        look(std::make_shared<const Look>(makeLook(step, transfer, Mode::kComposite))) {}
+
+  View view(const FrameOptions& options) const {
+    return resolve(options.camera, source.layout(), options.size, options.step_vox);
+  }
+  BlockQuestion question(const FrameOptions& options) const {
+    return {step, look, cropCells(options, source.layout().dims), view(options)};
+  }
+  std::vector<bool> reached(const FrameOptions& options, double threshold) {
+    const size_t bytes = static_cast<size_t>(volume(source.layout().dims));
+    return reachedByRays({source.layout().dims, DeviceType::kU8,
+                          source.bytes().subspan(static_cast<size_t>(step.time) * bytes, bytes)},
+                         ranges->layout.cells(), look->table,
+                         estimateView(view(options), source.layout()), threshold, pool);
+  }
+
+  MemorySource& source;
+  WorkerPool pool;
+  ProgressMeter progress;
+  std::shared_ptr<const SliceRanges> ranges;
+  TimeStep step;
+  LookPtr look;
+};
+
+FrameOptions randomView(std::mt19937& random, const VolumeLayout& layout) {
+  std::uniform_real_distribution<double> unit(0, 1);
+  FrameOptions options;
+  options.camera.projection = random() % 2 == 0 ? Projection::kOrtho : Projection::kPerspective;
+  options.camera.azimuth_deg = random() % 8 == 0 ? 90.0 * (random() % 4) : 360 * unit(random);
+  options.camera.elevation_deg = random() % 8 == 0 ? 0 : 170 * unit(random) - 85;
+  options.camera.zoom = 0.7 + 2 * unit(random);
+  options.step_vox = random() % 3 == 0 ? 1 : 0.3 + unit(random);
+  if (random() % 6 == 0) {
+    const auto place = [&] { return Vec3d{unit(random), unit(random), unit(random)}; };
+    const auto inside = insideView(layout, place() * 1.5 - Vec3d{0.25, 0.25, 0.25}, place());
+    options.camera = inside.camera;
+  }
+  options.size = {40 + static_cast<int>(random() % 60), 40 + static_cast<int>(random() % 60)};
+  return options;
+}
+
+TEST(Culling, noBlockIsCulledThatRaysReach) {
+  std::mt19937 random(1);
+  int64_t visible = 0, reached = 0, nonempty = 0;
+  for (int scene_at = 0; scene_at < 18; ++scene_at) {
+    const Vec3d spacing = scene_at % 3 == 2 ? Vec3d{1, 1.7, 0.8} : Vec3d{1, 1, 1};
+    const auto source = rocks(static_cast<uint64_t>(scene_at), {50, 45, 61}, 1, spacing);
+    const int64_t block = scene_at % 2 == 0 ? 16 : 8;
+    CullingScene scene(*source, looks(scene_at % 3), block);
+    const TestSeries series =
+        makeTestSeries(*source, scene.ranges->layout, scene.look->table,
+                       {.part_cells = 2 + scene_at % 4, .directions = {3 + scene_at % 3}});
+    for (int i = 0; i < 30; ++i) {
+      const FrameOptions options = randomView(random, source->layout());
+      const double threshold = i % 4 == 0 ? 254.0 / 255 : i % 4 == 1 ? 0.5 : 0.95;
+      const std::vector<bool> truth = scene.reached(options, threshold);
+      size_t last_count = 0;
+      for (const OpacityForm form :
+           {OpacityForm::kOpof, OpacityForm::kLinearOpof, OpacityForm::kPof}) {
+        CulledBlocks culled(series.opacity, source->layout(), {form, threshold}, scene.pool);
+        const VisibleBlocksPtr found = culled.choose(scene.question(options));
+        std::vector<bool> is_visible(truth.size(), false);
+        for (const ObjectBlock& each : found->blocks)
+          is_visible[static_cast<size_t>(each.block)] = true;
+        int64_t seen = 0;
+        for (size_t b = 0; b < truth.size(); ++b) {
+          const bool is_empty = series.steps[0].isEmpty(static_cast<int64_t>(b));
+          if (truth[b] && !is_empty) {
+            ++seen;
+            EXPECT_TRUE(is_visible[b]) << "scene " << scene_at << " view " << i << " block " << b;
+          }
+        }
+        EXPECT_GE(found->blocks.size(), last_count) << "a tighter form sees no more";
+        last_count = found->blocks.size();
+        if (form != OpacityForm::kOpof) continue;
+        reached += seen;
+        visible += static_cast<int64_t>(found->blocks.size());
+        nonempty += culled.counts().blocks_nonempty;
+      }
+    }
+  }
+  EXPECT_LT(visible, nonempty * 9 / 10) << "else nothing is tested";
+  EXPECT_LT(visible, 2 * reached);
+}
+
+TEST(Culling, whatEveryRayReachesIsWhatASlabHides) {
+  VolumeLayout layout;
+  layout.dims = {33, 33, 65};
+  const auto source = makeMemorySource<uint8_t>(
+      layout, [](int64_t, int64_t, int64_t z) { return z >= 20 && z <= 28 ? 200 : 1; });
+  TransferFunction transfer;
+  transfer.colors = {{0, {1, 1, 1}}};
+  transfer.opacities = {{0, 0.001}, {100, 0.001}, {200, 1}};
+  CullingScene scene(*source, transfer, 16);
+  FrameOptions options;
+  options.size = {64, 64};
+  options.camera.azimuth_deg = 0;  // along -z: from the far end
+  const std::vector<bool> truth = scene.reached(options, 0.95);
+  for (size_t block = 0; block < truth.size(); ++block)
+    EXPECT_EQ(truth[block], block / 9 >= 1) << block;  // 3 x 3 x 5 blocks of 15 cells
+  const TestSeries series = makeTestSeries(*source, scene.ranges->layout, scene.look->table);
+  CulledBlocks culled(series.opacity, layout, {}, scene.pool);
+  const auto found = culled.choose(scene.question(options));
+  EXPECT_EQ(found->blocks.size(), 36U);
+  EXPECT_EQ(culled.counts().blocks_nonempty, 45);
+}
+
+TEST(Culling, stepsOfASeriesAreTheSameWithTheTreeAndWithout) {
+  const auto source = rocks(5, {50, 45, 61}, 12);
+  FrameOptions options = obliqueView(Projection::kOrtho);
+  for (const double difference : {0.0, 1e-4, 1e-2}) {
+    CullingScene first(*source, looks(0), 8);
+    SeriesPassOptions pass;
+    pass.difference = difference;
+    const TestSeries series =
+        makeTestSeries(*source, first.ranges->layout, first.look->table, pass);
+    CulledBlocks coherent(series.opacity, source->layout(), {}, first.pool);
+    CulledBlocks plain(series.opacity, source->layout(), {.uses_coherence = false}, first.pool);
+    int64_t checked = 0, all = 0;
+    for (const int64_t time : {0, 1, 2, 3, 7, 8, 4, 11, 11, 0}) {
+      CullingScene scene(*source, looks(0), 8, time);
+      const auto a = coherent.choose(scene.question(options));
+      const auto b = plain.choose(scene.question(options));
+      ASSERT_EQ(a->blocks.size(), b->blocks.size());
+      for (size_t i = 0; i < a->blocks.size(); ++i)
+        EXPECT_EQ(a->blocks[i].block, b->blocks[i].block);
+      const std::vector<bool> truth = scene.reached(options, 0.95);
+      std::vector<bool> is_visible(truth.size(), false);
+      for (const ObjectBlock& block : a->blocks)
+        is_visible[static_cast<size_t>(block.block)] = true;
+      for (size_t i = 0; i < truth.size(); ++i)
+        if (truth[i] && !series.steps[static_cast<size_t>(time)].isEmpty(static_cast<int64_t>(i))) {
+          EXPECT_TRUE(is_visible[i]) << "step " << time << " block " << i;
+        }
+      if (time == 0) continue;
+      checked += coherent.counts().pixels_checked;
+      all += plain.counts().pixels_checked;
+    }
+    EXPECT_LE(checked, all);
+    if (difference > 1e-3) {
+      EXPECT_LT(checked, all * 9 / 10);
+    }
+  }
+}
+
+TEST(Culling, pictureDiffersByWhatOpaqueLeaves) {
+  for (int which = 0; which < 3; ++which) {
+    const auto source = rocks(7);
+    PlainDevice device;
+    RenderScene scene(device, *source, looks(which), {.block_vox = 8});
+    const Look look = makeLook(scene.step(), looks(which), Mode::kComposite);
+    const TestSeries series = makeTestSeries(*source, scene.ranges().layout, look.table);
+    WorkerPool pool(2);
+    for (const Projection projection : kProjections) {
+      const FrameOptions options = obliqueView(projection);
+      scene.session().chooseBlocksBy(nullptr);
+      const Frame all = scene.frame(options);
+      for (const double threshold : {0.95, 254.0 / 255}) {
+        CulledBlocks culled(series.opacity, source->layout(), {OpacityForm::kOpof, threshold},
+                            pool);
+        scene.session().chooseBlocksBy(&culled);
+        const Frame frame = scene.frame(options);
+        if (which == 0) {
+          EXPECT_LT(frame.report.grey + frame.report.black, all.report.grey + all.report.black);
+        }
+        float most = 0;
+        for (size_t i = 0; i < all.picture.rgba.size(); ++i)
+          most = std::max(most, std::abs(all.picture.rgba[i] - frame.picture.rgba[i]));
+        EXPECT_LE(255 * most, threshold > 0.99 ? 2 : 13);
+      }
+      scene.session().chooseBlocksBy(nullptr);
+    }
+  }
+}
+
+TEST(Culling, whatIsCutAwayHidesNothing) {
+  const auto source = rocks(9);
+  CullingScene scene(*source, looks(0), 8);
+  const TestSeries series = makeTestSeries(*source, scene.ranges->layout, scene.look->table);
+  PlainDevice device;
+  RenderScene drawn(device, *source, looks(0), {.block_vox = 8});
+  for (int i = 0; i < 4; ++i) {
+    FrameOptions options = obliqueView(i % 2 == 0 ? Projection::kOrtho : Projection::kPerspective);
+    CullingOptions culling;
+    if (i < 2) {
+      options.crop = Box3{{0, 0, 0}, {50, 45, 27}};
+    } else {
+      const Vec3d normal =
+          resolve(options.camera, source->layout(), options.size, 1).forward * -1.0;
+      options.clip_planes = {{normal, dot(normal, Vec3d{25, 22, 30})}};
+      culling.clip_planes = options.clip_planes;
+    }
+    const Frame all = drawn.frame(options);
+    CulledBlocks culled(series.opacity, source->layout(), culling, scene.pool);
+    drawn.session().chooseBlocksBy(&culled);
+    const Frame frame = drawn.frame(options);
+    drawn.session().chooseBlocksBy(nullptr);
+    EXPECT_LT(frame.report.grey + frame.report.black, all.report.grey + all.report.black);
+    float most = 0;
+    for (size_t k = 0; k < all.picture.rgba.size(); ++k)
+      most = std::max(most, std::abs(all.picture.rgba[k] - frame.picture.rgba[k]));
+    EXPECT_LE(255 * most, 13) << i;
+  }
+}
+
+// What the next step needs is in the buffers when it is asked for, and what it does not is not.
+TEST(Culling, theNextStepIsReadWhileOneIsDrawn) {
+  const auto source = rocks(5, {50, 45, 61}, 3);
+  PlainDevice device;
+  RenderScene scene(device, *source, looks(0), {.block_vox = 8, .threads = 1});
+  const TestSeries series = makeTestSeries(
+      *source, scene.ranges().layout, makeLook(scene.step(), looks(0), Mode::kComposite).table);
+  WorkerPool pool(2);
+  CulledBlocks culled(series.opacity, source->layout(), {}, pool);
+  Session& session = scene.session();
+  session.chooseBlocksBy(&culled);
+  CullingScene next(*source, looks(0), 8, 1);
+  const FrameOptions options = obliqueView(Projection::kOrtho);
+  session.expectAfterwards(next.step);
+  scene.frame(options);
+  const CullingCounts first = culled.countsOf(0), second = culled.countsOf(1);
+  EXPECT_GT(first.blocks_visible, 0);
+  session.setTimeStep(next.step);
+  const uint64_t requests = session.textureBufferCounters().requests;
+  const Frame frame = scene.frame(options);
+  EXPECT_EQ(frame.report.grey + frame.report.black, second.blocks_visible);
+  EXPECT_GT(session.textureBufferCounters().requests, requests);
+  // Each visible block of both steps was loaded once at the most, whoever asked for it.
+  EXPECT_LE(session.volumeBufferCounters().loads,
+            static_cast<uint64_t>(first.blocks_visible + second.blocks_visible));
+  PlainDevice other_device;
+  RenderScene other(other_device, *source, looks(0), {.block_vox = 8, .time = 1});
+  other.session().chooseBlocksBy(&culled);
+  EXPECT_EQ(other.frame(options).picture.rgba, frame.picture.rgba);
+  session.chooseBlocksBy(nullptr);
+}
+
+TEST(Culling, theSameAnswerIsTheSameObject) {
+  const auto source = rocks(9);
+  CullingScene scene(*source, looks(0), 8);
+  const TestSeries series = makeTestSeries(*source, scene.ranges->layout, scene.look->table);
+  CulledBlocks culled(series.opacity, source->layout(), {}, scene.pool);
+  FrameOptions options = obliqueView(Projection::kOrtho);
+  const auto first = culled.choose(scene.question(options));
+  EXPECT_EQ(culled.choose(scene.question(options)), first);
+  options.camera.azimuth_deg += 90;
+  EXPECT_NE(culled.choose(scene.question(options)), first);
+}
+
+}  // namespace
+}  // namespace sluice

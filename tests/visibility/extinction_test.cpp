@@ -1,0 +1,101 @@
+// The least of an interval against every entry in it, and what one byte keeps of an extinction.
+#include "src/visibility/extinction.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "src/visibility/block_parts.h"
+
+namespace sluice {
+namespace {
+
+TransferFunction bumps() {
+  TransferFunction transfer;
+  transfer.colors = {{0, {1, 1, 1}}};
+  transfer.opacities = {{0, 0}, {40, 0}, {60, 0.3}, {90, 0.1}, {120, 0.9}, {200, 0.2}, {250, 1}};
+  return transfer;
+}
+
+TEST(Extinction, leastOfAnIntervalIsThatOfItsValues) {
+  const OpacityTable table(bumps(), {DeviceType::kU8, 1, 0}, {0, 255});
+  const ExtinctionTable extinction(table);
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> any(0, 255);
+  for (int i = 0; i < 2000; ++i) {
+    double lo = any(random), hi = any(random);
+    if (lo > hi) std::swap(lo, hi);
+    double least = kMostExtinction;
+    for (double v = lo; v <= hi; v += 0.05)
+      least = std::min(least, -std::log1p(-opacityAt(bumps(), v)));
+    const double found = static_cast<double>(extinction.leastIn(lo, hi));
+    EXPECT_LE(found, least + 1e-6) << lo << ".." << hi;
+    EXPECT_GE(found, 0.9 * least - 0.02) << lo << ".." << hi;
+  }
+}
+
+TEST(Extinction, opaqueHasTheMostAndNotANumberNothing) {
+  const ExtinctionTable extinction(OpacityTable(bumps(), {DeviceType::kF32, 1, 0}, {0, 300}));
+  EXPECT_EQ(extinction.leastIn(260, 400), kMostExtinction);
+  EXPECT_EQ(extinction.leastIn(static_cast<double>(kNotANumber), 255), 0);
+  EXPECT_EQ(extinction.opacityOf(static_cast<double>(kNotANumber)), 0);
+}
+
+TEST(Extinction, gradientsTakeTheLeastOfAll) {
+  TransferFunction transfer = bumps();
+  transfer.gradients = {{0, {{0, 0.25}}}, {10, {{0, 1}}}};
+  const ExtinctionTable plain(OpacityTable(bumps(), {DeviceType::kU8, 1, 0}, {0, 255}));
+  const ExtinctionTable with(OpacityTable(transfer, {DeviceType::kU8, 1, 0}, {0, 255}));
+  const auto opacity = [](float extinction) { return -std::expm1(-extinction); };
+  EXPECT_NEAR(opacity(with.leastIn(120, 120)), 0.25F * opacity(plain.leastIn(120, 120)), 1e-3);
+}
+
+TEST(Extinction, aByteIsNeverMoreAndNearlyAll) {
+  EXPECT_EQ(packExtinction(0), 0);
+  EXPECT_EQ(unpackExtinction(0), 0);
+  EXPECT_EQ(unpackExtinction(packExtinction(kMostExtinction)), kMostExtinction);
+  EXPECT_EQ(packExtinction(1000), 255);
+  for (double v = 1e-4; v < 16; v *= 1.001) {
+    const auto exact = static_cast<float>(v);
+    EXPECT_LE(unpackExtinction(packExtinction(exact)), exact);
+    EXPECT_GE(unpackExtinction(packExtinction(exact)), 0.95F * exact);
+  }
+  for (int i = 0; i < 256; ++i)
+    EXPECT_EQ(packExtinction(unpackExtinction(static_cast<uint8_t>(i))), i);
+}
+
+TEST(BlockParts, leastOfEachPartIsThatOfItsCells) {
+  const ExtinctionTable table(OpacityTable(bumps(), {DeviceType::kU8, 1, 0}, {0, 255}));
+  std::mt19937 random(2);
+  const Vec3i cells{10, 7, 9};
+  const int64_t row = 13, plane = 13 * 8;
+  std::vector<uint8_t> voxels(static_cast<size_t>(plane * 10));
+  for (uint8_t& v : voxels) v = static_cast<uint8_t>(100 + random() % 60);
+  const PartGrid grid{cells, 4};
+  const BlockParts parts = blockParts(voxels.data(), row, plane, grid, table);
+  ASSERT_EQ(parts.least.size(), 3U * 2 * 3);
+  size_t at = 0;
+  for (int64_t z = 0; z < 3; ++z)
+    for (int64_t y = 0; y < 2; ++y)
+      for (int64_t x = 0; x < 3; ++x, ++at) {
+        float least = kMostExtinction;
+        const Box3 box = grid.cellsOf({x, y, z});
+        for (int64_t cz = box.lo.z; cz < box.hi.z; ++cz)
+          for (int64_t cy = box.lo.y; cy < box.hi.y; ++cy)
+            for (int64_t cx = box.lo.x; cx < box.hi.x; ++cx) {
+              double lo = 255, hi = 0;
+              for (int corner = 0; corner < 8; ++corner) {
+                const double v =
+                    voxels[static_cast<size_t>((cz + (corner >> 2)) * plane +
+                                               (cy + (corner >> 1 & 1)) * row + cx + (corner & 1))];
+                lo = std::min(lo, v), hi = std::max(hi, v);
+              }
+              least = std::min(least, table.leastIn(lo, hi));
+            }
+        EXPECT_EQ(parts.least[at], least);
+      }
+}
+
+}  // namespace
+}  // namespace sluice

@@ -1,0 +1,24 @@
+#include "tools/command_line/shared_options.h"
+
+namespace sluice {
+
+void addCullingOptions(CLI::App& app, CullingArguments& arguments, bool chooses) {
+  const OptionGroup group(app, kSeriesHeading);
+  if (chooses)
+    group.choice("--culling",
+                 Words<Culling>{{"none", Culling::kNone},
+                                {"pof", Culling::kPof},
+                                {"opof", Culling::kOpof},
+                                {"toc", Culling::kToc}},
+                 arguments.culling,
+                 "Leaves blocks unread that others hide: by least opacities (pof), by ratios to "
+                 "thickness (opof), looking only at what changes (toc)");
+  group.number("--difference", "D", arguments.difference, {0, 1},
+               "Blocks of a series that differ less are fused; 0: none");
+  group.number("--directions", "N", arguments.directions, {1, 16},
+               "Rows of the table of directions over 90 degrees");
+  group.number("--part", "CELLS", arguments.part, {1, 64},
+               "Cells a side of a block's parts in its opacity function");
+}
+
+}  // namespace sluice

@@ -1,0 +1,280 @@
+#include "tools/culling_bench.h"
+#include "tools/interrupt.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <numeric>
+
+#include "src/base/bytes.h"
+#include "src/base/clock.h"
+#include "src/base/descriptor.h"
+#include "src/visibility/early_termination.h"
+#include "src/volume/device_reader.h"
+#include "tools/command_line/console.h"
+#include "tools/series.h"
+
+namespace sluice {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::array<double, 5> kDifferences = {0, 1e-5, 1e-4, 1e-3, 1e-2};  // Table 1
+constexpr std::array<std::pair<const char*, Culling>, 3> kWays = {
+    {{"none", Culling::kNone}, {"opof", Culling::kOpof}, {"toc", Culling::kToc}}};
+
+// What all parts of the bench look at.
+struct Opened {
+  explicit Opened(const CullingBench& bench)
+      : pool(bench.resources.threads),
+        volume(openIndexed(bench.volume, bench.resources, needsOf(bench.look, Mode::kComposite),
+                           pool)),
+        look(lookFor(volume, bench.look, Mode::kComposite)) {
+    ProgressMeter progress;
+    for (int64_t time = 0; time < volume.source->layout().time_steps; ++time)
+      steps.push_back(stepOfSeries(
+          volume, time, {pool, progress, memoryBudget(bench.resources), interruption()}));
+    shown = std::make_shared<const Look>(makeLook(steps.front(), look.transfer, Mode::kComposite));
+  }
+  const VolumeLayout& layout() const { return volume.source->layout(); }
+  BlockQuestion question(const FrameOptions& frame, size_t step) const {
+    return {steps[step], shown, cropCells(frame, layout().dims),
+            resolve(frame.camera, layout(), frame.size, frame.step_vox)};
+  }
+
+  Workers pool;
+  IndexedVolume volume;
+  ChosenLook look;
+  std::vector<TimeStep> steps;
+  LookPtr shown;
+};
+
+// Views of a turn, the bench's own first.
+FrameOptions viewOf(const CullingBench& bench, int view) {
+  FrameOptions frame = bench.frame;
+  frame.camera.azimuth_deg += 360.0 * view / bench.views;
+  return frame;
+}
+
+std::vector<std::byte> wholeStep(const Opened& opened, int64_t time) {
+  const Box3 all = boxOf(opened.layout().dims);
+  std::vector<std::byte> voxels(static_cast<size_t>(all.count()) *
+                                bytesPerVoxel(opened.volume.map.type));
+  DeviceReader(*opened.volume.source).read(time, {all, voxels});
+  return voxels;
+}
+
+// Non-empty blocks that early ray termination sees.
+int64_t optimumOf(Opened& opened, const CullingBench& bench, const FrameOptions& frame,
+                  const std::vector<std::byte>& voxels, size_t step) {
+  const View view = resolve(frame.camera, opened.layout(), frame.size, frame.step_vox);
+  const std::vector<bool> reached =
+      reachedByRays({opened.layout().dims, opened.volume.map.type, voxels},
+                    opened.volume.layout.cells(), opened.shown->table,
+                    estimateView(view, opened.layout()), hidingThreshold(bench.frame), opened.pool);
+  const auto classified = ClassifiedBlocks(opened.pool).choose(opened.question(frame, step));
+  return std::count_if(
+      classified->blocks.begin(), classified->blocks.end(),
+      [&](const ObjectBlock& block) { return reached[static_cast<size_t>(block.block)]; });
+}
+
+CulledBlocks culledBy(Opened& opened, const CullingBench& bench, const SeriesFunctions& functions,
+                      Culling culling) {
+  return {functions.opacity(), opened.layout(), cullingOptions(culling, bench.frame, functions),
+          opened.pool};
+}
+
+// Figures 7, 9 and 10 under one view.
+json rowsOf(Opened& opened, const CullingBench& bench, const SeriesFunctions& functions) {
+  json rows = json::array();
+  std::array<CulledBlocks, 3> ways = {culledBy(opened, bench, functions, Culling::kPof),
+                                      culledBy(opened, bench, functions, Culling::kOpof),
+                                      culledBy(opened, bench, functions, Culling::kToc)};
+  constexpr std::array<const char*, 3> kNames = {"pof", "opof", "toc"};
+  const SeriesPassReport& pass = functions.kept->report;
+  for (size_t step = 0; step < opened.steps.size(); ++step) {
+    json row{{"time", step}};
+    for (size_t way = 0; way < ways.size(); ++way) {
+      ways[way].choose(opened.question(bench.frame, step));
+      const CullingCounts& counts = ways[way].counts();
+      row["blocks_nonempty"] = counts.blocks_nonempty;
+      row["visible"][kNames[way]] = counts.blocks_visible;
+      row["estimate_seconds"][kNames[way]] = counts.estimate_seconds;
+      row["pixels_checked"][kNames[way]] = counts.pixels_checked;
+      row["changed_blocks"] = counts.changed_blocks;
+    }
+    if (!bench.no_optimum)
+      row["visible"]["optimum"] = optimumOf(opened, bench, bench.frame,
+                                            wholeStep(opened, static_cast<int64_t>(step)), step);
+    if (step > 0)
+      row["coherent_share"] = pass.blocks[step - 1] == 0
+                                  ? 1.0
+                                  : static_cast<double>(pass.coherent[step - 1]) /
+                                        static_cast<double>(pass.blocks[step - 1]);
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+// Figure 11.
+json viewsOf(Opened& opened, const CullingBench& bench, const SeriesFunctions& functions) {
+  json rows = json::array();
+  const size_t step = opened.steps.size() / 2;
+  const auto voxels =
+      !bench.no_optimum ? wholeStep(opened, static_cast<int64_t>(step)) : std::vector<std::byte>();
+  for (int view = 0; view < bench.views; ++view) {
+    const FrameOptions frame = viewOf(bench, view);
+    json row{{"azimuth", frame.camera.azimuth_deg}, {"time", step}};
+    for (const auto& [name, culling] :
+         {std::pair{"pof", Culling::kPof}, {"opof", Culling::kOpof}}) {
+      CulledBlocks culled = culledBy(opened, bench, functions, culling);
+      culled.choose(opened.question(frame, step));
+      row["blocks_nonempty"] = culled.counts().blocks_nonempty;
+      row["visible"][name] = culled.counts().blocks_visible;
+    }
+    if (!bench.no_optimum)
+      row["visible"]["optimum"] = optimumOf(opened, bench, frame, voxels, step);
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+// Figure 7: the mean of all views, a step.
+json averageOf(Opened& opened, const CullingBench& bench, const SeriesFunctions& functions) {
+  std::vector<double> nonempty(opened.steps.size()), visible(opened.steps.size());
+  for (int view = 0; view < bench.views; ++view) {
+    const FrameOptions frame = viewOf(bench, view);
+    CulledBlocks culled = culledBy(opened, bench, functions, Culling::kToc);
+    for (size_t step = 0; step < opened.steps.size(); ++step) {
+      culled.choose(opened.question(frame, step));
+      nonempty[step] += static_cast<double>(culled.counts().blocks_nonempty) / bench.views;
+      visible[step] += static_cast<double>(culled.counts().blocks_visible) / bench.views;
+    }
+  }
+  json rows = json::array();
+  for (size_t step = 0; step < nonempty.size(); ++step)
+    rows.push_back(
+        {{"time", step}, {"blocks_nonempty", nonempty[step]}, {"visible", visible[step]}});
+  return rows;
+}
+
+// Table 1.
+json fusionOf(Opened& opened, const CullingBench& bench) {
+  json rows = json::array();
+  for (const double difference : kDifferences) {
+    SeriesOptions options = seriesOptions(bench.culling);
+    options.difference = difference;
+    options.anew = true;
+    ProgressMeter progress;
+    const SeriesFunctions functions =
+        seriesFunctions(opened.volume, opened.look.transfer, options,
+                        {opened.pool, progress, memoryBudget(bench.resources), interruption()});
+    CulledBlocks culled = culledBy(opened, bench, functions, Culling::kToc);
+    int64_t visible = 0;
+    for (size_t step = 0; step < opened.steps.size(); ++step) {
+      culled.choose(opened.question(bench.frame, step));
+      visible += culled.counts().blocks_visible;
+    }
+    const SeriesPassReport& pass = functions.kept->report;
+    rows.push_back({{"difference", difference},
+                    {"precompute_seconds", pass.functions_seconds + pass.tree_seconds},
+                    {"read_seconds", pass.read_seconds},
+                    {"fusion_seconds", pass.fusion_seconds},
+                    {"bytes", functions.bytes},
+                    {"coherent_share", pass.coherentShare()},
+                    {"visible_blocks", visible}});
+  }
+  return rows;
+}
+
+// So that the next read comes from the disk.
+void dropFromMemory(const std::vector<std::string>& files) {
+  for (const std::string& file : files) {
+    const Descriptor opened(open(file.c_str(), O_RDONLY | O_CLOEXEC));
+    if (!opened) continue;
+    fdatasync(opened.get());
+    posix_fadvise(opened.get(), 0, 0, POSIX_FADV_DONTNEED);
+  }
+}
+
+// The whole series with each way, from cold files; pictures are not written.
+void drawSeries(const CullingBench& bench, json& report) {
+  for (const auto& [name, culling] : kWays) {
+    CullingArguments how = bench.culling;
+    how.culling = culling;
+    Scene scene(bench.volume, bench.look, bench.resources, bench.frame.partition);
+    Series series(scene, how, bench.resources, bench.frame);
+    scene.session->setOptions(bench.frame);
+    dropFromMemory(filesOf(*scene.volume.source));
+    const uint64_t before = scene.volume.source->storedBytesRead();
+    const Stopwatch watch;
+    const int64_t steps = scene.volume.source->layout().time_steps;
+    for (int64_t time = 0; time < steps; ++time) {
+      series.show(time, time + 1 < steps ? std::optional(time + 1) : std::nullopt);
+      scene.session->frameReport();
+    }
+    report["series_seconds"][name] = watch.seconds();
+    report["series_read_bytes"][name] = scene.volume.source->storedBytesRead() - before;
+  }
+}
+
+}  // namespace
+
+json benchCulling(const CullingBench& asked) {
+  CullingBench bench = asked;
+  bench.look.whole_series = true;
+  Opened opened(bench);
+  const SeriesFunctions functions = openFunctions(opened.volume, opened.look.transfer,
+                                                  bench.culling, bench.resources, opened.pool);
+  json report{{"rows", rowsOf(opened, bench, functions)},
+              {"views", viewsOf(opened, bench, functions)},
+              {"average", averageOf(opened, bench, functions)},
+              {"coherent_share", functions.kept->report.coherentShare()},
+              {"function_bytes", functions.bytes}};
+  if (!bench.no_thresholds) report["fusion"] = fusionOf(opened, bench);
+  if (!bench.no_series) drawSeries(bench, report);
+  return report;
+}
+
+void printCulling(const json& report) {
+  const auto numberOf = [](const json& of, const char* name) {
+    return of.contains(name) ? fmt::format("{:.6g}", of[name].get<double>()) : std::string("-");
+  };
+  say("{:>5} {:>9} {:>8} {:>8} {:>8} {:>8} {:>9} {:>9} {:>10} {:>10} {:>9}\n", "step", "not empty",
+      "optimum", "POF", "OPOF", "TOC", "OPOF ms", "TOC ms", "OPOF px", "TOC px", "coherent");
+  for (const json& row : report["rows"]) {
+    const json& seconds = row["estimate_seconds"];
+    say("{:>5} {:>9} {:>8} {:>8} {:>8} {:>8} {:>9.2f} {:>9.2f} {:>10} {:>10} {:>9}\n",
+        row["time"].get<int64_t>(), row["blocks_nonempty"].get<int64_t>(),
+        numberOf(row["visible"], "optimum"), numberOf(row["visible"], "pof"),
+        numberOf(row["visible"], "opof"), numberOf(row["visible"], "toc"),
+        1e3 * seconds["opof"].get<double>(), 1e3 * seconds["toc"].get<double>(),
+        row["pixels_checked"]["opof"].get<int64_t>(), row["pixels_checked"]["toc"].get<int64_t>(),
+        numberOf(row, "coherent_share"));
+  }
+  say("\n{:>8} {:>9} {:>8} {:>8} {:>8}\n", "azimuth", "not empty", "optimum", "POF", "OPOF");
+  for (const json& row : report["views"])
+    say("{:>8.0f} {:>9} {:>8} {:>8} {:>8}\n", row["azimuth"].get<double>(),
+        row["blocks_nonempty"].get<int64_t>(), numberOf(row["visible"], "optimum"),
+        numberOf(row["visible"], "pof"), numberOf(row["visible"], "opof"));
+  if (report.contains("fusion")) {
+    say("\n{:>10} {:>9} {:>9} {:>12} {:>9} {:>9}\n", "difference", "made s", "fused s", "bytes",
+        "coherent", "visible");
+    for (const json& row : report["fusion"])
+      say("{:>10g} {:>9.3f} {:>9.3f} {:>12} {:>9.4f} {:>9}\n", row["difference"].get<double>(),
+          row["precompute_seconds"].get<double>(), row["fusion_seconds"].get<double>(),
+          formatBytes(row["bytes"].get<uint64_t>()), row["coherent_share"].get<double>(),
+          row["visible_blocks"].get<int64_t>());
+  }
+  if (!report.contains("series_seconds")) return;
+  say("\n");
+  for (const auto& [name, culling] : kWays)
+    say("series {:<5} {:>8.3f} s, read {}\n", name, report["series_seconds"][name].get<double>(),
+        formatBytes(report["series_read_bytes"][name].get<uint64_t>()));
+}
+
+}  // namespace sluice

@@ -1,0 +1,32 @@
+// sluice bench culling: what Gao 2004 shows of culling over a series: blocks that are drawn a step
+// with culling and without (Figure 7), coherent blocks (Figure 9), pixels checked (Figure 10), the
+// optimum against POF and OPOF over 18 views (Figure 11), fusion thresholds (Table 1), and the time
+// of the whole series.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "src/render/frame_options.h"
+#include "tools/arguments.h"
+
+namespace sluice {
+
+struct CullingBench {
+  VolumeArguments volume;
+  LookArguments look;
+  FrameOptions frame;
+  ResourceArguments resources;
+  CullingArguments culling;
+  int views = 18;              // of a turn
+  bool no_optimum = false;     // early ray termination at block level: reads every step whole
+  bool no_series = false;      // drawn with each way of culling, from cold files
+  bool no_thresholds = false;  // Table 1: makes the functions five times
+};
+
+// The names of the interface, and beside them `views` [{`azimuth`, `blocks_nonempty`, `visible`}]
+// of the first step and `average` [{`time`, `blocks_nonempty`, `visible`}] over all views. Throws
+// Error.
+nlohmann::json benchCulling(const CullingBench& bench);
+void printCulling(const nlohmann::json& report);
+
+}  // namespace sluice

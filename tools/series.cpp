@@ -1,0 +1,87 @@
+#include "tools/series.h"
+#include "tools/interrupt.h"
+
+#include <utility>
+
+#include "tools/command_line/console.h"
+#include "tools/command_line/progress_line.h"
+
+namespace sluice {
+namespace {
+
+ProgressWatch preparingLine(const ResourceArguments& resources) {
+  return resources.quiet ? ProgressWatch() : progressLine("preparing");
+}
+
+}  // namespace
+
+SeriesOptions seriesOptions(const CullingArguments& culling) {
+  SeriesOptions options;
+  options.difference = culling.difference;
+  options.part_cells = culling.part;
+  options.direction_rows = culling.directions;
+  return options;
+}
+
+SeriesFunctions openFunctions(const IndexedVolume& volume, const TransferFunction& transfer,
+                              const CullingArguments& culling, const ResourceArguments& resources,
+                              WorkerPool& pool) {
+  ProgressMeter progress(preparingLine(resources));
+  SeriesFunctions functions =
+      seriesFunctions(volume, transfer, seriesOptions(culling),
+                      {pool, progress, memoryBudget(resources), interruption()});
+  if (!resources.quiet && !functions.note.empty()) printWarning(functions.note);
+  return functions;
+}
+
+CullingOptions cullingOptions(Culling culling, const FrameOptions& frame,
+                              const SeriesFunctions& functions) {
+  CullingOptions options;
+  options.form = culling == Culling::kPof ? OpacityForm::kPof : OpacityForm::kOpof;
+  options.opacity_threshold = hidingThreshold(frame);
+  options.uses_coherence = culling == Culling::kToc;
+  options.clip_planes = frame.clip_planes;
+  options.exponent = functions.exponent;
+  return options;
+}
+
+Series::Series(Scene& scene, const CullingArguments& culling, const ResourceArguments& resources,
+               const FrameOptions& frame)
+    : scene_(scene), resources_(resources) {
+  if (culling.culling == Culling::kNone) return;
+  functions_.emplace(openFunctions(scene.volume, scene.transfer, culling, resources, scene.pool));
+  culled_.emplace(functions_->opacity(), scene.volume.source->layout(),
+                  cullingOptions(culling.culling, frame, *functions_), scene.pool);
+  scene.session->chooseBlocksBy(&*culled_);
+}
+
+Series::~Series() {
+  if (culled_) scene_.session->chooseBlocksBy(nullptr);
+}
+
+TimeStep Series::step(int64_t time) {
+  if (next_ && next_->time == time) return *next_;
+  ProgressMeter progress;
+  return stepOfSeries(scene_.volume, time,
+                      {scene_.pool, progress, memoryBudget(resources_), interruption()});
+}
+
+void Series::show(int64_t time, std::optional<int64_t> next) {
+  scene_.session->setTimeStep(step(time));
+  next_.reset();
+  shown_ = time;
+  if (!next) return;
+  next_ = step(*next);
+  scene_.session->expectAfterwards(*next_);
+}
+
+nlohmann::json countsJson(const CullingCounts& counts) {
+  return {{"blocks_nonempty", counts.blocks_nonempty},
+          {"visible", counts.blocks_visible},
+          {"estimate_seconds", counts.estimate_seconds},
+          {"pixels_checked", counts.pixels_checked},
+          {"pixels", counts.pixels},
+          {"changed_blocks", counts.changed_blocks}};
+}
+
+}  // namespace sluice
