@@ -1,5 +1,4 @@
 #include "tools/culling_bench.h"
-#include "tools/interrupt.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -16,6 +15,7 @@
 #include "src/visibility/early_termination.h"
 #include "src/volume/device_reader.h"
 #include "tools/command_line/console.h"
+#include "tools/interrupt.h"
 #include "tools/series.h"
 
 namespace sluice {

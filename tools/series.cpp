@@ -1,10 +1,10 @@
 #include "tools/series.h"
-#include "tools/interrupt.h"
 
 #include <utility>
 
 #include "tools/command_line/console.h"
 #include "tools/command_line/progress_line.h"
+#include "tools/interrupt.h"
 
 namespace sluice {
 namespace {

@@ -14,11 +14,12 @@
 #include <vector>
 
 #include "src/device/chunk_texels.h"
+#include "src/device/device.h"
 #include "src/device/frame_values.h"
 
 namespace sluice {
 
-inline constexpr int kBrickSide = 4;
+inline constexpr int kBrickSide = kTableBrickSide;
 // Distances reach no further.
 inline constexpr int kMostDistance = 6;
 

@@ -39,6 +39,10 @@ constexpr uint64_t spareTextureBytes(uint64_t resident_bytes) {
   return std::max(uint64_t{8} << 20, resident_bytes / 2);
 }
 
+// A device that borrows may make tables of the resident chunks in the process's memory, which count
+// against --memory: two texels and a byte for each brick of so many cells a side.
+inline constexpr int64_t kTableBrickSide = 4;
+
 class Device {
  public:
   virtual ~Device() = default;

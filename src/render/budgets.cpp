@@ -30,6 +30,16 @@ uint64_t threadBytes(const PageGeometry& page, const BufferNeeds& needs) {
          needs.growing_bytes;
 }
 
+// What a device that borrows makes of the resident chunks. A chunk of several pages has no more
+// bricks than these have one by one.
+uint64_t tableBytes(const PageGeometry& page) {
+  int64_t bricks = 1;
+  for (int a = 0; a < 3; ++a)
+    bricks *= ceilDiv(std::max<int64_t>(page.size_vox[a] - 1, 1), kTableBrickSide);
+  constexpr int64_t kMargin = 4;  // bytes beyond the last brick, of each chunk
+  return static_cast<uint64_t>(page.pages * (bricks * (2 * page.bytes_per_voxel + 1) + kMargin));
+}
+
 }  // namespace
 
 BufferNeeds bufferNeeds(const VolumeSource& source, const BlockLayout& layout, Partition partition,
@@ -52,7 +62,7 @@ uint64_t textureMemoryBytes(const PageGeometry& page, TexelPlace texels) {
     case TexelPlace::kInMemory:
       return cache_bytes + spareTextureBytes(cache_bytes);
     case TexelPlace::kBorrowed:
-      return cache_bytes;
+      return cache_bytes + tableBytes(page);
     case TexelPlace::kOnDevice:
       break;
   }
@@ -90,7 +100,7 @@ Budgets shareMemory(uint64_t memory_bytes, const PageGeometry& page, TexelPlace 
   budgets.scratch = threads * VolumeBuffer::kScratchBytes;
   budgets.source = threads * needs.source_thread_bytes + source_surplus;
   budgets.growing += threads * needs.growing_bytes;
-  if (texels == TexelPlace::kBorrowed) budgets.borrowed = textures;
+  if (texels == TexelPlace::kBorrowed) budgets.borrowed = budgets.texture_cache;
   budgets.texture_buffer += budgets.borrowed;
   budgets.volume_buffer =
       rest - budgets.scratch - threads * (needs.source_thread_bytes + needs.growing_bytes);

@@ -37,7 +37,7 @@ BufferNeeds bufferNeeds(const VolumeSource& source, const BlockLayout& layout, P
 // and what others hold.
 uint64_t leastBufferBytes(const PageGeometry& page, const BufferNeeds& needs);
 // What level 4 takes of --memory: a device's copies and the storage that may wait beside them, or
-// what it borrows of level 3.
+// what it borrows of level 3 and the tables that it makes of that (kTableBrickSide).
 uint64_t textureMemoryBytes(const PageGeometry& page, TexelPlace texels);
 
 // Up to `most_readers` readers, fewer where memory is short. Throws Error, with the least that
