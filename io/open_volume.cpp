@@ -152,13 +152,17 @@ RawOptions rawOptions(const OpenOptions& options) {
           .decode = options.decode};
 }
 
+SliceOptions sliceOptions(const OpenOptions& options) {
+  return {.spacing = options.spacing, .channel = options.channel, .stop = options.stop};
+}
+
 std::unique_ptr<VolumeSource> openFolder(const fs::path& folder, const OpenOptions& options) {
   if (options.dims && options.type) {  // as headerless slices need
     checkOptions(folder.string(), Format::kRaw, options);
     return openRawSlices(listFolder(folder), rawOptions(options));
   }
   checkOptions(folder.string(), Format::kPicture, options);
-  return openSliceFolder(folder, {.spacing = options.spacing, .channel = options.channel});
+  return openSliceFolder(folder, sliceOptions(options));
 }
 
 // A name that stands for one source: a file, a folder, a synthetic volume.
@@ -189,7 +193,7 @@ std::unique_ptr<VolumeSource> openOne(const std::string& input, const OpenOption
     case Format::kVdb:
       return respaced(openVdb(path, options.grid), options);
     case Format::kPicture:
-      return openSlices({path}, {.spacing = options.spacing, .channel = options.channel});
+      return openSlices({path}, sliceOptions(options));
     case Format::kRaw:
     case Format::kZarr:
     case Format::kUnknown:
@@ -205,7 +209,8 @@ std::map<std::string, Box3> boxesOfVdbSteps(const std::vector<std::string>& file
     if (isSynthSpec(file) || fs::is_directory(file) || formatOfContent(file) != Format::kVdb)
       return {};
   checkOptions(files[0], Format::kVdb, options);
-  const std::vector<Box3> boxes = vdbSeriesBoxes({files.begin(), files.end()}, options.grid);
+  const std::vector<Box3> boxes =
+      vdbSeriesBoxes({files.begin(), files.end()}, options.grid, options.stop);
   std::map<std::string, Box3> by_name;
   for (size_t i = 0; i < files.size(); ++i) by_name[files[i]] = boxes[i];
   return by_name;
@@ -231,8 +236,7 @@ std::unique_ptr<VolumeSource> openSeveral(const std::vector<std::string>& files,
                                           const OpenOptions& options) {
   if (isSlice(files[0])) {
     checkOptions(files[0], Format::kPicture, options);
-    return openSlices({files.begin(), files.end()},
-                      {.spacing = options.spacing, .channel = options.channel});
+    return openSlices({files.begin(), files.end()}, sliceOptions(options));
   }
   if (areRawSlices(files, options)) {
     checkOptions(files[0], Format::kRaw, options);

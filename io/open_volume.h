@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "io/headers/decode_options.h"
+#include "src/base/stop_token.h"
 #include "src/base/volume_source.h"
 
 namespace sluice {
@@ -34,6 +35,8 @@ struct OpenOptions {
   uint64_t chunk_cache_bytes = uint64_t{32} << 20;
   // Compressed volumes of one stream; without effect on the others either.
   DecodeOptions decode = {};
+  // Ends what opening and reading take long for, by Interrupted.
+  StopToken stop = {};
 };
 
 // One name. Throws Error in one line: what is missing, damaged or not understood, and what would

@@ -12,10 +12,10 @@
 #include "src/base/bytes.h"
 #include "src/base/clock.h"
 #include "src/base/descriptor.h"
-#include "src/base/interrupt.h"
 #include "src/visibility/early_termination.h"
 #include "src/volume/device_reader.h"
 #include "tools/command_line/console.h"
+#include "tools/interrupt.h"
 #include "tools/series.h"
 
 namespace sluice {

@@ -6,8 +6,8 @@
 
 #include "io/pictures/png_file.h"
 #include "src/base/error.h"
-#include "src/base/interrupt.h"
 #include "src/index/box_store.h"
+#include "tools/interrupt.h"
 
 namespace sluice {
 namespace {

@@ -10,12 +10,12 @@
 #include "src/base/bytes.h"
 #include "src/base/clock.h"
 #include "src/base/error.h"
-#include "src/base/interrupt.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/outputs.h"
 #include "tools/command_line/progress_line.h"
 #include "tools/command_line/shared_options.h"
 #include "tools/commands.h"
+#include "tools/interrupt.h"
 #include "tools/scene.h"
 #include "tools/workers.h"
 
@@ -55,6 +55,7 @@ int pack(const Arguments& arguments) {
   Workers pool(arguments.resources.threads);
   const VolumeLayout& layout = source->layout();
   PackOptions options = arguments.pack;
+  options.stop = interruption();
   options.memory_bytes = memoryBudget(arguments.resources);
   options.blosc.level = arguments.level != 0                      ? arguments.level
                         : options.blosc.codec == BloscCodec::kLz4 ? kLz4Level
@@ -115,7 +116,7 @@ int check(const Arguments& arguments) {
     ProgressMeter progress = arguments.resources.quiet
                                  ? ProgressMeter()
                                  : ProgressMeter(progressLine("checking " + name));
-    report = checkZarr(name, pool, progress);
+    report = checkZarr(name, pool, progress, interruption());
   }
   if (arguments.json) {
     const nlohmann::json json{{"chunks", report.chunks},

@@ -9,7 +9,6 @@
 
 #include "src/base/bytes.h"
 #include "src/base/clock.h"
-#include "src/base/interrupt.h"
 #include "src/index/box_store.h"
 #include "src/index/volume_boxes.h"
 #include "src/render/frame_setup.h"
@@ -19,6 +18,7 @@
 #include "tools/command_line/progress_line.h"
 #include "tools/command_line/shared_options.h"
 #include "tools/commands.h"
+#include "tools/interrupt.h"
 #include "tools/plan_forecast.h"
 #include "tools/report.h"
 #include "tools/scene.h"
@@ -241,17 +241,13 @@ int run(const Arguments& asked, const CLI::App& app) {
 
 Command addPlan(CLI::App& program) {
   auto arguments = std::make_shared<Arguments>();
-  arguments->look.first_picture = true;
   CLI::App* app = program.add_subcommand(
       "plan",
       "What a picture will read, load and hold, without reading a voxel\n\n"
       "  sluice plan bonsai.nii.gz --threshold 40 --page 32x64x2 --pages 256\n"
       "  sluice plan bonsai.nii.gz --threshold 40 --partition boxes");
   addVolumeOptions(*app, arguments->volume);
-  addLookOptions(*app, arguments->look, arguments->frame);
-  arguments->frame.camera.view = ViewName::kThreeQuarter;
-  addViewOptions(*app, arguments->frame);
-  addFitOption(*app, arguments->fit);
+  addPictureOptions(*app, arguments->look, arguments->frame, arguments->fit);
   addResourceOptions(*app, arguments->resources);
   const OptionGroup output(*app, kOutputHeading);
   addQuietOption(output, arguments->resources.quiet);

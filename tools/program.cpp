@@ -2,11 +2,11 @@
 
 #include <exception>
 
-#include "src/base/interrupt.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/help.h"
 #include "tools/command_line/usage.h"
 #include "tools/environment.h"
+#include "tools/interrupt.h"
 
 namespace sluice {
 namespace {

@@ -17,6 +17,7 @@
 #include "tools/command_line/shared_options.h"
 #include "tools/commands.h"
 #include "tools/debug_views.h"
+#include "tools/interrupt.h"
 #include "tools/picture_output.h"
 #include "tools/report.h"
 #include "tools/scene.h"
@@ -201,7 +202,7 @@ void checkLastStep(const Arguments& arguments) {
 std::vector<Camera> camerasOf(const Arguments& arguments, WorldFrame frame) {
   Camera start = arguments.frame.camera;
   if (arguments.path_file.empty()) return turnOf(start, arguments.frames);
-  const CameraPath path = readCameraPath(arguments.path_file);
+  const CameraPath path = readCameraPath(arguments.path_file, interruption());
   start.up = frontAxes(start.view, frame, start.up).up;  // keys move it on
   std::vector<Camera> cameras;
   for (int64_t i = 0; i < arguments.frames; ++i)
@@ -316,7 +317,6 @@ int run(Arguments& arguments, const CLI::App& app) {
 
 Command addRender(CLI::App& program) {
   auto arguments = std::make_shared<Arguments>();
-  arguments->look.first_picture = true;
   CLI::App* app = program.add_subcommand(
       "render",
       "Draws a volume into PNG or EXR pictures\n\n"
@@ -349,10 +349,7 @@ Command addRender(CLI::App& program) {
   addForceOption(output, arguments->force);
   addQuietOption(output, arguments->resources.quiet);
   addJsonOption(output, arguments->json, "Prints the report instead of a summary");
-  addLookOptions(*app, arguments->look, arguments->frame);
-  arguments->frame.camera.view = ViewName::kThreeQuarter;
-  addViewOptions(*app, arguments->frame);
-  addFitOption(*app, arguments->fit);
+  addPictureOptions(*app, arguments->look, arguments->frame, arguments->fit);
   addCullingOptions(*app, arguments->culling, true);
   OptionGroup(*app, kSeriesHeading)
       .flag("--continue", arguments->resume,

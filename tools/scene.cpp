@@ -4,10 +4,10 @@
 #include <utility>
 
 #include "src/base/clock.h"
-#include "src/base/interrupt.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/progress_line.h"
 #include "tools/environment.h"
+#include "tools/interrupt.h"
 
 namespace sluice {
 namespace {

@@ -2,9 +2,9 @@
 
 #include <utility>
 
-#include "src/base/interrupt.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/progress_line.h"
+#include "tools/interrupt.h"
 
 namespace sluice {
 namespace {

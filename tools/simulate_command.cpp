@@ -298,7 +298,6 @@ std::optional<std::vector<uint64_t>> parseSizes(const std::string& given) {
 
 Command addSimulate(CLI::App& program) {
   auto arguments = std::make_shared<Arguments>();
-  arguments->turn.look.first_picture = true;
   CLI::App* app = program.add_subcommand(
       "simulate",
       "Replays a trace, or a turn around a volume, through policies and cache sizes\n\n"
@@ -307,10 +306,7 @@ Command addSimulate(CLI::App& program) {
   TurnArguments& turn = arguments->turn;
   const size_t before = app->get_options().size();
   addVolumeOptions(*app, turn.volume);
-  addLookOptions(*app, turn.look, turn.frame);
-  turn.frame.camera.view = ViewName::kThreeQuarter;
-  addViewOptions(*app, turn.frame);
-  addFitOption(*app, turn.fit);
+  addPictureOptions(*app, turn.look, turn.frame, turn.fit);
   // What is left out of a frame depends on its picture or on the clock.
   for (const char* name : {"--occlusion", "--time-limit"})
     app->remove_option(app->get_option(name));

@@ -17,6 +17,7 @@
 #include "tools/command_line/progress_line.h"
 #include "tools/command_line/shared_options.h"
 #include "tools/commands.h"
+#include "tools/interrupt.h"
 #include "tools/parse.h"
 #include "tools/workers.h"
 
@@ -68,7 +69,8 @@ void run(const Arguments& arguments) {
   ProgressMeter progress = arguments.quiet
                                ? ProgressMeter()
                                : ProgressMeter(progressLine("writing " + arguments.output), bytes);
-  const auto files = writeVolume(*source, arguments.output, {}, pool, progress);
+  const auto files =
+      writeVolume(*source, arguments.output, {.stop = interruption()}, pool, progress);
   if (arguments.json) {
     nlohmann::json report{{"spec", specOf(arguments.synth)}, {"files", nlohmann::json::array()}};
     for (const auto& file : files) report["files"].push_back(file.string());

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "src/base/progress_meter.h"
+#include "src/base/stop_token.h"
 
 namespace sluice {
 
@@ -12,6 +13,7 @@ struct DecodeOptions {
   std::string folder = {};  // of the temporary file; empty: /var/tmp, or /tmp
   // Gives who is told of the bytes of a file as they are decoded; null: nobody.
   std::function<ProgressWatch(const std::string& file)> watch = {};
+  StopToken stop = {};  // ends decoding by Interrupted
 };
 
 }  // namespace sluice

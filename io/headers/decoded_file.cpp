@@ -14,7 +14,6 @@
 #include "src/base/bytes.h"
 #include "src/base/descriptor.h"
 #include "src/base/error.h"
-#include "src/base/interrupt.h"
 
 namespace sluice {
 namespace {
@@ -128,7 +127,7 @@ void DecodedFile::decodeAll(const std::string& folder, int descriptor) {
     uint64_t done = 0;
     const uint64_t wanted = input.skip_bytes + input.keep_bytes;
     while (done < wanted) {
-      throwIfInterrupted();
+      options_.stop.throwIfStopped();
       const bool skipping = done < input.skip_bytes;
       const uint64_t ahead = (skipping ? input.skip_bytes : wanted) - done;
       const auto out = std::span(chunk).first(std::min<uint64_t>(ahead, chunk.size()));

@@ -17,7 +17,6 @@
 #include "src/base/atomic_file.h"
 #include "src/base/descriptor.h"
 #include "src/base/error.h"
-#include "src/base/interrupt.h"
 
 namespace sluice {
 namespace {
@@ -162,7 +161,7 @@ class StepWriter {
     HoleyFile voxels(file, header.size(), options_.holes);
     const std::optional<Occupancy> occupancy = source_.occupancy(time);
     eachPiece(boxOf(source_.layout().dims), most_voxels_, [&](const Box3& slab) {
-      throwIfInterrupted();
+      options_.stop.throwIfStopped();
       const auto bytes = static_cast<uint64_t>(slab.count() * voxel_bytes_);
       if (options_.holes && occupancy && knownZero(*occupancy, slab)) {
         voxels.skip(bytes);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "src/base/progress_meter.h"
+#include "src/base/stop_token.h"
 #include "src/base/volume_source.h"
 #include "src/base/worker_pool.h"
 
@@ -18,6 +19,7 @@ struct VolumeWriteOptions {
   // Runs of zeros are left out as holes, which read as zeros and take no room where the file system
   // has them.
   bool holes = true;
+  StopToken stop = {};  // ends writing by Interrupted
 };
 
 // Writes all time steps, in this machine's byte order, the stored values as they are (a value scale

@@ -11,7 +11,6 @@
 #include "io/files/file_list.h"
 #include "io/slices/slice_picture.h"
 #include "src/base/error.h"
-#include "src/base/interrupt.h"
 #include "src/base/mutex.h"
 #include "src/base/single_flight_cache.h"
 
@@ -89,7 +88,10 @@ using BandCache = SingleFlightCache<BandKey, const Rows, BandKeyHash>;
 class SliceStack final : public VolumeSource {
  public:
   SliceStack(std::vector<std::filesystem::path> files, const SliceOptions& options)
-      : files_(std::move(files)), pool_(files_, 0), max_open_pictures_(options.max_open_pictures) {
+      : files_(std::move(files)),
+        pool_(files_, 0),
+        max_open_pictures_(options.max_open_pictures),
+        stop_(options.stop) {
     format_ = checkPictures();
     identity_ = fileIdentity(files_);
     describe(options);
@@ -129,7 +131,7 @@ class SliceStack final : public VolumeSource {
     const size_t part_bytes = static_cast<size_t>(box.size().x * voxel_bytes);
     std::byte* to = out.data();
     for (int64_t z = box.lo.z; z < box.hi.z; ++z) {
-      throwIfInterrupted();
+      stop_.throwIfStopped();
       const int64_t picture = isOneFile() ? format_.order.page(time, z, layout_.channel) : z;
       for (int64_t y = box.lo.y; y < box.hi.y;) {
         const int64_t band = y / band_rows_;
@@ -197,7 +199,7 @@ class SliceStack final : public VolumeSource {
   PictureFormat checkPictures() {
     PictureFormat first;
     for (size_t i = 0; i < files_.size(); ++i) {
-      throwIfInterrupted();
+      stop_.throwIfStopped();
       const auto picture = pool_.take(i);
       const PictureFormat& format = picture->format();
       if (i == 0) first = format;
@@ -218,6 +220,7 @@ class SliceStack final : public VolumeSource {
   const std::vector<std::filesystem::path> files_;
   PicturePool pool_;
   const size_t max_open_pictures_;
+  const StopToken stop_;
   PictureFormat format_;  // constant after construction, as all that follows but the cache
   VolumeLayout layout_;
   std::string identity_;

@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "src/base/stop_token.h"
 #include "src/base/volume_source.h"
 
 namespace sluice {
@@ -25,6 +26,7 @@ struct SliceOptions {
   // band of rows and one picture a thread are held even if they are more.
   uint64_t held_bytes = uint64_t{32} << 20;
   size_t max_open_pictures = 64;  // beside those in use at the moment
+  StopToken stop = {};            // ends opening and reading by Interrupted
 };
 
 // The slices in the order given, bottom (z = 0) first. Throws Error: a file is missing, no picture

@@ -8,7 +8,6 @@
 #include "io/vdb/vdb_reader.h"
 #include "io/vdb/vdb_source.h"
 #include "src/base/error.h"
-#include "src/base/interrupt.h"
 
 namespace sluice {
 namespace {
@@ -105,12 +104,12 @@ Vec3i shiftBetween(const std::filesystem::path& path, const Place& first, const 
 }  // namespace
 
 std::vector<Box3> vdbSeriesBoxes(const std::vector<std::filesystem::path>& files,
-                                 const std::string& grid) {
+                                 const std::string& grid, const StopToken& stop) {
   std::optional<Place> first;
   std::vector<Vec3i> shifts;
   Box3 all;
   for (const auto& file : files) {
-    throwIfInterrupted();
+    stop.throwIfStopped();
     const Step step = readStep(file, grid);
     if (!first) first = step.place;
     shifts.push_back(shiftBetween(file, *first, step.place));

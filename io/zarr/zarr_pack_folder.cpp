@@ -18,7 +18,6 @@
 #include "io/zarr/zarr_source.h"
 #include "src/base/atomic_file.h"
 #include "src/base/error.h"
-#include "src/base/interrupt.h"
 #include "src/base/json_field.h"
 
 namespace sluice {
@@ -165,7 +164,7 @@ bool ZarrPackFolder::checkChunk(int64_t chunk) const {
   }
 }
 
-int64_t ZarrPackFolder::recover(WorkerPool& pool, ProgressMeter& progress) {
+int64_t ZarrPackFolder::recover(WorkerPool& pool, ProgressMeter& progress, const StopToken& stop) {
   std::vector<int64_t> noted;
   off_t sound = 0;
   Record record;
@@ -178,7 +177,7 @@ int64_t ZarrPackFolder::recover(WorkerPool& pool, ProgressMeter& progress) {
   if (ftruncate(journal_.get(), sound) != 0) failErrno((folder_ / "journal").string(), errno);
   std::atomic<int64_t> done = 0;
   pool.parallelFor(static_cast<int64_t>(noted.size()), [&](int64_t i) {
-    throwIfInterrupted();
+    stop.throwIfStopped();
     const int64_t chunk = noted[static_cast<size_t>(i)];
     if (!checkChunk(chunk)) return;
     {

@@ -20,6 +20,7 @@
 #include "src/base/descriptor.h"
 #include "src/base/mutex.h"
 #include "src/base/progress_meter.h"
+#include "src/base/stop_token.h"
 #include "src/base/worker_pool.h"
 
 namespace sluice {
@@ -40,7 +41,7 @@ class ZarrPackFolder {
 
   // Reads the journal and checks each chunk's file against it, on all threads. Returns how many
   // chunks are done, empty ones included. Called once, before the following.
-  int64_t recover(WorkerPool& pool, ProgressMeter& progress);
+  int64_t recover(WorkerPool& pool, ProgressMeter& progress, const StopToken& stop);
   bool isDone(int64_t chunk) const { return done_[static_cast<size_t>(chunk)]; }
 
   // Takes the bytes of a chunk's file; none for a chunk that is all fill value. Each thread gives a

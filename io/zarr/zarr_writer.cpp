@@ -12,7 +12,6 @@
 #include "src/base/bytes.h"
 #include "src/base/clock.h"
 #include "src/base/error.h"
-#include "src/base/interrupt.h"
 #include "src/base/mutex.h"
 
 namespace sluice {
@@ -75,7 +74,7 @@ class Packer {
       if (!is_done && !known_empty) read(source_, time, slab, slab_.get());
       if (!is_done)
         pool_.parallelFor(static_cast<int64_t>(chunks.size()), [&](int64_t i) {
-          throwIfInterrupted();
+          options_.stop.throwIfStopped();
           const Vec3i chunk = chunks[static_cast<size_t>(i)];
           if (folder.isDone(numberOf(time, chunk))) return;
           packChunk(folder, time, slab, chunk, known_empty);
@@ -93,7 +92,7 @@ class Packer {
       const Vec3i size = slab.size();
       const std::vector<Vec3i> chunks = chunksOf(slab);
       pool_.parallelFor(static_cast<int64_t>(chunks.size()), [&](int64_t i) {
-        throwIfInterrupted();
+        options_.stop.throwIfStopped();
         const Box3 box = intersect(boxOfChunk(chunks[static_cast<size_t>(i)]), slab);
         const ScratchLease scratch(*this);
         const auto bytes =
@@ -183,7 +182,7 @@ class Packer {
       for (int64_t z = 0; z < layout.dims.z; z += step.z)
         for (int64_t y = 0; y < layout.dims.y; y += step.y)
           for (int64_t x = 0; x < layout.dims.x; x += step.x) {
-            throwIfInterrupted();
+            options_.stop.throwIfStopped();
             const Vec3i lo{x, y, z};
             const Box3 slab = intersect({lo, lo + step}, boxOf(layout.dims));
             f(t, slab,
@@ -220,7 +219,7 @@ class Packer {
     const int64_t pieces = std::min<int64_t>(planes, 2 * pool_.threads());
     const int64_t plane_bytes = slab.size().x * slab.size().y * voxel_;
     pool_.parallelFor(pieces, [&](int64_t i) {
-      throwIfInterrupted();
+      options_.stop.throwIfStopped();
       const int64_t first = planes * i / pieces, end = planes * (i + 1) / pieces;
       Box3 piece = slab;
       piece.lo.z = slab.lo.z + first;
@@ -292,7 +291,7 @@ PackReport packZarr(VolumeSource& source, const std::filesystem::path& output,
   const Stopwatch watch;
   ZarrPackFolder folder(output, array, source.identity(), array_text + image_text);
   PackReport report;
-  report.kept_chunks = folder.recover(pool, progress);
+  report.kept_chunks = folder.recover(pool, progress, options.stop);
   packer.pack(folder);
   const std::filesystem::path store = folder.complete(zarrGroupText(), image_text, array_text);
   report.pack_seconds = watch.seconds();
@@ -312,7 +311,7 @@ PackReport packZarr(VolumeSource& source, const std::filesystem::path& output,
 }
 
 CheckReport checkZarr(const std::filesystem::path& folder, WorkerPool& pool,
-                      ProgressMeter& progress) {
+                      ProgressMeter& progress, const StopToken& stop) {
   ZarrSource source(folder);
   ZarrChunkFiles& files = source.chunkFiles();
   if (!files.hasChecksums())
@@ -323,7 +322,7 @@ CheckReport checkZarr(const std::filesystem::path& folder, WorkerPool& pool,
   for (const int64_t chunk : chunks) progress.expect(files.stored(chunk).bytes);
   Mutex mutex;
   pool.parallelFor(static_cast<int64_t>(chunks.size()), [&](int64_t i) {
-    throwIfInterrupted();
+    stop.throwIfStopped();
     const int64_t chunk = chunks[static_cast<size_t>(i)];
     std::string fault;
     uint64_t read = 0;

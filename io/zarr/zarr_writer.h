@@ -10,6 +10,7 @@
 
 #include "io/zarr/zarr_codec.h"
 #include "src/base/progress_meter.h"
+#include "src/base/stop_token.h"
 #include "src/base/volume_source.h"
 #include "src/base/worker_pool.h"
 
@@ -22,6 +23,7 @@ struct PackOptions {
   bool verify = false;                          // read again and compare with the source
   bool replace = false;                         // an existing store, at the end
   std::string unit = {};                        // of the spacing; empty: what the source says
+  StopToken stop = {};                          // ends packing by Interrupted
 };
 
 struct PackReport {
@@ -50,6 +52,6 @@ struct CheckReport {
 // Reads every chunk file of a packed store and compares its checksum. Throws Error when the store
 // cannot be opened or has no checksums, and Interrupted.
 CheckReport checkZarr(const std::filesystem::path& folder, WorkerPool& pool,
-                      ProgressMeter& progress);
+                      ProgressMeter& progress, const StopToken& stop = {});
 
 }  // namespace sluice

@@ -10,7 +10,6 @@
 
 #include "src/base/bytes.h"
 #include "src/base/error.h"
-#include "src/base/interrupt.h"
 
 namespace sluice {
 namespace {
@@ -29,10 +28,10 @@ class Opened {
 };
 
 // False when nothing came in time.
-bool waitForMore(int file) {
+bool waitForMore(int file, const StopToken& stop) {
   constexpr int kSteps = 100, kStepMs = 100;
   for (int i = 0; i < kSteps; ++i) {
-    throwIfInterrupted();
+    stop.throwIfStopped();
     pollfd waiting{file, POLLIN, 0};
     if (poll(&waiting, 1, kStepMs) > 0) return true;
   }
@@ -42,7 +41,7 @@ bool waitForMore(int file) {
 }  // namespace
 
 std::string readTextFile(const std::filesystem::path& path, uint64_t most_bytes,
-                         std::string_view what) {
+                         std::string_view what, const StopToken& stop) {
   const Opened file(path);
   struct stat status {};
   if (fstat(file.number, &status) == 0 && S_ISDIR(status.st_mode))
@@ -53,7 +52,7 @@ std::string readTextFile(const std::filesystem::path& path, uint64_t most_bytes,
     const ssize_t got = read(file.number, piece.data(), piece.size());
     if (got < 0 && errno == EINTR) continue;
     if (got < 0 && errno == EAGAIN) {
-      if (!waitForMore(file.number))
+      if (!waitForMore(file.number, stop))
         fail("{}: expected {}, found a pipe into which nothing was written for 10 s", path.string(),
              what);
       continue;

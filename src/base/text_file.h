@@ -6,6 +6,8 @@
 #include <string>
 #include <string_view>
 
+#include "src/base/stop_token.h"
+
 namespace sluice {
 
 // All of a file or a pipe. A pipe is waited for as long as somebody holds its other end and writes
@@ -13,6 +15,6 @@ namespace sluice {
 // end. Throws Error, which names the path and `what` was expected: it cannot be read, is a folder,
 // or holds more than `most_bytes`; and Interrupted.
 std::string readTextFile(const std::filesystem::path& path, uint64_t most_bytes,
-                         std::string_view what);
+                         std::string_view what, const StopToken& stop = {});
 
 }  // namespace sluice

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "src/base/error.h"
-#include "src/base/large_pages.h"
 #include "src/device/look_up_texels.h"
 #include "src/gl/box_buffer.h"
 #include "src/gl/shading.h"
@@ -16,8 +15,6 @@ namespace {
 
 // Boxes a draw call: bounded by what the smallest legal buffer texture (65536 texels) holds.
 constexpr size_t kBoxesPerDraw = 65536 / kTexelsPerBox;
-// GL_PACK_INVERT_MESA of GL_MESA_pack_invert: rows are read downwards.
-constexpr GLenum kPackInvert = 0x8758;
 constexpr GLenum kChunkUnit = 0, kLookUpUnit = 1, kBoxUnit = 2, kFactorUnit = 3;
 
 std::array<float, 3> asFloats(Vec3d v) {
@@ -44,7 +41,8 @@ GlDevice::GlDevice(std::unique_ptr<GlContext> context)
     : context_(currentOf(std::move(context))),
       gl_(context_->functions()),
       pool_(gl_),
-      occlusion_(gl_) {
+      occlusion_(gl_),
+      target_(gl_, context_->has("GL_MESA_pack_invert")) {
   gl_.GenVertexArrays(1, &vertex_array_);
   gl_.BindVertexArray(vertex_array_);
   gl_.GenBuffers(1, &index_buffer_);
@@ -66,9 +64,6 @@ GlDevice::~GlDevice() {
   gl_.DeleteBuffers(1, &box_buffer_);
   gl_.DeleteBuffers(1, &index_buffer_);
   gl_.DeleteVertexArrays(1, &vertex_array_);
-  gl_.DeleteFramebuffers(1, &target_.framebuffer);
-  gl_.DeleteTextures(1, &target_.color);
-  gl_.DeleteTextures(1, &target_.depth);
 }
 
 DeviceLimits GlDevice::limits() const {
@@ -100,37 +95,6 @@ GlProgram& GlDevice::programFor(const ShaderVariant& variant) {
     program = std::make_unique<GlProgram>(gl_, vertexShader(variant), fragmentShader(variant));
   program->use();
   return *program;
-}
-
-void GlDevice::resizeTarget(PictureSize size) {
-  if (size.width == target_size_.width && size.height == target_size_.height) return;
-  const int64_t most = limits().max_picture_size;
-  if (std::max(size.width, size.height) > most)
-    fail("a picture of {} x {} pixels: the GL driver draws at most {} along an axis", size.width,
-         size.height, most);
-  target_size_ = {0, 0};  // until the driver has agreed to all of it
-  while (gl_.GetError() != GL_NO_ERROR) {
-  }
-  if (target_.framebuffer == 0) {
-    gl_.GenFramebuffers(1, &target_.framebuffer);
-    gl_.GenTextures(1, &target_.color);
-    gl_.GenTextures(1, &target_.depth);
-  }
-  gl_.BindFramebuffer(GL_FRAMEBUFFER, target_.framebuffer);
-  for (const auto& [texture, attachment] : {std::pair(target_.color, GL_COLOR_ATTACHMENT0),
-                                            std::pair(target_.depth, GL_COLOR_ATTACHMENT1)}) {
-    gl_.BindTexture(GL_TEXTURE_2D, texture);
-    gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, size.width, size.height, 0, GL_RGBA, GL_FLOAT,
-                   nullptr);
-    gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-    gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
-    gl_.FramebufferTexture2D(GL_FRAMEBUFFER, static_cast<GLenum>(attachment), GL_TEXTURE_2D,
-                             texture, 0);
-  }
-  if (gl_.GetError() != GL_NO_ERROR ||
-      gl_.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
-    fail("the GL driver cannot draw a float picture of {} x {} pixels", size.width, size.height);
-  target_size_ = size;
 }
 
 void GlDevice::setBlending(Mode mode) {
@@ -201,7 +165,7 @@ void GlDevice::setLookUp(GlProgram& program) {
 }
 
 void GlDevice::bindTarget() {
-  gl_.BindFramebuffer(GL_FRAMEBUFFER, target_.framebuffer);
+  gl_.BindFramebuffer(GL_FRAMEBUFFER, target_.framebuffer());
   gl_.Viewport(0, 0, setup_.size.width, setup_.size.height);
   const std::array<GLenum, 2> outputs = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
   gl_.DrawBuffers(variant_.with_depth || variant_.counts_taken ? 2 : 1, outputs.data());
@@ -222,7 +186,7 @@ void GlDevice::bindTarget() {
 std::vector<float> GlDevice::leastOpacity(const MapGrid& grid) {
   context_->makeCurrent();
   SLUICE_CHECK(setup_.mode == Mode::kComposite);
-  std::vector<float> least = occlusion_.leastOpacity(target_.color, setup_.size, grid);
+  std::vector<float> least = occlusion_.leastOpacity(target_.color(), setup_.size, grid);
   bindTarget();
   return least;
 }
@@ -230,7 +194,7 @@ std::vector<float> GlDevice::leastOpacity(const MapGrid& grid) {
 void GlDevice::stopOpaque() {
   context_->makeCurrent();
   SLUICE_CHECK(setup_.mode == Mode::kComposite);
-  marked_ = occlusion_.markOpaque(target_.color, setup_.size, setup_.opacity_threshold);
+  marked_ = occlusion_.markOpaque(target_.color(), setup_.size, setup_.opacity_threshold);
   bindTarget();
 }
 
@@ -252,7 +216,11 @@ void GlDevice::beginFrame(const FrameSetup& setup, const StopToken& stop) {
               .labels = composite && setup.look_up.labels,
               .planes = setup.mode == Mode::kMip || setup.mode == Mode::kMinip};
   if (composite) chooseShading(setup, variant_);
-  resizeTarget(setup.size);
+  const int64_t most = limits().max_picture_size;
+  if (std::max(setup.size.width, setup.size.height) > most)
+    fail("a picture of {} x {} pixels: the GL driver draws at most {} along an axis",
+         setup.size.width, setup.size.height, most);
+  target_.resize(setup.size);
   marked_ = 0;
   bindTarget();
   const float start = setup.mode == Mode::kMip     ? std::numeric_limits<float>::lowest()
@@ -321,31 +289,6 @@ void GlDevice::drawFromChunk(std::span<const BoxDraw> boxes) {
   }
 }
 
-void GlDevice::readTarget(GLenum attachment, std::vector<float>& rgba) const {
-  const auto width = static_cast<size_t>(target_size_.width);
-  const auto height = static_cast<size_t>(target_size_.height);
-  const size_t count = width * height * 4;
-  if (rgba.capacity() < count) {
-    rgba.clear();
-    reserveLarge(rgba, count);
-  }
-  rgba.resize(count);
-  // GL's rows go upwards.
-  const bool inverts = context_->has("GL_MESA_pack_invert");
-  gl_.ReadBuffer(attachment);
-  gl_.PixelStorei(GL_PACK_ALIGNMENT, 1);
-  if (inverts) gl_.PixelStorei(kPackInvert, GL_TRUE);
-  gl_.ReadPixels(0, 0, target_size_.width, target_size_.height, GL_RGBA, GL_FLOAT, rgba.data());
-  if (inverts) {
-    gl_.PixelStorei(kPackInvert, GL_FALSE);
-    return;
-  }
-  for (size_t row = 0; row < height / 2; ++row)
-    std::swap_ranges(rgba.begin() + static_cast<ptrdiff_t>(row * width * 4),
-                     rgba.begin() + static_cast<ptrdiff_t>((row + 1) * width * 4),
-                     rgba.begin() + static_cast<ptrdiff_t>((height - 1 - row) * width * 4));
-}
-
 uint64_t GlDevice::countSamples(std::span<const BoxDraw> boxes) {
   context_->makeCurrent();
   // The depth attachment is free between frames: it takes the counts, the picture stays.
@@ -355,7 +298,7 @@ uint64_t GlDevice::countSamples(std::span<const BoxDraw> boxes) {
   counting.planes = variant_.planes;
   GlProgram& program = programFor(counting);
   setView(program);
-  gl_.BindFramebuffer(GL_FRAMEBUFFER, target_.framebuffer);
+  gl_.BindFramebuffer(GL_FRAMEBUFFER, target_.framebuffer());
   const GLenum output = GL_COLOR_ATTACHMENT1;
   gl_.DrawBuffers(1, &output);
   gl_.Disable(GL_DEPTH_TEST);
@@ -378,7 +321,7 @@ uint64_t GlDevice::takenSamples() {
 uint64_t GlDevice::sumOfCounts() const {
   double sum = 0;
   std::vector<float> counts;
-  readTarget(GL_COLOR_ATTACHMENT1, counts);
+  target_.read(GL_COLOR_ATTACHMENT1, counts);
   for (size_t i = 0; i < counts.size(); i += 4) sum += counts[i];
   return static_cast<uint64_t>(sum);
 }
@@ -386,14 +329,14 @@ uint64_t GlDevice::sumOfCounts() const {
 Picture GlDevice::endFrame() {
   context_->makeCurrent();
   Picture picture = std::exchange(spare_, {});
-  picture.width = target_size_.width;
-  picture.height = target_size_.height;
+  picture.width = target_.size().width;
+  picture.height = target_.size().height;
   picture.depth.clear();
-  readTarget(GL_COLOR_ATTACHMENT0, picture.rgba);
+  target_.read(GL_COLOR_ATTACHMENT0, picture.rgba);
   if (setup_.mode != Mode::kComposite) resolveMode(setup_, valueScale(setup_.type), picture.rgba);
   if (variant_.with_depth) {
     std::vector<float> sums;
-    readTarget(GL_COLOR_ATTACHMENT1, sums);
+    target_.read(GL_COLOR_ATTACHMENT1, sums);
     picture.depth.resize(picture.rgba.size() / 4);
     for (size_t i = 0; i < picture.depth.size(); ++i) {
       const float opacity = sums[4 * i + 3];

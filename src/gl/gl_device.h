@@ -18,6 +18,7 @@
 #include "src/gl/drawing_pieces.h"
 #include "src/gl/gl_program.h"
 #include "src/gl/occlusion_passes.h"
+#include "src/gl/render_target.h"
 #include "src/gl/shaders.h"
 #include "src/gl/texture_pool.h"
 
@@ -62,9 +63,6 @@ class GlDevice : public Device {
              factors == setup.look_up.factors;
     }
   };
-  struct Target {
-    GLuint framebuffer = 0, color = 0, depth = 0;
-  };
 
   GlProgram& programFor(const ShaderVariant& variant);
   void setView(GlProgram& program);
@@ -72,14 +70,11 @@ class GlDevice : public Device {
   // Into the bound texture, and factors into theirs, unless they are there.
   void uploadLookUp();
   void setBlending(Mode mode);
-  void resizeTarget(PictureSize size);
   // Again what beginFrame() set, after another pass.
   void bindTarget();
   // Of one chunk, in pieces between which it looks whether to stop.
   void drawFromChunk(std::span<const BoxDraw> boxes);
   void drawBoxes(std::span<const BoxDraw> boxes);
-  // Into `rgba`, top row first, whatever it held.
-  void readTarget(GLenum attachment, std::vector<float>& rgba) const;
   // Of the counts in the second attachment.
   uint64_t sumOfCounts() const;
 
@@ -87,14 +82,13 @@ class GlDevice : public Device {
   const GlFunctions& gl_;
   TexturePool pool_;
   OcclusionPasses occlusion_;
+  RenderTarget target_;
   std::unordered_map<uint64_t, Resident> resident_;
   std::map<ShaderVariant, std::unique_ptr<GlProgram>> programs_;
   FrameSetup setup_;
   StopToken stop_;
   std::optional<DrawingPieces> pieces_;  // of the frame
   ShaderVariant variant_;
-  Target target_;
-  PictureSize target_size_{0, 0};
   GLuint vertex_array_ = 0, index_buffer_ = 0, box_buffer_ = 0, box_texture_ = 0, look_up_ = 0,
          factors_ = 0;
   std::optional<LookUpKey> look_up_key_;  // of the texture's content

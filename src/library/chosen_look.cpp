@@ -84,7 +84,7 @@ class Chooser {
   void add(const std::string& option) { chosen_.options += option; }
 
   void fromFile() {
-    chosen_.transfer = readTransferFunction(look_.transfer_file, range_, look_.map);
+    chosen_.transfer = readTransferFunction(look_.transfer_file, range_, look_.map, look_.stop);
     add(fmt::format(" --transfer {}", look_.transfer_file));
     if (!look_.map.empty()) add(fmt::format(" --map {}", look_.map));
     if (look_.range) add(rangeOption(*look_.range));
@@ -196,7 +196,7 @@ bool needsGradients(const LookArguments& look, Mode mode) {
   if (look.first_picture && !look.no_shade && mode == Mode::kComposite) return true;
   // Whatever the volume's range is.
   return !look.transfer_file.empty() &&
-         !readTransferFunction(look.transfer_file, {0, 1}, look.map).gradients.empty();
+         !readTransferFunction(look.transfer_file, {0, 1}, look.map, look.stop).gradients.empty();
 }
 
 bool needsStatistics(const LookArguments& look) {

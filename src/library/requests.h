@@ -11,6 +11,7 @@
 
 #include "cache/policies/policy.h"
 #include "io/open_volume.h"
+#include "src/base/stop_token.h"
 #include "src/classify/transfer/transfer_function.h"
 #include "src/library/device_choice.h"
 
@@ -44,6 +45,7 @@ struct LookArguments {
   double full_gradient = 0.1;  // where that is 1: a share of the value range a voxel length
   std::array<float, 3> background{0, 0, 0};
   bool has_background = false;
+  StopToken stop = {};  // ends waiting for a transfer file that is a pipe
 };
 
 // What zoom 1 shows whole: what is visible, or the sphere around the volume. Unset: the plain view

@@ -3,15 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "src/base/error.h"
 #include "src/render/index_space.h"
 
 namespace sluice {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 struct Orbit {
   Vec3d eye, target, up;

@@ -109,10 +109,10 @@ CameraPath parseCameraPath(std::string_view text, const std::string& where) {
   return path;
 }
 
-CameraPath readCameraPath(const std::filesystem::path& path) {
+CameraPath readCameraPath(const std::filesystem::path& path, const StopToken& stop) {
   // No path is this long; a volume given by mistake is.
   constexpr uint64_t kMostBytes = uint64_t{16} << 20;
-  return parseCameraPath(readTextFile(path, kMostBytes, "a camera path"), path.string());
+  return parseCameraPath(readTextFile(path, kMostBytes, "a camera path", stop), path.string());
 }
 
 Camera cameraAt(const CameraPath& path, const Camera& start, int64_t frame, int64_t frames) {

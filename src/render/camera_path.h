@@ -13,6 +13,7 @@
 #include <string_view>
 #include <vector>
 
+#include "src/base/stop_token.h"
 #include "src/render/camera.h"
 
 namespace sluice {
@@ -28,7 +29,7 @@ struct CameraPath {
 };
 
 // Throws Error: the path, the field, what was expected.
-CameraPath readCameraPath(const std::filesystem::path& path);
+CameraPath readCameraPath(const std::filesystem::path& path, const StopToken& stop = {});
 CameraPath parseCameraPath(std::string_view json, const std::string& where);
 
 // The camera of frame `frame` of `frames`. `start` gives what no key says.

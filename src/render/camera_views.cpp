@@ -1,12 +1,10 @@
 #include "src/render/camera_views.h"
 
 #include <cmath>
-#include <numbers>
 
 namespace sluice {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 // Where three sides of a thing show and its front still dominates.
 constexpr ViewTurn kThreeQuarterTurn{30, 20};
 

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <array>
+#include <numbers>
 #include <optional>
 #include <string_view>
 
@@ -13,6 +14,8 @@
 #include "src/base/volume_source.h"
 
 namespace sluice {
+
+inline constexpr double kDegree = std::numbers::pi / 180;  // in radians
 
 // kPlain looks along -z with +y up whatever the axes mean. The others are the front of the frame,
 // turned and lifted. Left and right are a patient's where the frame knows patients, otherwise those

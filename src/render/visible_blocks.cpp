@@ -3,9 +3,10 @@
 namespace sluice {
 
 VisibleBlocksPtr ClassifiedBlocks::choose(const BlockQuestion& question) {
-  const auto& [step, look, crop, view] = question;
-  return memo_.of({step, look, crop},
-                  [&] { return classify(*step.ranges, look->table, crop, pool_, step.time); });
+  const BlockQuestion& q = question;
+  return memo_.of({q.step, q.look, q.crop}, [&] {
+    return classify(*q.step.ranges, q.look->table, q.crop, pool_, q.step.time);
+  });
 }
 
 }  // namespace sluice

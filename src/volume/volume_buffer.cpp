@@ -6,7 +6,7 @@
 #include "src/base/bytes.h"
 #include "src/base/clock.h"
 #include "src/base/error.h"
-#include "src/base/interrupt.h"
+#include "src/base/stop_token.h"
 
 namespace sluice {
 

@@ -13,7 +13,7 @@
 namespace sluice {
 namespace {
 
-constexpr Vec3i kDims{24, 20, 28};
+constexpr Vec3i kMapDims{24, 20, 28};
 // A device may look at squares of so many pixels together.
 constexpr int kMostPixelsAround = 4;
 
@@ -22,13 +22,13 @@ class OpacityMapTest : public testing::Test {
   static void SetUpTestSuite() {
     device_ = suiteDevice();
     // Spots of all opacities.
-    std::vector<std::byte> texels(static_cast<size_t>(volume(kDims)));
+    std::vector<std::byte> texels(static_cast<size_t>(volume(kMapDims)));
     uint32_t state = 7;
     for (std::byte& texel : texels) {
       state = state * 1664525U + 1013904223U;
       texel = static_cast<std::byte>((state >> 24) > 200 ? state >> 16 & 255 : 0);
     }
-    device_->makeResident(1, chunkTexels(kDims, DeviceType::kU8, texels));
+    device_->makeResident(1, chunkTexels(kMapDims, DeviceType::kU8, texels));
   }
   static void TearDownTestSuite() { device_.reset(); }
 
@@ -43,7 +43,7 @@ struct Drawn {
 // Draws the whole volume seen so.
 Drawn drawSeenBy(Device& device, const Camera& camera, double opacity) {
   VolumeLayout layout;
-  layout.dims = kDims;
+  layout.dims = kMapDims;
   layout.spacing = {1, 1.3, 0.8};
   FrameOptions options;
   options.camera = camera;
@@ -56,7 +56,7 @@ Drawn drawSeenBy(Device& device, const Camera& camera, double opacity) {
   device.beginFrame(drawn.setup);
   BoxDraw box;
   box.chunk = 1;
-  box.cells = boxOf(kDims - Vec3i{1, 1, 1});
+  box.cells = boxOf(kMapDims - Vec3i{1, 1, 1});
   device.draw({&box, 1});
   return drawn;
 }
@@ -94,7 +94,7 @@ TEST_F(OpacityMapTest, aCellHoldsNoMoreThanTheLeastOfItsPixels) {
   for (size_t i = 0; i < cameras.size(); ++i) {
     SCOPED_TRACE(i);
     const Drawn drawn = drawSeenBy(*device_, cameras[i], 1);
-    const Box3 cells = boxOf(kDims - Vec3i{1, 1, 1});
+    const Box3 cells = boxOf(kMapDims - Vec3i{1, 1, 1});
     const FrameOcclusion occlusion(Occlusion::kClip, drawn.setup, drawn.eye,
                                    {cells, cells.count(), 1});
     const MapGrid grid = occlusion.grid();
@@ -146,7 +146,7 @@ TEST_F(OpacityMapTest, markedPixelsTakeNothingMore) {
   setup.opacity_threshold = 0.6;
   BoxDraw box;
   box.chunk = 1;
-  box.cells = boxOf(kDims - Vec3i{1, 1, 1});
+  box.cells = boxOf(kMapDims - Vec3i{1, 1, 1});
   const auto drawTwice = [&](bool stops) {
     FrameSetup first = drawn.setup;
     first.opacity_threshold = setup.opacity_threshold;

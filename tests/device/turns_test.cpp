@@ -1,45 +1,11 @@
 // Several devices on one thread, and frames that are stopped.
 #include <gtest/gtest.h>
 
-#include "src/render/frame_setup.h"
+#include "tests/device/one_box.h"
 #include "tests/device/suite_device.h"
-#include "tests/support/plain_device.h"
 
 namespace sluice {
 namespace {
-
-constexpr Vec3i kDims{8, 8, 8};
-
-ChunkTexelsPtr texelsOf(int value) {
-  return chunkTexels(kDims, DeviceType::kU8,
-                     std::vector<std::byte>(512, static_cast<std::byte>(value)));
-}
-
-FrameSetup setupOf(PictureSize size, double step_vox = 1) {
-  VolumeLayout layout;
-  layout.dims = kDims;
-  FrameOptions options;
-  options.size = size;
-  options.step_vox = step_vox;
-  const ValueMap map = deviceMap(layout);
-  const TransferFunction transfer{{{0, {0, 0, 1}}, {255, {1, 0, 0}}}, {{0, 0.01}, {255, 0.2}}, "t"};
-  return frameSetup(resolve(options.camera, layout, size, step_vox), layout,
-                    OpacityTable(transfer, map, {0, 255}), map, options);
-}
-
-BoxDraw wholeBox() {
-  BoxDraw box;
-  box.chunk = 1;
-  box.cells = boxOf(kDims - Vec3i{1, 1, 1});
-  return box;
-}
-
-Picture draw(Device& device, const FrameSetup& setup) {
-  const BoxDraw box = wholeBox();
-  device.beginFrame(setup);
-  device.draw({&box, 1});
-  return device.endFrame();
-}
 
 TEST(TurnsTest, twoDevicesTakeTurnsOnOneThread) {
   const FrameSetup setup = setupOf({40, 30});

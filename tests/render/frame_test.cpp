@@ -137,10 +137,10 @@ TEST(FrameTest, aFrameStoppedWhileEvictingLeavesModelAndDeviceAlike) {
   const Frame expected = whole.frame(smallView());
   int stopped = 0;
   for (int stopped_at = 0; stopped_at < 12; ++stopped_at) {
-    PlainDevice device({.borrows = true, .puts_off = true});
-    RenderScene scene(device, *source, someTransfer(), tight());
     StopSource stop;
     int evictions = 0;
+    PlainDevice device({.borrows = true, .puts_off = true});
+    RenderScene scene(device, *source, someTransfer(), tight());
     device.on_evict = [&] {
       if (evictions++ == stopped_at) stop.requestStop();
     };

@@ -4,126 +4,22 @@
 #include <array>
 #include <atomic>
 #include <cmath>
-#include <cstring>
 #include <functional>
 #include <limits>
-#include <map>
 #include <memory>
 #include <thread>
 
 #include "src/base/error.h"
+#include "tests/support/reference_values.h"
 
 namespace sluice {
 namespace {
 
-// What infinities count as, and what is as far away (src/volume/device_voxel.h).
-constexpr double kFarthest = 1e30;
-
 // Faces belong to the volume where voxel planes are sampled, to this part of a voxel.
 constexpr double kPlaneEdge = 1e-3;
-// Of labels whose weights are this close the greater one counts.
-constexpr double kLabelTie = 1e-3;
 
 // Of light reflected by white: what src/device/lighting.h adds up to at most by default.
 constexpr double kBrightestLit = 1.5;
-
-// A time step's values, read by their position in voxels.
-class Values {
- public:
-  Values(VolumeSource& source, int64_t time) : layout_(source.layout()) {
-    bytes_.resize(static_cast<size_t>(volume(layout_.dims)) * bytesPerVoxel(layout_.type));
-    source.readRegion(time, boxOf(layout_.dims), bytes_);
-    trilinear_ = visitVoxelType(layout_.type, [](auto tag) { return &trilinear<decltype(tag)>; });
-    label_ = visitVoxelType(layout_.type, [](auto tag) { return &heaviest<decltype(tag)>; });
-  }
-
-  // That of the eight voxels around p whose value has the greatest weight, and by how much it
-  // leads. Requires: as at().
-  struct Label {
-    double value, lead;
-  };
-  Label labelAt(Vec3d p) const {
-    Label label = label_(bytes_.data(), layout_.dims, p);
-    label.value = label.value * layout_.value_scale + layout_.value_offset;
-    return label;
-  }
-
-  // Trilinear between the eight voxels around p. Requires: 0 <= p[a] <= dims[a] - 1, dims >= 2.
-  double at(Vec3d p) const {
-    return trilinear_(bytes_.data(), layout_.dims, p) * layout_.value_scale + layout_.value_offset;
-  }
-
- private:
-  template <class T>
-  static double trilinear(const std::byte* bytes, Vec3i dims, Vec3d p) {
-    const auto* voxels = reinterpret_cast<const T*>(bytes);
-    Vec3i i;
-    Vec3d f;
-    for (int a = 0; a < 3; ++a) {
-      i[a] = std::min(static_cast<int64_t>(p[a]), dims[a] - 2);
-      f[a] = p[a] - static_cast<double>(i[a]);
-    }
-    // Infinities are far values like others; std::clamp lets NaN through.
-    const auto voxel = [&](int64_t x, int64_t y, int64_t z) {
-      const T v = voxels[((i.z + z) * dims.y + i.y + y) * dims.x + i.x + x];
-      return std::clamp(static_cast<double>(v), -kFarthest, kFarthest);
-    };
-    // A voxel of no weight has no say, also where it is no number.
-    const auto between = [](double t, auto&& first, auto&& second) {
-      return t == 0 ? first() : first() * (1 - t) + second() * t;
-    };
-    const auto along_x = [&](int64_t y, int64_t z) {
-      return between(
-          f.x, [&] { return voxel(0, y, z); }, [&] { return voxel(1, y, z); });
-    };
-    const auto along_y = [&](int64_t z) {
-      return between(
-          f.y, [&] { return along_x(0, z); }, [&] { return along_x(1, z); });
-    };
-    return between(
-        f.z, [&] { return along_y(0); }, [&] { return along_y(1); });
-  }
-
-  template <class T>
-  static Label heaviest(const std::byte* bytes, Vec3i dims, Vec3d p) {
-    const auto* voxels = reinterpret_cast<const T*>(bytes);
-    std::map<double, double> weights;
-    for (int corner = 0; corner < 8; ++corner) {
-      Vec3i i;
-      double weight = 1;
-      for (int a = 0; a < 3; ++a) {
-        const int64_t low = std::min(static_cast<int64_t>(p[a]), dims[a] - 2);
-        const double t = p[a] - static_cast<double>(low);
-        const bool upper = (corner >> a & 1) != 0;
-        i[a] = low + (upper ? 1 : 0);
-        weight *= upper ? t : 1 - t;
-      }
-      const auto value = static_cast<double>(voxels[(i.z * dims.y + i.y) * dims.x + i.x]);
-      weights[std::isnan(value) ? -std::numeric_limits<double>::max() : value] += weight;
-    }
-    // Ascending, so that of two alike the greater one stays.
-    Label best{0, 0};
-    double most = -1, second = -1;
-    for (const auto& [value, weight] : weights) {
-      if (weight > most - kLabelTie) {
-        second = std::max(second, most);
-        most = weight;
-        best.value = value;
-      } else {
-        second = std::max(second, weight);
-      }
-    }
-    if (best.value == -std::numeric_limits<double>::max())
-      best.value = std::numeric_limits<double>::quiet_NaN();
-    best.lead = std::abs(std::abs(most - second) - kLabelTie);
-    return best;
-  }
-
-  const VolumeLayout& layout_;
-  std::vector<std::byte> bytes_;
-  Label (*label_)(const std::byte*, Vec3i, Vec3d) = nullptr;
-  double (*trilinear_)(const std::byte*, Vec3i, Vec3d) = nullptr;
-};
 
 // index = rows * (world - origin): the inverse of VolumeLayout's map, which may be oblique.
 struct IndexFromWorld {
@@ -326,7 +222,8 @@ class Renderer {
     double depth_sum = 0;
     eachSample(start, direction, [&](const Sample& sample) {
       const bool labels = scene_.transfer.labels;
-      const Values::Label label = labels ? values_.labelAt(sample.p) : Values::Label{};
+      const ReferenceValues::Label label =
+          labels ? values_.labelAt(sample.p) : ReferenceValues::Label{};
       const double value = labels ? label.value : values_.at(sample.p);
       const double magnitude =
           scene_.transfer.gradients.empty() ? 0 : length(gradient(sample.p)) * finest_;
@@ -437,7 +334,7 @@ class Renderer {
   const VolumeLayout& layout_;
   const View& view_;
   const ReferenceScene& scene_;
-  const Values values_;
+  const ReferenceValues values_;
   const IndexFromWorld index_from_world_;
   const Box3 crop_;
   const double finest_;

@@ -219,7 +219,7 @@ TEST(Program, rendersAPictureAndReportsWhatItTook) {
   const Program program;
   const CommandResult result =
       program.run(std::string("render ") + kSmall +
-                  " -o a.png --size 80x60 --azimuth 20 --report r.json --verify");
+                  " -o a.png --size 80x60 --azimuth 20 --device gl --report r.json --verify");
   ASSERT_EQ(result.status, 0) << result.output;
   const Rgba8Picture picture = readPng(program.folder / "a.png");
   EXPECT_EQ(picture.width, 80);

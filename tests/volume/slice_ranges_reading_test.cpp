@@ -3,13 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <array>
-#include <csignal>
 #include <cstring>
 #include <map>
 #include <random>
 
 #include "src/base/error.h"
-#include "src/base/interrupt.h"
+#include "src/base/stop_token.h"
 #include "src/volume/slice_ranges.h"
 #include "tests/support/counting_source.h"
 #include "tests/support/failing_source.h"
@@ -222,23 +221,15 @@ TEST(SliceRanges, failureOfAReadReachesTheCaller) {
   EXPECT_THROW(buildRanges(source, 8), std::runtime_error);
 }
 
-TEST(SliceRangesDeathTest, interruptionEndsThePass) {
+TEST(SliceRanges, aStopEndsThePass) {
   const auto source = makeWhiteNoise({40, 40, 40}, VoxelType::kU8, 3);
-  EXPECT_EXIT(
-      {
-        watchForInterruption();
-        std::raise(SIGINT);
-        try {
-          WorkerPool pool(1);
-          ProgressMeter quiet;
-          buildSliceRanges(*source, 0, blockLayout(source->layout().dims, 8, 0), pool, quiet,
-                           kMostIndexingBytes, interruption());
-        } catch (const Interrupted&) {
-          std::_Exit(130);
-        }
-        std::_Exit(0);
-      },
-      testing::ExitedWithCode(130), "");
+  WorkerPool pool(1);
+  ProgressMeter quiet;
+  StopSource stop;
+  stop.requestStop();
+  EXPECT_THROW(buildSliceRanges(*source, 0, blockLayout(source->layout().dims, 8, 0), pool, quiet,
+                                kMostIndexingBytes, stop.token()),
+               Interrupted);
 }
 
 }  // namespace

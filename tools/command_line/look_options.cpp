@@ -2,6 +2,7 @@
 
 #include "src/classify/transfer/color_maps.h"
 #include "tools/command_line/shared_options.h"
+#include "tools/interrupt.h"
 #include "tools/parse.h"
 
 namespace sluice {
@@ -35,6 +36,7 @@ std::optional<ValueRange> valueRange(const std::string& word) {
 }  // namespace
 
 void addLookOptions(CLI::App& app, LookArguments& look, FrameOptions& frame) {
+  look.stop = interruption();
   const OptionGroup group(app, "Look"), light(app, "Light");
   CLI::Option* threshold = group.number("-t,--threshold", "VALUE", look.threshold, {},
                                         "Opacity 0 below this value and a ramp above it");

@@ -20,6 +20,8 @@ void addLookOptions(CLI::App& app, LookArguments& look, FrameOptions& frame);
 // The groups View (the camera) and Drawing (what is drawn, and how).
 void addViewOptions(CLI::App& app, FrameOptions& options);
 void addFitOption(CLI::App& app, FitChoice& fit);
+// Look, view and fit of the commands that choose a good first picture.
+void addPictureOptions(CLI::App& app, LookArguments& look, FrameOptions& frame, FitChoice& fit);
 void addResourceOptions(CLI::App& app, ResourceArguments& arguments);
 
 // Some of the last group, for commands that take no more.

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
-#include "src/base/interrupt.h"
 #include "tools/command_line/shared_options.h"
+#include "tools/interrupt.h"
 #include "tools/parse.h"
 
 namespace sluice {
@@ -128,6 +128,14 @@ void addFitOption(CLI::App& app, FitChoice& fit) {
               "What fills the picture: what is visible, of a series in all its steps unless "
               "--this-step, or the volume's sphere (visible; with --view plain volume)")
       ->excludes(app.get_option("--eye"));
+}
+
+void addPictureOptions(CLI::App& app, LookArguments& look, FrameOptions& frame, FitChoice& fit) {
+  look.first_picture = true;
+  addLookOptions(app, look, frame);
+  frame.camera.view = ViewName::kThreeQuarter;
+  addViewOptions(app, frame);
+  addFitOption(app, fit);
 }
 
 }  // namespace sluice

@@ -4,6 +4,7 @@
 #include "io/headers/volume_description.h"
 #include "tools/command_line/shared_options.h"
 #include "tools/environment.h"
+#include "tools/interrupt.h"
 #include "tools/parse.h"
 
 namespace sluice {
@@ -57,6 +58,7 @@ std::optional<TimeRange> timeRange(const std::string& word) {
 
 void addVolumeOptions(CLI::App& app, VolumeArguments& arguments, std::optional<TimeRange>* times) {
   arguments.open.decode = decodeOptions();
+  arguments.open.stop = interruption();
   app.add_option(
          "volume", arguments.inputs,
          "Files, a folder of slices, a Zarr store, a pattern ('step_%03d.raw'), or synth:KIND,...")

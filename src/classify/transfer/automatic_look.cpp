@@ -19,7 +19,7 @@ namespace sluice {
 namespace {
 
 // Of the analysis, over values that are worth it.
-constexpr size_t kBins = 4096;
+constexpr size_t kFineBins = 4096;
 // Optical depth (-ln of what passes) of a ray through all that is visible: dense enough that the
 // front is read as a surface, thin enough that what lies behind adds to it.
 constexpr double kOpticalDepth = 6;
@@ -211,7 +211,7 @@ WithoutFill withoutFill(const ValueCounts& counts) {
   WithoutFill result{counts};
   const auto isFar = [&](double gap) {
     // What few voxels have does not stretch the rest.
-    const Histogram rest = histogramOf(result.counts, kBins);
+    const Histogram rest = histogramOf(result.counts, kFineBins);
     return gap > percentile(rest, 0.9995) - percentile(rest, 0.0005);
   };
   std::vector<ValueCount>& entries = result.counts.entries;
@@ -320,7 +320,7 @@ AutomaticLook automaticLook(const ValueCounts& counts, const AutomaticOptions& o
     return look;
   }
   const WithoutFill rest = withoutFill(counts);
-  Draft draft = draftOf(histogramOf(rest.counts, kBins), options);
+  Draft draft = draftOf(histogramOf(rest.counts, kFineBins), options);
   endAt(draft.opacities, rangeOf(rest.counts), rest);
   return lookOf(std::move(draft), options);
 }

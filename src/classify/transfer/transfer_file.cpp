@@ -181,9 +181,9 @@ TransferFunction parseTransferFunction(std::string_view json, const std::string&
 }
 
 TransferFunction readTransferFunction(const std::filesystem::path& path, ValueRange range,
-                                      std::string_view map) {
-  return parseTransferFunction(readTextFile(path, kMostBytes, "a transfer function"), path.string(),
-                               range, map);
+                                      std::string_view map, const StopToken& stop) {
+  return parseTransferFunction(readTextFile(path, kMostBytes, "a transfer function", stop),
+                               path.string(), range, map);
 }
 
 std::string writeTransferFunction(const TransferFunction& transfer) {

@@ -11,7 +11,7 @@
 #include <optional>
 #include <thread>
 
-#include "src/base/interrupt.h"
+#include "src/base/stop_token.h"
 #include "tests/io/headers/volume_files.h"
 
 namespace sluice {
@@ -239,22 +239,14 @@ TEST(DecodedFileTest, aFullDiskSaysWhatToSet) {
   EXPECT_THAT(line, HasSubstr("set TMPDIR to a folder with room"));
 }
 
-TEST(DecodedFileTest, anInterruptionUnwindsAndLeavesNothing) {
-  // The child is this very process: one that starts over has folders of its own.
-  GTEST_FLAG_SET(death_test_style, "fast");
+TEST(DecodedFileTest, aStopUnwindsAndLeavesNothing) {
   const TempFolder folder, temporaries;
-  const DecodeOptions here{.folder = temporaries.path()};
+  StopSource stop;
+  const DecodeOptions here{.folder = temporaries.path(), .stop = stop.token()};
   const auto path = folder.write("f", gzipped("abcdef", folder));
-  const auto interrupted = [&] {
-    watchForInterruption();
-    raise(SIGINT);
-    try {
-      readText(*decodedFileOf(path, 0, 0, 6, Codec::kDeflate, here), 0, 1);
-    } catch (const Interrupted&) {
-      std::_Exit(130);  // unwound; what follows at exit is not the matter
-    }
-  };
-  EXPECT_EXIT(interrupted(), testing::ExitedWithCode(130), "");
+  const auto decoded = decodedFileOf(path, 0, 0, 6, Codec::kDeflate, here);
+  stop.requestStop();
+  EXPECT_THROW(readText(*decoded, 0, 1), Interrupted);
   EXPECT_TRUE(std::filesystem::is_empty(temporaries.path()));
 }
 

@@ -51,7 +51,7 @@ std::unique_ptr<FunctionSource> halfNoise(VolumeLayout layout) {
   });
 }
 constexpr Vec3i kDims{70, 45, 37};
-constexpr PackOptions kSmall{.chunk_voxels = 16};
+const PackOptions kSmall{.chunk_voxels = 16};
 
 std::unique_ptr<FunctionSource> halfNoise(VoxelType type = VoxelType::kU8, int64_t steps = 1) {
   VolumeLayout layout;

@@ -15,9 +15,5 @@ void watchForInterruption();
 int interruptionStatus();
 // Asked to stop once a signal has come.
 StopToken interruption();
-// For readers and writers of files, which are handed no token. Throws Interrupted.
-inline void throwIfInterrupted() {
-  interruption().throwIfStopped();
-}
 
 }  // namespace sluice

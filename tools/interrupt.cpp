@@ -1,4 +1,4 @@
-#include "src/base/interrupt.h"
+#include "tools/interrupt.h"
 
 #include <atomic>
 #include <csignal>

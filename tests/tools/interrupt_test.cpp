@@ -1,4 +1,4 @@
-#include "src/base/interrupt.h"
+#include "tools/interrupt.h"
 
 #include <gtest/gtest.h>
 
@@ -16,10 +16,10 @@ namespace {
 // Ends as the program does when Interrupted comes; with 0 otherwise.
 void loopUntilInterrupted(int signal_number) {
   watchForInterruption();
-  throwIfInterrupted();  // nothing yet
+  interruption().throwIfStopped();  // nothing yet
   std::raise(signal_number);
   try {
-    throwIfInterrupted();
+    interruption().throwIfStopped();
   } catch (const Interrupted& interrupted) {
     std::fprintf(stderr, "%s\n", interrupted.what());
     std::_Exit(interruptionStatus());
@@ -63,7 +63,7 @@ TEST(InterruptDeathTest, anInterruptedWriterLeavesNoFile) {
           AtomicFile file(path);
           file.write(std::string_view("half"));
           std::raise(SIGTERM);
-          throwIfInterrupted();
+          interruption().throwIfStopped();
           file.commit();
         } catch (const Interrupted&) {
           std::_Exit(130);
@@ -74,7 +74,7 @@ TEST(InterruptDeathTest, anInterruptedWriterLeavesNoFile) {
 }
 
 TEST(Interrupt, nothingHappensWithoutASignal) {
-  EXPECT_NO_THROW(throwIfInterrupted());
+  EXPECT_NO_THROW(interruption().throwIfStopped());
 }
 
 }  // namespace

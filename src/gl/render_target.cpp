@@ -1,0 +1,74 @@
+#include "src/gl/render_target.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "src/base/error.h"
+#include "src/base/large_pages.h"
+
+namespace sluice {
+namespace {
+
+// GL_PACK_INVERT_MESA of GL_MESA_pack_invert: rows are read downwards.
+constexpr GLenum kPackInvert = 0x8758;
+
+}  // namespace
+
+RenderTarget::~RenderTarget() {
+  gl_.DeleteFramebuffers(1, &framebuffer_);
+  gl_.DeleteTextures(1, &color_);
+  gl_.DeleteTextures(1, &second_);
+}
+
+void RenderTarget::resize(PictureSize size) {
+  if (size.width == size_.width && size.height == size_.height) return;
+  size_ = {0, 0};  // until the driver has agreed to all of it
+  while (gl_.GetError() != GL_NO_ERROR) {
+  }
+  if (framebuffer_ == 0) {
+    gl_.GenFramebuffers(1, &framebuffer_);
+    gl_.GenTextures(1, &color_);
+    gl_.GenTextures(1, &second_);
+  }
+  gl_.BindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
+  for (const auto& [texture, attachment] :
+       {std::pair(color_, GL_COLOR_ATTACHMENT0), std::pair(second_, GL_COLOR_ATTACHMENT1)}) {
+    gl_.BindTexture(GL_TEXTURE_2D, texture);
+    gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, size.width, size.height, 0, GL_RGBA, GL_FLOAT,
+                   nullptr);
+    gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
+    gl_.FramebufferTexture2D(GL_FRAMEBUFFER, static_cast<GLenum>(attachment), GL_TEXTURE_2D,
+                             texture, 0);
+  }
+  if (gl_.GetError() != GL_NO_ERROR ||
+      gl_.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
+    fail("the GL driver cannot draw a float picture of {} x {} pixels", size.width, size.height);
+  size_ = size;
+}
+
+void RenderTarget::read(GLenum attachment, std::vector<float>& rgba) const {
+  const auto width = static_cast<size_t>(size_.width);
+  const auto height = static_cast<size_t>(size_.height);
+  const size_t count = width * height * 4;
+  if (rgba.capacity() < count) {
+    rgba.clear();
+    reserveLarge(rgba, count);
+  }
+  rgba.resize(count);
+  // GL's rows go upwards.
+  gl_.ReadBuffer(attachment);
+  gl_.PixelStorei(GL_PACK_ALIGNMENT, 1);
+  if (inverts_) gl_.PixelStorei(kPackInvert, GL_TRUE);
+  gl_.ReadPixels(0, 0, size_.width, size_.height, GL_RGBA, GL_FLOAT, rgba.data());
+  if (inverts_) {
+    gl_.PixelStorei(kPackInvert, GL_FALSE);
+    return;
+  }
+  for (size_t row = 0; row < height / 2; ++row)
+    std::swap_ranges(rgba.begin() + static_cast<ptrdiff_t>(row * width * 4),
+                     rgba.begin() + static_cast<ptrdiff_t>((row + 1) * width * 4),
+                     rgba.begin() + static_cast<ptrdiff_t>((height - 1 - row) * width * 4));
+}
+
+}  // namespace sluice

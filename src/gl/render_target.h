@@ -1,0 +1,36 @@
+// RenderTarget: a framebuffer of two float pictures, colour and (for depth or counts) a second one.
+// Its context must be current in every call.
+#pragma once
+
+#include <vector>
+
+#include "src/device/device.h"
+#include "src/gl/gl_functions.h"
+
+namespace sluice {
+
+class RenderTarget {
+ public:
+  // `inverts`: the driver reads rows downwards (GL_MESA_pack_invert).
+  RenderTarget(const GlFunctions& gl, bool inverts) : gl_(gl), inverts_(inverts) {}
+  ~RenderTarget();
+  RenderTarget(const RenderTarget&) = delete;
+  RenderTarget& operator=(const RenderTarget&) = delete;
+
+  // Makes both pictures anew where the size is another. Throws Error where the driver refuses.
+  void resize(PictureSize size);
+  PictureSize size() const { return size_; }
+  GLuint framebuffer() const { return framebuffer_; }
+  GLuint color() const { return color_; }
+
+  // RGBA of GL_COLOR_ATTACHMENT0 or 1 into `rgba`, top row first, whatever it held.
+  void read(GLenum attachment, std::vector<float>& rgba) const;
+
+ private:
+  const GlFunctions& gl_;
+  bool inverts_;
+  PictureSize size_{0, 0};
+  GLuint framebuffer_ = 0, color_ = 0, second_ = 0;
+};
+
+}  // namespace sluice

@@ -1,0 +1,111 @@
+#include "tests/support/plain_sampling.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <map>
+
+namespace sluice {
+namespace {
+
+double texelAt(const ChunkTexels& chunk, Vec3i texel) {
+  const Vec3i size = chunk.storage_vox;
+  for (int a = 0; a < 3; ++a) texel[a] = std::clamp<int64_t>(texel[a], 0, size[a] - 1);
+  const auto i = static_cast<size_t>((texel.z * size.y + texel.y) * size.x + texel.x);
+  return visitDeviceType(chunk.type, [&](auto tag) {
+    decltype(tag) value;
+    std::memcpy(&value, chunk.bytes.get() + i * sizeof(value), sizeof(value));
+    return static_cast<double>(value);
+  });
+}
+
+// Position among `count` entries, and what lies there between them.
+struct Entry {
+  size_t first = 0, second = 0;
+  double part = 0;
+};
+Entry entryOf(double at, size_t count, bool interpolates) {
+  at = std::clamp(at, 0.0, static_cast<double>(count - 1));
+  if (!interpolates) at = std::floor(at + 0.5);
+  const auto first = static_cast<size_t>(at);
+  return {first, std::min(first + 1, count - 1), at - static_cast<double>(first)};
+}
+double between(const Entry& entry, double first, double second) {
+  return first * (1 - entry.part) + second * entry.part;
+}
+
+double entryPosition(const LookUp& look_up, double value) {
+  const ValueRange range = look_up.device_range;
+  if (!(range.hi > range.lo)) return 0;
+  return (value - range.lo) / (range.hi - range.lo) *
+         (static_cast<double>(look_up.rgba.size() / 4) - 1);
+}
+
+}  // namespace
+
+double valueAt(const ChunkTexels& chunk, Vec3d at) {
+  const Vec3i lo{static_cast<int64_t>(std::floor(at.x)), static_cast<int64_t>(std::floor(at.y)),
+                 static_cast<int64_t>(std::floor(at.z))};
+  const Vec3d part = at - toDouble(lo);
+  double sum = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    double weight = 1;
+    Vec3i texel = lo;
+    for (int a = 0; a < 3; ++a) {
+      const int up = corner >> a & 1;
+      texel[a] += up;
+      weight *= up != 0 ? part[a] : 1 - part[a];
+    }
+    if (weight > 0) sum += weight * texelAt(chunk, texel);
+  }
+  return sum;
+}
+
+double labelAt(const ChunkTexels& chunk, Vec3d at) {
+  const Vec3d lo{std::floor(at.x), std::floor(at.y), std::floor(at.z)};
+  std::map<double, double> weights;
+  for (int corner = 0; corner < 8; ++corner) {
+    double weight = 1;
+    Vec3i texel;
+    for (int a = 0; a < 3; ++a) {
+      const int up = corner >> a & 1;
+      texel[a] = static_cast<int64_t>(lo[a]) + up;
+      weight *= up != 0 ? at[a] - lo[a] : 1 - (at[a] - lo[a]);
+    }
+    weights[texelAt(chunk, texel)] += weight;
+  }
+  double best = 0, most = -1;
+  for (const auto& [value, weight] : weights)
+    if (weight > most - kLabelTie) {
+      best = value;
+      most = weight;
+    }
+  return best;
+}
+
+std::array<double, 4> lookedUp(const LookUp& look_up, double value, bool interpolates) {
+  const Entry entry = entryOf(entryPosition(look_up, value), look_up.rgba.size() / 4, interpolates);
+  std::array<double, 4> rgba{};
+  for (size_t c = 0; c < 4; ++c)
+    rgba[c] = between(entry, look_up.rgba[4 * entry.first + c], look_up.rgba[4 * entry.second + c]);
+  return rgba;
+}
+
+double factorOf(const LookUp& look_up, double magnitude, double value) {
+  const std::vector<double>& rows = look_up.magnitudes;
+  if (rows.empty()) return 1;
+  const size_t entries = look_up.factors.size() / rows.size();
+  const Entry entry = entryOf(entries > 1 ? entryPosition(look_up, value) : 0, entries, true);
+  const auto inRow = [&](size_t row) {
+    const float* factors = &look_up.factors[row * entries];
+    return between(entry, factors[entry.first], factors[entry.second]);
+  };
+  if (magnitude <= rows.front()) return inRow(0);
+  for (size_t row = 1; row < rows.size(); ++row)
+    if (magnitude < rows[row])
+      return between({0, 0, (magnitude - rows[row - 1]) / (rows[row] - rows[row - 1])},
+                     inRow(row - 1), inRow(row));
+  return inRow(rows.size() - 1);
+}
+
+}  // namespace sluice

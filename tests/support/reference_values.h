@@ -1,0 +1,33 @@
+// A time step's values for the reference renderer, read by their position in voxels.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "src/base/volume_source.h"
+
+namespace sluice {
+
+class ReferenceValues {
+ public:
+  // Reads the whole time step into memory.
+  ReferenceValues(VolumeSource& source, int64_t time);
+
+  // That of the eight voxels around p whose value has the greatest weight, and by how much it
+  // leads. Requires: as at().
+  struct Label {
+    double value, lead;
+  };
+  Label labelAt(Vec3d p) const;
+
+  // Trilinear between the eight voxels around p. Requires: 0 <= p[a] <= dims[a] - 1, dims >= 2.
+  double at(Vec3d p) const;
+
+ private:
+  const VolumeLayout& layout_;
+  std::vector<std::byte> bytes_;
+  Label (*label_)(const std::byte*, Vec3i, Vec3d) = nullptr;
+  double (*trilinear_)(const std::byte*, Vec3i, Vec3d) = nullptr;
+};
+
+}  // namespace sluice
