@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Installs what is needed, builds, and runs what must pass before a change lands: all tests and gates
-# of the release build, in which a warning is an error, and the fuzzers for a bounded time.
-# `tools/test.sh asan-fast tsan-fast` runs under sanitizers what needs neither GL nor OpenVDB.
-# `tools/test.sh all` adds what takes long: these, clang-tidy over everything, and the sanitizers over the
+# of the release build, in which a warning is an error, the fuzzers for a bounded time, and under
+# sanitizers what threads share: levels 2 to 4, the frame and the CPU device (asan-fast, tsan-fast).
+# `tools/test.sh all` adds what takes long: clang-tidy over everything, and the sanitizers over the
 # rest of it. `tools/test.sh asan` runs one preset. At the end: what each part took of the processor.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -10,7 +10,7 @@ cd "$(dirname "$0")/.."
 tools/setup.sh
 presets=("$@")
 skip=(-E 'gates\.tidy$')
-((${#presets[@]} > 0)) || presets=(release fuzz)
+((${#presets[@]} > 0)) || presets=(release fuzz asan-fast tsan-fast)
 if [[ ${presets[0]} == all ]]; then
   presets=(release fuzz asan-fast tsan-fast asan tsan)
   skip=()

@@ -115,7 +115,7 @@ TilePixels TiledPicture::tile(int64_t index) {
 std::vector<float> TiledPicture::leastOpacity(const MapGrid& grid) {
   std::vector<std::atomic<uint32_t>> cells = emptyMap(grid);
   const auto map_from_clip = mapFromClip(grid);
-  const auto& [to_u, to_v, to_w] = map_from_clip;
+  const Vec3d to_u = map_from_clip[0], to_v = map_from_clip[1], to_w = map_from_clip[2];
   const Vec3d a_pixel{2.0 / size_.width, 2.0 / size_.height, 0};
   // Of a parallel view all pixels have the same w: no division for each.
   const bool parallel = to_w.x == 0 && to_w.y == 0;
