@@ -4,12 +4,9 @@
 
 #include <random>
 
-#include "src/render/culled_blocks.h"
-#include "src/render/index_space.h"
-#include "src/visibility/early_termination.h"
 #include "tests/render/blob_scene.h"
+#include "tests/render/culling_scene.h"
 #include "tests/support/plain_device.h"
-#include "tests/support/series_functions.h"
 
 namespace sluice {
 namespace {
@@ -52,58 +49,9 @@ TransferFunction looks(int which) {
   return bands;
 }
 
-struct CullingScene {
-  CullingScene(MemorySource& volume, const TransferFunction& transfer, int64_t block,
-               int64_t time = 0)
-      : source(volume),
-        pool(2),
-        ranges(std::make_shared<const SliceRanges>(buildSliceRanges(
-            source, time, blockLayout(source.layout().dims, block, 0), pool, progress))),
-        step{&source, time, ranges},
-        look(std::make_shared<const Look>(makeLook(step, transfer, Mode::kComposite))) {}
-
-  View view(const FrameOptions& options) const {
-    return resolve(options.camera, source.layout(), options.size, options.step_vox);
-  }
-  BlockQuestion question(const FrameOptions& options) const {
-    return {step, look, cropCells(options, source.layout().dims), view(options)};
-  }
-  std::vector<bool> reached(const FrameOptions& options, double threshold) {
-    const size_t bytes = static_cast<size_t>(volume(source.layout().dims));
-    return reachedByRays({source.layout().dims, DeviceType::kU8,
-                          source.bytes().subspan(static_cast<size_t>(step.time) * bytes, bytes)},
-                         ranges->layout.cells(), look->table,
-                         estimateView(view(options), source.layout()), threshold, pool);
-  }
-
-  MemorySource& source;
-  WorkerPool pool;
-  ProgressMeter progress;
-  std::shared_ptr<const SliceRanges> ranges;
-  TimeStep step;
-  LookPtr look;
-};
-
-FrameOptions randomView(std::mt19937& random, const VolumeLayout& layout) {
-  std::uniform_real_distribution<double> unit(0, 1);
-  FrameOptions options;
-  options.camera.projection = random() % 2 == 0 ? Projection::kOrtho : Projection::kPerspective;
-  options.camera.azimuth_deg = random() % 8 == 0 ? 90.0 * (random() % 4) : 360 * unit(random);
-  options.camera.elevation_deg = random() % 8 == 0 ? 0 : 170 * unit(random) - 85;
-  options.camera.zoom = 0.7 + 2 * unit(random);
-  options.step_vox = random() % 3 == 0 ? 1 : 0.3 + unit(random);
-  if (random() % 6 == 0) {
-    const auto place = [&] { return Vec3d{unit(random), unit(random), unit(random)}; };
-    const auto inside = insideView(layout, place() * 1.5 - Vec3d{0.25, 0.25, 0.25}, place());
-    options.camera = inside.camera;
-  }
-  options.size = {40 + static_cast<int>(random() % 60), 40 + static_cast<int>(random() % 60)};
-  return options;
-}
-
 TEST(Culling, noBlockIsCulledThatRaysReach) {
   std::mt19937 random(1);
-  int64_t visible = 0, reached = 0, nonempty = 0;
+  ReachedCounts counts;
   for (int scene_at = 0; scene_at < 18; ++scene_at) {
     const Vec3d spacing = scene_at % 3 == 2 ? Vec3d{1, 1.7, 0.8} : Vec3d{1, 1, 1};
     const auto source = rocks(static_cast<uint64_t>(scene_at), {50, 45, 61}, 1, spacing);
@@ -113,36 +61,14 @@ TEST(Culling, noBlockIsCulledThatRaysReach) {
         makeTestSeries(*source, scene.ranges->layout, scene.look->table,
                        {.part_cells = 2 + scene_at % 4, .directions = {3 + scene_at % 3}});
     for (int i = 0; i < 30; ++i) {
-      const FrameOptions options = randomView(random, source->layout());
+      SCOPED_TRACE(testing::Message() << "scene " << scene_at << " view " << i);
       const double threshold = i % 4 == 0 ? 254.0 / 255 : i % 4 == 1 ? 0.5 : 0.95;
-      const std::vector<bool> truth = scene.reached(options, threshold);
-      size_t last_count = 0;
-      for (const OpacityForm form :
-           {OpacityForm::kOpof, OpacityForm::kLinearOpof, OpacityForm::kPof}) {
-        CulledBlocks culled(series.opacity, source->layout(), {form, threshold}, scene.pool);
-        const VisibleBlocksPtr found = culled.choose(scene.question(options));
-        std::vector<bool> is_visible(truth.size(), false);
-        for (const ObjectBlock& each : found->blocks)
-          is_visible[static_cast<size_t>(each.block)] = true;
-        int64_t seen = 0;
-        for (size_t b = 0; b < truth.size(); ++b) {
-          const bool is_empty = series.steps[0].isEmpty(static_cast<int64_t>(b));
-          if (truth[b] && !is_empty) {
-            ++seen;
-            EXPECT_TRUE(is_visible[b]) << "scene " << scene_at << " view " << i << " block " << b;
-          }
-        }
-        EXPECT_GE(found->blocks.size(), last_count) << "a tighter form sees no more";
-        last_count = found->blocks.size();
-        if (form != OpacityForm::kOpof) continue;
-        reached += seen;
-        visible += static_cast<int64_t>(found->blocks.size());
-        nonempty += culled.counts().blocks_nonempty;
-      }
+      expectNothingReachedIsCulled(scene, series, randomView(random, source->layout()), threshold,
+                                   counts);
     }
   }
-  EXPECT_LT(visible, nonempty * 9 / 10) << "else nothing is tested";
-  EXPECT_LT(visible, 2 * reached);
+  EXPECT_LT(counts.visible, counts.nonempty * 9 / 10) << "else nothing is tested";
+  EXPECT_LT(counts.visible, 2 * counts.reached);
 }
 
 TEST(Culling, whatEveryRayReachesIsWhatASlabHides) {
