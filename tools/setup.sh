@@ -7,7 +7,7 @@ set -euo pipefail
 build_packages=(
   # To build.
   g++ cmake ninja-build pkg-config
-  libopenvdb-dev libopenexr-dev libosmesa6-dev libegl-dev libgl-dev libtbb-dev
+  libopenvdb-dev libboost-dev libopenexr-dev libosmesa6-dev libegl-dev libgl-dev libtbb-dev
   libblosc-dev libzstd-dev libcli11-dev libfmt-dev nlohmann-json3-dev libpng-dev libtiff-dev zlib1g-dev
   libcairo2-dev libxxhash-dev libhwy-dev
   # To draw.
