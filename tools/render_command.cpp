@@ -22,7 +22,6 @@
 #include "tools/report.h"
 #include "tools/scene.h"
 #include "tools/series.h"
-#include "tools/trace_files.h"
 
 namespace sluice {
 namespace {

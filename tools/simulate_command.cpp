@@ -21,7 +21,6 @@
 #include "tools/commands.h"
 #include "tools/replay.h"
 #include "tools/scene.h"
-#include "tools/trace_files.h"
 
 namespace sluice {
 namespace {

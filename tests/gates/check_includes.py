@@ -43,7 +43,7 @@ ALLOWED = {
     'src/annotate': ['io/pictures', TRANSFER, 'src/device', 'src/render'],
     'src/slicing': ['src/device', 'src/render'],
     'src/gl': ['src/device', 'src/volume'],
-    'src/library': [PUBLIC, 'cache/model', 'cache/policies', 'io', 'io/pictures', 'src/volume', TRANSFER, BLOCKS, 'src/device',
+    'src/library': [PUBLIC, 'cache/model', 'cache/policies', 'cache/trace', 'io', 'io/pictures', 'src/volume', TRANSFER, BLOCKS, 'src/device',
                     'src/cpu', 'src/gl', 'src/index', 'src/render', 'src/visibility'],
     'src/cpu': ['io/pictures', 'src/device', 'src/volume'],
     'tools': None,  # everything
