@@ -13,11 +13,14 @@
 #include "tools/command_line/shared_options.h"
 #include "tools/commands.h"
 #include "tools/culling_bench.h"
+#include "tools/environment.h"
 #include "tools/occlusion_bench.h"
 #include "tools/packing_bench.h"
 #include "tools/report.h"
 #include "tools/skipping_bench.h"
 #include "tools/threshold_bench.h"
+#include "tools/view_arguments.h"
+#include "tools/view_bench.h"
 
 namespace sluice {
 namespace {
@@ -144,6 +147,25 @@ int runPacking(const Arguments& arguments) {
     printPacking(report);
   }
   return 0;
+}
+
+int runView(const Arguments& arguments, int events, const CLI::App& app) {
+  const bool has_step = app.count("--step") > 0;
+  const ViewState state =
+      viewState(arguments.volume, arguments.look, arguments.frame, std::nullopt, has_step);
+  const IndexWish wish = indexWish(arguments.resources.index_dir);
+  ViewBench bench;
+  if (!wish.disabled) bench.drawing.index_folder = wish.folder.string();
+  bench.volume = viewedVolume(arguments.volume, arguments.resources, bench.drawing.index_folder);
+  bench.drawing.renderer = rendererOptions(arguments.resources);
+  bench.drawing.look = state.look;
+  bench.drawing.view = state.view;
+  bench.drawing.step_vox = state.step_vox;
+  bench.width = arguments.frame.size.width;
+  bench.height = arguments.frame.size.height;
+  bench.threshold = arguments.look.threshold.value_or(0);
+  bench.events = events;
+  return show(benchView(bench), arguments, app, printView);
 }
 
 int runSimulate(bool as_json) {
@@ -284,6 +306,19 @@ Command addBench(CLI::App& program) {
   const OptionGroup threshold_output(*threshold, kOutputHeading);
   threshold_output.number("--changes", "N", *changes, {1, 100'000}, "Changes of each kind");
   addJsonOption(threshold_output, arguments->json);
+  auto view_events = std::make_shared<int>(120);
+  CLI::App* view = app->add_subcommand(
+      "view",
+      std::string("A window's threshold drag without a window: from an event to its picture, and "
+                  "whether the loop ever waits\n\n") +
+          kPlainPicture + "  sluice bench view bonsai.nii.gz --threshold 40 --size 800x600");
+  addVolumeOptions(*view, arguments->volume);
+  addLookOptions(*view, arguments->look, arguments->frame);
+  addViewOptions(*view, arguments->frame);
+  addResourceOptions(*view, arguments->resources);
+  const OptionGroup view_output(*view, kOutputHeading);
+  view_output.number("--events", "N", *view_events, {2, 100'000}, "Of each of three drags");
+  addJsonOption(view_output, arguments->json);
   CLI::App* packing = app->add_subcommand(
       "packing", "What compressing a volume's blocks in memory brings, by codec, on one core");
   addVolumeOptions(*packing, arguments->volume);
@@ -298,6 +333,7 @@ Command addBench(CLI::App& program) {
     if (limit->parsed()) return runLimit(*arguments);
     if (simulate->parsed()) return runSimulate(arguments->json);
     if (packing->parsed()) return runPacking(*arguments);
+    if (view->parsed()) return runView(*arguments, *view_events, *view);
     if (culling->parsed()) return show(benchCulling(*culled), *arguments, *culling, printCulling);
     if (threshold->parsed()) return runThreshold(*arguments, *changes, *threshold);
     if (slicing->parsed()) return runSlicing(arguments->json);

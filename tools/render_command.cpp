@@ -22,6 +22,7 @@
 #include "tools/report.h"
 #include "tools/scene.h"
 #include "tools/series.h"
+#include "tools/view_state_option.h"
 
 namespace sluice {
 namespace {
@@ -38,6 +39,7 @@ struct Arguments {
   std::string report_file;
   std::string path_file;
   std::string trace_file;
+  std::string state_file;
   int64_t frames = 1;
   std::optional<TimeRange> times;
   CullingArguments culling;
@@ -209,7 +211,9 @@ std::vector<Camera> camerasOf(const Arguments& arguments, WorldFrame frame) {
   return cameras;
 }
 
-int run(Arguments& arguments, const CLI::App& app) {
+int run(Arguments& arguments, CLI::App& app) {
+  if (!arguments.state_file.empty()) applyState(app, arguments.state_file);
+  if (arguments.volume.inputs.empty()) throw CLI::RequiredError("volume");
   checkOutput(arguments);
   const Outputs outputs = outputsOf(arguments);
   const std::vector<int64_t> to_draw = framesToDraw(arguments);
@@ -320,7 +324,7 @@ Command addRender(CLI::App& program) {
       "render",
       "Draws a volume into PNG or EXR pictures\n\n"
       "  sluice render bonsai.nii.gz -o bonsai.png --threshold 40 --azimuth 30");
-  addVolumeOptions(*app, arguments->volume, &arguments->times);
+  addVolumeOptions(*app, arguments->volume, &arguments->times, false);
   const OptionGroup output(*app, kOutputHeading);
   output
       .text(
@@ -330,6 +334,10 @@ Command addRender(CLI::App& program) {
   addFramesOption(output, arguments->frames, "Pictures of a full turn, or of the path");
   output.text("--path", "FILE", arguments->path_file, "Key frames of the camera, JSON")
       ->needs(app->get_option("--frames"));
+  OptionGroup(*app, "View")
+      .text("--state", "FILE", arguments->state_file,
+            "A view that sluice view saved, and its volume; options that are "
+            "given beside it take the place of its own");
   output.flag("--annotate", arguments->annotate,
               "PNG: draws orientation axes, a scale bar and a colour bar");
   output.parsed(

@@ -57,8 +57,8 @@ Ground groundOf(const VolumeInfo& info) {
     Vec3d world = vec(info.origin);
     for (size_t a = 0; a < 3; ++a)
       if (((which >> a) & 1) != 0)
-        world = world + vec(info.axes[a]) *
-                            (info.spacing[a] * static_cast<double>(info.dims[a] - 1));
+        world =
+            world + vec(info.axes[a]) * (info.spacing[a] * static_cast<double>(info.dims[a] - 1));
     return world;
   };
   Ground ground;
@@ -110,8 +110,8 @@ ViewOptions orbit(const ViewOptions& view, double dx, double dy, Pane pane) {
   const Vec3d tilted = rotated(axes.back, axes.right, down);
   const Vec3d up = rotated(axes.up, axes.right, down);
   ViewOptions next = view;
-  next.look_at->eye = asArray(vec(view.look_at->target) +
-                              rotated(tilted, axes.up, across) * distanceOf(view));
+  next.look_at->eye =
+      asArray(vec(view.look_at->target) + rotated(tilted, axes.up, across) * distanceOf(view));
   next.up = asArray(rotated(up, axes.up, across));
   return next;
 }
@@ -149,8 +149,7 @@ ViewOptions roll(const ViewOptions& view, double degrees) {
 ViewOptions fly(const ViewOptions& view, double ahead, double right, double up,
                 const Ground& ground) {
   const PlacedAxes axes = axesOf(view);
-  return moved(view,
-               (axes.right * right + axes.up * up - axes.back * ahead) * ground.radius);
+  return moved(view, (axes.right * right + axes.up * up - axes.back * ahead) * ground.radius);
 }
 
 ViewOptions lookAround(const ViewOptions& view, double dx, double dy, Pane pane) {
@@ -158,8 +157,8 @@ ViewOptions lookAround(const ViewOptions& view, double dx, double dy, Pane pane)
   const double across = -turnOf(dx, pane) / 2, down = -turnOf(dy, pane) / 2;
   const Vec3d tilted = rotated(axes.back, axes.right, down);
   ViewOptions next = view;
-  next.look_at->target = asArray(vec(view.look_at->eye) -
-                                 rotated(tilted, axes.up, across) * distanceOf(view));
+  next.look_at->target =
+      asArray(vec(view.look_at->eye) - rotated(tilted, axes.up, across) * distanceOf(view));
   next.up = asArray(rotated(rotated(axes.up, axes.right, down), axes.up, across));
   return next;
 }

@@ -16,8 +16,8 @@ namespace sluice {
 
 // What gestures need to know of a volume.
 struct Ground {
-  Vec3d center;              // of the sphere around its outer voxels, world
-  double radius = 1;         // of it
+  Vec3d center;       // of the sphere around its outer voxels, world
+  double radius = 1;  // of it
   double finest_spacing = 1;
 };
 Ground groundOf(const VolumeInfo& info);

@@ -21,8 +21,8 @@ namespace sluice {
 // What is to be seen now. A newer one takes the place of those that were not drawn yet.
 struct Wish {
   ViewState state;
-  int width = 1, height = 1;  // pixels of the pane
-  bool moves = false;         // a hand is on it: more will follow
+  int width = 1, height = 1;         // pixels of the pane
+  bool moves = false;                // a hand is on it: more will follow
   std::optional<int64_t> next_time;  // of a series that plays
 };
 
@@ -80,10 +80,10 @@ struct News {
 struct DeskStatus {
   enum class Doing { kNothing, kOpening, kPreview, kPicture, kSlices, kProbe, kSaving };
   Doing doing = Doing::kNothing;
-  double share = 0;             // of opening and drawing, 0 to 1
-  bool is_indexing = false;     // opening passes over the voxels
-  uint64_t wished = 0;          // number of the newest wish
-  uint64_t completed = 0;       // of the newest that is drawn whole
+  double share = 0;          // of opening and drawing, 0 to 1
+  bool is_indexing = false;  // opening passes over the voxels
+  uint64_t wished = 0;       // number of the newest wish
+  uint64_t completed = 0;    // of the newest that is drawn whole
 };
 
 // What was measured since the beginning, of wishes that got a picture.

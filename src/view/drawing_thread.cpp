@@ -55,7 +55,7 @@ DrawingThread::~DrawingThread() {
 }
 
 void DrawingThread::tellNews(std::function<void()> on_news) {
-  const MutexLock lock(mutex_);
+  const MutexLock lock(telling_);
   on_news_ = std::move(on_news);
 }
 
@@ -155,12 +155,8 @@ DeskTimes DrawingThread::times() const {
 }
 
 void DrawingThread::tell() {
-  std::function<void()> told;
-  {
-    const MutexLock lock(mutex_);
-    told = on_news_;
-  }
-  if (told) told();
+  const MutexLock lock(telling_);
+  if (on_news_) on_news_();
 }
 
 void DrawingThread::fail(const std::string& line) {
@@ -182,10 +178,9 @@ DrawingThread::Job DrawingThread::chooseJob() {
   if (!is_open_) return job;
   job.wish = wish_;
   const uint64_t newest = wish_ != nullptr ? wish_->number : 0;
-  const bool rests =
-      wish_ != nullptr && (!wish_->wish.moves ||
-                           Clock::now() - wish_->asked_at >=
-                               std::chrono::duration<double>(options_.rest_s));
+  const bool rests = wish_ != nullptr &&
+                     (!wish_->wish.moves || Clock::now() - wish_->asked_at >=
+                                                std::chrono::duration<double>(options_.rest_s));
   if (place_) {
     job.doing = Doing::kProbe;
     job.place = std::move(*std::exchange(place_, std::nullopt));
@@ -225,9 +220,9 @@ std::optional<DrawingThread::Job> DrawingThread::nextJob() {
     if (job.doing != Doing::kNothing || job.reports) return startJob(std::move(job));
     const bool waits_for_rest = is_open_ && wish_ != nullptr && status_.completed < wish_->number;
     if (waits_for_rest) {
-      changed_.waitUntil(lock, wish_->asked_at + std::chrono::duration_cast<Clock::duration>(
-                                                     std::chrono::duration<double>(
-                                                         options_.rest_s)));
+      changed_.waitUntil(lock,
+                         wish_->asked_at + std::chrono::duration_cast<Clock::duration>(
+                                               std::chrono::duration<double>(options_.rest_s)));
     } else {
       changed_.wait(lock);
     }
@@ -321,8 +316,14 @@ void DrawingThread::openVolume(const OpenRequest& request, const Job& job) {
   if (given) {
     state = *given;
   } else {
-    if (is_first) state.look = options_.look;
-    state.view = options_.view;
+    if (is_first) {
+      state.look = options_.look;
+      state.view = options_.view;
+      state.step_vox = options_.step_vox;
+      state.crop = options_.crop;
+      state.clip_planes = options_.clip_planes;
+      state.background = options_.background;
+    }
     state.time = std::clamp<int64_t>(next.viewed.options.time, 0, news->info.time_steps - 1);
     for (size_t a = 0; a < 3; ++a) state.cross[a] = news->info.dims[a] / 2;
   }
@@ -371,8 +372,7 @@ void DrawingThread::useLook(const LookOptions& look) {
 double DrawingThread::wholeStep(const Wish& wish) const {
   if (wish.state.step_vox) return *wish.state.step_vox;
   if (wish.state.look.mode != LookOptions::Mode::kComposite) return 1;
-  const double pixel =
-      worldPerPixel(wish.state.view, {wish.width, wish.height}, opened_.ground);
+  const double pixel = worldPerPixel(wish.state.view, {wish.width, wish.height}, opened_.ground);
   return pixel < opened_.ground.finest_spacing ? 0.5 : 1;
 }
 
@@ -380,10 +380,9 @@ Image DrawingThread::draw(const Job& job, const PictureOptions& picture, double 
   Image image = opened_.renderer->draw(picture, progressOf(job), job.stop);
   const RenderReport report = opened_.renderer->report();
   if (report.missing_share == 0)
-    opened_.pace = learned(opened_.pace,
-                           {static_cast<double>(picture.width) * picture.height,
-                            step_vox, report.draw_seconds,
-                            std::max(0.0, report.seconds - report.draw_seconds)});
+    opened_.pace = learned(
+        opened_.pace, {static_cast<double>(picture.width) * picture.height, step_vox,
+                       report.draw_seconds, std::max(0.0, report.seconds - report.draw_seconds)});
   return image;
 }
 
@@ -493,8 +492,8 @@ void DrawingThread::answerProbe(const Job& job) {
   if (job.place) {
     useLook(job.place->state.look);
     auto state = std::make_unique<ViewState>(job.place->state);
-    state->view = opened_.renderer->placed(
-        pictureOf(*state, job.place->width, job.place->height), {}, job.stop);
+    state->view = opened_.renderer->placed(pictureOf(*state, job.place->width, job.place->height),
+                                           {}, job.stop);
     {
       const MutexLock lock(mutex_);
       news_.state = std::move(state);
@@ -532,9 +531,8 @@ void DrawingThread::save(const Job& job) {
   const std::string look = opened_.renderer->lookText();
   {
     const MutexLock lock(mutex_);
-    news_.saved.push_back(
-        {job.save.path, renderCommand(opened_.viewed, wish.state, look, wish.width, wish.height,
-                                      job.save.path)});
+    news_.saved.push_back({job.save.path, renderCommand(opened_.viewed, wish.state, look,
+                                                        wish.width, wish.height, job.save.path)});
   }
   tell();
 }

@@ -31,7 +31,11 @@ struct DrawingOptions {
   RendererOptions renderer;
   LookOptions look;  // to begin with
   ViewOptions view;
-  std::optional<ViewState> state;  // in place of both, for the volume that is opened first
+  std::optional<double> step_vox;
+  std::optional<PictureOptions::Box> crop;
+  std::vector<PictureOptions::Plane> clip_planes;
+  std::optional<std::array<float, 3>> background;
+  std::optional<ViewState> state;  // in place of these, for the volume that is opened first
   std::string index_folder;        // of volumes that name none
   std::string trace_file;          // empty: none; of the volume that is opened first
   double budget_s = 0.022;         // of a preview
@@ -60,7 +64,8 @@ class DrawingThread : public Desk {
   News take() override;
   DeskStatus status() const override;
   DeskTimes times() const override;
-  // From now on in place of DrawingOptions::on_news; empty: nobody is told.
+  // From now on in place of DrawingOptions::on_news; empty: nobody is told. What was told before
+  // has returned.
   void tellNews(std::function<void()> on_news);
 
  private:
@@ -95,7 +100,7 @@ class DrawingThread : public Desk {
     SaveRequest save;
     ProbeRequest probe;
     std::optional<Wish> place;  // in place of a probe
-    bool reports = false;  // nothing else is to be done
+    bool reports = false;       // nothing else is to be done
     std::stop_token stop;
   };
   // Of the volume that is open: the drawing thread's alone.
@@ -142,16 +147,19 @@ class DrawingThread : public Desk {
 
   const DrawingOptions options_;
 
+  Mutex telling_;  // held while somebody is told: who is no longer told is not told any more
+  std::function<void()> on_news_ SLUICE_GUARDED_BY(telling_);
+
   mutable Mutex mutex_;
   Condition changed_;
   bool ends_ SLUICE_GUARDED_BY(mutex_) = false;
-  std::function<void()> on_news_ SLUICE_GUARDED_BY(mutex_);
   bool is_open_ SLUICE_GUARDED_BY(mutex_) = false;
   std::optional<OpenRequest> open_ SLUICE_GUARDED_BY(mutex_);
   std::deque<SaveRequest> saves_ SLUICE_GUARDED_BY(mutex_);
   std::optional<ProbeRequest> probe_ SLUICE_GUARDED_BY(mutex_);
   std::optional<Wish> place_ SLUICE_GUARDED_BY(mutex_);
-  bool wants_report_ SLUICE_GUARDED_BY(mutex_) = false, wants_maps_ SLUICE_GUARDED_BY(mutex_) = false;
+  bool wants_report_ SLUICE_GUARDED_BY(mutex_) = false, wants_maps_
+                                                        SLUICE_GUARDED_BY(mutex_) = false;
   uint64_t probes_ SLUICE_GUARDED_BY(mutex_) = 0;
   WishPtr wish_ SLUICE_GUARDED_BY(mutex_);  // the newest
   // Numbers of the wishes that were served last.
@@ -164,7 +172,7 @@ class DrawingThread : public Desk {
   std::stop_source work_ SLUICE_GUARDED_BY(mutex_);  // of the job under way
   Clock::time_point work_began_ SLUICE_GUARDED_BY(mutex_);
 
-  Opened opened_;  // the drawing thread's alone
+  Opened opened_;         // the drawing thread's alone
   WorkerPool worker_{1};  // last: joins before the rest goes
 };
 

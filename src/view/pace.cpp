@@ -8,14 +8,8 @@ namespace {
 constexpr double kFaster = 0.2;  // the share of a faster frame in what is expected
 
 // Best first. Below half the size longer steps show as little as the pixels do.
-constexpr std::array<Quality, 8> kQualities = {{{1, 1},
-                                                {0.75, 1},
-                                                {0.6, 1.25},
-                                                {0.5, 1.5},
-                                                {0.375, 2},
-                                                {0.25, 2},
-                                                {0.1875, 3},
-                                                {0.125, 4}}};
+constexpr std::array<Quality, 8> kQualities = {
+    {{1, 1}, {0.75, 1}, {0.6, 1.25}, {0.5, 1.5}, {0.375, 2}, {0.25, 2}, {0.1875, 3}, {0.125, 4}}};
 
 double mixed(double known, double found) {
   if (known <= 0) return found;
@@ -33,8 +27,8 @@ Pace learned(Pace pace, const DrawnFrame& frame) {
 }
 
 double expectedSeconds(const Pace& pace, const Quality& quality, double pixels, double step_vox) {
-  return pace.fixed_s + pace.pixel_s * pixels * quality.scale * quality.scale /
-                            (step_vox * quality.step_factor);
+  return pace.fixed_s +
+         pace.pixel_s * pixels * quality.scale * quality.scale / (step_vox * quality.step_factor);
 }
 
 Quality qualityWithin(const Pace& pace, double pixels, double step_vox, double budget_s) {

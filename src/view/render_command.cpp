@@ -77,9 +77,9 @@ void addView(std::vector<OptionWord>& words, const ViewOptions& view) {
 std::vector<OptionWord> volumeWords(const VolumeOptions& options) {
   std::vector<OptionWord> words;
   if (options.dims)
-    words.emplace_back("--dims", listed(*options.dims) +
-                                     (options.time_steps ? fmt::format(",{}", *options.time_steps)
-                                                         : ""));
+    words.emplace_back("--dims",
+                       listed(*options.dims) +
+                           (options.time_steps ? fmt::format(",{}", *options.time_steps) : ""));
   if (!options.type.empty()) words.emplace_back("--type", options.type);
   if (options.big_endian) words.emplace_back("--endian", "big");
   if (options.skip_bytes != 0) words.emplace_back("--skip", fmt::format("{}", options.skip_bytes));
@@ -129,8 +129,8 @@ std::vector<OptionWord> pictureWords(const ViewState& state) {
   if (state.background) {
     std::string color;
     for (const float channel : *state.background)
-      color += fmt::format("{:02x}", std::clamp(static_cast<int>(std::lround(channel * 255)), 0,
-                                                255));
+      color +=
+          fmt::format("{:02x}", std::clamp(static_cast<int>(std::lround(channel * 255)), 0, 255));
     words.emplace_back("--background", color);
   }
   return words;

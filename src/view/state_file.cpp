@@ -105,8 +105,8 @@ size_t wordOf(const JsonField& field, const std::array<const char*, count>& word
 }
 
 ViewedVolume volumeOf(const JsonField& field) {
-  field.allowOnly({"paths", "dims", "type", "big_endian", "skip", "time_steps", "spacing", "grid",
-                   "channel"});
+  field.allowOnly(
+      {"paths", "dims", "type", "big_endian", "skip", "time_steps", "spacing", "grid", "channel"});
   ViewedVolume volume;
   const JsonField paths = field.require("paths");
   if (!paths.isArray() || paths.size() == 0) paths.failExpected("a list of files");
@@ -124,8 +124,8 @@ ViewedVolume volumeOf(const JsonField& field) {
 }
 
 ViewOptions viewOf(const JsonField& field) {
-  field.allowOnly({"projection", "zoom", "fov", "up", "eye", "target", "view", "azimuth",
-                   "elevation", "fit"});
+  field.allowOnly(
+      {"projection", "zoom", "fov", "up", "eye", "target", "view", "azimuth", "elevation", "fit"});
   ViewOptions view;
   constexpr std::array kProjections{"ortho", "perspective"};
   constexpr std::array kFits{"visible", "volume"};
@@ -137,14 +137,12 @@ ViewOptions viewOf(const JsonField& field) {
   const auto eye = field.find("eye"), target = field.find("target");
   if (eye.has_value() != target.has_value()) field.failExpected("eye and target together");
   if (eye)
-    view.look_at =
-        ViewOptions::LookAt{numbers<double, 3>(*eye), numbers<double, 3>(*target)};
+    view.look_at = ViewOptions::LookAt{numbers<double, 3>(*eye), numbers<double, 3>(*target)};
   if (const auto f = field.find("view"))
     view.from = static_cast<ViewOptions::From>(wordOf(*f, kViews));
   if (const auto f = field.find("azimuth")) view.azimuth_deg = f->number();
   if (const auto f = field.find("elevation")) view.elevation_deg = f->number();
-  if (const auto f = field.find("fit"))
-    view.fit = static_cast<ViewOptions::Fit>(wordOf(*f, kFits));
+  if (const auto f = field.find("fit")) view.fit = static_cast<ViewOptions::Fit>(wordOf(*f, kFits));
   return view;
 }
 
@@ -239,8 +237,7 @@ void writeState(const std::filesystem::path& path, const ViewedVolume& volume,
 }
 
 StateFile readState(const std::filesystem::path& path, const StopToken& stop) {
-  return parseState(readTextFile(path, kMostBytes, "a view's state in JSON", stop),
-                    path.string());
+  return parseState(readTextFile(path, kMostBytes, "a view's state in JSON", stop), path.string());
 }
 
 }  // namespace sluice

@@ -41,8 +41,8 @@ std::string wordAfter(std::string_view options, std::string_view option) {
     const size_t end = std::min(options.find(' ', at), options.size());
     if (options.substr(at, end - at) == option) {
       const size_t from = std::min(end + 1, options.size());
-      return std::string(options.substr(from, std::min(options.find(' ', from), options.size()) -
-                                                  from));
+      return std::string(
+          options.substr(from, std::min(options.find(' ', from), options.size()) - from));
     }
     at = end + 1;
   }
@@ -95,9 +95,9 @@ std::optional<size_t> pointAt(const OpacityPoints& points, std::array<double, 2>
 }
 
 size_t addPoint(OpacityPoints& points, double value, double opacity) {
-  const auto at = std::upper_bound(
-      points.begin(), points.end(), value,
-      [](double v, const LookOptions::Opacity& point) { return v < point.value; });
+  const auto at =
+      std::upper_bound(points.begin(), points.end(), value,
+                       [](double v, const LookOptions::Opacity& point) { return v < point.value; });
   const auto put = points.insert(at, {value, std::clamp(opacity, 0.0, 1.0)});
   return static_cast<size_t>(put - points.begin());
 }

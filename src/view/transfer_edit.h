@@ -28,14 +28,13 @@ LookOptions byPoints(const LookOptions& look, const ShownLook& shown, std::array
 std::string wordAfter(std::string_view options, std::string_view option);
 
 // Opacities of a voxel are small numbers; what is drawn of them is their cube root.
-double heightOf(double opacity);   // 0 to 1
+double heightOf(double opacity);  // 0 to 1
 double opacityAtHeight(double height);
 
 // The point nearest to a place, both given as shares (0 to 1) of the value range and of the height,
 // within `reach` of it in both; the later of equals.
 std::optional<size_t> pointAt(const OpacityPoints& points, std::array<double, 2> range,
-                              double share, double height, double reach_share,
-                              double reach_height);
+                              double share, double height, double reach_share, double reach_height);
 // Puts a point among the others; its position.
 size_t addPoint(OpacityPoints& points, double value, double opacity);
 // Between its neighbours, and opacity in 0..1. Requires: index < points.size().

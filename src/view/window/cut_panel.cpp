@@ -30,8 +30,8 @@ Vec3d worldOf(const Sitting& sitting, const std::array<double, 3>& voxel) {
   const VolumeInfo& info = sitting.info();
   Vec3d world{info.origin[0], info.origin[1], info.origin[2]};
   for (size_t a = 0; a < 3; ++a)
-    world = world + Vec3d{info.axes[a][0], info.axes[a][1], info.axes[a][2]} *
-                        (info.spacing[a] * voxel[a]);
+    world = world +
+            Vec3d{info.axes[a][0], info.axes[a][1], info.axes[a][2]} * (info.spacing[a] * voxel[a]);
   return world;
 }
 
@@ -52,9 +52,8 @@ void planes(Sitting& sitting) {
     const PlacedAxes axes = axesOf(sitting.state().view);
     const auto& target = sitting.state().view.look_at->target;
     ViewState next = sitting.state();
-    next.clip_planes.push_back(
-        {{axes.back.x, axes.back.y, axes.back.z},
-         dot(axes.back, Vec3d{target[0], target[1], target[2]})});
+    next.clip_planes.push_back({{axes.back.x, axes.back.y, axes.back.z},
+                                dot(axes.back, Vec3d{target[0], target[1], target[2]})});
     sitting.change(next);
   }
   sitting.log.control("cut here");
@@ -63,8 +62,8 @@ void planes(Sitting& sitting) {
     ImGui::PushID(static_cast<int>(i));
     const PictureOptions::Plane plane = sitting.state().clip_planes[i];
     auto offset = static_cast<float>(plane.offset);
-    const double middle = dot(Vec3d{plane.normal[0], plane.normal[1], plane.normal[2]},
-                              sitting.ground.center);
+    const double middle =
+        dot(Vec3d{plane.normal[0], plane.normal[1], plane.normal[2]}, sitting.ground.center);
     ImGui::SetNextItemWidth(-70);
     if (ImGui::SliderFloat("##plane", &offset, static_cast<float>(middle) - radius,
                            static_cast<float>(middle) + radius, "plane %.4g")) {
@@ -90,9 +89,9 @@ int boxHandleAt(const Sitting& sitting, const Area& area, float pixels, float x,
   for (int face = 0; face < 6; ++face) {
     const auto at = paneOf(sitting.state().view, worldOf(sitting, faceOf(boxOf(sitting), face)),
                            sitting.pane, sitting.ground);
-    if (at && std::hypot(at->x / static_cast<double>(pixels) - static_cast<double>(x - area.x),
-                         at->y / static_cast<double>(pixels) -
-                             static_cast<double>(y - area.y)) < kReach)
+    if (at &&
+        std::hypot(at->x / static_cast<double>(pixels) - static_cast<double>(x - area.x),
+                   at->y / static_cast<double>(pixels) - static_cast<double>(y - area.y)) < kReach)
       return face;
   }
   return -1;
@@ -103,11 +102,11 @@ void dragBoxHandle(Sitting& sitting, int face, float dx, float dy, float pixels)
   const auto axis = static_cast<size_t>(face / 2);
   // How a voxel along the axis is seen.
   std::array<double, 3> voxel = faceOf(box, face);
-  const auto here = paneOf(sitting.state().view, worldOf(sitting, voxel), sitting.pane,
-                           sitting.ground);
+  const auto here =
+      paneOf(sitting.state().view, worldOf(sitting, voxel), sitting.pane, sitting.ground);
   voxel[axis] += 1;
-  const auto next = paneOf(sitting.state().view, worldOf(sitting, voxel), sitting.pane,
-                           sitting.ground);
+  const auto next =
+      paneOf(sitting.state().view, worldOf(sitting, voxel), sitting.pane, sitting.ground);
   if (!here || !next) return;
   const double ax = next->x - here->x, ay = next->y - here->y, length = ax * ax + ay * ay;
   if (length < 1e-12) return;
@@ -139,8 +138,7 @@ void cutPanel(Sitting& sitting) {
     sitting.log.control("crop " + std::string(kNames[a]));
     ImGui::PopID();
   }
-  if (ImGui::Button("no clip box") && sitting.state().crop)
-    setBox(sitting, {{0, 0, 0}, dims});
+  if (ImGui::Button("no clip box") && sitting.state().crop) setBox(sitting, {{0, 0, 0}, dims});
   sitting.log.control("no clip box");
   ImGui::SameLine();
   if (!sitting.state().crop) {
@@ -185,8 +183,7 @@ void drawBoxHandles(Sitting& sitting, const Area& area, float pixels) {
     if (!at) continue;
     to.AddCircleFilled(*at, 5, IM_COL32(255, 190, 90, 220));
   }
-  if (const auto at = screen(faceOf(box, 1)))
-    sitting.log.control("handle x", at->x, at->y, 0, 0);
+  if (const auto at = screen(faceOf(box, 1))) sitting.log.control("handle x", at->x, at->y, 0, 0);
 }
 
 }  // namespace sluice

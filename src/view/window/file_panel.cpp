@@ -48,8 +48,9 @@ void openWindow(Sitting& sitting) {
   ImGui::SetNextWindowPos(ImGui::GetMainViewport()->GetCenter(), ImGuiCond_Appearing, {0.5F, 0.5F});
   ImGui::SetNextWindowSize({520, 0}, ImGuiCond_Appearing);
   if (ImGui::Begin("open a volume", &sitting.shows_open, ImGuiWindowFlags_NoCollapse)) {
-    ImGui::TextWrapped("A file, a folder of slices, a pattern (step_%%03d.nrrd) or a saved view; or "
-                       "drop files on the window.");
+    ImGui::TextWrapped(
+        "A file, a folder of slices, a pattern (step_%%03d.nrrd) or a saved view; or "
+        "drop files on the window.");
     ImGui::SetNextItemWidth(-70);
     const bool is_entered = ImGui::InputTextWithHint("##path", "path", &sitting.path_text,
                                                      ImGuiInputTextFlags_EnterReturnsTrue);

@@ -64,8 +64,8 @@ void camera(Sitting& sitting, const ImGuiIO& io) {
   held(GLFW_KEY_Q, [](const ViewOptions& v) { return roll(v, -5); });
   held(GLFW_KEY_E, [](const ViewOptions& v) { return roll(v, 5); });
   const auto zoom = [&](double factor) {
-    next.view = zoomTo(next.view, factor, pane.width / 2.0, pane.height / 2.0, pane,
-                       sitting.ground);
+    next.view =
+        zoomTo(next.view, factor, pane.width / 2.0, pane.height / 2.0, pane, sitting.ground);
   };
   if (pressed(GLFW_KEY_EQUAL) || pressed(GLFW_KEY_KP_ADD)) zoom(1.1);
   if (pressed(GLFW_KEY_MINUS) || pressed(GLFW_KEY_KP_SUBTRACT)) zoom(1 / 1.1);
@@ -88,13 +88,11 @@ void look(Sitting& sitting, const ImGuiIO& io) {
     next.look = withThreshold(next.look, std::clamp(now + by, all[0], all[1]), all);
   }
   if (pressed(GLFW_KEY_M))
-    next.look.mode =
-        static_cast<LookOptions::Mode>((static_cast<int>(next.look.mode) + 1) % 4);
+    next.look.mode = static_cast<LookOptions::Mode>((static_cast<int>(next.look.mode) + 1) % 4);
   if (pressed(GLFW_KEY_L))
     next.look.light = sitting.look.lit ? LookOptions::Light::kOff : LookOptions::Light::kOn;
   if (pressed(GLFW_KEY_G))
-    next.look.full_gradient =
-        next.look.full_gradient ? std::nullopt : std::optional<double>(0.1);
+    next.look.full_gradient = next.look.full_gradient ? std::nullopt : std::optional<double>(0.1);
   if (pressed(GLFW_KEY_B)) {
     using Color = std::array<float, 3>;
     if (!next.background)

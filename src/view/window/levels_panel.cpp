@@ -21,10 +21,9 @@ std::string bytes(uint64_t count) {
 }
 
 void level(const char* name, const LevelReport& report) {
-  const double share = report.budget_bytes == 0
-                           ? 0
-                           : static_cast<double>(report.current_bytes) /
-                                 static_cast<double>(report.budget_bytes);
+  const double share = report.budget_bytes == 0 ? 0
+                                                : static_cast<double>(report.current_bytes) /
+                                                      static_cast<double>(report.budget_bytes);
   ImGui::ProgressBar(
       static_cast<float>(share), {-1, 0},
       fmt::format("{}: {} of {}", name, bytes(report.current_bytes), bytes(report.budget_bytes))
@@ -71,12 +70,11 @@ void blocksMap(Sitting& sitting) {
   const auto& grid = report.block_grid;
   if (report.block_classes.empty()) return;
   // The layer that the cross hair is in.
-  const int64_t layer =
-      std::clamp<int64_t>(sitting.state().cross[2] * grid[2] / sitting.info().dims[2], 0,
-                          grid[2] - 1);
-  ImGui::TextDisabled("%s", fmt::format("blocks of layer {} of {}: empty, trimmed, full", layer + 1,
-                                        grid[2])
-                                .c_str());
+  const int64_t layer = std::clamp<int64_t>(
+      sitting.state().cross[2] * grid[2] / sitting.info().dims[2], 0, grid[2] - 1);
+  ImGui::TextDisabled(
+      "%s",
+      fmt::format("blocks of layer {} of {}: empty, trimmed, full", layer + 1, grid[2]).c_str());
   const auto plane = static_cast<size_t>(grid[0] * grid[1]);
   const size_t first = plane * static_cast<size_t>(layer);
   squares(plane, static_cast<size_t>(grid[0]), [&](size_t i) {
@@ -95,17 +93,17 @@ void blocksMap(Sitting& sitting) {
 
 void levelsPanel(Sitting& sitting) {
   const RenderReport& report = sitting.report;
-  ImGui::TextDisabled("%s", fmt::format("disk: {} read; picture {:.0f} ms, of it drawing {:.0f}",
-                                        bytes(report.read_bytes), 1e3 * report.seconds,
-                                        1e3 * report.draw_seconds)
-                                .c_str());
+  ImGui::TextDisabled(
+      "%s", fmt::format("disk: {} read; picture {:.0f} ms, of it drawing {:.0f}",
+                        bytes(report.read_bytes), 1e3 * report.seconds, 1e3 * report.draw_seconds)
+                .c_str());
   level("volume buffer", report.volume_buffer);
   level("texture buffer", report.texture_buffer);
   level("texture cache", report.texture_cache);
-  ImGui::TextDisabled("%s", fmt::format("blocks: {} white, {} grey, {} black; {} pages came",
-                                        report.white, report.grey, report.black,
-                                        report.pages_loaded)
-                                .c_str());
+  ImGui::TextDisabled(
+      "%s", fmt::format("blocks: {} white, {} grey, {} black; {} pages came", report.white,
+                        report.grey, report.black, report.pages_loaded)
+                .c_str());
   ImGui::Checkbox("maps", &sitting.shows_maps);
   sitting.log.control("maps");
   if (!sitting.shows_maps) return;

@@ -44,8 +44,8 @@ void axes(const Sitting& sitting, const Area& area, ImDrawList& to) {
 }
 
 void scaleBar(const Sitting& sitting, const Area& area, float pixels, ImDrawList& to) {
-  const double unit =
-      worldPerPixel(sitting.state().view, sitting.pane, sitting.ground) * static_cast<double>(pixels);
+  const double unit = worldPerPixel(sitting.state().view, sitting.pane, sitting.ground) *
+                      static_cast<double>(pixels);
   // 1, 2 or 5 of a power of ten, at most a fifth of the width.
   const double most = unit * static_cast<double>(area.width) / 5;
   const double power = std::pow(10, std::floor(std::log10(most)));
@@ -67,8 +67,8 @@ void colorBar(const Sitting& sitting, const Area& area, ImDrawList& to) {
     return top + height * static_cast<float>((hi - value) / (hi - lo));
   };
   const auto color = [](const std::array<double, 3>& rgb) {
-    return ImGui::GetColorU32({static_cast<float>(rgb[0]), static_cast<float>(rgb[1]),
-                               static_cast<float>(rgb[2]), 1});
+    return ImGui::GetColorU32(
+        {static_cast<float>(rgb[0]), static_cast<float>(rgb[1]), static_cast<float>(rgb[2]), 1});
   };
   for (size_t i = 0; i + 1 < colors.size(); ++i) {
     const ImU32 below = color(colors[i].rgb), above = color(colors[i + 1].rgb);

@@ -93,10 +93,10 @@ void Sitting::toggleProjection() {
   if (!isOpen()) return;
   ViewState next = state();
   const bool is_perspective = next.view.projection == ViewOptions::Projection::kPerspective;
-  next.view = withProjection(next.view,
-                             is_perspective ? ViewOptions::Projection::kParallel
-                                            : ViewOptions::Projection::kPerspective,
-                             pane, ground);
+  next.view = withProjection(
+      next.view,
+      is_perspective ? ViewOptions::Projection::kParallel : ViewOptions::Projection::kPerspective,
+      pane, ground);
   change(next);
 }
 
@@ -113,8 +113,7 @@ void Sitting::takeOpened(std::unique_ptr<OpenedVolumeNews> news) {
   for (const std::string& warning : opened->info.warnings) messages.push_front(warning);
   while (messages.size() > kMostMessages) messages.pop_back();
   noteRecent(settings, opened->volume.paths.front());
-  if (!request.settings_file.empty())
-    desk.saveText(request.settings_file, settingsText(settings));
+  if (!request.settings_file.empty()) desk.saveText(request.settings_file, settingsText(settings));
   log.write({{"opened", opened->volume.paths.front()},
              {"dims", opened->info.dims},
              {"time_steps", opened->info.time_steps}});

@@ -27,19 +27,19 @@ using WindowClock = std::chrono::steady_clock;
 // What was measured of the window's own loop.
 struct LoopTimes {
   uint64_t turns = 0;
-  double longest_s = 0;           // a turn of the loop, waiting for events not counted
-  uint64_t stalls = 0;            // turns of more than 20 ms
-  uint64_t events = 0;            // of mouse, keys and window
+  double longest_s = 0;  // a turn of the loop, waiting for events not counted
+  uint64_t stalls = 0;   // turns of more than 20 ms
+  uint64_t events = 0;   // of mouse, keys and window
   uint64_t gl_errors = 0;
-  std::vector<double> answer_s;   // from an event to its new picture on the screen
+  std::vector<double> answer_s;  // from an event to its new picture on the screen
 };
 
 // What the pointer is doing with the picture.
 struct Hand {
   enum class Does { kNothing, kOrbit, kPan, kRoll, kWindow, kLook, kHandle };
   Does does = Does::kNothing;
-  int handle = -1;            // of the clip box
-  float x = -1, y = -1;       // where it rests
+  int handle = -1;                        // of the clip box
+  float x = -1, y = -1;                   // where it rests
   WindowClock::time_point still_since{};  // or nothing: it was asked what is there
 };
 
@@ -93,21 +93,21 @@ class Sitting {
   std::deque<std::string> messages;   // for people, the last one first
   std::vector<std::string> failures;  // shown until they are closed
 
-  Pane pane;                   // pixels
+  Pane pane;  // pixels
   Hand hand;
-  bool hand_is_on = false;     // a button is held
-  bool needs_frame = true;     // something else than an event changed
+  bool hand_is_on = false;             // a button is held
+  bool needs_frame = true;             // something else than an event changed
   WindowClock::time_point event_at{};  // of the newest event
   WindowClock::time_point moved_at{};  // when the wheel or a key last changed something
   bool is_playing = false;
   double steps_per_second = 8;
-  double achieved_steps = 0;   // a second, while it plays
+  double achieved_steps = 0;  // a second, while it plays
   bool is_log_histogram = true;
   bool shows_help = false, shows_open = false, shows_maps = false, shows_axes = true;
   bool centers_on_probe = false;
-  uint64_t probe_number = 0;   // of the question that was asked last
+  uint64_t probe_number = 0;  // of the question that was asked last
   std::optional<size_t> held_point;
-  double handle_rest = 0;      // parts of a voxel that a handle was dragged
+  double handle_rest = 0;  // parts of a voxel that a handle was dragged
   std::string path_text, transfer_text, picture_text = "picture.png", state_text = "view.json";
   LoopTimes times;
   bool wants_to_end = false;

@@ -51,14 +51,13 @@ void slice(Sitting& sitting, size_t axis, const Area& area) {
     next.cross[across] = voxelAt(across, (io.MousePos.x - lo.x) / size.x);
     next.cross[down] = voxelAt(down, turned ? 1 - row : row);
   } else if (ImGui::IsItemHovered() && io.MouseWheel != 0) {
-    next.cross[axis] = std::clamp<int64_t>(
-        next.cross[axis] + (io.MouseWheel > 0 ? 1 : -1), 0, info.dims[axis] - 1);
+    next.cross[axis] = std::clamp<int64_t>(next.cross[axis] + (io.MouseWheel > 0 ? 1 : -1), 0,
+                                           info.dims[axis] - 1);
   }
   if (next.cross != sitting.state().cross) sitting.history.replace(next);
   ImGui::PopID();
   const auto share = [&](size_t a) {
-    return (static_cast<float>(sitting.state().cross[a]) + 0.5F) /
-           static_cast<float>(info.dims[a]);
+    return (static_cast<float>(sitting.state().cross[a]) + 0.5F) / static_cast<float>(info.dims[a]);
   };
   const float x = lo.x + share(across) * size.x;
   const float y = lo.y + (turned ? 1 - share(down) : share(down)) * size.y;

@@ -17,7 +17,8 @@ void timePanel(Sitting& sitting) {
     sitting.history.replace(next);
   }
   sitting.log.control("time");
-  if (ImGui::Button(sitting.is_playing ? "pause" : "play")) sitting.is_playing = !sitting.is_playing;
+  if (ImGui::Button(sitting.is_playing ? "pause" : "play"))
+    sitting.is_playing = !sitting.is_playing;
   sitting.log.control("play");
   ImGui::SameLine();
   auto rate = static_cast<float>(sitting.steps_per_second);
@@ -27,10 +28,11 @@ void timePanel(Sitting& sitting) {
     sitting.steps_per_second = static_cast<double>(rate);
   if (!sitting.is_playing || sitting.achieved_steps <= 0) return;
   if (sitting.achieved_steps < 0.9 * sitting.steps_per_second)
-    ImGui::TextColored({1, 0.8F, 0.4F, 1}, "%s",
-                       fmt::format("reading and drawing cannot keep up: {:.1f} of {:.1f} steps a second",
-                                   sitting.achieved_steps, sitting.steps_per_second)
-                           .c_str());
+    ImGui::TextColored(
+        {1, 0.8F, 0.4F, 1}, "%s",
+        fmt::format("reading and drawing cannot keep up: {:.1f} of {:.1f} steps a second",
+                    sitting.achieved_steps, sitting.steps_per_second)
+            .c_str());
   else
     ImGui::TextDisabled("%.1f steps a second", sitting.achieved_steps);
 }

@@ -24,8 +24,8 @@ struct Plot {
             lo.y + (1 - static_cast<float>(height)) * size.y};
   }
   double valueAt(float x) const {
-    return range[0] + std::clamp(static_cast<double>((x - lo.x) / size.x), 0.0, 1.0) *
-                          (range[1] - range[0]);
+    return range[0] +
+           std::clamp(static_cast<double>((x - lo.x) / size.x), 0.0, 1.0) * (range[1] - range[0]);
   }
   double heightAt(float y) const {
     return std::clamp(1 - static_cast<double>((y - lo.y) / size.y), 0.0, 1.0);
@@ -53,8 +53,8 @@ void drawHistogram(const Sitting& sitting, const Plot& plot, ImDrawList& to) {
 }
 
 ImU32 colorOf(const std::array<double, 3>& rgb) {
-  return ImGui::GetColorU32({static_cast<float>(rgb[0]), static_cast<float>(rgb[1]),
-                             static_cast<float>(rgb[2]), 1});
+  return ImGui::GetColorU32(
+      {static_cast<float>(rgb[0]), static_cast<float>(rgb[1]), static_cast<float>(rgb[2]), 1});
 }
 
 void drawColors(const Sitting& sitting, const Plot& plot, ImDrawList& to) {
@@ -91,9 +91,9 @@ void edit(Sitting& sitting, const Plot& plot) {
   ViewState next = sitting.state();
   next.look = byPoints(next.look, sitting.look, sitting.valueRange());
   OpacityPoints& points = next.look.opacities;
-  const auto near = pointAt(points, plot.range, plot.shareOf(value), height,
-                            static_cast<double>(kReach / plot.size.x),
-                            static_cast<double>(kReach / plot.size.y));
+  const auto near =
+      pointAt(points, plot.range, plot.shareOf(value), height,
+              static_cast<double>(kReach / plot.size.x), static_cast<double>(kReach / plot.size.y));
   if (removes) {
     if (near) removePoint(points, *near);
   } else if (takes) {

@@ -112,11 +112,11 @@ void sidePanel(Sitting& sitting, const Area& area) {
                    ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus);
   if (sitting.isOpen()) {
     const VolumeInfo& info = sitting.info();
-    ImGui::TextDisabled("%s", fmt::format("{}: {} x {} x {} {}, {}", info.name, info.dims[0],
-                                          info.dims[1], info.dims[2], info.type,
-                                          sitting.opened->device.substr(
-                                              0, sitting.opened->device.find(',')))
-                                  .c_str());
+    ImGui::TextDisabled(
+        "%s",
+        fmt::format("{}: {} x {} x {} {}, {}", info.name, info.dims[0], info.dims[1], info.dims[2],
+                    info.type, sitting.opened->device.substr(0, sitting.opened->device.find(',')))
+            .c_str());
     section(sitting, "look", true, lookPanel);
     section(sitting, "opacity over values", true, transferPanel);
     if (info.time_steps > 1) section(sitting, "time", true, timePanel);
@@ -234,9 +234,7 @@ class Window {
 
   void askForReport(WindowClock::time_point now) {
     Sitting& sitting = *sitting_;
-    if (!sitting.isOpen() ||
-        now - reported_at_ < std::chrono::duration<double>(kReport_s))
-      return;
+    if (!sitting.isOpen() || now - reported_at_ < std::chrono::duration<double>(kReport_s)) return;
     reported_at_ = now;
     sitting.desk.wantReport(sitting.shows_maps);
   }
