@@ -60,15 +60,20 @@ void DrawingThread::tellNews(std::function<void()> on_news) {
 }
 
 void DrawingThread::open(const ViewedVolume& volume, const std::optional<ViewState>& state) {
+  OpenRequest request;
+  request.volume = volume;
+  request.state = state;
   const MutexLock lock(mutex_);
-  open_ = OpenRequest{volume, state, {}};
+  open_ = std::move(request);
   stopWork(true);
   changed_.notifyAll();
 }
 
 void DrawingThread::loadState(const std::string& path) {
+  OpenRequest request;
+  request.state_file = path;
   const MutexLock lock(mutex_);
-  open_ = OpenRequest{{}, {}, path};
+  open_ = std::move(request);
   stopWork(true);
   changed_.notifyAll();
 }
@@ -106,20 +111,30 @@ void DrawingThread::stopWork(bool also_previews) {
 }
 
 void DrawingThread::savePicture(const std::string& path, const Wish& wish) {
+  SaveRequest request;
+  request.path = path;
+  request.wish = wish;
   const MutexLock lock(mutex_);
-  saves_.push_back({path, wish, {}});
+  saves_.push_back(std::move(request));
   changed_.notifyAll();
 }
 
 void DrawingThread::saveText(const std::string& path, const std::string& text) {
+  SaveRequest request;
+  request.path = path;
+  request.text = text;
   const MutexLock lock(mutex_);
-  saves_.push_back({path, {}, text});
+  saves_.push_back(std::move(request));
   changed_.notifyAll();
 }
 
 void DrawingThread::place(const ViewState& state, int width, int height) {
+  Wish wish;
+  wish.state = state;
+  wish.width = width;
+  wish.height = height;
   const MutexLock lock(mutex_);
-  place_ = Wish{state, width, height, false, {}};
+  place_ = std::move(wish);
   stopWork(false);
   changed_.notifyAll();
 }
