@@ -1,5 +1,8 @@
 #include "src/view/drawing_thread.h"
 
+#include <sys/resource.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -22,6 +25,13 @@ constexpr double kRefine_s = 0.4;
 constexpr double kWorthShowing = 0.01;
 constexpr size_t kMostTimes = 8192;
 constexpr std::array<float, 3> kPaneColor{0.09F, 0.09F, 0.1F};
+
+// What shows the pictures goes first where processors are few: this thread, and with it those that
+// the renderer starts, take what is left.
+void yieldToOthers() {
+  constexpr int kNice = 5;
+  setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice);
+}
 
 void keep(std::vector<double>& times, double seconds) {
   if (times.size() >= kMostTimes) times.erase(times.begin(), times.begin() + kMostTimes / 2);
@@ -246,6 +256,7 @@ std::optional<DrawingThread::Job> DrawingThread::nextJob() {
 }
 
 void DrawingThread::run() {
+  yieldToOthers();
   while (const std::optional<Job> job = nextJob()) {
     try {
       doJob(*job);

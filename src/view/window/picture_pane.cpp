@@ -69,8 +69,11 @@ void hover(Sitting& sitting, const Area& area) {
     return;
   }
   if (hand.still_since == WindowClock::time_point{}) return;  // asked already
-  sitting.needs_frame = true;
-  if (WindowClock::now() - hand.still_since < kHoverRests || !sitting.picture.is_complete) return;
+  if (WindowClock::now() - hand.still_since < kHoverRests) {
+    sitting.wakeBy(hand.still_since + kHoverRests);
+    return;
+  }
+  if (!sitting.picture.is_complete) return;  // its news will wake us
   hand.still_since = {};
   if (sitting.centers_on_probe) return;
   sitting.probe_number =

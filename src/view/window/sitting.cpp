@@ -187,8 +187,12 @@ void Sitting::sendWish() {
   const bool is_same = sent_ && sent_->state == wish.state && sent_->width == wish.width &&
                        sent_->height == wish.height;
   // The hand that let go wants the whole picture of what it saw last.
-  if (is_same && (!sent_->moves || moves)) return;
+  if (is_same && (!sent_->moves || moves)) {
+    if (sent_->moves && !hand_is_on) wakeBy(moved_at + kHandRests + 1ms);
+    return;
+  }
   wish.moves = moves && !is_playing;
+  if (wish.moves) wakeBy(moved_at + kHandRests + 1ms);
   sent_ = wish;
   sent_number_ = desk.wish(wish);
   if (!is_same) unanswered_.emplace_back(sent_number_, event_at);
@@ -214,7 +218,12 @@ void Sitting::play() {
   const double waited = secondsSince(step_at_);
   const bool was_seen =
       picture.is_complete && picture.wish == sent_number_ && picture.time == state().time;
-  if (!was_seen || waited < 1 / steps_per_second) return;
+  if (!was_seen) return;  // its picture's news will wake us
+  if (waited < 1 / steps_per_second) {
+    wakeBy(step_at_ + std::chrono::duration_cast<WindowClock::duration>(
+                          std::chrono::duration<double>(1 / steps_per_second)));
+    return;
+  }
   achieved_steps = waited > 5 ? 0 : 0.7 * achieved_steps + 0.3 / waited;
   step_at_ = WindowClock::now();
   event_at = step_at_;

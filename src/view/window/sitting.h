@@ -95,8 +95,12 @@ class Sitting {
 
   Pane pane;  // pixels
   Hand hand;
-  bool hand_is_on = false;             // a button is held
-  bool needs_frame = true;             // something else than an event changed
+  bool hand_is_on = false;  // a button is held
+  // A frame is due then, whatever happens: the earliest that was asked for.
+  std::optional<WindowClock::time_point> wake_at;
+  void wakeBy(WindowClock::time_point then) {
+    if (!wake_at || then < *wake_at) wake_at = then;
+  }
   WindowClock::time_point event_at{};  // of the newest event
   WindowClock::time_point moved_at{};  // when the wheel or a key last changed something
   bool is_playing = false;

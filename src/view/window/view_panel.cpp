@@ -33,7 +33,7 @@ void projection(Sitting& sitting) {
   if (ImGui::Checkbox("perspective", &is_perspective)) sitting.toggleProjection();
   sitting.log.control("perspective");
   ImGui::SameLine();
-  ImGui::Checkbox("axes, scale, colours", &sitting.shows_axes);
+  ImGui::Checkbox("scale", &sitting.shows_axes);
   ImGui::SameLine();
   bool slices = sitting.state().shows_slices;
   if (ImGui::Checkbox("slices", &slices)) {

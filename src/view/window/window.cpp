@@ -21,7 +21,7 @@ namespace sluice {
 namespace {
 
 constexpr float kPanelWidth = 330, kSlicesHeight = 240;  // screen units at a font scale of 1
-constexpr double kIdle_s = 0.25, kReport_s = 0.3, kStall_s = 0.02;
+constexpr double kIdle_s = 0.25, kSettle_s = 0.004, kReport_s = 0.3, kStall_s = 0.02;
 
 [[noreturn]] void failOf(const std::string& what) {
   const char* said = nullptr;
@@ -173,7 +173,12 @@ class Window {
  private:
   // One frame of the window: it waits in its first line and nowhere else.
   void turn() {
-    glfwWaitEventsTimeout(frames_left_ > 0 || sitting_->needs_frame ? 0.004 : kIdle_s);
+    double wait_s = frames_left_ > 0 ? kSettle_s : kIdle_s;
+    if (sitting_->wake_at)
+      wait_s =
+          std::clamp(std::chrono::duration<double>(*sitting_->wake_at - WindowClock::now()).count(),
+                     kSettle_s, wait_s);
+    glfwWaitEventsTimeout(wait_s);
     const auto began = WindowClock::now();
     Sitting& sitting = *sitting_;
     if (events_.count != seen_events_) {
@@ -181,15 +186,13 @@ class Window {
       seen_events_ = events_.count;
       sitting.event_at = began;
       // Highlights and menus settle over a few frames.
-      frames_left_ = 3;
+      frames_left_ = 2;
     }
-    sitting.needs_frame = false;
+    sitting.wake_at.reset();
     if (frames_left_ > 0) --frames_left_;
     sitting.takeNews();
     if (!events_.dropped.empty()) sitting.openAny(std::exchange(events_.dropped, {}));
     sitting.play();
-    if (sitting.is_playing || WindowClock::now() - sitting.moved_at < std::chrono::seconds(1))
-      sitting.needs_frame = true;
     draw();
     sitting.sendWish();
     askForReport(began);
