@@ -109,7 +109,8 @@ void sidePanel(Sitting& sitting, const Area& area) {
   ImGui::SetNextWindowSize({area.width, area.height});
   ImGui::Begin("panel", nullptr,
                ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
-                   ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus);
+                   ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus |
+                   ImGuiWindowFlags_AlwaysVerticalScrollbar);  // nothing moves when it comes
   if (sitting.isOpen()) {
     const VolumeInfo& info = sitting.info();
     ImGui::TextDisabled(
