@@ -27,9 +27,10 @@ using WindowClock = std::chrono::steady_clock;
 // What was measured of the window's own loop.
 struct LoopTimes {
   uint64_t turns = 0;
-  double longest_s = 0;  // a turn of the loop, waiting for events not counted
-  uint64_t stalls = 0;   // turns of more than 20 ms
-  uint64_t events = 0;   // of mouse, keys and window
+  // Turns of the loop, waiting for events not counted, and what of them OpenGL took.
+  std::vector<double> turn_s, gl_s;
+  uint64_t stalls = 0;  // turns of more than 20 ms
+  uint64_t events = 0;  // of mouse, keys and window
   uint64_t gl_errors = 0;
   std::vector<double> answer_s;  // from an event to its new picture on the screen
 };

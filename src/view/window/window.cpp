@@ -21,6 +21,7 @@ namespace sluice {
 namespace {
 
 constexpr float kPanelWidth = 330, kSlicesHeight = 240;  // screen units at a font scale of 1
+constexpr size_t kMostTimes = size_t{1} << 18;
 constexpr double kIdle_s = 0.25, kSettle_s = 0.004, kReport_s = 0.3, kStall_s = 0.02;
 
 [[noreturn]] void failOf(const std::string& what) {
@@ -199,7 +200,10 @@ class Window {
     askForReport(began);
     const double took = std::chrono::duration<double>(WindowClock::now() - began).count();
     ++sitting.times.turns;
-    sitting.times.longest_s = std::max(sitting.times.longest_s, took);
+    if (sitting.times.turn_s.size() < kMostTimes) {
+      sitting.times.turn_s.push_back(took);
+      sitting.times.gl_s.push_back(gl_s_);
+    }
     if (took > kStall_s) ++sitting.times.stalls;
   }
 
@@ -225,6 +229,7 @@ class Window {
     openWindow(sitting);
     failuresWindow(sitting);
     ImGui::Render();
+    const auto built = WindowClock::now();
     int width = 0, height = 0;
     glfwGetFramebufferSize(window_, &width, &height);
     glViewport(0, 0, width, height);
@@ -234,6 +239,7 @@ class Window {
     while (glGetError() != GL_NO_ERROR && sitting.times.gl_errors < 1'000'000)
       ++sitting.times.gl_errors;
     glfwSwapBuffers(window_);
+    gl_s_ = std::chrono::duration<double>(WindowClock::now() - built).count();
   }
 
   void askForReport(WindowClock::time_point now) {
@@ -262,7 +268,10 @@ class Window {
     sitting.log.write({{"end", true},
                        {"turns", sitting.times.turns},
                        {"events", sitting.times.events},
-                       {"longest_turn_seconds", sitting.times.longest_s},
+                       {"turn_p95_seconds", percentile(sitting.times.turn_s, 0.95)},
+                       {"longest_turn_seconds", percentile(sitting.times.turn_s, 1)},
+                       {"gl_p50_seconds", percentile(sitting.times.gl_s, 0.5)},
+                       {"gl_p95_seconds", percentile(sitting.times.gl_s, 0.95)},
                        {"stalls", sitting.times.stalls},
                        {"gl_errors", sitting.times.gl_errors},
                        {"answers", sitting.times.answer_s.size()},
@@ -280,6 +289,7 @@ class Window {
   uint64_t seen_events_ = 0;
   int frames_left_ = 3;
   float density_ = 1;
+  double gl_s_ = 0;  // of the last frame
   GLFWwindow* window_ = nullptr;
   std::unique_ptr<Sitting> sitting_;
   WindowClock::time_point reported_at_{};
