@@ -10,6 +10,8 @@ build_packages=(
   libopenvdb-dev libboost-dev libopenexr-dev libosmesa6-dev libegl-dev libgl-dev libtbb-dev
   libblosc-dev libzstd-dev libcli11-dev libfmt-dev nlohmann-json3-dev libpng-dev libtiff-dev zlib1g-dev
   libcairo2-dev libxxhash-dev libhwy-dev
+  # The window's module; without these the rest is built all the same.
+  libglfw3-dev libimgui-dev libstb-dev
   # To draw.
   libosmesa6 libegl1 libegl-mesa0 libgl1-mesa-dri fonts-dejavu-core
 )
@@ -17,6 +19,7 @@ test_packages=(
   ccache libgtest-dev libgmock-dev
   # Sanitizers, gates, and the programs of others that results are checked against.
   clang clang-format clang-tidy libclang-rt-14-dev
+  xvfb xdotool libxtst6
   libopenvdb-tools nifti-bin teem-apps openexr openimageio-tools python3-openimageio
   python3 python3-numpy python3-vtk9 python3-nibabel python3-tifffile python3-zarr python3-numcodecs
 )
