@@ -172,6 +172,7 @@ void Sitting::takeNews() {
   }
   for (const std::string& failure : news.failures) {
     failures.push_back(failure);
+    wakeBy(WindowClock::now());  // a window of ImGui's shows in the frame after its first
     log.write({{"failure", failure}});
   }
 }
