@@ -425,7 +425,7 @@ void DrawingThread::drawPreview(const Job& job) {
     picture.height = std::max(1, static_cast<int>(std::lround(wish.height * quality.scale)));
     picture.step_vox = step * quality.step_factor;
   }
-  picture.time_limit_s = 2 * options_.budget_s;
+  picture.time_limit_s = 1.25 * options_.budget_s;
   const Image image = draw(job, picture, step * quality.step_factor);
   deliver(job.wish, image, quality.isFull() && image.missing_share == 0, watch.seconds());
 }

@@ -38,7 +38,7 @@ struct DrawingOptions {
   std::optional<ViewState> state;  // in place of these, for the volume that is opened first
   std::string index_folder;        // of volumes that name none
   std::string trace_file;          // empty: none; of the volume that is opened first
-  double budget_s = 0.022;         // of a preview
+  double budget_s = 0.016;         // of a preview
   // A hand that rests so long gets the whole picture.
   double rest_s = 0.06;
   // Told, by the drawing thread, that there is something to take. It must return at once.
