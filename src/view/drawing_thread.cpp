@@ -29,8 +29,9 @@ constexpr std::array<float, 3> kPaneColor{0.09F, 0.09F, 0.1F};
 // What shows the pictures goes first where processors are few: this thread, and with it those that
 // the renderer starts, take what is left.
 void yieldToOthers() {
-  constexpr int kNice = 5;
-  setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice);
+  constexpr int kNicer = 5;
+  const auto self = static_cast<id_t>(gettid());
+  setpriority(PRIO_PROCESS, self, getpriority(PRIO_PROCESS, self) + kNicer);
 }
 
 void keep(std::vector<double>& times, double seconds) {
