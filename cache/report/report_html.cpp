@@ -221,14 +221,14 @@ std::string bytesByCause(const SimulationReport& report) {
           {static_cast<double>(bytes), hue, fmt::format("{}: {}", cause, formatBytes(bytes))});
     };
     part(b.needed, kNeeded, "needed");
-    part(b.rounding(), kRounding, "page rounding");
+    part(b.rounding(), kRounding, "rounding to pages");
     part(b.extended, kExtended, "extended parts of merges");
     part(b.empty, kEmpty, "retained empty voxels");
     bars.push_back(std::move(bar));
   }
-  return barsSvg(bars) + "<p>" + htmlKey(kNeeded, "needed") + htmlKey(kRounding, "page rounding") +
-         htmlKey(kExtended, "extended parts of merges") + htmlKey(kEmpty, "retained empty voxels") +
-         "</p>";
+  return barsSvg(bars) + "<p>" + htmlKey(kNeeded, "needed") +
+         htmlKey(kRounding, "rounding to pages") + htmlKey(kExtended, "extended parts of merges") +
+         htmlKey(kEmpty, "retained empty voxels") + "</p>";
 }
 
 std::string rowsTable(const SimulationReport& report) {

@@ -59,9 +59,11 @@ std::array<int, 4> pixelAt(const Rgba8Picture& picture, int x, int y) {
 // Two layers of 3 x 2 blocks of 24 pixels, 2 pixels apart.
 TEST(BlockMap, paintsEachBlockInItsLayerWithYUpwards) {
   VisibleBlocks blocks;
-  ObjectBlock black{.block = 2, .kind = BlockClass::kBlack};    // (2, 0, 0)
-  ObjectBlock grey{.block = 6 + 3, .kind = BlockClass::kGrey};  // (0, 1, 1)
-  blocks.blocks = {black, grey};
+  blocks.blocks.resize(2);
+  blocks.blocks[0].block = 2;  // (2, 0, 0)
+  blocks.blocks[0].kind = BlockClass::kBlack;
+  blocks.blocks[1].block = 6 + 3;  // (0, 1, 1)
+  blocks.blocks[1].kind = BlockClass::kGrey;
   const auto map = blockMap({3, 2, 2}, blocks);
   ASSERT_TRUE(map);
   ASSERT_EQ(map->picture.width, 2 * 72 + 2);
