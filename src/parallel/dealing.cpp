@@ -1,0 +1,77 @@
+#include "src/parallel/dealing.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "src/base/error.h"
+#include "src/parallel/hilbert.h"
+
+namespace sluice {
+namespace {
+
+// So many hands a rank, before these are made larger.
+constexpr int64_t kHandsARank = 96;
+
+// Numbers from one another as if by chance, always the same (the finaliser of SplitMix64).
+uint64_t scattered(uint64_t n) {
+  n += 0x9e3779b97f4a7c15;
+  n = (n ^ (n >> 30)) * 0xbf58476d1ce4e5b9;
+  n = (n ^ (n >> 27)) * 0x94d049bb133111eb;
+  return n ^ (n >> 31);
+}
+
+}  // namespace
+
+Dealing dealBlocks(const BlockLayout& layout, int ranks) {
+  SLUICE_CHECK(ranks >= 1);
+  Dealing dealing{layout.grid, ranks, 1, layout.cells(), 0};
+  const auto handsOf = [&](int64_t hand) {
+    return volume((layout.grid + Vec3i{hand - 1, hand - 1, hand - 1}) / hand);
+  };
+  while (handsOf(2 * dealing.hand) >= kHandsARank * ranks) dealing.hand *= 2;
+  dealing.side_vox *= dealing.hand;
+  const int64_t longest =
+      (std::max({layout.grid.x, layout.grid.y, layout.grid.z}) + dealing.hand - 1) / dealing.hand;
+  dealing.bits = std::bit_width(static_cast<uint64_t>(longest - 1));
+  return dealing;
+}
+
+int Dealing::rankOf(Vec3i block) const {
+  if (ranks == 1) return 0;
+  const auto count = static_cast<uint64_t>(ranks);
+  const uint64_t position = hilbertPosition(block / hand, bits);
+  const uint64_t round = position / count, seat = position % count;
+  return static_cast<int>((seat + scattered(round) % count) % count);
+}
+
+DealingLayers::DealingLayers(const Dealing& dealing, const FrameSetup& setup)
+    : hands_((dealing.grid + Vec3i{dealing.hand - 1, dealing.hand - 1, dealing.hand - 1}) /
+             dealing.hand),
+      side_vox_(dealing.side_vox),
+      parallel_(setup.projection == Projection::kOrtho) {
+  const RayGrid& rays = setup.rays;
+  for (int a = 0; a < 3; ++a) {
+    if (parallel_) {
+      down_[static_cast<size_t>(a)] = rays.step0[a] < 0;
+      continue;
+    }
+    const double eye = rays.origin0[a] - rays.step0[a] * (setup.first_depth / setup.depth_step);
+    const double hand = std::floor(eye / static_cast<double>(side_vox_));
+    eye_[a] = static_cast<int64_t>(std::clamp(hand, 0.0, static_cast<double>(hands_[a] - 1)));
+  }
+}
+
+uint32_t DealingLayers::layerOf(const Box3& cells) const {
+  int64_t layer = 0;
+  for (int a = 0; a < 3; ++a) {
+    const int64_t at = cells.lo[a] / side_vox_;
+    if (!parallel_)
+      layer += std::abs(at - eye_[a]);
+    else
+      layer += down_[static_cast<size_t>(a)] ? hands_[a] - 1 - at : at;
+  }
+  return static_cast<uint32_t>(layer);
+}
+
+}  // namespace sluice
