@@ -5,28 +5,29 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <functional>
 #include <memory>
 #include <utility>
 
-#include "src/cpu/cpu_device.h"
 #include "src/parallel/compositing.h"
 #include "src/parallel/in_process.h"
 #include "src/parallel/part_device.h"
 #include "src/parallel/rank_blocks.h"
+#include "tests/device/suite_device.h"
 #include "tests/render/render_scene.h"
 
 namespace sluice {
 
-using DeviceMaker = std::function<std::unique_ptr<Device>(WorkerPool& pool)>;
-inline std::unique_ptr<Device> makeCpuDevice(WorkerPool& pool) {
-  return std::make_unique<CpuDevice>(pool);
+using DeviceMaker = std::function<std::unique_ptr<Device>()>;
+inline std::unique_ptr<Device> makeSuiteDevice() {
+  return suiteDevice();
 }
 
 // What rank 0 got, and expects that all ranks ended well.
 inline FloatPicture drawOnRanks(int ranks, VolumeSource& source, const TransferFunction& transfer,
                                 SceneOptions scene_options, const FrameOptions& options,
-                                const DeviceMaker& maker = makeCpuDevice, int frames = 1) {
+                                const DeviceMaker& maker = makeSuiteDevice, int frames = 1) {
   FloatPicture result;
   std::atomic<int64_t> blocks = 0;
   const BlockLayout layout = blockLayout(source.layout().dims, scene_options.block_vox,
@@ -34,7 +35,7 @@ inline FloatPicture drawOnRanks(int ranks, VolumeSource& source, const TransferF
   const auto ends = runInProcess(ranks, [&](Team& team) {
     WorkerPool pool(1);
     const Dealing dealing = dealBlocks(layout, ranks);
-    PartDevice device(maker(pool), dealing);
+    PartDevice device(maker(), dealing);
     RenderScene scene(device, source, transfer, scene_options);
     RankBlocks mine(dealing, team.rank(), pool);
     scene.session().chooseBlocksBy(&mine);

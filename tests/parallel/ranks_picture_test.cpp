@@ -15,7 +15,7 @@ class RanksPicture : public RenderTest {
   // Of the session's own device.
   static void expectSame(VolumeSource& source, const TransferFunction& transfer,
                          const SceneOptions& scene, const FrameOptions& options,
-                         const DeviceMaker& maker = makeCpuDevice) {
+                         const DeviceMaker& maker = makeSuiteDevice) {
     RenderScene alone(device(), source, transfer, scene);
     const FloatPicture whole = alone.draw(options);
     EXPECT_GE(shownShare(whole), 0.05);
@@ -23,7 +23,9 @@ class RanksPicture : public RenderTest {
       SCOPED_TRACE(fmt::format("{} ranks", ranks));
       const FloatPicture parts = drawOnRanks(ranks, source, transfer, scene, options, maker);
       EXPECT_TRUE(within(kSame, whole, parts));
-      if (options.with_depth) EXPECT_TRUE(depthsWithin(1e-2, whole, parts));
+      if (options.with_depth) {
+        EXPECT_TRUE(depthsWithin(1e-2, whole, parts));
+      }
     }
   }
 };
@@ -83,7 +85,7 @@ TEST_F(RanksPicture, croppedClippedAndInGrowingBoxes) {
   const auto source = spacedBlobs();
   FrameOptions options = obliqueView(Projection::kPerspective);
   options.crop = Box3{{5, 3, 9}, {50, 44, 47}};
-  options.clip_planes = {{{1, 0.3, 0.2}, 40}};
+  options.clip_planes = {{{1, 0.3, 0.2}, 60}};
   expectSame(*source, someTransfer(), {.block_vox = 8}, options);
   options = obliqueView(Projection::kOrtho);
   options.partition = Partition::kBoxes;
@@ -110,7 +112,7 @@ TEST_F(RanksPicture, withOcclusion) {
 // A device that knows nothing of parts draws a layer after another.
 TEST_F(RanksPicture, onADeviceOfWholePictures) {
   const auto source = blobs({30, 26, 28});
-  const auto maker = [](WorkerPool&) { return std::make_unique<PlainDevice>(); };
+  const auto maker = [] { return std::make_unique<PlainDevice>(); };
   for (const Mode mode : {Mode::kComposite, Mode::kMip, Mode::kMinip, Mode::kAverage})
     for (const int64_t pages : {8, 1 << 12}) {
       SCOPED_TRACE(fmt::format("mode {} pages {}", static_cast<int>(mode), pages));
@@ -125,7 +127,9 @@ TEST_F(RanksPicture, onADeviceOfWholePictures) {
         const FloatPicture parts =
             drawOnRanks(ranks, *source, someTransfer(), scene, options, maker);
         EXPECT_TRUE(within(kSame, whole, parts)) << ranks;
-        if (options.with_depth) EXPECT_TRUE(depthsWithin(1e-2, whole, parts));
+        if (options.with_depth) {
+        EXPECT_TRUE(depthsWithin(1e-2, whole, parts));
+      }
       }
     }
 }
