@@ -11,15 +11,11 @@ namespace sluice {
 namespace {
 
 // So many hands a rank, before these are made larger.
-constexpr int64_t kHandsARank = 96;
+constexpr int64_t kHandsARank = 256;
 
-// Numbers from one another as if by chance, always the same (the finaliser of SplitMix64).
-uint64_t scattered(uint64_t n) {
-  n += 0x9e3779b97f4a7c15;
-  n = (n ^ (n >> 30)) * 0xbf58476d1ce4e5b9;
-  n = (n ^ (n >> 27)) * 0x94d049bb133111eb;
-  return n ^ (n >> 31);
-}
+// 2^64 over the golden ratio: its multiples, of 2^64, fill every interval as evenly as can be, and
+// so do those of any stretch of successive numbers.
+constexpr uint64_t kGolden = 0x9e3779b97f4a7c15;
 
 }  // namespace
 
@@ -38,11 +34,8 @@ Dealing dealBlocks(const BlockLayout& layout, int ranks) {
 }
 
 int Dealing::rankOf(Vec3i block) const {
-  if (ranks == 1) return 0;
-  const auto count = static_cast<uint64_t>(ranks);
-  const uint64_t position = hilbertPosition(block / hand, bits);
-  const uint64_t round = position / count, seat = position % count;
-  return static_cast<int>((seat + scattered(round) % count) % count);
+  const uint64_t place = hilbertPosition(block / hand, bits) * kGolden;
+  return static_cast<int>(((place >> 32) * static_cast<uint64_t>(ranks)) >> 32);
 }
 
 DealingLayers::DealingLayers(const Dealing& dealing, const FrameSetup& setup)

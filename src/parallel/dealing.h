@@ -1,9 +1,11 @@
 // Dealing: which rank has which block of a volume (Gao 2004, section 6), and in which order what the
 // ranks draw lies along the rays.
 //
-// Cubes of blocks, hands, are dealt one by one along Hilbert's curve, each round to another seat
-// first, so that whatever part of the volume a picture shows, every rank has nearly as much of it as
-// every other; it follows from the grid of blocks alone. A rank's blocks lie between others': along
+// Cubes of blocks, hands, are dealt one by one along Hilbert's curve, each a golden section of the
+// ranks further: any stretch of the curve is shared out evenly, and one that meets a part of the
+// volume at regular places, as planes do, not always by the same ranks. So whatever part of the
+// volume a picture shows, every rank has nearly as much of it as every other; it follows from the
+// grid of blocks alone. A rank's blocks lie between others': along
 // a ray theirs and its own take turns. Pure functions.
 #pragma once
 
