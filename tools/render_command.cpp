@@ -124,9 +124,10 @@ void printHuman(const Scene& scene, const Series& series, const std::vector<Rend
                 const std::filesystem::path& last, const std::optional<Verification>& verified) {
   const FrameReport& report = frames.back().report;
   const VolumeLayout& layout = scene.volume.source->layout();
-  say("{} x {} x {} {}, {}: {} white, {} grey, {} black blocks\n", layout.dims.x, layout.dims.y,
+  say("{} x {} x {} {}, {}: {} white, {} grey, {} black blocks{}\n", layout.dims.x, layout.dims.y,
       layout.dims.z, name(layout.type), scene.transfer.name, report.white, report.grey,
-      report.black);
+      report.black,
+      scene.share ? " of rank 0" : "");
   say("look: {}\n", scene.look.options);
   say("{} frame{} of {:.3f} s on {} ({}), read {}, peak memory {} of its own, {} resident\n",
       frames.size(), frames.size() == 1 ? "" : "s, the last", report.seconds,
