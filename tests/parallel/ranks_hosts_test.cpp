@@ -101,7 +101,7 @@ TEST_F(RanksHosts, endTogether) {
   const CommandResult run = onHosts("render nothing.nrrd -o a.png");
   EXPECT_NE(run.status, 0);
   EXPECT_EQ(occurrences(run.output, "sluice: "), 1) << run.output;
-  EXPECT_THAT(run.output, HasSubstr("sluice: nothing.nrrd"));
+  EXPECT_THAT(run.output, HasSubstr("nothing.nrrd: cannot be opened"));
 }
 
 }  // namespace

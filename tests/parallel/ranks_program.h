@@ -38,6 +38,10 @@ struct MpiLauncher {
   }
 };
 
+inline void PrintTo(const MpiLauncher& launcher, std::ostream* to) {
+  *to << launcher.name;
+}
+
 // Open MPI draws a ring of cores around each rank otherwise, and copies by a system call that
 // containers refuse.
 inline const MpiLauncher kOpenMpiLauncher{

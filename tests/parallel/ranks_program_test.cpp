@@ -71,7 +71,7 @@ class RanksProgram : public testing::TestWithParam<MpiLauncher> {
   }
   std::string inFolder() const {
     return "cd " + shellQuoted(program_.folder.path().string()) +
-           " && export XDG_CACHE_HOME=\"$PWD/cache\" && ";
+           "; export XDG_CACHE_HOME=\"$PWD/cache\"; ";
   }
   void makeSeries(int steps) const {
     ASSERT_EQ(program_
@@ -91,7 +91,7 @@ TEST_P(RanksProgram, drawThePictureOfOneProcess) {
                                "--mode average --projection perspective"};
   for (const std::string& mode : modes) {
     const json one = program_.json(fmt::format("render {} {} -o one.png", kPicture, mode));
-    for (const int ranks : {2, 4, 7}) {
+    for (const int ranks : mode.empty() ? std::vector{2, 4, 7} : std::vector{3}) {
       SCOPED_TRACE(fmt::format("{} ranks, {}", ranks, mode));
       const CommandResult run =
           onRanks(ranks, fmt::format("render {} {} -o many.png --json -q", kPicture, mode));
@@ -150,7 +150,7 @@ TEST_P(RanksProgram, speakWithOneVoice) {
   const CommandResult missing = onRanks(3, "render nothing.nrrd -o a.png");
   EXPECT_NE(missing.status, 0);
   EXPECT_EQ(occurrences(missing.output, "sluice: "), 1) << missing.output;
-  EXPECT_THAT(missing.output, HasSubstr("sluice: nothing.nrrd"));
+  EXPECT_THAT(missing.output, HasSubstr("nothing.nrrd: cannot be opened"));
 }
 
 TEST_P(RanksProgram, drawSeriesWithCulling) {
@@ -204,16 +204,15 @@ TEST_P(RanksProgram, endTogetherAtAStepThatIsCut) {
 // One rank is killed while pictures are drawn: the launcher ends the run and says who it was.
 TEST_P(RanksProgram, areEndedWhenOneIsKilled) {
   const std::string command =
-      "render synth:shells,dims=64x64x64 --block 16 --size 200 --frames 60 -o turn_%03d.png "
+      "render synth:shells,dims=96x96x96 --block 16 --size 300 --frames 60 -o turn_%03d.png "
       "--continue -q";
   const CommandResult killed = runCommand(
       inFolder() + GetParam().start(3) + " " + command +
       " & run=$!; for i in $(seq 600); do [ -e turn_004.png ] && break; sleep 0.05; done; "
-      // The last of the processes that stand in this folder is a rank's.
-      "for p in $(ls /proc | grep '^[0-9]*$' | sort -n); do "
-      "  if [ \"$(readlink /proc/$p/cwd)\" = \"$PWD\" ] && "
-      "     [ \"$(readlink /proc/$p/exe)\" = \"$(readlink -f " SLUICE_PROGRAM ")\" ]; "
-      "  then last=$p; fi; done; kill -9 $last; wait $run; echo ended with $?");
+      // One of those that run the program in this folder.
+      "for p in /proc/[0-9]*; do "
+      "  if [ $p/cwd -ef . ] && [ $p/exe -ef " SLUICE_PROGRAM " ]; then one=$p; fi; "
+      "done; kill -9 ${one#/proc/}; wait $run; echo ended with $?");
   EXPECT_THAT(killed.output, Not(HasSubstr("ended with 0"))) << killed.output;
   EXPECT_THAT(killed.output, Not(HasSubstr("ended with 124"))) << "hangs " << killed.output;
   EXPECT_EQ(occurrences(killed.output, "sluice: "), 0) << killed.output;
@@ -221,7 +220,7 @@ TEST_P(RanksProgram, areEndedWhenOneIsKilled) {
   for (int i = 0; i < 60; ++i) {
     const auto picture = program_.folder / fmt::format("turn_{:03}.png", i);
     if (!std::filesystem::exists(picture)) continue;
-    EXPECT_EQ(readPng(picture).width, 200);
+    EXPECT_EQ(readPng(picture).width, 300);
     ++there;
   }
   EXPECT_GE(there, 5);
