@@ -196,9 +196,8 @@ std::optional<std::vector<int>> rankCounts(const std::string& word) {
 }
 
 int runRanks(const RanksBench& bench, const Arguments& arguments, const CLI::App& app) {
-  return onRanks([&](Team* team) {
-    return show(benchRanks(bench, team), arguments, app, printRanks);
-  });
+  return onRanks(
+      [&](Team* team) { return show(benchRanks(bench, team), arguments, app, printRanks); });
 }
 
 // Of the benches over any set of volumes.

@@ -183,12 +183,10 @@ json ranksOf(Opened& opened, const CullingBench& bench, const SeriesFunctions& f
     for (size_t step = 0; step < steps.size(); ++step) {
       std::vector<int64_t> counts(all.size());
       for (const ObjectBlock& block : steps[step]->blocks)
-        ++counts[static_cast<size_t>(
-            dealing.rankOf(opened.volume.layout.indexOf(block.block)))];
+        ++counts[static_cast<size_t>(dealing.rankOf(opened.volume.layout.indexOf(block.block)))];
       for (size_t r = 0; r < all.size(); ++r) all[r] += counts[r];
       worst = std::max(worst, ratio(counts));
-      of_steps.push_back(
-          {{"time", step}, {"blocks", counts}, {"most_to_mean", ratio(counts)}});
+      of_steps.push_back({{"time", step}, {"blocks", counts}, {"most_to_mean", ratio(counts)}});
     }
     rows.push_back({{"ranks", ranks},
                     {"hand_blocks", dealing.hand},

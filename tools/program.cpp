@@ -64,9 +64,10 @@ int parseAndRun(const CommandLine& line, const std::vector<std::string>& given,
     return usageError(launch, error.what());
   }
   if (launch.ranks > 1 && !isForRanks(program))
-    fail("started as {} ranks; render and bench ranks run on several, {} on one: start it without "
-         "the launcher",
-         launch.ranks, program.get_subcommands().front()->get_name());
+    fail(
+        "started as {} ranks; render and bench ranks run on several, {} on one: start it without "
+        "the launcher",
+        launch.ranks, program.get_subcommands().front()->get_name());
   for (const auto& [subcommand, command] : line.commands)
     if (subcommand->parsed()) return command();
   return kUsage;

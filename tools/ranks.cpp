@@ -90,15 +90,12 @@ void shareMachine(Team& team, ResourceArguments& resources) {
 
 json rankJson(const json& report, const RankShare& share) {
   const CompositingReport& parts = share.report();
-  json rank{{"part_bytes", parts.part_bytes},
-            {"sent_bytes", parts.sent_bytes},
-            {"received_bytes", parts.received_bytes},
-            {"exchange_seconds", parts.exchange_seconds},
-            {"compose_seconds", parts.compose_seconds},
-            {"gather_seconds", parts.gather_seconds}};
-  for (const char* name :
-       {"frames", "levels", "memory_bytes", "part_memory_bytes", "peak_rss_bytes",
-        "peak_anonymous_bytes", "device"})
+  json rank{
+      {"part_bytes", parts.part_bytes},           {"sent_bytes", parts.sent_bytes},
+      {"received_bytes", parts.received_bytes},   {"exchange_seconds", parts.exchange_seconds},
+      {"compose_seconds", parts.compose_seconds}, {"gather_seconds", parts.gather_seconds}};
+  for (const char* name : {"frames", "levels", "memory_bytes", "part_memory_bytes",
+                           "peak_rss_bytes", "peak_anonymous_bytes", "device"})
     if (report.contains(name)) rank[name] = report[name];
   rank["host"] = hostOf(placeOfProcess());
   return rank;
@@ -123,9 +120,9 @@ void gatherReport(Team& team, const RankShare& share, json& report) {
     for (const char* kind : {"grey", "black"})
       sumUp(frame["blocks"][kind],
             [&](const json& rank) { return rank["frames"][i]["blocks"][kind]; });
-    for (const char* name : {"samples_drawn", "samples_taken", "samples_object", "boxes_drawn",
-                             "chunks", "pages", "pages_loaded", "decoded_bytes", "copied_bytes",
-                             "uploaded_bytes"})
+    for (const char* name :
+         {"samples_drawn", "samples_taken", "samples_object", "boxes_drawn", "chunks", "pages",
+          "pages_loaded", "decoded_bytes", "copied_bytes", "uploaded_bytes"})
       sumUp(frame[name], [&](const json& rank) { return rank["frames"][i][name]; });
   }
   if (!report["frames"].empty()) report["blocks"] = report["frames"].back()["blocks"];

@@ -126,8 +126,7 @@ void printHuman(const Scene& scene, const Series& series, const std::vector<Rend
   const VolumeLayout& layout = scene.volume.source->layout();
   say("{} x {} x {} {}, {}: {} white, {} grey, {} black blocks{}\n", layout.dims.x, layout.dims.y,
       layout.dims.z, name(layout.type), scene.transfer.name, report.white, report.grey,
-      report.black,
-      scene.share ? " of rank 0" : "");
+      report.black, scene.share ? " of rank 0" : "");
   say("look: {}\n", scene.look.options);
   say("{} frame{} of {:.3f} s on {} ({}), read {}, peak memory {} of its own, {} resident\n",
       frames.size(), frames.size() == 1 ? "" : "s, the last", report.seconds,
@@ -366,9 +365,8 @@ Command addRender(CLI::App& program) {
       .flag("--continue", arguments->resume,
             "Draws only those of several pictures that are not there yet");
   addResourceOptions(*app, arguments->resources);
-  return [arguments, app] {
-    return onRanks([&](Team* team) { return run(*arguments, *app, team); });
-  };
+  return
+      [arguments, app] { return onRanks([&](Team* team) { return run(*arguments, *app, team); }); };
 }
 
 }  // namespace sluice

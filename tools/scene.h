@@ -43,7 +43,8 @@ struct Scene {
   Scene(const VolumeArguments& volume, const LookArguments& look,
         const ResourceArguments& resources, Partition partition, Mode mode = Mode::kComposite,
         const Outputs& outputs = Outputs());
-  // The same as one rank's of a team, which must outlive it, for pictures of this size; null: alone.
+  // The same as one rank's of a team, which must outlive it, for pictures of this size; null:
+  // alone.
   Scene(const VolumeArguments& volume, const LookArguments& look,
         const ResourceArguments& resources, const FrameOptions& frame, const Outputs& outputs,
         Team* team);
@@ -67,9 +68,9 @@ struct Scene {
   Workers pool;
   IndexedVolume volume;
   uint64_t memory_bytes;
-  uint64_t part_bytes = 0;  // of them, for parts of pictures
+  uint64_t part_bytes = 0;            // of them, for parts of pictures
   uint64_t peak_anonymous_bytes = 0;  // at the calls of noteMemory()
-  std::unique_ptr<RankShare> share;  // null: alone
+  std::unique_ptr<RankShare> share;   // null: alone
   std::unique_ptr<Device> device;
   ChosenLook look;
   TransferFunction transfer;

@@ -18,9 +18,8 @@ void TileParts::draw(int64_t index, const std::vector<KernelBox>& boxes,
                      std::span<const uint32_t> of_tile, TilePixels& tile) {
   // Along each ray layers ascend already.
   std::vector<uint32_t> order(of_tile.begin(), of_tile.end());
-  std::stable_sort(order.begin(), order.end(), [&boxes](uint32_t a, uint32_t b) {
-    return boxes[a].layer < boxes[b].layer;
-  });
+  std::stable_sort(order.begin(), order.end(),
+                   [&boxes](uint32_t a, uint32_t b) { return boxes[a].layer < boxes[b].layer; });
   float* through = through_.data() + static_cast<size_t>(index) * kTilePixels;
   for (size_t from = 0; from < order.size();) {
     const uint32_t layer = boxes[order[from]].layer;

@@ -1,5 +1,5 @@
-// TileParts: what the tiles of a frame's part show, layer by layer (partial_picture.h): a layer of a
-// tile is drawn, taken out packed, and gone from the tile's pixels.
+// TileParts: what the tiles of a frame's part show, layer by layer (partial_picture.h): a layer of
+// a tile is drawn, taken out packed, and gone from the tile's pixels.
 //
 // What was taken out still stops rays: where the layers in front are opaque, of this part alone, no
 // more samples are taken. Different tiles may be drawn by different threads at once.

@@ -86,8 +86,8 @@ struct FrameSetup {
   bool with_depth = false;           // composite only: the picture gets a depth channel
   bool counts_taken = false;         // composite only, not with depth: takenSamples() can be asked
   bool shades_every_sample = false;  // reads, lights and blends what shows nothing too
-  bool skips = false;                // may leave out samples that show nothing, or lie behind opaque
-  bool lit = false;                  // composite only: chunks carry a ghost layer around each block
+  bool skips = false;  // may leave out samples that show nothing, or lie behind opaque
+  bool lit = false;    // composite only: chunks carry a ghost layer around each block
   // Others draw the rest of the picture: it ends with Device::endPart(), or, of modes other than
   // composite and a device without it, with a picture of the numbers of partial_picture.h.
   bool is_part = false;

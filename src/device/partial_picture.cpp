@@ -67,7 +67,8 @@ std::vector<PartRecord> partRecords(std::span<const std::byte> tile, int channel
     std::memcpy(&record.header, tile.data(), sizeof record.header);
     tile = tile.subspan(sizeof record.header);
     uint32_t pixels = 0;
-    for (const uint64_t word : record.header.mask) pixels += static_cast<uint32_t>(std::popcount(word));
+    for (const uint64_t word : record.header.mask)
+      pixels += static_cast<uint32_t>(std::popcount(word));
     const size_t bytes = size_t{pixels} * static_cast<size_t>(channels) * sizeof(float);
     if (pixels != record.header.pixels || tile.size() < bytes)
       fail("a part of a picture is cut off");

@@ -50,7 +50,7 @@ PartialPicture emptyPartialPicture(PictureSize size);
 
 struct PartHeader {
   uint32_t layer = 0;
-  uint32_t pixels = 0;                        // in the mask
+  uint32_t pixels = 0;  // in the mask
   std::array<uint64_t, kPartPixels / 64> mask{};
 };
 
@@ -58,7 +58,7 @@ struct PartHeader {
 // numbers.
 template <class IsShown, class NumberOf>
 void packPart(std::vector<std::byte>& to, uint32_t layer, int channels, const IsShown& isShown,
-                const NumberOf& numberOf) {
+              const NumberOf& numberOf) {
   PartHeader header{layer, 0, {}};
   for (int i = 0; i < kPartPixels; ++i) {
     const uint64_t shown = isShown(i) ? 1 : 0;

@@ -1,5 +1,5 @@
-// Communicator: how the ranks of a run reach one another, behind which MPI or threads of one process
-// stand. All ranks make the same calls in the same order. One thread a rank.
+// Communicator: how the ranks of a run reach one another, behind which MPI or threads of one
+// process stand. All ranks make the same calls in the same order. One thread a rank.
 #pragma once
 
 #include <cstddef>

@@ -83,7 +83,8 @@ Message composed(const std::vector<Message>& from, size_t tiles, const FrameSetu
   std::vector<std::vector<std::byte>> done(tiles);
   pool.parallelFor(static_cast<int64_t>(tiles), [&](int64_t i) {
     const auto tile = static_cast<size_t>(i);
-    if (!records[tile].empty()) done[tile] = packed(composeTile(std::move(records[tile]), setup), setup);
+    if (!records[tile].empty())
+      done[tile] = packed(composeTile(std::move(records[tile]), setup), setup);
   });
   Message message;
   for (size_t tile = 0; tile < tiles; ++tile) append(message, tile, done[tile]);

@@ -1,5 +1,5 @@
-// Dealing: which rank has which block of a volume (Gao 2004, section 6), and in which order what the
-// ranks draw lies along the rays.
+// Dealing: which rank has which block of a volume (Gao 2004, section 6), and in which order what
+// the ranks draw lies along the rays.
 //
 // Cubes of blocks, hands, are dealt one by one along Hilbert's curve, each a golden section of the
 // ranks further: any stretch of the curve is shared out evenly, and one that meets a part of the
@@ -18,7 +18,7 @@
 namespace sluice {
 
 struct Dealing {
-  Vec3i grid;            // blocks
+  Vec3i grid;  // blocks
   int ranks = 1;
   int64_t hand = 1;      // blocks a side of what is dealt at once
   int64_t side_vox = 1;  // cells a side of that
@@ -43,7 +43,7 @@ class DealingLayers {
   Vec3i hands_;
   int64_t side_vox_;
   bool parallel_;
-  Vec3i eye_;                // perspective: the hand that it is in, or nearest to
+  Vec3i eye_;                   // perspective: the hand that it is in, or nearest to
   std::array<bool, 3> down_{};  // parallel: rays go down this axis
 };
 

@@ -1,7 +1,7 @@
 // What lies between the program and its modules for MPI.
 //
-// Open MPI and MPICH have the same functions and nothing else in common: a program that is linked to
-// one starts under that one alone, and needs it to start at all. So all that includes mpi.h
+// Open MPI and MPICH have the same functions and nothing else in common: a program that is linked
+// to one starts under that one alone, and needs it to start at all. So all that includes mpi.h
 // (mpi_module.cpp) is a library apart, compiled once for each MPI that is there, opened by those
 // processes that a launcher has started as ranks (mpi_ranks.h).
 #pragma once

@@ -61,9 +61,10 @@ Launch launchOf(const std::function<const char*(const char* variable)>& environm
 
 std::unique_ptr<Communicator> joinRanks(const Launch& launch) {
   if (!launch.has_kind)
-    fail("started {} times by srun without MPI, so that the ranks cannot meet; give srun --mpi=pmix "
-         "or --mpi=pmi2, or use mpirun",
-         launch.ranks);
+    fail(
+        "started {} times by srun without MPI, so that the ranks cannot meet; give srun --mpi=pmix "
+        "or --mpi=pmi2, or use mpirun",
+        launch.ranks);
   const std::string file = moduleFor(launch.kind);
   std::unique_ptr<Communicator> ranks;
   try {

@@ -20,8 +20,8 @@ struct Launch {
   bool has_kind = false;
   MpiKind kind = MpiKind::kOpenMpi;
 };
-// From the variables of the environment, asked by name; null where one is not set. Of variables that
-// make no sense nothing is said: one rank. Pure.
+// From the variables of the environment, asked by name; null where one is not set. Of variables
+// that make no sense nothing is said: one rank. Pure.
 Launch launchOf(const std::function<const char*(const char* variable)>& environment);
 
 // Meets the others. Throws Error: not built for this MPI, or the MPI does not begin.

@@ -92,7 +92,8 @@ void PartDevice::takeLayer(uint32_t layer, const Picture& picture) {
     packPart(
         records, layer, channels,
         [&](int pixel) {
-          return x0 + pixel % kPartSide < picture.width && y0 + pixel / kPartSide < picture.height &&
+          return x0 + pixel % kPartSide < picture.width &&
+                 y0 + pixel / kPartSide < picture.height &&
                  picture.rgba[4 * at(pixel) + tells] != empty;
         },
         [&](int pixel, int channel) {

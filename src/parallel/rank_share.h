@@ -2,9 +2,9 @@
 // are those that it was dealt, what it can see is what all ranks together found, and the picture is
 // put together by all.
 //
-// The way of a frame on ranks: culled_blocks.h (each looks at tiles of the estimate, one exchange of
-// what is visible) -> rank_blocks.h -> the frame's chain as ever -> part_device.h -> compositing.h.
-// All ranks make the same calls in the same order. One thread, the device's.
+// The way of a frame on ranks: culled_blocks.h (each looks at tiles of the estimate, one exchange
+// of what is visible) -> rank_blocks.h -> the frame's chain as ever -> part_device.h ->
+// compositing.h. All ranks make the same calls in the same order. One thread, the device's.
 #pragma once
 
 #include <cstdint>

@@ -68,8 +68,7 @@ TEST_F(RanksCulling, seriesOfPicturesThatAreReadAhead) {
     const TestSeries series = makeTestSeries(*source, first.ranges->layout, first.look->table);
     const FrameOptions options = obliqueView(Projection::kPerspective);
     const auto stepAt = [&](int64_t time) {
-      auto ranges =
-          std::make_shared<SliceRanges>(*CullingScene(*source, transfer, 8, time).ranges);
+      auto ranges = std::make_shared<SliceRanges>(*CullingScene(*source, transfer, 8, time).ranges);
       ranges->device_range = first.ranges->device_range;
       return TimeStep{source.get(), time, std::move(ranges)};
     };

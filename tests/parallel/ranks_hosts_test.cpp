@@ -1,5 +1,5 @@
-// Ranks on several hosts, which are network namespaces here, one each, with nothing between them but
-// a cable: the launcher reaches the other by an agent in the place of ssh, ranks meet over TCP.
+// Ranks on several hosts, which are network namespaces here, one each, with nothing between them
+// but a cable: the launcher reaches the other by an agent in the place of ssh, ranks meet over TCP.
 #include <unistd.h>
 
 #include "tests/parallel/ranks_program.h"
@@ -23,9 +23,10 @@ class Hosts {
     line += fmt::format("ip link add e0 netns {} type veth peer name e0 netns {}; ", names_[0],
                         names_[1]);
     for (size_t i = 0; i < 2; ++i)
-      line += fmt::format("ip -n {0} addr add {1}/24 dev e0; ip -n {0} link set lo up; "
-                          "ip -n {0} link set e0 up; ",
-                          names_[i], address(i));
+      line += fmt::format(
+          "ip -n {0} addr add {1}/24 dev e0; ip -n {0} link set lo up; "
+          "ip -n {0} link set e0 up; ",
+          names_[i], address(i));
     const CommandResult made = runCommand(line);
     if (made.status != 0) missing_ = "network namespaces are not allowed here: " + made.output;
   }
@@ -41,8 +42,8 @@ class Hosts {
   static std::string address(size_t host) { return fmt::format("10.213.77.{}", host + 1); }
   // Of the first host's cable.
   uint64_t sentBytes() const {
-    const CommandResult read = runCommand(fmt::format(
-        "ip netns exec {} cat /sys/class/net/e0/statistics/tx_bytes", names_[0]));
+    const CommandResult read = runCommand(
+        fmt::format("ip netns exec {} cat /sys/class/net/e0/statistics/tx_bytes", names_[0]));
     return std::stoull(read.output);
   }
   // A script that a launcher calls as `script HOST COMMAND...`.
@@ -76,8 +77,8 @@ class RanksHosts : public testing::Test {
         "--host {4}:2,{5}:2 -n 4 " SLUICE_PROGRAM " {6}",
         program_.folder.path().string(), hosts_.name(0), kOpenMpiLauncher.program(),
         kOpenMpiLauncher.options, Hosts::address(0), Hosts::address(1), arguments);
-    return runCommand(fmt::format("ip netns exec {} unshare --uts sh -c {}", hosts_.name(0),
-                                  shellQuoted(line)));
+    return runCommand(
+        fmt::format("ip netns exec {} unshare --uts sh -c {}", hosts_.name(0), shellQuoted(line)));
   }
   const Program program_;
   const Hosts hosts_;

@@ -45,8 +45,8 @@ TEST_F(RanksPicture, otherModes) {
   const auto source = spacedBlobs();
   for (const Projection projection : kProjections)
     for (const Mode mode : {Mode::kMip, Mode::kMinip, Mode::kAverage}) {
-      SCOPED_TRACE(
-          fmt::format("projection {} mode {}", static_cast<int>(projection), static_cast<int>(mode)));
+      SCOPED_TRACE(fmt::format("projection {} mode {}", static_cast<int>(projection),
+                               static_cast<int>(mode)));
       FrameOptions options = obliqueView(projection);
       options.mode = mode;
       expectSame(*source, someTransfer(), {.block_vox = 8}, options);
@@ -128,8 +128,8 @@ TEST_F(RanksPicture, onADeviceOfWholePictures) {
             drawOnRanks(ranks, *source, someTransfer(), scene, options, maker);
         EXPECT_TRUE(within(kSame, whole, parts)) << ranks;
         if (options.with_depth) {
-        EXPECT_TRUE(depthsWithin(1e-2, whole, parts));
-      }
+          EXPECT_TRUE(depthsWithin(1e-2, whole, parts));
+        }
       }
     }
 }

@@ -58,7 +58,8 @@ inline int pictureDifference(const std::filesystem::path& a, const std::filesyst
   if (one.rgba.size() != other.rgba.size()) return 256;
   int most = 0;
   for (size_t i = 0; i < one.rgba.size(); ++i)
-    most = std::max(most, std::abs(static_cast<int>(one.rgba[i]) - static_cast<int>(other.rgba[i])));
+    most =
+        std::max(most, std::abs(static_cast<int>(one.rgba[i]) - static_cast<int>(other.rgba[i])));
   return most;
 }
 

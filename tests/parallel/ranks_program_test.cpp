@@ -46,9 +46,10 @@ TEST(RanksWithoutMpi, saySoInOneLine) {
   const Program program;
   std::filesystem::copy_file(SLUICE_PROGRAM, program.folder / "sluice");
   const auto asRank = [&](int rank) {
-    return runCommand(fmt::format("cd {} && OMPI_COMM_WORLD_SIZE=4 OMPI_COMM_WORLD_RANK={} ./sluice "
-                                  "render synth:shells -o a.png --index-dir .",
-                                  shellQuoted(program.folder.path().string()), rank));
+    return runCommand(
+        fmt::format("cd {} && OMPI_COMM_WORLD_SIZE=4 OMPI_COMM_WORLD_RANK={} ./sluice "
+                    "render synth:shells -o a.png --index-dir .",
+                    shellQuoted(program.folder.path().string()), rank));
   };
   const CommandResult first = asRank(0);
   EXPECT_EQ(first.status, 1);
@@ -74,14 +75,15 @@ class RanksProgram : public testing::TestWithParam<MpiLauncher> {
            "; export XDG_CACHE_HOME=\"$PWD/cache\"; ";
   }
   void makeSeries(int steps) const {
-    ASSERT_EQ(program_
-                  .run(fmt::format("synth mixing -o mix_%03d.nrrd --dims 48,48,48 --steps {} -q",
-                                   steps))
-                  .status,
-              0);
+    ASSERT_EQ(
+        program_
+            .run(fmt::format("synth mixing -o mix_%03d.nrrd --dims 48,48,48 --steps {} -q", steps))
+            .status,
+        0);
   }
   static std::string series(const std::string& more) {
-    return "render mix_%03d.nrrd --threshold 100 --opacity 1 --block 8 --no-shade --size 48 " + more;
+    return "render mix_%03d.nrrd --threshold 100 --opacity 1 --block 8 --no-shade --size 48 " +
+           more;
   }
   const Program program_;
 };
@@ -128,8 +130,9 @@ TEST_P(RanksProgram, keepToTheirOwnBudgets) {
     }
   }
   const CommandResult small =
-      onRanks(2, "render synth:phantom,dims=160x160x160 --size 3000 --memory 24M --block 32 --page "
-                 "16x16x16 --pages 256 -o b.png");
+      onRanks(2,
+              "render synth:phantom,dims=160x160x160 --size 3000 --memory 24M --block 32 --page "
+              "16x16x16 --pages 256 -o b.png");
   EXPECT_EQ(small.status, 1);
   EXPECT_EQ(occurrences(small.output, "sluice: "), 1) << small.output;
   EXPECT_THAT(small.output, HasSubstr("give more --memory or a smaller --size"));
@@ -211,7 +214,8 @@ TEST_P(RanksProgram, areEndedWhenOneIsKilled) {
       " & run=$!; for i in $(seq 600); do [ -e turn_004.png ] && break; sleep 0.05; done; "
       // One of those that run the program in this folder.
       "for p in /proc/[0-9]*; do "
-      "  if [ $p/cwd -ef . ] && [ $p/exe -ef " SLUICE_PROGRAM " ]; then one=$p; fi; "
+      "  if [ $p/cwd -ef . ] && [ $p/exe -ef " SLUICE_PROGRAM
+      " ]; then one=$p; fi; "
       "done; kill -9 ${one#/proc/}; wait $run; echo ended with $?");
   EXPECT_THAT(killed.output, Not(HasSubstr("ended with 0"))) << killed.output;
   EXPECT_THAT(killed.output, Not(HasSubstr("ended with 124"))) << "hangs " << killed.output;
@@ -229,8 +233,7 @@ TEST_P(RanksProgram, areEndedWhenOneIsKilled) {
   EXPECT_EQ(again.status, 0) << again.output;
   for (const auto& file : std::filesystem::directory_iterator(program_.folder.path()))
     EXPECT_THAT(file.path().filename().string(), Not(HasSubstr(".tmp")));
-  for (int i = 0; i < 60; ++i)
-    EXPECT_TRUE(program_.exists(fmt::format("turn_{:03}.png", i))) << i;
+  for (int i = 0; i < 60; ++i) EXPECT_TRUE(program_.exists(fmt::format("turn_{:03}.png", i))) << i;
 }
 
 INSTANTIATE_TEST_SUITE_P(By, RanksProgram, testing::Values(kOpenMpiLauncher, kMpichLauncher),

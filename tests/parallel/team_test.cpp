@@ -29,8 +29,7 @@ TEST(Team, everyMessageArrivesWhereItIsSent) {
       const std::vector<Message> all = team.gather(asMessage(fmt::format("{}", team.rank())));
       EXPECT_EQ(all.size(), team.isFirst() ? static_cast<size_t>(ranks) : 0U);
       EXPECT_EQ(team.fromFirst(team.isFirst() ? "said" : "not"), "said");
-      EXPECT_EQ(team.ranksBeside(team.rank() == 0 ? "a" : "b"),
-                team.rank() == 0 ? 1 : ranks - 1);
+      EXPECT_EQ(team.ranksBeside(team.rank() == 0 ? "a" : "b"), team.rank() == 0 ? 1 : ranks - 1);
       team.wait();
     });
     EXPECT_THAT(ends, Each(std::string()));

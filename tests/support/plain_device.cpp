@@ -323,7 +323,9 @@ Picture PlainDevice::endFrame() {
       if (setup_.mode != Mode::kComposite && setup_.is_part) {
         const bool sums = setup_.mode == Mode::kAverage, seen = pixel.count > 0;
         rgba[0] = seen ? pixel.value : emptyPart(setup_.mode);
-        rgba[1] = sums ? static_cast<double>(pixel.count) : setup_.mode == Mode::kMip && seen ? 1 : 0;
+        rgba[1] = sums                                ? static_cast<double>(pixel.count)
+                  : setup_.mode == Mode::kMip && seen ? 1
+                                                      : 0;
       } else if (setup_.mode != Mode::kComposite && pixel.count > 0) {
         const double taken = setup_.mode == Mode::kAverage ? static_cast<double>(pixel.count) : 1;
         rgba = lookedUp(setup_.look_up, pixel.value / taken, false);
