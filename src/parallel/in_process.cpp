@@ -1,5 +1,6 @@
 #include "src/parallel/in_process.h"
 
+#include <atomic>
 #include <chrono>
 
 #include "src/base/error.h"
@@ -112,12 +113,20 @@ std::vector<std::string> runInProcess(int ranks, const std::function<void(Team& 
                                       const StopToken& stop) {
   std::vector<std::unique_ptr<Communicator>> communicators = inProcessRanks(ranks);
   std::vector<std::string> ends(communicators.size());
-  std::vector<std::thread> threads;
-  for (size_t rank = 0; rank < communicators.size(); ++rank) {
-    const auto team = std::make_shared<Team>(std::move(communicators[rank]), stop);
-    threads.push_back(startThread([&ends, &body, team, rank] { ends[rank] = endOf(*team, body); }));
-  }
-  for (std::thread& thread : threads) thread.join();
+  // A rank that is missing would be waited for: none begins before all are there.
+  std::atomic<int> next = 0, may_begin = -1;
+  auto threads = startThreads(ranks, [&] {
+    may_begin.wait(-1);
+    if (may_begin == 0) return;
+    const auto rank = static_cast<size_t>(next++);
+    Team team(std::move(communicators[rank]), stop);
+    ends[rank] = endOf(team, body);
+  });
+  const bool all = threads.size() == communicators.size();
+  may_begin = all ? 1 : 0;
+  may_begin.notify_all();
+  for (auto& thread : threads) thread.join();
+  if (!all) fail("{} threads for as many ranks: the system starts {}", ranks, threads.size());
   return ends;
 }
 
