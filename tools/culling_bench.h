@@ -26,7 +26,8 @@ struct CullingBench {
 // The names of the interface, and beside them `views` [{`azimuth`, `blocks_nonempty`, `visible`}]
 // of the first step and `average` [{`time`, `blocks_nonempty`, `visible`}] over all views, and
 // `ranks`
-// [{`ranks`, `blocks` of each over all steps, `most_to_mean`, `steps`}]. Throws Error.
+// [{`ranks`, `blocks` of each over all steps, `most_to_mean`,
+// `most_to_mean_dealt_once`, `steps`}]. Throws Error.
 nlohmann::json benchCulling(const CullingBench& bench);
 void printCulling(const nlohmann::json& report);
 

@@ -48,6 +48,7 @@ CullingOptions cullingOptions(Culling culling, const FrameOptions& frame,
 Series::Series(Scene& scene, const CullingArguments& culling, const ResourceArguments& resources,
                const FrameOptions& frame)
     : scene_(scene), resources_(resources) {
+  if (scene.share) scene.share->dealEachPicture(scene.volume.source->layout().time_steps > 1);
   if (culling.culling == Culling::kNone) return;
   scene.inTurn([&] {
     functions_.emplace(openFunctions(scene.volume, scene.transfer, culling, resources, scene.pool));

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <functional>
+#include <queue>
+#include <utility>
 
 #include "src/base/error.h"
 #include "src/parallel/hilbert.h"
@@ -36,6 +39,29 @@ Dealing dealBlocks(const BlockLayout& layout, int ranks) {
 int Dealing::rankOf(Vec3i block) const {
   const uint64_t place = hilbertPosition(block / hand, bits) * kGolden;
   return static_cast<int>(((place >> 32) * static_cast<uint64_t>(ranks)) >> 32);
+}
+
+std::vector<int32_t> dealPicture(const Dealing& dealing, const BlockLayout& layout,
+                                 const VisibleBlocks& visible) {
+  std::vector<std::pair<uint64_t, size_t>> order;  // of hands along the curve
+  order.reserve(visible.blocks.size());
+  for (size_t i = 0; i < visible.blocks.size(); ++i)
+    order.emplace_back(
+        hilbertPosition(layout.indexOf(visible.blocks[i].block) / dealing.hand, dealing.bits), i);
+  std::sort(order.begin(), order.end());
+  using Seat = std::pair<int64_t, int32_t>;  // blocks so far, rank
+  std::priority_queue<Seat, std::vector<Seat>, std::greater<>> seats;
+  for (int32_t rank = 0; rank < dealing.ranks; ++rank) seats.emplace(0, rank);
+  std::vector<int32_t> ranks(order.size());
+  for (size_t from = 0; from < order.size();) {
+    Seat seat = seats.top();
+    seats.pop();
+    const uint64_t hand = order[from].first;
+    for (; from < order.size() && order[from].first == hand; ++from, ++seat.first)
+      ranks[order[from].second] = seat.second;
+    seats.push(seat);
+  }
+  return ranks;
 }
 
 DealingLayers::DealingLayers(const Dealing& dealing, const FrameSetup& setup)

@@ -11,7 +11,10 @@
 
 #include <cstdint>
 
+#include <vector>
+
 #include "src/base/vec.h"
+#include "src/classify/blocks/classification.h"
 #include "src/device/frame_values.h"
 #include "src/volume/block_layout.h"
 
@@ -26,6 +29,11 @@ struct Dealing {
 
   int rankOf(Vec3i block) const;
 };
+// The same for one picture: of each of its blocks the rank, by hands along the curve, each to the
+// rank that has the fewest blocks so far. Evener, since few blocks are seen at once, and another
+// one for each picture: for series, of which every picture reads what no other does.
+std::vector<int32_t> dealPicture(const Dealing& dealing, const BlockLayout& layout,
+                                 const VisibleBlocks& visible);
 // Larger hands, of which rays cross fewer, where there are enough of them for every rank.
 Dealing dealBlocks(const BlockLayout& layout, int ranks);
 

@@ -19,6 +19,9 @@ class RankBlocks : public BlockChooser {
   // From now on takes of what this one chooses, which must outlive its use; null: of all that the
   // classification says is visible.
   void chooseFrom(BlockChooser* chooser) { chooser_ = chooser; }
+  // From now on each picture's blocks are dealt for it, see dealPicture(); or all of the volume's
+  // once.
+  void dealEachPicture(bool each) { deals_each_ = each; }
   VisibleBlocksPtr choose(const BlockQuestion& question) override;
 
  private:
@@ -26,6 +29,7 @@ class RankBlocks : public BlockChooser {
   const int rank_;
   ClassifiedBlocks classified_;
   BlockChooser* chooser_ = nullptr;
+  bool deals_each_ = false;
   Memo<Identity<VisibleBlocks>, const VisibleBlocks> memo_;
 };
 

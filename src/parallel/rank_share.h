@@ -29,6 +29,8 @@ class RankShare {
   // The rank's device from its own. Once; it must outlive the share.
   std::unique_ptr<PartDevice> deviceFrom(std::unique_ptr<Device> own);
   PartDevice& device() { return *device_; }
+  // Of a series: see RankBlocks.
+  void dealEachPicture(bool each) { blocks_.dealEachPicture(each); }
   // Who chooses this rank's blocks, of those that `chooser` says, null: the classification.
   BlockChooser* chooserFrom(BlockChooser* chooser);
   // Sets what culling needs so that each rank looks at its tiles.

@@ -77,6 +77,34 @@ TEST(Dealing, partsOfAVolumeAreSharedOutToo) {
   EXPECT_LT(share([](Vec3i b) { return b.x + b.y + b.z < 24; }), 1.25);
 }
 
+TEST(Dealing, aPictureIsDealtEvenlyAndWholeHandsGoToOneRank) {
+  std::mt19937 random(5);
+  for (const int ranks : {1, 2, 7, 32})
+    for (const int64_t side : {60, 250}) {
+      const BlockLayout layout = blockLayout({side, side, side}, 8, 0);
+      const Dealing dealing = dealBlocks(layout, ranks);
+      VisibleBlocks visible;
+      for (int64_t block = 0; block < layout.blockCount(); ++block) {
+        const Vec3i at = layout.indexOf(block);
+        if (at.z != layout.grid.z / 2 && random() % 50 > 0) continue;
+        visible.blocks.emplace_back();
+        visible.blocks.back().block = block;
+      }
+      const std::vector<int32_t> dealt = dealPicture(dealing, layout, visible);
+      ASSERT_EQ(dealt.size(), visible.blocks.size());
+      std::vector<int64_t> counts(static_cast<size_t>(ranks));
+      std::map<int64_t, int32_t> hands;
+      for (size_t i = 0; i < dealt.size(); ++i) {
+        ++counts[static_cast<size_t>(dealt[i])];
+        const Vec3i hand = layout.indexOf(visible.blocks[i].block) / dealing.hand;
+        const auto placed = hands.emplace(hand.x + 1000 * (hand.y + 1000 * hand.z), dealt[i]).first;
+        EXPECT_EQ(placed->second, dealt[i]);
+      }
+      const auto [least, most] = std::minmax_element(counts.begin(), counts.end());
+      EXPECT_LE(*most - *least, dealing.hand * dealing.hand * dealing.hand);
+    }
+}
+
 TEST(Dealing, handsOfALayerShareNoRayAndLaterLayersLieBehind) {
   std::mt19937 random(3);
   VolumeLayout volume;

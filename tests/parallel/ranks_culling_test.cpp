@@ -41,6 +41,7 @@ TEST_F(RanksCulling, findTogetherWhatOneFinds) {
           RankShare share(team, dealBlocks(first.ranges->layout, ranks), pool, UINT64_MAX);
           CullingOptions mine = how;
           share.shareEstimate(mine);
+          share.dealEachPicture(uses_coherence);
           CulledBlocks culled(series.opacity, source->layout(), mine, pool);
           BlockChooser* chooser = share.chooserFrom(&culled);
           for (int64_t time = 0; time < kSteps; ++time) {
@@ -91,6 +92,7 @@ TEST_F(RanksCulling, seriesOfPicturesThatAreReadAhead) {
       RenderScene scene(*part_device, *source, transfer, how);
       CullingOptions mine;
       share.shareEstimate(mine);
+      share.dealEachPicture(true);
       CulledBlocks own_culled(series.opacity, source->layout(), mine, own_pool);
       scene.session().chooseBlocksBy(share.chooserFrom(&own_culled));
       scene.session().setOptions(options);
