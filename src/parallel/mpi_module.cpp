@@ -89,7 +89,9 @@ class MpiRanks : public Communicator {
  private:
   // Not MPI_Waitall(): that takes a core while others draw on it, and hears of no signal.
   static void wait(std::vector<MPI_Request>& requests, const StopToken& stop) {
-    constexpr int kTurnsAtOnce = 200;
+    constexpr int kTurnsAtOnce = 100;
+    constexpr long kFirstPauseNs = 20'000, kLongestPauseNs = 500'000;
+    long pause_ns = kFirstPauseNs;
     for (int turn = 0;; ++turn) {
       int are_done = 0;
       check(MPI_Testall(static_cast<int>(requests.size()), requests.data(), &are_done,
@@ -99,10 +101,11 @@ class MpiRanks : public Communicator {
       stop.throwIfStopped();
       if (turn < kTurnsAtOnce) {
         sched_yield();
-      } else {
-        const timespec pause{0, 50'000};
-        nanosleep(&pause, nullptr);
+        continue;
       }
+      const timespec pause{0, pause_ns};
+      nanosleep(&pause, nullptr);
+      pause_ns = std::min(pause_ns + pause_ns / 8, kLongestPauseNs);
     }
   }
 
