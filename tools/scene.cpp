@@ -88,7 +88,10 @@ void Scene::chooseBlocksBy(BlockChooser* chooser) {
 
 Frame Scene::frame() {
   Frame frame = session->frame();
-  if (share) frame.picture = share->picture();
+  if (!share) return frame;
+  frame.picture = share->picture();
+  const CompositingReport& parts = share->report();
+  frame.report.seconds += parts.exchange_seconds + parts.compose_seconds + parts.gather_seconds;
   return frame;
 }
 

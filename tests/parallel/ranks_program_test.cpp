@@ -61,6 +61,36 @@ TEST(RanksWithoutMpi, saySoInOneLine) {
   EXPECT_EQ(other.output, "");
 }
 
+TEST(BenchRanks, measuresRanksOfThreads) {
+  const Program program;
+  const json report = program.json(
+      "bench ranks synth:shells,dims=48x40x36 --threshold 40 --ranks 1,3 --frames 2 --size 64");
+  ASSERT_EQ(report["rows"].size(), 2U);
+  EXPECT_EQ(report["rows"][1]["ranks"], 3);
+  EXPECT_EQ(report["rows"][0]["speedup"], 1);
+  for (const json& row : report["rows"]) EXPECT_GT(row["frame_seconds"]["median"].get<double>(), 0);
+  EXPECT_GT(report["rows"][1]["sent_bytes"], 0);
+  EXPECT_EQ(program.run("bench ranks synth:shells --ranks 1,0").status, 2);
+}
+
+TEST(BenchCulling, dealsTheVisibleBlocksToRanks) {
+  const Program program;
+  ASSERT_EQ(program.run("synth mixing -o mix_%03d.nrrd --dims 64,64,64 --steps 3 -q").status, 0);
+  const json report = program.json(
+      "bench culling mix_%03d.nrrd --threshold 100 --opacity 1 --block 8 --views 1 --size 64 "
+      "--no-optimum --no-thresholds --no-series");
+  ASSERT_EQ(report["ranks"].size(), 5U);
+  int64_t visible = 0;
+  for (const json& row : report["rows"]) visible += row["visible"]["toc"].get<int64_t>();
+  for (const json& row : report["ranks"]) {
+    int64_t sum = 0;
+    for (const json& blocks : row["blocks"]) sum += blocks.get<int64_t>();
+    EXPECT_EQ(sum, visible);
+    EXPECT_EQ(row["blocks"].size(), row["ranks"].get<size_t>());
+    EXPECT_LE(row["most_to_mean"].get<double>(), 1.25) << row["ranks"];
+  }
+}
+
 class RanksProgram : public testing::TestWithParam<MpiLauncher> {
  protected:
   void SetUp() override {
