@@ -184,6 +184,7 @@ int runSlicing(bool as_json) {
 // "1,2,4".
 std::optional<std::vector<int>> rankCounts(const std::string& word) {
   constexpr int kMostRanks = 64;
+  if (word.ends_with(',')) return std::nullopt;
   std::vector<int> counts;
   std::stringstream rest(word);
   for (std::string part; std::getline(rest, part, ',');) {
