@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
+#include <sstream>
 
 #include "cache/simulate/bench_simulate.h"
 #include "src/base/clock.h"
@@ -15,6 +17,8 @@
 #include "tools/culling_bench.h"
 #include "tools/occlusion_bench.h"
 #include "tools/packing_bench.h"
+#include "tools/ranks.h"
+#include "tools/ranks_bench.h"
 #include "tools/report.h"
 #include "tools/skipping_bench.h"
 #include "tools/threshold_bench.h"
@@ -177,6 +181,26 @@ int runSlicing(bool as_json) {
   return 0;
 }
 
+// "1,2,4".
+std::optional<std::vector<int>> rankCounts(const std::string& word) {
+  constexpr int kMostRanks = 64;
+  if (word.ends_with(',')) return std::nullopt;
+  std::vector<int> counts;
+  std::stringstream rest(word);
+  for (std::string part; std::getline(rest, part, ',');) {
+    const auto count = parseIn<int>(part, {1, kMostRanks});
+    if (!count) return std::nullopt;
+    counts.push_back(*count);
+  }
+  if (counts.empty()) return std::nullopt;
+  return counts;
+}
+
+int runRanks(const RanksBench& bench, const Arguments& arguments, const CLI::App& app) {
+  return onRanks(
+      [&](Team* team) { return show(benchRanks(bench, team), arguments, app, printRanks); });
+}
+
 // Of the benches over any set of volumes.
 void addVolumesOptions(CLI::App& app, Arguments& arguments) {
   addVolumeOptions(app, arguments.volume);
@@ -270,6 +294,24 @@ Command addBench(CLI::App& program) {
                       "Without thresholds of fusion, which make all functions five times");
   culling_output.flag("--no-series", culled->no_series, "Without drawing the series");
   addJsonOption(culling_output, arguments->json);
+  auto shared_out = std::make_shared<RanksBench>();
+  shared_out->frame = arguments->frame;
+  CLI::App* ranks = app->add_subcommand(
+      "ranks",
+      "What sharing a picture out among ranks brings: those of mpirun, or alone ranks of one "
+      "thread each\n\n"
+      "  mpirun -n 2 sluice bench ranks bonsai.nii.gz --threshold 40");
+  addVolumeOptions(*ranks, shared_out->volume);
+  addLookOptions(*ranks, shared_out->look, shared_out->frame);
+  addViewOptions(*ranks, shared_out->frame);
+  addResourceOptions(*ranks, shared_out->resources);
+  const OptionGroup ranks_output(*ranks, kOutputHeading);
+  ranks_output.parsed(
+      "--ranks", "N,...", "numbers from 1 to 64 with commas between", rankCounts,
+      [shared_out](const std::vector<int>& counts) { shared_out->ranks = counts; },
+      "Ranks to measure where no launcher says how many", "1,2");
+  addFramesOption(ranks_output, shared_out->frames, "Frames measured, after 2 warm ones");
+  addJsonOption(ranks_output, arguments->json);
   auto changes = std::make_shared<int>(24);
   CLI::App* threshold = app->add_subcommand(
       "threshold",
@@ -299,6 +341,7 @@ Command addBench(CLI::App& program) {
     if (simulate->parsed()) return runSimulate(arguments->json);
     if (packing->parsed()) return runPacking(*arguments);
     if (culling->parsed()) return show(benchCulling(*culled), *arguments, *culling, printCulling);
+    if (ranks->parsed()) return runRanks(*shared_out, *arguments, *ranks);
     if (threshold->parsed()) return runThreshold(*arguments, *changes, *threshold);
     if (slicing->parsed()) return runSlicing(arguments->json);
     if (skipping->parsed()) {

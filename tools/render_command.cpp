@@ -19,10 +19,12 @@
 #include "tools/interrupt.h"
 #include "tools/pages/report_file.h"
 #include "tools/picture_output.h"
+#include "tools/ranks.h"
 #include "tools/report.h"
 #include "tools/scene.h"
 #include "tools/series.h"
 #include "tools/trace_files.h"
+#include "tools/verification.h"
 
 namespace sluice {
 namespace {
@@ -47,10 +49,6 @@ struct Arguments {
   bool verify = false;
   bool debug_view = false;
   bool json = false;
-};
-
-struct Verification {
-  double max_difference = 0, mean_difference = 0;  // in 1/255
 };
 
 int64_t frameCount(const Arguments& arguments) {
@@ -100,30 +98,6 @@ Outputs outputsOf(const Arguments& arguments) {
   return outputs;
 }
 
-// Against the plain way: every block loaded and drawn whole.
-Verification verify(Scene& scene, FrameOptions options, const Picture& picture) {
-  options.algorithm = Algorithm::kConventional;
-  options.partition = Partition::kBlocks;
-  options.opacity_threshold = 1;
-  options.occlusion = Occlusion::kOff;
-  options.count_samples = false;
-  options.keep_phases = false;
-  scene.session->chooseBlocksBy(nullptr);
-  scene.session->setOptions(options);
-  const Picture plain = scene.session->frame().picture;
-  Verification result;
-  double sum = 0;
-  for (size_t i = 0; i < plain.rgba.size(); ++i) {
-    const double a = std::clamp(plain.rgba[i], 0.0F, 1.0F),
-                 b = std::clamp(picture.rgba[i], 0.0F, 1.0F);
-    const double difference = 255 * std::abs(a - b);
-    result.max_difference = std::max(result.max_difference, difference);
-    sum += difference;
-  }
-  result.mean_difference = sum / static_cast<double>(plain.rgba.size());
-  return result;
-}
-
 void checkOutput(const Arguments& arguments) {
   const auto kind = pictureKind(arguments.output);
   if (!kind) fail("{}: pictures are written as .png or .exr", arguments.output);
@@ -150,9 +124,9 @@ void printHuman(const Scene& scene, const Series& series, const std::vector<Rend
                 const std::filesystem::path& last, const std::optional<Verification>& verified) {
   const FrameReport& report = frames.back().report;
   const VolumeLayout& layout = scene.volume.source->layout();
-  say("{} x {} x {} {}, {}: {} white, {} grey, {} black blocks\n", layout.dims.x, layout.dims.y,
+  say("{} x {} x {} {}, {}: {} white, {} grey, {} black blocks{}\n", layout.dims.x, layout.dims.y,
       layout.dims.z, name(layout.type), scene.transfer.name, report.white, report.grey,
-      report.black);
+      report.black, scene.share ? " of rank 0" : "");
   say("look: {}\n", scene.look.options);
   say("{} frame{} of {:.3f} s on {} ({}), read {}, peak memory {} of its own, {} resident\n",
       frames.size(), frames.size() == 1 ? "" : "s, the last", report.seconds,
@@ -164,6 +138,12 @@ void printHuman(const Scene& scene, const Series& series, const std::vector<Rend
     say("culling: {} of {} blocks visible, estimated in {:.2f} ms from {} of {} pixels\n",
         counts.blocks_visible, counts.blocks_nonempty, 1e3 * counts.estimate_seconds,
         counts.pixels_checked, counts.pixels);
+  }
+  if (scene.share) {
+    const CompositingReport& parts = scene.share->report();
+    say("{} ranks, of whose parts rank 0 sent {} and got {} of the last picture\n",
+        scene.share->team().ranks(), formatBytes(parts.sent_bytes),
+        formatBytes(parts.received_bytes));
   }
   if (report.missing_share > 0)
     say("incomplete: {:.1f} % of what can be seen was not there within --time-limit\n",
@@ -210,10 +190,37 @@ std::vector<Camera> camerasOf(const Arguments& arguments, WorldFrame frame) {
   return cameras;
 }
 
-int run(Arguments& arguments, const CLI::App& app) {
+// Of several ranks rank 0 makes the index that the others read.
+std::unique_ptr<Scene> openScene(const Arguments& arguments, const Outputs& outputs, Team* team) {
+  const auto open = [&] {
+    return std::make_unique<Scene>(arguments.volume, arguments.look, arguments.resources,
+                                   arguments.frame, outputs, team);
+  };
+  if (team == nullptr) return open();
+  std::unique_ptr<Scene> scene;
+  if (team->isFirst()) scene = open();
+  team->wait();
+  if (!team->isFirst()) scene = open();
+  return scene;
+}
+
+// Those of rank 0, which writes them.
+std::vector<int64_t> framesToDraw(const Arguments& arguments, Team* team) {
+  std::vector<int64_t> frames = framesToDraw(arguments);
+  if (team == nullptr) return frames;
+  return nlohmann::json::parse(team->fromFirst(nlohmann::json(frames).dump()))
+      .get<std::vector<int64_t>>();
+}
+
+int run(Arguments& arguments, const CLI::App& app, Team* team) {
   checkOutput(arguments);
+  if (team != nullptr && (arguments.debug_view || !arguments.trace_file.empty()))
+    fail("{} is of one process, not of {} ranks", arguments.debug_view ? "--debug-view" : "--trace",
+         team->ranks());
   const Outputs outputs = outputsOf(arguments);
-  const std::vector<int64_t> to_draw = framesToDraw(arguments);
+  const std::vector<int64_t> to_draw = framesToDraw(arguments, team);
+  const bool is_first = team == nullptr || team->isFirst();
+  if (team != nullptr) shareMachine(*team, arguments.resources);
   if (to_draw.empty()) {
     if (!arguments.resources.quiet) say("all {} pictures are there\n", frameCount(arguments));
     return 0;
@@ -221,9 +228,10 @@ int run(Arguments& arguments, const CLI::App& app) {
   const bool is_series = arguments.times || arguments.culling.culling != Culling::kNone;
   arguments.look.whole_series = is_series;
   checkLastStep(arguments);
-  Scene scene(arguments.volume, arguments.look, arguments.resources, arguments.frame.partition,
-              arguments.frame.mode, outputs);
-  for (const std::string& warning : scene.look.warnings) printWarning(warning);
+  const std::unique_ptr<Scene> opened = openScene(arguments, outputs, team);
+  Scene& scene = *opened;
+  if (is_first)
+    for (const std::string& warning : scene.look.warnings) printWarning(warning);
   std::vector<Camera> cameras = camerasOf(arguments, scene.volume.source->layout().frame);
   fitCameras(cameras, arguments.fit,
              {scene.volume, scene.volume.step(), scene.transfer, arguments.frame,
@@ -267,14 +275,14 @@ int run(Arguments& arguments, const CLI::App& app) {
                                             ? std::optional(timeOf(arguments, to_draw[at + 1]))
                                             : std::nullopt);
     scene.device->reuse(std::move(picture));
-    Frame frame = scene.session->frame();
+    Frame frame = scene.frame();
     if (series.culls()) culling.push_back(countsJson(series.counts()));
     scene.noteMemory();
     picture = std::move(frame.picture);
     blocks = frame.blocks;
     name = frameName(arguments, i);
     const Stopwatch watch;
-    writePicture(name, picture, output, options, scene);
+    if (is_first) writePicture(name, picture, output, options, scene);
     frames.push_back({frame.report, watch.seconds()});
     progress.add(1);
     if (arguments.debug_view)
@@ -295,6 +303,8 @@ int run(Arguments& arguments, const CLI::App& app) {
       report["frames"][i]["time"] = timeOf(arguments, to_draw[i]);
     for (size_t i = 0; i < culling.size(); ++i) report["frames"][i]["culling"] = culling[i];
   }
+  if (scene.share && wants_report) gatherReport(*team, *scene.share, report);
+  if (!is_first) return 0;
   std::optional<Verification> verified;
   if (arguments.verify) {
     verified = verify(scene, options, picture);
@@ -360,7 +370,8 @@ Command addRender(CLI::App& program) {
       .flag("--continue", arguments->resume,
             "Draws only those of several pictures that are not there yet");
   addResourceOptions(*app, arguments->resources);
-  return [arguments, app] { return run(*arguments, *app); };
+  return
+      [arguments, app] { return onRanks([&](Team* team) { return run(*arguments, *app, team); }); };
 }
 
 }  // namespace sluice

@@ -48,22 +48,30 @@ CullingOptions cullingOptions(Culling culling, const FrameOptions& frame,
 Series::Series(Scene& scene, const CullingArguments& culling, const ResourceArguments& resources,
                const FrameOptions& frame)
     : scene_(scene), resources_(resources) {
+  if (scene.share) scene.share->dealEachPicture(scene.volume.source->layout().time_steps > 1);
   if (culling.culling == Culling::kNone) return;
-  functions_.emplace(openFunctions(scene.volume, scene.transfer, culling, resources, scene.pool));
-  culled_.emplace(functions_->opacity(), scene.volume.source->layout(),
-                  cullingOptions(culling.culling, frame, *functions_), scene.pool);
-  scene.session->chooseBlocksBy(&*culled_);
+  scene.inTurn([&] {
+    functions_.emplace(openFunctions(scene.volume, scene.transfer, culling, resources, scene.pool));
+  });
+  CullingOptions options = cullingOptions(culling.culling, frame, *functions_);
+  if (scene.share) scene.share->shareEstimate(options);
+  culled_.emplace(functions_->opacity(), scene.volume.source->layout(), options, scene.pool);
+  scene.chooseBlocksBy(&*culled_);
 }
 
 Series::~Series() {
-  if (culled_) scene_.session->chooseBlocksBy(nullptr);
+  if (culled_) scene_.chooseBlocksBy(nullptr);
 }
 
 TimeStep Series::step(int64_t time) {
   if (next_ && next_->time == time) return *next_;
   ProgressMeter progress;
-  return stepOfSeries(scene_.volume, time,
-                      {scene_.pool, progress, memoryBudget(resources_), interruption()});
+  TimeStep step;
+  scene_.inTurn([&] {
+    step = stepOfSeries(scene_.volume, time,
+                        {scene_.pool, progress, memoryBudget(resources_), interruption()});
+  });
+  return step;
 }
 
 void Series::show(int64_t time, std::optional<int64_t> next) {

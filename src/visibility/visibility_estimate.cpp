@@ -204,7 +204,8 @@ void VisibilityEstimate::makeTiles() {
     if (at.x0 >= at.x1 || at.y0 >= at.y1) continue;
     for (int y = at.y0 / kSide; y <= (at.y1 - 1) / kSide; ++y)
       for (int x = at.x0 / kSide; x <= (at.x1 - 1) / kSide; ++x)
-        tiles_[static_cast<size_t>(y * tiles_x_ + x)].blocks.push_back(block);
+        if ((y * tiles_x_ + x) % options_.tile_stride == options_.first_tile)
+          tiles_[static_cast<size_t>(y * tiles_x_ + x)].blocks.push_back(block);
   }
   for (Tile& tile : tiles_) {
     tile.reached.assign(tile.blocks.size(), false);
@@ -254,7 +255,7 @@ std::vector<size_t> VisibilityEstimate::affectedTiles(int64_t step) const {
     for (int y = at.y0 / kSide; y <= (at.y1 - 1) / kSide; ++y)
       for (int x = at.x0 / kSide; x <= (at.x1 - 1) / kSide; ++x) {
         const auto i = static_cast<size_t>(y * tiles_x_ + x);
-        if (is_affected[i]) continue;
+        if (is_affected[i] || tiles_[i].blocks.empty()) continue;
         const Tile& tile = tiles_[i];
         const auto found =
             std::lower_bound(tile.blocks.begin(), tile.blocks.end(), place.rank,

@@ -52,6 +52,9 @@ struct EstimateOptions {
   std::vector<Box3> shown = {};        // cells that may show; empty: all. One at most
   std::vector<ClipPlane> clip_planes;  // of the picture
   double exponent = 1;                 // of 1 - opacity (equation 4, a basis of one function)
+  // Looks at tiles first_tile, first_tile + tile_stride, ... alone: of several that share the
+  // picture, each says what is reached in its tiles.
+  int tile_stride = 1, first_tile = 0;
 };
 
 class VisibilityEstimate {

@@ -43,9 +43,10 @@ ALLOWED = {
                    'src/device', 'src/index', 'src/texture', 'src/visibility'],
     'src/annotate': ['io/pictures', TRANSFER, 'src/device', 'src/render'],
     'src/slicing': ['src/device', 'src/render'],
+    'src/parallel': ['io/pictures', 'src/volume', BLOCKS, 'src/device', 'src/render'],
     'src/gl': ['src/device', 'src/volume'],
     'src/library': [PUBLIC, 'cache/model', 'cache/policies', 'io', 'io/pictures', 'src/volume', TRANSFER, BLOCKS, 'src/device',
-                    'src/cpu', 'src/gl', 'src/index', 'src/render', 'src/visibility'],
+                    'src/cpu', 'src/gl', 'src/index', 'src/parallel', 'src/render', 'src/visibility'],
     'src/cpu': ['io/pictures', 'src/device', 'src/volume'],
     'tools': None,  # everything
     'tools/command_line': None,
