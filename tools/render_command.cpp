@@ -7,7 +7,6 @@
 
 #include "io/files/numbered_name.h"
 #include "src/annotate/annotate.h"
-#include "src/base/atomic_file.h"
 #include "src/base/bytes.h"
 #include "src/base/clock.h"
 #include "src/base/error.h"
@@ -18,6 +17,7 @@
 #include "tools/commands.h"
 #include "tools/debug_views.h"
 #include "tools/interrupt.h"
+#include "tools/pages/report_file.h"
 #include "tools/picture_output.h"
 #include "tools/ranks.h"
 #include "tools/report.h"
@@ -93,7 +93,7 @@ Outputs outputsOf(const Arguments& arguments) {
   if (arguments.debug_view)
     for (const auto& view : debugViewNames(frameName(arguments, 0)))
       outputs.writes("--debug-view", view, FileKind::kPng);
-  outputs.writes("--report", arguments.report_file, FileKind::kJson);
+  outputs.writes("--report", arguments.report_file, reportKind(arguments.report_file));
   outputs.writes("--trace", arguments.trace_file, FileKind::kTrace);
   return outputs;
 }
@@ -251,6 +251,7 @@ int run(Arguments& arguments, const CLI::App& app, Team* team) {
   std::filesystem::path name;
   std::vector<std::filesystem::path> views;
   Picture picture;
+  VisibleBlocksPtr blocks;
   FrameOptions options = arguments.frame;
   if (app.count("--step") == 0) options.step_vox = chosenStep(scene, cameras.front(), options);
   if (options.mode == Mode::kComposite)
@@ -278,6 +279,7 @@ int run(Arguments& arguments, const CLI::App& app, Team* team) {
     if (series.culls()) culling.push_back(countsJson(series.counts()));
     scene.noteMemory();
     picture = std::move(frame.picture);
+    blocks = frame.blocks;
     name = frameName(arguments, i);
     const Stopwatch watch;
     if (is_first) writePicture(name, picture, output, options, scene);
@@ -310,9 +312,12 @@ int run(Arguments& arguments, const CLI::App& app, Team* team) {
                         {"mean_difference", verified->mean_difference}};
   }
   if (!arguments.report_file.empty()) {
-    AtomicFile file(arguments.report_file);
-    file.write(report.dump(2) + "\n");
-    file.commit();
+    PagePictures pictures;
+    if (isPage(arguments.report_file)) {
+      addPicture(pictures, name, picture);
+      addBlocks(pictures, scene.volume.step().ranges->layout.grid, *blocks);
+    }
+    writeReport(arguments.report_file, report, pictures);
   }
   if (arguments.json) {
     say("{}\n", report.dump(2));
@@ -350,7 +355,7 @@ Command addRender(CLI::App& program) {
   output.text("--trace", "FILE", arguments->trace_file,
               "Records the texture cache's requests: text (.txt), .csv, .oracleGeneral, .din, "
               "otherwise compact binary");
-  output.text("--report", "FILE", arguments->report_file, "What it took, as JSON");
+  addReportOption(output, arguments->report_file);
   output.flag("--debug-view", arguments->debug_view,
               "Also writes what was drawn between updates of the opacity map, the maps, and the "
               "growing boxes of the middle slice");

@@ -17,11 +17,12 @@ TRANSFER, BLOCKS, BOXES = 'src/classify/transfer', 'src/classify/blocks', 'src/c
 ALLOWED = {
     PUBLIC: [],
     'src/base': [],
+    'src/report': [],
     'cache/policies': [],
     'cache/model': ['cache/policies'],
     'cache/trace': ['cache/policies'],
     'cache/simulate': ['cache/policies', 'cache/model', 'cache/trace'],
-    'cache/report': ['cache/policies', 'cache/simulate'],
+    'cache/report': ['cache/policies', 'cache/simulate', 'src/report'],
     'io/files': [],
     'io/headers': ['io/files'],
     'io/slices': ['io/files'],
@@ -49,6 +50,7 @@ ALLOWED = {
     'src/cpu': ['io/pictures', 'src/device', 'src/volume'],
     'tools': None,  # everything
     'tools/command_line': None,
+    'tools/pages': None,
     'tests': None,
 }
 
