@@ -166,7 +166,7 @@ json averageOf(Opened& opened, const CullingBench& bench, const SeriesFunctions&
 json fusionOf(Opened& opened, const CullingBench& bench) {
   json rows = json::array();
   for (const double difference : kDifferences) {
-    SeriesOptions options = seriesOptions(bench.culling);
+    SeriesOptions options = seriesOptions(bench.culling, opened.volume);
     options.difference = difference;
     options.anew = true;
     ProgressMeter progress;

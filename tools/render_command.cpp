@@ -215,7 +215,14 @@ int run(Arguments& arguments, const CLI::App& app) {
   const Outputs outputs = outputsOf(arguments);
   const std::vector<int64_t> to_draw = framesToDraw(arguments);
   if (to_draw.empty()) {
-    if (!arguments.resources.quiet) say("all {} pictures are there\n", frameCount(arguments));
+    if (arguments.json)
+      say("{}\n", nlohmann::json{{"command", "render"},
+                                 {"options", optionsJson(app)},
+                                 {"output", arguments.output},
+                                 {"frames", nlohmann::json::array()}}
+                      .dump(2));
+    else if (!arguments.resources.quiet)
+      say("all {} pictures are there\n", frameCount(arguments));
     return 0;
   }
   const bool is_series = arguments.times || arguments.culling.culling != Culling::kNone;

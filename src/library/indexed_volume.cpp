@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "io/files/file_list.h"
 #include "src/base/error.h"
 #include "src/library/resources.h"
 #include "src/volume/byte_order_hint.h"
@@ -58,10 +59,16 @@ IndexNeeds needsOf(const LookArguments& look, Mode mode) {
 std::unique_ptr<VolumeSource> openSource(const VolumeArguments& arguments) {
   auto source = openVolume(arguments.inputs, arguments.open);
   const int64_t steps = source->layout().time_steps;
-  if (arguments.time < 0 || arguments.time >= steps)
-    fail("{}: --time {}: the volume has {} time step{}, counted from 0", arguments.inputs.front(),
-         arguments.time, steps, steps == 1 ? "" : "s");
-  return source;
+  if (arguments.time >= 0 && arguments.time < steps) return source;
+  std::string missing;
+  if (arguments.time >= steps && steps > 1) {
+    const std::vector<std::string> files = source->files();
+    if (static_cast<int64_t>(files.size()) == steps)
+      if (const auto file = fileAfter({files.begin(), files.end()}, arguments.time + 1 - steps))
+        missing = fmt::format("; {} is missing", file->string());
+  }
+  fail("{}: --time {}: the volume has {} time step{}, counted from 0{}", arguments.inputs.front(),
+       arguments.time, steps, steps == 1 ? "" : "s", missing);
 }
 
 IndexedVolume indexVolume(std::unique_ptr<VolumeSource> source, const VolumeArguments& arguments,

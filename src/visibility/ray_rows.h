@@ -1,5 +1,5 @@
-// RayRows: how far the rays of a row of pixels run inside a box, and what they accumulate there:
-// the inner loops of the visibility estimate, in a form that compilers turn into vector code.
+// RayRows: where the samples of a row of rays lie in a box, and what they accumulate there: the
+// inner loops of the visibility estimate, in a form that compilers turn into vector code.
 //
 // The thickness mask of Gao 2004, section 4: for a parallel view that of boxes of one size is the
 // same but for its place. So that it need not be rounded to whole pixels, it is not kept but
@@ -9,52 +9,73 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
 
 #include "src/base/vec.h"
 #include "src/device/frame_values.h"
 
 namespace sluice {
 
-// What arithmetic in floats may add to a thickness.
-inline constexpr float kThicknessDoubt = 0.02F;
+// How far from a box's face, in slices, a sample may be taken for one on the face's other side:
+// such a sample counts as reaching both boxes, and hides in neither.
+inline constexpr double kSliceDoubt = 2e-3;
 
 // The rays of a tile of at most `kSide` x `kSide` pixels.
 class TileRays {
  public:
   static constexpr int kSide = 16;
-  using Row = std::array<float, kSide>;
 
   void set(const RayGrid& rays, bool parallel, double first_slice, int x, int y);
 
-  // Of a box, for rows that are asked next: Requires: set().
+  // Of a box, for rows that are asked next. Requires: set().
   struct BoxPlanes {
-    std::array<float, 3> entry, exit, gx, gy;  // parallel: slices at the tile's pixel (0, 0)
-    std::array<float, 3> lo, hi;               // perspective: faces
+    std::array<double, 3> entry, exit, gx, gy;  // parallel: slices at the tile's pixel (0, 0)
+    std::array<double, 3> lo, hi;               // perspective: faces
   };
   BoxPlanes planesOf(Vec3d lo, Vec3d hi) const;
-  // Thickness of pixels [x0, x1) of a row, within kThicknessDoubt; below 0 where a ray passes by.
-  void thickness(const BoxPlanes& box, int y, int x0, int x1, float* out) const;
+
+  // Of each pixel of a row.
+  using Slices = std::array<double, kSide>;
+  using Samples = std::array<int32_t, kSide>;
+  // Where rays enter the box and where they leave it: the exit is first where a ray passes by.
+  // Fills [x0, x1).
+  void stretches(const BoxPlanes& box, int y, int x0, int x1, Slices& entry, Slices& exit) const;
+
+  // Positions of the row's samples in steps of `scale` cells from `lo`: sample k of pixel x is at
+  // at[a][x] + (k - first[x]) step[a][x].
+  struct Positions {
+    std::array<std::array<float, kSide>, 3> at, step;
+  };
+  void positions(Vec3d lo, double scale, int y, int x0, int x1, const Samples& first,
+                 Positions& out) const;
 
  private:
   bool parallel_ = true;
-  float first_ = 0;
+  double first_ = 0;
   Vec3d origin_, dx_, dy_;  // at the centre of the tile's pixel (0, 0)
-  Vec3d slices_;            // a voxel along each axis there
+  Vec3d step_, step_dx_, step_dy_;
+  Vec3d slices_;  // a voxel along each axis there
   // Perspective: of each pixel.
-  std::array<std::array<float, kSide * kSide>, 3> at_{}, slices_a_voxel_{};
+  std::array<std::array<double, kSide * kSide>, 3> slices_a_voxel_{};
 };
 
-// What rays have accumulated: extinction times slices; and of the stretch that they are in, the
-// extinction `level` that has lost its slice for the rise to it already, and the one above it,
-// `rising`, that has been there for `since` slices, fewer than one, and has added nothing yet.
-struct RaySums {
-  float* sum;
-  float* level;
-  float* rising;
-  float* since;
+// The samples of a stretch: first, and how many. `doubt` slices at both ends are left out; below 0:
+// added.
+void samplesOf(const TileRays::Slices& entry, const TileRays::Slices& exit, int x0, int x1,
+               double doubt, TileRays::Samples& first, TileRays::Samples& count);
+
+// The extinctions of a block's parts and their cubes (part_detail.h), x fastest.
+struct PartValues {
+  const uint32_t* cubes;         // of each part: PartLevels::cubes
+  const float* extinction;       // of each part: of its levels
+  std::array<int32_t, 3> count;  // of parts
 };
 
-// A stretch of `thickness` slices of extinction `k`: see visibility_estimate.h. `count` pixels.
-void addStretch(const float* thickness, int count, float k, const RaySums& rays);
+// What the samples add up to of each pixel in [x0, x1), one by one from the first, as long as it is
+// less than `room` there: into `added`, and how many were taken into `taken`. The values do not
+// depend on the machine.
+void addSamples(const PartValues& parts, const TileRays::Positions& positions, int x0, int x1,
+                const TileRays::Samples& count, const float* room, float* added,
+                TileRays::Samples& taken);
 
 }  // namespace sluice
