@@ -10,6 +10,7 @@ namespace sluice {
 namespace {
 
 constexpr int kSide = VisibilityEstimate::kTileSide;
+constexpr size_t kTilePixels = static_cast<size_t>(kSide) * kSide;
 static_assert(kSide == TileRays::kSide);
 
 // How far from a block a sample may be, in voxels, that a device's arithmetic puts into it.
@@ -55,24 +56,19 @@ class VisibilityEstimate::TileWork {
     const Place& place = of_.places_[block];
     const bool whole = of_.options_.form != OpacityForm::kOpof;
     if (function.empty() || (whole && !place.whole)) return;
-    is_set_ = false;
     setPixels(place.footprint);
+    is_set_ = false;
+    batch_.reset();
     for (int y = y0_; y < y1_; ++y) {
       if (!is_open_[static_cast<size_t>(y)]) continue;
-      float* sum = sum_.data() + y * kSide;
-      float* along = kept != nullptr ? kept->along.data() + y * kSide : nullptr;
-      if (!findKnown(along, sum)) {
-        if (!is_set_) setBlock(block, function);
-        addRow(place, y);
-        if (along != nullptr) keep(sum, along, kept->end.data() + y * kSide);
-      }
-      if (along != nullptr)
-        for (int x = x0_; x < x1_; ++x) added_[static_cast<size_t>(x)] = std::abs(along[x]);
-      float least = of_.limit_;
-      for (int x = x0_; x < x1_; ++x) sum[x] += added_[static_cast<size_t>(x)];
-      for (int x = 0; x < width_; ++x) least = std::min(least, sum[x]);
-      is_open_[static_cast<size_t>(y)] = least < of_.limit_;
+      const size_t row = static_cast<size_t>(y) * kSide;
+      if (findKnown(kept, row)) continue;
+      if (!is_set_) setBlock(block, function);
+      addRow(place, y);
     }
+    if (batch_) batch_->finish();
+    for (int y = y0_; y < y1_; ++y)
+      if (is_open_[static_cast<size_t>(y)]) sumRow(kept, y);
   }
 
   bool isOpaque() const {
@@ -118,27 +114,40 @@ class VisibilityEstimate::TileWork {
 
   // Finds the rays of the row of which what was added is enough: all of it, or so much that the ray
   // is opaque. Whether that is all of them.
-  bool findKnown(const float* along, const float* sum) {
-    is_known_.fill(0);
-    if (along == nullptr) return false;
-    int32_t unknown = 0;
-    for (int x = x0_; x < x1_; ++x) {
-      const bool known = !std::signbit(along[x]) | (sum[x] - along[x] >= of_.limit_);
-      is_known_[static_cast<size_t>(x)] = known ? 1 : 0;
-      unknown += known ? 0 : 1;
+  bool findKnown(const Added* kept, size_t row) {
+    bool all = true;
+    for (size_t i = row + first_x(); i < row + end_x(); ++i) {
+      const float along = kept != nullptr ? kept->along[i] : -0.0F;
+      is_known_[i] = !std::signbit(along) | (sum_[i] - along >= of_.limit_);
+      added_[i] = std::abs(along);
+      by_table_[i] = 0;
+      all &= is_known_[i];
     }
-    return unknown == 0;
+    return all;
   }
-  // A ray that became opaque may not have been followed to its end.
-  void keep(const float* sum, float* along, float* end) const {
-    for (auto x = static_cast<size_t>(x0_); x < static_cast<size_t>(x1_); ++x) {
-      if (is_known_[x] != 0) continue;
-      const bool is_cut = has_parts_ && taken_[x] < count_[x];
-      along[x] = is_cut || sum[x] + added_[x] >= of_.limit_ ? -added_[x] : added_[x];
-      end[x] = is_cut ? static_cast<float>(first_[x] + taken_[x])
-                      : std::numeric_limits<float>::infinity();
+
+  // Adds what the row's rays have got, and keeps it. A ray that became opaque may not have been
+  // followed to its end.
+  void sumRow(Added* kept, int y) {
+    const size_t row = static_cast<size_t>(y) * kSide;
+    for (size_t i = row + first_x(); i < row + end_x(); ++i) {
+      added_[i] = std::max(added_[i], by_table_[i]);
+      if (kept != nullptr && !is_known_[i]) {
+        const bool is_cut = has_parts_ && taken_[i] < counts_[i];
+        kept->along[i] = is_cut || sum_[i] + added_[i] >= of_.limit_ ? -added_[i] : added_[i];
+        kept->end[i] = is_cut ? static_cast<float>(firsts_[i] + taken_[i])
+                              : std::numeric_limits<float>::infinity();
+      }
+      sum_[i] += added_[i];
     }
+    float least = of_.limit_;
+    for (size_t i = row; i < row + static_cast<size_t>(width_); ++i)
+      least = std::min(least, sum_[i]);
+    is_open_[static_cast<size_t>(y)] = least < of_.limit_;
   }
+
+  size_t first_x() const { return static_cast<size_t>(x0_); }
+  size_t end_x() const { return static_cast<size_t>(x1_); }
 
   void setBlock(uint32_t block, const OpacityFunction& function) {
     const Place& place = of_.places_[block];
@@ -146,7 +155,11 @@ class VisibilityEstimate::TileWork {
     floor_ = of_.extinction_[function.floor];
     ratio_ = place.whole ? of_.ratioOf(function, place) : 0;
     has_parts_ = !whole_ && (!function.parts.empty() || !place.whole);
-    if (has_parts_) setParts(block, function);
+    if (has_parts_) {
+      setParts(block, function);
+      batch_.emplace(PartValues{cubes_.data(), levels_.data(), part_count_}, added_.data(),
+                     taken_.data());
+    }
     const Box3 cells = series().cellsOf(block);
     lo_ = toDouble(cells.lo);
     planes_ = rays_.planesOf(lo_, toDouble(cells.hi));
@@ -155,33 +168,32 @@ class VisibilityEstimate::TileWork {
   }
 
   void addRow(const Place& place, int y) {
+    const size_t row = static_cast<size_t>(y) * kSide;
     rays_.stretches(planes_, y, x0_, x1_, entry_, exit_);
-    added_.fill(0);
+    if (whole_) {
+      addWhole(place, row);
+      return;
+    }
+    samplesOf(entry_, exit_, x0_, x1_, kSliceDoubt, first_, count_);
     if (has_parts_)
-      addParts(lo_, y);
-    else if (!whole_)
-      addUniform(floor_);
-    if (whole_)
-      addWhole(place, floor_, ratio_);
-    else if (ratio_ > floor_)
-      takeGreater(place, floor_, ratio_);
+      addParts(y);
+    else
+      for (size_t x = first_x(); x < end_x(); ++x)
+        if (!is_known_[row + x]) added_[row + x] = floor_ * static_cast<float>(count_[x]);
+    if (ratio_ > floor_) noteTable(place, row);
   }
 
-  void addParts(Vec3d lo, int y) {
-    samplesOf(entry_, exit_, x0_, x1_, kSliceDoubt, first_, count_);
-    rays_.positions(lo, 1 / cube_cells_, y, x0_, x1_, first_, positions_);
-    const float* sum = sum_.data() + y * kSide;
-    for (int x = x0_; x < x1_; ++x)
-      room_[static_cast<size_t>(x)] =
-          is_known_[static_cast<size_t>(x)] != 0 ? 0 : of_.limit_ - sum[x];
-    addSamples({cubes_.data(), levels_.data(), part_count_}, positions_, x0_, x1_, count_,
-               room_.data(), added_.data(), taken_);
-  }
-
-  void addUniform(float floor) {
-    samplesOf(entry_, exit_, x0_, x1_, kSliceDoubt, first_, count_);
-    for (auto x = static_cast<size_t>(x0_); x < static_cast<size_t>(x1_); ++x)
-      added_[x] = floor * static_cast<float>(count_[x]);
+  void addParts(int y) {
+    rays_.positions(lo_, 1 / cube_cells_, y, x0_, x1_, first_, positions_);
+    for (size_t x = first_x(), i = static_cast<size_t>(y) * kSide + x; x < end_x(); ++x, ++i) {
+      if (is_known_[i]) continue;
+      added_[i] = 0;
+      taken_[i] = 0;
+      firsts_[i] = first_[x];
+      counts_[i] = count_[x];
+      const float room = of_.limit_ - sum_[i];
+      if (room > 0 && count_[x] > 0) batch_->add(positions_, x, count_[x], room, i);
+    }
   }
 
   float thickness(size_t x) const { return static_cast<float>(exit_[x] - entry_[x] - kSliceDoubt); }
@@ -191,12 +203,13 @@ class VisibilityEstimate::TileWork {
     return floor * (d - 1) + (ratio - floor) * d;
   }
 
-  // For rays that cross enough of the block, what its table says where that is more than what its
+  // For rays that cross enough of the block, what its table says, which may be more than what its
   // parts do.
-  void takeGreater(const Place& place, float floor, float ratio) {
-    for (auto x = static_cast<size_t>(x0_); x < static_cast<size_t>(x1_); ++x) {
+  void noteTable(const Place& place, size_t row) {
+    for (size_t x = first_x(); x < end_x(); ++x) {
       const float d = thickness(x);
-      if (d >= place.least_slices) added_[x] = std::max(added_[x], byTable(floor, ratio, d));
+      if (d >= place.least_slices && !is_known_[row + x])
+        by_table_[row + x] = byTable(floor_, ratio_, d);
     }
   }
 
@@ -206,15 +219,17 @@ class VisibilityEstimate::TileWork {
     most_ = std::max(place.least_slices, slicesOf(length(toDouble(cells.size()))));
     at_most_ = -std::expm1(-byTable(floor, ratio, most_));
   }
-  void addWhole(const Place& place, float floor, float ratio) {
-    if (!(ratio > 0) || !place.has_ratio) return;
-    const float pof = std::max(byTable(floor, ratio, place.least_slices), 0.0F);
-    for (auto x = static_cast<size_t>(x0_); x < static_cast<size_t>(x1_); ++x) {
+  void addWhole(const Place& place, size_t row) {
+    const float pof = std::max(byTable(floor_, ratio_, place.least_slices), 0.0F);
+    for (size_t x = first_x(); x < end_x(); ++x) {
+      if (is_known_[row + x]) continue;
+      added_[row + x] = 0;
       const float d = thickness(x);
-      if (d < place.least_slices) continue;
-      added_[x] = pof;
+      if (!(ratio_ > 0) || !place.has_ratio || d < place.least_slices) continue;
+      added_[row + x] = pof;
       if (of_.options_.form == OpacityForm::kLinearOpof)
-        added_[x] = std::max(pof, -std::log1p(-at_most_ * std::max(d - 1, 0.0F) / (most_ - 1)));
+        added_[row + x] =
+            std::max(pof, -std::log1p(-at_most_ * std::max(d - 1, 0.0F) / (most_ - 1)));
     }
   }
 
@@ -240,7 +255,7 @@ class VisibilityEstimate::TileWork {
   const int width_, height_;
   TileRays rays_;
   int x0_ = 0, y0_ = 0, x1_ = 0, y1_ = 0;  // pixels of the tile that a block may cover
-  std::array<float, static_cast<size_t>(kSide) * kSide> sum_{};
+  TilePixels sum_{};
   std::array<bool, static_cast<size_t>(kSide)> is_open_{};  // rows with a ray that is not opaque
   // Of the block that is added.
   bool is_set_ = false, whole_ = false, has_parts_ = false;
@@ -252,11 +267,14 @@ class VisibilityEstimate::TileWork {
   std::array<int32_t, 3> part_count_{};
   double cube_cells_ = 1;
   float most_ = 0, at_most_ = 0;
+  std::optional<SampleBatch> batch_;
+  TilePixels added_{}, by_table_{};
+  std::array<bool, kTilePixels> is_known_{};
+  std::array<int32_t, kTilePixels> firsts_{}, counts_{}, taken_{};  // samples
   // Of the row.
   TileRays::Slices entry_{}, exit_{};
-  TileRays::Samples first_{}, count_{}, taken_{}, is_known_{};
+  TileRays::Samples first_{}, count_{};
   TileRays::Positions positions_{};
-  std::array<float, static_cast<size_t>(kSide)> room_{}, added_{};
 };
 
 float VisibilityEstimate::ratioOf(const OpacityFunction& function, const Place& place) const {

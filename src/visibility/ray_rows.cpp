@@ -26,11 +26,7 @@ int32_t ceilOf(double v) {
 
 static_assert(kDetail == 4);
 
-// All lanes of a row at once. Those of the pixels that are not asked have no samples.
-struct Lanes {
-  alignas(64) std::array<float, kSide> x{}, y{}, z{}, dx{}, dy{}, dz{}, room{}, sum{};
-  alignas(64) std::array<int32_t, kSide> count{}, taken{};
-};
+using Lanes = SampleBatch::Lanes;
 
 [[gnu::always_inline]] inline void march(const PartValues& parts, int32_t most, Lanes& lanes) {
   const float* __restrict values = parts.extinction;
@@ -188,23 +184,18 @@ void samplesOf(const TileRays::Slices& entry, const TileRays::Slices& exit, int 
   }
 }
 
-void addSamples(const PartValues& parts, const TileRays::Positions& positions, int x0, int x1,
-                const TileRays::Samples& count, const float* room, float* added,
-                TileRays::Samples& taken) {
+void SampleBatch::finish() {
   static const March kMarch = bestMarch();
-  Lanes lanes;
-  int32_t most = 0;
-  for (auto x = static_cast<size_t>(x0); x < static_cast<size_t>(x1); ++x) {
-    lanes.x[x] = positions.at[0][x], lanes.dx[x] = positions.step[0][x];
-    lanes.y[x] = positions.at[1][x], lanes.dy[x] = positions.step[1][x];
-    lanes.z[x] = positions.at[2][x], lanes.dz[x] = positions.step[2][x];
-    lanes.room[x] = room[x];
-    lanes.count[x] = count[x];
-    most = std::max(most, count[x]);
+  if (rays_ == 0) return;
+  kMarch(parts_, *std::max_element(lanes_.count.begin(), lanes_.count.end()), lanes_);
+  for (size_t i = 0; i < rays_; ++i) {
+    added_[pixels_[i]] = lanes_.sum[i];
+    taken_[pixels_[i]] = lanes_.taken[i];
   }
-  kMarch(parts, most, lanes);
-  std::copy(lanes.sum.begin() + x0, lanes.sum.begin() + x1, added + x0);
-  std::copy(lanes.taken.begin() + x0, lanes.taken.begin() + x1, taken.begin() + x0);
+  lanes_.sum.fill(0);
+  lanes_.taken.fill(0);
+  lanes_.count.fill(0);
+  rays_ = 0;
 }
 
 }  // namespace sluice

@@ -71,11 +71,42 @@ struct PartValues {
   std::array<int32_t, 3> count;  // of parts
 };
 
-// What the samples add up to of each pixel in [x0, x1), one by one from the first, as long as it is
-// less than `room` there: into `added`, and how many were taken into `taken`. The values do not
-// depend on the machine.
-void addSamples(const PartValues& parts, const TileRays::Positions& positions, int x0, int x1,
-                const TileRays::Samples& count, const float* room, float* added,
-                TileRays::Samples& taken);
+// Rays of some of a tile's pixels, followed through the parts of a block, sixteen at a time: what
+// their samples add up to, one by one from the first, as long as it is less than `room`, and how
+// many were taken. Those that need not be followed cost nothing. The values do not depend on the
+// machine.
+class SampleBatch {
+ public:
+  // Results go to `added` and `taken` at a ray's pixel, by finish() at the latest.
+  SampleBatch(const PartValues& parts, float* added, int32_t* taken)
+      : parts_(parts), added_(added), taken_(taken) {}
+  // The ray of pixel x of a row, with `count` samples.
+  void add(const TileRays::Positions& positions, size_t x, int32_t count, float room,
+           size_t pixel) {
+    const size_t i = rays_++;
+    lanes_.x[i] = positions.at[0][x], lanes_.dx[i] = positions.step[0][x];
+    lanes_.y[i] = positions.at[1][x], lanes_.dy[i] = positions.step[1][x];
+    lanes_.z[i] = positions.at[2][x], lanes_.dz[i] = positions.step[2][x];
+    lanes_.room[i] = room;
+    lanes_.count[i] = count;
+    pixels_[i] = pixel;
+    if (rays_ == TileRays::kSide) finish();
+  }
+  void finish();
+
+  struct Lanes {
+    using Floats = std::array<float, TileRays::kSide>;
+    alignas(64) Floats x{}, y{}, z{}, dx{}, dy{}, dz{}, room{}, sum{};
+    alignas(64) TileRays::Samples count{}, taken{};
+  };
+
+ private:
+  const PartValues parts_;
+  float* const added_;
+  int32_t* const taken_;
+  size_t rays_ = 0;
+  std::array<size_t, TileRays::kSide> pixels_{};
+  Lanes lanes_;
+};
 
 }  // namespace sluice
