@@ -142,6 +142,12 @@ void checkOptions(const std::string& input, Format format, const OpenOptions& op
   }
 }
 
+DecodeOptions decodeOptionsOf(const OpenOptions& options) {
+  DecodeOptions decode = options.decode;
+  decode.stop = options.stop;
+  return decode;
+}
+
 RawOptions rawOptions(const OpenOptions& options) {
   return {.dims = options.dims,
           .time_steps = options.time_steps,
@@ -149,7 +155,7 @@ RawOptions rawOptions(const OpenOptions& options) {
           .byte_order = options.byte_order,
           .skip_bytes = options.skip_bytes,
           .spacing = options.spacing,
-          .decode = options.decode};
+          .decode = decodeOptionsOf(options)};
 }
 
 SliceOptions sliceOptions(const OpenOptions& options) {
@@ -185,11 +191,11 @@ std::unique_ptr<VolumeSource> openOne(const std::string& input, const OpenOption
   checkOptions(input, format, options);
   switch (format) {
     case Format::kNrrd:
-      return respaced(openNrrd(path, options.decode), options);
+      return respaced(openNrrd(path, decodeOptionsOf(options)), options);
     case Format::kMetaImage:
-      return respaced(openMetaImage(path, options.decode), options);
+      return respaced(openMetaImage(path, decodeOptionsOf(options)), options);
     case Format::kNifti:
-      return respaced(openNifti(path, options.decode), options);
+      return respaced(openNifti(path, decodeOptionsOf(options)), options);
     case Format::kVdb:
       return respaced(openVdb(path, options.grid), options);
     case Format::kPicture:

@@ -33,7 +33,8 @@ struct OpenOptions {
   // Zarr: decoded chunks kept at most, see zarr_source.h. Not something that a user says of a
   // volume, hence without effect on the others.
   uint64_t chunk_cache_bytes = uint64_t{32} << 20;
-  // Compressed volumes of one stream; without effect on the others either.
+  // Compressed volumes of one stream; without effect on the others either. Its stop token is set to
+  // the one below.
   DecodeOptions decode = {};
   // Ends what opening and reading take long for, by Interrupted.
   StopToken stop = {};

@@ -48,7 +48,7 @@ struct Measured {
 
 Measured measure(Session& session, FrameOptions options, Algorithm algorithm, int frames) {
   options.algorithm = algorithm;
-  options.leaps = false;
+  options.skips = false;
   session.setOptions(options);
   std::vector<double> seconds;
   Measured result;

@@ -5,7 +5,6 @@
 
 #include "src/gl/gl_choice.h"
 #include "tools/command_line/progress_line.h"
-#include "tools/interrupt.h"
 
 namespace sluice {
 namespace {
@@ -38,7 +37,6 @@ DecodeOptions decodeOptions() {
   DecodeOptions options;
   if (const char* const chosen = std::getenv("TMPDIR")) options.folder = chosen;
   options.watch = [](const std::string& file) { return progressLine("decoding " + file); };
-  options.stop = interruption();
   return options;
 }
 

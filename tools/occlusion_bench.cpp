@@ -24,13 +24,15 @@ struct Way {
   Algorithm algorithm;
   Partition partition;
   Occlusion occlusion;
+  bool skips;
 };
-constexpr std::array<Way, 5> kWays = {
-    {{"basic", Algorithm::kConventional, Partition::kBlocks, Occlusion::kOff},
-     {"ess", Algorithm::kMerged, Partition::kBoxes, Occlusion::kOff},
-     {"ess_m", Algorithm::kMerged, Partition::kBoxes, Occlusion::kMap},
-     {"ess_c", Algorithm::kMerged, Partition::kBoxes, Occlusion::kCull},
-     {"ess_cc", Algorithm::kMerged, Partition::kBoxes, Occlusion::kClip}}};
+constexpr std::array<Way, 6> kWays = {
+    {{"basic", Algorithm::kConventional, Partition::kBlocks, Occlusion::kOff, false},
+     {"ess", Algorithm::kMerged, Partition::kBoxes, Occlusion::kOff, false},
+     {"ess_m", Algorithm::kMerged, Partition::kBoxes, Occlusion::kMap, false},
+     {"ess_c", Algorithm::kMerged, Partition::kBoxes, Occlusion::kCull, false},
+     {"ess_cc", Algorithm::kMerged, Partition::kBoxes, Occlusion::kClip, false},
+     {"own", Algorithm::kMerged, Partition::kBlocks, Occlusion::kOff, true}}};
 
 struct Measured {
   double fps = 0;
@@ -39,7 +41,7 @@ struct Measured {
 
 Measured measure(Session& session, FrameOptions options, const Way& way, int frames) {
   options.algorithm = way.algorithm;
-  options.leaps = false;
+  options.skips = way.skips;
   options.partition = way.partition;
   options.occlusion = way.occlusion;
   session.setOptions(options);
@@ -55,7 +57,7 @@ Measured measure(Session& session, FrameOptions options, const Way& way, int fra
 
 json updatesOf(Session& session, FrameOptions options, double turn, int frames) {
   options.partition = Partition::kBoxes;
-  options.leaps = false;
+  options.skips = false;
   options.camera.azimuth_deg += turn;
   options.occlusion = Occlusion::kClip;
   session.setOptions(options);
@@ -125,8 +127,8 @@ json benchOcclusion(const VolumesBench& bench, int adapt_frames) {
 }
 
 void printOcclusion(const json& report) {
-  say("{:<28} {:>7} {:>7} {:>7} {:>7} {:>7}   {:>6} {:>6} {:>6} {:>7}   {:>5} {:>5} {:>6} {:>6}\n",
-      "volume", "basic", "ESS", "ESS+CC", "ESS+M", "ESS+C", "culled", "clip", "stop", "skipped",
+  say("{:<28} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7}   {:>6} {:>6} {:>6} {:>7}   {:>5} {:>5} {:>6} {:>6}\n",
+      "volume", "basic", "ESS", "ESS+CC", "ESS+M", "ESS+C", "own", "culled", "clip", "stop", "skipped",
       "ESS", "CC", "ESS+CC", "map %");
   const auto printParts = [](const json& row) {
     const auto number = [&row](const char* at) {
@@ -139,11 +141,12 @@ void printOcclusion(const json& report) {
   };
   for (const json& row : report["rows"]) {
     const auto fps = [&row](const char* way) { return row["fps"][way].get<double>(); };
-    say("{:<28} {:>7.2f} {:>7.2f} {:>7.2f} {:>7.2f} {:>7.2f}", row["volume"].get<std::string>(),
-        fps("basic"), fps("ess"), fps("ess_cc"), fps("ess_m"), fps("ess_c"));
+    say("{:<28} {:>7.2f} {:>7.2f} {:>7.2f} {:>7.2f} {:>7.2f} {:>7.2f}",
+        row["volume"].get<std::string>(), fps("basic"), fps("ess"), fps("ess_cc"), fps("ess_m"),
+        fps("ess_c"), fps("own"));
     printParts(row);
   }
-  say("{:<68}", "mean");
+  say("{:<76}", "mean");
   printParts(report["mean"]);
 }
 

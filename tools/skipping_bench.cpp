@@ -38,7 +38,7 @@ nlohmann::json rowOf(const VolumesBench& bench, const std::string& word) {
     for (size_t way = 0; way < kWays.size(); ++way) {
       FrameOptions options = bench.frame;
       options.algorithm = kWays[way].algorithm;
-      options.leaps = false;
+      options.skips = false;
       options.partition = kWays[way].partition;
       options.shades_every_sample = kWays[way].shades_every_sample;
       options.count_samples = i + 1 == bench.frames;

@@ -66,7 +66,7 @@ void CpuDevice::beginFrame(const FrameSetup& setup, const StopToken& stop) {
   stop_ = stop;
   taken_ = 0;
   tables_.emplace(setup_);
-  leaps_ = setup_.leaps && setup_.mode == Mode::kComposite;
+  leaps_ = setup_.skips && setup_.mode == Mode::kComposite;
   if (ShownValues shown; leaps_ && (shown = ShownValues(setup_.look_up)) != shown_) {
     shown_ = std::move(shown);
     ++shown_number_;

@@ -86,7 +86,7 @@ struct FrameSetup {
   bool with_depth = false;           // composite only: the picture gets a depth channel
   bool counts_taken = false;         // composite only, not with depth: takenSamples() can be asked
   bool shades_every_sample = false;  // reads, lights and blends what shows nothing too
-  bool leaps = false;                // may leave out samples that show nothing
+  bool skips = false;                // may leave out samples that show nothing, or lie behind opaque
   bool lit = false;                  // composite only: chunks carry a ghost layer around each block
   Lighting lighting;
   // Camera-space direction (right, up, toward the viewer) of one device value more a voxel along

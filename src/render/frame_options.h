@@ -53,9 +53,10 @@ struct FrameOptions {
   // Reads, lights and blends every sample of what is drawn, also those that show nothing, as
   // renderers without empty space skipping do (Li's Basic): what skipping is measured against.
   bool shades_every_sample = false;
-  // Rays may leap over cells inside a box that show nothing, where the device can: the picture is
-  // the same. Off where a bench measures what skipping without it brings.
-  bool leaps = true;
+  // Rays may leap over cells inside a box that show nothing and end where nothing behind could be
+  // seen, where the device can: the picture is the same. Off where a bench measures what the papers'
+  // ways of skipping bring without it.
+  bool skips = true;
   // Ends the frame, see Session::frame().
   StopToken stop = {};
   // Told how many clusters of how many are drawn: before the first, and after each. By the thread

@@ -129,7 +129,7 @@ FrameSetup frameSetup(const View& view, const VolumeLayout& layout, const Opacit
   setup.opacity_threshold = rayThreshold(options);
   setup.with_depth = options.with_depth;
   setup.shades_every_sample = options.shades_every_sample;
-  setup.leaps = options.leaps && !options.shades_every_sample;
+  setup.skips = options.skips && !options.shades_every_sample;
   setup.lighting = options.lighting;
   for (size_t a = 0; a < 3; ++a) {
     const Vec3d gradient = layout.axes[a] / layout.spacing[static_cast<int>(a)];

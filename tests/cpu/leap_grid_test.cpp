@@ -134,7 +134,7 @@ struct Drawn {
 };
 Drawn draw(SimdTarget target, FrameSetup setup, bool leaps) {
   TestCpuDevice device(target);
-  setup.leaps = leaps;
+  setup.skips = leaps;
   setup.counts_taken = true;
   device.makeResident(1, texelsOf(setup.type));
   std::vector<BoxDraw> boxes;
