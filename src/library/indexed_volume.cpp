@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "io/files/file_list.h"
 #include "src/base/error.h"
 #include "src/library/resources.h"
 #include "src/volume/byte_order_hint.h"
@@ -60,15 +59,10 @@ std::unique_ptr<VolumeSource> openSource(const VolumeArguments& arguments) {
   auto source = openVolume(arguments.inputs, arguments.open);
   const int64_t steps = source->layout().time_steps;
   if (arguments.time >= 0 && arguments.time < steps) return source;
-  std::string missing;
-  if (arguments.time >= steps && steps > 1) {
-    const std::vector<std::string> files = source->files();
-    if (static_cast<int64_t>(files.size()) == steps)
-      if (const auto file = fileAfter({files.begin(), files.end()}, arguments.time + 1 - steps))
-        missing = fmt::format("; {} is missing", file->string());
-  }
+  const std::optional<std::string> missing = missingStep(*source, arguments.time);
   fail("{}: --time {}: the volume has {} time step{}, counted from 0{}", arguments.inputs.front(),
-       arguments.time, steps, steps == 1 ? "" : "s", missing);
+       arguments.time, steps, steps == 1 ? "" : "s",
+       missing ? "; " + *missing + " is missing" : "");
 }
 
 IndexedVolume indexVolume(std::unique_ptr<VolumeSource> source, const VolumeArguments& arguments,
