@@ -202,11 +202,19 @@ json ranksOf(Opened& opened, const CullingBench& bench, const SeriesFunctions& f
   return rows;
 }
 
+// As if each representative block had a function of its own, also one that others have.
+uint64_t unsharedBytes(const SeriesOpacity& series) {
+  uint64_t sum = 0;
+  for (const CoherentSpan& span : series.spans)
+    sum += sizeof(span) + series.functions[static_cast<size_t>(span.function)].bytes();
+  return sum;
+}
+
 // Table 1.
 json fusionOf(Opened& opened, const CullingBench& bench) {
   json rows = json::array();
   for (const double difference : kDifferences) {
-    SeriesOptions options = seriesOptions(bench.culling);
+    SeriesOptions options = seriesOptions(bench.culling, opened.volume);
     options.difference = difference;
     options.anew = true;
     ProgressMeter progress;
@@ -225,6 +233,8 @@ json fusionOf(Opened& opened, const CullingBench& bench) {
                     {"read_seconds", pass.read_seconds},
                     {"fusion_seconds", pass.fusion_seconds},
                     {"bytes", functions.bytes},
+                    {"bytes_unshared", unsharedBytes(functions.kept->opacity)},
+                    {"spans", functions.kept->opacity.spans.size()},
                     {"coherent_share", pass.coherentShare()},
                     {"visible_blocks", visible}});
   }
@@ -314,12 +324,14 @@ void printCulling(const json& report) {
         row["most_to_mean_dealt_once"].get<double>());
   }
   if (report.contains("fusion")) {
-    say("\n{:>10} {:>9} {:>9} {:>12} {:>9} {:>9}\n", "difference", "made s", "fused s", "bytes",
-        "coherent", "visible");
+    say("\n{:>10} {:>9} {:>9} {:>9} {:>10} {:>10} {:>9} {:>9}\n", "difference", "made s", "fused s",
+        "spans", "bytes", "unshared", "coherent", "visible");
     for (const json& row : report["fusion"])
-      say("{:>10g} {:>9.3f} {:>9.3f} {:>12} {:>9.4f} {:>9}\n", row["difference"].get<double>(),
-          row["precompute_seconds"].get<double>(), row["fusion_seconds"].get<double>(),
-          formatBytes(row["bytes"].get<uint64_t>()), row["coherent_share"].get<double>(),
+      say("{:>10g} {:>9.3f} {:>9.3f} {:>9} {:>10} {:>10} {:>9.4f} {:>9}\n",
+          row["difference"].get<double>(), row["precompute_seconds"].get<double>(),
+          row["fusion_seconds"].get<double>(), row["spans"].get<int64_t>(),
+          formatBytes(row["bytes"].get<uint64_t>()),
+          formatBytes(row["bytes_unshared"].get<uint64_t>()), row["coherent_share"].get<double>(),
           row["visible_blocks"].get<int64_t>());
   }
   if (!report.contains("series_seconds")) return;

@@ -127,9 +127,10 @@ json benchOcclusion(const VolumesBench& bench, int adapt_frames) {
 }
 
 void printOcclusion(const json& report) {
-  say("{:<28} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7}   {:>6} {:>6} {:>6} {:>7}   {:>5} {:>5} {:>6} {:>6}\n",
-      "volume", "basic", "ESS", "ESS+CC", "ESS+M", "ESS+C", "own", "culled", "clip", "stop", "skipped",
-      "ESS", "CC", "ESS+CC", "map %");
+  say("{:<28} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7}   {:>6} {:>6} {:>6} {:>7}   {:>5} {:>5} {:>6} "
+      "{:>6}\n",
+      "volume", "basic", "ESS", "ESS+CC", "ESS+M", "ESS+C", "own", "culled", "clip", "stop",
+      "skipped", "ESS", "CC", "ESS+CC", "map %");
   const auto printParts = [](const json& row) {
     const auto number = [&row](const char* at) {
       return row[json::json_pointer(at)].get<double>();

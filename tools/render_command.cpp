@@ -222,7 +222,14 @@ int run(Arguments& arguments, const CLI::App& app, Team* team) {
   const bool is_first = team == nullptr || team->isFirst();
   if (team != nullptr) shareMachine(*team, arguments.resources);
   if (to_draw.empty()) {
-    if (!arguments.resources.quiet) say("all {} pictures are there\n", frameCount(arguments));
+    if (arguments.json)
+      say("{}\n", nlohmann::json{{"command", "render"},
+                                 {"options", optionsJson(app)},
+                                 {"output", arguments.output},
+                                 {"frames", nlohmann::json::array()}}
+                      .dump(2));
+    else if (!arguments.resources.quiet)
+      say("all {} pictures are there\n", frameCount(arguments));
     return 0;
   }
   const bool is_series = arguments.times || arguments.culling.culling != Culling::kNone;

@@ -1,7 +1,10 @@
 #include "tools/series.h"
 
+#include <sstream>
 #include <utility>
 
+#include "src/base/error.h"
+#include "src/classify/transfer/transfer_file.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/progress_line.h"
 #include "tools/interrupt.h"
@@ -15,11 +18,18 @@ ProgressWatch preparingLine(const ResourceArguments& resources) {
 
 }  // namespace
 
-SeriesOptions seriesOptions(const CullingArguments& culling) {
+SeriesOptions seriesOptions(const CullingArguments& culling, const IndexedVolume& volume) {
+  if (culling.part % kDetail != 0)
+    fail("--part {}: a part has {} cubes a side; give a multiple of {}", culling.part, kDetail,
+         kDetail);
   SeriesOptions options;
   options.difference = culling.difference;
   options.part_cells = culling.part;
+  options.detail_bits = culling.detail;
   options.direction_rows = culling.directions;
+  std::istringstream files(culling.basis);
+  for (std::string file; std::getline(files, file, ',');)
+    options.basis.push_back(readTransferFunction(file, volume.valueRange(), {}, interruption()));
   return options;
 }
 
@@ -28,7 +38,7 @@ SeriesFunctions openFunctions(const IndexedVolume& volume, const TransferFunctio
                               WorkerPool& pool) {
   ProgressMeter progress(preparingLine(resources));
   SeriesFunctions functions =
-      seriesFunctions(volume, transfer, seriesOptions(culling),
+      seriesFunctions(volume, transfer, seriesOptions(culling, volume),
                       {pool, progress, memoryBudget(resources), interruption()});
   if (!resources.quiet && !functions.note.empty()) printWarning(functions.note);
   return functions;

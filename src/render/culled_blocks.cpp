@@ -51,6 +51,7 @@ VisibleBlocksPtr CulledBlocks::choose(const BlockQuestion& question) {
         options_.form, options_.opacity_threshold, {question.crop}, {}, options_.exponent};
     estimate.tile_stride = options_.tile_stride;
     estimate.first_tile = options_.first_tile;
+    if (!options_.uses_coherence || series_->steps == 1) estimate.most_kept_bytes = 0;
     estimate.clip_planes = viewSetup(question.view, layout_, options_.clip_planes).clip_planes;
     estimate_.emplace(series_, estimateView(question.view, layout_), estimate);
   }

@@ -54,8 +54,8 @@ struct FrameOptions {
   // renderers without empty space skipping do (Li's Basic): what skipping is measured against.
   bool shades_every_sample = false;
   // Rays may leap over cells inside a box that show nothing and end where nothing behind could be
-  // seen, where the device can: the picture is the same. Off where a bench measures what the papers'
-  // ways of skipping bring without it.
+  // seen, where the device can: the picture is the same. Off where a bench measures what the
+  // papers' ways of skipping bring without it.
   bool skips = true;
   // Ends the frame, see Session::frame().
   StopToken stop = {};
