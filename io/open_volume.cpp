@@ -280,4 +280,13 @@ std::unique_ptr<VolumeSource> openVolume(const std::vector<std::string>& inputs,
   return withNote(openSeveral(files, options), note);
 }
 
+std::optional<std::string> missingStep(VolumeSource& source, int64_t time) {
+  const int64_t steps = source.layout().time_steps;
+  if (steps < 2 || time < steps) return std::nullopt;
+  const std::vector<std::string> files = source.files();
+  if (static_cast<int64_t>(files.size()) != steps) return std::nullopt;
+  const auto file = fileAfter({files.begin(), files.end()}, time + 1 - steps);
+  return file ? std::optional(file->string()) : std::nullopt;
+}
+
 }  // namespace sluice

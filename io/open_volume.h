@@ -53,4 +53,8 @@ std::unique_ptr<VolumeSource> openVolume(const std::string& input, const OpenOpt
 std::unique_ptr<VolumeSource> openVolume(const std::vector<std::string>& inputs,
                                          const OpenOptions& options = {});
 
+// The file that would be time step `time` of a series of a file a step, if it went on that far.
+// nullopt: no such series, or the step is there. Throws Error of a step that cannot be opened.
+std::optional<std::string> missingStep(VolumeSource& source, int64_t time);
+
 }  // namespace sluice

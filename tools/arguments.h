@@ -25,7 +25,9 @@ struct CullingArguments {
   Culling culling = Culling::kNone;
   double difference = 0.001;  // of blocks that are fused
   int directions = 4;         // rows of the table of directions over 90 degrees
-  int64_t part = 4;           // cells a side of a block's parts
+  int64_t part = 4;           // cells a side of a block's parts, a multiple of 4
+  int detail = 2;             // bits of a part's 64 cubes at the most
+  std::string basis;          // files of transfer functions with commas between; empty: none
 };
 
 struct ResourceArguments : MachineOptions {

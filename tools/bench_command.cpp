@@ -1,21 +1,26 @@
 // sluice bench: speeds of this machine and of the renderer, as medians.
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <functional>
 #include <memory>
+#include <optional>
+#include <sstream>
 
 #include "cache/simulate/bench_simulate.h"
-#include "src/base/clock.h"
-#include "src/render/sampling_limit.h"
 #include "src/slicing/slicing_cost.h"
 #include "tools/algorithms_bench.h"
+#include "tools/bench_report.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/shared_options.h"
 #include "tools/commands.h"
 #include "tools/culling_bench.h"
 #include "tools/environment.h"
+#include "tools/frame_bench.h"
 #include "tools/occlusion_bench.h"
 #include "tools/packing_bench.h"
+#include "tools/pages/report_file.h"
+#include "tools/ranks.h"
+#include "tools/ranks_bench.h"
 #include "tools/report.h"
 #include "tools/skipping_bench.h"
 #include "tools/threshold_bench.h"
@@ -25,329 +30,333 @@
 namespace sluice {
 namespace {
 
-struct Arguments {
-  VolumeArguments volume;
-  LookArguments look;
-  FrameOptions frame;
-  ResourceArguments resources;
-  int frames = 9;
-  bool json = false;
+using nlohmann::json;
+
+// Puts a bench's report where it was asked for; its result is the exit status.
+using Print = void (*)(const json&);
+using Show = std::function<int(json report, Print print)>;
+
+// A subcommand of bench, and what it does.
+struct Bench {
+  CLI::App* app;
+  std::function<int(const Show&)> run;
 };
-constexpr int kWarmFrames = 2;
+
 // What every bench draws: comparable over versions, and with other renderers.
 constexpr const char* kPlainPicture =
     "Unless told otherwise pictures are plain: --view plain at azimuth 30 and elevation 20, fitted "
     "to the volume's sphere, unlit, a step of 1, and without --threshold a ramp from a fifth of "
     "the value range on.\n\n";
 
-int runLimit(const Arguments& arguments) {
-  Workers pool(arguments.resources.threads);
-  const auto device = makeDevice(arguments.resources.device, pool);
-  const double rate = samplingLimit(*device, arguments.frame.size, arguments.frames);
-  if (arguments.json) {
-    const nlohmann::json report{{"samples_per_second", rate},
-                                {"device", nameOf(*device)},
-                                {"backend", device->backend()},
-                                {"renderer", device->renderer()}};
-    say("{}\n", report.dump(2));
-  } else {
-    say("{:.1f} million samples a second ({}, {})\n", rate / 1e6, device->backend(),
-        device->renderer());
-  }
-  return 0;
+VolumesBench volumesBench(const FrameBench& bench) {
+  return {bench.volume.inputs, bench.look,        bench.frame, bench.resources,
+          bench.volume.open,   bench.volume.time, bench.frames};
 }
 
-int runRender(const Arguments& arguments, const CLI::App& app) {
-  Scene scene(arguments.volume, arguments.look, arguments.resources, arguments.frame.partition);
-  FrameOptions options = arguments.frame;
-  const auto turnTo = [&](int frame) {
-    options.camera.azimuth_deg =
-        arguments.frame.camera.azimuth_deg + 360.0 * std::max(0, frame) / arguments.frames;
-    scene.session->setOptions(options);
-  };
-  std::vector<double> seconds;
-  // Of all threads: other work on the machine makes it longer by little.
-  double processor_seconds = 0;
-  for (int i = -kWarmFrames; i < arguments.frames; ++i) {
-    turnTo(i);
-    const double before = processorSeconds();
-    const double frame_seconds = scene.session->frameReport().seconds;
-    if (i < 0) continue;
-    processor_seconds += (processorSeconds() - before) / arguments.frames;
-    seconds.push_back(frame_seconds);
-  }
-  // Counting takes time: the same frames again.
-  double drawn = 0, taken = 0, object = 0;
-  RenderedFrame last;
-  options.count_samples = options.counts_leaps = true;
-  for (int i = 0; i < arguments.frames; ++i) {
-    turnTo(i);
-    last.report = scene.session->frameReport();
-    drawn += static_cast<double>(last.report.samples_drawn) / arguments.frames;
-    taken += static_cast<double>(last.report.samples_taken) / arguments.frames;
-    object += static_cast<double>(last.report.samples_object) / arguments.frames;
-  }
-  // In the same process and moment, since machines drift.
-  const double limit = samplingLimit(*scene.device, options.size, arguments.frames);
-  const auto [least, most] = std::minmax_element(seconds.begin(), seconds.end());
-  const double middle = median(seconds);
-  // Cells outside the object boxes are drawn in vain; inside them only what was taken counts.
-  const double share = std::min(taken, object) / middle / limit;
-  if (arguments.json) {
-    nlohmann::json report = sceneJson(scene, {last});
-    report.update({{"command", "bench render"},
-                   {"options", optionsJson(app)},
-                   {"frame_seconds", {{"median", middle}, {"min", *least}, {"max", *most}}},
-                   {"frame_processor_seconds", processor_seconds},
-                   {"samples_drawn", drawn},
-                   {"samples_taken", taken},
-                   {"samples_object", object},
-                   {"limit_samples_per_second", limit},
-                   {"share_of_limit", share}});
-    say("{}\n", report.dump(2));
-  } else {
-    say("frame {:.4f} s (least {:.4f}, most {:.4f}), warm, {} frames of a turn\n", middle, *least,
-        *most, arguments.frames);
-    say("{:.4f} s of the processor's time a frame, all threads\n", processor_seconds);
-    say("{:.2f} million samples drawn, {:.2f} million taken, {:.2f} million inside object boxes\n",
-        drawn / 1e6, taken / 1e6, object / 1e6);
-    say("{:.2f} of this machine's {:.1f} million samples a second\n", share, limit / 1e6);
-  }
-  return 0;
-}
-
-VolumesBench volumesBench(const Arguments& arguments) {
-  return {arguments.volume.inputs, arguments.look,        arguments.frame, arguments.resources,
-          arguments.volume.open,   arguments.volume.time, arguments.frames};
-}
-
-// As JSON, with what was asked, or for people.
-int show(nlohmann::json report, const Arguments& arguments, const CLI::App& app,
-         void (*print)(const nlohmann::json&)) {
-  if (arguments.json) {
-    report.update({{"command", "bench " + app.get_name()}, {"options", optionsJson(app)}});
-    say("{}\n", report.dump(2));
-  } else {
-    print(report);
-  }
-  return 0;
-}
-
-int runThreshold(const Arguments& arguments, int changes, const CLI::App& app) {
-  return show(benchThreshold({arguments.volume, arguments.look, arguments.frame,
-                              arguments.resources, changes}),
-              arguments, app, printThreshold);
-}
-
-int runPacking(const Arguments& arguments) {
-  const nlohmann::json report = benchPacking(arguments.volume, arguments.resources);
-  if (arguments.json) {
-    say("{}\n", report.dump(2));
-  } else {
-    printPacking(report);
-  }
-  return 0;
-}
-
-int runView(const Arguments& arguments, int events, const CLI::App& app) {
-  const bool has_step = app.count("--step") > 0;
-  const ViewState state =
-      viewState(arguments.volume, arguments.look, arguments.frame, std::nullopt, has_step);
-  const IndexWish wish = indexWish(arguments.resources.index_dir);
-  ViewBench bench;
-  if (!wish.disabled) bench.drawing.index_folder = wish.folder.string();
-  bench.volume = viewedVolume(arguments.volume, arguments.resources, bench.drawing.index_folder);
-  bench.drawing.renderer = rendererOptions(arguments.resources);
-  bench.drawing.look = state.look;
-  bench.drawing.view = state.view;
-  bench.drawing.step_vox = state.step_vox;
-  bench.width = arguments.frame.size.width;
-  bench.height = arguments.frame.size.height;
-  bench.threshold = arguments.look.threshold.value_or(0);
-  bench.events = events;
-  return show(benchView(bench), arguments, app, printView);
-}
-
-int runSimulate(bool as_json) {
+json simulatorReport() {
   const SimulateBenchResult result = benchSimulate({});
-  if (as_json) {
-    const nlohmann::json report{
-        {"requests_per_second", {{"lru", result.lru}, {"curve", result.curve}}}};
-    say("{}\n", report.dump(2));
-  } else {
-    say("LRU {:.1f}, exact curve {:.1f} million page requests a second on one core\n",
-        result.lru / 1e6, result.curve / 1e6);
-  }
-  return 0;
+  return {{"requests_per_second", {{"lru", result.lru}, {"curve", result.curve}}}};
 }
 
-int runSlicing(bool as_json) {
+void printSimulator(const json& report) {
+  const json& rates = report["requests_per_second"];
+  say("LRU {:.1f}, exact curve {:.1f} million page requests a second on one core\n",
+      rates["lru"].get<double>() / 1e6, rates["curve"].get<double>() / 1e6);
+}
+
+json slicingReport() {
   constexpr int kViews = 9;
   constexpr uint64_t kSeed = 1;
   const SlicingCost cost = slicingCost(kViews, kSeed);
-  if (as_json) {
-    const nlohmann::json report{{"command", "bench slicing"},
-                                {"slices", cost.slices},
-                                {"plain_ns", cost.plain_ns},
-                                {"incremental_ns", cost.incremental_ns},
-                                {"ratio", cost.ratio()}};
-    say("{}\n", report.dump(2));
-  } else {
-    say("{:.1f} ns a slice incrementally, {:.1f} ns from scratch: {:.2f} of it; {} slices a view\n",
-        cost.incremental_ns, cost.plain_ns, cost.ratio(), cost.slices);
-  }
-  return 0;
+  return {{"slices", cost.slices},
+          {"plain_ns", cost.plain_ns},
+          {"incremental_ns", cost.incremental_ns},
+          {"ratio", cost.ratio()}};
 }
 
-// Of the benches over any set of volumes.
-void addVolumesOptions(CLI::App& app, Arguments& arguments) {
+void printSlicing(const json& report) {
+  say("{:.1f} ns a slice incrementally, {:.1f} ns from scratch: {:.2f} of it; {} slices a view\n",
+      report["incremental_ns"].get<double>(), report["plain_ns"].get<double>(),
+      report["ratio"].get<double>(), report["slices"].get<int64_t>());
+}
+
+// "1,2,4".
+std::optional<std::vector<int>> rankCounts(const std::string& word) {
+  constexpr int kMostRanks = 64;
+  if (word.ends_with(',')) return std::nullopt;
+  std::vector<int> counts;
+  std::stringstream rest(word);
+  for (std::string part; std::getline(rest, part, ',');) {
+    const auto count = parseIn<int>(part, {1, kMostRanks});
+    if (!count) return std::nullopt;
+    counts.push_back(*count);
+  }
+  if (counts.empty()) return std::nullopt;
+  return counts;
+}
+
+// What is drawn, of every bench that draws.
+template <class Arguments>
+void addPictures(CLI::App& app, Arguments& arguments) {
   addVolumeOptions(app, arguments.volume);
   addLookOptions(app, arguments.look, arguments.frame);
   addViewOptions(app, arguments.frame);
   addResourceOptions(app, arguments.resources);
-  const OptionGroup output(app, kOutputHeading);
-  addFramesOption(output, arguments.frames, "Frames measured of each way, after 2 warm ones");
-  addJsonOption(output, arguments.json);
 }
 
-}  // namespace
+// A bench over any set of volumes, frame by frame.
+void addFrames(CLI::App& app, FrameBench& bench, const char* which) {
+  addPictures(app, bench);
+  addFramesOption(OptionGroup(app, kOutputHeading), bench.frames, which);
+}
 
-Command addBench(CLI::App& program) {
-  auto arguments = std::make_shared<Arguments>();
-  arguments->frame.camera.azimuth_deg = 30;
-  arguments->frame.camera.elevation_deg = 20;
-  CLI::App* app =
-      program.add_subcommand("bench", std::string("Measures speeds\n\n") + kPlainPicture +
-                                          "  sluice bench render bonsai.nii.gz --threshold 40");
-  app->require_subcommand(1);
+constexpr const char* kFramesOfEachWay = "Frames measured of each way, after 2 warm ones";
+constexpr const char* kFrames = "Frames measured, after 2 warm ones";
 
-  CLI::App* limit = app->add_subcommand(
+Bench addLimit(CLI::App& app) {
+  auto bench = std::make_shared<FrameBench>();
+  CLI::App* limit = app.add_subcommand(
       "limit", "This machine's sampling rate: full-screen slices of one resident texture");
-  const OptionGroup limit_machine(*limit, kMachineHeading);
-  addThreadsOption(limit_machine, arguments->resources.threads);
-  addDeviceOptions(limit_machine, arguments->resources.device);
-  CLI::App* render = app->add_subcommand(
+  const OptionGroup machine(*limit, kMachineHeading);
+  addThreadsOption(machine, bench->resources.threads);
+  addDeviceOptions(machine, bench->resources.device);
+  addFramesOption(OptionGroup(*limit, kOutputHeading), bench->frames, kFrames);
+  return {limit, [bench](const Show& show) { return show(benchLimit(*bench), printLimit); }};
+}
+
+Bench addRender(CLI::App& app, const FrameOptions& plain) {
+  auto bench = std::make_shared<FrameBench>();
+  bench->frame = plain;
+  CLI::App* render = app.add_subcommand(
       "render",
       std::string("The median frame of a turn, warm, and its share of the sampling rate\n\n") +
           kPlainPicture + "  sluice bench render bonsai.nii.gz --threshold 40");
-  addVolumeOptions(*render, arguments->volume);
-  addLookOptions(*render, arguments->look, arguments->frame);
-  addViewOptions(*render, arguments->frame);
-  addResourceOptions(*render, arguments->resources);
-  CLI::App* simulate =
-      app->add_subcommand("simulate", "The simulator's page requests a second, on one core");
-  addJsonOption(OptionGroup(*simulate, kOutputHeading), arguments->json);
-  CLI::App* slicing = app->add_subcommand(
-      "slicing",
-      "Cutting boxes by a view's slices, incrementally against from scratch, on one core");
-  addJsonOption(OptionGroup(*slicing, kOutputHeading), arguments->json);
-  // The paper's machine and picture, unless told otherwise.
-  auto paper = std::make_shared<Arguments>(*arguments);
-  paper->resources.page_vox = {32, 64, 2};
-  paper->resources.pages = 256;
-  paper->frame.size = {400, 400};
-  CLI::App* algorithms = app->add_subcommand(
+  addFrames(*render, *bench, kFrames);
+  return {render, [bench](const Show& show) { return show(benchFrames(*bench), printFrames); }};
+}
+
+// The paper's machine and picture, unless told otherwise.
+Bench addAlgorithms(CLI::App& app, const FrameOptions& plain) {
+  auto bench = std::make_shared<FrameBench>();
+  bench->frame = plain;
+  bench->resources.page_vox = {32, 64, 2};
+  bench->resources.pages = 256;
+  bench->frame.size = {400, 400};
+  CLI::App* algorithms = app.add_subcommand(
       "algorithms", std::string("Tong's Table 1: I conventional, II clipped, III trimmed, IV "
                                 "merged\n\n") +
                         kPlainPicture +
                         "  sluice bench algorithms bonsai.nii.gz@40 engine.nii.gz@80");
-  addVolumesOptions(*algorithms, *paper);
-  auto lit = std::make_shared<Arguments>(*arguments);
-  lit->frame.step_vox = 0.5;
-  lit->look.shade = lit->look.modulate = true;
+  addFrames(*algorithms, *bench, kFramesOfEachWay);
+  return {algorithms, [bench](const Show& show) {
+            return show(benchAlgorithms(volumesBench(*bench)), printAlgorithms);
+          }};
+}
+
+// Lit, modulated by the gradient, half a voxel between slices, as Li's.
+std::shared_ptr<FrameBench> litBench(const FrameOptions& plain) {
+  auto bench = std::make_shared<FrameBench>();
+  bench->frame = plain;
+  bench->frame.step_vox = 0.5;
+  bench->look.shade = bench->look.modulate = true;
+  return bench;
+}
+
+Bench addSkipping(CLI::App& app, const FrameOptions& plain) {
+  const auto bench = litBench(plain);
   CLI::App* skipping =
-      app->add_subcommand("skipping",
-                          "Li's Table 1: every block whole against the visible growing boxes, lit "
-                          "and modulated by the gradient, half a voxel between slices\n\n"
-                          "  sluice bench skipping bonsai.nii.gz@40 engine.nii.gz@80");
-  addVolumesOptions(*skipping, *lit);
-  auto surface = std::make_shared<Arguments>(*lit);
+      app.add_subcommand("skipping",
+                         "Li's Table 1: every block whole against the visible growing boxes, lit "
+                         "and modulated by the gradient, half a voxel between slices\n\n"
+                         "  sluice bench skipping bonsai.nii.gz@40 engine.nii.gz@80");
+  addFrames(*skipping, *bench, kFramesOfEachWay);
+  return {skipping, [bench](const Show& show) {
+            return show(benchSkipping(volumesBench(*bench)), printSkipping);
+          }};
+}
+
+Bench addOcclusion(CLI::App& app, const FrameOptions& plain) {
+  const auto bench = litBench(plain);
   auto adapt_frames = std::make_shared<int>(0);
   CLI::App* occlusion =
-      app->add_subcommand("occlusion",
-                          "Li's Table 2: growing boxes without and with occlusion culling and "
-                          "clipping, surface-like\n\n"
-                          "  sluice bench occlusion bonsai.nii.gz@40 engine.nii.gz@80");
-  addVolumesOptions(*occlusion, *surface);
+      app.add_subcommand("occlusion",
+                         "Li's Table 2: growing boxes without and with occlusion culling and "
+                         "clipping, surface-like\n\n"
+                         "  sluice bench occlusion bonsai.nii.gz@40 engine.nii.gz@80");
+  addFrames(*occlusion, *bench, kFramesOfEachWay);
   OptionGroup(*occlusion, kOutputHeading)
       .number("--adapt-frames", "N", *adapt_frames, {0, 100'000},
               "Frames of each of four views whose numbers of map updates are listed (Figure 6)");
-  auto culled = std::make_shared<CullingBench>();
-  culled->frame = arguments->frame;
-  CLI::App* culling = app->add_subcommand(
+  return {occlusion, [=](const Show& show) {
+            return show(benchOcclusion(volumesBench(*bench), *adapt_frames), printOcclusion);
+          }};
+}
+
+Bench addCulling(CLI::App& app, const FrameOptions& plain) {
+  auto bench = std::make_shared<CullingBench>();
+  bench->frame = plain;
+  CLI::App* culling = app.add_subcommand(
       "culling",
       "Gao's figures and table for a series: blocks with culling and without, the optimum, what "
       "changes from step to step, thresholds of fusion, and the time of the series\n\n"
       "  sluice bench culling 'step_%03d.raw' --threshold 40");
-  addVolumeOptions(*culling, culled->volume);
-  addLookOptions(*culling, culled->look, culled->frame);
-  addViewOptions(*culling, culled->frame);
-  addCullingOptions(*culling, culled->culling, false);
-  addResourceOptions(*culling, culled->resources);
-  const OptionGroup culling_output(*culling, kOutputHeading);
-  culling_output.number("--views", "N", culled->views, {1, 360}, "Views of a turn");
-  culling_output.flag("--no-optimum", culled->no_optimum,
-                      "Without the limit that early ray termination sets, which reads every step");
-  culling_output.flag("--no-thresholds", culled->no_thresholds,
-                      "Without thresholds of fusion, which make all functions five times");
-  culling_output.flag("--no-series", culled->no_series, "Without drawing the series");
-  addJsonOption(culling_output, arguments->json);
-  auto changes = std::make_shared<int>(24);
-  CLI::App* threshold = app->add_subcommand(
+  addPictures(*culling, *bench);
+  addCullingOptions(*culling, bench->culling, false);
+  const OptionGroup output(*culling, kOutputHeading);
+  output.number("--views", "N", bench->views, {1, 360}, "Views of a turn");
+  output.flag("--no-optimum", bench->no_optimum,
+              "Without the limit that early ray termination sets, which reads every step");
+  output.flag("--no-thresholds", bench->no_thresholds,
+              "Without thresholds of fusion, which make all functions five times");
+  output.flag("--no-series", bench->no_series, "Without drawing the series");
+  return {culling, [bench](const Show& show) { return show(benchCulling(*bench), printCulling); }};
+}
+
+Bench addRanks(CLI::App& app, const FrameOptions& plain) {
+  auto bench = std::make_shared<RanksBench>();
+  bench->frame = plain;
+  CLI::App* ranks = app.add_subcommand(
+      "ranks",
+      "What sharing a picture out among ranks brings: those of mpirun, or alone ranks of one "
+      "thread each\n\n"
+      "  mpirun -n 2 sluice bench ranks bonsai.nii.gz --threshold 40");
+  addPictures(*ranks, *bench);
+  const OptionGroup output(*ranks, kOutputHeading);
+  output.parsed(
+      "--ranks", "N,...", "numbers from 1 to 64 with commas between", rankCounts,
+      [bench](const std::vector<int>& counts) { bench->ranks = counts; },
+      "Ranks to measure where no launcher says how many", "1,2");
+  addFramesOption(output, bench->frames, kFrames);
+  return {ranks, [bench](const Show& show) {
+            return onRanks([&](Team* team) { return show(benchRanks(*bench, team), printRanks); });
+          }};
+}
+
+Bench addThreshold(CLI::App& app, const FrameOptions& plain) {
+  auto bench = std::make_shared<ThresholdBench>();
+  bench->frame = plain;
+  bench->changes = 24;
+  CLI::App* threshold = app.add_subcommand(
       "threshold",
       std::string(
           "From a changed threshold to the finished picture: small and large steps, a "
           "random walk and a band; in memory, out of core and cold; and a full rebuild\n\n") +
           kPlainPicture + "  sluice bench threshold bonsai.nii.gz --threshold 40");
-  addVolumeOptions(*threshold, arguments->volume);
-  addLookOptions(*threshold, arguments->look, arguments->frame);
-  addViewOptions(*threshold, arguments->frame);
-  addResourceOptions(*threshold, arguments->resources);
-  const OptionGroup threshold_output(*threshold, kOutputHeading);
-  threshold_output.number("--changes", "N", *changes, {1, 100'000}, "Changes of each kind");
-  addJsonOption(threshold_output, arguments->json);
-  auto view_events = std::make_shared<int>(120);
-  CLI::App* view = app->add_subcommand(
+  addPictures(*threshold, *bench);
+  OptionGroup(*threshold, kOutputHeading)
+      .number("--changes", "N", bench->changes, {1, 100'000}, "Changes of each kind");
+  return {threshold,
+          [bench](const Show& show) { return show(benchThreshold(*bench), printThreshold); }};
+}
+
+Bench addWindow(CLI::App& app) {
+  auto bench = std::make_shared<FrameBench>();
+  auto events = std::make_shared<int>(120);
+  CLI::App* view = app.add_subcommand(
       "view",
       std::string("A window's threshold drag without a window: from an event to its picture, and "
                   "whether the loop ever waits\n\n") +
           kPlainPicture + "  sluice bench view bonsai.nii.gz --threshold 40 --size 800x600");
-  addVolumeOptions(*view, arguments->volume);
-  addLookOptions(*view, arguments->look, arguments->frame);
-  addViewOptions(*view, arguments->frame);
-  addResourceOptions(*view, arguments->resources);
-  const OptionGroup view_output(*view, kOutputHeading);
-  view_output.number("--events", "N", *view_events, {2, 100'000}, "Of each of three drags");
-  addJsonOption(view_output, arguments->json);
-  CLI::App* packing = app->add_subcommand(
+  addPictures(*view, *bench);
+  OptionGroup(*view, kOutputHeading)
+      .number("--events", "N", *events, {2, 100'000}, "Of each of three drags");
+  return {view, [bench, events, view](const Show& show) {
+            const ViewState state = viewState(bench->volume, bench->look, bench->frame,
+                                              std::nullopt, view->count("--step") > 0);
+            const IndexWish wish = indexWish(bench->resources.index_dir);
+            ViewBench asked;
+            if (!wish.disabled) asked.drawing.index_folder = wish.folder.string();
+            asked.volume =
+                viewedVolume(bench->volume, bench->resources, asked.drawing.index_folder);
+            asked.drawing.renderer = rendererOptions(bench->resources);
+            asked.drawing.look = state.look;
+            asked.drawing.view = state.view;
+            asked.drawing.step_vox = state.step_vox;
+            asked.width = bench->frame.size.width;
+            asked.height = bench->frame.size.height;
+            asked.threshold = bench->look.threshold.value_or(0);
+            asked.events = *events;
+            return show(benchView(asked), printView);
+          }};
+}
+
+Bench addPacking(CLI::App& app) {
+  auto bench = std::make_shared<FrameBench>();
+  CLI::App* packing = app.add_subcommand(
       "packing", "What compressing a volume's blocks in memory brings, by codec, on one core");
-  addVolumeOptions(*packing, arguments->volume);
-  addResourceOptions(*packing, arguments->resources);
-  addJsonOption(OptionGroup(*packing, kOutputHeading), arguments->json);
-  for (CLI::App* each : {limit, render}) {
-    const OptionGroup output(*each, kOutputHeading);
-    addFramesOption(output, arguments->frames, "Frames measured, after 2 warm ones");
-    addJsonOption(output, arguments->json);
+  addVolumeOptions(*packing, bench->volume);
+  addResourceOptions(*packing, bench->resources);
+  return {packing, [bench](const Show& show) {
+            return show(benchPacking(bench->volume, bench->resources), printPacking);
+          }};
+}
+
+Bench addSimulator(CLI::App& app) {
+  return {app.add_subcommand("simulate", "The simulator's page requests a second, on one core"),
+          [](const Show& show) { return show(simulatorReport(), printSimulator); }};
+}
+
+Bench addSlicing(CLI::App& app) {
+  return {app.add_subcommand(
+              "slicing",
+              "Cutting boxes by a view's slices, incrementally against from scratch, on one core"),
+          [](const Show& show) { return show(slicingReport(), printSlicing); }};
+}
+
+// Where a report goes.
+struct ReportOutput {
+  std::string file;
+  bool force = false, json = false;
+};
+
+}  // namespace
+
+Command addBench(CLI::App& program) {
+  FrameOptions plain;
+  plain.camera.azimuth_deg = 30;
+  plain.camera.elevation_deg = 20;
+  CLI::App* app =
+      program.add_subcommand("bench", std::string("Measures speeds\n\n") + kPlainPicture +
+                                          "  sluice bench render bonsai.nii.gz --threshold 40");
+  app->require_subcommand(1);
+  const std::vector<Bench> benches{addLimit(*app),
+                                   addRender(*app, plain),
+                                   addSimulator(*app),
+                                   addSlicing(*app),
+                                   addAlgorithms(*app, plain),
+                                   addSkipping(*app, plain),
+                                   addOcclusion(*app, plain),
+                                   addCulling(*app, plain),
+                                   addRanks(*app, plain),
+                                   addThreshold(*app, plain),
+                                   addPacking(*app),
+                                   addWindow(*app)};
+  auto output = std::make_shared<ReportOutput>();
+  for (const Bench& bench : benches) {
+    const OptionGroup group(*bench.app, kOutputHeading);
+    addReportOption(group, output->file);
+    addForceOption(group, output->force);
+    addJsonOption(group, output->json);
   }
+  const Command compare = addBenchReport(*app);
   return [=] {
-    if (limit->parsed()) return runLimit(*arguments);
-    if (simulate->parsed()) return runSimulate(arguments->json);
-    if (packing->parsed()) return runPacking(*arguments);
-    if (view->parsed()) return runView(*arguments, *view_events, *view);
-    if (culling->parsed()) return show(benchCulling(*culled), *arguments, *culling, printCulling);
-    if (threshold->parsed()) return runThreshold(*arguments, *changes, *threshold);
-    if (slicing->parsed()) return runSlicing(arguments->json);
-    if (skipping->parsed()) {
-      return show(benchSkipping(volumesBench(*lit)), *lit, *skipping, printSkipping);
+    for (const Bench& bench : benches) {
+      if (!bench.app->parsed()) continue;
+      Outputs outputs(output->force);
+      outputs.writes("--report", output->file, reportKind(output->file));
+      outputs.check();
+      return bench.run([&](json report, Print print) -> int {
+        report.update(
+            {{"command", "bench " + bench.app->get_name()}, {"options", optionsJson(*bench.app)}});
+        if (!output->file.empty()) writeReport(output->file, report);
+        if (output->json)
+          say("{}\n", report.dump(2));
+        else
+          print(report);
+        return kDone;
+      });
     }
-    if (occlusion->parsed()) {
-      return show(benchOcclusion(volumesBench(*surface), *adapt_frames), *surface, *occlusion,
-                  printOcclusion);
-    }
-    if (algorithms->parsed()) {
-      return show(benchAlgorithms(volumesBench(*paper)), *paper, *algorithms, printAlgorithms);
-    }
-    return runRender(*arguments, *render);
+    return compare();
   };
 }
 

@@ -12,6 +12,7 @@
 #include "src/base/bytes.h"
 #include "src/base/clock.h"
 #include "src/base/descriptor.h"
+#include "src/parallel/dealing.h"
 #include "src/visibility/early_termination.h"
 #include "src/volume/device_reader.h"
 #include "tools/command_line/console.h"
@@ -162,11 +163,58 @@ json averageOf(Opened& opened, const CullingBench& bench, const SeriesFunctions&
   return rows;
 }
 
+// Figure 12: visible blocks of each rank, by dealing them out; nothing runs on several.
+json ranksOf(Opened& opened, const CullingBench& bench, const SeriesFunctions& functions) {
+  std::vector<VisibleBlocksPtr> steps;
+  CulledBlocks culled = culledBy(opened, bench, functions, Culling::kToc);
+  for (size_t step = 0; step < opened.steps.size(); ++step)
+    steps.push_back(culled.choose(opened.question(bench.frame, step)));
+  const auto ratio = [](const std::vector<int64_t>& counts) {
+    const auto sum = static_cast<double>(std::accumulate(counts.begin(), counts.end(), int64_t{0}));
+    const auto most = static_cast<double>(*std::max_element(counts.begin(), counts.end()));
+    return sum > 0 ? most * static_cast<double>(counts.size()) / sum : 1;
+  };
+  const BlockLayout& layout = opened.volume.layout;
+  json rows = json::array();
+  for (const int ranks : {2, 4, 8, 16, 32}) {
+    const Dealing dealing = dealBlocks(layout, ranks);
+    std::vector<int64_t> all(static_cast<size_t>(ranks)), dealt_once(all.size());
+    json of_steps = json::array();
+    double worst = 1;
+    for (size_t step = 0; step < steps.size(); ++step) {
+      std::vector<int64_t> counts(all.size());
+      for (const int32_t rank : dealPicture(dealing, layout, *steps[step]))
+        ++counts[static_cast<size_t>(rank)];
+      for (const ObjectBlock& block : steps[step]->blocks)
+        ++dealt_once[static_cast<size_t>(dealing.rankOf(layout.indexOf(block.block)))];
+      for (size_t r = 0; r < all.size(); ++r) all[r] += counts[r];
+      worst = std::max(worst, ratio(counts));
+      of_steps.push_back({{"time", step}, {"blocks", counts}, {"most_to_mean", ratio(counts)}});
+    }
+    rows.push_back({{"ranks", ranks},
+                    {"hand_blocks", dealing.hand},
+                    {"blocks", all},
+                    {"most_to_mean", ratio(all)},
+                    {"most_to_mean_of_worst_step", worst},
+                    {"most_to_mean_dealt_once", ratio(dealt_once)},
+                    {"steps", of_steps}});
+  }
+  return rows;
+}
+
+// As if each representative block had a function of its own, also one that others have.
+uint64_t unsharedBytes(const SeriesOpacity& series) {
+  uint64_t sum = 0;
+  for (const CoherentSpan& span : series.spans)
+    sum += sizeof(span) + series.functions[static_cast<size_t>(span.function)].bytes();
+  return sum;
+}
+
 // Table 1.
 json fusionOf(Opened& opened, const CullingBench& bench) {
   json rows = json::array();
   for (const double difference : kDifferences) {
-    SeriesOptions options = seriesOptions(bench.culling);
+    SeriesOptions options = seriesOptions(bench.culling, opened.volume);
     options.difference = difference;
     options.anew = true;
     ProgressMeter progress;
@@ -185,6 +233,8 @@ json fusionOf(Opened& opened, const CullingBench& bench) {
                     {"read_seconds", pass.read_seconds},
                     {"fusion_seconds", pass.fusion_seconds},
                     {"bytes", functions.bytes},
+                    {"bytes_unshared", unsharedBytes(functions.kept->opacity)},
+                    {"spans", functions.kept->opacity.spans.size()},
                     {"coherent_share", pass.coherentShare()},
                     {"visible_blocks", visible}});
   }
@@ -233,6 +283,7 @@ json benchCulling(const CullingBench& asked) {
   json report{{"rows", rowsOf(opened, bench, functions)},
               {"views", viewsOf(opened, bench, functions)},
               {"average", averageOf(opened, bench, functions)},
+              {"ranks", ranksOf(opened, bench, functions)},
               {"coherent_share", functions.kept->report.coherentShare()},
               {"function_bytes", functions.bytes}};
   if (!bench.no_thresholds) report["fusion"] = fusionOf(opened, bench);
@@ -261,13 +312,26 @@ void printCulling(const json& report) {
     say("{:>8.0f} {:>9} {:>8} {:>8} {:>8}\n", row["azimuth"].get<double>(),
         row["blocks_nonempty"].get<int64_t>(), numberOf(row["visible"], "optimum"),
         numberOf(row["visible"], "pof"), numberOf(row["visible"], "opof"));
+  say("\n{:>6} {:>12} {:>12} {:>12} {:>13} {:>16} {:>12}\n", "ranks", "fewest", "mean", "most",
+      "most to mean", "of a single step", "dealt once");
+  for (const json& row : report["ranks"]) {
+    const auto blocks = row["blocks"].get<std::vector<int64_t>>();
+    const auto [least, most] = std::minmax_element(blocks.begin(), blocks.end());
+    const auto sum = std::accumulate(blocks.begin(), blocks.end(), int64_t{0});
+    say("{:>6} {:>12} {:>12.1f} {:>12} {:>13.3f} {:>16.3f} {:>12.3f}\n", row["ranks"].get<int>(),
+        *least, static_cast<double>(sum) / static_cast<double>(blocks.size()), *most,
+        row["most_to_mean"].get<double>(), row["most_to_mean_of_worst_step"].get<double>(),
+        row["most_to_mean_dealt_once"].get<double>());
+  }
   if (report.contains("fusion")) {
-    say("\n{:>10} {:>9} {:>9} {:>12} {:>9} {:>9}\n", "difference", "made s", "fused s", "bytes",
-        "coherent", "visible");
+    say("\n{:>10} {:>9} {:>9} {:>9} {:>10} {:>10} {:>9} {:>9}\n", "difference", "made s", "fused s",
+        "spans", "bytes", "unshared", "coherent", "visible");
     for (const json& row : report["fusion"])
-      say("{:>10g} {:>9.3f} {:>9.3f} {:>12} {:>9.4f} {:>9}\n", row["difference"].get<double>(),
-          row["precompute_seconds"].get<double>(), row["fusion_seconds"].get<double>(),
-          formatBytes(row["bytes"].get<uint64_t>()), row["coherent_share"].get<double>(),
+      say("{:>10g} {:>9.3f} {:>9.3f} {:>9} {:>10} {:>10} {:>9.4f} {:>9}\n",
+          row["difference"].get<double>(), row["precompute_seconds"].get<double>(),
+          row["fusion_seconds"].get<double>(), row["spans"].get<int64_t>(),
+          formatBytes(row["bytes"].get<uint64_t>()),
+          formatBytes(row["bytes_unshared"].get<uint64_t>()), row["coherent_share"].get<double>(),
           row["visible_blocks"].get<int64_t>());
   }
   if (!report.contains("series_seconds")) return;

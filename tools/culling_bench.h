@@ -1,7 +1,7 @@
 // sluice bench culling: what Gao 2004 shows of culling over a series: blocks that are drawn a step
 // with culling and without (Figure 7), coherent blocks (Figure 9), pixels checked (Figure 10), the
-// optimum against POF and OPOF over 18 views (Figure 11), fusion thresholds (Table 1), and the time
-// of the whole series.
+// optimum against POF and OPOF over 18 views (Figure 11), fusion thresholds (Table 1), blocks a
+// rank (Figure 12), and the time of the whole series.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -24,8 +24,10 @@ struct CullingBench {
 };
 
 // The names of the interface, and beside them `views` [{`azimuth`, `blocks_nonempty`, `visible`}]
-// of the first step and `average` [{`time`, `blocks_nonempty`, `visible`}] over all views. Throws
-// Error.
+// of the first step and `average` [{`time`, `blocks_nonempty`, `visible`}] over all views, and
+// `ranks`
+// [{`ranks`, `blocks` of each over all steps, `most_to_mean`,
+// `most_to_mean_dealt_once`, `steps`}]. Throws Error.
 nlohmann::json benchCulling(const CullingBench& bench);
 void printCulling(const nlohmann::json& report);
 

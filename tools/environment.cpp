@@ -48,6 +48,10 @@ DecodeOptions decodeOptions() {
   return options;
 }
 
+Launch launchOfProcess() {
+  return launchOf([](const char* variable) { return std::getenv(variable); });
+}
+
 void prepareDriver() {
   const char* const given = std::getenv("GALLIVM_PERF");
   if (given == nullptr) return;  // the library sets it

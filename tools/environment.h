@@ -7,6 +7,7 @@
 
 #include "io/headers/decode_options.h"
 #include "src/index/index_file.h"
+#include "src/parallel/mpi_ranks.h"
 
 namespace sluice {
 
@@ -21,6 +22,9 @@ std::filesystem::path windowSettings();
 
 // In $TMPDIR, with a line of progress.
 DecodeOptions decodeOptions();
+
+// Which rank of how many a launcher has started this process as.
+Launch launchOfProcess();
 
 // Adds what pictures need to the flags that the user has for Mesa (gl_choice.h), which the driver
 // reads. Called once, before there are threads.

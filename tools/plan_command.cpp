@@ -19,6 +19,7 @@
 #include "tools/command_line/shared_options.h"
 #include "tools/commands.h"
 #include "tools/interrupt.h"
+#include "tools/pages/report_file.h"
 #include "tools/plan_forecast.h"
 #include "tools/report.h"
 #include "tools/scene.h"
@@ -33,6 +34,8 @@ struct Arguments {
   FrameOptions frame;
   ResourceArguments resources;
   FitChoice fit;
+  std::string report_file;
+  bool force = false;
   bool json = false;
 };
 
@@ -190,12 +193,42 @@ nlohmann::json boxesJson(const PlannedBoxes& planned) {
           {"seconds", planned.seconds}};
 }
 
+nlohmann::json reportOf(const Costs& costs, const Cost& chosen, const Forecast& forecast,
+                        const std::optional<PlannedBoxes>& boxes, const IndexedVolume& volume,
+                        const TransferFunction& transfer, const Shown& shown, const CLI::App& app) {
+  nlohmann::json report{{"command", "plan"},
+                        {"options", optionsJson(app)},
+                        {"volume", volumeJson(volume)},
+                        {"transfer", transfer.name},
+                        {"blocks",
+                         {{"white", shown.blocks->white},
+                          {"grey", shown.blocks->grey},
+                          {"black", shown.blocks->black}}},
+                        {"clusters", chosen.clusters},
+                        {"read", readJson(forecast)},
+                        {"memory", memoryJson(forecast)},
+                        {"classify_seconds", shown.seconds},
+                        {"plan_seconds", chosen.seconds},
+                        {"seconds", shown.seconds + chosen.seconds}};
+  for (size_t i = 0; i < costs.size(); ++i)
+    report["algorithms"][std::string(name(kAlgorithms[i]))] = {{"chunks", costs[i].chunks},
+                                                               {"pages", costs[i].pages},
+                                                               {"bytes", costs[i].bytes},
+                                                               {"binds", costs[i].binds}};
+  if (boxes) report["partition"] = boxesJson(*boxes);
+  return report;
+}
+
 int run(const Arguments& asked, const CLI::App& app) {
   Arguments arguments = asked;
   Workers pool(arguments.resources.threads);
   const Mode mode = arguments.frame.mode;
-  const IndexedVolume volume =
-      openIndexed(arguments.volume, arguments.resources, needsOf(arguments.look, mode), pool);
+  Outputs outputs(arguments.force);
+  outputs.reads(arguments.volume.inputs);
+  outputs.reads(arguments.look.transfer_file);
+  outputs.writes("--report", arguments.report_file, reportKind(arguments.report_file));
+  const IndexedVolume volume = openIndexed(arguments.volume, arguments.resources,
+                                           needsOf(arguments.look, mode), pool, outputs);
   const TransferFunction transfer = lookFor(volume, arguments.look, mode).transfer;
   std::vector<Camera> cameras{arguments.frame.camera};
   fitCameras(cameras, arguments.fit,
@@ -210,30 +243,21 @@ int run(const Arguments& asked, const CLI::App& app) {
     boxes = planBoxes(arguments, volume, shown, pool);
   const Forecast forecast =
       forecastOf(volume, *shown.blocks, chosen.bytes, arguments.frame, arguments.resources);
-  if (!arguments.json) {
-    if (arguments.resources.quiet) return 0;
+  const nlohmann::json report =
+      reportOf(costs, chosen, forecast, boxes, volume, transfer, shown, app);
+  if (!arguments.report_file.empty()) {
+    PagePictures pictures;
+    if (isPage(arguments.report_file))
+      addBlocks(pictures, volume.step().ranges->layout.grid, *shown.blocks);
+    writeReport(arguments.report_file, report, pictures);
+  }
+  if (arguments.json) {
+    say("{}\n", report.dump(2));
+  } else if (!arguments.resources.quiet) {
     print(costs, arguments.frame.algorithm, shown.seconds, volume.page);
     printForecast(forecast);
     if (boxes) print(*boxes);
-    return 0;
   }
-  nlohmann::json report{{"command", "plan"},
-                        {"options", optionsJson(app)},
-                        {"volume", volumeJson(volume)},
-                        {"transfer", transfer.name},
-                        {"clusters", chosen.clusters},
-                        {"read", readJson(forecast)},
-                        {"memory", memoryJson(forecast)},
-                        {"classify_seconds", shown.seconds},
-                        {"plan_seconds", chosen.seconds},
-                        {"seconds", shown.seconds + chosen.seconds}};
-  for (size_t i = 0; i < costs.size(); ++i)
-    report["algorithms"][std::string(name(kAlgorithms[i]))] = {{"chunks", costs[i].chunks},
-                                                               {"pages", costs[i].pages},
-                                                               {"bytes", costs[i].bytes},
-                                                               {"binds", costs[i].binds}};
-  if (boxes) report["partition"] = boxesJson(*boxes);
-  say("{}\n", report.dump(2));
   return 0;
 }
 
@@ -250,6 +274,8 @@ Command addPlan(CLI::App& program) {
   addPictureOptions(*app, arguments->look, arguments->frame, arguments->fit);
   addResourceOptions(*app, arguments->resources);
   const OptionGroup output(*app, kOutputHeading);
+  addReportOption(output, arguments->report_file);
+  addForceOption(output, arguments->force);
   addQuietOption(output, arguments->resources.quiet);
   addJsonOption(output, arguments->json);
   return [arguments, app] { return run(*arguments, *app); };

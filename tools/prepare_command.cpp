@@ -53,6 +53,7 @@ nlohmann::json reportOf(const SeriesFunctions& functions, const CLI::App& app) {
             {"fusion", pass.fusion_seconds},
             {"tree", pass.tree_seconds}}},
           {"exponent", functions.exponent},
+          {"exponents", functions.exponents},
           {"state", functions.state},
           {"path", functions.path.string()}};
 }

@@ -1,12 +1,15 @@
 #include "tools/program.h"
 
+#include <csignal>
 #include <exception>
 
+#include "src/base/error.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/help.h"
 #include "tools/command_line/usage.h"
 #include "tools/environment.h"
 #include "tools/interrupt.h"
+#include "tools/ranks.h"
 
 namespace sluice {
 namespace {
@@ -16,9 +19,18 @@ struct Heading {
   std::vector<Command (*)(CLI::App&)> commands;
 };
 
-int usageError(const std::string& line) {
-  printError(line);
+// Several ranks that say the same say it once.
+int usageError(const Launch& launch, const std::string& line) {
+  if (launch.rank == 0) printError(line);
   return kUsage;
+}
+
+// Others would do everything as often as there are ranks.
+bool isForRanks(const CLI::App& program) {
+  const CLI::App* asked = program.get_subcommands().front();
+  if (asked->get_name() == "render") return true;
+  return asked->get_name() == "bench" && !asked->get_subcommands().empty() &&
+         asked->get_subcommands().front()->get_name() == "ranks";
 }
 
 // "help", "help render", "-h" and nothing at all ask for the overview or for a command's options.
@@ -29,14 +41,15 @@ std::vector<std::string> withoutHelpWord(const std::vector<std::string>& words) 
   return rest;
 }
 
-int parseAndRun(const CommandLine& line, const std::vector<std::string>& given) {
+int parseAndRun(const CommandLine& line, const std::vector<std::string>& given,
+                const Launch& launch) {
   CLI::App& program = *line.program;
   const std::vector<std::string> words = withoutHelpWord(given);
   if (words.empty() || words.front() == "--help" || words.front() == "-h") {
     say("{}", overview(program));
     return kDone;
   }
-  if (const auto wrong = wrongUsage(program, words)) return usageError(*wrong);
+  if (const auto wrong = wrongUsage(program, words)) return usageError(launch, *wrong);
   try {
     program.parse(std::vector<std::string>(words.rbegin(), words.rend()));
   } catch (const CLI::CallForHelp&) {
@@ -48,8 +61,13 @@ int parseAndRun(const CommandLine& line, const std::vector<std::string>& given) 
     say("{}\n", SLUICE_VERSION);
     return kDone;
   } catch (const CLI::ParseError& error) {
-    return usageError(error.what());
+    return usageError(launch, error.what());
   }
+  if (launch.ranks > 1 && !isForRanks(program))
+    fail(
+        "started as {} ranks; render and bench ranks run on several, {} on one: start it without "
+        "the launcher",
+        launch.ranks, program.get_subcommands().front()->get_name());
   for (const auto& [subcommand, command] : line.commands)
     if (subcommand->parsed()) {
       try {
@@ -88,20 +106,27 @@ CommandLine makeCommandLine() {
 
 int runProgram(const std::vector<std::string>& words) {
   int status = kFailed;
+  Launch launch;
+  // Of several ranks the first speaks for all.
+  const auto tell = [&launch](const char* line) {
+    if (launch.rank == 0) printError(line);
+  };
   try {
     watchForInterruption();
+    launch = beginRanks();
     prepareDriver();
     const CommandLine line = makeCommandLine();
-    status = parseAndRun(line, words);
+    status = parseAndRun(line, words, launch);
     finishOutput();
     return status;
   } catch (const Interrupted&) {
-    printError("interrupted");
+    // A launcher whose run ends early ends each of its processes, and says why.
+    if (launch.ranks == 1 || interruptionStatus() == 128 + SIGINT) tell("interrupted");
     return interruptionStatus();
   } catch (const std::bad_alloc&) {
-    printError("out of memory; give a smaller --memory or a larger machine");
+    tell("out of memory; give a smaller --memory or a larger machine");
   } catch (const std::exception& error) {
-    printError(error.what());
+    tell(error.what());
   }
   return kFailed;
 }

@@ -7,7 +7,6 @@
 
 #include "io/files/numbered_name.h"
 #include "src/annotate/annotate.h"
-#include "src/base/atomic_file.h"
 #include "src/base/bytes.h"
 #include "src/base/clock.h"
 #include "src/base/error.h"
@@ -18,10 +17,13 @@
 #include "tools/commands.h"
 #include "tools/debug_views.h"
 #include "tools/interrupt.h"
+#include "tools/pages/report_file.h"
 #include "tools/picture_output.h"
+#include "tools/ranks.h"
 #include "tools/report.h"
 #include "tools/scene.h"
 #include "tools/series.h"
+#include "tools/verification.h"
 #include "tools/view_state_option.h"
 
 namespace sluice {
@@ -48,10 +50,6 @@ struct Arguments {
   bool verify = false;
   bool debug_view = false;
   bool json = false;
-};
-
-struct Verification {
-  double max_difference = 0, mean_difference = 0;  // in 1/255
 };
 
 int64_t frameCount(const Arguments& arguments) {
@@ -96,33 +94,9 @@ Outputs outputsOf(const Arguments& arguments) {
   if (arguments.debug_view)
     for (const auto& view : debugViewNames(frameName(arguments, 0)))
       outputs.writes("--debug-view", view, FileKind::kPng);
-  outputs.writes("--report", arguments.report_file, FileKind::kJson);
+  outputs.writes("--report", arguments.report_file, reportKind(arguments.report_file));
   outputs.writes("--trace", arguments.trace_file, FileKind::kTrace);
   return outputs;
-}
-
-// Against the plain way: every block loaded and drawn whole.
-Verification verify(Scene& scene, FrameOptions options, const Picture& picture) {
-  options.algorithm = Algorithm::kConventional;
-  options.partition = Partition::kBlocks;
-  options.opacity_threshold = 1;
-  options.occlusion = Occlusion::kOff;
-  options.count_samples = false;
-  options.keep_phases = false;
-  scene.session->chooseBlocksBy(nullptr);
-  scene.session->setOptions(options);
-  const Picture plain = scene.session->frame().picture;
-  Verification result;
-  double sum = 0;
-  for (size_t i = 0; i < plain.rgba.size(); ++i) {
-    const double a = std::clamp(plain.rgba[i], 0.0F, 1.0F),
-                 b = std::clamp(picture.rgba[i], 0.0F, 1.0F);
-    const double difference = 255 * std::abs(a - b);
-    result.max_difference = std::max(result.max_difference, difference);
-    sum += difference;
-  }
-  result.mean_difference = sum / static_cast<double>(plain.rgba.size());
-  return result;
 }
 
 void checkOutput(const Arguments& arguments) {
@@ -151,9 +125,9 @@ void printHuman(const Scene& scene, const Series& series, const std::vector<Rend
                 const std::filesystem::path& last, const std::optional<Verification>& verified) {
   const FrameReport& report = frames.back().report;
   const VolumeLayout& layout = scene.volume.source->layout();
-  say("{} x {} x {} {}, {}: {} white, {} grey, {} black blocks\n", layout.dims.x, layout.dims.y,
+  say("{} x {} x {} {}, {}: {} white, {} grey, {} black blocks{}\n", layout.dims.x, layout.dims.y,
       layout.dims.z, name(layout.type), scene.transfer.name, report.white, report.grey,
-      report.black);
+      report.black, scene.share ? " of rank 0" : "");
   say("look: {}\n", scene.look.options);
   say("{} frame{} of {:.3f} s on {} ({}), read {}, peak memory {} of its own, {} resident\n",
       frames.size(), frames.size() == 1 ? "" : "s, the last", report.seconds,
@@ -165,6 +139,12 @@ void printHuman(const Scene& scene, const Series& series, const std::vector<Rend
     say("culling: {} of {} blocks visible, estimated in {:.2f} ms from {} of {} pixels\n",
         counts.blocks_visible, counts.blocks_nonempty, 1e3 * counts.estimate_seconds,
         counts.pixels_checked, counts.pixels);
+  }
+  if (scene.share) {
+    const CompositingReport& parts = scene.share->report();
+    say("{} ranks, of whose parts rank 0 sent {} and got {} of the last picture\n",
+        scene.share->team().ranks(), formatBytes(parts.sent_bytes),
+        formatBytes(parts.received_bytes));
   }
   if (report.missing_share > 0)
     say("incomplete: {:.1f} % of what can be seen was not there within --time-limit\n",
@@ -211,22 +191,57 @@ std::vector<Camera> camerasOf(const Arguments& arguments, WorldFrame frame) {
   return cameras;
 }
 
-int run(Arguments& arguments, CLI::App& app) {
+// Of several ranks rank 0 makes the index that the others read.
+std::unique_ptr<Scene> openScene(const Arguments& arguments, const Outputs& outputs, Team* team) {
+  const auto open = [&] {
+    return std::make_unique<Scene>(arguments.volume, arguments.look, arguments.resources,
+                                   arguments.frame, outputs, team);
+  };
+  if (team == nullptr) return open();
+  std::unique_ptr<Scene> scene;
+  if (team->isFirst()) scene = open();
+  team->wait();
+  if (!team->isFirst()) scene = open();
+  return scene;
+}
+
+// Those of rank 0, which writes them.
+std::vector<int64_t> framesToDraw(const Arguments& arguments, Team* team) {
+  std::vector<int64_t> frames = framesToDraw(arguments);
+  if (team == nullptr) return frames;
+  return nlohmann::json::parse(team->fromFirst(nlohmann::json(frames).dump()))
+      .get<std::vector<int64_t>>();
+}
+
+int run(Arguments& arguments, CLI::App& app, Team* team) {
   if (!arguments.state_file.empty()) applyState(app, arguments.state_file);
   if (arguments.volume.inputs.empty()) throw CLI::RequiredError("volume");
   checkOutput(arguments);
+  if (team != nullptr && (arguments.debug_view || !arguments.trace_file.empty()))
+    fail("{} is of one process, not of {} ranks", arguments.debug_view ? "--debug-view" : "--trace",
+         team->ranks());
   const Outputs outputs = outputsOf(arguments);
-  const std::vector<int64_t> to_draw = framesToDraw(arguments);
+  const std::vector<int64_t> to_draw = framesToDraw(arguments, team);
+  const bool is_first = team == nullptr || team->isFirst();
+  if (team != nullptr) shareMachine(*team, arguments.resources);
   if (to_draw.empty()) {
-    if (!arguments.resources.quiet) say("all {} pictures are there\n", frameCount(arguments));
+    if (arguments.json)
+      say("{}\n", nlohmann::json{{"command", "render"},
+                                 {"options", optionsJson(app)},
+                                 {"output", arguments.output},
+                                 {"frames", nlohmann::json::array()}}
+                      .dump(2));
+    else if (!arguments.resources.quiet)
+      say("all {} pictures are there\n", frameCount(arguments));
     return 0;
   }
   const bool is_series = arguments.times || arguments.culling.culling != Culling::kNone;
   arguments.look.whole_series = is_series;
   checkLastStep(arguments);
-  Scene scene(arguments.volume, arguments.look, arguments.resources, arguments.frame.partition,
-              arguments.frame.mode, outputs);
-  for (const std::string& warning : scene.look.warnings) printWarning(warning);
+  const std::unique_ptr<Scene> opened = openScene(arguments, outputs, team);
+  Scene& scene = *opened;
+  if (is_first)
+    for (const std::string& warning : scene.look.warnings) printWarning(warning);
   std::vector<Camera> cameras = camerasOf(arguments, scene.volume.source->layout().frame);
   fitCameras(cameras, arguments.fit,
              {scene.volume, scene.volume.step(), scene.transfer, arguments.frame,
@@ -246,6 +261,7 @@ int run(Arguments& arguments, CLI::App& app) {
   std::filesystem::path name;
   std::vector<std::filesystem::path> views;
   Picture picture;
+  VisibleBlocksPtr blocks;
   FrameOptions options = arguments.frame;
   if (app.count("--step") == 0) options.step_vox = chosenStep(scene, cameras.front(), options);
   if (options.mode == Mode::kComposite)
@@ -269,13 +285,14 @@ int run(Arguments& arguments, CLI::App& app) {
                                             ? std::optional(timeOf(arguments, to_draw[at + 1]))
                                             : std::nullopt);
     scene.device->reuse(std::move(picture));
-    Frame frame = scene.session->frame();
+    Frame frame = scene.frame();
     if (series.culls()) culling.push_back(countsJson(series.counts()));
     scene.noteMemory();
     picture = std::move(frame.picture);
+    blocks = frame.blocks;
     name = frameName(arguments, i);
     const Stopwatch watch;
-    writePicture(name, picture, output, options, scene);
+    if (is_first) writePicture(name, picture, output, options, scene);
     frames.push_back({frame.report, watch.seconds()});
     progress.add(1);
     if (arguments.debug_view)
@@ -296,6 +313,8 @@ int run(Arguments& arguments, CLI::App& app) {
       report["frames"][i]["time"] = timeOf(arguments, to_draw[i]);
     for (size_t i = 0; i < culling.size(); ++i) report["frames"][i]["culling"] = culling[i];
   }
+  if (scene.share && wants_report) gatherReport(*team, *scene.share, report);
+  if (!is_first) return 0;
   std::optional<Verification> verified;
   if (arguments.verify) {
     verified = verify(scene, options, picture);
@@ -303,9 +322,12 @@ int run(Arguments& arguments, CLI::App& app) {
                         {"mean_difference", verified->mean_difference}};
   }
   if (!arguments.report_file.empty()) {
-    AtomicFile file(arguments.report_file);
-    file.write(report.dump(2) + "\n");
-    file.commit();
+    PagePictures pictures;
+    if (isPage(arguments.report_file)) {
+      addPicture(pictures, name, picture);
+      addBlocks(pictures, scene.volume.step().ranges->layout.grid, *blocks);
+    }
+    writeReport(arguments.report_file, report, pictures);
   }
   if (arguments.json) {
     say("{}\n", report.dump(2));
@@ -347,7 +369,7 @@ Command addRender(CLI::App& program) {
   output.text("--trace", "FILE", arguments->trace_file,
               "Records the texture cache's requests: text (.txt), .csv, .oracleGeneral, .din, "
               "otherwise compact binary");
-  output.text("--report", "FILE", arguments->report_file, "What it took, as JSON");
+  addReportOption(output, arguments->report_file);
   output.flag("--debug-view", arguments->debug_view,
               "Also writes what was drawn between updates of the opacity map, the maps, and the "
               "growing boxes of the middle slice");
@@ -362,7 +384,8 @@ Command addRender(CLI::App& program) {
       .flag("--continue", arguments->resume,
             "Draws only those of several pictures that are not there yet");
   addResourceOptions(*app, arguments->resources);
-  return [arguments, app] { return run(*arguments, *app); };
+  return
+      [arguments, app] { return onRanks([&](Team* team) { return run(*arguments, *app, team); }); };
 }
 
 }  // namespace sluice

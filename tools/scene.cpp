@@ -16,6 +16,13 @@ ProgressWatch indexingLine(const ResourceArguments& resources) {
   return resources.quiet ? ProgressWatch() : progressLine("indexing");
 }
 
+FrameOptions withPartition(Partition partition, Mode mode) {
+  FrameOptions frame;
+  frame.partition = partition;
+  frame.mode = mode;
+  return frame;
+}
+
 }  // namespace
 
 IndexedVolume openIndexed(const VolumeArguments& arguments, const ResourceArguments& resources,
@@ -46,17 +53,46 @@ TransferFunction transferFor(const IndexedVolume& volume, const LookArguments& l
 Scene::Scene(const VolumeArguments& arguments, const LookArguments& arguments_look,
              const ResourceArguments& resources, Partition partition, Mode mode,
              const Outputs& outputs)
+    : Scene(arguments, arguments_look, resources, withPartition(partition, mode), outputs,
+            nullptr) {}
+
+Scene::Scene(const VolumeArguments& arguments, const LookArguments& arguments_look,
+             const ResourceArguments& resources, const FrameOptions& frame, const Outputs& outputs,
+             Team* team)
     : pool(resources.threads),
-      volume(openIndexed(arguments, resources, needsOf(arguments_look, mode), pool, outputs)),
+      volume(openIndexed(arguments, resources, needsOf(arguments_look, frame.mode), pool, outputs)),
       memory_bytes(memoryBudget(resources)),
       device(makeDevice(resources.device, pool)),
-      look(lookFor(volume, arguments_look, mode)),
+      look(lookFor(volume, arguments_look, frame.mode)),
       transfer(look.transfer) {
-  session = std::make_unique<Session>(
-      volume.step(), *device, pool,
-      sessionOptions(volume, look.lit, resources, partition, memory_bytes));
+  SessionOptions options =
+      sessionOptions(volume, look.lit, resources, frame.partition, memory_bytes);
+  if (team != nullptr) {
+    const Dealing dealing = dealBlocks(volume.layout, team->ranks());
+    part_bytes = partBytes(frame.size, dealing, memory_bytes);
+    options.beside_bytes += part_bytes;
+    options.page.pages =
+        pageCount(resources, volume.page, volume.layout, *volume.source, options.beside_bytes);
+    share = std::make_unique<RankShare>(*team, dealing, pool, part_bytes);
+    device = share->deviceFrom(std::move(device));
+  }
+  session = std::make_unique<Session>(volume.step(), *device, pool, options);
   session->setTransferFunction(transfer);
+  chooseBlocksBy(nullptr);
   noteMemory();
+}
+
+void Scene::chooseBlocksBy(BlockChooser* chooser) {
+  session->chooseBlocksBy(share ? share->chooserFrom(chooser) : chooser);
+}
+
+Frame Scene::frame() {
+  Frame frame = session->frame();
+  if (!share) return frame;
+  frame.picture = share->picture();
+  const CompositingReport& parts = share->report();
+  frame.report.seconds += parts.exchange_seconds + parts.compose_seconds + parts.gather_seconds;
+  return frame;
 }
 
 void Scene::noteMemory() {

@@ -9,6 +9,7 @@
 #include "src/library/indexed_volume.h"
 #include "src/library/resources.h"
 #include "src/library/view_fit.h"
+#include "src/parallel/rank_share.h"
 #include "tools/arguments.h"
 #include "tools/command_line/outputs.h"
 #include "tools/workers.h"
@@ -42,6 +43,24 @@ struct Scene {
   Scene(const VolumeArguments& volume, const LookArguments& look,
         const ResourceArguments& resources, Partition partition, Mode mode = Mode::kComposite,
         const Outputs& outputs = Outputs());
+  // The same as one rank's of a team, which must outlive it, for pictures of this size; null:
+  // alone.
+  Scene(const VolumeArguments& volume, const LookArguments& look,
+        const ResourceArguments& resources, const FrameOptions& frame, const Outputs& outputs,
+        Team* team);
+
+  // Chosen by this, or null by the classification; of several ranks each has its share.
+  void chooseBlocksBy(BlockChooser* chooser);
+  // The next picture. Of several ranks all call, rank 0 has it.
+  Frame frame();
+  // `body`, of several ranks at rank 0 first: what it keeps in files is there for the others.
+  template <class Body>
+  void inTurn(const Body& body) {
+    if (share)
+      share->inTurn(body);
+    else
+      body();
+  }
 
   // After a frame: what the process then holds of its own.
   void noteMemory();
@@ -49,7 +68,9 @@ struct Scene {
   Workers pool;
   IndexedVolume volume;
   uint64_t memory_bytes;
+  uint64_t part_bytes = 0;            // of them, for parts of pictures
   uint64_t peak_anonymous_bytes = 0;  // at the calls of noteMemory()
+  std::unique_ptr<RankShare> share;   // null: alone
   std::unique_ptr<Device> device;
   ChosenLook look;
   TransferFunction transfer;

@@ -1,7 +1,10 @@
 #include "tools/series.h"
 
+#include <sstream>
 #include <utility>
 
+#include "src/base/error.h"
+#include "src/classify/transfer/transfer_file.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/progress_line.h"
 #include "tools/interrupt.h"
@@ -15,11 +18,18 @@ ProgressWatch preparingLine(const ResourceArguments& resources) {
 
 }  // namespace
 
-SeriesOptions seriesOptions(const CullingArguments& culling) {
+SeriesOptions seriesOptions(const CullingArguments& culling, const IndexedVolume& volume) {
+  if (culling.part % kDetail != 0)
+    fail("--part {}: a part has {} cubes a side; give a multiple of {}", culling.part, kDetail,
+         kDetail);
   SeriesOptions options;
   options.difference = culling.difference;
   options.part_cells = culling.part;
+  options.detail_bits = culling.detail;
   options.direction_rows = culling.directions;
+  std::istringstream files(culling.basis);
+  for (std::string file; std::getline(files, file, ',');)
+    options.basis.push_back(readTransferFunction(file, volume.valueRange(), {}, interruption()));
   return options;
 }
 
@@ -28,7 +38,7 @@ SeriesFunctions openFunctions(const IndexedVolume& volume, const TransferFunctio
                               WorkerPool& pool) {
   ProgressMeter progress(preparingLine(resources));
   SeriesFunctions functions =
-      seriesFunctions(volume, transfer, seriesOptions(culling),
+      seriesFunctions(volume, transfer, seriesOptions(culling, volume),
                       {pool, progress, memoryBudget(resources), interruption()});
   if (!resources.quiet && !functions.note.empty()) printWarning(functions.note);
   return functions;
@@ -48,22 +58,30 @@ CullingOptions cullingOptions(Culling culling, const FrameOptions& frame,
 Series::Series(Scene& scene, const CullingArguments& culling, const ResourceArguments& resources,
                const FrameOptions& frame)
     : scene_(scene), resources_(resources) {
+  if (scene.share) scene.share->dealEachPicture(scene.volume.source->layout().time_steps > 1);
   if (culling.culling == Culling::kNone) return;
-  functions_.emplace(openFunctions(scene.volume, scene.transfer, culling, resources, scene.pool));
-  culled_.emplace(functions_->opacity(), scene.volume.source->layout(),
-                  cullingOptions(culling.culling, frame, *functions_), scene.pool);
-  scene.session->chooseBlocksBy(&*culled_);
+  scene.inTurn([&] {
+    functions_.emplace(openFunctions(scene.volume, scene.transfer, culling, resources, scene.pool));
+  });
+  CullingOptions options = cullingOptions(culling.culling, frame, *functions_);
+  if (scene.share) scene.share->shareEstimate(options);
+  culled_.emplace(functions_->opacity(), scene.volume.source->layout(), options, scene.pool);
+  scene.chooseBlocksBy(&*culled_);
 }
 
 Series::~Series() {
-  if (culled_) scene_.session->chooseBlocksBy(nullptr);
+  if (culled_) scene_.chooseBlocksBy(nullptr);
 }
 
 TimeStep Series::step(int64_t time) {
   if (next_ && next_->time == time) return *next_;
   ProgressMeter progress;
-  return stepOfSeries(scene_.volume, time,
-                      {scene_.pool, progress, memoryBudget(resources_), interruption()});
+  TimeStep step;
+  scene_.inTurn([&] {
+    step = stepOfSeries(scene_.volume, time,
+                        {scene_.pool, progress, memoryBudget(resources_), interruption()});
+  });
+  return step;
 }
 
 void Series::show(int64_t time, std::optional<int64_t> next) {

@@ -13,7 +13,8 @@
 
 namespace sluice {
 
-SeriesOptions seriesOptions(const CullingArguments& culling);
+// Throws Error, also from a basis' file.
+SeriesOptions seriesOptions(const CullingArguments& culling, const IndexedVolume& volume);
 
 // The functions of an opened volume, read or made with progress; prints their notes. Throws Error.
 SeriesFunctions openFunctions(const IndexedVolume& volume, const TransferFunction& transfer,

@@ -10,6 +10,8 @@ build_packages=(
   libopenvdb-dev libboost-dev libopenexr-dev libosmesa6-dev libegl-dev libgl-dev libtbb-dev
   libblosc-dev libzstd-dev libcli11-dev libfmt-dev nlohmann-json3-dev libpng-dev libtiff-dev zlib1g-dev
   libcairo2-dev libxxhash-dev libhwy-dev
+  # Pictures by several ranks; libmpich-dev in its place, or beside it, does as well.
+  libopenmpi-dev
   # The window's module; without these the rest is built all the same.
   libglfw3-dev libimgui-dev libstb-dev
   # To draw.
@@ -17,6 +19,8 @@ build_packages=(
 )
 test_packages=(
   ccache libgtest-dev libgmock-dev
+  # Ranks under both MPIs, and over hosts that are network namespaces.
+  openmpi-bin mpich libmpich-dev iproute2
   # Sanitizers, gates, and the programs of others that results are checked against.
   clang clang-format clang-tidy libclang-rt-14-dev
   xvfb xdotool libxtst6

@@ -19,6 +19,7 @@
 #include "tools/command_line/console.h"
 #include "tools/command_line/shared_options.h"
 #include "tools/commands.h"
+#include "tools/pages/report_file.h"
 #include "tools/replay.h"
 #include "tools/scene.h"
 
@@ -34,7 +35,7 @@ struct Arguments {
   std::string machine;
   bool pins = true;
   std::optional<PrefetchModel> prefetch;
-  std::string html_file, csv_file, export_file;
+  std::string html_file, csv_file, export_file, report_file;
   bool by_page = false;
   bool force = false;
   bool json = false;
@@ -59,6 +60,7 @@ Outputs outputsOf(const Arguments& arguments) {
   outputs.reads(arguments.turn.volume.inputs);
   outputs.reads(arguments.turn.look.transfer_file);
   outputs.writes("--html", arguments.html_file, FileKind::kHtml);
+  outputs.writes("--report", arguments.report_file, reportKind(arguments.report_file));
   outputs.writes("--csv", arguments.csv_file, FileKind::kText);
   outputs.writes("--export", arguments.export_file, FileKind::kTrace);
   return outputs;
@@ -161,17 +163,16 @@ void writeText(const std::string& file, const std::string& text) {
   out.commit();
 }
 
-void writeHtml(const Arguments& arguments, ReplaySource& source, const SimulationConfig& chosen,
-               Simulated& simulated) {
+void writeHtml(const std::string& file, const Arguments& arguments, ReplaySource& source,
+               const SimulationConfig& chosen, Simulated& simulated) {
   std::vector<SimulationRow> rows = simulated.rows;
   // The report shows the chosen size, asked for in the table or not.
   if (std::count(simulated.sizes.begin(), simulated.sizes.end(), chosen.pages) == 0) {
     const auto more = rowsAt(chosen.pages, arguments, source, chosen, simulated);
     rows.insert(rows.end(), more.begin(), more.end());
   }
-  writeText(arguments.html_file,
-            htmlReport(makeReport(simulated.chosen_trace, source.title(), std::move(rows),
-                                  simulated.is_one_trace, chosen)));
+  writeText(file, htmlReport(makeReport(simulated.chosen_trace, source.title(), std::move(rows),
+                                        simulated.is_one_trace, chosen)));
 }
 
 void exportTrace(const Trace& trace, const std::string& file) {
@@ -217,6 +218,18 @@ nlohmann::json prefetchJson(const Trace& trace, const Arguments& arguments,
           {"misses_without", result.misses_without}};
 }
 
+nlohmann::json reportOf(const Simulated& simulated, const SimulationConfig& chosen,
+                        const nlohmann::json& prefetch) {
+  nlohmann::json report = nlohmann::json::parse(toJson(simulated.rows));
+  report["command"] = "simulate";
+  report["page_bytes"] = simulated.chosen_trace.page_bytes;
+  report["chosen"] = {{"policy", name(chosen.policy)}, {"pages", chosen.pages}};
+  report["pinned"] = chosen.pin_clusters && !simulated.chosen_trace.visits.empty();
+  report["resized"] = simulated.chosen_trace.resized;
+  if (!prefetch.is_null()) report["prefetch"] = prefetch;
+  return report;
+}
+
 int run(const Arguments& arguments) {
   const std::unique_ptr<ReplaySource> source = sourceOf(arguments);
   const SimulationConfig chosen = chosenConfig(arguments, *source);
@@ -227,18 +240,17 @@ int run(const Arguments& arguments) {
     if (arguments.prefetch) prefetch = prefetchJson(records, arguments, chosen);
     if (!arguments.export_file.empty()) exportTrace(records, arguments.export_file);
   }
-  if (!arguments.html_file.empty()) writeHtml(arguments, *source, chosen, simulated);
+  if (!arguments.html_file.empty())
+    writeHtml(arguments.html_file, arguments, *source, chosen, simulated);
+  const nlohmann::json report = reportOf(simulated, chosen, prefetch);
+  if (isPage(arguments.report_file))
+    writeHtml(arguments.report_file, arguments, *source, chosen, simulated);
+  else if (!arguments.report_file.empty())
+    writeReport(arguments.report_file, report);
   if (!arguments.csv_file.empty()) writeText(arguments.csv_file, toCsv(simulated.rows));
   for (const std::string& line : source->warnings()) printWarning(line);
   if (arguments.json) {
-    nlohmann::json json = nlohmann::json::parse(toJson(simulated.rows));
-    json["command"] = "simulate";
-    json["page_bytes"] = simulated.chosen_trace.page_bytes;
-    json["chosen"] = {{"policy", name(chosen.policy)}, {"pages", chosen.pages}};
-    json["pinned"] = chosen.pin_clusters && !simulated.chosen_trace.visits.empty();
-    json["resized"] = simulated.chosen_trace.resized;
-    if (!prefetch.is_null()) json["prefetch"] = prefetch;
-    say("{}\n", json.dump(2));
+    say("{}\n", report.dump(2));
     return 0;
   }
   if (arguments.turn.resources.quiet) return 0;
@@ -247,7 +259,8 @@ int run(const Arguments& arguments) {
     say("prefetch {}: accuracy {:.3f}, coverage {:.3f}, pollution {:.4f}\n",
         name(*arguments.prefetch), prefetch["accuracy"].get<double>(),
         prefetch["coverage"].get<double>(), prefetch["pollution"].get<double>());
-  for (const std::string& file : {arguments.html_file, arguments.csv_file, arguments.export_file})
+  for (const std::string& file :
+       {arguments.html_file, arguments.report_file, arguments.csv_file, arguments.export_file})
     if (!file.empty()) say("{}\n", file);
   return 0;
 }
@@ -354,6 +367,7 @@ Command addSimulate(CLI::App& program) {
   replay.choice("--prefetch", models, arguments->prefetch, "Also models reading ahead");
   const OptionGroup output(*app, kOutputHeading);
   output.text("--html", "FILE", arguments->html_file, "Self-contained report with plots");
+  addReportOption(output, arguments->report_file);
   output.text("--csv", "FILE", arguments->csv_file, "The table");
   output.text("--export", "FILE", arguments->export_file,
               "The requests (of a volume: to a cache of --pages), also for other simulators: "

@@ -7,30 +7,21 @@
 #include <map>
 
 #include "cache/policies/key_table.h"
-#include "cache/report/svg_plot.h"
 #include "src/base/bytes.h"
+#include "src/report/html_page.h"
+#include "src/report/svg_plot.h"
 
 namespace sluice {
 namespace {
 
+// What the pages' common style does not have.
 constexpr std::string_view kStyle = R"(
-body{font:15px/1.5 system-ui,sans-serif;color:#1c2430;background:#fff;max-width:1060px;margin:2em auto;padding:0 1em}
-h1{font-size:1.5em;overflow-wrap:anywhere}h2{font-size:1.15em;margin-top:2em}p{color:#4a5564}
-svg{max-width:100%;height:auto}
-.axis{stroke:#7b8794;fill:none}.grid{stroke:#e4e8ed;fill:none}
-.tick,.note{font-size:12px;fill:#4a5564}.label{font-size:13px;fill:#1c2430}
 .curve{stroke:#8fb8dc;stroke-width:1.5;fill:none}.mark{stroke:#d1581b;stroke-dasharray:2 3;fill:none}
 .lru{fill:#2a78b8}.fifo{fill:#e69f00}.clock{fill:#009e73}.random{fill:#999}.srrip{fill:#cc79a7}.twoq{fill:#6a4fb3}
-.arc{fill:#d55e00}.s3fifo{fill:#7a5230}.sieve{fill:#b3a100}.belady{fill:#777f88}.best{fill:#1c2430}
-.chosen{stroke:#1c2430;stroke-width:1.4}
-.now{fill:#2a78b8}.kept{fill:#b9d3e8}
-.needed{fill:#2a78b8}.rounding{fill:#e0a43a}.extended{fill:#c2547a}.empty{fill:#9aa5b1}
-.key{margin-right:1.2em;white-space:nowrap;display:inline-block}.key svg{vertical-align:middle;margin-right:.35em}
-table{border-collapse:collapse;font-size:13px;font-variant-numeric:tabular-nums}
-.wide{overflow-x:auto}
-td,th{padding:.15em .5em;text-align:right;white-space:nowrap;border-bottom:1px solid #e4e8ed}
-.facts td{text-align:left;white-space:normal;overflow-wrap:anywhere}
-td:first-child,th:first-child{text-align:left}tr.on{background:#fdf1ea}tr.failed td:last-child{color:#b00020;font-weight:bold}
+.arc{fill:#d55e00}.s3fifo{fill:#7a5230}.sieve{fill:#b3a100}.belady{fill:#777f88}.best{fill:var(--ink)}
+.chosen{stroke:var(--ink);stroke-width:1.4}
+.now{fill:#2a78b8}.kept{fill:#b9d3e8}.free{fill:var(--paper)}.page{stroke:var(--line)}
+tr.on{background:var(--on)}tr.failed td:last-child{color:#d0103a;font-weight:bold}
 )";
 
 // How a policy looks in a plot.
@@ -200,13 +191,13 @@ std::string pageMapPicture(const SimulationReport& report) {
     const ChunkId chunk = report.page_map[page];
     const uint64_t mixed = mixBits(chunk);
     const std::string fill = chunk == TextureCache::kNoChunk
-                                 ? "#fff"
-                                 : fmt::format("hsl({} {}% {}%)", mixed % 360,
+                                 ? "class='page free'"
+                                 : fmt::format("class=page fill='hsl({} {}% {}%)'", mixed % 360,
                                                45 + mixed / 360 % 20, 55 + mixed / 7200 % 20);
     const size_t column = page % columns;
     const size_t line = page / columns;
     out += fmt::format(
-        "<rect x='{:.1f}' y='{:.1f}' width='{:.1f}' height='{:.1f}' fill='{}' stroke='#e4e8ed'>"
+        "<rect x='{:.1f}' y='{:.1f}' width='{:.1f}' height='{:.1f}' {}>"
         "<title>page {}: {}</title></rect>",
         2 + static_cast<double>(column) * cell, 2 + static_cast<double>(line) * cell, cell - 1,
         cell - 1, fill, page,
@@ -219,40 +210,25 @@ std::string pageMapPicture(const SimulationReport& report) {
 }
 
 std::string bytesByCause(const SimulationReport& report) {
-  uint64_t most = 1;
-  std::vector<const SimulationRow*> rows;
+  constexpr int kNeeded = 0, kRounding = 1, kExtended = 3, kEmpty = 6;  // hues
+  std::vector<Bar> bars;
   for (const SimulationRow& row : report.rows) {
     if (row.pages != report.chosen_pages) continue;
-    rows.push_back(&row);
-    most = std::max(most, row.bytes.moved);
-  }
-  std::string out =
-      fmt::format("<svg viewBox='0 0 1000 {0}' width=1000 height={0}>", rows.size() * 26 + 4);
-  for (size_t i = 0; i < rows.size(); ++i) {
-    const LoadBytes& b = rows[i]->bytes;
-    const auto y = static_cast<double>(i * 26 + 2);
-    out += fmt::format("<text class=label x=96 y='{:g}' text-anchor=end>{}</text>", y + 16,
-                       name(rows[i]->policy));
-    double x = 104;
-    const auto bar = [&](uint64_t bytes, std::string_view css) {
-      const double width = 780.0 * static_cast<double>(bytes) / static_cast<double>(most);
-      if (bytes == 0) return;
-      out += fmt::format(
-          "<rect class='{}' x='{:.1f}' y='{:g}' width='{:.1f}' height=20><title>{}: "
-          "{}</title></rect>",
-          css, x, y, std::max(width - 1, 0.3), css, formatBytes(bytes));
-      x += width;
+    const LoadBytes& b = row.bytes;
+    Bar bar{std::string(name(row.policy)), formatBytes(b.moved), {}};
+    const auto part = [&bar](uint64_t bytes, int hue, std::string_view cause) {
+      bar.parts.push_back(
+          {static_cast<double>(bytes), hue, fmt::format("{}: {}", cause, formatBytes(bytes))});
     };
-    bar(b.needed, "needed");
-    bar(b.rounding(), "rounding");
-    bar(b.extended, "extended");
-    bar(b.empty, "empty");
-    out += fmt::format("<text class=tick x='{:.1f}' y='{:g}'>{}</text>", x + 6, y + 15,
-                       formatBytes(b.moved));
+    part(b.needed, kNeeded, "needed");
+    part(b.rounding(), kRounding, "rounding to pages");
+    part(b.extended, kExtended, "extended parts of merges");
+    part(b.empty, kEmpty, "retained empty voxels");
+    bars.push_back(std::move(bar));
   }
-  return out + "</svg><p>" + swatchOf("needed", "needed") + swatchOf("rounding", "page rounding") +
-         swatchOf("extended", "extended parts of merges") +
-         swatchOf("empty", "retained empty voxels") + "</p>";
+  return barsSvg(bars) + "<p>" + htmlKey(kNeeded, "needed") +
+         htmlKey(kRounding, "rounding to pages") + htmlKey(kExtended, "extended parts of merges") +
+         htmlKey(kEmpty, "retained empty voxels") + "</p>";
 }
 
 std::string rowsTable(const SimulationReport& report) {
@@ -286,23 +262,19 @@ std::string rowsTable(const SimulationReport& report) {
 }  // namespace
 
 std::string htmlReport(const SimulationReport& report) {
-  const std::string title = escapeHtml(report.title);
-  std::string out = fmt::format(
-      "<!doctype html><html lang=en><meta charset=utf-8><title>{0}</title><style>{1}</style>"
-      "<h1>Texture cache: {0}</h1><table class=facts>",
-      title, kStyle);
-  for (const auto& [fact, value] : report.facts)
-    out += fmt::format("<tr><td>{}<td>{}</tr>", escapeHtml(fact), escapeHtml(value));
-  out += "</table><h2>Miss ratio by cache size</h2>" + missRatioPlot(report);
+  std::vector<std::array<std::string, 2>> facts;
+  for (const auto& [fact, value] : report.facts) facts.push_back({fact, value});
+  std::string out = htmlFacts(facts);
+  out += "<h2>Miss ratio by cache size</h2>" + missRatioPlot(report);
   out += "<h2>Residency over time</h2>" + residencyPlot(report);
   out +=
       "<h2>How chunks lie in pages</h2><p>At the end of the trace; a square a page, a color a "
-      "chunk, white where free.</p>" +
+      "chunk, empty where free.</p>" +
       pageMapPicture(report);
   out += fmt::format("<h2>Bytes by cause at {} pages</h2>", report.chosen_pages) +
          bytesByCause(report);
   out += "<h2>All rows</h2>" + rowsTable(report);
-  return out + "</html>\n";
+  return htmlPage("Texture cache: " + report.title, kStyle, out);
 }
 
 }  // namespace sluice

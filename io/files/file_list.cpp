@@ -229,7 +229,35 @@ std::optional<int64_t> numberOf(std::string_view digits) {
   return number;
 }
 
+std::string inDigits(int64_t number, size_t width) {
+  const std::string digits = std::to_string(number);
+  return std::string(width - std::min(width, digits.size()), '0') + digits;
+}
+
 }  // namespace
+
+std::optional<std::filesystem::path> fileAfter(const std::vector<std::filesystem::path>& files,
+                                               int64_t count) {
+  if (files.size() < 2) return std::nullopt;
+  const std::string a = files[files.size() - 2].filename(), b = files.back().filename();
+  const auto isDigit = [&](size_t i) {
+    return std::isdigit(static_cast<unsigned char>(b[i])) != 0;
+  };
+  auto begin =
+      static_cast<size_t>(std::mismatch(a.begin(), a.end(), b.begin(), b.end()).second - b.begin());
+  while (begin > 0 && isDigit(begin - 1)) --begin;
+  const auto digitsOf = [&](const std::string& name) {
+    const size_t end = std::min(name.find_first_not_of("0123456789", begin), name.size());
+    return name.substr(begin, end - begin);
+  };
+  const auto last = numberOf(digitsOf(b)), before = numberOf(digitsOf(a));
+  if (!last || !before || *last <= *before ||
+      a.substr(begin + digitsOf(a).size()) != b.substr(begin + digitsOf(b).size()))
+    return std::nullopt;
+  return files.back().parent_path() /
+         (b.substr(0, begin) + inDigits(*last + count * (*last - *before), digitsOf(b).size()) +
+          b.substr(begin + digitsOf(b).size()));
+}
 
 std::optional<std::string> gapNote(const std::vector<std::filesystem::path>& files) {
   if (files.size() < 3) return std::nullopt;
@@ -259,9 +287,8 @@ std::optional<std::string> gapNote(const std::vector<std::filesystem::path>& fil
     gap = i;
   }
   if (missing == 0) return std::nullopt;
-  const std::string lost = std::to_string(numbers[gap - 1] + step);
-  const size_t width = splitAtLastNumber(names[gap - 1]).digits.size();
-  const std::string digits = std::string(width - std::min(width, lost.size()), '0') + lost;
+  const std::string digits =
+      inDigits(numbers[gap - 1] + step, splitAtLastNumber(names[gap - 1]).digits.size());
   const std::string what =
       missing == 1 ? "is missing" : fmt::format("and {} more are missing", missing - 1);
   return fmt::format("{}: {}{}{} {}, between {} and {}; those beside a gap are taken as neighbours",

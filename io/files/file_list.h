@@ -2,6 +2,7 @@
 // another. Plain functions, any thread.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -39,6 +40,11 @@ void requireOneSeries(const std::string& name, const std::vector<std::filesystem
 // One line where the numbers of files of one series go up in equal steps but for some that are
 // missing: which. nullopt: none missing, or no such series. The files are in order.
 std::optional<std::string> gapNote(const std::vector<std::filesystem::path>& files);
+
+// The file that would come `count` files after the last, of those whose names differ in one number
+// alone, in steps of the last two. nullopt: no such series. The files are in order.
+std::optional<std::filesystem::path> fileAfter(const std::vector<std::filesystem::path>& files,
+                                               int64_t count);
 
 // Sorts names as numbers are where a shell has sorted them as text ("s10" before "s2"). Returns
 // one line for people where the order changed, and where it stays another than that of the numbers.

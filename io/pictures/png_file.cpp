@@ -3,6 +3,9 @@
 #include <png.h>
 
 #include <cstring>
+#include <functional>
+#include <span>
+#include <utility>
 
 #include "io/files/file.h"
 #include "src/base/atomic_file.h"
@@ -14,12 +17,12 @@ namespace {
 // What libpng calls back into while it writes. It leaves by longjmp, which runs no destructors, so
 // nothing that needs one stands between setjmp and the jump.
 struct Writer {
-  AtomicFile file;
+  std::function<void(std::span<const std::byte>)> sink;
   png_structp png = nullptr;
   png_infop info = nullptr;
   char message[200] = "";
 
-  explicit Writer(const std::filesystem::path& path) : file(path) {}
+  explicit Writer(decltype(sink) to) : sink(std::move(to)) {}
   ~Writer() { png_destroy_write_struct(&png, &info); }
   Writer(const Writer&) = delete;
   Writer& operator=(const Writer&) = delete;
@@ -38,7 +41,7 @@ struct Writer {
   static void onFlush(png_structp) {}
   bool write(png_bytep from, size_t bytes) noexcept {
     try {
-      file.write({reinterpret_cast<const std::byte*>(from), bytes});
+      sink({reinterpret_cast<const std::byte*>(from), bytes});
       return true;
     } catch (const std::exception& e) {
       keepMessage(e.what());
@@ -61,19 +64,33 @@ struct Writer {
   }
 };
 
-}  // namespace
-
-void writePng(const std::filesystem::path& path, const Rgba8Picture& picture) {
+// `name`: of what cannot be written, for messages.
+void encode(const Rgba8Picture& picture, const std::string& name, decltype(Writer::sink) sink) {
   SLUICE_CHECK(picture.width > 0 && picture.height > 0);
   SLUICE_CHECK_EQ(picture.rgba.size(), size_t{4} * static_cast<size_t>(picture.width) *
                                            static_cast<size_t>(picture.height));
-  Writer writer(path);
+  Writer writer(std::move(sink));
   writer.png =
       png_create_write_struct(PNG_LIBPNG_VER_STRING, &writer, Writer::onError, Writer::onWarning);
   writer.info = writer.png == nullptr ? nullptr : png_create_info_struct(writer.png);
-  if (writer.info == nullptr) fail("{}: libpng cannot be used (version or memory)", path.string());
-  if (!writer.encode(picture)) fail("{}: cannot be written: {}", path.string(), writer.message);
-  writer.file.commit();
+  if (writer.info == nullptr) fail("{}: libpng cannot be used (version or memory)", name);
+  if (!writer.encode(picture)) fail("{}: cannot be written: {}", name, writer.message);
+}
+
+}  // namespace
+
+std::vector<std::byte> encodedPng(const Rgba8Picture& picture) {
+  std::vector<std::byte> bytes;
+  encode(picture, "a PNG picture", [&bytes](std::span<const std::byte> more) {
+    bytes.insert(bytes.end(), more.begin(), more.end());
+  });
+  return bytes;
+}
+
+void writePng(const std::filesystem::path& path, const Rgba8Picture& picture) {
+  AtomicFile file(path);
+  encode(picture, path.string(), [&file](std::span<const std::byte> more) { file.write(more); });
+  file.commit();
 }
 
 void writePng(const std::filesystem::path& path, const Picture& picture) {

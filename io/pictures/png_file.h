@@ -3,7 +3,9 @@
 // Written under a temporary name and renamed when whole. Plain functions, any thread.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
+#include <vector>
 
 #include "io/pictures/picture.h"
 
@@ -12,6 +14,8 @@ namespace sluice {
 // Throws Error when the file cannot be written; an older file of that name is then as it was.
 void writePng(const std::filesystem::path& path, const Rgba8Picture& picture);
 void writePng(const std::filesystem::path& path, const Picture& picture);  // of toRgba8(picture)
+// The bytes of such a file.
+std::vector<std::byte> encodedPng(const Rgba8Picture& picture);
 
 // Reads any PNG, whatever its depth and kind, as 8 bit RGBA. Throws Error: no PNG, damaged, or of
 // more than 2^28 pixels.

@@ -3,40 +3,22 @@
 #include <memory>
 #include <span>
 #include <string_view>
-#include <system_error>
 #include <utility>
 #include <vector>
 
 #include "io/files/file.h"
 #include "io/vdb/vdb_module.h"
 #include "src/base/error.h"
+#include "src/base/module_path.h"
 #include "src/base/shared_library.h"
-
-// Where the installed library's modules are, in programs that its package has built: it may have
-// been installed anywhere. Null in our own.
-extern "C" [[gnu::weak]] const char* sluiceModuleFolder();
 
 namespace sluice {
 namespace {
 
 namespace fs = std::filesystem;
 
-// Where the module is: absolute paths that were fixed when the program was built, one for the
-// program in its build folder, one for those that are linked to the installed library, and one for
-// the installed program. Nothing beside a program that was copied elsewhere, and nothing relative
-// to any folder, is ever opened.
-std::string modulePath() {
-  if (sluiceModuleFolder != nullptr)
-    return std::string(sluiceModuleFolder()) + "/" SLUICE_OPENVDB_MODULE;
-  std::error_code unknown;
-  const fs::path program = fs::read_symlink("/proc/self/exe", unknown);
-  const bool in_build_folder = !unknown && program.parent_path() == SLUICE_BUILD_FOLDER;
-  return in_build_folder ? SLUICE_BUILD_FOLDER "/" SLUICE_OPENVDB_MODULE
-                         : SLUICE_INSTALL_FOLDER "/" SLUICE_OPENVDB_MODULE;
-}
-
 OpenVdbGrid* openModule(const std::string& volume) {
-  const std::string name = modulePath();
+  const std::string name = modulePath("sluice_openvdb.so");
   try {
     const SharedLibrary library(std::span(&name, 1), "sluice's module for OpenVDB files");
     const std::string_view version = library.get<OpenVdbVersion*>(kOpenVdbVersion)();

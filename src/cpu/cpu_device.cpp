@@ -72,6 +72,7 @@ void CpuDevice::beginFrame(const FrameSetup& setup, const StopToken& stop) {
     ++shown_number_;
   }
   picture_.clear(setup_, kernels_);
+  if (setup_.is_part) parts_.begin(setup_, tables_->frame(), kernels_);
 }
 
 void CpuDevice::draw(std::span<const BoxDraw> boxes) {
@@ -123,18 +124,23 @@ void CpuDevice::drawNow() {
   forgetPutOff();
   const TileBins bins = tileBins(boxes, picture_.tilesAcross(), picture_.tilesUp());
   const KernelFrame& frame = tables_->frame();
-  const auto draw = setup_.mode == Mode::kComposite ? kernels_.composite : kernels_.other;
+  const bool composite = setup_.mode == Mode::kComposite, in_layers = composite && setup_.is_part;
+  const auto draw = composite ? kernels_.composite : kernels_.other;
   pool_.parallelFor(picture_.tiles(), [&](int64_t index) {
     TilePixels tile = picture_.tile(index);
     std::span<const uint32_t> rest = bins.of(index);
     while (!rest.empty()) {
       stop_.throwIfStopped();
       const auto part = rest.first(std::min(kBoxesBetweenStops, rest.size()));
-      draw(frame, boxes.data(), part.data(), part.size(), tile);
+      if (in_layers)
+        parts_.draw(index, boxes, part, tile);
+      else
+        draw(frame, boxes.data(), part.data(), part.size(), tile);
       rest = rest.subspan(part.size());
     }
     if (tile.taken > 0) taken_ += tile.taken;
   });
+  if (in_layers) checkPartRoom(parts_.bytes(), setup_.most_part_bytes);
 }
 
 std::vector<float> CpuDevice::leastOpacity(const MapGrid& grid) {
@@ -175,6 +181,16 @@ Picture CpuDevice::endFrame() {
   Picture picture = std::exchange(spare_, {});
   picture_.copyTo(setup_, picture);
   return picture;
+}
+
+PartialPicture CpuDevice::endPart() {
+  SLUICE_CHECK(setup_.is_part);
+  drawNow();
+  stop_.throwIfStopped();
+  if (setup_.mode != Mode::kComposite)
+    pool_.parallelFor(picture_.tiles(),
+                      [&](int64_t index) { parts_.takeOut(index, picture_.tile(index)); });
+  return parts_.end();
 }
 
 }  // namespace sluice

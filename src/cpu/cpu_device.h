@@ -21,6 +21,7 @@
 #include "src/cpu/kernel_frame.h"
 #include "src/cpu/leap_grid.h"
 #include "src/cpu/simd_target.h"
+#include "src/cpu/tile_parts.h"
 #include "src/cpu/tiled_picture.h"
 #include "src/device/device.h"
 
@@ -45,6 +46,8 @@ class CpuDevice : public Device {
   uint64_t countSamples(std::span<const BoxDraw> boxes) override;
   uint64_t takenSamples() override;
   Picture endFrame() override;
+  bool drawsParts() const override { return true; }
+  PartialPicture endPart() override;
   void cancelFrame() override { forgetPutOff(); }
 
  private:
@@ -74,6 +77,7 @@ class CpuDevice : public Device {
   uint64_t shown_number_ = 0;          // counts the changes of it
   StopToken stop_;
   TiledPicture picture_;
+  TileParts parts_;  // of a frame that is a part
   std::vector<BoxDraw> put_off_;
   double put_off_samples_ = 0;  // about
   std::atomic<uint64_t> taken_ = 0;

@@ -126,6 +126,7 @@ void appendPart(const FrameSetup& setup, const BoxDraw& box, const ChunkTexels* 
   result.lo = asFloats(lo - rays.origin0);
   result.hi = asFloats(hi - rays.origin0);
   result.axes = box.axes;
+  result.layer = box.layer;
   const double first = std::max(static_cast<double>(setup.first_slice), std::floor(near_slice));
   result.first_slice = static_cast<float>(first);
   const Vec3d at = rays.origin0 + rays.step0 * (first + 0.5) - lo;

@@ -83,6 +83,7 @@ struct KernelBox {
   // brick coordinates of texel 0, the last brick, and strides in bricks.
   const uint8_t* distances = nullptr;
   Float3 brick_at{}, brick_last{}, brick_stride{};
+  uint32_t layer = 0;  // of a part
   // Pixels that may see the box, [lo, hi).
   int x_lo = 0, y_lo = 0, x_hi = 0, y_hi = 0;
 };

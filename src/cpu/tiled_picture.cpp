@@ -187,7 +187,7 @@ void TiledPicture::copyTo(const FrameSetup& setup, Picture& picture) {
       }
     }
   });
-  if (setup.mode != Mode::kComposite) resolveMode(setup, 1, picture.rgba);
+  if (setup.mode != Mode::kComposite && !setup.is_part) resolveMode(setup, 1, picture.rgba);
 }
 
 }  // namespace sluice

@@ -16,6 +16,7 @@
 #include "src/base/stop_token.h"
 #include "src/device/chunk_texels.h"
 #include "src/device/frame_values.h"
+#include "src/device/partial_picture.h"
 
 namespace sluice {
 
@@ -91,6 +92,10 @@ class Device {
   virtual uint64_t takenSamples() = 0;
   // Waits for what was drawn; premultiplied.
   virtual Picture endFrame() = 0;
+  // Whether frames with setup.is_part are drawn layer by layer and end with endPart(), in the place
+  // of endFrame(). Of such a frame leastOpacity() and stopOpaque() are not asked.
+  virtual bool drawsParts() const { return false; }
+  virtual PartialPicture endPart() { return {}; }
   // The frame is not wanted any more: what was put off is dropped. Chunks stay resident. Also after
   // a beginFrame() that threw, and where no frame is under way.
   virtual void cancelFrame() = 0;

@@ -88,6 +88,10 @@ struct FrameSetup {
   bool shades_every_sample = false;  // reads, lights and blends what shows nothing too
   bool skips = false;  // may leave out samples that show nothing, or lie behind opaque
   bool lit = false;    // composite only: chunks carry a ghost layer around each block
+  // Others draw the rest of the picture: it ends with Device::endPart(), or, of modes other than
+  // composite and a device without it, with a picture of the numbers of partial_picture.h.
+  bool is_part = false;
+  uint64_t most_part_bytes = UINT64_MAX;  // that it may take; drawing more throws Error
   Lighting lighting;
   // Camera-space direction (right, up, toward the viewer) of one device value more a voxel along
   // each index axis: unit axis / spacing.
@@ -105,6 +109,7 @@ struct BoxDraw {
   Box3 cells;
   std::array<int, 3> axes{0, 1, 2};
   Vec3i texel_origin;
+  uint32_t layer = 0;  // of a part, see partial_picture.h
 };
 
 // A square grid of side x side cells on a plane of index space, seen from the eye: rows x, y and w

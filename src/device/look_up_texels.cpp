@@ -8,6 +8,8 @@ namespace {
 
 // Entries over which a sample's part fades to an end of what is visible, see LookUp.
 constexpr size_t kFadeEntries = 3;
+// Extremes of pixels that see nothing are no less.
+constexpr float kNothingSeen = 2e38F;
 
 // Modes other than composite: the part, 0 to 1, that a sample of each entry takes, as its alpha.
 void setParts(std::vector<float>& rgba) {
@@ -52,6 +54,11 @@ std::vector<float> lookUpTexels(const FrameSetup& setup) {
   return texels;
 }
 
+void scaleValues(double device_unit, std::vector<float>& rgba) {
+  for (size_t i = 0; i < rgba.size(); i += 4)
+    if (std::abs(rgba[i]) < kNothingSeen) rgba[i] *= static_cast<float>(device_unit);
+}
+
 void resolveMode(const FrameSetup& setup, double device_unit, std::vector<float>& rgba) {
   const auto& table = setup.look_up.rgba;
   const size_t entries = table.size() / 4;
@@ -60,7 +67,7 @@ void resolveMode(const FrameSetup& setup, double device_unit, std::vector<float>
       range.hi > range.lo ? static_cast<double>(entries - 1) / (range.hi - range.lo) : 0;
   for (size_t i = 0; i < rgba.size(); i += 4) {
     const bool average = setup.mode == Mode::kAverage;
-    const bool seen = average ? rgba[i + 1] > 0 : std::abs(rgba[i]) < 2e38F;
+    const bool seen = average ? rgba[i + 1] > 0 : std::abs(rgba[i]) < kNothingSeen;
     double device = seen ? rgba[i] * device_unit : 0;
     if (seen && average) device /= rgba[i + 1];
     const float part = !seen                        ? 0

@@ -19,5 +19,7 @@ std::vector<float> lookUpTexels(const FrameSetup& setup);
 // part; sum of values times their parts and sum of parts. A value of 1 there is `device_unit`
 // device values; one beyond 2e38 says that nothing is seen.
 void resolveMode(const FrameSetup& setup, double device_unit, std::vector<float>& rgba);
+// In place: the same numbers for a unit of 1.
+void scaleValues(double device_unit, std::vector<float>& rgba);
 
 }  // namespace sluice

@@ -333,7 +333,12 @@ Picture GlDevice::endFrame() {
   picture.height = target_.size().height;
   picture.depth.clear();
   target_.read(GL_COLOR_ATTACHMENT0, picture.rgba);
-  if (setup_.mode != Mode::kComposite) resolveMode(setup_, valueScale(setup_.type), picture.rgba);
+  if (setup_.mode != Mode::kComposite) {
+    if (setup_.is_part)
+      scaleValues(valueScale(setup_.type), picture.rgba);
+    else
+      resolveMode(setup_, valueScale(setup_.type), picture.rgba);
+  }
   if (variant_.with_depth) {
     std::vector<float> sums;
     target_.read(GL_COLOR_ATTACHMENT1, sums);

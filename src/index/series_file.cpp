@@ -13,7 +13,7 @@ namespace {
 
 struct Header {
   int64_t dims[3];
-  int64_t size, ghost, steps, part_cells, direction_rows;
+  int64_t size, ghost, steps, part_cells, direction_rows, detail_bits;
   double difference;
   friend bool operator==(const Header&, const Header&) = default;
 };
@@ -27,6 +27,7 @@ Header headerOf(const SeriesRecipe& recipe) {
           recipe.steps,
           recipe.part_cells,
           recipe.directions.rows,
+          recipe.detail_bits,
           recipe.difference};
 }
 
@@ -94,7 +95,8 @@ std::vector<uint8_t> packFunctions(const SeriesOpacity& series) {
   std::vector<uint8_t> out;
   for (const OpacityFunction& function : series.functions) {
     out.push_back(function.floor);
-    for (const std::vector<uint8_t>* table : {&function.ratios, &function.parts}) {
+    for (const std::vector<uint8_t>* table :
+         {&function.ratios, &function.parts, &function.detail}) {
       pack(out, table->size());
       out.insert(out.end(), table->begin(), table->end());
     }
@@ -107,7 +109,8 @@ bool unpackFunctions(const std::vector<uint8_t>& bytes, uint64_t count, SeriesOp
   if (count > bytes.size()) return false;
   for (uint64_t i = 0; i < count; ++i) {
     OpacityFunction function;
-    if (!in.byte(function.floor) || !in.list(function.ratios) || !in.list(function.parts))
+    if (!in.byte(function.floor) || !in.list(function.ratios) || !in.list(function.parts) ||
+        !in.list(function.detail) || !detailFits(function.parts, function.detail))
       return false;
     const auto cells = static_cast<size_t>(series.directions.count());
     if (!function.ratios.empty() && function.ratios.size() != cells) return false;
@@ -207,10 +210,10 @@ IndexKey seriesKey(const VolumeSource& source, const SeriesRecipe& recipe) {
   const VolumeLayout& voxels = source.layout();
   const BlockLayout& layout = recipe.layout;
   return {source.identity(),
-          fmt::format("opacity-{}{}-{}x{}x{}-{}-p{}-d{}-e{}-of{}-{:016x}", layout.size,
+          fmt::format("opacity-{}{}-{}x{}x{}-{}-p{}.{}-d{}-e{}-of{}-{:016x}", layout.size,
                       layout.ghost == 0 ? "" : "-lit", layout.dims.x, layout.dims.y, layout.dims.z,
-                      voxels.name, recipe.part_cells, recipe.directions.rows, recipe.difference,
-                      recipe.steps, hashOf(bytesOf(recipe.transfer))),
+                      voxels.name, recipe.part_cells, recipe.detail_bits, recipe.directions.rows,
+                      recipe.difference, recipe.steps, hashOf(bytesOf(recipe.transfer))),
           kSeriesVersion};
 }
 

@@ -21,7 +21,7 @@
 namespace sluice {
 
 // Of the bytes' meaning: goes up when they, or what a function is, change.
-inline constexpr uint32_t kSeriesVersion = 1;
+inline constexpr uint32_t kSeriesVersion = 2;
 
 // What functions follow from beside the voxels.
 struct SeriesRecipe {
@@ -31,6 +31,7 @@ struct SeriesRecipe {
   double difference = 0.001;
   int64_t part_cells = 4;
   DirectionGrid directions;
+  int detail_bits = kMostDetailBits;
 };
 
 // What is kept with them.

@@ -50,10 +50,11 @@ class Pass {
   uint64_t bytesOfBlock() const {
     const int64_t side = layout_.cells() + 1;
     const auto voxels = static_cast<uint64_t>(volume(Vec3i{side, side, side}));
-    const uint64_t parts = voxels / static_cast<uint64_t>(options_.part_cells);
-    // Voxels as they are read, and the opacities and parts of one block and the representative.
+    const auto cubes = static_cast<uint64_t>(
+        volume(PartGrid{{side, side, side}, options_.part_cells / kDetail}.count()));
+    // Voxels as they are read, and the opacities and cubes of one block and the representative.
     return voxels * (bytesPerVoxel(source_.layout().type) + bytesPerVoxel(type_)) +
-           2 * (voxels + parts) * sizeof(float);
+           2 * (voxels + cubes) * sizeof(float);
   }
 
   // As progress counts them: voxels of so many blocks at one step.
@@ -125,7 +126,7 @@ class Pass {
   void fill(int64_t block, const StepBlocks& known, const Box3& box,
             const std::vector<std::byte>& voxels, OpacityBlock& out) const {
     const Box3 own = voxelsOf(block);
-    const PartGrid grid{own.size() - Vec3i{1, 1, 1}, options_.part_cells};
+    const PartGrid grid{own.size() - Vec3i{1, 1, 1}, options_.part_cells / kDetail};
     if (known.isUniform(block)) {
       fillUniform(known.valueOf(block), grid, table_, out);
       return;
@@ -184,9 +185,10 @@ class Pass {
     Stopwatch watch;
     BlockOpacity& done = growing.done;
     done.spans.push_back({growing.since, static_cast<int32_t>(done.functions.size())});
-    done.functions.push_back(
-        growing.is_empty ? OpacityFunction{}
-                         : opacityFunction(growing.representative.parts, options_.directions));
+    done.functions.push_back(growing.is_empty
+                                 ? OpacityFunction{}
+                                 : opacityFunction(growing.representative.parts,
+                                                   options_.directions, options_.detail_bits));
     add(clocks_.functions, watch);
   }
 
@@ -236,6 +238,7 @@ SeriesOpacity makeSeriesOpacity(VolumeSource& source, const BlockLayout& layout,
                                 ProgressMeter& progress, SeriesPassReport* report,
                                 const StopToken& stop) {
   SLUICE_CHECK_EQ(static_cast<int64_t>(steps.size()), source.layout().time_steps);
+  SLUICE_CHECK(options.part_cells > 0 && options.part_cells % kDetail == 0);
   SeriesOpacity series;
   series.dims = layout.dims;
   series.grid = layout.grid;

@@ -41,8 +41,9 @@ class StepBlocks {
 };
 
 struct SeriesPassOptions {
-  double difference = 0.001;  // blocks of less (equation 2) are fused; 0: none are
-  int64_t part_cells = 4;
+  double difference = 0.001;          // blocks of less (equation 2) are fused; 0: none are
+  int64_t part_cells = 4;             // a side; a multiple of kDetail
+  int detail_bits = kMostDetailBits;  // see part_detail.h
   DirectionGrid directions = {};
   uint64_t most_bytes = uint64_t{256} << 20;  // of all workers
 };

@@ -58,10 +58,11 @@ IndexNeeds needsOf(const LookArguments& look, Mode mode) {
 std::unique_ptr<VolumeSource> openSource(const VolumeArguments& arguments) {
   auto source = openVolume(arguments.inputs, arguments.open);
   const int64_t steps = source->layout().time_steps;
-  if (arguments.time < 0 || arguments.time >= steps)
-    fail("{}: --time {}: the volume has {} time step{}, counted from 0", arguments.inputs.front(),
-         arguments.time, steps, steps == 1 ? "" : "s");
-  return source;
+  if (arguments.time >= 0 && arguments.time < steps) return source;
+  const std::optional<std::string> missing = missingStep(*source, arguments.time);
+  fail("{}: --time {}: the volume has {} time step{}, counted from 0{}", arguments.inputs.front(),
+       arguments.time, steps, steps == 1 ? "" : "s",
+       missing ? "; " + *missing + " is missing" : "");
 }
 
 IndexedVolume indexVolume(std::unique_ptr<VolumeSource> source, const VolumeArguments& arguments,

@@ -16,7 +16,8 @@ constexpr double kLeastExponent = 0.2;
 SeriesRecipe recipeOf(const IndexedVolume& volume, const TransferFunction& transfer,
                       const SeriesOptions& options) {
   return {transfer,           volume.layout,      volume.source->layout().time_steps,
-          options.difference, options.part_cells, {options.direction_rows}};
+          options.difference, options.part_cells, {options.direction_rows},
+          options.detail_bits};
 }
 
 // Names the functions that were made last, whatever their look.
@@ -36,7 +37,7 @@ OpacityTable tableOf(const TransferFunction& transfer, const IndexedVolume& volu
 
 // Of the look itself, or of another one that it is a member of the family of.
 std::optional<SeriesFunctions> keptFunctions(const IndexedVolume& volume,
-                                             const SeriesRecipe& recipe) {
+                                             const SeriesRecipe& recipe, bool of_others) {
   SeriesFunctions found;
   found.state = "read";
   IndexRead own = readIndex(volume.places, seriesKey(*volume.source, recipe));
@@ -49,6 +50,7 @@ std::optional<SeriesFunctions> keptFunctions(const IndexedVolume& volume,
       return found;
     }
   }
+  if (!of_others) return std::nullopt;
   const IndexRead last = readIndex(volume.places, lastKey(volume, recipe));
   if (!last.blob) return std::nullopt;
   IndexKey key = seriesKey(*volume.source, recipe);
@@ -83,35 +85,12 @@ void keep(const IndexedVolume& volume, const SeriesRecipe& recipe, SeriesFunctio
              std::as_bytes(std::span(key.what.data(), key.what.size())));
 }
 
-}  // namespace
-
-double greatestExponent(const OpacityTable& a, const OpacityTable& b) {
-  if (a.entries() != b.entries() || a.deviceRange() != b.deviceRange() || a.labels() != b.labels())
-    return 0;
-  const ExtinctionTable of_a(a), of_b(b);
-  double least = 1e9;
-  for (size_t i = 0; i < of_a.entries().size(); ++i) {
-    const double have = static_cast<double>(of_a.entries()[i]);
-    const double want = static_cast<double>(of_b.entries()[i]);
-    if (want > 0) least = std::min(least, have / want);
-  }
-  // Between two entries opacities are interpolated, which of extinctions says a little less.
-  constexpr double kBetweenEntries = 0.998;
-  return least > 1e8 ? 0 : least == 1 ? 1 : least * kBetweenEntries;
-}
-
-TimeStep stepOfSeries(const IndexedVolume& volume, int64_t time, const IndexPass& pass) {
-  if (time == volume.time) return volume.step();
-  auto ranges = std::make_shared<SliceRanges>(rangesOfStep(volume, time, pass).ranges);
-  ranges->device_range = volume.index->ranges.device_range;
-  return {volume.source.get(), time, std::move(ranges)};
-}
-
-SeriesFunctions seriesFunctions(const IndexedVolume& volume, const TransferFunction& transfer,
-                                const SeriesOptions& options, const IndexPass& pass) {
+SeriesFunctions functionsOfLook(const IndexedVolume& volume, const TransferFunction& transfer,
+                                const SeriesOptions& options, const IndexPass& pass,
+                                bool of_others) {
   const SeriesRecipe recipe = recipeOf(volume, transfer, options);
   if (!options.anew)
-    if (auto found = keptFunctions(volume, recipe)) return std::move(*found);
+    if (auto found = keptFunctions(volume, recipe, of_others)) return std::move(*found);
   auto kept = std::make_shared<KeptSeries>();
   kept->transfer = transfer;
   kept->device_range = volume.index->ranges.device_range;
@@ -124,6 +103,7 @@ SeriesFunctions seriesFunctions(const IndexedVolume& volume, const TransferFunct
   SeriesPassOptions how;
   how.difference = options.difference;
   how.part_cells = options.part_cells;
+  how.detail_bits = options.detail_bits;
   how.directions = recipe.directions;
   how.most_bytes = std::min(how.most_bytes, pass.memory_bytes / 4);
   kept->opacity = makeSeriesOpacity(*volume.source, volume.layout, steps, table, how, pass.pool,
@@ -137,6 +117,88 @@ SeriesFunctions seriesFunctions(const IndexedVolume& volume, const TransferFunct
     keep(volume, recipe, made);
   }
   return made;
+}
+
+SeriesFunctions functionsOfFamily(const IndexedVolume& volume, const TransferFunction& transfer,
+                                  const SeriesOptions& options, const IndexPass& pass) {
+  SeriesFunctions family;
+  family.state = "read";
+  std::vector<SeriesFunctions> each;
+  std::vector<OpacityTable> tables;
+  std::vector<const SeriesOpacity*> bases;
+  for (const TransferFunction& basis : options.basis) {
+    each.push_back(functionsOfLook(volume, basis, options, pass, false));
+    const SeriesFunctions& made = each.back();
+    if (made.state != "read") family.state = made.state;
+    family.path = made.path;
+    family.bytes += made.bytes;
+    tables.push_back(tableOf(basis, volume, made.kept->device_range));
+    bases.push_back(&made.kept->opacity);
+  }
+  const KeptSeries& first = *each.front().kept;
+  family.exponents = familyExponents(tableOf(transfer, volume, first.device_range), tables);
+  if (std::ranges::all_of(family.exponents, [](double k) { return k == 0; }))
+    family.note =
+        "the look is no member of the basis' family: nothing is culled; sluice prepare "
+        "without --basis makes functions of its own";
+  auto kept = std::make_shared<KeptSeries>();
+  kept->transfer = transfer;
+  kept->device_range = first.device_range;
+  kept->nonempty = first.nonempty;
+  kept->report = first.report;
+  for (size_t i = 1; i < each.size(); ++i) {
+    const KeptSeries& other = *each[i].kept;
+    for (size_t step = 0; step < kept->nonempty.size(); ++step)
+      kept->nonempty[step] = std::max(kept->nonempty[step], other.nonempty[step]);
+    kept->report.read_seconds += other.report.read_seconds;
+    kept->report.functions_seconds += other.report.functions_seconds;
+    kept->report.fusion_seconds += other.report.fusion_seconds;
+    kept->report.tree_seconds += other.report.tree_seconds;
+  }
+  kept->opacity = combined(bases, family.exponents);
+  family.kept = std::move(kept);
+  return family;
+}
+
+}  // namespace
+
+std::vector<double> familyExponents(const OpacityTable& a, std::span<const OpacityTable> basis) {
+  // Between two entries opacities are interpolated, which of extinctions says a little less.
+  constexpr double kBetweenEntries = 0.998;
+  const std::vector<float> of_a = ExtinctionTable(a).entries();
+  std::vector<double> left(of_a.begin(), of_a.end()), exponents;
+  for (const OpacityTable& b : basis) {
+    double least = 1e9;
+    if (a.entries() == b.entries() && a.deviceRange() == b.deviceRange() &&
+        a.labels() == b.labels()) {
+      const std::vector<float> of_b = ExtinctionTable(b).entries();
+      for (size_t i = 0; i < left.size(); ++i)
+        if (of_b[i] > 0) least = std::min(least, left[i] / static_cast<double>(of_b[i]));
+      const double k = least > 1e8 ? 0 : least == 1 ? 1 : std::max(least, 0.0) * kBetweenEntries;
+      for (size_t i = 0; i < left.size(); ++i) left[i] -= k * static_cast<double>(of_b[i]);
+      exponents.push_back(k);
+    } else {
+      exponents.push_back(0);
+    }
+  }
+  return exponents;
+}
+
+double greatestExponent(const OpacityTable& a, const OpacityTable& b) {
+  return familyExponents(a, {&b, 1}).front();
+}
+
+TimeStep stepOfSeries(const IndexedVolume& volume, int64_t time, const IndexPass& pass) {
+  if (time == volume.time) return volume.step();
+  auto ranges = std::make_shared<SliceRanges>(rangesOfStep(volume, time, pass).ranges);
+  ranges->device_range = volume.index->ranges.device_range;
+  return {volume.source.get(), time, std::move(ranges)};
+}
+
+SeriesFunctions seriesFunctions(const IndexedVolume& volume, const TransferFunction& transfer,
+                                const SeriesOptions& options, const IndexPass& pass) {
+  return options.basis.empty() ? functionsOfLook(volume, transfer, options, pass, true)
+                               : functionsOfFamily(volume, transfer, options, pass);
 }
 
 }  // namespace sluice

@@ -5,7 +5,9 @@
 
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "src/index/series_file.h"
 #include "src/library/indexed_volume.h"
@@ -16,11 +18,17 @@ struct SeriesOptions {
   double difference = 0.001;  // see SeriesPassOptions
   int64_t part_cells = 4;
   int direction_rows = 4;
+  int detail_bits = kMostDetailBits;  // see part_detail.h
+  // Functions are made for each of these and put together for the look (equation 4), so that other
+  // looks of the same family need none. Empty: they are made for the look itself.
+  std::vector<TransferFunction> basis = {};
   bool anew = false;  // not read from the index, and not kept in it
 };
 
 struct SeriesFunctions {
   std::shared_ptr<const KeptSeries> kept;
+  // With a basis, of each of its functions; they are in `kept`.
+  std::vector<double> exponents = {};
   // The look's extinction is at least this times that of the functions' transfer function
   // (Gao 2004, equation 4, of a basis of one): 1 where it is the same.
   double exponent = 1;
@@ -47,5 +55,9 @@ TimeStep stepOfSeries(const IndexedVolume& volume, int64_t time, const IndexPass
 // The greatest k for which (1 - b)^k is nowhere less than 1 - a, with a and b the opacities of the
 // tables; 0 where the tables cannot be compared.
 double greatestExponent(const OpacityTable& a, const OpacityTable& b);
+// Exponents for which the product of all (1 - b)^k is nowhere less than 1 - a: the greatest for the
+// first of the basis, then for the second with what is left, and so on. 0 for those that add
+// nothing or cannot be compared.
+std::vector<double> familyExponents(const OpacityTable& a, std::span<const OpacityTable> basis);
 
 }  // namespace sluice

@@ -49,14 +49,21 @@ VisibleBlocksPtr CulledBlocks::choose(const BlockQuestion& question) {
   if (!same_view || !estimate_) {
     EstimateOptions estimate{
         options_.form, options_.opacity_threshold, {question.crop}, {}, options_.exponent};
+    estimate.tile_stride = options_.tile_stride;
+    estimate.first_tile = options_.first_tile;
+    if (!options_.uses_coherence || series_->steps == 1) estimate.most_kept_bytes = 0;
     estimate.clip_planes = viewSetup(question.view, layout_, options_.clip_planes).clip_planes;
     estimate_.emplace(series_, estimateView(question.view, layout_), estimate);
   }
   estimate_->setStep(question.step.time, pool_, !options_.uses_coherence);
+  std::vector<bool> reached(static_cast<size_t>(series_->blockCount()));
+  for (size_t block = 0; block < reached.size(); ++block)
+    reached[block] = estimate_->reaches(static_cast<int64_t>(block));
+  if (options_.exchange) options_.exchange(question.step.time, reached);
   auto chosen = std::make_shared<VisibleBlocks>();
   chosen->white = all->white;
   for (const ObjectBlock& block : all->blocks) {
-    if (!estimate_->reaches(block.block)) continue;
+    if (!reached[static_cast<size_t>(block.block)]) continue;
     (block.kind == BlockClass::kBlack ? chosen->black : chosen->grey) += 1;
     chosen->blocks.push_back(block);
   }

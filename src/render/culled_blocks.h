@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -23,6 +24,10 @@ struct CullingOptions {
   bool uses_coherence = true;  // the tree; without it every step is looked at as a whole
   std::vector<WorldPlane> clip_planes = {};
   double exponent = 1;  // see EstimateOptions
+  // Of several processes that look at a picture together each has its tiles, see EstimateOptions;
+  // `exchange` makes of what one has found to be reached at a step, block by block, what all have.
+  int tile_stride = 1, first_tile = 0;
+  std::function<void(int64_t time, std::vector<bool>& reached)> exchange = {};
 };
 
 // What the last choice took and found.

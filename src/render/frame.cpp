@@ -51,6 +51,7 @@ Frame Session::frame() {
   if (options_.count_samples) run.countSamples();
   frame.phases = run.drawPhases();
   frame.report = run.report();
+  frame.blocks = visible;
   lessons_ = run.lessons();
   ++frame_number_;
   afterwards_.reset();

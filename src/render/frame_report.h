@@ -8,6 +8,7 @@
 
 #include "io/pictures/picture.h"
 #include "src/render/frame_occlusion.h"
+#include "src/render/visible_blocks.h"
 
 namespace sluice {
 
@@ -59,6 +60,7 @@ struct Frame {
   Picture picture;
   FrameReport report;
   std::vector<FramePhase> phases;  // where they are kept
+  VisibleBlocksPtr blocks;         // that it drew
 };
 
 }  // namespace sluice

@@ -63,11 +63,15 @@ Picture FrameRun::draw() {
   residency_.unpinAll();
   const Deadline deadline = this->deadline();
   size_t visit = 0;
+  bool is_read = false;
+  const auto tellRead = [&] {
+    if (!std::exchange(is_read, true) && values_.when_read) values_.when_read();
+  };
   tellProgress(visit);
   while (const auto taken = ahead_->take(deadline)) {
     options_.stop.throwIfStopped();
     makeResident(*taken);
-    if (ahead_->isDone() && values_.when_read) values_.when_read();
+    if (ahead_->isDone()) tellRead();
     if (!taken->step.completes_cluster) continue;
     const Visit& now = values_.order->visits[visit++];
     if (now.draws) {
@@ -76,6 +80,7 @@ Picture FrameRun::draw() {
     }
     tellProgress(visit);
   }
+  tellRead();  // also of a frame that shows nothing
   const Stopwatch watch;
   Picture picture = device_.endFrame();
   report_.stages.draw += watch.seconds();

@@ -13,6 +13,13 @@ constexpr int kSide = VisibilityEstimate::kTileSide;
 constexpr size_t kTilePixels = static_cast<size_t>(kSide) * kSide;
 static_assert(kSide == TileRays::kSide);
 
+// How far from a block a sample may be, in voxels, that a device's arithmetic puts into it.
+constexpr double kPlaceDoubt = 1e-3;
+
+Vec3d cube(double side) {
+  return {side, side, side};
+}
+
 }  // namespace
 
 // What a thread works in.
@@ -21,166 +28,211 @@ class VisibilityEstimate::TileWork {
   TileWork(const VisibilityEstimate& of, const Tile& tile)
       : of_(of), tile_(tile.pixels), width_(tile_.x1 - tile_.x0), height_(tile_.y1 - tile_.y0) {
     rays_.set(of.view_.rays, of.view_.parallel, of.view_.first_slice, tile_.x0, tile_.y0);
+    is_open_.fill(true);
   }
 
-  // Whether a ray that is not opaque meets the block.
+  // Whether a ray that is not opaque has a sample in the block.
   bool reaches(uint32_t block) {
-    const Box3 cells = of_.series_->cellsOf(block);
-    setBox(cells, of_.places_[block].footprint);
+    const Box3 cells = series().cellsOf(block);
+    setPixels(of_.places_[block].footprint);
+    const auto planes = rays_.planesOf(toDouble(cells.lo) - cube(kPlaceDoubt),
+                                       toDouble(cells.hi) + cube(kPlaceDoubt));
     for (int y = y0_; y < y1_; ++y) {
-      rays_.thickness(planes_, y, x0_, x1_, thickness_.data());
-      const float* sum = sum_.data() + y * kSide + x0_;
-      for (int x = 0; x < x1_ - x0_; ++x)
-        if (thickness_[static_cast<size_t>(x)] > -kThicknessDoubt && sum[x] < of_.limit_)
-          return true;
+      if (!is_open_[static_cast<size_t>(y)]) continue;
+      rays_.stretches(planes, y, x0_, x1_, entry_, exit_);
+      samplesOf(entry_, exit_, x0_, x1_, -kSliceDoubt, first_, count_);
+      const float* sum = sum_.data() + y * kSide;
+      bool reached = false;
+      for (int x = x0_; x < x1_; ++x)
+        reached |= (count_[static_cast<size_t>(x)] > 0) & (sum[x] < of_.limit_);
+      if (reached) return true;
     }
     return false;
   }
 
-  // What the block adds along each ray.
-  void add(uint32_t block, const OpacityFunction& function) {
+  // What the block adds along each ray. `kept`: what is known of that, and becomes known; nullptr:
+  // not kept.
+  void add(uint32_t block, const OpacityFunction& function, Added* kept) {
     const Place& place = of_.places_[block];
     const bool whole = of_.options_.form != OpacityForm::kOpof;
-    if (function.empty() || (whole && !place.whole)) {
-      if (!whole && rises_) addBox(of_.series_->cellsOf(block), place.footprint, 0);
-      return;
+    if (function.empty() || (whole && !place.whole)) return;
+    setPixels(place.footprint);
+    is_set_ = false;
+    batch_.reset();
+    for (int y = y0_; y < y1_; ++y) {
+      if (!is_open_[static_cast<size_t>(y)]) continue;
+      const size_t row = static_cast<size_t>(y) * kSide;
+      if (findKnown(kept, row)) continue;
+      if (!is_set_) setBlock(block, function);
+      addRow(place, y);
     }
-    const float ratio = place.whole ? of_.ratioOf(function, place) : 0;
-    if (whole) {
-      addWhole(block, function, ratio);
-      return;
-    }
-    const float floor = of_.extinction_[function.floor];
-    const bool has_table = ratio > floor;
-    if (has_table) before_ = sum_;
-    addParts(block, function);
-    if (has_table) takeGreater(block, floor, ratio);
+    if (batch_) batch_->finish();
+    for (int y = y0_; y < y1_; ++y)
+      if (is_open_[static_cast<size_t>(y)]) sumRow(kept, y);
   }
 
   bool isOpaque() const {
-    for (int y = 0; y < height_; ++y) {
-      const float* sum = sum_.data() + y * kSide;
-      float least = sum[0];
-      for (int x = 0; x < width_; ++x) least = std::min(least, sum[x]);
-      if (least < of_.limit_) return false;
-    }
-    return true;
+    return std::none_of(is_open_.begin(), is_open_.begin() + height_,
+                        [](bool open) { return open; });
   }
 
  private:
-  void setBox(const Box3& cells, const Rect& footprint) {
-    planes_ = rays_.planesOf(toDouble(cells.lo), toDouble(cells.hi));
+  void setPixels(const Rect& footprint) {
     x0_ = std::max(footprint.x0, tile_.x0) - tile_.x0;
     x1_ = std::min(footprint.x1, tile_.x1) - tile_.x0;
     y0_ = std::max(footprint.y0, tile_.y0) - tile_.y0;
     y1_ = std::min(footprint.y1, tile_.y1) - tile_.y0;
   }
 
-  void addBox(const Box3& cells, const Rect& footprint, float extinction) {
-    setBox(cells, footprint);
-    for (int y = y0_; y < y1_; ++y) {
-      rays_.thickness(planes_, y, x0_, x1_, thickness_.data());
-      const int at = y * kSide + x0_;
-      addStretch(thickness_.data(), x1_ - x0_, extinction,
-                 {sum_.data() + at, level_.data() + at, rising_.data() + at, since_.data() + at});
+  // What the block's parts hide; those that may not show, nothing.
+  void setParts(uint32_t block, const OpacityFunction& function) {
+    const PartGrid grid = series().partsOf(block);
+    const Vec3i count = grid.count(), lo = series().cellsOf(block).lo;
+    cube_cells_ = static_cast<double>(grid.side) / kDetail;
+    for (int a = 0; a < 3; ++a)
+      part_count_[static_cast<size_t>(a)] = static_cast<int32_t>(count[a]);
+    const auto parts = static_cast<size_t>(volume(count));
+    cubes_.assign(4 * parts, 0);
+    levels_.assign(4 * parts, of_.extinction_[function.floor]);
+    DetailReader in(function.parts, function.detail);
+    const bool whole = of_.places_[block].whole;
+    for (size_t i = 0; i < parts; ++i) {
+      if (!function.parts.empty()) {
+        const PartLevels part = in.next();
+        for (size_t level = 0; level < 4; ++level) {
+          cubes_[4 * i + level] = part.cubes[level];
+          levels_[4 * i + level] = of_.extinction_[part.levels[level]];
+        }
+      }
+      if (whole) continue;
+      const auto at = static_cast<int64_t>(i);
+      const Vec3i part{at % count.x, at / count.x % count.y, at / (count.x * count.y)};
+      if (of_.isShown(translate(grid.cellsOf(part), lo))) continue;
+      std::fill_n(levels_.begin() + static_cast<ptrdiff_t>(4 * i), 4, 0.0F);
     }
-    rises_ = rises_ || extinction > 0;
   }
 
-  // Part by part, front to back; those of nothing end what is in front of them.
-  void addParts(uint32_t block, const OpacityFunction& function) {
+  // Finds the rays of the row of which what was added is enough: all of it, or so much that the ray
+  // is opaque. Whether that is all of them.
+  bool findKnown(const Added* kept, size_t row) {
+    bool all = true;
+    for (size_t i = row + first_x(); i < row + end_x(); ++i) {
+      const float along = kept != nullptr ? kept->along[i] : -0.0F;
+      is_known_[i] = !std::signbit(along) | (sum_[i] - along >= of_.limit_);
+      added_[i] = std::abs(along);
+      by_table_[i] = 0;
+      all &= is_known_[i];
+    }
+    return all;
+  }
+
+  // Adds what the row's rays have got, and keeps it. A ray that became opaque may not have been
+  // followed to its end.
+  void sumRow(Added* kept, int y) {
+    const size_t row = static_cast<size_t>(y) * kSide;
+    for (size_t i = row + first_x(); i < row + end_x(); ++i) {
+      added_[i] = std::max(added_[i], by_table_[i]);
+      if (kept != nullptr && !is_known_[i]) {
+        const bool is_cut = has_parts_ && taken_[i] < counts_[i];
+        kept->along[i] = is_cut || sum_[i] + added_[i] >= of_.limit_ ? -added_[i] : added_[i];
+        kept->end[i] = is_cut ? static_cast<float>(firsts_[i] + taken_[i])
+                              : std::numeric_limits<float>::infinity();
+      }
+      sum_[i] += added_[i];
+    }
+    float least = of_.limit_;
+    for (size_t i = row; i < row + static_cast<size_t>(width_); ++i)
+      least = std::min(least, sum_[i]);
+    is_open_[static_cast<size_t>(y)] = least < of_.limit_;
+  }
+
+  size_t first_x() const { return static_cast<size_t>(x0_); }
+  size_t end_x() const { return static_cast<size_t>(x1_); }
+
+  void setBlock(uint32_t block, const OpacityFunction& function) {
     const Place& place = of_.places_[block];
-    const Box3 cells = of_.series_->cellsOf(block);
-    if (function.parts.empty() && place.whole) {
-      addBox(cells, place.footprint, of_.extinction_[function.floor]);
+    whole_ = of_.options_.form != OpacityForm::kOpof;
+    floor_ = of_.extinction_[function.floor];
+    ratio_ = place.whole ? of_.ratioOf(function, place) : 0;
+    has_parts_ = !whole_ && (!function.parts.empty() || !place.whole);
+    if (has_parts_) {
+      setParts(block, function);
+      batch_.emplace(PartValues{cubes_.data(), levels_.data(), part_count_}, added_.data(),
+                     taken_.data());
+    }
+    const Box3 cells = series().cellsOf(block);
+    lo_ = toDouble(cells.lo);
+    planes_ = rays_.planesOf(lo_, toDouble(cells.hi));
+    if (whole_) setWhole(cells, place, floor_, ratio_);
+    is_set_ = true;
+  }
+
+  void addRow(const Place& place, int y) {
+    const size_t row = static_cast<size_t>(y) * kSide;
+    rays_.stretches(planes_, y, x0_, x1_, entry_, exit_);
+    if (whole_) {
+      addWhole(place, row);
       return;
     }
-    const PartGrid grid = of_.series_->partsOf(block);
-    const Vec3i count = grid.count();
-    for (int a = 0; a < 3; ++a) setOrder(a, count[a], grid.side, cells.lo[a]);
-    // Layers and rows of parts first: most have nothing in a tile.
-    for (const int64_t z : order_[2]) {
-      const Box3 layer{grid.cellsOf({0, 0, z}).lo + cells.lo,
-                       grid.cellsOf({count.x - 1, count.y - 1, z}).hi + cells.lo};
-      if (!meets(of_.footprintOf(layer))) continue;
-      for (const int64_t y : order_[1]) {
-        const Box3 row{grid.cellsOf({0, y, z}).lo + cells.lo,
-                       grid.cellsOf({count.x - 1, y, z}).hi + cells.lo};
-        if (!meets(of_.footprintOf(row))) continue;
-        for (const int64_t x : order_[0])
-          addPart(translate(grid.cellsOf({x, y, z}), cells.lo), place.whole,
-                  function.parts.empty()
-                      ? function.floor
-                      : function.parts[static_cast<size_t>((z * count.y + y) * count.x + x)]);
-      }
+    samplesOf(entry_, exit_, x0_, x1_, kSliceDoubt, first_, count_);
+    if (has_parts_)
+      addParts(y);
+    else
+      for (size_t x = first_x(); x < end_x(); ++x)
+        if (!is_known_[row + x]) added_[row + x] = floor_ * static_cast<float>(count_[x]);
+    if (ratio_ > floor_) noteTable(place, row);
+  }
+
+  void addParts(int y) {
+    rays_.positions(lo_, 1 / cube_cells_, y, x0_, x1_, first_, positions_);
+    for (size_t x = first_x(), i = static_cast<size_t>(y) * kSide + x; x < end_x(); ++x, ++i) {
+      if (is_known_[i]) continue;
+      added_[i] = 0;
+      taken_[i] = 0;
+      firsts_[i] = first_[x];
+      counts_[i] = count_[x];
+      const float room = of_.limit_ - sum_[i];
+      if (room > 0 && count_[x] > 0) batch_->add(positions_, x, count_[x], room, i);
     }
   }
 
-  // That of a parallel view is that of the last block, if it has as many parts.
-  void setOrder(int axis, int64_t count, int64_t side, int64_t first) {
-    std::vector<int64_t>& order = order_[static_cast<size_t>(axis)];
-    if (of_.view_.parallel && static_cast<int64_t>(order.size()) == count) return;
-    order = of_.axisOrder(axis, 0, count, side, first);
+  float thickness(size_t x) const { return static_cast<float>(exit_[x] - entry_[x] - kSliceDoubt); }
+
+  // What the function's table says of d slices. One may be missing of what the floor says.
+  static float byTable(float floor, float ratio, float d) {
+    return floor * (d - 1) + (ratio - floor) * d;
   }
 
-  void addPart(const Box3& part, bool block_is_whole, uint8_t packed) {
-    if (packed > 0 && !block_is_whole && !of_.isShown(part)) packed = 0;
-    if (packed == 0 && !rises_) return;
-    const Rect footprint = of_.footprintOf(part);
-    if (meets(footprint)) addBox(part, footprint, of_.extinction_[packed]);
-  }
-
-  bool meets(const Rect& footprint) const {
-    return footprint.x0 < tile_.x1 && footprint.x1 > tile_.x0 && footprint.y0 < tile_.y1 &&
-           footprint.y1 > tile_.y0;
-  }
-
-  // For rays that cross enough of the block, what its table says where that is more than what its
+  // For rays that cross enough of the block, what its table says, which may be more than what its
   // parts do.
-  void takeGreater(uint32_t block, float floor, float ratio) {
-    const Place& place = of_.places_[block];
-    setBox(of_.series_->cellsOf(block), place.footprint);
-    for (int y = y0_; y < y1_; ++y) {
-      rays_.thickness(planes_, y, x0_, x1_, thickness_.data());
-      const size_t row = static_cast<size_t>(y * kSide + x0_);
-      for (size_t x = 0; x < static_cast<size_t>(x1_ - x0_); ++x) {
-        const float d = thickness_[x] - kThicknessDoubt;
-        if (d < place.least_slices) continue;
-        const float by_table = before_[row + x] + floor * (d - 1) + (ratio - floor) * d;
-        if (by_table <= sum_[row + x]) continue;
-        sum_[row + x] = by_table;
-        level_[row + x] = rising_[row + x] = since_[row + x] = 0;
-      }
+  void noteTable(const Place& place, size_t row) {
+    for (size_t x = first_x(); x < end_x(); ++x) {
+      const float d = thickness(x);
+      if (d >= place.least_slices && !is_known_[row + x])
+        by_table_[row + x] = byTable(floor_, ratio_, d);
     }
   }
 
   // The forms that know the block as a whole.
-  void addWhole(uint32_t block, const OpacityFunction& function, float ratio) {
-    const Place& place = of_.places_[block];
-    const float floor = of_.extinction_[function.floor];
-    const float least = place.least_slices;
-    if (!(ratio > 0) || !place.has_ratio) return;
-    // A slice may be missing of what the floor says: see addStretch().
-    const auto sumOf = [&](float d) { return floor * (d - 1) + (ratio - floor) * d; };
-    const float pof = std::max(sumOf(least), 0.0F);
+  void setWhole(const Box3& cells, const Place& place, float floor, float ratio) {
     // No ray is thicker, so that a line through this opacity lies below the opacity's curve.
-    const Vec3d size = toDouble(series().cellsOf(block).size());
-    const float most = std::max(least, slicesOf(length(size)));
-    const float at_most = -std::expm1(-sumOf(most));
-    setBox(series().cellsOf(block), place.footprint);
-    for (int y = y0_; y < y1_; ++y) {
-      rays_.thickness(planes_, y, x0_, x1_, thickness_.data());
-      float* sum = sum_.data() + y * kSide + x0_;
-      for (int x = 0; x < x1_ - x0_; ++x) {
-        const float d = thickness_[static_cast<size_t>(x)] - kThicknessDoubt;
-        if (d < least) continue;
-        if (of_.options_.form == OpacityForm::kPof)
-          sum[x] += pof;
-        else
-          sum[x] += std::max(pof, -std::log1p(-at_most * std::max(d - 1, 0.0F) / (most - 1)));
-      }
+    most_ = std::max(place.least_slices, slicesOf(length(toDouble(cells.size()))));
+    at_most_ = -std::expm1(-byTable(floor, ratio, most_));
+  }
+  void addWhole(const Place& place, size_t row) {
+    const float pof = std::max(byTable(floor_, ratio_, place.least_slices), 0.0F);
+    for (size_t x = first_x(); x < end_x(); ++x) {
+      if (is_known_[row + x]) continue;
+      added_[row + x] = 0;
+      const float d = thickness(x);
+      if (!(ratio_ > 0) || !place.has_ratio || d < place.least_slices) continue;
+      added_[row + x] = pof;
+      if (of_.options_.form == OpacityForm::kLinearOpof)
+        added_[row + x] =
+            std::max(pof, -std::log1p(-at_most_ * std::max(d - 1, 0.0F) / (most_ - 1)));
     }
   }
+
   const SeriesOpacity& series() const { return *of_.series_; }
   // At most so many slices in a length of index space.
   float slicesOf(double vox) const {
@@ -202,12 +254,27 @@ class VisibilityEstimate::TileWork {
   const Rect tile_;
   const int width_, height_;
   TileRays rays_;
+  int x0_ = 0, y0_ = 0, x1_ = 0, y1_ = 0;  // pixels of the tile that a block may cover
+  TilePixels sum_{};
+  std::array<bool, static_cast<size_t>(kSide)> is_open_{};  // rows with a ray that is not opaque
+  // Of the block that is added.
+  bool is_set_ = false, whole_ = false, has_parts_ = false;
+  float floor_ = 0, ratio_ = 0;
+  Vec3d lo_;
   TileRays::BoxPlanes planes_{};
-  int x0_ = 0, y0_ = 0, x1_ = 0, y1_ = 0;
-  bool rises_ = false;                         // something was added
-  std::array<std::vector<int64_t>, 3> order_;  // of parts
-  std::array<float, kTilePixels> sum_{}, before_{}, level_{}, rising_{}, since_{};
-  std::array<float, static_cast<size_t>(kSide)> thickness_{};
+  std::vector<uint32_t> cubes_;
+  std::vector<float> levels_;
+  std::array<int32_t, 3> part_count_{};
+  double cube_cells_ = 1;
+  float most_ = 0, at_most_ = 0;
+  std::optional<SampleBatch> batch_;
+  TilePixels added_{}, by_table_{};
+  std::array<bool, kTilePixels> is_known_{};
+  std::array<int32_t, kTilePixels> firsts_{}, counts_{}, taken_{};  // samples
+  // Of the row.
+  TileRays::Slices entry_{}, exit_{};
+  TileRays::Samples first_{}, count_{};
+  TileRays::Positions positions_{};
 };
 
 float VisibilityEstimate::ratioOf(const OpacityFunction& function, const Place& place) const {
@@ -219,16 +286,66 @@ float VisibilityEstimate::ratioOf(const OpacityFunction& function, const Place& 
   return std::max(floor, extinction_[least]);
 }
 
-void VisibilityEstimate::estimateTile(Tile& tile) const {
+// Takes what changed into what a tile keeps, and forgets what may differ by that. The place of the
+// first block from which on the tile has to be looked at; nullopt: its answer stays.
+std::optional<size_t> VisibilityEstimate::firstAffected(Task& task) {
+  Tile& tile = tiles_[task.tile];
+  std::optional<size_t> first;
+  for (const size_t place : task.changed) {
+    const uint32_t block = tile.blocks[place];
+    const Change& change = changes_[block];
+    Added* kept = tile.added.empty() ? nullptr : tile.added[place].get();
+    bool differs = false;
+    for (const ChangedPart& part : change.parts) {
+      const int x0 = std::max(part.pixels.x0, tile.pixels.x0) - tile.pixels.x0;
+      const int x1 = std::min(part.pixels.x1, tile.pixels.x1) - tile.pixels.x0;
+      const int y0 = std::max(part.pixels.y0, tile.pixels.y0) - tile.pixels.y0;
+      const int y1 = std::min(part.pixels.y1, tile.pixels.y1) - tile.pixels.y0;
+      if (x0 >= x1 || y0 >= y1) continue;
+      differs = differs || kept == nullptr;
+      if (kept == nullptr) continue;
+      for (int y = y0; y < y1; ++y)
+        for (int x = x0; x < x1; ++x) {
+          const auto pixel = static_cast<size_t>(y * kSide + x);
+          // What lies behind the sample that made the ray opaque was not looked at.
+          if (part.near > kept->end[pixel]) continue;
+          kept->along[pixel] = -0.0F;
+          differs = true;
+        }
+    }
+    if (kept != nullptr) kept->function = functions_[block];
+    if (differs && tile.reached[place]) first = std::min(place, first.value_or(place));
+  }
+  return first;
+}
+
+void VisibilityEstimate::estimateTile(Task& task) {
+  Tile& tile = tiles_[task.tile];
+  size_t first = 0;
+  if (!task.changed.empty()) {
+    const std::optional<size_t> affected = firstAffected(task);
+    task.is_affected = affected.has_value();
+    if (!affected) return;
+    if (!tile.added.empty()) first = *affected;
+  }
   TileWork work(*this, tile);
-  tile.reached.assign(tile.blocks.size(), false);
+  bool is_opaque = false;
   for (size_t i = 0; i < tile.blocks.size(); ++i) {
     const uint32_t block = tile.blocks[i];
-    if (!work.reaches(block)) continue;
-    tile.reached[i] = true;
-    const OpacityFunction& function = series_->functions[static_cast<size_t>(functions_[block])];
-    work.add(block, function);
-    if (!function.empty() && work.isOpaque()) break;
+    if (i > first || first == 0) tile.reached[i] = !is_opaque && work.reaches(block);
+    if (!tile.reached[i]) continue;
+    const int32_t now = functions_[block];
+    const OpacityFunction& function = series_->functions[static_cast<size_t>(now)];
+    if (function.empty()) continue;
+    Added* kept = nullptr;
+    if (!tile.added.empty()) {
+      if (tile.added[i] == nullptr) tile.added[i] = std::make_unique<Added>();
+      kept = tile.added[i].get();
+      if (kept->function != now) kept->along.fill(-0.0F);
+      kept->function = now;
+    }
+    work.add(block, function, kept);
+    is_opaque = work.isOpaque();
   }
 }
 

@@ -169,16 +169,22 @@ double leastDepthVox(const PartGrid& grid, int axis) {
   return static_cast<double>((leastSlabs(grid.count()[axis]) + 1) * grid.side);
 }
 
-OpacityFunction opacityFunction(const BlockParts& parts, const DirectionGrid& directions) {
+OpacityFunction opacityFunction(const BlockParts& cubes, const DirectionGrid& directions,
+                                int detail_bits) {
   OpacityFunction function;
-  BlockParts packed = parts;
-  for (float& v : packed.least) v = unpackExtinction(packExtinction(v));
-  const float floor = packed.floor();
+  std::vector<uint8_t> packed(cubes.least.size());
+  std::ranges::transform(cubes.least, packed.begin(), packExtinction);
+  DetailedParts detailed = detailedParts(cubes.grid, packed, detail_bits);
+  BlockParts parts{partsOfCubes(cubes.grid), {}};
+  for (const uint8_t v : detailed.parts) parts.least.push_back(unpackExtinction(v));
+  const float floor = parts.floor();
   function.floor = packExtinction(floor);
-  if (packed.uniform()) return function;
-  for (const float v : packed.least) function.parts.push_back(packExtinction(v));
-  const std::array<Turned, 3> turned = {turnedTo(0, packed, floor), turnedTo(1, packed, floor),
-                                        turnedTo(2, packed, floor)};
+  if (detailed.detail.empty() && parts.uniform()) return function;
+  function.parts = std::move(detailed.parts);
+  function.detail = std::move(detailed.detail);
+  if (parts.uniform()) return function;
+  const std::array<Turned, 3> turned = {turnedTo(0, parts, floor), turnedTo(1, parts, floor),
+                                        turnedTo(2, parts, floor)};
   for (int cell = 0; cell < directions.count(); ++cell) {
     const DirectionSlopes slopes = directions.slopesOf(cell);
     const Beams beams(turned[static_cast<size_t>(slopes.axis)], slopes);
@@ -191,27 +197,34 @@ OpacityFunction opacityFunction(const BlockParts& parts, const DirectionGrid& di
 }
 
 OpacityFunction combined(const std::vector<const OpacityFunction*>& functions,
-                         const std::vector<double>& exponents) {
+                         const std::vector<double>& exponents, const PartGrid& cubes) {
   SLUICE_CHECK_EQ(functions.size(), exponents.size());
-  size_t ratios = 0, parts = 0;
-  for (const OpacityFunction* function : functions) {
-    ratios = std::max(ratios, function->ratios.size());
-    parts = std::max(parts, function->parts.size());
-  }
-  const auto sum = [&](auto valueOf) {
-    double total = 0;
-    for (size_t i = 0; i < functions.size(); ++i)
-      total += exponents[i] * unpackExtinction(valueOf(*functions[i]));
-    return packExtinction(static_cast<float>(total));
-  };
   OpacityFunction result;
-  result.floor = sum([](const OpacityFunction& f) { return f.floor; });
-  for (size_t i = 0; i < ratios; ++i)
-    result.ratios.push_back(
-        sum([&](const OpacityFunction& f) { return f.ratios.empty() ? f.floor : f.ratios[i]; }));
-  for (size_t i = 0; i < parts; ++i)
-    result.parts.push_back(
-        sum([&](const OpacityFunction& f) { return f.parts.empty() ? f.floor : f.parts[i]; }));
+  std::vector<float> ratios, of_cubes;
+  float floor = 0;
+  for (size_t i = 0; i < functions.size(); ++i) {
+    const OpacityFunction& function = *functions[i];
+    const auto k = static_cast<float>(exponents[i]);
+    if (function.empty() || k == 0) continue;
+    const auto add = [&](const std::vector<uint8_t>& values, std::vector<float>& sums) {
+      // What a function of the floor alone has added is in `floor`.
+      if (sums.empty() && !values.empty()) sums.assign(values.size(), floor);
+      for (size_t at = 0; at < sums.size(); ++at)
+        sums[at] += k * unpackExtinction(values.empty() ? function.floor : values[at]);
+    };
+    add(function.ratios, ratios);
+    add(function.parts.empty() ? function.parts : cubesOf(cubes, function.parts, function.detail),
+        of_cubes);
+    floor += k * unpackExtinction(function.floor);
+  }
+  result.floor = packExtinction(floor);
+  for (const float ratio : ratios) result.ratios.push_back(packExtinction(ratio));
+  if (of_cubes.empty()) return result;
+  std::vector<uint8_t> packed(of_cubes.size());
+  std::ranges::transform(of_cubes, packed.begin(), packExtinction);
+  DetailedParts detailed = detailedParts(cubes, packed, kMostDetailBits);
+  result.parts = std::move(detailed.parts);
+  result.detail = std::move(detailed.detail);
   return result;
 }
 

@@ -8,9 +8,9 @@
 //   less, POF   for any ray: 1 - exp(-ratio d0), d0 the least thickness that the ratio is meant
 //   for.
 // Rays that cut off a corner, which in the limit hide nothing, have the least extinction of all,
-// the floor. Beside the table are the least extinctions of the block's parts, which hide what they
-// do also where the block as a whole has a hole: what is opaque there is most of most blocks that
-// an opaque surface passes through.
+// the floor. Beside the table are the least extinctions of the block's parts and of cubes in them
+// (part_detail.h), which hide what they do also where the block as a whole has a hole: what is
+// opaque there is most of most blocks that an opaque surface passes through.
 //
 // Conservative: for any ray, any direction, any place of the samples at distances of up to one
 // voxel, what is accumulated is no less. Plain values; any thread.
@@ -21,6 +21,7 @@
 
 #include "src/visibility/block_parts.h"
 #include "src/visibility/directions.h"
+#include "src/visibility/part_detail.h"
 
 namespace sluice {
 
@@ -28,23 +29,27 @@ struct OpacityFunction {
   uint8_t floor = 0;            // packed extinction, as all below
   std::vector<uint8_t> ratios;  // of each cell of directions; empty: the floor in all
   std::vector<uint8_t> parts;   // of each part, x fastest; empty: the floor in all
+  std::vector<uint8_t> detail;  // of the parts' cubes, see part_detail.h; empty: none
 
   // Hides nothing.
   bool empty() const { return floor == 0 && ratios.empty() && parts.empty(); }
-  uint64_t bytes() const { return 1 + ratios.size() + parts.size(); }
+  uint64_t bytes() const { return 1 + ratios.size() + parts.size() + detail.size(); }
   friend bool operator==(const OpacityFunction&, const OpacityFunction&) = default;
 };
 
-OpacityFunction opacityFunction(const BlockParts& parts, const DirectionGrid& directions);
+// From the least extinctions of a block's cubes; its parts are partsOfCubes() of their grid.
+// `detail_bits`: see detailedParts().
+OpacityFunction opacityFunction(const BlockParts& cubes, const DirectionGrid& directions,
+                                int detail_bits = kMostDetailBits);
 
 // The ratio holds for rays that run at least so far along the axis of slopesOf() inside the block,
-// in cells.
+// in cells. `grid` is that of the parts.
 double leastDepthVox(const PartGrid& grid, int axis);
 
 // A member of a family of transfer functions whose opacity is 1 - product of (1 - opacity_i)^k_i
 // (equation 4): extinctions add up. Requires: one exponent, not negative, for each function; all of
-// the same grid.
+// the same grid of cubes.
 OpacityFunction combined(const std::vector<const OpacityFunction*>& functions,
-                         const std::vector<double>& exponents);
+                         const std::vector<double>& exponents, const PartGrid& cubes);
 
 }  // namespace sluice

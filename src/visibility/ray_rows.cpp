@@ -2,8 +2,15 @@
 
 #include <cmath>
 
+#include "src/visibility/part_detail.h"
+
 namespace sluice {
 namespace {
+
+constexpr int kSide = TileRays::kSide;
+
+// Further off than any sample.
+constexpr double kFarSlices = 1 << 29;
 
 // Away from 0, so that one may divide by it.
 double safe(double step) {
@@ -11,6 +18,79 @@ double safe(double step) {
   if (std::abs(step) >= kLeast) return step;
   return step < 0 ? -kLeast : kLeast;
 }
+
+// Without a call for it, which would end vector code.
+int32_t ceilOf(double v) {
+  return (1 << 30) - static_cast<int32_t>(static_cast<double>(1 << 30) - v);
+}
+
+static_assert(kDetail == 4);
+
+using Lanes = SampleBatch::Lanes;
+
+[[gnu::always_inline]] inline void march(const PartValues& parts, int32_t most, Lanes& lanes) {
+  const float* __restrict values = parts.extinction;
+  const uint32_t* __restrict cubes = parts.cubes;
+  const int32_t row = parts.count[0], plane = parts.count[0] * parts.count[1];
+  // The last place that is still in the last cube: rounding may have gone further.
+  const auto lastOf = [](int32_t count) {
+    return std::nextafter(static_cast<float>(count * static_cast<int32_t>(kDetail)), 0.0F);
+  };
+  const float last_x = lastOf(parts.count[0]), last_y = lastOf(parts.count[1]),
+              last_z = lastOf(parts.count[2]);
+  constexpr int32_t kBetweenLooks = 4;
+  for (int32_t from = 0; from < most; from += kBetweenLooks) {
+    int32_t live = 0;
+    for (int i = 0; i < kSide; ++i)
+      live += (lanes.count[static_cast<size_t>(i)] > from ? 1 : 0) &
+              (lanes.sum[static_cast<size_t>(i)] < lanes.room[static_cast<size_t>(i)] ? 1 : 0);
+    if (live == 0) return;
+    const int32_t end = std::min(most, from + kBetweenLooks);
+    for (int32_t k = from; k < end; ++k) {
+      const auto at = static_cast<float>(k);
+      for (size_t i = 0; i < kSide; ++i) {
+        const float px = std::clamp(lanes.x[i] + lanes.dx[i] * at, 0.0F, last_x);
+        const float py = std::clamp(lanes.y[i] + lanes.dy[i] * at, 0.0F, last_y);
+        const float pz = std::clamp(lanes.z[i] + lanes.dz[i] * at, 0.0F, last_z);
+        const auto x = static_cast<int32_t>(px), y = static_cast<int32_t>(py),
+                   z = static_cast<int32_t>(pz);
+        const int32_t part = (z >> 2) * plane + (y >> 2) * row + (x >> 2);
+        const uint32_t layer = cubes[4 * part + (z & 3)];
+        const auto bit = static_cast<uint32_t>(2 * ((x & 3) | (y & 3) << 2));
+        const float value = values[4 * part + static_cast<int32_t>(layer >> bit & 3U)];
+        const bool counts = (k < lanes.count[i]) & (lanes.sum[i] < lanes.room[i]);
+        lanes.sum[i] += counts ? value : 0.0F;
+        lanes.taken[i] += counts ? 1 : 0;
+      }
+    }
+  }
+}
+
+using March = void (*)(const PartValues&, int32_t, Lanes&);
+
+void marchPlainly(const PartValues& parts, int32_t most, Lanes& lanes) {
+  march(parts, most, lanes);
+}
+
+#if defined(__x86_64__) && !defined(__SANITIZE_THREAD__)
+[[gnu::target("avx2")]] void marchAvx2(const PartValues& parts, int32_t most, Lanes& lanes) {
+  march(parts, most, lanes);
+}
+[[gnu::target("avx512f,avx512vl,avx512dq,avx512bw")]] void marchAvx512(const PartValues& parts,
+                                                                       int32_t most, Lanes& lanes) {
+  march(parts, most, lanes);
+}
+March bestMarch() {
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
+      __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw"))
+    return marchAvx512;
+  return __builtin_cpu_supports("avx2") ? marchAvx2 : marchPlainly;
+}
+#else
+March bestMarch() {
+  return marchPlainly;
+}
+#endif
 
 }  // namespace
 
@@ -20,92 +100,102 @@ void TileRays::set(const RayGrid& rays, bool parallel, double first_slice, int x
   origin_ = rays.origin0 + rays.origin_dx * px + rays.origin_dy * py;
   dx_ = rays.origin_dx;
   dy_ = rays.origin_dy;
-  slices_ = {1 / safe(rays.step0.x), 1 / safe(rays.step0.y), 1 / safe(rays.step0.z)};
+  step_ = rays.step0 + rays.step_dx * px + rays.step_dy * py;
+  step_dx_ = rays.step_dx;
+  step_dy_ = rays.step_dy;
+  slices_ = {1 / safe(step_.x), 1 / safe(step_.y), 1 / safe(step_.z)};
   // The first sample in front of the eye is half a slice behind this.
-  first_ = static_cast<float>(first_slice > 0 ? first_slice : -1e9);
+  first_ = first_slice > 0 ? first_slice : -kFarSlices;
   if (parallel) return;
   for (int a = 0; a < 3; ++a)
     for (int j = 0; j < kSide; ++j)
-      for (int i = 0; i < kSide; ++i) {
-        const auto pixel = static_cast<size_t>(j * kSide + i);
-        const double step = rays.step0[a] + rays.step_dx[a] * (px + i) + rays.step_dy[a] * (py + j);
-        at_[static_cast<size_t>(a)][pixel] =
-            static_cast<float>(origin_[a] + dx_[a] * i + dy_[a] * j);
-        slices_a_voxel_[static_cast<size_t>(a)][pixel] = static_cast<float>(1 / safe(step));
-      }
+      for (int i = 0; i < kSide; ++i)
+        slices_a_voxel_[static_cast<size_t>(a)][static_cast<size_t>(j * kSide + i)] =
+            1 / safe(step_[a] + step_dx_[a] * i + step_dy_[a] * j);
 }
 
 TileRays::BoxPlanes TileRays::planesOf(Vec3d lo, Vec3d hi) const {
   BoxPlanes box{};
   for (int a = 0; a < 3; ++a) {
     const auto i = static_cast<size_t>(a);
-    box.lo[i] = static_cast<float>(lo[a]);
-    box.hi[i] = static_cast<float>(hi[a]);
+    box.lo[i] = lo[a] - origin_[a];
+    box.hi[i] = hi[a] - origin_[a];
     if (!parallel_) continue;
     const double scale = slices_[a];
-    const double at_lo = (lo[a] - origin_[a]) * scale, at_hi = (hi[a] - origin_[a]) * scale;
-    box.entry[i] = static_cast<float>(std::min(at_lo, at_hi));
-    box.exit[i] = static_cast<float>(std::max(at_lo, at_hi));
-    box.gx[i] = static_cast<float>(-dx_[a] * scale);
-    box.gy[i] = static_cast<float>(-dy_[a] * scale);
+    box.entry[i] = std::min(box.lo[i] * scale, box.hi[i] * scale);
+    box.exit[i] = std::max(box.lo[i] * scale, box.hi[i] * scale);
+    box.gx[i] = -dx_[a] * scale;
+    box.gy[i] = -dy_[a] * scale;
   }
   return box;
 }
 
-void TileRays::thickness(const BoxPlanes& box, int y, int x0, int x1, float* out) const {
+void TileRays::stretches(const BoxPlanes& box, int y, int x0, int x1, Slices& entries,
+                         Slices& exits) const {
   if (parallel_) {
-    const auto row = static_cast<float>(y);
-    const float e0 = box.entry[0] + box.gy[0] * row, l0 = box.exit[0] + box.gy[0] * row;
-    const float e1 = box.entry[1] + box.gy[1] * row, l1 = box.exit[1] + box.gy[1] * row;
-    const float e2 = box.entry[2] + box.gy[2] * row, l2 = box.exit[2] + box.gy[2] * row;
+    const double e0 = box.entry[0] + box.gy[0] * y, l0 = box.exit[0] + box.gy[0] * y;
+    const double e1 = box.entry[1] + box.gy[1] * y, l1 = box.exit[1] + box.gy[1] * y;
+    const double e2 = box.entry[2] + box.gy[2] * y, l2 = box.exit[2] + box.gy[2] * y;
     for (int x = x0; x < x1; ++x) {
-      const auto at = static_cast<float>(x);
-      const float s0 = box.gx[0] * at, s1 = box.gx[1] * at, s2 = box.gx[2] * at;
-      const float entry = std::max(std::max(e0 + s0, e1 + s1), e2 + s2);
-      const float exit = std::min(std::min(l0 + s0, l1 + s1), l2 + s2);
-      out[x - x0] = exit - entry;
+      const double s0 = box.gx[0] * x, s1 = box.gx[1] * x, s2 = box.gx[2] * x;
+      entries[static_cast<size_t>(x)] = std::max(std::max(e0 + s0, e1 + s1), e2 + s2);
+      exits[static_cast<size_t>(x)] = std::min(std::min(l0 + s0, l1 + s1), l2 + s2);
     }
     return;
   }
-  const size_t row = static_cast<size_t>(y) * kSide;
   for (int x = x0; x < x1; ++x) {
-    const size_t pixel = row + static_cast<size_t>(x);
-    float entry = first_, exit = 1e9F;
-    for (size_t a = 0; a < 3; ++a) {
-      const float at_lo = (box.lo[a] - at_[a][pixel]) * slices_a_voxel_[a][pixel];
-      const float at_hi = (box.hi[a] - at_[a][pixel]) * slices_a_voxel_[a][pixel];
+    const auto pixel = static_cast<size_t>(y * kSide + x);
+    double entry = first_, exit = kFarSlices;
+    for (int a = 0; a < 3; ++a) {
+      const auto i = static_cast<size_t>(a);
+      const double at = dx_[a] * x + dy_[a] * y;
+      const double at_lo = (box.lo[i] - at) * slices_a_voxel_[i][pixel];
+      const double at_hi = (box.hi[i] - at) * slices_a_voxel_[i][pixel];
       entry = std::max(entry, std::min(at_lo, at_hi));
       exit = std::min(exit, std::max(at_lo, at_hi));
     }
-    out[x - x0] = exit - entry;
+    entries[static_cast<size_t>(x)] = entry;
+    exits[static_cast<size_t>(x)] = exit;
   }
 }
 
-void addStretch(const float* __restrict thickness, int count, float k, const RaySums& rays) {
-  float* __restrict sums = rays.sum;
-  float* __restrict levels = rays.level;
-  float* __restrict risings = rays.rising;
-  float* __restrict sinces = rays.since;
-  // Without branches, for all lanes of a vector at once.
-  for (int x = 0; x < count; ++x) {
-    const float d = std::max(thickness[x] - kThicknessDoubt, 0.0F);
-    const float level = levels[x], rising = risings[x], since = sinces[x];
-    const float kept = std::min(k, level);
-    // What was rising goes on to rise, or is through.
-    const float both = std::max(kept, std::min(k, rising));
-    const float run = since + d;
-    sums[x] +=
-        kept * d + (both - kept) * std::max(run - 1, 0.0F) + (k - both) * std::max(d - 1, 0.0F);
-    // Of two that rise the one that was there for longer stays, unless it ends here.
-    const float next = run >= 1 ? both : kept;
-    const float waits = both > kept ? both : k, waits_since = both > kept ? run : d;
-    const float next_rising = run >= 1 ? k : waits, next_since = run >= 1 ? d : waits_since;
-    const float now = d >= 1 ? k : next;
-    const float now_rising = d >= 1 ? 0 : next_rising, now_since = d >= 1 ? 0 : next_since;
-    levels[x] = d > 0 ? now : level;
-    risings[x] = d > 0 ? now_rising : rising;
-    sinces[x] = d > 0 ? now_since : since;
+void TileRays::positions(Vec3d lo, double scale, int y, int x0, int x1, const Samples& first,
+                         Positions& out) const {
+  for (int a = 0; a < 3; ++a) {
+    const auto i = static_cast<size_t>(a);
+    const double from = (origin_[a] + dy_[a] * y - lo[a]) * scale, by = dx_[a] * scale;
+    const double step = (step_[a] + step_dy_[a] * y) * scale, step_by = step_dx_[a] * scale;
+    for (int x = x0; x < x1; ++x) {
+      const double way = step + step_by * x;
+      out.step[i][static_cast<size_t>(x)] = static_cast<float>(way);
+      out.at[i][static_cast<size_t>(x)] =
+          static_cast<float>(from + by * x + way * (first[static_cast<size_t>(x)] + 0.5));
+    }
   }
+}
+
+void samplesOf(const TileRays::Slices& entry, const TileRays::Slices& exit, int x0, int x1,
+               double doubt, TileRays::Samples& first, TileRays::Samples& count) {
+  for (auto x = static_cast<size_t>(x0); x < static_cast<size_t>(x1); ++x) {
+    const double from = std::clamp(entry[x] + doubt - 0.5, -kFarSlices, kFarSlices);
+    const double to = std::clamp(exit[x] - doubt - 0.5, -kFarSlices, kFarSlices);
+    first[x] = ceilOf(from);
+    count[x] = std::max(0, ceilOf(to) - first[x]);
+  }
+}
+
+void SampleBatch::finish() {
+  static const March kMarch = bestMarch();
+  if (rays_ == 0) return;
+  kMarch(parts_, *std::max_element(lanes_.count.begin(), lanes_.count.end()), lanes_);
+  for (size_t i = 0; i < rays_; ++i) {
+    added_[pixels_[i]] = lanes_.sum[i];
+    taken_[pixels_[i]] = lanes_.taken[i];
+  }
+  lanes_.sum.fill(0);
+  lanes_.taken.fill(0);
+  lanes_.count.fill(0);
+  rays_ = 0;
 }
 
 }  // namespace sluice

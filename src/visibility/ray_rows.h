@@ -1,5 +1,5 @@
-// RayRows: how far the rays of a row of pixels run inside a box, and what they accumulate there:
-// the inner loops of the visibility estimate, in a form that compilers turn into vector code.
+// RayRows: where the samples of a row of rays lie in a box, and what they accumulate there: the
+// inner loops of the visibility estimate, in a form that compilers turn into vector code.
 //
 // The thickness mask of Gao 2004, section 4: for a parallel view that of boxes of one size is the
 // same but for its place. So that it need not be rounded to whole pixels, it is not kept but
@@ -9,52 +9,104 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
 
 #include "src/base/vec.h"
 #include "src/device/frame_values.h"
 
 namespace sluice {
 
-// What arithmetic in floats may add to a thickness.
-inline constexpr float kThicknessDoubt = 0.02F;
+// How far from a box's face, in slices, a sample may be taken for one on the face's other side:
+// such a sample counts as reaching both boxes, and hides in neither.
+inline constexpr double kSliceDoubt = 2e-3;
 
 // The rays of a tile of at most `kSide` x `kSide` pixels.
 class TileRays {
  public:
   static constexpr int kSide = 16;
-  using Row = std::array<float, kSide>;
 
   void set(const RayGrid& rays, bool parallel, double first_slice, int x, int y);
 
-  // Of a box, for rows that are asked next: Requires: set().
+  // Of a box, for rows that are asked next. Requires: set().
   struct BoxPlanes {
-    std::array<float, 3> entry, exit, gx, gy;  // parallel: slices at the tile's pixel (0, 0)
-    std::array<float, 3> lo, hi;               // perspective: faces
+    std::array<double, 3> entry, exit, gx, gy;  // parallel: slices at the tile's pixel (0, 0)
+    std::array<double, 3> lo, hi;               // perspective: faces
   };
   BoxPlanes planesOf(Vec3d lo, Vec3d hi) const;
-  // Thickness of pixels [x0, x1) of a row, within kThicknessDoubt; below 0 where a ray passes by.
-  void thickness(const BoxPlanes& box, int y, int x0, int x1, float* out) const;
+
+  // Of each pixel of a row.
+  using Slices = std::array<double, kSide>;
+  using Samples = std::array<int32_t, kSide>;
+  // Where rays enter the box and where they leave it: the exit is first where a ray passes by.
+  // Fills [x0, x1).
+  void stretches(const BoxPlanes& box, int y, int x0, int x1, Slices& entry, Slices& exit) const;
+
+  // Positions of the row's samples in steps of `scale` cells from `lo`: sample k of pixel x is at
+  // at[a][x] + (k - first[x]) step[a][x].
+  struct Positions {
+    std::array<std::array<float, kSide>, 3> at, step;
+  };
+  void positions(Vec3d lo, double scale, int y, int x0, int x1, const Samples& first,
+                 Positions& out) const;
 
  private:
   bool parallel_ = true;
-  float first_ = 0;
+  double first_ = 0;
   Vec3d origin_, dx_, dy_;  // at the centre of the tile's pixel (0, 0)
-  Vec3d slices_;            // a voxel along each axis there
+  Vec3d step_, step_dx_, step_dy_;
+  Vec3d slices_;  // a voxel along each axis there
   // Perspective: of each pixel.
-  std::array<std::array<float, kSide * kSide>, 3> at_{}, slices_a_voxel_{};
+  std::array<std::array<double, kSide * kSide>, 3> slices_a_voxel_{};
 };
 
-// What rays have accumulated: extinction times slices; and of the stretch that they are in, the
-// extinction `level` that has lost its slice for the rise to it already, and the one above it,
-// `rising`, that has been there for `since` slices, fewer than one, and has added nothing yet.
-struct RaySums {
-  float* sum;
-  float* level;
-  float* rising;
-  float* since;
+// The samples of a stretch: first, and how many. `doubt` slices at both ends are left out; below 0:
+// added.
+void samplesOf(const TileRays::Slices& entry, const TileRays::Slices& exit, int x0, int x1,
+               double doubt, TileRays::Samples& first, TileRays::Samples& count);
+
+// The extinctions of a block's parts and their cubes (part_detail.h), x fastest.
+struct PartValues {
+  const uint32_t* cubes;         // of each part: PartLevels::cubes
+  const float* extinction;       // of each part: of its levels
+  std::array<int32_t, 3> count;  // of parts
 };
 
-// A stretch of `thickness` slices of extinction `k`: see visibility_estimate.h. `count` pixels.
-void addStretch(const float* thickness, int count, float k, const RaySums& rays);
+// Rays of some of a tile's pixels, followed through the parts of a block, sixteen at a time: what
+// their samples add up to, one by one from the first, as long as it is less than `room`, and how
+// many were taken. Those that need not be followed cost nothing. The values do not depend on the
+// machine.
+class SampleBatch {
+ public:
+  // Results go to `added` and `taken` at a ray's pixel, by finish() at the latest.
+  SampleBatch(const PartValues& parts, float* added, int32_t* taken)
+      : parts_(parts), added_(added), taken_(taken) {}
+  // The ray of pixel x of a row, with `count` samples.
+  void add(const TileRays::Positions& positions, size_t x, int32_t count, float room,
+           size_t pixel) {
+    const size_t i = rays_++;
+    lanes_.x[i] = positions.at[0][x], lanes_.dx[i] = positions.step[0][x];
+    lanes_.y[i] = positions.at[1][x], lanes_.dy[i] = positions.step[1][x];
+    lanes_.z[i] = positions.at[2][x], lanes_.dz[i] = positions.step[2][x];
+    lanes_.room[i] = room;
+    lanes_.count[i] = count;
+    pixels_[i] = pixel;
+    if (rays_ == TileRays::kSide) finish();
+  }
+  void finish();
+
+  struct Lanes {
+    using Floats = std::array<float, TileRays::kSide>;
+    alignas(64) Floats x{}, y{}, z{}, dx{}, dy{}, dz{}, room{}, sum{};
+    alignas(64) TileRays::Samples count{}, taken{};
+  };
+
+ private:
+  const PartValues parts_;
+  float* const added_;
+  int32_t* const taken_;
+  size_t rays_ = 0;
+  std::array<size_t, TileRays::kSide> pixels_{};
+  Lanes lanes_;
+};
 
 }  // namespace sluice

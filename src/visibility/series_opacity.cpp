@@ -17,7 +17,9 @@ std::string keyOf(const OpacityFunction& function) {
   std::string key(1, static_cast<char>(function.floor));
   key += static_cast<char>(function.ratios.empty() ? 0 : 1);
   key.append(function.ratios.begin(), function.ratios.end());
+  key += std::to_string(function.parts.size()) + ":";
   key.append(function.parts.begin(), function.parts.end());
+  key.append(function.detail.begin(), function.detail.end());
   return key;
 }
 
@@ -88,8 +90,8 @@ SeriesOpacity combined(std::span<const SeriesOpacity* const> bases,
       for (const SeriesOpacity* basis : bases)
         functions.push_back(&basis->functions[static_cast<size_t>(basis->functionAt(b, begin))]);
       block.spans.push_back({begin, static_cast<int32_t>(block.functions.size())});
-      block.functions.push_back(
-          combined(functions, std::vector<double>(exponents.begin(), exponents.end())));
+      block.functions.push_back(combined(
+          functions, std::vector<double>(exponents.begin(), exponents.end()), result.cubesOf(b)));
     }
   }
   gather(result, std::move(blocks));

@@ -26,7 +26,7 @@ struct SeriesOpacity {
   Vec3i dims;               // voxels of the volume
   Vec3i grid;               // blocks along each axis
   int64_t block_cells = 0;  // a side of an inner block
-  int64_t part_cells = 4;   // a side of a part
+  int64_t part_cells = 4;   // a side of a part: kDetail cubes
   int64_t steps = 1;
   DirectionGrid directions;
   std::vector<OpacityFunction> functions;  // each once, however many spans have it
@@ -44,6 +44,7 @@ struct SeriesOpacity {
     return {lo, min(lo + Vec3i{block_cells, block_cells, block_cells}, dims - Vec3i{1, 1, 1})};
   }
   PartGrid partsOf(int64_t block) const { return {cellsOf(block).size(), part_cells}; }
+  PartGrid cubesOf(int64_t block) const { return {cellsOf(block).size(), part_cells / kDetail}; }
   std::span<const CoherentSpan> spansOf(int64_t block) const {
     const auto b = static_cast<size_t>(block);
     return std::span(spans).subspan(first_span[b], first_span[b + 1] - first_span[b]);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "src/base/error.h"
 
@@ -56,7 +57,8 @@ VisibilityEstimate::VisibilityEstimate(SeriesOpacityPtr series, const EstimateVi
       options_(options),
       limit_(limitOf(view, options)),
       reached_in_(static_cast<size_t>(series_->blockCount())),
-      functions_(reached_in_.size(), -1) {
+      functions_(reached_in_.size(), -1),
+      changes_(reached_in_.size()) {
   for (size_t i = 0; i < extinction_.size(); ++i)
     extinction_[i] =
         static_cast<float>(options.exponent) * unpackExtinction(static_cast<uint8_t>(i));
@@ -67,6 +69,12 @@ VisibilityEstimate::VisibilityEstimate(SeriesOpacityPtr series, const EstimateVi
   if (view.parallel) {
     pixel_from_index_[0][3] += 0.5 * view.size.width;
     pixel_from_index_[1][3] += 0.5 * view.size.height;
+  }
+  if (view.parallel) {
+    const RayGrid& rays = view.rays;
+    const Vec3d across = cross(rays.origin_dx, rays.origin_dy);
+    const Vec3d way = across * (1 / dot(rays.step0, across));
+    slice_from_index_ = {way.x, way.y, way.z, -dot(way, rays.origin0)};
   }
   placeBlocks();
   makeTiles();
@@ -194,28 +202,44 @@ void VisibilityEstimate::makeTiles() {
   tiles_x_ = (view_.size.width + kSide - 1) / kSide;
   tiles_y_ = (view_.size.height + kSide - 1) / kSide;
   for (int y = 0; y < tiles_y_; ++y)
-    for (int x = 0; x < tiles_x_; ++x)
-      tiles_.push_back({{x * kSide, y * kSide, std::min((x + 1) * kSide, view_.size.width),
-                         std::min((y + 1) * kSide, view_.size.height)},
-                        {},
-                        {}});
+    for (int x = 0; x < tiles_x_; ++x) {
+      Tile& tile = tiles_.emplace_back();
+      tile.pixels = {x * kSide, y * kSide, std::min((x + 1) * kSide, view_.size.width),
+                     std::min((y + 1) * kSide, view_.size.height)};
+    }
   for (const uint32_t block : order_) {
     const Rect& at = places_[block].footprint;
     if (at.x0 >= at.x1 || at.y0 >= at.y1) continue;
     for (int y = at.y0 / kSide; y <= (at.y1 - 1) / kSide; ++y)
       for (int x = at.x0 / kSide; x <= (at.x1 - 1) / kSide; ++x)
-        tiles_[static_cast<size_t>(y * tiles_x_ + x)].blocks.push_back(block);
+        if ((y * tiles_x_ + x) % options_.tile_stride == options_.first_tile)
+          tiles_[static_cast<size_t>(y * tiles_x_ + x)].blocks.push_back(block);
   }
+  uint64_t kept_bytes = 0;
   for (Tile& tile : tiles_) {
     tile.reached.assign(tile.blocks.size(), false);
+    kept_bytes += tile.blocks.size() * sizeof(Added);
+    if (kept_bytes <= options_.most_kept_bytes) tile.added.resize(tile.blocks.size());
     const Rect& p = tile.pixels;
     if (!tile.blocks.empty()) all_pixels_ += static_cast<int64_t>(p.x1 - p.x0) * (p.y1 - p.y0);
   }
 }
 
-// The cells of the block of which it makes a difference that the one function stands for it and no
-// longer the other; empty where it makes none.
-Box3 VisibilityEstimate::changedCells(int64_t block, int32_t before, int32_t now) const {
+// The first slice that a sample in the box may have; of a perspective view not known.
+float VisibilityEstimate::nearSlice(const Box3& cells) const {
+  constexpr float kBeforeAll = -1e30F;
+  if (!view_.parallel) return kBeforeAll;
+  const auto& row = slice_from_index_;
+  const Vec3d half = toDouble(cells.size()) * 0.5;
+  const double reach =
+      std::abs(row[0]) * half.x + std::abs(row[1]) * half.y + std::abs(row[2]) * half.z;
+  return static_cast<float>(along(row, toDouble(cells.lo) + half) - reach);
+}
+
+// Where it makes a difference that the one function stands for the block and no longer the other.
+std::vector<VisibilityEstimate::ChangedPart> VisibilityEstimate::changedParts(int64_t block,
+                                                                              int32_t before,
+                                                                              int32_t now) const {
   const OpacityFunction& a = series_->functions[static_cast<size_t>(before)];
   const OpacityFunction& b = series_->functions[static_cast<size_t>(now)];
   const Place& place = places_[static_cast<size_t>(block)];
@@ -224,84 +248,105 @@ Box3 VisibilityEstimate::changedCells(int64_t block, int32_t before, int32_t now
   const bool as_wholes = options_.form != OpacityForm::kOpof;
   const bool has_table =
       as_wholes || ratio_a > extinction_[a.floor] || ratio_b > extinction_[b.floor];
-  if (has_table && (ratio_a != ratio_b || a.floor != b.floor)) return cells;
-  Box3 changed{};
+  if (has_table && (ratio_a != ratio_b || a.floor != b.floor))
+    return {{place.footprint, -std::numeric_limits<float>::infinity()}};
+  std::vector<ChangedPart> changed;
   if (as_wholes) return changed;
   const PartGrid grid = series_->partsOf(block);
   const Vec3i count = grid.count();
-  size_t at = 0;
+  DetailReader in_a(a.parts, a.detail), in_b(b.parts, b.detail);
+  const auto levelsOf = [](const OpacityFunction& of, DetailReader& in) {
+    return of.parts.empty() ? PartLevels::of(of.floor) : in.next();
+  };
   for (int64_t z = 0; z < count.z; ++z)
     for (int64_t y = 0; y < count.y; ++y)
-      for (int64_t x = 0; x < count.x; ++x, ++at)
-        if ((a.parts.empty() ? a.floor : a.parts[at]) != (b.parts.empty() ? b.floor : b.parts[at]))
-          changed = unite(changed, grid.cellsOf({x, y, z}));
-  return changed.empty() ? changed : translate(changed, cells.lo);
+      for (int64_t x = 0; x < count.x; ++x) {
+        if (levelsOf(a, in_a) == levelsOf(b, in_b)) continue;
+        const Box3 part = translate(grid.cellsOf({x, y, z}), cells.lo);
+        changed.push_back({footprintOf(part), nearSlice(part)});
+      }
+  return changed;
 }
 
-std::vector<size_t> VisibilityEstimate::affectedTiles(int64_t step) const {
-  std::vector<bool> is_affected(tiles_.size(), false);
-  for (const int64_t block : series_->tree->changedBetween(step_, step)) {
-    const int32_t before = functions_[static_cast<size_t>(block)];
+std::vector<VisibilityEstimate::Task> VisibilityEstimate::allTiles(int64_t step) {
+  changed_blocks_ = 0;
+  for (int64_t block = 0; block < series_->blockCount(); ++block) {
+    int32_t& function = functions_[static_cast<size_t>(block)];
     const int32_t now = series_->functionAt(block, step);
-    if (now == before) continue;
+    changed_blocks_ += now != function ? 1 : 0;
+    function = now;
+  }
+  std::vector<Task> tasks;
+  for (size_t i = 0; i < tiles_.size(); ++i) {
+    if (tiles_[i].blocks.empty()) continue;
+    tasks.push_back({i});
+    for (std::unique_ptr<Added>& added : tiles_[i].added) added.reset();
+  }
+  return tasks;
+}
+
+// Notes what changes to `step`, and where.
+void VisibilityEstimate::takeChanges(int64_t step) {
+  for (const int64_t block : changed_) changes_[static_cast<size_t>(block)] = {};
+  changed_ = series_->tree->changedBetween(step_, step);
+  changed_blocks_ = static_cast<int64_t>(changed_.size());
+  for (const int64_t block : changed_) {
+    int32_t& function = functions_[static_cast<size_t>(block)];
+    Change& change = changes_[static_cast<size_t>(block)];
+    change.before = std::exchange(function, series_->functionAt(block, step));
+    if (change.before != function) change.parts = changedParts(block, change.before, function);
+  }
+}
+
+std::vector<VisibilityEstimate::Task> VisibilityEstimate::affectedTiles(int64_t step) {
+  takeChanges(step);
+  std::vector<Task> of_tile(tiles_.size());
+  for (const int64_t block : changed_) {
     const Place& place = places_[static_cast<size_t>(block)];
-    const Box3 changed = changedCells(block, before, now);
-    if (changed.empty()) continue;
-    const Rect part = footprintOf(changed), whole = place.footprint;
-    const Rect at{std::max(part.x0, whole.x0), std::max(part.y0, whole.y0),
-                  std::min(part.x1, whole.x1), std::min(part.y1, whole.y1)};
+    const Rect& at = place.footprint;
     if (at.x0 >= at.x1 || at.y0 >= at.y1) continue;
     for (int y = at.y0 / kSide; y <= (at.y1 - 1) / kSide; ++y)
       for (int x = at.x0 / kSide; x <= (at.x1 - 1) / kSide; ++x) {
         const auto i = static_cast<size_t>(y * tiles_x_ + x);
-        if (is_affected[i]) continue;
+        if (tiles_[i].blocks.empty()) continue;
         const Tile& tile = tiles_[i];
         const auto found =
             std::lower_bound(tile.blocks.begin(), tile.blocks.end(), place.rank,
-                             [&](uint32_t of, uint32_t rank) { return places_[of].rank < rank; });
-        // What no ray of a tile reached makes no difference there.
-        is_affected[i] = tile.reached[static_cast<size_t>(found - tile.blocks.begin())];
+                             [&](uint32_t of, uint32_t than) { return places_[of].rank < than; });
+        const auto in_tile = static_cast<size_t>(found - tile.blocks.begin());
+        const bool is_kept = !tile.added.empty() && tile.added[in_tile] != nullptr;
+        if (tile.reached[in_tile] || is_kept) of_tile[i].changed.push_back(in_tile);
       }
   }
-  std::vector<size_t> tiles;
-  for (size_t i = 0; i < tiles_.size(); ++i)
-    if (is_affected[i]) tiles.push_back(i);
-  return tiles;
+  std::vector<Task> tasks;
+  for (size_t i = 0; i < tiles_.size(); ++i) {
+    if (of_tile[i].changed.empty()) continue;
+    of_tile[i].tile = i;
+    tasks.push_back(std::move(of_tile[i]));
+  }
+  return tasks;
 }
 
 void VisibilityEstimate::setStep(int64_t step, WorkerPool& pool, bool from_scratch) {
   SLUICE_CHECK(step >= 0 && step < series_->steps);
-  std::vector<size_t> tiles;
-  changed_blocks_ = 0;
-  if (step_ < 0 || from_scratch) {
-    for (size_t i = 0; i < tiles_.size(); ++i)
-      if (!tiles_[i].blocks.empty()) tiles.push_back(i);
-    for (int64_t block = 0; block < series_->blockCount(); ++block) {
-      int32_t& function = functions_[static_cast<size_t>(block)];
-      const int32_t now = series_->functionAt(block, step);
-      changed_blocks_ += now != function ? 1 : 0;
-      function = now;
-    }
-  } else {
-    tiles = affectedTiles(step);
-    for (const int64_t block : series_->tree->changedBetween(step_, step)) {
-      functions_[static_cast<size_t>(block)] = series_->functionAt(block, step);
-      ++changed_blocks_;
-    }
-  }
+  std::vector<Task> tasks = step_ < 0 || from_scratch ? allTiles(step) : affectedTiles(step);
   step_ = step;
+  const auto count = [&](int32_t by) {
+    for (const Task& task : tasks) {
+      const Tile& tile = tiles_[task.tile];
+      for (size_t k = 0; k < tile.blocks.size(); ++k)
+        if (tile.reached[k]) reached_in_[tile.blocks[k]] += by;
+    }
+  };
+  count(-1);
+  pool.parallelFor(static_cast<int64_t>(tasks.size()),
+                   [&](int64_t i) { estimateTile(tasks[static_cast<size_t>(i)]); });
+  count(1);
   pixels_checked_ = 0;
-  for (const size_t i : tiles) {
-    const Rect& p = tiles_[i].pixels;
-    pixels_checked_ += static_cast<int64_t>(p.x1 - p.x0) * (p.y1 - p.y0);
-    for (size_t k = 0; k < tiles_[i].blocks.size(); ++k)
-      if (tiles_[i].reached[k]) --reached_in_[tiles_[i].blocks[k]];
+  for (const Task& task : tasks) {
+    const Rect& p = tiles_[task.tile].pixels;
+    if (task.is_affected) pixels_checked_ += static_cast<int64_t>(p.x1 - p.x0) * (p.y1 - p.y0);
   }
-  pool.parallelFor(static_cast<int64_t>(tiles.size()),
-                   [&](int64_t i) { estimateTile(tiles_[tiles[static_cast<size_t>(i)]]); });
-  for (const size_t i : tiles)
-    for (size_t k = 0; k < tiles_[i].blocks.size(); ++k)
-      if (tiles_[i].reached[k]) ++reached_in_[tiles_[i].blocks[k]];
 }
 
 }  // namespace sluice

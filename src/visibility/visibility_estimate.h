@@ -7,17 +7,21 @@
 // are independent of each other: threads take one each, and so may ranks.
 //
 // From one step to another only tiles are looked at in which a block was reached whose function
-// changes; the tree of coherent spans (toc_tree.h) finds those blocks. Tiles that stay keep their
-// answer, so that the answer is the same as that of a new estimate.
+// changes, from that block on; the tree of coherent spans (toc_tree.h) finds those blocks. A tile
+// keeps what each block that it reached adds along each ray, so that of blocks that stay as they
+// are nothing is computed again: the answer is that of a new estimate, bit for bit.
 //
 // What is added is no more than what the picture accumulates there. Its samples lie at the view's
-// slices, so that a stretch of d slices has d - 1 samples at the least, and one of extinction k
-// behind another of at least k has as many as both have together: a slice is taken off for each
-// rise along the ray. One thread calls; the pool's threads work inside.
+// slices, and each hides at least what the part of the block hides that it is in; where rounding
+// might put a sample to either side of a part's face, its value is, but for less than an entry of
+// the table of opacities, which the parts allow for (extinction.h), that of the face, which both
+// have. One thread calls; the pool's threads work inside.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -52,6 +56,11 @@ struct EstimateOptions {
   std::vector<Box3> shown = {};        // cells that may show; empty: all. One at most
   std::vector<ClipPlane> clip_planes;  // of the picture
   double exponent = 1;                 // of 1 - opacity (equation 4, a basis of one function)
+  // Looks at tiles first_tile, first_tile + tile_stride, ... alone: of several that share the
+  // picture, each says what is reached in its tiles.
+  int tile_stride = 1, first_tile = 0;
+  // Tiles keep no more than this of what blocks add, see the top. 0 where no step follows.
+  uint64_t most_kept_bytes = uint64_t{256} << 20;
 };
 
 class VisibilityEstimate {
@@ -78,10 +87,34 @@ class VisibilityEstimate {
   struct Rect {
     int x0, y0, x1, y1;  // half-open
   };
+  using TilePixels = std::array<float, static_cast<size_t>(kTileSide) * kTileSide>;
+  // What a block adds along the rays of a tile, row after row. Where the sign is minus, at least
+  // that: the ray was opaque at slice `end` and not followed on.
+  struct Added {
+    int32_t function = -1;  // of the block
+    TilePixels along, end;
+  };
   struct Tile {
     Rect pixels;
-    std::vector<uint32_t> blocks;  // whose footprints may reach into it, front to back
-    std::vector<bool> reached;     // of these
+    std::vector<uint32_t> blocks;               // whose footprints may reach into it, front to back
+    std::vector<bool> reached;                  // of these
+    std::vector<std::unique_ptr<Added>> added;  // of these; empty: none is kept
+  };
+  // A tile to look at.
+  struct Task {
+    size_t tile = 0;
+    std::vector<size_t> changed = {};  // places of blocks that changed; empty: of all
+    bool is_affected = true;           // known once it was looked at
+  };
+  // Something that hides more or less in one step than in the other, and from which slice on.
+  struct ChangedPart {
+    Rect pixels;
+    float near = 0;
+  };
+  // Of the last change of steps, of a block.
+  struct Change {
+    int32_t before = -1;  // function; below 0: none
+    std::vector<ChangedPart> parts = {};
   };
   // What does not change from step to step.
   struct Place {
@@ -101,9 +134,13 @@ class VisibilityEstimate {
   bool isShown(const Box3& cells) const;
   std::vector<int64_t> axisOrder(int axis, int64_t first, int64_t count, int64_t side,
                                  int64_t offset) const;
-  Box3 changedCells(int64_t block, int32_t before, int32_t now) const;
-  std::vector<size_t> affectedTiles(int64_t step) const;
-  void estimateTile(Tile& tile) const;
+  std::vector<ChangedPart> changedParts(int64_t block, int32_t before, int32_t now) const;
+  float nearSlice(const Box3& cells) const;
+  std::vector<Task> allTiles(int64_t step);
+  std::vector<Task> affectedTiles(int64_t step);
+  void takeChanges(int64_t step);
+  std::optional<size_t> firstAffected(Task& task);
+  void estimateTile(Task& task);
   float ratioOf(const OpacityFunction& function, const Place& place) const;
 
   const SeriesOpacityPtr series_;
@@ -113,12 +150,15 @@ class VisibilityEstimate {
   std::array<float, 256> extinction_{};
   // Of pixel coordinates x and y; perspective: times w, and from the picture's middle.
   std::array<std::array<double, 4>, 2> pixel_from_index_{};
+  std::array<double, 4> slice_from_index_{};  // of a parallel view
   int tiles_x_ = 0, tiles_y_ = 0;
   std::vector<Place> places_;
   std::vector<uint32_t> order_;  // block ids, front to back
   std::vector<Tile> tiles_;
   std::vector<int32_t> reached_in_;  // tiles, of each block
   std::vector<int32_t> functions_;   // of the step
+  std::vector<Change> changes_;      // of each block
+  std::vector<int64_t> changed_;     // those with one
   int64_t step_ = -1;
   int64_t pixels_checked_ = 0, changed_blocks_ = 0, all_pixels_ = 0;
 };

@@ -17,11 +17,12 @@ TRANSFER, BLOCKS, BOXES = 'src/classify/transfer', 'src/classify/blocks', 'src/c
 ALLOWED = {
     PUBLIC: [],
     'src/base': [],
+    'src/report': [],
     'cache/policies': [],
     'cache/model': ['cache/policies'],
     'cache/trace': ['cache/policies'],
     'cache/simulate': ['cache/policies', 'cache/model', 'cache/trace'],
-    'cache/report': ['cache/policies', 'cache/simulate'],
+    'cache/report': ['cache/policies', 'cache/simulate', 'src/report'],
     'io/files': [],
     'io/headers': ['io/files'],
     'io/slices': ['io/files'],
@@ -42,14 +43,16 @@ ALLOWED = {
                    'src/device', 'src/index', 'src/texture', 'src/visibility'],
     'src/annotate': ['io/pictures', TRANSFER, 'src/device', 'src/render'],
     'src/slicing': ['src/device', 'src/render'],
+    'src/parallel': ['io/pictures', 'src/volume', BLOCKS, 'src/device', 'src/render'],
     'src/gl': ['src/device', 'src/volume'],
     'src/library': [PUBLIC, 'cache/model', 'cache/policies', 'cache/trace', 'io', 'io/pictures', 'src/volume', TRANSFER, BLOCKS, 'src/device',
-                    'src/cpu', 'src/gl', 'src/index', 'src/render', 'src/visibility'],
+                    'src/cpu', 'src/gl', 'src/index', 'src/parallel', 'src/render', 'src/visibility'],
     'src/view': [PUBLIC],
     'src/view/window': [PUBLIC, 'src/view'],
     'src/cpu': ['io/pictures', 'src/device', 'src/volume'],
     'tools': None,  # everything
     'tools/command_line': None,
+    'tools/pages': None,
     'tests': None,
 }
 

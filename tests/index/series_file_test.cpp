@@ -132,8 +132,8 @@ TEST(SeriesPass, holdsTwoRunsAWorkerHoweverManySteps) {
   const auto few = blobs(2), many = blobs(9);
   EXPECT_EQ(Made(*few).series.report.worker_bytes, Made(*many).series.report.worker_bytes);
   const Made least(*few, {.most_bytes = 1});
-  // A block of 8 voxels a side: its bytes as read and converted, opacities and parts twice.
-  EXPECT_EQ(least.series.report.worker_bytes, 512U * 2 + 2 * (512 + 128) * 4);
+  // A block of 8 voxels a side: its bytes as read and converted, opacities and cubes twice.
+  EXPECT_EQ(least.series.report.worker_bytes, 512U * 2 + 2 * (512 + 512) * 4);
 }
 
 TEST(SeriesPass, whatIsEmptyIsNotRead) {

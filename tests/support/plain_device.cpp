@@ -320,7 +320,13 @@ Picture PlainDevice::endFrame() {
     for (int x = 0; x < width; ++x) {
       const Pixel& pixel = at(x, height - 1 - row);
       std::array<double, 4> rgba{pixel.rgb.x, pixel.rgb.y, pixel.rgb.z, pixel.opacity};
-      if (setup_.mode != Mode::kComposite && pixel.count > 0) {
+      if (setup_.mode != Mode::kComposite && setup_.is_part) {
+        const bool sums = setup_.mode == Mode::kAverage, seen = pixel.count > 0;
+        rgba[0] = seen ? pixel.value : emptyPart(setup_.mode);
+        rgba[1] = sums                                ? static_cast<double>(pixel.count)
+                  : setup_.mode == Mode::kMip && seen ? 1
+                                                      : 0;
+      } else if (setup_.mode != Mode::kComposite && pixel.count > 0) {
         const double taken = setup_.mode == Mode::kAverage ? static_cast<double>(pixel.count) : 1;
         rgba = lookedUp(setup_.look_up, pixel.value / taken, false);
         rgba[3] = 1;

@@ -131,12 +131,20 @@ TEST_F(CullingCommand, aFaultyStepIsNamedAndTheRestFollows) {
   const auto rewrite = [&](const std::string& bytes) {
     std::ofstream(step, std::ios::binary) << bytes;
   };
+  EXPECT_EQ(render("--time 0:3 -o f_%03d.png -q --this-step").status, 0);
+  const auto before = std::filesystem::last_write_time(program_.folder / "f_003.png");
   // Truncated: named, in one line, and what was drawn before stays.
   rewrite(whole.substr(0, whole.size() / 2));
-  const CommandResult cut = render("--time 0:5 -o f_%03d.png -q --this-step");
+  const CommandResult cut = render("--time 0:5 -o f_%03d.png -q --this-step --continue");
   EXPECT_EQ(cut.status, 1);
   EXPECT_THAT(cut.output, HasSubstr("mix_004.nrrd"));
   EXPECT_EQ(std::count(cut.output.begin(), cut.output.end(), '\n'), 1) << cut.output;
+  EXPECT_FALSE(program_.exists("f_004.png"));
+  // Mended, what is left is drawn, and what is there stays.
+  rewrite(whole);
+  EXPECT_EQ(render("--time 0:5 -o f_%03d.png -q --this-step --continue").status, 0);
+  EXPECT_TRUE(program_.exists("f_005.png"));
+  EXPECT_EQ(std::filesystem::last_write_time(program_.folder / "f_003.png"), before);
   // Of another size.
   EXPECT_EQ(program_.run("synth mixing -o mix_004.nrrd --dims 40,48,48 -q --force").status, 0);
   const CommandResult sized = render("--time 0:5 --culling toc -o f_%03d.png -q");
@@ -147,6 +155,8 @@ TEST_F(CullingCommand, aFaultyStepIsNamedAndTheRestFollows) {
   std::filesystem::remove(program_.folder / "mix_005.nrrd");
   const CommandResult missing = render("--time 0:5 -o g_%03d.png -q");
   EXPECT_EQ(missing.status, 1);
+  EXPECT_THAT(missing.output, HasSubstr("mix_005.nrrd is missing"));
+  EXPECT_EQ(std::count(missing.output.begin(), missing.output.end(), '\n'), 1) << missing.output;
   EXPECT_FALSE(program_.exists("g_000.png"));
 }
 
@@ -161,6 +171,60 @@ TEST_F(CullingCommand, whatIsThereIsContinued) {
   const CommandResult nothing = render("--time 0:5 --culling toc --continue -o c_%03d.png");
   EXPECT_EQ(nothing.status, 0);
   EXPECT_THAT(nothing.output, HasSubstr("all 6 pictures are there"));
+  const json none = renderJson("--time 0:5 --culling toc --continue -o c_%03d.png");
+  EXPECT_TRUE(none["frames"].empty());
+  EXPECT_EQ(none["command"], "render");
+}
+
+// Two layers, whose opacities are edited one by one.
+TEST_F(CullingCommand, looksOfAFamilyNeedNoFunctionsOfTheirOwn) {
+  const auto write = [&](const char* name, double low, double high) {
+    std::ofstream(program_.folder / name)
+        << fmt::format(R"({{"sluice_transfer_function": 1, "map": "grey", "opacities": )"
+                       "[[0, 0], [60, 0], [60, {0}], [120, {0}], [120, {1}], [255, {1}]]}}",
+                       low, high);
+  };
+  write("low.json", 0.5, 0);
+  write("high.json", 0, 0.6);
+  write("first.json", 0.5, 0.6);
+  write("second.json", 1 - std::pow(0.5, 0.8), 1 - std::pow(0.4, 0.5));
+  const auto prepare = [&](const char* look) {
+    return program_.json(
+        fmt::format("prepare mix_%03d.nrrd --transfer {} --basis "
+                    "low.json,high.json --block 8 --no-shade",
+                    look));
+  };
+  EXPECT_EQ(prepare("first.json")["state"], "built");
+  const json second = prepare("second.json");
+  EXPECT_EQ(second["state"], "read");
+  EXPECT_NEAR(second["exponents"][0].get<double>(), 0.8, 0.02);
+  EXPECT_NEAR(second["exponents"][1].get<double>(), 0.5, 0.02);
+  const auto draw = [&](const std::string& how) {
+    return program_.json(
+        fmt::format("render mix_%03d.nrrd --transfer second.json --block 8 "
+                    "--no-shade {} --time 0:5 {}",
+                    kPicture, how));
+  };
+  draw("-o plain_%03d.png");
+  const json own = draw("--culling toc -o own_%03d.png");
+  const json culled = draw("--culling toc --basis low.json,high.json -o culled_%03d.png");
+  int64_t visible = 0, nonempty = 0, of_own = 0;
+  for (size_t step = 0; step < 6; ++step) {
+    visible += culled["frames"][step]["culling"]["visible"].get<int64_t>();
+    of_own += own["frames"][step]["culling"]["visible"].get<int64_t>();
+    nonempty += culled["frames"][step]["culling"]["blocks_nonempty"].get<int64_t>();
+    const auto a = readPng(program_.folder / fmt::format("plain_{:03}.png", step));
+    const auto b = readPng(program_.folder / fmt::format("culled_{:03}.png", step));
+    int most = 0;
+    for (size_t i = 0; i < a.rgba.size(); ++i)
+      most = std::max(most, std::abs(static_cast<int>(a.rgba[i]) - static_cast<int>(b.rgba[i])));
+    EXPECT_LE(most, 13) << step;
+  }
+  EXPECT_LT(visible, nonempty);
+  EXPECT_GE(visible, of_own) << "what is made for the look is no looser";
+  const CommandResult odd = render("--culling toc --part 6 -o odd.png");
+  EXPECT_EQ(odd.status, 1);
+  EXPECT_THAT(odd.output, HasSubstr("--part 6"));
 }
 
 TEST_F(CullingCommand, benchHasTheNamesOfTheInterface) {

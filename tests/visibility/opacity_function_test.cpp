@@ -10,14 +10,20 @@
 namespace sluice {
 namespace {
 
+// Cubes of one cell, each with the value of the part of four cells a side that it is in.
 BlockParts partsOf(Vec3i cells, const auto& value) {
-  BlockParts parts{{cells, 4}, {}};
+  BlockParts parts{{cells, 4}, {}}, cubes{{cells, 1}, {}};
   const Vec3i count = parts.grid.count();
   for (int64_t z = 0; z < count.z; ++z)
     for (int64_t y = 0; y < count.y; ++y)
       for (int64_t x = 0; x < count.x; ++x)
         parts.least.push_back(static_cast<float>(value(x, y, z)));
-  return parts;
+  for (int64_t z = 0; z < cells.z; ++z)
+    for (int64_t y = 0; y < cells.y; ++y)
+      for (int64_t x = 0; x < cells.x; ++x)
+        cubes.least.push_back(
+            parts.least[static_cast<size_t>((z / 4 * count.y + y / 4) * count.x + x / 4)]);
+  return cubes;
 }
 
 TEST(OpacityFunction, uniformBlockIsItsExtinctionFromEverySide) {
@@ -73,11 +79,10 @@ Passed passed(const BlockParts& parts, const Ray& ray, double length_vox) {
   }
   Passed result;
   result.slices = std::max(0.0, to - from);
-  const Vec3i count = parts.grid.count();
+  const Vec3i count = parts.grid.cells;
   for (auto k = static_cast<int64_t>(std::ceil(from - 0.5)); k + 0.5 < to; ++k) {
     const Vec3d p = ray.at + ray.step * (static_cast<double>(k) + 0.5);
-    Vec3i part{static_cast<int64_t>(p.x / 4), static_cast<int64_t>(p.y / 4),
-               static_cast<int64_t>(p.z / 4)};
+    Vec3i part{static_cast<int64_t>(p.x), static_cast<int64_t>(p.y), static_cast<int64_t>(p.z)};
     part = min(max(part, {0, 0, 0}), count - Vec3i{1, 1, 1});
     result.sum += length_vox *
                   parts.least[static_cast<size_t>((part.z * count.y + part.y) * count.x + part.x)];
@@ -96,7 +101,8 @@ TEST(OpacityFunction, noRayAccumulatesLess) {
     const BlockParts parts = partsOf(
         cells, [&](auto...) { return unit(random) < holes * holes ? 0.0 : 0.02 + unit(random); });
     const OpacityFunction function = opacityFunction(parts, directions);
-    ASSERT_EQ(function.parts.size(), parts.least.size());
+    const PartGrid grid = partsOfCubes(parts.grid);
+    ASSERT_EQ(function.parts.size(), static_cast<size_t>(volume(grid.count())));
     for (int i = 0; i < 3000; ++i) {
       Vec3d direction{sign(random), sign(random), sign(random)};
       if (length(direction) < 0.1) continue;
@@ -109,7 +115,7 @@ TEST(OpacityFunction, noRayAccumulatesLess) {
       const Passed found = passed(parts, ray, step);
       const int cell = directions.cellOf(direction);
       const int axis = directions.slopesOf(cell).axis;
-      const double least = leastDepthVox(parts.grid, axis) / std::abs(ray.step[axis]);
+      const double least = leastDepthVox(grid, axis) / std::abs(ray.step[axis]);
       const double floor = unpackExtinction(function.floor);
       EXPECT_GE(found.sum, floor * (found.slices - 1) * step - 1e-9);
       if (found.slices < least || function.ratios.empty()) continue;
@@ -128,12 +134,12 @@ TEST(OpacityFunction, aFamilyAddsUpExtinctions) {
   const auto a = opacityFunction(partsOf({31, 31, 31}, [](auto...) { return 0.1; }), {});
   const auto b = opacityFunction(
       partsOf({31, 31, 31}, [](int64_t x, auto, auto) { return x < 4 ? 0.5 : 0.0; }), {});
-  const OpacityFunction both = combined({&a, &b}, {2, 0.5});
+  const OpacityFunction both = combined({&a, &b}, {2, 0.5}, {{31, 31, 31}, 1});
   EXPECT_NEAR(unpackExtinction(both.floor), 0.2, 0.02);
   ASSERT_EQ(both.parts.size(), 512U);
   EXPECT_NEAR(unpackExtinction(both.parts[0]), 0.45, 0.05);
   EXPECT_NEAR(unpackExtinction(both.parts[7]), 0.2, 0.02);
-  EXPECT_EQ(combined({&b}, {1}), b);
+  EXPECT_EQ(combined({&b}, {1}, {{31, 31, 31}, 1}), b);
 }
 
 TEST(Directions, everyDirectionIsInTheSlopesOfItsCell) {

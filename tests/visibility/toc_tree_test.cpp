@@ -118,7 +118,7 @@ TEST(SeriesOpacity, equalFunctionsAreKeptOnceAndFamiliesEndSpansOfAnyBasis) {
     for (size_t b = 0; b < 2; ++b)
       for (const int32_t begin : begins[b]) {
         blocks[b].spans.push_back({begin, static_cast<int32_t>(blocks[b].functions.size())});
-        blocks[b].functions.push_back({static_cast<uint8_t>(begin > 5 ? 0 : floor), {}, {}});
+        blocks[b].functions.push_back({static_cast<uint8_t>(begin > 5 ? 0 : floor), {}, {}, {}});
       }
     gather(series, std::move(blocks));
     return series;

@@ -54,6 +54,11 @@ void addQuietOption(const OptionGroup& group, bool& quiet) {
   group.flag("-q,--quiet", quiet, "No summary, no warnings, no progress; errors alone");
 }
 
+void addReportOption(const OptionGroup& group, std::string& file) {
+  group.text("--report", "FILE", file,
+             "What it took, as JSON, or as a page to look at where the name ends in .html");
+}
+
 void addForceOption(const OptionGroup& group, bool& force) {
   group.flag("--force", force, "Replaces existing files whatever they hold");
 }

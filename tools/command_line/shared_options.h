@@ -36,6 +36,7 @@ void addFramesOption(const OptionGroup& group, Number& frames, const std::string
 }
 void addIndexDirOption(const OptionGroup& group, std::string& folder);
 void addQuietOption(const OptionGroup& group, bool& quiet);
+void addReportOption(const OptionGroup& group, std::string& file);
 void addForceOption(const OptionGroup& group, bool& force);
 void addJsonOption(const OptionGroup& group, bool& json,
                    const std::string& help = "One JSON object");

@@ -10,9 +10,6 @@
 
 namespace sluice {
 
-// For text inside HTML or SVG: & < > " and ' become entities, control characters '?'.
-std::string escapeHtml(std::string_view text);
-
 struct SvgAxis {
   double lo = 0, hi = 1;
   bool is_log2 = false;  // then lo > 0

@@ -1,10 +1,12 @@
-#include "cache/report/svg_plot.h"
+#include "src/report/svg_plot.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+
+#include "src/report/html_page.h"
 
 namespace sluice {
 namespace {
@@ -58,32 +60,6 @@ std::vector<double> ticksOf(const SvgAxis& axis) {
 }
 
 }  // namespace
-
-std::string escapeHtml(std::string_view text) {
-  std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      case '\'':
-        out += "&#39;";
-        break;
-      default:
-        out += static_cast<unsigned char>(c) < 32 ? '?' : c;
-    }
-  }
-  return out;
-}
 
 std::string markerSvg(SvgMarker shape, double x_px, double y_px, std::string_view css,
                       std::string_view hint) {

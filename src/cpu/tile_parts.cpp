@@ -1,0 +1,64 @@
+#include "src/cpu/tile_parts.h"
+
+#include <algorithm>
+
+namespace sluice {
+
+void TileParts::begin(const FrameSetup& setup, const KernelFrame& frame, const Kernels& kernels) {
+  setup_ = &setup;
+  frame_ = &frame;
+  kernels_ = &kernels;
+  for (int i = 0; i < kTilePixels; ++i)
+    place_[static_cast<size_t>(i)] = kernels.placeOf(i % kTileSide, i / kTileSide);
+  picture_ = emptyPartialPicture(setup.size);
+  through_.assign(setup.mode == Mode::kComposite ? picture_.tiles.size() * kTilePixels : 0, 1.0F);
+}
+
+void TileParts::draw(int64_t index, const std::vector<KernelBox>& boxes,
+                     std::span<const uint32_t> of_tile, TilePixels& tile) {
+  // Along each ray layers ascend already.
+  std::vector<uint32_t> order(of_tile.begin(), of_tile.end());
+  std::stable_sort(order.begin(), order.end(),
+                   [&boxes](uint32_t a, uint32_t b) { return boxes[a].layer < boxes[b].layer; });
+  float* through = through_.data() + static_cast<size_t>(index) * kTilePixels;
+  for (size_t from = 0; from < order.size();) {
+    const uint32_t layer = boxes[order[from]].layer;
+    size_t to = from;
+    while (to < order.size() && boxes[order[to]].layer == layer) ++to;
+    kernels_->composite(*frame_, boxes.data(), order.data() + from, to - from, tile);
+    from = to;
+    append(index, layer, tile);
+    for (size_t i = 0; i < kTilePixels; ++i) {
+      through[i] *= 1 - tile.color[3][i];
+      tile.stopped[i] = 1 - through[i] >= frame_->ray_opacity ? 1.0F : 0.0F;
+    }
+    for (float* channel : tile.color) std::fill_n(channel, kTilePixels, 0.0F);
+    if (tile.depth_sum != nullptr) std::fill_n(tile.depth_sum, kTilePixels, 0.0F);
+  }
+}
+
+void TileParts::takeOut(int64_t index, const TilePixels& tile) {
+  append(index, 0, tile);
+}
+
+void TileParts::append(int64_t index, uint32_t layer, const TilePixels& tile) {
+  const bool composite = setup_->mode == Mode::kComposite;
+  // Extremes begin where no value is, sums of parts with 0.
+  const size_t tells = composite ? 3 : setup_->mode == Mode::kAverage ? 1 : 0;
+  const float empty = composite ? 0 : emptyPart(setup_->mode);
+  std::array<const float*, kMostPartChannels> channels{tile.color[0], tile.color[1], tile.color[2],
+                                                       tile.color[3], tile.depth_sum};
+  const int width = std::min(kTileSide, setup_->size.width - tile.x);
+  const int height = std::min(kTileSide, setup_->size.height - tile.y);
+  packPart(
+      picture_.tiles[static_cast<size_t>(index)], layer, partChannels(*setup_),
+      [&](int pixel) {
+        return pixel % kTileSide < width && pixel / kTileSide < height &&
+               channels[tells][place_[static_cast<size_t>(pixel)]] != empty;
+      },
+      [&](int pixel, int channel) {
+        return channels[static_cast<size_t>(channel)][place_[static_cast<size_t>(pixel)]];
+      });
+}
+
+}  // namespace sluice

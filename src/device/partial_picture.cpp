@@ -1,0 +1,112 @@
+#include "src/device/partial_picture.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "src/base/bytes.h"
+#include "src/base/error.h"
+
+namespace sluice {
+namespace {
+
+// Calls visit(pixel, numbers) for each pixel of a record.
+template <class Visit>
+void visitPixels(const PartRecord& record, int channels, const Visit& visit) {
+  std::array<float, kMostPartChannels> numbers{};
+  const size_t bytes = static_cast<size_t>(channels) * sizeof(float);
+  const std::byte* from = record.numbers.data();
+  for (size_t word = 0; word < record.header.mask.size(); ++word)
+    for (uint64_t left = record.header.mask[word]; left != 0; left &= left - 1, from += bytes) {
+      std::memcpy(numbers.data(), from, bytes);
+      visit(word * 64 + static_cast<size_t>(std::countr_zero(left)), numbers);
+    }
+}
+
+}  // namespace
+
+float emptyPart(Mode mode) {
+  switch (mode) {
+    case Mode::kMip:
+      return std::numeric_limits<float>::lowest();
+    case Mode::kMinip:
+      return std::numeric_limits<float>::max();
+    case Mode::kComposite:
+    case Mode::kAverage:
+      break;
+  }
+  return 0;
+}
+
+uint64_t PartialPicture::bytes() const {
+  uint64_t sum = 0;
+  for (const std::vector<std::byte>& tile : tiles) sum += tile.capacity();
+  return sum;
+}
+
+void checkPartRoom(uint64_t bytes, uint64_t most_bytes) {
+  if (bytes <= most_bytes) return;
+  fail(
+      "a part of the picture takes {}, --memory leaves {} to it; give more --memory or a smaller "
+      "--size",
+      formatBytes(bytes), formatBytes(most_bytes));
+}
+
+PartialPicture emptyPartialPicture(PictureSize size) {
+  PartialPicture picture;
+  picture.across = (size.width + kPartSide - 1) / kPartSide;
+  picture.up = (size.height + kPartSide - 1) / kPartSide;
+  picture.tiles.resize(static_cast<size_t>(picture.across) * static_cast<size_t>(picture.up));
+  return picture;
+}
+
+std::vector<PartRecord> partRecords(std::span<const std::byte> tile, int channels) {
+  std::vector<PartRecord> records;
+  while (!tile.empty()) {
+    PartRecord record;
+    if (tile.size() < sizeof record.header) fail("a part of a picture is cut off");
+    std::memcpy(&record.header, tile.data(), sizeof record.header);
+    tile = tile.subspan(sizeof record.header);
+    uint32_t pixels = 0;
+    for (const uint64_t word : record.header.mask)
+      pixels += static_cast<uint32_t>(std::popcount(word));
+    const size_t bytes = size_t{pixels} * static_cast<size_t>(channels) * sizeof(float);
+    if (pixels != record.header.pixels || tile.size() < bytes)
+      fail("a part of a picture is cut off");
+    record.numbers = tile.first(bytes);
+    tile = tile.subspan(bytes);
+    records.push_back(record);
+  }
+  return records;
+}
+
+TileNumbers composeTile(std::vector<PartRecord> records, const FrameSetup& setup) {
+  TileNumbers tile{};
+  const int channels = partChannels(setup);
+  if (setup.mode == Mode::kComposite) {
+    std::stable_sort(records.begin(), records.end(), [](const PartRecord& a, const PartRecord& b) {
+      return a.header.layer < b.header.layer;
+    });
+    for (const PartRecord& record : records)
+      visitPixels(record, channels, [&](size_t pixel, const auto& numbers) {
+        const float through = 1 - tile[3][pixel];
+        for (size_t c = 0; c < static_cast<size_t>(channels); ++c)
+          tile[c][pixel] += through * numbers[c];
+      });
+    return tile;
+  }
+  // As resolveMode() has them: of a minimum both numbers are least ones.
+  tile[0].fill(emptyPart(setup.mode));
+  tile[1].fill(setup.mode == Mode::kAverage ? 0.0F : emptyPart(setup.mode));
+  for (const PartRecord& record : records)
+    visitPixels(record, channels, [&](size_t pixel, const auto& numbers) {
+      for (size_t c = 0; c < 2; ++c) {
+        float& to = tile[c][pixel];
+        if (setup.mode == Mode::kMip) to = std::max(to, numbers[c]);
+        if (setup.mode == Mode::kMinip) to = std::min(to, numbers[c]);
+        if (setup.mode == Mode::kAverage) to += numbers[c];
+      }
+    });
+  return tile;
+}
+
+}  // namespace sluice

@@ -1,0 +1,33 @@
+// Communicator: how the ranks of a run reach one another, behind which MPI or threads of one
+// process stand. All ranks make the same calls in the same order. One thread a rank.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "src/base/stop_token.h"
+
+namespace sluice {
+
+using Message = std::vector<std::byte>;
+
+class Communicator {
+ public:
+  virtual ~Communicator() = default;
+
+  virtual int rank() const = 0;
+  virtual int ranks() const = 0;
+  // Everyone gives as many numbers and gets those of all, rank after rank. Throws Interrupted.
+  virtual std::vector<uint64_t> gatherAll(std::span<const uint64_t> mine,
+                                          const StopToken& stop) = 0;
+  // to[r] goes to rank r; from[r], which has its length already, takes what comes from there.
+  // Throws Interrupted.
+  virtual void exchange(const std::vector<Message>& to, std::vector<Message>& from,
+                        const StopToken& stop) = 0;
+  // Once, last, by all: until then a rank that goes is one that was lost.
+  virtual void finish() {}
+};
+
+}  // namespace sluice

@@ -1,0 +1,133 @@
+#include "src/parallel/in_process.h"
+
+#include <atomic>
+#include <chrono>
+
+#include "src/base/error.h"
+#include "src/base/mutex.h"
+#include "src/base/threads.h"
+
+namespace sluice {
+namespace {
+
+// Where all ranks put what they have for each other.
+struct Meeting {
+  explicit Meeting(int count)
+      : ranks(count), numbers(static_cast<size_t>(count)), messages(static_cast<size_t>(count)) {}
+
+  // Until all ranks are here.
+  void wait(const StopToken& stop) {
+    MutexLock lock(mutex);
+    const int64_t round = rounds;
+    if (++here == ranks) {
+      here = 0;
+      ++rounds;
+      all_here.notifyAll();
+      return;
+    }
+    while (rounds == round) {
+      all_here.waitUntil(lock, std::chrono::steady_clock::now() + std::chrono::milliseconds(100));
+      stop.throwIfStopped();
+    }
+  }
+
+  const int ranks;
+  // Written by their rank, read by others after a wait().
+  std::vector<std::vector<uint64_t>> numbers;
+  std::vector<const std::vector<Message>*> messages;
+  Mutex mutex;
+  Condition all_here;
+  int here SLUICE_GUARDED_BY(mutex) = 0;
+  int64_t rounds SLUICE_GUARDED_BY(mutex) = 0;
+};
+
+class ThreadRank : public Communicator {
+ public:
+  ThreadRank(std::shared_ptr<Meeting> meeting, int rank)
+      : meeting_(std::move(meeting)), rank_(rank) {}
+
+  int rank() const override { return rank_; }
+  int ranks() const override { return meeting_->ranks; }
+
+  std::vector<uint64_t> gatherAll(std::span<const uint64_t> mine, const StopToken& stop) override {
+    meeting_->numbers[static_cast<size_t>(rank_)].assign(mine.begin(), mine.end());
+    meeting_->wait(stop);
+    std::vector<uint64_t> all;
+    for (const auto& numbers : meeting_->numbers) {
+      SLUICE_CHECK_EQ(numbers.size(), mine.size());
+      all.insert(all.end(), numbers.begin(), numbers.end());
+    }
+    meeting_->wait(stop);
+    return all;
+  }
+
+  void exchange(const std::vector<Message>& to, std::vector<Message>& from,
+                const StopToken& stop) override {
+    const auto me = static_cast<size_t>(rank_);
+    meeting_->messages[me] = &to;
+    meeting_->wait(stop);
+    for (size_t r = 0; r < from.size(); ++r) {
+      const Message& message = (*meeting_->messages[r])[me];
+      SLUICE_CHECK_EQ(message.size(), from[r].size());
+      from[r] = message;
+    }
+    meeting_->wait(stop);
+  }
+
+ private:
+  const std::shared_ptr<Meeting> meeting_;
+  const int rank_;
+};
+
+// Empty where all is well.
+std::string endOf(Team& team, const std::function<void(Team&)>& body) {
+  std::string reason;
+  try {
+    body(team);
+    return "";
+  } catch (const RankFailed& failed) {
+    return failed.what();
+  } catch (const Interrupted& interrupted) {
+    return interrupted.what();
+  } catch (const std::exception& error) {
+    reason = error.what();
+  }
+  try {
+    return team.fail(reason).what();
+  } catch (const Interrupted&) {
+    return reason;
+  }
+}
+
+}  // namespace
+
+std::vector<std::unique_ptr<Communicator>> inProcessRanks(int ranks) {
+  const auto meeting = std::make_shared<Meeting>(ranks);
+  std::vector<std::unique_ptr<Communicator>> all;
+  for (int rank = 0; rank < ranks; ++rank)
+    all.push_back(std::make_unique<ThreadRank>(meeting, rank));
+  return all;
+}
+
+std::vector<std::string> runInProcess(int ranks, const std::function<void(Team& team)>& body,
+                                      const StopToken& stop) {
+  std::vector<std::unique_ptr<Communicator>> communicators = inProcessRanks(ranks);
+  std::vector<std::string> ends(communicators.size());
+  // A rank that is missing would be waited for: none begins before all are there.
+  std::atomic<int> next = 0, may_begin = -1;
+  auto threads = startThreads(ranks, [&] {
+    may_begin.wait(-1);
+    if (may_begin == 0) return;
+    const auto rank = static_cast<size_t>(next++);
+    Team team(std::move(communicators[rank]), stop);
+    ends[rank] = endOf(team, body);
+  });
+  const bool all = threads.size() == communicators.size();
+  may_begin = all ? 1 : 0;
+  may_begin.notify_all();
+  for (auto& thread : threads) thread.join();
+  if (!all) fail("{} threads for as many ranks: the system starts {}", ranks, threads.size());
+  return ends;
+}
+
+}  // namespace sluice

@@ -1,0 +1,25 @@
+// What lies between the program and its modules for MPI.
+//
+// Open MPI and MPICH have the same functions and nothing else in common: a program that is linked
+// to one starts under that one alone, and needs it to start at all. So all that includes mpi.h
+// (mpi_module.cpp) is a library apart, compiled once for each MPI that is there, opened by those
+// processes that a launcher has started as ranks (mpi_ranks.h).
+#pragma once
+
+#include <memory>
+
+#include "src/parallel/communicator.h"
+
+namespace sluice {
+
+// The one function of a module: begins MPI.
+using JoinMpi = void(std::unique_ptr<Communicator>& ranks);
+inline constexpr const char* kJoinMpi = "sluiceJoinMpi";
+
+// What it must say of itself before: of this version of sluice, and of this shape of what lies
+// between. The number counts up with each change of the latter.
+using MpiModuleVersion = const char*();
+inline constexpr const char* kMpiModuleVersionOf = "sluiceMpiModuleVersion";
+inline constexpr const char* kMpiModuleVersion = SLUICE_VERSION " mpi module 1";
+
+}  // namespace sluice

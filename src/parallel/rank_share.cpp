@@ -1,0 +1,76 @@
+#include "src/parallel/rank_share.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "src/base/error.h"
+
+namespace sluice {
+namespace {
+
+// Of a rank's memory.
+constexpr uint64_t kPartShare = 4;
+
+}  // namespace
+
+uint64_t partBytes(PictureSize size, const Dealing& dealing, uint64_t memory_bytes) {
+  if (dealing.ranks == 1) return 0;
+  const Vec3i hands =
+      (dealing.grid + Vec3i{dealing.hand - 1, dealing.hand - 1, dealing.hand - 1}) / dealing.hand;
+  const auto layers = static_cast<uint64_t>(hands.x + hands.y + hands.z - 2);
+  const auto pixels = static_cast<uint64_t>(size.width) * static_cast<uint64_t>(size.height);
+  const uint64_t all = pixels * layers * kMostPartChannels * sizeof(float);
+  // Drawn and gathered in turn, and messages beside them.
+  return std::min(memory_bytes / kPartShare, 2 * all / static_cast<uint64_t>(dealing.ranks) +
+                                                 pixels * kMostPartChannels * sizeof(float));
+}
+
+RankShare::RankShare(Team& team, const Dealing& dealing, WorkerPool& pool, uint64_t part_bytes)
+    : team_(team),
+      dealing_(dealing),
+      pool_(pool),
+      part_bytes_(part_bytes),
+      blocks_(dealing, team.rank(), pool) {}
+
+std::unique_ptr<PartDevice> RankShare::deviceFrom(std::unique_ptr<Device> own) {
+  auto device = std::make_unique<PartDevice>(std::move(own), dealing_);
+  device->limitPart(part_bytes_ / 2);
+  device_ = device.get();
+  return device;
+}
+
+BlockChooser* RankShare::chooserFrom(BlockChooser* chooser) {
+  blocks_.chooseFrom(chooser);
+  return &blocks_;
+}
+
+void RankShare::shareEstimate(CullingOptions& options) {
+  options.tile_stride = team_.ranks();
+  options.first_tile = team_.rank();
+  options.exchange = [this](int64_t time, std::vector<bool>& reached) {
+    exchangeReached(time, reached);
+  };
+}
+
+void RankShare::exchangeReached(int64_t time, std::vector<bool>& reached) {
+  Message mine(sizeof time + (reached.size() + 7) / 8);
+  std::memcpy(mine.data(), &time, sizeof time);
+  for (size_t i = 0; i < reached.size(); ++i)
+    if (reached[i]) mine[sizeof time + i / 8] |= std::byte{1} << (i % 8);
+  for (const Message& other : team_.gatherAll(mine)) {
+    SLUICE_CHECK_EQ(other.size(), mine.size());
+    int64_t of = 0;
+    std::memcpy(&of, other.data(), sizeof of);
+    SLUICE_CHECK_EQ(of, time);
+    for (size_t i = 0; i < reached.size(); ++i)
+      if ((other[sizeof time + i / 8] >> (i % 8) & std::byte{1}) != std::byte{0}) reached[i] = true;
+  }
+}
+
+Picture RankShare::picture() {
+  SLUICE_CHECK(device_ != nullptr);
+  report_ = {};
+  return composite(team_, device_->takePart(), device_->setup(), pool_, part_bytes_ / 2, report_);
+}
+
+}  // namespace sluice

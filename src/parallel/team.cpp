@@ -1,0 +1,130 @@
+#include "src/parallel/team.h"
+
+#include <algorithm>
+#include <cstring>
+#include <numeric>
+
+#include "src/base/bytes.h"
+#include "src/base/error.h"
+
+namespace sluice {
+namespace {
+
+// What a rank says of itself before it says anything else.
+constexpr uint64_t kGoesOn = 0, kFailed = 1;
+
+std::string lineOf(const std::vector<std::string>& reasons) {
+  const auto fails = [](const std::string& reason) { return !reason.empty(); };
+  const auto first = std::find_if(reasons.begin(), reasons.end(), fails);
+  SLUICE_CHECK(first != reasons.end());
+  if (std::count(reasons.begin(), reasons.end(), *first) == static_cast<long>(reasons.size()))
+    return *first;
+  const auto failed = std::count_if(reasons.begin(), reasons.end(), fails);
+  std::string line =
+      fmt::format("rank {} of {}: {}", first - reasons.begin(), reasons.size(), *first);
+  if (failed > 1) line += fmt::format(" (and {} more)", failed - 1);
+  return line;
+}
+
+}  // namespace
+
+RankFailed::RankFailed(std::vector<std::string> reasons) : std::runtime_error(lineOf(reasons)) {}
+
+Message asMessage(std::string_view text) {
+  const auto* bytes = reinterpret_cast<const std::byte*>(text.data());
+  return {bytes, bytes + text.size()};
+}
+
+std::string asText(const Message& message) {
+  return {reinterpret_cast<const char*>(message.data()), message.size()};
+}
+
+Team::Team(std::unique_ptr<Communicator> communicator, StopToken stop)
+    : communicator_(std::move(communicator)), stop_(std::move(stop)) {}
+
+void Team::throwFailed(const std::vector<uint64_t>& states, const std::string& mine) {
+  const auto count = static_cast<size_t>(ranks());
+  const size_t each = states.size() / count;
+  std::vector<Message> to(count), from(count);
+  for (size_t r = 0; r < count; ++r) {
+    to[r] = asMessage(mine);
+    from[r].resize(states[r * each] == kGoesOn ? 0 : states[r * each + 1]);
+  }
+  communicator_->exchange(to, from, stop_);
+  std::vector<std::string> reasons;
+  for (const Message& reason : from) reasons.push_back(asText(reason));
+  throw RankFailed(std::move(reasons));
+}
+
+std::vector<uint64_t> Team::agree(const std::vector<uint64_t>& sizes) {
+  std::vector<uint64_t> mine{kGoesOn};
+  mine.insert(mine.end(), sizes.begin(), sizes.end());
+  std::vector<uint64_t> all = communicator_->gatherAll(mine, stop_);
+  for (size_t r = 0; r < static_cast<size_t>(ranks()); ++r)
+    if (all[r * mine.size()] != kGoesOn) throwFailed(all, "");
+  return all;
+}
+
+RankFailed Team::fail(const std::string& reason) {
+  std::vector<uint64_t> mine(static_cast<size_t>(ranks()) + 2);  // as long as of exchange()
+  const std::string said = reason.empty() ? "failed" : reason;
+  mine[0] = kFailed;
+  mine[1] = said.size();
+  try {
+    throwFailed(communicator_->gatherAll(mine, stop_), said);
+  } catch (const RankFailed& all) {
+    return all;
+  }
+}
+
+std::vector<Message> Team::exchange(const std::vector<Message>& to, uint64_t most_bytes) {
+  const auto count = static_cast<size_t>(ranks()), me = static_cast<size_t>(rank());
+  SLUICE_CHECK_EQ(to.size(), count);
+  std::vector<uint64_t> sizes{most_bytes};
+  for (const Message& message : to) sizes.push_back(message.size());
+  // Of each rank: its state, how much it takes, how much it gives to each.
+  const std::vector<uint64_t> all = agree(sizes);
+  const size_t each = count + 2;
+  for (size_t r = 0; r < count; ++r) {
+    uint64_t sum = 0;
+    for (size_t giver = 0; giver < count; ++giver)
+      if (giver != r) sum += all[giver * each + 2 + r];
+    if (sum > all[r * each + 1])
+      sluice::fail(
+          "rank {} of {}: other ranks' parts of the picture take {}, its --memory leaves {}; give "
+          "more --memory or a smaller --size",
+          r, count, formatBytes(sum), formatBytes(all[r * each + 1]));
+  }
+  std::vector<Message> from(count);
+  for (size_t giver = 0; giver < count; ++giver) from[giver].resize(all[giver * each + 2 + me]);
+  communicator_->exchange(to, from, stop_);
+  return from;
+}
+
+std::vector<Message> Team::gatherAll(const Message& mine) {
+  return exchange(std::vector<Message>(static_cast<size_t>(ranks()), mine));
+}
+
+std::vector<Message> Team::gather(Message mine) {
+  std::vector<Message> to(static_cast<size_t>(ranks()));
+  to[0] = std::move(mine);
+  std::vector<Message> from = exchange(to);
+  return isFirst() ? std::move(from) : std::vector<Message>();
+}
+
+std::string Team::fromFirst(std::string_view mine) {
+  std::vector<Message> to(static_cast<size_t>(ranks()));
+  if (isFirst()) std::fill(to.begin(), to.end(), asMessage(mine));
+  return asText(exchange(to)[0]);
+}
+
+void Team::wait() {
+  exchange(std::vector<Message>(static_cast<size_t>(ranks())));
+}
+
+int Team::ranksBeside(std::string_view host_and_processors) {
+  const std::vector<Message> all = gatherAll(asMessage(host_and_processors));
+  return static_cast<int>(std::count(all.begin(), all.end(), asMessage(host_and_processors)));
+}
+
+}  // namespace sluice

@@ -1,0 +1,73 @@
+// The program started as several ranks, by whichever launcher there is.
+#pragma once
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
+#include "io/pictures/png_file.h"
+#include "tests/tools/program.h"
+
+namespace sluice {
+
+// An MPI's launcher with what it needs here: more ranks than cores, and perhaps root.
+struct MpiLauncher {
+  std::string name, module, programs, options;
+
+  // Of the names in `programs` the one that is there; empty: none.
+  std::string program() const {
+    std::istringstream names(programs);
+    for (std::string one; names >> one;)
+      if (haveProgram(one)) return one;
+    return "";
+  }
+  // Why its tests cannot be run; empty: they can.
+  std::string missing() const {
+    if (program().empty()) return name + ": no launcher";
+    if (!std::filesystem::exists(std::filesystem::path(SLUICE_PROGRAM).parent_path() / module))
+      return name + ": built without " + module;
+    return "";
+  }
+  // A line of sh that starts the program so often, for as long at the most.
+  std::string start(int ranks, int most_seconds = 200) const {
+    return fmt::format("timeout -k 5 {} {} {} -n {} " SLUICE_PROGRAM, most_seconds, program(),
+                       options, ranks);
+  }
+};
+
+inline void PrintTo(const MpiLauncher& launcher, std::ostream* to) {
+  *to << launcher.name;
+}
+
+// Open MPI draws a ring of cores around each rank otherwise, and copies by a system call that
+// containers refuse.
+inline const MpiLauncher kOpenMpiLauncher{
+    "OpenMpi", "sluice_openmpi.so", "mpirun.openmpi orterun",
+    "--quiet --allow-run-as-root --oversubscribe --bind-to none "
+    "--mca btl_vader_single_copy_mechanism none"};
+inline const MpiLauncher kMpichLauncher{"Mpich", "sluice_mpich.so", "mpiexec.mpich mpiexec.hydra",
+                                        ""};
+
+// The largest difference of a channel; 256 where there is none to be had.
+inline int pictureDifference(const std::filesystem::path& a, const std::filesystem::path& b) {
+  if (!std::filesystem::exists(a) || !std::filesystem::exists(b)) return 256;
+  const auto one = readPng(a), other = readPng(b);
+  if (one.rgba.size() != other.rgba.size()) return 256;
+  int most = 0;
+  for (size_t i = 0; i < one.rgba.size(); ++i)
+    most =
+        std::max(most, std::abs(static_cast<int>(one.rgba[i]) - static_cast<int>(other.rgba[i])));
+  return most;
+}
+
+// How often a text has another in it.
+inline int occurrences(const std::string& text, const std::string& part) {
+  int count = 0;
+  for (size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+  return count;
+}
+
+}  // namespace sluice

@@ -1,0 +1,99 @@
+#include "tools/frame_bench.h"
+
+#include <algorithm>
+
+#include "src/base/clock.h"
+#include "src/render/sampling_limit.h"
+#include "tools/command_line/console.h"
+#include "tools/report.h"
+#include "tools/volumes_bench.h"
+
+namespace sluice {
+namespace {
+
+using nlohmann::json;
+
+constexpr int kWarmFrames = 2;
+
+}  // namespace
+
+json benchLimit(const FrameBench& bench) {
+  Workers pool(bench.resources.threads);
+  const auto device = makeDevice(bench.resources.device, pool);
+  return {{"samples_per_second", samplingLimit(*device, bench.frame.size, bench.frames)},
+          {"device", nameOf(*device)},
+          {"backend", device->backend()},
+          {"renderer", device->renderer()}};
+}
+
+void printLimit(const json& report) {
+  say("{:.1f} million samples a second ({}, {})\n",
+      report["samples_per_second"].get<double>() / 1e6, report["backend"].get<std::string>(),
+      report["renderer"].get<std::string>());
+}
+
+json benchFrames(const FrameBench& bench) {
+  Scene scene(bench.volume, bench.look, bench.resources, bench.frame.partition);
+  FrameOptions options = bench.frame;
+  const auto turnTo = [&](int frame) {
+    options.camera.azimuth_deg =
+        bench.frame.camera.azimuth_deg + 360.0 * std::max(0, frame) / bench.frames;
+    scene.session->setOptions(options);
+  };
+  std::vector<double> seconds;
+  // Of all threads: other work on the machine makes it longer by little.
+  double processor_seconds = 0;
+  for (int i = -kWarmFrames; i < bench.frames; ++i) {
+    turnTo(i);
+    const double before = processorSeconds();
+    const double frame_seconds = scene.session->frameReport().seconds;
+    if (i < 0) continue;
+    processor_seconds += (processorSeconds() - before) / bench.frames;
+    seconds.push_back(frame_seconds);
+  }
+  // Counting takes time: the same frames again.
+  double drawn = 0, taken = 0, object = 0;
+  RenderedFrame last;
+  options.count_samples = options.counts_leaps = true;
+  for (int i = 0; i < bench.frames; ++i) {
+    turnTo(i);
+    last.report = scene.session->frameReport();
+    drawn += static_cast<double>(last.report.samples_drawn) / bench.frames;
+    taken += static_cast<double>(last.report.samples_taken) / bench.frames;
+    object += static_cast<double>(last.report.samples_object) / bench.frames;
+  }
+  // In the same process and moment, since machines drift.
+  const double limit = samplingLimit(*scene.device, options.size, bench.frames);
+  const auto [least, most] = std::minmax_element(seconds.begin(), seconds.end());
+  const double middle = median(seconds);
+  // Cells outside the object boxes are drawn in vain; inside them only what was taken counts.
+  const double share = std::min(taken, object) / middle / limit;
+  json report = sceneJson(scene, {last});
+  report.update({{"frame_seconds", {{"median", middle}, {"min", *least}, {"max", *most}}},
+                 {"frame_processor_seconds", processor_seconds},
+                 {"frames_measured", bench.frames},
+                 {"samples_drawn", drawn},
+                 {"samples_taken", taken},
+                 {"samples_object", object},
+                 {"limit_samples_per_second", limit},
+                 {"share_of_limit", share}});
+  return report;
+}
+
+void printFrames(const json& report) {
+  const auto number = [&report](const char* at) {
+    return report[json::json_pointer(at)].get<double>();
+  };
+  say("frame {:.4f} s (least {:.4f}, most {:.4f}), warm, {} frames of a turn\n",
+      number("/frame_seconds/median"), number("/frame_seconds/min"), number("/frame_seconds/max"),
+      report["frames_measured"].get<int>());
+  say("{:.4f} s of the processor's time a frame, all threads\n",
+      number("/frame_processor_seconds"));
+  say("{:.2f} million samples drawn, {:.2f} million taken, {:.2f} million inside object boxes\n",
+      number("/samples_drawn") / 1e6, number("/samples_taken") / 1e6,
+      number("/samples_object") / 1e6);
+  say("{:.2f} of this machine's {:.1f} million samples a second\n", number("/share_of_limit"),
+      number("/limit_samples_per_second") / 1e6);
+}
+
+}  // namespace sluice

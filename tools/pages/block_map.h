@@ -1,0 +1,23 @@
+// Blocks by class as a picture: the block grid layer by layer along z, a square a block.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "io/pictures/picture.h"
+#include "src/base/vec.h"
+#include "src/classify/blocks/classification.h"
+
+namespace sluice {
+
+struct BlockMap {
+  Rgba8Picture picture;  // transparent between layers
+  std::string caption;
+};
+
+// `grid`: blocks along each axis; ids count x fastest. Of grids of more blocks than a picture shows
+// in squares of a pixel, only layers at even distances are drawn, which the caption says; none
+// where a single layer is too large.
+std::optional<BlockMap> blockMap(Vec3i grid, const VisibleBlocks& blocks);
+
+}  // namespace sluice

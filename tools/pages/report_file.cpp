@@ -1,0 +1,51 @@
+#include "tools/pages/report_file.h"
+
+#include <algorithm>
+#include <cctype>
+
+#include "io/files/file.h"
+#include "io/pictures/png_file.h"
+#include "src/base/atomic_file.h"
+#include "tools/pages/block_map.h"
+#include "tools/picture_output.h"
+
+namespace sluice {
+
+bool isPage(const std::filesystem::path& file) {
+  std::string end = file.extension().string();
+  std::transform(end.begin(), end.end(), end.begin(), [](char letter) {
+    return static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+  });
+  return end == ".html" || end == ".htm";
+}
+
+FileKind reportKind(const std::filesystem::path& file) {
+  return isPage(file) ? FileKind::kHtml : FileKind::kJson;
+}
+
+void addBlocks(PagePictures& pictures, Vec3i grid, const VisibleBlocks& blocks) {
+  const std::optional<BlockMap> map = blockMap(grid, blocks);
+  if (!map) return;
+  pictures.blocks_png = encodedPng(map->picture);
+  pictures.blocks_caption = map->caption;
+}
+
+void addPicture(PagePictures& pictures, const std::filesystem::path& written,
+                const Picture& drawn) {
+  if (pictureKind(written) != PictureKind::kPng) {
+    pictures.picture_png = encodedPng(toRgba8(drawn));
+    return;
+  }
+  File file(written);
+  pictures.picture_png.resize(file.sizeBytes());
+  file.readAt(0, pictures.picture_png);
+}
+
+void writeReport(const std::string& file, const nlohmann::json& report,
+                 const PagePictures& pictures) {
+  AtomicFile out(file);
+  out.write(isPage(file) ? runPage(report, pictures) : report.dump(2) + "\n");
+  out.commit();
+}
+
+}  // namespace sluice

@@ -1,0 +1,119 @@
+#include "tools/ranks_bench.h"
+
+#include <algorithm>
+
+#include "src/base/bytes.h"
+#include "src/base/clock.h"
+#include "src/base/error.h"
+#include "src/parallel/in_process.h"
+#include "tools/command_line/console.h"
+#include "tools/interrupt.h"
+#include "tools/ranks.h"
+#include "tools/scene.h"
+#include "tools/volumes_bench.h"
+
+namespace sluice {
+namespace {
+
+using nlohmann::json;
+
+constexpr int kWarmFrames = 2;
+
+// The frames of one rank, or of one process alone.
+json framesOf(const RanksBench& bench, Team* team) {
+  std::unique_ptr<Scene> scene;
+  const auto open = [&] {
+    scene = std::make_unique<Scene>(bench.volume, bench.look, bench.resources, bench.frame,
+                                    Outputs(), team);
+  };
+  if (team == nullptr || team->isFirst()) open();
+  if (team != nullptr) team->wait();
+  if (scene == nullptr) open();
+  FrameOptions options = bench.frame;
+  options.stop = interruption();
+  std::vector<double> seconds, draws, exchanges, composes, gathers;
+  for (int i = 0; i < bench.frames + kWarmFrames; ++i) {
+    options.camera.azimuth_deg = bench.frame.camera.azimuth_deg + 360.0 * i / bench.frames;
+    scene->session->setOptions(options);
+    if (team != nullptr) team->wait();
+    const Stopwatch watch;
+    Frame frame = scene->frame();
+    if (i < kWarmFrames) continue;
+    seconds.push_back(watch.seconds());
+    draws.push_back(frame.report.seconds);
+    if (!scene->share) continue;
+    const CompositingReport& parts = scene->share->report();
+    exchanges.push_back(parts.exchange_seconds);
+    composes.push_back(parts.compose_seconds);
+    gathers.push_back(parts.gather_seconds);
+  }
+  json row{{"ranks", team == nullptr ? 1 : team->ranks()},
+           {"threads", scene->pool.threads()},
+           {"frame_seconds",
+            {{"median", median(seconds)},
+             {"min", *std::min_element(seconds.begin(), seconds.end())},
+             {"max", *std::max_element(seconds.begin(), seconds.end())}}},
+           {"draw_seconds", median(draws)}};
+  if (!scene->share) return row;
+  row["exchange_seconds"] = median(exchanges);
+  row["compose_seconds"] = median(composes);
+  row["gather_seconds"] = median(gathers);
+  row["part_bytes"] = scene->share->report().part_bytes;
+  row["sent_bytes"] = scene->share->report().sent_bytes;
+  row["hand_blocks"] = scene->share->dealing().hand;
+  return row;
+}
+
+}  // namespace
+
+json benchRanks(const RanksBench& asked, Team* team) {
+  RanksBench bench = asked;
+  json rows = json::array();
+  if (team != nullptr) {
+    shareMachine(*team, bench.resources);
+    rows.push_back(framesOf(bench, team));
+    return {{"rows", rows}};
+  }
+  bench.resources.threads = 1;
+  const uint64_t memory_bytes = memoryBudget(bench.resources);
+  for (const int ranks : bench.ranks) {
+    bench.resources.memory_bytes = memory_bytes / static_cast<uint64_t>(ranks);
+    json row;
+    if (ranks == 1) {
+      row = framesOf(bench, nullptr);
+    } else {
+      const auto ends = runInProcess(
+          ranks,
+          [&](Team& one) {
+            json of_one = framesOf(bench, &one);
+            if (one.isFirst()) row = std::move(of_one);
+          },
+          interruption());
+      if (!ends[0].empty()) fail("{}", ends[0]);
+    }
+    rows.push_back(std::move(row));
+  }
+  for (json& row : rows)
+    if (rows[0]["ranks"] == 1)
+      row["speedup"] = rows[0]["frame_seconds"]["median"].get<double>() /
+                       row["frame_seconds"]["median"].get<double>();
+  return {{"rows", rows}};
+}
+
+void printRanks(const json& report) {
+  say("{:>6} {:>10} {:>9} {:>12} {:>11} {:>10} {:>10} {:>8}\n", "ranks", "frame ms", "draw ms",
+      "exchange ms", "compose ms", "gather ms", "sent", "speedup");
+  const auto milliseconds = [](const json& row, const char* name) {
+    return row.contains(name) ? fmt::format("{:.2f}", 1e3 * row[name].get<double>())
+                              : std::string("-");
+  };
+  for (const json& row : report["rows"])
+    say("{:>6} {:>10.2f} {:>9} {:>12} {:>11} {:>10} {:>10} {:>8}\n", row["ranks"].get<int>(),
+        1e3 * row["frame_seconds"]["median"].get<double>(), milliseconds(row, "draw_seconds"),
+        milliseconds(row, "exchange_seconds"), milliseconds(row, "compose_seconds"),
+        milliseconds(row, "gather_seconds"),
+        row.contains("sent_bytes") ? formatBytes(row["sent_bytes"].get<uint64_t>()) : "-",
+        row.contains("speedup") ? fmt::format("{:.2f}", row["speedup"].get<double>()) : "-");
+}
+
+}  // namespace sluice
