@@ -73,7 +73,7 @@ int parseAndRun(const CommandLine& line, const std::vector<std::string>& given,
       try {
         return command();
       } catch (const CLI::ParseError& error) {  // what only the command itself can tell
-        return usageError(error.what());
+        return usageError(launch, error.what());
       }
     }
   return kUsage;
