@@ -14,6 +14,7 @@
 #include "tools/command_line/shared_options.h"
 #include "tools/commands.h"
 #include "tools/culling_bench.h"
+#include "tools/environment.h"
 #include "tools/frame_bench.h"
 #include "tools/occlusion_bench.h"
 #include "tools/packing_bench.h"
@@ -23,6 +24,8 @@
 #include "tools/report.h"
 #include "tools/skipping_bench.h"
 #include "tools/threshold_bench.h"
+#include "tools/view_arguments.h"
+#include "tools/view_bench.h"
 
 namespace sluice {
 namespace {
@@ -246,6 +249,37 @@ Bench addThreshold(CLI::App& app, const FrameOptions& plain) {
           [bench](const Show& show) { return show(benchThreshold(*bench), printThreshold); }};
 }
 
+Bench addWindow(CLI::App& app) {
+  auto bench = std::make_shared<FrameBench>();
+  auto events = std::make_shared<int>(120);
+  CLI::App* view = app.add_subcommand(
+      "view",
+      std::string("A window's threshold drag without a window: from an event to its picture, and "
+                  "whether the loop ever waits\n\n") +
+          kPlainPicture + "  sluice bench view bonsai.nii.gz --threshold 40 --size 800x600");
+  addPictures(*view, *bench);
+  OptionGroup(*view, kOutputHeading)
+      .number("--events", "N", *events, {2, 100'000}, "Of each of three drags");
+  return {view, [bench, events, view](const Show& show) {
+            const ViewState state = viewState(bench->volume, bench->look, bench->frame,
+                                              std::nullopt, view->count("--step") > 0);
+            const IndexWish wish = indexWish(bench->resources.index_dir);
+            ViewBench asked;
+            if (!wish.disabled) asked.drawing.index_folder = wish.folder.string();
+            asked.volume =
+                viewedVolume(bench->volume, bench->resources, asked.drawing.index_folder);
+            asked.drawing.renderer = rendererOptions(bench->resources);
+            asked.drawing.look = state.look;
+            asked.drawing.view = state.view;
+            asked.drawing.step_vox = state.step_vox;
+            asked.width = bench->frame.size.width;
+            asked.height = bench->frame.size.height;
+            asked.threshold = bench->look.threshold.value_or(0);
+            asked.events = *events;
+            return show(benchView(asked), printView);
+          }};
+}
+
 Bench addPacking(CLI::App& app) {
   auto bench = std::make_shared<FrameBench>();
   CLI::App* packing = app.add_subcommand(
@@ -295,7 +329,8 @@ Command addBench(CLI::App& program) {
                                    addCulling(*app, plain),
                                    addRanks(*app, plain),
                                    addThreshold(*app, plain),
-                                   addPacking(*app)};
+                                   addPacking(*app),
+                                   addWindow(*app)};
   auto output = std::make_shared<ReportOutput>();
   for (const Bench& bench : benches) {
     const OptionGroup group(*bench.app, kOutputHeading);

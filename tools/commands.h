@@ -15,6 +15,7 @@ using Command = std::function<int()>;
 
 Command addInfo(CLI::App& program);
 Command addRender(CLI::App& program);
+Command addView(CLI::App& program);
 Command addPlan(CLI::App& program);
 Command addPrepare(CLI::App& program);
 Command addSimulate(CLI::App& program);

@@ -33,6 +33,14 @@ IndexWish indexWish(const std::string& index_dir) {
   return {indexFolder(index_dir), wish == "beside" && index_dir.empty(), wish == "off"};
 }
 
+std::filesystem::path windowSettings() {
+  if (const auto config = folderFrom("XDG_CONFIG_HOME"); !config.empty())
+    return config / "sluice" / "view.json";
+  if (const auto home = folderFrom("HOME"); !home.empty())
+    return home / ".config" / "sluice" / "view.json";
+  return {};
+}
+
 DecodeOptions decodeOptions() {
   DecodeOptions options;
   if (const char* const chosen = std::getenv("TMPDIR")) options.folder = chosen;

@@ -2,6 +2,7 @@
 // none.
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 #include "io/headers/decode_options.h"
@@ -14,6 +15,10 @@ namespace sluice {
 // ~/.cache/sluice/index, the first that is said. SLUICE_INDEX=beside: beside the volume, where no
 // --index-dir is given. SLUICE_INDEX=off: nowhere.
 IndexWish indexWish(const std::string& index_dir);
+
+// What the window keeps from one sitting to the next: $XDG_CONFIG_HOME/sluice/view.json or
+// ~/.config/sluice/view.json; empty where neither is said.
+std::filesystem::path windowSettings();
 
 // In $TMPDIR, with a line of progress.
 DecodeOptions decodeOptions();

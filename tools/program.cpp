@@ -69,7 +69,13 @@ int parseAndRun(const CommandLine& line, const std::vector<std::string>& given,
         "the launcher",
         launch.ranks, program.get_subcommands().front()->get_name());
   for (const auto& [subcommand, command] : line.commands)
-    if (subcommand->parsed()) return command();
+    if (subcommand->parsed()) {
+      try {
+        return command();
+      } catch (const CLI::ParseError& error) {  // what only the command itself can tell
+        return usageError(launch, error.what());
+      }
+    }
   return kUsage;
 }
 
@@ -85,7 +91,7 @@ CommandLine makeCommandLine() {
   program.formatter(std::make_shared<HelpFormatter>());
   program.set_version_flag("-V,--version", SLUICE_VERSION);
   program.require_subcommand(1);
-  const std::vector<Heading> headings = {{"Pictures", {addRender, addInfo, addPlan}},
+  const std::vector<Heading> headings = {{"Pictures", {addRender, addView, addInfo, addPlan}},
                                          {"Volumes", {addSynth, addPack, addPrepare}},
                                          {"Measuring", {addSimulate, addBench, addDoctor}}};
   for (const auto& [title, commands] : headings)

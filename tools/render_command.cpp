@@ -23,8 +23,8 @@
 #include "tools/report.h"
 #include "tools/scene.h"
 #include "tools/series.h"
-#include "tools/trace_files.h"
 #include "tools/verification.h"
+#include "tools/view_state_option.h"
 
 namespace sluice {
 namespace {
@@ -41,6 +41,7 @@ struct Arguments {
   std::string report_file;
   std::string path_file;
   std::string trace_file;
+  std::string state_file;
   int64_t frames = 1;
   std::optional<TimeRange> times;
   CullingArguments culling;
@@ -212,7 +213,9 @@ std::vector<int64_t> framesToDraw(const Arguments& arguments, Team* team) {
       .get<std::vector<int64_t>>();
 }
 
-int run(Arguments& arguments, const CLI::App& app, Team* team) {
+int run(Arguments& arguments, CLI::App& app, Team* team) {
+  if (!arguments.state_file.empty()) applyState(app, arguments.state_file);
+  if (arguments.volume.inputs.empty()) throw CLI::RequiredError("volume");
   checkOutput(arguments);
   if (team != nullptr && (arguments.debug_view || !arguments.trace_file.empty()))
     fail("{} is of one process, not of {} ranks", arguments.debug_view ? "--debug-view" : "--trace",
@@ -343,7 +346,7 @@ Command addRender(CLI::App& program) {
       "render",
       "Draws a volume into PNG or EXR pictures\n\n"
       "  sluice render bonsai.nii.gz -o bonsai.png --threshold 40 --azimuth 30");
-  addVolumeOptions(*app, arguments->volume, &arguments->times);
+  addVolumeOptions(*app, arguments->volume, &arguments->times, false);
   const OptionGroup output(*app, kOutputHeading);
   output
       .text(
@@ -353,6 +356,10 @@ Command addRender(CLI::App& program) {
   addFramesOption(output, arguments->frames, "Pictures of a full turn, or of the path");
   output.text("--path", "FILE", arguments->path_file, "Key frames of the camera, JSON")
       ->needs(app->get_option("--frames"));
+  OptionGroup(*app, "View")
+      .text("--state", "FILE", arguments->state_file,
+            "A view that sluice view saved, and its volume; options that are "
+            "given beside it take the place of its own");
   output.flag("--annotate", arguments->annotate,
               "PNG: draws orientation axes, a scale bar and a colour bar");
   output.parsed(

@@ -12,6 +12,8 @@ build_packages=(
   libcairo2-dev libxxhash-dev libhwy-dev
   # Pictures by several ranks; libmpich-dev in its place, or beside it, does as well.
   libopenmpi-dev
+  # The window's module; without these the rest is built all the same.
+  libglfw3-dev libimgui-dev libstb-dev
   # To draw.
   libosmesa6 libegl1 libegl-mesa0 libgl1-mesa-dri fonts-dejavu-core
 )
@@ -21,6 +23,7 @@ test_packages=(
   openmpi-bin mpich libmpich-dev iproute2
   # Sanitizers, gates, and the programs of others that results are checked against.
   clang clang-format clang-tidy libclang-rt-14-dev
+  xvfb xdotool libxtst6
   libopenvdb-tools nifti-bin teem-apps openexr openimageio-tools python3-openimageio
   python3 python3-numpy python3-vtk9 python3-nibabel python3-tifffile python3-zarr python3-numcodecs
 )

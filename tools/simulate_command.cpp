@@ -22,7 +22,6 @@
 #include "tools/pages/report_file.h"
 #include "tools/replay.h"
 #include "tools/scene.h"
-#include "tools/trace_files.h"
 
 namespace sluice {
 namespace {

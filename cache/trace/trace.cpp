@@ -100,6 +100,15 @@ std::optional<TraceFormat> parseTraceFormat(std::string_view text) {
   return std::nullopt;
 }
 
+TraceFormat traceFormatOf(const std::filesystem::path& path) {
+  const std::string extension = path.extension().string();
+  if (extension == ".txt") return TraceFormat::kText;
+  if (extension == ".csv") return TraceFormat::kCsv;
+  if (extension == ".din") return TraceFormat::kDin;
+  if (extension == ".oracleGeneral") return TraceFormat::kOracleGeneral;
+  return TraceFormat::kBinary;
+}
+
 namespace {
 
 // `companion` is for oracleGeneral.

@@ -57,6 +57,9 @@ enum class TraceFormat { kText, kBinary, kCsv, kOracleGeneral, kDin };
 // "text", "binary", "csv", "oracleGeneral", "din".
 std::string_view name(TraceFormat format);
 std::optional<TraceFormat> parseTraceFormat(std::string_view text);
+// By a file's name, for writing: .txt text, .csv, .din, .oracleGeneral; anything else our compact
+// binary.
+TraceFormat traceFormatOf(const std::filesystem::path& path);
 
 class TraceReader {
  public:

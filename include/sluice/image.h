@@ -19,6 +19,8 @@ struct Image {
   // Empty, or width * height: distance from the eye along the view in world units, the mean of the
   // samples weighted by what each adds to the opacity; infinity where nothing is.
   std::vector<float> depth;
+  // Of what can be seen, the share that was not there at PictureOptions::time_limit_s. 0: complete.
+  double missing_share = 0;
 
   // width * height * 4 bytes, red first, straight alpha. Over a background (red, green, blue, 0 to
   // 1) alpha is 255. Throws Error where rgba is not of the image's size.

@@ -17,6 +17,7 @@ struct LookOptions {
   struct Opacity {
     double value = 0;
     double opacity = 0;  // 0 to 1, of one voxel length of the finest spacing
+    friend bool operator==(const Opacity&, const Opacity&) = default;
   };
 
   Mode mode = Mode::kComposite;
@@ -32,6 +33,7 @@ struct LookOptions {
   // The opacity times a ramp of the gradient's magnitude, which is 1 from this share of the values'
   // range a voxel length on, above 0; unset: no ramp.
   std::optional<double> full_gradient = {};
+  friend bool operator==(const LookOptions&, const LookOptions&) = default;
 };
 
 // Where the volume is looked at from. World space is the volume's: voxel (0, 0, 0) at its origin.
@@ -47,6 +49,7 @@ struct ViewOptions {
   struct LookAt {
     std::array<double, 3> eye;
     std::array<double, 3> target;
+    friend bool operator==(const LookAt&, const LookAt&) = default;
   };
   // A fit that pictures share, see Renderer::fit().
   struct Framing {
@@ -55,6 +58,7 @@ struct ViewOptions {
     double reach = 1;
     // Where the target lies: to the right of and above the middle, of half the width and height.
     double right = 0, up = 0;
+    friend bool operator==(const Framing&, const Framing&) = default;
   };
 
   From from = From::kThreeQuarter;
@@ -67,6 +71,7 @@ struct ViewOptions {
   std::optional<Fit> fit = {};                   // unset: kVisible, and with kPlain kVolume
   std::optional<LookAt> look_at = {};
   std::optional<Framing> framing = {};  // in place of `fit`
+  friend bool operator==(const ViewOptions&, const ViewOptions&) = default;
 };
 
 // A picture of a Renderer's volume and look.
@@ -75,6 +80,13 @@ struct PictureOptions {
   struct Box {
     std::array<int64_t, 3> lo;
     std::array<int64_t, 3> hi;
+    friend bool operator==(const Box&, const Box&) = default;
+  };
+  // World positions p with dot(normal, p) <= offset show.
+  struct Plane {
+    std::array<double, 3> normal;
+    double offset = 0;
+    friend bool operator==(const Plane&, const Plane&) = default;
   };
 
   int width = 512, height = 512;  // pixels, each at least 1
@@ -84,7 +96,23 @@ struct PictureOptions {
   // pixels are smaller than voxels, otherwise 1.
   std::optional<double> step_vox = {};
   std::optional<Box> crop = {};
-  bool with_depth = false;  // composite mode
+  std::vector<Plane> clip_planes = {};  // at most 6
+  bool with_depth = false;              // composite mode
+  // How long it may wait for what is not in memory. What is missing then is left out of the picture
+  // (Image::missing_share), and is read on meanwhile for the next one. Unset: all is waited for.
+  std::optional<double> time_limit_s = {};
+  // The step that the picture after this one will show: what it needs is read once this one has
+  // what it needs, as far as there is room.
+  std::optional<int64_t> next_time = {};
+  friend bool operator==(const PictureOptions&, const PictureOptions&) = default;
+};
+
+// A slice of voxels: the plane `at` of an axis (0: x, 1: y, 2: z).
+struct SliceOptions {
+  int axis = 2;
+  int64_t at = 0;
+  int64_t time = 0;
+  int most = 1024;  // values along a side: of more voxels every second, third, ... is taken
 };
 
 // What drawing may take.

@@ -12,9 +12,11 @@
 #include <sluice/image.h>
 #include <sluice/options.h>
 #include <sluice/progress.h>
+#include <sluice/report.h>
 #include <sluice/volume.h>
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <stop_token>
 #include <string>
@@ -59,6 +61,29 @@ class Renderer {
   // and Fit are the first's. Throws as draw() does; nothing to do for no picture.
   void fit(std::span<PictureOptions> pictures, const ProgressFunction& progress = {},
            const std::stop_token& stop = {});
+
+  // The same view by eye, target and what is up, for who moves it on: draws the same picture. The
+  // target is what the view turns about. Throws as draw() does.
+  ViewOptions placed(const PictureOptions& picture, const ProgressFunction& progress = {},
+                     const std::stop_token& stop = {});
+
+  ShownLook shownLook() const;
+  // Of the last picture and of the levels as they are now; `maps` costs a copy of theirs.
+  RenderReport report(bool maps = false) const;
+
+  // What first hides what lies behind it, along the ray through a point of the picture (0 to 1, to
+  // the right and down): where half of the light is gone, or most was taken of what lets more
+  // through; of maximum and minimum modes, where that is. nullopt: nothing shows there. Reads the
+  // blocks on its way through level 2. Throws as draw() does.
+  std::optional<VoxelProbe> probe(const PictureOptions& picture, double right, double down,
+                                  const std::stop_token& stop = {});
+  // Reads through level 2, within the budget. Throws as draw() does.
+  SliceValues slice(const SliceOptions& slice, const std::stop_token& stop = {});
+
+  // From now on each request of the texture cache is written to this file, in the format that its
+  // name says as for `sluice render --trace`; empty: no longer. The file appears when it ends, or
+  // with the Renderer's end. Throws Error.
+  void recordTo(const std::string& path);
 
  private:
   struct Impl;

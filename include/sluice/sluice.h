@@ -6,4 +6,5 @@
 #include <sluice/options.h>
 #include <sluice/progress.h>
 #include <sluice/renderer.h>
+#include <sluice/report.h>
 #include <sluice/volume.h>

@@ -4,6 +4,7 @@
 
 #include <sluice/error.h>
 #include <sluice/progress.h>
+#include <sluice/report.h>
 
 #include <array>
 #include <cstdint>
@@ -52,6 +53,11 @@ struct VolumeInfo {
   std::array<double, 3> spacing;  // world units between neighbouring voxels
   std::array<double, 3> origin;   // world position of the first voxel
   std::string unit;               // of these; empty where the file does not say
+  // Unit directions of the world along which x, y and z run.
+  std::array<std::array<double, 3>, 3> axes{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+  // What the world's axes mean: "RAS" and "LPS" (of a patient: x to the right or left, y to the
+  // front or back, z up), "rows" (y down the rows of pictures), "y-up", or empty: not known.
+  std::string frame;
   int64_t time_steps = 1;
   std::array<double, 2> value_range;  // least and greatest
   // For people, one line each: what was chosen among several and what looks wrong.
@@ -76,6 +82,8 @@ class Volume {
                   const ProgressFunction& progress = {}, const std::stop_token& stop = {});
 
   const VolumeInfo& info() const;
+  // Of all voxels; of a series, of all its steps where it was opened whole. Requires: bins > 0.
+  ValueHistogram histogram(int bins = 256) const;
 
  private:
   friend class Renderer;

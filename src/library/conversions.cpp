@@ -206,14 +206,48 @@ FrameOptions frameOptions(const PictureOptions& picture, const VolumeLayout& lay
   options.mode = mode;
   if (picture.step_vox) options.step_vox = *picture.step_vox;
   resolve(options.camera, layout, options.size, options.step_vox);  // throws
-  if (picture.time < 0 || picture.time >= layout.time_steps)
-    fail("{}: time {}: the volume has {} time step{}, counted from 0", layout.name, picture.time,
-         layout.time_steps, layout.time_steps == 1 ? "" : "s");
+  requireStep(picture.time, layout);
   if (picture.crop) options.crop = cropOf(*picture.crop, layout.dims);
   if (picture.with_depth && mode != Mode::kComposite)
     fail("with_depth: depth is of composite mode, where samples have an opacity to weigh them");
   options.with_depth = picture.with_depth;
+  if (picture.clip_planes.size() > kMostClipPlanes)
+    fail("clip_planes: {} of them, at most {}", picture.clip_planes.size(), kMostClipPlanes);
+  for (const PictureOptions::Plane& plane : picture.clip_planes) {
+    for (const double value : {plane.normal[0], plane.normal[1], plane.normal[2], plane.offset})
+      requireFinite("clip_planes", value);
+    options.clip_planes.push_back({vec(plane.normal), plane.offset});
+  }
+  if (picture.time_limit_s) {
+    requireFinite("time_limit_s", *picture.time_limit_s);
+    if (*picture.time_limit_s < 0)
+      fail("time_limit_s {}: must be 0 or more", *picture.time_limit_s);
+    options.time_limit_s = picture.time_limit_s;
+  }
+  if (picture.next_time) requireStep(*picture.next_time, layout);
   return options;
+}
+
+void requireStep(int64_t time, const VolumeLayout& layout) {
+  if (time < 0 || time >= layout.time_steps)
+    fail("{}: time {}: the volume has {} time step{}, counted from 0", layout.name, time,
+         layout.time_steps, layout.time_steps == 1 ? "" : "s");
+}
+
+std::string frameName(WorldFrame frame) {
+  switch (frame) {
+    case WorldFrame::kRas:
+      return "RAS";
+    case WorldFrame::kLps:
+      return "LPS";
+    case WorldFrame::kPictureRows:
+      return "rows";
+    case WorldFrame::kYUp:
+      return "y-up";
+    case WorldFrame::kNone:
+      break;
+  }
+  return "";
 }
 
 VolumeInfo volumeInfo(const VolumeLayout& layout, ValueRange values,
@@ -224,6 +258,8 @@ VolumeInfo volumeInfo(const VolumeLayout& layout, ValueRange values,
           .spacing = asArray(layout.spacing),
           .origin = asArray(layout.origin),
           .unit = layout.unit,
+          .axes = {asArray(layout.axes[0]), asArray(layout.axes[1]), asArray(layout.axes[2])},
+          .frame = frameName(layout.frame),
           .time_steps = layout.time_steps,
           .value_range = {values.lo, values.hi},
           .warnings = notes};

@@ -30,6 +30,9 @@ FitChoice fitChoice(const ViewOptions& view);
 // step and the camera against the volume.
 FrameOptions frameOptions(const PictureOptions& picture, const VolumeLayout& layout, Mode mode);
 ViewOptions::Framing framingOf(const Framing& framing);
+void requireStep(int64_t time, const VolumeLayout& layout);
+// As VolumeInfo::frame has it.
+std::string frameName(WorldFrame frame);
 
 VolumeInfo volumeInfo(const VolumeLayout& layout, ValueRange values,
                       const std::vector<std::string>& notes);

@@ -2,11 +2,16 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <unordered_map>
 #include <utility>
 
+#include "src/classify/transfer/transfer_file.h"
 #include "src/library/conversions.h"
+#include "src/library/probing.h"
 #include "src/library/resources.h"
 #include "src/library/view_fit.h"
+#include "src/render/index_space.h"
 
 namespace sluice {
 
@@ -43,7 +48,7 @@ std::string Drawing::deviceName() const {
 TimeStep Drawing::stepAt(int64_t time, const IndexPass& pass) {
   const IndexedVolume& volume = opened_->volume;
   if (time == volume.time) return volume.step();
-  const auto index = ranges_.of(time, [&] {
+  const auto index = ranges_[static_cast<size_t>(time % 2)].of(time, [&] {
     IndexedRanges made = rangesOfStep(volume, time, pass);
     made.ranges.device_range = volume.index->ranges.device_range;
     return made;
@@ -63,15 +68,22 @@ std::optional<Framing> Drawing::framingFor(const std::vector<Camera>& cameras, F
   return framingOf(*points, cameras, layout().frame, options.size);
 }
 
+FrameOptions Drawing::framed(const PictureOptions& picture, const TimeStep& step,
+                             const IndexPass& pass) {
+  FrameOptions options = frameOptions(picture, layout(), mode_);
+  if (!options.camera.framing)
+    options.camera.framing =
+        framingFor({options.camera}, fitChoice(picture.view), options, step, pass);
+  return options;
+}
+
 Image Drawing::draw(const PictureOptions& picture, ProgressTeller& teller) {
   const ProgressRelay::Call call(*opened_->relay, teller);
-  FrameOptions options = frameOptions(picture, layout(), mode_);
-  const FitChoice choice = fitChoice(picture.view);
+  frameOptions(picture, layout(), mode_);  // throws before anything is read
   ProgressMeter progress(teller.watch(Progress::Stage::kIndexing));
   const IndexPass pass{pool_, progress, memoryBudget(machine_), teller.stop()};
   const TimeStep step = stepAt(picture.time, pass);
-  if (!options.camera.framing)
-    options.camera.framing = framingFor({options.camera}, choice, options, step, pass);
+  FrameOptions options = framed(picture, step, pass);
   if (!picture.step_vox && mode_ == Mode::kComposite)
     options.step_vox =
         stepFor(resolve(options.camera, layout(), options.size, options.step_vox), layout());
@@ -81,8 +93,16 @@ Image Drawing::draw(const PictureOptions& picture, ProgressTeller& teller) {
   options.watch = teller.watch(Progress::Stage::kDrawing);
   session_->setTimeStep(step);
   session_->setOptions(options);
-  Picture drawn = session_->frame().picture;
-  return {drawn.width, drawn.height, std::move(drawn.rgba), std::move(drawn.depth)};
+  if (picture.next_time && *picture.next_time != picture.time)
+    session_->expectAfterwards(stepAt(*picture.next_time, pass));
+  Frame frame = session_->frame();
+  report_ = frame.report;
+  Picture& drawn = frame.picture;
+  return {.width = drawn.width,
+          .height = drawn.height,
+          .rgba = std::move(drawn.rgba),
+          .depth = std::move(drawn.depth),
+          .missing_share = frame.report.missing_share};
 }
 
 void Drawing::fit(std::span<PictureOptions> pictures, ProgressTeller& teller) {
@@ -104,6 +124,130 @@ void Drawing::fit(std::span<PictureOptions> pictures, ProgressTeller& teller) {
     picture.view.fit = first.view.fit;
     picture.view.framing.reset();
     if (framing) picture.view.framing = framingOf(*framing);
+  }
+}
+
+ViewOptions Drawing::placed(const PictureOptions& picture, ProgressTeller& teller) {
+  const ProgressRelay::Call call(*opened_->relay, teller);
+  ProgressMeter progress(teller.watch(Progress::Stage::kIndexing));
+  const IndexPass pass{pool_, progress, memoryBudget(machine_), teller.stop()};
+  Camera camera = framed(picture, stepAt(picture.time, pass), pass).camera;
+  const PictureSize size{picture.width, picture.height};
+  const View view = resolve(camera, layout(), size, 1);
+  const auto asArray = [](Vec3d v) { return std::array<double, 3>{v.x, v.y, v.z}; };
+  // Turned about the middle of what it shows, or of the volume, at its depth.
+  Vec3d about = worldFromIndex(layout(), toDouble(layout().dims - Vec3i{1, 1, 1}) * 0.5);
+  if (camera.framing) about = camera.framing->target;
+  if (camera.look_at) about = camera.look_at->target;
+  const double depth = std::max(dot(about - view.eye, view.forward), finestSpacing(layout()));
+  ViewOptions placed = picture.view;
+  placed.look_at = ViewOptions::LookAt{asArray(view.eye), asArray(view.eye + view.forward * depth)};
+  placed.up = asArray(view.up);
+  placed.framing.reset();
+  placed.fit.reset();
+  camera = cameraOf(placed);
+  camera.zoom = 1;
+  placed.zoom = resolve(camera, layout(), size, 1).half_height / view.half_height;
+  return placed;
+}
+
+ShownLook Drawing::shownLook() const {
+  ShownLook shown;
+  for (const ColorPoint& point : look_.transfer.colors)
+    shown.colors.push_back({point.value, {point.rgb.x, point.rgb.y, point.rgb.z}});
+  for (const OpacityPoint& point : look_.transfer.opacities)
+    shown.opacities.push_back({point.value, point.opacity});
+  shown.lit = look_.lit;
+  shown.labels = look_.transfer.labels;
+  shown.options = look_.options;
+  shown.transfer = writeTransferFunction(look_.transfer);
+  shown.warnings = look_.warnings;
+  return shown;
+}
+
+RenderReport Drawing::report(bool maps) const {
+  const auto level = [](const CacheCounters& c) {
+    return LevelReport{.requests = c.requests,
+                       .hits = c.hits,
+                       .misses = c.misses,
+                       .loads = c.loads,
+                       .evictions = c.evictions,
+                       .current_bytes = c.current_bytes,
+                       .peak_bytes = c.peak_bytes,
+                       .budget_bytes = c.budget_bytes};
+  };
+  const TextureCache& cache = session_->textureCache();
+  RenderReport report;
+  report.seconds = report_.seconds;
+  report.draw_seconds = report_.stages.draw;
+  report.missing_share = report_.missing_share;
+  report.white = report_.white;
+  report.grey = report_.grey;
+  report.black = report_.black;
+  report.pages_loaded = report_.pages_loaded;
+  report.read_bytes = opened_->volume.source->storedBytesRead();
+  report.volume_buffer = level(session_->volumeBufferCounters());
+  report.texture_buffer = level(session_->textureBufferCounters());
+  report.texture_cache = level(cache.counters());
+  report.pages = cache.capacityPages();
+  report.page_bytes = static_cast<uint64_t>(session_->page().pageBytes());
+  if (!maps) return report;
+  // Numbers of chunks in the order of their first pages.
+  std::unordered_map<ChunkId, uint32_t> numbers;
+  for (const ChunkId chunk : cache.pageMap())
+    report.page_chunks.push_back(
+        chunk == TextureCache::kNoChunk
+            ? 0
+            : numbers.try_emplace(chunk, static_cast<uint32_t>(numbers.size() + 1)).first->second);
+  const Vec3i grid = opened_->volume.layout.grid;
+  report.block_grid = {grid.x, grid.y, grid.z};
+  report.block_classes = blockClasses();
+  return report;
+}
+
+std::vector<uint8_t> Drawing::blockClasses() const {
+  const int64_t blocks = opened_->volume.layout.blockCount();
+  const VisibleBlocksPtr visible = session_->lastVisible();
+  if (visible == nullptr || blocks > RenderReport::kMostMappedBlocks) return {};
+  std::vector<uint8_t> classes(static_cast<size_t>(blocks), 0);
+  for (const ObjectBlock& block : visible->blocks)
+    classes[static_cast<size_t>(block.block)] = block.kind == BlockClass::kBlack ? 2 : 1;
+  return classes;
+}
+
+std::optional<VoxelProbe> Drawing::probe(const PictureOptions& picture, double right, double down,
+                                         ProgressTeller& teller) {
+  const ProgressRelay::Call call(*opened_->relay, teller);
+  ProgressMeter progress(teller.watch(Progress::Stage::kIndexing));
+  const IndexPass pass{pool_, progress, memoryBudget(machine_), teller.stop()};
+  const TimeStep step = stepAt(picture.time, pass);
+  const FrameOptions options = framed(picture, step, pass);
+  const View view = resolve(options.camera, layout(), options.size, 1);
+  return probeAlong({options, view, look_.transfer, right, down}, *session_, step, teller.stop());
+}
+
+SliceValues Drawing::slice(const SliceOptions& slice, ProgressTeller& teller) {
+  const ProgressRelay::Call call(*opened_->relay, teller);
+  requireStep(slice.time, layout());
+  ProgressMeter progress(teller.watch(Progress::Stage::kIndexing));
+  const IndexPass pass{pool_, progress, memoryBudget(machine_), teller.stop()};
+  return sliceOf(slice, *session_, stepAt(slice.time, pass), teller.stop());
+}
+
+void Drawing::recordTo(const std::string& path) {
+  session_->recordTo(nullptr);
+  if (trace_ != nullptr) trace_->finish();
+  trace_.reset();
+  if (path.empty()) return;
+  trace_ = makeTraceWriter(path, traceFormatOf(path),
+                           static_cast<uint64_t>(session_->page().pageBytes()));
+  session_->recordTo(trace_.get());
+}
+
+Drawing::~Drawing() {
+  try {
+    recordTo({});
+  } catch (const std::exception&) {  // NOLINT: nobody is there to be told
   }
 }
 

@@ -4,13 +4,16 @@
 
 #include <sluice/image.h>
 #include <sluice/options.h>
+#include <sluice/report.h>
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "cache/trace/trace.h"
 #include "src/library/chosen_look.h"
 #include "src/library/opened_volume.h"
 #include "src/library/progress_relay.h"
@@ -25,6 +28,10 @@ class Drawing {
   // Makes the device. Throws Error.
   Drawing(std::shared_ptr<const OpenedVolume> opened, const LookOptions& look,
           const RendererOptions& options);
+  // Ends the trace, if any; what goes wrong with it is not said any more.
+  ~Drawing();
+  Drawing(const Drawing&) = delete;
+  Drawing& operator=(const Drawing&) = delete;
 
   // See Renderer. These throw Interrupted where it throws Cancelled.
   void setLook(const LookOptions& look);
@@ -32,6 +39,13 @@ class Drawing {
   std::string deviceName() const;
   Image draw(const PictureOptions& picture, ProgressTeller& teller);
   void fit(std::span<PictureOptions> pictures, ProgressTeller& teller);
+  ViewOptions placed(const PictureOptions& picture, ProgressTeller& teller);
+  ShownLook shownLook() const;
+  RenderReport report(bool maps) const;
+  std::optional<VoxelProbe> probe(const PictureOptions& picture, double right, double down,
+                                  ProgressTeller& teller);
+  SliceValues slice(const SliceOptions& slice, ProgressTeller& teller);
+  void recordTo(const std::string& path);
 
  private:
   using Points = std::shared_ptr<const std::vector<Vec3d>>;
@@ -42,6 +56,9 @@ class Drawing {
     friend bool operator==(const PointsKey&, const PointsKey&) = default;
   };
 
+  // All but what the look and the machine say, its camera framed.
+  FrameOptions framed(const PictureOptions& picture, const TimeStep& step, const IndexPass& pass);
+  std::vector<uint8_t> blockClasses() const;
   // In the series' range of values.
   TimeStep stepAt(int64_t time, const IndexPass& pass);
   // Framed for pictures from all these cameras together; null where they have what they need.
@@ -58,7 +75,10 @@ class Drawing {
   Mode mode_ = Mode::kComposite;
   ChosenLook look_;
   int64_t looks_ = 0;  // that were set so far
-  Memo<int64_t, const IndexedRanges> ranges_;
+  // Of the step that is drawn and of the one that is read ahead.
+  std::array<Memo<int64_t, const IndexedRanges>, 2> ranges_;
+  FrameReport report_;  // of the last frame
+  std::unique_ptr<TraceWriter> trace_;
   Memo<PointsKey, const std::vector<Vec3d>> points_;
 };
 

@@ -86,4 +86,44 @@ void Renderer::fit(std::span<PictureOptions> pictures, const ProgressFunction& p
   });
 }
 
+ViewOptions Renderer::placed(const PictureOptions& picture, const ProgressFunction& progress,
+                             const std::stop_token& stop) {
+  return impl().on([&](Drawing& drawing) {
+    ProgressTeller teller(progress, stop);
+    return drawing.placed(picture, teller);
+  });
+}
+
+ShownLook Renderer::shownLook() const {
+  return impl().on([](Drawing& drawing) { return drawing.shownLook(); });
+}
+
+RenderReport Renderer::report(bool maps) const {
+  return impl().on([&](Drawing& drawing) { return drawing.report(maps); });
+}
+
+std::optional<VoxelProbe> Renderer::probe(const PictureOptions& picture, double right, double down,
+                                          const std::stop_token& stop) {
+  return impl().on([&](Drawing& drawing) {
+    const ProgressFunction nobody;
+    ProgressTeller teller(nobody, stop);
+    return drawing.probe(picture, right, down, teller);
+  });
+}
+
+SliceValues Renderer::slice(const SliceOptions& slice, const std::stop_token& stop) {
+  return impl().on([&](Drawing& drawing) {
+    const ProgressFunction nobody;
+    ProgressTeller teller(nobody, stop);
+    return drawing.slice(slice, teller);
+  });
+}
+
+void Renderer::recordTo(const std::string& path) {
+  impl().on([&](Drawing& drawing) {
+    drawing.recordTo(path);
+    return true;
+  });
+}
+
 }  // namespace sluice

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "src/base/error.h"
+#include "src/base/value_counts.h"
 #include "src/library/conversions.h"
 #include "src/library/opened_volume.h"
 #include "src/library/resources.h"
@@ -53,6 +54,13 @@ Volume::Volume(const std::vector<std::string>& paths, const VolumeOptions& optio
     open(*impl, paths, options, teller);
   });
   impl_ = std::move(impl);
+}
+
+ValueHistogram Volume::histogram(int bins) const {
+  info();  // throws where there is none
+  if (bins < 1) fail("a histogram of {} bins: must be at least 1", bins);
+  const Histogram made = histogramOf(impl_->volume.values.counts, static_cast<size_t>(bins));
+  return {made.range.lo, made.range.hi, made.counts};
 }
 
 const VolumeInfo& Volume::info() const {

@@ -29,6 +29,7 @@ Frame Session::frame() {
   const LookPtr look = planner_.look(step_, transfer_, options_.mode);
   const VisibleBlocksPtr visible = planner_.visibleBlocks(step_, look, view, options_);
   const double classify_s = stage.lap();
+  visible_ = visible;
   const FramePlanPtr plan = planner_.plan(step_, visible, options_);
   const double plan_s = stage.lap();
   const DrawOrderPtr order = planner_.order(plan, eyePosition(view, volume),

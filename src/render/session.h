@@ -10,7 +10,9 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "src/index/index_file.h"
 #include "src/render/frame_run.h"
@@ -60,6 +62,14 @@ class Session {
   // The same where the picture is not wanted: its memory serves the next one.
   FrameReport frameReport();
 
+  // Voxels of these blocks of any step, through level 2 as those of frames. Throws as
+  // VolumeBuffer::acquire() does.
+  std::vector<VolumeBlockPtr> readBlocks(std::span<const BlockKey> keys) {
+    return residency_.blocks().acquire(keys);
+  }
+  // What the last frame found of its blocks; null where there was none, or it is out of date.
+  VisibleBlocksPtr lastVisible() const { return visible_.lock(); }
+
   CacheCounters volumeBufferCounters() const { return residency_.blocks().counters(); }
   CacheCounters textureBufferCounters() const { return residency_.chunks().counters(); }
   const TextureCache& textureCache() const { return residency_.cache(); }
@@ -90,6 +100,7 @@ class Session {
   std::unique_ptr<ReadAhead> read_afterwards_;
   TransferPtr transfer_;
   FrameOptions options_;
+  std::weak_ptr<const VisibleBlocks> visible_;
   TraceWriter* trace_ = nullptr;
   int64_t frame_number_ = 0;
   FrameLessons lessons_;

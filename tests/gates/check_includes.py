@@ -45,8 +45,10 @@ ALLOWED = {
     'src/slicing': ['src/device', 'src/render'],
     'src/parallel': ['io/pictures', 'src/volume', BLOCKS, 'src/device', 'src/render'],
     'src/gl': ['src/device', 'src/volume'],
-    'src/library': [PUBLIC, 'cache/model', 'cache/policies', 'io', 'io/pictures', 'src/volume', TRANSFER, BLOCKS, 'src/device',
+    'src/library': [PUBLIC, 'cache/model', 'cache/policies', 'cache/trace', 'io', 'io/pictures', 'src/volume', TRANSFER, BLOCKS, 'src/device',
                     'src/cpu', 'src/gl', 'src/index', 'src/parallel', 'src/render', 'src/visibility'],
+    'src/view': [PUBLIC],
+    'src/view/window': [PUBLIC, 'src/view'],
     'src/cpu': ['io/pictures', 'src/device', 'src/volume'],
     'tools': None,  # everything
     'tools/command_line': None,
@@ -59,7 +61,8 @@ FOR_ALL = {'include/sluice/error.h': ['src/base']}
 
 # Headers of a library and the places that may know it.
 LIBRARIES = {
-    r'(GL|GLES\d?|EGL|GLFW|KHR)/': ['src/gl/', 'tests/gl/'],
+    r'(GL|GLES\d?|EGL|KHR)/': ['src/gl/', 'tests/gl/'],
+    r'GLFW/|imgui|backends/imgui': ['src/view/window/'],
     r'openvdb/': ['io/vdb/vdb_module.cpp', 'io/vdb/vdb_tree_walk.h', 'tests/support/vdb_writer.cpp'],
     r'(OpenEXR|Imath)/': ['io/pictures/', 'tests/io/'],
     r'(png|tiffio)\.h': ['io/', 'tests/io/'],

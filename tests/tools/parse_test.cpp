@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "cache/trace/trace.h"
 #include "tools/algorithms_bench.h"
-#include "tools/trace_files.h"
 
 namespace sluice {
 namespace {

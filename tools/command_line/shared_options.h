@@ -11,9 +11,10 @@
 
 namespace sluice {
 
-// `times`: --time takes a range of steps too, and sets it and arguments.time to its first.
+// `needs_volume`: false where the volume may be named elsewhere. `times`: --time takes a range of
+// steps too, and sets it and arguments.time to its first.
 void addVolumeOptions(CLI::App& app, VolumeArguments& arguments,
-                      std::optional<TimeRange>* times = nullptr);
+                      std::optional<TimeRange>* times = nullptr, bool needs_volume = true);
 // `chooses`: --culling is one of them; otherwise those of the opacity functions alone.
 void addCullingOptions(CLI::App& app, CullingArguments& arguments, bool chooses);
 void addLookOptions(CLI::App& app, LookArguments& look, FrameOptions& frame);

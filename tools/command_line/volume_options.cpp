@@ -56,13 +56,14 @@ std::optional<TimeRange> timeRange(const std::string& word) {
 
 }  // namespace
 
-void addVolumeOptions(CLI::App& app, VolumeArguments& arguments, std::optional<TimeRange>* times) {
+void addVolumeOptions(CLI::App& app, VolumeArguments& arguments, std::optional<TimeRange>* times,
+                      bool needs_volume) {
   arguments.open.decode = decodeOptions();
   arguments.open.stop = interruption();
   app.add_option(
          "volume", arguments.inputs,
          "Files, a folder of slices, a Zarr store, a pattern ('step_%03d.raw'), or synth:KIND,...")
-      ->required()
+      ->required(needs_volume)
       ->type_name("VOLUME")
       ->group("Volume");
   const OptionGroup group(app, "Volume");

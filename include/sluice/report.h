@@ -1,0 +1,78 @@
+// What a Renderer says of its levels of memory, of its look, and of voxels. Plain data.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace sluice {
+
+// Of one level since the Renderer was made. requests = hits + misses.
+struct LevelReport {
+  uint64_t requests = 0, hits = 0, misses = 0, loads = 0, evictions = 0;
+  uint64_t current_bytes = 0, peak_bytes = 0;
+  uint64_t budget_bytes = 0;  // what they never exceed
+};
+
+struct RenderReport {
+  // Of the last picture: wall clock in all, and of it drawing alone; what it left out at its time
+  // limit (Image::missing_share); blocks that it found empty, trimmed and full.
+  double seconds = 0, draw_seconds = 0;
+  double missing_share = 0;
+  int64_t white = 0, grey = 0, black = 0;
+  uint64_t pages_loaded = 0;
+
+  uint64_t read_bytes = 0;  // level 1: taken from the volume's files, as they are stored
+  LevelReport volume_buffer, texture_buffer, texture_cache;
+  uint64_t pages = 0, page_bytes = 0;  // of the texture cache
+
+  // Maps, where they were asked for. A page's chunk: a number from 1 on that pages of one chunk
+  // share, 0 where it is free.
+  std::vector<uint32_t> page_chunks;
+  // Blocks along x, y, z, and the class of each, x fastest: 0 white, 1 grey, 2 black. Empty where
+  // there are more than kMostMappedBlocks.
+  static constexpr int64_t kMostMappedBlocks = int64_t{1} << 22;
+  std::array<int64_t, 3> block_grid{0, 0, 0};
+  std::vector<uint8_t> block_classes;
+};
+
+// How often values occur: bin i of n holds lo + (hi - lo) / n * [i, i + 1), the last one hi too.
+struct ValueHistogram {
+  double lo = 0, hi = 0;
+  std::vector<uint64_t> counts;
+};
+
+// A look as it is drawn, also where it was chosen.
+struct ShownLook {
+  struct Color {
+    double value = 0;
+    std::array<double, 3> rgb;  // 0 to 1, as shown on a screen
+  };
+  struct Opacity {
+    double value = 0, opacity = 0;
+  };
+  std::vector<Color> colors;       // ascending by value, linear in between
+  std::vector<Opacity> opacities;  // the same
+  bool lit = false, labels = false;
+  std::string options;   // Renderer::lookText()
+  std::string transfer;  // the transfer function as a file of ours holds it, JSON
+  std::vector<std::string> warnings;
+};
+
+// A place in the volume.
+struct VoxelProbe {
+  std::array<double, 3> voxel;  // from 0, in between as well
+  std::array<double, 3> world;
+  double value = 0;  // interpolated as drawing does
+};
+
+// Values of a slice, row after row. Of axis x the rows run along y and the columns along z, of axis
+// y along x and z, of axis z along x and y, in the order of the voxels.
+struct SliceValues {
+  int width = 0, height = 0;
+  int64_t every = 1;  // voxel that was taken, along both
+  std::vector<float> values;
+};
+
+}  // namespace sluice

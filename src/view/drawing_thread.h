@@ -1,0 +1,179 @@
+// DrawingThread: the Desk that a Renderer stands behind. One thread owns the volume and the
+// renderer; it takes the newest wish, draws a preview within the frame's budget and then the whole
+// picture, and gives up what is not wanted any more through the stop token.
+//
+// Who asks only ever takes a lock that is never held while something is read or drawn.
+#pragma once
+
+#include <sluice/renderer.h>
+#include <sluice/volume.h>
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "src/base/mutex.h"
+#include "src/base/worker_pool.h"
+#include "src/view/camera_gestures.h"
+#include "src/view/desk.h"
+#include "src/view/pace.h"
+
+namespace sluice {
+
+struct DrawingOptions {
+  RendererOptions renderer;
+  LookOptions look;  // to begin with
+  ViewOptions view;
+  std::optional<double> step_vox;
+  std::optional<PictureOptions::Box> crop;
+  std::vector<PictureOptions::Plane> clip_planes;
+  std::optional<std::array<float, 3>> background;
+  std::optional<ViewState> state;  // in place of these, for the volume that is opened first
+  std::string index_folder;        // of volumes that name none
+  std::string trace_file;          // empty: none; of the volume that is opened first
+  double budget_s = 0.016;         // of a preview
+  // A hand that rests so long gets the whole picture.
+  double rest_s = 0.06;
+  // Told, by the drawing thread, that there is something to take. It must return at once.
+  std::function<void()> on_news;
+};
+
+class DrawingThread : public Desk {
+ public:
+  explicit DrawingThread(const DrawingOptions& options);
+  // Stops what is under way and waits for it.
+  ~DrawingThread() override;
+  DrawingThread(const DrawingThread&) = delete;
+  DrawingThread& operator=(const DrawingThread&) = delete;
+
+  void open(const ViewedVolume& volume, const std::optional<ViewState>& state) override;
+  uint64_t wish(const Wish& wish) override;
+  void loadState(const std::string& path) override;
+  void savePicture(const std::string& path, const Wish& wish) override;
+  void saveText(const std::string& path, const std::string& text) override;
+  void place(const ViewState& state, int width, int height) override;
+  uint64_t probe(double right, double down) override;
+  void wantReport(bool maps) override;
+  News take() override;
+  DeskStatus status() const override;
+  DeskTimes times() const override;
+  // From now on in place of DrawingOptions::on_news; empty: nobody is told. What was told before
+  // has returned.
+  void tellNews(std::function<void()> on_news);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  using Doing = DeskStatus::Doing;
+
+  struct NumberedWish {
+    uint64_t number = 0;
+    Clock::time_point asked_at;
+    Wish wish;
+  };
+  using WishPtr = std::shared_ptr<const NumberedWish>;
+  struct OpenRequest {
+    ViewedVolume volume;
+    std::optional<ViewState> state;
+    std::string state_file;  // in place of both; empty: none
+  };
+  struct SaveRequest {
+    std::string path;
+    Wish wish;
+    std::optional<std::string> text;  // in place of a picture
+  };
+  struct ProbeRequest {
+    uint64_t number = 0;
+    double right = 0, down = 0;
+  };
+  // What is to be done next, with what it needs.
+  struct Job {
+    Doing doing = Doing::kNothing;
+    WishPtr wish;
+    OpenRequest open;
+    SaveRequest save;
+    ProbeRequest probe;
+    std::optional<Wish> place;  // in place of a probe
+    bool reports = false;       // nothing else is to be done
+    std::stop_token stop;
+  };
+  // Of the volume that is open: the drawing thread's alone.
+  struct Opened {
+    ViewedVolume viewed;
+    std::optional<Volume> volume;
+    std::unique_ptr<Renderer> renderer;
+    LookOptions look;  // that the renderer has
+    Ground ground;
+    Pace pace;
+    struct Slice {
+      int64_t at = -1, time = -1;
+      SliceValues values;
+      std::optional<std::array<double, 2>> range;  // that was shown last
+    };
+    std::array<Slice, 3> slices;
+  };
+
+  void run();
+  // Waits for something to do; nullopt: the end.
+  std::optional<Job> nextJob();
+  Job chooseJob() SLUICE_REQUIRES(mutex_);
+  Job startJob(Job job) SLUICE_REQUIRES(mutex_);
+  void doJob(const Job& job);
+  void openAny(const Job& job);
+  void openVolume(const OpenRequest& request, const Job& job);
+  void drawPreview(const Job& job);
+  void drawWhole(const Job& job);
+  void makeSlices(const Job& job);
+  void answerProbe(const Job& job);
+  void save(const Job& job);
+
+  void useLook(const LookOptions& look);
+  // Voxels between samples of the wish's whole picture.
+  double wholeStep(const Wish& wish) const;
+  // Draws and learns from it.
+  Image draw(const Job& job, const PictureOptions& picture, double step_vox);
+  void deliver(const WishPtr& wish, const Image& image, bool is_complete, double seconds);
+  void deliverReport();
+  void stopWork(bool also_previews) SLUICE_REQUIRES(mutex_);
+  void fail(const std::string& line);
+  void tell();
+  ProgressFunction progressOf(const Job& job);
+
+  const DrawingOptions options_;
+
+  Mutex telling_;  // held while somebody is told: who is no longer told is not told any more
+  std::function<void()> on_news_ SLUICE_GUARDED_BY(telling_);
+
+  mutable Mutex mutex_;
+  Condition changed_;
+  bool ends_ SLUICE_GUARDED_BY(mutex_) = false;
+  bool is_open_ SLUICE_GUARDED_BY(mutex_) = false;
+  std::optional<OpenRequest> open_ SLUICE_GUARDED_BY(mutex_);
+  std::deque<SaveRequest> saves_ SLUICE_GUARDED_BY(mutex_);
+  std::optional<ProbeRequest> probe_ SLUICE_GUARDED_BY(mutex_);
+  std::optional<Wish> place_ SLUICE_GUARDED_BY(mutex_);
+  bool wants_report_ SLUICE_GUARDED_BY(mutex_) = false, wants_maps_
+                                                        SLUICE_GUARDED_BY(mutex_) = false;
+  uint64_t probes_ SLUICE_GUARDED_BY(mutex_) = 0;
+  WishPtr wish_ SLUICE_GUARDED_BY(mutex_);  // the newest
+  // Numbers of the wishes that were served last.
+  uint64_t previewed_ SLUICE_GUARDED_BY(mutex_) = 0, sliced_ SLUICE_GUARDED_BY(mutex_) = 0;
+  uint64_t answered_ SLUICE_GUARDED_BY(mutex_) = 0;  // by any picture
+  std::deque<std::pair<uint64_t, Clock::time_point>> unanswered_ SLUICE_GUARDED_BY(mutex_);
+  DeskStatus status_ SLUICE_GUARDED_BY(mutex_);
+  DeskTimes times_ SLUICE_GUARDED_BY(mutex_);
+  News news_ SLUICE_GUARDED_BY(mutex_);
+  std::stop_source work_ SLUICE_GUARDED_BY(mutex_);  // of the job under way
+  Clock::time_point work_began_ SLUICE_GUARDED_BY(mutex_);
+
+  Opened opened_;         // the drawing thread's alone
+  WorkerPool worker_{1};  // last: joins before the rest goes
+};
+
+}  // namespace sluice

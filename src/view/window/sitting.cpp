@@ -1,0 +1,236 @@
+#include "src/view/window/sitting.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+
+#include "src/view/state_file.h"
+
+namespace sluice {
+namespace {
+
+using namespace std::chrono_literals;
+
+// Wheel and keys that follow each other so soon belong together.
+constexpr auto kTogether = 600ms;
+constexpr auto kHandRests = 150ms;
+constexpr size_t kMostMessages = 6;
+constexpr size_t kMostTimes = 8192;
+
+double secondsSince(WindowClock::time_point then) {
+  return std::chrono::duration<double>(WindowClock::now() - then).count();
+}
+
+}  // namespace
+
+Sitting::Sitting(const WindowRequest& given)
+    : request(given), desk(*given.desk), log(given.log_file), settings(given.settings) {}
+
+void Sitting::change(const ViewState& next) {
+  if (next == state()) return;
+  const auto now = WindowClock::now();
+  if (!hand_is_on && now - moved_at > kTogether) ++gesture_;
+  moved_at = now;
+  history.change(next, gesture_);
+}
+
+void Sitting::say(const std::string& line) {
+  messages.push_front(line);
+  if (messages.size() > kMostMessages) messages.pop_back();
+  if (request.say) request.say(line);
+}
+
+void Sitting::open(const std::string& path) {
+  if (path.empty()) return;
+  ViewedVolume volume;
+  volume.paths = {path};
+  desk.open(volume, std::nullopt);
+  path_text = path;
+  shows_open = false;
+}
+
+void Sitting::openAny(const std::vector<std::string>& paths) {
+  if (paths.empty()) return;
+  if (paths.size() == 1 && std::filesystem::path(paths.front()).extension() == ".json") {
+    desk.loadState(paths.front());
+    shows_open = false;
+    return;
+  }
+  if (paths.size() == 1) return open(paths.front());
+  ViewedVolume volume;
+  volume.paths = paths;
+  desk.open(volume, std::nullopt);
+  shows_open = false;
+}
+
+void Sitting::savePicture(const std::string& path) {
+  if (!isOpen()) return;
+  Wish wish;
+  wish.state = state();
+  wish.width = pane.width;
+  wish.height = pane.height;
+  desk.savePicture(path, wish);
+}
+
+void Sitting::saveState(const std::string& path) {
+  if (isOpen()) desk.saveText(path, stateText(opened->volume, state()));
+}
+
+void Sitting::showFrom(ViewOptions::From from) {
+  if (!isOpen()) return;
+  ViewState next = state();
+  const ViewOptions last = next.view;
+  next.view = ViewOptions{};
+  next.view.from = from;
+  next.view.projection = last.projection;
+  next.view.field_of_view_deg = last.field_of_view_deg;
+  desk.place(next, pane.width, pane.height);
+}
+
+void Sitting::toggleProjection() {
+  if (!isOpen()) return;
+  ViewState next = state();
+  const bool is_perspective = next.view.projection == ViewOptions::Projection::kPerspective;
+  next.view = withProjection(
+      next.view,
+      is_perspective ? ViewOptions::Projection::kParallel : ViewOptions::Projection::kPerspective,
+      pane, ground);
+  change(next);
+}
+
+void Sitting::takeOpened(std::unique_ptr<OpenedVolumeNews> news) {
+  opened = std::move(news);
+  ground = groundOf(opened->info);
+  history = History<ViewState>(opened->state);
+  sent_.reset();
+  unanswered_.clear();
+  hovered.reset();
+  picture = {};
+  slice_at = {-1, -1, -1};
+  is_playing = false;
+  for (const std::string& warning : opened->info.warnings) messages.push_front(warning);
+  while (messages.size() > kMostMessages) messages.pop_back();
+  noteRecent(settings, opened->volume.paths.front());
+  if (!request.settings_file.empty()) desk.saveText(request.settings_file, settingsText(settings));
+  log.write({{"opened", opened->volume.paths.front()},
+             {"dims", opened->info.dims},
+             {"time_steps", opened->info.time_steps}});
+}
+
+void Sitting::takePicture(const ShownPicture& shown) {
+  texture.set(shown.width, shown.height, shown.rgba);
+  picture = shown;
+  picture.rgba = {};
+  while (!unanswered_.empty() && unanswered_.front().first <= shown.wish) {
+    if (times.answer_s.size() < kMostTimes)
+      times.answer_s.push_back(secondsSince(unanswered_.front().second));
+    unanswered_.pop_front();
+  }
+  log.write({{"picture", shown.wish},
+             {"complete", shown.is_complete},
+             {"size", {shown.width, shown.height}},
+             {"time", shown.time},
+             {"seconds", shown.seconds},
+             {"of_newest", shown.wish == sent_number_}});
+}
+
+void Sitting::takeNews() {
+  News news = desk.take();
+  status = desk.status();
+  if (news.opened) takeOpened(std::move(news.opened));
+  if (news.state) change(*news.state);
+  if (news.picture) takePicture(*news.picture);
+  for (const ShownSlice& slice : news.slices) {
+    const auto axis = static_cast<size_t>(slice.axis);
+    slices[axis].set(slice.width, slice.height, slice.rgba);
+    slice_at[axis] = slice.at;
+    log.write({{"slice", slice.axis}, {"at", slice.at}});
+  }
+  if (news.look) look = std::move(*news.look);
+  if (news.report) report = std::move(*news.report);
+  if (news.probe && news.probe->number == probe_number) {
+    if (centers_on_probe && news.probe->found && isOpen()) {
+      ViewState next = state();
+      const auto& world = news.probe->found->world;
+      next.view = centerOn(next.view, {world[0], world[1], world[2]});
+      for (size_t a = 0; a < 3; ++a)
+        next.cross[a] = std::clamp(static_cast<int64_t>(news.probe->found->voxel[a] + 0.5),
+                                   int64_t{0}, info().dims[a] - 1);
+      change(next);
+      log.write({{"centered", news.probe->found->voxel}});
+    }
+    hovered = news.probe->found;
+    if (hovered) log.write({{"value", hovered->value}, {"voxel", hovered->voxel}});
+    centers_on_probe = false;
+  }
+  for (const SavedNews& saved : news.saved) {
+    if (saved.path == request.settings_file) continue;
+    say(saved.command.empty() ? saved.path : saved.command);
+    log.write({{"saved", saved.path}, {"command", saved.command}});
+  }
+  for (const std::string& failure : news.failures) {
+    failures.push_back(failure);
+    wakeBy(WindowClock::now());  // a window of ImGui's shows in the frame after its first
+    log.write({{"failure", failure}});
+  }
+}
+
+void Sitting::sendWish() {
+  if (!isOpen() || pane.width < 8 || pane.height < 8) return;
+  Wish wish;
+  wish.state = state();
+  wish.width = pane.width;
+  wish.height = pane.height;
+  const bool moves = hand_is_on || WindowClock::now() - moved_at < kHandRests;
+  if (is_playing) wish.next_time = (state().time + 1) % info().time_steps;
+  const bool is_same = sent_ && sent_->state == wish.state && sent_->width == wish.width &&
+                       sent_->height == wish.height;
+  // The hand that let go wants the whole picture of what it saw last.
+  if (is_same && (!sent_->moves || moves)) {
+    if (sent_->moves && !hand_is_on) wakeBy(moved_at + kHandRests + 1ms);
+    return;
+  }
+  wish.moves = moves && !is_playing;
+  if (wish.moves) wakeBy(moved_at + kHandRests + 1ms);
+  sent_ = wish;
+  sent_number_ = desk.wish(wish);
+  if (!is_same) unanswered_.emplace_back(sent_number_, event_at);
+  log.write({{"wish", sent_number_}, {"moves", wish.moves}});
+}
+
+std::string Sitting::incompleteText() const {
+  if (status.doing == DeskStatus::Doing::kOpening)
+    return fmt::format("{} {:.0f} %", status.is_indexing ? "indexing" : "opening",
+                       100 * status.share);
+  if (!isOpen()) return {};
+  if (picture.wish == sent_number_ && picture.is_complete) return {};
+  std::string text = "preview";
+  if (picture.missing_share > 0)
+    text = fmt::format("{:.0f} % of it is not read yet", 100 * picture.missing_share);
+  if (status.doing == DeskStatus::Doing::kPicture)
+    text += fmt::format(", drawing {:.0f} %", 100 * status.share);
+  return text;
+}
+
+void Sitting::play() {
+  if (!is_playing || !isOpen() || info().time_steps < 2) return;
+  const double waited = secondsSince(step_at_);
+  const bool was_seen =
+      picture.is_complete && picture.wish == sent_number_ && picture.time == state().time;
+  if (!was_seen) return;  // its picture's news will wake us
+  if (waited < 1 / steps_per_second) {
+    wakeBy(step_at_ + std::chrono::duration_cast<WindowClock::duration>(
+                          std::chrono::duration<double>(1 / steps_per_second)));
+    return;
+  }
+  achieved_steps = waited > 5 ? 0 : 0.7 * achieved_steps + 0.3 / waited;
+  step_at_ = WindowClock::now();
+  event_at = step_at_;
+  ViewState next = state();
+  next.time = (next.time + 1) % info().time_steps;
+  history.replace(next);
+}
+
+}  // namespace sluice

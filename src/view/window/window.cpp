@@ -1,0 +1,317 @@
+// The window: GLFW's, with Dear ImGui's panels over a picture that the desk draws. Its loop waits
+// for events and news, and for nothing else.
+#include <GLFW/glfw3.h>
+#include <backends/imgui_impl_glfw.h>
+#include <backends/imgui_impl_opengl3.h>
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "src/base/error.h"
+#include "src/view/window/panels.h"
+#include "src/view/window_module.h"
+
+namespace sluice {
+namespace {
+
+constexpr float kPanelWidth = 330, kSlicesHeight = 240;  // screen units at a font scale of 1
+// The first frames make fonts and shaders: they are measured apart.
+constexpr uint64_t kStartTurns = 8;
+constexpr size_t kMostTimes = size_t{1} << 18;
+constexpr double kIdle_s = 0.25, kSettle_s = 0.004, kReport_s = 0.3, kStall_s = 0.02;
+
+[[noreturn]] void failOf(const std::string& what) {
+  const char* said = nullptr;
+  glfwGetError(&said);
+  fail("{}{}; `sluice render` draws without a window", what,
+       said != nullptr ? fmt::format(": {}", said) : "");
+}
+
+class Glfw {
+ public:
+  Glfw() {
+    if (glfwInit() != GLFW_TRUE) failOf("no display");
+  }
+  ~Glfw() { glfwTerminate(); }
+  Glfw(const Glfw&) = delete;
+  Glfw& operator=(const Glfw&) = delete;
+};
+
+// What GLFW's callbacks reach.
+struct Events {
+  uint64_t count = 0;
+  std::vector<std::string> dropped;
+};
+
+Events& eventsOf(GLFWwindow* window) {
+  return *static_cast<Events*>(glfwGetWindowUserPointer(window));
+}
+
+GLFWwindow* makeWindow(const WindowRequest& request, float scale) {
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
+  glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+  glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
+  glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
+  int width = request.settings.width, height = request.settings.height;
+  if (request.pane_width > 0) {
+    width = request.pane_width + static_cast<int>(kPanelWidth * scale);
+    height = request.pane_height;
+  }
+  GLFWwindow* window = glfwCreateWindow(width, height, "sluice", nullptr, nullptr);
+  if (window == nullptr) failOf("no window with OpenGL 3.3");
+  return window;
+}
+
+void watchEvents(GLFWwindow* window) {
+  glfwSetCursorPosCallback(window, [](GLFWwindow* w, double, double) { ++eventsOf(w).count; });
+  glfwSetMouseButtonCallback(window, [](GLFWwindow* w, int, int, int) { ++eventsOf(w).count; });
+  glfwSetScrollCallback(window, [](GLFWwindow* w, double, double) { ++eventsOf(w).count; });
+  glfwSetKeyCallback(window, [](GLFWwindow* w, int, int, int, int) { ++eventsOf(w).count; });
+  glfwSetCharCallback(window, [](GLFWwindow* w, unsigned) { ++eventsOf(w).count; });
+  glfwSetFramebufferSizeCallback(window, [](GLFWwindow* w, int, int) { ++eventsOf(w).count; });
+  glfwSetWindowRefreshCallback(window, [](GLFWwindow* w) { ++eventsOf(w).count; });
+  glfwSetDropCallback(window, [](GLFWwindow* w, int count, const char** paths) {
+    ++eventsOf(w).count;
+    eventsOf(w).dropped.assign(paths, paths + count);
+  });
+}
+
+void chooseFont(float scale) {
+  ImFontConfig config;
+  config.OversampleH = 2;
+  constexpr const char* kFont = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
+  std::error_code unknown;
+  ImGuiIO& io = ImGui::GetIO();
+  if (std::filesystem::exists(kFont, unknown)) {
+    io.Fonts->AddFontFromFileTTF(kFont, std::round(14 * scale), &config);
+  } else {
+    config.SizePixels = std::round(13 * scale);
+    io.Fonts->AddFontDefault(&config);
+  }
+}
+
+void section(Sitting& sitting, const char* name, bool is_open, void (*panel)(Sitting&)) {
+  ImGui::SetNextItemOpen(is_open, ImGuiCond_Once);
+  const bool shown = ImGui::CollapsingHeader(name);
+  sitting.log.control(std::string("section ") + name);
+  if (!shown) return;
+  ImGui::PushID(name);
+  panel(sitting);
+  ImGui::PopID();
+}
+
+void sidePanel(Sitting& sitting, const Area& area) {
+  ImGui::SetNextWindowPos({area.x, area.y});
+  ImGui::SetNextWindowSize({area.width, area.height});
+  ImGui::Begin("panel", nullptr,
+               ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
+                   ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus |
+                   ImGuiWindowFlags_AlwaysVerticalScrollbar);  // nothing moves when it comes
+  if (sitting.isOpen()) {
+    const VolumeInfo& info = sitting.info();
+    ImGui::TextDisabled(
+        "%s",
+        fmt::format("{}: {} x {} x {} {}, {}", info.name, info.dims[0], info.dims[1], info.dims[2],
+                    info.type, sitting.opened->device.substr(0, sitting.opened->device.find(',')))
+            .c_str());
+    section(sitting, "look", true, lookPanel);
+    section(sitting, "opacity over values", true, transferPanel);
+    if (info.time_steps > 1) section(sitting, "time", true, timePanel);
+    section(sitting, "view", true, viewPanel);
+    section(sitting, "cut", false, cutPanel);
+    section(sitting, "levels of memory", false, levelsPanel);
+  }
+  section(sitting, "files", true, filePanel);
+  ImGui::End();
+}
+
+class Window {
+ public:
+  explicit Window(const WindowRequest& request)
+      : request_(request), sitting_(std::make_unique<Sitting>(request)) {
+    const auto scale = static_cast<float>(request.settings.font_scale);
+    window_ = makeWindow(request, scale);
+    glfwMakeContextCurrent(window_);
+    glfwSwapInterval(1);
+    glfwSetWindowUserPointer(window_, &events_);
+    watchEvents(window_);
+    float density = 1, ignored = 1;
+    glfwGetWindowContentScale(window_, &density, &ignored);
+    ImGui::CreateContext();
+    ImGui::GetIO().IniFilename = nullptr;
+    ImGui::StyleColorsDark();
+    chooseFont(density);
+    ImGui::GetStyle().ScaleAllSizes(density);
+    density_ = density;
+    ImGui_ImplGlfw_InitForOpenGL(window_, true);
+    ImGui_ImplOpenGL3_Init("#version 330");
+    request.tell_news([] { glfwPostEmptyEvent(); });
+  }
+  ~Window() {
+    request_.tell_news(nullptr);
+    sitting_.reset();  // its textures, while there is a context
+    ImGui_ImplOpenGL3_Shutdown();
+    ImGui_ImplGlfw_Shutdown();
+    ImGui::DestroyContext();
+    glfwDestroyWindow(window_);
+  }
+  Window(const Window&) = delete;
+  Window& operator=(const Window&) = delete;
+
+  void run() {
+    if (!request_.volume.paths.empty()) request_.desk->open(request_.volume, std::nullopt);
+    while (glfwWindowShouldClose(window_) == 0 && !sitting_->wants_to_end &&
+           !request_.is_asked_to_end())
+      turn();
+    keepSettings();
+    logTimes();
+  }
+
+ private:
+  // One frame of the window: it waits in its first line and nowhere else.
+  void turn() {
+    double wait_s = frames_left_ > 0 ? kSettle_s : kIdle_s;
+    if (sitting_->wake_at)
+      wait_s =
+          std::clamp(std::chrono::duration<double>(*sitting_->wake_at - WindowClock::now()).count(),
+                     kSettle_s, wait_s);
+    glfwWaitEventsTimeout(wait_s);
+    const auto began = WindowClock::now();
+    Sitting& sitting = *sitting_;
+    if (events_.count != seen_events_) {
+      sitting.times.events += events_.count - seen_events_;
+      seen_events_ = events_.count;
+      sitting.event_at = began;
+      // Highlights and menus settle over a few frames.
+      frames_left_ = 2;
+    }
+    sitting.wake_at.reset();
+    if (frames_left_ > 0) --frames_left_;
+    sitting.takeNews();
+    if (!events_.dropped.empty()) sitting.openAny(std::exchange(events_.dropped, {}));
+    sitting.play();
+    draw();
+    sitting.sendWish();
+    askForReport(began);
+    const double took = std::chrono::duration<double>(WindowClock::now() - began).count();
+    ++sitting.times.turns;
+    if (sitting.times.turns <= kStartTurns) {
+      start_s_ = std::max(start_s_, took);
+      return;
+    }
+    if (sitting.times.turn_s.size() < kMostTimes) {
+      sitting.times.turn_s.push_back(took);
+      sitting.times.gl_s.push_back(gl_s_);
+    }
+    if (took > kStall_s) ++sitting.times.stalls;
+  }
+
+  void draw() {
+    Sitting& sitting = *sitting_;
+    ImGui_ImplOpenGL3_NewFrame();
+    ImGui_ImplGlfw_NewFrame();
+    ImGuiIO& io = ImGui::GetIO();
+    io.FontGlobalScale = static_cast<float>(sitting.settings.font_scale);
+    ImGui::NewFrame();
+    sitting.hand_is_on = ImGui::IsAnyMouseDown();
+    for (int button = 0; button < 3; ++button)
+      if (ImGui::IsMouseClicked(button)) sitting.beginGesture();
+    const float panel = std::min(kPanelWidth * density_ * io.FontGlobalScale, io.DisplaySize.x / 2);
+    const bool has_slices = sitting.isOpen() && sitting.state().shows_slices;
+    const float strip = has_slices ? std::min(kSlicesHeight * density_, io.DisplaySize.y / 2) : 0;
+    const Area pane{0, 0, io.DisplaySize.x - panel, io.DisplaySize.y - strip};
+    picturePane(sitting, pane, io.DisplayFramebufferScale.x);
+    if (has_slices) slicesPane(sitting, {0, pane.height, pane.width, strip});
+    sidePanel(sitting, {pane.width, 0, panel, io.DisplaySize.y});
+    takeKeys(sitting);
+    helpWindow(sitting);
+    openWindow(sitting);
+    failuresWindow(sitting);
+    ImGui::Render();
+    const auto built = WindowClock::now();
+    int width = 0, height = 0;
+    glfwGetFramebufferSize(window_, &width, &height);
+    glViewport(0, 0, width, height);
+    glClearColor(0.09F, 0.09F, 0.1F, 1);
+    glClear(GL_COLOR_BUFFER_BIT);
+    ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+    while (glGetError() != GL_NO_ERROR && sitting.times.gl_errors < 1'000'000)
+      ++sitting.times.gl_errors;
+    glfwSwapBuffers(window_);
+    gl_s_ = std::chrono::duration<double>(WindowClock::now() - built).count();
+  }
+
+  void askForReport(WindowClock::time_point now) {
+    Sitting& sitting = *sitting_;
+    if (!sitting.isOpen() || now - reported_at_ < std::chrono::duration<double>(kReport_s)) return;
+    reported_at_ = now;
+    sitting.desk.wantReport(sitting.shows_maps);
+  }
+
+  void keepSettings() {
+    if (request_.settings_file.empty()) return;
+    Sitting& sitting = *sitting_;
+    glfwGetWindowSize(window_, &sitting.settings.width, &sitting.settings.height);
+    sitting.desk.saveText(request_.settings_file, settingsText(sitting.settings));
+  }
+
+  void logTimes() {
+    Sitting& sitting = *sitting_;
+    const auto percentile = [](std::vector<double> times, double share) {
+      if (times.empty()) return 0.0;
+      std::sort(times.begin(), times.end());
+      return times[std::min(times.size() - 1,
+                            static_cast<size_t>(share * static_cast<double>(times.size())))];
+    };
+    const DeskTimes desk = sitting.desk.times();
+    sitting.log.write({{"end", true},
+                       {"turns", sitting.times.turns},
+                       {"events", sitting.times.events},
+                       {"longest_start_turn_seconds", start_s_},
+                       {"turn_p95_seconds", percentile(sitting.times.turn_s, 0.95)},
+                       {"longest_turn_seconds", percentile(sitting.times.turn_s, 1)},
+                       {"gl_p50_seconds", percentile(sitting.times.gl_s, 0.5)},
+                       {"gl_p95_seconds", percentile(sitting.times.gl_s, 0.95)},
+                       {"stalls", sitting.times.stalls},
+                       {"gl_errors", sitting.times.gl_errors},
+                       {"answers", sitting.times.answer_s.size()},
+                       {"answer_p50_seconds", percentile(sitting.times.answer_s, 0.5)},
+                       {"answer_p95_seconds", percentile(sitting.times.answer_s, 0.95)},
+                       {"wishes", desk.wishes},
+                       {"previews", desk.previews},
+                       {"complete", desk.complete},
+                       {"cancelled", desk.cancelled}});
+  }
+
+  const WindowRequest& request_;
+  const Glfw glfw_;
+  Events events_;
+  uint64_t seen_events_ = 0;
+  int frames_left_ = 3;
+  float density_ = 1;
+  double gl_s_ = 0;     // of the last frame
+  double start_s_ = 0;  // the longest of the first turns
+  GLFWwindow* window_ = nullptr;
+  std::unique_ptr<Sitting> sitting_;
+  WindowClock::time_point reported_at_{};
+};
+
+}  // namespace
+}  // namespace sluice
+
+extern "C" const char* sluiceWindowVersion();
+extern "C" const char* sluiceWindowVersion() {
+  return sluice::kWindowModuleVersion;
+}
+
+extern "C" void sluiceRunWindow(const sluice::WindowRequest& request);
+extern "C" void sluiceRunWindow(const sluice::WindowRequest& request) {
+  sluice::Window(request).run();
+}

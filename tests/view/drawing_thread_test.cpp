@@ -1,0 +1,352 @@
+// The drawing thread, driven as a window drives it: from other threads, faster than it draws.
+#include "src/view/drawing_thread.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <thread>
+
+#include "src/base/threads.h"
+#include "src/view/transfer_edit.h"
+#include "tests/support/temp_folder.h"
+
+namespace sluice {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+constexpr const char* kVolume = "synth:shells,dims=40x36x32";
+constexpr const char* kSeries = "synth:mixing,dims=24x24x24,steps=4";
+
+DrawingOptions options() {
+  DrawingOptions made;
+  made.renderer.device = RendererOptions::Device::kCpu;
+  made.renderer.threads = 2;
+  made.renderer.memory_bytes = uint64_t{64} << 20;
+  return made;
+}
+
+// What a window keeps of the news.
+struct Seen {
+  explicit Seen(Desk& from) : desk(from) {}
+
+  template <class Until>
+  bool until(const Until& done) {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+    while (std::chrono::steady_clock::now() < end) {
+      News news = desk.take();
+      if (news.opened) opened = std::move(news.opened);
+      if (news.picture) {
+        EXPECT_EQ(news.picture->rgba.size(), static_cast<size_t>(news.picture->width) *
+                                                 static_cast<size_t>(news.picture->height) * 4);
+        picture = std::move(news.picture);
+      }
+      if (news.look) look = std::move(news.look);
+      if (news.state) state = std::move(news.state);
+      if (news.report) report = std::move(news.report);
+      if (news.probe) probe = news.probe;
+      for (ShownSlice& slice : news.slices) slices.push_back(std::move(slice));
+      for (SavedNews& each : news.saved) saved.push_back(std::move(each));
+      for (std::string& line : news.failures) failures.push_back(std::move(line));
+      if (done()) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return false;
+  }
+  bool open(const std::string& path) {
+    opened.reset();
+    failures.clear();
+    ViewedVolume volume;
+    volume.paths = {path};
+    desk.open(volume, std::nullopt);
+    return until([&] { return opened != nullptr || !failures.empty(); }) && opened != nullptr;
+  }
+  Wish wish(int width = 96, int height = 80) const {
+    Wish made;
+    made.state = opened->state;
+    made.width = width;
+    made.height = height;
+    return made;
+  }
+  bool whole(uint64_t number) {
+    return until([&] { return desk.status().completed >= number; });
+  }
+
+  Desk& desk;
+  std::unique_ptr<OpenedVolumeNews> opened;
+  std::unique_ptr<ShownPicture> picture;
+  std::unique_ptr<ShownLook> look;
+  std::unique_ptr<ViewState> state;
+  std::unique_ptr<RenderReport> report;
+  std::optional<ProbeNews> probe;
+  std::vector<ShownSlice> slices;
+  std::vector<SavedNews> saved;
+  std::vector<std::string> failures;
+};
+
+TEST(DrawingThread, endsWithTheWholePictureThatTheLibraryDraws) {
+  DrawingThread desk(options());
+  Seen seen(desk);
+  ASSERT_TRUE(seen.open(kVolume));
+  Wish wish = seen.wish();
+  wish.state.background = std::array{0.0F, 0.0F, 0.0F};
+  ASSERT_TRUE(seen.whole(desk.wish(wish)));
+  ASSERT_TRUE(seen.picture != nullptr && seen.picture->is_complete);
+  const Volume volume(kVolume);
+  Renderer renderer(volume, wish.state.look, options().renderer);
+  // As if no window had placed its view.
+  PictureOptions plain;
+  plain.width = 800;
+  plain.height = 600;
+  PictureOptions placed = pictureOf(wish.state, 800, 600);
+  const auto a = renderer.draw(plain).toRgba8(std::array{0.0F, 0.0F, 0.0F});
+  const auto b = renderer.draw(placed).toRgba8(std::array{0.0F, 0.0F, 0.0F});
+  int largest = 0;
+  size_t lit = 0;
+  for (size_t i = 0; i < a.size(); ++i) {
+    largest = std::max(largest, std::abs(a[i] - b[i]));
+    lit += i % 4 != 3 && a[i] > 0 ? 1 : 0;
+  }
+  EXPECT_LE(largest, 1) << "a placed view is the view that was placed";
+  EXPECT_GT(lit, 1000U);
+  EXPECT_EQ(seen.picture->rgba,
+            renderer.draw(pictureOf(wish.state, 96, 80)).toRgba8(std::array{0.0F, 0.0F, 0.0F}));
+}
+
+TEST(DrawingThread, theNewestWishIsTheOneThatIsShown) {
+  DrawingThread desk(options());
+  Seen seen(desk);
+  ASSERT_TRUE(seen.open(kVolume));
+  Wish wish = seen.wish();
+  uint64_t last = 0;
+  const auto range = seen.opened->info.value_range;
+  for (int i = 0; i < 60; ++i) {
+    wish.moves = i < 59;
+    wish.state.look =
+        withThreshold(wish.state.look, range[0] + (range[1] - range[0]) * i / 80, range);
+    wish.state.view = orbit(wish.state.view, 2, 1, {96, 80});
+    const uint64_t number = desk.wish(wish);
+    EXPECT_GT(number, last);
+    last = number;
+    std::this_thread::sleep_for(std::chrono::milliseconds(i % 7));
+  }
+  ASSERT_TRUE(seen.whole(last));
+  EXPECT_EQ(seen.picture->wish, last);
+  EXPECT_TRUE(seen.picture->is_complete);
+  const DeskTimes times = desk.times();
+  EXPECT_EQ(times.wishes, 60U);
+  EXPECT_THAT(times.answer_s, SizeIs(60)) << "every wish had a picture that was no older";
+  EXPECT_THAT(seen.failures, IsEmpty());
+}
+
+TEST(DrawingThread, aHandThatRestsGetsTheWholePicture) {
+  DrawingOptions made = options();
+  made.budget_s = 0;  // previews are of the least quality
+  DrawingThread desk(made);
+  Seen seen(desk);
+  ASSERT_TRUE(seen.open(kVolume));
+  Wish wish = seen.wish();
+  wish.moves = true;
+  ASSERT_TRUE(seen.whole(desk.wish(wish)));
+  EXPECT_EQ(seen.picture->width, 96);
+  EXPECT_GE(desk.times().previews, 1U);
+}
+
+TEST(DrawingThread, aBadFileIsALineAndTheOldVolumeStays) {
+  DrawingThread desk(options());
+  Seen seen(desk);
+  EXPECT_FALSE(seen.open("/nowhere/at-all.nrrd"));
+  ASSERT_THAT(seen.failures, SizeIs(1));
+  EXPECT_THAT(seen.failures.front(), HasSubstr("/nowhere/at-all.nrrd"));
+  ASSERT_TRUE(seen.open(kVolume));
+  const Wish wish = seen.wish();
+  EXPECT_TRUE(seen.whole(desk.wish(wish)));
+  const auto kept = std::move(seen.opened);
+  EXPECT_FALSE(seen.open("/nowhere/at-all.nrrd"));
+  seen.picture.reset();
+  EXPECT_TRUE(seen.whole(desk.wish(wish)));
+  EXPECT_NE(seen.picture, nullptr);
+}
+
+TEST(DrawingThread, aWishThatCannotBeIsSaidOnce) {
+  DrawingThread desk(options());
+  Seen seen(desk);
+  ASSERT_TRUE(seen.open(kVolume));
+  Wish wish = seen.wish();
+  wish.state.look.transfer_file = "/nowhere/map.json";
+  ASSERT_TRUE(seen.whole(desk.wish(wish)));
+  EXPECT_THAT(seen.failures, SizeIs(1));
+  EXPECT_THAT(seen.failures.front(), HasSubstr("/nowhere/map.json"));
+  wish.state.look.transfer_file.clear();
+  EXPECT_TRUE(seen.whole(desk.wish(wish)));
+  EXPECT_TRUE(seen.picture->is_complete);
+}
+
+TEST(DrawingThread, answersProbesWithTheVoxelsOwnValue) {
+  DrawingThread desk(options());
+  Seen seen(desk);
+  ASSERT_TRUE(seen.open(kVolume));
+  ASSERT_TRUE(seen.whole(desk.wish(seen.wish())));
+  const uint64_t middle = desk.probe(0.5, 0.5);
+  ASSERT_TRUE(seen.until([&] { return seen.probe && seen.probe->number == middle; }));
+  ASSERT_TRUE(seen.probe->found);
+  const auto& found = *seen.probe->found;
+  for (size_t a = 0; a < 3; ++a) {
+    EXPECT_GE(found.voxel[a], -0.5);
+    EXPECT_LE(found.voxel[a], static_cast<double>(seen.opened->info.dims[a]));
+  }
+  // The slice through it holds values around it.
+  const Volume volume(kVolume);
+  Renderer renderer(volume, {}, options().renderer);
+  const auto at = static_cast<int64_t>(found.voxel[2]);
+  double least = 1e300, most = -1e300;
+  for (const int64_t plane : {at, std::min(at + 1, seen.opened->info.dims[2] - 1)}) {
+    const SliceValues slice = renderer.slice({.axis = 2, .at = plane});
+    for (int dy = 0; dy < 2; ++dy)
+      for (int dx = 0; dx < 2; ++dx) {
+        const int x = std::min(static_cast<int>(found.voxel[0]) + dx, slice.width - 1);
+        const int y = std::min(static_cast<int>(found.voxel[1]) + dy, slice.height - 1);
+        const auto value = static_cast<double>(
+            slice.values[static_cast<size_t>(y) * static_cast<size_t>(slice.width) +
+                         static_cast<size_t>(x)]);
+        least = std::min(least, value);
+        most = std::max(most, value);
+      }
+  }
+  EXPECT_GE(found.value, least - 1e-3);
+  EXPECT_LE(found.value, most + 1e-3);
+  const uint64_t corner = desk.probe(0.001, 0.001);
+  ASSERT_TRUE(seen.until([&] { return seen.probe->number == corner; }));
+  EXPECT_FALSE(seen.probe->found);
+}
+
+TEST(DrawingThread, slicesFollowTheCrossHair) {
+  DrawingThread desk(options());
+  Seen seen(desk);
+  ASSERT_TRUE(seen.open(kVolume));
+  Wish wish = seen.wish();
+  wish.state.shows_slices = true;
+  wish.state.cross = {3, 4, 5};
+  desk.wish(wish);
+  ASSERT_TRUE(seen.until([&] { return seen.slices.size() >= 3; }));
+  for (const ShownSlice& slice : seen.slices)
+    EXPECT_EQ(slice.at, wish.state.cross[static_cast<size_t>(slice.axis)]);
+  wish.state.cross[1] = 20;
+  seen.slices.clear();
+  desk.wish(wish);
+  ASSERT_TRUE(seen.until([&] { return !seen.slices.empty(); }));
+  EXPECT_THAT(seen.slices, SizeIs(1));
+  EXPECT_EQ(seen.slices[0].at, 20);
+}
+
+TEST(DrawingThread, aPlacedViewIsTheNamedOne) {
+  DrawingThread desk(options());
+  Seen seen(desk);
+  ASSERT_TRUE(seen.open(kVolume));
+  ViewState state = seen.opened->state;
+  state.view = ViewOptions{};
+  state.view.from = ViewOptions::From::kTop;
+  desk.place(state, 64, 64);
+  ASSERT_TRUE(seen.until([&] { return seen.state != nullptr; }));
+  ASSERT_TRUE(seen.state->view.look_at);
+  const Volume volume(kVolume);
+  Renderer renderer(volume, {}, options().renderer);
+  const auto named = renderer.draw(pictureOf(state, 64, 64)).toRgba8();
+  const auto placed = renderer.draw(pictureOf(*seen.state, 64, 64)).toRgba8();
+  int largest = 0;
+  for (size_t i = 0; i < named.size(); ++i)
+    largest = std::max(largest, std::abs(named[i] - placed[i]));
+  EXPECT_LE(largest, 1);
+}
+
+TEST(DrawingThread, savesPicturesAndTexts) {
+  const TempFolder folder;
+  DrawingThread desk(options());
+  Seen seen(desk);
+  ASSERT_TRUE(seen.open(kVolume));
+  desk.savePicture((folder / "a.png").string(), seen.wish());
+  desk.saveText((folder / "b.txt").string(), "text");
+  desk.saveText("/nowhere/at/all.txt", "text");
+  ASSERT_TRUE(seen.until([&] { return seen.saved.size() == 2 && seen.failures.size() == 1; }));
+  EXPECT_THAT(seen.saved[0].command, HasSubstr("sluice render synth:shells,dims=40x36x32 "));
+  EXPECT_TRUE(std::filesystem::exists(folder / "a.png"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "b.txt"));
+}
+
+TEST(DrawingThread, playsASeries) {
+  DrawingThread desk(options());
+  Seen seen(desk);
+  ASSERT_TRUE(seen.open(kSeries));
+  Wish wish = seen.wish();
+  for (int64_t time = 0; time < 8; ++time) {
+    wish.state.time = time % 4;
+    wish.next_time = (time + 1) % 4;
+    ASSERT_TRUE(seen.whole(desk.wish(wish)));
+    EXPECT_EQ(seen.picture->time, time % 4);
+  }
+  EXPECT_THAT(seen.failures, IsEmpty());
+}
+
+TEST(DrawingThread, reportsLevelsWithMaps) {
+  DrawingThread desk(options());
+  Seen seen(desk);
+  ASSERT_TRUE(seen.open(kVolume));
+  ASSERT_TRUE(seen.whole(desk.wish(seen.wish())));
+  desk.wantReport(true);
+  ASSERT_TRUE(seen.until([&] { return seen.report != nullptr; }));
+  const RenderReport& report = *seen.report;
+  EXPECT_EQ(report.page_chunks.size(), report.pages);
+  EXPECT_EQ(report.volume_buffer.requests, report.volume_buffer.hits + report.volume_buffer.misses);
+  EXPECT_LE(report.texture_cache.current_bytes, report.texture_cache.budget_bytes);
+  uint64_t used = 0;
+  for (const uint32_t chunk : report.page_chunks) used += chunk > 0 ? 1 : 0;
+  EXPECT_EQ(used * report.page_bytes, report.texture_cache.current_bytes);
+  int64_t shown = 0;
+  for (const uint8_t kind : report.block_classes) shown += kind > 0 ? 1 : 0;
+  EXPECT_EQ(shown, report.grey + report.black);
+}
+
+// For ThreadSanitizer: whatever windows do, from several threads at once, and an end in the middle.
+TEST(DrawingThread, standsWishesFromSeveralThreads) {
+  std::atomic<int> told{0};
+  DrawingOptions made = options();
+  made.on_news = [&told] { ++told; };
+  {
+    DrawingThread desk(made);
+    Seen seen(desk);
+    ASSERT_TRUE(seen.open(kVolume));
+    const Wish first = seen.wish(48, 40);
+    const auto range = seen.opened->info.value_range;
+    std::atomic<int> turns{0};
+    const auto drive = [&] {
+      for (int i = 0; i < 80; ++i) {
+        const int turn = turns++;
+        Wish wish = first;
+        wish.moves = turn % 3 != 0;
+        wish.state.view = orbit(wish.state.view, turn, 0, {48, 40});
+        wish.state.shows_slices = turn % 5 == 0;
+        if (turn % 2 == 0)
+          wish.state.look =
+              withThreshold({}, range[0] + (range[1] - range[0]) * (turn % 50) / 60, range);
+        desk.wish(wish);
+        if (turn % 7 == 0) desk.probe(0.5, 0.5);
+        if (turn % 11 == 0) desk.wantReport(turn % 2 == 0);
+        if (turn % 40 == 13) desk.place(first.state, 40, 40);
+        desk.take();
+        desk.status();
+      }
+    };
+    std::vector<std::thread> threads = startThreads(3, drive);
+    for (std::thread& thread : threads) thread.join();
+    ViewedVolume other;
+    other.paths = {kVolume};
+    desk.open(other, std::nullopt);
+  }
+  EXPECT_GT(told, 0);
+}
+
+}  // namespace
+}  // namespace sluice

@@ -1,0 +1,81 @@
+#include "src/view/state_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/error_of.h"
+#include "tests/support/temp_folder.h"
+
+namespace sluice {
+namespace {
+
+using testing::HasSubstr;
+
+ViewState everything() {
+  ViewState state;
+  state.view.look_at = ViewOptions::LookAt{{1.5, -2, 1.0 / 3}, {0, 0.1, 7}};
+  state.view.up = std::array{0.0, 0.6, 0.8};
+  state.view.projection = ViewOptions::Projection::kPerspective;
+  state.view.zoom = 1.25;
+  state.view.field_of_view_deg = 40;
+  state.look.mode = LookOptions::Mode::kAverage;
+  state.look.opacities = {{-3, 0}, {0.1, 1.0 / 7}};
+  state.look.map = "viridis";
+  state.look.range = std::array{5.0, -5.0};
+  state.look.light = LookOptions::Light::kOff;
+  state.look.full_gradient = 0.07;
+  state.time = 3;
+  state.step_vox = 0.3;
+  state.crop = PictureOptions::Box{{1, 2, 3}, {4, 5, 6}};
+  state.clip_planes = {{{0, 0, 1}, 2.5}, {{1, 0, 0}, -1}};
+  state.background = std::array{0.0F, 0.5F, 1.0F};
+  state.cross = {4, 5, 6};
+  state.shows_slices = true;
+  return state;
+}
+
+TEST(StateFile, givesBackWhatWasSaved) {
+  ViewedVolume volume;
+  volume.paths = {"synth:shells,dims=48x40x36"};
+  volume.options.dims = std::array<int64_t, 3>{1, 2, 3};
+  volume.options.type = "u16";
+  volume.options.big_endian = true;
+  const StateFile read = parseState(stateText(volume, everything()), "here");
+  EXPECT_EQ(read.state, everything());
+  ASSERT_TRUE(read.volume);
+  EXPECT_EQ(read.volume->paths, volume.paths);
+  EXPECT_EQ(read.volume->options.dims, volume.options.dims);
+  EXPECT_EQ(read.volume->options.type, "u16");
+  EXPECT_TRUE(read.volume->options.big_endian);
+}
+
+TEST(StateFile, anEmptyStateIsTheDefault) {
+  const StateFile read = parseState(R"({"sluice": "view"})", "here");
+  EXPECT_EQ(read.state, ViewState());
+  EXPECT_FALSE(read.volume);
+}
+
+TEST(StateFile, namesOfFilesBecomeAbsolute) {
+  const TempFolder folder;
+  const std::filesystem::path file = folder / "a.json";
+  ViewedVolume volume;
+  volume.paths = {file.string()};
+  writeState(file, volume, {});
+  EXPECT_EQ(readState(file).volume->paths.front(), std::filesystem::absolute(file).string());
+}
+
+TEST(StateFile, saysWhatIsWrongAndWhere) {
+  const auto said = [](const char* text) { return errorOf([&] { parseState(text, "a.json"); }); };
+  EXPECT_THAT(said("{}"), HasSubstr("a.json: expected a view's state"));
+  EXPECT_THAT(said("[1]"), HasSubstr("a.json: expected a view's state"));
+  EXPECT_THAT(said(R"({"sluice": "view", "colour": 1})"), HasSubstr("colour"));
+  EXPECT_THAT(said(R"({"sluice": "view", "look": {"mode": "max"}})"), HasSubstr("composite"));
+  EXPECT_THAT(said(R"({"sluice": "view", "crop": [1, 2]})"), HasSubstr("6 numbers"));
+  EXPECT_THAT(said(R"({"sluice": "view", "camera": {"eye": [1, 2, 3]}})"),
+              HasSubstr("eye and target together"));
+  EXPECT_THAT(said(R"({"sluice": "view", "look": {"opacities": [[2, 0], [1, 0]]}})"),
+              HasSubstr("ascend"));
+}
+
+}  // namespace
+}  // namespace sluice

@@ -1,0 +1,157 @@
+"""Drives `sluice view` by real mouse and key events: an X server without a screen (Xvfb), xdotool, and the window's log."""
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import time
+
+NEEDED = ('Xvfb', 'xdotool')
+
+
+def missing():
+    """Programs that are not installed."""
+    return [name for name in NEEDED if shutil.which(name) is None]
+
+
+class Display:
+    """An X server of its own, gone with the `with` block."""
+
+    def __init__(self, width=1280, height=800):
+        self.size = f'{width}x{height}x24'
+
+    def __enter__(self):
+        read, write = os.pipe()
+        self.server = subprocess.Popen(['Xvfb', '-displayfd', str(write), '-screen', '0', self.size, '-nolisten', 'tcp', '-noreset'],
+                                       pass_fds=[write], stderr=subprocess.DEVNULL)
+        os.close(write)
+        with os.fdopen(read) as said:
+            self.name = ':' + said.readline().strip()
+        if self.name == ':':
+            raise RuntimeError('Xvfb did not start')
+        return self
+
+    def __exit__(self, *_):
+        self.server.terminate()
+        self.server.wait()
+
+
+class Window:
+    """`sluice view ARGUMENTS`, and what its log says."""
+
+    def __init__(self, display, program, arguments, folder, environment=None):
+        self.log = pathlib.Path(folder, 'window.log')
+        self.log.unlink(missing_ok=True)
+        self.environment = dict(os.environ, DISPLAY=display.name, XDG_CONFIG_HOME=f'{folder}/config',
+                                XDG_CACHE_HOME=f'{folder}/cache', LIBGL_ALWAYS_SOFTWARE='1', **(environment or {}))
+        self.environment.pop('WAYLAND_DISPLAY', None)
+        self.output = open(pathlib.Path(folder, 'window.out'), 'w+', encoding='utf-8')
+        self.process = subprocess.Popen([program, 'view', *arguments, '--log', str(self.log)], cwd=folder, env=self.environment,
+                                        stdout=self.output, stderr=subprocess.STDOUT)
+        self.lines = []
+        self.read_bytes = 0
+        self.controls = {}
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        if self.process.poll() is None:
+            self.process.kill()
+            self.process.wait()
+        self.output.close()
+
+    def said(self):
+        self.output.flush()
+        return pathlib.Path(self.output.name).read_text(encoding='utf-8')
+
+    def update(self):
+        if not self.log.exists():
+            return
+        with open(self.log, encoding='utf-8') as file:
+            file.seek(self.read_bytes)
+            text = file.read()
+        whole = text[:text.rfind('\n') + 1]
+        self.read_bytes += len(whole.encode())
+        for line in map(json.loads, whole.splitlines()):
+            self.lines.append(line)
+            if 'control' in line:
+                self.controls[line['control']] = line['at']
+
+    def wait(self, what, seconds=60, since=0):
+        """The first line from number `since` on that `what` (a key, or a function of the line) is true of."""
+        test = what if callable(what) else (lambda line: what in line)
+        until = time.monotonic() + seconds
+        while True:
+            self.update()
+            for line in self.lines[since:]:
+                if test(line):
+                    return line
+            if self.process.poll() is not None:
+                raise RuntimeError(f'the window ended with {self.process.returncode}: {self.said()}')
+            if time.monotonic() > until:
+                raise RuntimeError(f'waited {seconds} s for {what}; last lines {self.lines[-5:]}; said {self.said()}')
+            time.sleep(0.01)
+
+    def mark(self):
+        self.update()
+        return len(self.lines)
+
+    def whole(self, since):
+        """Waits for a complete picture of the newest wish."""
+        return self.wait(lambda line: line.get('complete') is True and line.get('of_newest'), since=since)
+
+    def do(self, *words):
+        subprocess.run(['xdotool', *map(str, words)], env=self.environment, check=True, stdout=subprocess.DEVNULL)
+
+    def place(self, control, x=0.5, y=0.5):
+        """Of the middle of a control, or another part of it, once it is shown."""
+        self.wait(lambda line: line.get('control') == control)
+        at = self.controls[control]
+        return round(at[0] + x * at[2]), round(at[1] + y * at[3])
+
+    def click(self, control, button=1, x=0.5, y=0.5, times=1):
+        at = self.place(control, x, y)
+        self.do('mousemove', *at, 'sleep', 0.1)
+        for _ in range(times):
+            self.do('mousedown', button, 'sleep', 0.05, 'mouseup', button, 'sleep', 0.03)
+        self.do('sleep', 0.1)
+
+    def drag(self, start, end, button=1, steps=20, pause=0.016, keys=()):
+        self.do('mousemove', *start, 'sleep', 0.1)
+        for key in keys:
+            self.do('keydown', key)
+        words = ['mousedown', button, 'sleep', 0.05]
+        for i in range(1, steps + 1):
+            part = i / steps
+            words += ['mousemove', *(round(a + (b - a) * part) for a, b in zip(start, end)), 'sleep', pause]
+        self.do(*words, 'mouseup', button)
+        for key in keys:
+            self.do('keyup', key)
+
+    def key(self, *keys):
+        self.do('mousemove', *self.place('picture', 0.5, 0.4))
+        for key in keys:
+            self.do('keydown', *key.split('+')[:-1]) if '+' in key else None
+            parts = key.split('+')
+            self.do('keydown', parts[-1], 'sleep', 0.06, 'keyup', parts[-1], 'sleep', 0.06)
+            if len(parts) > 1:
+                self.do('keyup', *parts[:-1])
+
+    def end(self):
+        """Closes it by its key; the measured times."""
+        self.key('ctrl+q')
+        try:
+            self.process.wait(20)
+        except subprocess.TimeoutExpired as error:
+            raise RuntimeError('the window does not end') from error
+        self.update()
+        if self.process.returncode != 0:
+            raise RuntimeError(f'the window ended with {self.process.returncode}: {self.said()}')
+        return next(line for line in self.lines if 'end' in line)
+
+    def screenshot(self, path):
+        """All of the screen, PNG; needs ImageMagick's import or xwd with OpenImageIO; False where there is none."""
+        if shutil.which('import'):
+            return subprocess.run(['import', '-window', 'root', str(path)], env=self.environment, check=False).returncode == 0
+        return False

@@ -1,0 +1,153 @@
+#include "tools/view_bench.h"
+
+#include <algorithm>
+#include <chrono>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "src/base/clock.h"
+#include "src/base/error.h"
+#include "src/view/transfer_edit.h"
+#include "tools/command_line/console.h"
+#include "tools/interrupt.h"
+
+namespace sluice {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+nlohmann::json spread(std::vector<double> times) {
+  if (times.empty()) return {{"p50", 0}, {"p95", 0}, {"max", 0}};
+  std::sort(times.begin(), times.end());
+  const auto at = [&](double share) {
+    return times[std::min(times.size() - 1,
+                          static_cast<size_t>(share * static_cast<double>(times.size())))];
+  };
+  return {{"p50", at(0.5)}, {"p95", at(0.95)}, {"max", times.back()}};
+}
+
+double median(std::vector<double> times) {
+  return spread(std::move(times))["p50"];
+}
+
+// What a window does in a turn of its loop, but for drawing itself.
+class Loop {
+ public:
+  explicit Loop(DrawingThread& desk) : desk_(desk) {}
+
+  void turn() {
+    interruption().throwIfStopped();
+    const Stopwatch watch;
+    News news = desk_.take();
+    const DeskStatus status = desk_.status();
+    if (news.opened) opened = std::move(news.opened);
+    if (news.picture) picture = std::move(news.picture);
+    completed = status.completed;
+    turn_s.push_back(watch.seconds());
+    if (!news.failures.empty()) fail("{}", news.failures.front());
+  }
+  uint64_t wish(const Wish& wish) {
+    const Stopwatch watch;
+    const uint64_t number = desk_.wish(wish);
+    turn_s.push_back(watch.seconds());
+    return number;
+  }
+  template <class Until>
+  void turnUntil(const Until& until) {
+    while (!until()) {
+      turn();
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  }
+  void turnUntil(Clock::time_point then) {
+    turnUntil([then] { return Clock::now() >= then; });
+  }
+
+  std::unique_ptr<OpenedVolumeNews> opened;
+  std::unique_ptr<ShownPicture> picture;
+  uint64_t completed = 0;
+  std::vector<double> turn_s;
+
+ private:
+  DrawingThread& desk_;
+};
+
+}  // namespace
+
+nlohmann::json benchView(const ViewBench& bench) {
+  DrawingThread desk(bench.drawing);
+  Loop loop(desk);
+  desk.open(bench.volume, std::nullopt);
+  loop.turnUntil([&] { return loop.opened != nullptr; });
+  const std::array<double, 2> range = loop.opened->info.value_range;
+  Wish wish;
+  wish.state = loop.opened->state;
+  wish.width = bench.width;
+  wish.height = bench.height;
+  const auto whole = [&] {
+    const Stopwatch watch;
+    wish.moves = false;
+    const uint64_t number = loop.wish(wish);
+    loop.turnUntil([&] { return loop.completed >= number; });
+    return watch.seconds();
+  };
+  wish.state.look = withThreshold(wish.state.look, bench.threshold, range);
+  whole();
+  // Steady: nothing is loaded, the camera alone moves.
+  std::vector<double> steady;
+  for (int i = 0; i < 9; ++i) {
+    wish.state.view = orbit(wish.state.view, 1, 0, {bench.width, bench.height});
+    whole();
+    steady.push_back(loop.picture->seconds);
+  }
+  const size_t answers_before = desk.times().answer_s.size();
+  const uint64_t pictures_before = desk.times().previews + desk.times().complete;
+  std::vector<double> complete;
+  const std::chrono::duration<double> apart(1 / bench.events_per_second);
+  for (int drag = 0; drag < bench.drags; ++drag) {
+    auto due = Clock::now();
+    for (int i = 0; i < bench.events; ++i) {
+      // Up a quarter of the range and back.
+      const double part = static_cast<double>(i) / bench.events;
+      const double up = part < 0.5 ? 2 * part : 2 - 2 * part;
+      wish.state.look =
+          withThreshold(wish.state.look, bench.threshold + up * (range[1] - range[0]) / 4, range);
+      wish.moves = true;
+      loop.wish(wish);
+      due += std::chrono::duration_cast<Clock::duration>(apart);
+      loop.turnUntil(due);
+    }
+    complete.push_back(whole());
+  }
+  const DeskTimes times = desk.times();
+  std::vector<double> answers(times.answer_s.begin() + static_cast<std::ptrdiff_t>(answers_before),
+                              times.answer_s.end());
+  const double steady_s = median(steady);
+  return {{"events", answers.size()},
+          {"pictures", times.previews + times.complete - pictures_before},
+          {"answer_seconds", spread(std::move(answers))},
+          {"steady_frame_seconds", steady_s},
+          {"complete_seconds", spread(complete)},
+          {"complete_frames", median(complete) / steady_s},
+          {"loop_seconds", spread(loop.turn_s)},
+          {"cancelled", times.cancelled},
+          {"peak_rss_bytes", peakResidentBytes()},
+          {"device", loop.opened->device}};
+}
+
+void printView(const nlohmann::json& report) {
+  const auto ms = [](const nlohmann::json& seconds) { return 1e3 * seconds.get<double>(); };
+  const auto& answer = report["answer_seconds"];
+  const auto& loop = report["loop_seconds"];
+  say("{} events of dragging the threshold, {} pictures on {}\n", report["events"].get<size_t>(),
+      report["pictures"].get<uint64_t>(), report["device"].get<std::string>());
+  say("from an event to its picture: p50 {:.1f} ms, p95 {:.1f} ms, max {:.1f} ms\n",
+      ms(answer["p50"]), ms(answer["p95"]), ms(answer["max"]));
+  say("whole picture after letting go: {:.1f} ms, {:.2f} steady frames of {:.1f} ms\n",
+      ms(report["complete_seconds"]["p50"]), report["complete_frames"].get<double>(),
+      ms(report["steady_frame_seconds"]));
+  say("a turn of the loop: p95 {:.3f} ms, max {:.3f} ms\n", ms(loop["p95"]), ms(loop["max"]));
+}
+
+}  // namespace sluice

@@ -1,0 +1,114 @@
+// sluice view: a volume in a window.
+#include <filesystem>
+#include <memory>
+#include <system_error>
+
+#include "src/base/error.h"
+#include "src/classify/transfer/color_maps.h"
+#include "src/view/drawing_thread.h"
+#include "src/view/settings.h"
+#include "src/view/state_file.h"
+#include "src/view/window_module.h"
+#include "tools/command_line/console.h"
+#include "tools/command_line/outputs.h"
+#include "tools/command_line/shared_options.h"
+#include "tools/commands.h"
+#include "tools/environment.h"
+#include "tools/interrupt.h"
+#include "tools/view_arguments.h"
+
+namespace sluice {
+namespace {
+
+struct Arguments {
+  VolumeArguments volume;
+  LookArguments look;
+  FrameOptions frame;
+  FitChoice fit;
+  ResourceArguments resources;
+  std::string state_file, trace_file, log_file;
+};
+
+DrawingOptions drawingOptions(const Arguments& arguments, const CLI::App& app) {
+  const bool has_step = app.count("--step") > 0;
+  const ViewState state =
+      viewState(arguments.volume, arguments.look, arguments.frame, arguments.fit, has_step);
+  DrawingOptions options;
+  options.renderer = rendererOptions(arguments.resources);
+  options.look = state.look;
+  options.view = state.view;
+  options.step_vox = state.step_vox;
+  options.crop = state.crop;
+  options.clip_planes = state.clip_planes;
+  options.background = state.background;
+  options.trace_file = arguments.trace_file;
+  const IndexWish wish = indexWish(arguments.resources.index_dir);
+  if (!wish.disabled) options.index_folder = wish.folder.string();
+  return options;
+}
+
+// The folder of what the window keeps; without one it keeps nothing.
+std::string settingsFile() {
+  const std::filesystem::path file = windowSettings();
+  if (file.empty()) return {};
+  std::error_code failed;
+  std::filesystem::create_directories(file.parent_path(), failed);
+  return failed ? "" : file.string();
+}
+
+int run(const Arguments& arguments, const CLI::App& app) {
+  Outputs outputs(false);
+  outputs.reads(arguments.volume.inputs);
+  outputs.reads({arguments.look.transfer_file, arguments.state_file});
+  outputs.writes("--trace", arguments.trace_file, FileKind::kTrace);
+  outputs.writes("--log", arguments.log_file, FileKind::kText);
+  outputs.check();
+  RunWindow* const run_window = openWindowModule();
+  DrawingOptions options = drawingOptions(arguments, app);
+  WindowRequest request;
+  request.volume = viewedVolume(arguments.volume, arguments.resources, options.index_folder);
+  if (!arguments.state_file.empty()) {
+    StateFile file = readState(arguments.state_file, interruption());
+    if (request.volume.paths.empty() && file.volume) request.volume = *file.volume;
+    options.state = std::move(file.state);
+  }
+  DrawingThread drawing(options);
+  request.desk = &drawing;
+  for (const std::string_view name : colorMapNames()) request.color_maps.emplace_back(name);
+  if (app.count("--size") > 0) {
+    request.pane_width = arguments.frame.size.width;
+    request.pane_height = arguments.frame.size.height;
+  }
+  request.settings_file = settingsFile();
+  if (!request.settings_file.empty()) request.settings = readSettings(request.settings_file);
+  request.log_file = arguments.log_file;
+  request.tell_news = [&drawing](std::function<void()> on_news) {
+    drawing.tellNews(std::move(on_news));
+  };
+  request.is_asked_to_end = [stop = interruption()] { return stop.isStopRequested(); };
+  request.say = [](const std::string& line) { say("{}\n", line); };
+  run_window(request);
+  interruption().throwIfStopped();
+  return kDone;
+}
+
+}  // namespace
+
+Command addView(CLI::App& program) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* app = program.add_subcommand("view",
+                                         "Shows a volume in a window; ? there lists the keys\n\n"
+                                         "  sluice view bonsai.nii.gz --threshold 40");
+  addVolumeOptions(*app, arguments->volume, nullptr, false);
+  const OptionGroup output(*app, kOutputHeading);
+  output.text("--state", "FILE", arguments->state_file, "A view that was saved, and its volume");
+  output.text("--trace", "FILE", arguments->trace_file,
+              "Records the texture cache's requests, for sluice simulate");
+  output.text("--log", "FILE", arguments->log_file,
+              "What happens, a JSON object a line: where controls are, pictures, what is measured");
+  addPictureOptions(*app, arguments->look, arguments->frame, arguments->fit);
+  addResourceOptions(*app, arguments->resources);
+  return [arguments, app] { return run(*arguments, *app); };
+}
+
+}  // namespace sluice

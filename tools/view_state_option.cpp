@@ -1,0 +1,66 @@
+#include "tools/view_state_option.h"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+#include <vector>
+
+#include "src/base/error.h"
+#include "src/view/render_command.h"
+#include "src/view/state_file.h"
+#include "tools/interrupt.h"
+
+namespace sluice {
+namespace {
+
+constexpr std::array<std::string_view, 9> kCamera{"--view", "--azimuth", "--elevation",
+                                                  "--eye",  "--target",  "--up",
+                                                  "--zoom", "--fov",     "--projection"};
+constexpr std::array<std::string_view, 4> kOpacities{"--threshold", "--transfer", "--opacities",
+                                                     "--labels"};
+constexpr std::array<std::string_view, 2> kLight{"--shade", "--no-shade"};
+
+bool isGiven(const CLI::App& app, const std::string& name) {
+  const CLI::Option* option = app.get_option_no_throw(name);
+  return option != nullptr && option->count() > 0;
+}
+
+// Options that the user gave one of: those of the file are left out.
+template <class List>
+bool isGivenAny(const CLI::App& app, const List& names, const std::string& name) {
+  if (std::find(names.begin(), names.end(), name) == names.end()) return false;
+  return std::any_of(names.begin(), names.end(),
+                     [&](std::string_view other) { return isGiven(app, std::string(other)); });
+}
+
+}  // namespace
+
+void applyState(CLI::App& app, const std::string& file) {
+  const StateFile state = readState(file, interruption());
+  std::vector<OptionWord> words = pictureWords(state.state);
+  const std::vector<OptionWord> look = lookWords(state.state.look);
+  words.insert(words.end(), look.begin(), look.end());
+  CLI::Option* volume = app.get_option("volume");
+  if (volume->count() == 0) {
+    if (!state.volume) fail("{}: names no volume; give one", file);
+    for (const std::string& path : state.volume->paths) volume->add_result(path);
+    volume->run_callback();
+    const std::vector<OptionWord> more = volumeWords(state.volume->options);
+    words.insert(words.end(), more.begin(), more.end());
+  }
+  // --clip comes once for each of several planes.
+  std::vector<std::string> given;
+  for (const OptionWord& word : words)
+    if (isGiven(app, word.first) || isGivenAny(app, kCamera, word.first) ||
+        isGivenAny(app, kOpacities, word.first) || isGivenAny(app, kLight, word.first))
+      given.push_back(word.first);
+  for (const auto& [name, value] : words) {
+    CLI::Option* option = app.get_option_no_throw(name);
+    if (option == nullptr || std::find(given.begin(), given.end(), name) != given.end()) continue;
+    option->clear();
+    option->add_result(value.empty() ? "true" : value);
+    option->run_callback();
+  }
+}
+
+}  // namespace sluice
