@@ -119,7 +119,7 @@ TEST(CommandLine, noOptionTakesANumberOutsideItsRange) {
     if (option == "--threshold") return parseReal(word).has_value();  // any that is finite
     return signed_angles.contains(option) && word == "-1";
   };
-  const std::set<std::string> texts = {"FILE", "DIR.zarr", "DIR"};
+  const std::set<std::string> texts = {"FILE", "FILE,...", "DIR.zarr", "DIR"};
   const std::set<std::string> names = {"--grid", "--unit"};
   const CommandLine line = makeCommandLine();
   size_t tried = 0;
@@ -213,7 +213,7 @@ TEST(CommandLine, aNearMissIsAnsweredWithTheRightWord) {
       {"simulate --policies lru,beladi", "did you mean belady?"},
       {"synth phantm", "did you mean phantom?"},
       {"render --codec lz4", "pack has it"},
-      {"paint", "render, info, plan"},
+      {"paint", "render, view, info, plan"},
       {"synth:cube", "sluice render synth:cube -o picture.png"},
       {"bench", "limit, render"},
       {"render --size", "expected WxH after it"},
