@@ -325,7 +325,8 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
     PagePictures pictures;
     if (isPage(arguments.report_file)) {
       addPicture(pictures, name, picture);
-      addBlocks(pictures, scene.volume.step().ranges->layout.grid, *blocks);
+      // Of several ranks each knows its own.
+      if (team == nullptr) addBlocks(pictures, scene.volume.step().ranges->layout.grid, *blocks);
     }
     writeReport(arguments.report_file, report, pictures);
   }
