@@ -1,6 +1,7 @@
 // sluice bench: speeds of this machine and of the renderer, as medians.
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -303,10 +304,28 @@ Bench addSlicing(CLI::App& app) {
           [](const Show& show) { return show(slicingReport(), printSlicing); }};
 }
 
+// Files that a bench reads by name are no place for its report, nor what is no report: --force is
+// not for benches, since only the volume's reader would know all that it reads.
+Outputs outputsOf(const CLI::App& app, const std::string& report) {
+  Outputs outputs;
+  for (const CLI::Option* option : app.get_options()) {
+    const std::string type = option->get_type_name();
+    const bool is_read = type == "VOLUME" || type == "FILE" || type == "FILE,...";
+    if (!is_read || option->check_lname("report")) continue;
+    for (const std::string& word : option->results()) {
+      std::stringstream names(word);
+      for (std::string name; std::getline(names, name, ',');)
+        outputs.reads(std::filesystem::path(name));
+    }
+  }
+  outputs.writes("--report", report, reportKind(report));
+  return outputs;
+}
+
 // Where a report goes.
 struct ReportOutput {
   std::string file;
-  bool force = false, json = false;
+  bool json = false;
 };
 
 }  // namespace
@@ -335,16 +354,13 @@ Command addBench(CLI::App& program) {
   for (const Bench& bench : benches) {
     const OptionGroup group(*bench.app, kOutputHeading);
     addReportOption(group, output->file);
-    addForceOption(group, output->force);
     addJsonOption(group, output->json);
   }
   const Command compare = addBenchReport(*app);
   return [=] {
     for (const Bench& bench : benches) {
       if (!bench.app->parsed()) continue;
-      Outputs outputs(output->force);
-      outputs.writes("--report", output->file, reportKind(output->file));
-      outputs.check();
+      outputsOf(*bench.app, output->file).check();
       return bench.run([&](json report, Print print) -> int {
         report.update(
             {{"command", "bench " + bench.app->get_name()}, {"options", optionsJson(*bench.app)}});

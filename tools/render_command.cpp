@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <memory>
 
-#include "io/files/numbered_name.h"
 #include "src/annotate/annotate.h"
 #include "src/base/bytes.h"
 #include "src/base/clock.h"
@@ -20,6 +19,8 @@
 #include "tools/pages/report_file.h"
 #include "tools/picture_output.h"
 #include "tools/ranks.h"
+#include "tools/render_arguments.h"
+#include "tools/render_report.h"
 #include "tools/report.h"
 #include "tools/scene.h"
 #include "tools/series.h"
@@ -29,43 +30,7 @@
 namespace sluice {
 namespace {
 
-struct Arguments {
-  VolumeArguments volume;
-  LookArguments look;
-  FrameOptions frame;
-  ResourceArguments resources;
-  FitChoice fit;
-  std::optional<Aovs> aovs;
-  bool annotate = false;
-  std::string output;
-  std::string report_file;
-  std::string path_file;
-  std::string trace_file;
-  std::string state_file;
-  int64_t frames = 1;
-  std::optional<TimeRange> times;
-  CullingArguments culling;
-  bool resume = false;
-  bool force = false;
-  bool verify = false;
-  bool debug_view = false;
-  bool json = false;
-};
-
-int64_t frameCount(const Arguments& arguments) {
-  return arguments.times ? arguments.times->count() : arguments.frames;
-}
-
-int64_t timeOf(const Arguments& arguments, int64_t frame) {
-  return arguments.times ? arguments.times->at(frame) : arguments.volume.time;
-}
-
-// Frames of a turntable are numbered from 0, pictures of a series by their time steps.
-std::filesystem::path frameName(const Arguments& arguments, int64_t frame) {
-  const bool is_turn = arguments.frames > 1;
-  return numberedName(arguments.output, is_turn ? frame : timeOf(arguments, frame),
-                      frameCount(arguments) > 1);
-}
+using Arguments = RenderArguments;
 
 // A single picture has its own progress, if any.
 bool showsFrames(const Arguments& arguments) {
@@ -87,7 +52,8 @@ bool isExr(const Arguments& arguments) {
 Outputs outputsOf(const Arguments& arguments) {
   Outputs outputs(arguments.force);
   outputs.reads(arguments.volume.inputs);
-  outputs.reads({arguments.look.transfer_file, arguments.path_file});
+  outputs.reads({arguments.look.transfer_file, arguments.path_file, arguments.state_file});
+  outputs.reads(basisFiles(arguments.culling));
   for (const int64_t i : framesToDraw(arguments))
     outputs.writes("-o", frameName(arguments, i),
                    isExr(arguments) ? FileKind::kExr : FileKind::kPng);
@@ -119,40 +85,6 @@ void checkOutput(const Arguments& arguments) {
   if (arguments.debug_view && arguments.frame.occlusion == Occlusion::kOff &&
       arguments.frame.partition == Partition::kBlocks)
     fail("--debug-view shows what --occlusion and --partition boxes do; give one of them");
-}
-
-void printHuman(const Scene& scene, const Series& series, const std::vector<RenderedFrame>& frames,
-                const std::filesystem::path& last, const std::optional<Verification>& verified) {
-  const FrameReport& report = frames.back().report;
-  const VolumeLayout& layout = scene.volume.source->layout();
-  say("{} x {} x {} {}, {}: {} white, {} grey, {} black blocks{}\n", layout.dims.x, layout.dims.y,
-      layout.dims.z, name(layout.type), scene.transfer.name, report.white, report.grey,
-      report.black, scene.share ? " of rank 0" : "");
-  say("look: {}\n", scene.look.options);
-  say("{} frame{} of {:.3f} s on {} ({}), read {}, peak memory {} of its own, {} resident\n",
-      frames.size(), frames.size() == 1 ? "" : "s, the last", report.seconds,
-      scene.device->backend(), scene.device->renderer(),
-      formatBytes(scene.volume.source->storedBytesRead()), formatBytes(scene.peak_anonymous_bytes),
-      formatBytes(peakResidentBytes()));
-  if (series.culls()) {
-    const CullingCounts& counts = series.counts();
-    say("culling: {} of {} blocks visible, estimated in {:.2f} ms from {} of {} pixels\n",
-        counts.blocks_visible, counts.blocks_nonempty, 1e3 * counts.estimate_seconds,
-        counts.pixels_checked, counts.pixels);
-  }
-  if (scene.share) {
-    const CompositingReport& parts = scene.share->report();
-    say("{} ranks, of whose parts rank 0 sent {} and got {} of the last picture\n",
-        scene.share->team().ranks(), formatBytes(parts.sent_bytes),
-        formatBytes(parts.received_bytes));
-  }
-  if (report.missing_share > 0)
-    say("incomplete: {:.1f} % of what can be seen was not there within --time-limit\n",
-        100 * report.missing_share);
-  if (verified)
-    say("against the plain picture: largest difference {:.3f}/255, mean {:.5f}/255\n",
-        verified->max_difference, verified->mean_difference);
-  say("{}\n", last.string());
 }
 
 // Between slices, where the user does not say: it follows from the first view.
@@ -213,6 +145,55 @@ std::vector<int64_t> framesToDraw(const Arguments& arguments, Team* team) {
       .get<std::vector<int64_t>>();
 }
 
+// `first`: the camera of the first picture.
+FrameOptions frameOptions(const Arguments& arguments, const CLI::App& app, const Camera& first,
+                          const PictureOutput& output, Scene& scene) {
+  FrameOptions options = arguments.frame;
+  if (app.count("--step") == 0) options.step_vox = chosenStep(scene, first, options);
+  if (options.mode == Mode::kComposite)
+    scene.look.options += fmt::format(" --step {}", options.step_vox);
+  options.lighting.flat_share *= scene.look.flat_scale;
+  options.count_samples = wantsReport(arguments);
+  options.keep_phases = arguments.debug_view;
+  options.with_depth = output.aovs.depth;
+  return options;
+}
+
+// Draws the frames and writes their pictures, which the first rank does for all.
+Drawn drawAll(const Arguments& arguments, const std::vector<int64_t>& to_draw,
+              const std::vector<Camera>& cameras, const PictureOutput& output, FrameOptions options,
+              Scene& scene, Series& series, bool is_first) {
+  ProgressMeter progress = showsFrames(arguments)
+                               ? ProgressMeter(progressLine("frames", ProgressUnit::kPieces),
+                                               static_cast<uint64_t>(to_draw.size()))
+                               : ProgressMeter();
+  Drawn drawn;
+  for (size_t at = 0; at < to_draw.size(); ++at) {
+    const int64_t i = to_draw[at];
+    options.camera = cameras[static_cast<size_t>(arguments.times ? 0 : i)];
+    scene.session->setOptions(options);
+    if (isSeries(arguments))
+      series.show(timeOf(arguments, i), arguments.times && at + 1 < to_draw.size()
+                                            ? std::optional(timeOf(arguments, to_draw[at + 1]))
+                                            : std::nullopt);
+    scene.device->reuse(std::move(drawn.picture));
+    Frame frame = scene.frame();
+    if (series.culls()) drawn.culling.push_back(countsJson(series.counts()));
+    scene.noteMemory();
+    drawn.picture = std::move(frame.picture);
+    drawn.blocks = frame.blocks;
+    drawn.name = frameName(arguments, i);
+    const Stopwatch watch;
+    if (is_first) writePicture(drawn.name, drawn.picture, output, options, scene);
+    drawn.frames.push_back({frame.report, watch.seconds()});
+    progress.add(1);
+    if (arguments.debug_view)
+      drawn.views = writeDebugViews(drawn.name, frame, scene, arguments.volume, scene.volume.places,
+                                    options.partition);
+  }
+  return drawn;
+}
+
 int run(Arguments& arguments, CLI::App& app, Team* team) {
   if (!arguments.state_file.empty()) applyState(app, arguments.state_file);
   if (arguments.volume.inputs.empty()) throw CLI::RequiredError("volume");
@@ -225,18 +206,10 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
   const bool is_first = team == nullptr || team->isFirst();
   if (team != nullptr) shareMachine(*team, arguments.resources);
   if (to_draw.empty()) {
-    if (arguments.json)
-      say("{}\n", nlohmann::json{{"command", "render"},
-                                 {"options", optionsJson(app)},
-                                 {"output", arguments.output},
-                                 {"frames", nlohmann::json::array()}}
-                      .dump(2));
-    else if (!arguments.resources.quiet)
-      say("all {} pictures are there\n", frameCount(arguments));
+    sayAllAreThere(arguments, app);
     return 0;
   }
-  const bool is_series = arguments.times || arguments.culling.culling != Culling::kNone;
-  arguments.look.whole_series = is_series;
+  arguments.look.whole_series = isSeries(arguments);
   checkLastStep(arguments);
   const std::unique_ptr<Scene> opened = openScene(arguments, outputs, team);
   Scene& scene = *opened;
@@ -249,7 +222,7 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
              arguments.annotate ? annotationRoom(arguments.frame.size) : Room{},
              arguments.resources, scene.pool);
   const PictureOutput output = outputOf(arguments);
-  const bool wants_report = !arguments.report_file.empty() || arguments.json;
+  const FrameOptions options = frameOptions(arguments, app, cameras.front(), output, scene);
 
   std::unique_ptr<TraceWriter> trace;
   if (!arguments.trace_file.empty()) {
@@ -257,84 +230,31 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
                             static_cast<uint64_t>(scene.session->page().pageBytes()));
     scene.session->recordTo(trace.get());
   }
-  std::vector<RenderedFrame> frames;
-  std::filesystem::path name;
-  std::vector<std::filesystem::path> views;
-  Picture picture;
-  VisibleBlocksPtr blocks;
-  FrameOptions options = arguments.frame;
-  if (app.count("--step") == 0) options.step_vox = chosenStep(scene, cameras.front(), options);
-  if (options.mode == Mode::kComposite)
-    scene.look.options += fmt::format(" --step {}", options.step_vox);
-  options.lighting.flat_share *= scene.look.flat_scale;
-  options.count_samples = wants_report;
-  options.keep_phases = arguments.debug_view;
-  options.with_depth = output.aovs.depth;
-  ProgressMeter progress = showsFrames(arguments)
-                               ? ProgressMeter(progressLine("frames", ProgressUnit::kPieces),
-                                               static_cast<uint64_t>(to_draw.size()))
-                               : ProgressMeter();
-  std::vector<nlohmann::json> culling;
   Series series(scene, arguments.culling, arguments.resources, options);
-  for (size_t at = 0; at < to_draw.size(); ++at) {
-    const int64_t i = to_draw[at];
-    options.camera = cameras[static_cast<size_t>(arguments.times ? 0 : i)];
-    scene.session->setOptions(options);
-    if (is_series)
-      series.show(timeOf(arguments, i), arguments.times && at + 1 < to_draw.size()
-                                            ? std::optional(timeOf(arguments, to_draw[at + 1]))
-                                            : std::nullopt);
-    scene.device->reuse(std::move(picture));
-    Frame frame = scene.frame();
-    if (series.culls()) culling.push_back(countsJson(series.counts()));
-    scene.noteMemory();
-    picture = std::move(frame.picture);
-    blocks = frame.blocks;
-    name = frameName(arguments, i);
-    const Stopwatch watch;
-    if (is_first) writePicture(name, picture, output, options, scene);
-    frames.push_back({frame.report, watch.seconds()});
-    progress.add(1);
-    if (arguments.debug_view)
-      views = writeDebugViews(name, frame, scene, arguments.volume, scene.volume.places,
-                              options.partition);
-  }
+  const Drawn drawn =
+      drawAll(arguments, to_draw, cameras, output, options, scene, series, is_first);
   if (trace) {
     trace->finish();
     scene.session->recordTo(nullptr);
   }
   nlohmann::json report;
-  if (wants_report) {
-    report = sceneJson(scene, frames);
-    report["command"] = "render";
-    report["options"] = optionsJson(app);
-    report["output"] = name.string();
-    for (size_t i = 0; i < to_draw.size() && is_series; ++i)
-      report["frames"][i]["time"] = timeOf(arguments, to_draw[i]);
-    for (size_t i = 0; i < culling.size(); ++i) report["frames"][i]["culling"] = culling[i];
-  }
-  if (scene.share && wants_report) gatherReport(*team, *scene.share, report);
+  if (wantsReport(arguments)) report = reportOf(arguments, app, to_draw, drawn, scene);
+  if (scene.share && wantsReport(arguments)) gatherReport(*team, *scene.share, report);
   if (!is_first) return 0;
   std::optional<Verification> verified;
   if (arguments.verify) {
-    verified = verify(scene, options, picture);
+    FrameOptions last = options;
+    last.camera = cameras[static_cast<size_t>(arguments.times ? 0 : to_draw.back())];
+    verified = verify(scene, last, drawn.picture);
     report["verify"] = {{"max_difference", verified->max_difference},
                         {"mean_difference", verified->mean_difference}};
   }
-  if (!arguments.report_file.empty()) {
-    PagePictures pictures;
-    if (isPage(arguments.report_file)) {
-      addPicture(pictures, name, picture);
-      // Of several ranks each knows its own.
-      if (team == nullptr) addBlocks(pictures, scene.volume.step().ranges->layout.grid, *blocks);
-    }
-    writeReport(arguments.report_file, report, pictures);
-  }
+  if (!arguments.report_file.empty())
+    writeReportOf(arguments, report, drawn, scene, team == nullptr);
   if (arguments.json) {
     say("{}\n", report.dump(2));
   } else if (!arguments.resources.quiet) {
-    printHuman(scene, series, frames, name, verified);
-    for (const std::filesystem::path& view : views) say("{}\n", view.string());
+    printDrawn(scene, series, drawn, verified);
   }
   return 0;
 }

@@ -18,6 +18,13 @@ ProgressWatch preparingLine(const ResourceArguments& resources) {
 
 }  // namespace
 
+std::vector<std::string> basisFiles(const CullingArguments& culling) {
+  std::vector<std::string> names;
+  std::istringstream files(culling.basis);
+  for (std::string file; std::getline(files, file, ',');) names.push_back(file);
+  return names;
+}
+
 SeriesOptions seriesOptions(const CullingArguments& culling, const IndexedVolume& volume) {
   if (culling.part % kDetail != 0)
     fail("--part {}: a part has {} cubes a side; give a multiple of {}", culling.part, kDetail,
@@ -27,8 +34,7 @@ SeriesOptions seriesOptions(const CullingArguments& culling, const IndexedVolume
   options.part_cells = culling.part;
   options.detail_bits = culling.detail;
   options.direction_rows = culling.directions;
-  std::istringstream files(culling.basis);
-  for (std::string file; std::getline(files, file, ',');)
+  for (const std::string& file : basisFiles(culling))
     options.basis.push_back(readTransferFunction(file, volume.valueRange(), {}, interruption()));
   return options;
 }

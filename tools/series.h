@@ -6,6 +6,8 @@
 
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "src/library/series_functions.h"
 #include "src/render/culled_blocks.h"
@@ -13,6 +15,8 @@
 
 namespace sluice {
 
+// The names in `--basis`.
+std::vector<std::string> basisFiles(const CullingArguments& culling);
 // Throws Error, also from a basis' file.
 SeriesOptions seriesOptions(const CullingArguments& culling, const IndexedVolume& volume);
 

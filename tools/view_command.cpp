@@ -57,7 +57,7 @@ std::string settingsFile() {
 }
 
 int run(const Arguments& arguments, const CLI::App& app) {
-  Outputs outputs(false);
+  Outputs outputs;
   outputs.reads(arguments.volume.inputs);
   outputs.reads({arguments.look.transfer_file, arguments.state_file});
   outputs.writes("--trace", arguments.trace_file, FileKind::kTrace);

@@ -87,9 +87,25 @@ TEST_F(Outputs, areNeverWhatTheCommandReads) {
     refuses("simulate t.trace --csv t.trace" + force, "is the file t.trace");
     refuses("simulate t.trace --export t.trace" + force, "is the file t.trace");
     refuses("simulate w.nrrd --frames 2 --html w.nrrd" + force, "is the file w.nrrd");
+    refuses("plan w.nrrd --transfer t.json --report t.json" + force, "is the file t.json");
+    refuses("simulate t.trace --report t.trace" + force, "is the file t.trace");
+    refuses(render + " -o a.png --culling pof --basis t.json --report t.json",
+            "is the file t.json");
+    refuses("bench report r.json t.json -o t.json" + force, "is the file t.json");
     refuses("pack v.zarr -o v.zarr" + force, "is the file v.zarr");
     refuses("pack v.zarr -o v.zarr/b.zarr" + force, "lies in v.zarr");
   }
+}
+
+TEST_F(Outputs, ofBenchesAreNeitherWhatTheyReadNorWhatIsNoReport) {
+  const std::string bench = "bench render w.nrrd --frames 1 --size 16 --report ";
+  refuses(bench + "t.json --transfer t.json", "is the file t.json");
+  refuses(bench + "w.nrrd", "is the file w.nrrd");
+  refuses("bench render v.mhd --frames 1 --size 16 --report v.raw",
+          "v.raw: exists and is not JSON");
+  refuses("bench render v.zarr --frames 1 --size 16 --report v.zarr/.zattrs", "lies in v.zarr");
+  refuses("bench slicing --report notes.txt",
+          "notes.txt: exists and is not JSON; give another name");
 }
 
 TEST_F(Outputs, areNeverOneAnother) {

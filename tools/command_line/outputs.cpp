@@ -253,12 +253,12 @@ void Outputs::checkNames(const std::vector<std::string>& more_read) const {
 
 void Outputs::checkExisting(const Output& output) const {
   const auto status = statusOf(output.path);
-  if (!status || isDevice(status) || status->st_size == 0 || force_) return;
+  if (!status || isDevice(status) || status->st_size == 0 || force_ == true) return;
   if (S_ISDIR(status->st_mode))
     fail("{} {}: is a folder; give the name of a file", output.option, output.path.string());
   if (!isOfKind(startOf(output.path), output.kind))
-    fail("{} {}: exists and is not {}; --force replaces it", output.option, output.path.string(),
-         nameOf(output.kind));
+    fail("{} {}: exists and is not {}; {}", output.option, output.path.string(),
+         nameOf(output.kind), force_ ? "--force replaces it" : "give another name");
 }
 
 }  // namespace sluice

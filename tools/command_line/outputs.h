@@ -7,6 +7,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,8 +19,10 @@ enum class FileKind { kPng, kExr, kJson, kText, kHtml, kTrace, kNrrd, kMetaImage
 
 class Outputs {
  public:
+  // Of a command without --force.
+  Outputs() = default;
   // `force`: existing files may be replaced whatever they hold. What is read never is.
-  explicit Outputs(bool force = false) : force_(force) {}
+  explicit Outputs(bool force) : force_(force) {}
 
   // A file or folder that the command reads. Names that do not exist are no concern of this class.
   void reads(const std::filesystem::path& path);
@@ -46,7 +49,7 @@ class Outputs {
   void checkNames(const std::vector<std::string>& more_read) const;
   void checkExisting(const Output& output) const;
 
-  const bool force_;
+  const std::optional<bool> force_;  // unset: there is no --force
   std::vector<std::filesystem::path> inputs_;
   std::vector<Output> outputs_;
 };

@@ -1,0 +1,61 @@
+// What `render` was asked for. Plain data, and what follows from it alone.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "io/files/numbered_name.h"
+#include "src/library/view_fit.h"
+#include "tools/arguments.h"
+#include "tools/picture_output.h"
+
+namespace sluice {
+
+struct RenderArguments {
+  VolumeArguments volume;
+  LookArguments look;
+  FrameOptions frame;
+  ResourceArguments resources;
+  FitChoice fit;
+  std::optional<Aovs> aovs;
+  bool annotate = false;
+  std::string output;
+  std::string report_file;
+  std::string path_file;
+  std::string trace_file;
+  std::string state_file;
+  int64_t frames = 1;
+  std::optional<TimeRange> times;
+  CullingArguments culling;
+  bool resume = false;
+  bool force = false;
+  bool verify = false;
+  bool debug_view = false;
+  bool json = false;
+};
+
+inline int64_t frameCount(const RenderArguments& arguments) {
+  return arguments.times ? arguments.times->count() : arguments.frames;
+}
+
+inline int64_t timeOf(const RenderArguments& arguments, int64_t frame) {
+  return arguments.times ? arguments.times->at(frame) : arguments.volume.time;
+}
+
+inline bool isSeries(const RenderArguments& arguments) {
+  return arguments.times || arguments.culling.culling != Culling::kNone;
+}
+
+inline bool wantsReport(const RenderArguments& arguments) {
+  return !arguments.report_file.empty() || arguments.json;
+}
+
+// Frames of a turntable are numbered from 0, pictures of a series by their time steps.
+inline std::filesystem::path frameName(const RenderArguments& arguments, int64_t frame) {
+  const bool is_turn = arguments.frames > 1;
+  return numberedName(arguments.output, is_turn ? frame : timeOf(arguments, frame),
+                      frameCount(arguments) > 1);
+}
+
+}  // namespace sluice

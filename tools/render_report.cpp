@@ -1,0 +1,84 @@
+#include "tools/render_report.h"
+
+#include <CLI/CLI.hpp>
+
+#include "src/base/bytes.h"
+#include "src/base/clock.h"
+#include "tools/command_line/console.h"
+#include "tools/pages/report_file.h"
+#include "tools/ranks.h"
+
+namespace sluice {
+
+nlohmann::json reportOf(const RenderArguments& arguments, const CLI::App& app,
+                        const std::vector<int64_t>& to_draw, const Drawn& drawn,
+                        const Scene& scene) {
+  nlohmann::json report = sceneJson(scene, drawn.frames);
+  report["command"] = "render";
+  report["options"] = optionsJson(app);
+  report["output"] = drawn.name.string();
+  for (size_t i = 0; i < to_draw.size() && isSeries(arguments); ++i)
+    report["frames"][i]["time"] = timeOf(arguments, to_draw[i]);
+  for (size_t i = 0; i < drawn.culling.size(); ++i)
+    report["frames"][i]["culling"] = drawn.culling[i];
+  return report;
+}
+
+void writeReportOf(const RenderArguments& arguments, const nlohmann::json& report,
+                   const Drawn& drawn, const Scene& scene, bool maps) {
+  PagePictures pictures;
+  if (isPage(arguments.report_file)) {
+    addPicture(pictures, drawn.name, drawn.picture);
+    if (maps) addBlocks(pictures, scene.volume.step().ranges->layout.grid, *drawn.blocks);
+  }
+  writeReport(arguments.report_file, report, pictures);
+}
+
+void sayAllAreThere(const RenderArguments& arguments, const CLI::App& app) {
+  if (arguments.json)
+    say("{}\n", nlohmann::json{{"command", "render"},
+                               {"options", optionsJson(app)},
+                               {"output", arguments.output},
+                               {"frames", nlohmann::json::array()}}
+                    .dump(2));
+  else if (!arguments.resources.quiet)
+    say("all {} pictures are there\n", frameCount(arguments));
+}
+
+void printDrawn(const Scene& scene, const Series& series, const Drawn& drawn,
+                const std::optional<Verification>& verified) {
+  const std::vector<RenderedFrame>& frames = drawn.frames;
+  const FrameReport& report = frames.back().report;
+  const VolumeLayout& layout = scene.volume.source->layout();
+  say("{} x {} x {} {}, {}: {} white, {} grey, {} black blocks{}\n", layout.dims.x, layout.dims.y,
+      layout.dims.z, name(layout.type), scene.transfer.name, report.white, report.grey,
+      report.black, scene.share ? " of rank 0" : "");
+  say("look: {}\n", scene.look.options);
+  say("{} frame{} of {:.3f} s on {} ({}), read {}, peak memory {} of its own, {} resident\n",
+      frames.size(), frames.size() == 1 ? "" : "s, the last", report.seconds,
+      scene.device->backend(), scene.device->renderer(),
+      formatBytes(scene.volume.source->storedBytesRead()), formatBytes(scene.peak_anonymous_bytes),
+      formatBytes(peakResidentBytes()));
+  if (series.culls()) {
+    const CullingCounts& counts = series.counts();
+    say("culling: {} of {} blocks visible, estimated in {:.2f} ms from {} of {} pixels\n",
+        counts.blocks_visible, counts.blocks_nonempty, 1e3 * counts.estimate_seconds,
+        counts.pixels_checked, counts.pixels);
+  }
+  if (scene.share) {
+    const CompositingReport& parts = scene.share->report();
+    say("{} ranks, of whose parts rank 0 sent {} and got {} of the last picture\n",
+        scene.share->team().ranks(), formatBytes(parts.sent_bytes),
+        formatBytes(parts.received_bytes));
+  }
+  if (report.missing_share > 0)
+    say("incomplete: {:.1f} % of what can be seen was not there within --time-limit\n",
+        100 * report.missing_share);
+  if (verified)
+    say("against the plain picture: largest difference {:.3f}/255, mean {:.5f}/255\n",
+        verified->max_difference, verified->mean_difference);
+  say("{}\n", drawn.name.string());
+  for (const std::filesystem::path& view : drawn.views) say("{}\n", view.string());
+}
+
+}  // namespace sluice

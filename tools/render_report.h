@@ -1,0 +1,44 @@
+// What `render` says of its frames: JSON, a page, or lines for people.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "tools/render_arguments.h"
+#include "tools/report.h"
+#include "tools/scene.h"
+#include "tools/series.h"
+#include "tools/verification.h"
+
+namespace CLI {
+class App;
+}
+
+namespace sluice {
+
+// What was drawn; picture, blocks and names are the last frame's.
+struct Drawn {
+  std::vector<RenderedFrame> frames;
+  std::vector<nlohmann::json> culling;  // of each frame, where blocks are culled
+  std::filesystem::path name;
+  std::vector<std::filesystem::path> views;
+  Picture picture;
+  VisibleBlocksPtr blocks;
+};
+
+// `to_draw`: the numbers of its frames.
+nlohmann::json reportOf(const RenderArguments& arguments, const CLI::App& app,
+                        const std::vector<int64_t>& to_draw, const Drawn& drawn,
+                        const Scene& scene);
+// `maps`: blocks are known whole, as one process alone knows them. Throws Error.
+void writeReportOf(const RenderArguments& arguments, const nlohmann::json& report,
+                   const Drawn& drawn, const Scene& scene, bool maps);
+void printDrawn(const Scene& scene, const Series& series, const Drawn& drawn,
+                const std::optional<Verification>& verified);
+// In place of all that where --continue finds nothing to draw.
+void sayAllAreThere(const RenderArguments& arguments, const CLI::App& app);
+
+}  // namespace sluice
