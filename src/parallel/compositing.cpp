@@ -94,7 +94,7 @@ Message composed(const std::vector<Message>& from, size_t tiles, const FrameSetu
 // From the finished tiles of all ranks.
 Picture pictureOf(const std::vector<Message>& from, const PartialPicture& part,
                   const FrameSetup& setup) {
-  const auto [width, height] = setup.size;
+  const int width = setup.size.width, height = setup.size.height;
   const size_t pixels = static_cast<size_t>(width) * static_cast<size_t>(height);
   const int channels = partChannels(setup);
   Picture picture;
