@@ -26,7 +26,7 @@ side=300
 
 # A picture without its alpha, over white, `side` pixels high and wide.
 small() { # FROM TO SIDE
-  oiiotool "$1" --resize "$3x$3" --create "$3x$3" 4 --fill:color=1,1,1,1 "$3x$3" --over \
+  oiiotool --nosoftwareattrib "$1" --resize "$3x$3" --create "$3x$3" 4 --fill:color=1,1,1,1 "$3x$3" --over \
     --ch R,G,B -d uint8 --compression jpeg:90 -o "$2"
 }
 
@@ -107,6 +107,6 @@ done
 columns=5
 oiiotool --create "${tile}x$((tile + 18))" 3 --fill:color=1,1,1 "${tile}x$((tile + 18))" -d uint8 -o blank.png
 while ((${#sheet[@]} % columns != 0)); do sheet+=(blank.png); done
-oiiotool "${sheet[@]}" --mosaic:pad=2 "${columns}x$((${#sheet[@]} / columns))" -d uint8 \
+oiiotool --nosoftwareattrib "${sheet[@]}" --mosaic:pad=2 "${columns}x$((${#sheet[@]} / columns))" -d uint8 \
   -o "$docs/contact-sheet.png"
 echo "$page"
