@@ -43,18 +43,25 @@ void DrawingThread::open(const ViewedVolume& volume, const std::optional<ViewSta
   OpenRequest request;
   request.volume = volume;
   request.state = state;
+  ask(std::move(request));
+}
+
+void DrawingThread::loadState(const std::string& path) {
+  OpenRequest request;
+  request.state_file = path;
+  ask(std::move(request));
+}
+
+void DrawingThread::ask(OpenRequest request) {
   const MutexLock lock(mutex_);
   open_ = std::move(request);
   stopWork(true);
   changed_.notifyAll();
 }
 
-void DrawingThread::loadState(const std::string& path) {
-  OpenRequest request;
-  request.state_file = path;
+void DrawingThread::ask(SaveRequest request) {
   const MutexLock lock(mutex_);
-  open_ = std::move(request);
-  stopWork(true);
+  saves_.push_back(std::move(request));
   changed_.notifyAll();
 }
 
@@ -94,18 +101,14 @@ void DrawingThread::savePicture(const std::string& path, const Wish& wish) {
   SaveRequest request;
   request.path = path;
   request.wish = wish;
-  const MutexLock lock(mutex_);
-  saves_.push_back(std::move(request));
-  changed_.notifyAll();
+  ask(std::move(request));
 }
 
 void DrawingThread::saveText(const std::string& path, const std::string& text) {
   SaveRequest request;
   request.path = path;
   request.text = text;
-  const MutexLock lock(mutex_);
-  saves_.push_back(std::move(request));
-  changed_.notifyAll();
+  ask(std::move(request));
 }
 
 void DrawingThread::place(const ViewState& state, int width, int height) {

@@ -119,6 +119,8 @@ class DrawingThread : public Desk {
     std::array<Slice, 3> slices;
   };
 
+  void ask(OpenRequest request);
+  void ask(SaveRequest request);
   void run();
   // Waits for something to do; nullopt: the end.
   std::optional<Job> nextJob();

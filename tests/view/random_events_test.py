@@ -4,7 +4,6 @@ import ctypes
 import os
 import random
 import sys
-import tempfile
 import time
 
 import window_driver
@@ -108,9 +107,4 @@ def storm(folder):
 
 
 if __name__ == '__main__':
-    absent = window_driver.missing()
-    if absent:
-        print('missing: ' + ', '.join(absent))
-        sys.exit(77)
-    with tempfile.TemporaryDirectory() as scratch:
-        storm(scratch)
+    window_driver.run(storm)

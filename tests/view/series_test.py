@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
 """`sluice view` plays a series: every step is shown whole, the next ones are read ahead, and the panel's button stops it."""
 import sys
-import tempfile
 
 import window_driver
 from window_driver import Display, Window
@@ -32,9 +31,4 @@ def play(folder):
 
 
 if __name__ == '__main__':
-    absent = window_driver.missing()
-    if absent:
-        print('missing: ' + ', '.join(absent))
-        sys.exit(77)
-    with tempfile.TemporaryDirectory() as scratch:
-        play(scratch)
+    window_driver.run(play)

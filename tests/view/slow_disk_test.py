@@ -6,7 +6,6 @@ import os
 import pathlib
 import subprocess
 import sys
-import tempfile
 import time
 
 import window_driver
@@ -47,9 +46,4 @@ def sit(folder):
 
 
 if __name__ == '__main__':
-    absent = window_driver.missing()
-    if absent:
-        print('missing: ' + ', '.join(absent))
-        sys.exit(77)
-    with tempfile.TemporaryDirectory(dir='/var/tmp') as scratch:
-        sit(scratch)
+    window_driver.run(sit, scratch_in='/var/tmp')

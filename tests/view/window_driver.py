@@ -4,6 +4,8 @@ import os
 import pathlib
 import shutil
 import subprocess
+import sys
+import tempfile
 import time
 
 NEEDED = ('Xvfb', 'xdotool')
@@ -12,6 +14,17 @@ NEEDED = ('Xvfb', 'xdotool')
 def missing():
     """Programs that are not installed."""
     return [name for name in NEEDED if shutil.which(name) is None]
+
+
+def run(*tests, also_missing=(), scratch_in=None):
+    """Each test with a folder of its own; exit status 77, and what is missing by name, where they cannot run."""
+    absent = missing() + list(also_missing)
+    if absent:
+        print('missing: ' + ', '.join(absent))
+        sys.exit(77)
+    for test in tests:
+        with tempfile.TemporaryDirectory(dir=scratch_in) as scratch:
+            test(scratch)
 
 
 class Display:

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
 """A sitting with `sluice view` by real mouse and key events: open, turn, drag the threshold, edit a point, undo, slices, save;
 what is saved is what `sluice render` draws with the command line that is printed."""
+import importlib.util
 import json
 import os
 import pathlib
 import shlex
 import subprocess
 import sys
-import tempfile
 
 import window_driver
 from window_driver import Display, Window
@@ -32,7 +32,8 @@ def difference(a, b):
     return abs(a - b).max()
 
 
-def sitting(folder, volume):
+def sitting(folder):
+    volume = os.environ.get('SLUICE_VIEW_VOLUME', 'synth:shells,dims=64x56x48')
     with Display() as display, Window(display, PROGRAM, [volume, '--size', '480x760', '--device', 'cpu'], folder) as window:
         def shot(name):
             if SHOTS:
@@ -156,15 +157,5 @@ def faults(folder):
 
 
 if __name__ == '__main__':
-    absent = window_driver.missing()
-    try:
-        import OpenImageIO  # noqa: F401
-    except ImportError:
-        absent.append('python3-openimageio')
-    if absent:
-        print('missing: ' + ', '.join(absent))
-        sys.exit(77)
-    with tempfile.TemporaryDirectory() as scratch:
-        sitting(scratch, os.environ.get('SLUICE_VIEW_VOLUME', 'synth:shells,dims=64x56x48'))
-    with tempfile.TemporaryDirectory() as scratch:
-        faults(scratch)
+    also_missing = [] if importlib.util.find_spec('OpenImageIO') else ['python3-openimageio']
+    window_driver.run(sitting, faults, also_missing=also_missing)
