@@ -9,8 +9,9 @@
 
 namespace sluice {
 
-// How values look. The first of these that is said makes the opacities: transfer_file, opacities,
-// labels, threshold. Otherwise they are chosen from the values.
+// How values look. The first of these that is said makes the opacities: opacities, transfer_file,
+// labels, threshold. Otherwise they are chosen from the values. Opacities beside a transfer_file
+// have the colours of that file.
 struct LookOptions {
   enum class Mode { kComposite, kMaximum, kMinimum, kAverage };
   enum class Light { kChosen, kOn, kOff };

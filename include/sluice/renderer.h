@@ -15,6 +15,7 @@
 #include <sluice/report.h>
 #include <sluice/volume.h>
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <span>
@@ -66,6 +67,14 @@ class Renderer {
   // target is what the view turns about. Throws as draw() does.
   ViewOptions placed(const PictureOptions& picture, const ProgressFunction& progress = {},
                      const std::stop_token& stop = {});
+
+  // A picture that draw() gave for these options, with the look as it still is, as an OpenEXR file:
+  // linear light, premultiplied, 32 bits a channel, with its depth if it has one, and in the header
+  // the options of `sluice render` that make it again. The file appears whole or not at all, and
+  // replaces one that is there. Throws as draw() does, and Error where the image is of another
+  // size.
+  void writeExr(const std::string& path, const Image& image, const PictureOptions& picture,
+                const std::optional<std::array<float, 3>>& background = {});
 
   ShownLook shownLook() const;
   // Of the last picture and of the levels as they are now; `maps` costs a copy of theirs.

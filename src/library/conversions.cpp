@@ -262,7 +262,8 @@ VolumeInfo volumeInfo(const VolumeLayout& layout, ValueRange values,
           .frame = frameName(layout.frame),
           .time_steps = layout.time_steps,
           .value_range = {values.lo, values.hi},
-          .warnings = notes};
+          .warnings = notes,
+          .files = {}};
 }
 
 }  // namespace sluice

@@ -40,6 +40,8 @@ class Drawing {
   Image draw(const PictureOptions& picture, ProgressTeller& teller);
   void fit(std::span<PictureOptions> pictures, ProgressTeller& teller);
   ViewOptions placed(const PictureOptions& picture, ProgressTeller& teller);
+  void writeExr(const std::string& path, const Image& image, const PictureOptions& picture,
+                const std::optional<std::array<float, 3>>& background);
   ShownLook shownLook() const;
   RenderReport report(bool maps) const;
   std::optional<VoxelProbe> probe(const PictureOptions& picture, double right, double down,
@@ -58,6 +60,8 @@ class Drawing {
 
   // All but what the look and the machine say, its camera framed.
   FrameOptions framed(const PictureOptions& picture, const TimeStep& step, const IndexPass& pass);
+  // The same with what follows from the look.
+  FrameOptions looked(const PictureOptions& picture, const TimeStep& step, const IndexPass& pass);
   std::vector<uint8_t> blockClasses() const;
   // In the series' range of values.
   TimeStep stepAt(int64_t time, const IndexPass& pass);

@@ -94,6 +94,14 @@ ViewOptions Renderer::placed(const PictureOptions& picture, const ProgressFuncti
   });
 }
 
+void Renderer::writeExr(const std::string& path, const Image& image, const PictureOptions& picture,
+                        const std::optional<std::array<float, 3>>& background) {
+  impl().on([&](Drawing& drawing) {
+    drawing.writeExr(path, image, picture, background);
+    return true;
+  });
+}
+
 ShownLook Renderer::shownLook() const {
   return impl().on([](Drawing& drawing) { return drawing.shownLook(); });
 }

@@ -2,13 +2,13 @@
 // something is read or drawn.
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
-#include "src/base/atomic_file.h"
 #include "src/base/clock.h"
 #include "src/base/error.h"
 #include "src/view/drawing_thread.h"
-#include "src/view/render_command.h"
 #include "src/view/state_file.h"
 #include "src/view/transfer_edit.h"
 
@@ -55,6 +55,8 @@ void DrawingThread::doJob(const Job& job) {
       return answerProbe(job);
     case Doing::kSaving:
       return save(job);
+    case Doing::kFrame:
+      return writeFrame(job);
     case Doing::kNothing:
       return deliverReport();
   }
@@ -81,12 +83,28 @@ void DrawingThread::openAny(const Job& job) {
         file.state.view = opened_.renderer->placed(pictureOf(file.state, 800, 600));
       const MutexLock lock(mutex_);
       news_.state = std::make_unique<ViewState>(std::move(file.state));
+      news_.path = std::move(file.path);
     } else {
       request.state = std::move(file.state);
+      request.path = std::move(file.path);
     }
   }
   if (request.volume.paths.empty()) return tell();
-  openVolume(request, job);
+  try {
+    openVolume(request, job);
+  } catch (const Cancelled&) {
+    throw;
+  } catch (const std::exception&) {
+    noteVanished(request.volume.paths);
+    throw;
+  }
+}
+
+void DrawingThread::noteVanished(const std::vector<std::string>& paths) {
+  std::error_code unknown;
+  if (paths.size() != 1 || std::filesystem::exists(paths.front(), unknown) || unknown) return;
+  const MutexLock lock(mutex_);
+  news_.vanished.push_back(paths.front());
 }
 
 void DrawingThread::openVolume(const OpenRequest& request, const Job& job) {
@@ -98,7 +116,7 @@ void DrawingThread::openVolume(const OpenRequest& request, const Job& job) {
     next.viewed.options.index_folder = options_.index_folder;
   next.volume.emplace(next.viewed.paths, next.viewed.options, progressOf(job), job.stop);
   std::optional<ViewState> given = request.state;
-  if (!given && is_first) given = options_.state;
+  if (!given && is_first && options_.is_saved_state) given = options_.state;
   auto news = std::make_unique<OpenedVolumeNews>();
   news->volume = next.viewed;
   news->info = next.volume->info();
@@ -108,18 +126,11 @@ void DrawingThread::openVolume(const OpenRequest& request, const Job& job) {
   if (given) {
     state = *given;
   } else {
-    if (is_first) {
-      state.look = options_.look;
-      state.view = options_.view;
-      state.step_vox = options_.step_vox;
-      state.crop = options_.crop;
-      state.clip_planes = options_.clip_planes;
-      state.background = options_.background;
-    }
+    if (is_first) state = options_.state;
     state.time = std::clamp<int64_t>(next.viewed.options.time, 0, news->info.time_steps - 1);
     for (size_t a = 0; a < 3; ++a) state.cross[a] = news->info.dims[a] / 2;
   }
-  next.look = state.look;
+  next.look = next.shown_look = state.look;
   // The levels of the volume before go first: both together may be more than the memory allows. Its
   // handle stays, for the case that the new one cannot be drawn.
   const std::optional<Volume> last = opened_.volume;
@@ -143,6 +154,9 @@ void DrawingThread::openVolume(const OpenRequest& request, const Job& job) {
     wish_.reset();
     unanswered_.clear();
     probe_.reset();
+    endFilm();
+    news_.path = request.path;
+    if (is_first && !request.path) news_.path = options_.path;
     news_.opened = std::move(news);
     news_.look = std::move(look);
     news_.picture.reset();
@@ -152,10 +166,15 @@ void DrawingThread::openVolume(const OpenRequest& request, const Job& job) {
   tell();
 }
 
-void DrawingThread::useLook(const LookOptions& look) {
-  if (look == opened_.look) return;
-  opened_.renderer->setLook(look);
-  opened_.look = look;
+void DrawingThread::useLook(const LookOptions& look, bool is_shown) {
+  if (look != opened_.look) {
+    opened_.renderer->setLook(look);
+    opened_.look = look;
+  } else if (look == opened_.shown_look) {
+    return;
+  }
+  if (!is_shown) return;
+  opened_.shown_look = look;
   auto shown = std::make_unique<ShownLook>(opened_.renderer->shownLook());
   const MutexLock lock(mutex_);
   news_.look = std::move(shown);
@@ -300,31 +319,6 @@ void DrawingThread::answerProbe(const Job& job) {
   {
     const MutexLock lock(mutex_);
     news_.probe = news;
-  }
-  tell();
-}
-
-void DrawingThread::save(const Job& job) {
-  if (job.save.text) {
-    AtomicFile file(job.save.path);
-    file.write(*job.save.text);
-    file.commit();
-    {
-      const MutexLock lock(mutex_);
-      news_.saved.push_back({job.save.path, {}});
-    }
-    return tell();
-  }
-  const Wish& wish = job.save.wish;
-  useLook(wish.state.look);
-  PictureOptions picture = pictureOf(wish.state, wish.width, wish.height);
-  const Image image = draw(job, picture, wholeStep(wish));
-  image.writePng(job.save.path, wish.state.background);
-  const std::string look = opened_.renderer->lookText();
-  {
-    const MutexLock lock(mutex_);
-    news_.saved.push_back({job.save.path, renderCommand(opened_.viewed, wish.state, look,
-                                                        wish.width, wish.height, job.save.path)});
   }
   tell();
 }

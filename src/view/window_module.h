@@ -19,7 +19,8 @@ struct WindowRequest {
   Desk* desk = nullptr;
   ViewedVolume volume;  // no paths: the window asks for one
   std::vector<std::string> color_maps;
-  int pane_width = 0, pane_height = 0;  // pixels of the picture; 0: as the settings have it
+  std::vector<std::string> volume_endings;  // of names, see FolderQuestion
+  int pane_width = 0, pane_height = 0;      // pixels of the picture; 0: as the settings have it
   Settings settings;
   std::string settings_file;  // empty: they are not kept
   std::string log_file;       // what happens, a JSON object a line; empty: none
@@ -39,7 +40,7 @@ inline constexpr const char* kRunWindow = "sluiceRunWindow";
 // As those of io/vdb/vdb_module.h: the number counts up with each change of what lies between.
 using WindowVersion = const char*();
 inline constexpr const char* kWindowVersion = "sluiceWindowVersion";
-inline constexpr const char* kWindowModuleVersion = SLUICE_VERSION " window 1";
+inline constexpr const char* kWindowModuleVersion = SLUICE_VERSION " window 2";
 
 // Opens the module from where the program was built or installed, and nowhere else. Throws Error
 // where it is not there, or of another version.

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "src/base/shell_word.h"
+
 namespace sluice {
 namespace {
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include "src/view/state_file.h"
@@ -25,11 +26,20 @@ double secondsSince(WindowClock::time_point then) {
 
 }  // namespace
 
-Sitting::Sitting(const WindowRequest& given)
-    : request(given), desk(*given.desk), log(given.log_file), settings(given.settings) {}
+Sitting::Sitting(const WindowRequest& given, const std::function<void()>& wake)
+    : request(given),
+      desk(*given.desk),
+      log(given.log_file),
+      settings(given.settings),
+      dialog(wake) {}
 
 void Sitting::change(const ViewState& next) {
   if (next == state()) return;
+  if (film_from) {
+    // The way back leads to the view, not to a frame.
+    history.replace(*std::exchange(film_from, std::nullopt));
+    is_film_playing = false;
+  }
   const auto now = WindowClock::now();
   if (!hand_is_on && now - moved_at > kTogether) ++gesture_;
   moved_at = now;
@@ -47,7 +57,6 @@ void Sitting::open(const std::string& path) {
   ViewedVolume volume;
   volume.paths = {path};
   desk.open(volume, std::nullopt);
-  path_text = path;
   shows_open = false;
 }
 
@@ -74,8 +83,11 @@ void Sitting::savePicture(const std::string& path) {
   desk.savePicture(path, wish);
 }
 
-void Sitting::saveState(const std::string& path) {
-  if (isOpen()) desk.saveText(path, stateText(opened->volume, state()));
+void Sitting::saveState(const std::string& name) {
+  if (!isOpen()) return;
+  const bool has_film = film != ViewPath{} && hasFilm();
+  desk.saveText(name, stateText(opened->volume, film_from.value_or(state()),
+                                has_film ? std::optional(film) : std::nullopt));
 }
 
 void Sitting::showFrom(ViewOptions::From from) {
@@ -110,13 +122,35 @@ void Sitting::takeOpened(std::unique_ptr<OpenedVolumeNews> news) {
   picture = {};
   slice_at = {-1, -1, -1};
   is_playing = false;
+  film = {};
+  film_from.reset();
+  is_film_playing = false;
   for (const std::string& warning : opened->info.warnings) messages.push_front(warning);
   while (messages.size() > kMostMessages) messages.pop_back();
-  noteRecent(settings, opened->volume.paths.front());
+  keepRecent();
   if (!request.settings_file.empty()) desk.saveText(request.settings_file, settingsText(settings));
   log.write({{"opened", opened->volume.paths.front()},
              {"dims", opened->info.dims},
              {"time_steps", opened->info.time_steps}});
+}
+
+// Several files, and those of which a name says not all, cannot be named by one path.
+void Sitting::keepRecent() {
+  const ViewedVolume& volume = opened->volume;
+  if (volume.paths.size() != 1) return;
+  std::string recent = volume.paths.front();
+  std::error_code unknown;
+  if (!recent.starts_with("synth:")) {
+    const auto absolute = std::filesystem::absolute(recent, unknown);
+    if (!unknown) recent = absolute.string();
+  }
+  noteRecent(settings, recent);
+}
+
+void Sitting::takeVanished(const std::string& gone) {
+  if (std::erase(settings.recent, gone) == 0) return;
+  log.write({{"vanished", gone}});
+  if (!request.settings_file.empty()) desk.saveText(request.settings_file, settingsText(settings));
 }
 
 void Sitting::takePicture(const ShownPicture& shown) {
@@ -141,6 +175,12 @@ void Sitting::takeNews() {
   status = desk.status();
   if (news.opened) takeOpened(std::move(news.opened));
   if (news.state) change(*news.state);
+  if (news.path) film = *news.path;
+  for (const std::string& gone : news.vanished) takeVanished(gone);
+  if (status.frames_written != seen_frames_) {
+    seen_frames_ = status.frames_written;
+    log.write({{"written", status.frames_written}, {"of", status.frames}});
+  }
   if (news.picture) takePicture(*news.picture);
   for (const ShownSlice& slice : news.slices) {
     const auto axis = static_cast<size_t>(slice.axis);
@@ -183,7 +223,7 @@ void Sitting::sendWish() {
   wish.state = state();
   wish.width = pane.width;
   wish.height = pane.height;
-  const bool moves = hand_is_on || WindowClock::now() - moved_at < kHandRests;
+  const bool moves = hand_is_on || is_film_playing || WindowClock::now() - moved_at < kHandRests;
   if (is_playing) wish.next_time = (state().time + 1) % info().time_steps;
   const bool is_same = sent_ && sent_->state == wish.state && sent_->width == wish.width &&
                        sent_->height == wish.height;

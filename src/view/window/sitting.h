@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -14,6 +15,7 @@
 
 #include "src/view/camera_gestures.h"
 #include "src/view/desk.h"
+#include "src/view/folder_list.h"
 #include "src/view/history.h"
 #include "src/view/settings.h"
 #include "src/view/window/event_log.h"
@@ -44,9 +46,22 @@ struct Hand {
   WindowClock::time_point still_since{};  // or nothing: it was asked what is there
 };
 
+// The window that opens files: a folder at a time, read on a thread of its own.
+struct FolderDialog {
+  explicit FolderDialog(std::function<void()> on_list) : reader(std::move(on_list)) {}
+  FolderReader reader;
+  FolderList list;  // that is shown
+  std::optional<FolderQuestion> asked;
+  std::string typed;  // a name, or part of one
+  int selected = -1;  // of the entries that are shown
+  bool joins_series = true;
+  bool was_shown = false;
+};
+
 class Sitting {
  public:
-  explicit Sitting(const WindowRequest& request);
+  // `wake`: makes the window look again, from any thread.
+  Sitting(const WindowRequest& request, const std::function<void()>& wake);
 
   // What is shown from now on. Changes while one button is held, or within a moment of wheel and
   // keys, are one step of the history.
@@ -62,7 +77,7 @@ class Sitting {
   // A state's file or a volume, as its name says.
   void openAny(const std::vector<std::string>& paths);
   void savePicture(const std::string& path);
-  void saveState(const std::string& path);
+  void saveState(const std::string& name);
   // Fitted, from where its name says; the desk places it.
   void showFrom(ViewOptions::From from);
   void toggleProjection();
@@ -74,6 +89,16 @@ class Sitting {
   std::string incompleteText() const;
   // The next step of a series that plays, when the last one was seen.
   void play();
+
+  // The film: what is shown of it takes the place of the view, which comes back when it ends. Any
+  // change of the view ends it.
+  void addKey();
+  void playFilm();  // or ends it
+  void showFrame(int64_t frame);
+  void endFilm();
+  void showPlayedFrame();  // that is due
+  void writeFilm();        // or cancels
+  bool hasFilm() const { return frameCount(film) > 0; }
 
   const WindowRequest& request;
   Desk& desk;
@@ -104,6 +129,12 @@ class Sitting {
   }
   WindowClock::time_point event_at{};  // of the newest event
   WindowClock::time_point moved_at{};  // when the wheel or a key last changed something
+  ViewPath film;
+  std::string film_text = "frame_%04d.png";
+  std::optional<ViewState> film_from;  // the view while a frame is shown in its place
+  int64_t film_frame = 0;
+  bool is_film_playing = false;
+  WindowClock::time_point film_began{};
   bool is_playing = false;
   double steps_per_second = 8;
   double achieved_steps = 0;  // a second, while it plays
@@ -113,17 +144,21 @@ class Sitting {
   uint64_t probe_number = 0;  // of the question that was asked last
   std::optional<size_t> held_point;
   double handle_rest = 0;  // parts of a voxel that a handle was dragged
-  std::string path_text, transfer_text, picture_text = "picture.png", state_text = "view.json";
+  FolderDialog dialog;
+  std::string transfer_text, picture_text = "picture.png", state_text = "view.json";
   LoopTimes times;
   bool wants_to_end = false;
 
  private:
   void takeOpened(std::unique_ptr<OpenedVolumeNews> news);
   void takePicture(const ShownPicture& shown);
+  void keepRecent();
+  void takeVanished(const std::string& gone);
 
   int gesture_ = 1;
   std::optional<Wish> sent_;
   uint64_t sent_number_ = 0;
+  int64_t seen_frames_ = 0;
   std::deque<std::pair<uint64_t, WindowClock::time_point>> unanswered_;
   WindowClock::time_point step_at_{};
 };

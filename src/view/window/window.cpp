@@ -126,6 +126,7 @@ void sidePanel(Sitting& sitting, const Area& area) {
     if (info.time_steps > 1) section(sitting, "time", true, timePanel);
     section(sitting, "view", true, viewPanel);
     section(sitting, "cut", false, cutPanel);
+    section(sitting, "film", false, filmPanel);
     section(sitting, "levels of memory", false, levelsPanel);
   }
   section(sitting, "files", true, filePanel);
@@ -135,7 +136,8 @@ void sidePanel(Sitting& sitting, const Area& area) {
 class Window {
  public:
   explicit Window(const WindowRequest& request)
-      : request_(request), sitting_(std::make_unique<Sitting>(request)) {
+      : request_(request),
+        sitting_(std::make_unique<Sitting>(request, [] { glfwPostEmptyEvent(); })) {
     const auto scale = static_cast<float>(request.settings.font_scale);
     window_ = makeWindow(request, scale);
     glfwMakeContextCurrent(window_);
@@ -197,6 +199,7 @@ class Window {
     sitting.takeNews();
     if (!events_.dropped.empty()) sitting.openAny(std::exchange(events_.dropped, {}));
     sitting.play();
+    sitting.showPlayedFrame();
     draw();
     sitting.sendWish();
     askForReport(began);
