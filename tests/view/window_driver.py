@@ -151,6 +151,23 @@ class Window:
             if len(parts) > 1:
                 self.do('keyup', *parts[:-1])
 
+    def press(self, *keys):
+        """Keys where the pointer and the focus are, each held for more than a frame."""
+        for key in keys:
+            parts = key.split('+')
+            for part in parts:
+                self.do('keydown', part, 'sleep', 0.06)
+            for part in reversed(parts):
+                self.do('keyup', part, 'sleep', 0.06)
+
+    def fill(self, field, text):
+        """Types into a field of text, in place of what is in it."""
+        self.click(field, x=0.2)
+        self.press('ctrl+a')
+        self.do('type', '--delay', 12, text)
+        self.do('sleep', 0.1)
+        self.press('Return')
+
     def end(self):
         """Closes it by its key; the measured times."""
         self.key('ctrl+q')

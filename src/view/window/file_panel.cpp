@@ -12,6 +12,7 @@ bool named(Sitting& sitting, const char* id, const char* action, std::string& te
   ImGui::PushID(id);
   ImGui::SetNextItemWidth(-ImGui::CalcTextSize(action).x - 30);
   ImGui::InputText("##name", &text);
+  sitting.log.control(std::string(id) + " name");
   ImGui::SameLine();
   const bool is_done = ImGui::Button(action) && !text.empty();
   sitting.log.control(action);
