@@ -50,6 +50,18 @@ void take(Sitting& sitting) {
                      {"failure", dialog.list.failure}});
 }
 
+// The folder that is shown, or read to be.
+std::string folderOf(const FolderDialog& dialog) {
+  if (dialog.asked && !dialog.asked->folder.empty()) return dialog.asked->folder;
+  return dialog.list.folder;
+}
+
+// Empty: it has none.
+std::string parentOf(const FolderDialog& dialog) {
+  const std::filesystem::path folder = folderOf(dialog);
+  return folder.has_relative_path() ? folder.parent_path().string() : "";
+}
+
 // What was typed, or the entry, as a volume or a view.
 void openIt(Sitting& sitting, const std::string& path) {
   sitting.dialog.typed.clear();
@@ -86,8 +98,8 @@ void keys(Sitting& sitting, const std::vector<const FolderEntry*>& shown) {
     dialog.selected = std::max(dialog.selected - 1, std::min(0, last));
   const bool is_empty = dialog.typed.empty();
   if (is_empty && ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Backspace)) &&
-      !dialog.list.parent.empty())
-    goTo(sitting, dialog.list.parent);
+      !parentOf(dialog).empty())
+    goTo(sitting, parentOf(dialog));
   if (ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape))) sitting.shows_open = false;
 }
 
@@ -173,21 +185,17 @@ void openWindow(Sitting& sitting) {
   if (ImGui::Begin("open a volume or a view", &sitting.shows_open, ImGuiWindowFlags_NoCollapse)) {
     const std::vector<const FolderEntry*> shown = shownEntries(dialog);
     keys(sitting, shown);
-    ImGui::BeginDisabled(dialog.list.parent.empty());
-    if (ImGui::Button("up")) goTo(sitting, dialog.list.parent);
+    ImGui::BeginDisabled(parentOf(dialog).empty());
+    if (ImGui::Button("up")) goTo(sitting, parentOf(dialog));
     ImGui::EndDisabled();
     sitting.log.control("up");
     ImGui::SameLine();
-    if (ImGui::Button("all slices of this folder")) openIt(sitting, dialog.list.folder);
+    if (ImGui::Button("all slices of this folder")) openIt(sitting, folderOf(dialog));
     sitting.log.control("open folder");
     ImGui::SameLine();
-    if (ImGui::Checkbox("series as one", &dialog.joins_series)) goTo(sitting, dialog.list.folder);
+    if (ImGui::Checkbox("series as one", &dialog.joins_series)) goTo(sitting, folderOf(dialog));
     sitting.log.control("series as one");
-    ImGui::TextWrapped(
-        "%s",
-        dialog.asked
-            ? (dialog.asked->folder.empty() ? dialog.list.folder : dialog.asked->folder).c_str()
-            : "");
+    ImGui::TextWrapped("%s", folderOf(dialog).c_str());
     nameLine(sitting, shownEntries(dialog));
     entries(sitting, shownEntries(dialog));
     recentOnes(sitting);
