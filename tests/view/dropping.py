@@ -80,7 +80,7 @@ def drop(display_name, window, paths, seconds=10):
                     return False
                 send('XdndDrop', 0, 0, 0, 0)
             elif event.type == CLIENT_MESSAGE and event.client.message_type == atom('XdndFinished'):
-                return bool(event.client.data[1] & 1)
+                return event.client.data[1] != 0  # GLFW puts the bytes that it took there
         return False
     finally:
         x11.XCloseDisplay(display)
