@@ -193,6 +193,58 @@ def turntable(folder):
         assert volume.read_bytes() == before
 
 
+def same_looks(folder):
+    """Points over a file's colours keep them, and a step of a lit series that spans less than the others: the command gives the same."""
+    import numpy
+    grid = numpy.mgrid[:36, :40, :44].astype(float)
+    away = numpy.sqrt(sum(((axis - (size - 1) / 2) / size) ** 2 for axis, size in zip(grid, grid.shape[1:])))
+    for step, top in enumerate((250, 60)):
+        voxels = (top * numpy.clip(1.1 - 2 * away, 0, 1)).astype(numpy.uint8)
+        header = 'NRRD0004\ntype: uint8\ndimension: 3\nsizes: 44 40 36\nencoding: raw\n\n'
+        pathlib.Path(folder, f'ball {step}.nrrd').write_bytes(header.encode() + voxels.tobytes())
+    colours = {'sluice_transfer_function': 1, 'colors': [[0, '#00ff00'], [255, '#00ff40']], 'opacities': [[0, 0], [30, 0], [60, 0.1]]}
+    pathlib.Path(folder, "it's green.json").write_text(json.dumps(colours))
+    arguments = ['ball %d.nrrd', '--threshold', '20', '--size', '400x760', '--device', 'cpu', '--time', '1']
+    with Display() as display, Window(display, PROGRAM, arguments, folder) as window:
+        window.wait('opened')
+        window.whole(0)
+        commands = []
+
+        def save(name):
+            mark = window.mark()
+            window.fill('picture name', name)
+            window.click('save picture')
+            commands.append((name, saved(window, mark, name)))
+
+        for section in ('time', 'view'):  # room for the files
+            window.click(f'section {section}')
+        # A range for the colours and the ramp, as the slider gives it.
+        mark = window.mark()
+        window.drag(window.place('threshold', 0.08), window.place('threshold', 0.1))
+        window.whole(mark)
+        save('lit.png')
+        mark = window.mark()
+        window.fill('transfer name', "it's green.json")
+        window.click('load transfer')
+        window.whole(mark)
+        mark = window.mark()
+        window.click('transfer', x=0.15, y=0.2)
+        window.whole(mark)
+        shot(window, 'points over a file')
+        save('green.png')
+        window.end()
+    for name, command in commands:
+        render(command, folder, 'again.png')
+        found = 255 * difference(f'{folder}/{name}', f'{folder}/again.png')
+        assert found <= 1, f'{command} differs by {found}/255'
+        print(f'{name}: {found:.2f}/255')
+    assert '--transfer ' in commands[1][1] and '--opacities ' in commands[1][1], commands[1]
+    green = values(f'{folder}/green.png')
+    assert green[..., 1].max() > 0.2 and green[..., 0].max() < 0.05, 'the colours of the file are gone'
+
+
 if __name__ == '__main__':
     also_missing = [] if importlib.util.find_spec('OpenImageIO') else ['python3-openimageio']
-    window_driver.run(key_frames, turntable, also_missing=also_missing)
+    # One of them alone: film_test.py PROGRAM LIBRARY NAME.
+    tests = [globals()[name] for name in sys.argv[3:]] or [key_frames, turntable, same_looks]
+    window_driver.run(*tests, also_missing=also_missing)

@@ -29,10 +29,13 @@ bool isPath(const std::string& typed) {
   return typed.find('/') != std::string::npos || typed.find(':') != std::string::npos;
 }
 
-void goTo(Sitting& sitting, const std::string& folder) {
+void goTo(Sitting& sitting, std::string folder) {
   FolderDialog& dialog = sitting.dialog;
-  FolderQuestion question{folder, sitting.request.volume_endings, dialog.joins_series};
+  FolderQuestion question{std::move(folder), sitting.request.volume_endings, dialog.joins_series};
   question.ends.emplace_back(".json");  // saved views
+  // What another folder holds is not shown under this one's name.
+  if (question.folder != dialog.list.folder) dialog.list.entries.clear();
+  dialog.list.failure.clear();
   dialog.asked = question;
   dialog.typed.clear();
   dialog.selected = -1;
