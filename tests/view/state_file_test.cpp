@@ -69,8 +69,7 @@ TEST(StateFile, keepsThePathOfAFilm) {
 
 TEST(StateFile, saysWhatIsWrongWithAPath) {
   const auto said = [](const std::string& text) {
-    return errorOf(
-        [&] { parseState(R"({"sluice": "view", "path": )" + text + "}", "a.json"); });
+    return errorOf([&] { parseState(R"({"sluice": "view", "path": )" + text + "}", "a.json"); });
   };
   EXPECT_THAT(said("[]"), HasSubstr("a.json"));
   EXPECT_THAT(said(R"({"kind": "spin"})"), HasSubstr("one of turn, keys"));
