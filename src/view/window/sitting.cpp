@@ -134,10 +134,13 @@ void Sitting::takeOpened(std::unique_ptr<OpenedVolumeNews> news) {
              {"time_steps", opened->info.time_steps}});
 }
 
-// Several files, and those of which a name says not all, cannot be named by one path.
+// Several files, and those of which their name says not all, are not opened again by one path.
 void Sitting::keepRecent() {
   const ViewedVolume& volume = opened->volume;
-  if (volume.paths.size() != 1) return;
+  const VolumeOptions& said = volume.options;
+  if (volume.paths.size() != 1 || said.dims || !said.type.empty() || !said.grid.empty() ||
+      said.channel)
+    return;
   std::string recent = volume.paths.front();
   std::error_code unknown;
   if (!recent.starts_with("synth:")) {
