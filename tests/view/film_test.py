@@ -18,10 +18,13 @@ VOLUME = 'synth:shells,dims=48x40x36'
 
 
 def values(path):
+    """As they are in the file now: OpenImageIO's buffers keep what they once read under a name."""
     import OpenImageIO
-    image = OpenImageIO.ImageBuf(str(path))
-    assert not image.has_error, f'{path}: {image.geterror()}'
-    return image.get_pixels(OpenImageIO.FLOAT)
+    image = OpenImageIO.ImageInput.open(str(path))
+    assert image, f'{path}: {OpenImageIO.geterror()}; {os.stat(path)}'
+    pixels = image.read_image(OpenImageIO.FLOAT)
+    image.close()
+    return pixels
 
 
 def seen(path):
@@ -242,7 +245,6 @@ def same_looks(folder):
         save('green.png')
         window.end()
     for name, command in commands:
-        # A name each: OpenImageIO keeps what it read under one.
         render(command, folder, f'again {name}')
         found = 255 * difference(f'{folder}/{name}', f'{folder}/again {name}')
         assert found <= 1.001, f'{command} differs by {found}/255'
