@@ -276,7 +276,8 @@ std::string stateText(const ViewedVolume& volume, const ViewState& state,
   made["sluice"] = "view";
   if (!volume.paths.empty()) made["volume"] = volumeJson(volume);
   if (path) made["path"] = pathJson(*path);
-  return made.dump(2) + "\n";
+  // JSON holds no file name that is not UTF-8: what is none of it is lost, the rest is not.
+  return made.dump(2, ' ', false, json::error_handler_t::replace) + "\n";
 }
 
 StateFile parseState(std::string_view text, const std::string& where) {

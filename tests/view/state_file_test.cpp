@@ -49,6 +49,13 @@ TEST(StateFile, givesBackWhatWasSaved) {
   EXPECT_TRUE(read.volume->options.big_endian);
 }
 
+TEST(StateFile, aNameThatIsNoTextIsNoCrash) {
+  ViewedVolume volume;
+  volume.paths = {"caf\xe9.nrrd"};  // Latin-1
+  EXPECT_EQ(parseState(stateText(volume, {}), "here").volume->paths.front(),
+            "caf\xef\xbf\xbd.nrrd");
+}
+
 TEST(StateFile, keepsThePathOfAFilm) {
   ViewPath path;
   path.kind = ViewPath::Kind::kKeys;
