@@ -23,6 +23,11 @@ double secondsSince(WindowClock::time_point then) {
   return std::chrono::duration<double>(WindowClock::now() - then).count();
 }
 
+// Of the system's monotonic clock, as who sends events reads it.
+double clockSeconds(WindowClock::time_point when) {
+  return std::chrono::duration<double>(when.time_since_epoch()).count();
+}
+
 }  // namespace
 
 Sitting::Sitting(const WindowRequest& given)
@@ -119,21 +124,28 @@ void Sitting::takeOpened(std::unique_ptr<OpenedVolumeNews> news) {
              {"time_steps", opened->info.time_steps}});
 }
 
-void Sitting::takePicture(const ShownPicture& shown) {
+void Sitting::takePicture(ShownPicture shown) {
   texture.set(shown.width, shown.height, shown.rgba);
-  picture = shown;
+  picture = std::move(shown);
   picture.rgba = {};
-  while (!unanswered_.empty() && unanswered_.front().first <= shown.wish) {
+  picture_is_new = true;
+}
+
+void Sitting::notePresented() {
+  slice_is_new = {};
+  if (!std::exchange(picture_is_new, false)) return;
+  while (!unanswered_.empty() && unanswered_.front().first <= picture.wish) {
     if (times.answer_s.size() < kMostTimes)
       times.answer_s.push_back(secondsSince(unanswered_.front().second));
     unanswered_.pop_front();
   }
-  log.write({{"picture", shown.wish},
-             {"complete", shown.is_complete},
-             {"size", {shown.width, shown.height}},
-             {"time", shown.time},
-             {"seconds", shown.seconds},
-             {"of_newest", shown.wish == sent_number_}});
+  log.write({{"picture", picture.wish},
+             {"complete", picture.is_complete},
+             {"size", {picture.width, picture.height}},
+             {"time", picture.time},
+             {"seconds", picture.seconds},
+             {"of_newest", picture.wish == sent_number_},
+             {"at", clockSeconds(WindowClock::now())}});
 }
 
 void Sitting::takeNews() {
@@ -141,11 +153,12 @@ void Sitting::takeNews() {
   status = desk.status();
   if (news.opened) takeOpened(std::move(news.opened));
   if (news.state) change(*news.state);
-  if (news.picture) takePicture(*news.picture);
+  if (news.picture) takePicture(std::move(*news.picture));
   for (const ShownSlice& slice : news.slices) {
     const auto axis = static_cast<size_t>(slice.axis);
     slices[axis].set(slice.width, slice.height, slice.rgba);
     slice_at[axis] = slice.at;
+    slice_is_new[axis] = true;
     log.write({{"slice", slice.axis}, {"at", slice.at}});
   }
   if (news.look) look = std::move(*news.look);
@@ -197,7 +210,7 @@ void Sitting::sendWish() {
   sent_ = wish;
   sent_number_ = desk.wish(wish);
   if (!is_same) unanswered_.emplace_back(sent_number_, event_at);
-  log.write({{"wish", sent_number_}, {"moves", wish.moves}});
+  log.write({{"wish", sent_number_}, {"moves", wish.moves}, {"event_at", clockSeconds(event_at)}});
 }
 
 std::string Sitting::incompleteText() const {

@@ -67,6 +67,10 @@ class Sitting {
   void showFrom(ViewOptions::From from);
   void toggleProjection();
   void takeNews();
+  // All that was taken is on the screen now: its times are known.
+  void notePresented();
+  // A wish has no picture yet.
+  bool awaitsPicture() const { return !unanswered_.empty(); }
   // Tells the desk what is to be seen, where that is something else than last time.
   void sendWish();
   void say(const std::string& line);
@@ -89,6 +93,9 @@ class Sitting {
   ShownPicture picture;  // its pixels are in the texture
   Texture texture;
   std::array<Texture, 3> slices;
+  // What was put into textures since the last notePresented().
+  bool picture_is_new = false;
+  std::array<bool, 3> slice_is_new{};
   std::array<int64_t, 3> slice_at{-1, -1, -1};
   std::optional<VoxelProbe> hovered;
   std::deque<std::string> messages;   // for people, the last one first
@@ -119,7 +126,7 @@ class Sitting {
 
  private:
   void takeOpened(std::unique_ptr<OpenedVolumeNews> news);
-  void takePicture(const ShownPicture& shown);
+  void takePicture(ShownPicture shown);
 
   int gesture_ = 1;
   std::optional<Wish> sent_;

@@ -7,13 +7,16 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "src/base/error.h"
+#include "src/view/window/canvas.h"
 #include "src/view/window/panels.h"
 #include "src/view/window_module.h"
 
@@ -25,6 +28,8 @@ constexpr float kPanelWidth = 330, kSlicesHeight = 240;  // screen units at a fo
 constexpr uint64_t kStartTurns = 8;
 constexpr size_t kMostTimes = size_t{1} << 18;
 constexpr double kIdle_s = 0.25, kSettle_s = 0.004, kReport_s = 0.3, kStall_s = 0.02;
+// While a picture is on its way, panels drawn in software wait so long to come with it.
+constexpr auto kWithPicture = std::chrono::milliseconds(33);
 
 [[noreturn]] void failOf(const std::string& what) {
   const char* said = nullptr;
@@ -46,6 +51,7 @@ class Glfw {
 // What GLFW's callbacks reach.
 struct Events {
   uint64_t count = 0;
+  bool wants_refresh = false;  // what the window shows was lost
   std::vector<std::string> dropped;
 };
 
@@ -76,7 +82,10 @@ void watchEvents(GLFWwindow* window) {
   glfwSetKeyCallback(window, [](GLFWwindow* w, int, int, int, int) { ++eventsOf(w).count; });
   glfwSetCharCallback(window, [](GLFWwindow* w, unsigned) { ++eventsOf(w).count; });
   glfwSetFramebufferSizeCallback(window, [](GLFWwindow* w, int, int) { ++eventsOf(w).count; });
-  glfwSetWindowRefreshCallback(window, [](GLFWwindow* w) { ++eventsOf(w).count; });
+  glfwSetWindowRefreshCallback(window, [](GLFWwindow* w) {
+    ++eventsOf(w).count;
+    eventsOf(w).wants_refresh = true;
+  });
   glfwSetDropCallback(window, [](GLFWwindow* w, int count, const char** paths) {
     ++eventsOf(w).count;
     eventsOf(w).dropped.assign(paths, paths + count);
@@ -95,6 +104,12 @@ void chooseFont(float scale) {
     config.SizePixels = std::round(13 * scale);
     io.Fonts->AddFontDefault(&config);
   }
+}
+
+bool drawsInSoftware() {
+  const GLubyte* const renderer = glGetString(GL_RENDERER);
+  const std::string name = renderer == nullptr ? "" : reinterpret_cast<const char*>(renderer);
+  return name.find("llvmpipe") != std::string::npos || name.find("softpipe") != std::string::npos;
 }
 
 void section(Sitting& sitting, const char* name, bool is_open, void (*panel)(Sitting&)) {
@@ -132,6 +147,15 @@ void sidePanel(Sitting& sitting, const Area& area) {
   ImGui::End();
 }
 
+// Of one turn of the loop, and what parts of it took.
+struct TurnTimes {
+  double news_s = 0, build_s = 0, wish_s = 0, gl_s = 0, all_s = 0;
+};
+
+double secondsSince(WindowClock::time_point then) {
+  return std::chrono::duration<double>(WindowClock::now() - then).count();
+}
+
 class Window {
  public:
   explicit Window(const WindowRequest& request)
@@ -139,7 +163,9 @@ class Window {
     const auto scale = static_cast<float>(request.settings.font_scale);
     window_ = makeWindow(request, scale);
     glfwMakeContextCurrent(window_);
-    glfwSwapInterval(1);
+    is_software_ = drawsInSoftware();
+    glfwSwapInterval(is_software_ ? 0 : 1);  // processors have no vertical blank
+    canvas_.emplace();
     glfwSetWindowUserPointer(window_, &events_);
     watchEvents(window_);
     float density = 1, ignored = 1;
@@ -157,6 +183,7 @@ class Window {
   ~Window() {
     request_.tell_news(nullptr);
     sitting_.reset();  // its textures, while there is a context
+    canvas_.reset();
     ImGui_ImplOpenGL3_Shutdown();
     ImGui_ImplGlfw_Shutdown();
     ImGui::DestroyContext();
@@ -183,6 +210,7 @@ class Window {
           std::clamp(std::chrono::duration<double>(*sitting_->wake_at - WindowClock::now()).count(),
                      kSettle_s, wait_s);
     glfwWaitEventsTimeout(wait_s);
+    TurnTimes times;
     const auto began = WindowClock::now();
     Sitting& sitting = *sitting_;
     if (events_.count != seen_events_) {
@@ -197,23 +225,39 @@ class Window {
     sitting.takeNews();
     if (!events_.dropped.empty()) sitting.openAny(std::exchange(events_.dropped, {}));
     sitting.play();
-    draw();
+    times.news_s = secondsSince(began);
+    build();
+    times.build_s = secondsSince(began) - times.news_s;
     sitting.sendWish();
     askForReport(began);
-    const double took = std::chrono::duration<double>(WindowClock::now() - began).count();
+    times.wish_s = secondsSince(began) - times.news_s - times.build_s;
+    times.gl_s = present();
+    times.all_s = secondsSince(began);
+    note(times);
+  }
+
+  void note(const TurnTimes& times) {
+    Sitting& sitting = *sitting_;
     ++sitting.times.turns;
     if (sitting.times.turns <= kStartTurns) {
-      start_s_ = std::max(start_s_, took);
+      start_s_ = std::max(start_s_, times.all_s);
       return;
     }
     if (sitting.times.turn_s.size() < kMostTimes) {
-      sitting.times.turn_s.push_back(took);
-      sitting.times.gl_s.push_back(gl_s_);
+      sitting.times.turn_s.push_back(times.all_s);
+      if (times.gl_s > 0) sitting.times.gl_s.push_back(times.gl_s);
     }
-    if (took > kStall_s) ++sitting.times.stalls;
+    if (times.all_s <= kStall_s) return;
+    ++sitting.times.stalls;
+    sitting.log.write({{"long_turn_seconds", times.all_s},
+                       {"news", times.news_s},
+                       {"build", times.build_s},
+                       {"wish", times.wish_s},
+                       {"gl", times.gl_s},
+                       {"pixels", canvas_->drawnPixels()}});
   }
 
-  void draw() {
+  void build() {
     Sitting& sitting = *sitting_;
     ImGui_ImplOpenGL3_NewFrame();
     ImGui_ImplGlfw_NewFrame();
@@ -235,17 +279,35 @@ class Window {
     openWindow(sitting);
     failuresWindow(sitting);
     ImGui::Render();
-    const auto built = WindowClock::now();
+  }
+
+  // What is another than on the screen, drawn and shown; the seconds that took, 0 where nothing
+  // was.
+  double present() {
+    Sitting& sitting = *sitting_;
+    const auto began = WindowClock::now();
     int width = 0, height = 0;
     glfwGetFramebufferSize(window_, &width, &height);
-    glViewport(0, 0, width, height);
-    glClearColor(0.09F, 0.09F, 0.1F, 1);
-    glClear(GL_COLOR_BUFFER_BIT);
-    ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+    if (width == 0 || height == 0) return 0;
+    if (sitting.picture_is_new) canvas_->noteRedrawn(sitting.texture.id());
+    for (size_t axis = 0; axis < sitting.slices.size(); ++axis)
+      if (sitting.slice_is_new[axis]) canvas_->noteRedrawn(sitting.slices[axis].id());
+    ImDrawData& data = *ImGui::GetDrawData();
+    const bool is_same = canvas_->compare(data, width, height).empty();
+    if (is_same && !sitting.picture_is_new && !events_.wants_refresh) return 0;
+    if (is_software_ && !sitting.picture_is_new && sitting.awaitsPicture() &&
+        began - presented_at_ < kWithPicture) {
+      sitting.wakeBy(presented_at_ + kWithPicture);
+      return 0;
+    }
+    canvas_->draw(data);
     while (glGetError() != GL_NO_ERROR && sitting.times.gl_errors < 1'000'000)
       ++sitting.times.gl_errors;
     glfwSwapBuffers(window_);
-    gl_s_ = std::chrono::duration<double>(WindowClock::now() - built).count();
+    events_.wants_refresh = false;
+    presented_at_ = WindowClock::now();
+    sitting.notePresented();
+    return std::chrono::duration<double>(presented_at_ - began).count();
   }
 
   void askForReport(WindowClock::time_point now) {
@@ -296,11 +358,12 @@ class Window {
   uint64_t seen_events_ = 0;
   int frames_left_ = 3;
   float density_ = 1;
-  double gl_s_ = 0;     // of the last frame
   double start_s_ = 0;  // the longest of the first turns
   GLFWwindow* window_ = nullptr;
+  bool is_software_ = false;
+  std::optional<Canvas> canvas_;
   std::unique_ptr<Sitting> sitting_;
-  WindowClock::time_point reported_at_{};
+  WindowClock::time_point reported_at_{}, presented_at_{};
 };
 
 }  // namespace
