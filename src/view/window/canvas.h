@@ -1,6 +1,7 @@
 // Canvas: the window's pixels, kept from one frame to the next, so that a frame draws only what is
-// another than in the last one (changed_area.h) and a frame in which nothing is draws nothing. The
-// window's thread, its context current.
+// another than in the last one (changed_area.h) and a frame in which nothing is draws nothing. It
+// keeps them upside down: a window's rows then are its own, and software copies them as they are.
+// The window's thread, its context current.
 #pragma once
 
 #include <imgui.h>
@@ -21,6 +22,16 @@ class Canvas {
   Canvas(const Canvas&) = delete;
   Canvas& operator=(const Canvas&) = delete;
 
+  // Pixels behind all that ImGui draws, in place of a texture that a processor would have to
+  // filter: at these pixels of the window, from its upper left corner. Kept until the next.
+  struct Backdrop {
+    int left = 0, top = 0, width = 0, height = 0;
+    std::vector<uint32_t> bgra;  // rows from the top
+  };
+  // The one that is there, to be written over; then what it was and is are drawn anew.
+  Backdrop& renewBackdrop();
+  void dropBackdrop();
+
   // The content of this texture (an ImTextureID) is another than in the last frame.
   void noteRedrawn(const void* texture);
   // What of the frame is another than what was drawn last; `all` of it where nothing was.
@@ -35,14 +46,18 @@ class Canvas {
  private:
   struct Functions;
   void resize(int width, int height);
+  void drawBackdrop(const ScreenArea& area);
 
   std::unique_ptr<const Functions> gl_;
   unsigned framebuffer_ = 0, pixels_ = 0;
   int width_ = 0, height_ = 0;
-  bool is_new_ = true;
+  bool is_new_ = true, backdrop_is_new_ = false;
+  Backdrop backdrop_;
+  ScreenArea backdrop_was_;
   std::vector<DrawnList> last_, now_;
   std::vector<uint64_t> redrawn_;
   std::vector<ScreenArea> areas_;
+  float scale_x_ = 1, scale_y_ = 1;  // pixels a unit
   uint64_t drawn_pixels_ = 0;
 };
 

@@ -125,9 +125,8 @@ void Sitting::takeOpened(std::unique_ptr<OpenedVolumeNews> news) {
 }
 
 void Sitting::takePicture(ShownPicture shown) {
-  texture.set(shown.width, shown.height, shown.rgba);
   picture = std::move(shown);
-  picture.rgba = {};
+  if (!keeps_pixels) texture.set(picture.width, picture.height, std::exchange(picture.rgba, {}));
   picture_is_new = true;
 }
 

@@ -90,7 +90,10 @@ class Sitting {
   ShownLook look;
   RenderReport report;
   DeskStatus status;
-  ShownPicture picture;  // its pixels are in the texture
+  // Its pixels go into the texture, or, where the processor would have to filter that, stay with it
+  // for the canvas.
+  ShownPicture picture;
+  bool keeps_pixels = false;
   Texture texture;
   std::array<Texture, 3> slices;
   // What was put into textures since the last notePresented().

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "src/base/error.h"
+#include "src/view/scaled_pixels.h"
 #include "src/view/window/canvas.h"
 #include "src/view/window/panels.h"
 #include "src/view/window_module.h"
@@ -166,6 +167,7 @@ class Window {
     is_software_ = drawsInSoftware();
     glfwSwapInterval(is_software_ ? 0 : 1);  // processors have no vertical blank
     canvas_.emplace();
+    sitting_->keeps_pixels = is_software_;
     glfwSetWindowUserPointer(window_, &events_);
     watchEvents(window_);
     float density = 1, ignored = 1;
@@ -289,7 +291,8 @@ class Window {
     int width = 0, height = 0;
     glfwGetFramebufferSize(window_, &width, &height);
     if (width == 0 || height == 0) return 0;
-    if (sitting.picture_is_new) canvas_->noteRedrawn(sitting.texture.id());
+    if (sitting.picture_is_new && !is_software_) canvas_->noteRedrawn(sitting.texture.id());
+    if (is_software_) updateBackdrop();
     for (size_t axis = 0; axis < sitting.slices.size(); ++axis)
       if (sitting.slice_is_new[axis]) canvas_->noteRedrawn(sitting.slices[axis].id());
     ImDrawData& data = *ImGui::GetDrawData();
@@ -308,6 +311,23 @@ class Window {
     presented_at_ = WindowClock::now();
     sitting.notePresented();
     return std::chrono::duration<double>(presented_at_ - began).count();
+  }
+
+  // Scaled to the pane by the processor, where it would do so in OpenGL's place.
+  void updateBackdrop() {
+    Sitting& sitting = *sitting_;
+    const ShownPicture& picture = sitting.picture;
+    if (!sitting.isOpen() || picture.rgba.empty()) return canvas_->dropBackdrop();
+    const Pane& pane = sitting.pane;
+    if (!sitting.picture_is_new && pane.width == shown_pane_.width &&
+        pane.height == shown_pane_.height)
+      return;
+    shown_pane_ = pane;
+    Canvas::Backdrop& backdrop = canvas_->renewBackdrop();
+    scalePixels(picture.rgba, picture.width, picture.height, pane.width, pane.height,
+                backdrop.bgra);
+    backdrop.width = pane.width;
+    backdrop.height = pane.height;
   }
 
   void askForReport(WindowClock::time_point now) {
@@ -362,6 +382,7 @@ class Window {
   GLFWwindow* window_ = nullptr;
   bool is_software_ = false;
   std::optional<Canvas> canvas_;
+  Pane shown_pane_;  // that the canvas has the picture for
   std::unique_ptr<Sitting> sitting_;
   WindowClock::time_point reported_at_{}, presented_at_{};
 };
