@@ -24,6 +24,8 @@ struct Wish {
   int width = 1, height = 1;         // pixels of the pane
   bool moves = false;                // a hand is on it: more will follow
   std::optional<int64_t> next_time;  // of a series that plays
+  // What showing a picture takes of the processors that draw it: a preview has so much less time.
+  double showing_s = 0;
 };
 
 // Pixels for a screen: rows from the top, red first, opaque.

@@ -184,14 +184,15 @@ void DrawingThread::drawPreview(const Job& job) {
   useLook(wish.state.look);
   PictureOptions picture = pictureOf(wish.state, wish.width, wish.height);
   const double step = wholeStep(wish);
-  const Quality quality = qualityWithin(opened_.pace, static_cast<double>(wish.width) * wish.height,
-                                        step, options_.budget_s);
+  const double budget_s = drawingBudget(options_.budget_s, wish.showing_s);
+  const Quality quality =
+      qualityWithin(opened_.pace, static_cast<double>(wish.width) * wish.height, step, budget_s);
   if (!quality.isFull()) {
     picture.width = std::max(1, static_cast<int>(std::lround(wish.width * quality.scale)));
     picture.height = std::max(1, static_cast<int>(std::lround(wish.height * quality.scale)));
     picture.step_vox = step * quality.step_factor;
   }
-  picture.time_limit_s = 1.25 * options_.budget_s;
+  picture.time_limit_s = 1.25 * budget_s;
   const Image image = draw(job, picture, step * quality.step_factor);
   deliver(job.wish, image, quality.isFull() && image.missing_share == 0, watch.seconds());
 }

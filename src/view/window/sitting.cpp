@@ -38,6 +38,7 @@ void Sitting::change(const ViewState& next) {
   const auto now = WindowClock::now();
   if (!hand_is_on && now - moved_at > kTogether) ++gesture_;
   moved_at = now;
+  if (!hand_is_on) nudged_at_ = now;
   history.change(next, gesture_);
 }
 
@@ -195,17 +196,18 @@ void Sitting::sendWish() {
   wish.state = state();
   wish.width = pane.width;
   wish.height = pane.height;
-  const bool moves = hand_is_on || WindowClock::now() - moved_at < kHandRests;
+  wish.showing_s = showing_s;
+  const bool moves = hand_is_on || WindowClock::now() - nudged_at_ < kHandRests;
   if (is_playing) wish.next_time = (state().time + 1) % info().time_steps;
   const bool is_same = sent_ && sent_->state == wish.state && sent_->width == wish.width &&
                        sent_->height == wish.height;
   // The hand that let go wants the whole picture of what it saw last.
   if (is_same && (!sent_->moves || moves)) {
-    if (sent_->moves && !hand_is_on) wakeBy(moved_at + kHandRests + 1ms);
+    if (sent_->moves && !hand_is_on) wakeBy(nudged_at_ + kHandRests + 1ms);
     return;
   }
   wish.moves = moves && !is_playing;
-  if (wish.moves) wakeBy(moved_at + kHandRests + 1ms);
+  if (wish.moves && !hand_is_on) wakeBy(nudged_at_ + kHandRests + 1ms);
   sent_ = wish;
   sent_number_ = desk.wish(wish);
   if (!is_same) unanswered_.emplace_back(sent_number_, event_at);

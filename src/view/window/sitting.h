@@ -113,7 +113,8 @@ class Sitting {
     if (!wake_at || then < *wake_at) wake_at = then;
   }
   WindowClock::time_point event_at{};  // of the newest event
-  WindowClock::time_point moved_at{};  // when the wheel or a key last changed something
+  WindowClock::time_point moved_at{};  // when something was last changed
+  double showing_s = 0;  // that the processor takes to show a picture
   bool is_playing = false;
   double steps_per_second = 8;
   double achieved_steps = 0;  // a second, while it plays
@@ -135,6 +136,8 @@ class Sitting {
   std::optional<Wish> sent_;
   uint64_t sent_number_ = 0;
   std::deque<std::pair<uint64_t, WindowClock::time_point>> unanswered_;
+  // When the wheel or a key last changed something: more may follow, which a button's release ends.
+  WindowClock::time_point nudged_at_{};
   WindowClock::time_point step_at_{};
 };
 

@@ -30,6 +30,7 @@ constexpr uint64_t kStartTurns = 8;
 constexpr size_t kMostTimes = size_t{1} << 18;
 constexpr double kIdle_s = 0.25, kSettle_s = 0.004, kReport_s = 0.3, kStall_s = 0.02;
 // While a picture is on its way, panels drawn in software wait so long to come with it.
+constexpr double kShowingMean = 8;  // pictures that the mean of their showing is of
 constexpr auto kWithPicture = std::chrono::milliseconds(33);
 
 [[noreturn]] void failOf(const std::string& what) {
@@ -252,11 +253,11 @@ class Window {
     if (times.all_s <= kStall_s) return;
     ++sitting.times.stalls;
     sitting.log.write({{"long_turn_seconds", times.all_s},
-                       {"news", times.news_s},
-                       {"build", times.build_s},
-                       {"wish", times.wish_s},
-                       {"gl", times.gl_s},
-                       {"pixels", canvas_->drawnPixels()}});
+                       {"news_seconds", times.news_s},
+                       {"build_seconds", times.build_s},
+                       {"wish_seconds", times.wish_s},
+                       {"gl_seconds", times.gl_s},
+                       {"drawn_pixels", canvas_->drawnPixels()}});
   }
 
   void build() {
@@ -309,8 +310,11 @@ class Window {
     glfwSwapBuffers(window_);
     events_.wants_refresh = false;
     presented_at_ = WindowClock::now();
+    const double took = std::chrono::duration<double>(presented_at_ - began).count();
+    if (is_software_ && sitting.picture_is_new)
+      sitting.showing_s += (took - sitting.showing_s) / kShowingMean;
     sitting.notePresented();
-    return std::chrono::duration<double>(presented_at_ - began).count();
+    return took;
   }
 
   // Scaled to the pane by the processor, where it would do so in OpenGL's place.
