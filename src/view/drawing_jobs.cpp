@@ -234,7 +234,8 @@ void DrawingThread::deliver(const WishPtr& wish, const Image& image, bool is_com
   const auto now = Clock::now();
   {
     const MutexLock lock(mutex_);
-    news_.picture = std::move(shown);
+    // The one before, if nobody took it, goes when nobody waits for the lock.
+    news_.picture.swap(shown);
     previewed_ = std::max(previewed_, wish->number);
     ++(is_complete ? times_.complete : times_.previews);
     while (!unanswered_.empty() && unanswered_.front().first <= wish->number) {

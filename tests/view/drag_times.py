@@ -6,8 +6,6 @@ an event's sending to a picture on the screen that is no older, and from the but
 
 For speeds of a quiet machine where others work on it: `chrt -f 3` before it gives the X server and the window's own threads
 the second priority of real time and those that draw the volume the first."""
-import os
-import subprocess
 import sys
 import time
 
@@ -21,16 +19,6 @@ def spread(times):
                                 for name, share in (('p50', 0.5), ('p95', 0.95), ('max', 1))}}
 
 
-def put_first(process, display):
-    if os.sched_getscheduler(0) != os.SCHED_FIFO:
-        return
-    os.sched_setscheduler(display.server.pid, os.SCHED_FIFO, os.sched_param(2))
-    for thread in os.listdir(f'/proc/{process.pid}/task'):
-        with open(f'/proc/{process.pid}/task/{thread}/comm', encoding='utf-8') as name:
-            is_first = int(thread) == process.pid or 'llvmpipe' in name.read()
-        os.sched_setscheduler(int(thread), os.SCHED_FIFO, os.sched_param(2 if is_first else 1))
-
-
 def drag(folder):
     program, volume, threshold, seconds, runs, *more = sys.argv[1:] + ['40', '5', '1'][len(sys.argv) - 3:]
     arguments = [volume, '--threshold', threshold, '--size', '800x600', *more]
@@ -39,7 +27,7 @@ def drag(folder):
             window.wait('opened')
             window.whole(0)
             hand = Hand(display)
-            put_first(window.process, display)
+            window_driver.put_first(window.process, display)
             start, end = window.place('threshold', 0.2), window.place('threshold', 0.45)
             hand.move(*start)
             hand.flush()

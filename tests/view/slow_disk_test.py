@@ -26,6 +26,7 @@ def sit(folder):
     with Display() as display, Window(display, PROGRAM, arguments, folder, slow) as window:
         window.wait('opened', 300)
         window.wait('picture')
+        window_driver.put_first(window.process, display)
         middle = window.place('picture')
         until = time.monotonic() + 12
         side = 1
