@@ -2,9 +2,13 @@
 #include <filesystem>
 #include <memory>
 #include <system_error>
+#include <utility>
 
 #include "src/base/error.h"
 #include "src/classify/transfer/color_maps.h"
+#if SLUICE_HAS_GL
+#include "src/gl/backends.h"
+#endif
 #include "src/view/drawing_thread.h"
 #include "src/view/settings.h"
 #include "src/view/state_file.h"
@@ -72,8 +76,18 @@ int run(const Arguments& arguments, const CLI::App& app) {
     if (request.volume.paths.empty() && file.volume) request.volume = *file.volume;
     options.state = std::move(file.state);
   }
-  DrawingThread drawing(options);
-  request.desk = &drawing;
+  auto drawing = std::make_unique<DrawingThread>(options);
+  request.desk = drawing.get();
+  const DeviceArguments& device = arguments.resources.device;
+  if (device.device != DeviceChoice::kCpu && device.gl == GlChoice::kAuto)
+    request.lend = [&drawing](std::shared_ptr<const ScreenContext> screen) {
+      drawing->lend(std::move(screen));
+    };
+  request.lends_software = device.device == DeviceChoice::kGl;
+#if SLUICE_HAS_GL
+  if (request.lends_software) prepareGlEnvironment();  // the window's driver reads it first
+#endif
+  request.end_desk = [&drawing] { drawing.reset(); };
   for (const std::string_view name : colorMapNames()) request.color_maps.emplace_back(name);
   if (app.count("--size") > 0) {
     request.pane_width = arguments.frame.size.width;
@@ -83,7 +97,7 @@ int run(const Arguments& arguments, const CLI::App& app) {
   if (!request.settings_file.empty()) request.settings = readSettings(request.settings_file);
   request.log_file = arguments.log_file;
   request.tell_news = [&drawing](std::function<void()> on_news) {
-    drawing.tellNews(std::move(on_news));
+    drawing->tellNews(std::move(on_news));
   };
   request.is_asked_to_end = [stop = interruption()] { return stop.isStopRequested(); };
   request.say = [](const std::string& line) { say("{}\n", line); };

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <sluice/report.h>
+#include <sluice/screen.h>
 #include <sluice/volume.h>
 
 #include <array>
@@ -33,6 +34,7 @@ struct ShownPicture {
   uint64_t wish = 0;  // number of the newest wish that it shows
   int width = 0, height = 0;
   std::vector<uint8_t> rgba;
+  std::optional<ScreenImage> screen;  // in place of rgba, where the desk draws for a screen
   bool is_complete = false;  // of the pane's size, at the wished step, with nothing missing
   double missing_share = 0;  // see Image
   int64_t time = 0;

@@ -122,12 +122,19 @@ void Sitting::takeOpened(std::unique_ptr<OpenedVolumeNews> news) {
   if (!request.settings_file.empty()) desk.saveText(request.settings_file, settingsText(settings));
   log.write({{"opened", opened->volume.paths.front()},
              {"dims", opened->info.dims},
-             {"time_steps", opened->info.time_steps}});
+             {"time_steps", opened->info.time_steps},
+             {"device", opened->device}});
 }
 
 void Sitting::takePicture(ShownPicture shown) {
   picture = std::move(shown);
-  if (!keeps_pixels) texture.set(picture.width, picture.height, std::exchange(picture.rgba, {}));
+  if (picture.screen) {
+    texture.show(*std::exchange(picture.screen, std::nullopt));
+  } else if (keeps_pixels) {
+    texture.drop();
+  } else {
+    texture.set(picture.width, picture.height, std::exchange(picture.rgba, {}));
+  }
   picture_is_new = true;
 }
 

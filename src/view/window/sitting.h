@@ -114,7 +114,7 @@ class Sitting {
   }
   WindowClock::time_point event_at{};  // of the newest event
   WindowClock::time_point moved_at{};  // when something was last changed
-  double showing_s = 0;  // that the processor takes to show a picture
+  double showing_s = 0;                // that the processor takes to show a picture
   bool is_playing = false;
   double steps_per_second = 8;
   double achieved_steps = 0;  // a second, while it plays

@@ -1,5 +1,6 @@
 // The window: GLFW's, with Dear ImGui's panels over a picture that the desk draws. Its loop waits
 // for events and news, and for nothing else.
+#define GLFW_INCLUDE_GLEXT
 #include <GLFW/glfw3.h>
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_opengl3.h>
@@ -27,6 +28,7 @@ namespace {
 constexpr float kPanelWidth = 330, kSlicesHeight = 240;  // screen units at a font scale of 1
 // The first frames make fonts and shaders: they are measured apart.
 constexpr uint64_t kStartTurns = 8;
+constexpr uint64_t kMostSaid = 20;  // errors of OpenGL in the log
 constexpr size_t kMostTimes = size_t{1} << 18;
 constexpr double kIdle_s = 0.25, kSettle_s = 0.004, kReport_s = 0.3, kStall_s = 0.02;
 // While a picture is on its way, panels drawn in software wait so long to come with it.
@@ -66,6 +68,7 @@ GLFWwindow* makeWindow(const WindowRequest& request, float scale) {
   glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
   glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
+  glfwWindowHint(GLFW_OPENGL_DEBUG_CONTEXT, request.log_file.empty() ? GLFW_FALSE : GLFW_TRUE);
   glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
   int width = request.settings.width, height = request.settings.height;
   if (request.pane_width > 0) {
@@ -106,6 +109,24 @@ void chooseFont(float scale) {
     config.SizePixels = std::round(13 * scale);
     io.Fonts->AddFontDefault(&config);
   }
+}
+
+// Counts what the driver says of errors, and says it in the log, where there is one. The sitting
+// must outlive the context.
+void hearDriver(Sitting& sitting) {
+  if (!sitting.log.isOn()) return;
+  const auto listen =
+      reinterpret_cast<PFNGLDEBUGMESSAGECALLBACKPROC>(glfwGetProcAddress("glDebugMessageCallback"));
+  if (listen == nullptr || glfwExtensionSupported("GL_KHR_debug") == GLFW_FALSE) return;
+  glEnable(GL_DEBUG_OUTPUT);
+  glEnable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
+  const auto hear = [](GLenum, GLenum type, GLuint, GLenum, GLsizei, const GLchar* words,
+                       const void* to) {
+    if (type != GL_DEBUG_TYPE_ERROR && type != GL_DEBUG_TYPE_UNDEFINED_BEHAVIOR) return;
+    Sitting& heard_by = *static_cast<Sitting*>(const_cast<void*>(to));
+    if (++heard_by.times.gl_errors <= kMostSaid) heard_by.log.write({{"gl_message", words}});
+  };
+  listen(hear, &sitting);
 }
 
 bool drawsInSoftware() {
@@ -165,9 +186,11 @@ class Window {
     const auto scale = static_cast<float>(request.settings.font_scale);
     window_ = makeWindow(request, scale);
     glfwMakeContextCurrent(window_);
+    hearDriver(*sitting_);
     is_software_ = drawsInSoftware();
     glfwSwapInterval(is_software_ ? 0 : 1);  // processors have no vertical blank
     canvas_.emplace();
+    if (request.lend && (!is_software_ || request.lends_software)) lend();
     sitting_->keeps_pixels = is_software_;
     glfwSetWindowUserPointer(window_, &events_);
     watchEvents(window_);
@@ -185,11 +208,13 @@ class Window {
   }
   ~Window() {
     request_.tell_news(nullptr);
+    request_.end_desk();
     sitting_.reset();  // its textures, while there is a context
     canvas_.reset();
     ImGui_ImplOpenGL3_Shutdown();
     ImGui_ImplGlfw_Shutdown();
     ImGui::DestroyContext();
+    if (drawing_window_ != nullptr) glfwDestroyWindow(drawing_window_);
     glfwDestroyWindow(window_);
   }
   Window(const Window&) = delete;
@@ -205,6 +230,21 @@ class Window {
   }
 
  private:
+  // A context for who draws the volume: that of a window which is never shown.
+  void lend() {
+    glfwWindowHint(GLFW_VISIBLE, GLFW_FALSE);
+    drawing_window_ = glfwCreateWindow(1, 1, "sluice", nullptr, window_);
+    glfwWindowHint(GLFW_VISIBLE, GLFW_TRUE);
+    if (drawing_window_ == nullptr) return;  // then pictures come as pixels
+    ScreenContext screen;
+    screen.make_current = [window = drawing_window_] { glfwMakeContextCurrent(window); };
+    screen.release = [] { glfwMakeContextCurrent(nullptr); };
+    screen.find = [](const char* name) {
+      return reinterpret_cast<void*>(glfwGetProcAddress(name));
+    };
+    request_.lend(std::make_shared<const ScreenContext>(std::move(screen)));
+  }
+
   // One frame of the window: it waits in its first line and nowhere else.
   void turn() {
     double wait_s = frames_left_ > 0 ? kSettle_s : kIdle_s;
@@ -292,7 +332,7 @@ class Window {
     int width = 0, height = 0;
     glfwGetFramebufferSize(window_, &width, &height);
     if (width == 0 || height == 0) return 0;
-    if (sitting.picture_is_new && !is_software_) canvas_->noteRedrawn(sitting.texture.id());
+    if (sitting.picture_is_new) canvas_->noteRedrawn(sitting.texture.id());
     if (is_software_) updateBackdrop();
     for (size_t axis = 0; axis < sitting.slices.size(); ++axis)
       if (sitting.slice_is_new[axis]) canvas_->noteRedrawn(sitting.slices[axis].id());
@@ -383,7 +423,7 @@ class Window {
   int frames_left_ = 3;
   float density_ = 1;
   double start_s_ = 0;  // the longest of the first turns
-  GLFWwindow* window_ = nullptr;
+  GLFWwindow *window_ = nullptr, *drawing_window_ = nullptr;
   bool is_software_ = false;
   std::optional<Canvas> canvas_;
   Pane shown_pane_;  // that the canvas has the picture for
