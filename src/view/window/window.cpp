@@ -20,6 +20,7 @@
 #include "src/view/scaled_pixels.h"
 #include "src/view/window/canvas.h"
 #include "src/view/window/panels.h"
+#include "src/view/window/surface.h"
 #include "src/view/window_module.h"
 
 namespace sluice {
@@ -28,74 +29,11 @@ namespace {
 constexpr float kPanelWidth = 330, kSlicesHeight = 240;  // screen units at a font scale of 1
 // The first frames make fonts and shaders: they are measured apart.
 constexpr uint64_t kStartTurns = 8;
-constexpr uint64_t kMostSaid = 20;  // errors of OpenGL in the log
 constexpr size_t kMostTimes = size_t{1} << 18;
 constexpr double kIdle_s = 0.25, kSettle_s = 0.004, kReport_s = 0.3, kStall_s = 0.02;
-// While a picture is on its way, panels drawn in software wait so long to come with it.
 constexpr double kShowingMean = 8;  // pictures that the mean of their showing is of
+// While a picture is on its way, panels drawn in software wait so long to come with it.
 constexpr auto kWithPicture = std::chrono::milliseconds(33);
-
-[[noreturn]] void failOf(const std::string& what) {
-  const char* said = nullptr;
-  glfwGetError(&said);
-  fail("{}{}; `sluice render` draws without a window", what,
-       said != nullptr ? fmt::format(": {}", said) : "");
-}
-
-class Glfw {
- public:
-  Glfw() {
-    if (glfwInit() != GLFW_TRUE) failOf("no display");
-  }
-  ~Glfw() { glfwTerminate(); }
-  Glfw(const Glfw&) = delete;
-  Glfw& operator=(const Glfw&) = delete;
-};
-
-// What GLFW's callbacks reach.
-struct Events {
-  uint64_t count = 0;
-  bool wants_refresh = false;  // what the window shows was lost
-  std::vector<std::string> dropped;
-};
-
-Events& eventsOf(GLFWwindow* window) {
-  return *static_cast<Events*>(glfwGetWindowUserPointer(window));
-}
-
-GLFWwindow* makeWindow(const WindowRequest& request, float scale) {
-  glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
-  glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
-  glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
-  glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
-  glfwWindowHint(GLFW_OPENGL_DEBUG_CONTEXT, request.log_file.empty() ? GLFW_FALSE : GLFW_TRUE);
-  glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
-  int width = request.settings.width, height = request.settings.height;
-  if (request.pane_width > 0) {
-    width = request.pane_width + static_cast<int>(kPanelWidth * scale);
-    height = request.pane_height;
-  }
-  GLFWwindow* window = glfwCreateWindow(width, height, "sluice", nullptr, nullptr);
-  if (window == nullptr) failOf("no window with OpenGL 3.3");
-  return window;
-}
-
-void watchEvents(GLFWwindow* window) {
-  glfwSetCursorPosCallback(window, [](GLFWwindow* w, double, double) { ++eventsOf(w).count; });
-  glfwSetMouseButtonCallback(window, [](GLFWwindow* w, int, int, int) { ++eventsOf(w).count; });
-  glfwSetScrollCallback(window, [](GLFWwindow* w, double, double) { ++eventsOf(w).count; });
-  glfwSetKeyCallback(window, [](GLFWwindow* w, int, int, int, int) { ++eventsOf(w).count; });
-  glfwSetCharCallback(window, [](GLFWwindow* w, unsigned) { ++eventsOf(w).count; });
-  glfwSetFramebufferSizeCallback(window, [](GLFWwindow* w, int, int) { ++eventsOf(w).count; });
-  glfwSetWindowRefreshCallback(window, [](GLFWwindow* w) {
-    ++eventsOf(w).count;
-    eventsOf(w).wants_refresh = true;
-  });
-  glfwSetDropCallback(window, [](GLFWwindow* w, int count, const char** paths) {
-    ++eventsOf(w).count;
-    eventsOf(w).dropped.assign(paths, paths + count);
-  });
-}
 
 void chooseFont(float scale) {
   ImFontConfig config;
@@ -109,30 +47,6 @@ void chooseFont(float scale) {
     config.SizePixels = std::round(13 * scale);
     io.Fonts->AddFontDefault(&config);
   }
-}
-
-// Counts what the driver says of errors, and says it in the log, where there is one. The sitting
-// must outlive the context.
-void hearDriver(Sitting& sitting) {
-  if (!sitting.log.isOn()) return;
-  const auto listen =
-      reinterpret_cast<PFNGLDEBUGMESSAGECALLBACKPROC>(glfwGetProcAddress("glDebugMessageCallback"));
-  if (listen == nullptr || glfwExtensionSupported("GL_KHR_debug") == GLFW_FALSE) return;
-  glEnable(GL_DEBUG_OUTPUT);
-  glEnable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
-  const auto hear = [](GLenum, GLenum type, GLuint, GLenum, GLsizei, const GLchar* words,
-                       const void* to) {
-    if (type != GL_DEBUG_TYPE_ERROR && type != GL_DEBUG_TYPE_UNDEFINED_BEHAVIOR) return;
-    Sitting& heard_by = *static_cast<Sitting*>(const_cast<void*>(to));
-    if (++heard_by.times.gl_errors <= kMostSaid) heard_by.log.write({{"gl_message", words}});
-  };
-  listen(hear, &sitting);
-}
-
-bool drawsInSoftware() {
-  const GLubyte* const renderer = glGetString(GL_RENDERER);
-  const std::string name = renderer == nullptr ? "" : reinterpret_cast<const char*>(renderer);
-  return name.find("llvmpipe") != std::string::npos || name.find("softpipe") != std::string::npos;
 }
 
 void section(Sitting& sitting, const char* name, bool is_open, void (*panel)(Sitting&)) {
@@ -184,16 +98,16 @@ class Window {
   explicit Window(const WindowRequest& request)
       : request_(request), sitting_(std::make_unique<Sitting>(request)) {
     const auto scale = static_cast<float>(request.settings.font_scale);
-    window_ = makeWindow(request, scale);
+    window_ = makeWindow(request, kPanelWidth * scale);
     glfwMakeContextCurrent(window_);
     hearDriver(*sitting_);
     is_software_ = drawsInSoftware();
     glfwSwapInterval(is_software_ ? 0 : 1);  // processors have no vertical blank
     canvas_.emplace();
-    if (request.lend && (!is_software_ || request.lends_software)) lend();
+    if (request.lend && (!is_software_ || request.lends_software))
+      drawing_window_ = lendContext(request, window_);
     sitting_->keeps_pixels = is_software_;
-    glfwSetWindowUserPointer(window_, &events_);
-    watchEvents(window_);
+    watchEvents(window_, events_);
     float density = 1, ignored = 1;
     glfwGetWindowContentScale(window_, &density, &ignored);
     ImGui::CreateContext();
@@ -209,7 +123,8 @@ class Window {
   ~Window() {
     request_.tell_news(nullptr);
     request_.end_desk();
-    sitting_.reset();  // its textures, while there is a context
+    if (sitting_->log.isOn()) glDisable(GL_DEBUG_OUTPUT);  // which would say it to the sitting
+    sitting_.reset();                                      // its textures, while there is a context
     canvas_.reset();
     ImGui_ImplOpenGL3_Shutdown();
     ImGui_ImplGlfw_Shutdown();
@@ -230,21 +145,6 @@ class Window {
   }
 
  private:
-  // A context for who draws the volume: that of a window which is never shown.
-  void lend() {
-    glfwWindowHint(GLFW_VISIBLE, GLFW_FALSE);
-    drawing_window_ = glfwCreateWindow(1, 1, "sluice", nullptr, window_);
-    glfwWindowHint(GLFW_VISIBLE, GLFW_TRUE);
-    if (drawing_window_ == nullptr) return;  // then pictures come as pixels
-    ScreenContext screen;
-    screen.make_current = [window = drawing_window_] { glfwMakeContextCurrent(window); };
-    screen.release = [] { glfwMakeContextCurrent(nullptr); };
-    screen.find = [](const char* name) {
-      return reinterpret_cast<void*>(glfwGetProcAddress(name));
-    };
-    request_.lend(std::make_shared<const ScreenContext>(std::move(screen)));
-  }
-
   // One frame of the window: it waits in its first line and nowhere else.
   void turn() {
     double wait_s = frames_left_ > 0 ? kSettle_s : kIdle_s;
