@@ -18,13 +18,16 @@ void PrintTo(const Volume& volume, std::ostream* out) {
 
 class CullingData : public testing::TestWithParam<Volume> {};
 
+// Null where it is not there.
+std::unique_ptr<VolumeSource> openNamed(std::string_view name) {
+  const auto known = std::ranges::find_if(
+      realVolumes(), [&](const RealVolume& volume) { return volume.name == name; });
+  return openReal(*known);
+}
+
 TEST_P(CullingData, noBlockIsCulledThatRaysReach) {
-  const auto known = std::ranges::find_if(realVolumes(), [](const RealVolume& volume) {
-    return std::string_view(volume.name) == GetParam().name;
-  });
-  ASSERT_NE(known, realVolumes().end());
-  const auto file = openReal(*known);
-  if (file == nullptr) GTEST_SKIP() << known->input << " is not there";
+  const auto file = openNamed(GetParam().name);
+  if (file == nullptr) GTEST_SKIP() << GetParam().name << " is not there";
   VolumeLayout layout = file->layout();
   ASSERT_EQ(layout.type, VoxelType::kU8);
   std::vector<std::byte> voxels(static_cast<size_t>(volume(layout.dims)));
@@ -42,6 +45,45 @@ TEST_P(CullingData, noBlockIsCulledThatRaysReach) {
       SCOPED_TRACE(testing::Message() << "opacity " << opacity << " view " << i);
       expectNothingReachedIsCulled(scene, series, randomView(random, layout),
                                    i % 2 == 0 ? 0.95 : 254.0 / 255, counts);
+    }
+  }
+  EXPECT_LT(counts.visible, counts.nonempty) << "else nothing is tested";
+}
+
+TEST(CullingSeries, noBlockOfViscousFingersIsCulledThatRaysReach) {
+  const auto file = openNamed("viscous_fingers");
+  if (file == nullptr) GTEST_SKIP() << "viscous-fingers is not there";
+  VolumeLayout layout = file->layout();
+  ASSERT_EQ(layout.type, VoxelType::kF32);
+  constexpr std::array<int64_t, 5> kSteps{1, 2, 12, 25, 39};
+  const size_t step_bytes = static_cast<size_t>(volume(layout.dims)) * sizeof(float);
+  std::vector<std::byte> voxels(kSteps.size() * step_bytes);
+  for (size_t i = 0; i < kSteps.size(); ++i)
+    file->readRegion(kSteps[i], boxOf(layout.dims),
+                     std::span(voxels).subspan(i * step_bytes, step_bytes));
+  layout.time_steps = static_cast<int64_t>(kSteps.size());
+  MemorySource source(layout, std::move(voxels));
+
+  std::mt19937 random(11);
+  ReachedCounts counts;
+  for (const double opacity : {1.0, 0.2}) {
+    const TransferFunction transfer = thresholdTransfer(5, {0, 100}, opacity, "grey");
+    const CullingScene first(source, transfer, 8);
+    // Fused functions as well as those of each step.
+    for (const double difference : {0.0, 1e-3}) {
+      SeriesPassOptions pass;
+      pass.difference = difference;
+      const TestSeries series =
+          makeTestSeries(source, first.ranges->layout, first.look->table, pass);
+      for (int64_t time = 0; time < layout.time_steps; ++time) {
+        CullingScene scene(source, transfer, 8, time);
+        for (int i = 0; i < 8; ++i) {
+          SCOPED_TRACE(testing::Message() << "opacity " << opacity << " difference " << difference
+                                          << " step " << time << " view " << i);
+          expectNothingReachedIsCulled(scene, series, randomView(random, layout),
+                                       i % 2 == 0 ? 0.95 : 254.0 / 255, counts);
+        }
+      }
     }
   }
   EXPECT_LT(counts.visible, counts.nonempty) << "else nothing is tested";

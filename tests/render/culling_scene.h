@@ -1,4 +1,4 @@
-// A scene of bytes whose culling is held against every sample of every ray.
+// A scene of bytes or floats whose culling is held against every sample of every ray.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -33,8 +33,10 @@ struct CullingScene {
     return {step, look, cropCells(options, source.layout().dims), view(options)};
   }
   std::vector<bool> reached(const FrameOptions& options, double threshold) {
-    const size_t bytes = static_cast<size_t>(volume(source.layout().dims));
-    return reachedByRays({source.layout().dims, DeviceType::kU8,
+    const bool is_float = source.layout().type == VoxelType::kF32;
+    const size_t bytes =
+        static_cast<size_t>(volume(source.layout().dims)) * (is_float ? sizeof(float) : 1);
+    return reachedByRays({source.layout().dims, is_float ? DeviceType::kF32 : DeviceType::kU8,
                           source.bytes().subspan(static_cast<size_t>(step.time) * bytes, bytes)},
                          ranges->layout.cells(), look->table,
                          estimateView(view(options), source.layout()), threshold, pool);
@@ -75,6 +77,7 @@ inline void expectNothingReachedIsCulled(CullingScene& scene, const TestSeries& 
                                          const FrameOptions& options, double threshold,
                                          ReachedCounts& counts) {
   const std::vector<bool> truth = scene.reached(options, threshold);
+  const StepBlocks& blocks = series.steps[static_cast<size_t>(scene.step.time)];
   size_t last_count = 0;
   for (const OpacityForm form : {OpacityForm::kOpof, OpacityForm::kLinearOpof, OpacityForm::kPof}) {
     CulledBlocks culled(series.opacity, scene.source.layout(), {form, threshold}, scene.pool);
@@ -84,7 +87,7 @@ inline void expectNothingReachedIsCulled(CullingScene& scene, const TestSeries& 
       is_visible[static_cast<size_t>(each.block)] = true;
     int64_t seen = 0;
     for (size_t b = 0; b < truth.size(); ++b) {
-      if (!truth[b] || series.steps[0].isEmpty(static_cast<int64_t>(b))) continue;
+      if (!truth[b] || blocks.isEmpty(static_cast<int64_t>(b))) continue;
       ++seen;
       EXPECT_TRUE(is_visible[b]) << "block " << b;
     }
