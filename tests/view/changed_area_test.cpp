@@ -118,7 +118,7 @@ TEST(ChangedArea, holdsEveryPixelThatDiffers) {
     const ScreenArea clip{static_cast<float>(number(8)), static_cast<float>(number(8)), 44, 46};
     return Rectangle{{left, top, left + static_cast<float>(1 + number(12)),
                       top + static_cast<float>(1 + number(12))},
-                     random() | 1U,
+                     static_cast<uint32_t>(random() | 1U),
                      1,
                      clip};
   };

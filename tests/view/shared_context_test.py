@@ -7,6 +7,7 @@ import window_driver
 from window_driver import Display, Hand, Window
 
 WIDTH, HEIGHT = 320, 300
+WORDS = 40  # rows at the top, where the value under a pointer that rested may be said
 CLOSE = 3  # of 255 a channel: two drivers' arithmetic
 
 
@@ -26,7 +27,7 @@ def pictures(folder, *more):
             hand.move(WIDTH + 200, 1)
             hand.flush()
             window.do('sleep', 0.4)
-            found.append(hand.pixels(WIDTH, HEIGHT))
+            found.append(hand.pixels(WIDTH, HEIGHT)[4 * WIDTH * WORDS:])
 
         window.key('o')  # nothing over the picture
         middle = window.place('picture')
