@@ -2,10 +2,14 @@
 #include <filesystem>
 #include <memory>
 #include <system_error>
+#include <utility>
 
 #include "io/volume_names.h"
 #include "src/base/error.h"
 #include "src/classify/transfer/color_maps.h"
+#if SLUICE_HAS_GL
+#include "src/gl/backends.h"
+#endif
 #include "src/view/drawing_thread.h"
 #include "src/view/settings.h"
 #include "src/view/state_file.h"
@@ -86,8 +90,18 @@ int run(const Arguments& arguments, const CLI::App& app) {
     options.is_saved_state = true;
     options.path = std::move(file.path);
   }
-  DrawingThread drawing(options);
-  request.desk = &drawing;
+  auto drawing = std::make_unique<DrawingThread>(options);
+  request.desk = drawing.get();
+  const DeviceArguments& device = arguments.resources.device;
+  if (device.device != DeviceChoice::kCpu && device.gl == GlChoice::kAuto)
+    request.lend = [&drawing](std::shared_ptr<const ScreenContext> screen) {
+      drawing->lend(std::move(screen));
+    };
+  request.lends_software = device.device == DeviceChoice::kGl;
+#if SLUICE_HAS_GL
+  if (request.lends_software) prepareGlEnvironment();  // the window's driver reads it first
+#endif
+  request.end_desk = [&drawing] { drawing.reset(); };
   for (const std::string_view name : colorMapNames()) request.color_maps.emplace_back(name);
   request.volume_endings = volumeEndings();
   if (app.count("--size") > 0) {
@@ -98,7 +112,7 @@ int run(const Arguments& arguments, const CLI::App& app) {
   if (!request.settings_file.empty()) request.settings = readSettings(request.settings_file);
   request.log_file = arguments.log_file;
   request.tell_news = [&drawing](std::function<void()> on_news) {
-    drawing.tellNews(std::move(on_news));
+    drawing->tellNews(std::move(on_news));
   };
   request.is_asked_to_end = [stop = interruption()] { return stop.isStopRequested(); };
   request.say = [](const std::string& line) { say("{}\n", line); };

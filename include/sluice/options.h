@@ -1,8 +1,11 @@
 // What a picture shows and how: plain data, with the defaults of `sluice render`.
 #pragma once
 
+#include <sluice/screen.h>
+
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -126,6 +129,8 @@ struct RendererOptions {
   // machine's.
   uint64_t memory_bytes = 0;
   int threads = 0;  // that read, copy and classify; 0: one a core
+  // Where it is not the CPU that draws: drawn in here, for Renderer::drawOnScreen().
+  std::shared_ptr<const ScreenContext> screen = {};
 };
 
 }  // namespace sluice

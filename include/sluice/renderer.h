@@ -13,6 +13,7 @@
 #include <sluice/options.h>
 #include <sluice/progress.h>
 #include <sluice/report.h>
+#include <sluice/screen.h>
 #include <sluice/volume.h>
 
 #include <array>
@@ -56,6 +57,14 @@ class Renderer {
   // a fraction of a second. After either the next picture is right all the same.
   Image draw(const PictureOptions& picture = {}, const ProgressFunction& progress = {},
              const std::stop_token& stop = {});
+
+  // The same where RendererOptions::screen draws, over this background (red, green, blue, 0 to 1),
+  // without reading it back. nullopt: nothing was drawn, because that context does not draw, or
+  // because the picture is of another mode than composite or has depth. Throws as draw() does.
+  std::optional<ScreenImage> drawOnScreen(const PictureOptions& picture,
+                                          const std::array<float, 3>& background,
+                                          const ProgressFunction& progress = {},
+                                          const std::stop_token& stop = {});
 
   // One framing for pictures that belong together (a turn, a series), so that nothing grows or
   // shrinks from one to the next: sets view.framing of all but those with look_at. Their size, crop

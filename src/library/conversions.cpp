@@ -117,6 +117,7 @@ MachineOptions machineOptions(const VolumeOptions& options) {
 MachineOptions machineOptions(const RendererOptions& options) {
   MachineOptions machine;
   machine.device.device = deviceOf(options.device);
+  machine.device.lent = options.screen;
   machine.memory_bytes = options.memory_bytes;
   machine.threads = threadsOf(options.threads);
   return machine;

@@ -31,6 +31,7 @@ Drawing::Drawing(std::shared_ptr<const OpenedVolume> opened, const LookOptions& 
   session.page.pages =
       pageCount(machine_, volume.page, volume.layout, *volume.source, session.beside_bytes);
   session_ = std::make_unique<Session>(volume.step(), *device_, pool_, session);
+  if (options.screen != nullptr) screen_ = dynamic_cast<DrawsForScreens*>(device_.get());
   setLook(look);
 }
 
@@ -111,6 +112,24 @@ Image Drawing::draw(const PictureOptions& picture, ProgressTeller& teller) {
           .rgba = std::move(drawn.rgba),
           .depth = std::move(drawn.depth),
           .missing_share = frame.report.missing_share};
+}
+
+std::optional<ScreenImage> Drawing::drawOnScreen(const PictureOptions& picture,
+                                                 const std::array<float, 3>& background,
+                                                 ProgressTeller& teller) {
+  if (screen_ == nullptr || mode_ != Mode::kComposite || picture.with_depth) return std::nullopt;
+  screen_->keepNext(background);
+  try {
+    const Image sizes = draw(picture, teller);
+    const std::optional<ScreenPicture> kept = screen_->takeKept();
+    SLUICE_CHECK(kept.has_value());
+    return ScreenImage{kept->texture, kept->width, kept->height,
+                       kept->drawn,   kept->seen,  sizes.missing_share};
+  } catch (...) {
+    screen_->keepNext(std::nullopt);
+    screen_->takeKept();
+    throw;
+  }
 }
 
 void Drawing::fit(std::span<PictureOptions> pictures, ProgressTeller& teller) {

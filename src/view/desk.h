@@ -3,6 +3,7 @@
 #pragma once
 
 #include <sluice/report.h>
+#include <sluice/screen.h>
 #include <sluice/volume.h>
 
 #include <array>
@@ -25,6 +26,8 @@ struct Wish {
   int width = 1, height = 1;         // pixels of the pane
   bool moves = false;                // a hand is on it: more will follow
   std::optional<int64_t> next_time;  // of a series that plays
+  // What showing a picture takes of the processors that draw it: a preview has so much less time.
+  double showing_s = 0;
 };
 
 // Frames to be written, numbered from 0 in the place that the name has for it.
@@ -40,6 +43,7 @@ struct ShownPicture {
   uint64_t wish = 0;  // number of the newest wish that it shows
   int width = 0, height = 0;
   std::vector<uint8_t> rgba;
+  std::optional<ScreenImage> screen;  // in place of rgba, where the desk draws for a screen
   bool is_complete = false;  // of the pane's size, at the wished step, with nothing missing
   double missing_share = 0;  // see Image
   int64_t time = 0;

@@ -135,11 +135,16 @@ void DrawingThread::openVolume(const OpenRequest& request, const Job& job) {
   // handle stays, for the case that the new one cannot be drawn.
   const std::optional<Volume> last = opened_.volume;
   opened_.renderer.reset();
+  RendererOptions options = options_.renderer;
+  {
+    const MutexLock lock(mutex_);
+    options.screen = screen_;
+  }
   try {
-    next.renderer = std::make_unique<Renderer>(*next.volume, next.look, options_.renderer);
+    next.renderer = std::make_unique<Renderer>(*next.volume, next.look, options);
     state.view = next.renderer->placed(pictureOf(state, 800, 600), progressOf(job), job.stop);
   } catch (const std::exception&) {
-    if (last) opened_.renderer = std::make_unique<Renderer>(*last, opened_.look, options_.renderer);
+    if (last) opened_.renderer = std::make_unique<Renderer>(*last, opened_.look, options);
     throw;
   }
   if (is_first && !options_.trace_file.empty()) next.renderer->recordTo(options_.trace_file);
@@ -187,14 +192,31 @@ double DrawingThread::wholeStep(const Wish& wish) const {
   return pixel < opened_.ground.finest_spacing ? 0.5 : 1;
 }
 
-Image DrawingThread::draw(const Job& job, const PictureOptions& picture, double step_vox) {
-  Image image = opened_.renderer->draw(picture, progressOf(job), job.stop);
+Image DrawingThread::drawImage(const Job& job, const PictureOptions& picture) {
+  return opened_.renderer->draw(picture, progressOf(job), job.stop);
+}
+
+ShownPicture DrawingThread::draw(const Job& job, const PictureOptions& picture, double step_vox) {
+  const auto background = job.wish->wish.state.background.value_or(kPaneColor);
+  ShownPicture shown;
+  shown.screen = opened_.renderer->drawOnScreen(picture, background, progressOf(job), job.stop);
+  if (shown.screen) {
+    shown.width = shown.screen->width;
+    shown.height = shown.screen->height;
+    shown.missing_share = shown.screen->missing_share;
+  } else {
+    const Image image = drawImage(job, picture);
+    shown.width = image.width;
+    shown.height = image.height;
+    shown.missing_share = image.missing_share;
+    shown.rgba = image.toRgba8(background);
+  }
   const RenderReport report = opened_.renderer->report();
   if (report.missing_share == 0)
     opened_.pace = learned(
         opened_.pace, {static_cast<double>(picture.width) * picture.height, step_vox,
                        report.draw_seconds, std::max(0.0, report.seconds - report.draw_seconds)});
-  return image;
+  return shown;
 }
 
 void DrawingThread::drawPreview(const Job& job) {
@@ -203,16 +225,18 @@ void DrawingThread::drawPreview(const Job& job) {
   useLook(wish.state.look);
   PictureOptions picture = pictureOf(wish.state, wish.width, wish.height);
   const double step = wholeStep(wish);
-  const Quality quality = qualityWithin(opened_.pace, static_cast<double>(wish.width) * wish.height,
-                                        step, options_.budget_s);
+  const double budget_s = drawingBudget(options_.budget_s, wish.showing_s);
+  const Quality quality =
+      qualityWithin(opened_.pace, static_cast<double>(wish.width) * wish.height, step, budget_s);
   if (!quality.isFull()) {
     picture.width = std::max(1, static_cast<int>(std::lround(wish.width * quality.scale)));
     picture.height = std::max(1, static_cast<int>(std::lround(wish.height * quality.scale)));
     picture.step_vox = step * quality.step_factor;
   }
-  picture.time_limit_s = 1.25 * options_.budget_s;
-  const Image image = draw(job, picture, step * quality.step_factor);
-  deliver(job.wish, image, quality.isFull() && image.missing_share == 0, watch.seconds());
+  picture.time_limit_s = 1.25 * budget_s;
+  ShownPicture shown = draw(job, picture, step * quality.step_factor);
+  const bool is_complete = quality.isFull() && shown.missing_share == 0;
+  deliver(job.wish, std::move(shown), is_complete, watch.seconds());
 }
 
 void DrawingThread::drawWhole(const Job& job) {
@@ -225,34 +249,29 @@ void DrawingThread::drawWhole(const Job& job) {
   // What is there is shown as it comes, as long as that is worth a picture.
   while (true) {
     picture.time_limit_s = kRefine_s;
-    const Image image = draw(job, picture, wholeStep(wish));
-    if (image.missing_share == 0) {
-      deliver(job.wish, image, true, watch.seconds());
-      return;
-    }
-    deliver(job.wish, image, false, watch.seconds());
-    if (missing - image.missing_share < kWorthShowing) break;
-    missing = image.missing_share;
+    ShownPicture shown = draw(job, picture, wholeStep(wish));
+    const double came = missing - shown.missing_share;
+    missing = shown.missing_share;
+    deliver(job.wish, std::move(shown), missing == 0, watch.seconds());
+    if (missing == 0) return;
+    if (came < kWorthShowing) break;
   }
   picture.time_limit_s.reset();
   deliver(job.wish, draw(job, picture, wholeStep(wish)), true, watch.seconds());
 }
 
-void DrawingThread::deliver(const WishPtr& wish, const Image& image, bool is_complete,
+void DrawingThread::deliver(const WishPtr& wish, ShownPicture picture, bool is_complete,
                             double seconds) {
-  auto shown = std::make_unique<ShownPicture>();
+  auto shown = std::make_unique<ShownPicture>(std::move(picture));
   shown->wish = wish->number;
-  shown->width = image.width;
-  shown->height = image.height;
-  shown->rgba = image.toRgba8(wish->wish.state.background.value_or(kPaneColor));
   shown->is_complete = is_complete;
-  shown->missing_share = image.missing_share;
   shown->time = wish->wish.state.time;
   shown->seconds = seconds;
   const auto now = Clock::now();
   {
     const MutexLock lock(mutex_);
-    news_.picture = std::move(shown);
+    // The one before, if nobody took it, goes when nobody waits for the lock.
+    news_.picture.swap(shown);
     previewed_ = std::max(previewed_, wish->number);
     ++(is_complete ? times_.complete : times_.previews);
     while (!unanswered_.empty() && unanswered_.front().first <= wish->number) {

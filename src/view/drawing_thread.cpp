@@ -40,6 +40,11 @@ void DrawingThread::tellNews(std::function<void()> on_news) {
   on_news_ = std::move(on_news);
 }
 
+void DrawingThread::lend(std::shared_ptr<const ScreenContext> screen) {
+  const MutexLock lock(mutex_);
+  screen_ = std::move(screen);
+}
+
 void DrawingThread::open(const ViewedVolume& volume, const std::optional<ViewState>& state) {
   OpenRequest request;
   request.volume = volume;

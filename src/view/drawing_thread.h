@@ -68,6 +68,9 @@ class DrawingThread : public Desk {
   News take() override;
   DeskStatus status() const override;
   DeskTimes times() const override;
+  // Volumes that are opened from now on are drawn in it, where the CPU does not draw. It must
+  // outlive this.
+  void lend(std::shared_ptr<const ScreenContext> screen);
   // From now on in place of DrawingOptions::on_news; empty: nobody is told. What was told before
   // has returned.
   void tellNews(std::function<void()> on_news);
@@ -164,9 +167,10 @@ class DrawingThread : public Desk {
   void useLook(const LookOptions& look, bool is_shown = true);
   // Voxels between samples of the wish's whole picture.
   double wholeStep(const Wish& wish) const;
-  // Draws and learns from it.
-  Image draw(const Job& job, const PictureOptions& picture, double step_vox);
-  void deliver(const WishPtr& wish, const Image& image, bool is_complete, double seconds);
+  Image drawImage(const Job& job, const PictureOptions& picture);
+  // What a screen is to show of it, nothing but pixels or where they are. Learns from it.
+  ShownPicture draw(const Job& job, const PictureOptions& picture, double step_vox);
+  void deliver(const WishPtr& wish, ShownPicture picture, bool is_complete, double seconds);
   void deliverReport();
   void stopWork(bool also_previews) SLUICE_REQUIRES(mutex_);
   void fail(const std::string& line);
@@ -182,6 +186,7 @@ class DrawingThread : public Desk {
   Condition changed_;
   bool ends_ SLUICE_GUARDED_BY(mutex_) = false;
   bool is_open_ SLUICE_GUARDED_BY(mutex_) = false;
+  std::shared_ptr<const ScreenContext> screen_ SLUICE_GUARDED_BY(mutex_);
   std::optional<OpenRequest> open_ SLUICE_GUARDED_BY(mutex_);
   std::deque<SaveRequest> saves_ SLUICE_GUARDED_BY(mutex_);
   std::optional<Film> film_ SLUICE_GUARDED_BY(mutex_);

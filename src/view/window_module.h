@@ -7,6 +7,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,12 @@ struct WindowRequest {
   std::string log_file;       // what happens, a JSON object a line; empty: none
   // Sets who is told of the desk's news, from any thread; an empty function: nobody.
   std::function<void(std::function<void()>)> tell_news;
+  // Takes a context that shares textures with the window's, before anything is opened; empty: the
+  // picture's pixels are wanted. Contexts of software are lent only where `lends_software`.
+  std::function<void(std::shared_ptr<const ScreenContext>)> lend;
+  bool lends_software = false;
+  // The desk has ended when this returns: contexts that were lent may go.
+  std::function<void()> end_desk;
   // Asked now and then: whether the window is to close.
   std::function<bool()> is_asked_to_end;
   // Lines for people, on standard output.

@@ -256,6 +256,4 @@ def same_looks(folder):
 
 if __name__ == '__main__':
     also_missing = [] if importlib.util.find_spec('OpenImageIO') else ['python3-openimageio']
-    # One of them alone: film_test.py PROGRAM LIBRARY NAME.
-    tests = [globals()[name] for name in sys.argv[3:]] or [key_frames, turntable, same_looks]
-    window_driver.run(*tests, also_missing=also_missing)
+    window_driver.run(key_frames, turntable, same_looks, also_missing=also_missing)

@@ -1,13 +1,12 @@
 #!/usr/bin/env python3
 """20 000 random mouse and key events, or as many as a minute takes: memory is where it was, OpenGL has no error."""
-import ctypes
 import os
 import random
 import sys
 import time
 
 import window_driver
-from window_driver import Display, Window
+from window_driver import Display, Hand, Window
 
 EVENTS = int(os.environ.get('SLUICE_RANDOM_EVENTS', '20000'))
 SECONDS = float(os.environ.get('SLUICE_RANDOM_SECONDS', '60'))
@@ -19,35 +18,6 @@ KEYS = ['Left', 'Right', 'Up', 'Down', 'w', 's', 'a', 'd', 'q', 'e', 'p', 't', '
 def anonymous_bytes(pid):
     with open(f'/proc/{pid}/status', encoding='utf-8') as status:
         return next(int(line.split()[1]) * 1024 for line in status if line.startswith('RssAnon'))
-
-
-class Hand:
-    """Events by XTEST, without a process for each."""
-
-    def __init__(self, display):
-        self.x11, self.test = ctypes.CDLL('libX11.so.6'), ctypes.CDLL('libXtst.so.6')
-        self.x11.XOpenDisplay.restype = ctypes.c_void_p
-        self.x11.XStringToKeysym.restype = ctypes.c_ulong
-        self.display = ctypes.c_void_p(self.x11.XOpenDisplay(display.name.encode()))
-        self.sent = 0
-
-    def move(self, x, y):
-        self.test.XTestFakeMotionEvent(self.display, -1, x, y, ctypes.c_ulong(0))
-        self.sent += 1
-
-    def button(self, button, down):
-        self.test.XTestFakeButtonEvent(self.display, button, int(down), ctypes.c_ulong(0))
-        self.sent += 1
-
-    def key(self, name):
-        parts = [{'ctrl': 'Control_L'}.get(part, part) for part in name.split('+')]
-        codes = [self.x11.XKeysymToKeycode(self.display, ctypes.c_ulong(self.x11.XStringToKeysym(part.encode()))) for part in parts]
-        for code, down in [(code, 1) for code in codes] + [(code, 0) for code in reversed(codes)]:
-            self.test.XTestFakeKeyEvent(self.display, code, down, ctypes.c_ulong(0))
-            self.sent += 1
-
-    def flush(self):
-        self.x11.XSync(self.display, 0)
 
 
 def batch(generator, hand, area):

@@ -24,6 +24,11 @@ double secondsSince(WindowClock::time_point then) {
   return std::chrono::duration<double>(WindowClock::now() - then).count();
 }
 
+// Of the system's monotonic clock, as who sends events reads it.
+double clockSeconds(WindowClock::time_point when) {
+  return std::chrono::duration<double>(when.time_since_epoch()).count();
+}
+
 }  // namespace
 
 Sitting::Sitting(const WindowRequest& given, const std::function<void()>& wake)
@@ -43,6 +48,7 @@ void Sitting::change(const ViewState& next) {
   const auto now = WindowClock::now();
   if (!hand_is_on && now - moved_at > kTogether) ++gesture_;
   moved_at = now;
+  if (!hand_is_on) nudged_at_ = now;
   history.change(next, gesture_);
 }
 
@@ -131,7 +137,8 @@ void Sitting::takeOpened(std::unique_ptr<OpenedVolumeNews> news) {
   if (!request.settings_file.empty()) desk.saveText(request.settings_file, settingsText(settings));
   log.write({{"opened", opened->volume.paths.front()},
              {"dims", opened->info.dims},
-             {"time_steps", opened->info.time_steps}});
+             {"time_steps", opened->info.time_steps},
+             {"device", opened->device}});
 }
 
 // Several files, and those of which their name says not all, are not opened again by one path.
@@ -156,21 +163,33 @@ void Sitting::takeVanished(const std::string& gone) {
   if (!request.settings_file.empty()) desk.saveText(request.settings_file, settingsText(settings));
 }
 
-void Sitting::takePicture(const ShownPicture& shown) {
-  texture.set(shown.width, shown.height, shown.rgba);
-  picture = shown;
-  picture.rgba = {};
-  while (!unanswered_.empty() && unanswered_.front().first <= shown.wish) {
+void Sitting::takePicture(ShownPicture shown) {
+  picture = std::move(shown);
+  if (picture.screen) {
+    texture.show(*std::exchange(picture.screen, std::nullopt));
+  } else if (keeps_pixels) {
+    texture.drop();
+  } else {
+    texture.set(picture.width, picture.height, std::exchange(picture.rgba, {}));
+  }
+  picture_is_new = true;
+}
+
+void Sitting::notePresented() {
+  slice_is_new = {};
+  if (!std::exchange(picture_is_new, false)) return;
+  while (!unanswered_.empty() && unanswered_.front().first <= picture.wish) {
     if (times.answer_s.size() < kMostTimes)
       times.answer_s.push_back(secondsSince(unanswered_.front().second));
     unanswered_.pop_front();
   }
-  log.write({{"picture", shown.wish},
-             {"complete", shown.is_complete},
-             {"size", {shown.width, shown.height}},
-             {"time", shown.time},
-             {"seconds", shown.seconds},
-             {"of_newest", shown.wish == sent_number_}});
+  log.write({{"picture", picture.wish},
+             {"complete", picture.is_complete},
+             {"size", {picture.width, picture.height}},
+             {"time", picture.time},
+             {"seconds", picture.seconds},
+             {"of_newest", picture.wish == sent_number_},
+             {"at", clockSeconds(WindowClock::now())}});
 }
 
 void Sitting::takeNews() {
@@ -184,11 +203,12 @@ void Sitting::takeNews() {
     seen_frames_ = status.frames_written;
     log.write({{"written", status.frames_written}, {"of", status.frames}});
   }
-  if (news.picture) takePicture(*news.picture);
+  if (news.picture) takePicture(std::move(*news.picture));
   for (const ShownSlice& slice : news.slices) {
     const auto axis = static_cast<size_t>(slice.axis);
     slices[axis].set(slice.width, slice.height, slice.rgba);
     slice_at[axis] = slice.at;
+    slice_is_new[axis] = true;
     log.write({{"slice", slice.axis}, {"at", slice.at}});
   }
   if (news.look) look = std::move(*news.look);
@@ -226,21 +246,22 @@ void Sitting::sendWish() {
   wish.state = state();
   wish.width = pane.width;
   wish.height = pane.height;
-  const bool moves = hand_is_on || is_film_playing || WindowClock::now() - moved_at < kHandRests;
+  wish.showing_s = showing_s;
+  const bool moves = hand_is_on || is_film_playing || WindowClock::now() - nudged_at_ < kHandRests;
   if (is_playing) wish.next_time = (state().time + 1) % info().time_steps;
   const bool is_same = sent_ && sent_->state == wish.state && sent_->width == wish.width &&
                        sent_->height == wish.height;
   // The hand that let go wants the whole picture of what it saw last.
   if (is_same && (!sent_->moves || moves)) {
-    if (sent_->moves && !hand_is_on) wakeBy(moved_at + kHandRests + 1ms);
+    if (sent_->moves && !hand_is_on) wakeBy(nudged_at_ + kHandRests + 1ms);
     return;
   }
   wish.moves = moves && !is_playing;
-  if (wish.moves) wakeBy(moved_at + kHandRests + 1ms);
+  if (wish.moves && !hand_is_on) wakeBy(nudged_at_ + kHandRests + 1ms);
   sent_ = wish;
   sent_number_ = desk.wish(wish);
   if (!is_same) unanswered_.emplace_back(sent_number_, event_at);
-  log.write({{"wish", sent_number_}, {"moves", wish.moves}});
+  log.write({{"wish", sent_number_}, {"moves", wish.moves}, {"event_at", clockSeconds(event_at)}});
 }
 
 std::string Sitting::incompleteText() const {

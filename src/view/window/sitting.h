@@ -82,6 +82,10 @@ class Sitting {
   void showFrom(ViewOptions::From from);
   void toggleProjection();
   void takeNews();
+  // All that was taken is on the screen now: its times are known.
+  void notePresented();
+  // A wish has no picture yet.
+  bool awaitsPicture() const { return !unanswered_.empty(); }
   // Tells the desk what is to be seen, where that is something else than last time.
   void sendWish();
   void say(const std::string& line);
@@ -111,9 +115,15 @@ class Sitting {
   ShownLook look;
   RenderReport report;
   DeskStatus status;
-  ShownPicture picture;  // its pixels are in the texture
+  // Its pixels go into the texture, or, where the processor would have to filter that, stay with it
+  // for the canvas.
+  ShownPicture picture;
+  bool keeps_pixels = false;
   Texture texture;
   std::array<Texture, 3> slices;
+  // What was put into textures since the last notePresented().
+  bool picture_is_new = false;
+  std::array<bool, 3> slice_is_new{};
   std::array<int64_t, 3> slice_at{-1, -1, -1};
   std::optional<VoxelProbe> hovered;
   std::deque<std::string> messages;   // for people, the last one first
@@ -128,7 +138,8 @@ class Sitting {
     if (!wake_at || then < *wake_at) wake_at = then;
   }
   WindowClock::time_point event_at{};  // of the newest event
-  WindowClock::time_point moved_at{};  // when the wheel or a key last changed something
+  WindowClock::time_point moved_at{};  // when something was last changed
+  double showing_s = 0;                // that the processor takes to show a picture
   ViewPath film;
   std::string film_text = "frame_%04d.png";
   std::optional<ViewState> film_from;  // the view while a frame is shown in its place
@@ -151,7 +162,7 @@ class Sitting {
 
  private:
   void takeOpened(std::unique_ptr<OpenedVolumeNews> news);
-  void takePicture(const ShownPicture& shown);
+  void takePicture(ShownPicture shown);
   void keepRecent();
   void takeVanished(const std::string& gone);
 
@@ -160,6 +171,8 @@ class Sitting {
   uint64_t sent_number_ = 0;
   int64_t seen_frames_ = 0;
   std::deque<std::pair<uint64_t, WindowClock::time_point>> unanswered_;
+  // When the wheel or a key last changed something: more may follow, which a button's release ends.
+  WindowClock::time_point nudged_at_{};
   WindowClock::time_point step_at_{};
 };
 
