@@ -1,5 +1,5 @@
-// A window that makes an error of OpenGL now and then, for a program that is started with this
-// library in LD_PRELOAD: that such errors are seen is tested with it.
+// A window that makes an error of OpenGL and loses some memory now and then, for a program that is
+// started with this library in LD_PRELOAD: that both are seen is tested with it.
 #include <dlfcn.h>
 
 #include <cstdlib>
@@ -23,4 +23,6 @@ extern "C" void glClear(unsigned mask) {
   clear(mask);
   constexpr unsigned kNothing = 0xFFFF;
   enable(kNothing);
+  static void* volatile lost = nullptr;
+  lost = std::malloc(100);
 }
