@@ -45,7 +45,8 @@ def sit(folder, *libraries):
 def ends_clean(folder):
     said = sit(folder)
     assert not said, said
-    assert 'glClear' in sit(folder, sys.argv[3]), 'a library that loses memory is not seen'
+    lost = sit(folder, sys.argv[3])
+    assert 'leaked in' in lost, f'a library that loses memory is not seen: {lost[-500:]}'
 
 
 if __name__ == '__main__':
