@@ -285,7 +285,7 @@ std::optional<std::string> missingStep(VolumeSource& source, int64_t time) {
   if (steps < 2 || time < steps) return std::nullopt;
   const std::vector<std::string> files = source.files();
   if (static_cast<int64_t>(files.size()) != steps) return std::nullopt;
-  const auto file = fileAfter({files.begin(), files.end()}, time + 1 - steps);
+  const auto file = missingFile({files.begin(), files.end()}, time + 1 - steps);
   return file ? std::optional(file->string()) : std::nullopt;
 }
 

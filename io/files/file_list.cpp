@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <limits>
 #include <map>
 #include <optional>
 
@@ -236,8 +237,8 @@ std::string inDigits(int64_t number, size_t width) {
 
 }  // namespace
 
-std::optional<std::filesystem::path> fileAfter(const std::vector<std::filesystem::path>& files,
-                                               int64_t count) {
+std::optional<std::filesystem::path> missingFile(const std::vector<std::filesystem::path>& files,
+                                                 int64_t count) {
   if (files.size() < 2) return std::nullopt;
   const std::string a = files[files.size() - 2].filename(), b = files.back().filename();
   const auto isDigit = [&](size_t i) {
@@ -250,13 +251,23 @@ std::optional<std::filesystem::path> fileAfter(const std::vector<std::filesystem
     const size_t end = std::min(name.find_first_not_of("0123456789", begin), name.size());
     return name.substr(begin, end - begin);
   };
-  const auto last = numberOf(digitsOf(b)), before = numberOf(digitsOf(a));
-  if (!last || !before || *last <= *before ||
-      a.substr(begin + digitsOf(a).size()) != b.substr(begin + digitsOf(b).size()))
-    return std::nullopt;
-  return files.back().parent_path() /
-         (b.substr(0, begin) + inDigits(*last + count * (*last - *before), digitsOf(b).size()) +
-          b.substr(begin + digitsOf(b).size()));
+  std::vector<int64_t> numbers;
+  for (const auto& file : files) {
+    const std::string name = file.filename();
+    const auto number =
+        name.starts_with(b.substr(0, begin)) ? numberOf(digitsOf(name)) : std::nullopt;
+    if (!number || (!numbers.empty() && *number <= numbers.back()) ||
+        name.substr(begin + digitsOf(name).size()) != b.substr(begin + digitsOf(b).size()))
+      return std::nullopt;
+    numbers.push_back(*number);
+  }
+  int64_t step = std::numeric_limits<int64_t>::max();
+  for (size_t i = 1; i < numbers.size(); ++i) step = std::min(step, numbers[i] - numbers[i - 1]);
+  int64_t wanted = numbers.back() + count * step;
+  for (size_t i = numbers.size() - 1; i > 0; --i)
+    if (numbers[i] - numbers[i - 1] > step) wanted = numbers[i - 1] + step;
+  return files.back().parent_path() / (b.substr(0, begin) + inDigits(wanted, digitsOf(b).size()) +
+                                       b.substr(begin + digitsOf(b).size()));
 }
 
 std::optional<std::string> gapNote(const std::vector<std::filesystem::path>& files) {
@@ -277,7 +288,7 @@ std::optional<std::string> gapNote(const std::vector<std::filesystem::path>& fil
       steps.begin(), steps.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
   const int64_t step = usual->first;
   // Numbers that go up anyhow are no series with gaps.
-  if (step <= 0 || usual->second * 4 < (numbers.size() - 1) * 3) return std::nullopt;
+  if (step <= 0 || usual->second * 3 < (numbers.size() - 1) * 2) return std::nullopt;
   int64_t missing = 0;
   size_t gap = 0;
   for (size_t i = numbers.size() - 1; i > 0; --i) {

@@ -41,10 +41,11 @@ void requireOneSeries(const std::string& name, const std::vector<std::filesystem
 // missing: which. nullopt: none missing, or no such series. The files are in order.
 std::optional<std::string> gapNote(const std::vector<std::filesystem::path>& files);
 
-// The file that would come `count` files after the last, of those whose names differ in one number
-// alone, in steps of the last two. nullopt: no such series. The files are in order.
-std::optional<std::filesystem::path> fileAfter(const std::vector<std::filesystem::path>& files,
-                                               int64_t count);
+// Of files whose names differ in one number alone, the one to look for where `count` more were
+// expected: the first that is missing between them, else the `count`th after the last, in the least
+// step of theirs. nullopt: no such series. The files are in order.
+std::optional<std::filesystem::path> missingFile(const std::vector<std::filesystem::path>& files,
+                                                 int64_t count);
 
 // Sorts names as numbers are where a shell has sorted them as text ("s10" before "s2"). Returns
 // one line for people where the order changed, and where it stays another than that of the numbers.

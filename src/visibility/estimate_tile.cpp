@@ -16,17 +16,42 @@ static_assert(kSide == TileRays::kSide);
 // How far from a block a sample may be, in voxels, that a device's arithmetic puts into it.
 constexpr double kPlaceDoubt = 1e-3;
 
+// No slice of a block is known to be clear.
+constexpr int32_t kNoneClear = -(1 << 30);
+
+// All slices before this one are in front of `near`.
+int32_t beforeSlice(float near) {
+  return near > -1e9F ? static_cast<int32_t>(std::floor(near)) - 1 : kNoneClear;
+}
+
 Vec3d cube(double side) {
   return {side, side, side};
 }
 
 }  // namespace
 
+std::unique_ptr<UnpackedParts> VisibilityEstimate::takeUnpacked() {
+  const MutexLock lock(unpacked_mutex_);
+  if (unpacked_.empty()) return std::make_unique<UnpackedParts>();
+  auto taken = std::move(unpacked_.back());
+  unpacked_.pop_back();
+  return taken;
+}
+
+void VisibilityEstimate::giveBack(std::unique_ptr<UnpackedParts> unpacked) {
+  const MutexLock lock(unpacked_mutex_);
+  unpacked_.push_back(std::move(unpacked));
+}
+
 // What a thread works in.
 class VisibilityEstimate::TileWork {
  public:
-  TileWork(const VisibilityEstimate& of, const Tile& tile)
-      : of_(of), tile_(tile.pixels), width_(tile_.x1 - tile_.x0), height_(tile_.y1 - tile_.y0) {
+  TileWork(const VisibilityEstimate& of, const Tile& tile, UnpackedParts& unpacked)
+      : of_(of),
+        unpacked_(unpacked),
+        tile_(tile.pixels),
+        width_(tile_.x1 - tile_.x0),
+        height_(tile_.y1 - tile_.y0) {
     rays_.set(of.view_.rays, of.view_.parallel, of.view_.first_slice, tile_.x0, tile_.y0);
     is_open_.fill(true);
   }
@@ -64,7 +89,7 @@ class VisibilityEstimate::TileWork {
       const size_t row = static_cast<size_t>(y) * kSide;
       if (findKnown(kept, row)) continue;
       if (!is_set_) setBlock(block, function);
-      addRow(place, y);
+      addRow(place, y, kept);
     }
     if (batch_) batch_->finish();
     for (int y = y0_; y < y1_; ++y)
@@ -87,28 +112,40 @@ class VisibilityEstimate::TileWork {
   // What the block's parts hide; those that may not show, nothing.
   void setParts(uint32_t block, const OpacityFunction& function) {
     const PartGrid grid = series().partsOf(block);
-    const Vec3i count = grid.count(), lo = series().cellsOf(block).lo;
+    const Vec3i count = grid.count();
     cube_cells_ = static_cast<double>(grid.side) / kDetail;
     for (int a = 0; a < 3; ++a)
       part_count_[static_cast<size_t>(a)] = static_cast<int32_t>(count[a]);
     const auto parts = static_cast<size_t>(volume(count));
-    cubes_.assign(4 * parts, 0);
-    levels_.assign(4 * parts, of_.extinction_[function.floor]);
-    DetailReader in(function.parts, function.detail);
-    const bool whole = of_.places_[block].whole;
+    const int32_t id = of_.functions_[block];
+    UnpackedParts::Parts& place = unpacked_.placeOf(id, parts);
+    if (place.function != id || place.extinction.size() != 4 * parts)
+      unpack(function, parts, place);
+    place.function = id;
+    parts_ = &place;
+    if (of_.places_[block].whole) return;
+    shown_parts_ = place;
+    parts_ = &shown_parts_;
+    const Vec3i lo = series().cellsOf(block).lo;
     for (size_t i = 0; i < parts; ++i) {
-      if (!function.parts.empty()) {
-        const PartLevels part = in.next();
-        for (size_t level = 0; level < 4; ++level) {
-          cubes_[4 * i + level] = part.cubes[level];
-          levels_[4 * i + level] = of_.extinction_[part.levels[level]];
-        }
-      }
-      if (whole) continue;
       const auto at = static_cast<int64_t>(i);
       const Vec3i part{at % count.x, at / count.x % count.y, at / (count.x * count.y)};
       if (of_.isShown(translate(grid.cellsOf(part), lo))) continue;
-      std::fill_n(levels_.begin() + static_cast<ptrdiff_t>(4 * i), 4, 0.0F);
+      std::fill_n(shown_parts_.extinction.begin() + static_cast<ptrdiff_t>(4 * i), 4, 0.0F);
+    }
+  }
+
+  void unpack(const OpacityFunction& function, size_t parts, UnpackedParts::Parts& place) const {
+    place.cubes.assign(4 * parts, 0);
+    place.extinction.assign(4 * parts, of_.extinction_[function.floor]);
+    if (function.parts.empty()) return;
+    DetailReader in(function.parts, function.detail);
+    for (size_t i = 0; i < parts; ++i) {
+      const PartLevels part = in.next();
+      for (size_t level = 0; level < 4; ++level) {
+        place.cubes[4 * i + level] = part.cubes[level];
+        place.extinction[4 * i + level] = of_.extinction_[part.levels[level]];
+      }
     }
   }
 
@@ -137,6 +174,7 @@ class VisibilityEstimate::TileWork {
         kept->along[i] = is_cut || sum_[i] + added_[i] >= of_.limit_ ? -added_[i] : added_[i];
         kept->end[i] = is_cut ? static_cast<float>(firsts_[i] + taken_[i])
                               : std::numeric_limits<float>::infinity();
+        kept->clear[i] = has_parts_ ? firsts_[i] + clear_[i] : kNoneClear;
       }
       sum_[i] += added_[i];
     }
@@ -157,8 +195,8 @@ class VisibilityEstimate::TileWork {
     has_parts_ = !whole_ && (!function.parts.empty() || !place.whole);
     if (has_parts_) {
       setParts(block, function);
-      batch_.emplace(PartValues{cubes_.data(), levels_.data(), part_count_}, added_.data(),
-                     taken_.data());
+      batch_.emplace(PartValues{parts_->cubes.data(), parts_->extinction.data(), part_count_},
+                     SampleBatch::Results{added_.data(), taken_.data(), clear_.data()});
     }
     const Box3 cells = series().cellsOf(block);
     lo_ = toDouble(cells.lo);
@@ -167,7 +205,7 @@ class VisibilityEstimate::TileWork {
     is_set_ = true;
   }
 
-  void addRow(const Place& place, int y) {
+  void addRow(const Place& place, int y, const Added* kept) {
     const size_t row = static_cast<size_t>(y) * kSide;
     rays_.stretches(planes_, y, x0_, x1_, entry_, exit_);
     if (whole_) {
@@ -176,23 +214,28 @@ class VisibilityEstimate::TileWork {
     }
     samplesOf(entry_, exit_, x0_, x1_, kSliceDoubt, first_, count_);
     if (has_parts_)
-      addParts(y);
+      addParts(y, kept);
     else
       for (size_t x = first_x(); x < end_x(); ++x)
         if (!is_known_[row + x]) added_[row + x] = floor_ * static_cast<float>(count_[x]);
     if (ratio_ > floor_) noteTable(place, row);
   }
 
-  void addParts(int y) {
+  void addParts(int y, const Added* kept) {
     rays_.positions(lo_, 1 / cube_cells_, y, x0_, x1_, first_, positions_);
     for (size_t x = first_x(), i = static_cast<size_t>(y) * kSide + x; x < end_x(); ++x, ++i) {
       if (is_known_[i]) continue;
       added_[i] = 0;
       taken_[i] = 0;
+      clear_[i] = 0;
       firsts_[i] = first_[x];
       counts_[i] = count_[x];
       const float room = of_.limit_ - sum_[i];
-      if (room > 0 && count_[x] > 0) batch_->add(positions_, x, count_[x], room, i);
+      if (!(room > 0) || count_[x] == 0) continue;
+      // The first samples add nothing still.
+      const int32_t clear =
+          kept != nullptr ? std::clamp(kept->clear[i] - first_[x], 0, count_[x]) : 0;
+      batch_->add(positions_, x, count_[x], clear, room, i);
     }
   }
 
@@ -251,6 +294,7 @@ class VisibilityEstimate::TileWork {
   }
 
   const VisibilityEstimate& of_;
+  UnpackedParts& unpacked_;
   const Rect tile_;
   const int width_, height_;
   TileRays rays_;
@@ -262,15 +306,15 @@ class VisibilityEstimate::TileWork {
   float floor_ = 0, ratio_ = 0;
   Vec3d lo_;
   TileRays::BoxPlanes planes_{};
-  std::vector<uint32_t> cubes_;
-  std::vector<float> levels_;
+  const UnpackedParts::Parts* parts_ = nullptr;
+  UnpackedParts::Parts shown_parts_;  // of a block that is cut
   std::array<int32_t, 3> part_count_{};
   double cube_cells_ = 1;
   float most_ = 0, at_most_ = 0;
   std::optional<SampleBatch> batch_;
   TilePixels added_{}, by_table_{};
   std::array<bool, kTilePixels> is_known_{};
-  std::array<int32_t, kTilePixels> firsts_{}, counts_{}, taken_{};  // samples
+  std::array<int32_t, kTilePixels> firsts_{}, counts_{}, taken_{}, clear_{};  // samples
   // Of the row.
   TileRays::Slices entry_{}, exit_{};
   TileRays::Samples first_{}, count_{};
@@ -310,6 +354,7 @@ std::optional<size_t> VisibilityEstimate::firstAffected(Task& task) {
           // What lies behind the sample that made the ray opaque was not looked at.
           if (part.near > kept->end[pixel]) continue;
           kept->along[pixel] = -0.0F;
+          kept->clear[pixel] = std::min(kept->clear[pixel], beforeSlice(part.near));
           differs = true;
         }
     }
@@ -328,7 +373,8 @@ void VisibilityEstimate::estimateTile(Task& task) {
     if (!affected) return;
     if (!tile.added.empty()) first = *affected;
   }
-  TileWork work(*this, tile);
+  std::unique_ptr<UnpackedParts> unpacked = takeUnpacked();
+  TileWork work(*this, tile, *unpacked);
   bool is_opaque = false;
   for (size_t i = 0; i < tile.blocks.size(); ++i) {
     const uint32_t block = tile.blocks[i];
@@ -341,12 +387,16 @@ void VisibilityEstimate::estimateTile(Task& task) {
     if (!tile.added.empty()) {
       if (tile.added[i] == nullptr) tile.added[i] = std::make_unique<Added>();
       kept = tile.added[i].get();
-      if (kept->function != now) kept->along.fill(-0.0F);
+      if (kept->function != now) {
+        kept->along.fill(-0.0F);
+        kept->clear.fill(kNoneClear);
+      }
       kept->function = now;
     }
     work.add(block, function, kept);
     is_opaque = work.isOpaque();
   }
+  giveBack(std::move(unpacked));
 }
 
 }  // namespace sluice

@@ -41,14 +41,17 @@ using Lanes = SampleBatch::Lanes;
   constexpr int32_t kBetweenLooks = 4;
   for (int32_t from = 0; from < most; from += kBetweenLooks) {
     int32_t live = 0;
-    for (int i = 0; i < kSide; ++i)
-      live += (lanes.count[static_cast<size_t>(i)] > from ? 1 : 0) &
-              (lanes.sum[static_cast<size_t>(i)] < lanes.room[static_cast<size_t>(i)] ? 1 : 0);
+    for (size_t i = 0; i < kSide; ++i) {
+      const int32_t k = lanes.first[i] + from;
+      live += (lanes.count[i] > k ? 1 : 0) & (lanes.sum[i] < lanes.room[i] ? 1 : 0);
+      lanes.clear[i] = lanes.sum[i] == 0 ? std::min(k, lanes.count[i]) : lanes.clear[i];
+    }
     if (live == 0) return;
     const int32_t end = std::min(most, from + kBetweenLooks);
-    for (int32_t k = from; k < end; ++k) {
-      const auto at = static_cast<float>(k);
+    for (int32_t turn = from; turn < end; ++turn)
       for (size_t i = 0; i < kSide; ++i) {
+        const int32_t k = lanes.first[i] + turn;
+        const auto at = static_cast<float>(k);
         const float px = std::clamp(lanes.x[i] + lanes.dx[i] * at, 0.0F, last_x);
         const float py = std::clamp(lanes.y[i] + lanes.dy[i] * at, 0.0F, last_y);
         const float pz = std::clamp(lanes.z[i] + lanes.dz[i] * at, 0.0F, last_z);
@@ -62,7 +65,6 @@ using Lanes = SampleBatch::Lanes;
         lanes.sum[i] += counts ? value : 0.0F;
         lanes.taken[i] += counts ? 1 : 0;
       }
-    }
   }
 }
 
@@ -187,14 +189,17 @@ void samplesOf(const TileRays::Slices& entry, const TileRays::Slices& exit, int 
 void SampleBatch::finish() {
   static const March kMarch = bestMarch();
   if (rays_ == 0) return;
-  kMarch(parts_, *std::max_element(lanes_.count.begin(), lanes_.count.end()), lanes_);
+  int32_t most = 0;
+  for (size_t i = 0; i < rays_; ++i) most = std::max(most, lanes_.count[i] - lanes_.first[i]);
+  kMarch(parts_, most, lanes_);
   for (size_t i = 0; i < rays_; ++i) {
-    added_[pixels_[i]] = lanes_.sum[i];
-    taken_[pixels_[i]] = lanes_.taken[i];
+    results_.added[pixels_[i]] = lanes_.sum[i];
+    results_.taken[pixels_[i]] = lanes_.taken[i];
+    results_.clear[pixels_[i]] = lanes_.clear[i];
   }
   lanes_.sum.fill(0);
-  lanes_.taken.fill(0);
   lanes_.count.fill(0);
+  lanes_.first.fill(0);
   rays_ = 0;
 }
 

@@ -73,15 +73,21 @@ struct PartValues {
 
 // Rays of some of a tile's pixels, followed through the parts of a block, sixteen at a time: what
 // their samples add up to, one by one from the first, as long as it is less than `room`, and how
-// many were taken. Those that need not be followed cost nothing. The values do not depend on the
-// machine.
+// many were taken. Those that need not be followed cost nothing, nor do first samples of which is
+// known that they add nothing. The values do not depend on the machine.
 class SampleBatch {
  public:
-  // Results go to `added` and `taken` at a ray's pixel, by finish() at the latest.
-  SampleBatch(const PartValues& parts, float* added, int32_t* taken)
-      : parts_(parts), added_(added), taken_(taken) {}
-  // The ray of pixel x of a row, with `count` samples.
-  void add(const TileRays::Positions& positions, size_t x, int32_t count, float room,
+  // Of each of a tile's pixels.
+  struct Results {
+    float* added;
+    int32_t* taken;  // samples
+    int32_t* clear;  // first ones that are known to add nothing
+  };
+  // Results come at a ray's pixel, by finish() at the latest.
+  SampleBatch(const PartValues& parts, const Results& results) : parts_(parts), results_(results) {}
+  // The ray of pixel x of a row, with `count` samples, of which the first `clear` add nothing.
+  // Requires: clear <= count.
+  void add(const TileRays::Positions& positions, size_t x, int32_t count, int32_t clear, float room,
            size_t pixel) {
     const size_t i = rays_++;
     lanes_.x[i] = positions.at[0][x], lanes_.dx[i] = positions.step[0][x];
@@ -89,6 +95,7 @@ class SampleBatch {
     lanes_.z[i] = positions.at[2][x], lanes_.dz[i] = positions.step[2][x];
     lanes_.room[i] = room;
     lanes_.count[i] = count;
+    lanes_.taken[i] = lanes_.first[i] = lanes_.clear[i] = clear;
     pixels_[i] = pixel;
     if (rays_ == TileRays::kSide) finish();
   }
@@ -97,13 +104,13 @@ class SampleBatch {
   struct Lanes {
     using Floats = std::array<float, TileRays::kSide>;
     alignas(64) Floats x{}, y{}, z{}, dx{}, dy{}, dz{}, room{}, sum{};
-    alignas(64) TileRays::Samples count{}, taken{};
+    // `first`: the sample to begin with.
+    alignas(64) TileRays::Samples count{}, first{}, taken{}, clear{};
   };
 
  private:
   const PartValues parts_;
-  float* const added_;
-  int32_t* const taken_;
+  const Results results_;
   size_t rays_ = 0;
   std::array<size_t, TileRays::kSide> pixels_{};
   Lanes lanes_;

@@ -286,20 +286,22 @@ std::vector<VisibilityEstimate::Task> VisibilityEstimate::allTiles(int64_t step)
 }
 
 // Notes what changes to `step`, and where.
-void VisibilityEstimate::takeChanges(int64_t step) {
+void VisibilityEstimate::takeChanges(int64_t step, WorkerPool& pool) {
   for (const int64_t block : changed_) changes_[static_cast<size_t>(block)] = {};
   changed_ = series_->tree->changedBetween(step_, step);
   changed_blocks_ = static_cast<int64_t>(changed_.size());
-  for (const int64_t block : changed_) {
+  pool.parallelFor(changed_blocks_, [&](int64_t i) {
+    const int64_t block = changed_[static_cast<size_t>(i)];
     int32_t& function = functions_[static_cast<size_t>(block)];
     Change& change = changes_[static_cast<size_t>(block)];
     change.before = std::exchange(function, series_->functionAt(block, step));
     if (change.before != function) change.parts = changedParts(block, change.before, function);
-  }
+  });
 }
 
-std::vector<VisibilityEstimate::Task> VisibilityEstimate::affectedTiles(int64_t step) {
-  takeChanges(step);
+std::vector<VisibilityEstimate::Task> VisibilityEstimate::affectedTiles(int64_t step,
+                                                                        WorkerPool& pool) {
+  takeChanges(step, pool);
   std::vector<Task> of_tile(tiles_.size());
   for (const int64_t block : changed_) {
     const Place& place = places_[static_cast<size_t>(block)];
@@ -329,7 +331,7 @@ std::vector<VisibilityEstimate::Task> VisibilityEstimate::affectedTiles(int64_t 
 
 void VisibilityEstimate::setStep(int64_t step, WorkerPool& pool, bool from_scratch) {
   SLUICE_CHECK(step >= 0 && step < series_->steps);
-  std::vector<Task> tasks = step_ < 0 || from_scratch ? allTiles(step) : affectedTiles(step);
+  std::vector<Task> tasks = step_ < 0 || from_scratch ? allTiles(step) : affectedTiles(step, pool);
   step_ = step;
   const auto count = [&](int32_t by) {
     for (const Task& task : tasks) {

@@ -25,9 +25,11 @@
 #include <span>
 #include <vector>
 
+#include "src/base/mutex.h"
 #include "src/base/worker_pool.h"
 #include "src/device/frame_values.h"
 #include "src/visibility/series_opacity.h"
+#include "src/visibility/unpacked_parts.h"
 
 namespace sluice {
 
@@ -93,6 +95,8 @@ class VisibilityEstimate {
   struct Added {
     int32_t function = -1;  // of the block
     TilePixels along, end;
+    std::array<int32_t, static_cast<size_t>(kTileSide) * kTileSide>
+        clear;  // slices before add nothing
   };
   struct Tile {
     Rect pixels;
@@ -137,10 +141,12 @@ class VisibilityEstimate {
   std::vector<ChangedPart> changedParts(int64_t block, int32_t before, int32_t now) const;
   float nearSlice(const Box3& cells) const;
   std::vector<Task> allTiles(int64_t step);
-  std::vector<Task> affectedTiles(int64_t step);
-  void takeChanges(int64_t step);
+  std::vector<Task> affectedTiles(int64_t step, WorkerPool& pool);
+  void takeChanges(int64_t step, WorkerPool& pool);
   std::optional<size_t> firstAffected(Task& task);
   void estimateTile(Task& task);
+  std::unique_ptr<UnpackedParts> takeUnpacked();
+  void giveBack(std::unique_ptr<UnpackedParts> unpacked);
   float ratioOf(const OpacityFunction& function, const Place& place) const;
 
   const SeriesOpacityPtr series_;
@@ -159,6 +165,9 @@ class VisibilityEstimate {
   std::vector<int32_t> functions_;   // of the step
   std::vector<Change> changes_;      // of each block
   std::vector<int64_t> changed_;     // those with one
+  Mutex unpacked_mutex_;
+  // Of threads that are at no tile. Kept from step to step.
+  std::vector<std::unique_ptr<UnpackedParts>> unpacked_ SLUICE_GUARDED_BY(unpacked_mutex_);
   int64_t step_ = -1;
   int64_t pixels_checked_ = 0, changed_blocks_ = 0, all_pixels_ = 0;
 };

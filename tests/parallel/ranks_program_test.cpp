@@ -218,6 +218,10 @@ TEST_P(RanksProgram, endTogetherAtAStepThatIsCut) {
   EXPECT_THAT(cut.output, HasSubstr("mix_003.nrrd"));
   // One that is not there, and one of another size.
   std::filesystem::rename(program_.folder / "mix_003.nrrd", program_.folder / "away");
+  const CommandResult missing = onRanks(3, command);
+  EXPECT_NE(missing.status, 0);
+  EXPECT_EQ(occurrences(missing.output, "sluice: "), 1) << missing.output;
+  EXPECT_THAT(missing.output, HasSubstr("mix_003.nrrd"));
   EXPECT_EQ(program_.run("synth mixing -o mix_003.nrrd --dims 40,48,48 -q").status, 0);
   const CommandResult other = onRanks(3, command);
   EXPECT_NE(other.status, 0);

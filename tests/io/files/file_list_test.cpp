@@ -72,6 +72,26 @@ TEST(Pattern, rejectsOneThatMatchesNothing) {
               HasSubstr("cannot be read"));
 }
 
+TEST(MissingFile, isTheFirstBetweenOthersElseOneBehind) {
+  const auto missing = [](std::vector<std::filesystem::path> files, int64_t count = 1) {
+    const auto file = missingFile(files, count);
+    return file ? file->string() : "";
+  };
+  EXPECT_EQ(missing({"d/s_000.raw", "d/s_001.raw", "d/s_002.raw", "d/s_004.raw"}), "d/s_003.raw");
+  EXPECT_EQ(missing({"s_0.raw", "s_200.raw", "s_300.raw", "s_600.raw"}), "s_100.raw");
+  EXPECT_EQ(missing({"s_8.raw", "s_9.raw"}, 2), "s_11.raw");
+  EXPECT_EQ(missing({"s_0100.raw", "s_0200.raw"}), "s_0300.raw");
+  EXPECT_EQ(missing({"a.raw", "b.raw", "c.raw"}), "");
+  EXPECT_EQ(missing({"s_1.raw", "t_2.raw", "s_3.raw"}), "");
+  EXPECT_EQ(missing({"s_1.raw"}), "");
+}
+
+TEST(GapNote, namesWhatIsMissing) {
+  const std::vector<std::filesystem::path> few{"s_0.raw", "s_1.raw", "s_2.raw", "s_4.raw"};
+  EXPECT_THAT(gapNote(few).value_or(""), HasSubstr("s_3.raw is missing, between s_2.raw"));
+  EXPECT_EQ(gapNote({"s_1.raw", "s_2.raw", "s_4.raw", "s_8.raw"}), std::nullopt);
+}
+
 TEST(FileIdentity, changesWithAnyFileOfAList) {
   const TempFolder folder;
   writeFile(folder / "a", "1");
