@@ -1,7 +1,8 @@
-// A window that makes an error of OpenGL now and then, for a program that is started with this
-// library in LD_PRELOAD: that such errors are seen is tested with it.
+// A window that makes an error of OpenGL and loses some memory now and then, for a program that is
+// started with this library in LD_PRELOAD: that both are seen is tested with it.
 #include <dlfcn.h>
 
+#include <cstddef>
 #include <cstdlib>
 
 namespace {
@@ -23,4 +24,7 @@ extern "C" void glClear(unsigned mask) {
   clear(mask);
   constexpr unsigned kNothing = 0xFFFF;
   enable(kNothing);
+  // Through a volatile pointer, so that the compiler does not see that it is lost.
+  static void* (*volatile const take)(size_t) = std::malloc;
+  static_cast<void>(take(100));
 }

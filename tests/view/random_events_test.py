@@ -21,9 +21,12 @@ def anonymous_bytes(pid):
 
 
 def batch(generator, hand, area):
-    """Some events; buttons are let go at the end. Left of x = 480 is the picture, where nothing saves."""
+    """Some events, slow enough for a window to see a drag as one; buttons are let go at the end. Left of x = 480 is the picture, where nothing saves."""
     held = None
-    for _ in range(40):
+    for number in range(40):
+        if number % 4 == 3:
+            hand.flush()
+            time.sleep(0.004)
         what = generator.random()
         x, y = generator.randrange(area[0]), generator.randrange(area[1])
         if what < 0.75:

@@ -116,6 +116,8 @@ class Window:
         self.environment = dict(os.environ, DISPLAY=display.name, XDG_CONFIG_HOME=f'{folder}/config',
                                 XDG_CACHE_HOME=f'{folder}/cache', LIBGL_ALWAYS_SOFTWARE='1', **(environment or {}))
         self.environment.pop('WAYLAND_DISPLAY', None)
+        # Of who sends its events: nothing is put under that.
+        self.outside = {name: value for name, value in self.environment.items() if name != 'LD_PRELOAD'}
         self.output = open(pathlib.Path(folder, 'window.out'), 'w+', encoding='utf-8')
         self.process = subprocess.Popen([program, 'view', *arguments, '--log', str(self.log)], cwd=folder, env=self.environment,
                                         stdout=self.output, stderr=subprocess.STDOUT)
@@ -173,16 +175,16 @@ class Window:
         return self.wait(lambda line: line.get('complete') is True and line.get('of_newest'), since=since)
 
     def do(self, *words):
-        subprocess.run(['xdotool', *map(str, words)], env=self.environment, check=True, stdout=subprocess.DEVNULL)
+        subprocess.run(['xdotool', *map(str, words)], env=self.outside, check=True, stdout=subprocess.DEVNULL)
 
     def find(self, title):
         """The number of a window of this title."""
-        found = subprocess.run(['xdotool', 'search', '--sync', '--name', f'^{title}$'], env=self.environment, check=True,
+        found = subprocess.run(['xdotool', 'search', '--sync', '--name', f'^{title}$'], env=self.outside, check=True,
                                stdout=subprocess.PIPE, text=True)
         return found.stdout.split()[0]
 
     def size(self, number):
-        said = subprocess.run(['xdotool', 'getwindowgeometry', '--shell', number], env=self.environment, check=True,
+        said = subprocess.run(['xdotool', 'getwindowgeometry', '--shell', number], env=self.outside, check=True,
                               stdout=subprocess.PIPE, text=True).stdout
         values = dict(line.split('=') for line in said.split())
         return int(values['WIDTH']), int(values['HEIGHT'])
@@ -253,5 +255,5 @@ class Window:
     def screenshot(self, path):
         """All of the screen, PNG; needs ImageMagick's import or xwd with OpenImageIO; False where there is none."""
         if shutil.which('import'):
-            return subprocess.run(['import', '-window', 'root', str(path)], env=self.environment, check=False).returncode == 0
+            return subprocess.run(['import', '-window', 'root', str(path)], env=self.outside, check=False).returncode == 0
         return False
