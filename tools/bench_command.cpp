@@ -270,9 +270,9 @@ Bench addWindow(CLI::App& app) {
             asked.volume =
                 viewedVolume(bench->volume, bench->resources, asked.drawing.index_folder);
             asked.drawing.renderer = rendererOptions(bench->resources);
-            asked.drawing.look = state.look;
-            asked.drawing.view = state.view;
-            asked.drawing.step_vox = state.step_vox;
+            asked.drawing.state.look = state.look;
+            asked.drawing.state.view = state.view;
+            asked.drawing.state.step_vox = state.step_vox;
             asked.width = bench->frame.size.width;
             asked.height = bench->frame.size.height;
             asked.threshold = bench->look.threshold.value_or(0);

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "io/files/numbered_name.h"
+#include "src/base/numbered_name.h"
 #include "src/library/view_fit.h"
 #include "tools/arguments.h"
 #include "tools/picture_output.h"

@@ -15,6 +15,7 @@
 #include "tools/command_line/shared_options.h"
 #include "tools/commands.h"
 #include "tools/debug_views.h"
+#include "tools/film.h"
 #include "tools/interrupt.h"
 #include "tools/pages/report_file.h"
 #include "tools/picture_output.h"
@@ -195,8 +196,13 @@ Drawn drawAll(const Arguments& arguments, const std::vector<int64_t>& to_draw,
 }
 
 int run(Arguments& arguments, CLI::App& app, Team* team) {
-  if (!arguments.state_file.empty()) applyState(app, arguments.state_file);
+  std::optional<SavedFilm> film;
+  if (!arguments.state_file.empty()) film = applyState(app, arguments.state_file);
   if (arguments.volume.inputs.empty()) throw CLI::RequiredError("volume");
+  if (film && asksForFilm(arguments)) {
+    if (team != nullptr) fail("{}: the frames of a path are of one process", arguments.state_file);
+    return writeFilm(arguments, app, *film);
+  }
   checkOutput(arguments);
   if (team != nullptr && (arguments.debug_view || !arguments.trace_file.empty()))
     fail("{} is of one process, not of {} ranks", arguments.debug_view ? "--debug-view" : "--trace",
@@ -280,7 +286,8 @@ Command addRender(CLI::App& program) {
   OptionGroup(*app, "View")
       .text("--state", "FILE", arguments->state_file,
             "A view that sluice view saved, and its volume; options that are "
-            "given beside it take the place of its own");
+            "given beside it take the place of its own. With -o frame_%04d.png the frames of the "
+            "path that was saved with it");
   output.flag("--annotate", arguments->annotate,
               "PNG: draws orientation axes, a scale bar and a colour bar");
   output.parsed(

@@ -7,10 +7,10 @@
 #include <string>
 
 #include "io/files/file_list.h"
-#include "io/files/numbered_name.h"
 #include "io/headers/raw_name.h"
 #include "io/headers/raw_writer.h"
 #include "io/synth/synth_source.h"
+#include "src/base/numbered_name.h"
 #include "src/base/worker_pool.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/outputs.h"

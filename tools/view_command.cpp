@@ -2,9 +2,14 @@
 #include <filesystem>
 #include <memory>
 #include <system_error>
+#include <utility>
 
+#include "io/volume_names.h"
 #include "src/base/error.h"
 #include "src/classify/transfer/color_maps.h"
+#if SLUICE_HAS_GL
+#include "src/gl/backends.h"
+#endif
 #include "src/view/drawing_thread.h"
 #include "src/view/settings.h"
 #include "src/view/state_file.h"
@@ -15,6 +20,7 @@
 #include "tools/commands.h"
 #include "tools/environment.h"
 #include "tools/interrupt.h"
+#include "tools/picture_output.h"
 #include "tools/view_arguments.h"
 
 namespace sluice {
@@ -29,19 +35,29 @@ struct Arguments {
   std::string state_file, trace_file, log_file;
 };
 
+FileKind kindOf(const std::string& path) {
+  if (const auto picture = pictureKind(path))
+    return *picture == PictureKind::kExr ? FileKind::kExr : FileKind::kPng;
+  return std::filesystem::path(path).extension() == ".json" ? FileKind::kJson : FileKind::kText;
+}
+
+// Of what the window saves, as other commands ask before they write.
+void checkSaved(const std::vector<std::string>& reads, const std::vector<std::string>& writes) {
+  Outputs outputs;
+  outputs.reads(reads);
+  for (const std::string& path : writes) outputs.writes("saving", path, kindOf(path));
+  outputs.check();
+}
+
 DrawingOptions drawingOptions(const Arguments& arguments, const CLI::App& app) {
   const bool has_step = app.count("--step") > 0;
   const ViewState state =
       viewState(arguments.volume, arguments.look, arguments.frame, arguments.fit, has_step);
   DrawingOptions options;
   options.renderer = rendererOptions(arguments.resources);
-  options.look = state.look;
-  options.view = state.view;
-  options.step_vox = state.step_vox;
-  options.crop = state.crop;
-  options.clip_planes = state.clip_planes;
-  options.background = state.background;
+  options.state = state;
   options.trace_file = arguments.trace_file;
+  options.check_outputs = checkSaved;
   const IndexWish wish = indexWish(arguments.resources.index_dir);
   if (!wish.disabled) options.index_folder = wish.folder.string();
   return options;
@@ -71,10 +87,23 @@ int run(const Arguments& arguments, const CLI::App& app) {
     StateFile file = readState(arguments.state_file, interruption());
     if (request.volume.paths.empty() && file.volume) request.volume = *file.volume;
     options.state = std::move(file.state);
+    options.is_saved_state = true;
+    options.path = std::move(file.path);
   }
-  DrawingThread drawing(options);
-  request.desk = &drawing;
+  auto drawing = std::make_unique<DrawingThread>(options);
+  request.desk = drawing.get();
+  const DeviceArguments& device = arguments.resources.device;
+  if (device.device != DeviceChoice::kCpu && device.gl == GlChoice::kAuto)
+    request.lend = [&drawing](std::shared_ptr<const ScreenContext> screen) {
+      drawing->lend(std::move(screen));
+    };
+  request.lends_software = device.device == DeviceChoice::kGl;
+#if SLUICE_HAS_GL
+  if (request.lends_software) prepareGlEnvironment();  // the window's driver reads it first
+#endif
+  request.end_desk = [&drawing] { drawing.reset(); };
   for (const std::string_view name : colorMapNames()) request.color_maps.emplace_back(name);
+  request.volume_endings = volumeEndings();
   if (app.count("--size") > 0) {
     request.pane_width = arguments.frame.size.width;
     request.pane_height = arguments.frame.size.height;
@@ -83,7 +112,7 @@ int run(const Arguments& arguments, const CLI::App& app) {
   if (!request.settings_file.empty()) request.settings = readSettings(request.settings_file);
   request.log_file = arguments.log_file;
   request.tell_news = [&drawing](std::function<void()> on_news) {
-    drawing.tellNews(std::move(on_news));
+    drawing->tellNews(std::move(on_news));
   };
   request.is_asked_to_end = [stop = interruption()] { return stop.isStopRequested(); };
   request.say = [](const std::string& line) { say("{}\n", line); };

@@ -33,10 +33,32 @@ bool isGivenAny(const CLI::App& app, const List& names, const std::string& name)
                      [&](std::string_view other) { return isGiven(app, std::string(other)); });
 }
 
+// Before the file's options are added.
+std::optional<SavedFilm> filmOf(const CLI::App& app, const std::optional<ViewPath>& path) {
+  if (!path) return std::nullopt;
+  const auto hasAny = [&](std::initializer_list<const char*> names) {
+    return std::any_of(names.begin(), names.end(),
+                       [&](const char* name) { return isGiven(app, name); });
+  };
+  SavedFilm film;
+  film.path = *path;
+  film.has_camera = isGivenAny(app, kCamera, "--view");
+  film.has_look = isGivenAny(app, kOpacities, "--threshold") ||
+                  isGivenAny(app, kLight, "--shade") ||
+                  hasAny({"--map", "--range", "--opacity", "--modulate", "--mode"});
+  film.has_step = hasAny({"--step"});
+  film.has_crop = hasAny({"--crop"});
+  film.has_clip = hasAny({"--clip"});
+  film.has_time = hasAny({"--time"});
+  film.has_background = hasAny({"--background"});
+  return film;
+}
+
 }  // namespace
 
-void applyState(CLI::App& app, const std::string& file) {
+std::optional<SavedFilm> applyState(CLI::App& app, const std::string& file) {
   const StateFile state = readState(file, interruption());
+  const std::optional<SavedFilm> film = filmOf(app, state.path);
   std::vector<OptionWord> words = pictureWords(state.state);
   const std::vector<OptionWord> look = lookWords(state.state.look);
   words.insert(words.end(), look.begin(), look.end());
@@ -61,6 +83,7 @@ void applyState(CLI::App& app, const std::string& file) {
     option->add_result(value.empty() ? "true" : value);
     option->run_callback();
   }
+  return film;
 }
 
 }  // namespace sluice

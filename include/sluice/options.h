@@ -1,16 +1,20 @@
 // What a picture shows and how: plain data, with the defaults of `sluice render`.
 #pragma once
 
+#include <sluice/screen.h>
+
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace sluice {
 
-// How values look. The first of these that is said makes the opacities: transfer_file, opacities,
-// labels, threshold. Otherwise they are chosen from the values.
+// How values look. The first of these that is said makes the opacities: opacities, transfer_file,
+// labels, threshold. Otherwise they are chosen from the values. Opacities beside a transfer_file
+// have the colours of that file.
 struct LookOptions {
   enum class Mode { kComposite, kMaximum, kMinimum, kAverage };
   enum class Light { kChosen, kOn, kOff };
@@ -125,6 +129,8 @@ struct RendererOptions {
   // machine's.
   uint64_t memory_bytes = 0;
   int threads = 0;  // that read, copy and classify; 0: one a core
+  // Where it is not the CPU that draws: drawn in here, for Renderer::drawOnScreen().
+  std::shared_ptr<const ScreenContext> screen = {};
 };
 
 }  // namespace sluice

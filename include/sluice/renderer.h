@@ -13,8 +13,10 @@
 #include <sluice/options.h>
 #include <sluice/progress.h>
 #include <sluice/report.h>
+#include <sluice/screen.h>
 #include <sluice/volume.h>
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <span>
@@ -56,6 +58,14 @@ class Renderer {
   Image draw(const PictureOptions& picture = {}, const ProgressFunction& progress = {},
              const std::stop_token& stop = {});
 
+  // The same where RendererOptions::screen draws, over this background (red, green, blue, 0 to 1),
+  // without reading it back. nullopt: nothing was drawn, because that context does not draw, or
+  // because the picture is of another mode than composite or has depth. Throws as draw() does.
+  std::optional<ScreenImage> drawOnScreen(const PictureOptions& picture,
+                                          const std::array<float, 3>& background,
+                                          const ProgressFunction& progress = {},
+                                          const std::stop_token& stop = {});
+
   // One framing for pictures that belong together (a turn, a series), so that nothing grows or
   // shrinks from one to the next: sets view.framing of all but those with look_at. Their size, crop
   // and Fit are the first's. Throws as draw() does; nothing to do for no picture.
@@ -66,6 +76,14 @@ class Renderer {
   // target is what the view turns about. Throws as draw() does.
   ViewOptions placed(const PictureOptions& picture, const ProgressFunction& progress = {},
                      const std::stop_token& stop = {});
+
+  // A picture that draw() gave for these options, with the look as it still is, as an OpenEXR file:
+  // linear light, premultiplied, 32 bits a channel, with its depth if it has one, and in the header
+  // the options of `sluice render` that make it again. The file appears whole or not at all, and
+  // replaces one that is there. Throws as draw() does, and Error where the image is of another
+  // size.
+  void writeExr(const std::string& path, const Image& image, const PictureOptions& picture,
+                const std::optional<std::array<float, 3>>& background = {});
 
   ShownLook shownLook() const;
   // Of the last picture and of the levels as they are now; `maps` costs a copy of theirs.

@@ -62,6 +62,8 @@ struct VolumeInfo {
   std::array<double, 2> value_range;  // least and greatest
   // For people, one line each: what was chosen among several and what looks wrong.
   std::vector<std::string> warnings;
+  // That it is read from, as far as is known: nothing should be written over them.
+  std::vector<std::string> files;
 };
 
 // A handle: copies are the same open volume, which closes with the last of them and the last

@@ -13,10 +13,10 @@
 #include <optional>
 
 #include "io/files/file_list.h"
-#include "io/files/numbered_name.h"
 #include "src/base/atomic_file.h"
 #include "src/base/descriptor.h"
 #include "src/base/error.h"
+#include "src/base/numbered_name.h"
 
 namespace sluice {
 namespace {

@@ -25,7 +25,7 @@ struct VolumeWriteOptions {
 // Writes all time steps, in this machine's byte order, the stored values as they are (a value scale
 // of the source is not kept). The extension chooses the format: .raw (voxels alone), .nrrd, .nhdr
 // (a header beside NAME.raw), .mhd (the same). More than one time step makes a file a step, named
-// as io/files/numbered_name.h says.
+// as src/base/numbered_name.h says.
 // Returns the files that were made, headers before their voxels. Throws Error (unknown extension,
 // write failure) and Interrupted; what was finished before stays. Adds the bytes to `progress`.
 std::vector<std::filesystem::path> writeVolume(VolumeSource& source,

@@ -42,7 +42,8 @@ GlDevice::GlDevice(std::unique_ptr<GlContext> context)
       gl_(context_->functions()),
       pool_(gl_),
       occlusion_(gl_),
-      target_(gl_, context_->has("GL_MESA_pack_invert")) {
+      target_(gl_, context_->has("GL_MESA_pack_invert")),
+      screen_(gl_) {
   gl_.GenVertexArrays(1, &vertex_array_);
   gl_.BindVertexArray(vertex_array_);
   gl_.GenBuffers(1, &index_buffer_);
@@ -332,6 +333,12 @@ Picture GlDevice::endFrame() {
   picture.width = target_.size().width;
   picture.height = target_.size().height;
   picture.depth.clear();
+  const auto background = std::exchange(keeps_, std::nullopt);
+  if (background && setup_.mode == Mode::kComposite && !setup_.with_depth && !setup_.is_part) {
+    picture.rgba.clear();
+    kept_ = screen_.make(target_.color(), target_.size(), *background);
+    return picture;
+  }
   target_.read(GL_COLOR_ATTACHMENT0, picture.rgba);
   if (setup_.mode != Mode::kComposite) {
     if (setup_.is_part)

@@ -7,24 +7,28 @@
 // several devices take turns on that thread.
 #pragma once
 
+#include <array>
 #include <map>
 #include <memory>
 #include <optional>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "src/device/device.h"
+#include "src/device/screen_picture.h"
 #include "src/gl/context.h"
 #include "src/gl/drawing_pieces.h"
 #include "src/gl/gl_program.h"
 #include "src/gl/occlusion_passes.h"
 #include "src/gl/render_target.h"
+#include "src/gl/screen_textures.h"
 #include "src/gl/shaders.h"
 #include "src/gl/texture_pool.h"
 
 namespace sluice {
 
-class GlDevice : public Device {
+class GlDevice : public Device, public DrawsForScreens {
  public:
   explicit GlDevice(std::unique_ptr<GlContext> context);
   ~GlDevice() override;
@@ -44,6 +48,8 @@ class GlDevice : public Device {
   uint64_t takenSamples() override;
   Picture endFrame() override;
   void cancelFrame() override {}
+  void keepNext(std::optional<std::array<float, 3>> background) override { keeps_ = background; }
+  std::optional<ScreenPicture> takeKept() override { return std::exchange(kept_, std::nullopt); }
 
  private:
   struct Resident {
@@ -83,6 +89,9 @@ class GlDevice : public Device {
   TexturePool pool_;
   OcclusionPasses occlusion_;
   RenderTarget target_;
+  ScreenTextures screen_;
+  std::optional<std::array<float, 3>> keeps_;  // the next frame, over this background
+  std::optional<ScreenPicture> kept_;
   std::unordered_map<uint64_t, Resident> resident_;
   std::map<ShaderVariant, std::unique_ptr<GlProgram>> programs_;
   FrameSetup setup_;

@@ -30,6 +30,10 @@ using GlLoader = std::function<void*(const char*)>;
   X(Disable, DISABLE)                                       \
   X(IsEnabled, ISENABLED)                                   \
   X(Finish, FINISH)                                         \
+  X(Flush, FLUSH)                                           \
+  X(FenceSync, FENCESYNC)                                   \
+  X(WaitSync, WAITSYNC)                                     \
+  X(DeleteSync, DELETESYNC)                                 \
   X(PixelStorei, PIXELSTOREI)                               \
   /* Rasterisation, tests and blending */                   \
   X(Scissor, SCISSOR)                                       \

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "src/base/shell_word.h"
 #include "src/classify/transfer/automatic_look.h"
 #include "src/classify/transfer/transfer_file.h"
 #include "src/classify/transfer/transfer_makers.h"
@@ -85,9 +86,13 @@ class Chooser {
 
   void fromFile() {
     chosen_.transfer = readTransferFunction(look_.transfer_file, range_, look_.map, look_.stop);
-    add(fmt::format(" --transfer {}", look_.transfer_file));
-    if (!look_.map.empty()) add(fmt::format(" --map {}", look_.map));
+    add(fmt::format(" --transfer {}", shellWord(look_.transfer_file)));
+    if (!look_.map.empty()) add(fmt::format(" --map {}", shellWord(look_.map)));
+    if (look_.range) measureFlatness(range_);
     if (look_.range) add(rangeOption(*look_.range));
+    if (look_.opacities.empty()) return;
+    chosen_.transfer.opacities = look_.opacities;  // over the file's colours
+    add(pointsOption(look_.opacities));
   }
 
   void fromPoints() {
@@ -113,6 +118,7 @@ class Chooser {
     const double opacity = look_.opacity.value_or(kDefaultOpacity);
     chosen_.transfer = thresholdTransfer(threshold, range_, opacity, map);
     add(fmt::format(" --threshold {} --opacity {} --map {}", threshold, opacity, map));
+    if (look_.range) measureFlatness(range_);
     if (look_.range) add(rangeOption(*look_.range));
     if (threshold > range_.hi || threshold < range_.lo)
       chosen_.warnings.push_back(
@@ -152,9 +158,11 @@ class Chooser {
     add(pointsOption(chosen_.transfer.opacities));
   }
 
+  // By the colours alone, so that options which say them all give the same light again, whatever
+  // is known of the values: of a series the range of one step or of all.
   void measureFlatness(ValueRange colors) {
     const double part = std::abs(colors.hi - colors.lo), all = values_.range.hi - values_.range.lo;
-    if (part < all) chosen_.flat_scale = part / all;
+    if (all > 0) chosen_.flat_scale = part / all;
   }
 
   void modulate() {

@@ -17,7 +17,7 @@ struct ChosenLook {
   TransferFunction transfer;
   bool lit = false;
   // Of Lighting::flat_share: what is flat is measured against the colours' range where that is
-  // known, since fill values stretch that of the values.
+  // known, since fill values stretch that of the values, and a step's differs from its series'.
   double flat_scale = 1;
   std::string options;                // "--map ct-bone --range 40,255 --opacities 40:0,... --shade"
   std::vector<std::string> warnings;  // one line each

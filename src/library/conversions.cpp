@@ -117,6 +117,7 @@ MachineOptions machineOptions(const VolumeOptions& options) {
 MachineOptions machineOptions(const RendererOptions& options) {
   MachineOptions machine;
   machine.device.device = deviceOf(options.device);
+  machine.device.lent = options.screen;
   machine.memory_bytes = options.memory_bytes;
   machine.threads = threadsOf(options.threads);
   return machine;
@@ -262,7 +263,8 @@ VolumeInfo volumeInfo(const VolumeLayout& layout, ValueRange values,
           .frame = frameName(layout.frame),
           .time_steps = layout.time_steps,
           .value_range = {values.lo, values.hi},
-          .warnings = notes};
+          .warnings = notes,
+          .files = {}};
 }
 
 }  // namespace sluice

@@ -6,6 +6,7 @@
 #include "src/cpu/cpu_device.h"
 #if SLUICE_HAS_GL
 #include "src/gl/gl_device.h"
+#include "src/gl/lent_context.h"
 #endif
 
 namespace sluice {
@@ -15,6 +16,9 @@ namespace {
 // Null where the CPU device is to draw.
 std::unique_ptr<GlContext> contextFor(const DeviceArguments& arguments) {
   if (arguments.device == DeviceChoice::kCpu) return nullptr;
+  if (arguments.lent != nullptr)
+    return createLentContext(
+        {arguments.lent->make_current, arguments.lent->release, arguments.lent->find});
   if (arguments.device == DeviceChoice::kGl || arguments.gl != GlChoice::kAuto)
     return createContext(arguments.gl);
   return createHardwareContext();

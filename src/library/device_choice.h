@@ -1,6 +1,8 @@
 // Which device draws: --device, --gl and --simd together.
 #pragma once
 
+#include <sluice/screen.h>
+
 #include <memory>
 
 #include "src/base/worker_pool.h"
@@ -17,7 +19,8 @@ enum class DeviceChoice { kAuto, kGl, kCpu };
 struct DeviceArguments {
   DeviceChoice device = DeviceChoice::kAuto;
   GlChoice gl = GlChoice::kAuto;
-  SimdTarget simd = SimdTarget::kAuto;  // of the CPU device
+  SimdTarget simd = SimdTarget::kAuto;             // of the CPU device
+  std::shared_ptr<const ScreenContext> lent = {};  // first choice of GL
 };
 
 // `pool`, whose threads the CPU device draws on, must outlive it. Throws Error.

@@ -6,8 +6,10 @@
 #include <unordered_map>
 #include <utility>
 
+#include "src/base/error.h"
 #include "src/classify/transfer/transfer_file.h"
 #include "src/library/conversions.h"
+#include "src/library/exr_contents.h"
 #include "src/library/probing.h"
 #include "src/library/resources.h"
 #include "src/library/view_fit.h"
@@ -29,6 +31,7 @@ Drawing::Drawing(std::shared_ptr<const OpenedVolume> opened, const LookOptions& 
   session.page.pages =
       pageCount(machine_, volume.page, volume.layout, *volume.source, session.beside_bytes);
   session_ = std::make_unique<Session>(volume.step(), *device_, pool_, session);
+  if (options.screen != nullptr) screen_ = dynamic_cast<DrawsForScreens*>(device_.get());
   setLook(look);
 }
 
@@ -77,18 +80,24 @@ FrameOptions Drawing::framed(const PictureOptions& picture, const TimeStep& step
   return options;
 }
 
-Image Drawing::draw(const PictureOptions& picture, ProgressTeller& teller) {
-  const ProgressRelay::Call call(*opened_->relay, teller);
-  frameOptions(picture, layout(), mode_);  // throws before anything is read
-  ProgressMeter progress(teller.watch(Progress::Stage::kIndexing));
-  const IndexPass pass{pool_, progress, memoryBudget(machine_), teller.stop()};
-  const TimeStep step = stepAt(picture.time, pass);
+FrameOptions Drawing::looked(const PictureOptions& picture, const TimeStep& step,
+                             const IndexPass& pass) {
   FrameOptions options = framed(picture, step, pass);
   if (!picture.step_vox && mode_ == Mode::kComposite)
     options.step_vox =
         stepFor(resolve(options.camera, layout(), options.size, options.step_vox), layout());
   options.shades = look_.lit;
   options.lighting.flat_share *= look_.flat_scale;
+  return options;
+}
+
+Image Drawing::draw(const PictureOptions& picture, ProgressTeller& teller) {
+  const ProgressRelay::Call call(*opened_->relay, teller);
+  frameOptions(picture, layout(), mode_);  // throws before anything is read
+  ProgressMeter progress(teller.watch(Progress::Stage::kIndexing));
+  const IndexPass pass{pool_, progress, memoryBudget(machine_), teller.stop()};
+  const TimeStep step = stepAt(picture.time, pass);
+  FrameOptions options = looked(picture, step, pass);
   options.stop = teller.stop();
   options.watch = teller.watch(Progress::Stage::kDrawing);
   session_->setTimeStep(step);
@@ -103,6 +112,24 @@ Image Drawing::draw(const PictureOptions& picture, ProgressTeller& teller) {
           .rgba = std::move(drawn.rgba),
           .depth = std::move(drawn.depth),
           .missing_share = frame.report.missing_share};
+}
+
+std::optional<ScreenImage> Drawing::drawOnScreen(const PictureOptions& picture,
+                                                 const std::array<float, 3>& background,
+                                                 ProgressTeller& teller) {
+  if (screen_ == nullptr || mode_ != Mode::kComposite || picture.with_depth) return std::nullopt;
+  screen_->keepNext(background);
+  try {
+    const Image sizes = draw(picture, teller);
+    const std::optional<ScreenPicture> kept = screen_->takeKept();
+    SLUICE_CHECK(kept.has_value());
+    return ScreenImage{kept->texture, kept->width, kept->height,
+                       kept->drawn,   kept->seen,  sizes.missing_share};
+  } catch (...) {
+    screen_->keepNext(std::nullopt);
+    screen_->takeKept();
+    throw;
+  }
 }
 
 void Drawing::fit(std::span<PictureOptions> pictures, ProgressTeller& teller) {
@@ -149,6 +176,28 @@ ViewOptions Drawing::placed(const PictureOptions& picture, ProgressTeller& telle
   camera.zoom = 1;
   placed.zoom = resolve(camera, layout(), size, 1).half_height / view.half_height;
   return placed;
+}
+
+void Drawing::writeExr(const std::string& path, const Image& image, const PictureOptions& picture,
+                       const std::optional<std::array<float, 3>>& background) {
+  const auto pixels = static_cast<size_t>(image.width) * static_cast<size_t>(image.height);
+  if (image.width != picture.width || image.height != picture.height ||
+      image.rgba.size() != pixels * 4)
+    fail("{}: an image of {} x {} pixels with {} values, expected {} x {}", path, image.width,
+         image.height, image.rgba.size(), picture.width, picture.height);
+  const ProgressFunction nobody;
+  ProgressTeller teller(nobody, {});
+  const ProgressRelay::Call call(*opened_->relay, teller);
+  ProgressMeter progress(teller.watch(Progress::Stage::kIndexing));
+  const IndexPass pass{pool_, progress, memoryBudget(machine_), teller.stop()};
+  const FrameOptions options = looked(picture, stepAt(picture.time, pass), pass);
+  std::string look = look_.options;
+  if (mode_ == Mode::kComposite) look += fmt::format(" --step {}", options.step_vox);
+  const Picture drawn{image.width, image.height, image.rgba, image.depth};
+  sluice::writeExr(path,
+                   exrContents(drawn, background, false,
+                               {options, *opened_->volume.source, look_.transfer, look}),
+                   ExrPrecision::kFloat);
 }
 
 ShownLook Drawing::shownLook() const {

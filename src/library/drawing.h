@@ -5,6 +5,7 @@
 #include <sluice/image.h>
 #include <sluice/options.h>
 #include <sluice/report.h>
+#include <sluice/screen.h>
 
 #include <array>
 #include <memory>
@@ -14,6 +15,7 @@
 #include <vector>
 
 #include "cache/trace/trace.h"
+#include "src/device/screen_picture.h"
 #include "src/library/chosen_look.h"
 #include "src/library/opened_volume.h"
 #include "src/library/progress_relay.h"
@@ -38,8 +40,13 @@ class Drawing {
   const ChosenLook& look() const { return look_; }
   std::string deviceName() const;
   Image draw(const PictureOptions& picture, ProgressTeller& teller);
+  std::optional<ScreenImage> drawOnScreen(const PictureOptions& picture,
+                                          const std::array<float, 3>& background,
+                                          ProgressTeller& teller);
   void fit(std::span<PictureOptions> pictures, ProgressTeller& teller);
   ViewOptions placed(const PictureOptions& picture, ProgressTeller& teller);
+  void writeExr(const std::string& path, const Image& image, const PictureOptions& picture,
+                const std::optional<std::array<float, 3>>& background);
   ShownLook shownLook() const;
   RenderReport report(bool maps) const;
   std::optional<VoxelProbe> probe(const PictureOptions& picture, double right, double down,
@@ -58,6 +65,8 @@ class Drawing {
 
   // All but what the look and the machine say, its camera framed.
   FrameOptions framed(const PictureOptions& picture, const TimeStep& step, const IndexPass& pass);
+  // The same with what follows from the look.
+  FrameOptions looked(const PictureOptions& picture, const TimeStep& step, const IndexPass& pass);
   std::vector<uint8_t> blockClasses() const;
   // In the series' range of values.
   TimeStep stepAt(int64_t time, const IndexPass& pass);
@@ -77,7 +86,8 @@ class Drawing {
   int64_t looks_ = 0;  // that were set so far
   // Of the step that is drawn and of the one that is read ahead.
   std::array<Memo<int64_t, const IndexedRanges>, 2> ranges_;
-  FrameReport report_;  // of the last frame
+  FrameReport report_;                 // of the last frame
+  DrawsForScreens* screen_ = nullptr;  // the device, where it draws in a context that was lent
   std::unique_ptr<TraceWriter> trace_;
   Memo<PointsKey, const std::vector<Vec3d>> points_;
 };

@@ -77,6 +77,16 @@ Image Renderer::draw(const PictureOptions& picture, const ProgressFunction& prog
   });
 }
 
+std::optional<ScreenImage> Renderer::drawOnScreen(const PictureOptions& picture,
+                                                  const std::array<float, 3>& background,
+                                                  const ProgressFunction& progress,
+                                                  const std::stop_token& stop) {
+  return impl().on([&](Drawing& drawing) {
+    ProgressTeller teller(progress, stop);
+    return drawing.drawOnScreen(picture, background, teller);
+  });
+}
+
 void Renderer::fit(std::span<PictureOptions> pictures, const ProgressFunction& progress,
                    const std::stop_token& stop) {
   impl().on([&](Drawing& drawing) {
@@ -91,6 +101,14 @@ ViewOptions Renderer::placed(const PictureOptions& picture, const ProgressFuncti
   return impl().on([&](Drawing& drawing) {
     ProgressTeller teller(progress, stop);
     return drawing.placed(picture, teller);
+  });
+}
+
+void Renderer::writeExr(const std::string& path, const Image& image, const PictureOptions& picture,
+                        const std::optional<std::array<float, 3>>& background) {
+  impl().on([&](Drawing& drawing) {
+    drawing.writeExr(path, image, picture, background);
+    return true;
   });
 }
 

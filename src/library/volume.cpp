@@ -38,6 +38,7 @@ void open(OpenedVolume& opened, const std::vector<std::string>& paths, const Vol
   // Where no folder is named, nobody expects an index.
   if (options.index_folder.empty()) std::erase(notes, opened.volume.index->note);
   opened.info = volumeInfo(opened.volume.source->layout(), opened.volume.valueRange(), notes);
+  opened.info.files = opened.volume.source->files();
 }
 
 }  // namespace

@@ -111,15 +111,18 @@ std::string htmlKey(int hue, std::string_view text) {
 
 std::string barsSvg(std::span<const Bar> bars) {
   double most = 0;
-  size_t letters = 0;
+  size_t letters = 0, end_letters = 0;
   for (const Bar& bar : bars) {
     double sum = 0;
     for (const BarPart& part : bar.parts) sum += part.value;
     most = std::max(most, sum);
     letters = std::max(letters, bar.label.size());
+    end_letters = std::max(end_letters, bar.end.size());
   }
   const double left = std::min(kWidth / 3, 16 + kCharacter * static_cast<double>(letters));
-  const double scale = most > 0 ? (kWidth - left - kEndRoom) / most : 0;
+  const double end_room =
+      std::clamp(8 + kCharacter * static_cast<double>(end_letters), kEndRoom, kWidth / 3);
+  const double scale = most > 0 ? (kWidth - left - end_room) / most : 0;
   const double height = kLineHeight * static_cast<double>(bars.size()) + 4;
   std::string out = fmt::format(
       "<svg viewBox='0 0 {0:g} {1:g}' width='{0:g}' height='{1:g}' role='img'>", kWidth, height);

@@ -116,6 +116,15 @@ ViewOptions orbit(const ViewOptions& view, double dx, double dy, Pane pane) {
   return next;
 }
 
+ViewOptions turn(const ViewOptions& view, double degrees) {
+  const Vec3d up = axesOf(view).up, target = vec(view.look_at->target);
+  ViewOptions next = view;
+  next.look_at->eye =
+      asArray(target + rotated(vec(view.look_at->eye) - target, up, degrees * kDegree));
+  next.up = asArray(up);
+  return next;
+}
+
 ViewOptions pan(const ViewOptions& view, double dx, double dy, Pane pane, const Ground& ground) {
   const PlacedAxes axes = axesOf(view);
   const double pixel = worldPerPixel(view, pane, ground);

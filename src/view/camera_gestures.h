@@ -45,6 +45,8 @@ std::optional<PanePoint> paneOf(const ViewOptions& view, Vec3d world, Pane pane,
 // Turns about the target: half a turn for a drag across the shorter side. The volume follows the
 // hand.
 ViewOptions orbit(const ViewOptions& view, double dx, double dy, Pane pane);
+// Moves the camera to the right about the vertical of the view, through the target.
+ViewOptions turn(const ViewOptions& view, double degrees);
 // Moves what is seen along with the hand.
 ViewOptions pan(const ViewOptions& view, double dx, double dy, Pane pane, const Ground& ground);
 // What lies under the pixel at the target's depth stays there and grows by `factor` (above 0): a

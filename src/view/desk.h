@@ -3,6 +3,7 @@
 #pragma once
 
 #include <sluice/report.h>
+#include <sluice/screen.h>
 #include <sluice/volume.h>
 
 #include <array>
@@ -14,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "src/view/view_path.h"
 #include "src/view/view_state.h"
 
 namespace sluice {
@@ -24,6 +26,16 @@ struct Wish {
   int width = 1, height = 1;         // pixels of the pane
   bool moves = false;                // a hand is on it: more will follow
   std::optional<int64_t> next_time;  // of a series that plays
+  // What showing a picture takes of the processors that draw it: a preview has so much less time.
+  double showing_s = 0;
+};
+
+// Frames to be written, numbered from 0 in the place that the name has for it.
+struct FilmWish {
+  std::string name;  // "frame_%04d.png"
+  ViewPath path;
+  ViewState now;              // see stateAt()
+  int width = 1, height = 1;  // pixels
 };
 
 // Pixels for a screen: rows from the top, red first, opaque.
@@ -31,6 +43,7 @@ struct ShownPicture {
   uint64_t wish = 0;  // number of the newest wish that it shows
   int width = 0, height = 0;
   std::vector<uint8_t> rgba;
+  std::optional<ScreenImage> screen;  // in place of rgba, where the desk draws for a screen
   bool is_complete = false;  // of the pane's size, at the wished step, with nothing missing
   double missing_share = 0;  // see Image
   int64_t time = 0;
@@ -55,7 +68,7 @@ struct OpenedVolumeNews {
 
 struct SavedNews {
   std::string path;
-  std::string command;  // `sluice render ...` that makes it again; of pictures
+  std::string command;  // `sluice render ...` that makes it again; of pictures and films
 };
 
 struct ProbeNews {
@@ -67,6 +80,7 @@ struct ProbeNews {
 struct News {
   std::unique_ptr<OpenedVolumeNews> opened;
   std::unique_ptr<ViewState> state;       // loaded for the volume that is open, or placed
+  std::optional<ViewPath> path;           // that was loaded with the volume or the state
   std::unique_ptr<ShownPicture> picture;  // the newest
   std::vector<ShownSlice> slices;
   std::unique_ptr<ShownLook> look;
@@ -74,16 +88,18 @@ struct News {
   std::optional<ProbeNews> probe;
   std::vector<SavedNews> saved;
   std::vector<std::string> failures;  // one line each
+  std::vector<std::string> vanished;  // volumes that were asked for and are not there
 };
 
 // What is being done at this moment.
 struct DeskStatus {
-  enum class Doing { kNothing, kOpening, kPreview, kPicture, kSlices, kProbe, kSaving };
+  enum class Doing { kNothing, kOpening, kPreview, kPicture, kSlices, kProbe, kSaving, kFrame };
   Doing doing = Doing::kNothing;
-  double share = 0;          // of opening and drawing, 0 to 1
-  bool is_indexing = false;  // opening passes over the voxels
-  uint64_t wished = 0;       // number of the newest wish
-  uint64_t completed = 0;    // of the newest that is drawn whole
+  double share = 0;                        // of opening and drawing, 0 to 1
+  bool is_indexing = false;                // opening passes over the voxels
+  uint64_t wished = 0;                     // number of the newest wish
+  uint64_t completed = 0;                  // of the newest that is drawn whole
+  int64_t frames = 0, frames_written = 0;  // of a film that is being written; 0: none is
 };
 
 // What was measured since the beginning, of wishes that got a picture.
@@ -105,8 +121,13 @@ class Desk {
   virtual uint64_t wish(const Wish& wish) = 0;
   // A file of stateText(): the volume that it names is opened with it.
   virtual void loadState(const std::string& path) = 0;
-  // The wish as a PNG picture, complete; its news name the command.
+  // The wish as a picture, complete, PNG or EXR as its name ends; its news name the command.
   virtual void savePicture(const std::string& path, const Wish& wish) = 0;
+  // Frame by frame whenever nothing else is to be done, in place of a film that is being written. A
+  // state with the path is written beside them (pathFileFor()), which the command of its news
+  // takes. What was written stays when it is cancelled or fails.
+  virtual void writeFrames(const FilmWish& film) = 0;
+  virtual void cancelFrames() = 0;
   // A small file.
   virtual void saveText(const std::string& path, const std::string& text) = 0;
   // The state with its view placed (Renderer::placed()) for a pane of this size, as news.

@@ -2,13 +2,13 @@
 // something is read or drawn.
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
-#include "src/base/atomic_file.h"
 #include "src/base/clock.h"
 #include "src/base/error.h"
 #include "src/view/drawing_thread.h"
-#include "src/view/render_command.h"
 #include "src/view/state_file.h"
 #include "src/view/transfer_edit.h"
 
@@ -55,6 +55,8 @@ void DrawingThread::doJob(const Job& job) {
       return answerProbe(job);
     case Doing::kSaving:
       return save(job);
+    case Doing::kFrame:
+      return writeFrame(job);
     case Doing::kNothing:
       return deliverReport();
   }
@@ -81,12 +83,28 @@ void DrawingThread::openAny(const Job& job) {
         file.state.view = opened_.renderer->placed(pictureOf(file.state, 800, 600));
       const MutexLock lock(mutex_);
       news_.state = std::make_unique<ViewState>(std::move(file.state));
+      news_.path = std::move(file.path);
     } else {
       request.state = std::move(file.state);
+      request.path = std::move(file.path);
     }
   }
   if (request.volume.paths.empty()) return tell();
-  openVolume(request, job);
+  try {
+    openVolume(request, job);
+  } catch (const Cancelled&) {
+    throw;
+  } catch (const std::exception&) {
+    noteVanished(request.volume.paths);
+    throw;
+  }
+}
+
+void DrawingThread::noteVanished(const std::vector<std::string>& paths) {
+  std::error_code unknown;
+  if (paths.size() != 1 || std::filesystem::exists(paths.front(), unknown) || unknown) return;
+  const MutexLock lock(mutex_);
+  news_.vanished.push_back(paths.front());
 }
 
 void DrawingThread::openVolume(const OpenRequest& request, const Job& job) {
@@ -98,7 +116,7 @@ void DrawingThread::openVolume(const OpenRequest& request, const Job& job) {
     next.viewed.options.index_folder = options_.index_folder;
   next.volume.emplace(next.viewed.paths, next.viewed.options, progressOf(job), job.stop);
   std::optional<ViewState> given = request.state;
-  if (!given && is_first) given = options_.state;
+  if (!given && is_first && options_.is_saved_state) given = options_.state;
   auto news = std::make_unique<OpenedVolumeNews>();
   news->volume = next.viewed;
   news->info = next.volume->info();
@@ -108,27 +126,25 @@ void DrawingThread::openVolume(const OpenRequest& request, const Job& job) {
   if (given) {
     state = *given;
   } else {
-    if (is_first) {
-      state.look = options_.look;
-      state.view = options_.view;
-      state.step_vox = options_.step_vox;
-      state.crop = options_.crop;
-      state.clip_planes = options_.clip_planes;
-      state.background = options_.background;
-    }
+    if (is_first) state = options_.state;
     state.time = std::clamp<int64_t>(next.viewed.options.time, 0, news->info.time_steps - 1);
     for (size_t a = 0; a < 3; ++a) state.cross[a] = news->info.dims[a] / 2;
   }
-  next.look = state.look;
+  next.look = next.shown_look = state.look;
   // The levels of the volume before go first: both together may be more than the memory allows. Its
   // handle stays, for the case that the new one cannot be drawn.
   const std::optional<Volume> last = opened_.volume;
   opened_.renderer.reset();
+  RendererOptions options = options_.renderer;
+  {
+    const MutexLock lock(mutex_);
+    options.screen = screen_;
+  }
   try {
-    next.renderer = std::make_unique<Renderer>(*next.volume, next.look, options_.renderer);
+    next.renderer = std::make_unique<Renderer>(*next.volume, next.look, options);
     state.view = next.renderer->placed(pictureOf(state, 800, 600), progressOf(job), job.stop);
   } catch (const std::exception&) {
-    if (last) opened_.renderer = std::make_unique<Renderer>(*last, opened_.look, options_.renderer);
+    if (last) opened_.renderer = std::make_unique<Renderer>(*last, opened_.look, options);
     throw;
   }
   if (is_first && !options_.trace_file.empty()) next.renderer->recordTo(options_.trace_file);
@@ -143,6 +159,9 @@ void DrawingThread::openVolume(const OpenRequest& request, const Job& job) {
     wish_.reset();
     unanswered_.clear();
     probe_.reset();
+    endFilm();
+    news_.path = request.path;
+    if (is_first && !request.path) news_.path = options_.path;
     news_.opened = std::move(news);
     news_.look = std::move(look);
     news_.picture.reset();
@@ -152,10 +171,15 @@ void DrawingThread::openVolume(const OpenRequest& request, const Job& job) {
   tell();
 }
 
-void DrawingThread::useLook(const LookOptions& look) {
-  if (look == opened_.look) return;
-  opened_.renderer->setLook(look);
-  opened_.look = look;
+void DrawingThread::useLook(const LookOptions& look, bool is_shown) {
+  if (look != opened_.look) {
+    opened_.renderer->setLook(look);
+    opened_.look = look;
+  } else if (look == opened_.shown_look) {
+    return;
+  }
+  if (!is_shown) return;
+  opened_.shown_look = look;
   auto shown = std::make_unique<ShownLook>(opened_.renderer->shownLook());
   const MutexLock lock(mutex_);
   news_.look = std::move(shown);
@@ -168,14 +192,31 @@ double DrawingThread::wholeStep(const Wish& wish) const {
   return pixel < opened_.ground.finest_spacing ? 0.5 : 1;
 }
 
-Image DrawingThread::draw(const Job& job, const PictureOptions& picture, double step_vox) {
-  Image image = opened_.renderer->draw(picture, progressOf(job), job.stop);
+Image DrawingThread::drawImage(const Job& job, const PictureOptions& picture) {
+  return opened_.renderer->draw(picture, progressOf(job), job.stop);
+}
+
+ShownPicture DrawingThread::draw(const Job& job, const PictureOptions& picture, double step_vox) {
+  const auto background = job.wish->wish.state.background.value_or(kPaneColor);
+  ShownPicture shown;
+  shown.screen = opened_.renderer->drawOnScreen(picture, background, progressOf(job), job.stop);
+  if (shown.screen) {
+    shown.width = shown.screen->width;
+    shown.height = shown.screen->height;
+    shown.missing_share = shown.screen->missing_share;
+  } else {
+    const Image image = drawImage(job, picture);
+    shown.width = image.width;
+    shown.height = image.height;
+    shown.missing_share = image.missing_share;
+    shown.rgba = image.toRgba8(background);
+  }
   const RenderReport report = opened_.renderer->report();
   if (report.missing_share == 0)
     opened_.pace = learned(
         opened_.pace, {static_cast<double>(picture.width) * picture.height, step_vox,
                        report.draw_seconds, std::max(0.0, report.seconds - report.draw_seconds)});
-  return image;
+  return shown;
 }
 
 void DrawingThread::drawPreview(const Job& job) {
@@ -184,16 +225,18 @@ void DrawingThread::drawPreview(const Job& job) {
   useLook(wish.state.look);
   PictureOptions picture = pictureOf(wish.state, wish.width, wish.height);
   const double step = wholeStep(wish);
-  const Quality quality = qualityWithin(opened_.pace, static_cast<double>(wish.width) * wish.height,
-                                        step, options_.budget_s);
+  const double budget_s = drawingBudget(options_.budget_s, wish.showing_s);
+  const Quality quality =
+      qualityWithin(opened_.pace, static_cast<double>(wish.width) * wish.height, step, budget_s);
   if (!quality.isFull()) {
     picture.width = std::max(1, static_cast<int>(std::lround(wish.width * quality.scale)));
     picture.height = std::max(1, static_cast<int>(std::lround(wish.height * quality.scale)));
     picture.step_vox = step * quality.step_factor;
   }
-  picture.time_limit_s = 1.25 * options_.budget_s;
-  const Image image = draw(job, picture, step * quality.step_factor);
-  deliver(job.wish, image, quality.isFull() && image.missing_share == 0, watch.seconds());
+  picture.time_limit_s = 1.25 * budget_s;
+  ShownPicture shown = draw(job, picture, step * quality.step_factor);
+  const bool is_complete = quality.isFull() && shown.missing_share == 0;
+  deliver(job.wish, std::move(shown), is_complete, watch.seconds());
 }
 
 void DrawingThread::drawWhole(const Job& job) {
@@ -206,34 +249,29 @@ void DrawingThread::drawWhole(const Job& job) {
   // What is there is shown as it comes, as long as that is worth a picture.
   while (true) {
     picture.time_limit_s = kRefine_s;
-    const Image image = draw(job, picture, wholeStep(wish));
-    if (image.missing_share == 0) {
-      deliver(job.wish, image, true, watch.seconds());
-      return;
-    }
-    deliver(job.wish, image, false, watch.seconds());
-    if (missing - image.missing_share < kWorthShowing) break;
-    missing = image.missing_share;
+    ShownPicture shown = draw(job, picture, wholeStep(wish));
+    const double came = missing - shown.missing_share;
+    missing = shown.missing_share;
+    deliver(job.wish, std::move(shown), missing == 0, watch.seconds());
+    if (missing == 0) return;
+    if (came < kWorthShowing) break;
   }
   picture.time_limit_s.reset();
   deliver(job.wish, draw(job, picture, wholeStep(wish)), true, watch.seconds());
 }
 
-void DrawingThread::deliver(const WishPtr& wish, const Image& image, bool is_complete,
+void DrawingThread::deliver(const WishPtr& wish, ShownPicture picture, bool is_complete,
                             double seconds) {
-  auto shown = std::make_unique<ShownPicture>();
+  auto shown = std::make_unique<ShownPicture>(std::move(picture));
   shown->wish = wish->number;
-  shown->width = image.width;
-  shown->height = image.height;
-  shown->rgba = image.toRgba8(wish->wish.state.background.value_or(kPaneColor));
   shown->is_complete = is_complete;
-  shown->missing_share = image.missing_share;
   shown->time = wish->wish.state.time;
   shown->seconds = seconds;
   const auto now = Clock::now();
   {
     const MutexLock lock(mutex_);
-    news_.picture = std::move(shown);
+    // The one before, if nobody took it, goes when nobody waits for the lock.
+    news_.picture.swap(shown);
     previewed_ = std::max(previewed_, wish->number);
     ++(is_complete ? times_.complete : times_.previews);
     while (!unanswered_.empty() && unanswered_.front().first <= wish->number) {
@@ -300,31 +338,6 @@ void DrawingThread::answerProbe(const Job& job) {
   {
     const MutexLock lock(mutex_);
     news_.probe = news;
-  }
-  tell();
-}
-
-void DrawingThread::save(const Job& job) {
-  if (job.save.text) {
-    AtomicFile file(job.save.path);
-    file.write(*job.save.text);
-    file.commit();
-    {
-      const MutexLock lock(mutex_);
-      news_.saved.push_back({job.save.path, {}});
-    }
-    return tell();
-  }
-  const Wish& wish = job.save.wish;
-  useLook(wish.state.look);
-  PictureOptions picture = pictureOf(wish.state, wish.width, wish.height);
-  const Image image = draw(job, picture, wholeStep(wish));
-  image.writePng(job.save.path, wish.state.background);
-  const std::string look = opened_.renderer->lookText();
-  {
-    const MutexLock lock(mutex_);
-    news_.saved.push_back({job.save.path, renderCommand(opened_.viewed, wish.state, look,
-                                                        wish.width, wish.height, job.save.path)});
   }
   tell();
 }

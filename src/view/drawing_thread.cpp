@@ -11,6 +11,7 @@ namespace {
 // A preview that takes longer than this is not worth waiting for when there is a newer wish.
 constexpr double kStalePreview_s = 0.25;
 constexpr size_t kMostUnanswered = 8192;
+constexpr int kMostStopped = 3;
 
 // What shows the pictures goes first where processors are few: this thread, and with it those that
 // the renderer starts, take what is left.
@@ -39,6 +40,11 @@ void DrawingThread::tellNews(std::function<void()> on_news) {
   on_news_ = std::move(on_news);
 }
 
+void DrawingThread::lend(std::shared_ptr<const ScreenContext> screen) {
+  const MutexLock lock(mutex_);
+  screen_ = std::move(screen);
+}
+
 void DrawingThread::open(const ViewedVolume& volume, const std::optional<ViewState>& state) {
   OpenRequest request;
   request.volume = volume;
@@ -56,12 +62,6 @@ void DrawingThread::ask(OpenRequest request) {
   const MutexLock lock(mutex_);
   open_ = std::move(request);
   stopWork(true);
-  changed_.notifyAll();
-}
-
-void DrawingThread::ask(SaveRequest request) {
-  const MutexLock lock(mutex_);
-  saves_.push_back(std::move(request));
   changed_.notifyAll();
 }
 
@@ -91,24 +91,14 @@ void DrawingThread::stopWork(bool also_previews) {
     case Doing::kOpening:
       if (open_) work_.request_stop();
       break;
+    case Doing::kFrame:
+      // A hand that never rests shall not keep a film from being written.
+      if (!film_ || film_->stopped < kMostStopped) work_.request_stop();
+      break;
     case Doing::kNothing:
     case Doing::kSaving:
       break;
   }
-}
-
-void DrawingThread::savePicture(const std::string& path, const Wish& wish) {
-  SaveRequest request;
-  request.path = path;
-  request.wish = wish;
-  ask(std::move(request));
-}
-
-void DrawingThread::saveText(const std::string& path, const std::string& text) {
-  SaveRequest request;
-  request.path = path;
-  request.text = text;
-  ask(std::move(request));
 }
 
 void DrawingThread::place(const ViewState& state, int width, int height) {
@@ -195,8 +185,12 @@ DrawingThread::Job DrawingThread::chooseJob() {
   } else if (probe_ && newest > 0) {
     job.doing = Doing::kProbe;
     job.probe = *std::exchange(probe_, std::nullopt);
-  } else {
-    job.reports = wants_report_;
+  } else if (wants_report_) {
+    job.reports = true;
+  } else if (film_ && (rests || newest == 0)) {
+    job.doing = Doing::kFrame;
+    job.wish.reset();
+    job.film = *film_;
   }
   return job;
 }

@@ -17,6 +17,7 @@
 #include <optional>
 #include <stop_token>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "src/base/mutex.h"
@@ -29,16 +30,17 @@ namespace sluice {
 
 struct DrawingOptions {
   RendererOptions renderer;
-  LookOptions look;  // to begin with
-  ViewOptions view;
-  std::optional<double> step_vox;
-  std::optional<PictureOptions::Box> crop;
-  std::vector<PictureOptions::Plane> clip_planes;
-  std::optional<std::array<float, 3>> background;
-  std::optional<ViewState> state;  // in place of these, for the volume that is opened first
-  std::string index_folder;        // of volumes that name none
-  std::string trace_file;          // empty: none; of the volume that is opened first
-  double budget_s = 0.016;         // of a preview
+  // To begin with, of the volume that is opened first.
+  ViewState state;
+  bool is_saved_state = false;   // its time and cross hair hold too, where the volume has them
+  std::optional<ViewPath> path;  // that was saved with it
+  std::string index_folder;      // of volumes that name none
+  std::string trace_file;        // empty: none; of the volume that is opened first
+  // Throws Error where one of `writes` must not be written: it is one of `reads`, or something that
+  // is there is of another kind. Empty: all may be.
+  std::function<void(const std::vector<std::string>& reads, const std::vector<std::string>& writes)>
+      check_outputs;
+  double budget_s = 0.016;  // of a preview
   // A hand that rests so long gets the whole picture.
   double rest_s = 0.06;
   // Told, by the drawing thread, that there is something to take. It must return at once.
@@ -58,12 +60,17 @@ class DrawingThread : public Desk {
   void loadState(const std::string& path) override;
   void savePicture(const std::string& path, const Wish& wish) override;
   void saveText(const std::string& path, const std::string& text) override;
+  void writeFrames(const FilmWish& film) override;
+  void cancelFrames() override;
   void place(const ViewState& state, int width, int height) override;
   uint64_t probe(double right, double down) override;
   void wantReport(bool maps) override;
   News take() override;
   DeskStatus status() const override;
   DeskTimes times() const override;
+  // Volumes that are opened from now on are drawn in it, where the CPU does not draw. It must
+  // outlive this.
+  void lend(std::shared_ptr<const ScreenContext> screen);
   // From now on in place of DrawingOptions::on_news; empty: nobody is told. What was told before
   // has returned.
   void tellNews(std::function<void()> on_news);
@@ -81,12 +88,22 @@ class DrawingThread : public Desk {
   struct OpenRequest {
     ViewedVolume volume;
     std::optional<ViewState> state;
+    std::optional<ViewPath> path;
     std::string state_file;  // in place of both; empty: none
   };
-  struct SaveRequest {
+  struct PictureSave {
     std::string path;
     Wish wish;
-    std::optional<std::string> text;  // in place of a picture
+  };
+  struct TextSave {
+    std::string path, text;
+  };
+  using SaveRequest = std::variant<PictureSave, TextSave>;
+  struct Film {
+    uint64_t number = 0;
+    std::shared_ptr<const FilmWish> wish;
+    int64_t next = 0;  // frame
+    int stopped = 0;   // times in a row that one was given up for something more urgent
   };
   struct ProbeRequest {
     uint64_t number = 0;
@@ -98,6 +115,7 @@ class DrawingThread : public Desk {
     WishPtr wish;
     OpenRequest open;
     SaveRequest save;
+    Film film;
     ProbeRequest probe;
     std::optional<Wish> place;  // in place of a probe
     bool reports = false;       // nothing else is to be done
@@ -108,7 +126,8 @@ class DrawingThread : public Desk {
     ViewedVolume viewed;
     std::optional<Volume> volume;
     std::unique_ptr<Renderer> renderer;
-    LookOptions look;  // that the renderer has
+    LookOptions look;        // that the renderer has
+    LookOptions shown_look;  // of the newest news; a film's frames have others
     Ground ground;
     Pace pace;
     struct Slice {
@@ -129,18 +148,29 @@ class DrawingThread : public Desk {
   void doJob(const Job& job);
   void openAny(const Job& job);
   void openVolume(const OpenRequest& request, const Job& job);
+  void noteVanished(const std::vector<std::string>& paths);
   void drawPreview(const Job& job);
   void drawWhole(const Job& job);
   void makeSlices(const Job& job);
   void answerProbe(const Job& job);
   void save(const Job& job);
+  void save(const PictureSave& save, const Job& job);
+  void save(const TextSave& save);
+  void writeFrame(const Job& job);
+  // Of a film, before its first frame.
+  void beginFilm(const FilmWish& film);
+  void endFilm() SLUICE_REQUIRES(mutex_);
 
-  void useLook(const LookOptions& look);
+  // Throws Error where they must not be written.
+  void checkOutputs(const std::vector<std::string>& writes, const LookOptions& look) const;
+
+  void useLook(const LookOptions& look, bool is_shown = true);
   // Voxels between samples of the wish's whole picture.
   double wholeStep(const Wish& wish) const;
-  // Draws and learns from it.
-  Image draw(const Job& job, const PictureOptions& picture, double step_vox);
-  void deliver(const WishPtr& wish, const Image& image, bool is_complete, double seconds);
+  Image drawImage(const Job& job, const PictureOptions& picture);
+  // What a screen is to show of it, nothing but pixels or where they are. Learns from it.
+  ShownPicture draw(const Job& job, const PictureOptions& picture, double step_vox);
+  void deliver(const WishPtr& wish, ShownPicture picture, bool is_complete, double seconds);
   void deliverReport();
   void stopWork(bool also_previews) SLUICE_REQUIRES(mutex_);
   void fail(const std::string& line);
@@ -156,8 +186,11 @@ class DrawingThread : public Desk {
   Condition changed_;
   bool ends_ SLUICE_GUARDED_BY(mutex_) = false;
   bool is_open_ SLUICE_GUARDED_BY(mutex_) = false;
+  std::shared_ptr<const ScreenContext> screen_ SLUICE_GUARDED_BY(mutex_);
   std::optional<OpenRequest> open_ SLUICE_GUARDED_BY(mutex_);
   std::deque<SaveRequest> saves_ SLUICE_GUARDED_BY(mutex_);
+  std::optional<Film> film_ SLUICE_GUARDED_BY(mutex_);
+  uint64_t films_ SLUICE_GUARDED_BY(mutex_) = 0;
   std::optional<ProbeRequest> probe_ SLUICE_GUARDED_BY(mutex_);
   std::optional<Wish> place_ SLUICE_GUARDED_BY(mutex_);
   bool wants_report_ SLUICE_GUARDED_BY(mutex_) = false, wants_maps_

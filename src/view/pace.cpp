@@ -1,5 +1,6 @@
 #include "src/view/pace.h"
 
+#include <algorithm>
 #include <array>
 
 namespace sluice {
@@ -29,6 +30,10 @@ Pace learned(Pace pace, const DrawnFrame& frame) {
 double expectedSeconds(const Pace& pace, const Quality& quality, double pixels, double step_vox) {
   return pace.fixed_s +
          pace.pixel_s * pixels * quality.scale * quality.scale / (step_vox * quality.step_factor);
+}
+
+double drawingBudget(double budget_s, double showing_s) {
+  return std::max(budget_s / 3, budget_s - showing_s);
 }
 
 Quality qualityWithin(const Pace& pace, double pixels, double step_vox, double budget_s) {

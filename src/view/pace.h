@@ -29,6 +29,8 @@ struct Quality {
 // The best that is expected to take at most `budget_s`, or else the least; of `pixels` and
 // `step_vox` of the complete picture. Where nothing is known yet, a quarter of the size.
 Quality qualityWithin(const Pace& pace, double pixels, double step_vox, double budget_s);
+// Of a frame's budget, what drawing may take where showing takes the rest; at least a third.
+double drawingBudget(double budget_s, double showing_s);
 // What is expected of it.
 double expectedSeconds(const Pace& pace, const Quality& quality, double pixels, double step_vox);
 

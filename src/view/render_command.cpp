@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
-#include <string_view>
+
+#include "src/base/shell_word.h"
 
 namespace sluice {
 namespace {
@@ -72,6 +72,11 @@ void addView(std::vector<OptionWord>& words, const ViewOptions& view) {
   if (is_perspective) words.emplace_back("--fov", fmt::format("{}", view.field_of_view_deg));
 }
 
+// A name that begins as options do.
+std::string asOperand(const std::string& path) {
+  return path.starts_with('-') ? "./" + path : path;
+}
+
 }  // namespace
 
 std::vector<OptionWord> volumeWords(const VolumeOptions& options) {
@@ -91,13 +96,13 @@ std::vector<OptionWord> volumeWords(const VolumeOptions& options) {
 
 std::vector<OptionWord> lookWords(const LookOptions& look) {
   std::vector<OptionWord> words;
-  if (!look.transfer_file.empty()) {
-    words.emplace_back("--transfer", look.transfer_file);
-  } else if (!look.opacities.empty()) {
+  if (!look.transfer_file.empty()) words.emplace_back("--transfer", look.transfer_file);
+  if (!look.opacities.empty()) {
     std::string points;
     for (const LookOptions::Opacity& point : look.opacities)
       points += fmt::format("{}{}:{}", points.empty() ? "" : ",", point.value, point.opacity);
     words.emplace_back("--opacities", points);
+  } else if (!look.transfer_file.empty()) {  // has them
   } else if (look.labels) {
     words.emplace_back("--labels", "");
   } else if (look.threshold) {
@@ -136,22 +141,11 @@ std::vector<OptionWord> pictureWords(const ViewState& state) {
   return words;
 }
 
-std::string shellWord(const std::string& word) {
-  const bool is_plain = !word.empty() && std::all_of(word.begin(), word.end(), [](char c) {
-    return std::isalnum(static_cast<unsigned char>(c)) != 0 ||
-           std::string_view("-_./,:=+%@").find(c) != std::string_view::npos;
-  });
-  if (is_plain) return word;
-  std::string quoted = "'";
-  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return quoted + "'";
-}
-
 std::string renderCommand(const ViewedVolume& volume, const ViewState& state,
                           const std::string& look, int width, int height,
                           const std::string& output) {
   std::string command = "sluice render";
-  for (const std::string& path : volume.paths) command += " " + shellWord(path);
+  for (const std::string& path : volume.paths) command += " " + shellWord(asOperand(path));
   const auto add = [&](const std::vector<OptionWord>& words) {
     // One word each, so that a value may begin with a minus.
     for (const auto& [option, value] : words)
@@ -166,7 +160,13 @@ std::string renderCommand(const ViewedVolume& volume, const ViewState& state,
     add({words.back()});  // the mode
   }
   add(pictureWords(state));
-  return command + fmt::format(" --size {}x{} -o {}", width, height, shellWord(output));
+  return command + fmt::format(" --size {}x{} -o {}", width, height, shellWord(asOperand(output)));
+}
+
+std::string framesCommand(const std::string& state_file, int width, int height,
+                          const std::string& output) {
+  return fmt::format("sluice render --state={} --size {}x{} -o {}", shellWord(state_file), width,
+                     height, shellWord(asOperand(output)));
 }
 
 }  // namespace sluice

@@ -28,8 +28,8 @@ std::vector<OptionWord> pictureWords(const ViewState& state);
 std::string renderCommand(const ViewedVolume& volume, const ViewState& state,
                           const std::string& look, int width, int height,
                           const std::string& output);
-
-// For sh.
-std::string shellWord(const std::string& word);
+// The frames of the path in the file of a state.
+std::string framesCommand(const std::string& state_file, int width, int height,
+                          const std::string& output);
 
 }  // namespace sluice

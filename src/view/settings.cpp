@@ -37,7 +37,7 @@ std::string settingsText(const Settings& settings) {
                                    {"height", settings.height},
                                    {"font_scale", settings.font_scale},
                                    {"recent", settings.recent}};
-  return document.dump(2) + "\n";
+  return document.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
 void noteRecent(Settings& settings, const std::string& path) {

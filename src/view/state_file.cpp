@@ -173,12 +173,9 @@ LookOptions lookOf(const JsonField& field) {
   return look;
 }
 
-}  // namespace
-
-std::string stateText(const ViewedVolume& volume, const ViewState& state) {
+// What a state says beside its volume and its path.
+json stateJson(const ViewState& state) {
   json made;
-  made["sluice"] = "view";
-  if (!volume.paths.empty()) made["volume"] = volumeJson(volume);
   made["camera"] = cameraJson(state.view);
   made["look"] = lookJson(state.look);
   made["time"] = state.time;
@@ -191,20 +188,11 @@ std::string stateText(const ViewedVolume& volume, const ViewState& state) {
   if (state.background) made["background"] = *state.background;
   made["cross"] = state.cross;
   made["slices"] = state.shows_slices;
-  return made.dump(2) + "\n";
+  return made;
 }
 
-StateFile parseState(std::string_view text, const std::string& where) {
-  const json document = parseJson(text, where);
-  const JsonField root(document, where);
-  if (!root.isObject() || !root.find("sluice") || !root.find("sluice")->isText() ||
-      root.find("sluice")->text() != "view")
-    fail("{}: expected a view's state, an object with \"sluice\": \"view\"", where);
-  root.allowOnly({"sluice", "volume", "camera", "look", "time", "step", "crop", "clip",
-                  "background", "cross", "slices"});
-  StateFile file;
-  ViewState& state = file.state;
-  if (const auto f = root.find("volume")) file.volume = volumeOf(*f);
+ViewState stateOf(const JsonField& root) {
+  ViewState state;
   if (const auto f = root.find("camera")) state.view = viewOf(*f);
   if (const auto f = root.find("look")) state.look = lookOf(*f);
   if (const auto f = root.find("time")) state.time = f->whole();
@@ -226,6 +214,84 @@ StateFile parseState(std::string_view text, const std::string& where) {
   }
   if (const auto f = root.find("cross")) state.cross = numbers<int64_t, 3>(*f);
   if (const auto f = root.find("slices")) state.shows_slices = f->flag();
+  return state;
+}
+
+constexpr std::array kPathKinds{"turn", "keys"};
+
+json pathJson(const ViewPath& path) {
+  json made = {{"kind", kPathKinds[static_cast<size_t>(path.kind)]},
+               {"frames", path.turn_frames},
+               {"rate", path.frames_per_second}};
+  for (const ViewKey& key : path.keys) {
+    json one = stateJson(key.state);
+    one.erase("cross");
+    one.erase("slices");
+    one["seconds"] = key.seconds;
+    made["keys"].push_back(std::move(one));
+  }
+  return made;
+}
+
+double aboveZero(const JsonField& field) {
+  const double number = field.number();
+  if (!(number > 0)) field.failExpected("a number above 0");
+  return number;
+}
+
+ViewPath pathOf(const JsonField& field) {
+  field.allowOnly({"kind", "frames", "rate", "keys"});
+  ViewPath path;
+  path.kind = static_cast<ViewPath::Kind>(wordOf(field.require("kind"), kPathKinds));
+  if (const auto f = field.find("frames")) {
+    path.turn_frames = f->whole();
+    if (path.turn_frames < 1 || path.turn_frames > ViewPath::kMostFrames)
+      f->failExpected(fmt::format("1 to {} frames", ViewPath::kMostFrames));
+  }
+  if (const auto f = field.find("rate")) path.frames_per_second = aboveZero(*f);
+  const auto keys = field.find("keys");
+  if (keys && !keys->isArray()) keys->failExpected("a list of views");
+  for (size_t i = 0; keys && i < keys->size(); ++i) {
+    const JsonField one = (*keys)[i];
+    one.allowOnly({"seconds", "camera", "look", "time", "step", "crop", "clip", "background"});
+    ViewKey key;
+    if (const auto f = one.find("seconds")) key.seconds = aboveZero(*f);
+    key.state = stateOf(one);
+    if (!key.state.view.look_at) one.failExpected("a camera with eye and target");
+    path.keys.push_back(std::move(key));
+  }
+  if (path.kind == ViewPath::Kind::kKeys && path.keys.empty())
+    field.failExpected("at least one of \"keys\"");
+  if (path.kind == ViewPath::Kind::kKeys &&
+      secondsOf(path) * path.frames_per_second >= static_cast<double>(ViewPath::kMostFrames))
+    field.failExpected(fmt::format("at most {} frames", ViewPath::kMostFrames));
+  return path;
+}
+
+}  // namespace
+
+std::string stateText(const ViewedVolume& volume, const ViewState& state,
+                      const std::optional<ViewPath>& path) {
+  json made = stateJson(state);
+  made["sluice"] = "view";
+  if (!volume.paths.empty()) made["volume"] = volumeJson(volume);
+  if (path) made["path"] = pathJson(*path);
+  // JSON holds no file name that is not UTF-8: what is none of it is lost, the rest is not.
+  return made.dump(2, ' ', false, json::error_handler_t::replace) + "\n";
+}
+
+StateFile parseState(std::string_view text, const std::string& where) {
+  const json document = parseJson(text, where);
+  const JsonField root(document, where);
+  if (!root.isObject() || !root.find("sluice") || !root.find("sluice")->isText() ||
+      root.find("sluice")->text() != "view")
+    fail("{}: expected a view's state, an object with \"sluice\": \"view\"", where);
+  root.allowOnly({"sluice", "volume", "camera", "look", "time", "step", "crop", "clip",
+                  "background", "cross", "slices", "path"});
+  StateFile file;
+  if (const auto f = root.find("volume")) file.volume = volumeOf(*f);
+  file.state = stateOf(root);
+  if (const auto f = root.find("path")) file.path = pathOf(*f);
   return file;
 }
 

@@ -41,6 +41,10 @@ std::string wordAfter(std::string_view options, std::string_view option) {
     const size_t end = std::min(options.find(' ', at), options.size());
     if (options.substr(at, end - at) == option) {
       const size_t from = std::min(end + 1, options.size());
+      if (from < options.size() && options[from] == '\'') {
+        const size_t close = std::min(options.find('\'', from + 1), options.size());
+        return std::string(options.substr(from + 1, close - from - 1));
+      }
       return std::string(
           options.substr(from, std::min(options.find(' ', from), options.size()) - from));
     }
@@ -55,17 +59,19 @@ LookOptions byPoints(const LookOptions& look, const ShownLook& shown, std::array
   next.opacity.reset();
   for (const ShownLook::Opacity& point : shown.opacities)
     next.opacities.push_back({point.value, point.opacity});
+  while (next.opacities.size() < 2)
+    next.opacities.push_back(next.opacities.empty()
+                                 ? LookOptions::Opacity{range[0], 0}
+                                 : LookOptions::Opacity{std::max(range[1], next.opacities[0].value),
+                                                        next.opacities[0].opacity});
+  next.transfer_file = look.transfer_file;
+  if (!next.transfer_file.empty()) return next;  // its colours stay
   if (next.map.empty()) next.map = wordAfter(shown.options, "--map");
   // A ramp's colours begin at its threshold.
   std::array<double, 2> colors = rangeIn(shown.options).value_or(range);
   if (look.threshold && *look.threshold < colors[1]) colors[0] = *look.threshold;
   next.range = colors;
   if (colors[0] == colors[1]) next.range = std::array{colors[0], colors[0] + 1};
-  while (next.opacities.size() < 2)
-    next.opacities.push_back(next.opacities.empty()
-                                 ? LookOptions::Opacity{range[0], 0}
-                                 : LookOptions::Opacity{std::max(range[1], next.opacities[0].value),
-                                                        next.opacities[0].opacity});
   return next;
 }
 

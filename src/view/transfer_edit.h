@@ -21,10 +21,11 @@ using OpacityPoints = std::vector<LookOptions::Opacity>;  // ascending by value
 LookOptions withThreshold(LookOptions look, double threshold, std::array<double, 2> range);
 
 // The same look by points of opacity, a map and a range, for editing; a look by points stays as it
-// is. Of one read from a file the colours become the default map's.
+// is. One read from a file keeps it for its colours.
 LookOptions byPoints(const LookOptions& look, const ShownLook& shown, std::array<double, 2> range);
 
-// What follows an option in a text of options ("--map ct-bone"); empty where it is not there.
+// What follows an option in a text of options ("--map ct-bone"), without the quotes of a shell;
+// empty where it is not there.
 std::string wordAfter(std::string_view options, std::string_view option);
 
 // Opacities of a voxel are small numbers; what is drawn of them is their cube root.

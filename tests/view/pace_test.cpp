@@ -51,5 +51,11 @@ TEST(Pace, aLongerStepTakesLess) {
               expectedSeconds(pace, {1, 1}, kPixels, 1) / 2, 1e-12);
 }
 
+TEST(Pace, showingTakesItsPartOfTheBudget) {
+  EXPECT_DOUBLE_EQ(drawingBudget(0.016, 0), 0.016);
+  EXPECT_DOUBLE_EQ(drawingBudget(0.016, 0.006), 0.010);
+  EXPECT_DOUBLE_EQ(drawingBudget(0.015, 0.2), 0.005) << "however slow the window is";
+}
+
 }  // namespace
 }  // namespace sluice

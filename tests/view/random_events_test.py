@@ -1,13 +1,12 @@
 #!/usr/bin/env python3
 """20 000 random mouse and key events, or as many as a minute takes: memory is where it was, OpenGL has no error."""
-import ctypes
 import os
 import random
 import sys
 import time
 
 import window_driver
-from window_driver import Display, Window
+from window_driver import Display, Hand, Window
 
 EVENTS = int(os.environ.get('SLUICE_RANDOM_EVENTS', '20000'))
 SECONDS = float(os.environ.get('SLUICE_RANDOM_SECONDS', '60'))
@@ -21,39 +20,13 @@ def anonymous_bytes(pid):
         return next(int(line.split()[1]) * 1024 for line in status if line.startswith('RssAnon'))
 
 
-class Hand:
-    """Events by XTEST, without a process for each."""
-
-    def __init__(self, display):
-        self.x11, self.test = ctypes.CDLL('libX11.so.6'), ctypes.CDLL('libXtst.so.6')
-        self.x11.XOpenDisplay.restype = ctypes.c_void_p
-        self.x11.XStringToKeysym.restype = ctypes.c_ulong
-        self.display = ctypes.c_void_p(self.x11.XOpenDisplay(display.name.encode()))
-        self.sent = 0
-
-    def move(self, x, y):
-        self.test.XTestFakeMotionEvent(self.display, -1, x, y, ctypes.c_ulong(0))
-        self.sent += 1
-
-    def button(self, button, down):
-        self.test.XTestFakeButtonEvent(self.display, button, int(down), ctypes.c_ulong(0))
-        self.sent += 1
-
-    def key(self, name):
-        parts = [{'ctrl': 'Control_L'}.get(part, part) for part in name.split('+')]
-        codes = [self.x11.XKeysymToKeycode(self.display, ctypes.c_ulong(self.x11.XStringToKeysym(part.encode()))) for part in parts]
-        for code, down in [(code, 1) for code in codes] + [(code, 0) for code in reversed(codes)]:
-            self.test.XTestFakeKeyEvent(self.display, code, down, ctypes.c_ulong(0))
-            self.sent += 1
-
-    def flush(self):
-        self.x11.XSync(self.display, 0)
-
-
 def batch(generator, hand, area):
-    """Some events; buttons are let go at the end. Left of x = 480 is the picture, where nothing saves."""
+    """Some events, slow enough for a window to see a drag as one; buttons are let go at the end. Left of x = 480 is the picture, where nothing saves."""
     held = None
-    for _ in range(40):
+    for number in range(40):
+        if number % 4 == 3:
+            hand.flush()
+            time.sleep(0.004)
         what = generator.random()
         x, y = generator.randrange(area[0]), generator.randrange(area[1])
         if what < 0.75:

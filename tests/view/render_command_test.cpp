@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "src/base/shell_word.h"
+
 namespace sluice {
 namespace {
 
@@ -31,6 +33,25 @@ TEST(RenderCommand, takesTheLookAsItIsDrawn) {
   EXPECT_NE(command.find("a.nrrd --map grey --range 0,255 --mode=mip --projection"),
             std::string::npos)
       << command;
+}
+
+TEST(RenderCommand, saysPointsBesideTheFileOfTheirColours) {
+  LookOptions look;
+  look.transfer_file = "a.json";
+  look.opacities = {{1, 0}, {2, 0.5}};
+  const std::vector<OptionWord> words = lookWords(look);
+  EXPECT_EQ(words[0], OptionWord("--transfer", "a.json"));
+  EXPECT_EQ(words[1], OptionWord("--opacities", "1:0,2:0.5"));
+}
+
+TEST(RenderCommand, namesThatBeginAsOptionsAreFiles) {
+  ViewedVolume volume;
+  volume.paths = {"-a.nrrd"};
+  const std::string command = renderCommand(volume, {}, "", 10, 10, "-o b.png");
+  EXPECT_NE(command.find("render ./-a.nrrd "), std::string::npos) << command;
+  EXPECT_NE(command.find("-o './-o b.png'"), std::string::npos) << command;
+  EXPECT_EQ(framesCommand("it's.json", 3, 4, "f_%d.png"),
+            "sluice render --state='it'\\''s.json' --size 3x4 -o f_%d.png");
 }
 
 TEST(RenderCommand, quotesForAShell) {

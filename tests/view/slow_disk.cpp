@@ -1,6 +1,7 @@
 // A disk of so many bytes a second (SLUICE_SLOW_BYTES_PER_SECOND), for a program that is started
 // with this library in LD_PRELOAD: reads of files whose names hold SLUICE_SLOW_FILE take as long as
-// such a disk would.
+// such a disk would. Listing a folder whose name holds SLUICE_SLOW_FOLDER takes a second an entry.
+#include <dirent.h>
 #include <dlfcn.h>
 #include <unistd.h>
 
@@ -16,8 +17,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-bool isSlow(int file) {
-  const char* const name = std::getenv("SLUICE_SLOW_FILE");
+bool isSlow(int file, const char* variable = "SLUICE_SLOW_FILE") {
+  const char* const name = std::getenv(variable);
   if (name == nullptr) return false;
   char path[4096];
   const std::string link = "/proc/self/fd/" + std::to_string(file);
@@ -63,4 +64,17 @@ extern "C" ssize_t pread(int file, void* to, size_t bytes, off_t at) {
 extern "C" ssize_t pread64(int file, void* to, size_t bytes, off64_t at) {
   static auto* const real = next<ssize_t(int, void*, size_t, off64_t)>("pread64");
   return slowed(file, real(file, to, bytes, at));
+}
+
+extern "C" dirent* readdir(DIR* folder) {
+  static auto* const real = next<dirent*(DIR*)>("readdir");
+  if (isSlow(dirfd(folder), "SLUICE_SLOW_FOLDER"))
+    std::this_thread::sleep_for(std::chrono::seconds(1));
+  return real(folder);
+}
+extern "C" dirent64* readdir64(DIR* folder) {
+  static auto* const real = next<dirent64*(DIR*)>("readdir64");
+  if (isSlow(dirfd(folder), "SLUICE_SLOW_FOLDER"))
+    std::this_thread::sleep_for(std::chrono::seconds(1));
+  return real(folder);
 }

@@ -26,6 +26,7 @@ def sit(folder):
     with Display() as display, Window(display, PROGRAM, arguments, folder, slow) as window:
         window.wait('opened', 300)
         window.wait('picture')
+        window_driver.put_first(window.process, display)
         middle = window.place('picture')
         until = time.monotonic() + 12
         side = 1
@@ -38,6 +39,9 @@ def sit(folder):
         times = window.end()
     answered = times['answers']
     print({name: times[name] for name in sorted(times)})
+    for line in window.lines:
+        if 'long_turn_seconds' in line:
+            print({name: round(1e3 * value, 1) if name.endswith('seconds') else value for name, value in line.items()})
     assert answered > 20, f'{answered} events had an answer'
     assert not all(line['complete'] for line in pictures), 'a disk so slow has previews'
     bound = os.environ.get('SLUICE_STALL_MS')

@@ -49,6 +49,46 @@ TEST(StateFile, givesBackWhatWasSaved) {
   EXPECT_TRUE(read.volume->options.big_endian);
 }
 
+TEST(StateFile, aNameThatIsNoTextIsNoCrash) {
+  ViewedVolume volume;
+  volume.paths = {"caf\xe9.nrrd"};  // Latin-1
+  EXPECT_EQ(parseState(stateText(volume, {}), "here").volume->paths.front(),
+            "caf\xef\xbf\xbd.nrrd");
+}
+
+TEST(StateFile, keepsThePathOfAFilm) {
+  ViewPath path;
+  path.kind = ViewPath::Kind::kKeys;
+  path.frames_per_second = 12.5;
+  path.turn_frames = 33;
+  path.keys = {{everything(), 0.7}, {everything(), 3}};
+  path.keys[1].state.look = {};
+  path.keys[1].state.look.transfer_file = "t.json";
+  for (ViewKey& key : path.keys) {
+    key.state.cross = {};  // no part of a film
+    key.state.shows_slices = false;
+  }
+  const StateFile read = parseState(stateText({}, everything(), path), "here");
+  EXPECT_EQ(read.path, path);
+  EXPECT_EQ(read.state, everything());
+  EXPECT_FALSE(parseState(stateText({}, everything()), "here").path);
+}
+
+TEST(StateFile, saysWhatIsWrongWithAPath) {
+  const auto said = [](const std::string& text) {
+    return errorOf([&] { parseState(R"({"sluice": "view", "path": )" + text + "}", "a.json"); });
+  };
+  EXPECT_THAT(said("[]"), HasSubstr("a.json"));
+  EXPECT_THAT(said(R"({"kind": "spin"})"), HasSubstr("one of turn, keys"));
+  EXPECT_THAT(said(R"({"kind": "turn", "frames": 0})"), HasSubstr("1 to 100000 frames"));
+  EXPECT_THAT(said(R"({"kind": "keys"})"), HasSubstr("keys"));
+  EXPECT_THAT(said(R"({"kind": "keys", "keys": [{"time": 0}]})"), HasSubstr("eye and target"));
+  EXPECT_THAT(said(R"({"kind": "keys", "rate": 0, "keys": []})"), HasSubstr("above 0"));
+  const std::string key = R"({"seconds": 1e9, "camera": {"eye": [0, 0, 1], "target": [0, 0, 0]}})";
+  EXPECT_THAT(said(R"({"kind": "keys", "keys": [)" + key + "," + key + "]}"),
+              HasSubstr("at most 100000 frames"));
+}
+
 TEST(StateFile, anEmptyStateIsTheDefault) {
   const StateFile read = parseState(R"({"sluice": "view"})", "here");
   EXPECT_EQ(read.state, ViewState());

@@ -40,6 +40,21 @@ TEST(TransferEdit, aLookBecomesPointsThatSayTheSame) {
   EXPECT_EQ(byPoints(points, {}, {0, 1}), points);
 }
 
+TEST(TransferEdit, pointsOverAFileKeepItsColours) {
+  LookOptions look;
+  look.transfer_file = "my colours.json";
+  look.full_gradient = 0.2;
+  ShownLook shown;
+  shown.opacities = {{0, 0}, {100, 0.05}};
+  shown.options = "--transfer 'my colours.json' --no-shade";
+  const LookOptions points = byPoints(look, shown, kRange);
+  EXPECT_EQ(points.transfer_file, look.transfer_file);
+  EXPECT_EQ(points.opacities.size(), 2U);
+  EXPECT_EQ(points.map, "");
+  EXPECT_FALSE(points.range);
+  EXPECT_EQ(points.full_gradient, look.full_gradient);
+}
+
 TEST(TransferEdit, pointsAreAddedInOrderMovedBetweenNeighboursAndRemoved) {
   OpacityPoints points{{0, 0}, {100, 0.1}};
   EXPECT_EQ(addPoint(points, 50, 0.2), 1U);
@@ -80,6 +95,7 @@ TEST(TransferEdit, windowAndLevelMoveApart) {
 TEST(TransferEdit, findsWordsInAText) {
   EXPECT_EQ(wordAfter("--map ct-bone --range 1,2", "--map"), "ct-bone");
   EXPECT_EQ(wordAfter("--map ct-bone --range 1,2", "--range"), "1,2");
+  EXPECT_EQ(wordAfter("--map 'Cool to Warm' --shade", "--map"), "Cool to Warm");
   EXPECT_EQ(wordAfter("--shade", "--map"), "");
   EXPECT_EQ(wordAfter("--shade", "--shade"), "");
 }

@@ -1,4 +1,5 @@
 """Drives `sluice view` by real mouse and key events: an X server without a screen (Xvfb), xdotool, and the window's log."""
+import ctypes
 import json
 import os
 import pathlib
@@ -27,6 +28,18 @@ def run(*tests, also_missing=(), scratch_in=None):
             test(scratch)
 
 
+def put_first(process, display):
+    """Where this runs with a priority of real time: the X server and the window's own threads before those that draw the volume,
+    and all of them before what else the machine does."""
+    if os.sched_getscheduler(0) != os.SCHED_FIFO:
+        return
+    os.sched_setscheduler(display.server.pid, os.SCHED_FIFO, os.sched_param(2))
+    for thread in os.listdir(f'/proc/{process.pid}/task'):
+        with open(f'/proc/{process.pid}/task/{thread}/comm', encoding='utf-8') as name:
+            is_first = int(thread) == process.pid or 'llvmpipe' in name.read()
+        os.sched_setscheduler(int(thread), os.SCHED_FIFO, os.sched_param(2 if is_first else 1))
+
+
 class Display:
     """An X server of its own, gone with the `with` block."""
 
@@ -49,6 +62,51 @@ class Display:
         self.server.wait()
 
 
+class Hand:
+    """Events by XTEST, without a process for each."""
+
+    def __init__(self, display):
+        self.x11, self.test = ctypes.CDLL('libX11.so.6'), ctypes.CDLL('libXtst.so.6')
+        self.x11.XOpenDisplay.restype = ctypes.c_void_p
+        self.x11.XStringToKeysym.restype = ctypes.c_ulong
+        self.display = ctypes.c_void_p(self.x11.XOpenDisplay(display.name.encode()))
+        self.sent = 0
+
+    def move(self, x, y):
+        self.test.XTestFakeMotionEvent(self.display, -1, x, y, ctypes.c_ulong(0))
+        self.sent += 1
+
+    def button(self, button, down):
+        self.test.XTestFakeButtonEvent(self.display, button, int(down), ctypes.c_ulong(0))
+        self.sent += 1
+
+    def key(self, name):
+        parts = [{'ctrl': 'Control_L'}.get(part, part) for part in name.split('+')]
+        codes = [self.x11.XKeysymToKeycode(self.display, ctypes.c_ulong(self.x11.XStringToKeysym(part.encode()))) for part in parts]
+        for code, down in [(code, 1) for code in codes] + [(code, 0) for code in reversed(codes)]:
+            self.test.XTestFakeKeyEvent(self.display, code, down, ctypes.c_ulong(0))
+            self.sent += 1
+
+    def flush(self):
+        self.x11.XSync(self.display, 0)
+
+    def pixels(self, width, height):
+        """Of the screen's upper left corner: four bytes each, blue first, rows from the top."""
+        class Image(ctypes.Structure):
+            _fields_ = [('width', ctypes.c_int), ('height', ctypes.c_int), ('offset', ctypes.c_int), ('format', ctypes.c_int),
+                        ('data', ctypes.c_void_p), ('orders', ctypes.c_int * 5), ('row_bytes', ctypes.c_int)]
+        x11 = self.x11
+        x11.XGetImage.restype = ctypes.POINTER(Image)
+        x11.XDefaultRootWindow.restype = ctypes.c_ulong
+        every_plane, in_pixels = ctypes.c_ulong(2**64 - 1), 2
+        root = ctypes.c_ulong(x11.XDefaultRootWindow(self.display))
+        image = x11.XGetImage(self.display, root, 0, 0, width, height, every_plane, in_pixels)
+        assert image and image.contents.row_bytes == 4 * width
+        found = ctypes.string_at(image.contents.data, 4 * width * height)
+        x11.XDestroyImage(image)
+        return found
+
+
 class Window:
     """`sluice view ARGUMENTS`, and what its log says."""
 
@@ -58,6 +116,8 @@ class Window:
         self.environment = dict(os.environ, DISPLAY=display.name, XDG_CONFIG_HOME=f'{folder}/config',
                                 XDG_CACHE_HOME=f'{folder}/cache', LIBGL_ALWAYS_SOFTWARE='1', **(environment or {}))
         self.environment.pop('WAYLAND_DISPLAY', None)
+        # Of who sends its events: nothing is put under that.
+        self.outside = {name: value for name, value in self.environment.items() if name != 'LD_PRELOAD'}
         self.output = open(pathlib.Path(folder, 'window.out'), 'w+', encoding='utf-8')
         self.process = subprocess.Popen([program, 'view', *arguments, '--log', str(self.log)], cwd=folder, env=self.environment,
                                         stdout=self.output, stderr=subprocess.STDOUT)
@@ -115,7 +175,19 @@ class Window:
         return self.wait(lambda line: line.get('complete') is True and line.get('of_newest'), since=since)
 
     def do(self, *words):
-        subprocess.run(['xdotool', *map(str, words)], env=self.environment, check=True, stdout=subprocess.DEVNULL)
+        subprocess.run(['xdotool', *map(str, words)], env=self.outside, check=True, stdout=subprocess.DEVNULL)
+
+    def find(self, title):
+        """The number of a window of this title."""
+        found = subprocess.run(['xdotool', 'search', '--sync', '--name', f'^{title}$'], env=self.outside, check=True,
+                               stdout=subprocess.PIPE, text=True)
+        return found.stdout.split()[0]
+
+    def size(self, number):
+        said = subprocess.run(['xdotool', 'getwindowgeometry', '--shell', number], env=self.outside, check=True,
+                              stdout=subprocess.PIPE, text=True).stdout
+        values = dict(line.split('=') for line in said.split())
+        return int(values['WIDTH']), int(values['HEIGHT'])
 
     def place(self, control, x=0.5, y=0.5):
         """Of the middle of a control, or another part of it, once it is shown."""
@@ -151,6 +223,23 @@ class Window:
             if len(parts) > 1:
                 self.do('keyup', *parts[:-1])
 
+    def press(self, *keys):
+        """Keys where the pointer and the focus are, each held for more than a frame."""
+        for key in keys:
+            parts = key.split('+')
+            for part in parts:
+                self.do('keydown', part, 'sleep', 0.06)
+            for part in reversed(parts):
+                self.do('keyup', part, 'sleep', 0.06)
+
+    def fill(self, field, text):
+        """Types into a field of text, in place of what is in it."""
+        self.click(field, x=0.2)
+        self.press('ctrl+a')
+        self.do('type', '--delay', 12, text)
+        self.do('sleep', 0.1)
+        self.press('Return')
+
     def end(self):
         """Closes it by its key; the measured times."""
         self.key('ctrl+q')
@@ -166,5 +255,5 @@ class Window:
     def screenshot(self, path):
         """All of the screen, PNG; needs ImageMagick's import or xwd with OpenImageIO; False where there is none."""
         if shutil.which('import'):
-            return subprocess.run(['import', '-window', 'root', str(path)], env=self.environment, check=False).returncode == 0
+            return subprocess.run(['import', '-window', 'root', str(path)], env=self.outside, check=False).returncode == 0
         return False

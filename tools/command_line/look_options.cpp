@@ -45,7 +45,8 @@ void addLookOptions(CLI::App& app, LookArguments& look, FrameOptions& frame) {
   CLI::Option* points = group.parsed(
       "--opacities", "V:A,V:A,...", "pairs V:A of values, ascending, and opacities from 0 to 1",
       opacityPoints, [&look](const std::vector<OpacityPoint>& found) { look.opacities = found; },
-      "Opacities of one voxel length at some values, linear in between");
+      "Opacities of one voxel length at some values, linear in between; beside --transfer "
+      "they take the place of the file's, whose colours stay");
   CLI::Option* labels =
       group.flag("--labels", look.labels,
                  "Values are numbers of things: each opaque in a colour of its own, 0 is nothing");
@@ -68,9 +69,13 @@ void addLookOptions(CLI::App& app, LookArguments& look, FrameOptions& frame) {
              "Of a series, look and fit follow from the step that is drawn alone");
   CLI::Option* opacity = group.number("--opacity", "A", look.opacity, {0, 1},
                                       "Opacity of one voxel length at the top of the ramp (0.05)");
+  // Points beside a file take the place of its own; its colours stay.
+  const auto goTogether = [&](const CLI::Option* one, const CLI::Option* other) {
+    return (one == transfer && other == points) || (one == points && other == transfer);
+  };
   for (CLI::Option* one : {threshold, transfer, points, labels})
     for (CLI::Option* other : {threshold, transfer, points, labels})
-      if (one != other) one->excludes(other);
+      if (one != other && !goTogether(one, other)) one->excludes(other);
   points->excludes(opacity);
   CLI::Option* shade = light.flag("--shade", look.shade, "Gradient Phong lighting");
   light

@@ -9,8 +9,8 @@
 #include <optional>
 
 #include "io/files/file_list.h"
-#include "io/files/numbered_name.h"
 #include "src/base/error.h"
+#include "src/base/numbered_name.h"
 
 namespace sluice {
 namespace {

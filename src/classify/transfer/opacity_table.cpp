@@ -37,10 +37,16 @@ ValueRange tableRange(const TransferFunction& transfer, const ValueMap& map, Val
   return is_few ? part : all;
 }
 
-// Each integer falls on an entry, of floats that hold integers too.
-int entryCount(ValueRange range, int most) {
+// Each integer falls on an entry, of floats that hold integers too. Of 8 bits as many lie between
+// two integers whatever the range: a step of a series looks the same by its own range and by that
+// of all.
+int entryCount(ValueRange range, DeviceType type, int most) {
+  constexpr double kMostOf8Bits = 255;
   const double span = range.hi - range.lo;
   const bool has_integers = std::floor(range.lo) == range.lo && std::floor(span) == span;
+  if (type == DeviceType::kU8 && has_integers && span >= 1 && span <= kMostOf8Bits &&
+      most > kMostOf8Bits)
+    return static_cast<int>(std::floor((most - 1) / kMostOf8Bits) * span) + 1;
   if (!has_integers || span < 1 || span > most - 1) return most;
   return static_cast<int>(std::floor((most - 1) / span) * span) + 1;
 }
@@ -90,7 +96,7 @@ OpacityTable::OpacityTable(const TransferFunction& transfer, const ValueMap& map
       labels_(transfer.labels) {
   SLUICE_CHECK_LE(2, most_entries);
   const double span = range_.hi - range_.lo;
-  const int count = entryCount(range_, most_entries);
+  const int count = entryCount(range_, map.type, most_entries);
   entries_per_device_ = span > 0 ? (count - 1) / span : 0;
   const auto size = static_cast<size_t>(count);
   opacity_.resize(size);

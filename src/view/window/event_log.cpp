@@ -17,7 +17,7 @@ EventLog::EventLog(const std::string& path) {
 
 void EventLog::write(const nlohmann::json& line) {
   if (!isOn()) return;
-  file_ << line.dump() << '\n';
+  file_ << line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
   file_.flush();
 }
 

@@ -12,6 +12,7 @@ bool named(Sitting& sitting, const char* id, const char* action, std::string& te
   ImGui::PushID(id);
   ImGui::SetNextItemWidth(-ImGui::CalcTextSize(action).x - 30);
   ImGui::InputText("##name", &text);
+  sitting.log.control(std::string(id) + " name");
   ImGui::SameLine();
   const bool is_done = ImGui::Button(action) && !text.empty();
   sitting.log.control(action);
@@ -38,32 +39,6 @@ void filePanel(Sitting& sitting) {
     ImGui::TextWrapped("%s", line.c_str());
     ImGui::PopStyleColor();
   }
-}
-
-void openWindow(Sitting& sitting) {
-  if (!sitting.isOpen() && sitting.status.doing == DeskStatus::Doing::kNothing &&
-      sitting.request.volume.paths.empty())
-    sitting.shows_open = true;
-  if (!sitting.shows_open) return;
-  ImGui::SetNextWindowPos(ImGui::GetMainViewport()->GetCenter(), ImGuiCond_Appearing, {0.5F, 0.5F});
-  ImGui::SetNextWindowSize({520, 0}, ImGuiCond_Appearing);
-  if (ImGui::Begin("open a volume", &sitting.shows_open, ImGuiWindowFlags_NoCollapse)) {
-    ImGui::TextWrapped(
-        "A file, a folder of slices, a pattern (step_%%03d.nrrd) or a saved view; or "
-        "drop files on the window.");
-    ImGui::SetNextItemWidth(-70);
-    const bool is_entered = ImGui::InputTextWithHint("##path", "path", &sitting.path_text,
-                                                     ImGuiInputTextFlags_EnterReturnsTrue);
-    sitting.log.control("path");
-    ImGui::SameLine();
-    if ((ImGui::Button("open") || is_entered) && !sitting.path_text.empty())
-      sitting.openAny({sitting.path_text});
-    if (!sitting.settings.recent.empty()) ImGui::TextDisabled("recent");
-    const std::vector<std::string> recent = sitting.settings.recent;
-    for (const std::string& path : recent)
-      if (ImGui::Selectable(path.c_str())) sitting.openAny({path});
-  }
-  ImGui::End();
 }
 
 void failuresWindow(Sitting& sitting) {

@@ -10,7 +10,7 @@ namespace {
 struct Line {
   const char *keys, *does;
 };
-constexpr std::array<Line, 29> kLines = {{
+constexpr std::array<Line, 31> kLines = {{
     {"drag", "turn the volume"},
     {"Shift drag, middle drag", "move it"},
     {"Ctrl drag, Q, E", "roll"},
@@ -35,6 +35,8 @@ constexpr std::array<Line, 29> kLines = {{
     {"H", "histogram linear or logarithmic"},
     {"O", "axes, scale and colours"},
     {"Space, comma, dot", "play, a step back, a step on"},
+    {"K, Shift K", "key frame here, remove the last one"},
+    {"F, Ctrl F", "play the film, write its frames (or cancel)"},
     {"Ctrl Z, Ctrl Y", "undo, redo"},
     {"Ctrl O", "open"},
     {"Ctrl S, Ctrl Shift S", "save picture, save view"},

@@ -33,6 +33,7 @@ void files(Sitting& sitting, const ImGuiIO& io) {
     else
       sitting.savePicture(sitting.picture_text);
   }
+  if (pressed(GLFW_KEY_F)) sitting.writeFilm();
   if (pressed(GLFW_KEY_Q)) sitting.wants_to_end = true;
   if (pressed(GLFW_KEY_EQUAL) || pressed(GLFW_KEY_KP_ADD)) sitting.settings.font_scale *= 1.1;
   if (pressed(GLFW_KEY_MINUS) || pressed(GLFW_KEY_KP_SUBTRACT)) sitting.settings.font_scale /= 1.1;
@@ -140,6 +141,14 @@ void series(Sitting& sitting) {
   if (next.time != sitting.state().time) sitting.history.replace(next);
 }
 
+void film(Sitting& sitting, const ImGuiIO& io) {
+  if (pressed(GLFW_KEY_F)) sitting.playFilm();
+  if (!pressed(GLFW_KEY_K)) return;
+  if (!io.KeyShift) return sitting.addKey();
+  sitting.endFilm();
+  if (!sitting.film.keys.empty()) sitting.film.keys.pop_back();
+}
+
 }  // namespace
 
 void takeKeys(Sitting& sitting) {
@@ -150,13 +159,16 @@ void takeKeys(Sitting& sitting) {
     if (typed == '?') sitting.shows_help = !sitting.shows_help;
   if (pressed(GLFW_KEY_ESCAPE)) {
     sitting.shows_help = sitting.shows_open = false;
+    sitting.endFilm();
     sitting.failures.clear();
   }
   if (io.KeyCtrl) return files(sitting, io);
-  if (!sitting.isOpen()) return;
+  // The dialog's keys are its own, and what it opens may take the place of what is open.
+  if (!sitting.isOpen() || sitting.shows_open) return;
   camera(sitting, io);
   look(sitting, io);
   series(sitting);
+  film(sitting, io);
   if (pressed(GLFW_KEY_N)) sitting.shows_maps = !sitting.shows_maps;
   if (pressed(GLFW_KEY_H)) sitting.is_log_histogram = !sitting.is_log_histogram;
   if (pressed(GLFW_KEY_O)) sitting.shows_axes = !sitting.shows_axes;

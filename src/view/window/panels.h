@@ -12,6 +12,7 @@ void viewPanel(Sitting& sitting);
 void cutPanel(Sitting& sitting);
 void timePanel(Sitting& sitting);
 void levelsPanel(Sitting& sitting);
+void filmPanel(Sitting& sitting);
 void filePanel(Sitting& sitting);
 
 // The rest of it. Places in screen units.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include "src/view/state_file.h"
@@ -23,16 +24,31 @@ double secondsSince(WindowClock::time_point then) {
   return std::chrono::duration<double>(WindowClock::now() - then).count();
 }
 
+// Of the system's monotonic clock, as who sends events reads it.
+double clockSeconds(WindowClock::time_point when) {
+  return std::chrono::duration<double>(when.time_since_epoch()).count();
+}
+
 }  // namespace
 
-Sitting::Sitting(const WindowRequest& given)
-    : request(given), desk(*given.desk), log(given.log_file), settings(given.settings) {}
+Sitting::Sitting(const WindowRequest& given, const std::function<void()>& wake)
+    : request(given),
+      desk(*given.desk),
+      log(given.log_file),
+      settings(given.settings),
+      dialog(wake) {}
 
 void Sitting::change(const ViewState& next) {
   if (next == state()) return;
+  if (film_from) {
+    // The way back leads to the view, not to a frame.
+    history.replace(*std::exchange(film_from, std::nullopt));
+    is_film_playing = false;
+  }
   const auto now = WindowClock::now();
   if (!hand_is_on && now - moved_at > kTogether) ++gesture_;
   moved_at = now;
+  if (!hand_is_on) nudged_at_ = now;
   history.change(next, gesture_);
 }
 
@@ -47,7 +63,6 @@ void Sitting::open(const std::string& path) {
   ViewedVolume volume;
   volume.paths = {path};
   desk.open(volume, std::nullopt);
-  path_text = path;
   shows_open = false;
 }
 
@@ -74,8 +89,11 @@ void Sitting::savePicture(const std::string& path) {
   desk.savePicture(path, wish);
 }
 
-void Sitting::saveState(const std::string& path) {
-  if (isOpen()) desk.saveText(path, stateText(opened->volume, state()));
+void Sitting::saveState(const std::string& name) {
+  if (!isOpen()) return;
+  const bool has_film = film != ViewPath{} && hasFilm();
+  desk.saveText(name, stateText(opened->volume, film_from.value_or(state()),
+                                has_film ? std::optional(film) : std::nullopt));
 }
 
 void Sitting::showFrom(ViewOptions::From from) {
@@ -110,30 +128,68 @@ void Sitting::takeOpened(std::unique_ptr<OpenedVolumeNews> news) {
   picture = {};
   slice_at = {-1, -1, -1};
   is_playing = false;
+  film = {};
+  film_from.reset();
+  is_film_playing = false;
   for (const std::string& warning : opened->info.warnings) messages.push_front(warning);
   while (messages.size() > kMostMessages) messages.pop_back();
-  noteRecent(settings, opened->volume.paths.front());
+  keepRecent();
   if (!request.settings_file.empty()) desk.saveText(request.settings_file, settingsText(settings));
   log.write({{"opened", opened->volume.paths.front()},
              {"dims", opened->info.dims},
-             {"time_steps", opened->info.time_steps}});
+             {"time_steps", opened->info.time_steps},
+             {"device", opened->device}});
 }
 
-void Sitting::takePicture(const ShownPicture& shown) {
-  texture.set(shown.width, shown.height, shown.rgba);
-  picture = shown;
-  picture.rgba = {};
-  while (!unanswered_.empty() && unanswered_.front().first <= shown.wish) {
+// Several files, and those of which their name says not all, are not opened again by one path.
+void Sitting::keepRecent() {
+  const ViewedVolume& volume = opened->volume;
+  const VolumeOptions& said = volume.options;
+  if (volume.paths.size() != 1 || said.dims || !said.type.empty() || !said.grid.empty() ||
+      said.channel)
+    return;
+  std::string recent = volume.paths.front();
+  std::error_code unknown;
+  if (!recent.starts_with("synth:")) {
+    const auto absolute = std::filesystem::absolute(recent, unknown);
+    if (!unknown) recent = absolute.string();
+  }
+  noteRecent(settings, recent);
+}
+
+void Sitting::takeVanished(const std::string& gone) {
+  if (std::erase(settings.recent, gone) == 0) return;
+  log.write({{"vanished", gone}});
+  if (!request.settings_file.empty()) desk.saveText(request.settings_file, settingsText(settings));
+}
+
+void Sitting::takePicture(ShownPicture shown) {
+  picture = std::move(shown);
+  if (picture.screen) {
+    texture.show(*std::exchange(picture.screen, std::nullopt));
+  } else if (keeps_pixels) {
+    texture.drop();
+  } else {
+    texture.set(picture.width, picture.height, std::exchange(picture.rgba, {}));
+  }
+  picture_is_new = true;
+}
+
+void Sitting::notePresented() {
+  slice_is_new = {};
+  if (!std::exchange(picture_is_new, false)) return;
+  while (!unanswered_.empty() && unanswered_.front().first <= picture.wish) {
     if (times.answer_s.size() < kMostTimes)
       times.answer_s.push_back(secondsSince(unanswered_.front().second));
     unanswered_.pop_front();
   }
-  log.write({{"picture", shown.wish},
-             {"complete", shown.is_complete},
-             {"size", {shown.width, shown.height}},
-             {"time", shown.time},
-             {"seconds", shown.seconds},
-             {"of_newest", shown.wish == sent_number_}});
+  log.write({{"picture", picture.wish},
+             {"complete", picture.is_complete},
+             {"size", {picture.width, picture.height}},
+             {"time", picture.time},
+             {"seconds", picture.seconds},
+             {"of_newest", picture.wish == sent_number_},
+             {"at", clockSeconds(WindowClock::now())}});
 }
 
 void Sitting::takeNews() {
@@ -141,11 +197,18 @@ void Sitting::takeNews() {
   status = desk.status();
   if (news.opened) takeOpened(std::move(news.opened));
   if (news.state) change(*news.state);
-  if (news.picture) takePicture(*news.picture);
+  if (news.path) film = *news.path;
+  for (const std::string& gone : news.vanished) takeVanished(gone);
+  if (status.frames_written != seen_frames_) {
+    seen_frames_ = status.frames_written;
+    log.write({{"written", status.frames_written}, {"of", status.frames}});
+  }
+  if (news.picture) takePicture(std::move(*news.picture));
   for (const ShownSlice& slice : news.slices) {
     const auto axis = static_cast<size_t>(slice.axis);
     slices[axis].set(slice.width, slice.height, slice.rgba);
     slice_at[axis] = slice.at;
+    slice_is_new[axis] = true;
     log.write({{"slice", slice.axis}, {"at", slice.at}});
   }
   if (news.look) look = std::move(*news.look);
@@ -183,21 +246,22 @@ void Sitting::sendWish() {
   wish.state = state();
   wish.width = pane.width;
   wish.height = pane.height;
-  const bool moves = hand_is_on || WindowClock::now() - moved_at < kHandRests;
+  wish.showing_s = showing_s;
+  const bool moves = hand_is_on || is_film_playing || WindowClock::now() - nudged_at_ < kHandRests;
   if (is_playing) wish.next_time = (state().time + 1) % info().time_steps;
   const bool is_same = sent_ && sent_->state == wish.state && sent_->width == wish.width &&
                        sent_->height == wish.height;
   // The hand that let go wants the whole picture of what it saw last.
   if (is_same && (!sent_->moves || moves)) {
-    if (sent_->moves && !hand_is_on) wakeBy(moved_at + kHandRests + 1ms);
+    if (sent_->moves && !hand_is_on) wakeBy(nudged_at_ + kHandRests + 1ms);
     return;
   }
   wish.moves = moves && !is_playing;
-  if (wish.moves) wakeBy(moved_at + kHandRests + 1ms);
+  if (wish.moves && !hand_is_on) wakeBy(nudged_at_ + kHandRests + 1ms);
   sent_ = wish;
   sent_number_ = desk.wish(wish);
   if (!is_same) unanswered_.emplace_back(sent_number_, event_at);
-  log.write({{"wish", sent_number_}, {"moves", wish.moves}});
+  log.write({{"wish", sent_number_}, {"moves", wish.moves}, {"event_at", clockSeconds(event_at)}});
 }
 
 std::string Sitting::incompleteText() const {

@@ -1,26 +1,69 @@
 #include "src/view/window/texture.h"
 
+#define GLFW_INCLUDE_GLEXT
 #include <GLFW/glfw3.h>
 
+#include <utility>
+
 namespace sluice {
+namespace {
+
+template <class Function>
+Function find(const char* name) {
+  return reinterpret_cast<Function>(glfwGetProcAddress(name));
+}
+
+void removeFence(void* fence) {
+  if (fence != nullptr) find<PFNGLDELETESYNCPROC>("glDeleteSync")(static_cast<GLsync>(fence));
+}
+
+}  // namespace
 
 Texture::~Texture() {
-  if (name_ != 0) glDeleteTextures(1, &name_);
+  drop();
 }
 
 void* Texture::id() const {
-  return reinterpret_cast<void*>(static_cast<uintptr_t>(name_));
+  return reinterpret_cast<void*>(static_cast<uintptr_t>(shown_ ? shown_->texture : name_));
+}
+
+void Texture::letGo() {
+  if (!shown_) return;
+  const ScreenImage image = *std::exchange(shown_, std::nullopt);
+  if (image.seen.use_count() == 1) {  // its renderer is gone
+    removeFence(image.drawn);
+    removeFence(image.seen->load());
+    glDeleteTextures(1, &image.texture);
+    return;
+  }
+  const GLsync seen = find<PFNGLFENCESYNCPROC>("glFenceSync")(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
+  glFlush();  // so that who waits for it does not wait for ever
+  removeFence(image.seen->exchange(seen));
+}
+
+void Texture::drop() {
+  letGo();
+  if (name_ != 0) glDeleteTextures(1, &name_);
+  name_ = 0;
+  width_ = height_ = 0;
+}
+
+void Texture::show(const ScreenImage& image) {
+  letGo();
+  // The driver's commands wait, this thread does not.
+  find<PFNGLWAITSYNCPROC>("glWaitSync")(static_cast<GLsync>(image.drawn), 0, GL_TIMEOUT_IGNORED);
+  shown_ = image;
 }
 
 void Texture::set(int width, int height, const std::vector<uint8_t>& rgba) {
+  letGo();
   if (name_ == 0) {
     glGenTextures(1, &name_);
     glBindTexture(GL_TEXTURE_2D, name_);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-    constexpr GLint kClampToEdge = 0x812F;  // of OpenGL 1.2, which old headers do not have
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, kClampToEdge);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, kClampToEdge);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
   }
   glBindTexture(GL_TEXTURE_2D, name_);
   glPixelStorei(GL_UNPACK_ALIGNMENT, 4);

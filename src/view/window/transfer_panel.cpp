@@ -132,6 +132,7 @@ void transferPanel(Sitting& sitting) {
   sitting.log.control("logarithmic");
   ImGui::SetNextItemWidth(-ImGui::CalcTextSize("load  save ").x - 30);
   ImGui::InputTextWithHint("##transfer", "transfer function's file", &sitting.transfer_text);
+  sitting.log.control("transfer name");
   ImGui::SameLine();
   if (ImGui::Button("load") && !sitting.transfer_text.empty()) {
     ViewState next = sitting.state();

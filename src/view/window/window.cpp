@@ -1,5 +1,6 @@
 // The window: GLFW's, with Dear ImGui's panels over a picture that the desk draws. Its loop waits
 // for events and news, and for nothing else.
+#define GLFW_INCLUDE_GLEXT
 #include <GLFW/glfw3.h>
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_opengl3.h>
@@ -7,14 +8,19 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "src/base/error.h"
+#include "src/view/scaled_pixels.h"
+#include "src/view/window/canvas.h"
 #include "src/view/window/panels.h"
+#include "src/view/window/surface.h"
 #include "src/view/window_module.h"
 
 namespace sluice {
@@ -25,63 +31,9 @@ constexpr float kPanelWidth = 330, kSlicesHeight = 240;  // screen units at a fo
 constexpr uint64_t kStartTurns = 8;
 constexpr size_t kMostTimes = size_t{1} << 18;
 constexpr double kIdle_s = 0.25, kSettle_s = 0.004, kReport_s = 0.3, kStall_s = 0.02;
-
-[[noreturn]] void failOf(const std::string& what) {
-  const char* said = nullptr;
-  glfwGetError(&said);
-  fail("{}{}; `sluice render` draws without a window", what,
-       said != nullptr ? fmt::format(": {}", said) : "");
-}
-
-class Glfw {
- public:
-  Glfw() {
-    if (glfwInit() != GLFW_TRUE) failOf("no display");
-  }
-  ~Glfw() { glfwTerminate(); }
-  Glfw(const Glfw&) = delete;
-  Glfw& operator=(const Glfw&) = delete;
-};
-
-// What GLFW's callbacks reach.
-struct Events {
-  uint64_t count = 0;
-  std::vector<std::string> dropped;
-};
-
-Events& eventsOf(GLFWwindow* window) {
-  return *static_cast<Events*>(glfwGetWindowUserPointer(window));
-}
-
-GLFWwindow* makeWindow(const WindowRequest& request, float scale) {
-  glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
-  glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
-  glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
-  glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
-  glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
-  int width = request.settings.width, height = request.settings.height;
-  if (request.pane_width > 0) {
-    width = request.pane_width + static_cast<int>(kPanelWidth * scale);
-    height = request.pane_height;
-  }
-  GLFWwindow* window = glfwCreateWindow(width, height, "sluice", nullptr, nullptr);
-  if (window == nullptr) failOf("no window with OpenGL 3.3");
-  return window;
-}
-
-void watchEvents(GLFWwindow* window) {
-  glfwSetCursorPosCallback(window, [](GLFWwindow* w, double, double) { ++eventsOf(w).count; });
-  glfwSetMouseButtonCallback(window, [](GLFWwindow* w, int, int, int) { ++eventsOf(w).count; });
-  glfwSetScrollCallback(window, [](GLFWwindow* w, double, double) { ++eventsOf(w).count; });
-  glfwSetKeyCallback(window, [](GLFWwindow* w, int, int, int, int) { ++eventsOf(w).count; });
-  glfwSetCharCallback(window, [](GLFWwindow* w, unsigned) { ++eventsOf(w).count; });
-  glfwSetFramebufferSizeCallback(window, [](GLFWwindow* w, int, int) { ++eventsOf(w).count; });
-  glfwSetWindowRefreshCallback(window, [](GLFWwindow* w) { ++eventsOf(w).count; });
-  glfwSetDropCallback(window, [](GLFWwindow* w, int count, const char** paths) {
-    ++eventsOf(w).count;
-    eventsOf(w).dropped.assign(paths, paths + count);
-  });
-}
+constexpr double kShowingMean = 8;  // pictures that the mean of their showing is of
+// While a picture is on its way, panels drawn in software wait so long to come with it.
+constexpr auto kWithPicture = std::chrono::milliseconds(33);
 
 void chooseFont(float scale) {
   ImFontConfig config;
@@ -126,22 +78,38 @@ void sidePanel(Sitting& sitting, const Area& area) {
     if (info.time_steps > 1) section(sitting, "time", true, timePanel);
     section(sitting, "view", true, viewPanel);
     section(sitting, "cut", false, cutPanel);
+    section(sitting, "film", false, filmPanel);
     section(sitting, "levels of memory", false, levelsPanel);
   }
   section(sitting, "files", true, filePanel);
   ImGui::End();
 }
 
+// Of one turn of the loop, and what parts of it took.
+struct TurnTimes {
+  double news_s = 0, build_s = 0, wish_s = 0, gl_s = 0, all_s = 0;
+};
+
+double secondsSince(WindowClock::time_point then) {
+  return std::chrono::duration<double>(WindowClock::now() - then).count();
+}
+
 class Window {
  public:
   explicit Window(const WindowRequest& request)
-      : request_(request), sitting_(std::make_unique<Sitting>(request)) {
+      : request_(request),
+        sitting_(std::make_unique<Sitting>(request, [] { glfwPostEmptyEvent(); })) {
     const auto scale = static_cast<float>(request.settings.font_scale);
-    window_ = makeWindow(request, scale);
+    window_ = makeWindow(request, kPanelWidth * scale);
     glfwMakeContextCurrent(window_);
-    glfwSwapInterval(1);
-    glfwSetWindowUserPointer(window_, &events_);
-    watchEvents(window_);
+    hearDriver(*sitting_);
+    is_software_ = drawsInSoftware();
+    glfwSwapInterval(is_software_ ? 0 : 1);  // processors have no vertical blank
+    canvas_.emplace();
+    if (request.lend && (!is_software_ || request.lends_software))
+      drawing_window_ = lendContext(request, window_);
+    sitting_->keeps_pixels = is_software_;
+    watchEvents(window_, events_);
     float density = 1, ignored = 1;
     glfwGetWindowContentScale(window_, &density, &ignored);
     ImGui::CreateContext();
@@ -156,10 +124,14 @@ class Window {
   }
   ~Window() {
     request_.tell_news(nullptr);
-    sitting_.reset();  // its textures, while there is a context
+    request_.end_desk();
+    if (sitting_->log.isOn()) glDisable(GL_DEBUG_OUTPUT);  // which would say it to the sitting
+    sitting_.reset();                                      // its textures, while there is a context
+    canvas_.reset();
     ImGui_ImplOpenGL3_Shutdown();
     ImGui_ImplGlfw_Shutdown();
     ImGui::DestroyContext();
+    if (drawing_window_ != nullptr) glfwDestroyWindow(drawing_window_);
     glfwDestroyWindow(window_);
   }
   Window(const Window&) = delete;
@@ -183,6 +155,7 @@ class Window {
           std::clamp(std::chrono::duration<double>(*sitting_->wake_at - WindowClock::now()).count(),
                      kSettle_s, wait_s);
     glfwWaitEventsTimeout(wait_s);
+    TurnTimes times;
     const auto began = WindowClock::now();
     Sitting& sitting = *sitting_;
     if (events_.count != seen_events_) {
@@ -197,23 +170,40 @@ class Window {
     sitting.takeNews();
     if (!events_.dropped.empty()) sitting.openAny(std::exchange(events_.dropped, {}));
     sitting.play();
-    draw();
+    sitting.showPlayedFrame();
+    times.news_s = secondsSince(began);
+    build();
+    times.build_s = secondsSince(began) - times.news_s;
     sitting.sendWish();
     askForReport(began);
-    const double took = std::chrono::duration<double>(WindowClock::now() - began).count();
+    times.wish_s = secondsSince(began) - times.news_s - times.build_s;
+    times.gl_s = present();
+    times.all_s = secondsSince(began);
+    note(times);
+  }
+
+  void note(const TurnTimes& times) {
+    Sitting& sitting = *sitting_;
     ++sitting.times.turns;
     if (sitting.times.turns <= kStartTurns) {
-      start_s_ = std::max(start_s_, took);
+      start_s_ = std::max(start_s_, times.all_s);
       return;
     }
     if (sitting.times.turn_s.size() < kMostTimes) {
-      sitting.times.turn_s.push_back(took);
-      sitting.times.gl_s.push_back(gl_s_);
+      sitting.times.turn_s.push_back(times.all_s);
+      if (times.gl_s > 0) sitting.times.gl_s.push_back(times.gl_s);
     }
-    if (took > kStall_s) ++sitting.times.stalls;
+    if (times.all_s <= kStall_s) return;
+    ++sitting.times.stalls;
+    sitting.log.write({{"long_turn_seconds", times.all_s},
+                       {"news_seconds", times.news_s},
+                       {"build_seconds", times.build_s},
+                       {"wish_seconds", times.wish_s},
+                       {"gl_seconds", times.gl_s},
+                       {"drawn_pixels", canvas_->drawnPixels()}});
   }
 
-  void draw() {
+  void build() {
     Sitting& sitting = *sitting_;
     ImGui_ImplOpenGL3_NewFrame();
     ImGui_ImplGlfw_NewFrame();
@@ -235,17 +225,56 @@ class Window {
     openWindow(sitting);
     failuresWindow(sitting);
     ImGui::Render();
-    const auto built = WindowClock::now();
+  }
+
+  // What is another than on the screen, drawn and shown; the seconds that took, 0 where nothing
+  // was.
+  double present() {
+    Sitting& sitting = *sitting_;
+    const auto began = WindowClock::now();
     int width = 0, height = 0;
     glfwGetFramebufferSize(window_, &width, &height);
-    glViewport(0, 0, width, height);
-    glClearColor(0.09F, 0.09F, 0.1F, 1);
-    glClear(GL_COLOR_BUFFER_BIT);
-    ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+    if (width == 0 || height == 0) return 0;
+    if (sitting.picture_is_new) canvas_->noteRedrawn(sitting.texture.id());
+    if (is_software_) updateBackdrop();
+    for (size_t axis = 0; axis < sitting.slices.size(); ++axis)
+      if (sitting.slice_is_new[axis]) canvas_->noteRedrawn(sitting.slices[axis].id());
+    ImDrawData& data = *ImGui::GetDrawData();
+    const bool is_same = canvas_->compare(data, width, height).empty();
+    if (is_same && !sitting.picture_is_new && !events_.wants_refresh) return 0;
+    if (is_software_ && !sitting.picture_is_new && sitting.awaitsPicture() &&
+        began - presented_at_ < kWithPicture) {
+      sitting.wakeBy(presented_at_ + kWithPicture);
+      return 0;
+    }
+    canvas_->draw(data);
     while (glGetError() != GL_NO_ERROR && sitting.times.gl_errors < 1'000'000)
       ++sitting.times.gl_errors;
     glfwSwapBuffers(window_);
-    gl_s_ = std::chrono::duration<double>(WindowClock::now() - built).count();
+    events_.wants_refresh = false;
+    presented_at_ = WindowClock::now();
+    const double took = std::chrono::duration<double>(presented_at_ - began).count();
+    if (is_software_ && sitting.picture_is_new)
+      sitting.showing_s += (took - sitting.showing_s) / kShowingMean;
+    sitting.notePresented();
+    return took;
+  }
+
+  // Scaled to the pane by the processor, where it would do so in OpenGL's place.
+  void updateBackdrop() {
+    Sitting& sitting = *sitting_;
+    const ShownPicture& picture = sitting.picture;
+    if (!sitting.isOpen() || picture.rgba.empty()) return canvas_->dropBackdrop();
+    const Pane& pane = sitting.pane;
+    if (!sitting.picture_is_new && pane.width == shown_pane_.width &&
+        pane.height == shown_pane_.height)
+      return;
+    shown_pane_ = pane;
+    Canvas::Backdrop& backdrop = canvas_->renewBackdrop();
+    scalePixels(picture.rgba, picture.width, picture.height, pane.width, pane.height,
+                backdrop.bgra);
+    backdrop.width = pane.width;
+    backdrop.height = pane.height;
   }
 
   void askForReport(WindowClock::time_point now) {
@@ -296,11 +325,13 @@ class Window {
   uint64_t seen_events_ = 0;
   int frames_left_ = 3;
   float density_ = 1;
-  double gl_s_ = 0;     // of the last frame
   double start_s_ = 0;  // the longest of the first turns
-  GLFWwindow* window_ = nullptr;
+  GLFWwindow *window_ = nullptr, *drawing_window_ = nullptr;
+  bool is_software_ = false;
+  std::optional<Canvas> canvas_;
+  Pane shown_pane_;  // that the canvas has the picture for
   std::unique_ptr<Sitting> sitting_;
-  WindowClock::time_point reported_at_{};
+  WindowClock::time_point reported_at_{}, presented_at_{};
 };
 
 }  // namespace

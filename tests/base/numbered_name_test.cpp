@@ -1,4 +1,4 @@
-#include "io/files/numbered_name.h"
+#include "src/base/numbered_name.h"
 
 #include <gtest/gtest.h>
 

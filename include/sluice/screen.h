@@ -1,0 +1,31 @@
+// Pictures for a window that draws with OpenGL: they stay in textures that it can show.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <memory>
+
+namespace sluice {
+
+// An OpenGL context, 3.3 core or later, that shares its textures with the window's and is current
+// nowhere else. A Renderer that was given it draws in it, on a thread of the Renderer's own; it
+// must outlive the Renderer.
+struct ScreenContext {
+  std::function<void()> make_current;  // on the calling thread; throws Error
+  std::function<void()> release;       // leaves the calling thread without one
+  std::function<void*(const char*)> find;
+};
+
+// A texture in place of an Image's pixels: 8 bits a channel, opaque, rows from the top. Let the
+// window's commands wait for `drawn` (glWaitSync) before they read it. When it is shown no more,
+// put a fence behind those commands into `seen` and let go of that: then it is drawn to again. Who
+// lets go last, the Renderer or the window, deletes what is here.
+struct ScreenImage {
+  unsigned texture = 0;
+  int width = 0, height = 0;
+  void* drawn = nullptr;  // GLsync
+  std::shared_ptr<std::atomic<void*>> seen;
+  double missing_share = 0;  // as of Image
+};
+
+}  // namespace sluice

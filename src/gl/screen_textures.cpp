@@ -1,0 +1,92 @@
+#include "src/gl/screen_textures.h"
+
+#include <algorithm>
+
+#include "src/base/error.h"
+
+namespace sluice {
+namespace {
+
+constexpr const char* kCover = R"(#version 330 core
+void main() {
+  gl_Position = vec4(4.0 * float(gl_VertexID & 1) - 1.0, 2.0 * float(gl_VertexID & 2) - 1.0, 0.0, 1.0);
+}
+)";
+
+constexpr const char* kOver = R"(#version 330 core
+uniform sampler2D picture;
+uniform vec3 background;
+layout(location = 0) out vec4 shown;
+void main() {
+  ivec2 at = ivec2(gl_FragCoord.xy);
+  at.y = textureSize(picture, 0).y - 1 - at.y;
+  vec4 color = texelFetch(picture, at, 0);
+  shown = vec4(color.rgb + (1.0 - color.a) * background, 1.0);
+}
+)";
+
+}  // namespace
+
+ScreenTextures::~ScreenTextures() {
+  for (Slot& slot : slots_) {
+    if (slot.seen.use_count() > 1) continue;
+    gl_.DeleteSync(slot.drawn);
+    gl_.DeleteSync(static_cast<GLsync>(slot.seen->load()));
+    gl_.DeleteTextures(1, &slot.texture);
+  }
+  gl_.DeleteFramebuffers(1, &framebuffer_);
+}
+
+ScreenTextures::Slot& ScreenTextures::freeSlot(PictureSize size) {
+  auto slot = std::ranges::find_if(slots_, [](const Slot& s) { return s.seen.use_count() == 1; });
+  if (slot == slots_.end()) {
+    slots_.emplace_back().seen = std::make_shared<std::atomic<void*>>(nullptr);
+    slot = slots_.end() - 1;
+    gl_.GenTextures(1, &slot->texture);
+  }
+  if (slot->drawn != nullptr) gl_.DeleteSync(slot->drawn);
+  slot->drawn = nullptr;
+  if (const auto seen = static_cast<GLsync>(slot->seen->exchange(nullptr))) {
+    gl_.WaitSync(seen, 0, GL_TIMEOUT_IGNORED);
+    gl_.DeleteSync(seen);
+  }
+  gl_.BindTexture(GL_TEXTURE_2D, slot->texture);
+  if (slot->size.width != size.width || slot->size.height != size.height) {
+    gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, size.width, size.height, 0, GL_RGBA,
+                   GL_UNSIGNED_BYTE, nullptr);
+    gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+    gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+    gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
+    slot->size = size;
+  }
+  return *slot;
+}
+
+ScreenPicture ScreenTextures::make(GLuint picture, PictureSize size,
+                                   std::array<float, 3> background) {
+  if (program_ == nullptr) {
+    program_ = std::make_unique<GlProgram>(gl_, kCover, kOver);
+    gl_.GenFramebuffers(1, &framebuffer_);
+  }
+  gl_.ActiveTexture(GL_TEXTURE0);
+  Slot& slot = freeSlot(size);
+  gl_.BindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
+  gl_.FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, slot.texture, 0);
+  if (gl_.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
+    fail("the GL driver cannot draw a screen's picture of {} x {} pixels", size.width, size.height);
+  gl_.Viewport(0, 0, size.width, size.height);
+  for (const GLenum off : {GL_BLEND, GL_CULL_FACE, GL_DEPTH_TEST, GL_SCISSOR_TEST})
+    gl_.Disable(off);
+  gl_.BindTexture(GL_TEXTURE_2D, picture);
+  program_->use();
+  program_->set("picture", 0);
+  program_->set("background", Vec3d{background[0], background[1], background[2]});
+  gl_.DrawArrays(GL_TRIANGLES, 0, 3);
+  slot.drawn = gl_.FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
+  gl_.Flush();  // so that who waits for it does not wait for ever
+  return {slot.texture, size.width, size.height, slot.drawn, slot.seen};
+}
+
+}  // namespace sluice

@@ -1,0 +1,44 @@
+// ScreenTextures: copies of float pictures as a screen shows them, each behind a fence, in a few
+// textures that take turns. Its context must be current in every call.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "src/device/frame_values.h"
+#include "src/device/screen_picture.h"
+#include "src/gl/gl_functions.h"
+#include "src/gl/gl_program.h"
+
+namespace sluice {
+
+class ScreenTextures {
+ public:
+  explicit ScreenTextures(const GlFunctions& gl) : gl_(gl) {}
+  // Those that a reader still holds are left to it.
+  ~ScreenTextures();
+  ScreenTextures(const ScreenTextures&) = delete;
+  ScreenTextures& operator=(const ScreenTextures&) = delete;
+
+  // `picture`, premultiplied, its rows upwards, over an opaque background. Changes the framebuffer,
+  // the program, the viewport and the first texture unit. Throws Error where the driver refuses.
+  ScreenPicture make(GLuint picture, PictureSize size, std::array<float, 3> background);
+
+ private:
+  struct Slot {
+    GLuint texture = 0;
+    PictureSize size{0, 0};
+    GLsync drawn = nullptr;
+    std::shared_ptr<std::atomic<void*>> seen;
+  };
+  // One that nobody reads any more, of this size.
+  Slot& freeSlot(PictureSize size);
+
+  const GlFunctions& gl_;
+  std::vector<Slot> slots_;
+  std::unique_ptr<GlProgram> program_;
+  GLuint framebuffer_ = 0;
+};
+
+}  // namespace sluice

@@ -1,0 +1,30 @@
+// What an OpenEXR file holds of a picture: its values in linear light, and in its header what makes
+// it again and puts it into a scene. A pure function.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+
+#include "io/pictures/exr_file.h"
+#include "src/base/volume_source.h"
+#include "src/classify/transfer/transfer_function.h"
+#include "src/render/frame_options.h"
+
+namespace sluice {
+
+// What the picture was drawn of.
+struct DrawnOf {
+  const FrameOptions& options;
+  const VolumeSource& source;
+  const TransferFunction& transfer;
+  const std::string& look;  // options of `sluice render` that give it, see ChosenLook
+};
+
+// Over the background where there is one. `with_opacity`: also the volume's own, a channel
+// "opacity".
+ExrContents exrContents(const Picture& picture,
+                        const std::optional<std::array<float, 3>>& background, bool with_opacity,
+                        const DrawnOf& of);
+
+}  // namespace sluice

@@ -1,0 +1,17 @@
+// Pixels of one size as pixels of another, for windows that are drawn by the processor: smooth, as
+// a texture unit filters them (the middles of pixels are where their values are, edges go on).
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace sluice {
+
+// Makes width * height pixels, packed, rows from the top, of `from_width` * `from_height` * 4
+// bytes, red first. Each comes as blue, green, red, alpha in memory: the order that screens have.
+// Exact to 1.5 / 255 a channel; of the same size exact.
+void scalePixels(std::span<const uint8_t> rgba, int from_width, int from_height, int width,
+                 int height, std::vector<uint32_t>& bgra);
+
+}  // namespace sluice

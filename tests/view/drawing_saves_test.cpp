@@ -1,0 +1,236 @@
+// What the drawing thread writes: pictures by their names' ends, and films while others ask.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <thread>
+
+#include "src/base/error.h"
+#include "src/base/threads.h"
+#include "src/view/drawing_thread.h"
+#include "src/view/state_file.h"
+#include "tests/support/temp_folder.h"
+
+namespace sluice {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+namespace fs = std::filesystem;
+
+// A desk with a small volume open, and what it said.
+class Writer {
+ public:
+  explicit Writer(DrawingOptions options = {}) : desk_(withCpu(std::move(options))) {
+    ViewedVolume volume;
+    volume.paths = {"synth:shells,dims=24x20x16"};
+    desk_.open(volume, std::nullopt);
+    EXPECT_TRUE(wait([&] { return opened != nullptr; }));
+  }
+
+  template <class Until>
+  bool wait(const Until& done) {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+    while (!done() && std::chrono::steady_clock::now() < end) {
+      News news = desk_.take();
+      if (news.opened) opened = std::move(news.opened);
+      if (news.look) ++looks;
+      for (SavedNews& each : news.saved) saved.push_back(std::move(each));
+      for (std::string& line : news.failures) failures.push_back(std::move(line));
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return done();
+  }
+  // A failure's line, or what was saved.
+  std::string outcome() {
+    saved.clear();
+    failures.clear();
+    EXPECT_TRUE(wait([&] { return !saved.empty() || !failures.empty(); }));
+    return failures.empty() ? "saved " + saved.front().path : failures.front();
+  }
+  FilmWish film(const std::string& name, int64_t frames) const {
+    FilmWish wish;
+    wish.name = name;
+    wish.path.turn_frames = frames;
+    wish.now = opened->state;
+    wish.width = 40;
+    wish.height = 32;
+    return wish;
+  }
+  Wish wish() const {
+    Wish made;
+    made.state = opened->state;
+    made.width = 48;
+    made.height = 40;
+    return made;
+  }
+  DrawingThread& desk() { return desk_; }
+
+  std::unique_ptr<OpenedVolumeNews> opened;
+  std::vector<SavedNews> saved;
+  std::vector<std::string> failures;
+  int looks = 0;
+
+ private:
+  static DrawingOptions withCpu(DrawingOptions options) {
+    options.renderer.device = RendererOptions::Device::kCpu;
+    options.renderer.threads = 2;
+    options.renderer.memory_bytes = uint64_t{64} << 20;
+    return options;
+  }
+  DrawingThread desk_;
+};
+
+size_t filesIn(const fs::path& folder) {
+  return static_cast<size_t>(
+      std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
+}
+
+std::string startOf(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string start(4, '\0');
+  file.read(start.data(), 4);
+  return start;
+}
+
+TEST(DrawingSaves, theNamesEndSaysTheKindOfPicture) {
+  const TempFolder folder;
+  Writer writer;
+  const auto save = [&](const std::string& name) {
+    writer.desk().savePicture((folder / name).string(), writer.wish());
+    return writer.outcome();
+  };
+  EXPECT_THAT(save("a.PNG"), HasSubstr("saved"));
+  EXPECT_EQ(startOf(folder / "a.PNG"), "\x89PNG");
+  EXPECT_THAT(save("a b.exr"), HasSubstr("saved"));
+  EXPECT_EQ(startOf(folder / "a b.exr"), "\x76\x2f\x31\x01");
+  EXPECT_THAT(writer.saved.front().command, HasSubstr("a b.exr'"));
+  EXPECT_THAT(save("a.jpg"), HasSubstr("a.jpg: pictures are written as .png or .exr"));
+  EXPECT_THAT(save("no such/a.png"), HasSubstr("no such"));
+  // A place for a number takes the time step's, as the command's does.
+  EXPECT_THAT(save("t_%02d.png"), HasSubstr("t_00.png"));
+  EXPECT_THAT(save("100%.png"), HasSubstr("one place for the number"));
+  EXPECT_EQ(filesIn(folder.path()), 3U);
+}
+
+TEST(DrawingSaves, aFilmIsItsFramesAndTheViewThatTheyAreMadeOf) {
+  const TempFolder folder;
+  Writer writer;
+  writer.desk().writeFrames(writer.film((folder / "it's_%02d.png").string(), 5));
+  EXPECT_THAT(writer.outcome(), HasSubstr("saved"));
+  EXPECT_EQ(writer.saved.front().command, "sluice render --state='" + folder.path().string() +
+                                              "/it'\\''s.json' --size 40x32 -o '" +
+                                              folder.path().string() + "/it'\\''s_%02d.png'");
+  EXPECT_EQ(filesIn(folder.path()), 6U);
+  EXPECT_TRUE(fs::exists(folder / "it's_04.png"));
+  const StateFile state = readState(folder / "it's.json");
+  ASSERT_TRUE(state.path);
+  EXPECT_EQ(state.path->turn_frames, 5);
+  EXPECT_EQ(writer.desk().status().frames, 0);
+}
+
+TEST(DrawingSaves, framesOfOtherLooksAreNotShown) {
+  const TempFolder folder;
+  Writer writer;
+  ASSERT_TRUE(writer.wait([&] { return writer.desk().status().completed == 0; }));
+  FilmWish film = writer.film((folder / "f_%d.png").string(), 1);
+  film.path.kind = ViewPath::Kind::kKeys;
+  film.path.frames_per_second = 4;
+  for (const double threshold : {10.0, 90.0}) {
+    ViewState state = writer.opened->state;
+    state.look.threshold = threshold;
+    film.path.keys.push_back({state, 1});
+  }
+  const int looks = writer.looks;
+  writer.desk().writeFrames(film);
+  EXPECT_THAT(writer.outcome(), HasSubstr("saved"));
+  EXPECT_EQ(filesIn(folder.path()), 6U);
+  EXPECT_EQ(writer.looks, looks);
+  EXPECT_NE(fs::file_size(folder / "f_0.png"), fs::file_size(folder / "f_4.png"));
+}
+
+TEST(DrawingSaves, aCancelledFilmLeavesWhatIsThereAndNoHalfFile) {
+  const TempFolder folder;
+  Writer writer;
+  writer.desk().writeFrames(writer.film((folder / "f_%04d.png").string(), 10'000));
+  ASSERT_TRUE(writer.wait([&] { return writer.desk().status().frames_written >= 3; }));
+  writer.desk().cancelFrames();
+  ASSERT_TRUE(
+      writer.wait([&] { return writer.desk().status().doing == DeskStatus::Doing::kNothing; }));
+  const size_t files = filesIn(folder.path());
+  EXPECT_GE(files, 4U);
+  EXPECT_LT(files, 10'000U);
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder.path()))
+    EXPECT_NE(entry.path().extension(), ".tmp");
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  EXPECT_EQ(filesIn(folder.path()), files);
+}
+
+// As a window drives it: wishes that move, other films and cancels, from two threads at once.
+TEST(DrawingSaves, aFilmGoesOnBesideAHandThatMoves) {
+  const TempFolder folder;
+  Writer writer;
+  const Wish first = writer.wish();
+  writer.desk().writeFrames(writer.film((folder / "a_%04d.png").string(), 10'000));
+  {
+    std::vector<std::thread> hands;
+    hands.push_back(startThread([&] {
+      Wish wish = first;
+      for (int i = 0; i < 60; ++i) {
+        wish.state.view = turn(wish.state.view, 3);
+        wish.moves = i % 10 != 9;
+        writer.desk().wish(wish);
+        std::this_thread::sleep_for(std::chrono::milliseconds(3));
+      }
+    }));
+    hands.push_back(startThread([&] {
+      for (int i = 0; i < 20; ++i) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(8));
+        if (i % 7 == 3) writer.desk().cancelFrames();
+        if (i % 7 == 5)
+          writer.desk().writeFrames(writer.film((folder / "b_%02d.png").string(), 12));
+      }
+    }));
+    for (std::thread& hand : hands) hand.join();
+  }
+  writer.desk().writeFrames(writer.film((folder / "c_%02d.png").string(), 6));
+  ASSERT_TRUE(writer.wait(
+      [&] { return !writer.saved.empty() && writer.saved.back().path.ends_with("c_%02d.png"); }));
+  EXPECT_THAT(writer.failures, IsEmpty());
+  for (int i = 0; i < 6; ++i)
+    EXPECT_TRUE(fs::exists(folder / ("c_0" + std::to_string(i) + ".png"))) << i;
+  const uint64_t number = writer.desk().wish(first);
+  EXPECT_TRUE(writer.wait([&] { return writer.desk().status().completed >= number; }));
+}
+
+TEST(DrawingSaves, whatMustNotBeWrittenIsNot) {
+  const TempFolder folder;
+  DrawingOptions options;
+  std::vector<std::string> asked;
+  options.check_outputs = [&](const std::vector<std::string>& reads,
+                              const std::vector<std::string>& writes) {
+    asked = writes;
+    EXPECT_EQ(reads.front(), "synth:shells,dims=24x20x16");
+    fail("not there");
+  };
+  Writer writer(options);
+  writer.desk().savePicture((folder / "a.png").string(), writer.wish());
+  EXPECT_THAT(writer.outcome(), HasSubstr("not there"));
+  writer.desk().saveText((folder / "a.json").string(), "{}");
+  EXPECT_THAT(writer.outcome(), HasSubstr("not there"));
+  writer.desk().writeFrames(writer.film((folder / "a_%d.png").string(), 3));
+  EXPECT_THAT(writer.outcome(), HasSubstr("not there"));
+  EXPECT_EQ(asked.size(), 4U);  // three frames, and the view
+  EXPECT_EQ(filesIn(folder.path()), 0U);
+  // A film that cannot be is refused before anything is asked.
+  writer.desk().writeFrames(writer.film((folder / "a.png").string(), 3));
+  EXPECT_THAT(writer.outcome(), HasSubstr("a place for their numbers"));
+  FilmWish empty = writer.film((folder / "a_%d.png").string(), 3);
+  empty.path.kind = ViewPath::Kind::kKeys;
+  writer.desk().writeFrames(empty);
+  EXPECT_THAT(writer.outcome(), HasSubstr("add a view first"));
+}
+
+}  // namespace
+}  // namespace sluice

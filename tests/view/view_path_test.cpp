@@ -1,0 +1,185 @@
+#include "src/view/view_path.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "src/view/camera_gestures.h"
+
+namespace sluice {
+namespace {
+
+ViewState lookingFrom(std::array<double, 3> eye, std::array<double, 3> up = {0, 1, 0}) {
+  ViewState state;
+  state.view.look_at = ViewOptions::LookAt{eye, {0, 0, 0}};
+  state.view.up = up;
+  return state;
+}
+
+ViewPath keysOf(const std::vector<ViewState>& states, double seconds = 2, double rate = 10) {
+  ViewPath path;
+  path.kind = ViewPath::Kind::kKeys;
+  path.frames_per_second = rate;
+  for (const ViewState& state : states) path.keys.push_back({state, seconds});
+  return path;
+}
+
+double distanceOf(const ViewState& state) {
+  const auto& at = *state.view.look_at;
+  return std::hypot(at.eye[0] - at.target[0], at.eye[1] - at.target[1], at.eye[2] - at.target[2]);
+}
+
+TEST(ViewPath, aTurnIsAboutTheVerticalAndComesBack) {
+  ViewPath path;
+  path.turn_frames = 8;
+  const ViewState now = lookingFrom({0, 0, 10});
+  EXPECT_EQ(frameCount(path), 8);
+  for (int64_t i = 0; i < 8; ++i) {
+    const double angle = 2 * std::numbers::pi * static_cast<double>(i) / 8;
+    const auto& eye = stateAt(path, now, i).view.look_at->eye;
+    EXPECT_NEAR(eye[0], 10 * std::sin(angle), 1e-12) << i;
+    EXPECT_NEAR(eye[1], 0, 1e-12) << i;
+    EXPECT_NEAR(eye[2], 10 * std::cos(angle), 1e-12) << i;
+  }
+  // Of a view that looks down at an angle the distance and what is up stay.
+  const ViewState tilted = lookingFrom({0, 6, 8}, {0, 0.8, -0.6});
+  for (int64_t i = 0; i < 8; ++i) {
+    EXPECT_NEAR(distanceOf(stateAt(path, tilted, i)), 10, 1e-12);
+    EXPECT_NEAR((*stateAt(path, tilted, i).view.up)[1], 0.8, 1e-12);
+  }
+}
+
+TEST(ViewPath, keyFramesAreFramesAndTheirNumberFollowsFromTheSeconds) {
+  EXPECT_EQ(frameCount(keysOf({})), 0);
+  EXPECT_EQ(frameCount(keysOf({lookingFrom({0, 0, 5})})), 1);
+  std::vector<ViewState> states{lookingFrom({0, 0, 5}), lookingFrom({5, 0, 0}),
+                                lookingFrom({0, 3, 4}, {0, 0.8, -0.6})};
+  states[1].look.threshold = 40;
+  const ViewPath path = keysOf(states);
+  EXPECT_EQ(frameCount(path), 41);
+  EXPECT_DOUBLE_EQ(secondsOf(path), 4);
+  for (size_t i = 0; i < 3; ++i)
+    EXPECT_EQ(stateAt(path, {}, static_cast<int64_t>(i) * 20), states[i]) << i;
+  // A frame's length that does not divide the seconds: 0.1 * 3 is no sum of tenths.
+  EXPECT_EQ(frameCount(keysOf({states[0], states[1]}, 0.3, 10)), 4);
+}
+
+TEST(ViewPath, theEyeGoesRoundAndNotThrough) {
+  const ViewPath path = keysOf({lookingFrom({0, 0, 10}), lookingFrom({10, 0, 0})});
+  for (int64_t i = 0; i < frameCount(path); ++i) {
+    const ViewState state = stateAt(path, {}, i);
+    EXPECT_NEAR(distanceOf(state), 10, 1e-9) << i;
+    EXPECT_NEAR(state.view.look_at->eye[1], 0, 1e-9) << i;
+  }
+  // Half of the time is half of the way: 45 degrees.
+  const auto& eye = stateAt(path, {}, 10).view.look_at->eye;
+  EXPECT_NEAR(eye[0], eye[2], 1e-9);
+  // From front to back too, and from any direction to any other.
+  for (const std::array<double, 3>& to :
+       {std::array{0.0, 0.0, -10.0}, {-6.0, 0.0, 8.0}, {0.0, 0.0, 10.0}}) {
+    const ViewPath half = keysOf({lookingFrom({0, 0, 10}), lookingFrom(to)});
+    for (int64_t i = 0; i < frameCount(half); ++i)
+      EXPECT_NEAR(distanceOf(stateAt(half, {}, i)), 10, 1e-9);
+  }
+}
+
+TEST(ViewPath, everyTurningComesThrough) {
+  // Axes of all octants: the quaternion of each is another one's largest part.
+  for (const std::array<double, 3>& eye : {std::array{0.0, 0.0, 3.0},
+                                           {0.0, 0.0, -3.0},
+                                           {3.0, 0.0, 0.0},
+                                           {-3.0, 0.0, 0.0},
+                                           {0.0, 3.0, 0.0},
+                                           {0.0, -3.0, 0.0},
+                                           {1.0, -2.0, 2.0},
+                                           {-2.0, 1.0, -2.0}}) {
+    std::array<double, 3> up{0, 1, 0};
+    if (eye[0] == 0 && eye[2] == 0) up = {1, 0, 0};
+    const ViewState state = lookingFrom(eye, up);
+    ViewState other = state;
+    other.view.zoom = 4;
+    // Nothing but the zoom goes from one to the other.
+    const ViewState between = stateAt(keysOf({state, other}), {}, 10);
+    const PlacedAxes wanted = axesOf(state.view), found = axesOf(between.view);
+    EXPECT_NEAR(dot(wanted.up, found.up), 1, 1e-9) << eye[0] << eye[1] << eye[2];
+    EXPECT_NEAR(dot(wanted.back, found.back), 1, 1e-9);
+    EXPECT_NEAR(between.view.zoom, 2, 1e-9);  // as logarithms
+  }
+}
+
+TEST(ViewPath, numbersOfTheLookAndCutsGoSmoothlyAndNeverBeyondTheirKeys) {
+  std::vector<ViewState> states(4, lookingFrom({0, 0, 5}));
+  const std::array<double, 4> thresholds{10, 60, 60, 20};
+  for (size_t i = 0; i < 4; ++i) {
+    states[i].look.threshold = thresholds[i];
+    states[i].look.range = std::array{0.0, 100 + 10.0 * static_cast<double>(i)};
+    states[i].crop = PictureOptions::Box{{static_cast<int64_t>(i), 0, 0}, {40, 40, 40}};
+    states[i].step_vox = 1;
+    states[i].time = static_cast<int64_t>(2 * i);
+  }
+  const ViewPath path = keysOf(states, 1, 100);
+  double last = 10, last_step = 0;
+  for (int64_t i = 0; i < frameCount(path); ++i) {
+    const ViewState state = stateAt(path, {}, i);
+    const double threshold = *state.look.threshold;
+    EXPECT_GE(threshold, 10);
+    EXPECT_LE(threshold, 60);
+    // No jump, and no kink: a step differs little from the one before it.
+    EXPECT_LT(std::abs(threshold - last), 1.6) << i;
+    if (i > 1) {
+      EXPECT_LT(std::abs(threshold - last - last_step), 0.1) << i;
+    }
+    last_step = threshold - last;
+    last = threshold;
+    EXPECT_EQ(state.crop->hi[0], 40);
+    EXPECT_EQ(*state.step_vox, 1);
+    EXPECT_GE(state.time, i / 100 * 2);
+  }
+  EXPECT_EQ(stateAt(path, {}, 150).look.threshold, 60);
+}
+
+TEST(ViewPath, whatHasNoNumbersIsTheEarlierKeys) {
+  ViewState a = lookingFrom({0, 0, 5}), b = a;
+  a.look.threshold = 10;
+  a.look.map = "viridis";
+  b.look.opacities = {{0, 0}, {9, 1}};
+  b.look.mode = LookOptions::Mode::kMaximum;
+  b.background = std::array{1.0F, 1.0F, 1.0F};
+  const ViewPath path = keysOf({a, b});
+  const ViewState between = stateAt(path, {}, 19);
+  EXPECT_EQ(between.look, a.look);
+  EXPECT_FALSE(between.background);
+  EXPECT_EQ(stateAt(path, {}, 20).look, b.look);
+  // Points of the same number move, and stay in order.
+  ViewState c = b;
+  c.look.opacities = {{6, 0.5}, {7, 0}};
+  for (int64_t i = 0; i <= 20; ++i) {
+    const auto points = stateAt(keysOf({b, c}), {}, i).look.opacities;
+    ASSERT_EQ(points.size(), 2U);
+    EXPECT_LE(points[0].value, points[1].value);
+  }
+}
+
+TEST(ViewPath, whatIsNoPartOfAFilmStays) {
+  ViewState now;
+  now.shows_slices = true;
+  now.cross = {4, 5, 6};
+  const ViewPath path = keysOf({lookingFrom({0, 0, 5}), lookingFrom({0, 0, 9})});
+  for (const int64_t frame : {0, 7, 20}) {
+    EXPECT_TRUE(stateAt(path, now, frame).shows_slices);
+    EXPECT_EQ(stateAt(path, now, frame).cross, now.cross);
+  }
+}
+
+TEST(ViewPath, namesItsFileBesideTheFrames) {
+  EXPECT_EQ(pathFileFor("frame_%04d.png"), "frame.json");
+  EXPECT_EQ(pathFileFor("out dir/turn-####.exr"), "out dir/turn.json");
+  EXPECT_EQ(pathFileFor("/a/%d.png"), "/a/path.json");
+  EXPECT_TRUE(isNumbered("a/b_%03d.png"));
+  EXPECT_TRUE(isNumbered("b_##.png"));
+  EXPECT_FALSE(isNumbered("50%/b.png"));
+}
+
+}  // namespace
+}  // namespace sluice

@@ -1,0 +1,148 @@
+#include "tools/film.h"
+
+#include <sluice/renderer.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <string_view>
+#include <vector>
+
+#include "src/base/error.h"
+#include "src/view/picture_file.h"
+#include "tools/command_line/console.h"
+#include "tools/command_line/outputs.h"
+#include "tools/command_line/progress_line.h"
+#include "tools/commands.h"
+#include "tools/environment.h"
+#include "tools/interrupt.h"
+#include "tools/view_arguments.h"
+
+namespace sluice {
+namespace {
+
+// What speaks of how a picture is drawn or of what is told of it, and not of what it shows.
+constexpr std::array<std::string_view, 28> kOfOnePicture{"--annotate",
+                                                         "--aov",
+                                                         "--trace",
+                                                         "--report",
+                                                         "--debug-view",
+                                                         "--verify",
+                                                         "--json",
+                                                         "--culling",
+                                                         "--algorithm",
+                                                         "--page",
+                                                         "--pages",
+                                                         "--block",
+                                                         "--partition",
+                                                         "--occlusion",
+                                                         "--policy",
+                                                         "--seed",
+                                                         "--basis",
+                                                         "--directions",
+                                                         "--opacity-threshold",
+                                                         "--time-limit",
+                                                         "--simd",
+                                                         "--gl",
+                                                         "--part",
+                                                         "--detail",
+                                                         "--this-step",
+                                                         "--path",
+                                                         "--fit",
+                                                         "--difference"};
+
+void checkOptions(const RenderArguments& arguments, const CLI::App& app) {
+  for (const std::string_view name : kOfOnePicture) {
+    const CLI::Option* option = app.get_option_no_throw(std::string(name));
+    if (option != nullptr && option->count() > 0)
+      fail(
+          "{}: frames of the path in {} do not take it; give -o a name without a number for one "
+          "picture",
+          name, arguments.state_file);
+  }
+}
+
+ViewState frameState(const SavedFilm& film, const ViewState& now, int64_t frame) {
+  ViewState state = stateAt(film.path, now, frame);
+  if (film.path.kind == ViewPath::Kind::kTurn) return state;  // it is made of what was said
+  if (film.has_camera) state.view = now.view;
+  if (film.has_look) state.look = now.look;
+  if (film.has_step) state.step_vox = now.step_vox;
+  if (film.has_crop) state.crop = now.crop;
+  if (film.has_clip) state.clip_planes = now.clip_planes;
+  if (film.has_time) state.time = now.time;
+  if (film.has_background) state.background = now.background;
+  return state;
+}
+
+std::vector<int64_t> missingFrames(const RenderArguments& arguments, int64_t frames) {
+  std::vector<int64_t> missing;
+  for (int64_t i = 0; i < frames; ++i)
+    if (!arguments.resume || !std::filesystem::exists(numberedName(arguments.output, i, true)))
+      missing.push_back(i);
+  return missing;
+}
+
+void checkOutputs(const RenderArguments& arguments, const SavedFilm& film,
+                  const std::vector<int64_t>& frames, const std::vector<std::string>& more_read) {
+  Outputs outputs(arguments.force);
+  outputs.reads(arguments.volume.inputs);
+  outputs.reads({arguments.look.transfer_file, arguments.state_file});
+  for (const ViewKey& key : film.path.keys) outputs.reads(key.state.look.transfer_file);
+  const FileKind kind =
+      pictureKind(arguments.output) == PictureKind::kExr ? FileKind::kExr : FileKind::kPng;
+  for (const int64_t i : frames)
+    outputs.writes("-o", numberedName(arguments.output, i, true), kind);
+  outputs.check(more_read);
+}
+
+}  // namespace
+
+bool asksForFilm(const RenderArguments& arguments) {
+  return isNumbered(arguments.output) && arguments.frames == 1 && !arguments.times;
+}
+
+int writeFilm(const RenderArguments& arguments, const CLI::App& app, const SavedFilm& film) {
+  checkOptions(arguments, app);
+  requirePictureName(arguments.output);
+  const int64_t count = frameCount(film.path);
+  const std::vector<int64_t> frames = missingFrames(arguments, count);
+  checkOutputs(arguments, film, frames, {});
+  const bool is_quiet = arguments.resources.quiet;
+  if (frames.empty()) {
+    if (!is_quiet) say("all {} frames are there\n", count);
+    return kDone;
+  }
+  const IndexWish wish = indexWish(arguments.resources.index_dir);
+  const ViewedVolume viewed = viewedVolume(arguments.volume, arguments.resources,
+                                           wish.disabled ? "" : wish.folder.string());
+  // What a signal asks for ends whatever is under way.
+  const auto watch = [](const Progress&) { interruption().throwIfStopped(); };
+  const Volume volume(viewed.paths, viewed.options, watch);
+  checkOutputs(arguments, film, frames, volume.info().files);
+  if (!is_quiet)
+    for (const std::string& warning : volume.info().warnings) printWarning(warning);
+  ViewState now = viewState(arguments.volume, arguments.look, arguments.frame, arguments.fit,
+                            app.count("--step") > 0);
+  const int width = arguments.frame.size.width, height = arguments.frame.size.height;
+  Renderer renderer(volume, now.look, rendererOptions(arguments.resources));
+  if (!now.view.look_at) now.view = renderer.placed(pictureOf(now, width, height), watch);
+  ProgressMeter progress = is_quiet ? ProgressMeter()
+                                    : ProgressMeter(progressLine("frames", ProgressUnit::kPieces),
+                                                    static_cast<uint64_t>(frames.size()));
+  for (const int64_t i : frames) {
+    interruption().throwIfStopped();
+    const ViewState state = frameState(film, now, i);
+    renderer.setLook(state.look);
+    drawToFile(renderer, numberedName(arguments.output, i, true).string(), state, width, height,
+               watch, {});
+    progress.add(1);
+  }
+  if (!is_quiet)
+    say("{} of {} frames, {} to {}\n", frames.size(), count,
+        numberedName(arguments.output, frames.front(), true).string(),
+        numberedName(arguments.output, frames.back(), true).string());
+  return kDone;
+}
+
+}  // namespace sluice
