@@ -48,8 +48,10 @@ void DrawingThread::checkOutputs(const std::vector<std::string>& writes,
                                  const LookOptions& look) const {
   if (!options_.check_outputs) return;
   std::vector<std::string> reads = opened_.viewed.paths;
-  const VolumeInfo& info = opened_.volume->info();
-  reads.insert(reads.end(), info.files.begin(), info.files.end());
+  if (opened_.volume) {
+    const VolumeInfo& info = opened_.volume->info();
+    reads.insert(reads.end(), info.files.begin(), info.files.end());
+  }
   if (!look.transfer_file.empty()) reads.push_back(look.transfer_file);
   options_.check_outputs(reads, writes);
 }

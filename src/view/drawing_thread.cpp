@@ -3,6 +3,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <utility>
 
 namespace sluice {
@@ -163,7 +164,7 @@ DrawingThread::Job DrawingThread::chooseJob() {
     job.open = std::move(*std::exchange(open_, std::nullopt));
     return job;
   }
-  if (!is_open_) return job;
+  if (takeTextSave(job) || !is_open_) return job;
   job.wish = wish_;
   const uint64_t newest = wish_ != nullptr ? wish_->number : 0;
   const bool rests = wish_ != nullptr &&
@@ -195,6 +196,19 @@ DrawingThread::Job DrawingThread::chooseJob() {
   return job;
 }
 
+// Small files are written at once, also where no volume is open and when all ends: a window's
+// settings are its last wish.
+bool DrawingThread::takeTextSave(Job& job) {
+  const auto text = std::find_if(saves_.begin(), saves_.end(), [](const auto& save) {
+    return std::holds_alternative<TextSave>(save);
+  });
+  if (text == saves_.end()) return false;
+  job.doing = Doing::kSaving;
+  job.save = std::move(*text);
+  saves_.erase(text);
+  return true;
+}
+
 DrawingThread::Job DrawingThread::startJob(Job job) {
   work_ = std::stop_source();
   work_began_ = Clock::now();
@@ -219,6 +233,8 @@ std::optional<DrawingThread::Job> DrawingThread::nextJob() {
       changed_.wait(lock);
     }
   }
+  Job last;
+  if (takeTextSave(last)) return startJob(std::move(last));
   return std::nullopt;
 }
 

@@ -144,6 +144,7 @@ class DrawingThread : public Desk {
   // Waits for something to do; nullopt: the end.
   std::optional<Job> nextJob();
   Job chooseJob() SLUICE_REQUIRES(mutex_);
+  bool takeTextSave(Job& job) SLUICE_REQUIRES(mutex_);
   Job startJob(Job job) SLUICE_REQUIRES(mutex_);
   void doJob(const Job& job);
   void openAny(const Job& job);

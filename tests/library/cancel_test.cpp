@@ -20,7 +20,7 @@ using testing::HasSubstr;
 // Of more clusters than fit at once.
 class SeveralClusters : public testing::Test {
  protected:
-  static constexpr RendererOptions kLittle{.memory_bytes = 24 << 20};
+  inline static const RendererOptions kLittle{.memory_bytes = 24 << 20};
   SeveralClusters() : volume_("synth:shells,dims=160x160x160") {
     renderer_.emplace(volume_, LookOptions{.threshold = 60}, kLittle);
     expected_ = renderer_->draw(kSmall);

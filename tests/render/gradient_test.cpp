@@ -205,8 +205,7 @@ TEST_F(GradientTest, otherModesLookAtValuesAlone) {
       options.partition = partition;
       const FloatPicture drawn = scene.draw(options);
       options.partition = Partition::kBlocks;
-      // Entries are a 64th of a value apart: where one begins to count, one more or less does.
-      EXPECT_TRUE(within(0.15, drawn, plain.draw(options))) << static_cast<int>(mode);
+      EXPECT_TRUE(within(0.1, drawn, plain.draw(options))) << static_cast<int>(mode);
     }
   options.mode = Mode::kComposite;
   EXPECT_EQ(scene.draw(options).rgba, composite.rgba) << "and back";

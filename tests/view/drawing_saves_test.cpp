@@ -1,4 +1,5 @@
 // What the drawing thread writes: pictures by their names' ends, and films while others ask.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -112,6 +113,17 @@ TEST(DrawingSaves, theNamesEndSaysTheKindOfPicture) {
   EXPECT_THAT(save("t_%02d.png"), HasSubstr("t_00.png"));
   EXPECT_THAT(save("100%.png"), HasSubstr("one place for the number"));
   EXPECT_EQ(filesIn(folder.path()), 3U);
+}
+
+TEST(DrawingSaves, aTextNeedsNoVolumeAndIsWrittenAtTheEnd) {
+  const TempFolder folder;
+  {
+    DrawingThread desk{DrawingOptions{}};
+    for (int i = 0; i < 20; ++i)
+      desk.saveText((folder / fmt::format("{}.json", i)).string(), fmt::format("text {}", i));
+  }
+  for (int i = 0; i < 20; ++i)
+    EXPECT_EQ(readFile(folder / fmt::format("{}.json", i)), fmt::format("text {}", i));
 }
 
 TEST(DrawingSaves, aFilmIsItsFramesAndTheViewThatTheyAreMadeOf) {

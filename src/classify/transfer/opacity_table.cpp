@@ -15,6 +15,17 @@ constexpr float kVisible = 0.5F / 255;
 // neighbours then differ by less than what is visible, samples need not interpolate.
 constexpr int kLeastStepEntries = 4, kMostStepEntries = 8;
 
+// Of 8 bits, which have entries enough, with the values that colours are laid over: a step of a
+// series that spans less than they do has the entries that it has with the range of all steps.
+ValueRange withColors(const TransferFunction& transfer, const ValueMap& map, ValueRange all) {
+  constexpr double kMostOf8Bits = 255;
+  if (map.type != DeviceType::kU8 || transfer.labels || !(all.lo < all.hi)) return all;
+  const auto [from, to] = std::minmax(
+      {map.deviceOf(transfer.colors.front().value), map.deviceOf(transfer.colors.back().value)});
+  return {std::min(all.lo, std::max(std::floor(from), 0.0)),
+          std::max(all.hi, std::min(std::ceil(to), kMostOf8Bits))};
+}
+
 // The part of `all` over which the transfer function changes, where that is so small a part that it
 // would get few entries: simulations write a value far off the data where they know nothing.
 // Beyond it the ends hold.
@@ -37,16 +48,10 @@ ValueRange tableRange(const TransferFunction& transfer, const ValueMap& map, Val
   return is_few ? part : all;
 }
 
-// Each integer falls on an entry, of floats that hold integers too. Of 8 bits as many lie between
-// two integers whatever the range: a step of a series looks the same by its own range and by that
-// of all.
-int entryCount(ValueRange range, DeviceType type, int most) {
-  constexpr double kMostOf8Bits = 255;
+// Each integer falls on an entry, of floats that hold integers too.
+int entryCount(ValueRange range, int most) {
   const double span = range.hi - range.lo;
   const bool has_integers = std::floor(range.lo) == range.lo && std::floor(span) == span;
-  if (type == DeviceType::kU8 && has_integers && span >= 1 && span <= kMostOf8Bits &&
-      most > kMostOf8Bits)
-    return static_cast<int>(std::floor((most - 1) / kMostOf8Bits) * span) + 1;
   if (!has_integers || span < 1 || span > most - 1) return most;
   return static_cast<int>(std::floor((most - 1) / span) * span) + 1;
 }
@@ -91,12 +96,12 @@ std::vector<uint32_t> countBefore(size_t entries, const auto& isOpaque) {
 
 OpacityTable::OpacityTable(const TransferFunction& transfer, const ValueMap& map,
                            ValueRange device_range, int most_entries)
-    : range_(tableRange(transfer, map, device_range)),
+    : range_(tableRange(transfer, map, withColors(transfer, map, device_range))),
       volume_range_(device_range),
       labels_(transfer.labels) {
   SLUICE_CHECK_LE(2, most_entries);
   const double span = range_.hi - range_.lo;
-  const int count = entryCount(range_, map.type, most_entries);
+  const int count = entryCount(range_, most_entries);
   entries_per_device_ = span > 0 ? (count - 1) / span : 0;
   const auto size = static_cast<size_t>(count);
   opacity_.resize(size);

@@ -50,13 +50,25 @@ TEST(OpacityTable, integersFallOnEntries) {
       const ValueMap map{span < 256 ? DeviceType::kU8 : DeviceType::kU16, 1, 0};
       const ValueRange range{static_cast<double>(lo), static_cast<double>(lo + span)};
       const OpacityTable table(ramp, map, range);
-      ASSERT_EQ((table.entries() - 1) % span, 0);
+      const auto first = static_cast<int64_t>(table.deviceRange().lo);
+      const auto covered = static_cast<int64_t>(table.deviceRange().hi) - first;
+      ASSERT_EQ((table.entries() - 1) % covered, 0);
       for (int64_t v = lo; v <= lo + span; ++v) {
         const auto device = static_cast<double>(v);
-        ASSERT_EQ(table.entryOf(device), (v - lo) * ((table.entries() - 1) / span));
+        ASSERT_EQ(table.entryOf(device), (v - first) * ((table.entries() - 1) / covered));
         ASSERT_NEAR(deviceOf(table, table.entryOf(device)), device, 1e-9);
       }
     }
+}
+
+TEST(OpacityTable, bytesOfAStepHaveTheEntriesOfTheirColors) {
+  TransferFunction step = transferOf({{20, 0}, {20, 0.5}});
+  step.colors = {{0, {0, 0, 0}}, {250, {1, 1, 1}}};
+  const ValueMap bytes{DeviceType::kU8, 1, 0};
+  const OpacityTable one(step, bytes, {0, 60}), all(step, bytes, {0, 250});
+  ASSERT_EQ(one.entries(), all.entries());
+  for (double v = 0; v < 250; v += 0.37) EXPECT_EQ(one.entryOf(v), all.entryOf(v)) << v;
+  EXPECT_EQ(one.volumeRange().hi, 60);
 }
 
 TEST(OpacityTable, wideRangesGetAllEntries) {
