@@ -37,7 +37,7 @@ TEST(ViewPath, aTurnIsAboutTheVerticalAndComesBack) {
   EXPECT_EQ(frameCount(path), 8);
   for (int64_t i = 0; i < 8; ++i) {
     const double angle = 2 * std::numbers::pi * static_cast<double>(i) / 8;
-    const auto& eye = stateAt(path, now, i).view.look_at->eye;
+    const auto eye = stateAt(path, now, i).view.look_at->eye;
     EXPECT_NEAR(eye[0], 10 * std::sin(angle), 1e-12) << i;
     EXPECT_NEAR(eye[1], 0, 1e-12) << i;
     EXPECT_NEAR(eye[2], 10 * std::cos(angle), 1e-12) << i;
@@ -73,7 +73,7 @@ TEST(ViewPath, theEyeGoesRoundAndNotThrough) {
     EXPECT_NEAR(state.view.look_at->eye[1], 0, 1e-9) << i;
   }
   // Half of the time is half of the way: 45 degrees.
-  const auto& eye = stateAt(path, {}, 10).view.look_at->eye;
+  const auto eye = stateAt(path, {}, 10).view.look_at->eye;
   EXPECT_NEAR(eye[0], eye[2], 1e-9);
   // From front to back too, and from any direction to any other.
   for (const std::array<double, 3>& to :
