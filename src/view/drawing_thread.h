@@ -139,7 +139,6 @@ class DrawingThread : public Desk {
   };
 
   void ask(OpenRequest request);
-  void ask(SaveRequest request);
   void run();
   // Waits for something to do; nullopt: the end.
   std::optional<Job> nextJob();

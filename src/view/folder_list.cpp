@@ -109,7 +109,6 @@ FolderList readFolder(const FolderQuestion& question, const std::stop_token& sto
     folder = folder.lexically_normal();
     if (!folder.has_filename() && folder.has_relative_path()) folder = folder.parent_path();
     list.folder = folder.string();
-    if (folder.has_relative_path()) list.parent = folder.parent_path().string();
     std::vector<std::string> files;
     for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
       if (stop.stop_requested()) break;

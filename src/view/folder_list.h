@@ -24,7 +24,6 @@ struct FolderEntry {
 
 struct FolderList {
   std::string folder;                // absolute
-  std::string parent;                // empty: it has none
   std::vector<FolderEntry> entries;  // folders first, both by name
   std::string failure;               // one line where it cannot be read
 };

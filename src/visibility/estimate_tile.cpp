@@ -117,14 +117,9 @@ class VisibilityEstimate::TileWork {
     for (int a = 0; a < 3; ++a)
       part_count_[static_cast<size_t>(a)] = static_cast<int32_t>(count[a]);
     const auto parts = static_cast<size_t>(volume(count));
-    const int32_t id = of_.functions_[block];
-    UnpackedParts::Parts& place = unpacked_.placeOf(id, parts);
-    if (place.function != id || place.extinction.size() != 4 * parts)
-      unpack(function, parts, place);
-    place.function = id;
-    parts_ = &place;
+    parts_ = &unpacked_.of(of_.functions_[block], function, parts, of_.extinction_);
     if (of_.places_[block].whole) return;
-    shown_parts_ = place;
+    shown_parts_ = *parts_;
     parts_ = &shown_parts_;
     const Vec3i lo = series().cellsOf(block).lo;
     for (size_t i = 0; i < parts; ++i) {
@@ -132,20 +127,6 @@ class VisibilityEstimate::TileWork {
       const Vec3i part{at % count.x, at / count.x % count.y, at / (count.x * count.y)};
       if (of_.isShown(translate(grid.cellsOf(part), lo))) continue;
       std::fill_n(shown_parts_.extinction.begin() + static_cast<ptrdiff_t>(4 * i), 4, 0.0F);
-    }
-  }
-
-  void unpack(const OpacityFunction& function, size_t parts, UnpackedParts::Parts& place) const {
-    place.cubes.assign(4 * parts, 0);
-    place.extinction.assign(4 * parts, of_.extinction_[function.floor]);
-    if (function.parts.empty()) return;
-    DetailReader in(function.parts, function.detail);
-    for (size_t i = 0; i < parts; ++i) {
-      const PartLevels part = in.next();
-      for (size_t level = 0; level < 4; ++level) {
-        place.cubes[4 * i + level] = part.cubes[level];
-        place.extinction[4 * i + level] = of_.extinction_[part.levels[level]];
-      }
     }
   }
 

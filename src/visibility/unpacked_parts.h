@@ -3,10 +3,12 @@
 // are unpacked twice. Of a bounded size; one thread at a time.
 #pragma once
 
-#include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
+
+#include "src/visibility/opacity_function.h"
 
 namespace sluice {
 
@@ -14,22 +16,17 @@ class UnpackedParts {
  public:
   // See PartValues.
   struct Parts {
-    int32_t function = -1;  // none yet
+    int32_t number = -1;  // the function's; none yet
     std::vector<uint32_t> cubes;
     std::vector<float> extinction;
   };
 
-  // Where a function of so many parts goes: there may still be another one.
-  Parts& placeOf(int32_t function, size_t parts) {
-    if (places_.empty()) {
-      const size_t a_place = std::max<size_t>(parts, 1) * 4 * (sizeof(uint32_t) + sizeof(float));
-      places_.resize(std::max(kBytes / a_place, kLeastPlaces));
-    }
-    return places_[static_cast<size_t>(function) % places_.size()];
-  }
+  // Of function `number`, for a block of so many parts; `extinction`: what its bytes stand for, the
+  // same at each call. Holds until the next call.
+  const Parts& of(int32_t number, const OpacityFunction& function, size_t parts,
+                  const std::array<float, 256>& extinction);
 
  private:
-  static constexpr size_t kBytes = size_t{4} << 20, kLeastPlaces = 16;
   std::vector<Parts> places_;
 };
 
