@@ -19,25 +19,26 @@ struct Loop {
   int64_t finished SLUICE_GUARDED_BY(mutex) = 0;
   std::exception_ptr failure SLUICE_GUARDED_BY(mutex);
 
-  // Takes indices until none is left. After a failure the rest are counted, not run.
+  // Takes indices until none is left. After a failure the rest are counted, not run. Takes the lock
+  // once: threads that took it at each index would wait for it longer than for short calls.
   void run() {
+    int64_t counted = 0;
+    std::exception_ptr caught;
     for (int64_t i = next.fetch_add(1); i < count; i = next.fetch_add(1)) {
-      std::exception_ptr caught;
+      ++counted;
       try {
         (*body)(i);
       } catch (...) {
         caught = std::current_exception();
-      }
-      int64_t counted = 1;
-      if (caught) {
         const int64_t from = next.exchange(count);
         if (from < count) counted += count - from;
       }
-      const MutexLock lock(mutex);
-      if (caught && !failure) failure = caught;
-      finished += counted;
-      if (finished == count) done.notifyAll();
     }
+    if (counted == 0) return;
+    const MutexLock lock(mutex);
+    if (caught && !failure) failure = caught;
+    finished += counted;
+    if (finished == count) done.notifyAll();
   }
 
   // Returns when every call has, rethrows the first failure.
@@ -63,6 +64,12 @@ WorkerPool::~WorkerPool() {
   }
   wake_.notifyAll();
   for (std::thread& worker : workers_) worker.join();
+}
+
+int WorkerPool::self() const {
+  for (size_t i = 0; i < workers_.size(); ++i)
+    if (workers_[i].get_id() == std::this_thread::get_id()) return static_cast<int>(i) + 1;
+  return 0;
 }
 
 void WorkerPool::submit(std::function<void()> task) {

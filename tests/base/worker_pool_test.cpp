@@ -63,6 +63,22 @@ TEST(WorkerPool, loopsRunOnAsManyThreadsAsThePoolHas) {
   EXPECT_EQ(ids.size(), size_t{kThreads});
 }
 
+TEST(WorkerPool, threadsKnowWhichTheyAre) {
+  constexpr int kThreads = 4;
+  WorkerPool pool(kThreads);
+  EXPECT_EQ(pool.self(), 0);
+  std::mutex mutex;
+  std::condition_variable all_here;
+  std::set<int> selves;
+  pool.parallelFor(kThreads, [&](int64_t) {
+    std::unique_lock lock(mutex);
+    selves.insert(pool.self());
+    all_here.notify_all();
+    all_here.wait(lock, [&] { return selves.size() == kThreads; });
+  });
+  EXPECT_EQ(selves, (std::set<int>{0, 1, 2, 3}));
+}
+
 TEST(WorkerPool, rethrowsTheFailureOnTheCaller) {
   for (const int threads : {1, 2, 8}) {
     WorkerPool pool(threads);
