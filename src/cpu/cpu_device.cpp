@@ -1,12 +1,16 @@
 #include "src/cpu/cpu_device.h"
 
 #include <algorithm>
+#include <atomic>
+#include <functional>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "src/base/error.h"
 #include "src/cpu/kernel_box.h"
+#include "src/cpu/least_opacity.h"
 #include "src/cpu/tile_bins.h"
 #include "src/device/drawing_cost.h"
 
@@ -25,14 +29,35 @@ constexpr size_t kLeastBytes = 4;
 // Boxes of a tile between two looks whether to stop.
 constexpr size_t kBoxesBetweenStops = 256;
 
+// body(tile) for each. A thread begins with the tiles that it had in the last frame, whose pixels
+// and texels its caches may hold, and then helps the others.
+void eachTile(WorkerPool& pool, int64_t tiles, const std::function<void(int64_t tile)>& body) {
+  struct alignas(64) Share {
+    std::atomic<int64_t> next;
+    int64_t end;
+  };
+  const auto threads = static_cast<size_t>(pool.threads());
+  std::vector<Share> shares(threads);
+  for (size_t i = 0; i < threads; ++i) {
+    shares[i].next = tiles * static_cast<int64_t>(i) / pool.threads();
+    shares[i].end = tiles * static_cast<int64_t>(i + 1) / pool.threads();
+  }
+  pool.parallelFor(pool.threads(), [&](int64_t) {
+    const auto self = static_cast<size_t>(pool.self());
+    for (size_t i = 0; i < threads; ++i) {
+      Share& share = shares[(self + i) % threads];
+      for (int64_t tile = share.next++; tile < share.end; tile = share.next++) body(tile);
+    }
+  });
+}
+
 }  // namespace
 
 CpuDevice::CpuDevice(WorkerPool& pool, SimdTarget target)
     : pool_(pool),
       kernels_(kernelsOf(target)),
       renderer_(fmt::format("SIMD {}, {} thread{}", kernels_.name, pool.threads(),
-                            pool.threads() == 1 ? "" : "s")),
-      picture_(pool) {}
+                            pool.threads() == 1 ? "" : "s")) {}
 
 DeviceLimits CpuDevice::limits() const {
   return {kMostTexels, kMostPixels, TexelPlace::kBorrowed};
@@ -65,13 +90,16 @@ void CpuDevice::beginFrame(const FrameSetup& setup, const StopToken& stop) {
   setup_ = setup;
   stop_ = stop;
   taken_ = 0;
-  tables_.emplace(setup_);
+  if (!look_up_ || look_up_->key != lookUpKey(setup_)) look_up_.emplace(lookUpKey(setup_));
+  tables_.emplace(setup_, *look_up_);
   leaps_ = setup_.skips && setup_.mode == Mode::kComposite;
-  if (ShownValues shown; leaps_ && (shown = ShownValues(setup_.look_up)) != shown_) {
+  if (leaps_ && shown_for_ != setup_.look_up) {
+    shown_for_ = setup_.look_up;
+    ShownValues shown(*shown_for_);
+    if (shown != shown_) ++shown_number_;
     shown_ = std::move(shown);
-    ++shown_number_;
   }
-  picture_.clear(setup_, kernels_);
+  picture_.begin(setup_, kernels_);
   if (setup_.is_part) parts_.begin(setup_, tables_->frame(), kernels_);
 }
 
@@ -109,9 +137,9 @@ void CpuDevice::prepareLeaps() {
   });
 }
 
-void CpuDevice::drawNow() {
+void CpuDevice::drawNow(const Then& then, Keep keep) {
   stop_.throwIfStopped();
-  if (put_off_.empty()) return;
+  if (put_off_.empty() && !then) return;
   if (leaps_) prepareLeaps();
   std::vector<KernelBox> boxes;
   boxes.reserve(put_off_.size());
@@ -126,9 +154,12 @@ void CpuDevice::drawNow() {
   const KernelFrame& frame = tables_->frame();
   const bool composite = setup_.mode == Mode::kComposite, in_layers = composite && setup_.is_part;
   const auto draw = composite ? kernels_.composite : kernels_.other;
-  pool_.parallelFor(picture_.tiles(), [&](int64_t index) {
-    TilePixels tile = picture_.tile(index);
+  eachTile(pool_, picture_.tiles(), [&](int64_t index) {
     std::span<const uint32_t> rest = bins.of(index);
+    TiledPicture::Scratch scratch;
+    TilePixels tile = rest.empty()            ? picture_.drawnTile(index)
+                      : keep == Keep::kPixels ? picture_.tile(index)
+                                              : picture_.tile(index, scratch);
     while (!rest.empty()) {
       stop_.throwIfStopped();
       const auto part = rest.first(std::min(kBoxesBetweenStops, rest.size()));
@@ -139,14 +170,16 @@ void CpuDevice::drawNow() {
       rest = rest.subspan(part.size());
     }
     if (tile.taken > 0) taken_ += tile.taken;
+    if (then) then(tile);
   });
   if (in_layers) checkPartRoom(parts_.bytes(), setup_.most_part_bytes);
 }
 
 std::vector<float> CpuDevice::leastOpacity(const MapGrid& grid) {
   SLUICE_CHECK(setup_.mode == Mode::kComposite);
-  drawNow();
-  return picture_.leastOpacity(grid);
+  LeastOpacity least(grid, setup_.size);
+  drawNow([&](const TilePixels& tile) { least.add(picture_, tile); });
+  return least.cells();
 }
 
 void CpuDevice::stopOpaque() {
@@ -165,7 +198,7 @@ uint64_t CpuDevice::countSamples(std::span<const BoxDraw> draws) {
     const auto of_tile = bins.of(index);
     if (of_tile.empty()) return;
     samples += kernels_.count(tables_->frame(), boxes.data(), of_tile.data(), of_tile.size(),
-                              picture_.tile(index));
+                              picture_.drawnTile(index));
   });
   return samples;
 }
@@ -176,10 +209,11 @@ uint64_t CpuDevice::takenSamples() {
 }
 
 Picture CpuDevice::endFrame() {
-  drawNow();
-  stop_.throwIfStopped();
   Picture picture = std::exchange(spare_, {});
-  picture_.copyTo(setup_, picture);
+  picture_.shape(picture);
+  drawNow([&](const TilePixels& tile) { picture_.copyTile(tile, picture); }, Keep::kNothing);
+  stop_.throwIfStopped();
+  if (setup_.mode != Mode::kComposite && !setup_.is_part) resolveMode(setup_, 1, picture.rgba);
   return picture;
 }
 

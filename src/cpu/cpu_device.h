@@ -11,6 +11,7 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -62,7 +63,12 @@ class CpuDevice : public Device {
   };
 
   void forgetPutOff();
-  void drawNow();
+  // Whether a tile's pixels are wanted after `then`.
+  enum class Keep { kPixels, kNothing };
+  // Draws what was put off. `then` is called for each tile of the picture once it is drawn, by the
+  // thread that has its pixels at hand: without colours where the frame has drawn nothing there.
+  using Then = std::function<void(const TilePixels& tile)>;
+  void drawNow(const Then& then = {}, Keep keep = Keep::kPixels);
   // Of all chunks whose boxes are put off, on the pool.
   void prepareLeaps();
 
@@ -71,10 +77,12 @@ class CpuDevice : public Device {
   const std::string renderer_;
   std::unordered_map<uint64_t, Resident> resident_;
   FrameSetup setup_;
-  std::optional<FrameTables> tables_;  // of the frame
-  bool leaps_ = false;                 // the frame does
-  ShownValues shown_;                  // of the last frame that did
-  uint64_t shown_number_ = 0;          // counts the changes of it
+  std::optional<LookUpTables> look_up_;  // of the last frame
+  std::optional<FrameTables> tables_;    // of the frame
+  bool leaps_ = false;                   // the frame does
+  ShownValues shown_;                    // of the last frame that did
+  LookUpPtr shown_for_;                  // what it is of
+  uint64_t shown_number_ = 0;            // counts its changes
   StopToken stop_;
   TiledPicture picture_;
   TileParts parts_;  // of a frame that is a part

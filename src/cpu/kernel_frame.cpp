@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "src/cpu/floats.h"
-#include "src/device/look_up_texels.h"
 
 namespace sluice {
 namespace {
@@ -15,8 +15,7 @@ constexpr float kNothingMore = 1 - 4e-4F;
 // Perspective views look up a logarithm: from here on opaque.
 constexpr double kMostExponent = 32;
 
-// Values beyond which no entry of the look-up has an opacity; entries are interpolated, and
-// rounding may move by one more.
+// See LookUpTables.
 std::array<double, 2> visibleValues(const LookUp& look_up) {
   const size_t entries = look_up.rgba.size() / 4;
   const auto shows = [&](size_t entry) { return look_up.rgba[4 * entry + 3] > 0; };
@@ -40,7 +39,13 @@ int wholeShininess(double shininess) {
 
 }  // namespace
 
-FrameTables::FrameTables(const FrameSetup& setup) {
+LookUpTables::LookUpTables(LookUpKey of)
+    : key(std::move(of)), entries(lookUpTexels(key)), visible(visibleValues(*key.look_up)) {
+  if (key.mode == Mode::kComposite && !key.look_up->interpolates)
+    packed = packedEntries(entries, kMostExponent);
+}
+
+FrameTables::FrameTables(const FrameSetup& setup, const LookUpTables& look_up) {
   const bool composite = setup.mode == Mode::kComposite;
   frame_.width = setup.size.width;
   frame_.height = setup.size.height;
@@ -49,15 +54,15 @@ FrameTables::FrameTables(const FrameSetup& setup) {
   frame_.perspective = setup.projection == Projection::kPerspective;
   frame_.with_depth = composite && setup.with_depth;
   frame_.counts_taken = composite && setup.counts_taken && !setup.with_depth;
-  frame_.labels = composite && setup.look_up.labels;
+  frame_.labels = composite && setup.look_up->labels;
   frame_.shades_every_sample = setup.shades_every_sample;
-  frame_.interpolates = setup.look_up.interpolates;
+  frame_.interpolates = setup.look_up->interpolates;
   frame_.lit = composite && setup.lit;
   if (composite && setup.opacity_threshold < 1)
     frame_.box_opacity = static_cast<float>(setup.opacity_threshold);
   if (composite && setup.skips && !frame_.counts_taken) frame_.ray_opacity = kNothingMore;
   setRays(setup);
-  setLookUp(setup);
+  setLookUp(look_up);
   setLights(setup);
   if (composite) setRows(setup);
 }
@@ -86,26 +91,23 @@ void FrameTables::setRays(const FrameSetup& setup) {
   }
 }
 
-void FrameTables::setLookUp(const FrameSetup& setup) {
-  entries_ = lookUpTexels(setup);
-  const ValueRange range = setup.look_up.device_range;
-  const auto last = static_cast<double>(entries_.size() / 4 - 1);
+void FrameTables::setLookUp(const LookUpTables& tables) {
+  const ValueRange range = tables.key.look_up->device_range;
+  const auto last = static_cast<double>(tables.entries.size() / 4 - 1);
   const double per_value = range.hi > range.lo ? last / (range.hi - range.lo) : 0;
-  frame_.entries = entries_.data();
-  if (setup.mode == Mode::kComposite && !setup.look_up.interpolates) {
-    packed_ = packedEntries(entries_, kMostExponent);
-    frame_.packed_entries = packed_.entries.data();
-    frame_.color_unit = packed_.color_unit;
-    frame_.opacity_unit = packed_.opacity_unit;
+  frame_.entries = tables.entries.data();
+  if (!tables.packed.entries.empty()) {
+    frame_.packed_entries = tables.packed.entries.data();
+    frame_.color_unit = tables.packed.color_unit;
+    frame_.opacity_unit = tables.packed.opacity_unit;
   }
   frame_.entry_scale = static_cast<float>(per_value);
   frame_.entry_offset = static_cast<float>(-range.lo * per_value);
   frame_.last_entry = static_cast<float>(last);
   frame_.least = static_cast<float>(range.lo);
   frame_.greatest = static_cast<float>(range.hi);
-  const auto [least, most] = visibleValues(setup.look_up);
-  frame_.least_visible = static_cast<float>(least);
-  frame_.most_visible = static_cast<float>(most);
+  frame_.least_visible = static_cast<float>(tables.visible[0]);
+  frame_.most_visible = static_cast<float>(tables.visible[1]);
 }
 
 void FrameTables::setLights(const FrameSetup& setup) {
@@ -124,19 +126,18 @@ void FrameTables::setLights(const FrameSetup& setup) {
 }
 
 void FrameTables::setRows(const FrameSetup& setup) {
-  const std::vector<double>& magnitudes = setup.look_up.magnitudes;
+  const std::vector<double>& magnitudes = setup.look_up->magnitudes;
   if (magnitudes.empty()) return;
   frame_.rows = static_cast<int>(magnitudes.size());
-  frame_.factor_entries = static_cast<int>(setup.look_up.factors.size() / magnitudes.size());
+  frame_.factor_entries = static_cast<int>(setup.look_up->factors.size() / magnitudes.size());
   frame_.corrects = frame_.perspective || setup.slice_length != 1;
-  factors_ = setup.look_up.factors;
   for (size_t row = 0; row < magnitudes.size(); ++row) {
     const double next = magnitudes[std::min(row + 1, magnitudes.size() - 1)];
     const double distance = next - magnitudes[row];
     row_starts_.push_back(static_cast<float>(magnitudes[row]));
     row_growths_.push_back(static_cast<float>(distance > 0 ? 1 / distance : 0));
   }
-  frame_.factors = factors_.data();
+  frame_.factors = setup.look_up->factors.data();
   frame_.row_starts = row_starts_.data();
   frame_.row_growths = row_growths_.data();
 }

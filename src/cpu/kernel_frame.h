@@ -1,16 +1,31 @@
 // FrameTables: a FrameSetup as the kernels take it, with the tables that it points to.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "src/cpu/kernel_values.h"
 #include "src/cpu/packed_entries.h"
+#include "src/device/look_up_texels.h"
 
 namespace sluice {
 
+// The tables of a look-up, which many frames share.
+struct LookUpTables {
+  explicit LookUpTables(LookUpKey of);
+
+  LookUpKey key;
+  std::vector<float> entries;  // see lookUpTexels()
+  PackedEntries packed;        // composite that does not interpolate, else without entries
+  // Values beyond which no entry has an opacity; entries are interpolated, and rounding may move by
+  // one more.
+  std::array<double, 2> visible{};
+};
+
 class FrameTables {
  public:
-  explicit FrameTables(const FrameSetup& setup);
+  // `look_up`, the setup's, must outlive it.
+  FrameTables(const FrameSetup& setup, const LookUpTables& look_up);
   FrameTables(const FrameTables&) = delete;
   FrameTables& operator=(const FrameTables&) = delete;
 
@@ -18,13 +33,12 @@ class FrameTables {
 
  private:
   void setRays(const FrameSetup& setup);
-  void setLookUp(const FrameSetup& setup);
+  void setLookUp(const LookUpTables& tables);
   void setLights(const FrameSetup& setup);
   void setRows(const FrameSetup& setup);
 
   KernelFrame frame_;
-  PackedEntries packed_;
-  std::vector<float> entries_, factors_, row_starts_, row_growths_;
+  std::vector<float> row_starts_, row_growths_;
 };
 
 }  // namespace sluice

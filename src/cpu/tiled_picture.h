@@ -1,8 +1,7 @@
 // TiledPicture: the pixels of a frame as the kernels keep them, a tile after another, each packet
 // by packet; and what is read from them.
 //
-// Different tiles may be drawn by different threads at once. All else: one thread, which hands its
-// loops to the pool.
+// Different tiles may be begun, drawn and read by different threads at once. All else: one thread.
 #pragma once
 
 #include <array>
@@ -10,44 +9,68 @@
 #include <vector>
 
 #include "io/pictures/picture.h"
-#include "src/base/worker_pool.h"
 #include "src/cpu/kernel_values.h"
 
 namespace sluice {
 
 class TiledPicture {
  public:
-  explicit TiledPicture(WorkerPool& pool) : pool_(pool) {}
+  // A tile's: colours, stopped, depth.
+  static constexpr size_t kMostFloats = size_t{6} * kTilePixels;
 
-  // Empty pixels, placed as `kernels` want them.
-  void clear(const FrameSetup& setup, const Kernels& kernels);
+  // Empty, its pixels placed as `kernels` want them.
+  void begin(const FrameSetup& setup, const Kernels& kernels);
 
   int tilesAcross() const { return across_; }
   int tilesUp() const { return up_; }
   int64_t tiles() const { return int64_t{across_} * up_; }
+  // A tile to draw on, emptied when it is asked for first, by the thread that draws on it.
   TilePixels tile(int64_t index);
-
-  // See Device.
-  std::vector<float> leastOpacity(const MapGrid& grid);
-  void stopOpaque(float opacity);
-  // Premultiplied, rows downwards; depths where there are some. Into `picture`, whatever it held.
-  void copyTo(const FrameSetup& setup, Picture& picture);
-
- private:
+  // The same for the last time: of a tile that was not begun the pixels are in `scratch` alone,
+  // which stays in the processor's first cache.
+  struct Scratch {
+    alignas(64) std::array<float, kMostFloats> floats;
+  };
+  TilePixels tile(int64_t index, Scratch& scratch);
+  // Only where it is: without pixels if it was not begun.
+  TilePixels drawnTile(int64_t index) const;
+  // Of a pixel of a tile, counted from its lower left.
   size_t placeOf(int x, int y) const {
     return static_cast<size_t>(place_[static_cast<size_t>(y * kTileSide + x)]);
+  }
+
+  // Pixels that have this opacity now take no more samples. Each tile learns of it when it is asked
+  // for next, before it is drawn on.
+  void stopOpaque(float opacity);
+  // Gives `picture` the size of this one, whatever it was.
+  void shape(Picture& picture) const;
+  // A tile's pixels, if it has some, into a picture of that shape: premultiplied, rows downwards;
+  // depths where there are some.
+  void copyTile(const TilePixels& pixels, Picture& picture) const;
+
+ private:
+  static constexpr int32_t kNotBegun = -1;
+
+  // With its arrays from `floats` on, where there are some.
+  TilePixels tileAt(int64_t index, float* floats) const;
+  void empty(const TilePixels& pixels) const;
+  float* floatsOf(int64_t index) const {
+    return pixels_ + static_cast<size_t>(index) * floatsATile();
   }
   // Floats a tile has, and of them where each array begins.
   size_t floatsATile() const { return arrays_ * kTilePixels; }
 
-  WorkerPool& pool_;
   // Of each pixel of a tile, row after row: Kernels::placeOf().
   std::array<int, kTilePixels> place_{};
   PictureSize size_{0, 0};
   int across_ = 0, up_ = 0;
   size_t arrays_ = 0;
   bool with_depth_ = false;
-  std::vector<float> memory_;  // aligned by hand
+  float start_ = 0;  // what colours are before something is drawn
+  float stop_opacity_ = 1;
+  int32_t stop_number_ = 0;     // counts stopOpaque()
+  std::vector<int32_t> stops_;  // of each tile: the last that it knows of
+  std::vector<float> memory_;   // aligned by hand
   float* pixels_ = nullptr;
 };
 

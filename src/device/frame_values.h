@@ -12,6 +12,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "src/base/vec.h"
@@ -57,6 +58,8 @@ struct LookUp {
   bool labels = false;
 };
 inline constexpr double kLabelTie = 1e-3;
+// Shared by the frames of a look: the same pointer is the same table.
+using LookUpPtr = std::shared_ptr<const LookUp>;
 
 // Where a ray is sampled. Composite and average: at the view's slices. Maximum and minimum: where
 // it meets the voxel planes of the axis that it runs along most (in voxels; of axes that are alike
@@ -79,7 +82,7 @@ struct FrameSetup {
   double slice_length = 1;
   double tan_half_x = 0, tan_half_y = 0;
   DeviceType type = DeviceType::kU8;
-  LookUp look_up;
+  LookUpPtr look_up = std::make_shared<const LookUp>();
   Mode mode = Mode::kComposite;
   int planes_a_voxel = 1;            // maximum and minimum, see above
   double opacity_threshold = 1;      // a ray ends inside a box at this opacity; 1: never

@@ -29,24 +29,28 @@ void setParts(std::vector<float>& rgba) {
 
 }  // namespace
 
-std::vector<float> lookUpTexels(const FrameSetup& setup) {
-  std::vector<float> texels = setup.look_up.rgba;
-  if (setup.mode != Mode::kComposite) {
+LookUpKey lookUpKey(const FrameSetup& setup) {
+  return {setup.look_up, setup.mode, setup.projection, setup.slice_length};
+}
+
+std::vector<float> lookUpTexels(const LookUpKey& key) {
+  std::vector<float> texels = key.look_up->rgba;
+  if (key.mode != Mode::kComposite) {
     setParts(texels);
     return texels;
   }
   // A factor is for the opacity as it is: the shader does the rest.
-  if (!setup.look_up.magnitudes.empty()) return texels;
-  const bool perspective = setup.projection == Projection::kPerspective;
+  if (!key.look_up->magnitudes.empty()) return texels;
+  const bool perspective = key.projection == Projection::kPerspective;
   for (size_t i = 0; i < texels.size(); i += 4) {
     const double opacity = texels[i + 3];
     if (perspective) {
       // An opaque entry stays opaque at any length.
       texels[i + 3] =
-          static_cast<float>(opacity < 1 ? std::log2(1 - opacity) * setup.slice_length : -1e4);
+          static_cast<float>(opacity < 1 ? std::log2(1 - opacity) * key.slice_length : -1e4);
       continue;
     }
-    const double corrected = 1 - std::pow(1 - opacity, setup.slice_length);
+    const double corrected = 1 - std::pow(1 - opacity, key.slice_length);
     for (size_t channel = 0; channel < 3; ++channel)
       texels[i + channel] = static_cast<float>(texels[i + channel] * corrected);
     texels[i + 3] = static_cast<float>(corrected);
@@ -60,9 +64,9 @@ void scaleValues(double device_unit, std::vector<float>& rgba) {
 }
 
 void resolveMode(const FrameSetup& setup, double device_unit, std::vector<float>& rgba) {
-  const auto& table = setup.look_up.rgba;
+  const auto& table = setup.look_up->rgba;
   const size_t entries = table.size() / 4;
-  const ValueRange range = setup.look_up.device_range;
+  const ValueRange range = setup.look_up->device_range;
   const double per_device =
       range.hi > range.lo ? static_cast<double>(entries - 1) / (range.hi - range.lo) : 0;
   for (size_t i = 0; i < rgba.size(); i += 4) {

@@ -8,11 +8,21 @@
 
 namespace sluice {
 
+// What the texels of a frame's look-up follow from.
+struct LookUpKey {
+  LookUpPtr look_up;
+  Mode mode = Mode::kComposite;
+  Projection projection = Projection::kOrtho;
+  double slice_length = 1;
+  bool operator==(const LookUpKey&) const = default;
+};
+LookUpKey lookUpKey(const FrameSetup& setup);
+
 // rgba of the look-up texture. Parallel views have one distance between samples, so the opacity is
 // corrected and the colour premultiplied here; perspective ones get log2(1 - opacity) for a unit of
 // slice_length and do the rest a pixel. Other modes get as alpha the part, 0 to 1, that a sample of
 // the entry takes.
-std::vector<float> lookUpTexels(const FrameSetup& setup);
+std::vector<float> lookUpTexels(const LookUpKey& key);
 
 // In place: from the numbers of modes other than composite to their colours, premultiplied. Of a
 // pixel, 0 and 1 are: greatest value and part of what is seen; least value and 1 - the greatest

@@ -8,8 +8,8 @@
 namespace sluice {
 
 DrawingPieces::DrawingPieces(const FrameSetup& setup)
-    : DrawingPieces(
-          setup, setup.lit || !setup.look_up.magnitudes.empty() ? kMostLitSamples : kMostSamples) {}
+    : DrawingPieces(setup, setup.lit || !setup.look_up->magnitudes.empty() ? kMostLitSamples
+                                                                           : kMostSamples) {}
 
 // That the box may be seen in, with one to spare for what is drawn larger than it is.
 DrawingPieces::Rows DrawingPieces::rowsOf(const Box3& cells) const {

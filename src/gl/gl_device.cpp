@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "src/base/error.h"
-#include "src/device/look_up_texels.h"
 #include "src/gl/box_buffer.h"
 #include "src/gl/shading.h"
 
@@ -125,22 +124,22 @@ void GlDevice::setView(GlProgram& program) {
 }
 
 void GlDevice::uploadLookUp() {
-  if (look_up_key_ && look_up_key_->isOf(setup_)) return;
-  look_up_key_ = {setup_.mode, setup_.projection, setup_.slice_length, setup_.look_up.rgba,
-                  setup_.look_up.factors};
-  const auto width = static_cast<GLsizei>(setup_.look_up.rgba.size() / 4);
-  const std::vector<float> texels = lookUpTexels(setup_);
+  LookUpKey key = lookUpKey(setup_);
+  if (look_up_key_ == key) return;
+  const auto width = static_cast<GLsizei>(setup_.look_up->rgba.size() / 4);
+  const std::vector<float> texels = lookUpTexels(key);
+  look_up_key_ = std::move(key);
   gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, width, 1, 0, GL_RGBA, GL_FLOAT, texels.data());
   if (!variant_.factor_table) return;
   gl_.BindTexture(GL_TEXTURE_2D, factors_);
   gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_R32F, width, variant_.gradient_rows, 0, GL_RED, GL_FLOAT,
-                 setup_.look_up.factors.data());
+                 setup_.look_up->factors.data());
   gl_.BindTexture(GL_TEXTURE_2D, look_up_);
 }
 
 void GlDevice::setLookUp(GlProgram& program) {
-  const auto entries = static_cast<GLsizei>(setup_.look_up.rgba.size() / 4);
-  const bool interpolates = setup_.look_up.interpolates || setup_.mode != Mode::kComposite;
+  const auto entries = static_cast<GLsizei>(setup_.look_up->rgba.size() / 4);
+  const bool interpolates = setup_.look_up->interpolates || setup_.mode != Mode::kComposite;
   gl_.ActiveTexture(GL_TEXTURE0 + kLookUpUnit);
   gl_.BindTexture(GL_TEXTURE_2D, look_up_);
   uploadLookUp();
@@ -152,7 +151,7 @@ void GlDevice::setLookUp(GlProgram& program) {
     program.set("factors", static_cast<int>(kFactorUnit));
   }
   // Entry e covers [e, e + 1) / entries of the texture.
-  const ValueRange range = setup_.look_up.device_range;
+  const ValueRange range = setup_.look_up->device_range;
   const double span = range.hi - range.lo;
   const double per_device = span > 0 ? (entries - 1) / span : 0;
   const double scale = valueScale(setup_.type);
@@ -214,7 +213,7 @@ void GlDevice::beginFrame(const FrameSetup& setup, const StopToken& stop) {
               .counts_taken = composite && setup.counts_taken && !setup.with_depth,
               .counts = false,
               .clip_planes = static_cast<int>(setup.clip_planes.size()),
-              .labels = composite && setup.look_up.labels,
+              .labels = composite && setup.look_up->labels,
               .planes = setup.mode == Mode::kMip || setup.mode == Mode::kMinip};
   if (composite) chooseShading(setup, variant_);
   const int64_t most = limits().max_picture_size;

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "src/device/device.h"
+#include "src/device/look_up_texels.h"
 #include "src/device/screen_picture.h"
 #include "src/gl/context.h"
 #include "src/gl/drawing_pieces.h"
@@ -57,18 +58,6 @@ class GlDevice : public Device, public DrawsForScreens {
     Vec3i storage_vox;
     DeviceType type;
   };
-  // What the texels of the look-up texture follow from.
-  struct LookUpKey {
-    Mode mode;
-    Projection projection;
-    double slice_length;
-    std::vector<float> rgba, factors;
-    bool isOf(const FrameSetup& setup) const {
-      return mode == setup.mode && projection == setup.projection &&
-             slice_length == setup.slice_length && rgba == setup.look_up.rgba &&
-             factors == setup.look_up.factors;
-    }
-  };
 
   GlProgram& programFor(const ShaderVariant& variant);
   void setView(GlProgram& program);
@@ -100,7 +89,7 @@ class GlDevice : public Device, public DrawsForScreens {
   ShaderVariant variant_;
   GLuint vertex_array_ = 0, index_buffer_ = 0, box_buffer_ = 0, box_texture_ = 0, look_up_ = 0,
          factors_ = 0;
-  std::optional<LookUpKey> look_up_key_;  // of the texture's content
+  LookUpKey look_up_key_;  // of the texture's content; of no look-up: none yet
   uint64_t binds_ = 0;
   GLuint marked_ = 0;  // depth buffer with the opaque pixels; 0: none are marked in this frame
 };

@@ -44,7 +44,7 @@ class Floats {
 
 // Texel values outside of which no entry of the look-up has an opacity; entries are interpolated.
 std::array<double, 2> visibleTexels(const FrameSetup& setup) {
-  const auto& rgba = setup.look_up.rgba;
+  const auto& rgba = setup.look_up->rgba;
   const size_t entries = rgba.size() / 4;
   const auto shows = [&](size_t entry) { return rgba[4 * entry + 3] > 0; };
   size_t first = 0, last = entries;
@@ -52,7 +52,7 @@ std::array<double, 2> visibleTexels(const FrameSetup& setup) {
   while (last > first && !shows(last - 1)) --last;
   constexpr double kAll = std::numeric_limits<float>::max();
   if (first == last) return {kAll, -kAll};
-  const ValueRange range = setup.look_up.device_range;
+  const ValueRange range = setup.look_up->device_range;
   const double entry =
       (range.hi - range.lo) / static_cast<double>(std::max<size_t>(1, entries - 1));
   const double scale = valueScale(setup.type);
@@ -64,8 +64,8 @@ std::array<double, 2> visibleTexels(const FrameSetup& setup) {
 // Of each row: its magnitude, 1 / the distance to the next, its factor, by how much the next's is
 // greater; of the first entry's factors.
 Floats rowsOf(const FrameSetup& setup) {
-  const std::vector<double>& magnitudes = setup.look_up.magnitudes;
-  const std::vector<float>& factors = setup.look_up.factors;
+  const std::vector<double>& magnitudes = setup.look_up->magnitudes;
+  const std::vector<float>& factors = setup.look_up->factors;
   const size_t rows = magnitudes.size(), entries = factors.size() / rows;
   const double scale = valueScale(setup.type);
   Floats result;
@@ -113,7 +113,7 @@ double valueScale(DeviceType type) {
 void chooseShading(const FrameSetup& setup, ShaderVariant& variant) {
   variant.lit = setup.lit;
   variant.shininess = setup.lit ? wholeShininess(setup.lighting) : 0;
-  const LookUp& look_up = setup.look_up;
+  const LookUp& look_up = *setup.look_up;
   variant.gradient_rows = static_cast<int>(look_up.magnitudes.size());
   variant.factor_table = look_up.factors.size() > look_up.magnitudes.size();
   variant.corrects = variant.gradient_rows > 0 && (variant.perspective || setup.slice_length != 1);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <utility>
 
 #include "src/render/index_space.h"
 
@@ -64,27 +66,39 @@ std::vector<ClipPlane> clipPlanes(const std::vector<WorldPlane>& planes,
   return result;
 }
 
-LookUp lookUp(const OpacityTable& table, double finest_spacing) {
-  LookUp result;
-  result.device_range = table.deviceRange();
-  result.interpolates = table.mustInterpolate();
-  result.rgba.reserve(4 * static_cast<size_t>(table.entries()));
-  for (size_t i = 0; i < static_cast<size_t>(table.entries()); ++i) {
-    for (size_t channel = 0; channel < 3; ++channel)
-      result.rgba.push_back(table.rgb()[3 * i + channel]);
-    result.rgba.push_back(table.opacity()[i]);
-  }
-  for (const double magnitude : table.magnitudes())
-    result.magnitudes.push_back(magnitude / finest_spacing);
-  result.factors = table.factors();
-  result.labels = table.labels();
-  return result;
-}
-
 // The first slice in front of a perspective eye.
 int64_t firstSlice(const View& view) {
   if (view.projection == Projection::kOrtho || view.first_depth > 0) return 0;
   return static_cast<int64_t>(std::floor(-view.first_depth / view.step - 0.5)) + 1;
+}
+
+FrameSetup setupOf(const View& view, const VolumeLayout& layout, const OpacityTable& table,
+                   LookUpPtr look_up, const ValueMap& map, const FrameOptions& options) {
+  FrameSetup setup = viewSetup(view, layout, options.clip_planes);
+  setup.type = map.type;
+  setup.look_up = std::move(look_up);
+  setup.mode = options.mode;
+  // The rounding of 1 / (1 / n) makes no more of n.
+  setup.planes_a_voxel = std::max(
+      1, static_cast<int>(
+             std::ceil(setup.slice_length > 0 ? std::min(1 / setup.slice_length, 1e6) - 1e-6 : 1)));
+  // The greatest value is the least device value where the scale is negative.
+  if (map.scale < 0 && options.mode == Mode::kMip) setup.mode = Mode::kMinip;
+  if (map.scale < 0 && options.mode == Mode::kMinip) setup.mode = Mode::kMip;
+  setup.opacity_threshold = rayThreshold(options);
+  setup.with_depth = options.with_depth;
+  setup.shades_every_sample = options.shades_every_sample;
+  setup.skips = options.skips && !options.shades_every_sample;
+  setup.lighting = options.lighting;
+  for (size_t a = 0; a < 3; ++a) {
+    const Vec3d gradient = layout.axes[a] / layout.spacing[static_cast<int>(a)];
+    setup.camera_gradient[a] = {dot(gradient, view.right), dot(gradient, view.up),
+                                -dot(gradient, view.forward)};
+  }
+  const ValueRange range = table.volumeRange();
+  setup.flat = options.lighting.flat_share * (range.hi - range.lo) / finestSpacing(layout);
+  if (table.labels()) setup.flat = 0;  // a number says nothing of how steep its surface is
+  return setup;
 }
 
 }  // namespace
@@ -115,36 +129,14 @@ FrameSetup viewSetup(const View& view, const VolumeLayout& layout,
 
 FrameSetup frameSetup(const View& view, const VolumeLayout& layout, const OpacityTable& table,
                       const ValueMap& map, const FrameOptions& options) {
-  FrameSetup setup = viewSetup(view, layout, options.clip_planes);
-  setup.type = map.type;
-  setup.look_up = lookUp(table, finestSpacing(layout));
-  setup.mode = options.mode;
-  // The rounding of 1 / (1 / n) makes no more of n.
-  setup.planes_a_voxel = std::max(
-      1, static_cast<int>(
-             std::ceil(setup.slice_length > 0 ? std::min(1 / setup.slice_length, 1e6) - 1e-6 : 1)));
-  // The greatest value is the least device value where the scale is negative.
-  if (map.scale < 0 && options.mode == Mode::kMip) setup.mode = Mode::kMinip;
-  if (map.scale < 0 && options.mode == Mode::kMinip) setup.mode = Mode::kMip;
-  setup.opacity_threshold = rayThreshold(options);
-  setup.with_depth = options.with_depth;
-  setup.shades_every_sample = options.shades_every_sample;
-  setup.skips = options.skips && !options.shades_every_sample;
-  setup.lighting = options.lighting;
-  for (size_t a = 0; a < 3; ++a) {
-    const Vec3d gradient = layout.axes[a] / layout.spacing[static_cast<int>(a)];
-    setup.camera_gradient[a] = {dot(gradient, view.right), dot(gradient, view.up),
-                                -dot(gradient, view.forward)};
-  }
-  const ValueRange range = table.volumeRange();
-  setup.flat = options.lighting.flat_share * (range.hi - range.lo) / finestSpacing(layout);
-  if (table.labels()) setup.flat = 0;  // a number says nothing of how steep its surface is
-  return setup;
+  return setupOf(view, layout, table,
+                 std::make_shared<const LookUp>(lookUp(table, finestSpacing(layout))), map,
+                 options);
 }
 
 FrameSetup frameSetup(const View& view, const VolumeLayout& layout, const Look& look,
                       const ValueMap& map, const FrameOptions& options, bool lit) {
-  FrameSetup setup = frameSetup(view, layout, look.table, map, options);
+  FrameSetup setup = setupOf(view, layout, look.table, look.look_up, map, options);
   setup.lit = lit;
   // Rays or pixels may stop, or leap, so that fewer samples are taken than lie in the frame's
   // boxes.

@@ -2,12 +2,33 @@
 
 #include <utility>
 
+#include "src/render/index_space.h"
+
 namespace sluice {
+
+LookUp lookUp(const OpacityTable& table, double finest_spacing) {
+  LookUp result;
+  result.device_range = table.deviceRange();
+  result.interpolates = table.mustInterpolate();
+  result.rgba.reserve(4 * static_cast<size_t>(table.entries()));
+  for (size_t i = 0; i < static_cast<size_t>(table.entries()); ++i) {
+    for (size_t channel = 0; channel < 3; ++channel)
+      result.rgba.push_back(table.rgb()[3 * i + channel]);
+    result.rgba.push_back(table.opacity()[i]);
+  }
+  for (const double magnitude : table.magnitudes())
+    result.magnitudes.push_back(magnitude / finest_spacing);
+  result.factors = table.factors();
+  result.labels = table.labels();
+  return result;
+}
 
 Look makeLook(const TimeStep& step, TransferFunction transfer, Mode mode) {
   if (mode != Mode::kComposite) transfer.gradients.clear();
   OpacityTable table(transfer, step.ranges->map, step.ranges->device_range);
-  return {std::move(transfer), std::move(table)};
+  auto look_up =
+      std::make_shared<const LookUp>(lookUp(table, finestSpacing(step.source->layout())));
+  return {std::move(transfer), std::move(table), std::move(look_up)};
 }
 
 }  // namespace sluice

@@ -6,7 +6,10 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cstring>
+#include <functional>
+#include <memory>
 #include <optional>
+#include <utility>
 
 #include "src/render/frame_setup.h"
 #include "src/render/index_space.h"
@@ -111,6 +114,12 @@ double shownShare(const Picture& picture) {
   return 4.0 * shown / static_cast<double>(picture.rgba.size());
 }
 
+void change(FrameSetup& setup, const std::function<void(LookUp&)>& by) {
+  LookUp look_up = *setup.look_up;
+  by(look_up);
+  setup.look_up = std::make_shared<const LookUp>(std::move(look_up));
+}
+
 struct Case {
   const char* name;
   FrameSetup setup;
@@ -128,14 +137,16 @@ std::vector<Case> cases() {
     next.setup.lighting.shininess = 7.5;
     all.push_back(next);
     next = {"modulated", setupOf(DeviceType::kU16, projection, Mode::kComposite)};
-    next.setup.look_up.magnitudes = {0, 10, 40};
-    next.setup.look_up.factors = {0.1F, 0.5F, 1};
+    change(next.setup, [](LookUp& look_up) {
+      look_up.magnitudes = {0, 10, 40};
+      look_up.factors = {0.1F, 0.5F, 1};
+    });
     all.push_back(next);
     next = {"interpolated look-up", setupOf(DeviceType::kF32, projection, Mode::kComposite)};
-    next.setup.look_up.interpolates = true;
+    change(next.setup, [](LookUp& look_up) { look_up.interpolates = true; });
     all.push_back(next);
     next = {"labels", setupOf(DeviceType::kU8, projection, Mode::kComposite)};
-    next.setup.look_up.labels = true;
+    change(next.setup, [](LookUp& look_up) { look_up.labels = true; });
     all.push_back(next);
     next = {"ends early, with depth", setupOf(DeviceType::kU8, projection, Mode::kComposite)};
     next.setup.opacity_threshold = 0.7;

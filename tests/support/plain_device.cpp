@@ -189,7 +189,7 @@ void PlainDevice::drawBox(const BoxDraw& box) {
 
 void PlainDevice::take(const Ray& ray, const BoxDraw& box, const ChunkTexels& chunk, Pixel& pixel) {
   const bool composite = setup_.mode == Mode::kComposite;
-  const LookUp& look_up = setup_.look_up;
+  const LookUp& look_up = *setup_.look_up;
   double in_box = 0;
   eachSample(ray, box.cells, [&](Vec3d p, double k) {
     Vec3d texel;
@@ -328,7 +328,7 @@ Picture PlainDevice::endFrame() {
                                                       : 0;
       } else if (setup_.mode != Mode::kComposite && pixel.count > 0) {
         const double taken = setup_.mode == Mode::kAverage ? static_cast<double>(pixel.count) : 1;
-        rgba = lookedUp(setup_.look_up, pixel.value / taken, false);
+        rgba = lookedUp(*setup_.look_up, pixel.value / taken, false);
         rgba[3] = 1;
       }
       for (const double channel : rgba) picture.rgba.push_back(static_cast<float>(channel));
