@@ -44,6 +44,7 @@ NamedReport readReport(const std::string& file) {
 // The last part of each path, unless two are the same.
 void shorten(std::vector<NamedReport>& runs) {
   std::vector<std::string> names;
+  names.reserve(runs.size());
   for (const NamedReport& run : runs)
     names.push_back(std::filesystem::path(run.name).filename().string());
   for (size_t i = 0; i < runs.size(); ++i)

@@ -83,7 +83,7 @@ void print(const std::vector<GlProbe>& probes) {
   }
   std::string targets;
   for (const SimdTarget target : simdTargets())
-    targets = std::string(name(target)) + (targets.empty() ? "" : ", ") + targets;
+    targets = fmt::format("{}{}{}", name(target), targets.empty() ? "" : ", ", targets);
   say("cpu: works, SIMD {}\n", targets);
   const Chosen chosen = chosenOf(probes);
   say("--device auto is {} here: {}\n", chosen.device, chosen.reason);

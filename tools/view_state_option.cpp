@@ -58,7 +58,7 @@ std::optional<SavedFilm> filmOf(const CLI::App& app, const std::optional<ViewPat
 
 std::optional<SavedFilm> applyState(CLI::App& app, const std::string& file) {
   const StateFile state = readState(file, interruption());
-  const std::optional<SavedFilm> film = filmOf(app, state.path);
+  std::optional<SavedFilm> film = filmOf(app, state.path);
   std::vector<OptionWord> words = pictureWords(state.state);
   const std::vector<OptionWord> look = lookWords(state.state.look);
   words.insert(words.end(), look.begin(), look.end());

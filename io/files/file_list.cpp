@@ -273,6 +273,7 @@ std::optional<std::filesystem::path> missingFile(const std::vector<std::filesyst
 std::optional<std::string> gapNote(const std::vector<std::filesystem::path>& files) {
   if (files.size() < 3) return std::nullopt;
   std::vector<std::string> names;
+  names.reserve(files.size());
   for (const auto& file : files) names.push_back(file.filename().string());
   const SplitName first = splitAtLastNumber(names[0]);
   std::vector<int64_t> numbers;

@@ -221,7 +221,7 @@ std::filesystem::path dataFileOf(const std::filesystem::path& header) {
 
 // ".raw", ".nrrd", ".nhdr" or ".mhd".
 std::string formatOf(const std::filesystem::path& path) {
-  const std::string extension = lowerExtension(path);
+  std::string extension = lowerExtension(path);
   if (extension != ".raw" && extension != ".nrrd" && extension != ".nhdr" && extension != ".mhd")
     fail("{}: expected a name ending in .raw, .nrrd, .nhdr or .mhd to write a volume to",
          path.string());

@@ -122,6 +122,7 @@ std::vector<Box3> vdbSeriesBoxes(const std::vector<std::filesystem::path>& files
          files.size());
   const Box3 padded{all.lo - Vec3i{1, 1, 1}, all.hi + Vec3i{1, 1, 1}};
   std::vector<Box3> boxes;
+  boxes.reserve(shifts.size());
   for (const Vec3i& shift : shifts) boxes.push_back(translate(padded, shift));
   return boxes;
 }

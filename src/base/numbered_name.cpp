@@ -50,7 +50,7 @@ std::optional<NumberPlace> numberPlace(const std::string& name, const std::strin
 }  // namespace
 
 fs::path numberedName(const std::string& name, int64_t number, bool numbered) {
-  const fs::path path(name);
+  fs::path path(name);
   const std::string file = path.filename().string();
   if (const auto place = numberPlace(name, file)) {
     const std::string digits = fmt::format("{:0{}}", number, std::max(1, place->digits));

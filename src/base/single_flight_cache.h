@@ -96,7 +96,7 @@ class SingleFlightCache {
   // The value is there and takes `bytes`. Returns whether its key had been resident before.
   bool finish(const EntryPtr& entry, Value value, uint64_t bytes) noexcept SLUICE_REQUIRES(mutex);
   // It will not be there. With a value: that is for those who wait alone.
-  void fail(const EntryPtr& entry, std::exception_ptr why, Value value = nullptr) noexcept
+  void fail(const EntryPtr& entry, const std::exception_ptr& why, Value value = nullptr) noexcept
       SLUICE_REQUIRES(mutex);
   // A loading entry that no one shall join any more.
   void hide(const EntryPtr& entry) noexcept SLUICE_REQUIRES(mutex);
@@ -273,12 +273,13 @@ bool SingleFlightCache<Key, T, Hash, Note>::finish(const EntryPtr& entry, Value 
 }
 
 template <class Key, class T, class Hash, class Note>
-void SingleFlightCache<Key, T, Hash, Note>::fail(const EntryPtr& entry, std::exception_ptr why,
+void SingleFlightCache<Key, T, Hash, Note>::fail(const EntryPtr& entry,
+                                                 const std::exception_ptr& why,
                                                  Value value) noexcept {
   hide(entry);
   loading_bytes_ -= entry->bytes;
   loading_.erase(entry->place);
-  entry->failure = std::move(why);
+  entry->failure = why;
   entry->value = std::move(value);
   entry->state = Entry::State::kGone;
   if (entry->returns_from > 0)

@@ -93,7 +93,8 @@ void FrameTables::setRays(const FrameSetup& setup) {
 
 void FrameTables::setLookUp(const LookUpTables& tables) {
   const ValueRange range = tables.key.look_up->device_range;
-  const auto last = static_cast<double>(tables.entries.size() / 4 - 1);
+  const size_t last_entry = tables.entries.size() / 4 - 1;
+  const auto last = static_cast<double>(last_entry);
   const double per_value = range.hi > range.lo ? last / (range.hi - range.lo) : 0;
   frame_.entries = tables.entries.data();
   if (!tables.packed.entries.empty()) {

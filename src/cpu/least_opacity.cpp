@@ -117,8 +117,10 @@ void LeastOpacity::add(const TiledPicture& picture, const TilePixels& pixels) {
       } while (++x < count && row.areSame(first, static_cast<size_t>(x)));
       const auto bits = std::bit_cast<uint32_t>(std::max(least, 0.0F));
       for (int v = row.v_from[first]; v <= row.v_to[first]; ++v)
-        for (int u = row.u_from[first]; u <= row.u_to[first]; ++u)
-          lower(cells_[static_cast<size_t>(v * side_ + u)], bits);
+        for (int u = row.u_from[first]; u <= row.u_to[first]; ++u) {
+          const int cell = v * side_ + u;
+          lower(cells_[static_cast<size_t>(cell)], bits);
+        }
     }
   }
 }

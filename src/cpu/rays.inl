@@ -57,8 +57,9 @@ struct LanePlaces {
   alignas(64) float column[kMostLanes], row[kMostLanes];
   constexpr LanePlaces() : column(), row() {
     for (int lane = 0; lane < kLanes; ++lane) {
-      column[lane] = static_cast<float>(lane % kPacketWidth);
-      row[lane] = static_cast<float>(lane / kPacketWidth);
+      const int x = lane % kPacketWidth, y = lane / kPacketWidth;
+      column[lane] = static_cast<float>(x);
+      row[lane] = static_cast<float>(y);
     }
   }
 };

@@ -36,7 +36,8 @@ class TiledPicture {
   TilePixels drawnTile(int64_t index) const;
   // Of a pixel of a tile, counted from its lower left.
   size_t placeOf(int x, int y) const {
-    return static_cast<size_t>(place_[static_cast<size_t>(y * kTileSide + x)]);
+    const int pixel = y * kTileSide + x;
+    return static_cast<size_t>(place_[static_cast<size_t>(pixel)]);
   }
 
   // Pixels that have this opacity now take no more samples. Each tile learns of it when it is asked

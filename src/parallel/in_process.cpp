@@ -104,6 +104,7 @@ std::string endOf(Team& team, const std::function<void(Team&)>& body) {
 std::vector<std::unique_ptr<Communicator>> inProcessRanks(int ranks) {
   const auto meeting = std::make_shared<Meeting>(ranks);
   std::vector<std::unique_ptr<Communicator>> all;
+  all.reserve(static_cast<size_t>(ranks));
   for (int rank = 0; rank < ranks; ++rank)
     all.push_back(std::make_unique<ThreadRank>(meeting, rank));
   return all;

@@ -28,7 +28,8 @@ std::string lineOf(const std::vector<std::string>& reasons) {
 
 }  // namespace
 
-RankFailed::RankFailed(std::vector<std::string> reasons) : std::runtime_error(lineOf(reasons)) {}
+RankFailed::RankFailed(const std::vector<std::string>& reasons)
+    : std::runtime_error(lineOf(reasons)) {}
 
 Message asMessage(std::string_view text) {
   const auto* bytes = reinterpret_cast<const std::byte*>(text.data());
@@ -52,8 +53,9 @@ void Team::throwFailed(const std::vector<uint64_t>& states, const std::string& m
   }
   communicator_->exchange(to, from, stop_);
   std::vector<std::string> reasons;
+  reasons.reserve(from.size());
   for (const Message& reason : from) reasons.push_back(asText(reason));
-  throw RankFailed(std::move(reasons));
+  throw RankFailed(reasons);
 }
 
 std::vector<uint64_t> Team::agree(const std::vector<uint64_t>& sizes) {

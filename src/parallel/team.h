@@ -19,7 +19,7 @@ namespace sluice {
 // Why ranks failed, by rank; empty for those that did not.
 class RankFailed : public std::runtime_error {
  public:
-  explicit RankFailed(std::vector<std::string> reasons);
+  explicit RankFailed(const std::vector<std::string>& reasons);
   // what(): one line. "rank 2 of 4: disk full"; a failure of all for one reason is that alone.
 };
 

@@ -265,10 +265,10 @@ class VisibilityEstimate::TileWork {
       // The shortest step of any ray: of the picture's middle, or shorter where axes differ.
       step = std::numeric_limits<double>::infinity();
       const RayGrid& rays = of_.view_.rays;
-      for (int i = 0; i < 9; ++i)
-        step = std::min(step,
-                        length(rays.step0 + rays.step_dx * (0.5 * (i % 3) * of_.view_.size.width) +
-                               rays.step_dy * (0.5 * (i / 3) * of_.view_.size.height)));
+      for (const double x : {0.0, 0.5, 1.0})
+        for (const double y : {0.0, 0.5, 1.0})
+          step = std::min(step, length(rays.step0 + rays.step_dx * (x * of_.view_.size.width) +
+                                       rays.step_dy * (y * of_.view_.size.height)));
       step *= 0.5;
     }
     return static_cast<float>(vox / step);
@@ -331,7 +331,7 @@ std::optional<size_t> VisibilityEstimate::firstAffected(Task& task) {
       if (kept == nullptr) continue;
       for (int y = y0; y < y1; ++y)
         for (int x = x0; x < x1; ++x) {
-          const auto pixel = static_cast<size_t>(y * kSide + x);
+          const size_t pixel = TileRays::pixelAt(x, y);
           // What lies behind the sample that made the ray opaque was not looked at.
           if (part.near > kept->end[pixel]) continue;
           kept->along[pixel] = -0.0F;

@@ -53,7 +53,8 @@ float ExtinctionTable::leastIn(double lo, double hi) const {
   // One more on both sides, for what the device's arithmetic rounds: see OpacityTable::anyOpaque().
   const int first = std::max(0, table_.entryOf(lo) - 1);
   const int last = std::min(table_.entries() - 1, table_.entryOf(hi) + 1);
-  const auto count = static_cast<size_t>(last - first + 1);
+  const int entries = last - first + 1;
+  const auto count = static_cast<size_t>(entries);
   const auto level = static_cast<size_t>(std::bit_width(count) - 1);
   const std::vector<float>& least = levels_[level];
   return std::min(least[static_cast<size_t>(first)],

@@ -112,7 +112,7 @@ void TileRays::set(const RayGrid& rays, bool parallel, double first_slice, int x
   for (int a = 0; a < 3; ++a)
     for (int j = 0; j < kSide; ++j)
       for (int i = 0; i < kSide; ++i)
-        slices_a_voxel_[static_cast<size_t>(a)][static_cast<size_t>(j * kSide + i)] =
+        slices_a_voxel_[static_cast<size_t>(a)][pixelAt(i, j)] =
             1 / safe(step_[a] + step_dx_[a] * i + step_dy_[a] * j);
 }
 
@@ -146,7 +146,7 @@ void TileRays::stretches(const BoxPlanes& box, int y, int x0, int x1, Slices& en
     return;
   }
   for (int x = x0; x < x1; ++x) {
-    const auto pixel = static_cast<size_t>(y * kSide + x);
+    const size_t pixel = pixelAt(x, y);
     double entry = first_, exit = kFarSlices;
     for (int a = 0; a < 3; ++a) {
       const auto i = static_cast<size_t>(a);

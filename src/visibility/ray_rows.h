@@ -24,6 +24,10 @@ inline constexpr double kSliceDoubt = 2e-3;
 class TileRays {
  public:
   static constexpr int kSide = 16;
+  static constexpr size_t pixelAt(int x, int y) {
+    const int pixel = y * kSide + x;
+    return static_cast<size_t>(pixel);
+  }
 
   void set(const RayGrid& rays, bool parallel, double first_slice, int x, int y);
 

@@ -212,8 +212,8 @@ void VisibilityEstimate::makeTiles() {
     if (at.x0 >= at.x1 || at.y0 >= at.y1) continue;
     for (int y = at.y0 / kSide; y <= (at.y1 - 1) / kSide; ++y)
       for (int x = at.x0 / kSide; x <= (at.x1 - 1) / kSide; ++x)
-        if ((y * tiles_x_ + x) % options_.tile_stride == options_.first_tile)
-          tiles_[static_cast<size_t>(y * tiles_x_ + x)].blocks.push_back(block);
+        if (const int tile = y * tiles_x_ + x; tile % options_.tile_stride == options_.first_tile)
+          tiles_[static_cast<size_t>(tile)].blocks.push_back(block);
   }
   uint64_t kept_bytes = 0;
   for (Tile& tile : tiles_) {
@@ -309,7 +309,8 @@ std::vector<VisibilityEstimate::Task> VisibilityEstimate::affectedTiles(int64_t 
     if (at.x0 >= at.x1 || at.y0 >= at.y1) continue;
     for (int y = at.y0 / kSide; y <= (at.y1 - 1) / kSide; ++y)
       for (int x = at.x0 / kSide; x <= (at.x1 - 1) / kSide; ++x) {
-        const auto i = static_cast<size_t>(y * tiles_x_ + x);
+        const int index = y * tiles_x_ + x;
+        const auto i = static_cast<size_t>(index);
         if (tiles_[i].blocks.empty()) continue;
         const Tile& tile = tiles_[i];
         const auto found =

@@ -13,7 +13,6 @@ import window_driver
 from window_driver import Display, Window
 
 PROGRAM, SLOW_DISK = sys.argv[1:3]
-SHOTS = os.environ.get('SLUICE_SCREENSHOTS')
 ODD = "it's 100% \u00e9t\u00e9 \"quoted\".nrrd"
 
 
@@ -23,16 +22,20 @@ def synth(path, kind='shells', dims='24x20x16'):
     plain.rename(path)
 
 
-def shot(window, name):
-    if SHOTS:
-        window.screenshot(pathlib.Path(SHOTS, name + '.png'))
-
-
 def opened(window, mark, end):
     line = window.wait('opened', since=mark)
     assert line['opened'].endswith(end), line
     window.whole(mark)
     return line
+
+
+def ask_for_file(window):
+    """The dialog, once it stands still. A mark after its folder was listed."""
+    mark = window.mark()
+    window.key('ctrl+o')
+    window.wait('folder', since=mark)
+    window.do('sleep', 0.3)
+    return window.mark()
 
 
 def dialog(folder):
@@ -55,31 +58,23 @@ def dialog(folder):
         line = window.wait('folder', since=mark)
         assert line['folder'].endswith('data & more') and line['entries'] == 4, line
         window.do('sleep', 0.3)
-        shot(window, 'dialog')
+        window.shot('dialog')
         mark = window.mark()
         window.click('entry step_%03d.nrrd')
         assert opened(window, mark, 'step_%03d.nrrd')['time_steps'] == 3
         assert not any('notes' in name for name in window.controls), window.controls
         # One of its steps alone; it begins where it was.
-        mark = window.mark()
-        window.key('ctrl+o')
-        window.wait('folder', since=mark)
+        ask_for_file(window)
         window.click('series as one')
         mark = window.mark()
         window.click('entry step_002.nrrd')
         assert opened(window, mark, 'step_002.nrrd')['time_steps'] == 1
-        mark = window.mark()
-        window.key('ctrl+o')
-        window.wait('folder', since=mark)
-        window.do('sleep', 0.2, 'type', '--delay', 12, '100%')
+        mark = ask_for_file(window)
+        window.do('type', '--delay', 12, '100%')
         window.press('Return')  # the one that is left
         opened(window, mark, ODD)
         # Backspace leads up, Down and Return into a folder, a path that is typed anywhere.
-        mark = window.mark()
-        window.key('ctrl+o')
-        window.wait('folder', since=mark)
-        window.do('sleep', 0.2)
-        mark = window.mark()
+        mark = ask_for_file(window)
         window.press('BackSpace')
         assert window.wait('folder', since=mark)['folder'] == str(pathlib.Path(line['folder']).parent)
         window.do('sleep', 0.2, 'type', '--delay', 12, f'{data}/broken.nrrd')
@@ -87,7 +82,7 @@ def dialog(folder):
         window.press('Return')
         failure = window.wait('failure', since=mark)['failure']
         assert 'broken.nrrd' in failure, failure
-        shot(window, 'bad file of the dialog')
+        window.shot('bad file of the dialog')
         window.press('Escape')
         window.end()
 
@@ -106,7 +101,7 @@ def unreadable(folder):
         line = window.wait(lambda line: line.get('folder', '').endswith('goes'), since=mark)
         assert 'No such file' in line['failure'], line
         window.do('sleep', 0.3)
-        shot(window, 'unreadable folder')
+        window.shot('unreadable folder')
         mark = window.mark()
         window.click('up')
         assert not window.wait('folder', since=mark)['failure']
@@ -126,7 +121,7 @@ def slow_folder(folder):
         mark = window.mark()
         window.click('entry tarry')
         window.do('sleep', 1)
-        shot(window, 'slow folder')
+        window.shot('slow folder')
         assert not any('folder' in line for line in window.lines[mark:]), 'the folder was not slow'
         window.click('up')  # not waited for
         line = window.wait('folder', since=mark)
@@ -159,7 +154,7 @@ def recent_and_drops(folder):
         line = window.wait('failure', since=mark)['failure']
         assert 'bad.nrrd' in line, line
         window.wait(lambda line: line.get('control') == 'failure')
-        shot(window, 'bad drop')
+        window.shot('bad drop')
         window.key('Escape')
         # What was open before stays.
         window.key('t')
@@ -169,23 +164,15 @@ def recent_and_drops(folder):
         recent = json.loads(settings.read_text(encoding='utf-8'))['recent']
         assert [pathlib.Path(path).name for path in recent] == [ODD, 'a.nrrd'] and all(os.path.isabs(path) for path in recent), recent
         pathlib.Path(folder, ODD).unlink()
-        mark = window.mark()
-        window.key('ctrl+o')
-        window.wait('folder', since=mark)
-        window.do('sleep', 0.3)
-        shot(window, 'recent')
-        mark = window.mark()
+        mark = ask_for_file(window)
+        window.shot('recent')
         window.click('recent 1')
         opened(window, mark, 'a.nrrd')
-        mark = window.mark()
-        window.key('ctrl+o')
-        window.wait('folder', since=mark)
-        window.do('sleep', 0.3)
-        mark = window.mark()
+        mark = ask_for_file(window)
         window.click('recent 1')
         assert ODD in window.wait('vanished', since=mark)['vanished']
         assert ODD in window.wait('failure', since=mark)['failure']
-        shot(window, 'vanished')
+        window.shot('vanished')
         window.press('Escape')
         window.end()
     recent = json.loads(settings.read_text(encoding='utf-8'))['recent']

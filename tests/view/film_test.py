@@ -13,7 +13,6 @@ import window_driver
 from window_driver import Display, Window
 
 PROGRAM = sys.argv[1]
-SHOTS = os.environ.get('SLUICE_SCREENSHOTS')
 VOLUME = 'synth:shells,dims=48x40x36'
 
 
@@ -51,11 +50,6 @@ def render(command, folder, output):
     assert words[:2] == ['sluice', 'render'] and words[-2] == '-o', command
     subprocess.run([PROGRAM, *words[1:-1], output, '--device', 'cpu'], cwd=folder, check=True, stdout=subprocess.DEVNULL,
                    env=dict(os.environ, XDG_CACHE_HOME=f'{folder}/cache'))
-
-
-def shot(window, name):
-    if SHOTS:
-        window.screenshot(pathlib.Path(SHOTS, name + '.png'))
 
 
 def saved(window, mark, end):
@@ -100,14 +94,14 @@ def key_frames(folder):
         mark = window.mark()
         window.click('play film')
         window.do('sleep', 0.3)
-        shot(window, 'film plays')
+        window.shot('film plays')
         window.wait(lambda line: line.get('film') == 'ended', since=mark)
         previews = [line for line in window.lines[mark:] if 'picture' in line]
         assert len(previews) >= 3, f'{len(previews)} pictures of a film'
         mark = window.mark()
         window.drag(window.place('frame', 0.1), window.place('frame', 0.6))
         window.whole(mark)
-        shot(window, 'film frame')
+        window.shot('film frame')
         window.click('back')
         window.click('frame rate', x=0.1)
         mark = window.mark()
@@ -165,7 +159,7 @@ def turntable(folder):
         middle = window.place('picture')
         window.drag(middle, (middle[0] + 60, middle[1]))
         window.whole(mark)
-        shot(window, 'film written')
+        window.shot('film written')
         window.click('write frames')  # says cancel
         window.do('sleep', 0.5)
         count = len(list(pathlib.Path(folder).glob('frame_*.png')))
@@ -174,32 +168,22 @@ def turntable(folder):
         assert len(list(pathlib.Path(folder).glob('frame_*.png'))) == count, 'it goes on'
         assert not list(pathlib.Path(folder).glob('*.tmp'))
 
-        def refused(name, words):
+        def refused(field, name, button, words):
             mark = window.mark()
-            window.fill('film name', name)
-            window.click('write frames')
+            window.fill(field, name)
+            window.click(button)
             line = window.wait('failure', since=mark)['failure']
             assert all(word in line for word in words), line
             window.wait(lambda line: line.get('control') == 'failure')
+            window.shot(f'{button} refused')
             window.key('Escape')
 
-        refused('frame.png', ['frame.png', 'frame_%04d.png'])
-        refused('frame_%04d.jpg', ['.png or .exr'])
-        refused('no such folder/f_%04d.png', ['no such folder'])
+        refused('film name', 'frame.png', 'write frames', ['frame.png', 'frame_%04d.png'])
+        refused('film name', 'frame_%04d.jpg', 'write frames', ['.png or .exr'])
+        refused('film name', 'no such folder/f_%04d.png', 'write frames', ['no such folder'])
         before = volume.read_bytes()
-        window.fill('picture name', str(volume))
-        mark = window.mark()
-        window.click('save picture')
-        line = window.wait('failure', since=mark)['failure']
-        assert '.png or .exr' in line, line
-        window.key('Escape')
-        window.fill('state name', str(volume))
-        mark = window.mark()
-        window.click('save view')
-        line = window.wait('failure', since=mark)['failure']
-        assert 'reads' in line, line
-        shot(window, 'over an input')
-        window.key('Escape')
+        refused('picture name', str(volume), 'save picture', ['.png or .exr'])
+        refused('state name', str(volume), 'save view', ['reads'])
         window.end()
         assert volume.read_bytes() == before
 
@@ -241,7 +225,7 @@ def same_looks(folder):
         mark = window.mark()
         window.click('transfer', x=0.15, y=0.2)
         window.whole(mark)
-        shot(window, 'points over a file')
+        window.shot('points over a file')
         save('green.png')
         window.end()
     for name, command in commands:

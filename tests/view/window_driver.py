@@ -252,6 +252,11 @@ class Window:
             raise RuntimeError(f'the window ended with {self.process.returncode}: {self.said()}')
         return next(line for line in self.lines if 'end' in line)
 
+    def shot(self, name):
+        """A screenshot in the folder $SLUICE_SCREENSHOTS, where there is one, for those who look at the tests' windows."""
+        if folder := os.environ.get('SLUICE_SCREENSHOTS'):
+            self.screenshot(pathlib.Path(folder, name + '.png'))
+
     def screenshot(self, path):
         """All of the screen, PNG; needs ImageMagick's import or xwd with OpenImageIO; False where there is none."""
         if shutil.which('import'):

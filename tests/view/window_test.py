@@ -13,8 +13,6 @@ import window_driver
 from window_driver import Display, Window
 
 PROGRAM = sys.argv[1]
-# For people: a folder for pictures of each state.
-SHOTS = os.environ.get('SLUICE_SCREENSHOTS')
 
 
 def pixels(path):
@@ -35,20 +33,16 @@ def difference(a, b):
 def sitting(folder):
     volume = os.environ.get('SLUICE_VIEW_VOLUME', 'synth:shells,dims=64x56x48')
     with Display() as display, Window(display, PROGRAM, [volume, '--size', '480x760', '--device', 'cpu'], folder) as window:
-        def shot(name):
-            if SHOTS:
-                window.screenshot(pathlib.Path(SHOTS, name + '.png'))
-
         def step(name, act):
             mark = window.mark()
             act()
             picture = window.whole(mark)
-            shot(name)
+            window.shot(name)
             return picture
 
         window.wait('opened')
         window.whole(0)
-        shot('open')
+        window.shot('open')
         middle = window.place('picture')
         step('orbit', lambda: window.drag(middle, (middle[0] + 90, middle[1] + 35)))
         step('pan', lambda: window.drag(middle, (middle[0] + 20, middle[1] - 12), keys=['shift']))
@@ -90,7 +84,7 @@ def sitting(folder):
         window.click('slice 2', x=0.3, y=0.6)
         for axis in (0, 1):
             window.wait(lambda line, axis=axis: line.get('slice') == axis, since=mark)
-        shot('cross hair')
+        window.shot('cross hair')
         cross = save('cross')['cross']
         assert cross != before['cross'] and cross[2] == before['cross'][2], cross
         step('no slices', lambda: window.key('v'))
@@ -112,7 +106,7 @@ def sitting(folder):
         step('black', lambda: window.key('b'))
         step('step', lambda: window.key('bracketright'))
         window.key('question')
-        shot('keys')
+        window.shot('keys')
         window.key('Escape')
 
         mark = window.mark()
@@ -144,8 +138,7 @@ def faults(folder):
         line = window.wait('failure')['failure']
         assert 'nothing-there.nrrd' in line, line
         window.wait(lambda line: line.get('control') == 'failure')
-        if SHOTS:
-            window.screenshot(pathlib.Path(SHOTS, 'bad file.png'))
+        window.shot('bad file')
         window.wait(lambda line: line.get('control') == 'picture')
         window.end()
     environment = {name: value for name, value in os.environ.items() if name not in ('DISPLAY', 'WAYLAND_DISPLAY')}

@@ -124,7 +124,7 @@ class Walk {
       const CLI::Option* option = app_->get_option_no_throw(name);
       if (option == nullptr) return unknownOption(program_, *app_, i == 1 ? word : name);
       const bool has_value = option->get_expected_max() != 0;
-      const auto found = take(*option, name, has_value && i + 1 < word.size());
+      auto found = take(*option, name, has_value && i + 1 < word.size());
       if (found || has_value) return found;
     }
     return std::nullopt;

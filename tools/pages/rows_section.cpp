@@ -27,7 +27,7 @@ constexpr std::array<std::string_view, 15> kElsewhere = {
 void collect(const json& value, const std::string& name, Leaves& out) {
   if (value.is_object()) {
     for (const auto& [key, part] : value.items())
-      collect(part, name.empty() ? key : name + "." + key, out);
+      collect(part, name.empty() ? key : fmt::format("{}.{}", name, key), out);
   } else if (!value.is_array() && !value.is_null()) {
     out.emplace_back(name, value);
   }

@@ -41,8 +41,9 @@ void squares(size_t count, size_t columns, const Color& color) {
   const float side = std::clamp(width / static_cast<float>(columns), 1.0F, 10.0F);
   ImDrawList& to = *ImGui::GetWindowDrawList();
   for (size_t i = 0; i < count; ++i) {
-    const float x = lo.x + side * static_cast<float>(i % columns),
-                y = lo.y + side * static_cast<float>(i / columns);
+    const size_t column = i % columns, row = i / columns;
+    const float x = lo.x + side * static_cast<float>(column),
+                y = lo.y + side * static_cast<float>(row);
     const float gap = side > 3 ? 1 : 0;
     to.AddRectFilled({x, y}, {x + side - gap, y + side - gap}, color(i));
   }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <system_error>
 #include <utility>
@@ -219,8 +220,8 @@ void Sitting::takeNews() {
       const auto& world = news.probe->found->world;
       next.view = centerOn(next.view, {world[0], world[1], world[2]});
       for (size_t a = 0; a < 3; ++a)
-        next.cross[a] = std::clamp(static_cast<int64_t>(news.probe->found->voxel[a] + 0.5),
-                                   int64_t{0}, info().dims[a] - 1);
+        next.cross[a] = std::clamp(int64_t{std::llround(news.probe->found->voxel[a])}, int64_t{0},
+                                   info().dims[a] - 1);
       change(next);
       log.write({{"centered", news.probe->found->voxel}});
     }

@@ -24,6 +24,7 @@ Texture::~Texture() {
 }
 
 void* Texture::id() const {
+  // NOLINTNEXTLINE(performance-no-int-to-ptr): what ImGui's ids are
   return reinterpret_cast<void*>(static_cast<uintptr_t>(shown_ ? shown_->texture : name_));
 }
 

@@ -1,6 +1,7 @@
 #include <imgui.h>
 
 #include <array>
+#include <cmath>
 
 #include "src/view/window/panels.h"
 
@@ -79,8 +80,7 @@ void background(Sitting& sitting) {
   if (ImGui::ColorEdit3("##background", color.data(), ImGuiColorEditFlags_NoInputs)) {
     ViewState next = sitting.state();
     // What six hexadecimal digits say, so that the command line says the same.
-    for (float& channel : color)
-      channel = static_cast<float>(static_cast<int>(channel * 255 + 0.5F)) / 255;
+    for (float& channel : color) channel = static_cast<float>(std::lround(channel * 255)) / 255;
     next.background = color;
     sitting.change(next);
   }
