@@ -139,10 +139,8 @@ struct Passage {
 
   // Slices [k, end). A sample is looked up and blended while the next one is read.
   HWY_INLINE void go(V k, V end, bool leaps, Pixels& pixels) {
-    BrickWay way;
-    if (leaps) way = brickWay(box, first, pace);
-    Sample last;
-    last.active = hn::MaskFromVec(hn::Zero(F()));
+    const BrickWay way = leaps ? brickWay(box, first, pace) : noBrickWay();
+    Sample last{k, k, hn::MaskFromVec(hn::Zero(F())), first, {wholeOf(k), k, k, k}};
     bool has_last = false;
     const V one = all(1.0F);
     for (;;) {

@@ -154,6 +154,7 @@ void CpuDevice::drawNow(const Then& then, Keep keep) {
   const KernelFrame& frame = tables_->frame();
   const bool composite = setup_.mode == Mode::kComposite, in_layers = composite && setup_.is_part;
   const auto draw = composite ? kernels_.composite : kernels_.other;
+  if (keep == Keep::kPixels) picture_.makeRoom();
   eachTile(pool_, picture_.tiles(), [&](int64_t index) {
     std::span<const uint32_t> rest = bins.of(index);
     TiledPicture::Scratch scratch;
@@ -221,9 +222,11 @@ PartialPicture CpuDevice::endPart() {
   SLUICE_CHECK(setup_.is_part);
   drawNow();
   stop_.throwIfStopped();
-  if (setup_.mode != Mode::kComposite)
+  if (setup_.mode != Mode::kComposite) {
+    picture_.makeRoom();
     pool_.parallelFor(picture_.tiles(),
                       [&](int64_t index) { parts_.takeOut(index, picture_.tile(index)); });
+  }
   return parts_.end();
 }
 

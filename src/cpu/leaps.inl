@@ -7,19 +7,23 @@ struct BrickWay {
   M up_x, up_y, up_z;  // towards greater coordinates
 };
 HWY_INLINE BrickWay brickWay(const KernelBox& box, const V3& first, const V3& pace) {
-  const V brick = all(1.0F / kBrickSide);
-  BrickWay way;
-  way.start = {hn::MulAdd(first.x, brick, all(box.brick_at[0])),
-               hn::MulAdd(first.y, brick, all(box.brick_at[1])),
-               hn::MulAdd(first.z, brick, all(box.brick_at[2]))};
-  way.rate = {safe(hn::Mul(pace.x, brick)), safe(hn::Mul(pace.y, brick)),
-              safe(hn::Mul(pace.z, brick))};
-  const V one = all(1.0F), zero = hn::Zero(F());
-  way.inverse = {hn::Div(one, way.rate.x), hn::Div(one, way.rate.y), hn::Div(one, way.rate.z)};
-  way.up_x = hn::Gt(way.rate.x, zero);
-  way.up_y = hn::Gt(way.rate.y, zero);
-  way.up_z = hn::Gt(way.rate.z, zero);
-  return way;
+  const V brick = all(1.0F / kBrickSide), one = all(1.0F), zero = hn::Zero(F());
+  const V3 rate{safe(hn::Mul(pace.x, brick)), safe(hn::Mul(pace.y, brick)),
+                safe(hn::Mul(pace.z, brick))};
+  return {{hn::MulAdd(first.x, brick, all(box.brick_at[0])),
+           hn::MulAdd(first.y, brick, all(box.brick_at[1])),
+           hn::MulAdd(first.z, brick, all(box.brick_at[2]))},
+          rate,
+          {hn::Div(one, rate.x), hn::Div(one, rate.y), hn::Div(one, rate.z)},
+          hn::Gt(rate.x, zero),
+          hn::Gt(rate.y, zero),
+          hn::Gt(rate.z, zero)};
+}
+// Of a box without leaps, never asked.
+HWY_INLINE BrickWay noBrickWay() {
+  const V none = hn::Zero(F());
+  const M never = hn::MaskFromVec(none);
+  return {{none, none, none}, {none, none, none}, {none, none, none}, never, never, never};
 }
 
 // Slices from `at` to where bricks up to `distance` - 1 from `brick` end, along one axis.

@@ -99,18 +99,17 @@ HWY_INLINE Rows rowsNearEnd(const KernelBox& box, VI offset, int64_t y, int64_t 
   return {{pairAt<kType, true>(box, offset, 0), pairAt<kType, true>(box, offset, y),
            pairAt<kType, true>(box, offset, z), pairAt<kType, true>(box, offset, y + z)}};
 }
+HWY_INLINE Pair floatsAt(const KernelBox& box, VI offset, int64_t more) {
+  const Wide both = wideAt(box.texels + more, offset);
+  return {hn::BitCast(F(), both.first), hn::BitCast(F(), both.second)};
+}
 template <DeviceType kType>
 HWY_INLINE Rows rowsAt(const KernelBox& box, VI offset) {
   const auto y = static_cast<int64_t>(box.stride[1]), z = static_cast<int64_t>(box.stride[2]);
   if constexpr (kType == DeviceType::kF32) {
     if (HWY_UNLIKELY(box.one_by_one)) return rowsNearEnd<kType>(box, offset, y, z);
-    Rows rows;
-    const int64_t more[4] = {0, y, z, y + z};
-    for (int row = 0; row < 4; ++row) {
-      const Wide both = wideAt(box.texels + more[row], offset);
-      rows.pair[row] = {hn::BitCast(F(), both.first), hn::BitCast(F(), both.second)};
-    }
-    return rows;
+    return {{floatsAt(box, offset, 0), floatsAt(box, offset, y), floatsAt(box, offset, z),
+             floatsAt(box, offset, y + z)}};
   } else {
     if (HWY_UNLIKELY(box.one_by_one)) return rowsNearEnd<kType>(box, offset, y, z);
     // Of the last row the bytes before are read, not those behind, which may lie beyond the chunk.

@@ -23,6 +23,14 @@ void TiledPicture::begin(const FrameSetup& setup, const Kernels& kernels) {
   up_ = (size_.height + kTileSide - 1) / kTileSide;
   with_depth_ = setup.mode == Mode::kComposite && setup.with_depth;
   arrays_ = with_depth_ ? kDepth + 1 : kStopped + 1;
+  start_ = setup.mode == Mode::kMip     ? std::numeric_limits<float>::lowest()
+           : setup.mode == Mode::kMinip ? std::numeric_limits<float>::max()
+                                        : 0.0F;
+  stop_number_ = 0;
+  stops_.assign(static_cast<size_t>(tiles()), kNotBegun);
+}
+
+void TiledPicture::makeRoom() {
   const size_t floats = floatsATile() * static_cast<size_t>(tiles());
   if (memory_.size() < floats + kAlignedFloats) {
     memory_.clear();
@@ -31,11 +39,6 @@ void TiledPicture::begin(const FrameSetup& setup, const Kernels& kernels) {
   }
   const auto address = reinterpret_cast<uintptr_t>(memory_.data());
   pixels_ = memory_.data() + (64 - address % 64) % 64 / sizeof(float);
-  start_ = setup.mode == Mode::kMip     ? std::numeric_limits<float>::lowest()
-           : setup.mode == Mode::kMinip ? std::numeric_limits<float>::max()
-                                        : 0.0F;
-  stop_number_ = 0;
-  stops_.assign(static_cast<size_t>(tiles()), kNotBegun);
 }
 
 TilePixels TiledPicture::tileAt(int64_t index, float* floats) const {

@@ -24,7 +24,10 @@ class TiledPicture {
   int tilesAcross() const { return across_; }
   int tilesUp() const { return up_; }
   int64_t tiles() const { return int64_t{across_} * up_; }
+  // Memory for the pixels. A picture that is drawn in one go needs none.
+  void makeRoom();
   // A tile to draw on, emptied when it is asked for first, by the thread that draws on it.
+  // Requires: there is room.
   TilePixels tile(int64_t index);
   // The same for the last time: of a tile that was not begun the pixels are in `scratch` alone,
   // which stays in the processor's first cache.

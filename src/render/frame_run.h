@@ -41,8 +41,8 @@ struct FrameValues {
 // What a frame tells the next.
 struct FrameLessons {
   // Where the numbers of map updates begin. The paper's machine took 9; here each update waits for
-  // the slowest of the threads: 2 to 3 gave the shortest frames on software GL, and on the CPU device
-  // what 6 or 9 hide more in one volume they cost in the next.
+  // the slowest of the threads: 2 to 3 gave the shortest frames on software GL, and on the CPU
+  // device what 6 or 9 hide more in one volume they cost in the next.
   static constexpr UpdateCountOptions kUpdates{.first = 3};
 
   BlockClasses blocks;
