@@ -128,7 +128,7 @@ struct RendererOptions {
   // A hard bound on the voxels in memory at once, with software GL its textures too; 0: half of the
   // machine's.
   uint64_t memory_bytes = 0;
-  int threads = 0;  // that read, copy and classify; 0: one a core
+  int threads = 0;  // that classify and, on the CPU, draw; as many and more read; 0: one a core
   // Where it is not the CPU that draws: drawn in here, for Renderer::drawOnScreen().
   std::shared_ptr<const ScreenContext> screen = {};
 };

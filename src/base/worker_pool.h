@@ -30,7 +30,8 @@ class WorkerPool {
   // Those that a loop runs on, its caller included; and how many it would be had all started.
   int threads() const { return threads_; }
   int wantedThreads() const { return wanted_threads_; }
-  // Which of them this one is: 1 and more on a worker, else 0.
+  // Which of its threads this one is: 1 and more on a worker, else 0. Below threads(), but that a
+  // task of a pool of one gets 1. Not to be asked in tasks that the destructor still runs.
   int self() const;
 
   // Calls body(i) for each i in [0, count), in any order and on several threads; returns when all

@@ -203,10 +203,7 @@ HWY_INLINE M goingOf(const KernelFrame& frame, const TilePixels& tile, int at, V
 
 template <DeviceType kType, Shading kShading>
 HWY_NOINLINE void drawBox(const KernelFrame& frame, const KernelBox& box, TilePixels& tile) {
-  const int x_lo = std::max(0, box.x_lo - tile.x) / kPacketWidth * kPacketWidth;
-  const int y_lo = std::max(0, box.y_lo - tile.y) / kPacketHeight * kPacketHeight;
-  const int x_hi = std::min(kTileSide, box.x_hi - tile.x);
-  const int y_hi = std::min(kTileSide, box.y_hi - tile.y);
+  const auto [x_lo, y_lo, x_hi, y_hi] = packetsOf(box, tile);
   const Positions positions = positionsIn(box, tile);
   for (int y = y_lo; y < y_hi; y += kPacketHeight)
     for (int x = x_lo; x < x_hi; x += kPacketWidth) {

@@ -29,8 +29,8 @@ constexpr size_t kLeastBytes = 4;
 // Boxes of a tile between two looks whether to stop.
 constexpr size_t kBoxesBetweenStops = 256;
 
-// body(tile) for each. A thread begins with the tiles that it had in the last frame, whose pixels
-// and texels its caches may hold, and then helps the others.
+// body(tile) for each, until one throws. A thread begins with the tiles that it had in the last
+// frame, whose pixels and texels its caches may hold, and then helps the others.
 void eachTile(WorkerPool& pool, int64_t tiles, const std::function<void(int64_t tile)>& body) {
   struct alignas(64) Share {
     std::atomic<int64_t> next;
@@ -42,11 +42,17 @@ void eachTile(WorkerPool& pool, int64_t tiles, const std::function<void(int64_t 
     shares[i].next = tiles * static_cast<int64_t>(i) / pool.threads();
     shares[i].end = tiles * static_cast<int64_t>(i + 1) / pool.threads();
   }
+  std::atomic<bool> has_failed = false;
   pool.parallelFor(pool.threads(), [&](int64_t) {
     const auto self = static_cast<size_t>(pool.self());
     for (size_t i = 0; i < threads; ++i) {
       Share& share = shares[(self + i) % threads];
-      for (int64_t tile = share.next++; tile < share.end; tile = share.next++) body(tile);
+      for (int64_t tile = share.next++; tile < share.end && !has_failed; tile = share.next++) try {
+          body(tile);
+        } catch (...) {
+          has_failed = true;
+          throw;
+        }
     }
   });
 }
@@ -94,10 +100,10 @@ void CpuDevice::beginFrame(const FrameSetup& setup, const StopToken& stop) {
   tables_.emplace(setup_, *look_up_);
   leaps_ = setup_.skips && setup_.mode == Mode::kComposite;
   if (leaps_ && shown_for_ != setup_.look_up) {
-    shown_for_ = setup_.look_up;
-    ShownValues shown(*shown_for_);
+    ShownValues shown(*setup_.look_up);
     if (shown != shown_) ++shown_number_;
     shown_ = std::move(shown);
+    shown_for_ = setup_.look_up;
   }
   picture_.begin(setup_, kernels_);
   if (setup_.is_part) parts_.begin(setup_, tables_->frame(), kernels_);
@@ -161,8 +167,7 @@ void CpuDevice::drawNow(const Then& then, Keep keep) {
     TilePixels tile = rest.empty()            ? picture_.drawnTile(index)
                       : keep == Keep::kPixels ? picture_.tile(index)
                                               : picture_.tile(index, scratch);
-    while (!rest.empty()) {
-      stop_.throwIfStopped();
+    for (stop_.throwIfStopped(); !rest.empty(); stop_.throwIfStopped()) {
       const auto part = rest.first(std::min(kBoxesBetweenStops, rest.size()));
       if (in_layers)
         parts_.draw(index, boxes, part, tile);
@@ -212,9 +217,14 @@ uint64_t CpuDevice::takenSamples() {
 Picture CpuDevice::endFrame() {
   Picture picture = std::exchange(spare_, {});
   picture_.shape(picture);
-  drawNow([&](const TilePixels& tile) { picture_.copyTile(tile, picture); }, Keep::kNothing);
+  const bool resolves = setup_.mode != Mode::kComposite && !setup_.is_part;
+  const auto finish = [&](const TilePixels& tile) {
+    picture_.copyTile(tile, picture);
+    if (!resolves) return;
+    picture_.eachRow(tile, picture, [&](std::span<float> rgba) { resolveMode(setup_, 1, rgba); });
+  };
+  drawNow(finish, Keep::kNothing);
   stop_.throwIfStopped();
-  if (setup_.mode != Mode::kComposite && !setup_.is_part) resolveMode(setup_, 1, picture.rgba);
   return picture;
 }
 
@@ -222,11 +232,11 @@ PartialPicture CpuDevice::endPart() {
   SLUICE_CHECK(setup_.is_part);
   drawNow();
   stop_.throwIfStopped();
-  if (setup_.mode != Mode::kComposite) {
-    picture_.makeRoom();
-    pool_.parallelFor(picture_.tiles(),
-                      [&](int64_t index) { parts_.takeOut(index, picture_.tile(index)); });
-  }
+  if (setup_.mode != Mode::kComposite)
+    pool_.parallelFor(picture_.tiles(), [&](int64_t index) {
+      const TilePixels tile = picture_.drawnTile(index);
+      if (tile.color[0] != nullptr) parts_.takeOut(index, tile);
+    });
   return parts_.end();
 }
 

@@ -105,6 +105,7 @@ void setTexels(const BoxDraw& box, const ChunkTexels& chunk, const std::byte* by
 }
 
 void setLeaps(const LeapGrid& leaps, Vec3i lo, KernelBox& out) {
+  if (volume(leaps.bricks) > kMostOffset) return;  // their numbers would not be exact
   out.distances = leaps.distances.data();
   out.brick_at = asFloats(toDouble(lo) * (1.0 / kBrickSide));
   out.brick_last = asFloats(toDouble(leaps.bricks - Vec3i{1, 1, 1}));

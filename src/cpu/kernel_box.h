@@ -11,7 +11,7 @@ namespace sluice {
 
 // Appends the box to `out`, in parts, front to back, where offsets of its texels would not be exact
 // in single precision; nothing where no pixel can see it. `bytes` are the chunk's texels, at least
-// four of them, `leaps` the chunk's where the frame leaps; all may be null where samples are only
+// four bytes, `leaps` the chunk's where the frame leaps; all may be null where samples are only
 // counted.
 void appendBox(const FrameSetup& setup, const BoxDraw& box, const ChunkTexels* chunk,
                const std::byte* bytes, const LeapGrid* leaps, std::vector<KernelBox>& out);

@@ -1,7 +1,6 @@
 #include "src/cpu/kernel_frame.h"
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 #include "src/cpu/floats.h"
@@ -14,28 +13,6 @@ constexpr float kNothingMore = 1 - 4e-4F;
 
 // Perspective views look up a logarithm: from here on opaque.
 constexpr double kMostExponent = 32;
-
-// See LookUpTables.
-std::array<double, 2> visibleValues(const LookUp& look_up) {
-  const size_t entries = look_up.rgba.size() / 4;
-  const auto shows = [&](size_t entry) { return look_up.rgba[4 * entry + 3] > 0; };
-  size_t first = 0, end = entries;
-  while (first < entries && !shows(first)) ++first;
-  while (end > first && !shows(end - 1)) --end;
-  constexpr double kAll = std::numeric_limits<float>::max();
-  if (first == end) return {kAll, -kAll};
-  const ValueRange range = look_up.device_range;
-  const double entry =
-      (range.hi - range.lo) / static_cast<double>(std::max<size_t>(1, entries - 1));
-  return {first < 2 ? -kAll : range.lo + (static_cast<double>(first) - 2) * entry,
-          end + 2 > entries ? kAll : range.lo + (static_cast<double>(end) + 1) * entry};
-}
-
-int wholeShininess(double shininess) {
-  constexpr double kMost = 256;
-  const double whole = std::floor(std::clamp(shininess, 0.0, kMost));
-  return whole == shininess ? static_cast<int>(whole) : 0;
-}
 
 }  // namespace
 
@@ -123,7 +100,7 @@ void FrameTables::setLights(const FrameSetup& setup) {
   frame_.ambient = static_cast<float>(lighting.ambient);
   frame_.flat = static_cast<float>(setup.flat);
   frame_.shininess = static_cast<float>(lighting.shininess);
-  frame_.whole_shininess = wholeShininess(lighting.shininess);
+  frame_.whole_shininess = lighting.wholeShininess();
 }
 
 void FrameTables::setRows(const FrameSetup& setup) {

@@ -1,4 +1,5 @@
-// FrameTables: a FrameSetup as the kernels take it, with the tables that it points to.
+// FrameTables: a FrameSetup as the kernels take it; LookUpTables: what it points to that frames
+// share.
 #pragma once
 
 #include <array>
@@ -15,11 +16,9 @@ struct LookUpTables {
   explicit LookUpTables(LookUpKey of);
 
   LookUpKey key;
-  std::vector<float> entries;  // see lookUpTexels()
-  PackedEntries packed;        // composite that does not interpolate, else without entries
-  // Values beyond which no entry has an opacity; entries are interpolated, and rounding may move by
-  // one more.
-  std::array<double, 2> visible{};
+  std::vector<float> entries;       // see lookUpTexels()
+  PackedEntries packed;             // composite that does not interpolate, else without entries
+  std::array<double, 2> visible{};  // visibleValues()
 };
 
 class FrameTables {

@@ -38,7 +38,8 @@ struct KernelFrame {
   // The look-up of lookUpTexels(): entry = value * entry_scale + entry_offset, from 0 to
   // last_entry.
   const float* entries = nullptr;  // rgba
-  // The same in 64 bits an entry, see packed_entries.h; null where it interpolates.
+  // The same in 64 bits an entry, see packed_entries.h; composite that does not interpolate, else
+  // null.
   const int64_t* packed_entries = nullptr;
   float color_unit = 1, opacity_unit = 1;  // of those
   float entry_scale = 0, entry_offset = 0, last_entry = 0;

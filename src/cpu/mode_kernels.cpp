@@ -105,16 +105,6 @@ HWY_INLINE void drawPacket(const KernelFrame& frame, const KernelBox& box,
   }
 }
 
-// The packets of the tile that may see the box: visit(x, y), in pixels of the tile.
-struct PacketRange {
-  int x_lo, y_lo, x_hi, y_hi;
-};
-PacketRange packetsOf(const KernelBox& box, const TilePixels& tile) {
-  return {std::max(0, box.x_lo - tile.x) / kPacketWidth * kPacketWidth,
-          std::max(0, box.y_lo - tile.y) / kPacketHeight * kPacketHeight,
-          std::min(kTileSide, box.x_hi - tile.x), std::min(kTileSide, box.y_hi - tile.y)};
-}
-
 template <DeviceType kType>
 HWY_NOINLINE void drawBox(const KernelFrame& frame, const KernelBox& box, TilePixels& tile) {
   const auto [x_lo, y_lo, x_hi, y_hi] = packetsOf(box, tile);

@@ -7,7 +7,7 @@ using VI = hn::Vec<I>;
 using M = hn::Mask<F>;
 
 constexpr int kLanes = static_cast<int>(hn::MaxLanes(F()));
-constexpr int kPacketWidth = kLanes >= 16 ? 4 : kLanes >= 8 ? 4 : kLanes >= 4 ? 2 : 1;
+constexpr int kPacketWidth = kLanes >= 8 ? 4 : kLanes >= 4 ? 2 : 1;
 constexpr int kPacketHeight = kLanes / kPacketWidth;
 static_assert(kTileSide % kPacketWidth == 0 && kTileSide % kPacketHeight == 0);
 
@@ -53,6 +53,16 @@ struct Packet {
   V px, py, tile_px, tile_py;
   M inside;
 };
+// The packets of the tile that may see the box: the corners of the first and beyond the last, in
+// pixels of the tile.
+struct PacketRange {
+  int x_lo, y_lo, x_hi, y_hi;
+};
+HWY_INLINE PacketRange packetsOf(const KernelBox& box, const TilePixels& tile) {
+  return {std::max(0, box.x_lo - tile.x) / kPacketWidth * kPacketWidth,
+          std::max(0, box.y_lo - tile.y) / kPacketHeight * kPacketHeight,
+          std::min(kTileSide, box.x_hi - tile.x), std::min(kTileSide, box.y_hi - tile.y)};
+}
 struct LanePlaces {
   alignas(64) float column[kMostLanes], row[kMostLanes];
   constexpr LanePlaces() : column(), row() {

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "src/base/large_pages.h"
+#include "src/device/partial_picture.h"
 
 namespace sluice {
 namespace {
@@ -23,9 +24,7 @@ void TiledPicture::begin(const FrameSetup& setup, const Kernels& kernels) {
   up_ = (size_.height + kTileSide - 1) / kTileSide;
   with_depth_ = setup.mode == Mode::kComposite && setup.with_depth;
   arrays_ = with_depth_ ? kDepth + 1 : kStopped + 1;
-  start_ = setup.mode == Mode::kMip     ? std::numeric_limits<float>::lowest()
-           : setup.mode == Mode::kMinip ? std::numeric_limits<float>::max()
-                                        : 0.0F;
+  start_ = emptyPart(setup.mode);
   stop_number_ = 0;
   stops_.assign(static_cast<size_t>(tiles()), kNotBegun);
 }
@@ -102,12 +101,10 @@ void TiledPicture::shape(Picture& picture) const {
 
 void TiledPicture::copyTile(const TilePixels& pixels, Picture& picture) const {
   constexpr float kNothing = std::numeric_limits<float>::infinity();  // as renderers write it
-  const auto width = static_cast<size_t>(size_.width), height = static_cast<size_t>(size_.height);
   const auto& [red, green, blue, opacity] = pixels.color;
   const int count = std::min(kTileSide, size_.width - pixels.x);
   for (int y = 0; y < std::min(kTileSide, size_.height - pixels.y); ++y) {
-    const size_t to =
-        (height - 1 - static_cast<size_t>(pixels.y + y)) * width + static_cast<size_t>(pixels.x);
+    const size_t to = placeIn(pixels, y);
     float* out = picture.rgba.data() + 4 * to;
     if (red == nullptr) {
       std::fill_n(out, 4 * count, start_);

@@ -4,8 +4,10 @@
 // Different tiles may be begun, drawn and read by different threads at once. All else: one thread.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "io/pictures/picture.h"
@@ -51,6 +53,13 @@ class TiledPicture {
   // A tile's pixels, if it has some, into a picture of that shape: premultiplied, rows downwards;
   // depths where there are some.
   void copyTile(const TilePixels& pixels, Picture& picture) const;
+  // Visits where each row of the tile's pixels is in such a picture: rgba.
+  template <class F>
+  void eachRow(const TilePixels& pixels, Picture& picture, F&& visit) const {
+    const auto count = static_cast<size_t>(std::min(kTileSide, size_.width - pixels.x));
+    for (int y = 0; y < std::min(kTileSide, size_.height - pixels.y); ++y)
+      visit(std::span(picture.rgba).subspan(4 * placeIn(pixels, y), 4 * count));
+  }
 
  private:
   static constexpr int32_t kNotBegun = -1;
@@ -58,6 +67,12 @@ class TiledPicture {
   // With its arrays from `floats` on, where there are some.
   TilePixels tileAt(int64_t index, float* floats) const;
   void empty(const TilePixels& pixels) const;
+  // Of the leftmost pixel of a tile's row, in a picture.
+  size_t placeIn(const TilePixels& pixels, int y) const {
+    const auto width = static_cast<size_t>(size_.width);
+    return static_cast<size_t>(size_.height - 1 - pixels.y - y) * width +
+           static_cast<size_t>(pixels.x);
+  }
   float* floatsOf(int64_t index) const {
     return pixels_ + static_cast<size_t>(index) * floatsATile();
   }

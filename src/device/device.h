@@ -70,8 +70,9 @@ class Device {
   // How often drawing changed from one chunk to another since construction.
   virtual uint64_t binds() const = 0;
 
-  // `stop` is asked while the frame is drawn: draw(), leastOpacity() and endFrame() throw
-  // Interrupted within a fraction of a second once it is set, and cancelFrame() follows.
+  // `stop` is asked while the frame is drawn: draw(), leastOpacity(), stopOpaque(), endFrame() and
+  // endPart() throw Interrupted within a fraction of a second once it is set, and cancelFrame()
+  // follows.
   virtual void beginFrame(const FrameSetup& setup, const StopToken& stop = {}) = 0;
   // Resamples boxes of resident chunks, front to back, behind all drawn before. The device may do
   // it when it likes, before it evicts one of these chunks and before leastOpacity(), stopOpaque()

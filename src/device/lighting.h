@@ -13,7 +13,9 @@
 // factor for |g| before the opacity is corrected for the step, lit or unlit (Li 2003, figure 1).
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "src/base/vec.h"
 
@@ -31,6 +33,13 @@ struct Lighting {
   std::array<Light, 2> lights{
       {{{-0.3244428422615251, 0.48666426339228763, 0.8111071056538127}, 0.9},
        {{0.7844645405527362, -0.19611613513818404, 0.5883484054145521}, 0.35}}};
+
+  // The exponent of the highlights where multiplying it out is worth while; otherwise 0.
+  int wholeShininess() const {
+    constexpr double kMost = 256;
+    const double whole = std::floor(std::clamp(shininess, 0.0, kMost));
+    return whole == shininess ? static_cast<int>(whole) : 0;
+  }
 };
 
 }  // namespace sluice

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace sluice {
 namespace {
@@ -58,12 +59,27 @@ std::vector<float> lookUpTexels(const LookUpKey& key) {
   return texels;
 }
 
+std::array<double, 2> visibleValues(const LookUp& look_up) {
+  const size_t entries = look_up.rgba.size() / 4;
+  const auto shows = [&](size_t entry) { return look_up.rgba[4 * entry + 3] > 0; };
+  size_t first = 0, end = entries;
+  while (first < entries && !shows(first)) ++first;
+  while (end > first && !shows(end - 1)) --end;
+  constexpr double kAll = std::numeric_limits<float>::max();
+  if (first == end) return {kAll, -kAll};
+  const ValueRange range = look_up.device_range;
+  const double entry =
+      (range.hi - range.lo) / static_cast<double>(std::max<size_t>(1, entries - 1));
+  return {first < 2 ? -kAll : range.lo + (static_cast<double>(first) - 2) * entry,
+          end + 2 > entries ? kAll : range.lo + (static_cast<double>(end) + 1) * entry};
+}
+
 void scaleValues(double device_unit, std::vector<float>& rgba) {
   for (size_t i = 0; i < rgba.size(); i += 4)
     if (std::abs(rgba[i]) < kNothingSeen) rgba[i] *= static_cast<float>(device_unit);
 }
 
-void resolveMode(const FrameSetup& setup, double device_unit, std::vector<float>& rgba) {
+void resolveMode(const FrameSetup& setup, double device_unit, std::span<float> rgba) {
   const auto& table = setup.look_up->rgba;
   const size_t entries = table.size() / 4;
   const ValueRange range = setup.look_up->device_range;

@@ -223,9 +223,7 @@ void GlDevice::beginFrame(const FrameSetup& setup, const StopToken& stop) {
   target_.resize(setup.size);
   marked_ = 0;
   bindTarget();
-  const float start = setup.mode == Mode::kMip     ? std::numeric_limits<float>::lowest()
-                      : setup.mode == Mode::kMinip ? std::numeric_limits<float>::max()
-                                                   : 0.0F;
+  const float start = emptyPart(setup.mode);
   gl_.ClearColor(start, start, start, start);
   gl_.Clear(GL_COLOR_BUFFER_BIT);
   GlProgram& program = programFor(variant_);

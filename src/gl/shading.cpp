@@ -2,17 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "src/device/look_up_texels.h"
 
 namespace sluice {
 namespace {
-
-// The exponent of the highlights where multiplying it out is worth while; otherwise 0.
-int wholeShininess(const Lighting& lighting) {
-  constexpr int kMost = 256;
-  const int whole = static_cast<int>(std::clamp(lighting.shininess, 0.0, double{kMost}));
-  return whole == lighting.shininess ? whole : 0;
-}
 
 // Between y and z, z and x, x and y.
 Vec3d axisCosines(const FrameSetup& setup) {
@@ -41,25 +35,6 @@ class Floats {
  private:
   std::vector<float> values_;
 };
-
-// Texel values outside of which no entry of the look-up has an opacity; entries are interpolated.
-std::array<double, 2> visibleTexels(const FrameSetup& setup) {
-  const auto& rgba = setup.look_up->rgba;
-  const size_t entries = rgba.size() / 4;
-  const auto shows = [&](size_t entry) { return rgba[4 * entry + 3] > 0; };
-  size_t first = 0, last = entries;
-  while (first < entries && !shows(first)) ++first;
-  while (last > first && !shows(last - 1)) --last;
-  constexpr double kAll = std::numeric_limits<float>::max();
-  if (first == last) return {kAll, -kAll};
-  const ValueRange range = setup.look_up->device_range;
-  const double entry =
-      (range.hi - range.lo) / static_cast<double>(std::max<size_t>(1, entries - 1));
-  const double scale = valueScale(setup.type);
-  // One entry more on either side than can be interpolated: what rounding moves.
-  return {first < 2 ? -kAll : (range.lo + (static_cast<double>(first) - 2) * entry) / scale,
-          last + 2 > entries ? kAll : (range.lo + (static_cast<double>(last) + 1) * entry) / scale};
-}
 
 // Of each row: its magnitude, 1 / the distance to the next, its factor, by how much the next's is
 // greater; of the first entry's factors.
@@ -112,7 +87,7 @@ double valueScale(DeviceType type) {
 
 void chooseShading(const FrameSetup& setup, ShaderVariant& variant) {
   variant.lit = setup.lit;
-  variant.shininess = setup.lit ? wholeShininess(setup.lighting) : 0;
+  variant.shininess = setup.lit ? setup.lighting.wholeShininess() : 0;
   const LookUp& look_up = *setup.look_up;
   variant.gradient_rows = static_cast<int>(look_up.magnitudes.size());
   variant.factor_table = look_up.factors.size() > look_up.magnitudes.size();
@@ -130,8 +105,9 @@ void setShading(const FrameSetup& setup, const ShaderVariant& variant, GlProgram
   const auto& axes = setup.camera_gradient;
   program.set("index_slope", Vec3d{length(axes[0]), length(axes[1]), length(axes[2])});
   program.set("axis_cosines", axisCosines(setup));
-  const auto [least, greatest] = visibleTexels(setup);
-  program.set2("visible_texels", least, greatest);
+  const auto [least, greatest] = visibleValues(*setup.look_up);
+  const double scale = valueScale(setup.type);
+  program.set2("visible_texels", least / scale, greatest / scale);
   if (variant.lit) setLights(setup, program);
   if (variant.gradient_rows == 0) return;
   const Floats rows = rowsOf(setup);

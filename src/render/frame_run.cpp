@@ -41,11 +41,14 @@ FrameRun::FrameRun(FrameValues values, Residency& residency, Device& device, Tra
                                                        : UpdateCount(FrameLessons::kUpdates)) {}
 
 FrameRun::~FrameRun() {
-  if (is_drawn_) return;
-  // What was begun for this frame is not wanted any more, and the levels' counters are to be right.
-  boxes_.reset();
-  ahead_.reset();
-  residency_.chunks().waitUntilIdle();
+  if (!is_drawn_) {
+    // What was begun for this frame is not wanted any more, and the levels' counters are to be
+    // right.
+    boxes_.reset();
+    ahead_.reset();
+    residency_.chunks().waitUntilIdle();
+  }
+  // A frame that was drawn may be drawn again, phase after phase, and be stopped there.
   device_.cancelFrame();
 }
 

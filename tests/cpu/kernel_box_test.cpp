@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
+
 #include "src/render/frame_setup.h"
 #include "src/render/index_space.h"
 #include "tests/support/plain_device.h"
@@ -21,6 +23,28 @@ FrameSetup setupOf(Vec3i dims, Projection projection, double azimuth_deg) {
   const TransferFunction transfer{{{0, {1, 1, 1}}}, {{0, 0.1}}, "all"};
   return frameSetup(resolve(options.camera, layout, options.size, 1), layout,
                     OpacityTable(transfer, map, {0, 255}), map, options);
+}
+
+// The numbers of a chunk's bricks are single precision too: beyond 2^24 nothing is leapt over.
+TEST(KernelBox, leapsOnlyWhereBricksHaveExactNumbers) {
+  const Vec3i dims{65, 65, 65};
+  ChunkTexels chunk;  // its texels are not looked at
+  chunk.storage_vox = dims;
+  chunk.byte_count = static_cast<size_t>(volume(dims));
+  const std::byte none{};
+  BoxDraw box;
+  box.cells = boxOf(dims - Vec3i{1, 1, 1});
+  const FrameSetup setup = setupOf(dims, Projection::kOrtho, 20);
+  LeapGrid leaps;
+  leaps.distances.assign(8, 1);
+  for (const auto& [bricks, are_exact] :
+       {std::pair{Vec3i{256, 256, 256}, true}, {Vec3i{512, 256, 256}, false}}) {
+    leaps.bricks = bricks;
+    std::vector<KernelBox> boxes;
+    appendBox(setup, box, &chunk, &none, &leaps, boxes);
+    ASSERT_EQ(boxes.size(), 1U);
+    EXPECT_EQ(boxes[0].distances != nullptr, are_exact) << bricks.x;
+  }
 }
 
 // Offsets of texels in a large chunk are not exact in single precision: it is drawn in parts, which

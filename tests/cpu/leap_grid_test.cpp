@@ -132,11 +132,10 @@ struct Drawn {
   Picture picture;
   uint64_t taken = 0;
 };
-Drawn draw(SimdTarget target, FrameSetup setup, bool leaps) {
-  TestCpuDevice device(target);
+// Requires: the volume is the device's chunk 1.
+Drawn drawOn(CpuDevice& device, FrameSetup setup, bool leaps) {
   setup.skips = leaps;
   setup.counts_taken = true;
-  device.makeResident(1, texelsOf(setup.type));
   std::vector<BoxDraw> boxes;
   // Whole, and parts that begin within bricks.
   for (const auto& [lo, hi] : {std::pair<int64_t, int64_t>{0, 19}, {19, 22}, {22, kDims.z - 1}}) {
@@ -151,8 +150,21 @@ Drawn draw(SimdTarget target, FrameSetup setup, bool leaps) {
   device.draw(boxes);
   Drawn drawn{device.endFrame(), 0};
   drawn.taken = device.takenSamples();
-  device.evict(1);
   return drawn;
+}
+
+Drawn draw(SimdTarget target, const FrameSetup& setup, bool leaps) {
+  TestCpuDevice device(target);
+  device.makeResident(1, texelsOf(setup.type));
+  return drawOn(device, setup, leaps);
+}
+
+FrameSetup setupOf(const VolumeLayout& layout, const FrameOptions& options,
+                   const std::vector<OpacityPoint>& opacities) {
+  const ValueMap map = deviceMap(layout);
+  const TransferFunction transfer{{{0, {0.2, 0.3, 0.9}}, {255, {1, 0.6, 0.1}}}, opacities, "t"};
+  return frameSetup(resolve(options.camera, layout, options.size, options.step_vox), layout,
+                    OpacityTable(transfer, map, {0, 255}), map, options);
 }
 
 TEST(LeapGridTest, leapingLeavesOutSamplesAndNothingOfThePicture) {
@@ -169,13 +181,7 @@ TEST(LeapGridTest, leapingLeavesOutSamplesAndNothingOfThePicture) {
           options.camera.elevation_deg = azimuth / 10;
           options.size = {67, 59};
           options.step_vox = 0.6;
-          const ValueMap map = deviceMap(layout);
-          const TransferFunction transfer{{{0, {0.2, 0.3, 0.9}}, {255, {1, 0.6, 0.1}}},
-                                          {{0, 0}, {99, 0}, {100, 0.1}, {255, 0.3}},
-                                          "t"};
-          FrameSetup setup =
-              frameSetup(resolve(options.camera, layout, options.size, options.step_vox), layout,
-                         OpacityTable(transfer, map, {0, 255}), map, options);
+          FrameSetup setup = setupOf(layout, options, {{0, 0}, {99, 0}, {100, 0.1}, {255, 0.3}});
           setup.type = type;
           for (const bool lit : {false, true}) {
             setup.lit = lit;
@@ -187,6 +193,29 @@ TEST(LeapGridTest, leapingLeavesOutSamplesAndNothingOfThePicture) {
             EXPECT_GT(leapt.taken, 1000U);
           }
         }
+}
+
+// A device keeps distances with its chunks: they are those of the frame's look, whatever was drawn
+// between.
+TEST(LeapGridTest, leapsFollowTheLook) {
+  VolumeLayout layout;
+  layout.dims = kDims;
+  FrameOptions options;
+  options.size = {67, 59};
+  const FrameSetup balls = setupOf(layout, options, {{0, 0}, {99, 0}, {100, 0.1}, {255, 0.3}});
+  const FrameSetup centres = setupOf(layout, options, {{0, 0}, {189, 0}, {190, 0.2}, {255, 0.3}});
+  const FrameSetup noise = setupOf(layout, options, {{0, 0}, {9, 0.1}, {10, 0.1}, {22, 0}});
+  TestCpuDevice kept;
+  kept.makeResident(1, texelsOf(DeviceType::kU8));
+  kept.makeResident(2, texelsOf(DeviceType::kU8));  // one that no frame draws
+  for (const FrameSetup* setup : {&balls, &centres, &balls, &noise, &centres, &noise, &balls}) {
+    const Drawn expected = draw(SimdTarget::kAuto, *setup, false);
+    const Drawn drawn = drawOn(kept, *setup, true);
+    EXPECT_EQ(drawn.picture.rgba, expected.picture.rgba);
+    if (setup != &noise) {
+      EXPECT_LT(drawn.taken, expected.taken / 3);
+    }
+  }
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <fmt/format.h>
+#include <sys/mman.h>
+#include <unistd.h>
 #include <algorithm>
 #include <cstring>
 #include <functional>
@@ -11,6 +13,7 @@
 #include <optional>
 #include <utility>
 
+#include "src/base/error.h"
 #include "src/render/frame_setup.h"
 #include "src/render/index_space.h"
 #include "tests/cpu/test_device.h"
@@ -38,6 +41,25 @@ ChunkTexelsPtr texelsOf(DeviceType type) {
     });
   }
   return chunkTexels(kDims, type, bytes);
+}
+
+// The same texels between two pages that nobody may touch, right behind the first or right before
+// the last.
+enum class Beside { kPageBefore, kPageBehind };
+ChunkTexelsPtr guarded(const ChunkTexels& chunk, Beside beside) {
+  const auto page = static_cast<size_t>(sysconf(_SC_PAGESIZE));
+  const size_t room = (chunk.byte_count + page - 1) / page * page, whole = room + 2 * page;
+  void* mapped = mmap(nullptr, whole, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  SLUICE_CHECK(mapped != MAP_FAILED);
+  auto* memory = static_cast<std::byte*>(mapped);
+  std::byte* texels = memory + page + (beside == Beside::kPageBefore ? 0 : room - chunk.byte_count);
+  std::copy_n(chunk.bytes.get(), chunk.byte_count, texels);
+  SLUICE_CHECK_EQ(mprotect(memory, page, PROT_NONE), 0);
+  SLUICE_CHECK_EQ(mprotect(memory + page + room, page, PROT_NONE), 0);
+  auto result = std::make_shared<ChunkTexels>(chunk);
+  result->bytes = std::shared_ptr<std::byte[]>(
+      texels, [memory, whole](std::byte* /*texels*/) { munmap(memory, whole); });
+  return result;
 }
 
 FrameSetup setupOf(DeviceType type, Projection projection, Mode mode) {
@@ -80,8 +102,9 @@ std::vector<BoxDraw> boxesOf(const FrameSetup& setup) {
   return boxes;
 }
 
-Picture drawOn(Device& device, const FrameSetup& setup, uint64_t* samples = nullptr) {
-  device.makeResident(1, texelsOf(setup.type));
+Picture drawOn(Device& device, const FrameSetup& setup, ChunkTexelsPtr texels,
+               uint64_t* samples = nullptr) {
+  device.makeResident(1, std::move(texels));
   const std::vector<BoxDraw> boxes = boxesOf(setup);
   device.beginFrame(setup);
   device.draw(boxes);
@@ -169,7 +192,8 @@ TEST(SimdTargetTest, everyTargetDrawsTheSameCountsTheSameAndIsRight) {
   for (const Case& each : cases()) {
     PlainDevice plain;
     uint64_t expected_samples = 0;
-    const Picture expected = drawOn(plain, each.setup, &expected_samples);
+    const Picture expected =
+        drawOn(plain, each.setup, texelsOf(each.setup.type), &expected_samples);
     EXPECT_GT(shownShare(expected), 0.1) << each.name;
     std::optional<Picture> first;
     for (const SimdTarget target : simdTargets()) {
@@ -178,7 +202,7 @@ TEST(SimdTargetTest, everyTargetDrawsTheSameCountsTheSameAndIsRight) {
       TestCpuDevice device(target);
       EXPECT_NE(std::string(device.renderer()).find(name(target)), std::string::npos);
       uint64_t samples = 0;
-      const Picture picture = drawOn(device, each.setup, &samples);
+      const Picture picture = drawOn(device, each.setup, texelsOf(each.setup.type), &samples);
       // Where rounding decides on a step of what is visible, or between labels, a pixel may differ.
       const Differences from_plain = differences(picture, expected);
       EXPECT_LE(from_plain.over, picture.width * picture.height / 100) << from_plain.most;
@@ -199,6 +223,19 @@ TEST(SimdTargetTest, everyTargetDrawsTheSameCountsTheSameAndIsRight) {
   }
 }
 
+// Sanitizers do not see what vector loads read.
+TEST(SimdTargetTest, nothingBesideAChunkIsRead) {
+  for (const Case& each : cases())
+    for (const SimdTarget target : simdTargets()) {
+      SCOPED_TRACE(fmt::format("{}, {}", each.name, name(target)));
+      TestCpuDevice device(target);
+      const ChunkTexelsPtr texels = texelsOf(each.setup.type);
+      const Picture expected = drawOn(device, each.setup, texels);
+      for (const Beside beside : {Beside::kPageBefore, Beside::kPageBehind})
+        EXPECT_EQ(drawOn(device, each.setup, guarded(*texels, beside)).rgba, expected.rgba);
+    }
+}
+
 // Chunks of a texel or few, whose last four bytes begin before them.
 TEST(SimdTargetTest, tinyChunksAreReadWithinTheirBytes) {
   for (const SimdTarget target : simdTargets())
@@ -213,23 +250,25 @@ TEST(SimdTargetTest, tinyChunksAreReadWithinTheirBytes) {
             const auto texel = static_cast<decltype(tag)>(200);
             std::memcpy(bytes.data() + i * sizeof(texel), &texel, sizeof(texel));
           });
-        TestCpuDevice device(target);
         FrameSetup setup = setupOf(type, Projection::kOrtho, Mode::kComposite);
-        device.makeResident(1, chunkTexels(dims, type, bytes));
         BoxDraw box;
         box.chunk = 1;
         box.cells = {{8, 8, 8}, {9, 9, 9}};
         box.texel_origin = {8, 8, 8};
-        for (const bool lit : {false, true}) {
-          setup.lit = lit;
-          device.beginFrame(setup);
-          device.draw({&box, 1});
-          const Picture picture = device.endFrame();
-          float most = 0;
-          for (size_t i = 3; i < picture.rgba.size(); i += 4)
-            most = std::max(most, picture.rgba[i]);
-          EXPECT_GT(most, 0.1F);  // every sample sees the value of all texels
-          EXPECT_LT(most, 0.6F);
+        for (const Beside beside : {Beside::kPageBefore, Beside::kPageBehind}) {
+          TestCpuDevice device(target);
+          device.makeResident(1, guarded(*chunkTexels(dims, type, bytes), beside));
+          for (const bool lit : {false, true}) {
+            setup.lit = lit;
+            device.beginFrame(setup);
+            device.draw({&box, 1});
+            const Picture picture = device.endFrame();
+            float most = 0;
+            for (size_t i = 3; i < picture.rgba.size(); i += 4)
+              most = std::max(most, picture.rgba[i]);
+            EXPECT_GT(most, 0.1F);  // every sample sees the value of all texels
+            EXPECT_LT(most, 0.6F);
+          }
         }
       }
 }

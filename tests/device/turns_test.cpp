@@ -1,7 +1,9 @@
 // Several devices on one thread, one with many looks, and frames that are stopped.
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <memory>
+#include <utility>
 
 #include "tests/device/one_box.h"
 #include "tests/device/suite_device.h"
@@ -67,6 +69,63 @@ TEST(TurnsTest, aStoppedFrameThrowsAndTheNextIsRight) {
   EXPECT_THROW(device->draw({&box, 1}), Interrupted);
   device->cancelFrame();
   EXPECT_EQ(draw(*device, setup).rgba, expected.rgba);
+}
+
+// What was put off is dropped with the frame, wherever it was stopped, and its chunk can go.
+TEST(TurnsTest, aFrameMayBeStoppedWhereverItIsDrawn) {
+  const FrameSetup setup = setupOf({40, 30});
+  const BoxDraw box = wholeBox();
+  MapGrid grid;
+  grid.side = 4;
+  grid.clip_from_map = {{{0.5, 0, -1}, {0, 0.5, -1}, {0, 0, 1}}};
+  using Step = std::function<void(Device&)>;
+  for (const Step& step : {Step([&](Device& device) { device.leastOpacity(grid); }),
+                           Step([](Device& device) { device.stopOpaque(); }),
+                           Step([](Device& device) { device.endFrame(); })}) {
+    const auto device = suiteDevice();
+    device->makeResident(1, texelsOf(60));
+    const Picture expected = draw(*device, setup);
+    StopSource stop;
+    device->beginFrame(setup, stop.token());
+    device->draw({&box, 1});
+    stop.requestStop();
+    try {
+      step(*device);
+    } catch (const Interrupted&) {  // a device that is through already has nothing to stop
+    }
+    device->cancelFrame();
+    device->evict(1);
+    device->makeResident(1, texelsOf(60));
+    EXPECT_EQ(draw(*device, setup).rgba, expected.rgba);
+  }
+}
+
+// Nothing of a frame of another size, with or without depth, is seen in the next.
+TEST(TurnsTest, framesOfAnySizeFollowEachOther) {
+  const auto kept = suiteDevice();
+  kept->makeResident(1, texelsOf(120));
+  MapGrid grid;
+  grid.side = 4;
+  grid.clip_from_map = {{{0.5, 0, -1}, {0, 0.5, -1}, {0, 0, 1}}};
+  const BoxDraw box = wholeBox();
+  for (const auto& [size, with_depth] : {std::pair{PictureSize{90, 70}, false},
+                                         {PictureSize{33, 47}, true},
+                                         {PictureSize{90, 70}, true},
+                                         {PictureSize{17, 5}, false},
+                                         {PictureSize{90, 70}, false}}) {
+    FrameSetup setup = setupOf(size);
+    setup.with_depth = with_depth;
+    const auto fresh = suiteDevice();
+    fresh->makeResident(1, texelsOf(120));
+    const Picture expected = draw(*fresh, setup);
+    // Asked on the way, which makes the device hold what was drawn so far.
+    kept->beginFrame(setup);
+    kept->draw({&box, 1});
+    kept->leastOpacity(grid);
+    const Picture picture = kept->endFrame();
+    EXPECT_EQ(picture.rgba, expected.rgba) << size.width;
+    EXPECT_EQ(picture.depth, expected.depth) << size.width;
+  }
 }
 
 }  // namespace
