@@ -181,11 +181,10 @@ HWY_INLINE void drawPacket(const KernelFrame& frame, const KernelBox& box,
     ray_length = hn::Sqrt(hn::MulAdd(v, v, hn::MulAdd(u, u, all(1.0F))));
   }
   // What stands for no number is too large for a part of it to be a matter of rounding.
-  const bool clamps =
-      kType == DeviceType::kF32 || kShading == Shading::kGradients || frame.labels || box.is_thin;
+  const bool clamps = kType == DeviceType::kF32 || kShading == Shading::kGradients || frame.labels;
   Passage<kType, kShading> passage{frame,
                                    box,
-                                   texelsOf(box, voxelsOf(positions, packet)),
+                                   ordered(voxelsOf(positions, packet), box.axes),
                                    ordered(step, box.axes),
                                    ray_length,
                                    cellsOf(box),

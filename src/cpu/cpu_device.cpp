@@ -24,8 +24,6 @@ constexpr double kMostPutOffSamples = 1 << 25;
 constexpr size_t kMostPutOffBoxes = 1 << 16;
 // Where fewer bricks of a chunk show nothing, looking for them costs more than it saves.
 constexpr double kMostShownToLeap = 0.9;
-// What a kernel reads at once.
-constexpr size_t kLeastBytes = 4;
 // Boxes of a tile between two looks whether to stop.
 constexpr size_t kBoxesBetweenStops = 256;
 
@@ -70,13 +68,7 @@ DeviceLimits CpuDevice::limits() const {
 }
 
 void CpuDevice::makeResident(uint64_t id, ChunkTexelsPtr texels) {
-  Resident resident{std::move(texels), {}, false, {}, 0};
-  const ChunkTexels& chunk = *resident.texels;
-  if (chunk.byte_count < kLeastBytes) {
-    resident.padded.assign(chunk.bytes.get(), chunk.bytes.get() + chunk.byte_count);
-    resident.padded.resize(kLeastBytes);
-  }
-  const bool fresh = resident_.emplace(id, std::move(resident)).second;
+  const bool fresh = resident_.emplace(id, Resident{std::move(texels), false, {}, 0}).second;
   SLUICE_CHECK(fresh);
 }
 
@@ -137,7 +129,7 @@ void CpuDevice::prepareLeaps() {
     if (chunk.is_put_off && chunk.leaps_for != shown_number_) stale.push_back(&chunk);
   pool_.parallelFor(static_cast<int64_t>(stale.size()), [&](int64_t i) {
     Resident& chunk = *stale[static_cast<size_t>(i)];
-    if (!chunk.leaps) chunk.leaps = leapGrid(*chunk.texels, chunk.bytes());
+    if (!chunk.leaps) chunk.leaps = leapGrid(*chunk.texels);
     setDistances(*chunk.leaps, chunk.texels->type, shown_);
     chunk.leaps_for = shown_number_;
   });
@@ -152,8 +144,7 @@ void CpuDevice::drawNow(const Then& then, Keep keep) {
   for (const BoxDraw& box : put_off_) {
     const Resident& chunk = resident_.at(box.chunk);
     const bool leaps = leaps_ && chunk.leaps->shown_share < kMostShownToLeap;
-    appendBox(setup_, box, chunk.texels.get(), chunk.bytes(), leaps ? &*chunk.leaps : nullptr,
-              boxes);
+    appendBox(setup_, box, chunk.texels.get(), leaps ? &*chunk.leaps : nullptr, boxes);
   }
   forgetPutOff();
   const TileBins bins = tileBins(boxes, picture_.tilesAcross(), picture_.tilesUp());
@@ -197,7 +188,7 @@ void CpuDevice::stopOpaque() {
 uint64_t CpuDevice::countSamples(std::span<const BoxDraw> draws) {
   std::vector<KernelBox> boxes;
   boxes.reserve(draws.size());
-  for (const BoxDraw& box : draws) appendBox(setup_, box, nullptr, nullptr, nullptr, boxes);
+  for (const BoxDraw& box : draws) appendBox(setup_, box, nullptr, nullptr, boxes);
   const TileBins bins = tileBins(boxes, picture_.tilesAcross(), picture_.tilesUp());
   std::atomic<uint64_t> samples = 0;
   pool_.parallelFor(picture_.tiles(), [&](int64_t index) {

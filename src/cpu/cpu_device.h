@@ -54,12 +54,9 @@ class CpuDevice : public Device {
  private:
   struct Resident {
     ChunkTexelsPtr texels;
-    // Of a chunk of less than four bytes, which is what the kernels read at once.
-    std::vector<std::byte> padded;
     bool is_put_off = false;        // boxes of it are
     std::optional<LeapGrid> leaps;  // once it was drawn
     uint64_t leaps_for = 0;         // which `shown_number_` its distances are of
-    const std::byte* bytes() const { return padded.empty() ? texels->bytes.get() : padded.data(); }
   };
 
   void forgetPutOff();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "src/base/error.h"
 #include "src/cpu/floats.h"
 
 namespace sluice {
@@ -62,46 +63,30 @@ Vec3i ordered(const BoxDraw& box, Vec3i v) {
   return {v[box.axes[0]], v[box.axes[1]], v[box.axes[2]]};
 }
 
-// The texels that the box's samples lie between, clamped to what there is.
-struct TexelBox {
+// The first and the last texel that the box's samples lie between.
+struct TexelSpan {
   Vec3i lo, hi;
 };
-TexelBox texelsOf(const BoxDraw& box, Vec3i storage_vox) {
-  const auto inside = [&](Vec3i at) {
-    for (int a = 0; a < 3; ++a) at[a] = std::clamp<int64_t>(at[a], 0, storage_vox[a] - 1);
-    return at;
-  };
-  return {inside(ordered(box, box.cells.lo) - box.texel_origin),
-          inside(ordered(box, box.cells.hi) - box.texel_origin)};
+TexelSpan texelsOf(const BoxDraw& box) {
+  return {ordered(box, box.cells.lo) - box.texel_origin,
+          ordered(box, box.cells.hi) - box.texel_origin};
 }
 
-void setTexels(const BoxDraw& box, const ChunkTexels& chunk, const std::byte* bytes,
-               KernelBox& out) {
+void setTexels(const BoxDraw& box, const ChunkTexels& chunk, KernelBox& out) {
   const Vec3i storage = chunk.storage_vox;
-  const auto [lo, hi] = texelsOf(box, storage);
+  const auto [lo, hi] = texelsOf(box);
   const auto texel = static_cast<int64_t>(bytesPerVoxel(chunk.type));
   const Vec3i stride{texel, texel * storage.x, texel * storage.x * storage.y};
-  const auto offsetOf = [&](Vec3i at) {
-    return at.x * stride.x + at.y * stride.y + at.z * stride.z;
-  };
-  out.texels = bytes + offsetOf(lo);
+  out.texels = chunk.bytes.get() + lo.x * stride.x + lo.y * stride.y + lo.z * stride.z;
   out.has_margin = true;
-  Vec3i last;  // texel of the last read: one beyond the box's for differences
   for (int a = 0; a < 3; ++a) {
     const auto i = static_cast<size_t>(a);
     out.texel_hi[i] = static_cast<float>(hi[a] - lo[a]);
     out.storage_lo[i] = static_cast<float>(-lo[a]);
     out.storage_hi[i] = static_cast<float>(storage[a] - 1 - lo[a]);
-    out.stride[i] = storage[a] > 1 ? static_cast<float>(stride[a]) : 0.0F;
-    out.has_margin = out.has_margin && lo[a] > 0 && hi[a] > lo[a] && hi[a] + 1 < storage[a];
-    out.is_thin = out.is_thin || hi[a] == lo[a];
-    last[a] = std::min(hi[a] + 1, storage[a] - 1);
+    out.stride[i] = static_cast<float>(stride[a]);
+    out.has_margin = out.has_margin && lo[a] > 0 && hi[a] + 1 < storage[a];
   }
-  out.one_by_one = out.is_thin || storage.x < 2 || storage.y < 2 || storage.z < 2;
-  const int64_t end = std::max<int64_t>(static_cast<int64_t>(chunk.byte_count), 4);
-  out.near_end = offsetOf(last) + 4 > end;
-  out.last_offset =
-      static_cast<int32_t>(std::min<int64_t>(end - 4 - offsetOf(lo), int64_t{1} << 30));
 }
 
 void setLeaps(const LeapGrid& leaps, Vec3i lo, KernelBox& out) {
@@ -113,7 +98,7 @@ void setLeaps(const LeapGrid& leaps, Vec3i lo, KernelBox& out) {
 }
 
 void appendPart(const FrameSetup& setup, const BoxDraw& box, const ChunkTexels* chunk,
-                const std::byte* bytes, const LeapGrid* leaps, std::vector<KernelBox>& out) {
+                const LeapGrid* leaps, std::vector<KernelBox>& out) {
   const auto [x_lo, y_lo, x_hi, y_hi, near_slice] = seenOf(setup, box.cells);
   KernelBox result;
   const auto [width, height] = setup.size;
@@ -138,11 +123,8 @@ void appendPart(const FrameSetup& setup, const BoxDraw& box, const ChunkTexels* 
   result.voxel_dy = dy;
   result.size = asFloats(hi - lo);
   if (chunk != nullptr) {
-    setTexels(box, *chunk, bytes, result);
-    const Vec3d corner = toDouble(ordered(box, box.cells.lo) - box.texel_origin -
-                                  texelsOf(box, chunk->storage_vox).lo);
-    result.corner = asFloats(corner);
-    if (leaps != nullptr) setLeaps(*leaps, texelsOf(box, chunk->storage_vox).lo, result);
+    setTexels(box, *chunk, result);
+    if (leaps != nullptr) setLeaps(*leaps, texelsOf(box).lo, result);
   }
   out.push_back(result);
 }
@@ -158,13 +140,14 @@ bool seesLowerFirst(const FrameSetup& setup, int axis, int64_t plane) {
 }  // namespace
 
 void appendBox(const FrameSetup& setup, const BoxDraw& box, const ChunkTexels* chunk,
-               const std::byte* bytes, const LeapGrid* leaps, std::vector<KernelBox>& out) {
+               const LeapGrid* leaps, std::vector<KernelBox>& out) {
   if (chunk == nullptr) {
-    appendPart(setup, box, chunk, bytes, leaps, out);
+    appendPart(setup, box, chunk, leaps, out);
     return;
   }
-  const auto [lo, hi] = texelsOf(box, chunk->storage_vox);
+  const auto [lo, hi] = texelsOf(box);
   const Vec3i storage = chunk->storage_vox;
+  SLUICE_CHECK(boxOf(storage).contains(Box3{lo, hi + Vec3i{1, 1, 1}}));
   // Two more along each axis, for differences.
   const Vec3i span = hi - lo + Vec3i{2, 2, 2};
   const Vec3i reach{span.x, span.y * storage.x, span.z * storage.x * storage.y};
@@ -172,15 +155,15 @@ void appendBox(const FrameSetup& setup, const BoxDraw& box, const ChunkTexels* c
   while (axis > 0 && box.cells.size()[box.axes[static_cast<size_t>(axis)]] < 2) --axis;
   const int cut = box.axes[static_cast<size_t>(axis)];
   if (reach.x + reach.y + reach.z <= kMostOffset || box.cells.size()[cut] < 2) {
-    appendPart(setup, box, chunk, bytes, leaps, out);
+    appendPart(setup, box, chunk, leaps, out);
     return;
   }
   const int64_t middle = (box.cells.lo[cut] + box.cells.hi[cut]) / 2;
   BoxDraw lower = box, upper = box;
   lower.cells.hi[cut] = upper.cells.lo[cut] = middle;
   const bool lower_first = seesLowerFirst(setup, cut, middle);
-  appendBox(setup, lower_first ? lower : upper, chunk, bytes, leaps, out);
-  appendBox(setup, lower_first ? upper : lower, chunk, bytes, leaps, out);
+  appendBox(setup, lower_first ? lower : upper, chunk, leaps, out);
+  appendBox(setup, lower_first ? upper : lower, chunk, leaps, out);
 }
 
 }  // namespace sluice

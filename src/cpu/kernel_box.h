@@ -10,10 +10,10 @@
 namespace sluice {
 
 // Appends the box to `out`, in parts, front to back, where offsets of its texels would not be exact
-// in single precision; nothing where no pixel can see it. `bytes` are the chunk's texels, at least
-// four bytes, `leaps` the chunk's where the frame leaps; all may be null where samples are only
-// counted.
+// in single precision; nothing where no pixel can see it. `leaps` are the chunk's where the frame
+// leaps; both may be null where samples are only counted.
+// Requires: the chunk has the texels at all corners of the box's cells.
 void appendBox(const FrameSetup& setup, const BoxDraw& box, const ChunkTexels* chunk,
-               const std::byte* bytes, const LeapGrid* leaps, std::vector<KernelBox>& out);
+               const LeapGrid* leaps, std::vector<KernelBox>& out);
 
 }  // namespace sluice

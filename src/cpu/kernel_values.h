@@ -59,8 +59,9 @@ struct KernelFrame {
   const float* row_growths = nullptr;  // 1 / the distance to the next
 };
 
-// A box of cells with its chunk's texels. Texel coordinates are along the chunk's axes and count
-// from `texels`; voxel coordinates are along the volume's and count from the box's lower corner.
+// A box of cells with its chunk's texels, all of whose corners are there: at least two along each
+// axis. Coordinates count from the box's lower corner: of voxels along the volume's axes, of texels
+// along the chunk's.
 struct KernelBox {
   Float3 lo{}, hi{};  // relative to origin0
   float first_slice = 0;
@@ -70,16 +71,10 @@ struct KernelBox {
   std::array<int, 3> axes{0, 1, 2};
   Float3 texel_hi{};                  // samples lie from 0 to here
   Float3 storage_lo{}, storage_hi{};  // of the first and the last texel that there is
-  const std::byte* texels = nullptr;
-  Float3 stride{};  // in bytes; 0 along an axis of one texel
-  // Reading four bytes at an offset beyond this one would leave the chunk.
-  int32_t last_offset = 0;
-  bool near_end = false;    // some read may be beyond it
-  bool is_thin = false;     // a single texel along some axis
-  bool one_by_one = false;  // so is the chunk, or the box is: rows may lie beyond it
-  bool has_margin = false;  // a texel more on every side
-  Float3 size{};            // in voxels
-  Float3 corner{};          // texel coordinates of the lower corner
+  const std::byte* texels = nullptr;  // the first of the box
+  Float3 stride{};                    // in bytes
+  bool has_margin = false;            // a texel more on every side
+  Float3 size{};                      // in voxels
   // Leaps, see leap_grid.h: distances of the chunk's bricks, null where every sample is taken;
   // brick coordinates of texel 0, the last brick, and strides in bricks.
   const uint8_t* distances = nullptr;

@@ -96,7 +96,7 @@ bool ShownValues::anyIn(float lo, float hi) const {
          shown_before_[static_cast<size_t>(std::max(from, 0.0))];
 }
 
-LeapGrid leapGrid(const ChunkTexels& chunk, const std::byte* bytes) {
+LeapGrid leapGrid(const ChunkTexels& chunk) {
   const Vec3i storage = chunk.storage_vox;
   LeapGrid grid;
   for (int a = 0; a < 3; ++a)
@@ -105,7 +105,7 @@ LeapGrid leapGrid(const ChunkTexels& chunk, const std::byte* bytes) {
   grid.ranges.resize(bricks * 2 * bytesPerVoxel(chunk.type));
   visitDeviceType(chunk.type, [&](auto tag) {
     using T = decltype(tag);
-    setRanges(storage, reinterpret_cast<const T*>(bytes), grid);
+    setRanges(storage, reinterpret_cast<const T*>(chunk.bytes.get()), grid);
   });
   return grid;
 }

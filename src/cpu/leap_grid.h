@@ -49,8 +49,8 @@ struct LeapGrid {
   double shown_share = 1;  // of the bricks
 };
 
-// Without distances. `bytes` are the chunk's.
-LeapGrid leapGrid(const ChunkTexels& chunk, const std::byte* bytes);
+// Without distances.
+LeapGrid leapGrid(const ChunkTexels& chunk);
 void setDistances(LeapGrid& grid, DeviceType type, const ShownValues& shown);
 
 }  // namespace sluice

@@ -34,8 +34,6 @@ HWY_INLINE bool isExtreme(const KernelFrame& frame) {
 struct Line {
   V3 first, pace;
   V count;
-  // Of extremes: samples lie in the box, whatever rounding says.
-  V3 size;
 };
 HWY_INLINE Line lineOf(const KernelFrame& frame, const KernelBox& box, const Positions& positions,
                        const Packet& packet) {
@@ -45,26 +43,23 @@ HWY_INLINE Line lineOf(const KernelFrame& frame, const KernelBox& box, const Pos
     const V3 start{hn::MulAdd(planes.from, planes.way.x, planes.start.x),
                    hn::MulAdd(planes.from, planes.way.y, planes.start.y),
                    hn::MulAdd(planes.from, planes.way.z, planes.start.z)};
-    return {ordered(start, box.axes), ordered(planes.way, box.axes), planes.count,
-            ordered({all(box.size[0]), all(box.size[1]), all(box.size[2])}, box.axes)};
+    return {ordered(start, box.axes), ordered(planes.way, box.axes), planes.count};
   }
   const Slices slices = slicesIn(frame, box, packet, step);
-  const V3 start = texelsOf(box, voxelsOf(positions, packet));
+  const V3 start = ordered(voxelsOf(positions, packet), box.axes);
   const V3 pace = ordered(step, box.axes);
   return {{hn::MulAdd(slices.from, pace.x, start.x), hn::MulAdd(slices.from, pace.y, start.y),
            hn::MulAdd(slices.from, pace.z, start.z)},
           pace,
-          slices.count,
-          {all(0.0F), all(0.0F), all(0.0F)}};
+          slices.count};
 }
 
 // On a plane of voxels where it is one but for rounding: next to a voxel that is no number, the
 // least part of it would make the sample none.
-HWY_INLINE V insideOf(V at, V size, float corner) {
+HWY_INLINE V settled(V at) {
   constexpr float kOnPlane = 1e-4F;
   const V plane = hn::Round(at);
-  at = hn::IfThenElse(hn::Lt(hn::Abs(hn::Sub(at, plane)), all(kOnPlane)), plane, at);
-  return hn::Add(hn::Min(hn::Max(at, hn::Zero(F())), size), all(corner));
+  return hn::IfThenElse(hn::Lt(hn::Abs(hn::Sub(at, plane)), all(kOnPlane)), plane, at);
 }
 
 template <DeviceType kType>
@@ -79,9 +74,7 @@ HWY_INLINE void drawPacket(const KernelFrame& frame, const KernelBox& box,
     const V turn = all(static_cast<float>(j));
     V3 at{hn::MulAdd(turn, line.pace.x, line.first.x), hn::MulAdd(turn, line.pace.y, line.first.y),
           hn::MulAdd(turn, line.pace.z, line.first.z)};
-    if (extreme)
-      at = {insideOf(at.x, line.size.x, box.corner[0]), insideOf(at.y, line.size.y, box.corner[1]),
-            insideOf(at.z, line.size.z, box.corner[2])};
+    if (extreme) at = {settled(at.x), settled(at.y), settled(at.z)};
     const V value = valueAt<kType>(box, placeAt(cells, clamped(cells, at)));
     M counts = hn::Lt(turn, line.count);
     if (kType == DeviceType::kF32) counts = hn::AndNot(isNoNumber(value), counts);

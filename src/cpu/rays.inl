@@ -102,12 +102,6 @@ HWY_INLINE Positions positionsIn(const KernelBox& box, const TilePixels& tile) {
 HWY_INLINE V3 voxelsOf(const Positions& positions, const Packet& packet) {
   return planesAt(positions.base, positions.dx, positions.dy, packet.tile_px, packet.tile_py);
 }
-// Along the chunk's axes.
-HWY_INLINE V3 texelsOf(const KernelBox& box, const V3& voxels) {
-  const V3 turned = ordered(voxels, box.axes);
-  return {hn::Add(turned.x, all(box.corner[0])), hn::Add(turned.y, all(box.corner[1])),
-          hn::Add(turned.z, all(box.corner[2]))};
-}
 
 HWY_INLINE V3 stepOf(const KernelFrame& frame, const Packet& packet) {
   return planesAt(frame.step0, frame.step_dx, frame.step_dy, packet.px, packet.py);

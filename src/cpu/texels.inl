@@ -39,21 +39,6 @@ HWY_INLINE Place placeAt(const Cells& cells, const V3& at) {
   return {wholeOf(offset), hn::Sub(at.x, x), hn::Sub(at.y, y), hn::Sub(at.z, z)};
 }
 
-// Four bytes from each offset on; what would lie beyond the chunk is 0.
-// kNearEnd: looks whether it would.
-template <bool kNearEnd>
-HWY_INLINE VI fourBytes(const KernelBox& box, VI offset, int64_t more) {
-  const auto* base = reinterpret_cast<const int32_t*>(box.texels + more);
-  if (!kNearEnd || HWY_LIKELY(!box.near_end)) return hn::GatherOffset(I(), base, offset);
-  const VI last = hn::Set(I(), static_cast<int32_t>(box.last_offset - more));
-  const VI from = hn::Min(offset, last);
-  const hn::RebindToUnsigned<I> unsigned_tag;
-  const auto bits = hn::BitCast(unsigned_tag, hn::ShiftLeft<3>(hn::Sub(offset, from)));
-  const auto read = hn::BitCast(unsigned_tag, hn::GatherOffset(I(), base, from));
-  const auto shifted = hn::Shr(read, hn::Min(bits, hn::Set(unsigned_tag, 31)));
-  return hn::BitCast(I(), hn::IfThenElseZero(hn::Lt(bits, hn::Set(unsigned_tag, 32)), shifted));
-}
-
 // Two texels, neighbours along x.
 struct Pair {
   V first, second;
@@ -66,56 +51,29 @@ HWY_INLINE Pair pairIn(VI bytes) {
   return {hn::ConvertTo(F(), hn::And(hn::ShiftRight<8 * kDown>(bytes), mask)),
           hn::ConvertTo(F(), hn::And(hn::ShiftRight<8 * kDown + kBits>(bytes), mask))};
 }
-template <DeviceType kType, bool kNearEnd>
-HWY_INLINE Pair pairAt(const KernelBox& box, VI offset, int64_t more) {
-  if constexpr (kType == DeviceType::kF32) {
-    const auto* base = reinterpret_cast<const float*>(box.texels + more);
-    const auto* next = reinterpret_cast<const float*>(box.texels + more +
-                                                      static_cast<int64_t>(box.stride[0]));
-    return {hn::GatherOffset(F(), base, offset), hn::GatherOffset(F(), next, offset)};
-  } else {
-    return pairIn<kType>(fourBytes<kNearEnd>(box, offset, more));
-  }
-}
 
 // Exact at both ends.
 HWY_INLINE V between(V first, V second, V part, V rest) {
   return hn::MulAdd(second, part, hn::Mul(first, rest));
 }
 
-template <DeviceType kType, bool kNearEnd>
-HWY_INLINE V alongX(const KernelBox& box, VI offset, int64_t more, V part, V rest) {
-  const Pair pair = pairAt<kType, kNearEnd>(box, offset, more);
-  return between(pair.first, pair.second, part, rest);
-}
-
-// The pairs of the four rows around a place: [0] and [1] one after the other along y, [2] and [3]
-// the same a plane on.
+// The pairs of four rows, each `more` bytes from each offset on. kDown: bytes before the pair that
+// are read of the last row, where those behind may lie beyond the chunk.
 struct Rows {
   Pair pair[4];
 };
-template <DeviceType kType>
-HWY_INLINE Rows rowsNearEnd(const KernelBox& box, VI offset, int64_t y, int64_t z) {
-  return {{pairAt<kType, true>(box, offset, 0), pairAt<kType, true>(box, offset, y),
-           pairAt<kType, true>(box, offset, z), pairAt<kType, true>(box, offset, y + z)}};
-}
-HWY_INLINE Pair floatsAt(const KernelBox& box, VI offset, int64_t more) {
-  const Wide both = wideAt(box.texels + more, offset);
-  return {hn::BitCast(F(), both.first), hn::BitCast(F(), both.second)};
-}
-template <DeviceType kType>
-HWY_INLINE Rows rowsAt(const KernelBox& box, VI offset) {
-  const auto y = static_cast<int64_t>(box.stride[1]), z = static_cast<int64_t>(box.stride[2]);
+template <DeviceType kType, int kDown = 0>
+HWY_INLINE Rows rowsAt(const KernelBox& box, VI offset, const int64_t (&more)[4]) {
   if constexpr (kType == DeviceType::kF32) {
-    if (HWY_UNLIKELY(box.one_by_one)) return rowsNearEnd<kType>(box, offset, y, z);
-    return {{floatsAt(box, offset, 0), floatsAt(box, offset, y), floatsAt(box, offset, z),
-             floatsAt(box, offset, y + z)}};
+    Rows rows;
+    for (int i = 0; i < 4; ++i) {
+      const Wide both = wideAt(box.texels + more[i], offset);
+      rows.pair[i] = {hn::BitCast(F(), both.first), hn::BitCast(F(), both.second)};
+    }
+    return rows;
   } else {
-    if (HWY_UNLIKELY(box.one_by_one)) return rowsNearEnd<kType>(box, offset, y, z);
-    // Of the last row the bytes before are read, not those behind, which may lie beyond the chunk.
-    constexpr int kDown = kType == DeviceType::kU8 ? 2 : 0;
-    const std::byte* from[4] = {box.texels, box.texels + y, box.texels + z,
-                                box.texels + (y + z - kDown)};
+    const std::byte* from[4] = {box.texels + more[0], box.texels + more[1], box.texels + more[2],
+                                box.texels + more[3] - kDown};
     VI bytes[4];
     fourAtOnce(from, offset, bytes);
     return {{pairIn<kType>(bytes[0]), pairIn<kType>(bytes[1]), pairIn<kType>(bytes[2]),
@@ -123,9 +81,16 @@ HWY_INLINE Rows rowsAt(const KernelBox& box, VI offset) {
   }
 }
 
+// The rows around a place: [0] and [1] one after the other along y, [2] and [3] the same a plane on.
+template <DeviceType kType>
+HWY_INLINE Rows rowsAround(const KernelBox& box, VI offset) {
+  const auto y = static_cast<int64_t>(box.stride[1]), z = static_cast<int64_t>(box.stride[2]);
+  return rowsAt<kType, kType == DeviceType::kU8 ? 2 : 0>(box, offset, {0, y, z, y + z});
+}
+
 template <DeviceType kType>
 HWY_INLINE V valueAt(const KernelBox& box, const Place& place) {
-  const Rows rows = rowsAt<kType>(box, place.offset);
+  const Rows rows = rowsAround<kType>(box, place.offset);
   const V rx = hn::Sub(all(1.0F), place.fx), ry = hn::Sub(all(1.0F), place.fy);
   V row[4];
   for (int i = 0; i < 4; ++i)
@@ -141,12 +106,11 @@ HWY_INLINE M isNoNumber(V value) { return hn::Lt(value, all(-2e30F)); }
 // The value that has the greatest weight among the eight texels around, see LookUp.
 template <DeviceType kType>
 HWY_INLINE V labelAt(const KernelBox& box, const Place& place) {
-  const auto y = static_cast<int64_t>(box.stride[1]), z = static_cast<int64_t>(box.stride[2]);
+  const Rows rows = rowsAround<kType>(box, place.offset);
   const V one = all(1.0F);
   alignas(64) float values[8][kMostLanes], weights[8][kMostLanes];
   for (int row = 0; row < 4; ++row) {
-    const Pair pair = pairAt<kType, true>(box, place.offset,
-                                    ((row & 1) != 0 ? y : 0) + ((row & 2) != 0 ? z : 0));
+    const Pair& pair = rows.pair[row];
     const V weight = hn::Mul((row & 1) != 0 ? place.fy : hn::Sub(one, place.fy),
                              (row & 2) != 0 ? place.fz : hn::Sub(one, place.fz));
     hn::Store(pair.first, F(), values[2 * row]);
@@ -194,25 +158,39 @@ HWY_INLINE V differenceAlong(const KernelBox& box, V3 at, int axis) {
   return halfDifference<kType>(next, last);
 }
 
-// Four texels along x, from one before a place on.
-struct Four {
-  V before, first, second, after;
+// Texels of four rows along x, from one before a place on.
+struct LongRows {
+  V before[4], first[4], second[4], after[4];
 };
 template <DeviceType kType>
-HWY_INLINE Four fourAt(const KernelBox& box, VI offset, int64_t more) {
+HWY_INLINE LongRows longRowsAt(const KernelBox& box, VI offset, const int64_t (&more)[4]) {
+  LongRows rows;
   if constexpr (kType == DeviceType::kU8) {
     const VI mask = hn::Set(I(), 255);
-    const VI bytes = fourBytes<true>(box, offset, more - 1);
-    return {hn::ConvertTo(F(), hn::And(bytes, mask)),
-            hn::ConvertTo(F(), hn::And(hn::ShiftRight<8>(bytes), mask)),
-            hn::ConvertTo(F(), hn::And(hn::ShiftRight<16>(bytes), mask)),
-            hn::ConvertTo(F(), hn::And(hn::ShiftRight<24>(bytes), mask))};
+    const std::byte* from[4] = {box.texels + more[0] - 1, box.texels + more[1] - 1,
+                                box.texels + more[2] - 1, box.texels + more[3] - 1};
+    VI bytes[4];
+    fourAtOnce(from, offset, bytes);
+    for (int i = 0; i < 4; ++i) {
+      rows.before[i] = hn::ConvertTo(F(), hn::And(bytes[i], mask));
+      rows.first[i] = hn::ConvertTo(F(), hn::And(hn::ShiftRight<8>(bytes[i]), mask));
+      rows.second[i] = hn::ConvertTo(F(), hn::And(hn::ShiftRight<16>(bytes[i]), mask));
+      rows.after[i] = hn::ConvertTo(F(), hn::And(hn::ShiftRight<24>(bytes[i]), mask));
+    }
   } else {
-    const auto texel = static_cast<int64_t>(kType == DeviceType::kU16 ? 2 : 4);
-    const Pair lower = pairAt<kType, true>(box, offset, more - texel);
-    const Pair upper = pairAt<kType, true>(box, offset, more + texel);
-    return {lower.first, lower.second, upper.first, upper.second};
+    constexpr int64_t kTexel = kType == DeviceType::kU16 ? 2 : 4;
+    const Rows lower = rowsAt<kType>(
+        box, offset, {more[0] - kTexel, more[1] - kTexel, more[2] - kTexel, more[3] - kTexel});
+    const Rows upper = rowsAt<kType>(
+        box, offset, {more[0] + kTexel, more[1] + kTexel, more[2] + kTexel, more[3] + kTexel});
+    for (int i = 0; i < 4; ++i) {
+      rows.before[i] = lower.pair[i].first;
+      rows.first[i] = lower.pair[i].second;
+      rows.second[i] = upper.pair[i].first;
+      rows.after[i] = upper.pair[i].second;
+    }
   }
+  return rows;
 }
 
 // differenceAlong() each axis at once, of a box with a margin: neighbours share most of the texels.
@@ -221,28 +199,29 @@ HWY_INLINE V3 differencesAt(const KernelBox& box, const Place& place) {
   const auto y = static_cast<int64_t>(box.stride[1]), z = static_cast<int64_t>(box.stride[2]);
   const V one = all(1.0F), fx = place.fx, fy = place.fy, fz = place.fz;
   const V rx = hn::Sub(one, fx), ry = hn::Sub(one, fy), rz = hn::Sub(one, fz);
-  const VI at = place.offset;
-  V inner[2][2], last_x[2][2], next_x[2][2];  // [z][y]
-  for (int k = 0; k < 2; ++k)
-    for (int j = 0; j < 2; ++j) {
-      const Four four = fourAt<kType>(box, at, j * y + k * z);
-      inner[k][j] = between(four.first, four.second, fx, rx);
-      last_x[k][j] = between(four.before, four.first, fx, rx);
-      next_x[k][j] = between(four.second, four.after, fx, rx);
-    }
-  const V last_of_x = between(between(last_x[0][0], last_x[0][1], fy, ry),
-                              between(last_x[1][0], last_x[1][1], fy, ry), fz, rz);
-  const V next_of_x = between(between(next_x[0][0], next_x[0][1], fy, ry),
-                              between(next_x[1][0], next_x[1][1], fy, ry), fz, rz);
-  V last_y[2], next_y[2];
-  for (int k = 0; k < 2; ++k) {
-    last_y[k] = between(alongX<kType, true>(box, at, k * z - y, fx, rx), inner[k][0], fy, ry);
-    next_y[k] = between(inner[k][1], alongX<kType, true>(box, at, k * z + 2 * y, fx, rx), fy, ry);
+  // [j + 2 * k]: j rows and k planes on.
+  const LongRows near = longRowsAt<kType>(box, place.offset, {0, y, z, y + z});
+  V inner[4], last_x[4], next_x[4];
+  for (int i = 0; i < 4; ++i) {
+    inner[i] = between(near.first[i], near.second[i], fx, rx);
+    last_x[i] = between(near.before[i], near.first[i], fx, rx);
+    next_x[i] = between(near.second[i], near.after[i], fx, rx);
   }
-  V last_z[2], next_z[2];
-  for (int j = 0; j < 2; ++j) {
-    last_z[j] = between(alongX<kType, true>(box, at, j * y - z, fx, rx), inner[0][j], fz, rz);
-    next_z[j] = between(inner[1][j], alongX<kType, true>(box, at, j * y + 2 * z, fx, rx), fz, rz);
+  const V last_of_x = between(between(last_x[0], last_x[1], fy, ry),
+                              between(last_x[2], last_x[3], fy, ry), fz, rz);
+  const V next_of_x = between(between(next_x[0], next_x[1], fy, ry),
+                              between(next_x[2], next_x[3], fy, ry), fz, rz);
+  // A row back, of both planes, and a row beyond; a plane back, of both rows, and a plane beyond.
+  const Rows along_y = rowsAt<kType>(box, place.offset, {-y, z - y, 2 * y, z + 2 * y});
+  const Rows along_z = rowsAt<kType>(box, place.offset, {-z, y - z, 2 * z, y + 2 * z});
+  V last_y[2], next_y[2], last_z[2], next_z[2];
+  for (int i = 0; i < 2; ++i) {
+    const Pair &row_back = along_y.pair[i], &row_on = along_y.pair[i + 2];
+    last_y[i] = between(between(row_back.first, row_back.second, fx, rx), inner[2 * i], fy, ry);
+    next_y[i] = between(inner[2 * i + 1], between(row_on.first, row_on.second, fx, rx), fy, ry);
+    const Pair &plane_back = along_z.pair[i], &plane_on = along_z.pair[i + 2];
+    last_z[i] = between(between(plane_back.first, plane_back.second, fx, rx), inner[i], fz, rz);
+    next_z[i] = between(inner[i + 2], between(plane_on.first, plane_on.second, fx, rx), fz, rz);
   }
   return {halfDifference<kType>(next_of_x, last_of_x),
           halfDifference<kType>(between(next_y[0], next_y[1], fz, rz),

@@ -57,9 +57,9 @@ class Device {
   virtual const char* backend() const = 0;
   virtual const char* renderer() const = 0;
 
-  // Takes a chunk (whole pages) under `id`. A device that copies is through with the texels when
-  // this returns; one that borrows holds them until the chunk is evicted. Requires: id is not
-  // resident.
+  // Takes a chunk under `id`: whole pages, with the texels at all corners of the cells that are to
+  // be drawn of it. A device that copies is through with the texels when this returns; one that
+  // borrows holds them until the chunk is evicted. Requires: id is not resident.
   virtual void makeResident(uint64_t id, ChunkTexelsPtr texels) = 0;
   // Draws first what it has put off of this chunk; where that throws, as draw() does, the chunk is
   // still resident. Requires: id is resident. A device that copies may keep the storage for another

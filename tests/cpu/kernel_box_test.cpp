@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
 #include <utility>
 
 #include "src/render/frame_setup.h"
@@ -25,13 +26,19 @@ FrameSetup setupOf(Vec3i dims, Projection projection, double azimuth_deg) {
                     OpacityTable(transfer, map, {0, 255}), map, options);
 }
 
+// Its texels are not looked at.
+ChunkTexels chunkOf(Vec3i dims) {
+  ChunkTexels chunk;
+  chunk.storage_vox = dims;
+  chunk.byte_count = static_cast<size_t>(volume(dims));
+  chunk.bytes = std::make_shared<std::byte[]>(chunk.byte_count);
+  return chunk;
+}
+
 // The numbers of a chunk's bricks are single precision too: beyond 2^24 nothing is leapt over.
 TEST(KernelBox, leapsOnlyWhereBricksHaveExactNumbers) {
   const Vec3i dims{65, 65, 65};
-  ChunkTexels chunk;  // its texels are not looked at
-  chunk.storage_vox = dims;
-  chunk.byte_count = static_cast<size_t>(volume(dims));
-  const std::byte none{};
+  const ChunkTexels chunk = chunkOf(dims);
   BoxDraw box;
   box.cells = boxOf(dims - Vec3i{1, 1, 1});
   const FrameSetup setup = setupOf(dims, Projection::kOrtho, 20);
@@ -41,7 +48,7 @@ TEST(KernelBox, leapsOnlyWhereBricksHaveExactNumbers) {
        {std::pair{Vec3i{256, 256, 256}, true}, {Vec3i{512, 256, 256}, false}}) {
     leaps.bricks = bricks;
     std::vector<KernelBox> boxes;
-    appendBox(setup, box, &chunk, &none, &leaps, boxes);
+    appendBox(setup, box, &chunk, &leaps, boxes);
     ASSERT_EQ(boxes.size(), 1U);
     EXPECT_EQ(boxes[0].distances != nullptr, are_exact) << bricks.x;
   }
@@ -51,17 +58,14 @@ TEST(KernelBox, leapsOnlyWhereBricksHaveExactNumbers) {
 // share the box without rest and come front to back.
 TEST(KernelBox, largeBoxesAreDrawnInPartsFrontToBack) {
   const Vec3i dims{300, 300, 300};
-  ChunkTexels chunk;  // its texels are not looked at
-  chunk.storage_vox = dims;
-  chunk.byte_count = static_cast<size_t>(volume(dims));
-  const std::byte none{};
+  const ChunkTexels chunk = chunkOf(dims);
   BoxDraw box;
   box.cells = boxOf(dims - Vec3i{1, 1, 1});
   for (const Projection projection : {Projection::kOrtho, Projection::kPerspective})
     for (const double azimuth : {20.0, 160.0}) {
       const FrameSetup setup = setupOf(dims, projection, azimuth);
       std::vector<KernelBox> parts;
-      appendBox(setup, box, &chunk, &none, nullptr, parts);
+      appendBox(setup, box, &chunk, nullptr, parts);
       ASSERT_GT(parts.size(), 1U);
       double cells = 0;
       for (const KernelBox& part : parts) {
@@ -87,10 +91,10 @@ TEST(KernelBox, boxesThatNoPixelSeesAreLeftOut) {
   std::vector<KernelBox> boxes;
   BoxDraw box;
   box.cells = {{500, 0, 0}, {507, 7, 7}};
-  appendBox(setup, box, nullptr, nullptr, nullptr, boxes);
+  appendBox(setup, box, nullptr, nullptr, boxes);
   EXPECT_TRUE(boxes.empty());
   box.cells = boxOf({7, 7, 7});
-  appendBox(setup, box, nullptr, nullptr, nullptr, boxes);
+  appendBox(setup, box, nullptr, nullptr, boxes);
   EXPECT_EQ(boxes.size(), 1U);
 }
 

@@ -79,7 +79,7 @@ bool reaches(Vec3i brick, int least) {
 
 TEST(LeapGridTest, distancesAreThoseToTheNearestBrickThatShowsSomething) {
   const ChunkTexelsPtr texels = texelsOf(DeviceType::kU8);
-  LeapGrid grid = leapGrid(*texels, texels->bytes.get());
+  LeapGrid grid = leapGrid(*texels);
   EXPECT_EQ(grid.bricks, (Vec3i{11, 10, 10}));
   setDistances(grid, DeviceType::kU8, ShownValues(showing(100, 255)));
   std::vector<Vec3i> shown;
