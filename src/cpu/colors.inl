@@ -8,9 +8,9 @@ struct Color {
 HWY_INLINE V powerOfTwo(V x) { return hn::Exp(F(), hn::Mul(x, all(0.693147180559945F))); }
 
 HWY_INLINE Color entryAt(const KernelFrame& frame, VI entry) {
-  const VI at = hn::ShiftLeft<2>(entry);
-  return {hn::GatherIndex(F(), frame.entries, at), hn::GatherIndex(F(), frame.entries + 1, at),
-          hn::GatherIndex(F(), frame.entries + 2, at), hn::GatherIndex(F(), frame.entries + 3, at)};
+  const Quad rgba =
+      quadAt(reinterpret_cast<const std::byte*>(frame.entries), hn::ShiftLeft<4>(entry));
+  return {rgba.of[0], rgba.of[1], rgba.of[2], rgba.of[3]};
 }
 
 // See packed_entries.h.
@@ -54,8 +54,8 @@ HWY_INLINE V partAt(const KernelFrame& frame, V entry) {
   const VI last = hn::Set(I(), static_cast<int32_t>(frame.last_entry));
   const VI second = hn::Min(hn::Add(first, hn::Set(I(), 1)), last);
   const V part = hn::Sub(entry, hn::ConvertTo(F(), first));
-  return between(hn::GatherIndex(F(), frame.entries + 3, hn::ShiftLeft<2>(first)),
-                 hn::GatherIndex(F(), frame.entries + 3, hn::ShiftLeft<2>(second)), part,
+  return between(floatsAt(frame.entries + 3, hn::ShiftLeft<2>(first)),
+                 floatsAt(frame.entries + 3, hn::ShiftLeft<2>(second)), part,
                  hn::Sub(all(1.0F), part));
 }
 
@@ -74,16 +74,16 @@ HWY_INLINE V factorAt(const KernelFrame& frame, V magnitude, V entry) {
   const V row_rest = hn::Sub(all(1.0F), row_part);
   const VI width = hn::Set(I(), entries);
   if (entries == 1)
-    return between(hn::GatherIndex(F(), frame.factors, row_lo),
-                   hn::GatherIndex(F(), frame.factors, row_hi), row_part, row_rest);
+    return between(floatsAt(frame.factors, row_lo),
+                   floatsAt(frame.factors, row_hi), row_part, row_rest);
   const VI lo = hn::ConvertTo(I(), entry);
   const VI hi = hn::Min(hn::Add(lo, hn::Set(I(), 1)), hn::Set(I(), entries - 1));
   const V part = hn::Sub(entry, hn::ConvertTo(F(), lo)), rest = hn::Sub(all(1.0F), part);
   const VI from = hn::Mul(row_lo, width), next = hn::Mul(row_hi, width);
-  const V first = between(hn::GatherIndex(F(), frame.factors, hn::Add(from, lo)),
-                          hn::GatherIndex(F(), frame.factors, hn::Add(from, hi)), part, rest);
-  const V second = between(hn::GatherIndex(F(), frame.factors, hn::Add(next, lo)),
-                           hn::GatherIndex(F(), frame.factors, hn::Add(next, hi)), part, rest);
+  const V first = between(floatsAt(frame.factors, hn::Add(from, lo)),
+                          floatsAt(frame.factors, hn::Add(from, hi)), part, rest);
+  const V second = between(floatsAt(frame.factors, hn::Add(next, lo)),
+                           floatsAt(frame.factors, hn::Add(next, hi)), part, rest);
   return between(first, second, row_part, row_rest);
 }
 

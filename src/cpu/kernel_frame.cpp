@@ -37,7 +37,7 @@ FrameTables::FrameTables(const FrameSetup& setup, const LookUpTables& look_up) {
   frame_.lit = composite && setup.lit;
   if (composite && setup.opacity_threshold < 1)
     frame_.box_opacity = static_cast<float>(setup.opacity_threshold);
-  if (composite && setup.skips && !frame_.counts_taken) frame_.ray_opacity = kNothingMore;
+  if (composite && setup.skips) frame_.ray_opacity = kNothingMore;
   setRays(setup);
   setLookUp(look_up);
   setLights(setup);

@@ -7,6 +7,10 @@
 struct Wide {
   VI first, second;
 };
+// Four floats for each lane: the first of each, the second, and so on.
+struct Quad {
+  V of[4];
+};
 
 #if HWY_TARGET == HWY_AVX3 || HWY_TARGET == HWY_AVX2
 struct LaneOffsets {
@@ -71,6 +75,28 @@ HWY_INLINE Wide wideAt(const std::byte* base, VI offset) {
   const VI lower = joinedLanes(parts), upper = joinedLanes(parts + kParts);
   return {hn::ConcatEven(I(), upper, lower), hn::ConcatOdd(I(), upper, lower)};
 }
+// Four floats.
+HWY_INLINE Quad quadAt(const std::byte* base, VI offset) {
+  const LaneOffsets offsets = laneOffsets(offset);
+  V lanes[4];  // [i]: those of lane i of each four
+  for (int i = 0; i < 4; ++i) {
+    __m128i parts[kParts];
+    for (int part = 0; part < kParts; ++part)
+      parts[part] = _mm_loadu_si128(
+          reinterpret_cast<const __m128i*>(base + offsets.of[4 * part + i]));
+    lanes[i] = hn::BitCast(F(), joinedLanes(parts));
+  }
+  // Transposed, each 4 x 4.
+  const hn::Repartition<double, F> pairs;
+  const auto lower = hn::BitCast(pairs, hn::InterleaveLower(F(), lanes[0], lanes[1]));
+  const auto lower_on = hn::BitCast(pairs, hn::InterleaveLower(F(), lanes[2], lanes[3]));
+  const auto upper = hn::BitCast(pairs, hn::InterleaveUpper(F(), lanes[0], lanes[1]));
+  const auto upper_on = hn::BitCast(pairs, hn::InterleaveUpper(F(), lanes[2], lanes[3]));
+  return {{hn::BitCast(F(), hn::InterleaveLower(pairs, lower, lower_on)),
+           hn::BitCast(F(), hn::InterleaveUpper(pairs, lower, lower_on)),
+           hn::BitCast(F(), hn::InterleaveLower(pairs, upper, upper_on)),
+           hn::BitCast(F(), hn::InterleaveUpper(pairs, upper, upper_on))}};
+}
 #else
 // Gathers are loads of single lanes there.
 HWY_INLINE void fourAtOnce(const std::byte* const (&base)[4], VI offset, VI (&bytes)[4]) {
@@ -84,4 +110,14 @@ HWY_INLINE Wide wideAt(const std::byte* base, VI offset) {
   return {hn::GatherOffset(I(), reinterpret_cast<const int32_t*>(base), offset),
           hn::GatherOffset(I(), reinterpret_cast<const int32_t*>(base) + 1, offset)};
 }
+HWY_INLINE Quad quadAt(const std::byte* base, VI offset) {
+  const auto* floats = reinterpret_cast<const float*>(base);
+  return {{hn::GatherOffset(F(), floats, offset), hn::GatherOffset(F(), floats + 1, offset),
+           hn::GatherOffset(F(), floats + 2, offset), hn::GatherOffset(F(), floats + 3, offset)}};
+}
 #endif
+
+HWY_INLINE V floatsAt(const float* base, VI index) {
+  return hn::BitCast(
+      F(), bytesAt(reinterpret_cast<const std::byte*>(base), hn::ShiftLeft<2>(index)));
+}

@@ -133,9 +133,9 @@ struct Drawn {
   uint64_t taken = 0;
 };
 // Requires: the volume is the device's chunk 1.
-Drawn drawOn(CpuDevice& device, FrameSetup setup, bool leaps) {
+Drawn drawOn(CpuDevice& device, FrameSetup setup, bool leaps, bool counts = true) {
   setup.skips = leaps;
-  setup.counts_taken = true;
+  setup.counts_taken = counts;
   std::vector<BoxDraw> boxes;
   // Whole, and parts that begin within bricks.
   for (const auto& [lo, hi] : {std::pair<int64_t, int64_t>{0, 19}, {19, 22}, {22, kDims.z - 1}}) {
@@ -149,7 +149,7 @@ Drawn drawOn(CpuDevice& device, FrameSetup setup, bool leaps) {
   device.beginFrame(setup);
   device.draw(boxes);
   Drawn drawn{device.endFrame(), 0};
-  drawn.taken = device.takenSamples();
+  if (counts) drawn.taken = device.takenSamples();
   return drawn;
 }
 
@@ -193,6 +193,31 @@ TEST(LeapGridTest, leapingLeavesOutSamplesAndNothingOfThePicture) {
             EXPECT_GT(leapt.taken, 1000U);
           }
         }
+}
+
+// Of rays that end where nothing behind is seen, too.
+TEST(LeapGridTest, aFrameThatCountsIsTheFrameThatDraws) {
+  VolumeLayout layout;
+  layout.dims = kDims;
+  FrameOptions options;
+  options.size = {67, 59};
+  for (const SimdTarget target : simdTargets())
+    for (const DeviceType type : {DeviceType::kU8, DeviceType::kU16, DeviceType::kF32}) {
+      SCOPED_TRACE(fmt::format("{}, {}", name(target), name(type)));
+      FrameSetup setup = setupOf(layout, options, {{0, 0}, {4, 0}, {5, 0.7}, {255, 0.9}});
+      setup.type = type;
+      TestCpuDevice device(target);
+      device.makeResident(1, texelsOf(type));
+      const Drawn plain = drawOn(device, setup, true, false);
+      const Drawn counting = drawOn(device, setup, true);
+      EXPECT_EQ(counting.picture.rgba, plain.picture.rgba);
+      const Drawn all = drawOn(device, setup, false);
+      EXPECT_LT(counting.taken, all.taken / 2);
+      size_t shown = 0;
+      for (size_t i = 3; i < plain.picture.rgba.size(); i += 4)
+        shown += plain.picture.rgba[i] > 0 ? 1 : 0;
+      EXPECT_GE(counting.taken, shown);
+    }
 }
 
 // A device keeps distances with its chunks: they are those of the frame's look, whatever was drawn
