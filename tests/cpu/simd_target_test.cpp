@@ -82,12 +82,15 @@ FrameSetup setupOf(DeviceType type, Projection projection, Mode mode) {
   return setup;
 }
 
-// The volume as boxes of one cell and more, front to back for that view.
+// The volume as boxes of one cell and more, front to back for that view: with a margin of just a
+// texel, of many, and without.
 std::vector<BoxDraw> boxesOf(const FrameSetup& setup) {
   const Vec3d way = setup.rays.step0 + setup.rays.step_dx * 33 + setup.rays.step_dy * 30;
   std::vector<BoxDraw> boxes;
   const auto cuts = [&](int axis) {
-    std::vector<std::pair<int64_t, int64_t>> parts{{0, 1}, {1, 4}, {4, 9}, {9, kDims[axis] - 1}};
+    const int64_t last = kDims[axis] - 1;
+    std::vector<std::pair<int64_t, int64_t>> parts{
+        {0, 1}, {1, 4}, {4, 9}, {9, last - 1}, {last - 1, last}};
     if (way[axis] < 0) std::reverse(parts.begin(), parts.end());
     return parts;
   };
