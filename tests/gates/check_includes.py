@@ -51,6 +51,7 @@ ALLOWED = {
     'src/view/window': [PUBLIC, 'src/view'],
     'src/cpu': ['io/pictures', 'src/device', 'src/volume'],
     'tools': None,  # everything
+    'tools/bench': None,
     'tools/command_line': None,
     'tools/pages': None,
     'tests': None,

@@ -1,4 +1,4 @@
-#include "tools/ranks_bench.h"
+#include "tools/bench/ranks_bench.h"
 
 #include <algorithm>
 
@@ -6,11 +6,11 @@
 #include "src/base/clock.h"
 #include "src/base/error.h"
 #include "src/parallel/in_process.h"
+#include "tools/bench/volumes_bench.h"
 #include "tools/command_line/console.h"
 #include "tools/interrupt.h"
 #include "tools/ranks.h"
 #include "tools/scene.h"
-#include "tools/volumes_bench.h"
 
 namespace sluice {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/skipping_bench.h"
+#include "tools/bench/skipping_bench.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "tools/occlusion_bench.h"
+#include "tools/bench/occlusion_bench.h"
 
 #include <fmt/format.h>
 

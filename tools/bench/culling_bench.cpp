@@ -1,4 +1,4 @@
-#include "tools/culling_bench.h"
+#include "tools/bench/culling_bench.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>

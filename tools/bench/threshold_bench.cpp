@@ -1,4 +1,4 @@
-#include "tools/threshold_bench.h"
+#include "tools/bench/threshold_bench.h"
 
 #include <fmt/format.h>
 

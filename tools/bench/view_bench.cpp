@@ -1,4 +1,4 @@
-#include "tools/view_bench.h"
+#include "tools/bench/view_bench.h"
 
 #include <algorithm>
 #include <chrono>

@@ -1,4 +1,4 @@
-#include "tools/packing_bench.h"
+#include "tools/bench/packing_bench.h"
 #include "tools/workers.h"
 
 #include <fmt/format.h>

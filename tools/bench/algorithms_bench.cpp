@@ -1,4 +1,4 @@
-#include "tools/algorithms_bench.h"
+#include "tools/bench/algorithms_bench.h"
 
 #include <fmt/format.h>
 

@@ -1,12 +1,12 @@
-#include "tools/frame_bench.h"
+#include "tools/bench/frame_bench.h"
 
 #include <algorithm>
 
 #include "src/base/clock.h"
 #include "src/render/sampling_limit.h"
+#include "tools/bench/volumes_bench.h"
 #include "tools/command_line/console.h"
 #include "tools/report.h"
-#include "tools/volumes_bench.h"
 
 namespace sluice {
 namespace {

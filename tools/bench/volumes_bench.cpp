@@ -1,4 +1,4 @@
-#include "tools/volumes_bench.h"
+#include "tools/bench/volumes_bench.h"
 
 #include <algorithm>
 

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "tools/volumes_bench.h"
+#include "tools/bench/volumes_bench.h"
 
 namespace sluice {
 
