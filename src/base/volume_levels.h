@@ -1,0 +1,48 @@
+// The levels of resolution of a volume, and where their voxels lie.
+//
+// Index space is continuous: the centre of voxel (i, j, k) is at (i, j, k). A level of which each
+// voxel is the mean of 2 x 2 x 2 finer ones has a scale of 2 and an offset of 1/2, because the mean
+// of voxels 0 and 1 lies half way between their centres. A level that keeps every second voxel has
+// a scale of 2 and an offset of 0. Scales may differ from axis to axis and need not be whole
+// numbers.
+#pragma once
+
+#include <span>
+
+#include "src/base/vec.h"
+#include "src/base/volume_source.h"
+
+namespace sluice {
+
+// A plain value; the default is the finest level itself.
+struct LevelPlacement {
+  Vec3d scale{1, 1, 1};   // finest voxels from one voxel of the level to the next, each > 0
+  Vec3d offset{0, 0, 0};  // of the level's voxel (0, 0, 0), in the finest level's index space
+  friend constexpr bool operator==(const LevelPlacement&, const LevelPlacement&) = default;
+
+  Vec3d finestFromLevel(Vec3d index) const { return offset + scale * index; }
+  Vec3d levelFromFinest(Vec3d index) const { return (index - offset) / scale; }
+};
+
+struct CoarserLevel {
+  VolumeSource* source = nullptr;  // of this level's voxels; owned by the source it is a level of
+  LevelPlacement placement;        // among the voxels of that source
+};
+
+// What a VolumeSource also is if it has coarser levels; found by coarserLevels().
+class LeveledSource {
+ public:
+  virtual ~LeveledSource() = default;
+  // From fine to coarse, without level 0, which is the source itself. The levels have its type,
+  // time steps, value scale and value offset; their place in the world follows from its layout and
+  // the placement alone, whatever their own layouts say. Constant after construction, any thread.
+  virtual std::span<const CoarserLevel> levelsAbove() const = 0;
+};
+
+// Those of a source; none if it has one level.
+inline std::span<const CoarserLevel> coarserLevels(const VolumeSource& source) {
+  const auto* leveled = dynamic_cast<const LeveledSource*>(&source);
+  return leveled == nullptr ? std::span<const CoarserLevel>() : leveled->levelsAbove();
+}
+
+}  // namespace sluice
