@@ -22,7 +22,7 @@ Forecast forecastOf(const IndexedVolume& volume, const VisibleBlocks& shown, uin
   forecast.blocks = static_cast<int64_t>(shown.blocks.size());
   const auto voxel_bytes = bytesPerVoxel(volume.source->layout().type);
   for (const ObjectBlock& block : shown.blocks) {
-    const Box3 voxels = volume.layout.storedVoxels(volume.layout.indexOf(block.block));
+    const Box3 voxels = volume.layout.storedVoxels(volume.layout.indexOf(block.name.block));
     forecast.voxel_bytes += static_cast<uint64_t>(voxels.count()) * voxel_bytes;
   }
   forecast.index_bytes = volume.index->ranges.bytes();

@@ -260,7 +260,7 @@ std::vector<uint8_t> Drawing::blockClasses() const {
   if (visible == nullptr || blocks > RenderReport::kMostMappedBlocks) return {};
   std::vector<uint8_t> classes(static_cast<size_t>(blocks), 0);
   for (const ObjectBlock& block : visible->blocks)
-    classes[static_cast<size_t>(block.block)] = block.kind == BlockClass::kBlack ? 2 : 1;
+    classes[static_cast<size_t>(block.name.block)] = block.kind == BlockClass::kBlack ? 2 : 1;
   return classes;
 }
 

@@ -90,7 +90,7 @@ class Values {
     return held_;
   }
   void load(Vec3i cell) {
-    const BlockKey key{step_.time, blockOf(cell)};
+    const BlockName key{.time = step_.time, .block = blockOf(cell)};
     if (block_ != nullptr && key == key_) return;
     block_.reset();
     block_ = session_.readBlocks(std::span(&key, 1)).front();
@@ -108,7 +108,7 @@ class Values {
   const TimeStep& step_;
   int64_t held_block_ = -1;
   std::optional<size_t> held_;
-  BlockKey key_;
+  BlockName key_;
   VolumeBlockPtr block_;
 };
 
@@ -232,7 +232,7 @@ SliceValues sliceOf(const SliceOptions& slice, Session& session, const TimeStep&
       stop.throwIfStopped();
       const int64_t block = layout.idOf(at);
       if (!std::binary_search(ranges.blocks.begin(), ranges.blocks.end(), block)) continue;
-      const BlockKey key{slice.time, block};
+      const BlockName key{.time = slice.time, .block = block};
       const VolumeBlockPtr voxels = session.readBlocks(std::span(&key, 1)).front();
       const Box3 cells = layout.ownedCells(at);
       // Neighbours share a plane of voxels: both have the same.

@@ -47,7 +47,8 @@ std::vector<int32_t> dealPicture(const Dealing& dealing, const BlockLayout& layo
   order.reserve(visible.blocks.size());
   for (size_t i = 0; i < visible.blocks.size(); ++i)
     order.emplace_back(
-        hilbertPosition(layout.indexOf(visible.blocks[i].block) / dealing.hand, dealing.bits), i);
+        hilbertPosition(layout.indexOf(visible.blocks[i].name.block) / dealing.hand, dealing.bits),
+        i);
   std::sort(order.begin(), order.end());
   using Seat = std::pair<int64_t, int32_t>;  // blocks so far, rank
   std::priority_queue<Seat, std::vector<Seat>, std::greater<>> seats;

@@ -13,7 +13,7 @@ VisibleBlocksPtr RankBlocks::choose(const BlockQuestion& question) {
         deals_each_ ? dealPicture(dealing_, layout, *all) : std::vector<int32_t>();
     for (size_t i = 0; i < all->blocks.size(); ++i) {
       const ObjectBlock& block = all->blocks[i];
-      const int rank = deals_each_ ? dealt[i] : dealing_.rankOf(layout.indexOf(block.block));
+      const int rank = deals_each_ ? dealt[i] : dealing_.rankOf(layout.indexOf(block.name.block));
       if (rank != rank_) continue;
       ++(block.kind == BlockClass::kBlack ? mine.black : mine.grey);
       mine.blocks.push_back(block);

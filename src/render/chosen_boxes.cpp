@@ -26,7 +26,7 @@ VisibleBoxesPtr ChosenBoxes::choose(BlockPosition position, bool may_build,
   if (VisibleBoxesPtr kept = find(position)) return kept;
   const TextureBlock& block = plan_->textures.blocks[position];
   const BoxTreePtr tree =
-      may_build ? store_->tree(block.block, purpose) : store_->treeIfMade(block.block);
+      may_build ? store_->tree(block.name.block, purpose) : store_->treeIfMade(block.name.block);
   if (tree == nullptr) return nullptr;
   const BoxVisibility visibility(look_->table, step_.source->layout());
   auto chosen = std::make_shared<const VisibleBoxes>(
@@ -47,7 +47,7 @@ int64_t ChosenBoxes::cells() const {
 
 Vec3i ChosenBoxes::firstCell(BlockPosition position) const {
   const BlockLayout& layout = plan_->textures.layout;
-  const int64_t block = plan_->textures.blocks[position].block;
+  const int64_t block = plan_->textures.blocks[position].name.block;
   return layout.ownedCells(layout.indexOf(block)).lo;
 }
 

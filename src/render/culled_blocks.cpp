@@ -63,7 +63,7 @@ VisibleBlocksPtr CulledBlocks::choose(const BlockQuestion& question) {
   auto chosen = std::make_shared<VisibleBlocks>();
   chosen->white = all->white;
   for (const ObjectBlock& block : all->blocks) {
-    if (!reached[static_cast<size_t>(block.block)]) continue;
+    if (!reached[static_cast<size_t>(block.name.block)]) continue;
     (block.kind == BlockClass::kBlack ? chosen->black : chosen->grey) += 1;
     chosen->blocks.push_back(block);
   }

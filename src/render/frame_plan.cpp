@@ -11,7 +11,7 @@ FramePlan makeFramePlan(const TimeStep& step, const VisibleBlocks& visible,
   plan.pages = plan.textures.pageCount();
   const uint64_t stored_bytes = bytesPerVoxel(step.source->layout().type);
   for (const TextureBlock& block : plan.textures.blocks) {
-    const Box3 stored = layout.storedVoxels(layout.indexOf(block.block));
+    const Box3 stored = layout.storedVoxels(layout.indexOf(block.name.block));
     plan.rebuild.decoded += static_cast<uint64_t>(stored.count()) * stored_bytes;
     plan.rebuild.copied += static_cast<uint64_t>(block.voxels.count() * page.bytes_per_voxel);
     plan.hull = unite(plan.hull, block.cells);

@@ -64,7 +64,7 @@ class Session {
 
   // Voxels of these blocks of any step, through level 2 as those of frames. Throws as
   // VolumeBuffer::acquire() does.
-  std::vector<VolumeBlockPtr> readBlocks(std::span<const BlockKey> keys) {
+  std::vector<VolumeBlockPtr> readBlocks(std::span<const BlockName> keys) {
     return residency_.blocks().acquire(keys);
   }
   // What the last frame found of its blocks; null where there was none, or it is out of date.

@@ -20,8 +20,10 @@ ChunkNameList ChunkNames::namesOf(const TexturePlan& plan) {
     for (const BlockPosition position : chunk.blocks) {
       const TextureBlock& block = plan.blocks[position];
       const int axis = block.trimming_axis;
-      for (const int64_t number : {block.time, block.block, int64_t{axis}, block.voxels.lo[axis],
-                                   block.voxels.hi[axis], block.at.x, block.at.y, block.at.z})
+      for (const int64_t number :
+           {block.name.time, int64_t{block.name.level}, int64_t{block.name.channel},
+            block.name.block, int64_t{axis}, block.voxels.lo[axis], block.voxels.hi[axis],
+            block.at.x, block.at.y, block.at.z})
         recipe.push_back(number);
     }
     const auto [known, is_new] = names_.emplace(recipe, ChunkName(count_));

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <new>
-#include <tuple>
 #include <unordered_set>
 #include <utility>
 
@@ -34,10 +33,6 @@ class TextureBuffer::Batch {
 };
 
 namespace {
-
-BlockKey keyOf(const TextureBlock& block) {
-  return {block.time, block.block};
-}
 
 struct Dropped : std::exception {
   const char* what() const noexcept override { return "no longer wanted"; }
@@ -121,7 +116,7 @@ TextureBuffer::BatchPtr TextureBuffer::tryBegin(const TexturePlan& plan, const C
       }
       batch->wanted.push_back(std::move(entry));
     }
-    std::vector<BlockKey> soon_blocks;
+    std::vector<BlockName> soon_blocks;
     if (!fillings.empty()) soon_blocks = blocksSoon(plan, names, soon);
     planRuns(*batch, std::move(fillings), std::move(soon_blocks), plan.layout.grid.x);
   } catch (...) {  // no memory: what is published would never be filled
@@ -188,37 +183,35 @@ TextureBuffer::BatchPtr TextureBuffer::begin(const TexturePlan& plan, const Chun
       formatBytes(chunks_.budgetBytes()), formatBytes(bytes), formatBytes(chunks_.takenBytes()));
 }
 
-std::vector<BlockKey> TextureBuffer::blocksSoon(const TexturePlan& plan, const ChunkNameList& names,
-                                                std::span<const ChunkPosition> soon) const {
-  std::vector<BlockKey> blocks;
+std::vector<BlockName> TextureBuffer::blocksSoon(const TexturePlan& plan,
+                                                 const ChunkNameList& names,
+                                                 std::span<const ChunkPosition> soon) const {
+  std::vector<BlockName> blocks;
   // More would be gone before their turn.
   const uint64_t most = blocks_.counters().budget_bytes * 3 / 4 / blocks_.blockBytes();
   for (const ChunkPosition position : soon) {
     if (blocks.size() >= most) break;
     if (chunks_.find(names[position]) != nullptr) continue;
     for (const BlockPosition block : plan.chunks[position].blocks)
-      blocks.push_back(keyOf(plan.blocks[block]));
+      blocks.push_back(plan.blocks[block].name);
   }
   return blocks;
 }
 
 void TextureBuffer::planRuns(Batch& batch, std::vector<Filling> fillings,
-                             std::vector<BlockKey> soon, int64_t blocks_a_row) const {
-  const auto inOrder = [](const BlockKey& a, const BlockKey& b) {
-    return std::tie(a.time, a.block) < std::tie(b.time, b.block);
-  };
-  std::ranges::sort(fillings, inOrder, [](const Filling& filling) { return keyOf(filling.block); });
-  std::ranges::sort(soon, inOrder);
+                             std::vector<BlockName> soon, int64_t blocks_a_row) const {
+  std::ranges::sort(fillings, {}, [](const Filling& filling) { return filling.block.name; });
+  std::ranges::sort(soon);
   // The caller reads too.
   const RunLimits limits = runLimits(blocks_.counters().budget_bytes / blocks_.blockBytes(),
                                      blocks_a_row, static_cast<size_t>(pool_.threads()) + 1);
-  for (size_t from = 0; from < fillings.size();) {  // one time step after the other
-    const int64_t time = fillings[from].block.time;
+  for (size_t from = 0; from < fillings.size();) {  // one grid of blocks after the other
+    const BlockName first = fillings[from].block.name;
     std::vector<int64_t> wanted, beside;
-    for (size_t i = from; i < fillings.size() && fillings[i].block.time == time; ++i)
-      wanted.push_back(fillings[i].block.block);
-    for (const BlockKey& key : soon)
-      if (key.time == time) beside.push_back(key.block);
+    for (size_t i = from; i < fillings.size() && fillings[i].block.name.isBeside(first); ++i)
+      wanted.push_back(fillings[i].block.name.block);
+    for (const BlockName& name : soon)
+      if (name.isBeside(first)) beside.push_back(name.block);
     for (ReadRun& run : readRuns(wanted, beside, blocks_a_row, limits.blocks)) {
       run.from += from;
       run.to += from;
@@ -269,18 +262,19 @@ void TextureBuffer::work(Batch& batch) {
 void TextureBuffer::fill(Batch& batch, const ReadRun& run) {
   batch.purpose.stop.throwIfStopped();
   ReadTally* const tally = batch.purpose.tally.get();
-  std::vector<BlockKey> keys;
+  std::vector<BlockName> names;
   std::vector<bool> ahead;
   const std::span wanted(batch.fillings.data() + run.from, run.to - run.from);
   for (const int64_t block : run.blocks) {
-    keys.push_back({wanted.front().block.time, block});
+    names.push_back(wanted.front().block.name.withBlock(block));
     ahead.push_back(!std::ranges::binary_search(
-        wanted, block, {}, [](const Filling& filling) { return filling.block.block; }));
+        wanted, block, {}, [](const Filling& filling) { return filling.block.name.block; }));
   }
-  const std::vector<VolumeBlockPtr> blocks = blocks_.acquire(keys, ahead, tally);
+  const std::vector<VolumeBlockPtr> blocks = blocks_.acquire(names, ahead, tally);
   const Stopwatch watch;
   for (const Filling& filling : wanted) {
-    const auto found = std::lower_bound(run.blocks.begin(), run.blocks.end(), filling.block.block);
+    const auto found =
+        std::lower_bound(run.blocks.begin(), run.blocks.end(), filling.block.name.block);
     copyTextureBlock(filling.block, *blocks[static_cast<size_t>(found - run.blocks.begin())],
                      filling.into->note.texels->storage_vox, filling.room,
                      filling.into->note.texels->span());

@@ -91,11 +91,11 @@ class TextureBuffer {
   void skipRest(Batch& batch, const std::exception_ptr& why) SLUICE_REQUIRES(chunks_.mutex);
   // Of a batch that no worker has heard of. Called while an exception is handled.
   void abandon(Batch& batch) SLUICE_REQUIRES(chunks_.mutex);
-  std::vector<BlockKey> blocksSoon(const TexturePlan& plan, const ChunkNameList& names,
-                                   std::span<const ChunkPosition> soon) const
+  std::vector<BlockName> blocksSoon(const TexturePlan& plan, const ChunkNameList& names,
+                                    std::span<const ChunkPosition> soon) const
       SLUICE_REQUIRES(chunks_.mutex);
 
-  void planRuns(Batch& batch, std::vector<Filling> fillings, std::vector<BlockKey> soon,
+  void planRuns(Batch& batch, std::vector<Filling> fillings, std::vector<BlockName> soon,
                 int64_t blocks_a_row) const;
   void startHelpers(const BatchPtr& batch);
   void helperIsDone();

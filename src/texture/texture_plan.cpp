@@ -34,9 +34,8 @@ Vec3i clusterBlocks(const BlockLayout& layout, int64_t capacity_blocks) {
 // The whole block, drawn whole (I) or clipped to its object box (II).
 TextureBlock wholeBlock(const BlockLayout& layout, const ObjectBlock& object) {
   TextureBlock result;
-  result.time = object.time;
-  result.block = object.block;
-  result.voxels = layout.cube(layout.indexOf(object.block));
+  result.name = object.name;
+  result.voxels = layout.cube(layout.indexOf(object.name.block));
   result.cells = object.cells;
   return result;
 }
@@ -66,9 +65,8 @@ void addBlocks(TexturePlan& plan, const VisibleBlocks& visible, const PlanOption
   size_t next = 0;
   for (int64_t block = 0; block < layout.blockCount(); ++block) {
     ObjectBlock object;
-    object.block = block;
-    object.time = options.time;
-    if (next < visible.blocks.size() && visible.blocks[next].block == block)
+    object.name = {.time = options.time, .block = block};
+    if (next < visible.blocks.size() && visible.blocks[next].name.block == block)
       object = visible.blocks[next++];
     if (algorithm == Algorithm::kConventional)
       object.cells = intersect(layout.ownedCells(layout.indexOf(block)), options.crop);
@@ -82,7 +80,7 @@ void groupIntoClusters(TexturePlan& plan) {
   ClusterPosition position;
   for (const BlockPosition i : plan.blocks.indices()) {
     TextureBlock& block = plan.blocks[i];
-    const Vec3i index = plan.layout.indexOf(block.block) / plan.cluster_blocks;
+    const Vec3i index = plan.layout.indexOf(block.name.block) / plan.cluster_blocks;
     const int64_t linear =
         (index.z * plan.cluster_grid.y + index.y) * plan.cluster_grid.x + index.x;
     if (linear != last_linear) {
@@ -309,7 +307,7 @@ std::vector<ClusterPosition> clusterOrder(const TexturePlan& plan, const EyePosi
 std::vector<BlockPosition> blockOrder(const TexturePlan& plan, const Cluster& cluster,
                                       const EyePosition& eye) {
   return sortedByRank<BlockPosition>(cluster.blocks, [&](BlockPosition position) {
-    const Vec3i index = plan.layout.indexOf(plan.blocks[position].block);
+    const Vec3i index = plan.layout.indexOf(plan.blocks[position].name.block);
     Vec3i rank;
     for (int a = 0; a < 3; ++a) rank[a] = rankOf(index[a], plan.layout.cells(), eye, a);
     return rank;
@@ -322,7 +320,7 @@ std::vector<BlockPosition> layerOrder(const TexturePlan& plan,
   // Along a ray no axis' rank descends, and one ascends from block to block.
   std::vector<std::pair<int64_t, BlockPosition>> order;
   for (const BlockPosition position : blocks) {
-    const Vec3i index = plan.layout.indexOf(plan.blocks[position].block);
+    const Vec3i index = plan.layout.indexOf(plan.blocks[position].name.block);
     int64_t layer = 0;
     for (int a = 0; a < 3; ++a) layer += rankOf(index[a], plan.layout.cells(), eye, a);
     order.emplace_back(layer, position);

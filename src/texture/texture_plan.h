@@ -40,8 +40,7 @@ constexpr Vec3i turned(Vec3i volume_size, int trimming_axis) {
 
 // A part of a volume block, copied into a chunk.
 struct TextureBlock {
-  int64_t time = 0;       // step of the volume block
-  int64_t block = 0;      // its id
+  BlockName name;         // of the volume block
   Box3 cells;             // what is resampled: cells of the volume, half-open
   Box3 voxels;            // what is copied; reaches beyond the volume where the block is padded
   int trimming_axis = 2;  // becomes texture z

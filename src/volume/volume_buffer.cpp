@@ -108,7 +108,7 @@ void VolumeBuffer::keepPacked(const EntryPtr& entry, PackedBytes bytes) {
   countPacked(static_cast<int64_t>(byte_count));
 }
 
-VolumeBuffer::EntryPtr VolumeBuffer::request(MutexLock& lock, const BlockKey& key, bool ahead,
+VolumeBuffer::EntryPtr VolumeBuffer::request(MutexLock& lock, const BlockName& key, bool ahead,
                                              std::vector<Own>& ours) {
   const Box3 voxels = layout_.storedVoxels(layout_.indexOf(key.block));
   const uint64_t bytes = static_cast<uint64_t>(voxels.count()) * bytesPerVoxel(map_.type);
@@ -144,7 +144,7 @@ VolumeBuffer::EntryPtr VolumeBuffer::request(MutexLock& lock, const BlockKey& ke
   }
 }
 
-std::vector<VolumeBlockPtr> VolumeBuffer::acquire(std::span<const BlockKey> keys,
+std::vector<VolumeBlockPtr> VolumeBuffer::acquire(std::span<const BlockName> keys,
                                                   const std::vector<bool>& ahead,
                                                   ReadTally* tally) {
   // All memory of this call first: once entries are published they must come to an end.
@@ -186,8 +186,8 @@ std::vector<VolumeBlockPtr> VolumeBuffer::acquire(std::span<const BlockKey> keys
 }
 
 void VolumeBuffer::loadOwn(std::span<Own> ours, ReadTally* tally) noexcept {
-  const auto besideEachOther = [&](const BlockKey& a, const BlockKey& b) {
-    return a.time == b.time && a.block / layout_.grid.x == b.block / layout_.grid.x;
+  const auto besideEachOther = [&](const BlockName& a, const BlockName& b) {
+    return a.isBeside(b) && a.block / layout_.grid.x == b.block / layout_.grid.x;
   };
   for (size_t from = 0; from < ours.size();) {
     if (ours[from].packed.bytes != nullptr) {
@@ -203,7 +203,7 @@ void VolumeBuffer::loadOwn(std::span<Own> ours, ReadTally* tally) noexcept {
   }
 }
 
-std::shared_ptr<VolumeBlock> VolumeBuffer::emptyBlock(const BlockKey& key) const {
+std::shared_ptr<VolumeBlock> VolumeBuffer::emptyBlock(const BlockName& key) const {
   auto block = std::make_shared<VolumeBlock>();
   block->voxels = layout_.storedVoxels(layout_.indexOf(key.block));
   block->type = map_.type;
@@ -211,7 +211,7 @@ std::shared_ptr<VolumeBlock> VolumeBuffer::emptyBlock(const BlockKey& key) const
   return block;
 }
 
-std::exception_ptr VolumeBuffer::failureOf(const BlockKey& key) const noexcept {
+std::exception_ptr VolumeBuffer::failureOf(const BlockName& key) const noexcept {
   try {
     throw;
   } catch (const Error&) {

@@ -23,23 +23,12 @@
 #include "src/base/single_flight_cache.h"
 #include "src/base/volume_source.h"
 #include "src/volume/block_layout.h"
+#include "src/volume/block_name.h"
 #include "src/volume/device_reader.h"
 #include "src/volume/packed_block.h"
 #include "src/volume/read_tally.h"
 
 namespace sluice {
-
-struct BlockKey {
-  int64_t time = 0;
-  int64_t block = 0;  // id in the layout
-  friend bool operator==(const BlockKey&, const BlockKey&) = default;
-};
-struct BlockKeyHash {
-  size_t operator()(const BlockKey& key) const {
-    return static_cast<size_t>((static_cast<uint64_t>(key.time) * 0x9e3779b97f4a7c15U) ^
-                               (static_cast<uint64_t>(key.block) * 0xff51afd7ed558ccdU));
-  }
-};
 
 // The voxels of one block: those of its cube that exist (BlockLayout::storedVoxels), x fastest.
 struct VolumeBlock {
@@ -77,7 +66,7 @@ class VolumeBuffer {
   // `ahead`, where given, says of each key whether its block is only brought because it lies beside
   // the others: the next call that wants it is the first to use it. What this call reads is added
   // to `tally`; it may be null.
-  std::vector<VolumeBlockPtr> acquire(std::span<const BlockKey> keys,
+  std::vector<VolumeBlockPtr> acquire(std::span<const BlockName> keys,
                                       const std::vector<bool>& ahead = {},
                                       ReadTally* tally = nullptr);
 
@@ -103,11 +92,11 @@ class VolumeBuffer {
       used = true;
     }
   };
-  using Blocks = SingleFlightCache<BlockKey, const VolumeBlock, BlockKeyHash, Use>;
+  using Blocks = SingleFlightCache<BlockName, const VolumeBlock, BlockNameHash, Use>;
   using EntryPtr = Blocks::EntryPtr;
   // A block that is kept compressed, and one on its way back.
   struct Packed {
-    BlockKey key;
+    BlockName key;
     Use use;
     PackedBytes bytes;
   };
@@ -118,7 +107,7 @@ class VolumeBuffer {
   };
 
   // With `lock` in the arguments they may give it up for a while.
-  EntryPtr request(MutexLock& lock, const BlockKey& key, bool ahead, std::vector<Own>& ours)
+  EntryPtr request(MutexLock& lock, const BlockName& key, bool ahead, std::vector<Own>& ours)
       SLUICE_REQUIRES(blocks_.mutex);
   bool hasRoom(uint64_t bytes) const SLUICE_REQUIRES(blocks_.mutex);
   void countPacked(int64_t bytes) SLUICE_REQUIRES(blocks_.mutex);
@@ -127,7 +116,7 @@ class VolumeBuffer {
   void keepPacked(const EntryPtr& entry, PackedBytes bytes) SLUICE_REQUIRES(blocks_.mutex);
   void dropColdest() SLUICE_REQUIRES(blocks_.mutex);
 
-  std::shared_ptr<VolumeBlock> emptyBlock(const BlockKey& key) const;
+  std::shared_ptr<VolumeBlock> emptyBlock(const BlockName& key) const;
   void loadOwn(std::span<Own> ours, ReadTally* tally) noexcept;
   void unpackAndFinish(Own& own, ReadTally* tally) noexcept;
   // Entries of one row of blocks that this call reads; their state says how it went.
@@ -136,7 +125,7 @@ class VolumeBuffer {
   void countRead(const DeviceReader& reader, uint64_t voxels, ReadTally* tally)
       SLUICE_EXCLUDES(blocks_.mutex);
   // Of the exception that is being handled; a library's own becomes an Error.
-  std::exception_ptr failureOf(const BlockKey& key) const noexcept;
+  std::exception_ptr failureOf(const BlockName& key) const noexcept;
 
   VolumeSource& source_;                        // constant after construction
   const BlockLayout layout_;                    // constant after construction
@@ -146,7 +135,7 @@ class VolumeBuffer {
   Blocks blocks_;                               // as they are
   // Packed ones, most recently packed first.
   std::list<Packed> cold_ SLUICE_GUARDED_BY(blocks_.mutex);
-  std::unordered_map<BlockKey, std::list<Packed>::iterator, BlockKeyHash> cold_by_key_
+  std::unordered_map<BlockName, std::list<Packed>::iterator, BlockNameHash> cold_by_key_
       SLUICE_GUARDED_BY(blocks_.mutex);
   uint64_t cold_bytes_ SLUICE_GUARDED_BY(blocks_.mutex) = 0;  // of these
   uint64_t packed_bytes_ SLUICE_GUARDED_BY(blocks_.mutex) =

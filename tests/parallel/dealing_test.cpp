@@ -88,7 +88,7 @@ TEST(Dealing, aPictureIsDealtEvenlyAndWholeHandsGoToOneRank) {
         const Vec3i at = layout.indexOf(block);
         if (at.z != layout.grid.z / 2 && random() % 50 > 0) continue;
         visible.blocks.emplace_back();
-        visible.blocks.back().block = block;
+        visible.blocks.back().name.block = block;
       }
       const std::vector<int32_t> dealt = dealPicture(dealing, layout, visible);
       ASSERT_EQ(dealt.size(), visible.blocks.size());
@@ -96,7 +96,7 @@ TEST(Dealing, aPictureIsDealtEvenlyAndWholeHandsGoToOneRank) {
       std::map<int64_t, int32_t> hands;
       for (size_t i = 0; i < dealt.size(); ++i) {
         ++counts[static_cast<size_t>(dealt[i])];
-        const Vec3i hand = layout.indexOf(visible.blocks[i].block) / dealing.hand;
+        const Vec3i hand = layout.indexOf(visible.blocks[i].name.block) / dealing.hand;
         const auto placed = hands.emplace(hand.x + 1000 * (hand.y + 1000 * hand.z), dealt[i]).first;
         EXPECT_EQ(placed->second, dealt[i]);
       }

@@ -33,7 +33,7 @@ TEST_F(RanksCulling, findTogetherWhatOneFinds) {
         for (int64_t time = 0; time < kSteps; ++time) {
           CullingScene scene(*source, transfer, 8, time);
           for (const auto& block : alone.choose(scene.question(options))->blocks)
-            expected[static_cast<size_t>(time)].push_back(block.block);
+            expected[static_cast<size_t>(time)].push_back(block.name.block);
         }
         Mutex mutex;
         const auto ends = runInProcess(ranks, [&](Team& team) {
@@ -49,7 +49,7 @@ TEST_F(RanksCulling, findTogetherWhatOneFinds) {
             const auto blocks = chooser->choose(scene.question(options));
             const MutexLock lock(mutex);
             for (const ObjectBlock& block : blocks->blocks)
-              found[static_cast<size_t>(time)].push_back(block.block);
+              found[static_cast<size_t>(time)].push_back(block.name.block);
           }
         });
         EXPECT_THAT(ends, testing::Each(std::string()));

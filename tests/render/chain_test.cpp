@@ -134,7 +134,7 @@ class StepOfEachBlock : public BlockChooser {
       WorkerPool pool(1);
       VisibleBlocks blocks = classify(*question.step.ranges, question.look->table, question.crop,
                                       pool, question.step.time);
-      for (ObjectBlock& block : blocks.blocks) block.time = block.block % 3;
+      for (ObjectBlock& block : blocks.blocks) block.name.time = block.name.block % 3;
       chosen_ = std::make_shared<const VisibleBlocks>(std::move(blocks));
     }
     return chosen_;

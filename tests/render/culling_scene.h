@@ -84,7 +84,7 @@ inline void expectNothingReachedIsCulled(CullingScene& scene, const TestSeries& 
     const VisibleBlocksPtr found = culled.choose(scene.question(options));
     std::vector<bool> is_visible(truth.size(), false);
     for (const ObjectBlock& each : found->blocks)
-      is_visible[static_cast<size_t>(each.block)] = true;
+      is_visible[static_cast<size_t>(each.name.block)] = true;
     int64_t seen = 0;
     for (size_t b = 0; b < truth.size(); ++b) {
       if (!truth[b] || blocks.isEmpty(static_cast<int64_t>(b))) continue;

@@ -111,11 +111,11 @@ TEST(Culling, stepsOfASeriesAreTheSameWithTheTreeAndWithout) {
       const auto b = plain.choose(scene.question(options));
       ASSERT_EQ(a->blocks.size(), b->blocks.size());
       for (size_t i = 0; i < a->blocks.size(); ++i)
-        EXPECT_EQ(a->blocks[i].block, b->blocks[i].block);
+        EXPECT_EQ(a->blocks[i].name.block, b->blocks[i].name.block);
       const std::vector<bool> truth = scene.reached(options, 0.95);
       std::vector<bool> is_visible(truth.size(), false);
       for (const ObjectBlock& block : a->blocks)
-        is_visible[static_cast<size_t>(block.block)] = true;
+        is_visible[static_cast<size_t>(block.name.block)] = true;
       for (size_t i = 0; i < truth.size(); ++i)
         if (truth[i] && !series.steps[static_cast<size_t>(time)].isEmpty(static_cast<int64_t>(i))) {
           EXPECT_TRUE(is_visible[i]) << "step " << time << " block " << i;

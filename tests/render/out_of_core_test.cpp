@@ -168,7 +168,7 @@ TEST_F(OutOfCoreTest, aChangedThresholdCopiesTheChangedChunksAndReadsTheNewBlock
       const Box3 all = boxOf(kDims - Vec3i{1, 1, 1});
       const VisibleBlocks classes = classify(ranges, table, all, pool_);
       int64_t fresh = 0;
-      for (const ObjectBlock& block : classes.blocks) fresh += held.insert(block.block).second;
+      for (const ObjectBlock& block : classes.blocks) fresh += held.insert(block.name.block).second;
       counting.reset();
       session->setTransferFunction(above(threshold));
       const FrameReport report = session->frame().report;

@@ -200,7 +200,7 @@ TEST_P(PartitionDataTest, boxesDrawTheSamePicture) {
   const Box3 all = boxOf(size - Vec3i{1, 1, 1});
   std::vector<Box3> object(static_cast<size_t>(ranges.layout.blockCount()));
   for (const ObjectBlock& block : classify(ranges, table, all, pool).blocks)
-    object[static_cast<size_t>(block.block)] = block.cells;
+    object[static_cast<size_t>(block.name.block)] = block.cells;
   const auto held = std::count_if(ranges.blocks.begin(), ranges.blocks.end(), [&](int64_t block) {
     return !object[static_cast<size_t>(block)].empty();
   });

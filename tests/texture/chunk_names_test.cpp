@@ -22,9 +22,9 @@ std::string recipe(const TexturePlan& plan, const Chunk& chunk) {
   for (const BlockPosition position : chunk.blocks) {
     const TextureBlock& b = plan.blocks[position];
     blocks.insert(fmt::format("; time {} block {} axis {} voxels {},{},{} to {},{},{} at {},{},{}",
-                              b.time, b.block, b.trimming_axis, b.voxels.lo.x, b.voxels.lo.y,
-                              b.voxels.lo.z, b.voxels.hi.x, b.voxels.hi.y, b.voxels.hi.z, b.at.x,
-                              b.at.y, b.at.z));
+                              b.name.time, b.name.block, b.trimming_axis, b.voxels.lo.x,
+                              b.voxels.lo.y, b.voxels.lo.z, b.voxels.hi.x, b.voxels.hi.y,
+                              b.voxels.hi.z, b.at.x, b.at.y, b.at.z));
   }
   for (const std::string& block : blocks) text += block;
   return text;
@@ -42,12 +42,12 @@ TEST(ChunkNames, namesAreEqualWhereRecipesAre) {
     const VisibleBlocks other = randomVisibleBlocks(kLayout, 0.5, random);
     std::vector<ObjectBlock> mixed;
     for (const ObjectBlock& object : last.blocks)
-      if (object.block % 2 == trial % 2) mixed.push_back(object);
+      if (object.name.block % 2 == trial % 2) mixed.push_back(object);
     for (const ObjectBlock& object : other.blocks)
-      if (object.block % 2 != trial % 2) mixed.push_back(object);
+      if (object.name.block % 2 != trial % 2) mixed.push_back(object);
     std::sort(mixed.begin(), mixed.end(),
-              [](const ObjectBlock& a, const ObjectBlock& b) { return a.block < b.block; });
-    for (ObjectBlock& object : mixed) object.time = trial / 15;
+              [](const ObjectBlock& a, const ObjectBlock& b) { return a.name < b.name; });
+    for (ObjectBlock& object : mixed) object.name.time = trial / 15;
     last = visibleBlocksOf(kLayout, mixed);
     for (const Algorithm algorithm :
          {Algorithm::kConventional, Algorithm::kTrimmed, Algorithm::kMerged}) {
@@ -84,7 +84,7 @@ TEST(ChunkNames, aTimeStepIsPartOfTheRecipe) {
   const PlanOptions options = planOptions(kLayout, Algorithm::kTrimmed);
   const auto first = names.namesOf(planTextures(kLayout, allBlack(kLayout), kPage, options));
   VisibleBlocks later = allBlack(kLayout);
-  for (ObjectBlock& block : later.blocks) block.time = 1;
+  for (ObjectBlock& block : later.blocks) block.name.time = 1;
   const auto second = names.namesOf(planTextures(kLayout, later, kPage, options));
   for (const ChunkPosition i : first.indices()) EXPECT_NE(first[i], second[i]);
 }

@@ -143,7 +143,7 @@ struct Machine {
   // An object block whose object box is `cells` thick along `axis` and whole otherwise.
   ObjectBlock slab(Vec3i index, int64_t cells, int axis) const {
     ObjectBlock block;
-    block.block = layout.idOf(index);
+    block.name.block = layout.idOf(index);
     block.cells = layout.ownedCells(index);
     block.cells.hi[axis] = block.cells.lo[axis] + cells;
     block.kind = cells == 63 ? BlockClass::kBlack : BlockClass::kGrey;
@@ -155,7 +155,7 @@ struct Machine {
     VisibleBlocks classes;
     classes.blocks = std::move(visible);
     std::sort(classes.blocks.begin(), classes.blocks.end(),
-              [](const auto& a, const auto& b) { return a.block < b.block; });
+              [](const auto& a, const auto& b) { return a.name < b.name; });
     return planTextures(layout, classes, page,
                         {algorithm, order, 0, boxOf(layout.dims - Vec3i{1, 1, 1})});
   }

@@ -15,7 +15,7 @@ inline Box3 allCells(const BlockLayout& layout) {
 // As classify() would: the kind and the trimming axis follow from the box.
 inline ObjectBlock objectBlock(const BlockLayout& layout, int64_t block, const Box3& cells) {
   ObjectBlock object;
-  object.block = block;
+  object.name.block = block;
   object.cells = cells;
   object.kind =
       cells == layout.ownedCells(layout.indexOf(block)) ? BlockClass::kBlack : BlockClass::kGrey;

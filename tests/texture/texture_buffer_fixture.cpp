@@ -46,7 +46,7 @@ void expectTexels(const TexturePlan& plan, ChunkPosition position, const ChunkTe
           const auto texel =
               static_cast<size_t>((t.z * texels.storage_vox.y + t.y) * texels.storage_vox.x + t.x);
           ASSERT_EQ(std::memcmp(texels.bytes.get() + texel * size, expected.data(), size), 0)
-              << "block " << block.block << " axis " << axis << " texel " << t.x << ' ' << t.y
+              << "block " << block.name.block << " axis " << axis << " texel " << t.x << ' ' << t.y
               << ' ' << t.z;
           covered[texel] = true;
         }

@@ -102,7 +102,7 @@ TEST(TexturePlan, conventionalLoadsWhiteBlocksAndTrimmedDoesNot) {
   const TexturePlan clipped = planned(layout, one, kOctane, Algorithm::kClipped);
   EXPECT_EQ(clipped.chunks.size(), 60U);
   for (const TextureBlock& block : clipped.blocks)
-    EXPECT_EQ(block.cells.empty(), block.block != 17);
+    EXPECT_EQ(block.cells.empty(), block.name.block != 17);
   EXPECT_EQ(planned(layout, one, kOctane, Algorithm::kTrimmed).chunks.size(), 1U);
 }
 
@@ -139,19 +139,19 @@ TEST(TexturePlan, everyVisibleCellIsInOneTextureBlockThatHoldsItsVoxels) {
         const TexturePlan plan = planned(layout, classification, page, algorithm);
         std::map<int64_t, Box3> shown;  // by volume block
         for (const TextureBlock& block : plan.blocks) {
-          EXPECT_TRUE(shown.emplace(block.block, block.cells).second);
+          EXPECT_TRUE(shown.emplace(block.name.block, block.cells).second);
           if (block.cells.empty()) continue;
           const Vec3i border{ghost, ghost, ghost};
           EXPECT_TRUE(block.voxels.contains(
               Box3{block.cells.lo - border, block.cells.hi + Vec3i{1, 1, 1} + border}));
-          EXPECT_TRUE(layout.cube(layout.indexOf(block.block)).contains(block.voxels));
+          EXPECT_TRUE(layout.cube(layout.indexOf(block.name.block)).contains(block.voxels));
         }
         for (const ObjectBlock& object : classification.blocks) {
-          ASSERT_TRUE(shown.contains(object.block));
+          ASSERT_TRUE(shown.contains(object.name.block));
           if (algorithm == Algorithm::kConventional)
-            EXPECT_TRUE(shown[object.block].contains(object.cells));
+            EXPECT_TRUE(shown[object.name.block].contains(object.cells));
           else
-            EXPECT_EQ(shown[object.block], object.cells);
+            EXPECT_EQ(shown[object.name.block], object.cells);
         }
       }
 }
@@ -182,7 +182,7 @@ TEST(TexturePlan, chunksBlocksAndClustersPointAtEachOther) {
         for (const BlockPosition position : cluster.blocks) {
           const TextureBlock& block = plan.blocks[position];
           EXPECT_EQ(block.cluster, c);
-          EXPECT_EQ(layout.indexOf(block.block) / plan.cluster_blocks, cluster.index);
+          EXPECT_EQ(layout.indexOf(block.name.block) / plan.cluster_blocks, cluster.index);
           EXPECT_TRUE(chunks.contains(block.chunk));
           in_clusters.insert(position);
         }

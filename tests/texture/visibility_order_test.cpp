@@ -102,7 +102,7 @@ TEST_F(VisibilityOrder, layersGoThroughTheWholeFrontFirst) {
   const TexturePlan p = plan(Algorithm::kConventional);
   int64_t last = 0;
   for (const BlockPosition position : inLayers(p, {true, {1, 1, 1}})) {
-    const Vec3i index = p.layout.indexOf(p.blocks[position].block);
+    const Vec3i index = p.layout.indexOf(p.blocks[position].name.block);
     EXPECT_GE(index.x + index.y + index.z, last);
     last = index.x + index.y + index.z;
   }

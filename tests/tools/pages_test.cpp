@@ -60,9 +60,9 @@ std::array<int, 4> pixelAt(const Rgba8Picture& picture, int x, int y) {
 TEST(BlockMap, paintsEachBlockInItsLayerWithYUpwards) {
   VisibleBlocks blocks;
   blocks.blocks.resize(2);
-  blocks.blocks[0].block = 2;  // (2, 0, 0)
+  blocks.blocks[0].name.block = 2;  // (2, 0, 0)
   blocks.blocks[0].kind = BlockClass::kBlack;
-  blocks.blocks[1].block = 6 + 3;  // (0, 1, 1)
+  blocks.blocks[1].name.block = 6 + 3;  // (0, 1, 1)
   blocks.blocks[1].kind = BlockClass::kGrey;
   const auto map = blockMap({3, 2, 2}, blocks);
   ASSERT_TRUE(map);

@@ -16,9 +16,9 @@ namespace {
 
 using testing::IsEmpty;
 
-std::vector<BlockKey> keysOf(std::initializer_list<int64_t> blocks) {
-  std::vector<BlockKey> keys;
-  for (const int64_t block : blocks) keys.push_back({0, block});
+std::vector<BlockName> keysOf(std::initializer_list<int64_t> blocks) {
+  std::vector<BlockName> keys;
+  for (const int64_t block : blocks) keys.push_back({.block = block});
   return keys;
 }
 

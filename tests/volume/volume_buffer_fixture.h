@@ -18,9 +18,9 @@ namespace sluice {
 inline constexpr Vec3i kDims{4 * 7 + 1, 3 * 7 + 1, 2 * 7 + 1};
 inline constexpr uint64_t kBlockBytes = 512;
 
-inline std::vector<BlockKey> keysOf(std::initializer_list<int64_t> blocks, int64_t time = 0) {
-  std::vector<BlockKey> keys;
-  for (const int64_t block : blocks) keys.push_back({time, block});
+inline std::vector<BlockName> keysOf(std::initializer_list<int64_t> blocks, int64_t time = 0) {
+  std::vector<BlockName> keys;
+  for (const int64_t block : blocks) keys.push_back({.time = time, .block = block});
   return keys;
 }
 

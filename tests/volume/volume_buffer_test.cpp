@@ -29,8 +29,9 @@ TEST(VolumeBuffer, blocksHoldTheVoxelsOfTheSourceInDeviceForm) {
       const BlockLayout layout = blockLayout(dims, 8, ghost);
       const size_t stored_size = bytesPerVoxel(type);
       VolumeBuffer buffer(*source, layout, 1 << 20);
-      std::vector<BlockKey> keys;
-      for (int64_t block = 0; block < layout.blockCount(); ++block) keys.push_back({0, block});
+      std::vector<BlockName> keys;
+      for (int64_t block = 0; block < layout.blockCount(); ++block)
+        keys.push_back({.block = block});
       const std::vector<VolumeBlockPtr> blocks = buffer.acquire(keys);
       for (int64_t id = 0; id < layout.blockCount(); ++id) {
         const VolumeBlock& block = *blocks[static_cast<size_t>(id)];

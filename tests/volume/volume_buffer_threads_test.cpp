@@ -108,14 +108,14 @@ class HeldBlocks {
  public:
   explicit HeldBlocks(const VolumeBuffer& buffer) : buffer_(buffer) {}
   // False when the buffer accounts for less than what is held.
-  bool hold(std::span<const BlockKey> keys) {
+  bool hold(std::span<const BlockName> keys) {
     const std::lock_guard lock(mutex_);
-    for (const BlockKey& key : keys) ++counts_[key.block];
+    for (const BlockName& key : keys) ++counts_[key.block];
     return counts_.size() * kBlockBytes <= buffer_.counters().current_bytes;
   }
-  void release(std::span<const BlockKey> keys) {
+  void release(std::span<const BlockName> keys) {
     const std::lock_guard lock(mutex_);
-    for (const BlockKey& key : keys)
+    for (const BlockName& key : keys)
       if (--counts_[key.block] == 0) counts_.erase(key.block);
   }
 

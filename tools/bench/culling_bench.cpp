@@ -80,7 +80,7 @@ int64_t optimumOf(Opened& opened, const CullingBench& bench, const FrameOptions&
   const auto classified = ClassifiedBlocks(opened.pool).choose(opened.question(frame, step));
   return std::count_if(
       classified->blocks.begin(), classified->blocks.end(),
-      [&](const ObjectBlock& block) { return reached[static_cast<size_t>(block.block)]; });
+      [&](const ObjectBlock& block) { return reached[static_cast<size_t>(block.name.block)]; });
 }
 
 CulledBlocks culledBy(Opened& opened, const CullingBench& bench, const SeriesFunctions& functions,
@@ -186,7 +186,7 @@ json ranksOf(Opened& opened, const CullingBench& bench, const SeriesFunctions& f
       for (const int32_t rank : dealPicture(dealing, layout, *steps[step]))
         ++counts[static_cast<size_t>(rank)];
       for (const ObjectBlock& block : steps[step]->blocks)
-        ++dealt_once[static_cast<size_t>(dealing.rankOf(layout.indexOf(block.block)))];
+        ++dealt_once[static_cast<size_t>(dealing.rankOf(layout.indexOf(block.name.block)))];
       for (size_t r = 0; r < all.size(); ++r) all[r] += counts[r];
       worst = std::max(worst, ratio(counts));
       of_steps.push_back({{"time", step}, {"blocks", counts}, {"most_to_mean", ratio(counts)}});

@@ -57,7 +57,7 @@ nlohmann::json benchPacking(const VolumeArguments& arguments, const ResourceArgu
   const size_t stride = std::max<size_t>(1, ids.size() / most);
   std::vector<VolumeBlockPtr> blocks;
   for (size_t i = 0; i < ids.size() && blocks.size() < most; i += stride) {
-    const BlockKey key{arguments.time, ids[i]};
+    const BlockName key{.time = arguments.time, .block = ids[i]};
     blocks.push_back(buffer.acquire(std::span(&key, 1)).front());
   }
   nlohmann::json report{{"blocks", blocks.size()}, {"rows", nlohmann::json::array()}};

@@ -77,8 +77,8 @@ std::optional<BlockMap> blockMap(Vec3i grid, const VisibleBlocks& blocks) {
     for (int64_t y = 0; y < grid.y; ++y)
       for (int64_t x = 0; x < grid.x; ++x) paint({x, y, z}, kWhite);
   for (const ObjectBlock& block : blocks.blocks) {
-    const Vec3i at{block.block % grid.x, block.block / grid.x % grid.y,
-                   block.block / (grid.x * grid.y)};
+    const Vec3i at{block.name.block % grid.x, block.name.block / grid.x % grid.y,
+                   block.name.block / (grid.x * grid.y)};
     if (at.z % sheet->stride == 0) paint(at, colorOf(block.kind));
   }
   map.caption = fmt::format("{} x {} x {} blocks, a layer along z after another, y upwards", grid.x,

@@ -23,10 +23,10 @@ class Classifier {
   // White blocks come back with an empty box.
   ObjectBlock classifyHeld(size_t held) const {
     ObjectBlock result;
-    result.block = ranges_.blocks[held];
+    result.name.block = ranges_.blocks[held];
     const PlaneRange<T> total = ranges_.totalsAs<T>()[held];
     if (!visible_.any(total.lo, total.hi)) return result;
-    const Box3 owned = ranges_.layout.ownedCells(ranges_.layout.indexOf(result.block));
+    const Box3 owned = ranges_.layout.ownedCells(ranges_.layout.indexOf(result.name.block));
     for (int axis = 0; axis < 3; ++axis) {
       const auto planes = ranges_.planesAs<T>(held, axis);
       const int64_t slabs = owned.hi[axis] - owned.lo[axis];
@@ -44,7 +44,7 @@ class Classifier {
   // Every cell of a block of nothing but visible background shows.
   ObjectBlock backgroundBlock(int64_t block) const {
     ObjectBlock result;
-    result.block = block;
+    result.name.block = block;
     const Box3 owned = ranges_.layout.ownedCells(ranges_.layout.indexOf(block));
     result.cells = owned;
     finish(result, owned);
@@ -105,7 +105,7 @@ void addVisibleBackground(const SliceRanges& ranges, const Box3& crop,
       }
     }
   std::sort(visible.begin(), visible.end(),
-            [](const ObjectBlock& a, const ObjectBlock& b) { return a.block < b.block; });
+            [](const ObjectBlock& a, const ObjectBlock& b) { return a.name < b.name; });
 }
 
 }  // namespace
@@ -136,7 +136,7 @@ VisibleBlocks classify(const SliceRanges& ranges, const OpacityTable& table, con
       addVisibleBackground(ranges, crop, classifier, result.blocks);
   });
   for (ObjectBlock& object : result.blocks) {
-    object.time = time;
+    object.name.time = time;
     ++(object.kind == BlockClass::kBlack ? result.black : result.grey);
   }
   result.white = ranges.layout.blockCount() - result.grey - result.black;

@@ -11,6 +11,7 @@
 
 #include "src/base/worker_pool.h"
 #include "src/classify/transfer/opacity_table.h"
+#include "src/volume/block_name.h"
 #include "src/volume/slice_ranges.h"
 
 namespace sluice {
@@ -22,9 +23,8 @@ enum class BlockClass : uint8_t {
 };
 
 struct ObjectBlock {
-  int64_t block = 0;  // id in the layout
-  int64_t time = 0;   // the step that it is read from
-  Box3 cells;         // the object box: cells of the volume, inside the block's owned cells
+  BlockName name;  // time: the step that it is read from
+  Box3 cells;      // the object box: cells of the volume, inside the block's owned cells
   BlockClass kind = BlockClass::kGrey;
   int trimming_axis = 2;  // the shortest side of the object box; the last of equals
 };

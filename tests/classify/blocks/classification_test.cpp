@@ -155,12 +155,12 @@ TEST(Classification, objectBoxesAreThoseOfTheDefinition) {
         const Box3 expected = objectBox(volume, table, block);
         if (expected.empty()) {
           ++white;
-          ASSERT_TRUE(next == result.blocks.size() || result.blocks[next].block != block);
+          ASSERT_TRUE(next == result.blocks.size() || result.blocks[next].name.block != block);
           continue;
         }
         ASSERT_LT(next, result.blocks.size());
         const ObjectBlock& found = result.blocks[next++];
-        ASSERT_EQ(found.block, block);
+        ASSERT_EQ(found.name.block, block);
         ASSERT_EQ(found.cells, expected);
         const bool whole = expected == layout.ownedCells(layout.indexOf(block));
         ASSERT_EQ(found.kind, whole ? BlockClass::kBlack : BlockClass::kGrey);
@@ -182,7 +182,7 @@ TEST(Classification, noSampleOutsideTheObjectBoxesIsVisible) {
       const TransferFunction transfer = randomTransfer(random, volume.ranges.device_range);
       const VisibleBlocks result = classified(volume.ranges, transfer);
       std::map<int64_t, Box3> boxes;
-      for (const ObjectBlock& object : result.blocks) boxes[object.block] = object.cells;
+      for (const ObjectBlock& object : result.blocks) boxes[object.name.block] = object.cells;
       const Vec3i cells = layout.dims - Vec3i{1, 1, 1};
       for (int64_t z = 0; z < cells.z; ++z)
         for (int64_t y = 0; y < cells.y; ++y)
@@ -269,9 +269,9 @@ TEST(Classification, aCropCutsBlocksAndBoxes) {
     }
     ASSERT_EQ(cut.blocks.size(), expected.size());
     for (size_t i = 0; i < expected.size(); ++i) {
-      EXPECT_EQ(cut.blocks[i].block, expected[i].block);
+      EXPECT_EQ(cut.blocks[i].name.block, expected[i].name.block);
       EXPECT_EQ(cut.blocks[i].cells, expected[i].cells);
-      const Box3 owned = layout.ownedCells(layout.indexOf(expected[i].block));
+      const Box3 owned = layout.ownedCells(layout.indexOf(expected[i].name.block));
       EXPECT_EQ(cut.blocks[i].kind == BlockClass::kBlack, expected[i].cells == owned);
     }
     EXPECT_EQ(cut.white, layout.blockCount() - static_cast<int64_t>(expected.size()));
@@ -291,7 +291,7 @@ TEST(Classification, doesNotDependOnTheNumberOfThreads) {
   const VisibleBlocks many = classified(volume.ranges, band(250, 253), std::nullopt, 7);
   ASSERT_EQ(one.blocks.size(), many.blocks.size());
   for (size_t i = 0; i < one.blocks.size(); ++i) {
-    EXPECT_EQ(one.blocks[i].block, many.blocks[i].block);
+    EXPECT_EQ(one.blocks[i].name.block, many.blocks[i].name.block);
     EXPECT_EQ(one.blocks[i].cells, many.blocks[i].cells);
   }
   EXPECT_EQ(one.white, many.white);
@@ -343,8 +343,8 @@ TEST(Classification, visibleBackgroundFillsItsBlocks) {
   ASSERT_EQ(static_cast<int64_t>(result.blocks.size()), ranges.layout.blockCount());
   EXPECT_EQ(result.white, 0);
   for (size_t i = 0; i < result.blocks.size(); ++i) {
-    EXPECT_EQ(result.blocks[i].block, static_cast<int64_t>(i));
-    if (result.blocks[i].block != ranges.blocks[0]) {
+    EXPECT_EQ(result.blocks[i].name.block, static_cast<int64_t>(i));
+    if (result.blocks[i].name.block != ranges.blocks[0]) {
       EXPECT_EQ(result.blocks[i].kind, BlockClass::kBlack);
       EXPECT_EQ(result.blocks[i].cells,
                 ranges.layout.ownedCells(ranges.layout.indexOf(static_cast<int64_t>(i))));
@@ -363,7 +363,7 @@ TEST(Classification, visibleBackgroundIsCroppedToo) {
   }
   ASSERT_EQ(result.blocks.size(), expected.size());
   for (size_t i = 0; i < expected.size(); ++i)
-    if (result.blocks[i].block != ranges.blocks[0]) {
+    if (result.blocks[i].name.block != ranges.blocks[0]) {
       EXPECT_EQ(result.blocks[i].cells, expected[i]);
     }
 }
