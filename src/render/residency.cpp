@@ -15,15 +15,47 @@ constexpr int kReadsInFlight = 4;
 // Names that no plan in use has: of thresholds seen before, whose chunks level 3 may still hold.
 constexpr size_t kMostUnusedNames = size_t{1} << 16;
 
+std::vector<VolumeBuffer::Level> bufferLevels(const TimeStep& step) {
+  const PyramidLayout layout = step.layout();
+  std::vector<VolumeBuffer::Level> levels{{step.source, layout.finest()}};
+  for (const CoarserStep& coarser : step.coarser)
+    levels.push_back({coarser.source, layout.level(static_cast<int>(levels.size())).blocks});
+  return levels;
+}
+
+BufferNeeds needsOf(const TimeStep& step, const ResidencyOptions& options) {
+  BufferNeeds needs =
+      bufferNeeds(*step.source, step.ranges->layout, options.partition, options.beside_bytes);
+  for (const CoarserStep& coarser : step.coarser)
+    needs.source_thread_bytes =
+        std::max(needs.source_thread_bytes, coarser.source->heldBytesAThread());
+  return needs;
+}
+
+// Each level's source holds chunks of its own: what the threads inside need of it, and its part of
+// the rest.
+void shareSourceBytes(const TimeStep& step, const Budgets& budgets) {
+  if (step.coarser.empty()) {
+    step.source->holdAtMost(budgets.source);
+    return;
+  }
+  uint64_t thread_bytes = step.source->heldBytesAThread();
+  for (const CoarserStep& coarser : step.coarser)
+    thread_bytes = std::max(thread_bytes, coarser.source->heldBytesAThread());
+  const uint64_t needed = static_cast<uint64_t>(budgets.readers + 1) * thread_bytes;
+  const uint64_t each =
+      (budgets.source - std::min(budgets.source, needed)) / (step.coarser.size() + 1);
+  step.source->holdAtMost(each);
+  for (const CoarserStep& coarser : step.coarser) coarser.source->holdAtMost(each);
+}
+
 }  // namespace
 
-Residency::Residency(VolumeSource& source, const BlockLayout& layout, Device& device,
-                     const ResidencyOptions& options)
+Residency::Residency(const TimeStep& step, Device& device, const ResidencyOptions& options)
     : device_(device),
       budgets_(shareMemory(options.memory_bytes, options.page, device.limits().texels,
-                           bufferNeeds(source, layout, options.partition, options.beside_bytes),
-                           std::max(options.threads, kReadsInFlight))),
-      blocks_(source, layout, budgets_.volume_buffer, VolumeBuffer::Cold::kPacked),
+                           needsOf(step, options), std::max(options.threads, kReadsInFlight))),
+      blocks_(bufferLevels(step), budgets_.volume_buffer, VolumeBuffer::Cold::kPacked),
       readers_(budgets_.readers + 1),
       chunks_(blocks_, readers_, budgets_.texture_buffer),
       cache_(static_cast<uint64_t>(options.page.pages),
@@ -32,7 +64,7 @@ Residency::Residency(VolumeSource& source, const BlockLayout& layout, Device& de
       first_id_(device.takeIdRange()) {
   SLUICE_CHECK_EQ(options.page.bytes_per_voxel,
                   static_cast<int64_t>(bytesPerVoxel(blocks_.type())));
-  source.holdAtMost(budgets_.source);
+  shareSourceBytes(step, budgets_);
 }
 
 Residency::~Residency() {

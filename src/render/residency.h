@@ -1,6 +1,7 @@
-// Residency: levels 2 to 4 of one volume and how they work together, across frames and time steps:
-// the volume buffer, the texture buffer with the threads that fill it, the model of the texture
-// cache with the device that obeys it, their budgets and the names of chunks.
+// Residency: levels 2 to 4 of one volume, of all its levels of resolution, and how they work
+// together, across frames and time steps: the volume buffer, the texture buffer with the threads
+// that fill it, the model of the texture cache with the device that obeys it, their budgets and the
+// names of chunks.
 //
 // What frames may ask for again is kept as long as there is room for it, and nothing is kept of
 // what can no longer be asked for. One thread, the device's; the readers work inside the buffers.
@@ -33,9 +34,9 @@ struct ResidencyOptions {
 
 class Residency {
  public:
-  // `source` and `device` must outlive it. Throws Error when the memory is too little.
-  Residency(VolumeSource& source, const BlockLayout& layout, Device& device,
-            const ResidencyOptions& options);
+  // For all time steps that have the sources and layouts of `step`. These sources and `device` must
+  // outlive it. Throws Error when the memory is too little.
+  Residency(const TimeStep& step, Device& device, const ResidencyOptions& options);
   // The device outlives us: it is left without our chunks.
   ~Residency();
   Residency(const Residency&) = delete;

@@ -10,24 +10,26 @@ Session::Session(const TimeStep& step, Device& device, WorkerPool& pool,
                  const SessionOptions& options)
     : device_(device),
       session_(options),
-      residency_(*step.source, step.ranges->layout, device,
+      residency_(step, device,
                  {options.page, options.memory_bytes, options.policy, options.seed,
                   options.partition, pool.threads(), options.beside_bytes}),
       planner_(options.page, pool, residency_.names()),
       step_(step) {
-  SLUICE_CHECK(!options.lit || step.ranges->layout.ghost == 1);
+  SLUICE_CHECK(!options.lit || step.ranges->layout.ghost >= 1);
 }
 
 void Session::setTimeStep(const TimeStep& step) {
   SLUICE_CHECK(step.source == step_.source);
   SLUICE_CHECK(step.ranges->layout.size == step_.ranges->layout.size);
   SLUICE_CHECK(step.ranges->layout.ghost == step_.ranges->layout.ghost);
+  SLUICE_CHECK(step.layout() == step_.layout());
+  SLUICE_CHECK_EQ(step.coarser.size(), step_.coarser.size());
   step_ = step;
   lessons_.unfinished.reset();
 }
 
 void Session::setTransferFunction(TransferFunction transfer) {
-  SLUICE_CHECK(transfer.gradients.empty() || step_.ranges->layout.ghost == 1);
+  SLUICE_CHECK(transfer.gradients.empty() || step_.ranges->layout.ghost >= 1);
   transfer_ = std::make_shared<const TransferFunction>(std::move(transfer));
   lessons_.unfinished.reset();  // what only the last picture needed is not read any more
 }

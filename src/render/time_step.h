@@ -1,22 +1,42 @@
 // TimeStep: what is known of a step of a volume without its voxels, the first value of a frame's
-// chain. A plain value; two are the same step where source, time and ranges are the same objects.
+// chain: its levels of resolution, each with a source and ranges. A plain value; two are the same
+// step where sources, time and ranges are the same objects.
 #pragma once
 
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "src/base/volume_source.h"
+#include "src/volume/pyramid.h"
 #include "src/volume/slice_ranges.h"
 
 namespace sluice {
 
+// A level above the finest one.
+struct CoarserStep {
+  VolumeSource* source = nullptr;             // outlives whoever has the step
+  std::shared_ptr<const SliceRanges> ranges;  // null: not known yet, any block may show something
+
+  friend bool operator==(const CoarserStep&, const CoarserStep&) = default;
+};
+
 struct TimeStep {
-  VolumeSource* source = nullptr;  // outlives whoever has the step
+  VolumeSource* source = nullptr;  // of the finest level; outlives whoever has the step
   int64_t time = 0;
   std::shared_ptr<const SliceRanges> ranges;  // of this step, in the layout of its blocks
 
+  // Of a volume of several levels: how they nest, and what is known of those above the finest, from
+  // fine to coarse. Null and empty: there is one level.
+  std::shared_ptr<const PyramidLayout> pyramid = nullptr;
+  std::vector<CoarserStep> coarser = {};
+
   friend bool operator==(const TimeStep&, const TimeStep&) = default;
+
+  PyramidLayout layout() const {
+    return pyramid != nullptr ? *pyramid : PyramidLayout(ranges->layout);
+  }
 };
 
 }  // namespace sluice

@@ -12,17 +12,25 @@ namespace sluice {
 
 VolumeBuffer::VolumeBuffer(VolumeSource& source, const BlockLayout& layout, uint64_t budget_bytes,
                            Cold cold)
-    : source_(source),
-      layout_(layout),
-      map_(deviceMap(source.layout())),
+    : VolumeBuffer({{&source, layout}}, budget_bytes, cold) {}
+
+VolumeBuffer::VolumeBuffer(std::vector<Level> levels, uint64_t budget_bytes, Cold cold)
+    : levels_(std::move(levels)),
+      map_(deviceMap(levels_.front().source->layout())),
       packs_(cold == Cold::kPacked && budget_bytes >= 16 * blockBytes()),
       memory_(BufferMemory::make(budget_bytes)),
-      blocks_(budget_bytes, Held::kStays) {}
+      blocks_(budget_bytes, Held::kStays) {
+  for (const Level& level : levels_) {
+    SLUICE_CHECK_EQ(level.layout.size, levels_.front().layout.size);
+    const ValueMap map = deviceMap(level.source->layout());
+    SLUICE_CHECK(map.type == map_.type && map.scale == map_.scale && map.offset == map_.offset);
+  }
+}
 VolumeBuffer::~VolumeBuffer() = default;
 
 uint64_t VolumeBuffer::blockBytes() const {
-  return static_cast<uint64_t>(volume(Vec3i{layout_.size, layout_.size, layout_.size})) *
-         bytesPerVoxel(map_.type);
+  const int64_t side = levels_.front().layout.size;
+  return static_cast<uint64_t>(volume(Vec3i{side, side, side})) * bytesPerVoxel(map_.type);
 }
 
 bool VolumeBuffer::hasRoom(uint64_t bytes) const {
@@ -110,7 +118,7 @@ void VolumeBuffer::keepPacked(const EntryPtr& entry, PackedBytes bytes) {
 
 VolumeBuffer::EntryPtr VolumeBuffer::request(MutexLock& lock, const BlockName& key, bool ahead,
                                              std::vector<Own>& ours) {
-  const Box3 voxels = layout_.storedVoxels(layout_.indexOf(key.block));
+  const Box3 voxels = storedVoxels(key);
   const uint64_t bytes = static_cast<uint64_t>(voxels.count()) * bytesPerVoxel(map_.type);
   for (;;) {  // what is found may change while room is made
     if (EntryPtr entry = blocks_.join(key)) {
@@ -187,7 +195,8 @@ std::vector<VolumeBlockPtr> VolumeBuffer::acquire(std::span<const BlockName> key
 
 void VolumeBuffer::loadOwn(std::span<Own> ours, ReadTally* tally) noexcept {
   const auto besideEachOther = [&](const BlockName& a, const BlockName& b) {
-    return a.isBeside(b) && a.block / layout_.grid.x == b.block / layout_.grid.x;
+    const int64_t blocks_a_row = levelOf(a).layout.grid.x;
+    return a.isBeside(b) && a.block / blocks_a_row == b.block / blocks_a_row;
   };
   for (size_t from = 0; from < ours.size();) {
     if (ours[from].packed.bytes != nullptr) {
@@ -205,7 +214,7 @@ void VolumeBuffer::loadOwn(std::span<Own> ours, ReadTally* tally) noexcept {
 
 std::shared_ptr<VolumeBlock> VolumeBuffer::emptyBlock(const BlockName& key) const {
   auto block = std::make_shared<VolumeBlock>();
-  block->voxels = layout_.storedVoxels(layout_.indexOf(key.block));
+  block->voxels = storedVoxels(key);
   block->type = map_.type;
   block->bytes = memory_->take(block->byteCount());
   return block;
@@ -222,8 +231,8 @@ std::exception_ptr VolumeBuffer::failureOf(const BlockName& key) const noexcept 
     return std::current_exception();
   } catch (const std::exception& error) {
     try {
-      return std::make_exception_ptr(
-          Error(fmt::format("{}: block {}: {}", source_.layout().name, key.block, error.what())));
+      return std::make_exception_ptr(Error(fmt::format(
+          "{}: block {}: {}", levelOf(key).source->layout().name, key.block, error.what())));
     } catch (...) {
       return std::current_exception();
     }
@@ -282,20 +291,21 @@ std::vector<std::shared_ptr<VolumeBlock>> VolumeBuffer::load(std::span<const Own
     regions.push_back({block->voxels, {block->bytes.get(), block->byteCount()}});
     voxels += static_cast<uint64_t>(block->voxels.count());
   }
-  DeviceReader reader(source_);
-  reader.read(run.front().entry->key.time, regions);
+  const BlockName& first = run.front().entry->key;
+  DeviceReader reader(*levelOf(first).source);
+  reader.read(first.time, regions);
   countRead(reader, voxels, tally);
   return blocks;
 }
 
 void VolumeBuffer::readPast(int64_t time, const RegionRead& region, ReadTally* tally) {
-  DeviceReader reader(source_);
+  DeviceReader reader(*levels_.front().source);
   reader.read(time, region);
   countRead(reader, static_cast<uint64_t>(region.box.count()), tally);
 }
 
 void VolumeBuffer::countRead(const DeviceReader& reader, uint64_t voxels, ReadTally* tally) {
-  const uint64_t bytes = voxels * bytesPerVoxel(source_.layout().type);
+  const uint64_t bytes = voxels * bytesPerVoxel(levels_.front().source->layout().type);
   if (tally != nullptr) {
     tally->read_ns += reader.readNs();
     tally->decode_ns += reader.convertNs();

@@ -1,11 +1,12 @@
 // VolumeBuffer: level 2, the volume blocks in memory under a hard budget.
 //
-// Blocks come from a VolumeSource in device form, each once however many threads want it: the first
-// publishes the entry and loads outside the lock, the others wait. The least recently used block
-// that no one holds goes first: one that was used more than once is compressed and stays, in
-// at most half of the budget, until it is the coldest of those; the others are dropped and read
-// again should they be wanted. A handle pins its block. The buffer must outlive its handles' use of
-// the source, not the handles. All members may be called from any thread.
+// Blocks come from the VolumeSources of a volume's levels in device form, each once however many
+// threads want it: the first publishes the entry and loads outside the lock, the others wait. The
+// least recently used block that no one holds goes first: one that was used more than once is
+// compressed and stays, in at most half of the budget, until it is the coldest of those; the others
+// are dropped and read again should they be wanted. A handle pins its block. The buffer must
+// outlive its handles' use of the source, not the handles. All members may be called from any
+// thread.
 #pragma once
 
 #include <atomic>
@@ -51,7 +52,14 @@ class VolumeBuffer {
  public:
   // What happens to blocks that were asked for more than once when their room is needed.
   enum class Cold { kDropped, kPacked };
-  // `source` must outlive the buffer.
+  // A level of resolution: where its voxels come from, and how they are cut into blocks.
+  struct Level {
+    VolumeSource* source = nullptr;  // must outlive the buffer
+    BlockLayout layout;
+  };
+  // Requires: levels not empty, blocks of one size, sources of one device form.
+  VolumeBuffer(std::vector<Level> levels, uint64_t budget_bytes, Cold cold = Cold::kDropped);
+  // A volume of one level.
   VolumeBuffer(VolumeSource& source, const BlockLayout& layout, uint64_t budget_bytes,
                Cold cold = Cold::kDropped);
   ~VolumeBuffer();
@@ -70,8 +78,8 @@ class VolumeBuffer {
                                       const std::vector<bool>& ahead = {},
                                       ReadTally* tally = nullptr);
 
-  // Reads voxels that are not kept here, for what is made of them and not drawn from them; counted
-  // as decoded like those that are. Throws what the source does.
+  // Reads voxels of level 0 that are not kept here, for what is made of them and not drawn from
+  // them; counted as decoded like those that are. Throws what the source does.
   void readPast(int64_t time, const RegionRead& region, ReadTally* tally = nullptr);
 
   static constexpr size_t kScratchBytes = DeviceReader::kScratchBytes;
@@ -127,8 +135,15 @@ class VolumeBuffer {
   // Of the exception that is being handled; a library's own becomes an Error.
   std::exception_ptr failureOf(const BlockName& key) const noexcept;
 
-  VolumeSource& source_;                        // constant after construction
-  const BlockLayout layout_;                    // constant after construction
+  const Level& levelOf(const BlockName& name) const {
+    return levels_[static_cast<size_t>(name.level)];
+  }
+  Box3 storedVoxels(const BlockName& name) const {
+    const BlockLayout& layout = levelOf(name).layout;
+    return layout.storedVoxels(layout.indexOf(name.block));
+  }
+
+  const std::vector<Level> levels_;             // constant after construction
   const ValueMap map_;                          // constant after construction
   const bool packs_;                            // constant after construction
   const std::shared_ptr<BufferMemory> memory_;  // of the blocks as they are

@@ -1,0 +1,118 @@
+#include "src/volume/pyramid.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "src/base/error.h"
+
+namespace sluice {
+namespace {
+
+// Of a voxel: rounding in scales and offsets that files give as decimals.
+constexpr double kRounding = 1e-6;
+// How far the positions of a block's region may lie beyond its own planes, in voxels of the level;
+// the ghost layer holds the texels there.
+constexpr double kMostShift = 1;
+
+int64_t floorOf(double at) {
+  return static_cast<int64_t>(std::floor(at + kRounding));
+}
+int64_t ceilOf(double at) {
+  return static_cast<int64_t>(std::ceil(at - kRounding));
+}
+
+}  // namespace
+
+Box3 LevelLayout::voxelsUnder(const Box3& cells) const {
+  if (placement == LevelPlacement()) return {cells.lo, cells.hi + Vec3i{1, 1, 1}};
+  const Vec3d lo = placement.levelFromFinest(toDouble(cells.lo));
+  const Vec3d hi = placement.levelFromFinest(toDouble(cells.hi));
+  Box3 voxels;
+  for (int a = 0; a < 3; ++a) {
+    voxels.lo[a] = floorOf(lo[a]);
+    voxels.hi[a] = ceilOf(hi[a]) + 1;
+  }
+  return voxels;
+}
+
+Box3 LevelLayout::cellsOver(const Box3& level_cells) const {
+  const Vec3d lo = placement.finestFromLevel(toDouble(level_cells.lo));
+  const Vec3d hi = placement.finestFromLevel(toDouble(level_cells.hi));
+  Box3 cells;
+  for (int a = 0; a < 3; ++a) {
+    cells.lo[a] = floorOf(lo[a]);
+    cells.hi[a] = ceilOf(hi[a]);
+  }
+  return cells;
+}
+
+PyramidLayout::PyramidLayout(const BlockLayout& finest) {
+  const int64_t side = finest.cells();
+  levels_.push_back({finest, {}, {side, side, side}});
+}
+
+std::string PyramidLayout::add(Vec3i dims, const LevelPlacement& placement) {
+  SLUICE_CHECK(finest().ghost >= 1);
+  if (dims.x < 2 || dims.y < 2 || dims.z < 2)
+    return fmt::format("{} x {} x {} voxels are fewer than 2 along an axis", dims.x, dims.y,
+                       dims.z);
+  const LevelLayout& below = levels_.back();
+  LevelLayout level{blockLayout(dims, finest().size, finest().ghost), placement, below.width};
+  const Vec3i last_cell = finest().dims - Vec3i{1, 1, 1};
+  for (int a = 0; a < 3; ++a) {
+    const double factor = placement.scale[a] / below.placement.scale[a];
+    const int64_t times = std::llround(factor);
+    if (!(factor > 0) || times < 1)
+      return fmt::format("its voxels are finer than those of the level below along {}", "xyz"[a]);
+    level.width[a] *= times;
+    // A linear map is farthest off at an end.
+    const int64_t side = level.blocks.cells(), end = level.blocks.grid[a] - 1;
+    for (const int64_t block : {int64_t{0}, end}) {
+      const int64_t lo = block * level.width[a];
+      const int64_t hi = block == end ? last_cell[a] : lo + level.width[a];
+      const auto shift = [&](int64_t cell, int64_t voxel) {
+        return (static_cast<double>(cell) - placement.offset[a]) / placement.scale[a] -
+               static_cast<double>(voxel);
+      };
+      const bool fits = lo < hi && shift(lo, block * side) >= -kMostShift - kRounding &&
+                        shift(hi, (block + 1) * side) <= kMostShift + kRounding;
+      if (!fits)
+        return fmt::format("its voxels do not lie on every {} of the level below along {}", times,
+                           "xyz"[a]);
+    }
+  }
+  if (level.width == below.width) return "its voxels are no larger than those of the level below";
+  levels_.push_back(level);
+  return {};
+}
+
+Box3 PyramidLayout::regionOf(int number, Vec3i index) const {
+  const LevelLayout& at = level(number);
+  Box3 region{index * at.width, (index + Vec3i{1, 1, 1}) * at.width};
+  const Vec3i last_cell = finest().dims - Vec3i{1, 1, 1};
+  for (int a = 0; a < 3; ++a)
+    if (index[a] == at.blocks.grid[a] - 1) region.hi[a] = last_cell[a];
+  return region;
+}
+
+Box3 PyramidLayout::regionOf(const BlockName& name) const {
+  return regionOf(name.level, of(name).blocks.indexOf(name.block));
+}
+
+Box3 PyramidLayout::storedVoxels(const BlockName& name) const {
+  const BlockLayout& blocks = of(name).blocks;
+  return blocks.storedVoxels(blocks.indexOf(name.block));
+}
+
+Box3 PyramidLayout::childrenOf(int number, Vec3i index) const {
+  const LevelLayout& at = level(number);
+  const LevelLayout& below = level(number - 1);
+  const Vec3i times = at.width / below.width;
+  Box3 children{index * times, (index + Vec3i{1, 1, 1}) * times};
+  for (int a = 0; a < 3; ++a)
+    if (index[a] == at.blocks.grid[a] - 1) children.hi[a] = below.blocks.grid[a];
+  return children;
+}
+
+}  // namespace sluice
