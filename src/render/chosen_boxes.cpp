@@ -25,6 +25,7 @@ VisibleBoxesPtr ChosenBoxes::choose(BlockPosition position, bool may_build,
                                     const ReadPurpose& purpose) const {
   if (VisibleBoxesPtr kept = find(position)) return kept;
   const TextureBlock& block = plan_->textures.blocks[position];
+  if (block.name.level > 0) return nullptr;
   const BoxTreePtr tree =
       may_build ? store_->tree(block.name.block, purpose) : store_->treeIfMade(block.name.block);
   if (tree == nullptr) return nullptr;
@@ -46,9 +47,8 @@ int64_t ChosenBoxes::cells() const {
 }
 
 Vec3i ChosenBoxes::firstCell(BlockPosition position) const {
-  const BlockLayout& layout = plan_->textures.layout;
-  const int64_t block = plan_->textures.blocks[position].name.block;
-  return layout.ownedCells(layout.indexOf(block)).lo;
+  const TexturePlan& textures = plan_->textures;
+  return textures.pyramid.regionOf(textures.blocks[position].name).lo;
 }
 
 }  // namespace sluice

@@ -25,7 +25,8 @@ class ChosenBoxes {
 
   // Of the plan's block at `position`; null unless it is kept.
   VisibleBoxesPtr find(BlockPosition position) const;
-  // The same, made where it is not kept. Without `may_build` null where the block's boxes would
+  // The same, made where it is not kept; null of a block above the finest level, which draws its
+  // object box. Without `may_build` null where the block's boxes would
   // have to be grown from voxels first. Throws Error from the source, Interrupted.
   VisibleBoxesPtr choose(BlockPosition position, bool may_build,
                          const ReadPurpose& purpose = {}) const;

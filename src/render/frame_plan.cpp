@@ -4,14 +4,14 @@ namespace sluice {
 
 FramePlan makeFramePlan(const TimeStep& step, const VisibleBlocks& visible,
                         const PageGeometry& page, const PlanOptions& options, ChunkNames& names) {
-  const BlockLayout& layout = step.ranges->layout;
+  const PyramidLayout layout = step.layout();
   FramePlan plan;
   plan.textures = planTextures(layout, visible, page, options);
   plan.names = names.namesOf(plan.textures);
   plan.pages = plan.textures.pageCount();
   const uint64_t stored_bytes = bytesPerVoxel(step.source->layout().type);
   for (const TextureBlock& block : plan.textures.blocks) {
-    const Box3 stored = layout.storedVoxels(layout.indexOf(block.name.block));
+    const Box3 stored = layout.storedVoxels(block.name);
     plan.rebuild.decoded += static_cast<uint64_t>(stored.count()) * stored_bytes;
     plan.rebuild.copied += static_cast<uint64_t>(block.voxels.count() * page.bytes_per_voxel);
     plan.hull = unite(plan.hull, block.cells);

@@ -118,7 +118,7 @@ TextureBuffer::BatchPtr TextureBuffer::tryBegin(const TexturePlan& plan, const C
     }
     std::vector<BlockName> soon_blocks;
     if (!fillings.empty()) soon_blocks = blocksSoon(plan, names, soon);
-    planRuns(*batch, std::move(fillings), std::move(soon_blocks), plan.layout.grid.x);
+    planRuns(*batch, std::move(fillings), std::move(soon_blocks), plan.pyramid);
   } catch (...) {  // no memory: what is published would never be filled
     abandon(*batch);
     throw;
@@ -199,14 +199,18 @@ std::vector<BlockName> TextureBuffer::blocksSoon(const TexturePlan& plan,
 }
 
 void TextureBuffer::planRuns(Batch& batch, std::vector<Filling> fillings,
-                             std::vector<BlockName> soon, int64_t blocks_a_row) const {
+                             std::vector<BlockName> soon, const PyramidLayout& pyramid) const {
   std::ranges::sort(fillings, {}, [](const Filling& filling) { return filling.block.name; });
   std::ranges::sort(soon);
   // The caller reads too.
-  const RunLimits limits = runLimits(blocks_.counters().budget_bytes / blocks_.blockBytes(),
-                                     blocks_a_row, static_cast<size_t>(pool_.threads()) + 1);
+  const size_t threads = static_cast<size_t>(pool_.threads()) + 1;
+  const uint64_t level_blocks = blocks_.counters().budget_bytes / blocks_.blockBytes();
+  batch.runs_at_once = threads;
   for (size_t from = 0; from < fillings.size();) {  // one grid of blocks after the other
     const BlockName first = fillings[from].block.name;
+    const int64_t blocks_a_row = pyramid.of(first).blocks.grid.x;
+    const RunLimits limits = runLimits(level_blocks, blocks_a_row, threads);
+    batch.runs_at_once = std::min(batch.runs_at_once, limits.runs);
     std::vector<int64_t> wanted, beside;
     for (size_t i = from; i < fillings.size() && fillings[i].block.name.isBeside(first); ++i)
       wanted.push_back(fillings[i].block.name.block);
@@ -219,7 +223,6 @@ void TextureBuffer::planRuns(Batch& batch, std::vector<Filling> fillings,
     }
     from += wanted.size();
   }
-  batch.runs_at_once = limits.runs;
   batch.fillings = std::move(fillings);
 }
 

@@ -96,7 +96,7 @@ class TextureBuffer {
       SLUICE_REQUIRES(chunks_.mutex);
 
   void planRuns(Batch& batch, std::vector<Filling> fillings, std::vector<BlockName> soon,
-                int64_t blocks_a_row) const;
+                const PyramidLayout& pyramid) const;
   void startHelpers(const BatchPtr& batch);
   void helperIsDone();
   void work(Batch& batch);

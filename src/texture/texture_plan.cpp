@@ -1,13 +1,12 @@
 #include "src/texture/texture_plan.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <tuple>
-#include <unordered_map>
 
 #include "src/base/error.h"
 #include "src/base/large_pages.h"
+#include "src/texture/clusters.h"
 
 namespace sluice {
 namespace {
@@ -17,22 +16,9 @@ constexpr std::array<std::string_view, 4> kAlgorithmNames = {"conventional", "cl
 // Most blocks that the conventional algorithm may list.
 constexpr int64_t kMostBlocks = int64_t{1} << 26;
 
-// A cache of this many rows of blocks has clusters of whole rows, which a file stores together.
-constexpr int64_t kRowsOfACluster = 4;
-
-// u and v: whole rows where the cache has room for some, otherwise a square as nearly as powers of
-// two allow, never wider than the grid.
-Vec3i clusterBlocks(const BlockLayout& layout, int64_t capacity_blocks) {
-  int64_t u = 1;
-  while (4 * u * u <= capacity_blocks) u *= 2;
-  u = std::min(u, layout.grid.x);
-  if (capacity_blocks >= kRowsOfACluster * layout.grid.x) u = layout.grid.x;
-  const int64_t v = std::min(capacity_blocks / u, layout.grid.y);
-  return {std::min(capacity_blocks / v, layout.grid.x), v, 1};
-}
-
 // The whole block, drawn whole (I) or clipped to its object box (II).
-TextureBlock wholeBlock(const BlockLayout& layout, const ObjectBlock& object) {
+TextureBlock wholeBlock(const PyramidLayout& pyramid, const ObjectBlock& object) {
+  const BlockLayout& layout = pyramid.of(object.name).blocks;
   TextureBlock result;
   result.name = object.name;
   result.voxels = layout.cube(layout.indexOf(object.name.block));
@@ -41,21 +27,38 @@ TextureBlock wholeBlock(const BlockLayout& layout, const ObjectBlock& object) {
 }
 
 // Section 3.2.2: trimmed along one axis, 2^d along the others.
-TextureBlock trimmedBlock(const BlockLayout& layout, const ObjectBlock& object) {
-  TextureBlock result = wholeBlock(layout, object);
+TextureBlock trimmedBlock(const PyramidLayout& pyramid, const ObjectBlock& object) {
+  TextureBlock result = wholeBlock(pyramid, object);
   const int axis = result.trimming_axis = object.trimming_axis;
-  result.voxels.lo[axis] = object.cells.lo[axis] - layout.ghost;
-  result.voxels.hi[axis] = object.cells.hi[axis] + 1 + layout.ghost;
+  const LevelLayout& level = pyramid.of(object.name);
+  const Box3 needed = level.voxelsUnder(object.cells), cube = result.voxels;
+  result.voxels.lo[axis] = std::max(cube.lo[axis], needed.lo[axis] - level.blocks.ghost);
+  result.voxels.hi[axis] = std::min(cube.hi[axis], needed.hi[axis] + level.blocks.ghost);
   return result;
 }
 
+bool areOfSeveralLevels(const VisibleBlocks& visible) {
+  const auto isAbove = [](const ObjectBlock& object) { return object.name.level > 0; };
+  return std::ranges::any_of(visible.blocks, isAbove);
+}
+
 void addBlocks(TexturePlan& plan, const VisibleBlocks& visible, const PlanOptions& options) {
-  const BlockLayout& layout = plan.layout;
+  const PyramidLayout& pyramid = plan.pyramid;
+  const BlockLayout& layout = pyramid.finest();
   const Algorithm algorithm = options.algorithm;
   auto& blocks = plan.blocks;
   if (algorithm == Algorithm::kTrimmed || algorithm == Algorithm::kMerged) {
     reserveLarge(blocks, visible.blocks.size());
-    for (const ObjectBlock& object : visible.blocks) blocks.push_back(trimmedBlock(layout, object));
+    for (const ObjectBlock& object : visible.blocks)
+      blocks.push_back(trimmedBlock(pyramid, object));
+    return;
+  }
+  if (areOfSeveralLevels(visible)) {
+    for (ObjectBlock object : visible.blocks) {
+      if (algorithm == Algorithm::kConventional)
+        object.cells = intersect(pyramid.regionOf(object.name), options.crop);
+      blocks.push_back(wholeBlock(pyramid, object));
+    }
     return;
   }
   if (layout.blockCount() > kMostBlocks)
@@ -70,27 +73,7 @@ void addBlocks(TexturePlan& plan, const VisibleBlocks& visible, const PlanOption
       object = visible.blocks[next++];
     if (algorithm == Algorithm::kConventional)
       object.cells = intersect(layout.ownedCells(layout.indexOf(block)), options.crop);
-    blocks.push_back(wholeBlock(layout, object));
-  }
-}
-
-void groupIntoClusters(TexturePlan& plan) {
-  std::unordered_map<int64_t, ClusterPosition> cluster_at;  // by linear index in the grid
-  int64_t last_linear = -1;  // neighbours in a row share their cluster
-  ClusterPosition position;
-  for (const BlockPosition i : plan.blocks.indices()) {
-    TextureBlock& block = plan.blocks[i];
-    const Vec3i index = plan.layout.indexOf(block.name.block) / plan.cluster_blocks;
-    const int64_t linear =
-        (index.z * plan.cluster_grid.y + index.y) * plan.cluster_grid.x + index.x;
-    if (linear != last_linear) {
-      const auto [found, fresh] = cluster_at.emplace(linear, plan.clusters.endIndex());
-      if (fresh) plan.clusters.push_back({index, {}, {}});
-      position = found->second;
-      last_linear = linear;
-    }
-    block.cluster = position;
-    plan.clusters[block.cluster].blocks.push_back(i);
+    blocks.push_back(wholeBlock(pyramid, object));
   }
 }
 
@@ -104,7 +87,7 @@ void addSingleChunks(TexturePlan& plan) {
   for (const BlockPosition i : plan.blocks.indices()) {
     TextureBlock& block = plan.blocks[i];
     const ChunkPosition position = plan.chunks.endIndex();
-    const Vec3i size{plan.layout.size, plan.layout.size, block.texels().z};
+    const Vec3i size{plan.layout().size, plan.layout().size, block.texels().z};
     block.chunk = position;
     plan.clusters[block.cluster].chunks.push_back(position);
     plan.chunks.push_back({size, plan.page.pagesOf(size), {i}});
@@ -118,7 +101,7 @@ bool addChunk(TexturePlan& plan, const MergedChunk& merged) {
   const ClusterPosition first_cluster = plan.blocks[first].cluster;
   bool is_between = false;
   const ChunkPosition number = plan.chunks.endIndex();
-  const int64_t side = plan.layout.size;
+  const int64_t side = plan.layout().size;
   Chunk chunk;
   size_t count = 0;
   for (const Column& column : merged.columns) count += column.blocks.size();
@@ -143,26 +126,36 @@ bool addChunk(TexturePlan& plan, const MergedChunk& merged) {
   return is_between;
 }
 
+// Blocks of each level by themselves, so that a chunk is of one level.
+std::vector<MergedChunk> mergeLevels(const TexturePlan& plan, const Cluster& cluster,
+                                     MergeOrder order) {
+  std::map<int32_t, std::vector<MergeBlock>> by_level;
+  for (const BlockPosition position : cluster.blocks)
+    by_level[plan.blocks[position].name.level].push_back(mergeBlock(plan, position));
+  std::vector<MergedChunk> merged;
+  for (const auto& [level, blocks] : by_level)
+    for (MergedChunk& chunk : mergeInCluster(blocks, plan.layout().size, order))
+      merged.push_back(std::move(chunk));
+  return merged;
+}
+
 // Sections 3.2.3.2 and 3.2.3.3.
 void mergeChunks(TexturePlan& plan, MergeOrder order) {
-  const int64_t limit = plan.layout.size;
+  const int64_t limit = plan.layout().size;
   const auto pagesOf = [&](const MergedChunk& chunk) {
     return plan.page.pagesOf(
         {static_cast<int64_t>(chunk.columns.size()) * limit, limit, chunk.thickness()});
   };
   IndexedVector<ClusterPosition, std::vector<MergedChunk>> merged(plan.clusters.size());
   IndexedVector<ClusterPosition, int64_t> pages(plan.clusters.size());
-  // By x, y, z of the cluster.
+  // By x, y, z of the cluster. Those of an octree are not visited one behind the other along z.
   std::map<std::tuple<int64_t, int64_t, int64_t>, ClusterPosition> by_row;
+  const bool merges_between = plan.cluster_grids.size() == 1;
   for (const ClusterPosition i : plan.clusters.indices()) {
-    std::vector<MergeBlock> blocks;
-    blocks.reserve(plan.clusters[i].blocks.size());
-    for (const BlockPosition position : plan.clusters[i].blocks)
-      blocks.push_back(mergeBlock(plan, position));
-    merged[i] = mergeInCluster(blocks, limit, order);
+    merged[i] = mergeLevels(plan, plan.clusters[i], order);
     for (const MergedChunk& chunk : merged[i]) pages[i] += pagesOf(chunk);
     const Vec3i index = plan.clusters[i].index;
-    by_row[{index.x, index.y, index.z}] = i;
+    if (merges_between) by_row[{index.x, index.y, index.z}] = i;
   }
   const auto alone = [](std::vector<MergedChunk>& chunks) {
     return std::find_if(chunks.begin(), chunks.end(),
@@ -204,29 +197,6 @@ void mergeChunks(TexturePlan& plan, MergeOrder order) {
         [&](ChunkPosition position) { return is_between[static_cast<size_t>(position.value())]; });
 }
 
-// Smaller is nearer along this axis; two may share a rank only on opposite sides of the eye, where
-// neither can hide the other. `cells` is the width of one step of the index.
-int64_t rankOf(int64_t index, int64_t cells, const EyePosition& eye, int axis) {
-  if (eye.parallel) return eye.index[axis] >= 0 ? index : -index;
-  const auto at = static_cast<int64_t>(std::floor(eye.index[axis] / static_cast<double>(cells)));
-  return std::abs(index - at);
-}
-
-// `ids` by the rank of each, equals in the order given.
-template <class Id>
-std::vector<Id> sortedByRank(std::span<const Id> ids, const auto& rank_of) {
-  std::vector<std::pair<Vec3i, size_t>> ranked(ids.size());
-  for (size_t i = 0; i < ids.size(); ++i) ranked[i] = {rank_of(ids[i]), i};
-  std::sort(ranked.begin(), ranked.end(), [](const auto& a, const auto& b) {
-    return std::tie(a.first.x, a.first.y, a.first.z, a.second) <
-           std::tie(b.first.x, b.first.y, b.first.z, b.second);
-  });
-  std::vector<Id> order;
-  order.reserve(ids.size());
-  for (const auto& [rank, i] : ranked) order.push_back(ids[i]);
-  return order;
-}
-
 }  // namespace
 
 std::string_view name(Algorithm algorithm) {
@@ -260,15 +230,18 @@ LoadBytes TexturePlan::loadBytes(const Chunk& chunk) const {
     const TextureBlock& block = blocks[position];
     copied += volume(block.texels());
     // Cells interpolate the planes on both sides.
-    if (!block.cells.empty()) load.needed += bytes(volume(block.cells.size() + Vec3i{1, 1, 1}));
+    if (block.cells.empty()) continue;
+    const Box3 needed = pyramid.of(block.name).voxelsUnder(block.cells);
+    load.needed += bytes(intersect(needed, block.voxels).count());
   }
   load.empty = bytes(copied) - load.needed;
   load.extended = bytes(volume(chunk.size_vox) - copied);
   return load;
 }
 
-TexturePlan planTextures(const BlockLayout& layout, const VisibleBlocks& visible,
+TexturePlan planTextures(const PyramidLayout& pyramid, const VisibleBlocks& visible,
                          const PageGeometry& page, const PlanOptions& options) {
+  const BlockLayout& layout = pyramid.finest();
   const int64_t block_pages = page.pagesOf(Vec3i{layout.size, layout.size, layout.size});
   const int64_t capacity_blocks = page.pages / block_pages;
   if (capacity_blocks < 1)
@@ -277,59 +250,16 @@ TexturePlan planTextures(const BlockLayout& layout, const VisibleBlocks& visible
         "--pages {1} or a smaller --block",
         layout.size, block_pages, page.pages);
   TexturePlan plan;
-  plan.layout = layout;
+  plan.pyramid = pyramid;
   plan.page = page;
-  plan.cluster_blocks = clusterBlocks(layout, capacity_blocks);
-  for (int a = 0; a < 3; ++a)
-    plan.cluster_grid[a] = ceilDiv(layout.grid[a], plan.cluster_blocks[a]);
   addBlocks(plan, visible, options);
-  groupIntoClusters(plan);
+  groupIntoClusters(plan, capacity_blocks);
   if (options.algorithm == Algorithm::kMerged) {
     mergeChunks(plan, options.merge_order);
   } else {
     addSingleChunks(plan);
   }
   return plan;
-}
-
-std::vector<ClusterPosition> clusterOrder(const TexturePlan& plan, const EyePosition& eye) {
-  const int64_t cells = plan.layout.cells();
-  std::vector<ClusterPosition> all;
-  for (const ClusterPosition position : plan.clusters.indices()) all.push_back(position);
-  return sortedByRank<ClusterPosition>(all, [&](ClusterPosition position) {
-    const Vec3i index = plan.clusters[position].index;
-    Vec3i rank;
-    for (int a = 0; a < 3; ++a) rank[a] = rankOf(index[a], plan.cluster_blocks[a] * cells, eye, a);
-    return rank;
-  });
-}
-
-std::vector<BlockPosition> blockOrder(const TexturePlan& plan, const Cluster& cluster,
-                                      const EyePosition& eye) {
-  return sortedByRank<BlockPosition>(cluster.blocks, [&](BlockPosition position) {
-    const Vec3i index = plan.layout.indexOf(plan.blocks[position].name.block);
-    Vec3i rank;
-    for (int a = 0; a < 3; ++a) rank[a] = rankOf(index[a], plan.layout.cells(), eye, a);
-    return rank;
-  });
-}
-
-std::vector<BlockPosition> layerOrder(const TexturePlan& plan,
-                                      std::span<const BlockPosition> blocks,
-                                      const EyePosition& eye) {
-  // Along a ray no axis' rank descends, and one ascends from block to block.
-  std::vector<std::pair<int64_t, BlockPosition>> order;
-  for (const BlockPosition position : blocks) {
-    const Vec3i index = plan.layout.indexOf(plan.blocks[position].name.block);
-    int64_t layer = 0;
-    for (int a = 0; a < 3; ++a) layer += rankOf(index[a], plan.layout.cells(), eye, a);
-    order.emplace_back(layer, position);
-  }
-  std::sort(order.begin(), order.end());
-  std::vector<BlockPosition> positions;
-  positions.reserve(order.size());
-  for (const auto& [layer, position] : order) positions.push_back(position);
-  return positions;
 }
 
 }  // namespace sluice

@@ -18,7 +18,7 @@
 #include "src/classify/blocks/classification.h"
 #include "src/texture/merging.h"
 #include "src/texture/positions.h"
-#include "src/volume/block_layout.h"
+#include "src/volume/pyramid.h"
 
 namespace sluice {
 
@@ -41,8 +41,8 @@ constexpr Vec3i turned(Vec3i volume_size, int trimming_axis) {
 // A part of a volume block, copied into a chunk.
 struct TextureBlock {
   BlockName name;         // of the volume block
-  Box3 cells;             // what is resampled: cells of the volume, half-open
-  Box3 voxels;            // what is copied; reaches beyond the volume where the block is padded
+  Box3 cells;             // what is resampled: cells of the finest level, half-open
+  Box3 voxels;            // of its own level, copied; beyond the volume where the block is padded
   int trimming_axis = 2;  // becomes texture z
   ChunkPosition chunk;
   Vec3i at;  // texel of voxels.lo in the chunk
@@ -58,23 +58,36 @@ struct Chunk {
   std::vector<BlockPosition> blocks;
 };
 
-// u x v blocks of one z index whose black blocks together fill the texture cache.
+// Blocks that together fill the texture cache at most: u x v blocks of one z index where all blocks
+// are of one level, else those in a cell of one of the plan's cluster grids.
 struct Cluster {
-  Vec3i index;                        // in the grid of clusters
+  size_t grid = 0;                    // of TexturePlan::cluster_grids
+  Vec3i index;                        // in that grid
   std::vector<BlockPosition> blocks;  // those of this cluster
   // That these blocks lie in. A chunk merged between two clusters is in both.
   std::vector<ChunkPosition> chunks;
 };
 
+// A grid over the finest cells, of which blocks or clusters are cells: cells of `width` from the
+// volume's corner on, the last along an axis with the rest of the volume.
+struct VisitGrid {
+  Vec3i width, count;
+
+  Vec3i indexOf(Vec3i cell) const { return min(cell / width, count - Vec3i{1, 1, 1}); }
+};
+
 struct TexturePlan {
-  BlockLayout layout;
+  PyramidLayout pyramid;
   PageGeometry page;
-  Vec3i cluster_blocks;  // u, v, 1
-  Vec3i cluster_grid;
+  Vec3i cluster_blocks;  // u, v, 1; of blocks of several levels 1, 1, 1
+  // From coarse to fine, each cell of one made of whole cells of the next: the grids of the levels
+  // that the blocks are of, and those that the clusters are cells of.
+  std::vector<VisitGrid> block_grids, cluster_grids;
   IndexedVector<BlockPosition, TextureBlock> blocks;
   IndexedVector<ChunkPosition, Chunk> chunks;
   IndexedVector<ClusterPosition, Cluster> clusters;  // those with anything to draw
 
+  const BlockLayout& layout() const { return pyramid.finest(); }
   int64_t pageCount() const;
   // What one load of a chunk moves, by cause.
   LoadBytes loadBytes(const Chunk& chunk) const;
@@ -89,8 +102,10 @@ struct PlanOptions {
   Box3 crop;         // cells that may show
 };
 
-// Throws Error when the texture cache has fewer pages than one block.
-TexturePlan planTextures(const BlockLayout& layout, const VisibleBlocks& visible,
+// Blocks of several levels are loaded as far as they are visible, also by the algorithms that load
+// all blocks of a volume of one level. Throws Error when the texture cache has fewer pages than one
+// block. Requires: the regions of the visible blocks (pyramid.h) are disjoint.
+TexturePlan planTextures(const PyramidLayout& pyramid, const VisibleBlocks& visible,
                          const PageGeometry& page, const PlanOptions& options);
 
 // Where the eye is among the cells of the volume: a parallel view looks along a direction.
@@ -98,6 +113,10 @@ struct EyePosition {
   bool parallel = true;
   Vec3d index;  // parallel: the viewing direction; otherwise the eye, both in index space
 };
+// The orders below go down the grids of the plan from coarse to fine, as an octree is traversed:
+// cells of a grid front to back, then what is in each of them. Blocks of one level are one grid.
+// Where two come in either order, neither hides the other.
+//
 // Front to back: along z first, then y, then x (section 3.2.3.3).
 std::vector<ClusterPosition> clusterOrder(const TexturePlan& plan, const EyePosition& eye);
 // Of one cluster, front to back.

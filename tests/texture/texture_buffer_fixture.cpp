@@ -19,7 +19,15 @@ std::vector<ChunkPosition> chunksOf(const std::vector<int64_t>& numbers) {
 
 void expectTexels(const TexturePlan& plan, ChunkPosition position, const ChunkTexels& texels,
                   const MemorySource& source) {
+  const MemorySource* const one = &source;
+  expectTexels(plan, position, texels, std::span(&one, 1));
+}
+
+void expectTexels(const TexturePlan& plan, ChunkPosition position, const ChunkTexels& texels,
+                  std::span<const MemorySource* const> levels) {
   const Chunk& chunk = plan.chunks[position];
+  const int32_t level = plan.blocks[chunk.blocks.front()].name.level;
+  const MemorySource& source = *levels[static_cast<size_t>(level)];
   const size_t size = bytesPerVoxel(deviceMap(source.layout()).type);
   const size_t stored_size = bytesPerVoxel(source.layout().type);
   const Vec3i dims = source.layout().dims;

@@ -24,6 +24,9 @@ std::vector<ChunkPosition> chunksOf(const std::vector<int64_t>& numbers);
 // others are 0.
 void expectTexels(const TexturePlan& plan, ChunkPosition position, const ChunkTexels& texels,
                   const MemorySource& source);
+// The same of a plan of several levels.
+void expectTexels(const TexturePlan& plan, ChunkPosition position, const ChunkTexels& texels,
+                  std::span<const MemorySource* const> levels);
 
 // 4 x 3 x 2 whole blocks of 8^3 bytes, a chunk each.
 inline constexpr Vec3i kDims{4 * 7 + 1, 3 * 7 + 1, 2 * 7 + 1};

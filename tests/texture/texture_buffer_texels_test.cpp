@@ -4,7 +4,10 @@
 #include <malloc.h>
 
 #include <array>
+#include <memory>
 #include <random>
+#include <set>
+#include <vector>
 
 #include "src/texture/fill_chunk.h"
 #include "src/texture/texture_buffer.h"
@@ -80,6 +83,44 @@ TEST(TextureBufferDeathTest, storageMustBeOfTheSizeItSays) {
   block.voxels = from.voxels;
   std::vector<std::byte> out(7);
   EXPECT_DEATH(copyTextureBlock(block, from, {2, 2, 2}, {2, 2, 2}, out), "check failed");
+}
+
+// Each chunk has the voxels of its own level, whatever level the blocks beside it in the buffer are
+// of.
+TEST(TextureBuffer, chunksOfACutHoldTheVoxelsOfTheirLevels) {
+  const Vec3i dims{50, 36, 43};
+  const PyramidLayout pyramid = threeLevels(dims, 8, 1);
+  std::vector<std::unique_ptr<MemorySource>> sources;
+  std::vector<const MemorySource*> levels;
+  std::vector<VolumeBuffer::Level> read;
+  for (int level = 0; level < pyramid.levels(); ++level) {
+    const BlockLayout& blocks = pyramid.level(level).blocks;
+    sources.push_back(
+        makeWhiteNoise(blocks.dims, VoxelType::kU16, static_cast<uint64_t>(level) + 1));
+    levels.push_back(sources.back().get());
+    read.push_back({sources.back().get(), blocks});
+  }
+  std::mt19937_64 random(5);
+  WorkerPool pool(2);
+  VolumeBuffer blocks(read, 256 << 10, VolumeBuffer::Cold::kPacked);
+  TextureBuffer buffer(blocks, pool, 4 << 20);
+  ChunkNames names;
+  const PageGeometry page{{8, 8, 1}, 2, 64};
+  std::set<int32_t> seen;
+  for (int trial = 0; trial < 20; ++trial) {
+    const TexturePlan plan = planTextures(pyramid, randomCut(pyramid, 0.7, random), page,
+                                          planOptions(pyramid.finest(), Algorithm::kMerged));
+    const auto texels = buffer.acquire(plan, names.namesOf(plan), allChunks(plan));
+    for (size_t i = 0; i < texels.size(); ++i) {
+      expectTexels(plan, ChunkPosition(i), *texels[i], levels);
+      seen.insert(plan.blocks[plan.chunks[ChunkPosition(i)].blocks.front()].name.level);
+    }
+    if (HasFatalFailure()) FAIL() << "trial " << trial;
+    // What interpolation takes of a block is there.
+    for (const TextureBlock& block : plan.blocks)
+      EXPECT_TRUE(block.voxels.contains(pyramid.of(block.name).voxelsUnder(block.cells)));
+  }
+  EXPECT_EQ(seen.size(), 3U);
 }
 
 // Chunks large enough to be kept where memory is passed on from one to the next.

@@ -263,7 +263,7 @@ TEST(TexturePlan, thePapersClusterIsTwoByTwoBlocks) {
   const BlockLayout layout = wholeBlocks();
   const TexturePlan plan = planned(layout, allBlack(layout), kOctane, Algorithm::kTrimmed);
   EXPECT_EQ(plan.cluster_blocks, (Vec3i{2, 2, 1}));
-  EXPECT_EQ(plan.cluster_grid, (Vec3i{3, 2, 3}));
+  EXPECT_EQ(plan.cluster_grids.front().count, (Vec3i{3, 2, 3}));
   EXPECT_EQ(plan.clusters.size(), 18U);
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <set>
 
 #include "tests/texture/random_plan.h"
 
@@ -56,6 +57,17 @@ class VisibilityOrder : public testing::Test {
                         planOptions(layout, algorithm));
   }
 
+  // The same of a cut through three levels.
+  TexturePlan cutPlan(Algorithm algorithm) {
+    const PyramidLayout pyramid = threeLevels({50, 36, 43}, 8, 1);
+    const PageGeometry page{{8, 8, 1}, 1, algorithm == Algorithm::kMerged ? 64 : 32};
+    return planTextures(pyramid, randomCut(pyramid, 0.7, random_), page,
+                        planOptions(pyramid.finest(), algorithm));
+  }
+  TexturePlan planOf(Algorithm algorithm, bool is_cut) {
+    return is_cut ? cutPlan(algorithm) : plan(algorithm);
+  }
+
   // All positions in plan.blocks in layers.
   static std::vector<BlockPosition> inLayers(const TexturePlan& plan, const EyePosition& eye) {
     std::vector<BlockPosition> all;
@@ -87,6 +99,21 @@ class VisibilityOrder : public testing::Test {
   std::mt19937_64 random_{1};
 };
 
+TEST_F(VisibilityOrder, everyBlockOfACutIsDrawnOnce) {
+  const TexturePlan p = cutPlan(Algorithm::kMerged);
+  std::set<int32_t> levels;
+  for (const TextureBlock& block : p.blocks) levels.insert(block.name.level);
+  EXPECT_EQ(levels.size(), 3U);
+  std::vector<BlockPosition> order = drawn(p, {true, {1, -1, 0}});
+  std::sort(order.begin(), order.end());
+  EXPECT_EQ(order.size(), p.blocks.size());
+  for (size_t i = 0; i < order.size(); ++i) EXPECT_EQ(order[i], BlockPosition(i));
+  for (const Cluster& cluster : p.clusters) EXPECT_LE(cluster.blocks.size(), 8U);
+  for (const Chunk& chunk : p.chunks)
+    for (const BlockPosition block : chunk.blocks)
+      EXPECT_EQ(p.blocks[block].name.level, p.blocks[chunk.blocks.front()].name.level);
+}
+
 TEST_F(VisibilityOrder, everyBlockIsDrawnOnce) {
   const TexturePlan p = plan(Algorithm::kMerged);
   std::vector<BlockPosition> order = drawn(p, {true, {1, -1, 0}});
@@ -102,7 +129,7 @@ TEST_F(VisibilityOrder, layersGoThroughTheWholeFrontFirst) {
   const TexturePlan p = plan(Algorithm::kConventional);
   int64_t last = 0;
   for (const BlockPosition position : inLayers(p, {true, {1, 1, 1}})) {
-    const Vec3i index = p.layout.indexOf(p.blocks[position].name.block);
+    const Vec3i index = p.layout().indexOf(p.blocks[position].name.block);
     EXPECT_GE(index.x + index.y + index.z, last);
     last = index.x + index.y + index.z;
   }
@@ -113,12 +140,12 @@ TEST_F(VisibilityOrder, parallelViewsAreFrontToBack) {
   int64_t pairs = 0;
   for (const Algorithm algorithm :
        {Algorithm::kConventional, Algorithm::kTrimmed, Algorithm::kMerged})
-    for (int view = 0; view < 340; ++view) {
-      const TexturePlan p = plan(algorithm);
+    for (int view = 0; view < 680; ++view) {
+      const TexturePlan p = planOf(algorithm, view % 4 < 2);
       const Vec3d d = direction();
       const std::vector<BlockPosition> order = drawn(p, {true, d}), layers = inLayers(p, {true, d});
       for (int ray = 0; ray < 20; ++ray) {
-        const Ray r{pointIn({0, 0, 0}, toDouble(p.layout.dims)) - d * 200, d};
+        const Ray r{pointIn({0, 0, 0}, toDouble(p.layout().dims)) - d * 200, d};
         expectFrontToBack(p, order, r, 0, pairs);
         expectFrontToBack(p, layers, r, 0, pairs);
         if (HasFatalFailure()) FAIL() << "direction " << d.x << ' ' << d.y << ' ' << d.z;
@@ -130,13 +157,13 @@ TEST_F(VisibilityOrder, parallelViewsAreFrontToBack) {
 TEST_F(VisibilityOrder, viewsAlongAnAxisAreFrontToBack) {
   int64_t pairs = 0;
   for (int axis = 0; axis < 3; ++axis)
-    for (const double sign : {-1.0, 1.0}) {
-      const TexturePlan p = plan(Algorithm::kTrimmed);
+    for (const double sign : {-1.0, 1.0, -2.0, 2.0}) {
+      const TexturePlan p = planOf(Algorithm::kTrimmed, std::abs(sign) == 2);
       Vec3d d{0, 0, 0};
-      d[axis] = sign;
+      d[axis] = sign < 0 ? -1 : 1;
       const std::vector<BlockPosition> order = drawn(p, {true, d}), layers = inLayers(p, {true, d});
       for (int ray = 0; ray < 1000; ++ray) {
-        const Ray r{pointIn({0, 0, 0}, toDouble(p.layout.dims)) - d * 200, d};
+        const Ray r{pointIn({0, 0, 0}, toDouble(p.layout().dims)) - d * 200, d};
         expectFrontToBack(p, order, r, 0, pairs);
         expectFrontToBack(p, layers, r, 0, pairs);
         if (HasFatalFailure()) FAIL() << "axis " << axis << " sign " << sign;
@@ -149,13 +176,14 @@ TEST_F(VisibilityOrder, perspectiveViewsAreFrontToBackFromOutsideAndInside) {
   int64_t pairs = 0;
   for (const Algorithm algorithm :
        {Algorithm::kConventional, Algorithm::kTrimmed, Algorithm::kMerged})
-    for (int view = 0; view < 340; ++view) {
-      const TexturePlan p = plan(algorithm);
-      const Vec3d dims = toDouble(p.layout.dims);
+    for (int view = 0; view < 680; ++view) {
+      const TexturePlan p = planOf(algorithm, view % 4 < 2);
+      const Vec3d dims = toDouble(p.layout().dims);
       const bool eye_inside = view % 2 == 0;
       Vec3d eye = eye_inside ? pointIn({0, 0, 0}, dims) : pointIn(dims * -2.0, dims * 3.0);
       // On a boundary of blocks now and then.
-      if (view % 5 == 0) eye.x = std::floor(eye.x / 7) * 7;
+      const auto side = static_cast<double>(p.layout().cells());
+      if (view % 5 == 0) eye.x = std::floor(eye.x / side) * side;
       const std::vector<BlockPosition> order = drawn(p, {false, eye}),
                                        layers = inLayers(p, {false, eye});
       for (int ray = 0; ray < 20; ++ray) {
