@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "io/pictures/picture.h"
+#include "src/base/picture.h"
 
 namespace sluice {
 

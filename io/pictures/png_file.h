@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "io/pictures/picture.h"
+#include "src/base/picture.h"
 
 namespace sluice {
 

@@ -39,7 +39,6 @@ constexpr std::array<SynthKind, kKinds.size()> kKindList = [] {
   return list;
 }();
 
-constexpr std::string_view kPrefix = "synth:";
 // Raised when a kind's voxels change, so that what was computed from older ones is not believed.
 constexpr int kRevision = 2;
 
@@ -198,13 +197,9 @@ std::optional<SynthKind> parseSynthKind(std::string_view text) {
   return std::nullopt;
 }
 
-bool isSynthSpec(std::string_view text) {
-  return text.starts_with(kPrefix);
-}
-
 SynthOptions parseSynthSpec(std::string_view spec) {
   std::string_view rest = spec;
-  if (isSynthSpec(rest)) rest.remove_prefix(kPrefix.size());
+  if (isSynthSpec(rest)) rest.remove_prefix(kSynthPrefix.size());
   SynthOptions options;
   for (bool first = true; first || !rest.empty(); first = false) {
     const std::string_view part = rest.substr(0, rest.find(','));
@@ -231,7 +226,7 @@ std::string specOf(const SynthOptions& options) {
   const Vec3i d = options.dims;
   const Vec3d s = options.spacing;
   return fmt::format("{}{},dims={}x{}x{},type={},steps={},seed={},share={},spacing={}x{}x{}",
-                     kPrefix, name(options.kind), d.x, d.y, d.z, name(options.type),
+                     kSynthPrefix, name(options.kind), d.x, d.y, d.z, name(options.type),
                      options.time_steps, options.seed, options.object_share, s.x, s.y, s.z);
 }
 

@@ -11,6 +11,7 @@
 #include <string>
 #include <string_view>
 
+#include "src/base/synth_name.h"
 #include "src/base/volume_source.h"
 
 namespace sluice {
@@ -50,8 +51,6 @@ struct SynthOptions {
 SynthOptions parseSynthSpec(std::string_view spec);
 // The spec, every field named; parseSynthSpec takes it back.
 std::string specOf(const SynthOptions& options);
-// Whether this names a synthetic volume rather than a file: starts with "synth:".
-bool isSynthSpec(std::string_view text);
 
 // Throws Error when an option is out of range.
 std::unique_ptr<VolumeSource> openSynth(const SynthOptions& options);

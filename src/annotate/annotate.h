@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "io/pictures/picture.h"
+#include "src/base/picture.h"
 #include "src/classify/transfer/transfer_function.h"
 #include "src/render/camera.h"
 #include "src/render/camera_framing.h"

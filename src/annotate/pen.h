@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "io/pictures/picture.h"
+#include "src/base/picture.h"
 #include "src/base/vec.h"
 
 namespace sluice {

@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-#include "io/pictures/picture.h"
+#include "src/base/picture.h"
 #include "src/cpu/kernel_values.h"
 
 namespace sluice {

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "io/pictures/picture.h"
+#include "src/base/picture.h"
 #include "src/base/stop_token.h"
 #include "src/device/chunk_texels.h"
 #include "src/device/frame_values.h"

@@ -12,11 +12,11 @@
 #include <cstring>
 #include <system_error>
 
-#include "io/synth/synth_source.h"
 #include "src/base/atomic_file.h"
 #include "src/base/descriptor.h"
 #include "src/base/error.h"
 #include "src/base/large_pages.h"
+#include "src/base/synth_name.h"
 
 namespace sluice {
 namespace {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "io/pictures/picture.h"
+#include "src/base/picture.h"
 #include "src/library/requests.h"
 #include "src/render/frame_options.h"
 

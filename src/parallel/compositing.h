@@ -7,7 +7,7 @@
 
 #include <cstdint>
 
-#include "io/pictures/picture.h"
+#include "src/base/picture.h"
 #include "src/base/worker_pool.h"
 #include "src/device/partial_picture.h"
 #include "src/parallel/team.h"

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "io/pictures/picture.h"
+#include "src/base/picture.h"
 #include "src/render/frame_occlusion.h"
 #include "src/render/visible_blocks.h"
 

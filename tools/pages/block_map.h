@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "io/pictures/picture.h"
+#include "src/base/picture.h"
 #include "src/base/vec.h"
 #include "src/classify/blocks/classification.h"
 

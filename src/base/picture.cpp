@@ -1,4 +1,4 @@
-#include "io/pictures/picture.h"
+#include "src/base/picture.h"
 
 #include <cmath>
 
