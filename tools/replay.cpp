@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <filesystem>
-#include <fstream>
 #include <utility>
 
 #include "src/base/error.h"
@@ -29,11 +27,8 @@ class TraceFile final : public ReplaySource {
   PreparedTrace requests(uint64_t /*pages*/) override {
     const auto reader = openTrace(file_, format_, page_bytes_);
     TracePreparer preparer(reader->pageBytes(), reader->carriesClusters());
-    TraceRecord record;
-    while (reader->next(record)) preparer.add(record);
+    readInto(*reader, [&](const TraceRecord& record) { preparer.add(record); });
     PreparedTrace trace = preparer.finish();
-    checkSome(trace.keys.size());
-    warnings_ = reader->warnings();
     if (trace.resized > 0)
       warnings_.push_back(
           fmt::format("{}: {} of {} requests name another size than their chunk's first request, "
@@ -46,9 +41,22 @@ class TraceFile final : public ReplaySource {
     checkSome(trace.records.size());
     return trace;
   }
+  uint64_t visit(uint64_t /*pages*/, const std::function<void(const TraceRecord&)>& take) override {
+    const auto reader = openTrace(file_, format_, page_bytes_);
+    readInto(*reader, take);
+    return reader->pageBytes();
+  }
   std::vector<std::string> warnings() const override { return warnings_; }
 
  private:
+  template <class Take>
+  void readInto(TraceReader& reader, const Take& take) {
+    TraceRecord record;
+    size_t count = 0;
+    for (; reader.next(record); ++count) take(record);
+    checkSome(count);
+    warnings_ = reader.warnings();
+  }
   void checkSome(size_t count) const {
     if (count == 0) fail("{}: the trace holds no requests; is it cut?", file_);
   }
@@ -86,6 +94,11 @@ class Turn final : public ReplaySource {
   }
 
   PreparedTrace requests(uint64_t pages) override { return prepare(records(pages)); }
+  uint64_t visit(uint64_t pages, const std::function<void(const TraceRecord&)>& take) override {
+    const Trace trace = records(pages);
+    for (const TraceRecord& record : trace.records) take(record);
+    return trace.page_bytes;
+  }
   Trace records(uint64_t pages) override {
     PageGeometry page = volume_.page;
     page.pages = static_cast<int64_t>(*plannedPages(pages));
@@ -116,19 +129,6 @@ class Turn final : public ReplaySource {
 };
 
 }  // namespace
-
-bool isTraceFile(const std::string& name) {
-  const std::string extension = std::filesystem::path(name).extension().string();
-  if (extension == ".csv" || extension == ".din" ||
-      name.find(".oracleGeneral") != std::string::npos)
-    return true;
-  std::error_code none;
-  if (!std::filesystem::is_regular_file(name, none)) return false;
-  // Ours begin with their name.
-  std::ifstream file(name, std::ios::binary);
-  std::string start(7, '\0');
-  return file.read(start.data(), 7) && (start == "sluice-" || start == "SLTRACE");
-}
 
 std::unique_ptr<ReplaySource> openTraceFile(const std::string& file,
                                             std::optional<TraceFormat> format,

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -32,13 +33,11 @@ class ReplaySource {
   virtual PreparedTrace requests(uint64_t pages) = 0;
   // The same as records, which take some six times the memory.
   virtual Trace records(uint64_t pages) = 0;
+  // The same one by one, from a trace without holding it in memory. Returns the bytes of a page.
+  virtual uint64_t visit(uint64_t pages, const std::function<void(const TraceRecord&)>& take) = 0;
   // A line each on what was read so far: what a person should know of it.
   virtual std::vector<std::string> warnings() const { return {}; }
 };
-
-// Whether a file is a recorded trace, by its name or first bytes. A pipe is none, and not waited
-// for.
-bool isTraceFile(const std::string& name);
 
 // `format`: none where the file's name or first bytes say. `page_bytes`: where the format does not.
 std::unique_ptr<ReplaySource> openTraceFile(const std::string& file,

@@ -4,7 +4,10 @@
 #include <array>
 #include <utility>
 
+#include "cache/policies/counting_policies.h"
 #include "cache/policies/ghost_policies.h"
+#include "cache/policies/lirs_policy.h"
+#include "cache/policies/segmented_policies.h"
 #include "cache/policies/simple_policies.h"
 #include "src/base/error.h"
 
@@ -12,22 +15,21 @@ namespace sluice {
 namespace {
 
 constexpr std::array kNames{
-    std::pair{PolicyKind::kLru, "lru"},
-    std::pair{PolicyKind::kFifo, "fifo"},
-    std::pair{PolicyKind::kClock, "clock"},
-    std::pair{PolicyKind::kRandom, "random"},
-    std::pair{PolicyKind::kSrrip, "srrip"},
-    std::pair{PolicyKind::kTwoQ, "2q"},
-    std::pair{PolicyKind::kArc, "arc"},
-    std::pair{PolicyKind::kS3Fifo, "s3-fifo"},
-    std::pair{PolicyKind::kSieve, "sieve"},
-    std::pair{PolicyKind::kBelady, "belady"},
-    std::pair{PolicyKind::kBeladyPages, "belady-pages"},
+    std::pair{PolicyKind::kLru, "lru"},       std::pair{PolicyKind::kFifo, "fifo"},
+    std::pair{PolicyKind::kClock, "clock"},   std::pair{PolicyKind::kRandom, "random"},
+    std::pair{PolicyKind::kSrrip, "srrip"},   std::pair{PolicyKind::kTwoQ, "2q"},
+    std::pair{PolicyKind::kArc, "arc"},       std::pair{PolicyKind::kS3Fifo, "s3-fifo"},
+    std::pair{PolicyKind::kSieve, "sieve"},   std::pair{PolicyKind::kLfu, "lfu"},
+    std::pair{PolicyKind::kSlru, "slru"},     std::pair{PolicyKind::kWTinyLfu, "w-tinylfu"},
+    std::pair{PolicyKind::kLirs, "lirs"},     std::pair{PolicyKind::kGdsf, "gdsf"},
+    std::pair{PolicyKind::kBelady, "belady"}, std::pair{PolicyKind::kBeladyPages, "belady-pages"},
 };
 
 constexpr std::array kOnline{PolicyKind::kLru,    PolicyKind::kFifo,   PolicyKind::kClock,
                              PolicyKind::kRandom, PolicyKind::kSrrip,  PolicyKind::kTwoQ,
-                             PolicyKind::kArc,    PolicyKind::kS3Fifo, PolicyKind::kSieve};
+                             PolicyKind::kArc,    PolicyKind::kS3Fifo, PolicyKind::kSieve,
+                             PolicyKind::kLfu,    PolicyKind::kSlru,   PolicyKind::kWTinyLfu,
+                             PolicyKind::kLirs,   PolicyKind::kGdsf};
 
 }  // namespace
 
@@ -189,6 +191,16 @@ std::unique_ptr<Policy> makePolicy(PolicyKind kind, uint64_t capacity, uint64_t 
       return std::make_unique<S3FifoPolicy>(capacity);
     case PolicyKind::kSieve:
       return std::make_unique<SievePolicy>(capacity);
+    case PolicyKind::kLfu:
+      return std::make_unique<LfuPolicy>(capacity);
+    case PolicyKind::kSlru:
+      return std::make_unique<SlruPolicy>(capacity);
+    case PolicyKind::kWTinyLfu:
+      return std::make_unique<WTinyLfuPolicy>(capacity);
+    case PolicyKind::kLirs:
+      return std::make_unique<LirsPolicy>(capacity);
+    case PolicyKind::kGdsf:
+      return std::make_unique<GdsfPolicy>(capacity);
     case PolicyKind::kBelady:
     case PolicyKind::kBeladyPages:
       break;

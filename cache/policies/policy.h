@@ -151,14 +151,19 @@ enum class PolicyKind {
   kArc,
   kS3Fifo,
   kSieve,
+  kLfu,
+  kSlru,
+  kWTinyLfu,
+  kLirs,
+  kGdsf,
   kBelady,      // the optimum by request: needs the whole trace
   kBeladyPages  // the optimum by byte: see belady.h
 };
 
 // Those that need no knowledge of the future, in the order above.
 std::span<const PolicyKind> onlinePolicies();
-// "lru", "fifo", "clock", "random", "srrip", "2q", "arc", "s3-fifo", "sieve", "belady",
-// "belady-pages": the names that --policy takes.
+// "lru", "fifo", "clock", "random", "srrip", "2q", "arc", "s3-fifo", "sieve", "lfu", "slru",
+// "w-tinylfu", "lirs", "gdsf", "belady", "belady-pages": the names that --policy takes.
 std::string_view name(PolicyKind kind);
 std::optional<PolicyKind> parsePolicy(std::string_view text);
 

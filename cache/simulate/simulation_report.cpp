@@ -82,7 +82,7 @@ class ResidencyReplay {
 std::vector<std::pair<std::string, std::string>> factsOf(const PreparedTrace& trace,
                                                          const SimulationConfig& chosen) {
   return {
-      {"Requests", fmt::format("{}", trace.keys.size())},
+      {"Chunk requests", fmt::format("{}", trace.keys.size())},
       {"Page requests", fmt::format("{}", trace.page_requests)},
       {"Distinct chunks", fmt::format("{}", trace.distinct)},
       {"Distinct pages", fmt::format("{}", trace.distinct_pages)},

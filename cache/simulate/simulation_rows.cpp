@@ -1,6 +1,10 @@
 // Rows as csv and json; the names are those that scripts rely on.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <utility>
+#include <vector>
+
 #include "cache/simulate/simulator.h"
 
 namespace sluice {
@@ -39,6 +43,27 @@ void visitFields(const SimulationRow& r, Visit&& visit) {
   visit("pages_loaded", r.pages_loaded);
   visit("modelled_seconds", r.modelled_seconds);
   visit("planned_pages", r.planned_pages);
+  visit("miss_ratio", r.missRatio());
+}
+
+// A field of a csv file (RFC 4180).
+std::string quoted(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string out = "\"";
+  for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return out + '"';
+}
+
+// The names of what tells runs apart, as far as some row has them.
+using Label = std::pair<const char*, std::string SimulationRow::*>;
+std::vector<Label> labelsOf(std::span<const SimulationRow> rows) {
+  std::vector<Label> labels;
+  for (const Label& label :
+       {Label{"trace", &SimulationRow::trace}, Label{"page", &SimulationRow::page}})
+    if (std::any_of(rows.begin(), rows.end(),
+                    [&](const SimulationRow& row) { return !(row.*label.second).empty(); }))
+      labels.push_back(label);
+  return labels;
 }
 
 }  // namespace
@@ -47,10 +72,13 @@ std::string toCsv(std::span<const SimulationRow> rows) {
   std::string out = "policy";
   visitFields(SimulationRow{},
               [&](const char* field, const auto&) { out += fmt::format(",{}", field); });
+  const std::vector<Label> labels = labelsOf(rows);
+  for (const Label& label : labels) out += fmt::format(",{}", label.first);
   out += '\n';
   for (const SimulationRow& row : rows) {
     out += name(row.policy);
     visitFields(row, [&](const char*, const auto& value) { out += ',' + textOf(value, ""); });
+    for (const Label& label : labels) out += ',' + quoted(row.*label.second);
     out += '\n';
   }
   return out;

@@ -60,6 +60,13 @@ struct SimulationRow {
   double modelled_seconds = 0;
   // Where the chunks were planned for a cache: for one of so many pages.
   std::optional<uint64_t> planned_pages;
+  // Which trace and which page size this row belongs to, where several are simulated; else empty.
+  std::string trace, page;
+
+  // Page misses of all page requests; 1 for an empty trace.
+  double missRatio() const {
+    return requests == 0 ? 1 : static_cast<double>(misses) / static_cast<double>(requests);
+  }
 };
 
 // Requires: config.pages > 0. `lru_misses`: page misses of LRU at this size where the caller knows
@@ -75,9 +82,11 @@ std::vector<SimulationRow> simulateTable(const PreparedTrace& trace,
 // Empty, or one line that says which identity of the header or of the counters does not hold.
 std::string brokenIdentity(const SimulationRow& row);
 
-// "policy,pages,requests,...": a header line and a line a row, ended by newlines.
+// "policy,pages,requests,...": a header line and a line a row, ended by newlines. Rows that name
+// their trace or page size have it in columns at the end; names with commas or quotes are quoted.
 std::string toCsv(std::span<const SimulationRow> rows);
-// {"rows": [{"policy": ...}]} with the names of toCsv. What is not known is empty there, null here.
+// {"rows": [{"policy": ...}]} with the names of toCsv, less the trace and page size. What is not
+// known is empty there, null here.
 std::string toJson(std::span<const SimulationRow> rows);
 
 }  // namespace sluice

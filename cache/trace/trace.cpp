@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
-#include <fstream>
 #include <utility>
 
+#include "cache/trace/decompressed_file.h"
 #include "cache/trace/trace_formats.h"
 
 namespace sluice {
@@ -67,21 +66,35 @@ constexpr std::array kFormatNames{
     std::pair{TraceFormat::kCsv, "csv"}, std::pair{TraceFormat::kOracleGeneral, "oracleGeneral"},
     std::pair{TraceFormat::kDin, "din"}};
 
-std::optional<TraceFormat> guessFormat(std::istream& in, const std::filesystem::path& path) {
+// Our own format, if the content begins as one does.
+std::optional<TraceFormat> formatByContent(const std::filesystem::path& path) {
+  const auto in = trace_internal::openUnpacked(path);
   std::array<char, 8> head{};
-  in.read(head.data(), head.size());
-  const std::string_view start(head.data(), static_cast<size_t>(in.gcount()));
-  in.clear();
-  in.seekg(0);
+  in->read(head.data(), head.size());
+  const std::string_view start(head.data(), static_cast<size_t>(in->gcount()));
   if (start == trace_internal::kBinaryMagic) return TraceFormat::kBinary;
   if (trace_internal::kTextMagic.starts_with(start) && start.size() == head.size())
     return TraceFormat::kText;
-  const std::string file = path.filename().string();
+  return std::nullopt;
+}
+
+// A format that others write, by the name's endings; .gz and .zst are passed over.
+std::optional<TraceFormat> formatByName(const std::filesystem::path& path) {
+  const std::string file = trace_internal::withoutPackedEnding(path).filename().string();
   if (file.ends_with(".csv")) return TraceFormat::kCsv;
   if (file.ends_with(".din")) return TraceFormat::kDin;
-  if (file.find(".oracleGeneral") != std::string::npos || file.ends_with(".bin"))
-    return TraceFormat::kOracleGeneral;
+  if (file.find(".oracleGeneral") != std::string::npos) return TraceFormat::kOracleGeneral;
   return std::nullopt;
+}
+
+void refuseWhatIsNoFile(const std::filesystem::path& path) {
+  std::error_code none;
+  const std::filesystem::file_status status = std::filesystem::status(path, none);
+  if (std::filesystem::is_directory(status))
+    fail("{}: expected a trace file, found a folder", path.string());
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
+    fail("{}: expected a trace file, found a pipe or a device; copy what it gives into a file",
+         path.string());
 }
 
 }  // namespace
@@ -143,32 +156,46 @@ std::unique_ptr<TraceReader> makeTraceReader(std::unique_ptr<std::istream> in, s
 
 std::unique_ptr<TraceReader> openTrace(const std::filesystem::path& path,
                                        std::optional<TraceFormat> format, uint64_t page_bytes) {
-  std::error_code none;
-  const std::filesystem::file_status status = std::filesystem::status(path, none);
-  if (std::filesystem::is_directory(status))
-    fail("{}: expected a trace file, found a folder", path.string());
-  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
-    fail("{}: expected a trace file, found a pipe or a device; copy what it gives into a file",
-         path.string());
-  auto in = std::make_unique<std::ifstream>(path, std::ios::binary);
-  if (!*in) failErrno(fmt::format("{}: cannot open the trace", path.string()), errno);
-  if (!format) format = guessFormat(*in, path);
+  refuseWhatIsNoFile(path);
+  if (!format) format = formatByContent(path);
+  if (!format) format = formatByName(path);
+  if (!format && trace_internal::withoutPackedEnding(path).extension() == ".bin")
+    format = TraceFormat::kOracleGeneral;
   if (!format)
     fail(
         "{}: expected a trace (text, binary, .csv, .oracleGeneral or .din), found neither our "
         "first bytes nor a known extension; name the format",
         path.string());
   std::unique_ptr<TraceReader> companion;
-  const std::filesystem::path beside = trace_internal::companionOf(path);
-  if (format == TraceFormat::kOracleGeneral && std::filesystem::exists(beside, none))
-    companion = openTrace(beside, TraceFormat::kBinary, page_bytes);
-  return readerOf(std::move(in), path.string(), *format, page_bytes, std::move(companion));
+  if (format == TraceFormat::kOracleGeneral)
+    for (const auto& name : {path, trace_internal::withoutPackedEnding(path)}) {
+      std::error_code none;
+      const std::filesystem::path beside = trace_internal::companionOf(name);
+      if (companion || !std::filesystem::exists(beside, none)) continue;
+      companion = openTrace(beside, TraceFormat::kBinary, page_bytes);
+    }
+  return readerOf(trace_internal::openUnpacked(path), path.string(), *format, page_bytes,
+                  std::move(companion));
+}
+
+bool isTraceFile(const std::filesystem::path& path) {
+  if (formatByName(path)) return true;
+  std::error_code none;
+  if (!std::filesystem::is_regular_file(path, none)) return false;
+  try {
+    return formatByContent(path).has_value();
+  } catch (const Error&) {
+    return false;  // compressed in a way of its own: a volume's reader says what it is
+  }
 }
 
 std::unique_ptr<TraceWriter> makeTraceWriter(const std::filesystem::path& path, TraceFormat format,
                                              uint64_t page_bytes) {
   using namespace trace_internal;
   SLUICE_CHECK_LT(uint64_t{0}, page_bytes);
+  if (withoutPackedEnding(path) != path)
+    fail("{}: compressed traces are read, not written; name it {} and compress it afterwards",
+         path.string(), withoutPackedEnding(path).filename().string());
   switch (format) {
     case TraceFormat::kText:
       return makeTextWriter(path, page_bytes);

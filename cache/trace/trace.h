@@ -78,12 +78,17 @@ class TraceReader {
 // Throws Error when the beginning is not of this format. Requires: page_bytes > 0.
 std::unique_ptr<TraceReader> makeTraceReader(std::unique_ptr<std::istream> in, std::string label,
                                              TraceFormat format, uint64_t page_bytes);
-// Opens a file; without a format, ours are known by their first bytes and the others by extension
-// (.csv, .din, .oracleGeneral with anything after it, .bin). A pipe is refused, never waited for.
-// Throws Error.
+// Opens a file, unpacking it if its content is compressed with gzip or Zstandard. Without a format,
+// ours are known by their first bytes and the others by extension (.csv, .din, .oracleGeneral with
+// anything after it, .bin), .gz and .zst passed over. A pipe is refused, never waited for. Throws
+// Error.
 std::unique_ptr<TraceReader> openTrace(const std::filesystem::path& path,
                                        std::optional<TraceFormat> format = std::nullopt,
                                        uint64_t page_bytes = 4096);
+
+// Whether openTrace() would take a file for a trace, .bin apart: by a foreign format's name, or by
+// our first bytes. A pipe is none, and not waited for.
+bool isTraceFile(const std::filesystem::path& path);
 
 class TraceWriter {
  public:
@@ -95,7 +100,7 @@ class TraceWriter {
   virtual void finish() = 0;
 };
 
-// Throws Error when the folder cannot be written.
+// Throws Error when the folder cannot be written, or when the name promises a compressed file.
 std::unique_ptr<TraceWriter> makeTraceWriter(const std::filesystem::path& path, TraceFormat format,
                                              uint64_t page_bytes);
 

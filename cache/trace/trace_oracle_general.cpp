@@ -46,6 +46,7 @@ class OracleGeneralReader final : public Reader {
     const auto time = littleEndian<uint32_t>(raw, 0), bytes = littleEndian<uint32_t>(raw, 12);
     const auto id = littleEndian<uint64_t>(raw, 4);
     const auto next_request = littleEndian<int64_t>(raw, 16);
+    checkNext(next_request);
     if (next_request != INT64_MAX) furthest_ = std::max(furthest_, next_request);
     if (companion_) {
       if (!companion_->next(record) || record.chunk != id || record.frame != time ||
@@ -59,6 +60,17 @@ class OracleGeneralReader final : public Reader {
   }
 
  private:
+  // The next request comes later, so bytes that are something else are soon noticed. Some programs
+  // count requests from 0, and write 0 when they do not know.
+  void checkNext(int64_t next_request) const {
+    if (next_request >= -1 &&
+        (next_request <= 0 || static_cast<uint64_t>(next_request) >= records_))
+      return;
+    fail(
+        "{}: record {}: expected the number of a later request or -1, found {}; is the file "
+        "oracleGeneral?",
+        in_.label(), records_, next_request);
+  }
   void finish(TraceRecord& record) {
     if (companion_) {
       if (companion_->next(record)) failCompanion();

@@ -7,10 +7,10 @@
 #include <string>
 
 #include "io/pictures/png_file.h"
-#include "src/report/html_page.h"
 #include "tests/tools/program.h"
 #include "tools/pages/block_map.h"
 #include "tools/pages/compare_page.h"
+#include "tools/pages/html_page.h"
 #include "tools/pages/run_page.h"
 
 namespace sluice {

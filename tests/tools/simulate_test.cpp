@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <set>
 #include <string>
@@ -103,7 +105,7 @@ TEST(Simulate, anExportedTraceGivesTheNumbersOfTheTraceItself) {
             0);
   const auto rows = program.json("simulate t.bin --sizes 8,16,64,100");
   EXPECT_EQ(rows["pinned"], true);
-  EXPECT_EQ(rows["rows"].size(), 4 * 11U);
+  EXPECT_EQ(rows["rows"].size(), 4 * 16U);
   for (const std::string file : {"u.txt", "u.csv", "u.oracleGeneral", "u.din", "u.bin"}) {
     ASSERT_EQ(program.run("simulate t.bin --sizes 64 --policies lru --export " + file).status, 0);
     const auto back = program.json("simulate " + file + " --sizes 8,16,64,100");
@@ -138,7 +140,7 @@ TEST(Simulate, failuresAreCountedAndMarked) {
   std::ofstream(program.folder / "t.csv") << "1,7,40960\n2,8,4096\n3,7,40960\n";
   const CommandResult table = program.run("simulate t.csv --sizes 4 --policies lru --csv rows.csv");
   EXPECT_NE(table.output.find("       2 !\n"), std::string::npos) << table.output;
-  EXPECT_NE(table.output.find("! requests that do not fit"), std::string::npos);
+  EXPECT_NE(table.output.find("! chunk requests that do not fit"), std::string::npos);
   const auto row = program.json("simulate t.csv --sizes 4 --policies lru")["rows"][0];
   EXPECT_EQ(row["failures"], 2);
   EXPECT_EQ(row["bytes_moved"], 2 * 40960 + 4096);
@@ -176,7 +178,15 @@ TEST(Simulate, refusesWhatItWouldDropOrCannotReplay) {
   ASSERT_EQ(runCommand("mkdir " + (program.folder / "folder.csv").string()).status, 0);
   const std::string small = std::string("simulate ") + kSmall;
   const std::vector<Refused> cases{
-      {"simulate a.csv b.csv", 2, "one trace is replayed at a time"},
+      {"simulate a.csv b.csv --export u.bin", 2, "for one trace or page size at a time"},
+      {"simulate a.csv pipe", 2, "traces go together with traces alone"},
+      {"simulate a.csv --csv - --json", 2, "both want the standard output"},
+      {"simulate a.csv --sample 0.5 --policies lru", 2, "does not go with --sample"},
+      {"simulate a.csv --sample 1.5", 2, "--sample"},
+      {"simulate a.csv --sizes 10MB", 2, "--sizes"},
+      {"simulate a.csv --sizes 1.5K", 2, "--sizes"},
+      {"simulate a.csv --sizes 2T", 2, "--sizes"},
+      {small + " --page 4x4x4,5x4x4", 2, "--page"},
       {"simulate a.csv --threshold 3", 2, "--threshold"},
       {"simulate a.csv --fixed-plan", 2, "--fixed-plan"},
       {small + " --page-bytes 4096", 2, "--page-bytes"},
@@ -239,6 +249,142 @@ TEST(Simulate, writesItsTableAndAReportThatStandsAlone) {
     if (std::string(outside).rfind("http", 0) != 0) {
       EXPECT_EQ(page.find(outside), std::string::npos);
     }
+}
+
+// Requests of 2000 chunks, some far oftener than others, by a rule that repeats late.
+std::string skewedCsv(int requests) {
+  std::string csv;
+  uint64_t state = 7;
+  for (int i = 0; i < requests; ++i) {
+    state = state * 6364136223846793005u + 1442695040888963407u;
+    const double draw = static_cast<double>(state >> 11) * 0x1p-53;
+    csv += fmt::format("{},{},4096\n", i / 100, static_cast<int>(2000 * draw * draw * draw));
+  }
+  return csv;
+}
+
+TEST(Simulate, severalTracesAreOneTable) {
+  const Program program;
+  std::ofstream(program.folder / "a.csv") << skewedCsv(3000);
+  std::ofstream(program.folder / "b, c.csv") << skewedCsv(200);
+  const std::string options = " --sizes 16,64 --policies lru,lirs ";
+  const auto both = program.json("simulate a.csv 'b, c.csv'" + options);
+  auto expected = nlohmann::json::array();
+  for (const std::string file : {"a.csv", "b, c.csv"}) {
+    const auto alone = program.json("simulate '" + file + "'" + options);
+    for (auto row : alone["rows"]) {
+      row["trace"] = file;
+      expected.push_back(row);
+    }
+  }
+  EXPECT_EQ(both["rows"], expected);
+  EXPECT_EQ(both["runs"].size(), 2U);
+  EXPECT_EQ(both["runs"][1]["trace"], "b, c.csv");
+  const std::string csv = program.run("simulate a.csv 'b, c.csv' --csv -" + options).output;
+  EXPECT_NE(csv.find("planned_pages,miss_ratio,trace\n"), std::string::npos) << csv;
+  EXPECT_NE(csv.find(",\"b, c.csv\"\n"), std::string::npos) << csv;
+  EXPECT_EQ(program.run("simulate a.csv 'b, c.csv' --html r.html" + options).status, 0);
+  EXPECT_NE(readFile(program.folder / "r.html").find("<h2>b, c.csv</h2>"), std::string::npos);
+}
+
+TEST(Simulate, pageSizesAreSweptInOneRun) {
+  const Program program;
+  const std::string scene =
+      std::string("simulate ") + kSmall + " --block 16 --frames 2 --sizes 64 --policies lru,lfu";
+  auto expected = nlohmann::json::array();
+  for (const std::string page : {"16x16x4", "8x8x8"}) {
+    const auto alone = program.json(scene + " --page " + page);
+    for (auto row : alone["rows"]) {
+      row["page"] = page;
+      expected.push_back(row);
+    }
+  }
+  ASSERT_EQ(expected.size(), 4U);
+  EXPECT_NE(expected[0]["bytes_moved"], expected[2]["bytes_moved"]);
+  EXPECT_EQ(program.json(scene + " --page 16x16x4,8x8x8")["rows"], expected);
+  EXPECT_EQ(program.json(scene + " --page 16x16x4 --page 8x8x8")["rows"], expected);
+}
+
+TEST(Simulate, printsTheTableOnStandardOutputAsCsv) {
+  const Program program;
+  std::ofstream(program.folder / "t.csv") << skewedCsv(300);
+  const CommandResult result = program.run("simulate t.csv --sizes 2K --policies lru --csv -");
+  EXPECT_EQ(result.status, 0);
+  EXPECT_EQ(result.output.rfind("policy,pages,requests,", 0), 0U) << result.output;
+  EXPECT_NE(result.output.find("\nlru,2048,300,"), std::string::npos) << result.output;
+  EXPECT_EQ(std::count(result.output.begin(), result.output.end(), '\n'), 2);
+  EXPECT_FALSE(std::filesystem::exists(program.folder / "-"));
+}
+
+// What is called a page request is one in the table and in the summary above it.
+TEST(Simulate, callsPageRequestsSoEverywhere) {
+  const Program program;
+  std::ofstream(program.folder / "t.csv") << "1,7,8192\n2,8,4096\n3,7,8192\n";
+  const std::string table = program.run("simulate t.csv --sizes 4 --policies lru").output;
+  EXPECT_NE(table.find("  Chunk requests: 3\n  Page requests: 5\n"), std::string::npos) << table;
+  EXPECT_NE(table.find(" miss ratio page requests "), std::string::npos) << table;
+  EXPECT_NE(table.find("     0.6000             5 "), std::string::npos) << table;
+  const auto row = program.json("simulate t.csv --sizes 4 --policies lru")["rows"][0];
+  EXPECT_EQ(row["requests"], 5);
+  EXPECT_DOUBLE_EQ(row["miss_ratio"].get<double>(), 0.6);
+}
+
+TEST(Simulate, curvesAreThoseOfTheRows) {
+  const Program program;
+  std::ofstream(program.folder / "t.csv") << skewedCsv(3000);
+  const auto report = program.json("simulate t.csv --sizes 16,64,200 --policies lru,gdsf");
+  ASSERT_EQ(report["curves"].size(), 3U);
+  const auto& exact = report["curves"][0];
+  EXPECT_EQ(exact["kind"], "exact");
+  EXPECT_EQ(exact["stated_error"], 0);
+  for (const auto& row : report["rows"]) {
+    const size_t which = row["policy"] == "lru" ? 1 : 2;
+    const auto& curve = report["curves"][which];
+    EXPECT_EQ(curve["policy"], row["policy"]);
+    const auto& pages = curve["pages"];
+    const auto at = std::find(pages.begin(), pages.end(), row["pages"]) - pages.begin();
+    EXPECT_EQ(curve["miss_ratio"][static_cast<size_t>(at)], row["miss_ratio"]);
+  }
+}
+
+// The estimate of every tenth chunk against the exact ratios at the same sizes.
+TEST(Simulate, aSampledCurveKeepsWithinItsError) {
+  const Program program;
+  std::ofstream(program.folder / "t.csv") << skewedCsv(60'000);
+  const auto report = program.json("simulate t.csv --sample 0.1");
+  EXPECT_TRUE(report["rows"].empty());
+  ASSERT_EQ(report["curves"].size(), 1U);
+  const auto& sampled = report["curves"][0];
+  EXPECT_EQ(sampled["kind"], "sampled");
+  EXPECT_NEAR(sampled["sampling_rate"].get<double>(), 0.1, 1e-6);
+  EXPECT_NEAR(sampled["sampled_chunks"].get<double>(), 200, 60);
+  const double error = sampled["stated_error"].get<double>();
+  EXPECT_LT(error, 0.2);
+  const auto rows = program.json(
+      "simulate t.csv --policies lru --sizes 50,100,200,400,600,800,1200,1600,1900")["rows"];
+  double off = 0;
+  for (const auto& row : rows) {
+    double ratio = 1;
+    for (size_t i = 0; i < sampled["pages"].size() && sampled["pages"][i] <= row["pages"]; ++i)
+      ratio = sampled["miss_ratio"][i].get<double>();
+    off += std::abs(ratio - row["miss_ratio"].get<double>()) / static_cast<double>(rows.size());
+  }
+  EXPECT_LT(off, error);
+  const std::string table = program.run("simulate t.csv --sample 0.1 --sizes 64").output;
+  EXPECT_NE(table.find("Expected error: at most 0."), std::string::npos) << table;
+  EXPECT_NE(program.run("simulate t.csv --sample 0.00001 2>&1").output.find("took none"),
+            std::string::npos);
+}
+
+TEST(Simulate, compressedTracesGiveTheNumbersOfPlainOnes) {
+  const Program program;
+  std::ofstream(program.folder / "t.csv") << skewedCsv(3000);
+  const std::string options = " --sizes 64 --policies lru,arc";
+  const auto rows = program.json("simulate t.csv" + options)["rows"];
+  const std::string plain = (program.folder / "t.csv").string();
+  ASSERT_EQ(runCommand("gzip -c " + plain + " > " + (program.folder / "u.csv").string()).status, 0);
+  EXPECT_EQ(program.json("simulate u.csv" + options)["rows"], rows);
+  EXPECT_EQ(program.json("simulate u.csv --format csv" + options)["rows"], rows);
 }
 
 TEST(Plan, saysTheChunksAndPagesThatARenderMoves) {

@@ -19,14 +19,13 @@ std::optional<int64_t> powerOfTwo(const std::string& word, int64_t least, int64_
   return number;
 }
 
-// A page is no longer than a block.
-std::optional<Vec3i> pageSize(const std::string& word) {
+}  // namespace
+
+std::optional<Vec3i> parsePageOption(const std::string& word) {
   const auto page = parsePageSize(word);
   if (!page || std::max({page->x, page->y, page->z}) > kMostBlock) return std::nullopt;
   return page;
 }
-
-}  // namespace
 
 void addThreadsOption(const OptionGroup& group, int& threads) {
   group.number("-j,--threads", "N", threads, {0, kMostThreads}, "Worker threads, 0 one a core");
@@ -79,8 +78,8 @@ void addResourceOptions(CLI::App& app, ResourceArguments& arguments) {
   addThreadsOption(group, arguments.threads);
   addDeviceOptions(group, arguments.device);
   group.parsed(
-      "--page", "AxBxC", fmt::format("powers of two AxBxC, each from 1 to {}", kMostBlock),
-      pageSize, [&arguments](Vec3i page) { arguments.page_vox = page; },
+      "--page", "AxBxC", kPageSizes, parsePageOption,
+      [&arguments](Vec3i page) { arguments.page_vox = page; },
       "Texture page in voxels (the 64 KiB page of the voxel type)");
   group.parsed(
       "--pages", "N", fmt::format("a power of two from 1 to {}", kMostCachePages),

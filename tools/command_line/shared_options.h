@@ -25,6 +25,10 @@ void addFitOption(CLI::App& app, FitChoice& fit);
 void addPictureOptions(CLI::App& app, LookArguments& look, FrameOptions& frame, FitChoice& fit);
 void addResourceOptions(CLI::App& app, ResourceArguments& arguments);
 
+// "64x32x32" as --page takes it, no longer than a block along any axis; nullopt: something else.
+std::optional<Vec3i> parsePageOption(const std::string& word);
+inline constexpr const char* kPageSizes = "powers of two AxBxC, each from 1 to 1024";
+
 // Some of the last group, for commands that take no more.
 inline constexpr int64_t kMostFrames = 100'000;
 void addThreadsOption(const OptionGroup& group, int& threads);

@@ -7,7 +7,7 @@
 #include <set>
 #include <string_view>
 
-#include "src/report/html_page.h"
+#include "tools/pages/html_page.h"
 #include "tools/pages/run_page.h"
 
 namespace sluice {

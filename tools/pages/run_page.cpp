@@ -6,7 +6,7 @@
 #include <array>
 
 #include "src/base/bytes.h"
-#include "src/report/html_page.h"
+#include "tools/pages/html_page.h"
 #include "tools/pages/rows_section.h"
 
 namespace sluice {

@@ -221,6 +221,12 @@ std::unique_ptr<NaivePolicy> makeNaivePolicy(PolicyKind kind, uint64_t capacity,
     case PolicyKind::kArc:
     case PolicyKind::kS3Fifo:
       return makeNaiveGhostPolicy(kind, capacity);
+    case PolicyKind::kLfu:
+    case PolicyKind::kSlru:
+    case PolicyKind::kWTinyLfu:
+    case PolicyKind::kLirs:
+    case PolicyKind::kGdsf:
+      return makeNaiveCountingPolicy(kind, capacity);
     case PolicyKind::kBelady:
       return std::make_unique<NaiveBelady>(capacity, next_uses);
     case PolicyKind::kBeladyPages:

@@ -85,5 +85,7 @@ std::unique_ptr<NaivePolicy> makeNaivePolicy(PolicyKind kind, uint64_t capacity,
                                              const std::vector<uint32_t>& next_uses = {});
 // Its part for those that remember what they evicted: kTwoQ, kArc and kS3Fifo.
 std::unique_ptr<NaivePolicy> makeNaiveGhostPolicy(PolicyKind kind, uint64_t capacity);
+// Its part for kLfu, kSlru, kWTinyLfu, kLirs and kGdsf.
+std::unique_ptr<NaivePolicy> makeNaiveCountingPolicy(PolicyKind kind, uint64_t capacity);
 
 }  // namespace sluice::test

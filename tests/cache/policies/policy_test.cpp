@@ -83,6 +83,42 @@ TEST(Policy, s3FifoMovesWhatIsHitTwiceToMain) {
   EXPECT_EQ(replay(PolicyKind::kS3Fifo, 3, "ABCAADBEA"), "A B C a a D/b B/c E/d a");
 }
 
+TEST(Policy, lfuEvictsTheLeastOftenRequested) {
+  // A twice, B and C once: B is older and goes for D. C is older than D and goes for B. B has begun
+  // anew, so B and D have one request each: D is older.
+  EXPECT_EQ(replay(PolicyKind::kLfu, 3, "ABCADBEA"), "A B C a D/b B/c E/d a");
+}
+
+TEST(Policy, slruProtectsWhatWasHitOnceAmongNewEntries) {
+  // Five pages, four protected. A is hit and protected: the scan of F to I takes B, C, D, E.
+  EXPECT_EQ(replay(PolicyKind::kSlru, 5, "ABCDEAFGHIA"), "A B C D E a F/b G/c H/d I/e a");
+  // Two pages, one protected: B's hit sends A back to the head of Probation, from where C takes it.
+  EXPECT_EQ(replay(PolicyKind::kSlru, 2, "ABABC"), "A B a b C/a");
+}
+
+TEST(Policy, wTinyLfuKeepsWhatIsRequestedOftenerThanWhatComes) {
+  // Three pages: a window of one, of the main two pages one protected. A, B and C fill it; A's hit
+  // protects A. D: the window's C (1) is not requested oftener than B (1), so C goes. E: D goes. C:
+  // its second request; E goes. F: C (2) against B (1): B goes, C enters the main part.
+  EXPECT_EQ(replay(PolicyKind::kWTinyLfu, 3, "ABCADECFC"), "A B C a D/c E/d C/e F/b c");
+}
+
+TEST(Policy, lirsKeepsWhatIsRequestedTwiceCloseTogether) {
+  // Three pages, two of them LIR: A and B. C, D and E pass through the queue's one page and stay in
+  // the stack as ghosts. D comes back: it becomes LIR, and A, the lowest, is queued. E comes back:
+  // A goes, E becomes LIR and B, now the lowest, is queued. F takes B.
+  EXPECT_EQ(replay(PolicyKind::kLirs, 3, "ABCDEDEF"), "A B C D/c E/d D/e E/a F/b");
+}
+
+TEST(Policy, gdsfPrefersSmallEntriesAndForgetsOldRequests) {
+  // Four pages. A (three pages): 1/3; B: 1, hit: 2. C: A goes, L = 1/3, C = 4/3. D: 4/3. E: 4/3.
+  // F: C is the oldest of 4/3, L = 4/3, F = 7/3. G: D. H: E, L = 4/3. I: B's 2 is the lowest.
+  const auto policy = makePolicy(PolicyKind::kGdsf, 4);
+  std::vector<Key> evicted;
+  policy->request(0, 3, evicted);
+  EXPECT_EQ(replay(*policy, "BBCDEFGHI"), "B b C/a D E F/c G/d H/e I/b");
+}
+
 TEST(Policy, randomOfOnePageHasNoChoice) {
   EXPECT_EQ(replay(PolicyKind::kRandom, 1, "AABBA"), "A a B/a b A/b");
 }

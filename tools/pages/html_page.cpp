@@ -1,4 +1,4 @@
-#include "src/report/html_page.h"
+#include "tools/pages/html_page.h"
 
 #include <fmt/format.h>
 

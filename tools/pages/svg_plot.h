@@ -30,18 +30,12 @@ class SvgPlot {
 
   // `css` is a class of the page's style sheet; `hint` shows under the pointer.
   void line(std::span<const Point> points, std::string_view css, std::string_view hint);
-  // A marker, `aside_px` to the right of its point, so that those of one x can stand side by side.
-  void marker(Point at, double aside_px, SvgMarker shape, std::string_view css,
-              std::string_view hint);
-  // A flat bar with its middle at a point: a bound that stands over the markers of one x.
-  void bar(Point at, double width_px, std::string_view css, std::string_view hint);
+  void marker(Point at, SvgMarker shape, std::string_view css, std::string_view hint);
   // Between two curves over the same x.
   void area(std::span<const Point> lower, std::span<const Point> upper, std::string_view css,
             std::string_view hint);
   // A vertical mark over the whole height with a label at its top.
   void mark(double x, std::string_view css, std::string_view label);
-  // Pixels between two x values.
-  double pixelsBetween(double from_x, double to_x) const { return xPixel(to_x) - xPixel(from_x); }
   // The whole <svg> element.
   std::string finish() const;
 

@@ -1,24 +1,27 @@
-#include "cache/report/report_html.h"
+#include "tools/pages/simulation_page.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <iterator>
 #include <map>
+#include <utility>
+#include <vector>
 
 #include "cache/policies/key_table.h"
 #include "src/base/bytes.h"
-#include "src/report/html_page.h"
-#include "src/report/svg_plot.h"
+#include "tools/pages/html_page.h"
+#include "tools/pages/svg_plot.h"
 
 namespace sluice {
 namespace {
 
 // What the pages' common style does not have.
 constexpr std::string_view kStyle = R"(
-.curve{stroke:#8fb8dc;stroke-width:1.5;fill:none}.mark{stroke:#d1581b;stroke-dasharray:2 3;fill:none}
-.lru{fill:#2a78b8}.fifo{fill:#e69f00}.clock{fill:#009e73}.random{fill:#999}.srrip{fill:#cc79a7}.twoq{fill:#6a4fb3}
-.arc{fill:#d55e00}.s3fifo{fill:#7a5230}.sieve{fill:#b3a100}.belady{fill:#777f88}.best{fill:var(--ink)}
+.curve{stroke:#8fb8dc;stroke-width:4;opacity:.6;fill:none}.mark{stroke:#d1581b;stroke-dasharray:2 3;fill:none}
+.run{stroke:var(--c);stroke-width:1.3;fill:none}.point{fill:var(--c)}
+.lru{--c:#2a78b8}.fifo{--c:#e69f00}.clock{--c:#009e73}.random{--c:#999}.srrip{--c:#cc79a7}.twoq{--c:#6a4fb3}
+.arc{--c:#d55e00}.s3fifo{--c:#7a5230}.sieve{--c:#b3a100}.lfu{--c:#00a0b0}.slru{--c:#c2185b}.wtinylfu{--c:#4caf50}
+.lirs{--c:#3f51b5}.gdsf{--c:#ff7f6e}.belady{--c:#777f88}.best{--c:var(--ink)}
 .chosen{stroke:var(--ink);stroke-width:1.4}
 .now{fill:#2a78b8}.kept{fill:#b9d3e8}.free{fill:var(--paper)}.page{stroke:var(--line)}
 tr.on{background:var(--on)}tr.failed td:last-child{color:#d0103a;font-weight:bold}
@@ -40,7 +43,13 @@ constexpr std::array kLooks{
     PolicyLook{PolicyKind::kArc, SvgMarker::kCross, "arc"},
     PolicyLook{PolicyKind::kS3Fifo, SvgMarker::kSquare, "s3fifo"},
     PolicyLook{PolicyKind::kSieve, SvgMarker::kDiamond, "sieve"},
+    PolicyLook{PolicyKind::kLfu, SvgMarker::kCircle, "lfu"},
+    PolicyLook{PolicyKind::kSlru, SvgMarker::kUp, "slru"},
+    PolicyLook{PolicyKind::kWTinyLfu, SvgMarker::kDown, "wtinylfu"},
+    PolicyLook{PolicyKind::kLirs, SvgMarker::kPlus, "lirs"},
+    PolicyLook{PolicyKind::kGdsf, SvgMarker::kCross, "gdsf"},
     PolicyLook{PolicyKind::kBelady, SvgMarker::kUp, "belady"},
+    PolicyLook{PolicyKind::kBeladyPages, SvgMarker::kDown, "best"},
 };
 
 // An entry of a legend: `drawing` is SVG in a field of 26 by 10 pixels.
@@ -53,12 +62,7 @@ std::string swatchOf(std::string_view css, std::string_view text) {
   return keyOf(fmt::format("<rect class='{}' x=8 width=10 height=10 />", css), text);
 }
 
-double missRatio(const SimulationRow& row) {
-  return row.requests == 0 ? 1
-                           : static_cast<double>(row.misses) / static_cast<double>(row.requests);
-}
-
-// The sizes of the rows and the miss ratios, with room at the sides for markers beside each other.
+// The sizes of the rows and the miss ratios, with room at the sides for the markers.
 struct PlotRange {
   double lo = 1, hi = 2;
   double top = 0.1;
@@ -69,7 +73,7 @@ PlotRange rangeOf(const SimulationReport& report) {
   for (const SimulationRow& row : report.rows) {
     range.lo = std::min(range.lo, static_cast<double>(row.pages));
     range.hi = std::max(range.hi, static_cast<double>(row.pages));
-    range.top = std::max(range.top, missRatio(row));
+    range.top = std::max(range.top, row.missRatio());
   }
   range.lo /= std::sqrt(2);
   range.hi *= std::sqrt(2);
@@ -94,55 +98,34 @@ void drawCurve(const MissRatioCurve& curve, const PlotRange& range, SvgPlot& plo
   plot.line(stairs, "curve", "lru at every size");
 }
 
-// The rows by size.
-using Columns = std::map<double, std::vector<const SimulationRow*>>;
-
-// Pixels from one policy to the next in a column, so that columns stay apart.
-double betweenPolicies(const Columns& columns, const SvgPlot& plot) {
-  constexpr double kLeast = 2.2, kMost = 7, kShareOfColumn = 0.75;
-  double between = kMost;
-  for (auto column = columns.begin(); column != columns.end(); ++column) {
-    const auto next = std::next(column);
-    if (next == columns.end()) break;
-    const double room = plot.pixelsBetween(column->first, next->first) * kShareOfColumn;
-    between = std::min(between, room / static_cast<double>(kLooks.size()));
-  }
-  return std::max(between, kLeast);
+std::string textOf(PolicyKind kind) {
+  return std::string(name(kind)) +
+         (kind == PolicyKind::kBeladyPages ? ": the optimum, no policy moves fewer pages" : "");
 }
 
-// A column a size, where the policies stand side by side in the order of the legend: between two
-// sizes nothing is known of them, so nothing joins them. Returns the legend.
-std::string drawColumns(const SimulationReport& report, SvgPlot& plot) {
-  Columns columns;
-  for (const SimulationRow& row : report.rows)
-    columns[static_cast<double>(row.pages)].push_back(&row);
-  const double between = betweenPolicies(columns, plot);
-  std::map<PolicyKind, std::string> legend;
-  for (const auto& [pages, rows] : columns) {
-    for (const SimulationRow* row : rows) {
-      const SvgPlot::Point at{pages, missRatio(*row)};
-      if (row->policy == PolicyKind::kBeladyPages) {
-        plot.bar(at, between * static_cast<double>(kLooks.size()), "best", name(row->policy));
-        legend[row->policy] = keyOf("<rect class=best y=4 width=26 height=2 />",
-                                    "belady-pages: the optimum, no policy moves fewer pages");
-      }
-      for (size_t i = 0; i < kLooks.size(); ++i) {
-        const PolicyLook& look = kLooks[i];
-        if (look.kind != row->policy) continue;
-        const bool chosen =
-            row->policy == report.chosen_policy && row->pages == report.chosen_pages;
-        const double aside =
-            (static_cast<double>(i) - static_cast<double>(kLooks.size() - 1) / 2) * between;
-        plot.marker(at, aside, look.shape, fmt::format("{}{}", look.css, chosen ? " chosen" : ""),
-                    name(look.kind));
-        legend[look.kind] =
-            keyOf(markerSvg(look.shape, 13, 5, look.css, name(look.kind)), name(look.kind));
-      }
+// A line a policy, joined from size to size, with a marker at each size that was simulated. Returns
+// the legend.
+std::string drawPolicies(const SimulationReport& report, SvgPlot& plot) {
+  std::string legend;
+  for (const PolicyLook& look : kLooks) {
+    std::map<double, const SimulationRow*> by_size;
+    for (const SimulationRow& row : report.rows)
+      if (row.policy == look.kind) by_size[static_cast<double>(row.pages)] = &row;
+    if (by_size.empty()) continue;
+    std::vector<SvgPlot::Point> points;
+    for (const auto& [pages, row] : by_size) points.emplace_back(pages, row->missRatio());
+    plot.line(points, fmt::format("run {}", look.css), name(look.kind));
+    for (const auto& [pages, row] : by_size) {
+      const bool chosen = row->policy == report.chosen_policy && row->pages == report.chosen_pages;
+      plot.marker({pages, row->missRatio()}, look.shape,
+                  fmt::format("point {}{}", look.css, chosen ? " chosen" : ""), name(look.kind));
     }
+    const std::string css = fmt::format("point {}", look.css);
+    legend += keyOf(fmt::format("<path class='run {}' d='M0 5H26'/>", look.css) +
+                        markerSvg(look.shape, 13, 5, css, name(look.kind)),
+                    textOf(look.kind));
   }
-  std::string text;
-  for (const auto& [kind, entry] : legend) text += entry;
-  return text;
+  return legend;
 }
 
 std::string missRatioPlot(const SimulationReport& report) {
@@ -152,15 +135,15 @@ std::string missRatioPlot(const SimulationReport& report) {
   plot.mark(static_cast<double>(report.chosen_pages), "mark",
             fmt::format("chosen: {} pages", report.chosen_pages));
   if (report.lru) drawCurve(*report.lru, range, plot);
-  std::string legend = drawColumns(report, plot);
-  if (report.lru) legend += keyOf("<path class=curve d='M0 5H26'/>", "lru at every size");
+  std::string legend = drawPolicies(report, plot);
+  if (report.lru) legend += keyOf("<path class=curve d='M0 5H26'/>", "lru at every size, exact");
   return plot.finish() + "<p>" + legend + "</p>";
 }
 
 std::string residencyPlot(const SimulationReport& report) {
   if (report.residency.empty()) return "<p>No requests.</p>";
   const auto last = static_cast<double>(report.residency.back().request);
-  SvgPlot plot(1000, 260, {0, std::max(last, 1.0), false, "requests"},
+  SvgPlot plot(1000, 260, {0, std::max(last, 1.0), false, "chunk requests"},
                {0, static_cast<double>(report.chosen_pages), false, "pages resident"});
   std::vector<SvgPlot::Point> zero, now, all;
   for (const SimulationReport::Sample& s : report.residency) {
@@ -186,7 +169,7 @@ std::string pageMapPicture(const SimulationReport& report) {
   const double cell = 996.0 / static_cast<double>(columns);
   const size_t lines = (shown + columns - 1) / columns;
   std::string out = fmt::format("<svg viewBox='0 0 1000 {0:g}' width=1000 height='{0:g}'>",
-                                static_cast<double>(lines) * cell + 4);
+                                std::ceil(static_cast<double>(lines) * cell + 4));
   for (size_t page = 0; page < shown; ++page) {
     const ChunkId chunk = report.page_map[page];
     const uint64_t mixed = mixBits(chunk);
@@ -235,7 +218,8 @@ std::string rowsTable(const SimulationReport& report) {
   const bool is_planned = std::any_of(report.rows.begin(), report.rows.end(),
                                       [](const SimulationRow& r) { return r.planned_pages; });
   std::string out = fmt::format(
-      "<div class=wide><table><tr><th>policy<th>pages{}<th>requests<th>hits<th>misses<th>miss ratio"
+      "<div class=wide><table><tr><th>policy<th>pages{}<th>miss ratio<th>page "
+      "requests<th>hits<th>misses"
       "<th>compulsory<th>capacity<th>conflict<th>moved<th>needed<th>seconds<th>failed</tr>",
       is_planned ? "<th>planned for" : "");
   bool any_failed = false;
@@ -246,35 +230,47 @@ std::string rowsTable(const SimulationReport& report) {
                        r.failures > 0 ? " failed" : "", name(r.policy), r.pages);
     if (is_planned) out += fmt::format("<td>{}", r.planned_pages.value_or(0));
     out += fmt::format(
-        "<td>{}<td>{}<td>{}<td>{:.4f}<td>{}<td>{}<td>{}<td>{}<td>{}<td>{:.4g}<td>{}</tr>",
-        r.requests, r.hits, r.misses, missRatio(r), r.compulsory, r.capacity, r.conflict,
+        "<td>{:.4f}<td>{}<td>{}<td>{}<td>{}<td>{}<td>{}<td>{}<td>{}<td>{:.4g}<td>{}</tr>",
+        r.missRatio(), r.requests, r.hits, r.misses, r.compulsory, r.capacity, r.conflict,
         formatBytes(r.bytes.moved), formatBytes(r.bytes.needed), r.modelled_seconds,
         r.failures > 0 ? fmt::format("{}!", r.failures) : "0");
   }
   out += "</table></div>";
   if (any_failed)
     out +=
-        "<p>! Requests that do not fit the cache: the renderer would stop there. Each costs its "
+        "<p>! Chunk requests that do not fit the cache: the renderer would stop there. Each costs "
+        "its "
         "bytes every time.</p>";
   return out;
 }
 
-}  // namespace
-
-std::string htmlReport(const SimulationReport& report) {
+// One trace's sections under headings of this level.
+std::string sectionsOf(const SimulationReport& report, int level) {
+  const auto heading = [level](const std::string& text) {
+    return fmt::format("<h{0}>{1}</h{0}>", level, text);
+  };
   std::vector<std::array<std::string, 2>> facts;
   for (const auto& [fact, value] : report.facts) facts.push_back({fact, value});
   std::string out = htmlFacts(facts);
-  out += "<h2>Miss ratio by cache size</h2>" + missRatioPlot(report);
-  out += "<h2>Residency over time</h2>" + residencyPlot(report);
-  out +=
-      "<h2>How chunks lie in pages</h2><p>At the end of the trace; a square a page, a color a "
-      "chunk, empty where free.</p>" +
-      pageMapPicture(report);
-  out += fmt::format("<h2>Bytes by cause at {} pages</h2>", report.chosen_pages) +
+  out += heading("Miss ratio by cache size") + missRatioPlot(report);
+  out += heading("Residency over time") + residencyPlot(report);
+  out += heading("How chunks lie in pages") +
+         "<p>At the end of the trace; a square a page, a color a chunk, empty where free.</p>" +
+         pageMapPicture(report);
+  out += heading(fmt::format("Bytes by cause at {} pages", report.chosen_pages)) +
          bytesByCause(report);
-  out += "<h2>All rows</h2>" + rowsTable(report);
-  return htmlPage("Texture cache: " + report.title, kStyle, out);
+  return out + heading("All rows") + rowsTable(report);
+}
+
+}  // namespace
+
+std::string simulationPage(std::span<const SimulationReport> reports) {
+  if (reports.size() == 1)
+    return htmlPage("Texture cache: " + reports[0].title, kStyle, sectionsOf(reports[0], 2));
+  std::string out;
+  for (const SimulationReport& report : reports)
+    out += fmt::format("<h2>{}</h2>", escapeHtml(report.title)) + sectionsOf(report, 3);
+  return htmlPage(fmt::format("Texture cache: {} runs", reports.size()), kStyle, out);
 }
 
 }  // namespace sluice

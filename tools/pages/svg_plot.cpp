@@ -1,4 +1,4 @@
-#include "src/report/svg_plot.h"
+#include "tools/pages/svg_plot.h"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <iterator>
 
-#include "src/report/html_page.h"
+#include "tools/pages/html_page.h"
 
 namespace sluice {
 namespace {
@@ -133,18 +133,9 @@ void SvgPlot::line(std::span<const Point> points, std::string_view css, std::str
                        path(points), escapeHtml(hint));
 }
 
-void SvgPlot::marker(Point at, double aside_px, SvgMarker shape, std::string_view css,
-                     std::string_view hint) {
-  body_ += markerSvg(shape, xPixel(at.first) + aside_px, yPixel(at.second), css,
+void SvgPlot::marker(Point at, SvgMarker shape, std::string_view css, std::string_view hint) {
+  body_ += markerSvg(shape, xPixel(at.first), yPixel(at.second), css,
                      fmt::format("{}: {:g}, {:.4g}", hint, at.first, at.second));
-}
-
-void SvgPlot::bar(Point at, double width_px, std::string_view css, std::string_view hint) {
-  body_ += fmt::format(
-      "<rect class='{}' x='{:.1f}' y='{:.1f}' width='{:.1f}' height=2><title>{}: {:g}, "
-      "{:.4g}</title></rect>",
-      css, xPixel(at.first) - width_px / 2, yPixel(at.second) - 1, width_px, escapeHtml(hint),
-      at.first, at.second);
 }
 
 void SvgPlot::area(std::span<const Point> lower, std::span<const Point> upper, std::string_view css,
