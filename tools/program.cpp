@@ -19,12 +19,6 @@ struct Heading {
   std::vector<Command (*)(CLI::App&)> commands;
 };
 
-// Several ranks that say the same say it once.
-int usageError(const Launch& launch, const std::string& line) {
-  if (launch.rank == 0) printError(line);
-  return kUsage;
-}
-
 // Others would do everything as often as there are ranks.
 bool isForRanks(const CLI::App& program) {
   const CLI::App* asked = program.get_subcommands().front();
@@ -49,7 +43,7 @@ int parseAndRun(const CommandLine& line, const std::vector<std::string>& given,
     say("{}", overview(program));
     return kDone;
   }
-  if (const auto wrong = wrongUsage(program, words)) return usageError(launch, *wrong);
+  if (const auto wrong = wrongUsage(program, words)) return refuseTogether(launch, *wrong, kUsage);
   try {
     program.parse(std::vector<std::string>(words.rbegin(), words.rend()));
   } catch (const CLI::CallForHelp&) {
@@ -61,19 +55,22 @@ int parseAndRun(const CommandLine& line, const std::vector<std::string>& given,
     say("{}\n", SLUICE_VERSION);
     return kDone;
   } catch (const CLI::ParseError& error) {
-    return usageError(launch, error.what());
+    return refuseTogether(launch, error.what(), kUsage);
   }
   if (launch.ranks > 1 && !isForRanks(program))
-    fail(
-        "started as {} ranks; render and bench ranks run on several, {} on one: start it without "
-        "the launcher",
-        launch.ranks, program.get_subcommands().front()->get_name());
+    return refuseTogether(
+        launch,
+        fmt::format("started as {} ranks; render and bench ranks run on several, {} on one: start "
+                    "it without the launcher",
+                    launch.ranks, program.get_subcommands().front()->get_name()),
+        kFailed);
   for (const auto& [subcommand, command] : line.commands)
     if (subcommand->parsed()) {
       try {
         return command();
       } catch (const CLI::ParseError& error) {  // what only the command itself can tell
-        return usageError(launch, error.what());
+        if (launch.rank == 0) printError(error.what());
+        return kUsage;
       }
     }
   return kUsage;

@@ -79,6 +79,21 @@ int onRanks(const std::function<int(Team* team)>& body) {
   return endTogether(team, team.fail(reason).what());
 }
 
+int refuseTogether(const Launch& launch, const std::string& line, int status) {
+  if (launch.ranks > 1) {
+    try {
+      Team team(joinRanks(launch), interruption());
+      const std::string all = team.fail(line).what();
+      const int failed = endTogether(team, all);
+      return all == line ? status : failed;
+    } catch (const std::exception&) {
+      // Ranks that cannot meet: each refuses alone.
+    }
+  }
+  if (launch.rank == 0) printError(line);
+  return status;
+}
+
 void shareMachine(Team& team, ResourceArguments& resources) {
   const std::string place = placeOfProcess();
   const auto on_host = static_cast<uint64_t>(team.ranksBeside(hostOf(place)));

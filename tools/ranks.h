@@ -23,6 +23,11 @@ Launch beginRanks();
 // Throws Error: not of this rank alone, or of ranks that cannot meet; Interrupted.
 int onRanks(const std::function<int(Team* team)>& body);
 
+// For a command line that this rank refuses: tells the other ranks, so that none of them waits for
+// this one, and rank 0 prints the line. Gives the exit status: `status` if all ranks refuse theirs
+// for this reason. Throws nothing.
+int refuseTogether(const Launch& launch, const std::string& line, int status);
+
 // What one rank takes of this machine where the user does not say: a fair share of memory and
 // processors among the ranks on it. All but rank 0 are quiet.
 void shareMachine(Team& team, ResourceArguments& resources);

@@ -19,6 +19,7 @@
 #include "tools/interrupt.h"
 #include "tools/pages/report_file.h"
 #include "tools/picture_output.h"
+#include "tools/rank_agreement.h"
 #include "tools/ranks.h"
 #include "tools/render_arguments.h"
 #include "tools/render_report.h"
@@ -203,6 +204,7 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
     if (team != nullptr) fail("{}: the frames of a path are of one process", arguments.state_file);
     return writeFilm(arguments, app, *film);
   }
+  if (team != nullptr) expectSameCommand(*team, app);
   checkOutput(arguments);
   if (team != nullptr && (arguments.debug_view || !arguments.trace_file.empty()))
     fail("{} is of one process, not of {} ranks", arguments.debug_view ? "--debug-view" : "--trace",
@@ -227,6 +229,7 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
               arguments.look.this_step},
              arguments.annotate ? annotationRoom(arguments.frame.size) : Room{},
              arguments.resources, scene.pool);
+  if (team != nullptr) expectSameScene(*team, scene, cameras);
   const PictureOutput output = outputOf(arguments);
   const FrameOptions options = frameOptions(arguments, app, cameras.front(), output, scene);
 

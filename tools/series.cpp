@@ -8,6 +8,7 @@
 #include "tools/command_line/console.h"
 #include "tools/command_line/progress_line.h"
 #include "tools/interrupt.h"
+#include "tools/rank_agreement.h"
 
 namespace sluice {
 namespace {
@@ -87,6 +88,8 @@ TimeStep Series::step(int64_t time) {
     step = stepOfSeries(scene_.volume, time,
                         {scene_.pool, progress, memoryBudget(resources_), interruption()});
   });
+  if (scene_.share && time != scene_.volume.time)
+    expectSameStep(scene_.share->team(), scene_, step);
   return step;
 }
 

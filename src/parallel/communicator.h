@@ -22,10 +22,11 @@ class Communicator {
   // Everyone gives as many numbers and gets those of all, rank after rank. Throws Interrupted.
   virtual std::vector<uint64_t> gatherAll(std::span<const uint64_t> mine,
                                           const StopToken& stop) = 0;
-  // to[r] goes to rank r; from[r], which has its length already, takes what comes from there.
-  // Throws Interrupted.
-  virtual void exchange(const std::vector<Message>& to, std::vector<Message>& from,
-                        const StopToken& stop) = 0;
+  // to[r] goes to rank r. Returns what comes from each rank, from_bytes[r] long. The communicator
+  // owns the messages on their way: if it throws Interrupted, others may still read and write them.
+  virtual std::vector<Message> exchange(std::vector<Message> to,
+                                        std::span<const uint64_t> from_bytes,
+                                        const StopToken& stop) = 0;
   // Once, last, by all: until then a rank that goes is one that was lost.
   virtual void finish() {}
 };

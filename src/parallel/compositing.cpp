@@ -144,12 +144,9 @@ Picture composite(Team& team, PartialPicture part, const FrameSetup& setup, Work
                   uint64_t most_bytes, CompositingReport& report) {
   Stopwatch watch;
   report.part_bytes = part.bytes();
-  std::vector<Message> from;
-  {
-    const std::vector<Message> to = messagesOf(part, team.ranks());
-    report.sent_bytes = bytesOfOthers(to, team.rank());
-    from = team.exchange(to, most_bytes);
-  }
+  std::vector<Message> to = messagesOf(part, team.ranks());
+  report.sent_bytes = bytesOfOthers(to, team.rank());
+  std::vector<Message> from = team.exchange(std::move(to), most_bytes);
   report.received_bytes = bytesOfOthers(from, team.rank());
   report.exchange_seconds = watch.lap();
   Message mine = composed(from, part.tiles.size(), setup, pool);

@@ -34,7 +34,7 @@ struct Meeting {
   const int ranks;
   // Written by their rank, read by others after a wait().
   std::vector<std::vector<uint64_t>> numbers;
-  std::vector<const std::vector<Message>*> messages;
+  std::vector<std::shared_ptr<std::vector<Message>>> messages;
   Mutex mutex;
   Condition all_here;
   int here SLUICE_GUARDED_BY(mutex) = 0;
@@ -61,17 +61,19 @@ class ThreadRank : public Communicator {
     return all;
   }
 
-  void exchange(const std::vector<Message>& to, std::vector<Message>& from,
-                const StopToken& stop) override {
+  std::vector<Message> exchange(std::vector<Message> to, std::span<const uint64_t> from_bytes,
+                                const StopToken& stop) override {
     const auto me = static_cast<size_t>(rank_);
-    meeting_->messages[me] = &to;
+    meeting_->messages[me] = std::make_shared<std::vector<Message>>(std::move(to));
     meeting_->wait(stop);
+    std::vector<Message> from(from_bytes.size());
     for (size_t r = 0; r < from.size(); ++r) {
-      const Message& message = (*meeting_->messages[r])[me];
-      SLUICE_CHECK_EQ(message.size(), from[r].size());
-      from[r] = message;
+      // Each message has one reader.
+      from[r] = std::move((*meeting_->messages[r])[me]);
+      SLUICE_CHECK_EQ(from[r].size(), from_bytes[r]);
     }
     meeting_->wait(stop);
+    return from;
   }
 
  private:

@@ -7,7 +7,10 @@
 #include <time.h>
 
 #include <algorithm>
+#include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "src/base/error.h"
 
@@ -26,6 +29,68 @@ void check(int result, const char* what) {
   fail("MPI: {}: {}", what, text);
 }
 
+// Messages on their way. MPI reads and writes these buffers until every request is complete.
+struct Transfer {
+  std::vector<uint64_t> numbers_to, numbers_from;
+  std::vector<Message> to, from;
+  std::vector<MPI_Request> receives, others;
+
+  bool isDone() {
+    int are_received = 0, are_sent = 0;
+    check(MPI_Testall(static_cast<int>(receives.size()), receives.data(), &are_received,
+                      MPI_STATUSES_IGNORE),
+          "a rank does not answer");
+    check(
+        MPI_Testall(static_cast<int>(others.size()), others.data(), &are_sent, MPI_STATUSES_IGNORE),
+        "a rank does not answer");
+    return are_received != 0 && are_sent != 0;
+  }
+};
+using Transfers = std::vector<std::unique_ptr<Transfer>>;
+
+// A transfer that is given up when an exception leaves: its receives are cancelled, and its buffers
+// move to `abandoned`. MPI may write into them as long as the process calls it, since a receive
+// that has been matched cannot be cancelled, and neither can a collective call.
+class Underway {
+ public:
+  explicit Underway(Transfers& abandoned) : abandoned_(abandoned) {
+    abandoned_.reserve(abandoned_.size() + 1);  // the destructor must not throw
+  }
+  ~Underway() {
+    if (transfer_->receives.empty() && transfer_->others.empty()) return;
+    for (MPI_Request& receive : transfer_->receives)
+      if (receive != MPI_REQUEST_NULL) MPI_Cancel(&receive);
+    abandoned_.push_back(std::move(transfer_));
+  }
+  Underway(const Underway&) = delete;
+  Underway& operator=(const Underway&) = delete;
+
+  Transfer* operator->() { return transfer_.get(); }
+
+  // Not MPI_Waitall(): that takes a core while others draw on it, and hears of no signal.
+  void wait(const StopToken& stop) {
+    constexpr int kTurnsAtOnce = 100;
+    constexpr long kFirstPauseNs = 20'000, kLongestPauseNs = 500'000;
+    long pause_ns = kFirstPauseNs;
+    for (int turn = 0; !transfer_->isDone(); ++turn) {
+      stop.throwIfStopped();
+      if (turn < kTurnsAtOnce) {
+        sched_yield();
+        continue;
+      }
+      const timespec pause{0, pause_ns};
+      nanosleep(&pause, nullptr);
+      pause_ns = std::min(pause_ns + pause_ns / 8, kLongestPauseNs);
+    }
+    transfer_->receives.clear();
+    transfer_->others.clear();
+  }
+
+ private:
+  Transfers& abandoned_;
+  std::unique_ptr<Transfer> transfer_ = std::make_unique<Transfer>();
+};
+
 class MpiRanks : public Communicator {
  public:
   MpiRanks() {
@@ -39,76 +104,64 @@ class MpiRanks : public Communicator {
     check(MPI_Comm_size(MPI_COMM_WORLD, &ranks_), "cannot begin");
   }
 
+  // Buffers that MPI may still use stay for the rest of the process, which ends now.
+  ~MpiRanks() override {
+    for (std::unique_ptr<Transfer>& transfer : abandoned_) static_cast<void>(transfer.release());
+  }
+  MpiRanks(const MpiRanks&) = delete;
+  MpiRanks& operator=(const MpiRanks&) = delete;
+
   int rank() const override { return rank_; }
   int ranks() const override { return ranks_; }
 
   std::vector<uint64_t> gatherAll(std::span<const uint64_t> mine, const StopToken& stop) override {
-    std::vector<uint64_t> all(mine.size() * static_cast<size_t>(ranks_));
-    std::vector<MPI_Request> requests(1);
+    Underway transfer(abandoned_);
+    transfer->numbers_to.assign(mine.begin(), mine.end());
+    transfer->numbers_from.resize(mine.size() * static_cast<size_t>(ranks_));
     const int count = static_cast<int>(mine.size());
-    check(MPI_Iallgather(mine.data(), count, MPI_UINT64_T, all.data(), count, MPI_UINT64_T,
-                         MPI_COMM_WORLD, requests.data()),
+    check(MPI_Iallgather(transfer->numbers_to.data(), count, MPI_UINT64_T,
+                         transfer->numbers_from.data(), count, MPI_UINT64_T, MPI_COMM_WORLD,
+                         &transfer->others.emplace_back(MPI_REQUEST_NULL)),
           "ranks cannot meet");
-    wait(requests, stop);
-    return all;
+    transfer.wait(stop);
+    return std::move(transfer->numbers_from);
   }
 
-  void exchange(const std::vector<Message>& to, std::vector<Message>& from,
-                const StopToken& stop) override {
-    std::vector<MPI_Request> requests;
+  std::vector<Message> exchange(std::vector<Message> to, std::span<const uint64_t> from_bytes,
+                                const StopToken& stop) override {
+    Underway transfer(abandoned_);
+    transfer->to = std::move(to);
+    std::vector<Message>& from = transfer->from;
     const auto me = static_cast<size_t>(rank_);
-    const auto each = [&](size_t bytes, auto&& begin) {
-      for (size_t at = 0; at < bytes; at += kMostBytesAtOnce) {
-        requests.emplace_back();
-        check(begin(at, static_cast<int>(std::min(kMostBytesAtOnce, bytes - at))),
+    for (size_t r = 0; r < from_bytes.size(); ++r) from.emplace_back(r == me ? 0 : from_bytes[r]);
+    from[me] = std::move(transfer->to[me]);
+    const auto each = [&](Message& message, std::vector<MPI_Request>& requests, auto&& begin) {
+      for (size_t at = 0; at < message.size(); at += kMostBytesAtOnce)
+        check(begin(message.data() + at,
+                    static_cast<int>(std::min(kMostBytesAtOnce, message.size() - at)),
+                    &requests.emplace_back(MPI_REQUEST_NULL)),
               "a message does not go");
-      }
     };
-    for (int r = 0; r < ranks_; ++r) {
-      const auto other = static_cast<size_t>(r);
-      if (other == me) continue;
-      each(from[other].size(), [&](size_t at, int bytes) {
-        return MPI_Irecv(from[other].data() + at, bytes, MPI_BYTE, r, 0, MPI_COMM_WORLD,
-                         &requests.back());
-      });
-    }
-    for (int r = 0; r < ranks_; ++r) {
-      const auto other = static_cast<size_t>(r);
-      if (other == me) continue;
-      each(to[other].size(), [&](size_t at, int bytes) {
-        return MPI_Isend(to[other].data() + at, bytes, MPI_BYTE, r, 0, MPI_COMM_WORLD,
-                         &requests.back());
-      });
-    }
-    from[me] = to[me];
-    wait(requests, stop);
+    for (int r = 0; r < ranks_; ++r)
+      if (r != rank_)
+        each(from[static_cast<size_t>(r)], transfer->receives,
+             [r](std::byte* data, int bytes, MPI_Request* request) {
+               return MPI_Irecv(data, bytes, MPI_BYTE, r, 0, MPI_COMM_WORLD, request);
+             });
+    for (int r = 0; r < ranks_; ++r)
+      if (r != rank_)
+        each(transfer->to[static_cast<size_t>(r)], transfer->others,
+             [r](std::byte* data, int bytes, MPI_Request* request) {
+               return MPI_Isend(data, bytes, MPI_BYTE, r, 0, MPI_COMM_WORLD, request);
+             });
+    transfer.wait(stop);
+    return std::move(from);
   }
 
   void finish() override { check(MPI_Finalize(), "cannot end"); }
 
  private:
-  // Not MPI_Waitall(): that takes a core while others draw on it, and hears of no signal.
-  static void wait(std::vector<MPI_Request>& requests, const StopToken& stop) {
-    constexpr int kTurnsAtOnce = 100;
-    constexpr long kFirstPauseNs = 20'000, kLongestPauseNs = 500'000;
-    long pause_ns = kFirstPauseNs;
-    for (int turn = 0;; ++turn) {
-      int are_done = 0;
-      check(MPI_Testall(static_cast<int>(requests.size()), requests.data(), &are_done,
-                        MPI_STATUSES_IGNORE),
-            "a rank does not answer");
-      if (are_done != 0) return;
-      stop.throwIfStopped();
-      if (turn < kTurnsAtOnce) {
-        sched_yield();
-        continue;
-      }
-      const timespec pause{0, pause_ns};
-      nanosleep(&pause, nullptr);
-      pause_ns = std::min(pause_ns + pause_ns / 8, kLongestPauseNs);
-    }
-  }
-
+  Transfers abandoned_;
   int rank_ = 0, ranks_ = 1;
 };
 

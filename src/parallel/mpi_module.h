@@ -20,6 +20,6 @@ inline constexpr const char* kJoinMpi = "sluiceJoinMpi";
 // between. The number counts up with each change of the latter.
 using MpiModuleVersion = const char*();
 inline constexpr const char* kMpiModuleVersionOf = "sluiceMpiModuleVersion";
-inline constexpr const char* kMpiModuleVersion = SLUICE_VERSION " mpi module 1";
+inline constexpr const char* kMpiModuleVersion = SLUICE_VERSION " mpi module 2";
 
 }  // namespace sluice

@@ -46,15 +46,13 @@ Team::Team(std::unique_ptr<Communicator> communicator, StopToken stop)
 void Team::throwFailed(const std::vector<uint64_t>& states, const std::string& mine) {
   const auto count = static_cast<size_t>(ranks());
   const size_t each = states.size() / count;
-  std::vector<Message> to(count), from(count);
-  for (size_t r = 0; r < count; ++r) {
-    to[r] = asMessage(mine);
-    from[r].resize(states[r * each] == kGoesOn ? 0 : states[r * each + 1]);
-  }
-  communicator_->exchange(to, from, stop_);
+  std::vector<Message> to(count, asMessage(mine));
+  std::vector<uint64_t> from_bytes(count);
+  for (size_t r = 0; r < count; ++r)
+    from_bytes[r] = states[r * each] == kGoesOn ? 0 : states[r * each + 1];
   std::vector<std::string> reasons;
-  reasons.reserve(from.size());
-  for (const Message& reason : from) reasons.push_back(asText(reason));
+  for (const Message& reason : communicator_->exchange(std::move(to), from_bytes, stop_))
+    reasons.push_back(asText(reason));
   throw RankFailed(reasons);
 }
 
@@ -79,7 +77,7 @@ RankFailed Team::fail(const std::string& reason) {
   }
 }
 
-std::vector<Message> Team::exchange(const std::vector<Message>& to, uint64_t most_bytes) {
+std::vector<Message> Team::exchange(std::vector<Message> to, uint64_t most_bytes) {
   const auto count = static_cast<size_t>(ranks()), me = static_cast<size_t>(rank());
   SLUICE_CHECK_EQ(to.size(), count);
   std::vector<uint64_t> sizes{most_bytes};
@@ -97,10 +95,9 @@ std::vector<Message> Team::exchange(const std::vector<Message>& to, uint64_t mos
           "more --memory or a smaller --size",
           r, count, formatBytes(sum), formatBytes(all[r * each + 1]));
   }
-  std::vector<Message> from(count);
-  for (size_t giver = 0; giver < count; ++giver) from[giver].resize(all[giver * each + 2 + me]);
-  communicator_->exchange(to, from, stop_);
-  return from;
+  std::vector<uint64_t> from_bytes(count);
+  for (size_t giver = 0; giver < count; ++giver) from_bytes[giver] = all[giver * each + 2 + me];
+  return communicator_->exchange(std::move(to), from_bytes, stop_);
 }
 
 std::vector<Message> Team::gatherAll(const Message& mine) {
@@ -110,14 +107,14 @@ std::vector<Message> Team::gatherAll(const Message& mine) {
 std::vector<Message> Team::gather(Message mine) {
   std::vector<Message> to(static_cast<size_t>(ranks()));
   to[0] = std::move(mine);
-  std::vector<Message> from = exchange(to);
+  std::vector<Message> from = exchange(std::move(to));
   return isFirst() ? std::move(from) : std::vector<Message>();
 }
 
 std::string Team::fromFirst(std::string_view mine) {
   std::vector<Message> to(static_cast<size_t>(ranks()));
   if (isFirst()) std::fill(to.begin(), to.end(), asMessage(mine));
-  return asText(exchange(to)[0]);
+  return asText(exchange(std::move(to))[0]);
 }
 
 void Team::wait() {

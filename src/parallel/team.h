@@ -33,7 +33,7 @@ class Team {
 
   // to[r] goes to rank r; gives what came from each. Where a rank would get more than `most_bytes`
   // all throw Error, which names it. These throw RankFailed and Interrupted.
-  std::vector<Message> exchange(const std::vector<Message>& to, uint64_t most_bytes = UINT64_MAX);
+  std::vector<Message> exchange(std::vector<Message> to, uint64_t most_bytes = UINT64_MAX);
   // Everyone's, by rank.
   std::vector<Message> gatherAll(const Message& mine);
   // At rank 0 everyone's; elsewhere nothing.

@@ -33,8 +33,18 @@ struct MpiLauncher {
   }
   // A line of sh that starts the program so often, for as long at the most.
   std::string start(int ranks, int most_seconds = 200) const {
-    return fmt::format("timeout -k 5 {} {} {} -n {} " SLUICE_PROGRAM, most_seconds, program(),
-                       options, ranks);
+    return startProgram(SLUICE_PROGRAM, ranks, most_seconds);
+  }
+  std::string startProgram(const std::string& path, int ranks, int most_seconds) const {
+    return fmt::format("timeout -k 5 {} {} {} -n {} {}", most_seconds, program(), options, ranks,
+                       path);
+  }
+  // One rank a list of arguments.
+  std::string startEach(const std::vector<std::string>& arguments) const {
+    std::string line;
+    for (const std::string& one : arguments)
+      line += line.empty() ? start(1) + " " + one : " : -n 1 " SLUICE_PROGRAM " " + one;
+    return line;
   }
 };
 

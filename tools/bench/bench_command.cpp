@@ -24,6 +24,7 @@
 #include "tools/commands.h"
 #include "tools/environment.h"
 #include "tools/pages/report_file.h"
+#include "tools/rank_agreement.h"
 #include "tools/ranks.h"
 #include "tools/report.h"
 #include "tools/view_arguments.h"
@@ -228,8 +229,11 @@ Bench addRanks(CLI::App& app, const FrameOptions& plain) {
       [bench](const std::vector<int>& counts) { bench->ranks = counts; },
       "Ranks to measure where no launcher says how many", "1,2");
   addFramesOption(output, bench->frames, kFrames);
-  return {ranks, [bench](const Show& show) {
-            return onRanks([&](Team* team) { return show(benchRanks(*bench, team), printRanks); });
+  return {ranks, [bench, ranks](const Show& show) {
+            return onRanks([&](Team* team) {
+              if (team != nullptr) expectSameCommand(*team, *ranks);
+              return show(benchRanks(*bench, team), printRanks);
+            });
           }};
 }
 

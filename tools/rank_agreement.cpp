@@ -1,0 +1,98 @@
+#include "tools/rank_agreement.h"
+
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include "src/base/digest.h"
+#include "src/parallel/agreement.h"
+#include "tools/report.h"
+
+namespace sluice {
+namespace {
+
+constexpr std::array<std::string_view, 14> kOwn = {
+    "volume", "transfer", "path", "state",     "basis", "memory", "threads",
+    "device", "simd",     "gl",   "index-dir", "quiet", "force",  "pages"};
+
+// Rows of voxels that are compared: of a volume that is drawn, and of each step of a series, where
+// a row may cost a compressed chunk.
+constexpr int kSceneSamples = 32, kStepSamples = 4;
+
+// As a float: hosts with other processors may compute the last bit of a double differently.
+void add(Digest& digest, double number) {
+  digest.add(static_cast<float>(number));
+}
+
+void add(Digest& digest, const std::vector<OpacityPoint>& points) {
+  digest.add(points.size());
+  for (const OpacityPoint& point : points) {
+    add(digest, point.value);
+    add(digest, point.opacity);
+  }
+}
+
+uint64_t digestOf(const ChosenLook& look) {
+  Digest digest;
+  digest.add(look.transfer.colors.size());
+  for (const ColorPoint& point : look.transfer.colors) {
+    add(digest, point.value);
+    for (int a = 0; a < 3; ++a) add(digest, point.rgb[a]);
+  }
+  add(digest, look.transfer.opacities);
+  for (const GradientRow& row : look.transfer.gradients) {
+    add(digest, row.magnitude);
+    add(digest, row.factors);
+  }
+  digest.add(look.transfer.labels);
+  digest.add(look.lit);
+  return digest.value();
+}
+
+uint64_t digestOf(std::span<const Camera> cameras, const VolumeLayout& layout) {
+  Digest digest;
+  for (const Camera& camera : cameras) {
+    const View view = resolve(camera, layout, {1, 1}, 1);
+    for (const Vec3d& vector : {view.eye, view.right, view.up, view.forward})
+      for (int a = 0; a < 3; ++a) add(digest, vector[a]);
+    add(digest, view.half_height);
+  }
+  return digest.value();
+}
+
+std::string adviceFor(const std::string& file) {
+  return fmt::format("give every rank the same file; is {} an old copy on one host?", file);
+}
+
+}  // namespace
+
+void expectSameCommand(Team& team, const CLI::App& app) {
+  const nlohmann::json options = optionsJson(app);
+  // Another command has other options altogether.
+  expectAgreement(team, {{"sluice", SLUICE_VERSION}, {"the command", app.get_name()}},
+                  "start the same command on every rank");
+  std::vector<Fact> facts;
+  for (const auto& [name, value] : options.items())
+    if (std::find(kOwn.begin(), kOwn.end(), name) == kOwn.end())
+      facts.push_back({"--" + name, value.is_string() ? value.get<std::string>() : value.dump()});
+  expectAgreement(team, facts, "start every rank with the same options");
+}
+
+void expectSameScene(Team& team, const Scene& scene, std::span<const Camera> cameras) {
+  const IndexedVolume& volume = scene.volume;
+  expectAgreement(team, factsOf(*volume.source, volume.time, volume.index->ranges, kSceneSamples),
+                  adviceFor(volume.name));
+  expectAgreement(team,
+                  {{"transfer functions", "", digestOf(scene.look)},
+                   {"cameras", "", digestOf(cameras, volume.source->layout())}},
+                  "give every rank the same files");
+}
+
+void expectSameStep(Team& team, const Scene& scene, const TimeStep& step) {
+  expectAgreement(team, factsOf(*step.source, step.time, *step.ranges, kStepSamples),
+                  adviceFor(fmt::format("time step {} of {}", step.time, scene.volume.name)));
+}
+
+}  // namespace sluice

@@ -1,0 +1,27 @@
+// What all ranks of a command must have in common, and the checks of it (src/parallel/agreement.h).
+//
+// Options that say what is drawn must be the same. Options of a rank's own machine may differ:
+// memory, threads, device, and the names of files, whose contents are compared instead.
+#pragma once
+
+#include <span>
+
+#include "src/parallel/team.h"
+#include "src/render/camera.h"
+#include "tools/scene.h"
+
+namespace CLI {
+class App;
+}
+
+namespace sluice {
+
+// The program's version, the command and its options. All ranks call these, and all throw Error,
+// the same line, when one of them differs.
+void expectSameCommand(Team& team, const CLI::App& app);
+// The volume's step that the scene was opened for, its transfer function, and the cameras.
+void expectSameScene(Team& team, const Scene& scene, std::span<const Camera> cameras);
+// Another step of the scene's series.
+void expectSameStep(Team& team, const Scene& scene, const TimeStep& step);
+
+}  // namespace sluice
