@@ -19,6 +19,10 @@
 
 namespace sluice {
 
+// "<size>|<modification time in ns>|<change time in ns>|<inode>": what of a file's status tells one
+// version of it from another.
+std::string describeStatus(const struct stat& status);
+
 class File : public ByteStore {
  public:
   // Volumes of thousands of files would use up the file descriptors: their files are opened anew
@@ -42,11 +46,16 @@ class File : public ByteStore {
   uint64_t sizeBytes() const { return static_cast<uint64_t>(opened_.st_size); }
   // The path as it was given: for messages.
   const std::string& path() const { return path_; }
-  // "<absolute path>|<size>|<modification time in ns>", as of the opening.
-  std::string identity() const;
+  // "<absolute path>|<size>|<modification time in ns>|<change time in ns>|<inode>|<checksum>" as of
+  // the opening. The checksum covers `sampled_pages` pages, evenly spread from the first to the
+  // last: `cp -p` and tar restore the modification time, and some file systems have no honest
+  // change time or inode. The pages are not counted as read. Throws Error when they cannot be read.
+  std::string identity(int sampled_pages = kSampledPages) const;
+  static constexpr int kSampledPages = 16;
 
  private:
   void checkUnchanged(int descriptor) const;
+  uint64_t checksumOfSample(int pages) const;
 
   const std::string path_;
   const std::string absolute_path_;

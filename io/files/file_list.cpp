@@ -114,10 +114,17 @@ std::string fileIdentity(const std::filesystem::path& path) {
 std::string fileIdentity(const std::vector<std::filesystem::path>& paths) {
   if (paths.size() == 1) return fileIdentity(paths[0]);
   std::string all;
-  for (const auto& path : paths) all += fileIdentity(path) + "\n";
+  for (size_t i = 0; i < paths.size(); ++i)
+    all += File(paths[i]).identity(sampledPages(i, paths.size())) + "\n";
   return fmt::format("{}|{} more|{:016x}",
                      std::filesystem::absolute(paths[0]).lexically_normal().string(),
                      paths.size() - 1, hash(all));
+}
+
+int sampledPages(size_t index, size_t count) {
+  if (count == 1) return File::kSampledPages;
+  const size_t stride = (count + kSampledFiles - 1) / kSampledFiles;
+  return index % stride == 0 ? 1 : 0;
 }
 
 bool naturalLess(std::string_view a, std::string_view b) {

@@ -13,9 +13,14 @@ namespace sluice {
 
 // File::identity() of a file. Throws Error when it cannot be read.
 std::string fileIdentity(const std::filesystem::path& path);
-// "<first absolute path>|N more|<hash of all identities>", one line whatever the number.
-// Requires: paths not empty. Throws Error naming the file that is missing.
+// "<first absolute path>|N more|<hash of all identities>", one line whatever the number. A page
+// each of at most kSampledFiles files, evenly spread, goes into the checksums. Requires: paths not
+// empty. Throws Error naming the file that is missing.
 std::string fileIdentity(const std::vector<std::filesystem::path>& paths);
+
+// The pages that the identity of file `index` of `count` samples (File::identity).
+int sampledPages(size_t index, size_t count);
+inline constexpr size_t kSampledFiles = 64;
 
 // The order a person expects: runs of digits compare as numbers ("texture-2" before "texture-10").
 bool naturalLess(std::string_view a, std::string_view b);

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "io/files/file_list.h"
 #include "io/headers/decoded_file.h"
 #include "io/headers/raw_source.h"
 #include "src/base/error.h"
@@ -58,8 +59,8 @@ std::string identityOf(const File& header, const std::vector<std::shared_ptr<Fil
   if (files.size() == 1 && files[0].get() != &header) identity += "|" + files[0]->identity();
   if (files.size() > 1) {
     uint64_t hash = kHashStart;
-    for (const auto& file : files)
-      for (const char c : file->identity() + "\n")
+    for (size_t i = 0; i < files.size(); ++i)
+      for (const char c : files[i]->identity(sampledPages(i, files.size())) + "\n")
         hash = (hash ^ static_cast<unsigned char>(c)) * kHashFactor;
     identity += fmt::format("|{} files {:016x}", files.size(), hash);
   }

@@ -178,7 +178,7 @@ class SliceStack final : public VolumeSource {
       fail("{}: --channel {}: the volume has {} channel{}, counted from 0", first, *wanted,
            layout_.channels, layout_.channels == 1 ? "" : "s");
     layout_.channel = wanted.value_or(0);
-    if (wanted) identity_ += fmt::format("|channel {}", *wanted);
+    if (layout_.channels > 1) identity_ += fmt::format("|channel {}", layout_.channel);
     if (!wanted) noteChannels(first, format_.order.channel_names, layout_);
   }
 

@@ -41,6 +41,9 @@ class ZarrChunkFiles {
   bool exists(int64_t chunk);
   // The same from the folder alone, whatever the checksums say.
   std::vector<int64_t> onDisk() const;
+  // Of the status of at most `most` chunk files, evenly spread over the numbers; a missing file
+  // counts too. Changes when one of them is rewritten, replaced, removed or added.
+  uint64_t statusChecksum(int64_t most) const;
 
   // Reads the whole file of an existing chunk into what `room(bytes)` returns, after its size was
   // found credible; checks the checksum where there is one. Throws Error naming the file.

@@ -38,14 +38,13 @@ bool has(const fs::path& folder, const char* name) {
   return fs::exists(folder / name, ignored);
 }
 
-// Of a folder: path and time of change.
+// Of a folder: path and status.
 std::string folderIdentity(const fs::path& folder) {
   struct stat status = {};
   if (stat(folder.c_str(), &status) != 0)
     failErrno(fmt::format("{}: cannot be opened", folder.string()), errno);
-  const int64_t ns =
-      static_cast<int64_t>(status.st_mtim.tv_sec) * 1'000'000'000 + status.st_mtim.tv_nsec;
-  return fmt::format("{}|{}", fs::absolute(folder).lexically_normal().string(), ns);
+  return fmt::format("{}|{}", fs::absolute(folder).lexically_normal().string(),
+                     describeStatus(status));
 }
 
 // The array that a folder stands for, and what is said of it.
@@ -207,6 +206,9 @@ ZarrSource::ZarrSource(const fs::path& folder, const ZarrOptions& options) {
 
   const uint64_t chunk_bytes = array.chunkBytes();
   files_ = std::make_unique<ZarrChunkFiles>(found.array_folder, std::move(array), header.text);
+  // With checksums a changed chunk is an Error when it is read.
+  if (!files_->hasChecksums())
+    identity_ += fmt::format("|{:016x}", files_->statusChecksum(kSampledChunks));
   cache_ = std::make_unique<ZarrChunkCache>(
       chunk_bytes, options.chunk_cache_bytes,
       [this](int64_t chunk, ChunkMemory& memory) { return decode(chunk, memory); });

@@ -8,8 +8,9 @@
 // - Missing chunks are the fill value, and known as such: occupancy() has the boxes of the others.
 //   Chunks that sluice packed carry checksums; then a missing or changed one is an Error.
 // - A few decoded chunks are kept (io/zarr/zarr_chunk_cache.h), as neighbouring blocks share them.
-// - identity() covers .zarray, .zattrs, checksums and the array's folder by size and time of
-//   change; not each chunk, of which there may be millions.
+// - identity() covers .zarray, .zattrs, checksums and the array's folder, and of a store without
+//   checksums the status of at most kSampledChunks chunk files, evenly spread: there may be
+//   millions.
 #pragma once
 
 #include <filesystem>
@@ -23,6 +24,9 @@
 #include "src/base/volume_source.h"
 
 namespace sluice {
+
+// Of 64^3 bytes each they are a gigabyte.
+inline constexpr int64_t kSampledChunks = 4096;
 
 struct ZarrOptions {
   std::optional<int64_t> channel = {};  // without: the first

@@ -9,13 +9,10 @@
 namespace sluice {
 namespace {
 
-// Tells apart the pieces of one volume name, as indexed_ranges.cpp does its min-max arrays.
 IndexKey keyOf(const VolumeSource& source, int64_t time, const BlockLayout& layout, int64_t first) {
-  const VolumeLayout& voxels = source.layout();
   return {source.identity(),
-          fmt::format("boxes-{}{}-{}-{}x{}x{}-{}-t{}of{}-from{}", layout.size,
-                      layout.ghost == 0 ? "" : "-lit", name(voxels.type), voxels.dims.x,
-                      voxels.dims.y, voxels.dims.z, voxels.name, time, voxels.time_steps, first),
+          fmt::format("boxes-{}{}-{}-from{}", layout.size, layout.ghost == 0 ? "" : "-lit",
+                      selectionOf(source.layout(), time), first),
           kBoxesVersion};
 }
 

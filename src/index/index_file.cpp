@@ -137,6 +137,12 @@ std::string folderName(const std::string& full_name) {
 
 }  // namespace
 
+std::string selectionOf(const VolumeLayout& volume, int64_t time) {
+  const std::string channel = volume.channels > 1 ? fmt::format("-c{}", volume.channel) : "";
+  return fmt::format("{}-{}x{}x{}-{}{}-t{}of{}", name(volume.type), volume.dims.x, volume.dims.y,
+                     volume.dims.z, volume.name, channel, time, volume.time_steps);
+}
+
 IndexPlaces indexPlaces(const std::string& volume, const IndexWish& wish) {
   IndexPlaces places;
   places.disabled = wish.disabled;
@@ -180,6 +186,20 @@ IndexRead readIndex(const IndexPlaces& places, const IndexKey& key) {
                 fmt::format("{}: {}, not used", path.string(), verdict.reason)};
   }
   return result;
+}
+
+bool removeIndices(const std::filesystem::path& folder) {
+  std::error_code status;
+  std::vector<std::filesystem::path> files;
+  for (std::filesystem::directory_iterator it(folder, status), end; !status && it != end;
+       it.increment(status))
+    if (it->path().extension() == ".idx") files.push_back(it->path());
+  bool all = !status;
+  for (const std::filesystem::path& file : files) {
+    std::filesystem::remove(file, status);
+    all = all && !status;
+  }
+  return all;
 }
 
 IndexWritten writeIndex(const IndexPlaces& places, const IndexKey& key,

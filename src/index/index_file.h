@@ -17,6 +17,8 @@
 #include <string_view>
 #include <vector>
 
+#include "src/base/volume_source.h"
+
 namespace sluice {
 
 struct IndexKey {
@@ -24,6 +26,10 @@ struct IndexKey {
   std::string what;      // tells blobs of one volume apart and names the file: "minmax-32"
   uint32_t version = 0;  // of the blob's meaning
 };
+
+// The part of IndexKey::what that tells apart the blobs which one volume name has at the same time:
+// voxel type, dimensions given by the user, grids of an OpenVDB file, channels, time steps.
+std::string selectionOf(const VolumeLayout& volume, int64_t time);
 
 struct IndexPlaces {
   std::filesystem::path written;               // empty: nowhere
@@ -68,5 +74,9 @@ struct IndexWritten {
 // Writes to the one place, whole or not at all.
 IndexWritten writeIndex(const IndexPlaces& places, const IndexKey& key,
                         std::span<const std::byte> blob);
+
+// Removes all indices that lie in `folder`, which is that of one volume. False when one of them
+// cannot be removed.
+bool removeIndices(const std::filesystem::path& folder);
 
 }  // namespace sluice

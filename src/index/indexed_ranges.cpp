@@ -12,15 +12,10 @@
 namespace sluice {
 namespace {
 
-// The identity changes with the voxels; `what` tells apart the indices that one volume name has at
-// the same time: several block sizes, time steps, grids of an OpenVDB file, dimensions given by
-// the user.
 IndexKey keyOf(const VolumeSource& source, int64_t time, const BlockLayout& layout) {
-  const VolumeLayout& voxels = source.layout();
   return {source.identity(),
-          fmt::format("minmax-{}{}-{}-{}x{}x{}-{}-t{}of{}", layout.size,
-                      layout.ghost == 0 ? "" : "-lit", name(voxels.type), voxels.dims.x,
-                      voxels.dims.y, voxels.dims.z, voxels.name, time, voxels.time_steps),
+          fmt::format("minmax-{}{}-{}", layout.size, layout.ghost == 0 ? "" : "-lit",
+                      selectionOf(source.layout(), time)),
           kSliceRangesVersion};
 }
 
@@ -42,7 +37,7 @@ IndexedRanges indexedRanges(VolumeSource& source, const IndexPlaces& places, int
     std::optional<SliceRanges> ranges = deserialize(*kept.blob, layout, deviceMap(source.layout()));
     if (ranges) {
       result.ranges = std::move(*ranges);
-      result.path = std::move(kept.path);
+      result.path = result.ranges.index_file = std::move(kept.path);
       result.state = "read";
       return result;
     }

@@ -207,12 +207,11 @@ bool sameOpacity(const TransferFunction& a, const TransferFunction& b) {
 }
 
 IndexKey seriesKey(const VolumeSource& source, const SeriesRecipe& recipe) {
-  const VolumeLayout& voxels = source.layout();
   const BlockLayout& layout = recipe.layout;
   return {source.identity(),
-          fmt::format("opacity-{}{}-{}x{}x{}-{}-p{}.{}-d{}-e{}-of{}-{:016x}", layout.size,
-                      layout.ghost == 0 ? "" : "-lit", layout.dims.x, layout.dims.y, layout.dims.z,
-                      voxels.name, recipe.part_cells, recipe.detail_bits, recipe.directions.rows,
+          fmt::format("opacity-{}{}-{}-p{}.{}-d{}-e{}-of{}-{:016x}", layout.size,
+                      layout.ghost == 0 ? "" : "-lit", selectionOf(source.layout(), 0),
+                      recipe.part_cells, recipe.detail_bits, recipe.directions.rows,
                       recipe.difference, recipe.steps, hashOf(bytesOf(recipe.transfer))),
           kSeriesVersion};
 }

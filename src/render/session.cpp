@@ -10,12 +10,28 @@ Session::Session(const TimeStep& step, Device& device, WorkerPool& pool,
                  const SessionOptions& options)
     : device_(device),
       session_(options),
+      stale_check_(std::make_unique<StaleCheck>(step.source->layout().name)),
       residency_(step, device,
                  {options.page, options.memory_bytes, options.policy, options.seed,
                   options.partition, pool.threads(), options.beside_bytes}),
       planner_(options.page, pool, residency_.names()),
       step_(step) {
   SLUICE_CHECK(!options.lit || step.ranges->layout.ghost >= 1);
+  expectBlocksOf(step);
+  residency_.blocks().checkBy(
+      [check = stale_check_.get()](const BlockName& name, const VolumeBlock& block) {
+        check->check(name, block);
+      });
+}
+
+void Session::expectBlocksOf(const TimeStep& step) {
+  stale_check_->expect({.time = step.time}, step.ranges);
+  int32_t level = 0;
+  for (const CoarserStep& coarser : step.coarser) {
+    ++level;
+    if (coarser.ranges != nullptr)
+      stale_check_->expect({.time = step.time, .level = level}, coarser.ranges);
+  }
 }
 
 void Session::setTimeStep(const TimeStep& step) {
@@ -24,6 +40,7 @@ void Session::setTimeStep(const TimeStep& step) {
   SLUICE_CHECK(step.ranges->layout.ghost == step_.ranges->layout.ghost);
   SLUICE_CHECK(step.layout() == step_.layout());
   SLUICE_CHECK_EQ(step.coarser.size(), step_.coarser.size());
+  expectBlocksOf(step);
   step_ = step;
   lessons_.unfinished.reset();
 }

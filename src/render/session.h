@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "src/index/index_file.h"
+#include "src/index/stale_check.h"
 #include "src/render/frame_run.h"
 #include "src/render/planner.h"
 
@@ -52,7 +53,10 @@ class Session {
   void recordTo(TraceWriter* trace) { trace_ = trace; }
   // The step that the frame after the next one will show: what that one needs is read while the
   // last of the next one is drawn, as far as the buffers have room. Of the next frame alone.
-  void expectAfterwards(const TimeStep& step) { afterwards_ = step; }
+  void expectAfterwards(const TimeStep& step) {
+    expectBlocksOf(step);
+    afterwards_ = step;
+  }
   // The next frame is drawn as if it were the first; what the levels hold stays.
   void forgetLastFrame() { lessons_ = {}; }
 
@@ -84,6 +88,8 @@ class Session {
     friend bool operator==(const BoxesKey&, const BoxesKey&) = default;
   };
 
+  // Blocks of the step are compared with its ranges as they are read.
+  void expectBlocksOf(const TimeStep& step);
   // Begins to read for the step that is expected afterwards.
   void readAfterwards();
   // Null where object boxes are drawn.
@@ -92,6 +98,7 @@ class Session {
   Device& device_;
   const SessionOptions session_;
   Memo<TimeStep, BoxStore> box_store_;
+  const std::unique_ptr<StaleCheck> stale_check_;  // of blocks that residency_ reads
   Residency residency_;
   Planner planner_;
   Memo<BoxesKey, const ChosenBoxes> boxes_;

@@ -22,6 +22,25 @@ void widen(PlaneRange<T>& range, PlaneRange<T> by) {
   range.hi = std::max(range.hi, by.hi);
 }
 
+// Of a box of voxels, x fastest with the given strides. Element by element: a minimum along a row
+// would be a chain that no vector unit likes.
+template <class T>
+PlaneRange<T> rangeOf(const T* voxels, Vec3i size, int64_t row_stride, int64_t plane_stride) {
+  const auto columns = static_cast<size_t>(size.x);
+  std::vector<T> lo(columns, kNoVoxels<T>.lo), hi(columns, kNoVoxels<T>.hi);
+  for (int64_t z = 0; z < size.z; ++z)
+    for (int64_t y = 0; y < size.y; ++y) {
+      const T* __restrict row = voxels + z * plane_stride + y * row_stride;
+      for (size_t x = 0; x < columns; ++x) {
+        lo[x] = row[x] < lo[x] ? row[x] : lo[x];
+        hi[x] = row[x] > hi[x] ? row[x] : hi[x];
+      }
+    }
+  PlaneRange<T> range = kNoVoxels<T>;
+  for (size_t x = 0; x < columns; ++x) widen(range, {lo[x], hi[x]});
+  return range;
+}
+
 // Work space for blocks of up to `side` planes. One thread.
 template <class T>
 class BlockRanges {

@@ -8,6 +8,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <span>
 #include <vector>
 
@@ -40,6 +41,8 @@ struct SliceRanges {
   // Device values of all voxels, each counted once though blocks share planes: the same for any
   // size of block. What a NaN or an infinity stands for is left out.
   ValueCounts counts;
+  // The index that they were read from; empty: they were made from the voxels.
+  std::filesystem::path index_file = {};
 
   template <class T>
   std::span<const PlaneRange<T>> totalsAs() const {

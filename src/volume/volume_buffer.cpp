@@ -295,6 +295,8 @@ std::vector<std::shared_ptr<VolumeBlock>> VolumeBuffer::load(std::span<const Own
   DeviceReader reader(*levelOf(first).source);
   reader.read(first.time, regions);
   countRead(reader, voxels, tally);
+  if (check_)
+    for (size_t i = 0; i < run.size(); ++i) check_(run[i].entry->key, *blocks[i]);
   return blocks;
 }
 

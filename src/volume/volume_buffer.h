@@ -13,6 +13,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <exception>
+#include <functional>
 #include <list>
 #include <memory>
 #include <span>
@@ -50,6 +51,10 @@ using VolumeBlockPtr = std::shared_ptr<const VolumeBlock>;
 
 class VolumeBuffer {
  public:
+  // Looks at a block that was just read; the Error that it throws fails the read. Called on any
+  // thread, on several at once.
+  using Check = std::function<void(const BlockName& name, const VolumeBlock& block)>;
+
   // What happens to blocks that were asked for more than once when their room is needed.
   enum class Cold { kDropped, kPacked };
   // A level of resolution: where its voxels come from, and how they are cut into blocks.
@@ -63,6 +68,9 @@ class VolumeBuffer {
   VolumeBuffer(VolumeSource& source, const BlockLayout& layout, uint64_t budget_bytes,
                Cold cold = Cold::kDropped);
   ~VolumeBuffer();
+
+  // Requires: no other call is under way.
+  void checkBy(Check check) { check_ = std::move(check); }
 
   // The blocks of `keys`, in that order; those of one row along x that follow each other in `keys`
   // are read together.
@@ -146,6 +154,7 @@ class VolumeBuffer {
   const std::vector<Level> levels_;             // constant after construction
   const ValueMap map_;                          // constant after construction
   const bool packs_;                            // constant after construction
+  Check check_;                                 // may be null; constant once blocks are read
   const std::shared_ptr<BufferMemory> memory_;  // of the blocks as they are
   Blocks blocks_;                               // as they are
   // Packed ones, most recently packed first.

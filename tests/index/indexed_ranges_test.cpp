@@ -115,6 +115,36 @@ TEST_F(IndexedRangesTest, changedVolumeIsIndexedAnew) {
   EXPECT_EQ(indexed(*source).state, "read");
 }
 
+TEST_F(IndexedRangesTest, aFileReplacedWithItsTimeRestoredIsIndexedAnew) {
+  const auto old_source = open();
+  const IndexedRanges old = indexed(*old_source);
+  const auto time = std::filesystem::last_write_time(path_);
+  writeVoxels(2);
+  std::filesystem::last_write_time(path_, time);
+  const auto source = open();
+  const IndexedRanges changed = indexed(*source);
+  EXPECT_EQ(changed.state, "built");
+  EXPECT_NE(changed.ranges.planes, old.ranges.planes);
+}
+
+TEST_F(IndexedRangesTest, channelsHaveIndicesOfTheirOwn) {
+  VolumeLayout layout;
+  layout.dims = {12, 12, 12};
+  layout.channels = 2;
+  WorkerPool pool(2);
+  ProgressMeter quiet;
+  for (const char* state : {"built", "read"})
+    for (int64_t channel = 0; channel < 2; ++channel) {
+      layout.channel = channel;
+      FunctionSource source(
+          layout, [channel](int64_t, Vec3i p) { return static_cast<double>(p.x * (channel + 1)); });
+      const IndexedRanges found = indexedRanges(source, indexPlaces(path_.string(), wish_), 0,
+                                                blockLayout(layout.dims, 8, 0), pool, quiet);
+      EXPECT_EQ(found.state, state) << channel;
+      EXPECT_EQ(found.ranges.device_range.hi, static_cast<double>(11 * (channel + 1)));
+    }
+}
+
 TEST_F(IndexedRangesTest, damagedIndexIsRebuilt) {
   const auto source = open();
   const IndexedRanges first = indexed(*source);

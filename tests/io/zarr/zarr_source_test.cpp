@@ -235,6 +235,23 @@ TEST_F(ZarrDamage, identityChangesWithTheStore) {
             ZarrSource(channels, {.channel = 1}).identity());
 }
 
+// The folder of the chunk keeps its time.
+TEST_F(ZarrDamage, identityChangesWithAChunkThatIsRewrittenInPlace) {
+  for (const auto& [store, chunk] :
+       {std::pair{"zstd-dot", "1.2.3"}, {"none-dot", "0.1.2"}, {"zstd-slash", "1/2/3"}}) {
+    SCOPED_TRACE(store);
+    const fs::path copy = copyOf(store);
+    const std::string before = ZarrSource(copy).identity();
+    ASSERT_TRUE(fs::exists(copy / chunk));
+    const auto time = fs::last_write_time(copy / chunk);
+    std::string bytes = readFile(copy / chunk);
+    bytes.back() = static_cast<char>(bytes.back() ^ 1);
+    std::fstream(copy / chunk, std::ios::in | std::ios::out | std::ios::binary) << bytes;
+    fs::last_write_time(copy / chunk, time);
+    EXPECT_NE(ZarrSource(copy).identity(), before);
+  }
+}
+
 TEST(Zarr, aFolderThatIsNoImageSaysWhatItHolds) {
   const TempFolder folder;
   fs::create_directories(folder / "a/0");

@@ -1,0 +1,141 @@
+#include "src/index/stale_check.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "src/index/indexed_ranges.h"
+#include "tests/support/error_of.h"
+#include "tests/support/function_source.h"
+#include "tests/support/random_volume.h"
+#include "tests/support/temp_folder.h"
+
+namespace sluice {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+// A volume with its arrays, and a buffer that compares with them what it reads from `read`.
+struct Checked {
+  Checked(VolumeSource& indexed, VolumeSource& read, const BlockLayout& blocks)
+      : layout(blocks), check("v.raw"), buffer(read, blocks, uint64_t{64} << 20) {
+    WorkerPool pool(2);
+    ProgressMeter quiet;
+    ranges = std::make_shared<SliceRanges>(buildSliceRanges(indexed, 0, layout, pool, quiet));
+    check.expect({}, ranges);
+    buffer.checkBy(
+        [this](const BlockName& name, const VolumeBlock& block) { check.check(name, block); });
+  }
+  // Of all blocks, one by one: how many contradict the arrays.
+  int contradictions() {
+    int count = 0;
+    for (int64_t block = 0; block < layout.blockCount(); ++block) {
+      const BlockName key{.block = block};
+      try {
+        buffer.acquire(std::span(&key, 1));
+      } catch (const Error& error) {
+        EXPECT_THAT(error.what(), HasSubstr("v.raw: block " + std::to_string(block)));
+        ++count;
+      }
+    }
+    return count;
+  }
+
+  BlockLayout layout;
+  StaleCheck check;
+  std::shared_ptr<SliceRanges> ranges;
+  VolumeBuffer buffer;
+};
+
+TEST(StaleCheck, aVolumeAgreesWithItsOwnArraysInAnyTypeAndLayout) {
+  for (const VoxelType type : {VoxelType::kU8, VoxelType::kI8, VoxelType::kU16, VoxelType::kI16,
+                               VoxelType::kF32, VoxelType::kF64})
+    for (const int ghost : {0, 1})
+      for (const bool sparse : {true, false}) {
+        SCOPED_TRACE(fmt::format("{} ghost {} sparse {}", name(type), ghost, sparse));
+        BlobOptions options;
+        options.type = type;
+        const auto source =
+            sparse ? makeSparseBlobs(options) : makeWhiteNoise({30, 41, 17}, type, 3);
+        Checked volume(*source, *source, blockLayout(source->layout().dims, 16, ghost));
+        EXPECT_EQ(volume.contradictions(), 0);
+      }
+}
+
+TEST(StaleCheck, valuesThatAreNoNumbersAgreeWithThemselves) {
+  VolumeLayout layout;
+  layout.dims = {20, 20, 20};
+  layout.type = VoxelType::kF32;
+  FunctionSource source(layout, [](int64_t, Vec3i p) {
+    if (p == Vec3i{3, 4, 5}) return std::numeric_limits<double>::quiet_NaN();
+    if (p == Vec3i{3, 14, 5}) return std::numeric_limits<double>::infinity();
+    return p.x == 2 ? 1e38 : p.y * 0.25;
+  });
+  Checked volume(source, source, blockLayout(layout.dims, 16, 1));
+  EXPECT_EQ(volume.contradictions(), 0);
+}
+
+TEST(StaleCheck, eachBlockAroundAChangedVoxelContradicts) {
+  VolumeLayout layout;
+  layout.dims = {31, 31, 31};
+  const auto zeros = [](int64_t, Vec3i) { return 0.0; };
+  FunctionSource before(layout, zeros);
+  // Blocks of 16 share plane 15: eight own this voxel.
+  FunctionSource after(layout, [](int64_t, Vec3i p) { return p == Vec3i{15, 15, 15} ? 9.0 : 0.0; });
+  EXPECT_EQ(Checked(before, after, blockLayout(layout.dims, 16, 0)).contradictions(), 8);
+  // A ghost layer is not the block's own: cells 0 to 12 lie between planes 0 and 13.
+  FunctionSource inside(layout, [](int64_t, Vec3i p) { return p == Vec3i{14, 2, 2} ? 9.0 : 0.0; });
+  EXPECT_EQ(Checked(before, inside, blockLayout(layout.dims, 16, 1)).contradictions(), 1);
+}
+
+TEST(StaleCheck, otherTimeStepsAndForgottenArraysPass) {
+  VolumeLayout layout;
+  layout.dims = {20, 20, 20};
+  layout.time_steps = 2;
+  FunctionSource before(layout, [](int64_t, Vec3i) { return 0.0; });
+  FunctionSource after(layout, [](int64_t, Vec3i) { return 1.0; });
+  Checked volume(before, after, blockLayout(layout.dims, 16, 0));
+  const BlockName later{.time = 1}, now{};
+  EXPECT_NO_THROW(volume.buffer.acquire(std::span(&later, 1)));
+  EXPECT_THROW(volume.buffer.acquire(std::span(&now, 1)), Error);
+  volume.ranges.reset();
+  EXPECT_NO_THROW(volume.buffer.acquire(std::span(&now, 1)));
+}
+
+// The error removes every index of the volume, and the next opening makes them anew.
+TEST(StaleCheck, theIndicesOfTheVolumeAreRemoved) {
+  const TempFolder folder;
+  VolumeLayout layout;
+  layout.dims = {20, 20, 20};
+  layout.name = "v";
+  FunctionSource before(layout, [](int64_t, Vec3i) { return 3.0; });
+  FunctionSource after(layout, [](int64_t, Vec3i p) { return p.x == 9 ? 7.0 : 3.0; });
+  const IndexPlaces places = indexPlaces((folder / "v").string(), {.folder = folder / "cache"});
+  const BlockLayout blocks = blockLayout(layout.dims, 16, 0);
+  WorkerPool pool(2);
+  ProgressMeter quiet;
+  const auto indexed = [&](VolumeSource& source) {
+    return indexedRanges(source, places, 0, blocks, pool, quiet);
+  };
+  EXPECT_EQ(indexed(before).state, "built");
+  writeIndex(places, {before.identity(), "boxes", 1}, {});
+  // The identity of a FunctionSource is its name: the change goes unseen.
+  const IndexedRanges stale = indexed(after);
+  ASSERT_EQ(stale.state, "read");
+  EXPECT_EQ(stale.ranges.index_file, stale.path);
+  Checked volume(before, after, blocks);
+  volume.ranges->index_file = stale.path;
+  const BlockName key{};
+  EXPECT_THAT(
+      errorOf([&] { volume.buffer.acquire(std::span(&key, 1)); }),
+      AllOf(HasSubstr("v.raw: block 0 of time step 0 has values from 3 to 7, 3 to 3 when it "
+                      "was indexed"),
+            HasSubstr("was removed: give the same command again")));
+  EXPECT_TRUE(std::filesystem::is_empty(stale.path.parent_path()));
+  EXPECT_EQ(indexed(after).state, "built");
+}
+
+}  // namespace
+}  // namespace sluice
