@@ -16,6 +16,10 @@ TiffPage tiffPageOf(TIFF* tiff) {
   p.compression = tiffField<uint16_t>(tiff, TIFFTAG_COMPRESSION, COMPRESSION_NONE);
   p.planar = tiffField<uint16_t>(tiff, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG);
   p.orientation = tiffField<uint16_t>(tiff, TIFFTAG_ORIENTATION, ORIENTATION_TOPLEFT);
+  // Other codecs do not know of it, and asking is an error then.
+  if (p.compression == COMPRESSION_ADOBE_DEFLATE || p.compression == COMPRESSION_DEFLATE)
+    p.predictor = tiffField<uint16_t>(tiff, TIFFTAG_PREDICTOR, PREDICTOR_NONE);
+  p.fill_order = tiffField<uint16_t>(tiff, TIFFTAG_FILLORDER, FILLORDER_MSB2LSB);
   p.is_tiled = TIFFIsTiled(tiff) != 0;
   return p;
 }

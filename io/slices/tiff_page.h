@@ -19,11 +19,18 @@ struct TiffPage {
   uint16_t bits = 1, samples = 1, sample_format = SAMPLEFORMAT_UINT;
   uint16_t photometric = PHOTOMETRIC_MINISBLACK, compression = COMPRESSION_NONE;
   uint16_t planar = PLANARCONFIG_CONTIG, orientation = ORIENTATION_TOPLEFT;
+  uint16_t predictor = PREDICTOR_NONE, fill_order = FILLORDER_MSB2LSB;
   bool is_tiled = false;
   uint64_t moved_bytes = 0;  // its voxels lie this far behind those that its table names
 
   bool hasColor() const {
     return photometric == PHOTOMETRIC_RGB || photometric == PHOTOMETRIC_YCBCR;
+  }
+  // Of the kind that DeflateRows decodes: all that zlib compresses, but for bits in reverse.
+  bool isDeflate() const {
+    return (compression == COMPRESSION_ADOBE_DEFLATE || compression == COMPRESSION_DEFLATE) &&
+           fill_order == FILLORDER_MSB2LSB && predictor >= PREDICTOR_NONE &&
+           predictor <= PREDICTOR_FLOATINGPOINT;
   }
   size_t pixelBytes() const { return size_t{samples} * bits / 8; }
 };

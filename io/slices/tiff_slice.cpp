@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "io/files/swap_bytes.h"
+#include "io/slices/deflate_rows.h"
 #include "io/slices/tiff_page.h"
 #include "io/slices/tiff_stream.h"
 #include "src/base/error.h"
@@ -49,6 +50,8 @@ class TiffPicture final : public SlicePicture {
       readTiles(p, first, count, keepRow);
     } else if (p.compression == COMPRESSION_NONE) {
       readPlainStrips(p, first, count, keepRow);
+    } else if (p.isDeflate()) {
+      readDeflateStrips(p, first, count, keepRow);
     } else {
       readStrips(p, first, count, keepRow);
     }
@@ -170,6 +173,7 @@ class TiffPicture final : public SlicePicture {
     if (TIFFSetSubDirectory(tiff_.get(), p.directory) == 0) stream_.failWith("damaged TIFF");
     at_page_ = page;
     next_row_ = -1;
+    deflated_.reset();
     if (p.photometric == PHOTOMETRIC_YCBCR)
       TIFFSetField(tiff_.get(), TIFFTAG_JPEGCOLORMODE, JPEGCOLORMODE_RGB);
     if (p.photometric == PHOTOMETRIC_PALETTE) readPalette();
@@ -190,6 +194,59 @@ class TiffPicture final : public SlicePicture {
     }
   }
 
+  int64_t rowsPerStrip(const TiffPage& p) {
+    return std::clamp<int64_t>(tiffField<uint32_t>(tiff_.get(), TIFFTAG_ROWSPERSTRIP, p.height), 1,
+                               p.height);
+  }
+
+  // The decoder of a strip or tile, at its first row. libtiff's names: a strile is either.
+  std::unique_ptr<DeflateRows> deflateRows(const TiffPage& p, uint32_t strile, size_t row_bytes,
+                                           int64_t rows) {
+    const std::string where = fmt::format("{}: page {}, {} {}", stream_.file.path(), at_page_ + 1,
+                                          p.is_tiled ? "tile" : "strip", strile);
+    const uint64_t at = TIFFGetStrileOffset(tiff_.get(), strile);
+    const uint64_t bytes = TIFFGetStrileByteCount(tiff_.get(), strile);
+    const uint64_t file_bytes = stream_.file.sizeBytes();
+    if (at > file_bytes || bytes > file_bytes - at)
+      fail("{}: {} bytes at {} in a file of {}; it was cut short", where, bytes, at, file_bytes);
+    std::vector<std::byte> stored(bytes);
+    stream_.file.readAt(at, stored);
+    const DeflateForm form{.row_bytes = row_bytes,
+                           .rows = rows,
+                           .sample_bytes = p.bits / 8U,
+                           .samples = p.samples,
+                           .predictor = static_cast<TiffPredictor>(p.predictor),
+                           .swapped = TIFFIsByteSwapped(tiff_.get()) != 0};
+    return std::make_unique<DeflateRows>(std::move(stored), form, where);
+  }
+
+  // As readStrips(). The checksum of a strip is compared when its last row is read.
+  template <class Keep>
+  void readDeflateStrips(const TiffPage& p, int64_t first, int64_t count, Keep keep) {
+    const size_t row_bytes = p.width * p.pixelBytes();
+    buffer_.resize(row_bytes);
+    const int64_t strip_rows = rowsPerStrip(p);
+    const int64_t strip_start = first / strip_rows * strip_rows;
+    const bool can_go_on = next_row_ >= strip_start && next_row_ <= first;
+    for (int64_t row = can_go_on ? next_row_ : strip_start; row < first + count; ++row) {
+      next_row_ = -1;
+      if (row % strip_rows == 0)
+        deflated_ = deflateRows(p, static_cast<uint32_t>(row / strip_rows), row_bytes, strip_rows);
+      deflated_->next(buffer_);
+      if ((row + 1) % strip_rows == 0 || row + 1 == p.height) deflated_->finish();
+      next_row_ = row + 1;
+      if (row >= first) keep(row, buffer_.data());
+    }
+  }
+
+  // A whole tile into buffer_.
+  void readDeflateTile(const TiffPage& p, uint32_t tile, size_t row_bytes, int64_t rows) {
+    const auto decoder = deflateRows(p, tile, row_bytes, rows);
+    for (int64_t row = 0; row < rows; ++row)
+      decoder->next(std::span(buffer_).subspan(static_cast<size_t>(row) * row_bytes, row_bytes));
+    decoder->finish();
+  }
+
   // Calls keep(row, stored bytes of the row) for each row, top first as stored. Rows of a strip are
   // decoded one after the other, so that a strip as large as the picture needs no memory of its
   // size.
@@ -199,8 +256,7 @@ class TiffPicture final : public SlicePicture {
     if (scanline < static_cast<tmsize_t>(p.width * p.pixelBytes()))
       stream_.failWith("damaged TIFF");
     buffer_.resize(static_cast<size_t>(scanline));
-    const int64_t strip_rows = std::clamp<int64_t>(
-        tiffField<uint32_t>(tiff_.get(), TIFFTAG_ROWSPERSTRIP, p.height), 1, p.height);
+    const int64_t strip_rows = rowsPerStrip(p);
     const int64_t strip_start = first / strip_rows * strip_rows;
     const bool can_go_on = next_row_ >= strip_start && next_row_ <= first;
     for (int64_t row = can_go_on ? next_row_ : strip_start; row < first + count; ++row) {
@@ -236,8 +292,7 @@ class TiffPicture final : public SlicePicture {
 
   // Where in the file a row begins, all of which is there.
   uint64_t plainRowAt(const TiffPage& p, int64_t row, size_t row_bytes) {
-    const int64_t strip_rows = std::clamp<int64_t>(
-        tiffField<uint32_t>(tiff_.get(), TIFFTAG_ROWSPERSTRIP, p.height), 1, p.height);
+    const int64_t strip_rows = rowsPerStrip(p);
     const auto strip = static_cast<uint32_t>(row / strip_rows);
     const auto offset_in_strip = static_cast<uint64_t>(row % strip_rows) * row_bytes;
     const uint64_t strip_at = TIFFGetStrileOffset(tiff_.get(), strip);
@@ -269,8 +324,11 @@ class TiffPicture final : public SlicePicture {
       const int64_t end = std::min(top + tile_height, first + count);
       rows.resize(static_cast<size_t>((end - begin) * p.width * pixel));
       for (int64_t left = 0; left < p.width; left += tile_width) {
-        if (TIFFReadTile(tiff_.get(), buffer_.data(), static_cast<uint32_t>(left),
-                         static_cast<uint32_t>(top), 0, 0) < 0)
+        const auto x = static_cast<uint32_t>(left), y = static_cast<uint32_t>(top);
+        if (p.isDeflate())
+          readDeflateTile(p, TIFFComputeTile(tiff_.get(), x, y, 0, 0),
+                          static_cast<size_t>(tile_width * pixel), tile_height);
+        else if (TIFFReadTile(tiff_.get(), buffer_.data(), x, y, 0, 0) < 0)
           stream_.failWith(
               fmt::format("page {}, tile at ({}, {}): damaged TIFF", at_page_ + 1, left, top));
         const int64_t columns = std::min<int64_t>(tile_width, p.width - left);
@@ -312,11 +370,12 @@ class TiffPicture final : public SlicePicture {
   PictureFormat format_;
   std::vector<TiffPage> pages_;
   int64_t at_page_ = -1;
-  int64_t next_row_ = -1;               // of the page, that the decoder stands at; -1: none
-  std::vector<std::byte> buffer_;       // one row or tile as stored
-  std::vector<uint8_t> palette_;        // luminance of each entry
-  std::string description_;             // of the first page
-  std::array<double, 2> resolution_{};  // pixels a unit; 0 where the file does not say
+  int64_t next_row_ = -1;                  // of the page, that the decoder stands at; -1: none
+  std::unique_ptr<DeflateRows> deflated_;  // that decoder, of a page that isDeflate()
+  std::vector<std::byte> buffer_;          // one row or tile as stored
+  std::vector<uint8_t> palette_;           // luminance of each entry
+  std::string description_;                // of the first page
+  std::array<double, 2> resolution_{};     // pixels a unit; 0 where the file does not say
 };
 
 }  // namespace

@@ -52,11 +52,70 @@ def tiffs(name, voxels, pictures=None, **options):
         tifffile.imwrite(file(z, "tif"), (voxels if pictures is None else pictures)[z], **options)
 
 
+def float_tiff(path, values, order, rows_per_strip):
+    """With the floating-point predictor, which tifffile does not write: bytes of the same weight together, from the
+    most significant on, and of these the differences."""
+    height, width = values.shape
+    size = values.dtype.itemsize
+    strips = []
+    for y in range(0, height, rows_per_strip):
+        rows = values[y:y + rows_per_strip].astype(">f%d" % size)
+        weights = rows.view("u1").reshape(len(rows), width, size).transpose(0, 2, 1).reshape(len(rows), -1)
+        differences = weights.copy()
+        differences[:, 1:] -= weights[:, :-1]
+        strips.append(zlib.compress(differences.tobytes()))
+    at = 8
+    offsets = []
+    for strip in strips:
+        offsets.append(at)
+        at += len(strip)
+    tables = struct.pack(f"{order}{len(strips)}I", *offsets) + struct.pack(f"{order}{len(strips)}I", *map(len, strips))
+    tags = [(256, 4, 1, width), (257, 4, 1, height), (258, 3, 1, size * 8), (259, 3, 1, 8), (262, 3, 1, 1),
+            (273, 4, len(strips), offsets[0] if len(strips) == 1 else at), (277, 3, 1, 1), (278, 4, 1, rows_per_strip),
+            (279, 4, len(strips), len(strips[0]) if len(strips) == 1 else at + 4 * len(strips)), (317, 3, 1, 3), (339, 3, 1, 3)]
+    with open(path, "wb") as out:
+        out.write((b"II" if order == "<" else b"MM") + struct.pack(order + "HI", 42, at + len(tables)) + b"".join(strips) + tables)
+        out.write(struct.pack(order + "H", len(tags)))
+        for tag, kind, count, value in tags:
+            out.write(struct.pack(order + "HHI", tag, kind, count))
+            out.write(struct.pack(order + ("HH" if kind == 3 else "I"), *([value, 0] if kind == 3 else [value])))
+        out.write(struct.pack(order + "I", 0))
+
+
+def zlib_streams(name):
+    """NAME.streams: first and last byte of each stream of the first slice, of which every bit is checked."""
+    folder = os.path.join(root, name)
+    path = os.path.join(folder, sorted(os.listdir(folder))[0])
+    data = open(path, "rb").read()
+    found = []
+    if path.endswith("png"):
+        at = 8
+        while at < len(data):
+            length = struct.unpack_from(">I", data, at)[0]
+            if data[at + 4:at + 8] == b"IDAT":
+                found.append((at + 8, at + 8 + length))
+            at += 12 + length
+    else:
+        page = tifffile.TiffFile(path).pages[0]
+        found = [(o, o + n) for o, n in zip(page.dataoffsets, page.databytecounts)]
+    with open(os.path.join(root, name + ".streams"), "w") as out:
+        out.writelines(f"{a} {b}\n" for a, b in found)
+
+
 for kind in NAMES:
     tiffs("tiff-" + NAMES[kind], volume(kind), photometric="minisblack")
 tiffs("tiff-strips", volume("u2"), photometric="minisblack", rowsperstrip=7)
 tiffs("tiff-one-strip-zlib", volume("u2"), photometric="minisblack", rowsperstrip=70, compression="zlib")
 tiffs("tiff-zlib-predictor", volume("u2"), photometric="minisblack", rowsperstrip=16, compression="zlib")
+for kind in ("u1", "u2", "i4"):
+    tiffs(f"tiff-zlib-differences-{kind}", volume(kind), photometric="minisblack", rowsperstrip=16, compression="zlib", predictor=2)
+tiffs("tiff-zlib-differences-swapped", volume("u2"), photometric="minisblack", byteorder=">", compression="zlib", predictor=2)
+tiffs("tiff-tiles-zlib-differences", volume("u2"), photometric="minisblack", tile=(16, 32), compression="zlib", predictor=2)
+for kind, order, strip in (("f4", "<", 70), ("f4", ">", 16), ("f8", "<", 9)):
+    floats = volume(kind)
+    file = case(f"tiff-zlib-float-predictor-{kind}-{'II' if order == '<' else 'MM'}", floats)
+    for z in range(floats.shape[0]):
+        float_tiff(file(z, "tif"), floats[z], order, strip)
 tiffs("tiff-big-endian", volume("i2"), photometric="minisblack", byteorder=">", rowsperstrip=9)
 tiffs("tiff-big-endian-zlib", volume("f4"), photometric="minisblack", byteorder=">", compression="zlib")
 tiffs("tiff-tiles", volume("u1"), photometric="minisblack", tile=(32, 16))
@@ -65,6 +124,7 @@ tiffs("tiff-bigtiff", volume("u2"), photometric="minisblack", bigtiff=True)
 white = volume("u1")
 tiffs("tiff-white-is-zero", 255 - white, pictures=white, photometric="miniswhite")
 rgb = rng.integers(0, 256, (3, 20, 31, 3)).astype("u1")
+tiffs("tiff-rgb-zlib-differences", luminance(rgb), pictures=rgb, photometric="rgb", compression="zlib", predictor=2)
 tiffs("tiff-rgb", luminance(rgb), pictures=rgb, photometric="rgb")
 rgb16 = rng.integers(0, 65536, (2, 20, 31, 3)).astype("u2")
 tiffs("tiff-rgb16-tiles", luminance(rgb16), pictures=rgb16, photometric="rgb", tile=(16, 16))
@@ -166,3 +226,7 @@ index = rng.integers(0, 16, (2, 21, 19))
 pngs("png-palette-4-bit", luminance(palette[index]), index, 4, 3, palette=palette)
 gray = volume("u1", (2, 21, 19))
 pngs("png-gray-stored-as-rgb", gray, np.repeat(gray[..., None], 3, axis=3), 8, 2)
+
+for name in ("tiff-zlib-predictor", "tiff-one-strip-zlib", "tiff-tiles-zlib", "tiff-zlib-differences-u2", "tiff-vtk-deflate",
+             "tiff-zlib-float-predictor-f4-MM", "png-vtk-u16", "png-4-bit", "png-interlaced-16"):
+    zlib_streams(name)

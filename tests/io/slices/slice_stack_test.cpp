@@ -170,6 +170,41 @@ TEST_F(Slices, surviveDamage) {
   }
 }
 
+// Every stream that zlib wrote carries a checksum of what it decodes to.
+TEST_F(Slices, aFlippedBitOfACompressedPictureIsAnErrorOrChangesNothing) {
+  const TempFolder folder;
+  int files = 0;
+  for (const Case& c : cases_) {
+    if (!std::filesystem::exists(pathOf(c.name + ".streams"))) continue;
+    ++files;
+    SCOPED_TRACE(c.name);
+    const std::string sound = readFile(firstOf(c.name));
+    const std::string expected = asText(readAll(*openSlices({firstOf(c.name)})));
+    std::istringstream streams(readFile(pathOf(c.name + ".streams")));
+    int tried = 0, refused = 0;
+    for (size_t first = 0, end = 0; streams >> first >> end;) {
+      // Every bit where the checksum lies, elsewhere some.
+      constexpr size_t kChecksumBits = 32;
+      const size_t checksum = std::max(first * 8, end * 8 - kChecksumBits);
+      for (size_t bit = first * 8; bit < end * 8; bit += bit + 61 < checksum ? 61 : 1) {
+        std::string damaged = sound;
+        damaged[bit / 8] = static_cast<char>(damaged[bit / 8] ^ (1 << bit % 8));
+        writeFile(folder / "bad", damaged);
+        ++tried;
+        try {
+          const auto source = openSlices({folder / "bad"});
+          ASSERT_TRUE(asText(readAll(*source)) == expected) << "bit " << bit;
+        } catch (const Error& error) {
+          ++refused;
+          ASSERT_THAT(error.what(), HasSubstr("bad: ")) << bit;
+        }
+      }
+    }
+    EXPECT_GT(refused, tried * 9 / 10);
+  }
+  EXPECT_EQ(files, 9);
+}
+
 // Rows and decoders are within what they may hold, and are still read right.
 TEST_F(Slices, holdNoMoreThanTheyMay) {
   for (const char* name : {"png-vtk-u16", "tiff-one-strip-zlib"}) {
