@@ -21,6 +21,8 @@
 #include "io/vdb/vdb_source.h"
 #include "io/zarr/zarr_source.h"
 #include "src/base/error.h"
+#include "src/base/volume_channels.h"
+#include "src/base/volume_levels.h"
 
 namespace sluice {
 namespace {
@@ -80,7 +82,7 @@ Format formatOfName(const fs::path& path, const OpenOptions& options) {
 }
 
 // A source of which something else is said: the distances between its voxels, notes.
-class RelabelledSource final : public VolumeSource {
+class RelabelledSource final : public VolumeSource, public ChanneledSource, public LeveledSource {
  public:
   RelabelledSource(std::unique_ptr<VolumeSource> source, VolumeLayout layout)
       : source_(std::move(source)), layout_(std::move(layout)) {}
@@ -93,6 +95,10 @@ class RelabelledSource final : public VolumeSource {
   }
   std::optional<Occupancy> occupancy(int64_t time) override { return source_->occupancy(time); }
   std::string identity() const override { return source_->identity(); }
+  std::span<const std::string> channelNames() const override {
+    return sluice::channelNames(*source_);
+  }
+  std::span<const CoarserLevel> levelsAbove() const override { return coarserLevels(*source_); }
   uint64_t storedBytesRead() const override { return source_->storedBytesRead(); }
   uint64_t heldBytesAThread() const override { return source_->heldBytesAThread(); }
   void holdAtMost(uint64_t bytes) override { source_->holdAtMost(bytes); }
@@ -130,9 +136,9 @@ void checkOptions(const std::string& input, Format format, const OpenOptions& op
   if (format != Format::kVdb && !options.grid.empty())
     fail("{}: --grid {} is for OpenVDB files, which this is not; leave it out", input,
          options.grid);
-  if (format != Format::kZarr && format != Format::kPicture && options.channel)
+  if (format != Format::kZarr && format != Format::kPicture && options.channel.given())
     fail("{}: --channel {} is for Zarr stores and TIFF files, which this is not; leave it out",
-         input, *options.channel);
+         input, options.channel.text());
   if (options.spacing) {
     const Vec3d s = *options.spacing;
     for (int a = 0; a < 3; ++a) {
@@ -280,13 +286,29 @@ std::unique_ptr<VolumeSource> openVolume(const std::vector<std::string>& inputs,
   return withNote(openSeveral(files, options), note);
 }
 
+namespace {
+
+// Of a series of a file a step; empty of others.
+std::vector<std::filesystem::path> filesOfSteps(VolumeSource& source) {
+  const int64_t steps = source.layout().time_steps;
+  if (steps < 2) return {};
+  const std::vector<std::string> files = source.files();
+  if (static_cast<int64_t>(files.size()) != steps) return {};
+  return {files.begin(), files.end()};
+}
+
+}  // namespace
+
 std::optional<std::string> missingStep(VolumeSource& source, int64_t time) {
   const int64_t steps = source.layout().time_steps;
-  if (steps < 2 || time < steps) return std::nullopt;
-  const std::vector<std::string> files = source.files();
-  if (static_cast<int64_t>(files.size()) != steps) return std::nullopt;
-  const auto file = missingFile({files.begin(), files.end()}, time + 1 - steps);
+  if (time < steps) return std::nullopt;
+  const auto file = missingFile(filesOfSteps(source), time + 1 - steps);
   return file ? std::optional(file->string()) : std::nullopt;
+}
+
+std::optional<int64_t> stepOfNumber(VolumeSource& source, int64_t number) {
+  const auto step = fileOfNumber(filesOfSteps(source), number);
+  return step ? std::optional(static_cast<int64_t>(*step)) : std::nullopt;
 }
 
 }  // namespace sluice

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "io/files/channel_choice.h"
 #include "io/headers/decode_options.h"
 #include "src/base/stop_token.h"
 #include "src/base/volume_source.h"
@@ -29,7 +30,7 @@ struct OpenOptions {
   int64_t skip_bytes = 0;                      // raw
   std::optional<Vec3d> spacing = {};           // any; replaces what the file says
   std::string grid = {};                       // OpenVDB; empty: see vdb_source.h
-  std::optional<int64_t> channel = {};         // Zarr, pages of a TIFF; without: the first
+  ChannelWish channel = {};                    // Zarr, pages of a TIFF; without: the first
   // Zarr: decoded chunks kept at most, see zarr_source.h. Not something that a user says of a
   // volume, hence without effect on the others.
   uint64_t chunk_cache_bytes = uint64_t{32} << 20;
@@ -56,5 +57,7 @@ std::unique_ptr<VolumeSource> openVolume(const std::vector<std::string>& inputs,
 // The file that would be time step `time` of a series of a file a step, if it went on that far.
 // nullopt: no such series, or the step is there. Throws Error of a step that cannot be opened.
 std::optional<std::string> missingStep(VolumeSource& source, int64_t time);
+// The time step of a series of a file a step whose file has `number` in its name. nullopt: none.
+std::optional<int64_t> stepOfNumber(VolumeSource& source, int64_t number);
 
 }  // namespace sluice

@@ -43,6 +43,8 @@ SequenceSource::SequenceSource(std::vector<std::string> steps, Opener opener, si
   // volume's identity does.
   identity_ = "sequence|" + fileIdentity(filesOf(steps_)) + "|first: " + first->identity();
   held_bytes_a_thread_ = first->heldBytesAThread();
+  const std::span<const std::string> names = sluice::channelNames(*first);
+  channel_names_.assign(names.begin(), names.end());
   open_.push_front({0, std::move(first)});
 }
 

@@ -14,11 +14,12 @@
 #include <vector>
 
 #include "src/base/mutex.h"
+#include "src/base/volume_channels.h"
 #include "src/base/volume_source.h"
 
 namespace sluice {
 
-class SequenceSource final : public VolumeSource {
+class SequenceSource final : public VolumeSource, public ChanneledSource {
  public:
   // Opens the volume of one time step. Called from any thread.
   using Opener = std::function<std::unique_ptr<VolumeSource>(const std::string& path)>;
@@ -39,6 +40,8 @@ class SequenceSource final : public VolumeSource {
   std::optional<Occupancy> occupancy(int64_t time) override;
   // Covers all files as they were at the opening.
   std::string identity() const override { return identity_; }
+  // Of the first file.
+  std::span<const std::string> channelNames() const override { return channel_names_; }
   uint64_t storedBytesRead() const override;
   uint64_t heldBytesAThread() const override { return held_bytes_a_thread_; }
   // Opens each step whose files are not known, one after the other.
@@ -60,9 +63,10 @@ class SequenceSource final : public VolumeSource {
   const std::vector<std::string> steps_;
   const Opener opener_;
   const size_t max_open_files_;
-  VolumeLayout layout_;               // constant after construction
-  std::string identity_;              // constant after construction
-  uint64_t held_bytes_a_thread_ = 0;  // constant after construction
+  VolumeLayout layout_;                     // constant after construction
+  std::string identity_;                    // constant after construction
+  std::vector<std::string> channel_names_;  // constant after construction
+  uint64_t held_bytes_a_thread_ = 0;        // constant after construction
 
   OpenFile* find(int64_t time) SLUICE_REQUIRES(mutex_);
 

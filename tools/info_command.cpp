@@ -39,7 +39,7 @@ std::string orientationText(const VolumeLayout& layout) {
 
 void print(const IndexedVolume& volume, const ChosenLook& look) {
   const VolumeLayout& layout = volume.source->layout();
-  const ValueRange range = volume.valueRange();
+  const ValueRange range = volume.finiteRange();
   const auto voxels = static_cast<uint64_t>(layout.dims.x * layout.dims.y * layout.dims.z);
   say("{}\n", layout.name);
   say("  {} x {} x {} voxels, {}, {} a time step\n", layout.dims.x, layout.dims.y, layout.dims.z,

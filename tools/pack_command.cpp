@@ -34,15 +34,35 @@ struct Arguments {
 
 constexpr int kLz4Level = 5, kZstdLevel = 1;
 
-// The index that the store's first opening would build: of every time step.
-std::shared_ptr<const IndexedRanges> indexStore(const Arguments& arguments, WorkerPool& pool) {
+// The indices that the store's first openings would build: of every channel and time step. Returns
+// the first.
+std::shared_ptr<const IndexedRanges> indexStore(const Arguments& arguments, size_t channels,
+                                                WorkerPool& pool) {
   ProgressMeter progress;
   VolumeArguments store;
   store.inputs = {arguments.output};
-  IndexedVolume volume = openIndexed(store, arguments.resources, kUsualNeeds, pool);
-  for (int64_t t = 1; t < volume.source->layout().time_steps; ++t)
-    rangesOfStep(volume, t, {pool, progress, memoryBudget(arguments.resources), interruption()});
-  return volume.index;
+  std::shared_ptr<const IndexedRanges> first;
+  for (size_t c = 0; c < channels; ++c) {
+    if (channels > 1) store.open.channel = static_cast<int64_t>(c);
+    IndexedVolume volume = openIndexed(store, arguments.resources, kUsualNeeds, pool);
+    for (int64_t t = 1; t < volume.source->layout().time_steps; ++t)
+      rangesOfStep(volume, t, {pool, progress, memoryBudget(arguments.resources), interruption()});
+    if (c == 0) first = volume.index;
+  }
+  return first;
+}
+
+// A source for each channel; the one that the user asks for alone.
+std::vector<std::unique_ptr<VolumeSource>> openChannels(const VolumeArguments& arguments) {
+  std::vector<std::unique_ptr<VolumeSource>> channels;
+  channels.push_back(openVolume(arguments.inputs, arguments.open));
+  const int64_t count = arguments.open.channel.given() ? 1 : channels[0]->layout().channels;
+  for (int64_t c = 1; c < count; ++c) {
+    OpenOptions open = arguments.open;
+    open.channel = c;
+    channels.push_back(openVolume(arguments.inputs, open));
+  }
+  return channels;
 }
 
 int pack(const Arguments& arguments) {
@@ -50,10 +70,12 @@ int pack(const Arguments& arguments) {
   outputs.reads(arguments.volume.inputs);
   outputs.writesFolder("-o", arguments.output);
   outputs.checkNames();
-  const auto source = openVolume(arguments.volume.inputs, arguments.volume.open);
-  outputs.check(filesOf(*source));
+  const auto sources = openChannels(arguments.volume);
+  std::vector<VolumeSource*> channels;
+  for (const auto& source : sources) channels.push_back(source.get());
+  outputs.check(filesOf(*channels.front()));
   Workers pool(arguments.resources.threads);
-  const VolumeLayout& layout = source->layout();
+  const VolumeLayout& layout = channels.front()->layout();
   PackOptions options = arguments.pack;
   options.stop = interruption();
   options.memory_bytes = memoryBudget(arguments.resources);
@@ -63,16 +85,16 @@ int pack(const Arguments& arguments) {
   PackReport report;
   try {
     const uint64_t bytes = static_cast<uint64_t>(volume(layout.dims) * layout.time_steps) *
-                           bytesPerVoxel(layout.type) * (options.verify ? 2 : 1);
+                           channels.size() * bytesPerVoxel(layout.type) * (options.verify ? 2 : 1);
     ProgressMeter progress =
         arguments.resources.quiet ? ProgressMeter() : ProgressMeter(progressLine("packing"), bytes);
-    report = packZarr(*source, arguments.output, options, pool, progress);
+    report = packZarr(channels, arguments.output, options, pool, progress);
   } catch (const Interrupted&) {
     printError("interrupted; the same command goes on where this one ended");
     return interruptionStatus();
   }
   const Stopwatch watch;
-  const auto kept = indexStore(arguments, pool);
+  const auto kept = indexStore(arguments, channels.size(), pool);
   const IndexedRanges& index = *kept;
   const double index_seconds = watch.seconds();
   const double ratio = static_cast<double>(report.voxel_bytes) /
@@ -82,6 +104,7 @@ int pack(const Arguments& arguments) {
         {"output", arguments.output},
         {"chunks",
          {{"count", report.chunks}, {"empty", report.empty_chunks}, {"kept", report.kept_chunks}}},
+        {"channels", channels.size()},
         {"voxel_bytes", report.voxel_bytes},
         {"stored_bytes", report.stored_bytes},
         {"ratio", ratio},
@@ -97,6 +120,7 @@ int pack(const Arguments& arguments) {
   }
   if (arguments.resources.quiet) return kDone;
   say("{}\n", arguments.output);
+  if (channels.size() > 1) say("  {} channels\n", channels.size());
   say("  {} chunks, {} of them empty{}{}\n", report.chunks, report.empty_chunks,
       report.kept_chunks == 0 ? ""
                               : fmt::format(", {} done before an interruption", report.kept_chunks),

@@ -256,6 +256,9 @@ int run(const Arguments& asked, const CLI::App& app) {
   } else if (!arguments.resources.quiet) {
     print(costs, arguments.frame.algorithm, shown.seconds, volume.page);
     printForecast(forecast);
+    if (volume.index->state != "read")
+      say("index {}: this plan has read the whole volume for it, {}\n", volume.index->state,
+          volume.index->path.empty() ? "and so will the next one" : "the next one reads no voxel");
     if (boxes) print(*boxes);
   }
   return 0;

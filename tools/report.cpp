@@ -137,7 +137,7 @@ std::string_view name(WorldFrame frame) {
 
 json volumeJson(const IndexedVolume& volume) {
   const VolumeLayout& layout = volume.source->layout();
-  const ValueRange range = volume.valueRange();
+  const ValueRange range = volume.finiteRange();
   const auto triple = [](auto v) { return json::array({v.x, v.y, v.z}); };
   const WorldBounds bounds = worldBounds(layout);
   return {{"name", layout.name},

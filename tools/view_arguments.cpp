@@ -77,7 +77,8 @@ ViewedVolume viewedVolume(const VolumeArguments& volume, const ResourceArguments
   options.time_steps = open.time_steps;
   if (open.spacing) options.spacing = asArray(*open.spacing);
   options.grid = open.grid;
-  options.channel = open.channel;
+  options.channel = open.channel.number;
+  options.channel_name = open.channel.name;
   options.time = volume.time;
   options.index_folder = index_folder;
   options.temporary_folder = open.decode.folder;

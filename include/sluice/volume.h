@@ -29,6 +29,7 @@ struct VolumeOptions {
   std::optional<std::array<double, 3>> spacing = {};
   std::string grid = {};                // of an OpenVDB file; empty: the first that can be drawn
   std::optional<int64_t> channel = {};  // of a Zarr store or TIFF pages; unset: the first
+  std::string channel_name = {};        // the same by its name, where `channel` is unset
 
   // Of a series: value range, looks that are chosen by it and fits are those of all steps, whose
   // indices are made at the opening. Otherwise range and look are those of the step `time`, and

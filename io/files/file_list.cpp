@@ -18,17 +18,25 @@ bool isDigit(char c) {
   return c >= '0' && c <= '9';
 }
 
-// A name with one number in it, as printf writes it.
+// A name with one number in it, as printf writes it or as '#' for each digit.
 struct NumberedName {
   std::string before, after;
   size_t width = 0;  // digits at least, padded with zeros
 };
 
-// nullopt when the text has no printf number or more than one.
+// nullopt when the text has no number or more than one.
 std::optional<NumberedName> parseNumbered(const std::string& text) {
   NumberedName name;
   std::string* part = &name.before;
   for (size_t i = 0; i < text.size(); ++i) {
+    if (text[i] == '#') {
+      if (part == &name.after) return std::nullopt;
+      const size_t end = std::min(text.find_first_not_of('#', i), text.size());
+      name.width = end - i;
+      part = &name.after;
+      i = end - 1;
+      continue;
+    }
     if (text[i] != '%') {
       *part += text[i];
       continue;
@@ -183,7 +191,8 @@ std::vector<std::filesystem::path> listFolder(const std::filesystem::path& folde
   for (std::filesystem::directory_iterator it(folder, error), end; !error && it != end;
        it.increment(error)) {
     const bool is_hidden = it->path().filename().native().starts_with('.');
-    if (!is_hidden && it->is_regular_file()) files.push_back(it->path());
+    std::error_code unknown;
+    if (!is_hidden && !it->is_directory(unknown)) files.push_back(it->path());
   }
   if (error) fail("{}: the folder cannot be read: {}", folder.string(), error.message());
   std::sort(files.begin(), files.end(),
@@ -244,37 +253,64 @@ std::string inDigits(int64_t number, size_t width) {
 
 }  // namespace
 
-std::optional<std::filesystem::path> missingFile(const std::vector<std::filesystem::path>& files,
-                                                 int64_t count) {
+namespace {
+
+// Files whose names differ in one number alone, which goes up.
+struct NumberedFiles {
+  std::string before, after;  // the number, in the last file's name
+  size_t digits = 0;          // of the last file
+  std::vector<int64_t> numbers;
+};
+
+// nullopt: no such files.
+std::optional<NumberedFiles> numberedFiles(const std::vector<std::filesystem::path>& files) {
   if (files.size() < 2) return std::nullopt;
   const std::string a = files[files.size() - 2].filename(), b = files.back().filename();
-  const auto isDigit = [&](size_t i) {
-    return std::isdigit(static_cast<unsigned char>(b[i])) != 0;
-  };
   auto begin =
       static_cast<size_t>(std::mismatch(a.begin(), a.end(), b.begin(), b.end()).second - b.begin());
-  while (begin > 0 && isDigit(begin - 1)) --begin;
-  const auto digitsOf = [&](const std::string& name) {
+  while (begin > 0 && isDigit(b[begin - 1])) --begin;
+  const auto digitsAt = [begin](const std::string& name) {
     const size_t end = std::min(name.find_first_not_of("0123456789", begin), name.size());
     return name.substr(begin, end - begin);
   };
-  std::vector<int64_t> numbers;
+  NumberedFiles found;
+  found.before = b.substr(0, begin);
+  found.digits = digitsAt(b).size();
+  found.after = b.substr(begin + found.digits);
   for (const auto& file : files) {
     const std::string name = file.filename();
-    const auto number =
-        name.starts_with(b.substr(0, begin)) ? numberOf(digitsOf(name)) : std::nullopt;
-    if (!number || (!numbers.empty() && *number <= numbers.back()) ||
-        name.substr(begin + digitsOf(name).size()) != b.substr(begin + digitsOf(b).size()))
+    const auto number = name.starts_with(found.before) ? numberOf(digitsAt(name)) : std::nullopt;
+    if (!number || (!found.numbers.empty() && *number <= found.numbers.back()) ||
+        name.substr(begin + digitsAt(name).size()) != found.after)
       return std::nullopt;
-    numbers.push_back(*number);
+    found.numbers.push_back(*number);
   }
+  return found;
+}
+
+}  // namespace
+
+std::optional<size_t> fileOfNumber(const std::vector<std::filesystem::path>& files,
+                                   int64_t number) {
+  const auto found = numberedFiles(files);
+  if (!found) return std::nullopt;
+  const auto at = std::lower_bound(found->numbers.begin(), found->numbers.end(), number);
+  if (at == found->numbers.end() || *at != number) return std::nullopt;
+  return static_cast<size_t>(at - found->numbers.begin());
+}
+
+std::optional<std::filesystem::path> missingFile(const std::vector<std::filesystem::path>& files,
+                                                 int64_t count) {
+  const auto found = numberedFiles(files);
+  if (!found) return std::nullopt;
+  const std::vector<int64_t>& numbers = found->numbers;
   int64_t step = std::numeric_limits<int64_t>::max();
   for (size_t i = 1; i < numbers.size(); ++i) step = std::min(step, numbers[i] - numbers[i - 1]);
   int64_t wanted = numbers.back() + count * step;
   for (size_t i = numbers.size() - 1; i > 0; --i)
     if (numbers[i] - numbers[i - 1] > step) wanted = numbers[i - 1] + step;
-  return files.back().parent_path() / (b.substr(0, begin) + inDigits(wanted, digitsOf(b).size()) +
-                                       b.substr(begin + digitsOf(b).size()));
+  return files.back().parent_path() /
+         (found->before + inDigits(wanted, found->digits) + found->after);
 }
 
 std::optional<std::string> gapNote(const std::vector<std::filesystem::path>& files) {

@@ -25,22 +25,27 @@ inline constexpr size_t kSampledFiles = 64;
 // The order a person expects: runs of digits compare as numbers ("texture-2" before "texture-10").
 bool naturalLess(std::string_view a, std::string_view b);
 
-// Whether `name` is a pattern and not a file's name: it has *, ? or [, or one printf number (%d,
-// %03d, %i, %u), and no file is called so.
+// Whether `name` is a pattern and not a file's name: it has *, ? or [, or one number as printf (%d,
+// %03d, %i, %u) or as '#' for each digit (####), and no file is called so.
 bool isPattern(const std::string& name);
 
-// The files that a pattern stands for: for a glob in natural order; for a printf number (only in
-// the last component of the path; %% stands for %) in the order of the numbers, gaps allowed, so
-// that steps of 100 work. Throws Error when none matches.
+// The files that a pattern stands for: for a glob in natural order; for a number (only in the last
+// component of the path; %% stands for %) in the order of the numbers, gaps allowed, so that steps
+// of 100 work. #### is %04d. Throws Error when none matches.
 std::vector<std::filesystem::path> expandPattern(const std::string& pattern);
 
-// The visible regular files of a folder in natural order. Throws Error when it cannot be read.
+// What a folder holds but for folders and hidden names, in natural order. A device, a pipe or a
+// link to nothing is among them, so that whoever opens it says so and no slice goes missing in
+// silence. Throws Error when the folder cannot be read.
 std::vector<std::filesystem::path> listFolder(const std::filesystem::path& folder);
 
 // Throws Error when `files`, found in the folder or by the pattern `name`, are two series or more
 // that differ in more than numbers ("001.tif" ... and "head-001.tif" ...), each of two files or
 // more: they would make one volume of several. The line gives the pattern of each.
 void requireOneSeries(const std::string& name, const std::vector<std::filesystem::path>& files);
+
+// Of such files, the one with this number: its place among them. nullopt: none, or no such series.
+std::optional<size_t> fileOfNumber(const std::vector<std::filesystem::path>& files, int64_t number);
 
 // One line where the numbers of files of one series go up in equal steps but for some that are
 // missing: which. nullopt: none missing, or no such series. The files are in order.

@@ -1,6 +1,10 @@
 #include "io/headers/header_fields.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <charconv>
+#include <utility>
 
 namespace sluice {
 namespace {
@@ -55,6 +59,34 @@ std::string quoted(std::string_view text) {
   std::string line = "'";
   for (const char c : text.substr(0, kQuotedCharacters)) line += c >= ' ' && c <= '~' ? c : '?';
   return line + (text.size() > kQuotedCharacters ? "...'" : "'");
+}
+
+bool isNearMiss(std::string_view text, std::string_view known) {
+  constexpr size_t kMostSlips = 2;
+  const std::string a = lowercase(text), b = lowercase(known);
+  if (a.size() > b.size() + kMostSlips || b.size() > a.size() + kMostSlips) return false;
+  // Levenshtein's distance, row by row.
+  std::vector<size_t> row(b.size() + 1);
+  for (size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (size_t i = 1; i <= a.size(); ++i) {
+    size_t diagonal = std::exchange(row[0], i);
+    for (size_t j = 1; j <= b.size(); ++j) {
+      const size_t changed = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      diagonal = std::exchange(row[j], std::min({changed, row[j] + 1, row[j - 1] + 1}));
+    }
+  }
+  return text != known && row[b.size()] <= kMostSlips;
+}
+
+std::string unknownFieldsNote(const std::string& path, const std::vector<std::string>& names) {
+  constexpr size_t kMostShown = 4;
+  std::string list;
+  for (size_t i = 0; i < std::min(names.size(), kMostShown); ++i)
+    list += (list.empty() ? "" : ", ") + quoted(names[i]);
+  if (names.size() > kMostShown) list += fmt::format(" and {} more", names.size() - kMostShown);
+  return fmt::format("{}: its header has {} without a meaning, which {} passed over: {}", path,
+                     names.size() == 1 ? "a field" : "fields", names.size() == 1 ? "is" : "are",
+                     list);
 }
 
 std::optional<std::string_view> LineReader::next() {

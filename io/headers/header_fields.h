@@ -26,6 +26,13 @@ std::optional<double> parseReal(std::string_view text);
 // For messages: in quotation marks, on one line, printable, cut after 60 characters.
 std::string quoted(std::string_view text);
 
+// Whether `text` is not `known` but becomes it by at most two letters that are changed, put in or
+// taken out, upper and lower case being the same: a slip of the hand or a flipped bit.
+bool isNearMiss(std::string_view text, std::string_view known);
+// A note for people, which starts with `path`: names in a header that mean nothing and are passed
+// over; `names` not empty.
+std::string unknownFieldsNote(const std::string& path, const std::vector<std::string>& names);
+
 // Takes lines off the front of a text; "\n" and "\r\n" end one, the end of the text too.
 class LineReader {
  public:

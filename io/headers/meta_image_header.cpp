@@ -1,5 +1,6 @@
 #include "io/headers/meta_image_header.h"
 
+#include <algorithm>
 #include <array>
 #include <initializer_list>
 #include <limits>
@@ -63,6 +64,59 @@ Fields readFields(std::string_view text, const std::string& path) {
     while (const std::optional<std::string_view> line = lines.next())
       if (!trimmed(*line).empty()) fields.listed_files.push_back(trimmed(*line));
   return fields;
+}
+
+constexpr std::array<std::string_view, 37> kKnownKeys = {"AcquisitionDate",
+                                                         "AnatomicalOrientation",
+                                                         "BinaryData",
+                                                         "BinaryDataByteOrderMSB",
+                                                         "CenterOfRotation",
+                                                         "Color",
+                                                         "Comment",
+                                                         "CompressedData",
+                                                         "CompressedDataSize",
+                                                         "CompressionLevel",
+                                                         "DimSize",
+                                                         "DistanceUnits",
+                                                         "ElementByteOrderMSB",
+                                                         "ElementDataFile",
+                                                         "ElementMax",
+                                                         "ElementMin",
+                                                         "ElementNumberOfChannels",
+                                                         "ElementSize",
+                                                         "ElementSpacing",
+                                                         "ElementToIntensityFunctionOffset",
+                                                         "ElementToIntensityFunctionSlope",
+                                                         "ElementType",
+                                                         "HeaderSize",
+                                                         "HeaderSizePerSlice",
+                                                         "ID",
+                                                         "Modality",
+                                                         "NDims",
+                                                         "Name",
+                                                         "ObjectSubType",
+                                                         "ObjectType",
+                                                         "Offset",
+                                                         "Orientation",
+                                                         "Origin",
+                                                         "ParentID",
+                                                         "Position",
+                                                         "Rotation",
+                                                         "TransformMatrix"};
+
+// Programs add keys of their own (ITK those of DICOM), which are nobody's slip; a key that almost
+// is a known one is.
+void noteMisspeltKeys(const Fields& fields, VolumeLayout& layout) {
+  std::vector<std::string> misspelt;
+  for (const auto& [key, value] : fields.values) {
+    const bool is_known = std::find(kKnownKeys.begin(), kKnownKeys.end(), key) != kKnownKeys.end();
+    // Short names resemble one another.
+    if (!is_known && std::any_of(kKnownKeys.begin(), kKnownKeys.end(), [&](std::string_view known) {
+          return known.size() > 4 && isNearMiss(key, known);
+        }))
+      misspelt.push_back(key);
+  }
+  if (!misspelt.empty()) layout.notes.push_back(unknownFieldsNote(fields.path, misspelt));
 }
 
 int64_t integer(const Fields& fields, std::string_view name, std::string_view text, int64_t least,
@@ -251,6 +305,7 @@ VolumeDescription parseMetaImageHeader(std::string_view text, const std::string&
   checkedVolumeBytes(path, layout);
   readGeometry(fields, size.size(), layout);
   readValues(fields, layout);
+  noteMisspeltKeys(fields, layout);
   const bool msb = flag(fields, {"ElementByteOrderMSB", "BinaryDataByteOrderMSB"}, false);
   description.byte_order = msb ? std::endian::big : std::endian::little;
   if (flag(fields, {"CompressedData"}, false)) description.encoding = Encoding::kDeflate;

@@ -81,6 +81,49 @@ Fields readFields(std::string_view text, const std::string& path) {
   return fields;
 }
 
+// All fields of the format, without spaces (http://teem.sourceforge.net/nrrd/format.html); most say
+// nothing that is needed here.
+constexpr std::array<std::string_view, 31> kKnownFields = {"axismaxs",
+                                                           "axismins",
+                                                           "blocksize",
+                                                           "byteskip",
+                                                           "centerings",
+                                                           "centers",
+                                                           "content",
+                                                           "datafile",
+                                                           "dimension",
+                                                           "encoding",
+                                                           "endian",
+                                                           "kinds",
+                                                           "labels",
+                                                           "lineskip",
+                                                           "max",
+                                                           "min",
+                                                           "number",
+                                                           "oldmax",
+                                                           "oldmin",
+                                                           "sampleunits",
+                                                           "sizes",
+                                                           "space",
+                                                           "spacedimension",
+                                                           "spacedirections",
+                                                           "spaceorigin",
+                                                           "spaceunits",
+                                                           "spacings",
+                                                           "thicknesses",
+                                                           "type",
+                                                           "units",
+                                                           "measurementframe"};
+
+// A misspelt field must not pass in silence: 'byte inf' for 'byte skip' moves all voxels.
+void noteUnknownFields(const Fields& fields, VolumeLayout& layout) {
+  std::vector<std::string> unknown;
+  for (const auto& [name, value] : fields.values)
+    if (std::find(kKnownFields.begin(), kKnownFields.end(), name) == kKnownFields.end())
+      unknown.push_back(name);
+  if (!unknown.empty()) layout.notes.push_back(unknownFieldsNote(fields.path, unknown));
+}
+
 VoxelType voxelType(const Fields& fields) {
   std::string text = withoutSpaces(fields.demand("type"));
   if (text.starts_with("signed")) text.erase(0, 6);
@@ -365,6 +408,7 @@ VolumeDescription parseNrrdHeader(std::string_view text, const std::string& path
   layout.dims = {1, 1, 1};
   for (size_t i = 0; i < axes.size(); ++i) layout.dims[static_cast<int>(i)] = axes[i].size;
   readGeometry(fields, axes, layout);
+  noteUnknownFields(fields, layout);
   checkedVolumeBytes(path, layout);
   if (const auto lines = fields.find("lineskip"))
     description.line_skip = integer(fields, "line skip", *lines, 0);

@@ -7,12 +7,12 @@
 #include <list>
 #include <utility>
 
-#include "io/files/channel_note.h"
 #include "io/files/file_list.h"
 #include "io/slices/slice_picture.h"
 #include "src/base/error.h"
 #include "src/base/mutex.h"
 #include "src/base/single_flight_cache.h"
+#include "src/base/volume_channels.h"
 
 namespace sluice {
 namespace {
@@ -85,7 +85,7 @@ struct BandKeyHash {
 using Rows = std::vector<std::byte>;
 using BandCache = SingleFlightCache<BandKey, const Rows, BandKeyHash>;
 
-class SliceStack final : public VolumeSource {
+class SliceStack final : public VolumeSource, public ChanneledSource {
  public:
   SliceStack(std::vector<std::filesystem::path> files, const SliceOptions& options)
       : files_(std::move(files)),
@@ -105,6 +105,7 @@ class SliceStack final : public VolumeSource {
 
   const VolumeLayout& layout() const override { return layout_; }
   std::string identity() const override { return identity_; }
+  std::span<const std::string> channelNames() const override { return format_.order.channel_names; }
   uint64_t storedBytesRead() const override { return pool_.storedBytesRead(); }
   std::vector<std::string> files() override {
     std::vector<std::string> all;
@@ -169,17 +170,9 @@ class SliceStack final : public VolumeSource {
       layout_.time_steps = order.frames;
       layout_.channels = order.channels;
     }
-    chooseChannel(first, options.channel);
-    if (const auto gap = gapNote(files_)) layout_.notes.push_back(*gap);
-  }
-
-  void chooseChannel(const std::string& first, std::optional<int64_t> wanted) {
-    if (wanted && (*wanted < 0 || *wanted >= layout_.channels))
-      fail("{}: --channel {}: the volume has {} channel{}, counted from 0", first, *wanted,
-           layout_.channels, layout_.channels == 1 ? "" : "s");
-    layout_.channel = wanted.value_or(0);
+    chooseChannel(first, options.channel, format_.order.channel_names, layout_);
     if (layout_.channels > 1) identity_ += fmt::format("|channel {}", layout_.channel);
-    if (!wanted) noteChannels(first, format_.order.channel_names, layout_);
+    if (const auto gap = gapNote(files_)) layout_.notes.push_back(*gap);
   }
 
   std::shared_ptr<const Rows> decode(int64_t picture_number, int64_t band) {

@@ -14,14 +14,15 @@
 #include <string>
 #include <vector>
 
+#include "io/files/channel_choice.h"
 #include "src/base/stop_token.h"
 #include "src/base/volume_source.h"
 
 namespace sluice {
 
 struct SliceOptions {
-  std::optional<Vec3d> spacing = {};    // world units; without: as the file says, or 1, 1, 1
-  std::optional<int64_t> channel = {};  // of a file of several; without: the first
+  std::optional<Vec3d> spacing = {};  // world units; without: as the file says, or 1, 1, 1
+  ChannelWish channel = {};           // of a file of several
   // Of decoded rows and of pictures that are open and idle, until holdAtMost() says otherwise. One
   // band of rows and one picture a thread are held even if they are more.
   uint64_t held_bytes = uint64_t{32} << 20;

@@ -1,11 +1,14 @@
 #include "io/zarr/zarr_array.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
 #include <type_traits>
 #include <utility>
 
+#include "io/headers/header_fields.h"
 #include "src/base/error.h"
 #include "src/base/json_field.h"
 #include "src/base/vec.h"
@@ -99,6 +102,18 @@ void setFill(const JsonField& field, ZarrArray& array) {
   });
 }
 
+// A misspelt 'dimension_separator' would make every chunk a missing one.
+void noteUnknownMembers(const nlohmann::json& document, const std::string& path, ZarrArray& array) {
+  constexpr std::array<std::string_view, 9> kKnown = {
+      "zarr_format", "shape",      "chunks",
+      "dtype",       "compressor", "fill_value",
+      "order",       "filters",    "dimension_separator"};
+  std::vector<std::string> unknown;
+  for (const auto& [name, value] : document.items())
+    if (std::find(kKnown.begin(), kKnown.end(), name) == kKnown.end()) unknown.push_back(name);
+  if (!unknown.empty()) array.notes.push_back(unknownFieldsNote(path, unknown));
+}
+
 }  // namespace
 
 uint64_t ZarrArray::chunkBytes() const {
@@ -168,6 +183,7 @@ ZarrArray parseZarrArray(std::string_view text, const std::string& path) {
     if (separator->text() != "." && separator->text() != "/") separator->failExpected("'.' or '/'");
     array.separator = separator->text()[0];
   }
+  noteUnknownMembers(document, path, array);
   return array;
 }
 

@@ -27,7 +27,8 @@ struct ZarrArray {
   ZarrCodec codec = ZarrCodec::kNone;
   double fill_value = 0;  // of missing chunks; a value of `type`
   bool fortran_order = false;
-  char separator = '.';  // between the numbers of a chunk's name
+  char separator = '.';            // between the numbers of a chunk's name
+  std::vector<std::string> notes;  // for people, one line each: members that mean nothing
 
   size_t axes() const { return shape.size(); }
   uint64_t chunkBytes() const;  // decoded; at most kMostChunkBytes

@@ -43,8 +43,8 @@ std::vector<ZarrAxis> parseAxes(const JsonField& field) {
   return axes;
 }
 
-// Applies a list of transformations after those that are in `image` already.
-void transform(const JsonField& list, ZarrImage& image) {
+// Applies a list of transformations after those that are in `place` already.
+void transform(const JsonField& list, ZarrPlace& place) {
   const size_t count = list.size();
   for (size_t i = 0; i < count; ++i) {
     const JsonField step = list[i];
@@ -54,18 +54,19 @@ void transform(const JsonField& list, ZarrImage& image) {
       step.require("type").failExpected("scale, translation or identity");
     const JsonField values = step.require(type.c_str());
     const std::vector<double> by = numbers(values);
-    if (image.scale.empty()) {
-      image.scale.assign(by.size(), 1);
-      image.translation.assign(by.size(), 0);
+    if (place.scale.empty()) {
+      place.scale.assign(by.size(), 1);
+      place.translation.assign(by.size(), 0);
     }
-    if (by.size() != image.scale.size())
-      values.failExpected(fmt::format("{} numbers", image.scale.size()));
+    if (by.size() != place.scale.size())
+      values.failExpected(fmt::format("{} numbers", place.scale.size()));
     for (size_t a = 0; a < by.size(); ++a) {
       if (type == "scale") {
-        image.scale[a] *= by[a];
-        image.translation[a] *= by[a];
+        place.scale[a] *= by[a];
+        place.translation[a] *= by[a];
       } else {
-        image.translation[a] += by[a];
+        place.translation[a] += by[a];
+        place.is_translated = true;
       }
     }
   }
@@ -87,17 +88,26 @@ void parseMultiscale(const JsonField& multiscale, const std::string& level, Zarr
   const JsonField datasets = multiscale.require("datasets");
   const size_t count = datasets.size();
   if (count == 0) datasets.failExpected("one level at least");
-  bool found = false;
+  constexpr size_t kMostLevels = 64;
+  if (count > kMostLevels) datasets.failExpected(fmt::format("at most {} levels", kMostLevels));
+  const auto of_all = multiscale.find("coordinateTransformations");
+  std::optional<size_t> asked;
   for (size_t i = 0; i < count; ++i) {
     const JsonField path = datasets[i].require("path");
     requireInside(path);
     image.levels.push_back(path.text());
-    if (found || (!level.empty() && path.text() != level)) continue;
-    found = true;
-    if (const auto list = datasets[i].find("coordinateTransformations")) transform(*list, image);
+    if (!asked && (level.empty() || path.text() == level)) asked = i;
+    ZarrPlace& place = image.places.emplace_back();
+    if (const auto list = datasets[i].find("coordinateTransformations")) transform(*list, place);
+    if (of_all) {
+      const bool is_translated = place.is_translated;
+      transform(*of_all, place);
+      place.is_translated = is_translated;
+    }
   }
-  if (!found) datasets.failExpected(fmt::format("the level {}", shown(level)));
-  if (const auto list = multiscale.find("coordinateTransformations")) transform(*list, image);
+  if (!asked) datasets.failExpected(fmt::format("the level {}", shown(level)));
+  image.scale = image.places[*asked].scale;
+  image.translation = image.places[*asked].translation;
 }
 
 Vec3d vector(const JsonField& field) {

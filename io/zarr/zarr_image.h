@@ -24,8 +24,15 @@ struct ZarrAxis {
   std::string name, type, unit;  // type and unit may be empty
 };
 
+// Where an array lies in the world, a number for each of its axes.
+struct ZarrPlace {
+  std::vector<double> scale, translation;  // empty: not said
+  bool is_translated = false;              // the array has a translation of its own
+};
+
 struct ZarrImage {
   std::vector<std::string> levels;         // folders of the arrays, the finest first; may be empty
+  std::vector<ZarrPlace> places;           // of each of these
   std::vector<ZarrAxis> axes;              // empty: not said
   std::vector<double> scale, translation;  // of the level asked for, an axis each; empty: not said
   std::vector<std::string> channels;       // their names, where the file says them ("omero")

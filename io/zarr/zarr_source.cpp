@@ -4,19 +4,31 @@
 #include <cstring>
 #include <utility>
 
-#include "io/files/channel_note.h"
 #include "io/files/file.h"
 #include "io/files/swap_bytes.h"
 #include "io/zarr/zarr_codec.h"
+#include "io/zarr/zarr_levels.h"
 #include "src/base/error.h"
 
 namespace sluice {
-namespace {
 
 namespace fs = std::filesystem;
 
+// The array that a folder stands for, and what is said of it.
+struct FoundZarr {
+  fs::path array_folder;
+  ZarrImage image;
+  std::vector<std::string> identities, header_paths;
+  uint64_t header_bytes = 0;
+  std::string said_by;    // the file that names the axes, or else the array's own
+  bool is_image = false;  // the folder is that of an image, the array its level 0
+};
+
+namespace {
+
 constexpr uint64_t kMostHeaderBytes = 16 << 20;
 constexpr uint64_t kSmallChunkBytes = 4 << 20;
+constexpr uint64_t kCoarserCacheBytes = 4 << 20;  // of each coarser level, until holdAtMost()
 
 struct HeaderFile {
   std::string path, text, identity;
@@ -47,24 +59,15 @@ std::string folderIdentity(const fs::path& folder) {
                      describeStatus(status));
 }
 
-// The array that a folder stands for, and what is said of it.
-struct Found {
-  fs::path array_folder;
-  ZarrImage image;
-  std::vector<std::string> identities, header_paths;
-  uint64_t header_bytes = 0;
-  std::string said_by;  // the file that names the axes, or else the array's own
-};
-
-void take(const HeaderFile& header, Found& found) {
+void take(const HeaderFile& header, FoundZarr& found) {
   found.identities.push_back(header.identity);
   found.header_paths.push_back(header.path);
   found.header_bytes += header.text.size();
 }
 
 // An array by itself, or one of the levels of the image around it.
-Found findArray(const fs::path& folder) {
-  Found found;
+FoundZarr findArray(const fs::path& folder) {
+  FoundZarr found;
   found.array_folder = folder;
   found.said_by = (folder / ".zarray").string();
   const fs::path whole = fs::absolute(folder).lexically_normal();
@@ -101,11 +104,11 @@ std::string insideOf(const fs::path& folder) {
                      (folder / *std::min_element(names.begin(), names.end())).string());
 }
 
-Found find(const fs::path& folder) {
+FoundZarr find(const fs::path& folder) {
   if (has(folder, ".zarray")) return findArray(folder);
   if (has(folder, "zarr.json"))
     fail("{}: expected Zarr version 2, found version 3 (zarr.json)", folder.string());
-  Found found;
+  FoundZarr found;
   if (has(folder, ".zattrs")) {
     const HeaderFile header = readHeader(folder / ".zattrs");
     found.image = parseZarrImage(header.text, header.path);
@@ -118,6 +121,7 @@ Found find(const fs::path& folder) {
         "of neither{}",
         folder.string(), insideOf(folder));
   found.array_folder = folder / found.image.levels[0];
+  found.is_image = true;
   return found;
 }
 
@@ -162,30 +166,56 @@ std::vector<int64_t> stridesOf(const ZarrArray& array) {
   return strides;
 }
 
+LevelClaim claimOf(const ZarrView& view, const ZarrImage& image, size_t dataset) {
+  LevelClaim claim;
+  claim.dims = view.layout.dims;
+  const ZarrPlace& place = image.places[dataset];
+  if (place.scale.empty()) return claim;
+  claim.scale = claim.translation = Vec3d{};
+  for (size_t a = 0; a < 3; ++a) {
+    (*claim.scale)[static_cast<int>(a)] = place.scale[view.space[a]];
+    (*claim.translation)[static_cast<int>(a)] = place.translation[view.space[a]];
+  }
+  return claim;
+}
+
+// Why two arrays cannot be levels of one image; empty where they can.
+std::string faultAmong(const VolumeLayout& finest, const VolumeLayout& level) {
+  if (level.type != finest.type)
+    return fmt::format("its voxels are {}, those of the first level {}", name(level.type),
+                       name(finest.type));
+  if (level.time_steps != finest.time_steps || level.channels != finest.channels)
+    return fmt::format("it has {} time steps and {} channels, the first level {} and {}",
+                       level.time_steps, level.channels, finest.time_steps, finest.channels);
+  return "";
+}
+
 }  // namespace
 
 bool isZarr(const fs::path& folder) {
   return has(folder, ".zarray") || has(folder, ".zgroup") || has(folder, "zarr.json");
 }
 
-ZarrSource::ZarrSource(const fs::path& folder, const ZarrOptions& options) {
-  Found found = find(folder);
+ZarrSource::ZarrSource(const fs::path& folder, const ZarrOptions& options)
+    : ZarrSource(folder, find(folder), options) {}
+
+ZarrSource::~ZarrSource() = default;
+
+ZarrSource::ZarrSource(const fs::path& folder, FoundZarr found, const ZarrOptions& options) {
   const HeaderFile header = readHeader(found.array_folder / ".zarray");
   take(header, found);
   ZarrArray array = parseZarrArray(header.text, header.path);
-  view_ = viewZarr(array, found.image, options.channel.has_value(), found.said_by);
+  view_ = viewZarr(array, found.image, options.channel.given(), found.said_by);
   fs::path name = folder.lexically_normal();
   if (!name.has_filename()) name = name.parent_path();
   view_.layout.name = name.filename().string() + (found.image.level_set ? " (level set)" : "");
-  if (options.channel && !view_.channel)
+  if (options.channel.given() && !view_.channel)
     fail("{}: --channel {}: the volume has no channels; leave it out", folder.string(),
-         *options.channel);
-  channel_ = options.channel.value_or(0);
-  if (view_.channel && (channel_ < 0 || channel_ >= array.shape[*view_.channel]))
-    fail("{}: --channel {}: the volume has {} channel{}, counted from 0", folder.string(), channel_,
-         array.shape[*view_.channel], array.shape[*view_.channel] == 1 ? "" : "s");
-  view_.layout.channel = channel_;
-  if (!options.channel) noteChannels(folder.string(), found.image.channels, view_.layout);
+         options.channel.text());
+  channel_names_ = found.image.channels;
+  for (const std::string& note : array.notes) view_.layout.notes.push_back(note);
+  chooseChannel(folder.string(), options.channel, channel_names_, view_.layout);
+  channel_ = view_.layout.channel;
   if (!found.image.axes.empty()) view_.layout.unit = found.image.axes[view_.space[0]].unit;
 
   fill_.resize(bytesPerVoxel(array.type));
@@ -200,7 +230,7 @@ ZarrSource::ZarrSource(const fs::path& folder, const ZarrOptions& options) {
     identity_ += fmt::format("|{}", File(found.array_folder / kZarrChecksumsName).identity());
   if (view_.channel) identity_ += fmt::format("|channel {}", channel_);
 
-  places_ = std::move(found.header_paths);
+  places_ = found.header_paths;
   places_.push_back(found.array_folder.string());
   places_.push_back(folder.string());
 
@@ -212,6 +242,100 @@ ZarrSource::ZarrSource(const fs::path& folder, const ZarrOptions& options) {
   cache_ = std::make_unique<ZarrChunkCache>(
       chunk_bytes, options.chunk_cache_bytes,
       [this](int64_t chunk, ChunkMemory& memory) { return decode(chunk, memory); });
+  if (found.is_image) openLevels(folder, found, options);
+}
+
+void ZarrSource::openLevels(const fs::path& folder, const FoundZarr& found,
+                            const ZarrOptions& options) {
+  VolumeLayout& layout = view_.layout;
+  const LevelClaim finest = claimOf(view_, found.image, 0);
+  std::vector<size_t> datasets;  // of level_sources_
+  for (size_t i = 1; i < found.image.levels.size(); ++i) {
+    FoundZarr level;
+    level.array_folder = folder / found.image.levels[i];
+    level.image = found.image;
+    level.image.scale = found.image.places[i].scale;
+    level.image.translation = found.image.places[i].translation;
+    level.said_by = found.said_by;
+    std::string fault;
+    try {
+      ZarrOptions own = options;
+      own.chunk_cache_bytes = std::min(options.chunk_cache_bytes, kCoarserCacheBytes);
+      own.channel = view_.channel ? ChannelWish(channel_) : ChannelWish();
+      std::unique_ptr<ZarrSource> source(new ZarrSource(folder, std::move(level), own));
+      fault = faultAmong(layout, source->view_.layout);
+      if (fault.empty()) fault = faultOfLevel(finest, claimOf(source->view_, found.image, i));
+      if (fault.empty()) {
+        level_sources_.push_back(std::move(source));
+        datasets.push_back(i);
+      }
+    } catch (const Error& error) {
+      fault = error.what();
+    }
+    if (!fault.empty())
+      layout.notes.push_back(
+          fmt::format("{}: level {} is left out: {}", folder.string(), i, fault));
+  }
+  placeLevels(folder.string(), found, datasets);
+  layout.levels = 1 + static_cast<int64_t>(levels_above_.size());
+}
+
+void ZarrSource::placeLevels(const std::string& path, const FoundZarr& found,
+                             const std::vector<size_t>& datasets) {
+  const LevelClaim finest = claimOf(view_, found.image, 0);
+  bool is_translated = found.image.places[0].is_translated;
+  for (size_t i = 0; i < datasets.size(); ++i) {
+    const LevelClaim claim = claimOf(level_sources_[i]->view_, found.image, datasets[i]);
+    LevelPlacement place{levelFactor(finest, claim), {}};
+    is_translated = is_translated || found.image.places[datasets[i]].is_translated;
+    if (claim.translation && finest.translation)
+      place.offset = (*claim.translation - *finest.translation) / *finest.scale;
+    levels_above_.push_back({level_sources_[i].get(), place});
+  }
+  std::stable_sort(levels_above_.begin(), levels_above_.end(),
+                   [](const CoarserLevel& a, const CoarserLevel& b) {
+                     const Vec3d f = a.placement.scale, g = b.placement.scale;
+                     return f.x * f.y * f.z < g.x * g.y * g.z;
+                   });
+  if (levels_above_.empty() || is_translated) return;
+
+  // The two coarsest with a few voxels a side: the fewest bytes that show it.
+  constexpr int64_t kLeastSide = 8;
+  size_t at = levels_above_.size() - 1;
+  const auto leastSide = [&](size_t i) {
+    const Vec3i d = levels_above_[i].source->layout().dims;
+    return std::min({d.x, d.y, d.z});
+  };
+  while (at > 0 && leastSide(at) < kLeastSide) --at;
+  VolumeSource& fine = at == 0 ? static_cast<VolumeSource&>(*this) : *levels_above_[at - 1].source;
+  const Vec3d finer = at == 0 ? Vec3d{1, 1, 1} : levels_above_[at - 1].placement.scale;
+  const auto origin =
+      originOf(fine, *levels_above_[at].source, levels_above_[at].placement.scale / finer);
+  for (CoarserLevel& level : levels_above_)
+    level.placement.offset = offsetOf(origin.value_or(VoxelOrigin::kCorner), level.placement.scale);
+  view_.layout.notes.push_back(fmt::format(
+      "{}: its levels have no translation; comparing levels {} and {} {}", path, at, at + 1,
+      !origin ? "does not show where their voxels lie: at a common corner is assumed"
+      : *origin == VoxelOrigin::kCorner ? "shows voxels that begin at a common corner"
+                                        : "shows first voxels with a common centre"));
+}
+
+uint64_t ZarrSource::storedBytesRead() const {
+  uint64_t bytes = header_bytes_ + files_->storedBytesRead();
+  for (const auto& level : level_sources_) bytes += level->storedBytesRead();
+  return bytes;
+}
+
+uint64_t ZarrSource::heldBytesAThread() const {
+  uint64_t bytes = 3 * files_->array().chunkBytes();
+  for (const auto& level : level_sources_) bytes = std::max(bytes, level->heldBytesAThread());
+  return bytes;
+}
+
+void ZarrSource::holdAtMost(uint64_t bytes) {
+  const uint64_t coarser = level_sources_.empty() ? 0 : bytes / 8 / level_sources_.size();
+  for (const auto& level : level_sources_) level->holdAtMost(coarser);
+  cache_->setBudget(bytes - coarser * level_sources_.size());
 }
 
 std::vector<std::string> ZarrSource::files() {

@@ -1,9 +1,10 @@
 // OME-Zarr images and plain Zarr v2 arrays as a VolumeSource.
 //
-// A folder with a .zarray is an array; one whose .zattrs has `multiscales` is an image, of which
-// level 0 is read (name the folder of another level to read that one; its scale is found in the
-// image around it). Axes, spacing and origin as io/zarr/zarr_image.h says, chunks as
-// io/zarr/zarr_array.h.
+// A folder with a .zarray is an array; one whose .zattrs has `multiscales` is an image: level 0 is
+// the volume, the others are its coarser levels, as far as their arrays are there and fit what is
+// said of them (io/zarr/zarr_levels.h); a note names each that is left out. Name the folder of a
+// level to read that one alone; its scale is found in the image around it. Axes, spacing and origin
+// as io/zarr/zarr_image.h says, chunks as io/zarr/zarr_array.h.
 //
 // - Missing chunks are the fill value, and known as such: occupancy() has the boxes of the others.
 //   Chunks that sluice packed carry checksums; then a missing or changed one is an Error.
@@ -18,9 +19,12 @@
 #include <optional>
 #include <string>
 
+#include "io/files/channel_choice.h"
 #include "io/zarr/zarr_chunk_cache.h"
 #include "io/zarr/zarr_chunk_files.h"
 #include "io/zarr/zarr_image.h"
+#include "src/base/volume_channels.h"
+#include "src/base/volume_levels.h"
 #include "src/base/volume_source.h"
 
 namespace sluice {
@@ -29,7 +33,7 @@ namespace sluice {
 inline constexpr int64_t kSampledChunks = 4096;
 
 struct ZarrOptions {
-  std::optional<int64_t> channel = {};  // without: the first
+  ChannelWish channel = {};
   // Of decoded chunks; what ZarrChunkCache holds at least is held even if it is more.
   uint64_t chunk_cache_bytes = uint64_t{32} << 20;
 };
@@ -37,22 +41,29 @@ struct ZarrOptions {
 // Whether a folder is a Zarr group or array, of any version.
 bool isZarr(const std::filesystem::path& folder);
 
-class ZarrSource final : public VolumeSource {
+struct FoundZarr;  // what a folder stands for
+
+class ZarrSource final : public VolumeSource, public ChanneledSource, public LeveledSource {
  public:
   // Throws Error: nothing in the folder that can be read, --channel without such an axis.
   explicit ZarrSource(const std::filesystem::path& folder, const ZarrOptions& options = {});
+  ~ZarrSource() override;
 
   const VolumeLayout& layout() const override { return view_.layout; }
   void readRegion(int64_t time, const Box3& box, std::span<std::byte> out) override;
   // nullopt when no chunk is missing. The background may be NaN or infinite.
   std::optional<Occupancy> occupancy(int64_t time) override;
   std::string identity() const override { return identity_; }
+  std::span<const std::string> channelNames() const override { return channel_names_; }
+  std::span<const CoarserLevel> levelsAbove() const override { return levels_above_; }
   std::vector<std::string> files() override;
-  uint64_t storedBytesRead() const override { return header_bytes_ + files_->storedBytesRead(); }
+  uint64_t storedBytesRead() const override;
 
-  // A chunk being decoded, its compressed bytes, and one being copied from.
-  uint64_t heldBytesAThread() const override { return 3 * files_->array().chunkBytes(); }
-  void holdAtMost(uint64_t bytes) override { cache_->setBudget(bytes); }
+  // A chunk being decoded, its compressed bytes, and one being copied from; of the level with the
+  // largest chunks.
+  uint64_t heldBytesAThread() const override;
+  // Coarser levels, if any, get an eighth.
+  void holdAtMost(uint64_t bytes) override;
 
   // Bytes of decoded chunks, and of those being decoded, now and at most so far.
   uint64_t heldBytes() const { return cache_->held().now(); }
@@ -65,6 +76,13 @@ class ZarrSource final : public VolumeSource {
   ZarrChunkFiles& chunkFiles() { return *files_; }
 
  private:
+  ZarrSource(const std::filesystem::path& folder, FoundZarr found, const ZarrOptions& options);
+  // Opens the coarser levels of an image.
+  void openLevels(const std::filesystem::path& folder, const FoundZarr& found,
+                  const ZarrOptions& options);
+  // Sets their placements, some of which their metadata leave open.
+  void placeLevels(const std::string& path, const FoundZarr& found,
+                   const std::vector<size_t>& datasets);
   std::vector<int64_t> chunkIndexAt(int64_t time, Vec3i at) const;
   ZarrChunkCache::Chunk decode(int64_t chunk, ChunkMemory& memory);
   void copyChunk(std::span<const std::byte> chunk, int64_t time, const Box3& part, const Box3& box,
@@ -73,11 +91,14 @@ class ZarrSource final : public VolumeSource {
   ZarrView view_;        // constant after construction, as all that follows
   int64_t channel_ = 0;  // of the axis view_.channel, if any
   std::string identity_;
+  std::vector<std::string> channel_names_;
   std::vector<std::string> places_;  // see files()
   uint64_t header_bytes_ = 0;        // read of .zarray and .zattrs
   std::vector<std::byte> fill_;      // one voxel
   std::unique_ptr<ZarrChunkFiles> files_;
   std::unique_ptr<ZarrChunkCache> cache_;
+  std::vector<std::unique_ptr<ZarrSource>> level_sources_;
+  std::vector<CoarserLevel> levels_above_;
 };
 
 }  // namespace sluice

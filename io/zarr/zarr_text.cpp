@@ -1,5 +1,8 @@
 #include "io/zarr/zarr_text.h"
 
+#include <fmt/format.h>
+
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -45,6 +48,18 @@ ordered_json ownPart(const VolumeLayout& layout) {
   return own;
 }
 
+// What viewers call the channels and give them until the user chooses others.
+ordered_json omero(const std::vector<std::string>& names) {
+  constexpr std::array<const char*, 6> kColors = {"FF0000", "00FF00", "0000FF",
+                                                  "FFFF00", "FF00FF", "00FFFF"};
+  ordered_json channels = ordered_json::array();
+  for (size_t c = 0; c < names.size(); ++c)
+    channels.push_back({{"label", names[c].empty() ? fmt::format("channel {}", c) : names[c]},
+                        {"color", kColors[c % kColors.size()]},
+                        {"active", true}});
+  return {{"channels", channels}};
+}
+
 }  // namespace
 
 std::string zarrGroupText() {
@@ -70,14 +85,17 @@ std::string zarrArrayText(const ZarrArray& array, const BloscOptions& options) {
          "\n";
 }
 
-std::string zarrImageText(const VolumeLayout& layout, const std::string& name) {
+std::string zarrImageText(const VolumeLayout& layout, const std::string& name,
+                          const std::vector<std::string>& channels) {
   ordered_json axes = ordered_json::array(), scale = ordered_json::array(),
                translation = ordered_json::array();
-  if (layout.time_steps > 1) {
-    axes.push_back(axis("t", "time", ""));
+  const auto addAxis = [&](const char* axis_name, const char* type) {
+    axes.push_back(axis(axis_name, type, ""));
     scale.push_back(1.0);
     translation.push_back(0.0);
-  }
+  };
+  if (layout.time_steps > 1) addAxis("t", "time");
+  if (channels.size() > 1) addAxis("c", "channel");
   constexpr const char* kNames[] = {"x", "y", "z"};
   for (int a = 2; a >= 0; --a) {
     axes.push_back(axis(kNames[a], "space", layout.unit));
@@ -91,6 +109,7 @@ std::string zarrImageText(const VolumeLayout& layout, const std::string& name) {
   ordered_json image{
       {"multiscales",
        {{{"version", "0.4"}, {"name", name}, {"axes", axes}, {"datasets", {level}}}}}};
+  if (channels.size() > 1) image["omero"] = omero(channels);
   const ordered_json own = ownPart(layout);
   if (!own.empty()) image["sluice"] = own;
   // A name need not be UTF-8.

@@ -13,15 +13,18 @@
 #include "src/base/clock.h"
 #include "src/base/error.h"
 #include "src/base/mutex.h"
+#include "src/base/volume_channels.h"
 
 namespace sluice {
 namespace {
 
-ZarrArray arrayFor(VolumeSource& source, int64_t chunk_voxels) {
+ZarrArray arrayFor(ChannelSources channels, int64_t chunk_voxels) {
+  VolumeSource& source = *channels.front();
   const VolumeLayout& layout = source.layout();
   ZarrArray array;
-  if (layout.time_steps > 1) {
-    array.shape.push_back(layout.time_steps);
+  for (const int64_t count : {layout.time_steps, static_cast<int64_t>(channels.size())}) {
+    if (count == 1) continue;
+    array.shape.push_back(count);
     array.chunks.push_back(1);
   }
   for (int a = 2; a >= 0; --a) {
@@ -37,6 +40,18 @@ ZarrArray arrayFor(VolumeSource& source, int64_t chunk_voxels) {
   return array;
 }
 
+// Of the channel that is read.
+constexpr uint64_t kMostHeldBytes = uint64_t{32} << 20;
+
+// Of each channel; empty where the file does not say.
+std::vector<std::string> namesOf(ChannelSources channels) {
+  std::vector<std::string> names(channels.size());
+  const std::span<const std::string> said = channelNames(*channels.front());
+  if (channels.size() > 1)
+    for (size_t c = 0; c < std::min(names.size(), said.size()); ++c) names[c] = said[c];
+  return names;
+}
+
 // What one thread needs beside the slab: a chunk, its file, and as much again inside Blosc.
 struct Scratch {
   int number = 0;
@@ -46,11 +61,18 @@ uint64_t scratchBytes(uint64_t chunk_bytes) {
   return 2 * chunk_bytes + bloscRoomBytes(chunk_bytes);
 }
 
+// Which volume of a store: a time step of a channel.
+struct StoreVolume {
+  int64_t time = 0;
+  size_t channel = 0;
+};
+
 class Packer {
  public:
-  Packer(VolumeSource& source, const PackOptions& options, const ZarrArray& array, WorkerPool& pool,
-         ProgressMeter& progress)
-      : source_(source),
+  Packer(ChannelSources channels, const PackOptions& options, const ZarrArray& array,
+         WorkerPool& pool, ProgressMeter& progress)
+      : channels_(channels),
+        layout_(channels.front()->layout()),
         options_(options),
         array_(array),
         pool_(pool),
@@ -65,19 +87,19 @@ class Packer {
   }
 
   void pack(ZarrPackFolder& folder) {
-    eachSlab([&](int64_t time, const Box3& slab, bool known_empty) {
+    eachSlab([&](StoreVolume of, const Box3& slab, bool known_empty) {
       const auto bytes = static_cast<uint64_t>(slab.count() * voxel_);
       const std::vector<Vec3i> chunks = chunksOf(slab);
       const bool is_done = std::all_of(chunks.begin(), chunks.end(), [&](Vec3i chunk) {
-        return folder.isDone(numberOf(time, chunk));
+        return folder.isDone(numberOf(of, chunk));
       });
-      if (!is_done && !known_empty) read(source_, time, slab, slab_.get());
+      if (!is_done && !known_empty) read(of, slab, slab_.get());
       if (!is_done)
         pool_.parallelFor(static_cast<int64_t>(chunks.size()), [&](int64_t i) {
           options_.stop.throwIfStopped();
           const Vec3i chunk = chunks[static_cast<size_t>(i)];
-          if (folder.isDone(numberOf(time, chunk))) return;
-          packChunk(folder, time, slab, chunk, known_empty);
+          if (folder.isDone(numberOf(of, chunk))) return;
+          packChunk(folder, of, slab, chunk, known_empty);
         });
       progress_.add(bytes);
     });
@@ -85,10 +107,14 @@ class Packer {
 
   // Against the store as anybody reads it.
   void verify(const std::filesystem::path& store) {
-    ZarrSource packed(store, {.chunk_cache_bytes = 0});
-    const auto other = std::make_unique_for_overwrite<std::byte[]>(slab_bytes_);
-    eachSlab([&](int64_t time, const Box3& slab, bool) {
-      read(source_, time, slab, slab_.get());
+    std::vector<std::unique_ptr<ZarrSource>> packed;
+    for (size_t c = 0; c < channels_.size(); ++c) {
+      ZarrOptions reading{.chunk_cache_bytes = 0};
+      if (channels_.size() > 1) reading.channel = static_cast<int64_t>(c);
+      packed.push_back(std::make_unique<ZarrSource>(store, reading));
+    }
+    eachSlab([&](StoreVolume of, const Box3& slab, bool) {
+      read(of, slab, slab_.get());
       const Vec3i size = slab.size();
       const std::vector<Vec3i> chunks = chunksOf(slab);
       pool_.parallelFor(static_cast<int64_t>(chunks.size()), [&](int64_t i) {
@@ -97,7 +123,7 @@ class Packer {
         const ScratchLease scratch(*this);
         const auto bytes =
             std::span(scratch->chunk).first(static_cast<size_t>(box.count() * voxel_));
-        packed.readRegion(time, box, bytes);
+        packed[of.channel]->readRegion(of.time, box, bytes);
         const std::byte* row = bytes.data();
         for (int64_t z = box.lo.z; z < box.hi.z; ++z)
           for (int64_t y = box.lo.y; y < box.hi.y; ++y) {
@@ -106,8 +132,8 @@ class Packer {
             const auto row_bytes = static_cast<size_t>(box.size().x * voxel_);
             if (std::memcmp(row, slab_.get() + at * voxel_, row_bytes) != 0)
               fail("{}: chunk {} differs from the volume in row y {}, z {}, time step {}",
-                   store.string(), array_.chunkName(numberOf(time, chunks[static_cast<size_t>(i)])),
-                   y, z, time);
+                   store.string(), array_.chunkName(numberOf(of, chunks[static_cast<size_t>(i)])),
+                   y, z, of.time);
             row += row_bytes;
           }
       });
@@ -146,7 +172,7 @@ class Packer {
   // The largest slab that the memory has room for: whole planes of chunks, or rows of one plane, or
   // a part of one row, and one chunk thick.
   void planSlabs() {
-    const Vec3i dims = source_.layout().dims;
+    const Vec3i dims = layout_.dims;
     const int64_t side = options_.chunk_voxels;
     const uint64_t table = static_cast<uint64_t>(array_.chunkCount()) * (sizeof(StoredChunk) + 1);
     const uint64_t chunk = array_.chunkBytes();
@@ -174,23 +200,33 @@ class Packer {
 
   template <class F>
   void eachSlab(F&& f) {
-    const VolumeLayout& layout = source_.layout();
     const Vec3i step = slab_voxels_;
-    for (int64_t t = 0; t < layout.time_steps; ++t) {
-      const std::optional<Occupancy> occupancy = source_.occupancy(t);
-      const bool fill_is_background = occupancy && occupancy->background == array_.fill_value;
-      for (int64_t z = 0; z < layout.dims.z; z += step.z)
-        for (int64_t y = 0; y < layout.dims.y; y += step.y)
-          for (int64_t x = 0; x < layout.dims.x; x += step.x) {
-            options_.stop.throwIfStopped();
-            const Vec3i lo{x, y, z};
-            const Box3 slab = intersect({lo, lo + step}, boxOf(layout.dims));
-            f(t, slab,
-              fill_is_background &&
-                  std::none_of(occupancy->boxes.begin(), occupancy->boxes.end(),
-                               [&](const Box3& b) { return !intersect(b, slab).empty(); }));
-          }
+    for (int64_t t = 0; t < layout_.time_steps; ++t)
+      for (size_t c = 0; c < channels_.size(); ++c) {
+        VolumeSource& source = takeUp(c);
+        const std::optional<Occupancy> occupancy = source.occupancy(t);
+        const bool fill_is_background = occupancy && occupancy->background == array_.fill_value;
+        for (int64_t z = 0; z < layout_.dims.z; z += step.z)
+          for (int64_t y = 0; y < layout_.dims.y; y += step.y)
+            for (int64_t x = 0; x < layout_.dims.x; x += step.x) {
+              options_.stop.throwIfStopped();
+              const Vec3i lo{x, y, z};
+              const Box3 slab = intersect({lo, lo + step}, boxOf(layout_.dims));
+              f(StoreVolume{t, c}, slab,
+                fill_is_background &&
+                    std::none_of(occupancy->boxes.begin(), occupancy->boxes.end(),
+                                 [&](const Box3& b) { return !intersect(b, slab).empty(); }));
+            }
+      }
+  }
+
+  // The channel's source. Only one of several keeps decoded voxels at a time.
+  VolumeSource& takeUp(size_t channel) {
+    if (channels_.size() > 1) {
+      for (VolumeSource* source : channels_) source->holdAtMost(0);
+      channels_[channel]->holdAtMost(kMostHeldBytes);
     }
+    return *channels_[channel];
   }
 
   // Places of the chunks that a slab consists of.
@@ -206,15 +242,16 @@ class Packer {
     const int64_t side = options_.chunk_voxels;
     return {chunk * side, chunk * side + Vec3i{side, side, side}};
   }
-  int64_t numberOf(int64_t time, Vec3i chunk) const {
+  int64_t numberOf(StoreVolume of, Vec3i chunk) const {
     std::vector<int64_t> index;
-    if (array_.axes() == 4) index.push_back(time);
+    if (layout_.time_steps > 1) index.push_back(of.time);
+    if (channels_.size() > 1) index.push_back(static_cast<int64_t>(of.channel));
     for (int a = 2; a >= 0; --a) index.push_back(chunk[a]);
     return array_.chunkNumber(index);
   }
 
   // All threads at work on planes of the slab: each plane of a file is read by one of them, once.
-  void read(VolumeSource& source, int64_t time, const Box3& slab, std::byte* out) {
+  void read(StoreVolume of, const Box3& slab, std::byte* out) {
     const int64_t planes = slab.size().z;
     const int64_t pieces = std::min<int64_t>(planes, 2 * pool_.threads());
     const int64_t plane_bytes = slab.size().x * slab.size().y * voxel_;
@@ -224,8 +261,8 @@ class Packer {
       Box3 piece = slab;
       piece.lo.z = slab.lo.z + first;
       piece.hi.z = slab.lo.z + end;
-      source.readRegion(
-          time, piece,
+      channels_[of.channel]->readRegion(
+          of.time, piece,
           {out + first * plane_bytes, static_cast<size_t>((end - first) * plane_bytes)});
     });
   }
@@ -235,9 +272,9 @@ class Packer {
            std::memcmp(bytes.data(), bytes.data() + fill_.size(), bytes.size() - fill_.size()) == 0;
   }
 
-  void packChunk(ZarrPackFolder& folder, int64_t time, const Box3& slab, Vec3i chunk,
+  void packChunk(ZarrPackFolder& folder, StoreVolume of, const Box3& slab, Vec3i chunk,
                  bool known_empty) {
-    const int64_t number = numberOf(time, chunk);
+    const int64_t number = numberOf(of, chunk);
     const ScratchLease scratch(*this);
     if (known_empty) return folder.write(number, {}, scratch->number);
     const Box3 whole = boxOfChunk(chunk), box = intersect(whole, slab);
@@ -261,7 +298,8 @@ class Packer {
                  scratch->number);
   }
 
-  VolumeSource& source_;
+  const ChannelSources channels_;
+  const VolumeLayout& layout_;  // of each channel
   const PackOptions& options_;
   const ZarrArray& array_;
   WorkerPool& pool_;
@@ -280,16 +318,22 @@ class Packer {
 
 PackReport packZarr(VolumeSource& source, const std::filesystem::path& output,
                     const PackOptions& options, WorkerPool& pool, ProgressMeter& progress) {
+  VolumeSource* const one = &source;
+  return packZarr(std::span(&one, 1), output, options, pool, progress);
+}
+
+PackReport packZarr(ChannelSources channels, const std::filesystem::path& output,
+                    const PackOptions& options, WorkerPool& pool, ProgressMeter& progress) {
   requireFreeName(output, options.replace);
-  VolumeLayout layout = source.layout();
+  VolumeLayout layout = channels.front()->layout();
   if (!options.unit.empty()) layout.unit = options.unit;
-  const ZarrArray array = arrayFor(source, options.chunk_voxels);
+  const ZarrArray array = arrayFor(channels, options.chunk_voxels);
   const std::string array_text = zarrArrayText(array, options.blosc);
-  const std::string image_text = zarrImageText(layout, layout.name);
-  Packer packer(source, options, array, pool, progress);
+  const std::string image_text = zarrImageText(layout, layout.name, namesOf(channels));
+  Packer packer(channels, options, array, pool, progress);
 
   const Stopwatch watch;
-  ZarrPackFolder folder(output, array, source.identity(), array_text + image_text);
+  ZarrPackFolder folder(output, array, channels.front()->identity(), array_text + image_text);
   PackReport report;
   report.kept_chunks = folder.recover(pool, progress, options.stop);
   packer.pack(folder);
@@ -303,8 +347,8 @@ PackReport packZarr(VolumeSource& source, const std::filesystem::path& output,
     report.stored_bytes += chunk.bytes;
     report.empty_chunks += chunk.bytes == 0 ? 1 : 0;
   }
-  report.voxel_bytes =
-      static_cast<uint64_t>(volume(layout.dims) * layout.time_steps) * bytesPerVoxel(layout.type);
+  report.voxel_bytes = static_cast<uint64_t>(volume(layout.dims) * layout.time_steps) *
+                       channels.size() * bytesPerVoxel(layout.type);
   folder.finish(options.replace);
   report.pack_seconds = watch.seconds() - report.verify_seconds;
   return report;

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -35,11 +36,20 @@ struct PackReport {
   double pack_seconds = 0, verify_seconds = 0;
 };
 
-// Writes all time steps, the stored values as they are, to the folder `output` (NAME.zarr), which
-// appears whole or not at all. The fill value is the background that the source knows of, else 0.
+// A volume as its channels: a source each, of one layout. A span of one is a volume of one channel,
+// whatever other channels its file has.
+using ChannelSources = std::span<VolumeSource* const>;
+
+// Writes all channels and time steps, the stored values as they are, to the folder `output`
+// (NAME.zarr), which appears whole or not at all. The fill value is the background that the first
+// source knows of, else 0. Several channels are an axis of the store, named as their file names
+// them.
 // Throws Error: the output exists, the memory is too small (the line has the least), a read or a
 // write fails, a voxel differs when verified; and Interrupted. What was done stays in
 // NAME.zarr.partial for the next call.
+PackReport packZarr(ChannelSources channels, const std::filesystem::path& output,
+                    const PackOptions& options, WorkerPool& pool, ProgressMeter& progress);
+// The same of one channel.
 PackReport packZarr(VolumeSource& source, const std::filesystem::path& output,
                     const PackOptions& options, WorkerPool& pool, ProgressMeter& progress);
 

@@ -50,6 +50,7 @@ std::vector<std::byte> serialize(const SliceRanges& ranges) {
   out.value(headerOf(ranges.layout, ranges.map));
   out.value(ranges.background);
   out.value(ranges.device_range);
+  out.value(ranges.far_range);
   out.value(ranges.counts.changes);
   out.value(ranges.counts.jumps);
   out.list(ranges.counts.entries);
@@ -68,9 +69,10 @@ std::optional<SliceRanges> deserialize(std::span<const std::byte> bytes, const B
   Header header{};
   const bool whole = in.value(header) && header == headerOf(layout, map) &&
                      in.value(ranges.background) && in.value(ranges.device_range) &&
-                     in.value(ranges.counts.changes) && in.value(ranges.counts.jumps) &&
-                     in.list(ranges.counts.entries) && in.list(ranges.blocks) &&
-                     in.list(ranges.totals) && in.list(ranges.planes) && in.left().empty();
+                     in.value(ranges.far_range) && in.value(ranges.counts.changes) &&
+                     in.value(ranges.counts.jumps) && in.list(ranges.counts.entries) &&
+                     in.list(ranges.blocks) && in.list(ranges.totals) && in.list(ranges.planes) &&
+                     in.left().empty();
   if (!whole) return std::nullopt;
   const size_t element = 2 * bytesPerVoxel(map.type);
   const size_t held = ranges.blocks.size();

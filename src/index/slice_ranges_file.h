@@ -14,7 +14,7 @@
 namespace sluice {
 
 // Of the bytes' meaning: goes up when they, or what SliceRanges says, change.
-inline constexpr uint32_t kSliceRangesVersion = 4;
+inline constexpr uint32_t kSliceRangesVersion = 5;
 
 // In this machine's byte order.
 std::vector<std::byte> serialize(const SliceRanges& ranges);

@@ -102,7 +102,7 @@ VolumeArguments volumeArguments(const std::vector<std::string>& paths,
   open.skip_bytes = options.skip_bytes;
   if (options.spacing) open.spacing = vec(*options.spacing);
   open.grid = options.grid;
-  open.channel = options.channel;
+  open.channel = {options.channel, options.channel_name};
   open.decode.folder = options.temporary_folder;
   return arguments;
 }

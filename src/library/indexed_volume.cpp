@@ -39,6 +39,12 @@ ValueStatistics statisticsOf(const IndexedVolume& volume, IndexedRanges& index, 
 std::vector<std::string> notesOf(const std::string& name, const VolumeLayout& layout,
                                  const IndexedRanges& index) {
   std::vector<std::string> notes = layout.notes;
+  const ValueRange far = index.ranges.far_range;
+  if (far.lo <= far.hi)
+    notes.push_back(fmt::format(
+        "{}: it has finite values from {:g} to {:g} that are drawn as infinities, since they are "
+        "beyond {:g}",
+        name, index.ranges.map.valueOf(far.lo), index.ranges.map.valueOf(far.hi), kLargest));
   if (looksByteSwapped(index.ranges, layout.type))
     notes.push_back(fmt::format(
         "{}: its values jump as numbers do whose bytes are read in the wrong order; raw files take "
@@ -59,6 +65,11 @@ std::unique_ptr<VolumeSource> openSource(const VolumeArguments& arguments) {
   auto source = openVolume(arguments.inputs, arguments.open);
   const int64_t steps = source->layout().time_steps;
   if (arguments.time >= 0 && arguments.time < steps) return source;
+  if (const std::optional<int64_t> step = stepOfNumber(*source, arguments.time))
+    fail(
+        "{}: --time {}: time steps are counted from 0, not by the files' numbers: the file of that "
+        "number is step {} of {}; give --time {}",
+        arguments.inputs.front(), arguments.time, *step, steps, *step);
   const std::optional<std::string> missing = missingStep(*source, arguments.time);
   fail("{}: --time {}: the volume has {} time step{}, counted from 0{}", arguments.inputs.front(),
        arguments.time, steps, steps == 1 ? "" : "s",
@@ -92,6 +103,15 @@ IndexedRanges rangesOfStep(const IndexedVolume& volume, int64_t time, const Inde
   volume.source->holdAtMost(pass.memory_bytes / 4);
   return indexedRanges(*volume.source, volume.places, time, volume.layout, pass.pool, pass.progress,
                        pass.memory_bytes, pass.stop);
+}
+
+ValueRange IndexedVolume::finiteRange() const {
+  const ValueRange far = index->ranges.far_range;
+  if (far.lo > far.hi) return values.range;
+  const ValueRange found{std::min(map.valueOf(far.lo), map.valueOf(far.hi)),
+                         std::max(map.valueOf(far.lo), map.valueOf(far.hi))};
+  if (values.counts.entries.empty()) return found;
+  return {std::min(found.lo, values.range.lo), std::max(found.hi, values.range.hi)};
 }
 
 ChosenLook lookFor(const IndexedVolume& volume, const LookArguments& look, Mode mode) {

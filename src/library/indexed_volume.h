@@ -32,8 +32,10 @@ struct IndexedVolume {
   std::vector<std::string> notes;
 
   TimeStep step() const { return {source.get(), time, {index, &index->ranges}}; }
-  // Least and greatest value.
+  // Least and greatest value that can be told from infinities.
   ValueRange valueRange() const { return values.range; }
+  // Least and greatest finite value, of the step.
+  ValueRange finiteRange() const;
 };
 
 struct IndexNeeds {

@@ -91,6 +91,8 @@ std::vector<OptionWord> volumeWords(const VolumeOptions& options) {
   if (options.spacing) words.emplace_back("--spacing", listed(*options.spacing));
   if (!options.grid.empty()) words.emplace_back("--grid", options.grid);
   if (options.channel) words.emplace_back("--channel", fmt::format("{}", *options.channel));
+  if (!options.channel && !options.channel_name.empty())
+    words.emplace_back("--channel", options.channel_name);
   return words;
 }
 

@@ -38,7 +38,10 @@ json volumeJson(const ViewedVolume& volume) {
   if (options.time_steps) made["time_steps"] = *options.time_steps;
   if (options.spacing) made["spacing"] = *options.spacing;
   if (!options.grid.empty()) made["grid"] = options.grid;
-  if (options.channel) made["channel"] = *options.channel;
+  if (options.channel)
+    made["channel"] = *options.channel;
+  else if (!options.channel_name.empty())
+    made["channel"] = options.channel_name;
   return made;
 }
 
@@ -119,7 +122,12 @@ ViewedVolume volumeOf(const JsonField& field) {
   if (const auto f = field.find("time_steps")) options.time_steps = f->whole();
   if (const auto f = field.find("spacing")) options.spacing = numbers<double, 3>(*f);
   if (const auto f = field.find("grid")) options.grid = f->text();
-  if (const auto f = field.find("channel")) options.channel = f->whole();
+  if (const auto f = field.find("channel")) {
+    if (f->isText())
+      options.channel_name = f->text();
+    else
+      options.channel = f->whole();
+  }
   return volume;
 }
 

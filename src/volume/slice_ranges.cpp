@@ -1,6 +1,7 @@
 #include "src/volume/slice_ranges.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <memory>
 #include <optional>
@@ -121,6 +122,7 @@ struct WorkSpace {
   BlockRanges<T> ranges;
   KeyHistogram<T> histogram;
   PlaneRange<T> seen = kNoVoxels<T>;  // of all voxels that are numbers
+  ValueRange far{1, 0};               // see SliceRanges::far_range
 };
 
 // `total`, the range of a block's voxels, without those that stand for NaN and infinities. They are
@@ -138,6 +140,43 @@ PlaneRange<T> numbersOf(PlaneRange<T> total, const T* voxels, Vec3i size, Vec3i 
       }
   }
   return total;
+}
+
+void widenFar(ValueRange& range, const ValueRange& by) {
+  if (by.lo > by.hi) return;
+  range =
+      range.lo > range.hi ? by : ValueRange{std::min(range.lo, by.lo), std::max(range.hi, by.hi)};
+}
+
+// Whether one of a block's device voxels stands for an infinity or for a value as far away.
+bool hasFarVoxels(const float* voxels, Vec3i size, Vec3i stride_size) {
+  for (int64_t z = 0; z < size.z; ++z)
+    for (int64_t y = 0; y < size.y; ++y) {
+      const float* row = voxels + (z * stride_size.y + y) * stride_size.x;
+      for (int64_t x = 0; x < size.x; ++x)
+        if (std::abs(row[x]) == kLargest) return true;
+    }
+  return false;
+}
+
+// Of the finite stored values of a box that are beyond kLargest; lo > hi: there are none.
+ValueRange farRange(VolumeSource& source, int64_t time, const Box3& box) {
+  const VoxelType type = source.layout().type;
+  ValueRange range{1, 0};
+  visitVoxelType(type, [&](auto tag) {
+    using Stored = decltype(tag);
+    if constexpr (std::is_floating_point_v<Stored>) {
+      const auto count = static_cast<size_t>(box.count());
+      const auto stored = std::make_unique_for_overwrite<Stored[]>(count);
+      source.readRegion(time, box, std::as_writable_bytes(std::span(stored.get(), count)));
+      for (size_t i = 0; i < count; ++i) {
+        const auto value = static_cast<double>(stored[i]);
+        if (std::isfinite(value) && std::abs(value) > double{kLargest})
+          widenFar(range, {value, value});
+      }
+    }
+  });
+  return range;
 }
 
 template <class T>
@@ -166,6 +205,11 @@ class Builder {
       totals_[at] = work->ranges.of(first, own.size(), size.x, size.x * size.y,
                                     planes_.data() + at * perBlock());
       widen(work->seen, numbersOf(totals_[at], first, own.size(), size));
+      if constexpr (std::is_same_v<T, float>) {
+        const bool may_be = totals_[at].hi >= kLargest || totals_[at].lo <= -kLargest;
+        if (may_be && hasFarVoxels(first, own.size(), size))
+          widenFar(work->far, farRange(source_, time_, own));
+      }
     }
     // The last planes are the next blocks' first.
     Vec3i own = size;
@@ -193,6 +237,7 @@ class Builder {
     KeyHistogram<T> histogram;
     for (const auto& work : idle_) {
       widen(seen, work->seen);
+      widenFar(result_.far_range, work->far);
       histogram.add(work->histogram);
     }
     if (seen.lo <= seen.hi)

@@ -38,6 +38,9 @@ struct SliceRanges {
   // PlaneRange<T>[held][axis][plane], layout.planes() an axis.
   std::vector<std::byte> planes;
   ValueRange device_range;  // of all voxels but NaN and infinities; 0, 0 where there are no others
+  // Of the finite stored values that are beyond kLargest, which device voxels cannot tell from
+  // infinities; lo > hi: there are none. Of floats alone.
+  ValueRange far_range{1, 0};
   // Device values of all voxels, each counted once though blocks share planes: the same for any
   // size of block. What a NaN or an infinity stands for is left out.
   ValueCounts counts;

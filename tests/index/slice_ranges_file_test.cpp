@@ -32,6 +32,7 @@ void expectSame(const SliceRanges& a, const SliceRanges& b) {
   EXPECT_EQ(a.totals, b.totals);
   EXPECT_EQ(a.planes, b.planes);
   EXPECT_EQ(a.device_range, b.device_range);
+  EXPECT_EQ(a.far_range, b.far_range);
   EXPECT_EQ(a.counts, b.counts);
 }
 

@@ -1,15 +1,17 @@
 #!/usr/bin/env python3
 """Runs the real program on damaged inputs of every kind that it reads.
 
-  mutate.py PROGRAM [--seconds 60] [--seed N] [--only KIND,...] [--keep FOLDER]
+  mutate.py PROGRAM [--seconds 60 | --count N] [--seed N] [--only KIND,...] [--keep FOLDER]
 
 Sound files are made first (seeds.py), then each is changed where its format has its joints: fields of
 a header, tags and lengths, JSON members, chunks that go missing, and bytes anywhere. After each
-change the program must end by itself: status 0, 1 or 2, never a signal; within 5 seconds of processor
-time and a minute by the clock; with a peak of resident memory of at most --memory and 128 MB; and
-with one line on standard error where it fails, all of it printable. The same seed makes the same
-mutations. What breaks a rule is printed with the file that did it, which is kept. SLUICE_MUTATE_SECONDS
-is the time where none is given. Exit status 1 when a rule was broken, 77 when nothing could be tried.
+change the program must end by itself: status 0 or 1, never a signal; within 5 seconds of processor
+time and a minute by the clock; with a peak of resident memory of at most --memory and 128 MB; with one
+line on standard error where it fails, all of it printable, that names one of the files; and without a
+picture that is not whole or a temporary file. The same seed makes the same mutations. What breaks a
+rule is printed with the file that did it, which is kept. With --count each file is changed so often,
+whatever time that takes; otherwise they take turns for --seconds (SLUICE_MUTATE_SECONDS). Exit status
+1 when a rule was broken, 77 when nothing could be tried.
 """
 import argparse
 import os
@@ -40,7 +42,23 @@ def limits():
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
 
-def run(program, arguments, folder):
+def names_of(folder, arguments):
+    """What a message may name: a file or folder of the case, or the volume as it was given."""
+    names = {p.name for p in folder.rglob("*") if "cache" not in p.parts and p.name not in ("stderr", "out.png")}
+    return names | {arguments[1]} - {"."}
+
+
+def litter(folder):
+    """Temporary files, and pictures that are not whole."""
+    found = [f"left {p.name} behind" for p in folder.rglob("*.tmp")]
+    for path in folder.glob("out*.png"):
+        data = path.read_bytes()
+        if not (data.startswith(b"\x89PNG") and data.endswith(b"IEND\xaeB`\x82")):
+            found.append(f"left half of {path.name} behind")
+    return found
+
+
+def run(program, arguments, folder, names):
     """(faults, status, stderr) of one run."""
     environment = dict(os.environ, XDG_CACHE_HOME=str(folder / "cache"), LP_NUM_THREADS="1", TMPDIR=str(folder))
     with open(folder / "stderr", "w+b") as err:
@@ -68,7 +86,7 @@ def run(program, arguments, folder):
         faults.append(f"took {CPU_SECONDS} s of processor time")
     elif code < 0:
         faults.append(f"ended by signal {-code}")
-    elif code not in (0, 1, 2):
+    elif code not in (0, 1):
         faults.append(f"status {code}")
     peak = usage.ru_maxrss << 10
     if peak > MEMORY_BYTES + BESIDE_BYTES:
@@ -76,8 +94,11 @@ def run(program, arguments, folder):
     # Progress overwrites its line.
     lines = [line.split("\r")[-1] for line in text.split("\n") if line.strip()]
     plain = [line for line in lines if not WARNING.match(line)]
-    if code in (1, 2) and len(plain) != 1:
+    if code == 1 and len(plain) != 1:
         faults.append(f"{len(plain)} lines on standard error")
+    if code == 1 and not any(name in line for line in plain for name in names):
+        faults.append("no file is named")
+    faults += litter(folder)
     for line in lines:
         if not PRINTABLE.match(line):
             faults.append("control characters on standard error")
@@ -90,6 +111,7 @@ def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("program")
     parser.add_argument("--seconds", type=float, default=float(os.environ.get("SLUICE_MUTATE_SECONDS", "60")))
+    parser.add_argument("--count", type=int, default=0)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only", default="")
     parser.add_argument("--keep", default="mutate-failures")
@@ -115,7 +137,7 @@ def mutate(program, work, options):
     for case in cases:
         place = work / "check"
         shutil.copytree(sound / case.name, place)
-        faults, status, text = run(program, case.arguments, place)
+        faults, status, text = run(program, case.arguments, place, names_of(place, case.arguments))
         if faults or status != 0:
             print(f"{case.name}: the sound file: status {status}: {faults} {text}")
             return 1
@@ -125,12 +147,16 @@ def mutate(program, work, options):
     tried, refused, broken = {}, {}, 0
     place = work / "bad"
     turn = 0
-    while time.monotonic() - start < options.seconds:
+    while turn < options.count * len(cases) if options.count else time.monotonic() - start < options.seconds:
         case = cases[turn % len(cases)]
         turn += 1
         shutil.copytree(sound / case.name, place)
+        names = names_of(place, case.arguments)
+        if case.kind == "index":  # an index is of the very files that it was made of
+            run(program, case.arguments, place, names)
+            (place / "out.png").unlink(missing_ok=True)
         said = mutators.apply(rng, case.kind, place)
-        faults, status, text = run(program, case.arguments, place)
+        faults, status, text = run(program, case.arguments, place, names)
         tried[case.kind] = tried.get(case.kind, 0) + 1
         refused[case.kind] = refused.get(case.kind, 0) + (1 if status == 1 else 0)
         if faults:

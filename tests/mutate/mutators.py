@@ -17,7 +17,7 @@ JSONS = [None, True, False, 0, -1, 1, 0.5, 1e300, -1e300, 1e-300, 2**31, 2**53, 
 
 
 def apply(rng, kind, folder):
-    files = sorted(p for p in folder.rglob("*") if p.is_file() and "cache" not in p.parts and p.name not in ("stderr", "out.png"))
+    files = sorted(p for p in folder.rglob("*") if p.is_file() and "cache" not in p.parts and p.name != "stderr" and not p.name.startswith("out"))
     if kind == "index":
         files = [p for p in files if p.suffix in (".idx",)] or files
         files += sorted(p for p in (folder / "cache").rglob("*") if p.is_file())

@@ -270,6 +270,8 @@ def others(m):
         f = m.folder("trace-" + end)
         m.run(f, "render", "synth:shells,dims=40x40x40", "-o", "out.png", "--size", "16x16", "--frames", "2", "--block", "16",
               "--page", "8x8x8", "--pages", "256", "--trace", "t." + end)
+        for picture in f.glob("out*.png"):
+            picture.unlink()
         m.case("trace", "trace-" + end, "simulate", "t." + end, "--sizes", "256", "--policies", "lru,arc")
 
 

@@ -117,6 +117,8 @@ TEST(CommandLine, noOptionTakesANumberOutsideItsRange) {
   const std::set<std::string> signed_angles = {"--azimuth", "--elevation"};
   const auto takes = [&](const std::string& option, const std::string& word) {
     if (option == "--threshold") return parseReal(word).has_value();  // any that is finite
+    // What is no number is a name.
+    if (option == "--channel") return word.find_first_not_of("+-0123456789") != std::string::npos;
     return signed_angles.contains(option) && word == "-1";
   };
   const std::set<std::string> texts = {"FILE", "FILE,...", "DIR.zarr", "DIR"};
@@ -213,6 +215,8 @@ TEST(CommandLine, aNearMissIsAnsweredWithTheRightWord) {
       {"simulate --policies lru,beladi", "did you mean belady?"},
       {"synth phantm", "did you mean phantom?"},
       {"render --codec lz4", "pack has it"},
+      {"render --level 3",
+       "a coarser level of a store is one of its folders, such as image.zarr/2"},
       {"paint", "render, view, info, plan"},
       {"synth:cube", "sluice render synth:cube -o picture.png"},
       {"bench", "limit, render"},

@@ -74,6 +74,69 @@ TEST(PackCommand, aPackedVolumeGivesTheSamePicture) {
     }
 }
 
+// Time steps, slices and channels in another order than the store's, and read back by others.
+TEST(PackCommand, allChannelsArePackedAndNamed) {
+  if (runCommand("/usr/bin/python3 -c 'import numpy, tifffile, zarr'").status != 0)
+    GTEST_SKIP() << "python3 with numpy, tifffile and zarr is missing";
+  const Program program;
+  for (const int steps : {1, 2}) {
+    SCOPED_TRACE(steps);
+    const std::string write = fmt::format(
+        "import numpy as np, tifffile\n"
+        "v = np.random.default_rng(1).integers(0, 60000, ({}, 5, 3, 20, 30)).astype(\"u2\")\n"
+        "np.save(\"v.npy\", v)\n"
+        "tifffile.imwrite(\"v.ome.tif\", v, ome=True, photometric=\"minisblack\","
+        " metadata=dict(axes=\"TZCYX\", PhysicalSizeX=0.5, PhysicalSizeXUnit=\"um\","
+        " PhysicalSizeY=0.5, PhysicalSizeYUnit=\"um\", PhysicalSizeZ=2, PhysicalSizeZUnit=\"um\","
+        " Channel=dict(Name=[\"DAPI\", \"GFP 488\", \"red\"])))\n",
+        steps);
+    writeFile(program.folder / "write.py", write);
+    ASSERT_EQ(shell(program, "/usr/bin/python3 write.py").status, 0);
+    const auto report = program.json("pack v.ome.tif -o v.zarr --chunk 16 --verify --force");
+    EXPECT_EQ(report["channels"], 3);
+    EXPECT_EQ(report["voxel_bytes"], steps * 5 * 3 * 20 * 30 * 2);
+    writeFile(program.folder / "read.py",
+              "import json, numpy as np, zarr\n"
+              "v = np.load(\"v.npy\").transpose(0, 2, 1, 3, 4)\n"
+              "g = zarr.open(\"v.zarr\", \"r\")\n"
+              "s = g[\"0\"][:]\n"
+              "assert np.array_equal(s.reshape(v.shape), v), s.shape\n"
+              "m = g.attrs[\"multiscales\"][0]\n"
+              "assert [a[\"name\"] for a in m[\"axes\"]] == list(\"tczyx\")[5 - s.ndim:]\n"
+              "assert m[\"axes\"][-4][\"type\"] == \"channel\"\n"
+              "t = m[\"datasets\"][0][\"coordinateTransformations\"]\n"
+              "assert t[0][\"scale\"] == [1, 1, 2, 0.5, 0.5][5 - s.ndim:], t\n"
+              "print([c[\"label\"] for c in g.attrs[\"omero\"][\"channels\"]])\n");
+    const CommandResult read = shell(program, "/usr/bin/python3 read.py");
+    EXPECT_EQ(read.output, "['DAPI', 'GFP 488', 'red']\n");
+    // The channels in turn, by number and by name, of the store and of the file.
+    for (const char* volume : {"v.zarr", "v.ome.tif"})
+      for (const char* state : {"", "read"})
+        for (const auto& [number, channel] : {std::pair{0, "DAPI"}, {1, "'GFP 488'"}, {2, "red"}}) {
+          const auto by_number = program.json(fmt::format("info {} --channel {}", volume, number));
+          const auto by_name = program.json(fmt::format("info {} --channel {}", volume, channel));
+          EXPECT_EQ(by_name["channel"], number);
+          EXPECT_EQ(by_name["value_range"], by_number["value_range"]);
+          EXPECT_EQ(by_name["index"]["state"], "read");
+          // Packing has made the store's indices, the first turn those of the file.
+          if (*state != 0 || volume == std::string("v.zarr")) {
+            EXPECT_EQ(by_number["index"]["state"], "read") << volume << number;
+          }
+        }
+    // One alone is a volume without an axis for channels.
+    ASSERT_EQ(program.run("pack v.ome.tif -o one.zarr --channel red --chunk 16 --force").status, 0);
+    EXPECT_EQ(program.json("info one.zarr")["channels"], 1);
+    EXPECT_EQ(program.json("info one.zarr")["value_range"],
+              program.json("info v.zarr --channel 2")["value_range"]);
+    const CommandResult unknown = program.run("info v.zarr --channel blue");
+    EXPECT_EQ(unknown.status, 1);
+    EXPECT_EQ(
+        unknown.output,
+        "sluice: v.zarr: --channel blue: the volume has no channel of that name, expected one "
+        "of 0 (DAPI), 1 (GFP 488), 2 (red)\n");
+  }
+}
+
 TEST(PackCommand, wrongUsageIsOneLine) {
   const Program program;
   for (const char* line :

@@ -48,5 +48,19 @@ TEST(BenchSlicing, saysWhatBothSlicersTake) {
   EXPECT_GT(report["plain_ns"].get<double>(), 0);
 }
 
+TEST(Plan, theFirstSaysThatItMakesTheIndex) {
+  const Program program;
+  const std::string line = std::string("plan ") + kSmall;
+  const CommandResult first = program.run(line), second = program.run(line);
+  EXPECT_NE(first.output.find("index built: this plan has read the whole volume for it, the next "
+                              "one reads no voxel\n"),
+            std::string::npos)
+      << first.output;
+  EXPECT_EQ(second.output.find("index"), std::string::npos) << second.output;
+  const CommandResult never = runCommand("cd " + shellQuoted(program.folder.path().string()) +
+                                         " && SLUICE_INDEX=off " SLUICE_PROGRAM " " + line);
+  EXPECT_NE(never.output.find("and so will the next one"), std::string::npos) << never.output;
+}
+
 }  // namespace
 }  // namespace sluice

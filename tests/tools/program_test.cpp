@@ -199,6 +199,21 @@ TEST(Program, infoSaysWhatTheVolumeIs) {
   EXPECT_TRUE(info["index"].contains("state"));
 }
 
+TEST(Program, infoGivesValuesTheirRangeHoweverLarge) {
+  const Program program;
+  std::string bytes;
+  for (int i = 0; i < 512; ++i) {
+    const float value = i == 7 ? -1e38F : i == 9 ? 3e38F : 1e38F;
+    bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+  }
+  writeFile(program.folder / "v_8x8x8_float32.raw", bytes);
+  const auto info = program.json("info v_8x8x8_float32.raw");
+  EXPECT_FLOAT_EQ(info["value_range"][0].get<float>(), -1e38F);
+  EXPECT_FLOAT_EQ(info["value_range"][1].get<float>(), 3e38F);
+  EXPECT_NE(program.run("info v_8x8x8_float32.raw").output.find("are drawn as infinities"),
+            std::string::npos);
+}
+
 TEST(Program, theSecondOpeningReadsTheIndex) {
   const Program program;
   const CommandResult made =

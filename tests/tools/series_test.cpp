@@ -87,5 +87,23 @@ TEST(Series, aPlumeGrowsUnderOneLookAndOneCamera) {
   EXPECT_LT(last.top, 12) << "the last one fills the picture";
 }
 
+TEST(Series, stepsAreCountedFromZeroWhateverTheFilesNumbers) {
+  const Program program;
+  for (int step = 1001; step <= 1003; ++step)
+    writeFile(program.folder / fmt::format("s_{}_8x8x8_uint8.raw", step),
+              std::string(512, static_cast<char>(step)));
+  const std::string render = "render 's_####_8x8x8_uint8.raw' --size 16 -o a.png --time ";
+  EXPECT_EQ(program.run(render + "2").status, 0);
+  const CommandResult number = program.run(render + "1002");
+  EXPECT_EQ(number.status, 1);
+  EXPECT_THAT(
+      number.output,
+      testing::HasSubstr("--time 1002: time steps are counted from 0, not by the files' "
+                         "numbers: the file of that number is step 1 of 3; give --time 1\n"));
+  EXPECT_THAT(program.run(render + "1001:1003").output, testing::HasSubstr("is step 2 of 3"));
+  EXPECT_THAT(program.run(render + "3").output,
+              testing::HasSubstr("s_1004_8x8x8_uint8.raw is missing"));
+}
+
 }  // namespace
 }  // namespace sluice

@@ -120,6 +120,22 @@ TEST(SliceRanges, infinitiesAreNoPartOfTheValueRange) {
   EXPECT_EQ(ranges.totalsAs<float>()[0].lo, -kLargest);
 }
 
+TEST(SliceRanges, finiteValuesBeyondTheLargestHaveARangeOfTheirOwn) {
+  const double infinity = std::numeric_limits<double>::infinity();
+  const auto nan = std::numeric_limits<double>::quiet_NaN();
+  const auto source = makeMemorySource<double>(Vec3i{16, 16, 16}, [&](auto x, auto y, auto z) {
+    if (x == 2 && y == 3) return z == 4 ? -1e38 : z == 5 ? 3e200 : infinity;
+    return x == 9 ? nan : static_cast<double>(x);
+  });
+  const SliceRanges ranges = buildRanges(*source, 8);
+  EXPECT_EQ(ranges.device_range, (ValueRange{0, 15}));
+  EXPECT_EQ(ranges.far_range, (ValueRange{-1e38, 3e200}));
+  const auto near = makeMemorySource<float>(Vec3i{16, 16, 16}, [&](auto x, auto, auto) {
+    return x == 4 ? infinity : x == 5 ? nan : 1e29;
+  });
+  EXPECT_GT(buildRanges(*near, 8).far_range.lo, buildRanges(*near, 8).far_range.hi);
+}
+
 TEST(SliceRanges, volumeWithoutANumberHasTheRangeZero) {
   const auto source = makeMemorySource<float>(
       Vec3i{9, 9, 9}, [](auto...) { return std::numeric_limits<float>::quiet_NaN(); });

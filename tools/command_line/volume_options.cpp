@@ -37,6 +37,15 @@ std::optional<std::vector<double>> spacings(const std::string& word) {
   return found;
 }
 
+// A word of digits is a number, whatever the channels are called.
+std::optional<ChannelWish> channel(const std::string& word) {
+  if (word.empty()) return std::nullopt;
+  if (word.find_first_not_of("+-0123456789") != std::string::npos)
+    return ChannelWish(std::nullopt, word);
+  const auto number = parseIn<int64_t>(word, {0, 1'000'000});
+  return number ? std::optional(ChannelWish(*number)) : std::nullopt;
+}
+
 // "5", "0:63" or "0:63:4", the last one included.
 std::optional<TimeRange> timeRange(const std::string& word) {
   std::vector<int64_t> numbers;
@@ -60,9 +69,9 @@ void addVolumeOptions(CLI::App& app, VolumeArguments& arguments, std::optional<T
                       bool needs_volume) {
   arguments.open.decode = decodeOptions();
   arguments.open.stop = interruption();
-  app.add_option(
-         "volume", arguments.inputs,
-         "Files, a folder of slices, a Zarr store, a pattern ('step_%03d.raw'), or synth:KIND,...")
+  app.add_option("volume", arguments.inputs,
+                 "Files, a folder of slices, a Zarr store, a pattern ('step_%03d.raw', "
+                 "'step_###.raw'), or synth:KIND,...")
       ->required(needs_volume)
       ->type_name("VOLUME")
       ->group("Volume");
@@ -88,8 +97,10 @@ void addVolumeOptions(CLI::App& app, VolumeArguments& arguments, std::optional<T
       [&arguments](const std::vector<double>& n) { arguments.open.spacing = asVec3d(n); },
       "World units between voxels, in place of the file's");
   group.text("--grid", "NAME", arguments.open.grid, "OpenVDB: the grid's name");
-  group.number("--channel", "N", arguments.open.channel, {0, 1'000'000},
-               "Zarr: which channel, from 0 (the first)");
+  group.parsed(
+      "--channel", "N|NAME", "a channel's number from 0 to 1000000, or its name", channel,
+      [&arguments](const ChannelWish& wish) { arguments.open.channel = wish; },
+      "Zarr, TIFF: which channel, from 0 (the first), or its name as the file says it");
   if (times == nullptr) {
     group.number("--time", "STEP", arguments.time, {0, kMostSteps}, "Time step, from 0");
     return;

@@ -147,7 +147,7 @@ void Sitting::keepRecent() {
   const ViewedVolume& volume = opened->volume;
   const VolumeOptions& said = volume.options;
   if (volume.paths.size() != 1 || said.dims || !said.type.empty() || !said.grid.empty() ||
-      said.channel)
+      said.channel || !said.channel_name.empty())
     return;
   std::string recent = volume.paths.front();
   std::error_code unknown;

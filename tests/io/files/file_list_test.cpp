@@ -50,6 +50,39 @@ TEST(Pattern, takesPrintfNumbersWithGaps) {
               ElementsAre("s_7.raw", "s_100.raw", "s_1000.raw"));
 }
 
+TEST(Pattern, takesHashesForDigitsAsOutputsDo) {
+  const TempFolder folder;
+  for (const char* name : {"s_000.raw", "s_100.raw", "s_1000.raw", "s_7.raw", "s_x.raw"})
+    writeFile(folder / name, "");
+  EXPECT_TRUE(isPattern((folder / "s_###.raw").string()));
+  EXPECT_THAT(namesOf(expandPattern((folder / "s_###.raw").string())),
+              ElementsAre("s_000.raw", "s_100.raw", "s_1000.raw"));
+  EXPECT_THAT(namesOf(expandPattern((folder / "s_#.raw").string())),
+              ElementsAre("s_7.raw", "s_100.raw", "s_1000.raw"));
+  EXPECT_FALSE(isPattern((folder / "#_##.raw").string()));
+  EXPECT_FALSE(isPattern((folder / "#_%d.raw").string()));
+  writeFile(folder / "a#1.raw", "");
+  EXPECT_FALSE(isPattern((folder / "a#1.raw").string()));
+}
+
+TEST(FileOfNumber, isItsPlaceAmongFilesThatDifferInOneNumber) {
+  const std::vector<std::filesystem::path> files{"s_1001.raw", "s_1002.raw", "s_1004.raw"};
+  EXPECT_EQ(fileOfNumber(files, 1001), 0U);
+  EXPECT_EQ(fileOfNumber(files, 1004), 2U);
+  EXPECT_EQ(fileOfNumber(files, 1003), std::nullopt);
+  EXPECT_EQ(fileOfNumber({"a.raw", "b.raw"}, 0), std::nullopt);
+}
+
+TEST(ListFolder, hidesNoDeviceAndNoLinkToNothing) {
+  const TempFolder folder;
+  writeFile(folder / "a.raw", "1");
+  std::filesystem::create_symlink("/dev/zero", folder / "b.raw");
+  std::filesystem::create_symlink("none", folder / "c.raw");
+  std::filesystem::create_directory(folder / "d.raw");
+  writeFile(folder / ".e.raw", "1");
+  EXPECT_THAT(namesOf(listFolder(folder.path())), ElementsAre("a.raw", "b.raw", "c.raw"));
+}
+
 TEST(Pattern, isNoneWhereAFileIsCalledSo) {
   const TempFolder folder;
   writeFile(folder / "a[1].raw", "");

@@ -94,6 +94,15 @@ TEST(MetaImageHeaderTest, readsEveryKeyThatMatters) {
   EXPECT_EQ(d.files.name(0), "v 1.zraw");
 }
 
+TEST(MetaImageHeaderTest, namesKeysThatAreMisspeltAndNoOthers) {
+  EXPECT_EQ(parse(headerWith("HeaderSiz", "7")).layout.notes,
+            std::vector<std::string>{"v.mha: its header has a field without a meaning, which is "
+                                     "passed over: 'HeaderSiz'"});
+  EXPECT_EQ(parse(headerWith("elementspacing", "1 1 2")).layout.notes.size(), 1U);
+  for (const char* known : {"0008|0005", "ITK_original_direction", "Study", "HeaderSizePerSlice"})
+    EXPECT_EQ(parse(headerWith(known, "7")).layout.notes.size(), 0U) << known;
+}
+
 TEST(MetaImageHeaderTest, olderKeysStandIn) {
   const VolumeDescription d = parse(
       "NDims = 2\nDimSize = 5 4\nElementSize = 2 3\nPosition = 7 8\nOrientation = 0 1 1 0\n"

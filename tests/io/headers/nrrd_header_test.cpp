@@ -44,6 +44,16 @@ TEST(NrrdHeaderTest, passesOverCommentsKeyValuesAndUnknownFields) {
   EXPECT_EQ(d.byte_skip, 7);
 }
 
+TEST(NrrdHeaderTest, namesFieldsWithoutAMeaning) {
+  EXPECT_EQ(parse(headerWith("byte skip", "7")).layout.notes.size(), 0U);
+  EXPECT_EQ(parse(headerWith("byte inf", "7")).layout.notes,
+            std::vector<std::string>{"v.nrrd: its header has a field without a meaning, which is "
+                                     "passed over: 'byteinf'"});
+  EXPECT_EQ(parse(headerWith("spbcings", "1 1 2\nEndianness: big")).layout.notes,
+            std::vector<std::string>{"v.nrrd: its header has fields without a meaning, which are "
+                                     "passed over: 'endianness', 'spbcings'"});
+}
+
 TEST(NrrdHeaderTest, knowsTheNamesOfTypes) {
   const std::pair<const char*, VoxelType> cases[] = {
       {"signed char", VoxelType::kI8}, {"int8_t", VoxelType::kI8},

@@ -254,6 +254,28 @@ TEST(SliceFolder, piecesWithoutAHeaderAreSlicesWhereDimsAndTypeAreGiven) {
               HasSubstr("= 2 bytes of a slice expected, 4 found"));
 }
 
+TEST(SliceFolder, aSliceThatIsNoFileAnyMoreIsNamed) {
+  for (const char* target : {"/dev/zero", "nothing"}) {
+    SCOPED_TRACE(target);
+    const TempFolder folder;
+    for (const int n : {1, 2, 3}) {
+      writeFile(folder / fmt::format("p{}.raw", n), "1234");
+      writePng(folder / fmt::format("s{}.png", n), {4, 3, std::vector<uint8_t>(48, 1)});
+    }
+    for (const char* name : {"p2.raw", "s2.png"}) {
+      std::filesystem::remove(folder / name);
+      std::filesystem::create_symlink(target, folder / name);
+    }
+    const OpenOptions raw{.dims = Vec3i{2, 2, 3}, .type = VoxelType::kU8};
+    for (const char* pattern : {"p%d.raw", "p#.raw", "p*.raw"})
+      EXPECT_THAT(errorOf([&] { openVolume((folder / pattern).string(), raw); }),
+                  HasSubstr("p2.raw: "))
+          << pattern;
+    EXPECT_THAT(errorOf([&] { openVolume((folder / "s%d.png").string()); }), HasSubstr("s2.png: "));
+    EXPECT_THAT(errorOf([&] { openVolume(folder.path().string()); }), HasSubstr("s2.png: "));
+  }
+}
+
 TEST(SliceFolder, rejectsOneWithoutSlicesOrWithTwoKinds) {
   const TempFolder folder;
   EXPECT_THAT(errorOf([&] { openSliceFolder(folder.path()); }), HasSubstr("has no slices"));

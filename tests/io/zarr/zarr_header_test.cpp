@@ -40,6 +40,17 @@ TEST(ZarrArray, saysShapeChunksTypeAndNames) {
   EXPECT_EQ(parseZarrArray(arrayWith("fill_value", "null"), "").fill_value, 0);
 }
 
+// Without the note every chunk would be a missing one.
+TEST(ZarrArray, namesMembersWithoutAMeaning) {
+  EXPECT_EQ(parseZarrArray(arrayWith("", ""), ".zarray").notes.size(), 0U);
+  std::string text = arrayWith("", "");
+  text.replace(text.find("dimension_separator"), 19, "dimension_separatur");
+  EXPECT_EQ(
+      parseZarrArray(text, "v/.zarray").notes,
+      std::vector<std::string>{"v/.zarray: its header has a field without a meaning, which is "
+                               "passed over: 'dimension_separatur'"});
+}
+
 TEST(ZarrArray, floatFillsMayBeWords) {
   const auto fill = [](const std::string& value) {
     std::string text = arrayWith("fill_value", value);
