@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "src/base/bytes.h"
+#include "src/base/volume_levels.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/shared_options.h"
 #include "tools/commands.h"
@@ -16,8 +17,42 @@ namespace {
 struct Arguments {
   VolumeArguments volume;
   ResourceArguments resources;
+  bool levels = false;
   bool json = false;
 };
+
+// A line for each level: its voxels, and where they lie among those of level 0.
+void printLevels(const VolumeSource& source) {
+  const VolumeLayout& layout = source.layout();
+  const auto triple = [](auto v) { return fmt::format("{:g} x {:g} x {:g}", v.x, v.y, v.z); };
+  const auto line = [&](size_t level, Vec3i dims, const LevelPlacement& place) {
+    const auto voxels = static_cast<uint64_t>(dims.x * dims.y * dims.z);
+    const Vec3d offset = place.offset;
+    say("  level {}: {} x {} x {} voxels, {}; one is {} of level 0, the first at ({:g}, {:g}, "
+        "{:g}); spacing {}\n",
+        level, dims.x, dims.y, dims.z, formatBytes(voxels * bytesPerVoxel(layout.type)),
+        triple(place.scale), offset.x, offset.y, offset.z, triple(layout.spacing * place.scale));
+  };
+  line(0, layout.dims, {});
+  size_t level = 0;
+  for (const CoarserLevel& coarser : coarserLevels(source))
+    line(++level, coarser.source->layout().dims, coarser.placement);
+}
+
+nlohmann::json levelsJson(const VolumeSource& source) {
+  const auto triple = [](auto v) { return nlohmann::json::array({v.x, v.y, v.z}); };
+  nlohmann::json levels = nlohmann::json::array();
+  const auto add = [&](Vec3i dims, const LevelPlacement& place) {
+    levels.push_back({{"dims", triple(dims)},
+                      {"scale", triple(place.scale)},
+                      {"offset", triple(place.offset)},
+                      {"spacing", triple(source.layout().spacing * place.scale)}});
+  };
+  add(source.layout().dims, {});
+  for (const CoarserLevel& coarser : coarserLevels(source))
+    add(coarser.source->layout().dims, coarser.placement);
+  return levels;
+}
 
 std::string orientationText(const VolumeLayout& layout) {
   switch (layout.frame) {
@@ -52,7 +87,7 @@ void print(const IndexedVolume& volume, const ChosenLook& look) {
       layout.unit.empty() ? ", unit not said" : " " + layout.unit, triple(layout.origin));
   say("  {}\n", orientationText(layout));
   if (layout.channels > 1) say("  channel {} of {}\n", layout.channel, layout.channels);
-  if (layout.levels > 1) say("  level 0 of {} resolutions\n", layout.levels);
+  if (layout.levels > 1) say("  level 0 of {} resolutions (--levels lists them)\n", layout.levels);
   if (layout.grids.size() > 1) say("  one of these grids: {}\n", joined(layout.grids, ", "));
   say("  values {} to {}\n", range.lo, range.hi);
   say("  {} blocks of {} a side, {} of them not all {}\n", volume.layout.blockCount(),
@@ -73,6 +108,8 @@ Command addInfo(CLI::App& program) {
                              "What a volume is: size, type, place in the world, values, index\n\n"
                              "  sluice info head_256x256x225_uint8.raw --json");
   addVolumeOptions(*app, arguments->volume);
+  const OptionGroup listed(*app, "Volume");
+  listed.flag("--levels", arguments->levels, "Lists the levels of resolution and their places");
   addResourceOptions(*app, arguments->resources);
   const OptionGroup output(*app, kOutputHeading);
   addQuietOption(output, arguments->resources.quiet);
@@ -87,9 +124,11 @@ Command addInfo(CLI::App& program) {
     if (arguments->json) {
       nlohmann::json report = volumeJson(volume);
       report["look"] = lookJson(chosen);
+      report["pyramid"] = levelsJson(*volume.source);
       say("{}\n", report.dump(2));
     } else if (!arguments->resources.quiet) {
       print(volume, chosen);
+      if (arguments->levels) printLevels(*volume.source);
     }
     return 0;
   };

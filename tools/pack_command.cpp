@@ -4,6 +4,7 @@
 
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "io/zarr/zarr_writer.h"
@@ -11,6 +12,7 @@
 #include "src/base/clock.h"
 #include "src/base/error.h"
 #include "tools/command_line/console.h"
+#include "tools/command_line/number.h"
 #include "tools/command_line/outputs.h"
 #include "tools/command_line/progress_line.h"
 #include "tools/command_line/shared_options.h"
@@ -31,6 +33,20 @@ struct Arguments {
   bool check = false;
   bool json = false;
 };
+
+struct LevelsWish {
+  bool any = false;
+  std::optional<int64_t> count;
+};
+constexpr int64_t kMostLevels = 30;
+
+// "auto", "none" or how many.
+std::optional<LevelsWish> levelsWish(const std::string& word) {
+  if (word == "none") return LevelsWish{};
+  if (word == "auto") return LevelsWish{true, std::nullopt};
+  const auto count = parseIn<int64_t>(word, {1, kMostLevels});
+  return count ? std::optional(LevelsWish{true, *count}) : std::nullopt;
+}
 
 constexpr int kLz4Level = 5, kZstdLevel = 1;
 
@@ -105,6 +121,7 @@ int pack(const Arguments& arguments) {
         {"chunks",
          {{"count", report.chunks}, {"empty", report.empty_chunks}, {"kept", report.kept_chunks}}},
         {"channels", channels.size()},
+        {"levels", 1 + report.levels.size()},
         {"voxel_bytes", report.voxel_bytes},
         {"stored_bytes", report.stored_bytes},
         {"ratio", ratio},
@@ -121,6 +138,10 @@ int pack(const Arguments& arguments) {
   if (arguments.resources.quiet) return kDone;
   say("{}\n", arguments.output);
   if (channels.size() > 1) say("  {} channels\n", channels.size());
+  for (size_t i = 0; i < report.levels.size(); ++i) {
+    const Vec3i dims = report.levels[i];
+    say("  level {}: {} x {} x {} voxels\n", i + 1, dims.x, dims.y, dims.z);
+  }
   say("  {} chunks, {} of them empty{}{}\n", report.chunks, report.empty_chunks,
       report.kept_chunks == 0 ? ""
                               : fmt::format(", {} done before an interruption", report.kept_chunks),
@@ -182,6 +203,20 @@ Command addPack(CLI::App& program) {
           "--level", "1..9", arguments->level, {1, 9},
           fmt::format("How hard the codec tries ({} for lz4, {} for zstd)", kLz4Level, kZstdLevel))
       ->default_str("");
+  PackOptions& options = arguments->pack;
+  store.parsed(
+      "--levels", "auto|N|none", fmt::format("auto, none or a number from 1 to {}", kMostLevels),
+      levelsWish,
+      [&options](const LevelsWish& wish) {
+        options.with_levels = wish.any;
+        options.levels = wish.count;
+      },
+      "Coarser levels of resolution too: N of them, or until 64 voxels a side", "none");
+  store.choice(
+      "--downsample",
+      Words<Downsample>{
+          {"mean", Downsample::kMean}, {"max", Downsample::kMax}, {"mode", Downsample::kMode}},
+      options.downsample, "What the voxels of a coarser one become; mode for labels");
   store.text("--unit", "NAME", arguments->pack.unit,
              "Of the spacing, where the file does not say it: micrometer, millimeter, ...");
   CLI::Option* verify = store.flag("--verify", arguments->pack.verify,

@@ -211,6 +211,15 @@ void place(const ZarrImage& image, const std::string& path, ZarrView& view) {
   }
   const std::array<Vec3d, 3> directions =
       image.directions.value_or(std::array<Vec3d, 3>{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}});
+  // Our own directions turn the way from level 0's first voxel to this one's, too.
+  if (image.directions && !image.places.empty() && !image.places[0].translation.empty() &&
+      image.places[0].translation.size() == image.scale.size()) {
+    Vec3d finest;
+    for (size_t a = 0; a < 3; ++a)
+      finest[static_cast<int>(a)] = image.places[0].translation[view.space[a]];
+    const Vec3d along = origin - finest;
+    origin = finest + directions[0] * along.x + directions[1] * along.y + directions[2] * along.z;
+  }
   VolumeLayout& layout = view.layout;
   setSteps(path, {directions[0] * scale.x, directions[1] * scale.y, directions[2] * scale.z},
            layout);

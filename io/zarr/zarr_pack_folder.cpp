@@ -70,6 +70,12 @@ void syncFolder(const fs::path& folder, bool whole_file_system) {
     failErrno(fmt::format("{}: cannot be brought to the disk", folder.string()), errno);
 }
 
+std::vector<int64_t> firstChunks(const std::vector<ZarrArray>& arrays) {
+  std::vector<int64_t> firsts{0};
+  for (const ZarrArray& array : arrays) firsts.push_back(firsts.back() + array.chunkCount());
+  return firsts;
+}
+
 fs::path withoutSlash(const fs::path& path) {
   const fs::path clean = path.lexically_normal();
   return clean.has_filename() ? clean : clean.parent_path();
@@ -77,17 +83,19 @@ fs::path withoutSlash(const fs::path& path) {
 
 }  // namespace
 
-ZarrPackFolder::ZarrPackFolder(const fs::path& output, const ZarrArray& array,
+ZarrPackFolder::ZarrPackFolder(const fs::path& output, std::vector<ZarrArray> arrays,
                                const std::string& source_identity, const std::string& parameters)
     : output_(withoutSlash(output)),
       folder_(output_.string() + ".partial"),
       store_(folder_ / "store"),
-      array_(array),
-      chunks_(static_cast<size_t>(array.chunkCount())),
+      arrays_(std::move(arrays)),
+      first_chunks_(firstChunks(arrays_)),
+      chunks_(static_cast<size_t>(first_chunks_.back())),
       done_(chunks_.size(), 0) {
   lock();
   checkParameters(source_identity, parameters);
-  makeFolders(store_ / "0");
+  for (size_t level = 0; level < arrays_.size(); ++level)
+    makeFolders(store_ / std::to_string(level));
   journal_.reset(
       open((folder_ / "journal").c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666));
   if (!journal_)
@@ -147,7 +155,9 @@ void ZarrPackFolder::checkParameters(const std::string& source_identity,
 }
 
 fs::path ZarrPackFolder::chunkPath(int64_t chunk) const {
-  return store_ / "0" / array_.chunkName(chunk);
+  const auto after = std::upper_bound(first_chunks_.begin(), first_chunks_.end(), chunk);
+  const auto level = static_cast<size_t>(after - first_chunks_.begin()) - 1;
+  return store_ / std::to_string(level) / arrays_[level].chunkName(chunk - first_chunks_[level]);
 }
 
 bool ZarrPackFolder::checkChunk(int64_t chunk) const {
@@ -213,16 +223,21 @@ void ZarrPackFolder::write(int64_t chunk, std::span<const std::byte> stored, int
 }
 
 fs::path ZarrPackFolder::complete(const std::string& group_text, const std::string& image_text,
-                                  const std::string& array_text) {
-  for (const auto& [name, text] :
-       {std::pair<const char*, const std::string&>{".zgroup", group_text},
-        {".zattrs", image_text},
-        {"0/.zarray", array_text}}) {
-    AtomicFile file(store_ / name);
+                                  const std::vector<std::string>& array_texts) {
+  const auto write = [](const fs::path& path, const std::string& text) {
+    AtomicFile file(path);
     file.write(text);
     file.commit();
+  };
+  write(store_ / ".zgroup", group_text);
+  write(store_ / ".zattrs", image_text);
+  for (size_t level = 0; level < arrays_.size(); ++level) {
+    const fs::path folder = store_ / std::to_string(level);
+    write(folder / ".zarray", array_texts[level]);
+    const auto first = static_cast<size_t>(first_chunks_[level]);
+    const auto end = static_cast<size_t>(first_chunks_[level + 1]);
+    writeZarrChecksums(folder, array_texts[level], std::span(chunks_).subspan(first, end - first));
   }
-  writeZarrChecksums(store_ / "0", array_text, chunks_);
   return store_;
 }
 

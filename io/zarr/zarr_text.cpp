@@ -86,29 +86,36 @@ std::string zarrArrayText(const ZarrArray& array, const BloscOptions& options) {
 }
 
 std::string zarrImageText(const VolumeLayout& layout, const std::string& name,
-                          const std::vector<std::string>& channels) {
-  ordered_json axes = ordered_json::array(), scale = ordered_json::array(),
-               translation = ordered_json::array();
-  const auto addAxis = [&](const char* axis_name, const char* type) {
-    axes.push_back(axis(axis_name, type, ""));
-    scale.push_back(1.0);
-    translation.push_back(0.0);
-  };
-  if (layout.time_steps > 1) addAxis("t", "time");
-  if (channels.size() > 1) addAxis("c", "channel");
+                          const std::vector<std::string>& channels, const ZarrLevelsText& levels) {
+  ordered_json axes = ordered_json::array();
+  if (layout.time_steps > 1) axes.push_back(axis("t", "time", ""));
+  if (channels.size() > 1) axes.push_back(axis("c", "channel", ""));
+  const size_t others = axes.size();  // than those of space
   constexpr const char* kNames[] = {"x", "y", "z"};
-  for (int a = 2; a >= 0; --a) {
-    axes.push_back(axis(kNames[a], "space", layout.unit));
-    scale.push_back(layout.spacing[a]);
-    translation.push_back(layout.origin[a]);
-  }
-  const ordered_json level{{"path", "0"},
-                           {"coordinateTransformations",
-                            {{{"type", "scale"}, {"scale", scale}},
-                             {{"type", "translation"}, {"translation", translation}}}}};
-  ordered_json image{
-      {"multiscales",
-       {{{"version", "0.4"}, {"name", name}, {"axes", axes}, {"datasets", {level}}}}}};
+  for (int a = 2; a >= 0; --a) axes.push_back(axis(kNames[a], "space", layout.unit));
+  ordered_json datasets = ordered_json::array();
+  const auto addLevel = [&](const LevelPlacement& place) {
+    ordered_json scale = ordered_json::array(), translation = ordered_json::array();
+    for (size_t i = 0; i < others; ++i) {
+      scale.push_back(1.0);
+      translation.push_back(0.0);
+    }
+    for (int a = 2; a >= 0; --a) {
+      scale.push_back(layout.spacing[a] * place.scale[a]);
+      translation.push_back(layout.origin[a] + layout.spacing[a] * place.offset[a]);
+    }
+    datasets.push_back({{"path", std::to_string(datasets.size())},
+                        {"coordinateTransformations",
+                         {{{"type", "scale"}, {"scale", scale}},
+                          {{"type", "translation"}, {"translation", translation}}}}});
+  };
+  addLevel({});
+  for (const LevelPlacement& place : levels.placements) addLevel(place);
+  ordered_json multiscale{
+      {"version", "0.4"}, {"name", name}, {"axes", axes}, {"datasets", datasets}};
+  if (!levels.placements.empty()) multiscale["type"] = levels.type;
+  ordered_json image;
+  image["multiscales"] = ordered_json::array({multiscale});
   if (channels.size() > 1) image["omero"] = omero(channels);
   const ordered_json own = ownPart(layout);
   if (!own.empty()) image["sluice"] = own;

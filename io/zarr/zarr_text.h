@@ -7,6 +7,7 @@
 
 #include "io/zarr/zarr_array.h"
 #include "io/zarr/zarr_codec.h"
+#include "src/base/volume_levels.h"
 #include "src/base/volume_source.h"
 
 namespace sluice {
@@ -14,11 +15,19 @@ namespace sluice {
 std::string zarrGroupText();
 // .zarray of a Blosc array in C order.
 std::string zarrArrayText(const ZarrArray& array, const BloscOptions& options);
-// .zattrs of an image of one level, "0", called `name`: axes t c z y x, without t for one time step
-// and without c for one channel; the layout's spacing and origin as scale and translation.
-// Directions that are not the coordinate axes and a scaling of the values go under the key
-// "sluice". `channels`: a name each, perhaps empty; of several they go under "omero".
+// The coarser levels of an image: where they lie among the voxels of the finest one, and how they
+// were made ("mean", "max", "mode").
+struct ZarrLevelsText {
+  std::vector<LevelPlacement> placements;  // from fine to coarse
+  std::string type;
+};
+
+// .zattrs of an image called `name`, whose levels are the folders "0", "1" and so on: axes t c z y
+// x, without t for one time step and without c for one channel; the layout's spacing and origin as
+// scale and translation of level 0, from which those of the others follow. Directions that are not
+// the coordinate axes and a scaling of the values go under the key "sluice". `channels`: a name
+// each, perhaps empty; of several they go under "omero".
 std::string zarrImageText(const VolumeLayout& layout, const std::string& name,
-                          const std::vector<std::string>& channels);
+                          const std::vector<std::string>& channels, const ZarrLevelsText& levels);
 
 }  // namespace sluice

@@ -43,6 +43,21 @@ ZarrArray arrayFor(ChannelSources channels, int64_t chunk_voxels) {
 // Of the channel that is read.
 constexpr uint64_t kMostHeldBytes = uint64_t{32} << 20;
 
+std::vector<LevelShape> levelsFor(const VolumeLayout& layout, const PackOptions& options) {
+  if (!options.with_levels) return {};
+  const std::vector<LevelShape> levels = levelShapes(layout, options.chunk_voxels, options.levels);
+  if (options.levels && static_cast<int64_t>(levels.size()) < *options.levels)
+    fail("--levels {}: {} x {} x {} voxels in chunks of {} have {} coarser levels at most",
+         *options.levels, layout.dims.x, layout.dims.y, layout.dims.z, options.chunk_voxels,
+         levels.size());
+  return levels;
+}
+
+const char* nameOf(Downsample how) {
+  if (how == Downsample::kMean) return "mean";
+  return how == Downsample::kMax ? "max" : "mode";
+}
+
 // Of each channel; empty where the file does not say.
 std::vector<std::string> namesOf(ChannelSources channels) {
   std::vector<std::string> names(channels.size());
@@ -61,6 +76,23 @@ uint64_t scratchBytes(uint64_t chunk_bytes) {
   return 2 * chunk_bytes + bloscRoomBytes(chunk_bytes);
 }
 
+// Level 0's array for another level.
+ZarrArray arrayOf(const ZarrArray& finest, const LevelShape& level) {
+  ZarrArray array = finest;
+  for (int a = 0; a < 3; ++a)
+    array.shape[array.axes() - 1 - static_cast<size_t>(a)] = level.dims[a];
+  return array;
+}
+
+std::vector<std::byte> fillOf(const ZarrArray& array) {
+  std::vector<std::byte> fill(bytesPerVoxel(array.type));
+  visitVoxelType(array.type, [&](auto tag) {
+    tag = static_cast<decltype(tag)>(array.fill_value);
+    std::memcpy(fill.data(), &tag, sizeof tag);
+  });
+  return fill;
+}
+
 // Which volume of a store: a time step of a channel.
 struct StoreVolume {
   int64_t time = 0;
@@ -69,21 +101,21 @@ struct StoreVolume {
 
 class Packer {
  public:
-  Packer(ChannelSources channels, const PackOptions& options, const ZarrArray& array,
-         WorkerPool& pool, ProgressMeter& progress)
+  // `arrays`: of level 0 and of each of `levels`.
+  Packer(ChannelSources channels, const PackOptions& options, const std::vector<ZarrArray>& arrays,
+         const std::vector<LevelShape>& levels, WorkerPool& pool, ProgressMeter& progress)
       : channels_(channels),
         layout_(channels.front()->layout()),
         options_(options),
-        array_(array),
+        arrays_(arrays),
+        array_(arrays.front()),
         pool_(pool),
         progress_(progress),
-        voxel_(static_cast<int64_t>(bytesPerVoxel(array.type))),
-        fill_(static_cast<size_t>(voxel_)) {
-    visitVoxelType(array.type, [&](auto tag) {
-      tag = static_cast<decltype(tag)>(array.fill_value);
-      std::memcpy(fill_.data(), &tag, sizeof tag);
-    });
-    planSlabs();
+        voxel_(static_cast<int64_t>(bytesPerVoxel(array_.type))),
+        fill_(fillOf(array_)) {
+    planSlabs(levels);
+    maker_ = std::make_unique<LevelMaker>(layout_, options.chunk_voxels, levels, options.downsample,
+                                          fill_);
   }
 
   void pack(ZarrPackFolder& folder) {
@@ -91,16 +123,24 @@ class Packer {
       const auto bytes = static_cast<uint64_t>(slab.count() * voxel_);
       const std::vector<Vec3i> chunks = chunksOf(slab);
       const bool is_done = std::all_of(chunks.begin(), chunks.end(), [&](Vec3i chunk) {
-        return folder.isDone(numberOf(of, chunk));
+        return folder.isDone(numberOf(0, of, chunk));
       });
-      if (!is_done && !known_empty) read(of, slab, slab_.get());
-      if (!is_done)
+      const bool makes_levels = !known_empty && isLayerWanted(folder, of, slab.lo.z);
+      if ((!is_done && !known_empty) || makes_levels) read(of, slab, slab_.get());
+      if (!is_done || makes_levels)
         pool_.parallelFor(static_cast<int64_t>(chunks.size()), [&](int64_t i) {
           options_.stop.throwIfStopped();
           const Vec3i chunk = chunks[static_cast<size_t>(i)];
-          if (folder.isDone(numberOf(of, chunk))) return;
-          packChunk(folder, of, slab, chunk, known_empty);
+          if (makes_levels) addToLevels(slab, chunk);
+          const int64_t number = numberOf(0, of, chunk);
+          if (folder.isDone(number)) return;
+          if (known_empty)
+            folder.write(number, {}, ScratchLease(*this)->number);
+          else
+            packChunk(folder, number, {slab, slab_.get()}, chunk);
         });
+      const bool ends_layer = slab.hi.x == layout_.dims.x && slab.hi.y == layout_.dims.y;
+      if (ends_layer) packLayers(folder, of, slab.hi.z);
       progress_.add(bytes);
     });
   }
@@ -132,8 +172,9 @@ class Packer {
             const auto row_bytes = static_cast<size_t>(box.size().x * voxel_);
             if (std::memcmp(row, slab_.get() + at * voxel_, row_bytes) != 0)
               fail("{}: chunk {} differs from the volume in row y {}, z {}, time step {}",
-                   store.string(), array_.chunkName(numberOf(of, chunks[static_cast<size_t>(i)])),
-                   y, z, of.time);
+                   store.string(),
+                   array_.chunkName(numberOf(0, of, chunks[static_cast<size_t>(i)])), y, z,
+                   of.time);
             row += row_bytes;
           }
       });
@@ -171,18 +212,25 @@ class Packer {
 
   // The largest slab that the memory has room for: whole planes of chunks, or rows of one plane, or
   // a part of one row, and one chunk thick.
-  void planSlabs() {
+  void planSlabs(const std::vector<LevelShape>& levels) {
     const Vec3i dims = layout_.dims;
     const int64_t side = options_.chunk_voxels;
-    const uint64_t table = static_cast<uint64_t>(array_.chunkCount()) * (sizeof(StoredChunk) + 1);
+    uint64_t table = 0;
+    for (const ZarrArray& array : arrays_)
+      table += static_cast<uint64_t>(array.chunkCount()) * (sizeof(StoredChunk) + 1);
     const uint64_t chunk = array_.chunkBytes();
+    const uint64_t pending = LevelMaker::pendingBytes(layout_, side, levels);
+    const uint64_t making = levels.empty() ? 0 : LevelMaker::threadBytes(layout_, side);
     // To verify, each thread holds two chunks inside the reader, which is less than packing takes.
-    const uint64_t fixed = table + static_cast<uint64_t>(pool_.threads()) * scratchBytes(chunk);
+    const uint64_t fixed =
+        table + pending + static_cast<uint64_t>(pool_.threads()) * (scratchBytes(chunk) + making);
     if (options_.memory_bytes < fixed + chunk)
       fail(
-          "--memory {}: too small to pack with {} threads and chunks of {}; give --memory {} or "
-          "more",
-          options_.memory_bytes, pool_.threads(), formatBytes(chunk), fixed + chunk);
+          "--memory {}: too small to pack with {} threads and chunks of {}{}; give --memory {} or "
+          "more{}",
+          options_.memory_bytes, pool_.threads(), formatBytes(chunk),
+          levels.empty() ? "" : fmt::format(", and {} of coarser levels", formatBytes(pending)),
+          fixed + chunk, levels.empty() ? "" : ", or --levels none");
     const auto rest = static_cast<int64_t>(std::min<uint64_t>(
         (options_.memory_bytes - fixed) / static_cast<uint64_t>(voxel_), uint64_t{1} << 60));
     slab_voxels_ = min(dims, Vec3i{dims.x, dims.y, side});
@@ -242,12 +290,51 @@ class Packer {
     const int64_t side = options_.chunk_voxels;
     return {chunk * side, chunk * side + Vec3i{side, side, side}};
   }
-  int64_t numberOf(StoreVolume of, Vec3i chunk) const {
+  // Of a level, counted from its first chunk.
+  int64_t numberOf(size_t level, StoreVolume of, Vec3i chunk) const {
     std::vector<int64_t> index;
     if (layout_.time_steps > 1) index.push_back(of.time);
     if (channels_.size() > 1) index.push_back(static_cast<int64_t>(of.channel));
     for (int a = 2; a >= 0; --a) index.push_back(chunk[a]);
-    return array_.chunkNumber(index);
+    return arrays_[level].chunkNumber(index);
+  }
+
+  // Places of the chunks of a level's layer that are not done.
+  std::vector<Vec3i> missingOf(const ZarrPackFolder& folder, size_t level, StoreVolume of,
+                               const Box3& layer) const {
+    std::vector<Vec3i> missing;
+    for (const Vec3i chunk : chunksOf(layer))
+      if (!folder.isDone(folder.firstChunk(level) + numberOf(level, of, chunk)))
+        missing.push_back(chunk);
+    return missing;
+  }
+  // Whether a level still lacks chunks of the layer in which the finest plane `z` lies.
+  bool isLayerWanted(const ZarrPackFolder& folder, StoreVolume of, int64_t z) const {
+    for (size_t i = 0; i < maker_->levels().size(); ++i)
+      if (!missingOf(folder, i + 1, of, maker_->layerAt(i, z)).empty()) return true;
+    return false;
+  }
+  void addToLevels(const Box3& slab, Vec3i chunk) {
+    const Box3 box = intersect(boxOfChunk(chunk), slab);
+    const Vec3i size = slab.size(), at = box.lo - slab.lo;
+    maker_->add(box, slab_.get() + ((at.z * size.y + at.y) * size.x + at.x) * voxel_, size.x,
+                size.x * size.y);
+  }
+  // Writes the layers of chunks that end with the finest planes before `end`.
+  void packLayers(ZarrPackFolder& folder, StoreVolume of, int64_t end) {
+    for (size_t i = 0; i < maker_->levels().size(); ++i) {
+      const int64_t planes = maker_->levels()[i].step.z * options_.chunk_voxels;
+      if (end % planes != 0 && end != layout_.dims.z) continue;
+      const Box3 layer = maker_->layerAt(i, end - 1);
+      const std::vector<Vec3i> chunks = missingOf(folder, i + 1, of, layer);
+      pool_.parallelFor(static_cast<int64_t>(chunks.size()), [&](int64_t c) {
+        options_.stop.throwIfStopped();
+        const Vec3i chunk = chunks[static_cast<size_t>(c)];
+        packChunk(folder, folder.firstChunk(i + 1) + numberOf(i + 1, of, chunk),
+                  {layer, maker_->layerVoxels(i)}, chunk);
+      });
+      maker_->clearLayer(i);
+    }
   }
 
   // All threads at work on planes of the slab: each plane of a file is read by one of them, once.
@@ -272,24 +359,26 @@ class Packer {
            std::memcmp(bytes.data(), bytes.data() + fill_.size(), bytes.size() - fill_.size()) == 0;
   }
 
-  void packChunk(ZarrPackFolder& folder, StoreVolume of, const Box3& slab, Vec3i chunk,
-                 bool known_empty) {
-    const int64_t number = numberOf(of, chunk);
+  // A box of voxels in memory, x fastest, packed.
+  struct HeldVoxels {
+    Box3 box;
+    const std::byte* voxels;
+  };
+
+  void packChunk(ZarrPackFolder& folder, int64_t number, const HeldVoxels& held, Vec3i chunk) {
     const ScratchLease scratch(*this);
-    if (known_empty) return folder.write(number, {}, scratch->number);
-    const Box3 whole = boxOfChunk(chunk), box = intersect(whole, slab);
+    const Box3 whole = boxOfChunk(chunk), box = intersect(whole, held.box);
     std::vector<std::byte>& bytes = scratch->chunk;
     if (box != whole)
       for (size_t i = 0; i < bytes.size(); i += fill_.size())
         std::memcpy(bytes.data() + i, fill_.data(), fill_.size());
     const int64_t side = options_.chunk_voxels;
-    const Vec3i size = slab.size();
+    const Vec3i lo = held.box.lo, size = held.box.size();
     for (int64_t z = box.lo.z; z < box.hi.z; ++z)
       for (int64_t y = box.lo.y; y < box.hi.y; ++y) {
-        const int64_t from =
-            ((z - slab.lo.z) * size.y + y - slab.lo.y) * size.x + box.lo.x - slab.lo.x;
+        const int64_t from = ((z - lo.z) * size.y + y - lo.y) * size.x + box.lo.x - lo.x;
         const int64_t to = ((z - whole.lo.z) * side + y - whole.lo.y) * side;
-        std::memcpy(bytes.data() + to * voxel_, slab_.get() + from * voxel_,
+        std::memcpy(bytes.data() + to * voxel_, held.voxels + from * voxel_,
                     static_cast<size_t>(box.size().x * voxel_));
       }
     if (isFill(bytes)) return folder.write(number, {}, scratch->number);
@@ -301,7 +390,8 @@ class Packer {
   const ChannelSources channels_;
   const VolumeLayout& layout_;  // of each channel
   const PackOptions& options_;
-  const ZarrArray& array_;
+  const std::vector<ZarrArray>& arrays_;  // of each level
+  const ZarrArray& array_;                // of level 0
   WorkerPool& pool_;
   ProgressMeter& progress_;
   const int64_t voxel_;
@@ -309,6 +399,7 @@ class Packer {
   Vec3i slab_voxels_;
   size_t slab_bytes_ = 0;
   std::unique_ptr<std::byte[]> slab_;
+  std::unique_ptr<LevelMaker> maker_;
   Mutex mutex_;
   std::vector<std::unique_ptr<Scratch>> idle_ SLUICE_GUARDED_BY(mutex_);
   int made_ SLUICE_GUARDED_BY(mutex_) = 0;
@@ -327,22 +418,34 @@ PackReport packZarr(ChannelSources channels, const std::filesystem::path& output
   requireFreeName(output, options.replace);
   VolumeLayout layout = channels.front()->layout();
   if (!options.unit.empty()) layout.unit = options.unit;
-  const ZarrArray array = arrayFor(channels, options.chunk_voxels);
-  const std::string array_text = zarrArrayText(array, options.blosc);
-  const std::string image_text = zarrImageText(layout, layout.name, namesOf(channels));
-  Packer packer(channels, options, array, pool, progress);
+  const std::vector<LevelShape> levels = levelsFor(layout, options);
+  std::vector<ZarrArray> arrays{arrayFor(channels, options.chunk_voxels)};
+  ZarrLevelsText placed{{}, nameOf(options.downsample)};
+  for (const LevelShape& level : levels) {
+    arrays.push_back(arrayOf(arrays.front(), level));
+    placed.placements.push_back(placementOf(level));
+  }
+  std::vector<std::string> array_texts;
+  std::string parameters;
+  for (const ZarrArray& array : arrays) {
+    array_texts.push_back(zarrArrayText(array, options.blosc));
+    parameters += array_texts.back();
+  }
+  const std::string image_text = zarrImageText(layout, layout.name, namesOf(channels), placed);
+  Packer packer(channels, options, arrays, levels, pool, progress);
 
   const Stopwatch watch;
-  ZarrPackFolder folder(output, array, channels.front()->identity(), array_text + image_text);
+  ZarrPackFolder folder(output, arrays, channels.front()->identity(), parameters + image_text);
   PackReport report;
   report.kept_chunks = folder.recover(pool, progress, options.stop);
   packer.pack(folder);
-  const std::filesystem::path store = folder.complete(zarrGroupText(), image_text, array_text);
+  const std::filesystem::path store = folder.complete(zarrGroupText(), image_text, array_texts);
   report.pack_seconds = watch.seconds();
   if (options.verify) packer.verify(store);
   report.verify_seconds = watch.seconds() - report.pack_seconds;
 
-  report.chunks = array.chunkCount();
+  report.chunks = static_cast<int64_t>(folder.chunks().size());
+  for (const LevelShape& level : levels) report.levels.push_back(level.dims);
   for (const StoredChunk& chunk : folder.chunks()) {
     report.stored_bytes += chunk.bytes;
     report.empty_chunks += chunk.bytes == 0 ? 1 : 0;
@@ -351,46 +454,6 @@ PackReport packZarr(ChannelSources channels, const std::filesystem::path& output
                        channels.size() * bytesPerVoxel(layout.type);
   folder.finish(options.replace);
   report.pack_seconds = watch.seconds() - report.verify_seconds;
-  return report;
-}
-
-CheckReport checkZarr(const std::filesystem::path& folder, WorkerPool& pool,
-                      ProgressMeter& progress, const StopToken& stop) {
-  ZarrSource source(folder);
-  ZarrChunkFiles& files = source.chunkFiles();
-  if (!files.hasChecksums())
-    fail("{}: has no checksums, as only sluice pack writes them; pack it to have some",
-         folder.string());
-  const std::vector<int64_t>& chunks = files.existing();
-  CheckReport report;
-  for (const int64_t chunk : chunks) progress.expect(files.stored(chunk).bytes);
-  Mutex mutex;
-  pool.parallelFor(static_cast<int64_t>(chunks.size()), [&](int64_t i) {
-    stop.throwIfStopped();
-    const int64_t chunk = chunks[static_cast<size_t>(i)];
-    std::string fault;
-    uint64_t read = 0;
-    try {
-      std::vector<std::byte> bytes;
-      files.read(chunk, [&](uint64_t count) {
-        bytes.resize(count);
-        return std::span(bytes);
-      });
-      read = bytes.size();
-    } catch (const Error& error) {
-      fault = error.what();
-    }
-    progress.add(files.stored(chunk).bytes);
-    const MutexLock lock(mutex);
-    report.stored_bytes += read;
-    if (!fault.empty()) report.faults.push_back(fault);
-  });
-  report.chunks = static_cast<int64_t>(chunks.size());
-  for (const int64_t chunk : files.onDisk())
-    if (files.stored(chunk).bytes == 0)
-      report.faults.push_back(
-          fmt::format("{}: expected no such chunk, as packed, found one", files.path(chunk)));
-  std::sort(report.faults.begin(), report.faults.end());
   return report;
 }
 

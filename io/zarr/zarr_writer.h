@@ -1,14 +1,17 @@
 // Packs any VolumeSource as a store of compressed chunks that everybody reads: OME-Zarr 0.4 over
-// Zarr v2, Blosc chunks, one level. A stream: memory stays within the budget whatever the volume's
-// size; restartable (io/zarr/zarr_pack_folder.h); the same volume and options give the same bytes.
+// Zarr v2, Blosc chunks, coarser levels if wanted (io/zarr/level_maker.h). A stream: memory stays
+// within the budget whatever the volume's size; restartable (io/zarr/zarr_pack_folder.h); the same
+// volume and options give the same bytes.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "io/zarr/level_maker.h"
 #include "io/zarr/zarr_codec.h"
 #include "src/base/progress_meter.h"
 #include "src/base/stop_token.h"
@@ -24,15 +27,19 @@ struct PackOptions {
   bool verify = false;                          // read again and compare with the source
   bool replace = false;                         // an existing store, at the end
   std::string unit = {};                        // of the spacing; empty: what the source says
+  bool with_levels = false;                     // coarser levels beside level 0
+  std::optional<int64_t> levels = {};           // how many; without: see levelShapes()
+  Downsample downsample = Downsample::kMean;    // what a voxel of them becomes
   StopToken stop = {};                          // ends packing by Interrupted
 };
 
 struct PackReport {
-  int64_t chunks = 0;         // of the array
+  int64_t chunks = 0;         // of all levels
   int64_t empty_chunks = 0;   // all fill value: no file
   int64_t kept_chunks = 0;    // done by an earlier run that was interrupted
   uint64_t voxel_bytes = 0;   // of the volume
-  uint64_t stored_bytes = 0;  // of the chunk files
+  uint64_t stored_bytes = 0;  // of the chunk files, of coarser levels too
+  std::vector<Vec3i> levels;  // voxels of each coarser level
   double pack_seconds = 0, verify_seconds = 0;
 };
 

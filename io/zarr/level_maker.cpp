@@ -1,0 +1,240 @@
+#include "io/zarr/level_maker.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <type_traits>
+#include <utility>
+
+#include "src/base/error.h"
+
+namespace sluice {
+namespace {
+
+// What is known of the voxels of a block so far. Sums of integers are exact: 2^32 times 2^18 voxels
+// are below 2^53.
+struct Gathered {
+  double value = 0;    // sum or greatest
+  uint32_t count = 0;  // of voxels that are numbers
+};
+
+void gather(Gathered& block, const Gathered& more, Downsample how) {
+  if (more.count == 0) return;
+  if (how == Downsample::kMean)
+    block.value += more.value;
+  else
+    block.value = block.count == 0 ? more.value : std::max(block.value, more.value);
+  block.count += more.count;
+}
+
+template <class T>
+T resultOf(const Gathered& block, Downsample how) {
+  const double value = how == Downsample::kMean ? block.value / block.count : block.value;
+  if constexpr (std::is_floating_point_v<T>) {
+    if (block.count == 0) return std::numeric_limits<T>::quiet_NaN();
+    return static_cast<T>(value);
+  } else {
+    return static_cast<T>(std::nearbyint(value));
+  }
+}
+
+// The number that stands most often in `values`, which are put in order.
+template <class T>
+T modeOf(std::vector<T>& values) {
+  if (values.empty()) {
+    if constexpr (std::is_floating_point_v<T>) return std::numeric_limits<T>::quiet_NaN();
+    return T{};
+  }
+  std::sort(values.begin(), values.end());
+  T mode = values.front();
+  size_t most = 0;
+  for (size_t i = 0; i < values.size();) {
+    size_t end = i;
+    while (end < values.size() && values[end] == values[i]) ++end;
+    if (end - i > most) {
+      most = end - i;
+      mode = values[i];
+    }
+    i = end;
+  }
+  return mode;
+}
+
+// Blocks of a cube, x fastest.
+struct Blocks {
+  Vec3i size;
+  std::vector<Gathered> of;
+
+  Gathered& at(Vec3i p) { return of[static_cast<size_t>((p.z * size.y + p.y) * size.x + p.x)]; }
+};
+
+Blocks blocksOf(Vec3i size) {
+  Blocks blocks{size, {}};
+  blocks.of.resize(static_cast<size_t>(volume(size)));
+  return blocks;
+}
+
+template <class F>
+void eachVoxel(Vec3i size, F&& f) {
+  for (int64_t z = 0; z < size.z; ++z)
+    for (int64_t y = 0; y < size.y; ++y)
+      for (int64_t x = 0; x < size.x; ++x) f(Vec3i{x, y, z});
+}
+
+Vec3i roundedUp(Vec3i size, Vec3i step) {
+  return {ceilDiv(size.x, step.x), ceilDiv(size.y, step.y), ceilDiv(size.z, step.z)};
+}
+
+template <class T>
+bool isNumber(T value) {
+  if constexpr (std::is_floating_point_v<T>) return !std::isnan(value);
+  return true;
+}
+
+}  // namespace
+
+LevelPlacement placementOf(const LevelShape& shape) {
+  const Vec3d step = toDouble(shape.step);
+  return {step, (step - Vec3d{1, 1, 1}) * 0.5};
+}
+
+std::vector<LevelShape> levelShapes(const VolumeLayout& layout, int64_t chunk_voxels,
+                                    std::optional<int64_t> most) {
+  std::vector<LevelShape> levels;
+  LevelShape level{layout.dims, {1, 1, 1}};
+  Vec3d spacing = layout.spacing;
+  const auto isEnough = [&] {
+    if (most) return static_cast<int64_t>(levels.size()) >= *most;
+    return std::max({level.dims.x, level.dims.y, level.dims.z}) <= kCoarsestSide;
+  };
+  while (!isEnough()) {
+    // Axes whose voxels are within half an octave of the shortest that can still be halved.
+    double shortest = std::numeric_limits<double>::infinity();
+    const auto canHalve = [&](int a) {
+      return level.dims[a] > 1 && chunk_voxels % (2 * level.step[a]) == 0;
+    };
+    for (int a = 0; a < 3; ++a)
+      if (canHalve(a)) shortest = std::min(shortest, spacing[a]);
+    if (std::isinf(shortest)) break;
+    for (int a = 0; a < 3; ++a) {
+      if (!canHalve(a) || spacing[a] > shortest * std::sqrt(2.0)) continue;
+      level.step[a] *= 2;
+      level.dims[a] = ceilDiv(layout.dims[a], level.step[a]);
+      spacing[a] *= 2;
+    }
+    levels.push_back(level);
+  }
+  return levels;
+}
+
+LevelMaker::LevelMaker(const VolumeLayout& layout, int64_t chunk_voxels,
+                       std::vector<LevelShape> levels, Downsample how,
+                       std::span<const std::byte> fill)
+    : dims_(layout.dims),
+      type_(layout.type),
+      chunk_voxels_(chunk_voxels),
+      levels_(std::move(levels)),
+      how_(how),
+      fill_(fill.begin(), fill.end()),
+      layers_(levels_.size()) {
+  for (size_t i = 0; i < levels_.size(); ++i) {
+    for (int a = 0; a < 3; ++a) SLUICE_CHECK_EQ(chunk_voxels % levels_[i].step[a], 0);
+    clearLayer(i);
+  }
+}
+
+namespace {
+
+uint64_t layerBytes(const LevelShape& level, int64_t chunk_voxels, size_t voxel) {
+  return static_cast<uint64_t>(level.dims.x * level.dims.y * std::min(chunk_voxels, level.dims.z)) *
+         voxel;
+}
+
+}  // namespace
+
+uint64_t LevelMaker::pendingBytes(const VolumeLayout& layout, int64_t chunk_voxels,
+                                  std::span<const LevelShape> levels) {
+  uint64_t bytes = 0;
+  for (const LevelShape& level : levels)
+    bytes += layerBytes(level, chunk_voxels, bytesPerVoxel(layout.type));
+  return bytes;
+}
+
+uint64_t LevelMaker::threadBytes(const VolumeLayout& layout, int64_t chunk_voxels) {
+  const auto side = static_cast<uint64_t>(chunk_voxels);
+  // Blocks of the first level, perhaps of one axis halved, and of the second; or a block's voxels.
+  return side * side * side * std::max(sizeof(Gathered), bytesPerVoxel(layout.type));
+}
+
+void LevelMaker::clearLayer(size_t level) {
+  std::vector<std::byte>& layer = layers_[level];
+  layer.resize(layerBytes(levels_[level], chunk_voxels_, fill_.size()));
+  for (size_t i = 0; i < layer.size(); i += fill_.size())
+    std::memcpy(layer.data() + i, fill_.data(), fill_.size());
+}
+
+Box3 LevelMaker::layerAt(size_t level, int64_t z) const {
+  const LevelShape& shape = levels_[level];
+  const int64_t first = z / shape.step.z / chunk_voxels_ * chunk_voxels_;
+  return {{0, 0, first},
+          {shape.dims.x, shape.dims.y, std::min(first + chunk_voxels_, shape.dims.z)}};
+}
+
+void LevelMaker::add(const Box3& box, const std::byte* voxels, int64_t row_stride,
+                     int64_t plane_stride) {
+  visitVoxelType(type_, [&](auto tag) {
+    addOf(box, reinterpret_cast<const decltype(tag)*>(voxels), row_stride, plane_stride);
+  });
+}
+
+template <class T>
+void LevelMaker::addOf(const Box3& box, const T* voxels, int64_t row_stride, int64_t plane_stride) {
+  const Vec3i size = box.size();
+  const auto finest = [&](Vec3i p) { return voxels[p.z * plane_stride + p.y * row_stride + p.x]; };
+  Blocks finer;
+  Vec3i finer_step{1, 1, 1};
+  std::vector<T> values;
+  for (size_t i = 0; i < levels_.size(); ++i) {
+    const LevelShape& level = levels_[i];
+    const Vec3i blocks = roundedUp(size, level.step), first = box.lo / level.step;
+    const Box3 layer = layerAt(i, box.lo.z);
+    T* const to = reinterpret_cast<T*>(layers_[i].data());
+    const auto put = [&](Vec3i p, T value) {
+      const Vec3i at = first + p - layer.lo;
+      to[(at.z * level.dims.y + at.y) * level.dims.x + at.x] = value;
+    };
+    if (how_ == Downsample::kMode) {
+      eachVoxel(blocks, [&](Vec3i p) {
+        const Vec3i lo = p * level.step, hi = min(lo + level.step, size);
+        values.clear();
+        eachVoxel(hi - lo, [&](Vec3i q) {
+          if (const T value = finest(lo + q); isNumber(value)) values.push_back(value);
+        });
+        put(p, modeOf(values));
+      });
+      continue;
+    }
+    // Gathered from the blocks of the level before, whose sums are not rounded.
+    Blocks coarser = blocksOf(blocks);
+    const Vec3i step = level.step / finer_step;
+    if (i == 0) {
+      // A step of the first level is 1 or 2, and so a shift of the index by 0 or 1.
+      for (int64_t z = 0; z < size.z; ++z)
+        for (int64_t y = 0; y < size.y; ++y) {
+          Gathered* const row = &coarser.at({0, y >> (step.y - 1), z >> (step.z - 1)});
+          const T* const from = voxels + z * plane_stride + y * row_stride;
+          for (int64_t x = 0; x < size.x; ++x)
+            if (isNumber(from[x]))
+              gather(row[x >> (step.x - 1)], {static_cast<double>(from[x]), 1}, how_);
+        }
+    } else {
+      eachVoxel(finer.size, [&](Vec3i p) { gather(coarser.at(p / step), finer.at(p), how_); });
+    }
+    eachVoxel(blocks, [&](Vec3i p) { put(p, resultOf<T>(coarser.at(p), how_)); });
+    finer = std::move(coarser);
+    finer_step = level.step;
+  }
+}
+
+}  // namespace sluice

@@ -1,0 +1,77 @@
+// LevelMaker: the coarser levels of a volume, made of its voxels as they pass in cubes, once.
+//
+// A voxel of a level stands for a block of finest voxels, a power of two of them along each axis.
+// It is made of those voxels themselves, not of the next finer level's, and rounded once. A cube
+// has whole blocks of every level, so that cubes come in any order and on any thread as long as
+// they are of one layer; of each level one layer of chunks is held until its last cube has come.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "src/base/vec.h"
+#include "src/base/volume_levels.h"
+#include "src/base/volume_source.h"
+
+namespace sluice {
+
+// What a block becomes. NaN counts only where a block has nothing else. Of the values that a block
+// has most often, kMode takes the least.
+enum class Downsample { kMean, kMax, kMode };
+
+struct LevelShape {
+  Vec3i dims;  // voxels
+  Vec3i step;  // finest voxels of one along each axis, powers of two
+};
+LevelPlacement placementOf(const LevelShape& shape);
+
+// The coarser levels of a volume for chunks of `chunk_voxels` a side, from fine to coarse: each
+// halves the axes whose voxels are short, so that voxels get closer to cubes. `most`: that many;
+// without, until the longest side has at most kCoarsestSide voxels. Ends where a voxel would stand
+// for more than a chunk's side, or where no axis can be halved. Requires: chunk_voxels > 0.
+std::vector<LevelShape> levelShapes(const VolumeLayout& layout, int64_t chunk_voxels,
+                                    std::optional<int64_t> most);
+inline constexpr int64_t kCoarsestSide = 64;
+
+class LevelMaker {
+ public:
+  // `fill`: one voxel, of what no cube comes for. Holds pendingBytes(). Requires: steps divide
+  // `chunk_voxels`.
+  LevelMaker(const VolumeLayout& layout, int64_t chunk_voxels, std::vector<LevelShape> levels,
+             Downsample how, std::span<const std::byte> fill);
+
+  // What it holds, and what a thread takes inside add().
+  static uint64_t pendingBytes(const VolumeLayout& layout, int64_t chunk_voxels,
+                               std::span<const LevelShape> levels);
+  static uint64_t threadBytes(const VolumeLayout& layout, int64_t chunk_voxels);
+
+  const std::vector<LevelShape>& levels() const { return levels_; }
+
+  // Takes the voxels of a cube, x fastest with these strides in voxels. Any thread, for cubes that
+  // do not overlap. Requires: box.lo is a multiple of chunk_voxels, box.hi too or the volume's end.
+  void add(const Box3& box, const std::byte* voxels, int64_t row_stride, int64_t plane_stride);
+
+  // The layer of a level's chunks in which the finest plane `z` lies; in voxels of the level.
+  Box3 layerAt(size_t level, int64_t z) const;
+  // Its voxels, x fastest, packed, once all its cubes have come.
+  const std::byte* layerVoxels(size_t level) const { return layers_[level].data(); }
+  // Begins with the next layer: all fill again.
+  void clearLayer(size_t level);
+
+ private:
+  template <class T>
+  void addOf(const Box3& box, const T* voxels, int64_t row_stride, int64_t plane_stride);
+
+  const Vec3i dims_;
+  const VoxelType type_;
+  const int64_t chunk_voxels_;
+  const std::vector<LevelShape> levels_;
+  const Downsample how_;
+  const std::vector<std::byte> fill_;
+  std::vector<std::vector<std::byte>> layers_;
+};
+
+}  // namespace sluice

@@ -1,0 +1,71 @@
+"""Compares the levels of a store with what NumPy makes of its level 0.
+
+check_packed_levels.py STORE mean|max|mode: every voxel of a level is compared with that of its block, a
+level's place with its scale. Prints "level shape step" a line for each level, x first.
+"""
+
+import sys
+
+import numpy as np
+import zarr
+
+group = zarr.open(sys.argv[1], "r")
+how = sys.argv[2]
+image = group.attrs["multiscales"][0]
+fine = group["0"][:]
+space = fine.ndim - 3
+
+
+def place(dataset):
+    scale, translation = dataset["coordinateTransformations"]
+    assert scale["type"] == "scale" and translation["type"] == "translation"
+    return np.array(scale["scale"]), np.array(translation["translation"])
+
+
+def mode(block):
+    values, counts = np.unique(block, return_counts=True)
+    return values[np.argmax(counts)]
+
+
+def blocks(voxels, step, make):
+    """Of a volume; blocks at the upper ends may have fewer voxels."""
+    out = np.empty([-(-n // s) for n, s in zip(voxels.shape, step)], voxels.dtype)
+    for index in np.ndindex(out.shape):
+        out[index] = make(voxels[tuple(slice(i * s, (i + 1) * s) for i, s in zip(index, step))])
+    return out
+
+
+def mean(voxels, step):
+    sums = voxels.astype("f8")
+    for axis, s in enumerate(step):
+        starts = np.arange(0, sums.shape[axis], s)
+        counts = np.diff(np.append(starts, sums.shape[axis])).reshape([-1 if a == axis else 1 for a in range(3)])
+        sums = np.add.reduceat(sums, starts, axis) / counts
+    return sums
+
+
+def greatest(voxels, step):
+    for axis, s in enumerate(step):
+        voxels = np.maximum.reduceat(voxels, np.arange(0, voxels.shape[axis], s), axis)
+    return voxels
+
+
+scale_0, translation_0 = place(image["datasets"][0])
+for i, dataset in enumerate(image["datasets"][1:], 1):
+    scale, translation = place(dataset)
+    step = np.rint(scale / scale_0).astype(int)
+    assert np.allclose(scale, step * scale_0)
+    assert np.allclose(translation, translation_0 + (step - 1) / 2 * scale_0), (translation, translation_0)
+    assert (step[:space] == 1).all()
+    coarse = group[dataset["path"]][:]
+    for outer in np.ndindex(fine.shape[:space]):
+        voxels, found = fine[outer], coarse[outer]
+        if how == "mean":
+            expected = mean(voxels, step[space:])
+            tolerance = 0.5 + 1e-9 if found.dtype.kind in "iu" else 1e-6 * max(1, np.abs(expected).max())
+            assert found.shape == expected.shape, (found.shape, expected.shape)
+            assert np.abs(found.astype("f8") - expected).max() <= tolerance
+        else:
+            expected = greatest(voxels, step[space:]) if how == "max" else blocks(voxels, step[space:], mode)
+            assert np.array_equal(found, expected)
+    print(i, *coarse.shape[:space - 1 if space else None:-1], *step[:space - 1 if space else None:-1])

@@ -1,0 +1,185 @@
+// The coarser levels that packing makes, against NumPy's and against each other.
+#include <gmock/gmock.h>
+
+#include <atomic>
+
+#include "io/zarr/level_maker.h"
+#include "io/zarr/zarr_source.h"
+#include "io/zarr/zarr_writer.h"
+#include "tests/io/image_test_support.h"
+#include "tests/support/function_source.h"
+#include "tests/support/random_volume.h"
+
+namespace sluice {
+namespace {
+
+using testing::HasSubstr;
+
+PackReport pack(VolumeSource& source, const std::filesystem::path& output,
+                const PackOptions& options, int threads = 2) {
+  WorkerPool pool(threads);
+  ProgressMeter progress;
+  return packZarr(source, output, options, pool, progress);
+}
+
+PackOptions withLevels(Downsample how = Downsample::kMean) {
+  PackOptions options;
+  options.chunk_voxels = 8;
+  options.with_levels = true;
+  options.downsample = how;
+  options.levels = 2;
+  options.replace = true;
+  return options;
+}
+
+VolumeLayout layoutOf(Vec3i dims, Vec3d spacing = {1, 1, 1}) {
+  VolumeLayout layout;
+  layout.dims = dims;
+  layout.spacing = spacing;
+  return layout;
+}
+
+std::vector<Vec3i> stepsOf(const VolumeLayout& layout, int64_t chunk,
+                           std::optional<int64_t> most = std::nullopt) {
+  std::vector<Vec3i> steps;
+  for (const LevelShape& level : levelShapes(layout, chunk, most)) steps.push_back(level.step);
+  return steps;
+}
+
+TEST(LevelShapes, endAt64VoxelsASideOrAtAChunksSide) {
+  EXPECT_EQ(stepsOf(layoutOf({64, 64, 64}), 64), std::vector<Vec3i>{});
+  EXPECT_EQ(stepsOf(layoutOf({65, 20, 20}), 64), (std::vector<Vec3i>{{2, 2, 2}}));
+  EXPECT_EQ(stepsOf(layoutOf({300, 300, 300}), 64),
+            (std::vector<Vec3i>{{2, 2, 2}, {4, 4, 4}, {8, 8, 8}}));
+  EXPECT_EQ(stepsOf(layoutOf({3000, 300, 300}), 4), (std::vector<Vec3i>{{2, 2, 2}, {4, 4, 4}}));
+  EXPECT_EQ(stepsOf(layoutOf({30, 30, 30}), 64, 2), (std::vector<Vec3i>{{2, 2, 2}, {4, 4, 4}}));
+  EXPECT_EQ(stepsOf(layoutOf({3, 1, 30}), 64, 3),
+            (std::vector<Vec3i>{{2, 1, 2}, {4, 1, 4}, {4, 1, 8}}));
+}
+
+TEST(LevelShapes, halveTheAxesWhoseVoxelsAreShort) {
+  EXPECT_EQ(stepsOf(layoutOf({256, 256, 64}, {1, 1, 4}), 64, 3),
+            (std::vector<Vec3i>{{2, 2, 1}, {4, 4, 1}, {8, 8, 2}}));
+  EXPECT_EQ(stepsOf(layoutOf({256, 256, 256}, {1, 1, 1.3}), 64, 1),
+            (std::vector<Vec3i>{{2, 2, 2}}));
+  EXPECT_EQ(stepsOf(layoutOf({256, 256, 256}, {2, 1, 2}), 64, 2),
+            (std::vector<Vec3i>{{1, 2, 1}, {2, 4, 2}}));
+}
+
+TEST(PackLevels, areNumPysMeansGreatestAndModes) {
+  if (!hasPythonModules("numpy, zarr")) GTEST_SKIP() << "python3 with numpy and zarr is missing";
+  const TempFolder folder;
+  struct Case {
+    Vec3i dims;
+    VoxelType type;
+    Vec3d spacing{1, 1, 1};
+  };
+  const std::vector<Case> cases = {{{16, 16, 16}, VoxelType::kU8},
+                                   {{33, 17, 9}, VoxelType::kU8},
+                                   {{5, 31, 20}, VoxelType::kI16},
+                                   {{40, 7, 13}, VoxelType::kU16},
+                                   {{19, 23, 29}, VoxelType::kF32},
+                                   {{12, 12, 30}, VoxelType::kI8, {4, 4, 1}},
+                                   {{21, 30, 8}, VoxelType::kU32, {1, 1, 3}},
+                                   {{9, 40, 11}, VoxelType::kI32},
+                                   {{18, 10, 26}, VoxelType::kF64, {0.5, 2, 0.5}},
+                                   {{1, 25, 37}, VoxelType::kU8}};
+  const std::pair<Downsample, const char*> ways[] = {
+      {Downsample::kMean, "mean"}, {Downsample::kMax, "max"}, {Downsample::kMode, "mode"}};
+  for (const Case& c : cases)
+    for (const auto& [how, name] : ways) {
+      SCOPED_TRACE(fmt::format("{} x {} x {} {} {}", c.dims.x, c.dims.y, c.dims.z,
+                               sluice::name(c.type), name));
+      VolumeLayout layout = layoutOf(c.dims, c.spacing);
+      layout.type = c.type;
+      layout.origin = {10, -20, 30};
+      const auto noise = makeWhiteNoise(c.dims, VoxelType::kU8, 5);
+      const std::span<const std::byte> bytes = noise->bytes();
+      FunctionSource source(layout, [&](int64_t, Vec3i p) {
+        const auto byte =
+            static_cast<int>(bytes[static_cast<size_t>((p.z * c.dims.y + p.y) * c.dims.x + p.x)]);
+        return how == Downsample::kMode ? byte % 5 : byte - (c.type == VoxelType::kI8 ? 128 : 0);
+      });
+      const PackReport report = pack(source, folder / "v.zarr", withLevels(how));
+      EXPECT_EQ(report.levels.size(), 2U);
+      const CommandResult compared = runCommand(
+          fmt::format("/usr/bin/python3 " SLUICE_TEST_DIR "/check_packed_levels.py {} {}",
+                      shellQuoted((folder / "v.zarr").string()), name));
+      EXPECT_EQ(compared.status, 0) << compared.output;
+      // As we read them ourselves.
+      ZarrSource packed(folder / "v.zarr");
+      EXPECT_EQ(packed.layout().notes, std::vector<std::string>{});
+      const std::vector<LevelShape> shapes = levelShapes(layout, 8, 2);
+      ASSERT_EQ(packed.levelsAbove().size(), shapes.size());
+      for (size_t i = 0; i < shapes.size(); ++i) {
+        EXPECT_EQ(packed.levelsAbove()[i].source->layout().dims, report.levels[i]);
+        const LevelPlacement found = packed.levelsAbove()[i].placement;
+        const LevelPlacement expected = placementOf(shapes[i]);
+        for (int a = 0; a < 3; ++a) {
+          EXPECT_NEAR(found.scale[a], expected.scale[a], 1e-9);
+          EXPECT_NEAR(found.offset[a], expected.offset[a], 1e-9);
+        }
+      }
+    }
+}
+
+TEST(PackLevels, doNotDependOnThreadsMemoryOrInterruptions) {
+  const TempFolder folder;
+  const auto source = makeSparseBlobs({.dims = {70, 50, 45}, .time_steps = 2});
+  PackOptions options = withLevels();
+  options.levels = 3;
+  pack(*source, folder / "a.zarr", options, 1);
+  const auto expected = filesOf(folder / "a.zarr");
+  options.memory_bytes = 80'000;  // less than a layer of chunks takes
+  pack(*source, folder / "b.zarr", options, 3);
+  EXPECT_TRUE(filesOf(folder / "b.zarr") == expected);
+  options.memory_bytes = uint64_t{256} << 20;
+  std::atomic<int64_t> left = 0;  // voxels until a read fails
+  FunctionSource stopping(source->layout(), [&](int64_t time, Vec3i p) {
+    if (--left == 0) throw Error("stopped");
+    const Vec3i d = source->layout().dims;
+    const auto at = static_cast<size_t>(((time * d.z + p.z) * d.y + p.y) * d.x + p.x);
+    return static_cast<double>(source->bytes()[at]);
+  });
+  for (const int64_t voxels : {10'000, 60'000, 120'000, 170'000, 300'000}) {
+    SCOPED_TRACE(voxels);
+    left = voxels;
+    EXPECT_THROW(pack(stopping, folder / "c.zarr", options, 1), Error);
+    left = 0;
+    EXPECT_GT(pack(stopping, folder / "c.zarr", options, 2).kept_chunks, voxels < 28'000 ? -1 : 0);
+    EXPECT_TRUE(filesOf(folder / "c.zarr") == expected);
+  }
+}
+
+TEST(PackLevels, tooLittleMemoryAndTooManyLevelsAreOneLine) {
+  const TempFolder folder;
+  const auto source = makeSparseBlobs({.dims = {70, 50, 45}});
+  PackOptions options = withLevels();
+  options.memory_bytes = 30'000;
+  EXPECT_THAT(errorOf([&] { pack(*source, folder / "v.zarr", options); }),
+              HasSubstr("or more, or --levels none"));
+  options = withLevels();
+  options.levels = 9;
+  EXPECT_THAT(errorOf([&] { pack(*source, folder / "v.zarr", options); }),
+              HasSubstr("--levels 9: 70 x 50 x 45 voxels in chunks of 8 have 3 coarser levels"));
+}
+
+TEST(PackLevels, aDamagedOrMissingChunkOfALevelIsFound) {
+  const TempFolder folder;
+  const auto source = makeWhiteNoise({40, 40, 40}, VoxelType::kU8, 1);
+  pack(*source, folder / "v.zarr", withLevels());
+  WorkerPool pool(2);
+  ProgressMeter quiet;
+  EXPECT_EQ(checkZarr(folder / "v.zarr", pool, quiet).faults.size(), 0U);
+  std::filesystem::remove(folder / "v.zarr/1/0/1/0");
+  std::string bytes = readFile(folder / "v.zarr/2/0/0/1");
+  bytes.back() = static_cast<char>(bytes.back() ^ 1);
+  writeFile(folder / "v.zarr/2/0/0/1", bytes);
+  const CheckReport report = checkZarr(folder / "v.zarr", pool, quiet);
+  ASSERT_EQ(report.faults.size(), 2U);
+  EXPECT_THAT(report.faults[0], HasSubstr("v.zarr/1/0/1/0"));
+  EXPECT_THAT(report.faults[1], HasSubstr("v.zarr/2/0/0/1"));
+}
+
+}  // namespace
+}  // namespace sluice
