@@ -49,6 +49,7 @@ std::string Drawing::deviceName() const {
 }
 
 TimeStep Drawing::stepAt(int64_t time, const IndexPass& pass) {
+  requireStep(time, layout());
   const IndexedVolume& volume = opened_->volume;
   if (time == volume.time) return volume.step();
   const auto index = ranges_[static_cast<size_t>(time % 2)].of(time, [&] {
@@ -277,7 +278,6 @@ std::optional<VoxelProbe> Drawing::probe(const PictureOptions& picture, double r
 
 SliceValues Drawing::slice(const SliceOptions& slice, ProgressTeller& teller) {
   const ProgressRelay::Call call(*opened_->relay, teller);
-  requireStep(slice.time, layout());
   ProgressMeter progress(teller.watch(Progress::Stage::kIndexing));
   const IndexPass pass{pool_, progress, memoryBudget(machine_), teller.stop()};
   return sliceOf(slice, *session_, stepAt(slice.time, pass), teller.stop());

@@ -68,7 +68,7 @@ class Drawing {
   // The same with what follows from the look.
   FrameOptions looked(const PictureOptions& picture, const TimeStep& step, const IndexPass& pass);
   std::vector<uint8_t> blockClasses() const;
-  // In the series' range of values.
+  // In the series' range of values. Throws Error when the volume has no such step.
   TimeStep stepAt(int64_t time, const IndexPass& pass);
   // Framed for pictures from all these cameras together; null where they have what they need.
   std::optional<Framing> framingFor(const std::vector<Camera>& cameras, FitChoice choice,
