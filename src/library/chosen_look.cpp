@@ -25,7 +25,9 @@ ValueRange ascending(ValueRange range) {
   return {std::min(range.lo, range.hi), std::max(range.lo, range.hi)};
 }
 
+// Nothing for a volume of a single value, whose range follows from it: --range takes two values.
 std::string rangeOption(ValueRange range) {
+  if (range.lo == range.hi) return {};
   return fmt::format(" --range {},{}", range.lo, range.hi);
 }
 
