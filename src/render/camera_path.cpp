@@ -52,11 +52,21 @@ CameraKey parseKey(const json& key, const std::string& where) {
   result.zoom = number(key, "zoom", where);
   result.field_of_view_deg = number(key, "fov", where);
   if (result.zoom && !(*result.zoom > 0)) fail("{}: \"zoom\" should be above 0", where);
+  if (result.field_of_view_deg &&
+      !(*result.field_of_view_deg > 0 && *result.field_of_view_deg < 180))
+    fail("{}: \"fov\" should be above 0 and below 180 degrees, found {}", where,
+         *result.field_of_view_deg);
   result.eye = triple(key, "eye", where);
   result.target = triple(key, "target", where);
   result.up = triple(key, "up", where);
   if (result.eye.has_value() != result.target.has_value())
     fail("{}: \"eye\" and \"target\" should be given together", where);
+  // Lengths are finite too: what is farther overflows where it is squared.
+  const auto hasLength = [](Vec3d v) { return length(v) > 0 && std::isfinite(length(v)); };
+  if (result.eye && !hasLength(*result.eye - *result.target))
+    fail("{}: \"eye\" should be apart from \"target\"", where);
+  if (result.up && !hasLength(*result.up))
+    fail("{}: \"up\" should be a direction with a length", where);
   return result;
 }
 

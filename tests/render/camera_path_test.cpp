@@ -27,6 +27,16 @@ CameraPath pathOf(const std::string& keys) {
   return parseCameraPath(R"({"keys": [)" + keys + "]}", "turn.json");
 }
 
+TEST(CameraPath, refusesCamerasThatCannotBe) {
+  for (const char* camera :
+       {R"("fov": 0)", R"("fov": 180)", R"("fov": -1)", R"("zoom": 0)", R"("zoom": -1)",
+        R"("eye": [1, 2, 3], "target": [1, 2, 3])", R"("eye": [1e300, 0, 0], "target": [0, 0, 0])",
+        R"("up": [0, 0, 0])", R"("up": [1e300, 0, 0])"})
+    EXPECT_THAT(errorOf(R"({"keys": [{"at": 0}, {"at": 1, )" + std::string(camera) + "}]}"),
+                HasSubstr("turn.json: key 1: "))
+        << camera;
+}
+
 TEST(CameraPath, keysHoldWhatTheySay) {
   const CameraPath path = pathOf(
       R"({"at": 0, "azimuth": 10, "zoom": 2},
