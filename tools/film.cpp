@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "src/base/error.h"
-#include "src/view/picture_file.h"
+#include "src/view/drawing/picture_file.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/outputs.h"
 #include "tools/command_line/progress_line.h"
@@ -102,7 +102,8 @@ bool asksForFilm(const RenderArguments& arguments) {
   return isNumbered(arguments.output) && arguments.frames == 1 && !arguments.times;
 }
 
-int writeFilm(const RenderArguments& arguments, const CLI::App& app, const SavedFilm& film) {
+int writeFilm(const RenderArguments& arguments, const CLI::App& app, const SavedView& saved) {
+  SavedFilm film = *saved.film;
   checkOptions(arguments, app);
   requirePictureName(arguments.output);
   const int64_t count = frameCount(film.path);
@@ -114,11 +115,13 @@ int writeFilm(const RenderArguments& arguments, const CLI::App& app, const Saved
     return kDone;
   }
   const IndexWish wish = indexWish(arguments.resources.index_dir);
-  const ViewedVolume viewed = viewedVolume(arguments.volume, arguments.resources,
-                                           wish.disabled ? "" : wish.folder.string());
+  ViewedVolume viewed = viewedVolume(arguments.volume, arguments.resources,
+                                     wish.disabled ? "" : wish.folder.string());
+  viewed.options.time = 0;  // the view's own is checked against the volume first
   // What a signal asks for ends whatever is under way.
   const auto watch = [](const Progress&) { interruption().throwIfStopped(); };
   const Volume volume(viewed.paths, viewed.options, watch);
+  saved.requireFits(volume.info());
   checkOutputs(arguments, film, frames, volume.info().files);
   if (!is_quiet)
     for (const std::string& warning : volume.info().warnings) printWarning(warning);
@@ -126,7 +129,9 @@ int writeFilm(const RenderArguments& arguments, const CLI::App& app, const Saved
                             app.count("--step") > 0);
   const int width = arguments.frame.size.width, height = arguments.frame.size.height;
   Renderer renderer(volume, now.look, rendererOptions(arguments.resources));
-  if (!now.view.look_at) now.view = renderer.placed(pictureOf(now, width, height), watch);
+  if (!now.view.look_at || !now.view.up)
+    now.view = renderer.placed(pictureOf(now, width, height), watch);
+  placeKeys(film.path, renderer, watch);
   ProgressMeter progress = is_quiet ? ProgressMeter()
                                     : ProgressMeter(progressLine("frames", ProgressUnit::kPieces),
                                                     static_cast<uint64_t>(frames.size()));

@@ -14,6 +14,6 @@ namespace sluice {
 bool asksForFilm(const RenderArguments& arguments);
 
 // Writes them; the exit status. Throws Error, also for an option that frames of a path do not take.
-int writeFilm(const RenderArguments& arguments, const CLI::App& app, const SavedFilm& film);
+int writeFilm(const RenderArguments& arguments, const CLI::App& app, const SavedView& saved);
 
 }  // namespace sluice

@@ -9,6 +9,7 @@
 #include "src/base/bytes.h"
 #include "src/base/clock.h"
 #include "src/base/error.h"
+#include "src/library/conversions.h"
 #include "src/render/camera_path.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/progress_line.h"
@@ -139,6 +140,21 @@ std::unique_ptr<Scene> openScene(const Arguments& arguments, const Outputs& outp
   return scene;
 }
 
+// The same for a view that was saved, which must fit the volume.
+std::unique_ptr<Scene> openScene(const Arguments& arguments, const std::optional<SavedView>& saved,
+                                 const Outputs& outputs, Team* team) {
+  if (!saved) return openScene(arguments, outputs, team);
+  try {
+    std::unique_ptr<Scene> scene = openScene(arguments, outputs, team);
+    saved->requireFits(volumeInfo(scene->volume.source->layout(), {}, {}));
+    return scene;
+  } catch (const Error& error) {
+    // The volume knows its step as --time, which the user did not give.
+    if (saved->file.state.time == 0) throw;
+    fail("{}: {}", saved->name, error.what());
+  }
+}
+
 // Those of rank 0, which writes them.
 std::vector<int64_t> framesToDraw(const Arguments& arguments, Team* team) {
   std::vector<int64_t> frames = framesToDraw(arguments);
@@ -197,13 +213,16 @@ Drawn drawAll(const Arguments& arguments, const std::vector<int64_t>& to_draw,
 }
 
 int run(Arguments& arguments, CLI::App& app, Team* team) {
-  std::optional<SavedFilm> film;
-  if (!arguments.state_file.empty()) film = applyState(app, arguments.state_file);
-  if (arguments.volume.inputs.empty()) throw CLI::RequiredError("volume");
-  if (film && asksForFilm(arguments)) {
-    if (team != nullptr) fail("{}: the frames of a path are of one process", arguments.state_file);
-    return writeFilm(arguments, app, *film);
+  std::optional<SavedView> saved;
+  if (!arguments.state_file.empty()) {
+    saved = applyState(app, arguments.state_file);
+    if (saved->film && asksForFilm(arguments)) {
+      if (team != nullptr)
+        fail("{}: the frames of a path are of one process", arguments.state_file);
+      return writeFilm(arguments, app, *saved);
+    }
   }
+  if (arguments.volume.inputs.empty()) throw CLI::RequiredError("volume");
   if (team != nullptr) expectSameCommand(*team, app);
   checkOutput(arguments);
   if (team != nullptr && (arguments.debug_view || !arguments.trace_file.empty()))
@@ -219,7 +238,7 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
   }
   arguments.look.whole_series = isSeries(arguments);
   checkLastStep(arguments);
-  const std::unique_ptr<Scene> opened = openScene(arguments, outputs, team);
+  const std::unique_ptr<Scene> opened = openScene(arguments, saved, outputs, team);
   Scene& scene = *opened;
   if (is_first)
     for (const std::string& warning : scene.look.warnings) printWarning(warning);

@@ -6,7 +6,7 @@
 #include <sluice/volume.h>
 
 #include "src/render/frame_options.h"
-#include "src/view/view_state.h"
+#include "src/view/state/view_state.h"
 #include "tools/arguments.h"
 
 namespace sluice {

@@ -10,10 +10,10 @@
 #if SLUICE_HAS_GL
 #include "src/gl/backends.h"
 #endif
-#include "src/view/drawing_thread.h"
-#include "src/view/settings.h"
-#include "src/view/state_file.h"
-#include "src/view/window_module.h"
+#include "src/view/drawing/drawing_thread.h"
+#include "src/view/drawing/window_module.h"
+#include "src/view/state/settings.h"
+#include "src/view/state/state_file.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/outputs.h"
 #include "tools/command_line/shared_options.h"
@@ -87,7 +87,7 @@ int run(const Arguments& arguments, const CLI::App& app) {
     StateFile file = readState(arguments.state_file, interruption());
     if (request.volume.paths.empty() && file.volume) request.volume = *file.volume;
     options.state = std::move(file.state);
-    options.is_saved_state = true;
+    options.state_file = arguments.state_file;
     options.path = std::move(file.path);
   }
   auto drawing = std::make_unique<DrawingThread>(options);

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "src/base/error.h"
-#include "src/view/render_command.h"
-#include "src/view/state_file.h"
+#include "src/view/state/printed_command.h"
+#include "src/view/state/view_check.h"
 #include "tools/interrupt.h"
 
 namespace sluice {
@@ -34,31 +34,51 @@ bool isGivenAny(const CLI::App& app, const List& names, const std::string& name)
 }
 
 // Before the file's options are added.
-std::optional<SavedFilm> filmOf(const CLI::App& app, const std::optional<ViewPath>& path) {
-  if (!path) return std::nullopt;
+SavedFilm givenBesides(const CLI::App& app) {
   const auto hasAny = [&](std::initializer_list<const char*> names) {
     return std::any_of(names.begin(), names.end(),
                        [&](const char* name) { return isGiven(app, name); });
   };
-  SavedFilm film;
-  film.path = *path;
-  film.has_camera = isGivenAny(app, kCamera, "--view");
-  film.has_look = isGivenAny(app, kOpacities, "--threshold") ||
-                  isGivenAny(app, kLight, "--shade") ||
-                  hasAny({"--map", "--range", "--opacity", "--modulate", "--mode"});
-  film.has_step = hasAny({"--step"});
-  film.has_crop = hasAny({"--crop"});
-  film.has_clip = hasAny({"--clip"});
-  film.has_time = hasAny({"--time"});
-  film.has_background = hasAny({"--background"});
-  return film;
+  SavedFilm given;
+  given.has_camera = isGivenAny(app, kCamera, "--view");
+  given.has_look = isGivenAny(app, kOpacities, "--threshold") ||
+                   isGivenAny(app, kLight, "--shade") ||
+                   hasAny({"--map", "--range", "--opacity", "--modulate", "--mode"});
+  given.has_step = hasAny({"--step"});
+  given.has_crop = hasAny({"--crop"});
+  given.has_clip = hasAny({"--clip"});
+  given.has_time = hasAny({"--time"});
+  given.has_background = hasAny({"--background"});
+  return given;
+}
+
+// The view and its key frames without what the user gave himself.
+StateFile without(const SavedFilm& given, StateFile file) {
+  const auto drop = [&](ViewState& state) {
+    if (given.has_crop) state.crop.reset();
+    if (given.has_time) state.time = 0;
+    state.cross = {0, 0, 0};  // the window's alone
+  };
+  drop(file.state);
+  if (file.path)
+    for (ViewKey& key : file.path->keys) drop(key.state);
+  return file;
 }
 
 }  // namespace
 
-std::optional<SavedFilm> applyState(CLI::App& app, const std::string& file) {
+void SavedView::requireFits(const VolumeInfo& volume) const {
+  sluice::requireFits(file.state, file.path, volume, name);
+}
+
+SavedView applyState(CLI::App& app, const std::string& file) {
   const StateFile state = readState(file, interruption());
-  std::optional<SavedFilm> film = filmOf(app, state.path);
+  const SavedFilm besides = givenBesides(app);
+  SavedView saved{without(besides, state), {}, file};
+  if (state.path) {
+    saved.film = besides;
+    saved.film->path = *state.path;
+  }
   std::vector<OptionWord> words = pictureWords(state.state);
   const std::vector<OptionWord> look = lookWords(state.state.look);
   words.insert(words.end(), look.begin(), look.end());
@@ -83,7 +103,7 @@ std::optional<SavedFilm> applyState(CLI::App& app, const std::string& file) {
     option->add_result(value.empty() ? "true" : value);
     option->run_callback();
   }
-  return film;
+  return saved;
 }
 
 }  // namespace sluice

@@ -6,7 +6,8 @@
 #include <optional>
 #include <string>
 
-#include "src/view/view_path.h"
+#include "src/view/state/state_file.h"
+#include "src/view/state/view_path.h"
 
 namespace sluice {
 
@@ -18,9 +19,19 @@ struct SavedFilm {
   bool has_time = false, has_background = false;
 };
 
+// A view that was saved, less what the user gave himself.
+struct SavedView {
+  StateFile file;
+  std::optional<SavedFilm> film;  // where the file has a path
+  std::string name;               // of the file
+
+  // Throws Error, which names the file, when it does not fit the volume.
+  void requireFits(const VolumeInfo& volume) const;
+};
+
 // Adds what the file says to the options of a command that was parsed: each that the user did not
 // give himself. A camera or a look of the user's, in any of its options, takes the place of all of
-// the file's. The path in the file, if any. Throws Error: the file, no volume in either place.
-std::optional<SavedFilm> applyState(CLI::App& app, const std::string& file);
+// the file's. Throws Error: the file, no volume in either place.
+SavedView applyState(CLI::App& app, const std::string& file);
 
 }  // namespace sluice

@@ -45,8 +45,10 @@ ALLOWED = {
     'src/gl': ['src/device', 'src/volume'],
     'src/library': [PUBLIC, 'cache/model', 'cache/policies', 'cache/trace', 'io', 'io/pictures', 'src/volume', TRANSFER, BLOCKS, 'src/device',
                     'src/cpu', 'src/gl', 'src/index', 'src/parallel', 'src/render', 'src/visibility'],
-    'src/view': [PUBLIC],
-    'src/view/window': [PUBLIC, 'src/view'],
+    'src/view/state': [PUBLIC],
+    'src/view/drawing': [PUBLIC, 'src/view/state'],
+    'src/view/window': [PUBLIC, 'src/view/state', 'src/view/drawing', 'src/view/window/panels'],
+    'src/view/window/panels': [PUBLIC, 'src/view/state', 'src/view/drawing', 'src/view/window'],
     'src/cpu': ['src/device', 'src/volume'],
     'tools': None,  # everything
     'tools/bench': None,

@@ -21,12 +21,16 @@ def same_pixels(folder):
         ids = window.find('sluice')
 
         def still():
-            """When two looks, a moment apart, are the same: what pointers rest on is said, pictures are whole."""
+            """When the newest picture is whole and two looks, a moment apart, are the same: what pointers rest on is said."""
+            def is_whole():
+                window.update()
+                return next(line for line in reversed(window.lines) if 'picture' in line)['complete']
+
             last = None
             for _ in range(40):
                 window.do('sleep', 0.3)
                 now = hand.pixels(WIDTH, HEIGHT)
-                if now == last:
+                if now == last and is_whole():
                     return now
                 last = now
             raise AssertionError('the window does not come to rest')

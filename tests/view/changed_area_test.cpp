@@ -1,4 +1,4 @@
-#include "src/view/changed_area.h"
+#include "src/view/state/changed_area.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

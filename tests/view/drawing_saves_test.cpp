@@ -4,12 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <map>
 #include <thread>
 
 #include "src/base/error.h"
+#include "src/base/file_kind.h"
 #include "src/base/threads.h"
-#include "src/view/drawing_thread.h"
-#include "src/view/state_file.h"
+#include "src/view/drawing/drawing_thread.h"
+#include "src/view/state/state_file.h"
 #include "tests/support/temp_folder.h"
 
 namespace sluice {
@@ -120,7 +122,7 @@ TEST(DrawingSaves, aTextNeedsNoVolumeAndIsWrittenAtTheEnd) {
   {
     DrawingThread desk{DrawingOptions{}};
     for (int i = 0; i < 20; ++i)
-      desk.saveText((folder / fmt::format("{}.json", i)).string(), fmt::format("text {}", i));
+      desk.saveText((folder / fmt::format("{}.json", i)).string(), fmt::format("text {}", i), {});
   }
   for (int i = 0; i < 20; ++i)
     EXPECT_EQ(readFile(folder / fmt::format("{}.json", i)), fmt::format("text {}", i));
@@ -179,6 +181,21 @@ TEST(DrawingSaves, aCancelledFilmLeavesWhatIsThereAndNoHalfFile) {
   EXPECT_EQ(filesIn(folder.path()), files);
 }
 
+// Its pictures may be whole while the hand still moves: then only the rest tells when frames go on.
+TEST(DrawingSaves, aFilmBeginsWhenAHandRestsWhosePreviewWasWhole) {
+  const TempFolder folder;
+  DrawingOptions options;
+  options.budget_s = 60;  // previews are whole
+  options.rest_s = 0.5;
+  Writer writer(options);
+  Wish wish = writer.wish();
+  wish.moves = true;
+  const uint64_t number = writer.desk().wish(wish);
+  ASSERT_TRUE(writer.wait([&] { return writer.desk().status().completed == number; }));
+  writer.desk().writeFrames(writer.film((folder / "f_%d.png").string(), 2));
+  EXPECT_THAT(writer.outcome(), HasSubstr("saved"));
+}
+
 // As a window drives it: wishes that move, other films and cancels, from two threads at once.
 TEST(DrawingSaves, aFilmGoesOnBesideAHandThatMoves) {
   const TempFolder folder;
@@ -216,6 +233,39 @@ TEST(DrawingSaves, aFilmGoesOnBesideAHandThatMoves) {
   EXPECT_TRUE(writer.wait([&] { return writer.desk().status().completed >= number; }));
 }
 
+TEST(DrawingSaves, aTextReplacesAFileOfItsOwnKindAlone) {
+  const TempFolder folder;
+  Writer writer;
+  const std::string view = stateText({}, {}), transfer = R"({"sluice_transfer_function": 1})";
+  const std::map<std::string, std::string> others{
+      {"notes.txt", "my notes"},
+      {"package.json", R"({"name": "mine", "version": "1.0.0"})"},
+      {"detached.nrrd", "NRRD0004\ntype: uchar\ndata file: voxels.raw\n\n"},
+      {"window.log", "{\"opened\":\"a.nrrd\"}\n{\"end\":true}\n"}};
+  const auto save = [&](const std::string& name, const std::string& text, FileKind kind) {
+    writer.desk().saveText((folder / name).string(), text, kind);
+    return writer.outcome();
+  };
+  for (const auto& [name, content] : others) {
+    folder.write(name, content);
+    EXPECT_THAT(save(name, view, FileKind::kView), HasSubstr(name + ": exists and is not a view"));
+    EXPECT_THAT(save(name, transfer, FileKind::kTransferFunction),
+                HasSubstr(name + ": exists and is not a transfer function"));
+    EXPECT_EQ(readFile(folder / name), content);
+  }
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_THAT(save("view.json", view, FileKind::kView), HasSubstr("saved"));
+    EXPECT_THAT(save("colors.json", transfer, FileKind::kTransferFunction), HasSubstr("saved"));
+  }
+  EXPECT_THAT(save("colors.json", view, FileKind::kView), HasSubstr("is not a view"));
+  EXPECT_THAT(save("view.json", transfer, FileKind::kTransferFunction), HasSubstr("is not a tran"));
+  // The view that a film is written with.
+  folder.write("f.json", "{}");
+  writer.desk().writeFrames(writer.film((folder / "f_%d.png").string(), 2));
+  EXPECT_THAT(writer.outcome(), HasSubstr("f.json: exists and is not a view"));
+  EXPECT_FALSE(fs::exists(folder / "f_0.png"));
+}
+
 TEST(DrawingSaves, whatMustNotBeWrittenIsNot) {
   const TempFolder folder;
   DrawingOptions options;
@@ -229,7 +279,7 @@ TEST(DrawingSaves, whatMustNotBeWrittenIsNot) {
   Writer writer(options);
   writer.desk().savePicture((folder / "a.png").string(), writer.wish());
   EXPECT_THAT(writer.outcome(), HasSubstr("not there"));
-  writer.desk().saveText((folder / "a.json").string(), "{}");
+  writer.desk().saveText((folder / "a.json").string(), "{}", FileKind::kView);
   EXPECT_THAT(writer.outcome(), HasSubstr("not there"));
   writer.desk().writeFrames(writer.film((folder / "a_%d.png").string(), 3));
   EXPECT_THAT(writer.outcome(), HasSubstr("not there"));

@@ -1,15 +1,20 @@
 // The drawing thread, driven as a window drives it: from other threads, faster than it draws.
-#include "src/view/drawing_thread.h"
+#include "src/view/drawing/drawing_thread.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <cmath>
+#include <fstream>
 #include <thread>
 
+#include "src/base/file_kind.h"
 #include "src/base/threads.h"
-#include "src/view/transfer_edit.h"
+#include "src/view/state/transfer_edit.h"
 #include "tests/support/temp_folder.h"
+#include "tests/support/wrong_states.h"
 
 namespace sluice {
 namespace {
@@ -37,6 +42,7 @@ struct Seen {
   bool until(const Until& done) {
     const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
     while (std::chrono::steady_clock::now() < end) {
+      const bool is_done = done();  // news come before the status that tells of them
       News news = desk.take();
       if (news.opened) opened = std::move(news.opened);
       if (news.picture) {
@@ -46,12 +52,13 @@ struct Seen {
       }
       if (news.look) look = std::move(news.look);
       if (news.state) state = std::move(news.state);
+      if (news.path) film = std::move(news.path);
       if (news.report) report = std::move(news.report);
       if (news.probe) probe = news.probe;
       for (ShownSlice& slice : news.slices) slices.push_back(std::move(slice));
       for (SavedNews& each : news.saved) saved.push_back(std::move(each));
       for (std::string& line : news.failures) failures.push_back(std::move(line));
-      if (done()) return true;
+      if (is_done) return true;
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
     return false;
@@ -80,6 +87,7 @@ struct Seen {
   std::unique_ptr<ShownPicture> picture;
   std::unique_ptr<ShownLook> look;
   std::unique_ptr<ViewState> state;
+  std::optional<ViewPath> film;
   std::unique_ptr<RenderReport> report;
   std::optional<ProbeNews> probe;
   std::vector<ShownSlice> slices;
@@ -262,14 +270,122 @@ TEST(DrawingThread, aPlacedViewIsTheNamedOne) {
   EXPECT_LE(largest, 1);
 }
 
+// A state's file, loaded on what is open; a failure's line, or empty where it was shown.
+std::string loaded(Seen& seen, const std::filesystem::path& file, const std::string& json) {
+  std::ofstream(file) << json;
+  seen.state.reset();
+  seen.opened.reset();
+  seen.failures.clear();
+  seen.desk.loadState(file.string());
+  EXPECT_TRUE(seen.until([&] { return seen.state || seen.opened || !seen.failures.empty(); }));
+  return seen.failures.empty() ? "" : seen.failures.front();
+}
+
+TEST(DrawingThread, refusesEachWrongStateAndDrawsOn) {
+  const TempFolder folder;
+  DrawingThread desk(options());
+  Seen seen(desk);
+  ASSERT_TRUE(seen.open(kStateVolume));
+  Wish wish = seen.wish(40, 32);
+  EXPECT_EQ(loaded(seen, folder / "right.json", rightState()), "");
+  for (const WrongState& state : wrongStates())
+    EXPECT_THAT(loaded(seen, folder / "wrong.json", state.json), HasSubstr("wrong.json: expected"))
+        << state.json;
+  // Opened with its volume too, in place of the one that is open.
+  std::string named = rightState();
+  named.replace(named.find("\"time\":0"), 8, "\"time\":5");
+  named.insert(1, std::string("\"volume\":{\"paths\":[\"") + kStateVolume + "\"]},");
+  EXPECT_THAT(loaded(seen, folder / "named.json", named), HasSubstr("named.json: expected"));
+  EXPECT_TRUE(seen.whole(desk.wish(wish)));
+  EXPECT_TRUE(seen.picture->is_complete);
+  // The library itself names a step that is not there.
+  for (const int64_t time : {int64_t{-1}, int64_t{5}}) {
+    seen.failures.clear();
+    wish.state.time = time;
+    ASSERT_TRUE(seen.whole(desk.wish(wish)));
+    desk.place(wish.state, 40, 32);
+    ASSERT_TRUE(seen.until([&] { return seen.failures.size() == 2; }));
+    for (const std::string& line : seen.failures) EXPECT_THAT(line, HasSubstr("1 time step"));
+  }
+}
+
+TEST(DrawingThread, whenNeitherVolumeCanBeDrawnTheNextWishBringsTheLastOneBack) {
+  const TempFolder folder;
+  const std::string colors = (folder / "colors.json").string();
+  std::ofstream(colors) << R"({"sluice_transfer_function": 1, "colors": [[0, "#00ff00"]],
+                               "opacities": [[0, 0], [100, 0.5]]})";
+  DrawingThread desk(options());
+  Seen seen(desk);
+  ASSERT_TRUE(seen.open(kVolume));
+  Wish wish = seen.wish();
+  wish.state.look.transfer_file = colors;
+  ASSERT_TRUE(seen.whole(desk.wish(wish)));
+  std::filesystem::remove(colors);  // the look of the volume that is open cannot be made again
+  ViewedVolume other;
+  other.paths = {kStateVolume};
+  ViewState state;
+  state.look.transfer_file = colors;
+  desk.open(other, state);
+  ASSERT_TRUE(seen.until([&] { return seen.failures.size() == 1; }));
+  desk.wantReport(false);
+  ASSERT_TRUE(seen.whole(desk.wish(wish)));
+  EXPECT_THAT(seen.failures.back(), HasSubstr("colors.json"));
+  wish.state.look.transfer_file.clear();
+  seen.picture.reset();
+  ASSERT_TRUE(seen.whole(desk.wish(wish)));
+  EXPECT_TRUE(seen.picture != nullptr && seen.picture->is_complete);
+}
+
+TEST(DrawingThread, aStatesOwnLookIsWhatItsViewFits) {
+  const TempFolder folder;
+  DrawingThread desk(options());
+  Seen seen(desk);
+  ASSERT_TRUE(seen.open(kVolume));
+  const auto range = seen.opened->info.value_range;
+  const double threshold = range[0] + 0.9 * (range[1] - range[0]);
+  ASSERT_EQ(loaded(seen, folder / "a.json",
+                   fmt::format(R"({{"sluice": "view", "look": {{"threshold": {}}}}})", threshold)),
+            "");
+  const Volume volume(kVolume);
+  Renderer own(volume, {.threshold = threshold}, options().renderer);
+  Renderer chosen(volume, {}, options().renderer);
+  PictureOptions picture;
+  picture.width = 800;
+  picture.height = 600;
+  EXPECT_NEAR(seen.state->view.zoom, own.placed(picture).zoom, 1e-9);
+  EXPECT_GT(std::abs(chosen.placed(picture).zoom - own.placed(picture).zoom), 1e-3);
+}
+
+// As docs/view.md shows them.
+TEST(DrawingThread, keyFramesThatSayNoUpHaveTheVolumes) {
+  const TempFolder folder;
+  DrawingThread desk(options());
+  Seen seen(desk);
+  ASSERT_TRUE(seen.open(kVolume));
+  ASSERT_EQ(loaded(seen, folder / "a.json", R"({"sluice": "view", "path": {"kind": "keys", "keys": [
+      {"seconds": 0.08, "camera": {"eye": [0, 0, 500], "target": [0, 0, 0]}},
+      {"camera": {"eye": [500, 0, 0], "target": [0, 0, 0]}}]}})"),
+            "");
+  ASSERT_TRUE(seen.film);
+  FilmWish film;
+  film.name = (folder / "f_%d.png").string();
+  film.path = *seen.film;
+  film.now = *seen.state;
+  film.width = film.height = 32;
+  desk.writeFrames(film);
+  ASSERT_TRUE(seen.until([&] { return !seen.saved.empty() || !seen.failures.empty(); }));
+  EXPECT_THAT(seen.failures, IsEmpty());
+  EXPECT_TRUE(std::filesystem::exists(folder / "f_2.png"));
+}
+
 TEST(DrawingThread, savesPicturesAndTexts) {
   const TempFolder folder;
   DrawingThread desk(options());
   Seen seen(desk);
   ASSERT_TRUE(seen.open(kVolume));
   desk.savePicture((folder / "a.png").string(), seen.wish());
-  desk.saveText((folder / "b.txt").string(), "text");
-  desk.saveText("/nowhere/at/all.txt", "text");
+  desk.saveText((folder / "b.txt").string(), "text", FileKind::kView);
+  desk.saveText("/nowhere/at/all.txt", "text", FileKind::kView);
   ASSERT_TRUE(seen.until([&] { return seen.saved.size() == 2 && seen.failures.size() == 1; }));
   for (const SavedNews& saved : seen.saved)
     if (saved.path.ends_with("a.png")) {
@@ -288,7 +404,7 @@ TEST(DrawingThread, playsASeries) {
     wish.state.time = time % 4;
     wish.next_time = (time + 1) % 4;
     ASSERT_TRUE(seen.whole(desk.wish(wish)));
-    EXPECT_EQ(seen.picture->time, time % 4);
+    EXPECT_EQ(seen.picture->state.time, time % 4);
   }
   EXPECT_THAT(seen.failures, IsEmpty());
 }

@@ -1,4 +1,4 @@
-#include "src/view/pace.h"
+#include "src/view/drawing/pace.h"
 
 #include <gtest/gtest.h>
 

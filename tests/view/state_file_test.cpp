@@ -1,4 +1,4 @@
-#include "src/view/state_file.h"
+#include "src/view/state/state_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -49,11 +49,23 @@ TEST(StateFile, givesBackWhatWasSaved) {
   EXPECT_TRUE(read.volume->options.big_endian);
 }
 
-TEST(StateFile, aNameThatIsNoTextIsNoCrash) {
+TEST(StateFile, namesThatAreNoUtf8AreKeptByteForByte) {
+  std::string every;
+  for (int byte = 1; byte < 256; ++byte)
+    if (byte != '/') every += static_cast<char>(byte);
   ViewedVolume volume;
-  volume.paths = {"caf\xe9.nrrd"};  // Latin-1
-  EXPECT_EQ(parseState(stateText(volume, {}), "here").volume->paths.front(),
-            "caf\xef\xbf\xbd.nrrd");
+  volume.paths = {"caf\xe9.nrrd", every, "caf\xc3\xa9.nrrd"};  // Latin-1, anything, UTF-8
+  ViewState state;
+  state.look.transfer_file = "gr\xfcn.json";
+  const std::string text = stateText(volume, state);
+  const StateFile read = parseState(text, "here");
+  EXPECT_EQ(read.volume->paths, volume.paths);
+  EXPECT_EQ(read.state.look.transfer_file, state.look.transfer_file);
+  EXPECT_THAT(text, HasSubstr("\"caf\xc3\xa9.nrrd\""));  // as it is
+  EXPECT_THAT(errorOf([&] {
+                parseState(R"({"sluice": "view", "look": {"transfer": {"bytes": "\u0100"}}})", "a");
+              }),
+              HasSubstr("up to U+00FF"));
 }
 
 TEST(StateFile, keepsThePathOfAFilm) {
@@ -84,7 +96,7 @@ TEST(StateFile, saysWhatIsWrongWithAPath) {
   EXPECT_THAT(said(R"({"kind": "keys"})"), HasSubstr("keys"));
   EXPECT_THAT(said(R"({"kind": "keys", "keys": [{"time": 0}]})"), HasSubstr("eye and target"));
   EXPECT_THAT(said(R"({"kind": "keys", "rate": 0, "keys": []})"), HasSubstr("above 0"));
-  const std::string key = R"({"seconds": 1e9, "camera": {"eye": [0, 0, 1], "target": [0, 0, 0]}})";
+  const std::string key = R"({"seconds": 1e5, "camera": {"eye": [0, 0, 1], "target": [0, 0, 0]}})";
   EXPECT_THAT(said(R"({"kind": "keys", "keys": [)" + key + "," + key + "]}"),
               HasSubstr("at most 100000 frames"));
 }

@@ -1,4 +1,4 @@
-#include "src/view/transfer_edit.h"
+#include "src/view/state/transfer_edit.h"
 
 #include <gtest/gtest.h>
 
@@ -23,6 +23,10 @@ TEST(TransferEdit, aThresholdKeepsTheWindowOfARamp) {
   look.threshold = 10;
   look.range = std::array{20.0, 30.0};
   EXPECT_EQ(withThreshold(look, 25, kRange).range, (std::array{20.0, 30.0}));
+}
+
+TEST(TransferEdit, aVolumeOfOneValueGivesARampNoRange) {
+  EXPECT_FALSE(withThreshold({}, 42, {42, 42}).range);
 }
 
 TEST(TransferEdit, aLookBecomesPointsThatSayTheSame) {

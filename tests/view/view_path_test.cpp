@@ -1,11 +1,11 @@
-#include "src/view/view_path.h"
+#include "src/view/state/view_path.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "src/view/camera_gestures.h"
+#include "src/view/state/camera_gestures.h"
 
 namespace sluice {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "src/base/clock.h"
 #include "src/base/error.h"
-#include "src/view/transfer_edit.h"
+#include "src/view/state/transfer_edit.h"
 #include "tools/command_line/console.h"
 #include "tools/interrupt.h"
 

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "src/view/drawing_thread.h"
+#include "src/view/drawing/drawing_thread.h"
 
 namespace sluice {
 

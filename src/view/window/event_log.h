@@ -3,9 +3,10 @@
 // shown, files saved, failures, and at the end what was measured. One thread.
 #pragma once
 
+#include <array>
 #include <fstream>
 #include <map>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 namespace sluice {

@@ -4,10 +4,11 @@
 #include <GLFW/glfw3.h>
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "src/base/error.h"
-#include "src/view/window/sitting.h"
+#include "src/view/window/window_state.h"
 
 namespace sluice {
 namespace {
@@ -83,8 +84,8 @@ GLFWwindow* lendContext(const WindowRequest& request, GLFWwindow* window) {
   return lent;
 }
 
-void hearDriver(Sitting& sitting) {
-  if (!sitting.log.isOn()) return;
+void hearDriver(WindowState& window) {
+  if (!window.log.isOn()) return;
   const auto listen =
       reinterpret_cast<PFNGLDEBUGMESSAGECALLBACKPROC>(glfwGetProcAddress("glDebugMessageCallback"));
   if (listen == nullptr || glfwExtensionSupported("GL_KHR_debug") == GLFW_FALSE) return;
@@ -93,10 +94,10 @@ void hearDriver(Sitting& sitting) {
   const auto hear = [](GLenum, GLenum type, GLuint, GLenum, GLsizei, const GLchar* words,
                        const void* to) {
     if (type != GL_DEBUG_TYPE_ERROR && type != GL_DEBUG_TYPE_UNDEFINED_BEHAVIOR) return;
-    Sitting& heard_by = *static_cast<Sitting*>(const_cast<void*>(to));
-    if (++heard_by.times.gl_errors <= kMostSaid) heard_by.log.write({{"gl_message", words}});
+    WindowState& heard_by = *static_cast<WindowState*>(const_cast<void*>(to));
+    if (++heard_by.loop.times.gl_errors <= kMostSaid) heard_by.log.write({{"gl_message", words}});
   };
-  listen(hear, &sitting);
+  listen(hear, &window);
 }
 
 bool drawsInSoftware() {

@@ -5,13 +5,13 @@
 #include <string>
 #include <vector>
 
-#include "src/view/window_module.h"
+#include "src/view/drawing/window_module.h"
 
 struct GLFWwindow;
 
 namespace sluice {
 
-class Sitting;
+struct WindowState;
 
 // GLFW, from its beginning to its end. Throws Error where there is no display.
 class Glfw {
@@ -39,8 +39,8 @@ void watchEvents(GLFWwindow* window, Events& events);
 // come as pixels.
 GLFWwindow* lendContext(const WindowRequest& request, GLFWwindow* window);
 // Counts what the driver of the current context says of errors, and says it in the log, where there
-// is one. The sitting must outlive that.
-void hearDriver(Sitting& sitting);
+// is one. The state must outlive that.
+void hearDriver(WindowState& window);
 // Whether the current context's driver draws on the processor.
 bool drawsInSoftware();
 

@@ -12,16 +12,17 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "src/base/error.h"
-#include "src/view/scaled_pixels.h"
+#include "src/view/drawing/window_module.h"
+#include "src/view/state/scaled_pixels.h"
 #include "src/view/window/canvas.h"
-#include "src/view/window/panels.h"
+#include "src/view/window/panels/panels.h"
 #include "src/view/window/surface.h"
-#include "src/view/window_module.h"
 
 namespace sluice {
 namespace {
@@ -49,42 +50,6 @@ void chooseFont(float scale) {
   }
 }
 
-void section(Sitting& sitting, const char* name, bool is_open, void (*panel)(Sitting&)) {
-  ImGui::SetNextItemOpen(is_open, ImGuiCond_Once);
-  const bool shown = ImGui::CollapsingHeader(name);
-  sitting.log.control(std::string("section ") + name);
-  if (!shown) return;
-  ImGui::PushID(name);
-  panel(sitting);
-  ImGui::PopID();
-}
-
-void sidePanel(Sitting& sitting, const Area& area) {
-  ImGui::SetNextWindowPos({area.x, area.y});
-  ImGui::SetNextWindowSize({area.width, area.height});
-  ImGui::Begin("panel", nullptr,
-               ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
-                   ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus |
-                   ImGuiWindowFlags_AlwaysVerticalScrollbar);  // nothing moves when it comes
-  if (sitting.isOpen()) {
-    const VolumeInfo& info = sitting.info();
-    ImGui::TextDisabled(
-        "%s",
-        fmt::format("{}: {} x {} x {} {}, {}", info.name, info.dims[0], info.dims[1], info.dims[2],
-                    info.type, sitting.opened->device.substr(0, sitting.opened->device.find(',')))
-            .c_str());
-    section(sitting, "look", true, lookPanel);
-    section(sitting, "opacity over values", true, transferPanel);
-    if (info.time_steps > 1) section(sitting, "time", true, timePanel);
-    section(sitting, "view", true, viewPanel);
-    section(sitting, "cut", false, cutPanel);
-    section(sitting, "film", false, filmPanel);
-    section(sitting, "levels of memory", false, levelsPanel);
-  }
-  section(sitting, "files", true, filePanel);
-  ImGui::End();
-}
-
 // Of one turn of the loop, and what parts of it took.
 struct TurnTimes {
   double news_s = 0, build_s = 0, wish_s = 0, gl_s = 0, all_s = 0;
@@ -98,17 +63,17 @@ class Window {
  public:
   explicit Window(const WindowRequest& request)
       : request_(request),
-        sitting_(std::make_unique<Sitting>(request, [] { glfwPostEmptyEvent(); })) {
+        state_(std::make_unique<WindowState>(request, [] { glfwPostEmptyEvent(); })) {
     const auto scale = static_cast<float>(request.settings.font_scale);
     window_ = makeWindow(request, kPanelWidth * scale);
     glfwMakeContextCurrent(window_);
-    hearDriver(*sitting_);
+    hearDriver(*state_);
     is_software_ = drawsInSoftware();
     glfwSwapInterval(is_software_ ? 0 : 1);  // processors have no vertical blank
     canvas_.emplace();
     if (request.lend && (!is_software_ || request.lends_software))
       drawing_window_ = lendContext(request, window_);
-    sitting_->keeps_pixels = is_software_;
+    state_->shown.keeps_pixels = is_software_;
     watchEvents(window_, events_);
     float density = 1, ignored = 1;
     glfwGetWindowContentScale(window_, &density, &ignored);
@@ -125,8 +90,8 @@ class Window {
   ~Window() {
     request_.tell_news(nullptr);
     request_.end_desk();
-    if (sitting_->log.isOn()) glDisable(GL_DEBUG_OUTPUT);  // which would say it to the sitting
-    sitting_.reset();                                      // its textures, while there is a context
+    if (state_->log.isOn()) glDisable(GL_DEBUG_OUTPUT);  // which would say it to the window
+    state_.reset();                                      // its textures, while there is a context
     canvas_.reset();
     ImGui_ImplOpenGL3_Shutdown();
     ImGui_ImplGlfw_Shutdown();
@@ -139,7 +104,7 @@ class Window {
 
   void run() {
     if (!request_.volume.paths.empty()) request_.desk->open(request_.volume, std::nullopt);
-    while (glfwWindowShouldClose(window_) == 0 && !sitting_->wants_to_end &&
+    while (glfwWindowShouldClose(window_) == 0 && !state_->wants_to_end &&
            !request_.is_asked_to_end())
       turn();
     keepSettings();
@@ -150,31 +115,31 @@ class Window {
   // One frame of the window: it waits in its first line and nowhere else.
   void turn() {
     double wait_s = frames_left_ > 0 ? kSettle_s : kIdle_s;
-    if (sitting_->wake_at)
-      wait_s =
-          std::clamp(std::chrono::duration<double>(*sitting_->wake_at - WindowClock::now()).count(),
-                     kSettle_s, wait_s);
+    if (state_->loop.wake_at)
+      wait_s = std::clamp(
+          std::chrono::duration<double>(*state_->loop.wake_at - WindowClock::now()).count(),
+          kSettle_s, wait_s);
     glfwWaitEventsTimeout(wait_s);
     TurnTimes times;
     const auto began = WindowClock::now();
-    Sitting& sitting = *sitting_;
+    WindowState& window = *state_;
     if (events_.count != seen_events_) {
-      sitting.times.events += events_.count - seen_events_;
+      window.loop.times.events += events_.count - seen_events_;
       seen_events_ = events_.count;
-      sitting.event_at = began;
+      window.loop.event_at = began;
       // Highlights and menus settle over a few frames.
       frames_left_ = 2;
     }
-    sitting.wake_at.reset();
+    window.loop.wake_at.reset();
     if (frames_left_ > 0) --frames_left_;
-    sitting.takeNews();
-    if (!events_.dropped.empty()) sitting.openAny(std::exchange(events_.dropped, {}));
-    sitting.play();
-    sitting.showPlayedFrame();
+    takeNews(window);
+    if (!events_.dropped.empty()) openAny(window, std::exchange(events_.dropped, {}));
+    playSeries(window);
+    showPlayedFrame(window);
     times.news_s = secondsSince(began);
     build();
     times.build_s = secondsSince(began) - times.news_s;
-    sitting.sendWish();
+    sendWish(window);
     askForReport(began);
     times.wish_s = secondsSince(began) - times.news_s - times.build_s;
     times.gl_s = present();
@@ -182,91 +147,90 @@ class Window {
     note(times);
   }
 
-  void note(const TurnTimes& times) {
-    Sitting& sitting = *sitting_;
-    ++sitting.times.turns;
-    if (sitting.times.turns <= kStartTurns) {
-      start_s_ = std::max(start_s_, times.all_s);
+  void note(const TurnTimes& turn) {
+    LoopTimes& times = state_->loop.times;
+    if (++times.turns <= kStartTurns) {
+      start_s_ = std::max(start_s_, turn.all_s);
       return;
     }
-    if (sitting.times.turn_s.size() < kMostTimes) {
-      sitting.times.turn_s.push_back(times.all_s);
-      if (times.gl_s > 0) sitting.times.gl_s.push_back(times.gl_s);
+    if (times.turn_s.size() < kMostTimes) {
+      times.turn_s.push_back(turn.all_s);
+      if (turn.gl_s > 0) times.gl_s.push_back(turn.gl_s);
     }
-    if (times.all_s <= kStall_s) return;
-    ++sitting.times.stalls;
-    sitting.log.write({{"long_turn_seconds", times.all_s},
-                       {"news_seconds", times.news_s},
-                       {"build_seconds", times.build_s},
-                       {"wish_seconds", times.wish_s},
-                       {"gl_seconds", times.gl_s},
+    if (turn.all_s <= kStall_s) return;
+    ++times.stalls;
+    state_->log.write({{"long_turn_seconds", turn.all_s},
+                       {"news_seconds", turn.news_s},
+                       {"build_seconds", turn.build_s},
+                       {"wish_seconds", turn.wish_s},
+                       {"gl_seconds", turn.gl_s},
                        {"drawn_pixels", canvas_->drawnPixels()}});
   }
 
   void build() {
-    Sitting& sitting = *sitting_;
+    WindowState& window = *state_;
     ImGui_ImplOpenGL3_NewFrame();
     ImGui_ImplGlfw_NewFrame();
     ImGuiIO& io = ImGui::GetIO();
-    io.FontGlobalScale = static_cast<float>(sitting.settings.font_scale);
+    io.FontGlobalScale = static_cast<float>(window.settings.font_scale);
     ImGui::NewFrame();
-    sitting.hand_is_on = ImGui::IsAnyMouseDown();
+    window.pointer.is_down = ImGui::IsAnyMouseDown();
     for (int button = 0; button < 3; ++button)
-      if (ImGui::IsMouseClicked(button)) sitting.beginGesture();
+      if (ImGui::IsMouseClicked(button)) ++window.gesture;
     const float panel = std::min(kPanelWidth * density_ * io.FontGlobalScale, io.DisplaySize.x / 2);
-    const bool has_slices = sitting.isOpen() && sitting.state().shows_slices;
+    const bool has_slices = window.isOpen() && window.state().shows_slices;
     const float strip = has_slices ? std::min(kSlicesHeight * density_, io.DisplaySize.y / 2) : 0;
     const Area pane{0, 0, io.DisplaySize.x - panel, io.DisplaySize.y - strip};
-    picturePane(sitting, pane, io.DisplayFramebufferScale.x);
-    if (has_slices) slicesPane(sitting, {0, pane.height, pane.width, strip});
-    sidePanel(sitting, {pane.width, 0, panel, io.DisplaySize.y});
-    takeKeys(sitting);
-    helpWindow(sitting);
-    openWindow(sitting);
-    failuresWindow(sitting);
+    picturePane(window, pane, io.DisplayFramebufferScale.x);
+    if (has_slices) slicesPane(window, {0, pane.height, pane.width, strip});
+    sidePanel(window, {pane.width, 0, panel, io.DisplaySize.y});
+    takeKeys(window);
+    helpWindow(window);
+    openWindow(window);
+    failuresWindow(window);
     ImGui::Render();
   }
 
   // What is another than on the screen, drawn and shown; the seconds that took, 0 where nothing
   // was.
   double present() {
-    Sitting& sitting = *sitting_;
+    WindowState& window = *state_;
     const auto began = WindowClock::now();
     int width = 0, height = 0;
     glfwGetFramebufferSize(window_, &width, &height);
     if (width == 0 || height == 0) return 0;
-    if (sitting.picture_is_new) canvas_->noteRedrawn(sitting.texture.id());
+    if (window.shown.is_new) canvas_->noteRedrawn(window.shown.texture.id());
     if (is_software_) updateBackdrop();
-    for (size_t axis = 0; axis < sitting.slices.size(); ++axis)
-      if (sitting.slice_is_new[axis]) canvas_->noteRedrawn(sitting.slices[axis].id());
+    for (size_t axis = 0; axis < window.slices.size(); ++axis)
+      if (window.slices[axis].is_new) canvas_->noteRedrawn(window.slices[axis].texture.id());
     ImDrawData& data = *ImGui::GetDrawData();
     const bool is_same = canvas_->compare(data, width, height).empty();
-    if (is_same && !sitting.picture_is_new && !events_.wants_refresh) return 0;
-    if (is_software_ && !sitting.picture_is_new && sitting.awaitsPicture() &&
+    if (is_same && !window.shown.is_new && !events_.wants_refresh) return 0;
+    if (is_software_ && !window.shown.is_new && !window.wishes.unanswered.empty() &&
         began - presented_at_ < kWithPicture) {
-      sitting.wakeBy(presented_at_ + kWithPicture);
+      window.loop.wakeBy(presented_at_ + kWithPicture);
       return 0;
     }
     canvas_->draw(data);
-    while (glGetError() != GL_NO_ERROR && sitting.times.gl_errors < 1'000'000)
-      ++sitting.times.gl_errors;
+    while (glGetError() != GL_NO_ERROR && window.loop.times.gl_errors < 1'000'000)
+      ++window.loop.times.gl_errors;
     glfwSwapBuffers(window_);
     events_.wants_refresh = false;
     presented_at_ = WindowClock::now();
     const double took = std::chrono::duration<double>(presented_at_ - began).count();
-    if (is_software_ && sitting.picture_is_new)
-      sitting.showing_s += (took - sitting.showing_s) / kShowingMean;
-    sitting.notePresented();
+    if (is_software_ && window.shown.is_new)
+      window.loop.showing_s += (took - window.loop.showing_s) / kShowingMean;
+    notePresented(window);
     return took;
   }
 
   // Scaled to the pane by the processor, where it would do so in OpenGL's place.
   void updateBackdrop() {
-    Sitting& sitting = *sitting_;
-    const ShownPicture& picture = sitting.picture;
-    if (!sitting.isOpen() || picture.rgba.empty()) return canvas_->dropBackdrop();
-    const Pane& pane = sitting.pane;
-    if (!sitting.picture_is_new && pane.width == shown_pane_.width &&
+    WindowState& window = *state_;
+    const ShownPicture& picture = window.shown.picture;
+    if (!window.isOpen() || picture.rgba.empty()) return canvas_->dropBackdrop();
+    const Pane& pane = window.pane;
+    if (!window.shown.is_new && pane.width == shown_pane_.width &&
         pane.height == shown_pane_.height)
       return;
     shown_pane_ = pane;
@@ -278,41 +242,41 @@ class Window {
   }
 
   void askForReport(WindowClock::time_point now) {
-    Sitting& sitting = *sitting_;
-    if (!sitting.isOpen() || now - reported_at_ < std::chrono::duration<double>(kReport_s)) return;
+    WindowState& window = *state_;
+    if (!window.isOpen() || now - reported_at_ < std::chrono::duration<double>(kReport_s)) return;
     reported_at_ = now;
-    sitting.desk.wantReport(sitting.shows_maps);
+    window.desk.wantReport(window.panels.shows_maps);
   }
 
   void keepSettings() {
     if (request_.settings_file.empty()) return;
-    Sitting& sitting = *sitting_;
-    glfwGetWindowSize(window_, &sitting.settings.width, &sitting.settings.height);
-    sitting.desk.saveText(request_.settings_file, settingsText(sitting.settings));
+    WindowState& window = *state_;
+    glfwGetWindowSize(window_, &window.settings.width, &window.settings.height);
+    window.desk.saveText(request_.settings_file, settingsText(window.settings), {});
   }
 
   void logTimes() {
-    Sitting& sitting = *sitting_;
-    const auto percentile = [](std::vector<double> times, double share) {
-      if (times.empty()) return 0.0;
-      std::sort(times.begin(), times.end());
-      return times[std::min(times.size() - 1,
-                            static_cast<size_t>(share * static_cast<double>(times.size())))];
+    const auto percentile = [](std::vector<double> all, double share) {
+      if (all.empty()) return 0.0;
+      std::sort(all.begin(), all.end());
+      return all[std::min(all.size() - 1,
+                          static_cast<size_t>(share * static_cast<double>(all.size())))];
     };
-    const DeskTimes desk = sitting.desk.times();
-    sitting.log.write({{"end", true},
-                       {"turns", sitting.times.turns},
-                       {"events", sitting.times.events},
+    const LoopTimes& times = state_->loop.times;
+    const DeskTimes desk = state_->desk.times();
+    state_->log.write({{"end", true},
+                       {"turns", times.turns},
+                       {"events", times.events},
                        {"longest_start_turn_seconds", start_s_},
-                       {"turn_p95_seconds", percentile(sitting.times.turn_s, 0.95)},
-                       {"longest_turn_seconds", percentile(sitting.times.turn_s, 1)},
-                       {"gl_p50_seconds", percentile(sitting.times.gl_s, 0.5)},
-                       {"gl_p95_seconds", percentile(sitting.times.gl_s, 0.95)},
-                       {"stalls", sitting.times.stalls},
-                       {"gl_errors", sitting.times.gl_errors},
-                       {"answers", sitting.times.answer_s.size()},
-                       {"answer_p50_seconds", percentile(sitting.times.answer_s, 0.5)},
-                       {"answer_p95_seconds", percentile(sitting.times.answer_s, 0.95)},
+                       {"turn_p95_seconds", percentile(times.turn_s, 0.95)},
+                       {"longest_turn_seconds", percentile(times.turn_s, 1)},
+                       {"gl_p50_seconds", percentile(times.gl_s, 0.5)},
+                       {"gl_p95_seconds", percentile(times.gl_s, 0.95)},
+                       {"stalls", times.stalls},
+                       {"gl_errors", times.gl_errors},
+                       {"answers", times.answer_s.size()},
+                       {"answer_p50_seconds", percentile(times.answer_s, 0.5)},
+                       {"answer_p95_seconds", percentile(times.answer_s, 0.95)},
                        {"wishes", desk.wishes},
                        {"previews", desk.previews},
                        {"complete", desk.complete},
@@ -330,7 +294,7 @@ class Window {
   bool is_software_ = false;
   std::optional<Canvas> canvas_;
   Pane shown_pane_;  // that the canvas has the picture for
-  std::unique_ptr<Sitting> sitting_;
+  std::unique_ptr<WindowState> state_;
   WindowClock::time_point reported_at_{}, presented_at_{};
 };
 

@@ -1,0 +1,149 @@
+// Desk: what a window asks of whoever draws, and what it gets. The window (src/view/window) knows
+// this, plain data and pure functions; nothing of it waits for a disk or for a picture.
+#pragma once
+
+#include <sluice/report.h>
+#include <sluice/screen.h>
+#include <sluice/volume.h>
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "src/view/state/view_path.h"
+#include "src/view/state/view_state.h"
+
+namespace sluice {
+
+enum class FileKind;  // src/base/file_kind.h
+
+// What is to be seen now. A newer one takes the place of those that were not drawn yet.
+struct Wish {
+  ViewState state = {};
+  int width = 1, height = 1;              // pixels of the pane
+  bool moves = false;                     // a hand is on it: more will follow
+  std::optional<int64_t> next_time = {};  // of a series that plays
+  // What showing a picture takes of the processors that draw it: a preview has so much less time.
+  double showing_s = 0;
+};
+
+// Frames to be written, numbered from 0 in the place that the name has for it.
+struct FilmWish {
+  std::string name;  // "frame_%04d.png"
+  ViewPath path;
+  ViewState now;              // see stateAt()
+  int width = 1, height = 1;  // pixels
+};
+
+// Pixels for a screen: rows from the top, red first, opaque.
+struct ShownPicture {
+  uint64_t wish = 0;  // number of the newest wish that it shows
+  int width = 0, height = 0;
+  std::vector<uint8_t> rgba;
+  std::optional<ScreenImage> screen;  // in place of rgba, where the desk draws for a screen
+  bool is_complete = false;  // of the pane's size, at the wished step, with nothing missing
+  double missing_share = 0;  // see Image
+  ViewState state;           // that it shows
+  double seconds = 0;        // that drawing it took
+};
+
+// The plane `at` of an axis, as grey values of the range of the look.
+struct ShownSlice {
+  int axis = 0;
+  int64_t at = 0;
+  int width = 0, height = 0;
+  std::vector<uint8_t> rgba;
+};
+
+struct OpenedVolumeNews {
+  ViewedVolume volume;
+  VolumeInfo info;
+  ValueHistogram histogram;
+  ViewState state;  // to begin with, its view placed
+  std::string device;
+};
+
+struct SavedNews {
+  std::string path;
+  std::string command;  // `sluice render ...` that makes it again; of pictures and films
+};
+
+struct ProbeNews {
+  uint64_t number = 0;  // of the question
+  std::optional<VoxelProbe> found;
+};
+
+// All that came since it was last taken; what is not new is empty.
+struct News {
+  std::unique_ptr<OpenedVolumeNews> opened;
+  std::unique_ptr<ViewState> state;       // loaded for the volume that is open, or placed
+  std::optional<ViewPath> path;           // that was loaded with the volume or the state
+  std::unique_ptr<ShownPicture> picture;  // the newest
+  std::vector<ShownSlice> slices;
+  std::unique_ptr<ShownLook> look;
+  std::unique_ptr<RenderReport> report;
+  std::optional<ProbeNews> probe;
+  std::vector<SavedNews> saved;
+  std::vector<std::string> failures;  // one line each
+  std::vector<std::string> vanished;  // volumes that were asked for and are not there
+};
+
+// What is being done at this moment.
+struct DeskStatus {
+  enum class Doing { kNothing, kOpening, kPreview, kPicture, kSlices, kProbe, kSaving, kFrame };
+  Doing doing = Doing::kNothing;
+  double share = 0;                        // of opening and drawing, 0 to 1
+  bool is_indexing = false;                // opening passes over the voxels
+  uint64_t wished = 0;                     // number of the newest wish
+  uint64_t completed = 0;                  // of the newest that is drawn whole
+  int64_t frames = 0, frames_written = 0;  // of a film that is being written; 0: none is
+};
+
+// What was measured since the beginning, of wishes that got a picture.
+struct DeskTimes {
+  uint64_t wishes = 0, previews = 0, complete = 0, cancelled = 0;
+  // Seconds from a wish to the first picture that is no older; the last ones.
+  std::vector<double> answer_s;
+  // And to the first complete one, of wishes behind which no other came.
+  std::vector<double> complete_s;
+};
+
+// All members may be called from any thread and return at once.
+class Desk {
+ public:
+  virtual ~Desk() = default;
+  // Opens in place of what is open; until then, and where it fails, that stays.
+  virtual void open(const ViewedVolume& volume, const std::optional<ViewState>& state) = 0;
+  // The number of the wish, from 1.
+  virtual uint64_t wish(const Wish& wish) = 0;
+  // A file of stateText(): the volume that it names is opened with it.
+  virtual void loadState(const std::string& path) = 0;
+  // The wish as a picture, complete, PNG or EXR as its name ends; its news name the command.
+  virtual void savePicture(const std::string& path, const Wish& wish) = 0;
+  // Frame by frame whenever nothing else is to be done, in place of a film that is being written. A
+  // state with the path is written beside them (pathFileFor()), which the command of its news
+  // takes. What was written stays when it is cancelled or fails.
+  virtual void writeFrames(const FilmWish& film) = 0;
+  virtual void cancelFrames() = 0;
+  // A small file. It may take the place of a file of this kind; nullopt: of any, for files of the
+  // window's own.
+  virtual void saveText(const std::string& path, const std::string& text,
+                        std::optional<FileKind> kind) = 0;
+  // The state with its view placed (Renderer::placed()) for a pane of this size, as news.
+  virtual void place(const ViewState& state, int width, int height) = 0;
+  // Of a point of the pane (0 to 1, right and down) as the newest wish shows it; the number that
+  // its news will carry. A newer question takes the place of one that has no answer.
+  virtual uint64_t probe(double right, double down) = 0;
+  virtual void wantReport(bool maps) = 0;
+
+  virtual News take() = 0;
+  virtual DeskStatus status() const = 0;
+  virtual DeskTimes times() const = 0;
+};
+
+}  // namespace sluice

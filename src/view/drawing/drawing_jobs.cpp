@@ -1,0 +1,199 @@
+// What the drawing thread draws and answers. Opening is in drawing_opening.cpp, writing in
+// drawing_saves.cpp.
+#include "src/view/drawing/drawing_jobs.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "src/base/clock.h"
+
+namespace sluice {
+namespace {
+
+// How long the whole picture waits for what is on disk before it is shown with what is there.
+constexpr double kRefine_s = 0.4;
+// Where less than this came in that time, waiting for all of it is shorter.
+constexpr double kWorthShowing = 0.01;
+constexpr std::array<float, 3> kPaneColor{0.09F, 0.09F, 0.1F};
+
+std::vector<uint8_t> greys(const SliceValues& slice, std::array<double, 2> range) {
+  std::vector<uint8_t> rgba(slice.values.size() * 4, 255);
+  const auto lo = static_cast<float>(range[0]);
+  const auto factor = static_cast<float>(255 / (range[1] - range[0]));
+  for (size_t i = 0; i < slice.values.size(); ++i) {
+    const auto grey =
+        static_cast<uint8_t>(std::clamp((slice.values[i] - lo) * factor, 0.0F, 255.0F));
+    rgba[4 * i] = rgba[4 * i + 1] = rgba[4 * i + 2] = grey;
+  }
+  return rgba;
+}
+
+}  // namespace
+
+void DrawingJobs::run(const Job& job) {
+  std::visit([&](const auto& task) { run(task, job); }, job.task);
+}
+
+ProgressFunction DrawingJobs::progress() const {
+  return [this](const Progress& progress) {
+    queue_.noteProgress(progress.share(), progress.stage != Progress::Stage::kDrawing);
+  };
+}
+
+void DrawingJobs::useLook(const LookOptions& look, bool is_shown) {
+  if (opened_.renderer == nullptr) {
+    opened_.renderer = makeRenderer(*opened_.volume, look);
+    opened_.look = look;
+  } else if (look != opened_.look) {
+    opened_.renderer->setLook(look);
+    opened_.look = look;
+  } else if (look == opened_.shown_look) {
+    return;
+  }
+  if (!is_shown) return;
+  opened_.shown_look = look;
+  auto shown = std::make_unique<ShownLook>(opened_.renderer->shownLook());
+  news_.add([&](News& news) { news.look.swap(shown); });
+}
+
+ViewOptions DrawingJobs::placed(const ViewState& state, int width, int height, const Job& job) {
+  useLook(state.look);
+  return opened_.renderer->placed(pictureOf(state, width, height), progress(), job.stop);
+}
+
+double DrawingJobs::wholeStep(const Wish& wish) const {
+  if (wish.state.step_vox) return *wish.state.step_vox;
+  if (wish.state.look.mode != LookOptions::Mode::kComposite) return 1;
+  const double pixel = worldPerPixel(wish.state.view, {wish.width, wish.height}, opened_.ground);
+  return pixel < opened_.ground.finest_spacing ? 0.5 : 1;
+}
+
+ShownPicture DrawingJobs::draw(const Job& job, const PictureOptions& picture, double step_vox) {
+  Renderer& renderer = *opened_.renderer;
+  const auto background = job.wish->wish.state.background.value_or(kPaneColor);
+  ShownPicture shown;
+  shown.screen = renderer.drawOnScreen(picture, background, progress(), job.stop);
+  if (shown.screen) {
+    shown.width = shown.screen->width;
+    shown.height = shown.screen->height;
+    shown.missing_share = shown.screen->missing_share;
+  } else {
+    const Image image = renderer.draw(picture, progress(), job.stop);
+    shown.width = image.width;
+    shown.height = image.height;
+    shown.missing_share = image.missing_share;
+    shown.rgba = image.toRgba8(background);
+  }
+  const RenderReport report = renderer.report();
+  if (report.missing_share == 0)
+    opened_.pace = learned(
+        opened_.pace, {static_cast<double>(picture.width) * picture.height, step_vox,
+                       report.draw_seconds, std::max(0.0, report.seconds - report.draw_seconds)});
+  return shown;
+}
+
+void DrawingJobs::run(const PreviewJob&, const Job& job) {
+  const Wish& wish = job.wish->wish;
+  const Stopwatch watch;
+  useLook(wish.state.look);
+  PictureOptions picture = pictureOf(wish.state, wish.width, wish.height);
+  const double step = wholeStep(wish);
+  const double budget_s = drawingBudget(options_.budget_s, wish.showing_s);
+  const Quality quality =
+      qualityWithin(opened_.pace, static_cast<double>(wish.width) * wish.height, step, budget_s);
+  if (!quality.isFull()) {
+    picture.width = std::max(1, static_cast<int>(std::lround(wish.width * quality.scale)));
+    picture.height = std::max(1, static_cast<int>(std::lround(wish.height * quality.scale)));
+    picture.step_vox = step * quality.step_factor;
+  }
+  picture.time_limit_s = 1.25 * budget_s;
+  ShownPicture shown = draw(job, picture, step * quality.step_factor);
+  const bool is_complete = quality.isFull() && shown.missing_share == 0;
+  deliver(*job.wish, std::move(shown), is_complete, watch.seconds());
+}
+
+void DrawingJobs::run(const PictureJob&, const Job& job) {
+  const Wish& wish = job.wish->wish;
+  const Stopwatch watch;
+  useLook(wish.state.look);
+  PictureOptions picture = pictureOf(wish.state, wish.width, wish.height);
+  picture.next_time = wish.next_time;
+  double missing = 1;
+  // What is there is shown as it comes, as long as that is worth a picture.
+  while (true) {
+    picture.time_limit_s = kRefine_s;
+    ShownPicture shown = draw(job, picture, wholeStep(wish));
+    const double came = missing - shown.missing_share;
+    missing = shown.missing_share;
+    deliver(*job.wish, std::move(shown), missing == 0, watch.seconds());
+    if (missing == 0) return;
+    if (came < kWorthShowing) break;
+  }
+  picture.time_limit_s.reset();
+  deliver(*job.wish, draw(job, picture, wholeStep(wish)), true, watch.seconds());
+}
+
+void DrawingJobs::deliver(const NumberedWish& wish, ShownPicture picture, bool is_complete,
+                          double seconds) {
+  auto shown = std::make_unique<ShownPicture>(std::move(picture));
+  shown->wish = wish.number;
+  shown->is_complete = is_complete;
+  shown->state = wish.wish.state;
+  shown->seconds = seconds;
+  // The one before, if nobody took it, goes when nobody waits for the lock.
+  news_.add([&](News& news) { news.picture.swap(shown); });
+  queue_.notePicture(wish, is_complete);
+}
+
+void DrawingJobs::run(const SlicesJob&, const Job& job) {
+  const ViewState& state = job.wish->wish.state;
+  useLook(state.look);
+  const VolumeInfo& info = opened_.volume->info();
+  std::array<double, 2> range = state.look.range.value_or(info.value_range);
+  if (range[0] == range[1]) range[1] = range[0] + 1;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto a = static_cast<size_t>(axis);
+    Opened::Slice& kept = opened_.slices[a];
+    const int64_t at = std::clamp<int64_t>(state.cross[a], 0, info.dims[a] - 1);
+    const bool is_same = kept.at == at && kept.time == state.time;
+    if (is_same && kept.range == range) continue;
+    if (!is_same) {
+      kept.at = -1;
+      kept.values = opened_.renderer->slice(
+          {.axis = axis, .at = at, .time = state.time, .most = 512}, job.stop);
+      kept.at = at;
+      kept.time = state.time;
+    }
+    kept.range = range;
+    ShownSlice shown{axis, at, kept.values.width, kept.values.height, greys(kept.values, range)};
+    news_.add([&](News& news) {
+      std::erase_if(news.slices, [axis](const ShownSlice& other) { return other.axis == axis; });
+      news.slices.push_back(std::move(shown));
+    });
+  }
+  queue_.noteSlices(job.wish->number);
+}
+
+void DrawingJobs::run(const PlaceJob& task, const Job& job) {
+  auto state = std::make_unique<ViewState>(task.wish.state);
+  state->view = placed(*state, task.wish.width, task.wish.height, job);
+  news_.add([&](News& news) { news.state = std::move(state); });
+}
+
+void DrawingJobs::run(const ProbeJob& task, const Job& job) {
+  const Wish& wish = job.wish->wish;
+  useLook(wish.state.look);
+  const ProbeNews answer{task.number,
+                         opened_.renderer->probe(pictureOf(wish.state, wish.width, wish.height),
+                                                 task.right, task.down, job.stop)};
+  news_.add([&](News& news) { news.probe = answer; });
+}
+
+void DrawingJobs::run(const ReportJob& task, const Job&) {
+  if (opened_.renderer == nullptr) return;  // see useLook()
+  auto report = std::make_unique<RenderReport>(opened_.renderer->report(task.maps));
+  news_.add([&](News& news) { news.report = std::move(report); });
+}
+
+}  // namespace sluice

@@ -1,0 +1,115 @@
+// DrawingJobs: does what the drawing thread is to do: opens volumes, draws, answers and writes. It
+// owns the volume and the renderer; the drawing thread alone calls it.
+#pragma once
+
+#include <sluice/renderer.h>
+#include <sluice/volume.h>
+
+#include <array>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "src/base/mutex.h"
+#include "src/view/drawing/job_queue.h"
+#include "src/view/drawing/news_box.h"
+#include "src/view/drawing/pace.h"
+#include "src/view/state/camera_gestures.h"
+#include "src/view/state/state_file.h"
+
+namespace sluice {
+
+struct DrawingOptions {
+  RendererOptions renderer;
+  // To begin with, of the volume that is opened first.
+  ViewState state;
+  // The file that `state` was saved in, whose time and cross hair hold too; empty: no file.
+  std::string state_file;
+  std::optional<ViewPath> path;  // that was saved with it
+  std::string index_folder;      // of volumes that name none
+  std::string trace_file;        // empty: none; of the volume that is opened first
+  // Throws Error where one of `writes` must not be written: it is one of `reads`, or something that
+  // is there is of another kind. Empty: all may be.
+  std::function<void(const std::vector<std::string>& reads, const std::vector<std::string>& writes)>
+      check_outputs;
+  double budget_s = 0.016;  // of a preview
+  // A hand that rests so long gets the whole picture.
+  double rest_s = 0.06;
+  // Told, by the drawing thread, that there is something to take. It must return at once.
+  std::function<void()> on_news;
+};
+
+class DrawingJobs {
+ public:
+  DrawingJobs(const DrawingOptions& options, JobQueue& queue, NewsBox& news)
+      : options_(options), queue_(queue), news_(news) {}
+
+  // Does it, tells the queue what is done and adds what came of it to the news. Throws Error, and
+  // Cancelled when the job's stop asks for it.
+  void run(const Job& job);
+  // Lets go of the volume and the renderer.
+  void close() { opened_ = {}; }
+  // Volumes that are opened from now on are drawn in it. Any thread.
+  void lend(std::shared_ptr<const ScreenContext> screen);
+
+ private:
+  // Of the volume that is open.
+  struct Opened {
+    ViewedVolume viewed;
+    std::optional<Volume> volume;
+    std::unique_ptr<Renderer> renderer;  // null: see useLook()
+    LookOptions look;                    // that the renderer has
+    LookOptions shown_look;              // of the newest news; a film's frames have others
+    Ground ground;
+    Pace pace;
+    struct Slice {
+      int64_t at = -1, time = -1;
+      SliceValues values;
+      std::optional<std::array<double, 2>> range;  // that was shown last
+    };
+    std::array<Slice, 3> slices;
+  };
+
+  void run(const OpenJob& task, const Job& job);
+  void run(const PreviewJob& task, const Job& job);
+  void run(const PictureJob& task, const Job& job);
+  void run(const SlicesJob& task, const Job& job);
+  void run(const PlaceJob& task, const Job& job);
+  void run(const ProbeJob& task, const Job& job);
+  void run(const ReportJob& task, const Job& job);
+  void run(const SavePictureJob& task, const Job& job);
+  void run(const SaveTextJob& task, const Job& job);
+  void run(const FrameJob& task, const Job& job);
+
+  void openVolume(OpenJob task, const Job& job);
+  // Shows the state on the volume that is open.
+  void loadInto(StateFile file, const std::string& name, const Job& job);
+  // Of a film, before its first frame.
+  void beginFilm(const FilmWish& film);
+  // Throws Error where they must not be written.
+  void checkOutputs(const std::vector<std::string>& writes, const LookOptions& look) const;
+
+  std::unique_ptr<Renderer> makeRenderer(const Volume& volume, const LookOptions& look) const;
+  // Gives the renderer this look. Makes it again when another volume could not be opened in place
+  // of this one. Throws Error.
+  void useLook(const LookOptions& look, bool is_shown = true);
+  // The state's view by eye, target and up. Throws as Renderer::placed() does.
+  ViewOptions placed(const ViewState& state, int width, int height, const Job& job);
+  // Voxels between samples of the wish's whole picture.
+  double wholeStep(const Wish& wish) const;
+  // What a screen is to show of it, nothing but pixels or where they are. Learns from it.
+  ShownPicture draw(const Job& job, const PictureOptions& picture, double step_vox);
+  void deliver(const NumberedWish& wish, ShownPicture picture, bool is_complete, double seconds);
+  ProgressFunction progress() const;
+
+  const DrawingOptions& options_;
+  JobQueue& queue_;
+  NewsBox& news_;
+  mutable Mutex screen_mutex_;
+  std::shared_ptr<const ScreenContext> screen_ SLUICE_GUARDED_BY(screen_mutex_);
+  Opened opened_;
+};
+
+}  // namespace sluice

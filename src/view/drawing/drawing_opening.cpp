@@ -1,0 +1,123 @@
+// How the drawing thread opens volumes and saved views.
+#include <algorithm>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+#include "src/base/error.h"
+#include "src/view/drawing/drawing_jobs.h"
+#include "src/view/drawing/picture_file.h"
+#include "src/view/state/view_check.h"
+
+namespace sluice {
+namespace {
+
+// The size that a view is placed for before a window has said its own.
+constexpr int kWidth = 800, kHeight = 600;
+
+bool isGone(const std::vector<std::string>& paths) {
+  std::error_code unknown;
+  return paths.size() == 1 && !std::filesystem::exists(paths.front(), unknown) && !unknown;
+}
+
+}  // namespace
+
+void DrawingJobs::lend(std::shared_ptr<const ScreenContext> screen) {
+  const MutexLock lock(screen_mutex_);
+  screen_ = std::move(screen);
+}
+
+std::unique_ptr<Renderer> DrawingJobs::makeRenderer(const Volume& volume,
+                                                    const LookOptions& look) const {
+  RendererOptions options = options_.renderer;
+  {
+    const MutexLock lock(screen_mutex_);
+    options.screen = screen_;
+  }
+  return std::make_unique<Renderer>(volume, look, options);
+}
+
+void DrawingJobs::run(const OpenJob& task, const Job& job) {
+  OpenJob open = task;
+  if (!open.state_file.empty()) {
+    StateFile file = readState(open.state_file);
+    if (!file.volume) return loadInto(std::move(file), open.state_file, job);
+    open.volume = std::move(*file.volume);
+    open.state = std::move(file.state);
+    open.path = std::move(file.path);
+  }
+  try {
+    openVolume(open, job);
+  } catch (const Cancelled&) {
+    throw;
+  } catch (const std::exception&) {
+    if (isGone(open.volume.paths))
+      news_.add([&](News& news) { news.vanished.push_back(open.volume.paths.front()); });
+    throw;
+  }
+}
+
+void DrawingJobs::loadInto(StateFile file, const std::string& name, const Job& job) {
+  if (!opened_.volume) fail("{}: names no volume, and none is open", name);
+  requireFits(file.state, file.path, opened_.volume->info(), name);
+  // What is visible of the look that was saved is what the view fits.
+  useLook(file.state.look);
+  const Wish pane = job.wish != nullptr ? job.wish->wish : Wish{.width = kWidth, .height = kHeight};
+  file.state.view = placed(file.state, pane.width, pane.height, job);
+  if (file.path) placeKeys(*file.path, *opened_.renderer, progress(), job.stop);
+  news_.add([&](News& news) {
+    news.state = std::make_unique<ViewState>(std::move(file.state));
+    news.path = std::move(file.path);
+  });
+}
+
+void DrawingJobs::openVolume(OpenJob task, const Job& job) {
+  const bool is_first = !opened_.volume;
+  Opened next;
+  next.viewed = std::move(task.volume);
+  // Its index goes where the first one's does.
+  if (next.viewed.options.index_folder.empty())
+    next.viewed.options.index_folder = options_.index_folder;
+  next.volume.emplace(next.viewed.paths, next.viewed.options, progress(), job.stop);
+  if (is_first && !task.path) task.path = options_.path;
+  if (is_first && !task.state && !options_.state_file.empty()) {
+    task.state = options_.state;
+    task.state_file = options_.state_file;
+  }
+  auto news = std::make_unique<OpenedVolumeNews>();
+  news->volume = next.viewed;
+  news->info = next.volume->info();
+  news->histogram = next.volume->histogram();
+  next.ground = groundOf(news->info);
+  ViewState& state = news->state;
+  if (task.state) {
+    state = *task.state;
+    requireFits(state, task.path, news->info,
+                task.state_file.empty() ? next.viewed.paths.front() : task.state_file);
+  } else {
+    if (is_first) state = options_.state;
+    state.time = std::clamp<int64_t>(next.viewed.options.time, 0, news->info.time_steps - 1);
+    for (size_t a = 0; a < 3; ++a) state.cross[a] = news->info.dims[a] / 2;
+  }
+  next.look = next.shown_look = state.look;
+  // The levels of the volume before go first: both together may be more than the memory allows. Its
+  // handle stays, so that useLook() can bring them back.
+  opened_.renderer.reset();
+  next.renderer = makeRenderer(*next.volume, next.look);
+  state.view = next.renderer->placed(pictureOf(state, kWidth, kHeight), progress(), job.stop);
+  if (task.path) placeKeys(*task.path, *next.renderer, progress(), job.stop);
+  if (is_first && !options_.trace_file.empty()) next.renderer->recordTo(options_.trace_file);
+  news->device = next.renderer->deviceName();
+  auto look = std::make_unique<ShownLook>(next.renderer->shownLook());
+  opened_ = std::move(next);
+  queue_.noteOpened();
+  news_.add([&](News& all) {
+    all.path = std::move(task.path);
+    all.opened = std::move(news);
+    all.look = std::move(look);
+    all.picture.reset();
+    all.slices.clear();
+  });
+}
+
+}  // namespace sluice

@@ -1,0 +1,89 @@
+// What the drawing thread writes: pictures, small files, and films frame by frame.
+#include <utility>
+
+#include "src/base/atomic_file.h"
+#include "src/base/error.h"
+#include "src/base/file_kind.h"
+#include "src/base/numbered_name.h"
+#include "src/view/drawing/drawing_jobs.h"
+#include "src/view/drawing/picture_file.h"
+#include "src/view/state/printed_command.h"
+
+namespace sluice {
+namespace {
+
+void requireReplaceable(const std::string& path, FileKind kind) {
+  if (!mayReplace(path, kind))
+    fail("{}: exists and is not {}; give another name", path, nameOf(kind));
+}
+
+}  // namespace
+
+void DrawingJobs::checkOutputs(const std::vector<std::string>& writes,
+                               const LookOptions& look) const {
+  if (!options_.check_outputs) return;
+  std::vector<std::string> reads = opened_.viewed.paths;
+  if (opened_.volume) {
+    const VolumeInfo& info = opened_.volume->info();
+    reads.insert(reads.end(), info.files.begin(), info.files.end());
+  }
+  if (!look.transfer_file.empty()) reads.push_back(look.transfer_file);
+  options_.check_outputs(reads, writes);
+}
+
+void DrawingJobs::run(const SaveTextJob& task, const Job&) {
+  if (task.kind) {
+    checkOutputs({task.path}, opened_.look);
+    requireReplaceable(task.path, *task.kind);
+  }
+  AtomicFile file(task.path);
+  file.write(task.text);
+  file.commit();
+  news_.add([&](News& news) { news.saved.push_back({task.path, {}}); });
+}
+
+void DrawingJobs::run(const SavePictureJob& task, const Job& job) {
+  const Wish& wish = task.wish;
+  // The name that `sluice render` makes of it too.
+  const std::string path = numberedName(task.path, wish.state.time, false).string();
+  requirePictureName(path);
+  checkOutputs({path}, wish.state.look);
+  useLook(wish.state.look);
+  drawToFile(*opened_.renderer, path, wish.state, wish.width, wish.height, progress(), job.stop);
+  SavedNews saved{path, renderCommand(opened_.viewed, wish.state, opened_.renderer->lookText(),
+                                      wish.width, wish.height, path)};
+  news_.add([&](News& news) { news.saved.push_back(std::move(saved)); });
+}
+
+void DrawingJobs::beginFilm(const FilmWish& film) {
+  if (frameCount(film.path) == 0) fail("a film without key frames; add a view first");
+  if (!isNumbered(film.name))
+    fail("{}: frames need a place for their numbers, as in frame_%04d.png", film.name);
+  std::vector<std::string> writes{pathFileFor(film.name)};
+  for (int64_t i = 0; i < frameCount(film.path); ++i)
+    writes.push_back(numberedName(film.name, i, true).string());
+  requirePictureName(writes.back());
+  for (const ViewKey& key : film.path.keys) checkOutputs(writes, key.state.look);
+  checkOutputs(writes, film.now.look);
+  requireReplaceable(writes.front(), FileKind::kView);
+  AtomicFile file(writes.front());
+  file.write(stateText(opened_.viewed, film.now, film.path));
+  file.commit();
+}
+
+void DrawingJobs::run(const FrameJob& task, const Job& job) {
+  const FilmWish& film = *task.wish;
+  if (task.frame == 0 && task.stopped == 0) beginFilm(film);
+  const ViewState state = stateAt(film.path, film.now, task.frame);
+  useLook(state.look, false);
+  drawToFile(*opened_.renderer, numberedName(film.name, task.frame, true).string(), state,
+             film.width, film.height, progress(), job.stop);
+  if (!queue_.noteFrame(task)) return;
+  news_.add([&](News& news) {
+    if (task.frame + 1 == frameCount(film.path))
+      news.saved.push_back(
+          {film.name, framesCommand(pathFileFor(film.name), film.width, film.height, film.name)});
+  });
+}
+
+}  // namespace sluice

@@ -1,0 +1,65 @@
+#include "src/view/drawing/drawing_thread.h"
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <utility>
+
+namespace sluice {
+namespace {
+
+// What shows the pictures goes first where processors are few: this thread, and with it those that
+// the renderer starts, take what is left.
+void yieldToOthers() {
+  constexpr int kNicer = 5;
+  const auto self = static_cast<id_t>(gettid());
+  setpriority(PRIO_PROCESS, self, getpriority(PRIO_PROCESS, self) + kNicer);
+}
+
+}  // namespace
+
+DrawingThread::DrawingThread(const DrawingOptions& options)
+    : options_(options),
+      queue_(options.rest_s),
+      news_(options.on_news),
+      jobs_(options_, queue_, news_) {
+  worker_.submit([this] { run(); });
+}
+
+DrawingThread::~DrawingThread() {
+  queue_.end();
+}
+
+void DrawingThread::open(const ViewedVolume& volume, const std::optional<ViewState>& state) {
+  OpenJob job;
+  job.volume = volume;
+  job.state = state;
+  queue_.open(std::move(job));
+}
+
+void DrawingThread::loadState(const std::string& path) {
+  OpenJob job;
+  job.state_file = path;
+  queue_.open(std::move(job));
+}
+
+void DrawingThread::place(const ViewState& state, int width, int height) {
+  queue_.place({Wish{.state = state, .width = width, .height = height}});
+}
+
+void DrawingThread::run() {
+  yieldToOthers();
+  while (const std::optional<Job> job = queue_.next()) {
+    try {
+      jobs_.run(*job);
+    } catch (const Cancelled&) {
+      queue_.noteCancelled(*job);
+    } catch (const std::exception& error) {
+      news_.add([&](News& news) { news.failures.emplace_back(error.what()); });
+      queue_.noteFailed(*job);
+    }
+  }
+  jobs_.close();
+}
+
+}  // namespace sluice

@@ -1,0 +1,56 @@
+// DrawingThread: the Desk that a Renderer stands behind. Its thread takes the newest wish from a
+// JobQueue, draws a preview within the frame's budget and then the whole picture, and gives up what
+// is not wanted any more through the stop token; what comes of it lies in a NewsBox.
+//
+// Who asks only ever takes locks that are never held while something is read or drawn.
+#pragma once
+
+#include "src/base/worker_pool.h"
+#include "src/view/drawing/drawing_jobs.h"
+
+namespace sluice {
+
+class DrawingThread : public Desk {
+ public:
+  explicit DrawingThread(const DrawingOptions& options);
+  // Stops what is under way and waits for it.
+  ~DrawingThread() override;
+  DrawingThread(const DrawingThread&) = delete;
+  DrawingThread& operator=(const DrawingThread&) = delete;
+
+  void open(const ViewedVolume& volume, const std::optional<ViewState>& state) override;
+  uint64_t wish(const Wish& wish) override { return queue_.wish(wish); }
+  void loadState(const std::string& path) override;
+  void savePicture(const std::string& path, const Wish& wish) override {
+    queue_.save(SavePictureJob{path, wish});
+  }
+  void saveText(const std::string& path, const std::string& text,
+                std::optional<FileKind> kind) override {
+    queue_.save(SaveTextJob{path, text, kind});
+  }
+  void writeFrames(const FilmWish& film) override { queue_.writeFrames(film); }
+  void cancelFrames() override { queue_.cancelFrames(); }
+  void place(const ViewState& state, int width, int height) override;
+  uint64_t probe(double right, double down) override { return queue_.probe(right, down); }
+  void wantReport(bool maps) override { queue_.wantReport(maps); }
+  News take() override { return news_.take(); }
+  DeskStatus status() const override { return queue_.status(); }
+  DeskTimes times() const override { return queue_.times(); }
+  // Volumes that are opened from now on are drawn in it, where the CPU does not draw. It must
+  // outlive this.
+  void lend(std::shared_ptr<const ScreenContext> screen) { jobs_.lend(std::move(screen)); }
+  // From now on in place of DrawingOptions::on_news; empty: nobody is told. What was told before
+  // has returned.
+  void tellNews(std::function<void()> on_news) { news_.tellTo(std::move(on_news)); }
+
+ private:
+  void run();
+
+  const DrawingOptions options_;
+  JobQueue queue_;
+  NewsBox news_;
+  DrawingJobs jobs_;
+  WorkerPool worker_{1};  // last: joins before the rest goes
+};
+
+}  // namespace sluice

@@ -1,0 +1,276 @@
+#include "src/view/drawing/job_queue.h"
+
+#include <algorithm>
+#include <array>
+
+namespace sluice {
+namespace {
+
+using Doing = DeskStatus::Doing;
+
+// Of each kind of Job::task.
+constexpr std::array kDoing{Doing::kOpening, Doing::kPreview, Doing::kPicture, Doing::kSlices,
+                            Doing::kProbe,   Doing::kProbe,   Doing::kNothing, Doing::kSaving,
+                            Doing::kSaving,  Doing::kFrame};
+static_assert(kDoing.size() == std::variant_size_v<decltype(Job::task)>);
+
+// A preview that takes longer than this is not worth waiting for when there is a newer wish.
+constexpr double kStalePreview_s = 0.25;
+constexpr size_t kMostUnanswered = 8192, kMostTimes = 8192;
+constexpr int kMostStopped = 3;
+
+double secondsBetween(std::chrono::steady_clock::time_point from,
+                      std::chrono::steady_clock::time_point to) {
+  return std::chrono::duration<double>(to - from).count();
+}
+
+void keep(std::vector<double>& times, double seconds) {
+  if (times.size() >= kMostTimes) times.erase(times.begin(), times.begin() + kMostTimes / 2);
+  times.push_back(seconds);
+}
+
+template <class T>
+T takeFirst(std::deque<T>& queue) {
+  T first = std::move(queue.front());
+  queue.pop_front();
+  return first;
+}
+
+}  // namespace
+
+void JobQueue::open(OpenJob job) {
+  const MutexLock lock(mutex_);
+  requests_.open = std::move(job);
+  stopWork(true);
+  changed_.notifyAll();
+}
+
+uint64_t JobQueue::wish(const Wish& wish) {
+  const auto now = Clock::now();
+  const MutexLock lock(mutex_);
+  const uint64_t number = ++status_.wished;
+  requests_.wish = std::make_shared<const NumberedWish>(NumberedWish{number, now, wish});
+  served_.unanswered.emplace_back(number, now);
+  if (served_.unanswered.size() > kMostUnanswered) served_.unanswered.pop_front();
+  ++times_.wishes;
+  stopWork(secondsBetween(work_.began, now) > kStalePreview_s);
+  changed_.notifyAll();
+  return number;
+}
+
+void JobQueue::save(SavePictureJob job) {
+  const MutexLock lock(mutex_);
+  requests_.pictures.push_back(std::move(job));
+  changed_.notifyAll();
+}
+
+void JobQueue::save(SaveTextJob job) {
+  const MutexLock lock(mutex_);
+  requests_.texts.push_back(std::move(job));
+  changed_.notifyAll();
+}
+
+void JobQueue::writeFrames(const FilmWish& film) {
+  const MutexLock lock(mutex_);
+  if (status_.doing == Doing::kFrame) work_.stop.request_stop();
+  requests_.frame = FrameJob{++requests_.films, std::make_shared<const FilmWish>(film)};
+  status_.frames = frameCount(film.path);
+  status_.frames_written = 0;
+  changed_.notifyAll();
+}
+
+void JobQueue::cancelFrames() {
+  const MutexLock lock(mutex_);
+  if (status_.doing == Doing::kFrame) work_.stop.request_stop();
+  endFilm();
+}
+
+void JobQueue::place(PlaceJob job) {
+  const MutexLock lock(mutex_);
+  requests_.place = std::move(job);
+  stopWork(false);
+  changed_.notifyAll();
+}
+
+uint64_t JobQueue::probe(double right, double down) {
+  const MutexLock lock(mutex_);
+  requests_.probe = ProbeJob{++requests_.probes, right, down};
+  if (status_.doing == Doing::kProbe) work_.stop.request_stop();
+  changed_.notifyAll();
+  return requests_.probes;
+}
+
+void JobQueue::wantReport(bool maps) {
+  const MutexLock lock(mutex_);
+  requests_.report = ReportJob{maps || (requests_.report && requests_.report->maps)};
+  changed_.notifyAll();
+}
+
+DeskStatus JobQueue::status() const {
+  const MutexLock lock(mutex_);
+  return status_;
+}
+
+DeskTimes JobQueue::times() const {
+  const MutexLock lock(mutex_);
+  return times_;
+}
+
+void JobQueue::end() {
+  const MutexLock lock(mutex_);
+  work_.ends = true;
+  work_.stop.request_stop();
+  changed_.notifyAll();
+}
+
+void JobQueue::stopWork(bool also_previews) {
+  switch (status_.doing) {
+    case Doing::kPreview:
+      if (also_previews) work_.stop.request_stop();
+      break;
+    case Doing::kPicture:
+    case Doing::kSlices:
+    case Doing::kProbe:
+      work_.stop.request_stop();
+      break;
+    case Doing::kOpening:
+      if (requests_.open) work_.stop.request_stop();
+      break;
+    case Doing::kFrame:
+      // A hand that never rests shall not keep a film from being written.
+      if (!requests_.frame || requests_.frame->stopped < kMostStopped) work_.stop.request_stop();
+      break;
+    case Doing::kNothing:
+    case Doing::kSaving:
+      break;
+  }
+}
+
+bool JobQueue::rests() const {
+  return requests_.wish == nullptr || !requests_.wish->wish.moves || Clock::now() >= restsAt();
+}
+
+JobQueue::Clock::time_point JobQueue::restsAt() const {
+  return requests_.wish->asked_at +
+         std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(rest_s_));
+}
+
+// What is asked for first; then what is seen first. The whole picture waits while a hand moves.
+// Small files are written at once, also where no volume is open.
+std::optional<Job> JobQueue::choose() {
+  Requests& asked = requests_;
+  const auto job = [&](auto task) { return Job{std::move(task), asked.wish, {}}; };
+  if (asked.open) return job(*std::exchange(asked.open, std::nullopt));
+  if (!asked.texts.empty()) return job(takeFirst(asked.texts));
+  if (!work_.is_open) return std::nullopt;
+  const uint64_t newest = asked.wish != nullptr ? asked.wish->number : 0;
+  if (asked.place) return job(*std::exchange(asked.place, std::nullopt));
+  if (served_.previewed < newest) return job(PreviewJob());
+  if (!asked.pictures.empty()) return job(takeFirst(asked.pictures));
+  if (status_.completed < newest && rests()) return job(PictureJob());
+  if (served_.sliced < newest && asked.wish->wish.state.shows_slices) return job(SlicesJob());
+  if (asked.probe && newest > 0) return job(*std::exchange(asked.probe, std::nullopt));
+  if (asked.report) return job(*std::exchange(asked.report, std::nullopt));
+  if (asked.frame && rests()) return job(*asked.frame);
+  return std::nullopt;
+}
+
+Job JobQueue::start(Job job) {
+  work_.stop = std::stop_source();
+  work_.began = Clock::now();
+  job.stop = work_.stop.get_token();
+  status_.doing = kDoing[job.task.index()];
+  status_.share = 0;
+  return job;
+}
+
+std::optional<Job> JobQueue::next() {
+  MutexLock lock(mutex_);
+  status_.doing = Doing::kNothing;
+  while (!work_.ends) {
+    if (std::optional<Job> job = choose()) return start(std::move(*job));
+    // The whole picture and a film's next frame wait for a hand to rest, which no event will tell.
+    if (work_.is_open && !rests())
+      changed_.waitUntil(lock, restsAt());
+    else
+      changed_.wait(lock);
+  }
+  // A window's settings are its last wish.
+  if (requests_.texts.empty()) return std::nullopt;
+  return start({takeFirst(requests_.texts), {}, {}});
+}
+
+void JobQueue::noteProgress(double share, bool is_indexing) {
+  const MutexLock lock(mutex_);
+  status_.share = share;
+  status_.is_indexing = is_indexing;
+}
+
+void JobQueue::noteOpened() {
+  const MutexLock lock(mutex_);
+  work_.is_open = true;
+  served_ = {.previewed = status_.wished, .sliced = status_.wished, .unanswered = {}};
+  status_.completed = status_.wished;
+  status_.is_indexing = false;
+  requests_.wish.reset();
+  requests_.probe.reset();
+  endFilm();
+}
+
+void JobQueue::notePicture(const NumberedWish& wish, bool is_complete) {
+  const auto now = Clock::now();
+  const MutexLock lock(mutex_);
+  served_.previewed = std::max(served_.previewed, wish.number);
+  ++(is_complete ? times_.complete : times_.previews);
+  auto& unanswered = served_.unanswered;
+  while (!unanswered.empty() && unanswered.front().first <= wish.number) {
+    keep(times_.answer_s, secondsBetween(unanswered.front().second, now));
+    unanswered.pop_front();
+  }
+  if (!is_complete) return;
+  status_.completed = wish.number;
+  keep(times_.complete_s, secondsBetween(wish.asked_at, now));
+}
+
+void JobQueue::noteSlices(uint64_t wish) {
+  const MutexLock lock(mutex_);
+  served_.sliced = std::max(served_.sliced, wish);
+}
+
+bool JobQueue::isFilm(uint64_t number) const {
+  return requests_.frame && requests_.frame->film == number;
+}
+
+void JobQueue::endFilm() {
+  requests_.frame.reset();
+  status_.frames = status_.frames_written = 0;
+}
+
+bool JobQueue::noteFrame(const FrameJob& job) {
+  const MutexLock lock(mutex_);
+  if (!isFilm(job.film)) return false;
+  requests_.frame->stopped = 0;
+  status_.frames_written = ++requests_.frame->frame;
+  if (status_.frames_written == status_.frames) endFilm();
+  return true;
+}
+
+void JobQueue::noteFailed(const Job& job) {
+  const MutexLock lock(mutex_);
+  if (const auto* frame = std::get_if<FrameJob>(&job.task)) {
+    if (isFilm(frame->film)) endFilm();
+    return;
+  }
+  const Doing doing = kDoing[job.task.index()];
+  if (doing == Doing::kPreview || doing == Doing::kPicture || doing == Doing::kSlices)
+    served_.previewed = served_.sliced = status_.completed = job.wish->number;
+}
+
+void JobQueue::noteCancelled(const Job& job) {
+  const MutexLock lock(mutex_);
+  ++times_.cancelled;
+  const auto* frame = std::get_if<FrameJob>(&job.task);
+  if (frame != nullptr && isFilm(frame->film)) ++requests_.frame->stopped;
+}
+
+}  // namespace sluice

@@ -1,0 +1,45 @@
+// NewsBox: what a drawing thread has to tell, until somebody takes it. Any thread.
+#pragma once
+
+#include <functional>
+#include <utility>
+
+#include "src/base/mutex.h"
+#include "src/view/drawing/desk.h"
+
+namespace sluice {
+
+class NewsBox {
+ public:
+  // `on_news`: told, by who adds, that there is something to take; it must return at once. Empty:
+  // nobody is told.
+  explicit NewsBox(std::function<void()> on_news) : on_news_(std::move(on_news)) {}
+
+  // What was told before has returned.
+  void tellTo(std::function<void()> on_news) {
+    const MutexLock lock(telling_);
+    on_news_ = std::move(on_news);
+  }
+  // `change` gets the news, under the lock.
+  template <class Change>
+  void add(const Change& change) {
+    {
+      const MutexLock lock(mutex_);
+      change(news_);
+    }
+    const MutexLock lock(telling_);
+    if (on_news_) on_news_();
+  }
+  News take() {
+    const MutexLock lock(mutex_);
+    return std::exchange(news_, {});
+  }
+
+ private:
+  Mutex telling_;  // held while somebody is told: who is no longer told is not told any more
+  std::function<void()> on_news_ SLUICE_GUARDED_BY(telling_);
+  Mutex mutex_;
+  News news_ SLUICE_GUARDED_BY(mutex_);
+};
+
+}  // namespace sluice

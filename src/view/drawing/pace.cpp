@@ -1,0 +1,46 @@
+#include "src/view/drawing/pace.h"
+
+#include <algorithm>
+#include <array>
+
+namespace sluice {
+namespace {
+
+constexpr double kFaster = 0.2;  // the share of a faster frame in what is expected
+
+// Best first. Below half the size longer steps show as little as the pixels do.
+constexpr std::array<Quality, 8> kQualities = {
+    {{1, 1}, {0.75, 1}, {0.6, 1.25}, {0.5, 1.5}, {0.375, 2}, {0.25, 2}, {0.1875, 3}, {0.125, 4}}};
+
+double mixed(double known, double found) {
+  if (known <= 0) return found;
+  const double share = found > known ? 0.6 : kFaster;
+  return known + share * (found - known);
+}
+
+}  // namespace
+
+Pace learned(Pace pace, const DrawnFrame& frame) {
+  if (frame.pixels > 0 && frame.draw_s > 0)
+    pace.pixel_s = mixed(pace.pixel_s, frame.draw_s * frame.step_vox / frame.pixels);
+  pace.fixed_s = mixed(pace.fixed_s, frame.other_s);
+  return pace;
+}
+
+double expectedSeconds(const Pace& pace, const Quality& quality, double pixels, double step_vox) {
+  return pace.fixed_s +
+         pace.pixel_s * pixels * quality.scale * quality.scale / (step_vox * quality.step_factor);
+}
+
+double drawingBudget(double budget_s, double showing_s) {
+  return std::max(budget_s / 3, budget_s - showing_s);
+}
+
+Quality qualityWithin(const Pace& pace, double pixels, double step_vox, double budget_s) {
+  if (!pace.isKnown()) return kQualities[5];
+  for (const Quality& quality : kQualities)
+    if (expectedSeconds(pace, quality, pixels, step_vox) <= budget_s) return quality;
+  return kQualities.back();
+}
+
+}  // namespace sluice

@@ -1,0 +1,45 @@
+#include "src/view/drawing/picture_file.h"
+
+#include <cctype>
+#include <filesystem>
+
+#include "src/base/error.h"
+
+namespace sluice {
+namespace {
+
+std::string endOf(const std::string& path) {
+  std::string end = std::filesystem::path(path).extension().string();
+  for (char& letter : end)
+    letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+  return end;
+}
+
+}  // namespace
+
+void requirePictureName(const std::string& path) {
+  const std::string end = endOf(path);
+  if (end != ".png" && end != ".exr") fail("{}: pictures are written as .png or .exr", path);
+}
+
+void drawToFile(Renderer& renderer, const std::string& path, const ViewState& state, int width,
+                int height, const ProgressFunction& progress, const std::stop_token& stop) {
+  PictureOptions picture = pictureOf(state, width, height);
+  const bool is_exr = endOf(path) == ".exr";
+  picture.with_depth = is_exr && state.look.mode == LookOptions::Mode::kComposite;
+  const Image image = renderer.draw(picture, progress, stop);
+  if (is_exr)
+    renderer.writeExr(path, image, picture, state.background);
+  else
+    image.writePng(path, state.background);
+}
+
+void placeKeys(ViewPath& path, Renderer& renderer, const ProgressFunction& progress,
+               const std::stop_token& stop) {
+  constexpr int kWidth = 800, kHeight = 600;  // any: eye and target are given
+  for (ViewKey& key : path.keys)
+    if (!key.state.view.up)
+      key.state.view = renderer.placed(pictureOf(key.state, kWidth, kHeight), progress, stop);
+}
+
+}  // namespace sluice

@@ -1,0 +1,39 @@
+// A view in a file: JSON, for the window and for `sluice render --state`.
+//
+//   {"sluice": "view", "volume": {"paths": ["head.nrrd"]}, "camera": {"eye": [0, 0, 500], ...},
+//    "look": {"threshold": 40, "map": "ct-bone", "range": [0, 255]}, "crop": [0, 0, 0, 64, 64, 64],
+//    "path": {"kind": "keys", "rate": 25, "keys": [{"seconds": 2, "camera": {...}}, {...}]}}
+//
+// Every field may be left out but "sluice"; numbers are those of the options of the same names.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "src/base/stop_token.h"
+#include "src/view/state/view_path.h"
+#include "src/view/state/view_state.h"
+
+namespace sluice {
+
+struct StateFile {
+  std::optional<ViewedVolume> volume;
+  ViewState state;
+  std::optional<ViewPath> path;  // of a film that starts from it
+};
+
+// Names of files that are there become absolute, so that the state may be read elsewhere.
+std::string stateText(const ViewedVolume& volume, const ViewState& state,
+                      const std::optional<ViewPath>& path = {});
+// Throws Error, starting with `where`: the field, what was expected, what was found.
+StateFile parseState(std::string_view json, const std::string& where);
+
+// The file appears whole or not at all. Throws Error.
+void writeState(const std::filesystem::path& path, const ViewedVolume& volume,
+                const ViewState& state);
+// Throws Error, and Interrupted while it waits for a pipe.
+StateFile readState(const std::filesystem::path& path, const StopToken& stop = {});
+
+}  // namespace sluice

@@ -1,0 +1,138 @@
+#include "src/view/state/transfer_edit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include "src/base/error.h"
+
+namespace sluice {
+namespace {
+
+std::optional<std::array<double, 2>> rangeIn(std::string_view options) {
+  const std::string word = wordAfter(options, "--range");
+  const size_t comma = word.find(',');
+  if (comma == std::string::npos) return std::nullopt;
+  return std::array{std::strtod(word.c_str(), nullptr),
+                    std::strtod(word.c_str() + comma + 1, nullptr)};
+}
+
+// A ramp has nothing to it that is said otherwise.
+LookOptions withoutOpacities(LookOptions look) {
+  look.threshold.reset();
+  look.opacities.clear();
+  look.transfer_file.clear();
+  look.labels = false;
+  return look;
+}
+
+}  // namespace
+
+LookOptions withThreshold(LookOptions look, double threshold, std::array<double, 2> range) {
+  const bool is_ramp = look.threshold.has_value();
+  look = withoutOpacities(std::move(look));
+  look.threshold = threshold;
+  if (!is_ramp) look.range.reset();
+  // A volume of a single value has no range to lay a ramp over.
+  if (!look.range && range[0] < range[1]) look.range = range;
+  return look;
+}
+
+std::string wordAfter(std::string_view options, std::string_view option) {
+  for (size_t at = 0; at < options.size();) {
+    const size_t end = std::min(options.find(' ', at), options.size());
+    if (options.substr(at, end - at) == option) {
+      const size_t from = std::min(end + 1, options.size());
+      if (from < options.size() && options[from] == '\'') {
+        const size_t close = std::min(options.find('\'', from + 1), options.size());
+        return std::string(options.substr(from + 1, close - from - 1));
+      }
+      return std::string(
+          options.substr(from, std::min(options.find(' ', from), options.size()) - from));
+    }
+    at = end + 1;
+  }
+  return {};
+}
+
+LookOptions byPoints(const LookOptions& look, const ShownLook& shown, std::array<double, 2> range) {
+  if (!look.opacities.empty()) return look;
+  LookOptions next = withoutOpacities(look);
+  next.opacity.reset();
+  for (const ShownLook::Opacity& point : shown.opacities)
+    next.opacities.push_back({point.value, point.opacity});
+  while (next.opacities.size() < 2)
+    next.opacities.push_back(next.opacities.empty()
+                                 ? LookOptions::Opacity{range[0], 0}
+                                 : LookOptions::Opacity{std::max(range[1], next.opacities[0].value),
+                                                        next.opacities[0].opacity});
+  next.transfer_file = look.transfer_file;
+  if (!next.transfer_file.empty()) return next;  // its colours stay
+  if (next.map.empty()) next.map = wordAfter(shown.options, "--map");
+  // A ramp's colours begin at its threshold.
+  std::array<double, 2> colors = rangeIn(shown.options).value_or(range);
+  if (look.threshold && *look.threshold < colors[1]) colors[0] = *look.threshold;
+  next.range = colors;
+  if (colors[0] == colors[1]) next.range = std::array{colors[0], colors[0] + 1};
+  return next;
+}
+
+double heightOf(double opacity) {
+  return std::cbrt(std::clamp(opacity, 0.0, 1.0));
+}
+double opacityAtHeight(double height) {
+  const double h = std::clamp(height, 0.0, 1.0);
+  return h * h * h;
+}
+
+std::optional<size_t> pointAt(const OpacityPoints& points, std::array<double, 2> range,
+                              double share, double height, double reach_share,
+                              double reach_height) {
+  const double span = range[1] > range[0] ? range[1] - range[0] : 1;
+  std::optional<size_t> nearest;
+  double least = 1;
+  for (size_t i = 0; i < points.size(); ++i) {
+    const double across = ((points[i].value - range[0]) / span - share) / reach_share;
+    const double up = (heightOf(points[i].opacity) - height) / reach_height;
+    const double far = across * across + up * up;
+    if (far > least) continue;
+    least = far;
+    nearest = i;
+  }
+  return nearest;
+}
+
+size_t addPoint(OpacityPoints& points, double value, double opacity) {
+  const auto at =
+      std::upper_bound(points.begin(), points.end(), value,
+                       [](double v, const LookOptions::Opacity& point) { return v < point.value; });
+  const auto put = points.insert(at, {value, std::clamp(opacity, 0.0, 1.0)});
+  return static_cast<size_t>(put - points.begin());
+}
+
+void movePoint(OpacityPoints& points, size_t index, double value, double opacity) {
+  SLUICE_CHECK_LT(index, points.size());
+  if (index > 0) value = std::max(value, points[index - 1].value);
+  if (index + 1 < points.size()) value = std::min(value, points[index + 1].value);
+  points[index] = {value, std::clamp(opacity, 0.0, 1.0)};
+}
+
+bool removePoint(OpacityPoints& points, size_t index) {
+  if (points.size() <= 2 || index >= points.size()) return false;
+  points.erase(points.begin() + static_cast<std::ptrdiff_t>(index));
+  return true;
+}
+
+std::array<double, 2> windowDragged(std::array<double, 2> range, double dx, double dy,
+                                    std::array<double, 2> all) {
+  const double span = all[1] > all[0] ? all[1] - all[0] : 1;
+  const double level = (range[0] + range[1]) / 2 + dy * span;
+  const bool turned = range[1] < range[0];
+  double window = std::abs(range[1] - range[0]) + dx * span;
+  window = std::clamp(window, span * 1e-4, span * 4);
+  const double center = std::clamp(level, all[0] - span, all[1] + span);
+  return turned ? std::array{center + window / 2, center - window / 2}
+                : std::array{center - window / 2, center + window / 2};
+}
+
+}  // namespace sluice

@@ -1,0 +1,315 @@
+#include "src/view/state/view_path.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <optional>
+#include <utility>
+
+#include "src/base/error.h"
+#include "src/base/vec.h"
+#include "src/view/state/camera_gestures.h"
+
+namespace sluice {
+namespace {
+
+// Real part first.
+using Quaternion = std::array<double, 4>;
+
+Vec3d vecOf(const std::array<double, 3>& a) {
+  return {a[0], a[1], a[2]};
+}
+std::array<double, 3> arrayOf(Vec3d v) {
+  return {v.x, v.y, v.z};
+}
+
+// Of the matrix whose columns are the axes.
+Quaternion turningOf(const PlacedAxes& axes) {
+  const auto& [r, u, b] = axes;
+  Quaternion q{1 + r.x + u.y + b.z, 1 + r.x - u.y - b.z, 1 - r.x + u.y - b.z, 1 - r.x - u.y + b.z};
+  for (double& part : q) part = std::sqrt(std::max(0.0, part)) / 2;
+  // Signs by the largest part, which is at least a half.
+  const auto largest = std::max_element(q.begin(), q.end()) - q.begin();
+  const double wx = u.z - b.y, wy = b.x - r.z, wz = r.y - u.x;
+  const double xy = r.y + u.x, xz = b.x + r.z, yz = u.z + b.y;
+  const auto with = [](double size, double sign) { return std::copysign(size, sign); };
+  switch (largest) {
+    case 0:
+      return {q[0], with(q[1], wx), with(q[2], wy), with(q[3], wz)};
+    case 1:
+      return {with(q[0], wx), q[1], with(q[2], xy), with(q[3], xz)};
+    case 2:
+      return {with(q[0], wy), with(q[1], xy), q[2], with(q[3], yz)};
+    default:
+      return {with(q[0], wz), with(q[1], xz), with(q[2], yz), q[3]};
+  }
+}
+
+// Up and back, of any length but none.
+std::pair<Vec3d, Vec3d> upAndBack(Quaternion q) {
+  double length = 0;
+  for (const double part : q) length += part * part;
+  length = std::sqrt(length);
+  if (!(length > 0)) return {{0, 1, 0}, {0, 0, 1}};
+  for (double& part : q) part /= length;
+  const auto [w, x, y, z] = q;
+  return {{2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)},
+          {2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)}};
+}
+
+// Where a frame lies between two keys, and how numbers go there.
+class Between {
+ public:
+  Between(const std::vector<ViewKey>& keys, size_t from, double share)
+      : keys_(keys), from_(from), share_(share) {}
+
+  // `of`: a number of a key's state. Smooth; may overshoot.
+  template <class Of>
+  double smooth(const Of& of) const {
+    return hermite(of(from_), of(from_ + 1), slope(of, from_, false), slope(of, from_ + 1, false));
+  }
+  // Never beyond the two keys.
+  template <class Of>
+  double monotone(const Of& of) const {
+    const double a = of(from_), b = of(from_ + 1);
+    const double found = hermite(a, b, slope(of, from_, true), slope(of, from_ + 1, true));
+    return std::clamp(found, std::min(a, b), std::max(a, b));  // whatever rounding does
+  }
+  size_t from() const { return from_; }
+  const ViewState& state(size_t key) const { return keys_[key].state; }
+
+  // The keys around these two, where all of them satisfy `has`: slopes look one further.
+  template <class Has>
+  bool both(const Has& has) const {
+    return has(state(from_)) && has(state(from_ + 1));
+  }
+  // A number that some keys lack: those without it are as if they were not there.
+  template <class Get>
+  std::optional<double> number(const Get& get) const {
+    if (!get(state(from_)) || !get(state(from_ + 1))) return std::nullopt;
+    return monotone([&](size_t i) {
+      // Beyond the two only the slope asks; flat there where it is not known.
+      const std::optional<double> there = get(state(i));
+      return there ? *there : *get(state(i < from_ ? from_ : from_ + 1));
+    });
+  }
+
+ private:
+  double seconds(size_t key) const { return keys_[key].seconds; }
+
+  // A second, at a key.
+  template <class Of>
+  double slope(const Of& of, size_t key, bool is_monotone) const {
+    if (key == 0 || key + 1 == keys_.size()) return 0;  // at rest
+    const double before = seconds(key - 1), after = seconds(key);
+    const double to = (of(key) - of(key - 1)) / before, on = (of(key + 1) - of(key)) / after;
+    const double mean = (to * after + on * before) / (before + after);
+    if (!is_monotone) return mean;
+    if (to * on <= 0) return 0;
+    const double most = 3 * std::min(std::abs(to), std::abs(on));
+    return std::clamp(mean, -most, most);
+  }
+  double hermite(double a, double b, double slope_a, double slope_b) const {
+    const double t = share_, s = seconds(from_);
+    const double t2 = t * t, t3 = t2 * t;
+    return a * (2 * t3 - 3 * t2 + 1) + s * slope_a * (t3 - 2 * t2 + t) + b * (3 * t2 - 2 * t3) +
+           s * slope_b * (t3 - t2);
+  }
+
+  const std::vector<ViewKey>& keys_;
+  const size_t from_;
+  const double share_;
+};
+
+double reachOf(const ViewOptions& view) {
+  return length(vecOf(view.look_at->eye) - vecOf(view.look_at->target));
+}
+
+ViewOptions cameraBetween(const Between& at) {
+  ViewOptions view = at.state(at.from()).view;
+  if (!at.both([](const ViewState& s) { return s.view.look_at.has_value(); })) return view;
+  const auto of = [&](auto get) {
+    return [&at, get](size_t i) {
+      const ViewOptions& there = at.state(i).view;
+      // Keys that were never placed are none of a window's.
+      return get(there.look_at ? there : at.state(at.from()).view);
+    };
+  };
+  Vec3d target;
+  for (int a = 0; a < 3; ++a)
+    target[a] = at.smooth(
+        of([a](const ViewOptions& v) { return v.look_at->target[static_cast<size_t>(a)]; }));
+  // Each turning in the half of the sphere of the one before it: the short way round.
+  std::vector<Quaternion> turnings;
+  const size_t first = at.from() > 0 ? at.from() - 1 : 0;
+  const auto turningAt = [&](size_t i) {
+    while (first + turnings.size() <= i) {
+      Quaternion q =
+          of([](const ViewOptions& v) { return turningOf(axesOf(v)); })(first + turnings.size());
+      double along = 0;
+      if (!turnings.empty())
+        for (size_t p = 0; p < 4; ++p) along += q[p] * turnings.back()[p];
+      if (along < 0)
+        for (double& part : q) part = -part;
+      turnings.push_back(q);
+    }
+    return turnings[i - first];
+  };
+  Quaternion turning{};
+  for (size_t p = 0; p < 4; ++p) turning[p] = at.smooth([&](size_t i) { return turningAt(i)[p]; });
+  const auto [up, back] = upAndBack(turning);
+  const double distance =
+      std::exp(at.smooth(of([](const ViewOptions& v) { return std::log(reachOf(v)); })));
+  view.look_at = ViewOptions::LookAt{arrayOf(target + back * distance), arrayOf(target)};
+  view.up = arrayOf(up);
+  view.zoom = std::exp(at.monotone(of([](const ViewOptions& v) { return std::log(v.zoom); })));
+  view.field_of_view_deg =
+      at.monotone(of([](const ViewOptions& v) { return v.field_of_view_deg; }));
+  return view;
+}
+
+LookOptions lookBetween(const Between& at) {
+  LookOptions look = at.state(at.from()).look;
+  const auto mix = [&](auto LookOptions::*member) {
+    if (const auto value = at.number([&](const ViewState& s) { return s.look.*member; }))
+      look.*member = *value;
+  };
+  mix(&LookOptions::threshold);
+  mix(&LookOptions::opacity);
+  mix(&LookOptions::full_gradient);
+  for (size_t end = 0; end < 2; ++end)
+    if (const auto value = at.number([&](const ViewState& s) {
+          return s.look.range ? std::optional((*s.look.range)[end]) : std::nullopt;
+        }))
+      (*look.range)[end] = *value;
+  // Ranges that are turned round on the way have no width there.
+  if (look.range && (*look.range)[0] == (*look.range)[1])
+    look.range = at.state(at.from()).look.range;
+  const size_t points = look.opacities.size();
+  for (size_t i = 0; i < points; ++i) {
+    const auto of = [&](auto LookOptions::Opacity::*member) {
+      return at.number([&](const ViewState& s) {
+        return s.look.opacities.size() == points ? std::optional(s.look.opacities[i].*member)
+                                                 : std::nullopt;
+      });
+    };
+    const auto value = of(&LookOptions::Opacity::value),
+               opacity = of(&LookOptions::Opacity::opacity);
+    if (!value) continue;
+    look.opacities[i].value = *value;
+    look.opacities[i].opacity = std::clamp(*opacity, 0.0, 1.0);
+    // Each is between its keys' values, but the way there may cross.
+    if (i > 0) look.opacities[i].value = std::max(*value, look.opacities[i - 1].value);
+  }
+  return look;
+}
+
+void cutsBetween(const Between& at, ViewState& state) {
+  for (size_t a = 0; state.crop && a < 3; ++a) {
+    const auto end = [&](bool is_high) {
+      const auto value = at.number([&](const ViewState& s) -> std::optional<double> {
+        if (!s.crop) return std::nullopt;
+        return static_cast<double>((is_high ? s.crop->hi : s.crop->lo)[a]);
+      });
+      return value ? static_cast<int64_t>(std::lround(*value))
+                   : (is_high ? state.crop->hi : state.crop->lo)[a];
+    };
+    const int64_t lo = end(false), hi = end(true);
+    state.crop->lo[a] = lo;
+    state.crop->hi[a] = hi;
+  }
+  const size_t planes = state.clip_planes.size();
+  for (size_t i = 0; i < planes; ++i) {
+    const auto part = [&](const auto& get) {
+      return at.number([&](const ViewState& s) {
+        return s.clip_planes.size() == planes ? std::optional<double>(get(s.clip_planes[i]))
+                                              : std::nullopt;
+      });
+    };
+    const auto offset = part([](const PictureOptions::Plane& plane) { return plane.offset; });
+    if (!offset) return;
+    std::array<double, 3> normal{};
+    for (size_t a = 0; a < 3; ++a)
+      normal[a] = *part([a](const PictureOptions::Plane& plane) { return plane.normal[a]; });
+    if (length(vecOf(normal)) < 1e-6) continue;  // opposite ones: the earlier stays
+    state.clip_planes[i] = {normal, *offset};
+  }
+}
+
+ViewState keyFrameAt(const ViewPath& path, const ViewState& now, double second) {
+  size_t from = 0;
+  double share = 0;
+  while (from + 1 < path.keys.size()) {
+    const double seconds = path.keys[from].seconds;
+    share = std::min(second / seconds, 1.0);
+    if (second < seconds || from + 2 == path.keys.size()) break;
+    second -= seconds;
+    ++from;
+  }
+  const bool is_key = path.keys.size() == 1 || share <= 0 || share >= 1;
+  ViewState state = path.keys[is_key && share >= 1 ? from + 1 : from].state;
+  if (!is_key) {
+    const Between at(path.keys, from, share);
+    state.view = cameraBetween(at);
+    state.look = lookBetween(at);
+    cutsBetween(at, state);
+    state.time = std::lround(
+        *at.number([](const ViewState& s) { return std::optional(static_cast<double>(s.time)); }));
+    if (const auto step = at.number([](const ViewState& s) { return s.step_vox; }))
+      state.step_vox = step;
+    for (size_t c = 0; state.background && c < 3; ++c)
+      if (const auto channel = at.number([c](const ViewState& s) {
+            return s.background ? std::optional(static_cast<double>((*s.background)[c]))
+                                : std::nullopt;
+          }))
+        (*state.background)[c] = static_cast<float>(*channel);
+  }
+  state.cross = now.cross;
+  state.shows_slices = now.shows_slices;
+  return state;
+}
+
+}  // namespace
+
+double secondsOf(const ViewPath& path) {
+  if (path.kind == ViewPath::Kind::kTurn)
+    return static_cast<double>(path.turn_frames) / path.frames_per_second;
+  double seconds = 0;
+  for (size_t i = 0; i + 1 < path.keys.size(); ++i) seconds += path.keys[i].seconds;
+  return seconds;
+}
+
+int64_t frameCount(const ViewPath& path) {
+  if (path.kind == ViewPath::Kind::kTurn)
+    return std::clamp<int64_t>(path.turn_frames, 1, ViewPath::kMostFrames);
+  if (path.keys.empty()) return 0;
+  // A frame's length that rounding took off is still one.
+  const double frames = std::floor(secondsOf(path) * path.frames_per_second + 1e-6) + 1;
+  return static_cast<int64_t>(std::min(frames, static_cast<double>(ViewPath::kMostFrames)));
+}
+
+ViewState stateAt(const ViewPath& path, const ViewState& now, int64_t frame) {
+  SLUICE_CHECK_LT(frame, frameCount(path));
+  if (path.kind == ViewPath::Kind::kKeys)
+    return keyFrameAt(path, now, static_cast<double>(frame) / path.frames_per_second);
+  ViewState state = now;
+  state.view =
+      turn(now.view, 360 * static_cast<double>(frame) / static_cast<double>(frameCount(path)));
+  return state;
+}
+
+bool isNumbered(const std::string& name) {
+  return std::filesystem::path(name).filename().string().find_first_of("%#") != std::string::npos;
+}
+
+std::string pathFileFor(const std::string& frames) {
+  const std::filesystem::path path(frames);
+  std::string stem = path.stem().string();
+  stem.resize(std::min(stem.find_first_of("%#"), stem.size()));
+  while (!stem.empty() && (stem.back() == '_' || stem.back() == '-' || stem.back() == '.'))
+    stem.pop_back();
+  return (path.parent_path() / ((stem.empty() ? "path" : stem) + ".json")).string();
+}
+
+}  // namespace sluice

@@ -1,0 +1,199 @@
+// Between the window and its desk: what came is taken, what is to be seen is wished for.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <system_error>
+
+#include "src/view/window/window_state.h"
+
+namespace sluice {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto kHandRests = 150ms, kSavedShows = 4000ms;
+constexpr size_t kMostTimes = 8192;
+
+// Of the system's monotonic clock, as who sends events reads it.
+double clockSeconds(WindowClock::time_point when) {
+  return std::chrono::duration<double>(when.time_since_epoch()).count();
+}
+
+void keepSettings(WindowState& window) {
+  if (!window.request.settings_file.empty())
+    window.desk.saveText(window.request.settings_file, settingsText(window.settings), {});
+}
+
+// Several files, and those of which their name says not all, are not opened again by one path.
+void keepRecent(WindowState& window) {
+  const ViewedVolume& volume = window.volume.news->volume;
+  const VolumeOptions& said = volume.options;
+  if (volume.paths.size() != 1 || said.dims || !said.type.empty() || !said.grid.empty() ||
+      said.channel || !said.channel_name.empty())
+    return;
+  std::string recent = volume.paths.front();
+  std::error_code unknown;
+  if (!recent.starts_with("synth:")) {
+    const auto absolute = std::filesystem::absolute(recent, unknown);
+    if (!unknown) recent = absolute.string();
+  }
+  noteRecent(window.settings, recent);
+}
+
+void takeOpened(WindowState& window, std::unique_ptr<OpenedVolumeNews> news) {
+  window.volume.news = std::move(news);
+  const OpenedVolumeNews& opened = *window.volume.news;
+  window.volume.ground = groundOf(opened.info);
+  window.history = History<ViewState>(opened.state);
+  window.wishes = {.last = {}, .number = window.wishes.number, .unanswered = {}};
+  window.pointer.value.reset();
+  window.shown.picture = {};
+  for (SliceOnScreen& slice : window.slices) slice.at = -1;
+  window.series.is_playing = false;
+  window.film = {.path = {}, .name = window.film.name};
+  for (const std::string& warning : opened.info.warnings) window.messages.lines.push_front(warning);
+  keepRecent(window);
+  keepSettings(window);
+  window.log.write({{"opened", opened.volume.paths.front()},
+                    {"dims", opened.info.dims},
+                    {"time_steps", opened.info.time_steps},
+                    {"device", opened.device}});
+}
+
+void takePicture(PictureOnScreen& shown, ShownPicture picture) {
+  shown.picture = std::move(picture);
+  if (shown.picture.screen)
+    shown.texture.show(*std::exchange(shown.picture.screen, std::nullopt));
+  else if (shown.keeps_pixels)
+    shown.texture.drop();
+  else
+    shown.texture.set(shown.picture.width, shown.picture.height,
+                      std::exchange(shown.picture.rgba, {}));
+  shown.is_new = true;
+}
+
+void takeProbe(WindowState& window, const ProbeNews& news) {
+  Pointer& pointer = window.pointer;
+  if (news.number != pointer.question) return;
+  pointer.value = news.found;
+  if (std::exchange(pointer.centers, false) && news.found && window.isOpen()) {
+    ViewState next = window.state();
+    const auto& [voxel, world, value] = *news.found;
+    next.view = centerOn(next.view, {world[0], world[1], world[2]});
+    for (size_t a = 0; a < 3; ++a)
+      next.cross[a] =
+          std::clamp(int64_t{std::llround(voxel[a])}, int64_t{0}, window.info().dims[a] - 1);
+    window.change(next);
+    window.log.write({{"centered", voxel}});
+  }
+  if (news.found) window.log.write({{"value", news.found->value}, {"voxel", news.found->voxel}});
+}
+
+void takeSaved(WindowState& window, const SavedNews& saved) {
+  if (saved.path == window.request.settings_file) return;
+  window.say(saved.command.empty() ? saved.path : saved.command);
+  window.messages.saved = "saved " + saved.path;
+  window.messages.saved_until = WindowClock::now() + kSavedShows;
+  window.log.write({{"saved", saved.path}, {"command", saved.command}});
+}
+
+}  // namespace
+
+void takeNews(WindowState& window) {
+  News news = window.desk.take();
+  const int64_t seen_frames = window.status.frames_written;
+  window.status = window.desk.status();
+  if (news.opened) takeOpened(window, std::move(news.opened));
+  if (news.state) window.change(*news.state);
+  if (news.path) window.film.path = *news.path;
+  for (const std::string& gone : news.vanished) {
+    if (std::erase(window.settings.recent, gone) == 0) continue;
+    window.log.write({{"vanished", gone}});
+    keepSettings(window);
+  }
+  if (window.status.frames_written != seen_frames)
+    window.log.write({{"written", window.status.frames_written}, {"of", window.status.frames}});
+  if (news.picture) takePicture(window.shown, std::move(*news.picture));
+  for (const ShownSlice& slice : news.slices) {
+    SliceOnScreen& shown = window.slices[static_cast<size_t>(slice.axis)];
+    shown.texture.set(slice.width, slice.height, slice.rgba);
+    shown.at = slice.at;
+    shown.is_new = true;
+    window.log.write({{"slice", slice.axis}, {"at", slice.at}});
+  }
+  if (news.look) window.volume.look = std::move(*news.look);
+  if (news.report) window.volume.report = std::move(*news.report);
+  if (news.probe) takeProbe(window, *news.probe);
+  for (const SavedNews& saved : news.saved) takeSaved(window, saved);
+  for (const std::string& failure : news.failures) window.fail(failure);
+}
+
+void notePresented(WindowState& window) {
+  for (SliceOnScreen& slice : window.slices) slice.is_new = false;
+  if (!std::exchange(window.shown.is_new, false)) return;
+  const ShownPicture& picture = window.shown.picture;
+  const auto now = WindowClock::now();
+  auto& unanswered = window.wishes.unanswered;
+  std::vector<double>& answer_s = window.loop.times.answer_s;
+  while (!unanswered.empty() && unanswered.front().first <= picture.wish) {
+    if (answer_s.size() < kMostTimes)
+      answer_s.push_back(std::chrono::duration<double>(now - unanswered.front().second).count());
+    unanswered.pop_front();
+  }
+  window.log.write({{"picture", picture.wish},
+                    {"complete", picture.is_complete},
+                    {"size", {picture.width, picture.height}},
+                    {"time", picture.state.time},
+                    {"seconds", picture.seconds},
+                    {"of_newest", picture.wish == window.wishes.number},
+                    {"at", clockSeconds(now)}});
+}
+
+void sendWish(WindowState& window) {
+  if (!window.isOpen() || window.pane.width < 8 || window.pane.height < 8) return;
+  Wish wish;
+  wish.state = window.state();
+  wish.width = window.pane.width;
+  wish.height = window.pane.height;
+  wish.showing_s = window.loop.showing_s;
+  const auto rests_at = window.loop.nudged_at + kHandRests;
+  const bool is_down = window.pointer.is_down;
+  const bool moves = is_down || window.film.is_playing || WindowClock::now() < rests_at;
+  if (window.series.is_playing) wish.next_time = (wish.state.time + 1) % window.info().time_steps;
+  const std::optional<Wish>& sent = window.wishes.last;
+  const bool is_same =
+      sent && sent->state == wish.state && sent->width == wish.width && sent->height == wish.height;
+  // The hand that let go wants the whole picture of what it saw last.
+  if (is_same && (!sent->moves || moves)) {
+    if (sent->moves && !is_down) window.loop.wakeBy(rests_at + 1ms);
+    return;
+  }
+  wish.moves = moves && !window.series.is_playing;
+  if (wish.moves && !is_down) window.loop.wakeBy(rests_at + 1ms);
+  const uint64_t number = window.desk.wish(wish);
+  window.wishes.last = wish;
+  window.wishes.number = number;
+  const auto event_at = window.loop.event_at;
+  if (!is_same) window.wishes.unanswered.emplace_back(number, event_at);
+  window.log.write({{"wish", number}, {"moves", wish.moves}, {"event_at", clockSeconds(event_at)}});
+}
+
+std::string incompleteText(const WindowState& window) {
+  const DeskStatus& status = window.status;
+  const ShownPicture& picture = window.shown.picture;
+  if (status.doing == DeskStatus::Doing::kOpening)
+    return fmt::format("{} {:.0f} %", status.is_indexing ? "indexing" : "opening",
+                       100 * status.share);
+  if (!window.isOpen()) return {};
+  if (picture.wish == window.wishes.number && picture.is_complete) return {};
+  if (status.doing == DeskStatus::Doing::kPicture)
+    return fmt::format("drawing {:.0f} %", 100 * status.share);
+  if (picture.missing_share > 0)
+    return fmt::format("preview, {:.0f} % read", 100 * (1 - picture.missing_share));
+  return "preview";
+}
+
+}  // namespace sluice

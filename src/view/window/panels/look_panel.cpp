@@ -1,0 +1,130 @@
+#include <imgui.h>
+
+#include <array>
+
+#include "src/view/state/transfer_edit.h"
+#include "src/view/window/panels/panels.h"
+
+namespace sluice {
+namespace {
+
+void thresholdSlider(WindowState& window) {
+  const auto range = window.valueRange();
+  const LookOptions& look = window.state().look;
+  // Of a look without one, where something begins to show.
+  double threshold = look.threshold.value_or(range[0]);
+  if (!look.threshold)
+    for (const ShownLook::Opacity& point : window.volume.look.opacities) {
+      if (point.opacity > 0) break;
+      threshold = point.value;
+    }
+  ImGui::SetNextItemWidth(-1);
+  if (ImGui::SliderScalar("##threshold", ImGuiDataType_Double, &threshold, &range[0], &range[1],
+                          look.threshold ? "threshold %.5g" : "threshold (%.5g)"))
+    window.edit([&](ViewState& next) { next.look = withThreshold(next.look, threshold, range); });
+  window.log.control("threshold");
+}
+
+void opacitySlider(WindowState& window) {
+  const LookOptions& look = window.state().look;
+  ImGui::BeginDisabled(!look.threshold);  // shown anyway: nothing below it moves
+  auto opacity = static_cast<float>(look.opacity.value_or(0.05));
+  ImGui::SetNextItemWidth(-1);
+  if (ImGui::SliderFloat("##opacity", &opacity, 0.001F, 1, "opacity %.3f",
+                         ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp))
+    window.edit([&](ViewState& next) { next.look.opacity = static_cast<double>(opacity); });
+  window.log.control("opacity");
+  ImGui::EndDisabled();
+}
+
+void modes(WindowState& window) {
+  constexpr std::array kNames{"composite", "maximum", "minimum", "average"};
+  int mode = static_cast<int>(window.state().look.mode);
+  ImGui::SetNextItemWidth(-1);
+  if (ImGui::Combo("##mode", &mode, kNames.data(), static_cast<int>(kNames.size()))) {
+    ViewState next = window.state();
+    next.look.mode = static_cast<LookOptions::Mode>(mode);
+    // Of values alone: the ramp of a threshold is of the composite mode.
+    window.change(next);
+  }
+  window.log.control("mode");
+}
+
+void maps(WindowState& window) {
+  const LookOptions& look = window.state().look;
+  const std::string shown = wordAfter(window.volume.look.options, "--map");
+  ImGui::SetNextItemWidth(-1);
+  if (ImGui::BeginCombo("##map", ("colours " + (shown.empty() ? "of the file" : shown)).c_str())) {
+    for (const std::string& map : window.request.color_maps)
+      if (ImGui::Selectable(map.c_str(), map == look.map))
+        window.edit([&](ViewState& next) { next.look.map = map; });
+    ImGui::EndCombo();
+  }
+  window.log.control("map");
+}
+
+void light(WindowState& window) {
+  bool is_lit = window.volume.look.lit;
+  if (ImGui::Checkbox("light", &is_lit))
+    window.edit([&](ViewState& next) {
+      next.look.light = is_lit ? LookOptions::Light::kOn : LookOptions::Light::kOff;
+    });
+  window.log.control("light");
+  ImGui::SameLine();
+  bool modulates = window.state().look.full_gradient.has_value();
+  if (ImGui::Checkbox("by gradient", &modulates))
+    window.edit([&](ViewState& next) {
+      next.look.full_gradient = modulates ? std::optional(0.1) : std::nullopt;
+    });
+  window.log.control("modulate");
+  ImGui::SameLine();
+  ImGui::BeginDisabled(!modulates);
+  auto full = static_cast<float>(window.state().look.full_gradient.value_or(0.1));
+  ImGui::SetNextItemWidth(-1);
+  if (ImGui::SliderFloat("##gradient", &full, 0.005F, 1, "full at %.3f",
+                         ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp))
+    window.edit([&](ViewState& next) { next.look.full_gradient = static_cast<double>(full); });
+  ImGui::EndDisabled();
+}
+
+void windowAndLevel(WindowState& window) {
+  const auto all = window.valueRange();
+  const auto range = window.state().look.range.value_or(all);
+  const auto span = static_cast<float>(all[1] - all[0]);
+  auto lo = static_cast<float>(range[0]), hi = static_cast<float>(range[1]);
+  ImGui::SetNextItemWidth(-1);
+  if (ImGui::DragFloatRange2("##window", &lo, &hi, span / 300, 0, 0, "window %.5g", "to %.5g") &&
+      lo != hi) {
+    window.edit([&](ViewState& next) {
+      next.look.range = std::array{static_cast<double>(lo), static_cast<double>(hi)};
+    });
+  }
+  window.log.control("window");
+}
+
+}  // namespace
+
+void lookPanel(WindowState& window) {
+  thresholdSlider(window);
+  opacitySlider(window);
+  modes(window);
+  maps(window);
+  windowAndLevel(window);
+  light(window);
+  if (ImGui::Button("chosen look")) {
+    window.edit([&](ViewState& next) { next.look = LookOptions{}; });
+  }
+  window.log.control("chosen look");
+  ImGui::SameLine();
+  ImGui::BeginDisabled(!window.history.canUndo());
+  if (ImGui::Button("undo")) window.history.undo();
+  window.log.control("undo");
+  ImGui::EndDisabled();
+  ImGui::SameLine();
+  ImGui::BeginDisabled(!window.history.canRedo());
+  if (ImGui::Button("redo")) window.history.redo();
+  window.log.control("redo");
+  ImGui::EndDisabled();
+}
+
+}  // namespace sluice

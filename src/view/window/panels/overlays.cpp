@@ -1,0 +1,122 @@
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "src/view/window/panels/panels.h"
+
+namespace sluice {
+namespace {
+
+constexpr ImU32 kInk = IM_COL32(235, 235, 235, 255), kShade = IM_COL32(0, 0, 0, 160);
+
+constexpr float kLarge = 1.35F;  // times the font, for what the window is doing
+
+// Readable over any picture.
+void text(ImDrawList& to, ImVec2 at, const std::string& words, ImU32 color = kInk,
+          float scale = 1) {
+  const float size = ImGui::GetFontSize() * scale;
+  to.AddText(nullptr, size, {at.x + 1, at.y + 1}, kShade, words.c_str());
+  to.AddText(nullptr, size, at, color, words.c_str());
+}
+
+std::string unitOf(const VolumeInfo& info) {
+  if (info.unit == "millimeter") return "mm";
+  if (info.unit == "micrometer") return "um";
+  if (info.unit == "meter") return "m";
+  return info.unit;
+}
+
+void axes(const WindowState& window, const Area& area, ImDrawList& to) {
+  const PlacedAxes view = axesOf(window.shown.picture.state.view);
+  const std::string& frame = window.info().frame;
+  const bool knows = frame == "RAS" || frame == "LPS";
+  constexpr std::array kPlain{"x", "y", "z"};
+  constexpr std::array kColors{IM_COL32(240, 100, 90, 255), IM_COL32(110, 210, 110, 255),
+                               IM_COL32(110, 150, 255, 255)};
+  const ImVec2 origin{area.x + 45, area.y + area.height - 62};
+  for (size_t a = 0; a < 3; ++a) {
+    Vec3d world{};
+    world[static_cast<int>(a)] = 1;
+    const ImVec2 end{origin.x + 30 * static_cast<float>(dot(world, view.right)),
+                     origin.y - 30 * static_cast<float>(dot(world, view.up))};
+    to.AddLine(origin, end, kColors[a], 2);
+    text(to, {end.x + 2, end.y - 7}, knows ? std::string(1, frame[a]) : kPlain[a], kColors[a]);
+  }
+}
+
+void scaleBar(const WindowState& window, const Area& area, float pixels, ImDrawList& to) {
+  const double unit =
+      worldPerPixel(window.shown.picture.state.view, window.pane, window.volume.ground) *
+      static_cast<double>(pixels);
+  // 1, 2 or 5 of a power of ten, at most a fifth of the width.
+  const double most = unit * static_cast<double>(area.width) / 5;
+  const double power = std::pow(10, std::floor(std::log10(most)));
+  const double length = most >= 5 * power ? 5 * power : most >= 2 * power ? 2 * power : power;
+  const auto wide = static_cast<float>(length / unit);
+  const ImVec2 from{area.x + area.width - 20 - wide, area.y + area.height - 14};
+  to.AddLine(from, {from.x + wide, from.y}, kInk, 2);
+  text(to, {from.x, from.y - 18}, fmt::format("{:g} {}", length, unitOf(window.info())));
+}
+
+void colorBar(const WindowState& window, const Area& area, ImDrawList& to) {
+  const auto& colors = window.volume.look.colors;
+  if (colors.size() < 2 || window.volume.look.labels) return;
+  const float x = area.x + area.width - 24, top = area.y + 20;
+  const float height = std::min(160.0F, area.height / 3);
+  const double lo = colors.front().value, hi = colors.back().value;
+  if (!(hi > lo)) return;
+  const auto y = [&](double value) {
+    return top + height * static_cast<float>((hi - value) / (hi - lo));
+  };
+  const auto color = [](const std::array<double, 3>& rgb) {
+    return ImGui::GetColorU32(
+        {static_cast<float>(rgb[0]), static_cast<float>(rgb[1]), static_cast<float>(rgb[2]), 1});
+  };
+  for (size_t i = 0; i + 1 < colors.size(); ++i) {
+    const ImU32 below = color(colors[i].rgb), above = color(colors[i + 1].rgb);
+    to.AddRectFilledMultiColor({x, y(colors[i + 1].value)}, {x + 12, y(colors[i].value)}, above,
+                               above, below, below);
+  }
+  for (const double value : {lo, hi}) {
+    const std::string words = fmt::format("{:.4g}", value);
+    text(to, {x - 6 - ImGui::CalcTextSize(words.c_str()).x, y(value) - 7}, words);
+  }
+}
+
+void value(const WindowState& window, const Area& area, ImDrawList& to) {
+  if (!window.pointer.value) return;
+  const auto& [voxel, world, found] = *window.pointer.value;
+  text(to, {area.x + 10, area.y + 10},
+       fmt::format("{:.5g} at {:.4g}, {:.4g}, {:.4g} {} (voxel {:.0f}, {:.0f}, {:.0f})", found,
+                   world[0], world[1], world[2], unitOf(window.info()), voxel[0], voxel[1],
+                   voxel[2]));
+}
+
+}  // namespace
+
+void drawOverlays(WindowState& window, const Area& area, float pixels) {
+  ImDrawList& to = *ImGui::GetWindowDrawList();
+  const std::string incomplete = incompleteText(window);
+  const float large = kLarge * ImGui::GetFontSize();
+  if (!incomplete.empty())
+    text(to, {area.x + 10, area.y + area.height - large - 8}, incomplete,
+         IM_COL32(255, 200, 110, 255), kLarge);
+  if (WindowClock::now() < window.messages.saved_until) {
+    text(to, {area.x + 10, area.y + 14 + ImGui::GetFontSize()}, window.messages.saved,
+         IM_COL32(150, 230, 150, 255), kLarge);
+    window.loop.wakeBy(window.messages.saved_until);
+  }
+  // Of the picture that is shown, which may be older than what is wished for.
+  if (!window.isOpen() || !window.shown.picture.state.view.look_at) return;
+  value(window, area, to);
+  drawBoxHandles(window, area, pixels);
+  if (!window.panels.shows_axes) return;
+  axes(window, area, to);
+  scaleBar(window, area, pixels, to);
+  colorBar(window, area, to);
+}
+
+}  // namespace sluice

@@ -1,0 +1,44 @@
+// The parts of the window. Each draws itself from the state of the window and changes it by what
+// the user does.
+#pragma once
+
+#include "src/view/window/window_state.h"
+
+namespace sluice {
+
+// In the window's own panel, one below the other.
+void lookPanel(WindowState& window);
+void transferPanel(WindowState& window);
+void viewPanel(WindowState& window);
+void cutPanel(WindowState& window);
+void timePanel(WindowState& window);
+void levelsPanel(WindowState& window);
+void filmPanel(WindowState& window);
+void filePanel(WindowState& window);
+
+// The rest of it. Places in screen units.
+struct Area {
+  float x = 0, y = 0, width = 0, height = 0;
+};
+// `pixels`: of a screen unit.
+void sidePanel(WindowState& window, const Area& area);
+void picturePane(WindowState& window, const Area& area, float pixels);
+void slicesPane(WindowState& window, const Area& area);
+// Over the picture: what is not complete, the value under the pointer, axes, scale and colours, and
+// the handles of the clip box.
+void drawOverlays(WindowState& window, const Area& area, float pixels);
+// The face of the clip box whose handle is under the pointer: 2 * axis + (0: low, 1: high); -1:
+// none.
+int boxHandleAt(const WindowState& window, const Area& area, float pixels, float x, float y);
+// Drags it by so many screen units.
+void dragBoxHandle(WindowState& window, int face, float dx, float dy, float pixels);
+
+void drawBoxHandles(WindowState& window, const Area& area, float pixels);
+
+void helpWindow(WindowState& window);
+void openWindow(WindowState& window);
+void failuresWindow(WindowState& window);
+// What keys do. Once a frame.
+void takeKeys(WindowState& window);
+
+}  // namespace sluice

@@ -1,0 +1,136 @@
+#include <GLFW/glfw3.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "src/view/state/transfer_edit.h"
+#include "src/view/window/panels/panels.h"
+
+namespace sluice {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr float kWheelFactor = 1.15F;
+constexpr auto kHoverRests = 180ms;
+
+using Does = Pointer::Does;
+
+Does doesOf(const ImGuiIO& io) {
+  if (ImGui::IsMouseClicked(ImGuiMouseButton_Right)) return Does::kWindow;
+  if (ImGui::IsMouseClicked(ImGuiMouseButton_Middle)) return Does::kPan;
+  if (!ImGui::IsMouseClicked(ImGuiMouseButton_Left)) return Does::kNothing;
+  if (io.KeyShift) return Does::kPan;
+  if (io.KeyCtrl) return Does::kRoll;
+  if (io.KeyAlt) return Does::kLook;
+  return Does::kOrbit;
+}
+
+void drag(WindowState& window, ImVec2 by, float pixels) {
+  const double dx = static_cast<double>(by.x) * pixels, dy = static_cast<double>(by.y) * pixels;
+  ViewState next = window.state();
+  switch (window.pointer.does) {
+    case Does::kOrbit:
+      next.view = orbit(next.view, dx, dy, window.pane);
+      break;
+    case Does::kPan:
+      next.view = pan(next.view, dx, dy, window.pane, window.volume.ground);
+      break;
+    case Does::kRoll:
+      next.view = roll(next.view, -dx / 4);
+      break;
+    case Does::kLook:
+      next.view = lookAround(next.view, dx, dy, window.pane);
+      break;
+    case Does::kWindow: {
+      const auto all = window.valueRange();
+      next.look.range = windowDragged(next.look.range.value_or(all), dx / window.pane.width,
+                                      dy / window.pane.height, all);
+      break;
+    }
+    case Does::kHandle:
+      return dragBoxHandle(window, window.pointer.handle, by.x, by.y, pixels);
+    case Does::kNothing:
+      return;
+  }
+  window.change(next);
+}
+
+// Asks for what is under a pointer that rests on a picture that is whole.
+void hover(WindowState& window, const Area& area) {
+  Pointer& pointer = window.pointer;
+  const ImVec2 at = ImGui::GetIO().MousePos;
+  if (at.x != pointer.x || at.y != pointer.y) {
+    pointer.x = at.x;
+    pointer.y = at.y;
+    pointer.still_since = WindowClock::now();
+    window.pointer.value.reset();
+    return;
+  }
+  if (pointer.still_since == WindowClock::time_point{}) return;  // asked already
+  if (WindowClock::now() - pointer.still_since < kHoverRests) {
+    window.loop.wakeBy(pointer.still_since + kHoverRests);
+    return;
+  }
+  if (!window.shown.picture.is_complete) return;  // its news will wake us
+  pointer.still_since = {};
+  if (window.pointer.centers) return;
+  window.pointer.question =
+      window.desk.probe((at.x - area.x) / area.width, (at.y - area.y) / area.height);
+}
+
+}  // namespace
+
+void picturePane(WindowState& window, const Area& area, float pixels) {
+  window.pane = {std::max(1, static_cast<int>(std::lround(area.width * pixels))),
+                 std::max(1, static_cast<int>(std::lround(area.height * pixels)))};
+  ImGui::SetNextWindowPos({area.x, area.y});
+  ImGui::SetNextWindowSize({area.width, area.height});
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(0, 0));
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 0);
+  ImGui::Begin("picture", nullptr,
+               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
+                   ImGuiWindowFlags_NoBackground | ImGuiWindowFlags_NoSavedSettings |
+                   ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_NoScrollWithMouse);
+  ImGui::PopStyleVar(2);
+  const ImVec2 lo{area.x, area.y}, hi{area.x + area.width, area.y + area.height};
+  if (window.shown.texture.id() != nullptr && window.isOpen())
+    ImGui::GetWindowDrawList()->AddImage(window.shown.texture.id(), lo, hi);
+  ImGui::SetCursorScreenPos(lo);
+  ImGui::InvisibleButton("hand", {std::max(1.0F, area.width), std::max(1.0F, area.height)},
+                         ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonRight |
+                             ImGuiButtonFlags_MouseButtonMiddle);
+  window.log.control("picture");
+  const ImGuiIO& io = ImGui::GetIO();
+  Pointer& pointer = window.pointer;
+  const bool is_over = ImGui::IsItemHovered();
+  if (window.isOpen()) {
+    if (is_over && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left)) {
+      pointer.centers = true;
+      pointer.question = window.desk.probe((io.MousePos.x - area.x) / area.width,
+                                           (io.MousePos.y - area.y) / area.height);
+      pointer.does = Does::kNothing;
+    } else if (ImGui::IsItemActivated()) {
+      pointer.does = doesOf(io);
+      pointer.handle = boxHandleAt(window, area, pixels, io.MousePos.x, io.MousePos.y);
+      if (pointer.handle >= 0 && pointer.does == Does::kOrbit) pointer.does = Does::kHandle;
+    }
+    if (ImGui::IsItemActive() && pointer.does != Does::kNothing) {
+      if (io.MouseDelta.x != 0 || io.MouseDelta.y != 0) drag(window, io.MouseDelta, pixels);
+    } else if (is_over && io.MouseWheel != 0) {
+      window.edit([&](ViewState& next) {
+        next.view = zoomTo(next.view, std::pow(kWheelFactor, io.MouseWheel),
+                           static_cast<double>((io.MousePos.x - area.x) * pixels),
+                           static_cast<double>((io.MousePos.y - area.y) * pixels), window.pane,
+                           window.volume.ground);
+      });
+    } else if (is_over) {
+      hover(window, area);
+    }
+  }
+  drawOverlays(window, area, pixels);
+  ImGui::End();
+}
+
+}  // namespace sluice

@@ -1,0 +1,99 @@
+// What plays in the window: a film along its path (view_path.h), and the steps of a series.
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "src/view/window/window_state.h"
+
+namespace sluice {
+namespace {
+
+WindowClock::duration durationOf(double seconds) {
+  return std::chrono::duration_cast<WindowClock::duration>(std::chrono::duration<double>(seconds));
+}
+
+}  // namespace
+
+void addKey(WindowState& window) {
+  if (!window.isOpen()) return;
+  ViewPath& path = window.film.path;
+  path.kind = ViewPath::Kind::kKeys;
+  path.keys.push_back(
+      {window.state(), path.keys.empty() ? ViewKey{}.seconds : path.keys.back().seconds});
+  window.log.write({{"keys", path.keys.size()}});
+}
+
+void showFrame(WindowState& window, int64_t frame) {
+  FilmEditor& film = window.film;
+  if (!window.isOpen() || frameCount(film.path) == 0) return;
+  if (!film.view) film.view = window.state();
+  film.frame = std::clamp<int64_t>(frame, 0, frameCount(film.path) - 1);
+  window.history.replace(stateAt(film.path, *film.view, film.frame));
+}
+
+void endFilm(WindowState& window) {
+  FilmEditor& film = window.film;
+  film.is_playing = false;
+  if (film.view) window.history.replace(*std::exchange(film.view, std::nullopt));
+}
+
+void playFilm(WindowState& window) {
+  FilmEditor& film = window.film;
+  if (film.is_playing) return endFilm(window);
+  if (!window.isOpen() || frameCount(film.path) == 0) return;
+  window.series.is_playing = false;
+  film.is_playing = true;
+  film.began = WindowClock::now();
+  showFrame(window, 0);
+}
+
+void showPlayedFrame(WindowState& window) {
+  const FilmEditor& film = window.film;
+  if (!film.is_playing) return;
+  const auto now = WindowClock::now();
+  const double seconds = std::chrono::duration<double>(now - film.began).count();
+  const auto frame = static_cast<int64_t>(std::floor(seconds * film.path.frames_per_second));
+  if (frame >= frameCount(film.path)) {
+    window.log.write({{"film", "ended"}});
+    return endFilm(window);
+  }
+  if (frame != film.frame) window.loop.event_at = now;
+  showFrame(window, frame);
+  window.loop.wakeBy(film.began +
+                     durationOf(static_cast<double>(frame + 1) / film.path.frames_per_second));
+}
+
+void writeFilm(WindowState& window) {
+  if (window.status.frames > 0) {
+    window.desk.cancelFrames();
+    window.say("cancelled");
+    return;
+  }
+  const FilmEditor& film = window.film;
+  if (!window.isOpen() || frameCount(film.path) == 0) return;
+  window.desk.writeFrames({.name = film.name,
+                           .path = film.path,
+                           .now = film.view.value_or(window.state()),
+                           .width = window.pane.width,
+                           .height = window.pane.height});
+}
+
+void playSeries(WindowState& window) {
+  SeriesPlayer& series = window.series;
+  if (!series.is_playing || !window.isOpen() || window.info().time_steps < 2) return;
+  const ShownPicture& picture = window.shown.picture;
+  const bool was_seen = picture.is_complete && picture.wish == window.wishes.number &&
+                        picture.state.time == window.state().time;
+  if (!was_seen) return;  // its picture's news will wake us
+  const auto now = WindowClock::now();
+  const double waited = std::chrono::duration<double>(now - series.step_at).count();
+  if (waited < 1 / series.steps_per_second)
+    return window.loop.wakeBy(series.step_at + durationOf(1 / series.steps_per_second));
+  series.achieved_steps = waited > 5 ? 0 : 0.7 * series.achieved_steps + 0.3 / waited;
+  series.step_at = window.loop.event_at = now;
+  ViewState next = window.state();
+  next.time = (next.time + 1) % window.info().time_steps;
+  window.history.replace(next);
+}
+
+}  // namespace sluice

@@ -1,0 +1,111 @@
+#include "src/view/window/window_state.h"
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "src/base/file_kind.h"
+#include "src/view/state/state_file.h"
+#include "src/view/state/view_check.h"
+
+namespace sluice {
+namespace {
+
+using namespace std::chrono_literals;
+
+// Wheel and keys that follow each other so soon belong together.
+constexpr auto kTogether = 600ms;
+constexpr size_t kMostMessages = 6;
+
+Wish wishOf(const WindowState& window) {
+  return {.state = window.state(), .width = window.pane.width, .height = window.pane.height};
+}
+
+}  // namespace
+
+WindowState::WindowState(const WindowRequest& given, const std::function<void()>& wake)
+    : request(given),
+      desk(*given.desk),
+      log(given.log_file),
+      settings(given.settings),
+      dialog(wake) {}
+
+void WindowState::change(const ViewState& next) {
+  if (next == state()) return;
+  if (const std::optional<ViewFault> fault = faultOf(next))
+    return fail(fault->field + ": expected " + fault->expected + ", found " + fault->found +
+                "; the view stays as it was");
+  if (film.view) {
+    // The way back leads to the view, not to a frame.
+    history.replace(*std::exchange(film.view, std::nullopt));
+    film.is_playing = false;
+  }
+  const auto now = WindowClock::now();
+  if (!pointer.is_down && now - loop.moved_at > kTogether) ++gesture;
+  loop.moved_at = now;
+  if (!pointer.is_down) loop.nudged_at = now;
+  history.change(next, gesture);
+}
+
+void WindowState::say(const std::string& line) {
+  messages.lines.push_front(line);
+  if (messages.lines.size() > kMostMessages) messages.lines.pop_back();
+  if (request.say) request.say(line);
+}
+
+void WindowState::fail(const std::string& line) {
+  messages.failures.push_back(line);
+  loop.wakeBy(WindowClock::now());  // a window of ImGui's shows in the frame after its first
+  log.write({{"failure", line}});
+}
+
+void openPath(WindowState& window, const std::string& path) {
+  if (!path.empty()) openAny(window, {path});
+}
+
+void openAny(WindowState& window, const std::vector<std::string>& paths) {
+  if (paths.empty()) return;
+  if (paths.size() == 1 && std::filesystem::path(paths.front()).extension() == ".json")
+    window.desk.loadState(paths.front());
+  else
+    window.desk.open({.paths = paths, .options = {}}, std::nullopt);
+  window.panels.shows_open = false;
+}
+
+void savePicture(WindowState& window, const std::string& path) {
+  if (window.isOpen()) window.desk.savePicture(path, wishOf(window));
+}
+
+void saveState(WindowState& window, const std::string& name) {
+  if (!window.isOpen()) return;
+  const ViewPath& path = window.film.path;
+  const bool has_film = path != ViewPath{} && frameCount(path) > 0;
+  window.desk.saveText(
+      name,
+      stateText(window.volume.news->volume, window.film.view.value_or(window.state()),
+                has_film ? std::optional(path) : std::nullopt),
+      FileKind::kView);
+}
+
+void showFrom(WindowState& window, ViewOptions::From from) {
+  if (!window.isOpen()) return;
+  ViewState next = window.state();
+  const ViewOptions last = next.view;
+  next.view = ViewOptions{};
+  next.view.from = from;
+  next.view.projection = last.projection;
+  next.view.field_of_view_deg = last.field_of_view_deg;
+  window.desk.place(next, window.pane.width, window.pane.height);
+}
+
+void toggleProjection(WindowState& window) {
+  if (!window.isOpen()) return;
+  using Projection = ViewOptions::Projection;
+  ViewState next = window.state();
+  const bool is_perspective = next.view.projection == Projection::kPerspective;
+  next.view =
+      withProjection(next.view, is_perspective ? Projection::kParallel : Projection::kPerspective,
+                     window.pane, window.volume.ground);
+  window.change(next);
+}
+
+}  // namespace sluice

@@ -1,0 +1,219 @@
+// WindowState: all that a window has in hand between two of its frames: the history of what is
+// shown, what the desk said last, and what the user is doing. Plain values, one for each thing, and
+// functions that move them on. Panels (panels/panels.h) read it, draw themselves, and change the
+// view through change(). One thread, the window's.
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "src/view/drawing/desk.h"
+#include "src/view/drawing/window_module.h"
+#include "src/view/state/camera_gestures.h"
+#include "src/view/state/folder_list.h"
+#include "src/view/state/history.h"
+#include "src/view/state/settings.h"
+#include "src/view/window/event_log.h"
+#include "src/view/window/texture.h"
+
+namespace sluice {
+
+using WindowClock = std::chrono::steady_clock;
+
+// The volume that is open, as the desk described it.
+struct OpenVolume {
+  std::unique_ptr<OpenedVolumeNews> news;  // null: none is open
+  Ground ground;
+  ShownLook look;
+  RenderReport report;
+};
+
+// Its pixels go into the texture, or, where the processor would have to filter that, stay with the
+// picture for the canvas.
+struct PictureOnScreen {
+  ShownPicture picture;
+  Texture texture;
+  bool keeps_pixels = false;
+  bool is_new = false;  // since the window was last presented
+};
+
+struct SliceOnScreen {
+  Texture texture;
+  int64_t at = -1;
+  bool is_new = false;
+};
+
+// What the pointer is doing with the picture, and what it knows of the place where it rests.
+struct Pointer {
+  enum class Does { kNothing, kOrbit, kPan, kRoll, kWindow, kLook, kHandle };
+  Does does = Does::kNothing;
+  bool is_down = false;                   // a button is held
+  int handle = -1;                        // of the clip box
+  double handle_rest = 0;                 // parts of a voxel that it was dragged
+  std::optional<size_t> point;            // of opacity, that is dragged
+  float x = -1, y = -1;                   // where it rests
+  WindowClock::time_point still_since{};  // or nothing: it was asked what is there
+  uint64_t question = 0;                  // number of the newest
+  bool centers = false;                   // the answer is to come to the middle
+  std::optional<VoxelProbe> value;
+};
+
+// Key frames or a turn; while a frame is shown in its place, `view` is where the user was.
+struct FilmEditor {
+  ViewPath path;
+  std::string name = "frame_%04d.png";
+  std::optional<ViewState> view = {};
+  int64_t frame = 0;
+  bool is_playing = false;
+  WindowClock::time_point began{};
+};
+
+// Time steps one after the other, each as soon as the last one was seen.
+struct SeriesPlayer {
+  bool is_playing = false;
+  double steps_per_second = 8;
+  double achieved_steps = 0;  // a second, while it plays
+  WindowClock::time_point step_at{};
+};
+
+// What panels show and what is typed into them.
+struct PanelChoices {
+  bool is_log_histogram = true;
+  bool shows_help = false, shows_open = false, shows_maps = false, shows_axes = true;
+  std::string transfer_file, picture_file = "picture.png", state_file = "view.json";
+};
+
+struct Messages {
+  std::deque<std::string> lines;      // for people, the last one first
+  std::vector<std::string> failures;  // shown until they are closed
+  std::string saved;                  // over the picture, until `saved_until`
+  WindowClock::time_point saved_until{};
+};
+
+// What was sent to the desk.
+struct SentWishes {
+  std::optional<Wish> last;
+  uint64_t number = 0;  // of it
+  std::deque<std::pair<uint64_t, WindowClock::time_point>> unanswered;
+};
+
+// What was measured of the window's own loop.
+struct LoopTimes {
+  uint64_t turns = 0;
+  // Turns of the loop, waiting for events not counted, and what of them OpenGL took.
+  std::vector<double> turn_s, gl_s;
+  uint64_t stalls = 0;  // turns of more than 20 ms
+  uint64_t events = 0;  // of mouse, keys and window
+  uint64_t gl_errors = 0;
+  std::vector<double> answer_s;  // from an event to its new picture on the screen
+};
+
+struct LoopClock {
+  // A frame is due then, whatever happens: the earliest that was asked for.
+  std::optional<WindowClock::time_point> wake_at;
+  WindowClock::time_point event_at{};   // of the newest event
+  WindowClock::time_point moved_at{};   // when something was last changed
+  WindowClock::time_point nudged_at{};  // by the wheel or a key: more may follow
+  double showing_s = 0;                 // that the processor takes to show a picture
+  LoopTimes times;
+
+  void wakeBy(WindowClock::time_point then) {
+    if (!wake_at || then < *wake_at) wake_at = then;
+  }
+};
+
+// The window that opens files: a folder at a time, read on a thread of its own.
+struct FolderDialog {
+  explicit FolderDialog(std::function<void()> on_list) : reader(std::move(on_list)) {}
+  FolderReader reader;
+  FolderList list;  // that is shown
+  std::optional<FolderQuestion> asked;
+  std::string typed;  // a name, or part of one
+  int selected = -1;  // of the entries that are shown
+  bool joins_series = true;
+  bool was_shown = false;
+};
+
+struct WindowState {
+  // `wake`: makes the window look again, from any thread.
+  WindowState(const WindowRequest& request, const std::function<void()>& wake);
+
+  const ViewState& state() const { return history.now(); }
+  bool isOpen() const { return volume.news != nullptr; }
+  const VolumeInfo& info() const { return volume.news->info; }
+  std::array<double, 2> valueRange() const { return info().value_range; }
+  // What is shown from now on. Changes while one button is held, or within a moment of wheel and
+  // keys, are one step of the history. A number that cannot be drawn is a failure and no change.
+  void change(const ViewState& next);
+  // The same, by what `edit` makes of the state that is.
+  template <class Edit>
+  void edit(const Edit& edit) {
+    ViewState next = state();
+    edit(next);
+    change(next);
+  }
+  // A line for people, here and on standard output.
+  void say(const std::string& line);
+  void fail(const std::string& line);
+
+  const WindowRequest& request;
+  Desk& desk;
+  EventLog log;
+  Settings settings;
+  History<ViewState> history;
+  int gesture = 1;  // number of the step that changes belong to
+  OpenVolume volume;
+  DeskStatus status;
+  PictureOnScreen shown;
+  std::array<SliceOnScreen, 3> slices;
+  Pane pane;  // pixels
+  Pointer pointer;
+  FilmEditor film;
+  SeriesPlayer series;
+  PanelChoices panels;
+  Messages messages;
+  SentWishes wishes;
+  LoopClock loop;
+  FolderDialog dialog;
+  bool wants_to_end = false;
+};
+
+// What the user asks of files and views.
+void openPath(WindowState& window, const std::string& path);
+// A state's file or a volume, as its name says.
+void openAny(WindowState& window, const std::vector<std::string>& paths);
+void savePicture(WindowState& window, const std::string& path);
+void saveState(WindowState& window, const std::string& name);
+// Fitted, from where its name says; the desk places it.
+void showFrom(WindowState& window, ViewOptions::From from);
+void toggleProjection(WindowState& window);
+
+// Takes what came from the desk (desk_news.cpp).
+void takeNews(WindowState& window);
+// All that was taken is on the screen now: its times are known.
+void notePresented(WindowState& window);
+// Tells the desk what is to be seen, where that is something else than last time.
+void sendWish(WindowState& window);
+// Why the picture is not the whole one yet, for its corner; empty: it is.
+std::string incompleteText(const WindowState& window);
+
+// The film and the series (playing.cpp). A frame takes the place of the view, which comes back when
+// the film ends; any change of the view ends it.
+void addKey(WindowState& window);
+void playFilm(WindowState& window);  // or ends it
+void showFrame(WindowState& window, int64_t frame);
+void endFilm(WindowState& window);
+void showPlayedFrame(WindowState& window);  // that is due
+void writeFilm(WindowState& window);        // or cancels
+// The next step of a series that plays, when the last one was seen.
+void playSeries(WindowState& window);
+
+}  // namespace sluice

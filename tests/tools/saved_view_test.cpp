@@ -1,0 +1,91 @@
+// `sluice render` draws saved views, and says by file and field what of them cannot be drawn.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+
+#include "tests/support/wrong_states.h"
+#include "tests/tools/program.h"
+
+namespace sluice {
+namespace {
+
+using testing::ContainsRegex;
+using testing::HasSubstr;
+
+class SavedView : public testing::Test {
+ protected:
+  void write(const std::string& name, const std::string& bytes) const {
+    std::ofstream(program_.folder / name, std::ios::binary) << bytes;
+  }
+  CommandResult render(const std::string& arguments) const {
+    return program_.run("render " + arguments + " --device cpu --size 32 -q");
+  }
+  const Program program_;
+};
+
+// A part of the table that the parser and the window are tested with as a whole.
+TEST_F(SavedView, wrongNumbersAreNamedByFileAndField) {
+  write("view.json", rightState());
+  EXPECT_EQ(render(std::string(kStateVolume) + " --state view.json -o a.png").output, "");
+  const std::vector<WrongState> states = wrongStates();
+  for (size_t i = 0; i < states.size(); i += 9) {
+    if (states[i].field == "/cross") continue;  // of the window alone
+    write("wrong.json", states[i].json);
+    const CommandResult result =
+        render(std::string(kStateVolume) + " --state wrong.json -o b_%d.png");
+    EXPECT_EQ(result.status, 1) << states[i].json;
+    EXPECT_THAT(result.output, HasSubstr("wrong.json: ")) << states[i].json;
+    EXPECT_EQ(std::count(result.output.begin(), result.output.end(), '\n'), 1) << result.output;
+  }
+  EXPECT_FALSE(program_.exists("b_0.png"));
+}
+
+TEST_F(SavedView, numbersBeyondTheVolumeAreTheFilesOrTheUsers) {
+  write("late.json", R"({"sluice": "view", "time": 5})");
+  write("large.json", R"({"sluice": "view", "crop": [0, 0, 0, 24, 20, 17]})");
+  const std::string volume = kStateVolume;
+  for (const char* output : {"a.png", "a_%d.png"}) {
+    const std::string late = render(volume + " --state late.json -o " + output).output;
+    EXPECT_THAT(late, HasSubstr("late.json: ")) << output;
+    EXPECT_THAT(late, ContainsRegex("time (step )?(from 0 to 0|5: the volume has 1)"));
+    EXPECT_THAT(render(volume + " --state large.json -o " + output).output,
+                HasSubstr("large.json: expected at most the volume's 16 voxels at /crop/5"));
+  }
+  // What the user says takes the place of the file's number.
+  EXPECT_EQ(render(volume + " --state late.json --time 0 -o b.png").output, "");
+  EXPECT_EQ(render(volume + " --state large.json --crop 0,0,0,9,9,9 -o c.png").output, "");
+}
+
+TEST_F(SavedView, keyFramesNeedNoUp) {
+  write("film.json", R"({"sluice": "view", "path": {"kind": "keys", "keys": [
+      {"seconds": 0.08, "camera": {"eye": [0, 0, 500], "target": [0, 0, 0]}},
+      {"camera": {"eye": [500, 0, 0], "target": [0, 0, 0]}}]}})");
+  EXPECT_EQ(render(std::string(kStateVolume) + " --state film.json -o f_%d.png").output, "");
+  EXPECT_TRUE(program_.exists("f_2.png"));
+}
+
+TEST_F(SavedView, aVolumeWhoseNameIsNoUtf8IsFound) {
+  ASSERT_EQ(program_.run("synth shells --dims 12x12x12 -o plain.nrrd -q").status, 0);
+  std::filesystem::rename(program_.folder / "plain.nrrd", program_.folder / "caf\xe9.nrrd");
+  write("view.json", R"({"sluice": "view", "volume": {"paths": [{"bytes": "caf\u00e9.nrrd"}]}})");
+  EXPECT_EQ(render("--state view.json -o a.png").output, "");
+  EXPECT_TRUE(program_.exists("a.png"));
+}
+
+// Its range is one value, which --range does not take.
+TEST_F(SavedView, theOptionsOfAConstantVolumeDrawItAgain) {
+  write("flat_8x8x8_uint8.raw", std::string(512, '*'));
+  const std::string render = "render flat_8x8x8_uint8.raw --device cpu --size 32 -o ";
+  for (const std::string mode : {"mip", "minip", "average", "composite"}) {
+    const std::string look =
+        program_.json(render + "a.png --mode " + mode).at("look").at("options");
+    const CommandResult again = program_.run(render + "b.png -q --mode " + mode + " " + look);
+    EXPECT_EQ(again.output, "") << mode << ": " << look;
+    EXPECT_EQ(readFile(program_.folder / "a.png"), readFile(program_.folder / "b.png")) << look;
+  }
+}
+
+}  // namespace
+}  // namespace sluice

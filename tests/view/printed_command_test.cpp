@@ -1,0 +1,65 @@
+#include "src/view/state/printed_command.h"
+
+#include <gtest/gtest.h>
+
+#include "src/base/shell_word.h"
+
+namespace sluice {
+namespace {
+
+TEST(PrintedCommand, saysAllOfAView) {
+  ViewedVolume volume;
+  volume.paths = {"my head.raw"};
+  volume.options.dims = std::array<int64_t, 3>{4, 5, 6};
+  volume.options.type = "u8";
+  ViewState state;
+  state.view.look_at = ViewOptions::LookAt{{-1, 0, 9}, {0, 0, 0}};
+  state.view.up = std::array{0.0, 1.0, 0.0};
+  state.look.threshold = 40;
+  state.background = std::array{1.0F, 0.0F, 0.5F};
+  EXPECT_EQ(renderCommand(volume, state, "", 800, 600, "out.png"),
+            "sluice render 'my head.raw' --dims=4,5,6 --type=u8 --threshold=40 --mode=composite "
+            "--projection=ortho --eye=-1,0,9 --target=0,0,0 --up=0,1,0 --zoom=1 "
+            "--background=ff0080 --size 800x600 -o out.png");
+}
+
+TEST(PrintedCommand, takesTheLookAsItIsDrawn) {
+  ViewedVolume volume;
+  volume.paths = {"a.nrrd"};
+  ViewState state;
+  state.look.mode = LookOptions::Mode::kMaximum;
+  const std::string command =
+      renderCommand(volume, state, "--map grey --range 0,255", 10, 10, "b.png");
+  EXPECT_NE(command.find("a.nrrd --map grey --range 0,255 --mode=mip --projection"),
+            std::string::npos)
+      << command;
+}
+
+TEST(PrintedCommand, saysPointsBesideTheFileOfTheirColours) {
+  LookOptions look;
+  look.transfer_file = "a.json";
+  look.opacities = {{1, 0}, {2, 0.5}};
+  const std::vector<OptionWord> words = lookWords(look);
+  EXPECT_EQ(words[0], OptionWord("--transfer", "a.json"));
+  EXPECT_EQ(words[1], OptionWord("--opacities", "1:0,2:0.5"));
+}
+
+TEST(PrintedCommand, namesThatBeginAsOptionsAreFiles) {
+  ViewedVolume volume;
+  volume.paths = {"-a.nrrd"};
+  const std::string command = renderCommand(volume, {}, "", 10, 10, "-o b.png");
+  EXPECT_NE(command.find("render ./-a.nrrd "), std::string::npos) << command;
+  EXPECT_NE(command.find("-o './-o b.png'"), std::string::npos) << command;
+  EXPECT_EQ(framesCommand("it's.json", 3, 4, "f_%d.png"),
+            "sluice render --state='it'\\''s.json' --size 3x4 -o f_%d.png");
+}
+
+TEST(PrintedCommand, quotesForAShell) {
+  EXPECT_EQ(shellWord("a/b-1.nrrd"), "a/b-1.nrrd");
+  EXPECT_EQ(shellWord("it's"), "'it'\\''s'");
+  EXPECT_EQ(shellWord(""), "''");
+  EXPECT_EQ(shellWord("$(rm)"), "'$(rm)'");
+}
+
+}  // namespace
+}  // namespace sluice
