@@ -122,6 +122,11 @@ void appendPart(const FrameSetup& setup, const BoxDraw& box, const ChunkTexels* 
   result.voxel_dx = dx;
   result.voxel_dy = dy;
   result.size = asFloats(hi - lo);
+  const OuterFaces outer = outerFaces(setup, box.cells);
+  for (size_t a = 0; a < 3; ++a) {
+    result.inside_lo[a] = outer.lo[a] ? 0 : kInside;
+    result.inside_hi[a] = outer.hi[a] ? 0 : kInside;
+  }
   if (chunk != nullptr) {
     setTexels(box, *chunk, result);
     if (leaps != nullptr) setLeaps(*leaps, texelsOf(box).lo, result);

@@ -56,6 +56,7 @@ void FrameTables::setRays(const FrameSetup& setup) {
   frame_.depth_step = static_cast<float>(setup.depth_step);
   frame_.slice_length = static_cast<float>(setup.slice_length);
   frame_.planes_a_voxel = static_cast<float>(setup.planes_a_voxel);
+  frame_.end_margin = static_cast<float>(endMargin(setup.planes_a_voxel));
   frame_.pixel_ray = {static_cast<float>(2 * setup.tan_half_x / setup.size.width),
                       static_cast<float>(-setup.tan_half_x),
                       static_cast<float>(2 * setup.tan_half_y / setup.size.height),

@@ -28,7 +28,7 @@ struct KernelFrame {
   float first_slice = 0, first_depth = 0, depth_step = 1, slice_length = 1;
   int clip_planes = 0;
   std::array<std::array<float, 4>, kMostClipPlanes> clip_plane{};  // normal, offset from origin0
-  float planes_a_voxel = 1;
+  float planes_a_voxel = 1, end_margin = 0;  // see endMargin()
   bool perspective = false, with_depth = false, counts_taken = false, labels = false;
   bool shades_every_sample = false, interpolates = false;
   std::array<float, 4> pixel_ray{};  // u tan x = x * [0] + [1], v tan y = y * [2] + [3]
@@ -59,6 +59,8 @@ struct KernelFrame {
   const float* row_growths = nullptr;  // 1 / the distance to the next
 };
 
+inline constexpr float kInside = 1e30F;
+
 // A box of cells with its chunk's texels, all of whose corners are there: at least two along each
 // axis. Coordinates count from the box's lower corner: of voxels along the volume's axes, of texels
 // along the chunk's.
@@ -75,6 +77,9 @@ struct KernelBox {
   Float3 stride{};                    // in bytes
   bool has_margin = false;            // a texel more on every side
   Float3 size{};                      // in voxels
+  // Maximum and minimum: 0 of a face at which rays enter or leave what is shown, else kInside, far
+  // beyond any slice.
+  Float3 inside_lo{}, inside_hi{};
   // Leaps, see leap_grid.h: distances of the chunk's bricks, null where every sample is taken;
   // brick coordinates of texel 0, the last brick, and strides in bricks.
   const uint8_t* distances = nullptr;

@@ -30,10 +30,11 @@ HWY_INLINE bool isExtreme(const KernelFrame& frame) {
   return frame.mode == Mode::kMip || frame.mode == Mode::kMinip;
 }
 
-// Where a packet's rays are sampled in a box: count samples at first + j * pace, texels.
+// Where a packet's rays are sampled in a box: count samples at first + clamp(j, from, to) * pace,
+// texels.
 struct Line {
   V3 first, pace;
-  V count;
+  V count, from, to;
 };
 HWY_INLINE Line lineOf(const KernelFrame& frame, const KernelBox& box, const Positions& positions,
                        const Packet& packet) {
@@ -43,7 +44,8 @@ HWY_INLINE Line lineOf(const KernelFrame& frame, const KernelBox& box, const Pos
     const V3 start{hn::MulAdd(planes.from, planes.way.x, planes.start.x),
                    hn::MulAdd(planes.from, planes.way.y, planes.start.y),
                    hn::MulAdd(planes.from, planes.way.z, planes.start.z)};
-    return {ordered(start, box.axes), ordered(planes.way, box.axes), planes.count};
+    return {ordered(start, box.axes), ordered(planes.way, box.axes), planes.count, planes.first,
+            planes.last};
   }
   const Slices slices = slicesIn(frame, box, packet, step);
   const V3 start = ordered(voxelsOf(positions, packet), box.axes);
@@ -51,6 +53,8 @@ HWY_INLINE Line lineOf(const KernelFrame& frame, const KernelBox& box, const Pos
   return {{hn::MulAdd(slices.from, pace.x, start.x), hn::MulAdd(slices.from, pace.y, start.y),
            hn::MulAdd(slices.from, pace.z, start.z)},
           pace,
+          slices.count,
+          hn::Zero(F()),
           slices.count};
 }
 
@@ -72,8 +76,10 @@ HWY_INLINE void drawPacket(const KernelFrame& frame, const KernelBox& box,
   const Cells cells = cellsOf(box);
   for (int j = 0; j < static_cast<int>(most); ++j) {
     const V turn = all(static_cast<float>(j));
-    V3 at{hn::MulAdd(turn, line.pace.x, line.first.x), hn::MulAdd(turn, line.pace.y, line.first.y),
-          hn::MulAdd(turn, line.pace.z, line.first.z)};
+    const V place = hn::Min(hn::Max(turn, line.from), line.to);
+    V3 at{hn::MulAdd(place, line.pace.x, line.first.x),
+          hn::MulAdd(place, line.pace.y, line.first.y),
+          hn::MulAdd(place, line.pace.z, line.first.z)};
     if (extreme) at = {settled(at.x), settled(at.y), settled(at.z)};
     const V value = valueAt<kType>(box, placeAt(cells, clamped(cells, at)));
     M counts = hn::Lt(turn, line.count);

@@ -156,19 +156,41 @@ HWY_INLINE Slices slicesIn(const KernelFrame& frame, const KernelBox& box, const
   return {hn::Sub(from, all(box.first_slice)), count};
 }
 
-// Voxel planes, see FrameSetup: sample j of [from, from + count) lies at
-// clamp(start + (from + j) * way, 0, size) voxels from the box's lower corner.
+// Voxel planes, see FrameSetup: sample j of [0, count) lies at
+// clamp(start + (from + clamp(j, first, last)) * way, 0, size) voxels from the box's lower corner.
 struct Planes {
   V3 start, way;
   V from, count;
+  V first, last;  // the ends of the ray's way through what is shown, where they lie in the box
 };
-HWY_INLINE void reachAxis(float size, V at, V step, V& from, V& to) {
+// A ray's way through a box, in slices from the box's first one on, whole or not.
+struct Reach {
+  V from, to;
+  // The same of those faces alone at which the ray enters and leaves what is shown. Where they are
+  // `from` and `to`, those are ends of the ray's way.
+  V enters, leaves;
+};
+HWY_INLINE void reachAxis(const KernelBox& box, size_t axis, V at, V step, Reach& reach) {
   step = safe(step);
   const V edge = all(static_cast<float>(kPlaneEdge));
   const V at_lo = hn::Div(hn::Sub(hn::Neg(edge), at), step);
-  const V at_hi = hn::Div(hn::Sub(hn::Add(all(size), edge), at), step);
-  from = hn::Max(from, hn::Min(at_lo, at_hi));
-  to = hn::Min(to, hn::Max(at_lo, at_hi));
+  const V at_hi = hn::Div(hn::Sub(hn::Add(all(box.size[axis]), edge), at), step);
+  const V enter = hn::Min(at_lo, at_hi), leave = hn::Max(at_lo, at_hi);
+  const M up = hn::Gt(step, hn::Zero(F()));
+  const V lo = all(box.inside_lo[axis]), hi = all(box.inside_hi[axis]);
+  reach.from = hn::Max(reach.from, enter);
+  reach.to = hn::Min(reach.to, leave);
+  reach.enters = hn::Max(reach.enters, hn::Sub(enter, hn::IfThenElse(up, lo, hi)));
+  reach.leaves = hn::Min(reach.leaves, hn::Add(leave, hn::IfThenElse(up, hi, lo)));
+}
+// What a clip plane or the eye cuts off ends the way, wherever it is.
+HWY_INLINE void cutBefore(V at, Reach& reach) {
+  reach.from = hn::Max(reach.from, at);
+  reach.enters = hn::Max(reach.enters, at);
+}
+HWY_INLINE void cutBehind(V at, Reach& reach) {
+  reach.to = hn::Min(reach.to, at);
+  reach.leaves = hn::Min(reach.leaves, at);
 }
 // Whole numbers from a bounded interval of the main axis.
 HWY_INLINE Planes planesIn(const KernelFrame& frame, const KernelBox& box,
@@ -178,12 +200,12 @@ HWY_INLINE Planes planesIn(const KernelFrame& frame, const KernelBox& box,
   const M second = hn::Gt(pace.y, hn::Mul(tie, pace.x));
   const M third = hn::Gt(pace.z, hn::Mul(tie, hn::IfThenElse(second, pace.y, pace.x)));
   const V3 at = voxelsOf(positions, packet);
-  // Slices from the box's first one on, whole or not.
-  V from = all(-1e15F), to = all(1e15F);
-  reachAxis(box.size[0], at.x, step.x, from, to);
-  reachAxis(box.size[1], at.y, step.y, from, to);
-  reachAxis(box.size[2], at.z, step.z, from, to);
-  if (frame.first_slice > 0) from = hn::Max(from, all(frame.first_slice - box.first_slice));
+  const V far = all(1e15F), beyond = all(kInside), none = all(2 * kInside);
+  Reach reach{hn::Neg(far), far, hn::Neg(none), none};
+  reachAxis(box, 0, at.x, step.x, reach);
+  reachAxis(box, 1, at.y, step.y, reach);
+  reachAxis(box, 2, at.z, step.z, reach);
+  if (frame.first_slice > 0) cutBefore(all(frame.first_slice - box.first_slice), reach);
   if (frame.clip_planes > 0) {
     const Float3 start{0, 0, 0};
     const V3 origin =
@@ -195,8 +217,8 @@ HWY_INLINE Planes planesIn(const KernelFrame& frame, const KernelBox& box,
       const V t = hn::Sub(hn::Div(hn::Sub(all(plane[3]), dot3(normal, origin)), safe(toward)),
                           all(0.5F + box.first_slice));
       const M against = hn::Lt(toward, hn::Zero(F()));
-      from = hn::IfThenElse(against, hn::Max(from, t), from);
-      to = hn::IfThenElse(against, to, hn::Min(to, t));
+      cutBefore(hn::IfThenElse(against, t, hn::Neg(none)), reach);
+      cutBehind(hn::IfThenElse(against, none, t), reach);
     }
   }
   const V speed = hn::IfThenElse(third, step.z, hn::IfThenElse(second, step.y, step.x));
@@ -208,10 +230,18 @@ HWY_INLINE Planes planesIn(const KernelFrame& frame, const KernelBox& box,
                  hn::NegMulAdd(slices, step.z, at.z)},
                 {hn::Mul(step.x, scale), hn::Mul(step.y, scale), hn::Mul(step.z, scale)},
                 hn::Zero(F()),
+                hn::Zero(F()),
+                hn::Zero(F()),
                 hn::Zero(F())};
-  const M meets = hn::And(packet.inside, hn::Le(from, to));
-  result.from = hn::Ceil(hn::Mul(way, hn::MulAdd(from, speed, place)));
-  const V last = hn::Floor(hn::Mul(way, hn::MulAdd(to, speed, place)));
+  const M meets = hn::And(packet.inside, hn::Le(reach.from, reach.to));
+  const M enters = hn::Ge(reach.enters, reach.from), leaves = hn::Le(reach.leaves, reach.to);
+  const V margin = all(frame.end_margin);
+  const V from = hn::Mul(way, hn::MulAdd(reach.from, speed, place));
+  const V to = hn::Mul(way, hn::MulAdd(reach.to, speed, place));
+  result.from = hn::IfThenElse(enters, hn::Floor(hn::Add(from, margin)), hn::Ceil(from));
+  const V last = hn::IfThenElse(leaves, hn::Ceil(hn::Sub(to, margin)), hn::Floor(to));
+  result.first = hn::IfThenElse(enters, hn::Sub(from, result.from), hn::Neg(beyond));
+  result.last = hn::IfThenElse(leaves, hn::Sub(to, result.from), beyond);
   result.count = hn::IfThenElseZero(
       meets, hn::Max(hn::Add(hn::Sub(last, result.from), all(1.0F)), hn::Zero(F())));
   return result;

@@ -9,6 +9,7 @@
 // face, exactly one takes each sample, because both compute the face's slice from the same numbers.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -63,11 +64,18 @@ using LookUpPtr = std::shared_ptr<const LookUp>;
 
 // Where a ray is sampled. Composite and average: at the view's slices. Maximum and minimum: where
 // it meets the voxel planes of the axis that it runs along most (in voxels; of axes that are alike
-// to kAxisTie the first), and `planes_a_voxel` - 1 places between two of them, so that along an
-// axis of the volume the extreme is that of the voxels themselves and anywhere no two samples are
-// more than a voxel apart on any axis. The faces of boxes belong to them there, to kPlaneEdge of a
-// voxel: what two boxes share counts once.
-inline constexpr double kAxisTie = 1e-4, kPlaneEdge = 1e-3;
+// to kAxisTie the first), at `planes_a_voxel` - 1 places between two of them, and at both ends of
+// its way through what is shown: the cells FrameSetup::shown, cut by the clip planes and by the
+// first slice in front of the eye. So along an axis of the volume the extreme is that of the voxels
+// themselves, anywhere no two samples are more than a voxel apart on any axis, and a ray through a
+// side face has the value there. An end within kEndMargin of a voxel plane counts as that plane's
+// sample. The faces of boxes belong to them there, to kPlaneEdge of a voxel; a sample that two
+// boxes share changes the extreme once.
+inline constexpr double kAxisTie = 1e-4, kPlaneEdge = 1e-3, kEndMargin = 2 * kPlaneEdge;
+// The same margin in places, of which a voxel has `planes_a_voxel`.
+constexpr double endMargin(int planes_a_voxel) {
+  return std::min(kEndMargin * planes_a_voxel, 0.25);
+}
 
 struct FrameSetup {
   PictureSize size;
@@ -84,6 +92,7 @@ struct FrameSetup {
   DeviceType type = DeviceType::kU8;
   LookUpPtr look_up = std::make_shared<const LookUp>();
   Mode mode = Mode::kComposite;
+  Box3 shown;                        // cells that may show: the volume's, or those of a crop
   int planes_a_voxel = 1;            // maximum and minimum, see above
   double opacity_threshold = 1;      // a ray ends inside a box at this opacity; 1: never
   bool with_depth = false;           // composite only: the picture gets a depth channel
@@ -114,6 +123,20 @@ struct BoxDraw {
   Vec3i texel_origin;
   uint32_t layer = 0;  // of a part, see partial_picture.h
 };
+
+// Which faces of a box lie on faces of the cells that may show: at those a ray enters or leaves
+// what is shown, at the others it goes on to the next box.
+struct OuterFaces {
+  std::array<bool, 3> lo{}, hi{};
+};
+constexpr OuterFaces outerFaces(const FrameSetup& setup, const Box3& cells) {
+  OuterFaces outer;
+  for (int a = 0; a < 3; ++a) {
+    outer.lo[static_cast<size_t>(a)] = cells.lo[a] <= setup.shown.lo[a];
+    outer.hi[static_cast<size_t>(a)] = cells.hi[a] >= setup.shown.hi[a];
+  }
+  return outer;
+}
 
 // A square grid of side x side cells on a plane of index space, seen from the eye: rows x, y and w
 // of clip space, from (x, y, 1) in cells; cell (i, j) is [i, i + 1) x [j, j + 1).

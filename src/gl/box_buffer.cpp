@@ -82,7 +82,11 @@ void addBox(const FrameSetup& setup, const BoxDraw& box, TexelWriter& out) {
   out.add(hi - rays.origin0, turn);
   const double k = first_k + 0.5;
   const Vec3d texel_centre{0.5, 0.5, 0.5};
-  out.add(ordered(rays.origin0 + rays.step0 * k) - toDouble(box.texel_origin) + texel_centre);
+  const OuterFaces outer = outerFaces(setup, box.cells);
+  int faces = 0;
+  for (size_t a = 0; a < 3; ++a) faces |= (outer.lo[a] ? 1 : 0) << a | (outer.hi[a] ? 8 : 0) << a;
+  out.add(ordered(rays.origin0 + rays.step0 * k) - toDouble(box.texel_origin) + texel_centre,
+          faces);
   out.add(ordered(rays.origin_dx + rays.step_dx * k));
   out.add(ordered(rays.origin_dy + rays.step_dy * k));
 }

@@ -11,6 +11,9 @@ const char* const kInputsText = R"(
 FLAT vec3 box_lo, box_hi;
 FLAT vec3 texel0, texel_dx, texel_dy;  // of the texture, 0 to 1; with PLANES in texels
 FLAT int first_k, turn;
+#if PLANES
+FLAT int outer_faces;         // see BoxBuffer
+#endif
 FLAT vec3 texel_size;         // 1 / texels of the chunk
 FLAT vec3 origin_dx, origin_dy, step0;
 FLAT float first_slice;
@@ -73,7 +76,11 @@ void main() {
   turn = int(hi.w);
   texel_size = chunk_texel_size;
   vec3 texel_unit = PLANES == 1 ? vec3(1.0) : texel_size;
-  texel0 = texelFetch(boxes, at + 10).xyz * texel_unit;
+  vec4 texel_ray = texelFetch(boxes, at + 10);
+  texel0 = texel_ray.xyz * texel_unit;
+#if PLANES
+  outer_faces = int(texel_ray.w);
+#endif
   texel_dx = texelFetch(boxes, at + 11).xyz * texel_unit;
   texel_dy = texelFetch(boxes, at + 12).xyz * texel_unit;
   origin_dx = view_origin_dx;
@@ -147,13 +154,21 @@ ivec2 slices(vec3 origin, vec3 step) {
 )";
 
 // The voxel planes that this pixel's ray meets in the box, see FrameSetup: sample j of [from, to)
-// lies at clamp(start + j * along, 0, size) voxels from the box's lower corner, which is texel
-// `corner`. Along the volume's axes.
+// lies at clamp(start + clamp(j, ends.x, ends.y) * along, 0, size) voxels from the box's lower
+// corner, which is texel `corner`. `ends` are those of the ray's way through what is shown, where
+// they lie in the box. Along the volume's axes.
 const char* const kPlanesText = R"(
 #if PLANES
-uniform float planes_a_voxel;
+uniform float planes_a_voxel, end_margin;
 
-ivec2 planes(vec2 pixel, out vec3 start, out vec3 along, out vec3 size, out vec3 corner) {
+// 0 for an outer face, else far beyond any slice.
+vec3 inside(int faces) {
+  return vec3((faces & 1) != 0 ? 0.0 : 1e30, (faces & 2) != 0 ? 0.0 : 1e30,
+              (faces & 4) != 0 ? 0.0 : 1e30);
+}
+
+ivec2 planes(vec2 pixel, out vec3 start, out vec3 along, out vec3 size, out vec3 corner,
+             out vec2 ends) {
   const float kEdge = 1e-3, kTie = 1.0 + 1e-4;
   vec3 origin = pixel.x * origin_dx + pixel.y * origin_dy;
   vec3 step = step0 + pixel.x * step_dx + pixel.y * step_dy;
@@ -173,23 +188,43 @@ ivec2 planes(vec2 pixel, out vec3 start, out vec3 along, out vec3 size, out vec3
   vec3 enter = min(at_lo, at_hi), leave = max(at_lo, at_hi);
   float from = max(enter.x, max(enter.y, enter.z));
   float to = min(leave.x, min(leave.y, leave.z));
-  if (first_slice > 0.0) from = max(from, first_slice - float(first_k));
+  // The same of those faces alone at which the ray enters and leaves what is shown.
+  bvec3 up = greaterThan(safe, vec3(0.0));
+  vec3 inside_lo = inside(outer_faces), inside_hi = inside(outer_faces >> 3);
+  enter -= mix(inside_hi, inside_lo, up);
+  leave += mix(inside_lo, inside_hi, up);
+  float enters = max(enter.x, max(enter.y, enter.z));
+  float leaves = min(leave.x, min(leave.y, leave.z));
+  if (first_slice > 0.0) {
+    from = max(from, first_slice - float(first_k));
+    enters = max(enters, first_slice - float(first_k));
+  }
 #if CLIP_PLANES > 0
   for (int i = 0; i < CLIP_PLANES; ++i) {
     float toward = dot(clip_planes[i].xyz, step);
     float t = (clip_planes[i].w - dot(clip_planes[i].xyz, origin)) /
               (abs(toward) < 1e-12 ? 1e-12 : toward) - 0.5 - float(first_k);
-    if (toward < 0.0) from = max(from, t);
-    else to = min(to, t);
+    if (toward < 0.0) {
+      from = max(from, t);
+      enters = max(enters, t);
+    } else {
+      to = min(to, t);
+      leaves = min(leaves, t);
+    }
   }
 #endif
+  ends = vec2(0.0);
   if (!(from <= to)) return ivec2(0);
   float speed = dot(step, axis), place = dot(at, axis);
   float way = speed < 0.0 ? -planes_a_voxel : planes_a_voxel;
   start = at - place / speed * step;
   along = step / (way * speed);
-  return ivec2(int(ceil(way * (place + from * speed))),
-               int(floor(way * (place + to * speed))) + 1);
+  bool is_first = enters >= from, is_last = leaves <= to;
+  from = way * (place + from * speed);
+  to = way * (place + to * speed);
+  ends = vec2(is_first ? from : -1e30, is_last ? to : 1e30);
+  return ivec2(int(is_first ? floor(from + end_margin) : ceil(from)),
+               int(is_last ? ceil(to - end_margin) : floor(to)) + 1);
 }
 #endif
 )";
@@ -198,7 +233,8 @@ const char* const kCountText = R"(
 #if PLANES
 void main() {
   vec3 start, along, size, corner;
-  ivec2 range = planes(gl_FragCoord.xy, start, along, size, corner);
+  vec2 ends;
+  ivec2 range = planes(gl_FragCoord.xy, start, along, size, corner, ends);
   if (range.x >= range.y) discard;
   result = vec4(float(range.y - range.x));
 }

@@ -114,6 +114,7 @@ void GlDevice::setView(GlProgram& program) {
   program.set("view_step_dy", rays.step_dy);
   program.set("view_first_slice", static_cast<double>(setup_.first_slice));
   program.set("planes_a_voxel", static_cast<double>(setup_.planes_a_voxel));
+  program.set("end_margin", endMargin(setup_.planes_a_voxel));
   std::vector<float> planes;
   for (const ClipPlane& plane : setup_.clip_planes) {
     for (const float v : asFloats(plane.normal)) planes.push_back(v);

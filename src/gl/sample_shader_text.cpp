@@ -177,7 +177,8 @@ void main() {
   vec2 pixel = gl_FragCoord.xy;
 #if PLANES
   vec3 start, way, size, corner;
-  ivec2 range = planes(pixel, start, way, size, corner);
+  vec2 ends;
+  ivec2 range = planes(pixel, start, way, size, corner, ends);
   if (range.x >= range.y) discard;
 #else
   vec3 step = step0 + pixel.x * step_dx + pixel.y * step_dy;
@@ -214,7 +215,8 @@ void main() {
       taken.r += 1.0;
 #endif
 #if PLANES
-      at = textureOrder(corner + clamp(start + float(k) * way, vec3(0.0), size)) * texel_size;
+      float place = clamp(float(k), ends.x, ends.y);
+      at = textureOrder(corner + clamp(start + place * way, vec3(0.0), size)) * texel_size;
 #else
       at = first + float(k - first_k) * along;
 #endif

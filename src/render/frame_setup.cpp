@@ -75,6 +75,7 @@ int64_t firstSlice(const View& view) {
 FrameSetup setupOf(const View& view, const VolumeLayout& layout, const OpacityTable& table,
                    LookUpPtr look_up, const ValueMap& map, const FrameOptions& options) {
   FrameSetup setup = viewSetup(view, layout, options.clip_planes);
+  setup.shown = cropCells(options, layout.dims);
   setup.type = map.type;
   setup.look_up = std::move(look_up);
   setup.mode = options.mode;
@@ -123,6 +124,7 @@ FrameSetup viewSetup(const View& view, const VolumeLayout& layout,
   setup.first_depth = view.first_depth;
   setup.depth_step = view.step;
   setup.slice_length = view.step / finestSpacing(layout);
+  setup.shown = boxOf(layout.dims - Vec3i{1, 1, 1});
   setup.clip_planes = clipPlanes(planes, layout);
   return setup;
 }

@@ -59,6 +59,29 @@ struct PlainDevice::Ray {
     if (!(from < to)) return {0, 0};
     return {static_cast<int64_t>(from), static_cast<int64_t>(to)};
   }
+  // Where the ray, origin + t * step, enters and leaves what is shown, see FrameSetup; the first is
+  // the greater where it does not.
+  std::array<double, 2> wayThroughShown(const FrameSetup& setup) const {
+    double enter = setup.first_slice > 0 ? static_cast<double>(setup.first_slice) + 0.5 : -1e15;
+    double leave = 1e15;
+    for (int a = 0; a < 3; ++a) {
+      const double lo = static_cast<double>(setup.shown.lo[a]) - kPlaneEdge;
+      const double hi = static_cast<double>(setup.shown.hi[a]) + kPlaneEdge;
+      const double at_lo = (lo - origin[a]) / safe(step[a]);
+      const double at_hi = (hi - origin[a]) / safe(step[a]);
+      enter = std::max(enter, std::min(at_lo, at_hi));
+      leave = std::min(leave, std::max(at_lo, at_hi));
+    }
+    for (const ClipPlane& plane : setup.clip_planes) {
+      const double s = dot(plane.normal, step);
+      const double t = (plane.offset - dot(plane.normal, origin)) / safe(s);
+      if (s < 0)
+        enter = std::max(enter, t);
+      else
+        leave = std::min(leave, t);
+    }
+    return {enter, leave};
+  }
 };
 
 // Where the ray is sampled inside the box, see FrameSetup: visit(position, slice) until false.
@@ -73,18 +96,24 @@ void PlainDevice::eachSample(const Ray& ray, const Box3& cells, Visit&& visit) c
   int main = 0;
   for (int a = 1; a < 3; ++a)
     if (std::abs(ray.step[a]) > (1 + kAxisTie) * std::abs(ray.step[main])) main = a;
-  const int64_t parts = setup_.planes_a_voxel;
-  for (int64_t i = cells.lo[main] * parts; i <= cells.hi[main] * parts; ++i) {
-    const double place = static_cast<double>(i) / static_cast<double>(parts);
+  const auto [enter, leave] = ray.wayThroughShown(setup_);
+  if (enter > leave) return;
+  // Places on the main axis: whole numbers are those that are sampled between the two ends.
+  const double parts = setup_.planes_a_voxel, margin = endMargin(setup_.planes_a_voxel);
+  const auto placeOf = [&](double t) { return (ray.origin[main] + ray.step[main] * t) * parts; };
+  const double lowest = std::min(placeOf(enter), placeOf(leave));
+  const double highest = std::max(placeOf(enter), placeOf(leave));
+  const auto from = static_cast<int64_t>(std::floor(lowest + margin));
+  const auto to = static_cast<int64_t>(std::ceil(highest - margin));
+  for (int64_t i = from; i <= to; ++i) {
+    const double place = std::clamp(static_cast<double>(i), lowest, highest) / parts;
     const double t = (place - ray.origin[main]) / ray.step[main];
-    if (setup_.first_slice > 0 && t - 0.5 < static_cast<double>(setup_.first_slice)) continue;
     Vec3d p = ray.origin + ray.step * t;
-    bool counts = std::ranges::all_of(setup_.clip_planes, [&](const ClipPlane& plane) {
-      return dot(plane.normal, p) <= plane.offset;
-    });
+    bool counts = true;
     for (int a = 0; a < 3; ++a) {
+      constexpr double kEdge = kPlaneEdge + 1e-9;  // the ends lie on it
       const auto lo = static_cast<double>(cells.lo[a]), hi = static_cast<double>(cells.hi[a]);
-      counts = counts && p[a] >= lo - kPlaneEdge && p[a] <= hi + kPlaneEdge;
+      counts = counts && p[a] >= lo - kEdge && p[a] <= hi + kEdge;
       p[a] = std::clamp(p[a], lo, hi);
     }
     if (counts && !visit(p, t - 0.5)) return;

@@ -93,45 +93,55 @@ class Renderer {
     bool counts, near_face;
   };
 
-  // Calls sample(Sample) front to back where the mode says.
-  template <class F>
-  void eachProjected(Vec3d start, Vec3d direction, F&& sample) const {
-    if (scene_.mode == ReferenceMode::kAverage)
-      eachSample(start, direction, sample);
-    else
-      eachOnPlanes(start, direction, sample);
+  // The depth of the first slice, or of the first in front of a perspective eye inside the volume.
+  double nearestDepth() const {
+    if (view_.projection == Projection::kOrtho || view_.first_depth > 0)
+      return -std::numeric_limits<double>::infinity();
+    int64_t k = 0;
+    while (view_.first_depth + (static_cast<double>(k) + 0.5) * view_.step <= 0) ++k;
+    return view_.first_depth + (static_cast<double>(k) + 0.5) * view_.step;
   }
 
-  // Of the voxel planes of one axis.
+  // Calls sample(position) at both ends of the ray's way through what is shown, grown by
+  // `grown_vox`, and between them on the voxel planes of one axis.
   template <class F>
-  void eachOnPlanes(Vec3d start, Vec3d direction, F&& sample) const {
+  void eachOnPlanes(Vec3d start, Vec3d direction, double grown_vox, F&& sample) const {
     const Vec3d from = index_from_world_(start);
     const Vec3d d = index_from_world_(start + direction) - from;
+    double enter = nearestDepth(), leave = std::numeric_limits<double>::infinity();
+    // What is shown lies where a + b * depth >= 0.
+    const auto keep = [&](double a, double b) {
+      if (b > 0)
+        enter = std::max(enter, -a / b);
+      else if (b < 0)
+        leave = std::min(leave, -a / b);
+      else if (a < 0)
+        leave = -std::numeric_limits<double>::infinity();
+    };
     int axis = 0;
-    for (int a = 1; a < 3; ++a)
+    for (int a = 0; a < 3; ++a) {
+      const double edge = kPlaneEdge + grown_vox;
+      keep(from[a] - (static_cast<double>(crop_.lo[a]) - edge), d[a]);
+      keep(static_cast<double>(crop_.hi[a] - 1) + edge - from[a], -d[a]);
       if (std::abs(d[a]) > (1 + 1e-4) * std::abs(d[axis])) axis = a;
+    }
+    for (const ReferenceClipPlane& plane : scene_.clip_planes)
+      keep(plane.offset + grown_vox * finest_ * length(plane.normal) - dot(plane.normal, start),
+           -dot(plane.normal, direction));
+    if (enter > leave) return;
+    sample(clampedTo(crop_, from + d * enter));
     const auto parts = static_cast<int64_t>(std::ceil(finest_ / view_.step - 1e-6));
     const double a_voxel = static_cast<double>(std::max<int64_t>(1, parts));
     const auto count = static_cast<int64_t>(static_cast<double>(layout_.dims[axis] - 1) * a_voxel);
-    // Where the first slice in front of a perspective eye is.
-    double nearest = -std::numeric_limits<double>::infinity();
-    if (view_.projection == Projection::kPerspective && view_.first_depth <= 0) {
-      int64_t k = 0;
-      while (view_.first_depth + (static_cast<double>(k) + 0.5) * view_.step <= 0) ++k;
-      nearest = view_.first_depth + (static_cast<double>(k) + 0.5) * view_.step;
-    }
-    const double near = scene_.rounding.face_vox;
     for (int64_t i = 0; i <= count; ++i) {
-      const double depth = (static_cast<double>(i) / a_voxel - from[axis]) / d[axis];
-      if (depth < nearest) continue;
-      const Vec3d world = start + direction * depth;
-      Vec3d p = index_from_world_(world);
-      p[axis] = static_cast<double>(i) / a_voxel;
-      if (!counts(p, world, near, kPlaneEdge)) continue;
-      const bool inside = counts(p, world, 0, kPlaneEdge);
-      const bool near_face = near > 0 && !counts(p, world, -near, kPlaneEdge);
-      if (!sample(Sample{clampedTo(crop_, p), depth, inside, near_face})) return;
+      const double place = static_cast<double>(i) / a_voxel;
+      const double depth = (place - from[axis]) / d[axis];
+      if (depth < enter || depth > leave) continue;
+      Vec3d p = from + d * depth;
+      p[axis] = place;
+      sample(clampedTo(crop_, p));
     }
+    sample(clampedTo(crop_, from + d * leave));
   }
 
   // Calls sample(Sample) at the slices, front to back, until it returns false.
@@ -151,11 +161,11 @@ class Renderer {
     }
   }
 
-  // Of a volume grown by `grown_vox` on all sides, and by `edge_vox` where that is a box's.
-  bool counts(Vec3d p, Vec3d world, double grown_vox, double edge_vox = 0) const {
+  // Of a volume grown by `grown_vox` on all sides.
+  bool counts(Vec3d p, Vec3d world, double grown_vox) const {
     for (int a = 0; a < 3; ++a)
-      if (!(p[a] >= static_cast<double>(crop_.lo[a]) - grown_vox - edge_vox &&
-            p[a] < static_cast<double>(crop_.hi[a] - 1) + grown_vox + edge_vox))
+      if (!(p[a] >= static_cast<double>(crop_.lo[a]) - grown_vox &&
+            p[a] < static_cast<double>(crop_.hi[a] - 1) + grown_vox))
         return false;
     return std::all_of(scene_.clip_planes.begin(), scene_.clip_planes.end(),
                        [&](const auto& plane) {
@@ -271,17 +281,27 @@ class Renderer {
   Pixel project(Vec3d start, Vec3d direction) const {
     // What takes part; the same without what rounding may leave out, and with what it may take in.
     Projected exact, least, most;
-    eachProjected(start, direction, [&](const Sample& sample) {
-      const double value = values_.at(sample.p);
+    const auto take = [&](Vec3d p, bool surely, bool exactly, bool perhaps) {
+      const double value = values_.at(p);
       const double reach = scene_.rounding.end_value;
       const bool shows = opacityAt(scene_.transfer, value) > 0;
       const bool shows_below = opacityAt(scene_.transfer, value - reach) > 0;
       const bool shows_above = opacityAt(scene_.transfer, value + reach) > 0;
-      if (shows && sample.counts) exact.take(scene_.mode, value);
-      if (shows && shows_below && shows_above && !sample.near_face) least.take(scene_.mode, value);
-      if (shows || shows_below || shows_above) most.take(scene_.mode, value);
-      return true;
-    });
+      if (exactly && shows) exact.take(scene_.mode, value);
+      if (surely && shows && shows_below && shows_above) least.take(scene_.mode, value);
+      if (perhaps && (shows || shows_below || shows_above)) most.take(scene_.mode, value);
+    };
+    if (scene_.mode == ReferenceMode::kAverage) {
+      eachSample(start, direction, [&](const Sample& sample) {
+        take(sample.p, !sample.near_face, sample.counts, true);
+        return true;
+      });
+    } else {
+      const double near = scene_.rounding.face_vox;
+      eachOnPlanes(start, direction, 0, [&](Vec3d p) { take(p, false, true, false); });
+      eachOnPlanes(start, direction, -near, [&](Vec3d p) { take(p, true, false, false); });
+      eachOnPlanes(start, direction, near, [&](Vec3d p) { take(p, false, false, true); });
+    }
     Pixel out = pixelOf(exact);
     for (const Pixel& other : {pixelOf(least), pixelOf(most)}) {
       out.doubt = std::max(out.doubt, std::abs(other.opacity - out.opacity));

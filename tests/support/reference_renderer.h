@@ -3,10 +3,11 @@
 // double-precision loops over the pixels and the slices of a View. No blocks, no skipping, no
 // tables, and nothing of the renderer but those structs.
 //
-// Maxima and minima are taken where a ray meets the voxel planes of the axis that it runs along
-// most (in voxels; the first of those alike to 1e-4), or at ceil(1 / step) places a voxel there,
-// the step in units of the finest spacing; on the faces too, to a thousandth of a voxel. Everything
-// else is taken at the slices, where a sample with labels has the value of the greatest weight.
+// Maxima and minima are taken where a ray enters what is shown, where it leaves it, and between the
+// two where it meets the voxel planes of the axis that it runs along most (in voxels; the first of
+// those alike to 1e-4), or at ceil(1 / step) places a voxel there, the step in units of the finest
+// spacing. Faces are shown too, to a thousandth of a voxel. Everything else is taken at the slices,
+// where a sample with labels has the value of the greatest weight.
 //
 // A slice's sample counts where 0 <= p[a] < dims[a] - 1 on every axis (p: its position in voxels),
 // inside the crop box and kept by every clip plane. Infinities count as +-1e30; a sample with any

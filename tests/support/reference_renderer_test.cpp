@@ -117,6 +117,22 @@ TEST(ReferenceRenderer, compositesALinearRampSampleBySample) {
   EXPECT_NEAR(picture.depth[0], depth / opacity, 1e-5);
 }
 
+// The greatest value of this ramp lies where rays leave through a side face, between voxel planes.
+TEST(ReferenceRenderer, extremesAreTakenWhereRaysPassSideFaces) {
+  const auto ramp =
+      makeMemorySource<float>(Vec3i{9, 9, 21}, [](auto x, auto, auto) { return 10 * x; });
+  View view = alongMinusZ({4, 4, 10}, 20, 0.05, {3, 3});
+  view.forward = normalized(Vec3d{0.3, 0, -1});
+  view.right = normalized(Vec3d{1, 0, 0.3});
+  view.eye = Vec3d{4.2, 4, 15.1} - view.forward * 30;
+  view.first_depth = 20;
+  for (const auto& [mode, expected] :
+       {std::pair{ReferenceMode::kMaximum, 80.0}, {ReferenceMode::kMinimum, 42 - 4.9 * 3.0}}) {
+    const auto picture = renderReference(*ramp, view, sceneOf(redRamp(0, 100, -1), mode));
+    EXPECT_NEAR(picture.at(1, 1)[0], expected / 100, 1e-4);
+  }
+}
+
 TEST(ReferenceRenderer, modesShowTheExtremesAndTheMeanOfARamp) {
   VolumeLayout layout;
   layout.dims = {3, 3, 11};
