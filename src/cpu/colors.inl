@@ -113,7 +113,7 @@ struct Gradient {
   V3 g;
   V unit, squared;
 };
-HWY_INLINE Gradient gradientOf(const KernelFrame& frame, const KernelBox& box, V3 difference) {
+HWY_INLINE Gradient gradientOf(const KernelBox& box, V3 difference) {
   // In units of the steepest axis, since squares of the values themselves may overflow.
   const V unit = hn::Max(
       hn::Max(hn::Abs(difference.x), hn::Max(hn::Abs(difference.y), hn::Abs(difference.z))),
@@ -121,9 +121,7 @@ HWY_INLINE Gradient gradientOf(const KernelFrame& frame, const KernelBox& box, V
   const V scale = hn::Div(all(1.0F), unit);
   difference = {hn::Mul(difference.x, scale), hn::Mul(difference.y, scale),
                 hn::Mul(difference.z, scale)};
-  const Float3& a = frame.camera_gradient[static_cast<size_t>(box.axes[0])];
-  const Float3& b = frame.camera_gradient[static_cast<size_t>(box.axes[1])];
-  const Float3& c = frame.camera_gradient[static_cast<size_t>(box.axes[2])];
+  const auto& [a, b, c] = box.gradient;
   const V3 g{dot3({a[0], b[0], c[0]}, difference), dot3({a[1], b[1], c[1]}, difference),
              dot3({a[2], b[2], c[2]}, difference)};
   return {g, unit, hn::MulAdd(g.z, g.z, hn::MulAdd(g.y, g.y, hn::Mul(g.x, g.x)))};

@@ -57,7 +57,7 @@ HWY_INLINE Color colorOf(const KernelFrame& frame, const KernelBox& box, const V
         box.has_margin ? differencesAt<kType>(box, place)
                        : V3{differenceAlong<kType>(box, at, 0), differenceAlong<kType>(box, at, 1),
                             differenceAlong<kType>(box, at, 2)};
-    const Gradient gradient = gradientOf(frame, box, difference);
+    const Gradient gradient = gradientOf(box, difference);
     if (frame.rows > 0) {
       const V magnitude = hn::Mul(gradient.unit, hn::Sqrt(gradient.squared));
       color.a = hn::Mul(color.a, factorAt(frame, magnitude, entry));
@@ -181,11 +181,12 @@ HWY_INLINE void drawPacket(const KernelFrame& frame, const KernelBox& box,
     ray_length = hn::Sqrt(hn::MulAdd(v, v, hn::MulAdd(u, u, all(1.0F))));
   }
   // What stands for no number is too large for a part of it to be a matter of rounding.
-  const bool clamps = kType == DeviceType::kF32 || kShading == Shading::kGradients || frame.labels;
+  const bool clamps =
+      kType == DeviceType::kF32 || kShading == Shading::kGradients || frame.labels || box.clamps;
   Passage<kType, kShading> passage{frame,
                                    box,
-                                   ordered(voxelsOf(positions, packet), box.axes),
-                                   ordered(step, box.axes),
+                                   texelsAt(box, voxelsOf(positions, packet)),
+                                   texelsAlong(box, step),
                                    ray_length,
                                    cellsOf(box),
                                    clamps,

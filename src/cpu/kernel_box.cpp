@@ -59,29 +59,52 @@ Seen seenOf(const FrameSetup& setup, const Box3& cells) {
   return seen;
 }
 
-Vec3i ordered(const BoxDraw& box, Vec3i v) {
-  return {v[box.axes[0]], v[box.axes[1]], v[box.axes[2]]};
-}
-
-// The first and the last texel that the box's samples lie between.
+// The first and the last texel that the box's samples lie between, and where samples lie.
 struct TexelSpan {
   Vec3i lo, hi;
+  Vec3d from, to;
 };
-TexelSpan texelsOf(const BoxDraw& box) {
-  return {ordered(box, box.cells.lo) - box.texel_origin,
-          ordered(box, box.cells.hi) - box.texel_origin};
+TexelSpan texelsOf(const BoxDraw& box, Vec3i storage) {
+  // What rounding of the map may make of a whole number.
+  constexpr double kRounding = 1e-6;
+  TexelSpan span{{}, {}, box.texels(toDouble(box.cells.lo)), box.texels(toDouble(box.cells.hi))};
+  for (int a = 0; a < 3; ++a) {
+    SLUICE_CHECK(span.from[a] >= -1 && span.to[a] <= static_cast<double>(storage[a]));
+    const auto lo = static_cast<int64_t>(std::floor(span.from[a] + kRounding));
+    const auto hi = static_cast<int64_t>(std::ceil(span.to[a] - kRounding));
+    span.lo[a] = std::clamp<int64_t>(lo, 0, std::max<int64_t>(storage[a] - 2, 0));
+    span.hi[a] = std::clamp<int64_t>(hi, span.lo[a] + 1, std::max(storage[a] - 1, span.lo[a] + 1));
+  }
+  return span;
 }
 
-void setTexels(const BoxDraw& box, const ChunkTexels& chunk, KernelBox& out) {
+// What follows from the map without a chunk: of texel coordinates the parts beyond whole texels.
+void setScale(const FrameSetup& setup, const BoxDraw& box, KernelBox& out) {
+  const Vec3d from = box.texels(toDouble(box.cells.lo));
+  for (int a = 0; a < 3; ++a) {
+    const auto i = static_cast<size_t>(a), axis = static_cast<size_t>(box.texels.axes[i]);
+    out.texel_scale[axis] = static_cast<float>(box.texels.scale[a]);
+    out.texel_start[axis] = static_cast<float>(from[a] - std::floor(from[a]));
+    out.gradient[i] = asFloats(setup.camera_gradient[axis] * box.texels.scale[a]);
+  }
+}
+
+void setTexels(const BoxDraw& box, const ChunkTexels& chunk, const TexelSpan& span,
+               KernelBox& out) {
   const Vec3i storage = chunk.storage_vox;
-  const auto [lo, hi] = texelsOf(box);
+  const auto& [lo, hi, from, to] = span;
   const auto texel = static_cast<int64_t>(bytesPerVoxel(chunk.type));
   const Vec3i stride{texel, texel * storage.x, texel * storage.x * storage.y};
   out.texels = chunk.bytes.get() + lo.x * stride.x + lo.y * stride.y + lo.z * stride.z;
   out.has_margin = true;
   for (int a = 0; a < 3; ++a) {
     const auto i = static_cast<size_t>(a);
-    out.texel_hi[i] = static_cast<float>(hi[a] - lo[a]);
+    const double last = std::min(to[a], static_cast<double>(storage[a] - 1));
+    out.texel_hi[i] = static_cast<float>(last - static_cast<double>(lo[a]));
+    out.last_cell[i] = static_cast<float>(hi[a] - lo[a] - 1);
+    out.clamps = out.clamps || from[a] < 0 || to[a] > last;
+    out.texel_start[static_cast<size_t>(box.texels.axes[i])] =
+        static_cast<float>(from[a] - static_cast<double>(lo[a]));
     out.storage_lo[i] = static_cast<float>(-lo[a]);
     out.storage_hi[i] = static_cast<float>(storage[a] - 1 - lo[a]);
     out.stride[i] = static_cast<float>(stride[a]);
@@ -111,7 +134,8 @@ void appendPart(const FrameSetup& setup, const BoxDraw& box, const ChunkTexels* 
   const Vec3d lo = toDouble(box.cells.lo), hi = toDouble(box.cells.hi);
   result.lo = asFloats(lo - rays.origin0);
   result.hi = asFloats(hi - rays.origin0);
-  result.axes = box.axes;
+  result.axes = box.texels.axes;
+  setScale(setup, box, result);
   result.layer = box.layer;
   const double first = std::max(static_cast<double>(setup.first_slice), std::floor(near_slice));
   result.first_slice = static_cast<float>(first);
@@ -128,8 +152,9 @@ void appendPart(const FrameSetup& setup, const BoxDraw& box, const ChunkTexels* 
     result.inside_hi[a] = outer.hi[a] ? 0 : kInside;
   }
   if (chunk != nullptr) {
-    setTexels(box, *chunk, result);
-    if (leaps != nullptr) setLeaps(*leaps, texelsOf(box).lo, result);
+    const TexelSpan span = texelsOf(box, chunk->storage_vox);
+    setTexels(box, *chunk, span, result);
+    if (leaps != nullptr) setLeaps(*leaps, span.lo, result);
   }
   out.push_back(result);
 }
@@ -150,15 +175,15 @@ void appendBox(const FrameSetup& setup, const BoxDraw& box, const ChunkTexels* c
     appendPart(setup, box, chunk, leaps, out);
     return;
   }
-  const auto [lo, hi] = texelsOf(box);
   const Vec3i storage = chunk->storage_vox;
-  SLUICE_CHECK(boxOf(storage).contains(Box3{lo, hi + Vec3i{1, 1, 1}}));
+  const TexelSpan texels = texelsOf(box, storage);
   // Two more along each axis, for differences.
-  const Vec3i span = hi - lo + Vec3i{2, 2, 2};
+  const Vec3i span = texels.hi - texels.lo + Vec3i{2, 2, 2};
   const Vec3i reach{span.x, span.y * storage.x, span.z * storage.x * storage.y};
   int axis = 2;
-  while (axis > 0 && box.cells.size()[box.axes[static_cast<size_t>(axis)]] < 2) --axis;
-  const int cut = box.axes[static_cast<size_t>(axis)];
+  const auto& axes = box.texels.axes;
+  while (axis > 0 && box.cells.size()[axes[static_cast<size_t>(axis)]] < 2) --axis;
+  const int cut = axes[static_cast<size_t>(axis)];
   if (reach.x + reach.y + reach.z <= kMostOffset || box.cells.size()[cut] < 2) {
     appendPart(setup, box, chunk, leaps, out);
     return;

@@ -12,7 +12,7 @@ namespace sluice {
 // Appends the box to `out`, in parts, front to back, where offsets of its texels would not be exact
 // in single precision; nothing where no pixel can see it. `leaps` are the chunk's where the frame
 // leaps; both may be null where samples are only counted.
-// Requires: the chunk has the texels at all corners of the box's cells.
+// Requires: the chunk has the texels around the box's cells, see BoxDraw.
 void appendBox(const FrameSetup& setup, const BoxDraw& box, const ChunkTexels* chunk,
                const LeapGrid* leaps, std::vector<KernelBox>& out);
 

@@ -91,7 +91,6 @@ void FrameTables::setLookUp(const LookUpTables& tables) {
 
 void FrameTables::setLights(const FrameSetup& setup) {
   const Lighting& lighting = setup.lighting;
-  for (size_t a = 0; a < 3; ++a) frame_.camera_gradient[a] = asFloats(setup.camera_gradient[a]);
   for (size_t i = 0; i < lighting.lights.size(); ++i) {
     const Light& light = lighting.lights[i];
     frame_.toward[i] = asFloats(light.toward * (light.strength * lighting.diffuse));

@@ -28,7 +28,7 @@ struct KernelFrame {
   float first_slice = 0, first_depth = 0, depth_step = 1, slice_length = 1;
   int clip_planes = 0;
   std::array<std::array<float, 4>, kMostClipPlanes> clip_plane{};  // normal, offset from origin0
-  float planes_a_voxel = 1, end_margin = 0;  // see endMargin()
+  float planes_a_voxel = 1, end_margin = 0;                        // see endMargin()
   bool perspective = false, with_depth = false, counts_taken = false, labels = false;
   bool shades_every_sample = false, interpolates = false;
   std::array<float, 4> pixel_ray{};  // u tan x = x * [0] + [1], v tan y = y * [2] + [3]
@@ -48,7 +48,6 @@ struct KernelFrame {
 
   // Gradients: lit, or factors of the opacity.
   bool lit = false, corrects = false;
-  std::array<Float3, 3> camera_gradient{};    // of the volume's axes
   std::array<Float3, 2> toward{}, halfway{};  // `toward` times the light's strength and diffuse
   std::array<float, 2> specular{};
   float ambient = 0, flat = 0, shininess = 0;
@@ -61,9 +60,9 @@ struct KernelFrame {
 
 inline constexpr float kInside = 1e30F;
 
-// A box of cells with its chunk's texels, all of whose corners are there: at least two along each
-// axis. Coordinates count from the box's lower corner: of voxels along the volume's axes, of texels
-// along the chunk's.
+// A box of cells with the texels around them: at least two along each axis. Coordinates of voxels
+// count from the box's lower corner, along the volume's axes; those of texels from the first texel
+// that the box reads, along the chunk's axes.
 struct KernelBox {
   Float3 lo{}, hi{};  // relative to origin0
   float first_slice = 0;
@@ -71,12 +70,18 @@ struct KernelBox {
   // In double precision: single is left for the way from a tile's corner on.
   Vec3d voxel0, voxel_dx, voxel_dy;
   std::array<int, 3> axes{0, 1, 2};
+  // Texel coordinates in the volume's order: voxels * texel_scale + texel_start.
+  Float3 texel_scale{1, 1, 1}, texel_start{};
   Float3 texel_hi{};                  // samples lie from 0 to here
+  Float3 last_cell{};                 // texels from which on the last samples are interpolated
+  bool clamps = false;                // some samples lie beyond the chunk's texels
   Float3 storage_lo{}, storage_hi{};  // of the first and the last texel that there is
   const std::byte* texels = nullptr;  // the first of the box
   Float3 stride{};                    // in bytes
   bool has_margin = false;            // a texel more on every side
-  Float3 size{};                      // in voxels
+  // Device values a world unit, camera space, of a value more a texel along each texel axis.
+  std::array<Float3, 3> gradient{};
+  Float3 size{};  // in voxels
   // Maximum and minimum: 0 of a face at which rays enter or leave what is shown, else kInside, far
   // beyond any slice.
   Float3 inside_lo{}, inside_hi{};

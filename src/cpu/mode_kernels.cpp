@@ -44,12 +44,12 @@ HWY_INLINE Line lineOf(const KernelFrame& frame, const KernelBox& box, const Pos
     const V3 start{hn::MulAdd(planes.from, planes.way.x, planes.start.x),
                    hn::MulAdd(planes.from, planes.way.y, planes.start.y),
                    hn::MulAdd(planes.from, planes.way.z, planes.start.z)};
-    return {ordered(start, box.axes), ordered(planes.way, box.axes), planes.count, planes.first,
+    return {texelsAt(box, start), texelsAlong(box, planes.way), planes.count, planes.first,
             planes.last};
   }
   const Slices slices = slicesIn(frame, box, packet, step);
-  const V3 start = ordered(voxelsOf(positions, packet), box.axes);
-  const V3 pace = ordered(step, box.axes);
+  const V3 start = texelsAt(box, voxelsOf(positions, packet));
+  const V3 pace = texelsAlong(box, step);
   return {{hn::MulAdd(slices.from, pace.x, start.x), hn::MulAdd(slices.from, pace.y, start.y),
            hn::MulAdd(slices.from, pace.z, start.z)},
           pace,

@@ -103,6 +103,20 @@ HWY_INLINE V3 voxelsOf(const Positions& positions, const Packet& packet) {
   return planesAt(positions.base, positions.dx, positions.dy, packet.tile_px, packet.tile_py);
 }
 
+// Texel coordinates of a place in the box, and of a way.
+HWY_INLINE V3 texelsAt(const KernelBox& box, const V3& voxels) {
+  return ordered({hn::MulAdd(voxels.x, all(box.texel_scale[0]), all(box.texel_start[0])),
+                  hn::MulAdd(voxels.y, all(box.texel_scale[1]), all(box.texel_start[1])),
+                  hn::MulAdd(voxels.z, all(box.texel_scale[2]), all(box.texel_start[2]))},
+                 box.axes);
+}
+HWY_INLINE V3 texelsAlong(const KernelBox& box, const V3& voxels) {
+  return ordered({hn::Mul(voxels.x, all(box.texel_scale[0])),
+                  hn::Mul(voxels.y, all(box.texel_scale[1])),
+                  hn::Mul(voxels.z, all(box.texel_scale[2]))},
+                 box.axes);
+}
+
 HWY_INLINE V3 stepOf(const KernelFrame& frame, const Packet& packet) {
   return planesAt(frame.step0, frame.step_dx, frame.step_dy, packet.px, packet.py);
 }
@@ -221,8 +235,16 @@ HWY_INLINE Planes planesIn(const KernelFrame& frame, const KernelBox& box,
       cutBehind(hn::IfThenElse(against, none, t), reach);
     }
   }
-  const V speed = hn::IfThenElse(third, step.z, hn::IfThenElse(second, step.y, step.x));
-  const V place = hn::IfThenElse(third, at.z, hn::IfThenElse(second, at.y, at.x));
+  // Of the main axis, in texels.
+  const Float3 &scales = box.texel_scale, &starts = box.texel_start;
+  const V scale_there =
+      hn::IfThenElse(third, all(scales[2]), hn::IfThenElse(second, all(scales[1]), all(scales[0])));
+  const V start_there =
+      hn::IfThenElse(third, all(starts[2]), hn::IfThenElse(second, all(starts[1]), all(starts[0])));
+  const V speed = hn::Mul(
+      scale_there, hn::IfThenElse(third, step.z, hn::IfThenElse(second, step.y, step.x)));
+  const V place = hn::MulAdd(
+      hn::IfThenElse(third, at.z, hn::IfThenElse(second, at.y, at.x)), scale_there, start_there);
   const V planes = all(frame.planes_a_voxel);
   const V way = hn::IfThenElse(hn::Lt(speed, hn::Zero(F())), hn::Neg(planes), planes);
   const V slices = hn::Div(place, speed), scale = hn::Div(all(1.0F), hn::Mul(way, speed));

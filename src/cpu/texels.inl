@@ -11,15 +11,24 @@ struct Place {
 struct Cells {
   V3 lo, hi, last, stride;
 };
-HWY_INLINE float lastCell(float lo, float hi) { return hi - 1 > lo ? hi - 1 : lo; }
-HWY_INLINE Cells cellsOf(const KernelBox& box, const Float3& lo, const Float3& hi) {
+HWY_INLINE Cells cellsOf(const KernelBox& box, const Float3& lo, const Float3& hi,
+                         const Float3& last) {
   return {{all(lo[0]), all(lo[1]), all(lo[2])},
           {all(hi[0]), all(hi[1]), all(hi[2])},
-          {all(lastCell(lo[0], hi[0])), all(lastCell(lo[1], hi[1])), all(lastCell(lo[2], hi[2]))},
+          {all(last[0]), all(last[1]), all(last[2])},
           {all(box.stride[0]), all(box.stride[1]), all(box.stride[2])}};
 }
 // Of the box's samples.
-HWY_INLINE Cells cellsOf(const KernelBox& box) { return cellsOf(box, {0, 0, 0}, box.texel_hi); }
+HWY_INLINE Cells cellsOf(const KernelBox& box) {
+  return cellsOf(box, {0, 0, 0}, box.texel_hi, box.last_cell);
+}
+// Of all texels of the chunk.
+HWY_INLINE float lastCell(float lo, float hi) { return hi - 1 > lo ? hi - 1 : lo; }
+HWY_INLINE Cells storedCells(const KernelBox& box) {
+  const Float3 &lo = box.storage_lo, &hi = box.storage_hi;
+  return cellsOf(box, lo, hi,
+                 {lastCell(lo[0], hi[0]), lastCell(lo[1], hi[1]), lastCell(lo[2], hi[2])});
+}
 
 HWY_INLINE V3 clamped(const Cells& cells, const V3& at) {
   return {hn::Min(hn::Max(at.x, cells.lo.x), cells.hi.x),
@@ -152,7 +161,7 @@ HWY_INLINE V differenceAlong(const KernelBox& box, V3 at, int axis) {
   V& back = axis == 0 ? before.x : axis == 1 ? before.y : before.z;
   on = hn::Add(on, all(1.0F));
   back = hn::Sub(back, all(1.0F));
-  const Cells cells = cellsOf(box, box.storage_lo, box.storage_hi);
+  const Cells cells = storedCells(box);
   const V next = valueAt<kType>(box, placeAt(cells, clamped(cells, after)));
   const V last = valueAt<kType>(box, placeAt(cells, clamped(cells, before)));
   return halfDifference<kType>(next, last);

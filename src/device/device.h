@@ -57,8 +57,8 @@ class Device {
   virtual const char* backend() const = 0;
   virtual const char* renderer() const = 0;
 
-  // Takes a chunk under `id`: whole pages, with the texels at all corners of the cells that are to
-  // be drawn of it. A device that copies is through with the texels when this returns; one that
+  // Takes a chunk under `id`: whole pages, with the texels around all cells that are to be drawn of
+  // it (TexelMap). A device that copies is through with the texels when this returns; one that
   // borrows holds them until the chunk is evicted. Requires: id is not resident.
   virtual void makeResident(uint64_t id, ChunkTexelsPtr texels) = 0;
   // Draws first what it has put off of this chunk; where that throws, as draw() does, the chunk is

@@ -63,14 +63,14 @@ inline constexpr double kLabelTie = 1e-3;
 using LookUpPtr = std::shared_ptr<const LookUp>;
 
 // Where a ray is sampled. Composite and average: at the view's slices. Maximum and minimum: where
-// it meets the voxel planes of the axis that it runs along most (in voxels; of axes that are alike
-// to kAxisTie the first), at `planes_a_voxel` - 1 places between two of them, and at both ends of
-// its way through what is shown: the cells FrameSetup::shown, cut by the clip planes and by the
-// first slice in front of the eye. So along an axis of the volume the extreme is that of the voxels
-// themselves, anywhere no two samples are more than a voxel apart on any axis, and a ray through a
-// side face has the value there. An end within kEndMargin of a voxel plane counts as that plane's
-// sample. The faces of boxes belong to them there, to kPlaneEdge of a voxel; a sample that two
-// boxes share changes the extreme once.
+// it meets the planes of texel centres of the axis that it runs along most (in voxels; of axes that
+// are alike to kAxisTie the first), at `planes_a_voxel` - 1 places between two of them, and at both
+// ends of its way through what is shown: the cells FrameSetup::shown, cut by the clip planes and by
+// the first slice in front of the eye. So along an axis of the volume the extreme is that of the
+// texels themselves, anywhere no two samples are more than a texel apart on any axis, and a ray
+// through a side face has the value there. An end within kEndMargin of a plane counts as that
+// plane's sample. The faces of boxes belong to them there, to kPlaneEdge of a voxel; a sample that
+// two boxes share changes the extreme once.
 inline constexpr double kAxisTie = 1e-4, kPlaneEdge = 1e-3, kEndMargin = 2 * kPlaneEdge;
 // The same margin in places, of which a voxel has `planes_a_voxel`.
 constexpr double endMargin(int planes_a_voxel) {
@@ -113,14 +113,35 @@ struct FrameSetup {
 };
 inline constexpr size_t kMostClipPlanes = 6;
 
-// A box of cells to resample from one resident chunk: p with cells.lo <= p < cells.hi. Texel
-// coordinates of an index position p: axis a of the chunk holds p[axes[a]] - texel_origin[a] (texel
-// centres at integers).
+// Where the texels of a box are: an index position p has the coordinate
+// p[axes[a]] * scale[a] + offset[a] along axis a of the chunk, texel centres at integers.
+//
+// Index space is that of the full resolution. The voxels of a coarser level lie in it as their
+// centres do: a texel that is the mean of f voxels along an axis has scale 1 / f and, with the
+// first voxel in the first texel, offset -(f - 1) / (2 f). So cells begin on voxel planes at any
+// level, and texels need not.
+struct TexelMap {
+  std::array<int, 3> axes{0, 1, 2};  // a turn: the volume's axes in the chunk's order
+  Vec3d scale{1, 1, 1};              // texels a voxel, > 0; along the chunk's axes, as `offset`
+  Vec3d offset;                      // texel coordinate of index position 0
+
+  constexpr Vec3d operator()(Vec3d p) const {
+    return Vec3d{p[axes[0]], p[axes[1]], p[axes[2]]} * scale + offset;
+  }
+  // The scale along the volume's axes.
+  constexpr Vec3d indexScale() const {
+    Vec3d result;
+    for (int a = 0; a < 3; ++a) result[axes[static_cast<size_t>(a)]] = scale[a];
+    return result;
+  }
+};
+
+// A box of cells to resample from one resident chunk: p with cells.lo <= p < cells.hi. Samples up
+// to a texel beyond the outermost texels of the chunk have the values of those.
 struct BoxDraw {
   uint64_t chunk = 0;  // id
   Box3 cells;
-  std::array<int, 3> axes{0, 1, 2};
-  Vec3i texel_origin;
+  TexelMap texels;
   uint32_t layer = 0;  // of a part, see partial_picture.h
 };
 

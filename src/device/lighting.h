@@ -1,8 +1,8 @@
 // Lighting: Phong with two directional lights fixed to the camera (Li 2003, section 5).
 //
-// At a sample, g is the central difference of the interpolated values one voxel to either side
-// along each index axis (positions clamped to the volume), divided by twice the spacing and turned
-// to world directions. With n = g / |g|, w = |g|^2 / (|g|^2 + flat^2),
+// At a sample, g is the central difference of the interpolated values one texel to either side
+// along each index axis (positions clamped to the volume), divided by twice the distance of texels
+// in the world and turned to world directions. With n = g / |g|, w = |g|^2 / (|g|^2 + flat^2),
 //   lit = colour * (ambient + diffuse * sum_l s_l |n.l|) + specular * sum_l s_l |n.h_l|^shininess
 //   shown = mix(colour, lit, w),   h_l = normalized(l + toward the viewer), toward viewer =
 //   -forward

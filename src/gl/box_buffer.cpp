@@ -68,27 +68,25 @@ void addBox(const FrameSetup& setup, const BoxDraw& box, TexelWriter& out) {
   const Vec3d pixel = absolute(rays.origin_dx) + absolute(rays.origin_dy) +
                       (absolute(rays.step_dx) + absolute(rays.step_dy)) * std::max(0.0, far_k);
   const Vec3d margin = pixel * kMarginPixels + Vec3d{kMarginVoxels, kMarginVoxels, kMarginVoxels};
+  const OuterFaces outer = outerFaces(setup, box.cells);
+  int faces = 0;
+  for (size_t a = 0; a < 3; ++a) faces |= (outer.lo[a] ? 1 : 0) << a | (outer.hi[a] ? 8 : 0) << a;
   for (int corner = 0; corner < 8; ++corner) {
     const ClipCorner clip = project(setup, cornerOf(lo - margin, hi + margin, corner));
-    out.add(clip.x, clip.y, clip.w, 0);
+    out.add(clip.x, clip.y, clip.w, faces);
   }
   // Slice numbers stay exact in single precision up to 2^24.
   const double first_k = std::max(static_cast<double>(setup.first_slice), std::floor(near_k));
-  const int turn = box.axes[2];
-  const auto ordered = [&](Vec3d v) {
-    return Vec3d{v[box.axes[0]], v[box.axes[1]], v[box.axes[2]]};
-  };
+  const int turn = box.texels.axes[2];
   out.add(lo - rays.origin0, first_k);
   out.add(hi - rays.origin0, turn);
   const double k = first_k + 0.5;
   const Vec3d texel_centre{0.5, 0.5, 0.5};
-  const OuterFaces outer = outerFaces(setup, box.cells);
-  int faces = 0;
-  for (size_t a = 0; a < 3; ++a) faces |= (outer.lo[a] ? 1 : 0) << a | (outer.hi[a] ? 8 : 0) << a;
-  out.add(ordered(rays.origin0 + rays.step0 * k) - toDouble(box.texel_origin) + texel_centre,
-          faces);
-  out.add(ordered(rays.origin_dx + rays.step_dx * k));
-  out.add(ordered(rays.origin_dy + rays.step_dy * k));
+  const auto along = [&](Vec3d way) { return box.texels(way) - box.texels.offset; };
+  const Vec3d corner = box.texels(lo) + texel_centre;
+  out.add(box.texels(rays.origin0 + rays.step0 * k) + texel_centre, corner.x);
+  out.add(along(rays.origin_dx + rays.step_dx * k), corner.y);
+  out.add(along(rays.origin_dy + rays.step_dy * k), corner.z);
 }
 
 }  // namespace

@@ -1,10 +1,11 @@
 // BoxBuffer: boxes to draw as the vertex shader reads them, and the index list of a cube.
 //
-// A box becomes kTexelsPerBox RGBA float texels: eight corners in clip space (x, y, w), the two
-// faces relative to the rays' origin (w: first slice, turn), and the texel ray at the first slice
-// with its change a pixel (w of the ray: outerFaces(), bits 0 to 2 of x, y and z below, 3 to 5
-// above). Everything is computed in double precision relative to the box, so that
-// single precision is enough in the shader however far from the origin the box lies.
+// A box becomes kTexelsPerBox RGBA float texels: eight corners in clip space (x, y, w; and
+// outerFaces(), bits 0 to 2 for x, y and z below, 3 to 5 above), the two faces relative to the
+// rays' origin (and the first slice, the turn), and the texel ray at the first slice with its
+// change a pixel (and the three texel coordinates of the box's lower corner). Everything is
+// computed in double precision relative to the box, so that single precision is enough in the
+// shader however far from the origin the box lies.
 #pragma once
 
 #include <array>

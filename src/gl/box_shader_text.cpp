@@ -8,11 +8,19 @@ namespace sluice {
 // pass; those that a variant does not read do not count. Where all are taken, what is read once a
 // pixel stays a uniform.
 const char* const kInputsText = R"(
+// Texels a voxel, along the volume's axes. A program of its own draws boxes of other scales than 1.
+#if SCALED
+uniform vec3 texel_scale;
+#define TEXEL_SCALE texel_scale
+#else
+#define TEXEL_SCALE vec3(1.0)
+#endif
 FLAT vec3 box_lo, box_hi;
 FLAT vec3 texel0, texel_dx, texel_dy;  // of the texture, 0 to 1; with PLANES in texels
 FLAT int first_k, turn;
 #if PLANES
 FLAT int outer_faces;         // see BoxBuffer
+FLAT vec3 box_corner;         // of the box, in texels
 #endif
 FLAT vec3 texel_size;         // 1 / texels of the chunk
 FLAT vec3 origin_dx, origin_dy, step0;
@@ -76,13 +84,15 @@ void main() {
   turn = int(hi.w);
   texel_size = chunk_texel_size;
   vec3 texel_unit = PLANES == 1 ? vec3(1.0) : texel_size;
-  vec4 texel_ray = texelFetch(boxes, at + 10);
+  vec4 texel_ray = texelFetch(boxes, at + 10), ray_dx = texelFetch(boxes, at + 11),
+       ray_dy = texelFetch(boxes, at + 12);
   texel0 = texel_ray.xyz * texel_unit;
 #if PLANES
-  outer_faces = int(texel_ray.w);
+  outer_faces = int(corner.w);
+  box_corner = vec3(texel_ray.w, ray_dx.w, ray_dy.w);
 #endif
-  texel_dx = texelFetch(boxes, at + 11).xyz * texel_unit;
-  texel_dy = texelFetch(boxes, at + 12).xyz * texel_unit;
+  texel_dx = ray_dx.xyz * texel_unit;
+  texel_dy = ray_dy.xyz * texel_unit;
   origin_dx = view_origin_dx;
   origin_dy = view_origin_dy;
   step0 = view_step0;
@@ -98,13 +108,13 @@ void main() {
   visible = visible_texels;
 #endif
 #if GRADIENTS
-  slope = textureOrder(index_slope);
+  slope = textureOrder(index_slope * TEXEL_SCALE);
 #endif
 #if LIT
-  toward0 = textureOrder(index_toward[0]);
-  toward1 = textureOrder(index_toward[1]);
-  halfway0 = textureOrder(index_halfway[0]);
-  halfway1 = textureOrder(index_halfway[1]);
+  toward0 = textureOrder(index_toward[0] * TEXEL_SCALE);
+  toward1 = textureOrder(index_toward[1] * TEXEL_SCALE);
+  halfway0 = textureOrder(index_halfway[0] * TEXEL_SCALE);
+  halfway1 = textureOrder(index_halfway[1] * TEXEL_SCALE);
   reflection = view_reflection;
 #endif
 #if GRADIENT_ROWS > 0
@@ -177,11 +187,11 @@ ivec2 planes(vec2 pixel, out vec3 start, out vec3 along, out vec3 size, out vec3
   if (pace.y > kTie * pace.x) axis = vec3(0.0, 1.0, 0.0);
   if (pace.z > kTie * dot(pace, axis)) axis = vec3(0.0, 0.0, 1.0);
   size = round(box_hi - box_lo);
-  // At slice first_k: in texels of the chunk, and from the box's corner.
+  // At slice first_k: in texels of the chunk, and in voxels from the box's corner.
   vec3 texel = texel0 + pixel.x * texel_dx + pixel.y * texel_dy;
   texel = turn == 2 ? texel : turn == 0 ? texel.zxy : texel.yzx;
-  corner = floor(texel + box_lo - origin - (float(first_k) + 0.5) * step) + 0.5;
-  vec3 at = texel - corner;
+  corner = turn == 2 ? box_corner : turn == 0 ? box_corner.zxy : box_corner.yzx;
+  vec3 at = (texel - corner) / TEXEL_SCALE;
   // Slices from first_k on, whole or not.
   vec3 safe = mix(step, vec3(1e-12), lessThan(abs(step), vec3(1e-12)));
   vec3 at_lo = (-kEdge - at) / safe, at_hi = (size + kEdge - at) / safe;
@@ -215,7 +225,9 @@ ivec2 planes(vec2 pixel, out vec3 start, out vec3 along, out vec3 size, out vec3
 #endif
   ends = vec2(0.0);
   if (!(from <= to)) return ivec2(0);
-  float speed = dot(step, axis), place = dot(at, axis);
+  // Of the axis, in texels; planes go through texel centres.
+  float speed = dot(step, axis) * dot(TEXEL_SCALE, axis);
+  float place = dot(at, axis) * dot(TEXEL_SCALE, axis) + dot(fract(corner - 0.5), axis);
   float way = speed < 0.0 ? -planes_a_voxel : planes_a_voxel;
   start = at - place / speed * step;
   along = step / (way * speed);

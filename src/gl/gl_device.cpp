@@ -29,6 +29,20 @@ void setFilter(const GlFunctions& gl, GLint filter) {
   gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
 }
 
+constexpr Vec3d kOne{1, 1, 1};
+
+bool haveOneScale(const BoxDraw& a, const BoxDraw& b) {
+  return a.texels.indexScale() == b.texels.indexScale();
+}
+
+// The boxes from the first on that are `alike` it.
+template <class Alike>
+std::span<const BoxDraw> firstAlike(std::span<const BoxDraw> boxes, const Alike& alike) {
+  size_t count = 1;
+  while (count < boxes.size() && alike(boxes[0], boxes[count])) ++count;
+  return boxes.first(count);
+}
+
 std::unique_ptr<GlContext> currentOf(std::unique_ptr<GlContext> context) {
   context->makeCurrent();
   return context;
@@ -227,19 +241,32 @@ void GlDevice::beginFrame(const FrameSetup& setup, const StopToken& stop) {
   const float start = emptyPart(setup.mode);
   gl_.ClearColor(start, start, start, start);
   gl_.Clear(GL_COLOR_BUFFER_BIT);
-  GlProgram& program = programFor(variant_);
+  is_told_ = {};
+  frameProgram(kOne);
+}
+
+void GlDevice::setFrame(GlProgram& program) {
   setView(program);
   setLookUp(program);
-  program.set("opacity_threshold", setup.opacity_threshold);
-  program.set("view_first_depth", setup.first_depth);
-  program.set("view_depth_step", setup.depth_step);
-  const double ux = 2 * setup.tan_half_x / setup.size.width;
-  const double vy = 2 * setup.tan_half_y / setup.size.height;
+  program.set("opacity_threshold", setup_.opacity_threshold);
+  program.set("view_first_depth", setup_.first_depth);
+  program.set("view_depth_step", setup_.depth_step);
+  const double ux = 2 * setup_.tan_half_x / setup_.size.width;
+  const double vy = 2 * setup_.tan_half_y / setup_.size.height;
   const std::array<float, 4> pixel_ray = {
-      static_cast<float>(ux), static_cast<float>(-setup.tan_half_x), static_cast<float>(vy),
-      static_cast<float>(-setup.tan_half_y)};
+      static_cast<float>(ux), static_cast<float>(-setup_.tan_half_x), static_cast<float>(vy),
+      static_cast<float>(-setup_.tan_half_y)};
   program.set4("view_pixel_ray", pixel_ray.data(), 1);
-  if (composite) setShading(setup, variant_, program);
+  if (setup_.mode == Mode::kComposite) setShading(setup_, variant_, program);
+}
+
+GlProgram& GlDevice::frameProgram(Vec3d scale) {
+  ShaderVariant variant = variant_;
+  variant.scaled = scale != kOne;
+  GlProgram& program = programFor(variant);
+  if (!std::exchange(is_told_[variant.scaled ? 1 : 0], true)) setFrame(program);
+  if (variant.scaled) program.set("texel_scale", scale);
+  return program;
 }
 
 void GlDevice::drawBoxes(std::span<const BoxDraw> boxes) {
@@ -260,10 +287,16 @@ void GlDevice::drawBoxes(std::span<const BoxDraw> boxes) {
 void GlDevice::draw(std::span<const BoxDraw> boxes) {
   context_->makeCurrent();
   while (!boxes.empty()) {
-    size_t count = 1;
-    while (count < boxes.size() && boxes[count].chunk == boxes[0].chunk) ++count;
-    drawFromChunk(boxes.first(count));
-    boxes = boxes.subspan(count);
+    auto of_chunk = firstAlike(boxes, [](const BoxDraw& a, const BoxDraw& b) {  //
+      return a.chunk == b.chunk;
+    });
+    boxes = boxes.subspan(of_chunk.size());
+    ++binds_;
+    while (!of_chunk.empty()) {
+      const auto part = firstAlike(of_chunk, haveOneScale);
+      drawFromChunk(part);
+      of_chunk = of_chunk.subspan(part.size());
+    }
   }
 }
 
@@ -271,10 +304,10 @@ void GlDevice::drawFromChunk(std::span<const BoxDraw> boxes) {
   const auto found = resident_.find(boxes.front().chunk);
   SLUICE_CHECK(found != resident_.end());
   const Vec3d size = toDouble(found->second.storage_vox);
-  programFor(variant_).set("chunk_texel_size", Vec3d{1 / size.x, 1 / size.y, 1 / size.z});
+  frameProgram(boxes.front().texels.indexScale())
+      .set("chunk_texel_size", Vec3d{1 / size.x, 1 / size.y, 1 / size.z});
   gl_.ActiveTexture(GL_TEXTURE0 + kChunkUnit);
   gl_.BindTexture(GL_TEXTURE_3D, found->second.texture);
-  ++binds_;
   for (const DrawingPiece& piece : pieces_->cut(boxes)) {
     if (piece.waits) gl_.Finish();
     stop_.throwIfStopped();
@@ -295,8 +328,6 @@ uint64_t GlDevice::countSamples(std::span<const BoxDraw> boxes) {
   counting.counts = true;
   counting.clip_planes = variant_.clip_planes;
   counting.planes = variant_.planes;
-  GlProgram& program = programFor(counting);
-  setView(program);
   gl_.BindFramebuffer(GL_FRAMEBUFFER, target_.framebuffer());
   const GLenum output = GL_COLOR_ATTACHMENT1;
   gl_.DrawBuffers(1, &output);
@@ -304,9 +335,17 @@ uint64_t GlDevice::countSamples(std::span<const BoxDraw> boxes) {
   gl_.ClearColor(0, 0, 0, 0);
   gl_.Clear(GL_COLOR_BUFFER_BIT);
   setBlending(Mode::kAverage);
-  for (size_t from = 0; from < boxes.size(); from += kBoxesPerDraw) {
-    drawBoxes(boxes.subspan(from, std::min(kBoxesPerDraw, boxes.size() - from)));
+  while (!boxes.empty()) {
+    const size_t count =
+        firstAlike(boxes.first(std::min(kBoxesPerDraw, boxes.size())), haveOneScale).size();
+    const Vec3d scale = boxes[0].texels.indexScale();
+    counting.scaled = scale != kOne;
+    GlProgram& program = programFor(counting);
+    setView(program);
+    if (counting.scaled) program.set("texel_scale", scale);
+    drawBoxes(boxes.first(count));
     gl_.Finish();  // else software GL keeps what it knows of all of them
+    boxes = boxes.subspan(count);
   }
   return sumOfCounts();
 }

@@ -60,6 +60,11 @@ class GlDevice : public Device, public DrawsForScreens {
   };
 
   GlProgram& programFor(const ShaderVariant& variant);
+  // The frame's program for boxes of this scale (TexelMap::indexScale()), told of the frame, in
+  // use.
+  GlProgram& frameProgram(Vec3d scale);
+  // Tells a program of the frame all that no box changes.
+  void setFrame(GlProgram& program);
   void setView(GlProgram& program);
   void setLookUp(GlProgram& program);
   // Into the bound texture, and factors into theirs, unless they are there.
@@ -67,7 +72,7 @@ class GlDevice : public Device, public DrawsForScreens {
   void setBlending(Mode mode);
   // Again what beginFrame() set, after another pass.
   void bindTarget();
-  // Of one chunk, in pieces between which it looks whether to stop.
+  // Of one chunk and one scale, in pieces between which it looks whether to stop.
   void drawFromChunk(std::span<const BoxDraw> boxes);
   void drawBoxes(std::span<const BoxDraw> boxes);
   // Of the counts in the second attachment.
@@ -87,6 +92,7 @@ class GlDevice : public Device, public DrawsForScreens {
   StopToken stop_;
   std::optional<DrawingPieces> pieces_;  // of the frame
   ShaderVariant variant_;
+  std::array<bool, 2> is_told_{};  // the programs of the frame: for a scale of 1, for others
   GLuint vertex_array_ = 0, index_buffer_ = 0, box_buffer_ = 0, box_texture_ = 0, look_up_ = 0,
          factors_ = 0;
   LookUpKey look_up_key_;  // of the texture's content; of no look-up: none yet

@@ -184,7 +184,7 @@ void main() {
   vec3 step = step0 + pixel.x * step_dx + pixel.y * step_dy;
   ivec2 range = slices(pixel.x * origin_dx + pixel.y * origin_dy, step);
   if (range.x >= range.y) discard;
-  vec3 along = textureOrder(step) * texel_size;
+  vec3 along = textureOrder(step * TEXEL_SCALE) * texel_size;
   vec3 first = texel0 + pixel.x * texel_dx + pixel.y * texel_dy;
 #endif
 #if PERSPECTIVE
@@ -216,7 +216,8 @@ void main() {
 #endif
 #if PLANES
       float place = clamp(float(k), ends.x, ends.y);
-      at = textureOrder(corner + clamp(start + place * way, vec3(0.0), size)) * texel_size;
+      vec3 voxel = clamp(start + place * way, vec3(0.0), size);
+      at = textureOrder(corner + voxel * TEXEL_SCALE) * texel_size;
 #else
       at = first + float(k - first_k) * along;
 #endif

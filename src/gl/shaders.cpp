@@ -28,6 +28,7 @@ std::string definitions(const ShaderVariant& v) {
                                                  {"GOES_AHEAD", v.goes_ahead},
                                                  {"LABELS", v.labels},
                                                  {"PLANES", v.planes},
+                                                 {"SCALED", v.scaled},
                                                  {"OBLIQUE", v.oblique}};
   std::string lines;
   for (const auto& [name, value] : numbers) lines += fmt::format("#define {} {}\n", name, value);

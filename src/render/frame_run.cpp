@@ -20,9 +20,11 @@ void append(std::vector<BoxDraw>& to, const std::vector<BoxDraw>& boxes) {
 BoxDraw boxDraw(const TextureBlock& block) {
   BoxDraw box;
   box.cells = block.cells;
-  box.axes = textureAxes(block.trimming_axis);
+  TexelMap& texels = box.texels;
+  texels.axes = textureAxes(block.trimming_axis);
   for (int a = 0; a < 3; ++a)
-    box.texel_origin[a] = block.voxels.lo[box.axes[static_cast<size_t>(a)]] - block.at[a];
+    texels.offset[a] =
+        static_cast<double>(block.at[a] - block.voxels.lo[texels.axes[static_cast<size_t>(a)]]);
   return box;
 }
 

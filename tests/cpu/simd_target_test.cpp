@@ -256,7 +256,7 @@ TEST(SimdTargetTest, tinyChunksAreReadWithinTheirBytes) {
         BoxDraw box;
         box.chunk = 1;
         box.cells = {{8, 8, 8}, {9, 9, 9}};
-        box.texel_origin = {8, 8, 8};
+        box.texels.offset = {-8, -8, -8};
         for (const Beside beside : {Beside::kPageBefore, Beside::kPageBehind}) {
           TestCpuDevice device(target);
           device.makeResident(1, guarded(*chunkTexels(dims, type, bytes), beside));

@@ -185,8 +185,8 @@ TEST_F(DeviceTest, placeAndTurnInTheChunkDoNotShow) {
         BoxDraw box;
         // Away from the faces, so that differences of lit samples stay inside.
         box.cells = {{1, 1, 1}, {6, 6, 6}};
-        box.axes = axes;
-        box.texel_origin = -at;
+        box.texels.axes = axes;
+        box.texels.offset = toDouble(at);
         device().beginFrame(setup);
         draw(5, {&box, 1});
         const Picture picture = device().endFrame();

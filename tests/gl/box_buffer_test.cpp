@@ -57,8 +57,7 @@ TEST(BoxBuffer, neighboursShareTheirFaceToTheLastBit) {
     BoxDraw left, right;
     left.cells = {{3, 5, 7}, {131, 60, 40}};
     right.cells = {{131, 5, 7}, {260, 60, 40}};
-    right.texel_origin = {130, 4, 6};
-    right.axes = {1, 2, 0};
+    right.texels = {{1, 2, 0}, {1, 1, 1}, {-130, -4, -6}};
     const BoxDraw both[] = {left, right};
     const std::vector<float> texels = boxTexels(scene.setup, both);
     ASSERT_EQ(texels.size(), size_t{2} * kTexelsPerBox * 4);
@@ -78,8 +77,7 @@ TEST(BoxBuffer, texelRaysAreThoseOfTheView) {
     for (const std::array<int, 3>& axes : {std::array{0, 1, 2}, {1, 2, 0}, {2, 0, 1}}) {
       BoxDraw box;
       box.cells = {{130, 60, 40}, {160, 90, 70}};
-      box.axes = axes;
-      box.texel_origin = {100, 50, 30};
+      box.texels = {axes, {0.5, 1, 3}, {-49.75, -50, -90}};
       const std::vector<float> texels = boxTexels(scene.setup, {&box, 1});
       const double first_k = texelOf(texels, 0, 8)[3];
       for (const auto& [x, y] : {std::pair(0.5, 0.5), {100.5, 75.5}, {199.5, 3.5}}) {
@@ -93,8 +91,8 @@ TEST(BoxBuffer, texelRaysAreThoseOfTheView) {
                                 : scene.view.eye + (scene.view.forward + aside) * depth;
         const Vec3d index = indexFromWorld(scene.layout, world);
         for (size_t a = 0; a < 3; ++a) {
-          const double texel =
-              index[axes[a]] - static_cast<double>(box.texel_origin[static_cast<int>(a)]) + 0.5;
+          const double texel = index[axes[a]] * std::array{0.5, 1.0, 3.0}[a] -
+                               std::array{49.75, 50.0, 90.0}[a] + 0.5;
           const double found = texelOf(texels, 0, 10)[a] + x * texelOf(texels, 0, 11)[a] +
                                y * texelOf(texels, 0, 12)[a];
           EXPECT_NEAR(found, texel, 1e-3) << "axis " << a << " at " << x << ", " << y;
@@ -113,7 +111,7 @@ TEST(BoxBuffer, texelRaysStayExactInEnormousVolumes) {
       sceneOf(layout, Projection::kPerspective, Camera::LookAt{target + Vec3d{3, 50, 20}, target});
   BoxDraw box;
   box.cells = {{3999990, 3999990, 3999990}, {4000020, 4000020, 4000020}};
-  box.texel_origin = {3999990, 3999990, 3999990};
+  box.texels.offset = {-3999990, -3999990, -3999990};
   const std::vector<float> texels = boxTexels(scene.setup, {&box, 1});
   // The picture's centre at the box's first slice.
   const double depth = scene.view.first_depth + (texelOf(texels, 0, 8)[3] + 0.5) * scene.view.step;

@@ -86,7 +86,8 @@ struct PlainDevice::Ray {
 
 // Where the ray is sampled inside the box, see FrameSetup: visit(position, slice) until false.
 template <class Visit>
-void PlainDevice::eachSample(const Ray& ray, const Box3& cells, Visit&& visit) const {
+void PlainDevice::eachSample(const Ray& ray, const BoxDraw& box, Visit&& visit) const {
+  const Box3& cells = box.cells;
   if (setup_.mode == Mode::kComposite || setup_.mode == Mode::kAverage) {
     const auto [from, to] = ray.slicesIn(cells, setup_);
     for (int64_t k = from; k < to; ++k)
@@ -99,15 +100,21 @@ void PlainDevice::eachSample(const Ray& ray, const Box3& cells, Visit&& visit) c
   const auto [enter, leave] = ray.wayThroughShown(setup_);
   if (enter > leave) return;
   // Places on the main axis: whole numbers are those that are sampled between the two ends.
+  size_t texel_axis = 0;
+  while (box.texels.axes[texel_axis] != main) ++texel_axis;
+  const double scale = box.texels.scale[static_cast<int>(texel_axis)];
+  const double offset = box.texels.offset[static_cast<int>(texel_axis)];
   const double parts = setup_.planes_a_voxel, margin = endMargin(setup_.planes_a_voxel);
-  const auto placeOf = [&](double t) { return (ray.origin[main] + ray.step[main] * t) * parts; };
+  const auto placeOf = [&](double t) {
+    return ((ray.origin[main] + ray.step[main] * t) * scale + offset) * parts;
+  };
   const double lowest = std::min(placeOf(enter), placeOf(leave));
   const double highest = std::max(placeOf(enter), placeOf(leave));
   const auto from = static_cast<int64_t>(std::floor(lowest + margin));
   const auto to = static_cast<int64_t>(std::ceil(highest - margin));
   for (int64_t i = from; i <= to; ++i) {
     const double place = std::clamp(static_cast<double>(i), lowest, highest) / parts;
-    const double t = (place - ray.origin[main]) / ray.step[main];
+    const double t = ((place - offset) / scale - ray.origin[main]) / ray.step[main];
     Vec3d p = ray.origin + ray.step * t;
     bool counts = true;
     for (int a = 0; a < 3; ++a) {
@@ -220,10 +227,13 @@ void PlainDevice::take(const Ray& ray, const BoxDraw& box, const ChunkTexels& ch
   const bool composite = setup_.mode == Mode::kComposite;
   const LookUp& look_up = *setup_.look_up;
   double in_box = 0;
-  eachSample(ray, box.cells, [&](Vec3d p, double k) {
+  eachSample(ray, box, [&](Vec3d p, double k) {
+    const auto& [axes, scale, offset] = box.texels;
     Vec3d texel;
+    for (int a = 0; a < 3; ++a) texel[a] = p[axes[static_cast<size_t>(a)]] * scale[a] + offset[a];
+    // Beyond the outermost texels lie none but theirs.
     for (int a = 0; a < 3; ++a)
-      texel[a] = p[box.axes[static_cast<size_t>(a)]] - static_cast<double>(box.texel_origin[a]);
+      texel[a] = std::clamp(texel[a], 0.0, static_cast<double>(chunk.storage_vox[a] - 1));
     const bool labels = composite && look_up.labels;
     const double value = labels ? labelAt(chunk, texel) : valueAt(chunk, texel);
     ++taken_;
@@ -249,9 +259,8 @@ void PlainDevice::take(const Ray& ray, const BoxDraw& box, const ChunkTexels& ch
         before[a] -= 1;
         const double next = valueAt(chunk, after), last = valueAt(chunk, before);
         if (next < kNoNumber || last < kNoNumber) continue;
-        gradient = gradient +
-                   setup_.camera_gradient[static_cast<size_t>(box.axes[static_cast<size_t>(a)])] *
-                       (0.5 * (next - last));
+        const auto axis = static_cast<size_t>(axes[static_cast<size_t>(a)]);
+        gradient = gradient + setup_.camera_gradient[axis] * (0.5 * (next - last) * scale[a]);
       }
     const double one = rgba[3] * factorOf(look_up, length(gradient), value);
     const double opacity = 1 - std::pow(1 - one, setup_.slice_length * ray.length);
@@ -328,7 +337,7 @@ uint64_t PlainDevice::countSamples(std::span<const BoxDraw> boxes) {
   uint64_t samples = 0;
   for (const BoxDraw& box : boxes)
     eachPixelOf(box.cells, [&](int x, int y) {
-      eachSample(rayOf(x, y), box.cells, [&](Vec3d, double) {
+      eachSample(rayOf(x, y), box, [&](Vec3d, double) {
         ++samples;
         return true;
       });

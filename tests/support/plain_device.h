@@ -62,7 +62,7 @@ class PlainDevice : public Device {
   template <class Visit>
   void eachPixelOf(const Box3& cells, Visit&& visit) const;
   template <class Visit>
-  void eachSample(const Ray& ray, const Box3& cells, Visit&& visit) const;
+  void eachSample(const Ray& ray, const BoxDraw& box, Visit&& visit) const;
   void drawNow();
   void drawBox(const BoxDraw& box);
   void take(const Ray& ray, const BoxDraw& box, const ChunkTexels& chunk, Pixel& pixel);
