@@ -94,6 +94,45 @@ HWY_INLINE V corrected(V opacity, V lengths) {
   return hn::IfThenElse(hn::Lt(opacity, all(1.0F)), hn::Sub(all(1.0F), left), all(1.0F));
 }
 
+// What a texel with a spread looks like, premultiplied, for a way of `lengths` unit lengths whose
+// opacity is multiplied by `factor` first: see ExpectedLook. `exact` is the same without spread.
+HWY_INLINE Color expectedColor(const KernelFrame& frame, V value, V spread, V factor, V lengths,
+                               const Color& exact) {
+  const V zero = hn::Zero(F()), one = all(1.0F);
+  const V row = hn::Mul(hn::Sqrt(hn::Max(hn::Mul(spread, all(frame.spread_scale)), zero)),
+                        all(static_cast<float>(frame.expected_rows)));
+  const V last_row = all(static_cast<float>(frame.expected_rows - 1));
+  const V last_entry = all(static_cast<float>(frame.expected_entries - 1));
+  const V at_row = hn::Min(hn::Max(hn::Sub(row, one), zero), last_row);
+  const V at_entry = hn::Min(
+      hn::Max(hn::MulAdd(value, all(frame.mean_scale), all(frame.mean_offset)), zero), last_entry);
+  const V first_row = hn::Floor(at_row), first_entry = hn::Floor(at_entry);
+  const V row_part = hn::Sub(at_row, first_row), row_rest = hn::Sub(one, row_part);
+  const V part = hn::Sub(at_entry, first_entry), rest = hn::Sub(one, part);
+  const V width = all(static_cast<float>(frame.expected_entries));
+  const V next_row = hn::Min(hn::Add(first_row, one), last_row);
+  const V next_entry = hn::Min(hn::Add(first_entry, one), last_entry);
+  const auto* base = reinterpret_cast<const std::byte*>(frame.expected);
+  const auto rowColor = [&](V in_row) {
+    const Quad a = quadAt(base, hn::ShiftLeft<4>(wholeOf(hn::MulAdd(in_row, width, first_entry))));
+    const Quad b = quadAt(base, hn::ShiftLeft<4>(wholeOf(hn::MulAdd(in_row, width, next_entry))));
+    return Color{between(a.of[0], b.of[0], part, rest), between(a.of[1], b.of[1], part, rest),
+                 between(a.of[2], b.of[2], part, rest), between(a.of[3], b.of[3], part, rest)};
+  };
+  const Color lower = rowColor(first_row), upper = rowColor(next_row);
+  const V opacity = between(lower.a, upper.a, row_part, row_rest);
+  const V a = corrected(hn::Mul(opacity, factor), lengths);
+  const V scale = hn::Div(a, hn::Max(opacity, all(1e-20F)));
+  const V weight = hn::Min(row, one), left = hn::Sub(one, weight);
+  return {between(exact.r, hn::Mul(scale, between(lower.r, upper.r, row_part, row_rest)), weight,
+                  left),
+          between(exact.g, hn::Mul(scale, between(lower.g, upper.g, row_part, row_rest)), weight,
+                  left),
+          between(exact.b, hn::Mul(scale, between(lower.b, upper.b, row_part, row_rest)), weight,
+                  left),
+          between(exact.a, a, weight, left)};
+}
+
 HWY_INLINE V shine(const KernelFrame& frame, V x) {
   if (frame.whole_shininess > 0) {
     V result = all(1.0F);

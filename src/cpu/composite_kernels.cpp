@@ -33,6 +33,7 @@ enum class Shading {
   kTable,      // nothing: parallel views
   kLength,     // the opacity corrected for the ray: perspective views
   kGradients,  // light, or factors of the opacity; either view
+  kSpread,     // chunks with spreads; with or without gradients, either view
 };
 
 // A packet's pixels while they are drawn.
@@ -43,8 +44,18 @@ struct Pixels {
 };
 
 template <DeviceType kType, Shading kShading>
+HWY_INLINE V3 differencesOf(const KernelBox& box, const V3& at, const Place& place) {
+  constexpr bool kSpread = kShading == Shading::kSpread;
+  if constexpr (!kSpread) {
+    if (box.has_margin) return differencesAt<kType>(box, place);
+  }
+  return {differenceAlong<kType, kSpread>(box, at, 0), differenceAlong<kType, kSpread>(box, at, 1),
+          differenceAlong<kType, kSpread>(box, at, 2)};
+}
+
+template <DeviceType kType, Shading kShading>
 HWY_INLINE Color colorOf(const KernelFrame& frame, const KernelBox& box, const V3& at,
-                         const Place& place, V value, V ray_length) {
+                         const Place& place, V value, V spread, V ray_length) {
   const V entry = entryOf(frame, value);
   Color color = colorAt(frame, entry);
   if constexpr (kShading == Shading::kLength) {
@@ -52,15 +63,15 @@ HWY_INLINE Color colorOf(const KernelFrame& frame, const KernelBox& box, const V
     color = {hn::Mul(color.r, color.a), hn::Mul(color.g, color.a), hn::Mul(color.b, color.a),
              color.a};
   }
-  if constexpr (kShading == Shading::kGradients) {
-    const V3 difference =
-        box.has_margin ? differencesAt<kType>(box, place)
-                       : V3{differenceAlong<kType>(box, at, 0), differenceAlong<kType>(box, at, 1),
-                            differenceAlong<kType>(box, at, 2)};
-    const Gradient gradient = gradientOf(box, difference);
+  if constexpr (kShading == Shading::kGradients || kShading == Shading::kSpread) {
+    Gradient gradient{};
+    if (kShading == Shading::kGradients || frame.lit || frame.rows > 0)
+      gradient = gradientOf(box, differencesOf<kType, kShading>(box, at, place));
+    V factor = all(1.0F);
     if (frame.rows > 0) {
       const V magnitude = hn::Mul(gradient.unit, hn::Sqrt(gradient.squared));
-      color.a = hn::Mul(color.a, factorAt(frame, magnitude, entry));
+      factor = factorAt(frame, magnitude, entry);
+      color.a = hn::Mul(color.a, factor);
       if (frame.corrects)
         color.a = corrected(color.a, hn::Mul(ray_length, all(frame.slice_length)));
     } else if (frame.perspective) {
@@ -69,6 +80,9 @@ HWY_INLINE Color colorOf(const KernelFrame& frame, const KernelBox& box, const V
     if (frame.rows > 0 || frame.perspective)
       color = {hn::Mul(color.r, color.a), hn::Mul(color.g, color.a), hn::Mul(color.b, color.a),
                color.a};
+    if constexpr (kShading == Shading::kSpread)
+      color = expectedColor(frame, value, spread, factor,
+                            hn::Mul(ray_length, all(frame.slice_length)), color);
     if (frame.lit) color = shaded(frame, color, gradient);
   }
   return color;
@@ -79,7 +93,7 @@ constexpr float kTurnsAfterLeap = 4, kTurnsBetweenLooks = 8;
 
 // A sample a lane, at slice k of the box.
 struct Sample {
-  V k, value;
+  V k, value, spread;
   M active;
   // For gradients.
   V3 at;
@@ -103,8 +117,13 @@ struct Passage {
           hn::MulAdd(k, pace.z, first.z)};
     if (clamps) at = clamped(cells, at);
     const Place place = placeAt(cells, at);
-    const V value = frame.labels ? labelAt<kType>(box, place) : valueAt<kType>(box, place);
-    return {k, value, hn::Lt(k, end), at, place};
+    if constexpr (kShading == Shading::kSpread) {
+      const SpreadValue both = spreadAt<kType>(box, place);
+      return {k, both.value, both.spread, hn::Lt(k, end), at, place};
+    } else {
+      const V value = frame.labels ? labelAt<kType>(box, place) : valueAt<kType>(box, place);
+      return {k, value, value, hn::Lt(k, end), at, place};
+    }
   }
 
   // Whether some lane goes on.
@@ -114,13 +133,13 @@ struct Passage {
       pixels.taken = hn::Sub(pixels.taken, hn::VecFromMask(I(), hn::RebindMask(I(), active)));
     M shows = active;
     if (kType == DeviceType::kF32) shows = hn::AndNot(isNoNumber(sample.value), shows);
-    if (!frame.shades_every_sample) {
+    if (kShading != Shading::kSpread && !frame.shades_every_sample) {
       shows = hn::And(shows, hn::And(hn::Ge(sample.value, all(frame.least_visible)),
                                      hn::Le(sample.value, all(frame.most_visible))));
       if (hn::AllFalse(F(), shows)) return true;
     }
-    const Color color =
-        colorOf<kType, kShading>(frame, box, sample.at, sample.place, sample.value, ray_length);
+    const Color color = colorOf<kType, kShading>(frame, box, sample.at, sample.place, sample.value,
+                                                 sample.spread, ray_length);
     const V left = hn::IfThenElseZero(shows, hn::Sub(all(1.0F), pixels.sum.a));
     if (frame.with_depth) {
       const V slice = hn::Add(sample.k, all(box.first_slice + 0.5F));
@@ -140,7 +159,7 @@ struct Passage {
   // Slices [k, end). A sample is looked up and blended while the next one is read.
   HWY_INLINE void go(V k, V end, bool leaps, Pixels& pixels) {
     const BrickWay way = leaps ? brickWay(box, first, pace) : noBrickWay();
-    Sample last{k, k, hn::MaskFromVec(hn::Zero(F())), first, {wholeOf(k), k, k, k}};
+    Sample last{k, k, k, hn::MaskFromVec(hn::Zero(F())), first, {wholeOf(k), k, k, k}};
     bool has_last = false;
     const V one = all(1.0F);
     for (;;) {
@@ -152,7 +171,7 @@ struct Passage {
       for (int j = static_cast<int>(turns); j > 0; --j) {
         const Sample next = take(k, end);
         k = hn::Add(k, one);
-        if constexpr (kShading == Shading::kGradients) {
+        if constexpr (kShading == Shading::kGradients || kShading == Shading::kSpread) {
           if (!blend(next, pixels)) return;
         } else {
           if (has_last && !blend(last, pixels)) return;
@@ -181,8 +200,8 @@ HWY_INLINE void drawPacket(const KernelFrame& frame, const KernelBox& box,
     ray_length = hn::Sqrt(hn::MulAdd(v, v, hn::MulAdd(u, u, all(1.0F))));
   }
   // What stands for no number is too large for a part of it to be a matter of rounding.
-  const bool clamps =
-      kType == DeviceType::kF32 || kShading == Shading::kGradients || frame.labels || box.clamps;
+  const bool clamps = kType == DeviceType::kF32 || kShading == Shading::kGradients ||
+                      kShading == Shading::kSpread || frame.labels || box.clamps;
   Passage<kType, kShading> passage{frame,
                                    box,
                                    texelsAt(box, voxelsOf(positions, packet)),
@@ -242,7 +261,9 @@ void drawTyped(const KernelFrame& frame, const KernelBox* boxes, const uint32_t*
   for (size_t i = 0; i < count; ++i) {
     if (i % kBoxesBetweenLooks == 0 && isThrough(frame, tile)) return;
     const KernelBox& box = boxes[indices[i]];
-    if (frame.lit || frame.rows > 0)
+    if (box.has_spread)
+      drawBox<kType, Shading::kSpread>(frame, box, tile);
+    else if (frame.lit || frame.rows > 0)
       drawBox<kType, Shading::kGradients>(frame, box, tile);
     else if (frame.perspective)
       drawBox<kType, Shading::kLength>(frame, box, tile);

@@ -129,7 +129,7 @@ void CpuDevice::prepareLeaps() {
     if (chunk.is_put_off && chunk.leaps_for != shown_number_) stale.push_back(&chunk);
   pool_.parallelFor(static_cast<int64_t>(stale.size()), [&](int64_t i) {
     Resident& chunk = *stale[static_cast<size_t>(i)];
-    if (!chunk.leaps) chunk.leaps = leapGrid(*chunk.texels);
+    if (!chunk.leaps) chunk.leaps = leapGrid(*chunk.texels, setup_.look_up->expected.get());
     setDistances(*chunk.leaps, chunk.texels->type, shown_);
     chunk.leaps_for = shown_number_;
   });
@@ -143,6 +143,7 @@ void CpuDevice::drawNow(const Then& then, Keep keep) {
   boxes.reserve(put_off_.size());
   for (const BoxDraw& box : put_off_) {
     const Resident& chunk = resident_.at(box.chunk);
+    SLUICE_CHECK(!chunk.texels->has_spread || drawsSpreads(setup_));
     const bool leaps = leaps_ && chunk.leaps->shown_share < kMostShownToLeap;
     appendBox(setup_, box, chunk.texels.get(), leaps ? &*chunk.leaps : nullptr, boxes);
   }

@@ -93,7 +93,8 @@ void setTexels(const BoxDraw& box, const ChunkTexels& chunk, const TexelSpan& sp
                KernelBox& out) {
   const Vec3i storage = chunk.storage_vox;
   const auto& [lo, hi, from, to] = span;
-  const auto texel = static_cast<int64_t>(bytesPerVoxel(chunk.type));
+  const auto texel = static_cast<int64_t>(chunk.texelBytes());
+  out.has_spread = chunk.has_spread;
   const Vec3i stride{texel, texel * storage.x, texel * storage.x * storage.y};
   out.texels = chunk.bytes.get() + lo.x * stride.x + lo.y * stride.y + lo.z * stride.z;
   out.has_margin = true;

@@ -85,6 +85,17 @@ void FrameTables::setLookUp(const LookUpTables& tables) {
   frame_.last_entry = static_cast<float>(last);
   frame_.least = static_cast<float>(range.lo);
   frame_.greatest = static_cast<float>(range.hi);
+  if (const ExpectedLook* expected = tables.key.look_up->expected.get()) {
+    const ValueRange values = expected->device_range;
+    const double span = values.hi - values.lo;
+    const double entries = span > 0 ? (expected->entries - 1) / span : 0;
+    frame_.expected = expected->rgba.data();
+    frame_.mean_scale = static_cast<float>(entries);
+    frame_.mean_offset = static_cast<float>(-values.lo * entries);
+    frame_.spread_scale = static_cast<float>(span > 0 ? 1 / span : 0);
+    frame_.expected_entries = expected->entries;
+    frame_.expected_rows = expected->rows;
+  }
   frame_.least_visible = static_cast<float>(tables.visible[0]);
   frame_.most_visible = static_cast<float>(tables.visible[1]);
 }

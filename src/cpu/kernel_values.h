@@ -46,6 +46,12 @@ struct KernelFrame {
   float least = 0, greatest = 0;              // values of the first and of the last entry
   float least_visible = 0, most_visible = 0;  // what lies beyond has no opacity
 
+  // Of chunks with spreads: LookUp::expected, premultiplied rows. A mean's entry is mean *
+  // mean_scale + mean_offset; a spread's row, from 1 on, is sqrt(spread * spread_scale) * rows.
+  const float* expected = nullptr;
+  float mean_scale = 0, mean_offset = 0, spread_scale = 0;
+  int expected_entries = 0, expected_rows = 0;
+
   // Gradients: lit, or factors of the opacity.
   bool lit = false, corrects = false;
   std::array<Float3, 2> toward{}, halfway{};  // `toward` times the light's strength and diffuse
@@ -78,6 +84,7 @@ struct KernelBox {
   Float3 storage_lo{}, storage_hi{};  // of the first and the last texel that there is
   const std::byte* texels = nullptr;  // the first of the box
   Float3 stride{};                    // in bytes
+  bool has_spread = false;            // two numbers a texel
   bool has_margin = false;            // a texel more on every side
   // Device values a world unit, camera space, of a value more a texel along each texel axis.
   std::array<Float3, 3> gradient{};

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "src/base/error.h"
+
 namespace sluice {
 namespace {
 
@@ -31,8 +33,36 @@ void widen(const T* texels, T* lo, T* hi, int64_t count) {
   }
 }
 
+// What a sample can show whose mean and spread these are: of all entries and rows that it is
+// interpolated from.
+ValueRange shownRange(double mean, double spread, const ExpectedLook& expected) {
+  const ValueRange all = expected.device_range;
+  const double span = all.hi - all.lo;
+  if (!(spread > 0) || !(span > 0)) return {mean, mean};
+  const double row = std::floor(std::sqrt(spread / span) * expected.rows) + 1;
+  const double share = std::min(row / expected.rows, 1.0), entry = span / expected.entries;
+  const ValueRange range = spreadRange(mean, span * share * share, all);
+  return {std::min(mean, range.lo) - 2 * entry, std::max(mean, range.hi) + 2 * entry};
+}
+
+// The same of texels with spreads.
 template <class T>
-void setRanges(Vec3i storage, const T* texels, LeapGrid& grid) {
+void widenBySpread(const T* texels, const ExpectedLook& expected, T* lo, T* hi, int64_t count) {
+  constexpr double kLeast = static_cast<double>(std::numeric_limits<T>::lowest());
+  constexpr double kMost = static_cast<double>(std::numeric_limits<T>::max());
+  for (int64_t i = 0; i < count; ++i) {
+    const double mean = texels[2 * i];
+    if (mean < kNoNumber) continue;
+    const ValueRange range = shownRange(mean, texels[2 * i + 1], expected);
+    lo[i] = std::min(lo[i], static_cast<T>(std::clamp(std::floor(range.lo), kLeast, kMost)));
+    hi[i] = std::max(hi[i], static_cast<T>(std::clamp(std::ceil(range.hi), kLeast, kMost)));
+  }
+}
+
+template <class T>
+void setRanges(const ChunkTexels& chunk, const ExpectedLook* expected, LeapGrid& grid) {
+  const Vec3i storage = chunk.storage_vox;
+  const auto* texels = reinterpret_cast<const T*>(chunk.bytes.get());
   const auto row_texels = static_cast<size_t>(storage.x);
   std::vector<T> lo(row_texels), hi(row_texels);
   auto* out = reinterpret_cast<Range<T>*>(grid.ranges.data());
@@ -42,7 +72,10 @@ void setRanges(Vec3i storage, const T* texels, LeapGrid& grid) {
       std::ranges::fill(hi, kNothing<T>.hi);
       for (int64_t z = bz * kBrickSide; z <= std::min((bz + 1) * kBrickSide, storage.z - 1); ++z)
         for (int64_t y = by * kBrickSide; y <= std::min((by + 1) * kBrickSide, storage.y - 1); ++y)
-          widen(texels + (z * storage.y + y) * storage.x, lo.data(), hi.data(), storage.x);
+          if (const int64_t row = (z * storage.y + y) * storage.x; chunk.has_spread)
+            widenBySpread(texels + 2 * row, *expected, lo.data(), hi.data(), storage.x);
+          else
+            widen(texels + row, lo.data(), hi.data(), storage.x);
       for (int64_t bx = 0; bx < grid.bricks.x; ++bx) {
         const auto from = static_cast<size_t>(bx * kBrickSide);
         const size_t to = std::min(from + kBrickSide + 1, row_texels);
@@ -96,7 +129,8 @@ bool ShownValues::anyIn(float lo, float hi) const {
          shown_before_[static_cast<size_t>(std::max(from, 0.0))];
 }
 
-LeapGrid leapGrid(const ChunkTexels& chunk) {
+LeapGrid leapGrid(const ChunkTexels& chunk, const ExpectedLook* expected) {
+  SLUICE_CHECK(!chunk.has_spread || expected != nullptr);
   const Vec3i storage = chunk.storage_vox;
   LeapGrid grid;
   for (int a = 0; a < 3; ++a)
@@ -105,7 +139,7 @@ LeapGrid leapGrid(const ChunkTexels& chunk) {
   grid.ranges.resize(bricks * 2 * bytesPerVoxel(chunk.type));
   visitDeviceType(chunk.type, [&](auto tag) {
     using T = decltype(tag);
-    setRanges(storage, reinterpret_cast<const T*>(chunk.bytes.get()), grid);
+    setRanges<T>(chunk, expected, grid);
   });
   return grid;
 }

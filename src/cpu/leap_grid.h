@@ -1,7 +1,8 @@
 // LeapGrid: which bricks of a chunk show nothing, so that rays leap over them.
 //
 // A brick is kBrickSide^3 cells of a chunk, from its first texel on; what a sample in it can be
-// lies between the least and the greatest of its (kBrickSide + 1)^3 texels. Where no such value has
+// lies between the least and the greatest of its (kBrickSide + 1)^3 texels; of texels with spreads,
+// between the least and the greatest of the values that those stand for. Where no such value has
 // an opacity, leaving its samples out changes nothing. Bricks beside each other are leapt over at
 // once: each has its distance to the nearest one that may show something (as in Zuiderveld et al.
 // 1992, with the distance of the greatest axis).
@@ -49,8 +50,8 @@ struct LeapGrid {
   double shown_share = 1;  // of the bricks
 };
 
-// Without distances.
-LeapGrid leapGrid(const ChunkTexels& chunk);
+// Without distances. `expected` is how spreads look, where the chunk has them.
+LeapGrid leapGrid(const ChunkTexels& chunk, const ExpectedLook* expected = nullptr);
 void setDistances(LeapGrid& grid, DeviceType type, const ShownValues& shown);
 
 }  // namespace sluice

@@ -66,7 +66,8 @@ HWY_INLINE V settled(V at) {
   return hn::IfThenElse(hn::Lt(hn::Abs(hn::Sub(at, plane)), all(kOnPlane)), plane, at);
 }
 
-template <DeviceType kType>
+// kSpread: of a chunk with spreads, whose means alone count.
+template <DeviceType kType, bool kSpread>
 HWY_INLINE void drawPacket(const KernelFrame& frame, const KernelBox& box,
                            const Positions& positions, const Packet& packet, V& value_sum,
                            V& part_sum) {
@@ -81,7 +82,12 @@ HWY_INLINE void drawPacket(const KernelFrame& frame, const KernelBox& box,
           hn::MulAdd(place, line.pace.y, line.first.y),
           hn::MulAdd(place, line.pace.z, line.first.z)};
     if (extreme) at = {settled(at.x), settled(at.y), settled(at.z)};
-    const V value = valueAt<kType>(box, placeAt(cells, clamped(cells, at)));
+    const Place texels = placeAt(cells, clamped(cells, at));
+    V value;
+    if constexpr (kSpread)
+      value = spreadAt<kType>(box, texels).value;
+    else
+      value = valueAt<kType>(box, texels);
     M counts = hn::Lt(turn, line.count);
     if (kType == DeviceType::kF32) counts = hn::AndNot(isNoNumber(value), counts);
     const V part = hn::IfThenElseZero(counts, partAt(frame, entryOf(frame, value)));
@@ -112,7 +118,11 @@ HWY_NOINLINE void drawBox(const KernelFrame& frame, const KernelBox& box, TilePi
     for (int x = x_lo; x < x_hi; x += kPacketWidth) {
       const int at = (y / kPacketHeight * (kTileSide / kPacketWidth) + x / kPacketWidth) * kLanes;
       V value = hn::Load(F(), tile.color[0] + at), part = hn::Load(F(), tile.color[1] + at);
-      drawPacket<kType>(frame, box, positions, packetAt(frame, tile, x, y), value, part);
+      const Packet packet = packetAt(frame, tile, x, y);
+      if (box.has_spread)
+        drawPacket<kType, true>(frame, box, positions, packet, value, part);
+      else
+        drawPacket<kType, false>(frame, box, positions, packet, value, part);
       hn::Store(value, F(), tile.color[0] + at);
       hn::Store(part, F(), tile.color[1] + at);
     }

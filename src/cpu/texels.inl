@@ -109,6 +109,49 @@ HWY_INLINE V valueAt(const KernelBox& box, const Place& place) {
   return between(lower, upper, place.fz, hn::Sub(all(1.0F), place.fz));
 }
 
+// The two numbers of a place in a chunk with spreads.
+struct SpreadValue {
+  V value, spread;
+};
+template <DeviceType kType>
+HWY_INLINE SpreadValue spreadAt(const KernelBox& box, const Place& place) {
+  const auto y = static_cast<int64_t>(box.stride[1]), z = static_cast<int64_t>(box.stride[2]);
+  const std::byte* from[4] = {box.texels, box.texels + y, box.texels + z, box.texels + y + z};
+  Pair value[4], spread[4];  // of the four rows
+  if constexpr (kType == DeviceType::kU8) {
+    VI bytes[4];
+    fourAtOnce(from, place.offset, bytes);
+    for (int i = 0; i < 4; ++i) {
+      const VI even = hn::And(bytes[i], hn::Set(I(), 0x00FF00FF));
+      const VI odd = hn::And(hn::ShiftRight<8>(bytes[i]), hn::Set(I(), 0x00FF00FF));
+      value[i] = pairIn<DeviceType::kU16>(even);
+      spread[i] = pairIn<DeviceType::kU16>(odd);
+    }
+  } else if constexpr (kType == DeviceType::kU16) {
+    for (int i = 0; i < 4; ++i) {
+      const auto [first, second] = wideAt(from[i], place.offset);
+      const Pair one = pairIn<kType>(first), next = pairIn<kType>(second);
+      value[i] = {one.first, next.first};
+      spread[i] = {one.second, next.second};
+    }
+  } else {
+    for (int i = 0; i < 4; ++i) {
+      const Quad quad = quadAt(from[i], place.offset);
+      value[i] = {quad.of[0], quad.of[2]};
+      spread[i] = {quad.of[1], quad.of[3]};
+    }
+  }
+  const V one = all(1.0F), rx = hn::Sub(one, place.fx), ry = hn::Sub(one, place.fy),
+          rz = hn::Sub(one, place.fz);
+  const auto within = [&](const Pair* rows) {
+    V row[4];
+    for (int i = 0; i < 4; ++i) row[i] = between(rows[i].first, rows[i].second, place.fx, rx);
+    return between(between(row[0], row[1], place.fy, ry), between(row[2], row[3], place.fy, ry),
+                   place.fz, rz);
+  };
+  return {within(value), within(spread)};
+}
+
 // Below it lie the stand-in for NaN and whatever is interpolated with it.
 HWY_INLINE M isNoNumber(V value) { return hn::Lt(value, all(-2e30F)); }
 
@@ -153,8 +196,8 @@ HWY_INLINE V halfDifference(V next, V last) {
     return difference;
 }
 
-// Half of the difference between the values a voxel on and a voxel back along one texel axis.
-template <DeviceType kType>
+// Half of the difference between the values a texel on and a texel back along one texel axis.
+template <DeviceType kType, bool kSpread = false>
 HWY_INLINE V differenceAlong(const KernelBox& box, V3 at, int axis) {
   V3 after = at, before = at;
   V& on = axis == 0 ? after.x : axis == 1 ? after.y : after.z;
@@ -162,8 +205,16 @@ HWY_INLINE V differenceAlong(const KernelBox& box, V3 at, int axis) {
   on = hn::Add(on, all(1.0F));
   back = hn::Sub(back, all(1.0F));
   const Cells cells = storedCells(box);
-  const V next = valueAt<kType>(box, placeAt(cells, clamped(cells, after)));
-  const V last = valueAt<kType>(box, placeAt(cells, clamped(cells, before)));
+  const Place place_after = placeAt(cells, clamped(cells, after));
+  const Place place_before = placeAt(cells, clamped(cells, before));
+  V next, last;
+  if constexpr (kSpread) {
+    next = spreadAt<kType>(box, place_after).value;
+    last = spreadAt<kType>(box, place_before).value;
+  } else {
+    next = valueAt<kType>(box, place_after);
+    last = valueAt<kType>(box, place_before);
+  }
   return halfDifference<kType>(next, last);
 }
 

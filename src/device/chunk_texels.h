@@ -11,12 +11,16 @@
 
 namespace sluice {
 
-// In whole pages, x fastest. Immutable once filled; any thread may read.
+// In whole pages, x fastest. A texel is one number, or with `has_spread` two, one after the other:
+// the mean of the values that it stands for, and their spread in the same unit (expected_look.h).
+// Immutable once filled; any thread may read.
 struct ChunkTexels {
   Vec3i storage_vox;
   DeviceType type = DeviceType::kU8;
+  bool has_spread = false;
   size_t byte_count = 0;
   std::shared_ptr<std::byte[]> bytes;
+  size_t texelBytes() const { return bytesPerVoxel(type) * (has_spread ? 2 : 1); }
   std::span<std::byte> span() const { return {bytes.get(), byte_count}; }
 };
 using ChunkTexelsPtr = std::shared_ptr<const ChunkTexels>;

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "src/base/vec.h"
+#include "src/device/expected_look.h"
 #include "src/device/lighting.h"
 #include "src/device/view_values.h"
 #include "src/volume/device_voxel.h"
@@ -57,6 +58,9 @@ struct LookUp {
   // eight texels around it that have the greatest weight together. Of two with the same weight (to
   // kLabelTie) it is the greater value.
   bool labels = false;
+  // Composite only, not of labels: how texels of chunks with spreads look. Modes other than
+  // composite look at the means alone, and so do gradients. Null: no such chunk is drawn.
+  ExpectedLookPtr expected = {};
 };
 inline constexpr double kLabelTie = 1e-3;
 // Shared by the frames of a look: the same pointer is the same table.
@@ -157,6 +161,12 @@ constexpr OuterFaces outerFaces(const FrameSetup& setup, const Box3& cells) {
     outer.hi[static_cast<size_t>(a)] = cells.hi[a] >= setup.shown.hi[a];
   }
   return outer;
+}
+
+// Whether chunks with spreads may be drawn.
+inline bool drawsSpreads(const FrameSetup& setup) {
+  const LookUp& look_up = *setup.look_up;
+  return setup.mode != Mode::kComposite || (look_up.expected != nullptr && !look_up.labels);
 }
 
 // A square grid of side x side cells on a plane of index space, seen from the eye: rows x, y and w

@@ -14,7 +14,7 @@ namespace {
 
 // Boxes a draw call: bounded by what the smallest legal buffer texture (65536 texels) holds.
 constexpr size_t kBoxesPerDraw = 65536 / kTexelsPerBox;
-constexpr GLenum kChunkUnit = 0, kLookUpUnit = 1, kBoxUnit = 2, kFactorUnit = 3;
+constexpr GLenum kChunkUnit = 0, kLookUpUnit = 1, kBoxUnit = 2, kFactorUnit = 3, kExpectedUnit = 4;
 
 std::array<float, 3> asFloats(Vec3d v) {
   return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
@@ -67,11 +67,13 @@ GlDevice::GlDevice(std::unique_ptr<GlContext> context)
   gl_.GenTextures(1, &box_texture_);
   gl_.GenTextures(1, &look_up_);
   gl_.GenTextures(1, &factors_);
+  gl_.GenTextures(1, &expected_);
 }
 
 GlDevice::~GlDevice() {
   context_->makeCurrent();
   for (auto& [id, chunk] : resident_) gl_.DeleteTextures(1, &chunk.texture);
+  gl_.DeleteTextures(1, &expected_);
   gl_.DeleteTextures(1, &factors_);
   gl_.DeleteTextures(1, &look_up_);
   gl_.DeleteTextures(1, &box_texture_);
@@ -89,8 +91,9 @@ DeviceLimits GlDevice::limits() const {
 void GlDevice::makeResident(uint64_t id, ChunkTexelsPtr texels) {
   context_->makeCurrent();
   gl_.ActiveTexture(GL_TEXTURE0 + kChunkUnit);
-  const Resident resident{pool_.take(texels->storage_vox, texels->type, texels->span()),
-                          texels->storage_vox, texels->type};
+  const TexturePool::Format format{texels->type, texels->has_spread};
+  const Resident resident{pool_.take(texels->storage_vox, format, texels->span()),
+                          texels->storage_vox, format};
   const bool fresh = resident_.emplace(id, resident).second;
   SLUICE_CHECK(fresh);
 }
@@ -99,7 +102,7 @@ void GlDevice::evict(uint64_t id) {
   context_->makeCurrent();
   const auto found = resident_.find(id);
   SLUICE_CHECK(found != resident_.end());
-  pool_.giveBack(found->second.texture, found->second.storage_vox, found->second.type);
+  pool_.giveBack(found->second.texture, found->second.storage_vox, found->second.format);
   resident_.erase(found);
 }
 
@@ -179,6 +182,28 @@ void GlDevice::setLookUp(GlProgram& program) {
   program.set4("entries", line.data(), 1);
 }
 
+void GlDevice::setExpected(GlProgram& program) {
+  const ExpectedLookPtr& look = setup_.look_up->expected;
+  gl_.ActiveTexture(GL_TEXTURE0 + kExpectedUnit);
+  gl_.BindTexture(GL_TEXTURE_2D, expected_);
+  if (expected_look_ != look)
+    gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, look->entries, look->rows, 0, GL_RGBA, GL_FLOAT,
+                   look->rgba.data());
+  expected_look_ = look;
+  setFilter(gl_, GL_LINEAR);
+  program.set("expected", static_cast<int>(kExpectedUnit));
+  // Entry e lies at (e + 1/2) / entries of the texture.
+  const ValueRange range = look->device_range;
+  const double span = range.hi - range.lo, scale = valueScale(setup_.type);
+  const double per_device = span > 0 ? (look->entries - 1) / span : 0;
+  const std::array<float, 4> line = {
+      static_cast<float>(scale * per_device / look->entries),
+      static_cast<float>((0.5 - range.lo * per_device) / look->entries),
+      static_cast<float>(span > 0 ? scale / span : 0), static_cast<float>(look->rows)};
+  program.set4("expected_line", line.data(), 1);
+  program.set("expected_length", setup_.slice_length);
+}
+
 void GlDevice::bindTarget() {
   gl_.BindFramebuffer(GL_FRAMEBUFFER, target_.framebuffer());
   gl_.Viewport(0, 0, setup_.size.width, setup_.size.height);
@@ -241,8 +266,8 @@ void GlDevice::beginFrame(const FrameSetup& setup, const StopToken& stop) {
   const float start = emptyPart(setup.mode);
   gl_.ClearColor(start, start, start, start);
   gl_.Clear(GL_COLOR_BUFFER_BIT);
-  is_told_ = {};
-  frameProgram(kOne);
+  told_.clear();
+  frameProgram(kOne, false);
 }
 
 void GlDevice::setFrame(GlProgram& program) {
@@ -260,11 +285,16 @@ void GlDevice::setFrame(GlProgram& program) {
   if (setup_.mode == Mode::kComposite) setShading(setup_, variant_, program);
 }
 
-GlProgram& GlDevice::frameProgram(Vec3d scale) {
+GlProgram& GlDevice::frameProgram(Vec3d scale, bool has_spread) {
+  SLUICE_CHECK(!has_spread || drawsSpreads(setup_));
   ShaderVariant variant = variant_;
   variant.scaled = scale != kOne;
+  variant.spread = has_spread && setup_.mode == Mode::kComposite;
   GlProgram& program = programFor(variant);
-  if (!std::exchange(is_told_[variant.scaled ? 1 : 0], true)) setFrame(program);
+  if (told_.insert(variant).second) {
+    setFrame(program);
+    if (variant.spread) setExpected(program);
+  }
   if (variant.scaled) program.set("texel_scale", scale);
   return program;
 }
@@ -304,7 +334,7 @@ void GlDevice::drawFromChunk(std::span<const BoxDraw> boxes) {
   const auto found = resident_.find(boxes.front().chunk);
   SLUICE_CHECK(found != resident_.end());
   const Vec3d size = toDouble(found->second.storage_vox);
-  frameProgram(boxes.front().texels.indexScale())
+  frameProgram(boxes.front().texels.indexScale(), found->second.format.has_spread)
       .set("chunk_texel_size", Vec3d{1 / size.x, 1 / size.y, 1 / size.z});
   gl_.ActiveTexture(GL_TEXTURE0 + kChunkUnit);
   gl_.BindTexture(GL_TEXTURE_3D, found->second.texture);

@@ -11,6 +11,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -56,19 +57,21 @@ class GlDevice : public Device, public DrawsForScreens {
   struct Resident {
     GLuint texture;
     Vec3i storage_vox;
-    DeviceType type;
+    TexturePool::Format format;
   };
 
   GlProgram& programFor(const ShaderVariant& variant);
-  // The frame's program for boxes of this scale (TexelMap::indexScale()), told of the frame, in
-  // use.
-  GlProgram& frameProgram(Vec3d scale);
+  // The frame's program for boxes of this scale (TexelMap::indexScale()) of a chunk with spreads or
+  // without: told of the frame, in use.
+  GlProgram& frameProgram(Vec3d scale, bool has_spread);
   // Tells a program of the frame all that no box changes.
   void setFrame(GlProgram& program);
   void setView(GlProgram& program);
   void setLookUp(GlProgram& program);
   // Into the bound texture, and factors into theirs, unless they are there.
   void uploadLookUp();
+  // The same of LookUp::expected.
+  void setExpected(GlProgram& program);
   void setBlending(Mode mode);
   // Again what beginFrame() set, after another pass.
   void bindTarget();
@@ -92,10 +95,11 @@ class GlDevice : public Device, public DrawsForScreens {
   StopToken stop_;
   std::optional<DrawingPieces> pieces_;  // of the frame
   ShaderVariant variant_;
-  std::array<bool, 2> is_told_{};  // the programs of the frame: for a scale of 1, for others
+  std::set<ShaderVariant> told_;  // programs that know of this frame
   GLuint vertex_array_ = 0, index_buffer_ = 0, box_buffer_ = 0, box_texture_ = 0, look_up_ = 0,
-         factors_ = 0;
-  LookUpKey look_up_key_;  // of the texture's content; of no look-up: none yet
+         factors_ = 0, expected_ = 0;
+  ExpectedLookPtr expected_look_;  // the texture's content
+  LookUpKey look_up_key_;          // of the texture's content; of no look-up: none yet
   uint64_t binds_ = 0;
   GLuint marked_ = 0;  // depth buffer with the opaque pixels; 0: none are marked in this frame
 };

@@ -143,6 +143,24 @@ float corrected(float opacity, float voxel_lengths) {
 }
 #endif
 
+#if SPREAD
+uniform sampler2D expected;
+uniform vec4 expected_line;  // of a mean: scale, offset; of a spread: scale, rows
+uniform float expected_length;
+
+// What a texel with a spread looks like, premultiplied, for a way of `lengths` slices whose opacity
+// is multiplied by `factor` first: see ExpectedLook. `exact` is the same without spread.
+vec4 expectedColor(float value, float spread, float factor, float lengths, vec4 exact) {
+  float row = sqrt(max(spread * expected_line.z, 0.0)) * expected_line.w;
+  vec2 at = vec2(value * expected_line.x + expected_line.y,
+                 (max(row - 1.0, 0.0) + 0.5) / expected_line.w);
+  vec4 mean = textureLod(expected, clamp(at, vec2(0.0), vec2(1.0)), 0.0);
+  float opacity = mean.a * factor;
+  float a = opacity < 1.0 ? 1.0 - exp2(lengths * expected_length * log2(1.0 - opacity)) : 1.0;
+  return mix(exact, vec4(mean.rgb * (a / max(mean.a, 1e-20)), a), min(row, 1.0));
+}
+#endif
+
 #if LIT
 #if SHININESS == 0
 uniform float shininess;
@@ -205,6 +223,9 @@ void main() {
   for (int k = range.x; k < range.y; ++k) {
     vec3 at;
     float value;
+#if SPREAD
+    float spread;
+#endif
 #if GOES_AHEAD
     // On to the next sample that may show something. Software GL runs a loop's body for several
     // pixels together, as long as any of them needs it, and skips nothing by `if`: so each pixel goes
@@ -221,8 +242,17 @@ void main() {
 #else
       at = first + float(k - first_k) * along;
 #endif
+#if SPREAD
+      vec2 both = textureLod(chunk, at, 0.0).rg;
+      value = both.r;
+      spread = both.g;
+#else
       value = textureLod(chunk, at, 0.0).r;
+#endif
 #if GOES_AHEAD
+#if SPREAD
+      if (spread > 0.0) break;
+#endif
       if ((value >= visible.x && value <= visible.y) || k + 1 == range.y) break;
     }
 #endif
@@ -251,12 +281,17 @@ void main() {
 #endif
     float squared = squareOf(difference);
 #endif
+    float factor = 1.0;
 #if GRADIENT_ROWS > 0
-    color.a = corrected(color.a * factorOf(unit * sqrt(squared), entry), voxel_lengths);
+    factor = factorOf(unit * sqrt(squared), entry);
+    color.a = corrected(color.a * factor, voxel_lengths);
     color.rgb *= color.a;
 #elif PERSPECTIVE
     color.a = 1.0 - exp2(color.a * ray_length);
     color.rgb *= color.a;
+#endif
+#if SPREAD
+    color = expectedColor(value, spread, factor, ray_length, color);
 #endif
 #if LIT
     float flatness = reflection.w / unit;

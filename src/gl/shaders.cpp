@@ -29,6 +29,7 @@ std::string definitions(const ShaderVariant& v) {
                                                  {"LABELS", v.labels},
                                                  {"PLANES", v.planes},
                                                  {"SCALED", v.scaled},
+                                                 {"SPREAD", v.spread},
                                                  {"OBLIQUE", v.oblique}};
   std::string lines;
   for (const auto& [name, value] : numbers) lines += fmt::format("#define {} {}\n", name, value);

@@ -26,6 +26,7 @@ struct ShaderVariant {
   bool goes_ahead = false;    // with gradients: leaves out samples that show nothing
   bool labels = false;        // values are names, see LookUp
   bool planes = false;        // samples lie on voxel planes, see FrameSetup
+  bool spread = false;        // chunks have spreads, see ExpectedLook
   bool scaled = false;        // texels are not voxels, see TexelMap
   bool oblique = false;       // with gradients: the volume's axes are not at right angles
   friend auto operator<=>(const ShaderVariant&, const ShaderVariant&) = default;

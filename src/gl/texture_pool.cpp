@@ -8,24 +8,27 @@
 namespace sluice {
 namespace {
 
-struct Format {
+struct GlFormat {
   GLint internal;
-  GLenum type;
+  GLenum type, numbers;
 };
-Format formatOf(DeviceType type) {
-  switch (type) {
+GlFormat glFormat(TexturePool::Format format) {
+  const bool two = format.has_spread;
+  const GLenum numbers = two ? GL_RG : GL_RED;
+  switch (format.type) {
     case DeviceType::kU8:
-      return {GL_R8, GL_UNSIGNED_BYTE};
+      return {two ? GL_RG8 : GL_R8, GL_UNSIGNED_BYTE, numbers};
     case DeviceType::kU16:
-      return {GL_R16, GL_UNSIGNED_SHORT};
+      return {two ? GL_RG16 : GL_R16, GL_UNSIGNED_SHORT, numbers};
     case DeviceType::kF32:
       break;
   }
-  return {GL_R32F, GL_FLOAT};
+  return {two ? GL_RG32F : GL_R32F, GL_FLOAT, numbers};
 }
 
-uint64_t bytesOf(Vec3i size_vox, DeviceType type) {
-  return static_cast<uint64_t>(volume(size_vox)) * bytesPerVoxel(type);
+uint64_t bytesOf(Vec3i size_vox, TexturePool::Format format) {
+  return static_cast<uint64_t>(volume(size_vox)) * bytesPerVoxel(format.type) *
+         (format.has_spread ? 2 : 1);
 }
 
 }  // namespace
@@ -35,7 +38,7 @@ TexturePool::~TexturePool() {
     for (const GLuint texture : textures) gl_.DeleteTextures(1, &texture);
 }
 
-GLuint TexturePool::create(Vec3i size_vox, DeviceType type) {
+GLuint TexturePool::create(Vec3i size_vox, Format format) {
   GLuint texture = 0;
   gl_.GenTextures(1, &texture);
   gl_.BindTexture(GL_TEXTURE_3D, texture);
@@ -44,16 +47,16 @@ GLuint TexturePool::create(Vec3i size_vox, DeviceType type) {
   gl_.TexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
   gl_.TexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
   gl_.TexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MAX_LEVEL, 0);
-  const Format format = formatOf(type);
+  const auto [internal, type, numbers] = glFormat(format);
   while (gl_.GetError() != GL_NO_ERROR) {
   }
-  gl_.TexImage3D(GL_TEXTURE_3D, 0, format.internal, static_cast<GLsizei>(size_vox.x),
-                 static_cast<GLsizei>(size_vox.y), static_cast<GLsizei>(size_vox.z), 0, GL_RED,
-                 format.type, nullptr);
+  gl_.TexImage3D(GL_TEXTURE_3D, 0, internal, static_cast<GLsizei>(size_vox.x),
+                 static_cast<GLsizei>(size_vox.y), static_cast<GLsizei>(size_vox.z), 0, numbers,
+                 type, nullptr);
   if (gl_.GetError() != GL_NO_ERROR) {
     gl_.DeleteTextures(1, &texture);
     fail("the GL driver has no room for a texture of {} x {} x {} texels ({}); give fewer --pages",
-         size_vox.x, size_vox.y, size_vox.z, formatBytes(bytesOf(size_vox, type)));
+         size_vox.x, size_vox.y, size_vox.z, formatBytes(bytesOf(size_vox, format)));
   }
   return texture;
 }
@@ -64,7 +67,7 @@ void TexturePool::dropIdle(uint64_t bytes) {
   gl_.Finish();
   for (auto entry = idle_.begin(); entry != idle_.end() && bytes > 0;) {
     auto& [size, textures] = *entry;
-    const uint64_t each = bytesOf({size.x, size.y, size.z}, size.type);
+    const uint64_t each = bytesOf({size.x, size.y, size.z}, size.format);
     while (!textures.empty() && bytes > 0) {
       gl_.DeleteTextures(1, &textures.front());
       textures.pop_front();
@@ -75,13 +78,13 @@ void TexturePool::dropIdle(uint64_t bytes) {
   }
 }
 
-GLuint TexturePool::take(Vec3i size_vox, DeviceType type, std::span<const std::byte> texels) {
-  const uint64_t bytes = bytesOf(size_vox, type);
+GLuint TexturePool::take(Vec3i size_vox, Format format, std::span<const std::byte> texels) {
+  const uint64_t bytes = bytesOf(size_vox, format);
   SLUICE_CHECK_EQ(texels.size(), bytes);
   const uint64_t used_bytes = used_bytes_ + bytes;
   const uint64_t most_used_bytes = std::max(most_used_bytes_, used_bytes);
   GLuint texture = 0;
-  const auto found = idle_.find({size_vox.x, size_vox.y, size_vox.z, type});
+  const auto found = idle_.find({size_vox.x, size_vox.y, size_vox.z, format});
   if (found != idle_.end()) {
     texture = found->second.front();
     found->second.pop_front();
@@ -91,23 +94,24 @@ GLuint TexturePool::take(Vec3i size_vox, DeviceType type, std::span<const std::b
   } else {
     const uint64_t most = most_used_bytes + spareTextureBytes(most_used_bytes);
     if (used_bytes + idle_bytes_ > most) dropIdle(used_bytes + idle_bytes_ - most);
-    texture = create(size_vox, type);
+    texture = create(size_vox, format);
   }
   used_bytes_ = used_bytes;
   most_used_bytes_ = most_used_bytes;
+  const auto [internal, type, numbers] = glFormat(format);
   gl_.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
   gl_.TexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, 0, static_cast<GLsizei>(size_vox.x),
-                    static_cast<GLsizei>(size_vox.y), static_cast<GLsizei>(size_vox.z), GL_RED,
-                    formatOf(type).type, texels.data());
+                    static_cast<GLsizei>(size_vox.y), static_cast<GLsizei>(size_vox.z), numbers,
+                    type, texels.data());
   uploaded_bytes_ += texels.size();
   return texture;
 }
 
-void TexturePool::giveBack(GLuint texture, Vec3i size_vox, DeviceType type) {
-  const uint64_t bytes = bytesOf(size_vox, type);
+void TexturePool::giveBack(GLuint texture, Vec3i size_vox, Format format) {
+  const uint64_t bytes = bytesOf(size_vox, format);
   used_bytes_ -= bytes;
   idle_bytes_ += bytes;
-  idle_[{size_vox.x, size_vox.y, size_vox.z, type}].push_back(texture);
+  idle_[{size_vox.x, size_vox.y, size_vox.z, format}].push_back(texture);
 }
 
 }  // namespace sluice

@@ -27,20 +27,27 @@ class TexturePool {
   TexturePool(const TexturePool&) = delete;
   TexturePool& operator=(const TexturePool&) = delete;
 
+  // What a texture holds: numbers of a type, one a texel or two.
+  struct Format {
+    DeviceType type = DeviceType::kU8;
+    bool has_spread = false;
+    friend auto operator<=>(const Format&, const Format&) = default;
+  };
+
   // A texture of exactly `size_vox` texels holding `texels`. Throws Error when the driver has no
   // memory for it.
-  GLuint take(Vec3i size_vox, DeviceType type, std::span<const std::byte> texels);
-  void giveBack(GLuint texture, Vec3i size_vox, DeviceType type);
+  GLuint take(Vec3i size_vox, Format format, std::span<const std::byte> texels);
+  void giveBack(GLuint texture, Vec3i size_vox, Format format);
 
   uint64_t uploadedBytes() const { return uploaded_bytes_; }
 
  private:
   struct Size {
     int64_t x, y, z;
-    DeviceType type;
+    Format format;
     friend auto operator<=>(const Size&, const Size&) = default;
   };
-  GLuint create(Vec3i size_vox, DeviceType type);
+  GLuint create(Vec3i size_vox, Format format);
   void dropIdle(uint64_t bytes);
 
   const GlFunctions& gl_;

@@ -54,41 +54,41 @@ TEST_F(TexturePoolTest, texturesHoldWhatWasUploaded) {
   // Odd sizes: rows are not padded to four bytes.
   std::vector<std::byte> ramp(3 * 5 * 7);
   for (size_t i = 0; i < ramp.size(); ++i) ramp[i] = static_cast<std::byte>(i * 2);
-  const GLuint u8 = pool.take({3, 5, 7}, DeviceType::kU8, ramp);
+  const GLuint u8 = pool.take({3, 5, 7}, {DeviceType::kU8}, ramp);
   const auto bytes = texelsOf<uint8_t>(u8, ramp.size(), GL_UNSIGNED_BYTE);
   EXPECT_EQ(std::memcmp(bytes.data(), ramp.data(), ramp.size()), 0);
 
   const std::vector<uint16_t> words = {0, 1, 2, 32767, 32768, 65534, 65535, 300};
-  const GLuint u16 = pool.take({2, 2, 2}, DeviceType::kU16, std::as_bytes(std::span(words)));
+  const GLuint u16 = pool.take({2, 2, 2}, {DeviceType::kU16}, std::as_bytes(std::span(words)));
   EXPECT_EQ(texelsOf<uint16_t>(u16, 8, GL_UNSIGNED_SHORT), words);
 
   const std::vector<float> floats = {-1e30F, -2.5F, 0, 1e-20F, 1, 255, 1e20F, 1e30F};
-  const GLuint f32 = pool.take({2, 2, 2}, DeviceType::kF32, std::as_bytes(std::span(floats)));
+  const GLuint f32 = pool.take({2, 2, 2}, {DeviceType::kF32}, std::as_bytes(std::span(floats)));
   EXPECT_EQ(texelsOf<float>(f32, 8, GL_FLOAT), floats);
   EXPECT_EQ(pool.uploadedBytes(), 105U + 16 + 32);
-  pool.giveBack(u8, {3, 5, 7}, DeviceType::kU8);
-  pool.giveBack(u16, {2, 2, 2}, DeviceType::kU16);
-  pool.giveBack(f32, {2, 2, 2}, DeviceType::kF32);
+  pool.giveBack(u8, {3, 5, 7}, {DeviceType::kU8});
+  pool.giveBack(u16, {2, 2, 2}, {DeviceType::kU16});
+  pool.giveBack(f32, {2, 2, 2}, {DeviceType::kF32});
 }
 
 TEST_F(TexturePoolTest, returnedTextureServesTheNextChunkOfItsSizeAndType) {
   TexturePool pool(gl());
-  const GLuint first = pool.take({4, 4, 4}, DeviceType::kU8, bytesOf(64, 1));
-  const GLuint second = pool.take({4, 4, 4}, DeviceType::kU8, bytesOf(64, 2));
+  const GLuint first = pool.take({4, 4, 4}, {DeviceType::kU8}, bytesOf(64, 1));
+  const GLuint second = pool.take({4, 4, 4}, {DeviceType::kU8}, bytesOf(64, 2));
   EXPECT_NE(first, second) << "both are in use";
-  pool.giveBack(first, {4, 4, 4}, DeviceType::kU8);
-  const GLuint wider = pool.take({8, 4, 2}, DeviceType::kU8, bytesOf(64, 3));
-  const GLuint words = pool.take({4, 4, 4}, DeviceType::kU16, bytesOf(128, 3));
+  pool.giveBack(first, {4, 4, 4}, {DeviceType::kU8});
+  const GLuint wider = pool.take({8, 4, 2}, {DeviceType::kU8}, bytesOf(64, 3));
+  const GLuint words = pool.take({4, 4, 4}, {DeviceType::kU16}, bytesOf(128, 3));
   EXPECT_NE(wider, first);
   EXPECT_NE(words, first);
-  pool.giveBack(second, {4, 4, 4}, DeviceType::kU8);
-  const GLuint again = pool.take({4, 4, 4}, DeviceType::kU8, bytesOf(64, 4));
+  pool.giveBack(second, {4, 4, 4}, {DeviceType::kU8});
+  const GLuint again = pool.take({4, 4, 4}, {DeviceType::kU8}, bytesOf(64, 4));
   EXPECT_TRUE(again == first || again == second);
   EXPECT_EQ(texelsOf<uint8_t>(again, 64, GL_UNSIGNED_BYTE), std::vector<uint8_t>(64, 4));
   EXPECT_EQ(pool.uploadedBytes(), 64U * 4 + 128);
-  for (const GLuint texture : {again}) pool.giveBack(texture, {4, 4, 4}, DeviceType::kU8);
-  pool.giveBack(wider, {8, 4, 2}, DeviceType::kU8);
-  pool.giveBack(words, {4, 4, 4}, DeviceType::kU16);
+  for (const GLuint texture : {again}) pool.giveBack(texture, {4, 4, 4}, {DeviceType::kU8});
+  pool.giveBack(wider, {8, 4, 2}, {DeviceType::kU8});
+  pool.giveBack(words, {4, 4, 4}, {DeviceType::kU16});
 }
 
 TEST_F(TexturePoolTest, idleTexturesOfOtherSizesGoForNewOnes) {
@@ -99,23 +99,23 @@ TEST_F(TexturePoolTest, idleTexturesOfOtherSizesGoForNewOnes) {
   const auto small_texels = bytesOf(kSmallBytes, 1), large_texels = bytesOf(kLargeBytes, 2);
   std::vector<GLuint> small, large;
   for (size_t i = 0; i < kCount; ++i)
-    small.push_back(pool.take(kSmall, DeviceType::kU8, small_texels));
-  for (const GLuint texture : small) pool.giveBack(texture, kSmall, DeviceType::kU8);
+    small.push_back(pool.take(kSmall, {DeviceType::kU8}, small_texels));
+  for (const GLuint texture : small) pool.giveBack(texture, kSmall, {DeviceType::kU8});
   for (size_t i = 0; i < kCount / 4; ++i)
-    large.push_back(pool.take(kLarge, DeviceType::kU8, large_texels));
+    large.push_back(pool.take(kLarge, {DeviceType::kU8}, large_texels));
   size_t left = 0;
   for (const GLuint texture : small) left += exists(texture) ? 1 : 0;
   // As many bytes were never in use at once as both kinds would take.
   EXPECT_LE(left * kSmallBytes, spareTextureBytes(kCount * kSmallBytes));
-  for (const GLuint texture : large) pool.giveBack(texture, kLarge, DeviceType::kU8);
+  for (const GLuint texture : large) pool.giveBack(texture, kLarge, {DeviceType::kU8});
 }
 
 TEST_F(TexturePoolTest, poolDeletesItsIdleTextures) {
   GLuint texture = 0;
   {
     TexturePool pool(gl());
-    texture = pool.take({4, 4, 4}, DeviceType::kU8, bytesOf(64, 1));
-    pool.giveBack(texture, {4, 4, 4}, DeviceType::kU8);
+    texture = pool.take({4, 4, 4}, {DeviceType::kU8}, bytesOf(64, 1));
+    pool.giveBack(texture, {4, 4, 4}, {DeviceType::kU8});
     EXPECT_TRUE(exists(texture));
   }
   EXPECT_FALSE(exists(texture));
@@ -125,11 +125,11 @@ TEST_F(TexturePoolTest, refusedTextureIsAnErrorAndCostsNothing) {
   TexturePool pool(gl());
   // Longer than any driver's limit; the upload would be small.
   constexpr Vec3i kTooLong{1 << 20, 1, 1};
-  EXPECT_THROW(pool.take(kTooLong, DeviceType::kU8, bytesOf(1 << 20, 1)), Error);
+  EXPECT_THROW(pool.take(kTooLong, {DeviceType::kU8}, bytesOf(1 << 20, 1)), Error);
   EXPECT_EQ(pool.uploadedBytes(), 0U);
-  const GLuint texture = pool.take({4, 4, 4}, DeviceType::kU8, bytesOf(64, 1));
+  const GLuint texture = pool.take({4, 4, 4}, {DeviceType::kU8}, bytesOf(64, 1));
   EXPECT_EQ(pool.uploadedBytes(), 64U);
-  pool.giveBack(texture, {4, 4, 4}, DeviceType::kU8);
+  pool.giveBack(texture, {4, 4, 4}, {DeviceType::kU8});
 }
 
 }  // namespace

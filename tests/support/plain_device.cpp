@@ -130,7 +130,9 @@ void PlainDevice::eachSample(const Ray& ray, const BoxDraw& box, Visit&& visit) 
 void PlainDevice::makeResident(uint64_t id, ChunkTexelsPtr texels) {
   if (!options_.borrows) {
     uploaded_bytes_ += texels->byte_count;
-    texels = chunkTexels(texels->storage_vox, texels->type, texels->span());
+    auto copy = std::make_shared<ChunkTexels>(*texels);
+    copy->bytes = chunkTexels(texels->storage_vox, texels->type, texels->span())->bytes;
+    texels = std::move(copy);
   }
   const bool fresh = resident_.emplace(id, std::move(texels)).second;
   SLUICE_CHECK(fresh);
@@ -239,7 +241,8 @@ void PlainDevice::take(const Ray& ray, const BoxDraw& box, const ChunkTexels& ch
     ++taken_;
     if (value < kNoNumber) return true;
     const auto rgba = lookedUp(look_up, value, look_up.interpolates || !composite);
-    if (rgba[3] <= 0) return true;
+    const double spread = chunk.has_spread && composite ? valueAt(chunk, texel, 1) : 0;
+    if (rgba[3] <= 0 && !(spread > 0)) return true;
     if (!composite) {
       const bool replaces = pixel.count == 0 ||
                             (setup_.mode == Mode::kMip && value > pixel.value) ||
@@ -262,9 +265,22 @@ void PlainDevice::take(const Ray& ray, const BoxDraw& box, const ChunkTexels& ch
         const auto axis = static_cast<size_t>(axes[static_cast<size_t>(a)]);
         gradient = gradient + setup_.camera_gradient[axis] * (0.5 * (next - last) * scale[a]);
       }
-    const double one = rgba[3] * factorOf(look_up, length(gradient), value);
-    const double opacity = 1 - std::pow(1 - one, setup_.slice_length * ray.length);
+    const double factor = factorOf(look_up, length(gradient), value);
+    const auto opacityOf = [&](double one) {
+      return 1 - std::pow(1 - one * factor, setup_.slice_length * ray.length);
+    };
+    double opacity = opacityOf(rgba[3]);
     Vec3d rgb{rgba[0], rgba[1], rgba[2]};
+    if (spread > 0) {
+      const ExpectedEntry expected = expectedAt(*look_up.expected, value, spread);
+      const double a = expected.rgba[3], whole = opacityOf(a), exact = 1 - expected.share;
+      Vec3d sum = rgb * (opacity * exact);
+      for (int c = 0; c < 3 && a > 0; ++c)
+        sum[c] += expected.share * whole * expected.rgba[static_cast<size_t>(c)] / a;
+      opacity = opacity * exact + expected.share * whole;
+      if (!(opacity > 0)) return true;
+      rgb = sum / opacity;
+    }
     if (setup_.lit) rgb = shaded(rgb, gradient);
     const double weight = (1 - pixel.opacity) * opacity;
     pixel.rgb = pixel.rgb + rgb * weight;

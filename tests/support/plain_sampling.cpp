@@ -8,10 +8,12 @@
 namespace sluice {
 namespace {
 
-double texelAt(const ChunkTexels& chunk, Vec3i texel) {
+double texelAt(const ChunkTexels& chunk, Vec3i texel, int number = 0) {
   const Vec3i size = chunk.storage_vox;
   for (int a = 0; a < 3; ++a) texel[a] = std::clamp<int64_t>(texel[a], 0, size[a] - 1);
-  const auto i = static_cast<size_t>((texel.z * size.y + texel.y) * size.x + texel.x);
+  const int64_t numbers = chunk.has_spread ? 2 : 1;
+  const auto i =
+      static_cast<size_t>(((texel.z * size.y + texel.y) * size.x + texel.x) * numbers + number);
   return visitDeviceType(chunk.type, [&](auto tag) {
     decltype(tag) value;
     std::memcpy(&value, chunk.bytes.get() + i * sizeof(value), sizeof(value));
@@ -43,7 +45,7 @@ double entryPosition(const LookUp& look_up, double value) {
 
 }  // namespace
 
-double valueAt(const ChunkTexels& chunk, Vec3d at) {
+double valueAt(const ChunkTexels& chunk, Vec3d at, int number) {
   const Vec3i lo{static_cast<int64_t>(std::floor(at.x)), static_cast<int64_t>(std::floor(at.y)),
                  static_cast<int64_t>(std::floor(at.z))};
   const Vec3d part = at - toDouble(lo);
@@ -56,7 +58,7 @@ double valueAt(const ChunkTexels& chunk, Vec3d at) {
       texel[a] += up;
       weight *= up != 0 ? part[a] : 1 - part[a];
     }
-    if (weight > 0) sum += weight * texelAt(chunk, texel);
+    if (weight > 0) sum += weight * texelAt(chunk, texel, number);
   }
   return sum;
 }
@@ -89,6 +91,24 @@ std::array<double, 4> lookedUp(const LookUp& look_up, double value, bool interpo
   for (size_t c = 0; c < 4; ++c)
     rgba[c] = between(entry, look_up.rgba[4 * entry.first + c], look_up.rgba[4 * entry.second + c]);
   return rgba;
+}
+
+ExpectedEntry expectedAt(const ExpectedLook& look, double mean, double spread) {
+  const double span = look.device_range.hi - look.device_range.lo;
+  const double row = std::sqrt(std::max(spread, 0.0) / span) * look.rows;
+  const Entry in_row = entryOf((mean - look.device_range.lo) / span * (look.entries - 1),
+                               static_cast<size_t>(look.entries), true);
+  const Entry rows = entryOf(row - 1, static_cast<size_t>(look.rows), true);
+  ExpectedEntry result;
+  for (size_t c = 0; c < 4; ++c) {
+    const auto inRow = [&](size_t r) {
+      const float* of_row = &look.rgba[4 * r * static_cast<size_t>(look.entries)];
+      return between(in_row, of_row[4 * in_row.first + c], of_row[4 * in_row.second + c]);
+    };
+    result.rgba[c] = between(rows, inRow(rows.first), inRow(rows.second));
+  }
+  result.share = std::min(row, 1.0);
+  return result;
 }
 
 double factorOf(const LookUp& look_up, double magnitude, double value) {

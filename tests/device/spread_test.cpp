@@ -1,0 +1,243 @@
+// Chunks whose texels stand for many values, against answers on paper and the plain device.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "src/render/frame_setup.h"
+#include "src/render/index_space.h"
+#include "tests/device/suite_device.h"
+#include "tests/support/plain_device.h"
+
+namespace sluice {
+namespace {
+
+constexpr Vec3i kDims{23, 19, 17};
+constexpr ValueRange kRange{0, 255};
+
+struct Texel {
+  double mean = 0, spread = 0;
+};
+using TexelAt = std::function<Texel(int64_t)>;  // by its number
+
+// Two numbers a texel, or the means alone.
+ChunkTexelsPtr chunkOf(const TexelAt& texel_at, DeviceType type, bool has_spread) {
+  std::vector<std::byte> bytes;
+  for (int64_t i = 0; i < volume(kDims); ++i) {
+    const Texel texel = texel_at(i);
+    const auto add = [&](double number) {
+      visitDeviceType(type, [&](auto tag) {
+        const auto value = static_cast<decltype(tag)>(number);
+        const auto* from = reinterpret_cast<const std::byte*>(&value);
+        bytes.insert(bytes.end(), from, from + sizeof value);
+      });
+    };
+    add(texel.mean);
+    if (has_spread) add(texel.spread);
+  }
+  auto chunk = std::make_shared<ChunkTexels>(*chunkTexels(kDims, type, bytes));
+  chunk->has_spread = has_spread;
+  return chunk;
+}
+
+Texel noiseAt(int64_t i) {
+  uint32_t state = static_cast<uint32_t>(i) * 2654435761U + 12345U;
+  state ^= state >> 15;
+  state *= 2246822519U;
+  state ^= state >> 13;
+  const double mean = state >> 24;
+  // From none to what the mean allows.
+  const double most = 2 * std::sqrt(mean * (255 - mean)), share = (state >> 8 & 255) / 255.0;
+  return {mean, i % 5 == 0 ? 0 : std::floor(most * share * share)};
+}
+
+struct Seen {
+  Projection projection = Projection::kOrtho;
+  Mode mode = Mode::kComposite;
+  bool lit = false, with_gradients = false, is_opaque = false;
+
+  std::string words() const {
+    return fmt::format("projection {} mode {} lit {} gradients {} opaque {}",
+                       static_cast<int>(projection), static_cast<int>(mode), lit, with_gradients,
+                       is_opaque);
+  }
+};
+
+FrameSetup setupOf(const Seen& seen, DeviceType type) {
+  VolumeLayout layout;
+  layout.dims = kDims;
+  layout.spacing = {1, 1.2, 0.9};
+  FrameOptions options;
+  options.camera.projection = seen.projection;
+  options.camera.azimuth_deg = 36;
+  options.camera.elevation_deg = 27;
+  options.size = {45, 39};
+  options.step_vox = 0.7;
+  options.mode = seen.mode;
+  TransferFunction transfer{{{0, {0.1, 0.3, 0.9}}, {140, {0.9, 0.9, 0.2}}, {255, {1, 0.6, 0.1}}},
+                            {{100, 0}, {180, seen.is_opaque ? 1 : 0.15}, {220, 0}},
+                            "t"};
+  if (seen.with_gradients) transfer.gradients = {{5, {{0, 0.2}}}, {60, {{0, 1}}}};
+  const ValueMap map = deviceMap(layout);
+  FrameSetup setup = frameSetup(resolve(options.camera, layout, options.size, options.step_vox),
+                                layout, OpacityTable(transfer, map, kRange), map, options);
+  setup.type = type;
+  setup.lit = seen.lit;
+  LookUp look_up = *setup.look_up;
+  look_up.expected = std::make_shared<const ExpectedLook>(expectedLook(look_up, kRange));
+  setup.look_up = std::make_shared<const LookUp>(std::move(look_up));
+  return setup;
+}
+
+Picture drawOn(Device& device, const FrameSetup& setup, const ChunkTexelsPtr& chunk,
+               Vec3d scale = {1, 1, 1}) {
+  BoxDraw box;
+  box.chunk = 1;
+  box.cells = boxOf(kDims - Vec3i{1, 1, 1});
+  box.texels.scale = scale;
+  box.texels.offset = (Vec3d{1, 1, 1} - scale) * 3.0;
+  device.makeResident(1, chunk);
+  device.beginFrame(setup);
+  device.draw({&box, 1});
+  Picture picture = device.endFrame();
+  device.evict(1);
+  return picture;
+}
+
+double worstOf(const Picture& a, const Picture& b) {
+  double worst = 0;
+  for (size_t i = 0; i < a.rgba.size(); ++i)
+    worst = std::max(worst, std::abs(255.0 * a.rgba[i] - 255.0 * b.rgba[i]));
+  return worst;
+}
+double mostOpacity(const Picture& picture) {
+  float most = 0;
+  for (size_t i = 3; i < picture.rgba.size(); i += 4) most = std::max(most, picture.rgba[i]);
+  return most;
+}
+
+std::vector<Seen> composites() {
+  std::vector<Seen> result;
+  for (const Projection projection : {Projection::kOrtho, Projection::kPerspective})
+    for (const bool is_opaque : {false, true})
+      for (const auto& [lit, with_gradients] :
+           {std::pair{false, false}, {true, false}, {false, true}, {true, true}})
+        result.push_back({projection, Mode::kComposite, lit, with_gradients, is_opaque});
+  return result;
+}
+
+constexpr DeviceType kTypes[] = {DeviceType::kU8, DeviceType::kU16, DeviceType::kF32};
+
+class SpreadTest : public testing::Test {
+ protected:
+  static void SetUpTestSuite() { device_ = suiteDevice(); }
+  static void TearDownTestSuite() { device_.reset(); }
+  static inline std::unique_ptr<Device> device_;
+};
+
+TEST_F(SpreadTest, noSpreadIsThePictureOfTheMeans) {
+  const auto means = [](int64_t i) { return Texel{noiseAt(i).mean, 0}; };
+  for (const DeviceType type : kTypes)
+    for (const Seen& seen : composites()) {
+      const FrameSetup setup = setupOf(seen, type);
+      const Picture one = drawOn(*device_, setup, chunkOf(means, type, false));
+      EXPECT_GT(mostOpacity(one), 0.1);
+      EXPECT_LT(worstOf(drawOn(*device_, setup, chunkOf(means, type, true)), one), 0.5)
+          << name(type) << ' ' << seen.words();
+    }
+}
+
+TEST_F(SpreadTest, modesOtherThanCompositeLookAtMeansAlone) {
+  for (const DeviceType type : kTypes)
+    for (const Mode mode : {Mode::kMip, Mode::kMinip, Mode::kAverage}) {
+      const FrameSetup setup = setupOf({Projection::kPerspective, mode}, type);
+      const Picture one = drawOn(*device_, setup, chunkOf(noiseAt, type, false));
+      EXPECT_GT(mostOpacity(one), 0.1);
+      EXPECT_LT(worstOf(drawOn(*device_, setup, chunkOf(noiseAt, type, true)), one), 0.1);
+    }
+}
+
+TEST_F(SpreadTest, spreadsGiveThePictureOfPlainLoops) {
+  PlainDevice plain;
+  for (const DeviceType type : kTypes)
+    for (const Seen& seen : composites())
+      for (const Vec3d scale : {Vec3d{1, 1, 1}, {0.5, 0.25, 0.5}}) {
+        SCOPED_TRACE(fmt::format("{} {} scale {}", name(type), seen.words(), scale.x));
+        const FrameSetup setup = setupOf(seen, type);
+        const ChunkTexelsPtr chunk = chunkOf(noiseAt, type, true);
+        EXPECT_LT(
+            worstOf(drawOn(*device_, setup, chunk, scale), drawOn(plain, setup, chunk, scale)), 2);
+      }
+}
+
+// n unit lengths of values of which a share is opaque let (1 - share)^n through.
+TEST_F(SpreadTest, theOpacityIsThatOfTheShareThatIsOpaque) {
+  PlainDevice plain;
+  for (Device* device : {device_.get(), static_cast<Device*>(&plain)})
+    for (const double spread : {20.0, 50.0, 125.0}) {
+      Seen seen;
+      FrameSetup setup = setupOf(seen, DeviceType::kF32);
+      LookUp step = *setup.look_up;
+      const auto entries = static_cast<double>(step.rgba.size() / 4);
+      const ValueRange range = step.device_range;
+      for (size_t i = 0; i < step.rgba.size(); i += 4) {
+        const double value =
+            range.lo + (range.hi - range.lo) * static_cast<double>(i / 4) / (entries - 1);
+        step.rgba[i] = step.rgba[i + 1] = step.rgba[i + 2] = 1;
+        step.rgba[i + 3] = value < 120 ? 0 : 0.3F;
+      }
+      step.interpolates = false;
+      step.expected = std::make_shared<const ExpectedLook>(expectedLook(step, kRange));
+      setup.look_up = std::make_shared<const LookUp>(step);
+      const double mean = 115;
+      // Uniform over sqrt(3) standard deviations to either side.
+      const double reach = std::sqrt(3.0) * spread / 2;
+      const double share = (mean + reach - 120) / (2 * reach);
+      const Picture spreads = drawOn(*device, setup,
+                                     chunkOf(
+                                         [&](auto) {
+                                           return Texel{mean, spread};
+                                         },
+                                         DeviceType::kF32, true));
+      // The same way through values of that opacity.
+      LookUp same = step;
+      for (size_t i = 3; i < same.rgba.size(); i += 4)
+        same.rgba[i] = static_cast<float>(0.3 * share);
+      setup.look_up = std::make_shared<const LookUp>(same);
+      const Picture expected = drawOn(*device, setup,
+                                      chunkOf(
+                                          [&](auto) {
+                                            return Texel{mean, 0};
+                                          },
+                                          DeviceType::kF32, false));
+      EXPECT_GT(mostOpacity(expected), 0.3);
+      EXPECT_LT(worstOf(spreads, expected), 2) << device->backend() << ' ' << spread;
+    }
+}
+
+TEST_F(SpreadTest, leapingLeavesOutNothingThatShows) {
+  for (const Seen& seen : composites()) {
+    FrameSetup setup = setupOf(seen, DeviceType::kU8);
+    // Mostly nothing, whose spread alone shows something.
+    const ChunkTexelsPtr chunk = chunkOf(
+        [](int64_t i) {
+          const int64_t x = i % kDims.x, z = i / (kDims.x * kDims.y);
+          return x > 14 && z < 9 ? Texel{60, 70} : x < 5 && z > 11 ? noiseAt(i) : Texel{20, 6};
+        },
+        DeviceType::kU8, true);
+    setup.skips = false;
+    const Picture whole = drawOn(*device_, setup, chunk);
+    setup.skips = true;
+    EXPECT_GT(mostOpacity(whole), 0.1);
+    EXPECT_LT(worstOf(drawOn(*device_, setup, chunk), whole), 0.5) << seen.words();
+  }
+}
+
+}  // namespace
+}  // namespace sluice
