@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "io/synth/mean_levels.h"
 #include "io/synth/synth_fields.h"
 #include "src/base/error.h"
 
@@ -77,6 +78,7 @@ bool setField(SynthOptions& options, std::string_view field, std::string_view va
   if (field == "dims") return parseTriple(value, options.dims);
   if (field == "spacing") return parseTriple(value, options.spacing);
   if (field == "steps") return parseNumber(value, options.time_steps);
+  if (field == "levels") return parseNumber(value, options.levels);
   if (field == "seed") return parseNumber(value, options.seed);
   if (field == "share") return parseNumber(value, options.object_share);
   if (field == "type") {
@@ -103,6 +105,9 @@ void validate(const SynthOptions& options) {
   if (options.time_steps < 1 || options.time_steps > most_steps)
     fail("{}: expected 1 to {} time steps of {}, found {}", spec, most_steps, name(options.kind),
          options.time_steps);
+  constexpr int64_t kMostLevels = 32;
+  if (options.levels < 1 || options.levels > kMostLevels)
+    fail("{}: expected 1 to {} levels, found {}", spec, kMostLevels, options.levels);
   const double most_share = options.kind == SynthKind::kSparse ? 0.4 : 1;
   if (!(options.object_share > 0 && options.object_share <= most_share))
     fail("{}: expected a share above 0 and up to {} for {}, found {}", spec, most_share,
@@ -125,11 +130,16 @@ void convertRow(std::span<const float> row, std::byte* out) {
   }
 }
 
-class SynthSource : public VolumeSource {
+// The voxels are the same however many levels stand above them.
+std::string identityOf(SynthOptions options) {
+  options.levels = 1;
+  return fmt::format("{},revision={}", specOf(options), kRevision);
+}
+
+class SynthSource : public VolumeSource, public LeveledSource {
  public:
   explicit SynthSource(const SynthOptions& options)
-      : field_(entryOf(options.kind).make(options)),
-        identity_(fmt::format("{},revision={}", specOf(options), kRevision)) {
+      : field_(entryOf(options.kind).make(options)), identity_(identityOf(options)) {
     layout_.dims = options.dims;
     layout_.type = options.type;
     layout_.spacing = options.spacing;
@@ -139,11 +149,14 @@ class SynthSource : public VolumeSource {
     convert_row_ = options.type == VoxelType::kU8    ? convertRow<uint8_t>
                    : options.type == VoxelType::kU16 ? convertRow<uint16_t>
                                                      : convertRow<float>;
+    layout_.levels = options.levels;
+    levels_.emplace(*this, options.levels);
   }
 
   const VolumeLayout& layout() const override { return layout_; }
   std::string identity() const override { return identity_; }
   uint64_t storedBytesRead() const override { return 0; }
+  std::span<const CoarserLevel> levelsAbove() const override { return levels_->levels(); }
 
   std::optional<Occupancy> occupancy(int64_t) override {
     const Box3 box = field_->objectBox();
@@ -175,6 +188,7 @@ class SynthSource : public VolumeSource {
   const std::string identity_;
   VolumeLayout layout_;  // constant after construction
   void (*convert_row_)(std::span<const float>, std::byte*) = nullptr;  // constant too
+  std::optional<MeanLevels> levels_;                                   // constant too
 };
 
 }  // namespace
@@ -214,8 +228,8 @@ SynthOptions parseSynthSpec(std::string_view spec) {
     if (equals == part.size() ||
         !setField(options, part.substr(0, equals), part.substr(equals + 1)))
       fail(
-          "{}: expected dims=XxYxZ, type=u8|u16|f32, steps=N, seed=N, share=S or spacing=XxYxZ, "
-          "found '{}'",
+          "{}: expected dims=XxYxZ, type=u8|u16|f32, steps=N, seed=N, share=S, spacing=XxYxZ or "
+          "levels=N, found '{}'",
           spec, part);
   }
   validate(options);
@@ -225,9 +239,12 @@ SynthOptions parseSynthSpec(std::string_view spec) {
 std::string specOf(const SynthOptions& options) {
   const Vec3i d = options.dims;
   const Vec3d s = options.spacing;
-  return fmt::format("{}{},dims={}x{}x{},type={},steps={},seed={},share={},spacing={}x{}x{}",
-                     kSynthPrefix, name(options.kind), d.x, d.y, d.z, name(options.type),
-                     options.time_steps, options.seed, options.object_share, s.x, s.y, s.z);
+  std::string spec =
+      fmt::format("{}{},dims={}x{}x{},type={},steps={},seed={},share={},spacing={}x{}x{}",
+                  kSynthPrefix, name(options.kind), d.x, d.y, d.z, name(options.type),
+                  options.time_steps, options.seed, options.object_share, s.x, s.y, s.z);
+  if (options.levels > 1) spec += fmt::format(",levels={}", options.levels);
+  return spec;
 }
 
 std::unique_ptr<VolumeSource> openSynth(const SynthOptions& options) {

@@ -44,9 +44,11 @@ struct SynthOptions {
   // 0.4), noise (estimated within about 0.01). The other kinds' share follows from their shape.
   double object_share = 0.05;
   Vec3d spacing{1, 1, 1};
+  int64_t levels = 1;  // of resolution, see mean_levels.h
 };
 
-// "synth:KIND[,dims=XxYxZ][,type=T][,steps=N][,seed=N][,share=S][,spacing=XxYxZ]"; the leading
+// "synth:KIND[,dims=XxYxZ][,type=T][,steps=N][,seed=N][,share=S][,spacing=XxYxZ][,levels=N]"; the
+// leading
 // "synth:" may be missing. Throws Error that names the part at fault.
 SynthOptions parseSynthSpec(std::string_view spec);
 // The spec, every field named; parseSynthSpec takes it back.

@@ -1,0 +1,103 @@
+#include "io/synth/mean_levels.h"
+
+#include <fmt/format.h>
+
+#include <cstring>
+#include <type_traits>
+
+#include "src/base/error.h"
+
+namespace sluice {
+namespace {
+
+// Of `count` values that sum up to `sum`; halves are rounded up.
+template <class T, class Sum>
+T meanOf(Sum sum, Sum count) {
+  if constexpr (std::is_floating_point_v<T>) return static_cast<T>(sum / count);
+  return static_cast<T>((2 * sum + count) / (2 * count));
+}
+
+class MeanLevel final : public VolumeSource {
+ public:
+  MeanLevel(VolumeSource& finest, int64_t times) : finest_(finest), times_(times) {
+    layout_ = finest.layout();
+    layout_.dims = layout_.dims / times;
+    // The mean of the first voxels lies in the middle of them.
+    const double shift = static_cast<double>(times - 1) / 2;
+    for (int a = 0; a < 3; ++a)
+      layout_.origin =
+          layout_.origin + layout_.axes[static_cast<size_t>(a)] * (layout_.spacing[a] * shift);
+    layout_.spacing = layout_.spacing * static_cast<double>(times);
+    layout_.stored_range.reset();
+  }
+
+  const VolumeLayout& layout() const override { return layout_; }
+  std::string identity() const override {
+    return fmt::format("{},mean={}", finest_.identity(), times_);
+  }
+  uint64_t storedBytesRead() const override { return 0; }  // counted where the voxels are read
+
+  void readRegion(int64_t time, const Box3& box, std::span<std::byte> out) override {
+    switch (layout_.type) {
+      case VoxelType::kU8:
+        return readTyped<uint8_t, uint64_t>(time, box, out);
+      case VoxelType::kU16:
+        return readTyped<uint16_t, uint64_t>(time, box, out);
+      case VoxelType::kF32:
+        return readTyped<float, double>(time, box, out);
+      default:
+        fail("{}: levels are made of u8, u16 and f32 alone", layout_.name);
+    }
+  }
+
+ private:
+  // A row of the level after the other.
+  template <class T, class Sum>
+  void readTyped(int64_t time, const Box3& box, std::span<std::byte> out) {
+    const int64_t width = box.size().x;
+    const Vec3i cube{times_, times_, times_};
+    std::vector<T> finest(static_cast<size_t>(width * volume(cube)));
+    std::vector<Sum> sums(static_cast<size_t>(width));
+    std::byte* to = out.data();
+    for (int64_t z = box.lo.z; z < box.hi.z; ++z)
+      for (int64_t y = box.lo.y; y < box.hi.y; ++y) {
+        const Vec3i first{box.lo.x, y, z};
+        const Box3 from{first * cube, Vec3i{box.hi.x, y + 1, z + 1} * cube};
+        finest_.readRegion(time, from, std::as_writable_bytes(std::span(finest)));
+        std::fill(sums.begin(), sums.end(), Sum{});
+        const T* voxel = finest.data();
+        for (int64_t row = 0; row < times_ * times_; ++row)
+          for (int64_t x = 0; x < width; ++x)
+            for (int64_t i = 0; i < times_; ++i)
+              sums[static_cast<size_t>(x)] += static_cast<Sum>(*voxel++);
+        for (const Sum sum : sums) {
+          const T mean = meanOf<T>(sum, static_cast<Sum>(volume(cube)));
+          std::memcpy(to, &mean, sizeof mean);
+          to += sizeof mean;
+        }
+      }
+  }
+
+  VolumeSource& finest_;
+  const int64_t times_;
+  VolumeLayout layout_;  // constant after construction
+};
+
+}  // namespace
+
+MeanLevels::MeanLevels(VolumeSource& finest, int64_t count) {
+  const VolumeLayout& layout = finest.layout();
+  int64_t times = 1;
+  for (int64_t level = 1; level < count; ++level) {
+    times *= 2;
+    const Vec3i dims = layout.dims / times;
+    if (dims.x < 2 || dims.y < 2 || dims.z < 2)
+      fail("{}: {} x {} x {} voxels have {} levels of at least 2 voxels along each axis, not {}",
+           layout.name, layout.dims.x, layout.dims.y, layout.dims.z, level, count);
+    sources_.push_back(std::make_unique<MeanLevel>(finest, times));
+    const double scale = static_cast<double>(times), offset = (scale - 1) / 2;
+    levels_.push_back({sources_.back().get(), {{scale, scale, scale}, {offset, offset, offset}}});
+  }
+}
+
+}  // namespace sluice
