@@ -14,7 +14,10 @@ namespace {
 
 IndexKey keyOf(const VolumeSource& source, int64_t time, const BlockLayout& layout) {
   return {source.identity(),
-          fmt::format("minmax-{}{}-{}", layout.size, layout.ghost == 0 ? "" : "-lit",
+          fmt::format("minmax-{}{}-{}", layout.size,
+                      layout.ghost == 0   ? ""
+                      : layout.ghost == 1 ? "-lit"
+                                          : "-levels",
                       selectionOf(source.layout(), time)),
           kSliceRangesVersion};
 }

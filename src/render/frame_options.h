@@ -11,6 +11,7 @@
 #include "src/device/frame_values.h"
 #include "src/device/lighting.h"
 #include "src/render/camera.h"
+#include "src/render/cut_options.h"
 #include "src/render/frame_occlusion.h"
 #include "src/texture/texture_plan.h"
 
@@ -41,6 +42,7 @@ struct FrameOptions {
   Occlusion occlusion = Occlusion::kOff;  // composite only
   bool shades = true;                     // by sessions opened lit; they may draw a frame without
   Lighting lighting;                      // of those
+  std::optional<CutOptions> cut;          // unset: the finest level alone is drawn
   std::optional<Box3> crop;  // voxels; what lies between its outer voxel planes is shown
   std::vector<WorldPlane> clip_planes;
   Algorithm algorithm = Algorithm::kMerged;

@@ -47,7 +47,8 @@ struct FrameReport {
   MovedBytes rebuild;           // what a frame moves that starts from nothing
   // Of the cells that can be seen, those left out at the time limit. 0: the picture is complete.
   double missing_share = 0;
-  OcclusionReport occlusion;  // of a frame with occlusion
+  OcclusionReport occlusion;      // of a frame with occlusion
+  std::optional<CutSummary> cut;  // of a frame of several levels of resolution
 };
 
 // What was drawn between two updates of the opacity map (Li 2003, Figure 8).

@@ -17,14 +17,18 @@ void append(std::vector<BoxDraw>& to, const std::vector<BoxDraw>& boxes) {
   to.insert(to.end(), boxes.begin(), boxes.end());
 }
 
-BoxDraw boxDraw(const TextureBlock& block) {
+// `level`: that of the block.
+BoxDraw boxDraw(const TextureBlock& block, const LevelPlacement& level) {
   BoxDraw box;
   box.cells = block.cells;
   TexelMap& texels = box.texels;
   texels.axes = textureAxes(block.trimming_axis);
-  for (int a = 0; a < 3; ++a)
-    texels.offset[a] =
-        static_cast<double>(block.at[a] - block.voxels.lo[texels.axes[static_cast<size_t>(a)]]);
+  for (int a = 0; a < 3; ++a) {
+    const int axis = texels.axes[static_cast<size_t>(a)];
+    texels.scale[a] = 1 / level.scale[axis];
+    texels.offset[a] = static_cast<double>(block.at[a] - block.voxels.lo[axis]) -
+                       level.offset[axis] / level.scale[axis];
+  }
   return box;
 }
 
@@ -149,7 +153,7 @@ void FrameRun::drawBlocks(const std::vector<BlockPosition>& order) {
 
 void FrameRun::drawBlock(BlockPosition position) {
   const TextureBlock& block = textures().blocks[position];
-  BoxDraw box = boxDraw(block);
+  BoxDraw box = boxDraw(block, textures().pyramid.of(block.name).placement);
   VisibleBoxesPtr boxes;
   if (boxes_) {
     const Stopwatch watch;
@@ -203,6 +207,7 @@ void FrameRun::gatherCounters() {
   report_.white = values_.visible->white;
   report_.grey = values_.visible->grey;
   report_.black = values_.visible->black;
+  report_.cut = values_.visible->cut;
   report_.before = last_.blocks;
   const FramePlan& plan = *values_.plan;
   report_.clusters = static_cast<int64_t>(plan.textures.clusters.size());

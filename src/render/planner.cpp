@@ -8,8 +8,11 @@ LookPtr Planner::look(const TimeStep& step, const TransferPtr& transfer, Mode mo
 
 VisibleBlocksPtr Planner::visibleBlocks(const TimeStep& step, const LookPtr& look, const View& view,
                                         const FrameOptions& options) {
-  BlockChooser& chooser = chooser_ != nullptr ? *chooser_ : classified_;
-  return chooser.choose({step, look, cropCells(options, step.ranges->layout.dims), view});
+  BlockChooser* chooser = chooser_;
+  if (chooser == nullptr && options.cut && !step.coarser.empty()) chooser = &cut_;
+  if (chooser == nullptr) chooser = &classified_;
+  return chooser->choose({step, look, cropCells(options, step.ranges->layout.dims), view,
+                          options.cut.value_or(CutOptions())});
 }
 
 FramePlanPtr Planner::plan(const TimeStep& step, const VisibleBlocksPtr& visible,

@@ -14,6 +14,7 @@
 #include "src/render/draw_order.h"
 #include "src/render/frame_options.h"
 #include "src/render/frame_plan.h"
+#include "src/render/level_cut.h"
 #include "src/render/visible_blocks.h"
 
 namespace sluice {
@@ -24,9 +25,10 @@ class Planner {
  public:
   // `pool` and `names` must outlive it.
   Planner(const PageGeometry& page, WorkerPool& pool, ChunkNames& names)
-      : page_(page), names_(names), classified_(pool) {}
+      : page_(page), names_(names), classified_(pool), cut_(pool) {}
 
-  // From now on blocks are chosen by this, which must outlive its use; null: by classification.
+  // From now on blocks are chosen by this, which must outlive its use; null: by a cut
+  // if the options ask for one and the step has several levels, else by classification.
   void chooseBlocksBy(BlockChooser* chooser) { chooser_ = chooser; }
 
   LookPtr look(const TimeStep& step, const TransferPtr& transfer, Mode mode);
@@ -67,6 +69,7 @@ class Planner {
   ChunkNames& names_;
   BlockChooser* chooser_ = nullptr;
   ClassifiedBlocks classified_;
+  LevelCut cut_;
   Memo<LookKey, const Look> look_;
   Memo<PlanKey, const FramePlan> plan_;
   Memo<OrderKey, const DrawOrder> order_;

@@ -10,6 +10,7 @@
 #include "src/base/worker_pool.h"
 #include "src/classify/blocks/classification.h"
 #include "src/render/camera.h"
+#include "src/render/cut_options.h"
 #include "src/render/look.h"
 #include "src/render/memo.h"
 
@@ -22,14 +23,15 @@ struct BlockQuestion {
   LookPtr look;
   Box3 crop;  // cells that may show
   View view;
+  CutOptions cut = {};  // of volumes of several levels
 };
 
 class BlockChooser {
  public:
   virtual ~BlockChooser() = default;
-  // Blocks of the step's layout, of this or of other time steps, ascending; each cell at most once.
-  // Gives the same object again where nothing that it depends on has changed: then what follows
-  // from it is kept too.
+  // Blocks of the step's layout, of this or of other time steps and of any level, ascending by
+  // name; each finest cell at most once. Gives the same object again where nothing that it depends
+  // on has changed: then what follows from it is kept too.
   virtual VisibleBlocksPtr choose(const BlockQuestion& question) = 0;
 };
 

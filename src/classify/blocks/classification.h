@@ -7,9 +7,11 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "src/base/worker_pool.h"
+#include "src/classify/blocks/cut_summary.h"
 #include "src/classify/transfer/opacity_table.h"
 #include "src/volume/block_name.h"
 #include "src/volume/slice_ranges.h"
@@ -32,6 +34,7 @@ struct ObjectBlock {
 struct VisibleBlocks {
   std::vector<ObjectBlock> blocks;  // grey and black ones, ascending by block
   int64_t white = 0, grey = 0, black = 0;
+  std::optional<CutSummary> cut;  // of a volume of several levels
 };
 
 // `crop`: cells that may show at all (the whole volume's by default); blocks and boxes are cut by

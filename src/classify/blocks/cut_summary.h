@@ -1,0 +1,22 @@
+// CutSummary: which levels of resolution the blocks of a picture are of. Plain data.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace sluice {
+
+struct CutSummary {
+  struct Level {
+    int level = 0;
+    int64_t blocks = 0;  // that are drawn at this level
+    int64_t cells = 0;   // finest cells in their object boxes
+  };
+  std::vector<Level> levels;  // those that are drawn, the finest first
+  // Of the finest cells that show something, the share in regions drawn at a coarser level.
+  double coarse_share = 0;
+  // False: a budget ended the refinement before the pixel error was reached.
+  bool is_final = true;
+};
+
+}  // namespace sluice

@@ -1,0 +1,49 @@
+// LevelCut: the blocks of a picture from a cut through the levels of resolution, one more way to
+// choose them, made before a byte is read.
+//
+// A part of the volume is drawn at the coarsest level whose voxels are at most so many pixels wide
+// there. The cut starts with the coarsest level and is refined level by level, the parts in front
+// first, until the pixel error is reached everywhere or the blocks would take more than a budget
+// allows. Parts outside the picture stay coarse. A part without anything visible at the finest
+// level is left out, as with one level; what shows of a drawn block is decided by the ranges of its
+// own level.
+#pragma once
+
+#include <memory>
+
+#include "src/base/worker_pool.h"
+#include "src/render/cut_options.h"
+#include "src/render/shown_levels.h"
+#include "src/render/visible_blocks.h"
+
+namespace sluice {
+
+// The level that voxels `pixel_error` pixels wide ask for where the view needs the finest one, or
+// the level that the options name: what the distance between slices follows from.
+int finestLevelShown(const TimeStep& step, const View& view, const CutOptions& options);
+// The finest spacing of a level's voxels in units of the volume's finest spacing.
+double spacingOfLevel(const TimeStep& step, int level);
+
+class LevelCut : public BlockChooser {
+ public:
+  // `pool` must outlive it.
+  explicit LevelCut(WorkerPool& pool) : pool_(pool) {}
+  // Requires: the step has several levels. Throws Error when the options name a level that is not
+  // there.
+  VisibleBlocksPtr choose(const BlockQuestion& question) override;
+
+ private:
+  struct ShownKey {
+    TimeStep step;
+    Identity<Look> look;
+    Box3 crop;
+    friend bool operator==(const ShownKey&, const ShownKey&) = default;
+  };
+
+  WorkerPool& pool_;
+  Memo<ShownKey, const ShownLevels> shown_;
+  std::shared_ptr<const ShownLevels> of_answer_;  // what answer_ was chosen from
+  VisibleBlocksPtr answer_;                       // the last one
+};
+
+}  // namespace sluice

@@ -1,0 +1,409 @@
+// Cuts through levels of resolution: which blocks they choose, and that their pictures are those of
+// the levels, without a seam where levels meet.
+#include "src/render/level_cut.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+#include "io/synth/mean_levels.h"
+#include "src/base/error.h"
+#include "src/render/index_space.h"
+#include "src/render/planner.h"
+#include "tests/render/render_scene.h"
+#include "tests/support/error_of.h"
+#include "tests/support/function_source.h"
+#include "tests/support/random_volume.h"
+
+namespace sluice {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr int64_t kBlock = 16;
+
+// A source with levels of means above it.
+struct Pyramid {
+  Pyramid(VolumeSource& finest, int64_t count, bool lit = false)
+      : source(finest), means(finest, count), pool(2) {
+    PyramidLayout layout(blockLayout(finest.layout().dims, kBlock, lit ? 2 : 1));
+    step.source = &finest;
+    step.ranges = rangesOf(finest, layout.finest());
+    for (const CoarserLevel& level : means.levels()) {
+      EXPECT_EQ(layout.add(level.source->layout().dims, level.placement), "");
+      const BlockLayout& blocks = layout.level(layout.levels() - 1).blocks;
+      step.coarser.push_back({level.source, rangesOf(*level.source, blocks)});
+    }
+    step.pyramid = std::make_shared<const PyramidLayout>(layout);
+  }
+  std::shared_ptr<const SliceRanges> rangesOf(VolumeSource& of, const BlockLayout& layout) {
+    ProgressMeter progress;
+    return std::make_shared<const SliceRanges>(buildSliceRanges(of, 0, layout, pool, progress));
+  }
+  const PyramidLayout& layout() const { return *step.pyramid; }
+
+  VolumeSource& source;
+  const MeanLevels means;
+  WorkerPool pool;
+  TimeStep step;
+};
+
+VolumeLayout layoutOf(Vec3i dims, VoxelType type) {
+  VolumeLayout layout;
+  layout.dims = dims;
+  layout.type = type;
+  layout.name = "function";
+  return layout;
+}
+
+TransferFunction opaqueAbove(double threshold, double most, double opacity = 0.3) {
+  TransferFunction transfer;
+  transfer.colors = {{threshold, {0.2, 0.5, 1}}, {most, {1, 0.7, 0.1}}};
+  transfer.opacities = {{threshold - 1e-6, 0}, {threshold, opacity / 2}, {most, opacity}};
+  return transfer;
+}
+
+class LevelCutTest : public RenderTest {
+ protected:
+  // Of one view, by a planner of its own.
+  static VisibleBlocksPtr chosen(const Pyramid& pyramid, const TransferFunction& transfer,
+                                 const FrameOptions& options) {
+    WorkerPool pool(2);
+    ChunkNames names;
+    Planner planner({{8, 8, 8}, 1, 1 << 12}, pool, names);
+    const auto shared = std::make_shared<const TransferFunction>(transfer);
+    const LookPtr look = planner.look(pyramid.step, shared, options.mode);
+    return planner.visibleBlocks(pyramid.step, look, viewOf(pyramid, options), options);
+  }
+  static View viewOf(const Pyramid& pyramid, const FrameOptions& options) {
+    return resolve(options.camera, pyramid.source.layout(), options.size, options.step_vox);
+  }
+  static std::unique_ptr<Session> sessionOf(Pyramid& pyramid, const TransferFunction& transfer,
+                                            bool lit = false) {
+    SessionOptions options;
+    options.page = {
+        {8, 8, 8}, static_cast<int64_t>(bytesPerVoxel(pyramid.step.ranges->map.type)), 1 << 12};
+    options.memory_bytes = uint64_t{1} << 30;
+    options.lit = lit;
+    auto session = std::make_unique<Session>(pyramid.step, device(), pyramid.pool, options);
+    session->setTransferFunction(transfer);
+    return session;
+  }
+  struct Drawn {
+    FloatPicture picture;
+    FrameReport report;
+  };
+  static Drawn draw(Session& session, const FrameOptions& options) {
+    session.setOptions(options);
+    Frame frame = session.frame();
+    FloatPicture picture;
+    picture.width = frame.picture.width;
+    picture.height = frame.picture.height;
+    picture.rgba = std::move(frame.picture.rgba);
+    return {std::move(picture), frame.report};
+  }
+};
+
+std::unique_ptr<MemorySource> manyBlobs(Vec3i dims) {
+  return makeSparseBlobs({.dims = dims, .type = VoxelType::kU8, .seed = 3, .blobs = 25});
+}
+
+// Each finest cell that shows something lies in the region of one chosen block at the most, and of
+// one exactly unless its level shows nothing there.
+void expectPartition(const Pyramid& pyramid, const VisibleBlocks& blocks) {
+  const PyramidLayout& layout = pyramid.layout();
+  int64_t cells = 0;
+  for (size_t i = 0; i < blocks.blocks.size(); ++i) {
+    const Box3 region = layout.regionOf(blocks.blocks[i].name);
+    EXPECT_TRUE(region.contains(blocks.blocks[i].cells));
+    EXPECT_FALSE(blocks.blocks[i].cells.empty());
+    for (size_t j = i + 1; j < blocks.blocks.size(); ++j)
+      EXPECT_TRUE(intersect(region, layout.regionOf(blocks.blocks[j].name)).empty());
+    cells += blocks.blocks[i].cells.count();
+  }
+  int64_t reported = 0;
+  for (const CutSummary::Level& level : blocks.cut->levels) reported += level.cells;
+  EXPECT_EQ(reported, cells);
+}
+
+std::set<int32_t> levelsOf(const VisibleBlocks& blocks) {
+  std::set<int32_t> levels;
+  for (const ObjectBlock& block : blocks.blocks) levels.insert(block.name.level);
+  return levels;
+}
+
+TEST_F(LevelCutTest, theCoarsestLevelWithinThePixelErrorIsChosenWhereTheBlockLies) {
+  const auto source = manyBlobs({120, 101, 95});
+  Pyramid pyramid(*source, 4);
+  const VolumeLayout& volume = source->layout();
+  FrameOptions options = insideView(volume, {0.2, 0.5, 0.5}, {0.9, 0.6, 0.5});
+  options.cut = CutOptions{.pixel_error = 3};
+  const VisibleBlocksPtr blocks = chosen(pyramid, opaqueAbove(20, 255), options);
+  expectPartition(pyramid, *blocks);
+  EXPECT_GE(levelsOf(*blocks).size(), 3U);
+  EXPECT_TRUE(blocks->cut->is_final);
+  EXPECT_GT(blocks->cut->coarse_share, 0.0);
+  EXPECT_LT(blocks->cut->coarse_share, 1.0);
+  const View view = viewOf(pyramid, options);
+  int wide = 0;
+  for (const ObjectBlock& block : blocks->blocks) {
+    // Corners of the region that the picture shows, found the plain way.
+    const Box3 region = pyramid.layout().regionOf(block.name);
+    for (int corner = 0; corner < 8; ++corner) {
+      Vec3d at;
+      for (int a = 0; a < 3; ++a)
+        at[a] = static_cast<double>((corner >> a & 1) != 0 ? region.hi[a] : region.lo[a]);
+      const Vec3d from = worldFromIndex(volume, at) - view.eye;
+      const double depth = dot(from, view.forward);
+      const double half = view.half_height * depth;
+      const double aspect = static_cast<double>(view.size.width) / view.size.height;
+      const bool is_shown = depth > 0 && std::abs(dot(from, view.up)) < half &&
+                            std::abs(dot(from, view.right)) < aspect * half;
+      if (!is_shown) continue;
+      const double pixel = 2 * half / view.size.height;
+      const double voxel = std::pow(2.0, block.name.level);
+      if (block.name.level > 0) {
+        EXPECT_LE(voxel / pixel, 3 + 1e-9) << "level " << block.name.level;
+      }
+      wide += 2 * voxel / pixel > 3 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(wide, 20) << "a coarser level would do as well everywhere";
+}
+
+TEST_F(LevelCutTest, aParallelViewHasOneLevelThatFollowsFromItsPixels) {
+  const auto source = manyBlobs({120, 101, 95});
+  Pyramid pyramid(*source, 4);
+  FrameOptions options;
+  options.size = {64, 64};
+  for (const auto& [pixels, level] :
+       {std::pair(0.4, 0), std::pair(1.5, 1), std::pair(3.0, 2), std::pair(100.0, 3)}) {
+    options.cut = CutOptions{.pixel_error = 1};
+    const double pixel = 2 * viewOf(pyramid, options).half_height / 64;
+    options.cut->pixel_error = pixels * 1.6 / pixel;
+    const VisibleBlocksPtr blocks = chosen(pyramid, opaqueAbove(20, 255), options);
+    expectPartition(pyramid, *blocks);
+    EXPECT_EQ(levelsOf(*blocks), std::set<int32_t>{level});
+    EXPECT_EQ(finestLevelShown(pyramid.step, viewOf(pyramid, options), *options.cut), level);
+    EXPECT_EQ(spacingOfLevel(pyramid.step, level), std::pow(2.0, level));
+    EXPECT_EQ(blocks->cut->coarse_share, level == 0 ? 0.0 : 1.0);
+  }
+}
+
+TEST_F(LevelCutTest, atLevelZeroTheBlocksAreThoseOfTheClassification) {
+  const auto source = manyBlobs({120, 101, 95});
+  Pyramid pyramid(*source, 3);
+  FrameOptions options;
+  options.crop = Box3{{10, 0, 20}, {100, 90, 80}};
+  const VisibleBlocksPtr expected = chosen(pyramid, opaqueAbove(20, 255), options);
+  ASSERT_FALSE(expected->cut.has_value()) << "no cut was asked for";
+  for (const CutOptions& cut : {CutOptions{.level = 0}, CutOptions{.pixel_error = 1e-3}}) {
+    options.cut = cut;
+    const VisibleBlocksPtr blocks = chosen(pyramid, opaqueAbove(20, 255), options);
+    ASSERT_EQ(blocks->blocks.size(), expected->blocks.size());
+    for (size_t i = 0; i < blocks->blocks.size(); ++i) {
+      EXPECT_EQ(blocks->blocks[i].name, expected->blocks[i].name);
+      EXPECT_EQ(blocks->blocks[i].cells, expected->blocks[i].cells);
+      EXPECT_EQ(blocks->blocks[i].kind, expected->blocks[i].kind);
+    }
+    EXPECT_EQ(blocks->cut->coarse_share, 0.0);
+  }
+}
+
+TEST_F(LevelCutTest, aBudgetEndsTheRefinementAndWhatLiesInFrontIsFinest) {
+  const auto source = manyBlobs({120, 101, 95});
+  Pyramid pyramid(*source, 4);
+  FrameOptions options;  // along -z
+  options.cut = CutOptions{.pixel_error = 1e-3};
+  const auto bytesOf = [&](const VisibleBlocks& blocks) {
+    uint64_t bytes = 0;
+    for (const ObjectBlock& block : blocks.blocks)
+      bytes += static_cast<uint64_t>(pyramid.layout().storedVoxels(block.name).count());
+    return bytes;
+  };
+  const uint64_t whole = bytesOf(*chosen(pyramid, opaqueAbove(20, 255), options));
+  bool was_mixed = false;
+  for (const double share : {0.9, 0.5, 0.2, 0.05}) {
+    options.cut->most_stored_bytes = static_cast<uint64_t>(share * static_cast<double>(whole));
+    const VisibleBlocksPtr blocks = chosen(pyramid, opaqueAbove(20, 255), options);
+    expectPartition(pyramid, *blocks);
+    EXPECT_LE(bytesOf(*blocks), options.cut->most_stored_bytes);
+    EXPECT_FALSE(blocks->cut->is_final);
+    const std::set<int32_t> levels = levelsOf(*blocks);
+    EXPECT_LE(levels.size(), 2U) << "refined level by level";
+    if (levels.size() < 2) continue;
+    was_mixed = true;
+    // The finer level reaches no deeper than where the coarser one begins, to a coarse block.
+    int64_t finer = INT64_MAX, coarser = 0;
+    for (const ObjectBlock& block : blocks->blocks) {
+      const Box3 region = pyramid.layout().regionOf(block.name);
+      const int64_t middle = (region.lo.z + region.hi.z) / 2;
+      if (block.name.level == *levels.begin())
+        finer = std::min(finer, middle);
+      else
+        coarser = std::max(coarser, middle);
+    }
+    EXPECT_LE(coarser - finer, 2 * pyramid.layout().level(*levels.rbegin()).width.z);
+  }
+  EXPECT_TRUE(was_mixed);
+}
+
+TEST_F(LevelCutTest, viewsOfTheSameCutShareItsBlocks) {
+  const auto source = manyBlobs({90, 90, 90});
+  Pyramid pyramid(*source, 3);
+  WorkerPool pool(2);
+  LevelCut cut(pool);
+  ChunkNames names;
+  Planner planner({{8, 8, 8}, 1, 1 << 12}, pool, names);
+  const auto transfer = std::make_shared<const TransferFunction>(opaqueAbove(20, 255));
+  const LookPtr look = planner.look(pyramid.step, transfer, Mode::kComposite);
+  FrameOptions options;
+  const Box3 all = boxOf(Vec3i{89, 89, 89});
+  const auto blocksAt = [&](double azimuth_deg, double pixel_error) {
+    options.camera.azimuth_deg = azimuth_deg;
+    return cut.choose({pyramid.step, look, all, viewOf(pyramid, options),
+                       CutOptions{.pixel_error = pixel_error}});
+  };
+  const VisibleBlocksPtr first = blocksAt(0, 9);
+  EXPECT_EQ(levelsOf(*first), std::set<int32_t>{1});
+  EXPECT_EQ(blocksAt(40, 9).get(), first.get());
+  EXPECT_NE(blocksAt(40, 0.1).get(), first.get());
+}
+
+TEST_F(LevelCutTest, levelsWithoutRangesShowWhatTheFinestLevelHas) {
+  const auto source = manyBlobs({120, 101, 95});
+  Pyramid pyramid(*source, 3);
+  for (CoarserStep& level : pyramid.step.coarser) level.ranges = nullptr;
+  FrameOptions options;
+  options.cut = CutOptions{.pixel_error = 1000};
+  const VisibleBlocksPtr blocks = chosen(pyramid, opaqueAbove(20, 255), options);
+  expectPartition(pyramid, *blocks);
+  for (const ObjectBlock& block : blocks->blocks)
+    EXPECT_EQ(block.cells, pyramid.layout().regionOf(block.name)) << "not known: may show";
+}
+
+TEST_F(LevelCutTest, aLevelThatIsNotThereIsSaid) {
+  const auto source = manyBlobs({60, 60, 60});
+  Pyramid pyramid(*source, 2);
+  FrameOptions options;
+  options.cut = CutOptions{.level = 2};
+  EXPECT_THAT(errorOf([&] { chosen(pyramid, opaqueAbove(20, 255), options); }),
+              HasSubstr("--level 2: there are 2 levels, counted from 0"));
+}
+
+// Clips off `margin` at each face of the volume: a level ends sooner than the volume does, beyond
+// that the cut shows its outermost voxels. Requires: axes along the world's, a spacing of 1.
+std::vector<WorldPlane> insidePlanes(const VolumeLayout& layout, double margin) {
+  std::vector<WorldPlane> planes;
+  for (int a = 0; a < 3; ++a) {
+    Vec3d normal;
+    normal[a] = 1;
+    const double end = static_cast<double>(layout.dims[a] - 1) - margin;
+    planes.push_back({normal, dot(layout.origin, normal) + end});
+    planes.push_back({normal * -1.0, -dot(layout.origin, normal) - margin});
+  }
+  return planes;
+}
+
+// A level by itself is a volume: its own source, drawn from the same camera with the same slices.
+// Its opacities are those of a length of its voxels there.
+TEST_F(LevelCutTest, aLevelLooksLikeItsVoxelsAsAVolumeOfTheirOwn) {
+  constexpr double kOpacity = 0.15, kThreshold = 30;
+  const auto transferOf = [](double opacity) {
+    TransferFunction transfer;
+    transfer.colors = {{kThreshold, {0.2, 0.5, 1}}, {255, {1, 0.7, 0.1}}};
+    transfer.opacities = {{kThreshold - 1e-6, 0}, {kThreshold, opacity}, {255, opacity}};
+    return transfer;
+  };
+  const auto source = manyBlobs({90, 83, 77});
+  for (const bool lit : {false, true}) {
+    Pyramid pyramid(*source, 3, lit);
+    const auto session = sessionOf(pyramid, transferOf(kOpacity), lit);
+    for (const Projection projection : kProjections)
+      for (const int level : {1, 2}) {
+        FrameOptions options = obliqueView(projection);
+        options.cut = CutOptions{.level = level};
+        options.clip_planes = insidePlanes(source->layout(), 6);
+        const Drawn drawn = draw(*session, options);
+        ASSERT_TRUE(drawn.report.cut.has_value());
+        ASSERT_EQ(drawn.report.cut->levels.size(), 1U);
+        EXPECT_EQ(drawn.report.cut->levels[0].level, level);
+
+        const double voxel = std::pow(2.0, level);
+        ReferenceScene scene;
+        scene.transfer = transferOf(1 - std::pow(1 - kOpacity, voxel));
+        if (lit) {
+          scene.lighting = options.lighting;
+          scene.lighting->flat_share *= voxel;
+        }
+        scene.value_range = valueRangeOf(*source);
+        for (const WorldPlane& plane : options.clip_planes)
+          scene.clip_planes.push_back({plane.normal, plane.offset});
+        const FloatPicture expected =
+            renderReference(*pyramid.step.coarser[static_cast<size_t>(level) - 1].source,
+                            viewOf(pyramid, options), scene);
+        EXPECT_GT(shownShare(expected), 0.05);
+        // Samples beside the threshold may fall on either side of it.
+        EXPECT_LT(compare(drawn.picture, expected).mean_255, 0.05)
+            << "level " << level << (lit ? ", lit" : "");
+      }
+  }
+}
+
+// Means of a linear function are that function: a cut at any levels gives the picture of the finest
+// one, also across the faces where levels meet.
+TEST_F(LevelCutTest, levelsMeetWithoutASeamOnARamp) {
+  FunctionSource ramp(layoutOf({100, 90, 80}, VoxelType::kF32), [](int64_t, Vec3i v) {
+    return 0.3 * static_cast<double>(v.x) + 0.5 * static_cast<double>(v.y) +
+           0.2 * static_cast<double>(v.z);
+  });
+  Pyramid pyramid(ramp, 4);
+  TransferFunction transfer;
+  transfer.colors = {{0, {0, 0, 1}}, {91, {1, 1, 0}}};
+  transfer.opacities = {{0, 0.005}, {91, 0.03}};
+  const auto session = sessionOf(pyramid, transfer);
+  std::vector<FrameOptions> views{obliqueView(Projection::kOrtho), obliqueView(Projection::kOrtho),
+                                  insideView(ramp.layout(), {0.2, 0.5, 0.5}, {0.9, 0.6, 0.5}),
+                                  insideView(ramp.layout(), {0.5, 0.5, 0.9}, {0.4, 0.6, 0.1})};
+  views[0].cut = CutOptions{.pixel_error = 0.01, .most_stored_bytes = 2'000'000};
+  views[1].cut = CutOptions{.pixel_error = 0.01, .most_stored_bytes = 300'000};
+  views[2].cut = CutOptions{.pixel_error = 3};
+  views[3].cut = CutOptions{.pixel_error = 2};
+  size_t mixed = 0;
+  for (FrameOptions& options : views) {
+    // Half a voxel of the coarsest level from the faces, where levels show their outermost voxels.
+    options.crop = Box3{{5, 5, 5}, {92, 82, 72}};
+    const Drawn drawn = draw(*session, options);
+    mixed += drawn.report.cut->levels.size() > 1 ? 1 : 0;
+    EXPECT_GT(drawn.report.cut->coarse_share, 0.05);
+    options.cut.reset();
+    const Drawn finest = draw(*session, options);
+    EXPECT_FALSE(finest.report.cut.has_value());
+    EXPECT_GT(shownShare(finest.picture), 0.1);
+    EXPECT_TRUE(within(1, drawn.picture, finest.picture)) << "view " << (&options - views.data());
+  }
+  EXPECT_EQ(mixed, views.size());
+}
+
+TEST_F(LevelCutTest, everyAlgorithmAndOcclusionDrawsTheSameCut) {
+  const auto source = manyBlobs({120, 101, 95});
+  Pyramid pyramid(*source, 4);
+  const auto session = sessionOf(pyramid, opaqueAbove(30, 200, 0.8));
+  FrameOptions options = insideView(source->layout(), {0.2, 0.5, 0.5}, {0.9, 0.6, 0.5});
+  options.cut = CutOptions{.pixel_error = 3};
+  const Drawn expected = draw(*session, options);
+  EXPECT_GE(expected.report.cut->levels.size(), 3U);
+  EXPECT_GT(shownShare(expected.picture), 0.1);
+  for (const Algorithm algorithm : kAlgorithms)
+    for (const Occlusion occlusion : {Occlusion::kOff, Occlusion::kClip}) {
+      options.algorithm = algorithm;
+      options.occlusion = occlusion;
+      options.opacity_threshold = 1;
+      EXPECT_TRUE(within(1, draw(*session, options).picture, expected.picture)) << name(algorithm);
+    }
+}
+
+}  // namespace
+}  // namespace sluice
