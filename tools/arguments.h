@@ -2,6 +2,8 @@
 // what is the program's alone.
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
 
 #include "src/library/requests.h"
@@ -28,6 +30,13 @@ struct CullingArguments {
   int64_t part = 4;           // cells a side of a block's parts, a multiple of 4
   int detail = 2;             // bits of a part's 64 cubes at the most
   std::string basis;          // files of transfer functions with commas between; empty: none
+};
+
+// At which levels of resolution a volume that has several is drawn; none of them: the finest.
+struct LevelArguments {
+  std::optional<int64_t> level;
+  std::optional<double> pixel_error;  // 1 beside max_bytes
+  uint64_t max_bytes = 0;             // 0: no limit
 };
 
 struct ResourceArguments : MachineOptions {

@@ -32,6 +32,7 @@ struct Arguments {
   VolumeArguments volume;
   LookArguments look;
   FrameOptions frame;
+  LevelArguments levels;
   ResourceArguments resources;
   FitChoice fit;
   std::string report_file;
@@ -216,6 +217,7 @@ nlohmann::json reportOf(const Costs& costs, const Cost& chosen, const Forecast& 
                                                                {"bytes", costs[i].bytes},
                                                                {"binds", costs[i].binds}};
   if (boxes) report["partition"] = boxesJson(*boxes);
+  if (shown.blocks->cut) report["cut"] = cutJson(*shown.blocks->cut);
   return report;
 }
 
@@ -223,12 +225,15 @@ int run(const Arguments& asked, const CLI::App& app) {
   Arguments arguments = asked;
   Workers pool(arguments.resources.threads);
   const Mode mode = arguments.frame.mode;
+  const std::optional<CutOptions> cut = cutOptions(arguments.levels, arguments.resources);
+  arguments.frame.cut = cut;
   Outputs outputs(arguments.force);
   outputs.reads(arguments.volume.inputs);
   outputs.reads(arguments.look.transfer_file);
   outputs.writes("--report", arguments.report_file, reportKind(arguments.report_file));
-  const IndexedVolume volume = openIndexed(arguments.volume, arguments.resources,
-                                           needsOf(arguments.look, mode), pool, outputs);
+  const IndexedVolume volume =
+      openIndexed(arguments.volume, arguments.resources,
+                  needsOf(arguments.look, mode, cut.has_value()), pool, outputs);
   const TransferFunction transfer = lookFor(volume, arguments.look, mode).transfer;
   std::vector<Camera> cameras{arguments.frame.camera};
   fitCameras(cameras, arguments.fit,
@@ -247,7 +252,7 @@ int run(const Arguments& asked, const CLI::App& app) {
       reportOf(costs, chosen, forecast, boxes, volume, transfer, shown, app);
   if (!arguments.report_file.empty()) {
     PagePictures pictures;
-    if (isPage(arguments.report_file))
+    if (isPage(arguments.report_file) && !isCoarser(*shown.blocks))
       addBlocks(pictures, volume.step().ranges->layout.grid, *shown.blocks);
     writeReport(arguments.report_file, report, pictures);
   }
@@ -255,6 +260,7 @@ int run(const Arguments& asked, const CLI::App& app) {
     say("{}\n", report.dump(2));
   } else if (!arguments.resources.quiet) {
     print(costs, arguments.frame.algorithm, shown.seconds, volume.page);
+    if (isCoarser(*shown.blocks)) say("{}\n", cutLine(*shown.blocks->cut));
     printForecast(forecast);
     if (volume.index->state != "read")
       say("index {}: this plan has read the whole volume for it, {}\n", volume.index->state,
@@ -275,6 +281,7 @@ Command addPlan(CLI::App& program) {
       "  sluice plan bonsai.nii.gz --threshold 40 --partition boxes");
   addVolumeOptions(*app, arguments->volume);
   addPictureOptions(*app, arguments->look, arguments->frame, arguments->fit);
+  addLevelOptions(*app, arguments->levels);
   addResourceOptions(*app, arguments->resources);
   const OptionGroup output(*app, kOutputHeading);
   addReportOption(output, arguments->report_file);

@@ -21,11 +21,12 @@ Forecast forecastOf(const IndexedVolume& volume, const VisibleBlocks& shown, uin
   Forecast forecast;
   forecast.blocks = static_cast<int64_t>(shown.blocks.size());
   const auto voxel_bytes = bytesPerVoxel(volume.source->layout().type);
+  const PyramidLayout layout = volume.step().layout();
   for (const ObjectBlock& block : shown.blocks) {
-    const Box3 voxels = volume.layout.storedVoxels(volume.layout.indexOf(block.name.block));
+    const Box3 voxels = layout.storedVoxels(block.name);
     forecast.voxel_bytes += static_cast<uint64_t>(voxels.count()) * voxel_bytes;
   }
-  forecast.index_bytes = volume.index->ranges.bytes();
+  forecast.index_bytes = volume.rangesBytes();
   const BufferNeeds needs =
       bufferNeeds(*volume.source, volume.layout, frame.partition, forecast.index_bytes);
   const uint64_t textures = textureMemoryBytes(volume.page, TexelPlace::kInMemory);

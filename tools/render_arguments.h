@@ -16,6 +16,7 @@ struct RenderArguments {
   VolumeArguments volume;
   LookArguments look;
   FrameOptions frame;
+  LevelArguments levels;
   ResourceArguments resources;
   FitChoice fit;
   std::optional<Aovs> aovs;

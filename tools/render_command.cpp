@@ -11,6 +11,7 @@
 #include "src/base/error.h"
 #include "src/library/conversions.h"
 #include "src/render/camera_path.h"
+#include "src/render/level_cut.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/progress_line.h"
 #include "tools/command_line/shared_options.h"
@@ -94,7 +95,27 @@ void checkOutput(const Arguments& arguments) {
 double chosenStep(const Scene& scene, const Camera& camera, const FrameOptions& options) {
   if (options.mode != Mode::kComposite) return options.step_vox;
   const VolumeLayout& layout = scene.volume.source->layout();
-  return stepFor(resolve(camera, layout, options.size, options.step_vox), layout);
+  const View view = resolve(camera, layout, options.size, options.step_vox);
+  const TimeStep shown = scene.volume.step();
+  if (!options.cut || shown.coarser.empty()) return stepFor(view, layout);
+  // That of the finest level in the picture, as if it were all of the volume.
+  const double times = spacingOfLevel(shown, finestLevelShown(shown, view, *options.cut));
+  VolumeLayout level = layout;
+  level.spacing = level.spacing * times;
+  for (int a = 0; a < 3; ++a)
+    level.dims[a] = std::max<int64_t>(1, std::llround(static_cast<double>(level.dims[a]) / times));
+  return times * stepFor(view, level);
+}
+
+// Series, culling and ranks know the blocks of the finest level alone.
+std::optional<CutOptions> cutOf(const Arguments& arguments, const Team* team) {
+  if (team == nullptr && !isSeries(arguments))
+    return cutOptions(arguments.levels, arguments.resources);
+  std::string_view what = "a series";
+  if (team != nullptr) what = "a picture of several ranks";
+  if (arguments.culling.culling != Culling::kNone) what = "--culling";
+  refuseLevels(arguments.levels, what);
+  return std::nullopt;
 }
 
 PictureOutput outputOf(const Arguments& arguments) {
@@ -219,6 +240,7 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
     if (saved->film && asksForFilm(arguments)) {
       if (team != nullptr)
         fail("{}: the frames of a path are of one process", arguments.state_file);
+      refuseLevels(arguments.levels, "a film");
       return writeFilm(arguments, app, *saved);
     }
   }
@@ -237,6 +259,7 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
     return 0;
   }
   arguments.look.whole_series = isSeries(arguments);
+  arguments.frame.cut = cutOf(arguments, team);
   checkLastStep(arguments);
   const std::unique_ptr<Scene> opened = openScene(arguments, saved, outputs, team);
   Scene& scene = *opened;
@@ -333,6 +356,7 @@ Command addRender(CLI::App& program) {
   OptionGroup(*app, kSeriesHeading)
       .flag("--continue", arguments->resume,
             "Draws only those of several pictures that are not there yet");
+  addLevelOptions(*app, arguments->levels);
   addResourceOptions(*app, arguments->resources);
   return
       [arguments, app] { return onRanks([&](Team* team) { return run(*arguments, *app, team); }); };

@@ -29,7 +29,8 @@ void writeReportOf(const RenderArguments& arguments, const nlohmann::json& repor
   PagePictures pictures;
   if (isPage(arguments.report_file)) {
     addPicture(pictures, drawn.name, drawn.picture);
-    if (maps) addBlocks(pictures, scene.volume.step().ranges->layout.grid, *drawn.blocks);
+    if (maps && !isCoarser(*drawn.blocks))
+      addBlocks(pictures, scene.volume.step().ranges->layout.grid, *drawn.blocks);
   }
   writeReport(arguments.report_file, report, pictures);
 }
@@ -54,6 +55,7 @@ void printDrawn(const Scene& scene, const Series& series, const Drawn& drawn,
       layout.dims.z, name(layout.type), scene.transfer.name, report.white, report.grey,
       report.black, scene.share ? " of rank 0" : "");
   say("look: {}\n", scene.look.options);
+  if (isCoarser(*drawn.blocks)) say("{}\n", cutLine(*drawn.blocks->cut));
   say("{} frame{} of {:.3f} s on {} ({}), read {}, peak memory {} of its own, {} resident\n",
       frames.size(), frames.size() == 1 ? "" : "s, the last", report.seconds,
       scene.device->backend(), scene.device->renderer(),

@@ -8,6 +8,7 @@
 #include "src/render/frame_setup.h"
 #include "src/render/planner.h"
 #include "src/texture/frame_trace.h"
+#include "tools/command_line/shared_options.h"
 #include "tools/scene.h"
 #include "tools/workers.h"
 
@@ -72,8 +73,10 @@ class Turn final : public ReplaySource {
   Turn(const TurnArguments& arguments, const Outputs& outputs)
       : arguments_(arguments),
         pool_(arguments.resources.threads),
-        volume_(openIndexed(arguments.volume, arguments.resources,
-                            needsOf(arguments.look, arguments.frame.mode), pool_, outputs)),
+        volume_(openIndexed(
+            arguments.volume, arguments.resources,
+            needsOf(arguments.look, arguments.frame.mode, arguments.frame.cut.has_value()), pool_,
+            outputs)),
         transfer_(std::make_shared<const TransferFunction>(
             lookFor(volume_, arguments.look, arguments.frame.mode).transfer)),
         default_pages_(static_cast<uint64_t>(volume_.page.pages)),
@@ -137,7 +140,9 @@ std::unique_ptr<ReplaySource> openTraceFile(const std::string& file,
 }
 
 std::unique_ptr<ReplaySource> openTurn(const TurnArguments& arguments, const Outputs& outputs) {
-  return std::make_unique<Turn>(arguments, outputs);
+  TurnArguments turn = arguments;
+  turn.frame.cut = cutOptions(turn.levels, turn.resources);
+  return std::make_unique<Turn>(turn, outputs);
 }
 
 }  // namespace sluice

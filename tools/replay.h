@@ -47,6 +47,7 @@ struct TurnArguments {
   VolumeArguments volume;
   LookArguments look;
   FrameOptions frame;
+  LevelArguments levels;
   ResourceArguments resources;
   FitChoice fit;
   int64_t frames = 36;

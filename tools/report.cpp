@@ -135,6 +135,27 @@ std::string_view name(WorldFrame frame) {
   return "none";
 }
 
+json cutJson(const CutSummary& cut) {
+  json levels = json::array();
+  for (const CutSummary::Level& level : cut.levels)
+    levels.push_back({{"level", level.level}, {"blocks", level.blocks}, {"cells", level.cells}});
+  return {{"levels", levels}, {"coarse_share", cut.coarse_share}, {"final", cut.is_final}};
+}
+
+std::string cutLine(const CutSummary& cut) {
+  std::string levels;
+  for (const CutSummary::Level& level : cut.levels)
+    levels += fmt::format("{}{} ({} block{})", levels.empty() ? "" : ", ", level.level,
+                          level.blocks, level.blocks == 1 ? "" : "s");
+  return fmt::format("{:.1f} % of what shows is drawn coarser than it is stored, at level {}{}",
+                     100 * cut.coarse_share, levels,
+                     cut.is_final ? "" : "; a budget ended the refinement");
+}
+
+bool isCoarser(const VisibleBlocks& blocks) {
+  return blocks.cut && blocks.cut->coarse_share > 0;
+}
+
 json volumeJson(const IndexedVolume& volume) {
   const VolumeLayout& layout = volume.source->layout();
   const ValueRange range = volume.finiteRange();
@@ -179,6 +200,7 @@ json sceneJson(const Scene& scene, const std::vector<RenderedFrame>& frames) {
 
   const Session& session = *scene.session;
   const TextureCache& cache = session.textureCache();
+  if (last.cut) report["cut"] = cutJson(*last.cut);
   json& levels = report["levels"];
   levels["disk"] = {{"read_bytes", scene.volume.source->storedBytesRead()}};
   levels["volume_buffer"] = countersJson(session.volumeBufferCounters());

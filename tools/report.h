@@ -26,6 +26,12 @@ nlohmann::json frameJson(const RenderedFrame& frame);
 nlohmann::json countersJson(const CacheCounters& counters);
 // `look`: what was chosen, as the options that give it again.
 nlohmann::json lookJson(const ChosenLook& look);
+// Levels that are drawn.
+nlohmann::json cutJson(const CutSummary& cut);
+// The same in one line for people.
+std::string cutLine(const CutSummary& cut);
+// Whether anything is drawn coarser than it is stored.
+bool isCoarser(const VisibleBlocks& blocks);
 // `dims`, `voxel_type`, ..., as `info` prints them.
 nlohmann::json volumeJson(const IndexedVolume& volume);
 // Where the volume's outer voxel centres lie in the world, as a box along its axes.

@@ -60,7 +60,9 @@ Scene::Scene(const VolumeArguments& arguments, const LookArguments& arguments_lo
              const ResourceArguments& resources, const FrameOptions& frame, const Outputs& outputs,
              Team* team)
     : pool(resources.threads),
-      volume(openIndexed(arguments, resources, needsOf(arguments_look, frame.mode), pool, outputs)),
+      volume(openIndexed(arguments, resources,
+                         needsOf(arguments_look, frame.mode, frame.cut.has_value()), pool,
+                         outputs)),
       memory_bytes(memoryBudget(resources)),
       device(makeDevice(resources.device, pool)),
       look(lookFor(volume, arguments_look, frame.mode)),

@@ -132,6 +132,7 @@ Command addSimulate(CLI::App& program) {
   const size_t before = app->get_options().size();
   addVolumeOptions(*app, turn.volume);
   addPictureOptions(*app, turn.look, turn.frame, turn.fit);
+  addLevelOptions(*app, turn.levels);
   // What is left out of a frame depends on its picture or on the clock.
   for (const char* name : {"--occlusion", "--time-limit"})
     app->remove_option(app->get_option(name));

@@ -1,9 +1,13 @@
 #include "src/library/indexed_volume.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <span>
 #include <utility>
 
 #include "src/base/error.h"
+#include "src/base/volume_levels.h"
 #include "src/library/resources.h"
 #include "src/volume/byte_order_hint.h"
 
@@ -54,11 +58,50 @@ std::vector<std::string> notesOf(const std::string& name, const VolumeLayout& la
   return notes;
 }
 
+// Those that nest, up to the first that does not.
+void addLevels(IndexedVolume& volume, std::span<const CoarserLevel> levels, const IndexPass& pass) {
+  if (levels.empty()) return;
+  PyramidLayout pyramid(volume.layout);
+  for (const CoarserLevel& level : levels) {
+    const ValueMap map = deviceMap(level.source->layout());
+    const bool is_alike = level.source->layout().type == volume.source->layout().type &&
+                          map.scale == volume.map.scale && map.offset == volume.map.offset;
+    const std::string obstacle =
+        is_alike ? pyramid.add(level.source->layout().dims, level.placement)
+                 : std::string("its voxels are of another type or scale of values");
+    if (!obstacle.empty()) {
+      volume.notes.push_back(fmt::format("{}: levels from {} on are left out: {}", volume.name,
+                                         pyramid.levels(), obstacle));
+      break;
+    }
+    const BlockLayout& blocks = pyramid.level(pyramid.levels() - 1).blocks;
+    volume.coarser.push_back(std::make_shared<const IndexedRanges>(
+        indexedRanges(*level.source, volume.places, volume.time, blocks, pass.pool, pass.progress,
+                      pass.memory_bytes, pass.stop)));
+  }
+  volume.pyramid = std::make_shared<const PyramidLayout>(std::move(pyramid));
+}
+
 }  // namespace
 
-IndexNeeds needsOf(const LookArguments& look, Mode mode) {
+TimeStep IndexedVolume::step() const {
+  TimeStep step{source.get(), time, {index, &index->ranges}, pyramid, {}};
+  const std::span<const CoarserLevel> levels = coarserLevels(*source);
+  for (size_t i = 0; i < coarser.size(); ++i)
+    step.coarser.push_back({levels[i].source, {coarser[i], &coarser[i]->ranges}});
+  return step;
+}
+
+uint64_t IndexedVolume::rangesBytes() const {
+  uint64_t bytes = index->ranges.bytes();
+  for (const auto& level : coarser) bytes += level->ranges.bytes();
+  return bytes;
+}
+
+IndexNeeds needsOf(const LookArguments& look, Mode mode, bool levels) {
   return {needsGradients(look, mode),
-          look.whole_series || (look.first_picture && needsStatistics(look) && !look.this_step)};
+          look.whole_series || (look.first_picture && needsStatistics(look) && !look.this_step),
+          levels};
 }
 
 std::unique_ptr<VolumeSource> openSource(const VolumeArguments& arguments) {
@@ -87,14 +130,24 @@ IndexedVolume indexVolume(std::unique_ptr<VolumeSource> source, const VolumeArgu
   volume.map = deviceMap(layout);
   volume.page = pageShape(machine, volume.map);
   const int64_t block = machine.block.value_or(blockSizeFor(volume.page.size_vox));
-  volume.layout = blockLayout(layout.dims, block, needs.gradients ? 1 : 0, volume.name.c_str());
+  const std::span<const CoarserLevel> levels =
+      needs.levels ? coarserLevels(*volume.source) : std::span<const CoarserLevel>();
+  // Several levels take a layer more (pyramid.h).
+  const int ghost = (needs.gradients ? 1 : 0) + (levels.empty() ? 0 : 1);
+  if (block - 1 - 2 * ghost < 1)
+    fail(
+        "{}: blocks of {} voxels a side have no room for the border that a picture takes; give a "
+        "larger --block",
+        volume.name, block);
+  volume.layout = blockLayout(layout.dims, block, ghost, volume.name.c_str());
   volume.time = arguments.time;
   IndexedRanges index = rangesOfStep(volume, volume.time, pass);
   volume.notes = notesOf(volume.name, layout, index);
   volume.values = statisticsOf(volume, index, needs.whole_series, pass);
   volume.index = std::make_shared<const IndexedRanges>(std::move(index));
+  addLevels(volume, levels, pass);
   volume.page.pages =
-      pageCount(machine, volume.page, volume.layout, *volume.source, volume.index->ranges.bytes());
+      pageCount(machine, volume.page, volume.layout, *volume.source, volume.rangesBytes());
   return volume;
 }
 

@@ -28,10 +28,16 @@ struct IndexedVolume {
   int64_t time = 0;
   std::shared_ptr<const IndexedRanges> index;  // of this step
   ValueStatistics values;                      // of its step, or of the series
+  // Levels above the finest, of the same step, from fine to coarse: null and empty where there are
+  // none or none was asked for.
+  std::shared_ptr<const PyramidLayout> pyramid;
+  std::vector<std::shared_ptr<const IndexedRanges>> coarser;
   // For people, one line each: what was chosen among several and what looks wrong.
   std::vector<std::string> notes;
 
-  TimeStep step() const { return {source.get(), time, {index, &index->ranges}}; }
+  TimeStep step() const;
+  // Of the ranges of all levels.
+  uint64_t rangesBytes() const;
   // Least and greatest value that can be told from infinities.
   ValueRange valueRange() const { return values.range; }
   // Least and greatest finite value, of the step.
@@ -41,8 +47,10 @@ struct IndexedVolume {
 struct IndexNeeds {
   bool gradients = false;     // a ghost layer
   bool whole_series = false;  // values of all steps
+  bool levels = false;        // those above the finest one too, where the volume has some
 };
-IndexNeeds needsOf(const LookArguments& look, Mode mode);
+// `levels`: a cut through the levels of resolution may be drawn.
+IndexNeeds needsOf(const LookArguments& look, Mode mode, bool levels = false);
 // Of a picture that no option is given for: what makes an index ahead makes that one.
 inline constexpr IndexNeeds kUsualNeeds{.gradients = true};
 

@@ -67,7 +67,7 @@ SessionOptions sessionOptions(const IndexedVolume& volume, bool lit, const Machi
   SessionOptions options;
   options.page = volume.page;
   options.memory_bytes = memory_bytes;
-  options.beside_bytes = volume.index->ranges.bytes();
+  options.beside_bytes = volume.rangesBytes();
   options.policy = machine.policy;
   options.seed = machine.seed;
   options.lit = lit;

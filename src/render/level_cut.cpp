@@ -18,8 +18,8 @@ Vec3i finestCells(const PyramidLayout& pyramid) {
 void requireLevel(const CutOptions& options, const TimeStep& step) {
   const int levels = static_cast<int>(step.coarser.size()) + 1;
   if (options.level && *options.level >= levels)
-    fail("{}: --level {}: there are {} levels, counted from 0", step.source->layout().name,
-         *options.level, levels);
+    fail("{}: --level {}: there {} {} level{}, counted from 0", step.source->layout().name,
+         *options.level, levels == 1 ? "is" : "are", levels, levels == 1 ? "" : "s");
 }
 
 // Bytes of a block, and of all that are chosen.

@@ -9,7 +9,9 @@ LookPtr Planner::look(const TimeStep& step, const TransferPtr& transfer, Mode mo
 VisibleBlocksPtr Planner::visibleBlocks(const TimeStep& step, const LookPtr& look, const View& view,
                                         const FrameOptions& options) {
   BlockChooser* chooser = chooser_;
-  if (chooser == nullptr && options.cut && !step.coarser.empty()) chooser = &cut_;
+  // Also where the options name a level that the volume does not have: the cut says so.
+  if (chooser == nullptr && options.cut && (!step.coarser.empty() || options.cut->level))
+    chooser = &cut_;
   if (chooser == nullptr) chooser = &classified_;
   return chooser->choose({step, look, cropCells(options, step.ranges->layout.dims), view,
                           options.cut.value_or(CutOptions())});

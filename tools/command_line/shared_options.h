@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <string_view>
 
 #include "src/render/frame_options.h"
 #include "tools/arguments.h"
@@ -23,11 +24,18 @@ void addViewOptions(CLI::App& app, FrameOptions& options);
 void addFitOption(CLI::App& app, FitChoice& fit);
 // Look, view and fit of the commands that choose a good first picture.
 void addPictureOptions(CLI::App& app, LookArguments& look, FrameOptions& frame, FitChoice& fit);
+void addLevelOptions(CLI::App& app, LevelArguments& arguments);
 void addResourceOptions(CLI::App& app, ResourceArguments& arguments);
 
 // "64x32x32" as --page takes it, no longer than a block along any axis; nullopt: something else.
 std::optional<Vec3i> parsePageOption(const std::string& word);
 inline constexpr const char* kPageSizes = "powers of two AxBxC, each from 1 to 1024";
+
+// What these ask for; unset: the finest level alone.
+std::optional<CutOptions> cutOptions(const LevelArguments& arguments,
+                                     const ResourceArguments& resources);
+// Throws Error if these ask for anything but the finest level, which `what` cannot draw.
+void refuseLevels(const LevelArguments& arguments, std::string_view what);
 
 // Some of the last group, for commands that take no more.
 inline constexpr int64_t kMostFrames = 100'000;

@@ -1,0 +1,44 @@
+#include "src/base/error.h"
+#include "src/library/resources.h"
+#include "tools/command_line/shared_options.h"
+
+namespace sluice {
+
+void addLevelOptions(CLI::App& app, LevelArguments& arguments) {
+  constexpr int64_t kMostLevel = 63;
+  const OptionGroup group(app, "Levels of resolution");
+  CLI::Option* level = group.number("--level", "N", arguments.level, {0, kMostLevel},
+                                    "Draws this level alone; 0 is the data as stored (0)");
+  group
+      .number("--pixel-error", "PIXELS", arguments.pixel_error, {0, 1e6, true},
+              "Draws each part at the coarsest level whose voxels are at most so wide (level 0)")
+      ->excludes(level);
+  group
+      .bytes(
+          "--max-bytes", arguments.max_bytes,
+          "Refines levels as far as the blocks of a picture take at most so many bytes of stored "
+          "voxels (no limit)")
+      ->excludes(level);
+}
+
+std::optional<CutOptions> cutOptions(const LevelArguments& arguments,
+                                     const ResourceArguments& resources) {
+  const bool asks = arguments.level || arguments.pixel_error || arguments.max_bytes != 0;
+  if (!asks || arguments.level == 0) return std::nullopt;
+  CutOptions cut;
+  cut.pixel_error = arguments.pixel_error.value_or(cut.pixel_error);
+  if (arguments.level) cut.level = static_cast<int>(*arguments.level);
+  if (arguments.max_bytes != 0) cut.most_stored_bytes = arguments.max_bytes;
+  // So that the blocks of a picture stay in memory from one frame to the next.
+  cut.most_held_bytes = memoryBudget(resources) / 2;
+  return cut;
+}
+
+void refuseLevels(const LevelArguments& arguments, std::string_view what) {
+  const bool asks =
+      arguments.level.value_or(0) > 0 || arguments.max_bytes != 0 || arguments.pixel_error;
+  if (asks)
+    fail("{} draws the finest level alone; leave out --level, --pixel-error and --max-bytes", what);
+}
+
+}  // namespace sluice
