@@ -20,6 +20,8 @@ Arrangement arrangementOf(const FramePlan& plan, const FrameOptions& options,
 
 Frame Session::frame() {
   SLUICE_CHECK(transfer_ != nullptr);
+  // Of this frame alone, whether it is drawn or throws.
+  const std::optional<TimeStep> afterwards = std::exchange(afterwards_, std::nullopt);
   const auto asked_at = std::chrono::steady_clock::now();
   const Stopwatch watch;
   Stopwatch stage;
@@ -41,7 +43,9 @@ Frame Session::frame() {
   read_afterwards_.reset();     // and so of what was read ahead for it
   residency_.forgetUnused(*plan);
   FrameRun run({step_, look, visible, plan, order, boxesOf(look, plan), setup, options_, asked_at,
-                [this] { readAfterwards(); }},
+                [this, &afterwards] {
+                  if (afterwards) readAfterwards(*afterwards);
+                }},
                residency_, device_, trace_, frame_number_, lessons_);
   Frame frame;
   frame.picture = run.draw();
@@ -54,7 +58,6 @@ Frame Session::frame() {
   frame.blocks = visible;
   lessons_ = run.lessons();
   ++frame_number_;
-  afterwards_.reset();
   return frame;
 }
 

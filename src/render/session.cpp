@@ -51,14 +51,13 @@ void Session::setTransferFunction(TransferFunction transfer) {
   lessons_.unfinished.reset();  // what only the last picture needed is not read any more
 }
 
-void Session::readAfterwards() {
-  if (!afterwards_) return;
-  const VolumeLayout& volume = afterwards_->source->layout();
+void Session::readAfterwards(const TimeStep& next) {
+  const VolumeLayout& volume = next.source->layout();
   const View view = resolve(options_.camera, volume, options_.size, options_.step_vox);
   // The planner keeps these for the frame that will ask for the same.
-  const LookPtr look = planner_.look(*afterwards_, transfer_, options_.mode);
-  const VisibleBlocksPtr visible = planner_.visibleBlocks(*afterwards_, look, view, options_);
-  const FramePlanPtr plan = planner_.plan(*afterwards_, visible, options_);
+  const LookPtr look = planner_.look(next, transfer_, options_.mode);
+  const VisibleBlocksPtr visible = planner_.visibleBlocks(next, look, view, options_);
+  const FramePlanPtr plan = planner_.plan(next, visible, options_);
   const DrawOrderPtr order = planner_.order(plan, eyePosition(view, volume), Arrangement::kRows);
   read_afterwards_ = std::make_unique<ReadAhead>(
       residency_, plan, *order, ReadPurpose{std::make_shared<ReadTally>(), options_.stop});

@@ -90,8 +90,8 @@ class Session {
 
   // Blocks of the step are compared with its ranges as they are read.
   void expectBlocksOf(const TimeStep& step);
-  // Begins to read for the step that is expected afterwards.
-  void readAfterwards();
+  // Begins to read what `next` needs.
+  void readAfterwards(const TimeStep& next);
   // Null where object boxes are drawn.
   ChosenBoxesPtr boxesOf(const LookPtr& look, const FramePlanPtr& plan);
 

@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <atomic>
+
 #include "src/base/error.h"
 #include "tests/render/blob_scene.h"
 #include "tests/support/counting_source.h"
@@ -27,6 +30,35 @@ TEST_F(SessionTest, unchangedFrameUploadsNothing) {
   EXPECT_EQ(second.report.pages_loaded, 0U);
   EXPECT_EQ(counting.counts().calls, 0);
   EXPECT_EQ(second.picture.rgba, first.picture.rgba);
+}
+
+// The step that was expected after a frame that was stopped is read by no other frame.
+TEST_F(SessionTest, whatIsExpectedAfterAFrameEndsWithIt) {
+  const auto source = makeSparseBlobs({.drift_vox = 6, .time_steps = 2});
+  CountingSource counting(*source);
+  RenderScene scene(device(), counting, someTransfer(), {.block_vox = 8, .threads = 1});
+  RenderScene other(device(), *source, someTransfer(), {.block_vox = 8, .time = 1});
+  const TimeStep next{&counting, 1, other.step().ranges};
+  const auto readsOfNext = [&] {
+    const auto reads = counting.reads();
+    return std::count_if(reads.begin(), reads.end(),
+                         [](const auto& read) { return read.time == 1; });
+  };
+  Session& session = scene.session();
+  std::atomic<bool> stop = true;
+  FrameOptions stopped = smallView();
+  stopped.stop = StopToken(stop);
+  session.setOptions(stopped);
+  session.expectAfterwards(next);
+  EXPECT_THROW(session.frame(), Interrupted);
+  for (int i = 0; i < 2; ++i) scene.frame(smallView());
+  EXPECT_EQ(readsOfNext(), 0);
+  session.setOptions(smallView());
+  session.expectAfterwards(next);
+  session.frame();
+  session.setTimeStep(next);  // and what is expected is read, by this frame at the latest
+  session.frame();
+  EXPECT_GT(readsOfNext(), 0);
 }
 
 TEST_F(SessionTest, changedViewUploadsNothingWhenAllFits) {
