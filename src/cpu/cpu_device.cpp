@@ -208,7 +208,7 @@ uint64_t CpuDevice::takenSamples() {
 
 Picture CpuDevice::endFrame() {
   Picture picture = std::exchange(spare_, {});
-  picture_.shape(picture);
+  picture_.shape(picture, stop_);
   const bool resolves = setup_.mode != Mode::kComposite && !setup_.is_part;
   const auto finish = [&](const TilePixels& tile) {
     picture_.copyTile(tile, picture);

@@ -30,14 +30,16 @@ void TiledPicture::begin(const FrameSetup& setup, const Kernels& kernels) {
 }
 
 void TiledPicture::makeRoom() {
-  const size_t floats = floatsATile() * static_cast<size_t>(tiles());
-  if (memory_.size() < floats + kAlignedFloats) {
-    memory_.clear();
-    reserveLarge(memory_, floats + kAlignedFloats);
-    memory_.resize(floats + kAlignedFloats);
+  const size_t floats = floatsATile() * static_cast<size_t>(tiles()) + kAlignedFloats;
+  if (memory_floats_ < floats) {
+    memory_.reset();
+    memory_floats_ = 0;
+    memory_ = std::make_unique_for_overwrite<float[]>(floats);
+    memory_floats_ = floats;
+    preferLargePages(std::as_writable_bytes(std::span(memory_.get(), floats)));
   }
-  const auto address = reinterpret_cast<uintptr_t>(memory_.data());
-  pixels_ = memory_.data() + (64 - address % 64) % 64 / sizeof(float);
+  const auto address = reinterpret_cast<uintptr_t>(memory_.get());
+  pixels_ = memory_.get() + (64 - address % 64) % 64 / sizeof(float);
 }
 
 TilePixels TiledPicture::tileAt(int64_t index, float* floats) const {
@@ -87,7 +89,21 @@ void TiledPicture::stopOpaque(float opacity) {
   ++stop_number_;
 }
 
-void TiledPicture::shape(Picture& picture) const {
+namespace {
+
+// values.resize(count) of cleared memory, piece by piece. Requires: the capacity.
+void resizeInPieces(std::vector<float>& values, size_t count, const StopToken& stop) {
+  constexpr size_t kPiece = 8 << 20;
+  while (values.size() < count) {
+    stop.throwIfStopped();
+    values.resize(std::min(count, values.size() + kPiece));
+  }
+  values.resize(count);
+}
+
+}  // namespace
+
+void TiledPicture::shape(Picture& picture, const StopToken& stop) const {
   const auto width = static_cast<size_t>(size_.width), height = static_cast<size_t>(size_.height);
   picture.width = size_.width;
   picture.height = size_.height;
@@ -95,8 +111,10 @@ void TiledPicture::shape(Picture& picture) const {
     picture.rgba.clear();
     reserveLarge(picture.rgba, 4 * width * height);
   }
-  picture.rgba.resize(4 * width * height);
-  picture.depth.resize(with_depth_ ? width * height : 0);
+  resizeInPieces(picture.rgba, 4 * width * height, stop);
+  const size_t depths = with_depth_ ? width * height : 0;
+  picture.depth.reserve(depths);
+  resizeInPieces(picture.depth, depths, stop);
 }
 
 void TiledPicture::copyTile(const TilePixels& pixels, Picture& picture) const {

@@ -7,10 +7,12 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "src/base/picture.h"
+#include "src/base/stop_token.h"
 #include "src/cpu/kernel_values.h"
 
 namespace sluice {
@@ -48,8 +50,9 @@ class TiledPicture {
   // Pixels that have this opacity now take no more samples. Each tile learns of it when it is asked
   // for next, before it is drawn on.
   void stopOpaque(float opacity);
-  // Gives `picture` the size of this one, whatever it was.
-  void shape(Picture& picture) const;
+  // Gives `picture` the size of this one, whatever it was. Clearing gigabytes takes seconds: throws
+  // Interrupted on the way.
+  void shape(Picture& picture, const StopToken& stop = {}) const;
   // A tile's pixels, if it has some, into a picture of that shape: premultiplied, rows downwards;
   // depths where there are some.
   void copyTile(const TilePixels& pixels, Picture& picture) const;
@@ -89,7 +92,9 @@ class TiledPicture {
   float stop_opacity_ = 1;
   int32_t stop_number_ = 0;     // counts stopOpaque()
   std::vector<int32_t> stops_;  // of each tile: the last that it knows of
-  std::vector<float> memory_;   // aligned by hand
+  // Aligned by hand, and not cleared: a tile is emptied when it is asked for.
+  std::unique_ptr<float[]> memory_;
+  size_t memory_floats_ = 0;
   float* pixels_ = nullptr;
 };
 
