@@ -7,10 +7,11 @@
 
 namespace sluice {
 
-// The absolute path of a module, in a place that was fixed when the program was built: one for the
-// program in its build folder, one for those that are linked to the installed library, and one for
-// the installed program. Nothing beside a program that was copied elsewhere, and nothing relative
-// to any folder, is ever opened.
+// The absolute path of a module. Programs that are linked to the installed library and the
+// installed program have it in a place that was fixed when they were built. A program in its build
+// folder, or in one that was moved, has it beside itself: in the folder of the program's own file
+// as the kernel names it, if nobody but the owner of that file can write to the folder or the
+// module. Nothing relative to the current folder is ever opened.
 std::string modulePath(std::string_view file);
 
 }  // namespace sluice

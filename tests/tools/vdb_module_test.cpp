@@ -1,6 +1,8 @@
 // OpenVDB is a module beside the program: opened with the first .vdb, missed in one line.
 #include <gtest/gtest.h>
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <filesystem>
 
@@ -55,9 +57,42 @@ TEST(VdbModule, isFoundWhereTheProgramWasBuilt) {
   EXPECT_NE(result.output.find("3 x 3 x 3 voxels"), std::string::npos) << result.output;
 }
 
-// What lies beside a program that was moved, above it, or in the current folder may be anybody's.
-TEST(VdbModule, isOpenedFromNoPlaceThatDependsOnWhereTheProgramIs) {
-  for (const char* place : {"bin", "lib/sluice", "lib", "."}) {
+// A build folder that was moved is still one, if nobody else could have put the module there.
+TEST(VdbModule, isFoundBesideAMovedProgramThatOnlyItsOwnerCanChange) {
+  const MovedProgram program;
+  const fs::path module = program.place() / kModule;
+  fs::copy_file(builtModule(), module);
+  const auto only_owner = [](const fs::path& path, bool only) {
+    const auto others = fs::perms::group_write | fs::perms::others_write;
+    fs::permissions(path, others, only ? fs::perm_options::remove : fs::perm_options::add);
+  };
+  const std::vector<fs::path> all = {program.place(), program.place() / "sluice", module};
+  for (const fs::path& path : all) only_owner(path, true);
+  const CommandResult found = program.run("info points.vdb");
+  EXPECT_EQ(found.status, 0) << found.output;
+  // The kernel names the program's file, whatever it was called by.
+  fs::create_symlink(program.place() / "sluice", program.folder / "link");
+  EXPECT_EQ(runCommand("cd " + shellQuoted(program.folder.path().string()) +
+                       " && XDG_CACHE_HOME=\"$PWD/cache\" ./link info points.vdb")
+                .status,
+            0);
+  for (const fs::path& path : all) {
+    only_owner(path, false);
+    const CommandResult refused = program.run("info points.vdb");
+    EXPECT_EQ(refused.status, 1) << path;
+    EXPECT_NE(refused.output.find("/lib/sluice/sluice_openvdb.so"), std::string::npos)
+        << refused.output;
+    only_owner(path, true);
+  }
+  if (geteuid() != 0) return;
+  fs::permissions(module, fs::perms::owner_all);
+  ASSERT_EQ(chown(module.c_str(), 12345, 12345), 0) << "somebody else's";
+  EXPECT_EQ(program.run("info points.vdb").status, 1);
+}
+
+// What lies above a program that was moved, or in the current folder, may be anybody's.
+TEST(VdbModule, isOpenedFromNoPlaceAroundAMovedProgram) {
+  for (const char* place : {"lib/sluice", "lib", "."}) {
     const MovedProgram program;
     fs::create_directories(program.folder / place);
     fs::copy_file(builtModule(), program.folder / place / kModule);

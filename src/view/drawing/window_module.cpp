@@ -1,21 +1,16 @@
 #include "src/view/drawing/window_module.h"
 
-#include <filesystem>
 #include <span>
 #include <string_view>
-#include <system_error>
 
 #include "src/base/error.h"
+#include "src/base/module_path.h"
 #include "src/base/shared_library.h"
 
 namespace sluice {
 
 RunWindow* openWindowModule() {
-  std::error_code unknown;
-  const auto program = std::filesystem::read_symlink("/proc/self/exe", unknown);
-  const bool in_build_folder = !unknown && program.parent_path() == SLUICE_BUILD_FOLDER;
-  const std::string name = in_build_folder ? SLUICE_BUILD_FOLDER "/" SLUICE_WINDOW_MODULE
-                                           : SLUICE_INSTALL_FOLDER "/" SLUICE_WINDOW_MODULE;
+  const std::string name = modulePath("sluice_window.so");
   try {
     const SharedLibrary library(
         std::span(&name, 1),
