@@ -143,7 +143,7 @@ std::vector<std::filesystem::path> writeDebugViews(const std::filesystem::path& 
   std::vector<std::filesystem::path> written;
   const auto write = [&](const std::string& what, const Picture& picture) {
     written.push_back(debugViewName(output, what));
-    writePng(written.back(), picture);
+    writePng(written.back(), picture, interruption());
   };
   if (partition == Partition::kBoxes) write("boxes", boxesPicture(scene, volume, places));
   for (size_t i = 0; i < frame.phases.size(); ++i) {

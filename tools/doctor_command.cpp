@@ -99,7 +99,7 @@ Command addDoctor(CLI::App& program) {
   return [json] {
     const std::vector<GlProbe> probes = probeGl();
     if (*json) {
-      say("{}\n", asJson(probes).dump(2));
+      sayJson(asJson(probes));
     } else {
       print(probes);
     }

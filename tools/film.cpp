@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <optional>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "src/base/error.h"
@@ -91,22 +93,36 @@ void checkOutputs(const RenderArguments& arguments, const SavedFilm& film,
   for (const ViewKey& key : film.path.keys) outputs.reads(key.state.look.transfer_file);
   const FileKind kind =
       pictureKind(arguments.output) == PictureKind::kExr ? FileKind::kExr : FileKind::kPng;
-  for (const int64_t i : frames)
-    outputs.writes("-o", numberedName(arguments.output, i, true), kind);
+  if (isFilmName(arguments.output))
+    outputs.writes("-o", arguments.output, FileKind::kFilm);
+  else
+    for (const int64_t i : frames)
+      outputs.writes("-o", numberedName(arguments.output, i, true), kind);
   outputs.check(more_read);
+}
+
+void addFrame(FilmFile& film, Renderer& renderer, const ViewState& state,
+              const PictureOptions& options, const ProgressFunction& watch) {
+  Image image = renderer.draw(options, watch);
+  const Picture drawn{image.width, image.height, std::move(image.rgba), {}};
+  film.add(state.background ? over(drawn, *state.background) : drawn);
 }
 
 }  // namespace
 
 bool asksForFilm(const RenderArguments& arguments) {
-  return isNumbered(arguments.output) && arguments.frames == 1 && !arguments.times;
+  return (isNumbered(arguments.output) || isFilmName(arguments.output)) && arguments.frames == 1 &&
+         !arguments.times;
 }
 
 int writeFilm(const RenderArguments& arguments, const CLI::App& app, const SavedView& saved) {
   SavedFilm film = *saved.film;
   checkOptions(arguments, app);
-  requirePictureName(arguments.output);
+  const bool is_one_file = isFilmName(arguments.output);
+  if (!is_one_file) requirePictureName(arguments.output);
   const int64_t count = frameCount(film.path);
+  if (is_one_file && arguments.resume)
+    fail("{}: a film is written in one go; --continue is for pictures", arguments.output);
   const std::vector<int64_t> frames = missingFrames(arguments, count);
   checkOutputs(arguments, film, frames, {});
   const bool is_quiet = arguments.resources.quiet;
@@ -135,15 +151,26 @@ int writeFilm(const RenderArguments& arguments, const CLI::App& app, const Saved
   ProgressMeter progress = is_quiet ? ProgressMeter()
                                     : ProgressMeter(progressLine("frames", ProgressUnit::kPieces),
                                                     static_cast<uint64_t>(frames.size()));
+  std::optional<FilmFile> made;
+  if (is_one_file)
+    made.emplace(
+        arguments.output,
+        app.count("--rate") > 0 ? arguments.frames_per_second : film.path.frames_per_second,
+        interruption());
   for (const int64_t i : frames) {
     interruption().throwIfStopped();
     const ViewState state = frameState(film, now, i);
     renderer.setLook(state.look);
-    drawToFile(renderer, numberedName(arguments.output, i, true).string(), state, width, height,
-               watch, {});
+    if (made)
+      addFrame(*made, renderer, state, pictureOf(state, width, height), watch);
+    else
+      drawToFile(renderer, numberedName(arguments.output, i, true).string(), state, width, height,
+                 watch, {});
     progress.add(1);
   }
-  if (!is_quiet)
+  if (made) made->finish();
+  if (is_one_file && !is_quiet) say("{}: {} frames\n", arguments.output, count);
+  if (!is_one_file && !is_quiet)
     say("{} of {} frames, {} to {}\n", frames.size(), count,
         numberedName(arguments.output, frames.front(), true).string(),
         numberedName(arguments.output, frames.back(), true).string());

@@ -125,7 +125,7 @@ Command addInfo(CLI::App& program) {
       nlohmann::json report = volumeJson(volume);
       report["look"] = lookJson(chosen);
       report["pyramid"] = levelsJson(*volume.source);
-      say("{}\n", report.dump(2));
+      sayJson(report);
     } else if (!arguments->resources.quiet) {
       print(volume, chosen);
       if (arguments->levels) printLevels(*volume.source);

@@ -3,6 +3,7 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <csignal>
 
 #include "tools/command_line/console.h"
 #include "tools/program.h"
@@ -17,6 +18,12 @@ void raiseFileLimit() {
   if (getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur >= kPlenty) return;
   limit.rlim_cur = std::min(limit.rlim_max, kPlenty);
   setrlimit(RLIMIT_NOFILE, &limit);
+}
+
+// A file that grows beyond `ulimit -f` is a write that fails, as on a full disk, and no signal that
+// ends the process with its temporary files left behind.
+void failLargeWrites() {
+  std::signal(SIGXFSZ, SIG_IGN);
 }
 
 }  // namespace
@@ -35,5 +42,6 @@ int main(int argc, char** argv) {
     mallopt(M_ARENA_MAX, 1);
   sluice::openStandardStreams();
   raiseFileLimit();
+  failLargeWrites();
   return sluice::runProgram({argv + (argc > 0 ? 1 : 0), argv + argc});
 }

@@ -98,16 +98,15 @@ int pack(const Arguments& arguments) {
   options.blosc.level = arguments.level != 0                      ? arguments.level
                         : options.blosc.codec == BloscCodec::kLz4 ? kLz4Level
                                                                   : kZstdLevel;
+  const uint64_t bytes = static_cast<uint64_t>(volume(layout.dims) * layout.time_steps) *
+                         channels.size() * bytesPerVoxel(layout.type) * (options.verify ? 2 : 1);
   PackReport report;
-  try {
-    const uint64_t bytes = static_cast<uint64_t>(volume(layout.dims) * layout.time_steps) *
-                           channels.size() * bytesPerVoxel(layout.type) * (options.verify ? 2 : 1);
+  {
     ProgressMeter progress =
         arguments.resources.quiet ? ProgressMeter() : ProgressMeter(progressLine("packing"), bytes);
+    sayWhenInterrupted("interrupted; the same command goes on where this one ended");
     report = packZarr(channels, arguments.output, options, pool, progress);
-  } catch (const Interrupted&) {
-    printError("interrupted; the same command goes on where this one ended");
-    return interruptionStatus();
+    sayWhenInterrupted("interrupted");  // the store is whole, its index may not be
   }
   const Stopwatch watch;
   const auto kept = indexStore(arguments, channels.size(), pool);
@@ -132,7 +131,7 @@ int pack(const Arguments& arguments) {
           {"index", index_seconds}}},
         {"index", {{"path", index.path.string()}, {"state", index.state}}},
         {"peak_rss_bytes", peakResidentBytes()}};
-    say("{}\n", json.dump(2));
+    sayJson(json);
     return 0;
   }
   if (arguments.resources.quiet) return kDone;
@@ -167,7 +166,7 @@ int check(const Arguments& arguments) {
     const nlohmann::json json{{"chunks", report.chunks},
                               {"stored_bytes", report.stored_bytes},
                               {"faults", report.faults}};
-    say("{}\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+    sayJson(json);
   }
   if (!report.faults.empty())
     fail("{} of {} chunks are not as packed: {}", report.faults.size(), report.chunks,

@@ -11,6 +11,7 @@
 #include "src/base/error.h"
 #include "src/library/exr_contents.h"
 #include "src/render/index_space.h"
+#include "tools/interrupt.h"
 
 namespace sluice {
 namespace {
@@ -60,18 +61,23 @@ std::optional<PictureKind> pictureKind(const std::filesystem::path& path) {
   return std::nullopt;
 }
 
+Picture shownPicture(const Picture& picture, const PictureOutput& output,
+                     const FrameOptions& options, const Scene& scene) {
+  Picture shown = output.background ? over(picture, *output.background) : picture;
+  if (output.annotate) shown = annotated(shown, annotationsOf(output, options, scene));
+  return shown;
+}
+
 void writePicture(const std::filesystem::path& path, const Picture& picture,
                   const PictureOutput& output, const FrameOptions& options, const Scene& scene) {
-  Picture shown = output.background ? over(picture, *output.background) : picture;
   if (pictureKind(path) == PictureKind::kExr) {
     writeExr(path,
              exrContents(picture, output.background, output.aovs.opacity,
                          {options, *scene.volume.source, scene.transfer, scene.look.options}),
-             ExrPrecision::kFloat);
+             ExrPrecision::kFloat, interruption());
     return;
   }
-  if (output.annotate) shown = annotated(shown, annotationsOf(output, options, scene));
-  writePng(path, shown);
+  writePng(path, shownPicture(picture, output, options, scene), interruption());
 }
 
 }  // namespace sluice

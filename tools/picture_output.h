@@ -29,7 +29,10 @@ struct PictureOutput {
   Aovs aovs;              // EXR
 };
 
-// `options` are the frame's. Throws Error.
+// Over its background and with its annotations, as PNG files and films show it.
+Picture shownPicture(const Picture& picture, const PictureOutput& output,
+                     const FrameOptions& options, const Scene& scene);
+// `options` are the frame's. Throws Error, and Interrupted.
 void writePicture(const std::filesystem::path& path, const Picture& picture,
                   const PictureOutput& output, const FrameOptions& options, const Scene& scene);
 

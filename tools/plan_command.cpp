@@ -257,7 +257,7 @@ int run(const Arguments& asked, const CLI::App& app) {
     writeReport(arguments.report_file, report, pictures);
   }
   if (arguments.json) {
-    say("{}\n", report.dump(2));
+    sayJson(report);
   } else if (!arguments.resources.quiet) {
     print(costs, arguments.frame.algorithm, shown.seconds, volume.page);
     if (isCoarser(*shown.blocks)) say("{}\n", cutLine(*shown.blocks->cut));

@@ -69,7 +69,7 @@ int run(Arguments& arguments, const CLI::App& app) {
   const SeriesFunctions functions =
       openFunctions(volume, look.transfer, arguments.culling, arguments.resources, pool);
   if (arguments.json) {
-    say("{}\n", reportOf(functions, app).dump(2));
+    sayJson(reportOf(functions, app));
     return 0;
   }
   if (arguments.resources.quiet) return 0;
@@ -98,7 +98,7 @@ Command addPrepare(CLI::App& program) {
       "Makes what render --culling needs of a series, ahead\n\n"
       "How much each block hides, and at which steps that changes: kept with the index, for the "
       "look that is given.\n\n"
-      "  sluice prepare 'step_%03d.raw' --threshold 40");
+      "  sluice prepare 'step_%03d.nrrd' --threshold 40");
   addVolumeOptions(*app, arguments->volume);
   addLookOptions(*app, arguments->look, arguments->frame);
   addCullingOptions(*app, arguments->culling, false);

@@ -40,7 +40,7 @@ int parseAndRun(const CommandLine& line, const std::vector<std::string>& given,
   CLI::App& program = *line.program;
   const std::vector<std::string> words = withoutHelpWord(given);
   if (words.empty() || words.front() == "--help" || words.front() == "-h") {
-    say("{}", overview(program));
+    sayText(overview(program));
     return kDone;
   }
   if (const auto wrong = wrongUsage(program, words)) return refuseTogether(launch, *wrong, kUsage);
@@ -49,7 +49,7 @@ int parseAndRun(const CommandLine& line, const std::vector<std::string>& given,
   } catch (const CLI::CallForHelp&) {
     const CLI::App* asked = &program;
     while (!asked->get_subcommands().empty()) asked = asked->get_subcommands().front();
-    say("{}", asked->help());
+    sayText(asked->help());
     return kDone;
   } catch (const CLI::CallForVersion&) {
     say("{}\n", SLUICE_VERSION);
@@ -106,19 +106,21 @@ int runProgram(const std::vector<std::string>& words) {
   Launch launch;
   // Of several ranks the first speaks for all.
   const auto tell = [&launch](const char* line) {
-    if (launch.rank == 0) printError(line);
+    if (line != nullptr && launch.rank == 0) printError(line);
   };
   try {
     watchForInterruption();
     launch = beginRanks();
+    // A launcher whose run ends early ends each of its processes, and says why.
+    if (launch.ranks > 1) sayWhenInterrupted(nullptr);
     prepareDriver();
     const CommandLine line = makeCommandLine();
     status = parseAndRun(line, words, launch);
     finishOutput();
     return status;
   } catch (const Interrupted&) {
-    // A launcher whose run ends early ends each of its processes, and says why.
-    if (launch.ranks == 1 || interruptionStatus() == 128 + SIGINT) tell("interrupted");
+    if (launch.ranks > 1 && interruptionStatus() == 128 + SIGINT) tell("interrupted");
+    tell(interruptedLine());
     return interruptionStatus();
   } catch (const std::bad_alloc&) {
     tell("out of memory; give a smaller --memory or a larger machine");

@@ -8,6 +8,7 @@
 #include "src/base/numbered_name.h"
 #include "src/library/view_fit.h"
 #include "tools/arguments.h"
+#include "tools/film_file.h"
 #include "tools/picture_output.h"
 
 namespace sluice {
@@ -27,6 +28,7 @@ struct RenderArguments {
   std::string trace_file;
   std::string state_file;
   int64_t frames = 1;
+  double frames_per_second = 25;  // of a film
   std::optional<TimeRange> times;
   CullingArguments culling;
   bool resume = false;
@@ -55,6 +57,7 @@ inline bool wantsReport(const RenderArguments& arguments) {
 // Frames of a turntable are numbered from 0, pictures of a series by their time steps.
 inline std::filesystem::path frameName(const RenderArguments& arguments, int64_t frame) {
   const bool is_turn = arguments.frames > 1;
+  if (isFilmName(arguments.output)) return arguments.output;
   return numberedName(arguments.output, is_turn ? frame : timeOf(arguments, frame),
                       frameCount(arguments) > 1);
 }

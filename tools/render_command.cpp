@@ -1,6 +1,7 @@
 // sluice render: pictures of a volume, as PNG or EXR.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -18,6 +19,7 @@
 #include "tools/commands.h"
 #include "tools/debug_views.h"
 #include "tools/film.h"
+#include "tools/film_file.h"
 #include "tools/interrupt.h"
 #include "tools/pages/report_file.h"
 #include "tools/picture_output.h"
@@ -58,24 +60,39 @@ Outputs outputsOf(const Arguments& arguments) {
   outputs.reads(arguments.volume.inputs);
   outputs.reads({arguments.look.transfer_file, arguments.path_file, arguments.state_file});
   outputs.reads(basisFiles(arguments.culling));
-  for (const int64_t i : framesToDraw(arguments))
-    outputs.writes("-o", frameName(arguments, i),
-                   isExr(arguments) ? FileKind::kExr : FileKind::kPng);
+  if (isFilmName(arguments.output))
+    outputs.writes("-o", arguments.output, FileKind::kFilm);
+  else
+    for (const int64_t i : framesToDraw(arguments))
+      outputs.writes("-o", frameName(arguments, i),
+                     isExr(arguments) ? FileKind::kExr : FileKind::kPng);
   if (arguments.debug_view)
     for (const auto& view : debugViewNames(frameName(arguments, 0)))
       outputs.writes("--debug-view", view, FileKind::kPng);
   outputs.writes("--report", arguments.report_file, reportKind(arguments.report_file));
-  outputs.writes("--trace", arguments.trace_file, FileKind::kTrace);
+  outputs.writesTrace("--trace", arguments.trace_file);
   return outputs;
 }
 
 void checkOutput(const Arguments& arguments) {
   const auto kind = pictureKind(arguments.output);
-  if (!kind) fail("{}: pictures are written as .png or .exr", arguments.output);
+  const bool is_film = isFilmName(arguments.output);
+  if (!kind && !is_film)
+    fail("{}: pictures are written as .png or .exr, films as .mp4", arguments.output);
+  if (is_film && frameCount(arguments) < 2)
+    fail("{}: a film has several frames; give --frames or a range of --time", arguments.output);
+  if (is_film && arguments.resume)
+    fail("{}: a film is written in one go; --continue is for pictures", arguments.output);
+  if (!arguments.path_file.empty() && frameCount(arguments) < 2)
+    throw CLI::RequiresError("--path", "--frames or a range of --time");
   if (arguments.aovs && kind != PictureKind::kExr)
     fail("{}: --aov adds channels to .exr pictures", arguments.output);
-  if (arguments.annotate && kind != PictureKind::kPng)
+  if (arguments.annotate && kind == PictureKind::kExr)
     fail("{}: --annotate draws over .png pictures; an .exr holds values", arguments.output);
+  const PictureSize& size = arguments.frame.size;
+  if (arguments.annotate && std::min(size.width, size.height) < kLeastAnnotatedPixels)
+    fail("--annotate: a picture of {} x {} pixels has no room for letters; it needs {} x {}",
+         size.width, size.height, kLeastAnnotatedPixels, kLeastAnnotatedPixels);
   if (arguments.aovs && arguments.aovs->depth && arguments.frame.mode != Mode::kComposite)
     fail("--aov depth is of --mode composite, where samples have an opacity to weigh them");
   if (arguments.debug_view && frameCount(arguments) > 1)
@@ -135,16 +152,21 @@ void checkLastStep(const Arguments& arguments) {
   openSource(last);
 }
 
-// One a frame: a turn, or along the path.
+// One a frame, of a turn or along the path; or one for all steps of a series.
 std::vector<Camera> camerasOf(const Arguments& arguments, WorldFrame frame) {
   Camera start = arguments.frame.camera;
   if (arguments.path_file.empty()) return turnOf(start, arguments.frames);
   const CameraPath path = readCameraPath(arguments.path_file, interruption());
   start.up = frontAxes(start.view, frame, start.up).up;  // keys move it on
   std::vector<Camera> cameras;
-  for (int64_t i = 0; i < arguments.frames; ++i)
-    cameras.push_back(cameraAt(path, start, i, arguments.frames));
+  for (int64_t i = 0; i < frameCount(arguments); ++i)
+    cameras.push_back(cameraAt(path, start, i, frameCount(arguments)));
   return cameras;
+}
+
+// Of a series without a path one camera shows every step.
+const Camera& cameraOf(const std::vector<Camera>& cameras, int64_t frame) {
+  return cameras[cameras.size() == 1 ? 0 : static_cast<size_t>(frame)];
 }
 
 // Of several ranks rank 0 makes the index that the others read.
@@ -198,6 +220,13 @@ FrameOptions frameOptions(const Arguments& arguments, const CLI::App& app, const
   return options;
 }
 
+// Whether a signal leaves a report of the pictures that were there by then: --continue draws the
+// others and reports all.
+bool reportsParts(const Arguments& arguments) {
+  return frameCount(arguments) > 1 && !arguments.report_file.empty() &&
+         !isPage(arguments.report_file) && !isFilmName(arguments.output);
+}
+
 // Draws the frames and writes their pictures, which the first rank does for all.
 Drawn drawAll(const Arguments& arguments, const std::vector<int64_t>& to_draw,
               const std::vector<Camera>& cameras, const PictureOutput& output, FrameOptions options,
@@ -207,9 +236,12 @@ Drawn drawAll(const Arguments& arguments, const std::vector<int64_t>& to_draw,
                                                static_cast<uint64_t>(to_draw.size()))
                                : ProgressMeter();
   Drawn drawn;
-  for (size_t at = 0; at < to_draw.size(); ++at) {
+  std::optional<FilmFile> film;
+  if (is_first && isFilmName(arguments.output))
+    film.emplace(arguments.output, arguments.frames_per_second, interruption());
+  const auto drawFrame = [&](size_t at) {
     const int64_t i = to_draw[at];
-    options.camera = cameras[static_cast<size_t>(arguments.times ? 0 : i)];
+    options.camera = cameraOf(cameras, i);
     scene.session->setOptions(options);
     if (isSeries(arguments))
       series.show(timeOf(arguments, i), arguments.times && at + 1 < to_draw.size()
@@ -217,19 +249,29 @@ Drawn drawAll(const Arguments& arguments, const std::vector<int64_t>& to_draw,
                                             : std::nullopt);
     scene.device->reuse(std::move(drawn.picture));
     Frame frame = scene.frame();
-    if (series.culls()) drawn.culling.push_back(countsJson(series.counts()));
     scene.noteMemory();
     drawn.picture = std::move(frame.picture);
     drawn.blocks = frame.blocks;
     drawn.name = frameName(arguments, i);
     const Stopwatch watch;
-    if (is_first) writePicture(drawn.name, drawn.picture, output, options, scene);
+    if (film)
+      film->add(shownPicture(drawn.picture, output, options, scene));
+    else if (is_first)
+      writePicture(drawn.name, drawn.picture, output, options, scene);
     drawn.frames.push_back({frame.report, watch.seconds()});
+    if (series.culls()) drawn.culling.push_back(countsJson(series.counts()));
     progress.add(1);
     if (arguments.debug_view)
       drawn.views = writeDebugViews(drawn.name, frame, scene, arguments.volume, scene.volume.places,
                                     options.partition);
-  }
+  };
+  for (size_t at = 0; at < to_draw.size() && !drawn.is_cut; ++at) try {
+      drawFrame(at);
+    } catch (const Interrupted&) {
+      if (drawn.frames.empty() || !reportsParts(arguments)) throw;
+      drawn.is_cut = true;
+    }
+  if (film) film->finish();
   return drawn;
 }
 
@@ -281,21 +323,33 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
                             static_cast<uint64_t>(scene.session->page().pageBytes()));
     scene.session->recordTo(trace.get());
   }
+  const nlohmann::json earlier = earlierReport(arguments);
   Series series(scene, arguments.culling, arguments.resources, options);
   const Drawn drawn =
       drawAll(arguments, to_draw, cameras, output, options, scene, series, is_first);
+  if (drawn.is_cut) {
+    if (team == nullptr) {
+      nlohmann::json report = reportOf(arguments, app, to_draw, drawn, scene);
+      addEarlierFrames(arguments, earlier, report);
+      writeReportOf(arguments, report, drawn, scene, true);
+    }
+    throw Interrupted();
+  }
   if (trace) {
     trace->finish();
     scene.session->recordTo(nullptr);
   }
   nlohmann::json report;
-  if (wantsReport(arguments)) report = reportOf(arguments, app, to_draw, drawn, scene);
+  if (wantsReport(arguments)) {
+    report = reportOf(arguments, app, to_draw, drawn, scene);
+    addEarlierFrames(arguments, earlier, report);
+  }
   if (scene.share && wantsReport(arguments)) gatherReport(*team, *scene.share, report);
   if (!is_first) return 0;
   std::optional<Verification> verified;
   if (arguments.verify) {
     FrameOptions last = options;
-    last.camera = cameras[static_cast<size_t>(arguments.times ? 0 : to_draw.back())];
+    last.camera = cameraOf(cameras, to_draw.back());
     verified = verify(scene, last, drawn.picture);
     report["verify"] = {{"max_difference", verified->max_difference},
                         {"mean_difference", verified->mean_difference}};
@@ -303,7 +357,7 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
   if (!arguments.report_file.empty())
     writeReportOf(arguments, report, drawn, scene, team == nullptr);
   if (arguments.json) {
-    say("{}\n", report.dump(2));
+    sayJson(report);
   } else if (!arguments.resources.quiet) {
     printDrawn(scene, series, drawn, verified);
   }
@@ -321,13 +375,16 @@ Command addRender(CLI::App& program) {
   addVolumeOptions(*app, arguments->volume, &arguments->times, false);
   const OptionGroup output(*app, kOutputHeading);
   output
-      .text(
-          "-o,--output", "FILE", arguments->output,
-          "Picture: .png, or .exr with depth; #### or %04d takes the frame's or time step's number")
+      .text("-o,--output", "FILE", arguments->output,
+            "Picture: .png, or .exr with depth; #### or %04d takes the frame's or time step's "
+            "number. "
+            "Film of several: .mp4, by ffmpeg")
       ->required();
   addFramesOption(output, arguments->frames, "Pictures of a full turn, or of the path");
-  output.text("--path", "FILE", arguments->path_file, "Key frames of the camera, JSON")
-      ->needs(app->get_option("--frames"));
+  output.text("--path", "FILE", arguments->path_file,
+              "Key frames of the camera, JSON: of --frames pictures, or along a range of --time");
+  output.number("--rate", "FPS", arguments->frames_per_second, {0, 1000, true},
+                "Film: frames a second");
   OptionGroup(*app, "View")
       .text("--state", "FILE", arguments->state_file,
             "A view that sluice view saved, and its volume; options that are "

@@ -2,9 +2,16 @@
 
 #include <CLI/CLI.hpp>
 
+#include <map>
+#include <string>
+#include <system_error>
+#include <utility>
+
 #include "src/base/bytes.h"
 #include "src/base/clock.h"
+#include "src/base/text_file.h"
 #include "tools/command_line/console.h"
+#include "tools/interrupt.h"
 #include "tools/pages/report_file.h"
 #include "tools/ranks.h"
 
@@ -17,11 +24,47 @@ nlohmann::json reportOf(const RenderArguments& arguments, const CLI::App& app,
   report["command"] = "render";
   report["options"] = optionsJson(app);
   report["output"] = drawn.name.string();
-  for (size_t i = 0; i < to_draw.size() && isSeries(arguments); ++i)
+  for (size_t i = 0; i < drawn.frames.size() && isSeries(arguments); ++i)
     report["frames"][i]["time"] = timeOf(arguments, to_draw[i]);
+  for (size_t i = 0; i < drawn.frames.size() && frameCount(arguments) > 1; ++i)
+    report["frames"][i]["picture"] = frameName(arguments, to_draw[i]).string();
   for (size_t i = 0; i < drawn.culling.size(); ++i)
     report["frames"][i]["culling"] = drawn.culling[i];
   return report;
+}
+
+nlohmann::json earlierReport(const RenderArguments& arguments) {
+  constexpr uint64_t kMostBytes = uint64_t{64} << 20;
+  const std::string& file = arguments.report_file;
+  std::error_code unknown;
+  if (!arguments.resume || file.empty() || isPage(file) ||
+      !std::filesystem::is_regular_file(file, unknown))
+    return nullptr;
+  auto report = nlohmann::json::parse(readTextFile(file, kMostBytes, "a report", interruption()),
+                                      nullptr, false);
+  return report.is_object() ? report : nlohmann::json();
+}
+
+void addEarlierFrames(const RenderArguments& arguments, const nlohmann::json& earlier,
+                      nlohmann::json& report) {
+  if (!arguments.resume) return;
+  std::map<std::string, nlohmann::json> known;  // by the picture's name in its folder
+  for (const nlohmann::json* run : {&earlier, &std::as_const(report)})
+    if (run->is_object() && run->contains("frames") && (*run)["frames"].is_array())
+      for (const nlohmann::json& frame : (*run)["frames"])
+        if (frame.is_object() && frame.contains("picture") && frame["picture"].is_string())
+          known[std::filesystem::path(frame["picture"].get<std::string>()).filename()] = frame;
+  nlohmann::json frames = nlohmann::json::array(), not_measured = frames;
+  for (int64_t i = 0; i < frameCount(arguments); ++i) {
+    const std::filesystem::path picture = frameName(arguments, i);
+    const auto found = known.find(picture.filename());
+    if (found != known.end())
+      frames.push_back(found->second);
+    else
+      not_measured.push_back(picture.string());
+  }
+  report["frames"] = std::move(frames);
+  if (!not_measured.empty()) report["frames_not_measured"] = std::move(not_measured);
 }
 
 void writeReportOf(const RenderArguments& arguments, const nlohmann::json& report,
@@ -36,12 +79,12 @@ void writeReportOf(const RenderArguments& arguments, const nlohmann::json& repor
 }
 
 void sayAllAreThere(const RenderArguments& arguments, const CLI::App& app) {
+  const nlohmann::json earlier = earlierReport(arguments);
   if (arguments.json)
-    say("{}\n", nlohmann::json{{"command", "render"},
-                               {"options", optionsJson(app)},
-                               {"output", arguments.output},
-                               {"frames", nlohmann::json::array()}}
-                    .dump(2));
+    sayJson({{"command", "render"},
+             {"options", optionsJson(app)},
+             {"output", arguments.output},
+             {"frames", earlier.contains("frames") ? earlier["frames"] : nlohmann::json::array()}});
   else if (!arguments.resources.quiet)
     say("all {} pictures are there\n", frameCount(arguments));
 }

@@ -27,12 +27,21 @@ struct Drawn {
   std::vector<std::filesystem::path> views;
   Picture picture;
   VisibleBlocksPtr blocks;
+  bool is_cut = false;  // a signal came: the frames that were drawn until then
 };
 
 // `to_draw`: the numbers of its frames.
 nlohmann::json reportOf(const RenderArguments& arguments, const CLI::App& app,
                         const std::vector<int64_t>& to_draw, const Drawn& drawn,
                         const Scene& scene);
+// With --continue, what an earlier run wrote to --report, as JSON; null where there is none. Called
+// before the report is replaced. Throws Error and Interrupted.
+nlohmann::json earlierReport(const RenderArguments& arguments);
+// With --continue: `frames` becomes that of the whole series. Pictures that were there already have
+// the figures of the earlier report; those that no report has measured are named in
+// `frames_not_measured`.
+void addEarlierFrames(const RenderArguments& arguments, const nlohmann::json& earlier,
+                      nlohmann::json& report);
 // `maps`: blocks are known whole, as one process alone knows them. Throws Error.
 void writeReportOf(const RenderArguments& arguments, const nlohmann::json& report,
                    const Drawn& drawn, const Scene& scene, bool maps);

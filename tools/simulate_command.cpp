@@ -43,11 +43,11 @@ int run(const SimulateArguments& arguments) {
   if (!arguments.csv_file.empty()) {
     const std::string csv = simulationCsv(runs);
     if (prints_csv)
-      say("{}", csv);
+      sayText(csv);
     else
       writeText(arguments.csv_file, csv);
   }
-  if (arguments.json) say("{}\n", report.dump(2));
+  if (arguments.json) sayJson(report);
   if (arguments.json || prints_csv || arguments.turn.resources.quiet) return 0;
   for (const SimulatedRun& run : runs) printSimulation(run, arguments);
   for (const std::string& file :

@@ -201,10 +201,10 @@ Outputs outputsOf(const SimulateArguments& arguments) {
   Outputs outputs(arguments.force);
   outputs.reads(arguments.turn.volume.inputs);
   outputs.reads(arguments.turn.look.transfer_file);
-  outputs.writes("--html", arguments.html_file, FileKind::kHtml);
+  outputs.writes("--html", arguments.html_file, FileKind::kPage);
   outputs.writes("--report", arguments.report_file, reportKind(arguments.report_file));
-  if (arguments.csv_file != "-") outputs.writes("--csv", arguments.csv_file, FileKind::kText);
-  outputs.writes("--export", arguments.export_file, FileKind::kTrace);
+  if (arguments.csv_file != "-") outputs.writes("--csv", arguments.csv_file, FileKind::kTable);
+  outputs.writesTrace("--export", arguments.export_file);
   return outputs;
 }
 

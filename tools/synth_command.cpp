@@ -74,7 +74,7 @@ void run(const Arguments& arguments) {
   if (arguments.json) {
     nlohmann::json report{{"spec", specOf(arguments.synth)}, {"files", nlohmann::json::array()}};
     for (const auto& file : files) report["files"].push_back(file.string());
-    say("{}\n", report.dump(2));
+    sayJson(report);
   } else if (!arguments.quiet) {
     for (const auto& file : files) say("{}\n", file.string());
     const bool says_what_it_holds =

@@ -35,17 +35,20 @@ struct Arguments {
   std::string state_file, trace_file, log_file;
 };
 
+// A view or a transfer function, if not a picture: the window names both as it is told to.
 FileKind kindOf(const std::string& path) {
   if (const auto picture = pictureKind(path))
     return *picture == PictureKind::kExr ? FileKind::kExr : FileKind::kPng;
-  return std::filesystem::path(path).extension() == ".json" ? FileKind::kJson : FileKind::kText;
+  return mayReplace(path, FileKind::kView) ? FileKind::kView : FileKind::kTransferFunction;
 }
 
 // Of what the window saves, as other commands ask before they write.
 void checkSaved(const std::vector<std::string>& reads, const std::vector<std::string>& writes) {
   Outputs outputs;
   outputs.reads(reads);
-  for (const std::string& path : writes) outputs.writes("saving", path, kindOf(path));
+  const std::string settings = windowSettings().string();  // the window's own
+  for (const std::string& path : writes)
+    if (path != settings) outputs.writes("saving", path, kindOf(path));
   outputs.check();
 }
 
@@ -76,8 +79,8 @@ int run(const Arguments& arguments, const CLI::App& app) {
   Outputs outputs;
   outputs.reads(arguments.volume.inputs);
   outputs.reads({arguments.look.transfer_file, arguments.state_file});
-  outputs.writes("--trace", arguments.trace_file, FileKind::kTrace);
-  outputs.writes("--log", arguments.log_file, FileKind::kText);
+  outputs.writesTrace("--trace", arguments.trace_file);
+  outputs.writes("--log", arguments.log_file, FileKind::kLog);
   outputs.check();
   RunWindow* const run_window = openWindowModule();
   DrawingOptions options = drawingOptions(arguments, app);

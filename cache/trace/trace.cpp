@@ -189,6 +189,12 @@ bool isTraceFile(const std::filesystem::path& path) {
   }
 }
 
+std::vector<std::filesystem::path> traceFiles(const std::filesystem::path& path,
+                                              TraceFormat format) {
+  if (format != TraceFormat::kOracleGeneral) return {path};
+  return {path, trace_internal::companionOf(path)};
+}
+
 std::unique_ptr<TraceWriter> makeTraceWriter(const std::filesystem::path& path, TraceFormat format,
                                              uint64_t page_bytes) {
   using namespace trace_internal;

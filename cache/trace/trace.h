@@ -100,6 +100,9 @@ class TraceWriter {
   virtual void finish() = 0;
 };
 
+// Every file that a writer of this format makes: `path`, and oracleGeneral's companion.
+std::vector<std::filesystem::path> traceFiles(const std::filesystem::path& path,
+                                              TraceFormat format);
 // Throws Error when the folder cannot be written, or when the name promises a compressed file.
 std::unique_ptr<TraceWriter> makeTraceWriter(const std::filesystem::path& path, TraceFormat format,
                                              uint64_t page_bytes);

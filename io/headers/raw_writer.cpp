@@ -16,6 +16,7 @@
 #include "src/base/atomic_file.h"
 #include "src/base/descriptor.h"
 #include "src/base/error.h"
+#include "src/base/file_kind.h"
 #include "src/base/numbered_name.h"
 
 namespace sluice {
@@ -44,7 +45,7 @@ constexpr bool kLittle = std::endian::native == std::endian::little;
 
 // `data_file` is empty for an attached header, which then ends with the blank line.
 std::string nrrdHeader(const VolumeLayout& layout, const std::string& data_file) {
-  std::string header = "NRRD0004\n";
+  std::string header = fmt::format("NRRD0004\n# {}\n", softwareMark());
   header += fmt::format("type: {}\ndimension: 3\nsizes: {} {} {}\n", nrrdType(layout.type),
                         layout.dims.x, layout.dims.y, layout.dims.z);
   const std::string_view space = layout.frame == WorldFrame::kRas ? "space: right-anterior-superior"
@@ -67,11 +68,12 @@ std::string metaImageHeader(const VolumeLayout& layout, const std::string& data_
   std::string matrix;
   for (const Vec3d& axis : layout.axes) matrix += fmt::format(" {} {} {}", axis.x, axis.y, axis.z);
   return fmt::format(
-      "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = {}\n"
+      "ObjectType = Image\nComment = {}\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = "
+      "{}\n"
       "CompressedData = False\nAnatomicalOrientation = {}\nTransformMatrix ={}\nOffset = {} {} {}\n"
       "ElementSpacing = {} {} {}\nDimSize = {} {} {}\nElementType = {}\nElementDataFile = {}\n",
-      kLittle ? "False" : "True", layout.frame == WorldFrame::kLps ? "RAI" : "???", matrix,
-      layout.origin.x, layout.origin.y, layout.origin.z, layout.spacing.x, layout.spacing.y,
+      softwareMark(), kLittle ? "False" : "True", layout.frame == WorldFrame::kLps ? "RAI" : "???",
+      matrix, layout.origin.x, layout.origin.y, layout.origin.z, layout.spacing.x, layout.spacing.y,
       layout.spacing.z, layout.dims.x, layout.dims.y, layout.dims.z, metaImageType(layout.type),
       data_file);
 }

@@ -4,6 +4,7 @@
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfIO.h>
 #include <OpenEXR/ImfInputFile.h>
 #include <OpenEXR/ImfMatrixAttribute.h>
 #include <OpenEXR/ImfOutputFile.h>
@@ -13,6 +14,8 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <exception>
+#include <span>
 #include <string_view>
 
 #include "src/base/atomic_file.h"
@@ -31,6 +34,38 @@ Imf::Slice floatSlice(float* pixels, const Imath::Box2i& window, size_t stride_f
   return Imf::Slice::Make(Imf::FLOAT, pixels, window, stride_floats * sizeof(float),
                           stride_floats * sizeof(float) * width, 1, 1, fill);
 }
+
+// What OpenEXR writes to. OpenEXR swallows what fails while it ends a file, where it fills in its
+// table of lines: the first failure is kept here, to be thrown when it is through.
+class ExrStream : public Imf::OStream {
+ public:
+  ExrStream(AtomicFile& file, const std::string& name, const StopToken& stop)
+      : Imf::OStream(name.c_str()), file_(file), stop_(stop) {}
+
+  void write(const char bytes[], int count) override {
+    if (failure_ == nullptr) try {
+        stop_.throwIfStopped();
+        file_.writeAt(at_, std::as_bytes(std::span(bytes, static_cast<size_t>(count))));
+      } catch (...) {
+        failure_ = std::current_exception();
+      }
+    if (failure_ != nullptr) std::rethrow_exception(failure_);
+    at_ += static_cast<uint64_t>(count);
+  }
+  uint64_t tellp() override { return at_; }
+  void seekp(uint64_t to) override { at_ = to; }
+
+  // Throws what write() threw first.
+  void throwFailure() const {
+    if (failure_ != nullptr) std::rethrow_exception(failure_);
+  }
+
+ private:
+  AtomicFile& file_;
+  const StopToken stop_;
+  uint64_t at_ = 0;
+  std::exception_ptr failure_;
+};
 
 bool isOfThePicture(std::string_view channel) {
   return channel == "Z" ||
@@ -67,13 +102,14 @@ Imf::Header makeHeader(const std::filesystem::path& path, const ExrContents& con
 }  // namespace
 
 void writeExr(const std::filesystem::path& path, const ExrContents& contents,
-              ExrPrecision precision) {
+              ExrPrecision precision, const StopToken& stop) {
   const Picture& picture = contents.picture;
   const size_t pixels = static_cast<size_t>(picture.width) * static_cast<size_t>(picture.height);
   SLUICE_CHECK(picture.width > 0 && picture.height > 0);
   SLUICE_CHECK_EQ(picture.rgba.size(), kPixelFloats * pixels);
   SLUICE_CHECK(picture.depth.empty() || picture.depth.size() == pixels);
   AtomicFile file(path);
+  ExrStream stream(file, path.string(), stop);
   try {
     Imf::Header header = makeHeader(path, contents);
     const Imath::Box2i window = header.dataWindow();
@@ -103,14 +139,17 @@ void writeExr(const std::filesystem::path& path, const ExrContents& contents,
         fail("{}: \"{}\" cannot name a further channel", path.string(), name);
       add(name, values);
     }
-    Imf::OutputFile output(file.temporaryPath().c_str(), header);
+    Imf::OutputFile output(stream, header);
     output.setFrameBuffer(buffer);
     output.writePixels(picture.height);
   } catch (const Error&) {
     throw;
   } catch (const std::exception& e) {
+    stream.throwFailure();
     fail("{}: cannot be written: {}", path.string(), e.what());
   }
+  stream.throwFailure();
+  stop.throwIfStopped();
   file.commit();
 }
 

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "src/base/picture.h"
+#include "src/base/stop_token.h"
 
 namespace sluice {
 
@@ -42,9 +43,9 @@ struct ExrContents {
 };
 
 // Zip-compressed scan lines. Z is written when the picture has depths. Throws Error when the file
-// cannot be written or a name is not allowed; an older file is then as it was.
+// cannot be written or a name is not allowed, and Interrupted; an older file is then as it was.
 void writeExr(const std::filesystem::path& path, const ExrContents& contents,
-              ExrPrecision precision = ExrPrecision::kHalf);
+              ExrPrecision precision = ExrPrecision::kHalf, const StopToken& stop = {});
 
 // Reads the first part of a flat EXR. Throws Error: no EXR, damaged, or of more than 2^28 pixels.
 ExrContents readExr(const std::filesystem::path& path);

@@ -10,6 +10,7 @@
 #include "io/files/file.h"
 #include "src/base/atomic_file.h"
 #include "src/base/error.h"
+#include "src/base/file_kind.h"
 
 namespace sluice {
 namespace {
@@ -21,8 +22,17 @@ struct Writer {
   png_structp png = nullptr;
   png_infop info = nullptr;
   char message[200] = "";
+  std::string mark = softwareMark();  // outlives the jump
+  png_text software{};
+  StopToken stop;
 
-  explicit Writer(decltype(sink) to) : sink(std::move(to)) {}
+  Writer(decltype(sink) to, StopToken stop_token)
+      : sink(std::move(to)), stop(std::move(stop_token)) {
+    software.compression = PNG_TEXT_COMPRESSION_NONE;
+    software.key = const_cast<char*>("Software");  // libpng only reads it
+    software.text = mark.data();
+    software.text_length = mark.size();
+  }
   ~Writer() { png_destroy_write_struct(&png, &info); }
   Writer(const Writer&) = delete;
   Writer& operator=(const Writer&) = delete;
@@ -55,26 +65,32 @@ struct Writer {
     png_set_IHDR(png, info, static_cast<png_uint_32>(picture.width),
                  static_cast<png_uint_32>(picture.height), 8, PNG_COLOR_TYPE_RGBA,
                  PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    png_set_text(png, info, &software, 1);
     png_write_info(png, info);
     const size_t row_bytes = size_t{4} * static_cast<size_t>(picture.width);
-    for (size_t y = 0; y < static_cast<size_t>(picture.height); ++y)
+    for (size_t y = 0; y < static_cast<size_t>(picture.height); ++y) {
+      if (stop.isStopRequested()) return false;
       png_write_row(png, picture.rgba.data() + y * row_bytes);
+    }
     png_write_end(png, nullptr);
     return true;
   }
 };
 
 // `name`: of what cannot be written, for messages.
-void encode(const Rgba8Picture& picture, const std::string& name, decltype(Writer::sink) sink) {
+void encode(const Rgba8Picture& picture, const std::string& name, decltype(Writer::sink) sink,
+            const StopToken& stop = {}) {
   SLUICE_CHECK(picture.width > 0 && picture.height > 0);
   SLUICE_CHECK_EQ(picture.rgba.size(), size_t{4} * static_cast<size_t>(picture.width) *
                                            static_cast<size_t>(picture.height));
-  Writer writer(std::move(sink));
+  Writer writer(std::move(sink), stop);
   writer.png =
       png_create_write_struct(PNG_LIBPNG_VER_STRING, &writer, Writer::onError, Writer::onWarning);
   writer.info = writer.png == nullptr ? nullptr : png_create_info_struct(writer.png);
   if (writer.info == nullptr) fail("{}: libpng cannot be used (version or memory)", name);
-  if (!writer.encode(picture)) fail("{}: cannot be written: {}", name, writer.message);
+  const bool is_whole = writer.encode(picture);
+  stop.throwIfStopped();
+  if (!is_whole) fail("{}: cannot be written: {}", name, writer.message);
 }
 
 }  // namespace
@@ -87,14 +103,16 @@ std::vector<std::byte> encodedPng(const Rgba8Picture& picture) {
   return bytes;
 }
 
-void writePng(const std::filesystem::path& path, const Rgba8Picture& picture) {
+void writePng(const std::filesystem::path& path, const Rgba8Picture& picture,
+              const StopToken& stop) {
   AtomicFile file(path);
-  encode(picture, path.string(), [&file](std::span<const std::byte> more) { file.write(more); });
+  encode(
+      picture, path.string(), [&file](std::span<const std::byte> more) { file.write(more); }, stop);
   file.commit();
 }
 
-void writePng(const std::filesystem::path& path, const Picture& picture) {
-  writePng(path, toRgba8(picture));
+void writePng(const std::filesystem::path& path, const Picture& picture, const StopToken& stop) {
+  writePng(path, toRgba8(picture), stop);
 }
 
 Rgba8Picture readPng(const std::filesystem::path& path) {

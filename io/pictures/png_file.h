@@ -8,12 +8,17 @@
 #include <vector>
 
 #include "src/base/picture.h"
+#include "src/base/stop_token.h"
 
 namespace sluice {
 
-// Throws Error when the file cannot be written; an older file of that name is then as it was.
-void writePng(const std::filesystem::path& path, const Rgba8Picture& picture);
-void writePng(const std::filesystem::path& path, const Picture& picture);  // of toRgba8(picture)
+// Throws Error when the file cannot be written, and Interrupted; an older file of that name is then
+// as it was.
+void writePng(const std::filesystem::path& path, const Rgba8Picture& picture,
+              const StopToken& stop = {});
+// Of toRgba8(picture).
+void writePng(const std::filesystem::path& path, const Picture& picture,
+              const StopToken& stop = {});
 // The bytes of such a file.
 std::vector<std::byte> encodedPng(const Rgba8Picture& picture);
 

@@ -98,6 +98,7 @@ AtomicFile::AtomicFile(std::filesystem::path path) : path_(followed(std::move(pa
     }
   }
   if (!file_) failErrno(fmt::format("{}: cannot be written", path_.string()), errno);
+  if (temporary_ != path_) name_.emplace(temporary_);
 }
 
 AtomicFile::~AtomicFile() {
@@ -112,11 +113,16 @@ void AtomicFile::write(std::string_view text) {
   write(std::as_bytes(std::span(text)));
 }
 
+void AtomicFile::writeAt(uint64_t offset, std::span<const std::byte> bytes) {
+  writeAllAt(file_.get(), bytes, offset, fmt::format("{}: write failed", path_.string()));
+}
+
 void AtomicFile::commit() {
   if (temporary_ != path_) {
     if (fsync(file_.get()) != 0) failErrno(fmt::format("{}: write failed", path_.string()), errno);
     if (rename(temporary_.c_str(), path_.c_str()) != 0)
       failErrno(fmt::format("{}: cannot be renamed into place", path_.string()), errno);
+    name_.reset();
   }
   file_.reset();
 }

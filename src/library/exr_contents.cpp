@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "src/base/file_kind.h"
 #include "src/classify/transfer/transfer_file.h"
 #include "src/render/camera_matrices.h"
 #include "src/render/index_space.h"
@@ -49,7 +50,7 @@ ExrContents exrContents(const Picture& picture,
                     {"transferFunction", writeTransferFunction(of.transfer)},
                     {"look", of.look},
                     {"volume", of.source.identity()},
-                    {"software", std::string("sluice ") + SLUICE_VERSION},
+                    {"software", softwareMark()},
                     {"colors", "linear light, Rec. 709 primaries, premultiplied by A"},
                     {"worldUnit", unit}};
   if (!exr.picture.depth.empty()) {

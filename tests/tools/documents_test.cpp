@@ -56,19 +56,14 @@ TEST(CommandLinePage, saysTheStatusOfEachSignal) {
   const auto statuses = matches(section(page(), "Exit status"), "\\n\\| (\\d+) \\|");
   for (const auto& [signal, status] : {std::pair("INT", 130), {"TERM", 143}, {"HUP", 129}}) {
     EXPECT_TRUE(statuses.contains(std::to_string(status)));
-    // In the foreground timeout signals the program alone; else its group too.
-    const CommandResult result =
-        runCommand("cd " + shellQuoted(program.folder.path().string()) +
-                   " && timeout --foreground --preserve-status -s " + signal +
-                   " 1 " SLUICE_PROGRAM " synth noise -o big.raw --dims 3000,3000,3000");
+    const CommandResult result = program.signalled("synth noise -o big.raw --dims 3000,3000,3000",
+                                                   signal, "[ -e big.raw.0.tmp ]");
     EXPECT_EQ(result.status, status) << signal << ": " << result.output;
     EXPECT_NE(result.output.find("interrupted"), std::string::npos) << result.output;
     EXPECT_TRUE(fs::is_empty(program.folder.path())) << signal;
   }
-  const CommandResult ignored = runCommand(
-      "cd " + shellQuoted(program.folder.path().string()) +
-      " && (trap '' HUP; timeout --foreground --preserve-status -s HUP 0.2 " SLUICE_PROGRAM
-      " synth noise -o some.raw --dims 200,200,200)");
+  const CommandResult ignored = program.signalled("synth noise -o some.raw --dims 200,200,200",
+                                                  "HUP", "[ -e some.raw.0.tmp ]", "trap '' HUP; ");
   EXPECT_EQ(ignored.status, 0) << ignored.output;
 }
 

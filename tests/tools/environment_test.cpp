@@ -130,10 +130,7 @@ TEST(Environment, moreSlicesThanCanBeDrawnAreAnError) {
 
 TEST(Environment, whatAKilledRunLeftIsTakenOverByTheNext) {
   const Program program;
-  const std::string folder = shellQuoted(program.folder.path().string());
-  runCommand("cd " + folder +
-             " && timeout -s KILL 1 " SLUICE_PROGRAM
-             " synth noise -o big.raw --dims 3000,3000,3000");
+  program.signalled("synth noise -o big.raw --dims 3000,3000,3000", "KILL", "[ -e big.raw.0.tmp ]");
   ASSERT_FALSE(program.exists("big.raw"));
   ASSERT_FALSE(fs::is_empty(program.folder.path())) << "killed too early";
   ASSERT_EQ(program.run("synth cube -q -o big.raw --dims 8,8,8").status, 0);

@@ -1,6 +1,9 @@
 #include "tools/interrupt.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <unistd.h>
 
 #include <csignal>
 #include <cstdio>
@@ -70,6 +73,38 @@ TEST(InterruptDeathTest, anInterruptedWriterLeavesNoFile) {
         }
       },
       testing::ExitedWithCode(130), "");
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
+// Whatever it is at, and however long that takes: nothing here asks whether to stop.
+TEST(InterruptDeathTest, aProcessThatDoesNotAskIsEndedWithItsFilesRemoved) {
+  static_assert(kGraceMs < 1000, "ended within a second");
+  const TempFolder folder;
+  const auto stuck = [&](const char* line) {
+    watchForInterruption();
+    if (line != nullptr) sayWhenInterrupted(line);
+    AtomicFile file(folder / "out.txt"), other(folder / "other.txt"), done(folder / "done.txt");
+    file.write(std::string_view("half"));
+    done.commit();
+    std::raise(SIGTERM);
+    for (;;) pause();
+  };
+  EXPECT_EXIT(stuck(nullptr), testing::ExitedWithCode(143), "^sluice: interrupted\n$");
+  EXPECT_EXIT(stuck("gone"), testing::ExitedWithCode(143), "^sluice: gone\n$");
+  EXPECT_THAT(filesOf(folder.path()), testing::ElementsAre(testing::Pair("done.txt", "")));
+}
+
+TEST(InterruptDeathTest, aSecondSignalLeavesNoFileEither) {
+  const TempFolder folder;
+  EXPECT_EXIT(
+      {
+        watchForInterruption();
+        AtomicFile file(folder / "out.txt");
+        std::raise(SIGINT);
+        std::raise(SIGINT);
+        std::_Exit(0);
+      },
+      testing::KilledBySignal(SIGINT), "");
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 

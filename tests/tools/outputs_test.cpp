@@ -102,10 +102,10 @@ TEST_F(Outputs, ofBenchesAreNeitherWhatTheyReadNorWhatIsNoReport) {
   refuses(bench + "t.json --transfer t.json", "is the file t.json");
   refuses(bench + "w.nrrd", "is the file w.nrrd");
   refuses("bench render v.mhd --frames 1 --size 16 --report v.raw",
-          "v.raw: exists and is not JSON");
+          "v.raw: exists and is not a report of sluice");
   refuses("bench render v.zarr --frames 1 --size 16 --report v.zarr/.zattrs", "lies in v.zarr");
   refuses("bench slicing --report notes.txt",
-          "notes.txt: exists and is not JSON; give another name");
+          "notes.txt: exists and is not a report of sluice; give another name");
 }
 
 TEST_F(Outputs, areNeverOneAnother) {
@@ -122,11 +122,12 @@ TEST_F(Outputs, areNeverOneAnother) {
 
 TEST_F(Outputs, replaceWhatIsOfTheirKindAndAnythingElseByForceAlone) {
   const std::string render = "render w.nrrd --size 16 -q ";
-  refuses(render + "-o photo.png", "photo.png: exists and is not a PNG picture; --force");
-  refuses(render + "-o a.png --report notes.txt", "notes.txt: exists and is not JSON; --force");
-  refuses(render + "-o a.png --trace v.raw", "v.raw: exists and is not a trace; --force");
-  refuses("simulate t.trace --html notes.txt", "exists and is not HTML");
-  refuses("simulate t.trace --csv v.raw", "exists and is not text");
+  refuses(render + "-o photo.png", "photo.png: exists and is not a PNG picture of sluice; --force");
+  refuses(render + "-o a.png --report notes.txt",
+          "notes.txt: exists and is not a report of sluice; --force");
+  refuses(render + "-o a.png --trace v.raw", "v.raw: exists and is not a trace of sluice; --force");
+  refuses("simulate t.trace --html notes.txt", "exists and is not a page of sluice");
+  refuses("simulate t.trace --csv v.raw", "exists and is not a table of sluice");
   refuses("synth cube --dims 8,8,8 -o v_24x20x16_uint8.raw", "--force");
   fs::rename(program_.folder / "v.raw", program_.folder / "x.raw");
   before_ = filesOf(program_.folder.path());
@@ -137,6 +138,78 @@ TEST_F(Outputs, replaceWhatIsOfTheirKindAndAnythingElseByForceAlone) {
   made("synth cube --dims 8,8,8 -o x.mhd -q --force");
   made("synth cube --dims 8,8,8 -o w.nrrd -q");
   made(render + "-o z.png --report /dev/null --trace /dev/null");
+}
+
+// Files of a user's own that a kind of output might be taken for.
+const std::map<std::string, std::string>& othersFiles() {
+  using namespace std::string_literals;
+  static const std::map<std::string, std::string> files = {
+      {"package.json", R"({"name": "viewer", "version": "1.0.0", "sluice": "^1"})"},
+      {"nested.json", R"({"a": {"sluice": "report"}})"},
+      {"list.json", R"([{"sluice": "report"}])"},
+      {"damaged.json", R"({"sluice": )"},
+      {"look.json", R"({"sluice_transfer_function": 1, "map": "grey"})"},
+      {"view.json", R"({"sluice": "view"})"},
+      {"site.html", "<!DOCTYPE html>\n<html><head><title>Mine</title></head></html>\n"},
+      {"notes.md", "# sluice 0.1\n\n1 2 3\n"},
+      {"script.sh", "#!/bin/sh\nsluice render a.nrrd\n"},
+      {"table.csv", "policy,premium\nhome,12\n"},
+      {"trace.csv", "time,obj_id,obj_size\n0,1,4096\n"},
+      {"trace.oracleGeneral", std::string(48, '\1')},
+      {"trace.din", "0 1000\n0 2000\n"},
+      {"scan.nrrd", "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 1 1 1\n\n\7"},
+      {"scan.mhd", "ObjectType = Image\nElementDataFile = scan.bin\n"},
+      {"photo.png", "\x89PNG\r\n\x1a\n\0\0\0\rIHDR and the rest"s},
+      {"plate.exr", "\x76\x2f\x31\x01 and the rest"s},
+      {"voxels.raw", "\1\2\3"}};
+  return files;
+}
+
+// Every option that names a file to write, and the file that it wrote before.
+TEST_F(Outputs, replaceAFileOnlyIfSluiceWroteItAsTheSameKind) {
+  const std::string render = "render w.nrrd --size 16 -q ", simulate = "simulate t.trace -q ";
+  struct Case {
+    std::string command, name;
+  };
+  const std::vector<Case> cases = {{render + "-o", "a.png"},
+                                   {render + "-o", "a.exr"},
+                                   {render + "-o z.png --report", "a_report.json"},
+                                   {render + "-o z.png --report", "a.html"},
+                                   {render + "-o z.png --trace", "b.trace"},
+                                   {render + "-o z.png --trace", "b.txt"},
+                                   {render + "-o z.png --trace", "b.csv"},
+                                   {render + "-o z.png --trace", "b.din"},
+                                   {render + "-o z.png --trace", "b.oracleGeneral"},
+                                   {simulate + "--html", "c.html"},
+                                   {simulate + "--report", "c.json"},
+                                   {simulate + "--csv", "c.csv"},
+                                   {simulate + "--export", "d.trace"},
+                                   {simulate + "--export", "d.oracleGeneral"},
+                                   {"plan w.nrrd --report", "e.json"},
+                                   {"bench slicing --report", "f.json"},
+                                   {"synth cube --dims 4,4,4 -q -o", "g.nrrd"}};
+  for (const auto& [command, name] : cases) {
+    made(command + " " + name);
+    made(command + " " + name);  // its own is replaced
+    // A name of its own kind leads a writer to the same format.
+    const fs::path target = program_.folder / ("taken" + fs::path(name).extension().string());
+    for (const auto& [other, content] : othersFiles()) {
+      writeFile(target, content);
+      before_ = filesOf(program_.folder.path());
+      refuses(command + " " + target.filename().string(),
+              target.filename().string() + ": exists and is not");
+    }
+    fs::remove(target);
+  }
+  // Nor does one kind of ours replace another.
+  before_ = filesOf(program_.folder.path());
+  refuses(render + "-o z.png --report t.json", "t.json: exists");
+  refuses(simulate + "--csv b.csv", "b.csv: exists and is not a table of sluice");
+  refuses(simulate + "--export c.csv", "c.csv: exists and is not a trace of sluice");
+  // The second file of a format counts too.
+  writeFile(program_.folder / "x.oracleGeneral.sluice", "my only copy\n");
+  before_ = filesOf(program_.folder.path());
+  refuses(simulate + "--export x.oracleGeneral", "x.oracleGeneral.sluice: exists");
 }
 
 TEST_F(Outputs, aStoreIsReplacedOnlyWhenNothingElseIsInIt) {

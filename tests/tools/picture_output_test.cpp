@@ -127,7 +127,9 @@ TEST(PictureOutput, whatDoesNotGoTogetherIsRefused) {
   EXPECT_THAT(lineOf("-o a.exr --annotate", 1), HasSubstr("--annotate"));
   EXPECT_THAT(lineOf("-o a.exr --aov depth --mode mip", 1), HasSubstr("--mode composite"));
   EXPECT_THAT(lineOf("-o a.exr --aov color", 2), HasSubstr("depth"));
-  EXPECT_THAT(lineOf("-o a.png --annotate --size 100", 1), HasSubstr("128 x 128"));
+  for (const char* size : {"100", "32", "1x1", "2000x4"})
+    EXPECT_THAT(lineOf("-o a.png --annotate --size " + std::string(size), 1),
+                HasSubstr("128 x 128"));
   EXPECT_THAT(lineOf("-o a.png --view fornt", 2), HasSubstr("three-quarter"));
   EXPECT_THAT(lineOf("-o a.png --up 0,0,0", 1), HasSubstr("up direction"));
   for (const char* turned : {"--azimuth 3", "--elevation 3", "--view front", "--fit volume"})

@@ -24,6 +24,17 @@ class Program {
     return runCommand("cd " + shellQuoted(folder.path().string()) +
                       " && XDG_CACHE_HOME=\"$PWD/cache\" " SLUICE_PROGRAM " " + arguments);
   }
+  // The same, sent a signal ("INT") as soon as `until`, a test of sh, holds: a machine under load
+  // may take long to get there. `$pid` is the program's. The status is 0 when it ended before.
+  CommandResult signalled(const std::string& arguments, const std::string& signal,
+                          const std::string& until, const std::string& first = "") const {
+    // sh has its background jobs ignore SIGINT.
+    return runCommand(
+        "cd " + shellQuoted(folder.path().string()) + " && export XDG_CACHE_HOME=\"$PWD/cache\"; " +
+        first + "env --default-signal=INT " SLUICE_PROGRAM " " + arguments +
+        " & pid=$!; while kill -0 $pid 2>/dev/null && ! { " + until +
+        "; } 2>/dev/null; do sleep 0.01; done; kill -" + signal + " $pid 2>/dev/null; wait $pid");
+  }
   // Requires: the command prints one JSON object, behind warnings if any.
   nlohmann::json json(const std::string& arguments) const {
     const CommandResult result = run(arguments + " --json");

@@ -201,7 +201,7 @@ Bench addCulling(CLI::App& app, const FrameOptions& plain) {
       "culling",
       "Gao's figures and table for a series: blocks with culling and without, the optimum, what "
       "changes from step to step, thresholds of fusion, and the time of the series\n\n"
-      "  sluice bench culling 'step_%03d.raw' --threshold 40");
+      "  sluice bench culling 'step_%03d.nrrd' --threshold 40");
   addPictures(*culling, *bench);
   addCullingOptions(*culling, bench->culling, false);
   const OptionGroup output(*culling, kOutputHeading);
@@ -370,7 +370,7 @@ Command addBench(CLI::App& program) {
             {{"command", "bench " + bench.app->get_name()}, {"options", optionsJson(*bench.app)}});
         if (!output->file.empty()) writeReport(output->file, report);
         if (output->json)
-          say("{}\n", report.dump(2));
+          sayJson(report);
         else
           print(report);
         return kDone;

@@ -73,7 +73,7 @@ void print(const std::vector<NamedReport>& runs) {
 int run(const Arguments& arguments) {
   Outputs outputs(arguments.force);
   outputs.reads(arguments.files);
-  outputs.writes("-o", arguments.output, FileKind::kHtml);
+  outputs.writes("-o", arguments.output, FileKind::kPage);
   outputs.check();
   std::vector<NamedReport> runs;
   for (const std::string& file : arguments.files) runs.push_back(readReport(file));

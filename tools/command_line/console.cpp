@@ -5,6 +5,7 @@
 
 #include <cerrno>
 #include <cstdio>
+#include <nlohmann/json.hpp>
 
 #include "src/base/error.h"
 
@@ -28,14 +29,17 @@ void openStandardStreams() {
 }
 
 void sayText(std::string_view text) {
+  const std::string shown = withoutControls(text, "\n\t");
   errno = 0;
-  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size()) failOutput(errno);
+  if (std::fwrite(shown.data(), 1, shown.size(), stdout) != shown.size()) failOutput(errno);
+}
+
+void sayJson(const nlohmann::json& report) {
+  sayText(report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
 }
 
 void printError(std::string line) {
-  for (char& c : line)
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
-  line = "sluice: " + line + "\n";
+  line = "sluice: " + withoutControls(line) + "\n";
   std::fflush(stdout);
   // In one write, so that lines of several processes do not mix.
   while (::write(STDERR_FILENO, line.data(), line.size()) < 0 && errno == EINTR) {

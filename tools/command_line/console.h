@@ -4,10 +4,14 @@
 #pragma once
 
 #include <fmt/format.h>
+#include <nlohmann/json_fwd.hpp>
 
 #include <string>
 #include <string_view>
-#include <utility>
+#include <tuple>
+#include <type_traits>
+
+#include "src/base/shell_word.h"
 
 namespace sluice {
 
@@ -16,15 +20,34 @@ namespace sluice {
 // number. Called once, first.
 void openStandardStreams();
 
-// Text as it is. Throws Error when standard output takes no more.
+// Text of ours, lines and all; control characters other than newlines and tabs become escapes.
+// Throws Error when standard output takes no more.
 void sayText(std::string_view text);
+// The same with what a report holds, as JSON on several lines.
+void sayJson(const nlohmann::json& report);
 
-template <class... Values>
-void say(fmt::format_string<Values...> format, Values&&... values) {
-  sayText(fmt::format(format, std::forward<Values>(values)...));
+// A value as say() prints it: file names and other texts may come from anywhere, and must not begin
+// a line of their own or reach the terminal as a command to it.
+template <class Value>
+auto shownValue(const Value& value) {
+  if constexpr (std::is_convertible_v<const Value&, std::string_view>)
+    return shownName(value);
+  else
+    return value;
 }
 
-// "sluice: LINE", in one line whatever it holds. Control characters become spaces.
+// Lines of ours around values; a text that has control characters is printed as $'...' (shownName).
+template <class... Values>
+void say(fmt::format_string<Values...> format, Values&&... values) {
+  const std::tuple<decltype(shownValue(values))...> shown{shownValue(values)...};
+  sayText(std::apply(
+      [&](const auto&... each) {
+        return fmt::vformat(fmt::string_view(format), fmt::make_format_args(each...));
+      },
+      shown));
+}
+
+// "sluice: LINE", in one line whatever it holds: control characters become escapes such as \n.
 void printError(std::string line);
 // "sluice: warning: LINE"
 void printWarning(const std::string& line);

@@ -4,10 +4,10 @@
 #include <sys/stat.h>
 
 #include <algorithm>
-#include <fstream>
 #include <map>
 #include <optional>
 
+#include "cache/trace/trace.h"
 #include "io/files/file_list.h"
 #include "src/base/error.h"
 #include "src/base/numbered_name.h"
@@ -96,76 +96,6 @@ bool isSlice(const fs::path& path) {
   return extension == ".png" || extension == ".tif" || extension == ".tiff";
 }
 
-// Requires: a regular file.
-std::string startOf(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::string start(512, '\0');
-  file.read(start.data(), static_cast<std::streamsize>(start.size()));
-  start.resize(static_cast<size_t>(file.gcount()));
-  return start;
-}
-
-bool isText(const std::string& start) {
-  return std::none_of(start.begin(), start.end(), [](char c) {
-    const auto code = static_cast<unsigned char>(c);
-    return code == 0x7f || (code < 0x20 && code != '\t' && code != '\n' && code != '\r');
-  });
-}
-
-// The first letter that is no space.
-char firstLetter(const std::string& start) {
-  const size_t at = start.find_first_not_of(" \t\r\n");
-  return at == std::string::npos ? '\0' : start[at];
-}
-
-bool isOfKind(const std::string& start, FileKind kind) {
-  switch (kind) {
-    case FileKind::kPng:
-      return start.starts_with("\x89PNG\r\n");
-    case FileKind::kExr:
-      return start.starts_with("\x76\x2f\x31\x01");
-    case FileKind::kJson:
-      return isText(start) && (firstLetter(start) == '{' || firstLetter(start) == '[');
-    case FileKind::kHtml:
-      return isText(start) && firstLetter(start) == '<';
-    case FileKind::kText:
-      return isText(start);
-    case FileKind::kTrace:
-      return start.starts_with("SLTRACE") || isText(start);
-    case FileKind::kNrrd:
-      return start.starts_with("NRRD000");
-    case FileKind::kMetaImage:
-      return isText(start) && start.find("ObjectType") != std::string::npos;
-    case FileKind::kRaw:
-      break;
-  }
-  return false;  // any bytes may be raw voxels, also those of somebody's only copy
-}
-
-const char* nameOf(FileKind kind) {
-  switch (kind) {
-    case FileKind::kPng:
-      return "a PNG picture";
-    case FileKind::kExr:
-      return "an OpenEXR picture";
-    case FileKind::kJson:
-      return "JSON";
-    case FileKind::kHtml:
-      return "HTML";
-    case FileKind::kText:
-      return "text";
-    case FileKind::kTrace:
-      return "a trace";
-    case FileKind::kNrrd:
-      return "NRRD";
-    case FileKind::kMetaImage:
-      return "MetaImage";
-    case FileKind::kRaw:
-      break;
-  }
-  return "something that is known to be replaceable";
-}
-
 }  // namespace
 
 void Outputs::reads(const fs::path& path) {
@@ -178,6 +108,11 @@ void Outputs::reads(const std::vector<std::string>& paths) {
 
 void Outputs::writes(const std::string& option, const fs::path& path, FileKind kind) {
   if (!path.empty()) outputs_.push_back({option, path, kind});
+}
+
+void Outputs::writesTrace(const std::string& option, const fs::path& path) {
+  for (const fs::path& file : traceFiles(path, traceFormatOf(path)))
+    if (!path.empty()) writes(option, file, FileKind::kTrace);
 }
 
 void Outputs::writesFolder(const std::string& option, const fs::path& path) {
@@ -253,10 +188,10 @@ void Outputs::checkNames(const std::vector<std::string>& more_read) const {
 
 void Outputs::checkExisting(const Output& output) const {
   const auto status = statusOf(output.path);
-  if (!status || isDevice(status) || status->st_size == 0 || force_ == true) return;
+  if (!status || force_ == true) return;
   if (S_ISDIR(status->st_mode))
     fail("{} {}: is a folder; give the name of a file", output.option, output.path.string());
-  if (!isOfKind(startOf(output.path), output.kind))
+  if (!mayReplace(output.path, output.kind))
     fail("{} {}: exists and is not {}; {}", output.option, output.path.string(),
          nameOf(output.kind), force_ ? "--force replaces it" : "give another name");
 }

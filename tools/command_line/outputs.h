@@ -11,15 +11,14 @@
 #include <string>
 #include <vector>
 
-namespace sluice {
+#include "src/base/file_kind.h"
 
-// What a file holds: an existing file of the kind that is written may be replaced, any other only
-// with --force.
-enum class FileKind { kPng, kExr, kJson, kText, kHtml, kTrace, kNrrd, kMetaImage, kRaw };
+namespace sluice {
 
 class Outputs {
  public:
-  // Of a command without --force.
+  // Of a command without --force: an existing file is replaced only by one of its own kind
+  // (mayReplace).
   Outputs() = default;
   // `force`: existing files may be replaced whatever they hold. What is read never is.
   explicit Outputs(bool force) : force_(force) {}
@@ -29,6 +28,8 @@ class Outputs {
   void reads(const std::vector<std::string>& paths);
   // A file that it is going to write, named by `option` ("--report").
   void writes(const std::string& option, const std::filesystem::path& path, FileKind kind);
+  // A trace, with every file that its format takes.
+  void writesTrace(const std::string& option, const std::filesystem::path& path);
   // A folder that it is going to write, whose old contents the writer checks itself.
   void writesFolder(const std::string& option, const std::filesystem::path& path);
 

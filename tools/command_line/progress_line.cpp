@@ -10,6 +10,7 @@
 
 #include "src/base/bytes.h"
 #include "src/base/clock.h"
+#include "src/base/shell_word.h"
 
 namespace sluice {
 namespace {
@@ -24,7 +25,7 @@ void show(const std::string& text) {
 
 class Line {
  public:
-  Line(std::string label, ProgressUnit unit) : label_(std::move(label)), unit_(unit) {}
+  Line(const std::string& label, ProgressUnit unit) : label_(shownName(label)), unit_(unit) {}
   ~Line() {
     if (drawn_at_s_ > 0)
       show(fmt::format("\r\033[K{}: {} in {:.1f} s\n", label_, textOf(done_), watch_.seconds()));
@@ -63,7 +64,7 @@ class Line {
 
 ProgressWatch progressLine(std::string label, ProgressUnit unit) {
   if (isatty(STDERR_FILENO) != 1) return {};
-  auto line = std::make_shared<Line>(std::move(label), unit);
+  auto line = std::make_shared<Line>(label, unit);
   return [line](uint64_t done, uint64_t total) { line->tell(done, total); };
 }
 

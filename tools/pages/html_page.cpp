@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "src/base/file_kind.h"
+
 namespace sluice {
 namespace {
 
@@ -62,10 +64,11 @@ std::string escapeHtml(std::string_view text) {
 std::string htmlPage(std::string_view title, std::string_view style, std::string_view body_html) {
   return fmt::format(
       "<!DOCTYPE html>\n<html lang='en'><head><meta charset='utf-8'>"
-      "<meta name='viewport' content='width=device-width'><title>{0}</title>"
+      "<meta name='viewport' content='width=device-width'><meta name='generator' "
+      "content='{4}'><title>{0}</title>"
       "<style>{1}{2}</style></head><body>\n<h1>{0}</h1>\n{3}"
       "</body></html>\n",
-      escapeHtml(title), kStyle, style, body_html);
+      escapeHtml(title), kStyle, style, body_html, softwareMark());
 }
 
 std::string dataUri(std::string_view media_type, std::span<const std::byte> bytes) {

@@ -20,7 +20,7 @@ bool isPage(const std::filesystem::path& file) {
 }
 
 FileKind reportKind(const std::filesystem::path& file) {
-  return isPage(file) ? FileKind::kHtml : FileKind::kJson;
+  return isPage(file) ? FileKind::kPage : FileKind::kReport;
 }
 
 void addBlocks(PagePictures& pictures, Vec3i grid, const VisibleBlocks& blocks) {
@@ -43,8 +43,12 @@ void addPicture(PagePictures& pictures, const std::filesystem::path& written,
 
 void writeReport(const std::string& file, const nlohmann::json& report,
                  const PagePictures& pictures) {
+  nlohmann::json marked = report;
+  marked["sluice"] = "report";  // by which the next run knows the file (FileKind)
   AtomicFile out(file);
-  out.write(isPage(file) ? runPage(report, pictures) : report.dump(2) + "\n");
+  out.write(isPage(file)
+                ? runPage(report, pictures)
+                : marked.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
   out.commit();
 }
 

@@ -17,12 +17,13 @@ using nlohmann::json;
 
 constexpr size_t kMostBars = 60;
 // Of reports, what has a section of its own or says how a run was made.
-constexpr std::array<std::string_view, 15> kElsewhere = {
+constexpr std::array<std::string_view, 16> kElsewhere = {
     "options",      "volume",         "look",
     "gl",           "levels",         "frames",
     "blocks",       "command",        "output",
     "version",      "device",         "transfer",
-    "memory_bytes", "peak_rss_bytes", "peak_anonymous_bytes"};
+    "memory_bytes", "peak_rss_bytes", "peak_anonymous_bytes",
+    "sluice"};
 
 void collect(const json& value, const std::string& name, Leaves& out) {
   if (value.is_object()) {

@@ -6,6 +6,7 @@
 #include <array>
 
 #include "src/base/bytes.h"
+#include "src/base/shell_word.h"
 #include "tools/pages/html_page.h"
 #include "tools/pages/rows_section.h"
 
@@ -171,7 +172,8 @@ std::string blocksSection(const json& report, const PagePictures& pictures) {
 std::string wholeSection(const json& report) {
   return "<details><summary>All of it as JSON</summary><pre>" + [&report] {
     std::string text;
-    for (const char c : report.dump(2)) text += c == '\n' ? std::string("\n") : escapeHtml({&c, 1});
+    for (const char c : report.dump(2, ' ', false, json::error_handler_t::replace))
+      text += c == '\n' ? std::string("\n") : escapeHtml({&c, 1});
     return text;
   }() + "</pre></details>\n";
 }
@@ -191,7 +193,7 @@ std::string commandLineOf(const json& report) {
   std::string line = "sluice " + report.value("command", std::string());
   const auto add = [&line](const json& value) {
     line += ' ';
-    line += value.is_string() ? value.get<std::string>() : value.dump();
+    line += shellWord(value.is_string() ? value.get<std::string>() : value.dump());
   };
   for (const auto& [name, value] : report["options"].items())
     if (name == "volume")

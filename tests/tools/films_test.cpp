@@ -1,0 +1,183 @@
+// Several pictures in one run: films by ffmpeg, camera paths along a series, and series that go on
+// after an interruption.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "io/pictures/png_file.h"
+#include "tests/tools/program.h"
+
+namespace sluice {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+constexpr const char* kSeries = "synth:mixing,dims=24x24x24,steps=4";
+
+// A program called ffmpeg that keeps its words and writes what it is fed, behind what says that it
+// is a film of ours.
+class FakeFfmpeg {
+ public:
+  explicit FakeFfmpeg(const Program& program, const std::string& body = kWrites) {
+    fs::create_directory(program.folder / "bin");
+    writeFile(program.folder / "bin" / "ffmpeg", "#!/bin/sh\n" + body);
+    fs::permissions(program.folder / "bin" / "ffmpeg", fs::perms::owner_all);
+  }
+  static constexpr const char* kWrites =
+      "printf '%s\\n' \"$@\" > words\n"
+      "for last; do :; done\n"
+      "{ printf '\\0\\0\\0\\040ftypisom'; for word; do case $word in comment=*) echo "
+      "\"${word#comment=}\";; esac; done; cat; } > \"${last#file:}\"\n";
+};
+
+CommandResult film(const Program& program, const std::string& arguments) {
+  return runCommand(
+      "cd " + shellQuoted(program.folder.path().string()) +
+      " && PATH=\"$PWD/bin:$PATH\" XDG_CACHE_HOME=\"$PWD/cache\" " SLUICE_PROGRAM " " + arguments);
+}
+
+TEST(Films, areFedToFfmpegFrameByFrame) {
+  const Program program;
+  const FakeFfmpeg ffmpeg(program);
+  const std::string render =
+      std::string("render ") + kSmall + " --frames 3 --size 22x14 --background 204060 ";
+  const CommandResult made = film(program, render + "-o turn.mp4 --rate 12.5");
+  ASSERT_EQ(made.status, 0) << made.output;
+  ASSERT_EQ(film(program, render + "-o f_%d.png -q").status, 0);
+  std::string expected;
+  for (int i = 0; i < 3; ++i) {
+    const Rgba8Picture frame = readPng(program.folder / fmt::format("f_{}.png", i));
+    for (size_t p = 0; p < frame.rgba.size(); ++p)
+      if (p % 4 != 3) expected += static_cast<char>(frame.rgba[p]);
+  }
+  const std::string bytes = readFile(program.folder / "turn.mp4");
+  EXPECT_TRUE(bytes.ends_with("\n" + expected)) << bytes.size() << " for " << expected.size();
+  const std::string words = readFile(program.folder / "words");
+  EXPECT_THAT(words, HasSubstr("\n22x14\n"));
+  EXPECT_THAT(words, HasSubstr("-framerate\n12.5\n"));
+  // A film of ours is replaced, and nothing else.
+  EXPECT_EQ(film(program, render + "-o turn.mp4 -q").status, 0);
+  writeFile(program.folder / "holiday.mp4", std::string("\0\0\0 ftypisom, not ours", 22));
+  const CommandResult refused = film(program, render + "-o holiday.mp4");
+  EXPECT_EQ(refused.status, 1);
+  EXPECT_THAT(refused.output,
+              HasSubstr("holiday.mp4: exists and is not a film of sluice; --force"));
+}
+
+TEST(Films, ofASavedViewGoAlongItsPath) {
+  const Program program;
+  const FakeFfmpeg ffmpeg(program);
+  writeFile(program.folder / "v.json",
+            std::string(R"({"sluice": "view", "volume": {"paths": [")") + kSmall +
+                R"("]}, "path": {"kind": "turn", "frames": 3, "rate": 8}})");
+  ASSERT_EQ(film(program, "render --state v.json --size 16 -o a.mp4 -q").status, 0);
+  EXPECT_THAT(readFile(program.folder / "words"), HasSubstr("-framerate\n8\n"));
+  const std::string bytes = readFile(program.folder / "a.mp4");
+  EXPECT_EQ(bytes.size() - bytes.find('\n') - 1, 3U * 16 * 16 * 3);
+}
+
+TEST(Films, sayInALineWhatIsMissing) {
+  const Program program;
+  const std::string render = std::string("render ") + kSmall + " --size 16 -o a.mp4 ";
+  const CommandResult none =
+      runCommand("cd " + shellQuoted(program.folder.path().string()) +
+                 " && PATH=/nowhere XDG_CACHE_HOME=\"$PWD/cache\" " SLUICE_PROGRAM " " + render +
+                 "--frames 2");
+  EXPECT_EQ(none.status, 1);
+  EXPECT_THAT(none.output, HasSubstr("a.mp4: films are made by ffmpeg, which is not on the PATH"));
+  const FakeFfmpeg broken(program, "cat > /dev/null; echo no such encoder >&2; exit 1\n");
+  const CommandResult failed = film(program, render + "--frames 2");
+  EXPECT_EQ(failed.status, 1);
+  EXPECT_THAT(failed.output, HasSubstr("a.mp4: ffmpeg failed: no such encoder"));
+  const FakeFfmpeg deaf(program, "exec <&-; echo out of memory >&2; exit 1\n");
+  EXPECT_THAT(film(program, render + "--frames 40 --size 200").output, HasSubstr("out of memory"));
+  EXPECT_THAT(film(program, render).output, HasSubstr("a film has several frames"));
+  EXPECT_THAT(film(program, render + "--frames 2 --continue").output, HasSubstr("in one go"));
+  for (const auto& entry : fs::directory_iterator(program.folder.path()))
+    EXPECT_THAT(entry.path().string(), testing::Not(HasSubstr(".mp4"))) << "left behind";
+}
+
+// The frames of real ffmpeg, counted by its own tool.
+TEST(Films, haveTheirFramesByFfmpegItself) {
+  if (!haveProgram("ffmpeg") || !haveProgram("ffprobe")) GTEST_SKIP() << "no ffmpeg here";
+  const Program program;
+  ASSERT_EQ(
+      program.run(std::string("render ") + kSmall + " --size 63x41 --frames 7 -o a.mp4 -q").status,
+      0);
+  const CommandResult probed = runCommand(
+      "ffprobe -v error -count_frames -show_entries stream=nb_read_frames,width,height -of "
+      "csv=p=0 " +
+      shellQuoted((program.folder / "a.mp4").string()));
+  EXPECT_EQ(probed.output, "64,42,7\n");
+  EXPECT_EQ(
+      program.run(std::string("render ") + kSmall + " --size 16 --frames 2 -o a.mp4 -q").status, 0)
+      << "the mark is found";
+}
+
+TEST(Paths, goAlongTheStepsOfASeries) {
+  const Program program;
+  writeFile(program.folder / "path.json", R"({"keys": [{"at": 0, "azimuth": 0, "elevation": 10},
+    {"at": 0.6, "azimuth": 180, "zoom": 2}, {"at": 1, "elevation": 60}]})");
+  const std::string render = std::string("render ") + kSeries + " --size 24 -q --fit volume ";
+  ASSERT_EQ(program.run(render + "--time 0:3 --path path.json -o f_%d.png").status, 0);
+  // The camera of frame i of four, and the step i.
+  const std::string cameras[] = {"--azimuth 0 --elevation 10", "", "",
+                                 "--azimuth 180 --elevation 60 --zoom 2"};
+  for (const int i : {0, 3}) {
+    ASSERT_EQ(program.run(render + fmt::format("--time {} {} -o one.png", i, cameras[i])).status,
+              0);
+    const auto a = readPng(program.folder / "one.png").rgba;
+    const auto b = readPng(program.folder / fmt::format("f_{}.png", i)).rgba;
+    size_t different = 0;
+    for (size_t p = 0; p < a.size(); ++p) different += a[p] == b[p] ? 0 : 1;
+    EXPECT_LE(different, a.size() / 100) << i;
+  }
+  EXPECT_NE(readFile(program.folder / "f_1.png"), readFile(program.folder / "f_0.png"));
+  const CommandResult alone = program.run(render + "--path path.json -o a.png");
+  EXPECT_EQ(alone.status, 2) << alone.output;
+  EXPECT_THAT(alone.output, HasSubstr("--path"));
+}
+
+// A run that was cut and one that goes on give the report of the whole.
+TEST(ContinuedSeries, reportsAllOfIt) {
+  const Program program;
+  const std::string render = std::string("render ") + kSeries + " --size 24 --this-step --time ";
+  const std::string rest = " -o f_%d.png --continue --report r.json -q";
+  ASSERT_EQ(program.run(render + "1:2" + rest).status, 0);
+  const auto reportOf = [&] { return nlohmann::json::parse(readFile(program.folder / "r.json")); };
+  const nlohmann::json first = reportOf();
+  ASSERT_EQ(first["frames"].size(), 2U);
+  ASSERT_EQ(program.run(render + "0:3" + rest).status, 0);
+  const nlohmann::json all = reportOf();
+  ASSERT_EQ(all["frames"].size(), 4U);
+  EXPECT_FALSE(all.contains("frames_not_measured"));
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_EQ(all["frames"][i]["time"], i);
+    EXPECT_EQ(all["frames"][i]["picture"], fmt::format("f_{}.png", i));
+  }
+  for (int i = 0; i < 2; ++i) EXPECT_EQ(all["frames"][1 + i], first["frames"][i]);
+  // Pictures that nobody measured are named.
+  fs::remove(program.folder / "r.json");
+  fs::remove(program.folder / "f_2.png");
+  ASSERT_EQ(program.run(render + "0:3" + rest).status, 0);
+  const nlohmann::json part = reportOf();
+  EXPECT_EQ(part["frames"].size(), 1U);
+  EXPECT_EQ(part["frames_not_measured"], nlohmann::json::array({"f_0.png", "f_1.png", "f_3.png"}));
+}
+
+TEST(ContinuedSeries, aSignalLeavesAReportOfWhatWasDrawn) {
+  const Program program;
+  const std::string line = std::string("render ") + kSmall +
+                           " --size 64 --frames 5000 -o f_%d.png --continue --report r.json";
+  const CommandResult cut = program.signalled(line, "INT", "[ -e f_3.png ]");
+  ASSERT_EQ(cut.status, 130) << cut.output;
+  const auto report = nlohmann::json::parse(readFile(program.folder / "r.json"));
+  const size_t drawn = report["frames"].size();
+  EXPECT_GE(drawn, 3U);
+  EXPECT_TRUE(program.exists(fmt::format("f_{}.png", drawn - 1)));
+}
+
+}  // namespace
+}  // namespace sluice
