@@ -5,6 +5,7 @@
 
 #include "src/base/bytes.h"
 #include "src/base/error.h"
+#include "src/volume/brick_ranges.h"
 #include "src/volume/device_voxel.h"
 #include "src/volume/slice_ranges.h"
 
@@ -38,9 +39,12 @@ FirstPass planFirstPass(VolumeSource& source, int64_t time, const BlockLayout& l
   const VolumeLayout& voxels = source.layout();
   const auto device_bytes = static_cast<double>(bytesPerVoxel(deviceMap(voxels).type));
   constexpr double kAxes = 3, kEnds = 2;
+  const Vec3i bricks = brickGrid(brickCells(layout.dims, source.occupancy(time))).grid();
   const double array_bytes =
+      static_cast<double>(volume(bricks)) * kEnds * device_bytes +
       blocksAtMost(source, time, layout) *
-      (sizeof(int64_t) + kEnds * device_bytes * (1 + kAxes * static_cast<double>(layout.planes())));
+          (sizeof(int64_t) +
+           kEnds * device_bytes * (1 + kAxes * static_cast<double>(layout.planes())));
   if (array_bytes > static_cast<double>(memory_bytes))
     fail(
         "{}: {} x {} x {} voxels in blocks of {} a side have {} of min-max arrays, --memory is {}; "

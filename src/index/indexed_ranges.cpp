@@ -5,6 +5,8 @@
 #include <optional>
 #include <utility>
 
+#include "src/base/byte_stream.h"
+#include "src/index/brick_ranges_file.h"
 #include "src/index/first_pass.h"
 #include "src/index/index_file.h"
 #include "src/index/slice_ranges_file.h"
@@ -19,7 +21,36 @@ IndexKey keyOf(const VolumeSource& source, int64_t time, const BlockLayout& layo
                       : layout.ghost == 1 ? "-lit"
                                           : "-levels",
                       selectionOf(source.layout(), time)),
-          kSliceRangesVersion};
+          kSliceRangesVersion << 16 | kBrickRangesVersion};
+}
+
+// Both in one file, so that one is never newer than the other.
+struct Kept {
+  SliceRanges ranges;
+  BrickRanges bricks;
+};
+
+// The ranges, the bricks, and how many bytes the bricks are.
+std::vector<std::byte> bytesOf(const SliceRanges& ranges, const BrickRanges& bricks) {
+  ByteWriter end;
+  end.bytes = sluice::serialize(bricks);
+  end.value<uint64_t>(end.bytes.size());
+  std::vector<std::byte> bytes = sluice::serialize(ranges);
+  bytes.insert(bytes.end(), end.bytes.begin(), end.bytes.end());
+  return bytes;
+}
+
+std::optional<Kept> keptFrom(std::span<const std::byte> bytes, const BlockLayout& layout,
+                             const ValueMap& map) {
+  uint64_t brick_bytes = 0;
+  if (bytes.size() < sizeof brick_bytes) return std::nullopt;
+  ByteReader(bytes.last(sizeof brick_bytes)).value(brick_bytes);
+  bytes = bytes.first(bytes.size() - sizeof brick_bytes);
+  if (brick_bytes > bytes.size()) return std::nullopt;
+  auto bricks = deserializeBricks(bytes.last(brick_bytes), layout.dims, map.type);
+  auto ranges = sluice::deserialize(bytes.first(bytes.size() - brick_bytes), layout, map);
+  if (!ranges || !bricks) return std::nullopt;
+  return Kept{*std::move(ranges), *std::move(bricks)};
 }
 
 void addNote(std::string& note, const std::string& more) {
@@ -37,9 +68,10 @@ IndexedRanges indexedRanges(VolumeSource& source, const IndexPlaces& places, int
   IndexRead kept = readIndex(places, key);
   result.note = std::move(kept.note);
   if (kept.blob) {
-    std::optional<SliceRanges> ranges = deserialize(*kept.blob, layout, deviceMap(source.layout()));
-    if (ranges) {
-      result.ranges = std::move(*ranges);
+    std::optional<Kept> found = keptFrom(*kept.blob, layout, deviceMap(source.layout()));
+    if (found) {
+      result.ranges = std::move(found->ranges);
+      result.bricks = std::move(found->bricks);
       result.path = result.ranges.index_file = std::move(kept.path);
       result.state = "read";
       return result;
@@ -50,8 +82,8 @@ IndexedRanges indexedRanges(VolumeSource& source, const IndexPlaces& places, int
   std::optional<WorkerPool> fewer;
   if (pass.threads < pool.threads()) fewer.emplace(pass.threads);
   result.ranges = buildSliceRanges(source, time, layout, fewer ? *fewer : pool, progress,
-                                   pass.voxel_bytes, stop);
-  IndexWritten written = writeIndex(places, key, serialize(result.ranges));
+                                   pass.voxel_bytes, stop, result.bricks);
+  IndexWritten written = writeIndex(places, key, bytesOf(result.ranges, result.bricks));
   result.path = std::move(written.path);
   result.state = result.path.empty() ? "built, not kept" : "built";
   addNote(result.note, written.note);

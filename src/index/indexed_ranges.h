@@ -1,5 +1,5 @@
-// indexedRanges: the min-max arrays of a volume, from its index where there is one, otherwise built
-// in one pass over the voxels and kept for the next opening.
+// indexedRanges: the min-max arrays of a volume and its brick ranges, from its index where there is
+// one, otherwise built in one pass over the voxels and kept for the next opening.
 //
 // The index lies where src/index/index_file.h says.
 #pragma once
@@ -11,17 +11,21 @@
 #include "src/base/stop_token.h"
 #include "src/base/worker_pool.h"
 #include "src/index/index_file.h"
+#include "src/volume/brick_ranges.h"
 #include "src/volume/slice_ranges.h"
 
 namespace sluice {
 
 struct IndexedRanges {
   SliceRanges ranges;
+  BrickRanges bricks;          // the same for any size of block
   std::filesystem::path path;  // of the index file; empty when none could be kept
   std::string state;           // "read", "built", or "built, not kept"
   // One line for a person; empty when the index was read, or built where it belongs: why an older
   // one was not believed, why this one was not kept.
   std::string note;
+
+  uint64_t bytes() const { return ranges.bytes() + bricks.bytes(); }
 };
 
 // `places`: where the index is kept, by what the user called the volume (the first of several

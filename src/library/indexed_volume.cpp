@@ -93,8 +93,8 @@ TimeStep IndexedVolume::step() const {
 }
 
 uint64_t IndexedVolume::rangesBytes() const {
-  uint64_t bytes = index->ranges.bytes();
-  for (const auto& level : coarser) bytes += level->ranges.bytes();
+  uint64_t bytes = index->bytes();
+  for (const auto& level : coarser) bytes += level->bytes();
   return bytes;
 }
 

@@ -36,7 +36,7 @@ struct IndexedVolume {
   std::vector<std::string> notes;
 
   TimeStep step() const;
-  // Of the ranges of all levels.
+  // Of the min-max arrays and brick ranges of all levels.
   uint64_t rangesBytes() const;
   // Least and greatest value that can be told from infinities.
   ValueRange valueRange() const { return values.range; }

@@ -1,17 +1,15 @@
 #include "src/library/view_fit.h"
 
 #include <algorithm>
-#include <memory>
 
-#include "src/render/look.h"
+#include "src/classify/blocks/visible_cells.h"
 
 namespace sluice {
 namespace {
 
-void addStep(VisibleHull& hull, const TimeStep& step, const FitRequest& request, WorkerPool& pool) {
-  const Look look = makeLook(step, request.transfer, request.frame.mode);
-  hull.add(
-      classify(*step.ranges, look.table, cropCells(request.frame, step.ranges->layout.dims), pool));
+void addStep(VisibleHull& hull, const IndexedRanges& index, const FitRequest& request) {
+  hull.add(visibleCells(index.ranges, index.bricks, request.transfer,
+                        cropCells(request.frame, index.ranges.layout.dims)));
 }
 
 }  // namespace
@@ -29,14 +27,11 @@ std::vector<Vec3d> visiblePoints(const FitRequest& request, const IndexPass& pas
   const VolumeLayout& layout = request.volume.source->layout();
   VisibleHull hull(layout);
   for (int64_t time = 0; time < layout.time_steps; ++time) {
-    if (time == request.step.time) {
-      addStep(hull, request.step, request, pass.pool);
-    } else if (!request.this_step) {
-      const auto index =
-          std::make_shared<const IndexedRanges>(rangesOfStep(request.volume, time, pass));
-      addStep(hull, {request.volume.source.get(), time, {index, &index->ranges}}, request,
-              pass.pool);
-    }
+    if (request.this_step && time != request.step.time) continue;
+    if (time == request.volume.time)
+      addStep(hull, *request.volume.index, request);
+    else
+      addStep(hull, rangesOfStep(request.volume, time, pass), request);
   }
   return hull.points();
 }

@@ -14,15 +14,15 @@ struct FitRequest {
   const IndexedVolume& volume;
   TimeStep step;  // that is drawn
   const TransferFunction& transfer;
-  const FrameOptions& frame;  // crop, mode and size
+  const FrameOptions& frame;  // crop and size
   bool this_step = false;     // what is visible in the other steps does not count
 };
 
 // What the choice means for these cameras; kVolume where they look at something of their own.
 Fit fitOf(const std::vector<Camera>& cameras, FitChoice choice);
 
-// The corners of what is visible (VisibleHull::points()). Classifies every time step that counts;
-// reads voxels only of steps that have no index yet.
+// The corners of what is visible (VisibleHull::points()), by cells: the same for any size of block.
+// Looks at every time step that counts; reads voxels only of steps that have no index yet.
 std::vector<Vec3d> visiblePoints(const FitRequest& request, const IndexPass& pass);
 
 // Gives all cameras one framing.

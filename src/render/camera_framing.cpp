@@ -116,9 +116,9 @@ VisibleHull::VisibleHull(const VolumeLayout& layout) : layout_(layout) {
   }
 }
 
-void VisibleHull::add(const VisibleBlocks& visible) {
-  for (const ObjectBlock& block : visible.blocks)
-    if (!block.cells.empty()) add(block.cells);
+void VisibleHull::add(std::span<const Box3> boxes) {
+  for (const Box3& cells : boxes)
+    if (!cells.empty()) add(cells);
 }
 
 void VisibleHull::add(const Box3& cells) {

@@ -1,25 +1,25 @@
 // Framing: where a camera stands and how much it shows so that what is visible fills the picture.
 //
-// What is visible follows from the classification's object boxes, so that no voxel is read for it.
-// Several cameras (a turn, a path) and several classifications (time steps) share one framing, so
-// that nothing grows, shrinks or stands still that should not. Not for use from two threads at
+// What is visible is known from ranges of values (src/classify/blocks/visible_cells.h), so that no
+// voxel is read for it. Several cameras (a turn, a path) and several time steps share one framing,
+// so that nothing grows, shrinks or stands still that should not. Not for use from two threads at
 // once.
 #pragma once
 
 #include <span>
 #include <vector>
 
-#include "src/classify/blocks/classification.h"
+#include "src/base/vec.h"
 #include "src/render/camera.h"
 
 namespace sluice {
 
-// The corners that reach farthest of all object boxes that were added: points of the world whose
+// The corners that reach farthest of all boxes of cells that were added: points of the world whose
 // hull is that of the boxes but for a few hundredths of its size, a bounded number of them.
 class VisibleHull {
  public:
   explicit VisibleHull(const VolumeLayout& layout);
-  void add(const VisibleBlocks& visible);
+  void add(std::span<const Box3> boxes);
   // Empty while nothing visible was added.
   std::vector<Vec3d> points() const;
 

@@ -10,6 +10,7 @@
 
 #include "src/base/mutex.h"
 #include "src/volume/block_ranges.h"
+#include "src/volume/brick_ranges.h"
 #include "src/volume/device_reader.h"
 #include "src/volume/key_histogram.h"
 
@@ -179,11 +180,23 @@ ValueRange farRange(VolumeSource& source, int64_t time, const Box3& box) {
   return range;
 }
 
+// The device value outside of what the source stores.
+std::optional<double> backgroundOf(const VolumeSource& source,
+                                   const std::optional<Occupancy>& occupancy) {
+  if (!occupancy) return std::nullopt;
+  return deviceFromStored(source.layout().type, occupancy->background);
+}
+
 template <class T>
 class Builder {
  public:
-  Builder(VolumeSource& source, int64_t time, SliceRanges& result)
-      : source_(source), time_(time), result_(result) {
+  Builder(VolumeSource& source, int64_t time, SliceRanges& result,
+          const std::optional<Occupancy>& occupancy)
+      : source_(source),
+        time_(time),
+        result_(result),
+        bricks_(brickGrid(brickCells(result.layout.dims, occupancy)),
+                backgroundOf(source, occupancy)) {
     totals_.resize(result.blocks.size());
     planes_.resize(result.blocks.size() * perBlock());
   }
@@ -195,6 +208,7 @@ class Builder {
     const Vec3i size = box.size();
     std::unique_ptr<WorkSpace<T>> work = takeWorkSpace();
     const T* voxels = work->read(time_, box);
+    bricks_.add(voxels, box);
     const auto held = static_cast<size_t>(
         std::lower_bound(result_.blocks.begin(), result_.blocks.end(), layout.idOf(run.first)) -
         result_.blocks.begin());
@@ -224,12 +238,10 @@ class Builder {
     idle_.push_back(std::move(work));
   }
 
-  // After the last run.
-  void finish(std::optional<double> known_background) {
+  // After the last run. Gives the bricks.
+  BrickRanges finish(std::optional<double> known_background) {
     const MutexLock lock(mutex_);
-    result_.background = known_background
-                             ? deviceFromStored(source_.layout().type, *known_background)
-                             : mostCommonUniform();
+    result_.background = known_background.value_or(mostCommonUniform());
     // A background that no block was read for is a value of the volume too.
     const bool unread = static_cast<int64_t>(totals_.size()) < result_.layout.blockCount();
     PlaneRange<T> seen = kNoVoxels<T>;
@@ -252,6 +264,7 @@ class Builder {
     };
     result_.totals = bytesOf(totals_);
     result_.planes = bytesOf(planes_);
+    return bricks_.finish();
   }
 
  private:
@@ -306,6 +319,7 @@ class Builder {
   VolumeSource& source_;
   const int64_t time_;
   SliceRanges& result_;
+  BrickRangesBuilder<T> bricks_;
   // Each run writes its own elements.
   std::vector<PlaneRange<T>> totals_, planes_;
   Mutex mutex_;
@@ -317,6 +331,13 @@ class Builder {
 SliceRanges buildSliceRanges(VolumeSource& source, int64_t time, const BlockLayout& layout,
                              WorkerPool& pool, ProgressMeter& progress, uint64_t most_bytes,
                              const StopToken& stop) {
+  BrickRanges unused;
+  return buildSliceRanges(source, time, layout, pool, progress, most_bytes, stop, unused);
+}
+
+SliceRanges buildSliceRanges(VolumeSource& source, int64_t time, const BlockLayout& layout,
+                             WorkerPool& pool, ProgressMeter& progress, uint64_t most_bytes,
+                             const StopToken& stop, BrickRanges& bricks) {
   SliceRanges result;
   result.layout = layout;
   result.map = deviceMap(source.layout());
@@ -332,16 +353,14 @@ SliceRanges buildSliceRanges(VolumeSource& source, int64_t time, const BlockLayo
       stored_bytes;
   progress.expect(result.blocks.size() * block_bytes);
   visitDeviceType(result.map.type, [&](auto tag) {
-    Builder<decltype(tag)> builder(source, time, result);
+    Builder<decltype(tag)> builder(source, time, result, occupancy);
     pool.parallelFor(static_cast<int64_t>(runs.size()), [&](int64_t i) {
       stop.throwIfStopped();
       const Run& run = runs[static_cast<size_t>(i)];
       builder.readRun(run);
       progress.add(static_cast<uint64_t>(run.count) * block_bytes);
     });
-    std::optional<double> background;
-    if (occupancy) background = occupancy->background;
-    builder.finish(background);
+    bricks = builder.finish(backgroundOf(source, occupancy));
   });
   return result;
 }

@@ -1,0 +1,27 @@
+// visibleCells: which cells of a time step can show anything, for fitting a view to them.
+//
+// The answer follows from the values and the transfer function alone. It is the same for any size
+// of block, lit or not, any type that holds the values, and an index that was read or just built:
+// bricks come from a grid of the volume (src/volume/brick_ranges.h), and plane ranges over the
+// whole volume cut their box to whole cells.
+#pragma once
+
+#include <vector>
+
+#include "src/classify/transfer/transfer_function.h"
+#include "src/volume/brick_ranges.h"
+#include "src/volume/slice_ranges.h"
+
+namespace sluice {
+
+// Boxes of cells whose convex hull holds every cell of `crop` that can show anything, larger than
+// the hull of those by less than a brick in oblique directions and by nothing along the axes
+// without a crop. The factors of gradients do not count: they only take away. Empty: nothing shows.
+// `ranges` and `bricks` are those of one time step.
+std::vector<Box3> visibleCells(const SliceRanges& ranges, const BrickRanges& bricks,
+                               const TransferFunction& transfer, const Box3& crop);
+
+// Whether any value of lo..hi has an opacity above 0, whatever the gradient.
+bool anyOpacity(const TransferFunction& transfer, double lo, double hi);
+
+}  // namespace sluice

@@ -1,0 +1,23 @@
+// A volume's brick ranges as bytes, for the index beside it (src/index/index_file.h).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "src/volume/brick_ranges.h"
+
+namespace sluice {
+
+// Of the bytes' meaning: goes up when they, or what BrickRanges says, change.
+inline constexpr uint32_t kBrickRangesVersion = 1;
+
+// In this machine's byte order.
+std::vector<std::byte> serialize(const BrickRanges& bricks);
+// nullopt when the bytes are no bricks of a volume of `dims` voxels of this type, or cut.
+std::optional<BrickRanges> deserializeBricks(std::span<const std::byte> bytes, Vec3i dims,
+                                             DeviceType type);
+
+}  // namespace sluice

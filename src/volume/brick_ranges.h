@@ -1,0 +1,151 @@
+// BrickRanges: the least and the greatest value of bricks of cells, in a grid that follows from the
+// volume's size alone. Whatever depends on them, such as the view that fits what is visible, is the
+// same for any size of block, lit or not.
+//
+// A brick has as few cells a side as kMostRangeBricks allow: a volume of 64 voxels a side has a
+// brick a cell, one of 1024 voxels bricks of 16 cells. Immutable once built.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "src/base/mutex.h"
+#include "src/base/volume_source.h"
+#include "src/volume/block_ranges.h"
+#include "src/volume/device_voxel.h"
+#include "src/volume/slice_ranges.h"
+
+namespace sluice {
+
+// 512 KiB of u8, 2 MiB of f32.
+inline constexpr int64_t kMostRangeBricks = int64_t{1} << 18;
+
+struct BrickRanges {
+  Box3 cells;        // cells of the volume that bricks cover; beyond them all is background
+  int64_t side = 1;  // cells of a brick, fewer at the upper end of `cells`
+  // PlaneRange<T> of each brick, x fastest: of every voxel around its cells, the border included.
+  // NaN does not count; lo > hi: nothing else is there.
+  std::vector<std::byte> ranges;
+
+  Vec3i grid() const { return (cells.size() + Vec3i{side - 1, side - 1, side - 1}) / side; }
+  Box3 cellsOf(Vec3i brick) const {
+    const Vec3i lo = cells.lo + brick * side;
+    return {lo, min(lo + Vec3i{side, side, side}, cells.hi)};
+  }
+  uint64_t bytes() const { return ranges.size(); }
+  template <class T>
+  std::span<const PlaneRange<T>> rangesAs() const {
+    return {reinterpret_cast<const PlaneRange<T>*>(ranges.data()),
+            ranges.size() / sizeof(PlaneRange<T>)};
+  }
+};
+
+// The cells of a volume of `dims` voxels that bricks cover: all, or those between the first and the
+// last where the source says that something may differ from its background.
+Box3 brickCells(Vec3i dims, const std::optional<Occupancy>& occupancy);
+// The grid over these cells, without ranges. No cells: no bricks.
+BrickRanges brickGrid(const Box3& cells);
+
+// The same pass over the voxels as that of the other buildSliceRanges(), and the bricks from it.
+SliceRanges buildSliceRanges(VolumeSource& source, int64_t time, const BlockLayout& layout,
+                             WorkerPool& pool, ProgressMeter& progress, uint64_t most_bytes,
+                             const StopToken& stop, BrickRanges& bricks);
+
+// Fills a grid box by box, from any thread.
+template <class T>
+class BrickRangesBuilder {
+ public:
+  // `background`: the device value of voxels that no box covers, if there are such voxels.
+  BrickRangesBuilder(BrickRanges grid, std::optional<double> background) : grid_(std::move(grid)) {
+    PlaneRange<T> initial = kNoVoxels<T>;
+    if (background) take(initial.lo, initial.hi, static_cast<T>(*background));
+    result_.assign(static_cast<size_t>(volume(grid_.grid())), initial);
+  }
+
+  // The voxels of `box`, x fastest and packed. Requires: boxes of all calls share their outermost
+  // planes, so that each cell lies in one of them.
+  void add(const T* voxels, const Box3& box) SLUICE_EXCLUDES(mutex_) {
+    const Box3 cells = intersect({box.lo, box.hi - Vec3i{1, 1, 1}}, grid_.cells);
+    if (cells.empty()) return;
+    const Vec3i first = (cells.lo - grid_.cells.lo) / grid_.side;
+    const Vec3i last = (cells.hi - Vec3i{1, 1, 1} - grid_.cells.lo) / grid_.side;
+    const Vec3i count = last - first + Vec3i{1, 1, 1};
+    std::vector<PlaneRange<T>> found;
+    found.reserve(static_cast<size_t>(volume(count)));
+    std::vector<T> lo(static_cast<size_t>(box.size().x)), hi(lo.size());
+    for (int64_t z = first.z; z <= last.z; ++z)
+      for (int64_t y = first.y; y <= last.y; ++y) {
+        const Box3 row =
+            intersect(unite(grid_.cellsOf({first.x, y, z}), grid_.cellsOf({last.x, y, z})), cells);
+        takeColumns(voxels, box, row, lo, hi);
+        for (int64_t x = first.x; x <= last.x; ++x) {
+          const Box3 brick = intersect(grid_.cellsOf({x, y, z}), cells);
+          found.push_back(reduce(lo, hi, brick.lo.x - box.lo.x, brick.hi.x - box.lo.x));
+        }
+      }
+    merge(found, first, count);
+  }
+
+  // After the last add().
+  BrickRanges finish() SLUICE_EXCLUDES(mutex_) {
+    const MutexLock lock(mutex_);
+    const auto bytes = std::as_bytes(std::span(result_));
+    grid_.ranges.assign(bytes.begin(), bytes.end());
+    return std::move(grid_);
+  }
+
+ private:
+  static void take(T& lo, T& hi, T v) {
+    // kNotANumber is below all values, so that it raises no maximum that a value has set.
+    T low = v;
+    if constexpr (std::is_same_v<T, float>) low = v == kNotANumber ? kNoVoxels<T>.lo : v;
+    lo = low < lo ? low : lo;
+    hi = v > hi ? v : hi;
+  }
+
+  // The columns of voxels around a row of bricks, element by element as vector units like it.
+  static void takeColumns(const T* voxels, const Box3& box, const Box3& cells, std::vector<T>& lo,
+                          std::vector<T>& hi) {
+    const Vec3i size = box.size();
+    std::fill(lo.begin(), lo.end(), kNoVoxels<T>.lo);
+    std::fill(hi.begin(), hi.end(), kNoVoxels<T>.hi);
+    T* __restrict low = lo.data();
+    T* __restrict high = hi.data();
+    for (int64_t z = cells.lo.z; z <= cells.hi.z; ++z)
+      for (int64_t y = cells.lo.y; y <= cells.hi.y; ++y) {
+        const T* __restrict row = voxels + ((z - box.lo.z) * size.y + (y - box.lo.y)) * size.x;
+        for (int64_t x = 0; x < size.x; ++x) take(low[x], high[x], row[x]);
+      }
+  }
+
+  // Of columns `from` to `to`, both included.
+  static PlaneRange<T> reduce(const std::vector<T>& lo, const std::vector<T>& hi, int64_t from,
+                              int64_t to) {
+    PlaneRange<T> range = kNoVoxels<T>;
+    for (int64_t x = from; x <= to; ++x)
+      widen(range, {lo[static_cast<size_t>(x)], hi[static_cast<size_t>(x)]});
+    return range;
+  }
+
+  void merge(const std::vector<PlaneRange<T>>& found, Vec3i first, Vec3i count)
+      SLUICE_EXCLUDES(mutex_) {
+    const Vec3i grid = grid_.grid();
+    const MutexLock lock(mutex_);
+    size_t at = 0;
+    for (int64_t z = first.z; z < first.z + count.z; ++z)
+      for (int64_t y = first.y; y < first.y + count.y; ++y)
+        for (int64_t x = first.x; x < first.x + count.x; ++x)
+          widen(result_[static_cast<size_t>((z * grid.y + y) * grid.x + x)], found[at++]);
+  }
+
+  BrickRanges grid_;  // constant but for finish()
+  Mutex mutex_;
+  std::vector<PlaneRange<T>> result_ SLUICE_GUARDED_BY(mutex_);
+};
+
+}  // namespace sluice
