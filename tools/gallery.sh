@@ -61,15 +61,15 @@ HEAD
 picture bonsai 'CT of a bonsai: nothing but a file' \
   'sluice render data/bonsai.nii.gz -o bonsai.png'
 picture engine 'CT of an engine block, cut open, with axes, scale and colours' \
-  'sluice render data/engine.nii.gz -o engine.png --crop 0,0,0,256,150,128 --annotate'
+  'sluice render data/engine.nii.gz -o engine.png --crop 0,0,0,256,150,128 --map ct-bone --annotate'
 picture head 'CT of a head, a TIFF a slice: the spacing is said, and what is up' \
-  "sluice render 'data/cthead/%03d.tif' -o head.png --spacing 1,1,2 --up 0,0,-1 --azimuth 180 --elevation -10"
+  "sluice render 'data/cthead/%03d.tif' -o head.png --spacing 1,1,2 --up 0,0,-1 --azimuth 180 --elevation -10 --map ct-bone"
 picture brain 'MRI of a head, cut at the level of the ears, from above' \
   'sluice render data/head-mr.nii.gz -o brain.png --crop 0,0,0,160,232,90 --elevation 35 --annotate'
 picture activity 'A statistic of brain activity: both tails, nothing in the middle' \
   'sluice render data/motor-map.nii.gz -o activity.png --view top --annotate'
 picture tooth 'CT of a tooth, standing on its crown' \
-  'sluice render data/tooth/tooth.nhdr -o tooth.png --up 0,0,-1'
+  'sluice render data/tooth/tooth.nhdr -o tooth.png --up 0,0,-1 --map ct-bone'
 picture walnut 'A walnut cut open, without the tray it lies on' \
   'sluice render data/walnut_128x96x114_uint16.raw -o walnut.png --crop 0,24,0,128,96,57 --azimuth 150 --map viridis'
 picture xray 'The head as an X-ray: means along rays' \

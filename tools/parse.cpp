@@ -3,6 +3,8 @@
 #include <charconv>
 #include <cmath>
 
+#include "src/classify/transfer/color_maps.h"
+
 namespace sluice {
 
 std::optional<std::vector<double>> parseNumbers(const std::string& text, size_t count) {
@@ -36,16 +38,10 @@ std::optional<PictureSize> parsePictureSize(const std::string& text) {
 }
 
 std::optional<std::array<float, 3>> parseColor(const std::string& text) {
-  const std::string digits = text.starts_with('#') ? text.substr(1) : text;
-  unsigned value = 0;
-  const auto [end, status] =
-      std::from_chars(digits.data(), digits.data() + digits.size(), value, 16);
-  if (digits.size() != 6 || status != std::errc() || end != digits.data() + digits.size())
-    return std::nullopt;
-  const auto channel = [&](unsigned shift) {
-    return static_cast<float>(value >> shift & 255U) / 255.0F;
-  };
-  return std::array<float, 3>{channel(16), channel(8), channel(0)};
+  const std::optional<Vec3d> color = hexColor(text);
+  if (!color) return std::nullopt;
+  return std::array<float, 3>{static_cast<float>(color->x), static_cast<float>(color->y),
+                              static_cast<float>(color->z)};
 }
 
 Vec3d asVec3d(const std::vector<double>& n) {

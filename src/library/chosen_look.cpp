@@ -7,6 +7,7 @@
 
 #include "src/base/shell_word.h"
 #include "src/classify/transfer/automatic_look.h"
+#include "src/classify/transfer/color_maps.h"
 #include "src/classify/transfer/transfer_file.h"
 #include "src/classify/transfer/transfer_makers.h"
 #include "src/render/index_space.h"
@@ -78,6 +79,7 @@ class Chooser {
     } else {
       automatic();
     }
+    fadeSolidColor();
     modulate();
     light();
     return std::move(chosen_);
@@ -85,11 +87,12 @@ class Chooser {
 
  private:
   void add(const std::string& option) { chosen_.options += option; }
+  void addMap(std::string_view map) { add(fmt::format(" --map {}", shellWord(std::string(map)))); }
 
   void fromFile() {
     chosen_.transfer = readTransferFunction(look_.transfer_file, range_, look_.map, look_.stop);
     add(fmt::format(" --transfer {}", shellWord(look_.transfer_file)));
-    if (!look_.map.empty()) add(fmt::format(" --map {}", shellWord(look_.map)));
+    if (!look_.map.empty()) addMap(look_.map);
     if (look_.range) measureFlatness(range_);
     if (look_.range) add(rangeOption(*look_.range));
     if (look_.opacities.empty()) return;
@@ -101,7 +104,7 @@ class Chooser {
     const std::string_view map = mapOr(look_, kDefaultColorMap);
     chosen_.transfer = pointsTransfer(map, map_range_, look_.opacities);
     measureFlatness(map_range_);
-    add(fmt::format(" --map {}", map));
+    addMap(map);
     add(rangeOption(map_range_));
     add(pointsOption(look_.opacities));
   }
@@ -112,14 +115,15 @@ class Chooser {
   }
   void addLabels() {
     add(" --labels");
-    if (!look_.map.empty()) add(fmt::format(" --map {}", look_.map));
+    if (!look_.map.empty()) addMap(look_.map);
   }
 
   void fromThreshold(double threshold) {
     const std::string_view map = mapOr(look_, kDefaultColorMap);
     const double opacity = look_.opacity.value_or(kDefaultOpacity);
     chosen_.transfer = thresholdTransfer(threshold, range_, opacity, map);
-    add(fmt::format(" --threshold {} --opacity {} --map {}", threshold, opacity, map));
+    add(fmt::format(" --threshold {} --opacity {}", threshold, opacity));
+    addMap(map);
     if (look_.range) measureFlatness(range_);
     if (look_.range) add(rangeOption(*look_.range));
     if (threshold > range_.hi || threshold < range_.lo)
@@ -131,7 +135,7 @@ class Chooser {
   void wholeRange() {
     const std::string_view map = mapOr(look_, kModeMap);
     chosen_.transfer = wholeRangeTransfer(map, map_range_);
-    add(fmt::format(" --map {}", map));
+    addMap(map);
     add(rangeOption(map_range_));
   }
 
@@ -155,7 +159,7 @@ class Chooser {
       chosen_.transfer =
           scaleOpacity(std::move(chosen_.transfer), *look_.opacity / kDefaultOpacity);
     measureFlatness(made.map_range);
-    add(fmt::format(" --map {}", made.map));
+    addMap(made.map);
     add(rangeOption(made.map_range));
     add(pointsOption(chosen_.transfer.opacities));
   }
@@ -165,6 +169,13 @@ class Chooser {
   void measureFlatness(ValueRange colors) {
     const double part = std::abs(colors.hi - colors.lo), all = values_.range.hi - values_.range.lo;
     if (all > 0) chosen_.flat_scale = part / all;
+  }
+
+  // Modes that show one value a pixel, opaque, tell values apart by the colour alone: from black up
+  // to it.
+  void fadeSolidColor() {
+    if (mode_ != Mode::kComposite && !chosen_.transfer.labels && solidColor(look_.map))
+      chosen_.transfer.colors.front().rgb = {0, 0, 0};
   }
 
   void modulate() {

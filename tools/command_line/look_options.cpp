@@ -52,13 +52,15 @@ void addLookOptions(CLI::App& app, LookArguments& look, FrameOptions& frame) {
                  "Values are numbers of things: each opaque in a colour of its own, 0 is nothing");
   Words<std::string> maps;
   for (const std::string_view name : colorMapNames()) maps.emplace_back(name, name);
+  for (const std::string_view name : solidColorNames()) maps.emplace_back(name, name);
   // Options are taken in the order in which they are added: --transfer is known by now.
   const auto mapOfFile = [&look](const std::string& word) {
-    return look.transfer_file.empty() ? std::nullopt : std::optional(word);
+    const bool is_map = !look.transfer_file.empty() || hexColor(word);
+    return is_map ? std::optional(word) : std::nullopt;
   };
   group.choice<std::string>("--map", maps, look.map,
                             "Colours alone, whatever the opacities: " + listed(namesOf(maps)) +
-                                "; or the map of that name in --transfer",
+                                "; a colour as RRGGBB; or the map of that name in --transfer",
                             mapOfFile);
   group.parsed(
       "--range", "LO,HI", "two different numbers LO,HI", valueRange,

@@ -25,6 +25,8 @@ constexpr size_t kFineBins = 4096;
 constexpr double kOpticalDepth = 6;
 // No voxel hides all that is behind it: steps between voxels would show as rings.
 constexpr double kLargestOpacity = 0.5;
+// Hounsfield units: below the first there is nothing, from the second on there is bone.
+constexpr double kLeastHounsfield = -1100, kBone = 200;
 // Where between threshold and top the ramp has points, and how much of its height it has there.
 constexpr std::array<double, 9> kPlaces = {0, 0.03, 0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 1};
 
@@ -97,7 +99,7 @@ void mirror(std::vector<OpacityPoint>& points) {
 Draft aboveDraft(const Histogram& histogram, const HistogramFindings& found,
                  const AutomaticOptions& options) {
   return {fmt::format("automatic above {:.4g}", found.threshold),
-          kDefaultColorMap,
+          kNeutralColorMap,
           {found.threshold, found.top},
           ramp(histogram, found, options.thickness_vox)};
 }
@@ -156,7 +158,7 @@ Draft constantDraft(double value, const AutomaticOptions& options) {
   const double middle = std::clamp(value, -kMost, kMost);
   // Some of the usual depth: the whole block is in the way, and nothing is behind its front.
   return {fmt::format("automatic, all {:.4g}", value),
-          kDefaultColorMap,
+          kNeutralColorMap,
           {middle - 0.7 * unit, middle + 0.3 * unit},
           {{value, 1 - std::exp(-0.15 * kOpticalDepth / std::max(1.0, options.thickness_vox))}},
           false};
@@ -169,7 +171,7 @@ Draft shellDraft(ValueRange range, const AutomaticOptions& options) {
   const double wanted = options.finest_spacing > 0 ? 1.5 * options.finest_spacing : reach / 2;
   const double half = std::min(wanted, 0.9 * reach);
   return {fmt::format("automatic, shell of +-{:.4g}", half),
-          kDefaultColorMap,
+          kNeutralColorMap,
           {-2 * half, half},
           {{-half, 0}, {-half / 3, 1}, {half / 3, 1}, {half, 0}}};
 }
@@ -177,7 +179,7 @@ Draft shellDraft(ValueRange range, const AutomaticOptions& options) {
 // The surface half way, opaque.
 Draft binaryDraft(double lo, double hi) {
   return {fmt::format("automatic, surface between {:.4g} and {:.4g}", lo, hi),
-          kDefaultColorMap,
+          kNeutralColorMap,
           {std::lerp(lo, hi, -1), hi},
           {{std::lerp(lo, hi, 0.4), 0}, {std::lerp(lo, hi, 0.6), 1}}};
 }
@@ -243,6 +245,59 @@ void endAt(std::vector<OpacityPoint>& opacities, ValueRange range, const Without
     const double end = std::max(last.value, range.hi);
     opacities.insert(opacities.end(), {{end, last.opacity}, {end + beside, 0}});
   }
+}
+
+// --- CT in Hounsfield units: air at -1000, water at 0, bone from some 200 on.
+
+struct Shares {
+  double air = 0, tissue = 0, bone = 0;  // of what is no padding
+};
+
+Shares hounsfieldShares(const ValueCounts& counts) {
+  const auto share = [&](double lo, double hi, uint64_t all) {
+    return static_cast<double>(total(inside(counts, {lo, hi}))) / static_cast<double>(all);
+  };
+  const uint64_t all = std::max<uint64_t>(1, total(counts));
+  return {share(-1050, -900, all), share(-200, 200, all), share(kBone, 1e9, all)};
+}
+
+// Without the padding around a CT's field of view: a value or two far below air.
+ValueCounts withoutPadding(ValueCounts counts) {
+  constexpr size_t kMostPaddings = 2;
+  std::vector<ValueCount>& entries = counts.entries;
+  size_t below = 0;
+  while (below < entries.size() && entries[below].hi < kLeastHounsfield) ++below;
+  if (below <= kMostPaddings)
+    entries.erase(entries.begin(), entries.begin() + static_cast<ptrdiff_t>(below));
+  return counts;
+}
+
+// Air and tissue where a CT has them, and nothing where it has nothing.
+bool looksLikeHounsfield(const ValueCounts& values) {
+  constexpr double kLeastShare = 0.02, kMost = 70000;
+  if (values.entries.empty()) return false;
+  const ValueRange range = rangeOf(values);
+  if (range.lo < kLeastHounsfield || range.lo > -900 || range.hi < kBone || range.hi > kMost)
+    return false;
+  const Shares shares = hounsfieldShares(values);
+  return shares.air > kLeastShare && shares.tissue > kLeastShare;
+}
+
+// Bone where there is some. It stands above the table that the patient lies on, which skin does
+// not.
+Draft hounsfieldDraft(const ValueCounts& values, const AutomaticOptions& options) {
+  constexpr double kLeastBone = 0.002, kSkin = -300;
+  const Histogram histogram = histogramOf(values, kFineBins);
+  const bool bone = hounsfieldShares(values).bone > kLeastBone;
+  const double threshold = bone ? kBone : kSkin;
+  const double visible = shareAbove(histogram, threshold);
+  const HistogramFindings found{
+      HistogramKind::kAbove, -1000, threshold,
+      std::max(threshold + 100, percentile(histogram, 1 - 0.003 * visible)), true};
+  return {fmt::format("automatic above {:.4g}, {} of a CT", threshold, bone ? "bone" : "skin"),
+          bone ? kDefaultColorMap : std::string_view("ct-soft-tissue"),
+          {found.threshold, found.top},
+          ramp(histogram, found, options.thickness_vox)};
 }
 
 Draft draftOf(const Histogram& histogram, const AutomaticOptions& options) {
@@ -320,7 +375,10 @@ AutomaticLook automaticLook(const ValueCounts& counts, const AutomaticOptions& o
     return look;
   }
   const WithoutFill rest = withoutFill(counts);
-  Draft draft = draftOf(histogramOf(rest.counts, kFineBins), options);
+  const ValueCounts hounsfield = withoutPadding(rest.counts);
+  Draft draft = looksLikeHounsfield(hounsfield)
+                    ? hounsfieldDraft(hounsfield, options)
+                    : draftOf(histogramOf(rest.counts, kFineBins), options);
   endAt(draft.opacities, rangeOf(rest.counts), rest);
   return lookOf(std::move(draft), options);
 }

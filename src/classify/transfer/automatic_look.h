@@ -1,6 +1,7 @@
 // automaticLook: a picture worth looking at from the counts of the values alone, in terms that a
 // person can give again: a colour map and where it begins and ends, opacities at a few values.
 //
+// - a CT in Hounsfield units: bone, or skin where there is no bone; padding has no say;
 // - background and its noise at the low end: what lies above is visible, coloured from its lowest
 //   value to the one that 3 in 1000 of it exceed;
 // - most values near zero and tails on both sides (a statistic, a vorticity): both tails are

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
@@ -102,6 +103,9 @@ constexpr ColorPoint kSmoke[] = {{0, {0.2, 0.23, 0.28}},
                                  {90, {0.45, 0.48, 0.53}},
                                  {180, {0.74, 0.76, 0.78}},
                                  {255, {0.98, 0.98, 0.97}}};
+// Bright from the start, so that lit surfaces show their shape, and the colour of no material.
+constexpr ColorPoint kPlaster[] = {
+    {0, {0.5, 0.49, 0.47}}, {128, {0.78, 0.77, 0.75}}, {255, {1, 0.99, 0.97}}};
 // From soot over glowing coal to a white-hot flame.
 constexpr ColorPoint kEmber[] = {{0, {0.12, 0.1, 0.11}},    {50, {0.3, 0.13, 0.11}},
                                  {110, {0.68, 0.19, 0.06}}, {165, {0.95, 0.46, 0.07}},
@@ -127,6 +131,7 @@ constexpr auto kMaps = std::to_array<NamedMap>({
     {"ct-soft-tissue", kCtSoftTissue},
     {"smoke", kSmoke},
     {"ember", kEmber},
+    {"plaster", kPlaster},
 });
 
 constexpr auto kNames = [] {
@@ -135,16 +140,47 @@ constexpr auto kNames = [] {
   return names;
 }();
 
+// The colours that channels of microscopy are shown in, as displays have them.
+constexpr std::array<std::string_view, 8> kColorNames = {"red",     "green",  "blue",   "cyan",
+                                                         "magenta", "yellow", "orange", "white"};
+constexpr std::array<Vec3d, kColorNames.size()> kColors = {
+    {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 1, 1}, {1, 0, 1}, {1, 1, 0}, {1, 0.5, 0}, {1, 1, 1}}};
+
 }  // namespace
 
 std::span<const std::string_view> colorMapNames() {
   return kNames;
 }
 
+std::span<const std::string_view> solidColorNames() {
+  return kColorNames;
+}
+
+std::optional<Vec3d> hexColor(std::string_view text) {
+  if (text.starts_with('#')) text.remove_prefix(1);
+  unsigned rgb = 0;
+  const char* end = text.data() + text.size();
+  const auto [read, status] = std::from_chars(text.data(), end, rgb, 16);
+  if (text.size() != 6 || status != std::errc() || read != end) return std::nullopt;
+  return Vec3d{static_cast<double>(rgb >> 16), static_cast<double>(rgb >> 8 & 255),
+               static_cast<double>(rgb & 255)} /
+         255.0;
+}
+
+std::optional<Vec3d> solidColor(std::string_view name) {
+  for (size_t i = 0; i < kColorNames.size(); ++i)
+    if (kColorNames[i] == name) return kColors[i];
+  return hexColor(name);
+}
+
 std::optional<std::vector<ColorPoint>> colorMap(std::string_view name) {
   const auto found = std::find_if(kMaps.begin(), kMaps.end(),
                                   [&](const NamedMap& map) { return map.name == name; });
-  if (found == kMaps.end()) return std::nullopt;
+  if (found == kMaps.end()) {
+    const std::optional<Vec3d> color = solidColor(name);
+    if (!color) return std::nullopt;
+    return std::vector<ColorPoint>{{0, *color}, {1, *color}};
+  }
   std::vector<ColorPoint> points(found->points.begin(), found->points.end());
   for (ColorPoint& point : points) point.value /= 255;
   return points;
@@ -153,7 +189,8 @@ std::optional<std::vector<ColorPoint>> colorMap(std::string_view name) {
 std::vector<ColorPoint> requireColorMap(std::string_view name, const std::string& where) {
   auto points = colorMap(name);
   if (!points) {
-    fail("{}: expected one of {}, found '{}'", where, fmt::join(kNames, ", "), name);
+    fail("{}: expected one of {}, or a colour ({}, #RRGGBB), found '{}'", where,
+         fmt::join(kNames, ", "), fmt::join(kColorNames, ", "), name);
   }
   return *std::move(points);
 }

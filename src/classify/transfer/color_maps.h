@@ -1,8 +1,8 @@
 // Named colour maps: what --map takes and what a transfer function's file may name.
 //
 // viridis, inferno, plasma, magma, cividis, turbo, cool-warm and black-body are the published maps,
-// within 2/255 a channel of their 256-entry tables; hot, grey, ct-bone, ct-soft-tissue, smoke and
-// ember are plain ramps. None is a rainbow but turbo.
+// within 2/255 a channel of their 256-entry tables; hot, grey, ct-bone, ct-soft-tissue, smoke,
+// ember and plaster are plain ramps. None is a rainbow but turbo.
 #pragma once
 
 #include <optional>
@@ -15,14 +15,24 @@
 
 namespace sluice {
 
-// What --threshold and the automatic choice use when no map is named.
+// What --threshold uses when no map is named, and the automatic choice for a CT.
 inline constexpr std::string_view kDefaultColorMap = "ct-bone";
+// What the automatic choice uses for values that nothing is known of.
+inline constexpr std::string_view kNeutralColorMap = "plaster";
 
 // All names, in the order in which help lists them.
 std::span<const std::string_view> colorMapNames();
 
-// The control points of a map over 0..1, the first at 0, the last at 1; nullopt for an unknown
-// name.
+// A colour that is a map of its own, the same at all values: "green", "#ff8800" or "ff8800";
+// nullopt for anything else.
+std::optional<Vec3d> solidColor(std::string_view name);
+// Their names, in the order in which help lists them.
+std::span<const std::string_view> solidColorNames();
+// Of six hexadecimal digits, red first, with or without '#'.
+std::optional<Vec3d> hexColor(std::string_view text);
+
+// The control points of a map over 0..1, the first at 0, the last at 1; those of a colour are both
+// that colour. nullopt for an unknown name.
 std::optional<std::vector<ColorPoint>> colorMap(std::string_view name);
 
 // The same; throws Error, starting with `where` (the option or the file's field) and listing the

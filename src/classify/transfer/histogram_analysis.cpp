@@ -281,7 +281,7 @@ bool isSolid(const Density& density, size_t first) {
 // Needs more bins than the rest: the hump is narrow beside them.
 std::optional<double> tailAbove(const Histogram& histogram, double lo, double hi) {
   constexpr size_t kFineBins = 1024;
-  constexpr double kLeastHump = 0.15, kLeastTail = 0.0005, kMostTail = 0.05, kFar = 2.5;
+  constexpr double kLeastHump = 0.15, kLeastTail = 0.0005, kMostTail = 0.04, kFar = 2.5;
   constexpr double kHumpEnd = 3, kTailStart = 4.5;  // deviations of the hump
   const Density density = resample(histogram, {lo, hi}, kFineBins);
   const Density curve = smooth(density, kFineBins / 200);

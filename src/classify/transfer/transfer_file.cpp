@@ -1,7 +1,6 @@
 #include "src/classify/transfer/transfer_file.h"
 
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstddef>
 #include <optional>
@@ -21,22 +20,16 @@ constexpr int kVersion = 1;
 constexpr uint64_t kMostBytes = uint64_t{16} << 20;
 
 // "#rrggbb".
-Vec3d hexColor(const JsonField& field) {
+Vec3d colorOf(const JsonField& field) {
   const std::string& text = field.text();
-  unsigned rgb = 0;
-  const bool framed = text.size() == 7 && text[0] == '#';
-  const char* end = text.data() + text.size();
-  if (!framed || std::from_chars(text.data() + 1, end, rgb, 16).ptr != end) {
-    field.failExpected("a colour as '#rrggbb'");
-  }
-  return Vec3d{static_cast<double>(rgb >> 16), static_cast<double>(rgb >> 8 & 255),
-               static_cast<double>(rgb & 255)} /
-         255.0;
+  const std::optional<Vec3d> color = hexColor(text);
+  if (!color || text[0] != '#') field.failExpected("a colour as '#rrggbb'");
+  return *color;
 }
 
 // [value, r, g, b] or [value, "#rrggbb"].
 ColorPoint colorPoint(const JsonField& field) {
-  if (field.isArray() && field.size() == 2) return {field[0].number(), hexColor(field[1])};
+  if (field.isArray() && field.size() == 2) return {field[0].number(), colorOf(field[1])};
   if (!field.isArray() || field.size() != 4)
     field.failExpected("[value, r, g, b] or [value, '#rrggbb']");
   return {field[0].number(), {field[1].share(), field[2].share(), field[3].share()}};

@@ -132,6 +132,45 @@ TEST(AutomaticLook, valuesAllOverTheirRangeAreABlockInColours) {
   }
 }
 
+// --- CT
+
+// A body in air with a fiftieth of bone, in Hounsfield units.
+Draws body() {
+  Draws draws;
+  draws.atLeast(-1000).add(40000, -1000, 15).add(8000, -850, 60).add(36000, 30, 45);
+  for (int i = 0; i < 20; ++i) draws.add(90, 300 + 140 * i, 60);
+  return draws;
+}
+
+TEST(AutomaticLook, aCtInHounsfieldUnitsShowsItsBoneWhateverThePadding) {
+  const AutomaticLook plain = automaticLook(body().counts());
+  for (const double padding : {-1500, -2000, -3024, -32768}) {
+    const AutomaticLook look = automaticLook(body().atLeast(-1e9).add(23000, padding, 0).counts());
+    EXPECT_EQ(look.map, "ct-bone");
+    EXPECT_THAT(look.transfer.name, HasSubstr("bone"));
+    for (const double hidden : {padding, -1213.0, -1000.0, -700.0, 0.0, 100.0})
+      EXPECT_EQ(opacityAt(look.transfer, hidden), 0) << hidden;
+    EXPECT_GT(opacityAt(look.transfer, 1000), 0);
+    EXPECT_EQ(look.map_range, plain.map_range) << "padding has no say";
+  }
+}
+
+TEST(AutomaticLook, aCtWithoutBoneShowsItsSkin) {
+  const AutomaticLook look = automaticLook(
+      Draws().atLeast(-1024).add(40000, -1000, 15).add(36000, 30, 45).add(10, 260, 5).counts());
+  EXPECT_THAT(look.transfer.name, HasSubstr("skin"));
+  EXPECT_EQ(opacityAt(look.transfer, -900), 0);
+  EXPECT_GT(opacityAt(look.transfer, 30), 0);
+}
+
+TEST(AutomaticLook, whatIsNoCtHasNoColoursOfBone) {
+  for (const double offset : {0.0, 1024.0, -500.0}) {
+    const AutomaticLook look =
+        automaticLook(Draws().add(40000, offset, 4).add(9000, offset + 140, 20).counts());
+    EXPECT_EQ(look.map, "plaster") << offset;
+  }
+}
+
 TEST(AutomaticLook, anObjectMayFillHalfABrightField) {
   const AutomaticLook look = automaticLook(Draws().add(50000, 240, 3).add(45000, 150, 20).counts());
   EXPECT_THAT(look.transfer.name, HasSubstr("below"));

@@ -138,7 +138,7 @@ TEST(ColorMaps, areValidAndSpanZeroToOne) {
   }
   for (const std::string_view wanted :
        {"viridis", "inferno", "plasma", "magma", "cividis", "turbo", "cool-warm", "black-body",
-        "hot", "grey", "ct-bone", "ct-soft-tissue", "smoke", "ember"}) {
+        "hot", "grey", "ct-bone", "ct-soft-tissue", "smoke", "ember", "plaster"}) {
     EXPECT_TRUE(names.contains(wanted)) << wanted;
   }
   EXPECT_TRUE(names.contains(kDefaultColorMap));
@@ -162,6 +162,25 @@ TEST(ColorMaps, coolWarmIsLightestInTheMiddleAndCoolFirst) {
   EXPECT_GT(lightness(mapColor("cool-warm", 0.5)), lightness(mapColor("cool-warm", 1)) + 40);
   EXPECT_GT(mapColor("cool-warm", 0.1).z, mapColor("cool-warm", 0.1).x);
   EXPECT_GT(mapColor("cool-warm", 0.9).x, mapColor("cool-warm", 0.9).z);
+}
+
+TEST(ColorMaps, aColourIsAMapOfItsOwn) {
+  for (const std::string_view name : solidColorNames()) {
+    const auto points = colorMap(name);
+    ASSERT_TRUE(points) << name;
+    EXPECT_EQ(points->front().rgb, points->back().rgb);
+    EXPECT_EQ(points->front().value, 0);
+    EXPECT_EQ(points->back().value, 1);
+  }
+  EXPECT_EQ(colorMap("green")->front().rgb, (Vec3d{0, 1, 0}));
+  for (const std::string_view orange : {"#ff8000", "ff8000", "#FF8000"}) {
+    const auto points = colorMap(orange);
+    ASSERT_TRUE(points) << orange;
+    EXPECT_EQ(points->front().rgb, (Vec3d{255, 128, 0} / 255.0));
+  }
+  for (const std::string_view wrong :
+       {"#ff880", "#ff88001", "#gg8800", "gren", "#", "0xff88", "+f8800"})
+    EXPECT_FALSE(colorMap(wrong)) << wrong;
 }
 
 TEST(ColorMaps, unknownNameIsAnErrorThatListsTheNames) {
