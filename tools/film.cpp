@@ -16,6 +16,7 @@
 #include "tools/command_line/outputs.h"
 #include "tools/command_line/progress_line.h"
 #include "tools/commands.h"
+#include "tools/empty_pictures.h"
 #include "tools/environment.h"
 #include "tools/interrupt.h"
 #include "tools/view_arguments.h"
@@ -157,18 +158,22 @@ int writeFilm(const RenderArguments& arguments, const CLI::App& app, const Saved
         arguments.output,
         app.count("--rate") > 0 ? arguments.frames_per_second : film.path.frames_per_second,
         interruption());
+  EmptyPictures empty;
   for (const int64_t i : frames) {
     interruption().throwIfStopped();
     const ViewState state = frameState(film, now, i);
     renderer.setLook(state.look);
+    const std::string name =
+        is_one_file ? fmt::format("frame {}", i) : numberedName(arguments.output, i, true).string();
     if (made)
       addFrame(*made, renderer, state, pictureOf(state, width, height), watch);
     else
-      drawToFile(renderer, numberedName(arguments.output, i, true).string(), state, width, height,
-                 watch, {});
+      drawToFile(renderer, name, state, width, height, watch, {});
+    empty.add(name, renderer.report().why_empty);
     progress.add(1);
   }
   if (made) made->finish();
+  empty.warn();
   if (is_one_file && !is_quiet) say("{}: {} frames\n", arguments.output, count);
   if (!is_one_file && !is_quiet)
     say("{} of {} frames, {} to {}\n", frames.size(), count,

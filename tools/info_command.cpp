@@ -5,6 +5,7 @@
 
 #include "src/base/bytes.h"
 #include "src/base/volume_levels.h"
+#include "src/library/thick_source.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/shared_options.h"
 #include "tools/commands.h"
@@ -74,11 +75,12 @@ std::string orientationText(const VolumeLayout& layout) {
 
 void print(const IndexedVolume& volume, const ChosenLook& look) {
   const VolumeLayout& layout = volume.source->layout();
+  const Vec3i dims = storedDims(*volume.source);
   const ValueRange range = volume.finiteRange();
-  const auto voxels = static_cast<uint64_t>(layout.dims.x * layout.dims.y * layout.dims.z);
+  const auto voxels = static_cast<uint64_t>(sluice::volume(dims));
   say("{}\n", layout.name);
-  say("  {} x {} x {} voxels, {}, {} a time step\n", layout.dims.x, layout.dims.y, layout.dims.z,
-      name(layout.type), formatBytes(voxels * bytesPerVoxel(layout.type)));
+  say("  {} x {} x {} voxels, {}, {} a time step\n", dims.x, dims.y, dims.z, name(layout.type),
+      formatBytes(voxels * bytesPerVoxel(layout.type)));
   say("  spacing {} x {} x {}, {} time step{}\n", layout.spacing.x, layout.spacing.y,
       layout.spacing.z, layout.time_steps, layout.time_steps == 1 ? "" : "s");
   const WorldBounds bounds = worldBounds(layout);
@@ -86,6 +88,7 @@ void print(const IndexedVolume& volume, const ChosenLook& look) {
   say("  from ({}) to ({}){}, origin ({})\n", triple(bounds.lo), triple(bounds.hi),
       layout.unit.empty() ? ", unit not said" : " " + layout.unit, triple(layout.origin));
   say("  {}\n", orientationText(layout));
+  if (const std::string hint = uprightHint(layout); !hint.empty()) say("  up: {}\n", hint);
   if (layout.channels > 1) say("  channel {} of {}\n", layout.channel, layout.channels);
   if (layout.levels > 1) say("  level 0 of {} resolutions (--levels lists them)\n", layout.levels);
   if (layout.grids.size() > 1) say("  one of these grids: {}\n", joined(layout.grids, ", "));

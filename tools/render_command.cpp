@@ -11,6 +11,7 @@
 #include "src/base/clock.h"
 #include "src/base/error.h"
 #include "src/library/conversions.h"
+#include "src/library/empty_picture.h"
 #include "src/render/camera_path.h"
 #include "src/render/level_cut.h"
 #include "tools/command_line/console.h"
@@ -253,12 +254,17 @@ Drawn drawAll(const Arguments& arguments, const std::vector<int64_t>& to_draw,
     drawn.picture = std::move(frame.picture);
     drawn.blocks = frame.blocks;
     drawn.name = frameName(arguments, i);
+    std::string empty;
+    if (is_first && showsNothing(drawn.picture))
+      empty = whyEmpty(
+          {scene.volume, timeOf(arguments, i), scene.transfer, options, frame.report.missing_share},
+          {scene.pool, progress, scene.memory_bytes, interruption()});
     const Stopwatch watch;
     if (film)
       film->add(shownPicture(drawn.picture, output, options, scene));
     else if (is_first)
       writePicture(drawn.name, drawn.picture, output, options, scene);
-    drawn.frames.push_back({frame.report, watch.seconds()});
+    drawn.frames.push_back({frame.report, watch.seconds(), std::move(empty)});
     if (series.culls()) drawn.culling.push_back(countsJson(series.counts()));
     progress.add(1);
     if (arguments.debug_view)
@@ -307,12 +313,13 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
   Scene& scene = *opened;
   if (is_first)
     for (const std::string& warning : scene.look.warnings) printWarning(warning);
-  std::vector<Camera> cameras = camerasOf(arguments, scene.volume.source->layout().frame);
+  const std::vector<Camera> asked = camerasOf(arguments, scene.volume.source->layout().frame);
+  const Room room = arguments.annotate ? annotationRoom(arguments.frame.size) : Room{};
+  std::vector<Camera> cameras = asked;
   fitCameras(cameras, arguments.fit,
              {scene.volume, scene.volume.step(), scene.transfer, arguments.frame,
               arguments.look.this_step},
-             arguments.annotate ? annotationRoom(arguments.frame.size) : Room{},
-             arguments.resources, scene.pool);
+             room, arguments.resources, scene.pool);
   if (team != nullptr) expectSameScene(*team, scene, cameras);
   const PictureOutput output = outputOf(arguments);
   const FrameOptions options = frameOptions(arguments, app, cameras.front(), output, scene);
@@ -346,20 +353,26 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
   }
   if (scene.share && wantsReport(arguments)) gatherReport(*team, *scene.share, report);
   if (!is_first) return 0;
+  warnOfEmptyPictures(arguments, to_draw, drawn);
   std::optional<Verification> verified;
   if (arguments.verify) {
+    const auto at = static_cast<size_t>(arguments.times ? 0 : to_draw.back());
     FrameOptions last = options;
     last.camera = cameraOf(cameras, to_draw.back());
-    verified = verify(scene, last, drawn.picture);
+    verified = verify(scene,
+                      {arguments.volume, arguments.resources, asked, at, arguments.fit, room,
+                       arguments.look.this_step, timeOf(arguments, to_draw.back())},
+                      last, drawn.picture);
     report["verify"] = {{"max_difference", verified->max_difference},
-                        {"mean_difference", verified->mean_difference}};
+                        {"mean_difference", verified->mean_difference},
+                        {"unchecked", verified->unchecked}};
   }
   if (!arguments.report_file.empty())
     writeReportOf(arguments, report, drawn, scene, team == nullptr);
   if (arguments.json) {
     sayJson(report);
   } else if (!arguments.resources.quiet) {
-    printDrawn(scene, series, drawn, verified);
+    printDrawn(arguments, scene, series, drawn, verified);
   }
   return 0;
 }
@@ -404,7 +417,8 @@ Command addRender(CLI::App& program) {
               "Also writes what was drawn between updates of the opacity map, the maps, and the "
               "growing boxes of the middle slice");
   output.flag("--verify", arguments->verify,
-              "Draws the plain way too and prints the largest and mean difference");
+              "Draws the plain way too, from the voxels alone, and prints the largest and the mean "
+              "difference and what it cannot check");
   addForceOption(output, arguments->force);
   addQuietOption(output, arguments->resources.quiet);
   addJsonOption(output, arguments->json, "Prints the report instead of a summary");

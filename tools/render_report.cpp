@@ -11,11 +11,22 @@
 #include "src/base/clock.h"
 #include "src/base/text_file.h"
 #include "tools/command_line/console.h"
+#include "tools/empty_pictures.h"
 #include "tools/interrupt.h"
 #include "tools/pages/report_file.h"
 #include "tools/ranks.h"
 
 namespace sluice {
+namespace {
+
+// Whether the volume decides what is up in the picture.
+bool leavesUpToVolume(const RenderArguments& arguments) {
+  const Camera& camera = arguments.frame.camera;
+  return !camera.up && !camera.look_at && camera.view != ViewName::kPlain &&
+         arguments.path_file.empty() && arguments.state_file.empty();
+}
+
+}  // namespace
 
 nlohmann::json reportOf(const RenderArguments& arguments, const CLI::App& app,
                         const std::vector<int64_t>& to_draw, const Drawn& drawn,
@@ -78,6 +89,14 @@ void writeReportOf(const RenderArguments& arguments, const nlohmann::json& repor
   writeReport(arguments.report_file, report, pictures);
 }
 
+void warnOfEmptyPictures(const RenderArguments& arguments, const std::vector<int64_t>& to_draw,
+                         const Drawn& drawn) {
+  EmptyPictures empty;
+  for (size_t i = 0; i < drawn.frames.size(); ++i)
+    empty.add(frameName(arguments, to_draw[i]).string(), drawn.frames[i].empty);
+  empty.warn();
+}
+
 void sayAllAreThere(const RenderArguments& arguments, const CLI::App& app) {
   const nlohmann::json earlier = earlierReport(arguments);
   if (arguments.json)
@@ -89,8 +108,8 @@ void sayAllAreThere(const RenderArguments& arguments, const CLI::App& app) {
     say("all {} pictures are there\n", frameCount(arguments));
 }
 
-void printDrawn(const Scene& scene, const Series& series, const Drawn& drawn,
-                const std::optional<Verification>& verified) {
+void printDrawn(const RenderArguments& arguments, const Scene& scene, const Series& series,
+                const Drawn& drawn, const std::optional<Verification>& verified) {
   const std::vector<RenderedFrame>& frames = drawn.frames;
   const FrameReport& report = frames.back().report;
   const VolumeLayout& layout = scene.volume.source->layout();
@@ -104,6 +123,8 @@ void printDrawn(const Scene& scene, const Series& series, const Drawn& drawn,
       scene.device->backend(), scene.device->renderer(),
       formatBytes(scene.volume.source->storedBytesRead()), formatBytes(scene.peak_anonymous_bytes),
       formatBytes(peakResidentBytes()));
+  const std::string upright = uprightHint(layout);
+  if (!upright.empty() && leavesUpToVolume(arguments)) say("up: {}\n", upright);
   if (series.culls()) {
     const CullingCounts& counts = series.counts();
     say("culling: {} of {} blocks visible, estimated in {:.2f} ms from {} of {} pixels\n",
@@ -120,8 +141,9 @@ void printDrawn(const Scene& scene, const Series& series, const Drawn& drawn,
     say("incomplete: {:.1f} % of what can be seen was not there within --time-limit\n",
         100 * report.missing_share);
   if (verified)
-    say("against the plain picture: largest difference {:.3f}/255, mean {:.5f}/255\n",
-        verified->max_difference, verified->mean_difference);
+    say("against the plain picture: largest difference {:.3f}/255, mean {:.5f}/255; not checked: "
+        "{}\n",
+        verified->max_difference, verified->mean_difference, fmt::join(verified->unchecked, "; "));
   say("{}\n", drawn.name.string());
   for (const std::filesystem::path& view : drawn.views) say("{}\n", view.string());
 }

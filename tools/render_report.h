@@ -45,8 +45,11 @@ void addEarlierFrames(const RenderArguments& arguments, const nlohmann::json& ea
 // `maps`: blocks are known whole, as one process alone knows them. Throws Error.
 void writeReportOf(const RenderArguments& arguments, const nlohmann::json& report,
                    const Drawn& drawn, const Scene& scene, bool maps);
-void printDrawn(const Scene& scene, const Series& series, const Drawn& drawn,
-                const std::optional<Verification>& verified);
+void printDrawn(const RenderArguments& arguments, const Scene& scene, const Series& series,
+                const Drawn& drawn, const std::optional<Verification>& verified);
+// One line, of the first picture that shows nothing, if any.
+void warnOfEmptyPictures(const RenderArguments& arguments, const std::vector<int64_t>& drawn_frames,
+                         const Drawn& drawn);
 // In place of all that where --continue finds nothing to draw.
 void sayAllAreThere(const RenderArguments& arguments, const CLI::App& app);
 

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "src/base/clock.h"
+#include "src/library/thick_source.h"
 #include "src/render/index_space.h"
 
 namespace sluice {
@@ -61,7 +62,8 @@ json frameJson(const RenderedFrame& frame) {
           {"complete", report.missing_share == 0},
           {"missing_share", report.missing_share},
           {"occlusion", occlusionJson(report.occlusion)},
-          {"binds", report.binds}};
+          {"binds", report.binds},
+          {"empty", frame.empty}};
 }
 
 json countersJson(const CacheCounters& c) {
@@ -156,13 +158,22 @@ bool isCoarser(const VisibleBlocks& blocks) {
   return blocks.cut && blocks.cut->coarse_share > 0;
 }
 
+std::string uprightHint(const VolumeLayout& layout) {
+  if (layout.frame == WorldFrame::kPictureRows)
+    return "the slices do not say it; --up 0,0,1 or --up 0,0,-1 stands the stack upright";
+  if (layout.frame == WorldFrame::kNone)
+    return "the file does not say it; --up 0,0,1, --up 0,0,-1 or --up 0,-1,0 turns the picture "
+           "upright";
+  return "";
+}
+
 json volumeJson(const IndexedVolume& volume) {
   const VolumeLayout& layout = volume.source->layout();
   const ValueRange range = volume.finiteRange();
   const auto triple = [](auto v) { return json::array({v.x, v.y, v.z}); };
   const WorldBounds bounds = worldBounds(layout);
   return {{"name", layout.name},
-          {"dims", triple(layout.dims)},
+          {"dims", triple(storedDims(*volume.source))},
           {"voxel_type", name(layout.type)},
           {"spacing", triple(layout.spacing)},
           {"origin", triple(layout.origin)},
@@ -185,7 +196,7 @@ json volumeJson(const IndexedVolume& volume) {
            {{"path", volume.index->path.string()},
             {"state", volume.index->state},
             {"note", volume.index->note},
-            {"bytes", volume.index->ranges.bytes()}}}};
+            {"bytes", volume.index->bytes()}}}};
 }
 
 json sceneJson(const Scene& scene, const std::vector<RenderedFrame>& frames) {

@@ -18,6 +18,7 @@ namespace sluice {
 struct RenderedFrame {
   FrameReport report;
   double write_seconds = 0;
+  std::string empty = {};  // why its picture shows nothing, if it does
 };
 
 // One frame's object of `frames`.
@@ -42,6 +43,8 @@ WorldBounds worldBounds(const VolumeLayout& layout);
 // What the voxels' axes mean: "RAS" (x to the right, y to the front, z up) and so on where the file
 // says it and they follow the world's axes nearly enough; empty otherwise.
 std::string axisLetters(const VolumeLayout& layout);
+// What to try where the volume does not say what is up in the world; empty where it does.
+std::string uprightHint(const VolumeLayout& layout);
 // "ras", "lps", "picture-rows", "y-up" or "none".
 std::string_view name(WorldFrame frame);
 

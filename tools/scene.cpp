@@ -85,7 +85,7 @@ Scene::Scene(const VolumeArguments& arguments, const LookArguments& arguments_lo
 }
 
 void Scene::chooseBlocksBy(BlockChooser* chooser) {
-  session->chooseBlocksBy(share ? share->chooserFrom(chooser) : chooser);
+  if (session != nullptr) session->chooseBlocksBy(share ? share->chooserFrom(chooser) : chooser);
 }
 
 Frame Scene::frame() {

@@ -74,7 +74,7 @@ struct Scene {
   std::unique_ptr<Device> device;
   ChosenLook look;
   TransferFunction transfer;
-  std::unique_ptr<Session> session;
+  std::unique_ptr<Session> session;  // null after verify()
 };
 
 }  // namespace sluice

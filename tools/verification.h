@@ -1,17 +1,40 @@
-// What a picture differs from the plain one by: every block loaded and drawn whole.
+// --verify: how far a picture is from the plain one.
+//
+// The plain picture takes nothing from the one that it checks but what was asked for. The volume is
+// opened again and its ranges are read from the voxels, in blocks of another size. The view is
+// fitted to those. Every block is drawn whole, also those that show nothing, every sample of a ray
+// is taken, and nothing is left out for time. Both pictures share the transfer function and the
+// device.
 #pragma once
 
-#include "src/render/frame_options.h"
+#include <string>
+#include <vector>
+
+#include "src/library/view_fit.h"
 #include "tools/scene.h"
 
 namespace sluice {
 
 struct Verification {
   double max_difference = 0, mean_difference = 0;  // in 1/255
+  std::vector<std::string> unchecked;              // what both pictures share
 };
 
-// Draws the scene's plain picture, which is its last: it is left with other options. Of several
-// ranks one does it alone.
-Verification verify(Scene& scene, FrameOptions options, const Picture& picture);
+// What was asked for.
+struct VerifiedView {
+  const VolumeArguments& volume;  // its time is the step that the look and the fit are of
+  const ResourceArguments& resources;
+  std::vector<Camera> cameras;  // of all frames, before they were fitted
+  size_t frame = 0;             // whose picture it is
+  FitChoice fit;
+  Room room;
+  bool this_step = false;
+  int64_t time = 0;  // the step that the picture shows
+};
+
+// `options` are those of the picture. Draws the scene's last picture: the scene's session is gone
+// afterwards. Of several ranks one does it alone. Throws Error, Interrupted.
+Verification verify(Scene& scene, const VerifiedView& view, FrameOptions options,
+                    const Picture& picture);
 
 }  // namespace sluice

@@ -21,6 +21,9 @@ struct RenderReport {
   double seconds = 0, draw_seconds = 0;
   double missing_share = 0;
   int64_t white = 0, grey = 0, black = 0;
+  // Why the last picture shows nothing, in one line: "the camera looks past what is visible". Empty
+  // where it shows something, or is on a screen.
+  std::string why_empty;
   uint64_t pages_loaded = 0;
 
   uint64_t read_bytes = 0;  // level 1: taken from the volume's files, as they are stored

@@ -9,6 +9,7 @@
 #include "src/base/error.h"
 #include "src/classify/transfer/transfer_file.h"
 #include "src/library/conversions.h"
+#include "src/library/empty_picture.h"
 #include "src/library/exr_contents.h"
 #include "src/library/probing.h"
 #include "src/library/resources.h"
@@ -108,6 +109,10 @@ Image Drawing::draw(const PictureOptions& picture, ProgressTeller& teller) {
   Frame frame = session_->frame();
   report_ = frame.report;
   Picture& drawn = frame.picture;
+  why_empty_.clear();
+  if (showsNothing(drawn))
+    why_empty_ = whyEmpty(
+        {opened_->volume, step.time, look_.transfer, options, report_.missing_share}, pass);
   return {.width = drawn.width,
           .height = drawn.height,
           .rgba = std::move(drawn.rgba),
@@ -231,6 +236,7 @@ RenderReport Drawing::report(bool maps) const {
   report.seconds = report_.seconds;
   report.draw_seconds = report_.stages.draw;
   report.missing_share = report_.missing_share;
+  report.why_empty = why_empty_;
   report.white = report_.white;
   report.grey = report_.grey;
   report.black = report_.black;

@@ -87,6 +87,7 @@ class Drawing {
   // Of the step that is drawn and of the one that is read ahead.
   std::array<Memo<int64_t, const IndexedRanges>, 2> ranges_;
   FrameReport report_;                 // of the last frame
+  std::string why_empty_;              // RenderReport::why_empty
   DrawsForScreens* screen_ = nullptr;  // the device, where it draws in a context that was lent
   std::unique_ptr<TraceWriter> trace_;
   Memo<PointsKey, const std::vector<Vec3d>> points_;

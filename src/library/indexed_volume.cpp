@@ -9,6 +9,7 @@
 #include "src/base/error.h"
 #include "src/base/volume_levels.h"
 #include "src/library/resources.h"
+#include "src/library/thick_source.h"
 #include "src/volume/byte_order_hint.h"
 
 namespace sluice {
@@ -105,7 +106,7 @@ IndexNeeds needsOf(const LookArguments& look, Mode mode, bool levels) {
 }
 
 std::unique_ptr<VolumeSource> openSource(const VolumeArguments& arguments) {
-  auto source = openVolume(arguments.inputs, arguments.open);
+  auto source = withThickness(openVolume(arguments.inputs, arguments.open));
   const int64_t steps = source->layout().time_steps;
   if (arguments.time >= 0 && arguments.time < steps) return source;
   if (const std::optional<int64_t> step = stepOfNumber(*source, arguments.time))

@@ -62,7 +62,8 @@ struct IndexPass {
   StopToken stop = {};
 };
 
-// Opens the volume and checks that it has the time step. Throws Error.
+// Opens the volume and checks that it has the time step. Of one voxel along an axis it makes a
+// volume that can be drawn (thick_source.h). Throws Error.
 std::unique_ptr<VolumeSource> openSource(const VolumeArguments& arguments);
 // Reads or builds the index of the step, or of all steps. `source` is that of `arguments`. Throws
 // Error, Interrupted.

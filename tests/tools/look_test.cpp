@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <sstream>
 #include <type_traits>
 #include <vector>
 
@@ -132,6 +133,13 @@ std::string lookOptions(const nlohmann::json& report) {
   return report["look"]["options"].get<std::string>();
 }
 
+std::vector<std::string> parts(const std::string& list) {
+  std::vector<std::string> result;
+  std::istringstream in(list);
+  for (std::string part; std::getline(in, part, ',');) result.push_back(part);
+  return result;
+}
+
 // The part of a look's options from one to the next.
 std::string optionOf(const std::string& options, const std::string& name) {
   const size_t at = options.find(name + " ");
@@ -253,6 +261,80 @@ TEST(Look, ofBenchesIsPlain) {
   for (const char* command : {"bench", "bench render", "bench threshold", "bench algorithms"})
     EXPECT_THAT(program.run(std::string(command) + " --help").output,
                 HasSubstr("pictures are plain"));
+}
+
+TEST(Look, oneColourIsARampOfOpacityInIt) {
+  const Program program;
+  const std::string line =
+      std::string("render ") + kSmall + " --size 32x32 -o a.png --force --no-shade ";
+  const std::string plain = lookOptions(program.json(line));
+  for (const char* map : {"green", "'#ff8800'", "ff8800"}) {
+    const std::string options = lookOptions(program.json(line + "--map " + map));
+    EXPECT_EQ(optionOf(options, "--map"), std::string("--map ") + map);
+    EXPECT_EQ(optionOf(options, "--opacities"), optionOf(plain, "--opacities"));
+    const std::array<int, 3> rgb =
+        map == std::string("green") ? std::array{0, 255, 0} : std::array{255, 136, 0};
+    const Rgba8Picture seen = readPng(program.folder / "a.png");
+    int shown = 0;
+    for (size_t i = 0; i < seen.rgba.size(); i += 4) {
+      if (seen.rgba[i + 3] < 20) continue;
+      ++shown;
+      for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(seen.rgba[i + c], rgb[c], 6);
+    }
+    EXPECT_GT(shown, 30);
+    // Options that were printed give the same picture.
+    const std::string picture = readFile(program.folder / "a.png");
+    program.json(line + options);
+    EXPECT_EQ(readFile(program.folder / "a.png"), picture);
+  }
+  // Where a pixel shows one value, the colour says which.
+  program.json(line + "--mode mip --map green");
+  const Rgba8Picture mip = readPng(program.folder / "a.png");
+  int least = 255, most = 0;
+  for (size_t i = 0; i < mip.rgba.size(); i += 4) {
+    if (mip.rgba[i + 3] < 255) continue;
+    EXPECT_EQ(mip.rgba[i] + mip.rgba[i + 2], 0);
+    least = std::min<int>(least, mip.rgba[i + 1]);
+    most = std::max<int>(most, mip.rgba[i + 1]);
+  }
+  EXPECT_GT(most, least + 100);
+  EXPECT_EQ(program.run(line + "--map gren").status, 2);
+}
+
+// Everything but the opacity of a voxel, which is what a ray of the same optical depth needs.
+TEST(Look, ofAPhantomIsTheSameAtEveryResolution) {
+  const Program program;
+  const auto lookAt = [&](int side) {
+    const auto info =
+        program.json(fmt::format("info synth:phantom,dims={0}x{0}x{0}", side))["look"];
+    std::vector<double> numbers;  // values, and optical depths of the volume's side
+    std::string options = info["options"];
+    EXPECT_THAT(options, HasSubstr("--map plaster --range "));
+    const std::string points = optionOf(options, "--opacities").substr(12);
+    for (const std::string& point : parts(points)) {
+      const size_t colon = point.find(':');
+      numbers.push_back(std::stod(point.substr(0, colon)));
+      numbers.push_back(-side * std::log1p(-std::stod(point.substr(colon + 1))));
+    }
+    return numbers;
+  };
+  const std::vector<double> expected = lookAt(256);
+  for (const int side : {64, 128, 512}) {
+    const std::vector<double> found = lookAt(side);
+    ASSERT_EQ(found.size(), expected.size());
+    for (size_t i = 0; i < found.size(); ++i)
+      // Shells thinner than a voxel hold a larger share of a coarse volume.
+      EXPECT_NEAR(found[i], expected[i], i % 2 == 0 ? 0.02 * 255 : 0.3 * expected[i] + 0.01)
+          << side << ", number " << i;
+  }
+}
+
+TEST(Look, whatIsUpIsAskedForWhereTheVolumeDoesNotSay) {
+  const Program program;
+  const std::string line = std::string("render ") + kSmall + " --size 32x32 -o a.png --force ";
+  EXPECT_THAT(program.run(line).output, HasSubstr("\nup: the file does not say it; --up 0,0,1"));
+  for (const char* options : {"--up 0,0,1", "--view plain", "--eye 0,0,-300 --target 0,0,0", "-q"})
+    EXPECT_THAT(program.run(line + options).output, Not(HasSubstr("up: "))) << options;
 }
 
 TEST(Look, modesTakeTheWholeRange) {

@@ -18,7 +18,7 @@ std::optional<Box3> cropBox(const std::string& word) {
     if (n < 0 || n > kMostVoxels || n != static_cast<double>(static_cast<int64_t>(n)))
       return std::nullopt;
   for (size_t a = 0; a < 3; ++a)
-    if ((*found)[a + 3] <= (*found)[a]) return std::nullopt;
+    if ((*found)[a + 3] < (*found)[a] + 2) return std::nullopt;  // one voxel plane has no thickness
   return Box3{asVec3i(*found), asVec3i({(*found)[3], (*found)[4], (*found)[5]})};
 }
 
@@ -72,8 +72,9 @@ void addDrawingOptions(const OptionGroup& group, FrameOptions& options) {
                "Distance between slices in voxels of the finest spacing");
   group.parsed(
       "--crop", "X0,Y0,Z0,X1,Y1,Z1",
-      "six whole numbers X0,Y0,Z0,X1,Y1,Z1 from 0 to 2^40, each upper one above the lower", cropBox,
-      [&options](const Box3& box) { options.crop = box; },
+      "six whole numbers X0,Y0,Z0,X1,Y1,Z1 from 0 to 2^40, each upper one at least 2 above the "
+      "lower, since a single voxel plane has no thickness",
+      cropBox, [&options](const Box3& box) { options.crop = box; },
       "Shows what lies between these voxel planes, the upper ones not included");
   group
       .numbers(

@@ -1,0 +1,84 @@
+// Pictures that show nothing say why.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/tools/program.h"
+
+namespace sluice {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+int warnings(const std::string& output) {
+  int count = 0;
+  for (size_t at = output.find("warning: "); at != std::string::npos;
+       at = output.find("warning: ", at + 1))
+    ++count;
+  return count;
+}
+
+TEST(EmptyPicture, saysWhyInOneLine) {
+  const Program program;
+  struct Case {
+    const char *options, *why;
+  };
+  const Case cases[] = {
+      {"--opacities 300:0,400:1", "gives all values of the volume, 0 to"},
+      {"--opacities 0:0,255:0", "has opacity 0 everywhere"},
+      {"--threshold 90 --opacity 0", "has opacity 0 everywhere"},
+      {"--threshold 90 --crop 500,0,0,600,40,36", "lies outside of the volume's 48 x 40 x 36"},
+      {"--threshold 90 --crop 0,0,0,3,3,3", "inside the crop box"},
+      {"--threshold 90 --projection perspective --eye 0,0,-300 --target 0,0,-400",
+       "looks past what is visible"},
+      {"--threshold 90 --eye 0,0,-300 --target 900,0,-300", "looks past what is visible"},
+      {"--threshold 90 --clip 1,0,0,-5", "takes away all"},
+      {"--threshold 90 --opacity 1e-9", "too transparent"},
+      {"--mode mip --threshold 90 --crop 0,0,0,3,3,3", "inside the crop box"},
+  };
+  for (const Case& each : cases) {
+    const CommandResult result = program.run(std::string("render ") + kSmall +
+                                             " -o a.png --size 40x40 --force " + each.options);
+    EXPECT_EQ(result.status, 0) << result.output;
+    EXPECT_THAT(result.output, HasSubstr("sluice: warning: a.png shows nothing: ")) << each.options;
+    EXPECT_THAT(result.output, HasSubstr(each.why)) << each.options;
+    EXPECT_EQ(warnings(result.output), 1) << result.output;
+  }
+}
+
+TEST(EmptyPicture, othersSayNothing) {
+  const Program program;
+  const CommandResult result =
+      program.run(std::string("render ") + kSmall + " -o a.png --size 40x40 --threshold 90");
+  EXPECT_THAT(result.output, Not(HasSubstr("warning")));
+}
+
+TEST(EmptyPicture, ofSeveralHasOneLineAndTheReportEachReason) {
+  const Program program;
+  const std::string line =
+      std::string("render ") + kSmall +
+      " -o a_####.png --size 40x40 --frames 3 --threshold 90 --crop 0,0,0,3,3,3";
+  const CommandResult result = program.run(line);
+  EXPECT_EQ(warnings(result.output), 1) << result.output;
+  EXPECT_THAT(result.output, HasSubstr("; 2 more of the 3 pictures show nothing"));
+  const auto report = program.json(line + " --force");
+  for (int i = 0; i < 3; ++i)
+    EXPECT_THAT(report["frames"][i]["empty"].get<std::string>(), HasSubstr("crop box"));
+}
+
+TEST(EmptyPicture, aCropOfOneVoxelPlaneIsRefused) {
+  const Program program;
+  for (const char* mode : {"composite", "mip"}) {
+    const CommandResult result =
+        program.run(std::string("render ") + kSmall +
+                    " -o a.png --crop 0,0,5,48,40,6 --threshold 90 --mode " + mode);
+    EXPECT_EQ(result.status, 2);
+    EXPECT_THAT(result.output, HasSubstr("a single voxel plane has no thickness"));
+    EXPECT_FALSE(program.exists("a.png"));
+  }
+}
+
+}  // namespace
+}  // namespace sluice
