@@ -108,7 +108,8 @@ constexpr std::array<std::string_view, 37> kKnownKeys = {"AcquisitionDate",
 // is a known one is.
 void noteMisspeltKeys(const Fields& fields, VolumeLayout& layout) {
   std::vector<std::string> misspelt;
-  for (const auto& [key, value] : fields.values) {
+  for (const auto& field : fields.values) {
+    const std::string& key = field.first;
     const bool is_known = std::find(kKnownKeys.begin(), kKnownKeys.end(), key) != kKnownKeys.end();
     // Short names resemble one another.
     if (!is_known && std::any_of(kKnownKeys.begin(), kKnownKeys.end(), [&](std::string_view known) {
