@@ -393,11 +393,12 @@ Command addRender(CLI::App& program) {
             "number. "
             "Film of several: .mp4, by ffmpeg")
       ->required();
-  addFramesOption(output, arguments->frames, "Pictures of a full turn, or of the path");
-  output.text("--path", "FILE", arguments->path_file,
-              "Key frames of the camera, JSON: of --frames pictures, or along a range of --time");
-  output.number("--rate", "FPS", arguments->frames_per_second, {0, 1000, true},
-                "Film: frames a second");
+  const OptionGroup film(*app, "Film");
+  addFramesOption(film, arguments->frames, "Pictures of a full turn, or of the path");
+  film.text("--path", "FILE", arguments->path_file,
+            "Key frames of the camera, JSON: for --frames pictures, or along a range of --time");
+  film.number("--rate", "FPS", arguments->frames_per_second, {0, 1000, true},
+              "Frames per second of an .mp4 file");
   OptionGroup(*app, "View")
       .text("--state", "FILE", arguments->state_file,
             "A view that sluice view saved, and its volume; options that are "

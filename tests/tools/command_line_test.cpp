@@ -191,7 +191,7 @@ TEST(CommandLine, numbersAreTakenWholeAtBothEndsOfTheirRange) {
        {"--frames 1", "--frames 100000", "--seed 0", "--seed 18446744073709551615", "--opacity 0",
         "--opacity 1", "--block 4", "--block 1024", "--pages 1", "--pages 2147483648", "--memory 1",
         "--time-limit 0", "--fov 179", "--page 1024x1x1", "--threshold -1e300", "--step 1e6",
-        "--type uint8", "--crop 0,0,0,1099511627776,1,1", "--azimuth -30"}) {
+        "--type uint8", "--crop 0,0,0,1099511627776,2,2", "--azimuth -30"}) {
     const std::string text = words;
     const size_t space = text.find(' ');
     EXPECT_EQ(complaint({"render", text.substr(0, space), text.substr(space + 1)}), "") << words;
