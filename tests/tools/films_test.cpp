@@ -92,7 +92,9 @@ TEST(Films, sayInALineWhatIsMissing) {
   EXPECT_EQ(failed.status, 1);
   EXPECT_THAT(failed.output, HasSubstr("a.mp4: ffmpeg failed: no such encoder"));
   const FakeFfmpeg deaf(program, "exec <&-; echo out of memory >&2; exit 1\n");
-  EXPECT_THAT(film(program, render + "--frames 40 --size 200").output, HasSubstr("out of memory"));
+  EXPECT_THAT(
+      film(program, std::string("render ") + kSmall + " --size 200 -o a.mp4 --frames 40").output,
+      HasSubstr("out of memory"));
   EXPECT_THAT(film(program, render).output, HasSubstr("a film has several frames"));
   EXPECT_THAT(film(program, render + "--frames 2 --continue").output, HasSubstr("in one go"));
   for (const auto& entry : fs::directory_iterator(program.folder.path()))
@@ -120,7 +122,8 @@ TEST(Paths, goAlongTheStepsOfASeries) {
   const Program program;
   writeFile(program.folder / "path.json", R"({"keys": [{"at": 0, "azimuth": 0, "elevation": 10},
     {"at": 0.6, "azimuth": 180, "zoom": 2}, {"at": 1, "elevation": 60}]})");
-  const std::string render = std::string("render ") + kSeries + " --size 24 -q --fit volume ";
+  const std::string render =
+      std::string("render ") + kSeries + " --size 24 -q --step 1 --fit volume ";
   ASSERT_EQ(program.run(render + "--time 0:3 --path path.json -o f_%d.png").status, 0);
   // The camera of frame i of four, and the step i.
   const std::string cameras[] = {"--azimuth 0 --elevation 10", "", "",
