@@ -105,7 +105,7 @@ TEST(RunPage, escapesWhatItShowsAndLoadsNothing) {
   EXPECT_NE(page.find("fps.ess"), std::string::npos);
   for (const char* outside : {"http:", "https:", "href=", "@import", "url(", "<script"})
     EXPECT_EQ(page.find(outside), std::string::npos) << outside;
-  EXPECT_EQ(commandLineOf(reportOf(1, 1)), "sluice bench occlusion a b.raw --size 512x512");
+  EXPECT_EQ(commandLineOf(reportOf(1, 1)), "sluice bench occlusion 'a b.raw' --size 512x512");
 }
 
 TEST(ComparePage, putsEachNumberAgainstTheFirstRuns) {
