@@ -234,7 +234,7 @@ nlohmann::json outOfCoreChanges(const Bench& bench) {
   const uint64_t textures = textureMemoryBytes(page, limits.texels);
   const BufferNeeds needs =
       bufferNeeds(*bench.scene.volume.source, bench.scene.volume.layout,
-                  bench.asked.frame.partition, bench.scene.volume.index->ranges.bytes());
+                  bench.asked.frame.partition, bench.scene.volume.rangesBytes());
   const uint64_t least = textures + leastBufferBytes(page, needs);
   const uint64_t memory_bytes = std::max(least, textures + (all.decoded + all.uploaded) / 4);
   nlohmann::json result{{"memory_bytes", memory_bytes}};
