@@ -18,6 +18,7 @@ namespace {
 constexpr double kMostDegrees = 36000, kMostZoom = 1e6, kMostFov = 179, kMostStep = 1e6;
 constexpr double kWorld = 1e15, kMostGradient = 1e6;
 constexpr size_t kMostPlanes = 6;
+constexpr int64_t kMostVoxels = int64_t{1} << 40;  // along an axis, as of --crop
 
 using Triple = std::array<double, 3>;
 
@@ -108,9 +109,10 @@ void checkCuts(Findings& findings, const ViewState& state) {
   if (state.crop) {
     const auto& [lo, hi] = *state.crop;
     for (size_t a = 0; a < 3; ++a)
-      findings.require(lo[a] >= 0 && hi[a] > lo[a], "/crop",
-                       "voxels from 0, each upper one above the lower",
-                       fmt::format("{} to {}", lo, hi));
+      findings.require(
+          lo[a] >= 0 && lo[a] <= kMostVoxels && hi[a] >= lo[a] + 2 && hi[a] <= kMostVoxels, "/crop",
+          "voxels from 0 to 2^40, each upper one at least 2 above the lower",
+          fmt::format("{} to {}", lo, hi));
   }
   findings.require(state.clip_planes.size() <= kMostPlanes, "/clip",
                    fmt::format("at most {} planes", kMostPlanes), state.clip_planes.size());
