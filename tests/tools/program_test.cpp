@@ -60,7 +60,6 @@ TEST(Program, badInputIsOneLineAndStatusOne) {
       {"render synth:cube,dims=16x16x16 -o a.png --transfer none.json", "none.json"},
       {"render synth:cube,dims=16x16x16 -o a.png --time 3", "--time 3"},
       {"render synth:cube,dims=64x64x64 -o a.png --memory 1M", "--memory"},
-      {"render synth:cube,dims=1x16x16 -o a.png", "at least 2"},
       {"simulate noise.bin --format text", "noise.bin"}};
   for (const auto& [line, named] : cases) {
     const CommandResult result = program.run(line);

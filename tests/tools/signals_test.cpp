@@ -77,8 +77,8 @@ TEST(FileLimit, isALineForEveryWriterAndNoTemporaryStays) {
   const std::string render = "render synth:noise,dims=64x64x64 -q --page 8x8x8 --block 16 ";
   const std::string drawn = render + "--size 16 -o null.png ";
   for (const std::string& line :
-       {drawn + "--trace a.trace", std::string("bench slicing -q --report r.json"),
-        std::string("bench slicing -q --report s.json")})
+       {drawn + "--trace a.trace", std::string("bench slicing --report r.json"),
+        std::string("bench slicing --report s.json")})
     ASSERT_EQ(program.run(line).status, 0) << line;
   for (const std::string& line :
        {render + "-o b.png", render + "-o b.exr", drawn + "--report b.json",

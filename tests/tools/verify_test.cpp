@@ -64,9 +64,9 @@ TEST(Verify, agreesForAllWaysOfDrawing) {
        {"--block 16 --algorithm trimmed", "--block 64 --no-shade --projection perspective",
         "--block 32 --partition boxes --azimuth 200 --elevation 50",
         "--block 16 --occlusion clip --opacity-threshold 1", "--block 32 --mode mip",
-        "--block 16 --threshold 90 --map green --annotate --size 200x160"}) {
+        "--block 16 --threshold 90 --map green --annotate"}) {
     const auto report = program.json(fmt::format(
-        "render ball_75x75x75_uint8.raw -o {}.png --size 70x60 --verify {}", seed++, options));
+        "render ball_75x75x75_uint8.raw -o {}.png --size 160x130 --verify {}", seed++, options));
     EXPECT_LE(report["verify"]["max_difference"].get<double>(), 1) << options;
     EXPECT_FALSE(report["verify"]["unchecked"].empty());
   }
