@@ -109,15 +109,15 @@ std::unique_ptr<VolumeSource> openSource(const VolumeArguments& arguments) {
   auto source = withThickness(openVolume(arguments.inputs, arguments.open));
   const int64_t steps = source->layout().time_steps;
   if (arguments.time >= 0 && arguments.time < steps) return source;
+  const std::optional<std::string> missing = missingStep(*source, arguments.time);
+  const std::string gap = missing ? "; " + *missing + " is missing" : "";
   if (const std::optional<int64_t> step = stepOfNumber(*source, arguments.time))
     fail(
         "{}: --time {}: time steps are counted from 0, not by the files' numbers: the file of that "
-        "number is step {} of {}; give --time {}",
-        arguments.inputs.front(), arguments.time, *step, steps, *step);
-  const std::optional<std::string> missing = missingStep(*source, arguments.time);
+        "number is step {} of {}; give --time {}{}",
+        arguments.inputs.front(), arguments.time, *step, steps, *step, gap);
   fail("{}: --time {}: the volume has {} time step{}, counted from 0{}", arguments.inputs.front(),
-       arguments.time, steps, steps == 1 ? "" : "s",
-       missing ? "; " + *missing + " is missing" : "");
+       arguments.time, steps, steps == 1 ? "" : "s", gap);
 }
 
 IndexedVolume indexVolume(std::unique_ptr<VolumeSource> source, const VolumeArguments& arguments,

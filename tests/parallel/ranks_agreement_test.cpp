@@ -87,7 +87,8 @@ TEST_P(RanksAgreement, isAboutEachStepOfASeries) {
   std::filesystem::copy_file(program_.folder / "b/v_1.nrrd", program_.folder / "b/v_2.nrrd",
                              std::filesystem::copy_options::overwrite_existing);
   const std::string rest =
-      "/v_%d.nrrd --time 0:2 --map grey --range 0,255 --opacities 0:0,255:1 --size 40 -o a_%d.png";
+      "/v_%d.nrrd --time 0:2 --map grey --range 0,255 --opacities 0:0,255:1 --size 40 -o a_%d.png "
+      "--fit volume";
   expectRefused("render a" + rest, "render b" + rest, "time step 2 of b/v_%d.nrrd");
 }
 
