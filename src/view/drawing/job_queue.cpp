@@ -159,7 +159,7 @@ JobQueue::Clock::time_point JobQueue::restsAt() const {
 // Small files are written at once, also where no volume is open.
 std::optional<Job> JobQueue::choose() {
   Requests& asked = requests_;
-  const auto job = [&](auto task) { return Job{std::move(task), asked.wish, {}}; };
+  const auto job = [wish = asked.wish](auto task) { return Job{std::move(task), wish, {}}; };
   if (asked.open) return job(*std::exchange(asked.open, std::nullopt));
   if (!asked.texts.empty()) return job(takeFirst(asked.texts));
   if (!work_.is_open) return std::nullopt;
