@@ -288,7 +288,7 @@ std::unique_ptr<VolumeSource> openVolume(const std::vector<std::string>& inputs,
 
 namespace {
 
-// Of a series of a file a step; empty of others.
+// The files of a series with one file for each time step; empty for other volumes.
 std::vector<std::filesystem::path> filesOfSteps(VolumeSource& source) {
   const int64_t steps = source.layout().time_steps;
   if (steps < 2) return {};
@@ -300,9 +300,8 @@ std::vector<std::filesystem::path> filesOfSteps(VolumeSource& source) {
 }  // namespace
 
 std::optional<std::string> missingStep(VolumeSource& source, int64_t time) {
-  const int64_t steps = source.layout().time_steps;
-  if (time < steps) return std::nullopt;
-  const auto file = missingFile(filesOfSteps(source), time + 1 - steps);
+  const int64_t beyond = std::max<int64_t>(0, time + 1 - source.layout().time_steps);
+  const auto file = missingFile(filesOfSteps(source), beyond);
   return file ? std::optional(file->string()) : std::nullopt;
 }
 

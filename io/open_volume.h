@@ -54,8 +54,9 @@ std::unique_ptr<VolumeSource> openVolume(const std::string& input, const OpenOpt
 std::unique_ptr<VolumeSource> openVolume(const std::vector<std::string>& inputs,
                                          const OpenOptions& options = {});
 
-// The file that would be time step `time` of a series of a file a step, if it went on that far.
-// nullopt: no such series, or the step is there. Throws Error of a step that cannot be opened.
+// The first file that is missing within a series of one file a step; where none is, the file that
+// would be step `time` if the series went on that far. nullopt: no such series, or nothing is
+// missing. Throws Error for a step that cannot be opened.
 std::optional<std::string> missingStep(VolumeSource& source, int64_t time);
 // The time step of a series of a file a step whose file has `number` in its name. nullopt: none.
 std::optional<int64_t> stepOfNumber(VolumeSource& source, int64_t number);

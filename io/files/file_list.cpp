@@ -309,6 +309,7 @@ std::optional<std::filesystem::path> missingFile(const std::vector<std::filesyst
   int64_t wanted = numbers.back() + count * step;
   for (size_t i = numbers.size() - 1; i > 0; --i)
     if (numbers[i] - numbers[i - 1] > step) wanted = numbers[i - 1] + step;
+  if (wanted == numbers.back()) return std::nullopt;
   return files.back().parent_path() /
          (found->before + inDigits(wanted, found->digits) + found->after);
 }

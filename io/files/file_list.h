@@ -51,9 +51,10 @@ std::optional<size_t> fileOfNumber(const std::vector<std::filesystem::path>& fil
 // missing: which. nullopt: none missing, or no such series. The files are in order.
 std::optional<std::string> gapNote(const std::vector<std::filesystem::path>& files);
 
-// Of files whose names differ in one number alone, the one to look for where `count` more were
-// expected: the first that is missing between them, else the `count`th after the last, in the least
-// step of theirs. nullopt: no such series. The files are in order.
+// The file to look for where `files`, in order, differ in one number alone and `count` more were
+// expected: the first that is missing between them, else the `count`th after the last, in steps as
+// small as the smallest between two of them. nullopt: no such series, or nothing is missing and
+// `count` is 0.
 std::optional<std::filesystem::path> missingFile(const std::vector<std::filesystem::path>& files,
                                                  int64_t count);
 

@@ -109,9 +109,11 @@ std::unique_ptr<VolumeSource> openSource(const VolumeArguments& arguments) {
   auto source = withThickness(openVolume(arguments.inputs, arguments.open));
   const int64_t steps = source->layout().time_steps;
   if (arguments.time >= 0 && arguments.time < steps) return source;
-  const std::optional<std::string> missing = missingStep(*source, arguments.time);
+  const std::optional<int64_t> step = stepOfNumber(*source, arguments.time);
+  // A number that is a file's asks for no step beyond the last one.
+  const auto missing = missingStep(*source, step ? *step : arguments.time);
   const std::string gap = missing ? "; " + *missing + " is missing" : "";
-  if (const std::optional<int64_t> step = stepOfNumber(*source, arguments.time))
+  if (step)
     fail(
         "{}: --time {}: time steps are counted from 0, not by the files' numbers: the file of that "
         "number is step {} of {}; give --time {}{}",
