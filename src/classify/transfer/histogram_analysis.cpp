@@ -82,14 +82,16 @@ size_t noiseEnd(const Density& density, size_t mode) {
 // The end of the background: the first bin after `mode` that belongs to something else. The peak
 // ends where it has fallen to a tenth; a narrow hump right beside it is its noise and ends alike.
 size_t backgroundEnd(const Density& density, size_t mode) {
+  // Integers leave single bins empty, more or fewer with the range: one low bin ends nothing.
   const auto fallsToATenth = [&](size_t from) {
+    const double tenth = 0.1 * density[from];
+    const auto isLow = [&](size_t i) { return i >= density.size() || density[i] < tenth; };
     size_t i = from;
-    while (i < density.size() && density[i] >= 0.1 * density[from]) ++i;
+    while (i < density.size() && !(isLow(i) && isLow(i + 1))) ++i;
     return i;
   };
   size_t end = fallsToATenth(mode);
   for (int hump = 0; hump < 2 && end < density.size(); ++hump) {
-    // Smooth over a few bins: integer values leave bins empty.
     const size_t next = fallsToATenth(end);
     if (next - mode > density.size() * 8 / 100) break;
     end = next;
