@@ -74,8 +74,8 @@ std::string orientationText(const VolumeLayout& layout) {
 }
 
 void print(const IndexedVolume& volume, const ChosenLook& look) {
-  const VolumeLayout& layout = volume.source->layout();
-  const Vec3i dims = storedDims(*volume.source);
+  const VolumeLayout& layout = storedLayout(*volume.source);
+  const Vec3i dims = layout.dims;
   const ValueRange range = volume.finiteRange();
   const auto voxels = static_cast<uint64_t>(sluice::volume(dims));
   say("{}\n", layout.name);
@@ -83,7 +83,7 @@ void print(const IndexedVolume& volume, const ChosenLook& look) {
       formatBytes(voxels * bytesPerVoxel(layout.type)));
   say("  spacing {} x {} x {}, {} time step{}\n", layout.spacing.x, layout.spacing.y,
       layout.spacing.z, layout.time_steps, layout.time_steps == 1 ? "" : "s");
-  const WorldBounds bounds = worldBounds(layout);
+  const WorldBounds bounds = worldBounds(volume.source->layout());
   const auto triple = [](Vec3d v) { return fmt::format("{:g}, {:g}, {:g}", v.x, v.y, v.z); };
   say("  from ({}) to ({}){}, origin ({})\n", triple(bounds.lo), triple(bounds.hi),
       layout.unit.empty() ? ", unit not said" : " " + layout.unit, triple(layout.origin));

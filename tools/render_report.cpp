@@ -10,6 +10,7 @@
 #include "src/base/bytes.h"
 #include "src/base/clock.h"
 #include "src/base/text_file.h"
+#include "src/library/thick_source.h"
 #include "tools/command_line/console.h"
 #include "tools/empty_pictures.h"
 #include "tools/interrupt.h"
@@ -112,7 +113,7 @@ void printDrawn(const RenderArguments& arguments, const Scene& scene, const Seri
                 const Drawn& drawn, const std::optional<Verification>& verified) {
   const std::vector<RenderedFrame>& frames = drawn.frames;
   const FrameReport& report = frames.back().report;
-  const VolumeLayout& layout = scene.volume.source->layout();
+  const VolumeLayout& layout = storedLayout(*scene.volume.source);
   say("{} x {} x {} {}, {}: {} white, {} grey, {} black blocks{}\n", layout.dims.x, layout.dims.y,
       layout.dims.z, name(layout.type), scene.transfer.name, report.white, report.grey,
       report.black, scene.share ? " of rank 0" : "");

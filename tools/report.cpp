@@ -168,12 +168,13 @@ std::string uprightHint(const VolumeLayout& layout) {
 }
 
 json volumeJson(const IndexedVolume& volume) {
-  const VolumeLayout& layout = volume.source->layout();
+  const VolumeLayout& layout = storedLayout(*volume.source);
   const ValueRange range = volume.finiteRange();
   const auto triple = [](auto v) { return json::array({v.x, v.y, v.z}); };
-  const WorldBounds bounds = worldBounds(layout);
+  const VolumeLayout& drawn = volume.source->layout();
+  const WorldBounds bounds = worldBounds(drawn);
   return {{"name", layout.name},
-          {"dims", triple(storedDims(*volume.source))},
+          {"dims", triple(layout.dims)},
           {"voxel_type", name(layout.type)},
           {"spacing", triple(layout.spacing)},
           {"origin", triple(layout.origin)},
@@ -185,7 +186,7 @@ json volumeJson(const IndexedVolume& volume) {
           {"channel", layout.channel},
           {"levels", layout.levels},
           {"grids", layout.grids},
-          {"notes", layout.notes},
+          {"notes", drawn.notes},
           {"time_steps", layout.time_steps},
           {"value_range", {range.lo, range.hi}},
           {"blocks",

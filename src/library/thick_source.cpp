@@ -63,7 +63,7 @@ class ThickSource : public VolumeSource {
   uint64_t heldBytesAThread() const override { return thin_->heldBytesAThread(); }
   void holdAtMost(uint64_t bytes) override { thin_->holdAtMost(bytes); }
   uint64_t storedBytesRead() const override { return thin_->storedBytesRead(); }
-  Vec3i storedDims() const { return thin_->layout().dims; }
+  const VolumeLayout& storedLayout() const { return thin_->layout(); }
 
  private:
   const std::unique_ptr<VolumeSource> thin_;
@@ -78,9 +78,9 @@ std::unique_ptr<VolumeSource> withThickness(std::unique_ptr<VolumeSource> source
   return std::make_unique<ThickSource>(std::move(source));
 }
 
-Vec3i storedDims(const VolumeSource& source) {
+const VolumeLayout& storedLayout(const VolumeSource& source) {
   const auto* thick = dynamic_cast<const ThickSource*>(&source);
-  return thick != nullptr ? thick->storedDims() : source.layout().dims;
+  return thick != nullptr ? thick->storedLayout() : source.layout();
 }
 
 }  // namespace sluice

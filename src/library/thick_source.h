@@ -13,7 +13,8 @@ namespace sluice {
 // has a note that says so.
 std::unique_ptr<VolumeSource> withThickness(std::unique_ptr<VolumeSource> source);
 
-// Voxels along each axis as the volume is stored: 1 where `source` has two planes of one.
-Vec3i storedDims(const VolumeSource& source);
+// The layout as the file has it: one voxel along an axis that `source` draws as two planes, and the
+// file's origin. Valid as long as `source`.
+const VolumeLayout& storedLayout(const VolumeSource& source);
 
 }  // namespace sluice

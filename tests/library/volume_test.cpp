@@ -36,6 +36,13 @@ TEST(Volume, errorsNameTheFile) {
   EXPECT_THAT(errorOf([&] { Volume volume(short_name); }), HasSubstr(short_name));
 }
 
+TEST(Volume, ofOneVoxelIsOpenedWithAWarning) {
+  const TempFolder folder;
+  const Volume voxel(folder.write("voxel_1x1x1_uint8.raw", "a").string());
+  ASSERT_EQ(voxel.info().warnings.size(), 1U);
+  EXPECT_THAT(voxel.info().warnings[0], HasSubstr("one voxel along x, y, z"));
+}
+
 TEST(Volume, optionsThatAreNoneThrow) {
   const TempFolder folder;
   const auto raw = folder.write("a_8x8x8_uint8.raw", std::string(512, 'a')).string();

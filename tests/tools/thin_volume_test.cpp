@@ -69,10 +69,17 @@ TEST(ThinVolume, isDrawnAsTwoPlanesAVoxelApart) {
 TEST(ThinVolume, isWhatItIsInInfoAndSaysHowItIsDrawn) {
   const Program program;
   writeDisc(program, "thin", 2, 1);
-  EXPECT_EQ(program.json("info thin_30x30x1_uint8.raw")["dims"], nlohmann::json({30, 30, 1}));
+  const auto info = program.json("info thin_30x30x1_uint8.raw");
+  EXPECT_EQ(info["dims"], nlohmann::json({30, 30, 1}));
+  EXPECT_EQ(info["origin"], nlohmann::json({0, 0, 0}));
+  EXPECT_EQ(info["bounds"], nlohmann::json({{0, 0, -0.5}, {29, 29, 0.5}}));
   const CommandResult result = program.run("render thin_30x30x1_uint8.raw -o a.png --size 40x40");
   EXPECT_EQ(result.status, 0) << result.output;
   EXPECT_THAT(result.output, HasSubstr("one voxel along z, drawn one voxel thick"));
+  EXPECT_THAT(result.output, HasSubstr("30 x 30 x 1 u8"));
+  const CommandResult along_x = program.run("render synth:cube,dims=1x16x16 -o x.png --size 16");
+  EXPECT_EQ(along_x.status, 0) << along_x.output;
+  EXPECT_THAT(along_x.output, HasSubstr("1 x 16 x 16 u8"));
   EXPECT_EQ(program.run("render thin_30x30x1_uint8.raw -o b.png --size 40x40 --verify").status, 0);
 }
 
