@@ -50,9 +50,9 @@ picture() { # NAME CAPTION COMMAND
 cat >"$page" <<'HEAD'
 # Gallery
 
-One command a picture. `tools/gallery.sh DATA` draws them again, from a folder with the volumes that
-`datasets.md` names; those that begin with `synth:` need no file. `contact-sheet.png` shows every
-volume as `sluice render FILE -o x.png` draws it without any other option.
+Each picture has one command. `tools/gallery.sh DATA` draws them again from a folder with the volumes that
+`datasets.md` names. Volumes that begin with `synth:` need no file. `contact-sheet.png` shows every volume as
+`sluice render FILE -o x.png` draws it without further options.
 
 ![Every volume without options](contact-sheet.png)
 
@@ -62,11 +62,11 @@ picture bonsai 'CT of a bonsai: nothing but a file' \
   'sluice render data/bonsai.nii.gz -o bonsai.png'
 picture engine 'CT of an engine block, cut open, with axes, scale and colours' \
   'sluice render data/engine.nii.gz -o engine.png --crop 0,0,0,256,150,128 --map ct-bone --annotate'
-picture head 'CT of a head, a TIFF a slice: the spacing is said, and what is up' \
+picture head 'CT of a head, one TIFF file for each slice: the command gives the spacing and the up direction' \
   "sluice render 'data/cthead/%03d.tif' -o head.png --spacing 1,1,2 --up 0,0,-1 --azimuth 180 --elevation -10 --map ct-bone"
 picture brain 'MRI of a head, cut at the level of the ears, from above' \
   'sluice render data/head-mr.nii.gz -o brain.png --crop 0,0,0,160,232,90 --elevation 35 --annotate'
-picture activity 'A statistic of brain activity: both tails, nothing in the middle' \
+picture activity 'A statistic of brain activity: low and high values, with nothing shown between them' \
   'sluice render data/motor-map.nii.gz -o activity.png --view top --annotate'
 picture tooth 'CT of a tooth, standing on its crown' \
   'sluice render data/tooth/tooth.nhdr -o tooth.png --up 0,0,-1 --map ct-bone'
@@ -80,7 +80,7 @@ picture fingers 'Salt that sinks through water, step 30 of a series' \
   "sluice render 'data/viscous-fingers/step_%03d.nrrd' -o fingers.png --time 30 --map inferno --up 0,0,1 --background 000000"
 picture phantom 'The Shepp-Logan head, cut open' \
   'sluice render synth:phantom,dims=256x256x256 -o phantom.png --crop 0,0,0,256,128,256 --opacity 0.1'
-picture wave 'The signal of Marschner and Lobb: values all over their range are a block in colours' \
+picture wave 'The Marschner-Lobb signal: its values fill the whole range, so it is drawn as a solid block' \
   'sluice render synth:marschner-lobb,dims=128x128x128,type=f32 -o wave.png --up 0,0,1 --annotate'
 picture rings 'Vortex rings in a flow' \
   'sluice render synth:flow,dims=160x160x160,type=f32 -o rings.png --map turbo --background 101418'
@@ -94,7 +94,11 @@ for file in data/*; do
     data/cthead) file='data/cthead/%03d.tif' ;;
     data/viscous-fingers) file='data/viscous-fingers/step_%03d.nrrd' ;;
   esac
-  [[ -d $file && -z $(compgen -G "$file/*.png") ]] && file=$(compgen -G "$file/*.n[rh][rd][dr]" | head -1)
+  if [[ -d $file && -z $(compgen -G "$file/*.png") ]]; then
+    # A folder is one volume if it holds slices or a header.
+    header=$(compgen -G "$file/*.n[rh][rd][dr]" | head -1) || continue
+    file=$header
+  fi
   label=${file#data/}
   label=${label%%/*}
   "$sluice" render "$file" -o tile.png --force -q
