@@ -155,7 +155,7 @@ int writeFilm(const RenderArguments& arguments, const CLI::App& app, const Saved
   std::optional<FilmFile> made;
   if (is_one_file)
     made.emplace(
-        arguments.output,
+        arguments.output, arguments.frame.size,
         app.count("--rate") > 0 ? arguments.frames_per_second : film.path.frames_per_second,
         interruption());
   EmptyPictures empty;

@@ -26,7 +26,7 @@ namespace {
 // What ffmpeg is told: raw frames come in, an MP4 goes to `output`, its description before its
 // frames, so that the start of the file says who made it. Sizes are made even, which most players
 // need.
-std::vector<std::string> commandOf(const std::filesystem::path& output, int width, int height,
+std::vector<std::string> commandOf(const std::filesystem::path& output, PictureSize size,
                                    double frames_per_second) {
   return {"ffmpeg",
           "-hide_banner",
@@ -38,7 +38,7 @@ std::vector<std::string> commandOf(const std::filesystem::path& output, int widt
           "-pixel_format",
           "rgb24",
           "-video_size",
-          fmt::format("{}x{}", width, height),
+          fmt::format("{}x{}", size.width, size.height),
           "-framerate",
           fmt::format("{}", frames_per_second),
           "-i",
@@ -91,8 +91,13 @@ bool isFilmName(const std::filesystem::path& path) {
   return lowerExtension(path) == ".mp4";
 }
 
-FilmFile::FilmFile(const std::filesystem::path& path, double frames_per_second, StopToken stop)
-    : path_(path), frames_per_second_(frames_per_second), stop_(std::move(stop)), file_(path) {}
+FilmFile::FilmFile(const std::filesystem::path& path, PictureSize size, double frames_per_second,
+                   StopToken stop)
+    : path_(path),
+      size_(size),
+      frames_per_second_(frames_per_second),
+      stop_(std::move(stop)),
+      file_(path) {}
 
 FilmFile::~FilmFile() {
   if (child_ < 0) return;
@@ -101,9 +106,7 @@ FilmFile::~FilmFile() {
   }
 }
 
-void FilmFile::start(int width, int height) {
-  width_ = width;
-  height_ = height;
+void FilmFile::start() {
   std::array<int, 2> frames{}, messages{};
   // A socket, since writing to one whose reader has gone can be asked not to raise a signal.
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, frames.data()) != 0)
@@ -115,9 +118,8 @@ void FilmFile::start(int width, int height) {
   messages_.reset(messages[0]);
   const Descriptor errors(messages[1]);
   pid_t child = -1;
-  const int failed =
-      spawn(child, commandOf(file_.temporaryPath(), width, height, frames_per_second_), input.get(),
-            errors.get());
+  const int failed = spawn(child, commandOf(file_.temporaryPath(), size_, frames_per_second_),
+                           input.get(), errors.get());
   if (failed == ENOENT)
     fail(
         "{}: films are made by ffmpeg, which is not on the PATH; install ffmpeg, or write pictures "
@@ -143,11 +145,12 @@ void FilmFile::send(std::span<const std::byte> bytes) {
   }
 }
 
-void FilmFile::add(const Picture& picture) {
-  if (width_ == 0) start(picture.width, picture.height);
-  SLUICE_CHECK_EQ(picture.width, width_);
-  SLUICE_CHECK_EQ(picture.height, height_);
-  send(rgbOf(toRgba8(over(picture, {0, 0, 0}))));
+void FilmFile::add(const Picture& rows) {
+  if (child_ < 0) start();
+  SLUICE_CHECK_EQ(rows.width, size_.width);
+  SLUICE_CHECK_LE(rows.height, size_.height - rows_done_);
+  send(rgbOf(toRgba8(over(rows, {0, 0, 0}))));
+  rows_done_ = (rows_done_ + rows.height) % size_.height;
 }
 
 void FilmFile::awaitEnd() {
@@ -174,7 +177,8 @@ void FilmFile::awaitEnd() {
 }
 
 void FilmFile::finish() {
-  SLUICE_CHECK(width_ > 0);
+  SLUICE_CHECK(child_ >= 0);
+  SLUICE_CHECK_EQ(rows_done_, 0);
   awaitEnd();
   stop_.throwIfStopped();
   file_.commit();

@@ -12,6 +12,7 @@
 #include "src/base/descriptor.h"
 #include "src/base/picture.h"
 #include "src/base/stop_token.h"
+#include "src/device/view_values.h"
 
 namespace sluice {
 
@@ -20,34 +21,37 @@ bool isFilmName(const std::filesystem::path& path);
 
 class FilmFile {
  public:
-  // Starts ffmpeg, which it looks for on the PATH. Throws Error: there is none, or the folder
-  // cannot be written.
-  FilmFile(const std::filesystem::path& path, double frames_per_second, StopToken stop);
+  // `size` is that of all frames. Throws Error: the folder cannot be written.
+  FilmFile(const std::filesystem::path& path, PictureSize size, double frames_per_second,
+           StopToken stop);
   // Ends ffmpeg without a film, unless the film is finished.
   ~FilmFile();
   FilmFile(const FilmFile&) = delete;
   FilmFile& operator=(const FilmFile&) = delete;
 
-  // The next frame; what is transparent is drawn over black. All frames have the first one's size.
-  // Throws Error with ffmpeg's own line when it failed, and Interrupted.
-  void add(const Picture& picture);
-  // Throws Error. Requires: a frame.
+  // The next rows, from the top of a frame down: a whole frame or a part of it. Transparent pixels
+  // are drawn over black. The first rows start ffmpeg, which is looked for on the PATH. Throws
+  // Error with ffmpeg's own line when it failed, and Interrupted. Requires: the frames' width, and
+  // no more rows than the frame has left.
+  void add(const Picture& rows);
+  // Throws Error. Requires: a frame, and no part of one.
   void finish();
 
  private:
-  void start(int width, int height);
+  void start();
   void send(std::span<const std::byte> bytes);
   // Waits for ffmpeg's end; throws Error if it failed.
   void awaitEnd();
 
   const std::filesystem::path path_;
+  const PictureSize size_;
   const double frames_per_second_;
   const StopToken stop_;
   AtomicFile file_;
   Descriptor to_;        // ffmpeg's standard input
   Descriptor messages_;  // ffmpeg's standard error
   pid_t child_ = -1;     // -1: not running
-  int width_ = 0, height_ = 0;
+  int rows_done_ = 0;    // of the frame that is being added
 };
 
 }  // namespace sluice

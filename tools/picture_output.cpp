@@ -5,16 +5,29 @@
 #include <algorithm>
 #include <cctype>
 
-#include "io/pictures/exr_file.h"
-#include "io/pictures/png_file.h"
 #include "src/annotate/annotate.h"
 #include "src/base/error.h"
 #include "src/library/exr_contents.h"
+#include "src/library/picture_memory.h"
 #include "src/render/index_space.h"
 #include "tools/interrupt.h"
 
 namespace sluice {
 namespace {
+
+// Rows [first, first + count), counted from the top, as a picture of their own.
+Picture rowsFrom(const Picture& picture, int first, int count) {
+  const auto width = static_cast<size_t>(picture.width), from = static_cast<size_t>(first) * width,
+             pixels = static_cast<size_t>(count) * width;
+  Picture rows{picture.width, count, {}, {}};
+  const auto at = [](const std::vector<float>& values, size_t i) {
+    return values.begin() + static_cast<int64_t>(i);
+  };
+  rows.rgba.assign(at(picture.rgba, 4 * from), at(picture.rgba, 4 * (from + pixels)));
+  if (!picture.depth.empty())
+    rows.depth.assign(at(picture.depth, from), at(picture.depth, from + pixels));
+  return rows;
+}
 
 Annotations annotationsOf(const PictureOutput& output, const FrameOptions& options,
                           const Scene& scene) {
@@ -62,22 +75,59 @@ std::optional<PictureKind> pictureKind(const std::filesystem::path& path) {
 }
 
 Picture shownPicture(const Picture& picture, const PictureOutput& output,
-                     const FrameOptions& options, const Scene& scene) {
+                     const FrameOptions& options, const Scene& scene, int first_row) {
   Picture shown = output.background ? over(picture, *output.background) : picture;
-  if (output.annotate) shown = annotated(shown, annotationsOf(output, options, scene));
+  if (output.annotate) shown = annotated(shown, annotationsOf(output, options, scene), first_row);
   return shown;
 }
 
-void writePicture(const std::filesystem::path& path, const Picture& picture,
-                  const PictureOutput& output, const FrameOptions& options, const Scene& scene) {
-  if (pictureKind(path) == PictureKind::kExr) {
-    writeExr(path,
-             exrContents(picture, output.background, output.aovs.opacity,
-                         {options, *scene.volume.source, scene.transfer, scene.look.options}),
-             ExrPrecision::kFloat, interruption());
+PictureWriter::PictureWriter(const std::filesystem::path& path, const PictureOutput& output,
+                             const FrameOptions& options, Scene& scene, FilmFile* film)
+    : path_(path), output_(output), options_(options), scene_(scene), film_(film) {
+  if (film == nullptr && pictureKind(path) == PictureKind::kPng)
+    png_ = std::make_unique<PngFile>(path, options.size.width, options.size.height, interruption());
+}
+
+PictureWriter::~PictureWriter() = default;
+
+void PictureWriter::addExrRows(const Picture& rows) {
+  if (exr_ != nullptr) {
+    exr_->add(exrRows(rows, output_.background, output_.aovs.opacity));
     return;
   }
-  writePng(path, shownPicture(picture, output, options, scene), interruption());
+  const ExrContents first =
+      exrContents(rows, output_.background, output_.aovs.opacity,
+                  {options_, *scene_.volume.source, scene_.transfer, scene_.look.options});
+  exr_ = std::make_unique<ExrFile>(path_, first, options_.size.height, ExrPrecision::kFloat,
+                                   interruption());
+  exr_->add(first);
+}
+
+void PictureWriter::addRows(const Picture& rows) {
+  if (film_ != nullptr)
+    film_->add(shownPicture(rows, output_, options_, scene_, rows_done_));
+  else if (png_ != nullptr)
+    png_->add(toRgba8(shownPicture(rows, output_, options_, scene_, rows_done_)));
+  else
+    addExrRows(rows);
+}
+
+void PictureWriter::add(const Picture& strip) {
+  const auto width = static_cast<uint64_t>(strip.width);
+  const int at_once = static_cast<int>(std::max<uint64_t>(1, kWrittenPixels / width));
+  for (int first = 0; first < strip.height; first += at_once) {
+    interruption().throwIfStopped();
+    const int count = std::min(at_once, strip.height - first);
+    addRows(rowsFrom(strip, first, count));
+    rows_done_ += count;
+  }
+  scene_.noteMemory();
+}
+
+void PictureWriter::commit() {
+  SLUICE_CHECK_EQ(rows_done_, options_.size.height);
+  if (png_ != nullptr) png_->commit();
+  if (exr_ != nullptr) exr_->commit();
 }
 
 }  // namespace sluice

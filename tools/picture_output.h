@@ -3,10 +3,14 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string_view>
 
+#include "io/pictures/exr_file.h"
+#include "io/pictures/png_file.h"
 #include "src/render/frame_options.h"
+#include "tools/film_file.h"
 #include "tools/scene.h"
 
 namespace sluice {
@@ -29,11 +33,41 @@ struct PictureOutput {
   Aovs aovs;              // EXR
 };
 
-// Over its background and with its annotations, as PNG files and films show it.
+// Over its background and with its annotations, as PNG files and films show it. `picture` may be
+// rows of the picture, from `first_row` on, counted from the top.
 Picture shownPicture(const Picture& picture, const PictureOutput& output,
-                     const FrameOptions& options, const Scene& scene);
-// `options` are the frame's. Throws Error, and Interrupted.
-void writePicture(const std::filesystem::path& path, const Picture& picture,
-                  const PictureOutput& output, const FrameOptions& options, const Scene& scene);
+                     const FrameOptions& options, const Scene& scene, int first_row = 0);
+
+// The file of a picture that comes strip by strip, from the top down. The file has the same bytes
+// whatever the strips. It converts a few rows at a time, so that memory holds no second picture.
+// Without commit() nothing is left of it. One thread.
+class PictureWriter {
+ public:
+  // `options` are the frame's; they and `scene` must outlive it. With `film` the picture is the
+  // film's next frame instead of a file `path`. Throws Error.
+  PictureWriter(const std::filesystem::path& path, const PictureOutput& output,
+                const FrameOptions& options, Scene& scene, FilmFile* film = nullptr);
+  ~PictureWriter();
+  PictureWriter(const PictureWriter&) = delete;
+  PictureWriter& operator=(const PictureWriter&) = delete;
+
+  // The next rows. Throws Error, and Interrupted after a signal.
+  void add(const Picture& strip);
+  // The same, and the file is there. Requires: all rows were added.
+  void commit();
+
+ private:
+  void addRows(const Picture& rows);
+  void addExrRows(const Picture& rows);
+
+  const std::filesystem::path path_;
+  const PictureOutput output_;
+  const FrameOptions& options_;
+  Scene& scene_;
+  FilmFile* const film_;
+  int rows_done_ = 0;
+  std::unique_ptr<PngFile> png_;  // null for other kinds
+  std::unique_ptr<ExrFile> exr_;  // made with the first rows
+};
 
 }  // namespace sluice

@@ -23,6 +23,7 @@
 #include "tools/plan_forecast.h"
 #include "tools/report.h"
 #include "tools/scene.h"
+#include "tools/scene_session.h"
 #include "tools/workers.h"
 
 namespace sluice {
@@ -231,9 +232,8 @@ int run(const Arguments& asked, const CLI::App& app) {
   outputs.reads(arguments.volume.inputs);
   outputs.reads(arguments.look.transfer_file);
   outputs.writes("--report", arguments.report_file, reportKind(arguments.report_file));
-  const IndexedVolume volume =
-      openIndexed(arguments.volume, arguments.resources,
-                  needsOf(arguments.look, mode, cut.has_value()), pool, outputs);
+  IndexedVolume volume = openIndexed(arguments.volume, arguments.resources,
+                                     needsOf(arguments.look, mode, cut.has_value()), pool, outputs);
   const TransferFunction transfer = lookFor(volume, arguments.look, mode).transfer;
   std::vector<Camera> cameras{arguments.frame.camera};
   fitCameras(cameras, arguments.fit,
@@ -241,6 +241,10 @@ int run(const Arguments& asked, const CLI::App& app) {
              arguments.resources, pool);
   arguments.frame.camera = cameras.front();
   const Shown shown = shownBlocks(arguments, volume, transfer, pool);
+  volume.page.pages = besideShare(volume, arguments.resources, arguments.frame.partition,
+                                  pictureDemand(arguments.resources, arguments.frame),
+                                  othersBytes(volume, *shown.blocks))
+                          .pages;
   const Costs costs = costsOf(arguments, volume, shown, pool);
   const Cost& chosen = costs[static_cast<size_t>(arguments.frame.algorithm)];
   std::optional<PlannedBoxes> boxes;

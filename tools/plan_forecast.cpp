@@ -4,17 +4,21 @@
 
 #include "src/base/bytes.h"
 #include "src/base/clock.h"
+#include "src/library/picture_memory.h"
 #include "tools/command_line/console.h"
+#include "tools/scene_session.h"
 
 namespace sluice {
 namespace {
 
 // Software GL with its threads, shaders and libraries, OpenVDB's too: measured 60 to 120 MB.
 constexpr uint64_t kProgramBytes = uint64_t{120} << 20;
-// A pixel: in the driver's float target and its copies, in the picture, and as it is encoded.
-constexpr uint64_t kPixelBytes = 64;
 
 }  // namespace
+
+uint64_t othersBytes(const IndexedVolume& volume, const VisibleBlocks& shown) {
+  return volume.rangesBytes() + shown.blocks.size() * kPlannedBlockBytes;
+}
 
 Forecast forecastOf(const IndexedVolume& volume, const VisibleBlocks& shown, uint64_t plan_bytes,
                     const FrameOptions& frame, const ResourceArguments& resources) {
@@ -27,18 +31,20 @@ Forecast forecastOf(const IndexedVolume& volume, const VisibleBlocks& shown, uin
     forecast.voxel_bytes += static_cast<uint64_t>(voxels.count()) * voxel_bytes;
   }
   forecast.index_bytes = volume.rangesBytes();
-  const BufferNeeds needs =
-      bufferNeeds(*volume.source, volume.layout, frame.partition, forecast.index_bytes);
+  const uint64_t others = othersBytes(volume, shown);
+  const PictureDemand picture = pictureDemand(resources, frame);
+  const BesideShare share = besideShare(volume, resources, frame.partition, picture, others);
+  const BufferNeeds needs = bufferNeeds(*volume.source, volume.layout, frame.partition,
+                                        others + leastPictureBytes(picture));
   const uint64_t textures = textureMemoryBytes(volume.page, TexelPlace::kInMemory);
   forecast.budget_bytes = memoryBudget(resources);
   forecast.least_bytes = textures + leastBufferBytes(volume.page, needs);
   // Blocks once, and chunks twice: filled in memory, and as textures.
   const uint64_t wanted =
-      forecast.index_bytes + forecast.voxel_bytes + plan_bytes + std::min(plan_bytes, textures);
+      share.beside_bytes + forecast.voxel_bytes + plan_bytes + std::min(plan_bytes, textures);
   forecast.buffer_bytes =
       std::min(forecast.budget_bytes, std::max(wanted, forecast.least_bytes - textures));
-  forecast.picture_bytes = static_cast<uint64_t>(frame.size.width) *
-                           static_cast<uint64_t>(frame.size.height) * kPixelBytes;
+  forecast.picture_bytes = share.picture_bytes;
   forecast.program_bytes = kProgramBytes;
   forecast.machine_bytes = availableMemoryBytes();
   return forecast;

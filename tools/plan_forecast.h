@@ -18,13 +18,17 @@ struct Forecast {
   // What --memory bounds: its value, the least that works, and what the frame comes to.
   uint64_t budget_bytes = 0, least_bytes = 0, buffer_bytes = 0;
   uint64_t index_bytes = 0;  // of buffer_bytes: the min-max arrays
-  // Beside it: the picture on its way to a file, the program and its driver.
-  uint64_t picture_bytes = 0, program_bytes = 0;
+  // Of buffer_bytes: the picture, or a strip of it, until it is written.
+  uint64_t picture_bytes = 0;
+  uint64_t program_bytes = 0;  // in addition to it: the program and its driver
   uint64_t machine_bytes = 0;  // what this process may have
 
-  uint64_t peakBytes() const { return buffer_bytes + picture_bytes + program_bytes; }
+  uint64_t peakBytes() const { return buffer_bytes + program_bytes; }
   bool fits() const { return least_bytes <= budget_bytes && peakBytes() <= machine_bytes; }
 };
+
+// What a frame holds beside the levels and the picture: min-max arrays and the plan.
+uint64_t othersBytes(const IndexedVolume& volume, const VisibleBlocks& shown);
 
 // `plan_bytes`: of the textures that the chosen algorithm makes. On software GL, where textures
 // live in memory.

@@ -12,6 +12,7 @@
 #include "src/base/error.h"
 #include "src/library/conversions.h"
 #include "src/library/empty_picture.h"
+#include "src/library/picture_memory.h"
 #include "src/render/camera_path.h"
 #include "src/render/level_cut.h"
 #include "tools/command_line/console.h"
@@ -31,6 +32,7 @@
 #include "tools/report.h"
 #include "tools/scene.h"
 #include "tools/series.h"
+#include "tools/strip_drawing.h"
 #include "tools/verification.h"
 #include "tools/view_state_option.h"
 
@@ -228,6 +230,28 @@ bool reportsParts(const Arguments& arguments) {
          !isPage(arguments.report_file) && !isFilmName(arguments.output);
 }
 
+// Options that look at a whole picture do not go with one that is drawn in strips.
+void requireWholePicture(const Arguments& arguments, const Scene& scene) {
+  if (!arguments.verify && !arguments.debug_view) return;
+  if (stripsFor(scene).size() == 1) return;
+  const PictureSize size = scene.pictures.size;
+  const uint64_t needed = 4 * wholePictureBytes(scene.pictures);
+  fail(
+      "{} needs the whole picture of {} x {} in memory, and --memory {} has no room; give "
+      "--memory {}",
+      arguments.verify ? "--verify" : "--debug-view", size.width, size.height,
+      formatBytes(scene.memory_bytes), needed);
+}
+
+// Why the picture of a frame shows nothing, in one line; empty if it shows something.
+std::string emptyReason(const Arguments& arguments, Scene& scene, const FrameOptions& options,
+                        const DrawnFrame& frame, int64_t number, ProgressMeter& progress) {
+  if (frame.shows_something) return "";
+  return whyEmpty({scene.volume, timeOf(arguments, number), scene.transfer, options,
+                   frame.report.missing_share},
+                  {scene.pool, progress, scene.memory_bytes, interruption()});
+}
+
 // Draws the frames and writes their pictures, which the first rank does for all.
 Drawn drawAll(const Arguments& arguments, const std::vector<int64_t>& to_draw,
               const std::vector<Camera>& cameras, const PictureOutput& output, FrameOptions options,
@@ -239,37 +263,35 @@ Drawn drawAll(const Arguments& arguments, const std::vector<int64_t>& to_draw,
   Drawn drawn;
   std::optional<FilmFile> film;
   if (is_first && isFilmName(arguments.output))
-    film.emplace(arguments.output, arguments.frames_per_second, interruption());
+    film.emplace(arguments.output, options.size, arguments.frames_per_second, interruption());
+  const std::vector<PictureRows> strips = stripsFor(scene);
+  // The next step's blocks would take the room of those that the next strip needs again.
+  const bool reads_ahead = arguments.times && strips.size() == 1;
   const auto drawFrame = [&](size_t at) {
     const int64_t i = to_draw[at];
     options.camera = cameraOf(cameras, i);
     scene.session->setOptions(options);
     if (isSeries(arguments))
-      series.show(timeOf(arguments, i), arguments.times && at + 1 < to_draw.size()
+      series.show(timeOf(arguments, i), reads_ahead && at + 1 < to_draw.size()
                                             ? std::optional(timeOf(arguments, to_draw[at + 1]))
                                             : std::nullopt);
     scene.device->reuse(std::move(drawn.picture));
-    Frame frame = scene.frame();
-    scene.noteMemory();
-    drawn.picture = std::move(frame.picture);
-    drawn.blocks = frame.blocks;
     drawn.name = frameName(arguments, i);
-    std::string empty;
-    if (is_first && showsNothing(drawn.picture))
-      empty = whyEmpty(
-          {scene.volume, timeOf(arguments, i), scene.transfer, options, frame.report.missing_share},
-          {scene.pool, progress, scene.memory_bytes, interruption()});
+    std::optional<PictureWriter> writer;
+    if (is_first) writer.emplace(drawn.name, output, options, scene, film ? &*film : nullptr);
+    DrawnFrame frame = drawFrameOf(scene, strips, writer ? &*writer : nullptr);
+    drawn.blocks = frame.blocks;
+    std::string empty =
+        is_first ? emptyReason(arguments, scene, options, frame, i, progress) : std::string();
     const Stopwatch watch;
-    if (film)
-      film->add(shownPicture(drawn.picture, output, options, scene));
-    else if (is_first)
-      writePicture(drawn.name, drawn.picture, output, options, scene);
-    drawn.frames.push_back({frame.report, watch.seconds(), std::move(empty)});
+    if (writer) writer->commit();
+    drawn.frames.push_back({frame.report, frame.write_seconds + watch.seconds(), std::move(empty)});
     if (series.culls()) drawn.culling.push_back(countsJson(series.counts()));
     progress.add(1);
     if (arguments.debug_view)
-      drawn.views = writeDebugViews(drawn.name, frame, scene, arguments.volume, scene.volume.places,
-                                    options.partition);
+      drawn.views = writeDebugViews(drawn.name, *frame.whole, scene, arguments.volume,
+                                    scene.volume.places, options.partition);
+    if (frame.whole) drawn.picture = std::move(frame.whole->picture);
   };
   for (size_t at = 0; at < to_draw.size() && !drawn.is_cut; ++at) try {
       drawFrame(at);
@@ -323,15 +345,17 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
   if (team != nullptr) expectSameScene(*team, scene, cameras);
   const PictureOutput output = outputOf(arguments);
   const FrameOptions options = frameOptions(arguments, app, cameras.front(), output, scene);
+  requireWholePicture(arguments, scene);
 
+  const nlohmann::json earlier = earlierReport(arguments);
+  // Before the trace, since culling opens the session anew.
+  Series series(scene, arguments.culling, arguments.resources, options);
   std::unique_ptr<TraceWriter> trace;
   if (!arguments.trace_file.empty()) {
     trace = makeTraceWriter(arguments.trace_file, traceFormatOf(arguments.trace_file),
                             static_cast<uint64_t>(scene.session->page().pageBytes()));
     scene.session->recordTo(trace.get());
   }
-  const nlohmann::json earlier = earlierReport(arguments);
-  Series series(scene, arguments.culling, arguments.resources, options);
   const Drawn drawn =
       drawAll(arguments, to_draw, cameras, output, options, scene, series, is_first);
   if (drawn.is_cut) {

@@ -83,7 +83,8 @@ void writeReportOf(const RenderArguments& arguments, const nlohmann::json& repor
                    const Drawn& drawn, const Scene& scene, bool maps) {
   PagePictures pictures;
   if (isPage(arguments.report_file)) {
-    addPicture(pictures, drawn.name, drawn.picture);
+    // One that was drawn in strips would make the page as large as its file.
+    if (drawn.picture.width > 0) addPicture(pictures, drawn.name, drawn.picture);
     if (maps && !isCoarser(*drawn.blocks))
       addBlocks(pictures, scene.volume.step().ranges->layout.grid, *drawn.blocks);
   }

@@ -8,6 +8,7 @@
 #include "tools/command_line/progress_line.h"
 #include "tools/environment.h"
 #include "tools/interrupt.h"
+#include "tools/scene_session.h"
 
 namespace sluice {
 namespace {
@@ -64,23 +65,17 @@ Scene::Scene(const VolumeArguments& arguments, const LookArguments& arguments_lo
                          needsOf(arguments_look, frame.mode, frame.cut.has_value()), pool,
                          outputs)),
       memory_bytes(memoryBudget(resources)),
+      pictures(pictureDemand(resources, frame)),
       device(makeDevice(resources.device, pool)),
       look(lookFor(volume, arguments_look, frame.mode)),
       transfer(look.transfer) {
-  SessionOptions options =
-      sessionOptions(volume, look.lit, resources, frame.partition, memory_bytes);
   if (team != nullptr) {
     const Dealing dealing = dealBlocks(volume.layout, team->ranks());
     part_bytes = partBytes(frame.size, dealing, memory_bytes);
-    options.beside_bytes += part_bytes;
-    options.page.pages =
-        pageCount(resources, volume.page, volume.layout, *volume.source, options.beside_bytes);
     share = std::make_unique<RankShare>(*team, dealing, pool, part_bytes);
     device = share->deviceFrom(std::move(device));
   }
-  session = std::make_unique<Session>(volume.step(), *device, pool, options);
-  session->setTransferFunction(transfer);
-  chooseBlocksBy(nullptr);
+  openSession(*this, resources, frame, 0);
   noteMemory();
 }
 

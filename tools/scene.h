@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "src/library/indexed_volume.h"
+#include "src/library/picture_memory.h"
 #include "src/library/resources.h"
 #include "src/library/view_fit.h"
 #include "src/parallel/rank_share.h"
@@ -68,7 +69,8 @@ struct Scene {
   Workers pool;
   IndexedVolume volume;
   uint64_t memory_bytes;
-  uint64_t part_bytes = 0;            // of them, for parts of pictures
+  PictureDemand pictures;             // that the scene draws
+  uint64_t part_bytes = 0;            // of memory_bytes, for a picture or a strip or part of it
   uint64_t peak_anonymous_bytes = 0;  // at the calls of noteMemory()
   std::unique_ptr<RankShare> share;   // null: alone
   std::unique_ptr<Device> device;

@@ -9,6 +9,7 @@
 #include "tools/command_line/progress_line.h"
 #include "tools/interrupt.h"
 #include "tools/rank_agreement.h"
+#include "tools/scene_session.h"
 
 namespace sluice {
 namespace {
@@ -71,6 +72,7 @@ Series::Series(Scene& scene, const CullingArguments& culling, const ResourceArgu
     functions_.emplace(openFunctions(scene.volume, scene.transfer, culling, resources, scene.pool));
   });
   CullingOptions options = cullingOptions(culling.culling, frame, *functions_);
+  openSession(scene, resources, frame, functions_->opacity()->bytes());
   if (scene.share) scene.share->shareEstimate(options);
   culled_.emplace(functions_->opacity(), scene.volume.source->layout(), options, scene.pool);
   scene.chooseBlocksBy(&*culled_);

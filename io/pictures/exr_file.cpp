@@ -14,7 +14,10 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <exception>
+#include <memory>
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -89,8 +92,8 @@ struct MatrixAttribute : Imf::M44fAttribute {
                             m[11], m[12], m[13], m[14], m[15]}) {}
 };
 
-Imf::Header makeHeader(const std::filesystem::path& path, const ExrContents& contents) {
-  Imf::Header header(contents.picture.width, contents.picture.height);
+Imf::Header makeHeader(const std::filesystem::path& path, const ExrContents& contents, int height) {
+  Imf::Header header(contents.picture.width, height);
   header.compression() = Imf::ZIP_COMPRESSION;
   header.screenWindowWidth() = contents.screen_window_width;
   Imf::addChromaticities(header, Imf::Chromaticities());  // Rec. 709's
@@ -99,57 +102,134 @@ Imf::Header makeHeader(const std::filesystem::path& path, const ExrContents& con
   return header;
 }
 
+// Where OpenEXR finds some rows of a file of `header`, the first of which is row `first_row`.
+class RowsOfFile {
+ public:
+  RowsOfFile(const ExrContents& rows, const Imf::Header& header, int first_row,
+             ExrPrecision precision)
+      : width_(static_cast<size_t>(rows.picture.width)), first_row_(first_row) {
+    const Picture& picture = rows.picture;
+    const size_t pixels = width_ * static_cast<size_t>(picture.height);
+    SLUICE_CHECK_EQ(picture.rgba.size(), kPixelFloats * pixels);
+    SLUICE_CHECK(picture.depth.empty() || picture.depth.size() == pixels);
+    if (precision == ExrPrecision::kHalf) halves_.assign(picture.rgba.begin(), picture.rgba.end());
+    for (size_t c = 0; c < kChannels.size(); ++c)
+      if (precision == ExrPrecision::kHalf)
+        add(kChannels[c], Imf::HALF, halves_.data() + c, kPixelFloats);
+      else
+        add(kChannels[c], Imf::FLOAT, picture.rgba.data() + c, kPixelFloats);
+    if (!picture.depth.empty()) add("Z", Imf::FLOAT, picture.depth.data(), 1);
+    for (const auto& [name, values] : rows.channels) {
+      SLUICE_CHECK_EQ(values.size(), pixels);
+      add(name, Imf::FLOAT, values.data(), 1);
+    }
+    for (auto it = header.channels().begin(); it != header.channels().end(); ++it)
+      SLUICE_CHECK(buffer_.findSlice(it.name()) != nullptr);
+  }
+  const Imf::FrameBuffer& buffer() const { return buffer_; }
+
+ private:
+  // OpenEXR addresses rows from row 0 on, which need not be there, by a pointer to non-const, and
+  // only reads them.
+  template <class T>
+  void add(const std::string& name, Imf::PixelType type, const T* first, size_t stride) {
+    const size_t x_stride = stride * sizeof(T), y_stride = x_stride * width_;
+    auto* const row_0 = reinterpret_cast<char*>(reinterpret_cast<uintptr_t>(first) -
+                                                static_cast<size_t>(first_row_) * y_stride);
+    buffer_.insert(name, Imf::Slice(type, row_0, x_stride, y_stride));
+  }
+
+  const size_t width_;
+  const int first_row_;
+  std::vector<Imath::half> halves_;  // OpenEXR writes halves only out of halves
+  Imf::FrameBuffer buffer_;
+};
+
+void addChannels(Imf::Header& header, const std::filesystem::path& path,
+                 const ExrContents& contents, ExrPrecision precision) {
+  for (const char* channel : kChannels)
+    header.channels().insert(
+        channel, Imf::Channel(precision == ExrPrecision::kHalf ? Imf::HALF : Imf::FLOAT));
+  if (!contents.picture.depth.empty()) header.channels().insert("Z", Imf::Channel(Imf::FLOAT));
+  for (const ExrChannel& channel : contents.channels) {
+    if (channel.name.empty() || isOfThePicture(channel.name))
+      fail("{}: \"{}\" cannot name a further channel", path.string(), channel.name);
+    header.channels().insert(channel.name, Imf::Channel(Imf::FLOAT));
+  }
+}
+
 }  // namespace
+
+struct ExrFile::Impl {
+  const std::filesystem::path path;
+  const ExrPrecision precision;
+  const int width, height;
+  const StopToken stop;
+  AtomicFile file;
+  ExrStream stream;
+  std::optional<Imf::OutputFile> output;  // writes to `stream` until it is destroyed
+  int rows_done = 0;
+
+  Impl(const std::filesystem::path& path_of_file, ExrPrecision precision_of_colors, int width_px,
+       int height_px, const StopToken& stop_token)
+      : path(path_of_file),
+        precision(precision_of_colors),
+        width(width_px),
+        height(height_px),
+        stop(stop_token),
+        file(path),
+        stream(file, path.string(), stop) {}
+
+  // body(), with what OpenEXR throws as an Error of ours.
+  template <class Body>
+  void writing(const Body& body) {
+    try {
+      body();
+    } catch (const Error&) {
+      throw;
+    } catch (const std::exception& e) {
+      stream.throwFailure();
+      fail("{}: cannot be written: {}", path.string(), e.what());
+    }
+    stream.throwFailure();
+    stop.throwIfStopped();
+  }
+};
+
+ExrFile::ExrFile(const std::filesystem::path& path, const ExrContents& first, int height,
+                 ExrPrecision precision, const StopToken& stop)
+    : impl_(std::make_unique<Impl>(path, precision, first.picture.width, height, stop)) {
+  SLUICE_CHECK(impl_->width > 0 && height > 0);
+  impl_->writing([&] {
+    Imf::Header header = makeHeader(path, first, height);
+    addChannels(header, path, first, precision);
+    impl_->output.emplace(impl_->stream, header);
+  });
+}
+
+ExrFile::~ExrFile() = default;
+
+void ExrFile::add(const ExrContents& rows) {
+  SLUICE_CHECK_EQ(rows.picture.width, impl_->width);
+  SLUICE_CHECK_LE(rows.picture.height, impl_->height - impl_->rows_done);
+  impl_->writing([&] {
+    const RowsOfFile added(rows, impl_->output->header(), impl_->rows_done, impl_->precision);
+    impl_->output->setFrameBuffer(added.buffer());
+    impl_->output->writePixels(rows.picture.height);
+  });
+  impl_->rows_done += rows.picture.height;
+}
+
+void ExrFile::commit() {
+  SLUICE_CHECK_EQ(impl_->rows_done, impl_->height);
+  impl_->writing([&] { impl_->output.reset(); });
+  impl_->file.commit();
+}
 
 void writeExr(const std::filesystem::path& path, const ExrContents& contents,
               ExrPrecision precision, const StopToken& stop) {
-  const Picture& picture = contents.picture;
-  const size_t pixels = static_cast<size_t>(picture.width) * static_cast<size_t>(picture.height);
-  SLUICE_CHECK(picture.width > 0 && picture.height > 0);
-  SLUICE_CHECK_EQ(picture.rgba.size(), kPixelFloats * pixels);
-  SLUICE_CHECK(picture.depth.empty() || picture.depth.size() == pixels);
-  AtomicFile file(path);
-  ExrStream stream(file, path.string(), stop);
-  try {
-    Imf::Header header = makeHeader(path, contents);
-    const Imath::Box2i window = header.dataWindow();
-    Imf::FrameBuffer buffer;
-    // OpenEXR writes halves only out of halves.
-    std::vector<Imath::half> halves;
-    // It takes the pixels by a pointer to non-const, and only reads them.
-    auto* const rgba = const_cast<float*>(picture.rgba.data());
-    if (precision == ExrPrecision::kHalf) halves.assign(picture.rgba.begin(), picture.rgba.end());
-    for (size_t c = 0; c < kChannels.size(); ++c) {
-      const bool is_half = precision == ExrPrecision::kHalf;
-      header.channels().insert(kChannels[c], Imf::Channel(is_half ? Imf::HALF : Imf::FLOAT));
-      const size_t stride = kPixelFloats * sizeof(Imath::half);
-      buffer.insert(kChannels[c],
-                    is_half ? Imf::Slice::Make(Imf::HALF, halves.data() + c, window, stride,
-                                               stride * static_cast<size_t>(picture.width))
-                            : floatSlice(rgba + c, window, kPixelFloats, 0));
-    }
-    const auto add = [&](const std::string& name, const std::vector<float>& values) {
-      header.channels().insert(name, Imf::Channel(Imf::FLOAT));
-      buffer.insert(name, floatSlice(const_cast<float*>(values.data()), window, 1, 0));
-    };
-    if (!picture.depth.empty()) add("Z", picture.depth);
-    for (const auto& [name, values] : contents.channels) {
-      SLUICE_CHECK_EQ(values.size(), pixels);
-      if (name.empty() || isOfThePicture(name))
-        fail("{}: \"{}\" cannot name a further channel", path.string(), name);
-      add(name, values);
-    }
-    Imf::OutputFile output(stream, header);
-    output.setFrameBuffer(buffer);
-    output.writePixels(picture.height);
-  } catch (const Error&) {
-    throw;
-  } catch (const std::exception& e) {
-    stream.throwFailure();
-    fail("{}: cannot be written: {}", path.string(), e.what());
-  }
-  stream.throwFailure();
-  stop.throwIfStopped();
+  ExrFile file(path, contents, contents.picture.height, precision, stop);
+  file.add(contents);
   file.commit();
 }
 

@@ -9,6 +9,7 @@
 
 #include <array>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -46,6 +47,30 @@ struct ExrContents {
 // cannot be written or a name is not allowed, and Interrupted; an older file is then as it was.
 void writeExr(const std::filesystem::path& path, const ExrContents& contents,
               ExrPrecision precision = ExrPrecision::kHalf, const StopToken& stop = {});
+
+// A file that is written a few rows at a time, from the top row down. It has the same bytes as if
+// the whole picture were written at once. Without commit() nothing is left of it. One thread.
+class ExrFile {
+ public:
+  // `first` are the first rows: their header is the file's, and all rows have their channels. They
+  // are not written yet; pass them to add(). `height` is the whole picture's. Throws as writeExr()
+  // does, and so do the other functions.
+  ExrFile(const std::filesystem::path& path, const ExrContents& first, int height,
+          ExrPrecision precision = ExrPrecision::kHalf, const StopToken& stop = {});
+  ~ExrFile();
+  ExrFile(const ExrFile&) = delete;
+  ExrFile& operator=(const ExrFile&) = delete;
+
+  // Ignores the rows' attributes. Requires: the first rows' width and channels, and no more rows
+  // than are left.
+  void add(const ExrContents& rows);
+  // Requires: all rows were added.
+  void commit();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
 
 // Reads the first part of a flat EXR. Throws Error: no EXR, damaged, or of more than 2^28 pixels.
 ExrContents readExr(const std::filesystem::path& path);

@@ -59,55 +59,111 @@ struct Writer {
     }
   }
 
-  bool encode(const Rgba8Picture& picture) {
+  bool begin(int width, int height) {
     if (setjmp(png_jmpbuf(png)) != 0) return false;
     png_set_write_fn(png, this, onWrite, onFlush);
-    png_set_IHDR(png, info, static_cast<png_uint_32>(picture.width),
-                 static_cast<png_uint_32>(picture.height), 8, PNG_COLOR_TYPE_RGBA,
-                 PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    png_set_IHDR(png, info, static_cast<png_uint_32>(width), static_cast<png_uint_32>(height), 8,
+                 PNG_COLOR_TYPE_RGBA, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
+                 PNG_FILTER_TYPE_DEFAULT);
     png_set_text(png, info, &software, 1);
     png_write_info(png, info);
-    const size_t row_bytes = size_t{4} * static_cast<size_t>(picture.width);
-    for (size_t y = 0; y < static_cast<size_t>(picture.height); ++y) {
+    return true;
+  }
+  bool addRows(const Rgba8Picture& rows) {
+    if (setjmp(png_jmpbuf(png)) != 0) return false;
+    const size_t row_bytes = size_t{4} * static_cast<size_t>(rows.width);
+    for (size_t y = 0; y < static_cast<size_t>(rows.height); ++y) {
       if (stop.isStopRequested()) return false;
-      png_write_row(png, picture.rgba.data() + y * row_bytes);
+      png_write_row(png, rows.rgba.data() + y * row_bytes);
     }
+    return true;
+  }
+  bool end() {
+    if (setjmp(png_jmpbuf(png)) != 0) return false;
     png_write_end(png, nullptr);
     return true;
   }
 };
 
-// `name`: of what cannot be written, for messages.
-void encode(const Rgba8Picture& picture, const std::string& name, decltype(Writer::sink) sink,
-            const StopToken& stop = {}) {
-  SLUICE_CHECK(picture.width > 0 && picture.height > 0);
-  SLUICE_CHECK_EQ(picture.rgba.size(), size_t{4} * static_cast<size_t>(picture.width) *
-                                           static_cast<size_t>(picture.height));
-  Writer writer(std::move(sink), stop);
-  writer.png =
-      png_create_write_struct(PNG_LIBPNG_VER_STRING, &writer, Writer::onError, Writer::onWarning);
-  writer.info = writer.png == nullptr ? nullptr : png_create_info_struct(writer.png);
-  if (writer.info == nullptr) fail("{}: libpng cannot be used (version or memory)", name);
-  const bool is_whole = writer.encode(picture);
-  stop.throwIfStopped();
-  if (!is_whole) fail("{}: cannot be written: {}", name, writer.message);
-}
+// A PNG in the making; `name` is what messages call it.
+class Encoder {
+ public:
+  Encoder(int width, int height, std::string name, decltype(Writer::sink) sink,
+          const StopToken& stop = {})
+      : name_(std::move(name)), writer_(std::move(sink), stop) {
+    SLUICE_CHECK(width > 0 && height > 0);
+    writer_.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &writer_, Writer::onError,
+                                          Writer::onWarning);
+    writer_.info = writer_.png == nullptr ? nullptr : png_create_info_struct(writer_.png);
+    if (writer_.info == nullptr) fail("{}: libpng cannot be used (version or memory)", name_);
+    require(writer_.begin(width, height));
+  }
+  void addRows(const Rgba8Picture& rows) {
+    SLUICE_CHECK_EQ(rows.rgba.size(),
+                    size_t{4} * static_cast<size_t>(rows.width) * static_cast<size_t>(rows.height));
+    require(writer_.addRows(rows));
+  }
+  void end() { require(writer_.end()); }
+
+ private:
+  void require(bool is_written) const {
+    writer_.stop.throwIfStopped();
+    if (!is_written) fail("{}: cannot be written: {}", name_, writer_.message);
+  }
+
+  const std::string name_;
+  Writer writer_;
+};
 
 }  // namespace
 
 std::vector<std::byte> encodedPng(const Rgba8Picture& picture) {
   std::vector<std::byte> bytes;
-  encode(picture, "a PNG picture", [&bytes](std::span<const std::byte> more) {
-    bytes.insert(bytes.end(), more.begin(), more.end());
-  });
+  Encoder encoder(picture.width, picture.height, "a PNG picture",
+                  [&bytes](std::span<const std::byte> more) {
+                    bytes.insert(bytes.end(), more.begin(), more.end());
+                  });
+  encoder.addRows(picture);
+  encoder.end();
   return bytes;
+}
+
+struct PngFile::Impl {
+  AtomicFile file;
+  int width, rows_left;
+  Encoder encoder;
+
+  Impl(const std::filesystem::path& path, int width_px, int height_px, const StopToken& stop)
+      : file(path),
+        width(width_px),
+        rows_left(height_px),
+        encoder(
+            width_px, height_px, path.string(),
+            [this](std::span<const std::byte> more) { file.write(more); }, stop) {}
+};
+
+PngFile::PngFile(const std::filesystem::path& path, int width, int height, const StopToken& stop)
+    : impl_(std::make_unique<Impl>(path, width, height, stop)) {}
+
+PngFile::~PngFile() = default;
+
+void PngFile::add(const Rgba8Picture& rows) {
+  SLUICE_CHECK_EQ(rows.width, impl_->width);
+  SLUICE_CHECK_LE(rows.height, impl_->rows_left);
+  impl_->encoder.addRows(rows);
+  impl_->rows_left -= rows.height;
+}
+
+void PngFile::commit() {
+  SLUICE_CHECK_EQ(impl_->rows_left, 0);
+  impl_->encoder.end();
+  impl_->file.commit();
 }
 
 void writePng(const std::filesystem::path& path, const Rgba8Picture& picture,
               const StopToken& stop) {
-  AtomicFile file(path);
-  encode(
-      picture, path.string(), [&file](std::span<const std::byte> more) { file.write(more); }, stop);
+  PngFile file(path, picture.width, picture.height, stop);
+  file.add(picture);
   file.commit();
 }
 

@@ -22,14 +22,14 @@ double emOf(PictureSize size) {
   return std::max(kLeastEm, std::min(size.width, size.height) / kLettersAPicture);
 }
 
-Picture annotated(const Picture& picture, const Annotations& annotations) {
+Picture annotated(const Picture& picture, const Annotations& annotations, int first_row) {
   const PictureSize size = annotations.view.size;
   SLUICE_CHECK_EQ(picture.width, size.width);
-  SLUICE_CHECK_EQ(picture.height, size.height);
+  SLUICE_CHECK_LE(first_row + picture.height, size.height);
   if (std::min(size.width, size.height) < kLeastAnnotatedPixels)
     fail("a picture of {} x {} pixels is too small for --annotate, which needs {} x {}", size.width,
          size.height, kLeastAnnotatedPixels, kLeastAnnotatedPixels);
-  Pen pen(size.width, size.height, emOf(size), isLight(annotations.background));
+  Pen pen(picture.width, picture.height, emOf(size), isLight(annotations.background), first_row);
   drawColorBar(pen, annotations);
   drawScaleBar(pen, annotations);
   drawOrientationAxes(pen, annotations);

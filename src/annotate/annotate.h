@@ -34,8 +34,9 @@ struct Annotations {
 inline constexpr int kLeastAnnotatedPixels = 128;  // of both sides
 
 // The picture with all three drawn over it; depth is kept. Throws Error when the picture is smaller
-// than kLeastAnnotatedPixels or no font is installed. Requires: view.size is the picture's.
-Picture annotated(const Picture& picture, const Annotations& annotations);
+// than kLeastAnnotatedPixels or no font is installed. `picture` may be a strip of the picture,
+// whole rows from `first_row` on, counted from the top. Requires: view.size is the whole picture's.
+Picture annotated(const Picture& picture, const Annotations& annotations, int first_row = 0);
 
 // What they take of a picture's sides, for the volume to stand beside them.
 Room annotationRoom(PictureSize size);

@@ -34,12 +34,13 @@ struct Pen::Canvas {
   Canvas& operator=(const Canvas&) = delete;
 };
 
-Pen::Pen(int width, int height, double em, bool light_below)
+Pen::Pen(int width, int height, double em, bool light_below, int first_row)
     : em_(em),
       ink_(light_below ? Vec3d{0.07, 0.07, 0.07} : Vec3d{1, 1, 1}),
       rim_(light_below ? Vec3d{1, 1, 1} : Vec3d{0, 0, 0}),
       canvas_(std::make_unique<Canvas>(width, height)) {
   cairo_t* cairo = canvas_->cairo;
+  cairo_translate(cairo, 0, -first_row);
   cairo_set_line_cap(cairo, CAIRO_LINE_CAP_ROUND);
   cairo_set_line_join(cairo, CAIRO_LINE_JOIN_ROUND);
   cairo_select_font_face(cairo, "sans-serif", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);

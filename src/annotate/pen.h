@@ -21,8 +21,9 @@ enum class Anchor { kLeft, kMiddle, kRight };
 class Pen {
  public:
   // `em`: the size of letters. `light_below`: what lies below is light, so that the ink is dark.
+  // The canvas is a strip whose top is `first_row` pixels below the corner that lengths count from.
   // Throws Error when no font is installed.
-  Pen(int width, int height, double em, bool light_below);
+  Pen(int width, int height, double em, bool light_below, int first_row = 0);
   ~Pen();
   Pen(const Pen&) = delete;
   Pen& operator=(const Pen&) = delete;

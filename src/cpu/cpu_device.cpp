@@ -11,7 +11,6 @@
 #include "src/base/error.h"
 #include "src/cpu/kernel_box.h"
 #include "src/cpu/least_opacity.h"
-#include "src/cpu/tile_bins.h"
 #include "src/device/drawing_cost.h"
 
 namespace sluice {
@@ -97,8 +96,19 @@ void CpuDevice::beginFrame(const FrameSetup& setup, const StopToken& stop) {
     shown_ = std::move(shown);
     shown_for_ = setup_.look_up;
   }
-  picture_.begin(setup_, kernels_);
+  picture_.begin(setup_, kernels_, rowsOfFrame());
   if (setup_.is_part) parts_.begin(setup_, tables_->frame(), kernels_);
+}
+
+PictureRows CpuDevice::rowsOfFrame() const {
+  const int height = setup_.size.height;
+  if (!rows_) return {0, height};
+  SLUICE_CHECK(!setup_.is_part);
+  return {rows_->lo, std::min(rows_->hi, height)};
+}
+
+TileBins CpuDevice::binsOf(const std::vector<KernelBox>& boxes) const {
+  return tileBins(boxes, picture_.tilesAcross(), picture_.tilesUp(), picture_.lowestTiles());
 }
 
 void CpuDevice::draw(std::span<const BoxDraw> boxes) {
@@ -148,7 +158,7 @@ void CpuDevice::drawNow(const Then& then, Keep keep) {
     appendBox(setup_, box, chunk.texels.get(), leaps ? &*chunk.leaps : nullptr, boxes);
   }
   forgetPutOff();
-  const TileBins bins = tileBins(boxes, picture_.tilesAcross(), picture_.tilesUp());
+  const TileBins bins = binsOf(boxes);
   const KernelFrame& frame = tables_->frame();
   const bool composite = setup_.mode == Mode::kComposite, in_layers = composite && setup_.is_part;
   const auto draw = composite ? kernels_.composite : kernels_.other;
@@ -190,7 +200,7 @@ uint64_t CpuDevice::countSamples(std::span<const BoxDraw> draws) {
   std::vector<KernelBox> boxes;
   boxes.reserve(draws.size());
   for (const BoxDraw& box : draws) appendBox(setup_, box, nullptr, nullptr, boxes);
-  const TileBins bins = tileBins(boxes, picture_.tilesAcross(), picture_.tilesUp());
+  const TileBins bins = binsOf(boxes);
   std::atomic<uint64_t> samples = 0;
   pool_.parallelFor(picture_.tiles(), [&](int64_t index) {
     const auto of_tile = bins.of(index);

@@ -22,13 +22,15 @@
 #include "src/cpu/kernel_frame.h"
 #include "src/cpu/leap_grid.h"
 #include "src/cpu/simd_target.h"
+#include "src/cpu/tile_bins.h"
 #include "src/cpu/tile_parts.h"
 #include "src/cpu/tiled_picture.h"
 #include "src/device/device.h"
+#include "src/device/picture_rows.h"
 
 namespace sluice {
 
-class CpuDevice : public Device {
+class CpuDevice : public Device, public DrawsRows {
  public:
   // `pool` must outlive the device. Throws Error where the processor lacks the target.
   explicit CpuDevice(WorkerPool& pool, SimdTarget target = SimdTarget::kAuto);
@@ -50,6 +52,8 @@ class CpuDevice : public Device {
   bool drawsParts() const override { return true; }
   PartialPicture endPart() override;
   void cancelFrame() override { forgetPutOff(); }
+  void drawRows(std::optional<PictureRows> rows) override { rows_ = rows; }
+  std::optional<PictureRows> rows() const override { return rows_; }
 
  private:
   struct Resident {
@@ -60,6 +64,8 @@ class CpuDevice : public Device {
   };
 
   void forgetPutOff();
+  PictureRows rowsOfFrame() const;
+  TileBins binsOf(const std::vector<KernelBox>& boxes) const;
   // Whether a tile's pixels are wanted after `then`.
   enum class Keep { kPixels, kNothing };
   // Draws what was put off. `then` is called for each tile of the picture once it is drawn, by the
@@ -81,6 +87,7 @@ class CpuDevice : public Device {
   LookUpPtr shown_for_;                  // what it is of
   uint64_t shown_number_ = 0;            // counts its changes
   StopToken stop_;
+  std::optional<PictureRows> rows_;
   TiledPicture picture_;
   TileParts parts_;  // of a frame that is a part
   std::vector<BoxDraw> put_off_;

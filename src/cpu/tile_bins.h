@@ -21,6 +21,7 @@ struct TileBins {
   }
 };
 
-TileBins tileBins(std::span<const KernelBox> boxes, int tiles_across, int tiles_up);
+// Of the picture's tiles those of `tiles_up` rows of tiles, from row `lowest` on.
+TileBins tileBins(std::span<const KernelBox> boxes, int tiles_across, int tiles_up, int lowest = 0);
 
 }  // namespace sluice

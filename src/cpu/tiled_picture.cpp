@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "src/base/error.h"
 #include "src/base/large_pages.h"
 #include "src/device/partial_picture.h"
 
@@ -16,12 +17,15 @@ constexpr size_t kAlignedFloats = 64 / sizeof(float);
 
 }  // namespace
 
-void TiledPicture::begin(const FrameSetup& setup, const Kernels& kernels) {
+void TiledPicture::begin(const FrameSetup& setup, const Kernels& kernels, PictureRows rows) {
+  SLUICE_CHECK(rows.lo >= 0 && rows.lo < rows.hi && rows.hi <= setup.size.height);
+  SLUICE_CHECK_EQ(rows.lo % kTileSide, 0);
   for (int i = 0; i < kTilePixels; ++i)
     place_[static_cast<size_t>(i)] = kernels.placeOf(i % kTileSide, i / kTileSide);
   size_ = setup.size;
+  rows_ = rows;
   across_ = (size_.width + kTileSide - 1) / kTileSide;
-  up_ = (size_.height + kTileSide - 1) / kTileSide;
+  up_ = (rows_.hi - rows_.lo + kTileSide - 1) / kTileSide;
   with_depth_ = setup.mode == Mode::kComposite && setup.with_depth;
   arrays_ = with_depth_ ? kDepth + 1 : kStopped + 1;
   start_ = emptyPart(setup.mode);
@@ -45,7 +49,7 @@ void TiledPicture::makeRoom() {
 TilePixels TiledPicture::tileAt(int64_t index, float* floats) const {
   TilePixels result;
   result.x = static_cast<int>(index % across_) * kTileSide;
-  result.y = static_cast<int>(index / across_) * kTileSide;
+  result.y = rows_.lo + static_cast<int>(index / across_) * kTileSide;
   if (floats == nullptr) return result;
   for (size_t channel = 0; channel < kColors; ++channel)
     result.color[channel] = floats + channel * kTilePixels;
@@ -104,9 +108,10 @@ void resizeInPieces(std::vector<float>& values, size_t count, const StopToken& s
 }  // namespace
 
 void TiledPicture::shape(Picture& picture, const StopToken& stop) const {
-  const auto width = static_cast<size_t>(size_.width), height = static_cast<size_t>(size_.height);
+  const auto width = static_cast<size_t>(size_.width),
+             height = static_cast<size_t>(rows_.hi - rows_.lo);
   picture.width = size_.width;
-  picture.height = size_.height;
+  picture.height = rows_.hi - rows_.lo;
   if (picture.rgba.capacity() < 4 * width * height) {
     picture.rgba.clear();
     reserveLarge(picture.rgba, 4 * width * height);
@@ -121,7 +126,7 @@ void TiledPicture::copyTile(const TilePixels& pixels, Picture& picture) const {
   constexpr float kNothing = std::numeric_limits<float>::infinity();  // as renderers write it
   const auto& [red, green, blue, opacity] = pixels.color;
   const int count = std::min(kTileSide, size_.width - pixels.x);
-  for (int y = 0; y < std::min(kTileSide, size_.height - pixels.y); ++y) {
+  for (int y = 0; y < std::min(kTileSide, rows_.hi - pixels.y); ++y) {
     const size_t to = placeIn(pixels, y);
     float* out = picture.rgba.data() + 4 * to;
     if (red == nullptr) {

@@ -14,19 +14,24 @@
 #include "src/base/picture.h"
 #include "src/base/stop_token.h"
 #include "src/cpu/kernel_values.h"
+#include "src/device/picture_rows.h"
 
 namespace sluice {
+
+static_assert(kRowStep % kTileSide == 0);
 
 class TiledPicture {
  public:
   // A tile's: colours, stopped, depth.
   static constexpr size_t kMostFloats = size_t{6} * kTilePixels;
 
-  // Empty, its pixels placed as `kernels` want them.
-  void begin(const FrameSetup& setup, const Kernels& kernels);
+  // Empty, its pixels placed as `kernels` want them. `rows`: of the frame's picture, those that are
+  // kept, from a multiple of kTileSide on.
+  void begin(const FrameSetup& setup, const Kernels& kernels, PictureRows rows);
 
   int tilesAcross() const { return across_; }
   int tilesUp() const { return up_; }
+  int lowestTiles() const { return rows_.lo / kTileSide; }  // their row in the frame's picture
   int64_t tiles() const { return int64_t{across_} * up_; }
   // Memory for the pixels. A picture that is drawn in one go needs none.
   void makeRoom();
@@ -50,8 +55,8 @@ class TiledPicture {
   // Pixels that have this opacity now take no more samples. Each tile learns of it when it is asked
   // for next, before it is drawn on.
   void stopOpaque(float opacity);
-  // Gives `picture` the size of this one, whatever it was. Clearing gigabytes takes seconds: throws
-  // Interrupted on the way.
+  // Gives `picture` the width of this one and the height of its rows. Clearing gigabytes takes
+  // seconds: throws Interrupted on the way.
   void shape(Picture& picture, const StopToken& stop = {}) const;
   // A tile's pixels, if it has some, into a picture of that shape: premultiplied, rows downwards;
   // depths where there are some.
@@ -60,7 +65,7 @@ class TiledPicture {
   template <class F>
   void eachRow(const TilePixels& pixels, Picture& picture, F&& visit) const {
     const auto count = static_cast<size_t>(std::min(kTileSide, size_.width - pixels.x));
-    for (int y = 0; y < std::min(kTileSide, size_.height - pixels.y); ++y)
+    for (int y = 0; y < std::min(kTileSide, rows_.hi - pixels.y); ++y)
       visit(std::span(picture.rgba).subspan(4 * placeIn(pixels, y), 4 * count));
   }
 
@@ -73,8 +78,7 @@ class TiledPicture {
   // Of the leftmost pixel of a tile's row, in a picture.
   size_t placeIn(const TilePixels& pixels, int y) const {
     const auto width = static_cast<size_t>(size_.width);
-    return static_cast<size_t>(size_.height - 1 - pixels.y - y) * width +
-           static_cast<size_t>(pixels.x);
+    return static_cast<size_t>(rows_.hi - 1 - pixels.y - y) * width + static_cast<size_t>(pixels.x);
   }
   float* floatsOf(int64_t index) const {
     return pixels_ + static_cast<size_t>(index) * floatsATile();
@@ -84,7 +88,8 @@ class TiledPicture {
 
   // Of each pixel of a tile, row after row: Kernels::placeOf().
   std::array<int, kTilePixels> place_{};
-  PictureSize size_{0, 0};
+  PictureSize size_{0, 0};  // of the frame's picture
+  PictureRows rows_;        // of it
   int across_ = 0, up_ = 0;
   size_t arrays_ = 0;
   bool with_depth_ = false;

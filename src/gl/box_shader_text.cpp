@@ -8,6 +8,7 @@ namespace sluice {
 // pass; those that a variant does not read do not count. Where all are taken, what is read once a
 // pixel stays a uniform.
 const char* const kInputsText = R"(
+uniform float first_row;  // of the picture, the lowest that the target has
 // Texels a voxel, along the volume's axes. A program of its own draws boxes of other scales than 1.
 #if SCALED
 uniform vec3 texel_scale;
@@ -246,13 +247,13 @@ const char* const kCountText = R"(
 void main() {
   vec3 start, along, size, corner;
   vec2 ends;
-  ivec2 range = planes(gl_FragCoord.xy, start, along, size, corner, ends);
+  ivec2 range = planes(gl_FragCoord.xy + vec2(0.0, first_row), start, along, size, corner, ends);
   if (range.x >= range.y) discard;
   result = vec4(float(range.y - range.x));
 }
 #else
 void main() {
-  vec2 pixel = gl_FragCoord.xy;
+  vec2 pixel = gl_FragCoord.xy + vec2(0.0, first_row);
   ivec2 range = slices(pixel.x * origin_dx + pixel.y * origin_dy,
                        step0 + pixel.x * step_dx + pixel.y * step_dy);
   if (range.x >= range.y) discard;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "src/device/drawing_cost.h"
+#include "src/device/picture_rows.h"
 
 namespace sluice {
 
@@ -11,25 +12,9 @@ DrawingPieces::DrawingPieces(const FrameSetup& setup)
     : DrawingPieces(setup, setup.lit || !setup.look_up->magnitudes.empty() ? kMostLitSamples
                                                                            : kMostSamples) {}
 
-// That the box may be seen in, with one to spare for what is drawn larger than it is.
 DrawingPieces::Rows DrawingPieces::rowsOf(const Box3& cells) const {
-  const int height = setup_.size.height;
-  double lo = 1, hi = -1;
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vec3d p{static_cast<double>((corner & 1) != 0 ? cells.hi.x : cells.lo.x),
-                  static_cast<double>((corner & 2) != 0 ? cells.hi.y : cells.lo.y),
-                  static_cast<double>((corner & 4) != 0 ? cells.hi.z : cells.lo.z)};
-    const auto row = [&](size_t r) {
-      const auto& of = setup_.clip_from_index[r];
-      return of[0] * p.x + of[1] * p.y + of[2] * p.z + of[3];
-    };
-    if (row(2) <= 0) return {0, height};
-    lo = std::min(lo, row(1) / row(2));
-    hi = std::max(hi, row(1) / row(2));
-  }
-  const auto pixel = [height](double at) { return (std::clamp(at, -1.0, 1.0) + 1) / 2 * height; };
-  return {std::max(0, static_cast<int>(std::floor(pixel(lo))) - 1),
-          std::min(height, static_cast<int>(std::ceil(pixel(hi))) + 1)};
+  const PictureRows rows = sluice::rowsOf(setup_, cells);
+  return {rows.lo, rows.hi};
 }
 
 std::vector<DrawingPiece> DrawingPieces::cut(std::span<const BoxDraw> boxes) {

@@ -124,6 +124,7 @@ void GlDevice::setBlending(Mode mode) {
 void GlDevice::setView(GlProgram& program) {
   const RayGrid& rays = setup_.rays;
   program.set("boxes", static_cast<int>(kBoxUnit));
+  program.set("first_row", static_cast<double>(frame_rows_.lo));
   program.set("view_origin_dx", rays.origin_dx);
   program.set("view_origin_dy", rays.origin_dy);
   program.set("view_step0", rays.step0);
@@ -206,7 +207,8 @@ void GlDevice::setExpected(GlProgram& program) {
 
 void GlDevice::bindTarget() {
   gl_.BindFramebuffer(GL_FRAMEBUFFER, target_.framebuffer());
-  gl_.Viewport(0, 0, setup_.size.width, setup_.size.height);
+  // The viewport is that of the whole picture, of which the target has some rows.
+  gl_.Viewport(0, -frame_rows_.lo, setup_.size.width, setup_.size.height);
   const std::array<GLenum, 2> outputs = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
   gl_.DrawBuffers(variant_.with_depth || variant_.counts_taken ? 2 : 1, outputs.data());
   setBlending(setup_.mode);
@@ -226,6 +228,7 @@ void GlDevice::bindTarget() {
 std::vector<float> GlDevice::leastOpacity(const MapGrid& grid) {
   context_->makeCurrent();
   SLUICE_CHECK(setup_.mode == Mode::kComposite);
+  SLUICE_CHECK(!rows_);  // maps are those of whole pictures
   std::vector<float> least = occlusion_.leastOpacity(target_.color(), setup_.size, grid);
   bindTarget();
   return least;
@@ -234,6 +237,7 @@ std::vector<float> GlDevice::leastOpacity(const MapGrid& grid) {
 void GlDevice::stopOpaque() {
   context_->makeCurrent();
   SLUICE_CHECK(setup_.mode == Mode::kComposite);
+  SLUICE_CHECK(!rows_);
   marked_ = occlusion_.markOpaque(target_.color(), setup_.size, setup_.opacity_threshold);
   bindTarget();
 }
@@ -260,7 +264,10 @@ void GlDevice::beginFrame(const FrameSetup& setup, const StopToken& stop) {
   if (std::max(setup.size.width, setup.size.height) > most)
     fail("a picture of {} x {} pixels: the GL driver draws at most {} along an axis",
          setup.size.width, setup.size.height, most);
-  target_.resize(setup.size);
+  frame_rows_ = rows_.value_or(PictureRows{0, setup.size.height});
+  frame_rows_.hi = std::min(frame_rows_.hi, setup.size.height);
+  SLUICE_CHECK(!rows_ || !setup.is_part);
+  target_.resize({setup.size.width, frame_rows_.hi - frame_rows_.lo});
   marked_ = 0;
   bindTarget();
   const float start = emptyPart(setup.mode);
@@ -341,10 +348,13 @@ void GlDevice::drawFromChunk(std::span<const BoxDraw> boxes) {
   for (const DrawingPiece& piece : pieces_->cut(boxes)) {
     if (piece.waits) gl_.Finish();
     stop_.throwIfStopped();
-    const bool is_band = piece.row_lo > 0 || piece.row_hi < setup_.size.height;
+    const int row_lo = std::max(piece.row_lo, frame_rows_.lo),
+              row_hi = std::min(piece.row_hi, frame_rows_.hi);
+    if (row_lo >= row_hi) continue;
+    const bool is_band = row_lo > frame_rows_.lo || row_hi < frame_rows_.hi;
     if (is_band) {
       gl_.Enable(GL_SCISSOR_TEST);
-      gl_.Scissor(0, piece.row_lo, setup_.size.width, piece.row_hi - piece.row_lo);
+      gl_.Scissor(0, row_lo - frame_rows_.lo, setup_.size.width, row_hi - row_lo);
     }
     drawBoxes(boxes.subspan(piece.first, piece.count));
     if (is_band) gl_.Disable(GL_SCISSOR_TEST);

@@ -18,6 +18,7 @@
 
 #include "src/device/device.h"
 #include "src/device/look_up_texels.h"
+#include "src/device/picture_rows.h"
 #include "src/device/screen_picture.h"
 #include "src/gl/context.h"
 #include "src/gl/drawing_pieces.h"
@@ -30,7 +31,7 @@
 
 namespace sluice {
 
-class GlDevice : public Device, public DrawsForScreens {
+class GlDevice : public Device, public DrawsForScreens, public DrawsRows {
  public:
   explicit GlDevice(std::unique_ptr<GlContext> context);
   ~GlDevice() override;
@@ -52,6 +53,8 @@ class GlDevice : public Device, public DrawsForScreens {
   void cancelFrame() override {}
   void keepNext(std::optional<std::array<float, 3>> background) override { keeps_ = background; }
   std::optional<ScreenPicture> takeKept() override { return std::exchange(kept_, std::nullopt); }
+  void drawRows(std::optional<PictureRows> rows) override { rows_ = rows; }
+  std::optional<PictureRows> rows() const override { return rows_; }
 
  private:
   struct Resident {
@@ -92,6 +95,8 @@ class GlDevice : public Device, public DrawsForScreens {
   std::unordered_map<uint64_t, Resident> resident_;
   std::map<ShaderVariant, std::unique_ptr<GlProgram>> programs_;
   FrameSetup setup_;
+  std::optional<PictureRows> rows_;  // of the next frame; none: all
+  PictureRows frame_rows_;           // of this frame, those that the target has
   StopToken stop_;
   std::optional<DrawingPieces> pieces_;  // of the frame
   ShaderVariant variant_;

@@ -192,7 +192,7 @@ vec4 shade(vec4 color, vec3 difference, float squared, float flatness) {
 #endif
 
 void main() {
-  vec2 pixel = gl_FragCoord.xy;
+  vec2 pixel = gl_FragCoord.xy + vec2(0.0, first_row);
 #if PLANES
   vec3 start, way, size, corner;
   vec2 ends;

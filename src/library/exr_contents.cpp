@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 #include "src/base/file_kind.h"
 #include "src/classify/transfer/transfer_file.h"
 #include "src/render/camera_matrices.h"
@@ -38,13 +40,24 @@ std::string cameraText(const FrameOptions& options, const View& view, const Volu
 
 }  // namespace
 
+ExrContents exrRows(const Picture& rows, const std::optional<std::array<float, 3>>& background,
+                    bool with_opacity) {
+  ExrContents exr{toLinearLight(background ? over(rows, *background) : rows)};
+  if (!with_opacity) return exr;
+  ExrChannel opacity{"opacity", {}};
+  opacity.values.reserve(rows.rgba.size() / 4);
+  for (size_t i = 3; i < rows.rgba.size(); i += 4) opacity.values.push_back(rows.rgba[i]);
+  exr.channels.push_back(std::move(opacity));
+  return exr;
+}
+
 ExrContents exrContents(const Picture& picture,
                         const std::optional<std::array<float, 3>>& background, bool with_opacity,
                         const DrawnOf& of) {
   const VolumeLayout& layout = of.source.layout();
   const FrameOptions& options = of.options;
   const View view = resolve(options.camera, layout, options.size, options.step_vox);
-  ExrContents exr{toLinearLight(background ? over(picture, *background) : picture)};
+  ExrContents exr = exrRows(picture, background, with_opacity);
   const std::string unit = layout.unit.empty() ? "unknown" : layout.unit;
   exr.attributes = {{"camera", cameraText(options, view, layout)},
                     {"transferFunction", writeTransferFunction(of.transfer)},
@@ -60,12 +73,8 @@ ExrContents exrContents(const Picture& picture,
                                 "opacity");
     exr.attributes.emplace_back("depthWhereNothingIs", "infinity");
   }
-  if (with_opacity) {
-    ExrChannel opacity{"opacity", {}};
-    for (size_t i = 3; i < picture.rgba.size(); i += 4) opacity.values.push_back(picture.rgba[i]);
-    exr.channels.push_back(std::move(opacity));
+  if (with_opacity)
     exr.attributes.emplace_back("opacityMeaning", "of the volume alone, without a background");
-  }
   exr.matrices = {{"worldToCamera", cameraFromWorld(view)}, {"worldToNDC", ndcFromWorld(view)}};
   exr.screen_window_width = screenWindowWidth(view);
   return exr;

@@ -21,8 +21,11 @@ struct DrawnOf {
   const std::string& look;  // options of `sluice render` that give it, see ChosenLook
 };
 
-// Over the background where there is one. `with_opacity`: also the volume's own, a channel
-// "opacity".
+// The pixels alone, of some rows of a picture: over the background where there is one.
+// `with_opacity`: also the volume's own, a channel "opacity".
+ExrContents exrRows(const Picture& rows, const std::optional<std::array<float, 3>>& background,
+                    bool with_opacity);
+// The same with the header of the file.
 ExrContents exrContents(const Picture& picture,
                         const std::optional<std::array<float, 3>>& background, bool with_opacity,
                         const DrawnOf& of);

@@ -5,6 +5,7 @@
 
 #include "src/base/clock.h"
 #include "src/base/error.h"
+#include "src/device/picture_rows.h"
 #include "src/texture/frame_trace.h"
 
 namespace sluice {
@@ -133,9 +134,11 @@ void FrameRun::makeResident(const ReadAhead::Taken& taken) {
 void FrameRun::drawBlocks(const std::vector<BlockPosition>& order) {
   const Stopwatch watch;
   const double boxes_before = report_.stages.boxes;
+  const std::optional<PictureRows> rows = rowsOf(device_);
   for (const BlockPosition position : order) {
     const TextureBlock& block = textures().blocks[position];
     if (block.cells.empty()) continue;  // loaded whole, shows nothing (algorithm II)
+    if (rows && !overlap(*rows, rowsOf(values_.setup, block.cells))) continue;
     if (isHidden(position)) {
       occlusion_->leaveOut(block.cells.count());
       continue;

@@ -3,6 +3,7 @@
 
 #include "src/base/clock.h"
 #include "src/base/error.h"
+#include "src/device/picture_rows.h"
 #include "src/render/frame_run.h"
 
 namespace sluice {
@@ -31,12 +32,18 @@ bool FrameRun::isHidden(BlockPosition block) const {
 }
 
 ReadAhead::Needs FrameRun::needs() const {
-  if (!occlusion_ || options_.occlusion == Occlusion::kMap) return {};
-  const auto now = [this](ChunkPosition position) {
+  const bool hides = occlusion_ && options_.occlusion != Occlusion::kMap;
+  const std::optional<PictureRows> rows = rowsOf(device_);
+  if (!hides && !rows) return {};
+  const auto now = [this, hides, rows](ChunkPosition position) {
     const Chunk& chunk = textures().chunks[position];
-    return !std::ranges::all_of(chunk.blocks,
-                                [this](BlockPosition block) { return isHidden(block); });
+    return std::ranges::any_of(chunk.blocks, [&](BlockPosition block) {
+      const Box3& cells = textures().blocks[block].cells;
+      if (rows && !overlap(*rows, rowsOf(values_.setup, cells))) return false;
+      return !hides || !isHidden(block);
+    });
   };
+  if (!hides) return {now, {}};
   const bool knows = last_.occlusion == options_.occlusion && last_.plan.lock() == values_.plan;
   if (!knows || last_.shown.empty()) return {now, {}};
   return {now, [this](ChunkPosition position) { return last_.shown[position]; }};

@@ -2,7 +2,9 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include "tests/io/image_test_support.h"
 
@@ -41,6 +43,30 @@ TEST(ExrFile, floatsComeBackAsWritten) {
   EXPECT_EQ(read.picture.depth, picture.depth);
   for (const auto& [name, text] : kAttributes)
     EXPECT_THAT(read.attributes, Contains(Pair(name, text)));
+}
+
+TEST(ExrFile, isTheSameHoweverItsRowsCome) {
+  const TempFolder folder;
+  constexpr int kWidth = 37, kHeight = 45;
+  const Picture picture = makePicture(kWidth, kHeight);
+  const auto rows = [&](int first, int count) {
+    Picture part{kWidth, count, {}, {}};
+    const int64_t from = first * kWidth, to = (first + count) * kWidth;
+    part.rgba.assign(picture.rgba.begin() + 4 * from, picture.rgba.begin() + 4 * to);
+    part.depth.assign(picture.depth.begin() + from, picture.depth.begin() + to);
+    return ExrContents{part, kAttributes, {}, {{"opacity", part.depth}}};
+  };
+  for (const ExrPrecision precision : {ExrPrecision::kHalf, ExrPrecision::kFloat}) {
+    writeExr(folder / "whole.exr", rows(0, kHeight), precision);
+    for (const int step : {1, 7, 32}) {
+      ExrFile file(folder / "rows.exr", rows(0, step), kHeight, precision);
+      for (int y = 0; y < kHeight; y += step) file.add(rows(y, std::min(step, kHeight - y)));
+      file.commit();
+      EXPECT_EQ(readFile(folder / "rows.exr"), readFile(folder / "whole.exr")) << step;
+    }
+  }
+  { ExrFile file(folder / "left.exr", rows(0, 3), kHeight); }
+  EXPECT_FALSE(std::filesystem::exists(folder / "left.exr"));
 }
 
 TEST(ExrFile, halvesAreTheNearest) {

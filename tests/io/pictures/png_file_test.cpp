@@ -2,7 +2,9 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 
 #include "tests/io/image_test_support.h"
@@ -50,6 +52,26 @@ TEST(Picture, inLinearLightHasTheTransferFunctionOfSrgbUndone) {
                             0.02F / 12.92F / 2, 0.5F, 0, 0, 0,          0};
   for (size_t i = 0; i < 12; ++i) EXPECT_NEAR(linear.rgba[i], expected[i], 1e-6F) << i;
   EXPECT_EQ(linear.depth, picture.depth);
+}
+
+TEST(PngFile, isTheSameHoweverItsRowsCome) {
+  const TempFolder folder;
+  const Rgba8Picture picture = noise(37, 23);
+  writePng(folder / "whole.png", picture);
+  for (const int step : {1, 5, 22}) {
+    PngFile file(folder / "rows.png", 37, 23);
+    for (int y = 0; y < 23; y += step) {
+      const int count = std::min(step, 23 - y);
+      Rgba8Picture rows{37, count, {}};
+      rows.rgba.assign(picture.rgba.begin() + y * 37 * 4,
+                       picture.rgba.begin() + (y + count) * 37 * 4);
+      file.add(rows);
+    }
+    file.commit();
+    EXPECT_EQ(readFile(folder / "rows.png"), readFile(folder / "whole.png")) << step;
+  }
+  { PngFile file(folder / "left.png", 37, 23); }
+  EXPECT_FALSE(std::filesystem::exists(folder / "left.png"));
 }
 
 TEST(PngFile, comesBackAsWritten) {

@@ -1,0 +1,64 @@
+#include "tools/scene_session.h"
+
+#include "src/classify/blocks/classification.h"
+#include "src/render/look.h"
+
+namespace sluice {
+namespace {
+
+// Of the frame's plan for the step that the volume was opened for.
+uint64_t planBytes(const Scene& scene, const FrameOptions& frame, WorkerPool& pool) {
+  const SliceRanges& ranges = scene.volume.index->ranges;
+  const Look look = makeLook(scene.volume.step(), scene.transfer, frame.mode);
+  const VisibleBlocks shown =
+      classify(ranges, look.table, cropCells(frame, ranges.layout.dims), pool, scene.volume.time);
+  return shown.blocks.size() * kPlannedBlockBytes;
+}
+
+}  // namespace
+
+BesideShare besideShare(const IndexedVolume& volume, const ResourceArguments& resources,
+                        Partition partition, const PictureDemand& picture, uint64_t others_bytes) {
+  const uint64_t memory_bytes = memoryBudget(resources);
+  BesideShare share;
+  for (const uint64_t of_memory : {memory_bytes, uint64_t{0}}) {
+    share.picture_bytes = pictureBytes(picture, of_memory);
+    share.beside_bytes = others_bytes + share.picture_bytes;
+    PageGeometry page = volume.page;
+    page.pages = pageCount(resources, page, volume.layout, *volume.source, share.beside_bytes);
+    share.pages = page.pages;
+    const BufferNeeds needs =
+        bufferNeeds(*volume.source, volume.layout, partition, share.beside_bytes);
+    if (textureMemoryBytes(page, TexelPlace::kInMemory) + leastBufferBytes(page, needs) <=
+        memory_bytes)
+      break;
+  }
+  return share;
+}
+
+void openSession(Scene& scene, const ResourceArguments& resources, const FrameOptions& frame,
+                 uint64_t more_bytes) {
+  IndexedVolume& volume = scene.volume;
+  const uint64_t others_bytes =
+      volume.rangesBytes() + planBytes(scene, frame, scene.pool) + more_bytes;
+  BesideShare share = besideShare(volume, resources, frame.partition, scene.pictures, others_bytes);
+  if (scene.share) {  // ranks have parts in the picture's place, and the first one the picture
+    const auto pixels =
+        static_cast<uint64_t>(frame.size.width) * static_cast<uint64_t>(frame.size.height);
+    share.beside_bytes = others_bytes + scene.part_bytes + pixels * kComposedPixelBytes;
+    share.pages =
+        pageCount(resources, volume.page, volume.layout, *volume.source, share.beside_bytes);
+  } else {
+    scene.part_bytes = share.picture_bytes;
+  }
+  volume.page.pages = share.pages;
+  SessionOptions options =
+      sessionOptions(volume, scene.look.lit, resources, frame.partition, scene.memory_bytes);
+  options.beside_bytes = share.beside_bytes;
+  scene.session.reset();
+  scene.session = std::make_unique<Session>(volume.step(), *scene.device, scene.pool, options);
+  scene.session->setTransferFunction(scene.transfer);
+  scene.chooseBlocksBy(nullptr);
+}
+
+}  // namespace sluice

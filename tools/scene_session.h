@@ -1,0 +1,27 @@
+// The session of a scene, and what it leaves to others of --memory.
+#pragma once
+
+#include <memory>
+
+#include "src/library/picture_memory.h"
+#include "tools/scene.h"
+
+namespace sluice {
+
+// What is held beside the levels, and the pages of the texture cache that this leaves room for.
+struct BesideShare {
+  uint64_t picture_bytes = 0, beside_bytes = 0;
+  int64_t pages = 0;
+};
+// `others_bytes`: min-max arrays and whatever else is held. The picture gets a quarter of the
+// memory if the levels then have the least that they work with, otherwise the least strip.
+BesideShare besideShare(const IndexedVolume& volume, const ResourceArguments& resources,
+                        Partition partition, const PictureDemand& picture, uint64_t others_bytes);
+
+// Sets scene.session, and the scene's number of pages, so that the levels leave room for the
+// min-max arrays, pictures or parts of them, a frame's plan and `more_bytes`. What an earlier
+// session held is lost. Throws Error when the memory is too little.
+void openSession(Scene& scene, const ResourceArguments& resources, const FrameOptions& frame,
+                 uint64_t more_bytes);
+
+}  // namespace sluice
