@@ -15,7 +15,7 @@
 namespace sluice {
 namespace {
 
-struct Arguments {
+struct InfoArguments {
   VolumeArguments volume;
   ResourceArguments resources;
   bool levels = false;
@@ -105,7 +105,7 @@ void print(const IndexedVolume& volume, const ChosenLook& look) {
 }  // namespace
 
 Command addInfo(CLI::App& program) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<InfoArguments>();
   CLI::App* app =
       program.add_subcommand("info",
                              "What a volume is: size, type, place in the world, values, index\n\n"

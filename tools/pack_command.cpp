@@ -24,7 +24,7 @@
 namespace sluice {
 namespace {
 
-struct Arguments {
+struct PackArguments {
   VolumeArguments volume;
   ResourceArguments resources;
   PackOptions pack;
@@ -52,7 +52,7 @@ constexpr int kLz4Level = 5, kZstdLevel = 1;
 
 // The indices that the store's first openings would build: of every channel and time step. Returns
 // the first.
-std::shared_ptr<const IndexedRanges> indexStore(const Arguments& arguments, size_t channels,
+std::shared_ptr<const IndexedRanges> indexStore(const PackArguments& arguments, size_t channels,
                                                 WorkerPool& pool) {
   ProgressMeter progress;
   VolumeArguments store;
@@ -81,7 +81,7 @@ std::vector<std::unique_ptr<VolumeSource>> openChannels(const VolumeArguments& a
   return channels;
 }
 
-int pack(const Arguments& arguments) {
+int pack(const PackArguments& arguments) {
   Outputs outputs;
   outputs.reads(arguments.volume.inputs);
   outputs.writesFolder("-o", arguments.output);
@@ -152,7 +152,7 @@ int pack(const Arguments& arguments) {
   return 0;
 }
 
-int check(const Arguments& arguments) {
+int check(const PackArguments& arguments) {
   Workers pool(arguments.resources.threads);
   const std::string& name = arguments.volume.inputs.front();
   CheckReport report;
@@ -180,7 +180,7 @@ int check(const Arguments& arguments) {
 }  // namespace
 
 Command addPack(CLI::App& program) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<PackArguments>();
   CLI::App* app = program.add_subcommand(
       "pack",
       "Writes a volume as an OME-Zarr store of compressed chunks\n\n"

@@ -29,7 +29,7 @@
 namespace sluice {
 namespace {
 
-struct Arguments {
+struct PlanArguments {
   VolumeArguments volume;
   LookArguments look;
   FrameOptions frame;
@@ -62,7 +62,7 @@ struct Shown {
   double seconds = 0;
 };
 
-Shown shownBlocks(const Arguments& arguments, const IndexedVolume& volume,
+Shown shownBlocks(const PlanArguments& arguments, const IndexedVolume& volume,
                   const TransferFunction& transfer, WorkerPool& pool) {
   const FrameOptions& frame = arguments.frame;
   ChunkNames names;
@@ -77,7 +77,7 @@ Shown shownBlocks(const Arguments& arguments, const IndexedVolume& volume,
   return shown;
 }
 
-Cost costOf(const Arguments& arguments, const IndexedVolume& volume, const Shown& shown,
+Cost costOf(const PlanArguments& arguments, const IndexedVolume& volume, const Shown& shown,
             Algorithm algorithm, WorkerPool& pool) {
   ChunkNames names;
   Planner planner(volume.page, pool, names);
@@ -97,7 +97,7 @@ Cost costOf(const Arguments& arguments, const IndexedVolume& volume, const Shown
 }
 
 // The one asked for first, since merging takes longest.
-Costs costsOf(const Arguments& arguments, const IndexedVolume& volume, const Shown& shown,
+Costs costsOf(const PlanArguments& arguments, const IndexedVolume& volume, const Shown& shown,
               WorkerPool& pool) {
   std::array<Algorithm, kAlgorithms.size()> order = kAlgorithms;
   std::partition(order.begin(), order.end(),
@@ -132,8 +132,8 @@ struct PlannedBoxes {
   double seconds = 0;
 };
 
-PlannedBoxes planBoxes(const Arguments& arguments, const IndexedVolume& volume, const Shown& shown,
-                       WorkerPool& pool) {
+PlannedBoxes planBoxes(const PlanArguments& arguments, const IndexedVolume& volume,
+                       const Shown& shown, WorkerPool& pool) {
   const SliceRanges& ranges = volume.index->ranges;
   const Box3 crop = cropCells(arguments.frame, ranges.layout.dims);
   PlannedBoxes planned;
@@ -222,8 +222,8 @@ nlohmann::json reportOf(const Costs& costs, const Cost& chosen, const Forecast& 
   return report;
 }
 
-int run(const Arguments& asked, const CLI::App& app) {
-  Arguments arguments = asked;
+int run(const PlanArguments& asked, const CLI::App& app) {
+  PlanArguments arguments = asked;
   Workers pool(arguments.resources.threads);
   const Mode mode = arguments.frame.mode;
   const std::optional<CutOptions> cut = cutOptions(arguments.levels, arguments.resources);
@@ -277,7 +277,7 @@ int run(const Arguments& asked, const CLI::App& app) {
 }  // namespace
 
 Command addPlan(CLI::App& program) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<PlanArguments>();
   CLI::App* app = program.add_subcommand(
       "plan",
       "What a picture will read, load and hold, without reading a voxel\n\n"

@@ -17,7 +17,7 @@
 namespace sluice {
 namespace {
 
-struct Arguments {
+struct PrepareArguments {
   VolumeArguments volume;
   LookArguments look;
   FrameOptions frame;
@@ -58,7 +58,7 @@ nlohmann::json reportOf(const SeriesFunctions& functions, const CLI::App& app) {
           {"path", functions.path.string()}};
 }
 
-int run(Arguments& arguments, const CLI::App& app) {
+int run(PrepareArguments& arguments, const CLI::App& app) {
   arguments.look.whole_series = true;
   Workers pool(arguments.resources.threads);
   const IndexedVolume volume = openIndexed(arguments.volume, arguments.resources,
@@ -91,7 +91,7 @@ int run(Arguments& arguments, const CLI::App& app) {
 }  // namespace
 
 Command addPrepare(CLI::App& program) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<PrepareArguments>();
   arguments->look.first_picture = true;
   CLI::App* app = program.add_subcommand(
       "prepare",

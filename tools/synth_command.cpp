@@ -24,7 +24,7 @@
 namespace sluice {
 namespace {
 
-struct Arguments {
+struct SynthArguments {
   SynthOptions synth;
   std::string output;
   int threads = 0;
@@ -52,14 +52,14 @@ bool describes(const std::filesystem::path& file, const VolumeLayout& layout) {
   return said.dims == layout.dims && said.type == layout.type;
 }
 
-Outputs outputsOf(const Arguments& arguments, const VolumeLayout& layout) {
+Outputs outputsOf(const SynthArguments& arguments, const VolumeLayout& layout) {
   Outputs outputs(arguments.force);
   for (const auto& file : filesToWrite(layout, arguments.output))
     outputs.writes("-o", file, kindOf(file));
   return outputs;
 }
 
-void run(const Arguments& arguments) {
+void run(const SynthArguments& arguments) {
   const auto source = openSynth(arguments.synth);
   const VolumeLayout& layout = source->layout();
   outputsOf(arguments, layout).check();
@@ -88,7 +88,7 @@ void run(const Arguments& arguments) {
 }  // namespace
 
 Command addSynth(CLI::App& program) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<SynthArguments>();
   CLI::App* app = program.add_subcommand(
       "synth",
       "Writes a synthetic volume of any size\n\n"

@@ -26,7 +26,7 @@
 namespace sluice {
 namespace {
 
-struct Arguments {
+struct ViewArguments {
   VolumeArguments volume;
   LookArguments look;
   FrameOptions frame;
@@ -52,7 +52,7 @@ void checkSaved(const std::vector<std::string>& reads, const std::vector<std::st
   outputs.check();
 }
 
-DrawingOptions drawingOptions(const Arguments& arguments, const CLI::App& app) {
+DrawingOptions drawingOptions(const ViewArguments& arguments, const CLI::App& app) {
   const bool has_step = app.count("--step") > 0;
   const ViewState state =
       viewState(arguments.volume, arguments.look, arguments.frame, arguments.fit, has_step);
@@ -75,7 +75,7 @@ std::string settingsFile() {
   return failed ? "" : file.string();
 }
 
-int run(const Arguments& arguments, const CLI::App& app) {
+int run(const ViewArguments& arguments, const CLI::App& app) {
   Outputs outputs;
   outputs.reads(arguments.volume.inputs);
   outputs.reads({arguments.look.transfer_file, arguments.state_file});
@@ -127,7 +127,7 @@ int run(const Arguments& arguments, const CLI::App& app) {
 }  // namespace
 
 Command addView(CLI::App& program) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<ViewArguments>();
   CLI::App* app = program.add_subcommand("view",
                                          "Shows a volume in a window; ? there lists the keys\n\n"
                                          "  sluice view bonsai.nii.gz --threshold 40");

@@ -15,7 +15,7 @@
 namespace sluice {
 namespace {
 
-constexpr const char* kInstall = "Debian: apt-get install libegl1 libegl-mesa0 libgl1-mesa-dri";
+constexpr const char* kInstallEgl = "Debian: apt-get install libegl1 libegl-mesa0 libgl1-mesa-dri";
 
 // Whole words of a list separated by blanks, as EGL gives its extensions; null is an empty list.
 bool contains(const char* list, std::string_view word) {
@@ -79,7 +79,7 @@ struct EglApi {
 
 EglApi openEgl(const GlLibraries& libraries) {
   prepareGlEnvironment();
-  return EglApi(SharedLibrary(libraries.egl, kInstall));
+  return EglApi(SharedLibrary(libraries.egl, kInstallEgl));
 }
 
 std::vector<EGLDeviceEXT> devicesOf(const EglApi& egl) {

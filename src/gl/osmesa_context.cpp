@@ -16,7 +16,7 @@
 namespace sluice {
 namespace {
 
-constexpr const char* kInstall = "Debian: apt-get install libosmesa6";
+constexpr const char* kInstallOsmesa = "Debian: apt-get install libosmesa6";
 
 struct OsmesaApi {
   explicit OsmesaApi(const SharedLibrary& library)
@@ -80,7 +80,7 @@ class OsmesaContext : public GlContext {
 std::unique_ptr<GlContext> createOsmesaContext(const GlLibraries& libraries) {
   prepareGlEnvironment();
   auto context =
-      std::make_unique<OsmesaContext>(OsmesaApi(SharedLibrary(libraries.osmesa, kInstall)));
+      std::make_unique<OsmesaContext>(OsmesaApi(SharedLibrary(libraries.osmesa, kInstallOsmesa)));
   context->start();
   return context;
 }

@@ -7,7 +7,7 @@
 namespace sluice {
 namespace {
 
-constexpr const char* kCover = R"(#version 330 core
+constexpr const char* kWholeScreen = R"(#version 330 core
 void main() {
   gl_Position = vec4(4.0 * float(gl_VertexID & 1) - 1.0, 2.0 * float(gl_VertexID & 2) - 1.0, 0.0, 1.0);
 }
@@ -67,7 +67,7 @@ ScreenTextures::Slot& ScreenTextures::freeSlot(PictureSize size) {
 ScreenPicture ScreenTextures::make(GLuint picture, PictureSize size,
                                    std::array<float, 3> background) {
   if (program_ == nullptr) {
-    program_ = std::make_unique<GlProgram>(gl_, kCover, kOver);
+    program_ = std::make_unique<GlProgram>(gl_, kWholeScreen, kOver);
     gl_.GenFramebuffers(1, &framebuffer_);
   }
   gl_.ActiveTexture(GL_TEXTURE0);

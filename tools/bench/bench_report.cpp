@@ -25,7 +25,7 @@ using nlohmann::json;
 
 constexpr uint64_t kMostBytes = uint64_t{256} << 20;  // of a report
 
-struct Arguments {
+struct ReportArguments {
   std::vector<std::string> files;
   std::string output;
   bool force = false;
@@ -70,7 +70,7 @@ void print(const std::vector<NamedReport>& runs) {
   }
 }
 
-int run(const Arguments& arguments) {
+int run(const ReportArguments& arguments) {
   Outputs outputs(arguments.force);
   outputs.reads(arguments.files);
   outputs.writes("-o", arguments.output, FileKind::kPage);
@@ -94,7 +94,7 @@ int run(const Arguments& arguments) {
 }  // namespace
 
 Command addBenchReport(CLI::App& bench) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<ReportArguments>();
   CLI::App* app = bench.add_subcommand(
       "report",
       "Runs side by side, each number against the first run's, as a table or as a page\n\n"

@@ -9,6 +9,7 @@
 #include "src/base/clock.h"
 #include "src/base/error.h"
 #include "src/view/state/transfer_edit.h"
+#include "tools/bench/volumes_bench.h"
 #include "tools/command_line/console.h"
 #include "tools/interrupt.h"
 
@@ -25,10 +26,6 @@ nlohmann::json spread(std::vector<double> times) {
                           static_cast<size_t>(share * static_cast<double>(times.size())))];
   };
   return {{"p50", at(0.5)}, {"p95", at(0.95)}, {"max", times.back()}};
-}
-
-double median(std::vector<double> times) {
-  return spread(std::move(times))["p50"];
 }
 
 // What a window does in a turn of its loop, but for drawing itself.

@@ -36,12 +36,6 @@ std::string lineOf(const CLI::Option& option) {
   return text + wrapped(help, kNamesColumns, kHelpColumns) + "\n";
 }
 
-// "sluice bench render"
-std::string fullName(const CLI::App& app) {
-  const CLI::App* parent = app.get_parent();
-  return (parent == nullptr ? "" : fullName(*parent) + " ") + app.get_name();
-}
-
 // The description within the columns; lines that are indented stay as they are.
 std::string described(const CLI::App& app) {
   std::istringstream lines(app.get_description());
@@ -96,6 +90,11 @@ std::string HelpFormatter::make_help(const CLI::App* app, std::string /*name*/,
     for (const CLI::Option* option : options) text += lineOf(*option);
   }
   return text;
+}
+
+std::string fullName(const CLI::App& app) {
+  const CLI::App* parent = app.get_parent();
+  return (parent == nullptr ? "" : fullName(*parent) + " ") + app.get_name();
 }
 
 std::string overview(const CLI::App& program) {

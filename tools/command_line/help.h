@@ -18,6 +18,9 @@ class HelpFormatter : public CLI::Formatter {
                         CLI::AppFormatMode mode) const override;
 };
 
+// The words that name a command on the command line: "sluice bench render".
+std::string fullName(const CLI::App& app);
+
 // What there is, in 25 lines: the commands by what they are for.
 std::string overview(const CLI::App& program);
 

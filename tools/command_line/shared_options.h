@@ -37,6 +37,9 @@ std::optional<CutOptions> cutOptions(const LevelArguments& arguments,
 // Throws Error if these ask for anything but the finest level, which `what` cannot draw.
 void refuseLevels(const LevelArguments& arguments, std::string_view what);
 
+// The largest extent of a volume along an axis, in voxels.
+inline constexpr double kMostVoxels = 1LL << 40;
+
 // Some of the last group, for commands that take no more.
 inline constexpr int64_t kMostFrames = 100'000;
 void addThreadsOption(const OptionGroup& group, int& threads);

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 
+#include "tools/command_line/help.h"
 #include "tools/command_line/near_miss.h"
 #include "tools/command_line/option_group.h"
 
@@ -24,11 +25,6 @@ std::vector<std::string> optionNames(const CLI::App& app) {
   for (const CLI::Option* option : app.get_options())
     for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
   return names;
-}
-
-std::string fullName(const CLI::App& app) {
-  const CLI::App* parent = app.get_parent();
-  return (parent == nullptr ? "" : fullName(*parent) + " ") + app.get_name();
 }
 
 std::string unknownCommand(const CLI::App& app, const std::string& word) {

@@ -9,7 +9,6 @@ namespace {
 
 constexpr double kMostDegrees = 36000;  // a hundred turns
 constexpr NumberRange<double> kWorld{-1e15, 1e15};
-constexpr double kMostVoxels = 1LL << 40;  // along an axis
 
 std::optional<Box3> cropBox(const std::string& word) {
   const auto found = parseNumbers(word, 6);

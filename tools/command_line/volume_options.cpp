@@ -10,7 +10,6 @@
 namespace sluice {
 namespace {
 
-constexpr double kMostVoxels = 1LL << 40;  // along an axis
 constexpr double kMostSpacing = 1e12;
 constexpr int64_t kMostSteps = 1'000'000'000;
 

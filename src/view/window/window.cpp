@@ -30,7 +30,7 @@ namespace {
 constexpr float kPanelWidth = 330, kSlicesHeight = 240;  // screen units at a font scale of 1
 // The first frames make fonts and shaders: they are measured apart.
 constexpr uint64_t kStartTurns = 8;
-constexpr size_t kMostTimes = size_t{1} << 18;
+constexpr size_t kMostTurns = size_t{1} << 18;
 constexpr double kIdle_s = 0.25, kSettle_s = 0.004, kReport_s = 0.3, kStall_s = 0.02;
 constexpr double kShowingMean = 8;  // pictures that the mean of their showing is of
 // While a picture is on its way, panels drawn in software wait so long to come with it.
@@ -153,7 +153,7 @@ class Window {
       start_s_ = std::max(start_s_, turn.all_s);
       return;
     }
-    if (times.turn_s.size() < kMostTimes) {
+    if (times.turn_s.size() < kMostTurns) {
       times.turn_s.push_back(turn.all_s);
       if (turn.gl_s > 0) times.gl_s.push_back(turn.gl_s);
     }
