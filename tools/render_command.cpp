@@ -245,7 +245,7 @@ void requireWholePicture(const Arguments& arguments, const Scene& scene) {
 
 // Why the picture of a frame shows nothing, in one line; empty if it shows something.
 std::string emptyReason(const Arguments& arguments, Scene& scene, const FrameOptions& options,
-                        const DrawnFrame& frame, int64_t number, ProgressMeter& progress) {
+                        const WrittenFrame& frame, int64_t number, ProgressMeter& progress) {
   if (frame.shows_something) return "";
   return whyEmpty({scene.volume, timeOf(arguments, number), scene.transfer, options,
                    frame.report.missing_share},
@@ -279,7 +279,7 @@ Drawn drawAll(const Arguments& arguments, const std::vector<int64_t>& to_draw,
     drawn.name = frameName(arguments, i);
     std::optional<PictureWriter> writer;
     if (is_first) writer.emplace(drawn.name, output, options, scene, film ? &*film : nullptr);
-    DrawnFrame frame = drawFrameOf(scene, strips, writer ? &*writer : nullptr);
+    WrittenFrame frame = drawFrameOf(scene, strips, writer ? &*writer : nullptr);
     drawn.blocks = frame.blocks;
     std::string empty =
         is_first ? emptyReason(arguments, scene, options, frame, i, progress) : std::string();

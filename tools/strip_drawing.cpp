@@ -75,7 +75,7 @@ std::vector<PictureRows> stripsFor(const Scene& scene) {
 namespace {
 
 // Writes the rows of one strip, or of the whole picture.
-void write(const Picture& rows, PictureWriter* writer, DrawnFrame& drawn) {
+void write(const Picture& rows, PictureWriter* writer, WrittenFrame& drawn) {
   drawn.shows_something = drawn.shows_something || !showsNothing(rows);
   if (writer == nullptr) return;
   const Stopwatch watch;
@@ -83,8 +83,8 @@ void write(const Picture& rows, PictureWriter* writer, DrawnFrame& drawn) {
   drawn.write_seconds += watch.seconds();
 }
 
-DrawnFrame drawWhole(Scene& scene, PictureWriter* writer) {
-  DrawnFrame drawn;
+WrittenFrame drawWhole(Scene& scene, PictureWriter* writer) {
+  WrittenFrame drawn;
   drawn.whole = scene.frame();
   scene.noteMemory();
   drawn.report = drawn.whole->report;
@@ -95,10 +95,10 @@ DrawnFrame drawWhole(Scene& scene, PictureWriter* writer) {
 
 }  // namespace
 
-DrawnFrame drawFrameOf(Scene& scene, const std::vector<PictureRows>& strips,
-                       PictureWriter* writer) {
+WrittenFrame drawFrameOf(Scene& scene, const std::vector<PictureRows>& strips,
+                         PictureWriter* writer) {
   if (strips.size() == 1) return drawWhole(scene, writer);
-  DrawnFrame drawn;
+  WrittenFrame drawn;
   Rows rows(*scene.device);
   for (const PictureRows& strip : strips) {
     rows.draw(strip);

@@ -17,7 +17,7 @@ namespace sluice {
 std::vector<PictureRows> stripsFor(const Scene& scene);
 
 // A frame that was drawn and given to a writer.
-struct DrawnFrame {
+struct WrittenFrame {
   FrameReport report;  // the sum of all strips
   VisibleBlocksPtr blocks;
   double write_seconds = 0;
@@ -26,6 +26,7 @@ struct DrawnFrame {
 };
 // Draws the session's next frame and gives its rows to `writer`, if there is one, but commits
 // nothing. Throws Error and Interrupted; the device draws whole pictures again afterwards.
-DrawnFrame drawFrameOf(Scene& scene, const std::vector<PictureRows>& strips, PictureWriter* writer);
+WrittenFrame drawFrameOf(Scene& scene, const std::vector<PictureRows>& strips,
+                         PictureWriter* writer);
 
 }  // namespace sluice
