@@ -124,6 +124,19 @@ TEST(DrawingThread, endsWithTheWholePictureThatTheLibraryDraws) {
             renderer.draw(pictureOf(wish.state, 96, 80)).toRgba8(std::array{0.0F, 0.0F, 0.0F}));
 }
 
+TEST(DrawingThread, anEmptyPictureSaysWhy) {
+  DrawingThread desk(options());
+  Seen seen(desk);
+  ASSERT_TRUE(seen.open(kVolume));
+  Wish wish = seen.wish();
+  ASSERT_TRUE(seen.whole(desk.wish(wish)));
+  ASSERT_TRUE(seen.picture != nullptr);
+  EXPECT_EQ(seen.picture->why_empty, "");
+  wish.state.look.opacities = {{0, 0}, {255, 0}};
+  ASSERT_TRUE(seen.whole(desk.wish(wish)));
+  EXPECT_THAT(seen.picture->why_empty, HasSubstr("transfer function"));
+}
+
 TEST(DrawingThread, theNewestWishIsTheOneThatIsShown) {
   DrawingThread desk(options());
   Seen seen(desk);

@@ -48,6 +48,7 @@ struct ShownPicture {
   std::optional<ScreenImage> screen;  // in place of rgba, where the desk draws for a screen
   bool is_complete = false;  // of the pane's size, at the wished step, with nothing missing
   double missing_share = 0;  // see Image
+  std::string why_empty;     // see RenderReport
   ViewState state;           // that it shows
   double seconds = 0;        // that drawing it took
 };

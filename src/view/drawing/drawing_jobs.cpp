@@ -85,7 +85,8 @@ ShownPicture DrawingJobs::draw(const Job& job, const PictureOptions& picture, do
     shown.missing_share = image.missing_share;
     shown.rgba = image.toRgba8(background);
   }
-  const RenderReport report = renderer.report();
+  RenderReport report = renderer.report();
+  shown.why_empty = std::move(report.why_empty);
   if (report.missing_share == 0)
     opened_.pace = learned(
         opened_.pace, {static_cast<double>(picture.width) * picture.height, step_vox,

@@ -188,7 +188,8 @@ std::string incompleteText(const WindowState& window) {
     return fmt::format("{} {:.0f} %", status.is_indexing ? "indexing" : "opening",
                        100 * status.share);
   if (!window.isOpen()) return {};
-  if (picture.wish == window.wishes.number && picture.is_complete) return {};
+  if (picture.wish == window.wishes.number && picture.is_complete)
+    return picture.why_empty.empty() ? "" : "nothing is visible: " + picture.why_empty;
   if (status.doing == DeskStatus::Doing::kPicture)
     return fmt::format("drawing {:.0f} %", 100 * status.share);
   if (picture.missing_share > 0)

@@ -202,7 +202,8 @@ void takeNews(WindowState& window);
 void notePresented(WindowState& window);
 // Tells the desk what is to be seen, where that is something else than last time.
 void sendWish(WindowState& window);
-// Why the picture is not the whole one yet, for its corner; empty: it is.
+// The text for the picture's corner: why the picture is not complete yet, or why a complete one
+// shows nothing. Empty for a complete picture that shows something.
 std::string incompleteText(const WindowState& window);
 
 // The film and the series (playing.cpp). A frame takes the place of the view, which comes back when
