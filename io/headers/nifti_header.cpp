@@ -148,6 +148,29 @@ std::array<Vec3d, 3> rotationColumns(const Fields& f, const std::string& path) {
            {2 * (b * d + w * c), 2 * (c * d - w * b), w * w + d * d - b * b - c * c}}};
 }
 
+// Names each field whose value has no meaning in the standard, and the value that is used instead.
+// A slope that is not a number is none of them: nibabel writes it for unscaled values.
+void noteSlips(const Fields& f, const std::string& path, VolumeLayout& layout) {
+  const auto note = [&](std::string_view field, const auto& value, std::string_view used) {
+    layout.notes.push_back(fmt::format("{}: {} is {}; {}", path, field, value, used));
+  };
+  for (const auto& [field, code] :
+       {std::pair("qform_code", f.qform_code), std::pair("sform_code", f.sform_code)})
+    if (code < 0 || code > 5)
+      note(field, code, code > 0 ? "it is used as 1" : "from 0 to 5 expected, it is used as 0");
+  if (f.xyzt_units < 0 || f.xyzt_units > 63 || (f.xyzt_units & 7) > 3)
+    note("xyzt_units", f.xyzt_units, "it names no unit of length");
+  if (f.sform_code > 0) return;
+  if (f.qform_code > 0 && std::abs(f.pixdim[0]) != 1 && f.pixdim[0] != 0)
+    note("pixdim[0]", f.pixdim[0], "only its sign is used");
+  for (int axis = 0; axis < 3; ++axis) {
+    const double size = f.pixdim[static_cast<size_t>(axis) + 1];
+    const std::string field = fmt::format("pixdim[{}]", axis + 1);
+    if (size < 0) note(field, size, "only its magnitude is used");
+    if (size == 0 && layout.dims[axis] > 1) note(field, size, "a voxel size of 1 is used");
+  }
+}
+
 void readGeometry(const Fields& f, const std::string& path, VolumeLayout& layout) {
   std::vector<Vec3d> steps(3);
   Vec3d origin;
@@ -168,7 +191,8 @@ void readGeometry(const Fields& f, const std::string& path, VolumeLayout& layout
   setSteps(path, steps, layout);
   setOrigin(path, origin, layout);
   constexpr std::array<const char*, 8> kUnits = {"", "meter", "millimeter", "micrometer"};
-  const char* unit = kUnits[static_cast<size_t>(f.xyzt_units & 7)];
+  const bool is_unit = f.xyzt_units >= 0 && f.xyzt_units <= 63;
+  const char* unit = kUnits[is_unit ? static_cast<size_t>(f.xyzt_units & 7) : 0];
   layout.unit = unit == nullptr ? "" : unit;
   layout.frame = WorldFrame::kRas;
   if (f.sform_code <= 0 && f.qform_code <= 0)
@@ -229,6 +253,7 @@ NiftiHeader parseNiftiHeader(std::span<const std::byte> bytes, const std::string
   readDims(fields, path, layout);
   checkedVolumeBytes(path, layout);
   readGeometry(fields, path, layout);
+  noteSlips(fields, path, layout);
   if (!std::isnan(fields.scl_slope) && fields.scl_slope != 0)
     setValueScale(path, fields.scl_slope, fields.scl_inter, layout);
   description.byte_skip = voxelOffset(fields, header.pair, path);

@@ -93,6 +93,27 @@ TEST(NiftiHeaderTest, missingSizesAndScalesMeanOne) {
   EXPECT_EQ(layout.value_scale, 1);
 }
 
+TEST(NiftiHeaderTest, aFieldWithoutAMeaningIsNamed) {
+  const auto notesOf = [](HeaderBytes h) { return layoutOf(h.set<int16_t>(252, 1)).notes; };
+  EXPECT_THAT(notesOf(plainHeader()), testing::IsEmpty());
+  EXPECT_THAT(notesOf(plainHeader().set<float>(76, -1)), testing::IsEmpty());
+  EXPECT_THAT(notesOf(plainHeader().set<char>(123, 2 + 8)), testing::IsEmpty());
+  EXPECT_THAT(notesOf(plainHeader().set<float>(112, kNan)), testing::IsEmpty());
+  const std::vector<std::pair<HeaderBytes, std::string>> slips = {
+      {plainHeader().set<float>(80, 0), "v.nii: pixdim[1] is 0; a voxel size of 1 is used"},
+      {plainHeader().set<float>(88, -2), "v.nii: pixdim[3] is -2; only its magnitude is used"},
+      {plainHeader().set<float>(76, 7), "v.nii: pixdim[0] is 7; only its sign is used"},
+      {plainHeader().set<char>(123, 99), "v.nii: xyzt_units is 99; it names no unit of length"},
+      {plainHeader().set<char>(123, 5), "v.nii: xyzt_units is 5; it names no unit of length"},
+      {plainHeader().set<int16_t>(254, -3),
+       "v.nii: sform_code is -3; from 0 to 5 expected, it is "
+       "used as 0"}};
+  for (const auto& [header, note] : slips) EXPECT_THAT(notesOf(header), testing::ElementsAre(note));
+  EXPECT_EQ(layoutOf(plainHeader().set<char>(123, 99)).unit, "");
+  EXPECT_THAT(layoutOf(plainHeader().set<int16_t>(252, 9)).notes,
+              testing::ElementsAre("v.nii: qform_code is 9; it is used as 1"));
+}
+
 TEST(NiftiHeaderTest, scalingIsTakenOver) {
   const VolumeLayout layout = layoutOf(plainHeader().set<float>(112, -0.5F).set<float>(116, 8));
   EXPECT_EQ(layout.value_scale, -0.5);
