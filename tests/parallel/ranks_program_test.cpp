@@ -80,8 +80,21 @@ TEST(BenchCulling, dealsTheVisibleBlocksToRanks) {
       "bench culling mix_%03d.nrrd --threshold 100 --opacity 1 --block 8 --views 1 --size 64 "
       "--no-optimum --no-thresholds --no-series");
   ASSERT_EQ(report["ranks"].size(), 5U);
-  int64_t visible = 0;
-  for (const json& row : report["rows"]) visible += row["visible"]["toc"].get<int64_t>();
+  int64_t visible = 0, compared = 0, coherent = 0;
+  for (const json& row : report["rows"]) {
+    visible += row["visible"]["toc"].get<int64_t>();
+    EXPECT_LE(row["visible"]["linear_opof"], row["blocks_nonempty"]);
+    EXPECT_GE(row["visible"]["pof"], row["visible"]["linear_opof"]) << "Gao 2004, Figure 11";
+    if (row["time"] == 0) continue;
+    compared += row["compared_blocks"].get<int64_t>();
+    coherent += row["coherent_blocks"].get<int64_t>();
+  }
+  EXPECT_DOUBLE_EQ(report["coherent_share"].get<double>(),
+                   static_cast<double>(coherent) / static_cast<double>(compared));
+  // A leaf for each block and the nodes above them, a bit for each change of steps.
+  EXPECT_GT(report["tree"]["nodes"].get<int64_t>(), 7 * 7 * 7);
+  EXPECT_GT(report["tree"]["bytes"].get<int64_t>(), 0);
+  EXPECT_GT(report["tree"]["seconds"].get<double>(), 0);
   for (const json& row : report["ranks"]) {
     int64_t sum = 0;
     for (const json& blocks : row["blocks"]) sum += blocks.get<int64_t>();

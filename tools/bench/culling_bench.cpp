@@ -89,13 +89,22 @@ CulledBlocks culledBy(Opened& opened, const CullingBench& bench, const SeriesFun
           opened.pool};
 }
 
+// The paper's own form: opacity in proportion to the thickness.
+CulledBlocks culledLinearly(Opened& opened, const CullingBench& bench,
+                            const SeriesFunctions& functions) {
+  CullingOptions options = cullingOptions(Culling::kOpof, bench.frame, functions);
+  options.form = OpacityForm::kLinearOpof;
+  return {functions.opacity(), opened.layout(), options, opened.pool};
+}
+
 // Figures 7, 9 and 10 under one view.
 json rowsOf(Opened& opened, const CullingBench& bench, const SeriesFunctions& functions) {
   json rows = json::array();
-  std::array<CulledBlocks, 3> ways = {culledBy(opened, bench, functions, Culling::kPof),
+  std::array<CulledBlocks, 4> ways = {culledBy(opened, bench, functions, Culling::kPof),
+                                      culledLinearly(opened, bench, functions),
                                       culledBy(opened, bench, functions, Culling::kOpof),
                                       culledBy(opened, bench, functions, Culling::kToc)};
-  constexpr std::array<const char*, 3> kNames = {"pof", "opof", "toc"};
+  constexpr std::array<const char*, 4> kNames = {"pof", "linear_opof", "opof", "toc"};
   const SeriesPassReport& pass = functions.kept->report;
   for (size_t step = 0; step < opened.steps.size(); ++step) {
     json row{{"time", step}};
@@ -111,11 +120,13 @@ json rowsOf(Opened& opened, const CullingBench& bench, const SeriesFunctions& fu
     if (!bench.no_optimum)
       row["visible"]["optimum"] = optimumOf(opened, bench, bench.frame,
                                             wholeStep(opened, static_cast<int64_t>(step)), step);
-    if (step > 0)
-      row["coherent_share"] = pass.blocks[step - 1] == 0
-                                  ? 1.0
-                                  : static_cast<double>(pass.coherent[step - 1]) /
-                                        static_cast<double>(pass.blocks[step - 1]);
+    if (step > 0) {
+      const int64_t blocks = pass.blocks[step - 1], coherent = pass.coherent[step - 1];
+      row["compared_blocks"] = blocks;
+      row["coherent_blocks"] = coherent;
+      row["coherent_share"] =
+          blocks == 0 ? 1.0 : static_cast<double>(coherent) / static_cast<double>(blocks);
+    }
     rows.push_back(row);
   }
   return rows;
@@ -137,6 +148,9 @@ json viewsOf(Opened& opened, const CullingBench& bench, const SeriesFunctions& f
       row["blocks_nonempty"] = culled.counts().blocks_nonempty;
       row["visible"][name] = culled.counts().blocks_visible;
     }
+    CulledBlocks linear = culledLinearly(opened, bench, functions);
+    linear.choose(opened.question(frame, step));
+    row["visible"]["linear_opof"] = linear.counts().blocks_visible;
     if (!bench.no_optimum)
       row["visible"]["optimum"] = optimumOf(opened, bench, frame, voxels, step);
     rows.push_back(row);
@@ -241,6 +255,14 @@ json fusionOf(Opened& opened, const CullingBench& bench) {
   return rows;
 }
 
+// Of the tree of coherent spans (section 5).
+json treeOf(const SeriesFunctions& functions) {
+  const std::optional<TocTree>& tree = functions.kept->opacity.tree;
+  return {{"seconds", functions.kept->report.tree_seconds},
+          {"bytes", tree ? tree->bytes() : 0},
+          {"nodes", tree ? tree->nodes() : 0}};
+}
+
 // So that the next read comes from the disk.
 void dropFromMemory(const std::vector<std::string>& files) {
   for (const std::string& file : files) {
@@ -285,7 +307,8 @@ json benchCulling(const CullingBench& asked) {
               {"average", averageOf(opened, bench, functions)},
               {"ranks", ranksOf(opened, bench, functions)},
               {"coherent_share", functions.kept->report.coherentShare()},
-              {"function_bytes", functions.bytes}};
+              {"function_bytes", functions.bytes},
+              {"tree", treeOf(functions)}};
   if (!bench.no_thresholds) report["fusion"] = fusionOf(opened, bench);
   if (!bench.no_series) drawSeries(bench, report);
   return report;
@@ -295,23 +318,29 @@ void printCulling(const json& report) {
   const auto numberOf = [](const json& of, const char* name) {
     return of.contains(name) ? fmt::format("{:.6g}", of[name].get<double>()) : std::string("-");
   };
-  say("{:>5} {:>9} {:>8} {:>8} {:>8} {:>8} {:>9} {:>9} {:>10} {:>10} {:>9}\n", "step", "not empty",
-      "optimum", "POF", "OPOF", "TOC", "OPOF ms", "TOC ms", "OPOF px", "TOC px", "coherent");
+  say("{:>5} {:>9} {:>8} {:>8} {:>8} {:>8} {:>8} {:>9} {:>9} {:>10} {:>10} {:>9}\n", "step",
+      "not empty", "optimum", "POF", "linear", "OPOF", "TOC", "OPOF ms", "TOC ms", "OPOF px",
+      "TOC px", "coherent");
   for (const json& row : report["rows"]) {
     const json& seconds = row["estimate_seconds"];
-    say("{:>5} {:>9} {:>8} {:>8} {:>8} {:>8} {:>9.2f} {:>9.2f} {:>10} {:>10} {:>9}\n",
+    say("{:>5} {:>9} {:>8} {:>8} {:>8} {:>8} {:>8} {:>9.2f} {:>9.2f} {:>10} {:>10} {:>9}\n",
         row["time"].get<int64_t>(), row["blocks_nonempty"].get<int64_t>(),
         numberOf(row["visible"], "optimum"), numberOf(row["visible"], "pof"),
-        numberOf(row["visible"], "opof"), numberOf(row["visible"], "toc"),
-        1e3 * seconds["opof"].get<double>(), 1e3 * seconds["toc"].get<double>(),
-        row["pixels_checked"]["opof"].get<int64_t>(), row["pixels_checked"]["toc"].get<int64_t>(),
-        numberOf(row, "coherent_share"));
+        numberOf(row["visible"], "linear_opof"), numberOf(row["visible"], "opof"),
+        numberOf(row["visible"], "toc"), 1e3 * seconds["opof"].get<double>(),
+        1e3 * seconds["toc"].get<double>(), row["pixels_checked"]["opof"].get<int64_t>(),
+        row["pixels_checked"]["toc"].get<int64_t>(), numberOf(row, "coherent_share"));
   }
-  say("\n{:>8} {:>9} {:>8} {:>8} {:>8}\n", "azimuth", "not empty", "optimum", "POF", "OPOF");
+  const json& tree = report["tree"];
+  say("tree: {} nodes, {}, made in {:.3f} s\n", tree["nodes"].get<int64_t>(),
+      formatBytes(tree["bytes"].get<uint64_t>()), tree["seconds"].get<double>());
+  say("\n{:>8} {:>9} {:>8} {:>8} {:>8} {:>8}\n", "azimuth", "not empty", "optimum", "POF", "linear",
+      "OPOF");
   for (const json& row : report["views"])
-    say("{:>8.0f} {:>9} {:>8} {:>8} {:>8}\n", row["azimuth"].get<double>(),
+    say("{:>8.0f} {:>9} {:>8} {:>8} {:>8} {:>8}\n", row["azimuth"].get<double>(),
         row["blocks_nonempty"].get<int64_t>(), numberOf(row["visible"], "optimum"),
-        numberOf(row["visible"], "pof"), numberOf(row["visible"], "opof"));
+        numberOf(row["visible"], "pof"), numberOf(row["visible"], "linear_opof"),
+        numberOf(row["visible"], "opof"));
   say("\n{:>6} {:>12} {:>12} {:>12} {:>13} {:>16} {:>12}\n", "ranks", "fewest", "mean", "most",
       "most to mean", "of a single step", "dealt once");
   for (const json& row : report["ranks"]) {
