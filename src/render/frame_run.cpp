@@ -45,7 +45,7 @@ FrameRun::FrameRun(FrameValues values, Residency& residency, Device& device, Tra
       number_(number),
       last_(lessons),
       updates_(lessons.occlusion == options_.occlusion ? lessons.updates
-                                                       : UpdateCount(FrameLessons::kUpdates)) {}
+                                                       : UpdateCount(lessons.updates.options())) {}
 
 FrameRun::~FrameRun() {
   if (!is_drawn_) {

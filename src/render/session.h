@@ -57,8 +57,12 @@ class Session {
     expectBlocksOf(step);
     afterwards_ = step;
   }
-  // The next frame is drawn as if it were the first; what the levels hold stays.
-  void forgetLastFrame() { lessons_ = {}; }
+  // The next frame is drawn as if it were the first; what the levels hold stays. `updates` says
+  // where the numbers of opacity map updates begin, and how they adapt.
+  void forgetLastFrame(const UpdateCountOptions& updates = FrameLessons::kUpdates) {
+    lessons_ = {};
+    lessons_.updates = UpdateCount(updates);
+  }
 
   // Draws. Throws Error, and Interrupted when FrameOptions::stop asks for it; the next frame is
   // right all the same. Requires: a transfer function is set.

@@ -57,6 +57,7 @@ class UpdateCount {
   // What came of that frame.
   void finished(const UpdatePerformance& performance);
 
+  const UpdateCountOptions& options() const { return options_; }
   int center() const { return center_; }  // k
   // p of the last frame that used `updates`; nullopt: not in the window, never polled, or too old.
   std::optional<double> performance(int updates) const;

@@ -149,6 +149,20 @@ TEST(Program, benchOcclusionComparesThePapersFiveWays) {
   ASSERT_EQ(row["updates"].size(), 4);
   EXPECT_EQ(row["updates"][0]["wanted"].size(), 2);
   EXPECT_EQ(row["updates"][0]["made"].size(), 2);
+  EXPECT_EQ(row["updates"][0]["wanted"][0], 3);
+}
+
+TEST(Program, benchOcclusionBeginsWithTheUpdatesThatAreAskedFor) {
+  const Program program;
+  const auto report =
+      program.json(std::string("bench occlusion ") + kSmall +
+                   "@90 --size 96x96 --frames 1 --adapt-frames 1 --updates 9 --block 16");
+  const auto& row = report["rows"][0];
+  EXPECT_EQ(row["map_updates"]["wanted"], 9) << "Li 2003, section 4.4";
+  EXPECT_GT(row["map_updates"]["made"], 3);
+  EXPECT_LE(row["map_updates"]["made"], 9);
+  for (const auto& view : row["updates"]) EXPECT_EQ(view["wanted"][0], 9);
+  EXPECT_EQ(program.run(std::string("bench occlusion ") + kSmall + " --updates 0").status, 2);
 }
 
 TEST(Program, occlusionAtThresholdOneIsThePlainPicture) {

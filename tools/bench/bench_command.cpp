@@ -179,18 +179,22 @@ Bench addSkipping(CLI::App& app, const FrameOptions& plain) {
 
 Bench addOcclusion(CLI::App& app, const FrameOptions& plain) {
   const auto bench = litBench(plain);
-  auto adapt_frames = std::make_shared<int>(0);
+  auto occlusion_bench = std::make_shared<OcclusionBench>();
   CLI::App* occlusion =
       app.add_subcommand("occlusion",
                          "Li's Table 2: growing boxes without and with occlusion culling and "
                          "clipping, surface-like\n\n"
                          "  sluice bench occlusion bonsai.nii.gz@40 engine.nii.gz@80");
   addFrames(*occlusion, *bench, kFramesOfEachWay);
-  OptionGroup(*occlusion, kOutputHeading)
-      .number("--adapt-frames", "N", *adapt_frames, {0, 100'000},
-              "Frames of each of four views whose numbers of map updates are listed (Figure 6)");
+  const OptionGroup output(*occlusion, kOutputHeading);
+  output.number("--adapt-frames", "N", occlusion_bench->adapt_frames, {0, 100'000},
+                "Frames of each of four views whose numbers of map updates are listed (Figure 6)");
+  output.number("--updates", "N", occlusion_bench->updates, {1, 64},
+                "Updates of the opacity map in the first frame, from which the number adapts in a "
+                "window of 3 to either side; Li's is 9");
   return {occlusion, [=](const Show& show) {
-            return show(benchOcclusion(volumesBench(*bench), *adapt_frames), printOcclusion);
+            occlusion_bench->volumes = volumesBench(*bench);
+            return show(benchOcclusion(*occlusion_bench), printOcclusion);
           }};
 }
 

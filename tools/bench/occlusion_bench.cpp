@@ -35,6 +35,12 @@ constexpr std::array<Way, 6> kWays = {
      {"ess_cc", Algorithm::kMerged, Partition::kBoxes, Occlusion::kClip, false},
      {"own", Algorithm::kMerged, Partition::kBlocks, Occlusion::kOff, true}}};
 
+UpdateCountOptions scheduleOf(const OcclusionBench& bench) {
+  UpdateCountOptions options = FrameLessons::kUpdates;
+  options.first = bench.updates;
+  return options;
+}
+
 FrameOptions optionsOf(FrameOptions options, const Way& way) {
   options.algorithm = way.algorithm;
   options.skips = way.skips;
@@ -67,15 +73,16 @@ FrameReport countedFrame(Session& session, FrameOptions options) {
   return session.frame().report;
 }
 
-json updatesOf(Session& session, FrameOptions options, double turn, int frames) {
+json updatesOf(Session& session, const OcclusionBench& bench, double turn) {
+  FrameOptions options = bench.volumes.frame;
   options.partition = Partition::kBoxes;
   options.skips = false;
   options.camera.azimuth_deg += turn;
   options.occlusion = Occlusion::kClip;
   session.setOptions(options);
-  session.forgetLastFrame();  // and the number of updates with it
+  session.forgetLastFrame(scheduleOf(bench));  // and the number of updates with it
   json wanted = json::array(), made = json::array();
-  for (int i = 0; i < frames; ++i) {
+  for (int i = 0; i < bench.adapt_frames; ++i) {
     const OcclusionReport report = session.frame().report.occlusion;
     wanted.push_back(report.updates_wanted);
     made.push_back(report.updates);
@@ -83,7 +90,8 @@ json updatesOf(Session& session, FrameOptions options, double turn, int frames) 
   return {{"azimuth", options.camera.azimuth_deg}, {"wanted", wanted}, {"made", made}};
 }
 
-json rowOf(const VolumesBench& bench, const std::string& word, int adapt_frames) {
+json rowOf(const OcclusionBench& asked, const std::string& word) {
+  const VolumesBench& bench = asked.volumes;
   const auto [file, threshold] = splitThreshold(word, bench.look.threshold);
   LookArguments look = bench.look;
   look.threshold = threshold;
@@ -91,6 +99,7 @@ json rowOf(const VolumesBench& bench, const std::string& word, int adapt_frames)
   Session& session = *scene.session;
   if (look.transfer_file.empty() && !look.opacity)
     session.setTransferFunction(scaleOpacity(scene.transfer, kSurfaceFactor));
+  session.forgetLastFrame(scheduleOf(asked));
   json row{{"volume", file}, {"threshold", threshold ? json(*threshold) : json()}};
   const auto speeds = speedsOf(session, bench.frame, bench.frames);
   std::array<FrameReport, kWays.size()> counted;
@@ -106,6 +115,8 @@ json rowOf(const VolumesBench& bench, const std::string& word, int adapt_frames)
   };
   row["culled_percent"] = percentOf(clipped.occlusion.cells_culled, clipped.occlusion.cells);
   row["clipped_percent"] = percentOf(clipped.occlusion.cells_clipped, clipped.occlusion.cells);
+  row["map_updates"] = {{"wanted", clipped.occlusion.updates_wanted},
+                        {"made", clipped.occlusion.updates}};
   row["stopped_percent"] =
       percentOf(clipped.samples_drawn - clipped.samples_taken, ess.samples_taken);
   row["skipped_percent"] = 100 - percentOf(clipped.samples_taken, ess.samples_taken);
@@ -116,16 +127,15 @@ json rowOf(const VolumesBench& bench, const std::string& word, int adapt_frames)
   row["map_cost_percent"] = 100 * (fps("ess") / fps("ess_m") - 1);
   row["updates"] = json::array();
   for (const double turn : kAdaptTurns)
-    if (adapt_frames > 0)
-      row["updates"].push_back(updatesOf(session, bench.frame, turn, adapt_frames));
+    if (asked.adapt_frames > 0) row["updates"].push_back(updatesOf(session, asked, turn));
   return row;
 }
 
 }  // namespace
 
-json benchOcclusion(const VolumesBench& bench, int adapt_frames) {
+json benchOcclusion(const OcclusionBench& bench) {
   json rows = json::array();
-  for (const std::string& word : bench.volumes) rows.push_back(rowOf(bench, word, adapt_frames));
+  for (const std::string& word : bench.volumes.volumes) rows.push_back(rowOf(bench, word));
   json mean;
   const auto meanOf = [&rows](const json::json_pointer& at) {
     double sum = 0;
