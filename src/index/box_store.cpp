@@ -145,6 +145,7 @@ BoxesPiece BoxStore::buildPiece(int64_t first, int64_t count, const ReadPurpose&
   std::vector<std::vector<std::byte>> trees(static_cast<size_t>(count));
   ProgressMeter progress;
   const auto grow = [&](int64_t block, const BrickGrid& grid) {
+    expectSameValues(source_, time_, ranges_, block, grid);
     trees[static_cast<size_t>(block - first)] = serialize(growBoxTree(grid, origin_.parameters));
   };
   ReadVoxels read;

@@ -51,7 +51,8 @@ class BoxStore {
            WorkerPool& pool, uint64_t budget_bytes, uint64_t growing_bytes, ReadFor read = {});
 
   // The tree of a block. One that is nothing but background is one box, whose gradients are not
-  // known: its neighbours' voxels have a part in them. Throws Error from the source, Interrupted.
+  // known: its neighbours' voxels have a part in them. Throws Error from the source and if a
+  // block's voxels contradict `ranges`, Interrupted.
   BoxTreePtr tree(int64_t block, const ReadPurpose& purpose = {});
   // The same where no voxel needs to be read for it: null where the index has no boxes yet.
   BoxTreePtr treeIfMade(int64_t block);

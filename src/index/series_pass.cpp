@@ -8,6 +8,7 @@
 #include "src/base/clock.h"
 #include "src/base/error.h"
 #include "src/visibility/fusion.h"
+#include "src/volume/block_ranges.h"
 #include "src/volume/device_reader.h"
 
 namespace sluice {
@@ -43,7 +44,8 @@ class Pass {
         steps_(steps),
         table_(table),
         options_(options),
-        type_(deviceMap(source.layout()).type),
+        map_(deviceMap(source.layout())),
+        type_(map_.type),
         coherent_(steps.size()),
         blocks_(steps.size()) {}
 
@@ -123,18 +125,23 @@ class Pass {
     return box;
   }
 
-  void fill(int64_t block, const StepBlocks& known, const Box3& box,
-            const std::vector<std::byte>& voxels, OpacityBlock& out) const {
+  void fill(int64_t block, int64_t step, const Box3& box, const std::vector<std::byte>& voxels,
+            OpacityBlock& out) const {
+    const StepBlocks& known = steps_[static_cast<size_t>(step)];
     const Box3 own = voxelsOf(block);
     const PartGrid grid{own.size() - Vec3i{1, 1, 1}, options_.part_cells / kDetail};
     if (known.isUniform(block)) {
-      fillUniform(known.valueOf(block), grid, table_, out);
+      fillUniform(known.valuesOf(block).lo, grid, table_, out);
       return;
     }
     const Vec3i from = own.lo - box.lo, size = box.size();
     visitDeviceType(type_, [&](auto tag) {
       const auto* first = reinterpret_cast<const decltype(tag)*>(voxels.data()) +
                           (from.z * size.y + from.y) * size.x + from.x;
+      const auto range = rangeOf(first, own.size(), size.x, size.x * size.y);
+      expectSameValues({.time = step, .block = block},
+                       {static_cast<double>(range.lo), static_cast<double>(range.hi)},
+                       known.valuesOf(block), {source_.layout().name, map_, known.indexFile()});
       fillOpacityBlock(first, size.x, size.x * size.y, grid, table_, out);
     });
   }
@@ -151,7 +158,7 @@ class Pass {
       if (counts) ++coherent_[step];
       return;
     }
-    if (!is_empty) fill(block, steps_[step], box, voxels, current);
+    if (!is_empty) fill(block, static_cast<int64_t>(step), box, voxels, current);
     const bool joins = growing.since >= 0 && options_.difference > 0 &&
                        differenceOf(growing, is_empty, current) < options_.difference;
     if (joins) {
@@ -197,6 +204,7 @@ class Pass {
   const std::vector<StepBlocks>& steps_;
   const ExtinctionTable& table_;
   const SeriesPassOptions& options_;
+  const ValueMap map_;
   const DeviceType type_;
   Clocks clocks_;
   std::vector<std::atomic<int64_t>> coherent_, blocks_;
@@ -205,12 +213,16 @@ class Pass {
 }  // namespace
 
 StepBlocks::StepBlocks(const SliceRanges& ranges, const ExtinctionTable& table)
-    : kinds_(static_cast<size_t>(ranges.layout.blockCount())), values_(kinds_.size()) {
+    : kinds_(static_cast<size_t>(ranges.layout.blockCount())),
+      lows_(kinds_.size()),
+      highs_(kinds_.size()),
+      index_file_(ranges.index_file) {
   const auto set = [&](size_t block, double lo, double hi) {
     kinds_[block] = !table.anyOpaque(lo, hi) ? Kind::kEmpty
                     : lo == hi               ? Kind::kUniform
                                              : Kind::kMixed;
-    values_[block] = static_cast<float>(lo);
+    lows_[block] = static_cast<float>(lo);
+    highs_[block] = static_cast<float>(hi);
   };
   for (size_t i = 0; i < kinds_.size(); ++i) set(i, ranges.background, ranges.background);
   visitDeviceType(ranges.map.type, [&](auto tag) {

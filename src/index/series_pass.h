@@ -14,6 +14,7 @@
 #include "src/base/stop_token.h"
 #include "src/base/volume_source.h"
 #include "src/base/worker_pool.h"
+#include "src/index/stale_check.h"
 #include "src/visibility/extinction.h"
 #include "src/visibility/series_opacity.h"
 #include "src/volume/slice_ranges.h"
@@ -30,14 +31,19 @@ class StepBlocks {
   bool isUniform(int64_t block) const {
     return kinds_[static_cast<size_t>(block)] == Kind::kUniform;
   }
-  // Its device value. Requires: isUniform(block).
-  double valueOf(int64_t block) const { return values_[static_cast<size_t>(block)]; }
+  // Its device values, of which all are alike if it is uniform.
+  BlockValues valuesOf(int64_t block) const {
+    const auto b = static_cast<size_t>(block);
+    return {lows_[b], highs_[b]};
+  }
   int64_t nonEmpty() const;
+  const std::filesystem::path& indexFile() const { return index_file_; }
 
  private:
   enum class Kind : uint8_t { kEmpty, kUniform, kMixed };
   std::vector<Kind> kinds_;
-  std::vector<float> values_;
+  std::vector<float> lows_, highs_;  // of each block, the least and the greatest
+  std::filesystem::path index_file_;
 };
 
 struct SeriesPassOptions {
@@ -61,7 +67,8 @@ struct SeriesPassReport {
 };
 
 // `steps`: of all time steps of the source, in the layout's blocks. Throws Error from the source,
-// which names the file, Interrupted when `stop` asks for it.
+// which names the file, and if a block that is read has other values than its step says
+// (stale_check.h); Interrupted when `stop` asks for it.
 SeriesOpacity makeSeriesOpacity(VolumeSource& source, const BlockLayout& layout,
                                 const std::vector<StepBlocks>& steps, const ExtinctionTable& table,
                                 const SeriesPassOptions& options, WorkerPool& pool,

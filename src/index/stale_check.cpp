@@ -10,22 +10,14 @@
 namespace sluice {
 namespace {
 
-template <class T>
-PlaneRange<T> expectedRange(const SliceRanges& ranges, int64_t block) {
-  const auto held = std::lower_bound(ranges.blocks.begin(), ranges.blocks.end(), block);
-  if (held != ranges.blocks.end() && *held == block)
-    return ranges.totalsAs<T>()[static_cast<size_t>(held - ranges.blocks.begin())];
-  const T background = static_cast<T>(ranges.background);
-  return {background, background};
-}
-
 // Of the voxels around the block's own cells: the arrays know nothing of ghost layers.
 template <class T>
-PlaneRange<T> foundRange(const BlockLayout& layout, int64_t block, const VolumeBlock& read) {
+BlockValues foundValues(const BlockLayout& layout, int64_t block, const VolumeBlock& read) {
   const Box3 cells = layout.ownedCells(layout.indexOf(block));
   const Vec3i stored = read.voxels.size();
-  return rangeOf(reinterpret_cast<const T*>(read.at(cells.lo)), cells.size() + Vec3i{1, 1, 1},
-                 stored.x, stored.x * stored.y);
+  const PlaneRange<T> range = rangeOf(reinterpret_cast<const T*>(read.at(cells.lo)),
+                                      cells.size() + Vec3i{1, 1, 1}, stored.x, stored.x * stored.y);
+  return {static_cast<double>(range.lo), static_cast<double>(range.hi)};
 }
 
 // What the user can do about it.
@@ -39,6 +31,28 @@ std::string removed(const std::filesystem::path& index) {
 }
 
 }  // namespace
+
+BlockValues expectedValues(const SliceRanges& ranges, int64_t block) {
+  const auto held = std::lower_bound(ranges.blocks.begin(), ranges.blocks.end(), block);
+  if (held == ranges.blocks.end() || *held != block) return {ranges.background, ranges.background};
+  const auto at = static_cast<size_t>(held - ranges.blocks.begin());
+  return visitDeviceType(ranges.map.type, [&](auto tag) -> BlockValues {
+    const auto range = ranges.totalsAs<decltype(tag)>()[at];
+    return {static_cast<double>(range.lo), static_cast<double>(range.hi)};
+  });
+}
+
+void expectSameValues(const BlockName& name, const BlockValues& found, const BlockValues& expected,
+                      const ExpectedOrigin& origin) {
+  if (found == expected) return;
+  const ValueMap& map = origin.map;
+  fail(
+      "{}: block {} of time step {} has values from {} to {}, {} to {} when it was {}; the "
+      "volume has changed, {}",
+      origin.volume, name.block, name.time, map.valueOf(found.lo), map.valueOf(found.hi),
+      map.valueOf(expected.lo), map.valueOf(expected.hi),
+      origin.index_file.empty() ? "opened" : "indexed", removed(origin.index_file));
+}
 
 void StaleCheck::expect(const BlockName& grid, const std::shared_ptr<const SliceRanges>& ranges) {
   const MutexLock lock(mutex_);
@@ -54,19 +68,11 @@ void StaleCheck::check(const BlockName& name, const VolumeBlock& block) const {
     if (found != expected_.end()) ranges = found->second.lock();
   }
   if (ranges == nullptr) return;
-  visitDeviceType(ranges->map.type, [&](auto tag) {
-    using T = decltype(tag);
-    const PlaneRange<T> expected = expectedRange<T>(*ranges, name.block);
-    const PlaneRange<T> found = foundRange<T>(ranges->layout, name.block, block);
-    if (found.lo == expected.lo && found.hi == expected.hi) return;
-    const auto value = [&](T device) { return ranges->map.valueOf(static_cast<double>(device)); };
-    fail(
-        "{}: block {} of time step {} has values from {} to {}, {} to {} when it was {}; the "
-        "volume has changed, {}",
-        name_, name.block, name.time, value(found.lo), value(found.hi), value(expected.lo),
-        value(expected.hi), ranges->index_file.empty() ? "opened" : "indexed",
-        removed(ranges->index_file));
+  const BlockValues found = visitDeviceType(ranges->map.type, [&](auto tag) {
+    return foundValues<decltype(tag)>(ranges->layout, name.block, block);
   });
+  expectSameValues(name, found, expectedValues(*ranges, name.block),
+                   {name_, ranges->map, ranges->index_file});
 }
 
 }  // namespace sluice

@@ -1,4 +1,6 @@
 // StaleCheck: compares blocks, as they are read, with the min-max arrays that said what they hold.
+// Blocks that are drawn pass through StaleCheck itself; the passes that make opacity functions and
+// growing boxes, which read voxels of their own, call expectSameValues().
 //
 // An index is believed if the identity of the volume's files is the one that it was made of. Some
 // changes leave that identity as it is: a chunk of a store of millions that is rewritten in place,
@@ -9,6 +11,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <string>
@@ -18,6 +21,25 @@
 #include "src/volume/volume_buffer.h"
 
 namespace sluice {
+
+// The least and the greatest device value of a block's own voxels.
+struct BlockValues {
+  double lo = 0, hi = 0;
+  friend bool operator==(const BlockValues&, const BlockValues&) = default;
+};
+// What the arrays say of a block.
+BlockValues expectedValues(const SliceRanges& ranges, int64_t block);
+
+// Where the expected values came from, and how to print them.
+struct ExpectedOrigin {
+  std::string volume;  // name, for messages
+  ValueMap map;
+  std::filesystem::path index_file;  // empty: the arrays were made from the voxels
+};
+// For blocks that are read past the volume buffer. Throws Error if the values differ, and removes
+// the volume's indices.
+void expectSameValues(const BlockName& name, const BlockValues& found, const BlockValues& expected,
+                      const ExpectedOrigin& origin);
 
 class StaleCheck {
  public:

@@ -6,6 +6,7 @@
 
 #include "src/base/mutex.h"
 #include "src/classify/boxes/box_visibility.h"
+#include "src/index/stale_check.h"
 #include "src/volume/device_reader.h"
 
 namespace sluice {
@@ -180,6 +181,14 @@ uint64_t growingBytes(const VolumeLayout& volume, const BlockLayout& layout) {
          (bytesPerVoxel(volume.type) + bytesPerVoxel(deviceMap(volume).type));
 }
 
+void expectSameValues(const VolumeSource& source, int64_t time, const SliceRanges& ranges,
+                      int64_t block, const BrickGrid& grid) {
+  const CellRange found = rangeOf(grid, boxOf(grid.size));
+  expectSameValues({.time = time, .block = block}, {found.lo, found.hi},
+                   expectedValues(ranges, block),
+                   {source.layout().name, ranges.map, ranges.index_file});
+}
+
 void forEachBlockBricks(VolumeSource& source, int64_t time, const BlockLayout& layout,
                         std::span<const int64_t> blocks, WorkerPool& pool, ProgressMeter& progress,
                         uint64_t most_bytes, const TakeBricks& take, const StopToken& stop,
@@ -217,6 +226,7 @@ PartitionCost partitionCost(VolumeSource& source, int64_t time, const SliceRange
   PartitionCost sum;
   Mutex mutex;  // of the sum
   const auto addBlock = [&](int64_t block, const BrickGrid& grid) {
+    expectSameValues(source, time, ranges, block, grid);
     const BoxTree tree = growBoxTree(grid, parameters);
     if (take) take(block, tree);
     const PartitionCost cost = counter.of(grid, tree);

@@ -32,6 +32,10 @@ uint64_t growingBytes(const VolumeLayout& volume, const BlockLayout& layout);
 using ReadVoxels = std::function<void(int64_t time, const RegionRead& region)>;
 // Called on any thread, on several at once.
 using TakeBricks = std::function<void(int64_t block, const BrickGrid& grid)>;
+// Throws Error if a block's voxels contradict the arrays of its step (stale_check.h).
+void expectSameValues(const VolumeSource& source, int64_t time, const SliceRanges& ranges,
+                      int64_t block, const BrickGrid& grid);
+
 // Calls `take` once for each of `blocks` (ids of the layout, ascending), with the bricks of the
 // cells that it owns. Neighbours along x are read together, as far as all threads hold at most
 // `most_bytes` of voxels, or growingBytes() each. Voxels come through `read` where it is given,
@@ -57,8 +61,8 @@ struct PartitionCost {
 };
 // Called on any thread, on several at once.
 using TakeTree = std::function<void(int64_t block, const BoxTree& tree)>;
-// Reads all blocks that are held, in `most_bytes` (forEachBlockBricks), and hands each one's tree
-// to `take` if there is one.
+// Reads all blocks that are held, in `most_bytes` (forEachBlockBricks), compares them with
+// `ranges`, and hands each one's tree to `take` if there is one.
 PartitionCost partitionCost(VolumeSource& source, int64_t time, const SliceRanges& ranges,
                             const OpacityTable& table, const Box3& crop, WorkerPool& pool,
                             ProgressMeter& progress, uint64_t most_bytes = kMostGrowingBytes,

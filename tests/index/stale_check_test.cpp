@@ -5,7 +5,10 @@
 
 #include <limits>
 
+#include "src/index/box_store.h"
 #include "src/index/indexed_ranges.h"
+#include "src/index/series_pass.h"
+#include "src/index/volume_boxes.h"
 #include "tests/support/error_of.h"
 #include "tests/support/function_source.h"
 #include "tests/support/random_volume.h"
@@ -135,6 +138,67 @@ TEST(StaleCheck, theIndicesOfTheVolumeAreRemoved) {
             HasSubstr("was removed: give the same command again")));
   EXPECT_TRUE(std::filesystem::is_empty(stale.path.parent_path()));
   EXPECT_EQ(indexed(after).state, "built");
+}
+
+// Passes over the voxels that do not go through the volume buffer: one voxel of a step, or of a
+// volume, is not what the arrays say.
+VolumeLayout twoSteps() {
+  VolumeLayout layout;
+  layout.dims = {40, 20, 20};
+  layout.time_steps = 2;
+  layout.name = "v";
+  return layout;
+}
+TransferFunction solid() {
+  TransferFunction transfer;
+  transfer.colors = {{0, {1, 1, 1}}};
+  transfer.opacities = {{20, 0}, {90, 1}};
+  return transfer;
+}
+double rising(int64_t, Vec3i p) {
+  return static_cast<double>(100 + p.x);
+}
+double changed(int64_t time, Vec3i p) {
+  return time == 1 && p == Vec3i{33, 9, 9} ? 240 : rising(time, p);
+}
+
+TEST(StaleCheck, opacityFunctionsAreNotMadeOfAChangedStep) {
+  FunctionSource before(twoSteps(), rising), after(twoSteps(), changed);
+  const BlockLayout blocks = blockLayout(before.layout().dims, 16, 0);
+  const ExtinctionTable table(OpacityTable(solid(), deviceMap(before.layout()), {0, 255}));
+  WorkerPool pool(2);
+  ProgressMeter quiet;
+  std::vector<StepBlocks> steps;
+  for (int64_t time = 0; time < 2; ++time)
+    steps.emplace_back(buildSliceRanges(before, time, blocks, pool, quiet), table);
+  EXPECT_NO_THROW(makeSeriesOpacity(before, blocks, steps, table, {}, pool, quiet));
+  EXPECT_THAT(errorOf([&] { makeSeriesOpacity(after, blocks, steps, table, {}, pool, quiet); }),
+              HasSubstr("v: block 2 of time step 1 has values from 130 to 240, 130 to 139 when it "
+                        "was opened"));
+}
+
+TEST(StaleCheck, growingBoxesAreNotMadeOfAChangedStep) {
+  const TempFolder folder;
+  FunctionSource before(twoSteps(), rising), after(twoSteps(), changed);
+  const IndexPlaces places = indexPlaces((folder / "v").string(), {.folder = folder / "cache"});
+  const BlockLayout blocks = blockLayout(before.layout().dims, 16, 0);
+  WorkerPool pool(2);
+  ProgressMeter quiet;
+  IndexedRanges index = indexedRanges(before, places, 1, blocks, pool, quiet);
+  index.ranges.index_file = index.path;
+  const std::string expected =
+      "v: block 2 of time step 1 has values from 130 to 240, 130 to 139 when it was indexed";
+  BoxStore store(after, places, 1, index.ranges, pool, 1 << 20, kMostGrowingBytes);
+  EXPECT_THAT(errorOf([&] { store.tree(2); }), HasSubstr(expected));
+  EXPECT_TRUE(std::filesystem::is_empty(index.path.parent_path())) << "no boxes are kept either";
+  const OpacityTable table(solid(), index.ranges.map, {0, 255});
+  EXPECT_THAT(errorOf([&] {
+                partitionCost(after, 1, index.ranges, table, boxOf(blocks.dims), pool, quiet);
+              }),
+              HasSubstr(expected));
+  const PartitionCost cost =
+      partitionCost(before, 1, index.ranges, table, boxOf(blocks.dims), pool, quiet);
+  EXPECT_EQ(cost.blocks, static_cast<int64_t>(index.ranges.blocks.size()));
 }
 
 }  // namespace

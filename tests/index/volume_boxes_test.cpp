@@ -152,8 +152,14 @@ TEST(VolumeBoxes, aVisibleBackgroundIsCountedWithoutBeingRead) {
   ProgressMeter progress;
   const SliceRanges ranges = buildSliceRanges(sparse, 0, blocks, pool, progress);
   ASSERT_LT(ranges.blocks.size(), static_cast<size_t>(blocks.blockCount()) / 2);
+  ASSERT_EQ(ranges.map.type, DeviceType::kU8);
+  std::vector<PlaneRange<uint8_t>> totals(static_cast<size_t>(blocks.blockCount()), {200, 200});
+  for (size_t i = 0; i < ranges.blocks.size(); ++i)
+    totals[static_cast<size_t>(ranges.blocks[i])] = ranges.totalsAs<uint8_t>()[i];
   SliceRanges all = ranges;
   all.blocks = allBlocks(blocks);
+  const auto bytes = std::as_bytes(std::span(totals));
+  all.totals.assign(bytes.begin(), bytes.end());
   const OpacityTable table = tableOf(ranges, 100);
   for (const Box3& crop : {boxOf({69, 64, 39}), Box3{{3, 17, 9}, {41, 62, 38}}}) {
     const PartitionCost a = partitionCost(sparse, 0, ranges, table, crop, pool, progress);
