@@ -33,6 +33,36 @@ std::array<float, 256> unpacked() {
   return values;
 }
 
+// Finds the byte of an extinction by the first bits of its mantissa: a 64th of an octave holds at
+// most one of the steps, which are a 14th apart.
+class PackTable {
+ public:
+  PackTable() : values_(unpacked()), base_(bucketOf(values_[1])) {
+    first_.resize(bucketOf(values_[255]) - base_ + 1);
+    for (size_t bucket = 0; bucket < first_.size(); ++bucket) {
+      const float begin =
+          std::bit_cast<float>(static_cast<uint32_t>(bucket + base_) << kBucketShift);
+      size_t packed = 0;
+      while (packed < 255 && values_[packed + 1] <= begin) ++packed;
+      first_[bucket] = static_cast<uint8_t>(packed);
+    }
+  }
+  uint8_t pack(float extinction) const {
+    if (!(extinction >= values_[1])) return 0;
+    if (extinction >= values_[255]) return 255;
+    const uint8_t packed = first_[bucketOf(extinction) - base_];
+    return static_cast<uint8_t>(packed + (values_[packed + size_t{1}] <= extinction ? 1 : 0));
+  }
+
+ private:
+  static constexpr uint32_t kBucketShift = 23 - 6;
+  static size_t bucketOf(float value) { return std::bit_cast<uint32_t>(value) >> kBucketShift; }
+
+  const std::array<float, 256> values_;
+  const size_t base_;
+  std::vector<uint8_t> first_;  // of each bucket, what its first value is packed to
+};
+
 }  // namespace
 
 ExtinctionTable::ExtinctionTable(const OpacityTable& table)
@@ -46,6 +76,10 @@ ExtinctionTable::ExtinctionTable(const OpacityTable& table)
     for (size_t i = 0; i < next.size(); ++i) next[i] = std::min(last[i], last[i + span]);
     levels_.push_back(std::move(next));
   }
+  of_bytes_.resize(size_t{1} << 16U);
+  for (size_t lo = 0; lo < 256; ++lo)
+    for (size_t hi = lo; hi < 256; ++hi)
+      of_bytes_[lo << 8U | hi] = leastIn(static_cast<double>(lo), static_cast<double>(hi));
 }
 
 float ExtinctionTable::leastIn(double lo, double hi) const {
@@ -62,13 +96,8 @@ float ExtinctionTable::leastIn(double lo, double hi) const {
 }
 
 uint8_t packExtinction(float extinction) {
-  if (!(extinction > 0)) return 0;
-  const double at =
-      255 + kStepsAnOctave * std::log2(static_cast<double>(extinction) / kMostExtinction);
-  auto packed = static_cast<int>(std::clamp(std::floor(at + 1e-6), 0.0, 255.0));
-  // Rounding may have gone a step too far either way.
-  while (packed > 0 && unpackExtinction(static_cast<uint8_t>(packed)) > extinction) --packed;
-  return static_cast<uint8_t>(packed);
+  static const PackTable kTable;
+  return kTable.pack(extinction);
 }
 
 float unpackExtinction(uint8_t packed) {

@@ -6,6 +6,7 @@
 // more than there is. Immutable; any thread may read.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -23,6 +24,9 @@ class ExtinctionTable {
   // The least extinction that a sample between device values lo <= hi may have, whatever its
   // gradient, a voxel length of the finest spacing; 0 where one of them stands for NaN. O(1).
   float leastIn(double lo, double hi) const;
+  // The same of device values of one byte, from a table: cells of such blocks are looked up by the
+  // million.
+  float leastInBytes(uint8_t lo, uint8_t hi) const { return of_bytes_[size_t{lo} << 8U | hi]; }
   // Of each entry of the table, whatever the gradient.
   const std::vector<float>& entries() const { return levels_.front(); }
   // Opacity of a device value at a voxel, whatever the gradient: Opa(v) of equation 1.
@@ -38,6 +42,7 @@ class ExtinctionTable {
   std::vector<float> opacity_;
   // levels_[n][i]: the least of entries i up to i + 2^n.
   std::vector<std::vector<float>> levels_;
+  std::vector<float> of_bytes_;  // leastIn() of each pair: lo, then hi; 0 where lo > hi
 };
 
 // Extinctions as bytes: 0 is 0, and each further one is greater by a 14th of an octave, up to

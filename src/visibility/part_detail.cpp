@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 
 #include "src/base/error.h"
 #include "src/visibility/extinction.h"
@@ -31,7 +32,7 @@ Vec3i cubesIn(const PartGrid& cubes, Vec3i part) {
 
 // The cubes' extinctions, ascending, and how much the level of each hides.
 struct Sorted {
-  std::array<uint8_t, static_cast<size_t>(kDetail* kDetail* kDetail)> packed;
+  std::array<uint8_t, static_cast<size_t>(kDetail* kDetail* kDetail)> packed{};
   size_t count = 0;
 };
 struct Cut {
@@ -50,6 +51,16 @@ Cut bestCut(const Sorted& cubes, size_t from, size_t end, const std::array<float
   return cut;
 }
 
+// By counting: a part has up to 64 of few values, and comparing them would be guesswork for the
+// processor.
+void sortBytes(std::span<uint8_t> bytes) {
+  std::array<uint8_t, 256> counts{};
+  for (const uint8_t byte : bytes) ++counts[byte];
+  size_t to = 0;
+  for (size_t value = 0; to < bytes.size(); ++value)
+    for (uint8_t left = counts[value]; left > 0; --left) bytes[to++] = static_cast<uint8_t>(value);
+}
+
 // A part with the number of bits that its cubes are worth.
 struct Chosen {
   PartLevels part;
@@ -58,16 +69,26 @@ struct Chosen {
 Chosen levelsOf(const uint8_t* first, Vec3i size, int64_t row, int64_t plane, int most_bits) {
   static const std::array<float, 256> kOpacity = opacities();
   Sorted cubes;
+  // Rows of whole parts have a length that the compiler knows: a copy is one load and one store.
+  const auto copyRow = [&](const uint8_t* from, size_t bytes) {
+    std::memcpy(cubes.packed.data() + cubes.count, from, bytes);
+    cubes.count += bytes;
+  };
   for (int64_t z = 0; z < size.z; ++z)
-    for (int64_t y = 0; y < size.y; ++y)
-      for (int64_t x = 0; x < size.x; ++x)
-        cubes.packed[cubes.count++] = first[z * plane + y * row + x];
-  const auto end = cubes.packed.begin() + static_cast<ptrdiff_t>(cubes.count);
-  const auto extremes = std::minmax_element(cubes.packed.begin(), end);
-  const uint8_t least = *extremes.first;
+    for (int64_t y = 0; y < size.y; ++y) {
+      const uint8_t* from = first + z * plane + y * row;
+      if (size.x == kDetail)
+        copyRow(from, kDetail);
+      else
+        copyRow(from, static_cast<size_t>(size.x));
+    }
+  if (std::memcmp(cubes.packed.data(), cubes.packed.data() + 1, cubes.count - 1) == 0)
+    return {PartLevels::of(cubes.packed[0]), 0};
+  const std::span<uint8_t> packed = std::span(cubes.packed).first(cubes.count);
+  const uint8_t least = *std::ranges::min_element(packed);
   Chosen chosen{PartLevels::of(least), 0};
-  if (least == *extremes.second || most_bits == 0) return chosen;
-  std::sort(cubes.packed.begin(), end);
+  if (most_bits == 0) return chosen;
+  sortBytes(packed);
   float all = 0;
   for (size_t i = 0; i < cubes.count; ++i) all += kOpacity[cubes.packed[i]];
   const Cut middle = bestCut(cubes, 0, cubes.count, kOpacity);

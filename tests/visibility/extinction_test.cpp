@@ -61,24 +61,30 @@ TEST(Extinction, aByteIsNeverMoreAndNearlyAll) {
     EXPECT_LE(unpackExtinction(packExtinction(exact)), exact);
     EXPECT_GE(unpackExtinction(packExtinction(exact)), 0.95F * exact);
   }
-  for (int i = 0; i < 256; ++i)
-    EXPECT_EQ(packExtinction(unpackExtinction(static_cast<uint8_t>(i))), i);
+  for (int i = 0; i < 256; ++i) {
+    const float value = unpackExtinction(static_cast<uint8_t>(i));
+    EXPECT_EQ(packExtinction(value), i);
+    EXPECT_EQ(packExtinction(std::nextafter(value, 0.0F)), std::max(0, i - 1)) << "rounded down";
+  }
 }
 
-TEST(BlockParts, leastOfEachPartIsThatOfItsCells) {
-  const ExtinctionTable table(OpacityTable(bumps(), {DeviceType::kU8, 1, 0}, {0, 255}));
+// Of voxels of a type, in parts of `side` cells, against a look at every corner of every cell.
+template <class T>
+void expectLeastOfCells(int64_t side, DeviceType type) {
+  const ExtinctionTable table(OpacityTable(bumps(), {type, 1, 0}, {0, 255}));
   std::mt19937 random(2);
   const Vec3i cells{10, 7, 9};
   const int64_t row = 13, plane = 13 * 8;
-  std::vector<uint8_t> voxels(static_cast<size_t>(plane * 10));
-  for (uint8_t& v : voxels) v = static_cast<uint8_t>(100 + random() % 60);
-  const PartGrid grid{cells, 4};
+  std::vector<T> voxels(static_cast<size_t>(plane * 10));
+  for (T& v : voxels) v = static_cast<T>(100 + random() % 60);
+  const PartGrid grid{cells, side};
   const BlockParts parts = blockParts(voxels.data(), row, plane, grid, table);
-  ASSERT_EQ(parts.least.size(), 3U * 2 * 3);
+  const Vec3i count = grid.count();
+  ASSERT_EQ(static_cast<int64_t>(parts.least.size()), volume(count));
   size_t at = 0;
-  for (int64_t z = 0; z < 3; ++z)
-    for (int64_t y = 0; y < 2; ++y)
-      for (int64_t x = 0; x < 3; ++x, ++at) {
+  for (int64_t z = 0; z < count.z; ++z)
+    for (int64_t y = 0; y < count.y; ++y)
+      for (int64_t x = 0; x < count.x; ++x, ++at) {
         float least = kMostExtinction;
         const Box3 box = grid.cellsOf({x, y, z});
         for (int64_t cz = box.lo.z; cz < box.hi.z; ++cz)
@@ -86,15 +92,24 @@ TEST(BlockParts, leastOfEachPartIsThatOfItsCells) {
             for (int64_t cx = box.lo.x; cx < box.hi.x; ++cx) {
               double lo = 255, hi = 0;
               for (int corner = 0; corner < 8; ++corner) {
-                const double v =
-                    voxels[static_cast<size_t>((cz + (corner >> 2)) * plane +
-                                               (cy + (corner >> 1 & 1)) * row + cx + (corner & 1))];
+                const auto v = static_cast<double>(voxels[static_cast<size_t>(
+                    (cz + (corner >> 2)) * plane + (cy + (corner >> 1 & 1)) * row + cx +
+                    (corner & 1))]);
                 lo = std::min(lo, v), hi = std::max(hi, v);
               }
               least = std::min(least, table.leastIn(lo, hi));
             }
         EXPECT_EQ(parts.least[at], least);
       }
+}
+
+TEST(BlockParts, leastOfEachPartIsThatOfItsCells) {
+  for (const int64_t side : {1, 2, 4}) {
+    SCOPED_TRACE(side);
+    expectLeastOfCells<uint8_t>(side, DeviceType::kU8);
+    expectLeastOfCells<uint16_t>(side, DeviceType::kU16);
+    expectLeastOfCells<float>(side, DeviceType::kF32);
+  }
 }
 
 }  // namespace
