@@ -20,8 +20,8 @@ struct TimeRange {
 
 // Which blocks of a step are left out because others hide them (src/render/culled_blocks.h): none;
 // by the least opacity of a block; by the ratio of opacity to thickness; and the same, looking only
-// at what changes from step to step.
-enum class Culling { kNone, kPof, kOpof, kToc };
+// at what changes from step to step; and the last one only if it is faster than none (series.h).
+enum class Culling { kNone, kPof, kOpof, kToc, kAuto };
 
 struct CullingArguments {
   Culling culling = Culling::kNone;

@@ -252,6 +252,20 @@ std::string emptyReason(const Arguments& arguments, Scene& scene, const FrameOpt
                   {scene.pool, progress, scene.memory_bytes, interruption()});
 }
 
+// With --culling auto, before the first picture: frames of turns and paths are of one step, which
+// is not measured.
+void chooseCulling(const Arguments& arguments, const std::vector<int64_t>& to_draw,
+                   const std::vector<Camera>& cameras, FrameOptions options, Scene& scene,
+                   Series& series) {
+  std::vector<int64_t> times;
+  for (const int64_t i : to_draw)
+    if (arguments.times) times.push_back(timeOf(arguments, i));
+  options.camera = cameraOf(cameras, to_draw.front());
+  options.count_samples = options.keep_phases = false;
+  scene.session->setOptions(options);
+  series.choose(times);
+}
+
 // Draws the frames and writes their pictures, which the first rank does for all.
 Drawn drawAll(const Arguments& arguments, const std::vector<int64_t>& to_draw,
               const std::vector<Camera>& cameras, const PictureOutput& output, FrameOptions options,
@@ -350,6 +364,7 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
   const nlohmann::json earlier = earlierReport(arguments);
   // Before the trace, since culling opens the session anew.
   Series series(scene, arguments.culling, arguments.resources, options);
+  chooseCulling(arguments, to_draw, cameras, options, scene, series);
   std::unique_ptr<TraceWriter> trace;
   if (!arguments.trace_file.empty()) {
     trace = makeTraceWriter(arguments.trace_file, traceFormatOf(arguments.trace_file),
@@ -373,6 +388,7 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
   nlohmann::json report;
   if (wantsReport(arguments)) {
     report = reportOf(arguments, app, to_draw, drawn, scene);
+    if (series.choice()) report["culling_choice"] = choiceJson(*series.choice());
     addEarlierFrames(arguments, earlier, report);
   }
   if (scene.share && wantsReport(arguments)) gatherReport(*team, *scene.share, report);

@@ -127,6 +127,7 @@ void printDrawn(const RenderArguments& arguments, const Scene& scene, const Seri
       formatBytes(peakResidentBytes()));
   const std::string upright = uprightHint(layout);
   if (!upright.empty() && leavesUpToVolume(arguments)) say("up: {}\n", upright);
+  if (series.choice()) say("culling auto: {}\n", series.choice()->line);
   if (series.culls()) {
     const CullingCounts& counts = series.counts();
     say("culling: {} of {} blocks visible, estimated in {:.2f} ms from {} of {} pixels\n",

@@ -1,8 +1,11 @@
 #include "tools/series.h"
 
+#include <algorithm>
+#include <limits>
 #include <sstream>
 #include <utility>
 
+#include "src/base/clock.h"
 #include "src/base/error.h"
 #include "src/classify/transfer/transfer_file.h"
 #include "tools/command_line/console.h"
@@ -10,12 +13,27 @@
 #include "tools/interrupt.h"
 #include "tools/rank_agreement.h"
 #include "tools/scene_session.h"
+#include "tools/strip_drawing.h"
 
 namespace sluice {
 namespace {
 
+// Of the time without culling: what is saved must be more than what two measurements differ by.
+constexpr double kWorthwhile = 0.9;
+
 ProgressWatch preparingLine(const ResourceArguments& resources) {
   return resources.quiet ? ProgressWatch() : progressLine("preparing");
+}
+
+// Those that the index has, which auto is content with.
+std::optional<SeriesFunctions> preparedFunctions(Scene& scene, const CullingArguments& culling,
+                                                 const ResourceArguments& resources) {
+  ProgressMeter progress;
+  std::optional<SeriesFunctions> functions =
+      keptSeriesFunctions(scene.volume, scene.transfer, seriesOptions(culling, scene.volume),
+                          {scene.pool, progress, memoryBudget(resources), interruption()});
+  if (functions && !resources.quiet && !functions->note.empty()) printWarning(functions->note);
+  return functions;
 }
 
 }  // namespace
@@ -57,7 +75,7 @@ CullingOptions cullingOptions(Culling culling, const FrameOptions& frame,
   CullingOptions options;
   options.form = culling == Culling::kPof ? OpacityForm::kPof : OpacityForm::kOpof;
   options.opacity_threshold = hidingThreshold(frame);
-  options.uses_coherence = culling == Culling::kToc;
+  options.uses_coherence = culling == Culling::kToc || culling == Culling::kAuto;
   options.clip_planes = frame.clip_planes;
   options.exponent = functions.exponent;
   return options;
@@ -65,17 +83,69 @@ CullingOptions cullingOptions(Culling culling, const FrameOptions& frame,
 
 Series::Series(Scene& scene, const CullingArguments& culling, const ResourceArguments& resources,
                const FrameOptions& frame)
-    : scene_(scene), resources_(resources) {
+    : scene_(scene), resources_(resources), is_auto_(culling.culling == Culling::kAuto) {
   if (scene.share) scene.share->dealEachPicture(scene.volume.source->layout().time_steps > 1);
   if (culling.culling == Culling::kNone) return;
+  if (is_auto_ && scene.share)
+    fail("--culling auto measures one process; give ranks --culling toc or none");
   scene.inTurn([&] {
-    functions_.emplace(openFunctions(scene.volume, scene.transfer, culling, resources, scene.pool));
+    if (is_auto_)
+      functions_ = preparedFunctions(scene, culling, resources);
+    else
+      functions_.emplace(
+          openFunctions(scene.volume, scene.transfer, culling, resources, scene.pool));
   });
+  if (!functions_) return;
   CullingOptions options = cullingOptions(culling.culling, frame, *functions_);
   openSession(scene, resources, frame, functions_->opacity()->bytes());
   if (scene.share) scene.share->shareEstimate(options);
   culled_.emplace(functions_->opacity(), scene.volume.source->layout(), options, scene.pool);
-  scene.chooseBlocksBy(&*culled_);
+  if (!is_auto_) scene.chooseBlocksBy(&*culled_);
+}
+
+void Series::choose(std::span<const int64_t> times) {
+  if (!is_auto_) return;
+  choice_ = measure(times);
+  if (!choice_->culls) {
+    culled_.reset();
+    functions_.reset();
+  }
+  scene_.chooseBlocksBy(culled_ ? &*culled_ : nullptr);
+}
+
+CullingChoice Series::measure(std::span<const int64_t> times) {
+  CullingChoice choice;
+  if (!functions_) {
+    choice.line = "none: the series is not prepared; sluice prepare does it";
+    return choice;
+  }
+  if (times.size() < kLeastMeasured) {
+    choice.line =
+        fmt::format("none: only series of {} steps or more are measured; give toc", kLeastMeasured);
+    return choice;
+  }
+  double none = std::numeric_limits<double>::infinity(), culled = none;
+  secondsOf(times[0], true);
+  for (const size_t i : {1, 3}) {
+    none = std::min(none, secondsOf(times[i], false));
+    culled = std::min(culled, secondsOf(times[i + 1], true));
+  }
+  scene_.session->forgetLastFrame();
+  choice.none_seconds = none;
+  choice.culled_seconds = culled;
+  choice.culls = culled < kWorthwhile * none;
+  choice.line =
+      fmt::format("{}: a step took {:.3f} s with it, {:.3f} s without",
+                  choice.culls ? "toc" : "none", *choice.culled_seconds, *choice.none_seconds);
+  return choice;
+}
+
+double Series::secondsOf(int64_t time, bool culls) {
+  scene_.chooseBlocksBy(culls ? &*culled_ : nullptr);
+  const Stopwatch watch;
+  show(time, std::nullopt);
+  drawFrameOf(scene_, stripsFor(scene_), nullptr);
+  return watch.seconds();
 }
 
 Series::~Series() {
@@ -102,6 +172,13 @@ void Series::show(int64_t time, std::optional<int64_t> next) {
   if (!next) return;
   next_ = step(*next);
   scene_.session->expectAfterwards(*next_);
+}
+
+nlohmann::json choiceJson(const CullingChoice& choice) {
+  nlohmann::json json{{"culls", choice.culls}, {"line", choice.line}};
+  if (choice.none_seconds)
+    json["seconds"] = {{"none", *choice.none_seconds}, {"toc", *choice.culled_seconds}};
+  return json;
 }
 
 nlohmann::json countsJson(const CullingCounts& counts) {

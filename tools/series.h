@@ -6,6 +6,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -27,8 +28,20 @@ SeriesFunctions openFunctions(const IndexedVolume& volume, const TransferFunctio
 CullingOptions cullingOptions(Culling culling, const FrameOptions& frame,
                               const SeriesFunctions& functions);
 
+// Why --culling auto culls, or does not.
+struct CullingChoice {
+  bool culls = false;
+  // Of a step of either way; absent: none was measured.
+  std::optional<double> none_seconds, culled_seconds;
+  std::string line;  // for people
+};
+
 class Series {
  public:
+  // A series shorter than this is drawn without culling by --culling auto: what drawing five more
+  // steps costs would not be small.
+  static constexpr size_t kLeastMeasured = 64;
+
   // `scene` must outlive it, and was opened for the whole series. Throws Error.
   Series(Scene& scene, const CullingArguments& culling, const ResourceArguments& resources,
          const FrameOptions& frame);
@@ -36,19 +49,31 @@ class Series {
   Series(const Series&) = delete;
   Series& operator=(const Series&) = delete;
 
+  // --culling auto: draws the first five of the steps with culling and without by turns and keeps
+  // no picture of them. It culls from now on if the faster of two steps took a tenth less with
+  // culling. The first of the five is not counted: it looks at all tiles of the picture, which
+  // others do not. Requires: the session's options are those of the first picture.
+  void choose(std::span<const int64_t> times);
+
   // The scene's next frame shows this step; while its last is drawn, what `next` needs is read.
   void show(int64_t time, std::optional<int64_t> next);
 
   // With culling, of the last frame.
   bool culls() const { return culled_.has_value(); }
   const CullingCounts& counts() const { return culled_->countsOf(shown_); }
+  const std::optional<CullingChoice>& choice() const { return choice_; }
   const SeriesFunctions* functions() const { return functions_ ? &*functions_ : nullptr; }
 
  private:
   TimeStep step(int64_t time);
+  // Of drawing a step either way.
+  double secondsOf(int64_t time, bool culls);
+  CullingChoice measure(std::span<const int64_t> times);
 
   Scene& scene_;
   const ResourceArguments& resources_;
+  const bool is_auto_;
+  std::optional<CullingChoice> choice_;
   std::optional<SeriesFunctions> functions_;
   std::optional<CulledBlocks> culled_;
   std::optional<TimeStep> next_;
@@ -57,5 +82,7 @@ class Series {
 
 // `blocks_nonempty`, `visible`, `estimate_seconds`, `pixels_checked`.
 nlohmann::json countsJson(const CullingCounts& counts);
+// `culls`, `line`, and `seconds` of each way if they were measured.
+nlohmann::json choiceJson(const CullingChoice& choice);
 
 }  // namespace sluice

@@ -201,4 +201,15 @@ SeriesFunctions seriesFunctions(const IndexedVolume& volume, const TransferFunct
                                : functionsOfFamily(volume, transfer, options, pass);
 }
 
+std::optional<SeriesFunctions> keptSeriesFunctions(const IndexedVolume& volume,
+                                                   const TransferFunction& transfer,
+                                                   const SeriesOptions& options,
+                                                   const IndexPass& pass) {
+  if (options.basis.empty())
+    return keptFunctions(volume, recipeOf(volume, transfer, options), true);
+  for (const TransferFunction& basis : options.basis)
+    if (!keptFunctions(volume, recipeOf(volume, basis, options), false)) return std::nullopt;
+  return functionsOfFamily(volume, transfer, options, pass);
+}
+
 }  // namespace sluice

@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -47,6 +48,12 @@ struct SeriesFunctions {
 // Interrupted.
 SeriesFunctions seriesFunctions(const IndexedVolume& volume, const TransferFunction& transfer,
                                 const SeriesOptions& options, const IndexPass& pass);
+
+// The same where nothing needs to be made: nullopt if the index lacks functions of the look.
+std::optional<SeriesFunctions> keptSeriesFunctions(const IndexedVolume& volume,
+                                                   const TransferFunction& transfer,
+                                                   const SeriesOptions& options,
+                                                   const IndexPass& pass);
 
 // A step of the series with the value range of all of them, so that one table of opacities serves
 // every step. Requires: the volume was opened for the whole series.

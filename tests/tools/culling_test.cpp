@@ -105,6 +105,46 @@ TEST_F(CullingCommand, stepsLookAsWithoutCulling) {
   }
 }
 
+TEST_F(CullingCommand, autoNeverPreparesAndMeasuresOnlyLongSeries) {
+  const json unprepared = renderJson("--time 0:5 --culling auto -o a_%03d.png");
+  EXPECT_FALSE(unprepared["culling_choice"]["culls"].get<bool>());
+  EXPECT_THAT(unprepared["culling_choice"]["line"].get<std::string>(), HasSubstr("not prepared"));
+  for (const json& frame : unprepared["frames"]) EXPECT_FALSE(frame.contains("culling"));
+  const json made = program_.json(std::string("prepare mix_%03d.nrrd ") + kLook);
+  EXPECT_EQ(made["state"], "built") << "auto left this to prepare";
+  const json few = renderJson("--time 0:5 --culling auto -o b_%03d.png");
+  EXPECT_FALSE(few["culling_choice"]["culls"].get<bool>());
+  EXPECT_FALSE(few["culling_choice"].contains("seconds"));
+  EXPECT_THAT(few["culling_choice"]["line"].get<std::string>(), HasSubstr("64 steps"));
+  // One step is not measured either.
+  EXPECT_EQ(render("--time 2 --culling auto -o one.png -q").status, 0);
+}
+
+// Whichever way is found to be faster is taken for all pictures.
+TEST_F(CullingCommand, autoTakesTheFasterWayForAllPictures) {
+  EXPECT_EQ(program_.run("synth mixing -o long_%03d.nrrd --dims 32,32,32 --steps 66 -q").status, 0);
+  EXPECT_EQ(program_.run(std::string("prepare -q long_%03d.nrrd ") + kLook).status, 0);
+  const auto draw = [&](const char* how) {
+    return program_.json(
+        fmt::format("render long_%03d.nrrd {} {} --time 0:65 {}", kLook, kPicture, how));
+  };
+  const json chosen = draw("--culling auto -o auto_%03d.png");
+  const json& choice = chosen["culling_choice"];
+  const double none = choice["seconds"]["none"], toc = choice["seconds"]["toc"];
+  EXPECT_GT(none, 0);
+  EXPECT_GT(toc, 0);
+  EXPECT_EQ(choice["culls"].get<bool>(), toc < 0.9 * none);
+  EXPECT_EQ(chosen["frames"].size(), 66U);
+  for (const json& frame : chosen["frames"])
+    EXPECT_EQ(frame.contains("culling"), choice["culls"].get<bool>());
+  draw(fmt::format("--culling {} -o same_%03d.png", choice["culls"].get<bool>() ? "toc" : "none")
+           .c_str());
+  for (const int step : {0, 1, 2, 3, 4, 5, 65})
+    EXPECT_TRUE(readFile(program_.folder / fmt::format("auto_{:03}.png", step)) ==
+                readFile(program_.folder / fmt::format("same_{:03}.png", step)))
+        << step;
+}
+
 TEST_F(CullingCommand, rangesAndNumbers) {
   EXPECT_EQ(render("--time 1:5:2 -o a_%03d.png -q").status, 0);
   for (int step = 0; step < 6; ++step)

@@ -9,10 +9,12 @@ void addCullingOptions(CLI::App& app, CullingArguments& arguments, bool chooses)
                  Words<Culling>{{"none", Culling::kNone},
                                 {"pof", Culling::kPof},
                                 {"opof", Culling::kOpof},
-                                {"toc", Culling::kToc}},
+                                {"toc", Culling::kToc},
+                                {"auto", Culling::kAuto}},
                  arguments.culling,
                  "Leaves blocks unread that others hide: by least opacities (pof), by ratios to "
-                 "thickness (opof), looking only at what changes (toc)");
+                 "thickness (opof), looking only at what changes (toc); auto: toc if the series is "
+                 "prepared and its first steps are drawn faster with it");
   group.number("--difference", "D", arguments.difference, {0, 1},
                "Blocks of a series that differ less are fused; 0: none");
   group.number("--directions", "N", arguments.directions, {1, 16},
