@@ -1,8 +1,10 @@
 #include "src/cpu/leap_grid.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "src/base/error.h"
 
@@ -87,19 +89,74 @@ void setRanges(const ChunkTexels& chunk, const ExpectedLook* expected, LeapGrid&
     }
 }
 
-// Each flag becomes whether it or one beside it along the axis was set. `stride` is the axis's.
-void spreadAlong(std::vector<uint8_t>& flags, int64_t count, int64_t stride,
-                 std::vector<uint8_t>& before) {
-  before.assign(flags.begin(), flags.end());
-  const auto take = [&](int64_t to, int64_t from, int64_t many) {
-    for (int64_t i = 0; i < many; ++i)
-      flags[static_cast<size_t>(to + i)] |= before[static_cast<size_t>(from + i)];
-  };
-  const int64_t line = count * stride, all = static_cast<int64_t>(flags.size());
-  for (int64_t at = 0; at < all; at += line) {
-    take(at + stride, at, line - stride);
-    take(at, at + stride, line - stride);
+// Of each value of one byte the least `hi` for which a sample from it to `hi` may show something;
+// 256: none. Bricks are many more than bytes.
+std::array<uint16_t, 256> leastShown(const ShownValues& shown) {
+  std::array<uint16_t, 256> least{};
+  uint16_t hi = 0;
+  for (uint16_t lo = 0; lo < 256; ++lo) {
+    hi = std::max(hi, lo);
+    while (hi < 256 && !shown.anyIn(lo, hi)) ++hi;
+    least[lo] = hi;
   }
+  return least;
+}
+
+// 0 where something may show, otherwise kMostDistance. Returns how many bricks show something.
+size_t markShown(const LeapGrid& grid, DeviceType type, const ShownValues& shown,
+                 std::span<uint8_t> distances) {
+  size_t count = 0;
+  const auto mark = [&](size_t i, bool shows) {
+    distances[i] = shows ? 0 : kMostDistance;
+    count += shows ? 1 : 0;
+  };
+  visitDeviceType(type, [&](auto tag) {
+    using T = decltype(tag);
+    const auto* ranges = reinterpret_cast<const Range<T>*>(grid.ranges.data());
+    if constexpr (std::is_same_v<T, uint8_t>) {
+      const std::array<uint16_t, 256> least = leastShown(shown);
+      for (size_t i = 0; i < distances.size(); ++i)
+        mark(i, ranges[i].lo <= ranges[i].hi && ranges[i].hi >= least[ranges[i].lo]);
+    } else {
+      for (size_t i = 0; i < distances.size(); ++i)
+        mark(i, shown.anyIn(static_cast<float>(ranges[i].lo), static_cast<float>(ranges[i].hi)));
+    }
+  });
+  return count;
+}
+
+// The distance of the greatest axis is separable: along x those of a line, then for each further
+// axis the least, over the bricks of a line, of the greater of their distance and the way to them.
+void spreadAlongX(std::span<uint8_t> distances, int64_t count) {
+  const auto columns = static_cast<size_t>(count);
+  for (size_t line = 0; line < distances.size(); line += columns) {
+    int nearest = kMostDistance;
+    const auto step = [&](uint8_t& distance) {
+      nearest = std::min<int>(nearest + 1, distance);
+      distance = static_cast<uint8_t>(nearest);
+    };
+    for (size_t x = 0; x < columns; ++x) step(distances[line + x]);
+    nearest = kMostDistance;
+    for (size_t x = columns; x-- > 0;) step(distances[line + x]);
+  }
+}
+
+// `stride` is the axis's, of which there are `count` bricks.
+void spreadAlong(std::span<uint8_t> distances, int64_t count, int64_t stride,
+                 std::vector<uint8_t>& before) {
+  before.assign(distances.begin(), distances.end());
+  const int64_t line = count * stride, all = static_cast<int64_t>(distances.size());
+  for (int64_t at = 0; at < all; at += line)
+    for (uint8_t way = 1; way < kMostDistance && way < count; ++way) {
+      const int64_t shift = way * stride;
+      const auto take = [&](int64_t to, int64_t from) {
+        uint8_t* __restrict out = distances.data() + at + to;
+        const uint8_t* __restrict in = before.data() + at + from;
+        for (int64_t i = 0; i < line - shift; ++i) out[i] = std::min(out[i], std::max(in[i], way));
+      };
+      take(shift, 0);
+      take(0, shift);
+    }
 }
 
 }  // namespace
@@ -146,26 +203,16 @@ LeapGrid leapGrid(const ChunkTexels& chunk, const ExpectedLook* expected) {
 
 void setDistances(LeapGrid& grid, DeviceType type, const ShownValues& shown) {
   const auto bricks = static_cast<size_t>(volume(grid.bricks));
-  std::vector<uint8_t> shows(bricks), copy;
-  size_t count = 0;
-  visitDeviceType(type, [&](auto tag) {
-    using T = decltype(tag);
-    const auto* ranges = reinterpret_cast<const Range<T>*>(grid.ranges.data());
-    for (size_t i = 0; i < bricks; ++i) {
-      shows[i] = shown.anyIn(static_cast<float>(ranges[i].lo), static_cast<float>(ranges[i].hi));
-      count += shows[i];
-    }
-  });
-  grid.shown_share = static_cast<double>(count) / static_cast<double>(bricks);
   grid.distances.assign(bricks + 4, 0);
+  const std::span distances(grid.distances.data(), bricks);
+  const size_t count = markShown(grid, type, shown, distances);
+  grid.shown_share = static_cast<double>(count) / static_cast<double>(bricks);
+  if (count == 0) return;
   const Vec3i size = grid.bricks;
-  for (int distance = 0; distance < kMostDistance; ++distance) {
-    for (size_t i = 0; i < bricks; ++i) grid.distances[i] += 1 - shows[i];
-    if (distance + 1 == kMostDistance) break;
-    spreadAlong(shows, size.x, 1, copy);
-    spreadAlong(shows, size.y, size.x, copy);
-    spreadAlong(shows, size.z, size.x * size.y, copy);
-  }
+  std::vector<uint8_t> before;
+  spreadAlongX(distances, size.x);
+  spreadAlong(distances, size.y, size.x, before);
+  spreadAlong(distances, size.z, size.x * size.y, before);
 }
 
 }  // namespace sluice

@@ -77,11 +77,11 @@ bool reaches(Vec3i brick, int least) {
   return false;
 }
 
-TEST(LeapGridTest, distancesAreThoseToTheNearestBrickThatShowsSomething) {
-  const ChunkTexelsPtr texels = texelsOf(DeviceType::kU8);
+void expectNearestDistances(DeviceType type) {
+  const ChunkTexelsPtr texels = texelsOf(type);
   LeapGrid grid = leapGrid(*texels);
   EXPECT_EQ(grid.bricks, (Vec3i{11, 10, 10}));
-  setDistances(grid, DeviceType::kU8, ShownValues(showing(100, 255)));
+  setDistances(grid, type, ShownValues(showing(100, 255)));
   std::vector<Vec3i> shown;
   eachBrick(grid, [&](Vec3i brick) {
     if (reaches(brick, 100)) shown.push_back(brick);
@@ -102,12 +102,36 @@ TEST(LeapGridTest, distancesAreThoseToTheNearestBrickThatShowsSomething) {
   });
   EXPECT_GT(far, 100) << "the volume is too full to tell";
   // Another look, the same ranges.
-  setDistances(grid, DeviceType::kU8, ShownValues(showing(0, 255)));
+  setDistances(grid, type, ShownValues(showing(0, 255)));
   EXPECT_EQ(grid.shown_share, 1);
-  setDistances(grid, DeviceType::kU8, ShownValues(showing(250, 255)));
+  setDistances(grid, type, ShownValues(showing(250, 255)));
   EXPECT_EQ(grid.shown_share, 0);
   eachBrick(grid,
             [&](Vec3i brick) { EXPECT_EQ(grid.distances[placeOf(grid, brick)], kMostDistance); });
+}
+
+TEST(LeapGridTest, distancesAreThoseToTheNearestBrickThatShowsSomething) {
+  expectNearestDistances(DeviceType::kU8);
+  expectNearestDistances(DeviceType::kU16);
+}
+
+// Bytes are looked up by their least greater value that shows something: the same answers.
+TEST(LeapGridTest, bytesShowWhatTheirIntervalShows) {
+  for (const bool interpolates : {false, true}) {
+    const ShownValues shown(showing(40, 60, interpolates));
+    LeapGrid grid;
+    grid.bricks = {256, 256, 1};
+    for (int lo = 0; lo < 256; ++lo)
+      for (int hi = 0; hi < 256; ++hi)
+        grid.ranges.insert(grid.ranges.end(),
+                           {static_cast<std::byte>(lo), static_cast<std::byte>(hi)});
+    setDistances(grid, DeviceType::kU8, shown);
+    for (int lo = 0; lo < 256; ++lo)
+      for (int hi = 0; hi < 256; ++hi)
+        ASSERT_EQ(grid.distances[static_cast<size_t>(256 * lo + hi)] == 0,
+                  shown.anyIn(static_cast<float>(lo), static_cast<float>(hi)))
+            << lo << ' ' << hi;
+  }
 }
 
 TEST(LeapGridTest, valuesBetweenTwoThatShowNothingMayShowSomething) {
