@@ -16,6 +16,7 @@ namespace {
 // are below 2^53.
 struct Gathered {
   double value = 0;    // sum or greatest
+  double squares = 0;  // of the values' distances from the cube's origin
   uint32_t count = 0;  // of voxels that are numbers
 };
 
@@ -25,7 +26,21 @@ void gather(Gathered& block, const Gathered& more, Downsample how) {
     block.value += more.value;
   else
     block.value = block.count == 0 ? more.value : std::max(block.value, more.value);
+  block.squares += more.squares;
   block.count += more.count;
+}
+
+// Twice the standard deviation. `origin`: what the squares are measured from, a value close to the
+// others, so that little is cancelled.
+template <class Spread>
+Spread spreadOf(const Gathered& block, double origin) {
+  if (block.count == 0) return 0;
+  const double mean = block.value / block.count - origin;
+  const double spread = 2 * std::sqrt(std::max(0.0, block.squares / block.count - mean * mean));
+  if constexpr (std::is_floating_point_v<Spread>)
+    return std::isfinite(spread) ? static_cast<Spread>(spread) : Spread{0};
+  else
+    return static_cast<Spread>(std::nearbyint(spread));
 }
 
 template <class T>
@@ -137,7 +152,8 @@ LevelMaker::LevelMaker(const VolumeLayout& layout, int64_t chunk_voxels,
       levels_(std::move(levels)),
       how_(how),
       fill_(fill.begin(), fill.end()),
-      layers_(levels_.size()) {
+      layers_(levels_.size()),
+      spreads_(levels_.size()) {
   for (size_t i = 0; i < levels_.size(); ++i) {
     for (int a = 0; a < 3; ++a) SLUICE_CHECK_EQ(chunk_voxels % levels_[i].step[a], 0);
     clearLayer(i);
@@ -154,10 +170,11 @@ uint64_t layerBytes(const LevelShape& level, int64_t chunk_voxels, size_t voxel)
 }  // namespace
 
 uint64_t LevelMaker::pendingBytes(const VolumeLayout& layout, int64_t chunk_voxels,
-                                  std::span<const LevelShape> levels) {
+                                  std::span<const LevelShape> levels, Downsample how) {
   uint64_t bytes = 0;
   for (const LevelShape& level : levels)
-    bytes += layerBytes(level, chunk_voxels, bytesPerVoxel(layout.type));
+    bytes += layerBytes(level, chunk_voxels,
+                        storedBytesPerVoxel(layout.type, keepsSpreads(how) ? 2 : 1));
   return bytes;
 }
 
@@ -172,6 +189,9 @@ void LevelMaker::clearLayer(size_t level) {
   layer.resize(layerBytes(levels_[level], chunk_voxels_, fill_.size()));
   for (size_t i = 0; i < layer.size(); i += fill_.size())
     std::memcpy(layer.data() + i, fill_.data(), fill_.size());
+  if (keepsSpreads(how_))
+    spreads_[level].assign(
+        layerBytes(levels_[level], chunk_voxels_, bytesPerVoxel(spreadType(type_))), std::byte{0});
 }
 
 Box3 LevelMaker::layerAt(size_t level, int64_t z) const {
@@ -184,14 +204,36 @@ Box3 LevelMaker::layerAt(size_t level, int64_t z) const {
 void LevelMaker::add(const Box3& box, const std::byte* voxels, int64_t row_stride,
                      int64_t plane_stride) {
   visitVoxelType(type_, [&](auto tag) {
-    addOf(box, reinterpret_cast<const decltype(tag)*>(voxels), row_stride, plane_stride);
+    using T = decltype(tag);
+    addOf<T>(box, reinterpret_cast<const T*>(voxels), row_stride, plane_stride);
   });
 }
+
+namespace {
+
+// spreadType() of T.
+template <class T>
+struct SpreadOf {
+  using Type =
+      std::conditional_t<std::is_integral_v<T> && sizeof(T) <= 2,
+                         std::make_unsigned_t<std::conditional_t<std::is_integral_v<T>, T, int>>,
+                         float>;
+};
+
+// What squares of a cube are measured from: the value of its first voxel.
+template <class T>
+double originOf(const T* voxels) {
+  const auto value = static_cast<double>(*voxels);
+  return std::isfinite(value) ? value : 0;
+}
+
+}  // namespace
 
 template <class T>
 void LevelMaker::addOf(const Box3& box, const T* voxels, int64_t row_stride, int64_t plane_stride) {
   const Vec3i size = box.size();
   const auto finest = [&](Vec3i p) { return voxels[p.z * plane_stride + p.y * row_stride + p.x]; };
+  const double origin = originOf(voxels);
   Blocks finer;
   Vec3i finer_step{1, 1, 1};
   std::vector<T> values;
@@ -200,10 +242,11 @@ void LevelMaker::addOf(const Box3& box, const T* voxels, int64_t row_stride, int
     const Vec3i blocks = roundedUp(size, level.step), first = box.lo / level.step;
     const Box3 layer = layerAt(i, box.lo.z);
     T* const to = reinterpret_cast<T*>(layers_[i].data());
-    const auto put = [&](Vec3i p, T value) {
+    const auto placeOf = [&](Vec3i p) {
       const Vec3i at = first + p - layer.lo;
-      to[(at.z * level.dims.y + at.y) * level.dims.x + at.x] = value;
+      return (at.z * level.dims.y + at.y) * level.dims.x + at.x;
     };
+    const auto put = [&](Vec3i p, T value) { to[placeOf(p)] = value; };
     if (how_ == Downsample::kMode) {
       eachVoxel(blocks, [&](Vec3i p) {
         const Vec3i lo = p * level.step, hi = min(lo + level.step, size);
@@ -225,13 +268,22 @@ void LevelMaker::addOf(const Box3& box, const T* voxels, int64_t row_stride, int
           Gathered* const row = &coarser.at({0, y >> (step.y - 1), z >> (step.z - 1)});
           const T* const from = voxels + z * plane_stride + y * row_stride;
           for (int64_t x = 0; x < size.x; ++x)
-            if (isNumber(from[x]))
-              gather(row[x >> (step.x - 1)], {static_cast<double>(from[x]), 1}, how_);
+            if (isNumber(from[x])) {
+              const auto value = static_cast<double>(from[x]);
+              const double away = value - origin;
+              gather(row[x >> (step.x - 1)], {value, away * away, 1}, how_);
+            }
         }
     } else {
       eachVoxel(finer.size, [&](Vec3i p) { gather(coarser.at(p / step), finer.at(p), how_); });
     }
     eachVoxel(blocks, [&](Vec3i p) { put(p, resultOf<T>(coarser.at(p), how_)); });
+    if (keepsSpreads(how_)) {
+      using Spread = typename SpreadOf<T>::Type;
+      auto* const spreads = reinterpret_cast<Spread*>(spreads_[i].data());
+      eachVoxel(blocks,
+                [&](Vec3i p) { spreads[placeOf(p)] = spreadOf<Spread>(coarser.at(p), origin); });
+    }
     finer = std::move(coarser);
     finer_step = level.step;
   }

@@ -4,6 +4,10 @@
 // It is made of those voxels themselves, not of the next finer level's, and rounded once. A cube
 // has whole blocks of every level, so that cubes come in any order and on any thread as long as
 // they are of one layer; of each level one layer of chunks is held until its last cube has come.
+//
+// Levels of means may have spreads too (volume_levels.h): a number of type spreadType() for each
+// voxel of a level, twice the standard deviation of the finest voxels that it stands for, rounded
+// once; 0 if it stands for a value that is not finite.
 #pragma once
 
 #include <cstddef>
@@ -21,6 +25,10 @@ namespace sluice {
 // What a block becomes. NaN counts only where a block has nothing else. Of the values that a block
 // has most often, kMode takes the least.
 enum class Downsample { kMean, kMax, kMode };
+// Whether the levels have spreads.
+constexpr bool keepsSpreads(Downsample how) {
+  return how == Downsample::kMean;
+}
 
 struct LevelShape {
   Vec3i dims;  // voxels
@@ -45,7 +53,7 @@ class LevelMaker {
 
   // What it holds, and what a thread takes inside add().
   static uint64_t pendingBytes(const VolumeLayout& layout, int64_t chunk_voxels,
-                               std::span<const LevelShape> levels);
+                               std::span<const LevelShape> levels, Downsample how);
   static uint64_t threadBytes(const VolumeLayout& layout, int64_t chunk_voxels);
 
   const std::vector<LevelShape>& levels() const { return levels_; }
@@ -58,7 +66,9 @@ class LevelMaker {
   Box3 layerAt(size_t level, int64_t z) const;
   // Its voxels, x fastest, packed, once all its cubes have come.
   const std::byte* layerVoxels(size_t level) const { return layers_[level].data(); }
-  // Begins with the next layer: all fill again.
+  // Their spreads, in the same order. Requires: keepsSpreads().
+  const std::byte* layerSpreads(size_t level) const { return spreads_[level].data(); }
+  // Begins with the next layer: all fill again, without a spread.
   void clearLayer(size_t level);
 
  private:
@@ -71,7 +81,7 @@ class LevelMaker {
   const std::vector<LevelShape> levels_;
   const Downsample how_;
   const std::vector<std::byte> fill_;
-  std::vector<std::vector<std::byte>> layers_;
+  std::vector<std::vector<std::byte>> layers_, spreads_;
 };
 
 }  // namespace sluice

@@ -55,9 +55,13 @@ CheckReport checkZarr(const std::filesystem::path& folder, WorkerPool& pool,
   // A level that is missing or does not fit is a fault, too.
   for (const std::string& note : source.layout().notes)
     if (note.find(" is left out: ") != std::string::npos) report.faults.push_back(note);
-  for (const CoarserLevel& level : source.levelsAbove()) {
-    auto& array = dynamic_cast<ZarrSource&>(*level.source);
+  const auto check = [&](VolumeSource& above) {
+    auto& array = dynamic_cast<ZarrSource&>(above);
     if (array.hasChecksums()) checkArray(array, report, pool, progress, stop);
+  };
+  for (const CoarserLevel& level : source.levelsAbove()) {
+    check(*level.source);
+    if (level.spreads != nullptr) check(*level.spreads);
   }
   std::sort(report.faults.begin(), report.faults.end());
   return report;

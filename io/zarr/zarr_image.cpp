@@ -151,6 +151,10 @@ void parseOwn(const JsonField& own, ZarrImage& image) {
   if (const auto scale = own.find("value_scale")) image.value_scale = scale->number();
   if (const auto offset = own.find("value_offset")) image.value_offset = offset->number();
   if (const auto flag = own.find("level_set")) image.level_set = flag->flag();
+  if (const auto spreads = own.find("spreads")) {
+    requireInside(*spreads);
+    image.spreads = spreads->text();
+  }
   if (const auto frame = own.find("frame")) image.frame = parseFrame(*frame);
 }
 

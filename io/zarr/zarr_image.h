@@ -4,7 +4,9 @@
 //
 // Nothing here touches a file, so that the parser can be fuzzed. Source: OME-Zarr (NGFF) 0.1 to
 // 0.4. What those cannot say, the directions of oblique axes and the scaling of values, sluice
-// keeps under a key of its own ("sluice"), which other programs pass over.
+// keeps under a key of its own ("sluice"), which other programs pass over. There "spreads" names a
+// group inside the image's folder that has an array for each coarser level, of the same path and
+// shape: the spreads of its voxels (volume_levels.h).
 #pragma once
 
 #include <array>
@@ -19,6 +21,9 @@
 #include "src/base/volume_source.h"
 
 namespace sluice {
+
+// The group of the spreads in stores that sluice packs.
+inline constexpr const char* kZarrSpreadFolder = "spread";
 
 struct ZarrAxis {
   std::string name, type, unit;  // type and unit may be empty
@@ -40,6 +45,7 @@ struct ZarrImage {
   std::optional<std::array<Vec3d, 3>> directions;
   double value_scale = 1, value_offset = 0;
   bool level_set = false;
+  std::string spreads;              // folder of the levels' spreads; empty: there are none
   std::optional<WorldFrame> frame;  // without: that of pictures, where the axes are an image's
 };
 

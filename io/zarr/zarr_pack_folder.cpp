@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "io/files/file.h"
+#include "io/zarr/zarr_image.h"
 #include "io/zarr/zarr_source.h"
 #include "src/base/atomic_file.h"
 #include "src/base/error.h"
@@ -70,9 +71,10 @@ void syncFolder(const fs::path& folder, bool whole_file_system) {
     failErrno(fmt::format("{}: cannot be brought to the disk", folder.string()), errno);
 }
 
-std::vector<int64_t> firstChunks(const std::vector<ZarrArray>& arrays) {
+std::vector<int64_t> firstChunks(const std::vector<PackedArray>& arrays) {
   std::vector<int64_t> firsts{0};
-  for (const ZarrArray& array : arrays) firsts.push_back(firsts.back() + array.chunkCount());
+  for (const PackedArray& packed : arrays)
+    firsts.push_back(firsts.back() + packed.array.chunkCount());
   return firsts;
 }
 
@@ -83,7 +85,7 @@ fs::path withoutSlash(const fs::path& path) {
 
 }  // namespace
 
-ZarrPackFolder::ZarrPackFolder(const fs::path& output, std::vector<ZarrArray> arrays,
+ZarrPackFolder::ZarrPackFolder(const fs::path& output, std::vector<PackedArray> arrays,
                                const std::string& source_identity, const std::string& parameters)
     : output_(withoutSlash(output)),
       folder_(output_.string() + ".partial"),
@@ -94,8 +96,7 @@ ZarrPackFolder::ZarrPackFolder(const fs::path& output, std::vector<ZarrArray> ar
       done_(chunks_.size(), 0) {
   lock();
   checkParameters(source_identity, parameters);
-  for (size_t level = 0; level < arrays_.size(); ++level)
-    makeFolders(store_ / std::to_string(level));
+  for (const PackedArray& packed : arrays_) makeFolders(store_ / packed.folder);
   journal_.reset(
       open((folder_ / "journal").c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666));
   if (!journal_)
@@ -156,8 +157,8 @@ void ZarrPackFolder::checkParameters(const std::string& source_identity,
 
 fs::path ZarrPackFolder::chunkPath(int64_t chunk) const {
   const auto after = std::upper_bound(first_chunks_.begin(), first_chunks_.end(), chunk);
-  const auto level = static_cast<size_t>(after - first_chunks_.begin()) - 1;
-  return store_ / std::to_string(level) / arrays_[level].chunkName(chunk - first_chunks_[level]);
+  const auto i = static_cast<size_t>(after - first_chunks_.begin()) - 1;
+  return store_ / arrays_[i].folder / arrays_[i].array.chunkName(chunk - first_chunks_[i]);
 }
 
 bool ZarrPackFolder::checkChunk(int64_t chunk) const {
@@ -231,12 +232,13 @@ fs::path ZarrPackFolder::complete(const std::string& group_text, const std::stri
   };
   write(store_ / ".zgroup", group_text);
   write(store_ / ".zattrs", image_text);
-  for (size_t level = 0; level < arrays_.size(); ++level) {
-    const fs::path folder = store_ / std::to_string(level);
-    write(folder / ".zarray", array_texts[level]);
-    const auto first = static_cast<size_t>(first_chunks_[level]);
-    const auto end = static_cast<size_t>(first_chunks_[level + 1]);
-    writeZarrChecksums(folder, array_texts[level], std::span(chunks_).subspan(first, end - first));
+  for (size_t i = 0; i < arrays_.size(); ++i) {
+    const fs::path name = arrays_[i].folder, folder = store_ / name;
+    if (name.has_parent_path()) write(store_ / name.parent_path() / ".zgroup", group_text);
+    write(folder / ".zarray", array_texts[i]);
+    const auto first = static_cast<size_t>(first_chunks_[i]);
+    const auto end = static_cast<size_t>(first_chunks_[i + 1]);
+    writeZarrChecksums(folder, array_texts[i], std::span(chunks_).subspan(first, end - first));
   }
   return store_;
 }
@@ -261,11 +263,13 @@ void ZarrPackFolder::finish(bool replace) {
 
 namespace {
 
-// A name that a Zarr store has: metadata, our checksums, or a chunk's or array's number ("0.1.2").
+// A name that a Zarr store has: metadata, our checksums and spreads, or a chunk's or array's number
+// ("0.1.2").
 bool belongsToStore(const fs::path& name) {
   const std::string text = name.string();
-  constexpr std::array<std::string_view, 6> kMetadata = {
-      ".zarray", ".zgroup", ".zattrs", ".zmetadata", "zarr.json", kZarrChecksumsName};
+  constexpr std::array<std::string_view, 7> kMetadata = {
+      ".zarray",   ".zgroup",          ".zattrs",        ".zmetadata",
+      "zarr.json", kZarrChecksumsName, kZarrSpreadFolder};
   if (std::find(kMetadata.begin(), kMetadata.end(), text) != kMetadata.end()) return true;
   return !text.empty() && text.find_first_not_of("0123456789.") == std::string::npos;
 }

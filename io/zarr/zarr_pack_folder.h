@@ -1,8 +1,7 @@
 // ZarrPackFolder: an unfinished pack on disk, DIR.zarr.partial beside the DIR.zarr that it becomes.
 //
-// The store has an array for each level, in the folders "0", "1" and so on; their chunks are
-// numbered through. Holds the future store ("store"), a lock against a second process, what is
-// packed and how
+// The store has several arrays, whose chunks are numbered through. Holds the future store
+// ("store"), a lock against a second process, what is packed and how
 // ("pack.json"), and a journal of the chunks that are done with the checksum of each. A chunk is
 // written under another name and renamed, then noted in the journal; whoever opens the folder again
 // believes the journal only where the chunk's file has the length and the checksum noted, so
@@ -31,12 +30,18 @@ namespace sluice {
 // exists and is not to be replaced, or is no store.
 void requireFreeName(const std::filesystem::path& output, bool replace);
 
+// An array of a store: a level of the volume, or its spreads.
+struct PackedArray {
+  std::string folder;  // in the store: "0", "1", "spread/1"
+  ZarrArray array;
+};
+
 class ZarrPackFolder {
  public:
-  // Opens or makes the folder of `output`. `arrays`: of each level. `parameters` (one text) says
+  // Opens or makes the folder of `output`. `arrays`: of the store. `parameters` (one text) says
   // what is packed and how. Throws Error: another process packs to there, the folder is of another
   // volume or other parameters (the line says what to do), it cannot be written.
-  ZarrPackFolder(const std::filesystem::path& output, std::vector<ZarrArray> arrays,
+  ZarrPackFolder(const std::filesystem::path& output, std::vector<PackedArray> arrays,
                  const std::string& source_identity, const std::string& parameters);
   ZarrPackFolder(const ZarrPackFolder&) = delete;
   ZarrPackFolder& operator=(const ZarrPackFolder&) = delete;
@@ -44,8 +49,8 @@ class ZarrPackFolder {
   // Reads the journal and checks each chunk's file against it, on all threads. Returns how many
   // chunks are done, empty ones included. Called once, before the following.
   int64_t recover(WorkerPool& pool, ProgressMeter& progress, const StopToken& stop);
-  // The number of the first chunk of a level; of one more than there are, of all chunks.
-  int64_t firstChunk(size_t level) const { return first_chunks_[level]; }
+  // The number of the first chunk of an array; of one more than there are, of all chunks.
+  int64_t firstChunk(size_t array) const { return first_chunks_[array]; }
   bool isDone(int64_t chunk) const { return done_[static_cast<size_t>(chunk)]; }
 
   // Takes the bytes of a chunk's file; none for a chunk that is all fill value. Each thread gives a
@@ -53,7 +58,7 @@ class ZarrPackFolder {
   void write(int64_t chunk, std::span<const std::byte> stored, int thread);
 
   // With the metadata in place the store can be opened, to be verified. Requires: all chunks done.
-  // `array_texts`: of each level.
+  // `array_texts`: of each array.
   std::filesystem::path complete(const std::string& group_text, const std::string& image_text,
                                  const std::vector<std::string>& array_texts);
   // Brings all to the disk and the store to its name, in place of an older one only if `replace`;
@@ -70,7 +75,7 @@ class ZarrPackFolder {
   std::filesystem::path chunkPath(int64_t chunk) const;
 
   const std::filesystem::path output_, folder_, store_;
-  const std::vector<ZarrArray> arrays_;
+  const std::vector<PackedArray> arrays_;
   const std::vector<int64_t> first_chunks_;
   Descriptor lock_, journal_;        // constant once open
   Mutex mutex_;                      // of writing to the journal and to these

@@ -190,6 +190,28 @@ std::string faultAmong(const VolumeLayout& finest, const VolumeLayout& level) {
   return "";
 }
 
+// Why an array cannot be the spreads of a level; empty where it can.
+std::string faultOfSpreads(const VolumeLayout& level, const VolumeLayout& spreads) {
+  const VoxelType type = spreadType(level.type);
+  if (spreads.type != type)
+    return fmt::format("its numbers are {}, expected {}", name(spreads.type), name(type));
+  if (spreads.dims != level.dims || spreads.time_steps != level.time_steps ||
+      spreads.channels != level.channels)
+    return "its shape is not that of the level";
+  return "";
+}
+
+// An array in the place of dataset `number` of the image.
+FoundZarr foundDataset(const FoundZarr& image, const fs::path& array_folder, size_t number) {
+  FoundZarr found;
+  found.array_folder = array_folder;
+  found.image = image.image;
+  found.image.scale = image.image.places[number].scale;
+  found.image.translation = image.image.places[number].translation;
+  found.said_by = image.said_by;
+  return found;
+}
+
 }  // namespace
 
 bool isZarr(const fs::path& folder) {
@@ -249,23 +271,19 @@ void ZarrSource::openLevels(const fs::path& folder, const FoundZarr& found,
                             const ZarrOptions& options) {
   VolumeLayout& layout = view_.layout;
   const LevelClaim finest = claimOf(view_, found.image, 0);
+  ZarrOptions own = options;
+  own.chunk_cache_bytes = std::min(options.chunk_cache_bytes, kCoarserCacheBytes);
+  own.channel = view_.channel ? ChannelWish(channel_) : ChannelWish();
   std::vector<size_t> datasets;  // of level_sources_
   for (size_t i = 1; i < found.image.levels.size(); ++i) {
-    FoundZarr level;
-    level.array_folder = folder / found.image.levels[i];
-    level.image = found.image;
-    level.image.scale = found.image.places[i].scale;
-    level.image.translation = found.image.places[i].translation;
-    level.said_by = found.said_by;
     std::string fault;
     try {
-      ZarrOptions own = options;
-      own.chunk_cache_bytes = std::min(options.chunk_cache_bytes, kCoarserCacheBytes);
-      own.channel = view_.channel ? ChannelWish(channel_) : ChannelWish();
-      std::unique_ptr<ZarrSource> source(new ZarrSource(folder, std::move(level), own));
+      std::unique_ptr<ZarrSource> source(
+          new ZarrSource(folder, foundDataset(found, folder / found.image.levels[i], i), own));
       fault = faultAmong(layout, source->view_.layout);
       if (fault.empty()) fault = faultOfLevel(finest, claimOf(source->view_, found.image, i));
       if (fault.empty()) {
+        spread_sources_.push_back(openSpreads(folder, found, own, i, source->view_.layout));
         level_sources_.push_back(std::move(source));
         datasets.push_back(i);
       }
@@ -280,6 +298,33 @@ void ZarrSource::openLevels(const fs::path& folder, const FoundZarr& found,
   layout.levels = 1 + static_cast<int64_t>(levels_above_.size());
 }
 
+std::unique_ptr<ZarrSource> ZarrSource::openSpreads(const fs::path& folder, const FoundZarr& found,
+                                                    const ZarrOptions& options, size_t dataset,
+                                                    const VolumeLayout& level) {
+  if (found.image.spreads.empty()) return nullptr;
+  std::string fault;
+  try {
+    const fs::path array = folder / found.image.spreads / found.image.levels[dataset];
+    std::unique_ptr<ZarrSource> source(
+        new ZarrSource(folder, foundDataset(found, array, dataset), options));
+    fault = faultOfSpreads(level, source->view_.layout);
+    if (fault.empty()) return source;
+  } catch (const Error& error) {
+    fault = error.what();
+  }
+  view_.layout.notes.push_back(
+      fmt::format("{}: the spread of level {} is left out: {}", folder.string(), dataset, fault));
+  return nullptr;
+}
+
+std::vector<ZarrSource*> ZarrSource::sourcesAbove() const {
+  std::vector<ZarrSource*> sources;
+  for (const auto* list : {&level_sources_, &spread_sources_})
+    for (const auto& source : *list)
+      if (source != nullptr) sources.push_back(source.get());
+  return sources;
+}
+
 void ZarrSource::placeLevels(const std::string& path, const FoundZarr& found,
                              const std::vector<size_t>& datasets) {
   const LevelClaim finest = claimOf(view_, found.image, 0);
@@ -290,7 +335,7 @@ void ZarrSource::placeLevels(const std::string& path, const FoundZarr& found,
     is_translated = is_translated || found.image.places[datasets[i]].is_translated;
     if (claim.translation && finest.translation)
       place.offset = (*claim.translation - *finest.translation) / *finest.scale;
-    levels_above_.push_back({level_sources_[i].get(), place});
+    levels_above_.push_back({level_sources_[i].get(), place, spread_sources_[i].get()});
   }
   std::stable_sort(levels_above_.begin(), levels_above_.end(),
                    [](const CoarserLevel& a, const CoarserLevel& b) {
@@ -322,20 +367,22 @@ void ZarrSource::placeLevels(const std::string& path, const FoundZarr& found,
 
 uint64_t ZarrSource::storedBytesRead() const {
   uint64_t bytes = header_bytes_ + files_->storedBytesRead();
-  for (const auto& level : level_sources_) bytes += level->storedBytesRead();
+  for (const ZarrSource* source : sourcesAbove()) bytes += source->storedBytesRead();
   return bytes;
 }
 
 uint64_t ZarrSource::heldBytesAThread() const {
   uint64_t bytes = 3 * files_->array().chunkBytes();
-  for (const auto& level : level_sources_) bytes = std::max(bytes, level->heldBytesAThread());
+  for (const ZarrSource* source : sourcesAbove())
+    bytes = std::max(bytes, source->heldBytesAThread());
   return bytes;
 }
 
 void ZarrSource::holdAtMost(uint64_t bytes) {
-  const uint64_t coarser = level_sources_.empty() ? 0 : bytes / 8 / level_sources_.size();
-  for (const auto& level : level_sources_) level->holdAtMost(coarser);
-  cache_->setBudget(bytes - coarser * level_sources_.size());
+  const std::vector<ZarrSource*> above = sourcesAbove();
+  const uint64_t each = above.empty() ? 0 : bytes / 8 / above.size();
+  for (ZarrSource* source : above) source->holdAtMost(each);
+  cache_->setBudget(bytes - each * above.size());
 }
 
 std::vector<std::string> ZarrSource::files() {

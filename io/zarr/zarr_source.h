@@ -2,8 +2,9 @@
 //
 // A folder with a .zarray is an array; one whose .zattrs has `multiscales` is an image: level 0 is
 // the volume, the others are its coarser levels, as far as their arrays are there and fit what is
-// said of them (io/zarr/zarr_levels.h); a note names each that is left out. Name the folder of a
-// level to read that one alone; its scale is found in the image around it. Axes, spacing and origin
+// said of them (io/zarr/zarr_levels.h); a note names each that is left out. Levels that sluice
+// packed as means have their spreads (io/zarr/zarr_image.h). Name the folder of a level to read
+// that one alone; its scale is found in the image around it. Axes, spacing and origin
 // as io/zarr/zarr_image.h says, chunks as io/zarr/zarr_array.h.
 //
 // - Missing chunks are the fill value, and known as such: occupancy() has the boxes of the others.
@@ -80,6 +81,12 @@ class ZarrSource final : public VolumeSource, public ChanneledSource, public Lev
   // Opens the coarser levels of an image.
   void openLevels(const std::filesystem::path& folder, const FoundZarr& found,
                   const ZarrOptions& options);
+  // The spreads of a level, which its dataset says to have; null, and a note, if they do not fit.
+  std::unique_ptr<ZarrSource> openSpreads(const std::filesystem::path& folder,
+                                          const FoundZarr& found, const ZarrOptions& options,
+                                          size_t dataset, const VolumeLayout& level);
+  // level_sources_ and spread_sources_.
+  std::vector<ZarrSource*> sourcesAbove() const;
   // Sets their placements, some of which their metadata leave open.
   void placeLevels(const std::string& path, const FoundZarr& found,
                    const std::vector<size_t>& datasets);
@@ -98,6 +105,7 @@ class ZarrSource final : public VolumeSource, public ChanneledSource, public Lev
   std::unique_ptr<ZarrChunkFiles> files_;
   std::unique_ptr<ZarrChunkCache> cache_;
   std::vector<std::unique_ptr<ZarrSource>> level_sources_;
+  std::vector<std::unique_ptr<ZarrSource>> spread_sources_;  // of each of these, or null
   std::vector<CoarserLevel> levels_above_;
 };
 

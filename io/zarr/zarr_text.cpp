@@ -117,7 +117,8 @@ std::string zarrImageText(const VolumeLayout& layout, const std::string& name,
   ordered_json image;
   image["multiscales"] = ordered_json::array({multiscale});
   if (channels.size() > 1) image["omero"] = omero(channels);
-  const ordered_json own = ownPart(layout);
+  ordered_json own = ownPart(layout);
+  if (levels.has_spreads) own["spreads"] = kZarrSpreadFolder;
   if (!own.empty()) image["sluice"] = own;
   // A name need not be UTF-8.
   return image.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";

@@ -20,6 +20,7 @@ std::string zarrArrayText(const ZarrArray& array, const BloscOptions& options);
 struct ZarrLevelsText {
   std::vector<LevelPlacement> placements;  // from fine to coarse
   std::string type;
+  bool has_spreads = false;  // in arrays beside them, see kZarrSpreadFolder
 };
 
 // .zattrs of an image called `name`, whose levels are the folders "0", "1" and so on: axes t c z y

@@ -6,6 +6,7 @@
 #include <memory>
 #include <utility>
 
+#include "io/zarr/zarr_image.h"
 #include "io/zarr/zarr_pack_folder.h"
 #include "io/zarr/zarr_source.h"
 #include "io/zarr/zarr_text.h"
@@ -84,6 +85,25 @@ ZarrArray arrayOf(const ZarrArray& finest, const LevelShape& level) {
   return array;
 }
 
+// The same for the spreads of a level.
+ZarrArray spreadsOf(ZarrArray array) {
+  array.type = spreadType(array.type);
+  array.fill_value = 0;
+  return array;
+}
+
+// Of the store: level 0, the coarser levels, and their spreads if they have some.
+std::vector<PackedArray> arraysFor(const ZarrArray& finest, const std::vector<LevelShape>& levels,
+                                   Downsample how) {
+  std::vector<PackedArray> arrays{{"0", finest}};
+  for (const LevelShape& level : levels)
+    arrays.push_back({std::to_string(arrays.size()), arrayOf(finest, level)});
+  if (keepsSpreads(how))
+    for (size_t i = 1; i <= levels.size(); ++i)
+      arrays.push_back({fmt::format("{}/{}", kZarrSpreadFolder, i), spreadsOf(arrays[i].array)});
+  return arrays;
+}
+
 std::vector<std::byte> fillOf(const ZarrArray& array) {
   std::vector<std::byte> fill(bytesPerVoxel(array.type));
   visitVoxelType(array.type, [&](auto tag) {
@@ -101,18 +121,20 @@ struct StoreVolume {
 
 class Packer {
  public:
-  // `arrays`: of level 0 and of each of `levels`.
-  Packer(ChannelSources channels, const PackOptions& options, const std::vector<ZarrArray>& arrays,
-         const std::vector<LevelShape>& levels, WorkerPool& pool, ProgressMeter& progress)
+  // `arrays`: arraysFor() of `levels`.
+  Packer(ChannelSources channels, const PackOptions& options,
+         const std::vector<PackedArray>& arrays, const std::vector<LevelShape>& levels,
+         WorkerPool& pool, ProgressMeter& progress)
       : channels_(channels),
         layout_(channels.front()->layout()),
         options_(options),
         arrays_(arrays),
-        array_(arrays.front()),
+        array_(arrays.front().array),
         pool_(pool),
         progress_(progress),
         voxel_(static_cast<int64_t>(bytesPerVoxel(array_.type))),
         fill_(fillOf(array_)) {
+    for (const PackedArray& packed : arrays) fills_.push_back(fillOf(packed.array));
     planSlabs(levels);
     maker_ = std::make_unique<LevelMaker>(layout_, options.chunk_voxels, levels, options.downsample,
                                           fill_);
@@ -137,7 +159,7 @@ class Packer {
           if (known_empty)
             folder.write(number, {}, ScratchLease(*this)->number);
           else
-            packChunk(folder, number, {slab, slab_.get()}, chunk);
+            packChunk(folder, 0, number, {slab, slab_.get()}, chunk);
         });
       const bool ends_layer = slab.hi.x == layout_.dims.x && slab.hi.y == layout_.dims.y;
       if (ends_layer) packLayers(folder, of, slab.hi.z);
@@ -216,10 +238,10 @@ class Packer {
     const Vec3i dims = layout_.dims;
     const int64_t side = options_.chunk_voxels;
     uint64_t table = 0;
-    for (const ZarrArray& array : arrays_)
-      table += static_cast<uint64_t>(array.chunkCount()) * (sizeof(StoredChunk) + 1);
+    for (const PackedArray& packed : arrays_)
+      table += static_cast<uint64_t>(packed.array.chunkCount()) * (sizeof(StoredChunk) + 1);
     const uint64_t chunk = array_.chunkBytes();
-    const uint64_t pending = LevelMaker::pendingBytes(layout_, side, levels);
+    const uint64_t pending = LevelMaker::pendingBytes(layout_, side, levels, options_.downsample);
     const uint64_t making = levels.empty() ? 0 : LevelMaker::threadBytes(layout_, side);
     // To verify, each thread holds two chunks inside the reader, which is less than packing takes.
     const uint64_t fixed =
@@ -290,28 +312,32 @@ class Packer {
     const int64_t side = options_.chunk_voxels;
     return {chunk * side, chunk * side + Vec3i{side, side, side}};
   }
-  // Of a level, counted from its first chunk.
-  int64_t numberOf(size_t level, StoreVolume of, Vec3i chunk) const {
+  // Of an array, counted from its first chunk.
+  int64_t numberOf(size_t array, StoreVolume of, Vec3i chunk) const {
     std::vector<int64_t> index;
     if (layout_.time_steps > 1) index.push_back(of.time);
     if (channels_.size() > 1) index.push_back(static_cast<int64_t>(of.channel));
     for (int a = 2; a >= 0; --a) index.push_back(chunk[a]);
-    return arrays_[level].chunkNumber(index);
+    return arrays_[array].array.chunkNumber(index);
   }
 
-  // Places of the chunks of a level's layer that are not done.
-  std::vector<Vec3i> missingOf(const ZarrPackFolder& folder, size_t level, StoreVolume of,
+  // The arrays beyond level 0, and which coarser level each is made of.
+  size_t levelOf(size_t array) const { return (array - 1) % maker_->levels().size(); }
+  bool hasSpreads(size_t array) const { return array > maker_->levels().size(); }
+
+  // Places of the chunks of an array's layer that are not done.
+  std::vector<Vec3i> missingOf(const ZarrPackFolder& folder, size_t array, StoreVolume of,
                                const Box3& layer) const {
     std::vector<Vec3i> missing;
     for (const Vec3i chunk : chunksOf(layer))
-      if (!folder.isDone(folder.firstChunk(level) + numberOf(level, of, chunk)))
+      if (!folder.isDone(folder.firstChunk(array) + numberOf(array, of, chunk)))
         missing.push_back(chunk);
     return missing;
   }
   // Whether a level still lacks chunks of the layer in which the finest plane `z` lies.
   bool isLayerWanted(const ZarrPackFolder& folder, StoreVolume of, int64_t z) const {
-    for (size_t i = 0; i < maker_->levels().size(); ++i)
-      if (!missingOf(folder, i + 1, of, maker_->layerAt(i, z)).empty()) return true;
+    for (size_t array = 1; array < arrays_.size(); ++array)
+      if (!missingOf(folder, array, of, maker_->layerAt(levelOf(array), z)).empty()) return true;
     return false;
   }
   void addToLevels(const Box3& slab, Vec3i chunk) {
@@ -322,19 +348,26 @@ class Packer {
   }
   // Writes the layers of chunks that end with the finest planes before `end`.
   void packLayers(ZarrPackFolder& folder, StoreVolume of, int64_t end) {
-    for (size_t i = 0; i < maker_->levels().size(); ++i) {
-      const int64_t planes = maker_->levels()[i].step.z * options_.chunk_voxels;
-      if (end % planes != 0 && end != layout_.dims.z) continue;
-      const Box3 layer = maker_->layerAt(i, end - 1);
-      const std::vector<Vec3i> chunks = missingOf(folder, i + 1, of, layer);
+    const auto isEnd = [&](size_t level) {
+      const int64_t planes = maker_->levels()[level].step.z * options_.chunk_voxels;
+      return end % planes == 0 || end == layout_.dims.z;
+    };
+    for (size_t array = 1; array < arrays_.size(); ++array) {
+      const size_t level = levelOf(array);
+      if (!isEnd(level)) continue;
+      const HeldVoxels held{maker_->layerAt(level, end - 1), hasSpreads(array)
+                                                                 ? maker_->layerSpreads(level)
+                                                                 : maker_->layerVoxels(level)};
+      const std::vector<Vec3i> chunks = missingOf(folder, array, of, held.box);
       pool_.parallelFor(static_cast<int64_t>(chunks.size()), [&](int64_t c) {
         options_.stop.throwIfStopped();
         const Vec3i chunk = chunks[static_cast<size_t>(c)];
-        packChunk(folder, folder.firstChunk(i + 1) + numberOf(i + 1, of, chunk),
-                  {layer, maker_->layerVoxels(i)}, chunk);
+        packChunk(folder, array, folder.firstChunk(array) + numberOf(array, of, chunk), held,
+                  chunk);
       });
-      maker_->clearLayer(i);
     }
+    for (size_t level = 0; level < maker_->levels().size(); ++level)
+      if (isEnd(level)) maker_->clearLayer(level);
   }
 
   // All threads at work on planes of the slab: each plane of a file is read by one of them, once.
@@ -354,9 +387,9 @@ class Packer {
     });
   }
 
-  bool isFill(std::span<const std::byte> bytes) const {
-    return std::memcmp(bytes.data(), fill_.data(), fill_.size()) == 0 &&
-           std::memcmp(bytes.data(), bytes.data() + fill_.size(), bytes.size() - fill_.size()) == 0;
+  static bool isFill(std::span<const std::byte> bytes, std::span<const std::byte> fill) {
+    return std::memcmp(bytes.data(), fill.data(), fill.size()) == 0 &&
+           std::memcmp(bytes.data(), bytes.data() + fill.size(), bytes.size() - fill.size()) == 0;
   }
 
   // A box of voxels in memory, x fastest, packed.
@@ -365,37 +398,41 @@ class Packer {
     const std::byte* voxels;
   };
 
-  void packChunk(ZarrPackFolder& folder, int64_t number, const HeldVoxels& held, Vec3i chunk) {
+  void packChunk(ZarrPackFolder& folder, size_t array, int64_t number, const HeldVoxels& held,
+                 Vec3i chunk) {
     const ScratchLease scratch(*this);
+    const std::vector<std::byte>& fill = fills_[array];
+    const auto voxel = static_cast<int64_t>(fill.size());
     const Box3 whole = boxOfChunk(chunk), box = intersect(whole, held.box);
-    std::vector<std::byte>& bytes = scratch->chunk;
+    // Numbers of spreads are no larger than voxels.
+    const std::span bytes = std::span(scratch->chunk).first(arrays_[array].array.chunkBytes());
     if (box != whole)
-      for (size_t i = 0; i < bytes.size(); i += fill_.size())
-        std::memcpy(bytes.data() + i, fill_.data(), fill_.size());
+      for (size_t i = 0; i < bytes.size(); i += fill.size())
+        std::memcpy(bytes.data() + i, fill.data(), fill.size());
     const int64_t side = options_.chunk_voxels;
     const Vec3i lo = held.box.lo, size = held.box.size();
     for (int64_t z = box.lo.z; z < box.hi.z; ++z)
       for (int64_t y = box.lo.y; y < box.hi.y; ++y) {
         const int64_t from = ((z - lo.z) * size.y + y - lo.y) * size.x + box.lo.x - lo.x;
         const int64_t to = ((z - whole.lo.z) * side + y - whole.lo.y) * side;
-        std::memcpy(bytes.data() + to * voxel_, held.voxels + from * voxel_,
-                    static_cast<size_t>(box.size().x * voxel_));
+        std::memcpy(bytes.data() + to * voxel, held.voxels + from * voxel,
+                    static_cast<size_t>(box.size().x * voxel));
       }
-    if (isFill(bytes)) return folder.write(number, {}, scratch->number);
-    folder.write(number,
-                 encodeBlosc(bytes, static_cast<size_t>(voxel_), options_.blosc, scratch->stored),
+    if (isFill(bytes, fill)) return folder.write(number, {}, scratch->number);
+    folder.write(number, encodeBlosc(bytes, fill.size(), options_.blosc, scratch->stored),
                  scratch->number);
   }
 
   const ChannelSources channels_;
   const VolumeLayout& layout_;  // of each channel
   const PackOptions& options_;
-  const std::vector<ZarrArray>& arrays_;  // of each level
-  const ZarrArray& array_;                // of level 0
+  const std::vector<PackedArray>& arrays_;  // of the store
+  const ZarrArray& array_;                  // of level 0
   WorkerPool& pool_;
   ProgressMeter& progress_;
   const int64_t voxel_;
-  std::vector<std::byte> fill_;  // one voxel
+  std::vector<std::byte> fill_;                // one voxel
+  std::vector<std::vector<std::byte>> fills_;  // one of each array
   Vec3i slab_voxels_;
   size_t slab_bytes_ = 0;
   std::unique_ptr<std::byte[]> slab_;
@@ -419,16 +456,14 @@ PackReport packZarr(ChannelSources channels, const std::filesystem::path& output
   VolumeLayout layout = channels.front()->layout();
   if (!options.unit.empty()) layout.unit = options.unit;
   const std::vector<LevelShape> levels = levelsFor(layout, options);
-  std::vector<ZarrArray> arrays{arrayFor(channels, options.chunk_voxels)};
-  ZarrLevelsText placed{{}, nameOf(options.downsample)};
-  for (const LevelShape& level : levels) {
-    arrays.push_back(arrayOf(arrays.front(), level));
-    placed.placements.push_back(placementOf(level));
-  }
+  const std::vector<PackedArray> arrays =
+      arraysFor(arrayFor(channels, options.chunk_voxels), levels, options.downsample);
+  ZarrLevelsText placed{{}, nameOf(options.downsample), arrays.size() > 1 + levels.size()};
+  for (const LevelShape& level : levels) placed.placements.push_back(placementOf(level));
   std::vector<std::string> array_texts;
   std::string parameters;
-  for (const ZarrArray& array : arrays) {
-    array_texts.push_back(zarrArrayText(array, options.blosc));
+  for (const PackedArray& packed : arrays) {
+    array_texts.push_back(zarrArrayText(packed.array, options.blosc));
     parameters += array_texts.back();
   }
   const std::string image_text = zarrImageText(layout, layout.name, namesOf(channels), placed);

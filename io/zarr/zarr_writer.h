@@ -1,5 +1,6 @@
 // Packs any VolumeSource as a store of compressed chunks that everybody reads: OME-Zarr 0.4 over
-// Zarr v2, Blosc chunks, coarser levels if wanted (io/zarr/level_maker.h). A stream: memory stays
+// Zarr v2, Blosc chunks, coarser levels if wanted (io/zarr/level_maker.h), whose spreads go into a
+// group of sluice's own (io/zarr/zarr_image.h). A stream: memory stays
 // within the budget whatever the volume's size; restartable (io/zarr/zarr_pack_folder.h); the same
 // volume and options give the same bytes.
 #pragma once
@@ -34,11 +35,11 @@ struct PackOptions {
 };
 
 struct PackReport {
-  int64_t chunks = 0;         // of all levels
+  int64_t chunks = 0;         // of all levels and their spreads
   int64_t empty_chunks = 0;   // all fill value: no file
   int64_t kept_chunks = 0;    // done by an earlier run that was interrupted
   uint64_t voxel_bytes = 0;   // of the volume
-  uint64_t stored_bytes = 0;  // of the chunk files, of coarser levels too
+  uint64_t stored_bytes = 0;  // of the chunk files, of coarser levels and spreads too
   std::vector<Vec3i> levels;  // voxels of each coarser level
   double pack_seconds = 0, verify_seconds = 0;
 };

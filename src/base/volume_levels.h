@@ -24,9 +24,33 @@ struct LevelPlacement {
   Vec3d levelFromFinest(Vec3d index) const { return (index - offset) / scale; }
 };
 
+// The type that spreads of voxels of `type` are kept in: as wide as the numbers that are drawn, and
+// never negative.
+constexpr VoxelType spreadType(VoxelType type) {
+  switch (type) {
+    case VoxelType::kU8:
+    case VoxelType::kI8:
+      return VoxelType::kU8;
+    case VoxelType::kU16:
+    case VoxelType::kI16:
+      return VoxelType::kU16;
+    default:
+      return VoxelType::kF32;
+  }
+}
+
+// Bytes as they are stored of a voxel that has 1 number, or 2 with its spread.
+inline size_t storedBytesPerVoxel(VoxelType type, int numbers) {
+  return bytesPerVoxel(type) + (numbers == 2 ? bytesPerVoxel(spreadType(type)) : 0);
+}
+
 struct CoarserLevel {
   VolumeSource* source = nullptr;  // of this level's voxels; owned by the source it is a level of
   LevelPlacement placement;        // among the voxels of that source
+  // If the voxels are means: the spread of the finest voxels that each stands for, which is twice
+  // their standard deviation in units of stored values, of type spreadType(). Its dims and time
+  // steps are the level's. Null: no spread is known.
+  VolumeSource* spreads = nullptr;
 };
 
 // What a VolumeSource also is if it has coarser levels; found by coarserLevels().

@@ -1,7 +1,7 @@
 """Compares the levels of a store with what NumPy makes of its level 0.
 
 check_packed_levels.py STORE mean|max|mode: every voxel of a level is compared with that of its block, a
-level's place with its scale. Prints "level shape step" a line for each level, x first.
+level's place with its scale. Levels of means have spreads: twice NumPy's standard deviation. Prints "level shape step" a line for each level, x first.
 """
 
 import sys
@@ -50,6 +50,18 @@ def greatest(voxels, step):
     return voxels
 
 
+def spread(voxels, step):
+    """Through the mean first, so that nothing is cancelled."""
+    values = voxels.astype("f8")
+    means = mean(values, step)
+    for axis, s in enumerate(step):
+        means = np.repeat(means, s, axis).take(range(values.shape[axis]), axis)
+    return 2 * np.sqrt(mean((values - means) ** 2, step))
+
+
+spreads = group.attrs["sluice"].get("spreads") if "sluice" in group.attrs else None
+assert (spreads is not None) == (how == "mean")
+kinds = {"u1": "u1", "i1": "u1", "u2": "u2", "i2": "u2"}
 scale_0, translation_0 = place(image["datasets"][0])
 for i, dataset in enumerate(image["datasets"][1:], 1):
     scale, translation = place(dataset)
@@ -65,6 +77,12 @@ for i, dataset in enumerate(image["datasets"][1:], 1):
             tolerance = 0.5 + 1e-9 if found.dtype.kind in "iu" else 1e-6 * max(1, np.abs(expected).max())
             assert found.shape == expected.shape, (found.shape, expected.shape)
             assert np.abs(found.astype("f8") - expected).max() <= tolerance
+            kept = group[f"{spreads}/{dataset['path']}"][outer]
+            assert kept.dtype == kinds.get(fine.dtype.str[1:], "f4"), kept.dtype
+            expected = spread(voxels, step[space:])
+            tolerance = 0.5 + 1e-9 if kept.dtype.kind == "u" else 1e-6 * max(1, expected.max())
+            assert kept.shape == expected.shape
+            assert np.abs(kept.astype("f8") - expected).max() <= tolerance
         else:
             expected = greatest(voxels, step[space:]) if how == "max" else blocks(voxels, step[space:], mode)
             assert np.array_equal(found, expected)

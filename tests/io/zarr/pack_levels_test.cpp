@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include <atomic>
+#include <limits>
 
 #include "io/zarr/level_maker.h"
 #include "io/zarr/zarr_source.h"
@@ -113,6 +114,12 @@ TEST(PackLevels, areNumPysMeansGreatestAndModes) {
       ASSERT_EQ(packed.levelsAbove().size(), shapes.size());
       for (size_t i = 0; i < shapes.size(); ++i) {
         EXPECT_EQ(packed.levelsAbove()[i].source->layout().dims, report.levels[i]);
+        const VolumeSource* const spreads = packed.levelsAbove()[i].spreads;
+        ASSERT_EQ(spreads != nullptr, how == Downsample::kMean);
+        if (spreads != nullptr) {
+          EXPECT_EQ(spreads->layout().dims, report.levels[i]);
+          EXPECT_EQ(spreads->layout().type, spreadType(c.type));
+        }
         const LevelPlacement found = packed.levelsAbove()[i].placement;
         const LevelPlacement expected = placementOf(shapes[i]);
         for (int a = 0; a < 3; ++a) {
@@ -164,6 +171,62 @@ TEST(PackLevels, tooLittleMemoryAndTooManyLevelsAreOneLine) {
               HasSubstr("--levels 9: 70 x 50 x 45 voxels in chunks of 8 have 3 coarser levels"));
 }
 
+// Far from 0 the squares of values would cancel each other.
+TEST(PackLevels, spreadsOfValuesFarFromZeroAreThoseAroundTheirMean) {
+  const TempFolder folder;
+  VolumeLayout layout = layoutOf({24, 16, 16});
+  for (const VoxelType type : {VoxelType::kF64, VoxelType::kI32}) {
+    layout.type = type;
+    FunctionSource source(
+        layout, [](int64_t, Vec3i p) { return 1e9 + static_cast<double>((p.x + p.y + p.z) % 2); });
+    pack(source, folder / "v.zarr", withLevels());
+    ZarrSource packed(folder / "v.zarr");
+    for (const CoarserLevel& level : packed.levelsAbove()) {
+      const Box3 all = boxOf(level.source->layout().dims);
+      std::vector<float> spreads(static_cast<size_t>(all.count()));
+      level.spreads->readRegion(0, all, std::as_writable_bytes(std::span(spreads)));
+      for (const float spread : spreads) ASSERT_NEAR(spread, 1, 1e-5);
+    }
+  }
+}
+
+TEST(PackLevels, whatIsNoNumberHasNoPartInASpread) {
+  const TempFolder folder;
+  VolumeLayout layout = layoutOf({16, 16, 16});
+  layout.type = VoxelType::kF32;
+  FunctionSource source(layout, [](int64_t, Vec3i p) {
+    if (p.x < 2) return std::numeric_limits<double>::quiet_NaN();
+    if (p.x == 4) return std::numeric_limits<double>::infinity();
+    return p.x % 2 == 0 ? 3.0 : p.x == 7 ? std::numeric_limits<double>::quiet_NaN() : 5.0;
+  });
+  pack(source, folder / "v.zarr", withLevels());
+  ZarrSource packed(folder / "v.zarr");
+  std::vector<float> spreads(8);
+  packed.levelsAbove()[0].spreads->readRegion(0, {{0, 0, 0}, {8, 1, 1}},
+                                              std::as_writable_bytes(std::span(spreads)));
+  EXPECT_EQ(spreads, (std::vector<float>{0, 2, 0, 0, 2, 2, 2, 2}));
+}
+
+TEST(PackLevels, spreadsThatDoNotFitAreLeftOutAndSaid) {
+  const TempFolder folder;
+  const auto source = makeWhiteNoise({40, 40, 40}, VoxelType::kU8, 1);
+  pack(*source, folder / "v.zarr", withLevels());
+  std::filesystem::remove_all(folder / "v.zarr/spread/1");
+  std::filesystem::copy(folder / "v.zarr/spread/2", folder / "v.zarr/spread/1",
+                        std::filesystem::copy_options::recursive);
+  std::filesystem::remove_all(folder / "v.zarr/spread/2");
+  const ZarrSource packed(folder / "v.zarr");
+  ASSERT_EQ(packed.levelsAbove().size(), 2U);
+  for (const CoarserLevel& level : packed.levelsAbove()) EXPECT_EQ(level.spreads, nullptr);
+  EXPECT_THAT(
+      packed.layout().notes,
+      testing::ElementsAre(
+          HasSubstr("the spread of level 1 is left out: its shape is not that of the level"),
+          HasSubstr("the spread of level 2 is left out: ")));
+  // Another pack replaces it all the same.
+  EXPECT_GT(pack(*source, folder / "v.zarr", withLevels()).chunks, 0);
+}
+
 TEST(PackLevels, aDamagedOrMissingChunkOfALevelIsFound) {
   const TempFolder folder;
   const auto source = makeWhiteNoise({40, 40, 40}, VoxelType::kU8, 1);
@@ -175,8 +238,10 @@ TEST(PackLevels, aDamagedOrMissingChunkOfALevelIsFound) {
   std::string bytes = readFile(folder / "v.zarr/2/0/0/1");
   bytes.back() = static_cast<char>(bytes.back() ^ 1);
   writeFile(folder / "v.zarr/2/0/0/1", bytes);
+  std::filesystem::remove(folder / "v.zarr/spread/1/0/0/1");
   const CheckReport report = checkZarr(folder / "v.zarr", pool, quiet);
-  ASSERT_EQ(report.faults.size(), 2U);
+  ASSERT_EQ(report.faults.size(), 3U);
+  EXPECT_THAT(report.faults[2], HasSubstr("v.zarr/spread/1/0/0/1"));
   EXPECT_THAT(report.faults[0], HasSubstr("v.zarr/1/0/1/0"));
   EXPECT_THAT(report.faults[1], HasSubstr("v.zarr/2/0/0/1"));
 }
