@@ -26,32 +26,37 @@ struct InfoArguments {
 void printLevels(const VolumeSource& source) {
   const VolumeLayout& layout = source.layout();
   const auto triple = [](auto v) { return fmt::format("{:g} x {:g} x {:g}", v.x, v.y, v.z); };
-  const auto line = [&](size_t level, Vec3i dims, const LevelPlacement& place) {
+  const auto line = [&](size_t level, Vec3i dims, const LevelPlacement& place,
+                        const std::string& spread) {
     const auto voxels = static_cast<uint64_t>(dims.x * dims.y * dims.z);
     const Vec3d offset = place.offset;
     say("  level {}: {} x {} x {} voxels, {}; one is {} of level 0, the first at ({:g}, {:g}, "
-        "{:g}); spacing {}\n",
+        "{:g}); spacing {}{}\n",
         level, dims.x, dims.y, dims.z, formatBytes(voxels * bytesPerVoxel(layout.type)),
-        triple(place.scale), offset.x, offset.y, offset.z, triple(layout.spacing * place.scale));
+        triple(place.scale), offset.x, offset.y, offset.z, triple(layout.spacing * place.scale),
+        spread);
   };
-  line(0, layout.dims, {});
+  line(0, layout.dims, {}, "");
   size_t level = 0;
   for (const CoarserLevel& coarser : coarserLevels(source))
-    line(++level, coarser.source->layout().dims, coarser.placement);
+    line(++level, coarser.source->layout().dims, coarser.placement,
+         fmt::format("; spread: {}",
+                     coarser.spreads == nullptr ? "none" : name(coarser.spreads->layout().type)));
 }
 
 nlohmann::json levelsJson(const VolumeSource& source) {
   const auto triple = [](auto v) { return nlohmann::json::array({v.x, v.y, v.z}); };
   nlohmann::json levels = nlohmann::json::array();
-  const auto add = [&](Vec3i dims, const LevelPlacement& place) {
+  const auto add = [&](Vec3i dims, const LevelPlacement& place, bool has_spreads) {
     levels.push_back({{"dims", triple(dims)},
                       {"scale", triple(place.scale)},
                       {"offset", triple(place.offset)},
-                      {"spacing", triple(source.layout().spacing * place.scale)}});
+                      {"spacing", triple(source.layout().spacing * place.scale)},
+                      {"spreads", has_spreads}});
   };
-  add(source.layout().dims, {});
+  add(source.layout().dims, {}, false);
   for (const CoarserLevel& coarser : coarserLevels(source))
-    add(coarser.source->layout().dims, coarser.placement);
+    add(coarser.source->layout().dims, coarser.placement, coarser.spreads != nullptr);
   return levels;
 }
 

@@ -24,18 +24,20 @@ Forecast forecastOf(const IndexedVolume& volume, const VisibleBlocks& shown, uin
                     const FrameOptions& frame, const ResourceArguments& resources) {
   Forecast forecast;
   forecast.blocks = static_cast<int64_t>(shown.blocks.size());
-  const auto voxel_bytes = bytesPerVoxel(volume.source->layout().type);
+  const VoxelType type = volume.source->layout().type;
   const PyramidLayout layout = volume.step().layout();
   for (const ObjectBlock& block : shown.blocks) {
     const Box3 voxels = layout.storedVoxels(block.name);
-    forecast.voxel_bytes += static_cast<uint64_t>(voxels.count()) * voxel_bytes;
+    forecast.voxel_bytes += static_cast<uint64_t>(voxels.count()) *
+                            storedBytesPerVoxel(type, layout.of(block.name).numbers);
   }
   forecast.index_bytes = volume.rangesBytes();
   const uint64_t others = othersBytes(volume, shown);
   const PictureDemand picture = pictureDemand(resources, frame);
   const BesideShare share = besideShare(volume, resources, frame.partition, picture, others);
-  const BufferNeeds needs = bufferNeeds(*volume.source, volume.layout, frame.partition,
-                                        others + leastPictureBytes(picture));
+  BufferNeeds needs = bufferNeeds(*volume.source, volume.layout, frame.partition,
+                                  others + leastPictureBytes(picture));
+  needs.numbers = volume.numbers();
   const uint64_t textures = textureMemoryBytes(volume.page, TexelPlace::kInMemory);
   forecast.budget_bytes = memoryBudget(resources);
   forecast.least_bytes = textures + leastBufferBytes(volume.page, needs);

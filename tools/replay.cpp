@@ -90,7 +90,7 @@ class Turn final : public ReplaySource {
   uint64_t defaultPages() const override { return default_pages_; }
   uint64_t leastPages() const override {
     const int64_t side = volume_.layout.size;
-    return static_cast<uint64_t>(volume_.page.pagesOf({side, side, side}));
+    return static_cast<uint64_t>(volume_.numbers() * volume_.page.pagesOf({side, side, side}));
   }
   std::optional<uint64_t> plannedPages(uint64_t pages) const override {
     return arguments_.is_plan_fixed ? arguments_.fixed_pages : pages;

@@ -141,7 +141,10 @@ json cutJson(const CutSummary& cut) {
   json levels = json::array();
   for (const CutSummary::Level& level : cut.levels)
     levels.push_back({{"level", level.level}, {"blocks", level.blocks}, {"cells", level.cells}});
-  return {{"levels", levels}, {"coarse_share", cut.coarse_share}, {"final", cut.is_final}};
+  return {{"levels", levels},
+          {"coarse_share", cut.coarse_share},
+          {"spreads", cut.has_spreads},
+          {"final", cut.is_final}};
 }
 
 std::string cutLine(const CutSummary& cut) {
@@ -149,9 +152,11 @@ std::string cutLine(const CutSummary& cut) {
   for (const CutSummary::Level& level : cut.levels)
     levels += fmt::format("{}{} ({} block{})", levels.empty() ? "" : ", ", level.level,
                           level.blocks, level.blocks == 1 ? "" : "s");
-  return fmt::format("{:.1f} % of what shows is drawn coarser than it is stored, at level {}{}",
-                     100 * cut.coarse_share, levels,
-                     cut.is_final ? "" : "; a budget ended the refinement");
+  return fmt::format(
+      "{:.1f} % of what shows is drawn coarser than it is stored, at level {}, {}{}",
+      100 * cut.coarse_share, levels,
+      cut.has_spreads ? "from means and spreads" : "from coarse voxels without a spread",
+      cut.is_final ? "" : "; a budget ended the refinement");
 }
 
 bool isCoarser(const VisibleBlocks& blocks) {

@@ -25,10 +25,10 @@ BesideShare besideShare(const IndexedVolume& volume, const ResourceArguments& re
     share.picture_bytes = pictureBytes(picture, of_memory);
     share.beside_bytes = others_bytes + share.picture_bytes;
     PageGeometry page = volume.page;
-    page.pages = pageCount(resources, page, volume.layout, *volume.source, share.beside_bytes);
+    page.pages = pageCount(resources, volume, share.beside_bytes);
     share.pages = page.pages;
-    const BufferNeeds needs =
-        bufferNeeds(*volume.source, volume.layout, partition, share.beside_bytes);
+    BufferNeeds needs = bufferNeeds(*volume.source, volume.layout, partition, share.beside_bytes);
+    needs.numbers = volume.numbers();
     if (textureMemoryBytes(page, TexelPlace::kInMemory) + leastBufferBytes(page, needs) <=
         memory_bytes)
       break;
@@ -46,8 +46,7 @@ void openSession(Scene& scene, const ResourceArguments& resources, const FrameOp
     const auto pixels =
         static_cast<uint64_t>(frame.size.width) * static_cast<uint64_t>(frame.size.height);
     share.beside_bytes = others_bytes + scene.part_bytes + pixels * kComposedPixelBytes;
-    share.pages =
-        pageCount(resources, volume.page, volume.layout, *volume.source, share.beside_bytes);
+    share.pages = pageCount(resources, volume, share.beside_bytes);
   } else {
     scene.part_bytes = share.picture_bytes;
   }

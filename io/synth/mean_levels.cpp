@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <type_traits>
 
@@ -17,9 +19,20 @@ T meanOf(Sum sum, Sum count) {
   return static_cast<T>((2 * sum + count) / (2 * count));
 }
 
+// Of `count` values that sum up to `sum`, and their squares to `squares`.
+template <class T>
+T spreadOf(double sum, double squares, double count) {
+  const double mean = sum / count;
+  const double spread = 2 * std::sqrt(std::max(0.0, squares / count - mean * mean));
+  return static_cast<T>(std::is_floating_point_v<T> ? spread : std::nearbyint(spread));
+}
+
+enum class Delivers { kMeans, kSpreads };
+
 class MeanLevel final : public VolumeSource {
  public:
-  MeanLevel(VolumeSource& finest, int64_t times) : finest_(finest), times_(times) {
+  MeanLevel(VolumeSource& finest, int64_t times, Delivers delivers)
+      : finest_(finest), times_(times), delivers_(delivers) {
     layout_ = finest.layout();
     layout_.dims = layout_.dims / times;
     // The mean of the first voxels lies in the middle of them.
@@ -33,7 +46,8 @@ class MeanLevel final : public VolumeSource {
 
   const VolumeLayout& layout() const override { return layout_; }
   std::string identity() const override {
-    return fmt::format("{},mean={}", finest_.identity(), times_);
+    const char* const what = delivers_ == Delivers::kMeans ? "mean" : "spread";
+    return fmt::format("{},{}={}", finest_.identity(), what, times_);
   }
   uint64_t storedBytesRead() const override { return 0; }  // counted where the voxels are read
 
@@ -58,34 +72,44 @@ class MeanLevel final : public VolumeSource {
     const Vec3i cube{times_, times_, times_};
     std::vector<T> finest(static_cast<size_t>(width * volume(cube)));
     std::vector<Sum> sums(static_cast<size_t>(width));
+    std::vector<double> squares(sums.size());
     std::byte* to = out.data();
     for (int64_t z = box.lo.z; z < box.hi.z; ++z)
       for (int64_t y = box.lo.y; y < box.hi.y; ++y) {
         const Vec3i first{box.lo.x, y, z};
         const Box3 from{first * cube, Vec3i{box.hi.x, y + 1, z + 1} * cube};
         finest_.readRegion(time, from, std::as_writable_bytes(std::span(finest)));
-        std::fill(sums.begin(), sums.end(), Sum{});
+        std::ranges::fill(sums, Sum{});
+        std::ranges::fill(squares, 0.0);
         const T* voxel = finest.data();
         for (int64_t row = 0; row < times_ * times_; ++row)
           for (int64_t x = 0; x < width; ++x)
-            for (int64_t i = 0; i < times_; ++i)
-              sums[static_cast<size_t>(x)] += static_cast<Sum>(*voxel++);
-        for (const Sum sum : sums) {
-          const T mean = meanOf<T>(sum, static_cast<Sum>(volume(cube)));
-          std::memcpy(to, &mean, sizeof mean);
-          to += sizeof mean;
+            for (int64_t i = 0; i < times_; ++i, ++voxel) {
+              const auto value = static_cast<double>(*voxel);
+              sums[static_cast<size_t>(x)] += static_cast<Sum>(*voxel);
+              squares[static_cast<size_t>(x)] += value * value;
+            }
+        for (size_t x = 0; x < sums.size(); ++x) {
+          const int64_t count = volume(cube);
+          const T number = delivers_ == Delivers::kMeans
+                               ? meanOf<T>(sums[x], static_cast<Sum>(count))
+                               : spreadOf<T>(static_cast<double>(sums[x]), squares[x],
+                                             static_cast<double>(count));
+          std::memcpy(to, &number, sizeof number);
+          to += sizeof number;
         }
       }
   }
 
   VolumeSource& finest_;
   const int64_t times_;
+  const Delivers delivers_;
   VolumeLayout layout_;  // constant after construction
 };
 
 }  // namespace
 
-MeanLevels::MeanLevels(VolumeSource& finest, int64_t count) {
+MeanLevels::MeanLevels(VolumeSource& finest, int64_t count, Spreads spreads) {
   const VolumeLayout& layout = finest.layout();
   int64_t times = 1;
   for (int64_t level = 1; level < count; ++level) {
@@ -94,9 +118,14 @@ MeanLevels::MeanLevels(VolumeSource& finest, int64_t count) {
     if (dims.x < 2 || dims.y < 2 || dims.z < 2)
       fail("{}: {} x {} x {} voxels have {} levels of at least 2 voxels along each axis, not {}",
            layout.name, layout.dims.x, layout.dims.y, layout.dims.z, level, count);
-    sources_.push_back(std::make_unique<MeanLevel>(finest, times));
+    const auto add = [&](Delivers delivers) {
+      sources_.push_back(std::make_unique<MeanLevel>(finest, times, delivers));
+      return sources_.back().get();
+    };
     const double scale = static_cast<double>(times), offset = (scale - 1) / 2;
-    levels_.push_back({sources_.back().get(), {{scale, scale, scale}, {offset, offset, offset}}});
+    levels_.push_back({add(Delivers::kMeans),
+                       {{scale, scale, scale}, {offset, offset, offset}},
+                       spreads == Spreads::kKept ? add(Delivers::kSpreads) : nullptr});
   }
 }
 

@@ -150,7 +150,7 @@ class SynthSource : public VolumeSource, public LeveledSource {
                    : options.type == VoxelType::kU16 ? convertRow<uint16_t>
                                                      : convertRow<float>;
     layout_.levels = options.levels;
-    levels_.emplace(*this, options.levels);
+    levels_.emplace(*this, options.levels, Spreads::kKept);
   }
 
   const VolumeLayout& layout() const override { return layout_; }

@@ -29,8 +29,7 @@ Drawing::Drawing(std::shared_ptr<const OpenedVolume> opened, const LookOptions& 
       sessionOptions(volume, true, machine_, Partition::kBlocks, memoryBudget(machine_));
   // Of a series, those of the step that is drawn beside the volume's own.
   if (layout().time_steps > 1) session.beside_bytes *= 2;
-  session.page.pages =
-      pageCount(machine_, volume.page, volume.layout, *volume.source, session.beside_bytes);
+  session.page.pages = pageCount(machine_, volume, session.beside_bytes);
   session_ = std::make_unique<Session>(volume.step(), *device_, pool_, session);
   if (options.screen != nullptr) screen_ = dynamic_cast<DrawsForScreens*>(device_.get());
   setLook(look);

@@ -67,13 +67,18 @@ void addLevels(IndexedVolume& volume, std::span<const CoarserLevel> levels, cons
     const ValueMap map = deviceMap(level.source->layout());
     const bool is_alike = level.source->layout().type == volume.source->layout().type &&
                           map.scale == volume.map.scale && map.offset == volume.map.offset;
+    const bool has_spreads = level.spreads != nullptr;
     const std::string obstacle =
-        is_alike ? pyramid.add(level.source->layout().dims, level.placement)
+        is_alike ? pyramid.add(level.source->layout().dims, level.placement, has_spreads ? 2 : 1)
                  : std::string("its voxels are of another type or scale of values");
     if (!obstacle.empty()) {
       volume.notes.push_back(fmt::format("{}: levels from {} on are left out: {}", volume.name,
                                          pyramid.levels(), obstacle));
       break;
+    }
+    if (has_spreads) {
+      volume.coarser.push_back(nullptr);
+      continue;
     }
     const BlockLayout& blocks = pyramid.level(pyramid.levels() - 1).blocks;
     volume.coarser.push_back(std::make_shared<const IndexedRanges>(
@@ -88,14 +93,26 @@ void addLevels(IndexedVolume& volume, std::span<const CoarserLevel> levels, cons
 TimeStep IndexedVolume::step() const {
   TimeStep step{source.get(), time, {index, &index->ranges}, pyramid, {}};
   const std::span<const CoarserLevel> levels = coarserLevels(*source);
-  for (size_t i = 0; i < coarser.size(); ++i)
-    step.coarser.push_back({levels[i].source, {coarser[i], &coarser[i]->ranges}});
+  for (size_t i = 0; i < coarser.size(); ++i) {
+    std::shared_ptr<const SliceRanges> ranges;
+    if (coarser[i] != nullptr) ranges = {coarser[i], &coarser[i]->ranges};
+    step.coarser.push_back({levels[i].source, std::move(ranges), levels[i].spreads});
+  }
   return step;
+}
+
+int IndexedVolume::numbers() const {
+  int most = 1;
+  if (pyramid != nullptr)
+    for (int level = 0; level < pyramid->levels(); ++level)
+      most = std::max(most, pyramid->level(level).numbers);
+  return most;
 }
 
 uint64_t IndexedVolume::rangesBytes() const {
   uint64_t bytes = index->bytes();
-  for (const auto& level : coarser) bytes += level->bytes();
+  for (const auto& level : coarser)
+    if (level != nullptr) bytes += level->bytes();
   return bytes;
 }
 
@@ -149,8 +166,7 @@ IndexedVolume indexVolume(std::unique_ptr<VolumeSource> source, const VolumeArgu
   volume.values = statisticsOf(volume, index, needs.whole_series, pass);
   volume.index = std::make_shared<const IndexedRanges>(std::move(index));
   addLevels(volume, levels, pass);
-  volume.page.pages =
-      pageCount(machine, volume.page, volume.layout, *volume.source, volume.rangesBytes());
+  volume.page.pages = pageCount(machine, volume, volume.rangesBytes());
   return volume;
 }
 

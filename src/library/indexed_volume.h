@@ -29,13 +29,15 @@ struct IndexedVolume {
   std::shared_ptr<const IndexedRanges> index;  // of this step
   ValueStatistics values;                      // of its step, or of the series
   // Levels above the finest, of the same step, from fine to coarse: null and empty where there are
-  // none or none was asked for.
+  // none or none was asked for. A level with spreads has no index: null.
   std::shared_ptr<const PyramidLayout> pyramid;
   std::vector<std::shared_ptr<const IndexedRanges>> coarser;
   // For people, one line each: what was chosen among several and what looks wrong.
   std::vector<std::string> notes;
 
   TimeStep step() const;
+  // The most that a voxel of a level has: 2 if a level has spreads.
+  int numbers() const;
   // Of the min-max arrays and brick ranges of all levels.
   uint64_t rangesBytes() const;
   // Least and greatest value that can be told from infinities.

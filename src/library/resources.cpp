@@ -14,21 +14,19 @@ constexpr uint64_t kTextureShare = 4;
 constexpr uint64_t kDeviceTextureBytes = uint64_t{1} << 30;
 
 // Never fewer than a block takes.
-int64_t defaultPages(const PageGeometry& page, const BlockLayout& layout, uint64_t memory_bytes,
-                     const VolumeSource& source) {
+int64_t defaultPages(const PageGeometry& page, const BufferNeeds& needs, Vec3i dims,
+                     uint64_t memory_bytes) {
   const auto page_bytes = static_cast<uint64_t>(page.pageBytes());
-  const Vec3i block{layout.size, layout.size, layout.size};
-  const auto least = std::bit_ceil(static_cast<uint64_t>(page.pagesOf(block)));
+  const Vec3i block{needs.block_vox, needs.block_vox, needs.block_vox};
+  const auto least = std::bit_ceil(static_cast<uint64_t>(page.pagesOf(block) * needs.numbers));
   // Blocks share planes and are padded: twice the volume's own pages holds them all.
-  const Vec3i bounded = min(source.layout().dims, Vec3i{1 << 20, 1 << 20, 1 << 20});
+  const Vec3i bounded = min(dims, Vec3i{1 << 20, 1 << 20, 1 << 20});
   const double whole = std::min(2.0 * static_cast<double>(page.pagesOf(bounded)), 1e15);
   const uint64_t most = std::min(memory_bytes / kTextureShare, kDeviceTextureBytes) / page_bytes;
   uint64_t pages = std::min(std::bit_floor(std::max<uint64_t>(1, most)),
                             std::bit_ceil(static_cast<uint64_t>(whole)));
   pages = std::max(pages, least);
-  // The partition makes no difference, so that a plan holds for both. What is held beside is off
-  // `memory_bytes` already.
-  const BufferNeeds needs = bufferNeeds(source, layout, Partition::kBlocks, 0);
+  // What is held beside is off `memory_bytes` already.
   const uint64_t buffers = leastBufferBytes(page, needs);
   const auto needed = [&] {
     PageGeometry geometry = page;
@@ -55,11 +53,15 @@ PageGeometry pageShape(const MachineOptions& machine, const ValueMap& map) {
   return page;
 }
 
-int64_t pageCount(const MachineOptions& machine, const PageGeometry& page,
-                  const BlockLayout& layout, const VolumeSource& source, uint64_t ranges_bytes) {
+int64_t pageCount(const MachineOptions& machine, const IndexedVolume& volume,
+                  uint64_t beside_bytes) {
+  if (machine.pages) return *machine.pages;
+  // The partition makes no difference, so that a plan holds for both.
+  BufferNeeds needs = bufferNeeds(*volume.source, volume.layout, Partition::kBlocks, 0);
+  needs.numbers = volume.numbers();
   const uint64_t memory_bytes = memoryBudget(machine);
-  return machine.pages.value_or(
-      defaultPages(page, layout, memory_bytes - std::min(memory_bytes, ranges_bytes), source));
+  return defaultPages(volume.page, needs, volume.source->layout().dims,
+                      memory_bytes - std::min(memory_bytes, beside_bytes));
 }
 
 SessionOptions sessionOptions(const IndexedVolume& volume, bool lit, const MachineOptions& machine,

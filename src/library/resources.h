@@ -16,10 +16,10 @@ uint64_t memoryBudget(const MachineOptions& machine);
 
 // The standard 64 KiB page of the voxel type unless the user says otherwise; pages still open.
 PageGeometry pageShape(const MachineOptions& machine, const ValueMap& map);
-// How many pages, of what the min-max arrays leave of the memory: as the user says, or what holds
-// the volume, or what memory comfortably does beside the least buffers.
-int64_t pageCount(const MachineOptions& machine, const PageGeometry& page,
-                  const BlockLayout& layout, const VolumeSource& source, uint64_t ranges_bytes);
+// How many pages, of what `beside_bytes` (min-max arrays and others) leave of the memory: as the
+// user says, or what holds the volume, or what memory comfortably does beside the least buffers.
+int64_t pageCount(const MachineOptions& machine, const IndexedVolume& volume,
+                  uint64_t beside_bytes);
 
 // `lit`: frames may be shaded, the volume was indexed with gradients.
 SessionOptions sessionOptions(const IndexedVolume& volume, bool lit, const MachineOptions& machine,

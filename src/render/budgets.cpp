@@ -16,16 +16,17 @@ namespace {
 constexpr uint64_t kBoxShare = 8;
 
 // The largest chunk: two whole blocks side by side, in whole pages.
-uint64_t largestChunkBytes(const PageGeometry& page, int64_t block_vox) {
-  return static_cast<uint64_t>(page.pagesOf(Vec3i{2 * block_vox, block_vox, block_vox}) *
-                               page.pageBytes());
+uint64_t largestChunkBytes(const PageGeometry& page, const BufferNeeds& needs) {
+  const int64_t side = needs.block_vox;
+  return static_cast<uint64_t>(page.pagesOf(Vec3i{2 * side, side, side}) * page.pageBytes() *
+                               needs.numbers);
 }
 
 // What a thread that reads has under way.
 uint64_t threadBytes(const PageGeometry& page, const BufferNeeds& needs) {
   const int64_t side = needs.block_vox;
   const auto block_bytes =
-      static_cast<uint64_t>(volume(Vec3i{side, side, side}) * page.bytes_per_voxel);
+      static_cast<uint64_t>(volume(Vec3i{side, side, side}) * page.bytes_per_voxel * needs.numbers);
   return 2 * block_bytes + VolumeBuffer::kScratchBytes + needs.source_thread_bytes +
          needs.growing_bytes;
 }
@@ -52,8 +53,7 @@ BufferNeeds bufferNeeds(const VolumeSource& source, const BlockLayout& layout, P
 }
 
 uint64_t leastBufferBytes(const PageGeometry& page, const BufferNeeds& needs) {
-  return needs.beside_bytes + 2 * largestChunkBytes(page, needs.block_vox) +
-         2 * threadBytes(page, needs);
+  return needs.beside_bytes + 2 * largestChunkBytes(page, needs) + 2 * threadBytes(page, needs);
 }
 
 uint64_t textureMemoryBytes(const PageGeometry& page, TexelPlace texels) {
@@ -90,7 +90,7 @@ Budgets shareMemory(uint64_t memory_bytes, const PageGeometry& page, TexelPlace 
     budgets.growing = std::min(surplus / kBoxShare, kMostGrowingBytes);
   }
   surplus -= budgets.boxes + budgets.growing;
-  budgets.texture_buffer = 2 * largestChunkBytes(page, needs.block_vox) + surplus / 3;
+  budgets.texture_buffer = 2 * largestChunkBytes(page, needs) + surplus / 3;
   const uint64_t source_surplus = needs.source_thread_bytes > 0 ? surplus / 8 : 0;
   const uint64_t rest = memory_bytes - textures - needs.beside_bytes - budgets.texture_buffer -
                         source_surplus - budgets.boxes - budgets.growing;

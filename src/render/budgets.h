@@ -28,6 +28,7 @@ struct BufferNeeds {
   uint64_t source_thread_bytes = 0;  // VolumeSource::heldBytesAThread()
   uint64_t growing_bytes = 0;        // of a block (volume_boxes.h); 0: no growing boxes are drawn
   uint64_t beside_bytes = 0;         // that others hold of the same memory: min-max arrays
+  int64_t numbers = 1;               // a voxel of the largest block: 2 with spreads
 };
 BufferNeeds bufferNeeds(const VolumeSource& source, const BlockLayout& layout, Partition partition,
                         uint64_t beside_bytes);

@@ -9,11 +9,14 @@ FramePlan makeFramePlan(const TimeStep& step, const VisibleBlocks& visible,
   plan.textures = planTextures(layout, visible, page, options);
   plan.names = names.namesOf(plan.textures);
   plan.pages = plan.textures.pageCount();
-  const uint64_t stored_bytes = bytesPerVoxel(step.source->layout().type);
+  const VoxelType type = step.source->layout().type;
   for (const TextureBlock& block : plan.textures.blocks) {
     const Box3 stored = layout.storedVoxels(block.name);
-    plan.rebuild.decoded += static_cast<uint64_t>(stored.count()) * stored_bytes;
-    plan.rebuild.copied += static_cast<uint64_t>(block.voxels.count() * page.bytes_per_voxel);
+    const int numbers = layout.of(block.name).numbers;
+    plan.rebuild.decoded +=
+        static_cast<uint64_t>(stored.count()) * storedBytesPerVoxel(type, numbers);
+    plan.rebuild.copied +=
+        static_cast<uint64_t>(block.voxels.count() * page.bytes_per_voxel * numbers);
     plan.hull = unite(plan.hull, block.cells);
     plan.cells += block.cells.count();
   }

@@ -22,6 +22,16 @@ void requireLevel(const CutOptions& options, const TimeStep& step) {
          *options.level, levels == 1 ? "is" : "are", levels, levels == 1 ? "" : "s");
 }
 
+// Means are no labels.
+void refuseLabels(const BlockQuestion& question) {
+  const auto isOfMeans = [](const CoarserStep& level) { return level.spreads != nullptr; };
+  if (question.look->table.labels() && std::ranges::any_of(question.step.coarser, isOfMeans))
+    fail(
+        "{}: its coarser levels hold means, which are no labels; leave out --level and "
+        "--pixel-error, or pack it with --downsample mode",
+        question.step.source->layout().name);
+}
+
 // Bytes of a block, and of all that are chosen.
 struct BlockBytes {
   uint64_t stored = 0, held = 0;
@@ -50,7 +60,6 @@ class CutMaker {
         shown_(shown),
         pyramid_(shown.pyramid()),
         sizes_(question.step.source->layout(), question.view),
-        stored_bytes_(bytesPerVoxel(question.step.source->layout().type)),
         held_bytes_(bytesPerVoxel(question.step.ranges->map.type)) {}
 
   void makeLevel(int level) {
@@ -84,7 +93,11 @@ class CutMaker {
     }
     std::ranges::sort(blocks.blocks, {}, &ObjectBlock::name);
     CutSummary summary;
-    for (const auto& [number, level] : levels) summary.levels.push_back(level);
+    summary.has_spreads = true;
+    for (const auto& [number, level] : levels) {
+      summary.levels.push_back(level);
+      if (number > 0 && pyramid_.level(number).numbers != 2) summary.has_spreads = false;
+    }
     const int64_t shown = levels.contains(0) ? levels[0].cells : 0;
     if (shown_.finestCells() > 0)
       summary.coarse_share =
@@ -98,9 +111,11 @@ class CutMaker {
   CutNode nodeOf(int level, Vec3i index) const {
     CutNode node{level, index, shown_.objectOf(level, index, question_.step.time), {}};
     if (node.object.cells.empty()) return node;
-    const auto voxels =
-        static_cast<uint64_t>(pyramid_.level(level).blocks.storedVoxels(index).count());
-    node.bytes = {voxels * stored_bytes_, voxels * held_bytes_};
+    const LevelLayout& at = pyramid_.level(level);
+    const auto voxels = static_cast<uint64_t>(at.blocks.storedVoxels(index).count());
+    const VoxelType type = question_.step.source->layout().type;
+    node.bytes = {voxels * storedBytesPerVoxel(type, at.numbers),
+                  voxels * held_bytes_ * static_cast<uint64_t>(at.numbers)};
     return node;
   }
 
@@ -170,7 +185,7 @@ class CutMaker {
   const ShownLevels& shown_;
   const PyramidLayout& pyramid_;
   const PixelSizes sizes_;
-  const uint64_t stored_bytes_, held_bytes_;  // a voxel
+  const uint64_t held_bytes_;  // of a number
   std::vector<CutNode> open_, chosen_;
   BlockBytes bytes_;  // of both
   int64_t left_out_ = 0;
@@ -189,6 +204,7 @@ bool isSame(const VisibleBlocks& a, const VisibleBlocks& b) {
 
 VisibleBlocksPtr LevelCut::choose(const BlockQuestion& question) {
   requireLevel(question.cut, question.step);
+  refuseLabels(question);
   const std::shared_ptr<const ShownLevels> shown =
       shown_.of({question.step, question.look, question.crop}, [&] {
         return std::make_shared<const ShownLevels>(question.step, *question.look, question.crop,

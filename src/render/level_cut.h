@@ -5,8 +5,8 @@
 // there. The cut starts with the coarsest level and is refined level by level, the parts in front
 // first, until the pixel error is reached everywhere or the blocks would take more than a budget
 // allows. Parts outside the picture stay coarse. A part without anything visible at the finest
-// level is left out, as with one level; what shows of a drawn block is decided by the ranges of its
-// own level.
+// level is left out, as with one level. A level whose voxels have a spread beside their mean shows
+// what the finest level shows; another level shows what its own ranges allow.
 #pragma once
 
 #include <memory>
@@ -28,8 +28,8 @@ class LevelCut : public BlockChooser {
  public:
   // `pool` must outlive it.
   explicit LevelCut(WorkerPool& pool) : pool_(pool) {}
-  // Requires: the step has several levels. Throws Error when the options name a level that is not
-  // there.
+  // Requires: the step has several levels. Throws Error if the options name a level that is not
+  // there, or if labels would be drawn from levels of means.
   VisibleBlocksPtr choose(const BlockQuestion& question) override;
 
  private:

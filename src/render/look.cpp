@@ -1,5 +1,6 @@
 #include "src/render/look.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "src/render/index_space.h"
@@ -26,9 +27,14 @@ LookUp lookUp(const OpacityTable& table, double finest_spacing) {
 Look makeLook(const TimeStep& step, TransferFunction transfer, Mode mode) {
   if (mode != Mode::kComposite) transfer.gradients.clear();
   OpacityTable table(transfer, step.ranges->map, step.ranges->device_range);
-  auto look_up =
-      std::make_shared<const LookUp>(lookUp(table, finestSpacing(step.source->layout())));
-  return {std::move(transfer), std::move(table), std::move(look_up)};
+  LookUp look_up = lookUp(table, finestSpacing(step.source->layout()));
+  const bool has_spreads = std::ranges::any_of(
+      step.coarser, [](const CoarserStep& level) { return level.spreads != nullptr; });
+  if (has_spreads && mode == Mode::kComposite && !table.labels())
+    look_up.expected =
+        std::make_shared<const ExpectedLook>(expectedLook(look_up, table.volumeRange()));
+  return {std::move(transfer), std::move(table),
+          std::make_shared<const LookUp>(std::move(look_up))};
 }
 
 }  // namespace sluice

@@ -20,7 +20,8 @@ using LookPtr = std::shared_ptr<const Look>;
 // For a volume whose finest spacing is this, see index_space.h.
 LookUp lookUp(const OpacityTable& table, double finest_spacing);
 
-// Modes other than composite look at values alone: gradients make no difference to them.
+// Modes other than composite look at values alone: gradients and spreads make no difference to
+// them.
 Look makeLook(const TimeStep& step, TransferFunction transfer, Mode mode);
 
 }  // namespace sluice

@@ -19,16 +19,34 @@ std::vector<VolumeBuffer::Level> bufferLevels(const TimeStep& step) {
   const PyramidLayout layout = step.layout();
   std::vector<VolumeBuffer::Level> levels{{step.source, layout.finest()}};
   for (const CoarserStep& coarser : step.coarser)
-    levels.push_back({coarser.source, layout.level(static_cast<int>(levels.size())).blocks});
+    levels.push_back(
+        {coarser.source, layout.level(static_cast<int>(levels.size())).blocks, coarser.spreads});
   return levels;
+}
+
+// Of all levels, level 0 first.
+std::vector<VolumeSource*> sourcesOf(const TimeStep& step) {
+  std::vector<VolumeSource*> sources{step.source};
+  for (const CoarserStep& coarser : step.coarser) {
+    sources.push_back(coarser.source);
+    if (coarser.spreads != nullptr) sources.push_back(coarser.spreads);
+  }
+  return sources;
+}
+
+uint64_t sourceThreadBytes(const TimeStep& step) {
+  uint64_t bytes = 0;
+  for (const VolumeSource* source : sourcesOf(step))
+    bytes = std::max(bytes, source->heldBytesAThread());
+  return bytes;
 }
 
 BufferNeeds needsOf(const TimeStep& step, const ResidencyOptions& options) {
   BufferNeeds needs =
       bufferNeeds(*step.source, step.ranges->layout, options.partition, options.beside_bytes);
+  needs.source_thread_bytes = sourceThreadBytes(step);
   for (const CoarserStep& coarser : step.coarser)
-    needs.source_thread_bytes =
-        std::max(needs.source_thread_bytes, coarser.source->heldBytesAThread());
+    if (coarser.spreads != nullptr) needs.numbers = 2;
   return needs;
 }
 
@@ -39,14 +57,10 @@ void shareSourceBytes(const TimeStep& step, const Budgets& budgets) {
     step.source->holdAtMost(budgets.source);
     return;
   }
-  uint64_t thread_bytes = step.source->heldBytesAThread();
-  for (const CoarserStep& coarser : step.coarser)
-    thread_bytes = std::max(thread_bytes, coarser.source->heldBytesAThread());
-  const uint64_t needed = static_cast<uint64_t>(budgets.readers + 1) * thread_bytes;
-  const uint64_t each =
-      (budgets.source - std::min(budgets.source, needed)) / (step.coarser.size() + 1);
-  step.source->holdAtMost(each);
-  for (const CoarserStep& coarser : step.coarser) coarser.source->holdAtMost(each);
+  const std::vector<VolumeSource*> sources = sourcesOf(step);
+  const uint64_t needed = static_cast<uint64_t>(budgets.readers + 1) * sourceThreadBytes(step);
+  const uint64_t each = (budgets.source - std::min(budgets.source, needed)) / sources.size();
+  for (VolumeSource* source : sources) source->holdAtMost(each);
 }
 
 }  // namespace

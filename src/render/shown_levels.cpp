@@ -1,7 +1,9 @@
 #include "src/render/shown_levels.h"
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
+#include <utility>
 
 namespace sluice {
 namespace {
@@ -12,6 +14,19 @@ int trimmingAxis(const Vec3i& texels) {
   for (int a = 1; a >= 0; --a)
     if (texels[a] < texels[axis]) axis = a;
   return axis;
+}
+
+// The level's cells that touch a voxel of it which stands for some voxel of these finest cells.
+Box3 cellsAround(const LevelLayout& level, const Box3& finest) {
+  const auto voxelOf = [&](Vec3i voxel, int a) {
+    return static_cast<int64_t>(std::lround(level.placement.levelFromFinest(toDouble(voxel))[a]));
+  };
+  Box3 cells;
+  for (int a = 0; a < 3; ++a) {
+    cells.lo[a] = voxelOf(finest.lo, a) - 1;
+    cells.hi[a] = voxelOf(finest.hi, a) + 1;
+  }
+  return cells;
 }
 
 }  // namespace
@@ -28,30 +43,62 @@ ShownLevels::ShownLevels(const TimeStep& step, const Look& look, const Box3& cro
     const Vec3i dims = pyramid_.level(static_cast<int>(levels_.size())).blocks.dims;
     add(coarser.ranges, boxOf(dims - Vec3i{1, 1, 1}));
   }
-  markFinest();
+  boundFinest();
 }
 
-void ShownLevels::markFinest() {
-  for (int level = 0; level < pyramid_.levels(); ++level) {
+void ShownLevels::boundFinest() {
+  for (const ObjectBlock& object : levels_[0].blocks) finest_cells_ += object.cells.count();
+  finest_boxes_.resize(1);
+  reaches_.resize(1);
+  for (int level = 1; level < pyramid_.levels(); ++level) {
     const LevelLayout& at = pyramid_.level(level);
-    std::vector<bool>& marks =
-        shows_finest_.emplace_back(static_cast<size_t>(at.blocks.blockCount()), false);
-    const auto mark = [&](Vec3i finest_cell) {
-      const Vec3i index = min(finest_cell / at.width, at.blocks.grid - Vec3i{1, 1, 1});
-      marks[static_cast<size_t>(at.blocks.idOf(index))] = true;
+    std::vector<Box3> boxes(static_cast<size_t>(at.blocks.blockCount()));
+    const auto add = [&](const Box3& cells) {
+      const Vec3i index = min(cells.lo / at.width, at.blocks.grid - Vec3i{1, 1, 1});
+      Box3& box = boxes[static_cast<size_t>(at.blocks.idOf(index))];
+      box = unite(box, cells);
     };
-    if (level == 0) {
-      for (const ObjectBlock& object : levels_[0].blocks) {
-        marks[static_cast<size_t>(object.name.block)] = true;
-        finest_cells_ += object.cells.count();
-      }
-      continue;
-    }
-    const LevelLayout& below = pyramid_.level(level - 1);
-    const std::vector<bool>& marked = shows_finest_[static_cast<size_t>(level) - 1];
-    for (size_t block = 0; block < marked.size(); ++block)
-      if (marked[block]) mark(below.blocks.indexOf(static_cast<int64_t>(block)) * below.width);
+    if (level == 1)
+      for (const ObjectBlock& object : levels_[0].blocks) add(object.cells);
+    else
+      for (const Box3& box : finest_boxes_.back())
+        if (!box.empty()) add(box);
+    finest_boxes_.push_back(std::move(boxes));
+    std::vector<Box3>& reaches = reaches_.emplace_back();
+    if (!hasSpreads(level)) continue;
+    for (int64_t block = 0; block < at.blocks.blockCount(); ++block)
+      reaches.push_back(reachIn(level, at.blocks.indexOf(block)));
   }
+}
+
+Box3 ShownLevels::finestBox(int level, Vec3i index) const {
+  const int64_t block = pyramid_.level(level).blocks.idOf(index);
+  if (level == 0) {
+    const ObjectBlock* object = find(0, block);
+    return object == nullptr ? Box3() : object->cells;
+  }
+  return (hasSpreads(level)
+              ? reaches_
+              : finest_boxes_)[static_cast<size_t>(level)][static_cast<size_t>(block)];
+}
+
+// What the finest level shows below this block and those beside it, with the cells around that
+// interpolate the level's voxels which stand for it.
+Box3 ShownLevels::reachIn(int level, Vec3i index) const {
+  const LevelLayout& at = pyramid_.level(level);
+  const Box3 region = pyramid_.regionOf(level, index);
+  const Box3 around =
+      intersect({index - Vec3i{1, 1, 1}, index + Vec3i{2, 2, 2}}, boxOf(at.blocks.grid));
+  Box3 reach;
+  for (int64_t z = around.lo.z; z < around.hi.z; ++z)
+    for (int64_t y = around.lo.y; y < around.hi.y; ++y)
+      for (int64_t x = around.lo.x; x < around.hi.x; ++x) {
+        const auto block = static_cast<size_t>(at.blocks.idOf({x, y, z}));
+        const Box3& box = finest_boxes_[static_cast<size_t>(level)][block];
+        if (box.empty()) continue;
+        reach = unite(reach, intersect(at.cellsOver(cellsAround(at, box)), region));
+      }
+  return reach;
 }
 
 const ObjectBlock* ShownLevels::find(int level, int64_t block) const {
@@ -98,13 +145,11 @@ ObjectBlock ShownLevels::objectOf(int level, Vec3i index, int64_t time) const {
   const int64_t block = at.blocks.idOf(index);
   object.name = {.time = time, .level = level, .block = block};
   const Box3 region = pyramid_.regionOf(level, index);
-  if (level == 0) {
-    const ObjectBlock* found = find(0, block);
-    if (found != nullptr) object.cells = found->cells;
-  } else {
+  if (level == 0 || hasSpreads(level))
+    object.cells = finestBox(level, index);
+  else
     object.cells =
         is_known_[static_cast<size_t>(level)] ? cellsShown(level, index, region) : region;
-  }
   object.cells = intersect(object.cells, crop_);
   if (object.cells.empty()) {
     object.cells = {};

@@ -20,26 +20,30 @@ class ShownLevels {
   const PyramidLayout& pyramid() const { return pyramid_; }
   // Finest cells in object boxes of the finest level.
   int64_t finestCells() const { return finest_cells_; }
-  // Whether the region of a block has an object box of the finest level.
-  bool showsFinest(int level, Vec3i index) const {
-    const auto block = static_cast<size_t>(pyramid_.level(level).blocks.idOf(index));
-    return shows_finest_[static_cast<size_t>(level)][block];
-  }
+  // Whether a block has a part in the picture because of what the finest level shows: something in
+  // its region, or, if its level has spreads, as far beyond as interpolation carries it.
+  bool showsFinest(int level, Vec3i index) const { return !finestBox(level, index).empty(); }
   // What is drawn of a block of time step `time` at its level: the box of the finest cells in its
-  // region where interpolation of the level's voxels gives something visible; the whole region if
-  // the level's ranges are not known. No cells: nothing.
+  // region where interpolation of the level's voxels gives something visible. A level with spreads
+  // shows what the finest level shows; if the ranges of another level are not known, the whole
+  // region shows. No cells: nothing.
   ObjectBlock objectOf(int level, Vec3i index, int64_t time) const;
 
  private:
-  void markFinest();
+  void boundFinest();
+  Box3 finestBox(int level, Vec3i index) const;
+  Box3 reachIn(int level, Vec3i index) const;
   Box3 cellsShown(int level, Vec3i index, const Box3& region) const;
   const ObjectBlock* find(int level, int64_t block) const;
+  bool hasSpreads(int level) const { return pyramid_.level(level).numbers == 2; }
 
   const PyramidLayout pyramid_;
   const Box3 crop_;
   std::vector<VisibleBlocks> levels_;  // by each level's own ranges; cells are the level's own
   std::vector<bool> is_known_;         // of a level: it has ranges
-  std::vector<std::vector<bool>> shows_finest_;  // of a level's blocks
+  // Of the blocks of each level but the finest: the hull of the finest level's object boxes in
+  // their regions, and the same with its reach for levels with spreads.
+  std::vector<std::vector<Box3>> finest_boxes_, reaches_;
   int64_t finest_cells_ = 0;
 };
 

@@ -16,8 +16,11 @@ namespace sluice {
 
 // A level above the finest one.
 struct CoarserStep {
-  VolumeSource* source = nullptr;             // outlives whoever has the step
-  std::shared_ptr<const SliceRanges> ranges;  // null: not known yet, any block may show something
+  VolumeSource* source = nullptr;  // outlives whoever has the step
+  // Of its own voxels; null: not known, any block may show something. A level with spreads needs
+  // none: what it may show is what level 0 shows below it.
+  std::shared_ptr<const SliceRanges> ranges;
+  VolumeSource* spreads = nullptr;  // CoarserLevel::spreads
 
   friend bool operator==(const CoarserStep&, const CoarserStep&) = default;
 };

@@ -8,23 +8,31 @@
 namespace sluice {
 namespace {
 
-// Copies `count` elements that lie `stride` elements apart.
-template <class T>
+// Copies `count` elements that lie `stride` elements apart to places kNumbers elements apart.
+template <int kNumbers, class T>
 void gather(const T* from, int64_t stride, T* to, int64_t count) {
-  if (stride == 1) {
+  if (kNumbers == 1 && stride == 1) {
     std::memcpy(to, from, static_cast<size_t>(count) * sizeof(T));
   } else {
-    for (int64_t i = 0; i < count; ++i) to[i] = from[i * stride];
+    for (int64_t i = 0; i < count; ++i) to[i * kNumbers] = from[i * stride];
   }
 }
 
-template <class T>
-void copyTyped(const TextureBlock& block, const VolumeBlock& from, Vec3i storage_vox, Vec3i room,
-               T* out) {
+template <int kNumbers, class T>
+void fill(T* to, int64_t count, T value) {
+  if constexpr (kNumbers == 1)
+    std::fill(to, to + count, value);
+  else
+    for (int64_t i = 0; i < count; ++i) to[i * kNumbers] = value;
+}
+
+// One number of each texel: those of `voxels`, to places kNumbers elements apart from `out` on.
+template <int kNumbers, class T>
+void copyTyped(const TextureBlock& block, const VolumeBlock& from, const T* voxels,
+               Vec3i storage_vox, Vec3i room, T* out) {
   const auto axes = textureAxes(block.trimming_axis);
   const Vec3i texels = block.texels(), have = from.voxels.size();
   const Vec3i strides{1, have.x, have.x * have.y};
-  const auto* voxels = reinterpret_cast<const T*>(from.bytes.get());
   // The nearest voxel that exists, relative to the volume block.
   const auto clamped = [&](int axis, int64_t texel) {
     return std::clamp(block.voxels.lo[axis] + texel, from.voxels.lo[axis],
@@ -38,19 +46,21 @@ void copyTyped(const TextureBlock& block, const VolumeBlock& from, Vec3i storage
       std::clamp<int64_t>(from.voxels.hi[along] - block.voxels.lo[along], first, texels.x);
   for (int64_t z = 0; z < room.z; ++z)
     for (int64_t y = 0; y < room.y; ++y) {
-      T* to =
-          out + ((block.at.z + z) * storage_vox.y + block.at.y + y) * storage_vox.x + block.at.x;
+      const int64_t texel =
+          ((block.at.z + z) * storage_vox.y + block.at.y + y) * storage_vox.x + block.at.x;
+      T* const to = out + texel * kNumbers;
       if (z >= texels.z || y >= texels.y) {
-        std::fill(to, to + room.x, T{});
+        fill<kNumbers>(to, room.x, T{});
         continue;
       }
       const T* line =
           voxels + clamped(axes[2], z) * strides[axes[2]] + clamped(axes[1], y) * strides[axes[1]];
-      gather(line + clamped(along, first) * strides[along], strides[along], to + first,
-             end - first);
-      std::fill(to, to + first, line[clamped(along, 0) * strides[along]]);
-      std::fill(to + end, to + texels.x, line[clamped(along, texels.x - 1) * strides[along]]);
-      std::fill(to + texels.x, to + room.x, T{});
+      const auto at = [&](int64_t x) { return to + x * kNumbers; };
+      gather<kNumbers>(line + clamped(along, first) * strides[along], strides[along], at(first),
+                       end - first);
+      fill<kNumbers>(to, first, line[clamped(along, 0) * strides[along]]);
+      fill<kNumbers>(at(end), texels.x - end, line[clamped(along, texels.x - 1) * strides[along]]);
+      fill<kNumbers>(at(texels.x), room.x - texels.x, T{});
     }
 }
 
@@ -58,10 +68,19 @@ void copyTyped(const TextureBlock& block, const VolumeBlock& from, Vec3i storage
 
 void copyTextureBlock(const TextureBlock& block, const VolumeBlock& from, Vec3i storage_vox,
                       Vec3i room, std::span<std::byte> out) {
-  SLUICE_CHECK_EQ(out.size(), static_cast<size_t>(volume(storage_vox)) * bytesPerVoxel(from.type));
+  SLUICE_CHECK_EQ(out.size(), static_cast<size_t>(volume(storage_vox) * from.numbers) *
+                                  bytesPerVoxel(from.type));
   SLUICE_CHECK(boxOf(storage_vox).contains(Box3{block.at, block.at + room}));
   visitDeviceType(from.type, [&](auto tag) {
-    copyTyped(block, from, storage_vox, room, reinterpret_cast<decltype(tag)*>(out.data()));
+    using T = decltype(tag);
+    const auto* const voxels = reinterpret_cast<const T*>(from.bytes.get());
+    T* const to = reinterpret_cast<T*>(out.data());
+    if (from.numbers == 1) {
+      copyTyped<1>(block, from, voxels, storage_vox, room, to);
+    } else {
+      copyTyped<2>(block, from, voxels, storage_vox, room, to);
+      copyTyped<2>(block, from, voxels + from.voxels.count(), storage_vox, room, to + 1);
+    }
   });
 }
 

@@ -15,8 +15,9 @@ namespace sluice {
 // storage is `storage_vox` texels, x fastest, and clears the rest of `room`: of the texels that are
 // this block's to write, from block.at on. Voxels outside the volume repeat the boundary: the
 // clamped neighbours that central differences want; padding is never sampled but with weight 0,
-// where it must be a number.
-// Requires: out.size() == volume(storage_vox) * bytes a voxel; room within the storage.
+// where it must be a number. The spreads of a volume block that has some go beside the means.
+// Requires: out.size() == volume(storage_vox) * numbers a voxel * bytes of a number; room within
+// the storage.
 void copyTextureBlock(const TextureBlock& block, const VolumeBlock& from, Vec3i storage_vox,
                       Vec3i room, std::span<std::byte> out);
 

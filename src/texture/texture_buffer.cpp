@@ -64,6 +64,7 @@ TextureBuffer::EntryPtr TextureBuffer::publish(const TexturePlan& plan, const Ch
   auto texels = std::make_shared<ChunkTexels>();
   texels->storage_vox = plan.page.pageGridOf(chunk.size_vox) * plan.page.size_vox;
   texels->type = blocks_.type();
+  texels->has_spread = plan.numbersOf(chunk) == 2;
   texels->byte_count = bytesOf(plan, chunk);
   texels->bytes = memory_->take(texels->byte_count);  // the workers write it all
   const std::vector<Vec3i> rooms = roomsOf(plan, chunk, texels->storage_vox);
@@ -249,8 +250,7 @@ void TextureBuffer::work(Batch& batch) {
       const ChunkTexels& texels = *into->note.texels;
       if (failure && !into->note.failure) into->note.failure = failure;
       if (!failure) {
-        const uint64_t bytes =
-            static_cast<uint64_t>(block.voxels.count()) * bytesPerVoxel(texels.type);
+        const uint64_t bytes = static_cast<uint64_t>(block.voxels.count()) * texels.texelBytes();
         chunks_.countDecoded(bytes);
         if (batch.purpose.tally != nullptr) batch.purpose.tally->copied_bytes += bytes;
       }

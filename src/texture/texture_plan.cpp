@@ -42,6 +42,14 @@ bool areOfSeveralLevels(const VisibleBlocks& visible) {
   return std::ranges::any_of(visible.blocks, isAbove);
 }
 
+// The most that a voxel of these blocks has.
+int numbersOfBlocks(const PyramidLayout& pyramid, const VisibleBlocks& visible) {
+  int most = 1;
+  for (const ObjectBlock& object : visible.blocks)
+    most = std::max(most, pyramid.of(object.name).numbers);
+  return most;
+}
+
 void addBlocks(TexturePlan& plan, const VisibleBlocks& visible, const PlanOptions& options) {
   const PyramidLayout& pyramid = plan.pyramid;
   const BlockLayout& layout = pyramid.finest();
@@ -90,7 +98,8 @@ void addSingleChunks(TexturePlan& plan) {
     const Vec3i size{plan.layout().size, plan.layout().size, block.texels().z};
     block.chunk = position;
     plan.clusters[block.cluster].chunks.push_back(position);
-    plan.chunks.push_back({size, plan.page.pagesOf(size), {i}});
+    const int numbers = plan.pyramid.of(block.name).numbers;
+    plan.chunks.push_back({size, numbers * plan.page.pagesOf(size), {i}});
   }
 }
 
@@ -121,7 +130,7 @@ bool addChunk(TexturePlan& plan, const MergedChunk& merged) {
     }
   }
   chunk.size_vox = {static_cast<int64_t>(merged.columns.size()) * side, side, merged.thickness()};
-  chunk.pages = plan.page.pagesOf(chunk.size_vox);
+  chunk.pages = plan.numbersOf(chunk) * plan.page.pagesOf(chunk.size_vox);
   plan.chunks.push_back(std::move(chunk));
   return is_between;
 }
@@ -143,8 +152,10 @@ std::vector<MergedChunk> mergeLevels(const TexturePlan& plan, const Cluster& clu
 void mergeChunks(TexturePlan& plan, MergeOrder order) {
   const int64_t limit = plan.layout().size;
   const auto pagesOf = [&](const MergedChunk& chunk) {
-    return plan.page.pagesOf(
-        {static_cast<int64_t>(chunk.columns.size()) * limit, limit, chunk.thickness()});
+    const BlockPosition first(chunk.columns[0].blocks[0].block);
+    return plan.pyramid.of(plan.blocks[first].name).numbers *
+           plan.page.pagesOf(
+               {static_cast<int64_t>(chunk.columns.size()) * limit, limit, chunk.thickness()});
   };
   IndexedVector<ClusterPosition, std::vector<MergedChunk>> merged(plan.clusters.size());
   IndexedVector<ClusterPosition, int64_t> pages(plan.clusters.size());
@@ -220,8 +231,8 @@ uint64_t TexturePlan::bytes() const {
 }
 
 LoadBytes TexturePlan::loadBytes(const Chunk& chunk) const {
-  const auto bytes = [&](int64_t voxels) {
-    return static_cast<uint64_t>(voxels * page.bytes_per_voxel);
+  const auto bytes = [&, numbers = numbersOf(chunk)](int64_t voxels) {
+    return static_cast<uint64_t>(voxels * numbers * page.bytes_per_voxel);
   };
   LoadBytes load;
   load.moved = static_cast<uint64_t>(chunk.pages * page.pageBytes());
@@ -242,7 +253,8 @@ LoadBytes TexturePlan::loadBytes(const Chunk& chunk) const {
 TexturePlan planTextures(const PyramidLayout& pyramid, const VisibleBlocks& visible,
                          const PageGeometry& page, const PlanOptions& options) {
   const BlockLayout& layout = pyramid.finest();
-  const int64_t block_pages = page.pagesOf(Vec3i{layout.size, layout.size, layout.size});
+  const int64_t block_pages = numbersOfBlocks(pyramid, visible) *
+                              page.pagesOf(Vec3i{layout.size, layout.size, layout.size});
   const int64_t capacity_blocks = page.pages / block_pages;
   if (capacity_blocks < 1)
     fail(

@@ -54,7 +54,7 @@ struct TextureBlock {
 // What is loaded into the texture cache as one: texture blocks and the texels between them.
 struct Chunk {
   Vec3i size_vox;     // texels, before rounding up to whole pages
-  int64_t pages = 0;  // of the page geometry
+  int64_t pages = 0;  // of the page geometry; twice as many if its texels have two numbers
   std::vector<BlockPosition> blocks;
 };
 
@@ -88,6 +88,10 @@ struct TexturePlan {
   IndexedVector<ClusterPosition, Cluster> clusters;  // those with anything to draw
 
   const BlockLayout& layout() const { return pyramid.finest(); }
+  // Numbers a texel of a chunk, all of whose blocks are of one level.
+  int numbersOf(const Chunk& chunk) const {
+    return pyramid.of(blocks[chunk.blocks.front()].name).numbers;
+  }
   int64_t pageCount() const;
   // What one load of a chunk moves, by cause.
   LoadBytes loadBytes(const Chunk& chunk) const;

@@ -49,16 +49,17 @@ Box3 LevelLayout::cellsOver(const Box3& level_cells) const {
 
 PyramidLayout::PyramidLayout(const BlockLayout& finest) {
   const int64_t side = finest.cells();
-  levels_.push_back({finest, {}, {side, side, side}});
+  levels_.push_back({finest, {}, {side, side, side}, 1});
 }
 
-std::string PyramidLayout::add(Vec3i dims, const LevelPlacement& placement) {
+std::string PyramidLayout::add(Vec3i dims, const LevelPlacement& placement, int numbers) {
   SLUICE_CHECK(finest().ghost >= 1);
   if (dims.x < 2 || dims.y < 2 || dims.z < 2)
     return fmt::format("{} x {} x {} voxels are fewer than 2 along an axis", dims.x, dims.y,
                        dims.z);
   const LevelLayout& below = levels_.back();
-  LevelLayout level{blockLayout(dims, finest().size, finest().ghost), placement, below.width};
+  LevelLayout level{blockLayout(dims, finest().size, finest().ghost), placement, below.width,
+                    numbers};
   const Vec3i last_cell = finest().dims - Vec3i{1, 1, 1};
   for (int a = 0; a < 3; ++a) {
     const double factor = placement.scale[a] / below.placement.scale[a];

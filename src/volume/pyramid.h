@@ -26,6 +26,7 @@ struct LevelLayout {
   BlockLayout blocks;        // in the level's own voxels
   LevelPlacement placement;  // of these among the finest voxels
   Vec3i width;               // finest cells from one block to the next
+  int numbers = 1;           // a voxel: 2 if it has a mean and a spread
 
   friend bool operator==(const LevelLayout&, const LevelLayout&) = default;
 
@@ -50,8 +51,8 @@ class PyramidLayout {
 
   // Adds a level above the coarsest one, of volumes of `dims` voxels. Returns why it does not nest,
   // in a few words, and adds nothing then; empty: it was added.
-  // Requires: a ghost layer around each block.
-  std::string add(Vec3i dims, const LevelPlacement& placement);
+  // Requires: a ghost layer around each block; 1 or 2 numbers a voxel.
+  std::string add(Vec3i dims, const LevelPlacement& placement, int numbers = 1);
 
   // The finest cells that a block stands for, cut by the volume. The last block along an axis has
   // the rest of it.

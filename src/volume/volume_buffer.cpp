@@ -1,5 +1,6 @@
 #include "src/volume/volume_buffer.h"
 
+#include <algorithm>
 #include <new>
 #include <utility>
 
@@ -24,13 +25,19 @@ VolumeBuffer::VolumeBuffer(std::vector<Level> levels, uint64_t budget_bytes, Col
     SLUICE_CHECK_EQ(level.layout.size, levels_.front().layout.size);
     const ValueMap map = deviceMap(level.source->layout());
     SLUICE_CHECK(map.type == map_.type && map.scale == map_.scale && map.offset == map_.offset);
+    if (level.spreads == nullptr) continue;
+    SLUICE_CHECK(level.spreads->layout().dims == level.source->layout().dims);
+    SLUICE_CHECK(deviceMap(level.spreads->layout()).type == map_.type);
   }
 }
 VolumeBuffer::~VolumeBuffer() = default;
 
 uint64_t VolumeBuffer::blockBytes() const {
   const int64_t side = levels_.front().layout.size;
-  return static_cast<uint64_t>(volume(Vec3i{side, side, side})) * bytesPerVoxel(map_.type);
+  const bool has_spreads =
+      std::ranges::any_of(levels_, [](const Level& level) { return level.spreads != nullptr; });
+  return static_cast<uint64_t>(volume(Vec3i{side, side, side})) * bytesPerVoxel(map_.type) *
+         (has_spreads ? 2 : 1);
 }
 
 bool VolumeBuffer::hasRoom(uint64_t bytes) const {
@@ -119,7 +126,8 @@ void VolumeBuffer::keepPacked(const EntryPtr& entry, PackedBytes bytes) {
 VolumeBuffer::EntryPtr VolumeBuffer::request(MutexLock& lock, const BlockName& key, bool ahead,
                                              std::vector<Own>& ours) {
   const Box3 voxels = storedVoxels(key);
-  const uint64_t bytes = static_cast<uint64_t>(voxels.count()) * bytesPerVoxel(map_.type);
+  const uint64_t bytes =
+      static_cast<uint64_t>(voxels.count() * numbersOf(key)) * bytesPerVoxel(map_.type);
   for (;;) {  // what is found may change while room is made
     if (EntryPtr entry = blocks_.join(key)) {
       entry->note.note(ahead);
@@ -216,6 +224,7 @@ std::shared_ptr<VolumeBlock> VolumeBuffer::emptyBlock(const BlockName& key) cons
   auto block = std::make_shared<VolumeBlock>();
   block->voxels = storedVoxels(key);
   block->type = map_.type;
+  block->numbers = numbersOf(key);
   block->bytes = memory_->take(block->byteCount());
   return block;
 }
@@ -284,17 +293,24 @@ void VolumeBuffer::loadAndFinish(std::span<const Own> run, ReadTally* tally) noe
 std::vector<std::shared_ptr<VolumeBlock>> VolumeBuffer::load(std::span<const Own> run,
                                                              ReadTally* tally) {
   std::vector<std::shared_ptr<VolumeBlock>> blocks;
-  std::vector<RegionRead> regions;
+  std::vector<RegionRead> regions, spreads;
   uint64_t voxels = 0;
   for (const Own& own : run) {
     const auto& block = blocks.emplace_back(emptyBlock(own.entry->key));
-    regions.push_back({block->voxels, {block->bytes.get(), block->byteCount()}});
+    const std::span<std::byte> bytes(block->bytes.get(), block->byteCount());
+    regions.push_back({block->voxels, bytes.first(block->planeBytes())});
+    spreads.push_back({block->voxels, bytes.subspan(block->planeBytes())});
     voxels += static_cast<uint64_t>(block->voxels.count());
   }
   const BlockName& first = run.front().entry->key;
-  DeviceReader reader(*levelOf(first).source);
-  reader.read(first.time, regions);
-  countRead(reader, voxels, tally);
+  const Level& level = levelOf(first);
+  const auto read = [&](VolumeSource& source, std::span<const RegionRead> wanted) {
+    DeviceReader reader(source);
+    reader.read(first.time, wanted);
+    countRead(reader, voxels * bytesPerVoxel(source.layout().type), tally);
+  };
+  read(*level.source, regions);
+  if (level.spreads != nullptr) read(*level.spreads, spreads);
   if (check_)
     for (size_t i = 0; i < run.size(); ++i) check_(run[i].entry->key, *blocks[i]);
   return blocks;
@@ -303,11 +319,13 @@ std::vector<std::shared_ptr<VolumeBlock>> VolumeBuffer::load(std::span<const Own
 void VolumeBuffer::readPast(int64_t time, const RegionRead& region, ReadTally* tally) {
   DeviceReader reader(*levels_.front().source);
   reader.read(time, region);
-  countRead(reader, static_cast<uint64_t>(region.box.count()), tally);
+  countRead(reader,
+            static_cast<uint64_t>(region.box.count()) *
+                bytesPerVoxel(levels_.front().source->layout().type),
+            tally);
 }
 
-void VolumeBuffer::countRead(const DeviceReader& reader, uint64_t voxels, ReadTally* tally) {
-  const uint64_t bytes = voxels * bytesPerVoxel(levels_.front().source->layout().type);
+void VolumeBuffer::countRead(const DeviceReader& reader, uint64_t bytes, ReadTally* tally) {
   if (tally != nullptr) {
     tally->read_ns += reader.readNs();
     tally->decode_ns += reader.convertNs();

@@ -33,12 +33,16 @@
 namespace sluice {
 
 // The voxels of one block: those of its cube that exist (BlockLayout::storedVoxels), x fastest.
+// Behind those of a level with spreads lie the spreads, in the same order and type.
 struct VolumeBlock {
   Box3 voxels;
   DeviceType type = DeviceType::kU8;
+  int numbers = 1;  // a voxel: 2 with spreads
   BufferMemory::Piece bytes;
 
-  size_t byteCount() const { return static_cast<size_t>(voxels.count()) * bytesPerVoxel(type); }
+  // Of the voxels alone, or of their spreads alone.
+  size_t planeBytes() const { return static_cast<size_t>(voxels.count()) * bytesPerVoxel(type); }
+  size_t byteCount() const { return planeBytes() * static_cast<size_t>(numbers); }
   // Bytes in front of a voxel. Requires: voxels.contains(voxel).
   size_t offsetOf(Vec3i voxel) const {
     const Vec3i local = voxel - voxels.lo, size = voxels.size();
@@ -61,6 +65,7 @@ class VolumeBuffer {
   struct Level {
     VolumeSource* source = nullptr;  // must outlive the buffer
     BlockLayout layout;
+    VolumeSource* spreads = nullptr;  // CoarserLevel::spreads; must outlive the buffer
   };
   // Requires: levels not empty, blocks of one size, sources of one device form.
   VolumeBuffer(std::vector<Level> levels, uint64_t budget_bytes, Cold cold = Cold::kDropped);
@@ -93,7 +98,7 @@ class VolumeBuffer {
   static constexpr size_t kScratchBytes = DeviceReader::kScratchBytes;
 
   DeviceType type() const { return map_.type; }
-  // Bytes of an inner block: what a budget is planned with.
+  // Bytes of the largest inner block: what a budget is planned with.
   uint64_t blockBytes() const;
   CacheCounters counters() const { return blocks_.counters(); }
   void resetCounters() { blocks_.resetCounters(); }
@@ -138,7 +143,7 @@ class VolumeBuffer {
   // Entries of one row of blocks that this call reads; their state says how it went.
   void loadAndFinish(std::span<const Own> run, ReadTally* tally) noexcept;
   std::vector<std::shared_ptr<VolumeBlock>> load(std::span<const Own> run, ReadTally* tally);
-  void countRead(const DeviceReader& reader, uint64_t voxels, ReadTally* tally)
+  void countRead(const DeviceReader& reader, uint64_t bytes, ReadTally* tally)
       SLUICE_EXCLUDES(blocks_.mutex);
   // Of the exception that is being handled; a library's own becomes an Error.
   std::exception_ptr failureOf(const BlockName& key) const noexcept;
@@ -146,6 +151,8 @@ class VolumeBuffer {
   const Level& levelOf(const BlockName& name) const {
     return levels_[static_cast<size_t>(name.level)];
   }
+  // Numbers a voxel.
+  int numbersOf(const BlockName& name) const { return levelOf(name).spreads == nullptr ? 1 : 2; }
   Box3 storedVoxels(const BlockName& name) const {
     const BlockLayout& layout = levelOf(name).layout;
     return layout.storedVoxels(layout.indexOf(name.block));

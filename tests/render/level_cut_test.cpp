@@ -24,17 +24,19 @@ using testing::HasSubstr;
 
 constexpr int64_t kBlock = 16;
 
-// A source with levels of means above it.
+// A source with levels of means above it; without spreads each level has ranges of its own.
 struct Pyramid {
-  Pyramid(VolumeSource& finest, int64_t count, bool lit = false)
-      : source(finest), means(finest, count), pool(2) {
+  Pyramid(VolumeSource& finest, int64_t count, bool lit = false, Spreads spreads = Spreads::kNone)
+      : source(finest), means(finest, count, spreads), pool(2) {
     PyramidLayout layout(blockLayout(finest.layout().dims, kBlock, lit ? 2 : 1));
     step.source = &finest;
     step.ranges = rangesOf(finest, layout.finest());
     for (const CoarserLevel& level : means.levels()) {
-      EXPECT_EQ(layout.add(level.source->layout().dims, level.placement), "");
+      const bool has_spreads = level.spreads != nullptr;
+      EXPECT_EQ(layout.add(level.source->layout().dims, level.placement, has_spreads ? 2 : 1), "");
       const BlockLayout& blocks = layout.level(layout.levels() - 1).blocks;
-      step.coarser.push_back({level.source, rangesOf(*level.source, blocks)});
+      step.coarser.push_back(
+          {level.source, has_spreads ? nullptr : rangesOf(*level.source, blocks), level.spreads});
     }
     step.pyramid = std::make_shared<const PyramidLayout>(layout);
   }
@@ -284,6 +286,84 @@ TEST_F(LevelCutTest, levelsWithoutRangesShowWhatTheFinestLevelHas) {
     EXPECT_EQ(block.cells, pyramid.layout().regionOf(block.name)) << "not known: may show";
 }
 
+// What is drawn of a level with spreads follows from the finest level: all that shows there, and no
+// more than interpolation of the level's voxels can carry it.
+TEST_F(LevelCutTest, levelsWithSpreadsShowWhereTheFinestLevelDoes) {
+  const auto source = manyBlobs({120, 101, 95});
+  Pyramid pyramid(*source, 4, false, Spreads::kKept);
+  FrameOptions options;
+  const VisibleBlocksPtr finest = chosen(pyramid, opaqueAbove(90, 255), options);
+  for (const int level : {1, 2, 3}) {
+    options.cut = CutOptions{.level = level};
+    const VisibleBlocksPtr blocks = chosen(pyramid, opaqueAbove(90, 255), options);
+    expectPartition(pyramid, *blocks);
+    for (const ObjectBlock& object : finest->blocks) {
+      // Every cell of it is in one of the boxes.
+      int64_t covered = 0;
+      for (const ObjectBlock& block : blocks->blocks)
+        covered += intersect(block.cells, object.cells).count();
+      EXPECT_EQ(covered, object.cells.count());
+    }
+    for (const ObjectBlock& block : blocks->blocks) {
+      // Below it, or below a block beside it.
+      const Box3 region = pyramid.layout().regionOf(block.name);
+      const Vec3i width = pyramid.layout().of(block.name).width;
+      const Box3 near{region.lo - width, region.hi + width};
+      EXPECT_TRUE(std::ranges::any_of(finest->blocks, [&](const ObjectBlock& object) {
+        return !intersect(object.cells, near).empty();
+      }));
+    }
+  }
+}
+
+// Lines one voxel wide, whose means are below the threshold everywhere. At this threshold the
+// finest level shows them as wide as a voxel is.
+TEST_F(LevelCutTest, aNetOfThinLinesKeepsMostOfItsOpacityAtCoarseLevels) {
+  FunctionSource net(layoutOf({104, 104, 104}, VoxelType::kU8), [](int64_t, Vec3i v) {
+    const int along = (v.x % 16 == 5) + (v.y % 16 == 6) + (v.z % 16 == 9);
+    return along >= 2 ? 200.0 : 0.0;
+  });
+  Pyramid means(net, 4), spreads(net, 4, false, Spreads::kKept);
+  TransferFunction transfer;
+  transfer.colors = {{80, {1, 1, 1}}};
+  transfer.opacities = {{80 - 1e-6, 0}, {80, 0.2}, {200, 0.2}};
+  const auto opacityOf = [](const Drawn& drawn) {
+    double sum = 0;
+    for (size_t i = 3; i < drawn.picture.rgba.size(); i += 4) sum += drawn.picture.rgba[i];
+    return sum;
+  };
+  FrameOptions options = obliqueView(Projection::kOrtho);
+  options.step_vox = 0.25;
+  for (const bool with_spreads : {false, true}) {
+    Pyramid& pyramid = with_spreads ? spreads : means;
+    const auto session = sessionOf(pyramid, transfer);
+    options.cut.reset();
+    const double finest = opacityOf(draw(*session, options));
+    ASSERT_GT(finest, 10);
+    for (const int level : {1, 2, 3}) {
+      options.cut = CutOptions{.level = level};
+      const double kept = opacityOf(draw(*session, options)) / finest;
+      if (with_spreads) {
+        EXPECT_GT(kept, 0.6) << level;
+        EXPECT_LT(kept, 1.15) << level;
+      } else {
+        EXPECT_LT(kept, 0.1) << "a mean alone loses them";
+      }
+    }
+  }
+}
+
+TEST_F(LevelCutTest, labelsAreNotDrawnFromMeans) {
+  const auto source = manyBlobs({60, 60, 60});
+  Pyramid pyramid(*source, 2, false, Spreads::kKept);
+  TransferFunction transfer = opaqueAbove(20, 255);
+  transfer.labels = true;
+  FrameOptions options;
+  options.cut = CutOptions{.level = 1};
+  EXPECT_THAT(errorOf([&] { chosen(pyramid, transfer, options); }),
+              HasSubstr("hold means, which are no labels"));
+}
+
 TEST_F(LevelCutTest, aLevelThatIsNotThereIsSaid) {
   const auto source = manyBlobs({60, 60, 60});
   Pyramid pyramid(*source, 2);
@@ -355,54 +435,61 @@ TEST_F(LevelCutTest, aLevelLooksLikeItsVoxelsAsAVolumeOfTheirOwn) {
 // Means of a linear function are that function: a cut at any levels gives the picture of the finest
 // one, also across the faces where levels meet.
 TEST_F(LevelCutTest, levelsMeetWithoutASeamOnARamp) {
-  FunctionSource ramp(layoutOf({100, 90, 80}, VoxelType::kF32), [](int64_t, Vec3i v) {
-    return 0.3 * static_cast<double>(v.x) + 0.5 * static_cast<double>(v.y) +
-           0.2 * static_cast<double>(v.z);
-  });
-  Pyramid pyramid(ramp, 4);
-  TransferFunction transfer;
-  transfer.colors = {{0, {0, 0, 1}}, {91, {1, 1, 0}}};
-  transfer.opacities = {{0, 0.005}, {91, 0.03}};
-  const auto session = sessionOf(pyramid, transfer);
-  std::vector<FrameOptions> views{obliqueView(Projection::kOrtho), obliqueView(Projection::kOrtho),
-                                  insideView(ramp.layout(), {0.2, 0.5, 0.5}, {0.9, 0.6, 0.5}),
-                                  insideView(ramp.layout(), {0.5, 0.5, 0.9}, {0.4, 0.6, 0.1})};
-  views[0].cut = CutOptions{.pixel_error = 0.01, .most_stored_bytes = 2'000'000};
-  views[1].cut = CutOptions{.pixel_error = 0.01, .most_stored_bytes = 300'000};
-  views[2].cut = CutOptions{.pixel_error = 3};
-  views[3].cut = CutOptions{.pixel_error = 2};
-  size_t mixed = 0;
-  for (FrameOptions& options : views) {
-    // Half a voxel of the coarsest level from the faces, where levels show their outermost voxels.
-    options.crop = Box3{{5, 5, 5}, {92, 82, 72}};
-    const Drawn drawn = draw(*session, options);
-    mixed += drawn.report.cut->levels.size() > 1 ? 1 : 0;
-    EXPECT_GT(drawn.report.cut->coarse_share, 0.05);
-    options.cut.reset();
-    const Drawn finest = draw(*session, options);
-    EXPECT_FALSE(finest.report.cut.has_value());
-    EXPECT_GT(shownShare(finest.picture), 0.1);
-    EXPECT_TRUE(within(1, drawn.picture, finest.picture)) << "view " << (&options - views.data());
+  for (const Spreads spreads : {Spreads::kNone, Spreads::kKept}) {
+    FunctionSource ramp(layoutOf({100, 90, 80}, VoxelType::kF32), [](int64_t, Vec3i v) {
+      return 0.3 * static_cast<double>(v.x) + 0.5 * static_cast<double>(v.y) +
+             0.2 * static_cast<double>(v.z);
+    });
+    Pyramid pyramid(ramp, 4, false, spreads);
+    TransferFunction transfer;
+    transfer.colors = {{0, {0, 0, 1}}, {91, {1, 1, 0}}};
+    transfer.opacities = {{0, 0.005}, {91, 0.03}};
+    const auto session = sessionOf(pyramid, transfer);
+    std::vector<FrameOptions> views{obliqueView(Projection::kOrtho),
+                                    obliqueView(Projection::kOrtho),
+                                    insideView(ramp.layout(), {0.2, 0.5, 0.5}, {0.9, 0.6, 0.5}),
+                                    insideView(ramp.layout(), {0.5, 0.5, 0.9}, {0.4, 0.6, 0.1})};
+    views[0].cut = CutOptions{.pixel_error = 0.01, .most_stored_bytes = 2'000'000};
+    views[1].cut = CutOptions{.pixel_error = 0.01, .most_stored_bytes = 300'000};
+    views[2].cut = CutOptions{.pixel_error = 3};
+    views[3].cut = CutOptions{.pixel_error = 2};
+    size_t mixed = 0;
+    for (FrameOptions& options : views) {
+      // Half a voxel of the coarsest level from the faces, where levels show their outermost
+      // voxels.
+      options.crop = Box3{{5, 5, 5}, {92, 82, 72}};
+      const Drawn drawn = draw(*session, options);
+      mixed += drawn.report.cut->levels.size() > 1 ? 1 : 0;
+      EXPECT_GT(drawn.report.cut->coarse_share, 0.05);
+      options.cut.reset();
+      const Drawn finest = draw(*session, options);
+      EXPECT_FALSE(finest.report.cut.has_value());
+      EXPECT_GT(shownShare(finest.picture), 0.1);
+      EXPECT_TRUE(within(1, drawn.picture, finest.picture)) << "view " << (&options - views.data());
+    }
+    EXPECT_EQ(mixed, views.size());
   }
-  EXPECT_EQ(mixed, views.size());
 }
 
 TEST_F(LevelCutTest, everyAlgorithmAndOcclusionDrawsTheSameCut) {
-  const auto source = manyBlobs({120, 101, 95});
-  Pyramid pyramid(*source, 4);
-  const auto session = sessionOf(pyramid, opaqueAbove(30, 200, 0.8));
-  FrameOptions options = insideView(source->layout(), {0.2, 0.5, 0.5}, {0.9, 0.6, 0.5});
-  options.cut = CutOptions{.pixel_error = 3};
-  const Drawn expected = draw(*session, options);
-  EXPECT_GE(expected.report.cut->levels.size(), 3U);
-  EXPECT_GT(shownShare(expected.picture), 0.1);
-  for (const Algorithm algorithm : kAlgorithms)
-    for (const Occlusion occlusion : {Occlusion::kOff, Occlusion::kClip}) {
-      options.algorithm = algorithm;
-      options.occlusion = occlusion;
-      options.opacity_threshold = 1;
-      EXPECT_TRUE(within(1, draw(*session, options).picture, expected.picture)) << name(algorithm);
-    }
+  for (const Spreads spreads : {Spreads::kNone, Spreads::kKept}) {
+    const auto source = manyBlobs({120, 101, 95});
+    Pyramid pyramid(*source, 4, false, spreads);
+    const auto session = sessionOf(pyramid, opaqueAbove(30, 200, 0.8));
+    FrameOptions options = insideView(source->layout(), {0.2, 0.5, 0.5}, {0.9, 0.6, 0.5});
+    options.cut = CutOptions{.pixel_error = 3};
+    const Drawn expected = draw(*session, options);
+    EXPECT_GE(expected.report.cut->levels.size(), 3U);
+    EXPECT_GT(shownShare(expected.picture), 0.1);
+    for (const Algorithm algorithm : kAlgorithms)
+      for (const Occlusion occlusion : {Occlusion::kOff, Occlusion::kClip}) {
+        options.algorithm = algorithm;
+        options.occlusion = occlusion;
+        options.opacity_threshold = 1;
+        EXPECT_TRUE(within(1, draw(*session, options).picture, expected.picture))
+            << name(algorithm);
+      }
+  }
 }
 
 }  // namespace

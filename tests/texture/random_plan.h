@@ -65,15 +65,17 @@ inline VisibleBlocks randomVisibleBlocks(const BlockLayout& layout, double share
   return visibleBlocksOf(layout, std::move(visible));
 }
 
-// Three levels, each the average of the one below, an odd size rounded up.
-inline PyramidLayout threeLevels(Vec3i dims, int64_t size, int ghost) {
+// Three levels, each the average of the one below, an odd size rounded up. `numbers`: a voxel of
+// the two coarser ones.
+inline PyramidLayout threeLevels(Vec3i dims, int64_t size, int ghost, int numbers = 1) {
   PyramidLayout pyramid(blockLayout(dims, size, ghost));
   for (const int64_t times : {2, 4}) {
     const double scale = static_cast<double>(times);
     Vec3i coarse;
     for (int a = 0; a < 3; ++a) coarse[a] = ceilDiv(dims[a], times);
     const double offset = (scale - 1) / 2;
-    SLUICE_CHECK(pyramid.add(coarse, {{scale, scale, scale}, {offset, offset, offset}}).empty());
+    SLUICE_CHECK(
+        pyramid.add(coarse, {{scale, scale, scale}, {offset, offset, offset}}, numbers).empty());
   }
   return pyramid;
 }

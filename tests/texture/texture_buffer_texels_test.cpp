@@ -4,6 +4,7 @@
 #include <malloc.h>
 
 #include <array>
+#include <cstring>
 #include <memory>
 #include <random>
 #include <set>
@@ -85,20 +86,39 @@ TEST(TextureBufferDeathTest, storageMustBeOfTheSizeItSays) {
   EXPECT_DEATH(copyTextureBlock(block, from, {2, 2, 2}, {2, 2, 2}, out), "check failed");
 }
 
+// The first or the second number of each texel, as a chunk of one number a texel.
+ChunkTexels numberOf(const ChunkTexels& texels, size_t which) {
+  const size_t size = bytesPerVoxel(texels.type);
+  ChunkTexels one = texels;
+  one.has_spread = false;
+  one.byte_count = texels.byte_count / 2;
+  one.bytes = std::make_shared<std::byte[]>(one.byte_count);
+  for (size_t i = 0; i < one.byte_count; i += size)
+    std::memcpy(one.bytes.get() + i, texels.bytes.get() + 2 * i + which * size, size);
+  return one;
+}
+
 // Each chunk has the voxels of its own level, whatever level the blocks beside it in the buffer are
-// of.
-TEST(TextureBuffer, chunksOfACutHoldTheVoxelsOfTheirLevels) {
-  const Vec3i dims{50, 36, 43};
-  const PyramidLayout pyramid = threeLevels(dims, 8, 1);
+// of, and their spreads if the level has some.
+class TextureBufferCutTest : public testing::TestWithParam<int> {};
+
+TEST_P(TextureBufferCutTest, chunksOfACutHoldTheVoxelsOfTheirLevels) {
+  const int numbers = GetParam();
+  const PyramidLayout pyramid = threeLevels({50, 36, 43}, 8, 1, numbers);
   std::vector<std::unique_ptr<MemorySource>> sources;
-  std::vector<const MemorySource*> levels;
+  std::vector<const MemorySource*> levels, spreads;
   std::vector<VolumeBuffer::Level> read;
+  const auto noise = [&](Vec3i dims) {
+    sources.push_back(makeWhiteNoise(dims, VoxelType::kU16, sources.size() + 1));
+    return sources.back().get();
+  };
   for (int level = 0; level < pyramid.levels(); ++level) {
-    const BlockLayout& blocks = pyramid.level(level).blocks;
-    sources.push_back(
-        makeWhiteNoise(blocks.dims, VoxelType::kU16, static_cast<uint64_t>(level) + 1));
-    levels.push_back(sources.back().get());
-    read.push_back({sources.back().get(), blocks});
+    const LevelLayout& at = pyramid.level(level);
+    MemorySource* const means = noise(at.blocks.dims);
+    MemorySource* const spread = at.numbers == 2 ? noise(at.blocks.dims) : nullptr;
+    levels.push_back(means);
+    spreads.push_back(spread);
+    read.push_back({means, at.blocks, spread});
   }
   std::mt19937_64 random(5);
   WorkerPool pool(2);
@@ -111,17 +131,37 @@ TEST(TextureBuffer, chunksOfACutHoldTheVoxelsOfTheirLevels) {
     const TexturePlan plan = planTextures(pyramid, randomCut(pyramid, 0.7, random), page,
                                           planOptions(pyramid.finest(), Algorithm::kMerged));
     const auto texels = buffer.acquire(plan, names.namesOf(plan), allChunks(plan));
+    uint64_t bytes = 0;
     for (size_t i = 0; i < texels.size(); ++i) {
-      expectTexels(plan, ChunkPosition(i), *texels[i], levels);
-      seen.insert(plan.blocks[plan.chunks[ChunkPosition(i)].blocks.front()].name.level);
+      const ChunkPosition chunk(i);
+      const int32_t level = plan.blocks[plan.chunks[chunk].blocks.front()].name.level;
+      seen.insert(level);
+      bytes += texels[i]->byte_count;
+      ASSERT_EQ(texels[i]->has_spread, level > 0 && numbers == 2);
+      if (texels[i]->has_spread) {
+        expectTexels(plan, chunk, numberOf(*texels[i], 0), levels);
+        expectTexels(plan, chunk, numberOf(*texels[i], 1), spreads);
+      } else {
+        expectTexels(plan, chunk, *texels[i], levels);
+      }
     }
     if (HasFatalFailure()) FAIL() << "trial " << trial;
+    EXPECT_EQ(plan.bytes(), bytes) << "pages are counted as they are filled";
     // What interpolation takes of a block is there.
     for (const TextureBlock& block : plan.blocks)
       EXPECT_TRUE(block.voxels.contains(pyramid.of(block.name).voxelsUnder(block.cells)));
+    // No cluster needs more pages than the cache has.
+    for (const Cluster& cluster : plan.clusters) {
+      int64_t pages = 0;
+      for (const ChunkPosition chunk : cluster.chunks) pages += plan.chunks[chunk].pages;
+      EXPECT_LE(pages, page.pages);
+    }
   }
   EXPECT_EQ(seen.size(), 3U);
+  const CacheCounters counters = blocks.counters();
+  EXPECT_LE(counters.peak_bytes, counters.budget_bytes);
 }
+INSTANTIATE_TEST_SUITE_P(Numbers, TextureBufferCutTest, testing::Values(1, 2));
 
 // Chunks large enough to be kept where memory is passed on from one to the next.
 TEST(TextureBuffer, memoryThatIsPassedOnLeavesNothingOfItsLastChunk) {

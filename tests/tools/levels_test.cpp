@@ -49,7 +49,6 @@ TEST_F(LevelsCommand, aPictureIsDrawnAtTheLevelItsPixelsAskForAndSaysSo) {
 }
 
 TEST_F(LevelsCommand, levelZeroIsThePictureOfTheVolumeWithoutLevels) {
-  EXPECT_FALSE(render("").contains("cut"));
   EXPECT_FALSE(render("--level 0").contains("cut"));
   const auto read = [&](const char* name) { return readPng(program_.folder / name).rgba; };
   const auto leveled = read("x.png");
@@ -59,6 +58,58 @@ TEST_F(LevelsCommand, levelZeroIsThePictureOfTheVolumeWithoutLevels) {
   EXPECT_EQ(leveled, read("plain.png"));
   const CommandResult said = program_.run("render " + arguments("-o x.png --force --level 0"));
   EXPECT_THAT(said.output, Not(HasSubstr("coarser")));
+}
+
+TEST_F(LevelsCommand, meansAndSpreadsAreSaidAndLabelsAreNotDrawnFromThem) {
+  const json cut = render("--pixel-error 1")["cut"];
+  EXPECT_EQ(cut["spreads"], true);
+  const json plan = program_.json("plan " + arguments("--pixel-error 1"));
+  EXPECT_EQ(plan["cut"], cut);
+  EXPECT_EQ(plan["read"]["voxel_bytes"], render("--pixel-error 1")["frames"][0]["decoded_bytes"]);
+  EXPECT_TRUE(render("--mode mip --pixel-error 1").contains("cut"));
+  EXPECT_THAT(program_.run("render " + arguments("-o y.png --labels --level 1")).output,
+              HasSubstr("its coarser levels hold means, which are no labels"));
+}
+
+TEST_F(LevelsCommand, packedLevelsAreDrawnWithTheirSpreadsAndOthersWithout) {
+  const auto run = [&](const std::string& command) {
+    const CommandResult result = program_.run(command);
+    EXPECT_EQ(result.status, 0) << result.output;
+    return result.output;
+  };
+  run("pack synth:shells,dims=96x90x80 -o v.zarr --chunk 16 --levels 2");
+  EXPECT_THAT(run("info v.zarr --levels"), HasSubstr("spread: u8"));
+  const std::string picture =
+      std::string("v.zarr ") + kLook + " --size 32 -o v.png --force --pixel-error 1";
+  const json shown = program_.json("render " + picture);
+  EXPECT_EQ(shown["cut"]["spreads"], true);
+  EXPECT_GT(shown["cut"]["coarse_share"], 0.0);
+  EXPECT_THAT(run("render " + picture), HasSubstr("from means and spreads"));
+  // As another program writes it.
+  std::filesystem::remove_all(program_.folder / "v.zarr/spread");
+  std::string attributes = readFile(program_.folder / "v.zarr/.zattrs");
+  attributes.replace(attributes.find("spreads"), 7, "nothing");
+  writeFile(program_.folder / "v.zarr/.zattrs", attributes);
+  EXPECT_THAT(run("info v.zarr --levels"), HasSubstr("spread: none"));
+  EXPECT_EQ(program_.json("render " + picture)["cut"]["spreads"], false);
+  EXPECT_THAT(run("render " + picture), HasSubstr("without a spread"));
+}
+
+TEST_F(LevelsCommand, aBenchComparesPixelErrorsWithTheTruth) {
+  const json report = program_.json("bench levels " + std::string(kVolume) +
+                                    " --threshold 60 --size 48x48 --frames 1");
+  ASSERT_EQ(report["rows"].size(), 5U);
+  for (const json& row : report["rows"]) {
+    EXPECT_GT(row["ssim"], 0.8);
+    EXPECT_LE(row["ssim"], 1.0);
+    EXPECT_LT(row["mean_opacity_error"], 0.1);
+    EXPECT_GE(row["max_error"], row["mean_error"]);
+  }
+  // Level 0 is the last.
+  EXPECT_LT(report["rows"][2]["read_bytes"], report["rows"][4]["read_bytes"]);
+  EXPECT_LT(report["rows"][2]["samples"], report["rows"][4]["samples"]);
+  EXPECT_THAT(program_.run("bench levels synth:shells,dims=40x40x40").output,
+              HasSubstr("has one level"));
 }
 
 TEST_F(LevelsCommand, theLevelsHaveNearlyTheSamePicture) {
@@ -96,13 +147,13 @@ TEST_F(LevelsCommand, aPlanAndASimulationHaveTheSameCut) {
   const auto read = [&](const std::string& more) {
     return program_.json("plan " + arguments(more))["read"]["voxel_bytes"].get<uint64_t>();
   };
-  EXPECT_LT(2 * read("--pixel-error 1"), read(""));
+  EXPECT_LT(2 * read("--pixel-error 1"), read("--level 0"));
   const auto bytes = [&](const std::string& more) {
     const json rows =
         program_.json("simulate " + arguments("--frames 2 --policies lru " + more))["rows"];
     return rows[0]["bytes_needed"].get<uint64_t>();
   };
-  EXPECT_LT(bytes("--pixel-error 1"), bytes(""));
+  EXPECT_LT(bytes("--pixel-error 1"), bytes("--level 0"));
 }
 
 TEST_F(LevelsCommand, verifyDrawsTheSameCutThePlainWay) {

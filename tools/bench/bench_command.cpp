@@ -13,6 +13,7 @@
 #include "tools/bench/bench_report.h"
 #include "tools/bench/culling_bench.h"
 #include "tools/bench/frame_bench.h"
+#include "tools/bench/levels_bench.h"
 #include "tools/bench/occlusion_bench.h"
 #include "tools/bench/packing_bench.h"
 #include "tools/bench/ranks_bench.h"
@@ -218,6 +219,20 @@ Bench addCulling(CLI::App& app, const FrameOptions& plain) {
   return {culling, [bench](const Show& show) { return show(benchCulling(*bench), printCulling); }};
 }
 
+Bench addLevels(CLI::App& app, const FrameOptions& plain) {
+  auto bench = std::make_shared<FrameBench>();
+  bench->frame = plain;
+  CLI::App* levels = app.add_subcommand(
+      "levels",
+      std::string("What coarser levels of resolution cost and save: their error against level 0 "
+                  "with four samples a pixel along each axis, bytes, samples and seconds\n\n") +
+          kPlainPicture +
+          "  sluice bench levels synth:phantom,dims=512x512x512,levels=4 "
+          "--size 256x256");
+  addFrames(*levels, *bench, kFramesOfEachWay);
+  return {levels, [bench](const Show& show) { return show(benchLevels(*bench), printLevels); }};
+}
+
 Bench addRanks(CLI::App& app, const FrameOptions& plain) {
   auto bench = std::make_shared<RanksBench>();
   bench->frame = plain;
@@ -354,6 +369,7 @@ Command addBench(CLI::App& program) {
                                    addSkipping(*app, plain),
                                    addOcclusion(*app, plain),
                                    addCulling(*app, plain),
+                                   addLevels(*app, plain),
                                    addRanks(*app, plain),
                                    addThreshold(*app, plain),
                                    addPacking(*app),

@@ -15,6 +15,9 @@ struct CutSummary {
   std::vector<Level> levels;  // those that are drawn, the finest first
   // Of the finest cells that show something, the share in regions drawn at a coarser level.
   double coarse_share = 0;
+  // Whether all coarser ones have spreads beside their means: what is drawn of them is what their
+  // finest voxels look like on average.
+  bool has_spreads = false;
   // False: a budget ended the refinement before the pixel error was reached.
   bool is_final = true;
 };

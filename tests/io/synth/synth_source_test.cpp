@@ -380,7 +380,7 @@ TEST(SynthSpec, refusesWhatItCannotMakeInOneLine) {
 
 // --- levels
 
-TEST(SynthSource, levelsAreMeansOfTheVoxelsBelowRoundedOnce) {
+TEST(SynthSource, levelsAreMeansAndSpreadsOfTheVoxelsBelowRoundedOnce) {
   for (const VoxelType type : {VoxelType::kU8, VoxelType::kU16, VoxelType::kF32}) {
     SynthOptions options = small(SynthKind::kNoise);
     options.type = type;
@@ -402,20 +402,27 @@ TEST(SynthSource, levelsAreMeansOfTheVoxelsBelowRoundedOnce) {
         EXPECT_EQ(levels[level].placement.finestFromLevel({1, 0, 0}).x, times + (times - 1) / 2.0);
         const Box3 part{{1, 2, 0}, dims};
         const auto voxels = readBox<T>(*levels[level].source, part);
+        ASSERT_NE(levels[level].spreads, nullptr);
+        ASSERT_EQ(levels[level].spreads->layout().type, type);
+        const auto spreads = readBox<T>(*levels[level].spreads, part);
         size_t at = 0;
         for (int64_t z = part.lo.z; z < part.hi.z; ++z)
           for (int64_t y = part.lo.y; y < part.hi.y; ++y)
             for (int64_t x = part.lo.x; x < part.hi.x; ++x) {
-              double sum = 0;
-              for (int64_t i = 0; i < times * times * times; ++i) {
+              const int64_t count = times * times * times;
+              const auto valueAt = [&](int64_t i) {
                 const Vec3i v = Vec3i{x, y, z} * times +
                                 Vec3i{i % times, i / times % times, i / (times * times)};
-                sum +=
-                    static_cast<double>(finest[static_cast<size_t>((v.z * 22 + v.y) * 39 + v.x)]);
-              }
-              const double mean = sum / static_cast<double>(times * times * times);
-              ASSERT_NEAR(static_cast<double>(voxels[at++]), mean,
-                          type == VoxelType::kF32 ? 1e-6 : 0.5);
+                return static_cast<double>(
+                    finest[static_cast<size_t>((v.z * 22 + v.y) * 39 + v.x)]);
+              };
+              double mean = 0, variance = 0;
+              for (int64_t i = 0; i < count; ++i) mean += valueAt(i) / static_cast<double>(count);
+              for (int64_t i = 0; i < count; ++i)
+                variance += std::pow(valueAt(i) - mean, 2) / static_cast<double>(count);
+              const double rounding = type == VoxelType::kF32 ? 1e-6 : 0.5 + 1e-6;
+              ASSERT_NEAR(static_cast<double>(spreads[at]), 2 * std::sqrt(variance), rounding);
+              ASSERT_NEAR(static_cast<double>(voxels[at++]), mean, rounding);
             }
       }
     });
@@ -431,7 +438,8 @@ TEST(SynthSource, levelsLeaveTheVoxelsAndTheirIdentityAlone) {
   EXPECT_EQ(leveled->identity(), plain->identity());
   std::set<std::string> identities{leveled->identity()};
   for (const CoarserLevel& level : coarserLevels(*leveled))
-    EXPECT_TRUE(identities.insert(level.source->identity()).second);
+    for (const VolumeSource* source : {level.source, level.spreads})
+      EXPECT_TRUE(identities.insert(source->identity()).second);
   EXPECT_EQ(parseSynthSpec(specOf(options)).levels, 4);
 }
 

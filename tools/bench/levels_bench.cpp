@@ -1,0 +1,99 @@
+#include "tools/bench/levels_bench.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "src/base/error.h"
+#include "src/render/level_cut.h"
+#include "tools/bench/picture_error.h"
+#include "tools/bench/volumes_bench.h"
+#include "tools/command_line/console.h"
+#include "tools/report.h"
+
+namespace sluice {
+namespace {
+
+using nlohmann::json;
+
+constexpr int kWarmFrames = 2;
+constexpr int kTruthPixels = 4;  // for one, along each axis
+constexpr double kPixelErrors[] = {0.5, 1, 2, 4};
+
+// The view's step is in voxels of the finest level that it shows.
+FrameOptions optionsOf(const FrameBench& bench, const Scene& scene,
+                       const std::optional<CutOptions>& cut) {
+  FrameOptions options = bench.frame;
+  options.cut = cut;
+  if (!cut) return options;
+  const TimeStep step = scene.volume.step();
+  const View view = resolve(options.camera, step.source->layout(), options.size, options.step_vox);
+  options.step_vox *= spacingOfLevel(step, finestLevelShown(step, view, *cut));
+  return options;
+}
+
+Picture truthOf(const FrameBench& bench, Scene& scene) {
+  FrameOptions options = bench.frame;
+  options.size = {options.size.width * kTruthPixels, options.size.height * kTruthPixels};
+  options.step_vox /= 2;
+  scene.session->setOptions(options);
+  return averagedDown(scene.session->frame().picture, kTruthPixels);
+}
+
+json rowOf(const FrameBench& bench, Scene& scene, const std::optional<CutOptions>& cut,
+           const Picture& truth) {
+  FrameOptions options = optionsOf(bench, scene, cut);
+  scene.session->setOptions(options);
+  std::vector<double> seconds;
+  for (int i = -kWarmFrames; i < bench.frames; ++i) {
+    const double frame_seconds = scene.session->frameReport().seconds;
+    if (i >= 0) seconds.push_back(frame_seconds);
+  }
+  options.count_samples = true;
+  scene.session->setOptions(options);
+  const Frame frame = scene.session->frame();
+  const PictureError error = pictureError(frame.picture, truth);
+  json row{{"pixel_error", cut ? json(cut->pixel_error) : json()},
+           {"max_error", error.max},
+           {"mean_error", error.mean},
+           {"ssim", error.ssim},
+           {"mean_opacity_error", error.mean_opacity},
+           {"read_bytes", frame.report.rebuild.decoded},
+           {"samples", frame.report.samples_drawn},
+           {"seconds", median(seconds)}};
+  if (frame.report.cut) row["cut"] = cutJson(*frame.report.cut);
+  return row;
+}
+
+}  // namespace
+
+json benchLevels(const FrameBench& bench) {
+  FrameBench asked = bench;
+  asked.frame.cut = CutOptions{};
+  Scene scene(asked.volume, asked.look, asked.resources, asked.frame, Outputs(), nullptr);
+  if (scene.volume.step().coarser.empty())
+    fail("{}: has one level; sluice pack --levels auto makes more", scene.volume.name);
+  asked.frame.cut.reset();
+  const Picture truth = truthOf(asked, scene);
+  json rows = json::array();
+  for (const double pixel_error : kPixelErrors)
+    rows.push_back(rowOf(asked, scene, CutOptions{.pixel_error = pixel_error}, truth));
+  rows.push_back(rowOf(asked, scene, std::nullopt, truth));
+  return {{"volume", scene.volume.name}, {"rows", rows}, {"device", nameOf(*scene.device)}};
+}
+
+void printLevels(const json& report) {
+  say("{:>11} {:>9} {:>9} {:>7} {:>9} {:>10} {:>9} {:>8}\n", "pixel error", "max /255", "mean /255",
+      "SSIM", "opacity", "read MB", "Msamples", "ms");
+  for (const json& row : report["rows"]) {
+    const auto number = [&](const char* name) { return row[name].get<double>(); };
+    say("{:>11} {:>9.1f} {:>9.3f} {:>7.4f} {:>8.2f}% {:>10.2f} {:>9.2f} {:>8.1f}\n",
+        row["pixel_error"].is_null() ? "level 0" : fmt::format("{}", number("pixel_error")),
+        number("max_error"), number("mean_error"), number("ssim"),
+        100 * number("mean_opacity_error"), number("read_bytes") / 1e6, number("samples") / 1e6,
+        1000 * number("seconds"));
+  }
+}
+
+}  // namespace sluice

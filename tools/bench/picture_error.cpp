@@ -1,0 +1,112 @@
+#include "tools/bench/picture_error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <vector>
+
+#include "src/base/error.h"
+
+namespace sluice {
+namespace {
+
+constexpr int kReach = 5;  // pixels to either side
+constexpr double kDeviation = 1.5;
+
+// A plane of numbers, a row after the other.
+struct Plane {
+  int width = 0, height = 0;
+  std::vector<double> values;
+};
+
+Plane planeOf(const Picture& picture, const std::function<double(size_t pixel)>& value) {
+  Plane plane{picture.width, picture.height, {}};
+  for (size_t pixel = 0; pixel < picture.rgba.size() / 4; ++pixel)
+    plane.values.push_back(value(pixel));
+  return plane;
+}
+
+// Along rows, then transposed: twice is both ways. Beyond the border the window has no weight.
+Plane blurredAcross(const Plane& plane) {
+  Plane result{plane.height, plane.width, std::vector<double>(plane.values.size())};
+  for (int y = 0; y < plane.height; ++y)
+    for (int x = 0; x < plane.width; ++x) {
+      double sum = 0, weights = 0;
+      for (int i = std::max(0, x - kReach); i <= std::min(plane.width - 1, x + kReach); ++i) {
+        const double weight = std::exp(-0.5 * std::pow((i - x) / kDeviation, 2));
+        sum += weight * plane.values[static_cast<size_t>(y) * static_cast<size_t>(plane.width) +
+                                     static_cast<size_t>(i)];
+        weights += weight;
+      }
+      result.values[static_cast<size_t>(x) * static_cast<size_t>(plane.height) +
+                    static_cast<size_t>(y)] = sum / weights;
+    }
+  return result;
+}
+
+double ssimOf(const Picture& a, const Picture& b, size_t channel) {
+  const auto blurred = [&](const std::function<double(double, double)>& f) {
+    return blurredAcross(blurredAcross(planeOf(a, [&](size_t pixel) {
+      const size_t at = 4 * pixel + channel;
+      return f(static_cast<double>(a.rgba[at]), static_cast<double>(b.rgba[at]));
+    })));
+  };
+  const Plane mean_a = blurred([](double x, double) { return x; });
+  const Plane mean_b = blurred([](double, double y) { return y; });
+  const Plane aa = blurred([](double x, double) { return x * x; });
+  const Plane bb = blurred([](double, double y) { return y * y; });
+  const Plane ab = blurred([](double x, double y) { return x * y; });
+  constexpr double kOne = 0.01 * 0.01, kTwo = 0.03 * 0.03;  // of a range of 1
+  double sum = 0;
+  for (size_t i = 0; i < aa.values.size(); ++i) {
+    const double x = mean_a.values[i], y = mean_b.values[i];
+    const double xx = aa.values[i] - x * x, yy = bb.values[i] - y * y, xy = ab.values[i] - x * y;
+    sum += (2 * x * y + kOne) * (2 * xy + kTwo) / ((x * x + y * y + kOne) * (xx + yy + kTwo));
+  }
+  return sum / static_cast<double>(aa.values.size());
+}
+
+double meanOpacity(const Picture& picture) {
+  double sum = 0;
+  for (size_t i = 3; i < picture.rgba.size(); i += 4) sum += static_cast<double>(picture.rgba[i]);
+  return sum / static_cast<double>(picture.rgba.size() / 4);
+}
+
+}  // namespace
+
+PictureError pictureError(const Picture& picture, const Picture& truth) {
+  SLUICE_CHECK_EQ(picture.width, truth.width);
+  SLUICE_CHECK_EQ(picture.height, truth.height);
+  PictureError error;
+  for (size_t i = 0; i < picture.rgba.size(); ++i) {
+    const double difference =
+        255 * std::abs(static_cast<double>(picture.rgba[i]) - static_cast<double>(truth.rgba[i]));
+    error.max = std::max(error.max, difference);
+    error.mean += difference / static_cast<double>(picture.rgba.size());
+  }
+  for (size_t channel = 0; channel < 3; ++channel)
+    error.ssim += ssimOf(picture, truth, channel) / 3;
+  const double opacity = meanOpacity(truth);
+  const double difference = std::abs(meanOpacity(picture) - opacity);
+  error.mean_opacity = opacity > 0 ? difference / opacity : difference;
+  return error;
+}
+
+Picture averagedDown(const Picture& picture, int times) {
+  SLUICE_CHECK(picture.width % times == 0 && picture.height % times == 0);
+  Picture result;
+  result.width = picture.width / times;
+  result.height = picture.height / times;
+  result.rgba.resize(picture.rgba.size() / static_cast<size_t>(times * times));
+  const auto from = static_cast<size_t>(picture.width), to = static_cast<size_t>(result.width);
+  const auto side = static_cast<size_t>(times);
+  const float share = 1 / static_cast<float>(times * times);
+  for (size_t pixel = 0; pixel < picture.rgba.size() / 4; ++pixel) {
+    const size_t x = pixel % from / side, y = pixel / from / side;
+    for (size_t channel = 0; channel < 4; ++channel)
+      result.rgba[4 * (y * to + x) + channel] += share * picture.rgba[4 * pixel + channel];
+  }
+  return result;
+}
+
+}  // namespace sluice

@@ -1,0 +1,23 @@
+// How far a picture is from the truth: the numbers that `sluice bench levels` prints. Pure
+// functions.
+#pragma once
+
+#include "src/base/picture.h"
+
+namespace sluice {
+
+struct PictureError {
+  double max = 0, mean = 0;  // of a channel, premultiplied, in units of 1/255
+  double ssim = 0;           // of red, green and blue over black, 1 for equal pictures
+  double mean_opacity = 0;   // difference of the mean opacities, in parts of the truth's
+};
+
+// Structural similarity after Wang, Bovik, Sheikh and Simoncelli 2004: a Gaussian window of 11 x 11
+// pixels with a standard deviation of 1.5, cut at the picture's border, and their constants.
+// Requires: pictures of one size, not empty.
+PictureError pictureError(const Picture& picture, const Picture& truth);
+
+// Each pixel is the mean of `times` x `times` pixels. Requires: `times` divides width and height.
+Picture averagedDown(const Picture& picture, int times);
+
+}  // namespace sluice
