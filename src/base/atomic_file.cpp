@@ -17,8 +17,8 @@ namespace sluice {
 
 namespace {
 
-// The file that a symbolic link stands for, whether it exists or not. What the system gives no way
-// to name (the pipe behind /dev/stdout) keeps the name of the link.
+// The path that a symbolic link leads to, whether or not a file is there. The link's own path is
+// kept if the system has no name for the target (the pipe behind /dev/stdout).
 std::filesystem::path followed(std::filesystem::path path) {
   std::error_code status;
   for (int hops = 0; hops < 40 && std::filesystem::is_symlink(path, status); ++hops) {
@@ -28,7 +28,7 @@ std::filesystem::path followed(std::filesystem::path path) {
     }
     const std::filesystem::path target = std::filesystem::read_symlink(path, status);
     if (status) break;
-    path = path.parent_path() / target;  // the target alone where it is absolute
+    path = path.parent_path() / target;  // the target alone if it is absolute
   }
   return path;
 }
@@ -54,7 +54,8 @@ int openOwned(const std::filesystem::path& path) {
     if (errno == ENOENT || errno == ELOOP) errno = EEXIST;  // gone again, no file of ours: the next
     return -1;
   }
-  // Where the file system knows no locks only a new file is certain to be nobody's.
+  // On a file system without locks, only a file that is new is certain to belong to no other
+  // process.
   const bool is_locked = flock(file, LOCK_EX | LOCK_NB) == 0;
   const bool is_taken = is_locked ? !isOwn(file, path) : !is_new || errno == EWOULDBLOCK;
   if (!is_taken && ftruncate(file, 0) == 0) return file;

@@ -1,12 +1,12 @@
 // AtomicFile: a file that appears whole under its name or not at all.
 //
 // Writes go to "<path>.<n>.tmp" in the same folder, locked; commit() flushes, syncs and renames it.
-// A file not committed is removed by the destructor, so an exception or an interruption leaves
-// nothing behind (nor does removeTemporaries(), when a signal ends the process), and what a killed
-// process left is taken over by the next that writes the same path. A path that is a symbolic link
-// is followed, so that the link stays one. What is no regular file (/dev/null, a pipe that is read)
-// is written to directly: it can be neither replaced nor taken back. One thread an object; several
-// objects, threads and processes may share a path.
+// The destructor removes a file that was not committed, so an exception or an interruption leaves
+// nothing behind; removeTemporaries() does so when a signal ends the process. The next writer of
+// the same path takes over what a killed process left. A path that is a symbolic link is followed,
+// so that the link stays one. A path that is no regular file (/dev/null, a pipe with a reader) is
+// written to directly, because it can be neither replaced nor restored. One thread an object;
+// several objects, threads and processes may share a path.
 #pragma once
 
 #include <cstddef>
@@ -34,16 +34,16 @@ class AtomicFile {
   // Writes from `offset` of the file on, for formats that fill in tables at the end; not to be
   // mixed with write(). Throws Error. Requires: a regular file.
   void writeAt(uint64_t offset, std::span<const std::byte> bytes);
-  // Where a library wants a name to write to by itself; commit() then renames it.
+  // The path to write to, for a library that opens the file by itself; commit() then renames it.
   const std::filesystem::path& temporaryPath() const { return temporary_; }
   // Throws Error; the old file, if any, stays as it was then.
   void commit();
 
  private:
   const std::filesystem::path path_;
-  std::filesystem::path temporary_;  // path_ itself where that is no regular file
+  std::filesystem::path temporary_;  // path_ itself if that is no regular file
   Descriptor file_;
-  std::optional<TemporaryName> name_;  // of temporary_, unless that is path_
+  std::optional<TemporaryName> name_;  // the name behind temporary_, unless temporary_ is path_
 };
 
 }  // namespace sluice

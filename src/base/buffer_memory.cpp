@@ -60,7 +60,7 @@ std::shared_ptr<BufferMemory> BufferMemory::make(uint64_t limit_bytes) {
 }
 
 BufferMemory::BufferMemory(uint64_t limit_bytes) : limit_bytes_(limit_bytes) {
-  // Without addresses, which a limit on them may deny, the allocator has to do.
+  // Without addresses, which a limit on them may deny, the allocator provides the memory.
   const uint64_t bytes = roundedUp(limit_bytes) * kAddressesPerByte;
   void* const mapped = mmap(nullptr, bytes, PROT_READ | PROT_WRITE,
                             MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
@@ -68,7 +68,7 @@ BufferMemory::BufferMemory(uint64_t limit_bytes) : limit_bytes_(limit_bytes) {
   const MutexLock lock(mutex_);
   begin_ = static_cast<std::byte*>(mapped);
   mapped_bytes_ = bytes;
-  // Beyond the limit large pages would be more than it.
+  // Beyond the limit, large pages would exceed it.
   preferLargePages({begin_, limit_bytes});
   empty_.add(0, bytes);
 }

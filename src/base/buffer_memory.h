@@ -1,11 +1,11 @@
-// BufferMemory: where a buffer under a budget keeps its blocks or chunks.
+// BufferMemory: the memory in which a buffer under a budget keeps its blocks or chunks.
 //
-// Memory that the system hands out anew costs more than reading a file into it: a fault for every
-// 4 KiB. So what is given back here stays, for whatever is taken next, of any size, and what is
-// taken for the first time comes in large pages (large_pages.h). What lies idle goes back to the
-// system where it would not fit beside what is taken: in use and idle together never exceed
-// `limit_bytes`, as long as what is in use alone does not. (Sizes are rounded up to 4 KiB, and the
-// large page that is in use in part counts for its part.)
+// Memory that the system hands out anew costs more than reading a file into it: a fault for every 4
+// KiB. So memory that is given back here stays for the next piece, whatever its size, and new
+// memory comes in large pages (large_pages.h). Idle memory goes back to the system if it would not
+// fit in addition to a new piece: in use and idle together never exceed `limit_bytes`, as long as
+// the memory in use alone does not. (Sizes are rounded up to 4 KiB, and a large page that is partly
+// in use counts by that part.)
 //
 // Any thread. Pieces keep their memory alive: they may outlive the owner of this.
 #pragma once
@@ -31,13 +31,13 @@ class BufferMemory : public std::enable_shared_from_this<BufferMemory> {
   BufferMemory(const BufferMemory&) = delete;
   BufferMemory& operator=(const BufferMemory&) = delete;
 
-  // With whatever was in it. Throws std::bad_alloc.
+  // Its contents are arbitrary. Throws std::bad_alloc.
   Piece take(size_t bytes);
 
-  // From now on: for an owner that keeps bytes of another kind in the same budget.
+  // Applies from now on: for an owner that keeps bytes of another kind in the same budget.
   void setLimit(uint64_t limit_bytes);
 
-  // In use and idle.
+  // Bytes in use and idle.
   uint64_t heldBytes() const;
 
  private:

@@ -1,6 +1,6 @@
-// Plain values and lists of them as bytes, one after another, in the machine's own order: what
-// files that we write for ourselves consist of. A reader never reads beyond what is left, nor takes
-// more memory for a list than its bytes do, whatever a file says.
+// Plain values and lists of them as bytes, one after another, in the machine's own order: the
+// format of files that we write for ourselves. A reader never reads beyond the end, nor takes more
+// memory for a list than its bytes do, whatever a file contains.
 #pragma once
 
 #include <cstddef>
@@ -21,7 +21,7 @@ class ByteWriter {
     static_assert(std::is_trivially_copyable_v<T>);
     append(std::as_bytes(std::span(&v, 1)));
   }
-  // With its length in front.
+  // Writes a list with its length in front.
   template <class T>
   void list(const std::vector<T>& v) {
     value<uint64_t>(v.size());
@@ -42,7 +42,7 @@ class ByteReader {
   // `bytes` must outlive it.
   explicit ByteReader(std::span<const std::byte> bytes) : left_(bytes) {}
 
-  // False, and `v` as it was, where too little is left.
+  // False, and `v` unchanged, if too little is left.
   template <class T>
   bool value(T& v) {
     static_assert(std::is_trivially_copyable_v<T>);

@@ -33,7 +33,7 @@ std::optional<uint64_t> parseBytes(std::string_view text) {
   const auto rest = [&](const char* from) {
     return std::string_view(from, static_cast<size_t>(end - from));
   };
-  // Whole numbers apart: a double has only 53 bits of them.
+  // Whole numbers are parsed apart: a double has only 53 bits for them.
   uint64_t whole = 0;
   const auto [whole_end, whole_status] = std::from_chars(text.data(), end, whole);
   if (whole_status == std::errc() && powerOf(rest(whole_end)) >= 0) {

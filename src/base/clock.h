@@ -1,5 +1,5 @@
-// Stopwatch: seconds on the steady clock. Process: what the system says of this process's memory
-// and processor time.
+// Stopwatch: seconds on the steady clock. Process: this process's memory and processor time, from
+// the system.
 #pragma once
 
 #include <chrono>
@@ -24,16 +24,17 @@ class Stopwatch {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-// Of all its threads, since it began.
+// Processor time of all threads of this process since it began.
 double processorSeconds();
 
 // Peak resident bytes of this process, mapped files included.
 uint64_t peakResidentBytes();
-// What of the resident bytes is this process's own and no file's: what --memory is about. Pages of
-// files that are read or mapped, a driver's libraries too, are the system's to take back. 0 where
-// the system does not say.
+// Resident bytes that belong to this process and to no file; --memory limits these. Pages of files
+// that are read or mapped, including a driver's libraries, can be taken back by the system. 0 if
+// the system does not tell.
 uint64_t anonymousBytes();
-// What this process may use: the machine's memory or its cgroup's limit, whichever is smaller.
+// Memory that this process may use: the machine's memory or its cgroup's limit, whichever is
+// smaller.
 uint64_t availableMemoryBytes();
 
 }  // namespace sluice

@@ -2,13 +2,13 @@
 // texture cache): one struct, one definition a line, each event counted by one member function.
 //
 // Plain values: the cache that owns them calls the members under its own mutex and copies the
-// struct out for readers. What always holds while no load is under way (design point 4):
+// struct out for readers. These identities hold while no load is under way (design point 4):
 //   requests = hits + misses
 //   misses = loads + coalesced + failures
 //   resident = resident at the last reset + loads - evictions, in entries and in bytes; in bytes
-//   also - packed + unpacked, where a level compresses what it holds
-// brokenIdentity() says which of them does not. A read-ahead is a request like any other: it counts
-// its own miss and load, and the later request that it serves counts a hit (or coalesced).
+//   also - packed + unpacked, if a level compresses its entries
+// brokenIdentity() names the one that does not hold. A read-ahead is a request like any other: it
+// counts its own miss and load, and the later request that it serves counts a hit (or coalesced).
 #pragma once
 
 #include <fmt/format.h>
@@ -29,23 +29,23 @@ struct CacheCounters {
   uint64_t loads = 0;            // misses whose load brought the entry in
   uint64_t redundant_loads = 0;  // loads of an entry that had been resident before, as remembered
   uint64_t evictions = 0;        // entries that went, for room or because they became invalid
-  uint64_t loaded_bytes = 0;     // of loads, in the unit that current_bytes is in
-  uint64_t evicted_bytes = 0;    // of evictions, in the same unit
-  uint64_t packs = 0;            // residents that were compressed where they are
+  uint64_t loaded_bytes = 0;     // by loads, in the unit of current_bytes
+  uint64_t evicted_bytes = 0;    // by evictions, in the same unit
+  uint64_t packs = 0;            // residents that were compressed in place
   uint64_t unpacks = 0;          // and made whole again for a hit
-  uint64_t packed_bytes = 0;     // that packs gave back to the budget
-  uint64_t unpacked_bytes = 0;   // that unpacks took from it again
-  // What the loads cost, each kind apart; a level leaves at 0 what it does not do.
-  uint64_t stored_bytes = 0;    // taken from files, compressed where they are
+  uint64_t packed_bytes = 0;     // given back to the budget by packing
+  uint64_t unpacked_bytes = 0;   // taken from the budget again by unpacking
+  // The cost of the loads by kind. A level leaves at 0 the kinds that it does not do.
+  uint64_t stored_bytes = 0;    // taken from files, compressed if they are
   uint64_t decoded_bytes = 0;   // written as voxels into this level
   uint64_t uploaded_bytes = 0;  // handed to the device's upload call
 
   // Occupancy: outlives reset().
   uint64_t resident = 0;       // entries now
   uint64_t peak_resident = 0;  // most entries at once since construction
-  uint64_t current_bytes = 0;  // of the resident entries now
+  uint64_t current_bytes = 0;  // bytes of the entries that are resident now
   uint64_t peak_bytes = 0;     // most at once since construction
-  uint64_t budget_bytes = 0;   // what current_bytes never exceeds; 0: none
+  uint64_t budget_bytes = 0;   // limit of current_bytes; 0: none
   // The occupancy when reset() was last called, so that the identities hold after it too.
   uint64_t resident_at_reset = 0;
   uint64_t bytes_at_reset = 0;
@@ -56,7 +56,7 @@ struct CacheCounters {
   void countCoalesced() { ++coalesced; }
   void countFailure() { ++failures; }
   // The entry is in and takes `bytes` of the budget. Call after the evictions that made room, so
-  // that the peak is never more than what was there at once.
+  // that the peak never exceeds what was there at once.
   void countLoad(uint64_t bytes, bool was_resident_before) {
     ++loads;
     redundant_loads += was_resident_before ? 1 : 0;
@@ -73,7 +73,7 @@ struct CacheCounters {
     current_bytes -= bytes;
   }
 
-  // A resident entry now takes `to` bytes of the budget where it took `from`, which are more.
+  // A resident entry now takes `to` bytes of the budget instead of `from`, which are more.
   void countPack(uint64_t from, uint64_t to) {
     ++packs;
     packed_bytes += from - to;
@@ -98,7 +98,7 @@ struct CacheCounters {
     *this = kept;
   }
 
-  // Empty when every identity holds; otherwise one line that says which does not, with the values.
+  // Empty if every identity holds; otherwise one line that names the broken one, with the values.
   // Requires: no load is under way.
   std::string brokenIdentity() const {
     if (requests != hits + misses)

@@ -15,7 +15,7 @@ void Descriptor::reset(int number) {
 
 namespace {
 
-// `write` takes what is left and says how much of it was written.
+// `write` takes the remaining bytes and returns how many of them it wrote.
 template <class Write>
 void writeWhole(std::span<const std::byte> bytes, const std::string& what, Write&& write) {
   while (!bytes.empty()) {

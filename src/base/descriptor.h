@@ -11,7 +11,7 @@ namespace sluice {
 
 class Descriptor {
  public:
-  // None, or what open() gave, -1 for none too.
+  // No descriptor, or the result of open(), where -1 means none too.
   explicit Descriptor(int number = -1) : number_(number) {}
   ~Descriptor() { reset(); }
   Descriptor(Descriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
@@ -23,19 +23,19 @@ class Descriptor {
   explicit operator bool() const { return number_ >= 0; }
   int get() const { return number_; }
   int release() { return std::exchange(number_, -1); }
-  // Closes what it had.
+  // Closes the descriptor that it holds.
   void reset(int number = -1);
 
  private:
   int number_;
 };
 
-// Writes all of `bytes` where the file stands. Throws Error, "<what>: <reason>"; a full disk too.
+// Writes all of `bytes` at the file's position. Throws Error, "<what>: <reason>"; a full disk too.
 void writeAll(int descriptor, std::span<const std::byte> bytes, const std::string& what);
 // The same from `offset` of the file on.
 void writeAllAt(int descriptor, std::span<const std::byte> bytes, uint64_t offset,
                 const std::string& what);
-// Fills `out` from where the file stands. False when it ends before, or cannot be read.
+// Fills `out` from the file's position on. False when it ends before, or cannot be read.
 bool readAll(int descriptor, std::span<std::byte> out);
 
 }  // namespace sluice

@@ -98,7 +98,7 @@ bool hasEntry(const Existing& file, std::string_view key, std::string_view value
     return false;
   std::ifstream in(file.path, std::ios::binary);
   EntrySearch search(key, value);
-  // A log has an object a line; what follows the first one does not matter.
+  // A log has an object a line; lines after the first do not matter.
   nlohmann::json::sax_parse(in, &search, nlohmann::json::input_format_t::json, false);
   return search.isFound();
 }
@@ -145,7 +145,7 @@ bool isTable(const Existing& file) {
          line.find(",modelled_seconds") != std::string_view::npos;
 }
 
-// The records of oracleGeneral have no room for a mark: the file beside it has one.
+// The records of oracleGeneral have no room for a mark; the companion file has one.
 bool isTrace(const Existing& file) {
   constexpr std::string_view kText = "sluice-trace 1 page_bytes ", kBinary = "SLTRACE";
   const std::string_view line = firstLine(file);
@@ -182,7 +182,7 @@ bool isMetaImage(const Existing& file) {
   return startsAndHas(file, "ObjectType = Image\n", marked("\nComment = "));
 }
 
-// Any bytes may be voxels, also those of somebody's only copy.
+// Any bytes may be voxels, even those of somebody's only copy.
 bool isNever(const Existing&) {
   return false;
 }

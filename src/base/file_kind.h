@@ -2,7 +2,7 @@
 //
 // A file that the user names for an output may replace an older output of the same kind without
 // being asked for, and nothing else: a report replaces a report of ours, not a package.json. The
-// name of the existing file says nothing about what it holds, so its content is looked at. Every
+// name of the existing file tells nothing about its contents, so the contents are looked at. Every
 // writer therefore marks its files; the marks are listed in one table (file_kind.cpp), which the
 // command line and the window share. Plain functions, any thread.
 #pragma once
@@ -19,9 +19,9 @@ enum class FileKind {
   kPage,              // HTML
   kTable,             // CSV of `simulate`
   kTrace,             // any of the trace formats
-  kView,              // what the window saves of a view, with its path
+  kView,              // a view that the window saves, with its path
   kTransferFunction,  // JSON
-  kLog,               // of the window
+  kLog,               // written by the window
   kFilm,              // MP4
   kNrrd,              // header and voxels, or the header of a detached file
   kMetaImage,
@@ -35,10 +35,10 @@ std::string nameOf(FileKind kind);
 // that their format has for the name of a program: "sluice VERSION".
 std::string softwareMark();
 
-// Whether a new file of this kind may take the place of what is at `path` without --force: there is
-// nothing, an empty file, a device or a pipe, or a file that sluice wrote as this kind. False for a
-// folder and for a file that cannot be read. Follows symbolic links. Reads the beginning of the
-// file; of JSON all, up to 64 MiB.
+// Whether a new file of this kind may replace the one at `path` without --force: there is nothing,
+// an empty file, a device or a pipe, or a file that sluice wrote as this kind. False for a folder
+// and for a file that cannot be read. Follows symbolic links. Reads the beginning of the file; of
+// JSON all, up to 64 MiB.
 bool mayReplace(const std::filesystem::path& path, FileKind kind);
 
 }  // namespace sluice

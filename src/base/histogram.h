@@ -1,8 +1,8 @@
 // Histogram: how often each value occurs in a volume, in equal bins over a closed range of values.
 //
-// Plain data, filled by whoever passes over the voxels. As many bins as integer values where the
-// type has few (u8: 256 over 0..255), 4096 or more elsewhere, so that a few outliers leave enough
-// bins to the rest.
+// Plain data, filled by whoever passes over the voxels. A type of few values has one bin per
+// integer value (u8: 256 over 0..255). Other types have 4096 bins or more, so that a few outliers
+// leave enough bins to the rest.
 #pragma once
 
 #include <cstddef>
@@ -38,7 +38,7 @@ double percentile(const Histogram& histogram, double share);
 // The share (0..1) of the counted values that are `value` or more.
 double shareAbove(const Histogram& histogram, double value);
 
-// The histogram of -value, and that of |value|.
+// The histograms of -value and of |value|.
 Histogram mirrored(const Histogram& histogram);
 Histogram folded(const Histogram& histogram);
 

@@ -32,7 +32,7 @@ std::string printable(std::string_view text, size_t longest) {
 
 nlohmann::json parseJson(std::string_view text, const std::string& where) {
   using Event = nlohmann::json::parse_event_t;
-  std::vector<std::set<std::string>> keys;  // of each object that is open
+  std::vector<std::set<std::string>> keys;  // one set for each open object
   const auto check = [&](int depth, Event event, nlohmann::json& value) {
     if (depth > kDeepest)
       fail("{}: expected at most {} levels of nesting, found more", where, kDeepest);
@@ -47,7 +47,7 @@ nlohmann::json parseJson(std::string_view text, const std::string& where) {
   try {
     return nlohmann::json::parse(text.begin(), text.end(), check);
   } catch (const nlohmann::json::exception& error) {
-    // The library's own "[json.exception.parse_error.101] " says nothing to a person.
+    // The library's own "[json.exception.parse_error.101] " means nothing to a person.
     std::string_view reason = error.what();
     if (const size_t end = reason.find("] "); end != reason.npos) reason.remove_prefix(end + 2);
     fail("{}: expected JSON, found {}", where, printable(reason, 200));

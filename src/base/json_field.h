@@ -1,8 +1,7 @@
-// JsonField: a value of a JSON document that knows its file and its place in it, so that whoever
-// reads it gets what he expects or an Error that says file, place, what was expected and what
-// found.
+// JsonField: a value of a JSON document that knows its file and its place in it. A reader gets the
+// expected value, or an Error that names file, place, the expected and the found value.
 //
-// Refers to a document that must outlive it. One thread.
+// Refers to a document, which must outlive it. One thread.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +19,7 @@ namespace sluice {
 // file of ours does, or has a key twice in one object.
 nlohmann::json parseJson(std::string_view text, const std::string& where);
 
-// One line of printable ASCII of bounded length, whatever a file holds: for messages.
+// `text` as one line of printable ASCII of bounded length, whatever a file holds; for messages.
 std::string printable(std::string_view text, size_t longest = 60);
 
 class JsonField {
@@ -64,7 +63,7 @@ class JsonField {
 
   const nlohmann::json* value_;
   std::string where_;
-  std::string place_;  // as a JSON pointer; empty for the document
+  std::string place_;  // a JSON pointer; empty for the document
 };
 
 }  // namespace sluice

@@ -1,6 +1,6 @@
 // KeptAddresses: addresses, without memory behind them, that nothing else takes while this lives.
-// Where addresses are limited (`ulimit -v`) they tell whether there are enough for what comes, and
-// keep them for it.
+// If addresses are limited (`ulimit -v`), it tells whether enough are left for the memory to come,
+// and keeps them for it.
 #pragma once
 
 #include <cstddef>

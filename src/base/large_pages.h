@@ -1,6 +1,6 @@
 // Memory in large pages, for the few vectors of many megabytes that a command fills once: the
-// kernel hands out 2 MiB at a time instead of 4 KiB, which costs less than filling them does.
-// A wish: where the kernel has no such pages nothing changes. Any thread.
+// kernel hands out 2 MiB at a time instead of 4 KiB, which costs less than filling them does. It is
+// a hint: nothing changes if the kernel has no such pages. Any thread.
 #pragma once
 
 #include <cstddef>

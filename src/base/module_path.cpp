@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <system_error>
 
-// Where the installed library's modules are, in programs that its package has built: it may have
-// been installed anywhere. Null in our own.
+// The folder of the installed library's modules. Programs built with its package define it, because
+// the package may be installed anywhere. Null in our own programs.
 extern "C" [[gnu::weak]] const char* sluiceModuleFolder();
 
 namespace sluice {
@@ -20,7 +20,8 @@ bool isOwnedAlone(const std::filesystem::path& path, uid_t owner) {
          (status.st_mode & (S_IWGRP | S_IWOTH)) == 0;
 }
 
-// Whether the module may be opened where it lies: who could replace it could replace the program.
+// Whether the module may be opened from its folder: anyone who could replace it could replace the
+// program.
 bool isTrusted(const std::filesystem::path& program, const std::filesystem::path& module) {
   struct stat status {};
   return stat(program.c_str(), &status) == 0 && isOwnedAlone(program, status.st_uid) &&

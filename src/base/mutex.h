@@ -1,9 +1,10 @@
-// Mutex, MutexLock and Condition: std's, annotated so that clang checks who touches what.
+// Mutex, MutexLock and Condition: std's, annotated so that clang checks which code touches what.
 //
-// What threads share is declared SLUICE_GUARDED_BY(mutex_); a function that touches it without
-// holding the lock does not compile under clang's -Wthread-safety (the gate tests/gates/
-// check_thread_safety.py). Private functions that expect the lock say SLUICE_REQUIRES(mutex_).
-// The analysis does not look into the caller of a lambda, so one waits in a loop:
+// Members that threads share are declared SLUICE_GUARDED_BY(mutex_). A function that touches one
+// without holding the lock does not compile under clang's -Wthread-safety (the gate tests/gates/
+// check_thread_safety.py). Private functions that expect the lock are marked
+// SLUICE_REQUIRES(mutex_). The analysis does not look into the caller of a lambda, so one waits in
+// a loop:
 //   while (!ready_) changed_.wait(lock);
 #pragma once
 

@@ -14,7 +14,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Where the number goes: from `at`, `length` letters, in `digits` digits at least.
+// The place of the number in a name: `length` characters from `at`, written with at least `digits`
+// digits.
 struct NumberPlace {
   size_t at = 0, length = 0;
   int digits = 0;

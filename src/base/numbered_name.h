@@ -8,8 +8,8 @@
 
 namespace sluice {
 
-// File number `number` of the name that a user gave: "####" or "%04d" in it (one of them) takes the
-// number, in as many digits at least; a name without either gets "_007" before its extension where
+// File number `number` of the name that a user gave. "####" or "%04d" in it (one of them) takes the
+// number, in at least as many digits. A name without either gets "_007" before its extension if
 // `numbered`, and is the file itself otherwise. Throws Error when a pattern is not understood.
 std::filesystem::path numberedName(const std::string& name, int64_t number, bool numbered);
 

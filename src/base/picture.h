@@ -1,4 +1,4 @@
-// Picture: what rendering gives, in floats, and its way to 8 bits.
+// Picture: the result of rendering, in floats, and its conversion to 8 bits.
 //
 // Plain values. Row 0 is the top row, x grows to the right; pixels are packed.
 #pragma once
@@ -21,8 +21,8 @@ struct Rgba8Picture {
   std::vector<uint8_t> rgba;  // width * height * 4
 };
 
-// Divides by alpha, clamps to 0..1 (not-a-number becomes 0) and rounds to the nearest of 256.
-// Where alpha is 0 the color is 0.
+// Divides by alpha, clamps to 0..1 (not-a-number becomes 0) and rounds to the nearest of 256. The
+// color is 0 if alpha is 0.
 Rgba8Picture toRgba8(const Picture& picture);
 
 // The same picture in linear light: the transfer function of sRGB (IEC 61966-2-1) is undone on the

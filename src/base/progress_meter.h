@@ -1,6 +1,5 @@
-// ProgressMeter: how much of some work is done, counted by those who do it and told to whoever
-// watches. What is shown of it, if anything, is the watcher's. expect() and add() may be called
-// from any thread.
+// ProgressMeter counts how much of some work is done: workers add to it, a watcher reads it. The
+// watcher decides what to show. expect() and add() may be called from any thread.
 #pragma once
 
 #include <atomic>
@@ -11,21 +10,20 @@
 
 namespace sluice {
 
-// Told of what is done so far, and what all of it will be as far as known. May throw to end the
-// work.
+// Called with the work done so far and the total as far as known. May throw to end the work.
 using ProgressWatch = std::function<void(uint64_t done, uint64_t total)>;
 
 class ProgressMeter {
  public:
-  // Nobody watches.
+  // A meter that nobody watches.
   ProgressMeter() = default;
-  // `watch` is called by whichever thread adds, one at a time. `total` is what add() will sum up
-  // to, as far as known.
+  // `watch` is called by whichever thread adds, one at a time. `total` is the sum that add() will
+  // reach, as far as known.
   explicit ProgressMeter(ProgressWatch watch, uint64_t total = 0);
   ProgressMeter(const ProgressMeter&) = delete;
   ProgressMeter& operator=(const ProgressMeter&) = delete;
 
-  // More to come than was known at construction.
+  // Adds work that was not known at construction.
   void expect(uint64_t more) { total_ += more; }
   void add(uint64_t more);
 

@@ -10,11 +10,11 @@ namespace sluice {
 
 class SharedLibrary {
  public:
-  // Opens the first of `names` that opens. Throws Error: what the system says of the first one, and
-  // `hint` (what to install).
+  // Opens the first of `names` that opens. Throws Error: the system's message for the first one,
+  // and `hint` (what to install).
   SharedLibrary(std::span<const std::string> names, const std::string& hint);
 
-  // Null when the library has no such symbol.
+  // Returns null if the library has no such symbol.
   void* find(const char* symbol) const;
   // Throws Error when the library has no such symbol.
   template <class Function>

@@ -24,7 +24,7 @@ size_t characterBytes(std::string_view text) {
                                        : 0;
   for (size_t i = 1; i < count; ++i)
     if ((byte(i) & 0xc0U) != 0x80) return 0;
-  // Overlong forms, surrogates, and what lies beyond the last character.
+  // Overlong forms, surrogates, and codes beyond the last character.
   if ((first == 0xe0 && byte(1) < 0xa0) || (first == 0xed && byte(1) > 0x9f) ||
       (first == 0xf0 && byte(1) < 0x90) || (first == 0xf4 && byte(1) > 0x8f))
     return 0;

@@ -8,15 +8,16 @@
 
 namespace sluice {
 
-// The word as a shell reads it back: itself, in single quotes if it must be, or, if it holds what
-// should not reach a terminal, as $'...' with escapes (bash, zsh, ksh).
+// The word as a shell reads it back: itself; in single quotes if it must be; or, if it holds
+// characters that should not reach a terminal, as $'...' with escapes (bash, zsh, ksh).
 std::string shellWord(std::string_view word);
 
-// A name on a line of output: itself, or shellWord() if it holds what should not reach a terminal.
+// A name on a line of output: itself, or shellWord() if it holds characters that should not reach a
+// terminal.
 std::string shownName(std::string_view name);
 
-// Text without what should not reach a terminal: control characters (but those in `kept`), bytes
-// that are no UTF-8 and marks that turn the direction of writing become escapes such as \n or \x1b.
+// Text that is safe for a terminal: control characters (but those in `kept`), bytes that are no
+// UTF-8 and marks that turn the direction of writing become escapes such as \n or \x1b.
 std::string withoutControls(std::string_view text, std::string_view kept = "");
 
 }  // namespace sluice

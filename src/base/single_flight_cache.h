@@ -1,11 +1,11 @@
 // SingleFlightCache: values under a budget of bytes, each loaded once however many threads want it.
 //
 // The first thread that wants a key publishes an entry and loads outside the lock; the others find
-// it and wait. A failure is kept in the entry: all who waited get it, and the next call loads anew.
-// What no one wants and no one holds goes least recently used first. This is the accounting of
-// levels 2 and 3, of decoded chunks, bands and boxes; each says on top of it what a load is. Which
-// keys were here before is remembered of the last ones, so that a long run does not grow: of
-// `remembered` keys at least.
+// it and wait. A failure is kept in the entry: every thread that waited gets it, and the next call
+// loads again. Entries that nobody wants or holds leave in order of their last use. Levels 2 and 3
+// and the caches of decoded chunks, bands and boxes account with this; each adds what a load is. To
+// tell a redundant load, the cache remembers at least the last `remembered` keys; the number is
+// bounded, so that a long run does not grow.
 //
 // get() does all of it for owners whose loads are one function. The others lock `mutex` and take
 // the steps themselves:
@@ -30,11 +30,11 @@
 
 namespace sluice {
 
-// What an owner keeps with an entry when there is nothing.
+// The note of an owner that keeps nothing with an entry.
 struct NoNote {};
 
-// What becomes of a value's bytes while someone outside holds it: they count, and it stays; or it
-// may leave, and is the holder's then.
+// Whether a value that someone outside holds stays resident and counted, or may leave the cache and
+// then belongs to the holder alone.
 enum class Held { kStays, kMayLeave };
 
 template <class Key, class T, class Hash = std::hash<Key>, class Note = NoNote>
@@ -49,7 +49,7 @@ class SingleFlightCache {
     explicit Entry(Key of) : key(std::move(of)) {}
     const Key key;
     enum class State { kLoading, kResident, kGone } state = State::kLoading;
-    uint64_t bytes = 0;          // of the budget: set aside while loading, then the value's
+    uint64_t bytes = 0;  // taken from the budget: set aside while loading, then the value's bytes
     uint64_t returns_from = 0;   // see publish()
     int64_t wanted_by = 0;       // joined or published, and neither taken nor let go
     Value value;                 // once loaded
@@ -73,18 +73,19 @@ class SingleFlightCache {
   struct Loaded {
     Value value;
     uint64_t bytes = 0;
-    bool keep = true;  // false: only for those who wait for it now
+    bool keep = true;  // false: only for the threads that wait for it now
   };
-  // The value of `key`. Where it is neither resident nor being loaded, load() makes it, a Loaded,
-  // on this thread and without the lock; `bytes` are set aside meanwhile. The budget gives way
-  // where nothing can be evicted. Throws what load() throws, to all who wait.
+  // The value of `key`. If it is neither resident nor being loaded, load() makes it (a Loaded) on
+  // this thread and without the lock, while `bytes` of the budget are set aside. The budget is
+  // exceeded if nothing can be evicted. Every thread that waited gets what load() throws.
   template <class Load>
   Value get(const Key& key, uint64_t bytes, Load&& load) SLUICE_EXCLUDES(mutex);
 
-  // For owners that take the steps themselves.
+  // The steps of get(), for owners that take them themselves.
 
   // The entry of a key that is resident (a hit, now the most recently used one) or being loaded (a
-  // miss that coalesces; a hit if it returns); wanted once more. Null otherwise, nothing counted.
+  // miss that coalesces; a hit if it returns); wanted once more. Otherwise returns null and counts
+  // nothing.
   EntryPtr join(const Key& key) SLUICE_REQUIRES(mutex);
   // The same without counting and wanting.
   EntryPtr find(const Key& key) const SLUICE_REQUIRES(mutex);
@@ -95,7 +96,7 @@ class SingleFlightCache {
       SLUICE_REQUIRES(mutex);
   // The value is there and takes `bytes`. Returns whether its key had been resident before.
   bool finish(const EntryPtr& entry, Value value, uint64_t bytes) noexcept SLUICE_REQUIRES(mutex);
-  // It will not be there. With a value: that is for those who wait alone.
+  // It will not be there. A value given here goes to the waiting threads alone.
   void fail(const EntryPtr& entry, const std::exception_ptr& why, Value value = nullptr) noexcept
       SLUICE_REQUIRES(mutex);
   // A loading entry that no one shall join any more.
@@ -123,9 +124,9 @@ class SingleFlightCache {
   void countHit() SLUICE_REQUIRES(mutex) { counters_.countHit(); }
   void countDecoded(uint64_t bytes) SLUICE_REQUIRES(mutex) { counters_.decoded_bytes += bytes; }
 
-  // Of entries being loaded.
+  // Bytes set aside for entries that are being loaded.
   uint64_t loadingBytes() const SLUICE_REQUIRES(mutex) { return loading_bytes_; }
-  // Resident, packed and set aside.
+  // Bytes that are resident, packed, or set aside for loading.
   uint64_t takenBytes() const SLUICE_REQUIRES(mutex) {
     return counters_.current_bytes + loading_bytes_;
   }
@@ -148,7 +149,7 @@ class SingleFlightCache {
  private:
   using Seen = std::unordered_map<Key, bool, Hash>;
 
-  // Makes a place for the key among those seen, with what is known of it.
+  // Makes a place for the key among those seen, with what is known about it.
   void remember(const Key& key) SLUICE_REQUIRES(mutex);
   // Notes that the key is resident now; whether it had been before.
   bool noteResident(const Key& key) noexcept SLUICE_REQUIRES(mutex);
@@ -157,7 +158,8 @@ class SingleFlightCache {
   const size_t remembered_;
   std::list<EntryPtr> recent_ SLUICE_GUARDED_BY(mutex);  // resident, most recently used first
   std::list<EntryPtr> loading_ SLUICE_GUARDED_BY(mutex);
-  std::unordered_map<Key, EntryPtr, Hash> entries_ SLUICE_GUARDED_BY(mutex);  // of both
+  std::unordered_map<Key, EntryPtr, Hash> entries_
+      SLUICE_GUARDED_BY(mutex);  // entries of both kinds
   // Keys that were published, and whether one was resident: the latest ones, and those before.
   Seen seen_ SLUICE_GUARDED_BY(mutex), seen_before_ SLUICE_GUARDED_BY(mutex);
   uint64_t loading_bytes_ SLUICE_GUARDED_BY(mutex) = 0;

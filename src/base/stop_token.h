@@ -12,7 +12,7 @@
 
 namespace sluice {
 
-// What stopped work ends with: nothing is wrong, there is just no result.
+// Thrown when stopped work ends. Nothing is wrong; there is just no result.
 class Interrupted : public std::exception {
  public:
   const char* what() const noexcept override { return "interrupted"; }

@@ -45,10 +45,10 @@ class IndexedVector : public std::vector<T> {
   decltype(auto) operator[](Index index) const {
     return std::vector<T>::operator[](static_cast<size_t>(index.value()));
   }
-  // Where the next element will be.
+  // The index that the next element will get.
   Index endIndex() const { return Index(this->size()); }
 
-  // For a loop over the indices of all elements.
+  // A range for a loop over the indices of all elements.
   class Indices {
    public:
     struct Iterator {

@@ -18,7 +18,7 @@ struct Slot {
 
 // A process writes a few files at once. The memory is touched slot by slot.
 std::array<Slot, 256> slots;
-static_assert(std::atomic<State>::is_always_lock_free);  // what a signal handler may read
+static_assert(std::atomic<State>::is_always_lock_free);  // a signal handler may read it
 
 }  // namespace
 

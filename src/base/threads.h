@@ -9,7 +9,8 @@
 
 namespace sluice {
 
-// Starts a thread that runs `body`. Throws std::system_error or std::bad_alloc where there is none.
+// Starts a thread that runs `body`. Throws std::system_error or std::bad_alloc if the system gives
+// none.
 using ThreadStarter = std::function<std::thread(const std::function<void()>& body)>;
 std::thread startThread(const std::function<void()>& body);
 

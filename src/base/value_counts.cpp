@@ -10,7 +10,7 @@
 namespace sluice {
 namespace {
 
-// Of a long series: neighbours become one until there are no more than these.
+// Most entries of a long series: beyond these, neighbours are joined.
 constexpr size_t kMostMerged = 4 * kMostValueCounts;
 
 bool isBefore(const ValueCount& a, const ValueCount& b) {
@@ -102,7 +102,8 @@ Histogram histogramOf(const ValueCounts& counts, size_t bins) {
   for (const ValueCount& entry : counts.entries) {
     const size_t first = binOf(histogram.range, bins, entry.lo);
     const size_t last = binOf(histogram.range, bins, entry.hi);
-    // Whole voxels, none lost: each bin gets what has been reached by its end.
+    // Bins hold whole voxels, and none is lost: each bin gets what the running sum has reached by
+    // its end.
     uint64_t given = 0;
     for (size_t bin = first; bin <= last; ++bin) {
       const double end = bin == last ? entry.hi : binEdge(histogram, bin + 1);

@@ -1,8 +1,8 @@
 // ValueCounts: how often each value occurs in a volume, every voxel counted once.
 //
-// Entries are single values where the type has few or the volume holds few, otherwise short
-// intervals, so that fill values however far off take one entry and no resolution from the rest.
-// Counts of several time steps add up. Plain data; pure functions.
+// Entries are single values if the type or the volume has few, otherwise short intervals. So fill
+// values, however far off, take one entry and no resolution from the others. Counts of several time
+// steps add up. Plain data; pure functions.
 #pragma once
 
 #include <algorithm>
@@ -16,7 +16,7 @@ namespace sluice {
 
 struct ValueCount {
   double lo = 0, hi = 0;  // lo == hi: this very value
-  uint64_t count = 0;     // of voxels in lo..hi, taken as spread evenly
+  uint64_t count = 0;     // voxels in lo..hi, taken as spread evenly
   friend bool operator==(const ValueCount&, const ValueCount&) = default;
 };
 
@@ -39,15 +39,15 @@ inline uint64_t jumpsTogether(uint64_t a, uint64_t b) {
 inline constexpr size_t kMostValueCounts = 4096;
 
 uint64_t total(const ValueCounts& counts);
-// Of all entries; 0, 0 where there are none.
+// From the least to the greatest value of all entries; 0, 0 if there are none.
 ValueRange rangeOf(const ValueCounts& counts);
-// Of values: each one times `scale` plus `offset`. Requires: scale is not 0.
+// Maps each value to value * `scale` + `offset`. Requires: scale is not 0.
 ValueCounts scaled(ValueCounts counts, double scale, double offset);
-// Both together.
+// The counts of both together.
 ValueCounts merged(const ValueCounts& a, const ValueCounts& b);
 // The entries, or the parts of them, inside `range`.
 ValueCounts inside(const ValueCounts& counts, ValueRange range);
-// In equal bins over rangeOf(counts). Requires: bins > 0.
+// The counts in equal bins over rangeOf(counts). Requires: bins > 0.
 Histogram histogramOf(const ValueCounts& counts, size_t bins);
 
 }  // namespace sluice

@@ -61,12 +61,12 @@ inline Vec3d normalized(Vec3d a) {
 constexpr int64_t volume(Vec3i size) {
   return size.x * size.y * size.z;
 }
-// Rounded up. Requires: a >= 0, b > 0.
+// The quotient, rounded up. Requires: a >= 0, b > 0.
 constexpr int64_t ceilDiv(int64_t a, int64_t b) {
   return (a + b - 1) / b;
 }
 
-// The half-open box lo <= p < hi, of voxels or of cells as the name of the variable says.
+// The half-open box lo <= p < hi, of voxels or of cells according to the variable's name.
 struct Box3 {
   Vec3i lo, hi;
 

@@ -1,4 +1,4 @@
-// The names of the channels of a volume, as its file says them.
+// The names of a volume's channels, as its file gives them.
 #pragma once
 
 #include <span>
@@ -9,16 +9,16 @@
 
 namespace sluice {
 
-// What a VolumeSource also is if its file may name channels; found by channelNames().
+// A VolumeSource implements this too if its file may name channels; see channelNames().
 class ChanneledSource {
  public:
   virtual ~ChanneledSource() = default;
-  // From channel 0 on; perhaps fewer than there are channels, and some of them empty. Constant
-  // after construction, any thread.
+  // The names from channel 0 on; perhaps fewer than there are channels, and some of them empty.
+  // Constant after construction, any thread.
   virtual std::span<const std::string> channelNames() const = 0;
 };
 
-// Those of a source; none if it names none.
+// The names of a source's channels; empty if it names none.
 inline std::span<const std::string> channelNames(const VolumeSource& source) {
   const auto* channeled = dynamic_cast<const ChanneledSource*>(&source);
   return channeled == nullptr ? std::span<const std::string>() : channeled->channelNames();

@@ -1,4 +1,5 @@
-// VolumeSource: what level 1 (disk) offers to the levels above; one implementation a file format.
+// VolumeSource: the interface of level 1 (disk) to the levels above; one implementation a file
+// format.
 //
 // A source describes a volume on disk and copies boxes of voxels out of it. It holds no cache of
 // voxels of its own beyond what its format forces on it (a compressed single stream is decoded once
@@ -25,7 +26,7 @@ struct ValueRange {
   friend constexpr bool operator==(const ValueRange&, const ValueRange&) = default;
 };
 
-// What the axes of the world mean to people, as far as the file says it.
+// The meaning of the world's axes for people, as far as the file tells it.
 enum class WorldFrame {
   kNone,         // nothing is known
   kRas,          // right, anterior, superior: NIfTI
@@ -34,35 +35,34 @@ enum class WorldFrame {
   kYUp,          // computer graphics: OpenVDB
 };
 
-// Where the voxels lie and what they mean. world = origin + sum over axes of
-// axes[a] * spacing[a] * index[a]; value = stored * value_scale + value_offset.
+// Position and meaning of the voxels.
 struct VolumeLayout {
   Vec3i dims;                       // voxels, each >= 1
-  VoxelType type = VoxelType::kU8;  // as readRegion delivers them, in this machine's byte order
+  VoxelType type = VoxelType::kU8;  // type that readRegion delivers, in this machine's byte order
   Vec3d spacing{1, 1, 1};           // world units between neighbouring voxels, each > 0
   Vec3d origin{0, 0, 0};            // world position of voxel (0, 0, 0)
   std::array<Vec3d, 3> axes{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};  // unit directions of x, y, z
   int64_t time_steps = 1;
-  std::optional<ValueRange> stored_range;  // of stored values, where the file says it
+  std::optional<ValueRange> stored_range;  // range of stored values, if the file tells it
   double value_scale = 1, value_offset = 0;
   std::string name;  // for people: the file's name or the grid's
-  std::string unit;  // of spacing and origin, where the file says it: "millimeter", "micrometer"
+  std::string unit;  // unit of spacing and origin, if the file tells it: "millimeter", ...
   WorldFrame frame = WorldFrame::kNone;
-  // What else the file holds: of how many channels or components which one is read, how many levels
-  // of resolution there are, the names of all grids or arrays.
+  // Other contents of the file: the number of channels or components and the one that is read, the
+  // number of levels of resolution, the names of all grids or arrays.
   int64_t channels = 1, channel = 0, levels = 1;
   std::vector<std::string> grids;
-  // For people, one line each: what was chosen among several, and what looks wrong but can be read.
+  // For people, one line each: choices among several, and possible faults that can be read anyway.
   std::vector<std::string> notes;
 };
 
-// A constant outside a list of boxes: what sparse formats know without reading a voxel.
+// A constant outside a list of boxes: known to sparse formats without reading a voxel.
 struct Occupancy {
   double background = 0;    // the stored value outside all boxes; of floats perhaps NaN or infinite
   std::vector<Box3> boxes;  // voxels, clipped to the volume; may touch or overlap
 };
 
-// A box to be copied out, and where to.
+// A box to be copied out, and its destination.
 struct RegionRead {
   Box3 box;
   std::span<std::byte> out;
@@ -80,32 +80,33 @@ class VolumeSource {
   // out.size() == box.count() * bytesPerVoxel(type). Throws Error when the read fails or is short.
   virtual void readRegion(int64_t time, const Box3& box, std::span<std::byte> out) = 0;
 
-  // readRegion() of each; a source whose voxels lie in rows reads together what lies together. For
-  // blocks that lie side by side along x, which share the voxel planes between them.
+  // Calls readRegion() for each; a source whose voxels lie in rows reads neighbouring regions
+  // together. For blocks that lie side by side along x, which share the voxel planes between them.
   virtual void readRegions(int64_t time, std::span<const RegionRead> regions) {
     for (const RegionRead& region : regions) readRegion(time, region.box, region.out);
   }
 
-  // Where voxels may differ from a constant; nullopt: anywhere.
+  // The cells in which voxels may differ from a constant; nullopt: anywhere.
   virtual std::optional<Occupancy> occupancy(int64_t /*time*/) { return std::nullopt; }
 
-  // One line that changes whenever the voxels may have changed: absolute path, size, modification
-  // time in ns and what else selects the voxels (grid name, dims given by the user). Keys the
+  // A line that changes whenever the voxels may have changed: absolute path, size, modification
+  // time in ns and whatever else selects the voxels (grid name, dims given by the user). Keys the
   // index.
   virtual std::string identity() const = 0;
 
   // Every file that the volume is read from: headers, detached voxels, slices, each time step's. A
-  // folder stands for all that is in it (a Zarr store). As they were named, so perhaps relative to
-  // the current folder. May open files to find out; throws Error as opening them does.
+  // folder stands for all that is in it (a Zarr store). Paths are as the user named them, so
+  // perhaps relative to the current folder. May open files to find out; throws Error as opening
+  // them does.
   virtual std::vector<std::string> files() { return {}; }
 
-  // What a source of compressed chunks holds decoded at the least while a thread reads; 0: nothing.
+  // The least bytes that a source of compressed chunks keeps decoded while a thread reads; 0: none.
   virtual uint64_t heldBytesAThread() const { return 0; }
-  // From now on decoded chunks take at most these bytes, or what the threads inside readRegion
-  // need, whichever is more.
+  // From now on decoded chunks take at most these bytes, or the least that the threads inside
+  // readRegion need, whichever is more.
   virtual void holdAtMost(uint64_t /*bytes*/) {}
 
-  // Bytes taken from files so far by this source (compressed bytes where compressed).
+  // Bytes taken from files so far by this source (compressed bytes if compressed).
   virtual uint64_t storedBytesRead() const = 0;
 };
 

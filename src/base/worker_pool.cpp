@@ -9,7 +9,7 @@
 namespace sluice {
 namespace {
 
-// One parallelFor in flight, shared by the caller and the helpers that the queue may start late.
+// A parallelFor in flight, shared by the caller and the helpers that the queue may start late.
 struct Loop {
   int64_t count;
   const std::function<void(int64_t)>* body;  // valid while `finished` < count

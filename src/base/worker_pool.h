@@ -2,8 +2,8 @@
 //
 // Owned by the program and handed down by reference. parallelFor and submit may be called from any
 // thread; parallelFor's caller works too, so a pool of 1 runs loops on the caller alone and nested
-// loops cannot deadlock. Where the system starts fewer threads than were asked for, the pool has
-// those; one without any runs tasks where they are submitted.
+// loops cannot deadlock. If the system starts fewer threads than were asked for, the pool has
+// those; a pool without any runs each task where it is submitted.
 #pragma once
 
 #include <cstdint>
@@ -22,16 +22,18 @@ class WorkerPool {
   // `threads` counts the caller of parallelFor: threads - 1 are started, at least one for submit.
   // 0 means one a core.
   explicit WorkerPool(int threads = 0, const ThreadStarter& start = startThread);
-  // Runs what is queued, then joins.
+  // Runs the queued tasks, then joins.
   ~WorkerPool();
   WorkerPool(const WorkerPool&) = delete;
   WorkerPool& operator=(const WorkerPool&) = delete;
 
-  // Those that a loop runs on, its caller included; and how many it would be had all started.
+  // The number of threads that a loop runs on, its caller included, and the number if all had
+  // started.
   int threads() const { return threads_; }
   int wantedThreads() const { return wanted_threads_; }
-  // Which of its threads this one is: 1 and more on a worker, else 0. Below threads(), but that a
-  // task of a pool of one gets 1. Not to be asked in tasks that the destructor still runs.
+  // Which of its threads this one is: 1 and more on a worker, else 0. The number is below
+  // threads(), except that a task of a pool of one gets 1. Not to be asked in tasks that the
+  // destructor still runs.
   int self() const;
 
   // Calls body(i) for each i in [0, count), in any order and on several threads; returns when all
@@ -39,7 +41,7 @@ class WorkerPool {
   void parallelFor(int64_t count, const std::function<void(int64_t)>& body);
 
   // Queues `task` to run on a worker, in order of submission; a pool without workers runs it here
-  // and now. The task must not throw: it stores its failure where the one who waits looks.
+  // and now. The task must not throw: it stores its failure for the waiting thread.
   void submit(std::function<void()> task);
 
  private:

@@ -3,11 +3,10 @@
 // A block is a cube of 2^d voxels a side. Neighbours share their boundary voxel plane, so that
 // interpolation never needs two blocks: a block owns the 2^d - 1 cells between its planes, and the
 // grid has ceil((l-1) / (2^d-1)) blocks along an axis of l voxels (formula 1). With `ghost` = 1 the
-// outermost voxel layer is a border for central differences (lit pictures): the block owns
-// 2^d - 3 cells and its first stored plane lies one before its first cell. A volume of several
-// levels has a layer more (pyramid.h). Beyond the volume a
-// block is padded. Cells are what is classified and drawn: cell i lies between voxel planes i and
-// i+1.
+// outermost voxel layer is a border for central differences (lit pictures): the block owns 2^d - 3
+// cells and its first stored plane lies one before its first cell. A volume of several levels has a
+// layer more (pyramid.h). Beyond the volume a block is padded. Cells are classified and drawn: cell
+// i lies between voxel planes i and i+1.
 #pragma once
 
 #include <cstdint>
@@ -24,9 +23,9 @@ struct BlockLayout {
 
   friend bool operator==(const BlockLayout&, const BlockLayout&) = default;
 
-  // Owned cells a side of an inner block.
+  // Owned cells along each axis of an inner block.
   int64_t cells() const { return size - 1 - 2 * ghost; }
-  // Owned voxel planes a side: elements of one min-max array.
+  // Owned voxel planes along each axis: elements of one min-max array.
   int64_t planes() const { return cells() + 1; }
   int64_t blockCount() const { return volume(grid); }
 

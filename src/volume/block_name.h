@@ -1,6 +1,6 @@
-// BlockName: what a volume block is called wherever blocks of several time steps, levels of
-// resolution or channels meet: the keys of the volume buffer, object blocks, texture blocks, runs
-// that are read together and the recipes of chunks. A plain value.
+// BlockName: the name of a volume block among blocks of several time steps, levels of resolution or
+// channels. It keys the volume buffer, object blocks, texture blocks, runs that are read together
+// and the recipes of chunks. A plain value.
 #pragma once
 
 #include <compare>
@@ -11,7 +11,7 @@ namespace sluice {
 
 struct BlockName {
   int64_t time = 0;
-  int32_t level = 0;    // of the pyramid, 0 the finest
+  int32_t level = 0;    // in the pyramid, 0 the finest
   int32_t channel = 0;  // 0: the one that the source reads
   int64_t block = 0;    // id in the layout of that level
 
@@ -21,7 +21,7 @@ struct BlockName {
   bool isBeside(const BlockName& other) const {
     return time == other.time && level == other.level && channel == other.channel;
   }
-  // Another block of the same grid.
+  // The name of another block of the same grid.
   BlockName withBlock(int64_t other) const { return {time, level, channel, other}; }
 };
 

@@ -22,8 +22,8 @@ void widen(PlaneRange<T>& range, PlaneRange<T> by) {
   range.hi = std::max(range.hi, by.hi);
 }
 
-// Of a box of voxels, x fastest with the given strides. Element by element: a minimum along a row
-// would be a chain that no vector unit likes.
+// The range of a box of voxels, x fastest with the given strides. It is reduced element by element
+// across rows, because a minimum along a row would be a chain that does not vectorise.
 template <class T>
 PlaneRange<T> rangeOf(const T* voxels, Vec3i size, int64_t row_stride, int64_t plane_stride) {
   const auto columns = static_cast<size_t>(size.x);
@@ -41,7 +41,7 @@ PlaneRange<T> rangeOf(const T* voxels, Vec3i size, int64_t row_stride, int64_t p
   return range;
 }
 
-// Work space for blocks of up to `side` planes. One thread.
+// Work space for the ranges of blocks of up to `side` planes. One thread.
 template <class T>
 class BlockRanges {
  public:

@@ -5,7 +5,7 @@
 namespace sluice {
 namespace {
 
-// In doubles: a sparse volume may have more cells than 63 bits count.
+// Computed in doubles: a sparse volume may have more cells than 63 bits count.
 bool fits(Vec3i cells, int64_t side) {
   double bricks = 1;
   for (int a = 0; a < 3; ++a) bricks *= static_cast<double>(ceilDiv(cells[a], side));

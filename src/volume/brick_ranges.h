@@ -1,6 +1,6 @@
 // BrickRanges: the least and the greatest value of bricks of cells, in a grid that follows from the
-// volume's size alone. Whatever depends on them, such as the view that fits what is visible, is the
-// same for any size of block, lit or not.
+// volume's size alone. Results that depend on them, such as the view that fits the visible part,
+// are the same for any size of block, lit or not.
 //
 // A brick has as few cells a side as kMostRangeBricks allow: a volume of 64 voxels a side has a
 // brick a cell, one of 1024 voxels bricks of 16 cells. Immutable once built.
@@ -46,12 +46,12 @@ struct BrickRanges {
 };
 
 // The cells of a volume of `dims` voxels that bricks cover: all, or those between the first and the
-// last where the source says that something may differ from its background.
+// last that the source knows may differ from its background.
 Box3 brickCells(Vec3i dims, const std::optional<Occupancy>& occupancy);
-// The grid over these cells, without ranges. No cells: no bricks.
+// The grid over these cells, without ranges. Without cells there are no bricks.
 BrickRanges brickGrid(const Box3& cells);
 
-// The same pass over the voxels as that of the other buildSliceRanges(), and the bricks from it.
+// The same pass over the voxels as the other buildSliceRanges(), and the bricks from it.
 SliceRanges buildSliceRanges(VolumeSource& source, int64_t time, const BlockLayout& layout,
                              WorkerPool& pool, ProgressMeter& progress, uint64_t most_bytes,
                              const StopToken& stop, BrickRanges& bricks);
@@ -91,7 +91,7 @@ class BrickRangesBuilder {
     merge(found, first, count);
   }
 
-  // After the last add().
+  // To be called after the last add().
   BrickRanges finish() SLUICE_EXCLUDES(mutex_) {
     const MutexLock lock(mutex_);
     const auto bytes = std::as_bytes(std::span(result_));
@@ -123,7 +123,7 @@ class BrickRangesBuilder {
       }
   }
 
-  // Of columns `from` to `to`, both included.
+  // The range of columns `from` to `to`, both included.
   static PlaneRange<T> reduce(const std::vector<T>& lo, const std::vector<T>& hi, int64_t from,
                               int64_t to) {
     PlaneRange<T> range = kNoVoxels<T>;

@@ -19,8 +19,8 @@ double entropyBits(const Shares& counts) {
   return bits;
 }
 
-// Neighbours differ nearly everywhere and as if they were drawn from the whole range: noise does
-// so, and what was a lower byte. Labels differ as much, but seldom.
+// Neighbours differ nearly everywhere, as if they were drawn from the whole range: noise does so,
+// and a former lower byte. Labels differ as much, but seldom.
 bool neighborsAreUnrelated(const ValueCounts& counts, double counted) {
   constexpr double kOften = 0.5, kFar = 0.2;  // two numbers drawn from a range differ by a third
   const ValueRange range = rangeOf(counts);
@@ -29,9 +29,9 @@ bool neighborsAreUnrelated(const ValueCounts& counts, double counted) {
          static_cast<double>(counts.jumps) > kFar * changes * (range.hi - range.lo);
 }
 
-// Numbers of two parts: `unit` is the size of the lower one. The value that is most frequent, a
-// background, says nothing. Values over the whole of their type use both parts much alike; their
-// neighbours tell.
+// Numbers of two parts: `unit` is the size of the lower one. The most frequent value, a background,
+// tells nothing. Values over the whole of their type use both parts much alike; their neighbours
+// tell.
 bool partsAreSwapped(const ValueCounts& counts, const Histogram& histogram, double unit) {
   const double least = std::floor(histogram.range.lo / (16 * unit)) * 16 * unit;
   const auto background = std::max_element(histogram.counts.begin(), histogram.counts.end());
@@ -65,9 +65,9 @@ bool floatsAreSwapped(const Histogram& histogram) {
   constexpr double kHuge = 1e25, kTiny = 1e-30;
   constexpr std::ptrdiff_t kMany = 64;
   const double largest = std::max(std::abs(histogram.range.lo), std::abs(histogram.range.hi));
-  // Whole numbers have no lower bytes: swapped, no exponent.
+  // Whole numbers have no lower bytes: swapped, they have no exponent.
   if (largest < kTiny) return histogram.range.lo < histogram.range.hi;
-  // One fill value far off the others is no exponent of any kind.
+  // A single fill value far from the others does not come from misread exponents.
   return largest > kHuge && std::count_if(histogram.counts.begin(), histogram.counts.end(),
                                           [](uint64_t count) { return count > 0; }) > kMany;
 }

@@ -1,7 +1,7 @@
 // Whether the values of a volume look as if their bytes had been read in the wrong order.
 //
-// In numbers that are read right the upper part says where in the range a value lies, so that it is
-// uneven over a volume, and the lower part is nearly random, so that it is even. Swapped, it is the
+// In numbers that are read right, the upper part tells where in the range a value lies, so that it
+// is uneven over a volume; the lower part is nearly random, so that it is even. Swapped, it is the
 // other way round; floats swapped have any exponent, or none. Pure.
 #pragma once
 
@@ -10,8 +10,8 @@
 
 namespace sluice {
 
-// True only where it is plain to see; never for voxels of one byte. A false one costs a line of
-// text, so that 8-bit values kept in the upper halves of 16 bits are let pass.
+// True only if it is obvious; never for voxels of one byte. A false one costs a line of text, so
+// that 8-bit values kept in the upper halves of 16 bits are let pass.
 bool looksByteSwapped(const SliceRanges& ranges, VoxelType type);
 
 }  // namespace sluice

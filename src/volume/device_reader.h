@@ -1,9 +1,9 @@
 // DeviceReader: boxes of a source's voxels in device form, the way that level 2, the min-max arrays
 // and the growing boxes all read.
 //
-// Where device voxels are as large as stored ones they are converted where they were read; where
-// they are smaller (doubles) they go through scratch memory in slabs of planes, kept from read to
-// read. One thread at a time each.
+// If device voxels are as large as stored ones, they are converted in place. If they are smaller
+// (doubles), they pass through scratch memory in slabs of planes, which is kept from read to read.
+// A reader is used by one thread at a time.
 #pragma once
 
 #include <cstddef>

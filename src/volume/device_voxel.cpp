@@ -10,7 +10,7 @@
 namespace sluice {
 namespace {
 
-// Typed by the stored type; the shift makes signed integers unsigned.
+// The type is the stored one; the shift makes signed integers unsigned.
 template <class Stored>
 auto convert(Stored v) {
   if constexpr (std::is_same_v<Stored, uint8_t> || std::is_same_v<Stored, uint16_t>) {

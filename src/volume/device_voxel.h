@@ -1,9 +1,8 @@
 // DeviceVoxel: the three scalar forms that levels 2 to 4 hold and draw, and the way into them.
 //
-// u8, u16 and f32 stay as they are stored; i8 and i16 are shifted to u8 and u16, u32, i32 and f64
+// u8, u16 and f32 stay as they are stored; i8 and i16 are shifted to u8 and u16; u32, i32 and f64
 // become f32: no type loses its range. In f32,
-// - infinities, and what is as far away, become -kLargest and kLargest, values like others: they
-// are
+// - infinities, and values as far away, become -kLargest and kLargest, values like others: they are
 //   interpolated with their neighbours, so that nearly all of the cells around them looks as the
 //   transfer function's end does; they are no part of the value range;
 // - NaN becomes kNotANumber, so far below all values that a sample with any part of it is below
@@ -30,7 +29,7 @@ size_t bytesPerVoxel(DeviceType type);
 // "u8", "u16", "f32".
 const char* name(DeviceType type);
 
-// What levels 2 to 4 hold and how a value follows from it: value = device * scale + offset.
+// The voxel type of levels 2 to 4 and how a value follows from it: value = device * scale + offset.
 struct ValueMap {
   DeviceType type = DeviceType::kU8;
   double scale = 1, offset = 0;
@@ -39,8 +38,8 @@ struct ValueMap {
   double deviceOf(double value) const { return (value - offset) / scale; }
 };
 ValueMap deviceMap(const VolumeLayout& layout);
-// Of a stored value, exactly what `toDevice` makes of it. Requires: `stored` is NaN or one of the
-// type's values.
+// The device voxel of a stored value, exactly as `toDevice` makes it. Requires: `stored` is NaN or
+// one of the type's values.
 double deviceFromStored(VoxelType type, double stored);
 // Whether `toDevice` copies voxels of this type as they are.
 constexpr bool isStoredAsDevice(VoxelType type) {

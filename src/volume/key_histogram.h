@@ -2,8 +2,8 @@
 //
 // A voxel's key is its value for integers and the upper 18 bits of an order-preserving form of a
 // float (sign, exponent and 9 bits of mantissa), so that one pass over a volume is enough; finish()
-// makes entries of the keys that occur. Of floats with few values these are remembered, so that
-// labels stay what they are. Not shared between threads.
+// makes entries of the keys that occur. Floats with few distinct values are remembered exactly, so
+// that labels stay what they are. Not shared between threads.
 #pragma once
 
 #include <algorithm>
@@ -97,13 +97,13 @@ class KeyHistogram {
     for (const uint64_t count : counts_) sum += count;
     return sum;
   }
-  // Device values, NaN and infinities left out. Integers get an entry each where there are up to
+  // Device values, NaN and infinities left out. Integers get an entry each if there are up to
   // kMostValueCounts of them. Requires: `range` holds every value added.
   ValueCounts finish(ValueRange range) const {
     std::vector<uint64_t> counts(kKeys, 0);
     for (size_t i = 0; i < counts_.size(); ++i) counts[i % kKeys] += counts_[i];
     const auto isUsed = [&](size_t key) { return counts[key] > 0 && !standsForNoNumber(key); };
-    // Neighbouring keys share an entry where there are too many.
+    // Neighbouring keys share an entry if there are too many.
     const auto entriesOf = [&](int bits) {
       size_t used = 0, last = ~size_t{0};
       for (size_t key = 0; key < kKeys; ++key)
@@ -141,9 +141,9 @@ class KeyHistogram {
   static bool isNumber(float v) { return v > -kLargest && v < kLargest; }
   static uint64_t jumpOf(T a, T b) {
     if constexpr (std::is_same_v<T, float>) {
-      constexpr float kMost = 0x1p32F;  // of whole numbers; an infinite one does not take the sum
+      constexpr float kMost = 0x1p32F;  // an infinite value must not fill the sum
       const float jump = std::abs(a - b);
-      if (!(jump >= 0)) return 0;  // beside what is no number
+      if (!(jump >= 0)) return 0;  // a neighbour is NaN
       return static_cast<uint64_t>(std::min(jump, kMost));
     } else {
       return static_cast<uint64_t>(a > b ? a - b : b - a);
@@ -171,7 +171,7 @@ class KeyHistogram {
     } else {
       double lo = floatOf(static_cast<uint32_t>(key << kDropped));
       double hi = floatOf(static_cast<uint32_t>((key + 1) << kDropped) - 1);
-      // Both zeros, and what is next to them.
+      // The keys of both zeros and of the values next to them.
       if (key + 1 == kKeys / 2 || key == kKeys / 2) lo = hi = 0;
       const auto& few = few_.values();
       const auto first = std::lower_bound(few.begin(), few.end(), lo);

@@ -10,7 +10,7 @@
 namespace sluice {
 namespace {
 
-// Where packing to more does not pay.
+// The most bytes at which packing still pays.
 size_t mostPackedBytes(size_t byte_count) {
   return byte_count - byte_count / 8;
 }

@@ -1,7 +1,7 @@
 // Compression of a block's voxels in memory: how level 2 keeps cold blocks (Tong 1999, section 5
-// names compression as what would let more of a volume stay in memory). Blosc with LZ4, bytes of a
-// voxel shuffled apart: of the codecs that `sluice bench packing` compares it gives the most bytes
-// back a second. Pure functions, any thread.
+// names compression as a way to keep more of a volume in memory). Blosc with LZ4, bytes of a voxel
+// shuffled apart: of the codecs that `sluice bench packing` compares it gives the most bytes back a
+// second. Pure functions, any thread.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@
 namespace sluice {
 
 struct PackedBytes {
-  // Of malloc: what is too long is cut off where it lies, not copied.
+  // Memory from malloc, because realloc can cut off the excess without a copy.
   struct Free {
     void operator()(std::byte* memory) const { std::free(memory); }
   };
@@ -22,16 +22,16 @@ struct PackedBytes {
 };
 
 struct PackCodec {
-  const char* name = "lz4";  // of Blosc's compressors
+  const char* name = "lz4";  // one of Blosc's compressors
   int level = 5;             // 1 to 9
 };
 
-// Nullopt where packing does not save an eighth: noise is better dropped and read again. Throws
+// Nullopt if packing does not save an eighth: noise is better dropped and read again. Throws
 // std::bad_alloc.
 std::optional<PackedBytes> pack(std::span<const std::byte> voxels, size_t voxel_bytes,
                                 PackCodec codec = {});
-// Bytes that pack() takes for a while beside voxels of `byte_count`, its result among them: room
-// for seven eighths of them, and two of Blosc's blocks, which unpack() takes too.
+// Bytes that pack() takes for a while in addition to the `byte_count` of the voxels, its result
+// among them: room for seven eighths of them, and two of Blosc's blocks, which unpack() takes too.
 size_t packPeakBytes(size_t byte_count, size_t voxel_bytes);
 // Requires: `packed` was made by pack() from out.size() bytes. Throws std::bad_alloc.
 void unpack(const PackedBytes& packed, std::span<std::byte> out);

@@ -9,7 +9,7 @@
 namespace sluice {
 namespace {
 
-// Of a voxel: rounding in scales and offsets that files give as decimals.
+// Rounding, in voxels, of scales and offsets that files give as decimals.
 constexpr double kRounding = 1e-6;
 // How far the positions of a block's region may lie beyond its own planes, in voxels of the level;
 // the ghost layer holds the texels there.

@@ -24,7 +24,7 @@ namespace sluice {
 
 struct LevelLayout {
   BlockLayout blocks;        // in the level's own voxels
-  LevelPlacement placement;  // of these among the finest voxels
+  LevelPlacement placement;  // place of these voxels among the finest
   Vec3i width;               // finest cells from one block to the next
   int numbers = 1;           // a voxel: 2 if it has a mean and a spread
 

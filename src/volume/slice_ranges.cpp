@@ -99,8 +99,8 @@ std::vector<int64_t> candidates(const BlockLayout& layout,
   return blocks;
 }
 
-// What one thread reads into and counts with; handed on from run to run, since fresh memory of this
-// size costs as much as the work done in it.
+// The work space of one thread for reading and counting. It is passed on from run to run, since
+// fresh memory of this size costs as much as the work done in it.
 template <class T>
 struct WorkSpace {
   WorkSpace(VolumeSource& source, int64_t planes) : reader(source, kBytesPerRead), ranges(planes) {}
@@ -117,12 +117,12 @@ struct WorkSpace {
     return device.get();
   }
 
-  DeviceReader reader;  // what it reads through is bounded by the run
+  DeviceReader reader;  // the run bounds the bytes of a read
   size_t capacity = 0;  // voxels
   std::unique_ptr<T[]> device;
   BlockRanges<T> ranges;
   KeyHistogram<T> histogram;
-  PlaneRange<T> seen = kNoVoxels<T>;  // of all voxels that are numbers
+  PlaneRange<T> seen = kNoVoxels<T>;  // range of all voxels but NaN and infinities
   ValueRange far{1, 0};               // see SliceRanges::far_range
 };
 
@@ -160,7 +160,7 @@ bool hasFarVoxels(const float* voxels, Vec3i size, Vec3i stride_size) {
   return false;
 }
 
-// Of the finite stored values of a box that are beyond kLargest; lo > hi: there are none.
+// The range of the finite stored values of a box that are beyond kLargest; lo > hi: there are none.
 ValueRange farRange(VolumeSource& source, int64_t time, const Box3& box) {
   const VoxelType type = source.layout().type;
   ValueRange range{1, 0};
@@ -180,7 +180,7 @@ ValueRange farRange(VolumeSource& source, int64_t time, const Box3& box) {
   return range;
 }
 
-// The device value outside of what the source stores.
+// The device value outside the boxes that the source stores.
 std::optional<double> backgroundOf(const VolumeSource& source,
                                    const std::optional<Occupancy>& occupancy) {
   if (!occupancy) return std::nullopt;
@@ -238,7 +238,7 @@ class Builder {
     idle_.push_back(std::move(work));
   }
 
-  // After the last run. Gives the bricks.
+  // To be called after the last run. Gives the bricks.
   BrickRanges finish(std::optional<double> known_background) {
     const MutexLock lock(mutex_);
     result_.background = known_background.value_or(mostCommonUniform());

@@ -2,8 +2,8 @@
 //
 // For each block and axis, element i is the least and the greatest voxel of the block's owned plane
 // i orthogonal to that axis. Blocks whose voxels all equal one `background` are not held: on disk,
-// in memory and in every loop over blocks a volume costs what is in it. Immutable once built; any
-// thread may read.
+// in memory and in every loop over blocks, a volume costs only its other blocks. Immutable once
+// built; any thread may read.
 #pragma once
 
 #include <cstddef>
@@ -22,7 +22,7 @@
 
 namespace sluice {
 
-// One element of a min-max array, device voxels. lo > hi: the plane does not exist (padding).
+// An element of a min-max array, in device voxels.
 template <class T>
 struct PlaneRange {
   T lo, hi;
@@ -37,12 +37,12 @@ struct SliceRanges {
   std::vector<std::byte> totals;
   // PlaneRange<T>[held][axis][plane], layout.planes() an axis.
   std::vector<std::byte> planes;
-  ValueRange device_range;  // of all voxels but NaN and infinities; 0, 0 where there are no others
-  // Of the finite stored values that are beyond kLargest, which device voxels cannot tell from
-  // infinities; lo > hi: there are none. Of floats alone.
+  ValueRange device_range;  // range of all voxels but NaN and infinities; 0, 0 if there are none
+  // The range of the finite stored values beyond kLargest, which device voxels cannot tell from
+  // infinities; lo > hi: there are none. Only floats have such values.
   ValueRange far_range{1, 0};
   // Device values of all voxels, each counted once though blocks share planes: the same for any
-  // size of block. What a NaN or an infinity stands for is left out.
+  // size of block. Voxels that stand for NaN or an infinity are left out.
   ValueCounts counts;
   // The index that they were read from; empty: they were made from the voxels.
   std::filesystem::path index_file = {};
@@ -66,7 +66,7 @@ inline constexpr uint64_t kMostIndexingBytes = uint64_t{128} << 20;
 
 // Reads the blocks that may hold something else than the background, each once, in rows of blocks
 // on all threads of `pool`, and holds at most `most_bytes` of voxels (or a block a thread)
-// meanwhile. Adds the bytes of those blocks to what `progress` expects. Throws Error from the
+// meanwhile. Adds the bytes of those blocks to the total of `progress`. Throws Error from the
 // source, Interrupted when `stop` asks for it.
 SliceRanges buildSliceRanges(VolumeSource& source, int64_t time, const BlockLayout& layout,
                              WorkerPool& pool, ProgressMeter& progress,

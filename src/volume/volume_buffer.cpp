@@ -89,7 +89,7 @@ void VolumeBuffer::packOrDrop(MutexLock& lock, const EntryPtr& victim) {
   packing_ = true;
   ++victim->wanted_by;  // so that it stays meanwhile
   const VolumeBlock& block = *victim->value;
-  blocks_.mutex.unlock();  // of `lock`
+  blocks_.mutex.unlock();  // the mutex that `lock` holds
   std::optional<PackedBytes> packed;
   try {
     packed = pack({block.bytes.get(), block.byteCount()}, bytesPerVoxel(block.type));
@@ -98,7 +98,7 @@ void VolumeBuffer::packOrDrop(MutexLock& lock, const EntryPtr& victim) {
   blocks_.mutex.lock();
   packing_ = false;
   blocks_.letGo(victim);
-  // Else someone wanted it in the meantime.
+  // Otherwise another thread wanted it in the meantime.
   if (blocks_.mayGo(*victim)) {
     if (packed)
       keepPacked(victim, std::move(*packed));
@@ -181,7 +181,7 @@ std::vector<VolumeBlockPtr> VolumeBuffer::acquire(std::span<const BlockName> key
       }
     }
   }
-  // What was published must be brought to an end also when there is no room for the rest.
+  // Published entries must be brought to an end, even if there is no room for the rest.
   loadOwn(ours, tally);
 
   MutexLock lock(blocks_.mutex);
@@ -257,7 +257,7 @@ void VolumeBuffer::unpackAndFinish(Own& own, ReadTally* tally) noexcept {
   try {
     block = emptyBlock(own.entry->key);
     unpack(own.packed, {block->bytes.get(), block->byteCount()});
-  } catch (...) {  // no memory: those who wait must hear of it
+  } catch (...) {  // no memory: the waiting threads must hear of it
     failure = std::current_exception();
   }
   if (tally != nullptr) tally->decode_ns += static_cast<int64_t>(watch.seconds() * 1e9);

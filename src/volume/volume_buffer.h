@@ -59,9 +59,10 @@ class VolumeBuffer {
   // thread, on several at once.
   using Check = std::function<void(const BlockName& name, const VolumeBlock& block)>;
 
-  // What happens to blocks that were asked for more than once when their room is needed.
+  // Whether blocks that were requested more than once are dropped or packed when their room is
+  // needed.
   enum class Cold { kDropped, kPacked };
-  // A level of resolution: where its voxels come from, and how they are cut into blocks.
+  // A level of resolution: its source, and how it is cut into blocks.
   struct Level {
     VolumeSource* source = nullptr;  // must outlive the buffer
     BlockLayout layout;
@@ -77,22 +78,22 @@ class VolumeBuffer {
   // Requires: no other call is under way.
   void checkBy(Check check) { check_ = std::move(check); }
 
-  // The blocks of `keys`, in that order; those of one row along x that follow each other in `keys`
-  // are read together.
-  // Throws Error when a read fails or when the budget cannot hold these blocks beside those that
-  // other handles pin and other calls wait for, Interrupted when the source does; the failed blocks
-  // are not kept. Beside its blocks each call holds at most kScratchBytes (or one plane of a block)
-  // while it reads voxels that are larger on disk than here.
+  // The blocks of `keys`, in that order; blocks of one row along x that follow each other in `keys`
+  // are read together. Throws Error when a read fails or when the budget cannot hold these blocks
+  // in addition to the blocks that other handles pin and other calls wait for, Interrupted when the
+  // source does; the failed blocks are not kept. In addition to its blocks, each call holds at most
+  // kScratchBytes (or one plane of a block) while it reads voxels that are larger on disk than
+  // here.
   //
-  // `ahead`, where given, says of each key whether its block is only brought because it lies beside
-  // the others: the next call that wants it is the first to use it. What this call reads is added
-  // to `tally`; it may be null.
+  // `ahead`, if given, tells for each key whether its block is only brought because it lies next to
+  // others; the next call that requests it is the first to use it. Bytes and times of this call are
+  // added to `tally`, which may be null.
   std::vector<VolumeBlockPtr> acquire(std::span<const BlockName> keys,
                                       const std::vector<bool>& ahead = {},
                                       ReadTally* tally = nullptr);
 
-  // Reads voxels of level 0 that are not kept here, for what is made of them and not drawn from
-  // them; counted as decoded like those that are. Throws what the source does.
+  // Reads voxels of level 0 that are not kept here, for data made from them; counted as decoded
+  // like the others. Throws what the source does.
   void readPast(int64_t time, const RegionRead& region, ReadTally* tally = nullptr);
 
   static constexpr size_t kScratchBytes = DeviceReader::kScratchBytes;
@@ -121,13 +122,14 @@ class VolumeBuffer {
     Use use;
     PackedBytes bytes;
   };
-  // An entry that this call brings to its end, from the source or, where it has bytes, from these.
+  // An entry that this call brings to its end, from the source or, if it has packed bytes, from
+  // these.
   struct Own {
     EntryPtr entry;
     PackedBytes packed;
   };
 
-  // With `lock` in the arguments they may give it up for a while.
+  // Functions that take `lock` may release it for a while.
   EntryPtr request(MutexLock& lock, const BlockName& key, bool ahead, std::vector<Own>& ours)
       SLUICE_REQUIRES(blocks_.mutex);
   bool hasRoom(uint64_t bytes) const SLUICE_REQUIRES(blocks_.mutex);
@@ -140,12 +142,13 @@ class VolumeBuffer {
   std::shared_ptr<VolumeBlock> emptyBlock(const BlockName& key) const;
   void loadOwn(std::span<Own> ours, ReadTally* tally) noexcept;
   void unpackAndFinish(Own& own, ReadTally* tally) noexcept;
-  // Entries of one row of blocks that this call reads; their state says how it went.
+  // Entries of one row of blocks that this call reads; their state tells the outcome.
   void loadAndFinish(std::span<const Own> run, ReadTally* tally) noexcept;
   std::vector<std::shared_ptr<VolumeBlock>> load(std::span<const Own> run, ReadTally* tally);
   void countRead(const DeviceReader& reader, uint64_t bytes, ReadTally* tally)
       SLUICE_EXCLUDES(blocks_.mutex);
-  // Of the exception that is being handled; a library's own becomes an Error.
+  // The exception that is being handled, as an Error that names the block; a library's own type is
+  // translated.
   std::exception_ptr failureOf(const BlockName& key) const noexcept;
 
   const Level& levelOf(const BlockName& name) const {
@@ -162,15 +165,15 @@ class VolumeBuffer {
   const ValueMap map_;                          // constant after construction
   const bool packs_;                            // constant after construction
   Check check_;                                 // may be null; constant once blocks are read
-  const std::shared_ptr<BufferMemory> memory_;  // of the blocks as they are
-  Blocks blocks_;                               // as they are
-  // Packed ones, most recently packed first.
+  const std::shared_ptr<BufferMemory> memory_;  // memory of the unpacked blocks
+  Blocks blocks_;                               // unpacked blocks
+  // Packed entries, most recently packed first.
   std::list<Packed> cold_ SLUICE_GUARDED_BY(blocks_.mutex);
   std::unordered_map<BlockName, std::list<Packed>::iterator, BlockNameHash> cold_by_key_
       SLUICE_GUARDED_BY(blocks_.mutex);
-  uint64_t cold_bytes_ SLUICE_GUARDED_BY(blocks_.mutex) = 0;  // of these
+  uint64_t cold_bytes_ SLUICE_GUARDED_BY(blocks_.mutex) = 0;  // bytes of cold_
   uint64_t packed_bytes_ SLUICE_GUARDED_BY(blocks_.mutex) =
-      0;  // and of those that are unpacked now
+      0;  // bytes of cold_ and of the blocks being unpacked
   // A thread packs: one at a time, with scratch for one block.
   bool packing_ SLUICE_GUARDED_BY(blocks_.mutex) = false;
 };
