@@ -23,7 +23,7 @@ BoxesOrigin originOf(const SliceRanges& ranges) {
 
 struct PieceSpan {
   int64_t first = 0, count = 0;     // blocks
-  std::span<const int64_t> blocks;  // those of them that are not background
+  std::span<const int64_t> blocks;  // blocks of the run that are not background
 };
 PieceSpan pieceSpan(const SliceRanges& ranges, int64_t block) {
   PieceSpan piece;
@@ -96,7 +96,7 @@ BoxTreePtr BoxStore::treeOf(int64_t block, bool may_build, const ReadPurpose& pu
       const bool keep = made != nullptr && bytes <= budget_bytes_;
       return Trees::Loaded{std::move(made), bytes, keep};
     });
-    // What another thread looked up in the index alone, and did not find, may still be built.
+    // A lookup in the index alone that found nothing, by another thread, still allows building.
     if (tree != nullptr || !may_build) return tree;
   }
 }
@@ -153,7 +153,7 @@ BoxesPiece BoxStore::buildPiece(int64_t first, int64_t count, const ReadPurpose&
   forEachBlockBricks(source_, time_, origin_.layout, pieceSpan(ranges_, first).blocks, pool_,
                      progress, growing_bytes_, grow, purpose.stop, read);
   BoxesPiece piece = assemble(first, trees);
-  // An index is a convenience: where it cannot be kept, the next opening makes it again.
+  // An index is a convenience: if it cannot be kept, the next opening makes it again.
   writeIndex(places_, keyOf(source_, time_, origin_.layout, first), serialize(piece, origin_));
   return piece;
 }

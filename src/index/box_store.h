@@ -1,11 +1,11 @@
-// BoxStore: the boxes of the blocks that are asked for, from the volume's index where they are
-// kept, otherwise made from the voxels and kept for the next time.
+// BoxStore: the boxes of requested blocks, from the volume's index if they are kept there,
+// otherwise made from the voxels and kept for the next time.
 //
 // The index is read and written in pieces of some hundred blocks, so that a frame that sees a
 // corner of a volume reads that corner's boxes. In memory are the trees of blocks asked for, the
 // longest unused ones go first beyond the budget, and the last piece. Trees that were handed out
 // live as long as they are held, whatever the budget. All members may be called from any thread;
-// one piece is read or built at a time, on all threads of the pool where voxels are read.
+// one piece is read or built at a time, on all threads of the pool if voxels are read.
 #pragma once
 
 #include <cstdint>
@@ -30,9 +30,9 @@ namespace sluice {
 using BoxTreePtr = std::shared_ptr<const BoxTree>;
 
 struct BoxStoreCounters {
-  int64_t requests = 0, hits = 0;              // of trees; the rest was decoded
+  int64_t requests = 0, hits = 0;  // trees requested and found; the other trees were decoded
   int64_t pieces_read = 0, pieces_built = 0;   // from the index, from voxels
-  uint64_t current_bytes = 0, peak_bytes = 0;  // of the trees that the store keeps
+  uint64_t current_bytes = 0, peak_bytes = 0;  // bytes of the trees that the store keeps
 };
 
 class BoxStore {
@@ -43,10 +43,10 @@ class BoxStore {
   // Blocks of one piece of the index.
   static constexpr int64_t kPieceBlocks = 256;
 
-  // `places` are where its index is kept. `budget_bytes` are
-  // of trees, `growing_bytes` of voxels while boxes are made of them (forEachBlockBricks).
-  // Voxels come through `read` where it is given, which counts them, otherwise from the source.
-  // `source`, `ranges` and `pool` must outlive the store.
+  // `places` are where its index is kept. `budget_bytes` are of trees, `growing_bytes` of voxels
+  // while boxes are made of them (forEachBlockBricks). Voxels come through `read` if it is given,
+  // which counts them, otherwise from the source. `source`, `ranges` and `pool` must outlive the
+  // store.
   BoxStore(VolumeSource& source, IndexPlaces places, int64_t time, const SliceRanges& ranges,
            WorkerPool& pool, uint64_t budget_bytes, uint64_t growing_bytes, ReadFor read = {});
 
@@ -54,7 +54,7 @@ class BoxStore {
   // known: its neighbours' voxels have a part in them. Throws Error from the source and if a
   // block's voxels contradict `ranges`, Interrupted.
   BoxTreePtr tree(int64_t block, const ReadPurpose& purpose = {});
-  // The same where no voxel needs to be read for it: null where the index has no boxes yet.
+  // The same if no voxel needs to be read for it: null if the index has no boxes yet.
   BoxTreePtr treeIfMade(int64_t block);
 
   BoxStoreCounters counters() const;
@@ -64,7 +64,7 @@ class BoxStore {
 
   BoxTreePtr treeOf(int64_t block, bool may_build, const ReadPurpose& purpose)
       SLUICE_EXCLUDES(mutex_);
-  // Null where it is not in the index and may not be built.
+  // Null if it is not in the index and may not be built.
   BoxTreePtr decode(int64_t block, bool may_build, const ReadPurpose& purpose)
       SLUICE_EXCLUDES(mutex_);
   const BoxesPiece* pieceOf(int64_t block, bool may_build, const ReadPurpose& purpose)
@@ -92,15 +92,15 @@ class BoxStore {
 // by piece, each as soon as all its blocks that are not background are there.
 class BoxIndexWriter {
  public:
-  // As for a BoxStore, which finds what is written here.
+  // Takes the same arguments as a BoxStore, which finds the trees written here.
   BoxIndexWriter(const VolumeSource& source, IndexPlaces places, int64_t time,
                  const SliceRanges& ranges);
 
-  // Once for a block, from any thread. Requires: the tree is that of growingParameters() for the
-  // ranges, of bricks of kBrickSide.
+  // To be called once for each block, from any thread. Requires: the tree was made with
+  // growingParameters() for the ranges, from bricks of kBrickSide.
   void add(int64_t block, const BoxTree& tree);
 
-  // That some folder took.
+  // Pieces that were stored in some folder.
   int64_t piecesWritten() const;
 
  private:

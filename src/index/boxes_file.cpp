@@ -6,7 +6,7 @@
 namespace sluice {
 namespace {
 
-// In place of an axis, for a node without a plane.
+// Replaces the axis for a node without a plane.
 constexpr uint8_t kLeaf = 3;
 
 void write(ByteWriter& out, const GrownBox& box) {
@@ -43,7 +43,7 @@ struct Room {
   size_t depth = 0;
 };
 
-// Nodes in their order, each followed by what lies below its plane and then by what lies above.
+// Reads nodes in their order, each followed by its lower subtree and then its upper one.
 class TreeReader {
  public:
   TreeReader(std::span<const std::byte> bytes, Vec3i cells) : in_(bytes), cells_(cells) {}
@@ -108,7 +108,7 @@ class TreeReader {
     return tree_.textures[texture].local().contains(cells);
   }
 
-  // Then they share the block out as the leaves do: no voxel is stored for two of them.
+  // They share the block as the leaves do: no voxel is stored for two of them.
   bool texturesAreUsed() const {
     std::vector<int64_t> held(tree_.textures.size(), 0);
     for (size_t i = 0; i < tree_.boxes.size(); ++i)

@@ -1,11 +1,11 @@
-// Growing boxes and their trees as bytes, for the index beside a volume. Where and how an index is
-// kept, and that a torn file is not believed, is src/index/index_file.h; who reads and writes it
-// here is box_store.h.
+// Growing boxes and their trees as bytes, for the index of a volume. src/index/index_file.h
+// documents where an index is kept and how a torn file is rejected; box_store.h reads and writes it
+// here.
 //
-// What is read is checked as if it came from anyone: a tree that is given back is one that
-// boxTree() could have made as far as its readers rely on it. Its leaves share the block out,
-// because their boxes follow from the planes and are not stored; children come after their parent,
-// no path is deeper than a traversal allows, and every leaf has a texture that holds it. In this
+// Bytes are validated as if they came from anyone: a tree that is returned is one that boxTree()
+// could have made as far as its readers rely on it. Its leaves share the block out, because their
+// boxes follow from the planes and are not stored; children come after their parent, no path is
+// deeper than a traversal allows, and every leaf has a texture that holds it. Numbers are in this
 // machine's byte order. Pure functions, any thread.
 #pragma once
 
@@ -21,24 +21,24 @@
 
 namespace sluice {
 
-// Of the bytes' meaning: goes up when they, or what a partition is, change.
+// Version of the format: raised when the bytes, or the meaning of a partition, change.
 inline constexpr uint32_t kBoxesVersion = 1;
 
 std::vector<std::byte> serialize(const BoxTree& tree);
-// Of a block of so many cells. nullopt when the bytes are no tree of it.
+// The tree of a block of `cells` cells.
 std::optional<BoxTree> deserializeBoxTree(std::span<const std::byte> bytes, Vec3i cells);
 
-// The trees of a run of blocks, by id: what is read and written at a time.
+// The trees of a run of blocks, by id: the unit of reading and writing.
 struct BoxesPiece {
   int64_t first = 0;             // id of the first block
-  std::vector<uint64_t> ends;    // of each block's bytes in `bytes`, ascending
-  std::vector<std::byte> bytes;  // of all trees; none for a block that was not partitioned
+  std::vector<uint64_t> ends;    // end of each block's bytes in `bytes`, ascending
+  std::vector<std::byte> bytes;  // all trees; none for a block that was not partitioned
 
   // Requires: first <= block < first + ends.size().
   std::span<const std::byte> treeBytes(int64_t block) const;
 };
 
-// What a piece is of: bytes for other blocks or parameters are refused.
+// The origin of a piece: bytes for other blocks or parameters are rejected.
 struct BoxesOrigin {
   BlockLayout layout;
   ValueMap map;

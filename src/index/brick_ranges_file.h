@@ -1,4 +1,4 @@
-// A volume's brick ranges as bytes, for the index beside it (src/index/index_file.h).
+// A volume's brick ranges as bytes, for its index (src/index/index_file.h).
 #pragma once
 
 #include <cstddef>
@@ -11,10 +11,10 @@
 
 namespace sluice {
 
-// Of the bytes' meaning: goes up when they, or what BrickRanges says, change.
+// Version of the format: raised when the bytes, or the meaning of BrickRanges, change.
 inline constexpr uint32_t kBrickRangesVersion = 1;
 
-// In this machine's byte order.
+// The bytes are in this machine's order.
 std::vector<std::byte> serialize(const BrickRanges& bricks);
 // nullopt when the bytes are no bricks of a volume of `dims` voxels of this type, or cut.
 std::optional<BrickRanges> deserializeBricks(std::span<const std::byte> bytes, Vec3i dims,

@@ -12,8 +12,8 @@
 namespace sluice {
 namespace {
 
-// Blocks that may differ from a background, by the volume of the boxes where they can be: a box
-// smaller than a block counts for its part of one.
+// Blocks that may differ from a background, estimated by the volume of the boxes in which they lie:
+// a box smaller than a block counts for its part of one.
 double blocksAtMost(VolumeSource& source, int64_t time, const BlockLayout& layout) {
   const auto all = static_cast<double>(layout.blockCount());
   const auto occupancy = source.occupancy(time);

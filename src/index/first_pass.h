@@ -1,6 +1,6 @@
-// What the first pass over a volume's voxels may take of the memory, decided before any is taken.
+// The memory that the first pass over a volume's voxels may take, decided before any is taken.
 //
-// A pure function of what a source says of itself; nothing is read.
+// A pure function of the source's properties; nothing is read.
 #pragma once
 
 #include <cstdint>
@@ -11,11 +11,11 @@
 namespace sluice {
 
 struct FirstPass {
-  int threads = 1;           // that may read at once
-  uint64_t voxel_bytes = 0;  // that they may hold together, beside what the source holds
+  int threads = 1;           // threads that may read at once
+  uint64_t voxel_bytes = 0;  // limit for all, in addition to the source's own
 };
 
-// Fits the pass into `memory_bytes`, of which the source keeps a quarter for what it caches
+// Fits the pass into `memory_bytes`, of which the source keeps a quarter for its caches
 // (holdAtMost). Throws Error, which names the least that works: a thread's decoded chunks and a
 // block do not fit, or the min-max arrays of a volume whose blocks may all differ are larger than
 // that memory. `threads`: as many as there are.

@@ -21,7 +21,7 @@
 namespace sluice {
 namespace {
 
-// A file is this header, the identity, the name of what it is, the blob, and nothing after it. In
+// A file is this header, the identity, the key's name, the blob, and nothing after it. It is in
 // this machine's byte order: another machine finds the magic reversed and builds its own.
 struct Header {
   uint64_t magic = 0x31584449'4c554953;  // "SIULIDX1" in little-endian memory
@@ -49,7 +49,7 @@ std::string headerAndKey(Header header, const std::string& key_text) {
   return text;
 }
 
-// `what` as a file name; what had to be changed is told apart by a hash.
+// `what` as a file name; a hash tells apart names that had to be changed.
 std::string fileName(const std::string& what) {
   std::string name;
   bool changed = what.empty() || what.size() > 100;
@@ -63,7 +63,7 @@ std::string fileName(const std::string& what) {
   return name + ".idx";
 }
 
-// Of a regular file; nullopt otherwise.
+// The size in bytes of a regular file; nullopt for any other.
 std::optional<uint64_t> sizeOf(const Descriptor& file) {
   struct stat status {};
   if (!file || fstat(file.get(), &status) != 0 || !S_ISREG(status.st_mode)) return std::nullopt;
@@ -77,7 +77,7 @@ struct Verdict {
 };
 
 Verdict readFile(const std::filesystem::path& path, const IndexKey& key) {
-  // Not blocking: whatever lies at the path may be a pipe.
+  // Opened without blocking, because the path may be a pipe.
   const Descriptor file(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   if (!file && (errno == ENOENT || errno == ENOTDIR)) return {IndexState::kMissing, "", {}};
   const std::optional<uint64_t> size = sizeOf(file);
@@ -89,7 +89,7 @@ Verdict readFile(const std::filesystem::path& path, const IndexKey& key) {
   if (header.magic != ours.magic) return {IndexState::kTorn, "not an index", {}};
   if (header.container_version != ours.container_version)
     return {IndexState::kStale, "of another version of sluice", {}};
-  // Before anything is allocated by it: the lengths make up the file's size exactly.
+  // This check comes before any allocation: the lengths make up the file's size exactly.
   const uint64_t key_bytes = uint64_t{header.identity_bytes} + header.what_bytes;
   const uint64_t rest = *size - sizeof header;
   if (key_bytes > rest || header.blob_bytes != rest - key_bytes)

@@ -1,11 +1,12 @@
-// The store of what is computed once from a volume and wanted at every opening: the min-max index.
+// The store of data that is computed once from a volume and wanted at every opening: the min-max
+// index.
 //
 // An index is a blob under a key. It lies in the user's cache folder, so that neither a scan nor a
 // Zarr group gets files that are none of its own, or where the user wants it. A blob is given back
 // only if the whole of its file is intact and its key is the one asked for; a stale or torn one
-// counts as missing and is written anew.
-// Nothing here throws for a folder that cannot be read or written: an index is a convenience.
-// All functions may be called from any thread and by several processes at once.
+// counts as missing and is written anew. Nothing here throws for a folder that cannot be read or
+// written: an index is a convenience. All functions may be called from any thread and by several
+// processes at once.
 #pragma once
 
 #include <cstddef>
@@ -24,7 +25,7 @@ namespace sluice {
 struct IndexKey {
   std::string identity;  // VolumeSource::identity(): changes whenever the voxels may have
   std::string what;      // tells blobs of one volume apart and names the file: "minmax-32"
-  uint32_t version = 0;  // of the blob's meaning
+  uint32_t version = 0;  // version of the blob's format
 };
 
 // The part of IndexKey::what that tells apart the blobs which one volume name has at the same time:
@@ -37,16 +38,16 @@ struct IndexPlaces {
   bool disabled = false;                       // by the user; nothing is read or written then
 };
 
-// Where a user wants the indices of all volumes.
+// The user's choice where indices are kept, for all volumes.
 struct IndexWish {
   std::filesystem::path folder = {};  // empty: none
-  bool beside = false;    // beside each volume, read first and written; the folder is read after it
+  bool beside = false;  // next to each volume, read first and written; the folder is read after it
   bool disabled = false;  // no index is read or written
 };
 
 // For a volume as the user names it: NAME-HASH in the folder, and, read after it,
-// VOLUME.sluice-index beside the volume, which others may have put there. A synthetic volume has no
-// place beside it.
+// VOLUME.sluice-index next to the volume, which others may have put there. A synthetic volume has
+// no place next to it.
 IndexPlaces indexPlaces(const std::string& volume, const IndexWish& wish);
 
 enum class IndexState {
@@ -61,8 +62,8 @@ std::string_view name(IndexState state);  // "found", "missing", ...
 struct IndexRead {
   IndexState state = IndexState::kMissing;
   std::optional<std::vector<std::byte>> blob;  // when kFound
-  std::filesystem::path path;                  // of the file that was found, or refused first
-  std::string note;                            // why that one was refused; empty otherwise
+  std::filesystem::path path;  // the file that was found, or the first that was rejected
+  std::string note;            // why it was rejected; empty otherwise
 };
 // The first intact blob of this key.
 IndexRead readIndex(const IndexPlaces& places, const IndexKey& key);
@@ -75,8 +76,8 @@ struct IndexWritten {
 IndexWritten writeIndex(const IndexPlaces& places, const IndexKey& key,
                         std::span<const std::byte> blob);
 
-// Removes all indices that lie in `folder`, which is that of one volume. False when one of them
-// cannot be removed.
+// Removes all indices in `folder`, which belongs to one volume. False when one of them cannot be
+// removed.
 bool removeIndices(const std::filesystem::path& folder);
 
 }  // namespace sluice

@@ -24,7 +24,7 @@ IndexKey keyOf(const VolumeSource& source, int64_t time, const BlockLayout& layo
           kSliceRangesVersion << 16 | kBrickRangesVersion};
 }
 
-// Both in one file, so that one is never newer than the other.
+// Both lie in one file, so that one is never newer than the other.
 struct Kept {
   SliceRanges ranges;
   BrickRanges bricks;

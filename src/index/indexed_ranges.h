@@ -1,7 +1,7 @@
-// indexedRanges: the min-max arrays of a volume and its brick ranges, from its index where there is
+// indexedRanges: the min-max arrays of a volume and its brick ranges, from its index if there is
 // one, otherwise built in one pass over the voxels and kept for the next opening.
 //
-// The index lies where src/index/index_file.h says.
+// src/index/index_file.h documents where the index lies.
 #pragma once
 
 #include <filesystem>
@@ -19,16 +19,16 @@ namespace sluice {
 struct IndexedRanges {
   SliceRanges ranges;
   BrickRanges bricks;          // the same for any size of block
-  std::filesystem::path path;  // of the index file; empty when none could be kept
+  std::filesystem::path path;  // the index file; empty when none could be kept
   std::string state;           // "read", "built", or "built, not kept"
-  // One line for a person; empty when the index was read, or built where it belongs: why an older
-  // one was not believed, why this one was not kept.
+  // A line for people that tells why an older index was not believed or why this one was not kept.
+  // Empty when the index was read, or built where it belongs.
   std::string note;
 
   uint64_t bytes() const { return ranges.bytes() + bricks.bytes(); }
 };
 
-// `places`: where the index is kept, by what the user called the volume (the first of several
+// `places`: where the index is kept, by the user's name for the volume (the first of several
 // names). Throws Error when the source cannot be read, Interrupted when `stop` asks for it. A
 // damaged or stale index is rebuilt within `memory_bytes` (first_pass.h, whose Error names the
 // least that works), adding the bytes read to `progress`; one that cannot be kept is no failure.

@@ -18,7 +18,7 @@ struct Header {
   friend bool operator==(const Header&, const Header&) = default;
 };
 
-// What functions of other voxels, blocks or parameters differ in.
+// The fields that differ if functions were made from other voxels, blocks or parameters.
 Header headerOf(const SeriesRecipe& recipe) {
   const BlockLayout& layout = recipe.layout;
   return {{layout.dims.x, layout.dims.y, layout.dims.z},
@@ -119,8 +119,8 @@ bool unpackFunctions(const std::vector<uint8_t>& bytes, uint64_t count, SeriesOp
   return in.atEnd();
 }
 
-// Of each block: how many spans, and of each how long after the last one it begins and its
-// function.
+// For each block, the number of its spans; for each span, the steps since the last one began and
+// its function.
 std::vector<uint8_t> packSpans(const SeriesOpacity& series) {
   std::vector<uint8_t> out;
   for (int64_t block = 0; block < series.blockCount(); ++block) {

@@ -1,10 +1,9 @@
-// The opacity functions of a series and their tree as bytes, for the index beside it (Gao 2004,
-// section 5.3). Where and how an index is kept, and that a torn file is not believed, is
-// src/index/index_file.h.
+// The opacity functions of a series and their tree as bytes, for its index (Gao 2004, section 5.3).
+// src/index/index_file.h documents where an index is kept and how a torn file is rejected.
 //
-// What is read is checked as if it came from anyone: functions have the sizes that their blocks
-// have, spans ascend, and the tree is that of the spans. In this machine's byte order. Pure
-// functions, any thread.
+// Bytes are validated as if they came from anyone: functions have the sizes that their blocks have,
+// spans ascend, and the tree is the one that follows from the spans. In this machine's byte order.
+// Numbers are in this machine's byte order.
 #pragma once
 
 #include <cstddef>
@@ -20,10 +19,10 @@
 
 namespace sluice {
 
-// Of the bytes' meaning: goes up when they, or what a function is, change.
+// Version of the format: raised when the bytes, or the meaning of a function, change.
 inline constexpr uint32_t kSeriesVersion = 2;
 
-// What functions follow from beside the voxels.
+// The inputs besides the voxels that the functions follow from.
 struct SeriesRecipe {
   TransferFunction transfer;  // its opacities; colours make no difference
   BlockLayout layout;
@@ -34,16 +33,16 @@ struct SeriesRecipe {
   int detail_bits = kMostDetailBits;
 };
 
-// What is kept with them.
+// The inputs that are kept with the functions.
 struct KeptSeries {
   TransferFunction transfer;      // its opacities
-  ValueRange device_range;        // of all steps, over which its table was made
+  ValueRange device_range;        // range over all steps, over which the table was made
   std::vector<int64_t> nonempty;  // blocks, of each step
   SeriesPassReport report;
   SeriesOpacity opacity;
 };
 
-// One file a series, layout, transfer function and way of making them.
+// The key of the index: one file for each series, layout, transfer function and recipe.
 IndexKey seriesKey(const VolumeSource& source, const SeriesRecipe& recipe);
 // The opacity part of two transfer functions is the same.
 bool sameOpacity(const TransferFunction& a, const TransferFunction& b);

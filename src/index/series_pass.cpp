@@ -20,7 +20,7 @@ struct Run {
   int64_t first = 0, count = 1;  // block ids
 };
 
-// What is known so far of a block: its spans, and the representative of the open one.
+// A block during the pass: its closed spans, and the representative of the open one.
 struct Growing {
   BlockOpacity done;
   OpacityBlock representative;
@@ -59,7 +59,7 @@ class Pass {
            2 * (voxels + cubes) * sizeof(float);
   }
 
-  // As progress counts them: voxels of so many blocks at one step.
+  // Progress in bytes: the voxels of `blocks` blocks at one step.
   uint64_t bytesOfSteps(int64_t blocks) const {
     const int64_t side = layout_.cells();
     return static_cast<uint64_t>(blocks * volume(Vec3i{side, side, side})) *
@@ -112,8 +112,8 @@ class Pass {
     return {cells.lo, cells.hi + Vec3i{1, 1, 1}};
   }
 
-  // The voxels of those blocks of the run that are not of one value, and of what lies between them;
-  // empty where there are none.
+  // The voxels of those blocks of the run that are not of one value, and of the blocks between
+  // them; empty if there are none.
   Box3 read(const Run& run, int64_t step, std::vector<std::byte>& voxels) {
     const StepBlocks& known = steps_[static_cast<size_t>(step)];
     Box3 box{};

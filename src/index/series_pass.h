@@ -1,9 +1,10 @@
 // The pass over a series that makes its opacity functions (Gao 2004, sections 4 and 5): block by
-// block over all time steps, each fused with what it is coherent with, a function for each span.
+// block over all time steps, each fused with the coherent steps before it, a function for each
+// span.
 //
-// A worker holds a run of neighbouring blocks along x twice, the representatives so far and those
-// of one step, however many steps there are; a run is one block where memory is short. What is
-// empty or of one value, as the min-max arrays know, is not read.
+// A worker holds a run of neighbouring blocks along x twice, however many steps there are: the
+// representatives so far and the blocks of one step. A run is one block if memory is short. Blocks
+// that the min-max arrays know to be empty or of one value are not read.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +22,7 @@
 
 namespace sluice {
 
-// What the min-max arrays of a step say of its blocks.
+// The classes of a step's blocks, from its min-max arrays.
 class StepBlocks {
  public:
   StepBlocks(const SliceRanges& ranges, const ExtinctionTable& table);
@@ -31,7 +32,7 @@ class StepBlocks {
   bool isUniform(int64_t block) const {
     return kinds_[static_cast<size_t>(block)] == Kind::kUniform;
   }
-  // Its device values, of which all are alike if it is uniform.
+  // The range of its device values; both ends are equal if it is uniform.
   BlockValues valuesOf(int64_t block) const {
     const auto b = static_cast<size_t>(block);
     return {lows_[b], highs_[b]};
@@ -42,7 +43,7 @@ class StepBlocks {
  private:
   enum class Kind : uint8_t { kEmpty, kUniform, kMixed };
   std::vector<Kind> kinds_;
-  std::vector<float> lows_, highs_;  // of each block, the least and the greatest
+  std::vector<float> lows_, highs_;  // the least and the greatest value of each block
   std::filesystem::path index_file_;
 };
 
@@ -51,16 +52,16 @@ struct SeriesPassOptions {
   int64_t part_cells = 4;             // a side; a multiple of kDetail
   int detail_bits = kMostDetailBits;  // see part_detail.h
   DirectionGrid directions = {};
-  uint64_t most_bytes = uint64_t{256} << 20;  // of all workers
+  uint64_t most_bytes = uint64_t{256} << 20;  // limit for all workers together
 };
 
 struct SeriesPassReport {
-  // Of all threads together, divided by their number.
+  // Mean over the threads.
   double read_seconds = 0, functions_seconds = 0, fusion_seconds = 0;
   double tree_seconds = 0;
-  uint64_t worker_bytes = 0;  // that one worker held at the most
-  // Of each step but the first: blocks that are not empty there or a step before, and those of them
-  // that stay in their span.
+  uint64_t worker_bytes = 0;  // the most that one worker held
+  // For each step but the first, the blocks that are not empty there or in the step before, and the
+  // number of those that stay in their span.
   std::vector<int64_t> blocks, coherent;
 
   double coherentShare() const;

@@ -23,7 +23,7 @@ Header headerOf(const BlockLayout& layout, const ValueMap& map) {
           map.offset};
 }
 
-// Ids that exist, each once: what every loop over the blocks relies on.
+// Whether ids exist, each once, as every loop over the blocks assumes.
 bool isAscending(const std::vector<int64_t>& blocks, int64_t count) {
   int64_t least = 0;
   for (const int64_t block : blocks) {

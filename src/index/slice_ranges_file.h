@@ -1,6 +1,5 @@
-// The index: a volume's slice ranges as bytes, kept beside the file so that the next opening takes
-// milliseconds. Where and how it is kept, and that a torn file is not believed, is
-// src/index/index_file.h.
+// The index: a volume's slice ranges as bytes, kept so that the next opening takes milliseconds.
+// src/index/index_file.h documents where an index is kept and how a torn file is rejected.
 #pragma once
 
 #include <cstddef>
@@ -13,10 +12,10 @@
 
 namespace sluice {
 
-// Of the bytes' meaning: goes up when they, or what SliceRanges says, change.
+// Version of the format: raised when the bytes, or the meaning of SliceRanges, change.
 inline constexpr uint32_t kSliceRangesVersion = 5;
 
-// In this machine's byte order.
+// The bytes are in this machine's order.
 std::vector<std::byte> serialize(const SliceRanges& ranges);
 // nullopt when the bytes are no index of this layout and map, cut, or would lead a reader astray.
 std::optional<SliceRanges> deserialize(std::span<const std::byte> bytes, const BlockLayout& layout,

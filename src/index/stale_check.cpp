@@ -20,7 +20,7 @@ BlockValues foundValues(const BlockLayout& layout, int64_t block, const VolumeBl
   return {static_cast<double>(range.lo), static_cast<double>(range.hi)};
 }
 
-// What the user can do about it.
+// The end of the message: what the user can do about it.
 std::string removed(const std::filesystem::path& index) {
   if (index.empty()) return "open it again";
   if (removeIndices(index.parent_path()))

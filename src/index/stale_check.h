@@ -4,9 +4,9 @@
 //
 // An index is believed if the identity of the volume's files is the one that it was made of. Some
 // changes leave that identity as it is: a chunk of a store of millions that is rewritten in place,
-// a file system without honest times. The first block that is read and has another range than the
-// arrays say proves such a change: the picture fails, and the indices of the volume are removed,
-// so that the next opening makes them anew. A block that a wrong index calls empty is not read and
+// a file system without honest times. The first block that is read with another range than in the
+// arrays proves such a change: the picture fails, and the indices of the volume are removed, so
+// that the next opening makes them again. A block that a wrong index calls empty is not read and
 // proves nothing. Any thread.
 #pragma once
 
@@ -46,8 +46,8 @@ class StaleCheck {
   // `name`: the volume's, for messages.
   explicit StaleCheck(std::string name) : name_(std::move(name)) {}
 
-  // What the blocks of a grid are compared with, as long as someone else holds it. `grid`: the name
-  // of any of its blocks.
+  // Sets the arrays that the blocks of a grid are compared with, as long as someone else holds
+  // them. `grid`: the name of any of its blocks.
   void expect(const BlockName& grid, const std::shared_ptr<const SliceRanges>& ranges);
 
   // Throws Error when the block contradicts the arrays of its grid. Blocks of other grids pass.
@@ -56,7 +56,7 @@ class StaleCheck {
  private:
   const std::string name_;
   mutable Mutex mutex_;
-  // By the name of each grid's block 0.
+  // The arrays by the name of each grid's block 0.
   std::map<BlockName, std::weak_ptr<const SliceRanges>> expected_ SLUICE_GUARDED_BY(mutex_);
 };
 

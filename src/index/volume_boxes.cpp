@@ -38,7 +38,7 @@ Vec3d voxelSize(const VolumeLayout& layout) {
   return layout.spacing / std::min({layout.spacing.x, layout.spacing.y, layout.spacing.z});
 }
 
-// Of a whole block: see voxelsAround.
+// Voxels read for a whole block; see voxelsAround.
 uint64_t cornerVoxels(const BlockLayout& layout) {
   const int64_t side = layout.cells() + 3;
   return static_cast<uint64_t>(volume(Vec3i{side, side, side}));
@@ -68,7 +68,7 @@ DeviceVoxels readDevice(VolumeSource& source, int64_t time, const Box3& box,
   return voxels;
 }
 
-// Adds what one block has to the cost of all.
+// Adds the cost of one block to the cost of all.
 class Counter {
  public:
   Counter(const BoxVisibility& visibility, const Box3& crop)
@@ -126,8 +126,8 @@ void add(PartitionCost& sum, const PartitionCost& by) {
   sum.perfect_cells += by.perfect_cells;
 }
 
-// Blocks, bricks and cells of a box of blocks that the crop reaches into: all three are products of
-// what the axes have.
+// Blocks, bricks and cells of a box of blocks that the crop reaches into; all three are products
+// over the axes.
 struct Extent {
   int64_t blocks = 1, bricks = 1, cells = 1;
 };
@@ -224,7 +224,7 @@ PartitionCost partitionCost(VolumeSource& source, int64_t time, const SliceRange
   const BoxVisibility visibility(table, source.layout());
   const Counter counter(visibility, crop);
   PartitionCost sum;
-  Mutex mutex;  // of the sum
+  Mutex mutex;  // guards `sum`
   const auto addBlock = [&](int64_t block, const BrickGrid& grid) {
     expectSameValues(source, time, ranges, block, grid);
     const BoxTree tree = growBoxTree(grid, parameters);

@@ -1,8 +1,8 @@
 // Growing boxes of a whole volume: one pass over its blocks, on all threads, in bounded memory; and
-// what a partition costs under a transfer function.
+// the cost of a partition under a transfer function.
 //
-// Blocks that are nothing but the background (slice_ranges.h) are never read: each is one box of
-// one value. What its gradients are at its faces, its neighbours know.
+// Blocks of background alone (slice_ranges.h) are never read: each is one box of one value. The
+// gradients at its faces depend on its neighbours.
 #pragma once
 
 #include <array>
@@ -20,10 +20,10 @@
 
 namespace sluice {
 
-// Cells a side of a brick: what box faces are rounded to. Smaller ones fit tighter, in more boxes.
+// Cells a side of a brick, to which box faces are rounded. Smaller ones fit tighter, in more boxes.
 inline constexpr int64_t kBrickSide = 4;
 
-// Of voxels in memory where the caller does not say.
+// The default limit for voxels in memory.
 inline constexpr uint64_t kMostGrowingBytes = uint64_t{128} << 20;
 // Voxels that a thread holds at least while it grows the boxes of one block.
 uint64_t growingBytes(const VolumeLayout& volume, const BlockLayout& layout);
@@ -38,25 +38,23 @@ void expectSameValues(const VolumeSource& source, int64_t time, const SliceRange
 
 // Calls `take` once for each of `blocks` (ids of the layout, ascending), with the bricks of the
 // cells that it owns. Neighbours along x are read together, as far as all threads hold at most
-// `most_bytes` of voxels, or growingBytes() each. Voxels come through `read` where it is given,
-// otherwise from the source. Adds the bytes read to what `progress` expects.
-// Throws Error from the source, Interrupted when `stop` asks for it.
+// `most_bytes` of voxels, or growingBytes() each. Voxels come through `read` if it is given,
+// otherwise from the source. Adds the bytes to be read to the total of `progress`. Throws Error
+// from the source, Interrupted when `stop` asks for it.
 void forEachBlockBricks(VolumeSource& source, int64_t time, const BlockLayout& layout,
                         std::span<const int64_t> blocks, WorkerPool& pool, ProgressMeter& progress,
                         uint64_t most_bytes, const TakeBricks& take, const StopToken& stop = {},
                         const ReadVoxels& read = {});
 
-// What drawing a partition takes. Cells are counted inside the crop, boxes where they reach into
-// it.
+// The cost of drawing a partition. Cells are counted inside the crop, boxes if they reach into it.
 struct PartitionCost {
-  int64_t blocks = 0;  // that were read
+  int64_t blocks = 0;  // blocks read
   int64_t grown = 0;   // boxes before the conversion to trees
   int64_t boxes = 0, textures = 0;
-  std::array<int64_t, 3> types{};  // of boxes, by BoxType
+  std::array<int64_t, 3> types{};  // boxes by BoxType
   int64_t visible_boxes = 0, visible_cells = 0;
-  // The bricks of 8^3 cells, counted from each block's first, that hold a visible cell: what a
-  // partition that knew the transfer function would draw. 0 where blocks are so large that bricks
-  // are.
+  // The bricks of 8^3 cells, counted from each block's first, that hold a visible cell: the cost of
+  // a partition that knew the transfer function. 0 if blocks are so large that bricks are.
   int64_t perfect_bricks = 0, perfect_cells = 0;
 };
 // Called on any thread, on several at once.

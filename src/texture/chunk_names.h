@@ -1,9 +1,9 @@
 // ChunkNames: a number for each recipe of a chunk, so that a chunk whose recipe a new plan repeats
 // keeps its bytes at levels 3 and 4 (design, point 1).
 //
-// A recipe is everything that the texels follow from: of each texture block the
-// volume block, the voxels copied, the turn and the place. Whole recipes are compared, not
-// hashes of them. One thread.
+// A recipe holds everything that the texels follow from: for each texture block the volume block,
+// the voxels copied, the turn and the place. Whole recipes are compared, not hashes of them. One
+// thread.
 #pragma once
 
 #include <cstdint>

@@ -13,8 +13,8 @@ namespace {
 // A cache of this many rows of blocks has clusters of whole rows, which a file stores together.
 constexpr int64_t kRowsOfACluster = 4;
 
-// u and v: whole rows where the cache has room for some, otherwise a square as nearly as powers of
-// two allow, never wider than the grid.
+// u and v: whole rows if the cache has room for some, otherwise a square as nearly as powers of two
+// allow, never wider than the grid.
 Vec3i clusterBlocks(Vec3i grid, int64_t capacity_blocks) {
   int64_t u = 1;
   while (4 * u * u <= capacity_blocks) u *= 2;

@@ -21,8 +21,8 @@ namespace sluice {
 void copyTextureBlock(const TextureBlock& block, const VolumeBlock& from, Vec3i storage_vox,
                       Vec3i room, std::span<std::byte> out);
 
-// The texels of a chunk shared out among its blocks: what each fills from its place on, in the
-// order of chunk.blocks. Together they are the whole storage, once.
+// The texels of a chunk divided among its blocks: the part that each fills from its place on, in
+// the order of chunk.blocks. Together they are the whole storage, once.
 std::vector<Vec3i> roomsOf(const TexturePlan& plan, const Chunk& chunk, Vec3i storage_vox);
 
 }  // namespace sluice

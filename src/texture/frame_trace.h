@@ -1,6 +1,6 @@
-// What a frame asks of the texture cache: the requests of its clusters in visiting order. The
-// renderer makes them of the model one by one and records them; the simulator makes the same list
-// from a plan alone (design, point 1). Pure functions.
+// The requests that a frame makes of the texture cache: those of its clusters in visiting order.
+// The renderer makes them of the model one by one and records them; the simulator makes the same
+// list from a plan alone (design, point 1). Pure functions.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace sluice {
 
-// For `chunk` of the plan, named `name`, wanted by `cluster`.
+// The record for `chunk` of the plan, named `name`, wanted by `cluster`.
 TraceRecord requestFor(const TexturePlan& plan, ChunkPosition chunk, ChunkName name,
                        ClusterPosition cluster, int64_t frame);
 

@@ -2,11 +2,11 @@
 //
 // A chunk is one or two columns side by side along texture x; a column is a pile of texture blocks
 // along z, no higher than a volume block. The paper's operations:
-//   horizontal  two blocks become the two columns of a chunk, as thick as the thicker one; what is
+//   horizontal  two blocks become the two columns of a chunk, as thick as the thicker one; the room
 //               above the thinner one is the extended part
-//   vertical    two blocks pile up where their thicknesses fit under 2^d; a block piles on a column
+//   vertical    two blocks pile up if their thicknesses fit under 2^d; a block piles on a column
 //               of a merged chunk likewise, the extended part excluded first
-// Pure functions; block numbers are whatever the caller gives.
+// Pure functions; the caller may number blocks as it likes.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@
 
 namespace sluice {
 
-// The order of the operations changes what comes out (section 3.2.3.4).
+// The order of the operations changes the result (section 3.2.3.4).
 enum class MergeOrder {
   // The paper's: horizontal merges in ascending order of thickness difference first, then vertical.
   kPaper,
@@ -43,14 +43,14 @@ struct MergedChunk {
   bool isSingleBlock() const { return columns.size() == 1 && columns[0].blocks.size() == 1; }
 };
 
-// Within a cluster (3.2.3.2). `limit` is 2^d, no less than any thickness. Deterministic: ties go by
-// the order of `blocks`. O(n log n) for the paper's order.
+// Merges within a cluster (3.2.3.2). `limit` is 2^d, no less than any thickness. Deterministic:
+// ties go by the order of `blocks`. O(n log n) for the paper's order.
 std::vector<MergedChunk> mergeInCluster(const std::vector<MergeBlock>& blocks, int64_t limit,
                                         MergeOrder order);
 
-// Between two clusters (3.2.3.3): one chunk of two blocks that stayed alone, side by side
-// in the paper's order, which merges horizontally before vertically, piled up where they fit under
-// `limit` in ours.
+// Between two clusters (3.2.3.3): a chunk of two blocks that stayed alone, side by side in the
+// paper's order, which merges horizontally before vertically, piled up if they fit under `limit` in
+// ours.
 MergedChunk mergeBetweenClusters(const MergeBlock& a, const MergeBlock& b, int64_t limit,
                                  MergeOrder order);
 

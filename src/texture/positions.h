@@ -1,5 +1,5 @@
-// What counts blocks, chunks and clusters of a plan, and chunks' names: a kind of number each, so
-// that none is taken for another.
+// Index types for the blocks, chunks and clusters of a plan and for chunk names. Each is a type of
+// its own, so that none is taken for another.
 #pragma once
 
 #include "src/base/strong_index.h"
@@ -10,7 +10,8 @@ using BlockPosition = StrongIndex<struct BlockPositionTag>;      // in TexturePl
 using ChunkPosition = StrongIndex<struct ChunkPositionTag>;      // in TexturePlan::chunks
 using ClusterPosition = StrongIndex<struct ClusterPositionTag>;  // in TexturePlan::clusters
 
-// What a chunk is called whatever plan asks for it (chunk_names.h), and those of a plan's chunks.
+// The name of a chunk, the same in every plan that asks for it (chunk_names.h), and the names of a
+// plan's chunks.
 using ChunkName = StrongIndex<struct ChunkNameTag>;
 using ChunkNameList = IndexedVector<ChunkPosition, ChunkName>;
 

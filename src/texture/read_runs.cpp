@@ -23,7 +23,7 @@ std::vector<ReadRun> readRuns(std::span<const int64_t> wanted, std::span<const i
     for (; to < wanted.size() && wanted[to] < row_end; ++to) blocks.push_back(wanted[to]);
     std::sort(blocks.begin(), blocks.end());
     blocks.erase(std::unique(blocks.begin(), blocks.end()), blocks.end());
-    // In parts of at most `most` blocks, those that serve someone.
+    // Splits into parts of at most `most` blocks, and keeps the parts that serve someone.
     for (size_t part = 0; part < blocks.size() && from < to; part += most) {
       const size_t part_end = std::min(part + most, blocks.size());
       ReadRun run{.blocks = {blocks.begin() + static_cast<ptrdiff_t>(part),

@@ -1,7 +1,7 @@
 // readRuns: which blocks level 3 asks level 2 for together. Pure functions.
 //
-// Rows of blocks along x lie in the same rows of a file, so those of one row are read at once, and
-// with them the ones that will be wanted soon.
+// Rows of blocks along x lie in the same rows of a file, so blocks of one row are read at once,
+// together with those that will be wanted soon.
 #pragma once
 
 #include <cstddef>
@@ -12,12 +12,13 @@
 namespace sluice {
 
 struct RunLimits {
-  size_t blocks = 1;  // of a run, at most
+  size_t blocks = 1;  // blocks of a run, at most
   size_t runs = 1;    // at once, at most
 };
-// For `threads` that read, and a level 2 that holds `level_blocks`. What they hold at once stays
-// within half of it, so that blocks read with their row are there when their turn comes; or within
-// seven eighths where that allows for two whole rows, which lie in a file in one piece.
+// The limits for `threads` reading threads and a level 2 that holds `level_blocks`. The runs in
+// flight together stay within half of it, so that blocks read along with their row are still there
+// when their turn comes. They may take seven eighths if that allows two whole rows, each of which
+// lies contiguous in a file.
 RunLimits runLimits(size_t level_blocks, int64_t blocks_a_row, size_t threads);
 
 struct ReadRun {

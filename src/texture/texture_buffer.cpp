@@ -25,10 +25,10 @@ class TextureBuffer::Batch {
  public:
   ReadPurpose purpose;
   std::vector<EntryPtr> wanted;  // in the order asked for; empty when finished or cancelled
-  std::vector<EntryPtr> ours;    // those of them that this batch fills
+  std::vector<EntryPtr> ours;    // the entries of `wanted` that this batch fills
   std::vector<Filling> fillings;
-  std::vector<ReadRun> runs;    // of the fillings' blocks
-  size_t runs_at_once = 1;      // of all batches
+  std::vector<ReadRun> runs;    // over the fillings' blocks
+  size_t runs_at_once = 1;      // over all batches
   std::atomic<size_t> next{0};  // the run that no one has taken yet
 };
 
@@ -78,7 +78,7 @@ TextureBuffer::EntryPtr TextureBuffer::publish(const TexturePlan& plan, const Ch
 
 bool TextureBuffer::makeRoomFor(const TexturePlan& plan, const ChunkNameList& names,
                                 std::span<const ChunkPosition> chunks) {
-  // What is held already is pinned meanwhile, so that making room does not take it.
+  // Entries already held are pinned meanwhile, so that making room does not evict them.
   std::vector<EntryPtr> held;
   held.reserve(chunks.size());
   std::unordered_set<ChunkName> fresh;
@@ -120,7 +120,7 @@ TextureBuffer::BatchPtr TextureBuffer::tryBegin(const TexturePlan& plan, const C
     std::vector<BlockName> soon_blocks;
     if (!fillings.empty()) soon_blocks = blocksSoon(plan, names, soon);
     planRuns(*batch, std::move(fillings), std::move(soon_blocks), plan.pyramid);
-  } catch (...) {  // no memory: what is published would never be filled
+  } catch (...) {  // no memory: published entries would never be filled
     abandon(*batch);
     throw;
   }
@@ -188,7 +188,7 @@ std::vector<BlockName> TextureBuffer::blocksSoon(const TexturePlan& plan,
                                                  const ChunkNameList& names,
                                                  std::span<const ChunkPosition> soon) const {
   std::vector<BlockName> blocks;
-  // More would be gone before their turn.
+  // More blocks would be evicted before their turn.
   const uint64_t most = blocks_.counters().budget_bytes * 3 / 4 / blocks_.blockBytes();
   for (const ChunkPosition position : soon) {
     if (blocks.size() >= most) break;
@@ -256,7 +256,7 @@ void TextureBuffer::work(Batch& batch) {
       }
       settle(into);
     }
-    // One that failed fails the batch: the rest would be read for nothing.
+    // A failed filling fails the batch, because reading the rest would be useless.
     if (failure) skipRest(batch, failure);
     chunks_.changed.notifyAll();
   }
@@ -348,7 +348,7 @@ void TextureBuffer::cancel(const BatchPtr& batch) {
   const MutexLock lock(chunks_.mutex);
   const std::vector<EntryPtr> entries = std::exchange(batch->wanted, {});
   for (const EntryPtr& entry : entries) Chunks::letGo(entry);
-  // Another batch may wait for what this one fills: then it goes on.
+  // Another batch may wait for a chunk that this one fills: then filling goes on.
   const bool is_wanted =
       std::ranges::any_of(entries, [](const EntryPtr& entry) { return entry->wanted_by > 0; });
   if (!is_wanted) skipRest(*batch, std::make_exception_ptr(Dropped()));

@@ -1,10 +1,10 @@
 // TextureBuffer: level 3, the texels of chunks in memory under a hard budget.
 //
 // A chunk is filled from its volume blocks on worker threads, kept least recently used first out,
-// and found again by its name (chunk_names.h) whatever plan asks. What a frame will draw next is
-// begun ahead: begin() starts to fill, finish() waits, and what the frame no longer wants is
-// cancelled. One thread calls, the workers fill; a handle pins its chunk. Waits for what is under
-// way when it is destroyed.
+// and found again by its name (chunk_names.h) whatever plan asks. The chunks that a frame will draw
+// next are begun ahead: begin() starts to fill, finish() waits, and cancel() drops chunks that the
+// frame no longer wants. One thread calls, the workers fill; a handle pins its chunk. Its
+// destructor waits for fillings under way.
 #pragma once
 
 #include <atomic>
@@ -42,11 +42,12 @@ class TextureBuffer {
   class Batch;
   using BatchPtr = std::shared_ptr<Batch>;
   // Begins to fill these chunks named `names` (of all chunks) on the worker threads; waits for the
-  // room of what is being filled and no longer wanted. Throws Error when the budget cannot hold
-  // them beside what is pinned. The plan may go when this returns.
+  // room of fillings that are no longer wanted. Throws Error when the budget cannot hold them in
+  // addition to the pinned chunks. The plan may go when this returns.
   //
-  // `soon` are chunks that will be asked for next: their blocks are read with those of the same row
-  // along x that are read now, since rows of a file lie together, as far as level 2 holds them.
+  // `soon` are chunks that will be asked for next. Their blocks are read together with blocks of
+  // the same row along x that are read now, since rows of a file lie together, as far as level 2
+  // holds them.
   BatchPtr begin(const TexturePlan& plan, const ChunkNameList& names,
                  std::span<const ChunkPosition> chunks, std::span<const ChunkPosition> soon = {},
                  const ReadPurpose& purpose = {});
@@ -61,7 +62,7 @@ class TextureBuffer {
   // not filled then. The batch goes on, and is still to be finished or cancelled.
   std::vector<ChunkTexelsPtr> waitUntil(const BatchPtr& batch,
                                         std::chrono::steady_clock::time_point deadline);
-  // What no worker has begun to read will not be read, unless another batch wants a chunk of this.
+  // Fillings that no worker has begun are not read, unless another batch wants a chunk of this one.
   void cancel(const BatchPtr& batch);
   // Returns when nothing is being filled. Requires: every batch is finished or cancelled.
   void waitUntilIdle();
@@ -73,11 +74,11 @@ class TextureBuffer {
   void resetCounters() { chunks_.resetCounters(); }
 
  private:
-  // What the workers fill, until the last of the blocks is in it.
+  // A chunk that the workers fill, until its last block is in it.
   struct Underway {
     std::shared_ptr<ChunkTexels> texels;
     size_t fillings_left = 0;
-    std::exception_ptr failure = {};  // of the first filling that failed or was skipped
+    std::exception_ptr failure = {};  // first filling that failed or was skipped
   };
   using Chunks = SingleFlightCache<ChunkName, const ChunkTexels, std::hash<ChunkName>, Underway>;
   using EntryPtr = Chunks::EntryPtr;
@@ -89,7 +90,7 @@ class TextureBuffer {
                    std::vector<Filling>& fillings) SLUICE_REQUIRES(chunks_.mutex);
   void settle(const EntryPtr& entry) SLUICE_REQUIRES(chunks_.mutex);
   void skipRest(Batch& batch, const std::exception_ptr& why) SLUICE_REQUIRES(chunks_.mutex);
-  // Of a batch that no worker has heard of. Called while an exception is handled.
+  // Drops a batch that no worker knows of yet. Called while an exception is handled.
   void abandon(Batch& batch) SLUICE_REQUIRES(chunks_.mutex);
   std::vector<BlockName> blocksSoon(const TexturePlan& plan, const ChunkNameList& names,
                                     std::span<const ChunkPosition> soon) const
@@ -104,7 +105,7 @@ class TextureBuffer {
 
   VolumeBuffer& blocks_;
   WorkerPool& pool_;
-  const std::shared_ptr<BufferMemory> memory_;  // of the texels
+  const std::shared_ptr<BufferMemory> memory_;  // holds the texels
   Chunks chunks_;
   int64_t workers_under_way_ SLUICE_GUARDED_BY(chunks_.mutex) = 0;
   size_t runs_under_way_ SLUICE_GUARDED_BY(chunks_.mutex) = 0;  // being read and copied

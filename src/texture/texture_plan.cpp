@@ -103,8 +103,8 @@ void addSingleChunks(TexturePlan& plan) {
   }
 }
 
-// Gives each block its chunk and place, and each cluster of a block the chunk. Whether there are
-// two.
+// Gives each block its chunk and place, and each cluster of a block the chunk. Returns whether
+// there are two.
 bool addChunk(TexturePlan& plan, const MergedChunk& merged) {
   const BlockPosition first(merged.columns[0].blocks[0].block);
   const ClusterPosition first_cluster = plan.blocks[first].cluster;
@@ -159,7 +159,8 @@ void mergeChunks(TexturePlan& plan, MergeOrder order) {
   };
   IndexedVector<ClusterPosition, std::vector<MergedChunk>> merged(plan.clusters.size());
   IndexedVector<ClusterPosition, int64_t> pages(plan.clusters.size());
-  // By x, y, z of the cluster. Those of an octree are not visited one behind the other along z.
+  // Clusters by x, y, z. Clusters of an octree are left out: they are not visited one behind the
+  // other along z.
   std::map<std::tuple<int64_t, int64_t, int64_t>, ClusterPosition> by_row;
   const bool merges_between = plan.cluster_grids.size() == 1;
   for (const ClusterPosition i : plan.clusters.indices()) {
@@ -200,7 +201,7 @@ void mergeChunks(TexturePlan& plan, MergeOrder order) {
   is_between.reserve(count);
   for (const std::vector<MergedChunk>& chunks : merged)
     for (const MergedChunk& chunk : chunks) is_between.push_back(addChunk(plan, chunk));
-  // A chunk of two clusters is asked for first, so that what the second of them loads cannot evict
+  // A chunk of two clusters is requested first, so that loads of the second cluster cannot evict
   // it: it is loaded once, in both traversal directions.
   for (Cluster& cluster : plan.clusters)
     std::stable_partition(

@@ -1,9 +1,10 @@
 // TexturePlan: level 3 before a byte of it exists (design, point 1).
 //
-// From the classified blocks and the page geometry alone: which part of each volume block becomes a
-// texture block, how texture blocks lie in chunks, and which chunks a cluster needs (Tong 1999,
-// sections 3.2.2 and 3.2.3). A pure function of its arguments; it touches no voxel. The renderer,
-// the simulator and `sluice plan` work from the same plan. Immutable once made.
+// TexturePlan follows from the classified blocks and the page geometry alone: which part of each
+// volume block becomes a texture block, how texture blocks lie in chunks, and which chunks a
+// cluster needs (Tong 1999, sections 3.2.2 and 3.2.3). A pure function of its arguments; it touches
+// no voxel. The renderer, the simulator and `sluice plan` work from the same plan. Immutable once
+// made.
 #pragma once
 
 #include <array>
@@ -22,8 +23,8 @@
 
 namespace sluice {
 
-// The paper's four (section 4): I loads and draws every block whole; II clips what is drawn by the
-// object boxes; III loads trimmed blocks, one a chunk; IV merges them.
+// The paper's four (section 4): I loads and draws every block whole; II clips drawing to the object
+// boxes; III loads trimmed blocks, one a chunk; IV merges them.
 enum class Algorithm { kConventional, kClipped, kTrimmed, kMerged };
 std::string_view name(Algorithm algorithm);
 std::optional<Algorithm> parseAlgorithm(std::string_view text);
@@ -40,9 +41,9 @@ constexpr Vec3i turned(Vec3i volume_size, int trimming_axis) {
 
 // A part of a volume block, copied into a chunk.
 struct TextureBlock {
-  BlockName name;         // of the volume block
-  Box3 cells;             // what is resampled: cells of the finest level, half-open
-  Box3 voxels;            // of its own level, copied; beyond the volume where the block is padded
+  BlockName name;  // the volume block
+  Box3 cells;      // cells of the finest level that are resampled, half-open
+  Box3 voxels;  // voxels of its own level that are copied; beyond the volume if the block is padded
   int trimming_axis = 2;  // becomes texture z
   ChunkPosition chunk;
   Vec3i at;  // texel of voxels.lo in the chunk
@@ -51,24 +52,24 @@ struct TextureBlock {
   Vec3i texels() const { return turned(voxels.size(), trimming_axis); }
 };
 
-// What is loaded into the texture cache as one: texture blocks and the texels between them.
+// A unit of loading into the texture cache: texture blocks and the texels between them.
 struct Chunk {
   Vec3i size_vox;     // texels, before rounding up to whole pages
   int64_t pages = 0;  // of the page geometry; twice as many if its texels have two numbers
   std::vector<BlockPosition> blocks;
 };
 
-// Blocks that together fill the texture cache at most: u x v blocks of one z index where all blocks
-// are of one level, else those in a cell of one of the plan's cluster grids.
+// Blocks that together fill the texture cache at most: u x v blocks of one z index if all blocks
+// are of one level, else the blocks in a cell of one of the plan's cluster grids.
 struct Cluster {
-  size_t grid = 0;                    // of TexturePlan::cluster_grids
+  size_t grid = 0;                    // index into TexturePlan::cluster_grids
   Vec3i index;                        // in that grid
-  std::vector<BlockPosition> blocks;  // those of this cluster
-  // That these blocks lie in. A chunk merged between two clusters is in both.
+  std::vector<BlockPosition> blocks;  // blocks of this cluster
+  // The chunks that hold these blocks. A chunk merged between two clusters is in both.
   std::vector<ChunkPosition> chunks;
 };
 
-// A grid over the finest cells, of which blocks or clusters are cells: cells of `width` from the
+// A grid over the finest cells, whose cells are blocks or clusters: cells of `width` from the
 // volume's corner on, the last along an axis with the rest of the volume.
 struct VisitGrid {
   Vec3i width, count;
@@ -80,12 +81,12 @@ struct TexturePlan {
   PyramidLayout pyramid;
   PageGeometry page;
   Vec3i cluster_blocks;  // u, v, 1; of blocks of several levels 1, 1, 1
-  // From coarse to fine, each cell of one made of whole cells of the next: the grids of the levels
-  // that the blocks are of, and those that the clusters are cells of.
+  // Grids from coarse to fine, each cell of one made of whole cells of the next: the grids of the
+  // blocks' levels, and the grids whose cells the clusters are.
   std::vector<VisitGrid> block_grids, cluster_grids;
   IndexedVector<BlockPosition, TextureBlock> blocks;
   IndexedVector<ChunkPosition, Chunk> chunks;
-  IndexedVector<ClusterPosition, Cluster> clusters;  // those with anything to draw
+  IndexedVector<ClusterPosition, Cluster> clusters;  // clusters with anything to draw
 
   const BlockLayout& layout() const { return pyramid.finest(); }
   // Numbers a texel of a chunk, all of whose blocks are of one level.
@@ -93,7 +94,7 @@ struct TexturePlan {
     return pyramid.of(blocks[chunk.blocks.front()].name).numbers;
   }
   int64_t pageCount() const;
-  // What one load of a chunk moves, by cause.
+  // The bytes that one load of a chunk moves, by cause.
   LoadBytes loadBytes(const Chunk& chunk) const;
   // Bytes of all chunks in whole pages.
   uint64_t bytes() const;
@@ -101,8 +102,8 @@ struct TexturePlan {
 
 struct PlanOptions {
   Algorithm algorithm = Algorithm::kMerged;
-  MergeOrder merge_order = MergeOrder::kPaper;  // of kMerged
-  int64_t time = 0;  // of blocks that are loaded though nothing of them is visible
+  MergeOrder merge_order = MergeOrder::kPaper;  // for kMerged
+  int64_t time = 0;  // time step of blocks that are loaded although nothing of them is visible
   Box3 crop;         // cells that may show
 };
 
@@ -112,22 +113,22 @@ struct PlanOptions {
 TexturePlan planTextures(const PyramidLayout& pyramid, const VisibleBlocks& visible,
                          const PageGeometry& page, const PlanOptions& options);
 
-// Where the eye is among the cells of the volume: a parallel view looks along a direction.
+// The eye's place among the cells of the volume, or the viewing direction of a parallel view.
 struct EyePosition {
   bool parallel = true;
   Vec3d index;  // parallel: the viewing direction; otherwise the eye, both in index space
 };
 // The orders below go down the grids of the plan from coarse to fine, as an octree is traversed:
-// cells of a grid front to back, then what is in each of them. Blocks of one level are one grid.
-// Where two come in either order, neither hides the other.
+// cells of a grid front to back, then the contents of each cell. Blocks of one level are one grid.
+// If two cells may come in either order, neither hides the other.
 //
 // Front to back: along z first, then y, then x (section 3.2.3.3).
 std::vector<ClusterPosition> clusterOrder(const TexturePlan& plan, const EyePosition& eye);
-// Of one cluster, front to back.
+// The blocks of one cluster, front to back.
 std::vector<BlockPosition> blockOrder(const TexturePlan& plan, const Cluster& cluster,
                                       const EyePosition& eye);
-// Any blocks, front to back in layers across the view: what is in front is drawn all over the
-// picture before what is behind it.
+// Any blocks, front to back in layers across the view: blocks in front are drawn all over the
+// picture before those behind them.
 std::vector<BlockPosition> layerOrder(const TexturePlan& plan,
                                       std::span<const BlockPosition> blocks,
                                       const EyePosition& eye);

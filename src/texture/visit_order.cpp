@@ -11,8 +11,8 @@
 namespace sluice {
 namespace {
 
-// Smaller is nearer along this axis; two may share a rank only on opposite sides of the eye, where
-// neither can hide the other. `cells` is the width of one step of the index.
+// Smaller is nearer along this axis; two blocks share a rank only on opposite sides of the eye,
+// where neither can hide the other. `cells` is the width of one step of the index.
 int64_t rankOf(int64_t index, int64_t cells, const EyePosition& eye, int axis) {
   if (eye.parallel) return eye.index[axis] >= 0 ? index : -index;
   const auto at = static_cast<int64_t>(std::floor(eye.index[axis] / static_cast<double>(cells)));
@@ -26,7 +26,7 @@ using CellRank = std::array<int64_t, 3>;
 // each is a cell of; equals in the order given.
 class GridOrder {
  public:
-  // Of so many items, over at most so many grids.
+  // Reserves room for `count` items over at most `grids` grids.
   GridOrder(size_t count, size_t grids) : finer_grids_(grids - 1) {
     items_.reserve(count);
     finer_.reserve(count * finer_grids_);
@@ -65,7 +65,7 @@ class GridOrder {
 
   const size_t finer_grids_;
   std::vector<Item> items_;
-  std::vector<CellRank> finer_;  // of each item, in the grids but the coarsest
+  std::vector<CellRank> finer_;  // ranks of each item in all grids but the coarsest
 };
 
 CellRank rankIn(const VisitGrid& grid, Vec3i corner, const EyePosition& eye) {
@@ -76,7 +76,7 @@ CellRank rankIn(const VisitGrid& grid, Vec3i corner, const EyePosition& eye) {
   return rank;
 }
 
-// The blocks by what `rank_of` makes of the ranks of their cells along the axes.
+// The blocks sorted by `rank_of` applied to the ranks of their cells along the axes.
 std::vector<BlockPosition> sortedBlocks(const TexturePlan& plan,
                                         std::span<const BlockPosition> blocks,
                                         const EyePosition& eye, const auto& rank_of) {
