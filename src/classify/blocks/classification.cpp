@@ -52,7 +52,7 @@ class Classifier {
   }
 
  private:
-  // Of the slab between this plane and the next.
+  // The slab between this plane and the next.
   bool slabShows(const PlaneRange<T>* plane) const {
     return visible_.any(std::min(plane[0].lo, plane[1].lo), std::max(plane[0].hi, plane[1].hi));
   }

@@ -34,7 +34,7 @@ struct ObjectBlock {
 struct VisibleBlocks {
   std::vector<ObjectBlock> blocks;  // grey and black ones, ascending by block
   int64_t white = 0, grey = 0, black = 0;
-  std::optional<CutSummary> cut;  // of a volume of several levels
+  std::optional<CutSummary> cut;  // for a volume of several levels
 };
 
 // `crop`: cells that may show at all (the whole volume's by default); blocks and boxes are cut by

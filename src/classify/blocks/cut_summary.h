@@ -9,11 +9,11 @@ namespace sluice {
 struct CutSummary {
   struct Level {
     int level = 0;
-    int64_t blocks = 0;  // that are drawn at this level
+    int64_t blocks = 0;  // blocks drawn at this level
     int64_t cells = 0;   // finest cells in their object boxes
   };
-  std::vector<Level> levels;  // those that are drawn, the finest first
-  // Of the finest cells that show something, the share in regions drawn at a coarser level.
+  std::vector<Level> levels;  // the levels that are drawn, the finest first
+  // The share of the finest cells showing something that lies in regions drawn at a coarser level.
   double coarse_share = 0;
   // Whether all coarser ones have spreads beside their means: what is drawn of them is what their
   // finest voxels look like on average.

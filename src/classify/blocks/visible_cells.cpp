@@ -8,7 +8,7 @@
 namespace sluice {
 namespace {
 
-// Of device values; the scale between them and the transfer function's may be negative.
+// Takes device values; their scale to the transfer function's values may be negative.
 template <class T>
 bool shows(const TransferFunction& transfer, const ValueMap& map, PlaneRange<T> range) {
   if (range.lo > range.hi) return false;
@@ -20,8 +20,8 @@ bool shows(const TransferFunction& transfer, const ValueMap& map, PlaneRange<T> 
 // Most voxel planes along an axis that are looked at one by one: beyond, a brick is a small part.
 constexpr int64_t kMostPlanes = int64_t{1} << 22;
 
-// The range of each voxel plane of the volume along an axis, those of all blocks together, from
-// plane `lo` to plane `hi`. The planes reach across the whole volume.
+// The range of each voxel plane of the volume along an axis, all blocks together, from plane `lo`
+// to plane `hi`. The planes reach across the whole volume.
 template <class T>
 std::vector<PlaneRange<T>> planesOf(const SliceRanges& ranges, int axis, int64_t lo, int64_t hi) {
   const BlockLayout& layout = ranges.layout;
@@ -52,8 +52,8 @@ std::vector<PlaneRange<T>> planesOf(const SliceRanges& ranges, int axis, int64_t
   return planes;
 }
 
-// Of the cells that bricks cover, those between the first and the last slab along each axis that
-// can show anything.
+// The cells that bricks cover, between the first and the last slab along each axis that can show
+// anything.
 template <class T>
 Box3 visibleSlabs(const SliceRanges& ranges, const BrickRanges& bricks,
                   const TransferFunction& transfer) {
@@ -76,7 +76,7 @@ Box3 visibleSlabs(const SliceRanges& ranges, const BrickRanges& bricks,
   return box;
 }
 
-// The first and the last box of a row along x: what lies between them reaches no farther.
+// The first and the last box of a row along x: boxes between them reach no farther.
 class Row {
  public:
   void add(const Box3& box) {
@@ -130,7 +130,7 @@ std::vector<Box3> visibleCells(const SliceRanges& ranges, const BrickRanges& bri
 
 bool anyOpacity(const TransferFunction& transfer, double lo, double hi) {
   if (opacityAt(transfer, lo) > 0 || opacityAt(transfer, hi) > 0) return true;
-  // At a point in between, or just below one of two at one value.
+  // The opacity at a point in between, or just below one of two at one value.
   const std::vector<OpacityPoint>& points = transfer.opacities;
   auto point = std::upper_bound(points.begin(), points.end(), lo,
                                 [](double v, const OpacityPoint& p) { return v < p.value; });

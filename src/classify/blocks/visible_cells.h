@@ -17,7 +17,7 @@ namespace sluice {
 // Boxes of cells whose convex hull holds every cell of `crop` that can show anything, larger than
 // the hull of those by less than a brick in oblique directions and by nothing along the axes
 // without a crop. The factors of gradients do not count: they only take away. Empty: nothing shows.
-// `ranges` and `bricks` are those of one time step.
+// `ranges` and `bricks` belong to one time step.
 std::vector<Box3> visibleCells(const SliceRanges& ranges, const BrickRanges& bricks,
                                const TransferFunction& transfer, const Box3& crop);
 

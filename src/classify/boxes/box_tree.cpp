@@ -9,8 +9,8 @@ namespace sluice {
 namespace {
 
 constexpr int32_t kNone = -1;
-// Rule 3: a box of one brick along some axis is thin, one of so many bricks in all tiny, and joins
-// its sibling even where that costs this much more than a box may.
+// Rule 3: a box of one brick along some axis is thin, and a box of at most so many bricks in all is
+// tiny. Both join their sibling even if that costs this much more than a box may.
 constexpr int64_t kTinyBricks = 2;
 constexpr float kThinAllowance = 1.1F;
 
@@ -26,7 +26,7 @@ struct Split {
   int64_t cut = 0, imbalance = 0;
 };
 
-// What a subtree was built to: a leaf has no children.
+// A subtree while it is built; a leaf has no children.
 struct Built {
   Piece leaf;
   Split split;
@@ -55,9 +55,9 @@ class Converter {
   }
 
  private:
-  // Of all planes between bricks that two faces lie on, the one that cuts fewest boxes; of equals
-  // the one that leaves the sides most equal. The pieces fill the room, so a face of one is a face
-  // of another, unless it is the room's.
+  // The plane to split at: of all planes between bricks on which two faces lie, the one that cuts
+  // fewest boxes; of equals, the one whose sides are most equal. The pieces fill the room, so a
+  // face of one is a face of another, unless it is the room's.
   Split chooseSplit(const Box3& room, const std::vector<Piece>& pieces) {
     std::optional<Split> best;
     for (int axis = 0; axis < 3; ++axis) {
@@ -109,7 +109,7 @@ class Converter {
     return built;
   }
 
-  // Makes a leaf of a node of two leaves where a rule allows it.
+  // Makes a leaf of a node of two leaves if a rule allows it.
   void tryMerge(const Box3& room, Built& node) {
     const Piece& a = node.lower->leaf;
     const Piece& b = node.upper->leaf;

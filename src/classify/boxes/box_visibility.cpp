@@ -10,7 +10,7 @@ namespace {
 // Squares of gradients are summed in single precision: in a volume of values as close as these they
 // lose their digits.
 constexpr double kLeastSpan = 1e-12;
-// What sampling and summing may round, as a share of a magnitude and of the values behind it.
+// Rounding by sampling and summing, as a share of a magnitude and of the values behind it.
 constexpr double kRounding = 1e-5;
 
 // How far the axes are from right angles: the most by which a diagonal of their Gram matrix is

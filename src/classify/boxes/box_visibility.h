@@ -1,6 +1,6 @@
 // BoxVisibility: whether a box of cells shows anything under a transfer function, from the
-// intervals of its values and of its gradient magnitudes (Li 2003, section 3.1). It is what flips
-// growing boxes between visible and skipped.
+// intervals of its values and of its gradient magnitudes (Li 2003, section 3.1). It turns growing
+// boxes visible or skips them.
 //
 // Conservative: false only when every sample of every cell has opacity 0. Immutable; any thread may
 // read.
@@ -20,8 +20,8 @@ class BoxVisibility {
 
  private:
   const OpacityTable& table_;
-  // Of a gradient's length where the axes are taken for orthogonal, its true length is at least and
-  // at most so much.
+  // Bounds of a gradient's true length, as multiples of its length computed as if the axes were
+  // orthogonal.
   double least_stretch_ = 1, most_stretch_ = 1;
   bool knows_gradients_ = false;
 };

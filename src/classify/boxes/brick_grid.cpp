@@ -9,7 +9,7 @@
 namespace sluice {
 namespace {
 
-// What is reduced over the voxels of a brick.
+// The quantities that are reduced over the voxels of a brick.
 enum Channel { kValue, kX, kY, kZ, kSquare, kChannels };
 
 // Least and greatest of each channel, one element a voxel of a row: columns of rows are reduced
@@ -41,7 +41,7 @@ class Reduction {
       hi[i] = by_hi[i] > hi[i] ? by_hi[i] : hi[i];
     }
   }
-  // Of the voxels [from, to] of the row.
+  // The range over voxels [from, to] of the row.
   CellRange range(size_t from, size_t to) const {
     std::array<float, kChannels> lo{}, hi{};
     for (size_t c = 0; c < kChannels; ++c) {
@@ -99,7 +99,7 @@ class Builder {
   }
 
  private:
-  // The bricks that voxel plane `at` belongs to: two where it lies between them.
+  // The bricks that voxel plane `at` belongs to: two if it lies between them.
   template <class F>
   void forBricks(int64_t at, int64_t count, F&& f) const {
     const int64_t brick = at / grid_.side;
@@ -158,7 +158,7 @@ class Builder {
   BrickGrid& grid_;
   const size_t row_;  // corner voxels of a row
   std::array<float, 3> per_difference_{};
-  std::array<std::vector<float>, kChannels> scratch_;  // of one row
+  std::array<std::vector<float>, kChannels> scratch_;  // for one row
 };
 
 }  // namespace

@@ -1,5 +1,5 @@
-// BrickGrid: what lies in each small brick of cells of one block: the interval of its values and of
-// its gradient magnitudes. All that growing boxes and their tree need to know of the voxels, in a
+// BrickGrid: the intervals of the values and of the gradient magnitudes in each small brick of
+// cells of one block. All that growing boxes and their tree need to know of the voxels, in a
 // thousandth of their number.
 //
 // Cells, not voxels (design, point 2): a brick's interval includes every voxel that a corner of its
@@ -40,7 +40,7 @@ struct VoxelSpan {
 };
 
 struct BrickGrid {
-  Box3 cells;                     // of the block, in the volume
+  Box3 cells;                     // the block's cells, in the volume
   int64_t side = 4;               // cells of a brick; the last ones of a row may have fewer
   Vec3i size;                     // bricks along each axis
   std::vector<CellRange> bricks;  // x fastest
@@ -56,14 +56,14 @@ struct BrickGrid {
     return {local.lo / by, (local.hi + up) / by};
   }
 };
-// Of all cells of a box of bricks. Requires: not empty.
+// The range over all cells of a box of bricks. Requires: not empty.
 CellRange rangeOf(const BrickGrid& grid, const Box3& bricks);
 
-// At most this many bricks along an axis: the side is doubled until it is so.
+// Limit of bricks along an axis: the side is doubled until it holds.
 inline constexpr int64_t kMostBricks = 64;
 
-// `voxels` holds every corner of `cells`, and one layer around them wherever the volume goes on:
-// what is missing is taken for the volume's edge. `voxel_size`: spacing in units of the finest.
+// `voxels` holds every corner of `cells`, and one layer around them wherever the volume goes on: a
+// missing layer counts as the volume's edge. `voxel_size`: spacing in units of the finest.
 // Requires: cells not empty, side >= 1.
 BrickGrid brickGrid(const VoxelSpan& voxels, const Box3& cells, int64_t side,
                     Vec3d voxel_size = {1, 1, 1});

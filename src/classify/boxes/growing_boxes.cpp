@@ -75,7 +75,7 @@ class Grower {
     return best;
   }
 
-  // Nothing where the slab is not free or the box would cost too much.
+  // Nothing if the slab is not free or the box would cost too much.
   std::optional<Growth> step(const Growth& box, int axis, bool upwards) const {
     Growth next = box;
     Box3 slab = box.bricks;

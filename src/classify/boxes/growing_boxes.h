@@ -3,22 +3,23 @@
 //
 // Nothing here knows a transfer function: a partition is made once a block and a new function only
 // flips boxes between visible and skipped, by their closed intervals of values and gradient
-// magnitudes. Boxes are half-open, disjoint and cover every cell of the block; their faces lie
-// between bricks (brick_grid.h), of which they are unions. Pure functions, any thread.
+// magnitudes. Boxes are half-open, disjoint and cover every cell of the block; they are unions of
+// bricks (brick_grid.h), so their faces lie between bricks. Pure functions, any thread.
 //
-// As in the paper a box grows from a seed while its accumulated cost stays below a limit, and is
-// uniform, gradient or other by what it holds. Where that alone is too loose, we differ:
-// - The cost of a box is the cells that it is expected to draw in vain: a brick counts by how much
-//   wider the box's interval is than its own, in full once it is cost_range wider. Uniform regions
-//   and regions that are alike in being mixed both grow large; a surface stays thin.
-// - Besides the accumulated cost its mean a cell is bounded. Otherwise small boxes, where the limit
-//   is more than the box, would swallow anything.
-// - Flat bricks in a box that has gradients count too, which keeps the paper's gradient boxes apart
-//   from the uniform ones without cutting a surface up where both are visible anyway.
+// As in the paper, a box grows from a seed while its accumulated cost stays below a limit, and its
+// contents make it uniform, gradient or other. We differ where that alone is too loose:
+// - The cost of a box is the number of cells that it is expected to draw in vain. A brick counts by
+//   how much wider the box's interval is than its own, in full once it is cost_range wider. Uniform
+//   regions and evenly mixed regions both grow large; a surface stays thin.
+// - The mean cost per cell is bounded too. Otherwise a small box, for which the limit exceeds its
+//   cells, would absorb anything.
+// - Flat bricks count in a box that has gradients, which keeps the paper's gradient boxes apart
+// from
+//   the uniform ones without cutting up a surface if both are visible anyway.
 // - A brick of one value counts in full in a box of more than one. Such bricks are the background,
-//   and faint values beside it are what a low threshold is after, however near they are.
-// - A box grows by the slab that costs least a cell, on the axis where it is shortest among equals,
-//   rather than axis after axis.
+//   and a low threshold is meant to show faint values next to it, however near they are.
+// - A box grows by the slab that costs least per cell, on the axis along which it is shortest among
+//   equals, rather than axis after axis.
 #pragma once
 
 #include <array>
@@ -33,7 +34,7 @@ namespace sluice {
 enum class BoxType : uint8_t {
   kUniform,   // values within GrowingParameters::uniform_range, no gradient to speak of
   kGradient,  // some gradient magnitude is not zero
-  kOther,     // what is left: too small for a uniform box, or too wide in values
+  kOther,     // the rest: too small for a uniform box, or too wide in values
 };
 // "uniform", "gradient", "other".
 const char* name(BoxType type);
@@ -41,26 +42,26 @@ const char* name(BoxType type);
 // Cells relative to the block's first owned cell.
 struct GrownBox {
   std::array<uint16_t, 3> lo{}, hi{};
-  CellRange range;  // of all the box's cells
+  CellRange range;  // over all cells of the box
   BoxType type = BoxType::kOther;
 
   Box3 local() const { return {{lo[0], lo[1], lo[2]}, {hi[0], hi[1], hi[2]}}; }
   friend bool operator==(const GrownBox&, const GrownBox&) = default;
 };
 
-// In device values and cells. The numbers that are not the paper's were chosen by measuring bonsai,
-// engine, walnut, tooth and two heads at 13 thresholds.
+// Limits and costs, in device values and cells. The numbers that are not the paper's were chosen by
+// measuring bonsai, engine, walnut, tooth and two heads at 13 thresholds.
 struct GrowingParameters {
   float uniform_range = 32;  // the paper's 32 of 256
   float cost_range = 64;     // so much wider than a brick, a box draws it in vain
   float gradient_floor =
       8;                   // a voxel; magnitudes up to it count as zero: noise has some everywhere
-  float flat_cost = 0.5F;  // of a cell, where a flat brick lies in a box with gradients
+  float flat_cost = 0.5F;  // cost of a cell of a flat brick in a box with gradients
   float cost_limit_cells = 1024;
   float mean_cost_limit = 0.75F;
   int64_t least_uniform_cells = 512;
 };
-// Scaled from 256 values of bytes to the volume's range for other types.
+// The parameters for bytes, scaled from 256 values to the volume's range for other types.
 GrowingParameters growingParameters(DeviceType type, ValueRange device_range);
 
 BoxType typeOf(const CellRange& range, int64_t cells, const GrowingParameters& parameters);
@@ -76,7 +77,8 @@ inline bool isWithinLimits(double cost, int64_t cells, const GrowingParameters& 
 GrownBox boxOfBricks(const BrickGrid& grid, const Box3& bricks,
                      const GrowingParameters& parameters);
 
-// In the order of their first bricks, x fastest. Requires: fewer than 2^16 cells along each axis.
+// The boxes in the order of their first bricks, x fastest. Requires: fewer than 2^16 cells along
+// each axis.
 std::vector<GrownBox> growBoxes(const BrickGrid& grid, const GrowingParameters& parameters);
 
 }  // namespace sluice

@@ -1,4 +1,4 @@
-// automaticLook: from what histogram_analysis.h finds to colours and opacities.
+// automaticLook: from the findings of histogram_analysis.h to colours and opacities.
 #include "src/classify/transfer/automatic_look.h"
 
 #include <algorithm>
@@ -18,16 +18,16 @@
 namespace sluice {
 namespace {
 
-// Of the analysis, over values that are worth it.
+// Bins of a histogram, for decisions that need fine ones.
 constexpr size_t kFineBins = 4096;
-// Optical depth (-ln of what passes) of a ray through all that is visible: dense enough that the
-// front is read as a surface, thin enough that what lies behind adds to it.
+// Optical depth (-ln of the transmittance) of a ray through everything visible: dense enough that
+// the front is read as a surface, thin enough that matter behind it adds to it.
 constexpr double kOpticalDepth = 6;
 // No voxel hides all that is behind it: steps between voxels would show as rings.
 constexpr double kLargestOpacity = 0.5;
 // Hounsfield units: below the first there is nothing, from the second on there is bone.
 constexpr double kLeastHounsfield = -1100, kBone = 200;
-// Where between threshold and top the ramp has points, and how much of its height it has there.
+// The ramp's points between threshold and top, as shares of its width and height.
 constexpr std::array<double, 9> kPlaces = {0, 0.03, 0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 1};
 
 // `value` with as few digits as tell 5000 values of `span` apart; finite, whatever was added to it.
@@ -46,7 +46,7 @@ double tidyOpacity(double opacity) {
   return std::min(1.0, std::strtod(fmt::format("{:.3g}", opacity).c_str(), nullptr));
 }
 
-// What the look is made of before its numbers are tidied.
+// A look before its numbers are rounded to few digits.
 struct Draft {
   std::string name;
   std::string_view map;
@@ -82,7 +82,7 @@ std::vector<OpacityPoint> ramp(const Histogram& histogram, const HistogramFindin
   std::vector<OpacityPoint> points;
   for (const double place : kPlaces) {
     const double value = std::lerp(found.threshold, found.top, place);
-    // Never less than at a lower value, and at the foot nothing: a surface without a jagged edge.
+    // Opacities never fall with the value, and begin at nothing: a surface without a jagged edge.
     const double weight = 0.25 + 0.75 * place;
     const double opacity =
         place == 0 ? 0 : weight * opacityOf(shareAbove(histogram, value), thickness_vox);
@@ -127,7 +127,8 @@ Draft divergingDraft(const Histogram& histogram, const HistogramFindings& found,
           std::move(opacities)};
 }
 
-// What stands out is thin and few: opaque soon, so that the near one hides the far one.
+// The values that stand out are thin and few. They become opaque soon, so that the near ones hide
+// the far ones.
 Draft tailDraft(const HistogramFindings& found) {
   const auto at = [&](double place) { return std::lerp(found.threshold, found.top, place); };
   return {fmt::format("automatic, tail above {:.4g}", found.threshold),
@@ -136,7 +137,8 @@ Draft tailDraft(const HistogramFindings& found) {
           {{found.threshold, 0}, {at(0.15), 0.25}, {at(0.5), 0.7}, {found.top, 0.9}}};
 }
 
-// A block with its faces, as a microscopist shows it. No light: its texture is no surface.
+// A block with its faces, as a microscopist shows it. It is not lit, because its texture is no
+// surface.
 Draft solidDraft(const Histogram& histogram, const HistogramFindings& found, std::string_view map) {
   const double visible = shareAbove(histogram, found.threshold);
   const auto valueAbove = [&](double share) { return percentile(histogram, 1 - visible * share); };
@@ -146,7 +148,7 @@ Draft solidDraft(const Histogram& histogram, const HistogramFindings& found, std
               {},
               false};
   draft.opacities = {{found.threshold, 0.9}};
-  // Where the block ends at fill values, what is interpolated with them, dark, does not hide it.
+  // If the block ends at fill values, the dark values interpolated towards them must not hide it.
   if (found.valley)
     draft.opacities = {{found.threshold, 0}, {draft.map_range.lo, 0.1}, {valueAbove(0.5), 0.9}};
   return draft;
@@ -203,7 +205,8 @@ uint64_t secondMostFrequent(const ValueCounts& counts) {
   return each[1];
 }
 
-// Farther from all other values than these are from one another: written where nothing is known.
+// Fill values: farther from all other values than these are from one another, written by programs
+// where nothing is known.
 struct WithoutFill {
   ValueCounts counts;
   bool below = false, above = false;
@@ -212,7 +215,7 @@ struct WithoutFill {
 WithoutFill withoutFill(const ValueCounts& counts) {
   WithoutFill result{counts};
   const auto isFar = [&](double gap) {
-    // What few voxels have does not stretch the rest.
+    // Values of few voxels must not stretch the range.
     const Histogram rest = histogramOf(result.counts, kFineBins);
     return gap > percentile(rest, 0.9995) - percentile(rest, 0.0005);
   };
@@ -232,7 +235,7 @@ WithoutFill withoutFill(const ValueCounts& counts) {
   return result;
 }
 
-// Fill values show nothing, nor does what is interpolated on the way to them.
+// Fill values show nothing, nor do values interpolated on the way to them.
 void endAt(std::vector<OpacityPoint>& opacities, ValueRange range, const WithoutFill& rest) {
   const double beside = 1e-3 * (range.hi - range.lo);
   if (rest.below && opacities.front().opacity > 0) {
@@ -250,7 +253,7 @@ void endAt(std::vector<OpacityPoint>& opacities, ValueRange range, const Without
 // --- CT in Hounsfield units: air at -1000, water at 0, bone from some 200 on.
 
 struct Shares {
-  double air = 0, tissue = 0, bone = 0;  // of what is no padding
+  double air = 0, tissue = 0, bone = 0;  // shares of all voxels but padding
 };
 
 Shares hounsfieldShares(const ValueCounts& counts) {
@@ -261,7 +264,7 @@ Shares hounsfieldShares(const ValueCounts& counts) {
   return {share(-1050, -900, all), share(-200, 200, all), share(kBone, 1e9, all)};
 }
 
-// Without the padding around a CT's field of view: a value or two far below air.
+// The counts without the padding around a CT's field of view: a value or two far below air.
 ValueCounts withoutPadding(ValueCounts counts) {
   constexpr size_t kMostPaddings = 2;
   std::vector<ValueCount>& entries = counts.entries;
@@ -272,7 +275,7 @@ ValueCounts withoutPadding(ValueCounts counts) {
   return counts;
 }
 
-// Air and tissue where a CT has them, and nothing where it has nothing.
+// Whether air and tissue lie at a CT's values, and nothing at values that a CT does not have.
 bool looksLikeHounsfield(const ValueCounts& values) {
   constexpr double kLeastShare = 0.02, kMost = 70000;
   if (values.entries.empty()) return false;
@@ -283,7 +286,7 @@ bool looksLikeHounsfield(const ValueCounts& values) {
   return shares.air > kLeastShare && shares.tissue > kLeastShare;
 }
 
-// Bone where there is some. It stands above the table that the patient lies on, which skin does
+// Shows bone if there is some. It stands above the table that the patient lies on, which skin does
 // not.
 Draft hounsfieldDraft(const ValueCounts& values, const AutomaticOptions& options) {
   constexpr double kLeastBone = 0.002, kSkin = -300;
@@ -334,8 +337,8 @@ bool areLabels(const ValueCounts& counts) {
   // Voxels that a thing has on its way along x, and how far the value jumps at its end, as a share
   // of the range: fields that are smooth in 8 bits change seldom too, but by little.
   constexpr double kLeastRun = 1.8, kLeastJump = 0.03;
-  // Two media and what lies between them are no things: where there are many values, those beside
-  // the two most frequent are in runs of their own.
+  // Two media and the values interpolated between them are no labels: if there are many values, all
+  // but the two most frequent are in runs of their own.
   constexpr double kLeastRunOfMany = 1.3;
   constexpr size_t kMany = 16;
   if (counts.entries.size() < 3 || !areSingleValues(counts)) return false;

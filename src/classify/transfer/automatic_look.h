@@ -1,20 +1,21 @@
-// automaticLook: a picture worth looking at from the counts of the values alone, in terms that a
-// person can give again: a colour map and where it begins and ends, opacities at a few values.
+// automaticLook: a picture worth looking at, from the counts of the values alone. The choice is
+// expressed in options that a person can give: a colour map, its begin and end, and opacities at a
+// few values.
 //
-// - a CT in Hounsfield units: bone, or skin where there is no bone; padding has no say;
-// - background and its noise at the low end: what lies above is visible, coloured from its lowest
-//   value to the one that 3 in 1000 of it exceed;
+// - a CT in Hounsfield units: bone, or skin if there is no bone; padding does not count;
+// - background and its noise at the low end: the values above are visible, coloured from the lowest
+//   of them to the one that 3 in 1000 of them exceed;
 // - most values near zero and tails on both sides (a statistic, a vorticity): both tails are
 //   visible, cool below and warm above, zero grey whatever the range;
-// - background at the high end (a bright field): what lies below is visible;
-// - no background at all: a solid block, unlit, in grey where the values form one broad hump
-//   (electron microscopy), in colours where they lie all over their range (a temperature);
+// - background at the high end (a bright field): the values below are visible;
+// - no background at all: a solid block, unlit, in grey if the values form one broad hump
+//   (electron microscopy), in colours if they lie all over their range (a temperature);
 // - tissue with few values far above it (vessels with contrast agent): these alone;
 // - two values: the surface between them, opaque;
 // - labels: each its own colour, opaque;
 // - a signed distance: a shell around zero;
 // - one value: translucent everywhere.
-// Fill values far off all others show nothing and have no say. Pure functions.
+// Fill values far off all others show nothing and do not count. Pure functions.
 #pragma once
 
 #include <string>
@@ -31,15 +32,15 @@ struct AutomaticOptions {
   double thickness_vox = 256;
   // The volume is a distance to a surface (an OpenVDB level set): show a shell around zero.
   bool signed_distance = false;
-  // World units, where known: the shell of a signed distance is some of these thick.
+  // World units, if known: the shell of a signed distance is a few of these thick.
   double finest_spacing = 0;
   // Replaces the map that would be chosen; empty: chosen.
   std::string_view map = {};
 };
 
 struct AutomaticLook {
-  // Its name says what was chosen: "automatic above 40". Values have few digits, so that the
-  // options that say the same are short.
+  // Its name describes the choice: "automatic above 40". Values have few digits, so that the
+  // options that reproduce it are short.
   TransferFunction transfer;
   std::string map;       // empty for labels without one
   ValueRange map_range;  // lo > hi: the map is turned round
@@ -52,7 +53,7 @@ AutomaticLook automaticLook(const ValueCounts& counts, const AutomaticOptions& o
 // Whether the values are names: whole numbers, few of them or far between, that change seldom from
 // voxel to voxel and by any amount.
 bool areLabels(const ValueCounts& counts);
-// What labels take as nothing: 0 where it occurs, otherwise the most frequent value.
+// The label that stands for nothing: 0 if it occurs, otherwise the most frequent value.
 double backgroundLabel(const ValueCounts& counts);
 // labelsTransfer() of the values that occur.
 TransferFunction labelsTransferOf(const ValueCounts& counts, std::string_view map = {});

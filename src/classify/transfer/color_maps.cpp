@@ -13,9 +13,9 @@
 namespace sluice {
 namespace {
 
-// Control points at positions 0..255, the entries of the published tables. Those of viridis,
-// inferno, plasma, magma, cividis and turbo are fitted to the tables by least squares with the
-// fewest points that stay within 2/255 of every entry.
+// Control points at positions 0..255, the entries of the published tables. The points of viridis,
+// inferno, plasma, magma, cividis and turbo are fitted to the tables by least squares, as few as
+// stay within 2/255 of every entry.
 constexpr ColorPoint kViridis[] = {{0, {0.267, 0.0049, 0.3294}},    {27, {0.2861, 0.1523, 0.4704}},
                                    {52, {0.2529, 0.2722, 0.5367}},  {94, {0.1736, 0.4429, 0.5621}},
                                    {139, {0.1144, 0.607, 0.5446}},  {156, {0.1384, 0.6699, 0.512}},
@@ -90,7 +90,7 @@ constexpr ColorPoint kGrey[] = {{0, {0, 0, 0}}, {255, {1, 1, 1}}};
 // Black, red, yellow, white; each channel rises in its own third.
 constexpr ColorPoint kHot[] = {
     {0, {0.0416, 0, 0}}, {93, {1, 0, 0}}, {190.5, {1, 1, 0}}, {255, {1, 1, 1}}};
-// From dried blood over tan to ivory.
+// Dried blood over tan to ivory.
 constexpr ColorPoint kCtBone[] = {{0, {0.56, 0.24, 0.13}},   {50, {0.76, 0.4, 0.22}},
                                   {100, {0.87, 0.57, 0.36}}, {150, {0.93, 0.74, 0.55}},
                                   {205, {0.97, 0.89, 0.78}}, {255, {1, 0.98, 0.95}}};
@@ -106,7 +106,7 @@ constexpr ColorPoint kSmoke[] = {{0, {0.2, 0.23, 0.28}},
 // Bright from the start, so that lit surfaces show their shape, and the colour of no material.
 constexpr ColorPoint kPlaster[] = {
     {0, {0.5, 0.49, 0.47}}, {128, {0.78, 0.77, 0.75}}, {255, {1, 0.99, 0.97}}};
-// From soot over glowing coal to a white-hot flame.
+// Soot over glowing coal to a white-hot flame.
 constexpr ColorPoint kEmber[] = {{0, {0.12, 0.1, 0.11}},    {50, {0.3, 0.13, 0.11}},
                                  {110, {0.68, 0.19, 0.06}}, {165, {0.95, 0.46, 0.07}},
                                  {215, {1, 0.78, 0.27}},    {255, {1, 0.97, 0.82}}};
@@ -197,7 +197,7 @@ std::vector<ColorPoint> requireColorMap(std::string_view name, const std::string
 
 Vec3d labelColor(double value) {
   // Turns of the golden angle leave the hues of any few numbers in a row far apart; three steps of
-  // lightness tell apart what hues alone do not.
+  // lightness tell apart labels that hues alone do not.
   constexpr double kGolden = 0.6180339887498949, kFirstHue = 0.02, kChroma = 58;
   constexpr std::array<double, 3> kLightness = {66, 78, 56};
   const double number = std::abs(std::round(value));

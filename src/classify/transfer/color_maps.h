@@ -1,4 +1,4 @@
-// Named colour maps: what --map takes and what a transfer function's file may name.
+// Named colour maps: the values of --map and of a transfer function's file.
 //
 // viridis, inferno, plasma, magma, cividis, turbo, cool-warm and black-body are the published maps,
 // within 2/255 a channel of their 256-entry tables; hot, grey, ct-bone, ct-soft-tissue, smoke,
@@ -15,9 +15,9 @@
 
 namespace sluice {
 
-// What --threshold uses when no map is named, and the automatic choice for a CT.
+// The map that --threshold uses if none is named, and the automatic choice for a CT.
 inline constexpr std::string_view kDefaultColorMap = "ct-bone";
-// What the automatic choice uses for values that nothing is known of.
+// The automatic choice for values of unknown meaning.
 inline constexpr std::string_view kNeutralColorMap = "plaster";
 
 // All names, in the order in which help lists them.
@@ -28,19 +28,19 @@ std::span<const std::string_view> colorMapNames();
 std::optional<Vec3d> solidColor(std::string_view name);
 // Their names, in the order in which help lists them.
 std::span<const std::string_view> solidColorNames();
-// Of six hexadecimal digits, red first, with or without '#'.
+// Parses six hexadecimal digits, red first, with or without '#'.
 std::optional<Vec3d> hexColor(std::string_view text);
 
-// The control points of a map over 0..1, the first at 0, the last at 1; those of a colour are both
-// that colour. nullopt for an unknown name.
+// The control points of a map over 0..1, the first at 0, the last at 1; both points of a plain
+// colour are that colour. nullopt for an unknown name.
 std::optional<std::vector<ColorPoint>> colorMap(std::string_view name);
 
 // The same; throws Error, starting with `where` (the option or the file's field) and listing the
 // names, for an unknown one.
 std::vector<ColorPoint> requireColorMap(std::string_view name, const std::string& where);
 
-// The colour of a label: the same for a number in every volume, unlike those of the numbers near
-// it.
+// The colour of a label: the same for a number in every volume, and unlike the colours of
+// neighbouring numbers.
 Vec3d labelColor(double value);
 
 // Points over 0..1 moved to lo..hi; 0 and 1 are met exactly. Requires: lo <= hi, both finite.

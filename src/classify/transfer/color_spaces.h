@@ -22,7 +22,7 @@ Vec3d mixLab(Vec3d a, Vec3d b, double t);
 Vec3d mixHsv(Vec3d a, Vec3d b, double t);
 // Hues are a circle: from 0.9 to 0.1 passes 0.
 Vec3d mixHsvShortWay(Vec3d a, Vec3d b, double t);
-// Through white where both are saturated and their hues differ (Moreland 2009, "Diverging Color
+// Passes through white if both are saturated and their hues differ (Moreland 2009, "Diverging Color
 // Maps for Scientific Visualization", sections 4 and 5).
 Vec3d mixDiverging(Vec3d a, Vec3d b, double t);
 

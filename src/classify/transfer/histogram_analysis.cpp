@@ -12,10 +12,10 @@ namespace {
 
 // Enough to tell the values of 8-bit data apart, few enough that noise does not look like valleys.
 constexpr size_t kBins = 256;
-// Of all values, and of those beside the most frequent one: what so few lie beyond, at either end,
-// does not stretch the analysis.
+// The share of all values, and of those that differ from the most frequent one, that is ignored at
+// either end, so that outliers do not stretch the analysis.
 constexpr double kFew = 0.0005, kFewOfOthers = 0.005;
-// Of the visible values, how many exceed the top.
+// The share of the visible values that lie below the top.
 constexpr double kTopShare = 0.997;
 
 using Density = std::vector<double>;
@@ -24,8 +24,8 @@ double sum(std::span<const double> part) {
   return std::accumulate(part.begin(), part.end(), 0.0);
 }
 
-// Shares of the counted values in equal bins over `range`, each input bin spread evenly over those
-// that it touches; what lies outside goes to the first and the last.
+// Shares of the counted values in equal bins over `range`, each input bin spread evenly over the
+// bins that it touches; values outside go to the first and the last bin.
 Density resample(const Histogram& histogram, ValueRange range, size_t bins) {
   Density density(bins, 0.0);
   const auto all = static_cast<double>(total(histogram));
@@ -62,11 +62,11 @@ Density smooth(std::span<const double> density, size_t radius) {
   return result;
 }
 
-// Where a peak's noise ends if it falls off as a normal distribution does; `mode` otherwise. What
-// decays more slowly is no noise: fog.
+// The end of a peak's noise if the peak falls off as a normal distribution does; `mode` otherwise.
+// A slower decay is no noise: fog.
 size_t noiseEnd(const Density& density, size_t mode) {
   constexpr double kDeviationsAtHalf = 1.1774, kNoise = 4;
-  // One exact value is no hump.
+  // A single exact value is no hump.
   if (mode + 2 >= density.size() ||
       std::max(density[mode + 1], density[mode + 2]) < 0.25 * density[mode])
     return mode;
@@ -80,7 +80,8 @@ size_t noiseEnd(const Density& density, size_t mode) {
 }
 
 // The end of the background: the first bin after `mode` that belongs to something else. The peak
-// ends where it has fallen to a tenth; a narrow hump right beside it is its noise and ends alike.
+// ends where it has fallen to a tenth; a narrow hump right next to it is its noise and ends in the
+// same way.
 size_t backgroundEnd(const Density& density, size_t mode) {
   // Integers leave single bins empty, more or fewer with the range: one low bin ends nothing.
   const auto fallsToATenth = [&](size_t from) {
@@ -103,8 +104,8 @@ struct Valley {
   size_t middle, peak;  // bins
 };
 
-// The valley before the peak that stands out most; nothing where the values beyond it are fewer
-// than those before it, as in fog, whose tail also has ups and downs.
+// The valley before the peak that stands out most; nothing if fewer values lie beyond it than
+// before it, as in fog, whose tail also has ups and downs.
 std::optional<Valley> valleyAfter(const Density& density, size_t end) {
   if (end + 2 >= density.size()) return std::nullopt;
   const std::span<const double> rest(density.data() + end, density.size() - end);
@@ -141,8 +142,8 @@ double massAround(const Density& density, size_t bin) {
   return sum(std::span(density).subspan(first, std::min(density.size() - first, 2 * reach + 1)));
 }
 
-// A CT's air after the padding around its field of view: close to it, or a great peak farther on
-// where the padding is one exact value.
+// A CT's air after the padding around its field of view: close to it, or a great peak farther on if
+// the padding is one exact value.
 bool isAirAfterPadding(const Density& density, size_t mode, size_t peak) {
   if (peak - mode < density.size() / 10) return true;
   const bool exact = density[mode + 1] < 0.01 * density[mode];
@@ -160,7 +161,7 @@ Threshold thresholdAfter(const Density& density, size_t mode) {
   const auto valley = valleyAfter(density, end);
   if (!valley) return {end, false};
   if (isAirAfterPadding(density, mode, valley->peak)) {
-    // Only where something else follows.
+    // Only if something else follows.
     const auto next = valleyAfter(density, backgroundEnd(density, valley->peak));
     if (next) return {next->middle, true};
   }
@@ -198,7 +199,7 @@ double topOf(const Histogram& histogram, double threshold) {
 HistogramFindings divergingFindings(const Histogram& histogram) {
   const Histogram distance = folded(histogram);
   const Density density = resample(distance, {0, percentile(distance, 1 - kFew)}, kBins);
-  // The far eighth of what is not background: the rest is noise around zero.
+  // The far eighth of the values that are not background: the others are noise around zero.
   const size_t end = backgroundEnd(density, largest(density));
   const double beside = sum(std::span(density).subspan(std::min(end, density.size())));
   const double threshold = percentile(distance, 1 - beside / 8);
@@ -221,11 +222,11 @@ Histogram scaled(Histogram histogram, double factor) {
 struct Hump {
   size_t peak;
   double deviation;  // bins, of the flatter side
-  double share;      // of all values, within two deviations
+  double share;      // share of all values within two deviations
 };
 
 Hump humpAt(const Density& curve, const Density& density, size_t peak) {
-  // Where it has fallen to half; a side that ends before has no say.
+  // The width where the hump has fallen to half; a side that ends before does not count.
   constexpr double kDeviationsAtHalf = 1.1774;
   const double half = curve[peak] / 2;
   size_t left = peak, right = peak;
@@ -245,7 +246,7 @@ Hump humpAt(const Density& curve, const Density& density, size_t peak) {
 
 constexpr size_t kSmoothing = kBins / 50;
 
-// One broad hump that holds nearly all values from `first` on, and no others of note.
+// Whether nearly all values from `first` on form one broad hump, without other humps of note.
 bool isSolid(const Density& density, size_t first) {
   constexpr double kLeastShare = 0.65, kLeastWidth = 0.18, kPeak = 0.15;
   const std::span<const double> part = std::span(density).subspan(first);
@@ -257,7 +258,7 @@ bool isSolid(const Density& density, size_t first) {
   const size_t peak = largest(curve);
   const auto at = static_cast<double>(peak) / static_cast<double>(curve.size());
   if (at < 0.2 || at > 0.85) return false;
-  // Away from the peak it only falls, but for what is small beside it.
+  // Away from the peak it only falls, except for small ripples.
   const auto falls = [&](auto from, auto to) {
     double floor = *from;
     for (auto it = from; it != to; ++it) {
@@ -279,17 +280,17 @@ bool isSolid(const Density& density, size_t first) {
   return static_cast<double>(high - low) > kLeastWidth * static_cast<double>(density.size());
 }
 
-// Where the values begin that stand out far above the hump that a good part of all voxels is in.
-// Needs more bins than the rest: the hump is narrow beside them.
+// The first of the values that stand out far above the hump that a good part of all voxels is in.
+// Needs more bins than the other analyses, because the hump may be narrow.
 std::optional<double> tailAbove(const Histogram& histogram, double lo, double hi) {
   constexpr size_t kFineBins = 1024;
   constexpr double kLeastHump = 0.15, kLeastTail = 0.0005, kMostTail = 0.04, kFar = 2.5;
   constexpr double kHumpEnd = 3, kTailStart = 4.5;  // deviations of the hump
   const Density density = resample(histogram, {lo, hi}, kFineBins);
   const Density curve = smooth(density, kFineBins / 200);
-  // The last peak of note is the hump; air lies before it. A ripple on a flank is none.
-  // Nor has a spike of zeros at the end a say in what is of note. Fog, and tissue whose dark parts
-  // reach down to the air, stand on its flank: what is bright in them is no thing of its own.
+  // The last peak of note is the hump; air lies before it. A ripple on a flank is none. A spike of
+  // zeros at the end does not count either. Fog, and tissue whose dark parts reach down to the air,
+  // stand on its flank: their bright values are no object of their own.
   constexpr size_t kFlank = kFineBins / 32;
   size_t peak = largest(curve);
   const double noted = 0.1 * curve[kFlank + largest(std::span(curve).subspan(kFlank))];
@@ -309,14 +310,15 @@ std::optional<double> tailAbove(const Histogram& histogram, double lo, double hi
   if (end + 1 >= density.size()) return std::nullopt;
   const double tail = sum(std::span(density).subspan(end));
   if (tail < kLeastTail || tail > kMostTail) return std::nullopt;
-  // What only falls off slowly, as bright tissue beside dark, is the hump's own foot.
+  // A slow fall-off, as from dark to bright tissue, is the hump's own foot.
   if (sum(std::span(density).subspan(hump_end, end - hump_end)) > tail) return std::nullopt;
   if (static_cast<double>(density.size() - peak) < kFar * static_cast<double>(peak))
     return std::nullopt;
   return std::lerp(lo, hi, static_cast<double>(end) / static_cast<double>(kFineBins));
 }
 
-// Of all but a few values at either end. The more there is of nothing, the smaller a thing may be.
+// The range of all but a few values at either end. The larger the share of the most frequent value,
+// the fewer values are cut off, because the object may be small.
 ValueRange usualRange(const Histogram& histogram) {
   const auto all = static_cast<double>(total(histogram));
   const auto most =
@@ -338,7 +340,7 @@ HistogramFindings analyse(const Histogram& histogram) {
     return {HistogramKind::kConstant, range.lo, range.lo, range.lo, false};
   }
   Density density = resample(histogram, range, kBins);
-  // What lies above the range is no peak at its end.
+  // Values above the range must not look like a peak at its end.
   density.back() = std::max(0.0, density.back() - shareAbove(histogram, range.hi));
   if (isSolid(density, 0)) return {HistogramKind::kSolid, range.lo, range.lo, range.hi, false};
   if (diverges(density, range)) return divergingFindings(histogram);

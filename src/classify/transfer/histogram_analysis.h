@@ -1,10 +1,10 @@
-// What a histogram tells of a volume: which values are background and which are worth showing.
+// HistogramAnalysis: which values of a volume are background and which are worth showing.
 //
-// A pure function of the counts, in steps that each leave a number to look at: the background is
-// the dominating peak and the noise beside it; an object that stands out has a valley before it and
-// the threshold lies in that valley; where there is none (fog, a simulation) everything above the
-// background and its noise is visible. Where nearly all that is visible forms one hump, either that
-// is what the volume shows (a solid block), or the few values far above it are (vessels).
+// A pure function of the counts, in steps that each leave a number to look at. The background is
+// the dominating peak and the noise next to it. An object that stands out has a valley before it,
+// and the threshold lies in that valley. If there is no valley (fog, a simulation), everything
+// above the background and its noise is visible. If nearly all visible values form one hump, either
+// the hump is what the volume shows (a solid block), or the few values far above it are (vessels).
 #pragma once
 
 #include "src/base/histogram.h"
@@ -12,13 +12,13 @@
 namespace sluice {
 
 enum class HistogramKind {
-  kConstant,   // one value, or nothing counted
+  kConstant,   // a single value, or nothing counted
   kAbove,      // background low, the visible values above it
   kBelow,      // background high (a bright field), the visible values below it
   kDiverging,  // background at zero, visible values on both sides
   kSolid,      // no background, or one of fill values: one broad hump of visible values
   kField,      // no background: values all over the range, as of a temperature
-  kTail,       // as kAbove, where what stands out lies far above a hump that most voxels are in
+  kTail,       // like kAbove, but what stands out lies far above a hump that most voxels are in
 };
 
 struct HistogramFindings {

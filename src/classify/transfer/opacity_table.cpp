@@ -9,14 +9,15 @@
 namespace sluice {
 namespace {
 
-// Neighbouring entries may differ by this much, of 1: half of what an 8-bit picture shows.
+// Neighbouring entries may differ by this much, of 1: half of a step of an 8-bit picture.
 constexpr float kVisible = 0.5F / 255;
-// Entries that a step is spread over at least, so that rounding changes little, and at most: where
-// neighbours then differ by less than what is visible, samples need not interpolate.
+// The least entries that a step is spread over, so that rounding changes little, and the most: if
+// neighbours then differ invisibly, samples need not interpolate.
 constexpr int kLeastStepEntries = 4, kMostStepEntries = 8;
 
-// Of 8 bits, which have entries enough, with the values that colours are laid over: a step of a
-// series that spans less than they do has the entries that it has with the range of all steps.
+// Widens `all` by the values that the colours span if voxels have 8 bits, for which there are
+// entries enough. So a step of a series whose values span less gets the same entries as with the
+// range of all steps.
 ValueRange withColors(const TransferFunction& transfer, const ValueMap& map, ValueRange all) {
   constexpr double kMostOf8Bits = 255;
   if (map.type != DeviceType::kU8 || transfer.labels || !(all.lo < all.hi)) return all;
@@ -26,9 +27,9 @@ ValueRange withColors(const TransferFunction& transfer, const ValueMap& map, Val
           std::max(all.hi, std::min(std::ceil(to), kMostOf8Bits))};
 }
 
-// The part of `all` over which the transfer function changes, where that is so small a part that it
-// would get few entries: simulations write a value far off the data where they know nothing.
-// Beyond it the ends hold.
+// The part of `all` over which the transfer function changes, if it is so small a part that it
+// would get few entries: simulations write a value far off the data where they know nothing. Beyond
+// the table its ends hold.
 ValueRange tableRange(const TransferFunction& transfer, const ValueMap& map, ValueRange all) {
   constexpr double kFewOfAll = 1.0 / 64, kMargin = 1.0 / 64;
   double lo = std::min(transfer.colors.front().value, transfer.opacities.front().value);
@@ -65,13 +66,13 @@ int spreadSteps(std::vector<float>& entries) {
   };
   float largest = 0;
   for (ptrdiff_t i = 0; i < last; ++i) largest = std::max(largest, stepAt(i));
-  // A part more than needed, for what colours and the slopes beside the step add.
+  // One part more than needed, for the colours and slopes next to the step.
   const auto parts = static_cast<int>(std::min(largest / kVisible, 1000.0F)) + 2;
   const int step_entries =
       parts - 1 <= kMostStepEntries ? std::max(parts - 1, kLeastStepEntries) : kLeastStepEntries;
   // Each entry from which a step is in sight becomes the mean of itself and the step_entries after
-  // it: a ramp that ends where the step is, and never 0 for what was visible, also where two steps
-  // are close together.
+  // it: a ramp that ends where the step is, and never 0 for a visible value, even if two steps are
+  // close together.
   ptrdiff_t done = 0;  // entries below are final
   for (ptrdiff_t step = 0; step < last; ++step) {
     if (stepAt(step) <= kVisible) continue;
@@ -129,7 +130,7 @@ void OpacityTable::addGradients(const TransferFunction& transfer, const ValueMap
     for (size_t i = 0; i < factors.size(); ++i)
       factors[i] = static_cast<float>(gradientFactorAt(row, map.valueOf(deviceAt(i))));
     if (depends) step_entries_ = std::max(step_entries_, spreadSteps(factors));
-    // A factor is interpolated, so it reaches to the entries beside it.
+    // A factor is interpolated, so it reaches to the neighbouring entries.
     const auto shows = [&](size_t i) {
       if (!depends) return factors[0] > 0;
       return factors[i] > 0 || (i > 0 && factors[i - 1] > 0) ||

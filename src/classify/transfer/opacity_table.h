@@ -1,10 +1,10 @@
 // OpacityTable: a transfer function sampled over the device values of a volume, and the question
 // that every acceleration asks of it: is anything in [lo, hi] visible?
 //
-// The table is what classification reads and what a device looks values up in, so that a block
-// called empty is empty in the picture. Entry i stands for the device value
+// Classification reads the same table in which a device looks values up, so that a block called
+// empty is empty in the picture. Entry i stands for the device value
 //   lo + i * (hi - lo) / (entries - 1);
-// a sample takes the nearest entry, or interpolates two where neighbours differ visibly. Values
+// a sample takes the nearest entry, or interpolates two if neighbours differ visibly. Values
 // beyond the ends look as the ends do. For integers of a range below the entry count, each value
 // falls on an entry exactly.
 //
@@ -33,12 +33,12 @@ namespace sluice {
 class OpacityTable {
  public:
   // About `most_entries` entries over `device_range` (all device values of the volume), or over the
-  // part of it in which the transfer function changes where that is less than a 64th.
+  // part of it in which the transfer function changes if that is less than a 64th.
   OpacityTable(const TransferFunction& transfer, const ValueMap& map, ValueRange device_range,
                int most_entries = 16384);
 
   int entries() const { return static_cast<int>(opacity_.size()); }
-  // Of the first and the last entry.
+  // Device values of the first and the last entry.
   ValueRange deviceRange() const { return range_; }
   // How many entries below a step are part of its ramp.
   int stepEntries() const { return step_entries_; }
@@ -50,7 +50,7 @@ class OpacityTable {
     if (!(at > 0)) return 0;
     return at >= entries() ? entries() - 1 : static_cast<int>(at);
   }
-  // Of one voxel length of the finest spacing, not corrected for a step.
+  // Opacity of each entry for one voxel length of the finest spacing, not corrected for a step.
   const std::vector<float>& opacity() const { return opacity_; }
   // Values are names, see TransferFunction.
   bool labels() const { return labels_; }
@@ -59,10 +59,10 @@ class OpacityTable {
   // r, g, b of each entry, not premultiplied.
   const std::vector<float>& rgb() const { return rgb_; }
 
-  // Of the rows, device values a voxel length of the finest spacing. Empty: the gradient makes no
-  // difference.
+  // The gradient magnitudes of the rows, in device values per voxel length of the finest spacing.
+  // Empty: the gradient makes no difference.
   const std::vector<double>& magnitudes() const { return magnitudes_; }
-  // Row after row; entries() a row, or one a row where none depends on the value.
+  // Row after row; entries() a row, or one a row if none depends on the value.
   const std::vector<float>& factors() const { return factors_; }
 
   // False only when every sample between device values lo <= hi has opacity 0, also one that

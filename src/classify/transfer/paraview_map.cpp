@@ -19,9 +19,9 @@ constexpr double kColorTolerance = 0.5 / 255;
 constexpr double kOpacityTolerance = 0.001;
 // 2^kDeepest parts of a segment are enough for any curve here.
 constexpr int kDeepest = 10;
-// More than any preset has; bounds what a hostile file makes us insert.
+// More than any preset has; bounds the points that a hostile file makes us insert.
 constexpr size_t kMostPoints = 4096;
-// Below and above these VTK draws a line and a step.
+// VTK draws a line below the first and a step above the second.
 constexpr double kLine = 0.01, kStep = 0.99;
 
 using Mix = Vec3d (*)(Vec3d, Vec3d, double);
@@ -44,7 +44,7 @@ constexpr std::array<ColorSpace, 7> kColorSpaces = {{{"RGB", mixRgb},
                                                      {"Step", nullptr}}};
 
 // Calls add(t, curve(t)) for places between `lo` and `hi` until lines between neighbours follow the
-// curve; `apart(a, b)` says whether two results differ too much, `between` mixes two by a line.
+// curve. `apart(a, b)` tells whether two results differ too much; `between` mixes two linearly.
 template <class Result, class Curve, class Apart, class Between, class Add>
 void follow(const Curve& curve, double lo, Result at_lo, double hi, Result at_hi, int depth,
             const Apart& apart, const Between& between, const Add& add) {
@@ -65,7 +65,7 @@ void follow(const Curve& curve, double lo, Result at_lo, double hi, Result at_hi
 void appendColors(std::vector<ColorPoint>& points, const ColorPoint& next, Mix mix) {
   const ColorPoint from = points.back();
   if (mix == nullptr) {
-    // The colour of an interval is that of its end.
+    // An interval has the colour of its end.
     points.push_back({from.value, next.rgb});
   } else if (mix != mixRgb) {
     follow<Vec3d>(
@@ -138,7 +138,7 @@ std::vector<ColorPoint> readColors(const JsonField& list, Mix mix) {
 
 std::vector<OpacityPoint> readOpacities(const JsonField& list) {
   std::vector<OpacityPoint> points;
-  double midpoint = 0.5, sharpness = 0;  // of the segment that the next point ends
+  double midpoint = 0.5, sharpness = 0;  // for the segment that the next point ends
   forEachPoint(list, "x, opacity, midpoint, sharpness for each point", [&](size_t i, double value) {
     const OpacityPoint point{value, list[i + 1].share()};
     points.empty() ? points.push_back(point) : appendOpacities(points, point, midpoint, sharpness);

@@ -13,16 +13,16 @@
 
 namespace sluice {
 
-// `document`: an array of maps, or one. `map`: the Name of the one wanted, needed where there are
-// several; where there is one, a colour map of ours that takes the place of its colours. A map over
-// 0..1 or -1..1, as presets come, or outside `range` altogether is stretched over `range`, its
-// opacities too; any other holds values as they are. Without opacities (Points) they rise from 0 to
+// `document`: an array of maps, or one. `map`: the Name of the wanted map, needed if there are
+// several; if there is one, a colour map of ours that replaces its colours. A map over 0..1 or
+// -1..1, as presets come, or outside `range` altogether is stretched over `range`, its opacities
+// too; any other holds values as they are. Without opacities (Points) they rise from 0 to
 // kDefaultOpacity. A map without a Name is called `where`. Throws Error.
 TransferFunction paraviewTransfer(const JsonField& document, const std::string& where,
                                   ValueRange range, std::string_view map);
 
-// ParaView's (VTK's) share of the way from one opacity point to the next at `t` (0..1): midpoint is
-// where half of it is done, sharpness goes from 0, a line, to 1, a step.
+// ParaView's (VTK's) share of the way from one opacity point to the next at `t` (0..1): half of it
+// is done at midpoint; sharpness goes from 0, a line, to 1, a step.
 double bentWay(double t, double midpoint, double sharpness);
 
 }  // namespace sluice

@@ -38,7 +38,8 @@ ColorPoint colorPoint(const JsonField& field) {
 OpacityPoint opacityPoint(const JsonField& field, double unit_length_vox) {
   if (!field.isArray() || field.size() != 2) field.failExpected("[value, opacity]");
   const double given = field[1].share();
-  // What passes one voxel length is the unit_length_vox-th root of what passes them all.
+  // The transmittance of one voxel length is the unit_length_vox-th root of that of
+  // unit_length_vox.
   const double opacity =
       unit_length_vox == 1 ? given : -std::expm1(std::log1p(-given) / unit_length_vox);
   return {field[0].number(), opacity};

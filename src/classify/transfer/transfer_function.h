@@ -1,14 +1,13 @@
-// TransferFunction: what a value looks like. Control points of colour and of opacity over volume
-// values (after VolumeLayout's scale and offset), piecewise linear, constant beyond the first and
-// the last point.
+// TransferFunction: colours and opacities by value. Control points of colour and of opacity over
+// volume values (after VolumeLayout's scale and offset), piecewise linear, constant beyond the
+// first and the last point.
 //
 // Two points at one value make a step: below it the first holds, at it and above it the second.
 //
 // With gradients it is a function of the plane of values and gradient magnitudes: the opacity over
-// values times a factor that rows at some magnitudes give, each a curve over values. Magnitudes are
-// those of the gradient in the world, in value units a voxel length of the finest spacing. Plain
-// data; makers of it are in transfer_makers.h and the files it is read from in
-// transfer_file.h.
+// values times a factor that rows at some magnitudes give, each a curve over values. Magnitudes of
+// the gradient are in the world, in value units a voxel length of the finest spacing. Plain data;
+// makers of it are in transfer_makers.h and the files it is read from in transfer_file.h.
 #pragma once
 
 #include <string>
@@ -29,7 +28,7 @@ struct OpacityPoint {
   double opacity = 0;  // 0..1, of one voxel length of the finest spacing
 };
 
-// What of the opacity shows at one gradient magnitude.
+// The share of the opacity that remains at one gradient magnitude, by value.
 struct GradientRow {
   double magnitude = 0;
   std::vector<OpacityPoint> factors;  // 0..1 over values, as `opacities` is; not empty
@@ -43,8 +42,8 @@ struct TransferFunction {
   // Strictly ascending by magnitude from 0 on, at most kMostGradientRows; linear in between and
   // constant beyond. Empty: the gradient makes no difference.
   std::vector<GradientRow> gradients = {};
-  // Values are names of things, with nothing between them: where a sample would interpolate, it
-  // takes the one of the eight voxels around it whose value has the greatest weight among them.
+  // Values are labels, with nothing between them: instead of interpolating, a sample takes the one
+  // of the eight voxels around it whose value has the greatest weight among them.
   bool labels = false;
 };
 
@@ -52,7 +51,7 @@ struct TransferFunction {
 // opacity 0.
 Vec3d colorAt(const TransferFunction& transfer, double value);
 double opacityAt(const TransferFunction& transfer, double value);
-// What of the opacity a gradient magnitude shows there: 1 without rows.
+// The share of the opacity that remains at a gradient magnitude: 1 without rows.
 double gradientFactorAt(const TransferFunction& transfer, double value, double magnitude);
 double gradientFactorAt(const GradientRow& row, double value);
 

@@ -1,7 +1,7 @@
-// Makers of transfer functions: what --threshold, --map, --opacity, --opacities and
-// --labels mean. What no option at all means is in automatic_look.h.
+// Makers of transfer functions from --threshold, --map, --opacity, --opacities and --labels.
+// automatic_look.h makes the one used without any option.
 //
-// Opacities are those of one voxel length of the finest spacing. Pure functions of their arguments.
+// Opacities apply to one voxel length of the finest spacing. Pure functions of their arguments.
 #pragma once
 
 #include <string_view>
@@ -12,7 +12,7 @@
 
 namespace sluice {
 
-// --opacity where none is given: the opacity at the top of a ramp.
+// The default of --opacity: the opacity at the top of a ramp.
 inline constexpr double kDefaultOpacity = 0.05;
 
 // Opacity 0 below the threshold, 0.2 `opacity` at it, linear to `opacity` at the top of the value
@@ -28,22 +28,23 @@ TransferFunction thresholdTransfer(double threshold, ValueRange range,
 TransferFunction mapTransfer(std::string_view map, ValueRange range,
                              double opacity = kDefaultOpacity);
 
-// The map over `map_range` (turned round where lo > hi) and these opacities. Throws Error when the
-// map is unknown or the points are not valid.
+// The map over `map_range` (reversed if lo > hi) and these opacities. Throws Error when the map is
+// unknown or the points are not valid.
 TransferFunction pointsTransfer(std::string_view map, ValueRange map_range,
                                 std::vector<OpacityPoint> opacities);
 
 // Everything shows, in the colours of the map over the range: for modes that look at values alone.
 TransferFunction wholeRangeTransfer(std::string_view map, ValueRange range);
 
-// Every value of `values` (ascending) but `background` opaque, each in a colour of its own: that of
-// its number, or `map` over all of them where one is named. Throws Error when the map is unknown.
+// Every value of `values` (ascending) but `background` is opaque, each in a colour of its own: the
+// colour of its number, or from `map` over all of them if one is named. Throws Error when the map
+// is unknown.
 TransferFunction labelsTransfer(const std::vector<double>& values, double background,
                                 std::string_view map = {});
 
-// Li 2003, figure 1: each opacity times a ramp of the gradient magnitude, 0 where the volume is
-// flat and 1 from `full_magnitude` on (value units a voxel length). Throws Error when `transfer`
-// looks at gradients already or the magnitude is not above 0.
+// Li 2003, figure 1: multiplies each opacity by a ramp of the gradient magnitude, 0 where the
+// volume is flat and 1 from `full_magnitude` on (value units a voxel length). Throws Error when
+// `transfer` looks at gradients already or the magnitude is not above 0.
 TransferFunction modulateByGradient(TransferFunction transfer, double full_magnitude);
 
 // Every opacity times `factor` (>= 0), at most 1.

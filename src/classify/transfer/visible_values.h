@@ -44,8 +44,8 @@ class VisibleValues {
   }
 
  private:
-  // Ranges that reach up to `lo` and down to `hi` show. Where the opaque entries lie between two
-  // neighbouring integers, lo is the one above them and hi the one below.
+  // Ranges that reach up to `lo` and down to `hi` show. If the opaque entries lie between two
+  // neighbouring integers, lo is the integer above them and hi the one below.
   struct Interval {
     T lo, hi;
   };
