@@ -6,16 +6,16 @@
 namespace sluice {
 namespace {
 
-// Corners are numbered from the eye: bit a is set where a corner lies on the far face of axis a,
-// so that every edge leads from a corner to one with a bit more, and 0 is passed first and 7 last.
+// Corners are numbered from the eye: bit a is set if a corner lies on the far face of axis a, so
+// that every edge leads from a corner to one with a bit more, and 0 is passed first and 7 last.
 
-// What follows a corner: the axes of the edges that begin there, in the polygon's order.
+// The axes of the edges that begin at a corner, in the polygon's order.
 struct Connection {
   int count = 0;
   std::array<int, 3> axes{};
 };
-// By corner, for views that look down an even number of axes from their far end, and an odd number:
-// in a mirror the same order turns the other way.
+// Connections by corner, for views that look down an even number of axes from their far end, and an
+// odd number: in a mirror the same order turns the other way.
 using Connections = std::array<std::array<Connection, 8>, 2>;
 
 constexpr Connections makeConnections() {
@@ -30,9 +30,9 @@ constexpr Connections makeConnections() {
         const int axis = (from + i) % 3;
         if ((corner >> axis & 1) == 0) next.axes[static_cast<size_t>(next.count++)] = axis;
       }
-      // What leaves the nearest corner is the first polygon itself, x, z, y. Elsewhere two edges
-      // follow one along axis a: the first shares a face with the vertex before, a + 1 in this
-      // order, the second one with the vertex behind.
+      // The edges that leave the nearest corner form the first polygon, x, z, y. At any other
+      // corner two edges follow an edge along axis a: the first, a + 1 in this order, shares a face
+      // with the vertex before, the second with the vertex behind.
       const bool turns = (corner == 0) == odd;
       if (turns) std::reverse(next.axes.begin(), next.axes.begin() + next.count);
     }
@@ -114,12 +114,13 @@ class Slicer {
     return k;
   }
 
-  // The slice has moved beyond a corner: what ends there gives way to what begins there, in place.
+  // The slice has moved beyond a corner: intersections that end there give way to those that begin
+  // there, in place.
   void pass(int corner) {
     size_t at = count_;
     for (size_t i = count_; i-- > 0;) {
       if (active_[i].end() != corner) continue;
-      // Of two neighbours the second goes, also where the list's end lies between them.
+      // If two neighbours end here, the second goes, even if the list's end lies between them.
       if (at < count_) remove(at);
       at = i;
     }
@@ -184,11 +185,11 @@ class Slicer {
 
   const SlicePlanes& planes_;
   SliceList& result_;
-  // Of the view.
+  // Set for each view.
   std::array<bool, 3> flipped_{};
   const std::array<Connection, 8>* connections_ = nullptr;
   Vec3d delta_;
-  // Of the box.
+  // Set for each box.
   const SlicedBox* box_ = nullptr;
   Vec3d delta_texture_;
   std::array<Vec3d, 8> corners_;

@@ -2,7 +2,7 @@
 // polygon from the one before.
 //
 // A polygon's vertices lie on edges of the box, and from slice to slice a vertex moves along its
-// edge by a constant of which one element is not zero; so do its texture coordinates. The list of
+// edge by a constant with a single non-zero element; so do its texture coordinates. The list of
 // active intersections only changes where a slice passes a corner: the intersections on the edges
 // that end there give way, in place, to those on the edges that begin there. Which these are, and
 // in which order, is the same for all boxes (the connection list), seen from the nearest corner.
@@ -19,8 +19,8 @@
 
 namespace sluice {
 
-// Appends the polygons of all slices that cut each box: those of plain_slicer.h, vertex for vertex,
-// from whatever vertex they begin.
+// Appends the polygons of all slices that cut each box: the same as plain_slicer.h, vertex for
+// vertex, though they may begin at another vertex.
 void sliceIncrementally(const SlicePlanes& planes, std::span<const SlicedBox> boxes,
                         SliceList& result);
 

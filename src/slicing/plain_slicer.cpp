@@ -89,7 +89,7 @@ void slicePlainly(const SlicePlanes& planes, std::span<const SlicedBox> boxes, S
       nearest = std::min(nearest, depth);
       farthest = std::max(farthest, depth);
     }
-    // One before, should the division round up.
+    // Starts one slice before, in case the division rounds up.
     const auto before =
         static_cast<int64_t>(std::ceil((nearest - planes.first) / planes.step - 0.5)) - 1;
     for (int64_t k = std::max(planes.first_slice, before);; ++k) {

@@ -7,8 +7,8 @@
 namespace sluice {
 namespace {
 
-// A view along an axis comes with a little of the others from rounded sines. That much is none: it
-// moves a slice by less than the tolerance of a vertex over any block.
+// Rounded sines leave small components along the other axes in a view along an axis. Components up
+// to this count as none: they move a slice by less than the tolerance of a vertex over any block.
 constexpr double kStraight = 1e-9;
 
 }  // namespace

@@ -1,9 +1,9 @@
-// Slices: the view-aligned planes on which a volume is sampled, and what cutting boxes with them
-// gives. Shared by the incremental slicer and the plain one. Plain data, any thread.
+// Slices: the view-aligned planes on which a volume is sampled, and the polygons that cutting boxes
+// with them gives. Shared by the incremental slicer and the plain one. Plain data, any thread.
 //
-// This folder is Li's slicing (2003, section 3.3) as the paper has it, its plain oracle and what
-// both cost, held by tests and measured by `sluice bench slicing`. No frame uses it: a device draws
-// a box once and takes the same slices along each pixel's ray.
+// This folder is Li's slicing (2003, section 3.3) as in the paper, its plain oracle and the costs
+// of both, held by tests and measured by `sluice bench slicing`. No frame uses it: a device draws a
+// box once and takes the same slices along each pixel's ray.
 //
 // Slices belong to the view, not to a box (design, point 2): slice k lies at depth (k + 1/2) steps
 // from the volume's eye-side corner for every box. A box is half-open along the view: a slice that
@@ -33,8 +33,8 @@ struct SlicePlanes {
   double depthOfSlice(int64_t k) const { return first + (static_cast<double>(k) + 0.5) * step; }
 };
 
-// Of a view, for positions relative to index position `origin`: near the boxes to be cut, so that
-// vertices are exact in single precision however large the volume.
+// The slices of a view, for positions relative to index position `origin`. An origin near the boxes
+// to be cut keeps vertices exact in single precision, however large the volume.
 SlicePlanes slicePlanes(const View& view, const VolumeLayout& layout, Vec3d origin = {0, 0, 0});
 
 // A box to be cut; texture coordinates are position * texture_scale + texture_offset.
@@ -47,10 +47,10 @@ struct SlicedBox {
 struct SliceVertex {
   std::array<float, 3> position, texture;
 };
-// A convex polygon, counter-clockwise seen from the eye where index space is right-handed.
+// A convex polygon, counter-clockwise seen from the eye if index space is right-handed.
 struct SlicePolygon {
   int64_t slice = 0;
-  uint32_t first = 0, count = 0;  // of SliceList::vertices; 3 to 6, which may coincide
+  uint32_t first = 0, count = 0;  // into SliceList::vertices; 3 to 6 vertices, which may coincide
 };
 struct SliceList {
   std::vector<SliceVertex> vertices;

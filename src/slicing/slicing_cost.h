@@ -1,6 +1,6 @@
-// What cutting boxes costs, incrementally and from scratch: the measure of Li 2003, section 3.3.
+// The time to cut boxes incrementally and from scratch: the measurement of Li 2003, section 3.3.
 // Scenario: 2000 random boxes of 4 to 32 cells a side, as growing boxes are, cut by slices half a
-// voxel apart in random views. One thread, arrays already there.
+// voxel apart in random views. One thread; arrays are allocated beforehand.
 #pragma once
 
 #include <cstdint>

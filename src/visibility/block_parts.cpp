@@ -33,7 +33,7 @@ class CellRanges {
         lo_(static_cast<size_t>(cells.x * cells.y)),
         hi_(lo_.size()) {}
 
-  // Of the plane whose first voxel is `plane`.
+  // Sets the minima and maxima of the plane whose first voxel is `plane`.
   void set(const T* plane) {
     const auto columns = static_cast<size_t>(cells_.x);
     for (int64_t y = 0; y < cells_.y; ++y) {
@@ -53,7 +53,7 @@ class CellRanges {
  private:
   int64_t row_stride_;
   Vec3i cells_;
-  std::vector<T> lo_, hi_;  // of each cell's corners in the plane, x fastest
+  std::vector<T> lo_, hi_;  // range of each cell's corners in the plane, x fastest
 };
 
 template <class T>

@@ -1,10 +1,10 @@
-// BlockParts: the least extinction in each part of a block, a few cells a side: what the opacity
-// functions of a block are computed from (opacity_function.h), and what occludes where the block as
-// a whole has holes.
+// BlockParts: the least extinction in each part of a block, a few cells a side. The opacity
+// functions of a block are computed from them (opacity_function.h), and they occlude when the block
+// as a whole has holes.
 //
-// Cells, not voxels, see the design: a sample in a cell is between its eight voxels' values, and in
-// a part, which is connected, between the least and the greatest of its voxels, of which each
-// may occur. So the bound is the least of that interval, and tight. Plain values.
+// Cells, not voxels, see the design: a sample in a cell lies between its eight voxels' values. In a
+// part, which is connected, it lies between the least and the greatest of its voxels, and each
+// value between may occur. So the bound is the least of that interval, and tight. Plain values.
 #pragma once
 
 #include <cstddef>
@@ -16,9 +16,9 @@
 
 namespace sluice {
 
-// How a block is cut into parts: `side` cells each, the last of an axis what is left.
+// How a block is cut into parts: `side` cells each, and the rest in the last part of an axis.
 struct PartGrid {
-  Vec3i cells;  // that the block owns
+  Vec3i cells;  // the cells that the block owns
   int64_t side = 4;
 
   Vec3i count() const {
@@ -40,12 +40,12 @@ struct BlockParts {
   float floor() const;  // the least of all
 };
 
-// From device voxels: those at the corners of the block's cells, grid.cells + 1 along each axis,
-// x fastest with the given strides (in voxels).
+// Made from device voxels: those at the corners of the block's cells, grid.cells + 1 along each
+// axis, x fastest with the given strides (in voxels).
 template <class T>
 BlockParts blockParts(const T* voxels, int64_t row_stride, int64_t plane_stride,
                       const PartGrid& grid, const ExtinctionTable& table);
-// Of a block of one value.
+// The parts of a block of one value.
 BlockParts uniformParts(double device, const PartGrid& grid, const ExtinctionTable& table);
 
 }  // namespace sluice

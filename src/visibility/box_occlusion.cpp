@@ -18,7 +18,7 @@ PlaneRect unite(const PlaneRect& a, const PlaneRect& b) {
   return {std::min(a.u0, b.u0), std::min(a.v0, b.v0), std::max(a.u1, b.u1), std::max(a.v1, b.v1)};
 }
 
-// From a face at `at` on the map's axis to the map's plane: position * scale + offset.
+// Maps a face at `at` on the map's axis to the map's plane: position * scale + offset.
 struct FaceMap {
   double u_scale = 1, u_offset = 0, v_scale = 1, v_offset = 0;
 };

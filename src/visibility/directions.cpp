@@ -55,8 +55,8 @@ DirectionSlopes DirectionGrid::slopesOf(int cell) const {
   const int u = (slopes.axis + 1) % 3, v = (slopes.axis + 2) % 3;
   slopes.u_lo = slopes.v_lo = 1e9;
   slopes.u_hi = slopes.v_hi = -1e9;
-  // Quarters of phi end where columns do, so that each slope is monotonous in both angles and has
-  // its extremes at the corners.
+  // Columns end at quarters of phi, so that each slope is monotonous in both angles and has its
+  // extremes at the corners.
   for (int corner = 0; corner < 4; ++corner) {
     const Vec3d d = directionOf((row + (corner & 1)) * side, (column + (corner >> 1)) * side);
     slopes.u_lo = std::min(slopes.u_lo, d[u] / d[slopes.axis]);
@@ -64,7 +64,7 @@ DirectionSlopes DirectionGrid::slopesOf(int cell) const {
     slopes.v_lo = std::min(slopes.v_lo, d[v] / d[slopes.axis]);
     slopes.v_hi = std::max(slopes.v_hi, d[v] / d[slopes.axis]);
   }
-  // What rounding may have cut off; and 0 stays 0, where slopes are those of an axis.
+  // Snaps rounding errors to 0, so that the slopes of an axis are exactly 0.
   for (double* lo : {&slopes.u_lo, &slopes.v_lo}) *lo = std::abs(*lo) < 1e-12 ? 0 : *lo;
   for (double* hi : {&slopes.u_hi, &slopes.v_hi}) *hi = std::abs(*hi) < 1e-12 ? 0 : *hi;
   return slopes;
@@ -91,7 +91,7 @@ std::vector<int> DirectionGrid::cellsToward(Vec3d eye, Vec3d lo, Vec3d hi) const
         cells.push_back(row * columns() + ((i % columns()) + columns()) % columns());
   };
   add(at.theta, at.phi);
-  // What lies below the horizon is seen from the other side.
+  // Directions below the horizon are seen from the other side.
   if (at.theta + reach > kPi / 2) add(kPi - at.theta, at.phi + kPi);
   std::sort(cells.begin(), cells.end());
   cells.erase(std::unique(cells.begin(), cells.end()), cells.end());

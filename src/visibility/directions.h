@@ -2,8 +2,8 @@
 // section 4, Figure 1). Directions are of index space, along the ray; a ray and its opposite pass
 // through the same voxels, so that theta from the z axis to the horizon is enough.
 //
-// A cell of the table stands for all directions in it, not for its middle: what is kept for a cell
-// holds between the samples too. Plain values, any thread.
+// A cell of the table stands for all directions in it, not for its middle: the values kept for a
+// cell hold between the samples too. Plain values, any thread.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,7 @@ struct DirectionSlopes {
 };
 
 struct DirectionGrid {
-  int rows = 4;  // of theta, from 0 to 90 degrees; four columns of phi for each: square cells
+  int rows = 4;  // rows of theta, from 0 to 90 degrees; four columns of phi for each: square cells
 
   int columns() const { return 4 * rows; }
   int count() const { return rows * columns(); }
@@ -29,7 +29,7 @@ struct DirectionGrid {
   int cellOf(Vec3d direction) const;
   DirectionSlopes slopesOf(int cell) const;
   // The cells, ascending, in which lie all directions from `eye` to a point of the box lo..hi; all
-  // cells where the eye is in the box or near it.
+  // cells if the eye is in the box or near it.
   std::vector<int> cellsToward(Vec3d eye, Vec3d lo, Vec3d hi) const;
   friend bool operator==(const DirectionGrid&, const DirectionGrid&) = default;
 };

@@ -78,7 +78,7 @@ std::vector<bool> reachedByRays(const WholeStep& step, int64_t block_cells,
         const Vec3d origin =
             view.rays.origin0 + view.rays.origin_dx * px + view.rays.origin_dy * py;
         const Vec3d way = view.rays.step0 + view.rays.step_dx * px + view.rays.step_dy * py;
-        // Unit lengths from sample to sample: further apart beside a perspective view's middle.
+        // Unit lengths from sample to sample: further apart away from a perspective view's middle.
         double length_vox = view.slice_length;
         if (!view.parallel) {
           const double u = (2 * px / view.size.width - 1) * view.tan_half[0];

@@ -1,4 +1,4 @@
-// One tile of the visibility estimate: blocks front to back against its opacity buffer.
+// A tile of the visibility estimate: blocks front to back against its opacity buffer.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -43,7 +43,7 @@ void VisibilityEstimate::giveBack(std::unique_ptr<UnpackedParts> unpacked) {
   unpacked_.push_back(std::move(unpacked));
 }
 
-// What a thread works in.
+// The work space of a thread.
 class VisibilityEstimate::TileWork {
  public:
   TileWork(const VisibilityEstimate& of, const Tile& tile, UnpackedParts& unpacked)
@@ -75,8 +75,8 @@ class VisibilityEstimate::TileWork {
     return false;
   }
 
-  // What the block adds along each ray. `kept`: what is known of that, and becomes known; nullptr:
-  // not kept.
+  // Adds the block along each ray. `kept`: values known from before, which are completed; nullptr:
+  // none are kept.
   void add(uint32_t block, const OpacityFunction& function, Added* kept) {
     const Place& place = of_.places_[block];
     const bool whole = of_.options_.form != OpacityForm::kOpof;
@@ -109,7 +109,7 @@ class VisibilityEstimate::TileWork {
     y1_ = std::min(footprint.y1, tile_.y1) - tile_.y0;
   }
 
-  // What the block's parts hide; those that may not show, nothing.
+  // Sets the extinctions of the block's parts; parts that may not show get none.
   void setParts(uint32_t block, const OpacityFunction& function) {
     const PartGrid grid = series().partsOf(block);
     const Vec3i count = grid.count();
@@ -130,8 +130,8 @@ class VisibilityEstimate::TileWork {
     }
   }
 
-  // Finds the rays of the row of which what was added is enough: all of it, or so much that the ray
-  // is opaque. Whether that is all of them.
+  // Finds the rays of the row whose kept sums suffice: they are complete, or so great that the ray
+  // is opaque. Returns whether that is all of them.
   bool findKnown(const Added* kept, size_t row) {
     bool all = true;
     for (size_t i = row + first_x(); i < row + end_x(); ++i) {
@@ -144,7 +144,7 @@ class VisibilityEstimate::TileWork {
     return all;
   }
 
-  // Adds what the row's rays have got, and keeps it. A ray that became opaque may not have been
+  // Adds the sums of the row's rays, and keeps them. A ray that became opaque may not have been
   // followed to its end.
   void sumRow(Added* kept, int y) {
     const size_t row = static_cast<size_t>(y) * kSide;
@@ -222,13 +222,14 @@ class VisibilityEstimate::TileWork {
 
   float thickness(size_t x) const { return static_cast<float>(exit_[x] - entry_[x] - kSliceDoubt); }
 
-  // What the function's table says of d slices. One may be missing of what the floor says.
+  // The extinction that the function's table guarantees for d slices. The floor counts one slice
+  // less, because one sample may be missing.
   static float byTable(float floor, float ratio, float d) {
     return floor * (d - 1) + (ratio - floor) * d;
   }
 
-  // For rays that cross enough of the block, what its table says, which may be more than what its
-  // parts do.
+  // For rays that cross enough of the block, the extinction from its table, which may exceed that
+  // of its parts.
   void noteTable(const Place& place, size_t row) {
     for (size_t x = first_x(); x < end_x(); ++x) {
       const float d = thickness(x);
@@ -258,11 +259,11 @@ class VisibilityEstimate::TileWork {
   }
 
   const SeriesOpacity& series() const { return *of_.series_; }
-  // At most so many slices in a length of index space.
+  // The most slices in a length of index space.
   float slicesOf(double vox) const {
     double step = length(of_.view_.rays.step0);
     if (!of_.view_.parallel) {
-      // The shortest step of any ray: of the picture's middle, or shorter where axes differ.
+      // The shortest step of any ray: the one in the picture's middle, or shorter if axes differ.
       step = std::numeric_limits<double>::infinity();
       const RayGrid& rays = of_.view_.rays;
       for (const double x : {0.0, 0.5, 1.0})
@@ -282,13 +283,13 @@ class VisibilityEstimate::TileWork {
   int x0_ = 0, y0_ = 0, x1_ = 0, y1_ = 0;  // pixels of the tile that a block may cover
   TilePixels sum_{};
   std::array<bool, static_cast<size_t>(kSide)> is_open_{};  // rows with a ray that is not opaque
-  // Of the block that is added.
+  // State of the block that is added.
   bool is_set_ = false, whole_ = false, has_parts_ = false;
   float floor_ = 0, ratio_ = 0;
   Vec3d lo_;
   TileRays::BoxPlanes planes_{};
   const UnpackedParts::Parts* parts_ = nullptr;
-  UnpackedParts::Parts shown_parts_;  // of a block that is cut
+  UnpackedParts::Parts shown_parts_;  // the parts of a block that is cut
   std::array<int32_t, 3> part_count_{};
   double cube_cells_ = 1;
   float most_ = 0, at_most_ = 0;
@@ -296,7 +297,7 @@ class VisibilityEstimate::TileWork {
   TilePixels added_{}, by_table_{};
   std::array<bool, kTilePixels> is_known_{};
   std::array<int32_t, kTilePixels> firsts_{}, counts_{}, taken_{}, clear_{};  // samples
-  // Of the row.
+  // State of the row.
   TileRays::Slices entry_{}, exit_{};
   TileRays::Samples first_{}, count_{};
   TileRays::Positions positions_{};
@@ -311,8 +312,8 @@ float VisibilityEstimate::ratioOf(const OpacityFunction& function, const Place& 
   return std::max(floor, extinction_[least]);
 }
 
-// Takes what changed into what a tile keeps, and forgets what may differ by that. The place of the
-// first block from which on the tile has to be looked at; nullopt: its answer stays.
+// Applies the changes to the values that a tile keeps, and drops those that may differ. The place
+// of the first block from which on the tile has to be looked at; nullopt: its answer stays.
 std::optional<size_t> VisibilityEstimate::firstAffected(Task& task) {
   Tile& tile = tiles_[task.tile];
   std::optional<size_t> first;
@@ -332,7 +333,7 @@ std::optional<size_t> VisibilityEstimate::firstAffected(Task& task) {
       for (int y = y0; y < y1; ++y)
         for (int x = x0; x < x1; ++x) {
           const size_t pixel = TileRays::pixelAt(x, y);
-          // What lies behind the sample that made the ray opaque was not looked at.
+          // Samples behind the one that made the ray opaque were not looked at.
           if (part.near > kept->end[pixel]) continue;
           kept->along[pixel] = -0.0F;
           kept->clear[pixel] = std::min(kept->clear[pixel], beforeSlice(part.near));

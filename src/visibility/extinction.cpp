@@ -14,7 +14,7 @@ float extinctionOf(float opacity) {
   return std::min(kMostExtinction, -std::log1p(-std::max(opacity, 0.0F)));
 }
 
-// What of the opacity every gradient leaves.
+// The share of the opacity that remains at any gradient.
 float leastFactor(const OpacityTable& table, size_t entry) {
   const size_t rows = table.magnitudes().size();
   float least = 1;
@@ -60,7 +60,7 @@ class PackTable {
 
   const std::array<float, 256> values_;
   const size_t base_;
-  std::vector<uint8_t> first_;  // of each bucket, what its first value is packed to
+  std::vector<uint8_t> first_;  // the byte of each bucket's first value
 };
 
 }  // namespace
@@ -84,7 +84,8 @@ ExtinctionTable::ExtinctionTable(const OpacityTable& table)
 
 float ExtinctionTable::leastIn(double lo, double hi) const {
   if (lo < kLeastNumber) return 0;
-  // One more on both sides, for what the device's arithmetic rounds: see OpacityTable::anyOpaque().
+  // An additional entry on both sides covers the rounding of the device's arithmetic; see
+  // OpacityTable::anyOpaque().
   const int first = std::max(0, table_.entryOf(lo) - 1);
   const int last = std::min(table_.entries() - 1, table_.entryOf(hi) + 1);
   const int entries = last - first + 1;

@@ -1,9 +1,9 @@
-// ExtinctionTable: what opacity an interval of values has at least, as an extinction: the opacity
-// of d voxel lengths of extinction k is 1 - exp(-k d), so that extinctions add up along a ray where
-// opacities multiply (Gao 2004, section 4, after Max 1995).
+// ExtinctionTable: the least opacity of an interval of values, as an extinction. The opacity of d
+// voxel lengths of extinction k is 1 - exp(-k d), so that extinctions add up along a ray while
+// transparencies multiply (Gao 2004, section 4, after Max 1995).
 //
-// Also how extinctions are kept: in one byte each, rounded down, so that what is kept never claims
-// more than there is. Immutable; any thread may read.
+// Also how extinctions are kept: in one byte each, rounded down, so that a kept extinction never
+// exceeds the true one. Immutable; any thread may read.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@
 
 namespace sluice {
 
-// Of an opacity of 1 and near it: a voxel length of this leaves 1e-7 of what is behind.
+// The extinction of an opacity of 1 and near it: a voxel length leaves 1e-7 of what is behind.
 inline constexpr float kMostExtinction = 16;
 
 class ExtinctionTable {
@@ -22,9 +22,9 @@ class ExtinctionTable {
   explicit ExtinctionTable(const OpacityTable& table);
 
   // The least extinction that a sample between device values lo <= hi may have, whatever its
-  // gradient, a voxel length of the finest spacing; 0 where one of them stands for NaN. O(1).
+  // gradient, a voxel length of the finest spacing; 0 if one of them stands for NaN. O(1).
   float leastIn(double lo, double hi) const;
-  // The same of device values of one byte, from a table: cells of such blocks are looked up by the
+  // The same for device values of one byte, from a table: cells of such blocks are looked up by the
   // million.
   float leastInBytes(uint8_t lo, uint8_t hi) const { return of_bytes_[size_t{lo} << 8U | hi]; }
   // Of each entry of the table, whatever the gradient.
@@ -36,13 +36,13 @@ class ExtinctionTable {
   bool anyOpaque(double lo, double hi) const { return table_.anyOpaque(lo, hi); }
 
  private:
-  static constexpr double kLeastNumber = -2e38;  // what is less stands for NaN
+  static constexpr double kLeastNumber = -2e38;  // lesser values stand for NaN
 
   const OpacityTable table_;
   std::vector<float> opacity_;
   // levels_[n][i]: the least of entries i up to i + 2^n.
   std::vector<std::vector<float>> levels_;
-  std::vector<float> of_bytes_;  // leastIn() of each pair: lo, then hi; 0 where lo > hi
+  std::vector<float> of_bytes_;  // leastIn() of each pair: lo, then hi; 0 if lo > hi
 };
 
 // Extinctions as bytes: 0 is 0, and each further one is greater by a 14th of an octave, up to

@@ -52,7 +52,7 @@ std::optional<double> UpdateCount::performance(int updates) const {
   return slot(updates).performance;
 }
 
-// One that was never updated comes before the oldest.
+// A count that was never updated comes before the oldest.
 int UpdateCount::longestNotUpdated() const {
   int longest = center_;
   const auto waited = [this](int k) { return slot(k).valid ? slot(k).age : options_.oldest + 1; };
@@ -61,8 +61,8 @@ int UpdateCount::longestNotUpdated() const {
   return longest;
 }
 
-// Once the whole window is known. Of equals the one nearest to the centre, so that a flat function
-// does not drift.
+// Acts only once the whole window is known. Of equal counts it takes the one nearest to the centre,
+// so that a flat function does not drift.
 void UpdateCount::moveToBest() {
   int best = center_;
   for (int k = lowest(); k <= highest(); ++k) {

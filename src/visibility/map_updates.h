@@ -1,5 +1,5 @@
-// When the opacity map is updated in a frame, and how often, adapted from frame to frame (Li 2003,
-// sections 4.3 and 4.4). State machines without a clock and without GL; one thread.
+// Schedules the updates of the opacity map in a frame, and adapts their number from frame to frame
+// (Li 2003, sections 4.3 and 4.4). State machines without a clock and without GL; one thread.
 #pragma once
 
 #include <cstdint>
@@ -16,9 +16,9 @@ class UpdateSchedule {
   // Requires: voxels >= 0, updates >= 0.
   UpdateSchedule(int64_t voxels, int updates);
 
-  // After a box of so many voxels was drawn. True when an update is due now.
+  // To be called after a box of so many voxels was drawn. True when an update is due now.
   bool isDueAfter(int64_t voxels);
-  int updates() const { return updates_; }  // that were due so far: k' of the paper
+  int updates() const { return updates_; }  // updates due so far: k' of the paper
 
  private:
   const int64_t voxels_;
@@ -27,10 +27,10 @@ class UpdateSchedule {
   int updates_ = 0;
 };
 
-// What a frame achieved: p = v - c k', with v the share of voxels culled and clipped.
+// The gain of a frame: p = v - c k', with v the share of voxels culled and clipped.
 struct UpdatePerformance {
   double skipped_share = 0;  // 0 to 1
-  int updates = 0;           // k', that took place
+  int updates = 0;           // k': updates that took place
 };
 
 struct UpdateCountOptions {
@@ -42,19 +42,19 @@ struct UpdateCountOptions {
   int least = 1, most = 64;   // k stays within
 };
 
-// From frame to frame: the number of updates that frames ask for.
+// The number of updates that frames ask for, adapted from frame to frame.
 //
 // Every nth frame tries the number in the window whose performance has not been updated for the
 // longest; the others use k. When all slots of the window are valid the best becomes the new centre
 // and the window moves with it. Numbers outside [least, most] are no part of the window. The paper
-// leaves open at what age a slot is too old: after two rounds of polling.
+// leaves open at what age a slot is too old; here it is two rounds of polling.
 class UpdateCount {
  public:
   explicit UpdateCount(const UpdateCountOptions& options = {});
 
   // The number for the frame that comes.
   int next() const { return next_; }
-  // What came of that frame.
+  // Records the gain of that frame.
   void finished(const UpdatePerformance& performance);
 
   const UpdateCountOptions& options() const { return options_; }
@@ -81,7 +81,7 @@ class UpdateCount {
   int center_;
   int next_;
   int frame_ = 0;            // frames finished
-  std::vector<Slot> slots_;  // of k - hw to k + hw
+  std::vector<Slot> slots_;  // for k - hw to k + hw
 };
 
 }  // namespace sluice

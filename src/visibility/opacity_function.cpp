@@ -51,7 +51,8 @@ Turned turnedTo(int axis, const BlockParts& parts, float floor) {
   return turned;
 }
 
-// Where rays may be in slab w that are in [0, 1] at the reference plane: in whole parts, lo..hi.
+// The parts lo..hi, in whole parts, that rays through [0, 1] at the reference plane can reach in
+// slab w.
 struct Window {
   int64_t lo, hi;
 };
@@ -131,8 +132,9 @@ class Beams {
     }
   }
 
-  // Of slabs [first, end), which the beam may pass all of. Longer runs consist of such as are
-  // looked at.
+  // The least ratio over runs of at least `least` slabs within [first, end), the slabs that the
+  // beam may pass. Only runs shorter than 2 * `least` are looked at, because longer ones consist of
+  // them.
   float leastOfRuns(int64_t beam, int64_t first, int64_t end, int64_t least) const {
     float ratio = kOutside;
     for (int64_t from = first; from + least <= end; ++from) {
@@ -160,7 +162,7 @@ class Beams {
   const Turned& parts_;
   std::vector<Window> u_, v_;
   int64_t first_u_ = 0, first_v_ = 0, count_u_ = 0, count_v_ = 0;
-  std::vector<float> least_;  // [slab][v][u]; kOutside where a beam is outside of the block
+  std::vector<float> least_;  // [slab][v][u]; kOutside if a beam is outside the block
 };
 
 }  // namespace
@@ -207,7 +209,7 @@ OpacityFunction combined(const std::vector<const OpacityFunction*>& functions,
     const auto k = static_cast<float>(exponents[i]);
     if (function.empty() || k == 0) continue;
     const auto add = [&](const std::vector<uint8_t>& values, std::vector<float>& sums) {
-      // What a function of the floor alone has added is in `floor`.
+      // `floor` holds what functions of a floor alone have added so far.
       if (sums.empty() && !values.empty()) sums.assign(values.size(), floor);
       for (size_t at = 0; at < sums.size(); ++at)
         sums[at] += k * unpackExtinction(values.empty() ? function.floor : values[at]);

@@ -28,7 +28,7 @@ OpacityMap::OpacityMap(int side) : side_(side) {
 
 void OpacityMap::update(std::span<const float> opacity) {
   SLUICE_CHECK_EQ(opacity.size(), levels_.front().least.size());
-  // What is no number hides nothing.
+  // NaN hides nothing.
   std::transform(opacity.begin(), opacity.end(), levels_.front().least.begin(),
                  [](float value) { return value >= 0 ? value : 0; });
   for (size_t i = 1; i < levels_.size(); ++i) {
@@ -48,7 +48,7 @@ void OpacityMap::update(std::span<const float> opacity) {
   valid_ = true;
 }
 
-// Below a node: none of it where it is opaque, or where all it could add has been found already.
+// Below a node: skipped if it is opaque, or if everything it could add has been found already.
 void OpacityMap::addVisible(size_t level, int x, int y, const Pixels& asked, float threshold,
                             Pixels& found) const {
   const int shift = static_cast<int>(level);
@@ -65,7 +65,7 @@ void OpacityMap::addVisible(size_t level, int x, int y, const Pixels& asked, flo
     return;
   }
   const int last = levels_[level - 1].side - 1;
-  // The far corner before what lies between: the middle then adds nothing.
+  // The far corner comes before the children between, so that the middle adds nothing.
   for (const int child : {0, 3, 1, 2}) {
     const int cx = 2 * x + (child & 1), cy = 2 * y + (child >> 1);
     if (cx <= last && cy <= last) addVisible(level - 1, cx, cy, asked, threshold, found);
@@ -78,7 +78,7 @@ MapRect OpacityMap::visiblePart(const MapRect& rect, float threshold) const {
   const MapRect inside = intersect(rect, {0, 0, all, all});
   if (!valid_ || inside.empty()) return rect;
   MapRect visible;
-  // What sticks out of the map is a strip on each side that it leaves by.
+  // The parts of `rect` outside the map are strips, one on each side that it crosses.
   if (rect.x0 < 0) visible = unite(visible, {rect.x0, rect.y0, 0, rect.y1});
   if (rect.x1 > all) visible = unite(visible, {all, rect.y0, rect.x1, rect.y1});
   if (rect.y0 < 0) visible = unite(visible, {rect.x0, rect.y0, rect.x1, 0});

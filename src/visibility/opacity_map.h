@@ -5,7 +5,7 @@
 // pixels holds the least opacity of the part of the picture that it covers, so that a pixel at or
 // above the threshold hides everything behind it. Over the pixels lies a pyramid of minima, each
 // level half as large, so that an opaque region is recognised without looking at its pixels. Map
-// coordinates are continuous: pixel (i, j) covers [i, i + 1) x [j, j + 1). What lies outside the
+// coordinates are continuous: pixel (i, j) covers [i, i + 1) x [j, j + 1). Everything outside the
 // map is visible. Immutable between updates; any thread may ask.
 #pragma once
 
@@ -15,14 +15,14 @@
 
 namespace sluice {
 
-// Half-open, in map coordinates. Empty where lo >= hi on an axis.
+// Half-open, in map coordinates. Empty if lo >= hi on an axis.
 struct MapRect {
   double x0 = 0, y0 = 0, x1 = 0, y1 = 0;
 
   bool empty() const { return !(x0 < x1 && y0 < y1); }
   friend bool operator==(const MapRect&, const MapRect&) = default;
 };
-// Empty where they do not overlap.
+// Empty if they do not overlap.
 MapRect intersect(const MapRect& a, const MapRect& b);
 // The smallest that holds both; an empty one adds nothing.
 MapRect unite(const MapRect& a, const MapRect& b);
@@ -40,16 +40,16 @@ class OpacityMap {
   // Row after row, from y = 0. Requires: opacity.size() == side * side.
   void update(std::span<const float> opacity);
 
-  // Of the map's pixel.
+  // The opacity of the map's pixel.
   float at(int x, int y) const { return levels_.front().at(x, y); }
 
-  // Whether all of `rect` lies on pixels at or above the threshold, so that what projects there is
-  // hidden. An empty one is.
+  // Whether all of `rect` lies on pixels at or above the threshold, so that anything projecting
+  // there is hidden. An empty one is.
   bool isOpaque(const MapRect& rect, float threshold) const {
     return visiblePart(rect, threshold).empty();
   }
-  // The bounds of what `rect` shows: of its pixels below the threshold and of its parts outside the
-  // map, cut to the rectangle. Empty when nothing does.
+  // The bounds of the visible part of `rect`: of its pixels below the threshold and of its parts
+  // outside the map, cut to the rectangle. Empty when nothing does.
   MapRect visiblePart(const MapRect& rect, float threshold) const;
 
  private:

@@ -11,13 +11,14 @@
 namespace sluice {
 namespace {
 
-// Levels beside the least, by the byte that says how many, and the bytes of the cubes' bits.
+// Levels in addition to the least, by the byte that holds their number, and the bytes of the cubes'
+// bits.
 constexpr std::array<size_t, 3> kUpper = {0, 1, 3}, kMaskBytes = {0, 8, 16};
 
-// What hides less than this share more of what a part hides is not worth another bit a cube.
+// Another bit per cube must hide at least this share more than the part hides without it.
 constexpr float kLeastGain = 0.03F;
 
-// Opacities of packed extinctions, of one voxel length: what is gained beyond opaque is nothing.
+// Opacities of packed extinctions, for one voxel length; a gain beyond opaque is nothing.
 std::array<float, 256> opacities() {
   std::array<float, 256> values{};
   for (size_t i = 0; i < values.size(); ++i)
@@ -40,7 +41,7 @@ struct Cut {
   float gain = 0;
 };
 
-// Where in [from, end) a second level gains most over that of `from`.
+// The cut in [from, end) at which a second level gains most over the level of `from`.
 Cut bestCut(const Sorted& cubes, size_t from, size_t end, const std::array<float, 256>& opacity) {
   Cut cut{from, 0};
   for (size_t i = from; i < end; ++i) {

@@ -1,10 +1,12 @@
-// PartDetail: where in a part of a block more is hidden than the part's least extinction says.
+// PartDetail: the places in a part of a block that hide more than the part's least extinction
+// tells.
 //
-// A part is kDetail^3 cubes. Beside the least extinction of all it has one that is greater and a
-// bit for each cube: those with the bit have at least that. Of a part that an opaque surface passes
-// through, whose least is nothing, this is nearly all there is to know, in ten bytes. Where cubes
-// differ more, as in what is translucent, three greater ones and two bits a cube. A part whose
-// cubes are alike has one byte more. Pure functions, any thread.
+// A part is kDetail^3 cubes. Besides the least extinction of all its cubes, it stores a greater one
+// and a bit for each cube: the cubes with the bit have at least the greater one. If an opaque
+// surface passes through a part, so that its least extinction is 0, this describes it nearly
+// completely, in ten bytes. Parts whose cubes differ more, as in translucent matter, store three
+// greater extinctions and two bits a cube. A part whose cubes are alike costs one byte more. Pure
+// functions, any thread.
 #pragma once
 
 #include <array>
@@ -22,8 +24,8 @@ inline constexpr int kMostDetailBits = 2;  // a cube
 
 // Extinctions packed as in extinction.h.
 struct PartLevels {
-  std::array<uint8_t, 4> levels{};        // ascending; all the same: nothing but the least is known
-  std::array<uint32_t, kDetail> cubes{};  // of each layer z: 2 bits at 2 (y kDetail + x), a level
+  std::array<uint8_t, 4> levels{};        // ascending; all equal: only the least is known
+  std::array<uint32_t, kDetail> cubes{};  // for each layer z, 2 bits at 2 (y kDetail + x): a level
   static PartLevels of(uint8_t least) { return {{least, least, least, least}, {}}; }
   friend bool operator==(const PartLevels&, const PartLevels&) = default;
 };
@@ -43,15 +45,15 @@ class DetailReader {
 };
 bool detailFits(std::span<const uint8_t> parts, std::span<const uint8_t> detail);
 
-// The parts of a block of which the cubes' extinctions are known: kDetail cubes a side.
+// The parts of a block whose cubes' extinctions are known: kDetail cubes a side.
 PartGrid partsOfCubes(const PartGrid& cubes);
 struct DetailedParts {
   std::vector<uint8_t> parts;   // the least of each, x fastest
-  std::vector<uint8_t> detail;  // empty where no part has any
+  std::vector<uint8_t> detail;  // empty if no part has any
 };
 // `bits` of a cube are kept at the most, 0 to kMostDetailBits.
 DetailedParts detailedParts(const PartGrid& cubes, std::span<const uint8_t> packed, int bits);
-// What is known of each cube again, x fastest.
+// The extinction known of each cube, unpacked, x fastest.
 std::vector<uint8_t> cubesOf(const PartGrid& cubes, std::span<const uint8_t> parts,
                              std::span<const uint8_t> detail);
 

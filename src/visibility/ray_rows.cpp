@@ -9,17 +9,17 @@ namespace {
 
 constexpr int kSide = TileRays::kSide;
 
-// Further off than any sample.
+// A depth further off than any sample.
 constexpr double kFarSlices = 1 << 29;
 
-// Away from 0, so that one may divide by it.
+// The step kept away from 0, so that one may divide by it.
 double safe(double step) {
   constexpr double kLeast = 1e-6;
   if (std::abs(step) >= kLeast) return step;
   return step < 0 ? -kLeast : kLeast;
 }
 
-// Without a call for it, which would end vector code.
+// Rounds up without a library call, which would end vector code.
 int32_t ceilOf(double v) {
   return (1 << 30) - static_cast<int32_t>(static_cast<double>(1 << 30) - v);
 }

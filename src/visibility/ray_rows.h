@@ -1,9 +1,9 @@
-// RayRows: where the samples of a row of rays lie in a box, and what they accumulate there: the
-// inner loops of the visibility estimate, in a form that compilers turn into vector code.
+// RayRows: the samples of a row of rays in a box, and the extinctions that they accumulate there:
+// the inner loops of the visibility estimate, in a form that compilers turn into vector code.
 //
-// The thickness mask of Gao 2004, section 4: for a parallel view that of boxes of one size is the
-// same but for its place. So that it need not be rounded to whole pixels, it is not kept but
-// computed, which is three sums, minima and maxima a pixel. Thicknesses are in slices. One thread.
+// The thickness mask of Gao 2004, section 4: in a parallel view all boxes of one size share a mask
+// up to its place. It is computed rather than kept, so that its place need not be rounded to whole
+// pixels; this takes three sums, minima and maxima a pixel. Thicknesses are in slices. One thread.
 #pragma once
 
 #include <algorithm>
@@ -31,17 +31,17 @@ class TileRays {
 
   void set(const RayGrid& rays, bool parallel, double first_slice, int x, int y);
 
-  // Of a box, for rows that are asked next. Requires: set().
+  // The planes of a box, for the rows that are asked next. Requires: set().
   struct BoxPlanes {
     std::array<double, 3> entry, exit, gx, gy;  // parallel: slices at the tile's pixel (0, 0)
     std::array<double, 3> lo, hi;               // perspective: faces
   };
   BoxPlanes planesOf(Vec3d lo, Vec3d hi) const;
 
-  // Of each pixel of a row.
+  // Values for each pixel of a row.
   using Slices = std::array<double, kSide>;
   using Samples = std::array<int32_t, kSide>;
-  // Where rays enter the box and where they leave it: the exit is first where a ray passes by.
+  // The slices at which rays enter and leave the box; the exit comes first if a ray passes by.
   // Fills [x0, x1).
   void stretches(const BoxPlanes& box, int y, int x0, int x1, Slices& entry, Slices& exit) const;
 
@@ -70,18 +70,18 @@ void samplesOf(const TileRays::Slices& entry, const TileRays::Slices& exit, int 
 
 // The extinctions of a block's parts and their cubes (part_detail.h), x fastest.
 struct PartValues {
-  const uint32_t* cubes;         // of each part: PartLevels::cubes
-  const float* extinction;       // of each part: of its levels
-  std::array<int32_t, 3> count;  // of parts
+  const uint32_t* cubes;         // for each part its PartLevels::cubes
+  const float* extinction;       // for each part its levels
+  std::array<int32_t, 3> count;  // parts along each axis
 };
 
-// Rays of some of a tile's pixels, followed through the parts of a block, sixteen at a time: what
-// their samples add up to, one by one from the first, as long as it is less than `room`, and how
-// many were taken. Those that need not be followed cost nothing, nor do first samples of which is
-// known that they add nothing. The values do not depend on the machine.
+// Follows rays of some of a tile's pixels through the parts of a block, sixteen rays at a time. It
+// adds up their samples one by one from the first, as long as the sum is less than `room`, and
+// counts the samples taken. Rays that need not be followed cost nothing, nor do first samples that
+// are known to add nothing. The values do not depend on the machine.
 class SampleBatch {
  public:
-  // Of each of a tile's pixels.
+  // A value for each of a tile's pixels.
   struct Results {
     float* added;
     int32_t* taken;  // samples
@@ -89,7 +89,7 @@ class SampleBatch {
   };
   // Results come at a ray's pixel, by finish() at the latest.
   SampleBatch(const PartValues& parts, const Results& results) : parts_(parts), results_(results) {}
-  // The ray of pixel x of a row, with `count` samples, of which the first `clear` add nothing.
+  // The ray of pixel x of a row, with `count` samples, the first `clear` of which add nothing.
   // Requires: clear <= count.
   void add(const TileRays::Positions& positions, size_t x, int32_t count, int32_t clear, float room,
            size_t pixel) {

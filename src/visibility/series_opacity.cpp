@@ -12,7 +12,7 @@
 namespace sluice {
 namespace {
 
-// All that a function says, for finding equal ones.
+// The whole content of a function, for finding equal ones.
 std::string keyOf(const OpacityFunction& function) {
   std::string key(1, static_cast<char>(function.floor));
   key += static_cast<char>(function.ratios.empty() ? 0 : 1);

@@ -1,7 +1,7 @@
 // SeriesOpacity: the opacity functions of all blocks of all time steps of a series, one for each
-// coherent span of a block, and the tree that finds what changes from step to step (Gao 2004,
-// sections 4 and 5). What the visibility estimate works from; no voxel is needed beside it.
-// Immutable once made; any thread may read.
+// coherent span of a block, and the tree that finds the changes from step to step (Gao 2004,
+// sections 4 and 5). The visibility estimate works from this alone; it needs no voxel. Immutable
+// once made; any thread may read.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@
 
 namespace sluice {
 
-// Of one block, from step `first` until its next span begins.
+// A span of one block, from step `first` until the next span begins.
 struct CoherentSpan {
   int32_t first = 0;
   int32_t function = 0;  // position in SeriesOpacity::functions
@@ -31,7 +31,8 @@ struct SeriesOpacity {
   DirectionGrid directions;
   std::vector<OpacityFunction> functions;  // each once, however many spans have it
   std::vector<CoherentSpan> spans;         // block after block, ascending by step
-  std::vector<uint32_t> first_span;        // of each block, and behind the last: blocks + 1
+  std::vector<uint32_t>
+      first_span;  // index of each block's first span, and behind the last: blocks + 1
   std::optional<TocTree> tree;
 
   int64_t blockCount() const { return volume(grid); }
@@ -49,9 +50,9 @@ struct SeriesOpacity {
     const auto b = static_cast<size_t>(block);
     return std::span(spans).subspan(first_span[b], first_span[b + 1] - first_span[b]);
   }
-  // Position in `functions` of what stands for the block at a step.
+  // Position in `functions` of the one for the block at a step.
   int32_t functionAt(int64_t block, int64_t step) const;
-  // Of functions and spans.
+  // Bytes of functions and spans.
   uint64_t bytes() const;
 };
 using SeriesOpacityPtr = std::shared_ptr<const SeriesOpacity>;
@@ -64,9 +65,9 @@ struct BlockOpacity {
 };
 void gather(SeriesOpacity& series, std::vector<BlockOpacity> blocks);
 
-// A member of a family of transfer functions from those of its basis (equation 4). A block's span
-// ends where one of any basis with an exponent above 0 does. Requires: the same blocks, steps,
-// parts and directions in all, and an exponent for each.
+// A member of a family of transfer functions, computed from the functions of its basis (equation
+// 4). A block's span ends where a span of any basis with an exponent above 0 ends. Requires: the
+// same blocks, steps, parts and directions in all, and an exponent for each.
 SeriesOpacity combined(std::span<const SeriesOpacity* const> bases,
                        std::span<const double> exponents);
 

@@ -17,27 +17,27 @@ namespace sluice {
 
 class TocTree {
  public:
-  // `begins`: for each block of the grid, x fastest, the steps at which a span begins; step 0 may
-  // be left out, where all begin. Each within 1 <= step < steps.
+  // `begins`: for each block of the grid, x fastest, the steps at which a span begins; step 0, at
+  // which all begin, may be left out. Each within 1 <= step < steps.
   TocTree(Vec3i grid, int64_t steps, const std::vector<std::vector<int32_t>>& begins);
 
   // The blocks, by id, of which a span begins after step `from` and not after step `to`, or the
-  // other way round: those whose functions are not of one span. In no order. `visited` counts
-  // the nodes that were looked at.
+  // other way round: blocks whose functions belong to different spans. The ids have no order.
+  // `visited` counts the nodes that were looked at.
   std::vector<int64_t> changedBetween(int64_t from, int64_t to, int64_t* visited = nullptr) const;
 
   uint64_t bytes() const { return bits_.size() * sizeof(uint64_t); }
   int64_t nodes() const;
   // The nodes' bits, level after level from the leaves, as they are kept in files.
   std::span<const uint64_t> bits() const { return bits_; }
-  // From such. nullopt where they are not those of a tree of this grid, each node the sum of its
-  // children.
+  // Makes a tree of such bits. nullopt if they do not form a tree of this grid, each node the sum
+  // of its children.
   static std::optional<TocTree> fromBits(Vec3i grid, int64_t steps, std::vector<uint64_t> bits);
 
  private:
   struct Level {
     Vec3i grid;
-    size_t first = 0;  // of its nodes
+    size_t first = 0;  // index of its first node
   };
   TocTree(Vec3i grid, int64_t steps);
   size_t nodeAt(const Level& level, Vec3i index) const;

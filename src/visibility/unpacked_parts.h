@@ -1,6 +1,6 @@
-// UnpackedParts: what the parts of some opacity functions hide, as the estimate's loops take it.
-// Neighbouring tiles meet the same blocks, and the next step mostly the same functions, so that few
-// are unpacked twice. Of a bounded size; one thread at a time.
+// UnpackedParts: the extinctions of the parts of some opacity functions, in the form that the
+// estimate's loops read. Neighbouring tiles meet the same blocks, and the next step mostly the same
+// functions, so that few are unpacked twice. Bounded in size; one thread at a time.
 #pragma once
 
 #include <array>
@@ -21,8 +21,8 @@ class UnpackedParts {
     std::vector<float> extinction;
   };
 
-  // Of function `number`, for a block of so many parts; `extinction`: what its bytes stand for, the
-  // same at each call. Holds until the next call.
+  // The parts of function `number`, for a block of `parts` parts. `extinction` maps its bytes to
+  // extinctions and is the same at each call. Holds until the next call.
   const Parts& of(int32_t number, const OpacityFunction& function, size_t parts,
                   const std::array<float, 256>& extinction);
 

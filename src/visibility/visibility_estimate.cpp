@@ -12,17 +12,17 @@ namespace {
 
 constexpr int kSide = VisibilityEstimate::kTileSide;
 
-// What arithmetic in floats may add to a ray's sum, of it.
+// The relative error that float arithmetic may add to a ray's sum.
 constexpr double kSumDoubt = 1e-3;
 
-// Further off than any picture reaches.
+// A place further off than any picture reaches.
 constexpr int kFarPixels = 1 << 28;
 
 float limitOf(const EstimateView& view, const EstimateOptions& options) {
   SLUICE_CHECK(options.opacity_threshold > 0);
   if (options.opacity_threshold >= 1) return std::numeric_limits<float>::infinity();
   const double depth = -std::log1p(-options.opacity_threshold);
-  // A perspective view's slices are further apart beside the middle: it accumulates more.
+  // A perspective view's slices are further apart away from the middle: it accumulates more.
   return static_cast<float>(depth * (1 + kSumDoubt) / view.slice_length);
 }
 
@@ -91,12 +91,12 @@ bool VisibilityEstimate::isShown(const Box3& cells) const {
 
 VisibilityEstimate::Rect VisibilityEstimate::footprintOf(const Box3& cells) const {
   const Rect all{0, 0, view_.size.width, view_.size.height};
-  // Centres of pixels count; one more on each side for what rounding does.
+  // Centres of pixels count; one more on each side covers rounding.
   const auto pixel = [](double v, int most) {
     return std::clamp(static_cast<int>(v + kFarPixels) - kFarPixels, 0, most);
   };
   if (view_.parallel) {
-    // The bounds of a box are its middle's place and the sums of what its sides add.
+    // The bounds of a box are its middle's place and the sums of its half sides' contributions.
     const Vec3d middle = (toDouble(cells.lo) + toDouble(cells.hi)) * 0.5;
     const Vec3d half = toDouble(cells.size()) * 0.5;
     std::array<double, 2> at{}, reach{};
@@ -114,7 +114,7 @@ VisibilityEstimate::Rect VisibilityEstimate::footprintOf(const Box3& cells) cons
   for (int i = 0; i < 8; ++i) {
     const Vec3d at = corner(cells, i);
     const double w = along(view_.clip_from_index[2], at);
-    if (!(w > 1e-6 * view_.depth_step)) return all;  // beside or behind the eye
+    if (!(w > 1e-6 * view_.depth_step)) return all;  // at the side of the eye, or behind it
     const double x = along(pixel_from_index_[0], at) / w + 0.5 * all.x1;
     const double y = along(pixel_from_index_[1], at) / w + 0.5 * all.y1;
     x0 = std::min(x0, x), x1 = std::max(x1, x);
@@ -236,7 +236,7 @@ float VisibilityEstimate::nearSlice(const Box3& cells) const {
   return static_cast<float>(along(row, toDouble(cells.lo) + half) - reach);
 }
 
-// Where it makes a difference that the one function stands for the block and no longer the other.
+// The parts that hide more or less when function `now` stands for the block instead of `before`.
 std::vector<VisibilityEstimate::ChangedPart> VisibilityEstimate::changedParts(int64_t block,
                                                                               int32_t before,
                                                                               int32_t now) const {
@@ -285,7 +285,7 @@ std::vector<VisibilityEstimate::Task> VisibilityEstimate::allTiles(int64_t step)
   return tasks;
 }
 
-// Notes what changes to `step`, and where.
+// Finds the changes to `step`, and their places.
 void VisibilityEstimate::takeChanges(int64_t step, WorkerPool& pool) {
   for (const int64_t block : changed_) changes_[static_cast<size_t>(block)] = {};
   changed_ = series_->tree->changedBetween(step_, step);

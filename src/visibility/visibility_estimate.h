@@ -2,20 +2,20 @@
 // functions alone, before any block is read (Gao 2004, section 6).
 //
 // Blocks are visited front to back against an opacity buffer that has a value for each ray of the
-// picture. A block is hidden where all rays that meet it are opaque when they do; otherwise what
-// its function says of its thickness along each ray is added. The buffer is split in tiles, which
-// are independent of each other: threads take one each, and so may ranks.
+// picture. A block is hidden if all rays that meet it are opaque when they do; otherwise its
+// function's extinction for its thickness is added along each ray. The buffer is split in tiles,
+// which are independent of each other: threads take one each, and so may ranks.
 //
 // From one step to another only tiles are looked at in which a block was reached whose function
 // changes, from that block on; the tree of coherent spans (toc_tree.h) finds those blocks. A tile
-// keeps what each block that it reached adds along each ray, so that of blocks that stay as they
-// are nothing is computed again: the answer is that of a new estimate, bit for bit.
+// keeps the sums that each block it reached adds along each ray, so that blocks that stay as they
+// are need no new computation: the answer equals a new estimate's, bit for bit.
 //
-// What is added is no more than what the picture accumulates there. Its samples lie at the view's
-// slices, and each hides at least what the part of the block hides that it is in; where rounding
-// might put a sample to either side of a part's face, its value is, but for less than an entry of
-// the table of opacities, which the parts allow for (extinction.h), that of the face, which both
-// have. One thread calls; the pool's threads work inside.
+// A block never adds more than the picture accumulates there. The estimate's samples lie at the
+// view's slices, and each hides at least as much as the part of the block that it is in. Rounding
+// may put a sample on either side of a face between two parts. Its value is then that of the face,
+// which both parts contain, but for less than an entry of the opacity table, and the parts allow
+// for that (extinction.h). One thread calls; the pool's threads work inside.
 #pragma once
 
 #include <array>
@@ -33,7 +33,7 @@
 
 namespace sluice {
 
-// Rays and what else of a view the estimate needs, as devices have it.
+// Rays and other values of a view that the estimate needs, as devices have them.
 struct EstimateView {
   PictureSize size;
   RayGrid rays;
@@ -45,7 +45,7 @@ struct EstimateView {
 };
 EstimateView estimateView(const FrameSetup& setup, Vec3d eye_or_direction);
 
-// What is taken for the opacity of a block (opacity_function.h).
+// The form in which a block's opacity is estimated (opacity_function.h).
 enum class OpacityForm {
   kPof,         // one opacity for all rays that cross enough of it
   kLinearOpof,  // in proportion to the thickness: the paper's
@@ -55,13 +55,13 @@ enum class OpacityForm {
 struct EstimateOptions {
   OpacityForm form = OpacityForm::kOpof;
   double opacity_threshold = 0.95;     // from this opacity on a ray is opaque
-  std::vector<Box3> shown = {};        // cells that may show; empty: all. One at most
-  std::vector<ClipPlane> clip_planes;  // of the picture
-  double exponent = 1;                 // of 1 - opacity (equation 4, a basis of one function)
-  // Looks at tiles first_tile, first_tile + tile_stride, ... alone: of several that share the
-  // picture, each says what is reached in its tiles.
+  std::vector<Box3> shown = {};        // cells that may show, at most one box; empty: all
+  std::vector<ClipPlane> clip_planes;  // the picture's clip planes
+  double exponent = 1;  // applied to 1 - opacity (equation 4, a basis of one function)
+  // Looks only at tiles first_tile, first_tile + tile_stride, ...: each of several processes that
+  // share the picture tells which blocks are reached in its tiles.
   int tile_stride = 1, first_tile = 0;
-  // Tiles keep no more than this of what blocks add, see the top. 0 where no step follows.
+  // Limit for the sums of blocks that tiles keep, see the top. 0 if no step follows.
   uint64_t most_kept_bytes = uint64_t{256} << 20;
 };
 
@@ -72,17 +72,17 @@ class VisibilityEstimate {
   VisibilityEstimate(SeriesOpacityPtr series, const EstimateView& view,
                      const EstimateOptions& options);
 
-  // Makes the answer that of a step. `from_scratch`: looks at all tiles, as without coherence.
+  // Brings the answer to a step. `from_scratch`: looks at all tiles, as without coherence.
   // Requires: 0 <= step < the series' steps.
   void setStep(int64_t step, WorkerPool& pool, bool from_scratch = false);
 
-  // Whether a ray that is not opaque meets the block, empty ones too. By id.
+  // Whether a ray that is not opaque meets the block, empty ones too. Blocks are given by id.
   bool reaches(int64_t block) const { return reached_in_[static_cast<size_t>(block)] > 0; }
   int64_t step() const { return step_; }
-  // Of the last setStep().
+  // Work of the last setStep().
   int64_t pixelsChecked() const { return pixels_checked_; }
   int64_t changedBlocks() const { return changed_blocks_; }
-  // Of a new estimate.
+  // Work of a new estimate.
   int64_t allPixels() const { return all_pixels_; }
 
  private:
@@ -90,19 +90,19 @@ class VisibilityEstimate {
     int x0, y0, x1, y1;  // half-open
   };
   using TilePixels = std::array<float, static_cast<size_t>(kTileSide) * kTileSide>;
-  // What a block adds along the rays of a tile, row after row. Where the sign is minus, at least
-  // that: the ray was opaque at slice `end` and not followed on.
+  // The sum that a block adds along the rays of a tile, row after row. A minus sign marks a lower
+  // bound: the ray was opaque at slice `end` and not followed further.
   struct Added {
-    int32_t function = -1;  // of the block
+    int32_t function = -1;  // the block's function
     TilePixels along, end;
     std::array<int32_t, static_cast<size_t>(kTileSide) * kTileSide>
         clear;  // slices before add nothing
   };
   struct Tile {
     Rect pixels;
-    std::vector<uint32_t> blocks;               // whose footprints may reach into it, front to back
-    std::vector<bool> reached;                  // of these
-    std::vector<std::unique_ptr<Added>> added;  // of these; empty: none is kept
+    std::vector<uint32_t> blocks;  // blocks whose footprints may reach into the tile, front to back
+    std::vector<bool> reached;     // one for each of `blocks`
+    std::vector<std::unique_ptr<Added>> added;  // one for each of `blocks`; empty: none is kept
   };
   // A tile to look at.
   struct Task {
@@ -115,17 +115,17 @@ class VisibilityEstimate {
     Rect pixels;
     float near = 0;
   };
-  // Of the last change of steps, of a block.
+  // The last change of steps, for a block.
   struct Change {
     int32_t before = -1;  // function; below 0: none
     std::vector<ChangedPart> parts = {};
   };
-  // What does not change from step to step.
+  // Values that do not change from step to step.
   struct Place {
     Rect footprint;               // pixels; bounds
     uint32_t rank = 0;            // in the visit
     std::vector<int> directions;  // cells of its function's table
-    float least_slices = 0;       // of the table's ratio
+    float least_slices = 0;       // least thickness for the table's ratio
     bool whole = true;            // all of it may show, in front of the eye
     bool has_ratio = true;        // samples are close enough for it
   };
@@ -154,19 +154,19 @@ class VisibilityEstimate {
   const EstimateOptions options_;
   const float limit_;  // extinction times slices of an opaque ray
   std::array<float, 256> extinction_{};
-  // Of pixel coordinates x and y; perspective: times w, and from the picture's middle.
+  // Coefficients of pixel coordinates x and y; perspective: times w, and from the picture's middle.
   std::array<std::array<double, 4>, 2> pixel_from_index_{};
-  std::array<double, 4> slice_from_index_{};  // of a parallel view
+  std::array<double, 4> slice_from_index_{};  // for a parallel view
   int tiles_x_ = 0, tiles_y_ = 0;
   std::vector<Place> places_;
   std::vector<uint32_t> order_;  // block ids, front to back
   std::vector<Tile> tiles_;
   std::vector<int32_t> reached_in_;  // tiles, of each block
-  std::vector<int32_t> functions_;   // of the step
-  std::vector<Change> changes_;      // of each block
-  std::vector<int64_t> changed_;     // those with one
+  std::vector<int32_t> functions_;   // functions of the current step
+  std::vector<Change> changes_;      // one for each block
+  std::vector<int64_t> changed_;     // blocks with a change
   Mutex unpacked_mutex_;
-  // Of threads that are at no tile. Kept from step to step.
+  // Work spaces that no thread uses at the moment. Kept from step to step.
   std::vector<std::unique_ptr<UnpackedParts>> unpacked_ SLUICE_GUARDED_BY(unpacked_mutex_);
   int64_t step_ = -1;
   int64_t pixels_checked_ = 0, changed_blocks_ = 0, all_pixels_ = 0;
