@@ -1,4 +1,4 @@
-// What a value looks like: the look-up, factors of gradients, light. Included once a target.
+// The colour of a value: look-up, factors of gradients, light. Included once a target.
 
 struct Color {
   V r, g, b, a;
@@ -28,7 +28,7 @@ HWY_INLINE Color packedEntryAt(const KernelFrame& frame, VI entry) {
               hn::BitCast(F(), hn::And(hn::ShiftRight<kDown>(second), mask)))};
 }
 
-// From 0 to last_entry.
+// The entry of a value, from 0 to last_entry.
 HWY_INLINE V entryOf(const KernelFrame& frame, V value) {
   const V at = hn::MulAdd(value, all(frame.entry_scale), all(frame.entry_offset));
   return hn::Min(hn::Max(at, hn::Zero(F())), all(frame.last_entry));
@@ -87,15 +87,15 @@ HWY_INLINE V factorAt(const KernelFrame& frame, V magnitude, V entry) {
   return between(first, second, row_part, row_rest);
 }
 
-// The opacity of `lengths` unit lengths from that of one.
+// The opacity of `lengths` unit lengths from the opacity of one.
 HWY_INLINE V corrected(V opacity, V lengths) {
   const V clear = hn::Max(hn::Sub(all(1.0F), opacity), all(1e-37F));
   const V left = hn::Exp(F(), hn::Mul(lengths, hn::Log(F(), clear)));
   return hn::IfThenElse(hn::Lt(opacity, all(1.0F)), hn::Sub(all(1.0F), left), all(1.0F));
 }
 
-// What a texel with a spread looks like, premultiplied, for a way of `lengths` unit lengths whose
-// opacity is multiplied by `factor` first: see ExpectedLook. `exact` is the same without spread.
+// The colour of a texel with a spread, premultiplied, for a way of `lengths` unit lengths whose
+// opacity is multiplied by `factor` first: see ExpectedLook. `exact` is the colour without spread.
 HWY_INLINE Color expectedColor(const KernelFrame& frame, V value, V spread, V factor, V lengths,
                                const Color& exact) {
   const V zero = hn::Zero(F()), one = all(1.0F);
@@ -153,7 +153,7 @@ struct Gradient {
   V unit, squared;
 };
 HWY_INLINE Gradient gradientOf(const KernelBox& box, V3 difference) {
-  // In units of the steepest axis, since squares of the values themselves may overflow.
+  // Computed in units of the steepest axis, since squares of the values themselves may overflow.
   const V unit = hn::Max(
       hn::Max(hn::Abs(difference.x), hn::Max(hn::Abs(difference.y), hn::Abs(difference.z))),
       all(1e-30F));
@@ -166,7 +166,7 @@ HWY_INLINE Gradient gradientOf(const KernelBox& box, V3 difference) {
   return {g, unit, hn::MulAdd(g.z, g.z, hn::MulAdd(g.y, g.y, hn::Mul(g.x, g.x)))};
 }
 
-// As lighting.h has it; `color` premultiplied.
+// Applies lighting.h; `color` is premultiplied.
 HWY_INLINE Color shaded(const KernelFrame& frame, const Color& color, const Gradient& gradient) {
   const V to_unit = hn::Div(all(1.0F), hn::Sqrt(hn::Max(gradient.squared, all(1e-37F))));
   V diffuse = hn::Zero(F()), specular = hn::Zero(F());

@@ -1,7 +1,7 @@
 // Composite: a packet of pixels goes through one box after another, front to back.
 #include <algorithm>
 
-// Highway says in which order.
+// Highway requires this order.
 // clang-format off
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "src/cpu/composite_kernels.cpp"
@@ -28,7 +28,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 #include "src/cpu/leaps.inl"
 // clang-format on
 
-// What a sample's colour takes beyond the look-up.
+// The work that a sample's colour takes beyond the look-up.
 enum class Shading {
   kTable,      // nothing: parallel views
   kLength,     // the opacity corrected for the ray: perspective views
@@ -88,7 +88,7 @@ HWY_INLINE Color colorOf(const KernelFrame& frame, const KernelBox& box, const V
   return color;
 }
 
-// Turns between two looks for bricks to leap over: few, where the last look found some.
+// Turns between two looks for bricks to leap over: few, if the last look found some.
 constexpr float kTurnsAfterLeap = 4, kTurnsBetweenLooks = 8;
 
 // A sample a lane, at slice k of the box.
@@ -152,7 +152,7 @@ struct Passage {
       in_box = hn::MulAdd(hn::Sub(all(1.0F), in_box), hn::IfThenElseZero(shows, color.a), in_box);
       going = hn::And(going, hn::Lt(in_box, all(frame.box_opacity)));
     }
-    // One that is through may go on with the others: nothing of it is seen.
+    // A saturated lane may keep sampling until its packet ends; it contributes nothing.
     return !hn::AllFalse(F(), hn::And(going, hn::Lt(pixels.sum.a, all(frame.ray_opacity))));
   }
 
@@ -199,7 +199,7 @@ HWY_INLINE void drawPacket(const KernelFrame& frame, const KernelBox& box,
     const V v = hn::MulAdd(packet.py, all(frame.pixel_ray[2]), all(frame.pixel_ray[3]));
     ray_length = hn::Sqrt(hn::MulAdd(v, v, hn::MulAdd(u, u, all(1.0F))));
   }
-  // What stands for no number is too large for a part of it to be a matter of rounding.
+  // A value that stands for NaN is so large that even a rounding error's share of it would show.
   const bool clamps = kType == DeviceType::kF32 || kShading == Shading::kGradients ||
                       kShading == Shading::kSpread || frame.labels || box.clamps;
   Passage<kType, kShading> passage{frame,

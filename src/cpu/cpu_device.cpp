@@ -21,7 +21,8 @@ constexpr int64_t kMostTexels = 2048, kMostPixels = 1 << 14;
 // threads waiting, and reading goes on meanwhile.
 constexpr double kMostPutOffSamples = 1 << 25;
 constexpr size_t kMostPutOffBoxes = 1 << 16;
-// Where fewer bricks of a chunk show nothing, looking for them costs more than it saves.
+// If more than this share of a chunk's bricks shows something, looking for empty ones costs more
+// than it saves.
 constexpr double kMostShownToLeap = 0.9;
 // Boxes of a tile between two looks whether to stop.
 constexpr size_t kBoxesBetweenStops = 256;

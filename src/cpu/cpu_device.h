@@ -4,10 +4,10 @@
 // a pool: a packet of pixels goes through a box together, a lane a pixel.
 //
 // The way of a box: draw() -> kernel_box.h (single precision, the pixels that may see it) ->
-// tile_bins.h -> composite_kernels.cpp or mode_kernels.cpp (which samples: rays.inl; their values:
-// texels.inl; what these look like: colors.inl) -> tiled_picture.h.
+// tile_bins.h -> composite_kernels.cpp or mode_kernels.cpp (sample positions: rays.inl; their
+// values: texels.inl; their colours: colors.inl) -> tiled_picture.h.
 //
-// One thread calls it; the pool's threads work inside the calls.
+// Called by one thread; the pool's threads work inside the calls.
 #pragma once
 
 #include <atomic>
@@ -32,7 +32,7 @@ namespace sluice {
 
 class CpuDevice : public Device, public DrawsRows {
  public:
-  // `pool` must outlive the device. Throws Error where the processor lacks the target.
+  // `pool` must outlive the device. Throws Error if the processor lacks the target.
   explicit CpuDevice(WorkerPool& pool, SimdTarget target = SimdTarget::kAuto);
 
   DeviceLimits limits() const override;
@@ -68,11 +68,12 @@ class CpuDevice : public Device, public DrawsRows {
   TileBins binsOf(const std::vector<KernelBox>& boxes) const;
   // Whether a tile's pixels are wanted after `then`.
   enum class Keep { kPixels, kNothing };
-  // Draws what was put off. `then` is called for each tile of the picture once it is drawn, by the
-  // thread that has its pixels at hand: without colours where the frame has drawn nothing there.
+  // Draws the boxes that were put off. `then` is called for each tile of the picture once it is
+  // drawn, by the thread that has its pixels in cache: without colours if the frame has drawn
+  // nothing there.
   using Then = std::function<void(const TilePixels& tile)>;
   void drawNow(const Then& then = {}, Keep keep = Keep::kPixels);
-  // Of all chunks whose boxes are put off, on the pool.
+  // Makes the leap grids of all chunks whose boxes are put off, on the pool.
   void prepareLeaps();
 
   WorkerPool& pool_;
@@ -80,16 +81,16 @@ class CpuDevice : public Device, public DrawsRows {
   const std::string renderer_;
   std::unordered_map<uint64_t, Resident> resident_;
   FrameSetup setup_;
-  std::optional<LookUpTables> look_up_;  // of the last frame
-  std::optional<FrameTables> tables_;    // of the frame
+  std::optional<LookUpTables> look_up_;  // for the last frame
+  std::optional<FrameTables> tables_;    // for the current frame
   bool leaps_ = false;                   // the frame does
-  ShownValues shown_;                    // of the last frame that did
-  LookUpPtr shown_for_;                  // what it is of
+  ShownValues shown_;                    // for the last frame with leaps
+  LookUpPtr shown_for_;                  // look-up behind shown_
   uint64_t shown_number_ = 0;            // counts its changes
   StopToken stop_;
   std::optional<PictureRows> rows_;
   TiledPicture picture_;
-  TileParts parts_;  // of a frame that is a part
+  TileParts parts_;  // used if the frame is a part
   std::vector<BoxDraw> put_off_;
   double put_off_samples_ = 0;  // about
   std::atomic<uint64_t> taken_ = 0;

@@ -1,4 +1,4 @@
-// From double to single precision, for what the kernels are told.
+// Conversion from double to single precision, for the kernels' input.
 #pragma once
 
 #include "src/base/vec.h"

@@ -11,7 +11,7 @@ namespace {
 
 // Texels; whole numbers up to here are exact in single precision.
 constexpr int64_t kMostOffset = int64_t{1} << 24;
-// Pixels around the projected box that are looked at, too: what rounding may move.
+// Pixels around the projected box that are included to cover rounding.
 constexpr double kMarginPixels = 0.6;
 
 double along(const std::array<double, 4>& row, Vec3d p) {
@@ -28,7 +28,7 @@ int clampedPixel(double at, int count) {
   return static_cast<int>(std::clamp(at, 0.0, static_cast<double>(count)));
 }
 
-// Of the box's corners: the pixels around them, and the slice of the nearest.
+// The pixels around the box's projected corners, and the slice of the nearest corner.
 struct Seen {
   double x_lo = 1e300, y_lo = 1e300, x_hi = -1e300, y_hi = -1e300, near_slice = 1e300;
 };
@@ -46,7 +46,7 @@ Seen seenOf(const FrameSetup& setup, const Box3& cells) {
     seen.near_slice =
         std::min(seen.near_slice, perspective ? (w - setup.first_depth) / setup.depth_step
                                               : dot(p - rays.origin0, normal) / pace);
-    if (w <= 0) {  // beside the eye: anywhere
+    if (w <= 0) {  // next to the eye: may project anywhere
       seen.x_lo = seen.y_lo = -1e300;
       seen.x_hi = seen.y_hi = 1e300;
       continue;
@@ -59,13 +59,13 @@ Seen seenOf(const FrameSetup& setup, const Box3& cells) {
   return seen;
 }
 
-// The first and the last texel that the box's samples lie between, and where samples lie.
+// The first and the last texel that the box's samples lie between, and the interval of the samples.
 struct TexelSpan {
   Vec3i lo, hi;
   Vec3d from, to;
 };
 TexelSpan texelsOf(const BoxDraw& box, Vec3i storage) {
-  // What rounding of the map may make of a whole number.
+  // Rounding error that the map may add to a whole number.
   constexpr double kRounding = 1e-6;
   TexelSpan span{{}, {}, box.texels(toDouble(box.cells.lo)), box.texels(toDouble(box.cells.hi))};
   for (int a = 0; a < 3; ++a) {
@@ -78,7 +78,7 @@ TexelSpan texelsOf(const BoxDraw& box, Vec3i storage) {
   return span;
 }
 
-// What follows from the map without a chunk: of texel coordinates the parts beyond whole texels.
+// The values that follow from the map without a chunk. Texel coordinates keep only their fraction.
 void setScale(const FrameSetup& setup, const BoxDraw& box, KernelBox& out) {
   const Vec3d from = box.texels(toDouble(box.cells.lo));
   for (int a = 0; a < 3; ++a) {

@@ -9,10 +9,10 @@
 
 namespace sluice {
 
-// Appends the box to `out`, in parts, front to back, where offsets of its texels would not be exact
-// in single precision; nothing where no pixel can see it. `leaps` are the chunk's where the frame
-// leaps; both may be null where samples are only counted.
-// Requires: the chunk has the texels around the box's cells, see BoxDraw.
+// Appends the box to `out`, in parts, front to back, if offsets of its texels would not be exact in
+// single precision; nothing if no pixel can see it. `leaps` are the chunk's if the frame leaps;
+// both may be null if samples are only counted. Requires: the chunk has the texels around the box's
+// cells, see BoxDraw.
 void appendBox(const FrameSetup& setup, const BoxDraw& box, const ChunkTexels* chunk,
                const LeapGrid* leaps, std::vector<KernelBox>& out);
 

@@ -1,4 +1,4 @@
-// FrameTables: a FrameSetup as the kernels take it; LookUpTables: what it points to that frames
+// FrameTables: a FrameSetup in the kernels' form; LookUpTables: the tables behind it that frames
 // share.
 #pragma once
 

@@ -1,4 +1,4 @@
-// What the SIMD kernels are told: a frame, its boxes and the pixels of a tile as plain
+// The values that the SIMD kernels read: a frame, its boxes and the pixels of a tile as plain
 // single-precision values, so that one definition serves the code of every target. Made by
 // kernel_frame.h and kernel_box.h; nothing here owns memory.
 #pragma once
@@ -32,7 +32,7 @@ struct KernelFrame {
   bool perspective = false, with_depth = false, counts_taken = false, labels = false;
   bool shades_every_sample = false, interpolates = false;
   std::array<float, 4> pixel_ray{};  // u tan x = x * [0] + [1], v tan y = y * [2] + [3]
-  // A ray ends inside a box at the first, for good at the second; both above 1 where it never does.
+  // A ray ends inside a box at the first, for good at the second; both above 1 if it never does.
   float box_opacity = 2, ray_opacity = 2;
 
   // The look-up of lookUpTexels(): entry = value * entry_scale + entry_offset, from 0 to
@@ -41,12 +41,12 @@ struct KernelFrame {
   // The same in 64 bits an entry, see packed_entries.h; composite that does not interpolate, else
   // null.
   const int64_t* packed_entries = nullptr;
-  float color_unit = 1, opacity_unit = 1;  // of those
+  float color_unit = 1, opacity_unit = 1;  // factors of packed_entries
   float entry_scale = 0, entry_offset = 0, last_entry = 0;
   float least = 0, greatest = 0;              // values of the first and of the last entry
-  float least_visible = 0, most_visible = 0;  // what lies beyond has no opacity
+  float least_visible = 0, most_visible = 0;  // values beyond these have no opacity
 
-  // Of chunks with spreads: LookUp::expected, premultiplied rows. A mean's entry is mean *
+  // For chunks with spreads: LookUp::expected as premultiplied rows. A mean's entry is mean *
   // mean_scale + mean_offset; a spread's row, from 1 on, is sqrt(spread * spread_scale) * rows.
   const float* expected = nullptr;
   float mean_scale = 0, mean_offset = 0, spread_scale = 0;
@@ -57,7 +57,7 @@ struct KernelFrame {
   std::array<Float3, 2> toward{}, halfway{};  // `toward` times the light's strength and diffuse
   std::array<float, 2> specular{};
   float ambient = 0, flat = 0, shininess = 0;
-  int whole_shininess = 0;  // the same where it is a small whole number, else 0
+  int whole_shininess = 0;  // the same if it is a small whole number, else 0
   int rows = 0, factor_entries = 0;
   const float* factors = nullptr;      // rows x factor_entries
   const float* row_starts = nullptr;   // magnitudes
@@ -67,13 +67,13 @@ struct KernelFrame {
 inline constexpr float kInside = 1e30F;
 
 // A box of cells with the texels around them: at least two along each axis. Coordinates of voxels
-// count from the box's lower corner, along the volume's axes; those of texels from the first texel
-// that the box reads, along the chunk's axes.
+// count from the box's lower corner, along the volume's axes; coordinates of texels count from the
+// first texel that the box reads, along the chunk's axes.
 struct KernelBox {
   Float3 lo{}, hi{};  // relative to origin0
   float first_slice = 0;
   // Voxel coordinates of pixel (x, y) at first_slice + 1/2: voxel0 + x * voxel_dx + y * voxel_dy.
-  // In double precision: single is left for the way from a tile's corner on.
+  // They are doubles: single precision is left for the way from a tile's corner on.
   Vec3d voxel0, voxel_dx, voxel_dy;
   std::array<int, 3> axes{0, 1, 2};
   // Texel coordinates in the volume's order: voxels * texel_scale + texel_start.
@@ -81,7 +81,7 @@ struct KernelBox {
   Float3 texel_hi{};                  // samples lie from 0 to here
   Float3 last_cell{};                 // texels from which on the last samples are interpolated
   bool clamps = false;                // some samples lie beyond the chunk's texels
-  Float3 storage_lo{}, storage_hi{};  // of the first and the last texel that there is
+  Float3 storage_lo{}, storage_hi{};  // the chunk's first and last texel
   const std::byte* texels = nullptr;  // the first of the box
   Float3 stride{};                    // in bytes
   bool has_spread = false;            // two numbers a texel
@@ -89,25 +89,25 @@ struct KernelBox {
   // Device values a world unit, camera space, of a value more a texel along each texel axis.
   std::array<Float3, 3> gradient{};
   Float3 size{};  // in voxels
-  // Maximum and minimum: 0 of a face at which rays enter or leave what is shown, else kInside, far
+  // Maximum and minimum: 0 for a face at which rays enter or leave what is shown, else kInside, far
   // beyond any slice.
   Float3 inside_lo{}, inside_hi{};
-  // Leaps, see leap_grid.h: distances of the chunk's bricks, null where every sample is taken;
-  // brick coordinates of texel 0, the last brick, and strides in bricks.
+  // Leaps, see leap_grid.h: distances of the chunk's bricks, null if every sample is taken; brick
+  // coordinates of texel 0, the last brick, and strides in bricks.
   const uint8_t* distances = nullptr;
   Float3 brick_at{}, brick_last{}, brick_stride{};
-  uint32_t layer = 0;  // of a part
+  uint32_t layer = 0;  // layer of a part
   // Pixels that may see the box, [lo, hi).
   int x_lo = 0, y_lo = 0, x_hi = 0, y_hi = 0;
 };
 
 // The pixels of a tile, packet after packet. Each is kTilePixels floats.
 struct TilePixels {
-  int x = 0, y = 0;  // of the lower left pixel
-  // Composite: red, green, blue, opacity; other modes: what the shader of that name sums in two.
+  int x = 0, y = 0;  // lower left pixel
+  // Composite: red, green, blue, opacity; other modes: the two sums of the shader of that name.
   std::array<float*, 4> color{};
   float* depth_sum = nullptr;  // with_depth
-  float* stopped = nullptr;    // 1 where a pixel takes no more samples
+  float* stopped = nullptr;    // 1 if a pixel takes no more samples
   uint64_t taken = 0;          // samples, added to
 };
 
@@ -124,7 +124,7 @@ struct Kernels {
   uint64_t (*count)(const KernelFrame& frame, const KernelBox* boxes, const uint32_t* indices,
                     size_t count, const TilePixels& tile) = nullptr;
 
-  // Where in a tile's arrays pixel (x, y) of it is.
+  // The index of the tile's pixel (x, y) in its arrays.
   int placeOf(int x, int y) const {
     const int packet = (y / packet_height) * (kTileSide / packet_width) + x / packet_width;
     return packet * packet_width * packet_height + (y % packet_height) * packet_width +

@@ -11,7 +11,7 @@
 namespace sluice {
 namespace {
 
-// Entries beyond an interval of values that are looked at, too: what rounding may move.
+// Entries beyond an interval of values that are included to cover rounding.
 constexpr double kMarginEntries = 0.02;
 // Below it lies the stand-in for texels that are no number.
 constexpr float kNoNumber = -2e30F;
@@ -35,8 +35,8 @@ void widen(const T* texels, T* lo, T* hi, int64_t count) {
   }
 }
 
-// What a sample can show whose mean and spread these are: of all entries and rows that it is
-// interpolated from.
+// The values that a sample with this mean and spread can show: those of all entries and rows that
+// it is interpolated from.
 ValueRange shownRange(double mean, double spread, const ExpectedLook& expected) {
   const ValueRange all = expected.device_range;
   const double span = all.hi - all.lo;
@@ -177,7 +177,7 @@ bool ShownValues::anyIn(float lo, float hi) const {
     const double entry = value * scale_ + offset_;
     return entry > 0 ? std::min(entry, last) : 0.0;
   };
-  // Interpolated ones take from both entries around, others from the nearest.
+  // Interpolated texels take from both entries around, others from the nearest.
   const double half = interpolates_ ? 0 : 0.5;
   const double from = std::floor(entryOf(lo) - kMarginEntries + half);
   const double to = interpolates_ ? std::ceil(entryOf(hi) + kMarginEntries)

@@ -1,11 +1,10 @@
 // LeapGrid: which bricks of a chunk show nothing, so that rays leap over them.
 //
-// A brick is kBrickSide^3 cells of a chunk, from its first texel on; what a sample in it can be
-// lies between the least and the greatest of its (kBrickSide + 1)^3 texels; of texels with spreads,
-// between the least and the greatest of the values that those stand for. Where no such value has
-// an opacity, leaving its samples out changes nothing. Bricks beside each other are leapt over at
-// once: each has its distance to the nearest one that may show something (as in Zuiderveld et al.
-// 1992, with the distance of the greatest axis).
+// A brick is kBrickSide^3 cells of a chunk, from its first texel on. A sample in it lies between
+// the least and the greatest of its (kBrickSide + 1)^3 texels, or of the values that texels with
+// spreads stand for. If no such value has an opacity, leaving the samples out changes nothing. Rays
+// leap over neighbouring bricks at once: each brick has its distance to the nearest one that may
+// show something (as in Zuiderveld et al. 1992, with the distance of the greatest axis).
 //
 // Pure functions.
 #pragma once
@@ -24,7 +23,7 @@ inline constexpr int kBrickSide = kTableBrickSide;
 // Distances reach no further.
 inline constexpr int kMostDistance = 6;
 
-// Which values show something, in O(1) an interval.
+// ShownValues tells in O(1) which intervals of values show something.
 class ShownValues {
  public:
   ShownValues() = default;
@@ -42,15 +41,16 @@ class ShownValues {
 
 struct LeapGrid {
   Vec3i bricks;
-  // Of each brick, x fastest, as texels: least and greatest. Texels that are no number count not.
+  // For each brick, x fastest, the least and the greatest texel. NaN texels do not count.
   std::vector<std::byte> ranges;
-  // 0 where something may show, else bricks to the nearest one such, 1 for a neighbour;
-  // kMostDistance and more alike. A few bytes more than bricks, so that four may be read at each.
+  // 0 if the brick may show something, else bricks to the nearest one that may, 1 for a neighbour;
+  // kMostDistance for all greater distances. A few bytes more than bricks, so that four may be read
+  // at each.
   std::vector<uint8_t> distances;
-  double shown_share = 1;  // of the bricks
+  double shown_share = 1;  // share of bricks that may show something
 };
 
-// Without distances. `expected` is how spreads look, where the chunk has them.
+// Makes the grid without distances. `expected` gives the look of spreads, if the chunk has them.
 LeapGrid leapGrid(const ChunkTexels& chunk, const ExpectedLook* expected = nullptr);
 void setDistances(LeapGrid& grid, DeviceType type, const ShownValues& shown);
 

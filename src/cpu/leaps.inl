@@ -19,14 +19,14 @@ HWY_INLINE BrickWay brickWay(const KernelBox& box, const V3& first, const V3& pa
           hn::Gt(rate.y, zero),
           hn::Gt(rate.z, zero)};
 }
-// Of a box without leaps, never asked.
+// A placeholder for boxes without leaps; it is never read.
 HWY_INLINE BrickWay noBrickWay() {
   const V none = hn::Zero(F());
   const M never = hn::MaskFromVec(none);
   return {{none, none, none}, {none, none, none}, {none, none, none}, never, never, never};
 }
 
-// Slices from `at` to where bricks up to `distance` - 1 from `brick` end, along one axis.
+// Slices from `at` to the end of the bricks up to `distance` - 1 from `brick`, along one axis.
 HWY_INLINE V slicesLeft(V at, V brick, V distance, V inverse, M up) {
   const V end = hn::IfThenElse(up, hn::Add(brick, distance),
                                hn::Sub(hn::Add(brick, all(1.0F)), distance));
@@ -37,7 +37,8 @@ HWY_INLINE V slicesLeft(V at, V brick, V distance, V inverse, M up) {
 // that are left out show nothing. `end` or more: there is none. Returns as soon as one ray has
 // arrived; the others' may then be before it. `leapt`: whether any was left out.
 HWY_INLINE V nextShown(const KernelBox& box, const BrickWay& way, V k, V end, bool& leapt) {
-  // Of a slice: so close to a brick's end rounding may have it in the next.
+  // A fraction of a slice: so close to a brick's end, rounding may put the sample into the next
+  // brick.
   const V near = all(1e-3F), zero = hn::Zero(F()), one = all(1.0F);
   leapt = false;
   for (;;) {

@@ -25,7 +25,7 @@ std::array<Vec3d, 3> mapFromClip(const MapGrid& grid) {
           Vec3d{columns[0].z, columns[1].z, columns[2].z}};
 }
 
-// 0 where a cell reaches to the eye, else 1.
+// 0 if a cell reaches to the eye, else 1.
 std::vector<std::atomic<uint32_t>> emptyCells(const MapGrid& grid) {
   constexpr double kLeastW = 1e-6;
   const auto side = static_cast<size_t>(grid.side);
@@ -49,8 +49,8 @@ void lower(std::atomic<uint32_t>& cell, uint32_t to) {
   }
 }
 
-// The cells around the rays of a row of pixels: those that they are in, whatever rounding says.
-// None where `from` is beyond `to`. Plain loops over arrays, which compilers make vector code of.
+// The cells around the rays of a row of pixels: every cell that rounding might put a ray in. None
+// if `from` is beyond `to`. Plain loops over arrays, which compilers make vector code of.
 struct RowCells {
   alignas(64) std::array<int32_t, kTileSide> u_from, u_to, v_from, v_to;
   bool areSame(size_t a, size_t b) const {
@@ -63,14 +63,15 @@ void findRange(const std::array<float, kTileSide>& at, int side,
   constexpr float kMargin = 1e-3F;
   const auto end = static_cast<float>(side);
   for (size_t i = 0; i < kTileSide; ++i) {
-    // One more, so that whole numbers are cut off downwards; what is no number is beyond as well.
+    // Adding 1 makes the conversion round down; NaN counts as beyond the map.
     const float held = at[i] > -1 ? std::min(at[i], end + 1) : -1.0F;
     from[i] = std::max(static_cast<int32_t>(held - kMargin + 1) - 1, 0);
     to[i] = std::min(static_cast<int32_t>(held + kMargin + 1) - 1, side - 1);
   }
 }
 
-// Of pixels whose homogeneous place on the map is `start`, and `pace` further for each.
+// The cells of a row of pixels. `start` is the first pixel's homogeneous place on the map, `pace`
+// the difference from pixel to pixel.
 RowCells rowCells(const Vec3d& start, const Vec3d& pace, int side) {
   const auto u0 = static_cast<float>(start.x), v0 = static_cast<float>(start.y),
              w0 = static_cast<float>(start.z);

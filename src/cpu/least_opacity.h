@@ -18,7 +18,7 @@ class LeastOpacity {
 
   // The pixels of a tile, as they are now; without colours nothing was drawn there. Any thread.
   void add(const TiledPicture& picture, const TilePixels& pixels);
-  // Of each cell, row after row.
+  // The least opacity of each cell, row after row.
   std::vector<float> cells() const;
 
  private:

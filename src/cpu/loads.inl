@@ -48,7 +48,7 @@ HWY_INLINE VI joinedLanes(const __m128i* parts) {
 #else
 HWY_INLINE VI joinedLanes(const __m128i* parts) { return VI{joined(parts[0], parts[1])}; }
 #endif
-constexpr int kParts = kLanes / 4;  // of 128 bits
+constexpr int kParts = kLanes / 4;  // parts of 128 bits
 
 // Four bytes from each offset on, of four bases.
 HWY_INLINE void fourAtOnce(const std::byte* const (&base)[4], VI offset, VI (&bytes)[4]) {
@@ -78,7 +78,7 @@ HWY_INLINE Wide wideAt(const std::byte* base, VI offset) {
 // Four floats.
 HWY_INLINE Quad quadAt(const std::byte* base, VI offset) {
   const LaneOffsets offsets = laneOffsets(offset);
-  V lanes[4];  // [i]: those of lane i of each four
+  V lanes[4];  // [i]: lane i of each four
   for (int i = 0; i < 4; ++i) {
     __m128i parts[kParts];
     for (int part = 0; part < kParts; ++part)

@@ -1,7 +1,8 @@
-// Modes other than composite, and counting: the extremes and sums of what a packet's rays meet.
+// Modes other than composite, and counting: the extremes and sums over the samples of a packet's
+// rays.
 #include <algorithm>
 
-// Highway says in which order.
+// Highway requires this order.
 // clang-format off
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "src/cpu/mode_kernels.cpp"
@@ -30,7 +31,7 @@ HWY_INLINE bool isExtreme(const KernelFrame& frame) {
   return frame.mode == Mode::kMip || frame.mode == Mode::kMinip;
 }
 
-// Where a packet's rays are sampled in a box: count samples at first + clamp(j, from, to) * pace,
+// The samples of a packet's rays in a box: `count` samples at first + clamp(j, from, to) * pace, in
 // texels.
 struct Line {
   V3 first, pace;
@@ -58,8 +59,8 @@ HWY_INLINE Line lineOf(const KernelFrame& frame, const KernelBox& box, const Pos
           slices.count};
 }
 
-// On a plane of voxels where it is one but for rounding: next to a voxel that is no number, the
-// least part of it would make the sample none.
+// Snaps to a plane of voxels if only rounding keeps it away: next to a NaN voxel, the least part of
+// it would make the sample NaN.
 HWY_INLINE V settled(V at) {
   constexpr float kOnPlane = 1e-4F;
   const V plane = hn::Round(at);

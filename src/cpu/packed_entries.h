@@ -1,5 +1,5 @@
 // PackedEntries: the four numbers of an entry of the look-up in 64 bits, so that one gather brings
-// them all: gathers are what drawing takes most of its time for.
+// them all: drawing spends most of its time on gathers.
 //
 // Red is in the lowest 16 bits, then green, blue and opacity. 16 bits are a share of the table's
 // greatest colour, or opacity, without a sign, as 4 bits of exponent and 12 of mantissa: to 1.2e-4
@@ -19,8 +19,8 @@ namespace sluice {
 inline constexpr int kPackedShift = 11;
 
 struct PackedEntries {
-  // What the unpacked float of a colour, and of an opacity, is multiplied by; of what perspective
-  // views look up, which is not positive, it is negative.
+  // Factors of the unpacked floats of a colour and of an opacity. The opacity's is negative for
+  // perspective views, whose look-up holds log2(1 - opacity), never positive.
   float color_unit = 1, opacity_unit = 1;
   std::vector<int64_t> entries;
 };
@@ -32,7 +32,8 @@ inline uint16_t packed(double share) {
                                kPackedShift);
 }
 
-// Of rgba of entries; opacities all of one sign. Beyond `most_opacity` they are that.
+// Packs rgba entries, whose opacities all have one sign. Opacities beyond `most_opacity` are
+// clamped to it.
 inline PackedEntries packedEntries(std::span<const float> rgba, double most_opacity) {
   double color = 0, opacity = 0, sign = 1;
   for (size_t i = 0; i < rgba.size(); ++i) {

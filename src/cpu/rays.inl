@@ -1,4 +1,4 @@
-// Rays of a packet of pixels and where they are sampled in a box. Included once a target.
+// Rays of a packet of pixels and the positions of their samples in a box. Included once a target.
 
 using F = hn::CappedTag<float, kMostLanes>;
 using I = hn::RebindToSigned<F>;
@@ -13,8 +13,8 @@ static_assert(kTileSide % kPacketWidth == 0 && kTileSide % kPacketHeight == 0);
 
 HWY_INLINE V all(float value) { return hn::Set(F(), value); }
 
-// Toward 0, of numbers that are in the range of the result; what is not, or is no number, may become
-// anything. ConvertTo() takes five instructions for one to promise more.
+// Rounds toward 0, for numbers in the range of the result; any other input, or NaN, gives an
+// arbitrary result. ConvertTo() takes five instructions for one to promise more.
 HWY_INLINE VI wholeOf(V v) {
 #if HWY_TARGET == HWY_AVX3
   return VI{_mm512_cvttps_epi32(v.raw)};
@@ -27,7 +27,7 @@ HWY_INLINE VI wholeOf(V v) {
 #endif
 }
 
-// Along three axes.
+// A vector along three axes.
 struct V3 {
   V x, y, z;
 };
@@ -121,7 +121,7 @@ HWY_INLINE V3 stepOf(const KernelFrame& frame, const Packet& packet) {
   return planesAt(frame.step0, frame.step_dx, frame.step_dy, packet.px, packet.py);
 }
 
-// Away from 0, so that one may divide by it.
+// The step kept away from 0, so that one may divide by it.
 HWY_INLINE V safe(V step) {
   return hn::IfThenElse(hn::Lt(hn::Abs(step), all(1e-12F)), all(1e-12F), step);
 }
@@ -175,12 +175,12 @@ HWY_INLINE Slices slicesIn(const KernelFrame& frame, const KernelBox& box, const
 struct Planes {
   V3 start, way;
   V from, count;
-  V first, last;  // the ends of the ray's way through what is shown, where they lie in the box
+  V first, last;  // the ends of the ray's way through what is shown, if they lie in the box
 };
 // A ray's way through a box, in slices from the box's first one on, whole or not.
 struct Reach {
   V from, to;
-  // The same of those faces alone at which the ray enters and leaves what is shown. Where they are
+  // The same for only those faces at which the ray enters and leaves what is shown. If they equal
   // `from` and `to`, those are ends of the ray's way.
   V enters, leaves;
 };
@@ -197,7 +197,7 @@ HWY_INLINE void reachAxis(const KernelBox& box, size_t axis, V at, V step, Reach
   reach.enters = hn::Max(reach.enters, hn::Sub(enter, hn::IfThenElse(up, lo, hi)));
   reach.leaves = hn::Min(reach.leaves, hn::Add(leave, hn::IfThenElse(up, hi, lo)));
 }
-// What a clip plane or the eye cuts off ends the way, wherever it is.
+// A cut by a clip plane or the eye ends the way, wherever it is.
 HWY_INLINE void cutBefore(V at, Reach& reach) {
   reach.from = hn::Max(reach.from, at);
   reach.enters = hn::Max(reach.enters, at);
@@ -235,7 +235,7 @@ HWY_INLINE Planes planesIn(const KernelFrame& frame, const KernelBox& box,
       cutBehind(hn::IfThenElse(against, none, t), reach);
     }
   }
-  // Of the main axis, in texels.
+  // Coordinates along the main axis, in texels.
   const Float3 &scales = box.texel_scale, &starts = box.texel_start;
   const V scale_there =
       hn::IfThenElse(third, all(scales[2]), hn::IfThenElse(second, all(scales[1]), all(scales[0])));

@@ -1,13 +1,14 @@
-// Texels of a chunk: eight around a place, and what lies between them. Included once a target.
+// Texels of a chunk: eight around a place, and the value interpolated between them. Included once a
+// target.
 
-// Whole texel coordinates below a place, and the way on to the next.
+// The whole texel coordinates below a place, and the way on to the next.
 struct Place {
   VI offset;  // in bytes
   V fx, fy, fz;
 };
 
-// What reading in a box needs, made once a packet so that loops find it in registers: where samples
-// may lie, [lo, hi], and the last cell of each axis.
+// The bounds for reading in a box, made once a packet so that loops find them in registers: samples
+// lie in [lo, hi], and `last` is the last cell of each axis.
 struct Cells {
   V3 lo, hi, last, stride;
 };
@@ -18,11 +19,11 @@ HWY_INLINE Cells cellsOf(const KernelBox& box, const Float3& lo, const Float3& h
           {all(last[0]), all(last[1]), all(last[2])},
           {all(box.stride[0]), all(box.stride[1]), all(box.stride[2])}};
 }
-// Of the box's samples.
+// Bounds of the box's samples.
 HWY_INLINE Cells cellsOf(const KernelBox& box) {
   return cellsOf(box, {0, 0, 0}, box.texel_hi, box.last_cell);
 }
-// Of all texels of the chunk.
+// Bounds of all texels of the chunk.
 HWY_INLINE float lastCell(float lo, float hi) { return hi - 1 > lo ? hi - 1 : lo; }
 HWY_INLINE Cells storedCells(const KernelBox& box) {
   const Float3 &lo = box.storage_lo, &hi = box.storage_hi;
@@ -52,7 +53,7 @@ HWY_INLINE Place placeAt(const Cells& cells, const V3& at) {
 struct Pair {
   V first, second;
 };
-// kDown: bytes before the pair in what was read.
+// kDown: bytes before the pair in the bytes read.
 template <DeviceType kType, int kDown = 0>
 HWY_INLINE Pair pairIn(VI bytes) {
   constexpr int kBits = kType == DeviceType::kU8 ? 8 : 16;
@@ -67,7 +68,7 @@ HWY_INLINE V between(V first, V second, V part, V rest) {
 }
 
 // The pairs of four rows, each `more` bytes from each offset on. kDown: bytes before the pair that
-// are read of the last row, where those behind may lie beyond the chunk.
+// are read of the last row, if the bytes behind may lie beyond the chunk.
 struct Rows {
   Pair pair[4];
 };
@@ -117,7 +118,7 @@ template <DeviceType kType>
 HWY_INLINE SpreadValue spreadAt(const KernelBox& box, const Place& place) {
   const auto y = static_cast<int64_t>(box.stride[1]), z = static_cast<int64_t>(box.stride[2]);
   const std::byte* from[4] = {box.texels, box.texels + y, box.texels + z, box.texels + y + z};
-  Pair value[4], spread[4];  // of the four rows
+  Pair value[4], spread[4];  // for the four rows
   if constexpr (kType == DeviceType::kU8) {
     VI bytes[4];
     fourAtOnce(from, place.offset, bytes);
@@ -186,7 +187,7 @@ HWY_INLINE V labelAt(const KernelBox& box, const Place& place) {
   return best;
 }
 
-// Half of the difference; a neighbour that is no number says nothing of the slope along its axis.
+// Half of the difference; a NaN neighbour tells nothing of the slope along its axis.
 template <DeviceType kType>
 HWY_INLINE V halfDifference(V next, V last) {
   const V difference = hn::Mul(all(0.5F), hn::Sub(next, last));

@@ -21,7 +21,7 @@ struct TileBins {
   }
 };
 
-// Of the picture's tiles those of `tiles_up` rows of tiles, from row `lowest` on.
+// Bins for `tiles_up` of the picture's rows of tiles, from row `lowest` on.
 TileBins tileBins(std::span<const KernelBox> boxes, int tiles_across, int tiles_up, int lowest = 0);
 
 }  // namespace sluice

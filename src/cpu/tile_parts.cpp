@@ -43,7 +43,7 @@ void TileParts::takeOut(int64_t index, const TilePixels& tile) {
 
 void TileParts::append(int64_t index, uint32_t layer, const TilePixels& tile) {
   const bool composite = setup_->mode == Mode::kComposite;
-  // Extremes begin where no value is, sums of parts with 0.
+  // Extremes begin beyond all values, sums of parts with 0.
   const size_t tells = composite ? 3 : setup_->mode == Mode::kAverage ? 1 : 0;
   const float empty = composite ? 0 : emptyPart(setup_->mode);
   std::array<const float*, kMostPartChannels> channels{tile.color[0], tile.color[1], tile.color[2],

@@ -1,8 +1,8 @@
-// TileParts: what the tiles of a frame's part show, layer by layer (partial_picture.h): a layer of
-// a tile is drawn, taken out packed, and gone from the tile's pixels.
+// TileParts: the visible part of the tiles of a frame's part, layer by layer (partial_picture.h): a
+// layer of a tile is drawn, taken out packed, and gone from the tile's pixels.
 //
-// What was taken out still stops rays: where the layers in front are opaque, of this part alone, no
-// more samples are taken. Different tiles may be drawn by different threads at once.
+// Opacity that was taken out still stops rays: a ray takes no more samples once the layers in
+// front, of this part alone, are opaque. Different tiles may be drawn by different threads at once.
 #pragma once
 
 #include <cstdint>
@@ -18,12 +18,12 @@ static_assert(kTileSide == kPartSide);
 
 class TileParts {
  public:
-  // For a frame; `kernels` must outlive it.
+  // To be called for each frame; `kernels` must outlive it.
   void begin(const FrameSetup& setup, const KernelFrame& frame, const Kernels& kernels);
   // Composite: draws these boxes of one tile, whose pixels are empty before and after.
   void draw(int64_t index, const std::vector<KernelBox>& boxes, std::span<const uint32_t> of_tile,
             TilePixels& tile);
-  // Other modes, once, of what all boxes left in the tile's pixels.
+  // Other modes: called once, for the pixels that all boxes left in the tile.
   void takeOut(int64_t index, const TilePixels& tile);
   uint64_t bytes() const { return picture_.bytes(); }
   PartialPicture end() { return std::move(picture_); }
@@ -36,7 +36,7 @@ class TileParts {
   const Kernels* kernels_ = nullptr;
   std::array<int, kTilePixels> place_{};  // in a tile's arrays, of pixels row after row
   PartialPicture picture_;
-  std::vector<float> through_;  // of each pixel of each tile, what lies in front lets through
+  std::vector<float> through_;  // transmittance of what lies in front, for each pixel of each tile
 };
 
 }  // namespace sluice

@@ -11,7 +11,8 @@
 namespace sluice {
 namespace {
 
-constexpr size_t kColors = 4, kStopped = 4, kDepth = 5;  // channels, and where the others are
+constexpr size_t kColors = 4, kStopped = 4,
+                 kDepth = 5;  // channels, and the positions of the others
 static_assert((kDepth + 1) * kTilePixels == TiledPicture::kMostFloats);
 constexpr size_t kAlignedFloats = 64 / sizeof(float);
 
@@ -123,7 +124,7 @@ void TiledPicture::shape(Picture& picture, const StopToken& stop) const {
 }
 
 void TiledPicture::copyTile(const TilePixels& pixels, Picture& picture) const {
-  constexpr float kNothing = std::numeric_limits<float>::infinity();  // as renderers write it
+  constexpr float kNothing = std::numeric_limits<float>::infinity();  // no depth, as in renderers
   const auto& [red, green, blue, opacity] = pixels.color;
   const int count = std::min(kTileSide, size_.width - pixels.x);
   for (int y = 0; y < std::min(kTileSide, rows_.hi - pixels.y); ++y) {

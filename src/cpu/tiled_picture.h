@@ -1,5 +1,5 @@
 // TiledPicture: the pixels of a frame as the kernels keep them, a tile after another, each packet
-// by packet; and what is read from them.
+// by packet; and the conversion to pictures.
 //
 // Different tiles may be begun, drawn and read by different threads at once. All else: one thread.
 #pragma once
@@ -25,13 +25,13 @@ class TiledPicture {
   // A tile's: colours, stopped, depth.
   static constexpr size_t kMostFloats = size_t{6} * kTilePixels;
 
-  // Empty, its pixels placed as `kernels` want them. `rows`: of the frame's picture, those that are
-  // kept, from a multiple of kTileSide on.
+  // Begins an empty picture with its pixels placed as `kernels` want them. `rows`: the rows of the
+  // frame's picture that are kept, from a multiple of kTileSide on.
   void begin(const FrameSetup& setup, const Kernels& kernels, PictureRows rows);
 
   int tilesAcross() const { return across_; }
   int tilesUp() const { return up_; }
-  int lowestTiles() const { return rows_.lo / kTileSide; }  // their row in the frame's picture
+  int lowestTiles() const { return rows_.lo / kTileSide; }  // row of tiles in the frame's picture
   int64_t tiles() const { return int64_t{across_} * up_; }
   // Memory for the pixels. A picture that is drawn in one go needs none.
   void makeRoom();
@@ -44,9 +44,9 @@ class TiledPicture {
     alignas(64) std::array<float, kMostFloats> floats;
   };
   TilePixels tile(int64_t index, Scratch& scratch);
-  // Only where it is: without pixels if it was not begun.
+  // The tile if it was begun, otherwise one without pixels.
   TilePixels drawnTile(int64_t index) const;
-  // Of a pixel of a tile, counted from its lower left.
+  // The index of a tile's pixel in its arrays, x and y counted from its lower left.
   size_t placeOf(int x, int y) const {
     const int pixel = y * kTileSide + x;
     return static_cast<size_t>(place_[static_cast<size_t>(pixel)]);
@@ -58,10 +58,10 @@ class TiledPicture {
   // Gives `picture` the width of this one and the height of its rows. Clearing gigabytes takes
   // seconds: throws Interrupted on the way.
   void shape(Picture& picture, const StopToken& stop = {}) const;
-  // A tile's pixels, if it has some, into a picture of that shape: premultiplied, rows downwards;
-  // depths where there are some.
+  // Copies a tile's pixels, if it has some, into a picture of that shape: premultiplied, rows
+  // downwards; depths if it has them.
   void copyTile(const TilePixels& pixels, Picture& picture) const;
-  // Visits where each row of the tile's pixels is in such a picture: rgba.
+  // Visits the place of each row of the tile's pixels in such a picture: rgba.
   template <class F>
   void eachRow(const TilePixels& pixels, Picture& picture, F&& visit) const {
     const auto count = static_cast<size_t>(std::min(kTileSide, size_.width - pixels.x));
@@ -72,10 +72,10 @@ class TiledPicture {
  private:
   static constexpr int32_t kNotBegun = -1;
 
-  // With its arrays from `floats` on, where there are some.
+  // The tile with its arrays from `floats` on, if there are some.
   TilePixels tileAt(int64_t index, float* floats) const;
   void empty(const TilePixels& pixels) const;
-  // Of the leftmost pixel of a tile's row, in a picture.
+  // The index in a picture of the leftmost pixel of a tile's row.
   size_t placeIn(const TilePixels& pixels, int y) const {
     const auto width = static_cast<size_t>(size_.width);
     return static_cast<size_t>(rows_.hi - 1 - pixels.y - y) * width + static_cast<size_t>(pixels.x);
@@ -83,20 +83,20 @@ class TiledPicture {
   float* floatsOf(int64_t index) const {
     return pixels_ + static_cast<size_t>(index) * floatsATile();
   }
-  // Floats a tile has, and of them where each array begins.
+  // Floats per tile, and the begin of each array among them.
   size_t floatsATile() const { return arrays_ * kTilePixels; }
 
-  // Of each pixel of a tile, row after row: Kernels::placeOf().
+  // Kernels::placeOf() of each pixel of a tile, row after row.
   std::array<int, kTilePixels> place_{};
-  PictureSize size_{0, 0};  // of the frame's picture
-  PictureRows rows_;        // of it
+  PictureSize size_{0, 0};  // size of the frame's picture
+  PictureRows rows_;        // the rows of it that are kept
   int across_ = 0, up_ = 0;
   size_t arrays_ = 0;
   bool with_depth_ = false;
-  float start_ = 0;  // what colours are before something is drawn
+  float start_ = 0;  // colours before anything is drawn
   float stop_opacity_ = 1;
   int32_t stop_number_ = 0;     // counts stopOpaque()
-  std::vector<int32_t> stops_;  // of each tile: the last that it knows of
+  std::vector<int32_t> stops_;  // for each tile, the last stopOpaque() that it knows of
   // Aligned by hand, and not cleared: a tile is emptied when it is asked for.
   std::unique_ptr<float[]> memory_;
   size_t memory_floats_ = 0;

@@ -11,9 +11,9 @@
 
 namespace sluice {
 
-// In whole pages, x fastest. A texel is one number, or with `has_spread` two, one after the other:
-// the mean of the values that it stands for, and their spread in the same unit (expected_look.h).
-// Immutable once filled; any thread may read.
+// The texels of a chunk in whole pages, x fastest. A texel is one number, or with `has_spread` two,
+// one after the other: the mean of the values that it stands for, and their spread in the same unit
+// (expected_look.h). Immutable once filled; any thread may read.
 struct ChunkTexels {
   Vec3i storage_vox;
   DeviceType type = DeviceType::kU8;

@@ -1,9 +1,9 @@
 // Device: the narrow interface behind which something draws (design, "Devices").
 //
 // A device knows chunks of texels, boxes and slices; it knows nothing of volumes, thresholds or
-// budgets. The texture cache model decides what is resident, the device obeys. Calls come from one
-// thread, in this order: beginFrame, then makeResident / evict / draw in any mix, boxes front to
-// back, then endFrame or cancelFrame.
+// budgets. The texture cache model decides which chunks are resident, and the device obeys. Calls
+// come from one thread, in this order: beginFrame, then makeResident / evict / draw in any mix,
+// boxes front to back, then endFrame or cancelFrame.
 #pragma once
 
 #include <algorithm>
@@ -20,7 +20,7 @@
 
 namespace sluice {
 
-// Where the texels of resident chunks are.
+// The memory that holds the texels of resident chunks.
 enum class TexelPlace {
   kOnDevice,  // copied to memory of the device's own
   kInMemory,  // copied within the process's memory, as software GL does
@@ -33,9 +33,10 @@ struct DeviceLimits {
   TexelPlace texels = TexelPlace::kOnDevice;
 };
 
-// Textures that a device which copies may keep beside the resident ones, `resident_bytes` at once
-// at the most, so that it uploads into storage that nothing draws from any more: enough for chunks
-// of two sizes to take turns. In the process's memory they count against --memory.
+// Bytes of textures that a copying device may keep in addition to the resident ones, of which at
+// most `resident_bytes` were in use at once. They let it upload into storage that nothing draws
+// from any more: enough for chunks of two sizes to take turns. In the process's memory they count
+// against --memory.
 constexpr uint64_t spareTextureBytes(uint64_t resident_bytes) {
   return std::max(uint64_t{8} << 20, resident_bytes / 2);
 }
@@ -48,8 +49,8 @@ class Device {
  public:
   virtual ~Device() = default;
 
-  // Where the chunk ids of one user of the device begin, so that the sessions of a device never
-  // mean each other's chunks. Each user has 2^40.
+  // The first chunk id of a user of the device; ranges keep the sessions of a device from meaning
+  // each other's chunks. Each user has 2^40.
   uint64_t takeIdRange() { return id_ranges_taken_++ << 40; }
 
   virtual DeviceLimits limits() const = 0;
@@ -61,11 +62,11 @@ class Device {
   // it (TexelMap). A device that copies is through with the texels when this returns; one that
   // borrows holds them until the chunk is evicted. Requires: id is not resident.
   virtual void makeResident(uint64_t id, ChunkTexelsPtr texels) = 0;
-  // Draws first what it has put off of this chunk; where that throws, as draw() does, the chunk is
-  // still resident. Requires: id is resident. A device that copies may keep the storage for another
-  // chunk of the same size.
+  // First draws the boxes of this chunk that it has put off; if that throws, as draw() does, the
+  // chunk is still resident. Requires: id is resident. A device that copies may keep the storage
+  // for another chunk of the same size.
   virtual void evict(uint64_t id) = 0;
-  // Bytes of texels copied since construction, counted where they are; 0 for one that borrows.
+  // Bytes of texels copied since construction, counted at the copy; 0 for a device that borrows.
   virtual uint64_t uploadedBytes() const = 0;
   // How often drawing changed from one chunk to another since construction.
   virtual uint64_t binds() const = 0;
@@ -79,26 +80,26 @@ class Device {
   // and endFrame(): the longer the lists, the freer it is.
   virtual void draw(std::span<const BoxDraw> boxes) = 0;
   // For each cell of the grid, row after row, the least opacity that was drawn so far into a pixel
-  // whose ray meets the cell; 1 where no pixel's does, 0 where the cell reaches to the eye. Never
-  // more than that, it may be less. Composite only.
+  // whose ray meets the cell; 1 if no pixel's does, 0 if the cell reaches to the eye. It may be
+  // less than the true opacity, but never more. Composite only.
   virtual std::vector<float> leastOpacity(const MapGrid& grid) = 0;
   // From now on pixels that have reached FrameSetup::opacity_threshold take no more samples.
   // Composite only.
   virtual void stopOpaque() = 0;
   // Exactly how many samples draw() of these boxes takes over all pixels; their chunks need not be
-  // resident. Leaves the picture alone. Not between beginFrame and endFrame.
+  // resident. Leaves the picture alone. Must not be called between beginFrame and endFrame.
   virtual uint64_t countSamples(std::span<const BoxDraw> boxes) = 0;
-  // After endFrame(): how many samples the frame took, less than countSamples() says of its boxes
-  // where rays ended early, leapt, or pixels were stopped. Requires: setup.counts_taken.
+  // After endFrame(): how many samples the frame took, fewer than countSamples() of its boxes if
+  // rays ended early, leapt, or pixels were stopped. Requires: setup.counts_taken.
   virtual uint64_t takenSamples() = 0;
-  // Waits for what was drawn; premultiplied.
+  // Waits for the drawing to finish; premultiplied.
   virtual Picture endFrame() = 0;
-  // Whether frames with setup.is_part are drawn layer by layer and end with endPart(), in the place
-  // of endFrame(). Of such a frame leastOpacity() and stopOpaque() are not asked.
+  // Whether frames with setup.is_part are drawn layer by layer and end with endPart() instead of
+  // endFrame(). leastOpacity() and stopOpaque() are not called in such a frame.
   virtual bool drawsParts() const { return false; }
   virtual PartialPicture endPart() { return {}; }
-  // The frame is not wanted any more: what was put off is dropped. Chunks stay resident. Also after
-  // a beginFrame() that threw, and where no frame is under way.
+  // The frame is not wanted any more: boxes that were put off are dropped. Chunks stay resident.
+  // May be called after a beginFrame() that threw, and if no frame is under way.
   virtual void cancelFrame() = 0;
 
   // A picture of endFrame()'s that is not needed any more: the next one is written over it, and

@@ -6,7 +6,7 @@
 namespace sluice {
 namespace {
 
-// Of the ray through the middle of the picture.
+// Slices along the ray through the middle of the picture that lie in `cells`.
 double slicesAcross(const FrameSetup& setup, const Box3& cells) {
   const RayGrid& rays = setup.rays;
   const Vec3d step = rays.step0 + rays.step_dx * (0.5 * setup.size.width) +
@@ -30,7 +30,7 @@ double aboutSamples(const FrameSetup& setup, const Box3& cells) {
     dx = rays.step_dx * (depth / setup.depth_step);
     dy = rays.step_dy * (depth / setup.depth_step);
   }
-  // What lies between neighbouring rays and slices has one sample.
+  // The volume between neighbouring rays and slices has one sample.
   const double of_one = std::abs(dot(cross(dx, dy), rays.step0));
   return std::min(most, static_cast<double>(cells.count()) / of_one);
 }

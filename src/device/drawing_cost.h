@@ -6,8 +6,8 @@
 
 namespace sluice {
 
-// About how many samples the rays of the view take in the box: of a perspective view from the
-// distance of its centre, and as many as the picture can have where that is behind the eye.
+// About how many samples the rays of the view take in the box. In a perspective view the distance
+// of its centre counts, and the most that the picture can have if that is behind the eye.
 double aboutSamples(const FrameSetup& setup, const Box3& cells);
 
 }  // namespace sluice

@@ -93,7 +93,7 @@ SpreadValues spreadValues(double mean, double spread, ValueRange range) {
   const double half = (range.hi - range.lo) / 2, middle = range.lo + half;
   const double variance = std::min(0.25 * spread * spread, half * half);
   const double reach = std::sqrt(3 * variance);
-  // The variance is at most that of values at the two ends, (mean - lo) * (hi - mean).
+  // The variance is at most (mean - lo) * (hi - mean), which values at the two ends have.
   const double aside = std::sqrt(half * half - variance);
   mean = std::clamp(mean, middle - aside, middle + aside);
   const double below = mean - range.lo, above = range.hi - mean;

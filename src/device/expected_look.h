@@ -6,12 +6,12 @@
 //
 // Their distribution is not known. It is taken as two uniform parts that meet at the mean and reach
 // sqrt(3) standard deviations to either side. A part ends where the volume's values end; the other
-// part then reaches as far as keeps mean and spread. If both end there, the share of the values
+// part then reaches far enough to keep mean and spread. If both end there, the share of the values
 // that the spread asks for lies at the two ends. So mean and spread are always kept, nothing lies
 // beyond the volume's values, and the greatest spread is two values alone (a net of thin bright
 // lines).
 //
-// The opacity is that of one unit length. Voxels along a ray count as independent draws: n lengths
+// The opacity applies to one unit length. Voxels along a ray count as independent draws: n lengths
 // let (1 - expected opacity)^n through, and the colour is weighted by opacity.
 //
 // Pure functions.

@@ -1,5 +1,5 @@
-// What a device is told of a frame: plain values, resolved from the camera, the transfer function
-// and the volume by whoever asks for the picture (src/render/frame_setup.h).
+// The values that describe a frame to a device. Whoever asks for the picture resolves them from the
+// camera, the transfer function and the volume (src/render/frame_setup.h).
 //
 // Index space: positions in voxels, voxel (i, j, k) at (i, j, k). A pixel's ray in index space is
 //   p(k) = origin + (k + 1/2) * step  at slice k, with
@@ -38,15 +38,15 @@ struct ClipPlane {
   double offset = 0;
 };
 
-// What a value looks like, ready to be looked up: entry e of `rgba` is for device values around
+// Colours and opacities by device value: entry e of `rgba` is for device values around
 // lo + e * (hi - lo) / (entries - 1); a sample takes the nearest entry, clamped, or interpolates.
 struct LookUp {
   ValueRange device_range;
   bool interpolates = false;
   // r, g, b not premultiplied; opacity of one unit length, not corrected for the step. In modes
-  // other than composite a sample takes part where the opacity is above 0; towards the last entries
-  // before one of opacity 0 its part fades, so that rounding at an end of what is visible changes
-  // a picture by little.
+  // other than composite a sample takes part if the opacity is above 0. Towards the last entries
+  // before one of opacity 0 its part fades, so that rounding at an end of the visible values
+  // changes a picture by little.
   std::vector<float> rgba;
   // Composite only: the opacity is multiplied by a factor that depends on the gradient's magnitude,
   // see lighting.h. Row r of `factors` is for magnitudes[r], device values a world unit, and has
@@ -54,29 +54,29 @@ struct LookUp {
   // factor. Otherwise chunks carry a ghost layer around each block.
   std::vector<double> magnitudes = {};
   std::vector<float> factors = {};
-  // Composite only: values are names, see TransferFunction; a sample has the value of those of the
-  // eight texels around it that have the greatest weight together. Of two with the same weight (to
-  // kLabelTie) it is the greater value.
+  // Composite only: values are labels, see TransferFunction. A sample takes the value whose texels,
+  // among the eight around it, have the greatest weight together; of two values with the same
+  // weight (to kLabelTie), the greater.
   bool labels = false;
   // Composite only, not of labels: how texels of chunks with spreads look. Modes other than
-  // composite look at the means alone, and so do gradients. Null: no such chunk is drawn.
+  // composite look at the means alone, and so do gradients. Null if no such chunk is drawn.
   ExpectedLookPtr expected = {};
 };
 inline constexpr double kLabelTie = 1e-3;
-// Shared by the frames of a look: the same pointer is the same table.
+// The frames of a look share it: the same pointer is the same table.
 using LookUpPtr = std::shared_ptr<const LookUp>;
 
-// Where a ray is sampled. Composite and average: at the view's slices. Maximum and minimum: where
-// it meets the planes of texel centres of the axis that it runs along most (in voxels; of axes that
-// are alike to kAxisTie the first), at `planes_a_voxel` - 1 places between two of them, and at both
-// ends of its way through what is shown: the cells FrameSetup::shown, cut by the clip planes and by
-// the first slice in front of the eye. So along an axis of the volume the extreme is that of the
-// texels themselves, anywhere no two samples are more than a texel apart on any axis, and a ray
-// through a side face has the value there. An end within kEndMargin of a plane counts as that
-// plane's sample. The faces of boxes belong to them there, to kPlaneEdge of a voxel; a sample that
-// two boxes share changes the extreme once.
+// The places at which a ray is sampled. Composite and average: the view's slices. Maximum and
+// minimum: where the ray meets the planes of texel centres of its main axis, the one it runs along
+// most (in voxels; of axes alike to kAxisTie the first); at `planes_a_voxel` - 1 places between two
+// planes; and at both ends of its way through what is shown. What is shown are the cells
+// FrameSetup::shown, cut by the clip planes and by the first slice in front of the eye. So along an
+// axis of the volume the extreme is that of the texels themselves. In any direction no two samples
+// are more than a texel apart on any axis, and a ray through a side face has the value there. An
+// end within kEndMargin of a plane counts as that plane's sample. The faces of boxes belong to them
+// in these modes, to kPlaneEdge of a voxel; a sample that two boxes share changes the extreme once.
 inline constexpr double kAxisTie = 1e-4, kPlaneEdge = 1e-3, kEndMargin = 2 * kPlaneEdge;
-// The same margin in places, of which a voxel has `planes_a_voxel`.
+// The same margin in places; a voxel has `planes_a_voxel` of them.
 constexpr double endMargin(int planes_a_voxel) {
   return std::min(kEndMargin * planes_a_voxel, 0.25);
 }
@@ -96,18 +96,18 @@ struct FrameSetup {
   DeviceType type = DeviceType::kU8;
   LookUpPtr look_up = std::make_shared<const LookUp>();
   Mode mode = Mode::kComposite;
-  Box3 shown;                        // cells that may show: the volume's, or those of a crop
+  Box3 shown;                        // cells that may show: the volume's, or a crop's
   int planes_a_voxel = 1;            // maximum and minimum, see above
   double opacity_threshold = 1;      // a ray ends inside a box at this opacity; 1: never
   bool with_depth = false;           // composite only: the picture gets a depth channel
   bool counts_taken = false;         // composite only, not with depth: takenSamples() can be asked
-  bool shades_every_sample = false;  // reads, lights and blends what shows nothing too
+  bool shades_every_sample = false;  // also reads, lights and blends samples that show nothing
   bool skips = false;  // may leave out samples that show nothing, or lie behind opaque
   bool lit = false;    // composite only: chunks carry a ghost layer around each block
   // Others draw the rest of the picture: it ends with Device::endPart(), or, of modes other than
   // composite and a device without it, with a picture of the numbers of partial_picture.h.
   bool is_part = false;
-  uint64_t most_part_bytes = UINT64_MAX;  // that it may take; drawing more throws Error
+  uint64_t most_part_bytes = UINT64_MAX;  // limit for the part; drawing more throws Error
   Lighting lighting;
   // Camera-space direction (right, up, toward the viewer) of one device value more a voxel along
   // each index axis: unit axis / spacing.
@@ -117,13 +117,13 @@ struct FrameSetup {
 };
 inline constexpr size_t kMostClipPlanes = 6;
 
-// Where the texels of a box are: an index position p has the coordinate
+// The map from index positions to the texels of a box: index position p has the coordinate
 // p[axes[a]] * scale[a] + offset[a] along axis a of the chunk, texel centres at integers.
 //
-// Index space is that of the full resolution. The voxels of a coarser level lie in it as their
-// centres do: a texel that is the mean of f voxels along an axis has scale 1 / f and, with the
-// first voxel in the first texel, offset -(f - 1) / (2 f). So cells begin on voxel planes at any
-// level, and texels need not.
+// Index space has the full resolution. The voxels of a coarser level lie in it as their centres do:
+// a texel that is the mean of f voxels along an axis has scale 1 / f and, with the first voxel in
+// the first texel, offset -(f - 1) / (2 f). So cells begin on voxel planes at any level, and texels
+// need not.
 struct TexelMap {
   std::array<int, 3> axes{0, 1, 2};  // a turn: the volume's axes in the chunk's order
   Vec3d scale{1, 1, 1};              // texels a voxel, > 0; along the chunk's axes, as `offset`
@@ -146,11 +146,11 @@ struct BoxDraw {
   uint64_t chunk = 0;  // id
   Box3 cells;
   TexelMap texels;
-  uint32_t layer = 0;  // of a part, see partial_picture.h
+  uint32_t layer = 0;  // layer of a part, see partial_picture.h
 };
 
-// Which faces of a box lie on faces of the cells that may show: at those a ray enters or leaves
-// what is shown, at the others it goes on to the next box.
+// Which faces of a box lie on faces of the cells that may show: at these a ray enters or leaves
+// what is shown; at others it goes on to the next box.
 struct OuterFaces {
   std::array<bool, 3> lo{}, hi{};
 };

@@ -34,7 +34,7 @@ struct Lighting {
       {{{-0.3244428422615251, 0.48666426339228763, 0.8111071056538127}, 0.9},
        {{0.7844645405527362, -0.19611613513818404, 0.5883484054145521}, 0.35}}};
 
-  // The exponent of the highlights where multiplying it out is worth while; otherwise 0.
+  // The exponent of the highlights if multiplying it out is worth while; otherwise 0.
   int wholeShininess() const {
     constexpr double kMost = 256;
     const double whole = std::floor(std::clamp(shininess, 0.0, kMost));

@@ -7,7 +7,7 @@
 namespace sluice {
 namespace {
 
-// Entries over which a sample's part fades to an end of what is visible, see LookUp.
+// Entries over which a sample's part fades at an end of the visible values, see LookUp.
 constexpr size_t kFadeEntries = 3;
 // Extremes of pixels that see nothing are no less.
 constexpr float kNothingSeen = 2e38F;

@@ -1,5 +1,5 @@
-// What a frame's look-up becomes as a table of entries, and what modes other than composite make of
-// the numbers that they bring back. Pure functions.
+// Turns a frame's look-up into a table of entries, and the numbers that modes other than composite
+// accumulate into colours. Pure functions.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace sluice {
 
-// What the texels of a frame's look-up follow from.
+// The inputs that the texels of a frame's look-up follow from.
 struct LookUpKey {
   LookUpPtr look_up;
   Mode mode = Mode::kComposite;
@@ -27,15 +27,16 @@ LookUpKey lookUpKey(const FrameSetup& setup);
 std::vector<float> lookUpTexels(const LookUpKey& key);
 
 // Device values beyond which no entry has an opacity: entries are interpolated, and rounding may
-// move by one more. The first is the greater one where none has.
+// move by one more. The first is the greater one if no entry has an opacity.
 std::array<double, 2> visibleValues(const LookUp& look_up);
 
-// In place: from the numbers of modes other than composite to their colours, premultiplied. Of a
-// pixel, 0 and 1 are: greatest value and part of what is seen; least value and 1 - the greatest
-// part; sum of values times their parts and sum of parts. A value of 1 there is `device_unit`
-// device values; one beyond 2e38 says that nothing is seen.
+// In place: turns the numbers of modes other than composite into their colours, premultiplied.
+// Numbers 0 and 1 of a pixel are: maximum, the greatest value and its share of visibility; minimum,
+// the least value and 1 - the greatest share; average, the sum of values times their shares and the
+// sum of shares. A value of 1 there is `device_unit` device values; a value beyond 2e38 means that
+// nothing is seen.
 void resolveMode(const FrameSetup& setup, double device_unit, std::span<float> rgba);
-// In place: the same numbers for a unit of 1.
+// Changes the numbers in place to those for a unit of 1.
 void scaleValues(double device_unit, std::vector<float>& rgba);
 
 }  // namespace sluice

@@ -94,7 +94,7 @@ TileNumbers composeTile(std::vector<PartRecord> records, const FrameSetup& setup
       });
     return tile;
   }
-  // As resolveMode() has them: of a minimum both numbers are least ones.
+  // The numbers follow resolveMode(): of a minimum, both are the least.
   tile[0].fill(emptyPart(setup.mode));
   tile[1].fill(setup.mode == Mode::kAverage ? 0.0F : emptyPart(setup.mode));
   for (const PartRecord& record : records)

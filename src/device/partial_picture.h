@@ -1,11 +1,11 @@
-// PartialPicture: what a device has drawn of some boxes of a picture of which others draw the rest,
+// PartialPicture: the picture of some boxes, while other devices or ranks draw the rest. It is
 // packed: only pixels that show something, layer by layer, tile by tile.
 //
-// A layer is a set of boxes none of which hides another; layers are numbered front to back, for all
-// who draw parts of the picture alike, so that putting their parts together in the order of layers
+// A layer is a set of boxes none of which hides another. Layers are numbered front to back, alike
+// on all devices that draw parts of the picture, so that blending the parts in the order of layers
 // is exact however the boxes interleave. Modes other than composite need no order: one layer.
 //
-// Of a tile there are records, each of one layer: its number, a mask of the pixels that it has, and
+// A tile consists of records, each for one layer: the layer's number, a mask of its pixels, and
 // their numbers. Composite: red, green, blue, opacity, premultiplied, and with depth the sum of
 // weights times depths; other modes the two numbers of resolveMode(), for a unit of 1.
 #pragma once
@@ -34,17 +34,17 @@ inline int partChannels(const FrameSetup& setup) {
 }
 inline constexpr int kMostPartChannels = 5;
 
-// Of a pixel that shows nothing, its first number.
+// The first number of a pixel that shows nothing.
 float emptyPart(Mode mode);
 
 struct PartialPicture {
   int across = 0, up = 0;                     // tiles
   std::vector<std::vector<std::byte>> tiles;  // records; row after row from the lower left tile
 
-  // Of memory.
+  // Memory in bytes.
   uint64_t bytes() const;
 };
-// Throws Error where parts of so many bytes are more than there may be.
+// Throws Error if `bytes` of parts exceed the limit.
 void checkPartRoom(uint64_t bytes, uint64_t most_bytes);
 PartialPicture emptyPartialPicture(PictureSize size);
 
@@ -54,7 +54,7 @@ struct PartHeader {
   std::array<uint64_t, kPartPixels / 64> mask{};
 };
 
-// Appends a record where `isShown(pixel)` is true of any; `numberOf(pixel, channel)` are its
+// Appends a record if `isShown(pixel)` is true of any pixel; `numberOf(pixel, channel)` are its
 // numbers.
 template <class IsShown, class NumberOf>
 void packPart(std::vector<std::byte>& to, uint32_t layer, int channels, const IsShown& isShown,
@@ -85,14 +85,15 @@ struct PartRecord {
   PartHeader header;
   std::span<const std::byte> numbers;  // header.pixels * channels floats
 };
-// Of a tile, in the order in which they were appended. Throws Error where they are cut off.
+// The records of a tile, in the order in which they were appended. Throws Error if they are cut
+// off.
 std::vector<PartRecord> partRecords(std::span<const std::byte> tile, int channels);
 
 // The numbers of a tile's pixels, channel after channel, of records that are put together.
 using TileNumbers = std::array<std::array<float, kPartPixels>, kMostPartChannels>;
 
-// Puts together what lies in one tile: `records` in any order that keeps those of one layer and one
-// maker in theirs.
+// Composes the parts of one tile: `records` may come in any order that keeps records of one layer
+// and one maker in theirs.
 TileNumbers composeTile(std::vector<PartRecord> records, const FrameSetup& setup);
 
 }  // namespace sluice

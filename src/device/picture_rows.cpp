@@ -27,7 +27,8 @@ PictureRows rowsOf(const FrameSetup& setup, const Box3& cells) {
     lo = std::min(lo, row(1) / row(2));
     hi = std::max(hi, row(1) / row(2));
   }
-  // One row to spare for rounding, and for GL, whose proxy cubes are slightly enlarged.
+  // A row is added on either side for rounding, and for GL, whose proxy cubes are slightly
+  // enlarged.
   const auto pixel = [height](double at) { return (std::clamp(at, -1.0, 1.0) + 1) / 2 * height; };
   return {std::max(0, static_cast<int>(std::floor(pixel(lo))) - 1),
           std::min(height, static_cast<int>(std::ceil(pixel(hi))) + 1)};

@@ -1,4 +1,4 @@
-// Rows of a picture: large pictures are drawn strip by strip, so that a strip alone is in memory.
+// Rows of a picture: large pictures are drawn strip by strip, so that only a strip is in memory.
 #pragma once
 
 #include <optional>
@@ -16,13 +16,13 @@ struct PictureRows {
 // Strips begin and end at multiples of this, or at the edges of the picture.
 inline constexpr int kRowStep = 32;
 
-// What a device is, beside Device, that can draw rows of a picture alone. The device's thread.
+// A second interface of devices that can draw some rows of a picture only. The device's thread.
 class DrawsRows {
  public:
   virtual ~DrawsRows() = default;
-  // From the next frame on pictures show these rows alone, each pixel as in the whole picture, bit
-  // by bit: FrameSetup::size stays the whole picture's. nullopt: all rows. Not for parts. Requires:
-  // bounds at kRowStep.
+  // From the next frame on pictures show only these rows, and each pixel equals that of the whole
+  // picture, bit by bit: FrameSetup::size stays the whole picture's. nullopt: all rows. Not for
+  // parts. Requires: bounds at kRowStep.
   virtual void drawRows(std::optional<PictureRows> rows) = 0;
   virtual std::optional<PictureRows> rows() const = 0;
 };

@@ -1,4 +1,4 @@
-// Pictures that stay where they were drawn, for a screen that shows textures of the same driver.
+// Pictures that stay on the device, for a screen that shows textures of the same driver.
 #pragma once
 
 #include <array>
@@ -17,7 +17,8 @@ struct ScreenPicture {
   std::shared_ptr<std::atomic<void*>> seen;
 };
 
-// What a device is, beside Device, that can do so. The device's thread.
+// A device that can draw for screens implements this in addition to Device. Called on the device's
+// thread.
 class DrawsForScreens {
  public:
   virtual ~DrawsForScreens() = default;

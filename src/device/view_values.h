@@ -1,4 +1,4 @@
-// What views and devices share.
+// Values that views and devices share.
 #pragma once
 
 namespace sluice {

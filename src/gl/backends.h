@@ -12,7 +12,7 @@
 
 namespace sluice {
 
-// Asked for from the highest on: a library need not give more than what it is asked for.
+// Asked for from the highest on: a library need not give more than the version requested.
 inline constexpr std::array kCoreVersions{46, 45, 44, 43, 42, 41, 40, 33};
 
 // Sets the environment variables that context.h explains. Idempotent; called before a library
@@ -25,8 +25,8 @@ struct EglDevice {
   std::string name;  // "/dev/dri/card0", "device 1", "device 0 (software)"
   bool is_software = false;
 };
-// In the order of the library; empty where it cannot enumerate devices. Throws Error when libEGL
-// does not open.
+// In the order of the library; empty if it cannot enumerate devices. Throws Error when libEGL does
+// not open.
 std::vector<EglDevice> listEglDevices(const GlLibraries& libraries);
 
 enum class EglPlatform { kDevice, kSurfaceless, kDefault };

@@ -19,7 +19,7 @@ namespace sluice {
 
 inline constexpr int kTexelsPerBox = 13;
 
-// Triangles of a cube whose corner i has bit a set where it lies on the upper face of axis a;
+// Triangles of a cube whose corner i has bit a set if it lies on the upper face of axis a;
 // counter-clockwise seen from outside.
 inline constexpr std::array<uint8_t, 36> kCubeTriangles = {0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5,
                                                            0, 1, 5, 0, 5, 4, 2, 6, 7, 2, 7, 3,

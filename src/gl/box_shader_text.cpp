@@ -2,11 +2,11 @@
 
 namespace sluice {
 
-// What a fragment needs of the box and of the frame. All of it comes as flat inputs, the frame's
-// numbers too: software GL reads a uniform anew for each pixel, in every turn of a loop, but an
-// input that is flat once for all the pixels that it draws together. GL 3.3 lets 60 components
-// pass; those that a variant does not read do not count. Where all are taken, what is read once a
-// pixel stays a uniform.
+// The inputs of a fragment: values of the box and of the frame. The frame's values come as flat
+// inputs too, because software GL reads a uniform again for each pixel in every turn of a loop, but
+// a flat input once for all the pixels that it draws together. GL 3.3 lets 60 components pass;
+// inputs that a variant does not read do not count. If all are taken, values read once a pixel stay
+// uniforms.
 const char* const kInputsText = R"(
 uniform float first_row;  // of the picture, the lowest that the target has
 // Texels a voxel, along the volume's axes. A program of its own draws boxes of other scales than 1.
@@ -166,7 +166,7 @@ ivec2 slices(vec3 origin, vec3 step) {
 
 // The voxel planes that this pixel's ray meets in the box, see FrameSetup: sample j of [from, to)
 // lies at clamp(start + clamp(j, ends.x, ends.y) * along, 0, size) voxels from the box's lower
-// corner, which is texel `corner`. `ends` are those of the ray's way through what is shown, where
+// corner, which is texel `corner`. `ends` are the ends of the ray's way through what is shown, if
 // they lie in the box. Along the volume's axes.
 const char* const kPlanesText = R"(
 #if PLANES

@@ -1,4 +1,4 @@
-// runInChild: runs what may crash or hang in a child process and brings back its answer.
+// runInChild: runs work that may crash or hang in a child process and brings back its answer.
 //
 // A graphics driver runs in our process with our memory; a broken one takes the program with it. So
 // the question is asked in a forked child, whose answer comes through a pipe; the child is killed
@@ -18,7 +18,7 @@ namespace sluice {
 struct ChildAnswer {
   bool answered = false;  // `work` returned, and all of its answer arrived
   std::string answer;
-  std::string reason;  // otherwise: what work threw, "crashed (Segmentation fault)", ...
+  std::string reason;  // otherwise: the exception's text, "crashed (Segmentation fault)", ...
 };
 
 // Throws Error only when no process or pipe can be made.

@@ -14,9 +14,10 @@
 namespace sluice {
 namespace {
 
-// Which of ours the thread has: a mirror of the state that GL keeps for a thread. Mesa's OSMesa and
-// EGL share one dispatch table (libglapi), and neither knows of the other: each lets go through its
-// own library before the other takes the thread, so that neither touches a context of the other's.
+// The thread's current context of ours: a mirror of the state that GL keeps for a thread. Mesa's
+// OSMesa and EGL share one dispatch table (libglapi), and neither knows of the other: each lets go
+// through its own library before the other takes the thread, so that neither touches a context of
+// the other's.
 GlContext*& currentOfThread() {
   thread_local GlContext* current = nullptr;
   return current;
@@ -57,7 +58,7 @@ GlLimits limitsOf(const GlFunctions& gl) {
 // Tries one way after another and remembers why each failed.
 class Attempts {
  public:
-  // Null when `create` throws Error.
+  // Returns null if `create` throws Error.
   std::unique_ptr<GlContext> attempt(const std::string& what,
                                      const std::function<std::unique_ptr<GlContext>()>& create) {
     try {
@@ -133,8 +134,8 @@ void prepareGlEnvironment() {
          formatBytes(kLeastAddresses));
   setenv("GALLIVM_PERF", kExactSampling, 0);
   setenv("EGL_LOG_LEVEL", "fatal", 0);
-  // llvmpipe's own most is 16. It waits forever for those that it does not get: where they are
-  // limited it draws with none.
+  // llvmpipe's own most is 16. It waits forever for threads that it does not get: if they are
+  // limited, it draws with none.
   const int wanted = std::min(16, 4 * processorCount());
   const int threads = startableThreads(wanted) == wanted ? wanted : 0;
   setenv("LP_NUM_THREADS", std::to_string(threads).c_str(), 0);

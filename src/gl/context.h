@@ -1,10 +1,10 @@
 // GlContext: an OpenGL core profile of at least 3.3 without a window, chosen at run time.
 //
-// One binary carries both ways: OSMesa (Mesa's software renderer as a library) and EGL (a device,
-// the surfaceless platform, or the default display). Their libraries are opened with
-// dlopen(RTLD_NOW | RTLD_LOCAL) when asked for and nothing links to them, so that the program
-// starts where one is missing and their symbols never meet. They are never closed: Mesa leaves
-// thread-local destructors and atexit handlers behind that would run in unmapped code.
+// A single binary supports OSMesa (Mesa's software renderer as a library) and EGL (a device, the
+// surfaceless platform, or the default display). The libraries are opened with dlopen(RTLD_NOW |
+// RTLD_LOCAL) when asked for and nothing links to them, so that the program starts if one is
+// missing and their symbols never meet. They are never closed: Mesa leaves thread-local destructors
+// and atexit handlers behind that would run in unmapped code.
 //
 // There is no picture to draw on: make a framebuffer object. The draw framebuffer 0 is incomplete
 // or a few pixels wide.
@@ -15,13 +15,14 @@
 // makeCurrent. A context must be current on no other thread when it is destroyed. createContext
 // sets environment variables (below): call it before other threads read the environment.
 //
-// Environment. Mesa has no other way to be told, and what is set already stays. GALLIVM_PERF
-// becomes kExactSampling: llvmpipe otherwise filters 8-bit textures in 8-bit arithmetic, which
-// rounds every sample to 1/255 and shows against the reference picture. EGL_LOG_LEVEL becomes
-// "fatal" where it is unset, so that trying one display after another prints nothing.
-// LP_NUM_THREADS becomes four times the processors where it is unset: llvmpipe draws a picture in
-// squares of 64 x 64 pixels, which differ in work, and with a thread a processor the last heavy
-// ones keep one of them busy while the others wait. All are read when a library is first opened.
+// Environment. Mesa has no other interface for this, and variables that are already set stay.
+// GALLIVM_PERF becomes kExactSampling: llvmpipe otherwise filters 8-bit textures in 8-bit
+// arithmetic, which rounds every sample to 1/255 and shows against the reference picture.
+// EGL_LOG_LEVEL becomes "fatal" if it is unset, so that trying one display after another prints
+// nothing. LP_NUM_THREADS becomes four times the processors if it is unset: llvmpipe draws a
+// picture in squares of 64 x 64 pixels, which differ in work. With a thread a processor, the last
+// heavy squares keep one of them busy while the others wait. All are read when a library is first
+// opened.
 #pragma once
 
 #include <memory>
@@ -53,7 +54,7 @@ struct GlLimits {
   int max_viewport_size = 0;  // the smaller of width and height
   int max_color_attachments = 0;
   int max_draw_buffers = 0;
-  int max_texture_units = 0;  // of a fragment shader
+  int max_texture_units = 0;  // for a fragment shader
   int max_uniform_block_bytes = 0;
   int max_samples = 0;
 };
@@ -74,7 +75,7 @@ class GlContext {
   // Constant after construction, from any thread.
   const GlFunctions& functions() const { return functions_; }
   std::string_view backend() const { return backend_; }      // "osmesa" or "egl"
-  const std::string& device() const { return device_; }      // as GlProbe::device; "" for OSMesa
+  const std::string& device() const { return device_; }      // GlProbe::device; "" for OSMesa
   const std::string& vendor() const { return vendor_; }      // GL_VENDOR
   const std::string& renderer() const { return renderer_; }  // GL_RENDERER
   const std::string& version() const { return version_; }    // GL_VERSION
@@ -110,9 +111,9 @@ class GlContext {
 };
 
 // A new context, current on the calling thread, with the highest core version offered. Throws
-// Error: what was tried, why each failed and what to install.
+// Error: the ways tried, why each failed and what to install.
 std::unique_ptr<GlContext> createContext(GlChoice choice, const GlLibraries& libraries = {});
-// The same on a GPU, through EGL; null where no driver of one works.
+// The same on a GPU, through EGL; null if no GPU's driver works.
 std::unique_ptr<GlContext> createHardwareContext(const GlLibraries& libraries = {});
 
 }  // namespace sluice

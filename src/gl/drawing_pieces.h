@@ -1,8 +1,7 @@
-// DrawingPieces: cuts what is drawn into pieces of a bounded number of samples, so that a driver
-// which can only be waited for is never more than a fraction of a second from an answer. A box that
-// is larger by itself is drawn in bands of rows. Pieces leave the order of boxes at each pixel as
-// it is. Lists of boxes are counted too: software GL keeps 128 KiB for each until it is waited
-// for. One thread.
+// DrawingPieces: cuts drawing into pieces of a bounded number of samples, so that a driver that can
+// only be waited for answers within a fraction of a second. A box that is larger by itself is drawn
+// in bands of rows. Pieces leave the order of boxes at each pixel as it is. Lists of boxes are
+// counted too: software GL keeps 128 KiB for each until it is waited for. One thread.
 #pragma once
 
 #include <cstddef>
@@ -14,26 +13,26 @@
 namespace sluice {
 
 struct DrawingPiece {
-  size_t first = 0, count = 0;  // of the boxes given
-  int row_lo = 0, row_hi = 0;   // of the picture, counted upwards
+  size_t first = 0, count = 0;  // into the boxes given
+  int row_lo = 0, row_hi = 0;   // rows of the picture, counted upwards
   bool waits = false;           // for everything drawn so far, before this piece
 };
 
 class DrawingPieces {
  public:
-  // About what software GL takes a quarter of a second for on two cores; lit samples read seven
-  // texels for one.
+  // About a quarter of a second of software GL on two cores; a lit sample reads seven texels
+  // instead of one.
   static constexpr double kMostSamples = 1 << 26, kMostLitSamples = 1 << 24;
 
   // Lists between two pieces that wait, at most.
   static constexpr int kMostLists = 256;
 
-  // Of a frame with this setup, which must outlive it.
+  // For frames with this setup, which must outlive the object.
   explicit DrawingPieces(const FrameSetup& setup);
   DrawingPieces(const FrameSetup& setup, double most_samples)
       : setup_(setup), most_samples_(most_samples) {}
 
-  // In order; all boxes, or all rows of a box, once.
+  // The pieces in order; all boxes, or all rows of a box, once.
   std::vector<DrawingPiece> cut(std::span<const BoxDraw> boxes);
 
  private:
@@ -44,7 +43,7 @@ class DrawingPieces {
 
   const FrameSetup& setup_;
   const double most_samples_;
-  // Since the last piece that waited.
+  // Work since the last piece that waited.
   double since_wait_ = 0;  // samples
   int lists_ = 0;
 };

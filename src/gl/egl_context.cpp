@@ -17,7 +17,8 @@ namespace {
 
 constexpr const char* kInstallEgl = "Debian: apt-get install libegl1 libegl-mesa0 libgl1-mesa-dri";
 
-// Whole words of a list separated by blanks, as EGL gives its extensions; null is an empty list.
+// Compares whole words of a list separated by blanks, as EGL gives its extensions; null is an empty
+// list.
 bool contains(const char* list, std::string_view word) {
   std::string_view rest = list == nullptr ? "" : list;
   while (!rest.empty()) {
@@ -70,7 +71,7 @@ struct EglApi {
   PFNEGLCREATECONTEXTPROC create_context;
   PFNEGLDESTROYCONTEXTPROC destroy_context;
   PFNEGLMAKECURRENTPROC make_current;
-  // Null where the library has no such extension.
+  // Null if the library has no such extension.
   PFNEGLGETPLATFORMDISPLAYEXTPROC get_platform_display = nullptr;
   PFNEGLQUERYDEVICESEXTPROC query_devices = nullptr;
   PFNEGLQUERYDEVICESTRINGEXTPROC query_device_string = nullptr;
@@ -190,7 +191,7 @@ class EglContext : public GlContext {
       fail("EGL offers no configuration for OpenGL ({:#06x})", egl_.get_error());
     return config;
   }
-  // One pixel, for drivers that make no context current without a surface.
+  // A surface of one pixel, for drivers that make no context current without a surface.
   void createSurface(EGLConfig config) {
     const std::array<EGLint, 5> attributes{EGL_WIDTH, 1, EGL_HEIGHT, 1, EGL_NONE};
     surface_ = egl_.create_pbuffer(display_, config, attributes.data());

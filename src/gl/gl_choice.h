@@ -1,4 +1,5 @@
-// GlChoice: how to reach OpenGL, for those who hand a user's choice on. No GL is needed to know it.
+// GlChoice: how to reach OpenGL, for code that passes on a user's choice. No GL is needed to know
+// it.
 #pragma once
 
 #include <optional>
@@ -6,10 +7,10 @@
 
 namespace sluice {
 
-// What --gl takes. kAuto is the first that works of
+// The values of --gl. kAuto is the first that works of
 //   1. EGL on a hardware device: a GPU samples an order of magnitude faster than any CPU;
-//   2. OSMesa: of the software ways the one with the fewest parts (one library, no display, no
-//      driver search, no second dispatch layer), so the one that fails least and repeats best;
+//   2. OSMesa: the software renderer with the fewest parts (one library, no display, no driver
+//      search, no second dispatch layer), so the one that fails least and repeats best;
 //   3. EGL on whatever it offers: the same llvmpipe, for systems without OSMesa (Mesa 25.1 on).
 // kEgl is the first that works of: each hardware device, each software device, the surfaceless
 // platform, the default display.

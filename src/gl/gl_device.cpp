@@ -12,7 +12,7 @@
 namespace sluice {
 namespace {
 
-// Boxes a draw call: bounded by what the smallest legal buffer texture (65536 texels) holds.
+// Boxes a draw call: bounded by the smallest legal buffer texture (65536 texels).
 constexpr size_t kBoxesPerDraw = 65536 / kTexelsPerBox;
 constexpr GLenum kChunkUnit = 0, kLookUpUnit = 1, kBoxUnit = 2, kFactorUnit = 3, kExpectedUnit = 4;
 
@@ -20,7 +20,7 @@ std::array<float, 3> asFloats(Vec3d v) {
   return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
 }
 
-// Of the bound table.
+// Filter of the bound table's texture.
 void setFilter(const GlFunctions& gl, GLint filter) {
   for (const GLenum way : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
     gl.TexParameteri(GL_TEXTURE_2D, way, filter);
@@ -207,7 +207,7 @@ void GlDevice::setExpected(GlProgram& program) {
 
 void GlDevice::bindTarget() {
   gl_.BindFramebuffer(GL_FRAMEBUFFER, target_.framebuffer());
-  // The viewport is that of the whole picture, of which the target has some rows.
+  // The viewport spans the whole picture, of which the target has some rows.
   gl_.Viewport(0, -frame_rows_.lo, setup_.size.width, setup_.size.height);
   const std::array<GLenum, 2> outputs = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
   gl_.DrawBuffers(variant_.with_depth || variant_.counts_taken ? 2 : 1, outputs.data());
@@ -228,7 +228,7 @@ void GlDevice::bindTarget() {
 std::vector<float> GlDevice::leastOpacity(const MapGrid& grid) {
   context_->makeCurrent();
   SLUICE_CHECK(setup_.mode == Mode::kComposite);
-  SLUICE_CHECK(!rows_);  // maps are those of whole pictures
+  SLUICE_CHECK(!rows_);  // opacity maps belong to whole pictures
   std::vector<float> least = occlusion_.leastOpacity(target_.color(), setup_.size, grid);
   bindTarget();
   return least;
@@ -384,7 +384,7 @@ uint64_t GlDevice::countSamples(std::span<const BoxDraw> boxes) {
     setView(program);
     if (counting.scaled) program.set("texel_scale", scale);
     drawBoxes(boxes.first(count));
-    gl_.Finish();  // else software GL keeps what it knows of all of them
+    gl_.Finish();  // else software GL keeps its data of all of them
     boxes = boxes.subspan(count);
   }
   return sumOfCounts();

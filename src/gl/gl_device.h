@@ -1,10 +1,10 @@
 // GlDevice: the GL implementation of Device. It draws the back faces of each box once and walks the
-// view's slices through the box in the fragment shader: the samples are those of slice polygons, in
-// the same places and order, but a pixel's sum is blended into the target once a box and not once a
-// slice, which is what software GL spends most of its time on otherwise.
+// view's slices through the box in the fragment shader. The samples equal those of slice polygons,
+// in the same places and order, but a pixel's sum is blended into the target once a box and not
+// once a slice, on which software GL spends most of its time otherwise.
 //
-// One thread, the one that made the context. It makes its context current in every call, so that
-// several devices take turns on that thread.
+// Used by one thread, the one that made the context. It makes its context current in every call, so
+// that several devices take turns on that thread.
 #pragma once
 
 #include <array>
@@ -71,17 +71,17 @@ class GlDevice : public Device, public DrawsForScreens, public DrawsRows {
   void setFrame(GlProgram& program);
   void setView(GlProgram& program);
   void setLookUp(GlProgram& program);
-  // Into the bound texture, and factors into theirs, unless they are there.
+  // Uploads the look-up into the bound texture, and factors into theirs, unless they are there.
   void uploadLookUp();
   // The same of LookUp::expected.
   void setExpected(GlProgram& program);
   void setBlending(Mode mode);
-  // Again what beginFrame() set, after another pass.
+  // Restores the state of beginFrame() after another pass.
   void bindTarget();
-  // Of one chunk and one scale, in pieces between which it looks whether to stop.
+  // Draws boxes of one chunk and one scale, in pieces between which it checks whether to stop.
   void drawFromChunk(std::span<const BoxDraw> boxes);
   void drawBoxes(std::span<const BoxDraw> boxes);
-  // Of the counts in the second attachment.
+  // Adds up the counts in the second attachment.
   uint64_t sumOfCounts() const;
 
   std::unique_ptr<GlContext> context_;
@@ -95,16 +95,16 @@ class GlDevice : public Device, public DrawsForScreens, public DrawsRows {
   std::unordered_map<uint64_t, Resident> resident_;
   std::map<ShaderVariant, std::unique_ptr<GlProgram>> programs_;
   FrameSetup setup_;
-  std::optional<PictureRows> rows_;  // of the next frame; none: all
-  PictureRows frame_rows_;           // of this frame, those that the target has
+  std::optional<PictureRows> rows_;  // rows of the next frame; none: all
+  PictureRows frame_rows_;           // rows of this frame that the target has
   StopToken stop_;
-  std::optional<DrawingPieces> pieces_;  // of the frame
+  std::optional<DrawingPieces> pieces_;  // for the current frame
   ShaderVariant variant_;
   std::set<ShaderVariant> told_;  // programs that know of this frame
   GLuint vertex_array_ = 0, index_buffer_ = 0, box_buffer_ = 0, box_texture_ = 0, look_up_ = 0,
          factors_ = 0, expected_ = 0;
   ExpectedLookPtr expected_look_;  // the texture's content
-  LookUpKey look_up_key_;          // of the texture's content; of no look-up: none yet
+  LookUpKey look_up_key_;          // key of the texture's content; without a look-up: none yet
   uint64_t binds_ = 0;
   GLuint marked_ = 0;  // depth buffer with the opaque pixels; 0: none are marked in this frame
 };

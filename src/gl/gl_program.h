@@ -11,7 +11,8 @@ namespace sluice {
 
 class GlProgram {
  public:
-  // Throws Error with the driver's log: some drivers refuse what others take. `gl` must outlive it.
+  // Throws Error with the driver's log: some drivers refuse code that others take. `gl` must
+  // outlive it.
   GlProgram(const GlFunctions& gl, const std::string& vertex, const std::string& fragment);
   ~GlProgram();
   GlProgram(const GlProgram&) = delete;

@@ -26,8 +26,8 @@ void main() {
 }
 )";
 
-// A map's pixel is a quadrilateral in the picture, a tile one in the map. Both around each other's
-// bounds are looked at: in a parallel view they then overlap exactly where the bounds do.
+// A map's pixel is a quadrilateral in the picture, a tile one in the map. Both are tested around
+// each other's bounds: in a parallel view they then overlap exactly if the bounds do.
 constexpr const char* kMap = R"(#version 330 core
 uniform sampler2D tiles;
 uniform vec3 clip_x, clip_y, clip_w;  // rows: clip space from (map x, map y, 1)
@@ -77,7 +77,7 @@ void main() {
   if (texelFetch(picture, ivec2(gl_FragCoord.xy), 0).a < opacity) discard;
 }
 )";
-static_assert(OcclusionPasses::kTile == 4);  // as the shaders have it
+static_assert(OcclusionPasses::kTile == 4);  // the shaders assume it
 
 using Row = std::array<double, 3>;
 

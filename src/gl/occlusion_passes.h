@@ -1,7 +1,7 @@
-// OcclusionPasses: what GL does of occlusion (Li 2003, sections 4.2 and 6). The opacity drawn so
-// far is projected onto the orthogonal opacity map and brought down to its size, taking least
-// values; and pixels that are opaque are marked in a depth buffer, so that fragments behind them
-// end before they sample.
+// OcclusionPasses: GL's part of occlusion (Li 2003, sections 4.2 and 6). The opacity drawn so far
+// is projected onto the orthogonal opacity map and brought down to its size, taking least values;
+// and pixels that are opaque are marked in a depth buffer, so that fragments behind them end before
+// they sample.
 //
 // The paper projects in passes that each blend one texel of the picture into every pixel of the map
 // (MIN). Here are two: the least of each kTile x kTile pixels, then the least of those tiles that a

@@ -16,19 +16,19 @@ namespace sluice {
 
 struct GlProbe {
   std::string backend;  // "osmesa" or "egl"
-  // For EGL: a device ("/dev/dri/card0", "device 1 (software)"), "surfaceless" or "default
+  // With EGL: a device ("/dev/dri/card0", "device 1 (software)"), "surfaceless" or "default
   // display".
   std::string device;
   bool works = false;
   bool is_software = false;
-  std::string renderer, version;  // GL_RENDERER and GL_VERSION where it works
-  int max_3d_texture_size = 0;    // 0 where it does not
+  std::string renderer, version;  // GL_RENDERER and GL_VERSION if it works
+  int max_3d_texture_size = 0;    // 0 if it does not work
   std::string reason;             // why it does not work
 };
 
 // OSMesa, each EGL device, EGL surfaceless, EGL on the default display, in this order. One "egl"
-// entry with the reason where libEGL itself does not open. Throws Error only when the system gives
-// no process.
+// entry with the reason if libEGL itself does not open. Throws Error only when the system gives no
+// process.
 std::vector<GlProbe> probeGl(const GlLibraries& libraries = {},
                              std::chrono::milliseconds timeout = std::chrono::seconds(20));
 

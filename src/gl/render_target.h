@@ -17,7 +17,7 @@ class RenderTarget {
   RenderTarget(const RenderTarget&) = delete;
   RenderTarget& operator=(const RenderTarget&) = delete;
 
-  // Makes both pictures anew where the size is another. Throws Error where the driver refuses.
+  // Makes both pictures again if the size differs. Throws Error if the driver refuses.
   void resize(PictureSize size);
   PictureSize size() const { return size_; }
   GLuint framebuffer() const { return framebuffer_; }

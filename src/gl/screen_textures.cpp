@@ -85,7 +85,7 @@ ScreenPicture ScreenTextures::make(GLuint picture, PictureSize size,
   program_->set("background", Vec3d{background[0], background[1], background[2]});
   gl_.DrawArrays(GL_TRIANGLES, 0, 3);
   slot.drawn = gl_.FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
-  gl_.Flush();  // so that who waits for it does not wait for ever
+  gl_.Flush();  // else a thread that waits for the fence may wait for ever
   return {slot.texture, size.width, size.height, slot.drawn, slot.seen};
 }
 

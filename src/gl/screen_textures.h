@@ -16,13 +16,13 @@ namespace sluice {
 class ScreenTextures {
  public:
   explicit ScreenTextures(const GlFunctions& gl) : gl_(gl) {}
-  // Those that a reader still holds are left to it.
+  // Leaves to its reader each texture that is still held.
   ~ScreenTextures();
   ScreenTextures(const ScreenTextures&) = delete;
   ScreenTextures& operator=(const ScreenTextures&) = delete;
 
   // `picture`, premultiplied, its rows upwards, over an opaque background. Changes the framebuffer,
-  // the program, the viewport and the first texture unit. Throws Error where the driver refuses.
+  // the program, the viewport and the first texture unit. Throws Error if the driver refuses.
   ScreenPicture make(GLuint picture, PictureSize size, std::array<float, 3> background);
 
  private:
@@ -32,7 +32,7 @@ class ScreenTextures {
     GLsync drawn = nullptr;
     std::shared_ptr<std::atomic<void*>> seen;
   };
-  // One that nobody reads any more, of this size.
+  // A slot of this size that nobody reads any more.
   Slot& freeSlot(PictureSize size);
 
   const GlFunctions& gl_;

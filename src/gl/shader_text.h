@@ -5,7 +5,7 @@
 
 namespace sluice {
 
-extern const char* const kInputsText;    // what passes from vertices to pixels
+extern const char* const kInputsText;    // values that pass from vertices to pixels
 extern const char* const kVertexText;    // main: the outline of a box in the picture
 extern const char* const kIntervalText;  // ivec2 slices(origin, step)
 extern const char* const kPlanesText;    // ivec2 planes(pixel, ...): the same of voxel planes

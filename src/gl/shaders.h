@@ -16,11 +16,11 @@ struct ShaderVariant {
   bool with_depth = false;
   bool stops_early = false;
   bool floats = false;        // texels may be such that stand for NaN
-  bool counts_taken = false;  // writes the number of samples beside the picture
+  bool counts_taken = false;  // also writes the number of samples
   bool counts = false;        // writes the number of samples, samples nothing
   int clip_planes = 0;
-  int shininess = 0;      // lit: the exponent where it is a small whole number, otherwise 0
-  int gradient_rows = 0;  // of factors by gradient magnitude; 0: the opacity follows from values
+  int shininess = 0;          // lit: the exponent if it is a small whole number, otherwise 0
+  int gradient_rows = 0;      // rows of gradient factors; 0: the opacity follows from values
   bool factor_table = false;  // factors depend on the value too
   bool corrects = false;      // with factors: a sample's length is not the opacity's
   bool goes_ahead = false;    // with gradients: leaves out samples that show nothing

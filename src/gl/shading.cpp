@@ -8,7 +8,7 @@
 namespace sluice {
 namespace {
 
-// Between y and z, z and x, x and y.
+// The cosines between the axes y and z, z and x, x and y.
 Vec3d axisCosines(const FrameSetup& setup) {
   Vec3d cosines;
   for (size_t a = 0; a < 3; ++a)
@@ -36,8 +36,8 @@ class Floats {
   std::vector<float> values_;
 };
 
-// Of each row: its magnitude, 1 / the distance to the next, its factor, by how much the next's is
-// greater; of the first entry's factors.
+// Four numbers for each row: its magnitude, 1 / the distance to the next row, its factor, and by
+// how much the next row's factor is greater. Only the first entry's factors are read.
 Floats rowsOf(const FrameSetup& setup) {
   const std::vector<double>& magnitudes = setup.look_up->magnitudes;
   const std::vector<float>& factors = setup.look_up->factors;

@@ -1,6 +1,6 @@
-// What the shaders read of gradients, lights and factors (src/device/lighting.h), in the units in
-// which they meet it: texel values, and differences along the volume's axes instead of directions,
-// so that a sample is lit without turning its gradient into the world. Pure functions.
+// The uniforms for gradients, lights and factors (src/device/lighting.h) in the shaders' units:
+// texel values, and differences along the volume's axes instead of directions, so that a sample is
+// lit without turning its gradient into the world. Pure functions.
 #pragma once
 
 #include <array>
@@ -12,11 +12,11 @@
 
 namespace sluice {
 
-// What the shader reads of a voxel, times this, is the device value.
+// The factor from a voxel as the shader reads it to its device value.
 double valueScale(DeviceType type);
 
-// Sets what depends on how the frame is lit and on factors, in a variant whose other members are
-// set. Requires: composite.
+// Sets the members that depend on how the frame is lit and on factors, in a variant whose other
+// members are set. Requires: composite.
 void chooseShading(const FrameSetup& setup, ShaderVariant& variant);
 
 // Sets the uniforms of such a variant. Requires: the program is in use.

@@ -3,8 +3,8 @@
 // Storage that a driver sees for the first time is slow to fill (software GL: some hundred MB/s
 // against ten GB/s), so an evicted chunk's texture waits for the next chunk of its size. The one
 // that waited longest is taken first: a driver that still draws from the last ones would wait for
-// itself. Idle textures never take more than spareTextureBytes() beyond what was resident at once
-// at the most. One thread, the context's.
+// itself. Idle textures never exceed spareTextureBytes() beyond the most bytes that were resident
+// at once. One thread, the context's.
 #pragma once
 
 #include <cstddef>
@@ -27,7 +27,7 @@ class TexturePool {
   TexturePool(const TexturePool&) = delete;
   TexturePool& operator=(const TexturePool&) = delete;
 
-  // What a texture holds: numbers of a type, one a texel or two.
+  // A texture's format: numbers of one type, one or two a texel.
   struct Format {
     DeviceType type = DeviceType::kU8;
     bool has_spread = false;
