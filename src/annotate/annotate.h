@@ -1,4 +1,5 @@
-// Annotations: what a picture needs to be read: orientation axes, a scale bar and a colour bar.
+// Annotations: the marks that make a picture readable: orientation axes, a scale bar and a colour
+// bar.
 //
 // Drawn over a finished picture, whatever its background: each line and letter has a rim of the
 // opposite brightness. Sizes follow the picture's shorter side. Plain functions, any thread.
@@ -18,27 +19,27 @@ namespace sluice {
 
 struct Annotations {
   View view;
-  // Whose distance the scale bar measures at in perspective.
+  // The scale bar measures at this point's distance in perspective.
   Vec3d target;
   WorldFrame frame = WorldFrame::kNone;  // names the axes: R, A, S of patients, else x, y, z
-  std::string unit;                      // of the world as VolumeLayout has it
+  std::string unit;                      // unit of the world, as in VolumeLayout
   TransferFunction transfer;
   ValueRange range;  // all values of the volume
-  // Of a transfer function of labels: those that show, each a patch of its colour in place of the
-  // colour bar.
+  // For a transfer function of labels: the labels that show. Each gets a patch of its colour, in
+  // place of the colour bar.
   std::vector<double> labels;
-  // Of the picture, where it has one.
+  // Background of the picture, if it has one.
   std::optional<std::array<float, 3>> background;
 };
 
-inline constexpr int kLeastAnnotatedPixels = 128;  // of both sides
+inline constexpr int kLeastAnnotatedPixels = 128;  // for both sides
 
 // The picture with all three drawn over it; depth is kept. Throws Error when the picture is smaller
 // than kLeastAnnotatedPixels or no font is installed. `picture` may be a strip of the picture,
 // whole rows from `first_row` on, counted from the top. Requires: view.size is the whole picture's.
 Picture annotated(const Picture& picture, const Annotations& annotations, int first_row = 0);
 
-// What they take of a picture's sides, for the volume to stand beside them.
+// The margins of a picture that annotations take, so that the volume can be framed clear of them.
 Room annotationRoom(PictureSize size);
 
 }  // namespace sluice

@@ -1,4 +1,4 @@
-// The colour bar: the colours of the values that show, with some values beside them; of labels a
+// The colour bar: the colours of the visible values, with some values next to them; for labels a
 // patch each.
 #include <fmt/format.h>
 
@@ -11,7 +11,7 @@
 namespace sluice {
 namespace {
 
-// From the lowest value that shows, or has a colour of its own, to the highest.
+// The range from the lowest value that shows, or has a colour of its own, to the highest.
 ValueRange shownRange(const TransferFunction& transfer, ValueRange all) {
   constexpr int kSamples = 4096;
   const double step = (all.hi - all.lo) / kSamples;
@@ -44,7 +44,7 @@ Place placeOf(const Pen& pen, PictureSize size) {
           size.height - (kFreeEms + kScaleBarEms + 1) * em};
 }
 
-// A patch a label, from the top on; where there is no room for all, how many more there are.
+// A patch a label, from the top on; if there is no room for all, the number of the others.
 void drawLabels(Pen& pen, const Annotations& annotations) {
   const double em = pen.em(), row = 1.6 * em;
   const auto [left, right, top, bottom] = placeOf(pen, annotations.view.size);

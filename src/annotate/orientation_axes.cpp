@@ -30,7 +30,7 @@ void drawArrow(Pen& pen, Point from, Point along, const Axis& axis) {
   const double length = std::hypot(along.x, along.y);
   const Point tip{from.x + along.x, from.y + along.y};
   pen.line({from, tip}, 0.16 * em, axis.rgb);
-  // Toward or away from the eye: a dot, its label beside it.
+  // Toward or away from the eye: a dot, with its label next to it.
   const double head = std::min(0.5 * em, 0.6 * length);
   Point unit{0.7, -0.7};
   if (length > 0.2 * em) {
@@ -51,7 +51,7 @@ void drawOrientationAxes(Pen& pen, const Annotations& annotations) {
   const double em = pen.em(), half = 0.5 * kAxesEms * em;
   const Point middle{kFreeEms * em + half, view.size.height - kFreeEms * em - half};
   std::array<Axis, 3> axes = axesOfFrame(annotations.frame);
-  // Those that point away first, so that the others lie over them.
+  // Axes that point away come first, so that the others lie over them.
   std::sort(axes.begin(), axes.end(), [&](const Axis& a, const Axis& b) {
     return dot(a.world, view.forward) > dot(b.world, view.forward);
   });

@@ -1,4 +1,4 @@
-// The parts of an annotated picture and where they lie: orientation axes in the lower left corner,
+// The parts of an annotated picture and their places: orientation axes in the lower left corner,
 // the scale bar in the lower right one, the colour bar above it along the right side.
 #pragma once
 
@@ -10,7 +10,7 @@ namespace sluice {
 // Pixels; letters are this high.
 double emOf(PictureSize size);
 
-// Free on all sides, and what the parts take, in ems.
+// The free margin on all sides, and the sizes of the parts, in ems.
 inline constexpr double kFreeEms = 1;
 inline constexpr double kAxesEms = 5;        // a side
 inline constexpr double kScaleBarEms = 2.4;  // high

@@ -11,7 +11,7 @@
 namespace sluice {
 namespace {
 
-constexpr double kRimWidth = 0.16;  // of an em, on either side
+constexpr double kRimWidth = 0.16;  // share of an em, on either side
 
 void setColor(cairo_t* cairo, Vec3d rgb) {
   cairo_set_source_rgb(cairo, rgb.x, rgb.y, rgb.z);

@@ -15,7 +15,7 @@ struct Point {
   double x = 0, y = 0;
 };
 
-// Which end of a word lies at its point; up and down its middle does.
+// The end of a word that lies at its point; vertically its middle lies there.
 enum class Anchor { kLeft, kMiddle, kRight };
 
 class Pen {
@@ -32,10 +32,10 @@ class Pen {
   Vec3d ink() const { return ink_; }
   void word(Point at, Anchor anchor, const std::string& text, Vec3d rgb);
   double widthOf(const std::string& text) const;
-  // With round ends.
+  // A line with round ends.
   void line(const std::vector<Point>& through, double width, Vec3d rgb);
   void area(const std::vector<Point>& corners, Vec3d rgb);  // without a rim
-  // What was drawn, over the picture.
+  // The picture with what was drawn over it.
   Picture over(const Picture& picture) const;
 
  private:

@@ -26,7 +26,7 @@ void drawScaleBar(Pen& pen, const Annotations& annotations) {
   if (!(unit > 0)) return;
   const double length = roundBelow(kMostOfTheWidth * size.width * unit);
   const double right = size.width - kFreeEms * pen.em(), left = right - length / unit;
-  // In the middle of a row of pixels, so that it is sharp.
+  // The bar lies in the middle of a row of pixels, so that it is sharp.
   const double y = std::floor(size.height - kFreeEms * pen.em()) + 0.5, end = 0.3 * pen.em();
   pen.line({{left, y - end}, {left, y}, {right, y}, {right, y - end}}, 0.14 * pen.em(), pen.ink());
   std::string label = tickLabel(length, length) + " " + unitSymbol(annotations.unit);

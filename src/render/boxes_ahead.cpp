@@ -23,7 +23,7 @@ struct BoxesAhead::Portion {
   Mutex mutex;
   Condition ended;
   bool has_ended SLUICE_GUARDED_BY(mutex) = false;
-  std::vector<VisibleBoxesPtr> chosen SLUICE_GUARDED_BY(mutex);  // of blocks, in order
+  std::vector<VisibleBoxesPtr> chosen SLUICE_GUARDED_BY(mutex);  // boxes of `blocks`, in order
   std::exception_ptr failure SLUICE_GUARDED_BY(mutex);
 
   void choose(const ChosenBoxes& boxes, bool may_build, const ReadPurpose& purpose) {
@@ -45,7 +45,8 @@ struct BoxesAhead::Portion {
     MutexLock lock(mutex);
     while (!has_ended) ended.wait(lock);
   }
-  // Of the block at `index` of blocks, once that is chosen. Throws why it was not.
+  // The boxes of the block at `index` of blocks; waits until they are chosen. Throws the failure if
+  // they could not be.
   VisibleBoxesPtr take(size_t index) {
     MutexLock lock(mutex);
     while (!has_ended) ended.wait(lock);

@@ -1,8 +1,9 @@
 // BoxesAhead: the growing boxes of a frame's blocks, chosen ahead of the draw in the order of the
-// visit, so that drawing itself reads no voxel: where a block's boxes have to be grown first, the
-// readers do that while what lies in front is drawn.
+// visit, so that drawing itself reads no voxel: if a block's boxes have to be grown first, the
+// readers do that while blocks in front are drawn.
 //
-// What is still to come when it is destroyed is not made. One thread calls; the workers choose.
+// Boxes that are still to come when it is destroyed are not made. One thread calls; the workers
+// choose.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +20,7 @@ namespace sluice {
 
 class BoxesAhead {
  public:
-  // For the blocks of `order`'s visits. `pool` and `order` must outlive it.
+  // Serves the blocks of `order`'s visits. `pool` and `order` must outlive it.
   BoxesAhead(ChosenBoxesPtr boxes, const DrawOrder& order, WorkerPool& pool, bool may_build,
              const ReadPurpose& purpose = {});
   ~BoxesAhead();
@@ -28,10 +29,10 @@ class BoxesAhead {
 
   // Whether a block of the plan need not be drawn; never changes from true to false.
   using IsHidden = std::function<bool(BlockPosition position)>;
-  // Begins what comes next.
+  // Begins the next portions.
   void begin(const IsHidden& is_hidden);
-  // The boxes of the plan's block at `position`; null where they may not be grown now. Blocks come
-  // in order; hidden ones may be left out. Begins what comes next.
+  // The boxes of the plan's block at `position`; null if they may not be grown now. Blocks come in
+  // order; hidden ones may be left out. Begins the next portions.
   VisibleBoxesPtr take(BlockPosition position, const IsHidden& is_hidden);
 
  private:
@@ -42,9 +43,9 @@ class BoxesAhead {
   WorkerPool& pool_;
   const bool may_build_;
   const ReadPurpose purpose_;
-  std::vector<BlockPosition> blocks_;  // of the whole order
-  size_t at_ = 0, next_ = 0;           // in blocks_: what is taken now; what is begun next
-  std::deque<PortionPtr> begun_;       // that end behind at_
+  std::vector<BlockPosition> blocks_;  // blocks of the whole order
+  size_t at_ = 0, next_ = 0;           // in blocks_: the one taken now; the one begun next
+  std::deque<PortionPtr> begun_;       // portions that end behind at_
 };
 
 }  // namespace sluice

@@ -22,7 +22,7 @@ uint64_t largestChunkBytes(const PageGeometry& page, const BufferNeeds& needs) {
                                needs.numbers);
 }
 
-// What a thread that reads has under way.
+// Bytes that a reading thread has under way.
 uint64_t threadBytes(const PageGeometry& page, const BufferNeeds& needs) {
   const int64_t side = needs.block_vox;
   const auto block_bytes =
@@ -31,8 +31,8 @@ uint64_t threadBytes(const PageGeometry& page, const BufferNeeds& needs) {
          needs.growing_bytes;
 }
 
-// What a device that borrows makes of the resident chunks. A chunk of several pages has no more
-// bricks than these have one by one.
+// Bytes of the tables that a borrowing device makes of the resident chunks. A chunk of several
+// pages has no more bricks than these have one by one.
 uint64_t tableBytes(const PageGeometry& page) {
   int64_t bricks = 1;
   for (int a = 0; a < 3; ++a)
@@ -81,9 +81,9 @@ Budgets shareMemory(uint64_t memory_bytes, const PageGeometry& page, TexelPlace 
         "give --memory {} or fewer --pages",
         formatBytes(memory_bytes), formatBytes(textures), formatBytes(least_buffers),
         textures + least_buffers);
-  // Beyond the least: an eighth for growing boxes, one for what they are made of and one for a
-  // source where these can use it, a third of what is left for chunks, the rest for blocks and for
-  // more readers.
+  // Beyond the least: an eighth for growing boxes, one for their voxels and one for a source if
+  // these can use it, a third of the remainder for chunks, the rest for blocks and for more
+  // readers.
   uint64_t surplus = memory_bytes - textures - least_buffers;
   if (needs.growing_bytes > 0) {
     budgets.boxes = surplus / kBoxShare;

@@ -130,7 +130,7 @@ View resolve(const Camera& camera, const VolumeLayout& layout, PictureSize size,
     view.first_depth = std::min(view.first_depth, depth);
     last_depth = std::max(last_depth, depth);
   }
-  // Beyond it the devices, which count slices in floats, would leave some out without a word.
+  // Beyond this limit the devices, which count slices in floats, would silently leave some out.
   constexpr double kMostSlices = 1 << 24;
   const double slices = (last_depth - view.first_depth) / view.step;
   if (!(slices <= kMostSlices))

@@ -1,4 +1,4 @@
-// Camera: what a user says of the view. View: the same resolved for one volume and picture size.
+// Camera: the user's options of the view. View: the same resolved for one volume and picture size.
 //
 // World space is the volume's (VolumeLayout). Depth is the distance from the eye along `forward`.
 // Slices belong to the view (design, point 2): slice k lies at depth
@@ -15,28 +15,28 @@
 
 namespace sluice {
 
-// What zoom 1 shows whole, see camera_framing.h.
+// The framing at zoom 1, see camera_framing.h.
 struct Framing {
   Vec3d target;  // world
   // Ortho: half the picture's height in world units. Perspective: from the eye to the target.
   double reach = 1;
-  // Where the target lies in the picture: to the right of and above its middle, of half its width
-  // and height, at zoom 1 as at any other.
+  // The target's place in the picture, right of and above its middle, in halves of its width and
+  // height; the same at any zoom.
   double right = 0, up = 0;
 };
 
-// Starts from a named view; azimuth turns the camera about what is up, to the viewer's right, and
+// Starts from a named view; azimuth turns the camera about the up axis, to the viewer's right, and
 // elevation lifts it.
 struct Camera {
   Projection projection = Projection::kOrtho;
   ViewName view = ViewName::kPlain;
-  std::optional<Vec3d> up;  // world: what is up in the picture; unset: what the view has
+  std::optional<Vec3d> up;  // world: the up direction of the picture; unset: the view's
   double azimuth_deg = 0, elevation_deg = 0;
   double zoom = 1;
   double field_of_view_deg = 30;  // vertical, perspective only
   // Unset: zoom 1 fits the sphere around the volume's outer voxel centres.
   std::optional<Framing> framing;
-  // In place of view, azimuth, elevation and framing. World space.
+  // Replaces view, azimuth, elevation and framing. World space.
   struct LookAt {
     Vec3d eye, target;
   };

@@ -12,7 +12,7 @@ namespace sluice {
 namespace {
 
 constexpr int kDirections = 256;
-// What is left free on either side, of half the picture.
+// The margin left free on either side, as a share of half the picture.
 constexpr double kMargin = 0.06;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -24,14 +24,15 @@ Vec3d direction(int i) {
   return {radius * std::cos(angle), radius * std::sin(angle), z};
 }
 
-// A camera as far as fitting goes: its axes, and how wide and high its picture is beside `reach`.
+// A camera as far as fitting goes: its axes, and how wide and high its picture is relative to
+// `reach`.
 struct Lens {
   ViewAxes axes;
   bool perspective = false;
-  // Of what the volume may fill.
+  // Extents of the part of the picture that the volume may fill.
   double tan_x = 1, tan_y = 1;  // ortho: width and height of the picture in units of its height
 
-  // In the camera's axes.
+  // The position in the camera's axes.
   Vec3d seen(Vec3d world) const {
     return {dot(world, axes.right), dot(world, axes.up), dot(world, axes.back)};
   }
@@ -42,7 +43,7 @@ Lens lensOf(const Camera& camera, WorldFrame frame, PictureSize size, Room room)
   lens.tan_x = static_cast<double>(size.width) / size.height;
   lens.perspective = camera.projection == Projection::kPerspective;
   if (lens.perspective) {
-    // As resolve() has it: the field of view is that of the shorter side.
+    // The field of view applies to the shorter side, as in resolve().
     lens.tan_y = std::tan(camera.field_of_view_deg * std::numbers::pi / 360) *
                  std::max(1.0, static_cast<double>(size.height) / size.width);
     lens.tan_x *= lens.tan_y;
@@ -91,7 +92,7 @@ double offMiddle(const std::vector<Vec3d>& seen, int axis, double reach) {
   return (first[axis] * depth(last) + last[axis] * depth(first)) / (depth(first) + depth(last));
 }
 
-// In perspective what is near spreads wider: moves the target until both sides are as free.
+// In perspective, near points spread wider: moves the target until both sides are as free.
 Vec3d centred(std::span<const Vec3d> points, const Lens& lens, Vec3d target) {
   constexpr int kRounds = 12;
   for (int round = 0; lens.perspective && round < kRounds; ++round) {
@@ -155,7 +156,7 @@ std::optional<Framing> framingOf(std::span<const Vec3d> points, std::span<const 
     if (camera.look_at) continue;
     lenses.push_back(lensOf(camera, frame, size, room));
     if (!first) first = lenses.front();
-    // Several: about what is up, wherever the first of them stands.
+    // Several cameras are framed about the up axis, wherever the first of them stands.
     if (lenses.size() == 2) first->axes = frontAxes(camera.view, frame, camera.up);
   }
   if (points.empty() || !first) return std::nullopt;

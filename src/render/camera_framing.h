@@ -1,9 +1,8 @@
-// Framing: where a camera stands and how much it shows so that what is visible fills the picture.
+// Framing: a camera's position and reach that make the visible part fill the picture.
 //
-// What is visible is known from ranges of values (src/classify/blocks/visible_cells.h), so that no
-// voxel is read for it. Several cameras (a turn, a path) and several time steps share one framing,
-// so that nothing grows, shrinks or stands still that should not. Not for use from two threads at
-// once.
+// Ranges of values tell what is visible (src/classify/blocks/visible_cells.h), so that no voxel is
+// read for it. Several cameras (a turn, a path) and several time steps share one framing, so that
+// nothing grows, shrinks or stands still that should not. One thread at a time may use it.
 #pragma once
 
 #include <span>
@@ -14,8 +13,8 @@
 
 namespace sluice {
 
-// The corners that reach farthest of all boxes of cells that were added: points of the world whose
-// hull is that of the boxes but for a few hundredths of its size, a bounded number of them.
+// The corners that reach farthest of all boxes of cells that were added: a bounded number of points
+// of the world, whose hull equals the boxes' hull but for a few hundredths of its size.
 class VisibleHull {
  public:
   explicit VisibleHull(const VolumeLayout& layout);
@@ -26,7 +25,7 @@ class VisibleHull {
  private:
   struct Farthest {
     Vec3d along;   // index space: how far an index position lies in one direction of the world
-    double far;    // of `corner`
+    double far;    // distance of `corner`
     Vec3d corner;  // index space
   };
   void add(const Box3& cells);
@@ -36,7 +35,7 @@ class VisibleHull {
   std::vector<Farthest> farthest_;
 };
 
-// What of a picture's sides is to stay free of the volume, of its width and height.
+// Margins of a picture to keep clear of the volume, as shares of its width and height.
 struct Room {
   double right = 0, bottom = 0;
 };

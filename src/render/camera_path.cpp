@@ -61,7 +61,7 @@ CameraKey parseKey(const json& key, const std::string& where) {
   result.up = triple(key, "up", where);
   if (result.eye.has_value() != result.target.has_value())
     fail("{}: \"eye\" and \"target\" should be given together", where);
-  // Lengths are finite too: what is farther overflows where it is squared.
+  // Lengths must be finite too, since the square of a longer one overflows.
   const auto hasLength = [](Vec3d v) { return length(v) > 0 && std::isfinite(length(v)); };
   if (result.eye && !hasLength(*result.eye - *result.target))
     fail("{}: \"eye\" should be apart from \"target\"", where);

@@ -28,11 +28,11 @@ struct CameraPath {
   std::vector<CameraKey> keys;  // ascending by `at`, not empty
 };
 
-// Throws Error: the path, the field, what was expected.
+// Throws Error with the path, the field and the expected value.
 CameraPath readCameraPath(const std::filesystem::path& path, const StopToken& stop = {});
 CameraPath parseCameraPath(std::string_view json, const std::string& where);
 
-// The camera of frame `frame` of `frames`. `start` gives what no key says.
+// The camera of frame `frame` of `frames`. `start` gives the fields that no key has.
 Camera cameraAt(const CameraPath& path, const Camera& start, int64_t frame, int64_t frames);
 
 }  // namespace sluice

@@ -5,7 +5,7 @@
 namespace sluice {
 namespace {
 
-// Where three sides of a thing show and its front still dominates.
+// The turn at which three sides of an object show and its front still dominates.
 constexpr ViewTurn kThreeQuarterTurn{30, 20};
 
 constexpr std::array<std::string_view, 8> kNames = {"plain", "front", "back",   "left",
@@ -51,14 +51,14 @@ ViewAxes frontAxes(ViewName view, WorldFrame frame, const std::optional<Vec3d>& 
   if (!up) return front;
   const Vec3d new_up = normalized(*up);
   const double along = dot(front.back, new_up);
-  // Up lies along the view: tip the whole over its right side.
+  // If up lies along the view, the whole is tipped over its right side.
   constexpr double kParallel = 1 - 1e-9;
   if (std::abs(along) > kParallel) return axesOf(new_up, front.up * (along > 0 ? -1.0 : 1.0));
   return axesOf(new_up, normalized(front.back - new_up * along));
 }
 
 ViewTurn turnOf(ViewName view, WorldFrame frame) {
-  // The patient's left is on the right of who looks at the front.
+  // The patient's left is on the right for a viewer of the front.
   const double left = knowsPatients(frame) ? 90 : -90;
   switch (view) {
     case ViewName::kPlain:

@@ -1,6 +1,6 @@
-// ChosenBoxes: of each block of a plan the growing boxes that a frame draws (visible_boxes.h), kept
-// as far as a budget goes. What they follow from, plan, look and distance of slices, is constant:
-// other inputs have another object of this. Any thread.
+// ChosenBoxes: the growing boxes that a frame draws of each block of a plan (visible_boxes.h), kept
+// as far as a budget goes. The inputs (plan, look and distance of slices) are constant: other
+// inputs have another object. Any thread.
 #pragma once
 
 #include <cstdint>
@@ -23,17 +23,17 @@ class ChosenBoxes {
   ChosenBoxes(const TimeStep& step, LookPtr look, FramePlanPtr plan, double step_vox,
               std::shared_ptr<BoxStore> store, uint64_t budget_bytes);
 
-  // Of the plan's block at `position`; null unless it is kept.
+  // The boxes of the plan's block at `position`; null unless they are kept.
   VisibleBoxesPtr find(BlockPosition position) const;
-  // The same, made where it is not kept; null of a block above the finest level, which draws its
-  // object box. Without `may_build` null where the block's boxes would
-  // have to be grown from voxels first. Throws Error from the source, Interrupted.
+  // The same, made if it is not kept; null for a block above the finest level, which draws its
+  // object box. Without `may_build`, null if the block's boxes would have to be grown from voxels
+  // first. Throws Error from the source, Interrupted.
   VisibleBoxesPtr choose(BlockPosition position, bool may_build,
                          const ReadPurpose& purpose = {}) const;
 
-  // The cells of a whole frame's boxes: of object boxes where no others are kept.
+  // The cells of a whole frame's boxes; object boxes count if no others are kept.
   int64_t cells() const;
-  // The first cell of the plan's block at `position`: where its boxes' cells are counted from.
+  // The first cell of the plan's block at `position`: the origin of its boxes' cells.
   Vec3i firstCell(BlockPosition position) const;
 
  private:

@@ -1,9 +1,9 @@
 // CulledBlocks: the blocks of a time step that its picture can see, from the opacity functions of
-// the series (Gao 2004, section 6). Another source of visible blocks: what follows in a frame's
-// chain does not know of it, and nothing of a hidden block is read.
+// the series (Gao 2004, section 6). Another source of visible blocks: later stages of a frame's
+// chain do not know of it, and nothing of a hidden block is read.
 //
-// The answer to the last question is kept; for another step of the same view only what a changed
-// block can affect is looked at anew. One thread.
+// The answer to the last question is kept. For another step of the same view, only the tiles that a
+// changed block can affect are estimated again. One thread.
 #pragma once
 
 #include <cstdint>
@@ -24,13 +24,14 @@ struct CullingOptions {
   bool uses_coherence = true;  // the tree; without it every step is looked at as a whole
   std::vector<WorldPlane> clip_planes = {};
   double exponent = 1;  // see EstimateOptions
-  // Of several processes that look at a picture together each has its tiles, see EstimateOptions;
-  // `exchange` makes of what one has found to be reached at a step, block by block, what all have.
+  // If several processes work on a picture together, each has its tiles, see EstimateOptions.
+  // `exchange` turns the blocks that one process found to be reached at a step into those that all
+  // found.
   int tile_stride = 1, first_tile = 0;
   std::function<void(int64_t time, std::vector<bool>& reached)> exchange = {};
 };
 
-// What the last choice took and found.
+// Work and result of the last choice.
 struct CullingCounts {
   int64_t time = -1;  // step
   int64_t blocks_nonempty = 0, blocks_visible = 0;
@@ -47,8 +48,8 @@ class CulledBlocks : public BlockChooser {
 
   VisibleBlocksPtr choose(const BlockQuestion& question) override;
   const CullingCounts& counts() const { return counts_; }
-  // Of a step: the last one that was chosen for, or the one before it, since a frame may choose for
-  // the next step too. Requires: one of them.
+  // The counts of a step: the last one that was chosen for, or the one before it, since a frame may
+  // choose for the next step too. Requires: `time` is one of them.
   const CullingCounts& countsOf(int64_t time) const;
 
  private:
@@ -70,7 +71,7 @@ class CulledBlocks : public BlockChooser {
   CullingCounts counts_, before_;
 };
 
-// What the estimate needs of a view.
+// The view in the form that the estimate needs.
 EstimateView estimateView(const View& view, const VolumeLayout& layout);
 
 }  // namespace sluice

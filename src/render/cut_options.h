@@ -9,7 +9,7 @@ namespace sluice {
 struct CutOptions {
   double pixel_error = 1;         // pixels that a voxel may be wide along any axis
   std::optional<int> level = {};  // all at this one, whatever the pixel error and the budgets
-  // Of the blocks of a picture: stored voxels, and voxels as the volume buffer holds them.
+  // Limits for the blocks of a picture: stored voxels, and voxels as the volume buffer holds them.
   uint64_t most_stored_bytes = UINT64_MAX, most_held_bytes = UINT64_MAX;
   friend bool operator==(const CutOptions&, const CutOptions&) = default;
 };

@@ -11,13 +11,12 @@ namespace sluice {
 
 enum class Arrangement {
   kRows,    // a cluster's blocks row by row
-  kLayers,  // a cluster's blocks in layers across the view: what is in front comes first all over
-            // it
+  kLayers,  // a cluster's blocks in layers across the view: the front layer comes first all over it
   kWhole,   // the same over all clusters, which are there at once
 };
 
-// A cluster whose chunks are made resident, and what is drawn then: everything since the last visit
-// that drew stays resident until it is.
+// A cluster whose chunks are made resident, and the blocks drawn then: all chunks since the last
+// visit that drew stay resident until it has drawn.
 struct Visit {
   ClusterPosition cluster;
   bool draws = true;

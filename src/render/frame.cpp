@@ -8,7 +8,8 @@
 namespace sluice {
 namespace {
 
-// With occlusion what is in front comes first all over the picture: it hides what it can.
+// With occlusion, blocks in front come first all over the picture, so that they hide as much as
+// they can.
 Arrangement arrangementOf(const FramePlan& plan, const FrameOptions& options,
                           const TextureCache& cache) {
   if (options.occlusion == Occlusion::kOff) return Arrangement::kRows;
@@ -20,7 +21,7 @@ Arrangement arrangementOf(const FramePlan& plan, const FrameOptions& options,
 
 Frame Session::frame() {
   SLUICE_CHECK(transfer_ != nullptr);
-  // Of this frame alone, whether it is drawn or throws.
+  // Applies to this frame alone, whether it is drawn or throws.
   const std::optional<TimeStep> afterwards = std::exchange(afterwards_, std::nullopt);
   const auto asked_at = std::chrono::steady_clock::now();
   const Stopwatch watch;
@@ -39,8 +40,8 @@ Frame Session::frame() {
   const FrameSetup setup =
       frameSetup(view, volume, *look, step_.ranges->map, options_, session_.lit && options_.shades);
 
-  lessons_.unfinished.reset();  // this frame asks anew for what it wants of it
-  read_afterwards_.reset();     // and so of what was read ahead for it
+  lessons_.unfinished.reset();  // this frame requests again what it needs of it
+  read_afterwards_.reset();     // and of the data that was read ahead for it
   residency_.forgetUnused(*plan);
   FrameRun run({step_, look, visible, plan, order, boxesOf(look, plan), setup, options_, asked_at,
                 [this, &afterwards] {

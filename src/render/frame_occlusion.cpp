@@ -8,7 +8,7 @@
 namespace sluice {
 namespace {
 
-// Of a cell: what rounding may take from a box that is cut.
+// A share of a cell: rounding may cut this much off a box that is clipped.
 constexpr double kMarginCells = 1e-6;
 
 MapProjection projectionOf(const FrameSetup& setup, const EyePosition& eye, const Box3& hull) {
@@ -55,7 +55,7 @@ std::optional<Box3> FrameOcclusion::visible(const Box3& cells) {
   return shown;
 }
 
-// Empty where nothing shows.
+// Empty if nothing shows.
 Box3 FrameOcclusion::shownPart(const Box3& cells) const {
   const RealBox box = asReal(cells);
   const std::optional<RealBox> real =

@@ -1,8 +1,9 @@
-// FrameOcclusion: what of a frame's boxes is hidden by what was drawn before them (Li 2003,
-// section 4). It says when the opacity map is to be updated and, of a box, what may still show.
+// FrameOcclusion: the parts of a frame's boxes that are hidden by boxes drawn before them (Li 2003,
+// section 4). It tells when the opacity map is to be updated and which part of a box may still
+// show.
 //
-// Of one frame, whose boxes come front to back. It needs no device: what the map holds is given to
-// it. One thread.
+// Used for one frame, whose boxes come front to back. It needs no device: the caller passes in the
+// map's values. One thread.
 #pragma once
 
 #include <cstdint>
@@ -23,12 +24,12 @@ namespace sluice {
 enum class Occlusion { kOff, kMap, kCull, kClip };
 
 struct OcclusionReport {
-  int updates_wanted = 0, updates = 0;  // of the map: k and k' (section 4.4)
-  // Of all boxes that a frame without occlusion draws: in boxes that were left out, and cut off
-  // boxes that were drawn.
+  int updates_wanted = 0, updates = 0;  // updates of the map: k and k' (section 4.4)
+  // Cells of all boxes that a frame without occlusion draws, of the boxes that were left out, and
+  // cells cut off boxes that were drawn.
   int64_t cells = 0, cells_culled = 0, cells_clipped = 0;
   int64_t chunks_hidden = 0;  // chunks that only hold culled boxes
-  double seconds = 0;         // of updating the map; part of those of drawing
+  double seconds = 0;         // updating the map; part of the time for drawing
 
   double skippedShare() const {
     return cells == 0
@@ -40,7 +41,7 @@ struct OcclusionReport {
 class FrameOcclusion {
  public:
   struct Work {
-    Box3 hull;          // of the cells that may be drawn
+    Box3 hull;          // hull of the cells that may be drawn
     int64_t cells = 0;  // in the boxes that are to come
     int updates = 0;    // wanted
     double opaque = 1;  // opacity from which on boxes behind are hidden
@@ -50,12 +51,12 @@ class FrameOcclusion {
 
   // Whether none of these cells can show.
   bool hides(const Box3& cells) const;
-  // The part of a box to draw: nullopt where it is culled. Counts it.
+  // The part of a box to draw: nullopt if it is culled. Counts it.
   std::optional<Box3> visible(const Box3& cells);
   // Counts cells that were left out without a look at their boxes. Requires: hides() them.
   void leaveOut(int64_t cells);
 
-  // After the box that visible() gave last was drawn: true when the map is to be updated now.
+  // To be called after the last box from visible() was drawn; true if the map is to be updated now.
   bool isUpdateDue() { return schedule_.isDueAfter(std::exchange(last_drawn_, 0)); }
   // The cells of the map, for the device to fill.
   MapGrid grid() const;
@@ -64,7 +65,7 @@ class FrameOcclusion {
 
   const OpacityMap& map() const { return map_; }
   OcclusionReport report() const;
-  // Of the cells, those that are hidden: also where they are drawn all the same.
+  // The share of the cells that are hidden, whether they are drawn or not.
   double hiddenShare() const {
     return report_.cells == 0
                ? 0

@@ -1,5 +1,5 @@
-// FrameOptions: what may change from one frame to the next, the transfer function and the camera
-// included. Plain data.
+// FrameOptions: the options that may change from one frame to the next, including the camera. Plain
+// data.
 #pragma once
 
 #include <optional>
@@ -23,11 +23,11 @@ struct WorldPlane {
   double offset = 0;
 };
 
-// What is drawn of a texture block: its object box, or the visible ones of its growing boxes (Li
-// 2003), which hold fewer empty cells. The picture is the same.
+// The boxes that are drawn of a texture block: its object box, or the visible ones of its growing
+// boxes (Li 2003), which hold fewer empty cells. The picture is the same.
 enum class Partition { kBlocks, kBoxes };
 
-// Opaque enough for what lies behind to be left out (Li 2003, section 4.1).
+// Opaque enough to leave out everything behind (Li 2003, section 4.1).
 inline constexpr double kDefaultOpaque = 0.95;
 
 struct FrameOptions {
@@ -41,36 +41,37 @@ struct FrameOptions {
   std::optional<double> opacity_threshold;
   Occlusion occlusion = Occlusion::kOff;  // composite only
   bool shades = true;                     // by sessions opened lit; they may draw a frame without
-  Lighting lighting;                      // of those
+  Lighting lighting;                      // Applies if the frame is lit
   std::optional<CutOptions> cut;          // unset: the finest level alone is drawn
-  std::optional<Box3> crop;  // voxels; what lies between its outer voxel planes is shown
+  std::optional<Box3> crop;  // voxels; the part between its outer voxel planes is shown
   std::vector<WorldPlane> clip_planes;
   Algorithm algorithm = Algorithm::kMerged;
   MergeOrder merge_order = MergeOrder::kPaper;
-  Partition partition = Partition::kBlocks;  // kBoxes only where the session has boxes
-  // How long a frame may wait for what it lacks, its drawing included as far as the last frame
-  // tells. What is missing then is left out; the next frames have it. Unset: all is waited for.
+  Partition partition = Partition::kBlocks;  // kBoxes only if the session has boxes
+  // How long a frame may wait for missing data, including its drawing as far as the last frame
+  // predicts it. The data still missing then is left out; later frames have it. Unset: waits for
+  // all data.
   std::optional<double> time_limit_s;
   bool keep_phases = false;  // fills Frame::phases; with occlusion
-  // Reads, lights and blends every sample of what is drawn, also those that show nothing, as
-  // renderers without empty space skipping do (Li's Basic): what skipping is measured against.
+  // Reads, lights and blends every sample of the boxes drawn, even if it shows nothing, as
+  // renderers without empty space skipping do (Li's Basic): the baseline for measuring skipping.
   bool shades_every_sample = false;
   // Rays may leap over cells inside a box that show nothing and end where nothing behind could be
-  // seen, where the device can: the picture is the same. Off where a bench measures what the
-  // papers' ways of skipping bring without it.
+  // seen, if the device can: the picture is the same. Off if a bench measures the papers' ways of
+  // skipping without it.
   bool skips = true;
   // Ends the frame, see Session::frame().
   StopToken stop = {};
-  // Told how many clusters of how many are drawn: before the first, and after each. By the thread
-  // that draws.
+  // Called with the number of clusters drawn and of all: before the first, and after each. Called
+  // by the drawing thread.
   ProgressWatch watch = {};
   bool count_samples = false;  // fills FrameReport::samples_*; costs a pass without texture reads
-  // With it: samples_taken is without what was leapt over, also where no ray ends early.
+  // With it, samples_taken leaves out leapt samples, even if no ray ends early.
   bool counts_leaps = false;
 };
 
-// From which opacity on boxes behind are hidden, and where rays end and pixels take no more
-// samples: the paper's ESS+M and ESS+C take all samples of what they draw.
+// The opacity from which on boxes behind are hidden, rays end and pixels take no more samples: the
+// paper's ESS+M and ESS+C take all samples of the boxes that they draw.
 inline double hidingThreshold(const FrameOptions& options) {
   return options.opacity_threshold.value_or(kDefaultOpaque);
 }

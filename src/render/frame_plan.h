@@ -1,6 +1,6 @@
 // FramePlan: what a frame will draw and load, the fourth value of its chain: texture blocks, chunks
-// and clusters (texture_plan.h), the chunks' names, and what follows from these alone. No voxel is
-// touched. Immutable.
+// and clusters (texture_plan.h), the chunks' names, and values that follow from these alone. No
+// voxel is touched. Immutable.
 #pragma once
 
 #include <cstdint>
@@ -16,11 +16,11 @@ namespace sluice {
 
 struct FramePlan {
   TexturePlan textures;
-  ChunkNameList names;  // of textures.chunks
-  int64_t pages = 0;    // of all chunks
-  MovedBytes rebuild;   // what a frame moves that starts from nothing
-  Box3 hull;            // of the cells that are drawn; empty: nothing is
-  int64_t cells = 0;    // that are drawn
+  ChunkNameList names;  // names of textures.chunks
+  int64_t pages = 0;    // pages of all chunks
+  MovedBytes rebuild;   // bytes that a frame moves if it starts from nothing
+  Box3 hull;            // hull of the cells that are drawn; empty: nothing is
+  int64_t cells = 0;    // cells that are drawn
 };
 using FramePlanPtr = std::shared_ptr<const FramePlan>;
 

@@ -1,5 +1,5 @@
-// What a frame gives back beside its picture: what it did and what it took. Plain data, gathered by
-// the frame itself (frame_run.h).
+// The report of a frame: its work and its costs. Plain data, gathered by the frame itself
+// (frame_run.h).
 #pragma once
 
 #include <cstdint>
@@ -15,8 +15,7 @@ namespace sluice {
 // Seconds of wall clock, but read, decode and copy: summed over all threads that did it.
 struct StageSeconds {
   double classify = 0, plan = 0, read = 0, decode = 0, copy = 0, upload = 0, draw = 0;
-  double boxes =
-      0;  // that drawing waited for growing boxes: made or read, and those to draw chosen
+  double boxes = 0;  // drawing waited for growing boxes: made or read, and those to draw chosen
 };
 
 // See the fields of the same names in FrameReport.
@@ -31,37 +30,37 @@ struct BlockClasses {
 struct FrameReport {
   double seconds = 0;
   StageSeconds stages;
-  // When counted: samples in the boxes that were drawn, and those that the device took of them,
-  // fewer where rays end early and pixels are stopped (with depth: not counted, all).
+  // When counted: samples in the boxes that were drawn, and the samples that the device took of
+  // them, fewer if rays end early and pixels are stopped (with depth: not counted, all).
   uint64_t samples_drawn = 0, samples_taken = 0;
-  uint64_t samples_object = 0;  // of them or not, those inside object boxes
+  uint64_t samples_object = 0;  // samples inside object boxes, whether drawn or not
   int64_t boxes_drawn = 0;      // handed to the device
   int64_t white = 0, grey = 0, black = 0;
-  BlockClasses before;                          // of the last frame; all 0 for the first
-  int64_t clusters = 0, chunks = 0, pages = 0;  // of the plan
-  // By this frame.
+  BlockClasses before;                          // classes of the last frame; all 0 for the first
+  int64_t clusters = 0, chunks = 0, pages = 0;  // counts of the plan
+  // The work of this frame.
   uint64_t pages_loaded = 0, binds = 0;
   uint64_t decoded_bytes = 0;   // voxels that level 2 read, those for growing boxes too
   uint64_t copied_bytes = 0;    // voxels into the texture buffer
   uint64_t uploaded_bytes = 0;  // whole pages copied into the texture cache
-  MovedBytes rebuild;           // what a frame moves that starts from nothing
-  // Of the cells that can be seen, those left out at the time limit. 0: the picture is complete.
+  MovedBytes rebuild;           // bytes that a frame moves if it starts from nothing
+  // The share of the visible cells that was left out at the time limit. 0: the picture is complete.
   double missing_share = 0;
-  OcclusionReport occlusion;      // of a frame with occlusion
-  std::optional<CutSummary> cut;  // of a frame of several levels of resolution
+  OcclusionReport occlusion;      // for a frame with occlusion
+  std::optional<CutSummary> cut;  // for a frame of several levels of resolution
 };
 
-// What was drawn between two updates of the opacity map (Li 2003, Figure 8).
+// The boxes drawn between two updates of the opacity map (Li 2003, Figure 8).
 struct FramePhase {
-  Picture picture;                // of these boxes alone, as far as their chunks are still resident
-  std::optional<OpacityMap> map;  // that they were held against; none before the first update
+  Picture picture;  // picture of these boxes alone, as far as their chunks are still resident
+  std::optional<OpacityMap> map;  // the map that culled them; none before the first update
 };
 
 struct Frame {
   Picture picture;
   FrameReport report;
-  std::vector<FramePhase> phases;  // where they are kept
-  VisibleBlocksPtr blocks;         // that it drew
+  std::vector<FramePhase> phases;  // if they are kept
+  VisibleBlocksPtr blocks;         // blocks that it drew
 };
 
 }  // namespace sluice

@@ -18,7 +18,7 @@ void append(std::vector<BoxDraw>& to, const std::vector<BoxDraw>& boxes) {
   to.insert(to.end(), boxes.begin(), boxes.end());
 }
 
-// `level`: that of the block.
+// `level` is the block's.
 BoxDraw boxDraw(const TextureBlock& block, const LevelPlacement& level) {
   BoxDraw box;
   box.cells = block.cells;
@@ -49,8 +49,7 @@ FrameRun::FrameRun(FrameValues values, Residency& residency, Device& device, Tra
 
 FrameRun::~FrameRun() {
   if (!is_drawn_) {
-    // What was begun for this frame is not wanted any more, and the levels' counters are to be
-    // right.
+    // Ends the reading that was begun for this frame, so that the levels' counters are right.
     boxes_.reset();
     ahead_.reset();
     residency_.chunks().waitUntilIdle();
@@ -231,7 +230,7 @@ void FrameRun::countSamples() {
     box.cells = block.cells;
     object.push_back(box);
   }
-  // Before the other counts, which use the same place.
+  // The taken samples are read first, because the other counts use the same place.
   const uint64_t taken = values_.setup.counts_taken ? device_.takenSamples() : 0;
   report_.samples_drawn = device_.countSamples(counted_);
   report_.samples_taken = values_.setup.counts_taken ? taken : report_.samples_drawn;

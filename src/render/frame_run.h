@@ -1,9 +1,11 @@
-// FrameRun: one frame from its values to its picture. It makes resident what is missing, cluster by
-// cluster, hands each cluster's boxes to the device, and is gone with everything that belonged to
-// this frame alone. What the next frame may learn from it is handed over as a value.
+// FrameRun: one frame from its values to its picture. It makes missing data resident, cluster by
+// cluster, and passes each cluster's boxes to the device. It is destroyed after the frame together
+// with everything that belonged to this frame alone. What the next frame may use from it is passed
+// on as a value.
 //
 // It may end at any point: by its stop token, by a source that fails. Then its destructor leaves
-// all levels right, and the next frame draws as if this one had not been. One thread, the device's.
+// all levels consistent, and the next frame draws as if this one had not been. Used on one thread,
+// the device's.
 #pragma once
 
 #include <chrono>
@@ -23,7 +25,7 @@
 
 namespace sluice {
 
-// The chain's values for one frame, and the options that they do not say.
+// The chain's values for one frame, and the options that they do not contain.
 struct FrameValues {
   TimeStep step;
   LookPtr look;
@@ -38,44 +40,46 @@ struct FrameValues {
   std::function<void()> when_read = {};
 };
 
-// What a frame tells the next.
+// Values that the next frame uses from this one.
 struct FrameLessons {
-  // Where the numbers of map updates begin. The paper's machine took 9; here each update waits for
-  // the slowest of the threads: 2 to 3 gave the shortest frames on software GL, and on the CPU
-  // device what 6 or 9 hide more in one volume they cost in the next.
+  // The first number of map updates. The paper's machine took 9. Here each update waits for the
+  // slowest of the threads: 2 to 3 gave the shortest frames on software GL. On the CPU device, 6 or
+  // 9 gain in one volume what they lose in another.
   static constexpr UpdateCountOptions kUpdates{.first = 3};
 
   BlockClasses blocks;
-  double draw_s = 0;  // that drawing took
-  // Of frames with this occlusion.
+  double draw_s = 0;  // drawing time
+  // For frames with this occlusion.
   Occlusion occlusion = Occlusion::kOff;
   UpdateCount updates{kUpdates};
-  // Of the last frame of this plan with this occlusion: chunks of which something was drawn. What
-  // it hid is not read ahead. Empty: not known.
+  // The chunks of which the last frame of this plan with this occlusion drew something. Chunks that
+  // it hid are not read ahead. Empty: not known.
   std::weak_ptr<const FramePlan> plan;
   IndexedVector<ChunkPosition, bool> shown;
-  // What a frame left out at its time limit: reading goes on until the next one begins.
+  // Reading of the data that a frame left out at its time limit goes on until the next frame
+  // begins.
   std::unique_ptr<ReadAhead> unfinished;
 };
 
 class FrameRun {
  public:
-  // All references must outlive the run. `trace` may be null; requests are written there as those
-  // of frame `number`.
+  // All references must outlive the run. `trace` may be null; it records the requests as those of
+  // frame `number`.
   FrameRun(FrameValues values, Residency& residency, Device& device, TraceWriter* trace,
            int64_t number, const FrameLessons& lessons);
   ~FrameRun();
   FrameRun(const FrameRun&) = delete;
   FrameRun& operator=(const FrameRun&) = delete;
 
-  // Once. Throws Error, and Interrupted when it is stopped.
+  // To be called once. Throws Error, and Interrupted when it is stopped.
   Picture draw();
 
-  // After draw(). What the device counts and what each phase drew takes passes of its own.
+  // Requires draw() before. Counting samples and drawing single phases each take passes of their
+  // own.
   void countSamples();
   std::vector<FramePhase> drawPhases();
   FrameReport& report() { return report_; }
-  // Once, last.
+  // To be called once, last.
   FrameLessons lessons();
 
  private:
@@ -85,7 +89,7 @@ class FrameRun {
     std::vector<BoxDraw> drawn;
   };
 
-  // After so many visits; whoever watches may have asked to stop.
+  // Reports so many visits as drawn; whoever watches may have asked to stop.
   void tellProgress(size_t visits) const;
   Deadline deadline() const;
   ReadAhead::Needs needs() const;
@@ -93,7 +97,7 @@ class FrameRun {
   void makeResident(const ReadAhead::Taken& taken);
   void drawBlocks(const std::vector<BlockPosition>& order);
   void drawBlock(BlockPosition position);
-  // Draws the box, or what is not hidden of it, with those around it.
+  // Draws the box, or its part that is not hidden, with the boxes around it.
   void drawBox(ChunkPosition chunk, BoxDraw box);
   void flushBoxes();
   void updateOpacityMap();
@@ -113,12 +117,12 @@ class FrameRun {
   FrameReport report_;
   UpdateCount updates_;
   std::optional<FrameOcclusion> occlusion_;
-  IndexedVector<ChunkPosition, bool> shown_;  // with occlusion: chunks of which something was drawn
+  IndexedVector<ChunkPosition, bool> shown_;  // with occlusion: chunks with visible boxes
   std::unique_ptr<ReadAhead> ahead_;
   std::optional<BoxesAhead> boxes_;
   std::vector<BoxDraw> pending_;  // drawn next
-  std::vector<BoxDraw> counted_;  // all of the frame's, where its samples are to be counted
-  std::vector<Phase> phases_;     // where they are kept
+  std::vector<BoxDraw> counted_;  // all of the frame's boxes, if its samples are to be counted
+  std::vector<Phase> phases_;     // if they are kept
   double missing_cells_ = 0;
   bool is_drawn_ = false;
 };

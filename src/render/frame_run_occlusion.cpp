@@ -1,4 +1,4 @@
-// What a frame does of occlusion: when maps are made, which chunks are needed.
+// The frame's part in occlusion: when maps are made, which chunks are needed.
 #include <algorithm>
 
 #include "src/base/clock.h"

@@ -23,7 +23,7 @@ Frustum frustumOf(const View& view) {
 RayGrid raysOf(const View& view, const VolumeLayout& layout) {
   const auto [right, up] = frustumOf(view);
   const auto direction = [&](Vec3d world) { return indexFromWorldDirection(layout, world); };
-  const Vec3d corner = direction(right + up) * -1.0;  // of u = v = -1
+  const Vec3d corner = direction(right + up) * -1.0;  // at u = v = -1
   const Vec3d dx = direction(right) * (2.0 / view.size.width);
   const Vec3d dy = direction(up) * (2.0 / view.size.height);
   const Vec3d eye = indexFromWorld(layout, view.eye), forward = direction(view.forward);
@@ -83,7 +83,7 @@ FrameSetup setupOf(const View& view, const VolumeLayout& layout, const OpacityTa
   setup.planes_a_voxel = std::max(
       1, static_cast<int>(
              std::ceil(setup.slice_length > 0 ? std::min(1 / setup.slice_length, 1e6) - 1e-6 : 1)));
-  // The greatest value is the least device value where the scale is negative.
+  // If the scale is negative, the greatest value is the least device value.
   if (map.scale < 0 && options.mode == Mode::kMip) setup.mode = Mode::kMinip;
   if (map.scale < 0 && options.mode == Mode::kMinip) setup.mode = Mode::kMip;
   setup.opacity_threshold = rayThreshold(options);
@@ -98,7 +98,7 @@ FrameSetup setupOf(const View& view, const VolumeLayout& layout, const OpacityTa
   }
   const ValueRange range = table.volumeRange();
   setup.flat = options.lighting.flat_share * (range.hi - range.lo) / finestSpacing(layout);
-  if (table.labels()) setup.flat = 0;  // a number says nothing of how steep its surface is
+  if (table.labels()) setup.flat = 0;  // a label's number tells nothing of how steep its surface is
   return setup;
 }
 

@@ -1,5 +1,5 @@
-// What a device needs to know of a frame, from the view, the volume's layout and the options. Pure
-// functions.
+// The values that a device needs for a frame, from the view, the volume's layout and the options.
+// Pure functions.
 #pragma once
 
 #include "src/classify/transfer/opacity_table.h"
@@ -13,8 +13,7 @@ namespace sluice {
 
 FrameSetup frameSetup(const View& view, const VolumeLayout& layout, const OpacityTable& table,
                       const ValueMap& map, const FrameOptions& options);
-// The same for a frame of a session that is lit or not, with what its options ask the device to
-// count.
+// The same for a frame of a session that is lit or not, with the counts that its options ask for.
 FrameSetup frameSetup(const View& view, const VolumeLayout& layout, const Look& look,
                       const ValueMap& map, const FrameOptions& options, bool lit);
 
@@ -22,7 +21,7 @@ FrameSetup frameSetup(const View& view, const VolumeLayout& layout, const Look& 
 FrameSetup viewSetup(const View& view, const VolumeLayout& layout,
                      const std::vector<WorldPlane>& clip_planes);
 
-// Where the eye is for ordering blocks front to back.
+// The eye's position for ordering blocks front to back.
 EyePosition eyePosition(const View& view, const VolumeLayout& layout);
 
 }  // namespace sluice

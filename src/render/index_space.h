@@ -15,7 +15,7 @@ inline Vec3d worldFromIndex(const VolumeLayout& layout, Vec3d index) {
   return world;
 }
 
-// Of a direction: no origin.
+// Converts a direction, so the origin does not matter.
 inline Vec3d indexFromWorldDirection(const VolumeLayout& layout, Vec3d world) {
   const auto& [x, y, z] = layout.axes;
   const double determinant = dot(cross(x, y), z);

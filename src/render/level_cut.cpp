@@ -148,8 +148,8 @@ class CutMaker {
     return nodes;
   }
 
-  // Replaces the open nodes, all of one level, by those of the next finer level where their voxels
-  // are too wide.
+  // Replaces the open nodes, all of one level, by nodes of the next finer level if their voxels are
+  // too wide.
   void refine() {
     std::vector<std::pair<double, size_t>> wide;  // depth, position in open_
     for (size_t i = 0; i < open_.size(); ++i) {
@@ -187,7 +187,7 @@ class CutMaker {
   const PixelSizes sizes_;
   const uint64_t held_bytes_;  // of a number
   std::vector<CutNode> open_, chosen_;
-  BlockBytes bytes_;  // of both
+  BlockBytes bytes_;  // bytes of open_ and chosen_
   int64_t left_out_ = 0;
   bool is_stopped_ = false;
 };

@@ -18,8 +18,8 @@
 
 namespace sluice {
 
-// The level that voxels `pixel_error` pixels wide ask for where the view needs the finest one, or
-// the level that the options name: what the distance between slices follows from.
+// The level that voxels `pixel_error` pixels wide require where the view needs the finest one, or
+// the level that the options name. The distance between slices follows from it.
 int finestLevelShown(const TimeStep& step, const View& view, const CutOptions& options);
 // The finest spacing of a level's voxels in units of the volume's finest spacing.
 double spacingOfLevel(const TimeStep& step, int level);
@@ -42,7 +42,7 @@ class LevelCut : public BlockChooser {
 
   WorkerPool& pool_;
   Memo<ShownKey, const ShownLevels> shown_;
-  std::shared_ptr<const ShownLevels> of_answer_;  // what answer_ was chosen from
+  std::shared_ptr<const ShownLevels> of_answer_;  // levels that answer_ was chosen from
   VisibleBlocksPtr answer_;                       // the last one
 };
 

@@ -1,5 +1,5 @@
-// Look: what values look like in a frame, the second value of its chain: the transfer function as
-// the frame's mode uses it, and its table for the step's device values. Immutable.
+// Look: colours and opacities of a frame's values, the second value of its chain: the transfer
+// function as the frame's mode uses it, and its table for the step's device values. Immutable.
 #pragma once
 
 #include <memory>
@@ -17,7 +17,7 @@ struct Look {
 };
 using LookPtr = std::shared_ptr<const Look>;
 
-// For a volume whose finest spacing is this, see index_space.h.
+// The table for a volume with this finest spacing, see index_space.h.
 LookUp lookUp(const OpacityTable& table, double finest_spacing);
 
 // Modes other than composite look at values alone: gradients and spreads make no difference to

@@ -1,7 +1,7 @@
 // Memo: the last value of a pure function, kept for as long as the same is asked of it.
 //
-// It is keyed by the function's inputs, so that nothing is ever dropped by hand: who asks for
-// something else gets something else. One thread.
+// The key holds the function's inputs, so nothing is ever reset explicitly: other inputs give
+// another value. One thread.
 #pragma once
 
 #include <memory>
@@ -31,8 +31,8 @@ class Memo {
  public:
   using Pointer = std::shared_ptr<Value>;
 
-  // make(), a Value or a Pointer, where the key is another than last time. What was kept before
-  // goes first, so that two are never held at once.
+  // Calls make(), which returns a Value or a Pointer, if the key differs from the last one. The old
+  // value is dropped first, so that two are never held at once.
   template <class Make>
   Pointer of(Key key, Make&& make) {
     if (value_ != nullptr && *key_ == key) return value_;
@@ -47,7 +47,7 @@ class Memo {
 
  private:
   std::optional<Key> key_;
-  Pointer value_;  // null until made, and where making it failed
+  Pointer value_;  // null until made, and if making it failed
 };
 
 }  // namespace sluice

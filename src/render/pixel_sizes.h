@@ -1,4 +1,4 @@
-// PixelSizes: how many pixels the voxels of a level are wide where they lie in a view.
+// PixelSizes: the width in pixels of a level's voxels at their place in a view.
 #pragma once
 
 #include <optional>

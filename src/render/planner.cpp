@@ -9,7 +9,7 @@ LookPtr Planner::look(const TimeStep& step, const TransferPtr& transfer, Mode mo
 VisibleBlocksPtr Planner::visibleBlocks(const TimeStep& step, const LookPtr& look, const View& view,
                                         const FrameOptions& options) {
   BlockChooser* chooser = chooser_;
-  // Also where the options name a level that the volume does not have: the cut says so.
+  // Used even if the options name a level that the volume does not have: the cut reports it.
   if (chooser == nullptr && options.cut && (!step.coarser.empty() || options.cut->level))
     chooser = &cut_;
   if (chooser == nullptr) chooser = &classified_;

@@ -1,10 +1,10 @@
-// Planner: the front half of a frame's chain, the same for pictures, for what `sluice plan` says of
-// them and for simulated ones: from a time step to the order of its visit.
+// Planner: the front half of a frame's chain, the same for pictures, `sluice plan` and the
+// simulator: from a time step to the order of its visit.
 //
 //   TimeStep -> Look -> VisibleBlocks -> FramePlan -> DrawOrder
 //
-// Each is a pure function of what stands left of it and of options, and each value is kept while it
-// is asked for the same. No voxel is touched, no device asked. One thread; classification runs on
+// Each is a pure function of the values to its left and of options, and each value is kept until
+// its inputs change. No voxel is touched and no device is used. One thread; classification runs on
 // all threads of the pool.
 #pragma once
 
@@ -27,8 +27,8 @@ class Planner {
   Planner(const PageGeometry& page, WorkerPool& pool, ChunkNames& names)
       : page_(page), names_(names), classified_(pool), cut_(pool) {}
 
-  // From now on blocks are chosen by this, which must outlive its use; null: by a cut
-  // if the options ask for one and the step has several levels, else by classification.
+  // Blocks are chosen by this from now on, which must outlive its use; null: by a cut if the
+  // options ask for one and the step has several levels, else by classification.
   void chooseBlocksBy(BlockChooser* chooser) { chooser_ = chooser; }
 
   LookPtr look(const TimeStep& step, const TransferPtr& transfer, Mode mode);

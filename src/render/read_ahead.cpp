@@ -19,7 +19,7 @@ ReadAhead::ReadAhead(Residency& residency, FramePlanPtr plan, const DrawOrder& o
       plan_(std::move(plan)),
       purpose_(std::move(purpose)),
       needs_(std::move(needs)),
-      // Beside what a device borrows.
+      // In addition to the bytes that a device borrows.
       most_bytes_((residency.budgets().texture_buffer - residency.budgets().borrowed) / 4) {
   std::unordered_set<ChunkPosition> seen;  // chunks between two clusters are loaded for the first
   for (const Visit& visit : order.visits) {
@@ -60,7 +60,7 @@ std::vector<ChunkPosition> ReadAhead::absent(const Step& step, bool ahead) const
     if ((needs_.now && !needs_.now(chunk)) || (ahead && needs_.soon && !needs_.soon(chunk)))
       continue;
     bytes += bytesOf(chunk);
-    // More than planned have gone from the cache: takeOne() has them one by one.
+    // More chunks than planned have gone from the cache: takeOne() reads them one by one.
     if (!chunks.empty() && bytes > most_bytes_) break;
     chunks.push_back(chunk);
   }
@@ -86,7 +86,7 @@ ReadAhead::Begun ReadAhead::beginNow(std::vector<ChunkPosition> chunks,
                                      std::span<const ChunkPosition> soon) {
   for (;;) {
     if (std::optional<Begun> begun = tryBegin(chunks, soon)) return std::move(*begun);
-    // What is wanted now goes before what is wanted later.
+    // The chunks wanted now have priority over chunks wanted later.
     if (begun_.empty()) break;
     begun_.pop_back();
   }
@@ -120,7 +120,7 @@ std::optional<ReadAhead::Taken> ReadAhead::take(const Deadline& deadline) {
   if (begun_.empty()) return taken;  // no room before the deadline
   Begun begun = std::move(begun_.front());
   begun_.pop_front();
-  // Needed against expectation.
+  // The chunk is needed against expectation.
   std::vector<ChunkPosition> rest;
   for (const ChunkPosition chunk : absent(taken.step, false))
     if (std::ranges::find(begun.chunks(), chunk) == begun.chunks().end()) rest.push_back(chunk);

@@ -50,8 +50,8 @@ BufferNeeds needsOf(const TimeStep& step, const ResidencyOptions& options) {
   return needs;
 }
 
-// Each level's source holds chunks of its own: what the threads inside need of it, and its part of
-// the rest.
+// Each level's source holds chunks of its own: the least that its reading threads need, and its
+// part of the rest.
 void shareSourceBytes(const TimeStep& step, const Budgets& budgets) {
   if (step.coarser.empty()) {
     step.source->holdAtMost(budgets.source);

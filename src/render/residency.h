@@ -3,8 +3,9 @@
 // that fill it, the model of the texture cache with the device that obeys it, their budgets and the
 // names of chunks.
 //
-// What frames may ask for again is kept as long as there is room for it, and nothing is kept of
-// what can no longer be asked for. One thread, the device's; the readers work inside the buffers.
+// Data that frames may ask for again is kept as long as there is room for it; data that can no
+// longer be asked for is dropped. Used on one thread, the device's; the readers work inside the
+// buffers.
 #pragma once
 
 #include <cstdint>
@@ -23,19 +24,19 @@
 namespace sluice {
 
 struct ResidencyOptions {
-  PageGeometry page;          // bytes_per_voxel that of the volume's device form
-  uint64_t memory_bytes = 0;  // of levels 2 and 3, and of level 4 where textures are in memory
+  PageGeometry page;          // bytes_per_voxel of the volume's device form
+  uint64_t memory_bytes = 0;  // budget of levels 2 and 3, and of level 4 if textures are in memory
   PolicyKind policy = PolicyKind::kLru;
-  uint64_t seed = 1;                         // of the random policy
+  uint64_t seed = 1;                         // for the random policy
   Partition partition = Partition::kBlocks;  // kBoxes: a share of the memory is for growing boxes
-  int threads = 1;                           // of the program: there are as many readers, and more
-  uint64_t beside_bytes = 0;                 // of memory_bytes, held by others: min-max arrays
+  int threads = 1;            // threads of the program; there are at least as many readers
+  uint64_t beside_bytes = 0;  // part of memory_bytes that others hold: min-max arrays
 };
 
 class Residency {
  public:
-  // For all time steps that have the sources and layouts of `step`. These sources and `device` must
-  // outlive it. Throws Error when the memory is too little.
+  // Serves all time steps that have the sources and layouts of `step`. These sources and `device`
+  // must outlive it. Throws Error when the memory is too little.
   Residency(const TimeStep& step, Device& device, const ResidencyOptions& options);
   // The device outlives us: it is left without our chunks.
   ~Residency();
@@ -48,7 +49,7 @@ class Residency {
   TextureBuffer& chunks() { return chunks_; }
   const TextureBuffer& chunks() const { return chunks_; }
   const TextureCache& cache() const { return cache_; }
-  // By level 4.
+  // Whether level 4 holds the chunk.
   bool isResident(ChunkName name) const { return cache_.contains(modelId(name)); }
   ChunkNames& names() { return names_; }
   // Voxels for growing boxes, which level 2 counts and does not keep.
@@ -64,13 +65,13 @@ class Residency {
   ChunkName nameOf(uint64_t id) const { return ChunkName(static_cast<int64_t>(id - first_id_)); }
 
   struct Made {
-    uint64_t pages = 0;         // that were loaded; 0: the chunk was resident
+    uint64_t pages = 0;         // pages that were loaded; 0: the chunk was resident
     uint64_t copied_bytes = 0;  // by the device
-    double seconds = 0;         // that it took
+    double seconds = 0;         // time taken
   };
-  // Asks level 4 for a chunk of the plan, which stays until unpinAll(): the model decides what goes
-  // for it, the device obeys (design, point 5). `texels` may be null where it is resident. Throws
-  // Error when the cache cannot hold it beside the pinned ones.
+  // Requests a chunk of the plan from level 4, which stays until unpinAll(): the model decides
+  // which chunks are evicted for it, and the device obeys (design, point 5). `texels` may be null
+  // if it is resident. Throws Error when the cache cannot hold it in addition to the pinned ones.
   Made makeResident(const FramePlan& plan, ChunkPosition chunk, const ChunkTexelsPtr& texels);
   void unpinAll() { cache_.unpinAll(); }
 
@@ -78,7 +79,7 @@ class Residency {
   void forgetUnused(const FramePlan& plan);
 
  private:
-  // What the model has let go of: all of them, also where the frame ends on the way.
+  // Frees the chunks that the model has evicted: all of them, even if the frame ends on the way.
   void evict(std::span<const ChunkId> ids);
   // The model's id of a chunk.
   static ChunkId modelId(ChunkName name) { return static_cast<ChunkId>(name.value()); }
@@ -90,7 +91,7 @@ class Residency {
   TextureBuffer chunks_;
   TextureCache cache_;
   ChunkNames names_;
-  const uint64_t first_id_;  // of the device's ids, ours
+  const uint64_t first_id_;  // first of our ids on the device
 };
 
 }  // namespace sluice

@@ -9,7 +9,7 @@
 namespace sluice {
 namespace {
 
-constexpr int64_t kSide = 64;  // texels: 256 KiB, what a block of the default page is
+constexpr int64_t kSide = 64;  // texels: 256 KiB, the size of a block of the default page
 constexpr uint64_t kChunk = UINT64_MAX - 1;
 constexpr int kWarmFrames = 2;
 

@@ -48,7 +48,7 @@ void Session::setTimeStep(const TimeStep& step) {
 void Session::setTransferFunction(TransferFunction transfer) {
   SLUICE_CHECK(transfer.gradients.empty() || step_.ranges->layout.ghost >= 1);
   transfer_ = std::make_shared<const TransferFunction>(std::move(transfer));
-  lessons_.unfinished.reset();  // what only the last picture needed is not read any more
+  lessons_.unfinished.reset();  // data that only the last picture needed is not read any more
 }
 
 void Session::readAfterwards(const TimeStep& next) {

@@ -1,10 +1,10 @@
-// Session: a volume open for drawing, frame after frame. It keeps what a frame's chain of values
-// has in common with the last one's, and the levels of memory beneath.
+// Session: a volume open for drawing, frame after frame. It keeps the values that a frame's chain
+// shares with the last one's, and the levels of memory beneath.
 //
 //   TimeStep -> Look -> VisibleBlocks -> FramePlan -> DrawOrder -> FrameRun -> Picture
 //
-// Reading order: this header, then frame.cpp, whose one function is that line. One thread, the
-// device's; workers run inside the calls.
+// Reading order: this header, then frame.cpp, whose one function is that line. Used on one thread,
+// the device's; workers run inside the calls.
 #pragma once
 
 #include <cstdint>
@@ -22,16 +22,16 @@
 namespace sluice {
 
 struct SessionOptions {
-  PageGeometry page;          // bytes_per_voxel that of the volume's device form
-  uint64_t memory_bytes = 0;  // of levels 2 and 3, and of level 4 where textures are in memory
+  PageGeometry page;          // bytes_per_voxel of the volume's device form
+  uint64_t memory_bytes = 0;  // budget of levels 2 and 3, and of level 4 if textures are in memory
   PolicyKind policy = PolicyKind::kLru;
-  uint64_t seed = 1;  // of the random policy
+  uint64_t seed = 1;  // for the random policy
   bool lit = false;   // frames are shaded; the layout has a ghost layer
   // kBoxes: frames may draw growing boxes, and a share of the memory is theirs. They are kept with
   // the volume's index, in these places.
   Partition partition = Partition::kBlocks;
   IndexPlaces index_places;
-  uint64_t beside_bytes = 0;  // of memory_bytes, what the caller holds: min-max arrays
+  uint64_t beside_bytes = 0;  // part of memory_bytes that the caller holds: min-max arrays
 };
 
 class Session {
@@ -40,42 +40,44 @@ class Session {
   // memory is too little.
   Session(const TimeStep& step, Device& device, WorkerPool& pool, const SessionOptions& options);
 
-  // What frames show from now on. A change costs the values to the right of it in the chain, and
-  // the chunks that they change. Requires: the source and the layout of blocks are the session's.
+  // The step that frames show from now on. A change costs the values to the right of it in the
+  // chain, and the chunks that these change. Requires: the source and the layout of blocks are the
+  // session's.
   void setTimeStep(const TimeStep& step);
   // Requires: a ghost layer for one that looks at gradients, as composite frames do.
   void setTransferFunction(TransferFunction transfer);
   void setOptions(const FrameOptions& options) { options_ = options; }
-  // Who chooses the blocks; null: classification. It must outlive its use.
+  // Sets the chooser of the blocks; null: classification. It must outlive its use.
   void chooseBlocksBy(BlockChooser* chooser) { planner_.chooseBlocksBy(chooser); }
-  // From now on each request of the texture cache is written there too; null: no longer. It must
+  // Writes each request of the texture cache there too from now on; null: no longer. It must
   // outlive the frames drawn.
   void recordTo(TraceWriter* trace) { trace_ = trace; }
-  // The step that the frame after the next one will show: what that one needs is read while the
-  // last of the next one is drawn, as far as the buffers have room. Of the next frame alone.
+  // The step that the frame after the next one will show. Its data is read while the last part of
+  // the next frame is drawn, as far as the buffers have room. Applies to the next frame alone.
   void expectAfterwards(const TimeStep& step) {
     expectBlocksOf(step);
     afterwards_ = step;
   }
-  // The next frame is drawn as if it were the first; what the levels hold stays. `updates` says
-  // where the numbers of opacity map updates begin, and how they adapt.
+  // The next frame is drawn as if it were the first; the levels keep their contents. `updates`
+  // gives the first numbers of opacity map updates, and how they adapt.
   void forgetLastFrame(const UpdateCountOptions& updates = FrameLessons::kUpdates) {
     lessons_ = {};
     lessons_.updates = UpdateCount(updates);
   }
 
   // Draws. Throws Error, and Interrupted when FrameOptions::stop asks for it; the next frame is
-  // right all the same. Requires: a transfer function is set.
+  // right anyway. Requires: a transfer function is set.
   Frame frame();
-  // The same where the picture is not wanted: its memory serves the next one.
+  // The same if the picture is not wanted: its memory serves the next one.
   FrameReport frameReport();
 
-  // Voxels of these blocks of any step, through level 2 as those of frames. Throws as
+  // Voxels of these blocks of any step, through level 2 like those of frames. Throws as
   // VolumeBuffer::acquire() does.
   std::vector<VolumeBlockPtr> readBlocks(std::span<const BlockName> keys) {
     return residency_.blocks().acquire(keys);
   }
-  // What the last frame found of its blocks; null where there was none, or it is out of date.
+  // The blocks that the last frame found to be visible; null if there was no frame or they are out
+  // of date.
   VisibleBlocksPtr lastVisible() const { return visible_.lock(); }
 
   CacheCounters volumeBufferCounters() const { return residency_.blocks().counters(); }
@@ -94,15 +96,15 @@ class Session {
 
   // Blocks of the step are compared with its ranges as they are read.
   void expectBlocksOf(const TimeStep& step);
-  // Begins to read what `next` needs.
+  // Begins to read the data that `next` needs.
   void readAfterwards(const TimeStep& next);
-  // Null where object boxes are drawn.
+  // Null if object boxes are drawn.
   ChosenBoxesPtr boxesOf(const LookPtr& look, const FramePlanPtr& plan);
 
   Device& device_;
   const SessionOptions session_;
   Memo<TimeStep, BoxStore> box_store_;
-  const std::unique_ptr<StaleCheck> stale_check_;  // of blocks that residency_ reads
+  const std::unique_ptr<StaleCheck> stale_check_;  // checks the blocks that residency_ reads
   Residency residency_;
   Planner planner_;
   Memo<BoxesKey, const ChosenBoxes> boxes_;

@@ -8,7 +8,7 @@
 namespace sluice {
 namespace {
 
-// Along which axis the block has the fewest texels.
+// The axis along which the block has the fewest texels.
 int trimmingAxis(const Vec3i& texels) {
   int axis = 2;
   for (int a = 1; a >= 0; --a)
@@ -108,12 +108,12 @@ const ObjectBlock* ShownLevels::find(int level, int64_t block) const {
   return found == blocks.end() || found->name.block != block ? nullptr : &*found;
 }
 
-// The hull of the cells that show, of this block and those beside it: a level's cells are shifted
+// The hull of the visible cells of this block and its neighbours: a level's cells are shifted
 // against the regions, so that one cell may lie in the regions of two blocks.
 Box3 ShownLevels::cellsShown(int level, Vec3i index, const Box3& region) const {
   const LevelLayout& at = pyramid_.level(level);
   const Vec3i last = at.blocks.dims - Vec3i{1, 1, 1}, end = pyramid_.finest().dims - Vec3i{1, 1, 1};
-  // Blocks that own cells in the region: beside this one where the shift leads.
+  // Blocks that own cells in the region: a neighbour too, if the shift leads there.
   Box3 owners{index, index + Vec3i{1, 1, 1}};
   const Box3 own{index * at.blocks.cells(), (index + Vec3i{1, 1, 1}) * at.blocks.cells()};
   const Box3 covered = at.cellsOver(own);

@@ -1,4 +1,4 @@
-// ShownLevels: what shows of each level of a time step under one look, whatever the view.
+// ShownLevels: the visible parts of each level of a time step under one look, whatever the view.
 #pragma once
 
 #include <cstdint>

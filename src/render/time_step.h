@@ -1,6 +1,6 @@
-// TimeStep: what is known of a step of a volume without its voxels, the first value of a frame's
+// TimeStep: everything known of a step of a volume without its voxels, the first value of a frame's
 // chain: its levels of resolution, each with a source and ranges. A plain value; two are the same
-// step where sources, time and ranges are the same objects.
+// step if sources, time and ranges are the same objects.
 #pragma once
 
 #include <cstdint>
@@ -26,12 +26,12 @@ struct CoarserStep {
 };
 
 struct TimeStep {
-  VolumeSource* source = nullptr;  // of the finest level; outlives whoever has the step
+  VolumeSource* source = nullptr;  // the finest level's source; outlives whoever has the step
   int64_t time = 0;
-  std::shared_ptr<const SliceRanges> ranges;  // of this step, in the layout of its blocks
+  std::shared_ptr<const SliceRanges> ranges;  // ranges of this step, in the layout of its blocks
 
-  // Of a volume of several levels: how they nest, and what is known of those above the finest, from
-  // fine to coarse. Null and empty: there is one level.
+  // For a volume of several levels: how they nest, and the steps of the levels above the finest,
+  // from fine to coarse. Null and empty: there is one level.
   std::shared_ptr<const PyramidLayout> pyramid = nullptr;
   std::vector<CoarserStep> coarser = {};
 

@@ -1,8 +1,8 @@
-// BlockChooser: who says which blocks of a time step a picture needs, the third arrow of a frame's
-// chain. What comes after it knows nothing of how they were chosen.
+// BlockChooser decides which blocks of a time step a picture needs, the third arrow of a frame's
+// chain. Later stages do not know how they were chosen.
 //
 // By default that is the classification: blocks in which something is not transparent. An estimate
-// of what hides what, or a cut through levels of resolution, is another chooser.
+// of which blocks are hidden, or a cut through levels of resolution, is another chooser.
 #pragma once
 
 #include <memory>
@@ -23,15 +23,15 @@ struct BlockQuestion {
   LookPtr look;
   Box3 crop;  // cells that may show
   View view;
-  CutOptions cut = {};  // of volumes of several levels
+  CutOptions cut = {};  // for volumes of several levels
 };
 
 class BlockChooser {
  public:
   virtual ~BlockChooser() = default;
   // Blocks of the step's layout, of this or of other time steps and of any level, ascending by
-  // name; each finest cell at most once. Gives the same object again where nothing that it depends
-  // on has changed: then what follows from it is kept too.
+  // name; each finest cell at most once. Returns the same object again if no input has changed:
+  // then the values that follow from it are kept too.
   virtual VisibleBlocksPtr choose(const BlockQuestion& question) = 0;
 };
 

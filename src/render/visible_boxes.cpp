@@ -5,9 +5,9 @@
 namespace sluice {
 namespace {
 
-// In samples that show nothing: what a ray spends on finding its slices of a box and blending what
-// they give, and what a box takes without rays. Of several these took least time on
-// software GL for bonsai at threshold 40 and engine at 80, lit and unlit.
+// In samples that show nothing: the cost per ray of finding its slices of a box and blending the
+// result, and the cost per box without rays. Of several pairs, this took least time on software GL
+// for bonsai at threshold 40 and engine at 80, lit and unlit.
 constexpr double kSamplesARay = 6, kSamplesABox = 400;
 
 }  // namespace
@@ -19,7 +19,7 @@ BoxCost boxCost(double slices_a_cell) {
 // Part of the tree that shows something.
 struct VisibleBoxes::Part {
   int32_t at = 0;  // a node, or a box as ~position
-  Box3 hull;       // of its visible cells
+  Box3 hull;       // hull of its visible cells
   double cost = 0;
 };
 
@@ -29,7 +29,7 @@ class VisibleBoxes::Maker {
         const BoxCost& cost)
       : to_(to), tree_(tree), visibility_(visibility), clip_(clip), cost_(cost) {}
 
-  // nullopt where nothing shows.
+  // nullopt if nothing shows.
   std::optional<Part> make(int32_t at) {
     const TreeNode& node = tree_.nodes[static_cast<size_t>(at)];
     if (node.isLeaf()) return leaf(tree_.boxes[static_cast<size_t>(node.box)]);

@@ -1,11 +1,11 @@
-// VisibleBoxes: what is drawn of one block's growing boxes under one transfer function (Li 2003,
-// section 3): the visible ones, cut by what the block's texture holds, as a BSP tree of their own.
+// VisibleBoxes: the growing boxes of one block that are drawn under one transfer function (Li 2003,
+// section 3): the visible ones, cut to the block's texture, as a BSP tree of their own.
 //
 // A tree of all boxes (box_tree.h) knows no transfer function. Here each of its boxes turns out
-// visible or skipped, sides of a plane that show nothing are left out, and a part of the tree is
-// drawn as one box, the smallest around its visible ones, where that is cheaper than drawing them
-// one by one: skipped cells that it draws in vain are fewer than what beginning a box for each ray
-// costs. Every visible cell is in exactly one box, so the picture does not depend on the choice.
+// visible or skipped, and sides of a plane that show nothing are left out. A part of the tree is
+// drawn as one box, the smallest around its visible ones, if that is cheaper than drawing them one
+// by one: the skipped cells that it draws in vain cost less than beginning a box for each ray.
+// Every visible cell is in exactly one box, so the picture does not depend on the choice.
 //
 // Immutable once made; any thread may read. Positions are cells relative to the block's first owned
 // cell throughout.
@@ -20,8 +20,8 @@
 
 namespace sluice {
 
-// What drawing a box takes beside its cells, in cells: a part for each ray that meets it, which is
-// in proportion to its shadow, and one for the box itself.
+// The cost of drawing a box in addition to its cells, in cells: one part for each ray that meets
+// it, in proportion to its shadow, and one for the box itself.
 struct BoxCost {
   double a_shadow = 0;  // for each cell face of the shadow, the mean over all views
   double a_box = 0;
@@ -34,7 +34,7 @@ struct BoxCost {
   }
 };
 // `slices_a_cell`: how many samples a ray takes in a cell. They cost the same lit and unlit, since
-// what shows nothing is not lit.
+// samples that show nothing are not lit.
 BoxCost boxCost(double slices_a_cell);
 
 class VisibleBoxes {
