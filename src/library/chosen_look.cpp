@@ -15,7 +15,7 @@
 namespace sluice {
 namespace {
 
-// Of modes that look at values alone: as radiologists have them.
+// The map of modes that use values alone: grey, as radiologists use it.
 constexpr std::string_view kModeMap = "grey";
 
 std::string_view mapOr(const LookArguments& look, std::string_view otherwise) {
@@ -164,8 +164,8 @@ class Chooser {
     add(pointsOption(chosen_.transfer.opacities));
   }
 
-  // By the colours alone, so that options which say them all give the same light again, whatever
-  // is known of the values: of a series the range of one step or of all.
+  // By the colours alone, so that options that determine them give the same light again, whatever
+  // is known of the values: in a series, the range of one step or of all.
   void measureFlatness(ValueRange colors) {
     const double part = std::abs(colors.hi - colors.lo), all = values_.range.hi - values_.range.lo;
     if (all > 0) chosen_.flat_scale = part / all;
@@ -197,7 +197,7 @@ class Chooser {
   const ValueStatistics& values_;
   const LookArguments& look_;
   const Mode mode_;
-  const ValueRange map_range_, range_;  // as given, and ascending
+  const ValueRange map_range_, range_;  // the range as given, and ascending
   ChosenLook chosen_;
 };
 

@@ -1,5 +1,5 @@
-// What the options of the look make of a volume: the transfer function, whether it is lit, and the
-// options that give the same again.
+// The look that options select for a volume: the transfer function, whether it is lit, and the
+// options that reproduce it.
 #pragma once
 
 #include <string>
@@ -16,14 +16,15 @@ namespace sluice {
 struct ChosenLook {
   TransferFunction transfer;
   bool lit = false;
-  // Of Lighting::flat_share: what is flat is measured against the colours' range where that is
-  // known, since fill values stretch that of the values, and a step's differs from its series'.
+  // Factor of Lighting::flat_share. Flatness is measured against the colours' range if that is
+  // known, since fill values stretch the range of the values, and a step's range differs from its
+  // series'.
   double flat_scale = 1;
   std::string options;                // "--map ct-bone --range 40,255 --opacities 40:0,... --shade"
   std::vector<std::string> warnings;  // one line each
 };
 
-// What is known of a volume's values: of all steps of a series, unless --this-step says otherwise.
+// Counts and range of a volume's values: of all steps of a series, unless --this-step is given.
 struct ValueStatistics {
   ValueCounts counts;
   ValueRange range;  // least and greatest
@@ -33,8 +34,8 @@ struct ValueStatistics {
 ChosenLook chooseLook(const VolumeLayout& layout, const ValueStatistics& values,
                       const LookArguments& look, Mode mode);
 
-// Where the ramp of benches begins without --threshold: a fifth up the range, whatever the
-// automatic choice would be.
+// The value at which the ramp of benches begins without --threshold: a fifth up the range, whatever
+// the automatic choice would be.
 double plainThreshold(ValueRange range);
 
 // Whether blocks carry a ghost layer: a picture of this look may take gradients. Throws Error from
@@ -44,7 +45,8 @@ bool needsGradients(const LookArguments& look, Mode mode);
 // Whether the look follows from the values of the volume at all.
 bool needsStatistics(const LookArguments& look);
 
-// Slices of half a voxel where a pixel is smaller than a voxel, as the picture shows it then.
+// Slices of half a voxel if a pixel is smaller than a voxel, because the picture shows the
+// difference then.
 double stepFor(const View& view, const VolumeLayout& layout);
 
 }  // namespace sluice

@@ -1,5 +1,5 @@
-// From what the public headers say to what the layers below ask for. Pure functions. All throw
-// Error, in one line that names the field, where a value is none.
+// Converts the public headers' options to those of the layers below. Pure functions. All throw
+// Error, in one line that names the field, if a value is invalid.
 #pragma once
 
 #include <sluice/options.h>
@@ -16,7 +16,7 @@ namespace sluice {
 
 VolumeArguments volumeArguments(const std::vector<std::string>& paths,
                                 const VolumeOptions& options);
-// Without a device: for the pass over a volume.
+// Options without a device, for the pass over a volume.
 MachineOptions machineOptions(const VolumeOptions& options);
 MachineOptions machineOptions(const RendererOptions& options);
 
@@ -26,12 +26,12 @@ Mode modeOf(const LookOptions& look);
 // `framing`, but not `fit`, is the camera's.
 Camera cameraOf(const ViewOptions& view);
 FitChoice fitChoice(const ViewOptions& view);
-// Where step_vox is unset it is 1 here; without what the look says. Checks the crop box, the time
-// step and the camera against the volume.
+// An unset step_vox becomes 1; values that belong to the look are left out. Checks the crop box,
+// the time step and the camera against the volume.
 FrameOptions frameOptions(const PictureOptions& picture, const VolumeLayout& layout, Mode mode);
 ViewOptions::Framing framingOf(const Framing& framing);
 void requireStep(int64_t time, const VolumeLayout& layout);
-// As VolumeInfo::frame has it.
+// The name as in VolumeInfo::frame.
 std::string frameName(WorldFrame frame);
 
 VolumeInfo volumeInfo(const VolumeLayout& layout, ValueRange values,

@@ -13,7 +13,7 @@ namespace sluice {
 namespace {
 
 #if SLUICE_HAS_GL
-// Null where the CPU device is to draw.
+// Null if the CPU device is to draw.
 std::unique_ptr<GlContext> contextFor(const DeviceArguments& arguments) {
   if (arguments.device == DeviceChoice::kCpu) return nullptr;
   if (arguments.lent != nullptr)

@@ -1,4 +1,4 @@
-// Which device draws: --device, --gl and --simd together.
+// The choice of the device that draws: --device, --gl and --simd together.
 #pragma once
 
 #include <sluice/screen.h>
@@ -12,14 +12,14 @@
 
 namespace sluice {
 
-// kAuto is GL where a GPU's driver works or --gl names a way to it; else the CPU device, which on
-// the same processor is faster than software GL.
+// kAuto is GL if a GPU's driver works or --gl names a way to it; else the CPU device, which on the
+// same processor is faster than software GL.
 enum class DeviceChoice { kAuto, kGl, kCpu };
 
 struct DeviceArguments {
   DeviceChoice device = DeviceChoice::kAuto;
   GlChoice gl = GlChoice::kAuto;
-  SimdTarget simd = SimdTarget::kAuto;             // of the CPU device
+  SimdTarget simd = SimdTarget::kAuto;             // for the CPU device
   std::shared_ptr<const ScreenContext> lent = {};  // first choice of GL
 };
 

@@ -27,7 +27,7 @@ Drawing::Drawing(std::shared_ptr<const OpenedVolume> opened, const LookOptions& 
   const IndexedVolume& volume = opened_->volume;
   SessionOptions session =
       sessionOptions(volume, true, machine_, Partition::kBlocks, memoryBudget(machine_));
-  // Of a series, those of the step that is drawn beside the volume's own.
+  // A series holds the ranges of the drawn step in addition to the volume's own.
   if (layout().time_steps > 1) session.beside_bytes *= 2;
   session.page.pages = pageCount(machine_, volume, session.beside_bytes);
   session_ = std::make_unique<Session>(volume.step(), *device_, pool_, session);
@@ -167,7 +167,7 @@ ViewOptions Drawing::placed(const PictureOptions& picture, ProgressTeller& telle
   const PictureSize size{picture.width, picture.height};
   const View view = resolve(camera, layout(), size, 1);
   const auto asArray = [](Vec3d v) { return std::array<double, 3>{v.x, v.y, v.z}; };
-  // Turned about the middle of what it shows, or of the volume, at its depth.
+  // Turns about the middle of the visible part, or of the volume, at its depth.
   Vec3d about = worldFromIndex(layout(), toDouble(layout().dims - Vec3i{1, 1, 1}) * 0.5);
   if (camera.framing) about = camera.framing->target;
   if (camera.look_at) about = camera.look_at->target;

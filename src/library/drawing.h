@@ -1,5 +1,6 @@
-// Drawing: what the public Renderer does, on the one thread that the device is of: a volume, its
-// device and session, and the look. It keeps what fitting has found beside what the session keeps.
+// Drawing: the work of the public Renderer, on the one thread that owns the device: a volume, its
+// device and session, and the look. It keeps the results of fitting in addition to what the session
+// keeps.
 #pragma once
 
 #include <sluice/image.h>
@@ -30,12 +31,12 @@ class Drawing {
   // Makes the device. Throws Error.
   Drawing(std::shared_ptr<const OpenedVolume> opened, const LookOptions& look,
           const RendererOptions& options);
-  // Ends the trace, if any; what goes wrong with it is not said any more.
+  // Ends the trace, if any; a failure to write it is ignored here.
   ~Drawing();
   Drawing(const Drawing&) = delete;
   Drawing& operator=(const Drawing&) = delete;
 
-  // See Renderer. These throw Interrupted where it throws Cancelled.
+  // See Renderer. These throw Interrupted when the Renderer throws Cancelled.
   void setLook(const LookOptions& look);
   const ChosenLook& look() const { return look_; }
   std::string deviceName() const;
@@ -63,14 +64,14 @@ class Drawing {
     friend bool operator==(const PointsKey&, const PointsKey&) = default;
   };
 
-  // All but what the look and the machine say, its camera framed.
+  // All options except those of the look and the machine, with the camera framed.
   FrameOptions framed(const PictureOptions& picture, const TimeStep& step, const IndexPass& pass);
-  // The same with what follows from the look.
+  // The same with the options that follow from the look.
   FrameOptions looked(const PictureOptions& picture, const TimeStep& step, const IndexPass& pass);
   std::vector<uint8_t> blockClasses() const;
-  // In the series' range of values. Throws Error when the volume has no such step.
+  // The step with the series' range of values. Throws Error when the volume has no such step.
   TimeStep stepAt(int64_t time, const IndexPass& pass);
-  // Framed for pictures from all these cameras together; null where they have what they need.
+  // The framing for pictures from all these cameras together; null if they need none.
   std::optional<Framing> framingFor(const std::vector<Camera>& cameras, FitChoice choice,
                                     const FrameOptions& options, const TimeStep& step,
                                     const IndexPass& pass);
@@ -83,12 +84,12 @@ class Drawing {
   std::unique_ptr<Session> session_;
   Mode mode_ = Mode::kComposite;
   ChosenLook look_;
-  int64_t looks_ = 0;  // that were set so far
-  // Of the step that is drawn and of the one that is read ahead.
+  int64_t looks_ = 0;  // looks set so far
+  // Ranges of the step that is drawn and of the one that is read ahead.
   std::array<Memo<int64_t, const IndexedRanges>, 2> ranges_;
-  FrameReport report_;                 // of the last frame
+  FrameReport report_;                 // report of the last frame
   std::string why_empty_;              // RenderReport::why_empty
-  DrawsForScreens* screen_ = nullptr;  // the device, where it draws in a context that was lent
+  DrawsForScreens* screen_ = nullptr;  // the device, if it draws in a context that was lent
   std::unique_ptr<TraceWriter> trace_;
   Memo<PointsKey, const std::vector<Vec3d>> points_;
 };

@@ -42,7 +42,7 @@ bool isClipped(const std::vector<Vec3d>& points, const WorldPlane& plane) {
                      [&](const Vec3d& point) { return dot(plane.normal, point) > plane.offset; });
 }
 
-// Of the values alone: "0 to 255".
+// The range of the values: "0 to 255".
 std::string valuesOf(const SliceRanges& ranges) {
   const double a = ranges.map.valueOf(ranges.device_range.lo);
   const double b = ranges.map.valueOf(ranges.device_range.hi);

@@ -1,4 +1,5 @@
-// Why a picture shows nothing: a person who gets an empty picture is told what to change.
+// Finds why a picture shows nothing, so that a person who gets an empty picture knows what to
+// change.
 #pragma once
 
 #include <string>
@@ -13,7 +14,7 @@ namespace sluice {
 // pixels, which a device keeps for a screen, is not looked at: false.
 bool showsNothing(const Picture& picture);
 
-// What a picture was drawn from.
+// The inputs that a picture was drawn from.
 struct DrawnPicture {
   const IndexedVolume& volume;
   int64_t time = 0;

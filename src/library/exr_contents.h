@@ -1,5 +1,5 @@
-// What an OpenEXR file holds of a picture: its values in linear light, and in its header what makes
-// it again and puts it into a scene. A pure function.
+// The contents of an OpenEXR file of a picture: its values in linear light, and header attributes
+// that reproduce it and place it in a scene. A pure function.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@
 
 namespace sluice {
 
-// What the picture was drawn of.
+// The inputs that the picture was drawn from.
 struct DrawnOf {
   const FrameOptions& options;
   const VolumeSource& source;
@@ -21,8 +21,8 @@ struct DrawnOf {
   const std::string& look;  // options of `sluice render` that give it, see ChosenLook
 };
 
-// The pixels alone, of some rows of a picture: over the background where there is one.
-// `with_opacity`: also the volume's own, a channel "opacity".
+// Only the pixels, of some rows of a picture: over the background if there is one. `with_opacity`:
+// also the volume's own opacity, in a channel "opacity".
 ExrContents exrRows(const Picture& rows, const std::optional<std::array<float, 3>>& background,
                     bool with_opacity);
 // The same with the header of the file.

@@ -15,8 +15,8 @@
 namespace sluice {
 namespace {
 
-// Of all steps of a series: their indices say it, and are made where they are missing.
-// `index` is that of the step which is drawn; its range becomes that of all.
+// Statistics over all steps of a series, from their indices, which are made if missing. `index`
+// belongs to the step that is drawn; its range is widened to the range of all steps.
 ValueStatistics statisticsOf(const IndexedVolume& volume, IndexedRanges& index, bool whole_series,
                              const IndexPass& pass) {
   const auto valuesOf = [&](const SliceRanges& ranges) {
@@ -59,7 +59,7 @@ std::vector<std::string> notesOf(const std::string& name, const VolumeLayout& la
   return notes;
 }
 
-// Those that nest, up to the first that does not.
+// Adds the levels up to the first that does not nest.
 void addLevels(IndexedVolume& volume, std::span<const CoarserLevel> levels, const IndexPass& pass) {
   if (levels.empty()) return;
   PyramidLayout pyramid(volume.layout);

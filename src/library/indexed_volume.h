@@ -1,5 +1,5 @@
-// IndexedVolume: a volume with what is known of it without its voxels, the min-max arrays and the
-// values; no device. What a picture of it, a plan or a simulation start from.
+// IndexedVolume: a volume with everything known about it without its voxels (the min-max arrays and
+// value counts); no device. Pictures, plans and simulations start from it.
 #pragma once
 
 #include <cstdint>
@@ -20,8 +20,8 @@ namespace sluice {
 
 struct IndexedVolume {
   std::unique_ptr<VolumeSource> source;
-  std::string name;    // as the user says it; the first of several
-  IndexPlaces places;  // of its indices
+  std::string name;    // name given by the user; the first of several
+  IndexPlaces places;  // places of its indices
   ValueMap map;
   PageGeometry page;
   BlockLayout layout;
@@ -32,7 +32,7 @@ struct IndexedVolume {
   // none or none was asked for. A level with spreads has no index: null.
   std::shared_ptr<const PyramidLayout> pyramid;
   std::vector<std::shared_ptr<const IndexedRanges>> coarser;
-  // For people, one line each: what was chosen among several and what looks wrong.
+  // For people, one line each: choices among several, and possible faults.
   std::vector<std::string> notes;
 
   TimeStep step() const;
@@ -49,14 +49,14 @@ struct IndexedVolume {
 struct IndexNeeds {
   bool gradients = false;     // a ghost layer
   bool whole_series = false;  // values of all steps
-  bool levels = false;        // those above the finest one too, where the volume has some
+  bool levels = false;        // also the levels above the finest, if the volume has some
 };
 // `levels`: a cut through the levels of resolution may be drawn.
 IndexNeeds needsOf(const LookArguments& look, Mode mode, bool levels = false);
-// Of a picture that no option is given for: what makes an index ahead makes that one.
+// The needs of a picture without options, so that an index made ahead serves it.
 inline constexpr IndexNeeds kUsualNeeds{.gradients = true};
 
-// The pass over the voxels where an index is missing: who makes it, within what, who watches.
+// The pass over the voxels if an index is missing: its threads, limits and watcher.
 struct IndexPass {
   WorkerPool& pool;
   ProgressMeter& progress;
@@ -64,16 +64,16 @@ struct IndexPass {
   StopToken stop = {};
 };
 
-// Opens the volume and checks that it has the time step. Of one voxel along an axis it makes a
-// volume that can be drawn (thick_source.h). Throws Error.
+// Opens the volume and checks that it has the time step. A volume of one voxel along an axis is
+// made thick enough to be drawn (thick_source.h). Throws Error.
 std::unique_ptr<VolumeSource> openSource(const VolumeArguments& arguments);
-// Reads or builds the index of the step, or of all steps. `source` is that of `arguments`. Throws
+// Reads or builds the index of the step, or of all steps. `source` belongs to `arguments`. Throws
 // Error, Interrupted.
 IndexedVolume indexVolume(std::unique_ptr<VolumeSource> source, const VolumeArguments& arguments,
                           const MachineOptions& machine, const IndexNeeds& needs,
                           const IndexWish& wish, const IndexPass& pass);
 
-// The min-max arrays of any step of the volume, as those of its own in IndexedVolume. Throws Error,
+// The min-max arrays of any step of the volume, like its own step's in IndexedVolume. Throws Error,
 // Interrupted.
 IndexedRanges rangesOfStep(const IndexedVolume& volume, int64_t time, const IndexPass& pass);
 

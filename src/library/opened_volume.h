@@ -1,4 +1,4 @@
-// OpenedVolume: what the public Volume stands for, shared by its copies and its Renderers.
+// OpenedVolume: the state behind the public Volume, shared by its copies and its Renderers.
 #pragma once
 
 #include <sluice/volume.h>
@@ -23,15 +23,15 @@ struct OpenedVolume {
 
 struct Volume::Impl : OpenedVolume {};
 
-// What comes out of a call of the library: Cancelled where it was stopped, Error for what the C++
-// library says of files and threads.
+// Runs a call of the library with its exceptions translated: Interrupted becomes Cancelled, and
+// errors of the C++ library about files and threads become Error.
 template <class Call>
 auto translated(const Call& call) {
   try {
     return call();
   } catch (const Interrupted&) {
     throw Cancelled();
-  } catch (const std::system_error& error) {  // those of std::filesystem are some
+  } catch (const std::system_error& error) {  // includes those of std::filesystem
     throw Error(error.what());
   }
 }

@@ -35,7 +35,7 @@ void OwnThread::execute(const std::function<void()>& call) {
   } catch (...) {
     failure = std::current_exception();
   }
-  // Told under the lock: whoever waits may be gone right after.
+  // The waiting thread is told under the lock, since it may be gone right after.
   const MutexLock lock(mutex_);
   running_ = {};
   failure_ = std::move(failure);

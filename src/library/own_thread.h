@@ -1,5 +1,5 @@
 // OwnThread: a thread on which calls run one after the other, whichever thread they come from. For
-// what belongs to one thread, as OpenGL contexts do.
+// objects that belong to one thread, such as OpenGL contexts.
 #pragma once
 
 #include <exception>
@@ -13,13 +13,13 @@ namespace sluice {
 
 class OwnThread {
  public:
-  // Where the system gives no thread, calls run on that of their caller.
+  // If the system gives no thread, calls run on their caller's thread.
   OwnThread() : worker_(1) {}
   OwnThread(const OwnThread&) = delete;
   OwnThread& operator=(const OwnThread&) = delete;
 
-  // Runs `call` and waits for it; other callers wait their turn. Throws what it throws, and Error
-  // where it is called from within such a call, which would wait for itself.
+  // Runs `call` and waits for it; other callers wait their turn. Throws what `call` throws, and
+  // Error if it is called from within such a call, which would wait for itself.
   void run(const std::function<void()>& call);
 
  private:

@@ -5,7 +5,7 @@
 namespace sluice {
 namespace {
 
-// Of the budget.
+// Pictures may take one part in this many of the budget.
 constexpr uint64_t kPictureShare = 4;
 
 uint64_t writingBytes(PictureSize size) {
@@ -22,7 +22,7 @@ uint64_t rowBytes(const PictureDemand& picture) {
 }  // namespace
 
 PictureDemand pictureDemand(const MachineOptions& machine, const FrameOptions& frame) {
-  // OpenGL that is not asked for by name is a GPU, whose targets are in memory of its own.
+  // Without a request by name, OpenGL runs on a GPU, whose targets are in its own memory.
   const bool in_gl =
       machine.device.device == DeviceChoice::kGl || machine.device.gl != GlChoice::kAuto;
   return {frame.size, in_gl ? kGlPixelBytes : kCpuPixelBytes, frame.occlusion == Occlusion::kOff};

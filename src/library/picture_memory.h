@@ -1,5 +1,5 @@
-// What a picture takes of --memory while it is drawn and written, and the strips in which a picture
-// is drawn that would take too much. Pure functions.
+// The part of --memory that a picture takes while it is drawn and written, and the strips in which
+// a picture is drawn that would take too much. Pure functions.
 #pragma once
 
 #include <cstdint>
@@ -11,21 +11,21 @@
 
 namespace sluice {
 
-// Bytes a pixel takes while it is drawn. The CPU device has tiles with opacity, stops and depths,
-// and the picture with its depths. OpenGL in memory has two float targets and their copies, too.
+// Bytes of a pixel while it is drawn. The CPU device has tiles with opacity, stops and depths, and
+// the picture with its depths. OpenGL in memory has two float targets and their copies, too.
 inline constexpr uint64_t kCpuPixelBytes = (6 + 5) * sizeof(float);
 inline constexpr uint64_t kGlPixelBytes = 68;
-// Of a picture that several ranks compose, at the first rank: colours and depth.
+// Bytes of a pixel on the first rank, if several ranks compose the picture: colours and depth.
 inline constexpr uint64_t kComposedPixelBytes = 5 * sizeof(float);
-// A few rows on their way to a file.
+// Pixels of a few rows on their way to a file, and the bytes of each.
 inline constexpr uint64_t kWrittenPixels = uint64_t{1} << 15;
 inline constexpr uint64_t kWrittenPixelBytes = 80;
 
-// A picture, as far as its memory goes.
+// The memory demand of a picture.
 struct PictureDemand {
   PictureSize size{0, 0};
   uint64_t pixel_bytes = kCpuPixelBytes;
-  bool in_strips = true;  // a part of its rows may be drawn alone
+  bool in_strips = true;  // some of its rows may be drawn by themselves
 };
 // With occlusion a picture is drawn whole: the opacity maps of a strip differ from those of the
 // picture, and so do the rays that end early.
@@ -33,18 +33,19 @@ PictureDemand pictureDemand(const MachineOptions& machine, const FrameOptions& f
 
 // Bytes of the whole picture, with the rows that are being written.
 uint64_t wholePictureBytes(const PictureDemand& picture);
-// The least that it can be drawn with: kRowStep rows.
+// The least bytes that it can be drawn with: kRowStep rows.
 uint64_t leastPictureBytes(const PictureDemand& picture);
-// The whole picture, or a quarter of `memory_bytes` if that is less, but at least the least.
+// Bytes of the whole picture, or a quarter of `memory_bytes` if that is less, but at least
+// leastPictureBytes().
 uint64_t pictureBytes(const PictureDemand& picture, uint64_t memory_bytes);
 
 // Strips from the top of the picture down, each of at most `bytes`; one strip if the whole picture
 // fits. Requires: bytes >= leastPictureBytes().
 std::vector<PictureRows> stripsOf(const PictureDemand& picture, uint64_t bytes);
 
-// A frame's plan, for each block that shows something: its boxes, its chunk and their names, its
-// places in the order of the visit and in the tables of all levels. Measured with blocks of 8
-// voxels, each in a chunk with one other: 820 bytes.
+// Bytes of a frame's plan for each block that shows something: its boxes, its chunk and their
+// names, its places in the order of the visit and in the tables of all levels. With blocks of 8
+// voxels, each in a chunk with one other, 820 bytes were measured.
 inline constexpr uint64_t kPlannedBlockBytes = 1000;
 
 }  // namespace sluice

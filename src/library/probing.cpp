@@ -12,9 +12,9 @@
 namespace sluice {
 namespace {
 
-// Of light that is gone: from here on what is in front hides what is behind.
+// The share of light taken away from which on the matter in front hides what is behind.
 constexpr double kHidden = 0.5;
-// Less than this in all is nothing that one sees.
+// Less than this in all is invisible.
 constexpr double kVisible = 0.02;
 constexpr double kSamplesAVoxel = 2;
 
@@ -27,7 +27,7 @@ class Values {
  public:
   Values(Session& session, const TimeStep& step) : session_(session), step_(step) {}
 
-  // Of all voxels of the cell's block; nothing is read.
+  // The range of all voxels of the cell's block; nothing is read.
   Totals rangeAround(Vec3i cell) {
     const SliceRanges& ranges = *step_.ranges;
     const auto held = heldAt(cell);
@@ -61,7 +61,7 @@ class Values {
     return ranges.map.valueOf(value);
   }
 
-  // Of the cells, the one that an index position lies in.
+  // The cell that an index position lies in.
   Vec3i cellOf(Vec3d index) const {
     Vec3i cell;
     for (int a = 0; a < 3; ++a)
@@ -115,11 +115,11 @@ class Values {
 // A ray in index space: origin + t * direction, t in world units along the view's depth.
 struct Ray {
   Vec3d origin, direction;
-  double begin = 0, end = 0;  // inside of what shows
-  double world_length = 1;    // of a unit of t along the ray
+  double begin = 0, end = 0;  // inside the visible part
+  double world_length = 1;    // length of a unit of t along the ray
 };
 
-// Cuts the ray to where normal * p <= offset.
+// Cuts the ray to the part where normal * p <= offset.
 void clip(Ray& ray, Vec3d normal, double offset) {
   const double slope = dot(normal, ray.direction), left = offset - dot(normal, ray.origin);
   if (std::abs(slope) < 1e-15) {
@@ -172,7 +172,7 @@ std::optional<VoxelProbe> probeAlong(const ProbeRequest& request, Session& sessi
   const Ray ray = rayOf(request, layout);
   const double voxels = length(ray.direction);  // a unit of t
   if (!(ray.end > ray.begin) || !(voxels > 0)) return std::nullopt;
-  const double along = 1 / (kSamplesAVoxel * voxels);  // of t, a sample
+  const double along = 1 / (kSamplesAVoxel * voxels);  // units of t per sample
   const double lengths = along * ray.world_length / finestSpacing(layout);
   const bool composite = request.options.mode == Mode::kComposite;
   const bool least = request.options.mode == Mode::kMinip;

@@ -15,7 +15,7 @@
 
 namespace sluice {
 
-// A ray through a picture and what it meets.
+// A ray through a picture, for finding what it meets.
 struct ProbeRequest {
   const FrameOptions& options;  // crop, clip planes and mode; the camera is resolved in `view`
   const View& view;

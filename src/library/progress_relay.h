@@ -1,8 +1,8 @@
-// From the watches of the layers below to a user's ProgressFunction and stop token.
+// Connects the watches of the layers below to a user's ProgressFunction and stop token.
 //
-// A call that tells progress has a ProgressTeller. What is done for a volume whenever it comes up,
-// as unpacking is, goes through the volume's ProgressRelay to the teller of the call that is under
-// way.
+// A call that tells progress has a ProgressTeller. Work that a volume does whenever it comes up,
+// such as unpacking, goes through the volume's ProgressRelay to the teller of the call that is
+// under way.
 #pragma once
 
 #include <sluice/progress.h>
@@ -16,18 +16,18 @@
 
 namespace sluice {
 
-// Of one call of the library's. Any thread; the user's function is called by one at a time. Throws
-// Interrupted instead where the call was asked to stop.
+// Reports the progress of one call of the library. Any thread may call; the user's function is
+// called by one thread at a time. Throws Interrupted instead if the call was asked to stop.
 class ProgressTeller {
  public:
-  // Both outlive it. `progress` may be null.
+  // Both arguments must outlive it. `progress` may be null.
   ProgressTeller(const ProgressFunction& progress, const std::stop_token& stop)
       : progress_(progress), on_stop_(stop, Request{&source_}) {}
 
   void tell(Progress::Stage stage, uint64_t done, uint64_t total);
   // tell() of this stage. The teller outlives it.
   ProgressWatch watch(Progress::Stage stage);
-  // As the layers below ask it.
+  // The stop token for the layers below.
   StopToken stop() const { return source_.token(); }
 
  private:
@@ -44,10 +44,10 @@ class ProgressTeller {
 
 class ProgressRelay {
  public:
-  // To the last of the calls that are under way, to nobody where there is none.
+  // To the last of the calls that are under way; to nobody if there is none.
   void tell(Progress::Stage stage, uint64_t done, uint64_t total);
 
-  // For the time of a call.
+  // Relays progress for the time of a call.
   class Call {
    public:
     Call(ProgressRelay& relay, ProgressTeller& teller);

@@ -14,7 +14,7 @@ struct Renderer::Impl {
   OwnThread own;
   std::unique_ptr<Drawing> drawing;
 
-  // What `call` gives, run on the own thread.
+  // Runs `call` on the renderer's own thread and returns its result.
   template <class Call>
   auto on(const Call& call) {
     return translated([&] {
@@ -26,7 +26,7 @@ struct Renderer::Impl {
   ~Impl() {
     try {
       own.run([&] { drawing.reset(); });
-    } catch (...) {  // no memory to say so on the other thread: then here
+    } catch (...) {  // no memory on the other thread: run here
       drawing.reset();
     }
   }
@@ -34,7 +34,7 @@ struct Renderer::Impl {
 
 Renderer::Renderer(const Volume& volume, const LookOptions& look, const RendererOptions& options)
     : impl_(std::make_unique<Impl>()) {
-  volume.info();  // throws where there is none
+  volume.info();  // throws if there is none
   translated([&] {
     impl_->own.run(
         [&] { impl_->drawing = std::make_unique<Drawing>(volume.impl_, look, options); });

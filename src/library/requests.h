@@ -1,6 +1,6 @@
-// What is asked of the library, with the defaults: which volume, how it looks, what drawing may
-// take. Plain data. The public headers have options of their own (include/sluice), of which these
-// are made; commands fill these.
+// Requests to the library, with the defaults: which volume, how it looks, which resources drawing
+// may take. Plain data. The public headers have options of their own (include/sluice), which are
+// converted to these; commands fill these directly.
 #pragma once
 
 #include <array>
@@ -17,7 +17,7 @@
 
 namespace sluice {
 
-// Which volume, and how to read it where the file does not say.
+// The volume, and how to read it if the file does not tell.
 struct VolumeArguments {
   std::vector<std::string> inputs;
   OpenOptions open;
@@ -33,29 +33,29 @@ struct LookArguments {
   std::vector<OpacityPoint> opacities;  // empty: from one of the others
   bool labels = false;
   std::optional<ValueRange> range;  // in place of the data's; lo > hi turns a map round
-  // Of a series, look and fit follow from the step that is drawn alone.
+  // For a series: look and fit follow from the drawn step alone.
   bool this_step = false;
-  // Steps are drawn one after another: the range of values is that of all.
+  // Steps are drawn one after another: the range of values covers all.
   bool whole_series = false;
   bool shade = false, no_shade = false;
-  // For people who give no options: lit where that shows more, one look for a whole series, chosen
+  // For people who give no options: lit if that shows more, one look for a whole series, chosen
   // from the values. Benches stay plain: unlit, and a ramp from plainThreshold() on.
   bool first_picture = false;
   bool modulate = false;       // the opacity by the gradient's magnitude
-  double full_gradient = 0.1;  // where that is 1: a share of the value range a voxel length
+  double full_gradient = 0.1;  // gradient of factor 1: a share of the value range per voxel length
   std::array<float, 3> background{0, 0, 0};
   bool has_background = false;
   StopToken stop = {};  // ends waiting for a transfer file that is a pipe
 };
 
-// What zoom 1 shows whole: what is visible, or the sphere around the volume. Unset: the plain view
-// has the sphere, all others what is visible.
+// The fit at zoom 1: the visible part of the volume, or the sphere around the volume. Unset: the
+// plain view has the sphere, all others what is visible.
 enum class Fit { kVisible, kVolume };
 using FitChoice = std::optional<Fit>;
 
-// What it may take.
+// Resources that drawing may take.
 struct MachineOptions {
-  uint64_t memory_bytes = 0;  // 0: half of what the machine has
+  uint64_t memory_bytes = 0;  // 0: half of the machine's memory
   int threads = 0;            // 0: one a core
   DeviceArguments device;
   std::optional<Vec3i> page_vox;

@@ -8,8 +8,8 @@
 namespace sluice {
 namespace {
 
-// Textures may take this share of the memory where they live in it; elsewhere their memory is not
-// known to the program, and this much is on any GPU of the last ten years.
+// The share of the memory for textures if they live in it. Elsewhere their memory is not known to
+// the program, and any GPU of the last ten years has this much.
 constexpr uint64_t kTextureShare = 4;
 constexpr uint64_t kDeviceTextureBytes = uint64_t{1} << 30;
 

@@ -1,5 +1,5 @@
-// What a request for a picture means on this machine: the budget, the texture pages, the
-// session. Pure functions.
+// The resources for a picture on this machine: the budget, the texture pages, the session. Pure
+// functions.
 #pragma once
 
 #include <cstdint>
@@ -10,11 +10,11 @@
 
 namespace sluice {
 
-// What MachineOptions::memory_bytes means when it is not given: half of what the machine or its
-// cgroup has.
+// The default of MachineOptions::memory_bytes: half of what the machine or its cgroup has.
 uint64_t memoryBudget(const MachineOptions& machine);
 
-// The standard 64 KiB page of the voxel type unless the user says otherwise; pages still open.
+// The standard 64 KiB page of the voxel type unless the user sets another; the number of pages is
+// still open.
 PageGeometry pageShape(const MachineOptions& machine, const ValueMap& map);
 // How many pages, of what `beside_bytes` (min-max arrays and others) leave of the memory: as the
 // user says, or what holds the volume, or what memory comfortably does beside the least buffers.

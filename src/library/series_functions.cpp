@@ -10,7 +10,7 @@
 namespace sluice {
 namespace {
 
-// Less of the opacity than this would hide next to nothing.
+// A smaller exponent would hide next to nothing.
 constexpr double kLeastExponent = 0.2;
 
 SeriesRecipe recipeOf(const IndexedVolume& volume, const TransferFunction& transfer,
@@ -35,7 +35,7 @@ OpacityTable tableOf(const TransferFunction& transfer, const IndexedVolume& volu
   return {colored, volume.map, device_range};
 }
 
-// Of the look itself, or of another one that it is a member of the family of.
+// Functions of the look itself, or of another look of the same family.
 std::optional<SeriesFunctions> keptFunctions(const IndexedVolume& volume,
                                              const SeriesRecipe& recipe, bool of_others) {
   SeriesFunctions found;
@@ -163,7 +163,7 @@ SeriesFunctions functionsOfFamily(const IndexedVolume& volume, const TransferFun
 }  // namespace
 
 std::vector<double> familyExponents(const OpacityTable& a, std::span<const OpacityTable> basis) {
-  // Between two entries opacities are interpolated, which of extinctions says a little less.
+  // Opacities are interpolated between two entries; as extinctions this gives slightly less.
   constexpr double kBetweenEntries = 0.998;
   const std::vector<float> of_a = ExtinctionTable(a).entries();
   std::vector<double> left(of_a.begin(), of_a.end()), exponents;

@@ -1,5 +1,5 @@
 // SeriesFunctions: the opacity functions of a series for the look that it is drawn with, from its
-// index where they are, otherwise made and kept there; and the time steps as they are drawn with
+// index if they are there, otherwise made and kept there; and the time steps as they are drawn with
 // them.
 #pragma once
 
@@ -28,24 +28,23 @@ struct SeriesOptions {
 
 struct SeriesFunctions {
   std::shared_ptr<const KeptSeries> kept;
-  // With a basis, of each of its functions; they are in `kept`.
+  // The exponents of a basis, one for each of its functions; these are in `kept`.
   std::vector<double> exponents = {};
-  // The look's extinction is at least this times that of the functions' transfer function
-  // (Gao 2004, equation 4, of a basis of one): 1 where it is the same.
+  // The look's extinction is at least this times the extinction of the functions' transfer function
+  // (Gao 2004, equation 4, of a basis of one): 1 if it is the same.
   double exponent = 1;
   std::string state;           // "read", "built", "built, not kept"
-  std::filesystem::path path;  // empty where none is kept
-  uint64_t bytes = 0;          // of the file, or as they would be there
-  std::string note;            // for people; empty: nothing to say
+  std::filesystem::path path;  // empty if none is kept
+  uint64_t bytes = 0;          // size of the file, or the size that it would have
+  std::string note;            // for people; empty: none
 
   SeriesOpacityPtr opacity() const { return {kept, &kept->opacity}; }
 };
 
-// For a volume that was opened for the whole series (IndexNeeds). `transfer` is the look's. Where
-// the index has functions of another look whose opacity this one has in no less a measure anywhere,
-// those serve: opacity edits need no new pass. Otherwise all steps are read, once for the min-max
-// arrays where these are missing, and once more. Throws Error, which names the step's file,
-// Interrupted.
+// Requires a volume that was opened for the whole series (IndexNeeds). `transfer` is the look's. If
+// the index has functions of another look whose opacity is nowhere greater than this one's, they
+// serve: opacity edits need no new pass. Otherwise all steps are read, once for the min-max arrays
+// if these are missing, and once more. Throws Error, which names the step's file, Interrupted.
 SeriesFunctions seriesFunctions(const IndexedVolume& volume, const TransferFunction& transfer,
                                 const SeriesOptions& options, const IndexPass& pass);
 
@@ -60,10 +59,10 @@ std::optional<SeriesFunctions> keptSeriesFunctions(const IndexedVolume& volume,
 TimeStep stepOfSeries(const IndexedVolume& volume, int64_t time, const IndexPass& pass);
 
 // The greatest k for which (1 - b)^k is nowhere less than 1 - a, with a and b the opacities of the
-// tables; 0 where the tables cannot be compared.
+// tables; 0 if the tables cannot be compared.
 double greatestExponent(const OpacityTable& a, const OpacityTable& b);
 // Exponents for which the product of all (1 - b)^k is nowhere less than 1 - a: the greatest for the
-// first of the basis, then for the second with what is left, and so on. 0 for those that add
+// first of the basis, then for the second with the remainder, and so on. 0 for those that add
 // nothing or cannot be compared.
 std::vector<double> familyExponents(const OpacityTable& a, std::span<const OpacityTable> basis);
 

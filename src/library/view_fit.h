@@ -1,4 +1,4 @@
-// What is done so that what is visible fills the picture: --fit.
+// Fits what is visible into the picture: --fit.
 #pragma once
 
 #include <vector>
@@ -9,20 +9,20 @@
 
 namespace sluice {
 
-// A volume that is open, and what is to be shown of it.
+// An open volume, and the part of it to show.
 struct FitRequest {
   const IndexedVolume& volume;
-  TimeStep step;  // that is drawn
+  TimeStep step;  // the step that is drawn
   const TransferFunction& transfer;
   const FrameOptions& frame;  // crop and size
-  bool this_step = false;     // what is visible in the other steps does not count
+  bool this_step = false;     // ignores what is visible in the other steps
 };
 
-// What the choice means for these cameras; kVolume where they look at something of their own.
+// The fit for these cameras; kVolume if they look at a point of their own.
 Fit fitOf(const std::vector<Camera>& cameras, FitChoice choice);
 
-// The corners of what is visible (VisibleHull::points()), by cells: the same for any size of block.
-// Looks at every time step that counts; reads voxels only of steps that have no index yet.
+// The corners of the visible part (VisibleHull::points()), by cells: the same for any size of
+// block. Looks at every time step that counts; reads voxels only of steps that have no index yet.
 std::vector<Vec3d> visiblePoints(const FitRequest& request, const IndexPass& pass);
 
 // Gives all cameras one framing.

@@ -11,7 +11,7 @@
 namespace sluice {
 namespace {
 
-// One voxel around each block for gradients, so that any look can be drawn.
+// Gradients need one voxel around each block, so that any look can be drawn.
 constexpr IndexNeeds kNeeds{.gradients = true};
 
 void open(OpenedVolume& opened, const std::vector<std::string>& paths, const VolumeOptions& options,
@@ -35,7 +35,7 @@ void open(OpenedVolume& opened, const std::vector<std::string>& paths, const Vol
                               {.folder = options.index_folder},
                               {pool, progress, memoryBudget(machine), teller.stop()});
   std::vector<std::string> notes = opened.volume.notes;
-  // Where no folder is named, nobody expects an index.
+  // If no folder is named, nobody expects an index.
   if (options.index_folder.empty()) std::erase(notes, opened.volume.index->note);
   opened.info = volumeInfo(opened.volume.source->layout(), opened.volume.valueRange(), notes);
   opened.info.files = opened.volume.source->files();
@@ -58,7 +58,7 @@ Volume::Volume(const std::vector<std::string>& paths, const VolumeOptions& optio
 }
 
 ValueHistogram Volume::histogram(int bins) const {
-  info();  // throws where there is none
+  info();  // throws if there is none
   if (bins < 1) fail("a histogram of {} bins: must be at least 1", bins);
   const Histogram made = histogramOf(impl_->volume.values.counts, static_cast<size_t>(bins));
   return {made.range.lo, made.range.hi, made.counts};

@@ -13,7 +13,7 @@ namespace {
 
 constexpr size_t kMostNamed = 4;  // differences in one line
 
-// What a rank says, in the order in which it says it.
+// The statement of a rank, facts in the order in which it makes them.
 struct Statement {
   std::vector<Fact> facts;
   std::string advice;

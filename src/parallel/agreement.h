@@ -14,8 +14,8 @@
 
 namespace sluice {
 
-// One statement of a rank: "--block" is "32". `value` is printed; data that is too large to print
-// is compared by its digest.
+// A fact in a rank's statement: "--block" is "32". `value` is printed; data too large to print is
+// compared by its digest.
 struct Fact {
   std::string name;
   std::string value;
@@ -23,13 +23,13 @@ struct Fact {
 };
 
 // Returns if every rank states the same facts; their order makes no difference. Otherwise throws
-// Error at every rank, the same line at each: the first rank that differs from rank 0, what
-// differs, and that rank's `advice`. All ranks call it. Throws RankFailed and Interrupted too.
+// Error at every rank, the same line at each: the first rank that differs from rank 0, the
+// difference, and that rank's `advice`. All ranks call it. Throws RankFailed and Interrupted too.
 void expectAgreement(Team& team, const std::vector<Fact>& facts, std::string_view advice);
 
-// What a time step of a volume holds, as far as it can be told quickly: its shape and type, the
-// min-max arrays, which depend on every voxel, and `samples` rows of voxels. The rows find a copy
-// that has changed under an index that has not. Throws Error as the source does.
+// The contents of a time step of a volume, as far as they can be told quickly: its shape and type,
+// the min-max arrays, which depend on every voxel, and `samples` rows of voxels. The rows find a
+// copy that has changed although its index has not. Throws Error as the source does.
 std::vector<Fact> factsOf(VolumeSource& source, int64_t time, const SliceRanges& ranges,
                           int samples);
 

@@ -1,5 +1,5 @@
-// Communicator: how the ranks of a run reach one another, behind which MPI or threads of one
-// process stand. All ranks make the same calls in the same order. One thread a rank.
+// Communicator: how the ranks of a run reach one another. Behind it is MPI or threads of one
+// process. All ranks make the same calls in the same order. One thread a rank.
 #pragma once
 
 #include <cstddef>
@@ -19,15 +19,16 @@ class Communicator {
 
   virtual int rank() const = 0;
   virtual int ranks() const = 0;
-  // Everyone gives as many numbers and gets those of all, rank after rank. Throws Interrupted.
+  // Each rank gives as many numbers and gets the numbers of all, rank after rank. Throws
+  // Interrupted.
   virtual std::vector<uint64_t> gatherAll(std::span<const uint64_t> mine,
                                           const StopToken& stop) = 0;
-  // to[r] goes to rank r. Returns what comes from each rank, from_bytes[r] long. The communicator
+  // to[r] goes to rank r. Returns the messages from each rank, from_bytes[r] long. The communicator
   // owns the messages on their way: if it throws Interrupted, others may still read and write them.
   virtual std::vector<Message> exchange(std::vector<Message> to,
                                         std::span<const uint64_t> from_bytes,
                                         const StopToken& stop) = 0;
-  // Once, last, by all: until then a rank that goes is one that was lost.
+  // To be called once, last, by all: until then a rank that goes counts as lost.
   virtual void finish() {}
 };
 

@@ -11,7 +11,7 @@
 namespace sluice {
 namespace {
 
-// In a message, before a tile's records.
+// The header before a tile's records in a message.
 struct TileHeader {
   uint64_t tile = 0, bytes = 0;
 };
@@ -40,7 +40,7 @@ void visitTiles(const Message& message, size_t tiles, const Visit& visit) {
   }
 }
 
-// To each owner what is its; nothing of `part` is left.
+// The messages to each owner; `part` is consumed.
 std::vector<Message> messagesOf(PartialPicture& part, int ranks) {
   std::vector<Message> to(static_cast<size_t>(ranks));
   std::vector<size_t> sizes(to.size());
@@ -91,7 +91,7 @@ Message composed(const std::vector<Message>& from, size_t tiles, const FrameSetu
   return message;
 }
 
-// From the finished tiles of all ranks.
+// Assembles the picture from the finished tiles of all ranks.
 Picture pictureOf(const std::vector<Message>& from, const PartialPicture& part,
                   const FrameSetup& setup) {
   const int width = setup.size.width, height = setup.size.height;

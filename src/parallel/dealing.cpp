@@ -13,11 +13,11 @@
 namespace sluice {
 namespace {
 
-// So many hands a rank, before these are made larger.
+// Hands a rank that are aimed at before these are made larger.
 constexpr int64_t kHandsARank = 256;
 
-// 2^64 over the golden ratio: its multiples, of 2^64, fill every interval as evenly as can be, and
-// so do those of any stretch of successive numbers.
+// 2^64 over the golden ratio: its multiples, modulo 2^64, fill every interval as evenly as can be,
+// and so do the multiples of any stretch of successive numbers.
 constexpr uint64_t kGolden = 0x9e3779b97f4a7c15;
 
 }  // namespace
@@ -43,7 +43,8 @@ int Dealing::rankOf(Vec3i block) const {
 
 std::vector<int32_t> dealPicture(const Dealing& dealing, const BlockLayout& layout,
                                  const VisibleBlocks& visible) {
-  std::vector<std::pair<uint64_t, size_t>> order;  // of hands along the curve
+  std::vector<std::pair<uint64_t, size_t>>
+      order;  // position of its hand along the curve, index of a block
   order.reserve(visible.blocks.size());
   for (size_t i = 0; i < visible.blocks.size(); ++i)
     order.emplace_back(

@@ -1,5 +1,5 @@
-// Dealing: which rank has which block of a volume (Gao 2004, section 6), and in which order what
-// the ranks draw lies along the rays.
+// Dealing: which rank has which block of a volume (Gao 2004, section 6), and the order in which the
+// ranks' parts lie along the rays.
 //
 // Cubes of blocks, hands, are dealt one by one along Hilbert's curve, each a golden section of the
 // ranks further: any stretch of the curve is shared out evenly, and one that meets a part of the
@@ -23,28 +23,29 @@ namespace sluice {
 struct Dealing {
   Vec3i grid;  // blocks
   int ranks = 1;
-  int64_t hand = 1;      // blocks a side of what is dealt at once
+  int64_t hand = 1;      // blocks a side of a hand, the unit of dealing
   int64_t side_vox = 1;  // cells a side of that
-  int bits = 0;          // of the curve
+  int bits = 0;          // bits of the curve's coordinates
 
   int rankOf(Vec3i block) const;
 };
 // The same for one picture: of each of its blocks the rank, by hands along the curve, each to the
-// rank that has the fewest blocks so far. Evener, since few blocks are seen at once, and another
-// one for each picture: for series, of which every picture reads what no other does.
+// rank that has the fewest blocks so far. This balances better, since few blocks are seen at once,
+// and differs from picture to picture: for series, in which every picture reads data that no other
+// does.
 std::vector<int32_t> dealPicture(const Dealing& dealing, const BlockLayout& layout,
                                  const VisibleBlocks& visible);
-// Larger hands, of which rays cross fewer, where there are enough of them for every rank.
+// Larger hands, which fewer rays cross, if there are enough of them for every rank.
 Dealing dealBlocks(const BlockLayout& layout, int ranks);
 
 // The layers of a view (partial_picture.h): of each hand how many steps along the axes it lies from
 // the eye. A ray that leads from one hand into another goes away from the eye along each axis, and
-// along one at least by a step: hands of a layer hide nothing of each other, and those of later
-// layers nothing of earlier ones.
+// along one at least by a step. So hands of a layer do not hide each other, and hands of later
+// layers do not hide earlier ones.
 class DealingLayers {
  public:
   DealingLayers(const Dealing& dealing, const FrameSetup& setup);
-  // Of a box of cells that lie in one block.
+  // The layer of a box of cells that lie in one block.
   uint32_t layerOf(const Box3& cells) const;
 
  private:

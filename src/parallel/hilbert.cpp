@@ -16,8 +16,8 @@ uint64_t hilbertPosition(Vec3i at, int bits) {
     axes[static_cast<size_t>(a)] = static_cast<uint64_t>(at[a]);
   }
   if (bits == 0) return 0;
-  // From the coarsest octant down: what lies below is turned into the frame of the octant that it
-  // is in, by mirroring the first axis or by exchanging it with another.
+  // From the coarsest octant down: the finer coordinates are turned into the frame of their octant,
+  // by mirroring the first axis or by exchanging it with another.
   const uint64_t top = uint64_t{1} << (bits - 1);
   for (uint64_t bit = top; bit > 1; bit >>= 1) {
     const uint64_t below = bit - 1;

@@ -10,12 +10,12 @@
 namespace sluice {
 namespace {
 
-// Where all ranks put what they have for each other.
+// The place where all ranks put data for each other.
 struct Meeting {
   explicit Meeting(int count)
       : ranks(count), numbers(static_cast<size_t>(count)), messages(static_cast<size_t>(count)) {}
 
-  // Until all ranks are here.
+  // Waits until all ranks are here.
   void wait(const StopToken& stop) {
     MutexLock lock(mutex);
     const int64_t round = rounds;
@@ -32,7 +32,7 @@ struct Meeting {
   }
 
   const int ranks;
-  // Written by their rank, read by others after a wait().
+  // Each rank writes its own; the others read it after a wait().
   std::vector<std::vector<uint64_t>> numbers;
   std::vector<std::shared_ptr<std::vector<Message>>> messages;
   Mutex mutex;
@@ -81,7 +81,7 @@ class ThreadRank : public Communicator {
   const int rank_;
 };
 
-// Empty where all is well.
+// The reason why the body failed; empty if it did not.
 std::string endOf(Team& team, const std::function<void(Team&)>& body) {
   std::string reason;
   try {

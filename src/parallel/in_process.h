@@ -1,4 +1,4 @@
-// Ranks that are threads of this process: for tests, and to measure what sharing out takes without
+// Ranks that are threads of this process: for tests, and to measure the cost of sharing without
 // MPI.
 #pragma once
 
@@ -14,8 +14,8 @@ namespace sluice {
 // A communicator for each rank; they end together.
 std::vector<std::unique_ptr<Communicator>> inProcessRanks(int ranks);
 
-// Runs `body` for each of so many ranks, each on a thread of its own; gives why it ended, one line
-// a rank, empty where all is well. What `body` throws is a failure of that rank.
+// Runs `body` for each of `ranks` ranks, each on a thread of its own. Returns the reasons why ranks
+// failed, one line a rank; empty if none did. An exception from `body` is a failure of that rank.
 std::vector<std::string> runInProcess(int ranks, const std::function<void(Team& team)>& body,
                                       const StopToken& stop = {});
 

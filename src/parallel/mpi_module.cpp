@@ -67,7 +67,7 @@ class Underway {
 
   Transfer* operator->() { return transfer_.get(); }
 
-  // Not MPI_Waitall(): that takes a core while others draw on it, and hears of no signal.
+  // MPI_Waitall() is not used: it takes a core while others draw on it, and hears of no signal.
   void wait(const StopToken& stop) {
     constexpr int kTurnsAtOnce = 100;
     constexpr long kFirstPauseNs = 20'000, kLongestPauseNs = 500'000;

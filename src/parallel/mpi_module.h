@@ -1,4 +1,4 @@
-// What lies between the program and its modules for MPI.
+// The interface between the program and its modules for MPI.
 //
 // Open MPI and MPICH have the same functions and nothing else in common: a program that is linked
 // to one starts under that one alone, and needs it to start at all. So all that includes mpi.h
@@ -16,8 +16,8 @@ namespace sluice {
 using JoinMpi = void(std::unique_ptr<Communicator>& ranks);
 inline constexpr const char* kJoinMpi = "sluiceJoinMpi";
 
-// What it must say of itself before: of this version of sluice, and of this shape of what lies
-// between. The number counts up with each change of the latter.
+// A module must export this first: the version of sluice and of this interface. The number counts
+// up with each change of the interface.
 using MpiModuleVersion = const char*();
 inline constexpr const char* kMpiModuleVersionOf = "sluiceMpiModuleVersion";
 inline constexpr const char* kMpiModuleVersion = SLUICE_VERSION " mpi module 2";

@@ -20,14 +20,14 @@ struct Launcher {
   const char* ranks;
   MpiKind kind;
 };
-// Open MPI's own; MPICH's (and those of its kin, and of srun with pmi2); srun with pmix, which is
-// for Open MPI.
+// Open MPI's own; MPICH's (and those of its kin, and of srun with pmi2); srun's with pmix, for Open
+// MPI.
 constexpr std::array<Launcher, 3> kLaunchers = {
     {{"OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE", MpiKind::kOpenMpi},
      {"PMI_RANK", "PMI_SIZE", MpiKind::kMpich},
      {"PMIX_RANK", "SLURM_STEP_NUM_TASKS", MpiKind::kOpenMpi}}};
 
-// -1 where it is no number.
+// -1 if it is no number.
 int numberIn(const char* text) {
   if (text == nullptr) return -1;
   const std::string_view digits(text);

@@ -12,16 +12,16 @@ namespace sluice {
 enum class MpiKind { kOpenMpi, kMpich };
 const char* name(MpiKind kind);  // "Open MPI", "MPICH"
 
-// What a launcher says to each process that it starts.
+// The information that a launcher gives to each process that it starts.
 struct Launch {
   int rank = 0, ranks = 1;
-  // Of the launcher; unset: it knows nothing of MPI (srun without a plugin for it), or there is
-  // none.
+  // The launcher's MPI. Unset if it knows nothing of MPI (srun without a plugin for it), or if
+  // there is no launcher.
   bool has_kind = false;
   MpiKind kind = MpiKind::kOpenMpi;
 };
-// From the variables of the environment, asked by name; null where one is not set. Of variables
-// that make no sense nothing is said: one rank. Pure.
+// Reads environment variables by name; `environment` returns null for one that is not set.
+// Malformed variables are ignored (treated as one rank). Pure.
 Launch launchOf(const std::function<const char*(const char* variable)>& environment);
 
 // Meets the others. Throws Error: not built for this MPI, or the MPI does not begin.

@@ -7,7 +7,7 @@
 namespace sluice {
 namespace {
 
-// Of layers that are drawn as pictures of their own.
+// Limit for layers that are drawn as pictures of their own.
 constexpr size_t kMostPutOffBoxes = 1 << 16;
 
 }  // namespace

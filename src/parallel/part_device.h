@@ -1,10 +1,10 @@
 // PartDevice: a rank's own device, made to draw its part of pictures that all ranks draw together.
 // The frame that uses it does not know: it draws boxes front to back and ends with a picture, which
-// is empty; takePart() has what was drawn, for compositing.h.
+// is empty; takePart() returns the part for compositing.h.
 //
-// A device that draws parts is told of each box's layer. Of any other the boxes are put off and
-// drawn a layer after another, each a picture of its own. What a device could say of the opacity
-// that was reached is of one part alone and hides nothing (leastOpacity() gives 0). One thread, the
+// A device that draws parts gets each box's layer. For any other device the boxes are put off and
+// drawn one layer after another, each as a picture of its own. The opacity reached on the device is
+// that of one part alone, so it hides nothing (leastOpacity() returns 0). Used on one thread, the
 // device's.
 #pragma once
 
@@ -23,11 +23,11 @@ class PartDevice : public Device {
  public:
   PartDevice(std::unique_ptr<Device> device, const Dealing& dealing);
 
-  // Frames from the next on are whole pictures of what is drawn, as the device alone makes them.
+  // Later frames are whole pictures of the boxes drawn, as the device alone makes them.
   void drawWhole(bool whole) { draws_whole_ = whole; }
   // Parts of a frame take no more than this: beyond it drawing throws Error.
   void limitPart(uint64_t most_bytes) { most_bytes_ = most_bytes; }
-  // What the last frame drew, and its setup. Once a frame.
+  // The part that the last frame drew; its setup is setup(). To be taken once a frame.
   PartialPicture takePart() { return std::exchange(part_, {}); }
   const FrameSetup& setup() const { return setup_; }
 
@@ -49,7 +49,7 @@ class PartDevice : public Device {
 
  private:
   bool goesByLayers() const { return !draws_whole_ && !device_->drawsParts(); }
-  // Draws what was put off, of a device that does not draw parts.
+  // Draws the boxes that were put off, on a device that does not draw parts.
   void drawPutOff();
   void takeLayer(uint32_t layer, const Picture& picture);
 

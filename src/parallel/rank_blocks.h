@@ -1,6 +1,6 @@
-// RankBlocks: of the blocks that a picture needs those that this rank draws: one more source of
-// visible blocks. What follows in a frame's chain does not know of it, so that nothing of others'
-// blocks is planned, read or drawn.
+// RankBlocks: those of the blocks needed for a picture that this rank draws; another source of
+// visible blocks. Later stages of the frame's chain do not know of it, so nothing of others' blocks
+// is planned, read or drawn.
 #pragma once
 
 #include <cstdint>
@@ -16,11 +16,11 @@ class RankBlocks : public BlockChooser {
   RankBlocks(const Dealing& dealing, int rank, WorkerPool& pool)
       : dealing_(dealing), rank_(rank), classified_(pool) {}
 
-  // From now on takes of what this one chooses, which must outlive its use; null: of all that the
-  // classification says is visible.
+  // From now on takes from the blocks that `chooser` selects, which must outlive its use; null:
+  // from all visible blocks of the classification.
   void chooseFrom(BlockChooser* chooser) { chooser_ = chooser; }
-  // From now on each picture's blocks are dealt for it, see dealPicture(); or all of the volume's
-  // once.
+  // `each`: from now on each picture's blocks are dealt for it, see dealPicture(); otherwise the
+  // volume's, once.
   void dealEachPicture(bool each) { deals_each_ = each; }
   VisibleBlocksPtr choose(const BlockQuestion& question) override;
 

@@ -8,7 +8,7 @@
 namespace sluice {
 namespace {
 
-// Of a rank's memory.
+// The share of a rank's memory for parts is 1 / this.
 constexpr uint64_t kPartShare = 4;
 
 }  // namespace
@@ -20,7 +20,7 @@ uint64_t partBytes(PictureSize size, const Dealing& dealing, uint64_t memory_byt
   const auto layers = static_cast<uint64_t>(hands.x + hands.y + hands.z - 2);
   const auto pixels = static_cast<uint64_t>(size.width) * static_cast<uint64_t>(size.height);
   const uint64_t all = pixels * layers * kMostPartChannels * sizeof(float);
-  // Drawn and gathered in turn, and messages beside them.
+  // Parts are drawn and gathered in turn, and messages exist in addition to them.
   return std::min(memory_bytes / kPartShare, 2 * all / static_cast<uint64_t>(dealing.ranks) +
                                                  pixels * kMostPartChannels * sizeof(float));
 }

@@ -1,10 +1,10 @@
-// RankShare: all that makes of a session one rank's of several: its device draws parts, its blocks
-// are those that it was dealt, what it can see is what all ranks together found, and the picture is
-// put together by all.
+// RankShare: turns a session into one rank's of several. Its device draws parts, its blocks are
+// those that it was dealt, its visible blocks are those that all ranks together found, and all
+// ranks compose the picture.
 //
 // The way of a frame on ranks: culled_blocks.h (each looks at tiles of the estimate, one exchange
-// of what is visible) -> rank_blocks.h -> the frame's chain as ever -> part_device.h ->
-// compositing.h. All ranks make the same calls in the same order. One thread, the device's.
+// of the visible blocks) -> rank_blocks.h -> the frame's chain as ever -> part_device.h ->
+// compositing.h. All ranks make the same calls in the same order. Used on one thread, the device's.
 #pragma once
 
 #include <cstdint>
@@ -17,8 +17,8 @@
 
 namespace sluice {
 
-// What parts of a picture of this size may take of a rank's memory: those that it draws and those
-// that it gets, at the most a quarter.
+// The memory of a rank for parts of a picture of this size, those that it draws and those that it
+// receives; at most a quarter of `memory_bytes`.
 uint64_t partBytes(PictureSize size, const Dealing& dealing, uint64_t memory_bytes);
 
 class RankShare {
@@ -29,18 +29,20 @@ class RankShare {
   // The rank's device from its own. Once; it must outlive the share.
   std::unique_ptr<PartDevice> deviceFrom(std::unique_ptr<Device> own);
   PartDevice& device() { return *device_; }
-  // Of a series: see RankBlocks.
+  // For a series: see RankBlocks.
   void dealEachPicture(bool each) { blocks_.dealEachPicture(each); }
-  // Who chooses this rank's blocks, of those that `chooser` says, null: the classification.
+  // The chooser of this rank's blocks among those that `chooser` selects; null: the classification.
   BlockChooser* chooserFrom(BlockChooser* chooser);
-  // Sets what culling needs so that each rank looks at its tiles.
+  // Sets the culling options that make each rank look at its tiles.
   void shareEstimate(CullingOptions& options);
 
-  // Of the last frame, at rank 0; elsewhere empty. Throws Error, RankFailed, Interrupted.
+  // The picture of the last frame at rank 0; empty elsewhere. Throws Error, RankFailed,
+  // Interrupted.
   Picture picture();
   const CompositingReport& report() const { return report_; }
 
-  // `body` at rank 0, then at all others at once: for what rank 0 keeps for them in a file.
+  // Runs `body` at rank 0, then at all others at once: for data that rank 0 keeps for them in a
+  // file.
   template <class Body>
   void inTurn(const Body& body) {
     if (team_.isFirst()) body();

@@ -10,7 +10,7 @@
 namespace sluice {
 namespace {
 
-// What a rank says of itself before it says anything else.
+// The state that each rank sends before anything else.
 constexpr uint64_t kGoesOn = 0, kFailed = 1;
 
 std::string lineOf(const std::vector<std::string>& reasons) {
@@ -66,7 +66,7 @@ std::vector<uint64_t> Team::agree(const std::vector<uint64_t>& sizes) {
 }
 
 RankFailed Team::fail(const std::string& reason) {
-  std::vector<uint64_t> mine(static_cast<size_t>(ranks()) + 2);  // as long as of exchange()
+  std::vector<uint64_t> mine(static_cast<size_t>(ranks()) + 2);  // as in exchange()
   const std::string said = reason.empty() ? "failed" : reason;
   mine[0] = kFailed;
   mine[1] = said.size();
@@ -82,7 +82,7 @@ std::vector<Message> Team::exchange(std::vector<Message> to, uint64_t most_bytes
   SLUICE_CHECK_EQ(to.size(), count);
   std::vector<uint64_t> sizes{most_bytes};
   for (const Message& message : to) sizes.push_back(message.size());
-  // Of each rank: its state, how much it takes, how much it gives to each.
+  // For each rank: its state, how much it accepts, how much it sends to each.
   const std::vector<uint64_t> all = agree(sizes);
   const size_t each = count + 2;
   for (size_t r = 0; r < count; ++r) {

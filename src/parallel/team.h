@@ -1,8 +1,8 @@
-// Team: this rank and the others of a run, and what becomes of all when one of them fails.
+// Team: this rank and the others of a run, and how all end when one of them fails.
 //
-// A rank that fails says so where the others next hear from it, so that none waits for what does
-// not come: its own call of fail() gives everyone's failures, and the others' next call throws
-// RankFailed with the same. All ranks make the same calls in the same order. One thread.
+// A rank that fails reports it in the next collective call, so that no rank waits in vain: its own
+// call of fail() returns all ranks' failures, and the others' next call throws RankFailed with the
+// same text. All ranks make the same calls in the same order. One thread.
 #pragma once
 
 #include <cstdint>
@@ -31,24 +31,25 @@ class Team {
   int ranks() const { return communicator_->ranks(); }
   bool isFirst() const { return rank() == 0; }
 
-  // to[r] goes to rank r; gives what came from each. Where a rank would get more than `most_bytes`
-  // all throw Error, which names it. These throw RankFailed and Interrupted.
+  // Sends to[r] to rank r and returns what came from each rank. If a rank would receive more than
+  // `most_bytes`, all throw Error, which names it. These throw RankFailed and Interrupted.
   std::vector<Message> exchange(std::vector<Message> to, uint64_t most_bytes = UINT64_MAX);
   // Everyone's, by rank.
   std::vector<Message> gatherAll(const Message& mine);
-  // At rank 0 everyone's; elsewhere nothing.
+  // Everyone's messages at rank 0; elsewhere nothing.
   std::vector<Message> gather(Message mine);
   // Rank 0's.
   std::string fromFirst(std::string_view mine);
   void wait();
 
-  // This rank has failed: tells all, and gives what all then know. Once; nothing may follow.
+  // This rank has failed: tells all ranks, and returns what all then know. To be called once; no
+  // call may follow.
   RankFailed fail(const std::string& reason);
   // All is done. Nothing may follow.
   void finish() { communicator_->finish(); }
 
-  // Ranks that share processors with this one, itself included: those of the same host that may run
-  // on the same ones.
+  // Ranks that share processors with this one, itself included: ranks of the same host that may run
+  // on the same processors.
   int ranksBeside(std::string_view host_and_processors);
 
  private:
