@@ -1,5 +1,6 @@
-// Desk: what a window asks of whoever draws, and what it gets. The window (src/view/window) knows
-// this, plain data and pure functions; nothing of it waits for a disk or for a picture.
+// Desk: the interface between a window and the code that draws for it: requests one way, news the
+// other. The window (src/view/window) knows this, plain data and pure functions; nothing of it
+// waits for a disk or for a picture.
 #pragma once
 
 #include <sluice/report.h>
@@ -22,13 +23,13 @@ namespace sluice {
 
 enum class FileKind;  // src/base/file_kind.h
 
-// What is to be seen now. A newer one takes the place of those that were not drawn yet.
+// The picture that the user wants to see now. A newer wish replaces those that were not drawn yet.
 struct Wish {
   ViewState state = {};
   int width = 1, height = 1;              // pixels of the pane
   bool moves = false;                     // a hand is on it: more will follow
-  std::optional<int64_t> next_time = {};  // of a series that plays
-  // What showing a picture takes of the processors that draw it: a preview has so much less time.
+  std::optional<int64_t> next_time = {};  // next step of a series that plays
+  // Processor time that showing a picture takes from drawing it; a preview has this much less.
   double showing_s = 0;
 };
 
@@ -75,15 +76,15 @@ struct SavedNews {
 };
 
 struct ProbeNews {
-  uint64_t number = 0;  // of the question
+  uint64_t number = 0;  // number of the question
   std::optional<VoxelProbe> found;
 };
 
-// All that came since it was last taken; what is not new is empty.
+// All news since the last call of take(); members without news are empty.
 struct News {
   std::unique_ptr<OpenedVolumeNews> opened;
   std::unique_ptr<ViewState> state;       // loaded for the volume that is open, or placed
-  std::optional<ViewPath> path;           // that was loaded with the volume or the state
+  std::optional<ViewPath> path;           // the path loaded with the volume or the state
   std::unique_ptr<ShownPicture> picture;  // the newest
   std::vector<ShownSlice> slices;
   std::unique_ptr<ShownLook> look;
@@ -94,23 +95,23 @@ struct News {
   std::vector<std::string> vanished;  // volumes that were asked for and are not there
 };
 
-// What is being done at this moment.
+// The work under way at this moment.
 struct DeskStatus {
   enum class Doing { kNothing, kOpening, kPreview, kPicture, kSlices, kProbe, kSaving, kFrame };
   Doing doing = Doing::kNothing;
-  double share = 0;                        // of opening and drawing, 0 to 1
+  double share = 0;                        // share of opening or drawing that is done, 0 to 1
   bool is_indexing = false;                // opening passes over the voxels
   uint64_t wished = 0;                     // number of the newest wish
-  uint64_t completed = 0;                  // of the newest that is drawn whole
-  int64_t frames = 0, frames_written = 0;  // of a film that is being written; 0: none is
+  uint64_t completed = 0;                  // number of the newest wish that is drawn whole
+  int64_t frames = 0, frames_written = 0;  // frames of a film that is being written; 0: none is
 };
 
-// What was measured since the beginning, of wishes that got a picture.
+// Times since the beginning, for wishes that got a picture.
 struct DeskTimes {
   uint64_t wishes = 0, previews = 0, complete = 0, cancelled = 0;
   // Seconds from a wish to the first picture that is no older; the last ones.
   std::vector<double> answer_s;
-  // And to the first complete one, of wishes behind which no other came.
+  // Seconds to the first complete picture, for wishes that no other followed.
   std::vector<double> complete_s;
 };
 
@@ -118,7 +119,7 @@ struct DeskTimes {
 class Desk {
  public:
   virtual ~Desk() = default;
-  // Opens in place of what is open; until then, and where it fails, that stays.
+  // Opens a volume in place of the open one, which stays until then, or if opening fails.
   virtual void open(const ViewedVolume& volume, const std::optional<ViewState>& state) = 0;
   // The number of the wish, from 1.
   virtual uint64_t wish(const Wish& wish) = 0;
@@ -126,9 +127,9 @@ class Desk {
   virtual void loadState(const std::string& path) = 0;
   // The wish as a picture, complete, PNG or EXR as its name ends; its news name the command.
   virtual void savePicture(const std::string& path, const Wish& wish) = 0;
-  // Frame by frame whenever nothing else is to be done, in place of a film that is being written. A
-  // state with the path is written beside them (pathFileFor()), which the command of its news
-  // takes. What was written stays when it is cancelled or fails.
+  // Writes the film frame by frame whenever nothing else is to be done, and replaces a film that is
+  // being written. A state with the path is written to the same folder (pathFileFor()), and the
+  // command of its news uses it. Frames already written stay if the film is cancelled or fails.
   virtual void writeFrames(const FilmWish& film) = 0;
   virtual void cancelFrames() = 0;
   // A small file. It may take the place of a file of this kind; nullopt: of any, for files of the
@@ -137,8 +138,9 @@ class Desk {
                         std::optional<FileKind> kind) = 0;
   // The state with its view placed (Renderer::placed()) for a pane of this size, as news.
   virtual void place(const ViewState& state, int width, int height) = 0;
-  // Of a point of the pane (0 to 1, right and down) as the newest wish shows it; the number that
-  // its news will carry. A newer question takes the place of one that has no answer.
+  // Asks for the value at a point of the pane (0 to 1, right and down) as the newest wish shows it.
+  // Returns the number that its news will carry. A newer question takes the place of one that has
+  // no answer.
   virtual uint64_t probe(double right, double down) = 0;
   virtual void wantReport(bool maps) = 0;
 

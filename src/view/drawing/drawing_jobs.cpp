@@ -1,4 +1,4 @@
-// What the drawing thread draws and answers. Opening is in drawing_opening.cpp, writing in
+// The jobs that draw and answer questions. Opening is in drawing_opening.cpp, writing in
 // drawing_saves.cpp.
 #include "src/view/drawing/drawing_jobs.h"
 
@@ -11,9 +11,9 @@
 namespace sluice {
 namespace {
 
-// How long the whole picture waits for what is on disk before it is shown with what is there.
+// How long the whole picture waits for data on disk before it is shown without the missing parts.
 constexpr double kRefine_s = 0.4;
-// Where less than this came in that time, waiting for all of it is shorter.
+// If less than this share arrived in that time, it is quicker to wait for all of it.
 constexpr double kWorthShowing = 0.01;
 constexpr std::array<float, 3> kPaneColor{0.09F, 0.09F, 0.1F};
 
@@ -121,7 +121,7 @@ void DrawingJobs::run(const PictureJob&, const Job& job) {
   PictureOptions picture = pictureOf(wish.state, wish.width, wish.height);
   picture.next_time = wish.next_time;
   double missing = 1;
-  // What is there is shown as it comes, as long as that is worth a picture.
+  // Shows the parts that are there as they come, as long as each adds enough to be worth a picture.
   while (true) {
     picture.time_limit_s = kRefine_s;
     ShownPicture shown = draw(job, picture, wholeStep(wish));

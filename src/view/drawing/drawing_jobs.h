@@ -1,5 +1,5 @@
-// DrawingJobs: does what the drawing thread is to do: opens volumes, draws, answers and writes. It
-// owns the volume and the renderer; the drawing thread alone calls it.
+// DrawingJobs: the jobs of the drawing thread: it opens volumes, draws, answers and writes. It owns
+// the volume and the renderer; the drawing thread alone calls it.
 #pragma once
 
 #include <sluice/renderer.h>
@@ -23,21 +23,21 @@ namespace sluice {
 
 struct DrawingOptions {
   RendererOptions renderer;
-  // To begin with, of the volume that is opened first.
+  // The first state of the volume that is opened first.
   ViewState state;
   // The file that `state` was saved in, whose time and cross hair hold too; empty: no file.
   std::string state_file;
-  std::optional<ViewPath> path;  // that was saved with it
-  std::string index_folder;      // of volumes that name none
+  std::optional<ViewPath> path;  // the path saved with it
+  std::string index_folder;      // for volumes that name none
   std::string trace_file;        // empty: none; of the volume that is opened first
-  // Throws Error where one of `writes` must not be written: it is one of `reads`, or something that
-  // is there is of another kind. Empty: all may be.
+  // Throws Error if one of `writes` must not be written: it is one of `reads`, or an existing file
+  // of another kind. Empty: all may be.
   std::function<void(const std::vector<std::string>& reads, const std::vector<std::string>& writes)>
       check_outputs;
-  double budget_s = 0.016;  // of a preview
+  double budget_s = 0.016;  // time for a preview
   // A hand that rests so long gets the whole picture.
   double rest_s = 0.06;
-  // Told, by the drawing thread, that there is something to take. It must return at once.
+  // The drawing thread calls it when there is something to take. It must return at once.
   std::function<void()> on_news;
 };
 
@@ -46,7 +46,7 @@ class DrawingJobs {
   DrawingJobs(const DrawingOptions& options, JobQueue& queue, NewsBox& news)
       : options_(options), queue_(queue), news_(news) {}
 
-  // Does it, tells the queue what is done and adds what came of it to the news. Throws Error, and
+  // Does the job, tells the queue what is done and adds the results to the news. Throws Error, and
   // Cancelled when the job's stop asks for it.
   void run(const Job& job);
   // Lets go of the volume and the renderer.
@@ -55,19 +55,19 @@ class DrawingJobs {
   void lend(std::shared_ptr<const ScreenContext> screen);
 
  private:
-  // Of the volume that is open.
+  // The volume that is open.
   struct Opened {
     ViewedVolume viewed;
     std::optional<Volume> volume;
     std::unique_ptr<Renderer> renderer;  // null: see useLook()
-    LookOptions look;                    // that the renderer has
-    LookOptions shown_look;              // of the newest news; a film's frames have others
+    LookOptions look;                    // the renderer's look
+    LookOptions shown_look;              // look of the newest news; a film's frames have others
     Ground ground;
     Pace pace;
     struct Slice {
       int64_t at = -1, time = -1;
       SliceValues values;
-      std::optional<std::array<double, 2>> range;  // that was shown last
+      std::optional<std::array<double, 2>> range;  // the range shown last
     };
     std::array<Slice, 3> slices;
   };
@@ -86,9 +86,9 @@ class DrawingJobs {
   void openVolume(OpenJob task, const Job& job);
   // Shows the state on the volume that is open.
   void loadInto(StateFile file, const std::string& name, const Job& job);
-  // Of a film, before its first frame.
+  // Called before the first frame of a film.
   void beginFilm(const FilmWish& film);
-  // Throws Error where they must not be written.
+  // Throws Error if they must not be written.
   void checkOutputs(const std::vector<std::string>& writes, const LookOptions& look) const;
 
   std::unique_ptr<Renderer> makeRenderer(const Volume& volume, const LookOptions& look) const;
@@ -99,7 +99,8 @@ class DrawingJobs {
   ViewOptions placed(const ViewState& state, int width, int height, const Job& job);
   // Voxels between samples of the wish's whole picture.
   double wholeStep(const Wish& wish) const;
-  // What a screen is to show of it, nothing but pixels or where they are. Learns from it.
+  // Draws what a screen is to show: pixels, or the texture that holds them. Learns the pace from
+  // it.
   ShownPicture draw(const Job& job, const PictureOptions& picture, double step_vox);
   void deliver(const NumberedWish& wish, ShownPicture picture, bool is_complete, double seconds);
   ProgressFunction progress() const;

@@ -12,7 +12,7 @@
 namespace sluice {
 namespace {
 
-// The size that a view is placed for before a window has said its own.
+// The size that a view is placed for before a window has sent its own.
 constexpr int kWidth = 800, kHeight = 600;
 
 bool isGone(const std::vector<std::string>& paths) {
@@ -60,7 +60,7 @@ void DrawingJobs::run(const OpenJob& task, const Job& job) {
 void DrawingJobs::loadInto(StateFile file, const std::string& name, const Job& job) {
   if (!opened_.volume) fail("{}: names no volume, and none is open", name);
   requireFits(file.state, file.path, opened_.volume->info(), name);
-  // What is visible of the look that was saved is what the view fits.
+  // The view fits what is visible in the saved look.
   useLook(file.state.look);
   const Wish pane = job.wish != nullptr ? job.wish->wish : Wish{.width = kWidth, .height = kHeight};
   file.state.view = placed(file.state, pane.width, pane.height, job);
@@ -75,7 +75,7 @@ void DrawingJobs::openVolume(OpenJob task, const Job& job) {
   const bool is_first = !opened_.volume;
   Opened next;
   next.viewed = std::move(task.volume);
-  // Its index goes where the first one's does.
+  // Its index goes to the first one's folder.
   if (next.viewed.options.index_folder.empty())
     next.viewed.options.index_folder = options_.index_folder;
   next.volume.emplace(next.viewed.paths, next.viewed.options, progress(), job.stop);

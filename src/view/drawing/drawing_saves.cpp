@@ -1,4 +1,4 @@
-// What the drawing thread writes: pictures, small files, and films frame by frame.
+// The jobs that write pictures, small files, and films frame by frame.
 #include <utility>
 
 #include "src/base/atomic_file.h"

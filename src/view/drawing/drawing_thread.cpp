@@ -8,8 +8,8 @@
 namespace sluice {
 namespace {
 
-// What shows the pictures goes first where processors are few: this thread, and with it those that
-// the renderer starts, take what is left.
+// The thread that shows pictures has priority if processors are few: this thread, and with it those
+// that the renderer starts, take what is left.
 void yieldToOthers() {
   constexpr int kNicer = 5;
   const auto self = static_cast<id_t>(gettid());

@@ -1,8 +1,8 @@
 // DrawingThread: the Desk that a Renderer stands behind. Its thread takes the newest wish from a
-// JobQueue, draws a preview within the frame's budget and then the whole picture, and gives up what
-// is not wanted any more through the stop token; what comes of it lies in a NewsBox.
+// JobQueue, draws a preview within the frame's budget and then the whole picture, and gives up
+// unwanted work through the stop token; results lie in a NewsBox.
 //
-// Who asks only ever takes locks that are never held while something is read or drawn.
+// Callers only ever take locks that are never held while something is read or drawn.
 #pragma once
 
 #include "src/base/worker_pool.h"
@@ -13,7 +13,7 @@ namespace sluice {
 class DrawingThread : public Desk {
  public:
   explicit DrawingThread(const DrawingOptions& options);
-  // Stops what is under way and waits for it.
+  // Stops the work under way and waits for it.
   ~DrawingThread() override;
   DrawingThread(const DrawingThread&) = delete;
   DrawingThread& operator=(const DrawingThread&) = delete;
@@ -36,11 +36,11 @@ class DrawingThread : public Desk {
   News take() override { return news_.take(); }
   DeskStatus status() const override { return queue_.status(); }
   DeskTimes times() const override { return queue_.times(); }
-  // Volumes that are opened from now on are drawn in it, where the CPU does not draw. It must
-  // outlive this.
+  // Volumes that are opened from now on are drawn in it, unless the CPU draws. It must outlive
+  // this.
   void lend(std::shared_ptr<const ScreenContext> screen) { jobs_.lend(std::move(screen)); }
-  // From now on in place of DrawingOptions::on_news; empty: nobody is told. What was told before
-  // has returned.
+  // Replaces DrawingOptions::on_news; empty: nobody is told. Returns after earlier calls of the old
+  // function have returned.
   void tellNews(std::function<void()> on_news) { news_.tellTo(std::move(on_news)); }
 
  private:

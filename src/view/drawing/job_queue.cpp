@@ -8,7 +8,7 @@ namespace {
 
 using Doing = DeskStatus::Doing;
 
-// Of each kind of Job::task.
+// For each kind of Job::task.
 constexpr std::array kDoing{Doing::kOpening, Doing::kPreview, Doing::kPicture, Doing::kSlices,
                             Doing::kProbe,   Doing::kProbe,   Doing::kNothing, Doing::kSaving,
                             Doing::kSaving,  Doing::kFrame};
@@ -155,8 +155,8 @@ JobQueue::Clock::time_point JobQueue::restsAt() const {
          std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(rest_s_));
 }
 
-// What is asked for first; then what is seen first. The whole picture waits while a hand moves.
-// Small files are written at once, also where no volume is open.
+// Chooses the next job: requests come first, then what is seen first. The whole picture waits while
+// a hand moves. Small files are written at once, even if no volume is open.
 std::optional<Job> JobQueue::choose() {
   Requests& asked = requests_;
   const auto job = [wish = asked.wish](auto task) { return Job{std::move(task), wish, {}}; };

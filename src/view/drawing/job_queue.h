@@ -1,8 +1,8 @@
-// JobQueue: what a desk was asked for and has not done yet, and which of it the drawing thread does
-// next. It also keeps the status and the times that a desk tells.
+// JobQueue: the open requests to a desk, and the choice of the drawing thread's next job. It also
+// keeps the status and the times that a desk tells.
 //
-// Any thread asks; nothing here waits but next(), which the drawing thread alone calls. The lock is
-// never held while something is read, drawn or written.
+// Any thread may ask; nothing here waits but next(), which the drawing thread alone calls. The lock
+// is never held while something is read, drawn or written.
 #pragma once
 
 #include <chrono>
@@ -26,12 +26,12 @@ struct NumberedWish {
   Wish wish;
 };
 
-// What the drawing thread does in one go.
+// The tasks that the drawing thread does without interruption by another.
 struct OpenJob {
   ViewedVolume volume;
   std::optional<ViewState> state;
   std::optional<ViewPath> path;
-  std::string state_file;  // that names the volume, state and path; empty: no file
+  std::string state_file;  // the file that names the volume, state and path; empty: no file
 };
 struct PreviewJob {};
 struct PictureJob {};
@@ -62,7 +62,7 @@ struct FrameJob {
 };
 
 struct Job {
-  // In the order of kDoing in the source.
+  // The tasks in the order of kDoing in the source.
   std::variant<OpenJob, PreviewJob, PictureJob, SlicesJob, PlaceJob, ProbeJob, ReportJob,
                SavePictureJob, SaveTextJob, FrameJob>
       task;
@@ -90,9 +90,9 @@ class JobQueue {
   // Stops the job under way; next() gives the small files that are not written yet and then ends.
   void end();
 
-  // Waits for something to do; nullopt: the end. What it gave before is done.
+  // Waits for something to do; nullopt: the end. The job that it returned before counts as done.
   std::optional<Job> next();
-  // Of the job under way.
+  // Progress of the job under way.
   void noteProgress(double share, bool is_indexing);
   // Another volume is open: wishes, questions and the film of the one before are dropped.
   void noteOpened();
@@ -108,7 +108,7 @@ class JobQueue {
  private:
   using Clock = std::chrono::steady_clock;
 
-  // What was asked for. Of wishes, films and questions the newest.
+  // Requests that are still open. Of wishes, films and questions only the newest is kept.
   struct Requests {
     std::optional<OpenJob> open;
     std::deque<SavePictureJob> pictures;
@@ -134,7 +134,7 @@ class JobQueue {
 
   std::optional<Job> choose() SLUICE_REQUIRES(mutex_);
   Job start(Job job) SLUICE_REQUIRES(mutex_);
-  // No hand moves what is shown, or it has been still for rest_s_.
+  // No hand moves the view, or it has been still for rest_s_.
   bool rests() const SLUICE_REQUIRES(mutex_);
   Clock::time_point restsAt() const SLUICE_REQUIRES(mutex_);
   void stopWork(bool also_previews) SLUICE_REQUIRES(mutex_);

@@ -1,4 +1,4 @@
-// NewsBox: what a drawing thread has to tell, until somebody takes it. Any thread.
+// NewsBox: the drawing thread's news, until somebody takes it. Any thread.
 #pragma once
 
 #include <functional>
@@ -11,11 +11,11 @@ namespace sluice {
 
 class NewsBox {
  public:
-  // `on_news`: told, by who adds, that there is something to take; it must return at once. Empty:
-  // nobody is told.
+  // `on_news` is called by the thread that adds news; it must return at once. Empty: nobody is
+  // told.
   explicit NewsBox(std::function<void()> on_news) : on_news_(std::move(on_news)) {}
 
-  // What was told before has returned.
+  // Returns after earlier calls of the old function have returned.
   void tellTo(std::function<void()> on_news) {
     const MutexLock lock(telling_);
     on_news_ = std::move(on_news);
@@ -36,7 +36,7 @@ class NewsBox {
   }
 
  private:
-  Mutex telling_;  // held while somebody is told: who is no longer told is not told any more
+  Mutex telling_;  // held during a call, so that tellTo() returns after the last call
   std::function<void()> on_news_ SLUICE_GUARDED_BY(telling_);
   Mutex mutex_;
   News news_ SLUICE_GUARDED_BY(mutex_);

@@ -6,7 +6,7 @@
 namespace sluice {
 namespace {
 
-constexpr double kFaster = 0.2;  // the share of a faster frame in what is expected
+constexpr double kFaster = 0.2;  // the weight of a faster frame in the expected time
 
 // Best first. Below half the size longer steps show as little as the pixels do.
 constexpr std::array<Quality, 8> kQualities = {

@@ -1,13 +1,13 @@
-// Pace: how large a picture, and how far apart its samples, may be so that a frame takes no longer
-// than it may; from what the last ones took. Plain data, pure functions.
+// Pace: the size of the picture and the distance of its samples that keep a frame within its time,
+// learned from the last frames. Plain data, pure functions.
 #pragma once
 
 namespace sluice {
 
-// What frames took of late.
+// Times of recent frames.
 struct Pace {
   double pixel_s = 0;  // drawing, a pixel at a step of 1 voxel
-  double fixed_s = 0;  // what does not depend on the picture's size: classes, plans, copies
+  double fixed_s = 0;  // time that does not depend on the picture's size: classes, plans, copies
   bool isKnown() const { return pixel_s > 0; }
 };
 
@@ -17,21 +17,21 @@ struct DrawnFrame {
   double draw_s = 0;   // drawing alone
   double other_s = 0;  // the rest
 };
-// With one more frame. Slower ones count at once, faster ones over a few frames, so that the size
-// does not flicker.
+// The pace with one more frame. Slower ones count at once, faster ones over a few frames, so that
+// the size does not flicker.
 Pace learned(Pace pace, const DrawnFrame& frame);
 
 struct Quality {
-  double scale = 1;        // of width and height, one of a few
+  double scale = 1;        // factor of width and height, one of a few
   double step_factor = 1;  // times the step of the complete picture
   bool isFull() const { return scale == 1 && step_factor == 1; }
 };
-// The best that is expected to take at most `budget_s`, or else the least; of `pixels` and
-// `step_vox` of the complete picture. Where nothing is known yet, a quarter of the size.
+// The best quality that is expected to take at most `budget_s`, or else the lowest; `pixels` and
+// `step_vox` are those of the complete picture. A quarter of the size if the pace is not known yet.
 Quality qualityWithin(const Pace& pace, double pixels, double step_vox, double budget_s);
-// Of a frame's budget, what drawing may take where showing takes the rest; at least a third.
+// The part of a frame's budget for drawing if showing takes the rest; at least a third.
 double drawingBudget(double budget_s, double showing_s);
-// What is expected of it.
+// Expected time of a frame.
 double expectedSeconds(const Pace& pace, const Quality& quality, double pixels, double step_vox);
 
 }  // namespace sluice

@@ -1,4 +1,4 @@
-// Gestures of a camera: from a view and what the hand did to the next view. Pure functions.
+// Gestures of a camera: from a view and a movement of the hand to the next view. Pure functions.
 //
 // Views are placed (ViewOptions::look_at and up are set). Pixels are counted from the upper left
 // corner of the pane, to the right and down; world positions are the volume's.
@@ -14,10 +14,10 @@
 
 namespace sluice {
 
-// What gestures need to know of a volume.
+// The properties of a volume that gestures need.
 struct Ground {
-  Vec3d center;       // of the sphere around its outer voxels, world
-  double radius = 1;  // of it
+  Vec3d center;       // center of the sphere around its outer voxels, world
+  double radius = 1;  // radius of that sphere
   double finest_spacing = 1;
 };
 Ground groundOf(const VolumeInfo& info);
@@ -38,7 +38,7 @@ Vec3d worldAt(const ViewOptions& view, double x, double y, Pane pane, const Grou
 struct PanePoint {
   double x = 0, y = 0;
 };
-// Where a world position is seen; nullopt: behind a perspective eye.
+// The point of the pane at which a world position is seen; nullopt: behind a perspective eye.
 std::optional<PanePoint> paneOf(const ViewOptions& view, Vec3d world, Pane pane,
                                 const Ground& ground);
 
@@ -47,10 +47,10 @@ std::optional<PanePoint> paneOf(const ViewOptions& view, Vec3d world, Pane pane,
 ViewOptions orbit(const ViewOptions& view, double dx, double dy, Pane pane);
 // Moves the camera to the right about the vertical of the view, through the target.
 ViewOptions turn(const ViewOptions& view, double degrees);
-// Moves what is seen along with the hand.
+// Moves the visible things along with the hand.
 ViewOptions pan(const ViewOptions& view, double dx, double dy, Pane pane, const Ground& ground);
-// What lies under the pixel at the target's depth stays there and grows by `factor` (above 0): a
-// parallel view by its zoom, in a perspective one the eye comes nearer.
+// The point under the pixel at the target's depth stays there and grows by `factor` (above 0): a
+// parallel view zooms; in a perspective view the eye comes nearer.
 ViewOptions zoomTo(const ViewOptions& view, double factor, double x, double y, Pane pane,
                    const Ground& ground);
 // Turns the picture; positive: the volume turns to the right.
@@ -58,11 +58,11 @@ ViewOptions roll(const ViewOptions& view, double degrees);
 // Moves eye and target: by parts of the radius, along the view, to the right and up.
 ViewOptions fly(const ViewOptions& view, double ahead, double right, double up,
                 const Ground& ground);
-// Turns the head: the eye stays where it is.
+// Turns the head: the eye keeps its place.
 ViewOptions lookAround(const ViewOptions& view, double dx, double dy, Pane pane);
-// The position comes into the middle of the picture; what is seen keeps its size.
+// Moves the position into the middle of the picture; sizes stay.
 ViewOptions centerOn(const ViewOptions& view, Vec3d world);
-// What is at the target's depth keeps its size.
+// Things at the target's depth keep their size.
 ViewOptions withProjection(const ViewOptions& view, ViewOptions::Projection projection, Pane pane,
                            const Ground& ground);
 

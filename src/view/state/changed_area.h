@@ -1,6 +1,6 @@
 // ChangedArea: which parts of a window have to be drawn anew, from the triangles of its last frame
-// and of this one. A window without a GPU shares its processors with what draws the volume: what is
-// on the screen already costs it nothing. Plain data, pure functions.
+// and of this one. A window without a GPU shares its processors with the renderer of the volume:
+// pixels that are on the screen already should cost nothing. Plain data, pure functions.
 #pragma once
 
 #include <array>
@@ -21,7 +21,7 @@ ScreenArea common(const ScreenArea& a, const ScreenArea& b);
 // The least that holds both; an empty one holds nothing.
 ScreenArea hull(const ScreenArea& a, const ScreenArea& b);
 
-// As Dear ImGui has them.
+// The layout of Dear ImGui's vertices.
 struct DrawnVertex {
   float x = 0, y = 0, u = 0, v = 0;
   uint32_t color = 0;
@@ -33,7 +33,7 @@ struct DrawnCommand {
   size_t first_index = 0, indices = 0;  // three a triangle
   size_t first_vertex = 0;              // to which the indices are added
 };
-// One of ImGui's windows.
+// A window of ImGui.
 struct DrawnList {
   std::string name;
   std::vector<DrawnVertex> vertices;
@@ -42,16 +42,15 @@ struct DrawnList {
 };
 
 // Holds every pixel that differs between two frames of one list, `redrawn` being the textures whose
-// content is another now. The triangles that both frames begin with, and those that both end with,
-// are the same pixels; the area is that of all between.
+// content is another now. The triangles at the beginning and at the end that both frames share are
+// the same pixels; the area covers all triangles between.
 ScreenArea changedArea(const DrawnList& last, const DrawnList& now,
                        std::span<const uint64_t> redrawn = {});
-// Of whole frames: areas that do not meet. Where other lists are there, or in another order, it is
-// `all`.
+// The changed areas of whole frames; they do not meet. `all` if the lists or their order differ.
 std::vector<ScreenArea> changedAreas(std::span<const DrawnList> last,
                                      std::span<const DrawnList> now,
                                      std::span<const uint64_t> redrawn, const ScreenArea& all);
-// None of them met by another: those that meet become their hull.
+// The areas so that none meets another: those that meet become their hull.
 std::vector<ScreenArea> apart(std::vector<ScreenArea> areas);
 
 }  // namespace sluice

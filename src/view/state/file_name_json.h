@@ -9,7 +9,7 @@ namespace sluice {
 
 class JsonField;
 
-// A text, or the object where the name is no UTF-8.
+// A text, or the object if the name is no UTF-8.
 nlohmann::json fileNameJson(const std::string& name);
 // The name that fileNameJson() wrote, or the field's text. Throws Error when the field is neither.
 std::string fileNameOf(const JsonField& field);

@@ -42,7 +42,7 @@ bool isDigit(char letter) {
 struct Number {
   size_t at = 0, digits = 0;
 };
-// The last number of a name; none that says what is in the file (256x256x64, uint8).
+// The last number of a name, except numbers that describe the contents (256x256x64, uint8).
 std::optional<Number> numberIn(const std::string& name) {
   size_t end = name.size();
   while (end > 0 && !isDigit(name[end - 1])) --end;
@@ -55,7 +55,7 @@ std::optional<Number> numberIn(const std::string& name) {
   return Number{at, end - at};
 }
 
-// Of a printf pattern, where % stands for itself.
+// Escapes % in a printf pattern.
 std::string escaped(const std::string& text) {
   std::string made;
   for (const char letter : text) made += letter == '%' ? std::string("%%") : std::string(1, letter);

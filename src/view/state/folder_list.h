@@ -1,5 +1,5 @@
-// FolderList: what of a folder can be opened, as a dialog lists it. Reading it is one call that may
-// take as long as its disk does; FolderReader makes it on a thread of its own.
+// FolderList: the entries of a folder that can be opened, as a dialog lists them. Reading it is one
+// call that may take as long as its disk does; FolderReader makes it on a thread of its own.
 #pragma once
 
 #include <cstdint>
@@ -15,21 +15,21 @@
 namespace sluice {
 
 struct FolderEntry {
-  std::string name;        // as it is shown, and the file's or the pattern's
-  std::string path;        // that opens it
+  std::string name;        // shown name: the file's or the pattern's
+  std::string path;        // path that opens it
   bool is_folder = false;  // to go into
-  int64_t files = 1;       // that the pattern of a series stands for
+  int64_t files = 1;       // files that the pattern of a series stands for
   friend bool operator==(const FolderEntry&, const FolderEntry&) = default;
 };
 
 struct FolderList {
   std::string folder;                // absolute
   std::vector<FolderEntry> entries;  // folders first, both by name
-  std::string failure;               // one line where it cannot be read
+  std::string failure;               // one line if it cannot be read
 };
 
-// What is asked for: visible folders and files whose names end in one of `ends` (lower case, dots
-// included; names in any case). Folders whose names end so are to be opened, not gone into. With
+// A question: visible folders and files whose names end in one of `ends` (lower case, dots
+// included; names in any case). Folders whose names end so are opened as volumes, not entered. With
 // `joins_series` files whose names differ in one number alone are one entry, "step_%03d.nrrd".
 struct FolderQuestion {
   std::string folder;  // empty: the one that the program runs in
@@ -37,10 +37,10 @@ struct FolderQuestion {
   bool joins_series = true;
   friend bool operator==(const FolderQuestion&, const FolderQuestion&) = default;
 };
-// Never throws; what it has so far when `stop` asks for it.
+// Never throws; returns the entries read so far when `stop` asks for it.
 FolderList readFolder(const FolderQuestion& question, const std::stop_token& stop = {});
 
-// Names of files, in any order, with those of series joined. A pure function.
+// Names of files, in any order, with the files of a series joined. A pure function.
 std::vector<FolderEntry> joinedSeries(std::vector<std::string> names);
 
 // All members return at once, whatever the disk does, and may be called from any thread.
@@ -53,7 +53,7 @@ class FolderReader {
   FolderReader(const FolderReader&) = delete;
   FolderReader& operator=(const FolderReader&) = delete;
 
-  // In place of what was asked before.
+  // Replaces the question asked before.
   void ask(const FolderQuestion& question);
   // The newest question's, once.
   std::optional<FolderList> take();

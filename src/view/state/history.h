@@ -30,9 +30,9 @@ class History {
     future_.clear();
     gesture_ = gesture;
   }
-  // What is no step of its own: a time that plays, a cross hair.
+  // For changes that are no step of their own: a time that plays, a cross hair.
   void replace(State next) { now_ = std::move(next); }
-  // False where there is none.
+  // False if there is none.
   bool undo() { return move(past_, future_); }
   bool redo() { return move(future_, past_); }
 

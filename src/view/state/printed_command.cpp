@@ -149,7 +149,7 @@ std::string renderCommand(const ViewedVolume& volume, const ViewState& state,
   std::string command = "sluice render";
   for (const std::string& path : volume.paths) command += " " + shellWord(asOperand(path));
   const auto add = [&](const std::vector<OptionWord>& words) {
-    // One word each, so that a value may begin with a minus.
+    // A single word each, so that a value may begin with a minus.
     for (const auto& [option, value] : words)
       command += " " + (value.empty() ? option : option + "=" + shellWord(value));
   };

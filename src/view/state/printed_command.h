@@ -1,5 +1,5 @@
-// From a view to the command line that draws it: `sluice render` with options that say all of it.
-// Pure functions.
+// From a view to the command line that draws it: `sluice render` with all options needed. Pure
+// functions.
 #pragma once
 
 #include <sluice/report.h>
@@ -15,15 +15,15 @@ namespace sluice {
 // An option and its value; of a flag that is empty.
 using OptionWord = std::pair<std::string, std::string>;
 
-// Of the volume: --dims, --type, ... without its paths.
+// The volume's options (--dims, --type, ...), without its paths.
 std::vector<OptionWord> volumeWords(const VolumeOptions& options);
-// As it was asked for.
+// The look as it was asked for.
 std::vector<OptionWord> lookWords(const LookOptions& look);
 // Camera, step, crop, clip planes, time and background.
 std::vector<OptionWord> pictureWords(const ViewState& state);
 
 // "sluice render head.nrrd --threshold 40 ... --size 800x600 -o head.png", words quoted for a shell
-// where they must be. `look`: the options that give the look as it is drawn (ShownLook::options);
+// if they must be. `look`: the options that give the look as it is drawn (ShownLook::options);
 // empty: as it was asked for.
 std::string renderCommand(const ViewedVolume& volume, const ViewState& state,
                           const std::string& look, int width, int height,

@@ -12,7 +12,8 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "the bytes of a pixel as one number");
 
-// Of an output pixel along one axis: between `first` and `second`, of which it has `share` / 256.
+// The place of an output pixel along one axis: between `first` and `second`, of which it has
+// `share` / 256.
 struct Place {
   uint32_t first = 0, second = 0;
   uint32_t share = 0;

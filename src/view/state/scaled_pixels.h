@@ -1,5 +1,5 @@
-// Pixels of one size as pixels of another, for windows that are drawn by the processor: smooth, as
-// a texture unit filters them (the middles of pixels are where their values are, edges go on).
+// Pixels of one size as pixels of another, for windows that the processor draws: smooth, as a
+// texture unit filters them (values lie at the middles of pixels, and edges are extended).
 #pragma once
 
 #include <cstdint>

@@ -205,7 +205,7 @@ LookOptions lookOf(const JsonField& field) {
   return look;
 }
 
-// What a state says beside its volume and its path.
+// The state without its volume and its path.
 json stateJson(const ViewState& state) {
   json made;
   made["camera"] = cameraJson(state.view);

@@ -4,7 +4,8 @@
 //    "look": {"threshold": 40, "map": "ct-bone", "range": [0, 255]}, "crop": [0, 0, 0, 64, 64, 64],
 //    "path": {"kind": "keys", "rate": 25, "keys": [{"seconds": 2, "camera": {...}}, {...}]}}
 //
-// Every field may be left out but "sluice"; numbers are those of the options of the same names.
+// Every field but "sluice" may be left out; numbers mean the same as in the options of the same
+// names.
 #pragma once
 
 #include <filesystem>
@@ -21,13 +22,13 @@ namespace sluice {
 struct StateFile {
   std::optional<ViewedVolume> volume;
   ViewState state;
-  std::optional<ViewPath> path;  // of a film that starts from it
+  std::optional<ViewPath> path;  // path of a film that starts from it
 };
 
 // Names of files that are there become absolute, so that the state may be read elsewhere.
 std::string stateText(const ViewedVolume& volume, const ViewState& state,
                       const std::optional<ViewPath>& path = {});
-// Throws Error, starting with `where`: the field, what was expected, what was found.
+// Throws Error, starting with `where`: the field, the expected and the found value.
 StateFile parseState(std::string_view json, const std::string& where);
 
 // The file appears whole or not at all. Throws Error.

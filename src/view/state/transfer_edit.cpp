@@ -17,7 +17,7 @@ std::optional<std::array<double, 2>> rangeIn(std::string_view options) {
                     std::strtod(word.c_str() + comma + 1, nullptr)};
 }
 
-// A ramp has nothing to it that is said otherwise.
+// The look without options that contradict a ramp.
 LookOptions withoutOpacities(LookOptions look) {
   look.threshold.reset();
   look.opacities.clear();

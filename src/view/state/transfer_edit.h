@@ -21,14 +21,14 @@ using OpacityPoints = std::vector<LookOptions::Opacity>;  // ascending by value
 LookOptions withThreshold(LookOptions look, double threshold, std::array<double, 2> range);
 
 // The same look by points of opacity, a map and a range, for editing; a look by points stays as it
-// is. One read from a file keeps it for its colours.
+// is. A look from a file keeps the file for its colours.
 LookOptions byPoints(const LookOptions& look, const ShownLook& shown, std::array<double, 2> range);
 
-// What follows an option in a text of options ("--map ct-bone"), without the quotes of a shell;
-// empty where it is not there.
+// The value that follows an option in a text of options ("--map ct-bone"), without the quotes of a
+// shell; empty if the option is not there.
 std::string wordAfter(std::string_view options, std::string_view option);
 
-// Opacities of a voxel are small numbers; what is drawn of them is their cube root.
+// Opacities of a voxel are small numbers; the plot draws their cube root.
 double heightOf(double opacity);  // 0 to 1
 double opacityAtHeight(double height);
 
@@ -38,13 +38,14 @@ std::optional<size_t> pointAt(const OpacityPoints& points, std::array<double, 2>
                               double share, double height, double reach_share, double reach_height);
 // Puts a point among the others; its position.
 size_t addPoint(OpacityPoints& points, double value, double opacity);
-// Between its neighbours, and opacity in 0..1. Requires: index < points.size().
+// Moves a point between its neighbours, and its opacity within 0..1. Requires: index <
+// points.size().
 void movePoint(OpacityPoints& points, size_t index, double value, double opacity);
-// False, and nothing is done, where fewer than two points would be left: they make a look.
+// False, and nothing is done, if fewer than two points would be left, which a look needs.
 bool removePoint(OpacityPoints& points, size_t index);
 
-// Of window and level as radiologists drag them: to the right widens the window, up lowers the
-// level. `dx`, `dy` as shares of the pane; `all`: least and greatest value.
+// Window and level as radiologists drag them: to the right widens the window, up lowers the level.
+// `dx` and `dy` are shares of the pane; `all` is the least and greatest value.
 std::array<double, 2> windowDragged(std::array<double, 2> range, double dx, double dy,
                                     std::array<double, 2> all);
 

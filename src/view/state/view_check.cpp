@@ -14,7 +14,7 @@ namespace sluice {
 namespace {
 
 // The limits of the options of the same names (tools/command_line/view_options.cpp), so that the
-// printed command takes what the window takes.
+// printed command accepts every number that the window accepts.
 constexpr double kMostDegrees = 36000, kMostZoom = 1e6, kMostFov = 179, kMostStep = 1e6;
 constexpr double kWorld = 1e15, kMostGradient = 1e6;
 constexpr size_t kMostPlanes = 6;
@@ -39,7 +39,7 @@ class Findings {
                const Found& found) {
     if (!is_right && !first_) first_ = ViewFault{field, expected, fmt::format("{}", found)};
   }
-  // In (0, most].
+  // Requires a number in (0, most].
   void above0(const std::string& field, double number, double most) {
     require(number > 0 && number <= most, field, fmt::format("a number above 0, up to {}", most),
             number);

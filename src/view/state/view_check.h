@@ -31,7 +31,7 @@ std::optional<ViewFault> faultOf(const ViewState& state, const VolumeInfo& volum
 void requireFits(const ViewState& state, const std::optional<ViewPath>& path,
                  const VolumeInfo& volume, const std::string& where);
 
-// "/path/keys/2": where the key frame `index` is in a saved view.
+// "/path/keys/2": the place of the key frame `index` in a saved view.
 std::string keyPlace(size_t index);
 
 }  // namespace sluice

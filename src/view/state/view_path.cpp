@@ -24,7 +24,7 @@ std::array<double, 3> arrayOf(Vec3d v) {
   return {v.x, v.y, v.z};
 }
 
-// Of the matrix whose columns are the axes.
+// The rotation of the matrix whose columns are the axes.
 Quaternion turningOf(const PlacedAxes& axes) {
   const auto& [r, u, b] = axes;
   Quaternion q{1 + r.x + u.y + b.z, 1 + r.x - u.y - b.z, 1 - r.x + u.y - b.z, 1 - r.x - u.y + b.z};
@@ -46,7 +46,7 @@ Quaternion turningOf(const PlacedAxes& axes) {
   }
 }
 
-// Up and back, of any length but none.
+// The up and back axes, of any length but 0.
 std::pair<Vec3d, Vec3d> upAndBack(Quaternion q) {
   double length = 0;
   for (const double part : q) length += part * part;
@@ -58,7 +58,7 @@ std::pair<Vec3d, Vec3d> upAndBack(Quaternion q) {
           {2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)}};
 }
 
-// Where a frame lies between two keys, and how numbers go there.
+// Interpolates between two keys at a frame.
 class Between {
  public:
   Between(const std::vector<ViewKey>& keys, size_t from, double share)
@@ -69,7 +69,7 @@ class Between {
   double smooth(const Of& of) const {
     return hermite(of(from_), of(from_ + 1), slope(of, from_, false), slope(of, from_ + 1, false));
   }
-  // Never beyond the two keys.
+  // Interpolates without ever going beyond the two keys.
   template <class Of>
   double monotone(const Of& of) const {
     const double a = of(from_), b = of(from_ + 1);
@@ -79,7 +79,7 @@ class Between {
   size_t from() const { return from_; }
   const ViewState& state(size_t key) const { return keys_[key].state; }
 
-  // The keys around these two, where all of them satisfy `has`: slopes look one further.
+  // The keys around these two, as far as all of them satisfy `has`: slopes look one further.
   template <class Has>
   bool both(const Has& has) const {
     return has(state(from_)) && has(state(from_ + 1));
@@ -89,7 +89,7 @@ class Between {
   std::optional<double> number(const Get& get) const {
     if (!get(state(from_)) || !get(state(from_ + 1))) return std::nullopt;
     return monotone([&](size_t i) {
-      // Beyond the two only the slope asks; flat there where it is not known.
+      // Beyond the two keys only the slope needs a value; it is flat there if none is known.
       const std::optional<double> there = get(state(i));
       return there ? *there : *get(state(i < from_ ? from_ : from_ + 1));
     });

@@ -13,14 +13,14 @@ namespace sluice {
 // A view that the film comes through.
 struct ViewKey {
   ViewState state;     // placed
-  double seconds = 2;  // to the next one, above 0; of the last one it says nothing
+  double seconds = 2;  // to the next one, above 0; unused for the last one
   friend bool operator==(const ViewKey&, const ViewKey&) = default;
 };
 
 struct ViewPath {
   enum class Kind { kTurn, kKeys };
   Kind kind = Kind::kTurn;
-  int64_t turn_frames = 90;  // of a turn about the vertical of the view, at least 1
+  int64_t turn_frames = 90;  // frames of a turn about the vertical of the view, at least 1
   std::vector<ViewKey> keys;
   double frames_per_second = 25;  // above 0
   friend bool operator==(const ViewPath&, const ViewPath&) = default;
@@ -33,18 +33,18 @@ struct ViewPath {
 int64_t frameCount(const ViewPath& path);
 double secondsOf(const ViewPath& path);
 
-// What frame number `frame` shows. `now`: the view that a turn starts from, and of key frames what
-// is no part of a film (which slices are shown).
+// The state that frame number `frame` shows. `now` gives the view that a turn starts from and, for
+// key frames, everything that is no part of a film (such as the slices shown).
 //
-// Cameras and numbers of the look come through the key frames smoothly, at rest at both ends: what
-// is looked at, distance and zoom as logarithms, the turning as quaternions, by cubic Hermite
-// splines; numbers that may not overshoot (thresholds, opacities, ranges, steps, crop boxes) by
-// monotone ones (Fritsch and Carlson, Monotone piecewise cubic interpolation, 1980). What two keys
-// have not both in the same form (a threshold here and points there, maps, modes) is the earlier
-// one's until the later is reached. Requires: 0 <= frame < frameCount().
+// Cameras and numbers of the look come through the key frames smoothly, at rest at both ends:
+// target, distance and zoom as logarithms, and rotation as quaternions, by cubic Hermite splines;
+// numbers that may not overshoot (thresholds, opacities, ranges, steps, crop boxes) by monotone
+// splines (Fritsch and Carlson, Monotone piecewise cubic interpolation, 1980). If two keys do not
+// both have a property in the same form (a threshold in one and points in the other, maps, modes),
+// the earlier key's holds until the later is reached. Requires: 0 <= frame < frameCount().
 ViewState stateAt(const ViewPath& path, const ViewState& now, int64_t frame);
 
-// "turn.json" beside "turn_%04d.png": the view and its path, from which `sluice render` makes the
+// "turn.json" next to "turn_%04d.png": the view and its path, from which `sluice render` makes the
 // same frames.
 std::string pathFileFor(const std::string& frames);
 // Whether the name has a place for a number: "####" or "%04d".

@@ -1,5 +1,5 @@
-// ViewState: all that a window shows of a volume, as a plain value. What changes it is a pure
-// function from one to the next, so that undoing is going back in a list of them.
+// ViewState: everything that a window shows of a volume, as a plain value. Changes are pure
+// functions from one state to the next, so that undo goes back in a list of states.
 #pragma once
 
 #include <sluice/options.h>
@@ -14,7 +14,7 @@
 namespace sluice {
 
 struct ViewState {
-  // By eye, target and up once a volume is open (Renderer::placed()).
+  // Has eye, target and up once a volume is open (Renderer::placed()).
   ViewOptions view;
   LookOptions look;
   int64_t time = 0;
@@ -28,7 +28,7 @@ struct ViewState {
   friend bool operator==(const ViewState&, const ViewState&) = default;
 };
 
-// Which volume, as the user names it.
+// The volume as the user names it.
 struct ViewedVolume {
   std::vector<std::string> paths;
   VolumeOptions options;

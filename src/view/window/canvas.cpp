@@ -104,7 +104,8 @@ void Canvas::resize(int width, int height) {
   gl_->bind(GL_FRAMEBUFFER, framebuffer_);
   gl_->attach(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, pixels_, 0);
   const bool is_complete = gl_->check(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
-  // Software compiles what clears a part of it when that is first asked for: now, not in a drag.
+  // Software GL compiles its code for clearing an area when it is first used: do it now, not during
+  // a drag.
   glEnable(GL_SCISSOR_TEST);
   glScissor(0, 0, 1, 1);
   glClear(GL_COLOR_BUFFER_BIT);

@@ -1,7 +1,7 @@
-// Canvas: the window's pixels, kept from one frame to the next, so that a frame draws only what is
-// another than in the last one (changed_area.h) and a frame in which nothing is draws nothing. It
-// keeps them upside down: a window's rows then are its own, and software copies them as they are.
-// The window's thread, its context current.
+// Canvas: the window's pixels, kept from one frame to the next, so that a frame draws only the
+// regions that changed (changed_area.h), and nothing if none did. It keeps them upside down: a
+// window's rows then are its own, and software copies them as they are. The window's thread, its
+// context current.
 #pragma once
 
 #include <imgui.h>
@@ -16,7 +16,7 @@ namespace sluice {
 
 class Canvas {
  public:
-  // Throws Error where the driver lacks what OpenGL 3.3 has.
+  // Throws Error if the driver lacks functions of OpenGL 3.3.
   Canvas();
   ~Canvas();
   Canvas(const Canvas&) = delete;
@@ -28,19 +28,19 @@ class Canvas {
     int left = 0, top = 0, width = 0, height = 0;
     std::vector<uint32_t> bgra;  // rows from the top
   };
-  // The one that is there, to be written over; then what it was and is are drawn anew.
+  // The current backdrop, to be written over; its old and new areas are then drawn again.
   Backdrop& renewBackdrop();
   void dropBackdrop();
 
-  // The content of this texture (an ImTextureID) is another than in the last frame.
+  // The content of this texture (an ImTextureID) has changed since the last frame.
   void noteRedrawn(const void* texture);
-  // What of the frame is another than what was drawn last; `all` of it where nothing was.
-  // Requires: the data are those of ImGui's last Render().
+  // Returns the regions that changed since the last frame; all of the frame if nothing was drawn
+  // yet. Requires: the data come from ImGui's last Render().
   const std::vector<ScreenArea>& compare(const ImDrawData& data, int width, int height);
   // Draws those areas, and puts all of the canvas on the window's back buffer. Leaves the data's
   // commands cut to the areas.
   void draw(ImDrawData& data);
-  // Of the areas that were drawn last.
+  // Pixels of the areas that were drawn last.
   uint64_t drawnPixels() const { return drawn_pixels_; }
 
  private:

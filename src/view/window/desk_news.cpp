@@ -1,4 +1,4 @@
-// Between the window and its desk: what came is taken, what is to be seen is wished for.
+// Between the window and its desk: takes the news, and sends the wish for the current view.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@ using namespace std::chrono_literals;
 constexpr auto kHandRests = 150ms, kSavedShows = 4000ms;
 constexpr size_t kMostTimes = 8192;
 
-// Of the system's monotonic clock, as who sends events reads it.
+// Seconds of the system's monotonic clock, which programs that send events read too.
 double clockSeconds(WindowClock::time_point when) {
   return std::chrono::duration<double>(when.time_since_epoch()).count();
 }
@@ -27,7 +27,8 @@ void keepSettings(WindowState& window) {
     window.desk.saveText(window.request.settings_file, settingsText(window.settings), {});
 }
 
-// Several files, and those of which their name says not all, are not opened again by one path.
+// Volumes of several files, and files whose names do not describe them fully, are not kept, since
+// one path does not open them again.
 void keepRecent(WindowState& window) {
   const ViewedVolume& volume = window.volume.news->volume;
   const VolumeOptions& said = volume.options;
@@ -166,7 +167,7 @@ void sendWish(WindowState& window) {
   const std::optional<Wish>& sent = window.wishes.last;
   const bool is_same =
       sent && sent->state == wish.state && sent->width == wish.width && sent->height == wish.height;
-  // The hand that let go wants the whole picture of what it saw last.
+  // After a drag, the whole picture of the last view is wanted.
   if (is_same && (!sent->moves || moves)) {
     if (sent->moves && !is_down) window.loop.wakeBy(rests_at + 1ms);
     return;

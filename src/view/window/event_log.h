@@ -1,6 +1,6 @@
-// EventLog: what a window does, for who drives it: a JSON object a line. Where controls are (in
-// screen units from the window's upper left corner, said again when they move), pictures that were
-// shown, files saved, failures, and at the end what was measured. One thread.
+// EventLog: a window's events for a program that drives it, a JSON object a line. It records where
+// controls are (in screen units from the window's upper left corner, again whenever they move),
+// pictures that were shown, files saved, failures, and the measurements at the end. One thread.
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@ class EventLog {
 
   bool isOn() const { return file_.is_open(); }
   void write(const nlohmann::json& line);
-  // Of the item that ImGui was given last, or a rectangle of its own.
+  // Logs the place of ImGui's last item, or of a given rectangle.
   void control(const std::string& name);
   void control(const std::string& name, float x, float y, float width, float height);
 

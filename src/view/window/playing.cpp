@@ -1,4 +1,4 @@
-// What plays in the window: a film along its path (view_path.h), and the steps of a series.
+// Animation in the window: a film along its path (view_path.h), and the steps of a series.
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>

@@ -38,7 +38,7 @@ void Texture::letGo() {
     return;
   }
   const GLsync seen = find<PFNGLFENCESYNCPROC>("glFenceSync")(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
-  glFlush();  // so that who waits for it does not wait for ever
+  glFlush();  // else a thread that waits for the fence may wait for ever
   removeFence(image.seen->exchange(seen));
 }
 

@@ -16,13 +16,13 @@ class Texture {
   Texture(const Texture&) = delete;
   Texture& operator=(const Texture&) = delete;
 
-  // width * height * 4 bytes, red first, rows from the top. Smooth where it is shown larger.
+  // width * height * 4 bytes, red first, rows from the top. Smooth if it is shown larger.
   void set(int width, int height, const std::vector<uint8_t>& rgba);
   // A picture that the desk drew: shown as it is, until the next set(), show() or drop().
   void show(const ScreenImage& image);
   // Shows nothing.
   void drop();
-  // For ImGui; null before the first set().
+  // The texture's identifier in ImGui; null before the first set().
   void* id() const;
   int width() const { return width_; }
   int height() const { return height_; }

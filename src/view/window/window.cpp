@@ -50,7 +50,7 @@ void chooseFont(float scale) {
   }
 }
 
-// Of one turn of the loop, and what parts of it took.
+// Times of one turn of the loop and of its parts.
 struct TurnTimes {
   double news_s = 0, build_s = 0, wish_s = 0, gl_s = 0, all_s = 0;
 };
@@ -90,7 +90,7 @@ class Window {
   ~Window() {
     request_.tell_news(nullptr);
     request_.end_desk();
-    if (state_->log.isOn()) glDisable(GL_DEBUG_OUTPUT);  // which would say it to the window
+    if (state_->log.isOn()) glDisable(GL_DEBUG_OUTPUT);  // it would report to the window
     state_.reset();                                      // its textures, while there is a context
     canvas_.reset();
     ImGui_ImplOpenGL3_Shutdown();
@@ -112,7 +112,7 @@ class Window {
   }
 
  private:
-  // One frame of the window: it waits in its first line and nowhere else.
+  // Runs one frame of the window; it waits in its first line and nowhere else.
   void turn() {
     double wait_s = frames_left_ > 0 ? kSettle_s : kIdle_s;
     if (state_->loop.wake_at)
@@ -191,8 +191,8 @@ class Window {
     ImGui::Render();
   }
 
-  // What is another than on the screen, drawn and shown; the seconds that took, 0 where nothing
-  // was.
+  // Draws and shows what differs from the screen. Returns the seconds that this took, 0 if nothing
+  // did.
   double present() {
     WindowState& window = *state_;
     const auto began = WindowClock::now();
@@ -224,7 +224,7 @@ class Window {
     return took;
   }
 
-  // Scaled to the pane by the processor, where it would do so in OpenGL's place.
+  // The processor scales the pane's backdrop when OpenGL would do it in software.
   void updateBackdrop() {
     WindowState& window = *state_;
     const ShownPicture& picture = window.shown.picture;
@@ -293,7 +293,7 @@ class Window {
   GLFWwindow *window_ = nullptr, *drawing_window_ = nullptr;
   bool is_software_ = false;
   std::optional<Canvas> canvas_;
-  Pane shown_pane_;  // that the canvas has the picture for
+  Pane shown_pane_;  // the canvas has the picture for this pane
   std::unique_ptr<WindowState> state_;
   WindowClock::time_point reported_at_{}, presented_at_{};
 };

@@ -1,6 +1,6 @@
-// WindowState: all that a window has in hand between two of its frames: the history of what is
-// shown, what the desk said last, and what the user is doing. Plain values, one for each thing, and
-// functions that move them on. Panels (panels/panels.h) read it, draw themselves, and change the
+// WindowState: everything that a window keeps between two of its frames: the history of what is
+// shown, the desk's last news, and what the user is doing. Plain values, one for each thing, and
+// functions that update them. Panels (panels/panels.h) read it, draw themselves, and change the
 // view through change(). One thread, the window's.
 #pragma once
 
@@ -36,7 +36,7 @@ struct OpenVolume {
   RenderReport report;
 };
 
-// Its pixels go into the texture, or, where the processor would have to filter that, stay with the
+// The pixels go into the texture; if the processor would have to filter it, they stay with the
 // picture for the canvas.
 struct PictureOnScreen {
   ShownPicture picture;
@@ -51,22 +51,22 @@ struct SliceOnScreen {
   bool is_new = false;
 };
 
-// What the pointer is doing with the picture, and what it knows of the place where it rests.
+// The pointer's current gesture, and what is known of the place where it rests.
 struct Pointer {
   enum class Does { kNothing, kOrbit, kPan, kRoll, kWindow, kLook, kHandle };
   Does does = Does::kNothing;
   bool is_down = false;                   // a button is held
-  int handle = -1;                        // of the clip box
+  int handle = -1;                        // handle of the clip box
   double handle_rest = 0;                 // parts of a voxel that it was dragged
-  std::optional<size_t> point;            // of opacity, that is dragged
-  float x = -1, y = -1;                   // where it rests
-  WindowClock::time_point still_since{};  // or nothing: it was asked what is there
+  std::optional<size_t> point;            // the opacity point that is dragged
+  float x = -1, y = -1;                   // place where it rests
+  WindowClock::time_point still_since{};  // or no time: the value there was asked for
   uint64_t question = 0;                  // number of the newest
   bool centers = false;                   // the answer is to come to the middle
   std::optional<VoxelProbe> value;
 };
 
-// Key frames or a turn; while a frame is shown in its place, `view` is where the user was.
+// Key frames or a turn; while a frame is shown instead, `view` keeps the user's own view.
 struct FilmEditor {
   ViewPath path;
   std::string name = "frame_%04d.png";
@@ -84,7 +84,7 @@ struct SeriesPlayer {
   WindowClock::time_point step_at{};
 };
 
-// What panels show and what is typed into them.
+// The state of the panels, and the text typed into them.
 struct PanelChoices {
   bool is_log_histogram = true;
   bool shows_help = false, shows_open = false, shows_maps = false, shows_axes = true;
@@ -98,20 +98,20 @@ struct Messages {
   WindowClock::time_point saved_until{};
 };
 
-// What was sent to the desk.
+// The wishes sent to the desk.
 struct SentWishes {
   std::optional<Wish> last;
-  uint64_t number = 0;  // of it
+  uint64_t number = 0;  // number of `last`
   std::deque<std::pair<uint64_t, WindowClock::time_point>> unanswered;
 };
 
-// What was measured of the window's own loop.
+// Measurements of the window's own loop.
 struct LoopTimes {
   uint64_t turns = 0;
-  // Turns of the loop, waiting for events not counted, and what of them OpenGL took.
+  // Seconds of the loop's turns without the wait for events, and the share of OpenGL in them.
   std::vector<double> turn_s, gl_s;
   uint64_t stalls = 0;  // turns of more than 20 ms
-  uint64_t events = 0;  // of mouse, keys and window
+  uint64_t events = 0;  // events of mouse, keys and window
   uint64_t gl_errors = 0;
   std::vector<double> answer_s;  // from an event to its new picture on the screen
 };
@@ -119,10 +119,10 @@ struct LoopTimes {
 struct LoopClock {
   // A frame is due then, whatever happens: the earliest that was asked for.
   std::optional<WindowClock::time_point> wake_at;
-  WindowClock::time_point event_at{};   // of the newest event
+  WindowClock::time_point event_at{};   // time of the newest event
   WindowClock::time_point moved_at{};   // when something was last changed
   WindowClock::time_point nudged_at{};  // by the wheel or a key: more may follow
-  double showing_s = 0;                 // that the processor takes to show a picture
+  double showing_s = 0;                 // processor time to show a picture
   LoopTimes times;
 
   void wakeBy(WindowClock::time_point then) {
@@ -134,10 +134,10 @@ struct LoopClock {
 struct FolderDialog {
   explicit FolderDialog(std::function<void()> on_list) : reader(std::move(on_list)) {}
   FolderReader reader;
-  FolderList list;  // that is shown
+  FolderList list;  // the list that is shown
   std::optional<FolderQuestion> asked;
   std::string typed;  // a name, or part of one
-  int selected = -1;  // of the entries that are shown
+  int selected = -1;  // index among the entries that are shown
   bool joins_series = true;
   bool was_shown = false;
 };
@@ -150,10 +150,10 @@ struct WindowState {
   bool isOpen() const { return volume.news != nullptr; }
   const VolumeInfo& info() const { return volume.news->info; }
   std::array<double, 2> valueRange() const { return info().value_range; }
-  // What is shown from now on. Changes while one button is held, or within a moment of wheel and
-  // keys, are one step of the history. A number that cannot be drawn is a failure and no change.
+  // Changes what is shown. Changes while one button is held, or within a moment of wheel and keys,
+  // are one step of the history. A number that cannot be drawn is a failure and no change.
   void change(const ViewState& next);
-  // The same, by what `edit` makes of the state that is.
+  // Changes the current state by `edit`.
   template <class Edit>
   void edit(const Edit& edit) {
     ViewState next = state();
@@ -186,21 +186,21 @@ struct WindowState {
   bool wants_to_end = false;
 };
 
-// What the user asks of files and views.
+// Actions of the user on files and views.
 void openPath(WindowState& window, const std::string& path);
-// A state's file or a volume, as its name says.
+// Opens a file of a state or of a volume, depending on the name.
 void openAny(WindowState& window, const std::vector<std::string>& paths);
 void savePicture(WindowState& window, const std::string& path);
 void saveState(WindowState& window, const std::string& name);
-// Fitted, from where its name says; the desk places it.
+// Fits the volume into a view from the named side; the desk places the camera.
 void showFrom(WindowState& window, ViewOptions::From from);
 void toggleProjection(WindowState& window);
 
-// Takes what came from the desk (desk_news.cpp).
+// Takes the news of the desk (desk_news.cpp).
 void takeNews(WindowState& window);
 // All that was taken is on the screen now: its times are known.
 void notePresented(WindowState& window);
-// Tells the desk what is to be seen, where that is something else than last time.
+// Tells the desk which picture is wanted, if that has changed.
 void sendWish(WindowState& window);
 // The text for the picture's corner: why the picture is not complete yet, or why a complete one
 // shows nothing. Empty for a complete picture that shows something.
@@ -212,7 +212,7 @@ void addKey(WindowState& window);
 void playFilm(WindowState& window);  // or ends it
 void showFrame(WindowState& window, int64_t frame);
 void endFilm(WindowState& window);
-void showPlayedFrame(WindowState& window);  // that is due
+void showPlayedFrame(WindowState& window);  // the frame that is due
 void writeFilm(WindowState& window);        // or cancels
 // The next step of a series that plays, when the last one was seen.
 void playSeries(WindowState& window);

@@ -48,7 +48,7 @@ std::array<double, 3> faceOf(const PictureOptions::Box& box, int face) {
 void planes(WindowState& window) {
   auto& shown = window.state().clip_planes;
   if (shown.size() < 6 && ImGui::Button("cut here")) {
-    // Off goes what lies before the target, as it is looked at.
+    // Cuts off everything between the eye and the target.
     const PlacedAxes axes = axesOf(window.state().view);
     const auto& target = window.state().view.look_at->target;
     window.edit([&](ViewState& next) {

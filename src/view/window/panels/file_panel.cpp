@@ -7,7 +7,7 @@
 namespace sluice {
 namespace {
 
-// A name and what is done with it.
+// A name and a button for its action.
 bool named(WindowState& window, const char* id, const char* action, std::string& text) {
   ImGui::PushID(id);
   ImGui::SetNextItemWidth(-ImGui::CalcTextSize(action).x - 30);

@@ -64,7 +64,7 @@ bool keyRow(WindowState& window, size_t number) {
 }
 
 void keyFrames(WindowState& window) {
-  // Above the list, which grows: it stays under the pointer.
+  // The button lies above the list, which grows: it stays under the pointer.
   if (ImGui::Button("add this view")) addKey(window);
   window.log.control("add view");
   std::vector<ViewKey>& keys = window.film.path.keys;
@@ -103,7 +103,7 @@ void preview(WindowState& window) {
 void writing(WindowState& window) {
   const DeskStatus& status = window.status;
   const bool is_writing = status.frames > 0;
-  // As wide as the longer of its two names, and no frames anyway: nothing moves when it begins.
+  // The width of the longer of its two labels, so that nothing moves when writing begins.
   const float width = ImGui::CalcTextSize("write frames").x + 2 * ImGui::GetStyle().FramePadding.x;
   ImGui::SetNextItemWidth(-width - ImGui::GetStyle().ItemSpacing.x);
   ImGui::InputText("##film", &window.film.name);

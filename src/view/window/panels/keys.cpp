@@ -154,7 +154,7 @@ void film(WindowState& window, const ImGuiIO& io) {
 void takeKeys(WindowState& window) {
   const ImGuiIO& io = ImGui::GetIO();
   if (io.WantTextInput) return;
-  // Where the layout has it: Shift and slash on many, a key of its own on others.
+  // Takes '?' as the keyboard layout has it: Shift and slash on many, a key of its own on others.
   for (const ImWchar typed : io.InputQueueCharacters)
     if (typed == '?') window.panels.shows_help = !window.panels.shows_help;
   if (pressed(GLFW_KEY_ESCAPE)) {
@@ -163,7 +163,7 @@ void takeKeys(WindowState& window) {
     window.messages.failures.clear();
   }
   if (io.KeyCtrl) return files(window, io);
-  // The dialog's keys are its own, and what it opens may take the place of what is open.
+  // The dialog has keys of its own, and a volume that it opens may replace the open one.
   if (!window.isOpen() || window.panels.shows_open) return;
   camera(window, io);
   look(window, io);

@@ -11,7 +11,7 @@ namespace {
 void thresholdSlider(WindowState& window) {
   const auto range = window.valueRange();
   const LookOptions& look = window.state().look;
-  // Of a look without one, where something begins to show.
+  // A look without a threshold shows the value at which opacity begins.
   double threshold = look.threshold.value_or(range[0]);
   if (!look.threshold)
     for (const ShownLook::Opacity& point : window.volume.look.opacities) {
@@ -44,7 +44,7 @@ void modes(WindowState& window) {
   if (ImGui::Combo("##mode", &mode, kNames.data(), static_cast<int>(kNames.size()))) {
     ViewState next = window.state();
     next.look.mode = static_cast<LookOptions::Mode>(mode);
-    // Of values alone: the ramp of a threshold is of the composite mode.
+    // Other modes use values alone; the ramp of a threshold belongs to the composite mode.
     window.change(next);
   }
   window.log.control("mode");

@@ -1,4 +1,4 @@
-// The dialog that opens files. Folders are read on another thread: it shows what came.
+// The dialog that opens files. Folders are read on another thread; it shows the results.
 #include <fmt/format.h>
 #include <imgui.h>
 #include <imgui_stdlib.h>
@@ -34,7 +34,7 @@ void goTo(WindowState& window, std::string folder) {
   FolderDialog& dialog = window.dialog;
   FolderQuestion question{std::move(folder), window.request.volume_endings, dialog.joins_series};
   question.ends.emplace_back(".json");  // saved views
-  // What another folder holds is not shown under this one's name.
+  // Entries of another folder must not appear under this one's name.
   if (question.folder != dialog.list.folder) dialog.list.entries.clear();
   dialog.list.failure.clear();
   dialog.asked = question;
@@ -66,7 +66,7 @@ std::string parentOf(const FolderDialog& dialog) {
   return folder.has_relative_path() ? folder.parent_path().string() : "";
 }
 
-// What was typed, or the entry, as a volume or a view.
+// Opens the typed path or the entry, as a volume or a view.
 void openIt(WindowState& window, const std::string& path) {
   window.dialog.typed.clear();
   openAny(window, {path});
@@ -79,7 +79,7 @@ void enter(WindowState& window, const FolderEntry& entry) {
     openIt(window, entry.path);
 }
 
-// Of what was typed: a path, or a name in the folder that is shown.
+// The path of what was typed: a path, or a name in the folder that is shown.
 std::string typedPath(const FolderDialog& dialog) {
   if (isPath(dialog.typed) || dialog.list.folder.empty()) return dialog.typed;
   return (std::filesystem::path(dialog.list.folder) / dialog.typed).string();
@@ -144,7 +144,7 @@ void recentOnes(WindowState& window) {
   }
 }
 
-// The name, and what is done with it.
+// The name, and the buttons for it.
 void nameLine(WindowState& window, const std::vector<const FolderEntry*>& shown) {
   FolderDialog& dialog = window.dialog;
   if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
@@ -161,7 +161,7 @@ void nameLine(WindowState& window, const std::vector<const FolderEntry*>& shown)
       dialog.selected >= 0 && static_cast<size_t>(dialog.selected) < shown.size();
   if (is_entered && has_selected)
     return enter(window, FolderEntry(*shown[static_cast<size_t>(dialog.selected)]));
-  // One that is left of what was typed is meant.
+  // If a single entry matches what was typed, it is meant.
   if (is_entered && shown.size() == 1 && !dialog.typed.empty() && !isPath(dialog.typed))
     return enter(window, FolderEntry(*shown.front()));
   if ((is_entered || opens) && !dialog.typed.empty()) return openIt(window, typedPath(dialog));

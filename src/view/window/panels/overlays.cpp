@@ -12,9 +12,9 @@ namespace {
 
 constexpr ImU32 kInk = IM_COL32(235, 235, 235, 255), kShade = IM_COL32(0, 0, 0, 160);
 
-constexpr float kLarge = 1.35F;  // times the font, for what the window is doing
+constexpr float kLarge = 1.35F;  // times the font, for the status of the window
 
-// Readable over any picture.
+// Draws text that is readable over any picture.
 void text(ImDrawList& to, ImVec2 at, const std::string& words, ImU32 color = kInk,
           float scale = 1) {
   const float size = ImGui::GetFontSize() * scale;
@@ -109,7 +109,7 @@ void drawOverlays(WindowState& window, const Area& area, float pixels) {
          IM_COL32(150, 230, 150, 255), kLarge);
     window.loop.wakeBy(window.messages.saved_until);
   }
-  // Of the picture that is shown, which may be older than what is wished for.
+  // These overlays belong to the picture that is shown, which may be older than the one wished for.
   if (!window.isOpen() || !window.shown.picture.state.view.look_at) return;
   value(window, area, to);
   drawBoxHandles(window, area, pixels);

@@ -1,12 +1,12 @@
-// The parts of the window. Each draws itself from the state of the window and changes it by what
-// the user does.
+// The parts of the window. Each draws itself from the state of the window and changes the state by
+// the user's actions.
 #pragma once
 
 #include "src/view/window/window_state.h"
 
 namespace sluice {
 
-// In the window's own panel, one below the other.
+// The sections of the window's own panel, one below the other.
 void lookPanel(WindowState& window);
 void transferPanel(WindowState& window);
 void viewPanel(WindowState& window);
@@ -24,7 +24,7 @@ struct Area {
 void sidePanel(WindowState& window, const Area& area);
 void picturePane(WindowState& window, const Area& area, float pixels);
 void slicesPane(WindowState& window, const Area& area);
-// Over the picture: what is not complete, the value under the pointer, axes, scale and colours, and
+// Over the picture: the missing share, the value under the pointer, axes, scale and colours, and
 // the handles of the clip box.
 void drawOverlays(WindowState& window, const Area& area, float pixels);
 // The face of the clip box whose handle is under the pointer: 2 * axis + (0: low, 1: high); -1:
@@ -38,7 +38,7 @@ void drawBoxHandles(WindowState& window, const Area& area, float pixels);
 void helpWindow(WindowState& window);
 void openWindow(WindowState& window);
 void failuresWindow(WindowState& window);
-// What keys do. Once a frame.
+// Handles the keyboard. To be called once a frame.
 void takeKeys(WindowState& window);
 
 }  // namespace sluice

@@ -57,7 +57,7 @@ void drag(WindowState& window, ImVec2 by, float pixels) {
   window.change(next);
 }
 
-// Asks for what is under a pointer that rests on a picture that is whole.
+// Asks for the value under a pointer that rests on a complete picture.
 void hover(WindowState& window, const Area& area) {
   Pointer& pointer = window.pointer;
   const ImVec2 at = ImGui::GetIO().MousePos;

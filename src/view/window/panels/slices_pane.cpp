@@ -10,7 +10,7 @@
 namespace sluice {
 namespace {
 
-// What people call the slices across an axis of voxels, where the file says what its axes mean.
+// The usual name of the slices across an axis of voxels, if the file tells what its axes mean.
 std::string nameOf(const VolumeInfo& info, size_t axis) {
   constexpr std::array kPlain{"across x", "across y", "across z"};
   if (info.frame != "RAS" && info.frame != "LPS") return kPlain[axis];
@@ -31,7 +31,7 @@ void slice(WindowState& window, size_t axis, const Area& area) {
   const ImVec2 size{extent(across) * scale, extent(down) * scale};
   const ImVec2 lo{area.x + (area.width - size.x) / 2, area.y + (area.height - size.y) / 2};
   ImDrawList& to = *ImGui::GetWindowDrawList();
-  // Where the patient's head, or what else is up, is at the end of an axis, the rows run upwards.
+  // The rows run upwards if the patient's head, or whatever else is up, is at the end of an axis.
   const bool turned = down == 2 && info.frame != "rows";
   if (window.slices[axis].texture.id() != nullptr)
     to.AddImage(window.slices[axis].texture.id(), lo, {lo.x + size.x, lo.y + size.y},

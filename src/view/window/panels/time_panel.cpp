@@ -30,7 +30,7 @@ void timePanel(WindowState& window) {
       std::isfinite(rate))
     window.series.steps_per_second = static_cast<double>(rate);
   if (!window.series.is_playing || window.series.achieved_steps <= 0)
-    return ImGui::TextDisabled(" ");  // what follows stays where it is
+    return ImGui::TextDisabled(" ");  // keeps the following items in place
   if (window.series.achieved_steps < 0.9 * window.series.steps_per_second)
     ImGui::TextColored({1, 0.8F, 0.4F, 1}, "%s",
                        fmt::format("too slow: {:.1f} of {:.1f} steps a second",

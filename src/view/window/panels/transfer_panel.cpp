@@ -15,7 +15,7 @@ constexpr float kHeight = 130, kReach = 9;  // screen units
 
 struct Plot {
   ImVec2 lo, size;
-  std::array<double, 2> range;  // of values
+  std::array<double, 2> range;  // range of values
 
   double shareOf(double value) const {
     return range[1] > range[0] ? (value - range[0]) / (range[1] - range[0]) : 0.5;
@@ -80,7 +80,7 @@ void drawPoints(const WindowState& window, const Plot& plot, const OpacityPoints
                        window.pointer.point == i ? 6.0F : 4.0F, line);
 }
 
-// The left button takes a point, or puts a new one where there is none; the right one removes it.
+// The left button takes a point, or puts a new one if there is none; the right one removes it.
 void edit(WindowState& window, const Plot& plot) {
   const ImVec2 mouse = ImGui::GetIO().MousePos;
   const double value = plot.valueAt(mouse.x), height = plot.heightAt(mouse.y);

@@ -72,7 +72,7 @@ void background(WindowState& window) {
   std::array<float, 3> color = *window.state().background;
   if (ImGui::ColorEdit3("##background", color.data(), ImGuiColorEditFlags_NoInputs)) {
     ViewState next = window.state();
-    // What six hexadecimal digits say, so that the command line says the same.
+    // Rounded to six hexadecimal digits, so that the command line gives the same colour.
     for (float& channel : color) channel = static_cast<float>(std::lround(channel * 255)) / 255;
     next.background = color;
     window.change(next);
