@@ -81,7 +81,7 @@ Format formatOfName(const fs::path& path, const OpenOptions& options) {
   return Format::kUnknown;
 }
 
-// A source of which something else is said: the distances between its voxels, notes.
+// A source with some properties replaced: the distances between its voxels, notes.
 class RelabelledSource final : public VolumeSource, public ChanneledSource, public LeveledSource {
  public:
   RelabelledSource(std::unique_ptr<VolumeSource> source, VolumeLayout layout)
@@ -169,7 +169,7 @@ SliceOptions sliceOptions(const OpenOptions& options) {
 }
 
 std::unique_ptr<VolumeSource> openFolder(const fs::path& folder, const OpenOptions& options) {
-  if (options.dims && options.type) {  // as headerless slices need
+  if (options.dims && options.type) {  // needed for slices without headers
     checkOptions(folder.string(), Format::kRaw, options);
     return openRawSlices(listFolder(folder), rawOptions(options));
   }
@@ -214,7 +214,7 @@ std::unique_ptr<VolumeSource> openOne(const std::string& input, const OpenOption
   return openRaw(path, rawOptions(options));
 }
 
-// Where the steps of a series are all OpenVDB files: what is to be delivered of each.
+// The box to deliver of each step if all steps of a series are OpenVDB files; empty otherwise.
 std::map<std::string, Box3> boxesOfVdbSteps(const std::vector<std::string>& files,
                                             const OpenOptions& options) {
   for (const std::string& file : files)
@@ -233,7 +233,7 @@ bool isSlice(const std::string& input) {
   return openSlicePicture(input)->format().pages == 1;
 }
 
-// Whether these are raw files of which each has the bytes of one slice of --dims.
+// Whether these are raw files each of which has the bytes of one slice of --dims.
 bool areRawSlices(const std::vector<std::string>& files, const OpenOptions& options) {
   if (!options.dims || !options.type || static_cast<size_t>(options.dims->z) != files.size())
     return false;

@@ -39,7 +39,7 @@ SequenceSource::SequenceSource(std::vector<std::string> steps, Opener opener, si
   layout_.time_steps = static_cast<int64_t>(steps_.size());
   layout_.stored_range.reset();
   if (const auto gap = gapNote({steps_.begin(), steps_.end()})) layout_.notes.push_back(*gap);
-  // The files' states alone do not say how they are read (dims given by the user); the first
+  // The files' states alone do not tell how they are read (dims given by the user); the first
   // volume's identity does.
   identity_ = "sequence|" + fileIdentity(filesOf(steps_)) + "|first: " + first->identity();
   held_bytes_a_thread_ = first->heldBytesAThread();
@@ -86,7 +86,8 @@ std::shared_ptr<VolumeSource> SequenceSource::at(int64_t time) {
     const MutexLock lock(mutex_);
     if (const OpenFile* const found = find(time)) return found->source;
   }
-  // Opened without the lock: another thread may do the same, and the first to finish stays.
+  // The file is opened without the lock: another thread may do the same, and the first to finish
+  // stays.
   const std::string& path = steps_[static_cast<size_t>(time)];
   std::shared_ptr<VolumeSource> source = opener_(path);
   checkAgrees(path, source->layout());
@@ -112,7 +113,7 @@ SequenceSource::OpenFile* SequenceSource::find(int64_t time) {
 void SequenceSource::closeIdle() {
   for (auto it = open_.end(); open_.size() > max_open_files_ && it != open_.begin();) {
     --it;
-    // In use elsewhere: its reads are not done, so its count is not final.
+    // The source is in use elsewhere: its reads are not done, so its count is not final.
     if (it->source.use_count() > 1) continue;
     closed_read_bytes_ += it->source->storedBytesRead();
     it = open_.erase(it);

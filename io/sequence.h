@@ -31,22 +31,22 @@ class SequenceSource final : public VolumeSource, public ChanneledSource {
   SequenceSource(std::vector<std::string> steps, Opener opener,
                  size_t max_open_files = kMaxOpenFiles);
 
-  // The first file's layout with time_steps set; a stored range is left out, as it says nothing of
-  // the other files.
+  // The first file's layout with time_steps set; a stored range is left out, as the other files may
+  // exceed it.
   const VolumeLayout& layout() const override { return layout_; }
-  // Throws Error where a file's size, type, place or scaling differs from the first one's.
+  // Throws Error if a file's size, type, place or scaling differs from the first one's.
   void readRegion(int64_t time, const Box3& box, std::span<std::byte> out) override;
   void readRegions(int64_t time, std::span<const RegionRead> regions) override;
   std::optional<Occupancy> occupancy(int64_t time) override;
   // Covers all files as they were at the opening.
   std::string identity() const override { return identity_; }
-  // Of the first file.
+  // Names from the first file.
   std::span<const std::string> channelNames() const override { return channel_names_; }
   uint64_t storedBytesRead() const override;
   uint64_t heldBytesAThread() const override { return held_bytes_a_thread_; }
   // Opens each step whose files are not known, one after the other.
   std::vector<std::string> files() override;
-  // Shared out among the files that stay open.
+  // Shares the bytes out among the files that stay open.
   void holdAtMost(uint64_t bytes) override;
 
  private:
@@ -72,8 +72,8 @@ class SequenceSource final : public VolumeSource, public ChanneledSource {
 
   mutable Mutex mutex_;
   std::list<OpenFile> open_ SLUICE_GUARDED_BY(mutex_);        // used last in front
-  uint64_t closed_read_bytes_ SLUICE_GUARDED_BY(mutex_) = 0;  // of files closed since
-  // What each file may hold.
+  uint64_t closed_read_bytes_ SLUICE_GUARDED_BY(mutex_) = 0;  // from files closed since
+  // Limit for each file.
   uint64_t file_held_bytes_ SLUICE_GUARDED_BY(mutex_) = UINT64_MAX;
 };
 

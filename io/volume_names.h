@@ -1,4 +1,4 @@
-// Names of volumes, for who offers files to choose from. A pure function.
+// Names of volumes, for dialogs that offer files to choose from. A pure function.
 #pragma once
 
 #include <string>
@@ -6,8 +6,8 @@
 
 namespace sluice {
 
-// How names end that openVolume() takes for volumes, in lower case, each once: ".nrrd", ".nii.gz".
-// Of headers with a file of voxels beside them the header's; ".zarr" is a folder.
+// The endings of names that openVolume() accepts for volumes, in lower case, each once: ".nrrd",
+// ".nii.gz". For a header with a separate file of voxels, the header's; ".zarr" is a folder.
 std::vector<std::string> volumeEndings();
 
 }  // namespace sluice

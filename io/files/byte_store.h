@@ -1,4 +1,4 @@
-// ByteStore: bytes at positions, that is a file (File) or what a compressed one decodes to
+// ByteStore: bytes at positions: a file (File), or the decoded bytes of a compressed one
 // (DecodedFile).
 //
 // RawSource reads voxels out of one without knowing which it is. Every member may be called from

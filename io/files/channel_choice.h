@@ -1,5 +1,5 @@
-// Which channel of several is read: what a user wants, by number or by name, and what a volume says
-// of it.
+// The choice of one channel among several: the user's wish, by number or by name, and the channels
+// that a volume names.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ namespace sluice {
 
 struct ChannelWish {
   std::optional<int64_t> number = {};  // from 0
-  std::string name = {};               // where there is no number; both empty: the first channel
+  std::string name = {};               // used if there is no number; both empty: the first channel
 
   ChannelWish() = default;
   ChannelWish(int64_t wanted) : number(wanted) {}
@@ -21,14 +21,14 @@ struct ChannelWish {
       : number(wanted), name(std::move(wanted_name)) {}
 
   bool given() const { return number || !name.empty(); }
-  // As it is written behind --channel.
+  // The text as written after --channel.
   std::string text() const { return number ? std::to_string(*number) : name; }
 };
 
-// Sets layout.channel to what is wanted of the layout's channels. `names` may be fewer than those.
-// Without a wish a volume of several channels gets a note: which one is read, what the others are,
-// how to choose. Throws Error, which starts with `path`, for a channel that it does not have, or a
-// name that several have.
+// Sets layout.channel to the wanted one of the layout's channels. `names` may be fewer than those.
+// Without a wish, a volume of several channels gets a note: which one is read, the names of the
+// others, and how to choose. Throws Error, which starts with `path`, for a channel that it does not
+// have, or a name that several have.
 void chooseChannel(const std::string& path, const ChannelWish& wish,
                    std::span<const std::string> names, VolumeLayout& layout);
 

@@ -10,8 +10,8 @@ class Decoder {
  public:
   virtual ~Decoder() = default;
 
-  // Fills `out`, whose size is a multiple of 8; returns fewer bytes only where the stream ends.
-  // Throws Error (path, offset, reason) when the stream is damaged.
+  // Fills `out`, whose size is a multiple of 8; returns fewer bytes only if the stream ends. Throws
+  // Error (path, offset, reason) when the stream is damaged.
   virtual size_t read(std::span<std::byte> out) = 0;
 
   // Whether the stream ended by its own mark; false after a short read: the file breaks off.

@@ -1,8 +1,8 @@
-// File: a regular file opened for reading at positions, which counts what it reads.
+// File: a regular file opened for reading at positions, which counts the bytes that it reads.
 //
 // There is no file position, so any number of threads may read at once. The file is expected to
-// stay as it was when opened: one that is truncated, rewritten or (where it is opened anew for each
-// read) replaced in the meantime is an Error, never a mixture of old and new voxels.
+// stay as it was when opened: a file that is truncated, rewritten or (if it is opened again for
+// each read) replaced in the meantime is an Error, never a mixture of old and new voxels.
 #pragma once
 
 #include <sys/stat.h>
@@ -19,8 +19,8 @@
 
 namespace sluice {
 
-// "<size>|<modification time in ns>|<change time in ns>|<inode>": what of a file's status tells one
-// version of it from another.
+// "<size>|<modification time in ns>|<change time in ns>|<inode>": the parts of a file's status that
+// tell one version of it from another.
 std::string describeStatus(const struct stat& status);
 
 class File : public ByteStore {

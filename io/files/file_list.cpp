@@ -59,7 +59,7 @@ std::optional<NumberedName> parseNumbered(const std::string& text) {
   return name;
 }
 
-// The digits of `file` where it is one of `name`'s files; empty where not.
+// The digits of `file` if it is one of `name`'s files; empty otherwise.
 std::string_view digitsOf(std::string_view file, const NumberedName& name) {
   if (file.size() <= name.before.size() + name.after.size() || !file.starts_with(name.before) ||
       !file.ends_with(name.after))
@@ -258,7 +258,7 @@ namespace {
 // Files whose names differ in one number alone, which goes up.
 struct NumberedFiles {
   std::string before, after;  // the number, in the last file's name
-  size_t digits = 0;          // of the last file
+  size_t digits = 0;          // in the last file's name
   std::vector<int64_t> numbers;
 };
 
@@ -357,7 +357,7 @@ std::optional<std::string> orderByNumbers(std::vector<std::string>& names) {
     return naturalLess(a, b);
   };
   if (std::is_sorted(names.begin(), names.end(), by_number)) return std::nullopt;
-  // As text, and as shells of most languages do it.
+  // Sorted as text, as the shells of most languages do.
   const auto without_case = [](const std::string& a, const std::string& b) {
     const auto less = [](unsigned char x, unsigned char y) {
       return std::tolower(x) < std::tolower(y);

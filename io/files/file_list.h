@@ -1,5 +1,5 @@
-// Files by name: folders, patterns, natural order, and what tells one version of a file from
-// another. Plain functions, any thread.
+// Files by name: folders, patterns, natural order, and the status that tells one version of a file
+// from another. Plain functions, any thread.
 #pragma once
 
 #include <cstdint>
@@ -34,9 +34,9 @@ bool isPattern(const std::string& name);
 // of 100 work. #### is %04d. Throws Error when none matches.
 std::vector<std::filesystem::path> expandPattern(const std::string& pattern);
 
-// What a folder holds but for folders and hidden names, in natural order. A device, a pipe or a
-// link to nothing is among them, so that whoever opens it says so and no slice goes missing in
-// silence. Throws Error when the folder cannot be read.
+// All entries of a folder except folders and hidden names, in natural order. A device, a pipe or a
+// dangling link is included, so that opening it reports it and no slice goes missing in silence.
+// Throws Error when the folder cannot be read.
 std::vector<std::filesystem::path> listFolder(const std::filesystem::path& folder);
 
 // Throws Error when `files`, found in the folder or by the pattern `name`, are two series or more
@@ -44,22 +44,22 @@ std::vector<std::filesystem::path> listFolder(const std::filesystem::path& folde
 // more: they would make one volume of several. The line gives the pattern of each.
 void requireOneSeries(const std::string& name, const std::vector<std::filesystem::path>& files);
 
-// Of such files, the one with this number: its place among them. nullopt: none, or no such series.
+// The index in such files of the one with this number. nullopt: none, or no such series.
 std::optional<size_t> fileOfNumber(const std::vector<std::filesystem::path>& files, int64_t number);
 
-// One line where the numbers of files of one series go up in equal steps but for some that are
-// missing: which. nullopt: none missing, or no such series. The files are in order.
+// A note that names the missing numbers if the files are one series whose numbers go up in equal
+// steps but for gaps. nullopt: no gap, or no such series. The files are in order.
 std::optional<std::string> gapNote(const std::vector<std::filesystem::path>& files);
 
-// The file to look for where `files`, in order, differ in one number alone and `count` more were
+// The file to look for if `files`, in order, differ in one number alone and `count` more were
 // expected: the first that is missing between them, else the `count`th after the last, in steps as
 // small as the smallest between two of them. nullopt: no such series, or nothing is missing and
 // `count` is 0.
 std::optional<std::filesystem::path> missingFile(const std::vector<std::filesystem::path>& files,
                                                  int64_t count);
 
-// Sorts names as numbers are where a shell has sorted them as text ("s10" before "s2"). Returns
-// one line for people where the order changed, and where it stays another than that of the numbers.
+// Sorts names by their numbers if a shell has sorted them as text ("s10" before "s2"). Returns one
+// line for people if the order changed, and if it stays different from the order of the numbers.
 std::optional<std::string> orderByNumbers(std::vector<std::string>& names);
 
 // The extension in lower case, with its dot: ".tif"; ".nii.gz" for a name that ends so.

@@ -1,6 +1,6 @@
 // Inflater: the decoded bytes of a gzip or zlib stream inside a file, from its start to its end.
 //
-// Holds a fixed 256 KiB of input and zlib's window, whatever the stream says. One thread.
+// Holds a fixed 256 KiB of input and zlib's window, whatever the stream contains. One thread.
 #pragma once
 
 #include <cstddef>
@@ -21,7 +21,7 @@ class Inflater : public Decoder {
   Inflater(const Inflater&) = delete;
   Inflater& operator=(const Inflater&) = delete;
 
-  // gzip members that follow one another are one stream; what follows the last one is ignored, as
+  // gzip members that follow one another are one stream; bytes after the last one are ignored, as
   // gzip does. A wrong checksum is damage.
   size_t read(std::span<std::byte> out) override;
   bool finished() const override { return finished_; }
@@ -32,7 +32,7 @@ class Inflater : public Decoder {
   void startNextMember();
 
   const std::shared_ptr<File> file_;
-  uint64_t offset_;  // of the first byte not yet in the input buffer
+  uint64_t offset_;  // offset of the first byte not yet in the input buffer
   bool finished_ = false;
   const std::unique_ptr<State> state_;
 };

@@ -10,8 +10,8 @@
 namespace sluice {
 
 struct DecodeOptions {
-  std::string folder = {};  // of the temporary file; empty: /var/tmp, or /tmp
-  // Gives who is told of the bytes of a file as they are decoded; null: nobody.
+  std::string folder = {};  // folder of the temporary file; empty: /var/tmp, or /tmp
+  // Returns the watch that is told of a file's bytes as they are decoded; null: nobody.
   std::function<ProgressWatch(const std::string& file)> watch = {};
   StopToken stop = {};  // ends decoding by Interrupted
 };

@@ -69,7 +69,7 @@ DecodedFile::DecodedFile(std::vector<EncodedFile> inputs, Codec codec, VoxelType
   for (const EncodedFile& input : inputs_) {
     const uint64_t size = input.file->sizeBytes();
     const uint64_t encoded = size - std::min(size, input.offset_bytes);
-    // Of text, each voxel takes a digit and, but for the last, a separator.
+    // Each voxel takes at least a digit and, except the last, a separator of the text.
     const uint64_t most = codec_ == Codec::kDeflate ? encoded * kMaxDeflateRatio
                                                     : (encoded + 1) / 2 * bytesPerVoxel(type_);
     if (input.keep_bytes > most || input.skip_bytes > most - input.keep_bytes)

@@ -1,9 +1,10 @@
 // DecodedFile: the voxels of compressed (or written-out) files, decoded once into a temporary file.
 //
 // A single compressed stream has no way in but from its start. So the first read decodes all of it
-// into a file without a name, where DecodeOptions says, which is gone when the DecodedFile is;
-// reads are then as of an uncompressed file. Memory use is a fixed 1 MiB. No more is written than
-// was declared, whatever the stream holds. The thread that comes first decodes, the others wait.
+// into a file without a name, in the folder of DecodeOptions, which is gone when the DecodedFile
+// is; later reads equal those of an uncompressed file. Memory use is a fixed 1 MiB. No more is
+// written than was declared, whatever the stream holds. The thread that comes first decodes, the
+// others wait.
 #pragma once
 
 #include <atomic>
@@ -23,26 +24,26 @@ namespace sluice {
 
 enum class Codec { kDeflate, kText };  // gzip or zlib; numbers as text
 
-// One encoded file of a volume, and what of its decoded bytes belongs to the volume.
+// An encoded file of a volume, and the part of its decoded bytes that belongs to the volume.
 struct EncodedFile {
   std::shared_ptr<File> file;
-  uint64_t offset_bytes = 0;  // where the stream starts
+  uint64_t offset_bytes = 0;  // start of the stream
   uint64_t skip_bytes = 0;    // decoded bytes to leave out
   uint64_t keep_bytes = 0;    // decoded bytes that follow, up to the stream's end
 };
 
 class DecodedFile : public ByteStore {
  public:
-  // The decoded files one after the other. `arithmetic` says how keep_bytes of one file comes
-  // about, for messages. `type` is what kText is read as. Throws Error when the files cannot hold
-  // so much (deflate makes at most 1032 bytes of one), so that a lie in a header costs nothing.
+  // The decoded files one after the other. `arithmetic` explains keep_bytes of one file in
+  // messages. `type` is the voxel type of kText. Throws Error when the files cannot hold so much
+  // (deflate makes at most 1032 bytes of one), so that a lie in a header costs nothing.
   DecodedFile(std::vector<EncodedFile> inputs, Codec codec, VoxelType type, std::string arithmetic,
               DecodeOptions options = {});
   ~DecodedFile() override;
   DecodedFile(const DecodedFile&) = delete;
   DecodedFile& operator=(const DecodedFile&) = delete;
 
-  // The first call decodes, and tells who watches. Throws Error when a stream is damaged, too short
+  // The first call decodes, and tells the watch. Throws Error when a stream is damaged, too short
   // or too long, or the disk is full; a failure is remembered and thrown at every later call.
   void read(uint64_t offset, std::span<const iovec> parts) override;
   uint64_t storedBytesRead() const override;

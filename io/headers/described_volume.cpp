@@ -18,7 +18,7 @@ constexpr size_t kMostHeadBytes = 16 * 1024 * 1024;
 // A volume of more files than this opens them only to read.
 constexpr int64_t kMostFilesOpen = 64;
 
-// Of a 64-bit FNV-1a hash.
+// Constants of the 64-bit FNV-1a hash.
 constexpr uint64_t kHashStart = 0xcbf29ce484222325, kHashFactor = 0x100000001b3;
 
 std::vector<std::shared_ptr<File>> openFiles(const std::shared_ptr<File>& header,
@@ -67,7 +67,7 @@ std::string identityOf(const File& header, const std::vector<std::shared_ptr<Fil
   return selection.empty() ? identity : identity + "|" + selection;
 }
 
-// Where the voxels of one raw file start.
+// The offset at which the voxels of a raw file start.
 uint64_t rawOffset(const File& file, uint64_t start, const VolumeDescription& description,
                    uint64_t wanted, int64_t files) {
   const uint64_t size = file.sizeBytes();
@@ -106,7 +106,7 @@ std::unique_ptr<VolumeSource> openDescribed(std::shared_ptr<File> header,
   const std::vector<std::shared_ptr<File>> files = openFiles(header, description.files);
   const int64_t count = static_cast<int64_t>(files.size());
   SLUICE_CHECK_EQ(volume(layout.dims) * layout.time_steps % count, 0);
-  const uint64_t wanted = static_cast<uint64_t>(bytes / count);  // of each file
+  const uint64_t wanted = static_cast<uint64_t>(bytes / count);  // bytes of each file
 
   std::vector<RawSegment> segments;
   std::vector<EncodedFile> encoded;

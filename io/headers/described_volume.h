@@ -1,4 +1,4 @@
-// From a parsed header to a volume that can be read: finds the data files, checks their sizes.
+// Turns a parsed header into a volume that can be read: finds the data files, checks their sizes.
 //
 // The one way in for every format of the "header, then voxels" family.
 #pragma once
@@ -19,10 +19,10 @@ namespace sluice {
 // that is none of these formats is not read to its end).
 std::string readHead(File& file, const std::function<bool(std::string_view)>& complete);
 
-// Opens the data files (relative to the header's folder; the header's own file where there are
-// none). Throws Error when one is missing or too small, with the arithmetic of its size; one that
-// is larger than needed is fine, as the header decides. Encoded data are decoded at the first read,
-// into a DecodedFile. `selection` is added to the identity: what a user chose beyond the files.
+// Opens the data files (relative to the header's folder; the header's own file if there are none).
+// Throws Error when one is missing or too small, with the arithmetic of its size; one that is
+// larger than needed is fine, as the header decides. Encoded data are decoded at the first read,
+// into a DecodedFile. `selection` is added to the identity: the user's choices beyond the files.
 std::unique_ptr<VolumeSource> openDescribed(std::shared_ptr<File> header,
                                             const VolumeDescription& description,
                                             const std::string& selection = "",

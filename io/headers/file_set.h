@@ -12,19 +12,19 @@ namespace sluice {
 
 struct FileSet {
   std::vector<std::string> names;  // a list; empty when there is a pattern
-  std::string pattern;             // one %d, %i, %u, %x or %X with optional 0 and width
+  std::string pattern;             // with one %d, %i, %u, %x or %X and optional 0 and width
   int64_t first = 0, last = 0, step = 1;
 
   // No files: the voxels follow the header in its own file.
   bool attached() const { return names.empty() && pattern.empty(); }
   // Requires, for a pattern: as parseFilePattern made it.
   int64_t count() const;
-  // As written in the header. Requires: 0 <= index < count().
+  // The name as written in the header. Requires: 0 <= index < count().
   std::string name(int64_t index) const;
 };
 
-// From a pattern and the words of its three numbers. Throws Error, which starts with `path`, when
-// the pattern has no single number in it or the numbers make no finite count.
+// Made from a pattern and the words of its three numbers. Throws Error, which starts with `path`,
+// when the pattern has no single number in it or the numbers make no finite count.
 FileSet parseFilePattern(const std::string& path, std::string_view pattern, std::string_view first,
                          std::string_view last, std::string_view step);
 // Appends a name of a list. Throws Error when it is empty or has control characters.

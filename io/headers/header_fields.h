@@ -11,11 +11,11 @@
 
 namespace sluice {
 
-// Without white space at both ends.
+// The text without white space at both ends.
 std::string_view trimmed(std::string_view text);
 // ASCII letters only.
 std::string lowercase(std::string_view text);
-// What stands between runs of spaces and tabs.
+// The words between runs of spaces and tabs.
 std::vector<std::string_view> splitWords(std::string_view text);
 
 // All of `text` (a sign allowed); nullopt when it is something else or out of range.
@@ -23,7 +23,7 @@ std::optional<int64_t> parseInteger(std::string_view text);
 // The same; "nan" and "inf" are numbers.
 std::optional<double> parseReal(std::string_view text);
 
-// For messages: in quotation marks, on one line, printable, cut after 60 characters.
+// The text for a message: in quotation marks, on one line, printable, cut after 60 characters.
 std::string quoted(std::string_view text);
 
 // Whether `text` is not `known` but becomes it by at most two letters that are changed, put in or
@@ -39,7 +39,7 @@ class LineReader {
   explicit LineReader(std::string_view text) : text_(text) {}
   // nullopt at the end of the text.
   std::optional<std::string_view> next();
-  // Where the next line starts.
+  // The position at which the next line starts.
   size_t position() const { return position_; }
 
  private:

@@ -1,5 +1,5 @@
 // MetaImage volumes: .mhd with the voxels in other files, .mha with them inside.
-// meta_image_header.h says what is understood.
+// meta_image_header.h lists the supported keys.
 #pragma once
 
 #include <filesystem>

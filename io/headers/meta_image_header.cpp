@@ -104,8 +104,8 @@ constexpr std::array<std::string_view, 37> kKnownKeys = {"AcquisitionDate",
                                                          "Rotation",
                                                          "TransformMatrix"};
 
-// Programs add keys of their own (ITK those of DICOM), which are nobody's slip; a key that almost
-// is a known one is.
+// Programs add keys of their own (ITK adds DICOM's), which are no mistakes; a key that almost
+// equals a known one is.
 void noteMisspeltKeys(const Fields& fields, VolumeLayout& layout) {
   std::vector<std::string> misspelt;
   for (const auto& field : fields.values) {
@@ -138,7 +138,7 @@ bool flag(const Fields& fields, std::initializer_list<std::string_view> names, b
   fail("{}: {} = {} is neither True nor False", fields.path, *names.begin(), quoted(*value));
 }
 
-// Empty where none of the names is there.
+// Empty if none of the names is there.
 std::vector<double> reals(const Fields& fields, std::initializer_list<std::string_view> names,
                           size_t count) {
   std::vector<double> values;
@@ -195,8 +195,8 @@ std::vector<int64_t> sizes(const Fields& fields) {
   return values;
 }
 
-// ITK's world is that of DICOM, whatever the voxels' axes are called; MetaIO writes "???" where it
-// knows of none.
+// ITK's world is DICOM's, whatever the voxels' axes are called; MetaIO writes "???" if it knows of
+// none.
 WorldFrame frameOf(const Fields& fields) {
   const auto says = fields.find({"AnatomicalOrientation"});
   if (!says)
@@ -274,7 +274,7 @@ void readSkip(const Fields& fields, VolumeDescription& description) {
   const std::optional<std::string_view> text = fields.find({"HeaderSize"});
   if (!text) return;
   const int64_t bytes = integer(fields, "HeaderSize", *text, -1, kMostSkipBytes);
-  // Data in the header's own file start behind it, whatever HeaderSize says.
+  // Data in the header's own file start behind it, whatever HeaderSize is.
   if (description.files.attached()) return;
   description.byte_skip = bytes;
   if (bytes == VolumeDescription::kSkipToEnd && description.encoding != Encoding::kRaw)
@@ -288,7 +288,7 @@ bool metaImageHeaderComplete(std::string_view text) {
   while (const std::optional<std::string_view> line = lines.next()) {
     const auto entry = keyAndValue(*line);
     if (!entry || entry->first != kDataFile) continue;
-    // Ended by a line feed, not by the end of what has been read so far.
+    // Ended by a line feed, not by the end of the bytes read so far.
     return text[lines.position() - 1] == '\n' && !isList(entry->second);
   }
   return false;

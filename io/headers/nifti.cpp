@@ -29,7 +29,7 @@ std::string withEnding(const std::string& path, std::string_view from, std::stri
   return "";
 }
 
-// The voxels of a pair lie beside the header, gzipped or not.
+// The voxels of a pair lie in the header's folder, gzipped or not.
 std::string imageBeside(const std::string& header) {
   const std::string same = withEnding(header, ".hdr", ".img");
   if (same.empty())

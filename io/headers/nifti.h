@@ -1,5 +1,5 @@
 // NIfTI volumes: .nii, a pair of .hdr and .img, each also gzipped (told by its bytes, not its
-// name). nifti_header.h says what is understood.
+// name). nifti_header.h lists the supported fields.
 #pragma once
 
 #include <filesystem>

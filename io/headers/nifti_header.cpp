@@ -31,7 +31,7 @@ class Reader {
   std::string_view text(size_t offset, size_t length) const {
     return {reinterpret_cast<const char*>(bytes_.data()) + offset, length};
   }
-  // NIfTI-1 has T1 where NIfTI-2 has the wider T2.
+  // NIfTI-1 has T1 for fields that have the wider T2 in NIfTI-2.
   template <class T1, class T2>
   T2 either(bool second, size_t offset1, size_t offset2) const {
     return second ? at<T2>(offset2) : static_cast<T2>(at<T1>(offset1));
@@ -130,7 +130,7 @@ double voxelSize(const Fields& f, size_t axis) {
   return size == 0 ? 1 : size;
 }
 
-// The rotation that a unit quaternion stands for, of which the file stores all but the first part.
+// The rotation of a unit quaternion, of which the file stores all but the first part.
 std::array<Vec3d, 3> rotationColumns(const Fields& f, const std::string& path) {
   double b = f.quatern[0], c = f.quatern[1], d = f.quatern[2];
   const double squares = b * b + c * c + d * d;

@@ -1,5 +1,5 @@
-// NRRD volumes: attached (.nrrd), detached (.nhdr), in several files. nrrd_header.h says what is
-// understood.
+// NRRD volumes: attached (.nrrd), detached (.nhdr), in several files. nrrd_header.h lists the
+// supported fields.
 #pragma once
 
 #include <filesystem>

@@ -81,8 +81,8 @@ Fields readFields(std::string_view text, const std::string& path) {
   return fields;
 }
 
-// All fields of the format, without spaces (http://teem.sourceforge.net/nrrd/format.html); most say
-// nothing that is needed here.
+// All fields of the format, without spaces (http://teem.sourceforge.net/nrrd/format.html); most are
+// not needed here.
 constexpr std::array<std::string_view, 31> kKnownFields = {"axismaxs",
                                                            "axismins",
                                                            "blocksize",
@@ -131,7 +131,7 @@ VoxelType voxelType(const Fields& fields) {
     text.erase(0, 7);
     text[0] = 'u';
   }
-  // "unsigned short int" and "short" mean what C means by them.
+  // "unsigned short int" and "short" mean the same as in C.
   if (text.ends_with("shortint")) text.erase(text.size() - 3);
   if (const std::optional<VoxelType> type = parseVoxelType(text)) return *type;
   fail("{}: voxel type {} is not read; 8 to 32 bit integers, float and double are", fields.path,
@@ -201,7 +201,7 @@ Vec3d vector(const Fields& fields, std::string_view name, std::string_view text)
   return value;
 }
 
-// One axis of the array as the header tells it.
+// An axis of the array as the header describes it.
 struct Axis {
   size_t number = 0;  // in the header
   int64_t size = 0;
@@ -308,7 +308,7 @@ void readFrame(const Fields& fields, VolumeLayout& layout) {
   }
 }
 
-// The unit of the first axis: "space units" where there is a space, else "units"; each in quotation
+// The unit of the first axis: "space units" if there is a space, else "units"; each in quotation
 // marks.
 void readUnit(const Fields& fields, VolumeLayout& layout) {
   const auto text = fields.find(fields.find("spaceunits") ? "spaceunits" : "units");

@@ -1,5 +1,5 @@
-// What the name of a raw file says of its voxels: "head_256x256x225_uint8.raw", as the public
-// collections name them.
+// Parses the shape and type of the voxels from the name of a raw file:
+// "head_256x256x225_uint8.raw", as the public collections name them.
 #pragma once
 
 #include <bit>

@@ -12,9 +12,9 @@
 namespace sluice {
 namespace {
 
-// A gap smaller than a page saves the disk nothing when it is left out. It is read across where the
-// pieces beside it are so small that a system call for each would cost more than the copying, or
-// where it adds at most a quarter to what is wanted.
+// A gap smaller than a page saves the disk nothing when it is left out. A gap is read across if the
+// pieces around it are so small that a system call for each would cost more than the copying, or if
+// it adds at most a quarter to the wanted bytes.
 constexpr uint64_t kMaxGapBytes = 4096;
 constexpr uint64_t kSmallPieceBytes = 256;
 constexpr uint64_t kWantedBytesPerGapByte = 4;
@@ -39,8 +39,8 @@ bool sameRows(std::span<const RegionRead> regions) {
 }  // namespace
 
 // Collects pieces of a store, in the order of their offsets, into large reads. Pieces may overlap.
-// One system call fetches what lies together, and the pieces are copied out of it: the kernel takes
-// longer to hand out 64 bytes than a copy does.
+// A single system call fetches neighbouring pieces, which are then copied out of it: the kernel
+// takes longer to hand out 64 bytes than a copy does.
 class RawSource::Gather {
  public:
   // `to` is filled with `bytes` bytes from `offset` of `store`.
@@ -87,7 +87,7 @@ class RawSource::Gather {
     std::byte* to;
     uint64_t bytes;
   };
-  // Below what allocators map anew each time.
+  // Below the size that allocators map anew each time.
   static constexpr uint64_t kSpanBytes = 256 << 10;
 
   void read(uint64_t offset, std::span<std::byte> to) {
@@ -97,8 +97,8 @@ class RawSource::Gather {
 
   ByteStore* store_ = nullptr;
   std::vector<Piece> pieces_;
-  uint64_t end_ = 0;        // of the pieces, in the store
-  uint64_t run_begin_ = 0;  // of what lies before end_ without a gap
+  uint64_t end_ = 0;        // end of the pieces in the store
+  uint64_t run_begin_ = 0;  // begin of the bytes that lie before end_ without a gap
   std::unique_ptr<std::byte[]> span_;
 };
 

@@ -3,8 +3,8 @@
 // Every format that is "a header, then the voxels" is one of these once its header is read: raw,
 // NRRD, MetaImage and NIfTI. The voxels of all time steps are one sequence, shared out evenly over
 // one or more segments (slices or slabs in files of their own). A box is gathered with as few
-// system calls as its layout allows: pieces that lie close together in a segment are one read, gaps
-// included (and counted), out of which they are copied. Nothing is cached.
+// system calls as its layout allows: pieces that lie close together in a segment become one read,
+// gaps included (and counted), out of which they are copied. Nothing is cached.
 #pragma once
 
 #include <bit>
@@ -19,7 +19,7 @@
 
 namespace sluice {
 
-// Where an even share of the voxels lies.
+// The place of an even share of the voxels.
 struct RawSegment {
   std::shared_ptr<ByteStore> store;
   uint64_t offset_bytes = 0;
@@ -27,9 +27,9 @@ struct RawSegment {
 
 class RawSource : public VolumeSource {
  public:
-  // `header`, where it is a file of its own and not null, is counted with the bytes read. The
-  // voxels are in `byte_order`. Requires: the layout's bytes do not overflow, and the number of
-  // segments divides the number of voxels; their sizes were checked.
+  // `header`, if it is a file of its own and not null, is counted with the bytes read. The voxels
+  // are in `byte_order`. Requires: the layout's bytes do not overflow, and the number of segments
+  // divides the number of voxels; their sizes were checked.
   RawSource(VolumeLayout layout, std::endian byte_order, std::vector<RawSegment> segments,
             std::shared_ptr<const ByteStore> header, std::string identity);
 

@@ -121,7 +121,7 @@ class HoleyFile {
 
   void write(std::span<const std::byte> bytes) {
     while (!bytes.empty()) {
-      // Up to the next multiple of the unit in the file: file systems free whole blocks only.
+      // Bytes up to the next multiple of the unit in the file: file systems free whole blocks only.
       const size_t to_unit = kUnit - offset_ % kUnit;
       const auto part = bytes.first(std::min(bytes.size(), to_unit));
       if (!holes_ || !allZero(part))
@@ -216,7 +216,7 @@ std::filesystem::path nameOfStep(const std::filesystem::path& path, const Volume
   return numberedName(path.string(), step, layout.time_steps > 1);
 }
 
-// Where the voxels of a header's own file go.
+// The file for the voxels of a header.
 std::filesystem::path dataFileOf(const std::filesystem::path& header) {
   return std::filesystem::path(header).replace_extension(".raw");
 }

@@ -16,7 +16,7 @@ namespace sluice {
 
 struct VolumeWriteOptions {
   uint64_t buffer_bytes = uint64_t{64} << 20;  // voxels held at once, at most
-  // Runs of zeros are left out as holes, which read as zeros and take no room where the file system
+  // Runs of zeros are left out as holes, which read as zeros and take no room if the file system
   // has them.
   bool holes = true;
   StopToken stop = {};  // ends writing by Interrupted
@@ -24,10 +24,10 @@ struct VolumeWriteOptions {
 
 // Writes all time steps, in this machine's byte order, the stored values as they are (a value scale
 // of the source is not kept). The extension chooses the format: .raw (voxels alone), .nrrd, .nhdr
-// (a header beside NAME.raw), .mhd (the same). More than one time step makes a file a step, named
-// as src/base/numbered_name.h says.
-// Returns the files that were made, headers before their voxels. Throws Error (unknown extension,
-// write failure) and Interrupted; what was finished before stays. Adds the bytes to `progress`.
+// (a header for NAME.raw), .mhd (the same). More than one time step makes a file a step, named as
+// in src/base/numbered_name.h. Returns the files that were made, headers before their voxels.
+// Throws Error (unknown extension, write failure) and Interrupted; files finished before stay. Adds
+// the bytes to `progress`.
 std::vector<std::filesystem::path> writeVolume(VolumeSource& source,
                                                const std::filesystem::path& path,
                                                const VolumeWriteOptions& options, WorkerPool& pool,

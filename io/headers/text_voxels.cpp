@@ -21,7 +21,7 @@ bool separates(char c) {
 TextVoxels::TextVoxels(std::shared_ptr<File> file, uint64_t offset, VoxelType type)
     : file_(std::move(file)), type_(type), offset_(offset) {}
 
-// Moves what is left to the front and reads on behind it; false when the file has no more.
+// Moves the unread part to the front and reads on behind it; false when the file has no more.
 bool TextVoxels::refill() {
   std::memmove(text_.data(), text_.data() + begin_, end_ - begin_);
   end_ -= begin_;

@@ -18,7 +18,7 @@ class TextVoxels : public Decoder {
   // The text starts at `offset` and lasts to the end of the file.
   TextVoxels(std::shared_ptr<File> file, uint64_t offset, VoxelType type);
 
-  // Throws Error for what is no number, or none that the type holds.
+  // Throws Error for text that is no number, or a number that the type cannot hold.
   size_t read(std::span<std::byte> out) override;
   bool finished() const override { return true; }
 
@@ -29,8 +29,8 @@ class TextVoxels : public Decoder {
 
   const std::shared_ptr<File> file_;
   const VoxelType type_;
-  uint64_t offset_;             // of the first byte not yet in text_
-  size_t begin_ = 0, end_ = 0;  // what is left in text_
+  uint64_t offset_;             // offset of the first byte not yet in text_
+  size_t begin_ = 0, end_ = 0;  // unread part of text_
   std::array<char, 64 * 1024> text_;
 };
 

@@ -1,4 +1,5 @@
-// VolumeDescription: what a header says of a volume, and the checks that every header goes through.
+// VolumeDescription: the contents of a volume's header, and the checks that every header goes
+// through.
 //
 // The parsers of the text and binary headers (nrrd_header, meta_image_header, nifti_header) fill
 // one; openDescribed (described_volume.h) looks at the data files. Nothing here touches a file, so
@@ -27,7 +28,7 @@ struct VolumeDescription {
   FileSet files;             // names are relative to the header's folder
   uint64_t data_offset = 0;  // attached data: where they start in the header's file
   int64_t line_skip = 0;     // lines to leave out in front of the data of each file
-  int64_t byte_skip = 0;     // then bytes, decoded ones where encoded; kSkipToEnd
+  int64_t byte_skip = 0;     // then bytes, decoded ones if encoded; kSkipToEnd
   // The data are the last bytes of the file.
   static constexpr int64_t kSkipToEnd = -1;
 };
@@ -36,8 +37,8 @@ struct VolumeDescription {
 // is below 1 or the bytes do not fit 2^62.
 int64_t checkedVolumeBytes(const std::string& path, const VolumeLayout& layout);
 
-// "256 x 256 x 128 x 1 byte (u8) + 0 skipped = 8388608 bytes"; with time steps, where there are
-// several, as a fourth factor. `files` > 1 says that the bytes are shared out evenly. Requires: the
+// "256 x 256 x 128 x 1 byte (u8) + 0 skipped = 8388608 bytes"; with time steps, if there are
+// several, as a fourth factor. `files` > 1: the bytes are divided evenly among them. Requires: the
 // layout is checked.
 std::string sizeArithmetic(const VolumeLayout& layout, int64_t skipped, int64_t files = 1);
 

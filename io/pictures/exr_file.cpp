@@ -38,8 +38,8 @@ Imf::Slice floatSlice(float* pixels, const Imath::Box2i& window, size_t stride_f
                           stride_floats * sizeof(float) * width, 1, 1, fill);
 }
 
-// What OpenEXR writes to. OpenEXR swallows what fails while it ends a file, where it fills in its
-// table of lines: the first failure is kept here, to be thrown when it is through.
+// The stream that OpenEXR writes to. OpenEXR swallows failures while it ends a file and fills in
+// its table of lines, so the first failure is kept here and thrown after it has returned.
 class ExrStream : public Imf::OStream {
  public:
   ExrStream(AtomicFile& file, const std::string& name, const StopToken& stop)
@@ -58,7 +58,7 @@ class ExrStream : public Imf::OStream {
   uint64_t tellp() override { return at_; }
   void seekp(uint64_t to) override { at_ = to; }
 
-  // Throws what write() threw first.
+  // Throws the first failure of write().
   void throwFailure() const {
     if (failure_ != nullptr) std::rethrow_exception(failure_);
   }
@@ -102,7 +102,7 @@ Imf::Header makeHeader(const std::filesystem::path& path, const ExrContents& con
   return header;
 }
 
-// Where OpenEXR finds some rows of a file of `header`, the first of which is row `first_row`.
+// The memory from which OpenEXR takes some rows of a file of `header`, from row `first_row` on.
 class RowsOfFile {
  public:
   RowsOfFile(const ExrContents& rows, const Imf::Header& header, int first_row,
@@ -180,7 +180,7 @@ struct ExrFile::Impl {
         file(path),
         stream(file, path.string(), stop) {}
 
-  // body(), with what OpenEXR throws as an Error of ours.
+  // Calls body() and throws OpenEXR's exceptions as an Error of ours.
   template <class Body>
   void writing(const Body& body) {
     try {

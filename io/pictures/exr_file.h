@@ -2,9 +2,9 @@
 // header texts and matrices from which the picture can be made again and put into a scene.
 //
 // Values are written as they are; OpenEXR's readers take colours for linear light (toLinearLight)
-// with the primaries of Rec. 709, which sRGB has and the header says. Pixels are square, and data
-// and display window are the picture. Written under a temporary name and renamed when whole. Plain
-// functions, any thread.
+// with the primaries of Rec. 709, which sRGB has and the header names. Pixels are square, and data
+// and display window are the picture. The file is written under a temporary name and renamed when
+// whole. Plain functions, any thread.
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@
 
 namespace sluice {
 
-// Of R, G, B and A; Z is always 32 bit.
+// The type of R, G, B and A; Z always has 32 bits.
 enum class ExrPrecision { kHalf, kFloat };
 
 // Name and text, each a string attribute of the header. A name is 1 to 255 characters; those that
@@ -28,7 +28,7 @@ using ExrAttributes = std::vector<std::pair<std::string, std::string>>;
 // Name and matrix, row after row, for row vectors from the left: an M44f attribute.
 using ExrMatrices = std::vector<std::pair<std::string, std::array<float, 16>>>;
 
-// One value a pixel, 32 bit.
+// A channel with one 32-bit value a pixel.
 struct ExrChannel {
   std::string name;  // neither R, G, B, A nor Z
   std::vector<float> values;
@@ -38,8 +38,8 @@ struct ExrContents {
   Picture picture;  // read: missing color channels are 0, a missing alpha is 1
   ExrAttributes attributes = {};
   ExrMatrices matrices = {};
-  std::vector<ExrChannel> channels = {};  // besides the picture's, by name
-  // Of a perspective picture at distance 1 from the eye; OpenEXR's 1 where there is none.
+  std::vector<ExrChannel> channels = {};  // in addition to the picture's, by name
+  // Width of a perspective picture at distance 1 from the eye; else OpenEXR's default, 1.
   float screen_window_width = 1;
 };
 

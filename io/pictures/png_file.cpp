@@ -15,8 +15,8 @@
 namespace sluice {
 namespace {
 
-// What libpng calls back into while it writes. It leaves by longjmp, which runs no destructors, so
-// nothing that needs one stands between setjmp and the jump.
+// The state for libpng's callbacks while it writes. It leaves by longjmp, which runs no
+// destructors, so nothing that needs one stands between setjmp and the jump.
 struct Writer {
   std::function<void(std::span<const std::byte>)> sink;
   png_structp png = nullptr;

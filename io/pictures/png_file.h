@@ -1,6 +1,6 @@
 // Pictures as PNG files, 8 bits a channel with straight alpha.
 //
-// Written under a temporary name and renamed when whole. Plain functions, any thread.
+// The file is written under a temporary name and renamed when whole. Plain functions, any thread.
 #pragma once
 
 #include <cstddef>
@@ -17,7 +17,7 @@ namespace sluice {
 // as it was.
 void writePng(const std::filesystem::path& path, const Rgba8Picture& picture,
               const StopToken& stop = {});
-// Of toRgba8(picture).
+// Writes toRgba8(picture).
 void writePng(const std::filesystem::path& path, const Picture& picture,
               const StopToken& stop = {});
 

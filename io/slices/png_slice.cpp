@@ -23,7 +23,7 @@ class PngPicture final : public SlicePicture {
     format_.width = png_get_image_width(png_, info_);
     format_.height = png_get_image_height(png_, info_);
     format_.type = png_get_bit_depth(png_, info_) == 16 ? VoxelType::kU16 : VoxelType::kU8;
-    // libpng has two rows, of which one may become wider, this has a third.
+    // libpng has two rows, one of which may become wider, and this class has a third.
     constexpr uint64_t kDecoderBytes = uint64_t{128} << 10;
     const uint64_t row_bytes = png_get_rowbytes(png_, info_);
     const bool interlaced = png_get_interlace_type(png_, info_) != PNG_INTERLACE_NONE;
@@ -113,7 +113,7 @@ class PngPicture final : public SlicePicture {
     if (setjmp(png_jmpbuf(png_)) != 0) return false;
     png_set_read_fn(png_, this, onRead);
     png_set_user_limits(png_, PictureFormat::kMaxSide, PictureFormat::kMaxSide);
-    // Texts, profiles and other extras say nothing of the voxels.
+    // Texts, profiles and other extras tell nothing about the voxels.
     png_set_keep_unknown_chunks(png_, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);
     png_read_info(png_, info_);
     const int color_type = png_get_color_type(png_, info_);
@@ -131,7 +131,8 @@ class PngPicture final : public SlicePicture {
     if (!readRow(pixels_.data(), next_row_ + 1 == format_.height)) failPng();
     ++next_row_;
   }
-  // After the last row comes the file's end with its check sums: a cut there is damage too.
+  // After the last row the rest of the file is read too, with its check sums: a cut there is
+  // damage.
   bool readRow(png_bytep row, bool is_last) {
     if (setjmp(png_jmpbuf(png_)) != 0) return false;
     png_read_row(png_, row, nullptr);
@@ -189,9 +190,9 @@ class PngPicture final : public SlicePicture {
   PictureFormat format_;
   png_structp png_ = nullptr;
   png_infop info_ = nullptr;
-  uint64_t offset_ = 0;           // of the next byte that libpng takes
-  int64_t next_row_ = -1;         // that libpng decodes next; -1: must start anew
-  std::vector<png_byte> pixels_;  // one row as decoded
+  uint64_t offset_ = 0;           // offset of the next byte that libpng takes
+  int64_t next_row_ = -1;         // row that libpng decodes next; -1: must start anew
+  std::vector<png_byte> pixels_;  // a decoded row
   char message_[160] = "";
 };
 

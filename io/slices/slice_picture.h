@@ -23,8 +23,8 @@ struct PictureFormat {
   int64_t pages = 1;              // pictures in the file, all of this size and type
   VoxelType type = VoxelType::kU8;
   int64_t unit_rows = 1;  // rows that are best read together (tiles); a hint
-  PageOrder order;        // what the pages are; their number is `pages`
-  // What the picture holds at most while it is open and read: decoders, rows, a strip.
+  PageOrder order;        // meaning of the pages; their number is `pages`
+  // The most bytes that the picture holds while it is open and read: decoders, rows, a strip.
   uint64_t open_bytes = 0;
   std::vector<std::string> notes;  // for VolumeLayout, without the file's name
 
@@ -51,8 +51,8 @@ class SlicePicture {
 // Whether the file's first bytes are a PNG's or a TIFF's. Throws Error when it cannot be read.
 bool isSlicePicture(const std::filesystem::path& path);
 
-// Opens a PNG or TIFF by its first bytes. Throws Error: neither, damaged, or of a kind that is not
-// understood (the line says which are).
+// Opens a PNG or TIFF by its first bytes. Throws Error if the file is neither, damaged, or of an
+// unsupported kind (the message lists the supported ones).
 std::unique_ptr<SlicePicture> openSlicePicture(const std::filesystem::path& path);
 
 // The luminance of 8 or 16 bit numbers, as above.

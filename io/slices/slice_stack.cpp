@@ -20,8 +20,8 @@ namespace {
 constexpr int64_t kBandBytes = int64_t{512} << 10;
 constexpr int64_t kMaxUnitBytes = int64_t{8} << 20;
 
-// Pictures that are open and idle, each where its decoder stands. A thread takes one out, uses it
-// alone and gives it back; the ones idle longest are closed.
+// Pictures that are open and idle, each with its decoder at some row. A thread takes one out, uses
+// it alone and gives it back; the ones idle longest are closed.
 class PicturePool {
  public:
   PicturePool(const std::vector<std::filesystem::path>& files, size_t max_idle)

@@ -37,7 +37,7 @@ std::string fieldOf(const Fields& fields, std::string_view name) {
   return found == fields.end() ? "" : found->second;
 }
 
-// A count of 1 or more; 1 where the field is missing or makes no sense.
+// A count of 1 or more; 1 if the field is missing or makes no sense.
 int64_t countOf(const Fields& fields, std::string_view name) {
   const auto count = numberIn<int64_t>(fieldOf(fields, name));
   return count && *count >= 1 && *count <= kMostPages ? *count : 1;
@@ -77,7 +77,7 @@ PageOrder imageJOrder(std::string_view text, int64_t pages, double pixels_x, dou
   order.slices = countOf(fields, "slices");
   order.frames = countOf(fields, "frames");
   const int64_t images = countOf(fields, "images");
-  // A plain stack says images alone.
+  // A plain stack names images alone.
   if (planesOf(order) == 1) order.slices = images;
   const int64_t planes = planesOf(order);
   if (pages == 1 && planes > 1 && planes == images) {
@@ -120,7 +120,8 @@ Fields attributesAt(std::string_view xml, size_t at) {
   return fields;
 }
 
-// Where an element of this name begins, whatever its namespace; npos when there is none.
+// The position at which an element of this name begins, whatever its namespace; npos when there is
+// none.
 size_t elementFrom(std::string_view xml, std::string_view name, size_t from) {
   for (size_t at = xml.find(name, from); at != std::string_view::npos;
        at = xml.find(name, at + 1)) {
@@ -157,8 +158,8 @@ bool setSteps(std::string_view letters, PageOrder& order) {
   return true;
 }
 
-// Where <TiffData> blocks put the planes elsewhere than in order. False when they do not name
-// each plane once, in this file.
+// Orders the pages if <TiffData> blocks put the planes out of order. False when the blocks do not
+// name each plane once, in this file.
 bool setPages(std::string_view pixels, int64_t pages, PageOrder& order) {
   std::vector<int64_t> page_of(static_cast<size_t>(pages), -1);
   bool any = false;
@@ -193,7 +194,7 @@ double omeLength(const Fields& pixels, std::string_view axis, const std::string&
   const std::string name = fmt::format("PhysicalSize{}", axis);
   const auto size = numberIn<double>(fieldOf(pixels, name));
   const std::string own = fieldOf(pixels, name + "Unit");
-  // Another unit than x has: known ones are brought to it.
+  // If y or z has another unit than x, a known unit is converted to x's.
   static const std::map<std::string, double, std::less<>> kMeters = {
       {"angstrom", 1e-10},  {"nanometer", 1e-9}, {"micrometer", 1e-6}, {"millimeter", 1e-3},
       {"centimeter", 1e-2}, {"meter", 1},        {"inch", 0.0254}};

@@ -1,4 +1,5 @@
-// What the description in a TIFF says of its pages as a volume: ImageJ's lines and OME's XML.
+// Parses the description in a TIFF, which orders its pages as a volume: ImageJ's lines and OME's
+// XML.
 //
 // Pure: no file is touched, so that damage can be tried. Sources: ImageJ's TiffDecoder conventions
 // ("ImageJ=1.53t", hyperstacks in the order channel, slice, frame) and the OME-TIFF specification
@@ -34,9 +35,9 @@ struct PageOrder {
   }
 };
 
-// `pages` tables were found in the file. `pixels_a_unit` are its resolution tags, 0 where it has
-// none: ImageJ keeps the pixel's size there. A description of neither kind, or one that does not
-// fit the pages, gives `pages` slices; the latter with a note.
+// `pages` tables were found in the file. `pixels_a_unit` are its resolution tags, 0 if it has none:
+// ImageJ keeps the pixel's size there. A description of neither kind, or one that does not fit the
+// pages, gives `pages` slices; the latter with a note.
 PageOrder parseTiffDescription(std::string_view description, int64_t pages, double pixels_a_unit_x,
                                double pixels_a_unit_y);
 

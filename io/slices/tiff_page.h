@@ -1,5 +1,5 @@
-// What a TIFF's table says of one page, and the voxels that it is read as. Pure functions of what
-// libtiff has read.
+// The properties of a page from a TIFF's table, and the voxels that it is read as. Pure functions
+// of what libtiff has read.
 #pragma once
 
 #include <tiffio.h>
@@ -12,9 +12,9 @@
 
 namespace sluice {
 
-// What is stored of one page.
+// How a page is stored.
 struct TiffPage {
-  uint64_t directory = 0;  // where its table lies in the file
+  uint64_t directory = 0;  // offset of its table in the file
   uint32_t width = 0, height = 0;
   uint16_t bits = 1, samples = 1, sample_format = SAMPLEFORMAT_UINT;
   uint16_t photometric = PHOTOMETRIC_MINISBLACK, compression = COMPRESSION_NONE;
@@ -26,7 +26,7 @@ struct TiffPage {
   bool hasColor() const {
     return photometric == PHOTOMETRIC_RGB || photometric == PHOTOMETRIC_YCBCR;
   }
-  // Of the kind that DeflateRows decodes: all that zlib compresses, but for bits in reverse.
+  // Whether DeflateRows decodes the page: any zlib stream, unless its bits are reversed.
   bool isDeflate() const {
     return (compression == COMPRESSION_ADOBE_DEFLATE || compression == COMPRESSION_DEFLATE) &&
            fill_order == FILLORDER_MSB2LSB && predictor >= PREDICTOR_NONE &&
@@ -35,7 +35,7 @@ struct TiffPage {
   size_t pixelBytes() const { return size_t{samples} * bits / 8; }
 };
 
-// Of the page at which `tiff` stands; `otherwise` where the file does not say and has no default.
+// A field of the page at which `tiff` stands; `otherwise` if it is missing and has no default.
 template <class T>
 T tiffField(TIFF* tiff, uint32_t tag, T otherwise) {
   T value{};

@@ -17,7 +17,7 @@ namespace sluice {
 namespace {
 
 constexpr uint64_t kMaxTileBytes = uint64_t{64} << 20;
-constexpr size_t kPlainBytes = size_t{256} << 10;  // of uncompressed rows at once
+constexpr size_t kPlainBytes = size_t{256} << 10;  // uncompressed rows read at once
 
 class TiffPicture final : public SlicePicture {
  public:
@@ -85,13 +85,13 @@ class TiffPicture final : public SlicePicture {
     format_.open_bytes = openBytes();
   }
 
-  // Of the first page, where writers put what holds for the file.
+  // Reads the description of the first page, in which writers describe the whole file.
   void readDescription() {
     const char* text = nullptr;
     if (TIFFGetField(tiff_.get(), TIFFTAG_IMAGEDESCRIPTION, &text) == 1 && text != nullptr)
       description_ = text;
     const auto unit = tiffField<uint16_t>(tiff_.get(), TIFFTAG_RESOLUTIONUNIT, RESUNIT_INCH);
-    // An inch's or centimeter's pixels are a printer's affair unless the text says otherwise.
+    // Pixels per inch or centimeter are meant for printers, unless the text tells otherwise.
     resolution_ = {tiffField<float>(tiff_.get(), TIFFTAG_XRESOLUTION, 0),
                    tiffField<float>(tiff_.get(), TIFFTAG_YRESOLUTION, 0)};
     if (unit == RESUNIT_INCH && !description_.starts_with("ImageJ=")) resolution_ = {};
@@ -183,7 +183,7 @@ class TiffPicture final : public SlicePicture {
     uint16_t *red = nullptr, *green = nullptr, *blue = nullptr;
     if (TIFFGetField(tiff_.get(), TIFFTAG_COLORMAP, &red, &green, &blue) != 1)
       stream_.failWith("TIFF with a palette that is missing");
-    // Old writers put 8 bit numbers where 16 bit ones belong.
+    // Old writers put 8-bit numbers into fields for 16 bits.
     constexpr size_t kEntries = 256;
     uint16_t highest = 0;
     for (size_t i = 0; i < kEntries; ++i) highest = std::max({highest, red[i], green[i], blue[i]});
@@ -220,7 +220,7 @@ class TiffPicture final : public SlicePicture {
     return std::make_unique<DeflateRows>(std::move(stored), form, where);
   }
 
-  // As readStrips(). The checksum of a strip is compared when its last row is read.
+  // Does what readStrips() does. The checksum of a strip is compared when its last row is read.
   template <class Keep>
   void readDeflateStrips(const TiffPage& p, int64_t first, int64_t count, Keep keep) {
     const size_t row_bytes = p.width * p.pixelBytes();
@@ -268,8 +268,8 @@ class TiffPicture final : public SlicePicture {
     }
   }
 
-  // Uncompressed rows lie in the file as they are, strip behind strip as a rule: what follows one
-  // another is one read.
+  // Uncompressed rows lie in the file as they are, usually strip behind strip: contiguous rows
+  // become one read.
   template <class Keep>
   void readPlainStrips(const TiffPage& p, int64_t first, int64_t count, Keep keep) {
     const size_t row_bytes = p.width * p.pixelBytes();
@@ -290,7 +290,7 @@ class TiffPicture final : public SlicePicture {
     }
   }
 
-  // Where in the file a row begins, all of which is there.
+  // The offset of a row in the file; throws Error unless the whole row is there.
   uint64_t plainRowAt(const TiffPage& p, int64_t row, size_t row_bytes) {
     const int64_t strip_rows = rowsPerStrip(p);
     const auto strip = static_cast<uint32_t>(row / strip_rows);
@@ -370,12 +370,12 @@ class TiffPicture final : public SlicePicture {
   PictureFormat format_;
   std::vector<TiffPage> pages_;
   int64_t at_page_ = -1;
-  int64_t next_row_ = -1;                  // of the page, that the decoder stands at; -1: none
-  std::unique_ptr<DeflateRows> deflated_;  // that decoder, of a page that isDeflate()
-  std::vector<std::byte> buffer_;          // one row or tile as stored
+  int64_t next_row_ = -1;                  // the page's row at which the decoder stands; -1: none
+  std::unique_ptr<DeflateRows> deflated_;  // decoder of a page that isDeflate()
+  std::vector<std::byte> buffer_;          // a row or tile as stored
   std::vector<uint8_t> palette_;           // luminance of each entry
-  std::string description_;                // of the first page
-  std::array<double, 2> resolution_{};     // pixels a unit; 0 where the file does not say
+  std::string description_;                // from the first page
+  std::array<double, 2> resolution_{};     // pixels a unit; 0 if the file does not tell
 };
 
 }  // namespace

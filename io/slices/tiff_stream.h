@@ -1,5 +1,5 @@
-// TiffStream: what libtiff calls back into: positions, bytes of a file that is ours, and the first
-// thing that went wrong, which libtiff would print. One thread.
+// TiffStream: the state of libtiff's callbacks: positions and bytes of our file, and the first
+// failure, which libtiff would print. One thread.
 #pragma once
 
 #include <tiffio.h>
@@ -20,13 +20,12 @@ namespace sluice {
 struct TiffStream {
   explicit TiffStream(const std::filesystem::path& path) : file(path) {}
 
-  // Throws Error: what went wrong last, if something did, behind `what`.
+  // Throws Error: the last failure, if any, after `what`.
   [[noreturn]] void failWith(const std::string& what);
 
   File file;
   uint64_t position = 0;
-  // Small pieces, of which tables are made, come out of a window: libtiff asks for a few bytes at
-  // a time.
+  // Small pieces, as in tables, come out of a window: libtiff asks for a few bytes at a time.
   std::array<std::byte, 2048> window;
   uint64_t window_at = 0;
   size_t window_size = 0;
@@ -38,7 +37,7 @@ struct CloseTiff {
 };
 using TiffPtr = std::unique_ptr<TIFF, CloseTiff>;
 
-// Opens for reading, never mapped; `stream` must outlive it. Throws Error where it is no TIFF.
+// Opens for reading, never mapped; `stream` must outlive it. Throws Error if it is no TIFF.
 TiffPtr openTiff(TiffStream& stream);
 
 }  // namespace sluice

@@ -12,7 +12,7 @@
 namespace sluice {
 namespace {
 
-// Of `count` values that sum up to `sum`; halves are rounded up.
+// The mean of `count` values whose sum is `sum`; halves are rounded up.
 template <class T, class Sum>
 T meanOf(Sum sum, Sum count) {
   if constexpr (std::is_floating_point_v<T>) return static_cast<T>(sum / count);
@@ -49,7 +49,7 @@ class MeanLevel final : public VolumeSource {
     const char* const what = delivers_ == Delivers::kMeans ? "mean" : "spread";
     return fmt::format("{},{}={}", finest_.identity(), what, times_);
   }
-  uint64_t storedBytesRead() const override { return 0; }  // counted where the voxels are read
+  uint64_t storedBytesRead() const override { return 0; }  // counted by the source of the voxels
 
   void readRegion(int64_t time, const Box3& box, std::span<std::byte> out) override {
     switch (layout_.type) {

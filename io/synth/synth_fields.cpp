@@ -85,7 +85,7 @@ class ShellsField : public SynthField {
 
  private:
   static constexpr int kShells = 5;
-  static constexpr double kHalfWall = 0.05;  // of the radius
+  static constexpr double kHalfWall = 0.05;  // share of the radius
   static constexpr int kEntries = 16384;
   const Vec3d center_;
   double square_ = 0, per_square_ = 0;

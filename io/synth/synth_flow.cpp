@@ -15,11 +15,11 @@ constexpr int kRings = 12;
 constexpr int kParticlesOfRing = 24;
 constexpr size_t kParticles = kRings * kParticlesOfRing;
 constexpr double kReach = 0.045;    // a particle's radius; the volume is [0, 1)^3, periodic
-constexpr double kTimeStep = 0.01;  // of the flow's time a step
-constexpr double kStrength = 0.55;  // of one particle's centre; neighbours add up
+constexpr double kTimeStep = 0.01;  // the flow's time per step
+constexpr double kStrength = 0.55;  // value at a particle's centre; neighbours add up
 
-// One step's particles, and for each slice of z which of them reach into it: a row asks a few, not
-// all. In ascending order, so that the sum of a voxel is added up in one order always.
+// The particles of a step, and for each slice of z those that reach into it, so that a row asks few
+// of them. They are in ascending order, so that a voxel's sum is always added up in the same order.
 constexpr int kSlices = 32;
 struct Step {
   std::array<Vec3<float>, kParticles> particles;

@@ -26,7 +26,7 @@ constexpr double unitFrom(uint64_t hash) {
 
 // sin(2 pi turns), within 1e-11. Requires: |turns| < 2^31.
 constexpr double sineOfTurns(double turns) {
-  // To quarter turns around the nearest extreme: s in [-1, 1] with sin = +-sin(pi/2 s).
+  // Folds it into a quarter turn around the nearest extreme: s in [-1, 1], sin = +-sin(pi/2 s).
   double t = turns - static_cast<double>(static_cast<int64_t>(turns));  // -1 < t < 1
   if (t < 0) t += 1;
   double s = 4 * t;  // 0..4

@@ -1,7 +1,7 @@
 // A layer in which a heavy gas below and a light one above mix, in the manner of the instability of
-// Richtmyer and Meshkov: an interface of many waves, of which the short ones saturate early while
-// the long ones go on growing, whose crests roll up, and fine texture where the gases have met.
-// Beside the layer all is constant, and a block there is the same at each step until the layer
+// Richtmyer and Meshkov: an interface of many waves, the short ones of which saturate early while
+// the long ones go on growing. Their crests roll up, and fine texture appears between the gases.
+// Outside the layer all is constant, and a block there is the same at each step until the layer
 // reaches it.
 #include <algorithm>
 #include <array>
@@ -15,11 +15,11 @@ namespace sluice {
 namespace {
 
 constexpr float kHeavy = 0.75F;         // the gas below; the light one is 0
-constexpr int kWaves = 20;              // of the interface
-constexpr int kSwirls = 5;              // that roll its crests up
-constexpr double kMeetStep = 1.0 / 64;  // of the mixing's time a step; at 1 the layer is half grown
+constexpr int kWaves = 20;              // waves of the interface
+constexpr int kSwirls = 5;              // vortices that roll up its crests
+constexpr double kMeetStep = 1.0 / 64;  // the mixing's time per step; at 1 the layer is half grown
 constexpr double kGreatestHeight = 0.045;  // a wave's amplitude in heights of the volume at time 1
-constexpr double kEdge = 0.012;            // of the interface, from the one gas to the other
+constexpr double kEdge = 0.012;            // thickness of the interface
 constexpr float kTexture = 0.2F;
 constexpr int kSineEntries = 4096;
 
@@ -42,14 +42,14 @@ class SineTable {
   std::array<float, kSineEntries + 1> values_{};
 };
 
-// Carries what lies around it along x and y; periods across the volume.
+// Carries its surroundings along x and y; periods across the volume.
 struct Swirl {
   Vec3<float> periods;
   float phase = 0;
   float along_x = 0, along_y = 0;
 };
 
-// Whole periods across the volume, so that opposite sides meet.
+// A wave has whole periods across the volume, so that opposite sides meet.
 struct Wave {
   float periods_x = 0, periods_y = 0, phase = 0;
   float greatest = 0;  // amplitude at which it saturates
@@ -62,7 +62,7 @@ class MixingField : public SynthField {
       : SynthField(options.dims), dims_(toDouble(options.dims)), texture_(options.seed) {
     for (int i = 0; i < kWaves; ++i) {
       const auto random = [&](int k) { return unitFrom(hash64(hash64(options.seed), i, k, 11)); };
-      // From 2 to 14 periods: long waves are few, high and late.
+      // A wave has 2 to 14 periods: long waves are few, high and late.
       const double periods = 2 + 12.0 * i / (kWaves - 1);
       const double turns = random(0);
       Wave& wave = waves_[static_cast<size_t>(i)];
@@ -100,7 +100,7 @@ class MixingField : public SynthField {
     for (size_t i = 0; i < row.size(); ++i) {
       const auto x =
           static_cast<float>((static_cast<double>(x0 + static_cast<int64_t>(i)) + 0.5) / dims_.x);
-      // Crests roll up: what lies higher or lower is carried aside.
+      // Crests roll up: higher and lower parts are carried aside.
       float carried_x = x, carried_y = at_y;
       for (const Swirl& swirl : swirls_) {
         const float aside = grown.swirl * sine_(swirl.periods.x * x + swirl.periods.y * at_y +
@@ -118,7 +118,7 @@ class MixingField : public SynthField {
   }
 
  private:
-  // What grows with time alone.
+  // Quantities that grow with time alone.
   struct Grown {
     std::array<float, kWaves> amplitudes{};
     float swirl = 0;
@@ -145,7 +145,7 @@ class MixingField : public SynthField {
     const float t = std::clamp(0.5F - height / static_cast<float>(2 * kEdge), 0.0F, 1.0F);
     const float heavy = t * t * (3 - 2 * t);
     if (heavy == 0) return 0;
-    // Where the gases have met: most in the middle of the layer.
+    // The share of mixed gas: greatest in the middle of the layer.
     const float met = 1 - in_layer * in_layer;
     return std::clamp(heavy * (kHeavy + met * texture), 0.0F, 1.0F);
   }

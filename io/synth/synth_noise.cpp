@@ -1,5 +1,5 @@
-// Clouds: value noise of four octaves, of which what rises above a threshold is kept. The threshold
-// is the quantile of a seeded sample of the field, so that a chosen share of the voxels remains.
+// Clouds: the part of a value noise of four octaves that rises above a threshold. The threshold is
+// the quantile of a seeded sample of the field, so that a chosen share of the voxels remains.
 #include <algorithm>
 #include <array>
 
@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kOctaves = 4;
 constexpr int kSamples = 32768;
-// Of the sample, this share is brighter than what is drawn as 1.
+// The share of the sample that is brighter than 1, and clipped.
 constexpr double kBrightest = 0.002;
 
 constexpr float smoothStep(float t) {

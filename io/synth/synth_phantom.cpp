@@ -16,7 +16,7 @@ struct Ellipsoid {
   double a, b, c;  // half axes
   double x, y, z;  // centre; the volume is [-1, 1]^3
   double turns;    // about z, counterclockwise
-  double density;  // adds to what is there
+  double density;  // is added to the density so far
 };
 constexpr std::array<Ellipsoid, 10> kHead = {{
     {0.6900, 0.920, 0.900, 0.00, 0.000, 0.000, 0.0, 1.0},
@@ -103,8 +103,8 @@ class PhantomField : public SynthField {
   }
   double voxelSize(int axis) const { return 2.0 / static_cast<double>(dims_[axis]); }
 
-  // Where row (y, z) is inside ellipsoid i grown by `grown_vox` voxels, in voxels of the whole row,
-  // so that it does not depend on the box that is read.
+  // The part of row (y, z) inside ellipsoid i grown by `grown_vox` voxels, in voxels of the whole
+  // row, so that it does not depend on the box that is read.
   Run runOf(size_t i, int64_t y, int64_t z, double grown_vox) const {
     const Ellipsoid& e = kHead[i];
     const double grown = grown_vox * std::max({voxelSize(0), voxelSize(1), voxelSize(2)});
@@ -132,7 +132,7 @@ class PhantomField : public SynthField {
     const double u = (cosine_[i] * dx + sine_[i] * dy) / e.a;
     const double v = (cosine_[i] * dy - sine_[i] * dx) / e.b;
     const double w = (coordinate(2, z) - e.z) / e.c;
-    // Of u^2 + v^2 + w^2, a voxel along each axis.
+    // The gradient of u^2 + v^2 + w^2, per voxel along each axis.
     const double gx = 2 * (u * cosine_[i] / e.a - v * sine_[i] / e.b) * voxelSize(0);
     const double gy = 2 * (u * sine_[i] / e.a + v * cosine_[i] / e.b) * voxelSize(1);
     const double gz = 2 * w / e.c * voxelSize(2);

@@ -40,7 +40,7 @@ constexpr std::array<SynthKind, kKinds.size()> kKindList = [] {
   return list;
 }();
 
-// Raised when a kind's voxels change, so that what was computed from older ones is not believed.
+// Raised when a kind's voxels change, so that data computed from older ones is rejected.
 constexpr int kRevision = 2;
 
 const KindEntry& entryOf(SynthKind kind) {

@@ -25,10 +25,10 @@ enum class SynthKind {
   kSlab,           // a textured slab across the middle of z
   kFlow,           // vortex rings carried by an ABC flow, varying with time
   kMixing,         // two gases that mix across a layer, varying with time
-  kCube,           // one value everywhere
+  kCube,           // the same value everywhere
 };
 
-// In the order of the enum; the names that specs and `sluice synth` take.
+// The kinds in the order of the enum, and their names in specs and `sluice synth`.
 std::span<const SynthKind> synthKinds();
 std::string_view name(SynthKind kind);           // "phantom", "marschner-lobb", ...
 std::string_view descriptionOf(SynthKind kind);  // a few words for a help page
@@ -44,7 +44,7 @@ struct SynthOptions {
   // 0.4), noise (estimated within about 0.01). The other kinds' share follows from their shape.
   double object_share = 0.05;
   Vec3d spacing{1, 1, 1};
-  int64_t levels = 1;  // of resolution, see mean_levels.h
+  int64_t levels = 1;  // levels of resolution, see mean_levels.h
 };
 
 // "synth:KIND[,dims=XxYxZ][,type=T][,steps=N][,seed=N][,share=S][,spacing=XxYxZ][,levels=N]"; the

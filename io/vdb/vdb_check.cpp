@@ -15,7 +15,7 @@ namespace {
 // OpenVDB's flags of a grid's compression.
 constexpr uint32_t kZip = 1, kActiveMask = 2, kBlosc = 4;
 
-// What is said of a node's inactive values, in a byte before its values.
+// The kind of a node's inactive values, stored in a byte before its values.
 enum NodeInactive : uint8_t {
   kBackground = 0,
   kMinusBackground = 1,
@@ -41,7 +41,7 @@ class TreeCheck {
     is_half_ = stored_bytes_ != value_bytes_;
   }
 
-  // Without leaves for a grid that shares the tree of another one.
+  // Returns no leaves for a grid that shares the tree of another one.
   VdbTreeOnDisk run() {
     VdbTreeOnDisk result;
     reader_.seek(grid_.transform_at);
@@ -97,7 +97,7 @@ class TreeCheck {
     }
   }
 
-  // A node with 2^log2s[0] children a side, and what hangs below it.
+  // A node with 2^log2s[0] children a side, and the nodes below it.
   void checkNode(std::span<const int> log2s) {
     if (log2s.empty()) {
       reader_.skip(kLeafMaskBytes);
@@ -113,7 +113,7 @@ class TreeCheck {
   void checkNode(std::array<int, 2> log2s) { checkNode(std::span<const int>(log2s)); }
 
   void checkLeafValues() {
-    if (is_bits_) {  // of fixed size: the mask of active voxels, the origin, the voxels
+    if (is_bits_) {  // fixed size: the mask of active voxels, the origin, the voxels
       reader_.skip(kLeafMaskBytes + kCoordBytes + (is_mask_ ? 0 : kLeafMaskBytes));
     } else {
       checkValues(kLeafSlots, readMask(kLeafSlots));
@@ -135,7 +135,7 @@ class TreeCheck {
     if (is_half_ && count == 0) return;
     const uint64_t bytes = count * stored_bytes_;
     if ((grid_.compression & (kZip | kBlosc)) == 0) return reader_.skip(bytes);
-    // The compressed length, or the plain one negative where compression did not pay.
+    // The compressed length, or the plain one negative if compression did not pay.
     const auto length = reader_.number<int64_t>();
     if (length <= 0 && uint64_t{0} - static_cast<uint64_t>(length) != bytes)
       damaged("a node's values are of another length than the node");

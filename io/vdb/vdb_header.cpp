@@ -12,7 +12,7 @@ namespace sluice {
 namespace {
 
 constexpr uint64_t kMagic = 0x56444220;
-constexpr uint32_t kOldestVersion = 222;  // of the nodes' encoding that vdb_check.cpp knows
+constexpr uint32_t kOldestVersion = 222;  // oldest encoding of nodes that vdb_check.cpp knows
 constexpr uint32_t kMaxGrids = 1 << 20;
 
 struct Metadata {

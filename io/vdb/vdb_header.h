@@ -17,17 +17,17 @@
 namespace sluice {
 
 struct VdbGridInfo {
-  std::string name;        // "density"; "density[1]" where several grids share the name
+  std::string name;        // "density"; "density[1]" if several grids share the name
   std::string value_type;  // "float", "double", "int32", "int64", "bool", "mask", "vec3s", ...
   std::string tree_shape;  // "5_4_3": the sizes of the nodes, as powers of two
-  std::string grid_class;  // "fog volume", "level set", ...; empty where the file does not say
+  std::string grid_class;  // "fog volume", "level set", ...; empty if the file does not tell
   bool saved_as_half = false;
   std::string instance_of;   // the name of the grid whose tree this one shares; empty: its own
   uint32_t compression = 0;  // OpenVDB's flags
-  // The box of the active voxels in index space, where the file's metadata has it; may be empty.
+  // The box of the active voxels in index space, if the file's metadata has it; may be empty.
   std::optional<Box3> active;
   uint32_t file_version = 0, library_major = 0, library_minor = 0;
-  // Where in the file: the transform and then the tree; the leaves' values; one past them.
+  // Offsets in the file: the transform, behind which the tree begins; the leaves' values; the end.
   uint64_t transform_at = 0, values_at = 0, end = 0;
 };
 

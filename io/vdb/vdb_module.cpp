@@ -21,7 +21,7 @@ namespace {
 constexpr int64_t kCoordLo = std::numeric_limits<int32_t>::min();
 constexpr int64_t kCoordEnd = int64_t{std::numeric_limits<int32_t>::max()} + 1;
 
-// What a VoxelType delivers for a grid's value type.
+// The voxel type that is delivered for a grid's value type.
 template <class Value>
 struct Delivered {
   using Type = Value;
@@ -62,7 +62,7 @@ class FileBuffer final : public std::streambuf {
 
  private:
   ByteStore& file_;
-  uint64_t position_;  // of what follows the window
+  uint64_t position_;  // offset behind the window
   const uint64_t end_;
   std::vector<char> window_ = std::vector<char>(size_t{64} << 10);
 };
@@ -73,8 +73,8 @@ class MemoryBuffer final : public std::streambuf {
   void set(std::span<char> bytes) { setg(bytes.data(), bytes.data(), bytes.data() + bytes.size()); }
 };
 
-// One grid of a known type. The tree has its nodes alone: a leaf's values are decoded out of its
-// place in the file whenever they are read. Leaves carry their number in the file's order.
+// A source for a grid of a known type. The tree keeps only its nodes: a leaf's values are decoded
+// from its place in the file whenever they are read. Leaves carry their number in the file's order.
 template <class Grid>
 class VdbSource final : public VolumeSource {
  public:
@@ -165,7 +165,7 @@ class VdbSource final : public VolumeSource {
   }
 
  private:
-  // A leaf by its number, and what is wanted of it.
+  // A leaf by its number, and the wanted part of it.
   struct LeafPart {
     uint32_t leaf;
     Box3 part;
@@ -268,7 +268,7 @@ class VdbSource final : public VolumeSource {
     for (int64_t i = 0; i < count; ++i) put(row, i, value);
   }
 
-  // The padding may lie one voxel beyond what OpenVDB can address; there is the background.
+  // The padding may lie one voxel beyond OpenVDB's coordinates; the background is there.
   static Box3 clampToCoords(const Box3& box) {
     return intersect(box, {{kCoordLo, kCoordLo, kCoordLo}, {kCoordEnd, kCoordEnd, kCoordEnd}});
   }

@@ -1,10 +1,10 @@
-// What lies between the program and its OpenVDB module.
+// The interface between the program and its OpenVDB module.
 //
 // OpenVDB's library has 60 000 symbols to bind, which takes a third of the time of a command that
 // reads no OpenVDB file. So all that includes its headers (vdb_module.cpp) is a library apart,
 // sluice_openvdb.so, opened when the first .vdb is, from a place that was fixed when the program
 // was built (src/base/module_path.h). The program checks the file first (vdb_check.h); the module
-// brings a copy of src/base of its own, and what it throws is an Error there and here.
+// brings a copy of src/base of its own, and an exception from it is an Error there and here.
 #pragma once
 
 #include <memory>
@@ -19,7 +19,7 @@
 
 namespace sluice {
 
-// One grid of a checked file.
+// A grid of a checked file.
 struct VdbOpening {
   std::string path;
   // Read at positions, each time checked to be the file that was opened: nothing is mapped, so that
@@ -28,7 +28,7 @@ struct VdbOpening {
   VdbGridInfo info;
   VdbTreeOnDisk tree;
   std::string identity;
-  std::optional<Box3> box;         // of index space, to be delivered; without: see vdb_source.h
+  std::optional<Box3> box;         // index space to deliver; unset: see vdb_source.h
   std::vector<std::string> grids;  // for the layout, as the notes are
   std::vector<std::string> notes;
 };
@@ -37,8 +37,8 @@ struct VdbOpening {
 using OpenVdbGrid = void(const VdbOpening& opening, std::unique_ptr<VolumeSource>& source);
 inline constexpr const char* kOpenVdbGrid = "sluiceOpenVdbGrid";
 
-// What the module must say of itself before anything is called: of this version of sluice, and of
-// this shape of what lies between. The number counts up with each change of the latter.
+// A module must export this before anything is called: the version of sluice and of this interface.
+// The number counts up with each change of the interface.
 using OpenVdbVersion = const char*();
 inline constexpr const char* kOpenVdbVersion = "sluiceOpenVdbVersion";
 inline constexpr const char* kOpenVdbModuleVersion = SLUICE_VERSION " module 2";

@@ -1,7 +1,8 @@
-// VdbReader: the bytes of an OpenVDB file in order, with every size held against what is left.
+// VdbReader: the bytes of an OpenVDB file in order, with every size checked against the remaining
+// bytes.
 //
-// One thread; the file must outlive it. Small reads come out of a window of one page, so that
-// walking a large file that skips most of it reads little more than it looks at.
+// One thread; the file must outlive it. Small reads come out of a window of one page, so that a
+// walk that skips most of a large file reads little more than it looks at.
 #pragma once
 
 #include <array>
@@ -15,7 +16,7 @@ namespace sluice {
 
 class VdbReader {
  public:
-  // All that follow throw Error where the file cannot be read or is too short.
+  // All that follow throw Error if the file cannot be read or is too short.
   explicit VdbReader(File& file) : file_(file) {}
 
   const std::string& path() const { return file_.path(); }

@@ -80,7 +80,7 @@ Step readStep(const std::filesystem::path& path, const std::string& grid) {
   return step;
 }
 
-// What is added to an index of the first step for the same voxel of another one.
+// The shift from an index of the first step to that of the same voxel in another step.
 Vec3i shiftBetween(const std::filesystem::path& path, const Place& first, const Place& other) {
   constexpr double kSame = 1e-6, kMostVoxels = 1e9;
   bool agrees = true;

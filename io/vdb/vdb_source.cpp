@@ -31,7 +31,7 @@ OpenVdbGrid* openModule(const std::string& volume) {
   }
 }
 
-// Which grid is read of several that could be.
+// Tells which of several grids is read.
 std::vector<std::string> notesOf(const std::string& path, const std::vector<VdbGridInfo>& grids,
                                  const VdbGridInfo& taken, const std::string& wanted) {
   if (grids.size() < 2 || !wanted.empty()) return {};

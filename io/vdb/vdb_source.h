@@ -2,14 +2,13 @@
 //
 // - Types: float and double as they are (grids saved as half are delivered as f32), int32 as i32,
 //   int64 as f64 (exact up to 2^53 in magnitude, rounded beyond), bool and mask as u8 of 0 and 1.
-// - Size: the box of the active voxels and tiles, and one voxel more on each side, which holds what
-//   the tree holds there: the background, as a rule, so that fog fades out. The index space may be
-//   as wide as OpenVDB's (+-2^31); dims are 64-bit and nothing is sized by them.
-// - Values are those that the tree states, inactive ones too. A level set delivers its signed
-//   distances in world units: negative inside, positive outside, clamped to the half width of its
-//   band, which is also the background. Its surface is the value 0, so a renderer shows it with a
-//   transfer function that is opaque below 0 and clear from 0 up. layout().name then ends in
-//   " (level set)".
+// - Size: the box of the active voxels and tiles, and one voxel more on each side with the tree's
+//   value there: the background, as a rule, so that fog fades out. The index space may be as wide
+//   as OpenVDB's (+-2^31); dims are 64-bit and nothing is sized by them.
+// - Values are the tree's, inactive ones too. A level set delivers its signed distances in world
+//   units: negative inside, positive outside, clamped to the half width of its band, which is also
+//   the background. Its surface is the value 0, so a renderer shows it with a transfer function
+//   that is opaque below 0 and clear from 0 up. layout().name then ends in " (level set)".
 // - Place: origin, spacing and axes follow from the grid's transform, rotation and shear included.
 // - Memory: the tree's nodes are kept, the leaves' values are not: each read fetches and decodes
 // the
@@ -34,7 +33,7 @@ namespace sluice {
 // is not scalar, has no active voxels, or whose transform is not affine; a damaged file; a program
 // without its module.
 //
-// `box`: what is delivered instead of the active voxels' box and a voxel around it, in index space;
+// `box`: the box delivered instead of the active voxels' box and a voxel around it, in index space;
 // it must hold all active voxels, of which there may then be none.
 //
 // occupancy() gives the boxes of the leaves and of the tiles that differ from the background.

@@ -1,6 +1,6 @@
 // A walk over the part of an OpenVDB tree that lies in a box.
 //
-// Known to the module alone (vdb_module.h says why). A walk reads the tree's nodes and none of the
+// Known to the module alone (see vdb_module.h). A walk reads the tree's nodes and none of the
 // leaves' values; any number may be under way at once.
 #pragma once
 
@@ -27,7 +27,8 @@ inline Box3 partOf(const openvdb::Coord& at, int64_t size, const Box3& region) {
 }
 
 // Walks the tree inside `region` (index space, within the coordinates' range) and calls
-// on_leaf(leaf, part) and on_tile(value, part) for what differs from the background as a whole.
+// on_leaf(leaf, part) and on_tile(value, part) for everything that differs from the background as a
+// whole.
 template <class Tree, class OnLeaf, class OnTile>
 class TreeWalk {
  public:

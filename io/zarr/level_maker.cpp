@@ -12,8 +12,8 @@
 namespace sluice {
 namespace {
 
-// What is known of the voxels of a block so far. Sums of integers are exact: 2^32 times 2^18 voxels
-// are below 2^53.
+// The voxels of a block added up so far. Sums of integers are exact: 2^32 times 2^18 voxels are
+// below 2^53.
 struct Gathered {
   double value = 0;    // sum or greatest
   double squares = 0;  // of the values' distances from the cube's origin

@@ -22,8 +22,8 @@
 
 namespace sluice {
 
-// What a block becomes. NaN counts only where a block has nothing else. Of the values that a block
-// has most often, kMode takes the least.
+// The value of a coarse voxel, from its block of finer ones. NaN counts only if a block has nothing
+// else. If several values are most frequent, kMode takes the least.
 enum class Downsample { kMean, kMax, kMode };
 // Whether the levels have spreads.
 constexpr bool keepsSpreads(Downsample how) {
@@ -38,28 +38,29 @@ LevelPlacement placementOf(const LevelShape& shape);
 
 // The coarser levels of a volume for chunks of `chunk_voxels` a side, from fine to coarse: each
 // halves the axes whose voxels are short, so that voxels get closer to cubes. `most`: that many;
-// without, until the longest side has at most kCoarsestSide voxels. Ends where a voxel would stand
-// for more than a chunk's side, or where no axis can be halved. Requires: chunk_voxels > 0.
+// without, until the longest side has at most kCoarsestSide voxels. Ends if a voxel would stand for
+// more than a chunk's side, or if no axis can be halved. Requires: chunk_voxels > 0.
 std::vector<LevelShape> levelShapes(const VolumeLayout& layout, int64_t chunk_voxels,
                                     std::optional<int64_t> most);
 inline constexpr int64_t kCoarsestSide = 64;
 
 class LevelMaker {
  public:
-  // `fill`: one voxel, of what no cube comes for. Holds pendingBytes(). Requires: steps divide
-  // `chunk_voxels`.
+  // `fill`: a voxel, the value of everything that no cube comes for. Holds pendingBytes().
+  // Requires: steps divide `chunk_voxels`.
   LevelMaker(const VolumeLayout& layout, int64_t chunk_voxels, std::vector<LevelShape> levels,
              Downsample how, std::span<const std::byte> fill);
 
-  // What it holds, and what a thread takes inside add().
+  // Bytes that the maker holds, and bytes that a thread takes inside add().
   static uint64_t pendingBytes(const VolumeLayout& layout, int64_t chunk_voxels,
                                std::span<const LevelShape> levels, Downsample how);
   static uint64_t threadBytes(const VolumeLayout& layout, int64_t chunk_voxels);
 
   const std::vector<LevelShape>& levels() const { return levels_; }
 
-  // Takes the voxels of a cube, x fastest with these strides in voxels. Any thread, for cubes that
-  // do not overlap. Requires: box.lo is a multiple of chunk_voxels, box.hi too or the volume's end.
+  // Takes the voxels of a cube, x fastest with these strides in voxels. Any thread may call it, for
+  // cubes that do not overlap. Requires: box.lo is a multiple of chunk_voxels, box.hi too or the
+  // volume's end.
   void add(const Box3& box, const std::byte* voxels, int64_t row_stride, int64_t plane_stride);
 
   // The layer of a level's chunks in which the finest plane `z` lies; in voxels of the level.

@@ -1,4 +1,5 @@
-// ZarrArray: what the .zarray of a Zarr v2 array says, checked: shape, chunks, type, codec, fill.
+// ZarrArray: the contents of the .zarray of a Zarr v2 array, checked: shape, chunks, type, codec,
+// fill.
 //
 // A Zarr array is a folder of chunk files, all of one shape, those at the upper ends padded; a
 // chunk that equals the fill value throughout need not exist. Plain values; nothing here touches a
@@ -20,12 +21,12 @@ namespace sluice {
 enum class ZarrCodec { kNone, kBlosc, kDeflate, kZstd };  // kDeflate: zlib or gzip
 
 struct ZarrArray {
-  // As in the file: axis 0 is the slowest one (for `fortran_order`, inside a chunk, the fastest).
+  // In the file's order: axis 0 is the slowest (for `fortran_order`, the fastest inside a chunk).
   std::vector<int64_t> shape, chunks;
   VoxelType type = VoxelType::kU8;
   std::endian byte_order = std::endian::little;
   ZarrCodec codec = ZarrCodec::kNone;
-  double fill_value = 0;  // of missing chunks; a value of `type`
+  double fill_value = 0;  // value of missing chunks, of `type`
   bool fortran_order = false;
   char separator = '.';            // between the numbers of a chunk's name
   std::vector<std::string> notes;  // for people, one line each: members that mean nothing
@@ -42,7 +43,7 @@ struct ZarrArray {
   std::string chunkName(int64_t number) const;
 };
 
-// What Blosc can hold in one buffer.
+// Blosc's limit for a buffer.
 constexpr uint64_t kMostChunkBytes = (uint64_t{1} << 31) - 17;
 constexpr size_t kMostZarrAxes = 5;
 

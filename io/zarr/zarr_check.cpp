@@ -8,7 +8,7 @@
 namespace sluice {
 namespace {
 
-// Adds what is found of one array to `report`.
+// Adds the findings on one array to `report`.
 void checkArray(ZarrSource& source, CheckReport& report, WorkerPool& pool, ProgressMeter& progress,
                 const StopToken& stop) {
   ZarrChunkFiles& files = source.chunkFiles();

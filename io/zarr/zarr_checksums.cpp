@@ -12,13 +12,13 @@
 namespace sluice {
 namespace {
 
-// In this machine's byte order: another machine finds the magic reversed, and says so.
+// In this machine's byte order: another machine finds the magic reversed, and reports it.
 struct Header {
   std::array<char, 8> magic = {'S', 'L', 'U', 'I', 'C', 'E', 'Z', '1'};
   uint64_t order = 0x0102030405060708;
   uint64_t chunk_count = 0;
   uint64_t array_checksum = 0;   // XXH3 of the .zarray
-  uint64_t chunks_checksum = 0;  // XXH3 of what follows the header
+  uint64_t chunks_checksum = 0;  // XXH3 of the bytes after the header
   uint64_t header_checksum = 0;  // XXH3 of the header with 0 here
 };
 static_assert(sizeof(Header) == 48, "no padding, whose bytes would be unchecked");
@@ -57,7 +57,7 @@ std::optional<std::vector<StoredChunk>> readZarrChecksums(const std::filesystem:
       header.chunk_count != static_cast<uint64_t>(chunk_count))
     fail("{}: of another .zarray than the one beside it, which was damaged or changed; {}",
          path.string(), kRemedy);
-  // Before room is made: the file is as long as its header says.
+  // Before room is made: the file must be as long as its header declares.
   if ((file.sizeBytes() - sizeof header) / sizeof(StoredChunk) != header.chunk_count ||
       (file.sizeBytes() - sizeof header) % sizeof(StoredChunk) != 0)
     fail("{}: expected {} bytes, found {}; {}", path.string(),

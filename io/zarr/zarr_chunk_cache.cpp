@@ -55,7 +55,7 @@ void ZarrChunkCache::setBudget(uint64_t budget_bytes) {
 }
 
 ZarrChunkCache::Chunk ZarrChunkCache::get(int64_t chunk) {
-  // A decoder holds what it decodes from too.
+  // A decoder holds its input too.
   return chunks_.get(chunk, 2 * chunk_bytes_, [&] {
     return Chunks::Loaded{decode_(chunk, memory_), chunk_bytes_};
   });

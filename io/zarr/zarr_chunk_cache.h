@@ -19,9 +19,9 @@
 
 namespace sluice {
 
-// Memory for chunks, taken and given back by the thousand: what is given back is kept for the next
-// as long as all of it is within a limit, as the system takes longer to map and clear memory than a
-// chunk to decode.
+// Memory for chunks, taken and given back by the thousand. Memory that is given back is kept for
+// the next chunk as long as all of it is within a limit, since the system takes longer to map and
+// clear memory than a chunk to decode.
 class ChunkMemory {
  public:
   struct Buffer {
@@ -31,10 +31,10 @@ class ChunkMemory {
 
   explicit ChunkMemory(uint64_t limit_bytes) : limit_bytes_(limit_bytes) {}
 
-  // Of `bytes` or somewhat more.
+  // A buffer of `bytes` or somewhat more.
   Buffer take(uint64_t bytes);
   void give(Buffer buffer);
-  // Frees what is kept beyond it.
+  // Frees the memory kept beyond it.
   void setLimit(uint64_t limit_bytes);
   // Bytes taken and kept, now and at most so far.
   uint64_t now() const { return now_; }
@@ -76,8 +76,8 @@ class ZarrChunkCache {
   // Chunk that is still in use, whatever the budget.
   ZarrChunkCache(uint64_t chunk_bytes, uint64_t budget_bytes, Decode decode);
 
-  // The chunk stays as long as the result does. Throws what `decode` throws, to all who waited; the
-  // next call tries anew.
+  // The chunk stays as long as the result does. A failure of `decode` is thrown to every thread
+  // that waited; the next call tries again.
   Chunk get(int64_t chunk);
   CacheCounters counters() const { return chunks_.counters(); }
 

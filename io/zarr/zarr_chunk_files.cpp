@@ -91,7 +91,7 @@ uint64_t ZarrChunkFiles::statusChecksum(int64_t most) const {
   const int64_t chunks = array_.chunkCount(), sampled = std::min(chunks, most);
   std::string all;
   for (int64_t i = 0; i < sampled; ++i) {
-    // Without a product that could overflow.
+    // Computed without a product that could overflow.
     const int64_t chunk = chunks / sampled * i + chunks % sampled * i / sampled;
     struct stat status = {};
     const bool is_there = stat(path(chunk).c_str(), &status) == 0;
@@ -101,7 +101,7 @@ uint64_t ZarrChunkFiles::statusChecksum(int64_t most) const {
   return zarrChecksum(std::as_bytes(std::span(all)));
 }
 
-// With '/' a folder is a digit of the number; `index` has those of the folders above.
+// With '/' a folder is a digit of the number; `index` has the digits of the folders above.
 void ZarrChunkFiles::listFolder(const std::filesystem::path& folder, std::vector<int64_t>& index,
                                 std::vector<int64_t>& found) const {
   const auto take = [&](std::string_view text) {

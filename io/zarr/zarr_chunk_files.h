@@ -1,7 +1,7 @@
 // ZarrChunkFiles: the chunk files of one array: which there are, and their bytes.
 //
-// Which there are is found once, from the checksums where sluice kept some, else from the folder's
-// listing at the first question; what changes on disk afterwards is an Error, not a mixture of old
+// The existing chunks are found once, from the checksums if sluice kept some, else from the
+// folder's listing at the first question; later changes on disk are an Error, not a mixture of old
 // and new voxels. Files are opened for each read. Any thread may call anything at once.
 #pragma once
 
@@ -31,26 +31,26 @@ class ZarrChunkFiles {
 
   const ZarrArray& array() const { return array_; }
   bool hasChecksums() const { return checksums_.has_value(); }
-  // What the checksums say of a chunk. Requires: hasChecksums().
+  // The checksum record of a chunk. Requires: hasChecksums().
   const StoredChunk& stored(int64_t chunk) const;
 
   // The numbers of the chunks that have a file, ascending. Throws Error when the folder cannot be
   // listed.
   const std::vector<int64_t>& existing();
-  // Throws Error where the checksums say that there is none, and there is one.
+  // Throws Error if the checksums deny the chunk, and there is one.
   bool exists(int64_t chunk);
-  // The same from the folder alone, whatever the checksums say.
+  // The same from the folder alone, whatever the checksums tell.
   std::vector<int64_t> onDisk() const;
-  // Of the status of at most `most` chunk files, evenly spread over the numbers; a missing file
-  // counts too. Changes when one of them is rewritten, replaced, removed or added.
+  // A checksum over the status of at most `most` chunk files, evenly spread over the numbers; a
+  // missing file counts too. It changes when one of them is rewritten, replaced, removed or added.
   uint64_t statusChecksum(int64_t most) const;
 
-  // Reads the whole file of an existing chunk into what `room(bytes)` returns, after its size was
-  // found credible; checks the checksum where there is one. Throws Error naming the file.
+  // Reads the whole file of an existing chunk into the memory that `room(bytes)` returns, after its
+  // size was found credible; checks the checksum if there is one. Throws Error naming the file.
   void read(int64_t chunk, const std::function<std::span<std::byte>(uint64_t bytes)>& room);
   std::string path(int64_t chunk) const;
 
-  // Of chunks and checksums.
+  // Bytes of chunks and checksums.
   uint64_t storedBytesRead() const { return read_bytes_; }
 
  private:

@@ -47,7 +47,7 @@ void decodeBlosc(std::span<const std::byte> stored, std::span<std::byte> chunk,
        name);
 }
 
-// One member or several, as gzip has it.
+// Decodes one or more members, as the gzip format allows.
 void decodeDeflate(std::span<const std::byte> stored, std::span<std::byte> chunk,
                    const std::string& path) {
   z_stream stream = {};

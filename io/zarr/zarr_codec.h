@@ -1,5 +1,5 @@
-// The codecs of Zarr chunks: bytes to bytes, bounded by what the array's header says of a chunk.
-// Any number of threads at once.
+// The codecs of Zarr chunks: bytes to bytes, bounded by the chunk size in the array's header. Any
+// number of threads may call at once.
 #pragma once
 
 #include <cstddef>
@@ -17,8 +17,8 @@ namespace sluice {
 void checkStoredSize(ZarrCodec codec, uint64_t stored_bytes, uint64_t chunk_bytes,
                      const std::string& path);
 
-// Throws Error, which starts with `path`, where the file's own header says that it is not a chunk
-// of `chunk_bytes`. Called with the whole file, before room for the chunk is made, so that a lie in
+// Throws Error, which starts with `path`, if the file's own header shows that it is not a chunk of
+// `chunk_bytes`. Called with the whole file, before room for the chunk is made, so that a lie in
 // either header costs nothing.
 void checkStored(ZarrCodec codec, std::span<const std::byte> stored, uint64_t chunk_bytes,
                  const std::string& path);
@@ -34,16 +34,16 @@ struct BloscOptions {
   BloscCodec codec = BloscCodec::kLz4;
   int level = 5;  // 1 to 9
 };
-// What Blosc compresses at once. Its own choice is larger by the level and no smaller on disk, but
-// then each decoding maps memory anew.
+// The block size for Blosc, in bytes. Blosc's own choice grows with the level and saves nothing on
+// disk, but then each decoding maps memory anew.
 constexpr int kBloscBlockBytes = 32 << 10;
-// Of bytes (bits for voxels of one byte), as numcodecs names them in .zarray.
+// The shuffle by bytes (by bits for voxels of one byte), as numcodecs names it in .zarray.
 int bloscShuffle(size_t voxel_bytes);
 // The bytes of the chunk's file, in `room`, which is made as large as it may have to be. The same
 // for the same arguments and library. Requires: chunk not empty, at most kMostChunkBytes.
 std::span<const std::byte> encodeBlosc(std::span<const std::byte> chunk, size_t voxel_bytes,
                                        const BloscOptions& options, std::vector<std::byte>& room);
-// What `room` becomes.
+// The size that `room` reaches.
 uint64_t bloscRoomBytes(uint64_t chunk_bytes);
 
 }  // namespace sluice

@@ -72,7 +72,7 @@ void transform(const JsonField& list, ZarrPlace& place) {
   }
 }
 
-// Folders inside the image's, so that a store says nothing of files elsewhere.
+// Folders must be inside the image's, so that a store cannot refer to files elsewhere.
 void requireInside(const JsonField& field) {
   const std::filesystem::path path(field.text());
   const bool outside = std::any_of(path.begin(), path.end(), [](const auto& part) {
@@ -188,7 +188,7 @@ std::vector<Role> rolesByName(const std::vector<ZarrAxis>& axes, const std::stri
     unnamed += *role == Role::kSomeSpace ? 1 : 0;
   }
   if (unnamed == 0) return roles;
-  // Of other names: the last is x, as everywhere in this format.
+  // If axes have other names, the last is x, as everywhere in this format.
   int next = 0;
   for (auto role = roles.rbegin(); role != roles.rend(); ++role)
     if (*role != Role::kTime && *role != Role::kChannel)

@@ -1,6 +1,6 @@
-// ZarrImage: what the .zattrs of an OME-Zarr image says of its levels, axes and place in the world.
-// ZarrView: an array of 3 to 5 axes as a volume: which axis is x, y, z, time, channel, and where
-// the voxels lie.
+// ZarrImage: the levels, axes and place in the world from the .zattrs of an OME-Zarr image.
+// ZarrView: an array of 3 to 5 axes as a volume: which axis is x, y, z, time, channel, and the
+// place of the voxels.
 //
 // Nothing here touches a file, so that the parser can be fuzzed. Source: OME-Zarr (NGFF) 0.1 to
 // 0.4. What those cannot say, the directions of oblique axes and the scaling of values, sluice
@@ -29,19 +29,20 @@ struct ZarrAxis {
   std::string name, type, unit;  // type and unit may be empty
 };
 
-// Where an array lies in the world, a number for each of its axes.
+// The placement of an array in the world, one number for each of its axes.
 struct ZarrPlace {
-  std::vector<double> scale, translation;  // empty: not said
+  std::vector<double> scale, translation;  // empty: not given
   bool is_translated = false;              // the array has a translation of its own
 };
 
 struct ZarrImage {
-  std::vector<std::string> levels;         // folders of the arrays, the finest first; may be empty
-  std::vector<ZarrPlace> places;           // of each of these
-  std::vector<ZarrAxis> axes;              // empty: not said
-  std::vector<double> scale, translation;  // of the level asked for, an axis each; empty: not said
-  std::vector<std::string> channels;       // their names, where the file says them ("omero")
-  // Under the key "sluice".
+  std::vector<std::string> levels;  // folders of the arrays, the finest first; may be empty
+  std::vector<ZarrPlace> places;    // one for each level
+  std::vector<ZarrAxis> axes;       // empty: not given
+  std::vector<double> scale,
+      translation;                    // for the level asked for, one per axis; empty: not given
+  std::vector<std::string> channels;  // their names, if the file gives them ("omero")
+  // Stored under the key "sluice".
   std::optional<std::array<Vec3d, 3>> directions;
   double value_scale = 1, value_offset = 0;
   bool level_set = false;
@@ -55,7 +56,7 @@ struct ZarrImage {
 ZarrImage parseZarrImage(std::string_view text, const std::string& path,
                          const std::string& level = "");
 
-// What stands for a frame under the key "sluice".
+// The text for a frame under the key "sluice".
 std::string_view zarrFrameName(WorldFrame frame);
 
 struct ZarrView {
@@ -65,8 +66,8 @@ struct ZarrView {
 };
 
 // Without names the axes are taken as z y x, t z y x and t c z y x; of four the first is the
-// channel where `channel_wanted`. Throws Error, which starts with `path`: fewer than 3 or more than
-// 5 axes, others than x, y, z, t and c, a place that is not finite.
+// channel if `channel_wanted`. Throws Error, which starts with `path`: fewer than 3 or more than 5
+// axes, others than x, y, z, t and c, a place that is not finite.
 ZarrView viewZarr(const ZarrArray& array, const ZarrImage& image, bool channel_wanted,
                   const std::string& path);
 

@@ -48,7 +48,7 @@ Values readValues(VolumeSource& source, const Box3& box) {
 }
 
 constexpr int64_t kCellSide = 12;     // voxels that are compared, a side
-constexpr int64_t kSearchSide = 128;  // of the coarse level, in its middle
+constexpr int64_t kSearchSide = 128;  // voxels a side in the coarse level, around its middle
 constexpr int64_t kMostFineSide = 256;
 
 // The cell of the coarse level in which its voxels differ most; its border is left out.
@@ -84,8 +84,8 @@ struct Weights {
   std::vector<double> of;
 };
 
-// Of the voxels that an interval of `width` around `middle` covers; voxel i covers i - 0.5 to
-// i + 0.5. A width of 1 is linear interpolation.
+// Weights of the voxels that an interval of `width` around `middle` covers; voxel i covers i - 0.5
+// to i + 0.5. A width of 1 is linear interpolation.
 Weights boxWeights(double middle, double width) {
   const double lo = middle - width / 2, hi = middle + width / 2;
   Weights weights;
@@ -113,8 +113,8 @@ double weighted(const Values& fine, const std::array<Weights, 3>& weights) {
   return sum;
 }
 
-// Squares of the differences between the coarse voxels of a cell and what the fine ones make them,
-// as means of `factor` voxels or as single ones, whichever fits better.
+// Squares of the differences between the coarse voxels of a cell and the values that the fine ones
+// give, as means of `factor` voxels or as single ones, whichever fits better.
 double misfit(const Values& fine, const Values& coarse, const Box3& cell, Vec3d factor,
               Vec3d offset) {
   double of_means = 0, of_points = 0;

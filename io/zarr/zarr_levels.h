@@ -1,5 +1,5 @@
-// The coarser levels of an OME-Zarr image: what its metadata claim of them, held against the shapes
-// of their arrays, and where their voxels lie among those of the finest one.
+// The coarser levels of an OME-Zarr image: their metadata, checked against the shapes of their
+// arrays, and the places of their voxels among those of the finest one.
 //
 // Many writers give a scale alone. Then either the corners of the first voxels coincide (levels of
 // means, whose centres move by half a finer voxel) or their centres do (levels of every n-th
@@ -16,27 +16,27 @@
 
 namespace sluice {
 
-// What is said of one level, along x, y and z.
+// A level's placement according to the metadata, along x, y and z.
 struct LevelClaim {
-  Vec3i dims;                        // of its array
+  Vec3i dims;                        // voxels of its array
   std::optional<Vec3d> scale;        // world units a voxel; negative: the axis is turned
-  std::optional<Vec3d> translation;  // of the centre of the first voxel
+  std::optional<Vec3d> translation;  // translation of the first voxel's centre
 };
 
-// Finest voxels per voxel of a level: the ratio of the scales where both are said; otherwise, of
-// the shapes, the whole number that leaves as many voxels, rounded either way, or else their ratio.
+// Finest voxels per voxel of a level: the ratio of the scales if both are given; otherwise, of the
+// shapes, the whole number that leaves as many voxels, rounded either way, or else their ratio.
 Vec3d levelFactor(const LevelClaim& finest, const LevelClaim& level);
 
-// Why a level cannot be used, for a message; empty where it can: it is finer than the first one, as
-// large, or its scale contradicts its shape by a voxel or more.
+// Why a level cannot be used, for a message; empty if it can. Reasons: it is finer than the first
+// one, as large, or its scale contradicts its shape by a voxel or more.
 std::string faultOfLevel(const LevelClaim& finest, const LevelClaim& level);
 
 enum class VoxelOrigin { kCorner, kCentre };
 
-// Where the level's first voxel lies without a translation, in finest voxels.
+// The position of the level's first voxel if it has no translation, in finest voxels.
 Vec3d offsetOf(VoxelOrigin origin, Vec3d factor);
 
-// Which of the two the voxels of a coarse level show, compared with a finer one `factor` times as
+// The origin that the voxels of a coarse level show, compared with a finer one `factor` times as
 // fine; nullopt: both fit, or neither does. Reads some ten thousand voxels of each at time step 0,
 // where the coarse ones differ most. Throws Error from the sources.
 std::optional<VoxelOrigin> originOf(VolumeSource& fine, VolumeSource& coarse, Vec3d factor);

@@ -26,8 +26,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// One line of the journal. Cut short, or not whole for another reason, it counts for nothing, nor
-// does what follows it.
+// A line of the journal. A line that is cut short or damaged is ignored, and so is everything after
+// it.
 struct Record {
   uint64_t chunk = 0, bytes = 0, checksum = 0;
   uint64_t own_checksum = 0;  // XXH3 of the three
@@ -247,7 +247,7 @@ void ZarrPackFolder::finish(bool replace) {
   syncFolder(folder_, true);
   requireFreeName(output_, replace);
   if (fs::exists(output_)) {
-    // In one step where the file system can; the old store then lies where the new one was.
+    // In one step if the file system can; the old store then lies in the new one's place.
     if (renameat2(AT_FDCWD, store_.c_str(), AT_FDCWD, output_.c_str(), RENAME_EXCHANGE) != 0) {
       renamePath(output_, folder_ / "replaced");
       renamePath(store_, output_);
@@ -257,7 +257,7 @@ void ZarrPackFolder::finish(bool replace) {
   }
   const fs::path parent = fs::absolute(output_).parent_path();
   syncFolder(parent, false);
-  std::error_code ignored;  // the store is whole; what is left is litter
+  std::error_code ignored;  // the store is whole; the rest is litter
   fs::remove_all(folder_, ignored);
 }
 

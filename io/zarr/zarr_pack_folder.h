@@ -1,4 +1,5 @@
-// ZarrPackFolder: an unfinished pack on disk, DIR.zarr.partial beside the DIR.zarr that it becomes.
+// ZarrPackFolder: an unfinished pack on disk, DIR.zarr.partial in the folder of the DIR.zarr that
+// it becomes.
 //
 // The store has several arrays, whose chunks are numbered through. Holds the future store
 // ("store"), a lock against a second process, what is packed and how
@@ -78,7 +79,7 @@ class ZarrPackFolder {
   const std::vector<PackedArray> arrays_;
   const std::vector<int64_t> first_chunks_;
   Descriptor lock_, journal_;        // constant once open
-  Mutex mutex_;                      // of writing to the journal and to these
+  Mutex mutex_;                      // guards writing to the journal and the members below
   std::vector<StoredChunk> chunks_;  // guarded by mutex_, an element a chunk
   std::vector<char> done_;           // guarded by mutex_, read between loops only
 };

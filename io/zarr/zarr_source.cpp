@@ -14,21 +14,21 @@ namespace sluice {
 
 namespace fs = std::filesystem;
 
-// The array that a folder stands for, and what is said of it.
+// The array in a folder, and its description.
 struct FoundZarr {
   fs::path array_folder;
   ZarrImage image;
   std::vector<std::string> identities, header_paths;
   uint64_t header_bytes = 0;
   std::string said_by;    // the file that names the axes, or else the array's own
-  bool is_image = false;  // the folder is that of an image, the array its level 0
+  bool is_image = false;  // the folder is an image's, the array its level 0
 };
 
 namespace {
 
 constexpr uint64_t kMostHeaderBytes = 16 << 20;
 constexpr uint64_t kSmallChunkBytes = 4 << 20;
-constexpr uint64_t kCoarserCacheBytes = 4 << 20;  // of each coarser level, until holdAtMost()
+constexpr uint64_t kCoarserCacheBytes = 4 << 20;  // for each coarser level, until holdAtMost()
 
 struct HeaderFile {
   std::string path, text, identity;
@@ -50,7 +50,7 @@ bool has(const fs::path& folder, const char* name) {
   return fs::exists(folder / name, ignored);
 }
 
-// Of a folder: path and status.
+// The identity of a folder: path and status.
 std::string folderIdentity(const fs::path& folder) {
   struct stat status = {};
   if (stat(folder.c_str(), &status) != 0)
@@ -179,7 +179,7 @@ LevelClaim claimOf(const ZarrView& view, const ZarrImage& image, size_t dataset)
   return claim;
 }
 
-// Why two arrays cannot be levels of one image; empty where they can.
+// Why two arrays cannot be levels of one image; empty if they can.
 std::string faultAmong(const VolumeLayout& finest, const VolumeLayout& level) {
   if (level.type != finest.type)
     return fmt::format("its voxels are {}, those of the first level {}", name(level.type),
@@ -417,7 +417,8 @@ ZarrChunkCache::Chunk ZarrSource::decode(int64_t chunk, ChunkMemory& memory) {
       decoded = std::make_shared<CountedBytes>(bytes, memory);
       return decoded->span();
     }
-    // As large as the chunk where that is not much, so that any memory does for any chunk.
+    // For chunks of up to kSmallChunkBytes, the buffer has the size of a decoded chunk, so that it
+    // can be reused for any of them.
     stored_bytes = bytes;
     stored = std::make_unique<CountedBytes>(
         std::max(bytes, std::min(array.chunkBytes(), kSmallChunkBytes)), memory);

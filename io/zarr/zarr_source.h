@@ -30,19 +30,19 @@
 
 namespace sluice {
 
-// Of 64^3 bytes each they are a gigabyte.
+// At 64^3 bytes each, they are a gigabyte.
 inline constexpr int64_t kSampledChunks = 4096;
 
 struct ZarrOptions {
   ChannelWish channel = {};
-  // Of decoded chunks; what ZarrChunkCache holds at least is held even if it is more.
+  // Limit for decoded chunks; the least that ZarrChunkCache holds is held even if it is more.
   uint64_t chunk_cache_bytes = uint64_t{32} << 20;
 };
 
 // Whether a folder is a Zarr group or array, of any version.
 bool isZarr(const std::filesystem::path& folder);
 
-struct FoundZarr;  // what a folder stands for
+struct FoundZarr;  // the contents of a folder
 
 class ZarrSource final : public VolumeSource, public ChanneledSource, public LeveledSource {
  public:
@@ -73,7 +73,7 @@ class ZarrSource final : public VolumeSource, public ChanneledSource, public Lev
   Vec3i chunkVoxels() const;
   // Whether each chunk is checked as it is read.
   bool hasChecksums() const { return files_->hasChecksums(); }
-  // The chunk files, for who wants them as they are stored.
+  // The chunk files, for code that wants them as they are stored.
   ZarrChunkFiles& chunkFiles() { return *files_; }
 
  private:
@@ -96,12 +96,12 @@ class ZarrSource final : public VolumeSource, public ChanneledSource, public Lev
                  std::span<std::byte> out) const;
 
   ZarrView view_;        // constant after construction, as all that follows
-  int64_t channel_ = 0;  // of the axis view_.channel, if any
+  int64_t channel_ = 0;  // index along the axis view_.channel, if any
   std::string identity_;
   std::vector<std::string> channel_names_;
   std::vector<std::string> places_;  // see files()
   uint64_t header_bytes_ = 0;        // read of .zarray and .zattrs
-  std::vector<std::byte> fill_;      // one voxel
+  std::vector<std::byte> fill_;      // a voxel
   std::unique_ptr<ZarrChunkFiles> files_;
   std::unique_ptr<ZarrChunkCache> cache_;
   std::vector<std::unique_ptr<ZarrSource>> level_sources_;

@@ -48,7 +48,7 @@ ordered_json ownPart(const VolumeLayout& layout) {
   return own;
 }
 
-// What viewers call the channels and give them until the user chooses others.
+// Names and colours of the channels in viewers, until the user chooses others.
 ordered_json omero(const std::vector<std::string>& names) {
   constexpr std::array<const char*, 6> kColors = {"FF0000", "00FF00", "0000FF",
                                                   "FFFF00", "FF00FF", "00FFFF"};
@@ -90,7 +90,7 @@ std::string zarrImageText(const VolumeLayout& layout, const std::string& name,
   ordered_json axes = ordered_json::array();
   if (layout.time_steps > 1) axes.push_back(axis("t", "time", ""));
   if (channels.size() > 1) axes.push_back(axis("c", "channel", ""));
-  const size_t others = axes.size();  // than those of space
+  const size_t others = axes.size();  // axes that are not of space
   constexpr const char* kNames[] = {"x", "y", "z"};
   for (int a = 2; a >= 0; --a) axes.push_back(axis(kNames[a], "space", layout.unit));
   ordered_json datasets = ordered_json::array();

@@ -15,7 +15,7 @@ namespace sluice {
 std::string zarrGroupText();
 // .zarray of a Blosc array in C order.
 std::string zarrArrayText(const ZarrArray& array, const BloscOptions& options);
-// The coarser levels of an image: where they lie among the voxels of the finest one, and how they
+// The coarser levels of an image: the places of their voxels among the finest one's, and how they
 // were made ("mean", "max", "mode").
 struct ZarrLevelsText {
   std::vector<LevelPlacement> placements;  // from fine to coarse
@@ -25,7 +25,7 @@ struct ZarrLevelsText {
 
 // .zattrs of an image called `name`, whose levels are the folders "0", "1" and so on: axes t c z y
 // x, without t for one time step and without c for one channel; the layout's spacing and origin as
-// scale and translation of level 0, from which those of the others follow. Directions that are not
+// scale and translation of level 0, from which the other levels' follow. Directions that are not
 // the coordinate axes and a scaling of the values go under the key "sluice". `channels`: a name
 // each, perhaps empty; of several they go under "omero".
 std::string zarrImageText(const VolumeLayout& layout, const std::string& name,

@@ -41,7 +41,7 @@ ZarrArray arrayFor(ChannelSources channels, int64_t chunk_voxels) {
   return array;
 }
 
-// Of the channel that is read.
+// Limit for the source of the channel that is read.
 constexpr uint64_t kMostHeldBytes = uint64_t{32} << 20;
 
 std::vector<LevelShape> levelsFor(const VolumeLayout& layout, const PackOptions& options) {
@@ -59,7 +59,7 @@ const char* nameOf(Downsample how) {
   return how == Downsample::kMax ? "max" : "mode";
 }
 
-// Of each channel; empty where the file does not say.
+// The name of each channel; empty if the file does not tell.
 std::vector<std::string> namesOf(ChannelSources channels) {
   std::vector<std::string> names(channels.size());
   const std::span<const std::string> said = channelNames(*channels.front());
@@ -68,7 +68,8 @@ std::vector<std::string> namesOf(ChannelSources channels) {
   return names;
 }
 
-// What one thread needs beside the slab: a chunk, its file, and as much again inside Blosc.
+// The memory of a thread in addition to the slab: a chunk, its file, and as much again inside
+// Blosc.
 struct Scratch {
   int number = 0;
   std::vector<std::byte> chunk, stored;
@@ -113,7 +114,7 @@ std::vector<std::byte> fillOf(const ZarrArray& array) {
   return fill;
 }
 
-// Which volume of a store: a time step of a channel.
+// One volume of a store: a time step of a channel.
 struct StoreVolume {
   int64_t time = 0;
   size_t channel = 0;
@@ -424,7 +425,7 @@ class Packer {
   }
 
   const ChannelSources channels_;
-  const VolumeLayout& layout_;  // of each channel
+  const VolumeLayout& layout_;  // layout of each channel
   const PackOptions& options_;
   const std::vector<PackedArray>& arrays_;  // of the store
   const ZarrArray& array_;                  // of level 0

@@ -24,13 +24,13 @@ namespace sluice {
 struct PackOptions {
   int64_t chunk_voxels = 64;  // a side
   BloscOptions blosc = {};
-  uint64_t memory_bytes = uint64_t{256} << 20;  // of all threads together
+  uint64_t memory_bytes = uint64_t{256} << 20;  // limit for all threads together
   bool verify = false;                          // read again and compare with the source
   bool replace = false;                         // an existing store, at the end
-  std::string unit = {};                        // of the spacing; empty: what the source says
-  bool with_levels = false;                     // coarser levels beside level 0
+  std::string unit = {};                        // unit of the spacing; empty: the source's
+  bool with_levels = false;                     // also writes coarser levels
   std::optional<int64_t> levels = {};           // how many; without: see levelShapes()
-  Downsample downsample = Downsample::kMean;    // what a voxel of them becomes
+  Downsample downsample = Downsample::kMean;    // how voxels of coarser levels are made
   StopToken stop = {};                          // ends packing by Interrupted
 };
 
@@ -50,11 +50,10 @@ using ChannelSources = std::span<VolumeSource* const>;
 
 // Writes all channels and time steps, the stored values as they are, to the folder `output`
 // (NAME.zarr), which appears whole or not at all. The fill value is the background that the first
-// source knows of, else 0. Several channels are an axis of the store, named as their file names
-// them.
-// Throws Error: the output exists, the memory is too small (the line has the least), a read or a
-// write fails, a voxel differs when verified; and Interrupted. What was done stays in
-// NAME.zarr.partial for the next call.
+// source knows, else 0. Several channels become an axis of the store, named as their file names
+// them. Throws Error if the output exists, the memory is too small (the message names the least), a
+// read or a write fails, or a voxel differs when verified; throws Interrupted. The work done stays
+// in NAME.zarr.partial for the next call.
 PackReport packZarr(ChannelSources channels, const std::filesystem::path& output,
                     const PackOptions& options, WorkerPool& pool, ProgressMeter& progress);
 // The same of one channel.
@@ -63,7 +62,7 @@ PackReport packZarr(VolumeSource& source, const std::filesystem::path& output,
 
 struct CheckReport {
   int64_t chunks = 0;               // files read
-  uint64_t stored_bytes = 0;        // of them
+  uint64_t stored_bytes = 0;        // bytes of those files
   std::vector<std::string> faults;  // a line for each chunk that is damaged, missing or too many
 };
 
