@@ -19,7 +19,7 @@ namespace sluice {
 
 struct PageGeometry {
   Vec3i size_vox{32, 64, 2};    // voxels, each a power of two
-  int64_t bytes_per_voxel = 1;  // as stored in texture memory
+  int64_t bytes_per_voxel = 1;  // bytes of a voxel in texture memory
   int64_t pages = 256;          // how many are resident at most; a power of two
 
   int64_t pageBytes() const { return volume(size_vox) * bytes_per_voxel; }
@@ -44,8 +44,8 @@ std::optional<Vec3i> parsePageSize(std::string_view text);
 // "64x32x32".
 std::string printPageSize(Vec3i size_vox);
 
-// A machine by name. `known` and `assumed` are sentences for people: what its makers or the paper
-// say, and what we filled in.
+// A machine by name. `known` and `assumed` are sentences for people: the facts from its makers or
+// the paper, and our assumptions.
 struct PageConfiguration {
   std::string name;
   PageGeometry geometry;

@@ -108,7 +108,7 @@ Key TextureCache::keyOf(ChunkId chunk) {
 }
 
 void TextureCache::forget(Key key) {
-  policy_->erase(key);  // of a ghost list
+  policy_->erase(key);  // from the ghost lists
   was_resident_[key] = false;
   free_keys_.push_back(key);
 }

@@ -1,9 +1,9 @@
-// TextureCache: level 4 as a model. It says which chunk is loaded into which pages and which chunks
-// go for it; a device does exactly that (design point 5), so that what is simulated and what is
-// moved are equal byte for byte.
+// TextureCache: level 4 as a model. It decides which chunk is loaded into which pages and which
+// chunks are evicted for it; a device does exactly that (design point 5), so that simulated and
+// real I/O are equal byte for byte.
 //
-// A chunk takes any free pages, the lowest numbers first: a page is the unit of placement as of
-// moving, so nothing fragments outside a page. Residency lasts across clusters and frames until
+// A chunk takes any free pages, the lowest numbers first. A page is the unit of placement and of
+// transfer, so nothing fragments outside a page. Residency lasts across clusters and frames until
 // eviction. Deterministic: the same requests give the same pages. One thread (the one that draws).
 #pragma once
 
@@ -24,12 +24,12 @@ class TextureCache {
  public:
   struct Answer {
     Outcome outcome = Outcome::kDoesNotFit;
-    bool was_resident_before = false;  // of a load: it is redundant
-    std::span<const uint32_t> pages;   // where the chunk is; empty when it does not fit
-    std::span<const ChunkId> evicted;  // of a load: drop these first, in this order
+    bool was_resident_before = false;  // for a load: it is redundant
+    std::span<const uint32_t> pages;   // the chunk's pages; empty when it does not fit
+    std::span<const ChunkId> evicted;  // for a load: drop these first, in this order
   };
 
-  // `page_bytes` only says what a budget of `pages` pages is in bytes. `policy` is an online one of
+  // `page_bytes` only converts a budget of `pages` pages to bytes. `policy` is an online one of
   // capacity `pages`. Requires: 0 < pages < 2^32.
   TextureCache(uint64_t pages, uint64_t page_bytes, std::unique_ptr<Policy> policy);
 
@@ -45,8 +45,8 @@ class TextureCache {
   // Takes out a chunk that became invalid; counted as an eviction. False when it was not resident.
   bool erase(ChunkId chunk);
 
-  // Forgets what it remembers of chunks that are not resident and that `is_used` denies: whether
-  // they were resident before, and what a policy notes of them.
+  // Forgets chunks that are not resident and that `is_used` denies: whether they were resident
+  // before, and what a policy notes of them.
   template <class IsUsed>
   void forgetUnused(IsUsed&& is_used) {
     std::erase_if(keys_, [&](const auto& known) {
@@ -62,22 +62,22 @@ class TextureCache {
   bool contains(ChunkId chunk) const { return !pagesOf(chunk).empty(); }
   // Empty when not resident.
   std::span<const uint32_t> pagesOf(ChunkId chunk) const;
-  // In no particular order.
+  // The resident chunks, in no particular order.
   std::vector<ChunkId> residents() const;
-  // For each page the chunk in it; kNoChunk where free. For pictures.
+  // For each page the chunk in it; kNoChunk if free. For pictures.
   std::vector<ChunkId> pageMap() const;
   static constexpr ChunkId kNoChunk = UINT64_MAX;
 
   uint64_t capacityPages() const { return policy_->capacity(); }
   uint64_t usedPages() const { return policy_->used(); }
   // current_bytes and the peak count the whole pages of residents, and stay within budget_bytes;
-  // uploaded_bytes counts what request() was told that loads hand to the device.
+  // uploaded_bytes counts the bytes of loads as passed to request().
   const CacheCounters& counters() const { return counters_; }
   uint64_t pagesLoaded() const { return pages_loaded_; }  // since the last reset
   void resetCounters();
 
  private:
-  Key keyOf(ChunkId chunk);  // a new one where it has none
+  Key keyOf(ChunkId chunk);  // a new one if it has none
   void forget(Key key);
   void release(Key key);
   uint32_t takeLowestPage();
@@ -88,12 +88,12 @@ class TextureCache {
   std::vector<ChunkId> chunk_of_;                // by key
   std::vector<std::vector<uint32_t>> pages_of_;  // by key; empty when not resident
   std::vector<bool> was_resident_;               // by key
-  std::vector<Key> free_keys_;                   // of forgotten chunks
+  std::vector<Key> free_keys_;                   // keys of forgotten chunks
   std::vector<uint64_t> free_pages_;             // a bit a page
   size_t lowest_word_ = 0;                       // no free page in the words before it
   CacheCounters counters_;
   uint64_t pages_loaded_ = 0;
-  std::vector<Key> evicted_keys_;  // of the last request
+  std::vector<Key> evicted_keys_;  // for the last request
   std::vector<ChunkId> evicted_;
 };
 

@@ -1,6 +1,6 @@
-// The policies that evict the entry of the lowest priority, where the priority follows from how
-// often an entry was requested: LFU and GDSF. Both keep a binary heap over the resident entries, so
-// a request costs O(log residents). Pinned entries are passed over. One thread.
+// Policies that evict the entry of the lowest priority, which follows from how often an entry was
+// requested: LFU and GDSF. Both keep a binary heap over the resident entries, so a request costs
+// O(log residents). Pinned entries are skipped. One thread.
 #pragma once
 
 #include <vector>
@@ -9,8 +9,8 @@
 
 namespace sluice {
 
-// A heap of resident entries by (priority, time of the last request), lowest first. `Derived` says
-// what the priority is.
+// A heap of resident entries by (priority, time of the last request), lowest first. `Derived`
+// defines the priority.
 class PriorityPolicy : public Policy {
  public:
   using Policy::Policy;
@@ -52,8 +52,8 @@ class LfuPolicy final : public PriorityPolicy {
   double priorityOf(uint32_t times, uint32_t /*weight*/) const override { return times; }
 };
 
-// GDSF, Greedy-Dual-Size-Frequency (Cherkasova 1998) with a cost of 1 a request: the priority is
-// L + times / pages, where L is the priority of the entry evicted last, so that entries age. Small
+// GDSF, Greedy-Dual-Size-Frequency (Cherkasova 1998) with a cost of 1 a request: the priority is L
+// + times / pages, with L the priority of the entry evicted last, so that entries age. Small
 // entries that are requested often stay. The original may leave out the new entry itself; the
 // renderer needs it, so here it always comes in.
 class GdsfPolicy final : public PriorityPolicy {

@@ -1,5 +1,5 @@
 // FlatArray: a vector for large tables that are read at random places. It asks the system for huge
-// pages where it has them, since at a million entries most of the time would go into address
+// pages if it has them, since at a million entries most of the time would go into address
 // translation. Otherwise std::vector.
 #pragma once
 

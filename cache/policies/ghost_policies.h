@@ -1,7 +1,8 @@
-// The policies that also remember what they evicted, in ghost lists of keys without pages: 2Q, ARC
-// and S3-FIFO. Every list's size is the sum of its entries' weights in pages, so that with entries
-// of one page each is the original and with larger ones the shares stay shares of pages. Where a
-// step would evict from a list that holds only pinned entries, the other list gives. One thread.
+// Policies that also remember the entries that they evicted, in ghost lists of keys without pages:
+// 2Q, ARC and S3-FIFO. A list's size is the sum of its entries' weights in pages. So each policy is
+// the original if all entries have one page, and shares of the cache remain shares of pages if
+// entries are larger. If a step would evict from a list that holds only pinned entries, it evicts
+// from the other list. One thread.
 #pragma once
 
 #include "cache/policies/policy.h"
@@ -9,8 +10,8 @@
 namespace sluice {
 
 // 2Q, the full version (Johnson and Shasha 1994): new entries enter the queue In (a quarter of the
-// pages), what falls out of it is remembered in Out (half as many pages as the cache has) and
-// enters the LRU list Main when it is requested from there. A hit in In changes nothing.
+// pages). Entries that fall out of it are remembered in Out (half as many pages as the cache has)
+// and enter the LRU list Main when they are requested from there. A hit in In changes nothing.
 class TwoQPolicy final : public Policy {
  public:
   explicit TwoQPolicy(uint64_t capacity);
@@ -41,12 +42,12 @@ class ArcPolicy final : public Policy {
 };
 
 // S3-FIFO (Yang 2023, algorithm 1): new entries enter the queue Small (a tenth of the pages),
-// ghosts the queue Main (the rest). Small gives while it holds its share or more, else Main.
-// Small's oldest move to Main, their count cleared, while they were hit more than once; the first
-// that was not becomes a ghost. Where such a move takes Main beyond its share, Main gives one too.
-// Main's oldest goes round with its count (at most 3) one less until it is 0. Ghosts are kept for
-// as many pages as Main's share. Shares are real numbers: of 25 pages, Small has its share with 3,
-// Main with 22.
+// ghosts the queue Main (the rest). An eviction takes from Small while Small holds its share or
+// more, else from Main. The oldest entries of Small move to Main, their count cleared, if they were
+// hit more than once; the first that was not becomes a ghost. If such a move takes Main beyond its
+// share, Main evicts one entry too. The oldest entry of Main moves to the end with its count (at
+// most 3) reduced by one, until it is 0. Ghosts are kept for as many pages as Main's share. Shares
+// are real numbers: of 25 pages, Small has its share with 3, Main with 22.
 class S3FifoPolicy final : public Policy {
  public:
   using Policy::Policy;

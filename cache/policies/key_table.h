@@ -32,7 +32,7 @@ class KeyTable {
   uint32_t find(uint64_t id) const { return slots_.empty() ? kNone : slots_[slotOf(id)].key; }
   // The id's number, a new one when it has none. Requires: fewer than 2^32 - 16 ids.
   uint32_t insert(uint64_t id) { return insertNoted(id).key; }
-  // The same with a number that lies beside it for the caller's use, 0 at first. The reference is
+  // The same with a number stored next to it for the caller's use, 0 at first. The reference is
   // good until the next insertion.
   struct Noted {
     uint32_t key;
@@ -55,14 +55,14 @@ class KeyTable {
   }
 
  private:
-  // The id beside its key, so that a look-up reads one place in memory.
+  // The id next to its key, so that a look-up reads one place in memory.
   struct Slot {
     uint64_t id = 0;
     uint32_t key = kNone;  // kNone: empty
     uint32_t note = 0;
   };
 
-  // Where `id` is, or the empty slot where it belongs.
+  // The slot of `id`, or the empty slot where it belongs.
   size_t slotOf(uint64_t id) const {
     const size_t mask = slots_.size() - 1;
     size_t i = mixBits(id) & mask;

@@ -5,7 +5,7 @@
 namespace sluice {
 namespace {
 
-constexpr uint64_t kQueueShare = 100;  // one page in so many
+constexpr uint64_t kQueueShare = 100;  // a page in so many
 constexpr uint32_t kHead = 0;
 
 }  // namespace

@@ -2,12 +2,12 @@
 //
 // Entries are of low inter-reference recency (LIR) or of high (HIR). HIR entries have a hundredth
 // of the pages, at least one, and go first, from a queue in order of entry. A stack orders entries
-// by their last request, ghosts included, and always ends with a LIR entry: what lies below the
-// last LIR one is taken out. A HIR entry or a ghost that is requested while it is in the stack
+// by their last request, ghosts included. It always ends with a LIR entry: everything below the
+// last LIR entry is taken out. A HIR entry or a ghost that is requested while it is in the stack
 // becomes LIR, as does every new one while LIR entries have room in their share, and the lowest LIR
 // entries of the stack become HIR until LIR entries are within their share. Ghosts are kept for
 // twice the cache's pages, the oldest one goes first; the paper's stack has no such limit. Pinned
-// entries are passed over, and if the queue has no other, the lowest LIR entry goes, without
+// entries are skipped, and if the queue has no other, the lowest LIR entry is evicted, without
 // becoming a ghost. One thread.
 #pragma once
 
@@ -40,7 +40,7 @@ class LirsPolicy final : public Policy {
   uint32_t lowestLir() const;
   // LIR entries become HIR, from the bottom, until they are within their share.
   void demote();
-  // Takes out what lies below the last LIR entry.
+  // Takes out everything below the last LIR entry.
   void prune();
 
   const uint64_t lir_pages_, ghost_pages_;

@@ -1,11 +1,12 @@
 // Policy: which entries of a cache go when another needs their room.
 //
-// One interface for all online policies and for Belady's optimum by request. An entry is a key with
-// a weight in pages; a request answers hit, loaded (with the keys that went for it) or does not
-// fit. Entries of several pages go and come as a whole: on a miss, victims are chosen one after the
-// other until the new entry fits, so a miss may evict none, one or many. Pinned entries are never
-// chosen: the chunks of the cluster being drawn stay. A request that could not be met even by
-// evicting everything unpinned changes nothing and answers kDoesNotFit.
+// A single interface for all online policies and for Belady's optimum by request. An entry is a key
+// with a weight in pages. The answer to a request is a hit, a load (with the keys that were evicted
+// for it), or that the entry does not fit. Entries of several pages go and come as a whole: on a
+// miss, victims are chosen one after the other until the new entry fits, so a miss may evict none,
+// one or many. Pinned entries are never chosen: the chunks of the cluster being drawn stay. A
+// request that could not be met even by evicting everything unpinned changes nothing and answers
+// kDoesNotFit.
 //
 // Keys are small numbers (KeyTable makes them): the state is one flat array indexed by key, lists
 // are linked by index, and no request allocates once reserve() has been called. An entry keeps the
@@ -28,7 +29,7 @@ using Key = uint32_t;
 enum class Outcome {
   kHit,
   kLoaded,     // was not resident, is now
-  kDoesNotFit  // heavier than the capacity less what is pinned; nothing changed
+  kDoesNotFit  // heavier than the capacity less the pinned entries; nothing changed
 };
 
 class Policy {
@@ -58,8 +59,8 @@ class Policy {
   // Keeps a resident entry from being evicted until unpinAll(). False when it is not resident.
   bool pin(Key key);
   void unpinAll();
-  // Takes a resident entry out (it became invalid), pinned or not, and forgets what a ghost list
-  // remembers of it. False when it was not resident.
+  // Takes a resident entry out (it became invalid), pinned or not, and removes it from ghost lists.
+  // False when it was not resident.
   bool erase(Key key);
 
   bool contains(Key key) const {
@@ -74,8 +75,8 @@ class Policy {
 
   // Room for keys below `keys`.
   void reserve(Key keys);
-  // Hints for callers that know what will be requested soon: prefetchEntry well ahead, then
-  // prefetchNeighbors (which reads the entry). They change nothing but the processor's cache.
+  // Hints for callers that know the next requests: prefetchEntry well ahead, then prefetchNeighbors
+  // (which reads the entry). They change nothing but the processor's cache.
   void prefetchEntry(Key key) const {
     if (key + kHeads < nodes_.size()) __builtin_prefetch(&nodes_[key + kHeads]);
   }
@@ -100,7 +101,7 @@ class Policy {
   virtual void onHit(uint32_t index) = 0;
   // Makes room and puts the entry in with admit(). `nodes_[index]` may be a ghost.
   virtual void onMiss(uint32_t index, uint32_t weight) = 0;
-  // Before a resident entry leaves its list for good.
+  // Called before a resident entry leaves its list for good.
   virtual void onRemoval(uint32_t /*index*/) {}
 
   bool isFull(uint32_t weight) const { return used_ + weight > capacity_; }
@@ -113,17 +114,17 @@ class Policy {
     while (i != list && nodes_[i].pinned) i = nodes_[i].prev;
     return i;
   }
-  // In a list at all: resident, or remembered by a ghost list.
+  // Whether it is in a list: resident, or remembered by a ghost list.
   bool isLinked(uint32_t index) const { return nodes_[index].next != index; }
   void pushHead(uint32_t list, uint32_t index);
   void unlink(uint32_t index);
-  // To the head of the list that it is in.
+  // Moves it to the head of its list.
   void touch(uint32_t index);
   // All of `from`, order kept, to the head of `to`, whose entries all count as older.
   void spliceToHead(uint32_t from, uint32_t to);
-  // Resident from now on, at the head of `list`. Requires: in no list; room is there.
+  // Makes the entry resident, at the head of `list`. Requires: in no list; room is there.
   void admit(uint32_t index, uint32_t weight, uint32_t list);
-  // Out of its list and the cache; reported to the caller of request().
+  // Takes it out of its list and the cache; reported to the caller of request().
   void evict(uint32_t index);
 
   std::vector<Node> nodes_;
@@ -138,7 +139,7 @@ class Policy {
   uint64_t pinned_weight_ = 0;
   uint64_t list_weight_[kHeads] = {};
   std::vector<uint32_t> pinned_;
-  std::vector<Key>* evicted_ = nullptr;  // of the request under way
+  std::vector<Key>* evicted_ = nullptr;  // for the request under way
 };
 
 enum class PolicyKind {
@@ -160,7 +161,7 @@ enum class PolicyKind {
   kBeladyPages  // the optimum by byte: see belady.h
 };
 
-// Those that need no knowledge of the future, in the order above.
+// The policies that need no knowledge of the future, in the order above.
 std::span<const PolicyKind> onlinePolicies();
 // "lru", "fifo", "clock", "random", "srrip", "2q", "arc", "s3-fifo", "sieve", "lfu", "slru",
 // "w-tinylfu", "lirs", "gdsf", "belady", "belady-pages": the names that --policy takes.

@@ -5,7 +5,7 @@
 namespace sluice {
 namespace {
 
-constexpr uint64_t kWindowShare = 100;     // one page in so many
+constexpr uint64_t kWindowShare = 100;     // a page in so many
 constexpr uint64_t kRequestsOfAPage = 10;  // until counts halve
 constexpr uint8_t kMostTimes = 15;
 
@@ -91,7 +91,7 @@ void WTinyLfuPolicy::onMiss(uint32_t index, uint32_t weight) {
       evict(of_window);
     }
   }
-  // There is room: what the window has too much enters the main part without a contest.
+  // There is room: entries that exceed the window enter the main part without a contest.
   while (isWindowOver(weight) && !isEmpty(kWindow)) toMain(tail(kWindow));
   admit(index, weight, kWindow);
 }

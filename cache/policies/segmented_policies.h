@@ -1,5 +1,5 @@
-// The policies that keep entries requested again apart from the others: SLRU, and W-TinyLFU, whose
-// main part is one. Shares are of pages. One thread.
+// Policies that keep entries requested again apart from the others: SLRU, and W-TinyLFU, whose main
+// part is an SLRU. Shares are of pages. One thread.
 #pragma once
 
 #include "cache/policies/policy.h"
@@ -17,7 +17,7 @@ class SegmentedPolicy : public Policy {
  protected:
   static constexpr uint32_t kProbation = 0, kProtected = 1, kWindow = 2;
   void onHit(uint32_t index) override;
-  // The next to go: Probation's oldest, without one Protected's; kNone where all are pinned.
+  // The next to be evicted: Probation's oldest, or else Protected's; kNone if all are pinned.
   static constexpr uint32_t kNone = UINT32_MAX;
   uint32_t segmentedVictim() const;
 
@@ -35,17 +35,18 @@ class SlruPolicy final : public SegmentedPolicy {
 };
 
 // W-TinyLFU (Einziger, Friedman and Manes 2017): a window, an LRU list of a hundredth of the pages,
-// takes new entries. What falls out of it enters the main part, an SLRU, only if it was requested
-// more often than the entry that would go for it. Counts stop at 15 and halve after every ten
-// requests a page of the cache. The paper keeps them in a sketch to save memory; here they are
-// exact, a few bytes a key. The new entry itself always comes in, since the renderer needs it.
+// takes new entries. An entry that falls out of it enters the main part, an SLRU, only if it was
+// requested more often than the entry that would be evicted for it. Counts stop at 15 and halve
+// after every ten requests a page of the cache. The paper keeps them in a sketch to save memory;
+// here they are exact, a few bytes a key. The new entry itself always comes in, since the renderer
+// needs it.
 class WTinyLfuPolicy final : public SegmentedPolicy {
  public:
   explicit WTinyLfuPolicy(uint64_t capacity);
 
  private:
   struct Count {
-    uint64_t halvings = 0;  // that `times` knows of
+    uint64_t halvings = 0;  // halvings already applied to `times`
     uint8_t times = 0;
   };
   void onHit(uint32_t index) override;

@@ -1,6 +1,6 @@
-// The policies that remember resident entries only: LRU, FIFO, CLOCK, random, SRRIP, SIEVE.
-// What Policy promises holds for each; the comments say what each does and how it treats entries of
-// several pages and pinned entries where the original has neither. One thread.
+// Policies that remember resident entries only: LRU, FIFO, CLOCK, random, SRRIP, SIEVE. Each keeps
+// the contract of Policy; the comments describe the policy and how it treats entries of several
+// pages and pinned entries, which the original does not have. One thread.
 #pragma once
 
 #include "cache/policies/policy.h"
@@ -32,8 +32,8 @@ class FifoPolicy final : public Policy {
 
 // FIFO with a second chance: a hit sets the reference bit, which is clear after a load; the hand
 // clears a set bit and passes on, and takes the first clear one. The ring is kept as a queue whose
-// tail is under the hand: passing an entry moves it to the head. Pinned entries are passed over
-// where they are.
+// tail is under the hand: passing an entry moves it to the head. Pinned entries are skipped and
+// keep their place.
 class ClockPolicy final : public Policy {
  public:
   using Policy::Policy;
@@ -56,7 +56,7 @@ class RandomPolicy final : public Policy {
 
   Random random_;
   std::vector<uint32_t> slots_;     // residents; a hole is filled by the last
-  std::vector<uint32_t> position_;  // of each node in slots_
+  std::vector<uint32_t> position_;  // place of each node in slots_
 };
 
 // Static re-reference interval prediction (Jaleel 2010) with 2 bits and hit priority: loaded with a

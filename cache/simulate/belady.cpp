@@ -60,7 +60,7 @@ BeladyPages::Answer BeladyPages::requestNext() {
   if (weight > capacity_) return {false, weight};
   const uint32_t missing = weight - pages_in_[key];
   const uint32_t kept = pages_in_[key];
-  pages_in_[key] = 0;  // so that making room passes over what is requested now
+  pages_in_[key] = 0;  // so that making room does not evict the requested chunk
   makeRoom(missing);
   pages_in_[key] = kept + missing;
   used_ += missing;

@@ -1,4 +1,4 @@
-// Belady's optimum: what no policy can do better, knowing the whole trace.
+// Belady's optimum, knowing the whole trace: no policy can do better.
 //
 // BeladyPolicy ("belady", by request) evicts the entry whose next request is furthest away. When
 // all entries weigh the same, no policy that loads on every miss has fewer misses. When they do
@@ -52,7 +52,7 @@ class BeladyPolicy final : public Policy {
 
 class BeladyPages {
  public:
-  // As above; `trace` must outlive it. Requires: capacity > 0.
+  // The optimum described above; `trace` must outlive it. Requires: capacity > 0.
   BeladyPages(uint64_t capacity, const PreparedTrace& trace, std::span<const uint32_t> next_uses);
 
   struct Answer {

@@ -24,8 +24,8 @@ struct SimulateBenchOptions {
 struct SimulateBenchResult {
   double lru = 0;
   double curve = 0;
-  // What was replayed, so that a result which cannot be is noticed: LRU's page misses by
-  // simulation and from the curve. Equal.
+  // LRU's page misses by simulation and from the curve. They must be equal, which checks the
+  // replay.
   uint64_t lru_misses = 0;
   uint64_t curve_misses = 0;
 };

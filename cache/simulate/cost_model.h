@@ -1,4 +1,4 @@
-// CostModel: what moving and drawing would take on a machine, for modelled seconds.
+// CostModel: the cost of moving and drawing on a machine, for modelled seconds.
 //
 //   seconds = bytes moved / bytes a second + pages moved * seconds a page + binds * seconds a bind
 //
@@ -11,7 +11,7 @@
 namespace sluice {
 
 struct CostModel {
-  double bytes_per_second = 1e9;   // of the upload path; assumed: a round number
+  double bytes_per_second = 1e9;   // speed of the upload path; assumed: a round number
   double seconds_per_page = 1e-6;  // a page's share of overhead; assumed
   double seconds_per_bind = 5e-6;  // making a chunk the current texture; assumed
 

@@ -1,11 +1,11 @@
 // LruReplay: LRU for simulation only, several times faster than LruPolicy, which it equals request
-// for request (a test says so).
+// for request (a test checks it).
 //
 // Instead of a linked list it keeps the log of requests, newest last. A key's place in the order is
 // the time of its last request; a log entry is outdated when its key was requested again. Eviction
 // walks the log from its old end, which is sequential memory, so a request touches one random word
-// and an eviction another, both fetched ahead. No pinning, no erasing, no answer about who went.
-// Memory O(keys): the log is packed when full. One thread.
+// and an eviction another, both fetched ahead. It cannot pin or erase, and does not tell which keys
+// were evicted. Memory O(keys): the log is packed when full. One thread.
 #pragma once
 
 #include <algorithm>

@@ -132,7 +132,7 @@ void ShardsEstimator::request(uint64_t chunk, uint32_t pages) {
   if (max_chunks_ != 0 && keys_.size() > max_chunks_) lowerThreshold();
 }
 
-// Drops the chunks with the largest hash; what they counted stays, at the rate of that time.
+// Drops the chunks with the largest hash; their counts stay, at the rate of that time.
 void ShardsEstimator::lowerThreshold() {
   threshold_ = std::max<uint64_t>(1, by_hash_.top().first);
   while (!by_hash_.empty() && by_hash_.top().first >= threshold_) {

@@ -1,9 +1,8 @@
 // Miss-ratio curves of LRU: misses at every cache size from one pass over the trace.
 //
-// lruCurve is exact at every size of at least the trace's heaviest chunk (stack_distance.h says
-// why), in O(log n) a request. ShardsEstimator (Waldspurger 2015) looks only at the chunks whose
-// hash is below a threshold and scales their distances up: for traces too long for that. One
-// thread.
+// lruCurve is exact at every size of at least the trace's heaviest chunk (see stack_distance.h), in
+// O(log n) a request. ShardsEstimator (Waldspurger 2015) looks only at the chunks whose hash is
+// below a threshold and scales their distances up: for traces too long for that. One thread.
 #pragma once
 
 #include <cstdint>
@@ -26,13 +25,13 @@ struct MissRatioCurve {
     double page_misses = 0;  // in a trace of `requests` page requests; whole when exact
   };
   double requests = 0;      // page requests
-  std::vector<Step> steps;  // ascending; the first is at 0 pages, where everything misses
+  std::vector<Step> steps;  // ascending; the first is at 0 pages, at which everything misses
   // Mean over sizes of the miss ratio's expected absolute error; 0: exact.
   double stated_error = 0;
 
   // Page misses of LRU with `pages` pages.
   double missesAt(uint64_t pages) const;
-  // In [0, 1]; 1 for an empty trace.
+  // The miss ratio, in [0, 1]; 1 for an empty trace.
   double missRatioAt(uint64_t pages) const { return requests > 0 ? missesAt(pages) / requests : 1; }
 };
 
@@ -61,12 +60,12 @@ class DistanceHistogram {
 
 // SHARDS on a stream of requests, memory bounded by the number of chunks sampled.
 //
-// Its error: the sample is of chunks, so with n of them sampled the curve's mean absolute error
-// over all sizes up to the number of distinct pages is expected below 2 / sqrt(n), which is what
-// stated_error holds (8192 chunks: 0.022; on skewed traces we measure half of it and less). One
-// size may be off by more where the curve is steep. The difference between the requests seen and
-// those that the sample stands for is put where distances are shortest (the paper's SHARDS-adj),
-// since it comes from a few very hot chunks being in the sample or not.
+// Its error: the sample consists of chunks. With n chunks sampled, the curve's mean absolute error
+// over all sizes up to the number of distinct pages is expected below 2 / sqrt(n); stated_error
+// holds this bound (8192 chunks: 0.022; on skewed traces we measure half of it and less). The error
+// at a single size may be greater where the curve is steep. The difference between the requests
+// seen and those that the sample stands for is added at the shortest distances (the paper's
+// SHARDS-adj), since it comes from a few very hot chunks being in the sample or not.
 class ShardsEstimator {
  public:
   // Fixed rate: chunks with probability `rate` in (0, 1]. Fixed size: at most `max_chunks` > 0,
@@ -74,7 +73,7 @@ class ShardsEstimator {
   static ShardsEstimator fixedRate(double rate, uint64_t seed = 0);
   static ShardsEstimator fixedSize(size_t max_chunks, uint64_t seed = 0);
 
-  // A chunk's pages are those of its first request. Requires: pages > 0.
+  // The first request of a chunk sets its pages. Requires: pages > 0.
   void request(uint64_t chunk, uint32_t pages);
   MissRatioCurve curve() const;
   size_t sampledChunks() const { return keys_.size(); }

@@ -1,5 +1,6 @@
-// PageExtents: which pages are free, where a chunk takes the lowest ones as in TextureCache, kept
-// as runs of pages, so that a chunk of many pages costs no more than one of few. One thread.
+// PageExtents: the free pages of a cache in which a chunk takes the lowest ones, as in
+// TextureCache. They are kept as runs of pages, so that a chunk of many pages costs no more than a
+// chunk of few. One thread.
 #pragma once
 
 #include <algorithm>

@@ -33,7 +33,7 @@ std::vector<Visit> visitsOf(const Trace& trace) {
   return visits;
 }
 
-// For each visit the one to load ahead after it; -1 for none.
+// The visit to load ahead after each visit; -1 for none.
 std::vector<int64_t> predictions(const std::vector<Visit>& visits, PrefetchModel model) {
   std::map<std::pair<uint32_t, uint32_t>, int64_t> visit_of;  // (frame, cluster) -> first visit
   for (size_t v = 0; v < visits.size(); ++v)

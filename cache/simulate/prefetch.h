@@ -1,13 +1,13 @@
-// Prefetch models: what loading chunks ahead of their cluster would bring, and spoil.
+// Prefetch models: the gain and the harm of loading chunks ahead of their cluster.
 //
-// The chunks of a visit (a cluster in a frame) are requested and pinned; then the model names
+// The chunks of a visit (a cluster in a frame) are requested and pinned. Then the model names
 // another visit, whose chunks that are not resident are loaded without evicting pinned ones. Chunks
-// that do not fit beside them are left out. A pure function, like the simulator; it has no clock,
-// so it says which loads come ahead of time, not how many seconds that hides.
+// that do not fit in addition to these are left out. A pure function, like the simulator; it has no
+// clock, so it tells which loads come ahead of time, not how many seconds that hides.
 //   next-cluster    the next visit of the same frame: the plan gives the order
 //   next-time-step  the same cluster in the next frame: each frame shows the next time step
 //   last-order      the visit that followed this cluster in the frame before: no plan needed, wrong
-//                   where the view changes the order
+//                   if the view changes the order
 #pragma once
 
 #include <cstdint>
@@ -28,20 +28,20 @@ struct PrefetchConfig {
   PolicyKind policy = PolicyKind::kLru;  // an online one
   uint64_t pages = 256;
   uint64_t seed = 1;
-  bool pin_clusters = true;  // as SimulationConfig says
+  bool pin_clusters = true;  // see SimulationConfig
 };
 
-// In page requests and pages.
+// Counts of page requests and pages.
 struct PrefetchResult {
   uint64_t requests = 0;        // by demand
   uint64_t misses = 0;          // by demand, with prefetching
-  uint64_t misses_without = 0;  // of the same cache without it
+  uint64_t misses_without = 0;  // misses of the same cache without prefetching
   uint64_t prefetched = 0;      // loaded ahead
-  uint64_t used = 0;            // of those, requested before they were evicted
-  uint64_t evicted_unused = 0;  // of those, evicted before they were requested
+  uint64_t used = 0;            // prefetched, then requested before they were evicted
+  uint64_t evicted_unused = 0;  // prefetched, then evicted before they were requested
   uint64_t polluted = 0;        // demand misses that are hits without prefetching
 
-  // Share of what was loaded ahead that was used; 1 when nothing was.
+  // The share of the chunks loaded ahead that was used; 1 when nothing was loaded.
   double accuracy() const { return ratio(used, prefetched, 1); }
   // Share of the chunks' loads that were ahead of time; 0 when there were none.
   double coverage() const { return ratio(used, used + misses, 0); }

@@ -57,7 +57,7 @@ class UnitRank {
     --total_;
   }
   uint64_t after(size_t p) const {
-    // At p and before: in its word, its 512, its 16384, and all 16384s before.
+    // The bits at p and before are those of its word, its 512, its 16384, and all 16384s before.
     const uint64_t in_word = bits_[p / 64] << (63 - p % 64);
     uint64_t before = countBits(in_word);
     before += sumBytes(bytes_[p / 512] & lowMask(p / 64 % 8 * 8));

@@ -17,29 +17,29 @@ namespace sluice {
 
 struct SimulationReport {
   std::string title;  // for people: the trace's name
-  // What was replayed and under which options, shown as they are.
+  // The trace that was replayed and the options, shown as they are.
   std::vector<std::pair<std::string, std::string>> facts;
 
   uint64_t page_bytes = 0;
   PolicyKind chosen_policy = PolicyKind::kLru;  // an online one
   uint64_t chosen_pages = 0;
   std::vector<SimulationRow> rows;    // policies x sizes
-  std::optional<MissRatioCurve> lru;  // at every size, where the rows are all of one trace
+  std::optional<MissRatioCurve> lru;  // at every size, if all rows belong to one trace
 
-  // Of the chosen policy and size, sampled evenly over the requests.
+  // The cache under the chosen policy and size, sampled evenly over the requests.
   struct Sample {
     uint64_t request = 0;     // requests so far
-    uint64_t this_frame = 0;  // pages requested in the current frame; 0 where frames are not known
+    uint64_t this_frame = 0;  // pages requested in the current frame; 0 if frames are not known
     uint64_t earlier = 0;     // pages kept from earlier frames
   };
   std::vector<Sample> residency;
   bool knows_frames = false;
-  // The first pages at the end of the trace, a chunk a page, TextureCache::kNoChunk where free.
+  // The first pages at the end of the trace, a chunk a page, TextureCache::kNoChunk if free.
   static constexpr uint64_t kMostPagesShown = 4096;
   std::vector<ChunkId> page_map;
 };
 
-// What was replayed, and how, for people.
+// The trace that was replayed and the options, for people.
 std::vector<std::pair<std::string, std::string>> factsOf(const PreparedTrace& trace,
                                                          const SimulationConfig& chosen);
 

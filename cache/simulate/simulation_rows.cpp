@@ -10,7 +10,7 @@
 namespace sluice {
 namespace {
 
-// `unknown` where there is no value.
+// `unknown` if there is no value.
 template <class Value>
 std::string textOf(const Value& value, const char* /*unknown*/) {
   return fmt::format("{}", value);
@@ -54,7 +54,7 @@ std::string quoted(const std::string& text) {
   return out + '"';
 }
 
-// The names of what tells runs apart, as far as some row has them.
+// The labels that tell runs apart, as far as some row has them.
 using Label = std::pair<const char*, std::string SimulationRow::*>;
 std::vector<Label> labelsOf(std::span<const SimulationRow> rows) {
   std::vector<Label> labels;

@@ -15,7 +15,7 @@ namespace {
 constexpr size_t kEntryAhead = 24;
 constexpr size_t kNeighborsAhead = 12;
 
-// `count` loads and evictions at once: of pages, of which a chunk may have 2^31.
+// `count` loads and evictions at once, for pages: a chunk may have 2^31.
 void countLoads(CacheCounters& c, uint64_t count, uint64_t bytes_each, bool were_resident_before) {
   c.loads += count;
   c.redundant_loads += were_resident_before ? count : 0;
@@ -98,8 +98,8 @@ class Replay {
   }
 
  private:
-  // A miss, after which `used` pages and `residents` entries are there. What the loads cost is
-  // summed up at the end: here is one word of memory to touch.
+  // Counts a miss, after which `used` pages and `residents` entries are resident. The cost of loads
+  // is summed up at the end, so that a miss touches one word of memory here.
   void countMiss(Key key, Outcome outcome, uint64_t used, uint64_t residents) {
     evicted_.clear();
     if (outcome == Outcome::kDoesNotFit) {
@@ -162,7 +162,7 @@ class Replay {
   SimulationRow& row_;
   uint64_t peak_used_ = 0;        // pages
   FlatArray<uint32_t> loads_of_;  // by key
-  std::vector<Key> evicted_;      // of the request under way
+  std::vector<Key> evicted_;      // for the request under way
 };
 
 uint64_t lruMisses(const PreparedTrace& trace, uint64_t pages) {

@@ -1,18 +1,18 @@
 // The simulator: a pure function of (trace, configuration). No clock, no device, no thread; the
 // same arguments give the same row on every machine.
 //
-// What it does not model: time (nothing overlaps, see cost_model.h), levels 1 to 3, the processor's
-// own texture caches, placement (any free page takes any part of a chunk, so memory never
-// fragments outside pages), and a driver that evicts on its own. Residency starts empty.
+// The model leaves out: time (nothing overlaps, see cost_model.h), levels 1 to 3, the processor's
+// own texture caches, placement (any free page takes any part of a chunk, so memory never fragments
+// outside pages), and a driver that evicts on its own. Residency starts empty.
 //
 // Misses by class, in pages, so that compulsory + capacity + conflict = misses:
-//   compulsory  of the first request of a chunk
-//   capacity    what a fully associative LRU cache of the same pages misses beyond that
-//   conflict    the rest: what the policy at hand loses to that LRU. Negative when it does better;
-//               zero for LRU itself
-// A request that does not fit, even beside nothing but what is pinned, is a failure: the renderer
-// would stop there and say so. Each time it counts as missed and costs what loading the chunk
-// costs, as if it went through memory that is not the cache's; it is never resident.
+//   compulsory  the first request of a chunk
+//   capacity    further misses of a fully associative LRU cache of the same pages
+//   conflict    the rest: the loss of the policy at hand against that LRU. Negative if it does
+//               better; zero for LRU itself
+// A request that does not fit, even with only the pinned chunks resident, is a failure: the
+// renderer would stop there and report it. Each time it counts as missed and costs as much as
+// loading the chunk, as if it went through memory that is not the cache's; it is never resident.
 //
 // The model draws nothing, so it does not know how often the renderer goes back and forth between a
 // cluster's chunks (the renderer's `binds`): the seconds take one bind a chunk request, the least.
@@ -34,7 +34,7 @@ namespace sluice {
 struct SimulationConfig {
   PolicyKind policy = PolicyKind::kLru;
   uint64_t pages = 256;  // > 0
-  // Keep the chunks of a cluster once requested until the next cluster, as the renderer does, where
+  // Keep the chunks of a cluster once requested until the next cluster, as the renderer does, if
   // the trace carries clusters. Ignored by kBeladyPages.
   bool pin_clusters = false;
   uint64_t seed = 1;  // for kRandom
@@ -52,15 +52,15 @@ struct SimulationRow {
   // loaded before is redundant.
   CacheCounters chunks;
   uint64_t pages_loaded = 0;
-  // What the loads moved, by cause: moved is bytes_moved, needed is bytes_needed.
-  // What failures cost is in it.
+  // The bytes that loads moved, by cause: moved is bytes_moved, needed is bytes_needed. Failed
+  // requests are included.
   LoadBytes bytes;
   // Chunk requests that did not fit, their pages, and the bytes moved for them.
   uint64_t failures = 0, failed_pages = 0, failed_bytes = 0;
   double modelled_seconds = 0;
-  // Where the chunks were planned for a cache: for one of so many pages.
+  // The cache size in pages that the chunks were planned for, if they were planned.
   std::optional<uint64_t> planned_pages;
-  // Which trace and which page size this row belongs to, where several are simulated; else empty.
+  // The trace and the page size of this row, if several are simulated; else empty.
   std::string trace, page;
 
   // Page misses of all page requests; 1 for an empty trace.
@@ -69,7 +69,7 @@ struct SimulationRow {
   }
 };
 
-// Requires: config.pages > 0. `lru_misses`: page misses of LRU at this size where the caller knows
+// Requires: config.pages > 0. `lru_misses`: page misses of LRU at this size if the caller knows
 // them; simulated otherwise.
 SimulationRow simulate(const PreparedTrace& trace, const SimulationConfig& config,
                        std::optional<uint64_t> lru_misses = std::nullopt);
@@ -79,14 +79,14 @@ std::vector<SimulationRow> simulateTable(const PreparedTrace& trace,
                                          std::span<const uint64_t> sizes_pages,
                                          SimulationConfig config);
 
-// Empty, or one line that says which identity of the header or of the counters does not hold.
+// Empty, or one line that names the broken identity of the header or of the counters.
 std::string brokenIdentity(const SimulationRow& row);
 
 // "policy,pages,requests,...": a header line and a line a row, ended by newlines. Rows that name
 // their trace or page size have it in columns at the end; names with commas or quotes are quoted.
 std::string toCsv(std::span<const SimulationRow> rows);
-// {"rows": [{"policy": ...}]} with the names of toCsv, less the trace and page size. What is not
-// known is empty there, null here.
+// {"rows": [{"policy": ...}]} with the names of toCsv, less the trace and page size. Unknown values
+// are empty there, null here.
 std::string toJson(std::span<const SimulationRow> rows);
 
 }  // namespace sluice

@@ -4,8 +4,8 @@
 // The distance of a request is the weight of the distinct keys requested since the key's last
 // request, itself included: an LRU cache of at least that many pages hits, a smaller one misses.
 // For keys of several pages this is exact too, because LRU that evicts until the new entry fits
-// holds the longest run of most recent keys that fits (simple_policies.h); only below the heaviest
-// key's pages, where requests that do not fit leave a real cache unchanged, is it not.
+// holds the longest run of most recent keys that fits (simple_policies.h). It is not exact below
+// the heaviest key's pages, since requests that do not fit leave a real cache unchanged.
 //
 // Memory is O(distinct keys): positions are used up one a request and packed again when they run
 // out, after 3n or more requests for n distinct keys. `Rank` is UnitRank (all weights 1) or
@@ -111,7 +111,7 @@ class StackDistances {
 
   FlatArray<uint32_t> position_of_;  // by key
   std::vector<uint64_t> weight_of_;  // by key; with WeightRank only
-  FlatArray<Key> owner_;             // by position; live where position_of_ says so
+  FlatArray<Key> owner_;             // by position; live if position_of_ refers to it
   Rank rank_;
   uint32_t next_ = 0;  // the first position not used yet
   uint32_t live_ = 0;  // keys with a position

@@ -26,7 +26,7 @@ struct PackedInput {
   PackedInput(std::ifstream opened, std::string file_path)
       : file(std::move(opened)), path(std::move(file_path)), bytes(kBufferBytes) {}
 
-  // More bytes when none are left; false at the file's end.
+  // Reads more bytes when none are left; false at the file's end.
   bool fill() {
     if (at < end) return true;
     file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
@@ -126,7 +126,7 @@ class ZstdUnpacker final : public Unpacker {
     if (ZSTD_isError(status) != 0) failDamaged(ZSTD_getErrorName(status));
     const bool moved = from.pos != in_.at || to.pos != 0;
     in_.at = from.pos;
-    // Without progress the status is that of a frame that has not begun.
+    // Without progress the status belongs to a frame that has not begun.
     if (moved) ended_ = status == 0;
     return to.pos;
   }

@@ -1,7 +1,7 @@
 // A trace file's bytes, unpacked if the file is compressed with gzip or Zstandard. The first bytes
-// decide, whatever the name says. Memory is two small buffers and the compression's own window
-// (at most 128 MiB, which is Zstandard's largest without --long), however large the file is.
-// One thread a stream.
+// decide, whatever the name is. Memory is two small buffers and the compression's own window (at
+// most 128 MiB, which is Zstandard's largest without --long), however large the file is. One thread
+// a stream.
 #pragma once
 
 #include <filesystem>

@@ -11,10 +11,10 @@ namespace {
 constexpr uint64_t kMaxRequests = UINT32_MAX - 16;
 
 constexpr uint64_t kMostBytes = uint64_t{1} << 63;
-// Records whose chunks are fetched ahead: what a core has under way at once.
+// Records whose chunks are fetched ahead: as many as a core can have in flight.
 constexpr size_t kAhead = 16;
 
-// Tells a chunk's sizes from others beside its key, so that a record whose sizes are the chunk's
+// A digest of a chunk's sizes, stored next to its key, so that a record whose sizes are the chunk's
 // needs no other look at memory. Two sizes have the same with a chance of 2^-32.
 uint32_t shapeOf(const TraceRecord& r) {
   const uint64_t mixed = mixBits(
@@ -71,7 +71,7 @@ void TracePreparer::take(const TraceRecord& r) {
   moved_bytes_ += moved;
 }
 
-// Notes the visit, and where a frame begins.
+// Notes the visit, and the begin of a frame.
 void TracePreparer::beginVisit(const TraceRecord& r) {
   const bool is_first = out_.keys.empty();
   const bool new_frame = is_first || r.frame != last_frame_;

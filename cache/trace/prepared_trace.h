@@ -2,11 +2,11 @@
 //
 // The units, which every number of the simulator follows:
 //   chunk request  one record: the renderer asks for a chunk, all of its pages or none.
-//   page request   a chunk request of p pages is p page requests. With Granularity::kChunks (what
-//                  the renderer does) they hit together or miss together, and replacement works on
+//   page request   a chunk request of p pages is p page requests. With Granularity::kChunks (as in
+//                  the renderer) they hit together or miss together, and replacement works on
 //                  whole chunks. With kPages each of the p pages is an entry of its own, requested
-//                  in order, which is how hardware that pages by itself would do it.
-// A chunk's pages and bytes are those of its first record; later ones that differ are counted in
+//                  in order, as hardware that pages by itself would do it.
+// The first record of a chunk sets its pages and bytes; later ones that differ are counted in
 // `resized` and otherwise ignored, since a chunk id stands for the same voxels throughout.
 // Plain data, constant after prepare().
 #pragma once
@@ -26,10 +26,10 @@ enum class Granularity { kChunks, kPages };
 
 struct PreparedTrace {
   uint64_t page_bytes = 4096;
-  // One a request.
+  // The key of each request.
   FlatArray<Key> keys;
   FlatArray<uint32_t> visits;  // number of the cluster visit, rising; empty: no clusters known
-  // One a key; both empty: every key has one page and `bytes_of_all`.
+  // The weight of each key; both empty: every key has one page and `bytes_of_all`.
   FlatArray<uint32_t> weights;
   FlatArray<LoadBytes> bytes;
   LoadBytes bytes_of_all;
@@ -57,12 +57,12 @@ class TracePreparer {
  public:
   // `carries_clusters`: whether the records' clusters and frames mean something.
   TracePreparer(uint64_t page_bytes, bool carries_clusters);
-  // Throws Error beyond 2^32 - 17 records, and where all their loads are 2^63 bytes or more.
+  // Throws Error beyond 2^32 - 17 records, and if all their loads are 2^63 bytes or more.
   void add(const TraceRecord& record);
   PreparedTrace finish();
 
  private:
-  // Records are taken a batch at a time, so that what they look up is fetched together.
+  // Records are taken a batch at a time, so that their look-ups are fetched together.
   static constexpr size_t kBatch = 64;
   void takeBatch();
   void take(const TraceRecord& record);
@@ -74,7 +74,7 @@ class TracePreparer {
   KeyTable table_;
   PreparedTrace out_;
   uint64_t moved_bytes_ = 0;  // if every request moved its chunk
-  bool is_uniform_ = true;    // one page and the same bytes so far
+  bool is_uniform_ = true;    // all keys so far have one page and the same bytes
   uint32_t visit_ = 0, last_cluster_ = 0, last_frame_ = 0;
 };
 
@@ -85,7 +85,7 @@ PreparedTrace splitIntoPages(const PreparedTrace& chunks);
 // Requests of one page each. Requires: keys < 2^32 - 16.
 PreparedTrace prepareUnit(const std::vector<Key>& keys, uint64_t page_bytes = 4096);
 
-// For each request the position of the next request of the same key; kNever when there is none.
+// The position of the next request of the same key, for each request; kNever if there is none.
 constexpr uint32_t kNever = UINT32_MAX;
 std::vector<uint32_t> nextUses(const PreparedTrace& trace);
 

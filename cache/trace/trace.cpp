@@ -185,7 +185,7 @@ bool isTraceFile(const std::filesystem::path& path) {
   try {
     return formatByContent(path).has_value();
   } catch (const Error&) {
-    return false;  // compressed in a way of its own: a volume's reader says what it is
+    return false;  // compressed in a way of its own: a volume's reader identifies it
   }
 }
 

@@ -2,22 +2,23 @@
 // file formats that they are kept in. Reading and writing stream; neither holds a whole trace
 // unless a format forces it to (oracleGeneral, which names the next request, on writing).
 //
-// Ours, lossless; what we write ends with the number of records, so that a cut file is noticed:
+// Our formats are lossless and end with the number of records, so that a cut file is noticed:
 //   text    "sluice-trace 1 page_bytes N", then a line a record:
 //           chunk pages cluster frame moved needed extended empty
 //           ('#' starts a comment line)
 //   binary  magic, page bytes, records as differences in varints, record count at the end
-// Others', of which programs take what they know and pass over the rest. What we write in them is
-// read back whole, clusters and causes too. In what others write there is only chunk, bytes and
-// time: pages = bytes / page bytes rounded up, all bytes needed but the page rounding, no clusters:
+// Formats of other programs, which take the fields that they know and ignore the rest. A file that
+// we write is read back whole, clusters and causes included. A file from another program has only
+// chunk, bytes and time: pages = bytes / page bytes rounded up, all bytes are needed but the page
+// rounding, and there are no clusters:
 //   csv     libCacheSim's: time,obj_id,obj_size with an optional line of names; time is the frame.
 //           Ours has more columns (trace_csv.cpp)
 //   oracleGeneral  libCacheSim's: 24 bytes a record, little endian: u32 time, u64 id, u32 size,
 //           i64 number (from 1) of the next request of this id, -1 for none. Ours has a companion
-//           beside it, "<name>.sluice", with what there is no room for (trace_oracle_general.cpp)
+//           file, "<name>.sluice", with the fields that do not fit (trace_oracle_general.cpp)
 //   din     dinero's: "label address" in hexadecimal, a line a page: address / page bytes is the
-//           page. Written with label 0 and each chunk's pages in a row; ours says the rest behind
-//           the addresses (trace_din.cpp), others' are read as chunks of one page
+//           page. Written with label 0 and each chunk's pages in a row; we write the other fields
+//           after the addresses (trace_din.cpp), and read others' files as chunks of one page
 //
 // Each reader or writer belongs to one thread.
 #pragma once
@@ -33,7 +34,7 @@
 
 namespace sluice {
 
-// What one load of a chunk moves, by cause. moved = needed + rounding + extended + empty.
+// The bytes that one load of a chunk moves, by cause.
 struct LoadBytes {
   uint64_t moved = 0;     // handed to the device
   uint64_t needed = 0;    // voxels inside object boxes: someone draws them
@@ -57,30 +58,32 @@ enum class TraceFormat { kText, kBinary, kCsv, kOracleGeneral, kDin };
 // "text", "binary", "csv", "oracleGeneral", "din".
 std::string_view name(TraceFormat format);
 std::optional<TraceFormat> parseTraceFormat(std::string_view text);
-// By a file's name, for writing: .txt text, .csv, .din, .oracleGeneral; anything else our compact
-// binary.
+// The format for a file's name, for writing: .txt text, .csv, .din, .oracleGeneral; anything else
+// our compact binary.
 TraceFormat traceFormatOf(const std::filesystem::path& path);
 
 class TraceReader {
  public:
   virtual ~TraceReader() = default;
-  // False at the end. Throws Error: "<file>:<line or record>: what was expected, what was found".
-  // Every record returned has pages in [1, 2^31], moved in [0, 2^40] and causes that add up.
+  // False at the end. Throws Error: "<file>:<line or record>: " with the expected and the found
+  // content. Every record returned has pages in [1, 2^31], moved in [0, 2^40] and causes that add
+  // up.
   virtual bool next(TraceRecord& record) = 0;
   virtual uint64_t pageBytes() const = 0;
-  // Whether the records say which cluster they are for. Else their cluster is 0 and means nothing.
+  // Whether the records name the cluster that they are for. Else their cluster is 0 and means
+  // nothing.
   virtual bool carriesClusters() const = 0;
-  // A line each, known when next() has returned false: what a person should know of the file.
+  // Notes on the file for a person, a line each, known when next() has returned false.
   virtual const std::vector<std::string>& warnings() const = 0;
 };
 
-// Reads from `in`; `label` names it in errors. `page_bytes` is for the formats that do not say.
-// Throws Error when the beginning is not of this format. Requires: page_bytes > 0.
+// Reads from `in`; `label` names it in errors. `page_bytes` is for the formats that do not contain
+// it. Throws Error when the beginning is not of this format. Requires: page_bytes > 0.
 std::unique_ptr<TraceReader> makeTraceReader(std::unique_ptr<std::istream> in, std::string label,
                                              TraceFormat format, uint64_t page_bytes);
 // Opens a file, unpacking it if its content is compressed with gzip or Zstandard. Without a format,
 // ours are known by their first bytes and the others by extension (.csv, .din, .oracleGeneral with
-// anything after it, .bin), .gz and .zst passed over. A pipe is refused, never waited for. Throws
+// anything after it, .bin), ignoring .gz and .zst. A pipe is refused, never waited for. Throws
 // Error.
 std::unique_ptr<TraceReader> openTrace(const std::filesystem::path& path,
                                        std::optional<TraceFormat> format = std::nullopt,
@@ -96,7 +99,7 @@ class TraceWriter {
   // Requires: the bounds that TraceReader::next promises. Throws Error when the disk is full, or a
   // number is too large for the format.
   virtual void write(const TraceRecord& record) = 0;
-  // Writes what is left. The file (and oracleGeneral's companion) appears now, or never.
+  // Writes the remaining records. The file (and oracleGeneral's companion) appears now, or never.
   virtual void finish() = 0;
 };
 

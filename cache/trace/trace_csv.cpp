@@ -1,7 +1,7 @@
 // libCacheSim's csv, and ours, which has more columns than libCacheSim looks at:
 //   time,obj_id,obj_size,cluster,pages_of_N_bytes,needed,extended,empty,records
-// time is the frame, obj_size the bytes moved; records is empty but in the last line, where it is
-// the number of lines, so that a cut file is noticed.
+// time is the frame, obj_size the bytes moved; records is empty except in the last line, which has
+// the number of lines there, so that a cut file is noticed.
 #include <algorithm>
 #include <cctype>
 
@@ -123,7 +123,7 @@ class CsvReader final : public Reader {
 
   std::string_view first_;  // the first line, when it is a record
   bool is_first_ = false;
-  bool is_complete_ = false;  // the line that says how many they are has come
+  bool is_complete_ = false;  // the line with their number has come
   uint64_t promised_ = 0;
 };
 

@@ -1,6 +1,6 @@
-// dinero's din, and ours, which says more where dinero ignores the rest of a line: behind the
-// address of a request's first page its record as the text format has it, in the first line with
-// the text format's first line before it, and at the end of the last line "records N".
+// dinero's din, and ours, which writes more where dinero ignores the rest of a line. After the
+// address of a request's first page comes its record in text format, in the first line with the
+// text format's first line before it, and at the end of the last line "records N".
 #include <charconv>
 
 #include "cache/policies/key_table.h"
@@ -49,7 +49,7 @@ class DinReader final : public Reader {
  private:
   struct Line {
     uint64_t address = 0;
-    std::string_view text, rest;  // the whole line, and what stands behind the address
+    std::string_view text, rest;  // the whole line, and the part after the address
   };
 
   bool nextLine(Line& line) {
@@ -110,9 +110,9 @@ class DinReader final : public Reader {
         in_.label(), in_.lineNumber(), RecordFields{}.size(), excerpt(line.text));
   }
 
-  Line first_;  // the first line, which said whose file it is
+  Line first_;  // the first line, which tells whose file it is
   bool is_first_ = false;
-  bool is_complete_ = false;  // the line that says how many they are has come
+  bool is_complete_ = false;  // the line with their number has come
   uint64_t promised_ = 0;
 };
 

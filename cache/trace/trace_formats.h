@@ -26,20 +26,20 @@ constexpr std::string_view kRecordsWord = "records ";
 constexpr uint64_t kMaxPages = uint64_t{1} << 31;
 constexpr uint64_t kMaxBytes = uint64_t{1} << 40;
 
-// What is wrong with a record, or nullptr.
+// The fault of a record, or nullptr.
 const char* problemOf(const TraceRecord& record);
-// pages and causes for a load of `bytes` of which only the size is known.
+// Pages and causes for a load of `bytes` bytes of which only the size is known.
 TraceRecord recordOfSize(uint64_t chunk, uint64_t bytes, uint64_t frame, uint64_t page_bytes);
 // chunk, pages, cluster, frame, moved, needed, extended, empty: a record as text has it.
 using RecordFields = std::array<uint64_t, 8>;
-// Throws Error, starting with "<label>:<line>:" and ending with `line`'s beginning, when they are
-// beyond what a record holds.
+// Throws Error, starting with "<label>:<line>:" and ending with `line`'s beginning, when they
+// exceed a record's limits.
 TraceRecord recordOf(const RecordFields& fields, const TraceInput& in, std::string_view line);
 std::string textOf(const TraceRecord& record);
-// For an error line: quoted, unprintable bytes as '?', cut after 40.
+// The text for an error line: quoted, unprintable bytes as '?', cut after 40.
 std::string excerpt(std::string_view text);
 
-// What all readers have.
+// The common part of all readers.
 class Reader : public TraceReader {
  public:
   Reader(std::unique_ptr<std::istream> in, std::string label, uint64_t page_bytes)
@@ -49,7 +49,7 @@ class Reader : public TraceReader {
   const std::vector<std::string>& warnings() const override { return warnings_; }
 
  protected:
-  // At the end of a file of ours, which says how many records it has.
+  // Called at the end of a file of ours, which contains its number of records.
   void checkPromised(uint64_t promised) const {
     if (promised != records_)
       fail("{}: expected {} records, found {}; record the trace again", in_.label(), promised,
@@ -59,15 +59,15 @@ class Reader : public TraceReader {
     fail("{}: the file ends in the middle, after {} records; record the trace again", in_.label(),
          records_);
   }
-  // At the end of a file of lines that does not say how many it has.
+  // Called at the end of a file of lines that does not contain their number.
   void warnIfCut() {
     if (!in_.lineEnded())
       warnings_.push_back(fmt::format("{}:{}: the last line has no end; the file may be cut",
                                       in_.label(), in_.lineNumber()));
   }
 
-  // A record of which only the size is known: that of the record before, where that repeats.
-  // `place` is where errors say it stands.
+  // A record of which only the size is known: the record before, if it repeats. `place` is its
+  // place in errors.
   template <class Place>
   const TraceRecord& sized(uint64_t chunk, uint64_t bytes, uint64_t frame, Place&& place) {
     if (bytes != sized_bytes_ || !has_sized_) {
@@ -118,7 +118,7 @@ class OutputBuffer {
   std::string pending_;
 };
 
-// What all writers have.
+// The common part of all writers.
 class Writer : public TraceWriter {
  public:
   Writer(const std::filesystem::path& path, uint64_t page_bytes)
@@ -137,11 +137,11 @@ std::unique_ptr<TraceReader> makeTextReader(Stream in, std::string label);
 std::unique_ptr<TraceReader> makeBinaryReader(Stream in, std::string label);
 std::unique_ptr<TraceReader> makeCsvReader(Stream in, std::string label, uint64_t page_bytes);
 std::unique_ptr<TraceReader> makeDinReader(Stream in, std::string label, uint64_t page_bytes);
-// `companion`: the same trace with what the format has no room for, or nullptr.
+// `companion`: the same trace with the fields that the format lacks, or nullptr.
 std::unique_ptr<TraceReader> makeOracleGeneralReader(Stream in, std::string label,
                                                      uint64_t page_bytes,
                                                      std::unique_ptr<TraceReader> companion);
-// Where the companion of an oracleGeneral file lies: ".sluice" after the whole name.
+// The companion of an oracleGeneral file: ".sluice" after the whole name.
 std::filesystem::path companionOf(const std::filesystem::path& path);
 
 std::unique_ptr<TraceWriter> makeTextWriter(const std::filesystem::path& path, uint64_t page_bytes);

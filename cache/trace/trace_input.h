@@ -1,6 +1,6 @@
 // TraceInput: a trace file's bytes, a large block at a time, as lines, bytes or records of a fixed
-// size. What it hands out lives until the next call. Memory is one block, whatever the file holds:
-// a line longer than a trace's can be is refused. One thread.
+// size. The returned views live until the next call. It holds one block of memory, whatever the
+// file's size; a line longer than any trace's is rejected. One thread.
 #pragma once
 
 #include <algorithm>
@@ -23,9 +23,9 @@ class TraceInput {
   TraceInput(std::unique_ptr<std::istream> in, std::string label);
 
   // The next line without its end ("\n" or "\r\n"); false at the end. Throws Error for a line of
-  // more than kLongestLine bytes, and where reading fails.
+  // more than kLongestLine bytes, and if reading fails.
   bool line(std::string_view& line);
-  // Of the line read last, from 1.
+  // The number of the line read last, from 1.
   uint64_t lineNumber() const { return line_number_; }
   // Whether the line read last had its end; without it the file may have been cut there.
   bool lineEnded() const { return line_ended_; }
@@ -41,13 +41,13 @@ class TraceInput {
   const std::string& label() const { return label_; }
 
  private:
-  // More bytes behind those that are left; false when there are none.
+  // Reads more bytes behind the unread ones; false when there are none.
   bool refill();
 
   const std::unique_ptr<std::istream> in_;
   const std::string label_;
   std::vector<char> block_;
-  size_t at_ = 0, end_ = 0;  // what is left of the block
+  size_t at_ = 0, end_ = 0;  // the unread part of the block
   uint64_t line_number_ = 0;
   bool line_ended_ = true;
 };
@@ -63,7 +63,8 @@ inline bool areDigits(uint64_t word) {
   // '0' to '9' are 0x30 to 0x39: 3 above, also when six is added below.
   return ((word & kHigh) | ((word + kSix) & kHigh) >> 4) == 0x3333333333333333u;
 }
-// Of eight digits: pairs, then fours, then all of them. Requires: areDigits(word).
+// The value of eight digits, combined to pairs, then fours, then all of them. Requires:
+// areDigits(word).
 inline uint64_t numberOf(uint64_t word) {
   static_assert(std::endian::native == std::endian::little);
   word -= 0x3030303030303030u;
@@ -75,7 +76,7 @@ inline uint64_t numberOf(uint64_t word) {
 // Takes a whole number off the front of `text`: false, and `text` somewhere in it, when there is
 // none or it is 2^64 or more.
 inline bool takeNumber(std::string_view& text, uint64_t& value) {
-  constexpr size_t kSafeDigits = 19;  // of any digits: below 2^64
+  constexpr size_t kSafeDigits = 19;  // any number of so many digits is below 2^64
   const auto digitAt = [&](size_t at) { return static_cast<unsigned>(text[at] - '0'); };
   size_t at = 0;
   uint64_t sum = 0;

@@ -1,6 +1,6 @@
 // libCacheSim's oracleGeneral: 24 bytes a record, which has no room for clusters. So what we write
-// comes with a companion, the trace in our binary format in a file beside it; the reader goes
-// through both and refuses a companion that is of another trace.
+// comes with a companion, the trace in our binary format in a second file; the reader goes through
+// both and refuses a companion that belongs to another trace.
 #include <bit>
 #include <cstring>
 #include <unordered_map>

@@ -4,8 +4,8 @@
 namespace sluice::trace_internal {
 namespace {
 
-// Ends the first comment of the files that we write: they say at their end how many records they
-// have. Files that others write need not.
+// Ends the first comment of the files that we write: the number of their records stands at their
+// end. Files that others write need not.
 constexpr std::string_view kPromise = "; the last line is '# records N'";
 
 class TextReader final : public Reader {
