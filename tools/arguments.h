@@ -1,5 +1,5 @@
-// What commands share of their arguments, with the defaults: what the library is asked for, and
-// what is the program's alone.
+// Arguments that commands share, with the defaults: those passed to the library, and those of the
+// program alone.
 #pragma once
 
 #include <cstdint>
@@ -25,22 +25,22 @@ enum class Culling { kNone, kPof, kOpof, kToc, kAuto };
 
 struct CullingArguments {
   Culling culling = Culling::kNone;
-  double difference = 0.001;  // of blocks that are fused
+  double difference = 0.001;  // limit of the difference between blocks that are fused
   int directions = 4;         // rows of the table of directions over 90 degrees
   int64_t part = 4;           // cells a side of a block's parts, a multiple of 4
   int detail = 2;             // bits of a part's 64 cubes at the most
   std::string basis;          // files of transfer functions with commas between; empty: none
 };
 
-// At which levels of resolution a volume that has several is drawn; none of them: the finest.
+// The levels of resolution at which a volume that has several is drawn; none set: the finest.
 struct LevelArguments {
   std::optional<int64_t> level;
-  std::optional<double> pixel_error;  // 1 beside max_bytes
+  std::optional<double> pixel_error;  // 1 if only max_bytes is given
   uint64_t max_bytes = 0;             // 0: no limit
 };
 
 struct ResourceArguments : MachineOptions {
-  std::string index_dir;  // of the indices of all volumes; empty: as tools/environment.h says
+  std::string index_dir;  // folder for the indices of all volumes; empty: see tools/environment.h
   bool quiet = false;     // no progress, no warnings
 };
 

@@ -1,5 +1,5 @@
-// The subcommands of the program, one file each. Each adds itself to the command line; what the
-// returned function does runs when that subcommand was given, and its result is the exit status.
+// The subcommands of the program, one file each. Each adds itself to the command line. The returned
+// function runs when its subcommand was given, and its result is the exit status.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -8,7 +8,7 @@
 
 namespace sluice {
 
-// Besides: what interruptionStatus() says.
+// In addition, the values of interruptionStatus().
 enum ExitStatus : int { kDone = 0, kFailed = 1, kUsage = 2 };
 
 using Command = std::function<int()>;

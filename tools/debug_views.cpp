@@ -19,7 +19,7 @@ constexpr uint64_t kTreeBytes = uint64_t{16} << 20;
 constexpr uint64_t kGrowingBytes = 0;
 
 using Color = std::array<float, 3>;
-// As the paper's Figure 2 has them.
+// The colours of the paper's Figure 2.
 Color colorOf(BoxType type) {
   switch (type) {
     case BoxType::kUniform:
@@ -68,7 +68,7 @@ std::vector<float> greySlice(const Scene& scene, int64_t time, int64_t z) {
 }
 
 void drawBox(Picture& picture, const Box3& cells, BoxType type, int64_t scale) {
-  // From voxel centre to voxel centre.
+  // Maps voxel centres to pixel centres.
   const auto pixel = [&](int64_t voxel, int64_t most) {
     return std::min(voxel * scale + scale / 2, most - 1);
   };

@@ -1,4 +1,4 @@
-// sluice doctor: what works on this machine, on one page to paste into a report.
+// sluice doctor: the devices that work on this machine, on one page to paste into a report.
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -34,7 +34,7 @@ std::vector<GlProbe> probeGl() {
 }
 #endif
 
-// What --device auto takes here, and why.
+// The choice of --device auto on this machine, and its reason.
 struct Chosen {
   std::string device, reason;
 };

@@ -8,14 +8,15 @@ namespace sluice {
 
 class EmptyPictures {
  public:
-  // Of each picture in turn; `why` is empty where it shows something.
+  // Called for each picture in turn; `why` is empty if it shows something.
   void add(const std::string& name, const std::string& why);
   // Prints the warning, if there is something to warn of.
   void warn() const;
 
  private:
   int64_t pictures_ = 0, empty_ = 0;
-  std::string first_;  // "a.png shows nothing: the camera looks past what is visible"
+  std::string
+      first_;  // "a.png shows nothing: the camera looks past the visible part of the volume"
 };
 
 }  // namespace sluice

@@ -9,7 +9,7 @@
 namespace sluice {
 namespace {
 
-// Of a variable that names a folder from the root on; empty otherwise.
+// The value of a variable that names a folder by its absolute path; empty otherwise.
 std::filesystem::path folderFrom(const char* variable) {
   const char* value = std::getenv(variable);
   return value != nullptr && value[0] == '/' ? value : "";

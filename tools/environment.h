@@ -11,22 +11,22 @@
 
 namespace sluice {
 
-// Where indices go: `index_dir` (--index-dir), $SLUICE_INDEX_DIR, $XDG_CACHE_HOME/sluice/index or
-// ~/.cache/sluice/index, the first that is said. SLUICE_INDEX=beside: beside the volume, where no
+// The place for indices: `index_dir` (--index-dir), $SLUICE_INDEX_DIR, $XDG_CACHE_HOME/sluice/index
+// or ~/.cache/sluice/index, the first that is set. SLUICE_INDEX=beside: next to the volume, unless
 // --index-dir is given. SLUICE_INDEX=off: nowhere.
 IndexWish indexWish(const std::string& index_dir);
 
-// What the window keeps from one sitting to the next: $XDG_CONFIG_HOME/sluice/view.json or
-// ~/.config/sluice/view.json; empty where neither is said.
+// The settings that the window keeps between runs: $XDG_CONFIG_HOME/sluice/view.json or
+// ~/.config/sluice/view.json; empty if neither variable is set.
 std::filesystem::path windowSettings();
 
-// In $TMPDIR, with a line of progress.
+// Options for decoding into $TMPDIR, with a line of progress.
 DecodeOptions decodeOptions();
 
-// Which rank of how many a launcher has started this process as.
+// The rank that a launcher has started this process as, and the number of ranks.
 Launch launchOfProcess();
 
-// Adds what pictures need to the flags that the user has for Mesa (gl_choice.h), which the driver
+// Adds the flags that pictures need to the user's flags for Mesa (gl_choice.h), which the driver
 // reads. Called once, before there are threads.
 void prepareDriver();
 

@@ -24,7 +24,7 @@
 namespace sluice {
 namespace {
 
-// What speaks of how a picture is drawn or of what is told of it, and not of what it shows.
+// Options about how a picture is drawn or reported, as opposed to what it shows.
 constexpr std::array<std::string_view, 28> kOfOnePicture{"--annotate",
                                                          "--aov",
                                                          "--trace",
@@ -67,7 +67,7 @@ void checkOptions(const RenderArguments& arguments, const CLI::App& app) {
 
 ViewState frameState(const SavedFilm& film, const ViewState& now, int64_t frame) {
   ViewState state = stateAt(film.path, now, frame);
-  if (film.path.kind == ViewPath::Kind::kTurn) return state;  // it is made of what was said
+  if (film.path.kind == ViewPath::Kind::kTurn) return state;  // it is made from the given options
   if (film.has_camera) state.view = now.view;
   if (film.has_look) state.look = now.look;
   if (film.has_step) state.step_vox = now.step_vox;
@@ -135,7 +135,7 @@ int writeFilm(const RenderArguments& arguments, const CLI::App& app, const Saved
   ViewedVolume viewed = viewedVolume(arguments.volume, arguments.resources,
                                      wish.disabled ? "" : wish.folder.string());
   viewed.options.time = 0;  // the view's own is checked against the volume first
-  // What a signal asks for ends whatever is under way.
+  // A signal ends whatever is under way.
   const auto watch = [](const Progress&) { interruption().throwIfStopped(); };
   const Volume volume(viewed.paths, viewed.options, watch);
   saved.requireFits(volume.info());

@@ -10,7 +10,7 @@
 namespace sluice {
 
 // Whether the command asks for the frames of the path rather than for one picture: its output has a
-// place for numbers and it says nothing else of frames.
+// place for numbers and no other option sets frames.
 bool asksForFilm(const RenderArguments& arguments);
 
 // Writes them; the exit status. Throws Error, also for an option that frames of a path do not take.

@@ -138,7 +138,7 @@ void FilmFile::send(std::span<const std::byte> bytes) {
     const ssize_t sent = ::send(to_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
     if (sent < 0 && (errno == EINTR || errno == EAGAIN)) continue;
     if (sent < 0) {
-      awaitEnd();  // which says why
+      awaitEnd();  // throws with the reason
       fail("{}: ffmpeg ended before the last frame", path_.string());
     }
     bytes = bytes.subspan(static_cast<size_t>(sent));

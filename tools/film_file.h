@@ -1,4 +1,4 @@
-// FilmFile: a film out of pictures, by ffmpeg as a child process that gets the frames through a
+// FilmFile makes a film of pictures; ffmpeg runs as a child process that gets the frames through a
 // socket. The film appears under its name when finish() returns, or never. One thread.
 #pragma once
 
@@ -21,7 +21,7 @@ bool isFilmName(const std::filesystem::path& path);
 
 class FilmFile {
  public:
-  // `size` is that of all frames. Throws Error: the folder cannot be written.
+  // `size` applies to all frames. Throws Error: the folder cannot be written.
   FilmFile(const std::filesystem::path& path, PictureSize size, double frames_per_second,
            StopToken stop);
   // Ends ffmpeg without a film, unless the film is finished.
@@ -51,7 +51,7 @@ class FilmFile {
   Descriptor to_;        // ffmpeg's standard input
   Descriptor messages_;  // ffmpeg's standard error
   pid_t child_ = -1;     // -1: not running
-  int rows_done_ = 0;    // of the frame that is being added
+  int rows_done_ = 0;    // rows of the frame that is being added
 };
 
 }  // namespace sluice

@@ -1,4 +1,4 @@
-// sluice info: what a volume is, and its index, which is built where it is missing.
+// sluice info: the properties of a volume, and its index, which is built if it is missing.
 #include <fmt/format.h>
 
 #include <memory>
@@ -22,7 +22,7 @@ struct InfoArguments {
   bool json = false;
 };
 
-// A line for each level: its voxels, and where they lie among those of level 0.
+// A line for each level: its voxels, and their places among those of level 0.
 void printLevels(const VolumeSource& source) {
   const VolumeLayout& layout = source.layout();
   const auto triple = [](auto v) { return fmt::format("{:g} x {:g} x {:g}", v.x, v.y, v.z); };

@@ -12,8 +12,8 @@
 namespace sluice {
 namespace {
 
-// A signal handler can reach nothing else: the static state of the program. Any thread reads it;
-// lock-free atomics are what a handler may write.
+// A signal handler can reach nothing else: the static state of the program. Any thread reads it; a
+// signal handler may write lock-free atomics only.
 std::atomic<bool> interrupted{false};
 std::atomic<int> by_signal{0};
 std::atomic<const char*> line_at_end{"interrupted"};
@@ -22,7 +22,7 @@ std::atomic<bool> has_grace{false};
 static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free &&
               std::atomic<timer_t>::is_always_lock_free);
 
-// Only what is async-signal-safe: an orderly end was given its time.
+// Only async-signal-safe calls: an orderly end was given its time.
 void endNow(int) {
   removeTemporaries();
   if (const char* const line = line_at_end.load()) {
@@ -45,7 +45,7 @@ void handle(int signal_number) {
   if (!has_grace || timer_settime(grace, 0, &kGrace, nullptr) != 0) alarm(1);
 }
 
-// The timer of kGraceMs; where there is none, alarm() counts in seconds.
+// The timer of kGraceMs; without one, alarm() counts in seconds.
 void prepareGrace() {
   std::signal(SIGALRM, endNow);
   sigset_t alarm_alone;

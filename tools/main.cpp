@@ -29,14 +29,14 @@ void failLargeWrites() {
 }  // namespace
 
 int main(int argc, char** argv) {
-  // Blocks and chunks go back to the system when they are freed: what --memory bounds is what the
-  // process takes, not what its allocator keeps.
+  // Blocks and chunks go back to the system when they are freed: --memory bounds the memory that
+  // the process takes, not what its allocator keeps.
   constexpr int kMapFromBytes = 128 << 10;
   mallopt(M_MMAP_THRESHOLD, kMapFromBytes);
-  // But for what a frame's small pieces take together: they come again with the next frame.
+  // Except for the total of a frame's small pieces, which the next frame needs again.
   constexpr int kKeptBytes = 8 << 20;
   mallopt(M_TRIM_THRESHOLD, kKeptBytes);
-  // An arena a thread takes 64 MiB of addresses, which a driver needs more where they are few.
+  // An arena a thread takes 64 MiB of addresses, which a driver needs more if they are limited.
   rlimit addresses{};
   if (getrlimit(RLIMIT_AS, &addresses) == 0 && addresses.rlim_cur != RLIM_INFINITY)
     mallopt(M_ARENA_MAX, 1);

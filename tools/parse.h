@@ -1,5 +1,5 @@
-// What command-line words mean: sizes, triples, colours. Pure functions; nullopt or Error on
-// nonsense, as each says.
+// Parses words of the command line: sizes, triples, colours. Pure functions; each returns nullopt
+// or throws Error for a malformed word, as its comment says.
 #pragma once
 
 #include <array>

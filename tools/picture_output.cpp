@@ -15,7 +15,7 @@
 namespace sluice {
 namespace {
 
-// Rows [first, first + count), counted from the top, as a picture of their own.
+// A picture of the rows [first, first + count), counted from the top.
 Picture rowsFrom(const Picture& picture, int first, int count) {
   const auto width = static_cast<size_t>(picture.width), from = static_cast<size_t>(first) * width,
              pixels = static_cast<size_t>(count) * width;

@@ -1,5 +1,5 @@
-// How `render` writes a picture: as PNG, with annotations where asked for, or as EXR with what a
-// compositing program needs to know.
+// How `render` writes a picture: as PNG, with annotations if asked for, or as EXR with the
+// attributes that a compositing program needs.
 #pragma once
 
 #include <filesystem>
@@ -15,16 +15,16 @@
 
 namespace sluice {
 
-// Channels of an EXR beside the picture's colour and alpha.
+// Channels of an EXR in addition to the picture's colour and alpha.
 struct Aovs {
   bool depth = false;
-  bool opacity = false;  // of the volume alone, also over a background
+  bool opacity = false;  // opacity of the volume alone, even over a background
 };
 // "depth,opacity", "none".
 std::optional<Aovs> parseAovs(std::string_view list);
 
 enum class PictureKind { kPng, kExr };
-// By the name's extension in any case; nullopt: neither.
+// The kind by the name's extension in any case; nullopt: neither.
 std::optional<PictureKind> pictureKind(const std::filesystem::path& path);
 
 struct PictureOutput {
@@ -33,8 +33,8 @@ struct PictureOutput {
   Aovs aovs;              // EXR
 };
 
-// Over its background and with its annotations, as PNG files and films show it. `picture` may be
-// rows of the picture, from `first_row` on, counted from the top.
+// The picture over its background and with its annotations, as PNG files and films show it.
+// `picture` may be some of its rows, from `first_row` on, counted from the top.
 Picture shownPicture(const Picture& picture, const PictureOutput& output,
                      const FrameOptions& options, const Scene& scene, int first_row = 0);
 
@@ -51,9 +51,9 @@ class PictureWriter {
   PictureWriter(const PictureWriter&) = delete;
   PictureWriter& operator=(const PictureWriter&) = delete;
 
-  // The next rows. Throws Error, and Interrupted after a signal.
+  // Adds the next rows. Throws Error, and Interrupted after a signal.
   void add(const Picture& strip);
-  // The same, and the file is there. Requires: all rows were added.
+  // Finishes the file and gives it its name, with the same errors. Requires: all rows were added.
   void commit();
 
  private:

@@ -1,5 +1,5 @@
-// sluice plan: what a picture will cost, level by level and algorithm by algorithm, from the
-// min-max arrays alone: no voxel is read, unless the partition into growing boxes is asked for.
+// sluice plan: the cost of a picture, level by level and algorithm by algorithm, from the min-max
+// arrays alone: no voxel is read, unless the partition into growing boxes is asked for.
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -49,11 +49,11 @@ struct Cost {
   Vec3i cluster_blocks;
   int64_t pages = 0, binds = 0;
   uint64_t bytes = 0;
-  double seconds = 0;  // that planning took
+  double seconds = 0;  // planning time
 };
 using Costs = std::array<Cost, kAlgorithms.size()>;
 
-// What the plans are made from: the blocks that show, the same for all.
+// The input of the plans: the visible blocks, the same for all.
 struct Shown {
   TimeStep step;
   LookPtr look;
@@ -123,12 +123,12 @@ void print(const Costs& costs, Algorithm algorithm, double classify_seconds,
       1e3 * chosen.seconds);
 }
 
-// Growing boxes beside the two partitions that they lie between: one object box a block, and bricks
-// that know the transfer function.
+// Growing boxes, compared with the two partitions that they lie between: one object box a block,
+// and bricks that know the transfer function.
 struct PlannedBoxes {
   PartitionCost cost;
   int64_t object_boxes = 0, object_cells = 0;
-  int64_t pieces_kept = 0;  // of the index
+  int64_t pieces_kept = 0;  // pieces of the index
   double seconds = 0;
 };
 
@@ -144,7 +144,7 @@ PlannedBoxes planBoxes(const PlanArguments& arguments, const IndexedVolume& volu
   Stopwatch watch;
   ProgressMeter progress =
       arguments.resources.quiet ? ProgressMeter() : ProgressMeter(progressLine("growing boxes"));
-  // The pass is made for the bricks; what a picture needs of it is kept on the way.
+  // The pass is made for the bricks; the boxes that a picture needs are kept on the way.
   BoxIndexWriter index(*volume.source, volume.places, arguments.volume.time, ranges);
   planned.cost = partitionCost(
       *volume.source, arguments.volume.time, ranges, shown.look->table, crop, pool, progress,

@@ -19,7 +19,7 @@ struct Heading {
   std::vector<Command (*)(CLI::App&)> commands;
 };
 
-// Others would do everything as often as there are ranks.
+// The other commands would do everything as often as there are ranks.
 bool isForRanks(const CLI::App& program) {
   const CLI::App* asked = program.get_subcommands().front();
   if (asked->get_name() == "render") return true;
@@ -68,7 +68,7 @@ int parseAndRun(const CommandLine& line, const std::vector<std::string>& given,
     if (subcommand->parsed()) {
       try {
         return command();
-      } catch (const CLI::ParseError& error) {  // what only the command itself can tell
+      } catch (const CLI::ParseError& error) {  // an error that only the command itself can find
         if (launch.rank == 0) printError(error.what());
         return kUsage;
       }
@@ -104,14 +104,14 @@ CommandLine makeCommandLine() {
 int runProgram(const std::vector<std::string>& words) {
   int status = kFailed;
   Launch launch;
-  // Of several ranks the first speaks for all.
+  // With several ranks, the first prints for all.
   const auto tell = [&launch](const char* line) {
     if (line != nullptr && launch.rank == 0) printError(line);
   };
   try {
     watchForInterruption();
     launch = beginRanks();
-    // A launcher whose run ends early ends each of its processes, and says why.
+    // A launcher whose run ends early ends each of its processes, and prints why.
     if (launch.ranks > 1) sayWhenInterrupted(nullptr);
     prepareDriver();
     const CommandLine line = makeCommandLine();

@@ -1,4 +1,4 @@
-// The program: all commands on one command line, and what its exit status says.
+// The program: all commands on one command line, and the exit status.
 #pragma once
 
 #include <CLI/CLI.hpp>

@@ -17,11 +17,12 @@ constexpr std::array<std::string_view, 14> kOwn = {
     "volume", "transfer", "path", "state",     "basis", "memory", "threads",
     "device", "simd",     "gl",   "index-dir", "quiet", "force",  "pages"};
 
-// Rows of voxels that are compared: of a volume that is drawn, and of each step of a series, where
-// a row may cost a compressed chunk.
+// Rows of voxels that are compared: for a single volume, and for each step of a series, where a row
+// may cost a compressed chunk.
 constexpr int kSceneSamples = 32, kStepSamples = 4;
 
-// As a float: hosts with other processors may compute the last bit of a double differently.
+// Converted to float, because hosts with other processors may compute the last bit of a double
+// differently.
 void add(Digest& digest, double number) {
   digest.add(static_cast<float>(number));
 }
@@ -70,7 +71,7 @@ std::string adviceFor(const std::string& file) {
 
 void expectSameCommand(Team& team, const CLI::App& app) {
   const nlohmann::json options = optionsJson(app);
-  // Another command has other options altogether.
+  // A rank with another command has other options altogether.
   expectAgreement(team, {{"sluice", SLUICE_VERSION}, {"the command", app.get_name()}},
                   "start the same command on every rank");
   std::vector<Fact> facts;

@@ -1,6 +1,7 @@
-// What all ranks of a command must have in common, and the checks of it (src/parallel/agreement.h).
+// The options that all ranks of a command must share, and checks of them
+// (src/parallel/agreement.h).
 //
-// Options that say what is drawn must be the same. Options of a rank's own machine may differ:
+// Options that determine the picture must be the same. Options of a rank's own machine may differ:
 // memory, threads, device, and the names of files, whose contents are compared instead.
 #pragma once
 
@@ -21,7 +22,7 @@ namespace sluice {
 void expectSameCommand(Team& team, const CLI::App& app);
 // The volume's step that the scene was opened for, its transfer function, and the cameras.
 void expectSameScene(Team& team, const Scene& scene, std::span<const Camera> cameras);
-// Another step of the scene's series.
+// The same for another step of the scene's series.
 void expectSameStep(Team& team, const Scene& scene, const TimeStep& step);
 
 }  // namespace sluice

@@ -22,7 +22,7 @@ namespace {
 
 using nlohmann::json;
 
-// Which host and which of its processors: ranks that say the same share them.
+// The host and the processors of this process: ranks with the same text share them.
 std::string placeOfProcess() {
   std::array<char, 256> host{};
   gethostname(host.data(), host.size() - 1);

@@ -1,4 +1,4 @@
-// What `render` was asked for. Plain data, and what follows from it alone.
+// The arguments of `render`, and functions of them alone. Plain data.
 #pragma once
 
 #include <filesystem>
@@ -28,7 +28,7 @@ struct RenderArguments {
   std::string trace_file;
   std::string state_file;
   int64_t frames = 1;
-  double frames_per_second = 25;  // of a film
+  double frames_per_second = 25;  // for a film
   std::optional<TimeRange> times;
   CullingArguments culling;
   bool resume = false;

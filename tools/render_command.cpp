@@ -46,7 +46,7 @@ bool showsFrames(const Arguments& arguments) {
   return frameCount(arguments) > 1 && !arguments.resources.quiet;
 }
 
-// Those that are still to be drawn: pictures appear whole or not at all.
+// The frames that are still to be drawn: pictures appear whole or not at all.
 std::vector<int64_t> framesToDraw(const Arguments& arguments) {
   std::vector<int64_t> frames;
   for (int64_t i = 0; i < frameCount(arguments); ++i)
@@ -111,14 +111,14 @@ void checkOutput(const Arguments& arguments) {
     fail("--debug-view shows what --occlusion and --partition boxes do; give one of them");
 }
 
-// Between slices, where the user does not say: it follows from the first view.
+// The distance between slices if the user does not set it: it follows from the first view.
 double chosenStep(const Scene& scene, const Camera& camera, const FrameOptions& options) {
   if (options.mode != Mode::kComposite) return options.step_vox;
   const VolumeLayout& layout = scene.volume.source->layout();
   const View view = resolve(camera, layout, options.size, options.step_vox);
   const TimeStep shown = scene.volume.step();
   if (!options.cut || shown.coarser.empty()) return stepFor(view, layout);
-  // That of the finest level in the picture, as if it were all of the volume.
+  // The step of the finest level in the picture, as if it were all of the volume.
   const double times = spacingOfLevel(shown, finestLevelShown(shown, view, *options.cut));
   VolumeLayout level = layout;
   level.spacing = level.spacing * times;
@@ -147,7 +147,7 @@ PictureOutput outputOf(const Arguments& arguments) {
   return output;
 }
 
-// A step that the series lacks is said before anything is drawn.
+// Reports a step that the series lacks before anything is drawn.
 void checkLastStep(const Arguments& arguments) {
   if (!arguments.times) return;
   VolumeArguments last = arguments.volume;
@@ -155,7 +155,7 @@ void checkLastStep(const Arguments& arguments) {
   openSource(last);
 }
 
-// One a frame, of a turn or along the path; or one for all steps of a series.
+// A camera per frame, of a turn or along the path; or a single one for all steps of a series.
 std::vector<Camera> camerasOf(const Arguments& arguments, WorldFrame frame) {
   Camera start = arguments.frame.camera;
   if (arguments.path_file.empty()) return turnOf(start, arguments.frames);
@@ -167,12 +167,12 @@ std::vector<Camera> camerasOf(const Arguments& arguments, WorldFrame frame) {
   return cameras;
 }
 
-// Of a series without a path one camera shows every step.
+// For a series without a path, one camera shows every step.
 const Camera& cameraOf(const std::vector<Camera>& cameras, int64_t frame) {
   return cameras[cameras.size() == 1 ? 0 : static_cast<size_t>(frame)];
 }
 
-// Of several ranks rank 0 makes the index that the others read.
+// With several ranks, rank 0 makes the index that the others read.
 std::unique_ptr<Scene> openScene(const Arguments& arguments, const Outputs& outputs, Team* team) {
   const auto open = [&] {
     return std::make_unique<Scene>(arguments.volume, arguments.look, arguments.resources,
@@ -201,7 +201,7 @@ std::unique_ptr<Scene> openScene(const Arguments& arguments, const std::optional
   }
 }
 
-// Those of rank 0, which writes them.
+// The frames of rank 0, which writes them.
 std::vector<int64_t> framesToDraw(const Arguments& arguments, Team* team) {
   std::vector<int64_t> frames = framesToDraw(arguments);
   if (team == nullptr) return frames;
@@ -243,7 +243,7 @@ void requireWholePicture(const Arguments& arguments, const Scene& scene) {
       formatBytes(scene.memory_bytes), needed);
 }
 
-// Why the picture of a frame shows nothing, in one line; empty if it shows something.
+// The reason why the picture of a frame shows nothing, in one line; empty if it shows something.
 std::string emptyReason(const Arguments& arguments, Scene& scene, const FrameOptions& options,
                         const WrittenFrame& frame, int64_t number, ProgressMeter& progress) {
   if (frame.shows_something) return "";
@@ -252,8 +252,8 @@ std::string emptyReason(const Arguments& arguments, Scene& scene, const FrameOpt
                   {scene.pool, progress, scene.memory_bytes, interruption()});
 }
 
-// With --culling auto, before the first picture: frames of turns and paths are of one step, which
-// is not measured.
+// Decides for --culling auto before the first picture; frames of turns and paths show one step,
+// which is not measured.
 void chooseCulling(const Arguments& arguments, const std::vector<int64_t>& to_draw,
                    const std::vector<Camera>& cameras, FrameOptions options, Scene& scene,
                    Series& series) {
@@ -362,7 +362,7 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
   requireWholePicture(arguments, scene);
 
   const nlohmann::json earlier = earlierReport(arguments);
-  // Before the trace, since culling opens the session anew.
+  // The series comes before the trace, since culling opens the session anew.
   Series series(scene, arguments.culling, arguments.resources, options);
   chooseCulling(arguments, to_draw, cameras, options, scene, series);
   std::unique_ptr<TraceWriter> trace;

@@ -20,7 +20,7 @@
 namespace sluice {
 namespace {
 
-// Whether the volume decides what is up in the picture.
+// Whether the volume decides the up direction of the picture.
 bool leavesUpToVolume(const RenderArguments& arguments) {
   const Camera& camera = arguments.frame.camera;
   return !camera.up && !camera.look_at && camera.view != ViewName::kPlain &&
@@ -83,7 +83,7 @@ void writeReportOf(const RenderArguments& arguments, const nlohmann::json& repor
                    const Drawn& drawn, const Scene& scene, bool maps) {
   PagePictures pictures;
   if (isPage(arguments.report_file)) {
-    // One that was drawn in strips would make the page as large as its file.
+    // A picture that was drawn in strips would make the page as large as its file.
     if (drawn.picture.width > 0) addPicture(pictures, drawn.name, drawn.picture);
     if (maps && !isCoarser(*drawn.blocks))
       addBlocks(pictures, scene.volume.step().ranges->layout.grid, *drawn.blocks);

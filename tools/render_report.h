@@ -1,4 +1,4 @@
-// What `render` says of its frames: JSON, a page, or lines for people.
+// The output of `render` about its frames: JSON, a page, or lines for people.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -19,10 +19,10 @@ class App;
 
 namespace sluice {
 
-// What was drawn; picture, blocks and names are the last frame's.
+// The result of drawing; picture, blocks and names are the last frame's.
 struct Drawn {
   std::vector<RenderedFrame> frames;
-  std::vector<nlohmann::json> culling;  // of each frame, where blocks are culled
+  std::vector<nlohmann::json> culling;  // one per frame, if blocks are culled
   std::filesystem::path name;
   std::vector<std::filesystem::path> views;
   Picture picture;
@@ -34,11 +34,11 @@ struct Drawn {
 nlohmann::json reportOf(const RenderArguments& arguments, const CLI::App& app,
                         const std::vector<int64_t>& to_draw, const Drawn& drawn,
                         const Scene& scene);
-// With --continue, what an earlier run wrote to --report, as JSON; null where there is none. Called
+// With --continue, the --report file of an earlier run, as JSON; null if there is none. Called
 // before the report is replaced. Throws Error and Interrupted.
 nlohmann::json earlierReport(const RenderArguments& arguments);
-// With --continue: `frames` becomes that of the whole series. Pictures that were there already have
-// the figures of the earlier report; those that no report has measured are named in
+// With --continue: `frames` becomes the list of the whole series. Pictures that were there already
+// have the figures of the earlier report; those that no report has measured are named in
 // `frames_not_measured`.
 void addEarlierFrames(const RenderArguments& arguments, const nlohmann::json& earlier,
                       nlohmann::json& report);
@@ -47,10 +47,10 @@ void writeReportOf(const RenderArguments& arguments, const nlohmann::json& repor
                    const Drawn& drawn, const Scene& scene, bool maps);
 void printDrawn(const RenderArguments& arguments, const Scene& scene, const Series& series,
                 const Drawn& drawn, const std::optional<Verification>& verified);
-// One line, of the first picture that shows nothing, if any.
+// Prints one line, about the first picture that shows nothing, if any.
 void warnOfEmptyPictures(const RenderArguments& arguments, const std::vector<int64_t>& drawn_frames,
                          const Drawn& drawn);
-// In place of all that where --continue finds nothing to draw.
+// Replaces all that if --continue finds nothing to draw.
 void sayAllAreThere(const RenderArguments& arguments, const CLI::App& app);
 
 }  // namespace sluice

@@ -1,4 +1,4 @@
-// What `sluice simulate` replays: a recorded trace, which is the same at every cache size, or the
+// The input of `sluice simulate`: a recorded trace, which is the same at every cache size, or the
 // requests of a turn around a volume, planned for each size as the renderer would.
 #pragma once
 
@@ -19,14 +19,14 @@ namespace sluice {
 class ReplaySource {
  public:
   virtual ~ReplaySource() = default;
-  // For people.
+  // A title for people.
   virtual std::string title() const = 0;
-  // The size to study where the user does not say.
+  // The size to study if the user does not set one.
   virtual uint64_t defaultPages() const = 0;
   // The least size that can be planned for.
   virtual uint64_t leastPages() const { return 1; }
-  // For which size the chunks are planned that a cache of `pages` pages is asked for; nullopt where
-  // that is not known. Requests for two sizes are the same where this is.
+  // The cache size for which the chunks are planned that a cache of `pages` pages is asked for;
+  // nullopt if that is not known. Requests for two sizes are the same if this is.
   virtual std::optional<uint64_t> plannedPages(uint64_t pages) const = 0;
   // The requests to a cache of `pages` pages. Throws Error: a damaged or empty file, a volume that
   // cannot be read, a cache too small to plan for.
@@ -35,11 +35,12 @@ class ReplaySource {
   virtual Trace records(uint64_t pages) = 0;
   // The same one by one, from a trace without holding it in memory. Returns the bytes of a page.
   virtual uint64_t visit(uint64_t pages, const std::function<void(const TraceRecord&)>& take) = 0;
-  // A line each on what was read so far: what a person should know of it.
+  // Notes for a person on the data read so far, a line each.
   virtual std::vector<std::string> warnings() const { return {}; }
 };
 
-// `format`: none where the file's name or first bytes say. `page_bytes`: where the format does not.
+// `format`: none if the file's name or first bytes tell. `page_bytes`: used if the format does not
+// tell.
 std::unique_ptr<ReplaySource> openTraceFile(const std::string& file,
                                             std::optional<TraceFormat> format, uint64_t page_bytes);
 

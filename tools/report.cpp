@@ -103,7 +103,7 @@ WorldBounds worldBounds(const VolumeLayout& layout) {
 }
 
 std::string axisLetters(const VolumeLayout& layout) {
-  // Of the world's axes, towards their positive and negative ends.
+  // Letters of the world's axes, towards their positive and negative ends.
   std::array<std::string_view, 2> letters;
   if (layout.frame == WorldFrame::kRas) letters = {"RAS", "LPI"};
   if (layout.frame == WorldFrame::kLps) letters = {"LPS", "RAI"};

@@ -21,11 +21,11 @@ struct RenderedFrame {
   std::string empty = {};  // why its picture shows nothing, if it does
 };
 
-// One frame's object of `frames`.
+// The object of a frame in `frames`.
 nlohmann::json frameJson(const RenderedFrame& frame);
 // The counters of a level.
 nlohmann::json countersJson(const CacheCounters& counters);
-// `look`: what was chosen, as the options that give it again.
+// `look`: the chosen look, as the options that reproduce it.
 nlohmann::json lookJson(const ChosenLook& look);
 // Levels that are drawn.
 nlohmann::json cutJson(const CutSummary& cut);
@@ -35,15 +35,15 @@ std::string cutLine(const CutSummary& cut);
 bool isCoarser(const VisibleBlocks& blocks);
 // `dims`, `voxel_type`, ..., as `info` prints them.
 nlohmann::json volumeJson(const IndexedVolume& volume);
-// Where the volume's outer voxel centres lie in the world, as a box along its axes.
+// The box of the volume's outer voxel centres, along the world's axes.
 struct WorldBounds {
   Vec3d lo, hi;
 };
 WorldBounds worldBounds(const VolumeLayout& layout);
-// What the voxels' axes mean: "RAS" (x to the right, y to the front, z up) and so on where the file
-// says it and they follow the world's axes nearly enough; empty otherwise.
+// The meaning of the voxels' axes: "RAS" (x to the right, y to the front, z up) and so on, if the
+// file tells it and they follow the world's axes nearly enough; empty otherwise.
 std::string axisLetters(const VolumeLayout& layout);
-// What to try where the volume does not say what is up in the world; empty where it does.
+// Advice if the volume does not tell which direction of the world is up; empty otherwise.
 std::string uprightHint(const VolumeLayout& layout);
 // "ras", "lps", "picture-rows", "y-up" or "none".
 std::string_view name(WorldFrame frame);

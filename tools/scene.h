@@ -17,7 +17,7 @@
 
 namespace sluice {
 
-// Every file that a source reads, as far as it says.
+// Every file that a source reads, as far as it is known.
 template <class Source>
 std::vector<std::string> filesOf(Source& source) {
   if constexpr (requires { source.files(); })
@@ -40,7 +40,7 @@ void fitCameras(std::vector<Camera>& cameras, FitChoice choice, const FitRequest
 TransferFunction transferFor(const IndexedVolume& volume, const LookArguments& look);
 
 struct Scene {
-  // `partition`: kBoxes where frames may ask for growing boxes.
+  // `partition`: kBoxes if frames may ask for growing boxes.
   Scene(const VolumeArguments& volume, const LookArguments& look,
         const ResourceArguments& resources, Partition partition, Mode mode = Mode::kComposite,
         const Outputs& outputs = Outputs());
@@ -52,9 +52,10 @@ struct Scene {
 
   // Chosen by this, or null by the classification; of several ranks each has its share.
   void chooseBlocksBy(BlockChooser* chooser);
-  // The next picture. Of several ranks all call, rank 0 has it.
+  // Draws the next picture. With several ranks, all call it and rank 0 gets the picture.
   Frame frame();
-  // `body`, of several ranks at rank 0 first: what it keeps in files is there for the others.
+  // Runs `body`, with several ranks at rank 0 first, so that the files that it keeps are there for
+  // the others.
   template <class Body>
   void inTurn(const Body& body) {
     if (share)
@@ -63,14 +64,14 @@ struct Scene {
       body();
   }
 
-  // After a frame: what the process then holds of its own.
+  // After a frame: notes the process's own memory.
   void noteMemory();
 
   Workers pool;
   IndexedVolume volume;
   uint64_t memory_bytes;
-  PictureDemand pictures;             // that the scene draws
-  uint64_t part_bytes = 0;            // of memory_bytes, for a picture or a strip or part of it
+  PictureDemand pictures;   // memory demand of the scene's pictures
+  uint64_t part_bytes = 0;  // part of memory_bytes for a picture, or a strip or part of it
   uint64_t peak_anonymous_bytes = 0;  // at the calls of noteMemory()
   std::unique_ptr<RankShare> share;   // null: alone
   std::unique_ptr<Device> device;

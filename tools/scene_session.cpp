@@ -6,7 +6,7 @@
 namespace sluice {
 namespace {
 
-// Of the frame's plan for the step that the volume was opened for.
+// Bytes of the frame's plan for the step that the volume was opened for.
 uint64_t planBytes(const Scene& scene, const FrameOptions& frame, WorkerPool& pool) {
   const SliceRanges& ranges = scene.volume.index->ranges;
   const Look look = makeLook(scene.volume.step(), scene.transfer, frame.mode);

@@ -1,4 +1,4 @@
-// The session of a scene, and what it leaves to others of --memory.
+// The session of a scene, and the part of --memory that it leaves to others.
 #pragma once
 
 #include <memory>
@@ -8,7 +8,8 @@
 
 namespace sluice {
 
-// What is held beside the levels, and the pages of the texture cache that this leaves room for.
+// The bytes held in addition to the levels, and the pages of the texture cache that they leave room
+// for.
 struct BesideShare {
   uint64_t picture_bytes = 0, beside_bytes = 0;
   int64_t pages = 0;
@@ -19,8 +20,8 @@ BesideShare besideShare(const IndexedVolume& volume, const ResourceArguments& re
                         Partition partition, const PictureDemand& picture, uint64_t others_bytes);
 
 // Sets scene.session, and the scene's number of pages, so that the levels leave room for the
-// min-max arrays, pictures or parts of them, a frame's plan and `more_bytes`. What an earlier
-// session held is lost. Throws Error when the memory is too little.
+// min-max arrays, pictures or parts of them, a frame's plan and `more_bytes`. The contents of an
+// earlier session are lost. Throws Error if the memory is too little.
 void openSession(Scene& scene, const ResourceArguments& resources, const FrameOptions& frame,
                  uint64_t more_bytes);
 

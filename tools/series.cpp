@@ -18,14 +18,14 @@
 namespace sluice {
 namespace {
 
-// Of the time without culling: what is saved must be more than what two measurements differ by.
+// Share of the time without culling: the saving must exceed the difference of two measurements.
 constexpr double kWorthwhile = 0.9;
 
 ProgressWatch preparingLine(const ResourceArguments& resources) {
   return resources.quiet ? ProgressWatch() : progressLine("preparing");
 }
 
-// Those that the index has, which auto is content with.
+// The functions that the index has; auto computes no others.
 std::optional<SeriesFunctions> preparedFunctions(Scene& scene, const CullingArguments& culling,
                                                  const ResourceArguments& resources) {
   ProgressMeter progress;

@@ -28,18 +28,18 @@ SeriesFunctions openFunctions(const IndexedVolume& volume, const TransferFunctio
 CullingOptions cullingOptions(Culling culling, const FrameOptions& frame,
                               const SeriesFunctions& functions);
 
-// Why --culling auto culls, or does not.
+// The decision of --culling auto, and the reason for it.
 struct CullingChoice {
   bool culls = false;
-  // Of a step of either way; absent: none was measured.
+  // Seconds of a step drawn either way; absent if none was measured.
   std::optional<double> none_seconds, culled_seconds;
   std::string line;  // for people
 };
 
 class Series {
  public:
-  // A series shorter than this is drawn without culling by --culling auto: what drawing five more
-  // steps costs would not be small.
+  // A series shorter than this is drawn without culling by --culling auto: the cost of drawing five
+  // more steps would not be small.
   static constexpr size_t kLeastMeasured = 64;
 
   // `scene` must outlive it, and was opened for the whole series. Throws Error.
@@ -58,7 +58,7 @@ class Series {
   // The scene's next frame shows this step; while its last is drawn, what `next` needs is read.
   void show(int64_t time, std::optional<int64_t> next);
 
-  // With culling, of the last frame.
+  // True with culling; counts() are then the last frame's.
   bool culls() const { return culled_.has_value(); }
   const CullingCounts& counts() const { return culled_->countsOf(shown_); }
   const std::optional<CullingChoice>& choice() const { return choice_; }
@@ -66,7 +66,7 @@ class Series {
 
  private:
   TimeStep step(int64_t time);
-  // Of drawing a step either way.
+  // Seconds that drawing a step takes either way.
   double secondsOf(int64_t time, bool culls);
   CullingChoice measure(std::span<const int64_t> times);
 

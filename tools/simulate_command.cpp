@@ -65,7 +65,7 @@ std::vector<std::string> optionsSince(const CLI::App& app, size_t before) {
   return names;
 }
 
-// What does not go together is a usage error, before anything is read.
+// Reports options that contradict each other as usage errors, before anything is read.
 void checkArguments(const CLI::App& app, const SimulateArguments& arguments,
                     const std::vector<std::string>& of_volumes) {
   const std::vector<std::string>& inputs = arguments.turn.volume.inputs;
@@ -133,7 +133,8 @@ Command addSimulate(CLI::App& program) {
   addVolumeOptions(*app, turn.volume);
   addPictureOptions(*app, turn.look, turn.frame, turn.fit);
   addLevelOptions(*app, turn.levels);
-  // What is left out of a frame depends on its picture or on the clock.
+  // These options leave out data depending on the picture or on the clock, which a simulation
+  // lacks.
   for (const char* name : {"--occlusion", "--time-limit"})
     app->remove_option(app->get_option(name));
   const OptionGroup replay(*app, "Simulation");

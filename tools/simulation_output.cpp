@@ -12,13 +12,13 @@ namespace {
 
 using nlohmann::json;
 
-// Which run it is, where there are several.
+// The labels of a run, if there are several.
 void addLabels(json& object, const std::string& trace, const std::string& page) {
   if (!trace.empty()) object["trace"] = trace;
   if (!page.empty()) object["page"] = page;
 }
 
-// At every size where the miss ratio changes, thinned to so many evenly.
+// At every size at which the miss ratio changes, thinned evenly to a limit.
 json lruCurveJson(const LruCurve& lru) {
   constexpr size_t kMostPoints = 1000;
   const std::vector<MissRatioCurve::Step>& steps = lru.curve.steps;

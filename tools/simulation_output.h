@@ -1,5 +1,5 @@
-// Runs of the simulator as people, scripts and spreadsheets read them. Pure functions but for what
-// they print.
+// Runs of the simulator as people, scripts and spreadsheets read them. Pure functions except for
+// printing.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -11,7 +11,7 @@
 
 namespace sluice {
 
-// The interface's `rows` and `pinned`; `curves`: miss ratios by cache size; `runs` where there are
+// The interface's `rows` and `pinned`; `curves`: miss ratios by cache size; `runs` if there are
 // several.
 nlohmann::json simulationJson(std::span<const SimulatedRun> runs,
                               const SimulateArguments& arguments);

@@ -15,7 +15,7 @@
 namespace sluice {
 namespace {
 
-// Says so where a file is neither: opening a pipe would wait for someone to write into it.
+// Throws Error if a file is neither: opening a pipe would wait for someone to write into it.
 void refusePipe(const std::string& name) {
   std::error_code none;
   const std::filesystem::file_status status = std::filesystem::status(name, none);
@@ -53,7 +53,7 @@ SimulationConfig chosenConfig(const SimulateArguments& arguments, const ReplaySo
   return chosen;
 }
 
-// One run while it is worked out.
+// A run while it is computed.
 class Run {
  public:
   Run(const SimulateArguments& arguments, ReplaySource& source)
@@ -108,7 +108,7 @@ class Run {
   }
 
  private:
-  // Page by page where that is asked for, within the memory that the program may take.
+  // Page by page if that is asked for, within the memory that the program may take.
   PreparedTrace asRequested(PreparedTrace chunks) const {
     if (!arguments_.by_page) return chunks;
     constexpr uint64_t kBytesARequest = 8, kBytesAPage = 64;
@@ -168,7 +168,7 @@ class Run {
   const SimulateArguments& arguments_;
   ReplaySource& source_;
   SimulatedRun result_;
-  PreparedTrace trace_;       // of the chosen cache
+  PreparedTrace trace_;       // for the chosen cache
   bool is_one_trace_ = true;  // the same requests at every size
 };
 

@@ -1,5 +1,5 @@
-// What `sluice simulate` works out: each trace, or the turn around a volume with each page size,
-// through policies and cache sizes. A run is one of these; runs follow one another, so that only
+// The work of `sluice simulate`: each trace, or the turn around a volume with each page size,
+// through policies and cache sizes. Each of these is a run; runs follow one another, so that only
 // one trace is in memory at a time.
 #pragma once
 
@@ -18,7 +18,7 @@ namespace sluice {
 
 struct SimulateArguments {
   TurnArguments turn;             // its volume names the traces, too
-  std::vector<Vec3i> page_sizes;  // of volumes, a run each; empty: the volume's own
+  std::vector<Vec3i> page_sizes;  // for volumes, a run each; empty: the volume's own
   std::optional<TraceFormat> format;
   uint64_t page_bytes = 4096;
   std::vector<PolicyKind> policies;
@@ -27,7 +27,8 @@ struct SimulateArguments {
   bool pins = true;
   bool by_page = false;
   std::optional<PrefetchModel> prefetch;
-  std::optional<double> sample_rate;  // of chunks: LRU's approximate curve and nothing else
+  std::optional<double>
+      sample_rate;  // share of the chunks: LRU's approximate curve and nothing else
   std::string html_file, csv_file, export_file, report_file;
   bool force = false;
   bool json = false;
@@ -46,7 +47,7 @@ struct LruCurve {
 
 struct SimulatedRun {
   std::string title;
-  std::string trace, page;  // as its rows have them
+  std::string trace, page;  // the values in its rows
   std::vector<std::pair<std::string, std::string>> facts;
   SimulationConfig chosen;
   uint64_t page_bytes = 0, resized = 0;

@@ -32,7 +32,7 @@ void add(OcclusionReport& sum, const OcclusionReport& more) {
   sum.seconds += more.seconds;
 }
 
-// What a strip did and took; blocks and plans are the whole picture's already.
+// Adds the work and the time of a strip; blocks and plans count the whole picture already.
 void add(FrameReport& sum, const FrameReport& more) {
   sum.seconds += more.seconds;
   add(sum.stages, more.stages);
@@ -49,7 +49,7 @@ void add(FrameReport& sum, const FrameReport& more) {
   add(sum.occlusion, more.occlusion);
 }
 
-// The device draws whole pictures again when this goes.
+// Rows makes the device draw rows; after its end the device draws whole pictures again.
 class Rows {
  public:
   explicit Rows(Device& device) : device_(dynamic_cast<DrawsRows*>(&device)) {

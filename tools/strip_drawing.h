@@ -1,6 +1,6 @@
-// Pictures that are too large for their share of --memory: drawn and written strip by strip, from
-// the top down. Strips share the plan and what the levels hold; a strip reads and draws the blocks
-// that it shows. The file is the same, byte by byte.
+// Pictures that are too large for their share of --memory are drawn and written strip by strip,
+// from the top down. Strips share the plan and the contents of the levels; a strip reads and draws
+// the blocks that it shows. The file is the same, byte by byte.
 #pragma once
 
 #include <optional>
@@ -12,8 +12,8 @@
 
 namespace sluice {
 
-// The strips of the scene's pictures. One: pictures are drawn whole. Ranks draw whole pictures,
-// since they exchange parts of the whole.
+// The strips of the scene's pictures; a single one if pictures are drawn whole. Ranks draw whole
+// pictures, since they exchange parts of the whole.
 std::vector<PictureRows> stripsFor(const Scene& scene);
 
 // A frame that was drawn and given to a writer.
@@ -22,7 +22,7 @@ struct WrittenFrame {
   VisibleBlocksPtr blocks;
   double write_seconds = 0;
   bool shows_something = false;
-  std::optional<Frame> whole;  // only of a picture that was drawn whole
+  std::optional<Frame> whole;  // set only if the picture was drawn whole
 };
 // Draws the session's next frame and gives its rows to `writer`, if there is one, but commits
 // nothing. Throws Error and Interrupted; the device draws whole pictures again afterwards.

@@ -46,7 +46,7 @@ FileKind kindOf(const std::filesystem::path& file) {
   return extension == ".mhd" ? FileKind::kMetaImage : FileKind::kRaw;
 }
 
-// Whether the name of a raw file says all that it takes to read it.
+// Whether the name of a raw file describes all that is needed to read it.
 bool describes(const std::filesystem::path& file, const VolumeLayout& layout) {
   const RawName said = parseRawName(file.filename().string());
   return said.dims == layout.dims && said.type == layout.type;

@@ -12,7 +12,7 @@
 namespace sluice {
 namespace {
 
-// More would take gigabytes to list.
+// More blocks would take gigabytes to list.
 constexpr int64_t kMostBlocks = int64_t{1} << 22;
 
 // All blocks, as if every value could be seen.

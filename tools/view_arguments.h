@@ -1,5 +1,5 @@
-// From a command's arguments to what the public library takes, for the window, which is drawn by
-// that alone. Pure functions.
+// Converts a command's arguments to the public library's, for the window, which uses only that
+// library to draw. Pure functions.
 #pragma once
 
 #include <sluice/options.h>
@@ -14,7 +14,7 @@ namespace sluice {
 ViewedVolume viewedVolume(const VolumeArguments& volume, const ResourceArguments& resources,
                           const std::string& index_folder);
 LookOptions lookOptions(const LookArguments& look, Mode mode);
-// The volume is opened whole, and so its range is that of all steps.
+// The volume is opened whole, so its range covers all steps.
 ViewState viewState(const VolumeArguments& volume, const LookArguments& look,
                     const FrameOptions& frame, const FitChoice& fit, bool has_step);
 RendererOptions rendererOptions(const ResourceArguments& resources);

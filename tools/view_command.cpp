@@ -42,7 +42,7 @@ FileKind kindOf(const std::string& path) {
   return mayReplace(path, FileKind::kView) ? FileKind::kView : FileKind::kTransferFunction;
 }
 
-// Of what the window saves, as other commands ask before they write.
+// Checks the files that the window saves, as other commands check theirs before they write.
 void checkSaved(const std::vector<std::string>& reads, const std::vector<std::string>& writes) {
   Outputs outputs;
   outputs.reads(reads);
@@ -66,7 +66,7 @@ DrawingOptions drawingOptions(const ViewArguments& arguments, const CLI::App& ap
   return options;
 }
 
-// The folder of what the window keeps; without one it keeps nothing.
+// The file of the window's settings; empty if there is no folder for it.
 std::string settingsFile() {
   const std::filesystem::path file = windowSettings();
   if (file.empty()) return {};

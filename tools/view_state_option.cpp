@@ -25,7 +25,7 @@ bool isGiven(const CLI::App& app, const std::string& name) {
   return option != nullptr && option->count() > 0;
 }
 
-// Options that the user gave one of: those of the file are left out.
+// Options of which the user gave one: the file's are left out.
 template <class List>
 bool isGivenAny(const CLI::App& app, const List& names, const std::string& name) {
   if (std::find(names.begin(), names.end(), name) == names.end()) return false;
@@ -33,7 +33,7 @@ bool isGivenAny(const CLI::App& app, const List& names, const std::string& name)
                      [&](std::string_view other) { return isGiven(app, std::string(other)); });
 }
 
-// Before the file's options are added.
+// The kinds of options that the user gave. To be called before the file's options are added.
 SavedFilm givenBesides(const CLI::App& app) {
   const auto hasAny = [&](std::initializer_list<const char*> names) {
     return std::any_of(names.begin(), names.end(),
@@ -52,7 +52,7 @@ SavedFilm givenBesides(const CLI::App& app) {
   return given;
 }
 
-// The view and its key frames without what the user gave himself.
+// The view and its key frames without the properties that the user gave.
 StateFile without(const SavedFilm& given, StateFile file) {
   const auto drop = [&](ViewState& state) {
     if (given.has_crop) state.crop.reset();

@@ -61,7 +61,7 @@ Measured measure(Session& session, FrameOptions options, Algorithm algorithm, in
   return result;
 }
 
-// Classifying, planning with all merges, and copying what the new plan changed.
+// Classifies, plans with all merges, and copies the changed parts of the new plan.
 double processingSeconds(Scene& scene, const LookArguments& look, const FrameOptions& options) {
   LookArguments changed = look;
   if (changed.threshold) changed.threshold = *changed.threshold * kThresholdStep;

@@ -1,4 +1,4 @@
-// sluice bench algorithms: Tong's Table 1 for any set of volumes, and beside it what the texture
+// sluice bench algorithms: Tong's Table 1 for any set of volumes, and the bytes that the texture
 // cache moved.
 #pragma once
 

@@ -35,17 +35,17 @@ namespace {
 
 using nlohmann::json;
 
-// Puts a bench's report where it was asked for; its result is the exit status.
+// Outputs a bench's report as the options ask; the result is the exit status.
 using Print = void (*)(const json&);
 using Show = std::function<int(json report, Print print)>;
 
-// A subcommand of bench, and what it does.
+// A subcommand of bench, and the function that runs it.
 struct Bench {
   CLI::App* app;
   std::function<int(const Show&)> run;
 };
 
-// What every bench draws: comparable over versions, and with other renderers.
+// The picture that every bench draws by default, comparable over versions and with other renderers.
 constexpr const char* kPlainPicture =
     "Unless told otherwise pictures are plain: --view plain at azimuth 30 and elevation 20, fitted "
     "to the volume's sphere, unlit, a step of 1, and without --threshold a ramp from a fifth of "
@@ -98,7 +98,7 @@ std::optional<std::vector<int>> rankCounts(const std::string& word) {
   return counts;
 }
 
-// What is drawn, of every bench that draws.
+// Options of the pictures, for every bench that draws.
 template <class Arguments>
 void addPictures(CLI::App& app, Arguments& arguments) {
   addVolumeOptions(app, arguments.volume);
@@ -327,8 +327,8 @@ Bench addSlicing(CLI::App& app) {
           [](const Show& show) { return show(slicingReport(), printSlicing); }};
 }
 
-// Files that a bench reads by name are no place for its report, nor what is no report: --force is
-// not for benches, since only the volume's reader would know all that it reads.
+// A report may not replace a file that the bench reads by name, nor a file that is no report.
+// --force is not for benches, since only the volume's reader would know all files that it reads.
 Outputs outputsOf(const CLI::App& app, const std::string& report) {
   Outputs outputs;
   for (const CLI::Option* option : app.get_options()) {
@@ -345,7 +345,7 @@ Outputs outputsOf(const CLI::App& app, const std::string& report) {
   return outputs;
 }
 
-// Where a report goes.
+// The destination of a report.
 struct ReportOutput {
   std::string file;
   bool json = false;

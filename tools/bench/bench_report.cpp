@@ -23,7 +23,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr uint64_t kMostBytes = uint64_t{256} << 20;  // of a report
+constexpr uint64_t kMostBytes = uint64_t{256} << 20;  // limit for a report
 
 struct ReportArguments {
   std::vector<std::string> files;

@@ -28,7 +28,7 @@ constexpr std::array<double, 5> kDifferences = {0, 1e-5, 1e-4, 1e-3, 1e-2};  // 
 constexpr std::array<std::pair<const char*, Culling>, 3> kWays = {
     {{"none", Culling::kNone}, {"opof", Culling::kOpof}, {"toc", Culling::kToc}}};
 
-// What all parts of the bench look at.
+// Data that all parts of the bench use.
 struct Opened {
   explicit Opened(const CullingBench& bench)
       : pool(bench.resources.threads),
@@ -216,7 +216,7 @@ json ranksOf(Opened& opened, const CullingBench& bench, const SeriesFunctions& f
   return rows;
 }
 
-// As if each representative block had a function of its own, also one that others have.
+// The size if each representative block had a function of its own, even if others share it.
 uint64_t unsharedBytes(const SeriesOpacity& series) {
   uint64_t sum = 0;
   for (const CoherentSpan& span : series.spans)

@@ -41,7 +41,7 @@ json benchFrames(const FrameBench& bench) {
     scene.session->setOptions(options);
   };
   std::vector<double> seconds;
-  // Of all threads: other work on the machine makes it longer by little.
+  // The time of all threads: other work on the machine changes it little.
   double processor_seconds = 0;
   for (int i = -kWarmFrames; i < bench.frames; ++i) {
     turnTo(i);
@@ -62,11 +62,11 @@ json benchFrames(const FrameBench& bench) {
     taken += static_cast<double>(last.report.samples_taken) / bench.frames;
     object += static_cast<double>(last.report.samples_object) / bench.frames;
   }
-  // In the same process and moment, since machines drift.
+  // Measured in the same process and moment, since machines drift.
   const double limit = samplingLimit(*scene.device, options.size, bench.frames);
   const auto [least, most] = std::minmax_element(seconds.begin(), seconds.end());
   const double middle = median(seconds);
-  // Cells outside the object boxes are drawn in vain; inside them only what was taken counts.
+  // Cells outside the object boxes are drawn in vain; inside them only the samples taken count.
   const double share = std::min(taken, object) / middle / limit;
   json report = sceneJson(scene, {last});
   report.update({{"frame_seconds", {{"median", middle}, {"min", *least}, {"max", *most}}},

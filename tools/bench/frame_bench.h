@@ -20,7 +20,7 @@ nlohmann::json benchLimit(const FrameBench& bench);
 void printLimit(const nlohmann::json& report);
 
 // The frames of a turn, warm: their seconds, the processor's, their samples, and their share of the
-// sampling rate, which is measured beside them; the last frame's report. Throws Error.
+// sampling rate, which is measured too; the last frame's report. Throws Error.
 nlohmann::json benchFrames(const FrameBench& bench);
 void printFrames(const nlohmann::json& report);
 

@@ -66,7 +66,7 @@ std::array<double, kWays.size()> speedsOf(Session& session, const FrameOptions& 
   return speeds;
 }
 
-// Of a frame whose samples are counted.
+// The report of a frame whose samples are counted.
 FrameReport countedFrame(Session& session, FrameOptions options) {
   options.count_samples = true;
   session.setOptions(options);

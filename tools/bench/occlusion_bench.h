@@ -1,8 +1,8 @@
 // sluice bench occlusion: Li's Table 2 and the data of Figure 6 for any set of volumes: frames a
 // second of every block drawn whole (Basic), of the visible growing boxes (ESS), of these with the
-// opacity map asked in vain (ESS+M), with hidden boxes culled (ESS+C), and clipped too (ESS+CC).
-// Beside them what the device does without a map (own): object boxes, and where the device can,
-// rays that leap inside them and end behind what is opaque.
+// opacity map asked in vain (ESS+M), with hidden boxes culled (ESS+C), and clipped too (ESS+CC). In
+// addition the device's own methods without a map: object boxes, and if the device can, rays that
+// leap inside them and end behind opaque matter.
 #pragma once
 
 #include <nlohmann/json.hpp>

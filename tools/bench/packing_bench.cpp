@@ -52,7 +52,7 @@ nlohmann::json benchPacking(const VolumeArguments& arguments, const ResourceArgu
   const IndexedVolume volume = openIndexed(arguments, resources, {}, pool);
   VolumeBuffer buffer(*volume.source, volume.layout, 2 * kMostBytes);
   const std::vector<int64_t>& ids = volume.index->ranges.blocks;
-  // Spread over the volume, where it has more than is measured.
+  // Spread over the volume, if it has more blocks than are measured.
   const size_t most = std::max<size_t>(1, kMostBytes / buffer.blockBytes());
   const size_t stride = std::max<size_t>(1, ids.size() / most);
   std::vector<VolumeBlockPtr> blocks;

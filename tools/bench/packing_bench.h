@@ -1,4 +1,4 @@
-// sluice bench packing: what compressing a volume's blocks in memory brings, by codec.
+// sluice bench packing: the gain from compressing a volume's blocks in memory, by codec.
 #pragma once
 
 #include <nlohmann/json.hpp>

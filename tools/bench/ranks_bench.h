@@ -1,4 +1,4 @@
-// sluice bench ranks: what sharing a picture out among ranks brings. Started by mpirun it measures
+// sluice bench ranks: the gain from sharing a picture among ranks. Started by mpirun it measures
 // that run's ranks; alone it has ranks of threads, each with a thread, a device and a budget of its
 // own, and one process with one thread to compare with.
 #pragma once
@@ -24,7 +24,8 @@ struct RanksBench {
 
 // `rows` [{`ranks`, `frame_seconds`{`median`,`min`,`max`}, `draw_seconds`, `exchange_seconds`,
 // `compose_seconds`, `gather_seconds`, `part_bytes`, `sent_bytes`, `speedup`}]: medians of rank 0,
-// speedup against the row of one. `team`: null alone. Throws Error. Of several ranks rank 0 has it.
+// speedup against the row of one. `team` is null for a single process. Throws Error. With several
+// ranks, rank 0 gets the report.
 nlohmann::json benchRanks(const RanksBench& bench, Team* team);
 void printRanks(const nlohmann::json& report);
 

@@ -11,7 +11,8 @@
 namespace sluice {
 namespace {
 
-// Before the first measured frame of a way: one here, and one before each, which changes the plan.
+// Frames before the first measured one of a way: one here, and one before each, which changes the
+// plan.
 constexpr int kWarmFrames = 2;
 
 struct Way {
@@ -43,7 +44,7 @@ nlohmann::json rowOf(const VolumesBench& bench, const std::string& word) {
       options.shades_every_sample = kWays[way].shades_every_sample;
       options.count_samples = i + 1 == bench.frames;
       scene.session->setOptions(options);
-      // Another way changes the plan: that belongs to neither.
+      // This frame also pays for the change of the plan, which belongs to neither way.
       FrameReport report = scene.session->frameReport();
       options.count_samples = false;
       if (i < 0) continue;

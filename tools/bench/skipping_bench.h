@@ -9,9 +9,9 @@
 
 namespace sluice {
 
-// {"rows": [...], "mean_speedup": ...}: one object a volume, the names of the interface; samples
-// and boxes beside them, whole blocks whose rays go on as well ("whole"), and object boxes
-// (what `--partition blocks` draws). The ways take turns frame by frame, so that a machine that
+// {"rows": [...], "mean_speedup": ...}: one object a volume, with the names of the interface; in
+// addition samples and boxes, whole blocks whose rays go on as well ("whole"), and object boxes
+// (drawn by `--partition blocks`). The ways take turns frame by frame, so that a machine that
 // drifts favours none. Throws Error.
 nlohmann::json benchSkipping(const VolumesBench& bench);
 void printSkipping(const nlohmann::json& report);

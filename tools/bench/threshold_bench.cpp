@@ -19,7 +19,7 @@ namespace {
 constexpr int kWarmFrames = 2;
 constexpr int kSteadyFrames = 9;
 constexpr int kRebuilds = 3;
-// Of the value range.
+// Shares of the value range.
 constexpr double kSmallStep = 1.0 / 256, kLargeStep = 1.0 / 16, kWalkStep = 1.0 / 64;
 constexpr double kBandWidth = 1.0 / 8;
 
@@ -37,7 +37,7 @@ struct Range {
   }
 };
 
-// Of a threshold, so that values are visible in a band alone.
+// A transfer function that shows values only in a band above a threshold.
 TransferFunction band(TransferFunction transfer, const Range& range, double at, double opacity) {
   const double end = at + kBandWidth * range.span();
   transfer.opacities = {{at, 0}, {at, opacity}, {end, opacity}, {end, 0}};
@@ -106,8 +106,8 @@ FrameReport change(Session& session, const TransferFunction& transfer, Measured&
   return report;
 }
 
-// Counts for itself what a change should copy: the voxels of chunks whose recipe no plan had
-// before.
+// Counts independently the voxels that a change should copy: those of chunks whose recipe no plan
+// had before.
 class ChangedBytes {
  public:
   explicit ChangedBytes(Scene& scene)
@@ -139,7 +139,7 @@ struct Bench {
   Scene& scene;
   Range range;
 
-  // What `sluice render` shows with this --threshold.
+  // The transfer function of `sluice render` with this --threshold.
   TransferFunction above(double threshold) const {
     LookArguments look = asked.look;
     look.transfer_file.clear();
@@ -173,7 +173,7 @@ double steadySeconds(Session& session) {
   return quantile(seconds, 0.5);
 }
 
-// All in memory: what the session holds is what any frame so far asked for.
+// All in memory: the session holds everything that any frame so far asked for.
 nlohmann::json warmChanges(const Bench& bench, nlohmann::json& report) {
   nlohmann::json result;
   ChangedBytes changed(bench.scene);
@@ -250,7 +250,8 @@ nlohmann::json outOfCoreChanges(const Bench& bench) {
   return result;
 }
 
-// Without min-max arrays that are kept: every voxel is looked at, every chunk made anew.
+// The rebuild of a renderer without min-max arrays: every voxel is looked at, every chunk made
+// again.
 double rebuildSeconds(const Bench& bench) {
   std::vector<double> seconds;
   const std::vector<TransferFunction> transfers = bench.changes("small");

@@ -1,5 +1,5 @@
-// sluice bench threshold: from a changed transfer function to the finished picture, and what a
-// renderer without min-max arrays takes for the same.
+// sluice bench threshold: from a changed transfer function to the finished picture, and the time of
+// a renderer without min-max arrays for the same.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -11,17 +11,15 @@ namespace sluice {
 
 struct ThresholdBench {
   VolumeArguments volume;
-  LookArguments
-      look;  // the threshold to start from; a share of the value range where none is given
+  LookArguments look;  // the threshold to start from; by default a share of the value range
   FrameOptions frame;
   ResourceArguments resources;
-  int changes = 24;  // of each kind
+  int changes = 24;  // changes of each kind
 };
 
-// The names of the interface, and beside them `walk` and `band` changes, the parts of each change,
+// The names of the interface, and in addition `walk` and `band` changes, the parts of each change,
 // a threshold `raised_by_a_fifth` from ones drawn before, and the same changes `cold` (a session
-// that holds nothing) and `out_of_core` (memory for a quarter of what the picture takes). Throws
-// Error.
+// that holds nothing) and `out_of_core` (memory for a quarter of the picture's need). Throws Error.
 nlohmann::json benchThreshold(const ThresholdBench& bench);
 void printThreshold(const nlohmann::json& report);
 

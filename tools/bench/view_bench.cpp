@@ -105,7 +105,7 @@ nlohmann::json benchView(const ViewBench& bench) {
   for (int drag = 0; drag < bench.drags; ++drag) {
     auto due = Clock::now();
     for (int i = 0; i < bench.events; ++i) {
-      // Up a quarter of the range and back.
+      // Drags up a quarter of the range and back.
       const double part = static_cast<double>(i) / bench.events;
       const double up = part < 0.5 ? 2 * part : 2 - 2 * part;
       wish.state.look =

@@ -1,5 +1,5 @@
-// sluice bench view: how soon a window would have a picture for what a hand does, and whether its
-// loop ever waits.
+// sluice bench view: how soon a window would have a picture after a movement of the hand, and
+// whether its loop ever waits.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -12,16 +12,16 @@ struct ViewBench {
   ViewedVolume volume;
   DrawingOptions drawing;
   int width = 800, height = 600;
-  double threshold = 0;  // where the drag begins
-  int events = 120;      // of a drag
+  double threshold = 0;  // start of the drag
+  int events = 120;      // events of a drag
   double events_per_second = 60;
   int drags = 3;
 };
 
 // Drags the threshold back and forth with a hand's events, lets go, and waits for the whole
 // picture: {"answer_seconds": {"p50", "p95", "max"}, "complete_seconds", "steady_frame_seconds",
-// "loop_seconds": {"p50", "p95", "max"}, ...}. The loop's are those of one turn of the thread that
-// stands for the window's, which asks and takes. Throws Error.
+// "loop_seconds": {"p50", "p95", "max"}, ...}. The loop's times are those of one turn of the thread
+// that stands for the window's, which asks and takes. Throws Error.
 nlohmann::json benchView(const ViewBench& bench);
 void printView(const nlohmann::json& report);
 

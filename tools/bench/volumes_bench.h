@@ -1,4 +1,4 @@
-// What benches over any set of volumes are asked, and what they share.
+// Options of benches over any set of volumes, and code that they share.
 #pragma once
 
 #include <optional>

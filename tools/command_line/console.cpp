@@ -41,7 +41,7 @@ void sayJson(const nlohmann::json& report) {
 void printError(std::string line) {
   line = "sluice: " + withoutControls(line) + "\n";
   std::fflush(stdout);
-  // In one write, so that lines of several processes do not mix.
+  // Written in one call, so that lines of several processes do not mix.
   while (::write(STDERR_FILENO, line.data(), line.size()) < 0 && errno == EINTR) {
   }
 }

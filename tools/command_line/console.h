@@ -1,6 +1,6 @@
-// The one place that prints. Results go to standard output, where a failure is an Error: a script
-// must not take half an answer for a whole one. Errors, warnings and progress go to standard error,
-// where a failure has nobody left to tell and changes nothing.
+// The one place that prints. Results go to standard output, and a failure to write them is an
+// Error: a script must not take half an answer for a whole one. Errors, warnings and progress go to
+// standard error; a failure to write them is ignored, since nobody is left to tell.
 #pragma once
 
 #include <fmt/format.h>
@@ -23,7 +23,7 @@ void openStandardStreams();
 // Text of ours, lines and all; control characters other than newlines and tabs become escapes.
 // Throws Error when standard output takes no more.
 void sayText(std::string_view text);
-// The same with what a report holds, as JSON on several lines.
+// Prints a report as JSON on several lines.
 void sayJson(const nlohmann::json& report);
 
 // A value as say() prints it: file names and other texts may come from anywhere, and must not begin

@@ -8,7 +8,7 @@
 namespace sluice {
 namespace {
 
-constexpr size_t kNamesColumns = 30;  // of the left column; longer names have a line of their own
+constexpr size_t kNamesColumns = 30;  // left column; longer names have a line of their own
 
 std::string firstLine(const std::string& text) {
   return text.substr(0, text.find('\n'));

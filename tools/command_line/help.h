@@ -1,5 +1,5 @@
-// What --help prints: options under the headings of their groups, defaults in brackets, everything
-// within 100 columns.
+// The text of --help: options under the headings of their groups, defaults in brackets, within 100
+// columns.
 #pragma once
 
 #include <CLI/CLI.hpp>

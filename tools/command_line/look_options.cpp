@@ -71,7 +71,7 @@ void addLookOptions(CLI::App& app, LookArguments& look, FrameOptions& frame) {
              "Of a series, look and fit follow from the step that is drawn alone");
   CLI::Option* opacity = group.number("--opacity", "A", look.opacity, {0, 1},
                                       "Opacity of one voxel length at the top of the ramp (0.05)");
-  // Points beside a file take the place of its own; its colours stay.
+  // Points given with a file replace its own; its colours stay.
   const auto goTogether = [&](const CLI::Option* one, const CLI::Option* other) {
     return (one == transfer && other == points) || (one == points && other == transfer);
   };

@@ -1,4 +1,4 @@
-// Which word somebody probably meant. Pure functions.
+// Finds the word that somebody probably meant. Pure functions.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// Numbers on the command line: one parser for all options, which know what they take and say so.
+// Numbers on the command line: one parser for all options, which know their ranges and print them.
 // Pure functions.
 #pragma once
 
@@ -10,7 +10,8 @@
 
 namespace sluice {
 
-// What an option takes, both ends included unless `above_least` leaves the lower one out.
+// The range of an option's values, both ends included unless `above_least` leaves the lower one
+// out.
 template <class Number>
 struct NumberRange {
   Number least = std::numeric_limits<Number>::lowest();
@@ -22,7 +23,7 @@ struct NumberRange {
   }
 };
 
-// The whole of `text` as a finite number; nullopt otherwise, also where it does not fit the type.
+// The whole of `text` as a finite number; nullopt otherwise, even if it only does not fit the type.
 std::optional<double> parseReal(const std::string& text);
 std::optional<int64_t> parseWhole(const std::string& text);
 std::optional<uint64_t> parseUnsigned(const std::string& text);
@@ -32,7 +33,7 @@ std::optional<uint64_t> parseUnsigned(const std::string& text);
 std::string rangeText(const NumberRange<double>& range);
 std::string rangeText(const NumberRange<int64_t>& range);
 std::string rangeText(const NumberRange<uint64_t>& range);
-// As people write it: 0.05, 30, 1e+12.
+// The number as people write it: 0.05, 30, 1e+12.
 std::string numberText(double number);
 
 // A number of the range; nullopt otherwise.

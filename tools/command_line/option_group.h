@@ -1,14 +1,14 @@
 // How a command gets its options: in groups of at most twelve, each under a heading of --help, one
-// call an option. The call says the names, what the value is called, where it goes, what it may be,
-// and what it does; the default shown is what the target holds at that moment.
+// call an option. The call gives the names, the placeholder, the target, the range and the help;
+// the default shown is the target's value at that moment.
 //
 //   OptionGroup view(app, "View");
 //   view.number("--zoom", "FACTOR", options.camera.zoom, {0, 1e6, true}, "1 fits the volume");
 //   view.choice("--mode", modes(), options.mode, "How samples along a ray combine");
 //   view.flag("--shade", look.shade, "Gradient Phong lighting");
 //
-// A value that is refused is a usage error with the name, what is taken, what was found, and the
-// word that was probably meant.
+// A value that is refused is a usage error with the option's name, the allowed values, the value
+// found, and the word that was probably meant.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -27,7 +27,7 @@
 
 namespace sluice {
 
-// The words of an option that takes one of a few, and what they stand for.
+// The words of an option that takes one of a few, and their values.
 template <class Value>
 using Words = std::vector<std::pair<std::string, Value>>;
 
@@ -88,11 +88,12 @@ class OptionGroup {
   // A size in bytes from 1 up: 512M.
   CLI::Option* bytes(const std::string& names, uint64_t& target, const std::string& help) const;
 
-  // Any text but the empty one: a file's name.
+  // Accepts any text but the empty one: a file's name.
   CLI::Option* text(const std::string& names, const std::string& what, std::string& target,
                     const std::string& help) const;
 
-  // One of a few words. `also` understands more words than those that are shown.
+  // An option that takes one of a few words. `also` understands more words than those that are
+  // shown.
   template <class Value, class Target>
   CLI::Option* choice(
       const std::string& names, const Words<Value>& words, Target& target, const std::string& help,
@@ -114,7 +115,7 @@ class OptionGroup {
     return add(names, chooseName(namesOf(words)), help, take)->default_str(shown);
   }
 
-  // Several of a few words, with commas between.
+  // Accepts several of a few words, with commas between.
   template <class Value>
   CLI::Option* choices(const std::string& names, const Words<Value>& words,
                        std::vector<Value>& target, const std::string& help) const {
@@ -129,8 +130,8 @@ class OptionGroup {
     });
   }
 
-  // Anything else: `parse` turns the word into a value (nullopt: it is refused, and `expected`
-  // said), `take` gets it.
+  // Anything else: `parse` turns the word into a value (nullopt: it is refused, and the message
+  // names `expected`), `take` gets it.
   template <class Parse, class Take>
   CLI::Option* parsed(const std::string& names, const std::string& what,
                       const std::string& expected, Parse parse, Take take, const std::string& help,
@@ -147,9 +148,9 @@ class OptionGroup {
  private:
   CLI::Option* add(const std::string& names, const std::string& what, const std::string& help,
                    const std::function<void(const std::string&)>& take) const;
-  // What the value is called in --help: the words where they are few, else NAME.
+  // The placeholder of the value in --help: the words if they are few, else NAME.
   static std::string chooseName(const std::vector<std::string>& words);
-  // What stands between commas.
+  // The parts between commas.
   static std::vector<std::string> parts(const std::string& given);
   // The long name of "-s,--size".
   static std::string longName(const std::string& names);

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What a name leads to: an inode, or where there is none yet a name in the inode of a folder.
+// The target of a name: an inode or, if there is none yet, a name in the inode of a folder.
 struct Target {
   dev_t device = 0;
   ino_t inode = 0;
@@ -45,7 +45,8 @@ fs::path withoutSlash(const fs::path& path) {
   return path.has_filename() ? path : path.parent_path();
 }
 
-// Where writing to `path` ends up when a link there leads to what does not exist yet.
+// The path where writing to `path` ends up, when a link there leads to a file that does not exist
+// yet.
 fs::path followed(fs::path path) {
   constexpr int kMostLinks = 40;
   std::error_code status;
@@ -121,7 +122,7 @@ void Outputs::writesFolder(const std::string& option, const fs::path& path) {
 
 namespace {
 
-// What is read, by inode: asked once, however many files are written.
+// The inodes of files that are read: looked up once, however many files are written.
 class Inputs {
  public:
   void add(const fs::path& path) {
@@ -131,7 +132,7 @@ class Inputs {
     if (S_ISDIR(status->st_mode)) folders_.push_back({*status, path, isStore(path)});
   }
 
-  // Throws Error when writing `path`, which `what` says, would change something that is read.
+  // Throws Error when writing `path`, which `what` names, would change a file that is read.
   void require(const std::string& what, const fs::path& path, bool is_folder) const {
     const auto status = statusOf(path);
     const auto refuse = [&](const fs::path& input, const char* how) {

@@ -1,9 +1,9 @@
-// Outputs: every file that a command is going to write, checked against what it reads and against
-// one another before anything is read in full or written. Every command has one and names its files
+// Outputs: every file that a command is going to write, checked against its inputs and against one
+// another before anything is read in full or written. Every command has one and names its files
 // there; nothing is written under a name that is not.
 //
-// Two names are the same file when they lead to the same inode, through symbolic and hard links,
-// or to the same name in the same folder where there is no file yet.
+// Two names are the same file when they lead to the same inode, through symbolic and hard links, or
+// to the same name in the same folder if there is no file yet.
 #pragma once
 
 #include <filesystem>
@@ -17,10 +17,10 @@ namespace sluice {
 
 class Outputs {
  public:
-  // Of a command without --force: an existing file is replaced only by one of its own kind
+  // For a command without --force: an existing file is replaced only by a file of its own kind
   // (mayReplace).
   Outputs() = default;
-  // `force`: existing files may be replaced whatever they hold. What is read never is.
+  // `force`: existing files may be replaced whatever they hold. Files that are read never are.
   explicit Outputs(bool force) : force_(force) {}
 
   // A file or folder that the command reads. Names that do not exist are no concern of this class.
@@ -33,8 +33,8 @@ class Outputs {
   // A folder that it is going to write, whose old contents the writer checks itself.
   void writesFolder(const std::string& option, const std::filesystem::path& path);
 
-  // Throws Error, in one line, for the first output that is what is read, or another output; says
-  // nothing of what else is there. For when not all that is read is known yet.
+  // Throws Error, in one line, for the first output that is an input or another output; does not
+  // check existing files. The same while not all inputs are known yet.
   void checkNames() const { checkNames({}); }
   // The same, and for the first that would replace a file of another kind. `more_read`: files that
   // are known to be read only now, such as those that a volume's header names.

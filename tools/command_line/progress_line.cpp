@@ -17,7 +17,7 @@ namespace {
 constexpr double kFirstDrawSeconds = 0.5;
 constexpr double kRedrawSeconds = 0.2;
 
-// What cannot be shown is lost and no failure.
+// A failure to write is ignored: progress that cannot be shown is lost.
 void show(const std::string& text) {
   std::fputs(text.c_str(), stderr);
   std::fflush(stderr);

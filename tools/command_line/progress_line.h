@@ -1,4 +1,4 @@
-// Progress on a terminal: one line with share, rate and time left, which ends with what was done;
+// Progress on a terminal: one line with share, rate and time left, which ends with the work done;
 // silent when standard error is none. A terminal that takes nothing changes nothing.
 #pragma once
 
@@ -10,8 +10,8 @@ namespace sluice {
 
 enum class ProgressUnit { kBytes, kPieces };
 
-// The line appears after half a second, and ends with the last copy of what is returned. Not to be
-// told by two threads at once, as a ProgressMeter never does.
+// The line appears after half a second, and ends with the last copy of the returned function. It
+// must not be called by two threads at once, as a ProgressMeter never does.
 ProgressWatch progressLine(std::string label, ProgressUnit unit = ProgressUnit::kBytes);
 
 }  // namespace sluice

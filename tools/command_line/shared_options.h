@@ -1,5 +1,5 @@
-// The options that commands share, a group a function, a file a group. The names are those of the
-// interface that scripts read; nothing is renamed. To add one is one call in the right file.
+// The options that commands share, a group a function, a file a group. Scripts read these names
+// (the interface); nothing is renamed. To add one is one call in the right file.
 #pragma once
 
 #include <algorithm>
@@ -12,14 +12,14 @@
 
 namespace sluice {
 
-// `needs_volume`: false where the volume may be named elsewhere. `times`: --time takes a range of
+// `needs_volume`: false if the volume may be named elsewhere. `times`: --time takes a range of
 // steps too, and sets it and arguments.time to its first.
 void addVolumeOptions(CLI::App& app, VolumeArguments& arguments,
                       std::optional<TimeRange>* times = nullptr, bool needs_volume = true);
-// `chooses`: --culling is one of them; otherwise those of the opacity functions alone.
+// `chooses`: includes --culling; otherwise only the options of opacity functions.
 void addCullingOptions(CLI::App& app, CullingArguments& arguments, bool chooses);
 void addLookOptions(CLI::App& app, LookArguments& look, FrameOptions& frame);
-// The groups View (the camera) and Drawing (what is drawn, and how).
+// The groups View (the camera) and Drawing (how to draw).
 void addViewOptions(CLI::App& app, FrameOptions& options);
 void addFitOption(CLI::App& app, FitChoice& fit);
 // Look, view and fit of the commands that choose a good first picture.
@@ -31,7 +31,7 @@ void addResourceOptions(CLI::App& app, ResourceArguments& arguments);
 std::optional<Vec3i> parsePageOption(const std::string& word);
 inline constexpr const char* kPageSizes = "powers of two AxBxC, each from 1 to 1024";
 
-// What these ask for; unset: the finest level alone.
+// The cut that these arguments ask for; unset: the finest level alone.
 std::optional<CutOptions> cutOptions(const LevelArguments& arguments,
                                      const ResourceArguments& resources);
 // Throws Error if these ask for anything but the finest level, which `what` cannot draw.
@@ -56,7 +56,8 @@ void addForceOption(const OptionGroup& group, bool& force);
 void addJsonOption(const OptionGroup& group, bool& json,
                    const std::string& help = "One JSON object");
 
-// One of `types`, also by its long name ("uint8"). Target: VoxelType, or an optional of it.
+// An option that takes one of `types`, also by its long name ("uint8"). Target: VoxelType, or an
+// optional of it.
 template <class Target>
 CLI::Option* addTypeOption(const OptionGroup& group, const std::vector<VoxelType>& types,
                            Target& target, const std::string& help) {

@@ -1,6 +1,6 @@
-// What is wrong with the words of a command line, found before they are parsed: an unknown command
-// or option is answered with the one that was probably meant, an option twice or without its value
-// by its name.
+// Finds mistakes in a command line before it is parsed. The message for an unknown command or
+// option suggests the one that was probably meant; the message for an option given twice or without
+// its value names the option.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -11,7 +11,7 @@
 
 namespace sluice {
 
-// One line without its end; nullopt when every word has its place. Values are not looked at.
+// The message, one line without its end; nullopt if every word is in place. Values are not checked.
 std::optional<std::string> wrongUsage(const CLI::App& program,
                                       const std::vector<std::string>& words);
 

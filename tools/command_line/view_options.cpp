@@ -17,7 +17,8 @@ std::optional<Box3> cropBox(const std::string& word) {
     if (n < 0 || n > kMostVoxels || n != static_cast<double>(static_cast<int64_t>(n)))
       return std::nullopt;
   for (size_t a = 0; a < 3; ++a)
-    if ((*found)[a + 3] < (*found)[a] + 2) return std::nullopt;  // one voxel plane has no thickness
+    if ((*found)[a + 3] < (*found)[a] + 2)
+      return std::nullopt;  // a single voxel plane has no thickness
   return Box3{asVec3i(*found), asVec3i({(*found)[3], (*found)[4], (*found)[5]})};
 }
 

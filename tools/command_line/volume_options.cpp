@@ -23,7 +23,7 @@ std::optional<std::vector<double>> dimensions(const std::string& word) {
   return found;
 }
 
-// One for all axes, or one each.
+// Parses one spacing for all axes, or one each.
 std::optional<std::vector<double>> spacings(const std::string& word) {
   auto found = parseNumbers(word, 3);
   if (!found) {

@@ -15,9 +15,9 @@ struct BlockMap {
   std::string caption;
 };
 
-// `grid`: blocks along each axis; ids count x fastest. Of grids of more blocks than a picture shows
-// in squares of a pixel, only layers at even distances are drawn, which the caption says; none
-// where a single layer is too large.
+// `grid`: blocks along each axis; ids count x fastest. If the grid has more blocks than a picture
+// can show as squares of a pixel, only layers at even distances are drawn, and the caption says so;
+// none if a single layer is too large.
 std::optional<BlockMap> blockMap(Vec3i grid, const VisibleBlocks& blocks);
 
 }  // namespace sluice

@@ -39,7 +39,7 @@ Leaves measuredOf(const json& report) {
   return out;
 }
 
-// What was asked differently.
+// The options that differ between the runs.
 std::string optionsSection(std::span<const NamedReport> runs) {
   std::map<std::string, std::vector<std::string>> options;
   for (size_t run = 0; run < runs.size(); ++run) {

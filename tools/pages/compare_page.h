@@ -1,4 +1,5 @@
-// Several runs side by side: the numbers of their JSON reports, each against the first run's.
+// Compares several runs side by side: the numbers of their JSON reports, each against the first
+// run's.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -14,15 +15,15 @@ struct NamedReport {
   nlohmann::json report;
 };
 
-// A number that some of the runs report, by its name in the JSON with dots; rows of lists by what
-// they are of. Without what says how a run was made (options, volume, look, GL).
+// A number that some of the runs report, by its name in the JSON with dots; rows of lists by their
+// labels. Leaves out the fields that tell how a run was made (options, volume, look, GL).
 struct ComparedNumber {
   std::string name;
-  std::vector<nlohmann::json> values;  // one a run; null: that run lacks it
+  std::vector<nlohmann::json> values;  // one per run; null: that run lacks it
 };
 std::vector<ComparedNumber> compared(std::span<const NamedReport> runs);
 
-// The ratio of a run's number to the first run's; none where either is missing or the first is 0.
+// The ratio of a run's number to the first run's; none if either is missing or the first is 0.
 std::string ratioText(const ComparedNumber& number, size_t run);
 
 // The page: options that differ, speeds as bars, and all numbers. Pure functions.

@@ -11,7 +11,8 @@
 namespace sluice {
 namespace {
 
-// Hues are told apart by those who see few of them, and stand out from light and dark alike.
+// Hues that people with limited colour vision can tell apart, and that stand out from light and
+// dark alike.
 constexpr std::string_view kStyle = R"(
 :root{color-scheme:light dark;--ink:#1c2430;--soft:#4a5564;--line:#dfe4ea;--axis:#7b8794;--paper:#fff;--on:#fdf1ea}
 @media (prefers-color-scheme:dark){:root{--ink:#e6eaf0;--soft:#a9b4c2;--line:#39424e;--axis:#8793a1;--paper:#161b22;--on:#3a2a20}}

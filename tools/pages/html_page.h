@@ -1,6 +1,6 @@
-// What pages of reports are made of: one HTML file, nothing loaded from outside, drawings as inline
-// SVG, readable in light, in dark and on paper. Pure functions; what is text is escaped, what is
-// called html is not.
+// Building blocks of report pages: one HTML file, nothing loaded from outside, drawings as inline
+// SVG, readable in light, in dark and on paper. Pure functions; parameters called text are escaped,
+// those called html are not.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@
 
 namespace sluice {
 
-// For text inside HTML or SVG: & < > " and ' become entities, control characters '?'.
+// The text for use inside HTML or SVG: & < > " and ' become entities, control characters '?'.
 std::string escapeHtml(std::string_view text);
 
 // The whole page. Its style has colours as variables (--ink, --soft, --line, --axis, --paper,
@@ -30,7 +30,7 @@ std::string htmlTable(const HtmlRow& heads, std::span<const HtmlRow> rows);
 // Two columns of text, without heads.
 std::string htmlFacts(std::span<const std::array<std::string, 2>> facts);
 
-// An entry of a legend: the fill of a hue and what it stands for.
+// An entry of a legend: the fill of a hue and its meaning.
 std::string htmlKey(int hue, std::string_view text);
 
 // Bars under each other from one zero, each of parts one after another.

@@ -17,7 +17,7 @@ namespace sluice {
 bool isPage(const std::filesystem::path& file);
 FileKind reportKind(const std::filesystem::path& file);
 
-// Adds the map of blocks, where one can be drawn.
+// Adds the map of blocks, if one can be drawn.
 void addBlocks(PagePictures& pictures, Vec3i grid, const VisibleBlocks& blocks);
 // Puts the picture there: of a PNG that was written its bytes, else one of `drawn`.
 void addPicture(PagePictures& pictures, const std::filesystem::path& written, const Picture& drawn);

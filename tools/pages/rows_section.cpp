@@ -16,7 +16,7 @@ namespace {
 using nlohmann::json;
 
 constexpr size_t kMostBars = 60;
-// Of reports, what has a section of its own or says how a run was made.
+// Fields of reports that have a section of their own or tell how a run was made.
 constexpr std::array<std::string_view, 16> kElsewhere = {
     "options",      "volume",         "look",
     "gl",           "levels",         "frames",
@@ -41,7 +41,7 @@ std::vector<std::string> columnsOf(const std::vector<Leaves>& rows) {
   for (const Leaves& row : rows)
     for (const auto& [name, value] : row)
       if (seen.insert(name).second) columns.push_back(name);
-  // What the row is of comes first.
+  // The column that identifies the row comes first.
   std::stable_partition(columns.begin(), columns.end(), [&rows](const std::string& column) {
     for (const Leaves& row : rows)
       for (const auto& [name, value] : row)

@@ -15,7 +15,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr size_t kMostFrames = 40;  // whose stages are drawn, a bar each
+constexpr size_t kMostFrames = 40;  // frames whose stages are drawn, a bar each
 constexpr std::array<const char*, 9> kStages = {"classify", "plan", "read",  "decode", "copy",
                                                 "upload",   "draw", "boxes", "write"};
 constexpr std::array<const char*, 3> kLevels = {"volume_buffer", "texture_buffer", "texture_cache"};
@@ -50,7 +50,7 @@ std::string pictureSection(const json& report, const PagePictures& pictures) {
       dataUri("image/png", pictures.picture_png), escapeHtml(textAt(report, "/output")));
 }
 
-// Whether the user said it; the rest follows from rules, which are said beside it.
+// Whether the user set the option; otherwise its value follows from `rule`, which is shown with it.
 std::string because(const json& report, const char* option, std::string_view rule) {
   const std::string given = textAt(report, (std::string("/options/") + option).c_str());
   if (!given.empty() && given != "auto") return fmt::format(" (--{} {})", option, given);

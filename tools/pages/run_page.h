@@ -1,4 +1,4 @@
-// A run as a page: its JSON report, and what numbers alone do not show.
+// A run as a page: its JSON report, and pictures of what numbers alone do not show.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -10,21 +10,21 @@
 namespace sluice {
 
 struct PagePictures {
-  std::vector<std::byte> picture_png;  // what was drawn; empty: none
+  std::vector<std::byte> picture_png;  // the picture that was drawn; empty: none
   std::vector<std::byte> blocks_png;   // see block_map.h; empty: none
   std::string blocks_caption;
 };
 
-// Of a report of `render`, `plan`, `simulate` or a bench: what was asked and what followed from it,
-// the time by stage, the four levels' bytes, blocks by class, rows of benches, and the JSON whole.
-// What the report lacks has no section. A pure function; all text is escaped.
+// The page for a report of `render`, `plan`, `simulate` or a bench: options and results, the time
+// by stage, the four levels' bytes, blocks by class, rows of benches, and the whole JSON. A section
+// is left out if the report lacks its fields. A pure function; all text is escaped.
 std::string runPage(const nlohmann::json& report, const PagePictures& pictures);
 
 // A number as people read it, by the end of its name: bytes, seconds, others with four digits.
 std::string readable(const std::string& name, const nlohmann::json& value);
 
-// `sluice render bonsai.nii.gz --threshold 40 ...`, as the report's `options` have it; what stands
-// there but is a default is said too.
+// `sluice render bonsai.nii.gz --threshold 40 ...`, from the report's `options`; defaults in it are
+// included.
 std::string commandLineOf(const nlohmann::json& report);
 
 }  // namespace sluice

@@ -15,7 +15,7 @@
 namespace sluice {
 namespace {
 
-// What the pages' common style does not have.
+// Styles in addition to the pages' common style.
 constexpr std::string_view kStyle = R"(
 .curve{stroke:#8fb8dc;stroke-width:4;opacity:.6;fill:none}.mark{stroke:#d1581b;stroke-dasharray:2 3;fill:none}
 .run{stroke:var(--c);stroke-width:1.3;fill:none}.point{fill:var(--c)}
@@ -83,7 +83,7 @@ PlotRange rangeOf(const SimulationReport& report) {
   return range;
 }
 
-// LRU at every size: the staircase, thinned to what a pixel shows.
+// LRU at every size: the staircase, thinned to the resolution of pixels.
 void drawCurve(const MissRatioCurve& curve, const PlotRange& range, SvgPlot& plot) {
   constexpr int kPoints = 700;
   std::vector<SvgPlot::Point> stairs;
@@ -244,7 +244,7 @@ std::string rowsTable(const SimulationReport& report) {
   return out;
 }
 
-// One trace's sections under headings of this level.
+// The sections of a trace under headings of this level.
 std::string sectionsOf(const SimulationReport& report, int level) {
   const auto heading = [level](const std::string& text) {
     return fmt::format("<h{0}>{1}</h{0}>", level, text);

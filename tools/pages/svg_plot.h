@@ -1,5 +1,5 @@
 // SvgPlot: a small drawing of axes, lines, areas and rectangles as inline SVG text. Coordinates
-// given are data values on the plot's axes unless the name says pixels. One thread.
+// given are data values on the plot's axes unless the name contains pixels. One thread.
 #pragma once
 
 #include <span>
@@ -31,7 +31,7 @@ class SvgPlot {
   // `css` is a class of the page's style sheet; `hint` shows under the pointer.
   void line(std::span<const Point> points, std::string_view css, std::string_view hint);
   void marker(Point at, SvgMarker shape, std::string_view css, std::string_view hint);
-  // Between two curves over the same x.
+  // The area between two curves over the same x.
   void area(std::span<const Point> lower, std::span<const Point> upper, std::string_view css,
             std::string_view hint);
   // A vertical mark over the whole height with a label at its top.
