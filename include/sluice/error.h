@@ -1,4 +1,4 @@
-// What the library throws beside what the C++ library does (std::bad_alloc).
+// Exceptions of the library. In addition it throws those of the C++ library (std::bad_alloc).
 #pragma once
 
 #include <exception>
@@ -7,15 +7,15 @@
 
 namespace sluice {
 
-// Bad input, a bad environment or a call that asks for what cannot be. what() is one line for a
-// person: which file (and block) or argument, what was expected, what was found, what to do.
+// Bad input, a bad environment or an impossible request. what() is one line for a person: which
+// file (and block) or argument, what was expected, what was found, what to do.
 class Error : public std::runtime_error {
  public:
   explicit Error(const std::string& line) : std::runtime_error(line) {}
 };
 
 // Work that was asked to stop and did: nothing is wrong, there is just no result. Not an Error, so
-// that who reports errors need not tell them apart.
+// that code which reports errors need not tell them apart.
 class Cancelled : public std::exception {
  public:
   const char* what() const noexcept override { return "cancelled"; }

@@ -17,13 +17,14 @@ struct Image {
   // width * height * 4, red first, premultiplied by alpha, sRGB as shown on a screen.
   std::vector<float> rgba;
   // Empty, or width * height: distance from the eye along the view in world units, the mean of the
-  // samples weighted by what each adds to the opacity; infinity where nothing is.
+  // samples weighted by what each adds to the opacity; infinity where nothing is visible.
   std::vector<float> depth;
-  // Of what can be seen, the share that was not there at PictureOptions::time_limit_s. 0: complete.
+  // The share of what can be seen that had not been read by PictureOptions::time_limit_s. 0:
+  // complete.
   double missing_share = 0;
 
   // width * height * 4 bytes, red first, straight alpha. Over a background (red, green, blue, 0 to
-  // 1) alpha is 255. Throws Error where rgba is not of the image's size.
+  // 1) alpha is 255. Throws Error if rgba is not of the image's size.
   std::vector<uint8_t> toRgba8(const std::optional<std::array<float, 3>>& background = {}) const;
 
   // toRgba8() as a PNG file, which appears whole or not at all and replaces one that is there.

@@ -1,4 +1,4 @@
-// What a picture shows and how: plain data, with the defaults of `sluice render`.
+// Options of a picture: what it shows and how. Plain data, with the defaults of `sluice render`.
 #pragma once
 
 #include <sluice/screen.h>
@@ -12,9 +12,9 @@
 
 namespace sluice {
 
-// How values look. The first of these that is said makes the opacities: opacities, transfer_file,
-// labels, threshold. Otherwise they are chosen from the values. Opacities beside a transfer_file
-// have the colours of that file.
+// How values look. The first of these that is set makes the opacities: opacities, transfer_file,
+// labels, threshold. Otherwise they are chosen from the values. Opacities given with a
+// transfer_file keep the colours of that file.
 struct LookOptions {
   enum class Mode { kComposite, kMaximum, kMinimum, kAverage };
   enum class Light { kChosen, kOn, kOff };
@@ -27,29 +27,29 @@ struct LookOptions {
   Mode mode = Mode::kComposite;
   // A ramp: opacity 0 below it, a fifth of `opacity` at it, and that at the top of the values.
   std::optional<double> threshold = {};
-  std::optional<double> opacity = {};   // at the top; unset: 0.05, or what is chosen
+  std::optional<double> opacity = {};   // at the top; unset: 0.05, or the automatic choice
   std::vector<Opacity> opacities = {};  // ascending by value, linear in between
   std::string transfer_file = {};       // our JSON, or ParaView's
   bool labels = false;                  // values are names of things, each with its colour
-  std::string map = {};                 // of colours, "viridis"; empty: chosen
-  std::optional<std::array<double, 2>> range = {};  // that colours span; descending: turned round
-  Light light = Light::kChosen;  // of surfaces, in composite mode; chosen: where it shows more
+  std::string map = {};                 // name of a colour map, "viridis"; empty: chosen
+  std::optional<std::array<double, 2>> range = {};  // colours span these; descending: reversed
+  Light light = Light::kChosen;  // lights surfaces in composite mode; chosen: if it shows more
   // The opacity times a ramp of the gradient's magnitude, which is 1 from this share of the values'
   // range a voxel length on, above 0; unset: no ramp.
   std::optional<double> full_gradient = {};
   friend bool operator==(const LookOptions&, const LookOptions&) = default;
 };
 
-// Where the volume is looked at from. World space is the volume's: voxel (0, 0, 0) at its origin.
+// The camera. World space is the volume's: voxel (0, 0, 0) at its origin.
 struct ViewOptions {
-  // Where azimuth and elevation start. kPlain: along -z, y up, whatever the axes mean; the others
-  // are those of what the file says of its axes.
+  // The direction from which azimuth and elevation are counted. kPlain: along -z, y up, whatever
+  // the axes mean; the others follow the meaning that the file gives its axes.
   enum class From { kPlain, kFront, kBack, kLeft, kRight, kTop, kBottom, kThreeQuarter };
   enum class Projection { kParallel, kPerspective };
-  // What zoom 1 shows whole: what is visible, of a series in any of its steps (but see
+  // The fit at zoom 1: the visible part (for a series, of all its steps, but see
   // VolumeOptions::whole_series), or the sphere around the volume.
   enum class Fit { kVisible, kVolume };
-  // In place of From, angles and Fit: world positions, eye and target apart.
+  // Replaces From, angles and Fit: world positions, eye and target apart.
   struct LookAt {
     std::array<double, 3> eye;
     std::array<double, 3> target;
@@ -60,18 +60,19 @@ struct ViewOptions {
     std::array<double, 3> target;  // world
     // Parallel: half the picture's height in world units; perspective: from the eye to the target.
     double reach = 1;
-    // Where the target lies: to the right of and above the middle, of half the width and height.
+    // The target's place right of and above the middle of the picture, in halves of its width and
+    // height.
     double right = 0, up = 0;
     friend bool operator==(const Framing&, const Framing&) = default;
   };
 
   From from = From::kThreeQuarter;
-  double azimuth_deg = 0;    // about what is up, to the viewer's right
+  double azimuth_deg = 0;    // about the up axis, to the viewer's right
   double elevation_deg = 0;  // lifts the camera
   double zoom = 1;           // above 0
   Projection projection = Projection::kParallel;
   double field_of_view_deg = 30;                 // vertical, of perspective; in (0, 180)
-  std::optional<std::array<double, 3>> up = {};  // world direction; unset: that of `from`
+  std::optional<std::array<double, 3>> up = {};  // world direction; unset: from `from`
   std::optional<Fit> fit = {};                   // unset: kVisible, and with kPlain kVolume
   std::optional<LookAt> look_at = {};
   std::optional<Framing> framing = {};  // in place of `fit`
@@ -80,7 +81,7 @@ struct ViewOptions {
 
 // A picture of a Renderer's volume and look.
 struct PictureOptions {
-  // Voxels, half-open: what lies between its outer voxel planes is shown.
+  // Voxels, half-open: the part between the box's outer voxel planes is shown.
   struct Box {
     std::array<int64_t, 3> lo;
     std::array<int64_t, 3> hi;
@@ -96,17 +97,18 @@ struct PictureOptions {
   int width = 512, height = 512;  // pixels, each at least 1
   ViewOptions view = {};
   int64_t time = 0;  // step of a series, from 0
-  // Between samples along a ray, in voxel lengths of the finest spacing, above 0; unset: 1/2 where
-  // pixels are smaller than voxels, otherwise 1.
+  // Distance between samples along a ray, in voxel lengths of the finest spacing, above 0; unset:
+  // 1/2 if pixels are smaller than voxels, otherwise 1.
   std::optional<double> step_vox = {};
   std::optional<Box> crop = {};
   std::vector<Plane> clip_planes = {};  // at most 6
   bool with_depth = false;              // composite mode
-  // How long it may wait for what is not in memory. What is missing then is left out of the picture
-  // (Image::missing_share), and is read on meanwhile for the next one. Unset: all is waited for.
+  // How long the picture may wait for data that is not in memory. Data still missing then is left
+  // out of the picture (Image::missing_share), and reading goes on for the next one. Unset: waits
+  // for all data.
   std::optional<double> time_limit_s = {};
-  // The step that the picture after this one will show: what it needs is read once this one has
-  // what it needs, as far as there is room.
+  // The step that the next picture will show. Its data is read once this picture's is there, as far
+  // as there is room.
   std::optional<int64_t> next_time = {};
   friend bool operator==(const PictureOptions&, const PictureOptions&) = default;
 };
@@ -119,17 +121,17 @@ struct SliceOptions {
   int most = 1024;  // values along a side: of more voxels every second, third, ... is taken
 };
 
-// What drawing may take.
+// Resources that drawing may take.
 struct RendererOptions {
-  // kGl: OpenGL on a GPU, or by Mesa's software renderer. kAuto: a GPU where there is one, else the
+  // kGl: OpenGL on a GPU, or by Mesa's software renderer. kAuto: a GPU if there is one, else the
   // CPU.
   enum class Device { kAuto, kGl, kCpu };
   Device device = Device::kAuto;
   // A hard bound on the voxels in memory at once, with software GL its textures too; 0: half of the
   // machine's.
   uint64_t memory_bytes = 0;
-  int threads = 0;  // that classify and, on the CPU, draw; as many and more read; 0: one a core
-  // Where it is not the CPU that draws: drawn in here, for Renderer::drawOnScreen().
+  int threads = 0;  // to classify and, on the CPU, draw; at least as many read; 0: one a core
+  // Unless the CPU draws: the context to draw in, for Renderer::drawOnScreen().
   std::shared_ptr<const ScreenContext> screen = {};
 };
 

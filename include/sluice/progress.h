@@ -14,7 +14,7 @@ struct Progress {
   };
   Stage stage = Stage::kDrawing;
   uint64_t done = 0;
-  uint64_t total = 0;  // as far as known so far; 0 with nothing to do
+  uint64_t total = 0;  // known so far; 0 if there is nothing to do
 
   // 0 to 1.
   double share() const {
@@ -23,8 +23,8 @@ struct Progress {
 };
 
 // Called by threads of the library, one call at a time for each Volume and Renderer. It should
-// return soon, and must not call the object that it is told of. What it throws ends the work and
-// comes out of the call that it was given to.
+// return soon, and must not call the object whose progress it reports. An exception from it ends
+// the work and leaves the call that the function was passed to.
 using ProgressFunction = std::function<void(const Progress&)>;
 
 }  // namespace sluice

@@ -1,4 +1,4 @@
-// What a Renderer says of its levels of memory, of its look, and of voxels. Plain data.
+// A Renderer's reports on its levels of memory, its look, and voxels. Plain data.
 #pragma once
 
 #include <array>
@@ -8,32 +8,32 @@
 
 namespace sluice {
 
-// Of one level since the Renderer was made. requests = hits + misses.
+// Counters of one level since the Renderer was made.
 struct LevelReport {
   uint64_t requests = 0, hits = 0, misses = 0, loads = 0, evictions = 0;
   uint64_t current_bytes = 0, peak_bytes = 0;
-  uint64_t budget_bytes = 0;  // what they never exceed
+  uint64_t budget_bytes = 0;  // limit of current_bytes and peak_bytes
 };
 
 struct RenderReport {
-  // Of the last picture: wall clock in all, and of it drawing alone; what it left out at its time
-  // limit (Image::missing_share); blocks that it found empty, trimmed and full.
+  // The last picture: wall clock time, and the part of it for drawing; the share left out at its
+  // time limit (Image::missing_share); blocks that it found empty, trimmed and full.
   double seconds = 0, draw_seconds = 0;
   double missing_share = 0;
   int64_t white = 0, grey = 0, black = 0;
-  // Why the last picture shows nothing, in one line: "the camera looks past what is visible". Empty
-  // where it shows something, or is on a screen.
+  // Why the last picture shows nothing, in one line: "the camera looks past the visible part of the
+  // volume". Empty if it shows something, or is on a screen.
   std::string why_empty;
   uint64_t pages_loaded = 0;
 
   uint64_t read_bytes = 0;  // level 1: taken from the volume's files, as they are stored
   LevelReport volume_buffer, texture_buffer, texture_cache;
-  uint64_t pages = 0, page_bytes = 0;  // of the texture cache
+  uint64_t pages = 0, page_bytes = 0;  // pages of the texture cache
 
-  // Maps, where they were asked for. A page's chunk: a number from 1 on that pages of one chunk
-  // share, 0 where it is free.
+  // Maps, if they were asked for. A page's chunk: a number from 1 on that pages of one chunk share,
+  // 0 if the page is free.
   std::vector<uint32_t> page_chunks;
-  // Blocks along x, y, z, and the class of each, x fastest: 0 white, 1 grey, 2 black. Empty where
+  // Blocks along x, y, z, and the class of each, x fastest: 0 white, 1 grey, 2 black. Empty if
   // there are more than kMostMappedBlocks.
   static constexpr int64_t kMostMappedBlocks = int64_t{1} << 22;
   std::array<int64_t, 3> block_grid{0, 0, 0};
@@ -46,7 +46,7 @@ struct ValueHistogram {
   std::vector<uint64_t> counts;
 };
 
-// A look as it is drawn, also where it was chosen.
+// A look as it is drawn, even if it was chosen automatically.
 struct ShownLook {
   struct Color {
     double value = 0;
@@ -70,8 +70,8 @@ struct VoxelProbe {
   double value = 0;  // interpolated as drawing does
 };
 
-// Values of a slice, row after row. Of axis x the rows run along y and the columns along z, of axis
-// y along x and z, of axis z along x and y, in the order of the voxels.
+// Values of a slice, row after row. For axis x the rows run along y and the columns along z, for
+// axis y along x and z, for axis z along x and y, in the order of the voxels.
 struct SliceValues {
   int width = 0, height = 0;
   int64_t every = 1;  // voxel that was taken, along both

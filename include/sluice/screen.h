@@ -17,15 +17,15 @@ struct ScreenContext {
 };
 
 // A texture in place of an Image's pixels: 8 bits a channel, opaque, rows from the top. Let the
-// window's commands wait for `drawn` (glWaitSync) before they read it. When it is shown no more,
-// put a fence behind those commands into `seen` and let go of that: then it is drawn to again. Who
-// lets go last, the Renderer or the window, deletes what is here.
+// window's commands wait for `drawn` (glWaitSync) before they read it. When the texture is no
+// longer shown, put a fence behind those commands into `seen` and release it; the Renderer then
+// draws to the texture again. The last holder, the Renderer or the window, deletes these objects.
 struct ScreenImage {
   unsigned texture = 0;
   int width = 0, height = 0;
   void* drawn = nullptr;  // GLsync
   std::shared_ptr<std::atomic<void*>> seen;
-  double missing_share = 0;  // as of Image
+  double missing_share = 0;  // see Image
 };
 
 }  // namespace sluice
