@@ -1,4 +1,4 @@
-// Annotations over pictures: where they are, that they measure right, and that they can be read on
+// Annotations over pictures: their places, that they measure right, and that they can be read on
 // any background.
 #include "src/annotate/annotate.h"
 
@@ -78,7 +78,7 @@ TEST(Annotate, theScaleBarIsAsLongAsItSays) {
       Annotations annotations = annotationsOf(camera, size);
       annotations.background = {1, 1, 1};
       const Picture picture = annotated(filled(size, {1, 1, 1, 1}), annotations);
-      // Two points of the world a round length apart, seen beside each other at the target.
+      // Two points of the world a round length apart, seen side by side at the target.
       const View& view = annotations.view;
       double unit = 2 * view.half_height / size.height;
       if (projection == Projection::kPerspective) unit *= length(annotations.target - view.eye);
@@ -150,7 +150,7 @@ TEST(Annotate, labelsHaveAPatchEachAsFarAsThereIsRoom) {
   EXPECT_LT(patchesOf(60), 25U);
 }
 
-// Pixels nearly of a colour of the axes, and where they lie on the whole.
+// Pixels nearly of a colour of the axes, and their mean place.
 std::optional<std::pair<double, double>> colored(const Picture& picture, int channel) {
   double x = 0, y = 0, count = 0;
   const int side = static_cast<int>(7 * emOf({picture.width, picture.height}));

@@ -119,7 +119,7 @@ TEST(AtomicFile, aFolderIsNoFile) {
               AllOf(HasSubstr(folder.path().string()), HasSubstr("is a folder")));
 }
 
-// Root may write anywhere: while this lives the process is someone who may not.
+// Root may write anywhere: while this object lives, the process runs as another user.
 class NotRoot {
  public:
   NotRoot() {

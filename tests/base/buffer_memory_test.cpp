@@ -15,7 +15,7 @@ namespace {
 
 constexpr uint64_t kKiB = 1024, kMiB = kKiB * kKiB;
 
-// What the kernel says that a piece takes.
+// Resident bytes of a piece, as the kernel counts them.
 uint64_t residentBytes(const std::byte* piece, size_t bytes) {
   std::vector<unsigned char> pages(bytes / 4096);
   EXPECT_EQ(mincore(const_cast<std::byte*>(piece), bytes, pages.data()), 0);
@@ -48,7 +48,7 @@ TEST(BufferMemory, idleMemoryGoesBackWhereItWouldBeTooMuch) {
   const std::byte* const at = a.get();
   EXPECT_EQ(residentBytes(at, 256 * kKiB), 256 * kKiB);
   a.reset();
-  const auto larger = memory->take(260 * kKiB);  // does not fit where `a` was
+  const auto larger = memory->take(260 * kKiB);  // does not fit into `a`'s place
   EXPECT_EQ(memory->heldBytes(), 516 * kKiB) << "what is in use is never taken away";
   EXPECT_EQ(residentBytes(at, 256 * kKiB), 0U);
 }
@@ -115,7 +115,7 @@ TEST(BufferMemory, piecesAreApartAndWithinTheLimit) {
       }
     });
   for (std::thread& thread : threads) thread.join();
-  // What one thread used stays, also where they came to run one after another.
+  // Memory that a thread used stays, even if the threads ran one after another.
   EXPECT_GT(memory->heldBytes(), kShare / 2);
 }
 

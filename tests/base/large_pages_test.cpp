@@ -1,4 +1,4 @@
-// Large pages are a wish that changes no value and takes no more than what is used.
+// Large pages are a hint that changes no value and takes no more memory than is used.
 #include "src/base/large_pages.h"
 
 #include <gtest/gtest.h>

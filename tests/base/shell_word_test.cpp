@@ -43,7 +43,7 @@ TEST(ShellWord, namesAndTextsStayReadable) {
   EXPECT_EQ(withoutControls("a\nb\r", "\n\t"), "a\nb\\r");
 }
 
-// The shell itself is the judge: what it reads back is what was quoted.
+// The shell itself is the judge: it must read back the quoted text.
 TEST(ShellWord, isReadBackByTheShell) {
   if (!haveProgram("bash")) GTEST_SKIP() << "no bash";
   std::mt19937 random(7);

@@ -12,7 +12,7 @@ using Apple = StrongIndex<struct AppleTag>;
 using Pear = StrongIndex<struct PearTag>;
 using Apples = IndexedVector<Apple, int>;
 
-// What does not compile is the point.
+// The test is that mixed indices do not compile.
 template <class List, class Index>
 concept Opens = requires(List list, Index index) {
   list[index];

@@ -43,7 +43,7 @@ struct DeviceVolume {
   ValueMap map;
   std::vector<std::byte> bytes;
   std::vector<float> values;
-  ValueRange range;  // of numbers
+  ValueRange range;  // range without NaN
 };
 
 }  // namespace sluice

@@ -1,4 +1,5 @@
-// What may be leapt over is checked cell by cell, and pictures are the same with and without.
+// Checks cell by cell which bricks may be leapt over, and that pictures are the same with and
+// without leaps.
 #include "src/cpu/leap_grid.h"
 
 #include <gtest/gtest.h>
@@ -161,7 +162,7 @@ Drawn drawOn(CpuDevice& device, FrameSetup setup, bool leaps, bool counts = true
   setup.skips = leaps;
   setup.counts_taken = counts;
   std::vector<BoxDraw> boxes;
-  // Whole, and parts that begin within bricks.
+  // The whole depth, and parts that begin within bricks.
   for (const auto& [lo, hi] : {std::pair<int64_t, int64_t>{0, 19}, {19, 22}, {22, kDims.z - 1}}) {
     BoxDraw box;
     box.chunk = 1;
@@ -219,7 +220,7 @@ TEST(LeapGridTest, leapingLeavesOutSamplesAndNothingOfThePicture) {
         }
 }
 
-// Of rays that end where nothing behind is seen, too.
+// Includes rays that end because nothing behind is seen.
 TEST(LeapGridTest, aFrameThatCountsIsTheFrameThatDraws) {
   VolumeLayout layout;
   layout.dims = kDims;
@@ -244,7 +245,7 @@ TEST(LeapGridTest, aFrameThatCountsIsTheFrameThatDraws) {
     }
 }
 
-// A device keeps distances with its chunks: they are those of the frame's look, whatever was drawn
+// A device keeps distances with its chunks: they belong to the frame's look, whatever was drawn
 // between.
 TEST(LeapGridTest, leapsFollowTheLook) {
   VolumeLayout layout;
@@ -256,7 +257,7 @@ TEST(LeapGridTest, leapsFollowTheLook) {
   const FrameSetup noise = setupOf(layout, options, {{0, 0}, {9, 0.1}, {10, 0.1}, {22, 0}});
   TestCpuDevice kept;
   kept.makeResident(1, texelsOf(DeviceType::kU8));
-  kept.makeResident(2, texelsOf(DeviceType::kU8));  // one that no frame draws
+  kept.makeResident(2, texelsOf(DeviceType::kU8));  // a chunk that no frame draws
   for (const FrameSetup* setup : {&balls, &centres, &balls, &noise, &centres, &noise, &balls}) {
     const Drawn expected = draw(SimdTarget::kAuto, *setup, false);
     const Drawn drawn = drawOn(kept, *setup, true);

@@ -5,7 +5,7 @@
 namespace sluice {
 namespace {
 
-// As the kernels unpack it.
+// Unpacks like the kernels.
 double unpacked(int64_t entry, size_t channel, const PackedEntries& packed) {
   const auto bits = static_cast<uint32_t>(static_cast<uint64_t>(entry) >> (16 * channel) & 0xFFFF);
   const float unit = channel == 3 ? packed.opacity_unit : packed.color_unit;

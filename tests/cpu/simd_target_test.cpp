@@ -1,4 +1,4 @@
-// Every target draws what the plain loops of tests/support draw, and the same as the others.
+// Every target draws the picture of the plain loops in tests/support, and the same as the others.
 #include "src/cpu/simd_target.h"
 
 #include <gtest/gtest.h>
@@ -206,7 +206,7 @@ TEST(SimdTargetTest, everyTargetDrawsTheSameCountsTheSameAndIsRight) {
       EXPECT_NE(std::string(device.renderer()).find(name(target)), std::string::npos);
       uint64_t samples = 0;
       const Picture picture = drawOn(device, each.setup, texelsOf(each.setup.type), &samples);
-      // Where rounding decides on a step of what is visible, or between labels, a pixel may differ.
+      // A pixel may differ if rounding decides on a step of what is visible, or between labels.
       const Differences from_plain = differences(picture, expected);
       EXPECT_LE(from_plain.over, picture.width * picture.height / 100) << from_plain.most;
       EXPECT_NEAR(static_cast<double>(samples), static_cast<double>(expected_samples),
@@ -226,7 +226,7 @@ TEST(SimdTargetTest, everyTargetDrawsTheSameCountsTheSameAndIsRight) {
   }
 }
 
-// Sanitizers do not see what vector loads read.
+// Sanitizers do not see the reads of vector loads.
 TEST(SimdTargetTest, nothingBesideAChunkIsRead) {
   for (const Case& each : cases())
     for (const SimdTarget target : simdTargets()) {

@@ -43,7 +43,7 @@ class DeviceTest : public testing::Test {
     const ValueMap map = deviceMap(layout);
     return frameSetup(view, layout, OpacityTable(transfer, map, {0, 255}), map, options);
   }
-  // What the device copies of so many bytes that it is given: none where it borrows.
+  // How many of so many given bytes the device copies: none if it borrows.
   static uint64_t copied(uint64_t bytes) {
     return device().limits().texels == TexelPlace::kBorrowed ? 0 : bytes;
   }
@@ -101,7 +101,7 @@ TEST_F(DeviceTest, voxelsAppearWhereTheyLie) {
   EXPECT_NEAR(y_sum / sum, 55, 0.5);
 }
 
-// What a picture given back held is gone, its size and its depth too.
+// Nothing is left of a picture that was given back, neither its size nor its depth.
 TEST_F(DeviceTest, reusedMemoryHoldsTheNewPicture) {
   const auto texels = voxelsWith({{{1, 6, 4}, 255}, {{5, 2, 3}, 180}});
   device().makeResident(1, chunkTexels(kDims, DeviceType::kU8, texels));
@@ -255,7 +255,7 @@ TEST_F(DeviceTest, uploadsAndBindsAreCountedAtTheCall) {
 TEST_F(DeviceTest, moreBoxesThanOneDrawCallTakes) {
   const auto texels = std::vector<std::byte>(512, std::byte{200});
   device().makeResident(1, chunkTexels(kDims, DeviceType::kU8, texels));
-  // One box a slab of the first cell column, each box thousands of times: opaque at the first.
+  // A box for each slab of the first cell column, thousands of times: opaque at the first.
   std::vector<BoxDraw> boxes(12000, wholeBox());
   for (size_t i = 0; i < boxes.size(); ++i) {
     const auto x = static_cast<int64_t>(i % 7);

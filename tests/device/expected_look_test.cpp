@@ -17,7 +17,7 @@ namespace {
 constexpr ValueRange kRange{10, 250};
 constexpr int kValues = 20000;
 
-// As many values as tell the distribution, in plain words of expected_look.h.
+// Enough values to represent the distribution of expected_look.h, computed plainly.
 std::vector<double> valuesOf(double mean, double spread, ValueRange range) {
   const SpreadValues d = spreadValues(mean, spread, range);
   std::vector<double> values;
@@ -70,7 +70,7 @@ TEST(ExpectedLook, theGreatestSpreadIsTwoValues) {
     const double mean = kRange.lo + share * (kRange.hi - kRange.lo);
     const double spread = 2 * std::sqrt(share * (1 - share)) * (kRange.hi - kRange.lo);
     EXPECT_NEAR(spreadValues(mean, spread, kRange).at_ends, 1, 1e-6);
-    // Rounding takes the mean away from what the spread needs.
+    // Rounding moves the mean away from the one that the spread needs.
     EXPECT_NEAR(spreadValues(kRange.lo, spread, kRange).mean, std::min(mean, 2 * kRange.hi - mean),
                 share <= 0.5 ? 1e-6 : 240);
   }

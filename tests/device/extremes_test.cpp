@@ -1,4 +1,4 @@
-// Maximum and minimum where rays pass through side faces, against answers that follow from the ray
+// Maximum and minimum if rays pass through side faces, against answers that follow from the ray
 // alone and against the plain device.
 #include <gtest/gtest.h>
 
@@ -95,8 +95,7 @@ Picture drawOn(Device& device, const FrameSetup& setup, const ChunkTexelsPtr& te
   return picture;
 }
 
-// Where the pixel's ray enters and leaves what is shown; nothing where that is a matter of
-// rounding.
+// The points at which the pixel's ray enters and leaves what is shown; nothing if rounding decides.
 struct Way {
   Vec3d enter, leave;
 };
@@ -166,7 +165,7 @@ TEST_F(ExtremesTest, aRampShowsWhereRaysEnterAndLeave) {
         }
 }
 
-// Whatever rounding makes of a plane just outside, the end of the way is beside it.
+// Whatever rounding does to a plane just outside, the end of the way is next to it.
 TEST_F(ExtremesTest, noiseIsThePictureOfPlainLoops) {
   uint32_t state = 5;
   const ChunkTexelsPtr noise = floatsOf([&](Vec3d /*p*/) {

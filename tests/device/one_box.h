@@ -1,4 +1,4 @@
-// One box of one value, which a device's tests draw. The library of the test links sluice_render.
+// A box of one value, which a device's tests draw. The library of the test links sluice_render.
 #pragma once
 
 #include <vector>

@@ -61,7 +61,7 @@ Drawn drawSeenBy(Device& device, const Camera& camera, double opacity) {
   return drawn;
 }
 
-// Where the ray of a pixel (y upwards) meets the map, in cells of the grid.
+// The point at which the ray of a pixel (y upwards) meets the map, in cells of the grid.
 std::optional<std::array<double, 2>> onMap(const MapGrid& grid, PictureSize size, int x, int y) {
   // Cramer's rule on the rows of (clip x - X w, clip y - Y w).
   const double cx = (x + 0.5) / size.width * 2 - 1, cy = (y + 0.5) / size.height * 2 - 1;
@@ -110,7 +110,7 @@ TEST_F(OpacityMapTest, aCellHoldsNoMoreThanTheLeastOfItsPixels) {
                                                     static_cast<size_t>(picture.width) +
                                                 static_cast<size_t>(x)) +
                                            3];
-        // Into the cells within `reach` cells of where the ray meets the map.
+        // Into the cells within `reach` cells of the place where the ray meets the map.
         const auto put = [&](std::vector<float>& to, int px, int py, int reach_cells) {
           const auto at = onMap(grid, drawn.setup.size, px, py);
           if (!at) return;

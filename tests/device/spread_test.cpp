@@ -52,7 +52,7 @@ Texel noiseAt(int64_t i) {
   state *= 2246822519U;
   state ^= state >> 13;
   const double mean = state >> 24;
-  // From none to what the mean allows.
+  // From none to the greatest that the mean allows.
   const double most = 2 * std::sqrt(mean * (255 - mean)), share = (state >> 8 & 255) / 255.0;
   return {mean, i % 5 == 0 ? 0 : std::floor(most * share * share)};
 }
@@ -176,7 +176,7 @@ TEST_F(SpreadTest, spreadsGiveThePictureOfPlainLoops) {
       }
 }
 
-// n unit lengths of values of which a share is opaque let (1 - share)^n through.
+// n unit lengths of values, a share of which is opaque, let (1 - share)^n through.
 TEST_F(SpreadTest, theOpacityIsThatOfTheShareThatIsOpaque) {
   PlainDevice plain;
   for (Device* device : {device_.get(), static_cast<Device*>(&plain)})

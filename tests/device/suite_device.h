@@ -1,4 +1,5 @@
-// One suite tests every device: its sources are linked once with each definition of this function.
+// The device under test: one suite tests every device, its sources linked once with each definition
+// of this function.
 #pragma once
 
 #include <memory>
@@ -7,7 +8,8 @@
 
 namespace sluice {
 
-// Whose pictures are the same everywhere. Throws Error where the machine cannot have it.
+// A device whose pictures are the same on every machine. Throws Error if the machine cannot have
+// it.
 std::unique_ptr<Device> suiteDevice();
 
 }  // namespace sluice

@@ -108,7 +108,7 @@ FrameSetup setupOf(const Seen& seen, DeviceType type, const Vec3d& spacing = {1,
   return setup;
 }
 
-// Away from the outer texels of levels up to factors of 4, and from what is lit by them.
+// Away from the outer texels of levels up to factors of 4, and from cells lit by them.
 constexpr Box3 kInner{{8, 8, 8}, {33, 25, 17}};
 
 // `cells` cut at x = 21, front to back; the parts on the two sides from chunks 1 and 2.
@@ -192,7 +192,7 @@ TEST_F(TexelMapTest, aRampLooksTheSameAtAnyResolution) {
   }
 }
 
-// At the volume's faces too, where samples lie beyond the outermost texels.
+// Includes the volume's faces, where samples lie beyond the outermost texels.
 TEST_F(TexelMapTest, anyTexelsGiveThePictureOfPlainLoops) {
   PlainDevice plain;
   const Box3 all = boxOf(kDims - Vec3i{1, 1, 1});

@@ -34,7 +34,7 @@ TEST(TurnsTest, twoDevicesTakeTurnsOnOneThread) {
   EXPECT_EQ(draw(*first, setup).rgba, dark.rgba);
 }
 
-// A device may keep what it made of a look-up, which depends on more than that.
+// A device may keep tables made from a look-up, which depend on more than that.
 TEST(TurnsTest, eachFrameHasTheLookOfItsOwnSetup) {
   const FrameSetup plain = setupOf({40, 30});
   FrameSetup fine = setupOf({40, 30}, 0.25);
@@ -71,7 +71,8 @@ TEST(TurnsTest, aStoppedFrameThrowsAndTheNextIsRight) {
   EXPECT_EQ(draw(*device, setup).rgba, expected.rgba);
 }
 
-// What was put off is dropped with the frame, wherever it was stopped, and its chunk can go.
+// Boxes that were put off are dropped with the frame, wherever it was stopped, and their chunk can
+// be evicted.
 TEST(TurnsTest, aFrameMayBeStoppedWhereverItIsDrawn) {
   const FrameSetup setup = setupOf({40, 30});
   const BoxDraw box = wholeBox();
@@ -118,7 +119,7 @@ TEST(TurnsTest, framesOfAnySizeFollowEachOther) {
     const auto fresh = suiteDevice();
     fresh->makeResident(1, texelsOf(120));
     const Picture expected = draw(*fresh, setup);
-    // Asked on the way, which makes the device hold what was drawn so far.
+    // Asked on the way, which makes the device keep the picture so far.
     kept->beginFrame(setup);
     kept->draw({&box, 1});
     kept->leastOpacity(grid);

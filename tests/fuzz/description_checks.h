@@ -1,4 +1,4 @@
-// What must hold of every header that a parser lets through, and of every line that it throws.
+// Properties of every header that a parser accepts, and of every message that it throws.
 #pragma once
 
 #include <functional>
@@ -7,8 +7,8 @@
 
 namespace sluice {
 
-// Calls `parse`. Aborts when it throws anything but an Error of one printable line, or when what it
-// returns is not fit to be opened.
+// Calls `parse`. Aborts when it throws anything but an Error of one printable line, or returns a
+// description that is not fit to be opened.
 void checkParser(const std::function<VolumeDescription()>& parse);
 
 }  // namespace sluice

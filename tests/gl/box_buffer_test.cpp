@@ -1,5 +1,5 @@
-// What the vertex shader is given, in numbers: neighbours share their faces to the last bit, texel
-// rays are what the double-precision formula says, and the drawn cube covers its box.
+// Checks the vertex shader's input in numbers: neighbours share their faces to the last bit, texel
+// rays follow the double-precision formula, and the drawn cube covers its box.
 #include "src/gl/box_buffer.h"
 
 #include <gtest/gtest.h>
@@ -81,7 +81,7 @@ TEST(BoxBuffer, texelRaysAreThoseOfTheView) {
       const std::vector<float> texels = boxTexels(scene.setup, {&box, 1});
       const double first_k = texelOf(texels, 0, 8)[3];
       for (const auto& [x, y] : {std::pair(0.5, 0.5), {100.5, 75.5}, {199.5, 3.5}}) {
-        // Of the definition in camera.h; y is upwards here.
+        // By the definition in camera.h; y is upwards here.
         const double u = 2 * x / 200 - 1, v = 2 * y / 150 - 1, aspect = 200.0 / 150;
         const double depth = scene.view.first_depth + (first_k + 0.5) * scene.view.step;
         const Vec3d aside = scene.view.right * (u * aspect * scene.view.half_height) +
@@ -130,7 +130,7 @@ TEST(BoxBuffer, drawnCubeCoversItsBox) {
     BoxDraw box;
     box.cells = {{30, 60, 40}, {160, 90, 70}};
     const std::vector<float> texels = boxTexels(scene.setup, {&box, 1});
-    // In pixels: the extent of the drawn corners is larger than that of the box, by less than two.
+    // In pixels: the extent of the drawn corners exceeds the box's by less than two.
     std::array<double, 4> drawn{1e9, -1e9, 1e9, -1e9}, own = drawn;
     const auto take = [](std::array<double, 4>& extent, double x, double y) {
       extent = {std::min(extent[0], x), std::max(extent[1], x), std::min(extent[2], y),
@@ -184,7 +184,7 @@ TEST(BoxBuffer, cubeTrianglesFaceOutwardsAndCoverEachFace) {
   const auto corner = [](uint8_t i) {
     return Vec3d{double(i & 1), double(i >> 1 & 1), double(i >> 2 & 1)} - Vec3d{0.5, 0.5, 0.5};
   };
-  std::array<double, 6> area{};  // of the faces -x, +x, -y, ...
+  std::array<double, 6> area{};  // area of the faces -x, +x, -y, ...
   for (size_t i = 0; i < kCubeTriangles.size(); i += 3) {
     const Vec3d a = corner(kCubeTriangles[i]), b = corner(kCubeTriangles[i + 1]),
                 c = corner(kCubeTriangles[i + 2]);

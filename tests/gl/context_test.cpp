@@ -16,7 +16,7 @@
 
 namespace sluice {
 
-// For GoogleTest's messages.
+// GoogleTest's messages use it.
 static void PrintTo(GlChoice choice, std::ostream* out) {
   *out << name(choice);
 }
@@ -42,7 +42,7 @@ void expectTriangle(const GlContext& context, Rgba clear, Rgba color) {
     }
 }
 
-// Null, and the test skipped by name, where this machine lacks the backend.
+// Null, and the test skipped by name, if this machine lacks the backend.
 std::unique_ptr<GlContext> contextOrSkip(GlChoice choice) {
   try {
     return createContext(choice);
@@ -271,7 +271,7 @@ TEST(GlContext, printsNothing) {
   EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
 }
 
-// A context of no library that writes down what it is told.
+// A context of no library that records its calls.
 class RecordingContext : public GlContext {
  public:
   RecordingContext(std::string name, std::vector<std::string>& log)

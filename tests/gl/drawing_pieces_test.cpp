@@ -77,7 +77,7 @@ TEST(DrawingPieces, coverAllBoxesOnceInOrderInBoundedPieces) {
       double since_wait = 0;
       for (int list = 0; list < 2; ++list) {
         size_t next = 0;
-        int row = -1;  // of a box in bands, the next
+        int row = -1;  // next row of a box in bands
         const std::vector<DrawingPiece> cut = pieces.cut(drawn);
         for (const DrawingPiece& piece : cut) {
           if (piece.waits) since_wait = 0;

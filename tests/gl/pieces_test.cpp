@@ -1,4 +1,4 @@
-// What is drawn in pieces.
+// Pictures that are drawn in pieces.
 #include <gtest/gtest.h>
 
 #include "tests/device/one_box.h"

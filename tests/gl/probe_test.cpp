@@ -111,7 +111,7 @@ TEST(ProbeGl, tellsOfEachWayWhatItIsOrWhyNot) {
   }
 }
 
-// Nothing is linked at build time, and what probing opens stays in the children.
+// Nothing is linked at build time, and libraries opened by probing stay in the children.
 TEST(ProbeGl, leavesNoLibraryInThisProcess) {
   probeGl();
   EXPECT_THAT(openLibraries(), AllOf(Not(HasSubstr("libOSMesa")), Not(HasSubstr("libEGL")),

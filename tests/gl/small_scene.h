@@ -12,7 +12,7 @@ namespace sluice {
 using Rgba = std::array<float, 4>;
 inline constexpr int kSceneSize = 8;  // pixels along both axes
 
-// Row by row from the bottom: `clear` everywhere, then `color` where x + y < kSceneSize - 1 (the
+// Row by row from the bottom: `clear` everywhere, then `color` if x + y < kSceneSize - 1 (the
 // diagonal belongs to either).
 std::vector<Rgba> drawTriangle(const GlContext& context, Rgba clear, Rgba color);
 

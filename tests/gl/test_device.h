@@ -8,7 +8,7 @@
 
 namespace sluice {
 
-// OSMesa's, or where it is missing EGL's. Throws Error where neither works.
+// OSMesa's, or EGL's if it is missing. Throws Error if neither works.
 inline std::unique_ptr<GlDevice> testDevice() {
   try {
     return std::make_unique<GlDevice>(createContext(GlChoice::kOsmesa));

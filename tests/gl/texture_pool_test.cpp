@@ -1,4 +1,4 @@
-// Textures are reused by size, hold what was uploaded last, and do not pile up.
+// Textures are reused by size, hold the data uploaded last, and do not pile up.
 #include "src/gl/texture_pool.h"
 
 #include <gtest/gtest.h>
@@ -105,7 +105,7 @@ TEST_F(TexturePoolTest, idleTexturesOfOtherSizesGoForNewOnes) {
     large.push_back(pool.take(kLarge, {DeviceType::kU8}, large_texels));
   size_t left = 0;
   for (const GLuint texture : small) left += exists(texture) ? 1 : 0;
-  // As many bytes were never in use at once as both kinds would take.
+  // Both kinds together take more bytes than were ever in use at once.
   EXPECT_LE(left * kSmallBytes, spareTextureBytes(kCount * kSmallBytes));
   for (const GLuint texture : large) pool.giveBack(texture, kLarge, {DeviceType::kU8});
 }

@@ -1,4 +1,4 @@
-// Trees from the store against trees made on the spot; what is read, kept and forgotten.
+// Trees from the store against trees made on the spot; which data is read, kept and forgotten.
 #include "src/index/box_store.h"
 
 #include <gtest/gtest.h>

@@ -21,7 +21,7 @@ BoxTree someTree(uint64_t seed = 1) {
   return growBoxTree(brickGrid(volume.span(), volume.cells(), kSide), {});
 }
 
-// What readers of a tree rely on.
+// The properties of a tree that its readers rely on.
 void expectUsable(const BoxTree& tree) {
   int64_t cells = 0, stored = 0;
   for (size_t i = 0; i < tree.boxes.size(); ++i) {

@@ -69,7 +69,7 @@ TEST_F(IndexFile, cutShortAnywhereIsTorn) {
   EXPECT_EQ(readIndex(places_, key_).state, IndexState::kTorn);
   writeFile(path, whole + "x");
   EXPECT_EQ(readIndex(places_, key_).state, IndexState::kTorn);
-  // The right length, but what a crash of the machine leaves: zeros at the end.
+  // The right length, but with zeros at the end, as a crash of the machine leaves them.
   for (size_t sixteenth = 0; sixteenth < 16; ++sixteenth) {
     std::string zeroed = whole;
     std::fill(zeroed.begin() + static_cast<std::ptrdiff_t>(whole.size() * sixteenth / 16),

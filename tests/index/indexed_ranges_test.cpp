@@ -22,7 +22,7 @@ namespace {
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-// A raw file in a folder of its own, and a cache folder beside it.
+// A raw file in a folder of its own, and a separate cache folder.
 class IndexedRangesTest : public testing::Test {
  protected:
   void SetUp() override {
@@ -49,7 +49,7 @@ class IndexedRangesTest : public testing::Test {
     return indexedRanges(source, indexPlaces(path_.string(), wish_), 0,
                          blockLayout(source.layout().dims, size, ghost), pool, quiet);
   }
-  // The files of a folder and what is below it.
+  // The files of a folder and of the folders below it.
   static std::set<std::filesystem::path> filesBelow(const std::filesystem::path& folder) {
     std::set<std::filesystem::path> files;
     if (std::filesystem::exists(folder))

@@ -1,5 +1,5 @@
-// Opacity functions of a series, made over all steps and kept as bytes that are believed only where
-// they are whole and of the series.
+// Opacity functions of a series, made over all steps and kept as bytes that are believed only if
+// they are whole and belong to the series.
 #include "src/index/series_file.h"
 
 #include <gtest/gtest.h>
@@ -95,7 +95,7 @@ TEST(SeriesFile, damagedBytesAreRefusedOrMakeSense) {
     damaged[random() % bytes.size()] ^= static_cast<std::byte>(1U << (random() % 8));
     const auto read = deserializeSeries(damaged, made.recipe);
     if (!read) continue;
-    // Whatever it says, asking it is safe.
+    // Whatever its contents, asking it is safe.
     for (int64_t block = 0; block < read->opacity.blockCount(); ++block)
       for (int64_t step = 0; step < 3; ++step) {
         const auto at = static_cast<size_t>(read->opacity.functionAt(block, step));
@@ -119,7 +119,7 @@ TEST(SeriesPass, thresholdsAndThreadsAndRunsGiveTheSameSpans) {
             static_cast<size_t>(all.series.opacity->blockCount()));
   EXPECT_EQ(none.series.report.coherentShare(), 0);
   EXPECT_GT(none.series.opacity->spans.size(), one.series.opacity->spans.size());
-  // Each step's own function is no less than that of its span.
+  // Each step's own function is no less than its span's.
   for (int64_t block = 0; block < none.series.opacity->blockCount(); ++block)
     for (int64_t step = 0; step < 8; ++step) {
       const SeriesOpacity &own = *none.series.opacity, &fused = *one.series.opacity;

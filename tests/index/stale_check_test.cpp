@@ -20,7 +20,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-// A volume with its arrays, and a buffer that compares with them what it reads from `read`.
+// A volume with its arrays, and a buffer that compares the voxels from `read` with them.
 struct Checked {
   Checked(VolumeSource& indexed, VolumeSource& read, const BlockLayout& blocks)
       : layout(blocks), check("v.raw"), buffer(read, blocks, uint64_t{64} << 20) {
@@ -31,7 +31,7 @@ struct Checked {
     buffer.checkBy(
         [this](const BlockName& name, const VolumeBlock& block) { check.check(name, block); });
   }
-  // Of all blocks, one by one: how many contradict the arrays.
+  // How many of all blocks, taken one by one, contradict the arrays.
   int contradictions() {
     int count = 0;
     for (int64_t block = 0; block < layout.blockCount(); ++block) {

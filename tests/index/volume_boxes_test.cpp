@@ -140,7 +140,7 @@ TEST(VolumeBoxes, costsAreThoseOfPlainSums) {
   }
 }
 
-// A sparse volume whose outside is visible costs what the same volume costs without saying so.
+// A sparse volume whose outside is visible costs as much as the same volume stored densely.
 TEST(VolumeBoxes, aVisibleBackgroundIsCountedWithoutBeingRead) {
   VolumeLayout layout;
   layout.dims = {70, 65, 40};

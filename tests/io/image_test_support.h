@@ -1,4 +1,4 @@
-// What the tests of VDB, slices and pictures share: whole reads, Errors as text, damaged files.
+// Support for the tests of VDB, slices and pictures: whole reads, Errors as text, damaged files.
 #pragma once
 
 #include <gtest/gtest.h>

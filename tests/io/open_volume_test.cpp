@@ -61,7 +61,7 @@ TEST(OpenVolume, takesAFolderOrAPatternOfSlices) {
     EXPECT_EQ(valueAt<uint8_t>(*source, {3, 2, 3}), 9);
     EXPECT_EQ(valueAt<uint8_t>(*source, {0, 0, 4}), 10);
   }
-  // As a shell sorts them: the order of the numbers. Any other order is the user's.
+  // A shell's order becomes the order of the numbers. Any other order is the user's.
   const auto at = [&](int n) { return (folder / fmt::format("s-{}.png", n)).string(); };
   const auto sorted = openVolume({at(10), at(2), at(9)});
   EXPECT_EQ(valueAt<uint8_t>(*sorted, {0, 0, 0}), 2);

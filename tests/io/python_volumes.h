@@ -1,5 +1,5 @@
-// Volumes that Python writes with other programs' writers, each beside the voxels that it must be
-// read as: what the tests against such volumes share.
+// Volumes that Python writes with other programs' writers, each with the voxels that must be read
+// from it, and the common code of their tests.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -28,7 +28,7 @@ inline std::string allSteps(VolumeSource& source) {
 // The volumes of one script, made once for all tests of a suite. `Case` says which: its kScript (a
 // file of this folder) writes into a folder, needs the Python modules of kModules, and leaves a
 // line in cases.txt for each volume, which operator>> reads into a Case with a name. A suite is
-// skipped by name where a module is missing.
+// skipped by name if a module is missing.
 template <class Case>
 class PythonVolumesTest : public testing::Test {
  protected:

@@ -54,7 +54,7 @@ struct Steps {
 
   TempFolder folder;
   std::vector<std::string> files;
-  std::optional<VolumeLayout> changed;  // of step 2
+  std::optional<VolumeLayout> changed;  // layout of step 2
   std::atomic<int> openings{0}, open{0};
 };
 
@@ -81,7 +81,7 @@ TEST(Sequence, opensFilesWhenTheyAreReadAndKeepsFew) {
   EXPECT_EQ(steps.openings, 6);
   readAll(source, 0);
   EXPECT_EQ(steps.openings, 7);
-  EXPECT_EQ(source.storedBytesRead(), 32U);  // of files closed since, too
+  EXPECT_EQ(source.storedBytesRead(), 32U);  // includes files closed since
 }
 
 TEST(Sequence, namesTheFileThatDiffers) {

@@ -1,4 +1,4 @@
-// Progress, and what was called off leaves no trace; threads.
+// Progress, cancelled work that leaves no trace, and threads.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@ namespace {
 
 using testing::HasSubstr;
 
-// Of more clusters than fit at once.
+// A volume with more clusters than fit at once.
 class SeveralClusters : public testing::Test {
  protected:
   inline static const RendererOptions kLittle{.memory_bytes = 24 << 20};

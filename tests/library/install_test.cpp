@@ -20,7 +20,7 @@ class Installed : public testing::Test {
     run(SLUICE_CMAKE " --install " + shellQuoted(SLUICE_BUILD_DIR) + " --prefix " + prefix());
   }
   std::string prefix() const { return shellQuoted((folder_ / "prefix").string()); }
-  // In the folder. Throws Error when it fails.
+  // The command runs in the folder. Throws Error when it fails.
   std::string run(const std::string& line) const {
     const CommandResult result =
         runCommand("cd " + shellQuoted(folder_.path().string()) + " && " + line);
@@ -53,7 +53,7 @@ TEST_F(Installed, theExampleDrawsWhatTheProgramDraws) {
   EXPECT_GT(visiblePixels(drawn.rgba), 10000U);
 
 #ifdef SLUICE_HAS_VDB
-  // Read by a module that lies where the library was installed, and nowhere else.
+  // Read by the module in the folder where the library was installed, and nowhere else.
   writePoints(folder_ / "points.vdb", {{{1, 2, 3}, 4.0F}, {{9, 9, 9}, 3.0F}});
   run("build/turntable points.vdb 0.5 points.png");
   EXPECT_GT(visiblePixels(readPng(folder_ / "points.png").rgba), 100U);

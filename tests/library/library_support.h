@@ -1,4 +1,4 @@
-// What the tests of the library share: the program to compare with, and pictures from it.
+// Support for the tests of the library: the program to compare with, and pictures from it.
 #pragma once
 
 #include <sluice/sluice.h>
@@ -20,7 +20,8 @@ inline constexpr const char* kShells = "synth:shells,dims=48x40x36";
 inline const PictureOptions kSmall{.width = 96, .height = 80};
 inline constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-// Of `sluice render VOLUME OPTIONS`, on whatever device it chooses. Throws Error when it fails.
+// The picture of `sluice render VOLUME OPTIONS`, on whatever device it chooses. Throws Error when
+// it fails.
 inline Rgba8Picture programPicture(const TempFolder& folder, const std::string& arguments,
                                    const std::string& output = "program.png",
                                    const std::string& drawn = "program.png") {
@@ -32,7 +33,7 @@ inline Rgba8Picture programPicture(const TempFolder& folder, const std::string& 
   return readPng(folder / drawn);
 }
 
-// In 1/255, of any channel; 255 where the sizes differ.
+// In 1/255, of any channel; 255 if the sizes differ.
 inline int largestDifference(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b) {
   if (a.size() != b.size()) return 255;
   int largest = 0;
@@ -40,7 +41,7 @@ inline int largestDifference(const std::vector<uint8_t>& a, const std::vector<ui
   return largest;
 }
 
-// Of the pixels that are not empty: a comparison of nothing with nothing is none.
+// The number of pixels that are not empty, so that a test does not compare nothing with nothing.
 inline size_t visiblePixels(const std::vector<uint8_t>& rgba) {
   size_t visible = 0;
   for (size_t i = 3; i < rgba.size(); i += 4) visible += rgba[i] > 0 ? 1 : 0;

@@ -1,4 +1,4 @@
-// Calls that ask for what cannot be throw, and the next one is right.
+// Impossible calls throw, and the next call is right.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// Pictures of the library are those of the program.
+// Pictures of the library equal those of the program.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -51,7 +51,7 @@ TEST(Renderer, picturesAreThoseOfTheProgram) {
     renderer.setLook(look);
     const std::vector<uint8_t> drawn = renderer.draw(picture).toRgba8();
     EXPECT_GT(visiblePixels(drawn), 500U);
-    // The second: what it says of the look gives the same once more.
+    // The second turn: its look as text gives the same once more.
     for (const std::string& arguments : {look_arguments, renderer.lookText()}) {
       SCOPED_TRACE(arguments + " " + picture_arguments);
       const Rgba8Picture expected = programPicture(

@@ -1,4 +1,4 @@
-// Volume and Image: what is known of a volume, errors that name the file, wrong options.
+// Volume and Image: the properties of a volume, errors that name the file, wrong options.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -71,7 +71,7 @@ std::vector<Fact> factsOfVolume(const std::vector<uint8_t>& voxels, Vec3i dims) 
   return factsOf(*source, 0, rangesOf(*source), 16);
 }
 
-// A single voxel that differs is found by the min-max arrays where it is an extreme value of its
+// A single voxel that differs is found by the min-max arrays if it is an extreme value of its
 // planes.
 TEST(Agreement, factsOfAVolumeDependOnItsVoxels) {
   const Vec3i dims{20, 12, 9};
@@ -91,8 +91,8 @@ TEST(Agreement, factsOfAVolumeDependOnItsVoxels) {
   EXPECT_GE(differences, 1);
 }
 
-// Rows that are read find voxels that differ between the same extremes: an index that was made of
-// another copy says nothing of these.
+// The sampled rows find voxels that differ between the same extremes, about which an index made
+// from another copy tells nothing.
 TEST(Agreement, sampledRowsFindAnotherCopyUnderTheSameIndex) {
   const Vec3i dims{64, 40, 40};
   std::vector<uint8_t> voxels(static_cast<size_t>(volume(dims)));

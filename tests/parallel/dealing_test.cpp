@@ -1,4 +1,4 @@
-// Hilbert's curve, who gets which block, and layers against rays that are walked cell by cell.
+// Hilbert's curve, the ranks of blocks, and layers against rays that are walked cell by cell.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -52,7 +52,7 @@ TEST(Dealing, everyRankHasAsMuchAsAnyOther) {
   }
 }
 
-// A slab of blocks, a thin shell, a corner: what pictures see of a volume.
+// A slab of blocks, a thin shell, a corner: typical visible parts of a volume.
 TEST(Dealing, partsOfAVolumeAreSharedOutToo) {
   const BlockLayout layout = blockLayout({993, 993, 993}, 32, 0);  // 32^3 blocks
   const Dealing dealing = dealBlocks(layout, 32);

@@ -1,6 +1,6 @@
 // Two ranks: rank 1 sends a message, and rank 0 stops waiting for it before it is there. Nothing
 // may then be written into memory that was the message's, and the next message must arrive. Prints
-// what is wrong; exit status 0: nothing is.
+// the failure; exit status 0: none.
 //
 //   mpirun -n 2 interrupted_ranks waiting   (rank 0 gives up before rank 1 sends)
 //   mpirun -n 2 interrupted_ranks arriving  (rank 0 gives up while the message arrives)
@@ -32,7 +32,7 @@ bool areAll(const Message& message, std::byte expected) {
   return true;
 }
 
-// Throws away what comes from rank 1, after so long.
+// Throws away the message from rank 1, after so long.
 bool giveUp(Communicator& ranks, int after_ms) {
   StopSource stop;
   if (after_ms == 0) stop.requestStop();
@@ -63,13 +63,12 @@ void meet(Communicator& ranks) {
   ranks.gatherAll(std::vector<uint64_t>{1}, {});
 }
 
-// What is wrong; null: nothing is. A message that arrives while it is given up may be lost, another
-// one may not.
+// The failure; null: none. A message that arrives while it is given up may be lost, but no other.
 const char* runFirst(Communicator& ranks, bool is_arriving) {
   if (is_arriving) sleepMs(300);
   if (!giveUp(ranks, is_arriving ? 0 : 100)) return "was not interrupted";
   if (!is_arriving) meet(ranks);
-  // In the place of what was given up, if that is free.
+  // In the place of the message that was given up, if that is free.
   std::vector<Message> own(4, Message(kBytes, kOwn));
   bool has_come = false;
   for (Message next = receive(ranks); next[0] != kLast; next = receive(ranks)) {

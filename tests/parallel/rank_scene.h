@@ -24,7 +24,7 @@ inline std::unique_ptr<Device> makeSuiteDevice() {
   return suiteDevice();
 }
 
-// What rank 0 got, and expects that all ranks ended well.
+// Returns rank 0's picture and expects that all ranks ended without failure.
 inline FloatPicture drawOnRanks(int ranks, VolumeSource& source, const TransferFunction& transfer,
                                 SceneOptions scene_options, const FrameOptions& options,
                                 const DeviceMaker& maker = makeSuiteDevice, int frames = 1) {

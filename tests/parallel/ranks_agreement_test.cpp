@@ -1,5 +1,5 @@
 // Ranks that were started with different commands or read different data: every rank ends with
-// status 1, one line says which rank differs in what, and no picture is written.
+// status 1, one line names the rank and the difference, and no picture is written.
 #include "tests/parallel/ranks_program.h"
 
 namespace sluice {

@@ -1,5 +1,6 @@
-// What ranks see together of a series, each looking at its own tiles of the estimate, against what
-// one sees alone; and series of pictures, read ahead, by ranks some of which have nothing to draw.
+// Compares the blocks that ranks see together in a series, each looking at its own tiles of the
+// estimate, with those that a single process sees. Also series of pictures, read ahead, by ranks
+// some of which have nothing to draw.
 #include "src/parallel/rank_share.h"
 #include "tests/parallel/rank_scene.h"
 #include "tests/render/blob_scene.h"
@@ -59,7 +60,7 @@ TEST_F(RanksCulling, findTogetherWhatOneFinds) {
       }
 }
 
-// Two blocks of five ranks: three have none, and meet the others all the same.
+// Two blocks of five ranks: three have none, and meet the others anyway.
 TEST_F(RanksCulling, seriesOfPicturesThatAreReadAhead) {
   for (const Vec3i dims : {Vec3i{61, 50, 55}, Vec3i{14, 8, 8}}) {
     const auto source = movingBlobs(dims);

@@ -40,7 +40,7 @@ class Hosts {
   const std::string& missing() const { return missing_; }
   const std::string& name(size_t host) const { return names_[host]; }
   static std::string address(size_t host) { return fmt::format("10.213.77.{}", host + 1); }
-  // Of the first host's cable.
+  // Bytes sent over the first host's cable.
   uint64_t sentBytes() const {
     const CommandResult read = runCommand(
         fmt::format("ip netns exec {} cat /sys/class/net/e0/statistics/tx_bytes", names_[0]));

@@ -1,5 +1,5 @@
-// Pictures of 1, 2, 4 and 7 ranks, whose blocks interleave along every ray, against that of one
-// process.
+// Pictures of 1, 2, 4 and 7 ranks, whose blocks interleave along every ray, against one process's
+// picture.
 #include "src/classify/transfer/automatic_look.h"
 #include "tests/parallel/rank_scene.h"
 #include "tests/render/blob_scene.h"
@@ -8,11 +8,11 @@
 namespace sluice {
 namespace {
 
-constexpr double kSame = 1;  // of 255
+constexpr double kSame = 1;  // in 1/255
 
 class RanksPicture : public RenderTest {
  protected:
-  // Of the session's own device.
+  // Compares with a session's picture on its own device.
   static void expectSame(VolumeSource& source, const TransferFunction& transfer,
                          const SceneOptions& scene, const FrameOptions& options,
                          const DeviceMaker& maker = makeSuiteDevice) {

@@ -13,11 +13,11 @@
 
 namespace sluice {
 
-// An MPI's launcher with what it needs here: more ranks than cores, and perhaps root.
+// An MPI's launcher with the options that it needs here: more ranks than cores, and perhaps root.
 struct MpiLauncher {
   std::string name, module, programs, options;
 
-  // Of the names in `programs` the one that is there; empty: none.
+  // The first of the names in `programs` that is installed; empty: none.
   std::string program() const {
     std::istringstream names(programs);
     for (std::string one; names >> one;)
@@ -39,7 +39,7 @@ struct MpiLauncher {
     return fmt::format("timeout -k 5 {} {} {} -n {} {}", most_seconds, program(), options, ranks,
                        path);
   }
-  // One rank a list of arguments.
+  // Starts one rank for each list of arguments.
   std::string startEach(const std::vector<std::string>& arguments) const {
     std::string line;
     for (const std::string& one : arguments)
@@ -61,7 +61,7 @@ inline const MpiLauncher kOpenMpiLauncher{
 inline const MpiLauncher kMpichLauncher{"Mpich", "sluice_mpich.so", "mpiexec.mpich mpiexec.hydra",
                                         ""};
 
-// The largest difference of a channel; 256 where there is none to be had.
+// The largest difference of a channel; 256 if the pictures cannot be compared.
 inline int pictureDifference(const std::filesystem::path& a, const std::filesystem::path& b) {
   if (!std::filesystem::exists(a) || !std::filesystem::exists(b)) return 256;
   const auto one = readPng(a), other = readPng(b);

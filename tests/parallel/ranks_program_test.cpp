@@ -35,13 +35,13 @@ TEST(LaunchOf, knowsWhoStartedIt) {
   EXPECT_TRUE(pmix.ranks == 4 && pmix.kind == MpiKind::kOpenMpi);
   const Launch none = launchWith({{"SLURM_PROCID", "1"}, {"SLURM_STEP_NUM_TASKS", "4"}});
   EXPECT_TRUE(none.ranks == 4 && !none.has_kind);
-  // A batch script's own step, and what makes no sense.
+  // A batch script's own step, and malformed values.
   EXPECT_EQ(launchWith({{"SLURM_PROCID", "0"}, {"SLURM_NTASKS", "4"}}).ranks, 1);
   EXPECT_EQ(launchWith({{"PMI_RANK", "x"}, {"PMI_SIZE", "2"}}).ranks, 1);
   EXPECT_EQ(launchWith({{"PMI_RANK", "2"}, {"PMI_SIZE", "2"}}).ranks, 1);
 }
 
-// Without the module the first rank says so, and the others nothing.
+// Without the module the first rank prints one line, and the others nothing.
 TEST(RanksWithoutMpi, saySoInOneLine) {
   const Program program;
   std::filesystem::copy_file(SLUICE_PROGRAM, program.folder / "sluice");
@@ -229,7 +229,7 @@ TEST_P(RanksProgram, endTogetherAtAStepThatIsCut) {
   EXPECT_NE(cut.status, 0);
   EXPECT_EQ(occurrences(cut.output, "sluice: "), 1) << cut.output;
   EXPECT_THAT(cut.output, HasSubstr("mix_003.nrrd"));
-  // One that is not there, and one of another size.
+  // A missing file, and a file of another size.
   std::filesystem::rename(program_.folder / "mix_003.nrrd", program_.folder / "away");
   const CommandResult missing = onRanks(3, command);
   EXPECT_NE(missing.status, 0);
@@ -251,7 +251,7 @@ TEST_P(RanksProgram, endTogetherAtAStepThatIsCut) {
         << step;
 }
 
-// One rank is killed while pictures are drawn: the launcher ends the run and says who it was.
+// When a rank is killed while pictures are drawn, the launcher ends the run and names it.
 TEST_P(RanksProgram, areEndedWhenOneIsKilled) {
   const std::string command =
       "render synth:shells,dims=96x96x96 --block 16 --size 300 --frames 60 -o turn_%03d.png "
@@ -259,7 +259,7 @@ TEST_P(RanksProgram, areEndedWhenOneIsKilled) {
   const CommandResult killed = runCommand(
       inFolder() + GetParam().start(3) + " " + command +
       " & run=$!; for i in $(seq 600); do [ -e turn_004.png ] && break; sleep 0.05; done; "
-      // One of those that run the program in this folder.
+      // Picks a process that runs the program in this folder.
       "for p in /proc/[0-9]*; do "
       "  if [ $p/cwd -ef . ] && [ $p/exe -ef " SLUICE_PROGRAM
       " ]; then one=$p; fi; "

@@ -1,4 +1,4 @@
-// What ranks say to each other, and how all of them end when one fails.
+// Messages between ranks, and how all ranks end when one fails.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// What several tests draw: blobs behind a threshold, seen small.
+// A scene that several tests draw: blobs behind a threshold, seen small.
 #pragma once
 
 #include <memory>
@@ -21,7 +21,7 @@ inline std::unique_ptr<MemorySource> spacedBlobs(VoxelType type = VoxelType::kU8
       {.dims = {61, 50, 55}, .type = type, .seed = seed, .blobs = 12, .spacing = {1, 1.2, 0.9}});
 }
 
-// For blobs of bytes.
+// A transfer function for blobs of bytes.
 inline TransferFunction someTransfer(double threshold = 40) {
   return thresholdTransfer(threshold, {0, 200}, 0.2, "viridis");
 }

@@ -1,4 +1,4 @@
-// Framing: what is visible fills the picture, and holds still where it should.
+// Framing: the visible part fills the picture, and keeps its place and scale across frames.
 #include "src/render/camera_framing.h"
 
 #include <gtest/gtest.h>

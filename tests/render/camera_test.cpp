@@ -87,7 +87,7 @@ TEST(Camera, zoomOneFitsTheSphereAroundTheOuterVoxelCentres) {
   EXPECT_NEAR(viewOf(camera).half_height, 3, 1e-12);
   camera.zoom = 2;
   EXPECT_NEAR(viewOf(camera).half_height, 1.5, 1e-12);
-  // Wider than high: the height is what fits. Higher than wide: the width.
+  // Wider than high: the height must fit. Higher than wide: the width.
   camera.zoom = 1;
   EXPECT_NEAR(resolve(camera, box244(), {200, 100}, 1).half_height, 3, 1e-12);
   EXPECT_NEAR(resolve(camera, box244(), {100, 200}, 1).half_height, 6, 1e-12);

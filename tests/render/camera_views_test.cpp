@@ -1,5 +1,5 @@
-// Named views, with directions worked out by hand, and what the renderer shows of a volume whose
-// sides are known: upright and never mirrored, whatever the frame and however it is stored.
+// Named views, with directions worked out by hand, and pictures of a volume whose sides are known:
+// upright and never mirrored, whatever the frame and however it is stored.
 #include "src/render/camera_views.h"
 
 #include <gtest/gtest.h>
@@ -48,7 +48,7 @@ TEST(CameraViews, eachIsARightHandedSystem) {
       }
 }
 
-// x of RAS points to the patient's right, x of LPS to the left; who looks from the front has the
+// x of RAS points to the patient's right, x of LPS to the left; a viewer from the front has the
 // patient's left on the right.
 TEST(CameraViews, patientsAreSeenFromTheFrontWithTheHeadUp) {
   expectAxes(axesFor(ViewName::kFront, WorldFrame::kRas), {-1, 0, 0}, {0, 0, 1});
@@ -97,7 +97,7 @@ TEST(CameraViews, threeQuarterIsTheFrontTurnedToTheRightAndLifted) {
 TEST(CameraViews, aGivenUpIsUpAndTheFrontStaysWhereItCan) {
   expectAxes(axesFor(ViewName::kFront, WorldFrame::kNone, Vec3d{0, -5, 0}), {-1, 0, 0}, {0, -1, 0});
   expectAxes(axesFor(ViewName::kFront, WorldFrame::kNone, Vec3d{2, 0, 0}), {0, -1, 0}, {1, 0, 0});
-  // Along the view: tipped over, so that right stays right.
+  // An up direction along the view tips it over, so that right stays right.
   expectAxes(axesFor(ViewName::kFront, WorldFrame::kNone, Vec3d{0, 0, 3}), {1, 0, 0}, {0, 0, 1});
   expectAxes(axesFor(ViewName::kFront, WorldFrame::kNone, Vec3d{0, 0, -3}), {1, 0, 0}, {0, 0, -1});
   EXPECT_NEAR(axesFor(ViewName::kFront, WorldFrame::kNone, Vec3d{0, 0, 1}).back.y, -1, 1e-12);
@@ -116,7 +116,7 @@ std::unique_ptr<MemorySource> beadAt(VolumeLayout layout, Vec3d toward) {
   });
 }
 
-// Where the middle of what shows lies, from -1 to 1 to the right and up.
+// The middle of the visible pixels, from -1 to 1 to the right and up.
 Vec3d placeOf(const FloatPicture& picture) {
   double x = 0, y = 0, count = 0;
   for (int j = 0; j < picture.height; ++j)
@@ -150,14 +150,14 @@ std::vector<VolumeLayout> storedEveryWay() {
 class ViewPictureTest : public RenderTest {};
 
 TEST_F(ViewPictureTest, isUprightAndNotMirroredHoweverTheVolumeIsStored) {
-  // Of each frame: what is on the right, up and in front of who looks at the front.
+  // For each frame, the world directions to the right, up, and toward a viewer of the front.
   const std::map<WorldFrame, std::array<Vec3d, 3>> sides = {
       {WorldFrame::kNone, {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}},
       {WorldFrame::kYUp, {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}},
       {WorldFrame::kRas, {{{-1, 0, 0}, {0, 0, 1}, {0, 1, 0}}}},
       {WorldFrame::kLps, {{{1, 0, 0}, {0, 0, 1}, {0, -1, 0}}}},
       {WorldFrame::kPictureRows, {{{1, 0, 0}, {0, -1, 0}, {0, 0, -1}}}}};
-  // Where each of the three lies in the picture of a view: 1 to the right or up, 0 in the middle.
+  // The place of each of the three in the picture of a view: 1 to the right or up, 0 in the middle.
   const std::pair<ViewName, std::array<Vec3d, 3>> views[] = {
       {ViewName::kFront, {{{1, 0, 0}, {0, 1, 0}, {0, 0, 0}}}},
       {ViewName::kBack, {{{-1, 0, 0}, {0, 1, 0}, {0, 0, 0}}}},

@@ -1,5 +1,5 @@
-// What plugs into a frame's chain from outside: another device, another source of visible blocks,
-// another time step, each in a few lines; and the values that are kept from frame to frame.
+// Values that plug into a frame's chain from outside: another device, another source of visible
+// blocks, another time step, each in a few lines; and the values that are kept from frame to frame.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -62,8 +62,8 @@ TEST(ChainTest, anotherDevice) {
   EXPECT_TRUE(device.held_.empty());
 }
 
-// A source of visible blocks that knows better than the min-max arrays: what lies beyond a plane is
-// not needed, blocks and parts of blocks.
+// A source of visible blocks that knows better than the min-max arrays: blocks and parts of blocks
+// beyond a plane are not needed.
 class HalfOfTheBlocks : public BlockChooser {
  public:
   explicit HalfOfTheBlocks(int64_t end) : end_(end) {}

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kOfReference = 2, kOfPlain = 1;
 
-// Dense, so that what is cut off is missed.
+// Dense, so that every part that is cut off is missed.
 std::unique_ptr<MemorySource> dense(const VolumeLayout& layout) {
   return makeMemorySource<uint8_t>(layout, [](int64_t x, int64_t y, int64_t z) {
     return 60 + 3 * x + 2 * y + z + ((x ^ y ^ z) & 8);
@@ -30,7 +30,7 @@ class CropAndClipTest : public RenderTest {
   Vec3d center() const {
     return worldFromIndex(layout_, toDouble(layout_.dims - Vec3i{1, 1, 1}) * 0.5);
   }
-  // Draws what the options show, as all of reference, plain and `whole` ask.
+  // Draws the options' picture and compares it with the reference, the plain and the whole one.
   FloatPicture expectRightPictures(const FrameOptions& asked, const std::string& what) {
     FloatPicture last;
     for (const bool lit : {false, true})

@@ -18,7 +18,7 @@ void PrintTo(const Volume& volume, std::ostream* out) {
 
 class CullingData : public testing::TestWithParam<Volume> {};
 
-// Null where it is not there.
+// Null if it is not there.
 std::unique_ptr<VolumeSource> openNamed(std::string_view name) {
   const auto known = std::ranges::find_if(
       realVolumes(), [&](const RealVolume& volume) { return volume.name == name; });
@@ -69,7 +69,7 @@ TEST(CullingSeries, noBlockOfViscousFingersIsCulledThatRaysReach) {
   for (const double opacity : {1.0, 0.2}) {
     const TransferFunction transfer = thresholdTransfer(5, {0, 100}, opacity, "grey");
     const CullingScene first(source, transfer, 8);
-    // Fused functions as well as those of each step.
+    // Fused functions, and the functions of each step.
     for (const double difference : {0.0, 1e-3}) {
       SeriesPassOptions pass;
       pass.difference = difference;

@@ -1,5 +1,5 @@
 // Culling against every sample of every ray: no block that rays reach may be missing, and pictures
-// differ by no more than what opaque leaves.
+// differ by no more than the opacity threshold allows.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -191,7 +191,7 @@ TEST(Culling, whatIsCutAwayHidesNothing) {
   }
 }
 
-// What the next step needs is in the buffers when it is asked for, and what it does not is not.
+// The blocks that the next step needs, and no others, are in the buffers when it is drawn.
 TEST(Culling, theNextStepIsReadWhileOneIsDrawn) {
   const auto source = rocks(5, {50, 45, 61}, 3);
   PlainDevice device;
@@ -205,7 +205,7 @@ TEST(Culling, theNextStepIsReadWhileOneIsDrawn) {
   CullingScene next(*source, looks(0), 8, 1);
   const FrameOptions options = obliqueView(Projection::kOrtho);
   session.expectAfterwards(next.step);
-  // Not by scene.frame(): its counters are those of a session at rest, and this one reads on.
+  // Not by scene.frame(): its counters are those of a session at rest, and this session reads on.
   session.setOptions(options);
   session.frame();
   const CullingCounts first = culled.countsOf(0), second = culled.countsOf(1);

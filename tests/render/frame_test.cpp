@@ -1,4 +1,4 @@
-// Frames on a device in plain loops: what a device may choose makes no difference, and a frame may
+// Frames on a device in plain loops: a device's free choices make no difference, and a frame may
 // end at any step.
 #include <gtest/gtest.h>
 
@@ -64,7 +64,8 @@ TEST(FrameTest, borrowedTexelsAndLateDrawingGiveTheSamePicture) {
     }
 }
 
-// What is borrowed is level 3's, counted once: both levels together stay within the memory.
+// Borrowed bytes belong to level 3 and are counted once: both levels together stay within the
+// memory.
 TEST(FrameTest, borrowedBytesAreCountedOnce) {
   const auto source = blobs();
   const PageGeometry page{{8, 8, 8}, 1, 64};
@@ -104,7 +105,8 @@ void expectRightCounters(const Session& session) {
   EXPECT_EQ(session.textureCache().counters().brokenIdentity(), "");
 }
 
-// At each list that the device is handed; the next frame is as if that one had not been.
+// The frame is stopped at each list that the device is handed; the next frame is as if it had not
+// been.
 TEST(FrameTest, aFrameStoppedWhileDrawingLeavesAllLevelsRight) {
   const auto source = blobs();
   PlainDevice whole_device;

@@ -33,8 +33,8 @@ TransferFunction modulated(double share, ValueRange range, double full_share = 0
   return modulateByGradient(above(share, range), full_share * (range.hi - range.lo));
 }
 
-// Some material between two values where it is flat, its boundary where it is steep: soft and hard
-// sides in the plane.
+// Some material between two values in flat regions, its boundary in steep ones: soft and hard sides
+// in the plane.
 TransferFunction plane(ValueRange range) {
   const double span = range.hi - range.lo;
   const auto at = [&](double share) { return range.lo + share * span; };
@@ -46,7 +46,7 @@ TransferFunction plane(ValueRange range) {
   return transfer;
 }
 
-// More of what is flatter.
+// More opaque in flatter regions.
 TransferFunction flatAlone(ValueRange range) {
   TransferFunction transfer = above(0.2, range);
   const double span = range.hi - range.lo;
@@ -176,7 +176,7 @@ TEST_F(GradientTest, depthAndEarlyEndsCountWhatIsLeftOfTheOpacity) {
   }
 }
 
-// What benches measure skipping against draws the same.
+// Drawing every sample, against which benches measure skipping, gives the same picture.
 TEST_F(GradientTest, samplesThatAreLeftOutShowNothing) {
   for (const VoxelType type : {VoxelType::kU8, VoxelType::kF32})
     for (const Projection projection : kProjections)
@@ -241,8 +241,8 @@ TEST_F(GradientTest, growingBoxesGiveThePictureOfBlocks) {
   }
 }
 
-// A box that is flat is skipped where flat regions show nothing: growing boxes are worth more with
-// modulation (Li 2003, section 6).
+// A flat box is skipped if flat regions show nothing: growing boxes are worth more with modulation
+// (Li 2003, section 6).
 TEST_F(GradientTest, flatBoxesAreSkipped) {
   const auto source = cube(65, 8);
   FrameOptions options = obliqueView(Projection::kOrtho, {64, 60});
@@ -264,8 +264,8 @@ TEST_F(GradientTest, obliqueAxesBoundTheirGradients) {
   const auto source = makeMemorySource<uint8_t>(layout, [](int64_t x, int64_t y, int64_t z) {
     return std::clamp(20.0 * static_cast<double>(x + y + z) - 800, 0.0, 250.0);
   });
-  // Visible in a narrow band of magnitudes about the slope's true one, which is not what orthogonal
-  // axes would make of it.
+  // Visible in a narrow band of magnitudes about the slope's true one, which differs from the
+  // magnitude for orthogonal axes.
   TransferFunction transfer = above(0.1, {0, 250});
   const Vec3d slope =
       layout.axes[0] * (20 / 1.0) + layout.axes[1] * (20 / 1.5) + layout.axes[2] * (20 / 1.2);

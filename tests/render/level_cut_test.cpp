@@ -1,5 +1,5 @@
-// Cuts through levels of resolution: which blocks they choose, and that their pictures are those of
-// the levels, without a seam where levels meet.
+// Cuts through levels of resolution: the blocks that they choose, and that their pictures equal the
+// levels' own, without a seam where levels meet.
 #include "src/render/level_cut.h"
 
 #include <gmock/gmock.h>
@@ -69,7 +69,7 @@ TransferFunction opaqueAbove(double threshold, double most, double opacity = 0.3
 
 class LevelCutTest : public RenderTest {
  protected:
-  // Of one view, by a planner of its own.
+  // The blocks chosen for one view, by a planner of its own.
   static VisibleBlocksPtr chosen(const Pyramid& pyramid, const TransferFunction& transfer,
                                  const FrameOptions& options) {
     WorkerPool pool(2);
@@ -237,7 +237,7 @@ TEST_F(LevelCutTest, aBudgetEndsTheRefinementAndWhatLiesInFrontIsFinest) {
     EXPECT_LE(levels.size(), 2U) << "refined level by level";
     if (levels.size() < 2) continue;
     was_mixed = true;
-    // The finer level reaches no deeper than where the coarser one begins, to a coarse block.
+    // The finer level reaches no deeper than the begin of the coarser one, to a coarse block.
     int64_t finer = INT64_MAX, coarser = 0;
     for (const ObjectBlock& block : blocks->blocks) {
       const Box3 region = pyramid.layout().regionOf(block.name);
@@ -388,7 +388,7 @@ std::vector<WorldPlane> insidePlanes(const VolumeLayout& layout, double margin) 
 }
 
 // A level by itself is a volume: its own source, drawn from the same camera with the same slices.
-// Its opacities are those of a length of its voxels there.
+// Its opacities apply to a length of its voxels there.
 TEST_F(LevelCutTest, aLevelLooksLikeItsVoxelsAsAVolumeOfTheirOwn) {
   constexpr double kOpacity = 0.15, kThreshold = 30;
   const auto transferOf = [](double opacity) {
@@ -425,15 +425,15 @@ TEST_F(LevelCutTest, aLevelLooksLikeItsVoxelsAsAVolumeOfTheirOwn) {
             renderReference(*pyramid.step.coarser[static_cast<size_t>(level) - 1].source,
                             viewOf(pyramid, options), scene);
         EXPECT_GT(shownShare(expected), 0.05);
-        // Samples beside the threshold may fall on either side of it.
+        // Samples next to the threshold may fall on either side of it.
         EXPECT_LT(compare(drawn.picture, expected).mean_255, 0.05)
             << "level " << level << (lit ? ", lit" : "");
       }
   }
 }
 
-// Means of a linear function are that function: a cut at any levels gives the picture of the finest
-// one, also across the faces where levels meet.
+// Means of a linear function lie on it: a cut at any levels gives the picture of the finest one,
+// even across the faces where levels meet.
 TEST_F(LevelCutTest, levelsMeetWithoutASeamOnARamp) {
   for (const Spreads spreads : {Spreads::kNone, Spreads::kKept}) {
     FunctionSource ramp(layoutOf({100, 90, 80}, VoxelType::kF32), [](int64_t, Vec3i v) {

@@ -1,5 +1,5 @@
 // Occlusion in the frame (Li 2003, section 4): the picture that it may change and the one that it
-// may not, and what it saves at each level.
+// may not, and its savings at each level.
 #include <gtest/gtest.h>
 
 #include "src/base/error.h"
@@ -15,11 +15,11 @@ namespace {
 
 constexpr Vec3i kDims{64, 60, 72};
 constexpr PictureSize kSize{200, 180};
-// Room for a part of what the frames need.
+// Room for a part of the data that the frames need.
 constexpr SceneOptions kLittleMemory{
     .block_vox = 16, .pages = 128, .memory_bytes = uint64_t{12} << 20};
 
-// An opaque wall, wider than what lies behind it, seen from +z.
+// An opaque wall, wider than the blobs behind it, seen from +z.
 std::unique_ptr<FunctionSource> wallBeforeBlobs() {
   VolumeLayout layout;
   layout.dims = kDims;
@@ -45,7 +45,7 @@ FrameOptions straight(Projection projection) {
   return options;
 }
 
-// Of the pixels, those with a channel that differs by more than `least_255` / 255.
+// The share of pixels with a channel that differs by more than `least_255` / 255.
 double differingShare(const Picture& a, const Picture& b, double least_255) {
   size_t differing = 0;
   for (size_t i = 0; i < a.rgba.size(); i += 4) {
@@ -146,8 +146,8 @@ TEST_F(OcclusionTest, aHoleInTheWallIsSeenThrough) {
   EXPECT_GT(clipped.report.occlusion.cells_clipped, 0) << "the floor but for what the hole shows";
 }
 
-// A long beam behind a wall: of its many clusters only those are read that the read-ahead had begun
-// before the wall was drawn, and none once a frame has told what is hidden.
+// A long beam behind a wall: of its many clusters, only those are read that the read-ahead had
+// begun before the wall was drawn, and none once a frame has found which are hidden.
 TEST_F(OcclusionTest, hiddenBlocksAreNeitherReadNorUploaded) {
   VolumeLayout layout;
   layout.dims = {64, 64, 640};
@@ -173,7 +173,7 @@ TEST_F(OcclusionTest, hiddenBlocksAreNeitherReadNorUploaded) {
   EXPECT_LT(counting.counts().bytes, bytes_of_all / 2);
   EXPECT_LT(first.report.pages_loaded, all.report.pages_loaded / 2);
   EXPECT_GT(first.report.occlusion.chunks_hidden, all.report.chunks / 2);
-  options.camera.azimuth_deg = 0.2;  // what is hidden stays so
+  options.camera.azimuth_deg = 0.2;  // hidden chunks stay hidden
   counting.reset();
   const Frame second = fresh.frame(options);
   for (const CountingSource::Read& read : counting.reads())
@@ -228,7 +228,7 @@ TEST_F(OcclusionTest, aFrameThatFailsLeavesNothingToTheNext) {
   }
 }
 
-// What a time limit left out was not hidden: the next frames have it.
+// The data that a time limit left out was not hidden: the next frames have it.
 TEST_F(OcclusionTest, limitedFramesAreCompletedByTheNext) {
   const auto source = wallBeforeBlobs();
   RenderScene scene(device(), *source, opaqueAbove(30), kLittleMemory);
@@ -244,7 +244,7 @@ TEST_F(OcclusionTest, limitedFramesAreCompletedByTheNext) {
   EXPECT_EQ(complete.picture.rgba, scene.frame(options).picture.rgba);
 }
 
-// Figure 8: blending what was drawn between updates gives the picture.
+// Figure 8: blending the phases between updates gives the picture.
 TEST_F(OcclusionTest, phasesBlendToThePicture) {
   const auto source = wallBeforeBlobs();
   RenderScene scene(device(), *source, {{{0, {0.9, 0.5, 0.2}}}, {{30, 0}, {255, 0.3}}, "soft"},

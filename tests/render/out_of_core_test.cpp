@@ -1,5 +1,5 @@
-// Frames under small budgets and while data is late: the same picture, nothing read for nothing,
-// and what is missing at a time limit is said.
+// Frames under small budgets and while data is late: the same picture, nothing read in vain, and
+// the share missing at a time limit is reported.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -239,7 +239,7 @@ TEST_F(OutOfCoreTest, whatAChangedThresholdMakesUselessIsNotRead) {
   session->setTransferFunction(above(1000));  // nothing is visible
   stalled.release();
   EXPECT_EQ(session->frame().report.missing_share, 0);
-  // What was under way when the change came: a run a reader.
+  // Only the runs under way when the change came were read: one per reader.
   EXPECT_LT(counting.reads().size(), static_cast<size_t>(limited.grey + limited.black) / 2);
 }
 

@@ -1,5 +1,5 @@
 // Growing boxes in the frame: the picture of object boxes, whatever the view, the look and the
-// memory; and what they cost and save.
+// memory; and their costs and savings.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,7 +16,7 @@ namespace sluice {
 namespace {
 
 constexpr double kOfReference = 2, kOfBlocks = 1;
-// Blocks that are large beside the blobs, so that boxes have something to leave out of them.
+// Blocks that are large compared with the blobs, so that boxes can leave something out.
 constexpr SceneOptions kLargeBlocks{.block_vox = 32, .partition = Partition::kBoxes};
 
 class PartitionTest : public RenderTest {
@@ -161,7 +161,7 @@ TEST_F(PartitionTest, reportCountsBoxesAndFewerSamples) {
   EXPECT_GT(boxes.samples_drawn, blocks.samples_drawn / 10);
 }
 
-// A frame that does not wait draws object boxes where the growing ones are not made.
+// A frame that does not wait draws object boxes if the growing ones are not made.
 TEST_F(PartitionTest, aTimeLimitMakesNoBoxes) {
   const auto source = spacedBlobs();
   RenderScene scene(device(), *source, someTransfer(), kLargeBlocks);
@@ -195,7 +195,8 @@ TEST_P(PartitionDataTest, boxesDrawTheSamePicture) {
           insideView(source->layout(), {0.45, 0.55, 0.6}, {0.2, 0.4, 0.3})})
       EXPECT_GT(expectSamePicture(scene, view), 0);
   }
-  // What a growing box shows lies within its block's object box, which is made from other numbers.
+  // The visible part of a growing box lies within its block's object box, which is made from other
+  // numbers.
   const OpacityTable table(transfer, ranges.map, ranges.device_range);
   const Box3 all = boxOf(size - Vec3i{1, 1, 1});
   std::vector<Box3> object(static_cast<size_t>(ranges.layout.blockCount()));

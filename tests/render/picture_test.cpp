@@ -11,7 +11,7 @@
 namespace sluice {
 namespace {
 
-// Of the issue: within 2/255 of the reference, within 1/255 of the unaccelerated picture.
+// Tolerances in 1/255: to the reference, and to the unaccelerated picture.
 constexpr double kOfReference = 2, kOfPlain = 1;
 
 std::unique_ptr<MemorySource> blobs(VoxelType type = VoxelType::kU8) {

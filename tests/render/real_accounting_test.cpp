@@ -1,6 +1,5 @@
-// Real volumes through caches too small for them: what the model counts is what the device was
-// handed and what the source gave, and no identity of the counters breaks, at any level (design,
-// points 4 and 5).
+// Real volumes through caches too small for them: the model's counts equal those of the device and
+// of the source, and no identity of the counters breaks, at any level (design, points 4 and 5).
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -18,7 +17,7 @@ constexpr int64_t kPagesOfABlock = 16;
 
 class RealAccountingTest : public RenderTest, public testing::WithParamInterface<RealVolume> {
  protected:
-  // A number of pages that makes the algorithm evict: a third of what its plan takes, but a block.
+  // A number of pages that makes the algorithm evict: a third of its plan's pages, minus a block.
   static int64_t tooFewPages(const SliceRanges& ranges, const TransferFunction& transfer,
                              Algorithm algorithm) {
     WorkerPool pool(2);
@@ -31,7 +30,7 @@ class RealAccountingTest : public RenderTest, public testing::WithParamInterface
     return std::max(kPagesOfABlock, plan.pageCount() / 3);
   }
 
-  // Draws `frames` frames of a turn and compares what each observer counted.
+  // Draws `frames` frames of a turn and compares the counts of the observers.
   static void expectEqualBytesOverATurn(VolumeSource& source, int64_t time,
                                         const TransferFunction& transfer, PolicyKind policy,
                                         Algorithm algorithm, int64_t pages, int frames) {

@@ -1,5 +1,5 @@
-// The public volumes that tests draw where they are present (SLUICE_DATA_DIR), by what a user would
-// name; skipped by name where not. datasets.md says what each is.
+// The public volumes that tests draw if they are present (SLUICE_DATA_DIR), by the name that a user
+// would give; skipped by name if not. datasets.md describes each.
 #pragma once
 
 #include <filesystem>
@@ -15,9 +15,9 @@
 namespace sluice {
 
 struct RealVolume {
-  const char* name;        // of the test
+  const char* name;        // name of the test
   const char* input;       // within the folder: a file, a folder or a pattern
-  Vec3d spacing{0, 0, 0};  // what a user says beside the name; 0: nothing
+  Vec3d spacing{0, 0, 0};  // the user's --spacing; 0: none
   int64_t time = 0;
   friend void PrintTo(const RealVolume& volume, std::ostream* out);
 };
@@ -25,10 +25,10 @@ struct RealVolume {
 std::span<const RealVolume> realVolumes();
 // The folder of all.
 std::filesystem::path realVolumesFolder();
-// Null where the volume is not there. Throws Error where it cannot be read.
+// Null if the volume is not there. Throws Error if it cannot be read.
 std::unique_ptr<VolumeSource> openReal(const RealVolume& volume);
 
-// What `sluice render FILE` alone would choose.
+// The automatic choice of `sluice render FILE`.
 TransferFunction automaticFor(const SliceRanges& ranges, const VolumeLayout& layout);
 
 }  // namespace sluice

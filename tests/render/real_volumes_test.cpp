@@ -59,7 +59,7 @@ TEST_P(RealVolumesTest, pictureIsRight) {
   }
 }
 
-// Surface-like, as what hides. Li 2003: nothing changes at threshold 1, and little at 0.95.
+// Surface-like, so that it hides much. Li 2003: nothing changes at threshold 1, and little at 0.95.
 TEST_P(RealVolumesTest, occlusionKeepsThePicture) {
   const auto file = openReal(GetParam());
   if (!file) GTEST_SKIP() << GetParam().input << " is not there";
@@ -96,8 +96,8 @@ TEST(RealVolumes, eachEntryOfTheFolderIsDrawnByATest) {
     GTEST_SKIP() << realVolumesFolder() << " is not there";
   for (const auto& entry : std::filesystem::directory_iterator(realVolumesFolder())) {
     const std::string name = entry.path().filename();
-    // Text, the small files of other writers that tests of readers use, what sluice keeps beside a
-    // volume, and the voxels of those headers that are named.
+    // Text, the small files of other writers that tests of readers use, sluice's own files next to
+    // a volume, and the voxels of those headers that are named.
     if (name == "formats" || name.ends_with(".md") || name.ends_with(".sluice-index") ||
         name == "HeadMRVolume.raw" || name == "nucleon.raw")
       continue;

@@ -43,9 +43,9 @@ std::shared_ptr<const SliceRanges> rangesOf(VolumeSource& source, const SceneOpt
       buildSliceRanges(source, options.time, layout, pool, progress));
 }
 
-// What single precision may round. Steps: the renderer makes ramps of them, see OpacityTable. Ends
-// of what is visible: the same and the part of a sample there, see LookUp. Faces: of coordinates of
-// some hundred voxels.
+// The rounding of single precision. Steps: the renderer makes ramps of them, see OpacityTable. Ends
+// of the visible values: the same and the part of a sample there, see LookUp. Faces: of coordinates
+// of some hundred voxels.
 Rounding roundingOf(const OpacityTable& table, const ValueMap& map) {
   const ValueRange range = table.deviceRange();
   const double entry =
@@ -60,8 +60,8 @@ float doubtOf(const FloatPicture& a, const FloatPicture& b, size_t pixel) {
   return std::max(a.doubt.empty() ? 0 : a.doubt[pixel], b.doubt.empty() ? 0 : b.doubt[pixel]);
 }
 
-// One pixel in 100, where rounding decides: a step is met on the way of half a per cent of the rays
-// that cross it, so that more means that the pictures are of different things.
+// A pixel in 100, where rounding decides. Half a per cent of the rays that cross a step have a
+// sample on it, so more means that the pictures show different things.
 int mostExcused(const FloatPicture& picture) {
   return std::max(1, picture.width * picture.height / 100);
 }
@@ -149,7 +149,7 @@ testing::AssertionResult within(double tolerance_255, const FloatPicture& a,
                                 const FloatPicture& b) {
   const Difference d = compare(a, b, tolerance_255);
   if (d.max_255 <= tolerance_255) return testing::AssertionSuccess();
-  // Where the reference says that rounding decides, and by how much.
+  // Pixels may differ where the reference finds that rounding decides, by as much as it says.
   int excused = 0;
   for (size_t pixel = 0; pixel < a.rgba.size() / 4; ++pixel) {
     const double difference = difference255(a.rgba, b.rgba, pixel);
@@ -176,7 +176,7 @@ testing::AssertionResult depthsWithin(double tolerance, const FloatPicture& a,
                                       const FloatPicture& b) {
   if (a.depth.size() != b.depth.size())
     return testing::AssertionFailure() << a.depth.size() << " against " << b.depth.size();
-  // Where almost nothing shows, the depth is the quotient of two roundings.
+  // At almost no opacity, the depth is the quotient of two rounding errors.
   constexpr float kLeastOpacity = 1e-3F;
   int64_t compared = 0;
   int excused = 0;

@@ -1,5 +1,5 @@
 // RenderScene: a source drawn by the renderer and by the reference from the same options, so that a
-// test says only what is special about it.
+// test states only its special options.
 //
 //   RenderScene scene(device(), *source, transfer, {.block_vox = 8, .lit = true});
 //   EXPECT_TRUE(within(2, scene.draw(options), scene.reference(options)));
@@ -49,7 +49,7 @@ class RenderScene {
   // Also expects that no identity of the counters is broken, at any level.
   Frame frame(const FrameOptions& options);
   FloatPicture draw(const FrameOptions& options);
-  // What the contracts say that draw() gives.
+  // The picture that draw() promises.
   FloatPicture reference(const FrameOptions& options) const;
 
   // A session over another source with this scene's index, options and transfer function: the index
@@ -75,11 +75,11 @@ class RenderScene {
 // Least and greatest value of a time step that is a number, in a plain loop.
 ValueRange valueRangeOf(VolumeSource& source, int64_t time = 0);
 
-// Success when no channel differs by more than tolerance_255 / 255, and by what the reference says
-// that rounding may change (FloatPicture::doubt), which at most one pixel in 100 may need. Pictures
-// of the renderer itself carry no doubt.
+// Success when no channel differs by more than tolerance_255 / 255, and by the change that rounding
+// may cause according to the reference (FloatPicture::doubt), which at most one pixel in 100 may
+// need. Pictures of the renderer itself carry no doubt.
 testing::AssertionResult within(double tolerance_255, const FloatPicture& a, const FloatPicture& b);
-// The same for depths where both pictures are opaque enough to have one, in world units.
+// The same for depths if both pictures are opaque enough to have one, in world units.
 testing::AssertionResult depthsWithin(double tolerance, const FloatPicture& a,
                                       const FloatPicture& b);
 // Success when the growing boxes, which the scene must allow, give the picture of the object boxes.
@@ -98,7 +98,7 @@ class RenderTest : public testing::Test {
   static void SetUpTestSuite();
   static void TearDownTestSuite() { device_.reset(); }
   static Device& device() { return *device_; }
-  // What the device copies of so many bytes that it is given: none where it borrows.
+  // How many of so many given bytes the device copies: none if it borrows.
   static uint64_t copied(uint64_t bytes) {
     return device().limits().texels == TexelPlace::kBorrowed ? 0 : bytes;
   }

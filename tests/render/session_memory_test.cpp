@@ -54,7 +54,7 @@ TEST_F(SessionTest, modelAndDeviceCountTheSameBytes) {
       }
 }
 
-// Design, points 1 and 5: the plan alone says what a frame will move.
+// Design, points 1 and 5: the plan alone determines what a frame will move.
 TEST_F(SessionTest, recordedRequestsAreThoseOfThePlanAndSimulateToTheSameBytes) {
   class Recorder : public TraceWriter {
    public:
@@ -223,7 +223,7 @@ TEST_F(SessionTest, memoryIsSharedOutWithoutRest) {
   const Budgets packed = shareMemory(kMemory, page, TexelPlace::kOnDevice, {16, 3 << 20}, 2);
   EXPECT_EQ(packed.volume_buffer + packed.texture_buffer + packed.scratch + packed.source, kMemory);
   const Budgets borrowed = shareMemory(kMemory, page, TexelPlace::kBorrowed, {16}, 2);
-  // Of each page 2^3 bricks: two texels and a byte, and four bytes for the chunk.
+  // Each page has 2^3 bricks: two texels and a byte for each, and four bytes for the chunk.
   constexpr uint64_t kTables = 8 * (8 * (2 * 2 + 1) + 4);
   EXPECT_EQ(borrowed.volume_buffer + borrowed.texture_buffer + borrowed.scratch + kTables, kMemory)
       << "what is borrowed is counted once";
@@ -231,7 +231,7 @@ TEST_F(SessionTest, memoryIsSharedOutWithoutRest) {
   EXPECT_GE(packed.source, static_cast<uint64_t>(packed.readers + 1) * (3 << 20));
 }
 
-// What level 2 says of its reads is what the source saw.
+// Level 2's counts of its reads equal those of the source.
 TEST_F(SessionTest, volumeBufferReadsEachBlockOnceWhileItFits) {
   const auto source = blobs();
   CountingSource counting(*source);

@@ -1,5 +1,4 @@
-// A session over several frames: what it uploads again and what not, what it reports, and sources
-// that fail.
+// A session over several frames: its uploads, its reports, and sources that fail.
 #include "src/render/session.h"
 
 #include <gtest/gtest.h>
@@ -56,7 +55,7 @@ TEST_F(SessionTest, whatIsExpectedAfterAFrameEndsWithIt) {
   session.setOptions(smallView());
   session.expectAfterwards(next);
   session.frame();
-  session.setTimeStep(next);  // and what is expected is read, by this frame at the latest
+  session.setTimeStep(next);  // and the expected data is read, by this frame at the latest
   session.frame();
   EXPECT_GT(readsOfNext(), 0);
 }
@@ -84,7 +83,7 @@ TEST_F(SessionTest, changedThresholdUploadsOnlyChunksThatItChanges) {
   scene.setTransfer(thresholdTransfer(40, {0, 200}, 0.2, "inferno"));
   EXPECT_EQ(scene.frame(options).report.pages_loaded, 0U);
   EXPECT_TRUE(within(2, scene.draw(options), scene.reference(options)));
-  // A higher threshold, and back: what was loaded for the first is still there.
+  // A higher threshold, and back: the chunks loaded for the first are still there.
   scene.setTransfer(thresholdTransfer(120, {0, 200}, 0.2, "viridis"));
   EXPECT_GT(scene.frame(options).report.pages_loaded, 0U);
   EXPECT_TRUE(within(2, scene.draw(options), scene.reference(options)));
@@ -94,7 +93,7 @@ TEST_F(SessionTest, changedThresholdUploadsOnlyChunksThatItChanges) {
 }
 
 TEST_F(SessionTest, reportCountsBlocksChunksAndPages) {
-  // One object voxel in the middle of the last of 2 x 2 x 2 blocks.
+  // A single object voxel in the middle of the last of 2 x 2 x 2 blocks.
   const auto source = makeMemorySource<uint8_t>(
       Vec3i{15, 15, 15},
       [](int64_t x, int64_t y, int64_t z) { return x == 11 && y == 11 && z == 11 ? 200 : 0; });

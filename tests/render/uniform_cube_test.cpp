@@ -36,8 +36,8 @@ double lengthInside(Vec3d start, Vec3d direction) {
   return std::max(0.0, to - from);
 }
 
-// Each pixel's opacity differs from the analytic one by that of one sample at most: a path is
-// rounded to whole steps.
+// Each pixel's opacity differs from the analytic one by at most one sample's: a path is rounded to
+// whole steps.
 void expectAnalyticOpacity(const FloatPicture& picture, const View& view) {
   for (int j = 0; j < picture.height; ++j)
     for (int i = 0; i < picture.width; ++i) {

@@ -1,5 +1,5 @@
-// What voxels hold and what values look like: every voxel type, scale and offset, what is not a
-// number, and transfer functions of every shape.
+// Kinds of voxels and looks: every voxel type, scale and offset, NaN and infinities, and transfer
+// functions of every shape.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -157,7 +157,7 @@ TEST_F(ValuesTest, notANumberIsTransparent) {
     return (x / 4 + y / 5 + z / 6) % 3 == 0 ? nan : static_cast<float>(wave(x, y, z));
   });
   expectRightPicture(*source, rampOver({0, 1}), "low values transparent");
-  // A mask of NaN is no low value: also where those are what shows.
+  // A mask of NaN is no low value, even if low values are visible.
   TransferFunction low = rampOver({0, 1});
   low.opacities = {{0.3, 0.3}, {0.5, 0}};
   expectRightPicture(*source, low, "low values opaque");
@@ -170,7 +170,7 @@ TEST_F(ValuesTest, notANumberIsTransparent) {
   }
 }
 
-// One infinite voxel neither spoils the others nor the table's resolution.
+// A single infinite voxel spoils neither the others nor the table's resolution.
 TEST_F(ValuesTest, infinityIsTheHighestValue) {
   const float infinity = std::numeric_limits<float>::infinity();
   for (const float extreme : {infinity, -infinity}) {

@@ -1,4 +1,4 @@
-// What is drawn of growing boxes: every visible cell once, in an order that no ray contradicts.
+// The growing boxes that are drawn: every visible cell once, in an order that no ray contradicts.
 #include "src/render/visible_boxes.h"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 namespace sluice {
 namespace {
 
-// One block of random blobs with its bricks, and a transfer function.
+// A block of random blobs with its bricks, and a transfer function.
 struct Block {
   explicit Block(uint64_t seed) {
     BlobOptions options;
@@ -118,7 +118,7 @@ TEST(VisibleBoxes, noneWhereNothingShows) {
   EXPECT_TRUE(inOrder(drawn, {true, {1, 0, 0}}).empty());
 }
 
-// Along random rays, parallel and from an eye outside, inside and on a corner.
+// Rays are random: parallel, and from an eye outside, inside and on a corner.
 TEST(VisibleBoxes, comeFrontToBackAlongEveryRay) {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> unit(-1, 1), share(0, 1);

@@ -194,7 +194,7 @@ TEST(Slicer, areasAddUpToTheVolume) {
   }
 }
 
-// Two halves and the whole: each slice has the same area, also where it lies in the face between.
+// Two halves and the whole: each slice has the same area, even if it lies in the face between.
 TEST(Slicer, boxesThatShareAFaceShareEachSliceWithoutRest) {
   Random random;
   for (int round = 0; round < 500; ++round) {

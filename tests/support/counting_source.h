@@ -1,4 +1,4 @@
-// CountingSource: the second observer of accounting tests. Wraps a source and counts for itself
+// CountingSource: the second observer of accounting tests. Wraps a source and counts independently
 // what is read through it.
 //
 // The wrapped source must outlive it. Any thread may call any member.
@@ -19,8 +19,8 @@ class CountingSource : public VolumeSource {
     friend bool operator==(const Read&, const Read&) = default;
   };
   struct Counts {
-    int64_t calls = 0, voxels = 0, bytes = 0;  // of calls that returned
-    int64_t failures = 0;                      // of those that threw
+    int64_t calls = 0, voxels = 0, bytes = 0;  // calls that returned
+    int64_t failures = 0;                      // calls that threw
     int64_t max_at_once = 0;                   // calls under way at one moment, at most
   };
 
@@ -28,7 +28,7 @@ class CountingSource : public VolumeSource {
 
   const VolumeLayout& layout() const override { return source_.layout(); }
   void readRegion(int64_t time, const Box3& box, std::span<std::byte> out) override;
-  // One call, however many regions.
+  // Counts as one call, however many regions.
   void readRegions(int64_t time, std::span<const RegionRead> regions) override;
   std::optional<Occupancy> occupancy(int64_t time) override { return source_.occupancy(time); }
   std::string identity() const override { return source_.identity(); }

@@ -1,4 +1,4 @@
-// What an Error says, from a test.
+// The message of an Error, for tests.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 // FailingMemory: while one lives, an allocation of its thread fails, to see that nothing is left
-// half done where memory runs out.
+// half done when memory runs out.
 //
-// Replaces operator new of the whole test program. One at a time on a thread.
+// Replaces operator new of the whole test program. A thread may have one at a time.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,7 @@ class FailingMemory {
 };
 
 // Calls f(n) for n = 0, 1, ... until a call in which no allocation failed: f makes a FailingMemory
-// of n around what it tests and returns its failed().
+// of n around the tested code and returns its failed().
 template <class F>
 void forEachAllocation(F&& f) {
   for (int64_t n = 0; f(n); ++n) {

@@ -1,4 +1,4 @@
-// FloatPicture: what the reference renderer gives, and how pictures are compared.
+// FloatPicture: the reference renderer's result, and the comparison of pictures.
 #pragma once
 
 #include <array>
@@ -11,18 +11,19 @@ namespace sluice {
 struct FloatPicture {
   int width = 0, height = 0;
   std::vector<float> rgba;   // premultiplied, row 0 on top, 4 floats a pixel
-  std::vector<float> depth;  // world units along the view, 0 where the picture is transparent
+  std::vector<float> depth;  // world units along the view, 0 if the picture is transparent
   // By how much rounding may change a channel of each pixel, of 1; empty: by nothing that counts.
   std::vector<float> doubt = {};
 
   std::array<float, 4> at(int x, int y) const;
 };
 
-// In units of 1/255, over all channels, after clamping both to 0..1; NaN differs by 255.
+// Differences in units of 1/255, over all channels, after clamping both to 0..1; NaN differs by
+// 255.
 struct Difference {
   double max_255 = 0, mean_255 = 0;
   int pixels_over = 0;           // pixels with a channel that differs by more than the tolerance
-  int worst_x = 0, worst_y = 0;  // where the maximum is
+  int worst_x = 0, worst_y = 0;  // pixel of the maximum
 };
 
 // The largest difference of a pixel's channels, as below.

@@ -14,7 +14,7 @@ namespace {
 // Below it lie the stand-in for NaN and whatever is interpolated with it (device_voxel.h).
 constexpr double kNoNumber = -2e30;
 
-// Of a row of clip space.
+// The product of a row of clip space and a position.
 double along(const std::array<double, 4>& row, Vec3d p) {
   return row[0] * p.x + row[1] * p.y + row[2] * p.z + row[3];
 }
@@ -31,7 +31,7 @@ int clampedInt(double v) {
 
 struct PlainDevice::Ray {
   Vec3d origin, step;
-  double length = 1;  // of the way between two slices, in FrameSetup::slice_length
+  double length = 1;  // length between two slices, in units of FrameSetup::slice_length
 
   Vec3d at(int64_t slice) const { return origin + step * (static_cast<double>(slice) + 0.5); }
   // Slices [from, to) inside the box and the clip planes.
@@ -39,7 +39,8 @@ struct PlainDevice::Ray {
     double from = static_cast<double>(setup.first_slice), to = 1e15;
     for (int a = 0; a < 3; ++a) {
       const double s = safe(step[a]);
-      // The first slice at or past a face seen from before it: both boxes there say the same.
+      // The first slice at or past a face seen from before it: the boxes on both sides compute the
+      // same.
       const auto sliceAt = [&](int64_t face) {
         const double t = (static_cast<double>(face) - origin[a]) / s - 0.5;
         return s > 0 ? std::ceil(t) : std::floor(t) + 1;
@@ -59,8 +60,8 @@ struct PlainDevice::Ray {
     if (!(from < to)) return {0, 0};
     return {static_cast<int64_t>(from), static_cast<int64_t>(to)};
   }
-  // Where the ray, origin + t * step, enters and leaves what is shown, see FrameSetup; the first is
-  // the greater where it does not.
+  // The distances t at which the ray, origin + t * step, enters and leaves what is shown, see
+  // FrameSetup; if it misses, the first is the greater.
   std::array<double, 2> wayThroughShown(const FrameSetup& setup) const {
     double enter = setup.first_slice > 0 ? static_cast<double>(setup.first_slice) + 0.5 : -1e15;
     double leave = 1e15;
@@ -84,7 +85,7 @@ struct PlainDevice::Ray {
   }
 };
 
-// Where the ray is sampled inside the box, see FrameSetup: visit(position, slice) until false.
+// Visits the samples of the ray inside the box, see FrameSetup: visit(position, slice) until false.
 template <class Visit>
 void PlainDevice::eachSample(const Ray& ray, const BoxDraw& box, Visit&& visit) const {
   const Box3& cells = box.cells;
@@ -185,7 +186,7 @@ void PlainDevice::eachPixelOf(const Box3& cells, Visit&& visit) const {
     for (int a = 0; a < 3; ++a)
       p[a] = static_cast<double>((corner >> a & 1) != 0 ? cells.hi[a] : cells.lo[a]);
     const double w = along(setup_.clip_from_index[2], p);
-    if (w <= 0) {  // beside the eye: anywhere
+    if (w <= 0) {  // next to the eye: may project anywhere
       x0 = y0 = -1e9;
       x1 = y1 = 1e9;
       break;
@@ -233,7 +234,7 @@ void PlainDevice::take(const Ray& ray, const BoxDraw& box, const ChunkTexels& ch
     const auto& [axes, scale, offset] = box.texels;
     Vec3d texel;
     for (int a = 0; a < 3; ++a) texel[a] = p[axes[static_cast<size_t>(a)]] * scale[a] + offset[a];
-    // Beyond the outermost texels lie none but theirs.
+    // Beyond the outermost texels their values continue.
     for (int a = 0; a < 3; ++a)
       texel[a] = std::clamp(texel[a], 0.0, static_cast<double>(chunk.storage_vox[a] - 1));
     const bool labels = composite && look_up.labels;
@@ -291,7 +292,7 @@ void PlainDevice::take(const Ray& ray, const BoxDraw& box, const ChunkTexels& ch
   });
 }
 
-// As lighting.h has it.
+// Lights as described in lighting.h.
 Vec3d PlainDevice::shaded(Vec3d rgb, Vec3d gradient) const {
   const double squared = dot(gradient, gradient);
   if (!(squared > 0)) return rgb;
@@ -338,7 +339,7 @@ std::vector<float> PlainDevice::leastOpacity(const MapGrid& grid) {
           if (x + 0.5 >= x0 - 1e-6 && x + 0.5 <= x1 + 1e-6 && y + 0.5 >= y0 - 1e-6 &&
               y + 0.5 <= y1 + 1e-6)
             cell = std::min(cell, at(x, y).opacity);
-      // Single precision may round up what is less.
+      // Single precision may have rounded up.
       least.push_back(std::nextafter(static_cast<float>(cell), 0.0F));
     }
   return least;

@@ -2,8 +2,8 @@
 // draws: it needs no driver, is exact, and small pictures take milliseconds. It shares nothing with
 // the devices of the program but their interface.
 //
-// Where the contract leaves a choice, the options take one: a device that holds the texels that it
-// is given instead of copying them, and one that draws as late as it may.
+// Options take the choices that the contract leaves: a device that holds the texels that it is
+// given instead of copying them, and one that draws as late as it may.
 #pragma once
 
 #include <functional>
@@ -81,7 +81,7 @@ class PlainDevice : public Device {
   std::vector<BoxDraw> put_off_;
 };
 
-// Of these bytes, x fastest.
+// A chunk of these bytes, x fastest.
 ChunkTexelsPtr chunkTexels(Vec3i storage_vox, DeviceType type, std::span<const std::byte> bytes);
 
 }  // namespace sluice

@@ -21,7 +21,7 @@ double texelAt(const ChunkTexels& chunk, Vec3i texel, int number = 0) {
   });
 }
 
-// Position among `count` entries, and what lies there between them.
+// A position among `count` entries, and the interpolation at it.
 struct Entry {
   size_t first = 0, second = 0;
   double part = 0;

@@ -1,4 +1,4 @@
-// What the plain device reads at a place of a chunk and at a value of the tables, in plain loops.
+// Samples a chunk's texels and the tables as the plain device does, in plain loops.
 #pragma once
 
 #include <array>
@@ -8,26 +8,26 @@
 
 namespace sluice {
 
-// Trilinear; texel centres at integers, beyond the chunk its outermost texels. Of a chunk with
-// spreads number 0 is the mean and 1 the spread.
+// Trilinear; texel centres at integers, beyond the chunk its outermost texels. In a chunk with
+// spreads, number 0 is the mean and 1 the spread.
 double valueAt(const ChunkTexels& chunk, Vec3d at, int number = 0);
 
-// Of the eight texels around: the value that has the greatest weight, of two alike the greater.
+// The value with the greatest weight among the eight texels around; of two with the same weight,
+// the greater.
 double labelAt(const ChunkTexels& chunk, Vec3d at);
 
-// The table's entry of a device value, and between two entries where it interpolates.
+// The table's entry of a device value, interpolated between two entries if it interpolates.
 std::array<double, 4> lookedUp(const LookUp& look_up, double value, bool interpolates);
 
-// The table's entry of a mean and a spread, premultiplied, and by what share it stands for them;
-// the rest is what the mean looks like without spread.
+// The table's entry of a mean and a spread, premultiplied, and the share by which it stands for
+// them; the rest is the mean's look without spread.
 struct ExpectedEntry {
   std::array<double, 4> rgba{};
   double share = 0;
 };
 ExpectedEntry expectedAt(const ExpectedLook& look, double mean, double spread);
 
-// By what a gradient of that magnitude, at that value, multiplies the opacity; 1 without such a
-// table.
+// The factor of the opacity at a gradient of that magnitude and that value; 1 without such a table.
 double factorOf(const LookUp& look_up, double magnitude, double value);
 
 }  // namespace sluice

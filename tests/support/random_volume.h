@@ -13,7 +13,7 @@ struct BlobOptions {
   VoxelType type = VoxelType::kU8;
   uint64_t seed = 1;
   int blobs = 6;           // soft balls; 0 leaves the volume empty
-  double radius_vox = 7;   // of the largest; the smallest has half of it
+  double radius_vox = 7;   // radius of the largest; the smallest has half of it
   double drift_vox = 1.5;  // how far a blob goes from one time step to the next, at most
   int64_t time_steps = 1;
   Vec3d spacing{1, 1, 1};

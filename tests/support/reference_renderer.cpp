@@ -15,10 +15,10 @@
 namespace sluice {
 namespace {
 
-// Faces belong to the volume where voxel planes are sampled, to this part of a voxel.
+// Faces belong to the volume if voxel planes are sampled, to this part of a voxel.
 constexpr double kPlaneEdge = 1e-3;
 
-// Of light reflected by white: what src/device/lighting.h adds up to at most by default.
+// The most light that white reflects with the default lighting (src/device/lighting.h).
 constexpr double kBrightestLit = 1.5;
 
 // index = rows * (world - origin): the inverse of VolumeLayout's map, which may be oblique.
@@ -109,7 +109,7 @@ class Renderer {
     const Vec3d from = index_from_world_(start);
     const Vec3d d = index_from_world_(start + direction) - from;
     double enter = nearestDepth(), leave = std::numeric_limits<double>::infinity();
-    // What is shown lies where a + b * depth >= 0.
+    // A half-space of the shown part: depths with a + b * depth >= 0.
     const auto keep = [&](double a, double b) {
       if (b > 0)
         enter = std::max(enter, -a / b);
@@ -161,7 +161,7 @@ class Renderer {
     }
   }
 
-  // Of a volume grown by `grown_vox` on all sides.
+  // Whether p lies in the shown part, grown by `grown_vox` on all sides.
   bool counts(Vec3d p, Vec3d world, double grown_vox) const {
     for (int a = 0; a < 3; ++a)
       if (!(p[a] >= static_cast<double>(crop_.lo[a]) - grown_vox &&
@@ -180,7 +180,8 @@ class Renderer {
     return p;
   }
 
-  // Of a sample's length, for a gradient of `magnitude` value units a voxel length.
+  // The opacity of a sample of this length, for a gradient of `magnitude` value units a voxel
+  // length.
   double opacity(double value, double magnitude, double voxel_lengths) const {
     const double whole =
         opacityAt(scene_.transfer, value) * gradientFactorAt(scene_.transfer, value, magnitude);
@@ -211,7 +212,7 @@ class Renderer {
                        [&](const GradientRow& row) { return isNearStep(row.factors, value); });
   }
 
-  // By how much a channel of the sample may change where rounding moves it across a step.
+  // By how much a channel of the sample may change if rounding moves it across a step.
   double doubtOf(double value, double magnitude, double voxel_lengths) const {
     if (!isNearStep(value)) return 0;
     const double reach = scene_.rounding.step_value;
@@ -255,7 +256,7 @@ class Renderer {
     return out;
   }
 
-  // Of some samples: their maximum, minimum or mean.
+  // The maximum, minimum or mean of some samples.
   struct Projected {
     double value = 0;
     int64_t taken = 0;
@@ -279,7 +280,8 @@ class Renderer {
   }
 
   Pixel project(Vec3d start, Vec3d direction) const {
-    // What takes part; the same without what rounding may leave out, and with what it may take in.
+    // The result exactly; without the samples that rounding may leave out; with those that it may
+    // add.
     Projected exact, least, most;
     const auto take = [&](Vec3d p, bool surely, bool exactly, bool perhaps) {
       const double value = values_.at(p);
@@ -319,7 +321,7 @@ class Renderer {
       before[a] = std::max(p[a] - 1, 0.0);
       after[a] = std::min(p[a] + 1, static_cast<double>(layout_.dims[a] - 1));
       const double difference = values_.at(after) - values_.at(before);
-      if (std::isnan(difference)) continue;  // says nothing of the slope along this axis
+      if (std::isnan(difference)) continue;  // tells nothing of the slope along this axis
       g = g + layout_.axes[static_cast<size_t>(a)] * (difference / (2 * layout_.spacing[a]));
     }
     return g;

@@ -9,7 +9,7 @@
 // spacing. Faces are shown too, to a thousandth of a voxel. Everything else is taken at the slices,
 // where a sample with labels has the value of the greatest weight.
 //
-// A slice's sample counts where 0 <= p[a] < dims[a] - 1 on every axis (p: its position in voxels),
+// A slice's sample counts if 0 <= p[a] < dims[a] - 1 on every axis (p: its position in voxels),
 // inside the crop box and kept by every clip plane. Infinities count as +-1e30; a sample with any
 // part of a NaN shows nothing, and an axis along which a gradient would meet one adds nothing to it
 // (src/volume/device_voxel.h). Reads the whole time step into memory.
@@ -29,25 +29,25 @@ namespace sluice {
 enum class ReferenceMode {
   kComposite,
   // Over the values of the samples whose opacity is above 0; the colour of that one value, opaque,
-  // or transparent where there is no such sample. Unlit; depth is 0.
+  // or transparent if there is no such sample. Unlit; depth is 0.
   kMaximum,
   kMinimum,
   kAverage,
 };
 
-// A sample is kept where dot(normal, world position) <= offset.
+// A sample is kept if dot(normal, world position) <= offset.
 struct ReferenceClipPlane {
   Vec3d normal;
   double offset = 0;
 };
 
-// What a renderer of single precision may round: FloatPicture::doubt says by how much that may
-// change each pixel. With zeros nothing is in doubt.
+// The rounding of a renderer of single precision; FloatPicture::doubt is the change that it may
+// cause in each pixel. With zeros nothing is in doubt.
 struct Rounding {
   // A step of the transfer function (two points at one value, or almost), of its gradient rows too,
   // is met within this many value units of it.
   double step_value = 0;
-  // Modes other than composite: so is an end of what is visible.
+  // Modes other than composite: an end of the visible values is doubtful too.
   double end_value = 0;
   // A face of the volume, of the crop box or a clip plane within this many voxels.
   double face_vox = 0;
@@ -59,10 +59,10 @@ struct ReferenceScene {
   TransferFunction transfer;
   ReferenceMode mode = ReferenceMode::kComposite;
   int64_t time = 0;
-  std::optional<Box3> crop;  // voxels: a sample counts where lo <= p < hi - 1
+  std::optional<Box3> crop;  // voxels: a sample counts if lo <= p < hi - 1
   std::vector<ReferenceClipPlane> clip_planes;
-  std::optional<Lighting> lighting;  // unlit where absent
-  ValueRange value_range;            // of the volume, for Lighting::flat_share
+  std::optional<Lighting> lighting;  // unlit if absent
+  ValueRange value_range;            // range of the volume, for Lighting::flat_share
   double opacity_threshold = 1;      // a ray ends once its opacity has reached this
   Rounding rounding;
 };

@@ -20,7 +20,7 @@ TransferFunction constantOpacity(double opacity) {
   return {{{0, {1, 1, 1}}}, {{0, opacity}}, "constant"};
 }
 
-// A colour that says the value: red rises from 0 at lo to 1 at hi; opaque from `threshold` on.
+// A colour that tells the value: red rises from 0 at lo to 1 at hi; opaque from `threshold` on.
 TransferFunction redRamp(double lo, double hi, double threshold) {
   return {{{lo, {0, 0, 0}}, {hi, {1, 0, 0}}}, {{threshold, 0}, {threshold, 1}}, "red"};
 }
@@ -117,7 +117,7 @@ TEST(ReferenceRenderer, compositesALinearRampSampleBySample) {
   EXPECT_NEAR(picture.depth[0], depth / opacity, 1e-5);
 }
 
-// The greatest value of this ramp lies where rays leave through a side face, between voxel planes.
+// This ramp is greatest where rays leave through a side face, between voxel planes.
 TEST(ReferenceRenderer, extremesAreTakenWhereRaysPassSideFaces) {
   const auto ramp =
       makeMemorySource<float>(Vec3i{9, 9, 21}, [](auto x, auto, auto) { return 10 * x; });
@@ -305,7 +305,7 @@ TEST(ReferenceRenderer, volumeOfOnePlaneHasNoCells) {
 TEST(ReferenceRenderer, infinityIsAFarValueAndNotANumberShowsNothing) {
   const float infinity = std::numeric_limits<float>::infinity();
   const float nan = std::numeric_limits<float>::quiet_NaN();
-  const View view = alongMinusZ({4, 4, 4}, 8, 0.1, {1, 1});  // one ray through voxel (4, 4)
+  const View view = alongMinusZ({4, 4, 4}, 8, 0.1, {1, 1});  // a single ray through voxel (4, 4)
   const auto opacityOf = [&](float middle) {
     const auto source = makeMemorySource<float>({9, 9, 9}, [&](auto x, auto y, auto z) {
       return x == 4 && y == 4 && z == 4 ? middle : 0.5F;
@@ -313,7 +313,7 @@ TEST(ReferenceRenderer, infinityIsAFarValueAndNotANumberShowsNothing) {
     ReferenceScene scene = sceneOf({{{0, {1, 1, 1}}}, {{0, 0.1}, {0.5, 0.1}, {1, 0.3}}, "three"});
     return renderReference(*source, view, scene).at(0, 0)[3];
   };
-  // Eight samples half way between planes, of which two lie beside the voxel.
+  // Eight samples half way between planes, two of which lie next to the voxel.
   EXPECT_NEAR(opacityOf(0.5F), 1 - std::pow(0.9, 8), kTight);
   EXPECT_NEAR(opacityOf(infinity), 1 - std::pow(0.9, 6) * std::pow(0.7, 2), kTight);
   EXPECT_NEAR(opacityOf(-infinity), 1 - std::pow(0.9, 8), kTight);
@@ -341,7 +341,7 @@ TEST(ReferenceRenderer, doubtIsWhatRoundingAtAStepOrAFaceMayChange) {
   scene.rounding.face_vox = 0.6;
   EXPECT_NEAR(doubt(), 0.1 + std::pow(0.9, 7) * 0.1 + std::pow(0.9, 8) * 0.1, kTight);
 
-  // Modes: whether samples at an end of what is visible take part.
+  // Modes: whether samples at an end of the visible values take part.
   for (const ReferenceMode mode :
        {ReferenceMode::kMaximum, ReferenceMode::kMinimum, ReferenceMode::kAverage}) {
     scene = sceneOf({{{0, {1, 1, 1}}}, {{100.25, 0}, {100.25, 0.2}}, "step"}, mode);

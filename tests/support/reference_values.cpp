@@ -8,10 +8,10 @@
 namespace sluice {
 namespace {
 
-// What infinities count as, and what is as far away (src/volume/device_voxel.h).
+// The value that stands for infinities and anything as far away (src/volume/device_voxel.h).
 constexpr double kFarthest = 1e30;
 
-// Of labels whose weights are this close the greater one counts.
+// If two labels' weights are this close, the greater label counts.
 constexpr double kLabelTie = 1e-3;
 
 template <class T>
@@ -28,7 +28,7 @@ double trilinear(const std::byte* bytes, Vec3i dims, Vec3d p) {
     const T v = voxels[((i.z + z) * dims.y + i.y + y) * dims.x + i.x + x];
     return std::clamp(static_cast<double>(v), -kFarthest, kFarthest);
   };
-  // A voxel of no weight has no say, also where it is no number.
+  // A voxel of no weight does not count, even if it is NaN.
   const auto between = [](double t, auto&& first, auto&& second) {
     return t == 0 ? first() : first() * (1 - t) + second() * t;
   };
@@ -61,7 +61,7 @@ ReferenceValues::Label heaviest(const std::byte* bytes, Vec3i dims, Vec3d p) {
     const auto value = static_cast<double>(voxels[(i.z * dims.y + i.y) * dims.x + i.x]);
     weights[std::isnan(value) ? -std::numeric_limits<double>::max() : value] += weight;
   }
-  // Ascending, so that of two alike the greater one stays.
+  // Ascending, so that of two with the same weight the greater one stays.
   ReferenceValues::Label best{0, 0};
   double most = -1, second = -1;
   for (const auto& [value, weight] : weights) {

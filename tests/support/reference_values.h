@@ -13,8 +13,8 @@ class ReferenceValues {
   // Reads the whole time step into memory.
   ReferenceValues(VolumeSource& source, int64_t time);
 
-  // That of the eight voxels around p whose value has the greatest weight, and by how much it
-  // leads. Requires: as at().
+  // The value with the greatest weight among the eight voxels around p, and by how much it leads.
+  // Requires: as at().
   struct Label {
     double value, lead;
   };

@@ -17,7 +17,7 @@ CommandResult runCommand(const std::string& line);
 // Whether a program of this name is on the PATH; a test that needs it skips by name otherwise.
 bool haveProgram(std::string_view name);
 
-// In single quotes, safe as one word of runCommand's line.
+// The text in single quotes, safe as one word of runCommand's line.
 std::string shellQuoted(std::string_view text);
 
 }  // namespace sluice

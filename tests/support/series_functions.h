@@ -14,7 +14,7 @@ struct TestSeries {
   SeriesPassReport report;
 };
 
-// `transfer` over the values that `ranges`, those of one step, have.
+// `transfer` over the values of `ranges`, which belong to one step.
 inline TestSeries makeTestSeries(VolumeSource& source, const BlockLayout& layout,
                                  const OpacityTable& table, SeriesPassOptions options = {},
                                  int threads = 2) {

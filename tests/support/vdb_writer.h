@@ -11,22 +11,23 @@
 
 namespace sluice {
 
-// What a grid was made of, and what each voxel of `box` (index space) is, x fastest, as double.
+// The contents of a written grid; `values` are the voxels of `box` (index space), x fastest, as
+// double.
 struct WrittenGrid {
   Box3 active;  // the active voxels and tiles
   Box3 box;     // active and one voxel more on each side
   std::vector<double> values;
   int64_t leaves = 0;
-  int64_t tiles = 0;  // that differ from the background
+  int64_t tiles = 0;  // tiles that differ from the background
 };
 
-// One grid of scattered leaves, active and inactive tiles of several sizes, some of them as the
-// background. `type`: float, half, double, int32, int64, bool, mask. `compression`: OpenVDB's flags
-// (1 zip, 2 active values only, 4 blosc).
+// Writes a grid of scattered leaves, active and inactive tiles of several sizes, some of them equal
+// to the background. `type`: float, half, double, int32, int64, bool, mask. `compression`:
+// OpenVDB's flags (1 zip, 2 active values only, 4 blosc).
 WrittenGrid writeMixedGrid(const std::filesystem::path& path, const std::string& type,
                            uint32_t compression = 6);
 
-// One grid "f" of floats with the given active voxels, background 0; no values are worked out.
+// Writes a grid "f" of floats with the given active voxels, background 0; does not return values.
 void writePoints(const std::filesystem::path& path,
                  const std::map<std::array<int, 3>, float>& points);
 

@@ -44,7 +44,7 @@ class Table {
     addTexts(field);
     addEach(field, wrong);
   }
-  // A list of `right` numbers, of which each in turn becomes each of `wrong`.
+  // A list of `right` numbers, each of which in turn becomes each of `wrong`.
   void list(const std::string& field, const json& wrong) {
     const json given = right()[json::json_pointer(field)];
     addEach(field, {nullptr, 1, "text", json::array(), json::object()});

@@ -8,7 +8,7 @@
 namespace sluice {
 
 struct WrongState {
-  std::string field;  // JSON pointer to what is wrong, as the message has it, or to what holds it
+  std::string field;  // JSON pointer to the wrong field, as in the message, or to its parent
   std::string json;   // the file
 };
 
@@ -17,7 +17,7 @@ inline constexpr const char* kStateVolume = "synth:shells,dims=24x20x16";
 
 // A view that is right, with every field that wrongStates() spoils. It names no volume.
 std::string rightState();
-// At least 200.
+// Returns at least 200 states.
 std::vector<WrongState> wrongStates();
 
 }  // namespace sluice

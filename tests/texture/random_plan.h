@@ -1,4 +1,4 @@
-// Volumes cut into blocks, with what is visible of each made up: what plans are made from in tests.
+// Volumes cut into blocks, with made-up visible parts of each, for making plans in tests.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@ inline Box3 allCells(const BlockLayout& layout) {
   return {{0, 0, 0}, layout.dims - Vec3i{1, 1, 1}};
 }
 
-// As classify() would: the kind and the trimming axis follow from the box.
+// The block that classify() would make: the kind and the trimming axis follow from the box.
 inline ObjectBlock objectBlock(const BlockLayout& layout, int64_t block, const Box3& cells) {
   ObjectBlock object;
   object.name.block = block;

@@ -1,4 +1,4 @@
-// A texture buffer that fills chunks ahead of the one who asks: batches begun, finished, cancelled.
+// A texture buffer that fills chunks ahead of its caller: batches begun, finished, cancelled.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,4 @@
-// A texture buffer over a volume of blocks of one size, and a look at each texel to check what it
-// gives.
+// A texture buffer over a volume of blocks of one size, and a check of each texel that it gives.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-// What a texture buffer gives to those who ask for it: the right texels, within the budget, with
-// counters that tell what happened.
+// A texture buffer returns the right texels, within the budget, and its counters tell what
+// happened.
 #include "src/texture/texture_buffer.h"
 
 #include <gmock/gmock.h>
@@ -117,7 +117,7 @@ TEST_F(TextureBufferTest, aFailedReadLeavesTheBufferUsable) {
   EXPECT_THROW(acquire(*buffer, {0, 5, 10, 15}), Error);
   CacheCounters c = buffer->counters();
   EXPECT_GE(c.failures, 1U);
-  EXPECT_EQ(c.resident, 4 - c.failures);  // what other threads filled meanwhile is kept
+  EXPECT_EQ(c.resident, 4 - c.failures);  // chunks that other threads filled meanwhile are kept
   EXPECT_THAT(c.brokenIdentity(), IsEmpty());
   const auto texels = acquire(*buffer, {0, 5, 10, 15});
   expectTexels(plan_, ChunkPosition(int64_t{5}), *texels[1], *memory_);

@@ -1,4 +1,5 @@
-// The texels of a chunk: each is the voxel that it stands for, and what no block fills is 0.
+// The texels of a chunk: each is the voxel that it stands for, and texels that no block fills are
+// 0.
 #include <gtest/gtest.h>
 
 #include <malloc.h>
@@ -17,7 +18,7 @@
 namespace sluice {
 namespace {
 
-// Memory comes with junk in it, as that of an evicted chunk does.
+// New memory holds junk, as an evicted chunk's does.
 struct JunkInNewMemory {
   JunkInNewMemory() { mallopt(M_PERTURB, 0x5a); }
   ~JunkInNewMemory() { mallopt(M_PERTURB, 0); }
@@ -58,7 +59,7 @@ TEST(TextureBuffer, eachTexelIsTheVoxelItStandsFor) {
 }
 
 TEST(TextureBuffer, smallVolumesArePaddedByTheirBorder) {
-  // One block of 8 over a volume of 3 x 2 x 5 voxels.
+  // A single block of 8 over a volume of 3 x 2 x 5 voxels.
   const auto source = makeWhiteNoise({3, 2, 5}, VoxelType::kU16, 3);
   for (const int ghost : {0, 1}) {
     const BlockLayout layout = blockLayout({3, 2, 5}, 8, ghost);
@@ -163,7 +164,7 @@ TEST_P(TextureBufferCutTest, chunksOfACutHoldTheVoxelsOfTheirLevels) {
 }
 INSTANTIATE_TEST_SUITE_P(Numbers, TextureBufferCutTest, testing::Values(1, 2));
 
-// Chunks large enough to be kept where memory is passed on from one to the next.
+// Chunks large enough for their memory to be kept and passed on from one to the next.
 TEST(TextureBuffer, memoryThatIsPassedOnLeavesNothingOfItsLastChunk) {
   const auto source = makeWhiteNoise({2 * 63 + 1, 64, 64}, VoxelType::kU8, 3);
   const BlockLayout layout = blockLayout({2 * 63 + 1, 64, 64}, 64, 0);
@@ -174,7 +175,7 @@ TEST(TextureBuffer, memoryThatIsPassedOnLeavesNothingOfItsLastChunk) {
                                    {{3, 0, 0}, {110, 50, 63}}};
   WorkerPool pool(2);
   VolumeBuffer blocks(*source, layout, 4 << 20);
-  TextureBuffer buffer(blocks, pool, 512 << 10);  // one chunk of two whole blocks
+  TextureBuffer buffer(blocks, pool, 512 << 10);  // room for a chunk of two whole blocks
   ChunkNames names;
   for (int turn = 0; turn < 3; ++turn)
     for (const Box3& box : shown) {

@@ -292,7 +292,7 @@ TEST(TexturePlan, aClustersBlackBlocksFitTheCache) {
       EXPECT_EQ(cluster.z, 1);
       EXPECT_LE(cluster.x, layout.grid.x);
       EXPECT_LE(cluster.y, layout.grid.y);
-      // As full as powers of two and the grid allow.
+      // Clusters are as full as powers of two and the grid allow.
       EXPECT_TRUE(2 * volume(cluster) > capacity ||
                   (cluster.x == layout.grid.x && cluster.y == layout.grid.y))
           << pages << " pages, " << blocks_a_side << " blocks a side";

@@ -20,7 +20,7 @@ struct Interval {
   double enter, leave;
 };
 
-// The part of the ray inside a box, cut at `from`; nothing where it only touches.
+// The part of the ray inside a box, cut at `from`; nothing if it only touches.
 std::optional<Interval> inside(const Ray& ray, const Box3& box, double from) {
   Interval part{from, std::numeric_limits<double>::infinity()};
   for (int a = 0; a < 3; ++a) {

@@ -1,4 +1,4 @@
-// The command line as the parser has it: what options there are, and which words they take.
+// The command line in the parser: the options, and the words that they accept.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -17,7 +17,7 @@ namespace {
 
 struct Place {
   const CLI::App* app;
-  std::vector<std::string> words;  // that lead there: "bench", "render"
+  std::vector<std::string> words;  // words that lead there: "bench", "render"
 };
 
 void collect(const CLI::App& app, const std::vector<std::string>& words,
@@ -44,7 +44,8 @@ std::vector<std::string> linesOf(const std::string& text) {
   return lines;
 }
 
-// What the program says of these words; empty: they are taken. Missing arguments do not count.
+// The program's complaint about these words; empty: they are accepted. Missing arguments do not
+// count.
 std::string complaint(const std::vector<std::string>& words) {
   const CommandLine line = makeCommandLine();
   if (const auto wrong = wrongUsage(*line.program, words)) return *wrong;
@@ -112,12 +113,12 @@ TEST(CommandLine, sayingNothingOrHelpPrintsTheOverview) {
   EXPECT_EQ(program.run("-V").output, program.run("--version").output);
 }
 
-// Texts that are no sensible number, and the options that take one of them all the same.
+// Texts that are no sensible number, and the options that accept one of them anyway.
 TEST(CommandLine, noOptionTakesANumberOutsideItsRange) {
   const std::set<std::string> signed_angles = {"--azimuth", "--elevation"};
   const auto takes = [&](const std::string& option, const std::string& word) {
     if (option == "--threshold") return parseReal(word).has_value();  // any that is finite
-    // What is no number is a name.
+    // A word that is no number is a name.
     if (option == "--channel") return word.find_first_not_of("+-0123456789") != std::string::npos;
     return signed_angles.contains(option) && word == "-1";
   };
@@ -144,13 +145,13 @@ TEST(CommandLine, noOptionTakesANumberOutsideItsRange) {
         }
         ASSERT_NE(said, "") << place.app->get_name() << " " << name << " '" << word << "'";
         EXPECT_TRUE(said.starts_with(name + ": expected ")) << said;
-        // Of a list of names, the one that is none.
+        // For a list of names, the message shows the unknown one.
         const std::string first = word.substr(0, word.find(','));
         const auto finds = [&](const std::string& found) {
           return said.find("found '" + found + "'") != std::string::npos;
         };
         EXPECT_TRUE(finds(word) || finds(first)) << said;
-        // Not the ends of a type as 309 digits.
+        // The message must not print the ends of a type as 309 digits.
         EXPECT_LE(said.size(), 300U) << said;
       }
     }

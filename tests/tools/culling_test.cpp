@@ -1,5 +1,5 @@
-// Series with culling, as a user draws them: prepare, render over time steps, bench, and what goes
-// wrong on the way.
+// Series with culling, as a user draws them: prepare, render over time steps, bench, and failures
+// on the way.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -120,7 +120,7 @@ TEST_F(CullingCommand, autoNeverPreparesAndMeasuresOnlyLongSeries) {
   EXPECT_EQ(render("--time 2 --culling auto -o one.png -q").status, 0);
 }
 
-// Whichever way is found to be faster is taken for all pictures.
+// The faster way is taken for all pictures.
 TEST_F(CullingCommand, autoTakesTheFasterWayForAllPictures) {
   EXPECT_EQ(program_.run("synth mixing -o long_%03d.nrrd --dims 32,32,32 --steps 66 -q").status, 0);
   EXPECT_EQ(program_.run(std::string("prepare -q long_%03d.nrrd ") + kLook).status, 0);
@@ -173,24 +173,24 @@ TEST_F(CullingCommand, aFaultyStepIsNamedAndTheRestFollows) {
   };
   EXPECT_EQ(render("--time 0:3 -o f_%03d.png -q --this-step").status, 0);
   const auto before = std::filesystem::last_write_time(program_.folder / "f_003.png");
-  // Truncated: named, in one line, and what was drawn before stays.
+  // Truncated: named, in one line, and pictures drawn before stay.
   rewrite(whole.substr(0, whole.size() / 2));
   const CommandResult cut = render("--time 0:5 -o f_%03d.png -q --this-step --continue");
   EXPECT_EQ(cut.status, 1);
   EXPECT_THAT(cut.output, HasSubstr("mix_004.nrrd"));
   EXPECT_EQ(std::count(cut.output.begin(), cut.output.end(), '\n'), 1) << cut.output;
   EXPECT_FALSE(program_.exists("f_004.png"));
-  // Mended, what is left is drawn, and what is there stays.
+  // After repair, the missing pictures are drawn, and existing ones stay.
   rewrite(whole);
   EXPECT_EQ(render("--time 0:5 -o f_%03d.png -q --this-step --continue").status, 0);
   EXPECT_TRUE(program_.exists("f_005.png"));
   EXPECT_EQ(std::filesystem::last_write_time(program_.folder / "f_003.png"), before);
-  // Of another size.
+  // A file of another size.
   EXPECT_EQ(program_.run("synth mixing -o mix_004.nrrd --dims 40,48,48 -q --force").status, 0);
   const CommandResult sized = render("--time 0:5 --culling toc -o f_%03d.png -q");
   EXPECT_EQ(sized.status, 1);
   EXPECT_THAT(sized.output, HasSubstr("mix_004.nrrd: 40 x 48 x 48"));
-  // Missing: the series is shorter, which is said before anything is drawn.
+  // Missing: the series is shorter, which is reported before anything is drawn.
   std::filesystem::remove(step);
   std::filesystem::remove(program_.folder / "mix_005.nrrd");
   const CommandResult missing = render("--time 0:5 -o g_%03d.png -q");

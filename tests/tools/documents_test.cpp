@@ -1,5 +1,4 @@
-// docs/command-line.md says what the program does: its environment variables, exit statuses,
-// options.
+// docs/command-line.md is true: the program's environment variables, exit statuses, options.
 #include <gtest/gtest.h>
 
 #include <regex>
@@ -24,7 +23,7 @@ std::set<std::string> matches(const std::string& text, const std::string& patter
   return found;
 }
 
-// What follows the heading, up to the next one.
+// The text after the heading, up to the next one.
 std::string section(const std::string& text, const std::string& heading) {
   const size_t at = text.find("## " + heading);
   if (at == std::string::npos) throw Error("no section " + heading);

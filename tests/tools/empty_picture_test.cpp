@@ -1,4 +1,4 @@
-// Pictures that show nothing say why.
+// Pictures that show nothing report why.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

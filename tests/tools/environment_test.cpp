@@ -1,4 +1,4 @@
-// The program among what surrounds it: terminals, pipes, limits, and the place of its indices.
+// The program in its environment: terminals, pipes, limits, and the place of its indices.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -68,7 +68,7 @@ TEST(Environment, aTurntableShowsProgressOnATerminalAndEndsItsLine) {
   EXPECT_NE(seen.output.find("s left"), std::string::npos) << seen.output;
   const size_t done = seen.output.find("frames: 40 in ");
   ASSERT_NE(done, std::string::npos) << seen.output;
-  // The line of the progress ends before what is printed next.
+  // The line of the progress ends before the next output.
   const size_t end = seen.output.find('\n', done);
   EXPECT_EQ(seen.output.substr(done, end - done).find("blocks"), std::string::npos) << seen.output;
   EXPECT_EQ(program.run(line.substr(line.find(" render") + 1) + " --force").output.find("s left"),
@@ -88,7 +88,7 @@ TEST(Environment, pipesAsFilesOfOptionsDoNotHang) {
     EXPECT_EQ(result.status, 1) << option << ": " << result.output;
     EXPECT_NE(result.output.find("pipe"), std::string::npos) << result.output;
   }
-  // One that is written is read to its end.
+  // A pipe with a writer is read to its end.
   const CommandResult fed =
       runCommand("cd " + folder +
                  " && (printf '%s' '{\"keys\": [{\"at\": 0, \"azimuth\": 10}]}' > pipe &) && "
@@ -171,7 +171,7 @@ TEST(Environment, planForecastsWhatAFrameReadsAndHolds) {
   EXPECT_LE(drawn["peak_rss_bytes"].get<int64_t>(), plan["memory"]["peak_bytes"].get<int64_t>());
   EXPECT_TRUE(plan["memory"]["fits"].get<bool>());
   EXPECT_GE(plan["memory"]["machine_bytes"].get<uint64_t>(), uint64_t{1} << 28);
-  // What it calls the least works, and a byte less does not.
+  // The least memory that it names works, and a byte less does not.
   const auto least = plan["memory"]["least_bytes"].get<uint64_t>();
   const auto tight = program.json("plan " + volume + " --pages 64 --memory 1M");
   EXPECT_FALSE(tight["memory"]["fits"].get<bool>());

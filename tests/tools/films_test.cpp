@@ -16,8 +16,8 @@ using testing::HasSubstr;
 
 constexpr const char* kSeries = "synth:mixing,dims=24x24x24,steps=4";
 
-// A program called ffmpeg that keeps its words and writes what it is fed, behind what says that it
-// is a film of ours.
+// A program called ffmpeg that keeps its arguments and writes its input, behind a mark that makes
+// it a film of ours.
 class FakeFfmpeg {
  public:
   explicit FakeFfmpeg(const Program& program, const std::string& body = kWrites) {

@@ -12,7 +12,7 @@
 #include "src/base/atomic_file.h"
 #include "tests/support/temp_folder.h"
 
-// Each in a process of its own, since what a signal does stays for the rest of it.
+// Each in a process of its own, since the effect of a signal stays for the rest of it.
 namespace sluice {
 namespace {
 

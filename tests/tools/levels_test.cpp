@@ -1,5 +1,4 @@
-// Levels of resolution as a user asks for them: which are drawn, what is said of it, what is
-// refused.
+// Levels of resolution as a user asks for them: which are drawn, reported and refused.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// What is chosen where the user says nothing, and that the options it is printed as give the same.
+// The look that is chosen without options, and that the printed options reproduce it.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -21,7 +21,7 @@ using testing::Not;
 
 constexpr int64_t kSide = 40;
 
-// A number from -1 to 1 that says nothing of its place.
+// A number from -1 to 1 that is independent of its place.
 double noise(int64_t x, int64_t y, int64_t z) {
   auto n = static_cast<uint32_t>(x * 73856093 ^ y * 19349663 ^ z * 83492791);
   n = (n ^ (n >> 13)) * 1274126177U;
@@ -55,7 +55,7 @@ std::string rawBytes(const Voxel& voxel) {
   return bytes;
 }
 
-// Kinds of volumes that people have, small. `name`: what the look is called, in part.
+// Kinds of volumes that people have, small. `name`: a part of the look's name.
 struct Kind {
   std::string file, name, bytes;
 };
@@ -287,7 +287,7 @@ TEST(Look, oneColourIsARampOfOpacityInIt) {
     program.json(line + options);
     EXPECT_EQ(readFile(program.folder / "a.png"), picture);
   }
-  // Where a pixel shows one value, the colour says which.
+  // If a pixel shows one value, its colour tells which.
   program.json(line + "--mode mip --map green");
   const Rgba8Picture mip = readPng(program.folder / "a.png");
   int least = 255, most = 0;
@@ -301,7 +301,7 @@ TEST(Look, oneColourIsARampOfOpacityInIt) {
   EXPECT_EQ(program.run(line + "--map gren").status, 2);
 }
 
-// Everything but the opacity of a voxel, which is what a ray of the same optical depth needs.
+// Everything but the opacity of a voxel, which a ray of the same optical depth determines.
 TEST(Look, ofAPhantomIsTheSameAtEveryResolution) {
   const Program program;
   const auto lookAt = [&](int side) {
@@ -407,7 +407,7 @@ TEST(Look, ofASeriesIsTheSameAtEveryStep) {
   const std::string first = lookAt(0, "");
   for (int step = 1; step < 4; ++step) EXPECT_EQ(lookAt(step, ""), first);
   EXPECT_NE(lookAt(0, "--this-step"), lookAt(3, "--this-step"));
-  // A threshold's ramp ends at the top of all steps, or where it is told to.
+  // A threshold's ramp ends at the top of all steps, or at the end of --range.
   const auto colorAt = [&](int step, const std::string& options) {
     program.json(
         fmt::format("render s%d_40x40x40_float32.raw --size 24x24 -o {}.exr --time {} "

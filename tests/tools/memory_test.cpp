@@ -1,4 +1,4 @@
-// What the process takes of its own, against --memory: min-max arrays, textures and all.
+// Compares the process's own memory with --memory: min-max arrays, textures and all.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -46,10 +46,10 @@ TEST(Memory, whatTheProcessTakesOfItsOwnIsWithin64MiBOfTheBudget) {
       "--threshold 2 --crop 0,0,0,319,319,319 --step 2");
   const auto own = report["peak_anonymous_bytes"].get<int64_t>();
   const auto ranges = report["volume"]["index"]["bytes"].get<int64_t>();
-  EXPECT_GT(ranges, 30 << 20);  // what the budget has to have room for too
+  EXPECT_GT(ranges, 30 << 20);  // the budget must have room for these too
   EXPECT_LE(own, kMemory + kBeside);
   EXPECT_LE(own, report["peak_rss_bytes"].get<int64_t>());
-  // It is what was taken: the levels are full, and so that much is there at the least.
+  // The process really took that much: the levels are full, so they alone need it.
   int64_t levels = ranges;
   for (const char* level : {"volume_buffer", "texture_buffer"})
     levels += report["levels"][level]["current_bytes"].get<int64_t>();

@@ -60,7 +60,7 @@ TEST(Names, areHarmlessInEverythingThatIsPrinted) {
   }
 }
 
-// What is printed as options is pasted by people: the shell gives the same names back.
+// People paste printed options: the shell must read the same names back.
 TEST(Names, ofThePrintedLookAreReadBackByTheShell) {
   if (!haveProgram("bash")) GTEST_SKIP() << "no bash";
   const Program program;

@@ -1,5 +1,5 @@
-// Volumes larger than memory as a user has them: budgets of any size, both kinds of store, an index
-// that cannot be kept, a process beside another or killed on its way.
+// Volumes larger than memory in a user's hands: budgets of any size, both kinds of store, an index
+// that cannot be kept, a process in parallel to another or killed on its way.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -34,7 +34,7 @@ int largestDifference(const Rgba8Picture& a, const Rgba8Picture& b) {
   return most;
 }
 
-// What the line of a budget that is too small tells to give instead.
+// The least memory named in the message for a budget that is too small.
 std::string leastMemoryIn(const std::string& line) {
   const std::string words = "give --memory ";
   const size_t at = line.find(words);
@@ -83,9 +83,9 @@ TEST(OutOfCore, theSameNumberOfPagesGivesTheVerySamePicture) {
   }
 }
 
-// Which blocks merge follows from the clusters, and with them from the pages that the memory has
-// room for; where a block lies in its chunk is what rounds its texture coordinates. Blocks that do
-// not merge lie where they lie.
+// Which blocks merge follows from the clusters, and so from the pages that fit into memory; a
+// block's place in its chunk rounds its texture coordinates. Blocks that do not merge keep their
+// places.
 TEST(OutOfCore, unmergedBlocksGiveTheVerySamePictureUnderAnyBudget) {
   const Program program;
   makeStores(program);
@@ -173,7 +173,7 @@ TEST(OutOfCore, anIndexThatCannotBeKeptAnywhereIsSaidAndNoFailure) {
   ASSERT_EQ(program.run("synth noise -o v_64x64x64_uint8.raw --dims 64,64,64 --share 0.3").status,
             0);
   const std::string volume = "v_64x64x64_uint8.raw";
-  // Files where the folders would be: root may write to any folder.
+  // Files in place of the folders, because root may write to any folder.
   std::ofstream(program.folder / "cache") << "no folder";
   fs::permissions(program.folder / volume, fs::perms::owner_read);
   const auto info = program.json("info " + volume);
@@ -226,8 +226,8 @@ TEST(OutOfCore, aFileCutShortWhileIndexingIsOneLineAndLeavesNoIndex) {
   }
 }
 
-// How much a limit leaves out depends on the machine; that a session leaves out what is late is
-// tested with a source that stalls.
+// How much a limit leaves out depends on the machine; a source that stalls tests that a session
+// leaves out late data.
 TEST(OutOfCore, aLimitedPictureSaysWhetherItIsWholeAndTheNextOnesLackNoMore) {
   const Program program;
   makeStores(program);

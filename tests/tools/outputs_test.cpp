@@ -1,5 +1,5 @@
-// What a command writes never takes the place of what it reads, of another output, or, unless it is
-// told to, of something else that was there.
+// A command's output never replaces its input, another output or, unless it is told to, a file of
+// another kind.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@ bool isOneLine(const std::string& text) {
   return std::count(text.begin(), text.end(), '\n') == 1 && text.back() == '\n';
 }
 
-// Folders and files with what they hold, but for indices and new results.
+// Folders and files with their contents, except indices and new results.
 class Outputs : public testing::Test {
  protected:
   void SetUp() override {

@@ -1,4 +1,4 @@
-// sluice pack as a user has it: killed, interrupted, out of room, beside another.
+// sluice pack in a user's hands: killed, interrupted, out of room, in parallel to another.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -40,7 +40,7 @@ TEST(PackCommand, packsChecksAndIsOpenedWithItsIndexRead) {
   EXPECT_EQ(info["spacing"], nlohmann::json({1.0, 2.0, 3.0}));
   EXPECT_EQ(info["index"]["state"], "read");
   EXPECT_EQ(program.run("pack --check v.zarr").status, 0);
-  // One chunk with one bit changed.
+  // A chunk with one bit changed.
   std::fstream file(program.folder / "v.zarr/0/0/1/1",
                     std::ios::in | std::ios::out | std::ios::binary);
   file.seekg(100);
@@ -118,12 +118,12 @@ TEST(PackCommand, allChannelsArePackedAndNamed) {
           EXPECT_EQ(by_name["channel"], number);
           EXPECT_EQ(by_name["value_range"], by_number["value_range"]);
           EXPECT_EQ(by_name["index"]["state"], "read");
-          // Packing has made the store's indices, the first turn those of the file.
+          // Packing has made the store's indices, the first turn the file's.
           if (*state != 0 || volume == std::string("v.zarr")) {
             EXPECT_EQ(by_number["index"]["state"], "read") << volume << number;
           }
         }
-    // One alone is a volume without an axis for channels.
+    // A single channel makes a volume without an axis for channels.
     ASSERT_EQ(program.run("pack v.ome.tif -o one.zarr --channel red --chunk 16 --force").status, 0);
     EXPECT_EQ(program.json("info one.zarr")["channels"], 1);
     EXPECT_EQ(program.json("info one.zarr")["value_range"],
@@ -167,7 +167,8 @@ TEST(PackCommand, killedOrInterruptedItGoesOnToTheSameBytes) {
   for (const char* signal : {"INT", "TERM", "KILL"}) {
     SCOPED_TRACE(signal);
     int stopped = 0;
-    for (const int journal_bytes : {3200, 8000, 12800}) {  // of 637 chunks of 32 bytes
+    for (const int journal_bytes :
+         {3200, 8000, 12800}) {  // bytes of the journal for 637 chunks, 32 each
       const CommandResult result = shell(
           // sh has its background jobs ignore SIGINT.
           program, "env --default-signal=INT " + line +

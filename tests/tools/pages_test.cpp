@@ -1,4 +1,4 @@
-// Pages of reports: what they are drawn with, and what the program writes.
+// Pages of reports: their building blocks, and the files that the program writes.
 #include <gtest/gtest.h>
 
 #include <filesystem>

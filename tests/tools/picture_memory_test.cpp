@@ -27,7 +27,7 @@ TEST(PictureMemory, isAQuarterOfTheBudgetButNeverLessThanARowOfTiles) {
   EXPECT_LT(pictureBytes({{100, 100}}, kMiB), 2 * kMiB);
 }
 
-// Where rays end depends on the opacity maps, which are those of the whole picture.
+// The ends of rays depend on the opacity maps, which belong to the whole picture.
 TEST(PictureMemory, isTheWholePicturesWithOcclusion) {
   FrameOptions frame;
   frame.size = {4000, 4000};
@@ -49,7 +49,8 @@ TEST(PictureMemory, ofGlIsThatOfItsTargetsToo) {
             wholePictureBytes(pictureDemand({}, frame)));
 }
 
-// From the top down, each row once, between multiples of kRowStep, each strip within its bytes.
+// Strips go from the top down, have each row once, end at multiples of kRowStep and stay within
+// their bytes.
 TEST(PictureMemory, stripsCoverThePicture) {
   for (const PictureSize size : {PictureSize{4000, 4000}, {31, 9001}, {16384, 33}, {1, 1}})
     for (const uint64_t memory : {kMiB, 16 * kMiB, 90 * kMiB, 4000 * kMiB}) {

@@ -53,7 +53,7 @@ TEST(PictureOutput, anExrHoldsDepthAndTheSettingsThatMakeItAgain) {
   }
 }
 
-// OpenImageIO reads both, knows what linear light is, and says what the header holds.
+// OpenImageIO reads both, knows linear light, and prints the header.
 TEST(PictureOutput, anExrIsThePngInLinearLight) {
   if (std::system("/usr/bin/python3 -c 'import numpy, OpenImageIO' 2>/dev/null") != 0)
     GTEST_SKIP() << "python3 with numpy and OpenImageIO is missing";
@@ -166,7 +166,7 @@ TEST(PictureOutput, annotationsStandBesideTheVolumeInEveryFrame) {
   EXPECT_TRUE(differs(0, 150, 55, 200));
 }
 
-// Where the shown pixels of a picture lie: mean row and their number.
+// The visible pixels of a picture: mean row and their number.
 std::pair<double, int> shownAt(const Rgba8Picture& picture) {
   double rows = 0;
   int count = 0;
@@ -236,7 +236,7 @@ TEST(PictureOutput, whatIsVisibleFillsThePictureAlsoOfACrop) {
   EXPECT_GT(cropped, 0.4);
 }
 
-// What peers and benches are compared with stays as it was.
+// Pictures that are compared with other renderers and benches stay as they were.
 TEST(PictureOutput, thePlainViewHasTheVolumesSphere) {
   const Program program;
   ASSERT_EQ(program.run(std::string("render ") + kSmall + kLook + "-o a.exr --view plain").status,

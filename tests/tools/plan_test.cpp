@@ -1,4 +1,4 @@
-// What `plan --partition boxes` says, against what it says without and against itself.
+// Compares the output of `plan --partition boxes` with `plan` without it, and with itself.
 #include <gtest/gtest.h>
 
 #include "tests/tools/program.h"

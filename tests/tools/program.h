@@ -16,7 +16,8 @@ namespace sluice {
 
 class Program {
  public:
-  // For whatever the test itself starts, too: nothing goes into the user's cache folder.
+  // Covers the programs that the test itself starts, too: nothing goes into the user's cache
+  // folder.
   Program() { setenv("XDG_CACHE_HOME", (folder / "cache").c_str(), 1); }
 
   // `arguments` is a line of sh. Indices go into the folder.

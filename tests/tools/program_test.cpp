@@ -234,7 +234,7 @@ TEST(Program, theSecondOpeningReadsTheIndex) {
   ASSERT_EQ(made.status, 0) << made.output;
   EXPECT_EQ(program.json("info head_40x40x40_uint8.raw")["index"]["state"], "built");
   EXPECT_EQ(program.json("info head_40x40x40_uint8.raw")["index"]["state"], "read");
-  // Another voxel, another modification time: built again.
+  // After another voxel and another modification time, the index is built again.
   std::fstream file(program.folder / "head_40x40x40_uint8.raw",
                     std::ios::in | std::ios::out | std::ios::binary);
   file.seekp(20000);

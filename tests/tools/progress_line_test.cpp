@@ -18,7 +18,7 @@ namespace {
 
 using testing::HasSubstr;
 
-// What a child whose standard error is a terminal prints while it runs `body`.
+// The output of a child process whose standard error is a terminal while it runs `body`.
 template <class F>
 std::string onATerminal(F&& body) {
   const int terminal = posix_openpt(O_RDWR | O_NOCTTY);
@@ -31,7 +31,7 @@ std::string onATerminal(F&& body) {
     body();
     _exit(0);
   }
-  // The other side stays open here, so that what was printed is still there when the child ended.
+  // The other side stays open here, so that the output is still there when the child has ended.
   const int keep = open(other_side.c_str(), O_RDWR | O_NOCTTY);
   int status = 0;
   waitpid(child, &status, 0);

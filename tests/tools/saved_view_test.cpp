@@ -1,4 +1,4 @@
-// `sluice render` draws saved views, and says by file and field what of them cannot be drawn.
+// `sluice render` draws saved views, and names the file and field of what cannot be drawn.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -31,7 +31,7 @@ TEST_F(SavedView, wrongNumbersAreNamedByFileAndField) {
   EXPECT_EQ(render(std::string(kStateVolume) + " --state view.json -o a.png").output, "");
   const std::vector<WrongState> states = wrongStates();
   for (size_t i = 0; i < states.size(); i += 9) {
-    if (states[i].field == "/cross") continue;  // of the window alone
+    if (states[i].field == "/cross") continue;  // a field of the window alone
     write("wrong.json", states[i].json);
     const CommandResult result =
         render(std::string(kStateVolume) + " --state wrong.json -o b_%d.png");
@@ -53,7 +53,7 @@ TEST_F(SavedView, numbersBeyondTheVolumeAreTheFilesOrTheUsers) {
     EXPECT_THAT(render(volume + " --state large.json -o " + output).output,
                 HasSubstr("large.json: expected at most the volume's 16 voxels at /crop/5"));
   }
-  // What the user says takes the place of the file's number.
+  // The user's option takes the place of the file's number.
   EXPECT_EQ(render(volume + " --state late.json --time 0 -o b.png").output, "");
   EXPECT_EQ(render(volume + " --state large.json --crop 0,0,0,9,9,9 -o c.png").output, "");
 }

@@ -33,7 +33,7 @@ std::map<std::array<int, 3>, float> plume(int step) {
   return points;
 }
 
-// Of the pixels that show: the first and the last row, and how much shows in all.
+// The visible pixels: the first and the last row, and the sum of opacities.
 struct Shown {
   int top = -1, bottom = -1;
   double opacity = 0;

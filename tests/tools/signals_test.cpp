@@ -29,7 +29,7 @@ struct SignalCase {
 // It has worked for 0.3 s of the processor's time: well past its start.
 constexpr const char* kAtWork = "[ \"$(cut -d' ' -f14 /proc/$pid/stat)\" -ge 30 ]";
 
-// What no loop of ours can interrupt is among them: a chunk of 64 MiB inside Blosc, a plan of
+// Includes work that no loop of ours can interrupt: a chunk of 64 MiB inside Blosc, a plan of
 // hundreds of thousands of chunks.
 const SignalCase kCases[] = {
     {"synth noise -o big.raw --dims 2000,2000,2000", "big.raw", "[ -e big.raw.0.tmp ]"},
@@ -61,7 +61,7 @@ TEST_P(Signals, endACommandWithItsStatusAndNoFileHalfWritten) {
     if (result.status == 0) continue;  // it ended before the signal came
     EXPECT_EQ(result.status, status) << result.output;
     EXPECT_FALSE(program.exists(target));
-    if (status == 137) continue;  // what a killed run leaves, the next takes over
+    if (status == 137) continue;  // the next run takes over what a killed run leaves
     EXPECT_THAT(result.output, testing::HasSubstr("sluice: interrupted"));
     EXPECT_EQ(std::count(result.output.begin(), result.output.end(), '\n'), 1) << result.output;
     EXPECT_THAT(temporaries(program), testing::IsEmpty());
@@ -91,7 +91,8 @@ TEST(FileLimit, isALineForEveryWriterAndNoTemporaryStays) {
         std::string("synth noise --dims 64,64,64 -o b.mhd"),
         std::string("pack synth:noise,dims=64x64x64 -o b.zarr"),
         std::string("bench report r.json s.json -o b.html")}) {
-    // One block of 512 bytes; no index, whose own failure is a warning.
+    // Limits files to one block of 512 bytes. No index is written, because its failure is only a
+    // warning.
     const CommandResult result =
         runCommand("cd " + shellQuoted(program.folder.path().string()) +
                    " && ulimit -f 1 && SLUICE_INDEX=off " SLUICE_PROGRAM " " + line);

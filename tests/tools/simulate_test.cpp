@@ -15,9 +15,9 @@ namespace {
 
 constexpr const char* kMachine = " --page 16x16x4 --block 16 --pages 64 --policy ";
 
-// Design, point 5: the simulated I/O of a turn equals the real one, byte for byte.
-// What a device that copies is handed are the simulator's bytes; one that borrows copies none, and
-// its pages move in the model just the same.
+// Design, point 5: the simulated I/O of a turn equals the real one, byte for byte. A device that
+// copies gets the simulator's bytes; a device that borrows copies none, and its pages move in the
+// model just the same.
 void expectMovesOf(const nlohmann::json& row, const nlohmann::json& report) {
   const auto& cache = report["levels"]["texture_cache"];
   const bool copies = report["options"]["device"] == "gl";
@@ -58,7 +58,7 @@ TEST(Simulate, aPlannedTurnIsTheTraceOfTheDrawnOne) {
   EXPECT_EQ(readFile(program.folder / "drawn.txt"), readFile(program.folder / "planned.txt"));
 }
 
-// What the renderer does with a cache of N pages is what the table says of N pages, whatever
+// The table's row for N pages equals what the renderer does with a cache of N pages, whatever
 // --pages is: each size has its own plan.
 TEST(Simulate, eachSizeIsPlannedAsTheRendererPlansIt) {
   const Program program;
@@ -224,7 +224,7 @@ TEST(Simulate, aRequestOfTwoToThe31PagesIsReplayedAtOnce) {
   out << "sluice-trace 1 page_bytes 4096\n";
   for (int i = 0; i < 500; ++i) out << i % 2 << " 2147483648 0 " << i << " 8796093022208 0 0 0\n";
   out.close();
-  // 2^43 bytes a load are more than a record may say.
+  // 2^43 bytes a load exceed the limit of a record.
   EXPECT_NE(program.run("simulate wide.txt 2>&1").output.find("at most 2^40"), std::string::npos);
   out.open(program.folder / "wide.txt");
   out << "sluice-trace 1 page_bytes 4096\n";
@@ -316,7 +316,7 @@ TEST(Simulate, printsTheTableOnStandardOutputAsCsv) {
   EXPECT_FALSE(std::filesystem::exists(program.folder / "-"));
 }
 
-// What is called a page request is one in the table and in the summary above it.
+// Page requests have the same name in the table and in the summary above it.
 TEST(Simulate, callsPageRequestsSoEverywhere) {
   const Program program;
   std::ofstream(program.folder / "t.csv") << "1,7,8192\n2,8,4096\n3,7,8192\n";

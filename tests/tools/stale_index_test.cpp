@@ -51,7 +51,7 @@ TEST(StaleIndex, aChunkRewrittenInPlaceNeverGivesAWrongPicture) {
     ASSERT_EQ(program.run(std::string(kRender) + "first.png").status, 0);
     int failed = 0;
     for (int i = 0; i < 12; ++i) {
-      // Along a line through the ball's middle, where blocks hold 200 alone.
+      // Along a line through the ball's middle, where all voxels of blocks are 200.
       const int n = 8 * kChunks * kChunks + 8 * kChunks + 3 + i % 11;
       const fs::path chunk = store / fmt::format("{}{}{}{}{}", n / (kChunks * kChunks), separator,
                                                  n / kChunks % kChunks, separator, n % kChunks);

@@ -71,7 +71,7 @@ TEST(Strips, ofATurntable) {
         << frame;
 }
 
-// A strip may be empty where the picture is not; a picture is empty where all of its strips are.
+// A strip may be empty if the picture is not; a picture is empty if all of its strips are.
 TEST(Strips, sayThatThePictureIsEmpty) {
   const Program program;
   const std::string render = "render " + std::string(kVolume) +
@@ -99,7 +99,7 @@ TEST(Strips, ofASeriesWithCulling) {
         << step;
 }
 
-// A strip reads the blocks that it shows alone: together little more than a whole picture does.
+// A strip reads only the blocks that it shows: together little more than a whole picture does.
 TEST(Strips, readWhatTheyShow) {
   const Program program;
   const std::string render =
@@ -115,7 +115,7 @@ TEST(Strips, readWhatTheyShow) {
   EXPECT_LT(decoded(strips), 4 * decoded(whole));
 }
 
-// What the process takes of its own, until the file is written, against what `plan` says at most.
+// The memory of the process until the file is written stays within the bound that `plan` gives.
 TEST(Strips, keepWithinTheBoundOfPlan) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   GTEST_SKIP() << "a sanitizer's own memory";
@@ -139,7 +139,7 @@ TEST(Strips, keepWithinTheBoundOfPlan) {
     }
 }
 
-// Occlusion's picture depends on its maps, so that it is whole, or the memory is too little.
+// A picture with occlusion depends on its maps, so it is drawn whole, or the memory is too little.
 TEST(Strips, areNotMadeWithOcclusion) {
   const Program program;
   const std::string render = "render " + std::string(kVolume) +

@@ -1,4 +1,4 @@
-// The program where the system gives fewer threads than it is asked for: it goes on with those.
+// The program if the system gives fewer threads than it asks for: it goes on with those.
 #include <gtest/gtest.h>
 
 #include <unistd.h>
@@ -10,7 +10,7 @@
 namespace sluice {
 namespace {
 
-// An account that nobody has, since what root starts is not limited.
+// An account that nobody has, since root's processes are not limited.
 constexpr const char* kNobody = "setpriv --reuid=61234 --regid=61234 --clear-groups ";
 
 // A picture in `name`, drawn under `limit`, a line of sh before the command.

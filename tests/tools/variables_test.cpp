@@ -1,4 +1,4 @@
-// What the program makes of environment variables.
+// Environment variables of the program.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,5 @@
-// OpenVDB is a module beside the program: opened with the first .vdb, missed in one line.
+// OpenVDB is a module in the program's folder: opened with the first .vdb; its absence is reported
+// in one line.
 #include <gtest/gtest.h>
 
 #include <unistd.h>
@@ -16,7 +17,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kModule = "sluice_openvdb.so";
 
-// A program in a folder of its own, so that what lies beside it is the test's choice.
+// A program in a folder of its own, so that the test chooses the files next to it.
 struct MovedProgram {
   MovedProgram() {
     fs::create_directories(place());
@@ -90,7 +91,7 @@ TEST(VdbModule, isFoundBesideAMovedProgramThatOnlyItsOwnerCanChange) {
   EXPECT_EQ(program.run("info points.vdb").status, 1);
 }
 
-// What lies above a program that was moved, or in the current folder, may be anybody's.
+// Files above a program that was moved, or in the current folder, may be anybody's.
 TEST(VdbModule, isOpenedFromNoPlaceAroundAMovedProgram) {
   for (const char* place : {"lib/sluice", "lib", "."}) {
     const MovedProgram program;
@@ -103,7 +104,7 @@ TEST(VdbModule, isOpenedFromNoPlaceAroundAMovedProgram) {
   }
 }
 
-// What the module throws is an Error to the program, which prints its line.
+// An exception from the module is an Error to the program, which prints its line.
 TEST(VdbModule, itsErrorsArriveAsLines) {
   const Program program;
   writeFrustum(program.folder / "frustum.vdb");

@@ -1,5 +1,4 @@
-// --verify, and what it checks: the same picture whatever the blocks, at the fit that is the
-// default.
+// --verify and its checks: the same picture whatever the blocks, at the default fit.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -93,7 +92,7 @@ class FirstBlock : public BlockChooser {
   }
 };
 
-// A scene of a ball, drawn with one thing wrong, and what verify() says of the picture.
+// A scene of a ball, drawn with one fault, and the result of verify().
 class VerifyFaultTest : public testing::Test {
  protected:
   VerifyFaultTest() {

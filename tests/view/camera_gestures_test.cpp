@@ -35,7 +35,7 @@ ViewOptions placed(ViewOptions::Projection projection) {
   return view;
 }
 
-// Where the renderer sees a world position, in pixels.
+// The pixel at which the renderer sees a world position.
 PanePoint seen(const ViewOptions& options, Vec3d world, Pane pane = kPane) {
   const View view = resolve(cameraOf(options), layout(), {pane.width, pane.height}, 1);
   const Vec3d from = world - view.eye;
@@ -96,7 +96,7 @@ TEST_P(CameraGestures, orbitKeepsTheTargetAndTheDistance) {
     return std::sqrt(sum);
   };
   EXPECT_NEAR(distance(turned), distance(view_), 1e-9);
-  // What is in front of the target follows the hand.
+  // Points in front of the target follow the drag.
   const PlacedAxes axes = axesOf(view_);
   const auto& t = view_.look_at->target;
   const Vec3d front = Vec3d{t[0], t[1], t[2]} + axes.back * 5;

@@ -1,4 +1,5 @@
-// What the drawing thread writes: pictures by their names' ends, and films while others ask.
+// Files that the drawing thread writes: pictures by their names' ends, and films while other
+// requests come in.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -22,7 +23,7 @@ using testing::IsEmpty;
 
 namespace fs = std::filesystem;
 
-// A desk with a small volume open, and what it said.
+// A desk with a small volume open, and its news.
 class Writer {
  public:
   explicit Writer(DrawingOptions options = {}) : desk_(withCpu(std::move(options))) {
@@ -45,7 +46,7 @@ class Writer {
     }
     return done();
   }
-  // A failure's line, or what was saved.
+  // A failure's line, or the file saved.
   std::string outcome() {
     saved.clear();
     failures.clear();
@@ -196,7 +197,7 @@ TEST(DrawingSaves, aFilmBeginsWhenAHandRestsWhosePreviewWasWhole) {
   EXPECT_THAT(writer.outcome(), HasSubstr("saved"));
 }
 
-// As a window drives it: wishes that move, other films and cancels, from two threads at once.
+// Drives it like a window: moving wishes, other films and cancels, from two threads at once.
 TEST(DrawingSaves, aFilmGoesOnBesideAHandThatMoves) {
   const TempFolder folder;
   Writer writer;

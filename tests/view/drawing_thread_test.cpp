@@ -34,7 +34,7 @@ DrawingOptions options() {
   return made;
 }
 
-// What a window keeps of the news.
+// The news that a window keeps.
 struct Seen {
   explicit Seen(Desk& from) : desk(from) {}
 
@@ -105,7 +105,7 @@ TEST(DrawingThread, endsWithTheWholePictureThatTheLibraryDraws) {
   ASSERT_TRUE(seen.picture != nullptr && seen.picture->is_complete);
   const Volume volume(kVolume);
   Renderer renderer(volume, wish.state.look, options().renderer);
-  // As if no window had placed its view.
+  // The picture options if no window had placed the view.
   PictureOptions plain;
   plain.width = 800;
   plain.height = 600;
@@ -283,7 +283,7 @@ TEST(DrawingThread, aPlacedViewIsTheNamedOne) {
   EXPECT_LE(largest, 1);
 }
 
-// A state's file, loaded on what is open; a failure's line, or empty where it was shown.
+// Loads a state's file on the open volume; returns a failure's line, or empty if it was shown.
 std::string loaded(Seen& seen, const std::filesystem::path& file, const std::string& json) {
   std::ofstream(file) << json;
   seen.state.reset();
@@ -304,7 +304,7 @@ TEST(DrawingThread, refusesEachWrongStateAndDrawsOn) {
   for (const WrongState& state : wrongStates())
     EXPECT_THAT(loaded(seen, folder / "wrong.json", state.json), HasSubstr("wrong.json: expected"))
         << state.json;
-  // Opened with its volume too, in place of the one that is open.
+  // The state is opened with its volume too, in place of the open one.
   std::string named = rightState();
   named.replace(named.find("\"time\":0"), 8, "\"time\":5");
   named.insert(1, std::string("\"volume\":{\"paths\":[\"") + kStateVolume + "\"]},");
@@ -369,7 +369,7 @@ TEST(DrawingThread, aStatesOwnLookIsWhatItsViewFits) {
   EXPECT_GT(std::abs(chosen.placed(picture).zoom - own.placed(picture).zoom), 1e-3);
 }
 
-// As docs/view.md shows them.
+// The example of docs/view.md.
 TEST(DrawingThread, keyFramesThatSayNoUpHaveTheVolumes) {
   const TempFolder folder;
   DrawingThread desk(options());
@@ -441,7 +441,8 @@ TEST(DrawingThread, reportsLevelsWithMaps) {
   EXPECT_EQ(shown, report.grey + report.black);
 }
 
-// For ThreadSanitizer: whatever windows do, from several threads at once, and an end in the middle.
+// A test for ThreadSanitizer: wishes of windows from several threads at once, and an end in the
+// middle.
 TEST(DrawingThread, standsWishesFromSeveralThreads) {
   std::atomic<int> told{0};
   DrawingOptions made = options();

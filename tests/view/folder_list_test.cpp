@@ -34,13 +34,13 @@ TEST(FolderList, joinsNumberedFilesToAPattern) {
   using Names = std::vector<std::string>;
   EXPECT_EQ(joined({"s_001.nrrd", "s_002.nrrd", "s_010.nrrd"}), Names({"s_%03d.nrrd x3"}));
   EXPECT_EQ(joined({"s9.raw", "s10.raw", "s11.raw"}), Names({"s%d.raw x3"}));
-  // As printf would: longer than asked for, without zeros in front.
+  // Like printf: numbers may be longer than asked for, without zeros in front.
   EXPECT_EQ(joined({"s_99.raw", "s_100.raw"}), Names({"s_%02d.raw x2"}));
   EXPECT_EQ(joined({"s_01.raw", "s_001.raw"}), Names({"s_001.raw", "s_01.raw"}));
-  // One alone is no series; two series are two.
+  // A single file is no series; two series are two entries.
   EXPECT_EQ(joined({"a1.png", "b1.png", "b2.png", "plain.nrrd"}),
             Names({"a1.png", "b%d.png x2", "plain.nrrd"}));
-  // What a number says of the file is no number of it.
+  // A number that describes the file does not count the series.
   EXPECT_EQ(joined({"h_4x4x4_uint8.raw", "h_4x4x4_uint16.raw"}),
             Names({"h_4x4x4_uint16.raw", "h_4x4x4_uint8.raw"}));
   EXPECT_EQ(joined({"h_4x4x4.raw", "h_4x4x8.raw"}), Names({"h_4x4x4.raw", "h_4x4x8.raw"}));

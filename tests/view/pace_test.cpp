@@ -7,7 +7,7 @@ namespace {
 
 constexpr double kPixels = 800 * 600;
 
-// A machine that draws a pixel in `pixel_s` and needs `fixed_s` beside.
+// A machine that draws a pixel in `pixel_s` and needs `fixed_s` in addition.
 Pace after(int frames, double pixel_s, double fixed_s) {
   Pace pace;
   for (int i = 0; i < frames; ++i) pace = learned(pace, {kPixels, 1, pixel_s * kPixels, fixed_s});

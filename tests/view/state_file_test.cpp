@@ -61,7 +61,7 @@ TEST(StateFile, namesThatAreNoUtf8AreKeptByteForByte) {
   const StateFile read = parseState(text, "here");
   EXPECT_EQ(read.volume->paths, volume.paths);
   EXPECT_EQ(read.state.look.transfer_file, state.look.transfer_file);
-  EXPECT_THAT(text, HasSubstr("\"caf\xc3\xa9.nrrd\""));  // as it is
+  EXPECT_THAT(text, HasSubstr("\"caf\xc3\xa9.nrrd\""));  // not escaped
   EXPECT_THAT(errorOf([&] {
                 parseState(R"({"sluice": "view", "look": {"transfer": {"bytes": "\u0100"}}})", "a");
               }),

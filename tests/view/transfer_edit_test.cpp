@@ -40,7 +40,7 @@ TEST(TransferEdit, aLookBecomesPointsThatSayTheSame) {
   ASSERT_EQ(points.opacities.size(), 3U);
   EXPECT_EQ(points.opacities[2].opacity, 0.05);
   EXPECT_EQ(points.map, "ct-bone");
-  EXPECT_EQ(points.range, (std::array{40.0, 100.0}));  // where a ramp's colours begin
+  EXPECT_EQ(points.range, (std::array{40.0, 100.0}));  // colours of a ramp begin at its threshold
   EXPECT_EQ(byPoints(points, {}, {0, 1}), points);
 }
 

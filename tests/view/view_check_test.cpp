@@ -1,4 +1,4 @@
-// Numbers that cannot be drawn are refused where a view comes from: a file, a wish, an option.
+// Numbers that cannot be drawn are refused at every source of a view: a file, a wish, an option.
 #include "src/view/state/view_check.h"
 
 #include <gmock/gmock.h>
@@ -35,7 +35,7 @@ TEST(ViewCheck, refusesEachWrongNumberByFileAndField) {
   for (const WrongState& state : wrong) {
     const std::string said = errorOf([&] { parseFor(state.json); });
     EXPECT_THAT(said, StartsWith("a.json: expected ")) << state.json;
-    // The field itself, what it holds, or for a path as a whole what holds it.
+    // The field itself, its parent, or for a path as a whole the path.
     EXPECT_THAT(said, HasSubstr(state.field.starts_with("/path") ? "/path" : state.field))
         << state.json;
     EXPECT_THAT(said, HasSubstr(", found ")) << state.json;

@@ -42,7 +42,7 @@ TEST(ViewPath, aTurnIsAboutTheVerticalAndComesBack) {
     EXPECT_NEAR(eye[1], 0, 1e-12) << i;
     EXPECT_NEAR(eye[2], 10 * std::cos(angle), 1e-12) << i;
   }
-  // Of a view that looks down at an angle the distance and what is up stay.
+  // A turn of a view that looks down at an angle keeps the distance and the up direction.
   const ViewState tilted = lookingFrom({0, 6, 8}, {0, 0.8, -0.6});
   for (int64_t i = 0; i < 8; ++i) {
     EXPECT_NEAR(distanceOf(stateAt(path, tilted, i)), 10, 1e-12);
@@ -104,7 +104,7 @@ TEST(ViewPath, everyTurningComesThrough) {
     const PlacedAxes wanted = axesOf(state.view), found = axesOf(between.view);
     EXPECT_NEAR(dot(wanted.up, found.up), 1, 1e-9) << eye[0] << eye[1] << eye[2];
     EXPECT_NEAR(dot(wanted.back, found.back), 1, 1e-9);
-    EXPECT_NEAR(between.view.zoom, 2, 1e-9);  // as logarithms
+    EXPECT_NEAR(between.view.zoom, 2, 1e-9);  // zoom is interpolated as a logarithm
   }
 }
 

@@ -34,7 +34,7 @@ class Random {
 struct MapPoint {
   double x, y;
 };
-// Where the ray through p meets the map.
+// The point at which the ray through p meets the map.
 MapPoint pointOn(const MapProjection& map, Vec3d p) {
   const Vec3d along = map.parallel ? map.eye : p - map.eye;
   const Vec3d hit = p + along * ((map.plane - p[map.axis]) / along[map.axis]);
@@ -80,7 +80,7 @@ TEST(BoxOcclusion, aBoxCoversTheBoundsOfItsPoints) {
       MapRect seen;
       for (int k = 0; k < 60; ++k) {
         Vec3d p = random.in(box);
-        if (k < 8)  // the corners, where the bounds are taken
+        if (k < 8)  // the corners, at which the bounds are taken
           p = {(k & 1) != 0 ? box.hi.x : box.lo.x, (k & 2) != 0 ? box.hi.y : box.lo.y,
                (k & 4) != 0 ? box.hi.z : box.lo.z};
         const MapPoint at = pointOn(map, p);

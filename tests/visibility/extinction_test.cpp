@@ -1,4 +1,4 @@
-// The least of an interval against every entry in it, and what one byte keeps of an extinction.
+// The least of an interval against every entry in it, and the precision of extinctions in one byte.
 #include "src/visibility/extinction.h"
 
 #include <gtest/gtest.h>

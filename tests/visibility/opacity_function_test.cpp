@@ -44,7 +44,7 @@ TEST(OpacityFunction, whatIsEmptyHidesNothing) {
   EXPECT_TRUE(function.empty());
 }
 
-// A slab across z: all rays near z cross it, rays along x may pass beside it.
+// A slab across z: all rays near z cross it, rays along x may miss it.
 TEST(OpacityFunction, aSlabHidesFromAboveAlone) {
   const DirectionGrid directions{8};
   const OpacityFunction function = opacityFunction(
@@ -65,7 +65,7 @@ struct Ray {
   Vec3d at, step;  // cells; sample k at at + (k + 1/2) step
 };
 
-// What a ray's samples accumulate, its thickness in samples, and how far it runs along each axis.
+// The sum of a ray's samples, its thickness in samples, and how far it runs along each axis.
 struct Passed {
   double sum = 0, slices = 0;
 };

@@ -1,5 +1,5 @@
-// What is kept of a block's cubes: never more than they hide, all of it where they have few values,
-// and bytes from anywhere are looked at before they are read.
+// The detail kept of a block's cubes is never more than they hide, and all of it if they have few
+// values. Bytes from anywhere are validated before they are read.
 #include "src/visibility/part_detail.h"
 
 #include <gtest/gtest.h>

@@ -79,7 +79,7 @@ TEST(Fusion, differenceCountsVoxelsThatAreNotEmptyInBoth) {
   EXPECT_NEAR(blockDifference(a, b), (0.3 * 0.3 + 0.4 * 0.4 + 0) / 3, 1e-7);
   EXPECT_EQ(blockDifference({a.data(), 2}, {a.data(), 2}), 0);
   EXPECT_EQ(blockDifference(a, a), 0);
-  // Longer than what is summed up side by side.
+  // Longer than the parallel partial sums.
   std::vector<float> c(5003, 0.25F), d(5003, 0.5F);
   EXPECT_NEAR(blockDifference(c, d), 0.0625, 1e-6);
 }
@@ -87,7 +87,7 @@ TEST(Fusion, differenceCountsVoxelsThatAreNotEmptyInBoth) {
 TEST(Fusion, representativeIsTheLeastOfBoth) {
   TransferFunction transfer;
   transfer.colors = {{0, {1, 1, 1}}};
-  transfer.opacities = {{0, 1}, {100, 0}, {200, 1}};  // transparent between what is opaque
+  transfer.opacities = {{0, 1}, {100, 0}, {200, 1}};  // transparent between opaque values
   const ExtinctionTable table(OpacityTable(transfer, {DeviceType::kU8, 1, 0}, {0, 255}));
   const PartGrid grid{{4, 4, 4}, 4};
   const std::vector<uint8_t> low(125, 20), high(125, 180);

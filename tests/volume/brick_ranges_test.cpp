@@ -1,4 +1,4 @@
-// Ranges of bricks: those of a look at each voxel, whatever the blocks.
+// Ranges of bricks equal those computed voxel by voxel, whatever the blocks.
 #include "src/volume/brick_ranges.h"
 
 #include <gtest/gtest.h>

@@ -23,7 +23,8 @@ bool looksSwapped(VolumeSource& source) {
       source.layout().type);
 }
 
-// What a detector or a simulation may give, 0 to 1: smooth, with some noise and an empty outside.
+// Values as a detector or a simulation may give them, 0 to 1: smooth, with some noise and an empty
+// outside.
 double shapeAt(int64_t x, int64_t y, int64_t z) {
   const double r = std::hypot(static_cast<double>(x) - 30, static_cast<double>(y) - 25,
                               static_cast<double>(z) - 20);

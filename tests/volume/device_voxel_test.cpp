@@ -146,7 +146,7 @@ TYPED_TEST(FloatingDeviceVoxel, notANumberAndInfinitiesBecomeFinite) {
   EXPECT_NEAR(devices[5], 0, 1e-44);
   for (size_t i = 0; i < stored.size(); ++i)
     EXPECT_EQ(deviceFromStored(this->kType, stored[i]), devices[i]);
-  // What interpolation makes of any two of them is a number too.
+  // Interpolating any two of them gives a finite number too.
   for (const double a : devices)
     for (const double b : devices)
       EXPECT_TRUE(std::isfinite((static_cast<float>(b) - static_cast<float>(a)) * 0.5F));

@@ -48,7 +48,7 @@ TEST_F(PackedBlocksTest, reusedBlocksStayPackedWhereOnlyHalfWouldFitAsTheyAre) {
     for (int64_t block = 0; block < layout_.blockCount(); ++block)
       expectVoxels(*buffer->acquire(keysOf({block}))[0]);
   const CacheCounters c = buffer->counters();
-  // The first turn reads all and keeps what fits; the second finds out what comes back.
+  // The first turn reads all and keeps as much as fits; the second finds which blocks come back.
   EXPECT_LT(counted_.counts().voxels, 3 * layout_.blockCount() * 16 * 16 * 16);
   EXPECT_GT(c.packs, 0U);
   EXPECT_GT(c.unpacks, 0U);
@@ -110,7 +110,8 @@ TEST_F(PackedBlocksTest, budgetAndVoxelsHoldUnderManyThreads) {
   EXPECT_THAT(c.brokenIdentity(), IsEmpty());
 }
 
-// As it was published, being packed or being unpacked: who waits for it must not wait for ever.
+// A failure may hit a block when it is published, packed or unpacked: threads that wait for it must
+// not wait for ever.
 TEST_F(PackedBlocksTest, whereMemoryRunsOutNoBlockIsLeftHalfDone) {
   forEachAllocation([&](int64_t n) {
     const auto buffer = bufferOf(*memory_, 18);

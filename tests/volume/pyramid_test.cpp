@@ -22,7 +22,7 @@ LevelPlacement averaged(Vec3i times) {
   return {scale, (scale - Vec3d{1, 1, 1}) * 0.5};
 }
 
-// Checks what the comment above says.
+// Checks the comment above.
 void expectNests(const PyramidLayout& pyramid, int margin) {
   const Vec3i finest_cells = pyramid.finest().dims - Vec3i{1, 1, 1};
   for (int level = 0; level < pyramid.levels(); ++level) {

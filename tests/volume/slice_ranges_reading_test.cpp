@@ -1,5 +1,5 @@
-// How slice ranges are read: each row of blocks once and in pieces that fit, of sparse volumes no
-// more than is there, and what happens when a read fails.
+// How slice ranges are read: each row of blocks once and in pieces that fit, of sparse volumes only
+// the stored parts, and the effect of a failed read.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -19,13 +19,13 @@
 namespace sluice {
 namespace {
 
-// --- what is read
+// --- reading
 
 TEST(SliceRanges, eachRowOfBlocksIsReadOnce) {
   const auto memory = makeWhiteNoise({50, 40, 30}, VoxelType::kU8, 3);
   CountingSource source(*memory);
   const SliceRanges ranges = buildRanges(source, 8);
-  // Neighbours share a plane: those of y and z are read by both rows.
+  // Neighbours share a plane: both rows read the shared planes of y and z.
   const Vec3i grid = ranges.layout.grid;
   EXPECT_EQ(source.counts().calls, grid.y * grid.z);
   EXPECT_EQ(source.counts().bytes, 50 * (40 + grid.y - 1) * (30 + grid.z - 1));
@@ -208,7 +208,7 @@ TEST(SliceRanges, moreThanTwoToThe31VoxelsAreReadAtBothEnds) {
   EXPECT_EQ(ranges.planesAs<uint8_t>(2, 2)[static_cast<size_t>(1025 % 255)].hi, 22);
 }
 
-// --- what goes wrong
+// --- failures
 
 TEST(SliceRanges, failureOfAReadReachesTheCaller) {
   const auto memory = makeWhiteNoise({40, 40, 40}, VoxelType::kU8, 3);

@@ -1,4 +1,4 @@
-// What slice ranges hold: the ranges of planes and blocks, the background, and the histogram.
+// The contents of slice ranges: the ranges of planes and blocks, the background, and the histogram.
 #include "src/volume/slice_ranges.h"
 
 #include <gtest/gtest.h>

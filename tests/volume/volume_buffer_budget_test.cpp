@@ -1,4 +1,4 @@
-// What a volume buffer keeps and counts within its budget: hits, misses and evictions.
+// A volume buffer within its budget: resident blocks, hits, misses and evictions.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,4 @@
-// A volume of blocks of one size and a VolumeBuffer over it, with a second observer of what it
-// reads.
+// A volume of blocks of one size and a VolumeBuffer over it, with a second observer of its reads.
 #pragma once
 
 #include <gtest/gtest.h>

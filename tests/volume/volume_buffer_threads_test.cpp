@@ -1,4 +1,4 @@
-// A volume buffer used by several threads: who loads, who waits, and that the budget holds.
+// A volume buffer used by several threads: which loads, which wait, and that the budget holds.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -103,11 +103,11 @@ TEST_F(VolumeBufferTest, aFailedLoadReachesAllWhoWaitForIt) {
   EXPECT_THAT(c.brokenIdentity(), IsEmpty());
 }
 
-// What threads hold at this moment, by block.
+// The blocks that threads hold at this moment.
 class HeldBlocks {
  public:
   explicit HeldBlocks(const VolumeBuffer& buffer) : buffer_(buffer) {}
-  // False when the buffer accounts for less than what is held.
+  // False when the buffer accounts for fewer bytes than are held.
   bool hold(std::span<const BlockName> keys) {
     const std::lock_guard lock(mutex_);
     for (const BlockName& key : keys) ++counts_[key.block];
@@ -127,7 +127,7 @@ class HeldBlocks {
 
 TEST_F(VolumeBufferTest, budgetHoldsUnderManyThreads) {
   constexpr int kThreads = 8, kRounds = 300;
-  // Room for what all threads may hold at once, and no more.
+  // Room for everything that all threads may hold at once, and no more.
   const auto buffer = bufferOf(counted_, 2 * kThreads);
   HeldBlocks held(*buffer);
   std::vector<std::thread> threads;
@@ -162,8 +162,9 @@ TEST_F(VolumeBufferTest, budgetHoldsUnderManyThreads) {
 }
 
 TEST_F(VolumeBufferTest, aBlockThatSomeoneWaitsForIsNotEvicted) {
-  // One block of room, three threads after three blocks: who waited for a load gets it without a
-  // second one, or there is no room (an error), but never a block that is not accounted for.
+  // Room for one block, and three threads after three blocks. A thread that waited for a load gets
+  // the block without a second load, or an error because there is no room, but never a block that
+  // is not accounted for.
   const auto buffer = bufferOf(counted_, 1);
   HeldBlocks held(*buffer);
   std::atomic<int> unaccounted{0};

@@ -45,8 +45,8 @@ TEST(TextureCache, givesTheLowestFreePagesAndTakesThemBack) {
   EXPECT_EQ(c.brokenIdentity(), "");
 }
 
-// Of thresholds seen long ago nothing stays, so that an hour of sliding takes no more than a
-// minute.
+// Nothing is kept of thresholds seen long ago, so that an hour of sliding takes no more memory than
+// a minute.
 TEST(TextureCache, forgetsWhatCanNoLongerBeAskedFor) {
   for (const PolicyKind kind : onlinePolicies()) {
     TextureCache cache = makeCache(8, kind), endless = makeCache(8, kind);
@@ -98,7 +98,7 @@ TEST(TextureCache, identitiesAndPagesHoldUnderEveryPolicy) {
   for (const PolicyKind kind : onlinePolicies()) {
     TextureCache cache = makeCache(64, kind);
     Random random(11);
-    // The second observer: pages as the answers say, kept by the test.
+    // The second observer: pages according to the answers, kept by the test.
     std::set<uint32_t> taken;
     std::vector<std::vector<uint32_t>> pages_of(40);
     uint64_t uploaded_bytes = 0;

@@ -44,7 +44,7 @@ class NaivePriority final : public NaivePolicy {
 
   const bool is_gdsf_;
   double l_ = 0;
-  std::map<Key, Known> known_;  // of residents
+  std::map<Key, Known> known_;  // resident keys
 };
 
 class NaiveSlru : public NaivePolicy {
@@ -245,8 +245,8 @@ class NaiveLirs final : public NaivePolicy {
   std::list<Key> stack_, queue_, lir_stack_;    // front is newest
   std::list<std::pair<Key, uint32_t>> ghosts_;  // front is newest
   std::set<Key> lir_;
-  uint32_t new_weight_ = 0;   // of the entry that is coming in
-  bool keeps_place_ = false;  // what is evicted stays in the stack, as a ghost
+  uint32_t new_weight_ = 0;   // weight of the entry that is coming in
+  bool keeps_place_ = false;  // evicted entries stay in the stack as ghosts
 };
 
 }  // namespace

@@ -33,7 +33,7 @@ class NaiveFifo final : public NaiveLru {
   void hit(Key) override {}
 };
 
-// A real ring with a hand, where ClockPolicy keeps a queue.
+// A real ring with a hand, as opposed to ClockPolicy's queue.
 class NaiveClock final : public NaivePolicy {
  public:
   using NaivePolicy::NaivePolicy;
@@ -104,7 +104,7 @@ class NaiveSrrip final : public NaivePolicy {
   using NaivePolicy::NaivePolicy;
 
  private:
-  // One list, newest state first; predictions rise one by one.
+  // A single list, newest state first; predictions rise one by one.
   void hit(Key key) override {
     states_.remove_if([&](const auto& s) { return s.first == key; });
     states_.push_front({key, 0});
@@ -118,7 +118,7 @@ class NaiveSrrip final : public NaivePolicy {
         evict(Key{victim->first});
         continue;
       }
-      // What was at 3 already stays the longest in that state: it goes behind the rest.
+      // Entries that were at 3 already have been in that state longest: they go behind the rest.
       std::list<std::pair<Key, int>> stay;
       for (auto i = states_.begin(); i != states_.end();) {
         if (i->second == 3) {

@@ -75,7 +75,7 @@ class NaivePolicy {
 
   const uint64_t capacity_;
   uint64_t requests_ = 0;
-  std::map<Key, uint32_t> weights_;  // of residents
+  std::map<Key, uint32_t> weights_;  // weights of resident keys
   std::set<Key> pinned_;
   std::vector<Key>* evicted_ = nullptr;
 };
@@ -83,7 +83,7 @@ class NaivePolicy {
 // `next_uses` is for Belady's optimum.
 std::unique_ptr<NaivePolicy> makeNaivePolicy(PolicyKind kind, uint64_t capacity, uint64_t seed,
                                              const std::vector<uint32_t>& next_uses = {});
-// Its part for those that remember what they evicted: kTwoQ, kArc and kS3Fifo.
+// Its part for policies that remember evicted entries: kTwoQ, kArc and kS3Fifo.
 std::unique_ptr<NaivePolicy> makeNaiveGhostPolicy(PolicyKind kind, uint64_t capacity);
 // Its part for kLfu, kSlru, kWTinyLfu, kLirs and kGdsf.
 std::unique_ptr<NaivePolicy> makeNaiveCountingPolicy(PolicyKind kind, uint64_t capacity);

@@ -153,8 +153,8 @@ class Sieve final : public Cache {
   std::unordered_map<Key, Object> objects_;
 };
 
-// Yang 2023, algorithm 1; its text clears the count of what moves from S to M. M has nine tenths of
-// the cache, G as many entries.
+// Yang 2023, algorithm 1; its text clears the count of entries that move from S to M. M has nine
+// tenths of the cache, G as many entries.
 class S3Fifo final : public Cache {
  public:
   using Cache::Cache;

@@ -1,6 +1,5 @@
 // The replacement policies written down line by line from their papers, for entries of one page and
-// without pins: what a reader of the paper would write, with the library's lists and maps, to count
-// the misses of long traces.
+// without pins, with the library's lists and maps. They count the misses of long traces.
 #pragma once
 
 #include <cstdint>

@@ -19,8 +19,8 @@ std::vector<Key> keysOf(const std::string& letters) {
   return keys;
 }
 
-// Replays letters with a page each: a hit prints in lower case, a load in upper case with what went
-// for it after a slash.
+// Replays letters with a page each: a hit prints in lower case, a load in upper case with the
+// evicted letter after a slash.
 std::string replay(Policy& policy, const std::string& letters) {
   std::string out;
   for (const Key key : keysOf(letters)) {
@@ -92,7 +92,7 @@ TEST(Policy, lfuEvictsTheLeastOftenRequested) {
 TEST(Policy, slruProtectsWhatWasHitOnceAmongNewEntries) {
   // Five pages, four protected. A is hit and protected: the scan of F to I takes B, C, D, E.
   EXPECT_EQ(replay(PolicyKind::kSlru, 5, "ABCDEAFGHIA"), "A B C D E a F/b G/c H/d I/e a");
-  // Two pages, one protected: B's hit sends A back to the head of Probation, from where C takes it.
+  // Two pages, one protected: B's hit sends A back to the head of Probation, from which C takes it.
   EXPECT_EQ(replay(PolicyKind::kSlru, 2, "ABABC"), "A B a b C/a");
 }
 
@@ -133,7 +133,7 @@ TEST(Policy, randomFollowsItsSeed) {
 
 TEST(Policy, beladyEvictsWhatIsNeededLast) {
   // D: next uses A 4, B 5, C 9: C. E: A 7, B 8, D 10: D. C: A and B never again, the larger key B.
-  // D: A and C never: C. Seven misses, as the textbooks say of this trace.
+  // D: A and C never: C. Seven misses, as in the textbooks.
   const std::string letters = "ABCDABEABCDE";
   const std::vector<uint32_t> next = nextUses(prepareUnit(keysOf(letters)));
   BeladyPolicy belady(3, next);

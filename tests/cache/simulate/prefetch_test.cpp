@@ -77,8 +77,8 @@ TEST(Prefetch, nextTimeStepNeedsRoomForAWholeFrame) {
 }
 
 TEST(Prefetch, pollutionCountsWhatWouldHaveStayed) {
-  // Three pages: 10 is loaded ahead beside 0, 20 cannot be (0 is pinned and takes two), so that 20
-  // and then 0 again are missed with prefetching as without.
+  // Three pages: 10 is loaded ahead in addition to 0, 20 cannot be (0 is pinned and takes two), so
+  // that 20 and then 0 again are missed with prefetching as without.
   Trace none;
   none.records = {
       {0, 2, 0, 0, {}}, {10, 1, 1, 0, {}}, {0, 2, 2, 0, {}}, {20, 2, 3, 0, {}}, {0, 2, 4, 0, {}}};

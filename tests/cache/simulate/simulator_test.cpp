@@ -246,8 +246,7 @@ TEST(Simulator, pinsOnlyWhatCarriesClusters) {
   EXPECT_EQ(simulate(prepare(trace), config).hits, 0u);
 }
 
-// A request of 2^31 pages costs what one of a page does: this would take hours if it were gone
-// through page by page.
+// A request of 2^31 pages costs as much as one of a page: page by page it would take hours.
 TEST(Simulator, aRequestOfTwoToThe31PagesIsOneRequest) {
   constexpr uint32_t kPages = 1u << 31;
   constexpr uint64_t kBytes = uint64_t{1} << 40;

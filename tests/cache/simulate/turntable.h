@@ -1,4 +1,4 @@
-// The trace of a turntable and its report, for tests of what is made of it.
+// The trace of a turntable and its report, for tests of the simulator's output.
 #pragma once
 
 #include <string>

@@ -109,7 +109,7 @@ TEST_F(DecompressedTraces, whatFollowsAMemberIsReadToo) {
   EXPECT_EQ(readFile(put("t.csv.zst", zstandard(one) + zstandard(two))).records.size(), 2u);
 }
 
-// Contents around the buffers' size, where the end of the output is the end of the file.
+// Contents around the buffers' size, at which the end of the output is the end of the file.
 TEST_F(DecompressedTraces, sizesAtTheBuffersEndsAreRead) {
   for (const size_t size : {65535u, 65536u, 65537u, 131072u}) {
     std::string csv;

@@ -50,7 +50,7 @@ TEST_F(TraceFiles, dinHasALineAPageAndTheRestBehindTheAddress) {
             "0 0 sluice-trace 1 page_bytes 4096 900 2 0 0 8192 0 0 0\n0 1000\n"
             "0 2000 17 1 5 0 4096 0 0 0\n"
             "0 0 900 2 0 1 8192 0 0 0\n0 1000 records 3\n");
-  // As another's program takes it: labels and addresses.
+  // Another program's trace has labels and addresses only.
   const Trace pages = read("0 0 a comment\n0 1000\n2 0x2fff\n", TraceFormat::kDin);
   ASSERT_EQ(pages.records.size(), 3u);
   EXPECT_FALSE(pages.carries_clusters);
@@ -60,7 +60,7 @@ TEST_F(TraceFiles, dinHasALineAPageAndTheRestBehindTheAddress) {
 constexpr TraceFormat kAllFormats[] = {TraceFormat::kText, TraceFormat::kBinary, TraceFormat::kCsv,
                                        TraceFormat::kOracleGeneral, TraceFormat::kDin};
 
-// With clusters of several chunks, of which some do not fit a small cache beside each other.
+// With clusters of several chunks, some of which do not fit a small cache together.
 Trace turn() {
   Random random(2);
   Trace trace;
@@ -83,7 +83,7 @@ TEST_F(TraceFiles, everyFormatGivesBackTheRecordsThemselves) {
   for (const Trace& trace : {turn(), Trace{4096, {{3, 1, 2, 1, {4096, 5, 0, 0}}}}}) {
     for (const TraceFormat format : kAllFormats) {
       const auto path = write(trace, format, extensionOf(format));
-      // Whatever the size of a page is taken to be where a file does not say.
+      // Any page size may be given for a file that does not contain one.
       const Trace back = readAll(*openTrace(path, std::nullopt, 512));
       EXPECT_EQ(back.page_bytes, trace.page_bytes) << name(format);
       EXPECT_TRUE(back.carries_clusters);
@@ -107,7 +107,7 @@ TEST_F(TraceFiles, everyFormatGivesTheNumbersOfTheTraceItself) {
   }
 }
 
-// Refused, without a request, or, where no more than the first words are left, read with a warning.
+// Refused, without a request, or, if only the first words are left, read with a warning.
 bool isRefusedOrSuspect(const std::filesystem::path& path, TraceFormat format) {
   constexpr size_t kFirstWords = 36;
   try {
@@ -119,7 +119,7 @@ bool isRefusedOrSuspect(const std::filesystem::path& path, TraceFormat format) {
   }
 }
 
-// Whatever is cut off the end of what we write, it is noticed.
+// A cut anywhere at the end of what we write is noticed.
 TEST_F(TraceFiles, everyFormatSaysWhereItWasCut) {
   Trace trace = turn();
   trace.records.resize(12);
@@ -143,7 +143,7 @@ TEST_F(TraceFiles, companionOfAnotherTraceIsRefused) {
   std::filesystem::rename(folder_ / "b.oracleGeneral.sluice", folder_ / "a.oracleGeneral.sluice");
   EXPECT_THAT(errorOf([&] { readAll(*openTrace(path)); }),
               testing::HasSubstr("record 2000 is not that of"));
-  // Alone it is what another simulator makes of it: ids and sizes, no clusters.
+  // Without the companion it is read like another simulator's: ids and sizes, no clusters.
   std::filesystem::remove(folder_ / "a.oracleGeneral.sluice");
   const Trace alone = readAll(*openTrace(path, std::nullopt, 16384));
   EXPECT_FALSE(alone.carries_clusters);

@@ -205,7 +205,7 @@ TEST_F(TraceFiles, damagedBinaryFilesNeverPassPromises) {
       try {
         for (const TraceRecord& r : read(bad, TraceFormat::kBinary).records)
           EXPECT_LE(r.bytes.needed, r.bytes.moved);
-      } catch (const Error&) {  // as good
+      } catch (const Error&) {  // refusing is fine too
       }
     }
   }

@@ -192,7 +192,7 @@ TEST(Classification, noSampleOutsideTheObjectBoxesIsVisible) {
             if (box != boxes.end() && box->second.contains(cell)) continue;
             ++outside;
             // Interpolation stays between the least and the greatest corner; every value between
-            // them occurs in the cell. The transfer function itself must say no, not its table.
+            // them occurs in the cell. The transfer function itself must deny it, not its table.
             const ValueRange corners = volume.rangeOf({cell, cell + Vec3i{2, 2, 2}});
             for (int step = 0; step <= 8; ++step) {
               const double device = std::lerp(corners.lo, corners.hi, step / 8.0);
@@ -211,7 +211,7 @@ TEST(Classification, aSurfaceBetweenTwoPlanesIsFound) {
                                          [](auto x, auto, auto) { return x < 5 ? 10 : 200; }),
                8);
   const VisibleBlocks result = classified(volume.ranges, band(90, 110));
-  ASSERT_EQ(result.blocks.size(), 4U);  // of the 2 x 2 x 2 blocks
+  ASSERT_EQ(result.blocks.size(), 4U);  // half of the 2 x 2 x 2 blocks
   EXPECT_EQ(result.blocks[0].cells, (Box3{{4, 0, 0}, {5, 7, 7}}));
   EXPECT_EQ(result.grey, 4);
   EXPECT_EQ(result.white, 4);
@@ -228,7 +228,7 @@ TEST(Classification, allVisibleIsBlackAndNothingVisibleIsWhite) {
 }
 
 TEST(Classification, theTrimmingAxisIsTheShortestAndTheLastOfEquals) {
-  // One box of voxels of 200 in a block of 64; its cells are one more on each side.
+  // A box of voxels of 200 in a block of 64; its cells reach one further on each side.
   const auto axisOf = [](Vec3i size) {
     const Box3 box{{10, 10, 10}, Vec3i{10, 10, 10} + size};
     const Volume volume =
@@ -377,7 +377,7 @@ TEST(Classification, moreVisibleBackgroundThanCanBeListedIsAnError) {
   } catch (const Error& error) {
     EXPECT_THAT(error.what(), AllOf(HasSubstr("(50)"), HasSubstr("crop")));
   }
-  // What the line advises works.
+  // The advice in the message works.
   const VisibleBlocks cropped = classified(ranges, band(40, 60), Box3{{0, 0, 0}, {126, 126, 63}});
   EXPECT_EQ(cropped.blocks.size(), 4U);
   EXPECT_EQ(classified(ranges, threshold(100)).blocks.size(), 1U);

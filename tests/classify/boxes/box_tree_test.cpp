@@ -1,4 +1,4 @@
-// The order of the boxes along random rays, and what a conversion must keep.
+// The order of the boxes along random rays, and the properties that a conversion must keep.
 #include "src/classify/boxes/box_tree.h"
 
 #include <fmt/format.h>
@@ -59,7 +59,7 @@ class Views {
     eye.parallel = random_() % 2 == 0;
     if (eye.parallel) {
       eye.at = direction();
-      // Straight views are what people ask for first.
+      // People ask for straight views first.
       if (random_() % 4 == 0) eye.at[static_cast<int>(random_() % 3)] = 0;
       if (eye.at == Vec3d{}) eye.at = {0, 0, 1};
     } else {

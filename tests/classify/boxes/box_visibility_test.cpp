@@ -1,5 +1,5 @@
-// Whether a box shows anything: never false where a sample of the plane of values and magnitudes
-// that the box may hold is opaque; false where a transfer function says so plainly.
+// Whether a box shows anything: never false if a sample of the plane of values and magnitudes that
+// the box may hold is opaque; false if a transfer function plainly shows nothing.
 #include "src/classify/boxes/box_visibility.h"
 
 #include <gtest/gtest.h>

@@ -13,7 +13,8 @@ namespace {
 
 struct RealVolume {
   const char* path;
-  // Of the way from the least to the greatest value; 0.157 is bonsai's usual 40, 0.314 engine's 80.
+  // Shares of the range from the least to the greatest value; 0.157 is bonsai's usual 40, 0.314
+  // engine's 80.
   std::vector<double> thresholds{0.01, 0.04, 0.08, 0.157, 0.314, 0.6};
   friend void PrintTo(const RealVolume& volume, std::ostream* out) { *out << volume.path; }
 };

@@ -22,8 +22,8 @@ using VolumePartition = std::vector<VolumeBox>;
 VolumePartition grownPartition(const DeviceVolume& volume, int64_t block_vox);
 VolumePartition treePartition(const DeviceVolume& volume, int64_t block_vox);
 
-// Expects every cell in exactly one box, and each interval that of the voxels which the box's cells
-// touch.
+// Expects every cell in exactly one box, and each interval to be the range of the voxels that the
+// box's cells touch.
 void expectRight(const DeviceVolume& volume, const VolumePartition& boxes);
 
 }  // namespace sluice

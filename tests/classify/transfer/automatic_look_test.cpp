@@ -73,13 +73,13 @@ TEST(AutomaticLook, vesselsFarAboveTissueShowAlone) {
   EXPECT_THAT(look.transfer.name, HasSubstr("tail"));
   EXPECT_EQ(opacityAt(look.transfer, 180), 0);
   EXPECT_GT(opacityAt(look.transfer, 500), 0.2);
-  // Without air too, as after a subtraction.
+  // The same without air, as after a subtraction.
   look = automaticLook(Draws().add(99000, 100, 20).add(1000, 600, 100).counts());
   EXPECT_THAT(look.transfer.name, HasSubstr("tail"));
   EXPECT_EQ(opacityAt(look.transfer, 160), 0);
 }
 
-// As in a head's MR: bright fluid beside tissue, and everything in between.
+// Like a head's MR: bright fluid next to tissue, and everything in between.
 TEST(AutomaticLook, tissueThatFadesIntoBrighterTissueIsNoTail) {
   const auto counts = Draws()
                           .atLeast(0)

@@ -140,7 +140,7 @@ TEST(OpacityTable, aVisibleValueIsNeverCalledInvisible) {
     const OpacityTable table(transfer, kFloats, {-100, 100});
     for (int sample = 0; sample < 2000; ++sample) {
       const double value = -100 + 200 * unit();
-      // What falls between two entries is not in the table: a band must be wider than that.
+      // The table has nothing that falls between two entries: a band must be wider than that.
       const double width = 200.0 / table.entries();
       const bool visible = opacityAt(transfer, value - width) > 0 &&
                            opacityAt(transfer, value) > 0 && opacityAt(transfer, value + width) > 0;
@@ -180,7 +180,7 @@ TEST(OpacityTable, aStepIsARampOverAFewEntriesBelowIt) {
   EXPECT_EQ(opacity(39.9), 0);
   // Integers at the step, labels say, are wholly above it.
   EXPECT_FLOAT_EQ(opacity(40), 0.6F);
-  // Never down on the way up, and no jump of more than a few parts of the step.
+  // The way up has no step down, and no jump of more than a few parts of the step.
   for (int e = 1; e < table.entries(); ++e) {
     const float rise =
         table.opacity()[static_cast<size_t>(e)] - table.opacity()[static_cast<size_t>(e) - 1];

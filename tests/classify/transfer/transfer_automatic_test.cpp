@@ -73,7 +73,7 @@ class Scene {
   std::vector<double> values_;
 };
 
-// -ln of what a ray of `length` voxels at `value` lets pass.
+// -ln of the transmittance of `length` voxels at `value`.
 double opticalDepth(const TransferFunction& transfer, double value, double length) {
   return -length * std::log1p(-opacityAt(transfer, value));
 }
@@ -184,11 +184,11 @@ TEST(AutomaticTransfer, maskOfTwoValuesShowsTheUpper) {
 TEST(AutomaticTransfer, signedDistanceShowsAShellAroundZero) {
   const Histogram band{{-0.15, 0.15}, std::vector<uint64_t>(300, 10)};
   const auto transfer = automaticTransfer(band, {.signed_distance = true, .finest_spacing = 0.05});
-  // What is behind the surface does not show through it.
+  // Matter behind the surface does not show through it.
   EXPECT_EQ(opacityAt(transfer, 0), 1);
   EXPECT_GT(opacityAt(transfer, 0.02), 0.5);
   for (const double value : {-0.15, -0.08, 0.08, 0.15}) EXPECT_EQ(opacityAt(transfer, value), 0);
-  // Without a spacing, and where the band is thinner than the shell would be.
+  // Without a spacing, and if the band is thinner than the shell would be.
   for (const double spacing : {0.0, 10.0}) {
     const auto other =
         automaticTransfer(band, {.signed_distance = true, .finest_spacing = spacing});

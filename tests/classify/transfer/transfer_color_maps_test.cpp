@@ -144,7 +144,7 @@ TEST(ColorMaps, areValidAndSpanZeroToOne) {
   EXPECT_TRUE(names.contains(kDefaultColorMap));
 }
 
-// What makes them good for volumes: darker always means less.
+// A map is good for volumes if darker always means less.
 TEST(ColorMaps, sequentialOnesGrowLighter) {
   for (const std::string_view name : colorMapNames()) {
     if (name == "turbo" || name == "cool-warm") continue;

@@ -24,7 +24,7 @@ TransferFunction withOpacities(std::vector<OpacityPoint> points) {
   return {{{0, {1, 1, 1}}}, std::move(points), "test"};
 }
 
-// The contract said in another way: a walk over all points.
+// The contract computed in another way: a walk over all points.
 double walkedOpacity(const std::vector<OpacityPoint>& points, double value) {
   if (value < points.front().value) return points.front().opacity;
   double result = points.back().opacity;

@@ -1,4 +1,4 @@
-// ParaView's colour maps: by rules and by hand here, and against VTK itself where it is installed.
+// ParaView's colour maps: by rules and by hand here, and against VTK itself if it is installed.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -177,7 +177,7 @@ TEST(ParaviewMap, moreThanAFewThousandPointsAreAnError) {
               HasSubstr("expected at most 4096 points"));
 }
 
-// What VTK makes of the same numbers: "r g b opacity" for each value of `samples`.
+// A script for VTK's evaluation of the same points: "r g b opacity" for each value of `samples`.
 constexpr const char* kVtkScript = R"(
 import json, sys
 from vtkmodules.vtkCommonDataModel import vtkPiecewiseFunction

@@ -70,7 +70,7 @@ TEST(VisibleValues, agreeWithTheTableOnNeighboringFloats) {
       for (int i = 0; i < 20000 && !HasFatalFailure(); ++i)
         expectSame(static_cast<float>(std::lerp(
             range.lo, range.hi, 1.2 * static_cast<double>(random() >> 11) * 0x1p-53 - 0.1)));
-      // One float on each side of where the answer changes.
+      // The two floats between which the answer changes.
       auto last = static_cast<float>(range.lo);
       for (int step = 1; step <= 2000 && !HasFatalFailure(); ++step) {
         const auto next = static_cast<float>(std::lerp(range.lo, range.hi, step / 2000.0));

@@ -78,7 +78,7 @@ TEST(FileTest, rejectsAFileReplacedBetweenReads) {
   EXPECT_THAT(errorOf([&] { readText(file, 0, 2); }), HasSubstr("changed while it was open"));
 }
 
-// What `cp -p` and tar restore.
+// Sets the time that `cp -p` and tar restore.
 void setModified(const std::filesystem::path& path, const timespec& time) {
   const std::array<timespec, 2> times = {{{0, UTIME_OMIT}, time}};
   ASSERT_EQ(utimensat(AT_FDCWD, path.c_str(), times.data(), 0), 0);
@@ -89,11 +89,11 @@ TEST(FileTest, identityChangesWithAFileOfTheSameSizeAndModificationTime) {
   const timespec time{1'700'000'000, 5};
   setModified(folder.write("f", "0123"), time);
   const std::string first = File(folder / "f").identity();
-  // In place: the change time tells.
+  // A change in place shows in the change time.
   setModified(folder.write("f", "0124"), time);
   const std::string rewritten = File(folder / "f").identity();
   EXPECT_NE(rewritten, first);
-  // Another file in its place: the inode tells, too.
+  // Another file in its place shows in the inode, too.
   setModified(folder.write("g", "0124"), time);
   std::filesystem::rename(folder / "g", folder / "f");
   EXPECT_NE(File(folder / "f").identity(), rewritten);

@@ -22,7 +22,7 @@ constexpr Vec3i kDims{5, 4, 3};
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-// A header under construction; the offsets are those of the standard's nifti1.h and nifti2.h.
+// A header under construction; the offsets are from the standard's nifti1.h and nifti2.h.
 class HeaderBytes {
  public:
   explicit HeaderBytes(size_t size) : bytes_(size, '\0') {}

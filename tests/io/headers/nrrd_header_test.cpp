@@ -98,7 +98,7 @@ TEST(NrrdHeaderTest, aSpaceOfAPatientIsTheWorldsFrame) {
     EXPECT_EQ(frameOf(none), WorldFrame::kNone) << none;
 }
 
-// What is left in the file must not be shown as right.
+// The left side in the file must not be shown as the right side.
 TEST(NrrdHeaderTest, leftAnteriorSuperiorIsMirroredIntoRightAnteriorSuperior) {
   std::string text = kPlainNrrd;
   text +=

@@ -7,7 +7,7 @@
 
 namespace sluice {
 
-// What kPlainNrrd describes.
+// The volume that kPlainNrrd describes.
 inline constexpr Vec3i kNrrdDims{5, 4, 3};
 // A header, all but the empty line at its end.
 inline constexpr const char* kPlainNrrd =

@@ -1,4 +1,4 @@
-// NRRD files, read: attached and detached data, and what teem's unu writes and reads.
+// NRRD files, read: attached and detached data, and files that teem's unu writes and reads.
 #include "io/headers/nrrd.h"
 
 #include <fmt/format.h>

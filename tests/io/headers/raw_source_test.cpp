@@ -204,7 +204,7 @@ TEST(RawSourceTest, theDiskIsNotToldOfPagesThatAreNotReadOrOfFew) {
   RawSource source(layoutOf(dims, VoxelType::kU8), std::endian::native, {{store, 0}}, nullptr, "");
   readBox(source, 0, {{0, 3, 2}, {904, 13, 4}});   // gaps of a page
   readBox(source, 0, {{0, 3, 2}, {5000, 8, 4}});   // 25 KB of a plane
-  readBox(source, 0, {{0, 0, 2}, {5000, 20, 4}});  // one piece
+  readBox(source, 0, {{0, 0, 2}, {5000, 20, 4}});  // a single piece
   EXPECT_TRUE(store->expected.empty());
 }
 

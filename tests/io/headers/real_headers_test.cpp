@@ -1,4 +1,4 @@
-// The public volumes beside the project, where they are: sizes and types as their catalogue says,
+// The public volumes in the data folder, if they are there: sizes and types as in their catalogue,
 // voxels as programs of others read them.
 #include <gmock/gmock.h>
 
@@ -23,7 +23,8 @@ void expectLayout(const VolumeLayout& layout, Vec3i dims, VoxelType type) {
   EXPECT_EQ(layout.time_steps, 1);
 }
 
-// What Python lines write to `folder` + 'expected', in this machine's byte order.
+// Expects the voxels that Python lines write to `folder` + 'expected', in this machine's byte
+// order.
 void expectVoxelsOfPython(VolumeSource& source, const std::string& lines) {
   const TempFolder folder;
   ASSERT_TRUE(runsPython(folder, lines)) << readFile(folder / "script.log");

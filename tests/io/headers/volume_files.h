@@ -23,11 +23,11 @@ std::string knownVoxels(VoxelType type, Vec3i dims, int64_t time_steps = 1);
 // Each voxel's bytes in reverse.
 std::string swapped(std::string bytes, VoxelType type);
 
-// One box, read.
+// The voxels of a box.
 std::vector<std::byte> readBox(VolumeSource& source, int64_t time, const Box3& box);
 // All time steps, read one by one.
 std::string readAll(VolumeSource& source);
-// Expects dimensions, type and all voxels to be those of knownVoxels.
+// Expects dimensions, type and all voxels of knownVoxels.
 void expectKnownVolume(VolumeSource& source, VoxelType type, Vec3i dims, int64_t time_steps = 1);
 
 // Runs a shell command, its output thrown away; false when it fails.
@@ -38,7 +38,7 @@ bool runsPython(const TempFolder& folder, const std::string& lines);
 
 }  // namespace sluice
 
-// Skips the test, by name, where a program or module to check against is not installed.
+// Skips the test, by name, if a program or module to check against is not installed.
 #define SLUICE_NEEDS(what, command)                                     \
   do {                                                                  \
     if (!::sluice::runs(command)) GTEST_SKIP() << (what) << " missing"; \

@@ -95,7 +95,7 @@ TEST_F(Slices, readingBlockByBlockDecodesEachRowOnce) {
           readBox(*source, intersect({{x, y, z}, {x + 9, y + 9, z + 1}}, boxOf(dims)));
     uint64_t stored = 0;
     for (const auto& file : listFolder(pathOf(name))) stored += std::filesystem::file_size(file);
-    // Headers and libtiff's tables come on top, for the opening and where the rows are read.
+    // Headers and libtiff's tables are added, for the opening and at the reading of rows.
     EXPECT_GT(source->storedBytesRead(), stored / 2);
     EXPECT_LT(source->storedBytesRead(), 2 * opening + stored + stored / 10);
   }
@@ -170,7 +170,7 @@ TEST_F(Slices, surviveDamage) {
   }
 }
 
-// Every stream that zlib wrote carries a checksum of what it decodes to.
+// Every stream that zlib wrote carries a checksum of its decoded bytes.
 TEST_F(Slices, aFlippedBitOfACompressedPictureIsAnErrorOrChangesNothing) {
   const TempFolder folder;
   int files = 0;
@@ -183,7 +183,7 @@ TEST_F(Slices, aFlippedBitOfACompressedPictureIsAnErrorOrChangesNothing) {
     std::istringstream streams(readFile(pathOf(c.name + ".streams")));
     int tried = 0, refused = 0;
     for (size_t first = 0, end = 0; streams >> first >> end;) {
-      // Every bit where the checksum lies, elsewhere some.
+      // Every bit of the checksum, and some of the others.
       constexpr size_t kChecksumBits = 32;
       const size_t checksum = std::max(first * 8, end * 8 - kChecksumBits);
       for (size_t bit = first * 8; bit < end * 8; bit += bit + 61 < checksum ? 61 : 1) {
@@ -205,7 +205,7 @@ TEST_F(Slices, aFlippedBitOfACompressedPictureIsAnErrorOrChangesNothing) {
   EXPECT_EQ(files, 9);
 }
 
-// Rows and decoders are within what they may hold, and are still read right.
+// Rows and decoders stay within their limit, and are still read right.
 TEST_F(Slices, holdNoMoreThanTheyMay) {
   for (const char* name : {"png-vtk-u16", "tiff-one-strip-zlib"}) {
     const auto source = openSliceFolder(pathOf(name));
@@ -296,7 +296,7 @@ TEST(SliceFolder, rejectsSeveralSeries) {
                     HasSubstr("/head-%d.png' (2 files)")));
 }
 
-// Stacks as people have them, against what another program reads.
+// Real stacks, compared with another program's voxels.
 void expectAsReadByPython(const std::string& folder, const std::string& pattern,
                           const std::string& script, Vec3i dims) {
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is missing";

@@ -1,4 +1,4 @@
-// TIFF files that say of their pages what they are, and how much is read of them.
+// TIFF files that describe their pages, and how much is read of them.
 #include <gmock/gmock.h>
 
 #include <fstream>

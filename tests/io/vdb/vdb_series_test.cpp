@@ -50,7 +50,7 @@ TEST(VdbSeries, stepsOfDifferentBoxesFillTheBoxAroundAll) {
   }
 }
 
-// The voxels of one step are numbered from elsewhere than those of the other.
+// The voxels of one step are numbered from another origin than the other's.
 TEST(VdbSeries, transformsMayDifferByWholeVoxels) {
   const TempFolder folder;
   const auto names = namesIn(folder, 2);

@@ -211,7 +211,7 @@ TEST(VdbSource, leavesAreReadWhenAskedForAndNotKept) {
   EXPECT_EQ(source->storedBytesRead() - opened, 2 * value_bytes);
 }
 
-// As of raw files: never a mixture of old and new voxels, never a signal.
+// A read never mixes old and new voxels and never raises a signal, as for raw files.
 TEST(VdbSource, aFileThatIsCutOrOverwrittenMeanwhileIsAnError) {
   for (const char* type : {"float", "half"}) {
     const TempFolder folder;

@@ -107,7 +107,7 @@ TEST(PackLevels, areNumPysMeansGreatestAndModes) {
           fmt::format("/usr/bin/python3 " SLUICE_TEST_DIR "/check_packed_levels.py {} {}",
                       shellQuoted((folder / "v.zarr").string()), name));
       EXPECT_EQ(compared.status, 0) << compared.output;
-      // As we read them ourselves.
+      // Our own reader finds the same.
       ZarrSource packed(folder / "v.zarr");
       EXPECT_EQ(packed.layout().notes, std::vector<std::string>{});
       const std::vector<LevelShape> shapes = levelShapes(layout, 8, 2);

@@ -39,7 +39,7 @@ struct Decoder {
 TEST(ZarrChunkCache, keepsWhatWasUsedLast) {
   Decoder decoder;
   ZarrChunkCache cache(kChunk, 4 * kChunk, std::ref(decoder));
-  // Room for two beside the one that is decoded, which takes two.
+  // Room for two in addition to the one that is decoded, which takes two.
   for (const int64_t chunk : {1, 2, 1, 3, 1, 4, 1, 2}) cache.get(chunk);
   EXPECT_EQ(decoder.decoded[1], 1);
   EXPECT_EQ(decoder.decoded[2], 2);

@@ -12,7 +12,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-// A sound .zarray with one member replaced, or left out where `value` is empty.
+// A sound .zarray with one member replaced, or left out if `value` is empty.
 std::string arrayWith(const std::string& key, const std::string& value) {
   std::vector<std::pair<std::string, std::string>> members = {
       {"zarr_format", "2"}, {"shape", "[10, 20, 30]"}, {"chunks", "[4, 5, 6]"},

@@ -19,7 +19,7 @@ struct LevelsCase {
 
   std::string name, note;
   size_t levels = 1;
-  std::vector<LevelPlacement> places;  // of the coarser ones
+  std::vector<LevelPlacement> places;  // places of the coarser levels
 
   friend std::istream& operator>>(std::istream& lines, LevelsCase& c) {
     std::string text;
@@ -76,7 +76,7 @@ TEST_F(ZarrLevels, stayWithASpacingOfTheUsersOwn) {
   EXPECT_EQ(coarserLevels(*source).size(), 2U);
 }
 
-// The budget of the whole is that of all levels together.
+// The budget of the image is shared by all levels.
 TEST_F(ZarrLevels, holdNoMoreTogetherThanTheyMay) {
   ZarrSource source(pathOf("translated"));
   const uint64_t chunk = 16 * 16 * 16 * 4;

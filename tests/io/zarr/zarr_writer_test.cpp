@@ -113,7 +113,7 @@ TEST(PackZarr, placeDirectionsAndScalingAreKeptToTheBit) {
   EXPECT_EQ(packed.layout().unit, "micrometer");
 }
 
-// The source's background is the fill value: what is empty there is never read and has no file.
+// The source's background is the fill value: empty chunks are never read and have no file.
 TEST(PackZarr, theBackgroundOfASparseSourceCostsNothing) {
   const TempFolder folder;
   VolumeLayout layout;
@@ -208,7 +208,7 @@ TEST(PackZarr, aFailureLeavesNoStoreAndTheNextRunGoesOn) {
   pack(*source, folder / "whole.zarr", kSmall);
   for (const auto failure : {FailingSource::Failure::kError, FailingSource::Failure::kException}) {
     const fs::path output = folder / "v.zarr";
-    // One thread reads a slab of planes in two pieces; there are 3 slabs a step.
+    // A single thread reads a slab of planes in two pieces; there are 3 slabs a step.
     FailingSource failing(*source, failure, 9);
     EXPECT_ANY_THROW(pack(failing, output, kSmall, 1));
     EXPECT_FALSE(fs::exists(output));
@@ -220,7 +220,8 @@ TEST(PackZarr, aFailureLeavesNoStoreAndTheNextRunGoesOn) {
   }
 }
 
-// What a power cut may leave: chunks that are noted and not on the disk, a journal cut anywhere.
+// A power cut may leave chunks that the journal notes but the disk lacks, and a journal cut
+// anywhere.
 TEST(PackZarr, whatIsDamagedInAnUnfinishedPackIsDoneAgain) {
   const TempFolder folder;
   const auto source = halfNoise(VoxelType::kU8, 3);
