@@ -130,8 +130,8 @@ void checkOptions(const std::string& input, Format format, const OpenOptions& op
                             options.byte_order || options.skip_bytes != 0;
   if (format != Format::kRaw && is_described)
     fail(
-        "{}: the file says its own size and type; --dims, --type, --endian and --skip are for raw "
-        "files, leave them out",
+        "{}: the file contains its size and type; leave out --dims, --type, --endian and --skip, "
+        "which are for raw files",
         input);
   if (format != Format::kVdb && !options.grid.empty())
     fail("{}: --grid {} is for OpenVDB files, which this is not; leave it out", input,

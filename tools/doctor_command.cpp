@@ -43,7 +43,7 @@ Chosen chosenOf(const std::vector<GlProbe>& probes) {
     if (probe.works && !probe.is_software && probe.backend == "egl")
       return {"gl", "a GPU's driver works: " + probe.renderer};
   if (std::any_of(probes.begin(), probes.end(), [](const GlProbe& each) { return each.works; }))
-    return {"cpu", "OpenGL works in software alone, which is slower"};
+    return {"cpu", "OpenGL works only in software, which is slower"};
   return {"cpu", "no OpenGL works"};
 }
 
@@ -93,8 +93,10 @@ void print(const std::vector<GlProbe>& probes) {
 
 Command addDoctor(CLI::App& program) {
   auto json = std::make_shared<bool>(false);
-  CLI::App* app = program.add_subcommand(
-      "doctor", "What works on this machine and why the rest does not\n\n  sluice doctor");
+  CLI::App* app =
+      program.add_subcommand("doctor",
+                             "Prints which devices work on this machine, and why others do not\n\n"
+                             "  sluice doctor");
   addJsonOption(OptionGroup(*app, kOutputHeading), *json);
   return [json] {
     const std::vector<GlProbe> probes = probeGl();

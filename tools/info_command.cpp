@@ -102,7 +102,7 @@ void print(const IndexedVolume& volume, const ChosenLook& look) {
       volume.layout.size, volume.index->ranges.blocks.size(),
       volume.map.valueOf(volume.index->ranges.background));
   say("  look {}: {}{}\n", look.transfer.name, look.options,
-      layout.time_steps > 1 ? " (of this step; a picture's is of all)" : "");
+      layout.time_steps > 1 ? " (of this step; a picture uses the range of all steps)" : "");
   say("  index {}{}{}\n", volume.index->state, volume.index->path.empty() ? "" : ": ",
       volume.index->path.string());
 }

@@ -104,7 +104,7 @@ int pack(const PackArguments& arguments) {
   {
     ProgressMeter progress =
         arguments.resources.quiet ? ProgressMeter() : ProgressMeter(progressLine("packing"), bytes);
-    sayWhenInterrupted("interrupted; the same command goes on where this one ended");
+    sayWhenInterrupted("interrupted; run the same command again to continue");
     report = packZarr(channels, arguments.output, options, pool, progress);
     sayWhenInterrupted("interrupted");  // the store is whole, its index may not be
   }
@@ -194,13 +194,15 @@ Command addPack(CLI::App& program) {
   const OptionGroup store(*app, "Store");
   CLI::Option* output =
       store.text("-o,--output", "DIR.zarr", arguments->output, "The store, NAME.zarr");
-  store.number("--chunk", "N", arguments->pack.chunk_voxels, {4, 1024}, "Voxels a side of a chunk");
+  store.number("--chunk", "N", arguments->pack.chunk_voxels, {4, 1024},
+               "Voxels per side of a chunk");
   store.choice("--codec", Words<BloscCodec>{{"lz4", BloscCodec::kLz4}, {"zstd", BloscCodec::kZstd}},
-               arguments->pack.blosc.codec, "Inside Blosc: lz4 is read faster, zstd is smaller");
+               arguments->pack.blosc.codec,
+               "Codec inside Blosc: lz4 reads faster, zstd is smaller");
   store
-      .number(
-          "--level", "1..9", arguments->level, {1, 9},
-          fmt::format("How hard the codec tries ({} for lz4, {} for zstd)", kLz4Level, kZstdLevel))
+      .number("--level", "1..9", arguments->level, {1, 9},
+              fmt::format("Compression level of the codec ({} for lz4, {} for zstd)", kLz4Level,
+                          kZstdLevel))
       ->default_str("");
   PackOptions& options = arguments->pack;
   store.parsed(
@@ -210,18 +212,20 @@ Command addPack(CLI::App& program) {
         options.with_levels = wish.any;
         options.levels = wish.count;
       },
-      "Coarser levels of resolution too: N of them, or until 64 voxels a side", "none");
+      "Also writes coarser levels of resolution: N of them, or (auto) down to 64 voxels per side",
+      "none");
   store.choice(
       "--downsample",
       Words<Downsample>{
           {"mean", Downsample::kMean}, {"max", Downsample::kMax}, {"mode", Downsample::kMode}},
-      options.downsample, "What the voxels of a coarser one become; mode for labels");
+      options.downsample,
+      "How a voxel of a coarser level follows from finer ones; use mode for labels");
   store.text("--unit", "NAME", arguments->pack.unit,
-             "Of the spacing, where the file does not say it: micrometer, millimeter, ...");
+             "Unit of the spacing, if the file does not name it: micrometer, millimeter, ...");
   CLI::Option* verify = store.flag("--verify", arguments->pack.verify,
                                    "Reads the store again and compares every voxel");
   CLI::Option* force = store.flag("--force", arguments->pack.replace,
-                                  "Replaces an existing store, once the new one is whole");
+                                  "Replaces an existing store once the new one is complete");
   store
       .flag("--check", arguments->check,
             "VOLUME is a packed store: compares every chunk with its checksum")
@@ -233,7 +237,7 @@ Command addPack(CLI::App& program) {
   addJsonOption(printed, arguments->json);
   const OptionGroup machine(*app, kMachineHeading);
   machine.bytes("--memory", arguments->resources.memory_bytes,
-                "Budget of the voxels and chunks held (half the machine's)");
+                "Budget for voxels and chunks (half of the machine's memory)");
   addThreadsOption(machine, arguments->resources.threads);
   addIndexDirOption(machine, arguments->resources.index_dir);
   app->parse_complete_callback([arguments] {

@@ -280,7 +280,7 @@ Command addPlan(CLI::App& program) {
   auto arguments = std::make_shared<PlanArguments>();
   CLI::App* app = program.add_subcommand(
       "plan",
-      "What a picture will read, load and hold, without reading a voxel\n\n"
+      "Prints what a picture will read, load and hold, without reading a voxel\n\n"
       "  sluice plan bonsai.nii.gz --threshold 40 --page 32x64x2 --pages 256\n"
       "  sluice plan bonsai.nii.gz --threshold 40 --partition boxes");
   addVolumeOptions(*app, arguments->volume);

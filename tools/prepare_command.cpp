@@ -95,9 +95,9 @@ Command addPrepare(CLI::App& program) {
   arguments->look.first_picture = true;
   CLI::App* app = program.add_subcommand(
       "prepare",
-      "Makes what render --culling needs of a series, ahead\n\n"
-      "How much each block hides, and at which steps that changes: kept with the index, for the "
-      "look that is given.\n\n"
+      "Computes the opacity functions of a series for render --culling\n\n"
+      "An opacity function tells how much a block hides, seen from any direction. The functions "
+      "apply to the given transfer function and are kept with the index.\n\n"
       "  sluice prepare 'step_%03d.nrrd' --threshold 40");
   addVolumeOptions(*app, arguments->volume);
   addLookOptions(*app, arguments->look, arguments->frame);

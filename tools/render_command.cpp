@@ -97,18 +97,18 @@ void checkOutput(const Arguments& arguments) {
     fail("--annotate: a picture of {} x {} pixels has no room for letters; it needs {} x {}",
          size.width, size.height, kLeastAnnotatedPixels, kLeastAnnotatedPixels);
   if (arguments.aovs && arguments.aovs->depth && arguments.frame.mode != Mode::kComposite)
-    fail("--aov depth is of --mode composite, where samples have an opacity to weigh them");
+    fail("--aov depth needs --mode composite, since depth is weighted by opacity");
   if (arguments.debug_view && frameCount(arguments) > 1)
-    fail("--debug-view is of one frame, not of {}", frameCount(arguments));
+    fail("--debug-view takes one frame, not {}", frameCount(arguments));
   if (arguments.times && arguments.frames > 1)
-    fail("--frames {} is of one time step, not of a range of --time", arguments.frames);
+    fail("--frames {} takes one time step, not a range of --time", arguments.frames);
   if (arguments.culling.culling != Culling::kNone && arguments.frame.mode != Mode::kComposite)
-    fail("--culling is of --mode composite, where what is in front hides what is behind");
+    fail("--culling needs --mode composite, since other modes hide nothing");
   if (arguments.verify && arguments.culling.culling != Culling::kNone && frameCount(arguments) > 1)
-    fail("--verify with --culling is of one frame, not of {}", frameCount(arguments));
+    fail("--verify with --culling takes one frame, not {}", frameCount(arguments));
   if (arguments.debug_view && arguments.frame.occlusion == Occlusion::kOff &&
       arguments.frame.partition == Partition::kBlocks)
-    fail("--debug-view shows what --occlusion and --partition boxes do; give one of them");
+    fail("--debug-view shows the effect of --occlusion and --partition boxes; give one of them");
 }
 
 // The distance between slices if the user does not set it: it follows from the first view.
@@ -323,7 +323,7 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
     saved = applyState(app, arguments.state_file);
     if (saved->film && asksForFilm(arguments)) {
       if (team != nullptr)
-        fail("{}: the frames of a path are of one process", arguments.state_file);
+        fail("{}: a single process must draw the frames of a path", arguments.state_file);
       refuseLevels(arguments.levels, "a film");
       return writeFilm(arguments, app, *saved);
     }
@@ -332,8 +332,8 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
   if (team != nullptr) expectSameCommand(*team, app);
   checkOutput(arguments);
   if (team != nullptr && (arguments.debug_view || !arguments.trace_file.empty()))
-    fail("{} is of one process, not of {} ranks", arguments.debug_view ? "--debug-view" : "--trace",
-         team->ranks());
+    fail("{} needs a single process, not {} ranks",
+         arguments.debug_view ? "--debug-view" : "--trace", team->ranks());
   const Outputs outputs = outputsOf(arguments);
   const std::vector<int64_t> to_draw = framesToDraw(arguments, team);
   const bool is_first = team == nullptr || team->isFirst();
@@ -429,36 +429,34 @@ Command addRender(CLI::App& program) {
   const OptionGroup output(*app, kOutputHeading);
   output
       .text("-o,--output", "FILE", arguments->output,
-            "Picture: .png, or .exr with depth; #### or %04d takes the frame's or time step's "
-            "number. "
-            "Film of several: .mp4, by ffmpeg")
+            "Picture: .png, or .exr with depth; #### or %04d becomes the number of the frame or "
+            "time step. Film: .mp4, encoded by ffmpeg")
       ->required();
   const OptionGroup film(*app, "Film");
-  addFramesOption(film, arguments->frames, "Pictures of a full turn, or of the path");
+  addFramesOption(film, arguments->frames, "Pictures of a full turn, or along the path");
   film.text("--path", "FILE", arguments->path_file,
             "Key frames of the camera, JSON: for --frames pictures, or along a range of --time");
   film.number("--rate", "FPS", arguments->frames_per_second, {0, 1000, true},
               "Frames per second of an .mp4 file");
   OptionGroup(*app, "View")
       .text("--state", "FILE", arguments->state_file,
-            "A view that sluice view saved, and its volume; options that are "
-            "given beside it take the place of its own. With -o frame_%04d.png the frames of the "
-            "path that was saved with it");
+            "Draws a view saved by sluice view, and its volume; further options replace its own. "
+            "With -o frame_%04d.png, draws the frames of the saved path");
   output.flag("--annotate", arguments->annotate,
               "PNG: draws orientation axes, a scale bar and a colour bar");
   output.parsed(
       "--aov", "LIST", "depth, opacity, both with a comma between, or none", parseAovs,
       [arguments](const Aovs& aovs) { arguments->aovs = aovs; },
-      "EXR: channels beside colour and alpha: depth, opacity or none", "depth");
+      "EXR: channels in addition to colour and alpha: depth, opacity or none", "depth");
   output.text("--trace", "FILE", arguments->trace_file,
               "Records the texture cache's requests: text (.txt), .csv, .oracleGeneral, .din, "
               "otherwise compact binary");
   addReportOption(output, arguments->report_file);
   output.flag("--debug-view", arguments->debug_view,
-              "Also writes what was drawn between updates of the opacity map, the maps, and the "
+              "Also writes the boxes drawn between updates of the opacity map, the maps, and the "
               "growing boxes of the middle slice");
   output.flag("--verify", arguments->verify,
-              "Draws the plain way too, from the voxels alone, and prints the largest and the mean "
+              "Also draws the picture without acceleration, and prints the largest and mean "
               "difference and what it cannot check");
   addForceOption(output, arguments->force);
   addQuietOption(output, arguments->resources.quiet);
@@ -466,8 +464,7 @@ Command addRender(CLI::App& program) {
   addPictureOptions(*app, arguments->look, arguments->frame, arguments->fit);
   addCullingOptions(*app, arguments->culling, true);
   OptionGroup(*app, kSeriesHeading)
-      .flag("--continue", arguments->resume,
-            "Draws only those of several pictures that are not there yet");
+      .flag("--continue", arguments->resume, "Draws only the pictures that do not exist yet");
   addLevelOptions(*app, arguments->levels);
   addResourceOptions(*app, arguments->resources);
   return

@@ -136,12 +136,12 @@ void printDrawn(const RenderArguments& arguments, const Scene& scene, const Seri
   }
   if (scene.share) {
     const CompositingReport& parts = scene.share->report();
-    say("{} ranks, of whose parts rank 0 sent {} and got {} of the last picture\n",
+    say("{} ranks; rank 0 sent {} and received {} of parts of the last picture\n",
         scene.share->team().ranks(), formatBytes(parts.sent_bytes),
         formatBytes(parts.received_bytes));
   }
   if (report.missing_share > 0)
-    say("incomplete: {:.1f} % of what can be seen was not there within --time-limit\n",
+    say("incomplete: {:.1f} % of the visible cells were not read within --time-limit\n",
         100 * report.missing_share);
   if (verified)
     say("against the plain picture: largest difference {:.3f}/255, mean {:.5f}/255; not checked: "

@@ -32,8 +32,8 @@ class TraceFile final : public ReplaySource {
     PreparedTrace trace = preparer.finish();
     if (trace.resized > 0)
       warnings_.push_back(
-          fmt::format("{}: {} of {} requests name another size than their chunk's first request, "
-                      "whose size counts",
+          fmt::format("{}: {} of {} requests name another size than the first request of their "
+                      "chunk; the first size counts",
                       file_, trace.resized, trace.keys.size()));
     return trace;
   }

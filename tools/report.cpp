@@ -165,10 +165,9 @@ bool isCoarser(const VisibleBlocks& blocks) {
 
 std::string uprightHint(const VolumeLayout& layout) {
   if (layout.frame == WorldFrame::kPictureRows)
-    return "the slices do not say it; --up 0,0,1 or --up 0,0,-1 stands the stack upright";
+    return "not known for slices; --up 0,0,1 or --up 0,0,-1 stands the stack upright";
   if (layout.frame == WorldFrame::kNone)
-    return "the file does not say it; --up 0,0,1, --up 0,0,-1 or --up 0,-1,0 turns the picture "
-           "upright";
+    return "not in the file; --up 0,0,1, --up 0,0,-1 or --up 0,-1,0 turns the picture upright";
   return "";
 }
 

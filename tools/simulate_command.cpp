@@ -75,7 +75,7 @@ void checkArguments(const CLI::App& app, const SimulateArguments& arguments,
   for (size_t i = 0; any_trace && !arguments.format && i < inputs.size(); ++i)
     if (!isTraceFile(inputs[i]))
       throw CLI::ValidationError(
-          inputs[i], "is no trace that is known as one, and traces go together with traces alone");
+          inputs[i], "is not known as a trace, and traces can be combined with traces only");
   const bool is_trace = arguments.isTrace();
   for (const std::string& name : of_volumes)
     if (is_trace && app.count(name) > 0)
@@ -88,7 +88,7 @@ void checkArguments(const CLI::App& app, const SimulateArguments& arguments,
       throw CLI::ValidationError(name, "is for one trace or page size at a time");
   for (const char* name : {"--policies", "--html", "--csv", "--export", "--prefetch", "--by-page"})
     if (arguments.sample_rate && app.count(name) > 0)
-      throw CLI::ValidationError(name, "does not go with --sample, which estimates LRU alone");
+      throw CLI::ValidationError(name, "does not go with --sample, which estimates LRU only");
   if (arguments.sample_rate && isPage(arguments.report_file))
     throw CLI::ValidationError("--report", "with --sample is JSON, not a page");
   if (arguments.csv_file == "-" && arguments.json)
@@ -140,8 +140,8 @@ Command addSimulate(CLI::App& program) {
   const OptionGroup replay(*app, "Simulation");
   addFramesOption(replay, turn.frames, "Volume: views of the turn");
   replay.flag("--fixed-plan", turn.is_plan_fixed,
-              "Volume: replays the chunks planned for --pages at every size; else each size is "
-              "planned anew, as render does");
+              "Volume: replays the chunks planned for --pages at every size; without it, each size "
+              "has a plan of its own, as in render");
   std::vector<std::string> of_volumes = optionsSince(*app, before);
   of_volumes.insert(of_volumes.end(), {"--page", "--block"});
   addResourceOptions(*app, turn.resources);
@@ -163,7 +163,7 @@ Command addSimulate(CLI::App& program) {
       arguments->format,
       "Trace: its format, if the name does not tell; gzip and zstd are unpacked");
   replay.bytes("--page-bytes", arguments->page_bytes,
-               "Trace: bytes of a page where the format does not say (4096)");
+               "Trace: bytes of a page, if the format does not tell (4096)");
   std::vector<PolicyKind> kinds(onlinePolicies().begin(), onlinePolicies().end());
   kinds.push_back(PolicyKind::kBelady);
   kinds.push_back(PolicyKind::kBeladyPages);
@@ -184,8 +184,8 @@ Command addSimulate(CLI::App& program) {
               "Cache size of a named machine: " + listed(namesOf(machines)))
       ->excludes(app->get_option("--pages"));
   replay.choice("--pin", Words<bool>{{"auto", true}, {"off", false}}, arguments->pins,
-                "Whether the chunks of a cluster stay until the next one, as in the renderer: "
-                "where the trace carries clusters, or never");
+                "Whether the chunks of a cluster stay until the next cluster, as in the renderer: "
+                "if the trace has clusters, or never");
   replay.number("--sample", "RATE", arguments->sample_rate, {0, 1, true},
                 "Only LRU's approximate miss ratios, from this share of the chunks (SHARDS); the "
                 "trace need not fit in memory");

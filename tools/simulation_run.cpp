@@ -22,8 +22,7 @@ void refusePipe(const std::string& name) {
   if (std::filesystem::is_fifo(status) || std::filesystem::is_socket(status) ||
       std::filesystem::is_character_file(status))
     fail(
-        "{}: expected a trace or a volume, found a pipe or a device; copy what it gives into a "
-        "file",
+        "{}: expected a trace or a volume, found a pipe or a device; copy its contents into a file",
         name);
 }
 

@@ -97,7 +97,7 @@ Command addSynth(CLI::App& program) {
   const OptionGroup group(*app, "Volume");
   group
       .choice("kind", wordsOf<SynthKind>(synthKinds(), [](SynthKind kind) { return name(kind); }),
-              arguments->synth.kind, "What to make, see above")
+              arguments->synth.kind, "Kind of volume, see above")
       ->required()
       ->type_name("KIND");
   group.numbers(
@@ -113,7 +113,7 @@ Command addSynth(CLI::App& program) {
                 "Voxel type");
   group.number("--steps", "N", arguments->synth.time_steps, {1, 1'000'000},
                "Time steps (flow, mixing)");
-  group.number("--seed", "N", arguments->synth.seed, {}, "Of everything random");
+  group.number("--seed", "N", arguments->synth.seed, {}, "Seed of everything random");
   group.number("--share", "SHARE", arguments->synth.object_share, {0, 1},
                "Share of non-zero voxels (slab, sparse, noise)");
   group.numbers(
@@ -123,8 +123,8 @@ Command addSynth(CLI::App& program) {
   const OptionGroup output(*app, kOutputHeading);
   output
       .text("-o,--output", "FILE", arguments->output,
-            "File: .raw (a name like head_256x256x225_uint8.raw says what it holds), .nrrd, .nhdr "
-            "or .mhd; #### or %04d takes the step's number")
+            "File: .raw (a name like head_256x256x225_uint8.raw describes the contents), .nrrd, "
+            ".nhdr or .mhd; #### or %04d becomes the number of the step")
       ->required();
   addForceOption(output, arguments->force);
   addQuietOption(output, arguments->quiet);

@@ -133,11 +133,11 @@ Command addView(CLI::App& program) {
                                          "  sluice view bonsai.nii.gz --threshold 40");
   addVolumeOptions(*app, arguments->volume, nullptr, false);
   const OptionGroup output(*app, kOutputHeading);
-  output.text("--state", "FILE", arguments->state_file, "A view that was saved, and its volume");
+  output.text("--state", "FILE", arguments->state_file, "Opens a saved view and its volume");
   output.text("--trace", "FILE", arguments->trace_file,
               "Records the texture cache's requests, for sluice simulate");
   output.text("--log", "FILE", arguments->log_file,
-              "What happens, a JSON object a line: where controls are, pictures, what is measured");
+              "Writes events, a JSON object per line: places of controls, pictures, measurements");
   addPictureOptions(*app, arguments->look, arguments->frame, arguments->fit);
   addResourceOptions(*app, arguments->resources);
   return [arguments, app] { return run(*arguments, *app); };

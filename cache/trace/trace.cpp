@@ -93,7 +93,7 @@ void refuseWhatIsNoFile(const std::filesystem::path& path) {
   if (std::filesystem::is_directory(status))
     fail("{}: expected a trace file, found a folder", path.string());
   if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
-    fail("{}: expected a trace file, found a pipe or a device; copy what it gives into a file",
+    fail("{}: expected a trace file, found a pipe or a device; copy its contents into a file",
          path.string());
 }
 

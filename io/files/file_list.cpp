@@ -347,9 +347,10 @@ std::optional<std::string> gapNote(const std::vector<std::filesystem::path>& fil
       inDigits(numbers[gap - 1] + step, splitAtLastNumber(names[gap - 1]).digits.size());
   const std::string what =
       missing == 1 ? "is missing" : fmt::format("and {} more are missing", missing - 1);
-  return fmt::format("{}: {}{}{} {}, between {} and {}; those beside a gap are taken as neighbours",
-                     files[0].parent_path().empty() ? "." : files[0].parent_path().string(),
-                     first.before, digits, first.after, what, names[gap - 1], names[gap]);
+  return fmt::format(
+      "{}: {}{}{} {}, between {} and {}; the files on both sides of a gap become neighbours",
+      files[0].parent_path().empty() ? "." : files[0].parent_path().string(), first.before, digits,
+      first.after, what, names[gap - 1], names[gap]);
 }
 
 std::optional<std::string> orderByNumbers(std::vector<std::string>& names) {
@@ -368,7 +369,8 @@ std::optional<std::string> orderByNumbers(std::vector<std::string>& names) {
                         std::is_sorted(names.begin(), names.end(), without_case);
   if (!by_shell)
     return fmt::format(
-        "{}: the files are taken in the order given, which is not that of their numbers", names[0]);
+        "{}: the files are taken in the order given, which differs from the order of their numbers",
+        names[0]);
   std::sort(names.begin(), names.end(), by_number);
   return fmt::format("{}: the files are taken in the order of their numbers, this one first",
                      names[0]);

@@ -180,7 +180,7 @@ void demandScalarImage(const Fields& fields) {
   const std::string_view channels = fields.find({"ElementNumberOfChannels"}).value_or("1");
   const int64_t count = integer(fields, "ElementNumberOfChannels", channels, 1);
   if (count != 1)
-    fail("{}: {} channels; only volumes of one value a voxel are read", fields.path, count);
+    fail("{}: {} channels; only volumes of one value per voxel are read", fields.path, count);
 }
 
 std::vector<int64_t> sizes(const Fields& fields) {

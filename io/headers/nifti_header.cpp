@@ -104,7 +104,7 @@ VoxelType voxelType(const Fields& f, const std::string& path) {
         path, f.datatype);
   const size_t bits = 8 * bytesPerVoxel(found->second);
   if (f.bitpix != 0 && f.bitpix != static_cast<int64_t>(bits))
-    fail("{}: datatype {} ({}) has {} bits a voxel, bitpix says {}", path, f.datatype,
+    fail("{}: datatype {} ({}) has {} bits per voxel, but bitpix is {}", path, f.datatype,
          name(found->second), bits, f.bitpix);
   return found->second;
 }
@@ -118,7 +118,7 @@ void readDims(const Fields& f, const std::string& path, VolumeLayout& layout) {
     dim[i] = f.dim[i];
     if (dim[i] < 1) fail("{}: dim[{}] is {}, it must be 1 or more", path, i, dim[i]);
     if (i > 4 && dim[i] > 1)
-      fail("{}: dim[{}] is {}; only volumes of one value a voxel and time step are read", path, i,
+      fail("{}: dim[{}] is {}; only volumes of one value per voxel and time step are read", path, i,
            dim[i]);
   }
   layout.dims = {dim[1], dim[2], dim[3]};
@@ -197,9 +197,8 @@ void readGeometry(const Fields& f, const std::string& path, VolumeLayout& layout
   layout.frame = WorldFrame::kRas;
   if (f.sform_code <= 0 && f.qform_code <= 0)
     layout.notes.push_back(
-        fmt::format("{}: the header says nothing of its orientation (no qform, no sform); x is "
-                    "taken to grow to "
-                    "the right, y to the front, z upwards",
+        fmt::format("{}: the header has no orientation (no qform, no sform); sluice assumes that x "
+                    "grows to the right, y to the front, z upwards",
                     path));
 }
 

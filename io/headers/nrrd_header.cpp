@@ -284,7 +284,7 @@ int64_t takeTimeSteps(const Fields& fields, std::vector<Axis>& axes) {
   for (const Axis& axis : axes)
     if (!axis.spatial)
       fail(
-          "{}: axis {} ({}) holds {} values a voxel; only volumes of one value a voxel are read "
+          "{}: axis {} ({}) holds {} values a voxel; only volumes of one value per voxel are read "
           "(cut one out with 'unu slice -a {} -p 0')",
           fields.path, axis.number, axis.kind.empty() ? "not of space" : quoted(axis.kind),
           axis.size, axis.number);

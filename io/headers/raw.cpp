@@ -122,7 +122,7 @@ std::unique_ptr<VolumeSource> openRawSlices(const std::vector<std::filesystem::p
   layout.dims = *options.dims;
   layout.type = *options.type;
   if (options.time_steps.value_or(1) != 1 || layout.dims.z != static_cast<int64_t>(files.size()))
-    fail("{}: {} raw slices, --dims says {} x {} x {} x {} steps; give --dims {},{},{}", first,
+    fail("{}: {} raw slices, but --dims is {} x {} x {} x {} steps; give --dims {},{},{}", first,
          files.size(), layout.dims.x, layout.dims.y, layout.dims.z, options.time_steps.value_or(1),
          layout.dims.x, layout.dims.y, files.size());
   setSkip(first, options, description);

@@ -199,8 +199,8 @@ class SliceStack final : public VolumeSource, public ChanneledSource {
       first.open_bytes = std::max(first.open_bytes, format.open_bytes);
       if (files_.size() > 1 && format.pages != 1)
         fail(
-            "{}: {} pages among {} files of a stack, expected one a file; give a multi-page file "
-            "alone",
+            "{}: {} pages among {} files of a stack, expected one per file; give a multi-page file "
+            "by itself",
             files_[i].string(), format.pages, files_.size());
       if (format.width != first.width || format.height != first.height || format.type != first.type)
         fail("{}: {} x {} of {}, expected {} x {} of {} as in {}; all slices must agree",

@@ -84,7 +84,7 @@ PageOrder imageJOrder(std::string_view text, int64_t pages, double pixels_x, dou
     order.untold_pages = planes - 1;
   } else if (planes != pages) {
     const std::string said =
-        fmt::format("its ImageJ description says {} channels x {} slices x {} frames",
+        fmt::format("its ImageJ description names {} channels x {} slices x {} frames",
                     order.channels, order.slices, order.frames);
     order = plainPages(pages);
     if (pages > 1)
@@ -223,12 +223,11 @@ PageOrder omeOrder(std::string_view xml, int64_t pages) {
   if (planesOf(order) != pages || !setSteps(fieldOf(pixels, "DimensionOrder"), order) ||
       !setPages(inside, pages, order)) {
     const std::string said =
-        fmt::format("its OME description says {} slices x {} channels x {} steps", order.slices,
+        fmt::format("its OME description names {} slices x {} channels x {} steps", order.slices,
                     order.channels, order.frames);
     order = plainPages(pages);
     order.notes.push_back(fmt::format(
-        "{}, which are not the {} pages of this file (a set of several files?); its pages are read "
-        "as slices",
+        "{}, but this file has {} pages (a set of several files?); its pages are read as slices",
         said, pages));
   }
   for (size_t c = elementFrom(inside, "Channel", 0);

@@ -106,9 +106,8 @@ class TiffPicture final : public SlicePicture {
     if (first.is_tiled || first.compression != COMPRESSION_NONE || begin > size ||
         pages > (size - begin) / page_bytes)
       fail(
-          "{}: its ImageJ description says {} images of {} bytes, expected them uncompressed "
-          "behind "
-          "the first, in a file of {} bytes from {} on; the file was truncated or converted",
+          "{}: its ImageJ description names {} images of {} bytes, expected them uncompressed "
+          "behind the first, in a file of {} bytes from {} on; the file was truncated or converted",
           stream_.file.path(), pages, page_bytes, size, begin);
     for (uint64_t i = 1; i < pages; ++i) {
       pages_.push_back(first);

@@ -60,7 +60,7 @@ class MeanLevel final : public VolumeSource {
       case VoxelType::kF32:
         return readTyped<float, double>(time, box, out);
       default:
-        fail("{}: levels are made of u8, u16 and f32 alone", layout_.name);
+        fail("{}: levels of resolution exist only for u8, u16 and f32", layout_.name);
     }
   }
 

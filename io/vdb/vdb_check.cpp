@@ -180,7 +180,7 @@ VdbTreeOnDisk checkVdbGrid(File& file, const std::vector<VdbGridInfo>& grids,
         other.value_type == grid.value_type)
       return checkVdbGrid(file, grids, other);
   }
-  fail("{}: damaged OpenVDB file: grid \"{}\" shares the tree of \"{}\", which is none of {}",
+  fail("{}: damaged OpenVDB file: grid \"{}\" shares the tree of \"{}\", which is not among {}",
        file.path(), grid.name, grid.instance_of, describe(grids));
 }
 

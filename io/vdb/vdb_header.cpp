@@ -109,8 +109,8 @@ VdbGridInfo readGrid(VdbReader& reader) {
   const Metadata metadata = readMetadata(reader);
   if (metadata.is_half != grid.saved_as_half)
     fail(
-        "{}: damaged OpenVDB file: grid \"{}\" is of halves by its type or by its metadata, not "
-        "both",
+        "{}: damaged OpenVDB file: the type and the metadata of grid \"{}\" disagree on half "
+        "precision",
         reader.path(), grid.name);
   grid.grid_class = metadata.grid_class;
   if (metadata.active_min && metadata.active_max)

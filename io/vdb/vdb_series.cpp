@@ -95,8 +95,8 @@ Vec3i shiftBetween(const std::filesystem::path& path, const Place& first, const 
   }
   if (!agrees)
     fail(
-        "{}: its voxels lie between those of the first step or have another size; steps of one "
-        "series share their voxels' grid, resample it first",
+        "{}: its voxels lie between the voxels of the first step or have another size; resample it "
+        "first, since all steps of a series need the same voxel grid",
         path.string());
   return whole;
 }

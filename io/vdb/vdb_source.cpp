@@ -23,7 +23,7 @@ OpenVdbGrid* openModule(const std::string& volume) {
     const SharedLibrary library(std::span(&name, 1), "sluice's module for OpenVDB files");
     const std::string_view version = library.get<OpenVdbVersion*>(kOpenVdbVersion)();
     if (version != kOpenVdbModuleVersion)
-      fail("{} is of sluice {}, expected {}; install sluice again", name, version,
+      fail("{} belongs to sluice {}, expected {}; install sluice again", name, version,
            kOpenVdbModuleVersion);
     return library.get<OpenVdbGrid*>(kOpenVdbGrid);
   } catch (const Error& error) {

@@ -26,7 +26,7 @@ void checkBlosc(std::span<const std::byte> stored, uint64_t chunk_bytes, const s
   if (decoded != chunk_bytes)
     fail("{}: expected a Blosc chunk of {} bytes, found {}", path, chunk_bytes, decoded);
   if (held != stored.size())
-    fail("{}: expected {} bytes of Blosc, as its header says, found {}; it was cut or damaged",
+    fail("{}: expected {} bytes of Blosc by its header, found {}; the file was cut or damaged",
          path, held, stored.size());
   if (blosc_cbuffer_validate(stored.data(), stored.size(), &decoded) != 0)
     fail("{}: expected a Blosc chunk, found a damaged header", path);

@@ -156,9 +156,8 @@ std::string faultOfLevel(const LevelClaim& finest, const LevelClaim& level) {
     // Rounded up or down, a level covers the volume to less than one of its voxels.
     if (std::abs(covered - voxels) >= factor[a] + kSlack * voxels)
       return fmt::format(
-          "its scale is {:g} times that of the first level along {}, its shape says {:g} ({} "
-          "voxels "
-          "for {})",
+          "its scale is {:g} times the first level's along {}, but by its shape it should be {:g} "
+          "({} voxels for {})",
           factor[a], kAxisNames[a], voxels / static_cast<double>(level.dims[a]), level.dims[a],
           finest.dims[a]);
     is_coarser = is_coarser || factor[a] > 1 + kSlack;

@@ -148,8 +148,10 @@ void ZarrPackFolder::checkParameters(const std::string& source_identity,
     }
   }
   if (!reason.empty())
-    fail("{}: holds what was begun {}; give what was given then, or remove it to begin anew",
-         folder_.string(), reason);
+    fail(
+        "{}: holds a store that was begun {}; give the volume and options of that run, or remove "
+        "it to start again",
+        folder_.string(), reason);
   AtomicFile file(path);
   file.write(text);
   file.commit();
@@ -278,7 +280,7 @@ bool belongsToStore(const fs::path& name) {
 void requireNothingForeign(const fs::path& store) {
   for (const auto& entry : fs::recursive_directory_iterator(store)) {
     if (belongsToStore(entry.path().filename()) && !entry.is_symlink()) continue;
-    fail("{}: is not replaced, since {} is no part of a Zarr store; move it away", store.string(),
+    fail("{}: is not replaced, since {} is not part of a Zarr store; move it away", store.string(),
          entry.path().string());
   }
 }

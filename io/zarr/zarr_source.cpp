@@ -182,7 +182,7 @@ LevelClaim claimOf(const ZarrView& view, const ZarrImage& image, size_t dataset)
 // Why two arrays cannot be levels of one image; empty if they can.
 std::string faultAmong(const VolumeLayout& finest, const VolumeLayout& level) {
   if (level.type != finest.type)
-    return fmt::format("its voxels are {}, those of the first level {}", name(level.type),
+    return fmt::format("its voxels are {}, the first level's are {}", name(level.type),
                        name(finest.type));
   if (level.time_steps != finest.time_steps || level.channels != finest.channels)
     return fmt::format("it has {} time steps and {} channels, the first level {} and {}",
@@ -360,7 +360,7 @@ void ZarrSource::placeLevels(const std::string& path, const FoundZarr& found,
     level.placement.offset = offsetOf(origin.value_or(VoxelOrigin::kCorner), level.placement.scale);
   view_.layout.notes.push_back(fmt::format(
       "{}: its levels have no translation; comparing levels {} and {} {}", path, at, at + 1,
-      !origin ? "does not show where their voxels lie: at a common corner is assumed"
+      !origin ? "does not tell where their voxels lie; sluice assumes a common corner"
       : *origin == VoxelOrigin::kCorner ? "shows voxels that begin at a common corner"
                                         : "shows first voxels with a common centre"));
 }

@@ -93,7 +93,7 @@ Verdict readFile(const std::filesystem::path& path, const IndexKey& key) {
   const uint64_t key_bytes = uint64_t{header.identity_bytes} + header.what_bytes;
   const uint64_t rest = *size - sizeof header;
   if (key_bytes > rest || header.blob_bytes != rest - key_bytes)
-    return {IndexState::kTorn, "not of the length that its header says", {}};
+    return {IndexState::kTorn, "its length differs from the length in its header", {}};
   std::string key_text(key_bytes, '\0');
   if (!readAll(file.get(), std::as_writable_bytes(std::span(key_text))))
     return {IndexState::kTorn, "cut short", {}};

@@ -213,7 +213,7 @@ FrameOptions frameOptions(const PictureOptions& picture, const VolumeLayout& lay
   requireStep(picture.time, layout);
   if (picture.crop) options.crop = cropOf(*picture.crop, layout.dims);
   if (picture.with_depth && mode != Mode::kComposite)
-    fail("with_depth: depth is of composite mode, where samples have an opacity to weigh them");
+    fail("with_depth: depth exists only in composite mode, since it is weighted by opacity");
   options.with_depth = picture.with_depth;
   if (picture.clip_planes.size() > kMostClipPlanes)
     fail("clip_planes: {} of them, at most {}", picture.clip_planes.size(), kMostClipPlanes);

@@ -82,14 +82,14 @@ std::string whyEmpty(const DrawnPicture& drawn, const IndexPass& pass) {
   hull.add(cells);
   const std::vector<Vec3d> points = hull.points();
   if (isBesidePicture(points, resolve(options.camera, layout, options.size, options.step_vox)))
-    return "the camera looks past what is visible";
+    return "the camera looks past the visible part of the volume";
   for (const WorldPlane& plane : options.clip_planes)
     if (isClipped(points, plane))
       return fmt::format("the clip plane {},{},{},{} takes away all that is visible",
                          plane.normal.x, plane.normal.y, plane.normal.z, plane.offset);
   if (!drawn.transfer.gradients.empty() && options.mode == Mode::kComposite)
-    return "the opacities by gradient leave nothing of what the values show";
-  return "what is visible is too transparent or too small to change a pixel";
+    return "the opacities by gradient hide everything that the opacities by value show";
+  return "the visible part is too transparent or too small to change a pixel";
 }
 
 }  // namespace sluice

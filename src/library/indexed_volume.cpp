@@ -51,10 +51,10 @@ std::vector<std::string> notesOf(const std::string& name, const VolumeLayout& la
         "beyond {:g}",
         name, index.ranges.map.valueOf(far.lo), index.ranges.map.valueOf(far.hi), kLargest));
   if (looksByteSwapped(index.ranges, layout.type))
-    notes.push_back(fmt::format(
-        "{}: its values jump as numbers do whose bytes are read in the wrong order; raw files take "
-        "--endian big or little, a header can be mended",
-        name));
+    notes.push_back(
+        fmt::format("{}: its values look as if their bytes were read in the wrong order; give "
+                    "--endian big or little for a raw file, or correct the header",
+                    name));
   if (!index.note.empty()) notes.push_back(index.note);
   return notes;
 }

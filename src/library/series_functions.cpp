@@ -65,8 +65,8 @@ std::optional<SeriesFunctions> keptFunctions(const IndexedVolume& volume,
   found.bytes = other.blob->size();
   found.path = std::move(other.path);
   found.note = fmt::format(
-      "opacity functions of another look serve, with an exponent of {:.3g}; sluice prepare makes "
-      "those of this one",
+      "uses opacity functions of another look, with an exponent of {:.3g}; run sluice prepare for "
+      "functions of this look",
       found.exponent);
   found.kept = std::make_shared<const KeptSeries>(std::move(*kept));
   return found;
@@ -139,8 +139,8 @@ SeriesFunctions functionsOfFamily(const IndexedVolume& volume, const TransferFun
   family.exponents = familyExponents(tableOf(transfer, volume, first.device_range), tables);
   if (std::ranges::all_of(family.exponents, [](double k) { return k == 0; }))
     family.note =
-        "the look is no member of the basis' family: nothing is culled; sluice prepare "
-        "without --basis makes functions of its own";
+        "the look is not a product of powers of the basis, so nothing is culled; run sluice "
+        "prepare without --basis for functions of this look";
   auto kept = std::make_shared<KeptSeries>();
   kept->transfer = transfer;
   kept->device_range = first.device_range;

@@ -70,13 +70,13 @@ std::unique_ptr<Communicator> joinRanks(const Launch& launch) {
   try {
     const SharedLibrary library(
         std::span(&file, 1),
-        fmt::format("sluice's module for {}; build sluice where {} is installed, or start it "
+        fmt::format("sluice's module for {}; build sluice on a machine with {}, or start it "
                     "without a launcher",
                     name(launch.kind),
                     launch.kind == MpiKind::kOpenMpi ? "libopenmpi-dev" : "libmpich-dev"));
     const std::string_view version = library.get<MpiModuleVersion*>(kMpiModuleVersionOf)();
     if (version != kMpiModuleVersion)
-      fail("{} is of sluice {}, expected {}; install sluice again", file, version,
+      fail("{} belongs to sluice {}, expected {}; install sluice again", file, version,
            kMpiModuleVersion);
     library.get<JoinMpi*>(kJoinMpi)(ranks);
   } catch (const Error& error) {

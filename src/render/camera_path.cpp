@@ -114,7 +114,7 @@ CameraPath parseCameraPath(std::string_view text, const std::string& where) {
     const std::string place = fmt::format("{}: key {}", where, path.keys.size());
     path.keys.push_back(parseKey(key, place));
     if (path.keys.size() > 1 && path.keys.back().at <= path.keys[path.keys.size() - 2].at)
-      fail("{}: \"at\" should be above that of the key before it", place);
+      fail("{}: \"at\" must be greater than the previous key's", place);
   }
   return path;
 }

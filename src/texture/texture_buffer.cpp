@@ -179,8 +179,8 @@ TextureBuffer::BatchPtr TextureBuffer::begin(const TexturePlan& plan, const Chun
     bytes += bytesOf(plan, plan.chunks[position]);
   }
   fail(
-      "the texture buffer of {} cannot hold {} more beside the {} in use; give more --memory, a "
-      "smaller --block or fewer --pages",
+      "the texture buffer of {} cannot hold {} more in addition to the {} in use; give more "
+      "--memory, a smaller --block or fewer --pages",
       formatBytes(chunks_.budgetBytes()), formatBytes(bytes), formatBytes(chunks_.takenBytes()));
 }
 

@@ -65,7 +65,7 @@ std::string PyramidLayout::add(Vec3i dims, const LevelPlacement& placement, int 
     const double factor = placement.scale[a] / below.placement.scale[a];
     const int64_t times = std::llround(factor);
     if (!(factor > 0) || times < 1)
-      return fmt::format("its voxels are finer than those of the level below along {}", "xyz"[a]);
+      return fmt::format("its voxels are finer than the previous level's along {}", "xyz"[a]);
     level.width[a] *= times;
     // A linear map is farthest off at an end.
     const int64_t side = level.blocks.cells(), end = level.blocks.grid[a] - 1;
@@ -83,7 +83,7 @@ std::string PyramidLayout::add(Vec3i dims, const LevelPlacement& placement, int 
                            "xyz"[a]);
     }
   }
-  if (level.width == below.width) return "its voxels are no larger than those of the level below";
+  if (level.width == below.width) return "its voxels are no larger than the previous level's";
   levels_.push_back(level);
   return {};
 }

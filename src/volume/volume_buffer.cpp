@@ -61,8 +61,8 @@ void VolumeBuffer::freeSome(MutexLock& lock, uint64_t wanted_bytes) {
     while (packing_) blocks_.changed.wait(lock);
   } else {
     fail(
-        "the volume buffer of {} cannot hold {} more beside the {} in use; give more --memory or a "
-        "smaller --block",
+        "the volume buffer of {} cannot hold {} more in addition to the {} in use; give more "
+        "--memory or a smaller --block",
         formatBytes(blocks_.budgetBytes()), formatBytes(wanted_bytes),
         formatBytes(blocks_.takenBytes()));
   }

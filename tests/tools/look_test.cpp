@@ -334,7 +334,8 @@ TEST(Look, ofAPhantomIsTheSameAtEveryResolution) {
 TEST(Look, whatIsUpIsAskedForWhereTheVolumeDoesNotSay) {
   const Program program;
   const std::string line = std::string("render ") + kSmall + " --size 32x32 -o a.png --force ";
-  EXPECT_THAT(program.run(line).output, HasSubstr("\nup: the file does not say it; --up 0,0,1"));
+  EXPECT_THAT(program.run(line).output, HasSubstr("\n"
+                                                  "up: not in the file; --up 0,0,1"));
   for (const char* options : {"--up 0,0,1", "--view plain", "--eye 0,0,-300 --target 0,0,0", "-q"})
     EXPECT_THAT(program.run(line + options).output, Not(HasSubstr("up: "))) << options;
 }

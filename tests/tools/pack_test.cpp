@@ -185,7 +185,7 @@ TEST(PackCommand, killedOrInterruptedItGoesOnToTheSameBytes) {
           << result.output;
       if (signal != std::string("KILL")) {
         EXPECT_TRUE(isOneLine(result.output)) << result.output;
-        EXPECT_NE(result.output.find("the same command goes on"), std::string::npos);
+        EXPECT_NE(result.output.find("run the same command again"), std::string::npos);
       }
     }
     EXPECT_GT(stopped, 0);

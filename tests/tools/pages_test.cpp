@@ -144,7 +144,8 @@ TEST(Pages, areWrittenWhereTheNameOfAReportSaysSo) {
   // The very picture that was written.
   const std::string png = textOf(program.folder / "p.png");
   EXPECT_NE(text.find(dataUri("image/png", std::as_bytes(std::span(png)))), std::string::npos);
-  for (const char* part : {"What was asked", "Time by stage", "The four levels", "Blocks by class"})
+  for (const char* part :
+       {"Options and results", "Time by stage", "The four levels", "Blocks by class"})
     EXPECT_NE(text.find(part), std::string::npos) << part;
   ASSERT_EQ(program.run(render + "--report r.json").status, 0);
   EXPECT_EQ(json::parse(textOf(program.folder / "r.json"))["command"], "render");

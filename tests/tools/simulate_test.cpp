@@ -179,7 +179,7 @@ TEST(Simulate, refusesWhatItWouldDropOrCannotReplay) {
   const std::string small = std::string("simulate ") + kSmall;
   const std::vector<Refused> cases{
       {"simulate a.csv b.csv --export u.bin", 2, "for one trace or page size at a time"},
-      {"simulate a.csv pipe", 2, "traces go together with traces alone"},
+      {"simulate a.csv pipe", 2, "traces can be combined with traces only"},
       {"simulate a.csv --csv - --json", 2, "both want the standard output"},
       {"simulate a.csv --sample 0.5 --policies lru", 2, "does not go with --sample"},
       {"simulate a.csv --sample 1.5", 2, "--sample"},

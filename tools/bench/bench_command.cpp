@@ -47,9 +47,9 @@ struct Bench {
 
 // The picture that every bench draws by default, comparable over versions and with other renderers.
 constexpr const char* kPlainPicture =
-    "Unless told otherwise pictures are plain: --view plain at azimuth 30 and elevation 20, fitted "
-    "to the volume's sphere, unlit, a step of 1, and without --threshold a ramp from a fifth of "
-    "the value range on.\n\n";
+    "By default pictures are plain: --view plain at azimuth 30 and elevation 20, fitted to the "
+    "volume's sphere, unlit, with a step of 1. Without --threshold the ramp begins at a fifth of "
+    "the value range.\n\n";
 
 VolumesBench volumesBench(const FrameBench& bench) {
   return {bench.volume.inputs, bench.look,        bench.frame, bench.resources,
@@ -113,13 +113,14 @@ void addFrames(CLI::App& app, FrameBench& bench, const char* which) {
   addFramesOption(OptionGroup(app, kOutputHeading), bench.frames, which);
 }
 
-constexpr const char* kFramesOfEachWay = "Frames measured of each way, after 2 warm ones";
+constexpr const char* kFramesOfEachWay = "Frames measured for each variant, after 2 warm ones";
 constexpr const char* kFrames = "Frames measured, after 2 warm ones";
 
 Bench addLimit(CLI::App& app) {
   auto bench = std::make_shared<FrameBench>();
   CLI::App* limit = app.add_subcommand(
-      "limit", "This machine's sampling rate: full-screen slices of one resident texture");
+      "limit",
+      "Measures this machine's sampling rate with full-screen slices of one resident texture");
   const OptionGroup machine(*limit, kMachineHeading);
   addThreadsOption(machine, bench->resources.threads);
   addDeviceOptions(machine, bench->resources.device);
@@ -132,7 +133,8 @@ Bench addRender(CLI::App& app, const FrameOptions& plain) {
   bench->frame = plain;
   CLI::App* render = app.add_subcommand(
       "render",
-      std::string("The median frame of a turn, warm, and its share of the sampling rate\n\n") +
+      std::string(
+          "Measures the median frame of a turn, warm, and its share of the sampling rate\n\n") +
           kPlainPicture + "  sluice bench render bonsai.nii.gz --threshold 40");
   addFrames(*render, *bench, kFrames);
   return {render, [bench](const Show& show) { return show(benchFrames(*bench), printFrames); }};
@@ -204,18 +206,18 @@ Bench addCulling(CLI::App& app, const FrameOptions& plain) {
   bench->frame = plain;
   CLI::App* culling = app.add_subcommand(
       "culling",
-      "Gao's figures and table for a series: blocks with culling and without, the optimum, what "
-      "changes from step to step, thresholds of fusion, and the time of the series\n\n"
+      "Gao's figures and table for a series: blocks with and without culling, the optimum, changes "
+      "from step to step, thresholds of fusion, and the time of the series\n\n"
       "  sluice bench culling 'step_%03d.nrrd' --threshold 40");
   addPictures(*culling, *bench);
   addCullingOptions(*culling, bench->culling, false);
   const OptionGroup output(*culling, kOutputHeading);
   output.number("--views", "N", bench->views, {1, 360}, "Views of a turn");
   output.flag("--no-optimum", bench->no_optimum,
-              "Without the limit that early ray termination sets, which reads every step");
+              "Leaves out the optimum by early ray termination, which reads every step");
   output.flag("--no-thresholds", bench->no_thresholds,
-              "Without thresholds of fusion, which make all functions five times");
-  output.flag("--no-series", bench->no_series, "Without drawing the series");
+              "Leaves out the thresholds of fusion, which compute all functions five times");
+  output.flag("--no-series", bench->no_series, "Does not draw the series");
   return {culling, [bench](const Show& show) { return show(benchCulling(*bench), printCulling); }};
 }
 
@@ -236,17 +238,17 @@ Bench addLevels(CLI::App& app, const FrameOptions& plain) {
 Bench addRanks(CLI::App& app, const FrameOptions& plain) {
   auto bench = std::make_shared<RanksBench>();
   bench->frame = plain;
-  CLI::App* ranks = app.add_subcommand(
-      "ranks",
-      "What sharing a picture out among ranks brings: those of mpirun, or alone ranks of one "
-      "thread each\n\n"
-      "  mpirun -n 2 sluice bench ranks bonsai.nii.gz --threshold 40");
+  CLI::App* ranks =
+      app.add_subcommand("ranks",
+                         "Measures pictures shared among ranks: those of mpirun, or in-process "
+                         "ranks of one thread each\n\n"
+                         "  mpirun -n 2 sluice bench ranks bonsai.nii.gz --threshold 40");
   addPictures(*ranks, *bench);
   const OptionGroup output(*ranks, kOutputHeading);
   output.parsed(
       "--ranks", "N,...", "numbers from 1 to 64 with commas between", rankCounts,
       [bench](const std::vector<int>& counts) { bench->ranks = counts; },
-      "Ranks to measure where no launcher says how many", "1,2");
+      "Ranks to measure if no launcher sets their number", "1,2");
   addFramesOption(output, bench->frames, kFrames);
   return {ranks, [bench, ranks](const Show& show) {
             return onRanks([&](Team* team) {
@@ -263,7 +265,7 @@ Bench addThreshold(CLI::App& app, const FrameOptions& plain) {
   CLI::App* threshold = app.add_subcommand(
       "threshold",
       std::string(
-          "From a changed threshold to the finished picture: small and large steps, a "
+          "Measures from a changed threshold to the finished picture: small and large steps, a "
           "random walk and a band; in memory, out of core and cold; and a full rebuild\n\n") +
           kPlainPicture + "  sluice bench threshold bonsai.nii.gz --threshold 40");
   addPictures(*threshold, *bench);
@@ -277,13 +279,13 @@ Bench addWindow(CLI::App& app) {
   auto bench = std::make_shared<FrameBench>();
   auto events = std::make_shared<int>(120);
   CLI::App* view = app.add_subcommand(
-      "view",
-      std::string("A window's threshold drag without a window: from an event to its picture, and "
-                  "whether the loop ever waits\n\n") +
-          kPlainPicture + "  sluice bench view bonsai.nii.gz --threshold 40 --size 800x600");
+      "view", std::string("Measures a threshold drag without a window: from an event to its "
+                          "picture, and whether the loop ever waits\n\n") +
+                  kPlainPicture +
+                  "  sluice bench view bonsai.nii.gz --threshold 40 --size 800x600");
   addPictures(*view, *bench);
   OptionGroup(*view, kOutputHeading)
-      .number("--events", "N", *events, {2, 100'000}, "Of each of three drags");
+      .number("--events", "N", *events, {2, 100'000}, "Events of each of three drags");
   return {view, [bench, events, view](const Show& show) {
             const ViewState state = viewState(bench->volume, bench->look, bench->frame,
                                               std::nullopt, view->count("--step") > 0);
@@ -307,7 +309,7 @@ Bench addWindow(CLI::App& app) {
 Bench addPacking(CLI::App& app) {
   auto bench = std::make_shared<FrameBench>();
   CLI::App* packing = app.add_subcommand(
-      "packing", "What compressing a volume's blocks in memory brings, by codec, on one core");
+      "packing", "Measures compression of a volume's blocks in memory, by codec, on one core");
   addVolumeOptions(*packing, bench->volume);
   addResourceOptions(*packing, bench->resources);
   return {packing, [bench](const Show& show) {
@@ -316,15 +318,17 @@ Bench addPacking(CLI::App& app) {
 }
 
 Bench addSimulator(CLI::App& app) {
-  return {app.add_subcommand("simulate", "The simulator's page requests a second, on one core"),
+  return {app.add_subcommand("simulate",
+                             "Measures the simulator's page requests per second, on one core"),
           [](const Show& show) { return show(simulatorReport(), printSimulator); }};
 }
 
 Bench addSlicing(CLI::App& app) {
-  return {app.add_subcommand(
-              "slicing",
-              "Cutting boxes by a view's slices, incrementally against from scratch, on one core"),
-          [](const Show& show) { return show(slicingReport(), printSlicing); }};
+  return {
+      app.add_subcommand(
+          "slicing",
+          "Measures cutting boxes by a view's slices, incrementally and from scratch, on one core"),
+      [](const Show& show) { return show(slicingReport(), printSlicing); }};
 }
 
 // A report may not replace a file that the bench reads by name, nor a file that is no report.

@@ -8,16 +8,15 @@ void addLevelOptions(CLI::App& app, LevelArguments& arguments) {
   constexpr int64_t kMostLevel = 63;
   const OptionGroup group(app, "Levels of resolution");
   CLI::Option* level = group.number("--level", "N", arguments.level, {0, kMostLevel},
-                                    "Draws this level alone; 0 is the data as stored (0)");
+                                    "Draws this level only; 0 is the data as stored (0)");
   group
       .number("--pixel-error", "PIXELS", arguments.pixel_error, {0, 1e6, true},
-              "Draws each part at the coarsest level whose voxels are at most so wide (level 0)")
+              "Draws each part at the coarsest level whose voxels are at most this wide (level 0)")
       ->excludes(level);
   group
-      .bytes(
-          "--max-bytes", arguments.max_bytes,
-          "Refines levels as far as the blocks of a picture take at most so many bytes of stored "
-          "voxels (no limit)")
+      .bytes("--max-bytes", arguments.max_bytes,
+             "Refines levels until the blocks of a picture would exceed this many bytes of stored "
+             "voxels (no limit)")
       ->excludes(level);
 }
 

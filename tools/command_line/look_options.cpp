@@ -39,17 +39,17 @@ void addLookOptions(CLI::App& app, LookArguments& look, FrameOptions& frame) {
   look.stop = interruption();
   const OptionGroup group(app, "Look"), light(app, "Light");
   CLI::Option* threshold = group.number("-t,--threshold", "VALUE", look.threshold, {},
-                                        "Opacity 0 below this value and a ramp above it");
+                                        "Opacity 0 below this value, and a ramp above it");
   CLI::Option* transfer = group.text("--transfer", "FILE", look.transfer_file,
                                      "Transfer function: our JSON or ParaView's colour map");
   CLI::Option* points = group.parsed(
       "--opacities", "V:A,V:A,...", "pairs V:A of values, ascending, and opacities from 0 to 1",
       opacityPoints, [&look](const std::vector<OpacityPoint>& found) { look.opacities = found; },
-      "Opacities of one voxel length at some values, linear in between; beside --transfer "
-      "they take the place of the file's, whose colours stay");
-  CLI::Option* labels =
-      group.flag("--labels", look.labels,
-                 "Values are numbers of things: each opaque in a colour of its own, 0 is nothing");
+      "Opacities per voxel length at these values, linear in between; with --transfer they replace "
+      "the opacities of the file, whose colours stay");
+  CLI::Option* labels = group.flag("--labels", look.labels,
+                                   "Treats values as integer labels of a segmentation: each is "
+                                   "opaque in its own colour, 0 is empty");
   Words<std::string> maps;
   for (const std::string_view name : colorMapNames()) maps.emplace_back(name, name);
   for (const std::string_view name : solidColorNames()) maps.emplace_back(name, name);
@@ -59,18 +59,17 @@ void addLookOptions(CLI::App& app, LookArguments& look, FrameOptions& frame) {
     return is_map ? std::optional(word) : std::nullopt;
   };
   group.choice<std::string>("--map", maps, look.map,
-                            "Colours alone, whatever the opacities: " + listed(namesOf(maps)) +
-                                "; a colour as RRGGBB; or the map of that name in --transfer",
+                            "Changes the colours only: " + listed(namesOf(maps)) +
+                                "; one colour as RRGGBB; or the name of a map in --transfer",
                             mapOfFile);
   group.parsed(
       "--range", "LO,HI", "two different numbers LO,HI", valueRange,
       [&look](ValueRange range) { look.range = range; },
-      "The values that colours and ramps are laid over (those of the data, of all steps of a "
-      "series)");
+      "Value range for colours and ramps (the range of the data, over all steps of a series)");
   group.flag("--this-step", look.this_step,
-             "Of a series, look and fit follow from the step that is drawn alone");
+             "Series: computes look and fit from the drawn step alone");
   CLI::Option* opacity = group.number("--opacity", "A", look.opacity, {0, 1},
-                                      "Opacity of one voxel length at the top of the ramp (0.05)");
+                                      "Opacity per voxel length at the top of the ramp (0.05)");
   // Points given with a file replace its own; its colours stay.
   const auto goTogether = [&](const CLI::Option* one, const CLI::Option* other) {
     return (one == transfer && other == points) || (one == points && other == transfer);
@@ -82,29 +81,29 @@ void addLookOptions(CLI::App& app, LookArguments& look, FrameOptions& frame) {
   CLI::Option* shade = light.flag("--shade", look.shade, "Gradient Phong lighting");
   light
       .flag("--no-shade", look.no_shade,
-            "No lighting, which pictures have otherwise where they show surfaces")
+            "No lighting; without this option, pictures that show surfaces are lit")
       ->excludes(shade);
-  CLI::Option* modulate =
-      light.flag("--modulate", look.modulate,
-                 "Opacity times a ramp of the gradient's magnitude, 0 where the volume is flat");
+  CLI::Option* modulate = light.flag(
+      "--modulate", look.modulate,
+      "Multiplies the opacity by a ramp of the gradient's magnitude, 0 where the volume is flat");
   light
       .number("--full-gradient", "SHARE", look.full_gradient, {0, 1e6, true},
-              "The magnitude at which --modulate leaves all of it, as a share of the value range a "
-              "voxel length")
+              "Gradient magnitude at which the ramp of --modulate reaches 1, as a share of the "
+              "value range per voxel length")
       ->needs(modulate);
   group.choice("--mode",
                Words<Mode>{{"composite", Mode::kComposite},
                            {"mip", Mode::kMip},
                            {"minip", Mode::kMinip},
                            {"average", Mode::kAverage}},
-               frame.mode, "How samples along a ray combine");
+               frame.mode, "How the samples along a ray are combined");
   group.parsed(
       "--background", "RRGGBB", "six hexadecimal digits RRGGBB", parseColor,
       [&look](const std::array<float, 3>& color) {
         look.background = color;
         look.has_background = true;
       },
-      "Background colour; without it PNG keeps alpha");
+      "Background colour; without it, PNG keeps alpha");
 }
 
 }  // namespace sluice

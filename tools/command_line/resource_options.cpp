@@ -28,7 +28,7 @@ std::optional<Vec3i> parsePageOption(const std::string& word) {
 }
 
 void addThreadsOption(const OptionGroup& group, int& threads) {
-  group.number("-j,--threads", "N", threads, {0, kMostThreads}, "Worker threads, 0 one a core");
+  group.number("-j,--threads", "N", threads, {0, kMostThreads}, "Worker threads; 0: one per core");
 }
 
 void addDeviceOptions(const OptionGroup& group, DeviceArguments& arguments) {
@@ -36,35 +36,37 @@ void addDeviceOptions(const OptionGroup& group, DeviceArguments& arguments) {
       "--device",
       Words<DeviceChoice>{
           {"auto", DeviceChoice::kAuto}, {"gl", DeviceChoice::kGl}, {"cpu", DeviceChoice::kCpu}},
-      arguments.device, "What draws: auto takes GL on a GPU or where --gl is given, else the CPU");
+      arguments.device,
+      "Device that draws: auto uses GL on a GPU or if --gl is given, else the CPU");
   Words<SimdTarget> targets;
   for (const SimdTarget target : {SimdTarget::kAuto, SimdTarget::kPlain, SimdTarget::kSse4,
                                   SimdTarget::kAvx2, SimdTarget::kAvx512})
     targets.push_back({std::string(name(target)), target});
-  group.choice("--simd", targets, arguments.simd, "Instructions of the CPU device, at most");
+  group.choice("--simd", targets, arguments.simd,
+               "Best instruction set that the CPU device may use");
   group.choice(
       "--gl",
       Words<GlChoice>{
           {"auto", GlChoice::kAuto}, {"osmesa", GlChoice::kOsmesa}, {"egl", GlChoice::kEgl}},
-      arguments.gl, "How to reach OpenGL");
+      arguments.gl, "Library for OpenGL contexts");
 }
 
 void addQuietOption(const OptionGroup& group, bool& quiet) {
-  group.flag("-q,--quiet", quiet, "No summary, no warnings, no progress; errors alone");
+  group.flag("-q,--quiet", quiet, "Prints errors only: no summary, warnings or progress");
 }
 
 void addReportOption(const OptionGroup& group, std::string& file) {
   group.text("--report", "FILE", file,
-             "What it took, as JSON, or as a page to look at where the name ends in .html");
+             "Writes a report of the run as JSON, or as a page if the name ends in .html");
 }
 
 void addForceOption(const OptionGroup& group, bool& force) {
-  group.flag("--force", force, "Replaces existing files whatever they hold");
+  group.flag("--force", force, "Replaces existing files, whatever their contents");
 }
 
 void addIndexDirOption(const OptionGroup& group, std::string& folder) {
   group.text("--index-dir", "DIR", folder,
-             "Where indices of volumes are kept ($SLUICE_INDEX_DIR, or the user's cache folder)");
+             "Folder for the indices of volumes ($SLUICE_INDEX_DIR, or the user's cache folder)");
 }
 
 void addJsonOption(const OptionGroup& group, bool& json, const std::string& help) {
@@ -74,7 +76,7 @@ void addJsonOption(const OptionGroup& group, bool& json, const std::string& help
 void addResourceOptions(CLI::App& app, ResourceArguments& arguments) {
   const OptionGroup group(app, kMachineHeading);
   group.bytes("--memory", arguments.memory_bytes,
-              "Budget of blocks, chunks and software textures (half the machine's)");
+              "Budget for blocks, chunks and software textures (half of the machine's memory)");
   addThreadsOption(group, arguments.threads);
   addDeviceOptions(group, arguments.device);
   group.parsed(
@@ -85,17 +87,17 @@ void addResourceOptions(CLI::App& app, ResourceArguments& arguments) {
       "--pages", "N", fmt::format("a power of two from 1 to {}", kMostCachePages),
       [](const std::string& word) { return powerOfTwo(word, 1, kMostCachePages); },
       [&arguments](int64_t pages) { arguments.pages = pages; },
-      "Pages of the texture cache, a power of two (what memory allows)");
+      "Pages of the texture cache, a power of two (as many as memory allows)");
   group.parsed(
       "--block", "2^d", fmt::format("a power of two from {} to {}", kLeastBlock, kMostBlock),
       [](const std::string& word) { return powerOfTwo(word, kLeastBlock, kMostBlock); },
       [&arguments](int64_t block) { arguments.block = block; },
-      "Voxels a side of a volume block, 4 to 1024 (the page's longest side)");
+      "Voxels per side of a volume block, 4 to 1024 (the page's longest side)");
   const Words<PolicyKind> policies =
       wordsOf<PolicyKind>(onlinePolicies(), [](PolicyKind kind) { return name(kind); });
   group.choice("--policy", policies, arguments.policy,
-               "Replacement of the texture cache: " + listed(namesOf(policies)));
-  group.number("--seed", "N", arguments.seed, {}, "Of the random policy");
+               "Replacement policy of the texture cache: " + listed(namesOf(policies)));
+  group.number("--seed", "N", arguments.seed, {}, "Seed of the random policy");
   addIndexDirOption(group, arguments.index_dir);
 }
 

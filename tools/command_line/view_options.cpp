@@ -26,21 +26,22 @@ void addCameraOptions(const OptionGroup& group, Camera& camera) {
   group.choice(
       "--projection",
       Words<Projection>{{"ortho", Projection::kOrtho}, {"perspective", Projection::kPerspective}},
-      camera.projection, "How depth shows");
+      camera.projection, "Projection of the camera");
   const auto views = wordsOf<ViewName>(
       std::array{ViewName::kFront, ViewName::kBack, ViewName::kLeft, ViewName::kRight,
                  ViewName::kTop, ViewName::kBottom, ViewName::kThreeQuarter, ViewName::kPlain},
       [](ViewName each) { return name(each); });
   CLI::Option* view = group.choice("--view", views, camera.view,
-                                   "Where the camera starts: " + listed(namesOf(views)) +
+                                   "Start of the camera: " + listed(namesOf(views)) +
                                        ", along -z with +y up whatever the axes mean");
   CLI::Option* azimuth =
       group.number("--azimuth", "DEGREES", camera.azimuth_deg, {-kMostDegrees, kMostDegrees},
-                   "Turns the camera from the view about what is up");
+                   "Turns the camera from the view about the up axis");
   CLI::Option* elevation =
       group.number("--elevation", "DEGREES", camera.elevation_deg, {-kMostDegrees, kMostDegrees},
                    "Lifts the camera from the view");
-  group.number("--zoom", "FACTOR", camera.zoom, {0, 1e6, true}, "1 shows all of what is fitted");
+  group.number("--zoom", "FACTOR", camera.zoom, {0, 1e6, true},
+               "Magnification; 1 shows everything that --fit names");
   group.number("--fov", "DEGREES", camera.field_of_view_deg, {0, 179, true},
                "Vertical field of view of a perspective camera");
   const auto look_at = [&camera]() -> Camera::LookAt& {
@@ -54,11 +55,11 @@ void addCameraOptions(const OptionGroup& group, Camera& camera) {
   CLI::Option* target = group.numbers(
       "--target", "X,Y,Z", 3, kWorld,
       [look_at](const std::vector<double>& n) { look_at().target = asVec3d(n); },
-      "World position looked at, with --eye");
+      "World position that the camera looks at, with --eye");
   group.numbers(
       "--up", "X,Y,Z", 3, kWorld,
       [&camera](const std::vector<double>& n) { camera.up = asVec3d(n); },
-      "What is up in the world (what the view has)");
+      "Up direction in the world (the view's)");
   eye->needs(target)->excludes(view)->excludes(azimuth)->excludes(elevation);
   target->needs(eye);
 }
@@ -75,7 +76,7 @@ void addDrawingOptions(const OptionGroup& group, FrameOptions& options) {
       "six whole numbers X0,Y0,Z0,X1,Y1,Z1 from 0 to 2^40, each upper one at least 2 above the "
       "lower, since a single voxel plane has no thickness",
       cropBox, [&options](const Box3& box) { options.crop = box; },
-      "Shows what lies between these voxel planes, the upper ones not included");
+      "Shows the voxels between these planes, the upper ones not included");
   group
       .numbers(
           "--clip", "A,B,C,D", 4, kWorld,
@@ -84,13 +85,14 @@ void addDrawingOptions(const OptionGroup& group, FrameOptions& options) {
               throw CLI::ValidationError("--clip: at most 6 planes");
             options.clip_planes.push_back({asVec3d(n), n[3]});
           },
-          "Shows world positions with a x + b y + c z <= d; up to 6 times")
+          "Shows world positions with a x + b y + c z <= d; may be given up to 6 times")
       ->trigger_on_parse();
   group.choice("--algorithm",
                wordsOf<Algorithm>(std::array{Algorithm::kConventional, Algorithm::kClipped,
                                              Algorithm::kTrimmed, Algorithm::kMerged},
                                   [](Algorithm algorithm) { return name(algorithm); }),
-               options.algorithm, "What is loaded and drawn of each block");
+               options.algorithm,
+               "How blocks are trimmed and merged: algorithms I to IV of Tong 1999");
   group.choice(
       "--merge",
       Words<MergeOrder>{{"paper", MergeOrder::kPaper}, {"first-fit", MergeOrder::kFirstFit}},
@@ -98,21 +100,22 @@ void addDrawingOptions(const OptionGroup& group, FrameOptions& options) {
   group.choice("--partition",
                Words<Partition>{{"blocks", Partition::kBlocks}, {"boxes", Partition::kBoxes}},
                options.partition,
-               "What is drawn of a block: its object box, or the visible ones of its growing "
-               "boxes, which are made once for a volume and kept with its index");
+               "Draws the object box of each block, or its visible growing boxes, which are "
+               "computed once for a volume and kept with its index");
   group.choice("--occlusion",
                Words<Occlusion>{{"off", Occlusion::kOff},
                                 {"map", Occlusion::kMap},
                                 {"cull", Occlusion::kCull},
                                 {"clip", Occlusion::kClip}},
                options.occlusion,
-               "Leaves out what is hidden: map asks the opacity map and leaves out nothing, cull "
-               "leaves out hidden boxes, clip the hidden parts of boxes too");
+               "Skips hidden parts: cull skips hidden boxes, clip also skips hidden parts of "
+               "boxes; map makes the opacity map but skips nothing");
   group.number("--opacity-threshold", "A", options.opacity_threshold, {0, 1, true},
-               "Opaque: rays end there and hide what is behind; 1 changes no picture (1, with "
-               "--occlusion 0.95)");
-  group.number("--time-limit", "SECONDS", options.time_limit_s, {0, 1e9},
-               "A frame leaves out what is not read by then, and says so (waits for all)");
+               "Opacity at which a ray ends and hides everything behind; 1 changes no picture (1; "
+               "with --occlusion 0.95)");
+  group.number(
+      "--time-limit", "SECONDS", options.time_limit_s, {0, 1e9},
+      "Leaves out blocks that are not read in time, and prints the missing share (waits for all)");
 }
 
 }  // namespace
@@ -126,7 +129,7 @@ void addViewOptions(CLI::App& app, FrameOptions& options) {
 void addFitOption(CLI::App& app, FitChoice& fit) {
   OptionGroup(app, "View")
       .choice("--fit", Words<Fit>{{"visible", Fit::kVisible}, {"volume", Fit::kVolume}}, fit,
-              "What fills the picture: what is visible, of a series in all its steps unless "
+              "Fits the visible part into the picture, over all steps of a series unless "
               "--this-step, or the volume's sphere (visible; with --view plain volume)")
       ->excludes(app.get_option("--eye"));
 }

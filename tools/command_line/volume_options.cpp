@@ -94,12 +94,12 @@ void addVolumeOptions(CLI::App& app, VolumeArguments& arguments, std::optional<T
   group.parsed(
       "--spacing", "X,Y,Z", "one number or X,Y,Z, each above 0, up to 1e+12", spacings,
       [&arguments](const std::vector<double>& n) { arguments.open.spacing = asVec3d(n); },
-      "World units between voxels, in place of the file's");
-  group.text("--grid", "NAME", arguments.open.grid, "OpenVDB: the grid's name");
+      "World units between voxels, instead of the file's");
+  group.text("--grid", "NAME", arguments.open.grid, "OpenVDB: name of the grid");
   group.parsed(
       "--channel", "N|NAME", "a channel's number from 0 to 1000000, or its name", channel,
       [&arguments](const ChannelWish& wish) { arguments.open.channel = wish; },
-      "Zarr, TIFF: which channel, from 0 (the first), or its name as the file says it");
+      "Zarr, TIFF: channel by its number, from 0 (the first), or by its name in the file");
   if (times == nullptr) {
     group.number("--time", "STEP", arguments.time, {0, kMostSteps}, "Time step, from 0");
     return;

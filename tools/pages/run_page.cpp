@@ -21,7 +21,7 @@ constexpr std::array<const char*, 9> kStages = {"classify", "plan", "read",  "de
 constexpr std::array<const char*, 3> kLevels = {"volume_buffer", "texture_buffer", "texture_cache"};
 constexpr std::array<std::array<const char*, 2>, 3> kClasses = {
     {{"white", "white: nothing in it shows"},
-     {"grey", "grey: trimmed to what shows"},
+     {"grey", "grey: trimmed to the visible part"},
      {"black", "black: all of it is drawn"}}};
 constexpr std::array<int, 3> kClassHues = {6, 8, 0};
 
@@ -65,9 +65,8 @@ std::string chosenSection(const json& report) {
   add("asked, with defaults", commandLineOf(report));
   add("look", textAt(report, "/look/options"));
   if (report.contains("gl"))
-    add("device",
-        textAt(report, "/device") + " " + textAt(report, "/gl/renderer") +
-            because(report, "device", "GL where a GPU's driver works, else the CPU device"));
+    add("device", textAt(report, "/device") + " " + textAt(report, "/gl/renderer") +
+                      because(report, "device", "GL if a GPU's driver works, else the CPU device"));
   if (report.contains("/volume/dims"_json_pointer))
     add("volume",
         fmt::format("{} of {}, {} time step(s)", textAt(report, "/volume/dims"),
@@ -82,10 +81,10 @@ std::string chosenSection(const json& report) {
                      because(report, "pages", "a power of two that --memory allows"));
   if (report.contains("memory_bytes"))
     add("memory", formatBytes(report["memory_bytes"].get<uint64_t>()) +
-                      because(report, "memory", "half of what the machine has"));
+                      because(report, "memory", "half of the machine's memory"));
   if (report.contains("peak_anonymous_bytes"))
     add("most memory used", formatBytes(report["peak_anonymous_bytes"].get<uint64_t>()));
-  return facts.empty() ? "" : "<h2>What was asked, and what followed</h2>\n" + htmlFacts(facts);
+  return facts.empty() ? "" : "<h2>Options and results</h2>\n" + htmlFacts(facts);
 }
 
 std::string stagesSection(const json& report) {
@@ -107,8 +106,9 @@ std::string stagesSection(const json& report) {
   std::string out = "<h2>Time by stage</h2>\n" + barsSvg(bars) + "<p>";
   for (size_t s = 0; s < kStages.size(); ++s) out += htmlKey(static_cast<int>(s), kStages[s]);
   out +=
-      "</p>\n<p>Reading, decoding and copying are summed over threads that work ahead of the "
-      "drawing: the parts may be longer than the frame, whose seconds stand at the end.</p>\n";
+      "</p>\n"
+      "<p>Reading, decoding and copying are summed over threads that work ahead of the drawing. "
+      "The parts may therefore be longer than the frame, whose seconds stand at the end.</p>\n";
   if (frames.size() > kMostFrames)
     out += fmt::format("<p>The first {} of {} frames.</p>\n", kMostFrames, frames.size());
   return out;

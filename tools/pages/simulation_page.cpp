@@ -255,7 +255,8 @@ std::string sectionsOf(const SimulationReport& report, int level) {
   out += heading("Miss ratio by cache size") + missRatioPlot(report);
   out += heading("Residency over time") + residencyPlot(report);
   out += heading("How chunks lie in pages") +
-         "<p>At the end of the trace; a square a page, a color a chunk, empty where free.</p>" +
+         "<p>Pages at the end of the trace: one square per page, one color per chunk, empty if "
+         "free.</p>" +
          pageMapPicture(report);
   out += heading(fmt::format("Bytes by cause at {} pages", report.chosen_pages)) +
          bytesByCause(report);

@@ -58,7 +58,7 @@ void DrawingJobs::run(const OpenJob& task, const Job& job) {
 }
 
 void DrawingJobs::loadInto(StateFile file, const std::string& name, const Job& job) {
-  if (!opened_.volume) fail("{}: names no volume, and none is open", name);
+  if (!opened_.volume) fail("{}: the file names no volume, and no volume is open", name);
   requireFits(file.state, file.path, opened_.volume->info(), name);
   // The view fits what is visible in the saved look.
   useLook(file.state.look);

@@ -17,7 +17,7 @@ RunWindow* openWindowModule() {
         "sluice's window; build with libglfw3-dev and libimgui-dev, and install libglfw3");
     const std::string_view version = library.get<WindowVersion*>(kWindowVersion)();
     if (version != kWindowModuleVersion)
-      fail("{} is of sluice {}, expected {}; install sluice again", name, version,
+      fail("{} belongs to sluice {}, expected {}; install sluice again", name, version,
            kWindowModuleVersion);
     return library.get<RunWindow*>(kRunWindow);
   } catch (const Error& error) {

@@ -172,7 +172,7 @@ TEST(NiftiHeaderTest, eachFieldThatIsWrongIsAnError) {
       {plain().set<int16_t>(70, 1024), "datatype 1024 is not read"},
       {plain().set<int16_t>(70, 0), "datatype 0 is not read"},
       {plain().set<int16_t>(70, -1), "datatype -1 is not read"},
-      {plain().set<int16_t>(72, 8), "datatype 4 (i16) has 16 bits a voxel, bitpix says 8"},
+      {plain().set<int16_t>(72, 8), "datatype 4 (i16) has 16 bits per voxel, but bitpix is 8"},
       {plain().set<float>(108, 0), "vox_offset is 0, a whole number from 352 on"},
       {plain().set<float>(108, -352), "vox_offset is -352"},
       {plain().set<float>(108, 352.5F), "vox_offset is 352.5"},
