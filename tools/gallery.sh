@@ -58,7 +58,7 @@ Each picture has one command. `tools/gallery.sh DATA` draws them again from a fo
 
 HEAD
 
-picture bonsai 'CT of a bonsai: nothing but a file' \
+picture bonsai 'CT of a bonsai, without any options' \
   'sluice render data/bonsai.nii.gz -o bonsai.png'
 picture engine 'CT of an engine block, cut open, with axes, scale and colours' \
   'sluice render data/engine.nii.gz -o engine.png --crop 0,0,0,256,150,128 --map ct-bone --annotate'
@@ -72,7 +72,7 @@ picture tooth 'CT of a tooth, standing on its crown' \
   'sluice render data/tooth/tooth.nhdr -o tooth.png --up 0,0,-1 --map ct-bone'
 picture walnut 'A walnut cut open, without the tray it lies on' \
   'sluice render data/walnut_128x96x114_uint16.raw -o walnut.png --crop 0,24,0,128,96,57 --azimuth 150 --map viridis'
-picture xray 'The head as an X-ray: means along rays' \
+picture xray 'The head as an X-ray: mean values along rays' \
   "sluice render 'data/cthead/%03d.tif' -o xray.png --spacing 1,1,2 --up 0,0,-1 --view left --mode average --range 20,140 --background 000000"
 picture smoke 'Smoke from an OpenVDB file, in perspective' \
   'sluice render data/smoke.vdb -o smoke.png --projection perspective --background 202830'
