@@ -1,5 +1,7 @@
 #include "tools/scene_session.h"
 
+#include "src/base/bytes.h"
+#include "src/base/error.h"
 #include "src/classify/blocks/classification.h"
 #include "src/render/look.h"
 
@@ -45,7 +47,13 @@ void openSession(Scene& scene, const ResourceArguments& resources, const FrameOp
   if (scene.share) {  // ranks have parts in the picture's place, and the first one the picture
     const auto pixels =
         static_cast<uint64_t>(frame.size.width) * static_cast<uint64_t>(frame.size.height);
-    share.beside_bytes = others_bytes + scene.part_bytes + pixels * kComposedPixelBytes;
+    const uint64_t picture_bytes = scene.part_bytes + pixels * kComposedPixelBytes;
+    if (picture_bytes > scene.memory_bytes)
+      fail(
+          "--memory {} is too small: the picture takes {} on each rank; give more --memory or a "
+          "smaller --size",
+          formatBytes(scene.memory_bytes), formatBytes(picture_bytes));
+    share.beside_bytes = others_bytes + picture_bytes;
     share.pages = pageCount(resources, volume, share.beside_bytes);
   } else {
     scene.part_bytes = share.picture_bytes;

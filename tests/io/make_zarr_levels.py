@@ -101,7 +101,7 @@ levels, factors = pyramid(odd, [(2, 2, 2)] * 2, strided)
 image("odd-strided", levels, factors, None, centre(factors), note="centre")
 flat = np.full((32, 32, 32), 7.0)
 levels, factors = pyramid(flat, [(2, 2, 2)], mean)
-image("flat", levels, factors, None, corner(factors), note="assumed")
+image("flat", levels, factors, None, corner(factors), note="assumes")
 
 # What does not fit is left out, by name.
 levels, factors = pyramid(even, [(2, 2, 2)] * 2, mean)

@@ -173,7 +173,7 @@ TEST(Environment, planForecastsWhatAFrameReadsAndHolds) {
   EXPECT_GE(plan["memory"]["machine_bytes"].get<uint64_t>(), uint64_t{1} << 28);
   // The least memory that it names works, and a byte less does not.
   const auto least = plan["memory"]["least_bytes"].get<uint64_t>();
-  const auto tight = program.json("plan " + volume + " --pages 64 --memory 1M");
+  const auto tight = program.json("plan " + volume + " --gl osmesa --pages 64 --memory 1M");
   EXPECT_FALSE(tight["memory"]["fits"].get<bool>());
   const auto smallest = tight["memory"]["least_bytes"].get<uint64_t>();
   const std::string line = "render " + volume + " --gl osmesa --pages 64 -o b.png --memory ";

@@ -66,7 +66,8 @@ TEST_F(LevelsCommand, meansAndSpreadsAreSaidAndLabelsAreNotDrawnFromThem) {
   EXPECT_EQ(plan["cut"], cut);
   EXPECT_EQ(plan["read"]["voxel_bytes"], render("--pixel-error 1")["frames"][0]["decoded_bytes"]);
   EXPECT_TRUE(render("--mode mip --pixel-error 1").contains("cut"));
-  EXPECT_THAT(program_.run("render " + arguments("-o y.png --labels --level 1")).output,
+  const std::string labels = std::string("render ") + kVolume + " -o y.png --labels --level 1";
+  EXPECT_THAT(program_.run(labels).output,
               HasSubstr("its coarser levels hold means, which are no labels"));
 }
 
@@ -78,8 +79,7 @@ TEST_F(LevelsCommand, packedLevelsAreDrawnWithTheirSpreadsAndOthersWithout) {
   };
   run("pack synth:shells,dims=96x90x80 -o v.zarr --chunk 16 --levels 2");
   EXPECT_THAT(run("info v.zarr --levels"), HasSubstr("spread: u8"));
-  const std::string picture =
-      std::string("v.zarr ") + kLook + " --size 32 -o v.png --force --pixel-error 1";
+  const std::string picture = std::string("v.zarr ") + kLook + " -o v.png --force --pixel-error 2";
   const json shown = program_.json("render " + picture);
   EXPECT_EQ(shown["cut"]["spreads"], true);
   EXPECT_GT(shown["cut"]["coarse_share"], 0.0);
@@ -101,7 +101,9 @@ TEST_F(LevelsCommand, aBenchComparesPixelErrorsWithTheTruth) {
   for (const json& row : report["rows"]) {
     EXPECT_GT(row["ssim"], 0.8);
     EXPECT_LE(row["ssim"], 1.0);
-    EXPECT_LT(row["mean_opacity_error"], 0.1);
+    // Beyond a pixel the shells are thinner than the voxels that are drawn.
+    const json& error = row["pixel_error"];
+    EXPECT_LT(row["mean_opacity_error"], error.is_null() || error <= 1 ? 0.1 : 0.2) << row;
     EXPECT_GE(row["max_error"], row["mean_error"]);
   }
   // Level 0 is the last.

@@ -69,7 +69,7 @@ TEST_F(TiffPages, whatIsCutOffIsAnError) {
   const TempFolder folder;
   writeFile(folder / "cut.tif", std::string_view(bytes).substr(0, bytes.size() - 100));
   EXPECT_THAT(errorOf([&] { openVolume((folder / "cut.tif").string()); }),
-              HasSubstr("says 20 images of 1200 bytes"));
+              HasSubstr("names 20 images of 1200 bytes"));
 }
 
 TEST(TiffDescription, thatDoesNotFitGivesSlicesAndANote) {
