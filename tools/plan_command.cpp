@@ -222,24 +222,43 @@ nlohmann::json reportOf(const Costs& costs, const Cost& chosen, const Forecast& 
   return report;
 }
 
+// A volume with its look and the camera fitted to it.
+struct PlannedVolume {
+  IndexedVolume volume;
+  TransferFunction transfer;
+  Camera camera;
+};
+
+PlannedVolume openPlanned(const PlanArguments& arguments, FinestLevel finest,
+                          const Outputs& outputs, WorkerPool& pool) {
+  const FrameOptions& frame = arguments.frame;
+  PlannedVolume planned;
+  planned.volume = openIndexed(arguments.volume, arguments.resources,
+                               pictureNeeds(arguments.look, frame, finest), pool, outputs);
+  planned.transfer = lookFor(planned.volume, arguments.look, frame.mode).transfer;
+  std::vector<Camera> cameras{frame.camera};
+  fitCameras(
+      cameras, arguments.fit,
+      {planned.volume, planned.volume.step(), planned.transfer, frame, arguments.look.this_step},
+      {}, arguments.resources, pool);
+  planned.camera = cameras.front();
+  return planned;
+}
+
 int run(const PlanArguments& asked, const CLI::App& app) {
   PlanArguments arguments = asked;
   Workers pool(arguments.resources.threads);
-  const Mode mode = arguments.frame.mode;
-  const std::optional<CutOptions> cut = cutOptions(arguments.levels, arguments.resources);
-  arguments.frame.cut = cut;
+  arguments.frame.cut = cutOptions(arguments.levels, arguments.resources);
   Outputs outputs(arguments.force);
   outputs.reads(arguments.volume.inputs);
   outputs.reads(arguments.look.transfer_file);
   outputs.writes("--report", arguments.report_file, reportKind(arguments.report_file));
-  IndexedVolume volume = openIndexed(arguments.volume, arguments.resources,
-                                     needsOf(arguments.look, mode, cut.has_value()), pool, outputs);
-  const TransferFunction transfer = lookFor(volume, arguments.look, mode).transfer;
-  std::vector<Camera> cameras{arguments.frame.camera};
-  fitCameras(cameras, arguments.fit,
-             {volume, volume.step(), transfer, arguments.frame, arguments.look.this_step}, {},
-             arguments.resources, pool);
-  arguments.frame.camera = cameras.front();
+  PlannedVolume planned = openPlanned(arguments, FinestLevel::kMayWait, outputs, pool);
+  if (mustReadFinest(planned.volume, planned.transfer, arguments.frame, {&planned.camera, 1}, pool))
+    planned = openPlanned(arguments, FinestLevel::kRead, outputs, pool);
+  IndexedVolume& volume = planned.volume;
+  const TransferFunction& transfer = planned.transfer;
+  arguments.frame.camera = planned.camera;
   const Shown shown = shownBlocks(arguments, volume, transfer, pool);
   volume.page.pages = besideShare(volume, arguments.resources, arguments.frame.partition,
                                   pictureDemand(arguments.resources, arguments.frame),
@@ -266,7 +285,8 @@ int run(const PlanArguments& asked, const CLI::App& app) {
     print(costs, arguments.frame.algorithm, shown.seconds, volume.page);
     if (isCoarser(*shown.blocks)) say("{}\n", cutLine(*shown.blocks->cut));
     printForecast(forecast);
-    if (volume.index->state != "read")
+    if (volume.stand_in) say("{}\n", volume.standInNote());
+    if (!volume.stand_in && volume.index->state != "read")
       say("index {}: this plan has read the whole volume for it, {}\n", volume.index->state,
           volume.index->path.empty() ? "and so will the next one" : "the next one reads no voxel");
     if (boxes) print(*boxes);

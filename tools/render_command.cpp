@@ -173,10 +173,11 @@ const Camera& cameraOf(const std::vector<Camera>& cameras, int64_t frame) {
 }
 
 // With several ranks, rank 0 makes the index that the others read.
-std::unique_ptr<Scene> openScene(const Arguments& arguments, const Outputs& outputs, Team* team) {
+std::unique_ptr<Scene> openScene(const Arguments& arguments, const Outputs& outputs, Team* team,
+                                 FinestLevel finest) {
   const auto open = [&] {
     return std::make_unique<Scene>(arguments.volume, arguments.look, arguments.resources,
-                                   arguments.frame, outputs, team);
+                                   arguments.frame, outputs, team, finest);
   };
   if (team == nullptr) return open();
   std::unique_ptr<Scene> scene;
@@ -188,10 +189,10 @@ std::unique_ptr<Scene> openScene(const Arguments& arguments, const Outputs& outp
 
 // The same for a view that was saved, which must fit the volume.
 std::unique_ptr<Scene> openScene(const Arguments& arguments, const std::optional<SavedView>& saved,
-                                 const Outputs& outputs, Team* team) {
-  if (!saved) return openScene(arguments, outputs, team);
+                                 const Outputs& outputs, Team* team, FinestLevel finest) {
+  if (!saved) return openScene(arguments, outputs, team, finest);
   try {
-    std::unique_ptr<Scene> scene = openScene(arguments, outputs, team);
+    std::unique_ptr<Scene> scene = openScene(arguments, outputs, team, finest);
     saved->requireFits(volumeInfo(scene->volume.source->layout(), {}, {}));
     return scene;
   } catch (const Error& error) {
@@ -199,6 +200,40 @@ std::unique_ptr<Scene> openScene(const Arguments& arguments, const std::optional
     if (saved->file.state.time == 0) throw;
     fail("{}: {}", saved->name, error.what());
   }
+}
+
+// A scene with its cameras as the user asked for them, and fitted to what is visible.
+struct FittedScene {
+  std::unique_ptr<Scene> scene;
+  std::vector<Camera> asked, cameras;
+};
+
+FittedScene openFitted(const Arguments& arguments, const std::optional<SavedView>& saved,
+                       const Outputs& outputs, Team* team, Room room, FinestLevel finest) {
+  FittedScene fitted;
+  fitted.scene = openScene(arguments, saved, outputs, team, finest);
+  Scene& scene = *fitted.scene;
+  fitted.asked = camerasOf(arguments, scene.volume.source->layout().frame);
+  fitted.cameras = fitted.asked;
+  fitCameras(fitted.cameras, arguments.fit,
+             {scene.volume, scene.volume.step(), scene.transfer, arguments.frame,
+              arguments.look.this_step},
+             room, arguments.resources, scene.pool);
+  return fitted;
+}
+
+// The finest level is read at the opening only if a picture shows it, or an option compares with
+// it.
+FittedScene openFitted(const Arguments& arguments, const std::optional<SavedView>& saved,
+                       const Outputs& outputs, Team* team, Room room) {
+  const bool compares = arguments.verify || arguments.debug_view;
+  if (team == nullptr && !compares) {
+    FittedScene fitted = openFitted(arguments, saved, outputs, team, room, FinestLevel::kMayWait);
+    Scene& scene = *fitted.scene;
+    if (!mustReadFinest(scene.volume, scene.transfer, arguments.frame, fitted.cameras, scene.pool))
+      return fitted;
+  }
+  return openFitted(arguments, saved, outputs, team, room, FinestLevel::kRead);
 }
 
 // The frames of rank 0, which writes them.
@@ -345,17 +380,13 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
   arguments.look.whole_series = isSeries(arguments);
   arguments.frame.cut = cutOf(arguments, team);
   checkLastStep(arguments);
-  const std::unique_ptr<Scene> opened = openScene(arguments, saved, outputs, team);
-  Scene& scene = *opened;
+  const Room room = arguments.annotate ? annotationRoom(arguments.frame.size) : Room{};
+  const FittedScene fitted = openFitted(arguments, saved, outputs, team, room);
+  Scene& scene = *fitted.scene;
+  const std::vector<Camera>& cameras = fitted.cameras;
   if (is_first)
     for (const std::string& warning : scene.look.warnings) printWarning(warning);
-  const std::vector<Camera> asked = camerasOf(arguments, scene.volume.source->layout().frame);
-  const Room room = arguments.annotate ? annotationRoom(arguments.frame.size) : Room{};
-  std::vector<Camera> cameras = asked;
-  fitCameras(cameras, arguments.fit,
-             {scene.volume, scene.volume.step(), scene.transfer, arguments.frame,
-              arguments.look.this_step},
-             room, arguments.resources, scene.pool);
+  if (scene.volume.stand_in && !arguments.resources.quiet) printWarning(scene.volume.standInNote());
   if (team != nullptr) expectSameScene(*team, scene, cameras);
   const PictureOutput output = outputOf(arguments);
   const FrameOptions options = frameOptions(arguments, app, cameras.front(), output, scene);
@@ -400,7 +431,7 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
     FrameOptions last = options;
     last.camera = cameraOf(cameras, to_draw.back());
     verified = verify(scene,
-                      {arguments.volume, arguments.resources, asked, at, arguments.fit, room,
+                      {arguments.volume, arguments.resources, fitted.asked, at, arguments.fit, room,
                        arguments.look.this_step, timeOf(arguments, to_draw.back())},
                       last, drawn.picture);
     report["verify"] = {{"max_difference", verified->max_difference},

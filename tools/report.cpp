@@ -177,6 +177,8 @@ json volumeJson(const IndexedVolume& volume) {
   const auto triple = [](auto v) { return json::array({v.x, v.y, v.z}); };
   const VolumeLayout& drawn = volume.source->layout();
   const WorldBounds bounds = worldBounds(drawn);
+  // Level 0, or the coarser one that stands in for it while it has no index.
+  const int values_level = volume.stand_in ? volume.stand_in->level : 0;
   return {{"name", layout.name},
           {"dims", triple(layout.dims)},
           {"voxel_type", name(layout.type)},
@@ -193,6 +195,7 @@ json volumeJson(const IndexedVolume& volume) {
           {"notes", drawn.notes},
           {"time_steps", layout.time_steps},
           {"value_range", {range.lo, range.hi}},
+          {"values_level", values_level},
           {"blocks",
            {{"size", volume.layout.size},
             {"count", volume.layout.blockCount()},

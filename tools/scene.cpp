@@ -40,6 +40,21 @@ IndexedVolume openIndexed(const VolumeArguments& arguments, const ResourceArgume
   return volume;
 }
 
+IndexNeeds pictureNeeds(const LookArguments& look, const FrameOptions& frame, FinestLevel finest) {
+  IndexNeeds needs = needsOf(look, frame.mode, frame.cut.has_value());
+  // Growing boxes have an index of their own, which takes the finest level's.
+  needs.may_stand_in = finest == FinestLevel::kMayWait && needs.levels &&
+                       frame.cut->level.value_or(1) > 0 && frame.partition == Partition::kBlocks;
+  return needs;
+}
+
+bool mustReadFinest(const IndexedVolume& volume, const TransferFunction& transfer,
+                    const FrameOptions& frame, std::span<const Camera> cameras, WorkerPool& pool) {
+  if (!volume.stand_in || frame.time_limit_s || frame.cut->most_stored_bytes != UINT64_MAX)
+    return false;
+  return showsFinest(volume.step(), transfer, frame, cameras, pool);
+}
+
 void fitCameras(std::vector<Camera>& cameras, FitChoice choice, const FitRequest& request,
                 Room room, const ResourceArguments& resources, WorkerPool& pool) {
   ProgressMeter progress(indexingLine(resources));
@@ -59,10 +74,9 @@ Scene::Scene(const VolumeArguments& arguments, const LookArguments& arguments_lo
 
 Scene::Scene(const VolumeArguments& arguments, const LookArguments& arguments_look,
              const ResourceArguments& resources, const FrameOptions& frame, const Outputs& outputs,
-             Team* team)
+             Team* team, FinestLevel finest)
     : pool(resources.threads),
-      volume(openIndexed(arguments, resources,
-                         needsOf(arguments_look, frame.mode, frame.cut.has_value()), pool,
+      volume(openIndexed(arguments, resources, pictureNeeds(arguments_look, frame, finest), pool,
                          outputs)),
       memory_bytes(memoryBudget(resources)),
       pictures(pictureDemand(resources, frame)),

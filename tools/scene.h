@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,15 @@ IndexedVolume openIndexed(const VolumeArguments& volume, const ResourceArguments
                           const IndexNeeds& needs, WorkerPool& pool,
                           const Outputs& outputs = Outputs());
 
+// Needs of a picture with these options. A cut through levels may be opened with a stand-in
+// (stand_in.h) if `finest` allows it.
+enum class FinestLevel { kRead, kMayWait };
+IndexNeeds pictureNeeds(const LookArguments& look, const FrameOptions& frame, FinestLevel finest);
+// Whether pictures from these cameras of a volume with a stand-in have to wait for the index of
+// the finest level: they show that level, and no limit of bytes or time stands against it.
+bool mustReadFinest(const IndexedVolume& volume, const TransferFunction& transfer,
+                    const FrameOptions& frame, std::span<const Camera> cameras, WorkerPool& pool);
+
 // fitCameras() with progress, until a signal comes.
 void fitCameras(std::vector<Camera>& cameras, FitChoice choice, const FitRequest& request,
                 Room room, const ResourceArguments& resources, WorkerPool& pool);
@@ -48,7 +58,7 @@ struct Scene {
   // alone.
   Scene(const VolumeArguments& volume, const LookArguments& look,
         const ResourceArguments& resources, const FrameOptions& frame, const Outputs& outputs,
-        Team* team);
+        Team* team, FinestLevel finest = FinestLevel::kRead);
 
   // Chosen by this, or null by the classification; of several ranks each has its share.
   void chooseBlocksBy(BlockChooser* chooser);

@@ -1,5 +1,7 @@
 #include "tools/scene_session.h"
 
+#include <algorithm>
+
 #include "src/base/bytes.h"
 #include "src/base/error.h"
 #include "src/classify/blocks/classification.h"
@@ -8,8 +10,20 @@
 namespace sluice {
 namespace {
 
+// The blocks that may be held at once by a cut without a view, whatever shows.
+uint64_t blocksOfCut(const IndexedVolume& volume, const CutOptions& cut) {
+  if (cut.level && *cut.level < volume.pyramid->levels())
+    return static_cast<uint64_t>(volume.pyramid->level(*cut.level).blocks.blockCount());
+  const int64_t side = volume.layout.size;
+  const uint64_t block_bytes =
+      static_cast<uint64_t>(sluice::volume({side, side, side})) * bytesPerVoxel(volume.map.type);
+  return std::min(cut.most_held_bytes / block_bytes + 1,
+                  static_cast<uint64_t>(volume.layout.blockCount()));
+}
+
 // Bytes of the frame's plan for the step that the volume was opened for.
 uint64_t planBytes(const Scene& scene, const FrameOptions& frame, WorkerPool& pool) {
+  if (scene.volume.stand_in) return blocksOfCut(scene.volume, *frame.cut) * kPlannedBlockBytes;
   const SliceRanges& ranges = scene.volume.index->ranges;
   const Look look = makeLook(scene.volume.step(), scene.transfer, frame.mode);
   const VisibleBlocks shown =

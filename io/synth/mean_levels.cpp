@@ -125,7 +125,8 @@ MeanLevels::MeanLevels(VolumeSource& finest, int64_t count, Spreads spreads) {
     const double scale = static_cast<double>(times), offset = (scale - 1) / 2;
     levels_.push_back({add(Delivers::kMeans),
                        {{scale, scale, scale}, {offset, offset, offset}},
-                       spreads == Spreads::kKept ? add(Delivers::kSpreads) : nullptr});
+                       spreads == Spreads::kKept ? add(Delivers::kSpreads) : nullptr,
+                       true});
   }
 }
 

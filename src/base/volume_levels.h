@@ -51,6 +51,7 @@ struct CoarserLevel {
   // their standard deviation in units of stored values, of type spreadType(). Its dims and time
   // steps are the level's. Null: no spread is known.
   VolumeSource* spreads = nullptr;
+  bool is_computed = false;  // from voxels of the finest level whenever it is read
 };
 
 // A VolumeSource implements this too if it has coarser levels; see coarserLevels().

@@ -58,26 +58,39 @@ void addNote(std::string& note, const std::string& more) {
   note += more;
 }
 
+// True: `result` has everything. False: it has a note at most, why an older index is not used.
+bool readKept(const VolumeSource& source, const IndexPlaces& places, const IndexKey& key,
+              const BlockLayout& layout, IndexedRanges& result) {
+  IndexRead kept = readIndex(places, key);
+  result.note = std::move(kept.note);
+  if (!kept.blob) return false;
+  std::optional<Kept> found = keptFrom(*kept.blob, layout, deviceMap(source.layout()));
+  if (!found) {
+    addNote(result.note, fmt::format("{}: of another volume, not used", kept.path.string()));
+    return false;
+  }
+  result.ranges = std::move(found->ranges);
+  result.bricks = std::move(found->bricks);
+  result.path = result.ranges.index_file = std::move(kept.path);
+  result.state = "read";
+  return true;
+}
+
 }  // namespace
+
+std::optional<IndexedRanges> keptRanges(const VolumeSource& source, const IndexPlaces& places,
+                                        int64_t time, const BlockLayout& layout) {
+  IndexedRanges result;
+  if (!readKept(source, places, keyOf(source, time, layout), layout, result)) return std::nullopt;
+  return result;
+}
 
 IndexedRanges indexedRanges(VolumeSource& source, const IndexPlaces& places, int64_t time,
                             const BlockLayout& layout, WorkerPool& pool, ProgressMeter& progress,
                             uint64_t memory_bytes, const StopToken& stop) {
   const IndexKey key = keyOf(source, time, layout);
   IndexedRanges result;
-  IndexRead kept = readIndex(places, key);
-  result.note = std::move(kept.note);
-  if (kept.blob) {
-    std::optional<Kept> found = keptFrom(*kept.blob, layout, deviceMap(source.layout()));
-    if (found) {
-      result.ranges = std::move(found->ranges);
-      result.bricks = std::move(found->bricks);
-      result.path = result.ranges.index_file = std::move(kept.path);
-      result.state = "read";
-      return result;
-    }
-    addNote(result.note, fmt::format("{}: of another volume, not used", kept.path.string()));
-  }
+  if (readKept(source, places, key, layout, result)) return result;
   const FirstPass pass = planFirstPass(source, time, layout, memory_bytes, pool.threads());
   std::optional<WorkerPool> fewer;
   if (pass.threads < pool.threads()) fewer.emplace(pass.threads);

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "src/base/progress_meter.h"
@@ -20,13 +21,17 @@ struct IndexedRanges {
   SliceRanges ranges;
   BrickRanges bricks;          // the same for any size of block
   std::filesystem::path path;  // the index file; empty when none could be kept
-  std::string state;           // "read", "built", or "built, not kept"
+  std::string state;           // "read", "built", "built, not kept" or "not made"
   // A line for people that tells why an older index was not believed or why this one was not kept.
   // Empty when the index was read, or built where it belongs.
   std::string note;
 
   uint64_t bytes() const { return ranges.bytes() + bricks.bytes(); }
 };
+
+// The index that was kept, if there is an intact one of this volume; nothing is read of the volume.
+std::optional<IndexedRanges> keptRanges(const VolumeSource& source, const IndexPlaces& places,
+                                        int64_t time, const BlockLayout& layout);
 
 // `places`: where the index is kept, by the user's name for the volume (the first of several
 // names). Throws Error when the source cannot be read, Interrupted when `stop` asks for it. A

@@ -67,7 +67,7 @@ void StaleCheck::check(const BlockName& name, const VolumeBlock& block) const {
     const auto found = expected_.find(name.withBlock(0));
     if (found != expected_.end()) ranges = found->second.lock();
   }
-  if (ranges == nullptr) return;
+  if (ranges == nullptr || !ranges->isKnown(name.block)) return;
   const BlockValues found = visitDeviceType(ranges->map.type, [&](auto tag) {
     return foundValues<decltype(tag)>(ranges->layout, name.block, block);
   });

@@ -50,7 +50,8 @@ class StaleCheck {
   // them. `grid`: the name of any of its blocks.
   void expect(const BlockName& grid, const std::shared_ptr<const SliceRanges>& ranges);
 
-  // Throws Error when the block contradicts the arrays of its grid. Blocks of other grids pass.
+  // Throws Error when the block contradicts the arrays of its grid. Blocks of other grids, and
+  // those whose values the arrays do not know, pass.
   void check(const BlockName& name, const VolumeBlock& block) const;
 
  private:

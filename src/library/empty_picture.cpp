@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "src/classify/blocks/visible_cells.h"
+#include "src/library/view_fit.h"
 #include "src/render/camera_framing.h"
 
 namespace sluice {
@@ -67,11 +67,12 @@ std::string whyEmpty(const DrawnPicture& drawn, const IndexPass& pass) {
     return fmt::format("the crop box lies outside of the volume's {} x {} x {} voxels", dims.x,
                        dims.y, dims.z);
   if (hasNoOpacity(drawn.transfer)) return "the transfer function has opacity 0 everywhere";
-  const IndexedRanges index = drawn.time == drawn.volume.time
-                                  ? *drawn.volume.index
-                                  : rangesOfStep(drawn.volume, drawn.time, pass);
+  std::shared_ptr<const IndexedRanges> kept = drawn.volume.index;
+  if (drawn.time != drawn.volume.time)
+    kept = std::make_shared<const IndexedRanges>(rangesOfStep(drawn.volume, drawn.time, pass));
+  const IndexedRanges& index = *kept;
   const auto cellsIn = [&](const Box3& box) {
-    return visibleCells(index.ranges, index.bricks, drawn.transfer, box);
+    return shownCells(drawn.volume, index, drawn.transfer, box);
   };
   if (cellsIn(all).empty())
     return fmt::format("the transfer function gives all values of the volume, {}, opacity 0",

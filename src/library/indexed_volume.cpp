@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <span>
 #include <utility>
 
@@ -60,7 +61,7 @@ std::vector<std::string> notesOf(const std::string& name, const VolumeLayout& la
 }
 
 // Adds the levels up to the first that does not nest.
-void addLevels(IndexedVolume& volume, std::span<const CoarserLevel> levels, const IndexPass& pass) {
+void addLevels(IndexedVolume& volume, std::span<const CoarserLevel> levels) {
   if (levels.empty()) return;
   PyramidLayout pyramid(volume.layout);
   for (const CoarserLevel& level : levels) {
@@ -76,16 +77,69 @@ void addLevels(IndexedVolume& volume, std::span<const CoarserLevel> levels, cons
                                          pyramid.levels(), obstacle));
       break;
     }
-    if (has_spreads) {
-      volume.coarser.push_back(nullptr);
-      continue;
-    }
-    const BlockLayout& blocks = pyramid.level(pyramid.levels() - 1).blocks;
-    volume.coarser.push_back(std::make_shared<const IndexedRanges>(
-        indexedRanges(*level.source, volume.places, volume.time, blocks, pass.pool, pass.progress,
-                      pass.memory_bytes, pass.stop)));
+    volume.coarser.emplace_back();
   }
   volume.pyramid = std::make_shared<const PyramidLayout>(std::move(pyramid));
+}
+
+std::shared_ptr<const IndexedRanges> indexOfLevel(const IndexedVolume& volume, int level,
+                                                  const IndexPass& pass) {
+  VolumeSource& source = *coarserLevels(*volume.source)[static_cast<size_t>(level) - 1].source;
+  return std::make_shared<const IndexedRanges>(
+      indexedRanges(source, volume.places, volume.time, volume.pyramid->level(level).blocks,
+                    pass.pool, pass.progress, pass.memory_bytes, pass.stop));
+}
+
+// Indices of the levels without spreads, from `least` on.
+void indexLevels(IndexedVolume& volume, int least, const IndexPass& pass) {
+  for (int level = least; level <= static_cast<int>(volume.coarser.size()); ++level)
+    if (volume.pyramid->level(level).numbers == 1)
+      volume.coarser[static_cast<size_t>(level) - 1] = indexOfLevel(volume, level, pass);
+}
+
+// The stand-in's values for the finest level, of whose blocks nothing is known. Indices are made of
+// the stand-in and the levels above it; finer levels have theirs if they are there.
+IndexedRanges standIn(IndexedVolume& volume, const IndexPass& pass) {
+  const int number = standInLevel(*volume.pyramid);
+  indexLevels(volume, number, pass);
+  const std::span<const CoarserLevel> levels = coarserLevels(*volume.source);
+  for (int level = 1; level < number; ++level) {
+    const LevelLayout& at = volume.pyramid->level(level);
+    if (at.numbers > 1) continue;
+    const auto i = static_cast<size_t>(level) - 1;
+    auto kept = keptRanges(*levels[i].source, volume.places, volume.time, at.blocks);
+    if (kept) volume.coarser[i] = std::make_shared<const IndexedRanges>(*std::move(kept));
+  }
+  const auto at = static_cast<size_t>(number) - 1;
+  StandIn stand_in{number, volume.coarser[at], {}};
+  if (stand_in.index == nullptr) stand_in.index = indexOfLevel(volume, number, pass);
+  stand_in.device_range = stand_in.index->ranges.device_range;
+  if (levels[at].spreads != nullptr)
+    stand_in.device_range =
+        rangeOfSpreads(levels[at], stand_in.device_range, volume.time, pass.pool, pass.stop);
+  IndexedRanges index;
+  index.ranges = unknownRanges(*volume.source, volume.time, volume.layout);
+  index.ranges.device_range = stand_in.device_range;
+  index.ranges.counts = stand_in.index->ranges.counts;
+  index.state = "not made";
+  volume.stand_in = std::move(stand_in);
+  return index;
+}
+
+// The index of the step, with those of coarser levels: kept ones, a stand-in's, or made ones.
+IndexedRanges indexOf(IndexedVolume& volume, const IndexNeeds& needs, const IndexPass& pass) {
+  const std::span<const CoarserLevel> levels = coarserLevels(*volume.source);
+  const bool one_step = volume.source->layout().time_steps == 1 || !needs.whole_series;
+  const bool may_stand_in =
+      needs.may_stand_in && one_step && !volume.coarser.empty() && !levels.front().is_computed;
+  std::optional<IndexedRanges> index;
+  if (may_stand_in) {
+    index = keptRanges(*volume.source, volume.places, volume.time, volume.layout);
+    if (!index) return standIn(volume, pass);
+  }
+  if (!index) index = rangesOfStep(volume, volume.time, pass);
+  indexLevels(volume, 1, pass);
+  return *std::move(index);
 }
 
 }  // namespace
@@ -111,6 +165,8 @@ int IndexedVolume::numbers() const {
 
 uint64_t IndexedVolume::rangesBytes() const {
   uint64_t bytes = index->bytes();
+  if (stand_in && stand_in->index != coarser[static_cast<size_t>(stand_in->level) - 1])
+    bytes += stand_in->index->bytes();
   for (const auto& level : coarser)
     if (level != nullptr) bytes += level->bytes();
   return bytes;
@@ -161,11 +217,12 @@ IndexedVolume indexVolume(std::unique_ptr<VolumeSource> source, const VolumeArgu
         volume.name, block);
   volume.layout = blockLayout(layout.dims, block, ghost, volume.name.c_str());
   volume.time = arguments.time;
-  IndexedRanges index = rangesOfStep(volume, volume.time, pass);
-  volume.notes = notesOf(volume.name, layout, index);
+  addLevels(volume, levels);
+  volume.source->holdAtMost(pass.memory_bytes / 4);  // nothing else is in memory yet
+  IndexedRanges index = indexOf(volume, needs, pass);
+  std::ranges::copy(notesOf(volume.name, layout, index), std::back_inserter(volume.notes));
   volume.values = statisticsOf(volume, index, needs.whole_series, pass);
   volume.index = std::make_shared<const IndexedRanges>(std::move(index));
-  addLevels(volume, levels, pass);
   volume.page.pages = pageCount(machine, volume, volume.rangesBytes());
   return volume;
 }
@@ -175,6 +232,14 @@ IndexedRanges rangesOfStep(const IndexedVolume& volume, int64_t time, const Inde
   volume.source->holdAtMost(pass.memory_bytes / 4);
   return indexedRanges(*volume.source, volume.places, time, volume.layout, pass.pool, pass.progress,
                        pass.memory_bytes, pass.stop);
+}
+
+std::string IndexedVolume::standInNote() const {
+  if (!stand_in) return "";
+  return fmt::format(
+      "{}: level 0 has no index yet; the range of values, the look and the fit come from level {} "
+      "and may differ a little from those of level 0",
+      name, stand_in->level);
 }
 
 ValueRange IndexedVolume::finiteRange() const {

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,7 @@
 #include "src/index/indexed_ranges.h"
 #include "src/library/chosen_look.h"
 #include "src/library/requests.h"
+#include "src/library/stand_in.h"
 #include "src/render/time_step.h"
 
 namespace sluice {
@@ -26,8 +28,10 @@ struct IndexedVolume {
   PageGeometry page;
   BlockLayout layout;
   int64_t time = 0;
-  std::shared_ptr<const IndexedRanges> index;  // of this step
-  ValueStatistics values;                      // of its step, or of the series
+  std::shared_ptr<const IndexedRanges>
+      index;                        // of this step; without values if there is a stand-in
+  std::optional<StandIn> stand_in;  // in place of the finest level, which was not read then
+  ValueStatistics values;           // of its step, or of the series
   // Levels above the finest, of the same step, from fine to coarse: null and empty where there are
   // none or none was asked for. A level with spreads has no index: null.
   std::shared_ptr<const PyramidLayout> pyramid;
@@ -40,6 +44,8 @@ struct IndexedVolume {
   int numbers() const;
   // Of the min-max arrays and brick ranges of all levels.
   uint64_t rangesBytes() const;
+  // A line for people about the stand-in; empty if there is none.
+  std::string standInNote() const;
   // Least and greatest value that can be told from infinities.
   ValueRange valueRange() const { return values.range; }
   // Least and greatest finite value, of the step.
@@ -50,6 +56,8 @@ struct IndexNeeds {
   bool gradients = false;     // a ghost layer
   bool whole_series = false;  // values of all steps
   bool levels = false;        // also the levels above the finest, if the volume has some
+  // With levels: a volume that has no index of its finest level is opened with a stand-in.
+  bool may_stand_in = false;
 };
 // `levels`: a cut through the levels of resolution may be drawn.
 IndexNeeds needsOf(const LookArguments& look, Mode mode, bool levels = false);

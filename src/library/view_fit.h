@@ -21,6 +21,11 @@ struct FitRequest {
 // The fit for these cameras; kVolume if they look at a point of their own.
 Fit fitOf(const std::vector<Camera>& cameras, FitChoice choice);
 
+// Boxes of cells whose hull holds all that can show anything (visible_cells.h). `index` belongs to
+// a step of the volume; if it is the volume's own, a stand-in answers in its place.
+std::vector<Box3> shownCells(const IndexedVolume& volume, const IndexedRanges& index,
+                             const TransferFunction& transfer, const Box3& crop);
+
 // The corners of the visible part (VisibleHull::points()), by cells: the same for any size of
 // block. Looks at every time step that counts; reads voxels only of steps that have no index yet.
 std::vector<Vec3d> visiblePoints(const FitRequest& request, const IndexPass& pass);

@@ -328,6 +328,16 @@ class Builder {
 
 }  // namespace
 
+SliceRanges unknownRanges(VolumeSource& source, int64_t time, const BlockLayout& layout) {
+  SliceRanges result;
+  result.layout = layout;
+  result.map = deviceMap(source.layout());
+  const std::optional<Occupancy> occupancy = source.occupancy(time);
+  result.unknown = candidates(layout, occupancy);
+  result.background = backgroundOf(source, occupancy).value_or(0);
+  return result;
+}
+
 SliceRanges buildSliceRanges(VolumeSource& source, int64_t time, const BlockLayout& layout,
                              WorkerPool& pool, ProgressMeter& progress, uint64_t most_bytes,
                              const StopToken& stop) {

@@ -6,6 +6,7 @@
 // built; any thread may read.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -37,6 +38,9 @@ struct SliceRanges {
   std::vector<std::byte> totals;
   // PlaneRange<T>[held][axis][plane], layout.planes() an axis.
   std::vector<std::byte> planes;
+  // Ids of the blocks whose values are not known, ascending; none of them is held, and anything may
+  // show in them. Only a volume whose finest level has not been read has such blocks.
+  std::vector<int64_t> unknown;
   ValueRange device_range;  // range of all voxels but NaN and infinities; 0, 0 if there are none
   // The range of the finite stored values beyond kLargest, which device voxels cannot tell from
   // infinities; lo > hi: there are none. Only floats have such values.
@@ -58,7 +62,10 @@ struct SliceRanges {
     const auto* first = reinterpret_cast<const PlaneRange<T>*>(planes.data());
     return {first + (held * 3 + static_cast<size_t>(axis)) * count, count};
   }
-  uint64_t bytes() const { return blocks.size() * 8 + totals.size() + planes.size(); }
+  bool isKnown(int64_t block) const { return !std::ranges::binary_search(unknown, block); }
+  uint64_t bytes() const {
+    return (blocks.size() + unknown.size()) * sizeof(int64_t) + totals.size() + planes.size();
+  }
 };
 
 // More makes the pass no faster.
@@ -71,5 +78,10 @@ inline constexpr uint64_t kMostIndexingBytes = uint64_t{128} << 20;
 SliceRanges buildSliceRanges(VolumeSource& source, int64_t time, const BlockLayout& layout,
                              WorkerPool& pool, ProgressMeter& progress,
                              uint64_t most_bytes = kMostIndexingBytes, const StopToken& stop = {});
+
+// The arrays of a volume of which nothing has been read: every block that may hold something else
+// than the background is unknown. The range and the counts of the values are empty. Throws Error
+// from the source.
+SliceRanges unknownRanges(VolumeSource& source, int64_t time, const BlockLayout& layout);
 
 }  // namespace sluice

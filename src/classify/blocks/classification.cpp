@@ -41,8 +41,8 @@ class Classifier {
     return result;
   }
 
-  // Every cell of a block of nothing but visible background shows.
-  ObjectBlock backgroundBlock(int64_t block) const {
+  // A block of nothing but visible background, or of unknown values: every cell may show.
+  ObjectBlock wholeBlock(int64_t block) const {
     ObjectBlock result;
     result.name.block = block;
     const Box3 owned = ranges_.layout.ownedCells(ranges_.layout.indexOf(block));
@@ -100,12 +100,11 @@ void addVisibleBackground(const SliceRanges& ranges, const Box3& crop,
           ++held;
           continue;
         }
-        const ObjectBlock object = classifier.backgroundBlock(block);
+        if (!ranges.isKnown(block)) continue;
+        const ObjectBlock object = classifier.wholeBlock(block);
         if (!object.cells.empty()) visible.push_back(object);
       }
     }
-  std::sort(visible.begin(), visible.end(),
-            [](const ObjectBlock& a, const ObjectBlock& b) { return a.name < b.name; });
 }
 
 }  // namespace
@@ -131,9 +130,14 @@ VisibleBlocks classify(const SliceRanges& ranges, const OpacityTable& table, con
     reserveLarge(result.blocks, visible);
     for (const auto& part : parts)
       result.blocks.insert(result.blocks.end(), part.begin(), part.end());
+    const size_t classified = result.blocks.size();
+    for (const int64_t block : ranges.unknown)
+      if (const ObjectBlock object = classifier.wholeBlock(block); !object.cells.empty())
+        result.blocks.push_back(object);
     if (table.anyOpaque(ranges.background, ranges.background) &&
-        static_cast<int64_t>(held_count) < ranges.layout.blockCount())
+        static_cast<int64_t>(held_count + ranges.unknown.size()) < ranges.layout.blockCount())
       addVisibleBackground(ranges, crop, classifier, result.blocks);
+    if (result.blocks.size() > classified) std::ranges::sort(result.blocks, {}, &ObjectBlock::name);
   });
   for (ObjectBlock& object : result.blocks) {
     object.name.time = time;

@@ -3,7 +3,8 @@
 //
 // The paper bounds object voxels; we bound cells. A sample between two voxel planes interpolates
 // both, so cell slab i of an axis is empty when nothing is opaque on the whole interval that planes
-// i and i+1 span. The object box is the box of the non-empty slabs of the three axes.
+// i and i+1 span. The object box is the box of the non-empty slabs of the three axes. A block whose
+// values are not known may show something in every cell: it is black.
 #pragma once
 
 #include <cstdint>

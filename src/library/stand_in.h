@@ -1,0 +1,46 @@
+// StandIn: a coarse level whose values stand for those of the finest one, so that a picture of
+// coarse levels does not wait for a pass over the finest.
+//
+// A pyramid that another program made, or a store without its index, has no min-max arrays. Range,
+// counts and the place of what is visible then come from the coarsest level that is large enough,
+// which is read instead. They are close to those of the finest level, not equal: means have a
+// narrower range. Nothing is known of the finest level's blocks, so that anything may show in them
+// (SliceRanges::unknown).
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "src/base/volume_levels.h"
+#include "src/index/indexed_ranges.h"
+#include "src/render/frame_options.h"
+#include "src/render/time_step.h"
+
+namespace sluice {
+
+struct StandIn {
+  int level = 0;                               // counted from the finest, 0
+  std::shared_ptr<const IndexedRanges> index;  // of the level's voxels, without their spreads
+  ValueRange device_range;                     // of the finest level, estimated
+};
+
+// A level with fewer voxels is no stand-in, if there is a larger one.
+inline constexpr int64_t kLeastStandInVoxels = int64_t{1} << 21;
+
+// The coarsest level of the pyramid with at least kLeastStandInVoxels, or else the finest above
+// level 0. Requires: several levels.
+int standInLevel(const PyramidLayout& pyramid);
+
+// The range of values of which means and spreads may be: the means' own, widened so far that each
+// mean can have its spread if the other end of the range is right. `means` is their range. The
+// finest values may reach farther. Reads both sources once.
+ValueRange rangeOfSpreads(const CoarserLevel& level, ValueRange means, int64_t time,
+                          WorkerPool& pool, const StopToken& stop = {});
+
+// Whether a cut for any of these cameras draws a part at the finest level. `step` may have unknown
+// blocks. Requires: frame.cut is set, several levels.
+bool showsFinest(const TimeStep& step, const TransferFunction& transfer, FrameOptions frame,
+                 std::span<const Camera> cameras, WorkerPool& pool);
+
+}  // namespace sluice

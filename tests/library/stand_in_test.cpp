@@ -1,0 +1,99 @@
+// A coarse level in place of a finest one that was not read.
+#include "src/library/stand_in.h"
+
+#include <gtest/gtest.h>
+
+#include "io/synth/mean_levels.h"
+#include "src/base/progress_meter.h"
+#include "src/classify/blocks/classification.h"
+#include "src/index/stale_check.h"
+#include "tests/support/function_source.h"
+
+namespace sluice {
+namespace {
+
+VolumeLayout layoutOf(Vec3i dims, VoxelType type) {
+  VolumeLayout layout;
+  layout.dims = dims;
+  layout.type = type;
+  layout.name = "function";
+  return layout;
+}
+
+ValueRange meansOf(const CoarserLevel& level) {
+  WorkerPool pool(2);
+  ProgressMeter progress;
+  const BlockLayout layout = blockLayout(level.source->layout().dims, 16, 0);
+  return buildSliceRanges(*level.source, 0, layout, pool, progress).device_range;
+}
+
+TEST(StandIn, spreadsTellTheRangeOfTwoValues) {
+  WorkerPool pool(2);
+  for (const VoxelType type : {VoxelType::kU8, VoxelType::kU16, VoxelType::kF32})
+    for (const bool dark_lines : {false, true}) {
+      // Lines two voxels wide, which no coarse voxel is full of.
+      FunctionSource net(layoutOf({64, 60, 56}, type), [&](int64_t, Vec3i v) {
+        const bool on_line = v.x % 16 < 2 && v.y % 16 < 4;
+        return on_line != dark_lines ? 180.0 : 20.0;
+      });
+      const MeanLevels levels(net, 4, Spreads::kKept);
+      for (const CoarserLevel& level : levels.levels()) {
+        const ValueRange means = meansOf(level);
+        const ValueRange range = rangeOfSpreads(level, means, 0, pool);
+        if (level.placement.scale.x > 2) {
+          EXPECT_GT(means.hi - means.lo, 1);
+          EXPECT_LT(means.hi - means.lo, 150);
+        }
+        EXPECT_NEAR(range.lo, 20, 8) << name(type);
+        EXPECT_NEAR(range.hi, 180, 8) << name(type);
+      }
+    }
+}
+
+TEST(StandIn, withoutSpreadTheRangeIsThatOfTheMeans) {
+  WorkerPool pool(1);
+  FunctionSource steps(layoutOf({32, 32, 32}, VoxelType::kU8),
+                       [](int64_t, Vec3i v) { return 10.0 * static_cast<double>(v.z / 8); });
+  const MeanLevels levels(steps, 3, Spreads::kKept);
+  const ValueRange range = rangeOfSpreads(levels.levels()[1], {0, 30}, 0, pool);
+  EXPECT_EQ(range, (ValueRange{0, 30}));
+}
+
+TEST(StandIn, theCoarsestLevelThatIsLargeEnoughStandsIn) {
+  const auto levelOf = [](int64_t side) {
+    PyramidLayout pyramid(blockLayout({side, side, side}, 64, 1));
+    for (double scale = 2; side / scale >= 64; scale *= 2) {
+      const auto dims = static_cast<int64_t>(static_cast<double>(side) / scale);
+      const double offset = (scale - 1) / 2;
+      EXPECT_EQ(pyramid.add({dims, dims, dims}, {{scale, scale, scale}, {offset, offset, offset}}),
+                "");
+    }
+    return standInLevel(pyramid);
+  };
+  EXPECT_EQ(levelOf(128), 1) << "there is no larger one";
+  EXPECT_EQ(levelOf(512), 2);
+  EXPECT_EQ(levelOf(4096), 5);
+}
+
+// Nothing is known of a block: every cell may show something, whatever the transfer function.
+TEST(StandIn, anythingMayShowInBlocksWithoutKnownValues) {
+  FunctionSource source(layoutOf({40, 33, 20}, VoxelType::kU8),
+                        [](int64_t, Vec3i) -> double { throw Error("a voxel is read"); });
+  WorkerPool pool(2);
+  const BlockLayout layout = blockLayout({40, 33, 20}, 16, 1);
+  const SliceRanges ranges = unknownRanges(source, 0, layout);
+  EXPECT_EQ(static_cast<int64_t>(ranges.unknown.size()), layout.blockCount());
+  TransferFunction transfer;
+  transfer.colors = {{0, {1, 1, 1}}};
+  transfer.opacities = {{200, 0}, {201, 1}};
+  const OpacityTable table(transfer, ranges.map, {0, 100});
+  const Box3 crop{{3, 0, 0}, {39, 32, 19}};
+  const VisibleBlocks shown = classify(ranges, table, crop, pool);
+  int64_t cells = 0;
+  for (const ObjectBlock& block : shown.blocks) cells += block.cells.count();
+  EXPECT_EQ(cells, crop.count());
+  EXPECT_TRUE(std::ranges::is_sorted(shown.blocks, {}, &ObjectBlock::name));
+}
+
+}  // namespace
+}  // namespace sluice

@@ -1,0 +1,144 @@
+// Pictures of coarse levels that do not wait for the finest one: what is read for them, and what
+// they say.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include "io/pictures/png_file.h"
+#include "tests/tools/program.h"
+
+namespace sluice {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+using testing::Not;
+
+constexpr const char* kLook =
+    "--threshold 60 --opacity 0.1 --range 0,255 --no-shade --block 32 --view plain --fit volume "
+    "--azimuth 30 --size 64 --force";
+
+// A packed store without the index that packing made, as if it came from another machine.
+class CoarseFirst : public testing::Test {
+ protected:
+  CoarseFirst() {
+    run("pack synth:shells,dims=160x150x140 -o v.zarr --chunk 16 --levels 3");
+    removeIndex();
+  }
+  std::string run(const std::string& command) const {
+    const CommandResult result = program_.run(command);
+    EXPECT_EQ(result.status, 0) << result.output;
+    return result.output;
+  }
+  json render(const std::string& more) const {
+    return program_.json(std::string("render v.zarr -o x.png ") + kLook + " " + more);
+  }
+  Rgba8Picture picture() const { return readPng(program_.folder / "x.png"); }
+  void removeIndex() const { std::filesystem::remove_all(program_.folder / "cache"); }
+  // Chunks have checksums: reading one of these is an error.
+  void spoilLevelZero() const {
+    for (const auto& file :
+         std::filesystem::recursive_directory_iterator(program_.folder / "v.zarr/0"))
+      if (file.is_regular_file() && file.path().filename().string().front() != '.')
+        writeFile(file.path(), "spoilt");
+  }
+  // Bytes of all files below these folders of the store, and of the files beside them.
+  uint64_t bytesOf(const std::vector<std::string>& levels) const {
+    uint64_t bytes = 0;
+    for (const std::string& level : levels)
+      for (const auto& file :
+           std::filesystem::recursive_directory_iterator(program_.folder / "v.zarr" / level))
+        if (file.is_regular_file()) bytes += file.file_size();
+    for (const auto& file : std::filesystem::directory_iterator(program_.folder / "v.zarr"))
+      if (file.is_regular_file()) bytes += file.file_size();
+    return bytes;
+  }
+
+  const Program program_;
+};
+
+double meanDifference(const Rgba8Picture& a, const Rgba8Picture& b) {
+  double sum = 0;
+  for (size_t i = 0; i < a.rgba.size(); ++i) sum += std::abs(a.rgba[i] - b.rgba[i]);
+  return sum / static_cast<double>(a.rgba.size());
+}
+
+TEST_F(CoarseFirst, noChunkOfLevelZeroIsReadForAPictureOfCoarserLevels) {
+  spoilLevelZero();
+  const json report = render("--pixel-error 2");
+  ASSERT_FALSE(report["cut"]["levels"].empty());
+  EXPECT_GT(report["cut"]["levels"][0]["level"], 0);
+  EXPECT_EQ(report["cut"]["coarse_share"], 1.0);
+  EXPECT_EQ(report["volume"]["index"]["state"], "not made");
+  // Twice: for its values and for the picture.
+  EXPECT_LE(report["levels"]["disk"]["read_bytes"], 2 * bytesOf({"1", "2", "3", "spread"}));
+  const CommandResult finest =
+      program_.run(std::string("render v.zarr -o y.png ") + kLook + " --level 0");
+  EXPECT_EQ(finest.status, 1) << "level 0 cannot be read";
+}
+
+TEST_F(CoarseFirst, thePictureIsNearlyTheOneThatIsDrawnWithTheIndex) {
+  for (const char* more : {"--pixel-error 2", "--level 1", "--level 2"}) {
+    removeIndex();
+    render(more);
+    const auto first = picture();
+    const json known = render("--pixel-error 0.01");
+    EXPECT_EQ(known["volume"]["index"]["state"], "built");
+    EXPECT_EQ(render(more)["volume"]["index"]["state"], "read");
+    // Where level 0 shows nothing, the spreads of coarse voxels may reach beyond the threshold.
+    EXPECT_LT(meanDifference(first, picture()), 1.5) << more;
+  }
+}
+
+TEST_F(CoarseFirst, whatComesFromACoarseLevelIsSaid) {
+  const std::string said = run(std::string("render v.zarr -o x.png ") + kLook + " --pixel-error 2");
+  EXPECT_THAT(said, HasSubstr("level 0 has no index yet"));
+  EXPECT_THAT(said, HasSubstr("may differ a little"));
+  const json first = render("--pixel-error 2")["volume"];
+  EXPECT_EQ(first["values_level"], 1);
+  const json finest = render("--pixel-error 0.01")["volume"];
+  EXPECT_EQ(finest["values_level"], 0);
+  for (const size_t end : {0U, 1U})
+    EXPECT_NEAR(first["value_range"][end].get<double>(), finest["value_range"][end].get<double>(),
+                0.1 * finest["value_range"][1].get<double>());
+  EXPECT_THAT(run(std::string("render v.zarr -o x.png ") + kLook + " --pixel-error 2"),
+              Not(HasSubstr("no index")));
+}
+
+TEST_F(CoarseFirst, aPictureOfLevelZeroMakesItsIndex) {
+  const json report = render("--pixel-error 0.01");
+  EXPECT_EQ(report["volume"]["index"]["state"], "built");
+  EXPECT_EQ(report["cut"]["levels"][0]["level"], 0);
+}
+
+TEST_F(CoarseFirst, withAnIndexNothingIsTakenFromACoarserLevel) {
+  render("--pixel-error 0.01");
+  const json report = render("--pixel-error 2");
+  EXPECT_EQ(report["volume"]["index"]["state"], "read");
+  EXPECT_EQ(report["volume"]["values_level"], 0);
+}
+
+TEST_F(CoarseFirst, levelsOfAnotherProgramAreDrawnWithoutLevelZeroToo) {
+  std::filesystem::remove_all(program_.folder / "v.zarr/spread");
+  std::string attributes = readFile(program_.folder / "v.zarr/.zattrs");
+  attributes.replace(attributes.find("spreads"), 7, "nothing");
+  writeFile(program_.folder / "v.zarr/.zattrs", attributes);
+  spoilLevelZero();
+  const json report = render("--pixel-error 2");
+  EXPECT_EQ(report["cut"]["spreads"], false);
+  EXPECT_GT(report["cut"]["levels"][0]["level"], 0);
+  EXPECT_LE(report["levels"]["disk"]["read_bytes"], 2 * bytesOf({"1", "2", "3"}));
+}
+
+TEST_F(CoarseFirst, aPlanReadsNothingOfLevelZeroEither) {
+  spoilLevelZero();
+  const std::string look = "--threshold 60 --range 0,255 --block 32 --size 64 --pixel-error 2";
+  const json plan = program_.json("plan v.zarr " + look);
+  EXPECT_GT(plan["cut"]["levels"][0]["level"], 0);
+  EXPECT_THAT(run("plan v.zarr " + look), HasSubstr("level 0 has no index yet"));
+}
+
+}  // namespace
+}  // namespace sluice
