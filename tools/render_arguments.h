@@ -32,6 +32,7 @@ struct RenderArguments {
   std::optional<TimeRange> times;
   CullingArguments culling;
   bool resume = false;
+  bool progressive = false;  // writes each picture of a frame that gets better
   bool force = false;
   bool verify = false;
   bool debug_view = false;
@@ -48,6 +49,11 @@ inline int64_t timeOf(const RenderArguments& arguments, int64_t frame) {
 
 inline bool isSeries(const RenderArguments& arguments) {
   return arguments.times || arguments.culling.culling != Culling::kNone;
+}
+
+// Whether a frame of a volume with levels is a row of pictures that get better.
+inline bool asksForRefinement(const RenderArguments& arguments) {
+  return (arguments.frame.time_limit_s || arguments.progressive) && arguments.levels.level != 0;
 }
 
 inline bool wantsReport(const RenderArguments& arguments) {

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -15,6 +16,7 @@
 #include "src/library/picture_memory.h"
 #include "src/render/camera_path.h"
 #include "src/render/level_cut.h"
+#include "src/view/state/view_path.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/progress_line.h"
 #include "tools/command_line/shared_options.h"
@@ -27,6 +29,7 @@
 #include "tools/picture_output.h"
 #include "tools/rank_agreement.h"
 #include "tools/ranks.h"
+#include "tools/refined_drawing.h"
 #include "tools/render_arguments.h"
 #include "tools/render_report.h"
 #include "tools/report.h"
@@ -58,6 +61,13 @@ bool isExr(const Arguments& arguments) {
   return pictureKind(arguments.output) == PictureKind::kExr;
 }
 
+// Whether the pictures of one frame that gets better are files of their own.
+bool numbersPictures(const Arguments& arguments) {
+  return arguments.progressive && isNumbered(arguments.output) && frameCount(arguments) == 1;
+}
+// At most one a level, and one more that the time ends.
+constexpr int64_t kMostPictures = 64;
+
 Outputs outputsOf(const Arguments& arguments) {
   Outputs outputs(arguments.force);
   outputs.reads(arguments.volume.inputs);
@@ -65,6 +75,10 @@ Outputs outputsOf(const Arguments& arguments) {
   outputs.reads(basisFiles(arguments.culling));
   if (isFilmName(arguments.output))
     outputs.writes("-o", arguments.output, FileKind::kFilm);
+  else if (numbersPictures(arguments))
+    for (int64_t i = 0; i < kMostPictures; ++i)
+      outputs.writes("-o", numberedName(arguments.output, i, true),
+                     isExr(arguments) ? FileKind::kExr : FileKind::kPng);
   else
     for (const int64_t i : framesToDraw(arguments))
       outputs.writes("-o", frameName(arguments, i),
@@ -86,6 +100,10 @@ void checkOutput(const Arguments& arguments) {
     fail("{}: a film has several frames; give --frames or a range of --time", arguments.output);
   if (is_film && arguments.resume)
     fail("{}: a film is written in one go; --continue is for pictures", arguments.output);
+  if (is_film && arguments.progressive)
+    fail("{}: a film has one picture a frame; --progressive is for pictures", arguments.output);
+  if (arguments.progressive && isSeries(arguments))
+    fail("--progressive takes one time step and no --culling");
   if (!arguments.path_file.empty() && frameCount(arguments) < 2)
     throw CLI::RequiresError("--path", "--frames or a range of --time");
   if (arguments.aovs && kind != PictureKind::kExr)
@@ -129,8 +147,12 @@ double chosenStep(const Scene& scene, const Camera& camera, const FrameOptions& 
 
 // Series, culling and ranks know the blocks of the finest level alone.
 std::optional<CutOptions> cutOf(const Arguments& arguments, const Team* team) {
-  if (team == nullptr && !isSeries(arguments))
-    return cutOptions(arguments.levels, arguments.resources);
+  if (team == nullptr && !isSeries(arguments)) {
+    LevelArguments levels = arguments.levels;
+    if (asksForRefinement(arguments) && !levels.level)
+      levels.pixel_error = levels.pixel_error.value_or(CutOptions().pixel_error);
+    return cutOptions(levels, arguments.resources);
+  }
   std::string_view what = "a series";
   if (team != nullptr) what = "a picture of several ranks";
   if (arguments.culling.culling != Culling::kNone) what = "--culling";
@@ -230,6 +252,8 @@ FittedScene openFitted(const Arguments& arguments, const std::optional<SavedView
   if (team == nullptr && !compares) {
     FittedScene fitted = openFitted(arguments, saved, outputs, team, room, FinestLevel::kMayWait);
     Scene& scene = *fitted.scene;
+    // A row of pictures begins with coarse ones at once.
+    if (arguments.progressive) return fitted;
     if (!mustReadFinest(scene.volume, scene.transfer, arguments.frame, fitted.cameras, scene.pool))
       return fitted;
   }
@@ -265,17 +289,32 @@ bool reportsParts(const Arguments& arguments) {
          !isPage(arguments.report_file) && !isFilmName(arguments.output);
 }
 
+// Whether the scene's frames are rows of pictures that get better: a volume of one level has no
+// coarser picture to begin with.
+bool isRefined(const Arguments& arguments, const Scene& scene) {
+  const auto& pyramid = scene.volume.pyramid;
+  return asksForRefinement(arguments) && !isSeries(arguments) && scene.share == nullptr &&
+         arguments.frame.cut && pyramid != nullptr && pyramid->levels() > 1;
+}
+
 // Options that look at a whole picture do not go with one that is drawn in strips.
 void requireWholePicture(const Arguments& arguments, const Scene& scene) {
-  if (!arguments.verify && !arguments.debug_view) return;
+  const bool is_refined = isRefined(arguments, scene);
+  if (!arguments.verify && !arguments.debug_view && !is_refined) return;
+  if (is_refined && (arguments.verify || arguments.debug_view))
+    fail("{} looks at one picture; leave out --time-limit and --progressive",
+         arguments.verify ? "--verify" : "--debug-view");
   if (stripsFor(scene).size() == 1) return;
   const PictureSize size = scene.pictures.size;
   const uint64_t needed = 4 * wholePictureBytes(scene.pictures);
   fail(
       "{} needs the whole picture of {} x {} in memory, and --memory {} has no room; give "
       "--memory {}",
-      arguments.verify ? "--verify" : "--debug-view", size.width, size.height,
-      formatBytes(scene.memory_bytes), needed);
+      arguments.verify        ? "--verify"
+      : arguments.debug_view  ? "--debug-view"
+      : arguments.progressive ? "--progressive"
+                              : "--time-limit with levels of resolution",
+      size.width, size.height, formatBytes(scene.memory_bytes), needed);
 }
 
 // The reason why the picture of a frame shows nothing, in one line; empty if it shows something.
@@ -301,10 +340,53 @@ void chooseCulling(const Arguments& arguments, const std::vector<int64_t>& to_dr
   series.choose(times);
 }
 
+// When drawing has to end, so that the picture is written in time.
+std::optional<Deadline::TimePoint> endOfDrawing(const FrameOptions& options,
+                                                Deadline::TimePoint began) {
+  if (!options.time_limit_s) return std::nullopt;
+  constexpr double kWriteSecondsAPixel = 1e-7;  // PNG on one core
+  const double write_s = kWriteSecondsAPixel * options.size.width * options.size.height;
+  return began + std::chrono::duration_cast<std::chrono::nanoseconds>(
+                     std::chrono::duration<double>(*options.time_limit_s - write_s));
+}
+
+// How the frames become rows of pictures that get better.
+struct RowOptions {
+  bool is_refined = false;
+  bool has_step = false;      // --step is given, the same for all pictures
+  Deadline::TimePoint began;  // of the command: the first frame's time counts from here
+};
+
+// Draws a frame as pictures that get better. With --progressive each is written as it comes,
+// numbered if the name has a place for a number; the last one is written by the caller otherwise.
+RefinedFrame drawPictures(const Arguments& arguments, const PictureOutput& output,
+                          const FrameOptions& options, bool has_step, Scene& scene,
+                          Deadline::TimePoint began, std::filesystem::path& name) {
+  const auto step_of = [&](const CutOptions& cut) {
+    if (has_step) return options.step_vox;
+    FrameOptions of_cut = options;
+    of_cut.cut = cut;
+    return chosenStep(scene, options.camera, of_cut);
+  };
+  const auto take = [&](const BetterPicture& better) {
+    if (!arguments.progressive) return;
+    if (numbersPictures(arguments)) name = numberedName(arguments.output, better.number, true);
+    PictureWriter writer(name, output, better.options, scene);
+    writer.add(better.frame.picture);
+    writer.commit();
+    if (!arguments.resources.quiet && !arguments.json)
+      say("{}: {:.2f} s, {}\n", name.string(), better.seconds,
+          refinedLine(*better.frame.report.cut));
+  };
+  FrameOptions uncounted = options;
+  if (options.time_limit_s) uncounted.count_samples = false;  // takes time of its own
+  return drawRefined(scene, uncounted, step_of, began, endOfDrawing(options, began), take);
+}
+
 // Draws the frames and writes their pictures, which the first rank does for all.
 Drawn drawAll(const Arguments& arguments, const std::vector<int64_t>& to_draw,
               const std::vector<Camera>& cameras, const PictureOutput& output, FrameOptions options,
-              Scene& scene, Series& series, bool is_first) {
+              const RowOptions& row, Scene& scene, Series& series, bool is_first) {
   ProgressMeter progress = showsFrames(arguments)
                                ? ProgressMeter(progressLine("frames", ProgressUnit::kPieces),
                                                static_cast<uint64_t>(to_draw.size()))
@@ -327,11 +409,25 @@ Drawn drawAll(const Arguments& arguments, const std::vector<int64_t>& to_draw,
     scene.device->reuse(std::move(drawn.picture));
     drawn.name = frameName(arguments, i);
     std::optional<PictureWriter> writer;
-    if (is_first) writer.emplace(drawn.name, output, options, scene, film ? &*film : nullptr);
-    WrittenFrame frame = drawFrameOf(scene, strips, writer ? &*writer : nullptr);
+    WrittenFrame frame;
+    FrameOptions shown = options;
+    if (row.is_refined) {
+      const auto began = at == 0 ? row.began : std::chrono::steady_clock::now();
+      RefinedFrame refined =
+          drawPictures(arguments, output, options, row.has_step, scene, began, drawn.name);
+      drawn.refined.push_back(std::move(refined.pictures));
+      frame = std::move(refined.frame);
+      shown = refined.options;
+    }
+    const bool writes = is_first && !(row.is_refined && arguments.progressive);
+    if (writes) writer.emplace(drawn.name, output, shown, scene, film ? &*film : nullptr);
+    if (!row.is_refined)
+      frame = drawFrameOf(scene, strips, writer ? &*writer : nullptr);
+    else if (writes)
+      writer->add(frame.whole->picture);
     drawn.blocks = frame.blocks;
     std::string empty =
-        is_first ? emptyReason(arguments, scene, options, frame, i, progress) : std::string();
+        is_first ? emptyReason(arguments, scene, shown, frame, i, progress) : std::string();
     const Stopwatch watch;
     if (writer) writer->commit();
     drawn.frames.push_back({frame.report, frame.write_seconds + watch.seconds(), std::move(empty)});
@@ -353,6 +449,7 @@ Drawn drawAll(const Arguments& arguments, const std::vector<int64_t>& to_draw,
 }
 
 int run(Arguments& arguments, CLI::App& app, Team* team) {
+  const auto began = std::chrono::steady_clock::now();
   std::optional<SavedView> saved;
   if (!arguments.state_file.empty()) {
     saved = applyState(app, arguments.state_file);
@@ -366,9 +463,13 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
   if (arguments.volume.inputs.empty()) throw CLI::RequiredError("volume");
   if (team != nullptr) expectSameCommand(*team, app);
   checkOutput(arguments);
-  if (team != nullptr && (arguments.debug_view || !arguments.trace_file.empty()))
+  if (team != nullptr &&
+      (arguments.debug_view || arguments.progressive || !arguments.trace_file.empty()))
     fail("{} needs a single process, not {} ranks",
-         arguments.debug_view ? "--debug-view" : "--trace", team->ranks());
+         arguments.debug_view    ? "--debug-view"
+         : arguments.progressive ? "--progressive"
+                                 : "--trace",
+         team->ranks());
   const Outputs outputs = outputsOf(arguments);
   const std::vector<int64_t> to_draw = framesToDraw(arguments, team);
   const bool is_first = team == nullptr || team->isFirst();
@@ -402,8 +503,9 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
                             static_cast<uint64_t>(scene.session->page().pageBytes()));
     scene.session->recordTo(trace.get());
   }
+  const RowOptions row{isRefined(arguments, scene), app.count("--step") > 0, began};
   const Drawn drawn =
-      drawAll(arguments, to_draw, cameras, output, options, scene, series, is_first);
+      drawAll(arguments, to_draw, cameras, output, options, row, scene, series, is_first);
   if (drawn.is_cut) {
     if (team == nullptr) {
       nlohmann::json report = reportOf(arguments, app, to_draw, drawn, scene);
@@ -489,6 +591,9 @@ Command addRender(CLI::App& program) {
   output.flag("--verify", arguments->verify,
               "Also draws the picture without acceleration, and prints the largest and mean "
               "difference and what it cannot check");
+  output.flag("--progressive", arguments->progressive,
+              "Volumes with levels of resolution: writes a coarse picture first and replaces it by "
+              "better ones; #### or %04d in -o numbers them");
   addForceOption(output, arguments->force);
   addQuietOption(output, arguments->resources.quiet);
   addJsonOption(output, arguments->json, "Prints the report instead of a summary");

@@ -16,6 +16,7 @@
 #include "tools/interrupt.h"
 #include "tools/pages/report_file.h"
 #include "tools/ranks.h"
+#include "tools/refined_drawing.h"
 
 namespace sluice {
 namespace {
@@ -42,6 +43,8 @@ nlohmann::json reportOf(const RenderArguments& arguments, const CLI::App& app,
     report["frames"][i]["picture"] = frameName(arguments, to_draw[i]).string();
   for (size_t i = 0; i < drawn.culling.size(); ++i)
     report["frames"][i]["culling"] = drawn.culling[i];
+  for (size_t i = 0; i < drawn.refined.size(); ++i)
+    report["frames"][i]["pictures"] = drawn.refined[i];
   return report;
 }
 
@@ -119,7 +122,11 @@ void printDrawn(const RenderArguments& arguments, const Scene& scene, const Seri
       layout.dims.z, name(layout.type), scene.transfer.name, report.white, report.grey,
       report.black, scene.share ? " of rank 0" : "");
   say("look: {}\n", scene.look.options);
-  if (isCoarser(*drawn.blocks)) say("{}\n", cutLine(*drawn.blocks->cut));
+  if (isCoarser(*drawn.blocks)) say("{}\n", cutLine(*report.cut));
+  if (!drawn.refined.empty())
+    say("{} picture{}, the last after {:.2f} s: {}\n", drawn.refined.back().size(),
+        drawn.refined.back().size() == 1 ? "" : "s",
+        drawn.refined.back().back()["seconds"].get<double>(), refinedLine(*report.cut));
   say("{} frame{} of {:.3f} s on {} ({}), read {}, peak memory {} of its own, {} resident\n",
       frames.size(), frames.size() == 1 ? "" : "s, the last", report.seconds,
       scene.device->backend(), scene.device->renderer(),

@@ -23,6 +23,7 @@ namespace sluice {
 struct Drawn {
   std::vector<RenderedFrame> frames;
   std::vector<nlohmann::json> culling;  // one per frame, if blocks are culled
+  std::vector<nlohmann::json> refined;  // one per frame, if it is a row of pictures
   std::filesystem::path name;
   std::vector<std::filesystem::path> views;
   Picture picture;

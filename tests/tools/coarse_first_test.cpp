@@ -5,6 +5,8 @@
 
 #include <cmath>
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "io/pictures/png_file.h"
 #include "tests/tools/program.h"
@@ -138,6 +140,83 @@ TEST_F(CoarseFirst, aPlanReadsNothingOfLevelZeroEither) {
   const json plan = program_.json("plan v.zarr " + look);
   EXPECT_GT(plan["cut"]["levels"][0]["level"], 0);
   EXPECT_THAT(run("plan v.zarr " + look), HasSubstr("level 0 has no index yet"));
+}
+
+std::vector<int> finestLevels(const json& pictures) {
+  std::vector<int> levels;
+  for (const json& picture : pictures)
+    levels.push_back(picture["cut"]["levels"][0]["level"].get<int>());
+  return levels;
+}
+
+TEST_F(CoarseFirst, atTheTimeLimitTheLastWholePictureIsWritten) {
+  spoilLevelZero();
+  const json report = render("--time-limit 0");
+  EXPECT_EQ(finestLevels(report["frames"][0]["pictures"]), std::vector<int>{3});
+  EXPECT_EQ(report["cut"]["final"], false);
+  EXPECT_EQ(report["cut"]["coarse_share"], 1.0);
+  EXPECT_EQ(report["frames"][0]["missing_share"], 0.0) << "no fragment";
+  const auto limited = picture().rgba;
+  render("--level 3");
+  EXPECT_EQ(limited, picture().rgba);
+  EXPECT_THAT(run(std::string("render v.zarr -o x.png ") + kLook + " --time-limit 0"),
+              HasSubstr("level 3, will improve"));
+}
+
+TEST_F(CoarseFirst, withEnoughTimeThePictureIsTheOneWithoutALimit) {
+  const json report = render("--pixel-error 0.5 --time-limit 1000");
+  EXPECT_EQ(report["cut"]["final"], true);
+  const auto limited = picture().rgba;
+  const json other = render("--pixel-error 0.5");
+  EXPECT_EQ(limited, picture().rgba);
+  EXPECT_EQ(report["cut"], other["cut"]);
+}
+
+TEST_F(CoarseFirst, eachPictureOfARowIsFinerAndWhole) {
+  const json report = program_.json(std::string("render v.zarr -o 'p_##.png' ") + kLook +
+                                    " --pixel-error 0.5 --progressive");
+  const json& pictures = report["frames"][0]["pictures"];
+  const std::vector<int> levels = finestLevels(pictures);
+  EXPECT_EQ(levels, (std::vector<int>{3, 2, 1}));
+  for (size_t i = 0; i < pictures.size(); ++i) {
+    EXPECT_EQ(pictures[i]["cut"]["final"], i + 1 == pictures.size()) << i;
+    const std::string name = "p_0" + std::to_string(i) + ".png";
+    ASSERT_TRUE(program_.exists(name));
+    EXPECT_EQ(readPng(program_.folder / name).width, 64) << "each is a whole file";
+  }
+  EXPECT_FALSE(program_.exists("p_0" + std::to_string(pictures.size()) + ".png"));
+  EXPECT_EQ(report["output"], "p_0" + std::to_string(pictures.size() - 1) + ".png");
+  const std::string last = report["output"].get<std::string>();
+  render("--pixel-error 0.5");
+  EXPECT_EQ(readPng(program_.folder / last).rgba, picture().rgba);
+}
+
+TEST_F(CoarseFirst, aRowWithoutNumbersReplacesItsPicture) {
+  const std::string said =
+      run(std::string("render v.zarr -o x.png ") + kLook + " --pixel-error 0.5 --progressive");
+  EXPECT_THAT(said, HasSubstr("x.png: "));
+  EXPECT_THAT(said, HasSubstr("level 3, will improve"));
+  EXPECT_THAT(said, HasSubstr(", final"));
+  const auto replaced = picture().rgba;
+  render("--pixel-error 0.5");
+  EXPECT_EQ(replaced, picture().rgba);
+}
+
+TEST_F(CoarseFirst, aRowReachesLevelZeroWithoutWaitingForItsIndex) {
+  const json report = render("--pixel-error 0.1 --progressive");
+  EXPECT_EQ(finestLevels(report["frames"][0]["pictures"]), (std::vector<int>{3, 2, 1, 0}));
+  EXPECT_EQ(report["volume"]["index"]["state"], "not made");
+  const auto unknown = picture();
+  EXPECT_EQ(render("--pixel-error 0.1")["volume"]["index"]["state"], "built");
+  EXPECT_LT(meanDifference(unknown, picture()), 0.2) << "anything may show, but no more does";
+}
+
+TEST_F(CoarseFirst, whatLooksAtOnePictureRefusesARow) {
+  for (const char* more : {"--progressive --verify", "--time-limit 1 --debug-view --occlusion map"})
+    EXPECT_THAT(program_.run(std::string("render v.zarr -o y.png ") + kLook + " " + more).output,
+                HasSubstr("looks at one picture"));
+  EXPECT_THAT(program_.run("render v.zarr -o y.mp4 --frames 3 --progressive").output,
+              HasSubstr("--progressive is for pictures"));
 }
 
 }  // namespace

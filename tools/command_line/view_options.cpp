@@ -115,7 +115,9 @@ void addDrawingOptions(const OptionGroup& group, FrameOptions& options) {
                "with --occlusion 0.95)");
   group.number(
       "--time-limit", "SECONDS", options.time_limit_s, {0, 1e9},
-      "Leaves out blocks that are not read in time, and prints the missing share (waits for all)");
+      "Volumes with levels of resolution: the best picture of that time, counted from the start. "
+      "Others: leaves out blocks that are not read in time, and prints the missing share (waits "
+      "for all)");
 }
 
 }  // namespace
