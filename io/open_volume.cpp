@@ -21,8 +21,7 @@
 #include "io/vdb/vdb_source.h"
 #include "io/zarr/zarr_source.h"
 #include "src/base/error.h"
-#include "src/base/volume_channels.h"
-#include "src/base/volume_levels.h"
+#include "src/base/forwarding_source.h"
 
 namespace sluice {
 namespace {
@@ -82,30 +81,13 @@ Format formatOfName(const fs::path& path, const OpenOptions& options) {
 }
 
 // A source with some properties replaced: the distances between its voxels, notes.
-class RelabelledSource final : public VolumeSource, public ChanneledSource, public LeveledSource {
+class RelabelledSource final : public ForwardingSource {
  public:
   RelabelledSource(std::unique_ptr<VolumeSource> source, VolumeLayout layout)
-      : source_(std::move(source)), layout_(std::move(layout)) {}
+      : ForwardingSource(std::move(source)), layout_(std::move(layout)) {}
   const VolumeLayout& layout() const override { return layout_; }
-  void readRegion(int64_t time, const Box3& box, std::span<std::byte> out) override {
-    source_->readRegion(time, box, out);
-  }
-  void readRegions(int64_t time, std::span<const RegionRead> regions) override {
-    source_->readRegions(time, regions);
-  }
-  std::optional<Occupancy> occupancy(int64_t time) override { return source_->occupancy(time); }
-  std::string identity() const override { return source_->identity(); }
-  std::span<const std::string> channelNames() const override {
-    return sluice::channelNames(*source_);
-  }
-  std::span<const CoarserLevel> levelsAbove() const override { return coarserLevels(*source_); }
-  uint64_t storedBytesRead() const override { return source_->storedBytesRead(); }
-  uint64_t heldBytesAThread() const override { return source_->heldBytesAThread(); }
-  void holdAtMost(uint64_t bytes) override { source_->holdAtMost(bytes); }
-  std::vector<std::string> files() override { return source_->files(); }
 
  private:
-  const std::unique_ptr<VolumeSource> source_;
   const VolumeLayout layout_;
 };
 

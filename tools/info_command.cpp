@@ -124,8 +124,9 @@ Command addInfo(CLI::App& program) {
   addJsonOption(output, arguments->json);
   return [arguments] {
     Workers pool(arguments->resources.threads);
-    const IndexedVolume volume =
-        openIndexed(arguments->volume, arguments->resources, kUsualNeeds, pool);
+    IndexNeeds needs = kUsualNeeds;
+    needs.levels = needs.levels || arguments->levels;
+    const IndexedVolume volume = openIndexed(arguments->volume, arguments->resources, needs, pool);
     LookArguments look;
     look.first_picture = true;
     const ChosenLook chosen = lookFor(volume, look, Mode::kComposite);

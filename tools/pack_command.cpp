@@ -34,18 +34,18 @@ struct PackArguments {
   bool json = false;
 };
 
-struct LevelsWish {
+struct PackedLevels {
   bool any = false;
   std::optional<int64_t> count;
 };
 constexpr int64_t kMostLevels = 30;
 
 // "auto", "none" or how many.
-std::optional<LevelsWish> levelsWish(const std::string& word) {
-  if (word == "none") return LevelsWish{};
-  if (word == "auto") return LevelsWish{true, std::nullopt};
+std::optional<PackedLevels> levelsWish(const std::string& word) {
+  if (word == "none") return PackedLevels{};
+  if (word == "auto") return PackedLevels{true, std::nullopt};
   const auto count = parseIn<int64_t>(word, {1, kMostLevels});
-  return count ? std::optional(LevelsWish{true, *count}) : std::nullopt;
+  return count ? std::optional(PackedLevels{true, *count}) : std::nullopt;
 }
 
 constexpr int kLz4Level = 5, kZstdLevel = 1;
@@ -208,7 +208,7 @@ Command addPack(CLI::App& program) {
   store.parsed(
       "--levels", "auto|N|none", fmt::format("auto, none or a number from 1 to {}", kMostLevels),
       levelsWish,
-      [&options](const LevelsWish& wish) {
+      [&options](const PackedLevels& wish) {
         options.with_levels = wish.any;
         options.levels = wish.count;
       },

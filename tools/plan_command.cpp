@@ -305,7 +305,7 @@ Command addPlan(CLI::App& program) {
       "  sluice plan bonsai.nii.gz --threshold 40 --partition boxes");
   addVolumeOptions(*app, arguments->volume);
   addPictureOptions(*app, arguments->look, arguments->frame, arguments->fit);
-  addLevelOptions(*app, arguments->levels);
+  addLevelOptions(*app, arguments->levels, arguments->resources);
   addResourceOptions(*app, arguments->resources);
   const OptionGroup output(*app, kOutputHeading);
   addReportOption(output, arguments->report_file);

@@ -601,7 +601,7 @@ Command addRender(CLI::App& program) {
   addCullingOptions(*app, arguments->culling, true);
   OptionGroup(*app, kSeriesHeading)
       .flag("--continue", arguments->resume, "Draws only the pictures that do not exist yet");
-  addLevelOptions(*app, arguments->levels);
+  addLevelOptions(*app, arguments->levels, arguments->resources);
   addResourceOptions(*app, arguments->resources);
   return
       [arguments, app] { return onRanks([&](Team* team) { return run(*arguments, *app, team); }); };

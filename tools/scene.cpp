@@ -34,7 +34,8 @@ IndexedVolume openIndexed(const VolumeArguments& arguments, const ResourceArgume
   ProgressMeter progress(indexingLine(resources));
   IndexedVolume volume =
       indexVolume(std::move(source), arguments, resources, needs, indexWish(resources.index_dir),
-                  {pool, progress, memoryBudget(resources), interruption()});
+                  {pool, progress, memoryBudget(resources), interruption(),
+                   resources.quiet ? nullptr : printNotice});
   if (!resources.quiet)
     for (const std::string& note : volume.notes) printWarning(note);
   return volume;

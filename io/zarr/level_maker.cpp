@@ -109,6 +109,11 @@ bool isNumber(T value) {
 
 }  // namespace
 
+const char* nameOf(Downsample how) {
+  if (how == Downsample::kMean) return "mean";
+  return how == Downsample::kMax ? "max" : "mode";
+}
+
 LevelPlacement placementOf(const LevelShape& shape) {
   const Vec3d step = toDouble(shape.step);
   return {step, (step - Vec3d{1, 1, 1}) * 0.5};
@@ -286,6 +291,41 @@ void LevelMaker::addOf(const Box3& box, const T* voxels, int64_t row_stride, int
     }
     finer = std::move(coarser);
     finer_step = level.step;
+  }
+}
+
+void makeLevelRegion(VolumeSource& finest, int64_t time, const LevelShape& level, const Box3& box,
+                     std::span<std::byte> voxels, std::span<std::byte> spreads) {
+  const VolumeLayout& layout = finest.layout();
+  const Vec3i from = box.lo * level.step, size = min(box.hi * level.step, layout.dims) - from;
+  const int64_t side = std::max({level.step.x, level.step.y, level.step.z});
+  VolumeLayout part = layout;
+  part.dims = size;
+  const size_t voxel = bytesPerVoxel(layout.type);
+  const std::vector<std::byte> fill(voxel);
+  LevelMaker maker(part, side, {{box.size(), level.step}}, Downsample::kMean, fill);
+  std::vector<std::byte> cube(static_cast<size_t>(side * side * side) * voxel);
+  const auto copyLayer = [&](const Box3& layer, const std::byte* made, std::span<std::byte> to) {
+    if (to.empty()) return;
+    const size_t plane = to.size() / static_cast<size_t>(box.size().z);
+    std::memcpy(to.data() + plane * static_cast<size_t>(layer.lo.z), made,
+                plane * static_cast<size_t>(layer.size().z));
+  };
+  for (int64_t z = 0; z < size.z; z += side) {
+    for (int64_t y = 0; y < size.y; y += side)
+      for (int64_t x = 0; x < size.x; x += side) {
+        const Vec3i lo{x, y, z};
+        const Box3 own = intersect({lo, lo + Vec3i{side, side, side}}, boxOf(size));
+        finest.readRegion(time, translate(own, from),
+                          std::span(cube).first(static_cast<size_t>(own.count()) * voxel));
+        maker.add(own, cube.data(), own.size().x, own.size().x * own.size().y);
+      }
+    const Box3 layer = maker.layerAt(0, z);
+    const int64_t end = std::min(z + side, size.z);
+    if (end < size.z && end % (side * level.step.z) != 0) continue;
+    copyLayer(layer, maker.layerVoxels(0), voxels);
+    copyLayer(layer, maker.layerSpreads(0), spreads);
+    maker.clearLayer(0);
   }
 }
 

@@ -29,6 +29,8 @@ enum class Downsample { kMean, kMax, kMode };
 constexpr bool keepsSpreads(Downsample how) {
   return how == Downsample::kMean;
 }
+// "mean", "max", "mode".
+const char* nameOf(Downsample how);
 
 struct LevelShape {
   Vec3i dims;  // voxels
@@ -84,5 +86,12 @@ class LevelMaker {
   const std::vector<std::byte> fill_;
   std::vector<std::vector<std::byte>> layers_, spreads_;
 };
+
+// The voxels of a box of one level of means, and their spreads, made of the finest voxels alone:
+// for a level that cannot be read. Reads level.step times as many voxels along each axis, a cube of
+// 64 at a time at the most. `voxels` and `spreads` are packed, x fastest; one of them may be empty,
+// and is then not filled. Throws Error from the source. Requires: the box is inside the level.
+void makeLevelRegion(VolumeSource& finest, int64_t time, const LevelShape& level, const Box3& box,
+                     std::span<std::byte> voxels, std::span<std::byte> spreads);
 
 }  // namespace sluice

@@ -86,7 +86,8 @@ fs::path withoutSlash(const fs::path& path) {
 }  // namespace
 
 ZarrPackFolder::ZarrPackFolder(const fs::path& output, std::vector<PackedArray> arrays,
-                               const std::string& source_identity, const std::string& parameters)
+                               const std::string& source_identity, const std::string& parameters,
+                               BegunByOthers others)
     : output_(withoutSlash(output)),
       folder_(output_.string() + ".partial"),
       store_(folder_ / "store"),
@@ -95,7 +96,7 @@ ZarrPackFolder::ZarrPackFolder(const fs::path& output, std::vector<PackedArray> 
       chunks_(static_cast<size_t>(first_chunks_.back())),
       done_(chunks_.size(), 0) {
   lock();
-  checkParameters(source_identity, parameters);
+  checkParameters(source_identity, parameters, others);
   for (const PackedArray& packed : arrays_) makeFolders(store_ / packed.folder);
   journal_.reset(
       open((folder_ / "journal").c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666));
@@ -127,7 +128,7 @@ void ZarrPackFolder::lock() {
 }
 
 void ZarrPackFolder::checkParameters(const std::string& source_identity,
-                                     const std::string& parameters) {
+                                     const std::string& parameters, BegunByOthers others) {
   const fs::path path = folder_ / "pack.json";
   const nlohmann::json ours{{"source", source_identity}, {"parameters", parameters}};
   const std::string text = ours.dump(2, ' ', false, nlohmann::json::error_handler_t::replace);
@@ -147,11 +148,19 @@ void ZarrPackFolder::checkParameters(const std::string& source_identity,
       if (name != "lock" && !name.starts_with("pack.json")) reason = "by another program";
     }
   }
-  if (!reason.empty())
+  if (!reason.empty() && others == BegunByOthers::kReplace) {
+    // The lock stays.
+    for (const char* const part : {"store", "journal", "pack.json"}) {
+      std::error_code status;
+      fs::remove_all(folder_ / part, status);
+      if (status) fail("{}: cannot be removed: {}", (folder_ / part).string(), status.message());
+    }
+  } else if (!reason.empty()) {
     fail(
         "{}: holds a store that was begun {}; give the volume and options of that run, or remove "
         "it to start again",
         folder_.string(), reason);
+  }
   AtomicFile file(path);
   file.write(text);
   file.commit();
@@ -245,9 +254,9 @@ fs::path ZarrPackFolder::complete(const std::string& group_text, const std::stri
   return store_;
 }
 
-void ZarrPackFolder::finish(bool replace) {
-  syncFolder(folder_, true);
-  requireFreeName(output_, replace);
+void ZarrPackFolder::finish(const FinishOptions& options) {
+  if (options.sync) syncFolder(folder_, true);
+  requireFreeName(output_, options.replace);
   if (fs::exists(output_)) {
     // In one step if the file system can; the old store then lies in the new one's place.
     if (renameat2(AT_FDCWD, store_.c_str(), AT_FDCWD, output_.c_str(), RENAME_EXCHANGE) != 0) {
@@ -258,7 +267,7 @@ void ZarrPackFolder::finish(bool replace) {
     renamePath(store_, output_);
   }
   const fs::path parent = fs::absolute(output_).parent_path();
-  syncFolder(parent, false);
+  if (options.sync) syncFolder(parent, false);
   std::error_code ignored;  // the store is whole; the rest is litter
   fs::remove_all(folder_, ignored);
 }

@@ -37,13 +37,23 @@ struct PackedArray {
   ZarrArray array;
 };
 
+// What to do with an unfinished store of another volume or of other parameters.
+enum class BegunByOthers { kRefuse, kReplace };
+
+struct FinishOptions {
+  bool replace = false;  // an older store of that name
+  bool sync = true;      // after a power cut the store is whole; without, its checksums may fail
+};
+
 class ZarrPackFolder {
  public:
   // Opens or makes the folder of `output`. `arrays`: of the store. `parameters` (one text) says
   // what is packed and how. Throws Error: another process packs to there, the folder is of another
-  // volume or other parameters (the line says what to do), it cannot be written.
+  // volume or other parameters and not to be replaced (the line says what to do), it cannot be
+  // written.
   ZarrPackFolder(const std::filesystem::path& output, std::vector<PackedArray> arrays,
-                 const std::string& source_identity, const std::string& parameters);
+                 const std::string& source_identity, const std::string& parameters,
+                 BegunByOthers others = BegunByOthers::kRefuse);
   ZarrPackFolder(const ZarrPackFolder&) = delete;
   ZarrPackFolder& operator=(const ZarrPackFolder&) = delete;
 
@@ -62,16 +72,16 @@ class ZarrPackFolder {
   // `array_texts`: of each array.
   std::filesystem::path complete(const std::string& group_text, const std::string& image_text,
                                  const std::vector<std::string>& array_texts);
-  // Brings all to the disk and the store to its name, in place of an older one only if `replace`;
-  // the folder goes. Throws Error.
-  void finish(bool replace);
+  // Brings all to the disk and the store to its name; the folder goes. Throws Error.
+  void finish(const FinishOptions& options);
 
   const std::vector<StoredChunk>& chunks() const { return chunks_; }
   const std::filesystem::path& path() const { return folder_; }
 
  private:
   void lock();
-  void checkParameters(const std::string& source_identity, const std::string& parameters);
+  void checkParameters(const std::string& source_identity, const std::string& parameters,
+                       BegunByOthers others);
   bool checkChunk(int64_t chunk) const;
   std::filesystem::path chunkPath(int64_t chunk) const;
 

@@ -274,6 +274,8 @@ void ZarrSource::openLevels(const fs::path& folder, const FoundZarr& found,
   ZarrOptions own = options;
   own.chunk_cache_bytes = std::min(options.chunk_cache_bytes, kCoarserCacheBytes);
   own.channel = view_.channel ? ChannelWish(channel_) : ChannelWish();
+  if (has(folder / found.image.spreads / found.image.levels[0], ".zarray"))
+    spreads_ = openSpreads(folder, found, own, 0, layout);
   std::vector<size_t> datasets;  // of level_sources_
   for (size_t i = 1; i < found.image.levels.size(); ++i) {
     std::string fault;
@@ -322,6 +324,7 @@ std::vector<ZarrSource*> ZarrSource::sourcesAbove() const {
   for (const auto* list : {&level_sources_, &spread_sources_})
     for (const auto& source : *list)
       if (source != nullptr) sources.push_back(source.get());
+  if (spreads_ != nullptr) sources.push_back(spreads_.get());
   return sources;
 }
 

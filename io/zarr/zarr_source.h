@@ -57,6 +57,9 @@ class ZarrSource final : public VolumeSource, public ChanneledSource, public Lev
   std::string identity() const override { return identity_; }
   std::span<const std::string> channelNames() const override { return channel_names_; }
   std::span<const CoarserLevel> levelsAbove() const override { return levels_above_; }
+  // Spreads of the first level's own voxels, which a group of the coarser levels of another volume
+  // has (io/zarr/level_store.h); null: none.
+  VolumeSource* spreads() const { return spreads_.get(); }
   std::vector<std::string> files() override;
   uint64_t storedBytesRead() const override;
 
@@ -85,7 +88,7 @@ class ZarrSource final : public VolumeSource, public ChanneledSource, public Lev
   std::unique_ptr<ZarrSource> openSpreads(const std::filesystem::path& folder,
                                           const FoundZarr& found, const ZarrOptions& options,
                                           size_t dataset, const VolumeLayout& level);
-  // level_sources_ and spread_sources_.
+  // level_sources_, spread_sources_ and spreads_.
   std::vector<ZarrSource*> sourcesAbove() const;
   // Sets their placements, some of which their metadata leave open.
   void placeLevels(const std::string& path, const FoundZarr& found,
@@ -106,6 +109,7 @@ class ZarrSource final : public VolumeSource, public ChanneledSource, public Lev
   std::unique_ptr<ZarrChunkCache> cache_;
   std::vector<std::unique_ptr<ZarrSource>> level_sources_;
   std::vector<std::unique_ptr<ZarrSource>> spread_sources_;  // of each of these, or null
+  std::unique_ptr<ZarrSource> spreads_;                      // see spreads()
   std::vector<CoarserLevel> levels_above_;
 };
 

@@ -6,14 +6,14 @@
 #include <memory>
 #include <utility>
 
-#include "io/zarr/zarr_image.h"
+#include "io/zarr/chunk_packer.h"
+#include "io/zarr/level_packer.h"
 #include "io/zarr/zarr_pack_folder.h"
 #include "io/zarr/zarr_source.h"
 #include "io/zarr/zarr_text.h"
 #include "src/base/bytes.h"
 #include "src/base/clock.h"
 #include "src/base/error.h"
-#include "src/base/mutex.h"
 #include "src/base/volume_channels.h"
 
 namespace sluice {
@@ -22,23 +22,12 @@ namespace {
 ZarrArray arrayFor(ChannelSources channels, int64_t chunk_voxels) {
   VolumeSource& source = *channels.front();
   const VolumeLayout& layout = source.layout();
-  ZarrArray array;
-  for (const int64_t count : {layout.time_steps, static_cast<int64_t>(channels.size())}) {
-    if (count == 1) continue;
-    array.shape.push_back(count);
-    array.chunks.push_back(1);
-  }
-  for (int a = 2; a >= 0; --a) {
-    array.shape.push_back(layout.dims[a]);
-    array.chunks.push_back(chunk_voxels);
-  }
-  array.type = layout.type;
-  array.byte_order = std::endian::native;
-  array.codec = ZarrCodec::kBlosc;
-  array.separator = '/';
+  std::vector<int64_t> leading;
+  for (const int64_t count : {layout.time_steps, static_cast<int64_t>(channels.size())})
+    if (count > 1) leading.push_back(count);
   const std::optional<Occupancy> occupancy = source.occupancy(0);
-  if (occupancy && std::isfinite(occupancy->background)) array.fill_value = occupancy->background;
-  return array;
+  const bool is_known = occupancy && std::isfinite(occupancy->background);
+  return packedArray(layout, leading, chunk_voxels, is_known ? occupancy->background : 0);
 }
 
 // Limit for the source of the channel that is read.
@@ -54,11 +43,6 @@ std::vector<LevelShape> levelsFor(const VolumeLayout& layout, const PackOptions&
   return levels;
 }
 
-const char* nameOf(Downsample how) {
-  if (how == Downsample::kMean) return "mean";
-  return how == Downsample::kMax ? "max" : "mode";
-}
-
 // The name of each channel; empty if the file does not tell.
 std::vector<std::string> namesOf(ChannelSources channels) {
   std::vector<std::string> names(channels.size());
@@ -68,50 +52,12 @@ std::vector<std::string> namesOf(ChannelSources channels) {
   return names;
 }
 
-// The memory of a thread in addition to the slab: a chunk, its file, and as much again inside
-// Blosc.
-struct Scratch {
-  int number = 0;
-  std::vector<std::byte> chunk, stored;
-};
-uint64_t scratchBytes(uint64_t chunk_bytes) {
-  return 2 * chunk_bytes + bloscRoomBytes(chunk_bytes);
-}
-
-// Level 0's array for another level.
-ZarrArray arrayOf(const ZarrArray& finest, const LevelShape& level) {
-  ZarrArray array = finest;
-  for (int a = 0; a < 3; ++a)
-    array.shape[array.axes() - 1 - static_cast<size_t>(a)] = level.dims[a];
-  return array;
-}
-
-// The same for the spreads of a level.
-ZarrArray spreadsOf(ZarrArray array) {
-  array.type = spreadType(array.type);
-  array.fill_value = 0;
-  return array;
-}
-
 // Of the store: level 0, the coarser levels, and their spreads if they have some.
 std::vector<PackedArray> arraysFor(const ZarrArray& finest, const std::vector<LevelShape>& levels,
                                    Downsample how) {
   std::vector<PackedArray> arrays{{"0", finest}};
-  for (const LevelShape& level : levels)
-    arrays.push_back({std::to_string(arrays.size()), arrayOf(finest, level)});
-  if (keepsSpreads(how))
-    for (size_t i = 1; i <= levels.size(); ++i)
-      arrays.push_back({fmt::format("{}/{}", kZarrSpreadFolder, i), spreadsOf(arrays[i].array)});
+  for (PackedArray& array : levelArrays(finest, levels, how, 1)) arrays.push_back(std::move(array));
   return arrays;
-}
-
-std::vector<std::byte> fillOf(const ZarrArray& array) {
-  std::vector<std::byte> fill(bytesPerVoxel(array.type));
-  visitVoxelType(array.type, [&](auto tag) {
-    tag = static_cast<decltype(tag)>(array.fill_value);
-    std::memcpy(fill.data(), &tag, sizeof tag);
-  });
-  return fill;
 }
 
 // One volume of a store: a time step of a channel.
@@ -134,36 +80,39 @@ class Packer {
         pool_(pool),
         progress_(progress),
         voxel_(static_cast<int64_t>(bytesPerVoxel(array_.type))),
-        fill_(fillOf(array_)) {
-    for (const PackedArray& packed : arrays) fills_.push_back(fillOf(packed.array));
+        chunks_(arrays, options.chunk_voxels, options.blosc) {
     planSlabs(levels);
-    maker_ = std::make_unique<LevelMaker>(layout_, options.chunk_voxels, levels, options.downsample,
-                                          fill_);
+    levels_ =
+        std::make_unique<LevelPacker>(layout_, options.chunk_voxels, levels, options.downsample,
+                                      fillVoxel(array_), 1, chunks_, pool);
   }
 
   void pack(ZarrPackFolder& folder) {
     eachSlab([&](StoreVolume of, const Box3& slab, bool known_empty) {
       const auto bytes = static_cast<uint64_t>(slab.count() * voxel_);
-      const std::vector<Vec3i> chunks = chunksOf(slab);
-      const bool is_done = std::all_of(chunks.begin(), chunks.end(), [&](Vec3i chunk) {
-        return folder.isDone(numberOf(0, of, chunk));
-      });
-      const bool makes_levels = !known_empty && isLayerWanted(folder, of, slab.lo.z);
+      const std::vector<Vec3i> chunks = chunks_.chunksOf(slab);
+      const std::vector<int64_t> leading = leadingIndex(of);
+      const auto numberOf = [&](Vec3i chunk) {
+        return chunks_.numberOf(folder, 0, leading, chunk);
+      };
+      const bool is_done = std::all_of(chunks.begin(), chunks.end(),
+                                       [&](Vec3i chunk) { return folder.isDone(numberOf(chunk)); });
+      const bool makes_levels = !known_empty && levels_->isLayerWanted(folder, leading, slab.lo.z);
       if ((!is_done && !known_empty) || makes_levels) read(of, slab, slab_.get());
       if (!is_done || makes_levels)
         pool_.parallelFor(static_cast<int64_t>(chunks.size()), [&](int64_t i) {
           options_.stop.throwIfStopped();
           const Vec3i chunk = chunks[static_cast<size_t>(i)];
           if (makes_levels) addToLevels(slab, chunk);
-          const int64_t number = numberOf(0, of, chunk);
+          const int64_t number = numberOf(chunk);
           if (folder.isDone(number)) return;
           if (known_empty)
-            folder.write(number, {}, ScratchLease(*this)->number);
+            chunks_.packEmpty(folder, number);
           else
-            packChunk(folder, 0, number, {slab, slab_.get()}, chunk);
+            chunks_.pack(folder, 0, number, {slab, slab_.get()}, chunk);
         });
       const bool ends_layer = slab.hi.x == layout_.dims.x && slab.hi.y == layout_.dims.y;
-      if (ends_layer) packLayers(folder, of, slab.hi.z);
+      if (ends_layer) levels_->packLayers(folder, leading, slab.hi.z, options_.stop);
       progress_.add(bytes);
     });
   }
@@ -179,11 +128,11 @@ class Packer {
     eachSlab([&](StoreVolume of, const Box3& slab, bool) {
       read(of, slab, slab_.get());
       const Vec3i size = slab.size();
-      const std::vector<Vec3i> chunks = chunksOf(slab);
+      const std::vector<Vec3i> chunks = chunks_.chunksOf(slab);
       pool_.parallelFor(static_cast<int64_t>(chunks.size()), [&](int64_t i) {
         options_.stop.throwIfStopped();
-        const Box3 box = intersect(boxOfChunk(chunks[static_cast<size_t>(i)]), slab);
-        const ScratchLease scratch(*this);
+        const Box3 box = intersect(chunks_.boxOf(chunks[static_cast<size_t>(i)]), slab);
+        const ChunkPacker::Lease scratch(chunks_);
         const auto bytes =
             std::span(scratch->chunk).first(static_cast<size_t>(box.count() * voxel_));
         packed[of.channel]->readRegion(of.time, box, bytes);
@@ -196,7 +145,7 @@ class Packer {
             if (std::memcmp(row, slab_.get() + at * voxel_, row_bytes) != 0)
               fail("{}: chunk {} differs from the volume in row y {}, z {}, time step {}",
                    store.string(),
-                   array_.chunkName(numberOf(0, of, chunks[static_cast<size_t>(i)])), y, z,
+                   array_.chunkName(numberInArray(of, chunks[static_cast<size_t>(i)])), y, z,
                    of.time);
             row += row_bytes;
           }
@@ -206,33 +155,6 @@ class Packer {
   }
 
  private:
-  // Scratch of one thread for the time of one chunk. At most as many as threads are ever made.
-  class ScratchLease {
-   public:
-    explicit ScratchLease(Packer& packer) : packer_(packer) {
-      const MutexLock lock(packer.mutex_);
-      if (packer.idle_.empty()) {
-        scratch_ = std::make_unique<Scratch>();
-        scratch_->number = packer.made_++;
-        scratch_->chunk.resize(packer.array_.chunkBytes());
-      } else {
-        scratch_ = std::move(packer.idle_.back());
-        packer.idle_.pop_back();
-      }
-    }
-    ~ScratchLease() {
-      const MutexLock lock(packer_.mutex_);
-      packer_.idle_.push_back(std::move(scratch_));
-    }
-    ScratchLease(const ScratchLease&) = delete;
-    ScratchLease& operator=(const ScratchLease&) = delete;
-    Scratch* operator->() const { return scratch_.get(); }
-
-   private:
-    Packer& packer_;
-    std::unique_ptr<Scratch> scratch_;
-  };
-
   // The largest slab that the memory has room for: whole planes of chunks, or rows of one plane, or
   // a part of one row, and one chunk thick.
   void planSlabs(const std::vector<LevelShape>& levels) {
@@ -246,7 +168,8 @@ class Packer {
     const uint64_t making = levels.empty() ? 0 : LevelMaker::threadBytes(layout_, side);
     // To verify, each thread holds two chunks inside the reader, which is less than packing takes.
     const uint64_t fixed =
-        table + pending + static_cast<uint64_t>(pool_.threads()) * (scratchBytes(chunk) + making);
+        table + pending +
+        static_cast<uint64_t>(pool_.threads()) * (ChunkPacker::threadBytes(chunk) + making);
     if (options_.memory_bytes < fixed + chunk)
       fail(
           "--memory {}: too small to pack with {} threads and chunks of {}{}; give --memory {} or "
@@ -300,75 +223,25 @@ class Packer {
     return *channels_[channel];
   }
 
-  // Places of the chunks that a slab consists of.
-  std::vector<Vec3i> chunksOf(const Box3& slab) const {
-    const int64_t side = options_.chunk_voxels;
-    std::vector<Vec3i> chunks;
-    for (int64_t z = slab.lo.z / side; z * side < slab.hi.z; ++z)
-      for (int64_t y = slab.lo.y / side; y * side < slab.hi.y; ++y)
-        for (int64_t x = slab.lo.x / side; x * side < slab.hi.x; ++x) chunks.push_back({x, y, z});
-    return chunks;
-  }
-  Box3 boxOfChunk(Vec3i chunk) const {
-    const int64_t side = options_.chunk_voxels;
-    return {chunk * side, chunk * side + Vec3i{side, side, side}};
-  }
-  // Of an array, counted from its first chunk.
-  int64_t numberOf(size_t array, StoreVolume of, Vec3i chunk) const {
+  // Of the arrays' chunks, along the axes before z.
+  std::vector<int64_t> leadingIndex(StoreVolume of) const {
     std::vector<int64_t> index;
     if (layout_.time_steps > 1) index.push_back(of.time);
     if (channels_.size() > 1) index.push_back(static_cast<int64_t>(of.channel));
+    return index;
+  }
+  // Of level 0's array.
+  int64_t numberInArray(StoreVolume of, Vec3i chunk) const {
+    std::vector<int64_t> index = leadingIndex(of);
     for (int a = 2; a >= 0; --a) index.push_back(chunk[a]);
-    return arrays_[array].array.chunkNumber(index);
+    return array_.chunkNumber(index);
   }
 
-  // The arrays beyond level 0, and which coarser level each is made of.
-  size_t levelOf(size_t array) const { return (array - 1) % maker_->levels().size(); }
-  bool hasSpreads(size_t array) const { return array > maker_->levels().size(); }
-
-  // Places of the chunks of an array's layer that are not done.
-  std::vector<Vec3i> missingOf(const ZarrPackFolder& folder, size_t array, StoreVolume of,
-                               const Box3& layer) const {
-    std::vector<Vec3i> missing;
-    for (const Vec3i chunk : chunksOf(layer))
-      if (!folder.isDone(folder.firstChunk(array) + numberOf(array, of, chunk)))
-        missing.push_back(chunk);
-    return missing;
-  }
-  // Whether a level still lacks chunks of the layer in which the finest plane `z` lies.
-  bool isLayerWanted(const ZarrPackFolder& folder, StoreVolume of, int64_t z) const {
-    for (size_t array = 1; array < arrays_.size(); ++array)
-      if (!missingOf(folder, array, of, maker_->layerAt(levelOf(array), z)).empty()) return true;
-    return false;
-  }
   void addToLevels(const Box3& slab, Vec3i chunk) {
-    const Box3 box = intersect(boxOfChunk(chunk), slab);
+    const Box3 box = intersect(chunks_.boxOf(chunk), slab);
     const Vec3i size = slab.size(), at = box.lo - slab.lo;
-    maker_->add(box, slab_.get() + ((at.z * size.y + at.y) * size.x + at.x) * voxel_, size.x,
-                size.x * size.y);
-  }
-  // Writes the layers of chunks that end with the finest planes before `end`.
-  void packLayers(ZarrPackFolder& folder, StoreVolume of, int64_t end) {
-    const auto isEnd = [&](size_t level) {
-      const int64_t planes = maker_->levels()[level].step.z * options_.chunk_voxels;
-      return end % planes == 0 || end == layout_.dims.z;
-    };
-    for (size_t array = 1; array < arrays_.size(); ++array) {
-      const size_t level = levelOf(array);
-      if (!isEnd(level)) continue;
-      const HeldVoxels held{maker_->layerAt(level, end - 1), hasSpreads(array)
-                                                                 ? maker_->layerSpreads(level)
-                                                                 : maker_->layerVoxels(level)};
-      const std::vector<Vec3i> chunks = missingOf(folder, array, of, held.box);
-      pool_.parallelFor(static_cast<int64_t>(chunks.size()), [&](int64_t c) {
-        options_.stop.throwIfStopped();
-        const Vec3i chunk = chunks[static_cast<size_t>(c)];
-        packChunk(folder, array, folder.firstChunk(array) + numberOf(array, of, chunk), held,
-                  chunk);
-      });
-    }
-    for (size_t level = 0; level < maker_->levels().size(); ++level)
-      if (isEnd(level)) maker_->clearLayer(level);
+    levels_->add(box, slab_.get() + ((at.z * size.y + at.y) * size.x + at.x) * voxel_, size.x,
+                 size.x * size.y);
   }
 
   // All threads at work on planes of the slab: each plane of a file is read by one of them, once.
@@ -388,42 +261,6 @@ class Packer {
     });
   }
 
-  static bool isFill(std::span<const std::byte> bytes, std::span<const std::byte> fill) {
-    return std::memcmp(bytes.data(), fill.data(), fill.size()) == 0 &&
-           std::memcmp(bytes.data(), bytes.data() + fill.size(), bytes.size() - fill.size()) == 0;
-  }
-
-  // A box of voxels in memory, x fastest, packed.
-  struct HeldVoxels {
-    Box3 box;
-    const std::byte* voxels;
-  };
-
-  void packChunk(ZarrPackFolder& folder, size_t array, int64_t number, const HeldVoxels& held,
-                 Vec3i chunk) {
-    const ScratchLease scratch(*this);
-    const std::vector<std::byte>& fill = fills_[array];
-    const auto voxel = static_cast<int64_t>(fill.size());
-    const Box3 whole = boxOfChunk(chunk), box = intersect(whole, held.box);
-    // Numbers of spreads are no larger than voxels.
-    const std::span bytes = std::span(scratch->chunk).first(arrays_[array].array.chunkBytes());
-    if (box != whole)
-      for (size_t i = 0; i < bytes.size(); i += fill.size())
-        std::memcpy(bytes.data() + i, fill.data(), fill.size());
-    const int64_t side = options_.chunk_voxels;
-    const Vec3i lo = held.box.lo, size = held.box.size();
-    for (int64_t z = box.lo.z; z < box.hi.z; ++z)
-      for (int64_t y = box.lo.y; y < box.hi.y; ++y) {
-        const int64_t from = ((z - lo.z) * size.y + y - lo.y) * size.x + box.lo.x - lo.x;
-        const int64_t to = ((z - whole.lo.z) * side + y - whole.lo.y) * side;
-        std::memcpy(bytes.data() + to * voxel, held.voxels + from * voxel,
-                    static_cast<size_t>(box.size().x * voxel));
-      }
-    if (isFill(bytes, fill)) return folder.write(number, {}, scratch->number);
-    folder.write(number, encodeBlosc(bytes, fill.size(), options_.blosc, scratch->stored),
-                 scratch->number);
-  }
-
   const ChannelSources channels_;
   const VolumeLayout& layout_;  // layout of each channel
   const PackOptions& options_;
@@ -432,15 +269,11 @@ class Packer {
   WorkerPool& pool_;
   ProgressMeter& progress_;
   const int64_t voxel_;
-  std::vector<std::byte> fill_;                // one voxel
-  std::vector<std::vector<std::byte>> fills_;  // one of each array
+  ChunkPacker chunks_;
   Vec3i slab_voxels_;
   size_t slab_bytes_ = 0;
   std::unique_ptr<std::byte[]> slab_;
-  std::unique_ptr<LevelMaker> maker_;
-  Mutex mutex_;
-  std::vector<std::unique_ptr<Scratch>> idle_ SLUICE_GUARDED_BY(mutex_);
-  int made_ SLUICE_GUARDED_BY(mutex_) = 0;
+  std::unique_ptr<LevelPacker> levels_;
 };
 
 }  // namespace
@@ -488,7 +321,7 @@ PackReport packZarr(ChannelSources channels, const std::filesystem::path& output
   }
   report.voxel_bytes = static_cast<uint64_t>(volume(layout.dims) * layout.time_steps) *
                        channels.size() * bytesPerVoxel(layout.type);
-  folder.finish(options.replace);
+  folder.finish({.replace = options.replace});
   report.pack_seconds = watch.seconds() - report.verify_seconds;
   return report;
 }

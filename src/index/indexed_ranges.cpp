@@ -87,15 +87,25 @@ std::optional<IndexedRanges> keptRanges(const VolumeSource& source, const IndexP
 
 IndexedRanges indexedRanges(VolumeSource& source, const IndexPlaces& places, int64_t time,
                             const BlockLayout& layout, WorkerPool& pool, ProgressMeter& progress,
-                            uint64_t memory_bytes, const StopToken& stop) {
+                            uint64_t memory_bytes, const StopToken& stop, VoxelTaker* taker) {
   const IndexKey key = keyOf(source, time, layout);
-  IndexedRanges result;
-  if (readKept(source, places, key, layout, result)) return result;
-  const FirstPass pass = planFirstPass(source, time, layout, memory_bytes, pool.threads());
+  const auto plan = [&] {
+    return planFirstPass(source, time, layout, memory_bytes, pool.threads());
+  };
   std::optional<WorkerPool> fewer;
-  if (pass.threads < pool.threads()) fewer.emplace(pass.threads);
-  result.ranges = buildSliceRanges(source, time, layout, fewer ? *fewer : pool, progress,
-                                   pass.voxel_bytes, stop, result.bricks);
+  const auto threadsOf = [&](const FirstPass& pass) -> WorkerPool& {
+    return pass.threads < pool.threads() ? fewer.emplace(pass.threads) : pool;
+  };
+  IndexedRanges result;
+  if (readKept(source, places, key, layout, result)) {
+    if (taker == nullptr) return result;
+    const FirstPass pass = plan();
+    passVoxels(source, time, layout, threadsOf(pass), progress, pass.voxel_bytes, stop, *taker);
+    return result;
+  }
+  const FirstPass pass = plan();
+  result.ranges = buildSliceRanges(source, time, layout, threadsOf(pass), progress,
+                                   pass.voxel_bytes, stop, result.bricks, taker);
   IndexWritten written = writeIndex(places, key, bytesOf(result.ranges, result.bricks));
   result.path = std::move(written.path);
   result.state = result.path.empty() ? "built, not kept" : "built";

@@ -10,6 +10,7 @@
 
 #include "src/base/progress_meter.h"
 #include "src/base/stop_token.h"
+#include "src/base/voxel_taker.h"
 #include "src/base/worker_pool.h"
 #include "src/index/index_file.h"
 #include "src/volume/brick_ranges.h"
@@ -37,8 +38,11 @@ std::optional<IndexedRanges> keptRanges(const VolumeSource& source, const IndexP
 // names). Throws Error when the source cannot be read, Interrupted when `stop` asks for it. A
 // damaged or stale index is rebuilt within `memory_bytes` (first_pass.h, whose Error names the
 // least that works), adding the bytes read to `progress`; one that cannot be kept is no failure.
+// `taker`, if there is one, gets the voxels in the same pass, or in one of its own if there is an
+// index already.
 IndexedRanges indexedRanges(VolumeSource& source, const IndexPlaces& places, int64_t time,
                             const BlockLayout& layout, WorkerPool& pool, ProgressMeter& progress,
-                            uint64_t memory_bytes = UINT64_MAX, const StopToken& stop = {});
+                            uint64_t memory_bytes = UINT64_MAX, const StopToken& stop = {},
+                            VoxelTaker* taker = nullptr);
 
 }  // namespace sluice

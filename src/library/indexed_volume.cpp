@@ -10,11 +10,22 @@
 #include "src/base/error.h"
 #include "src/base/volume_levels.h"
 #include "src/library/resources.h"
+#include "src/library/side_levels.h"
 #include "src/library/thick_source.h"
 #include "src/volume/byte_order_hint.h"
 
 namespace sluice {
 namespace {
+
+// `side`: the levels to be made in the same pass; null: none.
+IndexedRanges rangesOf(const IndexedVolume& volume, int64_t time, const IndexPass& pass,
+                       const SideLevels* side) {
+  const uint64_t bytes = pass.memory_bytes - (side == nullptr ? 0 : side->heldBytes());
+  // The first opening reads everything, and nothing else is in memory then.
+  volume.source->holdAtMost(bytes / 4);
+  return indexedRanges(*volume.source, volume.places, time, volume.layout, pass.pool, pass.progress,
+                       bytes, pass.stop, side == nullptr ? nullptr : side->taker());
+}
 
 // Statistics over all steps of a series, from their indices, which are made if missing. `index`
 // belongs to the step that is drawn; its range is widened to the range of all steps.
@@ -206,20 +217,30 @@ IndexedVolume indexVolume(std::unique_ptr<VolumeSource> source, const VolumeArgu
   volume.map = deviceMap(layout);
   volume.page = pageShape(machine, volume.map);
   const int64_t block = machine.block.value_or(blockSizeFor(volume.page.size_vox));
-  const std::span<const CoarserLevel> levels =
-      needs.levels ? coarserLevels(*volume.source) : std::span<const CoarserLevel>();
+  volume.time = arguments.time;
+  const bool has_own = !coarserLevels(*volume.source).empty();
+  SideLevels side({*volume.source, volume.name, volume.places, volume.time,
+                   needs.levels && !has_own ? machine.levels : LevelsWish::kNone, pass.pool,
+                   pass.memory_bytes, pass.stop, pass.announce});
   // Several levels take a layer more (pyramid.h).
-  const int ghost = (needs.gradients ? 1 : 0) + (levels.empty() ? 0 : 1);
+  const bool has_levels = needs.levels && (has_own || side.any());
+  const int ghost = (needs.gradients ? 1 : 0) + (has_levels ? 1 : 0);
   if (block - 1 - 2 * ghost < 1)
     fail(
         "{}: blocks of {} voxels a side have no room for the border that a picture takes; give a "
         "larger --block",
         volume.name, block);
   volume.layout = blockLayout(layout.dims, block, ghost, volume.name.c_str());
-  volume.time = arguments.time;
-  addLevels(volume, levels);
+  std::optional<IndexedRanges> made;
+  if (side.taker() != nullptr) {
+    made = rangesOf(volume, volume.time, pass, &side);
+    side.finish();
+  }
+  volume.source = side.join(std::move(volume.source));
+  if (needs.levels) addLevels(volume, coarserLevels(*volume.source));
   volume.source->holdAtMost(pass.memory_bytes / 4);  // nothing else is in memory yet
-  IndexedRanges index = indexOf(volume, needs, pass);
+  IndexedRanges index = made ? *std::move(made) : indexOf(volume, needs, pass);
+  std::ranges::copy(side.notes(), std::back_inserter(volume.notes));
   std::ranges::copy(notesOf(volume.name, layout, index), std::back_inserter(volume.notes));
   volume.values = statisticsOf(volume, index, needs.whole_series, pass);
   volume.index = std::make_shared<const IndexedRanges>(std::move(index));
@@ -228,10 +249,7 @@ IndexedVolume indexVolume(std::unique_ptr<VolumeSource> source, const VolumeArgu
 }
 
 IndexedRanges rangesOfStep(const IndexedVolume& volume, int64_t time, const IndexPass& pass) {
-  // The first opening reads everything, and nothing else is in memory then.
-  volume.source->holdAtMost(pass.memory_bytes / 4);
-  return indexedRanges(*volume.source, volume.places, time, volume.layout, pass.pool, pass.progress,
-                       pass.memory_bytes, pass.stop);
+  return rangesOf(volume, time, pass, nullptr);
 }
 
 std::string IndexedVolume::standInNote() const {

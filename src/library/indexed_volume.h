@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -55,7 +56,7 @@ struct IndexedVolume {
 struct IndexNeeds {
   bool gradients = false;     // a ghost layer
   bool whole_series = false;  // values of all steps
-  bool levels = false;        // also the levels above the finest, if the volume has some
+  bool levels = false;  // also the levels above the finest: its own, or those beside its index
   // With levels: a volume that has no index of its finest level is opened with a stand-in.
   bool may_stand_in = false;
 };
@@ -70,6 +71,9 @@ struct IndexPass {
   ProgressMeter& progress;
   uint64_t memory_bytes = UINT64_MAX;
   StopToken stop = {};
+  // Told beforehand what will be written in addition to the index, and how large it is; may be
+  // null.
+  std::function<void(const std::string& line)> announce = {};
 };
 
 // Opens the volume and checks that it has the time step. A volume of one voxel along an axis is

@@ -53,6 +53,10 @@ struct LookArguments {
 enum class Fit { kVisible, kVolume };
 using FitChoice = std::optional<Fit>;
 
+// Whether coarser levels are made, once, for a volume whose file has none (side_levels.h): if it is
+// large; whatever its size; or never, and those made before are not used.
+enum class LevelsWish { kAuto, kAlways, kNone };
+
 // Resources that drawing may take.
 struct MachineOptions {
   uint64_t memory_bytes = 0;  // 0: half of the machine's memory
@@ -61,6 +65,7 @@ struct MachineOptions {
   std::optional<Vec3i> page_vox;
   std::optional<int64_t> pages;
   std::optional<int64_t> block;
+  LevelsWish levels = LevelsWish::kAuto;
   PolicyKind policy = PolicyKind::kLru;
   uint64_t seed = 1;
 };

@@ -39,6 +39,11 @@ struct BlockLayout {
     const Vec3i lo = index * cells();
     return {lo, min(lo + Vec3i{cells(), cells(), cells()}, dims - Vec3i{1, 1, 1})};
   }
+  // The voxel planes between which these cells lie.
+  Box3 ownedVoxels(Vec3i index) const {
+    const Box3 cells = ownedCells(index);
+    return {cells.lo, cells.hi + Vec3i{1, 1, 1}};
+  }
   // The 2^d cube of voxels, ghost layer and padding included; may reach beyond the volume.
   Box3 cube(Vec3i index) const {
     const Vec3i lo = index * cells() - Vec3i{ghost, ghost, ghost};

@@ -16,6 +16,7 @@
 
 #include "src/base/mutex.h"
 #include "src/base/volume_source.h"
+#include "src/base/voxel_taker.h"
 #include "src/volume/block_ranges.h"
 #include "src/volume/device_voxel.h"
 #include "src/volume/slice_ranges.h"
@@ -51,10 +52,17 @@ Box3 brickCells(Vec3i dims, const std::optional<Occupancy>& occupancy);
 // The grid over these cells, without ranges. Without cells there are no bricks.
 BrickRanges brickGrid(const Box3& cells);
 
-// The same pass over the voxels as the other buildSliceRanges(), and the bricks from it.
+// The same pass over the voxels as the other buildSliceRanges(), and the bricks from it. `taker`,
+// if there is one, gets all voxels that are read; the pieces are then cut as it wants them, so that
+// `most_bytes` should have room for a piece of its side() cubed a thread.
 SliceRanges buildSliceRanges(VolumeSource& source, int64_t time, const BlockLayout& layout,
                              WorkerPool& pool, ProgressMeter& progress, uint64_t most_bytes,
-                             const StopToken& stop, BrickRanges& bricks);
+                             const StopToken& stop, BrickRanges& bricks,
+                             VoxelTaker* taker = nullptr);
+// A pass for `taker` alone, over the layers that it wants. Throws as buildSliceRanges() does.
+void passVoxels(VolumeSource& source, int64_t time, const BlockLayout& layout, WorkerPool& pool,
+                ProgressMeter& progress, uint64_t most_bytes, const StopToken& stop,
+                VoxelTaker& taker);
 
 // Fills a grid box by box, from any thread.
 template <class T>
@@ -67,10 +75,10 @@ class BrickRangesBuilder {
     result_.assign(static_cast<size_t>(volume(grid_.grid())), initial);
   }
 
-  // The voxels of `box`, x fastest and packed. Requires: boxes of all calls share their outermost
-  // planes, so that each cell lies in one of them.
+  // The voxels of `box`, x fastest and packed. Boxes may overlap.
   void add(const T* voxels, const Box3& box) SLUICE_EXCLUDES(mutex_) {
-    const Box3 cells = intersect({box.lo, box.hi - Vec3i{1, 1, 1}}, grid_.cells);
+    // The cells that have one of the voxels at a corner.
+    const Box3 cells = intersect({box.lo - Vec3i{1, 1, 1}, box.hi}, grid_.cells);
     if (cells.empty()) return;
     const Vec3i first = (cells.lo - grid_.cells.lo) / grid_.side;
     const Vec3i last = (cells.hi - Vec3i{1, 1, 1} - grid_.cells.lo) / grid_.side;
@@ -80,11 +88,10 @@ class BrickRangesBuilder {
     std::vector<T> lo(static_cast<size_t>(box.size().x)), hi(lo.size());
     for (int64_t z = first.z; z <= last.z; ++z)
       for (int64_t y = first.y; y <= last.y; ++y) {
-        const Box3 row =
-            intersect(unite(grid_.cellsOf({first.x, y, z}), grid_.cellsOf({last.x, y, z})), cells);
+        const Box3 row = unite(grid_.cellsOf({first.x, y, z}), grid_.cellsOf({last.x, y, z}));
         takeColumns(voxels, box, row, lo, hi);
         for (int64_t x = first.x; x <= last.x; ++x) {
-          const Box3 brick = intersect(grid_.cellsOf({x, y, z}), cells);
+          const Box3 brick = intersect(voxelsOf(grid_.cellsOf({x, y, z})), box);
           found.push_back(reduce(lo, hi, brick.lo.x - box.lo.x, brick.hi.x - box.lo.x));
         }
       }
@@ -108,7 +115,10 @@ class BrickRangesBuilder {
     hi = v > hi ? v : hi;
   }
 
-  // The columns of voxels around a row of bricks, element by element as vector units like it.
+  static Box3 voxelsOf(const Box3& cells) { return {cells.lo, cells.hi + Vec3i{1, 1, 1}}; }
+
+  // The columns of a box's voxels around a row of bricks, element by element as vector units like
+  // it.
   static void takeColumns(const T* voxels, const Box3& box, const Box3& cells, std::vector<T>& lo,
                           std::vector<T>& hi) {
     const Vec3i size = box.size();
@@ -116,18 +126,19 @@ class BrickRangesBuilder {
     std::fill(hi.begin(), hi.end(), kNoVoxels<T>.hi);
     T* __restrict low = lo.data();
     T* __restrict high = hi.data();
-    for (int64_t z = cells.lo.z; z <= cells.hi.z; ++z)
-      for (int64_t y = cells.lo.y; y <= cells.hi.y; ++y) {
+    const Box3 around = intersect(voxelsOf(cells), box);
+    for (int64_t z = around.lo.z; z < around.hi.z; ++z)
+      for (int64_t y = around.lo.y; y < around.hi.y; ++y) {
         const T* __restrict row = voxels + ((z - box.lo.z) * size.y + (y - box.lo.y)) * size.x;
         for (int64_t x = 0; x < size.x; ++x) take(low[x], high[x], row[x]);
       }
   }
 
-  // The range of columns `from` to `to`, both included.
+  // The range of columns `from` to `to`, without the last.
   static PlaneRange<T> reduce(const std::vector<T>& lo, const std::vector<T>& hi, int64_t from,
                               int64_t to) {
     PlaneRange<T> range = kNoVoxels<T>;
-    for (int64_t x = from; x <= to; ++x)
+    for (int64_t x = from; x < to; ++x)
       widen(range, {lo[static_cast<size_t>(x)], hi[static_cast<size_t>(x)]});
     return range;
   }

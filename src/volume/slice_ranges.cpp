@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -13,6 +14,7 @@
 #include "src/volume/brick_ranges.h"
 #include "src/volume/device_reader.h"
 #include "src/volume/key_histogram.h"
+#include "src/volume/pass_pieces.h"
 
 namespace sluice {
 namespace {
@@ -20,18 +22,6 @@ namespace {
 // A read and its converted voxels together take at most this many bytes on each thread, so that a
 // row of a very wide volume is cut.
 constexpr uint64_t kBytesPerRead = uint64_t{32} << 20;
-
-// A run of neighbouring blocks along x, read together.
-struct Run {
-  Vec3i first;  // block index
-  int64_t count;
-};
-
-// The voxel planes between which the block's owned cells lie.
-Box3 ownedVoxels(const BlockLayout& layout, Vec3i index) {
-  const Box3 cells = layout.ownedCells(index);
-  return {cells.lo, cells.hi + Vec3i{1, 1, 1}};
-}
 
 // Volumes that are mostly nothing may have 2^90 voxels.
 uint64_t voxelsOf(const BlockLayout& layout) {
@@ -48,79 +38,56 @@ int64_t blocksPerRead(const BlockLayout& layout, size_t voxel_bytes, uint64_t th
   return std::max<int64_t>(1, bytes / block_bytes);
 }
 
-std::vector<Run> runsOf(const BlockLayout& layout, const std::vector<int64_t>& blocks,
-                        int64_t most) {
-  std::vector<Run> runs;
-  for (const int64_t block : blocks) {
-    const Vec3i index = layout.indexOf(block);
-    const bool joins = !runs.empty() && runs.back().count < most &&
-                       runs.back().first + Vec3i{runs.back().count, 0, 0} == index;
-    if (joins) {
-      ++runs.back().count;
-    } else {
-      runs.push_back({index, 1});
-    }
-  }
-  return runs;
-}
-
-// Blocks that may hold something else than the background, ascending.
-std::vector<int64_t> candidates(const BlockLayout& layout,
-                                const std::optional<Occupancy>& occupancy) {
-  std::vector<int64_t> blocks;
-  if (!occupancy) {
-    blocks.resize(static_cast<size_t>(layout.blockCount()));
-    for (size_t i = 0; i < blocks.size(); ++i) blocks[i] = static_cast<int64_t>(i);
-    return blocks;
-  }
-  const auto dropRepeats = [&blocks] {
-    std::sort(blocks.begin(), blocks.end());
-    blocks.erase(std::unique(blocks.begin(), blocks.end()), blocks.end());
-  };
-  size_t drop_at = size_t{1} << 22;
-  for (const Box3& box : occupancy->boxes) {
-    if (box.empty()) continue;
-    // A voxel on a shared plane belongs to the blocks on both sides.
-    Vec3i lo, hi;
-    for (int a = 0; a < 3; ++a) {
-      lo[a] = std::max<int64_t>(0, (box.lo[a] - 1) / layout.cells());
-      hi[a] = std::min(layout.grid[a] - 1, (box.hi[a] - 1) / layout.cells());
-    }
-    for (int64_t z = lo.z; z <= hi.z; ++z)
-      for (int64_t y = lo.y; y <= hi.y; ++y)
-        for (int64_t x = lo.x; x <= hi.x; ++x) blocks.push_back(layout.idOf({x, y, z}));
-    // Leaves of sparse formats repeat blocks many times over.
-    if (blocks.size() > drop_at) {
-      dropRepeats();
-      drop_at = std::max(drop_at, 2 * blocks.size());
-    }
-  }
-  dropRepeats();
-  return blocks;
-}
-
 // The work space of one thread for reading and counting. It is passed on from run to run, since
 // fresh memory of this size costs as much as the work done in it.
 template <class T>
 struct WorkSpace {
-  WorkSpace(VolumeSource& source, int64_t planes) : reader(source, kBytesPerRead), ranges(planes) {}
+  WorkSpace(VolumeSource& source, int64_t side) : reader(source, kBytesPerRead), ranges(side) {}
 
   // The device voxels of `box`, valid until the next call.
   const T* read(int64_t time, const Box3& box) {
-    const auto count = static_cast<size_t>(box.count());
-    if (count > capacity) {
-      // Uninitialised on purpose: the read overwrites every byte.
-      device = std::make_unique_for_overwrite<T[]>(count);
-      capacity = count;
-    }
-    reader.read(time, {box, std::as_writable_bytes(std::span(device.get(), count))});
+    const std::span<T> voxels = room(static_cast<size_t>(box.count()));
+    reader.read(time, {box, std::as_writable_bytes(voxels)});
+    return voxels.data();
+  }
+  // The same, after `taker` has seen the piece as it is stored.
+  const T* read(VolumeSource& source, int64_t time, const PassPiece& piece, VoxelTaker& taker) {
+    const VoxelType type = source.layout().type;
+    const Vec3i size = piece.read.size();
+    const auto count = static_cast<size_t>(piece.read.count());
+    const bool is_in_place = bytesPerVoxel(type) == sizeof(T);
+    const std::span<std::byte> in_place = std::as_writable_bytes(room(count));
+    const std::span<std::byte> read =
+        is_in_place ? in_place : storedRoom(count * bytesPerVoxel(type));
+    source.readRegion(time, piece.read, read);
+    taker.take({piece.own, read.data(), size.x, size.x * size.y});
+    if (!isStoredAsDevice(type)) toDevice(type, read, in_place);
     return device.get();
   }
 
-  DeviceReader reader;  // the run bounds the bytes of a read
+  // Uninitialised on purpose: the read overwrites every byte.
+  std::span<T> room(size_t count) {
+    if (count > capacity) {
+      device = std::make_unique_for_overwrite<T[]>(count);
+      capacity = count;
+    }
+    return {device.get(), count};
+  }
+  std::span<std::byte> storedRoom(size_t bytes) {
+    if (bytes > stored_capacity) {
+      stored = std::make_unique_for_overwrite<std::byte[]>(bytes);
+      stored_capacity = bytes;
+    }
+    return {stored.get(), bytes};
+  }
+
+  DeviceReader reader;  // the piece bounds the bytes of a read
   size_t capacity = 0;  // voxels
   std::unique_ptr<T[]> device;
+  size_t stored_capacity = 0;
+  std::unique_ptr<std::byte[]> stored;  // voxels that are larger than device voxels
   BlockRanges<T> ranges;
+  std::vector<PlaneRange<T>> totals, planes;  // of the blocks of a piece, from that piece alone
   KeyHistogram<T> histogram;
   PlaneRange<T> seen = kNoVoxels<T>;  // range of all voxels but NaN and infinities
   ValueRange far{1, 0};               // see SliceRanges::far_range
@@ -197,37 +164,19 @@ class Builder {
         result_(result),
         bricks_(brickGrid(brickCells(result.layout.dims, occupancy)),
                 backgroundOf(source, occupancy)) {
-    totals_.resize(result.blocks.size());
-    planes_.resize(result.blocks.size() * perBlock());
+    totals_.resize(result.blocks.size(), kNoVoxels<T>);
+    planes_.resize(result.blocks.size() * perBlock(), kNoVoxels<T>);
   }
 
-  void readRun(const Run& run) {
-    const BlockLayout& layout = result_.layout;
-    const Vec3i last = run.first + Vec3i{run.count - 1, 0, 0};
-    const Box3 box = unite(ownedVoxels(layout, run.first), ownedVoxels(layout, last));
-    const Vec3i size = box.size();
+  // Any thread. `taker`: null if nobody else wants the voxels.
+  void takePiece(const PassPiece& piece, VoxelTaker* taker) {
     std::unique_ptr<WorkSpace<T>> work = takeWorkSpace();
-    const T* voxels = work->read(time_, box);
-    bricks_.add(voxels, box);
-    const auto held = static_cast<size_t>(
-        std::lower_bound(result_.blocks.begin(), result_.blocks.end(), layout.idOf(run.first)) -
-        result_.blocks.begin());
-    for (int64_t i = 0; i < run.count; ++i) {
-      const Box3 own = ownedVoxels(layout, run.first + Vec3i{i, 0, 0});
-      const T* first = voxels + (own.lo.x - box.lo.x);
-      const size_t at = held + static_cast<size_t>(i);
-      totals_[at] = work->ranges.of(first, own.size(), size.x, size.x * size.y,
-                                    planes_.data() + at * perBlock());
-      widen(work->seen, numbersOf(totals_[at], first, own.size(), size));
-      if constexpr (std::is_same_v<T, float>) {
-        const bool may_be = totals_[at].hi >= kLargest || totals_[at].lo <= -kLargest;
-        if (may_be && hasFarVoxels(first, own.size(), size))
-          widenFar(work->far, farRange(source_, time_, own));
-      }
-    }
-    // The last planes are the next blocks' first.
-    Vec3i own = size;
-    for (int a = 0; a < 3; ++a) own[a] -= last[a] + 1 < layout.grid[a] ? 1 : 0;
+    const T* voxels = taker == nullptr ? work->read(time_, piece.read)
+                                       : work->read(source_, time_, piece, *taker);
+    bricks_.add(voxels, piece.read);
+    takeBlocks(piece, voxels, *work);
+    const Vec3i size = piece.read.size();
+    const Vec3i own = piece.own.size();
     for (int64_t z = 0; z < own.z; ++z)
       for (int64_t y = 0; y < own.y; ++y) {
         const T* row = voxels + (z * size.y + y) * size.x;
@@ -238,7 +187,7 @@ class Builder {
     idle_.push_back(std::move(work));
   }
 
-  // To be called after the last run. Gives the bricks.
+  // To be called after the last piece. Gives the bricks.
   BrickRanges finish(std::optional<double> known_background) {
     const MutexLock lock(mutex_);
     result_.background = known_background.value_or(mostCommonUniform());
@@ -268,6 +217,60 @@ class Builder {
   }
 
  private:
+  // Widens the arrays of the piece's blocks: several pieces may hold parts of a block.
+  void takeBlocks(const PassPiece& piece, const T* voxels, WorkSpace<T>& work) {
+    const BlockLayout& layout = result_.layout;
+    const Vec3i size = piece.read.size();
+    struct Part {
+      size_t held;
+      Vec3i shift;  // its first plane among the block's
+      Vec3i size;
+    };
+    std::vector<Part> parts;
+    work.totals.clear();
+    work.planes.resize(static_cast<size_t>(piece.blocks.count()) * perBlock());
+    eachHeld(piece.blocks, [&](size_t held, Vec3i index) {
+      const Box3 whole = layout.ownedVoxels(index), part = intersect(whole, piece.read);
+      const Vec3i at = part.lo - piece.read.lo;
+      const T* first = voxels + (at.z * size.y + at.y) * size.x + at.x;
+      const PlaneRange<T> total =
+          work.ranges.of(first, part.size(), size.x, size.x * size.y,
+                         work.planes.data() + work.totals.size() * perBlock());
+      parts.push_back({held, part.lo - whole.lo, part.size()});
+      work.totals.push_back(total);
+      widen(work.seen, numbersOf(total, first, part.size(), size));
+      if constexpr (std::is_same_v<T, float>) {
+        const bool may_be = total.hi >= kLargest || total.lo <= -kLargest;
+        if (may_be && hasFarVoxels(first, part.size(), size))
+          widenFar(work.far, farRange(source_, time_, part));
+      }
+    });
+    const int64_t planes = result_.layout.planes();
+    const MutexLock lock(mutex_);
+    for (size_t i = 0; i < parts.size(); ++i) {
+      const Part& part = parts[i];
+      widen(totals_[part.held], work.totals[i]);
+      for (int a = 0; a < 3; ++a) {
+        const PlaneRange<T>* from = work.planes.data() + i * perBlock() + a * planes;
+        PlaneRange<T>* to = planes_.data() + part.held * perBlock() + a * planes + part.shift[a];
+        for (int64_t plane = 0; plane < part.size[a]; ++plane) widen(to[plane], from[plane]);
+      }
+    }
+  }
+
+  // Calls f(held, index) for the blocks of a box of indices that are held so far.
+  template <class F>
+  void eachHeld(const Box3& blocks, F&& f) const {
+    const BlockLayout& layout = result_.layout;
+    for (int64_t z = blocks.lo.z; z < blocks.hi.z; ++z)
+      for (int64_t y = blocks.lo.y; y < blocks.hi.y; ++y) {
+        const int64_t first = layout.idOf({blocks.lo.x, y, z}), end = first + blocks.size().x;
+        for (auto it = std::lower_bound(result_.blocks.begin(), result_.blocks.end(), first);
+             it != result_.blocks.end() && *it < end; ++it)
+          f(static_cast<size_t>(it - result_.blocks.begin()), layout.indexOf(*it));
+      }
+  }
+
   size_t perBlock() const { return 3 * static_cast<size_t>(result_.layout.planes()); }
   T background() const { return static_cast<T>(result_.background); }
   bool isUniform(size_t held) const { return totals_[held].lo == totals_[held].hi; }
@@ -320,9 +323,8 @@ class Builder {
   const int64_t time_;
   SliceRanges& result_;
   BrickRangesBuilder<T> bricks_;
-  // Each run writes its own elements.
-  std::vector<PlaneRange<T>> totals_, planes_;
   Mutex mutex_;
+  std::vector<PlaneRange<T>> totals_, planes_;  // guarded by mutex_ until finish()
   std::vector<std::unique_ptr<WorkSpace<T>>> idle_ SLUICE_GUARDED_BY(mutex_);
 };
 
@@ -333,7 +335,7 @@ SliceRanges unknownRanges(VolumeSource& source, int64_t time, const BlockLayout&
   result.layout = layout;
   result.map = deviceMap(source.layout());
   const std::optional<Occupancy> occupancy = source.occupancy(time);
-  result.unknown = candidates(layout, occupancy);
+  result.unknown = candidateBlocks(layout, occupancy);
   result.background = backgroundOf(source, occupancy).value_or(0);
   return result;
 }
@@ -345,34 +347,89 @@ SliceRanges buildSliceRanges(VolumeSource& source, int64_t time, const BlockLayo
   return buildSliceRanges(source, time, layout, pool, progress, most_bytes, stop, unused);
 }
 
+namespace {
+
+// What a pass calls for its pieces: any thread.
+using TakePiece = std::function<void(const PassPiece&)>;
+
+// Layer by layer, for `taker`. `wants_all`: also the layers that it does not want.
+void passInTiles(const BlockLayout& layout, const std::vector<int64_t>& blocks, int64_t most_voxels,
+                 bool wants_all, WorkerPool& pool, VoxelTaker& taker, const StopToken& stop,
+                 const TakePiece& take) {
+  const int64_t side = taker.side();
+  for (int64_t z = 0; z < layout.dims.z; z += side) {
+    if (wants_all || taker.wantsLayer(z)) {
+      const std::vector<PassPiece> tiles = tilesOf(layout, blocks, side, z, most_voxels);
+      pool.parallelFor(static_cast<int64_t>(tiles.size()), [&](int64_t i) {
+        stop.throwIfStopped();
+        take(tiles[static_cast<size_t>(i)]);
+      });
+    }
+    taker.layersBefore(std::min(z + side, layout.dims.z));
+  }
+}
+
+// A voxel as it is read and as it is kept take `voxel_bytes` together.
+int64_t voxelsPerTile(size_t voxel_bytes, uint64_t thread_bytes) {
+  return static_cast<int64_t>(std::min(kBytesPerRead, thread_bytes) / voxel_bytes);
+}
+
+}  // namespace
+
 SliceRanges buildSliceRanges(VolumeSource& source, int64_t time, const BlockLayout& layout,
                              WorkerPool& pool, ProgressMeter& progress, uint64_t most_bytes,
-                             const StopToken& stop, BrickRanges& bricks) {
+                             const StopToken& stop, BrickRanges& bricks, VoxelTaker* taker) {
   SliceRanges result;
   result.layout = layout;
   result.map = deviceMap(source.layout());
   const std::optional<Occupancy> occupancy = source.occupancy(time);
-  result.blocks = candidates(layout, occupancy);
+  result.blocks = candidateBlocks(layout, occupancy);
   const size_t stored_bytes = bytesPerVoxel(source.layout().type);
-  const std::vector<Run> runs =
-      runsOf(layout, result.blocks,
-             blocksPerRead(layout, stored_bytes + bytesPerVoxel(result.map.type),
-                           most_bytes / static_cast<uint64_t>(pool.threads())));
-  const auto block_bytes =
-      static_cast<uint64_t>(volume(Vec3i{layout.cells(), layout.cells(), layout.cells()})) *
-      stored_bytes;
-  progress.expect(result.blocks.size() * block_bytes);
+  const size_t voxel_bytes = stored_bytes + bytesPerVoxel(result.map.type);
+  const uint64_t thread_bytes = most_bytes / static_cast<uint64_t>(pool.threads());
   visitDeviceType(result.map.type, [&](auto tag) {
     Builder<decltype(tag)> builder(source, time, result, occupancy);
-    pool.parallelFor(static_cast<int64_t>(runs.size()), [&](int64_t i) {
-      stop.throwIfStopped();
-      const Run& run = runs[static_cast<size_t>(i)];
-      builder.readRun(run);
-      progress.add(static_cast<uint64_t>(run.count) * block_bytes);
-    });
+    const TakePiece take = [&](const PassPiece& piece) {
+      builder.takePiece(piece, taker);
+      progress.add(static_cast<uint64_t>(piece.own.count()) * stored_bytes);
+    };
+    if (taker == nullptr) {
+      const std::vector<PassPiece> runs =
+          runsOf(layout, result.blocks, blocksPerRead(layout, voxel_bytes, thread_bytes));
+      uint64_t voxels = 0;
+      for (const PassPiece& run : runs) voxels += static_cast<uint64_t>(run.own.count());
+      progress.expect(voxels * stored_bytes);
+      pool.parallelFor(static_cast<int64_t>(runs.size()), [&](int64_t i) {
+        stop.throwIfStopped();
+        take(runs[static_cast<size_t>(i)]);
+      });
+    } else {
+      progress.expect(static_cast<uint64_t>(volume(layout.dims)) * stored_bytes);
+      passInTiles(layout, result.blocks, voxelsPerTile(voxel_bytes, thread_bytes), true, pool,
+                  *taker, stop, take);
+    }
     bricks = builder.finish(backgroundOf(source, occupancy));
   });
   return result;
+}
+
+void passVoxels(VolumeSource& source, int64_t time, const BlockLayout& layout, WorkerPool& pool,
+                ProgressMeter& progress, uint64_t most_bytes, const StopToken& stop,
+                VoxelTaker& taker) {
+  const std::vector<int64_t> blocks = candidateBlocks(layout, source.occupancy(time));
+  const size_t voxel_bytes = bytesPerVoxel(source.layout().type);
+  progress.expect(static_cast<uint64_t>(volume(layout.dims)) * voxel_bytes);
+  const TakePiece take = [&](const PassPiece& piece) {
+    const auto voxels = static_cast<size_t>(piece.own.count());
+    const auto stored = std::make_unique_for_overwrite<std::byte[]>(voxels * voxel_bytes);
+    source.readRegion(time, piece.own, {stored.get(), voxels * voxel_bytes});
+    const Vec3i size = piece.own.size();
+    taker.take({piece.own, stored.get(), size.x, size.x * size.y});
+    progress.add(voxels * voxel_bytes);
+  };
+  passInTiles(layout, blocks,
+              voxelsPerTile(voxel_bytes, most_bytes / static_cast<uint64_t>(pool.threads())), false,
+              pool, taker, stop, take);
 }
 
 }  // namespace sluice

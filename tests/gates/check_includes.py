@@ -43,7 +43,7 @@ ALLOWED = {
     'src/slicing': ['src/device', 'src/render'],
     'src/parallel': ['src/volume', BLOCKS, 'src/device', 'src/render'],
     'src/gl': ['src/device', 'src/volume'],
-    'src/library': [PUBLIC, 'cache/model', 'cache/policies', 'cache/trace', 'io', 'io/pictures', 'src/volume', TRANSFER, BLOCKS, 'src/device',
+    'src/library': [PUBLIC, 'cache/model', 'cache/policies', 'cache/trace', 'io', 'io/pictures', 'io/zarr', 'src/volume', TRANSFER, BLOCKS, 'src/device',
                     'src/cpu', 'src/gl', 'src/index', 'src/parallel', 'src/render', 'src/visibility'],
     'src/view/state': [PUBLIC],
     'src/view/drawing': [PUBLIC, 'src/view/state'],

@@ -50,6 +50,10 @@ void printWarning(const std::string& line) {
   printError("warning: " + line);
 }
 
+void printNotice(const std::string& line) {
+  printError(line);
+}
+
 void finishOutput() {
   errno = 0;
   if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) failOutput(errno);

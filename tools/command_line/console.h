@@ -51,6 +51,8 @@ void say(fmt::format_string<Values...> format, Values&&... values) {
 void printError(std::string line);
 // "sluice: warning: LINE"
 void printWarning(const std::string& line);
+// "sluice: LINE", of something that is as it should be.
+void printNotice(const std::string& line);
 
 // Everything printed has arrived. Throws Error otherwise (a full device, a closed stream).
 void finishOutput();

@@ -4,7 +4,7 @@
 
 namespace sluice {
 
-void addLevelOptions(CLI::App& app, LevelArguments& arguments) {
+void addLevelOptions(CLI::App& app, LevelArguments& arguments, ResourceArguments& resources) {
   constexpr int64_t kMostLevel = 63;
   const OptionGroup group(app, "Levels of resolution");
   CLI::Option* level = group.number("--level", "N", arguments.level, {0, kMostLevel},
@@ -18,6 +18,14 @@ void addLevelOptions(CLI::App& app, LevelArguments& arguments) {
              "Refines levels until the blocks of a picture would exceed this many bytes of stored "
              "voxels (no limit)")
       ->excludes(level);
+  group.choice(
+      "--levels",
+      Words<LevelsWish>{{"auto", LevelsWish::kAuto},
+                        {"always", LevelsWish::kAlways},
+                        {"none", LevelsWish::kNone}},
+      resources.levels,
+      "Makes coarser levels, once and beside the index, for a file that has none: if it has "
+      "more than 512^3 voxels, always, or never");
 }
 
 std::optional<CutOptions> cutOptions(const LevelArguments& arguments,

@@ -24,7 +24,7 @@ void addViewOptions(CLI::App& app, FrameOptions& options);
 void addFitOption(CLI::App& app, FitChoice& fit);
 // Look, view and fit of the commands that choose a good first picture.
 void addPictureOptions(CLI::App& app, LookArguments& look, FrameOptions& frame, FitChoice& fit);
-void addLevelOptions(CLI::App& app, LevelArguments& arguments);
+void addLevelOptions(CLI::App& app, LevelArguments& arguments, ResourceArguments& resources);
 void addResourceOptions(CLI::App& app, ResourceArguments& arguments);
 
 // "64x32x32" as --page takes it, no longer than a block along any axis; nullopt: something else.
