@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <span>
+#include <type_traits>
 
 #include "src/base/error.h"
 
@@ -35,21 +36,20 @@ void widen(const T* texels, T* lo, T* hi, int64_t count) {
   }
 }
 
-// The values that a sample with this mean and spread can show: those of all entries and rows that
-// it is interpolated from.
-ValueRange shownRange(double mean, double spread, const ExpectedLook& expected) {
-  const ValueRange all = expected.device_range;
-  const double span = all.hi - all.lo;
-  if (!(spread > 0) || !(span > 0)) return {mean, mean};
-  const double row = std::floor(std::sqrt(spread / span) * expected.rows) + 1;
-  const double share = std::min(row / expected.rows, 1.0), entry = span / expected.entries;
-  const ValueRange range = spreadRange(mean, span * share * share, all);
-  return {std::min(mean, range.lo) - 2 * entry, std::max(mean, range.hi) + 2 * entry};
-}
-
-// The same of texels with spreads.
+// The same of the values that texels with spreads stand for.
 template <class T>
 void widenBySpread(const T* texels, const ExpectedLook& expected, T* lo, T* hi, int64_t count) {
+  if constexpr (std::is_same_v<T, uint8_t>) {
+    if (!expected.byte_ranges.empty()) {
+      for (int64_t i = 0; i < count; ++i) {
+        const ByteRange range =
+            expected.byte_ranges[size_t{256} * texels[2 * i] + texels[2 * i + 1]];
+        lo[i] = std::min(lo[i], range.lo);
+        hi[i] = std::max(hi[i], range.hi);
+      }
+      return;
+    }
+  }
   constexpr double kLeast = static_cast<double>(std::numeric_limits<T>::lowest());
   constexpr double kMost = static_cast<double>(std::numeric_limits<T>::max());
   for (int64_t i = 0; i < count; ++i) {

@@ -117,9 +117,38 @@ ValueRange spreadRange(double mean, double spread, ValueRange range) {
   return {values.mean - values.down, values.mean + values.up};
 }
 
-ExpectedLook expectedLook(const LookUp& look_up, ValueRange device_range) {
+ValueRange shownRange(double mean, double spread, const ExpectedLook& expected) {
+  const ValueRange all = expected.device_range;
+  const double span = all.hi - all.lo;
+  if (!(spread > 0) || !(span > 0)) return {mean, mean};
+  const double row = std::floor(std::sqrt(spread / span) * expected.rows) + 1;
+  const double share = std::min(row / expected.rows, 1.0), entry = span / expected.entries;
+  const ValueRange range = spreadRange(mean, span * share * share, all);
+  return {std::min(mean, range.lo) - 2 * entry, std::max(mean, range.hi) + 2 * entry};
+}
+
+namespace {
+
+std::vector<ByteRange> byteRanges(const ExpectedLook& look) {
+  constexpr int kBytes = 256;
+  const auto byteOf = [](double value) {
+    return static_cast<uint8_t>(std::clamp(value, 0.0, double{kBytes - 1}));
+  };
+  std::vector<ByteRange> ranges;
+  ranges.reserve(size_t{kBytes} * kBytes);
+  for (int mean = 0; mean < kBytes; ++mean)
+    for (int spread = 0; spread < kBytes; ++spread) {
+      const ValueRange range = shownRange(mean, spread, look);
+      ranges.push_back({byteOf(std::floor(range.lo)), byteOf(std::ceil(range.hi))});
+    }
+  return ranges;
+}
+
+}  // namespace
+
+ExpectedLook expectedLook(const LookUp& look_up, ValueRange device_range, TexelBytes texels) {
   const Integral integral(look_up);
-  ExpectedLook look{device_range, kEntries, kRows, {}};
+  ExpectedLook look{device_range, kEntries, kRows, {}, {}};
   look.rgba.reserve(size_t{4} * kEntries * kRows);
   const double span = device_range.hi - device_range.lo;
   for (int row = 0; row < kRows; ++row) {
@@ -131,6 +160,7 @@ ExpectedLook expectedLook(const LookUp& look_up, ValueRange device_range) {
         look.rgba.push_back(static_cast<float>(channel));
     }
   }
+  if (texels == TexelBytes::kOne) look.byte_ranges = byteRanges(look);
   return look;
 }
 

@@ -17,6 +17,7 @@
 // Pure functions.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -39,6 +40,10 @@ SpreadValues spreadValues(double mean, double spread, ValueRange range);
 // The least and the greatest of the values.
 ValueRange spreadRange(double mean, double spread, ValueRange range);
 
+struct ByteRange {
+  uint8_t lo = 0, hi = 0;
+};
+
 // Entry e of a row stands for the mean device_range.lo + e * (hi - lo) / (entries - 1); row r for
 // the spread (hi - lo) * ((r + 1) / rows)^2. Between entries and rows it is linear; between no
 // spread, which is the LookUp itself, and the first row it is linear in (r + 1), the samples'
@@ -47,10 +52,20 @@ struct ExpectedLook {
   ValueRange device_range;
   int entries = 0, rows = 0;
   std::vector<float> rgba;  // row after row, premultiplied
+  // For texels of bytes: shownRange() of each pair, rounded outwards, at [256 * mean + spread].
+  // Empty for wider ones.
+  std::vector<ByteRange> byte_ranges;
 };
 using ExpectedLookPtr = std::shared_ptr<const ExpectedLook>;
 
-// `device_range` holds all device values of the volume. About a millisecond.
-ExpectedLook expectedLook(const LookUp& look_up, ValueRange device_range);
+// The values that a sample with this mean and spread can show: those of all entries and rows that
+// it is interpolated from.
+ValueRange shownRange(double mean, double spread, const ExpectedLook& expected);
+
+// `device_range` holds all device values of the volume. About a millisecond, and a few more for
+// texels of bytes.
+enum class TexelBytes { kOne, kMore };
+ExpectedLook expectedLook(const LookUp& look_up, ValueRange device_range,
+                          TexelBytes texels = TexelBytes::kMore);
 
 }  // namespace sluice

@@ -31,8 +31,9 @@ Look makeLook(const TimeStep& step, TransferFunction transfer, Mode mode) {
   const bool has_spreads = std::ranges::any_of(
       step.coarser, [](const CoarserStep& level) { return level.spreads != nullptr; });
   if (has_spreads && mode == Mode::kComposite && !table.labels())
-    look_up.expected =
-        std::make_shared<const ExpectedLook>(expectedLook(look_up, table.volumeRange()));
+    look_up.expected = std::make_shared<const ExpectedLook>(expectedLook(
+        look_up, table.volumeRange(),
+        step.ranges->map.type == DeviceType::kU8 ? TexelBytes::kOne : TexelBytes::kMore));
   return {std::move(transfer), std::move(table),
           std::make_shared<const LookUp>(std::move(look_up))};
 }
