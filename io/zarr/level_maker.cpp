@@ -30,6 +30,13 @@ void gather(Gathered& block, const Gathered& more, Downsample how) {
   block.count += more.count;
 }
 
+// The nearest whole number, ties to the even one, as std::nearbyint() without a call. Requires:
+// less than 2^51 away from 0.
+double rounded(double value) {
+  constexpr double kUnitsAreLast = 0x1.8p52;  // above it a double has no fraction
+  return (value + kUnitsAreLast) - kUnitsAreLast;
+}
+
 // Twice the standard deviation. `origin`: what the squares are measured from, a value close to the
 // others, so that little is cancelled.
 template <class Spread>
@@ -40,7 +47,7 @@ Spread spreadOf(const Gathered& block, double origin) {
   if constexpr (std::is_floating_point_v<Spread>)
     return std::isfinite(spread) ? static_cast<Spread>(spread) : Spread{0};
   else
-    return static_cast<Spread>(std::nearbyint(spread));
+    return static_cast<Spread>(rounded(spread));
 }
 
 template <class T>
@@ -50,7 +57,7 @@ T resultOf(const Gathered& block, Downsample how) {
     if (block.count == 0) return std::numeric_limits<T>::quiet_NaN();
     return static_cast<T>(value);
   } else {
-    return static_cast<T>(std::nearbyint(value));
+    return static_cast<T>(rounded(value));
   }
 }
 
@@ -192,8 +199,13 @@ uint64_t LevelMaker::threadBytes(const VolumeLayout& layout, int64_t chunk_voxel
 void LevelMaker::clearLayer(size_t level) {
   std::vector<std::byte>& layer = layers_[level];
   layer.resize(layerBytes(levels_[level], chunk_voxels_, fill_.size()));
-  for (size_t i = 0; i < layer.size(); i += fill_.size())
-    std::memcpy(layer.data() + i, fill_.data(), fill_.size());
+  const bool is_one_byte =
+      std::all_of(fill_.begin(), fill_.end(), [&](std::byte b) { return b == fill_.front(); });
+  if (is_one_byte)
+    std::fill(layer.begin(), layer.end(), fill_.front());
+  else
+    for (size_t i = 0; i < layer.size(); i += fill_.size())
+      std::memcpy(layer.data() + i, fill_.data(), fill_.size());
   if (keepsSpreads(how_))
     spreads_[level].assign(
         layerBytes(levels_[level], chunk_voxels_, bytesPerVoxel(spreadType(type_))), std::byte{0});
@@ -234,6 +246,82 @@ double originOf(const T* voxels) {
 
 }  // namespace
 
+namespace {
+
+// A step of the first level is 1 or 2, and so a shift of the index by 0 or 1.
+
+// The finest voxels of a cube into the blocks of the first level.
+template <class T>
+void gatherFirst(Vec3i size, Vec3i step, const T* voxels, int64_t row_stride, int64_t plane_stride,
+                 double origin, Downsample how, Blocks& blocks) {
+  for (int64_t z = 0; z < size.z; ++z)
+    for (int64_t y = 0; y < size.y; ++y) {
+      Gathered* const row = &blocks.at({0, y >> (step.y - 1), z >> (step.z - 1)});
+      const T* const from = voxels + z * plane_stride + y * row_stride;
+      for (int64_t x = 0; x < size.x; ++x)
+        if (isNumber(from[x])) {
+          const auto value = static_cast<double>(from[x]);
+          const double away = value - origin;
+          gather(row[x >> (step.x - 1)], {value, away * away, 1}, how);
+        }
+    }
+}
+
+// The same sums of narrow integers, row by row of blocks in whole numbers, which compilers turn
+// into vector code. Doubles hold them exactly, so that the results are the same.
+template <class T>
+void gatherSums(Vec3i size, Vec3i step, const T* voxels, int64_t row_stride, int64_t plane_stride,
+                double origin, Blocks& blocks) {
+  using Square = std::conditional_t<sizeof(T) == 1, uint32_t, uint64_t>;  // eight squares at most
+  const auto columns = static_cast<size_t>(blocks.size.x);
+  std::vector<int32_t> sums(columns);
+  std::vector<Square> squares(columns);
+  for (int64_t z = 0; z < blocks.size.z; ++z)
+    for (int64_t y = 0; y < blocks.size.y; ++y) {
+      std::fill(sums.begin(), sums.end(), 0);
+      std::fill(squares.begin(), squares.end(), Square{0});
+      int32_t* const __restrict sum = sums.data();
+      Square* const __restrict square = squares.data();
+      const Vec3i lo{0, y * step.y, z * step.z};
+      const Vec3i hi = min(lo + step, size);
+      for (int64_t pz = lo.z; pz < hi.z; ++pz)
+        for (int64_t py = lo.y; py < hi.y; ++py) {
+          const T* const __restrict row = voxels + pz * plane_stride + py * row_stride;
+          const auto add = [&](size_t column, T value) {
+            const auto wide = static_cast<uint32_t>(static_cast<int32_t>(value));
+            sum[column] += value;
+            square[column] += Square{wide * wide};
+          };
+          const auto pairs = static_cast<size_t>(size.x / step.x);
+          if (step.x == 1) {
+            for (size_t x = 0; x < pairs; ++x) add(x, row[x]);
+            continue;
+          }
+          for (size_t x = 0; x < pairs; ++x) {
+            const int32_t a = row[2 * x], b = row[2 * x + 1];
+            sum[x] += a + b;
+            // A square of 16 bits fits into 32 without a sign.
+            square[x] += Square{static_cast<uint32_t>(a) * static_cast<uint32_t>(a)} +
+                         Square{static_cast<uint32_t>(b) * static_cast<uint32_t>(b)};
+          }
+          if (size.x % 2 != 0) add(pairs, row[size.x - 1]);
+        }
+      Gathered* const out = &blocks.at({0, y, z});
+      const auto rows = (hi.z - lo.z) * (hi.y - lo.y);
+      for (size_t x = 0; x < columns; ++x) {
+        const auto first = static_cast<int64_t>(x) * step.x;
+        const int64_t count = rows * (std::min(first + step.x, size.x) - first);
+        const auto value = static_cast<double>(sum[x]);
+        out[x] = {value,
+                  static_cast<double>(square[x]) - 2 * origin * value +
+                      origin * origin * static_cast<double>(count),
+                  static_cast<uint32_t>(count)};
+      }
+    }
+}
+
+}  // namespace
+
 template <class T>
 void LevelMaker::addOf(const Box3& box, const T* voxels, int64_t row_stride, int64_t plane_stride) {
   const Vec3i size = box.size();
@@ -267,18 +355,14 @@ void LevelMaker::addOf(const Box3& box, const T* voxels, int64_t row_stride, int
     Blocks coarser = blocksOf(blocks);
     const Vec3i step = level.step / finer_step;
     if (i == 0) {
-      // A step of the first level is 1 or 2, and so a shift of the index by 0 or 1.
-      for (int64_t z = 0; z < size.z; ++z)
-        for (int64_t y = 0; y < size.y; ++y) {
-          Gathered* const row = &coarser.at({0, y >> (step.y - 1), z >> (step.z - 1)});
-          const T* const from = voxels + z * plane_stride + y * row_stride;
-          for (int64_t x = 0; x < size.x; ++x)
-            if (isNumber(from[x])) {
-              const auto value = static_cast<double>(from[x]);
-              const double away = value - origin;
-              gather(row[x >> (step.x - 1)], {value, away * away, 1}, how_);
-            }
-        }
+      if constexpr (std::is_integral_v<T> && sizeof(T) <= 2) {
+        if (how_ == Downsample::kMean)
+          gatherSums(size, level.step, voxels, row_stride, plane_stride, origin, coarser);
+        else
+          gatherFirst(size, level.step, voxels, row_stride, plane_stride, origin, how_, coarser);
+      } else {
+        gatherFirst(size, level.step, voxels, row_stride, plane_stride, origin, how_, coarser);
+      }
     } else {
       eachVoxel(finer.size, [&](Vec3i p) { gather(coarser.at(p / step), finer.at(p), how_); });
     }
