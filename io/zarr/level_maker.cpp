@@ -1,6 +1,7 @@
 #include "io/zarr/level_maker.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -37,13 +38,20 @@ double rounded(double value) {
   return (value + kUnitsAreLast) - kUnitsAreLast;
 }
 
+// sum / count. Multiplying is faster and the same for powers of two, which most counts are.
+double meanOf(double sum, uint32_t count) {
+  if (std::has_single_bit(count)) return sum * (1.0 / count);
+  return sum / count;
+}
+
 // Twice the standard deviation. `origin`: what the squares are measured from, a value close to the
 // others, so that little is cancelled.
 template <class Spread>
 Spread spreadOf(const Gathered& block, double origin) {
   if (block.count == 0) return 0;
-  const double mean = block.value / block.count - origin;
-  const double spread = 2 * std::sqrt(std::max(0.0, block.squares / block.count - mean * mean));
+  const double mean = meanOf(block.value, block.count) - origin;
+  const double variance = meanOf(block.squares, block.count) - mean * mean;
+  const double spread = 2 * std::sqrt(std::max(0.0, variance));
   if constexpr (std::is_floating_point_v<Spread>)
     return std::isfinite(spread) ? static_cast<Spread>(spread) : Spread{0};
   else
@@ -52,7 +60,7 @@ Spread spreadOf(const Gathered& block, double origin) {
 
 template <class T>
 T resultOf(const Gathered& block, Downsample how) {
-  const double value = how == Downsample::kMean ? block.value / block.count : block.value;
+  const double value = how == Downsample::kMean ? meanOf(block.value, block.count) : block.value;
   if constexpr (std::is_floating_point_v<T>) {
     if (block.count == 0) return std::numeric_limits<T>::quiet_NaN();
     return static_cast<T>(value);
@@ -248,7 +256,17 @@ double originOf(const T* voxels) {
 
 namespace {
 
-// A step of the first level is 1 or 2, and so a shift of the index by 0 or 1.
+// A step from a level to the next is 1 or 2 along each axis, and so a shift of the index by 0 or 1.
+
+// Blocks into those of the next level.
+void gatherCoarser(Blocks& finer, Vec3i step, Downsample how, Blocks& coarser) {
+  for (int64_t z = 0; z < finer.size.z; ++z)
+    for (int64_t y = 0; y < finer.size.y; ++y) {
+      const Gathered* const from = &finer.at({0, y, z});
+      Gathered* const to = &coarser.at({0, y >> (step.y - 1), z >> (step.z - 1)});
+      for (int64_t x = 0; x < finer.size.x; ++x) gather(to[x >> (step.x - 1)], from[x], how);
+    }
+}
 
 // The finest voxels of a cube into the blocks of the first level.
 template <class T>
@@ -364,15 +382,18 @@ void LevelMaker::addOf(const Box3& box, const T* voxels, int64_t row_stride, int
         gatherFirst(size, level.step, voxels, row_stride, plane_stride, origin, how_, coarser);
       }
     } else {
-      eachVoxel(finer.size, [&](Vec3i p) { gather(coarser.at(p / step), finer.at(p), how_); });
+      gatherCoarser(finer, step, how_, coarser);
     }
-    eachVoxel(blocks, [&](Vec3i p) { put(p, resultOf<T>(coarser.at(p), how_)); });
-    if (keepsSpreads(how_)) {
-      using Spread = typename SpreadOf<T>::Type;
-      auto* const spreads = reinterpret_cast<Spread*>(spreads_[i].data());
-      eachVoxel(blocks,
-                [&](Vec3i p) { spreads[placeOf(p)] = spreadOf<Spread>(coarser.at(p), origin); });
-    }
+    using Spread = typename SpreadOf<T>::Type;
+    auto* const spreads = reinterpret_cast<Spread*>(spreads_[i].data());
+    for (int64_t z = 0; z < blocks.z; ++z)
+      for (int64_t y = 0; y < blocks.y; ++y) {
+        const int64_t at = placeOf({0, y, z});
+        const Gathered* const row = &coarser.at({0, y, z});
+        for (int64_t x = 0; x < blocks.x; ++x) to[at + x] = resultOf<T>(row[x], how_);
+        if (!keepsSpreads(how_)) continue;
+        for (int64_t x = 0; x < blocks.x; ++x) spreads[at + x] = spreadOf<Spread>(row[x], origin);
+      }
     finer = std::move(coarser);
     finer_step = level.step;
   }
@@ -387,7 +408,14 @@ void makeLevelRegion(VolumeSource& finest, int64_t time, const LevelShape& level
   part.dims = size;
   const size_t voxel = bytesPerVoxel(layout.type);
   const std::vector<std::byte> fill(voxel);
-  LevelMaker maker(part, side, {{box.size(), level.step}}, Downsample::kMean, fill);
+  // With the levels between, since each is gathered from the one before.
+  std::vector<LevelShape> levels;
+  for (Vec3i step{1, 1, 1}; step != level.step;) {
+    step = min(step * 2, level.step);
+    levels.push_back({roundedUp(size, step), step});
+  }
+  const size_t last = levels.size() - 1;
+  LevelMaker maker(part, side, std::move(levels), Downsample::kMean, fill);
   std::vector<std::byte> cube(static_cast<size_t>(side * side * side) * voxel);
   const auto copyLayer = [&](const Box3& layer, const std::byte* made, std::span<std::byte> to) {
     if (to.empty()) return;
@@ -404,12 +432,12 @@ void makeLevelRegion(VolumeSource& finest, int64_t time, const LevelShape& level
                           std::span(cube).first(static_cast<size_t>(own.count()) * voxel));
         maker.add(own, cube.data(), own.size().x, own.size().x * own.size().y);
       }
-    const Box3 layer = maker.layerAt(0, z);
+    const Box3 layer = maker.layerAt(last, z);
     const int64_t end = std::min(z + side, size.z);
     if (end < size.z && end % (side * level.step.z) != 0) continue;
-    copyLayer(layer, maker.layerVoxels(0), voxels);
-    copyLayer(layer, maker.layerSpreads(0), spreads);
-    maker.clearLayer(0);
+    copyLayer(layer, maker.layerVoxels(last), voxels);
+    copyLayer(layer, maker.layerSpreads(last), spreads);
+    maker.clearLayer(last);
   }
 }
 

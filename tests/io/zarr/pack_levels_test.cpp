@@ -246,5 +246,42 @@ TEST(PackLevels, aDamagedOrMissingChunkOfALevelIsFound) {
   EXPECT_THAT(report.faults[1], HasSubstr("v.zarr/2/0/0/1"));
 }
 
+TEST(LevelRegion, isThatOfTheWholeLevel) {
+  for (const VoxelType type : {VoxelType::kU8, VoxelType::kI16})
+    for (const Vec3d spacing : {Vec3d{1, 1, 1}, Vec3d{1, 2.1, 4}}) {
+      const TempFolder folder;
+      const auto noise = makeWhiteNoise({45, 37, 83}, type, 7);
+      VolumeLayout layout = noise->layout();
+      layout.spacing = spacing;
+      FunctionSource source(layout, [&](int64_t, Vec3i p) {
+        return visitVoxelType(type, [&](auto voxel) {
+          noise->readRegion(0, {p, p + Vec3i{1, 1, 1}},
+                            std::as_writable_bytes(std::span(&voxel, 1)));
+          return static_cast<double>(voxel);
+        });
+      });
+      PackOptions options = withLevels();
+      options.levels = 3;
+      pack(source, folder / "v.zarr", options);
+      ZarrSource packed(folder / "v.zarr");
+      const std::vector<LevelShape> shapes = levelShapes(layout, 8, 3);
+      for (size_t i = 0; i < shapes.size(); ++i) {
+        const Vec3i dims = shapes[i].dims;
+        for (const Box3& box : {boxOf(dims), Box3{dims / 3, dims - dims / 4}}) {
+          SCOPED_TRACE(fmt::format("{} level {}", name(type), i + 1));
+          const auto count = static_cast<size_t>(box.count());
+          std::vector<std::byte> means(count * bytesPerVoxel(type));
+          std::vector<std::byte> spreads(count * bytesPerVoxel(spreadType(type)));
+          std::vector<std::byte> expected_means(means), expected_spreads(spreads);
+          makeLevelRegion(source, 0, shapes[i], box, means, spreads);
+          packed.levelsAbove()[i].source->readRegion(0, box, expected_means);
+          packed.levelsAbove()[i].spreads->readRegion(0, box, expected_spreads);
+          EXPECT_EQ(means, expected_means);
+          EXPECT_EQ(spreads, expected_spreads);
+        }
+      }
+    }
+}
+
 }  // namespace
 }  // namespace sluice
