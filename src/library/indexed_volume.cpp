@@ -239,6 +239,7 @@ IndexedVolume indexVolume(std::unique_ptr<VolumeSource> source, const VolumeArgu
   volume.source = side.join(std::move(volume.source));
   if (needs.levels) addLevels(volume, coarserLevels(*volume.source));
   volume.source->holdAtMost(pass.memory_bytes / 4);  // nothing else is in memory yet
+  if (made) indexLevels(volume, 1, pass);
   IndexedRanges index = made ? *std::move(made) : indexOf(volume, needs, pass);
   std::ranges::copy(side.notes(), std::back_inserter(volume.notes));
   std::ranges::copy(notesOf(volume.name, layout, index), std::back_inserter(volume.notes));

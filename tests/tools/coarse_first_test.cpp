@@ -151,7 +151,7 @@ std::vector<int> finestLevels(const json& pictures) {
 
 TEST_F(CoarseFirst, atTheTimeLimitTheLastWholePictureIsWritten) {
   spoilLevelZero();
-  const json report = render("--time-limit 0");
+  const json report = render("--time-limit 0ms");
   EXPECT_EQ(finestLevels(report["frames"][0]["pictures"]), std::vector<int>{3});
   EXPECT_EQ(report["cut"]["final"], false);
   EXPECT_EQ(report["cut"]["coarse_share"], 1.0);
@@ -164,7 +164,7 @@ TEST_F(CoarseFirst, atTheTimeLimitTheLastWholePictureIsWritten) {
 }
 
 TEST_F(CoarseFirst, withEnoughTimeThePictureIsTheOneWithoutALimit) {
-  const json report = render("--pixel-error 0.5 --time-limit 1000");
+  const json report = render("--pixel-error 0.5 --time-limit 1000s");
   EXPECT_EQ(report["cut"]["final"], true);
   const auto limited = picture().rgba;
   const json other = render("--pixel-error 0.5");
@@ -215,6 +215,7 @@ TEST_F(CoarseFirst, whatLooksAtOnePictureRefusesARow) {
   for (const char* more : {"--progressive --verify", "--time-limit 1 --debug-view --occlusion map"})
     EXPECT_THAT(program_.run(std::string("render v.zarr -o y.png ") + kLook + " " + more).output,
                 HasSubstr("looks at one picture"));
+  EXPECT_EQ(program_.run("render v.zarr -o y.png --time-limit 1h").status, 2);
   EXPECT_THAT(program_.run("render v.zarr -o y.mp4 --frames 3 --progressive").output,
               HasSubstr("--progressive is for pictures"));
 }

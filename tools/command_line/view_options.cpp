@@ -7,6 +7,19 @@
 namespace sluice {
 namespace {
 
+// "0.5", "1s" or "500ms".
+std::optional<double> parseSeconds(std::string word) {
+  double unit = 1;
+  if (word.ends_with("ms")) {
+    unit = 1e-3;
+    word.resize(word.size() - 2);
+  } else if (word.ends_with("s")) {
+    word.resize(word.size() - 1);
+  }
+  const std::optional<double> number = parseIn<double>(word, {0, 1e9});
+  return number ? std::optional(*number * unit) : std::nullopt;
+}
+
 constexpr double kMostDegrees = 36000;  // a hundred turns
 constexpr NumberRange<double> kWorld{-1e15, 1e15};
 
@@ -113,8 +126,9 @@ void addDrawingOptions(const OptionGroup& group, FrameOptions& options) {
   group.number("--opacity-threshold", "A", options.opacity_threshold, {0, 1, true},
                "Opacity at which a ray ends and hides everything behind; 1 changes no picture (1; "
                "with --occlusion 0.95)");
-  group.number(
-      "--time-limit", "SECONDS", options.time_limit_s, {0, 1e9},
+  group.parsed(
+      "--time-limit", "SECONDS", "a number from 0 to 1e+09, also with a unit, as in 1s or 500ms",
+      parseSeconds, [&options](double seconds) { options.time_limit_s = seconds; },
       "Volumes with levels of resolution: the best picture of that time, counted from the start. "
       "Others: leaves out blocks that are not read in time, and prints the missing share (waits "
       "for all)");
