@@ -1,7 +1,6 @@
 #include "io/zarr/level_maker.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -40,7 +39,8 @@ double rounded(double value) {
 
 // sum / count. Multiplying is faster and the same for powers of two, which most counts are.
 double meanOf(double sum, uint32_t count) {
-  if (std::has_single_bit(count)) return sum * (1.0 / count);
+  const bool is_power_of_two = count != 0 && (count & (count - 1)) == 0;
+  if (is_power_of_two) return sum * (1.0 / count);
   return sum / count;
 }
 
@@ -115,6 +115,9 @@ void eachVoxel(Vec3i size, F&& f) {
 Vec3i roundedUp(Vec3i size, Vec3i step) {
   return {ceilDiv(size.x, step.x), ceilDiv(size.y, step.y), ceilDiv(size.z, step.z)};
 }
+
+template <class T>
+constexpr bool isNarrow = std::is_integral_v<T> && sizeof(T) <= 2;
 
 template <class T>
 bool isNumber(T value) {
@@ -248,6 +251,7 @@ struct SpreadOf {
 // What squares of a cube are measured from: the value of its first voxel.
 template <class T>
 double originOf(const T* voxels) {
+  if constexpr (isNarrow<T>) return 0;  // sums are exact, whatever the cube
   const auto value = static_cast<double>(*voxels);
   return std::isfinite(value) ? value : 0;
 }
@@ -373,7 +377,7 @@ void LevelMaker::addOf(const Box3& box, const T* voxels, int64_t row_stride, int
     Blocks coarser = blocksOf(blocks);
     const Vec3i step = level.step / finer_step;
     if (i == 0) {
-      if constexpr (std::is_integral_v<T> && sizeof(T) <= 2) {
+      if constexpr (isNarrow<T>) {
         if (how_ == Downsample::kMean)
           gatherSums(size, level.step, voxels, row_stride, plane_stride, origin, coarser);
         else
