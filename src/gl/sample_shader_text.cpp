@@ -292,6 +292,9 @@ void main() {
 #endif
 #if SPREAD
     color = expectedColor(value, spread, factor, ray_length, color);
+#if FLOATS
+    if (IS_NO_NUMBER(vec3(value)).x) color = vec4(0.0);
+#endif
 #endif
 #if LIT
     float flatness = reflection.w / unit;

@@ -176,6 +176,32 @@ TEST_F(SpreadTest, spreadsGiveThePictureOfPlainLoops) {
       }
 }
 
+// The nearest mean shows something: a sample with any part of a NaN takes neither that look nor the
+// look of its neighbours.
+TEST_F(SpreadTest, samplesThatMeetATexelThatIsNoNumberShowNothing) {
+  PlainDevice plain;
+  const auto texelAt = [](int64_t i) {
+    const int64_t x = i % kDims.x, z = i / (kDims.x * kDims.y);
+    if (x < 7) return Texel{kNotANumber, z < 8 ? kNotANumber : 0};
+    if (i % 97 == 0) return Texel{kNotANumber, 60};
+    return noiseAt(i);
+  };
+  for (const Seen& seen : composites()) {
+    SCOPED_TRACE(seen.words());
+    FrameSetup setup = setupOf(seen, DeviceType::kF32);
+    // Low values are opaque, too.
+    LookUp look_up = *setup.look_up;
+    for (size_t i = 3; i < look_up.rgba.size(); i += 4)
+      look_up.rgba[i] = std::max(look_up.rgba[i], 0.1F);
+    look_up.expected = std::make_shared<const ExpectedLook>(expectedLook(look_up, kRange));
+    setup.look_up = std::make_shared<const LookUp>(std::move(look_up));
+    const ChunkTexelsPtr chunk = chunkOf(texelAt, DeviceType::kF32, true);
+    const Picture drawn = drawOn(*device_, setup, chunk);
+    EXPECT_GT(mostOpacity(drawn), 0.1);
+    EXPECT_LT(worstOf(drawn, drawOn(plain, setup, chunk)), 2);
+  }
+}
+
 // n unit lengths of values, a share of which is opaque, let (1 - share)^n through.
 TEST_F(SpreadTest, theOpacityIsThatOfTheShareThatIsOpaque) {
   PlainDevice plain;
