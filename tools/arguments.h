@@ -32,10 +32,11 @@ struct CullingArguments {
   std::string basis;          // files of transfer functions with commas between; empty: none
 };
 
-// The levels of resolution at which a volume that has several is drawn; none set: the finest.
+// The levels of resolution at which a volume that has several is drawn; none set: the default cut,
+// see cutOptions().
 struct LevelArguments {
   std::optional<int64_t> level;
-  std::optional<double> pixel_error;  // 1 if only max_bytes is given
+  std::optional<double> pixel_error;  // unset: 1
   uint64_t max_bytes = 0;             // 0: no limit
 };
 

@@ -125,7 +125,7 @@ Command addInfo(CLI::App& program) {
   return [arguments] {
     Workers pool(arguments->resources.threads);
     IndexNeeds needs = kUsualNeeds;
-    needs.levels = needs.levels || arguments->levels;
+    if (arguments->levels) needs.levels = LevelNeeds::kAll;
     const IndexedVolume volume = openIndexed(arguments->volume, arguments->resources, needs, pool);
     LookArguments look;
     look.first_picture = true;

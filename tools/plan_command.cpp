@@ -248,7 +248,10 @@ PlannedVolume openPlanned(const PlanArguments& arguments, FinestLevel finest,
 int run(const PlanArguments& asked, const CLI::App& app) {
   PlanArguments arguments = asked;
   Workers pool(arguments.resources.threads);
-  arguments.frame.cut = cutOptions(arguments.levels, arguments.resources);
+  if (arguments.frame.partition == Partition::kBoxes)
+    refuseLevels(arguments.levels, "--partition boxes plans the finest level alone");
+  arguments.frame.cut =
+      cutOptions(arguments.levels, arguments.resources, arguments.look, arguments.frame);
   Outputs outputs(arguments.force);
   outputs.reads(arguments.volume.inputs);
   outputs.reads(arguments.look.transfer_file);

@@ -8,6 +8,7 @@
 
 #include "src/base/digest.h"
 #include "src/parallel/agreement.h"
+#include "src/render/planner.h"
 #include "tools/report.h"
 
 namespace sluice {
@@ -63,6 +64,29 @@ uint64_t digestOf(std::span<const Camera> cameras, const VolumeLayout& layout) {
   return digest.value();
 }
 
+// Exact positions of blocks: one block more or less would be a hole in the picture.
+uint64_t digestOfCuts(Scene& scene, std::span<const Camera> cameras, FrameOptions options) {
+  Digest digest;
+  if (!options.cut) return digest.value();
+  const TimeStep step = scene.volume.step();
+  ChunkNames names;
+  Planner planner(scene.volume.page, scene.pool, names);
+  const LookPtr look =
+      planner.look(step, std::make_shared<const TransferFunction>(scene.transfer), options.mode);
+  for (const Camera& camera : cameras) {
+    const View view = resolve(camera, step.source->layout(), options.size, options.step_vox);
+    for (const ObjectBlock& block : planner.visibleBlocks(step, look, view, options)->blocks) {
+      digest.add(block.name.level);
+      digest.add(block.name.block);
+      for (int a = 0; a < 3; ++a) {
+        digest.add(block.cells.lo[a]);
+        digest.add(block.cells.hi[a]);
+      }
+    }
+  }
+  return digest.value();
+}
+
 std::string adviceFor(const std::string& file) {
   return fmt::format("give every rank the same file; is {} an old copy on one host?", file);
 }
@@ -81,7 +105,8 @@ void expectSameCommand(Team& team, const CLI::App& app) {
   expectAgreement(team, facts, "start every rank with the same options");
 }
 
-void expectSameScene(Team& team, const Scene& scene, std::span<const Camera> cameras) {
+void expectSameScene(Team& team, Scene& scene, std::span<const Camera> cameras,
+                     const FrameOptions& options) {
   const IndexedVolume& volume = scene.volume;
   expectAgreement(team, factsOf(*volume.source, volume.time, volume.index->ranges, kSceneSamples),
                   adviceFor(volume.name));
@@ -89,6 +114,8 @@ void expectSameScene(Team& team, const Scene& scene, std::span<const Camera> cam
                   {{"transfer functions", "", digestOf(scene.look)},
                    {"cameras", "", digestOf(cameras, volume.source->layout())}},
                   "give every rank the same files");
+  expectAgreement(team, {{"levels of resolution", "", digestOfCuts(scene, cameras, options)}},
+                  "processors may round differently; give --level N");
 }
 
 void expectSameStep(Team& team, const Scene& scene, const TimeStep& step) {

@@ -20,8 +20,10 @@ namespace sluice {
 // The program's version, the command and its options. All ranks call these, and all throw Error,
 // the same line, when one of them differs.
 void expectSameCommand(Team& team, const CLI::App& app);
-// The volume's step that the scene was opened for, its transfer function, and the cameras.
-void expectSameScene(Team& team, const Scene& scene, std::span<const Camera> cameras);
+// The volume's step that the scene was opened for, its transfer function, the cameras, and for a
+// cut through levels of resolution the blocks that each picture with these options is drawn from.
+void expectSameScene(Team& team, Scene& scene, std::span<const Camera> cameras,
+                     const FrameOptions& options);
 // The same for another step of the scene's series.
 void expectSameStep(Team& team, const Scene& scene, const TimeStep& step);
 

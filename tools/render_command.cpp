@@ -135,29 +135,28 @@ double chosenStep(const Scene& scene, const Camera& camera, const FrameOptions& 
   const VolumeLayout& layout = scene.volume.source->layout();
   const View view = resolve(camera, layout, options.size, options.step_vox);
   const TimeStep shown = scene.volume.step();
-  if (!options.cut || shown.coarser.empty()) return stepFor(view, layout);
-  // The step of the finest level in the picture, as if it were all of the volume.
-  const double times = spacingOfLevel(shown, finestLevelShown(shown, view, *options.cut));
-  VolumeLayout level = layout;
-  level.spacing = level.spacing * times;
-  for (int a = 0; a < 3; ++a)
-    level.dims[a] = std::max<int64_t>(1, std::llround(static_cast<double>(level.dims[a]) / times));
-  return times * stepFor(view, level);
+  const bool is_cut = drawsCut(shown, options.cut, options.mode, scene.transfer.labels);
+  return stepFor(view, shown, is_cut ? options.cut : std::nullopt);
 }
 
-// Series, culling and ranks know the blocks of the finest level alone.
-std::optional<CutOptions> cutOf(const Arguments& arguments, const Team* team) {
-  if (team == nullptr && !isSeries(arguments)) {
-    LevelArguments levels = arguments.levels;
-    if (asksForRefinement(arguments) && !levels.level)
-      levels.pixel_error = levels.pixel_error.value_or(CutOptions().pixel_error);
-    return cutOptions(levels, arguments.resources);
+// Culling knows the blocks of the finest level alone.
+std::optional<CutOptions> cutOf(const Arguments& arguments, Team* team) {
+  if (arguments.culling.culling != Culling::kNone) {
+    refuseLevels(arguments.levels, "--culling draws the finest level alone");
+    return std::nullopt;
   }
-  std::string_view what = "a series";
-  if (team != nullptr) what = "a picture of several ranks";
-  if (arguments.culling.culling != Culling::kNone) what = "--culling";
-  refuseLevels(arguments.levels, what);
-  return std::nullopt;
+  LevelArguments levels = arguments.levels;
+  // Pictures that get better begin with any level; means cannot show some of them.
+  if (asksForRefinement(arguments) && !isSeries(arguments) && team == nullptr && !levels.level &&
+      arguments.frame.mode == Mode::kComposite && !arguments.look.labels)
+    levels.pixel_error = levels.pixel_error.value_or(CutOptions().pixel_error);
+  std::optional<CutOptions> cut =
+      cutOptions(levels, arguments.resources, arguments.look, arguments.frame);
+  // All ranks make the same cut, and each holds its share of the blocks.
+  if (cut && team != nullptr)
+    cut->most_held_bytes = static_cast<uint64_t>(team->ranks()) *
+                           std::stoull(team->fromFirst(std::to_string(cut->most_held_bytes)));
+  return cut;
 }
 
 PictureOutput outputOf(const Arguments& arguments) {
@@ -292,9 +291,9 @@ bool reportsParts(const Arguments& arguments) {
 // Whether the scene's frames are rows of pictures that get better: a volume of one level has no
 // coarser picture to begin with.
 bool isRefined(const Arguments& arguments, const Scene& scene) {
-  const auto& pyramid = scene.volume.pyramid;
   return asksForRefinement(arguments) && !isSeries(arguments) && scene.share == nullptr &&
-         arguments.frame.cut && pyramid != nullptr && pyramid->levels() > 1;
+         drawsCut(scene.volume.step(), arguments.frame.cut, arguments.frame.mode,
+                  scene.transfer.labels);
 }
 
 // Options that look at a whole picture do not go with one that is drawn in strips.
@@ -456,7 +455,8 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
     if (saved->film && asksForFilm(arguments)) {
       if (team != nullptr)
         fail("{}: a single process must draw the frames of a path", arguments.state_file);
-      refuseLevels(arguments.levels, "a film");
+      refuseLevels(arguments.levels,
+                   "frames of a saved path are drawn at the default levels, as in the window");
       return writeFilm(arguments, app, *saved);
     }
   }
@@ -484,11 +484,13 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
   const Room room = arguments.annotate ? annotationRoom(arguments.frame.size) : Room{};
   const FittedScene fitted = openFitted(arguments, saved, outputs, team, room);
   Scene& scene = *fitted.scene;
+  if (scene.share && arguments.frame.cut)
+    arguments.frame.cut->coarsest = scene.share->dealing().coarsest_level;
   const std::vector<Camera>& cameras = fitted.cameras;
   if (is_first)
     for (const std::string& warning : scene.look.warnings) printWarning(warning);
   if (scene.volume.stand_in && !arguments.resources.quiet) printWarning(scene.volume.standInNote());
-  if (team != nullptr) expectSameScene(*team, scene, cameras);
+  if (team != nullptr) expectSameScene(*team, scene, cameras, arguments.frame);
   const PictureOutput output = outputOf(arguments);
   const FrameOptions options = frameOptions(arguments, app, cameras.front(), output, scene);
   requireWholePicture(arguments, scene);
@@ -532,10 +534,11 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
     const auto at = static_cast<size_t>(arguments.times ? 0 : to_draw.back());
     FrameOptions last = options;
     last.camera = cameraOf(cameras, to_draw.back());
-    verified = verify(scene,
-                      {arguments.volume, arguments.resources, fitted.asked, at, arguments.fit, room,
-                       arguments.look.this_step, timeOf(arguments, to_draw.back())},
-                      last, drawn.picture);
+    verified = verify(
+        scene,
+        {arguments.volume, arguments.resources, fitted.asked, at, arguments.fit, room,
+         arguments.look.this_step, timeOf(arguments, to_draw.back()), app.count("--step") > 0},
+        last, drawn.picture);
     report["verify"] = {{"max_difference", verified->max_difference},
                         {"mean_difference", verified->mean_difference},
                         {"unchecked", verified->unchecked}};

@@ -151,9 +151,10 @@ void printDrawn(const RenderArguments& arguments, const Scene& scene, const Seri
     say("incomplete: {:.1f} % of the visible cells were not read within --time-limit\n",
         100 * report.missing_share);
   if (verified)
-    say("against the plain picture: largest difference {:.3f}/255, mean {:.5f}/255; not checked: "
+    say("against the plain picture{}: largest difference {:.3f}/255, mean {:.5f}/255; not checked: "
         "{}\n",
-        verified->max_difference, verified->mean_difference, fmt::join(verified->unchecked, "; "));
+        isCoarser(*drawn.blocks) ? " of level 0" : "", verified->max_difference,
+        verified->mean_difference, fmt::join(verified->unchecked, "; "));
   say("{}\n", drawn.name.string());
   for (const std::filesystem::path& view : drawn.views) say("{}\n", view.string());
 }

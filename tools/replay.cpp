@@ -73,10 +73,9 @@ class Turn final : public ReplaySource {
   Turn(const TurnArguments& arguments, const Outputs& outputs)
       : arguments_(arguments),
         pool_(arguments.resources.threads),
-        volume_(openIndexed(
-            arguments.volume, arguments.resources,
-            needsOf(arguments.look, arguments.frame.mode, arguments.frame.cut.has_value()), pool_,
-            outputs)),
+        volume_(openIndexed(arguments.volume, arguments.resources,
+                            needsOf(arguments.look, arguments.frame.mode, arguments.frame.cut),
+                            pool_, outputs)),
         transfer_(std::make_shared<const TransferFunction>(
             lookFor(volume_, arguments.look, arguments.frame.mode).transfer)),
         default_pages_(static_cast<uint64_t>(volume_.page.pages)),
@@ -141,7 +140,7 @@ std::unique_ptr<ReplaySource> openTraceFile(const std::string& file,
 
 std::unique_ptr<ReplaySource> openTurn(const TurnArguments& arguments, const Outputs& outputs) {
   TurnArguments turn = arguments;
-  turn.frame.cut = cutOptions(turn.levels, turn.resources);
+  turn.frame.cut = cutOptions(turn.levels, turn.resources, turn.look, turn.frame);
   return std::make_unique<Turn>(turn, outputs);
 }
 

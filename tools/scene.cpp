@@ -42,9 +42,9 @@ IndexedVolume openIndexed(const VolumeArguments& arguments, const ResourceArgume
 }
 
 IndexNeeds pictureNeeds(const LookArguments& look, const FrameOptions& frame, FinestLevel finest) {
-  IndexNeeds needs = needsOf(look, frame.mode, frame.cut.has_value());
+  IndexNeeds needs = needsOf(look, frame.mode, frame.cut);
   // Growing boxes have an index of their own, which takes the finest level's.
-  needs.may_stand_in = finest == FinestLevel::kMayWait && needs.levels &&
+  needs.may_stand_in = finest == FinestLevel::kMayWait && needs.levels != LevelNeeds::kFinest &&
                        frame.cut->level.value_or(1) > 0 && frame.partition == Partition::kBlocks;
   return needs;
 }
@@ -85,7 +85,8 @@ Scene::Scene(const VolumeArguments& arguments, const LookArguments& arguments_lo
       look(lookFor(volume, arguments_look, frame.mode)),
       transfer(look.transfer) {
   if (team != nullptr) {
-    const Dealing dealing = dealBlocks(volume.layout, team->ranks());
+    const int level = frame.cut ? frame.cut->level.value_or(0) : 0;
+    const Dealing dealing = dealBlocks(volume.step().layout(), team->ranks(), level);
     part_bytes = partBytes(frame.size, dealing, memory_bytes);
     share = std::make_unique<RankShare>(*team, dealing, pool, part_bytes);
     device = share->deviceFrom(std::move(device));

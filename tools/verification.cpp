@@ -39,13 +39,12 @@ IndexedVolume openAnew(const Scene& scene, const VerifiedView& view, const Index
   const int64_t size = scene.volume.layout.size;
   machine.block = size > 16 ? size / 2 : size * 2;
   machine.pages.reset();  // they need not hold a block of that size
-  const IndexNeeds needs{.gradients = scene.volume.layout.ghost == 1};
+  const IndexNeeds needs{.gradients = scene.volume.needs.gradients};
   return indexVolume(openSource(view.volume), view.volume, machine, needs, {.disabled = true},
                      pass);
 }
 
-// The ranges of the step that is drawn. A series has one range of values for all steps, which
-// tables and light follow from.
+// A series has one range of values for all steps, which tables and light follow from.
 TimeStep stepOf(const IndexedVolume& volume, const Scene& scene, int64_t time,
                 const IndexPass& pass) {
   if (volume.source->layout().time_steps == 1) return volume.step();
@@ -62,6 +61,7 @@ FrameOptions plainOptions(FrameOptions options) {
   options.occlusion = Occlusion::kOff;
   options.skips = false;
   options.time_limit_s.reset();
+  options.cut.reset();
   options.count_samples = false;
   options.keep_phases = false;
   return options;
@@ -92,6 +92,7 @@ Verification verify(Scene& scene, const VerifiedView& view, FrameOptions options
   ProgressMeter progress(view.resources.quiet ? ProgressWatch() : progressLine("verifying"));
   const IndexPass pass{scene.pool, progress, scene.memory_bytes, interruption()};
   const IndexedVolume volume = openAnew(scene, view, pass);
+  const bool is_cut = scene.volume.pyramid != nullptr;
   options = plainOptions(std::move(options));
   std::vector<Camera> cameras = view.cameras;
   if (volume.source->layout().time_steps == 1 || view.this_step) {
@@ -101,6 +102,11 @@ Verification verify(Scene& scene, const VerifiedView& view, FrameOptions options
   } else if (fitOf(cameras, view.fit) == Fit::kVisible) {
     result.unchecked.emplace_back("the fit to all time steps");
   }
+  const VolumeLayout& layout = volume.source->layout();
+  // Slices of the finest level lie closer than those of a picture from coarser ones.
+  if (is_cut && !view.has_step)
+    options.step_vox =
+        stepFor(resolve(options.camera, layout, options.size, options.step_vox), layout);
   EveryBlock every_block(scene.pool);
   const bool all = volume.layout.blockCount() <= kMostBlocks;
   if (!all) result.unchecked.emplace_back("which blocks are empty, since there are too many");

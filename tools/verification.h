@@ -2,8 +2,9 @@
 //
 // The plain picture shares only the request with the picture that it checks. The volume is opened
 // again and its ranges are read from the voxels, in blocks of another size. The view is fitted to
-// those. Every block is drawn whole, also those that show nothing, every sample of a ray is taken,
-// and nothing is left out for time. Both pictures share the transfer function and the device.
+// those. The finest level is drawn, whatever levels the picture was drawn from. Every block is
+// drawn whole, also those that show nothing, every sample of a ray is taken, and nothing is left
+// out for time. Both pictures share the transfer function and the device.
 #pragma once
 
 #include <string>
@@ -28,7 +29,8 @@ struct VerifiedView {
   FitChoice fit;
   Room room;
   bool this_step = false;
-  int64_t time = 0;  // the step that the picture shows
+  int64_t time = 0;       // the step that the picture shows
+  bool has_step = false;  // the user set the distance of slices
 };
 
 // `options` belong to the picture. Draws the scene's last picture: the scene's session is gone

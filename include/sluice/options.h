@@ -100,6 +100,12 @@ struct PictureOptions {
   // Distance between samples along a ray, in voxel lengths of the finest spacing, above 0; unset:
   // 1/2 if pixels are smaller than voxels, otherwise 1.
   std::optional<double> step_vox = {};
+  // Volumes with levels of resolution that have spreads, in composite mode and not of labels: each
+  // part is drawn at the coarsest level whose voxels are at most this many pixels wide, above 0, as
+  // far as half of the memory holds the blocks. `level`: all at this level; 0 is the data as
+  // stored, the only level of other volumes and modes.
+  double pixel_error = 1;
+  std::optional<int> level = {};
   std::optional<Box> crop = {};
   std::vector<Plane> clip_planes = {};  // at most 6
   bool with_depth = false;              // composite mode

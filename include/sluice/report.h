@@ -21,6 +21,10 @@ struct RenderReport {
   double seconds = 0, draw_seconds = 0;
   double missing_share = 0;
   int64_t white = 0, grey = 0, black = 0;
+  // The share of the visible cells that it shows at coarser levels of resolution than the data is
+  // stored at, and whether the memory ended the refinement before PictureOptions::pixel_error.
+  double coarse_share = 0;
+  bool is_refined = true;
   // Why the last picture shows nothing, in one line: "the camera looks past the visible part of the
   // volume". Empty if it shows something, or is on a screen.
   std::string why_empty;

@@ -11,6 +11,7 @@
 #include "src/classify/transfer/transfer_file.h"
 #include "src/classify/transfer/transfer_makers.h"
 #include "src/render/index_space.h"
+#include "src/render/level_cut.h"
 
 namespace sluice {
 namespace {
@@ -233,6 +234,16 @@ double stepFor(const View& view, const VolumeLayout& layout) {
     pixel *= std::max(0.0, dot(center - view.eye, view.forward));
   }
   return pixel < finestSpacing(layout) ? 0.5 : 1;
+}
+
+double stepFor(const View& view, const TimeStep& step, const std::optional<CutOptions>& cut) {
+  VolumeLayout level = step.source->layout();
+  if (!cut) return stepFor(view, level);
+  const double times = spacingOfLevel(step, finestLevelShown(step, view, *cut));
+  level.spacing = level.spacing * times;
+  for (int a = 0; a < 3; ++a)
+    level.dims[a] = std::max<int64_t>(1, std::llround(static_cast<double>(level.dims[a]) / times));
+  return times * stepFor(view, level);
 }
 
 }  // namespace sluice

@@ -2,6 +2,7 @@
 // options that reproduce it.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,8 @@
 #include "src/device/frame_values.h"
 #include "src/library/requests.h"
 #include "src/render/camera.h"
+#include "src/render/cut_options.h"
+#include "src/render/time_step.h"
 
 namespace sluice {
 
@@ -48,5 +51,8 @@ bool needsStatistics(const LookArguments& look);
 // Slices of half a voxel if a pixel is smaller than a voxel, because the picture shows the
 // difference then.
 double stepFor(const View& view, const VolumeLayout& layout);
+// The same for a picture from a cut: the step of the finest level in the picture, as if that were
+// all of the volume. `cut` unset: the finest level of all.
+double stepFor(const View& view, const TimeStep& step, const std::optional<CutOptions>& cut);
 
 }  // namespace sluice

@@ -211,6 +211,14 @@ FrameOptions frameOptions(const PictureOptions& picture, const VolumeLayout& lay
   if (picture.step_vox) options.step_vox = *picture.step_vox;
   resolve(options.camera, layout, options.size, options.step_vox);  // throws
   requireStep(picture.time, layout);
+  requireFinite("pixel_error", picture.pixel_error);
+  if (!(picture.pixel_error > 0)) fail("pixel_error {}: must be above 0", picture.pixel_error);
+  if (picture.level && *picture.level < 0)
+    fail("level {}: levels are counted from 0", *picture.level);
+  if (picture.level != 0) {
+    options.cut = CutOptions{.pixel_error = picture.pixel_error, .level = picture.level};
+    options.cut->is_default = !picture.level;
+  }
   if (picture.crop) options.crop = cropOf(*picture.crop, layout.dims);
   if (picture.with_depth && mode != Mode::kComposite)
     fail("with_depth: depth exists only in composite mode, since it is weighted by opacity");

@@ -15,6 +15,7 @@
 #include "src/library/resources.h"
 #include "src/library/view_fit.h"
 #include "src/render/index_space.h"
+#include "src/render/level_cut.h"
 
 namespace sluice {
 
@@ -52,12 +53,8 @@ TimeStep Drawing::stepAt(int64_t time, const IndexPass& pass) {
   requireStep(time, layout());
   const IndexedVolume& volume = opened_->volume;
   if (time == volume.time) return volume.step();
-  const auto index = ranges_[static_cast<size_t>(time % 2)].of(time, [&] {
-    IndexedRanges made = rangesOfStep(volume, time, pass);
-    made.ranges.device_range = volume.index->ranges.device_range;
-    return made;
-  });
-  return {volume.source.get(), time, {index, &index->ranges}};
+  return *steps_[static_cast<size_t>(time % 2)].of(
+      time, [&] { return stepOfSeries(volume, time, pass); });
 }
 
 std::optional<Framing> Drawing::framingFor(const std::vector<Camera>& cameras, FitChoice choice,
@@ -84,9 +81,12 @@ FrameOptions Drawing::framed(const PictureOptions& picture, const TimeStep& step
 FrameOptions Drawing::looked(const PictureOptions& picture, const TimeStep& step,
                              const IndexPass& pass) {
   FrameOptions options = framed(picture, step, pass);
-  if (!picture.step_vox && mode_ == Mode::kComposite)
-    options.step_vox =
-        stepFor(resolve(options.camera, layout(), options.size, options.step_vox), layout());
+  if (options.cut) options.cut->most_held_bytes = memoryBudget(machine_) / 2;
+  if (!picture.step_vox && mode_ == Mode::kComposite) {
+    const bool is_cut = drawsCut(step, options.cut, mode_, look_.transfer.labels);
+    options.step_vox = stepFor(resolve(options.camera, layout(), options.size, options.step_vox),
+                               step, is_cut ? options.cut : std::nullopt);
+  }
   options.shades = look_.lit;
   options.lighting.flat_share *= look_.flat_scale;
   return options;
@@ -239,6 +239,10 @@ RenderReport Drawing::report(bool maps) const {
   report.white = report_.white;
   report.grey = report_.grey;
   report.black = report_.black;
+  if (report_.cut) {
+    report.coarse_share = report_.cut->coarse_share;
+    report.is_refined = report_.cut->is_final;
+  }
   report.pages_loaded = report_.pages_loaded;
   report.read_bytes = opened_->volume.source->storedBytesRead();
   report.volume_buffer = level(session_->volumeBufferCounters());
@@ -265,8 +269,16 @@ std::vector<uint8_t> Drawing::blockClasses() const {
   const VisibleBlocksPtr visible = session_->lastVisible();
   if (visible == nullptr || blocks > RenderReport::kMostMappedBlocks) return {};
   std::vector<uint8_t> classes(static_cast<size_t>(blocks), 0);
-  for (const ObjectBlock& block : visible->blocks)
-    classes[static_cast<size_t>(block.name.block)] = block.kind == BlockClass::kBlack ? 2 : 1;
+  const BlockLayout& finest = opened_->volume.layout;
+  const PyramidLayout pyramid = opened_->volume.step().layout();
+  for (const ObjectBlock& block : visible->blocks) {
+    const uint8_t kind = block.kind == BlockClass::kBlack ? 2 : 1;
+    const Box3 covered = pyramid.finestBlocksOf(block.name);
+    for (int64_t z = covered.lo.z; z < covered.hi.z; ++z)
+      for (int64_t y = covered.lo.y; y < covered.hi.y; ++y)
+        for (int64_t x = covered.lo.x; x < covered.hi.x; ++x)
+          classes[static_cast<size_t>(finest.idOf({x, y, z}))] = kind;
+  }
   return classes;
 }
 

@@ -85,8 +85,8 @@ class Drawing {
   Mode mode_ = Mode::kComposite;
   ChosenLook look_;
   int64_t looks_ = 0;  // looks set so far
-  // Ranges of the step that is drawn and of the one that is read ahead.
-  std::array<Memo<int64_t, const IndexedRanges>, 2> ranges_;
+  // The step that is drawn and the one that is read ahead.
+  std::array<Memo<int64_t, const TimeStep>, 2> steps_;
   FrameReport report_;                 // report of the last frame
   std::string why_empty_;              // RenderReport::why_empty
   DrawsForScreens* screen_ = nullptr;  // the device, if it draws in a context that was lent

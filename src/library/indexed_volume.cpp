@@ -71,6 +71,23 @@ std::vector<std::string> notesOf(const std::string& name, const VolumeLayout& la
   return notes;
 }
 
+// Levels are made beside the index if somebody asks for a cut or for levels.
+LevelsWish wishFor(LevelNeeds needs, LevelsWish wish) {
+  const bool makes = needs == LevelNeeds::kAll ||
+                     (needs == LevelNeeds::kWithSpreads && wish == LevelsWish::kAlways);
+  return makes ? wish : LevelsWish::kNone;
+}
+
+// The levels that these needs ask for.
+std::span<const CoarserLevel> levelsFor(const VolumeSource& source, LevelNeeds needs) {
+  const std::span<const CoarserLevel> all = coarserLevels(source);
+  if (needs == LevelNeeds::kAll) return all;
+  size_t count = 0;
+  if (needs == LevelNeeds::kWithSpreads)
+    while (count < all.size() && all[count].spreads != nullptr) ++count;
+  return all.first(count);
+}
+
 // Adds the levels up to the first that does not nest.
 void addLevels(IndexedVolume& volume, std::span<const CoarserLevel> levels) {
   if (levels.empty()) return;
@@ -94,18 +111,19 @@ void addLevels(IndexedVolume& volume, std::span<const CoarserLevel> levels) {
 }
 
 std::shared_ptr<const IndexedRanges> indexOfLevel(const IndexedVolume& volume, int level,
-                                                  const IndexPass& pass) {
+                                                  int64_t time, const IndexPass& pass) {
   VolumeSource& source = *coarserLevels(*volume.source)[static_cast<size_t>(level) - 1].source;
   return std::make_shared<const IndexedRanges>(
-      indexedRanges(source, volume.places, volume.time, volume.pyramid->level(level).blocks,
-                    pass.pool, pass.progress, pass.memory_bytes, pass.stop));
+      indexedRanges(source, volume.places, time, volume.pyramid->level(level).blocks, pass.pool,
+                    pass.progress, pass.memory_bytes, pass.stop));
 }
 
 // Indices of the levels without spreads, from `least` on.
 void indexLevels(IndexedVolume& volume, int least, const IndexPass& pass) {
   for (int level = least; level <= static_cast<int>(volume.coarser.size()); ++level)
     if (volume.pyramid->level(level).numbers == 1)
-      volume.coarser[static_cast<size_t>(level) - 1] = indexOfLevel(volume, level, pass);
+      volume.coarser[static_cast<size_t>(level) - 1] =
+          indexOfLevel(volume, level, volume.time, pass);
 }
 
 // The stand-in's values for the finest level, of whose blocks nothing is known. Indices are made of
@@ -123,7 +141,7 @@ IndexedRanges standIn(IndexedVolume& volume, const IndexPass& pass) {
   }
   const auto at = static_cast<size_t>(number) - 1;
   StandIn stand_in{number, volume.coarser[at], {}};
-  if (stand_in.index == nullptr) stand_in.index = indexOfLevel(volume, number, pass);
+  if (stand_in.index == nullptr) stand_in.index = indexOfLevel(volume, number, volume.time, pass);
   stand_in.device_range = stand_in.index->ranges.device_range;
   if (levels[at].spreads != nullptr)
     stand_in.device_range =
@@ -183,7 +201,9 @@ uint64_t IndexedVolume::rangesBytes() const {
   return bytes;
 }
 
-IndexNeeds needsOf(const LookArguments& look, Mode mode, bool levels) {
+IndexNeeds needsOf(const LookArguments& look, Mode mode, const std::optional<CutOptions>& cut) {
+  LevelNeeds levels = LevelNeeds::kFinest;
+  if (cut) levels = cut->is_default ? LevelNeeds::kWithSpreads : LevelNeeds::kAll;
   return {needsGradients(look, mode),
           look.whole_series || (look.first_picture && needsStatistics(look) && !look.this_step),
           levels};
@@ -211,6 +231,7 @@ IndexedVolume indexVolume(std::unique_ptr<VolumeSource> source, const VolumeArgu
                           const IndexWish& wish, const IndexPass& pass) {
   IndexedVolume volume;
   volume.source = std::move(source);
+  volume.needs = needs;
   volume.name = arguments.inputs.front();
   volume.places = indexPlaces(volume.name, wish);
   const VolumeLayout& layout = volume.source->layout();
@@ -220,10 +241,10 @@ IndexedVolume indexVolume(std::unique_ptr<VolumeSource> source, const VolumeArgu
   volume.time = arguments.time;
   const bool has_own = !coarserLevels(*volume.source).empty();
   SideLevels side({*volume.source, volume.name, volume.places, volume.time,
-                   needs.levels && !has_own ? machine.levels : LevelsWish::kNone, pass.pool,
+                   has_own ? LevelsWish::kNone : wishFor(needs.levels, machine.levels), pass.pool,
                    pass.memory_bytes, pass.stop, pass.announce});
   // Several levels take a layer more (pyramid.h).
-  const bool has_levels = needs.levels && (has_own || side.any());
+  const bool has_levels = side.any() || !levelsFor(*volume.source, needs.levels).empty();
   const int ghost = (needs.gradients ? 1 : 0) + (has_levels ? 1 : 0);
   if (block - 1 - 2 * ghost < 1)
     fail(
@@ -237,7 +258,7 @@ IndexedVolume indexVolume(std::unique_ptr<VolumeSource> source, const VolumeArgu
     side.finish();
   }
   volume.source = side.join(std::move(volume.source));
-  if (needs.levels) addLevels(volume, coarserLevels(*volume.source));
+  addLevels(volume, levelsFor(*volume.source, needs.levels));
   volume.source->holdAtMost(pass.memory_bytes / 4);  // nothing else is in memory yet
   if (made) indexLevels(volume, 1, pass);
   IndexedRanges index = made ? *std::move(made) : indexOf(volume, needs, pass);
@@ -259,6 +280,21 @@ std::string IndexedVolume::standInNote() const {
       "{}: level 0 has no index yet; the range of values, the look and the fit come from level {} "
       "and may differ a little from those of level 0",
       name, stand_in->level);
+}
+
+TimeStep stepOfSeries(const IndexedVolume& volume, int64_t time, const IndexPass& pass) {
+  TimeStep step = volume.step();
+  if (time == volume.time) return step;
+  step.time = time;
+  auto ranges = std::make_shared<SliceRanges>(rangesOfStep(volume, time, pass).ranges);
+  ranges->device_range = volume.index->ranges.device_range;
+  step.ranges = std::move(ranges);
+  for (size_t i = 0; i < step.coarser.size(); ++i) {
+    if (step.coarser[i].ranges == nullptr) continue;
+    const auto index = indexOfLevel(volume, static_cast<int>(i) + 1, time, pass);
+    step.coarser[i].ranges = {index, &index->ranges};
+  }
+  return step;
 }
 
 ValueRange IndexedVolume::finiteRange() const {

@@ -17,9 +17,27 @@
 #include "src/library/chosen_look.h"
 #include "src/library/requests.h"
 #include "src/library/stand_in.h"
+#include "src/render/cut_options.h"
 #include "src/render/time_step.h"
 
 namespace sluice {
+
+// The levels of resolution that pictures may be drawn from: the finest alone; also those that have
+// spreads, up to the first that has none, for the default cut; or all.
+enum class LevelNeeds { kFinest, kWithSpreads, kAll };
+
+struct IndexNeeds {
+  bool gradients = false;     // a ghost layer
+  bool whole_series = false;  // values of all steps
+  LevelNeeds levels = LevelNeeds::kFinest;
+  // With levels: a volume that has no index of its finest level is opened with a stand-in.
+  bool may_stand_in = false;
+};
+// `cut`: the cut that pictures are drawn from; unset: the finest level.
+IndexNeeds needsOf(const LookArguments& look, Mode mode,
+                   const std::optional<CutOptions>& cut = std::nullopt);
+// The needs of a picture without options, so that an index made ahead serves it.
+inline constexpr IndexNeeds kUsualNeeds{.gradients = true, .levels = LevelNeeds::kWithSpreads};
 
 struct IndexedVolume {
   std::unique_ptr<VolumeSource> source;
@@ -33,6 +51,7 @@ struct IndexedVolume {
       index;                        // of this step; without values if there is a stand-in
   std::optional<StandIn> stand_in;  // in place of the finest level, which was not read then
   ValueStatistics values;           // of its step, or of the series
+  IndexNeeds needs;                 // those that it was opened for
   // Levels above the finest, of the same step, from fine to coarse: null and empty where there are
   // none or none was asked for. A level with spreads has no index: null.
   std::shared_ptr<const PyramidLayout> pyramid;
@@ -52,18 +71,6 @@ struct IndexedVolume {
   // Least and greatest finite value, of the step.
   ValueRange finiteRange() const;
 };
-
-struct IndexNeeds {
-  bool gradients = false;     // a ghost layer
-  bool whole_series = false;  // values of all steps
-  bool levels = false;  // also the levels above the finest: its own, or those beside its index
-  // With levels: a volume that has no index of its finest level is opened with a stand-in.
-  bool may_stand_in = false;
-};
-// `levels`: a cut through the levels of resolution may be drawn.
-IndexNeeds needsOf(const LookArguments& look, Mode mode, bool levels = false);
-// The needs of a picture without options, so that an index made ahead serves it.
-inline constexpr IndexNeeds kUsualNeeds{.gradients = true};
 
 // The pass over the voxels if an index is missing: its threads, limits and watcher.
 struct IndexPass {
@@ -88,6 +95,10 @@ IndexedVolume indexVolume(std::unique_ptr<VolumeSource> source, const VolumeArgu
 // The min-max arrays of any step of the volume, like its own step's in IndexedVolume. Throws Error,
 // Interrupted.
 IndexedRanges rangesOfStep(const IndexedVolume& volume, int64_t time, const IndexPass& pass);
+// A step of the series, with the levels of the volume's own step and with the value range of all
+// steps if the volume was opened for the whole series, so that one table of opacities serves every
+// step. Throws as rangesOfStep() does.
+TimeStep stepOfSeries(const IndexedVolume& volume, int64_t time, const IndexPass& pass);
 
 ChosenLook lookFor(const IndexedVolume& volume, const LookArguments& look, Mode mode);
 

@@ -188,13 +188,6 @@ double greatestExponent(const OpacityTable& a, const OpacityTable& b) {
   return familyExponents(a, {&b, 1}).front();
 }
 
-TimeStep stepOfSeries(const IndexedVolume& volume, int64_t time, const IndexPass& pass) {
-  if (time == volume.time) return volume.step();
-  auto ranges = std::make_shared<SliceRanges>(rangesOfStep(volume, time, pass).ranges);
-  ranges->device_range = volume.index->ranges.device_range;
-  return {volume.source.get(), time, std::move(ranges)};
-}
-
 SeriesFunctions seriesFunctions(const IndexedVolume& volume, const TransferFunction& transfer,
                                 const SeriesOptions& options, const IndexPass& pass) {
   return options.basis.empty() ? functionsOfLook(volume, transfer, options, pass, true)

@@ -54,10 +54,6 @@ std::optional<SeriesFunctions> keptSeriesFunctions(const IndexedVolume& volume,
                                                    const SeriesOptions& options,
                                                    const IndexPass& pass);
 
-// A step of the series with the value range of all of them, so that one table of opacities serves
-// every step. Requires: the volume was opened for the whole series.
-TimeStep stepOfSeries(const IndexedVolume& volume, int64_t time, const IndexPass& pass);
-
 // The greatest k for which (1 - b)^k is nowhere less than 1 - a, with a and b the opacities of the
 // tables; 0 if the tables cannot be compared.
 double greatestExponent(const OpacityTable& a, const OpacityTable& b);

@@ -38,8 +38,8 @@ int standInLevel(const PyramidLayout& pyramid);
 ValueRange rangeOfSpreads(const CoarserLevel& level, ValueRange means, int64_t time,
                           WorkerPool& pool, const StopToken& stop = {});
 
-// Whether a cut for any of these cameras draws a part at the finest level. `step` may have unknown
-// blocks. Requires: frame.cut is set, several levels.
+// Whether a picture from any of these cameras draws a part at the finest level. `step` may have
+// unknown blocks. Requires: frame.cut is set, several levels.
 bool showsFinest(const TimeStep& step, const TransferFunction& transfer, FrameOptions frame,
                  std::span<const Camera> cameras, WorkerPool& pool);
 

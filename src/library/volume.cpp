@@ -11,9 +11,6 @@
 namespace sluice {
 namespace {
 
-// Gradients need one voxel around each block, so that any look can be drawn.
-constexpr IndexNeeds kNeeds{.gradients = true};
-
 void open(OpenedVolume& opened, const std::vector<std::string>& paths, const VolumeOptions& options,
           ProgressTeller& teller) {
   VolumeArguments arguments = volumeArguments(paths, options);
@@ -28,7 +25,7 @@ void open(OpenedVolume& opened, const std::vector<std::string>& paths, const Vol
   teller.stop().throwIfStopped();
   WorkerPool pool(machine.threads);
   ProgressMeter progress(teller.watch(Progress::Stage::kIndexing));
-  IndexNeeds needs = kNeeds;
+  IndexNeeds needs = kUsualNeeds;  // any look can be drawn
   needs.whole_series = options.whole_series;
   opened.whole_series = options.whole_series;
   opened.volume = indexVolume(openSource(arguments), arguments, machine, needs,

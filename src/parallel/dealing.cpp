@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <functional>
+#include <numeric>
 #include <queue>
 #include <utility>
 
@@ -15,6 +16,8 @@ namespace {
 
 // Hands a rank that are aimed at before these are made larger.
 constexpr int64_t kHandsARank = 256;
+// Fewer would leave some ranks without work.
+constexpr int kLeastHandsARank = 8;
 
 // 2^64 over the golden ratio: its multiples, modulo 2^64, fill every interval as evenly as can be,
 // and so do the multiples of any stretch of successive numbers.
@@ -22,33 +25,54 @@ constexpr uint64_t kGolden = 0x9e3779b97f4a7c15;
 
 }  // namespace
 
-Dealing dealBlocks(const BlockLayout& layout, int ranks) {
+Dealing dealBlocks(const PyramidLayout& pyramid, int ranks, int level) {
   SLUICE_CHECK(ranks >= 1);
-  Dealing dealing{layout.grid, ranks, 1, layout.cells(), 0};
-  const auto handsOf = [&](int64_t hand) {
-    return volume((layout.grid + Vec3i{hand - 1, hand - 1, hand - 1}) / hand);
+  const int64_t cells = pyramid.finest().cells();
+  // The finest blocks a side of a hand that hold whole blocks of a level, and how many hands there
+  // are then: where a level's grid ends sooner, its last blocks have the rest.
+  const auto sideFor = [&](int64_t hand, int of) {
+    for (int a = 0; a < 3; ++a) hand = std::lcm(hand, pyramid.level(of).width[a] / cells);
+    return hand;
   };
-  while (handsOf(2 * dealing.hand) >= kHandsARank * ranks) dealing.hand *= 2;
-  dealing.side_vox *= dealing.hand;
-  const int64_t longest =
-      (std::max({layout.grid.x, layout.grid.y, layout.grid.z}) + dealing.hand - 1) / dealing.hand;
+  const auto gridOf = [&](int64_t hand, int of) {
+    Vec3i grid = pyramid.finest().grid;
+    for (int i = 0; i <= of; ++i) {
+      const Vec3i width = pyramid.level(i).width / cells, side = Vec3i{hand, hand, hand} / width;
+      grid = min(grid, (pyramid.level(i).blocks.grid + side - Vec3i{1, 1, 1}) / side);
+    }
+    return grid;
+  };
+  Dealing dealing;
+  dealing.ranks = ranks;
+  while (volume(gridOf(2 * dealing.hand, 0)) >= kHandsARank * ranks) dealing.hand *= 2;
+  for (int of = 1; of < pyramid.levels(); ++of) {
+    const int64_t hand = sideFor(dealing.hand, of);
+    const bool is_enough = volume(gridOf(hand, of)) >= int64_t{kLeastHandsARank} * ranks;
+    if (of > level && hand != dealing.hand && !is_enough) break;
+    dealing.hand = hand;
+    dealing.coarsest_level = of;
+  }
+  dealing.hands = gridOf(dealing.hand, dealing.coarsest_level);
+  dealing.side_vox = cells * dealing.hand;
+  const int64_t longest = std::max({dealing.hands.x, dealing.hands.y, dealing.hands.z});
   dealing.bits = std::bit_width(static_cast<uint64_t>(longest - 1));
   return dealing;
 }
 
 int Dealing::rankOf(Vec3i block) const {
-  const uint64_t place = hilbertPosition(block / hand, bits) * kGolden;
+  const Vec3i at = min(block / hand, hands - Vec3i{1, 1, 1});
+  const uint64_t place = hilbertPosition(at, bits) * kGolden;
   return static_cast<int>(((place >> 32) * static_cast<uint64_t>(ranks)) >> 32);
 }
 
-std::vector<int32_t> dealPicture(const Dealing& dealing, const BlockLayout& layout,
+std::vector<int32_t> dealPicture(const Dealing& dealing, const PyramidLayout& pyramid,
                                  const VisibleBlocks& visible) {
   std::vector<std::pair<uint64_t, size_t>>
       order;  // position of its hand along the curve, index of a block
   order.reserve(visible.blocks.size());
   for (size_t i = 0; i < visible.blocks.size(); ++i)
     order.emplace_back(
-        hilbertPosition(layout.indexOf(visible.blocks[i].name.block) / dealing.hand, dealing.bits),
+        hilbertPosition(dealing.handOf(pyramid.regionOf(visible.blocks[i].name).lo), dealing.bits),
         i);
   std::sort(order.begin(), order.end());
   using Seat = std::pair<int64_t, int32_t>;  // blocks so far, rank
@@ -67,10 +91,7 @@ std::vector<int32_t> dealPicture(const Dealing& dealing, const BlockLayout& layo
 }
 
 DealingLayers::DealingLayers(const Dealing& dealing, const FrameSetup& setup)
-    : hands_((dealing.grid + Vec3i{dealing.hand - 1, dealing.hand - 1, dealing.hand - 1}) /
-             dealing.hand),
-      side_vox_(dealing.side_vox),
-      parallel_(setup.projection == Projection::kOrtho) {
+    : dealing_(dealing), parallel_(setup.projection == Projection::kOrtho) {
   const RayGrid& rays = setup.rays;
   for (int a = 0; a < 3; ++a) {
     if (parallel_) {
@@ -78,19 +99,21 @@ DealingLayers::DealingLayers(const Dealing& dealing, const FrameSetup& setup)
       continue;
     }
     const double eye = rays.origin0[a] - rays.step0[a] * (setup.first_depth / setup.depth_step);
-    const double hand = std::floor(eye / static_cast<double>(side_vox_));
-    eye_[a] = static_cast<int64_t>(std::clamp(hand, 0.0, static_cast<double>(hands_[a] - 1)));
+    const double hand = std::floor(eye / static_cast<double>(dealing_.side_vox));
+    eye_[a] =
+        static_cast<int64_t>(std::clamp(hand, 0.0, static_cast<double>(dealing_.hands[a] - 1)));
   }
 }
 
 uint32_t DealingLayers::layerOf(const Box3& cells) const {
   int64_t layer = 0;
+  const Vec3i hand = dealing_.handOf(cells.lo);
   for (int a = 0; a < 3; ++a) {
-    const int64_t at = cells.lo[a] / side_vox_;
+    const int64_t at = hand[a];
     if (!parallel_)
       layer += std::abs(at - eye_[a]);
     else
-      layer += down_[static_cast<size_t>(a)] ? hands_[a] - 1 - at : at;
+      layer += down_[static_cast<size_t>(a)] ? dealing_.hands[a] - 1 - at : at;
   }
   return static_cast<uint32_t>(layer);
 }

@@ -16,27 +16,37 @@
 #include "src/base/vec.h"
 #include "src/classify/blocks/classification.h"
 #include "src/device/frame_values.h"
-#include "src/volume/block_layout.h"
+#include "src/volume/pyramid.h"
 
 namespace sluice {
 
+//
+// Of a volume with levels of resolution, a block of a coarser level stands for the finest blocks in
+// its region. Hands are made of whole regions, up to the level at which too few hands would be left
+// for the ranks.
 struct Dealing {
-  Vec3i grid;  // blocks
+  Vec3i hands;  // grid of hands, the unit of dealing; the last along an axis have the rest of it
   int ranks = 1;
-  int64_t hand = 1;      // blocks a side of a hand, the unit of dealing
-  int64_t side_vox = 1;  // cells a side of that
+  int64_t hand = 1;      // finest blocks a side of a hand
+  int64_t side_vox = 1;  // finest cells a side of that
   int bits = 0;          // bits of the curve's coordinates
+  // Each block of this level and of finer ones lies in one hand; pictures have no coarser blocks.
+  int coarsest_level = 0;
 
+  // The hand that a finest cell lies in.
+  Vec3i handOf(Vec3i cell) const { return min(cell / side_vox, hands - Vec3i{1, 1, 1}); }
+  // The rank of a finest block.
   int rankOf(Vec3i block) const;
 };
 // The same for one picture: of each of its blocks the rank, by hands along the curve, each to the
 // rank that has the fewest blocks so far. This balances better, since few blocks are seen at once,
 // and differs from picture to picture: for series, in which every picture reads data that no other
 // does.
-std::vector<int32_t> dealPicture(const Dealing& dealing, const BlockLayout& layout,
+std::vector<int32_t> dealPicture(const Dealing& dealing, const PyramidLayout& pyramid,
                                  const VisibleBlocks& visible);
-// Larger hands, which fewer rays cross, if there are enough of them for every rank.
-Dealing dealBlocks(const BlockLayout& layout, int ranks);
+// Larger hands, which fewer rays cross, if there are enough of them for every rank. `level`: hands
+// hold whole blocks of this level, however few they are.
+Dealing dealBlocks(const PyramidLayout& pyramid, int ranks, int level = 0);
 
 // The layers of a view (partial_picture.h): of each hand how many steps along the axes it lies from
 // the eye. A ray that leads from one hand into another goes away from the eye along each axis, and
@@ -49,8 +59,7 @@ class DealingLayers {
   uint32_t layerOf(const Box3& cells) const;
 
  private:
-  Vec3i hands_;
-  int64_t side_vox_;
+  const Dealing dealing_;
   bool parallel_;
   Vec3i eye_;                   // perspective: the hand that it is in, or nearest to
   std::array<bool, 3> down_{};  // parallel: rays go down this axis

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "src/parallel/dealing.h"
+#include "src/render/level_cut.h"
 #include "src/render/visible_blocks.h"
 
 namespace sluice {
@@ -14,10 +15,10 @@ class RankBlocks : public BlockChooser {
  public:
   // `pool` must outlive it.
   RankBlocks(const Dealing& dealing, int rank, WorkerPool& pool)
-      : dealing_(dealing), rank_(rank), classified_(pool) {}
+      : dealing_(dealing), rank_(rank), classified_(pool), cut_(pool) {}
 
   // From now on takes from the blocks that `chooser` selects, which must outlive its use; null:
-  // from all visible blocks of the classification.
+  // from the cut that the picture is drawn from, or all visible blocks of the classification.
   void chooseFrom(BlockChooser* chooser) { chooser_ = chooser; }
   // `each`: from now on each picture's blocks are dealt for it, see dealPicture(); otherwise the
   // volume's, once.
@@ -28,6 +29,7 @@ class RankBlocks : public BlockChooser {
   const Dealing dealing_;
   const int rank_;
   ClassifiedBlocks classified_;
+  LevelCut cut_;
   BlockChooser* chooser_ = nullptr;
   bool deals_each_ = false;
   Memo<Identity<VisibleBlocks>, const VisibleBlocks> memo_;

@@ -15,8 +15,7 @@ constexpr uint64_t kPartShare = 4;
 
 uint64_t partBytes(PictureSize size, const Dealing& dealing, uint64_t memory_bytes) {
   if (dealing.ranks == 1) return 0;
-  const Vec3i hands =
-      (dealing.grid + Vec3i{dealing.hand - 1, dealing.hand - 1, dealing.hand - 1}) / dealing.hand;
+  const Vec3i hands = dealing.hands;
   const auto layers = static_cast<uint64_t>(hands.x + hands.y + hands.z - 2);
   const auto pixels = static_cast<uint64_t>(size.width) * static_cast<uint64_t>(size.height);
   const uint64_t all = pixels * layers * kMostPartChannels * sizeof(float);

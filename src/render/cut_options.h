@@ -7,8 +7,12 @@
 namespace sluice {
 
 struct CutOptions {
-  double pixel_error = 1;         // pixels that a voxel may be wide along any axis
-  std::optional<int> level = {};  // all at this one, whatever the pixel error and the budgets
+  double pixel_error = 1;            // pixels that a voxel may be wide along any axis
+  std::optional<int> level = {};     // all at this one, whatever the pixel error and the budgets
+  std::optional<int> coarsest = {};  // the coarsest level to begin with; unset: any
+  // Nobody asked for a cut. The finest level is drawn if coarser ones would show something else:
+  // maxima, minima, averages and labels need values that means do not have.
+  bool is_default = false;
   // Limits for the blocks of a picture: stored voxels, and voxels as the volume buffer holds them.
   uint64_t most_stored_bytes = UINT64_MAX, most_held_bytes = UINT64_MAX;
   friend bool operator==(const CutOptions&, const CutOptions&) = default;

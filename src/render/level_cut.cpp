@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <string_view>
 #include <utility>
 
 #include "src/base/error.h"
@@ -22,14 +23,15 @@ void requireLevel(const CutOptions& options, const TimeStep& step) {
          *options.level, levels == 1 ? "is" : "are", levels, levels == 1 ? "" : "s");
 }
 
-// Means are no labels.
-void refuseLabels(const BlockQuestion& question) {
-  const auto isOfMeans = [](const CoarserStep& level) { return level.spreads != nullptr; };
-  if (question.look->table.labels() && std::ranges::any_of(question.step.coarser, isOfMeans))
-    fail(
-        "{}: its coarser levels hold means, which are no labels; leave out --level and "
-        "--pixel-error, or pack it with --downsample mode",
-        question.step.source->layout().name);
+bool hasMeans(const TimeStep& step) {
+  return std::ranges::any_of(step.coarser,
+                             [](const CoarserStep& level) { return level.spreads != nullptr; });
+}
+
+// The coarsest level that the options allow.
+int topLevel(const PyramidLayout& pyramid, const CutOptions& options) {
+  const int top = pyramid.levels() - 1;
+  return options.coarsest ? std::min(top, *options.coarsest) : top;
 }
 
 // Bytes of a block, and of all that are chosen.
@@ -57,6 +59,7 @@ class CutMaker {
  public:
   CutMaker(const BlockQuestion& question, const ShownLevels& shown)
       : question_(question),
+        options_(*question.cut),
         shown_(shown),
         pyramid_(shown.pyramid()),
         sizes_(question.step.source->layout(), question.view),
@@ -68,7 +71,7 @@ class CutMaker {
   }
 
   void make() {
-    const int top = pyramid_.levels() - 1;
+    const int top = topLevel(pyramid_, options_);
     addAll(top, [&](Vec3i index) { return shown_.showsFinest(top, index); });
     for (int level = top; level > 0; --level) refine();
     chosen_.insert(chosen_.end(), std::make_move_iterator(open_.begin()),
@@ -133,8 +136,7 @@ class CutMaker {
   }
 
   bool fits() const {
-    const CutOptions& options = question_.cut;
-    return bytes_.stored <= options.most_stored_bytes && bytes_.held <= options.most_held_bytes;
+    return bytes_.stored <= options_.most_stored_bytes && bytes_.held <= options_.most_held_bytes;
   }
 
   std::vector<CutNode> childrenOf(const CutNode& node) {
@@ -155,7 +157,7 @@ class CutMaker {
     for (size_t i = 0; i < open_.size(); ++i) {
       const Box3 region = pyramid_.regionOf(open_[i].level, open_[i].index);
       const LevelLayout& level = pyramid_.level(open_[i].level);
-      if (!is_stopped_ && sizes_.of(level, region) > question_.cut.pixel_error)
+      if (!is_stopped_ && sizes_.of(level, region) > options_.pixel_error)
         wide.emplace_back(sizes_.depthOf(region), i);
       else
         chosen_.push_back(open_[i]);
@@ -182,6 +184,7 @@ class CutMaker {
   }
 
   const BlockQuestion& question_;
+  const CutOptions& options_;
   const ShownLevels& shown_;
   const PyramidLayout& pyramid_;
   const PixelSizes sizes_;
@@ -203,16 +206,16 @@ bool isSame(const VisibleBlocks& a, const VisibleBlocks& b) {
 }  // namespace
 
 VisibleBlocksPtr LevelCut::choose(const BlockQuestion& question) {
-  requireLevel(question.cut, question.step);
-  refuseLabels(question);
+  SLUICE_CHECK(question.cut.has_value());
+  requireLevel(*question.cut, question.step);
   const std::shared_ptr<const ShownLevels> shown =
       shown_.of({question.step, question.look, question.crop}, [&] {
         return std::make_shared<const ShownLevels>(question.step, *question.look, question.crop,
                                                    pool_);
       });
   CutMaker maker(question, *shown);
-  if (question.cut.level)
-    maker.makeLevel(*question.cut.level);
+  if (question.cut->level)
+    maker.makeLevel(*question.cut->level);
   else
     maker.make();
   auto made = std::make_shared<VisibleBlocks>(maker.result());
@@ -223,13 +226,31 @@ VisibleBlocksPtr LevelCut::choose(const BlockQuestion& question) {
   return answer_;
 }
 
+bool drawsCut(const TimeStep& step, const std::optional<CutOptions>& cut, Mode mode,
+              bool has_labels) {
+  if (!cut) return false;
+  if (cut->is_default) return !step.coarser.empty() && mode == Mode::kComposite && !has_labels;
+  requireLevel(*cut, step);
+  const auto refuse = [&](std::string_view are_not, std::string_view advice) {
+    if (hasMeans(step) && cut->level.value_or(1) > 0)
+      fail(
+          "{}: its coarser levels hold means, which are no {}; leave out --level, --pixel-error "
+          "and --max-bytes{}",
+          step.source->layout().name, are_not, advice);
+  };
+  if (has_labels) refuse("labels", ", or pack it with --downsample mode");
+  if (mode == Mode::kMip) refuse("maxima", ", or pack it with --downsample max");
+  if (mode == Mode::kMinip) refuse("minima", "");
+  return !step.coarser.empty();
+}
+
 int finestLevelShown(const TimeStep& step, const View& view, const CutOptions& options) {
   requireLevel(options, step);
   if (options.level) return *options.level;
   const PyramidLayout pyramid = step.layout();
   const PixelSizes sizes(step.source->layout(), view);
   int level = 0;
-  while (level + 1 < pyramid.levels() &&
+  while (level < topLevel(pyramid, options) &&
          sizes.of(pyramid.level(level + 1), boxOf(finestCells(pyramid))) <= options.pixel_error)
     ++level;
   return level;

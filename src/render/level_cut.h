@@ -18,6 +18,12 @@
 
 namespace sluice {
 
+// Whether a picture is drawn from a cut, of values or labels. False if no cut is set, if the step
+// has one level, or if the default cut would show something else than the finest level. Throws
+// Error if a cut was asked for that cannot be drawn: of a level that is not there, or of labels or
+// extremes from levels of means.
+bool drawsCut(const TimeStep& step, const std::optional<CutOptions>& cut, Mode mode,
+              bool has_labels);
 // The level that voxels `pixel_error` pixels wide require where the view needs the finest one, or
 // the level that the options name. The distance between slices follows from it.
 int finestLevelShown(const TimeStep& step, const View& view, const CutOptions& options);
@@ -28,8 +34,7 @@ class LevelCut : public BlockChooser {
  public:
   // `pool` must outlive it.
   explicit LevelCut(WorkerPool& pool) : pool_(pool) {}
-  // Requires: the step has several levels. Throws Error if the options name a level that is not
-  // there, or if labels would be drawn from levels of means.
+  // Requires: the step has several levels and the question has a cut.
   VisibleBlocksPtr choose(const BlockQuestion& question) override;
 
  private:

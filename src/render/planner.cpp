@@ -8,13 +8,12 @@ LookPtr Planner::look(const TimeStep& step, const TransferPtr& transfer, Mode mo
 
 VisibleBlocksPtr Planner::visibleBlocks(const TimeStep& step, const LookPtr& look, const View& view,
                                         const FrameOptions& options) {
+  std::optional<CutOptions> cut;
+  if (drawsCut(step, options.cut, options.mode, look->table.labels())) cut = options.cut;
   BlockChooser* chooser = chooser_;
-  // Used even if the options name a level that the volume does not have: the cut reports it.
-  if (chooser == nullptr && options.cut && (!step.coarser.empty() || options.cut->level))
-    chooser = &cut_;
+  if (chooser == nullptr && cut) chooser = &cut_;
   if (chooser == nullptr) chooser = &classified_;
-  return chooser->choose({step, look, cropCells(options, step.ranges->layout.dims), view,
-                          options.cut.value_or(CutOptions())});
+  return chooser->choose({step, look, cropCells(options, step.ranges->layout.dims), view, cut});
 }
 
 FramePlanPtr Planner::plan(const TimeStep& step, const VisibleBlocksPtr& visible,

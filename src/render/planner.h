@@ -27,8 +27,8 @@ class Planner {
   Planner(const PageGeometry& page, WorkerPool& pool, ChunkNames& names)
       : page_(page), names_(names), classified_(pool), cut_(pool) {}
 
-  // Blocks are chosen by this from now on, which must outlive its use; null: by a cut if the
-  // options ask for one and the step has several levels, else by classification.
+  // Blocks are chosen by this from now on, which must outlive its use; null: by a cut if
+  // the picture is drawn from one (drawsCut()), else by classification.
   void chooseBlocksBy(BlockChooser* chooser) { chooser_ = chooser; }
 
   LookPtr look(const TimeStep& step, const TransferPtr& transfer, Mode mode);

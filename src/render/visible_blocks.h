@@ -6,6 +6,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "src/base/worker_pool.h"
 #include "src/classify/blocks/classification.h"
@@ -23,7 +24,7 @@ struct BlockQuestion {
   LookPtr look;
   Box3 crop;  // cells that may show
   View view;
-  CutOptions cut = {};  // for volumes of several levels
+  std::optional<CutOptions> cut = {};  // unset: the finest level alone
 };
 
 class BlockChooser {

@@ -106,6 +106,12 @@ Box3 PyramidLayout::storedVoxels(const BlockName& name) const {
   return blocks.storedVoxels(blocks.indexOf(name.block));
 }
 
+Box3 PyramidLayout::finestBlocksOf(const BlockName& name) const {
+  const Box3 region = regionOf(name);
+  const int64_t side = finest().cells();
+  return {region.lo / side, (region.hi + Vec3i{side - 1, side - 1, side - 1}) / side};
+}
+
 Box3 PyramidLayout::childrenOf(int number, Vec3i index) const {
   const LevelLayout& at = level(number);
   const LevelLayout& below = level(number - 1);

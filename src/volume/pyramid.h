@@ -63,6 +63,8 @@ class PyramidLayout {
   // The blocks of the next finer level in the region of a block, by their indices. Requires: level
   // > 0.
   Box3 childrenOf(int level, Vec3i index) const;
+  // The blocks of the finest level in the region of a block, by their indices.
+  Box3 finestBlocksOf(const BlockName& name) const;
 
  private:
   std::vector<LevelLayout> levels_;  // the finest first

@@ -1,7 +1,10 @@
 // Pictures of the library equal those of the program.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
 
 #include "tests/library/library_support.h"
 
@@ -59,6 +62,54 @@ TEST(Renderer, picturesAreThoseOfTheProgram) {
       EXPECT_LE(largestDifference(drawn, expected.rgba), 1);
     }
   }
+}
+
+// Levels of resolution: the default, a level, and pictures that means cannot show; in a series,
+// too.
+TEST(Renderer, levelsOfResolutionAreThoseOfTheProgram) {
+  const std::string series = "synth:mixing,dims=90x80x70,steps=2,levels=3";
+  struct Case {
+    LookOptions look;
+    double pixel_error = 1;
+    std::optional<int> level;
+    std::string arguments;
+    bool is_coarse = true;
+  };
+  const std::vector<Case> cases = {
+      {{.threshold = 90}, 1, {}, "--threshold 90"},
+      {{.threshold = 90}, 8, {}, "--threshold 90 --pixel-error 8"},
+      {{.threshold = 90}, 1, 1, "--threshold 90 --level 1"},
+      {{.threshold = 90}, 1, 0, "--threshold 90 --level 0", false},
+      {{.mode = LookOptions::Mode::kMaximum}, 1, {}, "--mode mip", false}};
+  const TempFolder folder;
+  const Volume volume(series, {.index_folder = folder / "index"});
+  Renderer renderer(volume);
+  for (const Case& one : cases)
+    for (const int64_t time : {1, 0}) {
+      SCOPED_TRACE(one.arguments + " " + std::to_string(time));
+      renderer.setLook(one.look);
+      const PictureOptions picture{.width = 30,
+                                   .height = 26,
+                                   .time = time,
+                                   .pixel_error = one.pixel_error,
+                                   .level = one.level};
+      const std::vector<uint8_t> drawn =
+          renderer.draw(picture).toRgba8(std::array<float, 3>{0, 0, 0});
+      EXPECT_EQ(renderer.report().coarse_share, one.is_coarse ? 1.0 : 0.0);
+      const RenderReport report = renderer.report(true);
+      EXPECT_GT(std::ranges::count_if(report.block_classes, [](uint8_t kind) { return kind > 0; }),
+                0);
+      const Rgba8Picture expected =
+          programPicture(folder, series + " --size 30x26 --background 000000 --time " +
+                                     std::to_string(time) + " " + one.arguments);
+      EXPECT_LE(largestDifference(drawn, expected.rgba), 1);
+    }
+  PictureOptions missing = kSmall;
+  missing.level = 7;
+  EXPECT_THROW(renderer.draw(missing), Error);
+  missing.level = {};
+  missing.pixel_error = 0;
+  EXPECT_THROW(renderer.draw(missing), Error);
 }
 
 TEST(Renderer, aTurnHasOneFramingAsTheProgramsHas) {

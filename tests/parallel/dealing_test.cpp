@@ -105,6 +105,33 @@ TEST(Dealing, aPictureIsDealtEvenlyAndWholeHandsGoToOneRank) {
     }
 }
 
+// A block of a level that pictures may have never lies in two hands.
+TEST(Dealing, blocksOfCoarserLevelsLieInOneHandEach) {
+  for (const Vec3i dims : {Vec3i{300, 280, 260}, {124, 246, 121}, {63, 63, 63}})
+    for (const Vec3i factor : {Vec3i{2, 2, 2}, {2, 2, 1}, {3, 3, 3}})
+      for (const int ranks : {1, 2, 5}) {
+        PyramidLayout pyramid(blockLayout(dims, 8, 1));
+        Vec3i times{1, 1, 1};
+        for (Vec3i level = dims / factor; level.x > 2 && level.y > 2 && level.z > 2;
+             level = level / factor) {
+          times = times * factor;
+          const Vec3d scale = toDouble(times);
+          if (!pyramid.add(level, {scale, (scale - Vec3d{1, 1, 1}) * 0.5}).empty()) break;
+        }
+        ASSERT_GE(pyramid.levels(), 2);
+        const Dealing dealing = dealBlocks(pyramid, ranks, 1);
+        EXPECT_GE(dealing.coarsest_level, 1);
+        for (int at = 0; at <= dealing.coarsest_level; ++at)
+          for (int64_t block = 0; block < pyramid.level(at).blocks.blockCount(); ++block) {
+            const BlockName name{.level = at, .block = block};
+            const Box3 region = pyramid.regionOf(name);
+            EXPECT_EQ(dealing.handOf(region.lo), dealing.handOf(region.hi - Vec3i{1, 1, 1}));
+            const Box3 finest = pyramid.finestBlocksOf(name);
+            EXPECT_EQ(dealing.rankOf(finest.lo), dealing.rankOf(finest.hi - Vec3i{1, 1, 1}));
+          }
+      }
+}
+
 TEST(Dealing, handsOfALayerShareNoRayAndLaterLayersLieBehind) {
   std::mt19937 random(3);
   VolumeLayout volume;

@@ -151,6 +151,27 @@ TEST_P(RanksProgram, drawThePictureOfOneProcess) {
   }
 }
 
+TEST_P(RanksProgram, drawTheCutThroughLevelsOfOneProcess) {
+  constexpr const char* kLevels =
+      "render synth:shells,dims=150x141x130,levels=4 --block 8 --size 60x50 --threshold 60 "
+      "--no-shade --memory 300M --background 000000";  // colours of nearly nothing are rounding
+  for (const std::string& cut : {std::string(), std::string("--level 3"),
+                                 std::string("--projection perspective --zoom 3 --pixel-error 2"),
+                                 std::string("--pixel-error 0.3 --max-bytes 300K")}) {
+    const json one = program_.json(fmt::format("{} {} -o one.png", kLevels, cut));
+    for (const int ranks : {2, 5}) {
+      SCOPED_TRACE(fmt::format("{} ranks, {}", ranks, cut));
+      const CommandResult run =
+          onRanks(ranks, fmt::format("{} {} -o many.png --json -q", kLevels, cut));
+      ASSERT_EQ(run.status, 0) << run.output;
+      EXPECT_LE(pictureDifference(program_.folder / "one.png", program_.folder / "many.png"), 1);
+      const json many = json::parse(run.output);
+      EXPECT_GT(many["cut"]["coarse_share"], 0.3);
+      EXPECT_EQ(many["cut"], one["cut"]);
+    }
+  }
+}
+
 TEST_P(RanksProgram, keepToTheirOwnBudgets) {
   for (const int memory_mib : {24, 200}) {
     const CommandResult run =

@@ -65,10 +65,44 @@ TEST_F(LevelsCommand, meansAndSpreadsAreSaidAndLabelsAreNotDrawnFromThem) {
   const json plan = program_.json("plan " + arguments("--pixel-error 1"));
   EXPECT_EQ(plan["cut"], cut);
   EXPECT_EQ(plan["read"]["voxel_bytes"], render("--pixel-error 1")["frames"][0]["decoded_bytes"]);
-  EXPECT_TRUE(render("--mode mip --pixel-error 1").contains("cut"));
-  const std::string labels = std::string("render ") + kVolume + " -o y.png --labels --level 1";
-  EXPECT_THAT(program_.run(labels).output,
-              HasSubstr("its coarser levels hold means, which are no labels"));
+}
+
+TEST_F(LevelsCommand, aPictureWithoutOptionsHasVoxelsAsWideAsPixels) {
+  const json cut = render("")["cut"];
+  EXPECT_EQ(cut["levels"][0]["level"], 1);
+  const auto drawn = readPng(program_.folder / "x.png").rgba;
+  EXPECT_EQ(render("--pixel-error 1")["cut"], cut);
+  EXPECT_EQ(readPng(program_.folder / "x.png").rgba, drawn);
+  EXPECT_EQ(program_.json("plan " + arguments(""))["cut"], cut);
+  // Voxels smaller than pixels are not needed: fewer bytes than at level 0.
+  const auto bytes = [&](const std::string& more) {
+    return program_.json("plan " + arguments(more))["read"]["voxel_bytes"].get<uint64_t>();
+  };
+  EXPECT_LT(2 * bytes(""), bytes("--level 0"));
+}
+
+// Means are neither extremes nor labels.
+TEST_F(LevelsCommand, modesThatMeansCannotShowAreDrawnAtLevelZero) {
+  const auto drawn = [&](const std::string& more) {
+    const json report = program_.json("render " + std::string(kVolume) +
+                                      " --size 64 --block 32 -o x.png --force " + more);
+    return std::pair(report.contains("cut"), readPng(program_.folder / "x.png").rgba);
+  };
+  for (const char* mode : {"--mode mip", "--mode minip", "--mode average", "--labels"}) {
+    const auto [is_cut, picture] = drawn(mode);
+    EXPECT_FALSE(is_cut) << mode;
+    EXPECT_EQ(drawn(std::string(mode) + " --level 0").second, picture) << mode;
+  }
+  const auto refusal = [&](const std::string& more) {
+    const CommandResult result =
+        program_.run("render " + std::string(kVolume) + " --size 64 -o y.png " + more);
+    EXPECT_EQ(result.status, 1) << more;
+    return result.output;
+  };
+  EXPECT_THAT(refusal("--labels --level 1"), HasSubstr("hold means, which are no labels"));
+  EXPECT_THAT(refusal("--mode mip --pixel-error 2"), HasSubstr("hold means, which are no maxima"));
+  EXPECT_THAT(refusal("--mode minip --max-bytes 1M"), HasSubstr("which are no minima"));
+  EXPECT_TRUE(render("--mode average --pixel-error 1").contains("cut"));
 }
 
 TEST_F(LevelsCommand, packedLevelsAreDrawnWithTheirSpreadsAndOthersWithout) {
@@ -92,6 +126,9 @@ TEST_F(LevelsCommand, packedLevelsAreDrawnWithTheirSpreadsAndOthersWithout) {
   EXPECT_THAT(run("info v.zarr --levels"), HasSubstr("spread: none"));
   EXPECT_EQ(program_.json("render " + picture)["cut"]["spreads"], false);
   EXPECT_THAT(run("render " + picture), HasSubstr("without a spread"));
+  // Such levels lose thin structures: they are drawn only if they are asked for.
+  const std::string default_cut = std::string("v.zarr ") + kLook + " -o v.png --force";
+  EXPECT_FALSE(program_.json("render " + default_cut).contains("cut"));
 }
 
 TEST_F(LevelsCommand, aBenchComparesPixelErrorsWithTheTruth) {
@@ -157,16 +194,68 @@ TEST_F(LevelsCommand, aPlanAndASimulationHaveTheSameCut) {
   EXPECT_LT(bytes("--pixel-error 1"), bytes("--level 0"));
 }
 
-TEST_F(LevelsCommand, verifyDrawsTheSameCutThePlainWay) {
-  const json report = render("--projection perspective --zoom 3 --pixel-error 1 --verify");
-  EXPECT_LE(report["verify"]["max_difference"], 1.0);
+// A level of a linear function has the values of the finest one. Shells thinner than a voxel of
+// level 3 look another way there.
+TEST_F(LevelsCommand, verifyComparesAnyCutWithThePlainPictureOfLevelZero) {
+  const auto verified = [&](const std::string& picture) {
+    const json report =
+        program_.json("render " + picture + " -o v.png --force --no-shade --size 64 --verify");
+    EXPECT_EQ(report["cut"]["coarse_share"], 1.0);
+    return report["verify"]["max_difference"].get<double>();
+  };
+  std::string values;
+  for (int z = 0; z < 60; ++z)
+    for (int y = 0; y < 70; ++y)
+      for (int x = 0; x < 80; ++x) {
+        const auto value = static_cast<float>(x + 2 * y + z);
+        values.append(reinterpret_cast<const char*>(&value), sizeof value);
+      }
+  writeFile(program_.folder / "ramp_80x70x60_float32.raw", values);
+  const CommandResult packed =
+      program_.run("pack ramp_80x70x60_float32.raw -o ramp.zarr --chunk 16 --levels 2");
+  ASSERT_EQ(packed.status, 0) << packed.output;
+  const std::string ramp = "ramp.zarr --opacities 0:0.01,280:0.03 --crop 6,6,6,72,62,52 --step 1 ";
+  EXPECT_LE(verified(ramp + "--level 1"), 2);
+  EXPECT_LE(verified(ramp + "--level 2"), 2);
+  const std::string shells = std::string(kVolume) + " --threshold 60 --opacity 0.1 ";
+  EXPECT_GT(verified(shells + "--level 3"), 20);
+  const CommandResult said =
+      program_.run("render " + ramp + "-o v.png --force --size 64 --level 1 --verify");
+  EXPECT_THAT(said.output, HasSubstr("against the plain picture of level 0: largest"));
+}
+
+TEST_F(LevelsCommand, aSeriesIsDrawnFromTheLevelsOfEachStep) {
+  const std::string series = "synth:mixing,dims=64x60x56,steps=3,levels=3 ";
+  const std::string look = "--threshold 100 --no-shade --block 16 --size 24 --force ";
+  const json report = program_.json("render " + series + look + "--time 0:2 -o s%d.png");
+  EXPECT_EQ(report["cut"]["coarse_share"], 1.0);
+  ASSERT_EQ(report["frames"].size(), 3U);
+  // Each step alone, with the look of all of them.
+  for (const char* step : {"1", "2"}) {
+    const json alone = program_.json("render " + series + look + "-o one.png --time " + step);
+    EXPECT_EQ(alone["cut"]["coarse_share"], 1.0);
+    const auto one = readPng(program_.folder / "one.png").rgba;
+    EXPECT_EQ(readPng(program_.folder / (std::string("s") + step + ".png")).rgba, one) << step;
+  }
+  EXPECT_NE(readPng(program_.folder / "s1.png").rgba, readPng(program_.folder / "s2.png").rgba);
+}
+
+TEST_F(LevelsCommand, cullingAndGrowingBoxesTakeLevelZeroUnlessLevelsAreAskedFor) {
+  const std::string series =
+      "synth:mixing,dims=40x40x40,steps=2,levels=2 --threshold 100 --size 16 ";
+  EXPECT_FALSE(
+      program_.json("render " + series + "-o c%d.png --time 0:1 --culling toc").contains("cut"));
+  EXPECT_FALSE(render("--partition boxes").contains("cut"));
+  const json boxes = render("--partition boxes --pixel-error 1");
+  EXPECT_EQ(boxes["cut"]["coarse_share"], 1.0);
 }
 
 TEST_F(LevelsCommand, whatKnowsTheFinestLevelAloneRefusesOthersInOneLine) {
   const CommandResult culling =
       program_.run("render " + arguments("-o x.png --level 1 --culling toc"));
   EXPECT_EQ(culling.status, 1);
-  EXPECT_THAT(culling.output, HasSubstr("--culling draws the finest level alone"));
+  EXPECT_THAT(culling.output,
+              HasSubstr("--culling draws the finest level alone; leave out --level"));
   EXPECT_EQ(program_.run("render " + arguments("-o x.png --level 1 --pixel-error 2")).status, 2);
   const CommandResult missing = program_.run("render " + arguments("-o x.png --level 4"));
   EXPECT_EQ(missing.status, 1);

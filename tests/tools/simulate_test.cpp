@@ -58,6 +58,24 @@ TEST(Simulate, aPlannedTurnIsTheTraceOfTheDrawnOne) {
   EXPECT_EQ(readFile(program.folder / "drawn.txt"), readFile(program.folder / "planned.txt"));
 }
 
+// The cut of each view follows from the view, so both are given the size of the picture.
+TEST(Simulate, aTurnThroughLevelsOfResolutionMovesWhatTheRendererMoves) {
+  const Program program;
+  const std::string common =
+      std::string("synth:shells,dims=120x110x100,levels=4 --threshold 60") + kMachine +
+      "lru --frames 4 --size 40 --projection perspective --zoom 3 --pixel-error 2 ";
+  for (const std::string device : {"gl", "cpu"}) {
+    const nlohmann::json drawn = program.json("render " + common + "--device " + device +
+                                              " -o t.png --force --trace drawn.txt");
+    EXPECT_GE(drawn["cut"]["levels"].size(), 2U);
+    const auto rows = program.json(
+        "simulate " + common + "--sizes 64 --policies lru --export planned.txt --force")["rows"];
+    EXPECT_EQ(readFile(program.folder / "drawn.txt"), readFile(program.folder / "planned.txt"));
+    ASSERT_EQ(rows.size(), 1U);
+    expectMovesOf(rows[0], drawn);
+  }
+}
+
 // The table's row for N pages equals what the renderer does with a cache of N pages, whatever
 // --pages is: each size has its own plan.
 TEST(Simulate, eachSizeIsPlannedAsTheRendererPlansIt) {

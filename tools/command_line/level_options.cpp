@@ -8,10 +8,10 @@ void addLevelOptions(CLI::App& app, LevelArguments& arguments, ResourceArguments
   constexpr int64_t kMostLevel = 63;
   const OptionGroup group(app, "Levels of resolution");
   CLI::Option* level = group.number("--level", "N", arguments.level, {0, kMostLevel},
-                                    "Draws this level only; 0 is the data as stored (0)");
+                                    "Draws this level only; 0 is the data as stored");
   group
       .number("--pixel-error", "PIXELS", arguments.pixel_error, {0, 1e6, true},
-              "Draws each part at the coarsest level whose voxels are at most this wide (level 0)")
+              "Draws each part at the coarsest level whose voxels are at most this wide (1)")
       ->excludes(level);
   group
       .bytes("--max-bytes", arguments.max_bytes,
@@ -29,10 +29,16 @@ void addLevelOptions(CLI::App& app, LevelArguments& arguments, ResourceArguments
 }
 
 std::optional<CutOptions> cutOptions(const LevelArguments& arguments,
-                                     const ResourceArguments& resources) {
-  const bool asks = arguments.level || arguments.pixel_error || arguments.max_bytes != 0;
-  if (!asks || arguments.level == 0) return std::nullopt;
+                                     const ResourceArguments& resources, const LookArguments& look,
+                                     const FrameOptions& frame) {
+  if (arguments.level == 0) return std::nullopt;
   CutOptions cut;
+  cut.is_default = !arguments.level && !arguments.pixel_error && arguments.max_bytes == 0;
+  // Level 0 is drawn then, and opened as a volume of one level is. Growing boxes are boxes of its
+  // voxels.
+  if (cut.is_default &&
+      (frame.mode != Mode::kComposite || look.labels || frame.partition == Partition::kBoxes))
+    return std::nullopt;
   cut.pixel_error = arguments.pixel_error.value_or(cut.pixel_error);
   if (arguments.level) cut.level = static_cast<int>(*arguments.level);
   if (arguments.max_bytes != 0) cut.most_stored_bytes = arguments.max_bytes;
@@ -41,11 +47,10 @@ std::optional<CutOptions> cutOptions(const LevelArguments& arguments,
   return cut;
 }
 
-void refuseLevels(const LevelArguments& arguments, std::string_view what) {
+void refuseLevels(const LevelArguments& arguments, std::string_view why) {
   const bool asks =
       arguments.level.value_or(0) > 0 || arguments.max_bytes != 0 || arguments.pixel_error;
-  if (asks)
-    fail("{} draws the finest level alone; leave out --level, --pixel-error and --max-bytes", what);
+  if (asks) fail("{}; leave out --level, --pixel-error and --max-bytes", why);
 }
 
 }  // namespace sluice

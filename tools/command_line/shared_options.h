@@ -31,11 +31,14 @@ void addResourceOptions(CLI::App& app, ResourceArguments& arguments);
 std::optional<Vec3i> parsePageOption(const std::string& word);
 inline constexpr const char* kPageSizes = "powers of two AxBxC, each from 1 to 1024";
 
-// The cut that these arguments ask for; unset: the finest level alone.
+// The cut that a picture of these options is drawn from: the one that is asked for, or the default,
+// voxels as wide as pixels. Unset: the finest level, asked for or because the default does not
+// apply.
 std::optional<CutOptions> cutOptions(const LevelArguments& arguments,
-                                     const ResourceArguments& resources);
-// Throws Error if these ask for anything but the finest level, which `what` cannot draw.
-void refuseLevels(const LevelArguments& arguments, std::string_view what);
+                                     const ResourceArguments& resources, const LookArguments& look,
+                                     const FrameOptions& frame);
+// Throws Error with this reason if the arguments ask for anything but the finest level.
+void refuseLevels(const LevelArguments& arguments, std::string_view why);
 
 // The largest extent of a volume along an axis, in voxels.
 inline constexpr double kMostVoxels = 1LL << 40;
