@@ -38,6 +38,7 @@ struct LevelArguments {
   std::optional<int64_t> level;
   std::optional<double> pixel_error;  // unset: 1
   uint64_t max_bytes = 0;             // 0: no limit
+  bool keeps_thin = false;            // blocks with thin parts are refined
 };
 
 struct ResourceArguments : MachineOptions {

@@ -16,6 +16,7 @@
 #include "src/library/picture_memory.h"
 #include "src/render/camera_path.h"
 #include "src/render/level_cut.h"
+#include "src/render/planner.h"
 #include "src/view/state/view_path.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/progress_line.h"
@@ -129,14 +130,26 @@ void checkOutput(const Arguments& arguments) {
     fail("--debug-view shows the effect of --occlusion and --partition boxes; give one of them");
 }
 
+// The finest level in the picture.
+int finestLevelOf(Scene& scene, const View& view, const FrameOptions& options) {
+  const TimeStep step = scene.volume.step();
+  if (!drawsCut(step, options.cut, options.mode, scene.transfer.labels)) return 0;
+  if (!options.cut->keeps_thin) return finestLevelShown(step, view, *options.cut);
+  // Thin parts may be refined anywhere, which the cut alone tells.
+  ChunkNames names;
+  Planner planner(scene.volume.page, scene.pool, names);
+  const LookPtr look =
+      planner.look(step, std::make_shared<const TransferFunction>(scene.transfer), options.mode);
+  const VisibleBlocksPtr blocks = planner.visibleBlocks(step, look, view, options);
+  return blocks->cut->levels.empty() ? 0 : blocks->cut->levels.front().level;
+}
+
 // The distance between slices if the user does not set it: it follows from the first view.
-double chosenStep(const Scene& scene, const Camera& camera, const FrameOptions& options) {
+double chosenStep(Scene& scene, const Camera& camera, const FrameOptions& options) {
   if (options.mode != Mode::kComposite) return options.step_vox;
   const VolumeLayout& layout = scene.volume.source->layout();
   const View view = resolve(camera, layout, options.size, options.step_vox);
-  const TimeStep shown = scene.volume.step();
-  const bool is_cut = drawsCut(shown, options.cut, options.mode, scene.transfer.labels);
-  return stepFor(view, shown, is_cut ? options.cut : std::nullopt);
+  return stepFor(view, scene.volume.step(), finestLevelOf(scene, view, options));
 }
 
 // Culling knows the blocks of the finest level alone.

@@ -141,10 +141,14 @@ json cutJson(const CutSummary& cut) {
   json levels = json::array();
   for (const CutSummary::Level& level : cut.levels)
     levels.push_back({{"level", level.level}, {"blocks", level.blocks}, {"cells", level.cells}});
-  return {{"levels", levels},
-          {"coarse_share", cut.coarse_share},
-          {"spreads", cut.has_spreads},
-          {"final", cut.is_final}};
+  json summary{{"levels", levels},
+               {"coarse_share", cut.coarse_share},
+               {"spreads", cut.has_spreads},
+               {"thin_blocks", cut.thin_blocks},
+               {"final", cut.is_final}};
+  if (cut.spread)
+    summary["spread"] = {{"largest", cut.spread->largest}, {"mean", cut.spread->mean}};
+  return summary;
 }
 
 std::string cutLine(const CutSummary& cut) {
@@ -152,11 +156,19 @@ std::string cutLine(const CutSummary& cut) {
   for (const CutSummary::Level& level : cut.levels)
     levels += fmt::format("{}{} ({} block{})", levels.empty() ? "" : ", ", level.level,
                           level.blocks, level.blocks == 1 ? "" : "s");
-  return fmt::format(
-      "{:.1f} % of what shows is drawn coarser than it is stored, at level {}, {}{}",
+  std::string line = fmt::format(
+      "{:.1f} % of what shows is drawn coarser than it is stored, at level {}, {}",
       100 * cut.coarse_share, levels,
-      cut.has_spreads ? "from means and spreads" : "from coarse voxels without a spread",
-      cut.is_final ? "" : "; a budget ended the refinement");
+      cut.has_spreads ? "from means and spreads" : "from coarse voxels without a spread");
+  if (cut.spread)
+    line +=
+        fmt::format(" of up to {:.4g}, {:.3g} on average", cut.spread->largest, cut.spread->mean);
+  if (cut.thin_blocks > 0)
+    line += fmt::format("; {} block{} parts thinner than two voxels, --keep-thin refines {}",
+                        cut.thin_blocks, cut.thin_blocks == 1 ? " has" : "s have",
+                        cut.thin_blocks == 1 ? "it" : "them");
+  if (!cut.is_final) line += "; a budget ended the refinement";
+  return line;
 }
 
 bool isCoarser(const VisibleBlocks& blocks) {

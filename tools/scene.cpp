@@ -45,7 +45,8 @@ IndexNeeds pictureNeeds(const LookArguments& look, const FrameOptions& frame, Fi
   IndexNeeds needs = needsOf(look, frame.mode, frame.cut);
   // Growing boxes have an index of their own, which takes the finest level's.
   needs.may_stand_in = finest == FinestLevel::kMayWait && needs.levels != LevelNeeds::kFinest &&
-                       frame.cut->level.value_or(1) > 0 && frame.partition == Partition::kBlocks;
+                       frame.cut->level.value_or(1) > 0 && frame.partition == Partition::kBlocks &&
+                       !frame.cut->keeps_thin;
   return needs;
 }
 
@@ -103,6 +104,7 @@ Frame Scene::frame() {
   Frame frame = session->frame();
   if (!share) return frame;
   frame.picture = share->picture();
+  if (frame.report.cut) frame.report.cut->spread.reset();  // of this rank's blocks alone
   const CompositingReport& parts = share->report();
   frame.report.seconds += parts.exchange_seconds + parts.compose_seconds + parts.gather_seconds;
   return frame;

@@ -47,6 +47,7 @@ void add(FrameReport& sum, const FrameReport& more) {
   sum.uploaded_bytes += more.uploaded_bytes;
   sum.missing_share = std::max(sum.missing_share, more.missing_share);
   add(sum.occlusion, more.occlusion);
+  sum.cut = more.cut;  // the last strip knows the spreads of all blocks
 }
 
 // Rows makes the device draw rows; after its end the device draws whole pictures again.

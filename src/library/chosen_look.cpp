@@ -236,10 +236,9 @@ double stepFor(const View& view, const VolumeLayout& layout) {
   return pixel < finestSpacing(layout) ? 0.5 : 1;
 }
 
-double stepFor(const View& view, const TimeStep& step, const std::optional<CutOptions>& cut) {
+double stepFor(const View& view, const TimeStep& step, int finest_level) {
   VolumeLayout level = step.source->layout();
-  if (!cut) return stepFor(view, level);
-  const double times = spacingOfLevel(step, finestLevelShown(step, view, *cut));
+  const double times = spacingOfLevel(step, finest_level);
   level.spacing = level.spacing * times;
   for (int a = 0; a < 3; ++a)
     level.dims[a] = std::max<int64_t>(1, std::llround(static_cast<double>(level.dims[a]) / times));

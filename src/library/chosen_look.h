@@ -2,7 +2,6 @@
 // options that reproduce it.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,7 +10,6 @@
 #include "src/device/frame_values.h"
 #include "src/library/requests.h"
 #include "src/render/camera.h"
-#include "src/render/cut_options.h"
 #include "src/render/time_step.h"
 
 namespace sluice {
@@ -51,8 +49,7 @@ bool needsStatistics(const LookArguments& look);
 // Slices of half a voxel if a pixel is smaller than a voxel, because the picture shows the
 // difference then.
 double stepFor(const View& view, const VolumeLayout& layout);
-// The same for a picture from a cut: the step of the finest level in the picture, as if that were
-// all of the volume. `cut` unset: the finest level of all.
-double stepFor(const View& view, const TimeStep& step, const std::optional<CutOptions>& cut);
+// The same for a picture whose finest level is this one, as if that were all of the volume.
+double stepFor(const View& view, const TimeStep& step, int finest_level);
 
 }  // namespace sluice

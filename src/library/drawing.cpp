@@ -83,9 +83,9 @@ FrameOptions Drawing::looked(const PictureOptions& picture, const TimeStep& step
   FrameOptions options = framed(picture, step, pass);
   if (options.cut) options.cut->most_held_bytes = memoryBudget(machine_) / 2;
   if (!picture.step_vox && mode_ == Mode::kComposite) {
+    const View view = resolve(options.camera, layout(), options.size, options.step_vox);
     const bool is_cut = drawsCut(step, options.cut, mode_, look_.transfer.labels);
-    options.step_vox = stepFor(resolve(options.camera, layout(), options.size, options.step_vox),
-                               step, is_cut ? options.cut : std::nullopt);
+    options.step_vox = stepFor(view, step, is_cut ? finestLevelShown(step, view, *options.cut) : 0);
   }
   options.shades = look_.lit;
   options.lighting.flat_share *= look_.flat_scale;

@@ -243,9 +243,10 @@ IndexedVolume indexVolume(std::unique_ptr<VolumeSource> source, const VolumeArgu
   SideLevels side({*volume.source, volume.name, volume.places, volume.time,
                    has_own ? LevelsWish::kNone : wishFor(needs.levels, machine.levels), pass.pool,
                    pass.memory_bytes, pass.stop, pass.announce});
-  // Several levels take a layer more (pyramid.h).
+  // Several levels take a layer more (pyramid.h), and have the same blocks lit and unlit, so that
+  // an index made ahead serves both: without one, nothing would be known of the finest level.
   const bool has_levels = side.any() || !levelsFor(*volume.source, needs.levels).empty();
-  const int ghost = (needs.gradients ? 1 : 0) + (has_levels ? 1 : 0);
+  const int ghost = has_levels ? 2 : needs.gradients ? 1 : 0;
   if (block - 1 - 2 * ghost < 1)
     fail(
         "{}: blocks of {} voxels a side have no room for the border that a picture takes; give a "

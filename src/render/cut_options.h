@@ -13,6 +13,9 @@ struct CutOptions {
   // Nobody asked for a cut. The finest level is drawn if coarser ones would show something else:
   // maxima, minima, averages and labels need values that means do not have.
   bool is_default = false;
+  // Blocks below which the finest level shows something thinner than two of their voxels are
+  // refined, too, wherever the picture shows them.
+  bool keeps_thin = false;
   // Limits for the blocks of a picture: stored voxels, and voxels as the volume buffer holds them.
   uint64_t most_stored_bytes = UINT64_MAX, most_held_bytes = UINT64_MAX;
   friend bool operator==(const CutOptions&, const CutOptions&) = default;

@@ -56,6 +56,7 @@ Frame Session::frame() {
   if (options_.count_samples) run.countSamples();
   frame.phases = run.drawPhases();
   frame.report = run.report();
+  if (frame.report.cut) frame.report.cut->spread = spreads_->of(*visible, step_.ranges->map.scale);
   frame.blocks = visible;
   lessons_ = run.lessons();
   ++frame_number_;

@@ -82,6 +82,7 @@ class CutMaker {
     VisibleBlocks blocks;
     blocks.white = left_out_;
     std::map<int, CutSummary::Level> levels;
+    int64_t thin_blocks = 0;
     for (CutNode& node : chosen_) {
       if (node.object.cells.empty()) {
         ++blocks.white;
@@ -92,6 +93,7 @@ class CutMaker {
       level.level = node.level;
       ++level.blocks;
       level.cells += node.object.cells.count();
+      thin_blocks += isThin(node) ? 1 : 0;
       blocks.blocks.push_back(node.object);
     }
     std::ranges::sort(blocks.blocks, {}, &ObjectBlock::name);
@@ -106,6 +108,7 @@ class CutMaker {
       summary.coarse_share =
           1 - static_cast<double>(shown) / static_cast<double>(shown_.finestCells());
     summary.is_final = !is_stopped_;
+    summary.thin_blocks = thin_blocks;
     blocks.cut = std::move(summary);
     return blocks;
   }
@@ -150,14 +153,24 @@ class CutMaker {
     return nodes;
   }
 
-  // Replaces the open nodes, all of one level, by nodes of the next finer level if their voxels are
-  // too wide.
+  double pixelsOf(const CutNode& node) const {
+    return sizes_.of(pyramid_.level(node.level), pyramid_.regionOf(node.level, node.index));
+  }
+  // Whether a coarse block in the picture may show next to nothing of what is there.
+  bool isThin(const CutNode& node) const {
+    return node.level > 0 && shown_.hasThinParts(node.level, node.index) && pixelsOf(node) > 0;
+  }
+  bool isTooCoarse(const CutNode& node) const {
+    return pixelsOf(node) > options_.pixel_error || (options_.keeps_thin && isThin(node));
+  }
+
+  // Replaces the open nodes, all of one level, by nodes of the next finer level if they are too
+  // coarse.
   void refine() {
     std::vector<std::pair<double, size_t>> wide;  // depth, position in open_
     for (size_t i = 0; i < open_.size(); ++i) {
       const Box3 region = pyramid_.regionOf(open_[i].level, open_[i].index);
-      const LevelLayout& level = pyramid_.level(open_[i].level);
-      if (!is_stopped_ && sizes_.of(level, region) > options_.pixel_error)
+      if (!is_stopped_ && isTooCoarse(open_[i]))
         wide.emplace_back(sizes_.depthOf(region), i);
       else
         chosen_.push_back(open_[i]);
@@ -200,7 +213,7 @@ bool isSame(const VisibleBlocks& a, const VisibleBlocks& b) {
                             [](const ObjectBlock& x, const ObjectBlock& y) {
                               return x.name == y.name && x.cells == y.cells;
                             }) &&
-         a.cut->is_final == b.cut->is_final;
+         a.cut->is_final == b.cut->is_final && a.cut->thin_blocks == b.cut->thin_blocks;
 }
 
 }  // namespace

@@ -11,6 +11,7 @@ Session::Session(const TimeStep& step, Device& device, WorkerPool& pool,
     : device_(device),
       session_(options),
       stale_check_(std::make_unique<StaleCheck>(step.source->layout().name)),
+      spreads_(std::make_unique<SpreadTally>()),
       residency_(step, device,
                  {options.page, options.memory_bytes, options.policy, options.seed,
                   options.partition, pool.threads(), options.beside_bytes}),
@@ -18,10 +19,11 @@ Session::Session(const TimeStep& step, Device& device, WorkerPool& pool,
       step_(step) {
   SLUICE_CHECK(!options.lit || step.ranges->layout.ghost >= 1);
   expectBlocksOf(step);
-  residency_.blocks().checkBy(
-      [check = stale_check_.get()](const BlockName& name, const VolumeBlock& block) {
-        check->check(name, block);
-      });
+  residency_.blocks().checkBy([check = stale_check_.get(), spreads = spreads_.get()](
+                                  const BlockName& name, const VolumeBlock& block) {
+    check->check(name, block);
+    spreads->note(name, block);
+  });
 }
 
 void Session::expectBlocksOf(const TimeStep& step) {

@@ -18,6 +18,7 @@
 #include "src/index/stale_check.h"
 #include "src/render/frame_run.h"
 #include "src/render/planner.h"
+#include "src/render/spread_tally.h"
 
 namespace sluice {
 
@@ -105,6 +106,7 @@ class Session {
   const SessionOptions session_;
   Memo<TimeStep, BoxStore> box_store_;
   const std::unique_ptr<StaleCheck> stale_check_;  // checks the blocks that residency_ reads
+  const std::unique_ptr<SpreadTally> spreads_;     // notes their spreads
   Residency residency_;
   Planner planner_;
   Memo<BoxesKey, const ChosenBoxes> boxes_;

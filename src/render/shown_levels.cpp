@@ -2,11 +2,23 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <memory>
 #include <utility>
 
 namespace sluice {
 namespace {
+
+constexpr int64_t kAnyExtent = INT64_MAX;
+// A part that is thinner may lie in one voxel with as much of something else.
+constexpr double kThinVoxels = 2;
+
+// Whether boxes that meet at a face across `axis` have a part of it in common.
+bool meet(const Box3& a, const Box3& b, int axis) {
+  for (int other = 0; other < 3; ++other)
+    if (other != axis && (a.lo[other] > b.hi[other] || b.lo[other] > a.hi[other])) return false;
+  return true;
+}
 
 // The axis along which the block has the fewest texels.
 int trimmingAxis(const Vec3i& texels) {
@@ -50,25 +62,64 @@ void ShownLevels::boundFinest() {
   for (const ObjectBlock& object : levels_[0].blocks) finest_cells_ += object.cells.count();
   finest_boxes_.resize(1);
   reaches_.resize(1);
+  least_extents_.resize(1);
   for (int level = 1; level < pyramid_.levels(); ++level) {
     const LevelLayout& at = pyramid_.level(level);
     std::vector<Box3> boxes(static_cast<size_t>(at.blocks.blockCount()));
-    const auto add = [&](const Box3& cells) {
+    std::vector<Vec3i> extents(boxes.size(), {kAnyExtent, kAnyExtent, kAnyExtent});
+    const auto add = [&](const Box3& cells, Vec3i extent) {
       const Vec3i index = min(cells.lo / at.width, at.blocks.grid - Vec3i{1, 1, 1});
-      Box3& box = boxes[static_cast<size_t>(at.blocks.idOf(index))];
-      box = unite(box, cells);
+      const auto block = static_cast<size_t>(at.blocks.idOf(index));
+      boxes[block] = unite(boxes[block], cells);
+      extents[block] = min(extents[block], extent);
     };
     if (level == 1)
-      for (const ObjectBlock& object : levels_[0].blocks) add(object.cells);
+      for (const ObjectBlock& object : levels_[0].blocks) add(object.cells, extentOf(object));
     else
-      for (const Box3& box : finest_boxes_.back())
-        if (!box.empty()) add(box);
+      for (size_t i = 0; i < finest_boxes_.back().size(); ++i)
+        if (!finest_boxes_.back()[i].empty())
+          add(finest_boxes_.back()[i], least_extents_.back()[i]);
     finest_boxes_.push_back(std::move(boxes));
+    least_extents_.push_back(std::move(extents));
     std::vector<Box3>& reaches = reaches_.emplace_back();
     if (!hasSpreads(level)) continue;
     for (int64_t block = 0; block < at.blocks.blockCount(); ++block)
       reaches.push_back(reachIn(level, at.blocks.indexOf(block)));
   }
+}
+
+// The extent of an object box with what continues it in the next blocks; kAnyExtent if a face of
+// the crop ends it.
+Vec3i ShownLevels::extentOf(const ObjectBlock& object) const {
+  const BlockLayout& layout = pyramid_.finest();
+  const Vec3i index = layout.indexOf(object.name.block);
+  const Box3 owned = layout.ownedCells(index);
+  Vec3i extent = object.cells.size();
+  for (int a = 0; a < 3; ++a)
+    for (const bool is_upper : {false, true}) {
+      const auto faceOf = [&](const Box3& box) { return is_upper ? box.hi[a] : box.lo[a]; };
+      const int64_t face = faceOf(object.cells);
+      if (face == faceOf(crop_) && face > 0 && face < layout.dims[a] - 1) {
+        extent[a] = kAnyExtent;
+        break;
+      }
+      Vec3i beside = index;
+      beside[a] += is_upper ? 1 : -1;
+      if (face != faceOf(owned) || beside[a] < 0 || beside[a] >= layout.grid[a]) continue;
+      const ObjectBlock* next = find(0, layout.idOf(beside));
+      if (next == nullptr || (is_upper ? next->cells.lo[a] : next->cells.hi[a]) != face) continue;
+      if (meet(object.cells, next->cells, a)) extent[a] += next->cells.size()[a];
+    }
+  return extent;
+}
+
+bool ShownLevels::hasThinParts(int level, Vec3i index) const {
+  const LevelLayout& at = pyramid_.level(level);
+  const Vec3i extent =
+      least_extents_[static_cast<size_t>(level)][static_cast<size_t>(at.blocks.idOf(index))];
+  for (int a = 0; a < 3; ++a)
+    if (static_cast<double>(extent[a]) < kThinVoxels * at.placement.scale[a]) return true;
+  return false;
 }
 
 Box3 ShownLevels::finestBox(int level, Vec3i index) const {

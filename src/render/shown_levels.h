@@ -23,6 +23,10 @@ class ShownLevels {
   // Whether a block has a part in the picture because of what the finest level shows: something in
   // its region, or, if its level has spreads, as far beyond as interpolation carries it.
   bool showsFinest(int level, Vec3i index) const { return !finestBox(level, index).empty(); }
+  // Whether the finest level shows something in the block's region that is thinner than two voxels
+  // of the block's level along an axis. Parts that go on in the next block of the finest level
+  // count with it; faces of the crop make nothing thin. Requires: level > 0.
+  bool hasThinParts(int level, Vec3i index) const;
   // What is drawn of a block of time step `time` at its level: the box of the finest cells in its
   // region where interpolation of the level's voxels gives something visible. A level with spreads
   // shows what the finest level shows; if the ranges of another level are not known, the whole
@@ -31,6 +35,7 @@ class ShownLevels {
 
  private:
   void boundFinest();
+  Vec3i extentOf(const ObjectBlock& object) const;
   Box3 finestBox(int level, Vec3i index) const;
   Box3 reachIn(int level, Vec3i index) const;
   Box3 cellsShown(int level, Vec3i index, const Box3& region) const;
@@ -44,6 +49,8 @@ class ShownLevels {
   // Of the blocks of each level but the finest: the hull of the finest level's object boxes in
   // their regions, and the same with its reach for levels with spreads.
   std::vector<std::vector<Box3>> finest_boxes_, reaches_;
+  // The least extents along each axis of the object boxes in their regions, in finest cells.
+  std::vector<std::vector<Vec3i>> least_extents_;
   int64_t finest_cells_ = 0;
 };
 

@@ -353,6 +353,82 @@ TEST_F(LevelCutTest, aNetOfThinLinesKeepsMostOfItsOpacityAtCoarseLevels) {
   }
 }
 
+// One voxel, also where it lies on a face between blocks and so in the cells of several.
+TEST_F(LevelCutTest, oneBrightVoxelIsReportedAndRefinedOnRequest) {
+  const int64_t face = 3 * blockLayout({104, 104, 104}, kBlock, 1).cells();
+  for (const Vec3i bright : {Vec3i{41, 50, 33}, Vec3i{face, 50, face}}) {
+    FunctionSource source(layoutOf({104, 104, 104}, VoxelType::kU8),
+                          [&](int64_t, Vec3i v) { return v == bright ? 255.0 : 0.0; });
+    Pyramid pyramid(source, 4, false, Spreads::kKept);
+    const TransferFunction transfer = opaqueAbove(100, 255, 0.9);
+    const auto session = sessionOf(pyramid, transfer);
+    FrameOptions options = obliqueView(Projection::kOrtho);
+    options.size = {280, 260};  // pixels smaller than voxels, so that rays meet it
+    options.step_vox = 0.25;
+    const auto opacityOf = [](const Drawn& drawn) {
+      float most = 0;
+      for (size_t i = 3; i < drawn.picture.rgba.size(); i += 4)
+        most = std::max(most, drawn.picture.rgba[i]);
+      return most;
+    };
+    const float finest = opacityOf(draw(*session, options));
+    ASSERT_GT(finest, 0.1);
+    options.cut = CutOptions{.pixel_error = 1000};
+    const Drawn coarse = draw(*session, options);
+    EXPECT_GT(coarse.report.cut->thin_blocks, 0);
+    EXPECT_LT(opacityOf(coarse), 0.5 * finest);
+    options.cut->keeps_thin = true;
+    const Drawn kept = draw(*session, options);
+    EXPECT_EQ(kept.report.cut->thin_blocks, 0);
+    EXPECT_EQ(kept.report.cut->levels.front().level, 0);
+    EXPECT_NEAR(opacityOf(kept), finest, 0.01);
+  }
+}
+
+// A ball cuts off slivers at the faces of many blocks, which go on in the next ones.
+TEST_F(LevelCutTest, aSolidBallHasNoThinParts) {
+  FunctionSource ball(layoutOf({104, 104, 104}, VoxelType::kU8), [](int64_t, Vec3i v) {
+    return length(toDouble(v) - Vec3d{51, 50, 52}) < 37 ? 200.0 : 0.0;
+  });
+  Pyramid pyramid(ball, 2, false, Spreads::kKept);
+  FrameOptions options;
+  for (const std::optional<Box3>& crop :
+       {std::optional<Box3>(), std::optional(Box3{{0, 0, 50}, {104, 104, 53}})}) {
+    options.crop = crop;
+    options.cut = CutOptions{.level = 1};
+    const VisibleBlocksPtr blocks = chosen(pyramid, opaqueAbove(100, 255), options);
+    EXPECT_EQ(blocks->cut->thin_blocks, 0);
+    options.cut = CutOptions{.pixel_error = 1000, .keeps_thin = true};
+    EXPECT_EQ(levelsOf(*chosen(pyramid, opaqueAbove(100, 255), options)), std::set<int32_t>{1});
+  }
+}
+
+// Against the spreads of the level's own source.
+TEST_F(LevelCutTest, theReportHasTheSpreadsOfTheVoxelsThatAreShown) {
+  const auto source = manyBlobs({120, 101, 95});
+  Pyramid pyramid(*source, 3, false, Spreads::kKept);
+  const auto session = sessionOf(pyramid, opaqueAbove(0, 255, 0.01));
+  FrameOptions options = obliqueView(Projection::kOrtho);
+  EXPECT_FALSE(draw(*session, options).report.cut.has_value());
+  for (const size_t level : {1, 2}) {
+    VolumeSource& spreads = *pyramid.means.levels()[level - 1].spreads;
+    const Box3 all = boxOf(spreads.layout().dims);
+    std::vector<std::byte> bytes(static_cast<size_t>(all.count()));
+    spreads.readRegion(0, all, bytes);
+    double largest = 0, sum = 0;
+    for (const std::byte spread : bytes) {
+      largest = std::max(largest, static_cast<double>(spread));
+      sum += static_cast<double>(spread);
+    }
+    options.cut = CutOptions{.level = static_cast<int>(level)};
+    const std::optional<StandingSpread> said = draw(*session, options).report.cut->spread;
+    ASSERT_TRUE(said.has_value());
+    EXPECT_EQ(said->largest, largest);
+    // Blocks share the voxels at their borders.
+    EXPECT_NEAR(said->mean, sum / static_cast<double>(bytes.size()), 0.25 * said->mean);
+  }
+}
+
 TEST_F(LevelCutTest, labelsAreNotDrawnFromMeans) {
   const auto source = manyBlobs({60, 60, 60});
   Pyramid pyramid(*source, 2, false, Spreads::kKept);

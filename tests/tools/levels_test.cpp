@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "io/pictures/png_file.h"
@@ -25,6 +26,11 @@ class LevelsCommand : public testing::Test {
   }
   json render(const std::string& more) const {
     return program_.json("render " + arguments("-o x.png --force " + more));
+  }
+  // A plan reads no voxel.
+  static json withoutSpread(json cut) {
+    cut.erase("spread");
+    return cut;
   }
   const Program program_;
 };
@@ -63,7 +69,9 @@ TEST_F(LevelsCommand, meansAndSpreadsAreSaidAndLabelsAreNotDrawnFromThem) {
   const json cut = render("--pixel-error 1")["cut"];
   EXPECT_EQ(cut["spreads"], true);
   const json plan = program_.json("plan " + arguments("--pixel-error 1"));
-  EXPECT_EQ(plan["cut"], cut);
+  EXPECT_EQ(plan["cut"], withoutSpread(cut));
+  EXPECT_GT(cut["spread"]["largest"], cut["spread"]["mean"]);
+  EXPECT_GT(cut["spread"]["mean"], 0);
   EXPECT_EQ(plan["read"]["voxel_bytes"], render("--pixel-error 1")["frames"][0]["decoded_bytes"]);
 }
 
@@ -73,7 +81,7 @@ TEST_F(LevelsCommand, aPictureWithoutOptionsHasVoxelsAsWideAsPixels) {
   const auto drawn = readPng(program_.folder / "x.png").rgba;
   EXPECT_EQ(render("--pixel-error 1")["cut"], cut);
   EXPECT_EQ(readPng(program_.folder / "x.png").rgba, drawn);
-  EXPECT_EQ(program_.json("plan " + arguments(""))["cut"], cut);
+  EXPECT_EQ(program_.json("plan " + arguments(""))["cut"], withoutSpread(cut));
   // Voxels smaller than pixels are not needed: fewer bytes than at level 0.
   const auto bytes = [&](const std::string& more) {
     return program_.json("plan " + arguments(more))["read"]["voxel_bytes"].get<uint64_t>();
@@ -180,7 +188,7 @@ TEST_F(LevelsCommand, aBudgetOfBytesEndsTheRefinement) {
 TEST_F(LevelsCommand, aPlanAndASimulationHaveTheSameCut) {
   const std::string options = "--pixel-error 0.5 --projection perspective --zoom 3";
   const json plan = program_.json("plan " + arguments(options));
-  EXPECT_EQ(plan["cut"], render(options)["cut"]);
+  EXPECT_EQ(plan["cut"], withoutSpread(render(options)["cut"]));
   EXPECT_GE(plan["cut"]["levels"].size(), 2U);
   const auto read = [&](const std::string& more) {
     return program_.json("plan " + arguments(more))["read"]["voxel_bytes"].get<uint64_t>();
@@ -238,6 +246,35 @@ TEST_F(LevelsCommand, aSeriesIsDrawnFromTheLevelsOfEachStep) {
     EXPECT_EQ(readPng(program_.folder / (std::string("s") + step + ".png")).rgba, one) << step;
   }
   EXPECT_NE(readPng(program_.folder / "s1.png").rgba, readPng(program_.folder / "s2.png").rgba);
+}
+
+TEST_F(LevelsCommand, oneBrightVoxelIsFoundByAPlanAndDrawnWithKeepThin) {
+  constexpr size_t kSide = 96;
+  std::string voxels(kSide * kSide * kSide, '\0');
+  voxels[(40 * kSide + 51) * kSide + 33] = '\xff';
+  writeFile(program_.folder / "one_96x96x96_uint8.raw", voxels);
+  const CommandResult packed =
+      program_.run("pack one_96x96x96_uint8.raw -o one.zarr --chunk 16 --levels 3");
+  ASSERT_EQ(packed.status, 0) << packed.output;
+  const std::string look =
+      "one.zarr --threshold 100 --opacity 1 --no-shade --fit volume --size 20 ";
+  const json plan = program_.json("plan " + look);
+  EXPECT_EQ(plan["cut"]["thin_blocks"], 1);
+  EXPECT_EQ(plan["cut"]["coarse_share"], 1.0);
+  EXPECT_THAT(program_.run("render " + look + "-o v.png").output,
+              HasSubstr("1 block has parts thinner than two voxels, --keep-thin refines it"));
+  // As the plain picture of level 0 has it; a ray passes through the voxel here.
+  const std::string seen =
+      "render one.zarr --threshold 20 --opacity 1 --no-shade --view plain "
+      "--fit volume --size 76 -o v.png --force --step 1 ";
+  program_.json(seen + "--level 0");
+  const auto finest = readPng(program_.folder / "v.png").rgba;
+  EXPECT_GT(*std::ranges::max_element(finest), 60);
+  const json kept = program_.json(seen + "--keep-thin");
+  EXPECT_EQ(readPng(program_.folder / "v.png").rgba, finest);
+  EXPECT_EQ(kept["cut"]["levels"][0]["level"], 0);
+  EXPECT_EQ(kept["cut"]["thin_blocks"], 0);
+  EXPECT_EQ(program_.run("render " + look + "-o w.png --keep-thin --level 1").status, 2);
 }
 
 TEST_F(LevelsCommand, cullingAndGrowingBoxesTakeLevelZeroUnlessLevelsAreAskedFor) {

@@ -18,6 +18,10 @@ void addLevelOptions(CLI::App& app, LevelArguments& arguments, ResourceArguments
              "Refines levels until the blocks of a picture would exceed this many bytes of stored "
              "voxels (no limit)")
       ->excludes(level);
+  group
+      .flag("--keep-thin", arguments.keeps_thin,
+            "Refines parts where level 0 shows something thinner than two coarse voxels")
+      ->excludes(level);
   group.choice(
       "--levels",
       Words<LevelsWish>{{"auto", LevelsWish::kAuto},
@@ -39,6 +43,7 @@ std::optional<CutOptions> cutOptions(const LevelArguments& arguments,
   if (cut.is_default &&
       (frame.mode != Mode::kComposite || look.labels || frame.partition == Partition::kBoxes))
     return std::nullopt;
+  cut.keeps_thin = arguments.keeps_thin;
   cut.pixel_error = arguments.pixel_error.value_or(cut.pixel_error);
   if (arguments.level) cut.level = static_cast<int>(*arguments.level);
   if (arguments.max_bytes != 0) cut.most_stored_bytes = arguments.max_bytes;
@@ -48,9 +53,9 @@ std::optional<CutOptions> cutOptions(const LevelArguments& arguments,
 }
 
 void refuseLevels(const LevelArguments& arguments, std::string_view why) {
-  const bool asks =
-      arguments.level.value_or(0) > 0 || arguments.max_bytes != 0 || arguments.pixel_error;
-  if (asks) fail("{}; leave out --level, --pixel-error and --max-bytes", why);
+  const bool asks = arguments.level.value_or(0) > 0 || arguments.max_bytes != 0 ||
+                    arguments.pixel_error || arguments.keeps_thin;
+  if (asks) fail("{}; leave out --level, --pixel-error, --max-bytes and --keep-thin", why);
 }
 
 }  // namespace sluice

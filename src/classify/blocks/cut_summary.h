@@ -2,9 +2,16 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace sluice {
+
+// The spreads of coarse voxels (volume_levels.h) in units of values: how much the finest values
+// differ below the voxels that are shown.
+struct StandingSpread {
+  double largest = 0, mean = 0;
+};
 
 struct CutSummary {
   struct Level {
@@ -20,6 +27,11 @@ struct CutSummary {
   bool has_spreads = false;
   // False: a budget ended the refinement before the pixel error was reached.
   bool is_final = true;
+  // Coarser blocks in the picture below which the finest level shows something thinner than two of
+  // their voxels: they may show next to nothing of it.
+  int64_t thin_blocks = 0;
+  // Of the blocks whose voxels were read; unset before that, and without spreads.
+  std::optional<StandingSpread> spread;
 };
 
 }  // namespace sluice
