@@ -99,10 +99,10 @@ struct Blocks {
   Gathered& at(Vec3i p) { return of[static_cast<size_t>((p.z * size.y + p.y) * size.x + p.x)]; }
 };
 
-Blocks blocksOf(Vec3i size) {
-  Blocks blocks{size, {}};
-  blocks.of.resize(static_cast<size_t>(volume(size)));
-  return blocks;
+// All of them empty; keeps the memory.
+void makeEmpty(Blocks& blocks, Vec3i size) {
+  blocks.size = size;
+  blocks.of.assign(static_cast<size_t>(volume(size)), Gathered{});
 }
 
 template <class F>
@@ -165,6 +165,13 @@ std::vector<LevelShape> levelShapes(const VolumeLayout& layout, int64_t chunk_vo
   }
   return levels;
 }
+
+// The blocks of a cube for a level and the one before it.
+struct LevelMaker::Scratch {
+  Blocks coarser, finer;
+};
+
+LevelMaker::~LevelMaker() = default;
 
 LevelMaker::LevelMaker(const VolumeLayout& layout, int64_t chunk_voxels,
                        std::vector<LevelShape> levels, Downsample how,
@@ -349,7 +356,16 @@ void LevelMaker::addOf(const Box3& box, const T* voxels, int64_t row_stride, int
   const Vec3i size = box.size();
   const auto finest = [&](Vec3i p) { return voxels[p.z * plane_stride + p.y * row_stride + p.x]; };
   const double origin = originOf(voxels);
-  Blocks finer;
+  std::unique_ptr<Scratch> scratch;
+  {
+    const MutexLock lock(mutex_);
+    if (!idle_.empty()) {
+      scratch = std::move(idle_.back());
+      idle_.pop_back();
+    }
+  }
+  if (scratch == nullptr) scratch = std::make_unique<Scratch>();
+  Blocks &finer = scratch->finer, &coarser = scratch->coarser;
   Vec3i finer_step{1, 1, 1};
   std::vector<T> values;
   for (size_t i = 0; i < levels_.size(); ++i) {
@@ -374,7 +390,7 @@ void LevelMaker::addOf(const Box3& box, const T* voxels, int64_t row_stride, int
       continue;
     }
     // Gathered from the blocks of the level before, whose sums are not rounded.
-    Blocks coarser = blocksOf(blocks);
+    makeEmpty(coarser, blocks);
     const Vec3i step = level.step / finer_step;
     if (i == 0) {
       if constexpr (isNarrow<T>) {
@@ -398,9 +414,11 @@ void LevelMaker::addOf(const Box3& box, const T* voxels, int64_t row_stride, int
         if (!keepsSpreads(how_)) continue;
         for (int64_t x = 0; x < blocks.x; ++x) spreads[at + x] = spreadOf<Spread>(row[x], origin);
       }
-    finer = std::move(coarser);
+    std::swap(finer, coarser);
     finer_step = level.step;
   }
+  const MutexLock lock(mutex_);
+  idle_.push_back(std::move(scratch));
 }
 
 void makeLevelRegion(VolumeSource& finest, int64_t time, const LevelShape& level, const Box3& box,

@@ -12,10 +12,12 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "src/base/mutex.h"
 #include "src/base/vec.h"
 #include "src/base/volume_levels.h"
 #include "src/base/volume_source.h"
@@ -52,6 +54,7 @@ class LevelMaker {
   // Requires: steps divide `chunk_voxels`.
   LevelMaker(const VolumeLayout& layout, int64_t chunk_voxels, std::vector<LevelShape> levels,
              Downsample how, std::span<const std::byte> fill);
+  ~LevelMaker();
 
   // Bytes that the maker holds, and bytes that a thread takes inside add().
   static uint64_t pendingBytes(const VolumeLayout& layout, int64_t chunk_voxels,
@@ -85,6 +88,10 @@ class LevelMaker {
   const Downsample how_;
   const std::vector<std::byte> fill_;
   std::vector<std::vector<std::byte>> layers_, spreads_;
+  // Passed on from cube to cube: fresh memory costs as much as the work done in it.
+  struct Scratch;
+  Mutex mutex_;
+  std::vector<std::unique_ptr<Scratch>> idle_ SLUICE_GUARDED_BY(mutex_);
 };
 
 // The voxels of a box of one level of means, and their spreads, made of the finest voxels alone:
