@@ -158,7 +158,8 @@ TEST_P(RanksProgram, drawTheCutThroughLevelsOfOneProcess) {
   for (const std::string& cut : {std::string(), std::string("--level 3"),
                                  std::string("--projection perspective --zoom 3 --pixel-error 2"),
                                  std::string("--pixel-error 0.3 --max-bytes 300K")}) {
-    const json one = program_.json(fmt::format("{} {} -o one.png", kLevels, cut));
+    json one = program_.json(fmt::format("{} {} -o one.png", kLevels, cut));
+    one["cut"].erase("spread");  // a rank knows its own blocks alone
     for (const int ranks : {2, 5}) {
       SCOPED_TRACE(fmt::format("{} ranks, {}", ranks, cut));
       const CommandResult run =
