@@ -263,9 +263,9 @@ int run(const PlanArguments& asked, const CLI::App& app) {
   const TransferFunction& transfer = planned.transfer;
   arguments.frame.camera = planned.camera;
   const Shown shown = shownBlocks(arguments, volume, transfer, pool);
+  const uint64_t others = othersBytes(volume, transfer, arguments.frame, pool);
   volume.page.pages = besideShare(volume, arguments.resources, arguments.frame.partition,
-                                  pictureDemand(arguments.resources, arguments.frame),
-                                  othersBytes(volume, *shown.blocks))
+                                  pictureDemand(arguments.resources, arguments.frame), others)
                           .pages;
   const Costs costs = costsOf(arguments, volume, shown, pool);
   const Cost& chosen = costs[static_cast<size_t>(arguments.frame.algorithm)];
@@ -273,7 +273,7 @@ int run(const PlanArguments& asked, const CLI::App& app) {
   if (arguments.frame.partition == Partition::kBoxes)
     boxes = planBoxes(arguments, volume, shown, pool);
   const Forecast forecast =
-      forecastOf(volume, *shown.blocks, chosen.bytes, arguments.frame, arguments.resources);
+      forecastOf(volume, *shown.blocks, chosen.bytes, others, arguments.frame, arguments.resources);
   const nlohmann::json report =
       reportOf(costs, chosen, forecast, boxes, volume, transfer, shown, app);
   if (!arguments.report_file.empty()) {

@@ -16,12 +16,9 @@ constexpr uint64_t kProgramBytes = uint64_t{120} << 20;
 
 }  // namespace
 
-uint64_t othersBytes(const IndexedVolume& volume, const VisibleBlocks& shown) {
-  return volume.rangesBytes() + shown.blocks.size() * kPlannedBlockBytes;
-}
-
 Forecast forecastOf(const IndexedVolume& volume, const VisibleBlocks& shown, uint64_t plan_bytes,
-                    const FrameOptions& frame, const ResourceArguments& resources) {
+                    uint64_t others_bytes, const FrameOptions& frame,
+                    const ResourceArguments& resources) {
   Forecast forecast;
   forecast.blocks = static_cast<int64_t>(shown.blocks.size());
   const VoxelType type = volume.source->layout().type;
@@ -32,11 +29,10 @@ Forecast forecastOf(const IndexedVolume& volume, const VisibleBlocks& shown, uin
                             storedBytesPerVoxel(type, layout.of(block.name).numbers);
   }
   forecast.index_bytes = volume.rangesBytes();
-  const uint64_t others = othersBytes(volume, shown);
   const PictureDemand picture = pictureDemand(resources, frame);
-  const BesideShare share = besideShare(volume, resources, frame.partition, picture, others);
+  const BesideShare share = besideShare(volume, resources, frame.partition, picture, others_bytes);
   BufferNeeds needs = bufferNeeds(*volume.source, volume.layout, frame.partition,
-                                  others + leastPictureBytes(picture));
+                                  others_bytes + leastPictureBytes(picture));
   needs.numbers = volume.numbers();
   const uint64_t textures = textureMemoryBytes(volume.page, TexelPlace::kInMemory);
   forecast.budget_bytes = memoryBudget(resources);

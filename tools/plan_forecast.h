@@ -27,13 +27,11 @@ struct Forecast {
   bool fits() const { return least_bytes <= budget_bytes && peakBytes() <= machine_bytes; }
 };
 
-// Bytes that a frame holds in addition to the levels and the picture: min-max arrays and the plan.
-uint64_t othersBytes(const IndexedVolume& volume, const VisibleBlocks& shown);
-
 // `plan_bytes`: bytes of the textures that the chosen algorithm makes, which count on software GL,
-// whose textures live in memory.
+// whose textures live in memory. `others_bytes`: see othersBytes().
 Forecast forecastOf(const IndexedVolume& volume, const VisibleBlocks& shown, uint64_t plan_bytes,
-                    const FrameOptions& frame, const ResourceArguments& resources);
+                    uint64_t others_bytes, const FrameOptions& frame,
+                    const ResourceArguments& resources);
 
 // `read` and `memory` of plan's JSON.
 nlohmann::json readJson(const Forecast& forecast);

@@ -245,6 +245,7 @@ json sceneJson(const Scene& scene, const std::vector<RenderedFrame>& frames) {
                                   {"binds", scene.device->binds()}});
   report["memory_bytes"] = scene.memory_bytes;
   report[scene.share ? "part_memory_bytes" : "picture_memory_bytes"] = scene.part_bytes;
+  report["beside_memory_bytes"] = scene.beside_bytes;
   report["peak_rss_bytes"] = peakResidentBytes();
   report["peak_anonymous_bytes"] = std::max(scene.peak_anonymous_bytes, anonymousBytes());
   report["device"] = nameOf(*scene.device);

@@ -82,6 +82,9 @@ struct Scene {
   uint64_t memory_bytes;
   PictureDemand pictures;   // memory demand of the scene's pictures
   uint64_t part_bytes = 0;  // part of memory_bytes for a picture, or a strip or part of it
+  // Part of memory_bytes for all that is held in addition to the levels: min-max arrays, plans,
+  // pictures, and of a series its opacity functions and what culling keeps.
+  uint64_t beside_bytes = 0;
   uint64_t peak_anonymous_bytes = 0;  // at the calls of noteMemory()
   std::unique_ptr<RankShare> share;   // null: alone
   std::unique_ptr<Device> device;

@@ -4,34 +4,16 @@
 
 #include "src/base/bytes.h"
 #include "src/base/error.h"
-#include "src/classify/blocks/classification.h"
-#include "src/render/look.h"
+#include "src/library/resources.h"
 
 namespace sluice {
-namespace {
 
-// The blocks that may be held at once by a cut without a view, whatever shows.
-uint64_t blocksOfCut(const IndexedVolume& volume, const CutOptions& cut) {
-  if (cut.level && *cut.level < volume.pyramid->levels())
-    return static_cast<uint64_t>(volume.pyramid->level(*cut.level).blocks.blockCount());
-  const int64_t side = volume.layout.size;
-  const uint64_t block_bytes =
-      static_cast<uint64_t>(sluice::volume({side, side, side})) * bytesPerVoxel(volume.map.type);
-  return std::min(cut.most_held_bytes / block_bytes + 1,
-                  static_cast<uint64_t>(volume.layout.blockCount()));
+uint64_t othersBytes(const IndexedVolume& volume, const TransferFunction& transfer,
+                     const FrameOptions& frame, WorkerPool& pool) {
+  // A series also holds the ranges of the step that is shown and of the next one.
+  const uint64_t steps = volume.source->layout().time_steps > 1 ? 3 : 1;
+  return steps * volume.rangesBytes() + planBytes(volume, transfer, frame, pool);
 }
-
-// Bytes of the frame's plan for the step that the volume was opened for.
-uint64_t planBytes(const Scene& scene, const FrameOptions& frame, WorkerPool& pool) {
-  if (scene.volume.stand_in) return blocksOfCut(scene.volume, *frame.cut) * kPlannedBlockBytes;
-  const SliceRanges& ranges = scene.volume.index->ranges;
-  const Look look = makeLook(scene.volume.step(), scene.transfer, frame.mode);
-  const VisibleBlocks shown =
-      classify(ranges, look.table, cropCells(frame, ranges.layout.dims), pool, scene.volume.time);
-  return shown.blocks.size() * kPlannedBlockBytes;
-}
-
-}  // namespace
 
 BesideShare besideShare(const IndexedVolume& volume, const ResourceArguments& resources,
                         Partition partition, const PictureDemand& picture, uint64_t others_bytes) {
@@ -55,8 +37,7 @@ BesideShare besideShare(const IndexedVolume& volume, const ResourceArguments& re
 void openSession(Scene& scene, const ResourceArguments& resources, const FrameOptions& frame,
                  uint64_t more_bytes) {
   IndexedVolume& volume = scene.volume;
-  const uint64_t others_bytes =
-      volume.rangesBytes() + planBytes(scene, frame, scene.pool) + more_bytes;
+  const uint64_t others_bytes = othersBytes(volume, scene.transfer, frame, scene.pool) + more_bytes;
   BesideShare share = besideShare(volume, resources, frame.partition, scene.pictures, others_bytes);
   if (scene.share) {  // ranks have parts in the picture's place, and the first one the picture
     const auto pixels =
@@ -73,6 +54,7 @@ void openSession(Scene& scene, const ResourceArguments& resources, const FrameOp
     scene.part_bytes = share.picture_bytes;
   }
   volume.page.pages = share.pages;
+  scene.beside_bytes = share.beside_bytes;
   SessionOptions options =
       sessionOptions(volume, scene.look.lit, resources, frame.partition, scene.memory_bytes);
   options.beside_bytes = share.beside_bytes;

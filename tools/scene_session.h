@@ -14,6 +14,9 @@ struct BesideShare {
   uint64_t picture_bytes = 0, beside_bytes = 0;
   int64_t pages = 0;
 };
+// What a frame holds beside the levels and the picture: min-max arrays and plans.
+uint64_t othersBytes(const IndexedVolume& volume, const TransferFunction& transfer,
+                     const FrameOptions& frame, WorkerPool& pool);
 // `others_bytes`: min-max arrays and whatever else is held. The picture gets a quarter of the
 // memory if the levels then have the least that they work with, otherwise the least strip.
 BesideShare besideShare(const IndexedVolume& volume, const ResourceArguments& resources,

@@ -71,8 +71,10 @@ SeriesFunctions openFunctions(const IndexedVolume& volume, const TransferFunctio
 }
 
 CullingOptions cullingOptions(Culling culling, const FrameOptions& frame,
-                              const SeriesFunctions& functions) {
+                              const SeriesFunctions& functions, uint64_t memory_bytes) {
+  constexpr uint64_t kKeptShare = 8;
   CullingOptions options;
+  options.most_kept_bytes = std::min(options.most_kept_bytes, memory_bytes / kKeptShare);
   options.form = culling == Culling::kPof ? OpacityForm::kPof : OpacityForm::kOpof;
   options.opacity_threshold = hidingThreshold(frame);
   options.uses_coherence = culling == Culling::kToc || culling == Culling::kAuto;
@@ -85,19 +87,22 @@ Series::Series(Scene& scene, const CullingArguments& culling, const ResourceArgu
                const FrameOptions& frame)
     : scene_(scene), resources_(resources), is_auto_(culling.culling == Culling::kAuto) {
   if (scene.share) scene.share->dealEachPicture(scene.volume.source->layout().time_steps > 1);
-  if (culling.culling == Culling::kNone) return;
   if (is_auto_ && scene.share)
     fail("--culling auto measures one process; give ranks --culling toc or none");
-  scene.inTurn([&] {
-    if (is_auto_)
-      functions_ = preparedFunctions(scene, culling, resources);
-    else
-      functions_.emplace(
-          openFunctions(scene.volume, scene.transfer, culling, resources, scene.pool));
-  });
+  if (culling.culling != Culling::kNone)
+    scene.inTurn([&] {
+      if (is_auto_)
+        functions_ = preparedFunctions(scene, culling, resources);
+      else
+        functions_.emplace(
+            openFunctions(scene.volume, scene.transfer, culling, resources, scene.pool));
+    });
   if (!functions_) return;
-  CullingOptions options = cullingOptions(culling.culling, frame, *functions_);
-  openSession(scene, resources, frame, functions_->opacity()->bytes());
+  CullingOptions options = cullingOptions(culling.culling, frame, *functions_, scene.memory_bytes);
+  const SeriesOpacity& opacity = *functions_->opacity();
+  openSession(scene, resources, frame,
+              opacity.bytes() +
+                  CulledBlocks::mostBytes(opacity, frame.size, options, scene.pool.threads()));
   if (scene.share) scene.share->shareEstimate(options);
   culled_.emplace(functions_->opacity(), scene.volume.source->layout(), options, scene.pool);
   if (!is_auto_) scene.chooseBlocksBy(&*culled_);

@@ -25,8 +25,9 @@ SeriesOptions seriesOptions(const CullingArguments& culling, const IndexedVolume
 SeriesFunctions openFunctions(const IndexedVolume& volume, const TransferFunction& transfer,
                               const CullingArguments& culling, const ResourceArguments& resources,
                               WorkerPool& pool);
+// An eighth of the memory is for what is kept from step to step.
 CullingOptions cullingOptions(Culling culling, const FrameOptions& frame,
-                              const SeriesFunctions& functions);
+                              const SeriesFunctions& functions, uint64_t memory_bytes);
 
 // The decision of --culling auto, and the reason for it.
 struct CullingChoice {

@@ -26,10 +26,14 @@ Drawing::Drawing(std::shared_ptr<const OpenedVolume> opened, const LookOptions& 
       pool_(machine_.threads),
       device_(makeDevice(machine_.device, pool_)) {
   const IndexedVolume& volume = opened_->volume;
-  SessionOptions session =
-      sessionOptions(volume, true, machine_, Partition::kBlocks, memoryBudget(machine_));
+  const uint64_t memory_bytes = memoryBudget(machine_);
+  SessionOptions session = sessionOptions(volume, true, machine_, Partition::kBlocks, memory_bytes);
   // A series holds the ranges of the drawn step in addition to the volume's own.
   if (layout().time_steps > 1) session.beside_bytes *= 2;
+  FrameOptions frame;
+  frame.mode = modeOf(look);
+  const ChosenLook first = lookFor(volume, lookArguments(look, opened_->whole_series), frame.mode);
+  session.beside_bytes += planBytes(volume, first.transfer, frame, pool_);
   session.page.pages = pageCount(machine_, volume, session.beside_bytes);
   session_ = std::make_unique<Session>(volume.step(), *device_, pool_, session);
   if (options.screen != nullptr) screen_ = dynamic_cast<DrawsForScreens*>(device_.get());

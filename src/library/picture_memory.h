@@ -43,9 +43,4 @@ uint64_t pictureBytes(const PictureDemand& picture, uint64_t memory_bytes);
 // fits. Requires: bytes >= leastPictureBytes().
 std::vector<PictureRows> stripsOf(const PictureDemand& picture, uint64_t bytes);
 
-// Bytes of a frame's plan for each block that shows something: its boxes, its chunk and their
-// names, its places in the order of the visit and in the tables of all levels. With blocks of 8
-// voxels, each in a chunk with one other, 820 bytes were measured.
-inline constexpr uint64_t kPlannedBlockBytes = 1000;
-
 }  // namespace sluice

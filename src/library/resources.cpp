@@ -4,6 +4,8 @@
 #include <bit>
 
 #include "src/base/clock.h"
+#include "src/classify/blocks/classification.h"
+#include "src/render/look.h"
 
 namespace sluice {
 namespace {
@@ -37,6 +39,19 @@ int64_t defaultPages(const PageGeometry& page, const BufferNeeds& needs, Vec3i d
   return static_cast<int64_t>(pages);
 }
 
+// A planned block. Measured with blocks of 8 voxels, each in a chunk with one other: 820 bytes.
+constexpr uint64_t kPlannedBlockBytes = 1000;
+
+// The most blocks that a cut may hold at once, whatever the view.
+uint64_t blocksOfCut(const IndexedVolume& volume, const CutOptions& cut) {
+  if (cut.level && *cut.level < volume.pyramid->levels())
+    return static_cast<uint64_t>(volume.pyramid->level(*cut.level).blocks.blockCount());
+  const int64_t side = volume.layout.size;
+  const uint64_t block_bytes =
+      static_cast<uint64_t>(sluice::volume({side, side, side})) * bytesPerVoxel(volume.map.type);
+  return cut.most_held_bytes / block_bytes + 1;
+}
+
 }  // namespace
 
 uint64_t memoryBudget(const MachineOptions& machine) {
@@ -62,6 +77,24 @@ int64_t pageCount(const MachineOptions& machine, const IndexedVolume& volume,
   const uint64_t memory_bytes = memoryBudget(machine);
   return defaultPages(volume.page, needs, volume.source->layout().dims,
                       memory_bytes - std::min(memory_bytes, beside_bytes));
+}
+
+uint64_t planBytes(const IndexedVolume& volume, const TransferFunction& transfer,
+                   const FrameOptions& frame, WorkerPool& pool) {
+  const auto all = static_cast<uint64_t>(volume.layout.blockCount());
+  const bool is_whole =
+      frame.algorithm == Algorithm::kConventional || frame.algorithm == Algorithm::kClipped;
+  uint64_t blocks = all;
+  if (!is_whole && !volume.stand_in) {  // of whose blocks nothing is known
+    const SliceRanges& ranges = volume.index->ranges;
+    const Look look = makeLook(volume.step(), transfer, frame.mode);
+    blocks = classify(ranges, look.table, cropCells(frame, ranges.layout.dims), pool, volume.time)
+                 .blocks.size();
+    // Another step may show more.
+    if (volume.source->layout().time_steps > 1) blocks = std::min(2 * all, 3 * blocks);
+  }
+  if (frame.cut && volume.pyramid) blocks = std::min(blocks, blocksOfCut(volume, *frame.cut));
+  return blocks * kPlannedBlockBytes;
 }
 
 SessionOptions sessionOptions(const IndexedVolume& volume, bool lit, const MachineOptions& machine,

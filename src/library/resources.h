@@ -21,6 +21,13 @@ PageGeometry pageShape(const MachineOptions& machine, const ValueMap& map);
 int64_t pageCount(const MachineOptions& machine, const IndexedVolume& volume,
                   uint64_t beside_bytes);
 
+// What the plans of frames with this look take beside the levels: for each block that is planned
+// its boxes, its chunk and their names, its places in the order of the visit and in the tables of
+// all levels. A series has the next step's plan, too. Classifies the step that the volume was
+// opened for.
+uint64_t planBytes(const IndexedVolume& volume, const TransferFunction& transfer,
+                   const FrameOptions& frame, WorkerPool& pool);
+
 // `lit`: frames may be shaded, the volume was indexed with gradients.
 SessionOptions sessionOptions(const IndexedVolume& volume, bool lit, const MachineOptions& machine,
                               Partition partition, uint64_t memory_bytes);

@@ -16,7 +16,20 @@ bool isSame(const View& a, const View& b) {
          a.first_depth == b.first_depth && a.step == b.step;
 }
 
+// Nothing is kept where no step follows.
+uint64_t keptBytes(const SeriesOpacity& series, const CullingOptions& options) {
+  return options.uses_coherence && series.steps > 1 ? options.most_kept_bytes : 0;
+}
+
 }  // namespace
+
+uint64_t CulledBlocks::mostBytes(const SeriesOpacity& series, PictureSize size,
+                                 const CullingOptions& options, int threads) {
+  // Beside their data, functions are objects whose three arrays are allocations of their own.
+  constexpr uint64_t kAllocation = 16;
+  const uint64_t objects = series.functions.size() * (sizeof(OpacityFunction) + 3 * kAllocation);
+  return objects + VisibilityEstimate::mostBytes(series, size, keptBytes(series, options), threads);
+}
 
 EstimateView estimateView(const View& view, const VolumeLayout& layout) {
   return estimateView(viewSetup(view, layout, {}), eyePosition(view, layout).index);
@@ -51,7 +64,7 @@ VisibleBlocksPtr CulledBlocks::choose(const BlockQuestion& question) {
         options_.form, options_.opacity_threshold, {question.crop}, {}, options_.exponent};
     estimate.tile_stride = options_.tile_stride;
     estimate.first_tile = options_.first_tile;
-    if (!options_.uses_coherence || series_->steps == 1) estimate.most_kept_bytes = 0;
+    estimate.most_kept_bytes = keptBytes(*series_, options_);
     estimate.clip_planes = viewSetup(question.view, layout_, options_.clip_planes).clip_planes;
     estimate_.emplace(series_, estimateView(question.view, layout_), estimate);
   }

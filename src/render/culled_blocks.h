@@ -23,7 +23,8 @@ struct CullingOptions {
   double opacity_threshold = kDefaultOpaque;
   bool uses_coherence = true;  // the tree; without it every step is looked at as a whole
   std::vector<WorldPlane> clip_planes = {};
-  double exponent = 1;  // see EstimateOptions
+  double exponent = 1;                                           // see EstimateOptions
+  uint64_t most_kept_bytes = EstimateOptions().most_kept_bytes;  // with coherence
   // If several processes work on a picture together, each has its tiles, see EstimateOptions.
   // `exchange` turns the blocks that one process found to be reached at a step into those that all
   // found.
@@ -45,6 +46,10 @@ class CulledBlocks : public BlockChooser {
   // `pool` must outlive it. Requires: the functions are of the volume's series, in its blocks.
   CulledBlocks(SeriesOpacityPtr series, const VolumeLayout& layout, const CullingOptions& options,
                WorkerPool& pool);
+
+  // What it takes beside the functions' own data, at the most, on so many threads.
+  static uint64_t mostBytes(const SeriesOpacity& series, PictureSize size,
+                            const CullingOptions& options, int threads);
 
   VisibleBlocksPtr choose(const BlockQuestion& question) override;
   const CullingCounts& counts() const { return counts_; }

@@ -1,7 +1,5 @@
 #include "src/visibility/unpacked_parts.h"
 
-#include <algorithm>
-
 #include "src/visibility/part_detail.h"
 
 namespace sluice {
@@ -9,11 +7,7 @@ namespace sluice {
 const UnpackedParts::Parts& UnpackedParts::of(int32_t number, const OpacityFunction& function,
                                               size_t parts,
                                               const std::array<float, 256>& extinction) {
-  constexpr size_t kBytes = size_t{4} << 20, kLeastPlaces = 16;
-  if (places_.empty()) {
-    const size_t a_place = std::max<size_t>(parts, 1) * 4 * (sizeof(uint32_t) + sizeof(float));
-    places_.resize(std::max(kBytes / a_place, kLeastPlaces));
-  }
+  if (places_.empty()) places_.resize(places(parts));
   Parts& place = places_[static_cast<size_t>(number) % places_.size()];
   if (place.number == number && place.extinction.size() == 4 * parts) return place;
   place.number = number;

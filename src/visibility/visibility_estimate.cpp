@@ -15,6 +15,9 @@ constexpr int kSide = VisibilityEstimate::kTileSide;
 // The relative error that float arithmetic may add to a ray's sum.
 constexpr double kSumDoubt = 1e-3;
 
+// Changed parts may take one part in so many of what tiles may keep.
+constexpr uint64_t kKeptShare = 8;
+
 // A place further off than any picture reaches.
 constexpr int kFarPixels = 1 << 28;
 
@@ -239,7 +242,8 @@ float VisibilityEstimate::nearSlice(const Box3& cells) const {
 // The parts that hide more or less when function `now` stands for the block instead of `before`.
 std::vector<VisibilityEstimate::ChangedPart> VisibilityEstimate::changedParts(int64_t block,
                                                                               int32_t before,
-                                                                              int32_t now) const {
+                                                                              int32_t now,
+                                                                              size_t most) const {
   const OpacityFunction& a = series_->functions[static_cast<size_t>(before)];
   const OpacityFunction& b = series_->functions[static_cast<size_t>(now)];
   const Place& place = places_[static_cast<size_t>(block)];
@@ -248,8 +252,8 @@ std::vector<VisibilityEstimate::ChangedPart> VisibilityEstimate::changedParts(in
   const bool as_wholes = options_.form != OpacityForm::kOpof;
   const bool has_table =
       as_wholes || ratio_a > extinction_[a.floor] || ratio_b > extinction_[b.floor];
-  if (has_table && (ratio_a != ratio_b || a.floor != b.floor))
-    return {{place.footprint, -std::numeric_limits<float>::infinity()}};
+  const ChangedPart whole{place.footprint, -std::numeric_limits<float>::infinity()};
+  if (has_table && (ratio_a != ratio_b || a.floor != b.floor)) return {whole};
   std::vector<ChangedPart> changed;
   if (as_wholes) return changed;
   const PartGrid grid = series_->partsOf(block);
@@ -262,6 +266,7 @@ std::vector<VisibilityEstimate::ChangedPart> VisibilityEstimate::changedParts(in
     for (int64_t y = 0; y < count.y; ++y)
       for (int64_t x = 0; x < count.x; ++x) {
         if (levelsOf(a, in_a) == levelsOf(b, in_b)) continue;
+        if (changed.size() >= most) return {whole};
         const Box3 part = translate(grid.cellsOf({x, y, z}), cells.lo);
         changed.push_back({footprintOf(part), nearSlice(part)});
       }
@@ -290,12 +295,15 @@ void VisibilityEstimate::takeChanges(int64_t step, WorkerPool& pool) {
   for (const int64_t block : changed_) changes_[static_cast<size_t>(block)] = {};
   changed_ = series_->tree->changedBetween(step_, step);
   changed_blocks_ = static_cast<int64_t>(changed_.size());
+  const uint64_t most_parts = options_.most_kept_bytes / kKeptShare / sizeof(ChangedPart);
+  const size_t most = most_parts / std::max<size_t>(1, changed_.size());
   pool.parallelFor(changed_blocks_, [&](int64_t i) {
     const int64_t block = changed_[static_cast<size_t>(i)];
     int32_t& function = functions_[static_cast<size_t>(block)];
     Change& change = changes_[static_cast<size_t>(block)];
     change.before = std::exchange(function, series_->functionAt(block, step));
-    if (change.before != function) change.parts = changedParts(block, change.before, function);
+    if (change.before != function)
+      change.parts = changedParts(block, change.before, function, most);
   });
 }
 
@@ -328,6 +336,27 @@ std::vector<VisibilityEstimate::Task> VisibilityEstimate::affectedTiles(int64_t 
     tasks.push_back(std::move(of_tile[i]));
   }
   return tasks;
+}
+
+uint64_t VisibilityEstimate::mostBytes(const SeriesOpacity& series, PictureSize size,
+                                       uint64_t most_kept_bytes, int threads) {
+  const auto blocks = static_cast<uint64_t>(series.blockCount());
+  constexpr uint64_t kDirections = 64;  // a small vector
+  const uint64_t of_blocks = blocks * (sizeof(Place) + kDirections + sizeof(Change) +
+                                       2 * sizeof(int64_t) + 3 * sizeof(uint32_t));
+  const int64_t across = std::max({series.grid.x, series.grid.y, series.grid.z});
+  const auto tiles = static_cast<uint64_t>((size.width + kSide - 1) / kSide) *
+                     static_cast<uint64_t>((size.height + kSide - 1) / kSide);
+  // A tile meets the blocks along a ray, in as many columns as are as wide as it, with the pixels
+  // that bounds of blocks have to spare.
+  const double columns =
+      static_cast<double>((kSide + 3) * across) / std::min(size.width, size.height) + 1;
+  const auto listed = static_cast<uint64_t>(columns * columns * static_cast<double>(3 * across));
+  constexpr uint64_t kListed = 16;  // in the tile's list, whether reached, in that of changes
+  const auto parts = static_cast<size_t>(volume(series.partsOf(0).count()));
+  return of_blocks + tiles * (sizeof(Tile) + sizeof(Task) + listed * kListed) + most_kept_bytes +
+         2 * most_kept_bytes / kKeptShare +
+         static_cast<uint64_t>(threads) * UnpackedParts::mostBytes(parts);
 }
 
 void VisibilityEstimate::setStep(int64_t step, WorkerPool& pool, bool from_scratch) {

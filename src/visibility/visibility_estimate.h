@@ -62,6 +62,8 @@ struct EstimateOptions {
   // share the picture tells which blocks are reached in its tiles.
   int tile_stride = 1, first_tile = 0;
   // Limit for the sums of blocks that tiles keep, see the top. 0 if no step follows.
+  // Another eighth of it may list the parts of blocks that change; with more, whole blocks are
+  // listed.
   uint64_t most_kept_bytes = uint64_t{256} << 20;
 };
 
@@ -71,6 +73,12 @@ class VisibilityEstimate {
 
   VisibilityEstimate(SeriesOpacityPtr series, const EstimateView& view,
                      const EstimateOptions& options);
+
+  // The most bytes that an estimate for a picture of this size takes in addition to the series:
+  // places of blocks, tiles, what tiles keep, and what threads unpack. Views that are much closer
+  // than one that the volume fills have longer lists of blocks, which are not counted.
+  static uint64_t mostBytes(const SeriesOpacity& series, PictureSize size, uint64_t most_kept_bytes,
+                            int threads);
 
   // Brings the answer to a step. `from_scratch`: looks at all tiles, as without coherence.
   // Requires: 0 <= step < the series' steps.
@@ -138,7 +146,9 @@ class VisibilityEstimate {
   bool isShown(const Box3& cells) const;
   std::vector<int64_t> axisOrder(int axis, int64_t first, int64_t count, int64_t side,
                                  int64_t offset) const;
-  std::vector<ChangedPart> changedParts(int64_t block, int32_t before, int32_t now) const;
+  // At most so many, else the whole block.
+  std::vector<ChangedPart> changedParts(int64_t block, int32_t before, int32_t now,
+                                        size_t most) const;
   float nearSlice(const Box3& cells) const;
   std::vector<Task> allTiles(int64_t step);
   std::vector<Task> affectedTiles(int64_t step, WorkerPool& pool);

@@ -104,14 +104,20 @@ TEST(Culling, stepsOfASeriesAreTheSameWithTheTreeAndWithout) {
         makeTestSeries(*source, first.ranges->layout, first.look->table, pass);
     CulledBlocks coherent(series.opacity, source->layout(), {}, first.pool);
     CulledBlocks plain(series.opacity, source->layout(), {.uses_coherence = false}, first.pool);
+    // With room for next to nothing of what it would keep, and for no part that changes.
+    CulledBlocks tight(series.opacity, source->layout(), {.most_kept_bytes = 5000}, first.pool);
     int64_t checked = 0, all = 0;
     for (const int64_t time : {0, 1, 2, 3, 7, 8, 4, 11, 11, 0}) {
       CullingScene scene(*source, looks(0), 8, time);
       const auto a = coherent.choose(scene.question(options));
       const auto b = plain.choose(scene.question(options));
+      const auto c = tight.choose(scene.question(options));
       ASSERT_EQ(a->blocks.size(), b->blocks.size());
-      for (size_t i = 0; i < a->blocks.size(); ++i)
+      ASSERT_EQ(a->blocks.size(), c->blocks.size());
+      for (size_t i = 0; i < a->blocks.size(); ++i) {
         EXPECT_EQ(a->blocks[i].name.block, b->blocks[i].name.block);
+        EXPECT_EQ(a->blocks[i].name.block, c->blocks[i].name.block);
+      }
       const std::vector<bool> truth = scene.reached(options, 0.95);
       std::vector<bool> is_visible(truth.size(), false);
       for (const ObjectBlock& block : a->blocks)

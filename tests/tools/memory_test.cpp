@@ -34,10 +34,23 @@ void writeSparseSlab(const std::filesystem::path& path) {
   std::filesystem::resize_file(path, kSide * kSide * kSide);
 }
 
-TEST(Memory, whatTheProcessTakesOfItsOwnIsWithin64MiBOfTheBudget) {
+// What the process takes of its own may be this much over --memory: the program itself.
+constexpr int64_t kProgram = 12 << 20;
+
+bool takesMemoryOfItsOwn() {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  GTEST_SKIP() << "a sanitizer's own memory";
+  return false;
+#else
+  return true;
 #endif
+}
+
+int64_t ownBytes(const nlohmann::json& report) {
+  return report["peak_anonymous_bytes"].get<int64_t>();
+}
+
+TEST(Memory, whatTheProcessTakesOfItsOwnIsWithin64MiBOfTheBudget) {
+  if (!takesMemoryOfItsOwn()) GTEST_SKIP() << "a sanitizer's own memory";
   constexpr int64_t kMemory = 128 << 20, kBeside = 64 << 20;
   const Program program;
   writeSparseSlab(program.folder / "slab_1024x1024x1024_uint8.raw");
@@ -55,6 +68,37 @@ TEST(Memory, whatTheProcessTakesOfItsOwnIsWithin64MiBOfTheBudget) {
     levels += report["levels"][level]["current_bytes"].get<int64_t>();
   EXPECT_GT(levels, kMemory / 2);
   EXPECT_GE(own, levels);
+}
+
+// Tiles keep what blocks add along their rays: here 30 MiB if nothing bounds them.
+TEST(Memory, whatCullingKeepsIsOfTheBudget) {
+  if (!takesMemoryOfItsOwn()) GTEST_SKIP() << "a sanitizer's own memory";
+  constexpr int64_t kMemory = 48 << 20;
+  const Program program;
+  const auto report = program.json(
+      "render synth:mixing,dims=96x96x96,steps=3 --time 0:2 --culling toc --block 8 --memory 48M "
+      "--size 700x700 --device cpu -o mix_%d.png");
+  EXPECT_GT(report["frames"][2]["culling"]["visible"].get<int64_t>(), 0);
+  EXPECT_LE(ownBytes(report), kMemory + kProgram);
+  // An eighth of the budget and the picture are accounted for.
+  EXPECT_GT(report["beside_memory_bytes"].get<int64_t>(),
+            kMemory / 8 + report["picture_memory_bytes"].get<int64_t>());
+}
+
+// The plan of 20 000 blocks takes as much as a third of the budget.
+TEST(Memory, thePlanOfManyBlocksIsOfTheBudget) {
+  if (!takesMemoryOfItsOwn()) GTEST_SKIP() << "a sanitizer's own memory";
+  constexpr int64_t kMemory = 48 << 20;
+  const Program program;
+  const std::string what =
+      "synth:phantom,dims=200x200x200 --block 8 --memory 48M --size 200x200 --device cpu "
+      "--threshold 20";
+  const auto plan = program.json("plan " + what);
+  const auto report = program.json("render " + what + " -o a.png");
+  EXPECT_GT(report["blocks"]["grey"].get<int64_t>() + report["blocks"]["black"].get<int64_t>(),
+            20'000);
+  EXPECT_LE(ownBytes(report), kMemory + kProgram);
+  EXPECT_LE(ownBytes(report), plan["memory"]["peak_bytes"].get<int64_t>());
 }
 
 }  // namespace

@@ -85,14 +85,16 @@ int64_t optimumOf(Opened& opened, const CullingBench& bench, const FrameOptions&
 
 CulledBlocks culledBy(Opened& opened, const CullingBench& bench, const SeriesFunctions& functions,
                       Culling culling) {
-  return {functions.opacity(), opened.layout(), cullingOptions(culling, bench.frame, functions),
+  return {functions.opacity(), opened.layout(),
+          cullingOptions(culling, bench.frame, functions, memoryBudget(bench.resources)),
           opened.pool};
 }
 
 // The paper's own form: opacity in proportion to the thickness.
 CulledBlocks culledLinearly(Opened& opened, const CullingBench& bench,
                             const SeriesFunctions& functions) {
-  CullingOptions options = cullingOptions(Culling::kOpof, bench.frame, functions);
+  CullingOptions options =
+      cullingOptions(Culling::kOpof, bench.frame, functions, memoryBudget(bench.resources));
   options.form = OpacityForm::kLinearOpof;
   return {functions.opacity(), opened.layout(), options, opened.pool};
 }
