@@ -8,6 +8,7 @@
 #include "src/render/frame_setup.h"
 #include "src/render/planner.h"
 #include "src/texture/frame_trace.h"
+#include "src/volume/block_side.h"
 #include "tools/command_line/shared_options.h"
 #include "tools/scene.h"
 #include "tools/workers.h"
@@ -88,7 +89,7 @@ class Turn final : public ReplaySource {
   std::string title() const override { return volume_.source->layout().name; }
   uint64_t defaultPages() const override { return default_pages_; }
   uint64_t leastPages() const override {
-    const int64_t side = volume_.layout.size;
+    const int64_t side = blockSide(volume_.layout, volume_.source->layout().levels);
     return static_cast<uint64_t>(volume_.numbers() * volume_.page.pagesOf({side, side, side}));
   }
   std::optional<uint64_t> plannedPages(uint64_t pages) const override {

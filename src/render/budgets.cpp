@@ -5,6 +5,7 @@
 #include "src/base/bytes.h"
 #include "src/base/error.h"
 #include "src/index/volume_boxes.h"
+#include "src/volume/block_side.h"
 #include "src/volume/volume_buffer.h"
 
 namespace sluice {
@@ -45,7 +46,7 @@ uint64_t tableBytes(const PageGeometry& page) {
 
 BufferNeeds bufferNeeds(const VolumeSource& source, const BlockLayout& layout, Partition partition,
                         uint64_t beside_bytes) {
-  BufferNeeds needs{.block_vox = layout.size,
+  BufferNeeds needs{.block_vox = blockSide(layout, source.layout().levels),
                     .source_thread_bytes = source.heldBytesAThread(),
                     .beside_bytes = beside_bytes};
   if (partition == Partition::kBoxes) needs.growing_bytes = growingBytes(source.layout(), layout);

@@ -45,6 +45,7 @@ BufferNeeds needsOf(const TimeStep& step, const ResidencyOptions& options) {
   BufferNeeds needs =
       bufferNeeds(*step.source, step.ranges->layout, options.partition, options.beside_bytes);
   needs.source_thread_bytes = sourceThreadBytes(step);
+  if (!step.coarser.empty()) needs.block_vox = step.ranges->layout.size;
   for (const CoarserStep& coarser : step.coarser)
     if (coarser.spreads != nullptr) needs.numbers = 2;
   return needs;

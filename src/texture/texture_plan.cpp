@@ -7,6 +7,7 @@
 #include "src/base/error.h"
 #include "src/base/large_pages.h"
 #include "src/texture/clusters.h"
+#include "src/volume/block_side.h"
 
 namespace sluice {
 namespace {
@@ -16,12 +17,19 @@ constexpr std::array<std::string_view, 4> kAlgorithmNames = {"conventional", "cl
 // Most blocks that the conventional algorithm may list.
 constexpr int64_t kMostBlocks = int64_t{1} << 26;
 
+// The 2^d of the paper, or less in a volume that is smaller than that.
+int64_t sideOf(const PyramidLayout& pyramid) {
+  return blockSide(pyramid.finest(), pyramid.levels());
+}
+
 // The whole block, drawn whole (I) or clipped to its object box (II).
 TextureBlock wholeBlock(const PyramidLayout& pyramid, const ObjectBlock& object) {
   const BlockLayout& layout = pyramid.of(object.name).blocks;
+  const int64_t side = sideOf(pyramid);
   TextureBlock result;
   result.name = object.name;
   result.voxels = layout.cube(layout.indexOf(object.name.block));
+  result.voxels.hi = result.voxels.lo + Vec3i{side, side, side};
   result.cells = object.cells;
   return result;
 }
@@ -91,11 +99,12 @@ MergeBlock mergeBlock(const TexturePlan& plan, BlockPosition position) {
 
 // Each block a chunk.
 void addSingleChunks(TexturePlan& plan) {
+  const int64_t side = sideOf(plan.pyramid);
   reserveLarge(plan.chunks, plan.blocks.size());
   for (const BlockPosition i : plan.blocks.indices()) {
     TextureBlock& block = plan.blocks[i];
     const ChunkPosition position = plan.chunks.endIndex();
-    const Vec3i size{plan.layout().size, plan.layout().size, block.texels().z};
+    const Vec3i size{side, side, block.texels().z};
     block.chunk = position;
     plan.clusters[block.cluster].chunks.push_back(position);
     const int numbers = plan.pyramid.of(block.name).numbers;
@@ -110,7 +119,7 @@ bool addChunk(TexturePlan& plan, const MergedChunk& merged) {
   const ClusterPosition first_cluster = plan.blocks[first].cluster;
   bool is_between = false;
   const ChunkPosition number = plan.chunks.endIndex();
-  const int64_t side = plan.layout().size;
+  const int64_t side = sideOf(plan.pyramid);
   Chunk chunk;
   size_t count = 0;
   for (const Column& column : merged.columns) count += column.blocks.size();
@@ -143,14 +152,14 @@ std::vector<MergedChunk> mergeLevels(const TexturePlan& plan, const Cluster& clu
     by_level[plan.blocks[position].name.level].push_back(mergeBlock(plan, position));
   std::vector<MergedChunk> merged;
   for (const auto& [level, blocks] : by_level)
-    for (MergedChunk& chunk : mergeInCluster(blocks, plan.layout().size, order))
+    for (MergedChunk& chunk : mergeInCluster(blocks, sideOf(plan.pyramid), order))
       merged.push_back(std::move(chunk));
   return merged;
 }
 
 // Sections 3.2.3.2 and 3.2.3.3.
 void mergeChunks(TexturePlan& plan, MergeOrder order) {
-  const int64_t limit = plan.layout().size;
+  const int64_t limit = sideOf(plan.pyramid);
   const auto pagesOf = [&](const MergedChunk& chunk) {
     const BlockPosition first(chunk.columns[0].blocks[0].block);
     return plan.pyramid.of(plan.blocks[first].name).numbers *
@@ -253,15 +262,15 @@ LoadBytes TexturePlan::loadBytes(const Chunk& chunk) const {
 
 TexturePlan planTextures(const PyramidLayout& pyramid, const VisibleBlocks& visible,
                          const PageGeometry& page, const PlanOptions& options) {
-  const BlockLayout& layout = pyramid.finest();
-  const int64_t block_pages = numbersOfBlocks(pyramid, visible) *
-                              page.pagesOf(Vec3i{layout.size, layout.size, layout.size});
+  const int64_t side = sideOf(pyramid);
+  const int64_t block_pages =
+      numbersOfBlocks(pyramid, visible) * page.pagesOf(Vec3i{side, side, side});
   const int64_t capacity_blocks = page.pages / block_pages;
   if (capacity_blocks < 1)
     fail(
         "a block of {0} x {0} x {0} voxels takes {1} pages and the texture cache has {2}; give "
         "--pages {1} or a smaller --block",
-        layout.size, block_pages, page.pages);
+        side, block_pages, page.pages);
   TexturePlan plan;
   plan.pyramid = pyramid;
   plan.page = page;

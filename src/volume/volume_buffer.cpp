@@ -8,6 +8,7 @@
 #include "src/base/clock.h"
 #include "src/base/error.h"
 #include "src/base/stop_token.h"
+#include "src/volume/block_side.h"
 
 namespace sluice {
 
@@ -33,7 +34,7 @@ VolumeBuffer::VolumeBuffer(std::vector<Level> levels, uint64_t budget_bytes, Col
 VolumeBuffer::~VolumeBuffer() = default;
 
 uint64_t VolumeBuffer::blockBytes() const {
-  const int64_t side = levels_.front().layout.size;
+  const int64_t side = blockSide(levels_.front().layout, static_cast<int64_t>(levels_.size()));
   const bool has_spreads =
       std::ranges::any_of(levels_, [](const Level& level) { return level.spreads != nullptr; });
   return static_cast<uint64_t>(volume(Vec3i{side, side, side})) * bytesPerVoxel(map_.type) *

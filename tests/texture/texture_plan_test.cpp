@@ -106,6 +106,21 @@ TEST(TexturePlan, conventionalLoadsWhiteBlocksAndTrimmedDoesNot) {
   EXPECT_EQ(planned(layout, one, kOctane, Algorithm::kTrimmed).chunks.size(), 1U);
 }
 
+// A volume that is smaller than a block takes chunks of its own size.
+TEST(TexturePlan, aBlockIsNoLargerThanTheVolume) {
+  for (const int ghost : {0, 1}) {
+    const BlockLayout layout = blockLayout({20, 20, 20}, 64, ghost);
+    const VisibleBlocks all =
+        visibleBlocksOf(layout, {objectBlock(layout, 0, layout.ownedCells({0, 0, 0}))});
+    for (const Algorithm algorithm : kAlgorithms) {
+      const TexturePlan plan = planned(layout, all, kOctane, algorithm);
+      ASSERT_EQ(plan.chunks.size(), 1U);
+      const int64_t side = 20 + 2 * ghost;
+      EXPECT_EQ(plan.chunks[ChunkPosition(int64_t{0})].size_vox, (Vec3i{side, side, side}));
+    }
+  }
+}
+
 TEST(TexturePlan, nothingVisibleIsNothingToLoad) {
   const BlockLayout layout = wholeBlocks();
   for (const Algorithm algorithm : {Algorithm::kTrimmed, Algorithm::kMerged}) {

@@ -101,5 +101,19 @@ TEST(Memory, thePlanOfManyBlocksIsOfTheBudget) {
   EXPECT_LE(ownBytes(report), plan["memory"]["peak_bytes"].get<int64_t>());
 }
 
+// A block of 128^3 floats takes 8 MiB, this volume 1 MiB.
+TEST(Memory, aBlockTakesNoMoreThanTheVolume) {
+  const Program program;
+  const std::string what = "synth:phantom,dims=64x64x64,type=f32 --size 64x64 --device cpu ";
+  const auto least = [&](const std::string& block) {
+    const auto plan = program.json("plan " + what + "--memory 64M --block " + block);
+    return plan["memory"]["least_bytes"].get<double>();
+  };
+  EXPECT_LT(least("128"), 1.5 * least("64"));
+  const auto report =
+      program.json("render " + what + "--memory 64M --block 128 --verify -o large.png");
+  EXPECT_LE(report["verify"]["max_difference"].get<double>(), 1);
+}
+
 }  // namespace
 }  // namespace sluice
