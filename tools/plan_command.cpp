@@ -41,9 +41,6 @@ struct PlanArguments {
   bool json = false;
 };
 
-constexpr std::array<Algorithm, 4> kAlgorithms = {Algorithm::kConventional, Algorithm::kClipped,
-                                                  Algorithm::kTrimmed, Algorithm::kMerged};
-
 struct Cost {
   size_t chunks = 0, clusters = 0;
   Vec3i cluster_blocks;

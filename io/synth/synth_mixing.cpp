@@ -20,7 +20,7 @@ constexpr int kSwirls = 5;              // vortices that roll up its crests
 constexpr double kMeetStep = 1.0 / 64;  // the mixing's time per step; at 1 the layer is half grown
 constexpr double kGreatestHeight = 0.045;  // a wave's amplitude in heights of the volume at time 1
 constexpr double kEdge = 0.012;            // thickness of the interface
-constexpr float kTexture = 0.2F;
+constexpr float kLayerTexture = 0.2F;
 constexpr int kSineEntries = 4096;
 
 // sin(2 pi t) by linear interpolation: an interface needs no more, and a voxel takes many.
@@ -95,7 +95,7 @@ class MixingField : public SynthField {
     }
     std::fill(row.begin(), row.end(), 0.0F);
     // The tile repeats every 64 voxels of a volume of any size: eddies of a fixed number of voxels.
-    texture_.add(row, x0, y, z, kTexture);
+    texture_.add(row, x0, y, z, kLayerTexture);
     const auto at_y = static_cast<float>((static_cast<double>(y) + 0.5) / dims_.y);
     for (size_t i = 0; i < row.size(); ++i) {
       const auto x =
@@ -140,7 +140,8 @@ class MixingField : public SynthField {
     return grown;
   }
 
-  // `height` above the interface, `in_layer` -1..1 across the layer, `texture` within kTexture.
+  // `height` above the interface, `in_layer` -1..1 across the layer, `texture` within
+  // kLayerTexture.
   static float valueAt(float height, float in_layer, float texture) {
     const float t = std::clamp(0.5F - height / static_cast<float>(2 * kEdge), 0.0F, 1.0F);
     const float heavy = t * t * (3 - 2 * t);

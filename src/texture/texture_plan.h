@@ -26,6 +26,8 @@ namespace sluice {
 // The paper's four (section 4): I loads and draws every block whole; II clips drawing to the object
 // boxes; III loads trimmed blocks, one a chunk; IV merges them.
 enum class Algorithm { kConventional, kClipped, kTrimmed, kMerged };
+inline constexpr std::array<Algorithm, 4> kAlgorithms = {
+    Algorithm::kConventional, Algorithm::kClipped, Algorithm::kTrimmed, Algorithm::kMerged};
 std::string_view name(Algorithm algorithm);
 std::optional<Algorithm> parseAlgorithm(std::string_view text);
 

@@ -7,8 +7,6 @@
 namespace sluice {
 namespace {
 
-constexpr int kSide = TileRays::kSide;
-
 // A depth further off than any sample.
 constexpr double kFarSlices = 1 << 29;
 
@@ -41,7 +39,7 @@ using Lanes = SampleBatch::Lanes;
   constexpr int32_t kBetweenLooks = 4;
   for (int32_t from = 0; from < most; from += kBetweenLooks) {
     int32_t live = 0;
-    for (size_t i = 0; i < kSide; ++i) {
+    for (size_t i = 0; i < TileRays::kSide; ++i) {
       const int32_t k = lanes.first[i] + from;
       live += (lanes.count[i] > k ? 1 : 0) & (lanes.sum[i] < lanes.room[i] ? 1 : 0);
       lanes.clear[i] = lanes.sum[i] == 0 ? std::min(k, lanes.count[i]) : lanes.clear[i];
@@ -49,7 +47,7 @@ using Lanes = SampleBatch::Lanes;
     if (live == 0) return;
     const int32_t end = std::min(most, from + kBetweenLooks);
     for (int32_t turn = from; turn < end; ++turn)
-      for (size_t i = 0; i < kSide; ++i) {
+      for (size_t i = 0; i < TileRays::kSide; ++i) {
         const int32_t k = lanes.first[i] + turn;
         const auto at = static_cast<float>(k);
         const float px = std::clamp(lanes.x[i] + lanes.dx[i] * at, 0.0F, last_x);
@@ -110,8 +108,8 @@ void TileRays::set(const RayGrid& rays, bool parallel, double first_slice, int x
   first_ = first_slice > 0 ? first_slice : -kFarSlices;
   if (parallel) return;
   for (int a = 0; a < 3; ++a)
-    for (int j = 0; j < kSide; ++j)
-      for (int i = 0; i < kSide; ++i)
+    for (int j = 0; j < TileRays::kSide; ++j)
+      for (int i = 0; i < TileRays::kSide; ++i)
         slices_a_voxel_[static_cast<size_t>(a)][pixelAt(i, j)] =
             1 / safe(step_[a] + step_dx_[a] * i + step_dy_[a] * j);
 }

@@ -23,8 +23,6 @@ inline constexpr bool kSanitized = true;
 inline constexpr bool kSanitized = false;
 #endif
 
-inline constexpr Algorithm kAlgorithms[] = {Algorithm::kConventional, Algorithm::kClipped,
-                                            Algorithm::kTrimmed, Algorithm::kMerged};
 inline constexpr Projection kProjections[] = {Projection::kOrtho, Projection::kPerspective};
 
 struct SceneOptions {

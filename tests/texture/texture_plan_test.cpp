@@ -19,9 +19,6 @@ using testing::HasSubstr;
 const PageGeometry kOctane = findPageConfiguration("octane")->geometry;
 const PageGeometry kSparse = findPageConfiguration("sparse-8")->geometry;
 
-constexpr std::array kAlgorithms = {Algorithm::kConventional, Algorithm::kClipped,
-                                    Algorithm::kTrimmed, Algorithm::kMerged};
-
 // 5 x 4 x 3 blocks of 64^3, none padded.
 BlockLayout wholeBlocks(int ghost = 0) {
   const int64_t cells = 63 - 2 * ghost;

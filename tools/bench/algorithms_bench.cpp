@@ -7,6 +7,7 @@
 
 #include "cache/simulate/cost_model.h"
 #include "src/base/error.h"
+#include "tools/bench/warm_frames.h"
 #include "tools/command_line/console.h"
 #include "tools/parse.h"
 #include "tools/scene.h"
@@ -14,9 +15,6 @@
 namespace sluice {
 namespace {
 
-constexpr std::array<Algorithm, 4> kAlgorithms = {Algorithm::kConventional, Algorithm::kClipped,
-                                                  Algorithm::kTrimmed, Algorithm::kMerged};
-constexpr int kWarmFrames = 2;
 // The step by which the threshold changes to measure data processing.
 constexpr double kThresholdStep = 1.02;
 

@@ -25,7 +25,7 @@ namespace {
 using nlohmann::json;
 
 constexpr std::array<double, 5> kDifferences = {0, 1e-5, 1e-4, 1e-3, 1e-2};  // Table 1
-constexpr std::array<std::pair<const char*, Culling>, 3> kWays = {
+constexpr std::array<std::pair<const char*, Culling>, 3> kCullings = {
     {{"none", Culling::kNone}, {"opof", Culling::kOpof}, {"toc", Culling::kToc}}};
 
 // Data that all parts of the bench use.
@@ -277,7 +277,7 @@ void dropFromMemory(const std::vector<std::string>& files) {
 
 // The whole series with each way, from cold files; pictures are not written.
 void drawSeries(const CullingBench& bench, json& report) {
-  for (const auto& [name, culling] : kWays) {
+  for (const auto& [name, culling] : kCullings) {
     CullingArguments how = bench.culling;
     how.culling = culling;
     Scene scene(bench.volume, bench.look, bench.resources, bench.frame.partition);
@@ -367,7 +367,7 @@ void printCulling(const json& report) {
   }
   if (!report.contains("series_seconds")) return;
   say("\n");
-  for (const auto& [name, culling] : kWays)
+  for (const auto& [name, culling] : kCullings)
     say("series {:<5} {:>8.3f} s, read {}\n", name, report["series_seconds"][name].get<double>(),
         formatBytes(report["series_read_bytes"][name].get<uint64_t>()));
 }

@@ -5,6 +5,7 @@
 #include "src/base/clock.h"
 #include "src/render/sampling_limit.h"
 #include "tools/bench/volumes_bench.h"
+#include "tools/bench/warm_frames.h"
 #include "tools/command_line/console.h"
 #include "tools/report.h"
 
@@ -12,8 +13,6 @@ namespace sluice {
 namespace {
 
 using nlohmann::json;
-
-constexpr int kWarmFrames = 2;
 
 }  // namespace
 

@@ -9,6 +9,7 @@
 #include "src/render/level_cut.h"
 #include "tools/bench/picture_error.h"
 #include "tools/bench/volumes_bench.h"
+#include "tools/bench/warm_frames.h"
 #include "tools/command_line/console.h"
 #include "tools/report.h"
 
@@ -17,7 +18,6 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int kWarmFrames = 2;
 constexpr int kTruthPixels = 4;  // for one, along each axis
 constexpr double kPixelErrors[] = {0.5, 1, 2, 4};
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "src/classify/transfer/transfer_makers.h"
+#include "tools/bench/warm_frames.h"
 #include "tools/command_line/console.h"
 #include "tools/scene.h"
 
@@ -15,7 +16,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int kWarmFrames = 2, kFramesATurn = 4;
+constexpr int kFramesATurn = 4;
 // The default ramp begins at opacity 0.01 a voxel: at the threshold a ray is opaque within two.
 constexpr double kSurfaceFactor = 80;
 constexpr std::array<double, 4> kAdaptTurns = {0, 60, 150, 240};  // degrees more of azimuth

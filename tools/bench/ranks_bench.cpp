@@ -7,6 +7,7 @@
 #include "src/base/error.h"
 #include "src/parallel/in_process.h"
 #include "tools/bench/volumes_bench.h"
+#include "tools/bench/warm_frames.h"
 #include "tools/command_line/console.h"
 #include "tools/interrupt.h"
 #include "tools/ranks.h"
@@ -16,8 +17,6 @@ namespace sluice {
 namespace {
 
 using nlohmann::json;
-
-constexpr int kWarmFrames = 2;
 
 // The frames of one rank, or of one process alone.
 json framesOf(const RanksBench& bench, Team* team) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 
+#include "tools/bench/warm_frames.h"
 #include "tools/command_line/console.h"
 #include "tools/scene.h"
 
@@ -13,7 +14,6 @@ namespace {
 
 // Frames before the first measured one of a way: one here, and one before each, which changes the
 // plan.
-constexpr int kWarmFrames = 2;
 
 struct Way {
   const char* name;

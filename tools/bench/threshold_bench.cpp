@@ -10,13 +10,13 @@
 
 #include "src/base/clock.h"
 #include "src/classify/transfer/transfer_makers.h"
+#include "tools/bench/warm_frames.h"
 #include "tools/command_line/console.h"
 #include "tools/scene.h"
 
 namespace sluice {
 namespace {
 
-constexpr int kWarmFrames = 2;
 constexpr int kSteadyFrames = 9;
 constexpr int kRebuilds = 3;
 // Shares of the value range.

@@ -13,10 +13,10 @@ constexpr int64_t kWidth = 1000, kMostHeight = 1000;  // pixels
 constexpr int64_t kMostSide = 24;                     // pixels of a block
 constexpr int64_t kGap = 2;                           // pixels between layers
 
-using Color = std::array<uint8_t, 4>;
-constexpr Color kWhite{138, 143, 152, 90}, kGrey{86, 180, 233, 255}, kBlack{42, 120, 184, 255};
+using Rgba = std::array<uint8_t, 4>;
+constexpr Rgba kWhite{138, 143, 152, 90}, kGrey{86, 180, 233, 255}, kBlack{42, 120, 184, 255};
 
-Color colorOf(BlockClass kind) {
+Rgba colorOf(BlockClass kind) {
   switch (kind) {
     case BlockClass::kGrey:
       return kGrey;
@@ -64,7 +64,7 @@ std::optional<BlockMap> blockMap(Vec3i grid, const VisibleBlocks& blocks) {
   map.picture.rgba.resize(static_cast<size_t>(map.picture.width) *
                           static_cast<size_t>(map.picture.height) * 4);
   // Rows of pictures go down, y goes up.
-  const auto paint = [&](Vec3i block, const Color& color) {
+  const auto paint = [&](Vec3i block, const Rgba& color) {
     const int64_t layer = block.z / sheet->stride;
     const int64_t x0 = layer % sheet->columns * tile.x + block.x * sheet->side;
     const int64_t y0 = layer / sheet->columns * tile.y + (grid.y - 1 - block.y) * sheet->side;
