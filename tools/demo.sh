@@ -3,6 +3,8 @@
 # the one named, or a Shepp-Logan head, cut open. More options go to `sluice render`
 # as they are:
 #   tools/demo.sh [FILE [OPTION...]]
+# Then builds what no first picture needs: the window, the reader of OpenVDB, ranks, and the library
+# for other programs. `cmake --install build/release` works after it.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 caller=$OLDPWD
@@ -12,6 +14,7 @@ tools/setup.sh build
 # itself again, as one does who edits them, and brings the tests back.
 cmake --preset demo >/dev/null
 cmake --build --preset demo
+[[ "$*" != *.vdb* ]] || cmake --build --preset demo --target sluice_modules
 
 mkdir -p out
 picture=$PWD/out/picture.png
@@ -24,3 +27,6 @@ else
     --opacity 0.1 --annotate
 fi
 echo "The picture is $picture"
+
+echo "Building the rest: the window, OpenVDB, ranks, the library"
+cmake --build build/release
