@@ -43,7 +43,7 @@ class Reader {
 };
 
 // The fields that both versions have, widened; names as in the standard.
-struct Fields {
+struct NiftiFields {
   std::string magic;
   size_t header_bytes = 0;
   int16_t datatype = 0, bitpix = 0;
@@ -57,8 +57,8 @@ struct Fields {
   std::array<std::array<double, 4>, 3> srow{};
 };
 
-Fields readFields(const Reader& r, bool second) {
-  Fields f;
+NiftiFields readFields(const Reader& r, bool second) {
+  NiftiFields f;
   f.header_bytes = second ? kNiftiHeaderBytes : kNifti1Bytes;
   f.magic = second ? r.text(4, 8) : r.text(344, 4);
   f.datatype = r.at<int16_t>(second ? 12 : 70);
@@ -86,7 +86,7 @@ int32_t firstNumber(std::span<const std::byte> bytes, bool swapped) {
   return Reader(bytes, swapped).at<int32_t>(0);
 }
 
-VoxelType voxelType(const Fields& f, const std::string& path) {
+VoxelType voxelType(const NiftiFields& f, const std::string& path) {
   constexpr std::array<std::pair<int, VoxelType>, 8> kTypes = {{{2, VoxelType::kU8},
                                                                 {256, VoxelType::kI8},
                                                                 {512, VoxelType::kU16},
@@ -109,7 +109,7 @@ VoxelType voxelType(const Fields& f, const std::string& path) {
   return found->second;
 }
 
-void readDims(const Fields& f, const std::string& path, VolumeLayout& layout) {
+void readDims(const NiftiFields& f, const std::string& path, VolumeLayout& layout) {
   const int64_t count = f.dim[0];
   if (count < 1 || count > 7) fail("{}: dim[0] is {}, 1 to 7 dimensions expected", path, count);
   std::array<int64_t, 8> dim;
@@ -125,13 +125,13 @@ void readDims(const Fields& f, const std::string& path, VolumeLayout& layout) {
   layout.time_steps = dim[4];
 }
 
-double voxelSize(const Fields& f, size_t axis) {
+double voxelSize(const NiftiFields& f, size_t axis) {
   const double size = std::abs(f.pixdim[axis + 1]);
   return size == 0 ? 1 : size;
 }
 
 // The rotation of a unit quaternion, of which the file stores all but the first part.
-std::array<Vec3d, 3> rotationColumns(const Fields& f, const std::string& path) {
+std::array<Vec3d, 3> rotationColumns(const NiftiFields& f, const std::string& path) {
   double b = f.quatern[0], c = f.quatern[1], d = f.quatern[2];
   const double squares = b * b + c * c + d * d;
   // Rounding may bring them a little past 1, which then is a half turn.
@@ -150,7 +150,7 @@ std::array<Vec3d, 3> rotationColumns(const Fields& f, const std::string& path) {
 
 // Names each field whose value has no meaning in the standard, and the value that is used instead.
 // A slope that is not a number is none of them: nibabel writes it for unscaled values.
-void noteSlips(const Fields& f, const std::string& path, VolumeLayout& layout) {
+void noteSlips(const NiftiFields& f, const std::string& path, VolumeLayout& layout) {
   const auto note = [&](std::string_view field, const auto& value, std::string_view used) {
     layout.notes.push_back(fmt::format("{}: {} is {}; {}", path, field, value, used));
   };
@@ -171,7 +171,7 @@ void noteSlips(const Fields& f, const std::string& path, VolumeLayout& layout) {
   }
 }
 
-void readGeometry(const Fields& f, const std::string& path, VolumeLayout& layout) {
+void readGeometry(const NiftiFields& f, const std::string& path, VolumeLayout& layout) {
   std::vector<Vec3d> steps(3);
   Vec3d origin;
   if (f.sform_code > 0) {
@@ -202,7 +202,7 @@ void readGeometry(const Fields& f, const std::string& path, VolumeLayout& layout
                     path));
 }
 
-int64_t voxelOffset(const Fields& f, bool pair, const std::string& path) {
+int64_t voxelOffset(const NiftiFields& f, bool pair, const std::string& path) {
   const size_t least = pair ? 0 : f.header_bytes + kExtensionFlagBytes;
   // 2^53: beyond it a double skips whole numbers.
   if (!(f.vox_offset >= static_cast<double>(least) && f.vox_offset <= 0x1p53) ||
@@ -230,7 +230,7 @@ NiftiHeader parseNiftiHeader(std::span<const std::byte> bytes, const std::string
          kNiftiHeaderBytes);
   if (second && bytes.size() < kNiftiHeaderBytes)
     fail("{}: {} bytes, the NIfTI-2 header alone has {}", path, bytes.size(), kNiftiHeaderBytes);
-  const Fields fields = readFields(Reader(bytes, swapped), second);
+  const NiftiFields fields = readFields(Reader(bytes, swapped), second);
 
   NiftiHeader header;
   const std::string_view single =

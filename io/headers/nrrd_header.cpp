@@ -19,7 +19,7 @@ namespace {
 constexpr int64_t kMaxDimension = 16;  // teem's NRRD_DIM_MAX
 
 // The fields by name, lower case and without spaces, and the lines after "data file: LIST".
-struct Fields {
+struct NrrdFields {
   std::string path;
   std::map<std::string, std::string_view> values;
   std::vector<std::string_view> listed_files;
@@ -53,8 +53,8 @@ bool listFollows(std::string_view data_file) {
   return data_file == "LIST" || data_file.starts_with("LIST ");
 }
 
-Fields readFields(std::string_view text, const std::string& path) {
-  Fields fields;
+NrrdFields readNrrdFields(std::string_view text, const std::string& path) {
+  NrrdFields fields;
   fields.path = path;
   LineReader lines(text);
   demandMagic(lines.next().value_or(""), path);
@@ -116,7 +116,7 @@ constexpr std::array<std::string_view, 31> kKnownFields = {"axismaxs",
                                                            "measurementframe"};
 
 // A misspelt field must not pass in silence: 'byte inf' for 'byte skip' moves all voxels.
-void noteUnknownFields(const Fields& fields, VolumeLayout& layout) {
+void noteUnknownFields(const NrrdFields& fields, VolumeLayout& layout) {
   std::vector<std::string> unknown;
   for (const auto& [name, value] : fields.values)
     if (std::find(kKnownFields.begin(), kKnownFields.end(), name) == kKnownFields.end())
@@ -124,7 +124,7 @@ void noteUnknownFields(const Fields& fields, VolumeLayout& layout) {
   if (!unknown.empty()) layout.notes.push_back(unknownFieldsNote(fields.path, unknown));
 }
 
-VoxelType voxelType(const Fields& fields) {
+VoxelType voxelType(const NrrdFields& fields) {
   std::string text = withoutSpaces(fields.demand("type"));
   if (text.starts_with("signed")) text.erase(0, 6);
   if (text.starts_with("unsigned")) {
@@ -138,7 +138,7 @@ VoxelType voxelType(const Fields& fields) {
        quoted(fields.demand("type")));
 }
 
-Encoding encoding(const Fields& fields) {
+Encoding encoding(const NrrdFields& fields) {
   const std::string text = withoutSpaces(fields.demand("encoding"));
   if (text == "raw") return Encoding::kRaw;
   if (text == "gzip" || text == "gz") return Encoding::kDeflate;
@@ -147,7 +147,7 @@ Encoding encoding(const Fields& fields) {
        quoted(text));
 }
 
-std::endian byteOrder(const Fields& fields, const VolumeDescription& description) {
+std::endian byteOrder(const NrrdFields& fields, const VolumeDescription& description) {
   const std::optional<std::string_view> value = fields.find("endian");
   if (!value) {
     if (bytesPerVoxel(description.layout.type) > 1 && description.encoding != Encoding::kText)
@@ -161,8 +161,8 @@ std::endian byteOrder(const Fields& fields, const VolumeDescription& description
   return text == "little" ? std::endian::little : std::endian::big;
 }
 
-int64_t integer(const Fields& fields, std::string_view name, std::string_view text, int64_t least,
-                int64_t most = std::numeric_limits<int64_t>::max()) {
+int64_t integer(const NrrdFields& fields, std::string_view name, std::string_view text,
+                int64_t least, int64_t most = std::numeric_limits<int64_t>::max()) {
   const std::optional<int64_t> value = parseInteger(text);
   if (!value || *value < least || *value > most)
     fail("{}: {}: {} is no whole number from {} to {}", fields.path, name, quoted(text), least,
@@ -170,13 +170,13 @@ int64_t integer(const Fields& fields, std::string_view name, std::string_view te
   return *value;
 }
 
-double real(const Fields& fields, std::string_view name, std::string_view text) {
+double real(const NrrdFields& fields, std::string_view name, std::string_view text) {
   const std::optional<double> value = parseReal(text);
   if (!value) fail("{}: {}: {} is no number", fields.path, name, quoted(text));
   return *value;
 }
 
-std::vector<std::string_view> perAxis(const Fields& fields, std::string_view name,
+std::vector<std::string_view> perAxis(const NrrdFields& fields, std::string_view name,
                                       std::string_view text, size_t dimension) {
   std::vector<std::string_view> words = splitWords(text);
   if (words.size() != dimension)
@@ -185,7 +185,7 @@ std::vector<std::string_view> perAxis(const Fields& fields, std::string_view nam
 }
 
 // "(a, b, c)": at most three numbers count; a space with time has a fourth, which is no length.
-Vec3d vector(const Fields& fields, std::string_view name, std::string_view text) {
+Vec3d vector(const NrrdFields& fields, std::string_view name, std::string_view text) {
   std::string inner(trimmed(text));
   if (inner.size() < 2 || inner.front() != '(' || inner.back() != ')')
     fail("{}: {}: {} is no vector such as (1,0,0)", fields.path, name, quoted(text));
@@ -211,7 +211,7 @@ struct Axis {
   std::optional<Vec3d> direction;
 };
 
-void readSpacings(const Fields& fields, std::span<Axis> axes) {
+void readSpacings(const NrrdFields& fields, std::span<Axis> axes) {
   const std::optional<std::string_view> text = fields.find("spacings");
   if (!text) return;
   const auto words = perAxis(fields, "spacings", *text, axes.size());
@@ -224,7 +224,7 @@ void readSpacings(const Fields& fields, std::span<Axis> axes) {
   }
 }
 
-void readKinds(const Fields& fields, std::span<Axis> axes) {
+void readKinds(const NrrdFields& fields, std::span<Axis> axes) {
   const std::optional<std::string_view> text = fields.find("kinds");
   if (!text) return;
   const auto words = perAxis(fields, "kinds", *text, axes.size());
@@ -236,7 +236,7 @@ void readKinds(const Fields& fields, std::span<Axis> axes) {
   }
 }
 
-void readDirections(const Fields& fields, std::span<Axis> axes) {
+void readDirections(const NrrdFields& fields, std::span<Axis> axes) {
   const std::optional<std::string_view> text = fields.find("spacedirections");
   if (!text) return;
   std::string_view rest = trimmed(*text);
@@ -258,7 +258,7 @@ void readDirections(const Fields& fields, std::span<Axis> axes) {
     fail("{}: space directions: more vectors than the {} axes", fields.path, axes.size());
 }
 
-std::vector<Axis> readAxes(const Fields& fields) {
+std::vector<Axis> readAxes(const NrrdFields& fields) {
   const int64_t dimension =
       integer(fields, "dimension", fields.demand("dimension"), 1, kMaxDimension);
   std::vector<Axis> axes(static_cast<size_t>(dimension));
@@ -274,7 +274,7 @@ std::vector<Axis> readAxes(const Fields& fields) {
 }
 
 // Removes the slowest axis if it counts time steps, and axes of one element that are not of space.
-int64_t takeTimeSteps(const Fields& fields, std::vector<Axis>& axes) {
+int64_t takeTimeSteps(const NrrdFields& fields, std::vector<Axis>& axes) {
   std::erase_if(axes, [](const Axis& axis) { return !axis.spatial && axis.size == 1; });
   int64_t steps = 1;
   if (!axes.empty() && (!axes.back().spatial || axes.size() == 4)) {
@@ -295,7 +295,7 @@ int64_t takeTimeSteps(const Fields& fields, std::vector<Axis>& axes) {
 
 // The world of a patient or none. Left-anterior-superior, the mirror image that few other programs
 // know, is turned into right-anterior-superior.
-void readFrame(const Fields& fields, VolumeLayout& layout) {
+void readFrame(const NrrdFields& fields, VolumeLayout& layout) {
   std::string space = withoutSpaces(fields.find("space").value_or(""));
   if (space.ends_with("-time")) space.resize(space.size() - 5);
   if (space.size() == 4 && space.back() == 't') space.pop_back();  // RAST, LAST, LPST
@@ -310,7 +310,7 @@ void readFrame(const Fields& fields, VolumeLayout& layout) {
 
 // The unit of the first axis: "space units" if there is a space, else "units"; each in quotation
 // marks.
-void readUnit(const Fields& fields, VolumeLayout& layout) {
+void readUnit(const NrrdFields& fields, VolumeLayout& layout) {
   const auto text = fields.find(fields.find("spaceunits") ? "spaceunits" : "units");
   if (!text) return;
   const size_t begin = text->find('"');
@@ -319,7 +319,7 @@ void readUnit(const Fields& fields, VolumeLayout& layout) {
   layout.unit = lengthUnit(text->substr(begin + 1, end - begin - 1));
 }
 
-void readGeometry(const Fields& fields, const std::vector<Axis>& axes, VolumeLayout& layout) {
+void readGeometry(const NrrdFields& fields, const std::vector<Axis>& axes, VolumeLayout& layout) {
   std::vector<Vec3d> steps;
   for (size_t i = 0; i < axes.size(); ++i) {
     Vec3d step;
@@ -340,7 +340,7 @@ void readGeometry(const Fields& fields, const std::vector<Axis>& axes, VolumeLay
 }
 
 // The last word of a list or pattern: how many of the array's dimensions each file holds.
-void demandFileCount(const Fields& fields, const std::vector<Axis>& all, const FileSet& files,
+void demandFileCount(const NrrdFields& fields, const std::vector<Axis>& all, const FileSet& files,
                      std::optional<std::string_view> file_dimension) {
   const int64_t dimension = static_cast<int64_t>(all.size());
   const int64_t held = file_dimension ? integer(fields, "data file", *file_dimension, 1, dimension)
@@ -361,7 +361,7 @@ void demandFileCount(const Fields& fields, const std::vector<Axis>& all, const F
          held, wanted);
 }
 
-FileSet readFiles(const Fields& fields, const std::vector<Axis>& axes) {
+FileSet readFiles(const NrrdFields& fields, const std::vector<Axis>& axes) {
   FileSet files;
   const std::optional<std::string_view> text = fields.find("datafile");
   if (!text) {
@@ -395,7 +395,7 @@ size_t nrrdHeaderBytes(std::string_view text) {
 }
 
 VolumeDescription parseNrrdHeader(std::string_view text, const std::string& path) {
-  const Fields fields = readFields(text, path);
+  const NrrdFields fields = readNrrdFields(text, path);
   VolumeDescription description;
   VolumeLayout& layout = description.layout;
   layout.type = voxelType(fields);

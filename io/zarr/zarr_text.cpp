@@ -20,7 +20,7 @@ std::string dtype(const ZarrArray& array) {
   return std::string(1, order) + brief[0] + std::to_string(bytes);
 }
 
-ordered_json fillOf(const ZarrArray& array) {
+ordered_json fillValue(const ZarrArray& array) {
   if (array.type != VoxelType::kF32 && array.type != VoxelType::kF64)
     return static_cast<int64_t>(array.fill_value);
   if (std::isnan(array.fill_value)) return "NaN";
@@ -77,7 +77,7 @@ std::string zarrArrayText(const ZarrArray& array, const BloscOptions& options) {
                       {"chunks", array.chunks},
                       {"dtype", dtype(array)},
                       {"compressor", compressor},
-                      {"fill_value", fillOf(array)},
+                      {"fill_value", fillValue(array)},
                       {"order", "C"},
                       {"filters", nullptr},
                       {"dimension_separator", std::string(1, array.separator)}}

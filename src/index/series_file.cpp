@@ -11,15 +11,15 @@
 namespace sluice {
 namespace {
 
-struct Header {
+struct SeriesHeader {
   int64_t dims[3];
   int64_t size, ghost, steps, part_cells, direction_rows, detail_bits;
   double difference;
-  friend bool operator==(const Header&, const Header&) = default;
+  friend bool operator==(const SeriesHeader&, const SeriesHeader&) = default;
 };
 
 // The fields that differ if functions were made from other voxels, blocks or parameters.
-Header headerOf(const SeriesRecipe& recipe) {
+SeriesHeader headerOf(const SeriesRecipe& recipe) {
   const BlockLayout& layout = recipe.layout;
   return {{layout.dims.x, layout.dims.y, layout.dims.z},
           layout.size,
@@ -243,7 +243,7 @@ std::optional<KeptSeries> deserializeSeries(std::span<const std::byte> bytes,
   ByteReader in(bytes);
   KeptSeries kept;
   SeriesPassReport& report = kept.report;
-  Header header{};
+  SeriesHeader header{};
   if (!in.value(header) || header != headerOf(recipe)) return std::nullopt;
   if (!read(in, kept.transfer)) return std::nullopt;
   if (!any_transfer && !sameOpacity(kept.transfer, recipe.transfer)) return std::nullopt;

@@ -7,14 +7,14 @@
 namespace sluice {
 namespace {
 
-struct Header {
+struct RangesHeader {
   int64_t dims[3];
   int64_t size, ghost, type;
   double scale, offset;
-  friend bool operator==(const Header&, const Header&) = default;
+  friend bool operator==(const RangesHeader&, const RangesHeader&) = default;
 };
 
-Header headerOf(const BlockLayout& layout, const ValueMap& map) {
+RangesHeader headerOf(const BlockLayout& layout, const ValueMap& map) {
   return {{layout.dims.x, layout.dims.y, layout.dims.z},
           layout.size,
           layout.ghost,
@@ -66,7 +66,7 @@ std::optional<SliceRanges> deserialize(std::span<const std::byte> bytes, const B
   SliceRanges ranges;
   ranges.layout = layout;
   ranges.map = map;
-  Header header{};
+  RangesHeader header{};
   const bool whole = in.value(header) && header == headerOf(layout, map) &&
                      in.value(ranges.background) && in.value(ranges.device_range) &&
                      in.value(ranges.far_range) && in.value(ranges.counts.changes) &&

@@ -17,12 +17,13 @@ constexpr uint64_t kMostBytesPerRead = uint64_t{16} << 20;
 constexpr int64_t kPerfectSide = 8;
 
 // Neighbouring blocks along x.
-struct Run {
+struct BlockRun {
   size_t first = 0, count = 1;  // in the list of blocks
 };
 
-std::vector<Run> runsOf(const BlockLayout& layout, std::span<const int64_t> blocks, uint64_t most) {
-  std::vector<Run> runs;
+std::vector<BlockRun> runsOf(const BlockLayout& layout, std::span<const int64_t> blocks,
+                             uint64_t most) {
+  std::vector<BlockRun> runs;
   for (size_t i = 0; i < blocks.size(); ++i) {
     const bool joins = i > 0 && blocks[i] == blocks[i - 1] + 1 && blocks[i] % layout.grid.x != 0 &&
                        runs.back().count < most;
@@ -197,13 +198,13 @@ void forEachBlockBricks(VolumeSource& source, int64_t time, const BlockLayout& l
   const uint64_t bytes_per_read =
       std::min(kMostBytesPerRead, most_bytes / static_cast<uint64_t>(pool.threads()));
   const uint64_t most = std::max<uint64_t>(1, bytes_per_read / growingBytes(voxels, layout));
-  const std::vector<Run> runs = runsOf(layout, blocks, most);
+  const std::vector<BlockRun> runs = runsOf(layout, blocks, most);
   const uint64_t block_bytes = cornerVoxels(layout) * bytesPerVoxel(voxels.type);
   progress.expect(blocks.size() * block_bytes);
   const Vec3d voxel_size = voxelSize(voxels);
   pool.parallelFor(static_cast<int64_t>(runs.size()), [&](int64_t i) {
     stop.throwIfStopped();
-    const Run& run = runs[static_cast<size_t>(i)];
+    const BlockRun& run = runs[static_cast<size_t>(i)];
     const std::span<const int64_t> of_run = blocks.subspan(run.first, run.count);
     const Box3 cells = unite(layout.ownedCells(layout.indexOf(of_run.front())),
                              layout.ownedCells(layout.indexOf(of_run.back())));

@@ -10,8 +10,6 @@
 namespace sluice {
 namespace {
 
-constexpr int kSide = VisibilityEstimate::kTileSide;
-
 // The relative error that float arithmetic may add to a ray's sum.
 constexpr double kSumDoubt = 1e-3;
 
@@ -202,19 +200,19 @@ void VisibilityEstimate::placeBlocks() {
 }
 
 void VisibilityEstimate::makeTiles() {
-  tiles_x_ = (view_.size.width + kSide - 1) / kSide;
-  tiles_y_ = (view_.size.height + kSide - 1) / kSide;
+  tiles_x_ = (view_.size.width + kTileSide - 1) / kTileSide;
+  tiles_y_ = (view_.size.height + kTileSide - 1) / kTileSide;
   for (int y = 0; y < tiles_y_; ++y)
     for (int x = 0; x < tiles_x_; ++x) {
       Tile& tile = tiles_.emplace_back();
-      tile.pixels = {x * kSide, y * kSide, std::min((x + 1) * kSide, view_.size.width),
-                     std::min((y + 1) * kSide, view_.size.height)};
+      tile.pixels = {x * kTileSide, y * kTileSide, std::min((x + 1) * kTileSide, view_.size.width),
+                     std::min((y + 1) * kTileSide, view_.size.height)};
     }
   for (const uint32_t block : order_) {
     const Rect& at = places_[block].footprint;
     if (at.x0 >= at.x1 || at.y0 >= at.y1) continue;
-    for (int y = at.y0 / kSide; y <= (at.y1 - 1) / kSide; ++y)
-      for (int x = at.x0 / kSide; x <= (at.x1 - 1) / kSide; ++x)
+    for (int y = at.y0 / kTileSide; y <= (at.y1 - 1) / kTileSide; ++y)
+      for (int x = at.x0 / kTileSide; x <= (at.x1 - 1) / kTileSide; ++x)
         if (const int tile = y * tiles_x_ + x; tile % options_.tile_stride == options_.first_tile)
           tiles_[static_cast<size_t>(tile)].blocks.push_back(block);
   }
@@ -315,8 +313,8 @@ std::vector<VisibilityEstimate::Task> VisibilityEstimate::affectedTiles(int64_t 
     const Place& place = places_[static_cast<size_t>(block)];
     const Rect& at = place.footprint;
     if (at.x0 >= at.x1 || at.y0 >= at.y1) continue;
-    for (int y = at.y0 / kSide; y <= (at.y1 - 1) / kSide; ++y)
-      for (int x = at.x0 / kSide; x <= (at.x1 - 1) / kSide; ++x) {
+    for (int y = at.y0 / kTileSide; y <= (at.y1 - 1) / kTileSide; ++y)
+      for (int x = at.x0 / kTileSide; x <= (at.x1 - 1) / kTileSide; ++x) {
         const int index = y * tiles_x_ + x;
         const auto i = static_cast<size_t>(index);
         if (tiles_[i].blocks.empty()) continue;
@@ -345,12 +343,12 @@ uint64_t VisibilityEstimate::mostBytes(const SeriesOpacity& series, PictureSize 
   const uint64_t of_blocks = blocks * (sizeof(Place) + kDirections + sizeof(Change) +
                                        2 * sizeof(int64_t) + 3 * sizeof(uint32_t));
   const int64_t across = std::max({series.grid.x, series.grid.y, series.grid.z});
-  const auto tiles = static_cast<uint64_t>((size.width + kSide - 1) / kSide) *
-                     static_cast<uint64_t>((size.height + kSide - 1) / kSide);
+  const auto tiles = static_cast<uint64_t>((size.width + kTileSide - 1) / kTileSide) *
+                     static_cast<uint64_t>((size.height + kTileSide - 1) / kTileSide);
   // A tile meets the blocks along a ray, in as many columns as are as wide as it, with the pixels
   // that bounds of blocks have to spare.
   const double columns =
-      static_cast<double>((kSide + 3) * across) / std::min(size.width, size.height) + 1;
+      static_cast<double>((kTileSide + 3) * across) / std::min(size.width, size.height) + 1;
   const auto listed = static_cast<uint64_t>(columns * columns * static_cast<double>(3 * across));
   constexpr uint64_t kListed = 16;  // in the tile's list, whether reached, in that of changes
   const auto parts = static_cast<size_t>(volume(series.partsOf(0).count()));

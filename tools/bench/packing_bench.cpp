@@ -17,7 +17,7 @@ namespace {
 constexpr std::array kCodecs = {
     PackCodec{"lz4", 1},  PackCodec{"lz4", 5},  PackCodec{"lz4hc", 5}, PackCodec{"blosclz", 5},
     PackCodec{"zlib", 1}, PackCodec{"zstd", 1}, PackCodec{"zstd", 3}};
-constexpr uint64_t kMostBytes = uint64_t{64} << 20;
+constexpr uint64_t kMostPackedBytes = uint64_t{64} << 20;
 
 nlohmann::json rowOf(const std::vector<VolumeBlockPtr>& blocks, const PackCodec& codec) {
   uint64_t whole_bytes = 0, kept_bytes = 0, unpacked_bytes = 0;
@@ -50,10 +50,10 @@ nlohmann::json rowOf(const std::vector<VolumeBlockPtr>& blocks, const PackCodec&
 nlohmann::json benchPacking(const VolumeArguments& arguments, const ResourceArguments& resources) {
   Workers pool(resources.threads);
   const IndexedVolume volume = openIndexed(arguments, resources, {}, pool);
-  VolumeBuffer buffer(*volume.source, volume.layout, 2 * kMostBytes);
+  VolumeBuffer buffer(*volume.source, volume.layout, 2 * kMostPackedBytes);
   const std::vector<int64_t>& ids = volume.index->ranges.blocks;
   // Spread over the volume, if it has more blocks than are measured.
-  const size_t most = std::max<size_t>(1, kMostBytes / buffer.blockBytes());
+  const size_t most = std::max<size_t>(1, kMostPackedBytes / buffer.blockBytes());
   const size_t stride = std::max<size_t>(1, ids.size() / most);
   std::vector<VolumeBlockPtr> blocks;
   for (size_t i = 0; i < ids.size() && blocks.size() < most; i += stride) {

@@ -15,33 +15,33 @@ namespace {
 // Frames before the first measured one of a way: one here, and one before each, which changes the
 // plan.
 
-struct Way {
+struct SkippingWay {
   const char* name;
   Algorithm algorithm;
   Partition partition;
   bool shades_every_sample;
 };
-constexpr std::array<Way, 4> kWays = {
+constexpr std::array<SkippingWay, 4> kSkippingWays = {
     {{"basic", Algorithm::kConventional, Partition::kBlocks, true},
      {"whole", Algorithm::kConventional, Partition::kBlocks, false},
      {"object", Algorithm::kMerged, Partition::kBlocks, false},
      {"ess", Algorithm::kMerged, Partition::kBoxes, false}}};
 
-nlohmann::json rowOf(const VolumesBench& bench, const std::string& word) {
+nlohmann::json skippingRow(const VolumesBench& bench, const std::string& word) {
   const auto [file, threshold] = splitThreshold(word, bench.look.threshold);
   LookArguments look = bench.look;
   look.threshold = threshold;
   Scene scene({{file}, bench.open, bench.time}, look, bench.resources, Partition::kBoxes);
   nlohmann::json row{{"volume", file},
                      {"threshold", threshold ? nlohmann::json(*threshold) : nlohmann::json()}};
-  std::array<std::vector<double>, kWays.size()> seconds;
+  std::array<std::vector<double>, kSkippingWays.size()> seconds;
   for (int i = 1 - kWarmFrames; i < bench.frames; ++i)
-    for (size_t way = 0; way < kWays.size(); ++way) {
+    for (size_t way = 0; way < kSkippingWays.size(); ++way) {
       FrameOptions options = bench.frame;
-      options.algorithm = kWays[way].algorithm;
+      options.algorithm = kSkippingWays[way].algorithm;
       options.skips = false;
-      options.partition = kWays[way].partition;
-      options.shades_every_sample = kWays[way].shades_every_sample;
+      options.partition = kSkippingWays[way].partition;
+      options.shades_every_sample = kSkippingWays[way].shades_every_sample;
       options.count_samples = i + 1 == bench.frames;
       scene.session->setOptions(options);
       // This frame also pays for the change of the plan, which belongs to neither way.
@@ -51,7 +51,7 @@ nlohmann::json rowOf(const VolumesBench& bench, const std::string& word) {
       scene.session->setOptions(options);
       seconds[way].push_back(scene.session->frameReport().seconds);
       if (i + 1 < bench.frames) continue;
-      const std::string name = kWays[way].name;
+      const std::string name = kSkippingWays[way].name;
       row[name + "_fps"] = 1 / median(seconds[way]);
       row[name + "_samples"] = report.samples_drawn;
       row[name + "_boxes"] = report.boxes_drawn;
@@ -67,7 +67,7 @@ nlohmann::json benchSkipping(const VolumesBench& bench) {
   nlohmann::json rows = nlohmann::json::array();
   double sum = 0;
   for (const std::string& word : bench.volumes) {
-    rows.push_back(rowOf(bench, word));
+    rows.push_back(skippingRow(bench, word));
     sum += rows.back()["speedup"].get<double>();
   }
   return {{"rows", rows}, {"mean_speedup", sum / static_cast<double>(bench.volumes.size())}};

@@ -65,7 +65,7 @@ std::vector<double> thresholdsOf(const std::string& kind, const Range& range, in
   return thresholds;
 }
 
-struct Measured {
+struct Changes {
   std::vector<double> seconds, classify, plan, copy, read, decode, upload, draw;
   uint64_t copied_bytes = 0, uploaded_bytes = 0, decoded_bytes = 0, rebuild_bytes = 0;
 
@@ -98,7 +98,7 @@ struct Measured {
   }
 };
 
-FrameReport change(Session& session, const TransferFunction& transfer, Measured& into) {
+FrameReport change(Session& session, const TransferFunction& transfer, Changes& into) {
   const Stopwatch watch;
   session.setTransferFunction(transfer);
   const FrameReport report = session.frameReport();
@@ -134,7 +134,7 @@ class ChangedBytes {
 
 constexpr std::array kKinds = {"small", "large", "walk", "band"};
 
-struct Bench {
+struct ThresholdRun {
   const ThresholdBench& asked;
   Scene& scene;
   Range range;
@@ -174,7 +174,7 @@ double steadySeconds(Session& session) {
 }
 
 // All in memory: the session holds everything that any frame so far asked for.
-nlohmann::json warmChanges(const Bench& bench, nlohmann::json& report) {
+nlohmann::json warmChanges(const ThresholdRun& bench, nlohmann::json& report) {
   nlohmann::json result;
   ChangedBytes changed(bench.scene);
   uint64_t copied_bytes = 0, changed_bytes = 0;
@@ -187,7 +187,7 @@ nlohmann::json warmChanges(const Bench& bench, nlohmann::json& report) {
   for (const char* kind : kKinds) {
     session.setTransferFunction(bench.start());
     session.frameReport();
-    Measured measured;
+    Changes measured;
     for (const TransferFunction& transfer : bench.changes(kind)) {
       changed_bytes += expected(transfer);
       copied_bytes += change(session, transfer, measured).copied_bytes;
@@ -205,9 +205,9 @@ nlohmann::json warmChanges(const Bench& bench, nlohmann::json& report) {
 
 // A threshold raised by a fifth, as the peers' scripts time it: each time from a threshold of its
 // own that was drawn before.
-nlohmann::json raisedByAFifth(const Bench& bench) {
+nlohmann::json raisedByAFifth(const ThresholdRun& bench) {
   Session& session = *bench.scene.session;
-  Measured measured;
+  Changes measured;
   for (int i = 0; i < bench.asked.changes; ++i) {
     const double start = bench.range.start * (1 + 0.003 * i);
     session.setTransferFunction(bench.above(start));
@@ -218,8 +218,8 @@ nlohmann::json raisedByAFifth(const Bench& bench) {
 }
 
 // Nothing is held but the index: each change opens a session of its own.
-nlohmann::json coldChanges(const Bench& bench) {
-  Measured measured;
+nlohmann::json coldChanges(const ThresholdRun& bench) {
+  Changes measured;
   for (const TransferFunction& transfer : bench.changes("small")) {
     const auto session = bench.sessionOf(bench.scene.volume.step(), bench.scene.memory_bytes);
     change(*session, transfer, measured);
@@ -227,7 +227,7 @@ nlohmann::json coldChanges(const Bench& bench) {
   return {{"small", measured.json()}};
 }
 
-nlohmann::json outOfCoreChanges(const Bench& bench) {
+nlohmann::json outOfCoreChanges(const ThresholdRun& bench) {
   const MovedBytes all = bench.scene.session->frameReport().rebuild;
   const DeviceLimits limits = bench.scene.device->limits();
   const PageGeometry& page = bench.scene.volume.page;
@@ -242,7 +242,7 @@ nlohmann::json outOfCoreChanges(const Bench& bench) {
   for (const char* kind : kKinds) {
     session->setTransferFunction(bench.start());
     session->frameReport();
-    Measured measured;
+    Changes measured;
     for (const TransferFunction& transfer : bench.changes(kind))
       change(*session, transfer, measured);
     result[kind] = measured.json();
@@ -252,7 +252,7 @@ nlohmann::json outOfCoreChanges(const Bench& bench) {
 
 // The rebuild of a renderer without min-max arrays: every voxel is looked at, every chunk made
 // again.
-double rebuildSeconds(const Bench& bench) {
+double rebuildSeconds(const ThresholdRun& bench) {
   std::vector<double> seconds;
   const std::vector<TransferFunction> transfers = bench.changes("small");
   for (int i = 0; i < kRebuilds; ++i) {
@@ -275,7 +275,7 @@ nlohmann::json benchThreshold(const ThresholdBench& asked) {
   Scene scene(asked.volume, asked.look, asked.resources, asked.frame.partition);
   const ValueRange values = scene.volume.valueRange();
   const double start = asked.look.threshold.value_or(plainThreshold(values));
-  const Bench bench{asked, scene, {values.lo, values.hi, start}};
+  const ThresholdRun bench{asked, scene, {values.lo, values.hi, start}};
   nlohmann::json report;
   scene.session->setOptions(asked.frame);
   scene.session->setTransferFunction(bench.start());

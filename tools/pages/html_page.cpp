@@ -32,7 +32,7 @@ td:first-child,th:first-child{text-align:left}
 .h5{fill:#6a5acd}.h6{fill:#8a8f98}.h7{fill:#b3a100}.h8{fill:#56b4e9}.h9{fill:#a0522d}
 )";
 
-constexpr double kWidth = 1000, kLineHeight = 26, kEndRoom = 110, kCharacter = 7.2;  // pixels
+constexpr double kBarsWidth = 1000, kLineHeight = 26, kEndRoom = 110, kCharacter = 7.2;  // pixels
 
 }  // namespace
 
@@ -123,13 +123,14 @@ std::string barsSvg(std::span<const Bar> bars) {
     letters = std::max(letters, bar.label.size());
     end_letters = std::max(end_letters, bar.end.size());
   }
-  const double left = std::min(kWidth / 3, 16 + kCharacter * static_cast<double>(letters));
+  const double left = std::min(kBarsWidth / 3, 16 + kCharacter * static_cast<double>(letters));
   const double end_room =
-      std::clamp(8 + kCharacter * static_cast<double>(end_letters), kEndRoom, kWidth / 3);
-  const double scale = most > 0 ? (kWidth - left - end_room) / most : 0;
+      std::clamp(8 + kCharacter * static_cast<double>(end_letters), kEndRoom, kBarsWidth / 3);
+  const double scale = most > 0 ? (kBarsWidth - left - end_room) / most : 0;
   const double height = kLineHeight * static_cast<double>(bars.size()) + 4;
-  std::string out = fmt::format(
-      "<svg viewBox='0 0 {0:g} {1:g}' width='{0:g}' height='{1:g}' role='img'>", kWidth, height);
+  std::string out =
+      fmt::format("<svg viewBox='0 0 {0:g} {1:g}' width='{0:g}' height='{1:g}' role='img'>",
+                  kBarsWidth, height);
   for (size_t i = 0; i < bars.size(); ++i) {
     const double y = kLineHeight * static_cast<double>(i) + 2;
     double x = left;

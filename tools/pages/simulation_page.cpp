@@ -16,7 +16,7 @@ namespace sluice {
 namespace {
 
 // Styles in addition to the pages' common style.
-constexpr std::string_view kStyle = R"(
+constexpr std::string_view kPageStyle = R"(
 .curve{stroke:#8fb8dc;stroke-width:4;opacity:.6;fill:none}.mark{stroke:#d1581b;stroke-dasharray:2 3;fill:none}
 .run{stroke:var(--c);stroke-width:1.3;fill:none}.point{fill:var(--c)}
 .lru{--c:#2a78b8}.fifo{--c:#e69f00}.clock{--c:#009e73}.random{--c:#999}.srrip{--c:#cc79a7}.twoq{--c:#6a4fb3}
@@ -267,11 +267,11 @@ std::string sectionsOf(const SimulationReport& report, int level) {
 
 std::string simulationPage(std::span<const SimulationReport> reports) {
   if (reports.size() == 1)
-    return htmlPage("Texture cache: " + reports[0].title, kStyle, sectionsOf(reports[0], 2));
+    return htmlPage("Texture cache: " + reports[0].title, kPageStyle, sectionsOf(reports[0], 2));
   std::string out;
   for (const SimulationReport& report : reports)
     out += fmt::format("<h2>{}</h2>", escapeHtml(report.title)) + sectionsOf(report, 3);
-  return htmlPage(fmt::format("Texture cache: {} runs", reports.size()), kStyle, out);
+  return htmlPage(fmt::format("Texture cache: {} runs", reports.size()), kPageStyle, out);
 }
 
 }  // namespace sluice

@@ -15,7 +15,7 @@ namespace {
 
 // The limits of the options of the same names (tools/command_line/view_options.cpp), so that the
 // printed command accepts every number that the window accepts.
-constexpr double kMostDegrees = 36000, kMostZoom = 1e6, kMostFov = 179, kMostStep = 1e6;
+constexpr double kMostDegrees = 36000, kZoomLimit = 1e6, kMostFov = 179, kMostStep = 1e6;
 constexpr double kWorld = 1e15, kMostGradient = 1e6;
 constexpr size_t kMostPlanes = 6;
 constexpr int64_t kMostVoxels = int64_t{1} << 40;  // along an axis, as of --crop
@@ -65,7 +65,7 @@ class Findings {
 };
 
 void checkCamera(Findings& findings, const ViewOptions& view) {
-  findings.above0("/camera/zoom", view.zoom, kMostZoom);
+  findings.above0("/camera/zoom", view.zoom, kZoomLimit);
   findings.above0("/camera/fov", view.field_of_view_deg, kMostFov);
   findings.degrees("/camera/azimuth", view.azimuth_deg);
   findings.degrees("/camera/elevation", view.elevation_deg);
