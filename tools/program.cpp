@@ -51,6 +51,11 @@ int parseAndRun(const CommandLine& line, const std::vector<std::string>& given,
     while (!asked->get_subcommands().empty()) asked = asked->get_subcommands().front();
     sayText(asked->help());
     return kDone;
+  } catch (const CLI::CallForAllHelp&) {
+    const CLI::App* asked = &program;
+    while (!asked->get_subcommands().empty()) asked = asked->get_subcommands().front();
+    sayText(asked->help("", CLI::AppFormatMode::All));
+    return kDone;
   } catch (const CLI::CallForVersion&) {
     say("{}\n", SLUICE_VERSION);
     return kDone;
@@ -96,6 +101,8 @@ CommandLine makeCommandLine() {
       Command command = add(program);
       CLI::App* made = program.get_subcommands(nullptr).back();
       made->group(title);
+      if (hasShortHelp(*made))
+        made->set_help_all_flag("--help-all", "Prints all options and exits");
       line.commands.emplace_back(made, std::move(command));
     }
   return line;

@@ -1,4 +1,5 @@
 // The command line in the parser: the options, and the words that they accept.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -81,13 +82,41 @@ TEST(CommandLine, groupsHoldAtMostTwelveOptionsWithNamedValues) {
 TEST(CommandLine, helpFitsAHundredColumnsAndShowsDefaults) {
   const CommandLine line = makeCommandLine();
   for (const Place& place : commandsOf(line))
-    for (const std::string& shown : linesOf(place.app->help()))
+    for (const std::string& shown : linesOf(place.app->help("", CLI::AppFormatMode::All)))
       EXPECT_LE(shown.size(), kHelpColumns) << place.app->get_name() << ": " << shown;
   const std::string help = line.program->get_subcommand("render")->help();
   for (const char* part : {"-s, --size WxH", "[512x512]", "-t, --threshold VALUE", "-o, --output",
                            "-j, --threads", "composite|mip|minip|average", "[composite]",
                            "Look:", "View:", "Drawing:", "Output:", "Volume:"})
     EXPECT_NE(help.find(part), std::string::npos) << part;
+}
+
+// --help of the commands with most options has the common ones, --help-all every one.
+TEST(CommandLine, helpIsShortAndHelpAllIsWhole) {
+  const Program program;
+  for (const char* name : {"render", "view", "plan"}) {
+    const std::string command(name);
+    const std::string brief = program.run(command + " --help").output;
+    const std::string whole = program.run(command + " --help-all").output;
+    const CommandLine line = makeCommandLine();
+    size_t options = 0, listed = 0;
+    for (const CLI::Option* option : line.program->get_subcommand(command)->get_options()) {
+      if (option->get_positional()) continue;
+      const std::string shown = "--" + option->get_lnames().front();
+      const auto isIn = [&](const std::string& text) {
+        return text.find(shown + " ") != std::string::npos ||
+               text.find(shown + "\n") != std::string::npos;
+      };
+      EXPECT_TRUE(isIn(whole)) << command << " " << shown;
+      ++options;
+      if (isIn(brief)) ++listed;
+    }
+    EXPECT_LE(listed, 45U) << command;
+    const std::string rest =
+        fmt::format("\n{} more options: sluice {} --help-all\n", options - listed, command);
+    EXPECT_NE(brief.find(rest), std::string::npos) << brief;
+  }
+  EXPECT_EQ(program.run("info --help-all").status, 2);
 }
 
 TEST(CommandLine, theOverviewIsTwentyFiveLinesThatNameEveryCommand) {

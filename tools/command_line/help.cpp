@@ -3,12 +3,33 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <sstream>
+#include <string_view>
 
 namespace sluice {
 namespace {
 
 constexpr size_t kNamesColumns = 30;  // left column; longer names have a line of their own
+
+// Commands whose --help is short, and what it leaves out.
+constexpr std::array<std::string_view, 3> kDrawing = {"render", "view", "plan"};
+constexpr std::array<std::string_view, 40> kRare = {
+    // how bytes and numbers of a file are taken
+    "endian", "skip", "grid", "this-step", "index-dir",
+    // outputs
+    "aov", "trace", "debug-view", "verify", "rate", "continue",
+    // the camera by numbers
+    "fov", "eye", "target", "up", "fit",
+    // the look in detail
+    "opacities", "modulate", "full-gradient", "step", "opacity-threshold",
+    // how a picture is made, with the same result
+    "algorithm", "merge", "partition", "occlusion", "culling", "difference", "directions", "part",
+    "detail", "basis",
+    // levels of resolution, apart from the pixel error
+    "level", "max-bytes",
+    // the texture cache and the machine
+    "simd", "gl", "page", "pages", "block", "policy", "seed"};
 
 std::string firstLine(const std::string& text) {
   return text.substr(0, text.find('\n'));
@@ -22,6 +43,11 @@ std::string namesOf(const CLI::Option& option) {
   text += "--" + option.get_lnames().front();
   if (option.get_expected_max() != 0) text += " " + option.get_type_name();
   return text;
+}
+
+bool isShown(const CLI::App& app, const CLI::Option& option, CLI::AppFormatMode mode) {
+  if (mode == CLI::AppFormatMode::All || option.get_positional()) return true;
+  return !hasShortHelp(app) || std::ranges::find(kRare, option.get_lnames().front()) == kRare.end();
 }
 
 std::string lineOf(const CLI::Option& option) {
@@ -47,6 +73,11 @@ std::string described(const CLI::App& app) {
 
 }  // namespace
 
+bool hasShortHelp(const CLI::App& command) {
+  return command.get_parent() != nullptr && command.get_parent()->get_parent() == nullptr &&
+         std::ranges::find(kDrawing, command.get_name()) != kDrawing.end();
+}
+
 std::string wrapped(const std::string& text, size_t indent, size_t columns) {
   std::istringstream words(text);
   std::string result, word;
@@ -66,7 +97,7 @@ std::string wrapped(const std::string& text, size_t indent, size_t columns) {
 }
 
 std::string HelpFormatter::make_help(const CLI::App* app, std::string /*name*/,
-                                     CLI::AppFormatMode /*mode*/) const {
+                                     CLI::AppFormatMode mode) const {
   std::string text = described(*app) + "\nUsage: " + fullName(*app);
   const auto positionals =
       app->get_options([](const CLI::Option* option) { return option->get_positional(); });
@@ -82,13 +113,22 @@ std::string HelpFormatter::make_help(const CLI::App* app, std::string /*name*/,
     line.resize(14, ' ');
     text += line + wrapped(firstLine(command->get_description()), 14, kHelpColumns) + "\n";
   }
+  size_t left_out = 0;
   for (const std::string& group : app->get_groups()) {
     const auto options =
         app->get_options([&](const CLI::Option* option) { return option->get_group() == group; });
-    if (group.empty() || options.empty()) continue;
-    text += "\n" + group + ":\n";
-    for (const CLI::Option* option : options) text += lineOf(*option);
+    if (group.empty()) continue;
+    std::string lines;
+    for (const CLI::Option* option : options) {
+      if (isShown(*app, *option, mode))
+        lines += lineOf(*option);
+      else
+        ++left_out;
+    }
+    if (!lines.empty()) text += "\n" + group + ":\n" + lines;
   }
+  if (left_out > 0)
+    text += fmt::format("\n{} more options: {} --help-all\n", left_out, fullName(*app));
   return text;
 }
 

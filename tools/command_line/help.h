@@ -11,12 +11,16 @@ namespace sluice {
 inline constexpr size_t kHelpColumns = 100;
 
 // For every command: the layout of its --help. A group's options stand in the order in which they
-// were added.
+// were added. The commands that draw have so many that --help leaves out those that a picture
+// rarely needs (mode Normal); --help-all has them all (mode All).
 class HelpFormatter : public CLI::Formatter {
  public:
   std::string make_help(const CLI::App* app, std::string name,
                         CLI::AppFormatMode mode) const override;
 };
+
+// A command whose --help leaves options out.
+bool hasShortHelp(const CLI::App& command);
 
 // The words that name a command on the command line: "sluice bench render".
 std::string fullName(const CLI::App& app);

@@ -133,7 +133,8 @@ class Walk {
 
   std::optional<std::string> take(const CLI::Option& option, const std::string& name,
                                   bool value_attached) {
-    asks_help_ = &option == app_->get_help_ptr() || &option == app_->get_version_ptr();
+    asks_help_ = &option == app_->get_help_ptr() || &option == app_->get_help_all_ptr() ||
+                 &option == app_->get_version_ptr();
     const bool takes_value = option.get_expected_max() != 0;
     if (++count_[&option] > 1 && takes_value && !option.get_trigger_on_parse())
       return fmt::format("{} is given twice", name);
