@@ -1,6 +1,7 @@
 #include "src/base/deadline.h"
 
 #include <algorithm>
+#include <new>
 #include <system_error>
 #include <utility>
 
@@ -20,6 +21,7 @@ Deadline::Deadline(std::optional<TimePoint> until, StopToken stop)
   try {
     thread_ = startThread([this] { watch(); });
   } catch (const std::system_error&) {  // isOver() is all that is left
+  } catch (const std::bad_alloc&) {
   }
 }
 

@@ -12,7 +12,8 @@ import sys
 # What is done in one place: a pattern of code, the files that may, and what the others use.
 ONCE = [
     (r'\bstd::(thread|jthread)\b(?!::)|\bstd::async\b|\bpthread_create\b|#\s*include\s*<future>',
-     ['src/base/threads.h', 'src/base/threads.cpp', 'src/base/worker_pool.h', 'src/base/worker_pool.cpp'],
+     ['src/base/threads.h', 'src/base/threads.cpp', 'src/base/worker_pool.h', 'src/base/worker_pool.cpp',
+      'src/base/deadline.h'],
      'threads are started by src/base/threads.h; take a WorkerPool'),
     (r'\bstd::(mutex|shared_mutex|recursive_mutex|lock_guard|scoped_lock|unique_lock|condition_variable\w*)\b',
      ['src/base/mutex.h'], 'clang checks the mutex of src/base/mutex.h, not this one'),
