@@ -153,7 +153,7 @@ TEST_P(RanksProgram, drawThePictureOfOneProcess) {
 
 TEST_P(RanksProgram, drawTheCutThroughLevelsOfOneProcess) {
   constexpr const char* kLevels =
-      "render synth:shells,dims=100x94x88,levels=4 --block 8 --size 60x50 --threshold 60 "
+      "render synth:shells,dims=100x94x88,levels=4 --block 8 --size 36x30 --threshold 60 "
       "--no-shade --memory 300M --background 000000";  // colours of nearly nothing are rounding
   for (const std::string& cut : {std::string(), std::string("--level 3"),
                                  std::string("--projection perspective --zoom 3 --pixel-error 2"),
