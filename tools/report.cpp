@@ -167,7 +167,7 @@ std::string cutLine(const CutSummary& cut) {
     line += fmt::format("; {} block{} parts thinner than two voxels, --keep-thin refines {}",
                         cut.thin_blocks, cut.thin_blocks == 1 ? " has" : "s have",
                         cut.thin_blocks == 1 ? "it" : "them");
-  if (!cut.is_final) line += "; a budget ended the refinement";
+  if (!cut.is_final) line += "; --memory, --max-bytes or --time-limit ended the refinement";
   return line;
 }
 

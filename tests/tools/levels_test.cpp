@@ -182,7 +182,7 @@ TEST_F(LevelsCommand, aBudgetOfBytesEndsTheRefinement) {
   EXPECT_GT(cut["coarse_share"], 0.0);
   const CommandResult said =
       program_.run("render " + arguments("-o x.png --force --pixel-error 0.1 --max-bytes 600K"));
-  EXPECT_THAT(said.output, HasSubstr("a budget ended the refinement"));
+  EXPECT_THAT(said.output, HasSubstr("--time-limit ended the refinement"));
 }
 
 TEST_F(LevelsCommand, aPlanAndASimulationHaveTheSameCut) {
