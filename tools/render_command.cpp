@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <filesystem>
 #include <memory>
 
@@ -11,10 +10,8 @@
 #include "src/base/bytes.h"
 #include "src/base/clock.h"
 #include "src/base/error.h"
-#include "src/library/conversions.h"
 #include "src/library/empty_picture.h"
 #include "src/library/picture_memory.h"
-#include "src/render/camera_path.h"
 #include "src/render/level_cut.h"
 #include "src/render/planner.h"
 #include "src/view/state/view_path.h"
@@ -25,6 +22,7 @@
 #include "tools/debug_views.h"
 #include "tools/film.h"
 #include "tools/film_file.h"
+#include "tools/fitted_scene.h"
 #include "tools/interrupt.h"
 #include "tools/pages/report_file.h"
 #include "tools/picture_output.h"
@@ -161,7 +159,7 @@ std::optional<CutOptions> cutOf(const Arguments& arguments, Team* team) {
   LevelArguments levels = arguments.levels;
   // Pictures that get better begin with any level; means cannot show some of them.
   if (asksForRefinement(arguments) && !isSeries(arguments) && team == nullptr && !levels.level &&
-      arguments.frame.mode == Mode::kComposite && !arguments.look.labels)
+      suitDefaultCut(arguments.frame.mode, arguments.look.labels))
     levels.pixel_error = levels.pixel_error.value_or(CutOptions().pixel_error);
   std::optional<CutOptions> cut =
       cutOptions(levels, arguments.resources, arguments.look, arguments.frame);
@@ -189,87 +187,9 @@ void checkLastStep(const Arguments& arguments) {
   openSource(last);
 }
 
-// A camera per frame, of a turn or along the path; or a single one for all steps of a series.
-std::vector<Camera> camerasOf(const Arguments& arguments, WorldFrame frame) {
-  Camera start = arguments.frame.camera;
-  if (arguments.path_file.empty()) return turnOf(start, arguments.frames);
-  const CameraPath path = readCameraPath(arguments.path_file, interruption());
-  start.up = frontAxes(start.view, frame, start.up).up;  // keys move it on
-  std::vector<Camera> cameras;
-  for (int64_t i = 0; i < frameCount(arguments); ++i)
-    cameras.push_back(cameraAt(path, start, i, frameCount(arguments)));
-  return cameras;
-}
-
 // For a series without a path, one camera shows every step.
 const Camera& cameraOf(const std::vector<Camera>& cameras, int64_t frame) {
   return cameras[cameras.size() == 1 ? 0 : static_cast<size_t>(frame)];
-}
-
-// With several ranks, rank 0 makes the index that the others read.
-std::unique_ptr<Scene> openScene(const Arguments& arguments, const Outputs& outputs, Team* team,
-                                 FinestLevel finest) {
-  const auto open = [&] {
-    return std::make_unique<Scene>(arguments.volume, arguments.look, arguments.resources,
-                                   arguments.frame, outputs, team, finest);
-  };
-  if (team == nullptr) return open();
-  std::unique_ptr<Scene> scene;
-  if (team->isFirst()) scene = open();
-  team->wait();
-  if (!team->isFirst()) scene = open();
-  return scene;
-}
-
-// The same for a view that was saved, which must fit the volume.
-std::unique_ptr<Scene> openScene(const Arguments& arguments, const std::optional<SavedView>& saved,
-                                 const Outputs& outputs, Team* team, FinestLevel finest) {
-  if (!saved) return openScene(arguments, outputs, team, finest);
-  try {
-    std::unique_ptr<Scene> scene = openScene(arguments, outputs, team, finest);
-    saved->requireFits(volumeInfo(scene->volume.source->layout(), {}, {}));
-    return scene;
-  } catch (const Error& error) {
-    // The volume knows its step as --time, which the user did not give.
-    if (saved->file.state.time == 0) throw;
-    fail("{}: {}", saved->name, error.what());
-  }
-}
-
-// A scene with its cameras as the user asked for them, and fitted to what is visible.
-struct FittedScene {
-  std::unique_ptr<Scene> scene;
-  std::vector<Camera> asked, cameras;
-};
-
-FittedScene openFitted(const Arguments& arguments, const std::optional<SavedView>& saved,
-                       const Outputs& outputs, Team* team, Room room, FinestLevel finest) {
-  FittedScene fitted;
-  fitted.scene = openScene(arguments, saved, outputs, team, finest);
-  Scene& scene = *fitted.scene;
-  fitted.asked = camerasOf(arguments, scene.volume.source->layout().frame);
-  fitted.cameras = fitted.asked;
-  fitCameras(fitted.cameras, arguments.fit,
-             {scene.volume, scene.volume.step(), scene.transfer, arguments.frame,
-              arguments.look.this_step},
-             room, arguments.resources, scene.pool);
-  return fitted;
-}
-
-// The finest level is read at the opening only if a picture shows it, or an option compares with
-// it.
-FittedScene openFitted(const Arguments& arguments, const std::optional<SavedView>& saved,
-                       const Outputs& outputs, Team* team, Room room) {
-  const bool compares = arguments.verify || arguments.debug_view;
-  if (team == nullptr && !compares) {
-    FittedScene fitted = openFitted(arguments, saved, outputs, team, room, FinestLevel::kMayWait);
-    Scene& scene = *fitted.scene;
-    // A row of pictures begins with coarse ones at once.
-    if (arguments.progressive) return fitted;
-    if (!mustReadFinest(scene.volume, scene.transfer, arguments.frame, fitted.cameras, scene.pool))
-      return fitted;
-  }
-  return openFitted(arguments, saved, outputs, team, room, FinestLevel::kRead);
 }
 
 // The frames of rank 0, which writes them.

@@ -242,7 +242,7 @@ VisibleBlocksPtr LevelCut::choose(const BlockQuestion& question) {
 bool drawsCut(const TimeStep& step, const std::optional<CutOptions>& cut, Mode mode,
               bool has_labels) {
   if (!cut) return false;
-  if (cut->is_default) return !step.coarser.empty() && mode == Mode::kComposite && !has_labels;
+  if (cut->is_default) return !step.coarser.empty() && suitDefaultCut(mode, has_labels);
   requireLevel(*cut, step);
   const auto refuse = [&](std::string_view are_not, std::string_view advice) {
     if (hasMeans(step) && cut->level.value_or(1) > 0)

@@ -18,6 +18,12 @@
 
 namespace sluice {
 
+// Whether coarser levels of means can show what the finest level shows, so that a picture may be
+// drawn from them without being asked: not extremes, averages or labels.
+inline bool suitDefaultCut(Mode mode, bool has_labels) {
+  return mode == Mode::kComposite && !has_labels;
+}
+
 // Whether a picture is drawn from a cut, of values or labels. False if no cut is set, if the step
 // has one level, or if the default cut would show something else than the finest level. Throws
 // Error if a cut was asked for that cannot be drawn: of a level that is not there, or of labels or

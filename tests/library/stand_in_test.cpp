@@ -12,14 +12,6 @@
 namespace sluice {
 namespace {
 
-VolumeLayout layoutOf(Vec3i dims, VoxelType type) {
-  VolumeLayout layout;
-  layout.dims = dims;
-  layout.type = type;
-  layout.name = "function";
-  return layout;
-}
-
 ValueRange meansOf(const CoarserLevel& level) {
   WorkerPool pool(2);
   ProgressMeter progress;
@@ -32,7 +24,7 @@ TEST(StandIn, spreadsTellTheRangeOfTwoValues) {
   for (const VoxelType type : {VoxelType::kU8, VoxelType::kU16, VoxelType::kF32})
     for (const bool dark_lines : {false, true}) {
       // Lines two voxels wide, which no coarse voxel is full of.
-      FunctionSource net(layoutOf({64, 60, 56}, type), [&](int64_t, Vec3i v) {
+      FunctionSource net(functionLayout({64, 60, 56}, type), [&](int64_t, Vec3i v) {
         const bool on_line = v.x % 16 < 2 && v.y % 16 < 4;
         return on_line != dark_lines ? 180.0 : 20.0;
       });
@@ -52,7 +44,7 @@ TEST(StandIn, spreadsTellTheRangeOfTwoValues) {
 
 TEST(StandIn, withoutSpreadTheRangeIsThatOfTheMeans) {
   WorkerPool pool(1);
-  FunctionSource steps(layoutOf({32, 32, 32}, VoxelType::kU8),
+  FunctionSource steps(functionLayout({32, 32, 32}, VoxelType::kU8),
                        [](int64_t, Vec3i v) { return 10.0 * static_cast<double>(v.z / 8); });
   const MeanLevels levels(steps, 3, Spreads::kKept);
   const ValueRange range = rangeOfSpreads(levels.levels()[1], {0, 30}, 0, pool);
@@ -77,7 +69,7 @@ TEST(StandIn, theCoarsestLevelThatIsLargeEnoughStandsIn) {
 
 // Nothing is known of a block: every cell may show something, whatever the transfer function.
 TEST(StandIn, anythingMayShowInBlocksWithoutKnownValues) {
-  FunctionSource source(layoutOf({40, 33, 20}, VoxelType::kU8),
+  FunctionSource source(functionLayout({40, 33, 20}, VoxelType::kU8),
                         [](int64_t, Vec3i) -> double { throw Error("a voxel is read"); });
   WorkerPool pool(2);
   const BlockLayout layout = blockLayout({40, 33, 20}, 16, 1);

@@ -52,14 +52,6 @@ struct Pyramid {
   TimeStep step;
 };
 
-VolumeLayout layoutOf(Vec3i dims, VoxelType type) {
-  VolumeLayout layout;
-  layout.dims = dims;
-  layout.type = type;
-  layout.name = "function";
-  return layout;
-}
-
 TransferFunction opaqueAbove(double threshold, double most, double opacity = 0.3) {
   TransferFunction transfer;
   transfer.colors = {{threshold, {0.2, 0.5, 1}}, {most, {1, 0.7, 0.1}}};
@@ -319,7 +311,7 @@ TEST_F(LevelCutTest, levelsWithSpreadsShowWhereTheFinestLevelDoes) {
 // Lines one voxel wide, whose means are below the threshold everywhere. At this threshold the
 // finest level shows them as wide as a voxel is.
 TEST_F(LevelCutTest, aNetOfThinLinesKeepsMostOfItsOpacityAtCoarseLevels) {
-  FunctionSource net(layoutOf({104, 104, 104}, VoxelType::kU8), [](int64_t, Vec3i v) {
+  FunctionSource net(functionLayout({104, 104, 104}, VoxelType::kU8), [](int64_t, Vec3i v) {
     const int along = (v.x % 16 == 5) + (v.y % 16 == 6) + (v.z % 16 == 9);
     return along >= 2 ? 200.0 : 0.0;
   });
@@ -357,7 +349,7 @@ TEST_F(LevelCutTest, aNetOfThinLinesKeepsMostOfItsOpacityAtCoarseLevels) {
 TEST_F(LevelCutTest, oneBrightVoxelIsReportedAndRefinedOnRequest) {
   const int64_t face = 3 * blockLayout({104, 104, 104}, kBlock, 1).cells();
   for (const Vec3i bright : {Vec3i{41, 50, 33}, Vec3i{face, 50, face}}) {
-    FunctionSource source(layoutOf({104, 104, 104}, VoxelType::kU8),
+    FunctionSource source(functionLayout({104, 104, 104}, VoxelType::kU8),
                           [&](int64_t, Vec3i v) { return v == bright ? 255.0 : 0.0; });
     Pyramid pyramid(source, 4, false, Spreads::kKept);
     const TransferFunction transfer = opaqueAbove(100, 255, 0.9);
@@ -387,7 +379,7 @@ TEST_F(LevelCutTest, oneBrightVoxelIsReportedAndRefinedOnRequest) {
 
 // A ball cuts off slivers at the faces of many blocks, which go on in the next ones.
 TEST_F(LevelCutTest, aSolidBallHasNoThinParts) {
-  FunctionSource ball(layoutOf({104, 104, 104}, VoxelType::kU8), [](int64_t, Vec3i v) {
+  FunctionSource ball(functionLayout({104, 104, 104}, VoxelType::kU8), [](int64_t, Vec3i v) {
     return length(toDouble(v) - Vec3d{51, 50, 52}) < 37 ? 200.0 : 0.0;
   });
   Pyramid pyramid(ball, 2, false, Spreads::kKept);
@@ -512,7 +504,7 @@ TEST_F(LevelCutTest, aLevelLooksLikeItsVoxelsAsAVolumeOfTheirOwn) {
 // even across the faces where levels meet.
 TEST_F(LevelCutTest, levelsMeetWithoutASeamOnARamp) {
   for (const Spreads spreads : {Spreads::kNone, Spreads::kKept}) {
-    FunctionSource ramp(layoutOf({100, 90, 80}, VoxelType::kF32), [](int64_t, Vec3i v) {
+    FunctionSource ramp(functionLayout({100, 90, 80}, VoxelType::kF32), [](int64_t, Vec3i v) {
       return 0.3 * static_cast<double>(v.x) + 0.5 * static_cast<double>(v.y) +
              0.2 * static_cast<double>(v.z);
     });

@@ -16,6 +16,15 @@
 
 namespace sluice {
 
+// A layout of this size and voxel type, for a FunctionSource.
+inline VolumeLayout functionLayout(Vec3i dims, VoxelType type) {
+  VolumeLayout layout;
+  layout.dims = dims;
+  layout.type = type;
+  layout.name = "function";
+  return layout;
+}
+
 class FunctionSource : public VolumeSource {
  public:
   // The stored value of a voxel at a time step.

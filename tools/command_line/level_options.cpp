@@ -1,5 +1,6 @@
 #include "src/base/error.h"
 #include "src/library/resources.h"
+#include "src/render/level_cut.h"
 #include "tools/command_line/shared_options.h"
 
 namespace sluice {
@@ -41,7 +42,7 @@ std::optional<CutOptions> cutOptions(const LevelArguments& arguments,
   // Level 0 is drawn then, and opened as a volume of one level is. Growing boxes are boxes of its
   // voxels.
   if (cut.is_default &&
-      (frame.mode != Mode::kComposite || look.labels || frame.partition == Partition::kBoxes))
+      (!suitDefaultCut(frame.mode, look.labels) || frame.partition == Partition::kBoxes))
     return std::nullopt;
   cut.keeps_thin = arguments.keeps_thin;
   cut.pixel_error = arguments.pixel_error.value_or(cut.pixel_error);
