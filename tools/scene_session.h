@@ -14,7 +14,7 @@ struct BesideShare {
   uint64_t picture_bytes = 0, beside_bytes = 0;
   int64_t pages = 0;
 };
-// What a frame holds beside the levels and the picture: min-max arrays and plans.
+// The bytes that a frame holds in addition to the levels and the picture: min-max arrays, plans.
 uint64_t othersBytes(const IndexedVolume& volume, const TransferFunction& transfer,
                      const FrameOptions& frame, WorkerPool& pool);
 // `others_bytes`: min-max arrays and whatever else is held. The picture gets a quarter of the

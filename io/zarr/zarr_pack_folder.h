@@ -37,7 +37,7 @@ struct PackedArray {
   ZarrArray array;
 };
 
-// What to do with an unfinished store of another volume or of other parameters.
+// Refuses or replaces an unfinished store of another volume or of other parameters.
 enum class BegunByOthers { kRefuse, kReplace };
 
 struct FinishOptions {

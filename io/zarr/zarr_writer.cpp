@@ -223,14 +223,14 @@ class Packer {
     return *channels_[channel];
   }
 
-  // Of the arrays' chunks, along the axes before z.
+  // The index of the arrays' chunks along the axes before z.
   std::vector<int64_t> leadingIndex(StoreVolume of) const {
     std::vector<int64_t> index;
     if (layout_.time_steps > 1) index.push_back(of.time);
     if (channels_.size() > 1) index.push_back(static_cast<int64_t>(of.channel));
     return index;
   }
-  // Of level 0's array.
+  // The number of a chunk within level 0's array.
   int64_t numberInArray(StoreVolume of, Vec3i chunk) const {
     std::vector<int64_t> index = leadingIndex(of);
     for (int a = 2; a >= 0; --a) index.push_back(chunk[a]);

@@ -21,7 +21,8 @@ PageGeometry pageShape(const MachineOptions& machine, const ValueMap& map);
 int64_t pageCount(const MachineOptions& machine, const IndexedVolume& volume,
                   uint64_t beside_bytes);
 
-// What the plans of frames with this look take beside the levels: for each block that is planned
+// The bytes that plans of frames with this look take in addition to the levels: for each block
+// that is planned
 // its boxes, its chunk and their names, its places in the order of the visit and in the tables of
 // all levels. A series has the next step's plan, too. Classifies the step that the volume was
 // opened for.

@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 // Raised when the meaning of the levels changes.
 constexpr uint32_t kSideLevelsVersion = 1;
 
-// What is done about damaged levels, once.
+// Reports damaged levels once, and has them made again at the next opening.
 class DamageReport {
  public:
   DamageReport(fs::path index_file, std::function<void(const std::string& line)> announce)

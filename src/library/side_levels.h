@@ -51,7 +51,7 @@ class SideLevels {
 
   // Whether the volume has levels here, or will have them after the pass.
   bool any() const { return store_ != nullptr || writer_ != nullptr; }
-  // What the pass over the voxels has to be made for; null: nothing.
+  // The taker that the pass over the voxels has to be made for; null: no pass is needed.
   VoxelTaker* taker() const { return writer_.get(); }
   // Memory held during the pass.
   uint64_t heldBytes() const { return held_bytes_; }

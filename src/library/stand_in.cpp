@@ -51,7 +51,7 @@ double leastReach(double spread, double below) {
   return std::min(deviation * deviation / std::max(below, 1e-300), kMostDeviations * deviation);
 }
 
-// What voxels of this device type can be.
+// The range of values that voxels of this device type can have.
 ValueRange valuesOf(DeviceType type) {
   switch (type) {
     case DeviceType::kU8:

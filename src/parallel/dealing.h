@@ -20,10 +20,9 @@
 
 namespace sluice {
 
-//
-// Of a volume with levels of resolution, a block of a coarser level stands for the finest blocks in
-// its region. Hands are made of whole regions, up to the level at which too few hands would be left
-// for the ranks.
+// How the blocks of a volume are dealt to ranks. In a volume with levels of resolution, a block of
+// a coarser level stands for the finest blocks in its region. Hands are made of whole regions, up
+// to the level at which too few hands would be left for the ranks.
 struct Dealing {
   Vec3i hands;  // grid of hands, the unit of dealing; the last along an axis have the rest of it
   int ranks = 1;
@@ -38,10 +37,10 @@ struct Dealing {
   // The rank of a finest block.
   int rankOf(Vec3i block) const;
 };
-// The same for one picture: of each of its blocks the rank, by hands along the curve, each to the
-// rank that has the fewest blocks so far. This balances better, since few blocks are seen at once,
-// and differs from picture to picture: for series, in which every picture reads data that no other
-// does.
+// Deals the blocks of one picture: returns the rank of each block, by hands along the curve, each
+// to the rank that has the fewest blocks so far. This balances better, since few blocks are seen at
+// once, and differs from picture to picture: for series, in which every picture reads data that no
+// other does.
 std::vector<int32_t> dealPicture(const Dealing& dealing, const PyramidLayout& pyramid,
                                  const VisibleBlocks& visible);
 // Larger hands, which fewer rays cross, if there are enough of them for every rank. `level`: hands

@@ -47,7 +47,7 @@ class CulledBlocks : public BlockChooser {
   CulledBlocks(SeriesOpacityPtr series, const VolumeLayout& layout, const CullingOptions& options,
                WorkerPool& pool);
 
-  // What it takes beside the functions' own data, at the most, on so many threads.
+  // The most bytes that it takes in addition to the functions' own data, on so many threads.
   static uint64_t mostBytes(const SeriesOpacity& series, PictureSize size,
                             const CullingOptions& options, int threads);
 

@@ -109,7 +109,7 @@ std::optional<Refinement::Planned> Refinement::better() {
   if (static_cast<double>(planned.bytes) <= may_take) return planned;
   is_over_ = true;
   if (may_take < kLeastGain * bytes) return std::nullopt;
-  // As far as the time seems to allow. A cut of one level alone takes no limit.
+  // Refines as far as the time seems to allow. A cut of one level alone takes no limit.
   CutOptions cut = cuts_[tried_];
   if (cut.level) return std::nullopt;
   cut.most_stored_bytes = std::min(cut.most_stored_bytes, static_cast<uint64_t>(may_take));

@@ -66,7 +66,7 @@ std::vector<PassPiece> runsOf(const BlockLayout& layout, const std::vector<int64
 
 namespace {
 
-// Of the blocks that own a voxel of a box, their indices.
+// The indices of the blocks that own a voxel of a box.
 Box3 blocksAround(const BlockLayout& layout, const Box3& voxels) {
   Box3 blocks;
   for (int a = 0; a < 3; ++a) {

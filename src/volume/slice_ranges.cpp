@@ -349,7 +349,7 @@ SliceRanges buildSliceRanges(VolumeSource& source, int64_t time, const BlockLayo
 
 namespace {
 
-// What a pass calls for its pieces: any thread.
+// A pass calls this for its pieces, from any thread.
 using TakePiece = std::function<void(const PassPiece&)>;
 
 // Layer by layer, for `taker`. `wants_all`: also the layers that it does not want.

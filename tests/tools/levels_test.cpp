@@ -263,7 +263,7 @@ TEST_F(LevelsCommand, oneBrightVoxelIsFoundByAPlanAndDrawnWithKeepThin) {
   EXPECT_EQ(plan["cut"]["coarse_share"], 1.0);
   EXPECT_THAT(program_.run("render " + look + "-o v.png").output,
               HasSubstr("1 block has parts thinner than two voxels, --keep-thin refines it"));
-  // As the plain picture of level 0 has it; a ray passes through the voxel here.
+  // The plain picture of level 0 shows it, too; a ray passes through the voxel here.
   const std::string seen =
       "render one.zarr --threshold 20 --opacity 1 --no-shade --view plain "
       "--fit volume --size 76 -o v.png --force --step 1 ";

@@ -34,7 +34,7 @@ void writeSparseSlab(const std::filesystem::path& path) {
   std::filesystem::resize_file(path, kSide * kSide * kSide);
 }
 
-// What the process takes of its own may be this much over --memory: the program itself.
+// The process may take this much of its own over --memory: the program itself.
 constexpr int64_t kProgram = 12 << 20;
 
 bool takesMemoryOfItsOwn() {

@@ -117,7 +117,7 @@ TEST_F(SideLevelsCommand, areNotMadeOfSmallVolumesOrIfNobodyWantsThem) {
   const auto finest = picture();
   render();
   EXPECT_NE(picture(), finest);
-  // Those that are there are not used either.
+  // Levels that are there are not used either.
   EXPECT_THAT(render("", "none").output, Not(HasSubstr("at level 1")));
   EXPECT_EQ(picture(), finest);
 }
@@ -173,7 +173,7 @@ TEST_F(SideLevelsCommand, thatAreDamagedAreMadeAgainAndThePictureIsTheSame) {
     }
     EXPECT_THAT(render().output, Not(testing::AnyOf(HasSubstr(kMade), HasSubstr("warning"))));
   };
-  // As they are opened.
+  // Damage that is found when the levels are opened.
   fs::remove_all(group() / "1");
   expectMended("the levels are made again", true);
   fs::remove_all(group() / "spread");
@@ -182,7 +182,7 @@ TEST_F(SideLevelsCommand, thatAreDamagedAreMadeAgainAndThePictureIsTheSame) {
   expectMended("the levels are made again", true);
   fs::remove_all(group());
   expectMended("the levels are made again", true);
-  // As they are read.
+  // Damage that is found when they are read.
   std::string chunk = readFile(someChunk());
   chunk[chunk.size() / 2] = static_cast<char>(chunk[chunk.size() / 2] ^ 1);
   writeFile(someChunk(), chunk);

@@ -30,7 +30,7 @@ struct CutSummary {
   // Coarser blocks in the picture below which the finest level shows something thinner than two of
   // their voxels: they may show next to nothing of it.
   int64_t thin_blocks = 0;
-  // Of the blocks whose voxels were read; unset before that, and without spreads.
+  // The spread of the blocks whose voxels were read; unset before that, and without spreads.
   std::optional<StandingSpread> spread;
 };
 
