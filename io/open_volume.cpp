@@ -21,7 +21,7 @@
 #include "io/vdb/vdb_source.h"
 #include "io/zarr/zarr_source.h"
 #include "src/base/error.h"
-#include "src/base/forwarding_source.h"
+#include "src/base/values/forwarding_source.h"
 
 namespace sluice {
 namespace {

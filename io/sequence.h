@@ -13,9 +13,9 @@
 #include <utility>
 #include <vector>
 
-#include "src/base/mutex.h"
-#include "src/base/volume_channels.h"
-#include "src/base/volume_source.h"
+#include "src/base/threads/mutex.h"
+#include "src/base/values/volume_channels.h"
+#include "src/base/values/volume_source.h"
 
 namespace sluice {
 

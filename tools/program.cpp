@@ -5,11 +5,11 @@
 
 #include "src/base/error.h"
 #include "tools/command_line/console.h"
+#include "tools/command_line/environment.h"
 #include "tools/command_line/help.h"
+#include "tools/command_line/interrupt.h"
 #include "tools/command_line/usage.h"
-#include "tools/environment.h"
-#include "tools/interrupt.h"
-#include "tools/ranks.h"
+#include "tools/scene/ranks.h"
 
 namespace sluice {
 namespace {

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "tools/commands.h"
+#include "tools/commands/commands.h"
 
 namespace sluice {
 

@@ -13,7 +13,7 @@
 #include <string_view>
 #include <vector>
 
-#include "src/base/vec.h"
+#include "src/base/values/vec.h"
 
 namespace sluice {
 

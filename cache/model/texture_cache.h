@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "cache/policies/policy.h"
-#include "src/base/counters.h"
+#include "src/base/threads/counters.h"
 
 namespace sluice {
 

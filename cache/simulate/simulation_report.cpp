@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "cache/simulate/page_extents.h"
-#include "src/base/bytes.h"
+#include "src/base/values/bytes.h"
 
 namespace sluice {
 namespace {

@@ -27,7 +27,7 @@
 #include "cache/policies/policy.h"
 #include "cache/simulate/cost_model.h"
 #include "cache/trace/prepared_trace.h"
-#include "src/base/counters.h"
+#include "src/base/threads/counters.h"
 
 namespace sluice {
 

@@ -14,8 +14,8 @@
 
 #include "cache/trace/trace.h"
 #include "cache/trace/trace_input.h"
-#include "src/base/atomic_file.h"
 #include "src/base/error.h"
+#include "src/base/files/atomic_file.h"
 
 namespace sluice::trace_internal {
 

@@ -7,7 +7,7 @@
 #include <span>
 #include <string>
 
-#include "src/base/volume_source.h"
+#include "src/base/values/volume_source.h"
 
 namespace sluice {
 

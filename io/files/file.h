@@ -15,7 +15,7 @@
 #include <string>
 
 #include "io/files/byte_store.h"
-#include "src/base/descriptor.h"
+#include "src/base/files/descriptor.h"
 
 namespace sluice {
 

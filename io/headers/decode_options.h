@@ -4,8 +4,8 @@
 #include <functional>
 #include <string>
 
-#include "src/base/progress_meter.h"
-#include "src/base/stop_token.h"
+#include "src/base/threads/progress_meter.h"
+#include "src/base/threads/stop_token.h"
 
 namespace sluice {
 

@@ -11,9 +11,9 @@
 
 #include "io/files/inflater.h"
 #include "io/headers/text_voxels.h"
-#include "src/base/bytes.h"
-#include "src/base/descriptor.h"
 #include "src/base/error.h"
+#include "src/base/files/descriptor.h"
+#include "src/base/values/bytes.h"
 
 namespace sluice {
 namespace {

@@ -17,8 +17,8 @@
 #include "io/files/decoder.h"
 #include "io/files/file.h"
 #include "io/headers/decode_options.h"
-#include "src/base/mutex.h"
-#include "src/base/voxel_type.h"
+#include "src/base/threads/mutex.h"
+#include "src/base/values/voxel_type.h"
 
 namespace sluice {
 

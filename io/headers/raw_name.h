@@ -7,8 +7,8 @@
 #include <optional>
 #include <string_view>
 
-#include "src/base/vec.h"
-#include "src/base/voxel_type.h"
+#include "src/base/values/vec.h"
+#include "src/base/values/voxel_type.h"
 
 namespace sluice {
 

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "io/files/byte_store.h"
-#include "src/base/volume_source.h"
+#include "src/base/values/volume_source.h"
 
 namespace sluice {
 

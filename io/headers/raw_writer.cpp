@@ -13,11 +13,11 @@
 #include <optional>
 
 #include "io/files/file_list.h"
-#include "src/base/atomic_file.h"
-#include "src/base/descriptor.h"
 #include "src/base/error.h"
-#include "src/base/file_kind.h"
-#include "src/base/numbered_name.h"
+#include "src/base/files/atomic_file.h"
+#include "src/base/files/descriptor.h"
+#include "src/base/files/file_kind.h"
+#include "src/base/files/numbered_name.h"
 
 namespace sluice {
 namespace {

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "src/base/progress_meter.h"
-#include "src/base/stop_token.h"
-#include "src/base/volume_source.h"
-#include "src/base/worker_pool.h"
+#include "src/base/threads/progress_meter.h"
+#include "src/base/threads/stop_token.h"
+#include "src/base/threads/worker_pool.h"
+#include "src/base/values/volume_source.h"
 
 namespace sluice {
 
@@ -25,7 +25,7 @@ struct VolumeWriteOptions {
 // Writes all time steps, in this machine's byte order, the stored values as they are (a value scale
 // of the source is not kept). The extension chooses the format: .raw (voxels alone), .nrrd, .nhdr
 // (a header for NAME.raw), .mhd (the same). More than one time step makes a file a step, named as
-// in src/base/numbered_name.h. Returns the files that were made, headers before their voxels.
+// in src/base/files/numbered_name.h. Returns the files that were made, headers before their voxels.
 // Throws Error (unknown extension, write failure) and Interrupted; files finished before stay. Adds
 // the bytes to `progress`.
 std::vector<std::filesystem::path> writeVolume(VolumeSource& source,

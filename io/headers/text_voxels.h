@@ -9,7 +9,7 @@
 
 #include "io/files/decoder.h"
 #include "io/files/file.h"
-#include "src/base/voxel_type.h"
+#include "src/base/values/voxel_type.h"
 
 namespace sluice {
 

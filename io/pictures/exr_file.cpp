@@ -21,8 +21,8 @@
 #include <span>
 #include <string_view>
 
-#include "src/base/atomic_file.h"
 #include "src/base/error.h"
+#include "src/base/files/atomic_file.h"
 
 namespace sluice {
 namespace {

@@ -14,8 +14,8 @@
 #include <utility>
 #include <vector>
 
-#include "src/base/picture.h"
-#include "src/base/stop_token.h"
+#include "src/base/threads/stop_token.h"
+#include "src/base/values/picture.h"
 
 namespace sluice {
 

@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "io/files/file.h"
-#include "src/base/atomic_file.h"
 #include "src/base/error.h"
-#include "src/base/file_kind.h"
+#include "src/base/files/atomic_file.h"
+#include "src/base/files/file_kind.h"
 
 namespace sluice {
 namespace {

@@ -8,8 +8,8 @@
 #include <memory>
 #include <vector>
 
-#include "src/base/picture.h"
-#include "src/base/stop_token.h"
+#include "src/base/threads/stop_token.h"
+#include "src/base/values/picture.h"
 
 namespace sluice {
 

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "io/slices/tiff_description.h"
-#include "src/base/voxel_type.h"
+#include "src/base/values/voxel_type.h"
 
 namespace sluice {
 

@@ -10,9 +10,9 @@
 #include "io/files/file_list.h"
 #include "io/slices/slice_picture.h"
 #include "src/base/error.h"
-#include "src/base/mutex.h"
-#include "src/base/single_flight_cache.h"
-#include "src/base/volume_channels.h"
+#include "src/base/threads/mutex.h"
+#include "src/base/threads/single_flight_cache.h"
+#include "src/base/values/volume_channels.h"
 
 namespace sluice {
 namespace {

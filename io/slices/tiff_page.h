@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <string>
 
-#include "src/base/voxel_type.h"
+#include "src/base/values/voxel_type.h"
 
 namespace sluice {
 

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "io/files/file.h"
-#include "src/base/vec.h"
+#include "src/base/values/vec.h"
 
 namespace sluice {
 

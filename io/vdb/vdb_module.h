@@ -3,8 +3,8 @@
 // OpenVDB's library has 60 000 symbols to bind, which takes a third of the time of a command that
 // reads no OpenVDB file. So all that includes its headers (vdb_module.cpp) is a library apart,
 // sluice_openvdb.so, opened when the first .vdb is, from a place that was fixed when the program
-// was built (src/base/module_path.h). The program checks the file first (vdb_check.h); the module
-// brings a copy of src/base of its own, and an exception from it is an Error there and here.
+// was built (src/base/files/module_path.h). The program checks the file first (vdb_check.h); the
+// module brings a copy of src/base of its own, and an exception from it is an Error there and here.
 #pragma once
 
 #include <memory>
@@ -15,7 +15,7 @@
 #include "io/files/byte_store.h"
 #include "io/vdb/vdb_check.h"
 #include "io/vdb/vdb_header.h"
-#include "src/base/volume_source.h"
+#include "src/base/values/volume_source.h"
 
 namespace sluice {
 

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "src/base/stop_token.h"
-#include "src/base/vec.h"
+#include "src/base/threads/stop_token.h"
+#include "src/base/values/vec.h"
 
 namespace sluice {
 

@@ -9,8 +9,8 @@
 #include "io/files/file.h"
 #include "io/vdb/vdb_module.h"
 #include "src/base/error.h"
-#include "src/base/module_path.h"
-#include "src/base/shared_library.h"
+#include "src/base/files/module_path.h"
+#include "src/base/files/shared_library.h"
 
 namespace sluice {
 namespace {

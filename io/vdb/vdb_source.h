@@ -24,7 +24,7 @@
 #include <optional>
 #include <string>
 
-#include "src/base/volume_source.h"
+#include "src/base/values/volume_source.h"
 
 namespace sluice {
 

@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "src/base/vec.h"
+#include "src/base/values/vec.h"
 
 namespace sluice {
 

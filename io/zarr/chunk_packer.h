@@ -10,8 +10,8 @@
 
 #include "io/zarr/zarr_codec.h"
 #include "io/zarr/zarr_pack_folder.h"
-#include "src/base/mutex.h"
-#include "src/base/volume_source.h"
+#include "src/base/threads/mutex.h"
+#include "src/base/values/volume_source.h"
 
 namespace sluice {
 

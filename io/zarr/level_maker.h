@@ -17,10 +17,10 @@
 #include <span>
 #include <vector>
 
-#include "src/base/mutex.h"
-#include "src/base/vec.h"
-#include "src/base/volume_levels.h"
-#include "src/base/volume_source.h"
+#include "src/base/threads/mutex.h"
+#include "src/base/values/vec.h"
+#include "src/base/values/volume_levels.h"
+#include "src/base/values/volume_source.h"
 
 namespace sluice {
 

@@ -12,8 +12,8 @@
 
 #include "io/zarr/chunk_packer.h"
 #include "io/zarr/level_maker.h"
-#include "src/base/stop_token.h"
-#include "src/base/worker_pool.h"
+#include "src/base/threads/stop_token.h"
+#include "src/base/threads/worker_pool.h"
 
 namespace sluice {
 

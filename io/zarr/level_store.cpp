@@ -5,8 +5,8 @@
 
 #include "io/files/file.h"
 #include "io/zarr/zarr_text.h"
-#include "src/base/digest.h"
 #include "src/base/error.h"
+#include "src/base/values/digest.h"
 
 namespace sluice {
 namespace {

@@ -17,9 +17,9 @@
 
 #include "io/zarr/level_packer.h"
 #include "io/zarr/zarr_source.h"
-#include "src/base/progress_meter.h"
-#include "src/base/volume_levels.h"
-#include "src/base/voxel_taker.h"
+#include "src/base/threads/progress_meter.h"
+#include "src/base/values/volume_levels.h"
+#include "src/base/values/voxel_taker.h"
 
 namespace sluice {
 

@@ -10,8 +10,8 @@
 
 #include "io/headers/header_fields.h"
 #include "src/base/error.h"
-#include "src/base/json_field.h"
-#include "src/base/vec.h"
+#include "src/base/files/json_field.h"
+#include "src/base/values/vec.h"
 
 namespace sluice {
 namespace {

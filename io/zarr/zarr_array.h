@@ -14,7 +14,7 @@
 #include <string_view>
 #include <vector>
 
-#include "src/base/voxel_type.h"
+#include "src/base/values/voxel_type.h"
 
 namespace sluice {
 

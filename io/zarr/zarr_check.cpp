@@ -3,7 +3,7 @@
 #include "io/zarr/zarr_source.h"
 #include "io/zarr/zarr_writer.h"
 #include "src/base/error.h"
-#include "src/base/mutex.h"
+#include "src/base/threads/mutex.h"
 
 namespace sluice {
 namespace {

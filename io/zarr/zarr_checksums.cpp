@@ -6,8 +6,8 @@
 #include <array>
 
 #include "io/files/file.h"
-#include "src/base/atomic_file.h"
 #include "src/base/error.h"
+#include "src/base/files/atomic_file.h"
 
 namespace sluice {
 namespace {

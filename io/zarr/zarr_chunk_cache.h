@@ -14,8 +14,8 @@
 #include <utility>
 #include <vector>
 
-#include "src/base/mutex.h"
-#include "src/base/single_flight_cache.h"
+#include "src/base/threads/mutex.h"
+#include "src/base/threads/single_flight_cache.h"
 
 namespace sluice {
 

@@ -13,8 +13,8 @@
 #include "io/files/byte_store.h"
 #include "io/files/file.h"
 #include "io/zarr/zarr_codec.h"
-#include "src/base/descriptor.h"
 #include "src/base/error.h"
+#include "src/base/files/descriptor.h"
 
 namespace sluice {
 namespace {

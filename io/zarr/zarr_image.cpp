@@ -6,7 +6,7 @@
 
 #include "io/headers/volume_description.h"
 #include "src/base/error.h"
-#include "src/base/json_field.h"
+#include "src/base/files/json_field.h"
 
 namespace sluice {
 namespace {

@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "io/zarr/zarr_array.h"
-#include "src/base/volume_source.h"
+#include "src/base/values/volume_source.h"
 
 namespace sluice {
 

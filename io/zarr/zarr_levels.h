@@ -10,9 +10,9 @@
 #include <optional>
 #include <string>
 
-#include "src/base/vec.h"
-#include "src/base/volume_levels.h"
-#include "src/base/volume_source.h"
+#include "src/base/values/vec.h"
+#include "src/base/values/volume_levels.h"
+#include "src/base/values/volume_source.h"
 
 namespace sluice {
 

@@ -17,9 +17,9 @@
 #include "io/files/file.h"
 #include "io/zarr/zarr_image.h"
 #include "io/zarr/zarr_source.h"
-#include "src/base/atomic_file.h"
 #include "src/base/error.h"
-#include "src/base/json_field.h"
+#include "src/base/files/atomic_file.h"
+#include "src/base/files/json_field.h"
 
 namespace sluice {
 namespace {

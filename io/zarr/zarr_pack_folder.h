@@ -19,11 +19,11 @@
 
 #include "io/zarr/zarr_array.h"
 #include "io/zarr/zarr_checksums.h"
-#include "src/base/descriptor.h"
-#include "src/base/mutex.h"
-#include "src/base/progress_meter.h"
-#include "src/base/stop_token.h"
-#include "src/base/worker_pool.h"
+#include "src/base/files/descriptor.h"
+#include "src/base/threads/mutex.h"
+#include "src/base/threads/progress_meter.h"
+#include "src/base/threads/stop_token.h"
+#include "src/base/threads/worker_pool.h"
 
 namespace sluice {
 

@@ -24,9 +24,9 @@
 #include "io/zarr/zarr_chunk_cache.h"
 #include "io/zarr/zarr_chunk_files.h"
 #include "io/zarr/zarr_image.h"
-#include "src/base/volume_channels.h"
-#include "src/base/volume_levels.h"
-#include "src/base/volume_source.h"
+#include "src/base/values/volume_channels.h"
+#include "src/base/values/volume_levels.h"
+#include "src/base/values/volume_source.h"
 
 namespace sluice {
 

@@ -7,8 +7,8 @@
 
 #include "io/zarr/zarr_array.h"
 #include "io/zarr/zarr_codec.h"
-#include "src/base/volume_levels.h"
-#include "src/base/volume_source.h"
+#include "src/base/values/volume_levels.h"
+#include "src/base/values/volume_source.h"
 
 namespace sluice {
 

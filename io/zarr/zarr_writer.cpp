@@ -11,10 +11,10 @@
 #include "io/zarr/zarr_pack_folder.h"
 #include "io/zarr/zarr_source.h"
 #include "io/zarr/zarr_text.h"
-#include "src/base/bytes.h"
-#include "src/base/clock.h"
 #include "src/base/error.h"
-#include "src/base/volume_channels.h"
+#include "src/base/threads/clock.h"
+#include "src/base/values/bytes.h"
+#include "src/base/values/volume_channels.h"
 
 namespace sluice {
 namespace {

@@ -14,10 +14,10 @@
 
 #include "io/zarr/level_maker.h"
 #include "io/zarr/zarr_codec.h"
-#include "src/base/progress_meter.h"
-#include "src/base/stop_token.h"
-#include "src/base/volume_source.h"
-#include "src/base/worker_pool.h"
+#include "src/base/threads/progress_meter.h"
+#include "src/base/threads/stop_token.h"
+#include "src/base/threads/worker_pool.h"
+#include "src/base/values/volume_source.h"
 
 namespace sluice {
 

@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
-#include "src/base/picture.h"
+#include "src/base/values/picture.h"
 #include "src/classify/transfer/transfer_function.h"
-#include "src/render/camera.h"
-#include "src/render/camera_framing.h"
+#include "src/render/camera/camera.h"
+#include "src/render/camera/camera_framing.h"
 
 namespace sluice {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "src/base/volume_source.h"
+#include "src/base/values/volume_source.h"
 
 namespace sluice {
 

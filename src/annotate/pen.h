@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "src/base/picture.h"
-#include "src/base/vec.h"
+#include "src/base/values/picture.h"
+#include "src/base/values/vec.h"
 
 namespace sluice {
 

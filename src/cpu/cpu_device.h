@@ -18,7 +18,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "src/base/worker_pool.h"
+#include "src/base/threads/worker_pool.h"
 #include "src/cpu/kernel_frame.h"
 #include "src/cpu/leap_grid.h"
 #include "src/cpu/simd_target.h"

@@ -1,7 +1,7 @@
 // Conversion from double to single precision, for the kernels' input.
 #pragma once
 
-#include "src/base/vec.h"
+#include "src/base/values/vec.h"
 #include "src/cpu/kernel_values.h"
 
 namespace sluice {

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "src/base/vec.h"
+#include "src/base/values/vec.h"
 #include "src/cpu/tiled_picture.h"
 #include "src/device/frame_values.h"
 

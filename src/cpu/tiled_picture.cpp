@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "src/base/error.h"
-#include "src/base/large_pages.h"
+#include "src/base/memory/large_pages.h"
 #include "src/device/partial_picture.h"
 
 namespace sluice {

@@ -11,8 +11,8 @@
 #include <span>
 #include <vector>
 
-#include "src/base/picture.h"
-#include "src/base/stop_token.h"
+#include "src/base/threads/stop_token.h"
+#include "src/base/values/picture.h"
 #include "src/cpu/kernel_values.h"
 #include "src/device/picture_rows.h"
 

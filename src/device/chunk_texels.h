@@ -6,7 +6,7 @@
 #include <memory>
 #include <span>
 
-#include "src/base/vec.h"
+#include "src/base/values/vec.h"
 #include "src/volume/device_voxel.h"
 
 namespace sluice {

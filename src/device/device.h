@@ -12,8 +12,8 @@
 #include <utility>
 #include <vector>
 
-#include "src/base/picture.h"
-#include "src/base/stop_token.h"
+#include "src/base/threads/stop_token.h"
+#include "src/base/values/picture.h"
 #include "src/device/chunk_texels.h"
 #include "src/device/frame_values.h"
 #include "src/device/partial_picture.h"

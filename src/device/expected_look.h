@@ -21,7 +21,7 @@
 #include <memory>
 #include <vector>
 
-#include "src/base/volume_source.h"
+#include "src/base/values/volume_source.h"
 
 namespace sluice {
 

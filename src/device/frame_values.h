@@ -1,5 +1,5 @@
 // The values that describe a frame to a device. Whoever asks for the picture resolves them from the
-// camera, the transfer function and the volume (src/render/frame_setup.h).
+// camera, the transfer function and the volume (src/render/camera/frame_setup.h).
 //
 // Index space: positions in voxels, voxel (i, j, k) at (i, j, k). A pixel's ray in index space is
 //   p(k) = origin + (k + 1/2) * step  at slice k, with
@@ -16,7 +16,7 @@
 #include <memory>
 #include <vector>
 
-#include "src/base/vec.h"
+#include "src/base/values/vec.h"
 #include "src/device/expected_look.h"
 #include "src/device/lighting.h"
 #include "src/device/view_values.h"

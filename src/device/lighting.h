@@ -17,7 +17,7 @@
 #include <array>
 #include <cmath>
 
-#include "src/base/vec.h"
+#include "src/base/values/vec.h"
 
 namespace sluice {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <limits>
 
-#include "src/base/bytes.h"
 #include "src/base/error.h"
+#include "src/base/values/bytes.h"
 
 namespace sluice {
 namespace {

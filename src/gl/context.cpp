@@ -5,10 +5,10 @@
 #include <cstdlib>
 #include <functional>
 
-#include "src/base/bytes.h"
 #include "src/base/error.h"
-#include "src/base/kept_addresses.h"
-#include "src/base/threads.h"
+#include "src/base/threads/kept_addresses.h"
+#include "src/base/threads/threads.h"
+#include "src/base/values/bytes.h"
 #include "src/gl/backends.h"
 
 namespace sluice {

@@ -9,7 +9,7 @@
 #include <array>
 
 #include "src/base/error.h"
-#include "src/base/shared_library.h"
+#include "src/base/files/shared_library.h"
 #include "src/gl/backends.h"
 
 namespace sluice {

@@ -4,7 +4,7 @@
 #include <string>
 #include <unordered_map>
 
-#include "src/base/vec.h"
+#include "src/base/values/vec.h"
 #include "src/gl/gl_functions.h"
 
 namespace sluice {

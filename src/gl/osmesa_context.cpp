@@ -11,7 +11,7 @@
 #include <cstddef>
 
 #include "src/base/error.h"
-#include "src/base/shared_library.h"
+#include "src/base/files/shared_library.h"
 
 namespace sluice {
 namespace {

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "src/base/error.h"
-#include "src/base/large_pages.h"
+#include "src/base/memory/large_pages.h"
 
 namespace sluice {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "src/base/bytes.h"
 #include "src/base/error.h"
+#include "src/base/values/bytes.h"
 
 namespace sluice {
 namespace {

@@ -12,7 +12,7 @@
 #include <map>
 #include <span>
 
-#include "src/base/vec.h"
+#include "src/base/values/vec.h"
 #include "src/device/device.h"
 #include "src/gl/gl_functions.h"
 #include "src/volume/device_voxel.h"

@@ -16,9 +16,9 @@
 #include <unordered_map>
 #include <vector>
 
-#include "src/base/mutex.h"
-#include "src/base/single_flight_cache.h"
-#include "src/base/worker_pool.h"
+#include "src/base/threads/mutex.h"
+#include "src/base/threads/single_flight_cache.h"
+#include "src/base/threads/worker_pool.h"
 #include "src/index/boxes_file.h"
 #include "src/index/index_file.h"
 #include "src/index/volume_boxes.h"

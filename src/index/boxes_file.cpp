@@ -1,7 +1,7 @@
 #include "src/index/boxes_file.h"
 
-#include "src/base/byte_stream.h"
 #include "src/base/error.h"
+#include "src/base/files/byte_stream.h"
 
 namespace sluice {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "src/base/byte_stream.h"
+#include "src/base/files/byte_stream.h"
 
 namespace sluice {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "src/base/bytes.h"
 #include "src/base/error.h"
+#include "src/base/values/bytes.h"
 #include "src/volume/brick_ranges.h"
 #include "src/volume/device_voxel.h"
 #include "src/volume/slice_ranges.h"

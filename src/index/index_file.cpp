@@ -12,11 +12,11 @@
 #include <cstring>
 #include <system_error>
 
-#include "src/base/atomic_file.h"
-#include "src/base/descriptor.h"
 #include "src/base/error.h"
-#include "src/base/large_pages.h"
-#include "src/base/synth_name.h"
+#include "src/base/files/atomic_file.h"
+#include "src/base/files/descriptor.h"
+#include "src/base/memory/large_pages.h"
+#include "src/base/values/synth_name.h"
 
 namespace sluice {
 namespace {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <utility>
 
-#include "src/base/byte_stream.h"
+#include "src/base/files/byte_stream.h"
 #include "src/index/brick_ranges_file.h"
 #include "src/index/first_pass.h"
 #include "src/index/index_file.h"

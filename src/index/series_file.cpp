@@ -6,7 +6,7 @@
 #include <cstring>
 #include <utility>
 
-#include "src/base/byte_stream.h"
+#include "src/base/files/byte_stream.h"
 
 namespace sluice {
 namespace {

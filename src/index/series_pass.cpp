@@ -5,8 +5,8 @@
 #include <numeric>
 #include <utility>
 
-#include "src/base/clock.h"
 #include "src/base/error.h"
+#include "src/base/threads/clock.h"
 #include "src/visibility/fusion.h"
 #include "src/volume/block_ranges.h"
 #include "src/volume/device_reader.h"

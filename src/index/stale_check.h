@@ -16,7 +16,7 @@
 #include <memory>
 #include <string>
 
-#include "src/base/mutex.h"
+#include "src/base/threads/mutex.h"
 #include "src/volume/slice_ranges.h"
 #include "src/volume/volume_buffer.h"
 

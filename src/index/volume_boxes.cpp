@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "src/base/mutex.h"
+#include "src/base/threads/mutex.h"
 #include "src/classify/boxes/box_visibility.h"
 #include "src/index/stale_check.h"
 #include "src/volume/device_reader.h"

@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "src/base/shell_word.h"
+#include "src/base/files/shell_word.h"
 #include "src/classify/transfer/automatic_look.h"
 #include "src/classify/transfer/color_maps.h"
 #include "src/classify/transfer/transfer_file.h"
 #include "src/classify/transfer/transfer_makers.h"
-#include "src/render/index_space.h"
-#include "src/render/level_cut.h"
+#include "src/render/blocks/level_cut.h"
+#include "src/render/camera/index_space.h"
 
 namespace sluice {
 namespace {

@@ -5,12 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "src/base/value_counts.h"
+#include "src/base/values/value_counts.h"
 #include "src/classify/transfer/transfer_function.h"
 #include "src/device/frame_values.h"
 #include "src/library/requests.h"
-#include "src/render/camera.h"
-#include "src/render/time_step.h"
+#include "src/render/blocks/time_step.h"
+#include "src/render/camera/camera.h"
 
 namespace sluice {
 

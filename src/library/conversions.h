@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "src/base/picture.h"
+#include "src/base/values/picture.h"
 #include "src/library/requests.h"
-#include "src/render/frame_options.h"
+#include "src/render/camera/frame_options.h"
 
 namespace sluice {
 

@@ -5,7 +5,7 @@
 
 #include <memory>
 
-#include "src/base/worker_pool.h"
+#include "src/base/threads/worker_pool.h"
 #include "src/cpu/simd_target.h"
 #include "src/device/device.h"
 #include "src/gl/gl_choice.h"

@@ -14,8 +14,8 @@
 #include "src/library/probing.h"
 #include "src/library/resources.h"
 #include "src/library/view_fit.h"
-#include "src/render/index_space.h"
-#include "src/render/level_cut.h"
+#include "src/render/blocks/level_cut.h"
+#include "src/render/camera/index_space.h"
 
 namespace sluice {
 

@@ -21,8 +21,8 @@
 #include "src/library/opened_volume.h"
 #include "src/library/progress_relay.h"
 #include "src/library/requests.h"
-#include "src/render/memo.h"
-#include "src/render/session.h"
+#include "src/render/blocks/memo.h"
+#include "src/render/session/session.h"
 
 namespace sluice {
 

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "src/library/view_fit.h"
-#include "src/render/camera_framing.h"
+#include "src/render/camera/camera_framing.h"
 
 namespace sluice {
 namespace {

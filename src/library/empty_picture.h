@@ -4,9 +4,9 @@
 
 #include <string>
 
-#include "src/base/picture.h"
+#include "src/base/values/picture.h"
 #include "src/library/indexed_volume.h"
-#include "src/render/frame_options.h"
+#include "src/render/camera/frame_options.h"
 
 namespace sluice {
 

@@ -4,10 +4,10 @@
 
 #include <utility>
 
-#include "src/base/file_kind.h"
+#include "src/base/files/file_kind.h"
 #include "src/classify/transfer/transfer_file.h"
-#include "src/render/camera_matrices.h"
-#include "src/render/index_space.h"
+#include "src/render/camera/camera_matrices.h"
+#include "src/render/camera/index_space.h"
 
 namespace sluice {
 namespace {

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "src/base/error.h"
-#include "src/base/volume_levels.h"
+#include "src/base/values/volume_levels.h"
 #include "src/library/resources.h"
 #include "src/library/side_levels.h"
 #include "src/library/thick_source.h"

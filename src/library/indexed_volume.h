@@ -10,15 +10,15 @@
 #include <vector>
 
 #include "cache/model/page_geometry.h"
-#include "src/base/progress_meter.h"
-#include "src/base/stop_token.h"
-#include "src/base/worker_pool.h"
+#include "src/base/threads/progress_meter.h"
+#include "src/base/threads/stop_token.h"
+#include "src/base/threads/worker_pool.h"
 #include "src/index/indexed_ranges.h"
 #include "src/library/chosen_look.h"
 #include "src/library/requests.h"
 #include "src/library/stand_in.h"
-#include "src/render/cut_options.h"
-#include "src/render/time_step.h"
+#include "src/render/blocks/time_step.h"
+#include "src/render/camera/cut_options.h"
 
 namespace sluice {
 

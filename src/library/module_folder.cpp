@@ -1,5 +1,5 @@
 // Compiled into programs that link to the installed library, by its package: the folder of its
-// modules. Declared and explained in src/base/module_path.cpp.
+// modules. Declared and explained in src/base/files/module_path.cpp.
 extern "C" const char* sluiceModuleFolder();
 
 extern "C" const char* sluiceModuleFolder() {

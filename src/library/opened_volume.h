@@ -8,7 +8,7 @@
 #include <memory>
 #include <system_error>
 
-#include "src/base/stop_token.h"
+#include "src/base/threads/stop_token.h"
 #include "src/library/indexed_volume.h"
 #include "src/library/progress_relay.h"
 

@@ -6,8 +6,8 @@
 #include <functional>
 #include <thread>
 
-#include "src/base/mutex.h"
-#include "src/base/worker_pool.h"
+#include "src/base/threads/mutex.h"
+#include "src/base/threads/worker_pool.h"
 
 namespace sluice {
 

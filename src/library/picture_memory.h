@@ -7,7 +7,7 @@
 
 #include "src/device/picture_rows.h"
 #include "src/library/requests.h"
-#include "src/render/frame_options.h"
+#include "src/render/camera/frame_options.h"
 
 namespace sluice {
 

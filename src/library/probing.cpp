@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "src/base/error.h"
-#include "src/render/index_space.h"
+#include "src/render/camera/index_space.h"
 
 namespace sluice {
 namespace {

@@ -8,10 +8,10 @@
 #include <optional>
 #include <vector>
 
-#include "src/base/stop_token.h"
+#include "src/base/threads/stop_token.h"
 #include "src/classify/transfer/transfer_function.h"
 #include "src/device/frame_values.h"
-#include "src/render/session.h"
+#include "src/render/session/session.h"
 
 namespace sluice {
 

@@ -10,9 +10,9 @@
 #include <cstdint>
 #include <stop_token>
 
-#include "src/base/mutex.h"
-#include "src/base/progress_meter.h"
-#include "src/base/stop_token.h"
+#include "src/base/threads/mutex.h"
+#include "src/base/threads/progress_meter.h"
+#include "src/base/threads/stop_token.h"
 
 namespace sluice {
 

@@ -11,7 +11,7 @@
 
 #include "cache/policies/policy.h"
 #include "io/open_volume.h"
-#include "src/base/stop_token.h"
+#include "src/base/threads/stop_token.h"
 #include "src/classify/transfer/transfer_function.h"
 #include "src/library/device_choice.h"
 

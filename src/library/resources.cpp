@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <bit>
 
-#include "src/base/clock.h"
+#include "src/base/threads/clock.h"
 #include "src/classify/blocks/classification.h"
-#include "src/render/look.h"
+#include "src/render/blocks/look.h"
 
 namespace sluice {
 namespace {

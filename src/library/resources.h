@@ -6,7 +6,7 @@
 
 #include "src/library/indexed_volume.h"
 #include "src/library/requests.h"
-#include "src/render/session.h"
+#include "src/render/session/session.h"
 
 namespace sluice {
 

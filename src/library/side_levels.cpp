@@ -8,11 +8,11 @@
 #include <system_error>
 #include <utility>
 
-#include "src/base/byte_stream.h"
-#include "src/base/bytes.h"
-#include "src/base/digest.h"
 #include "src/base/error.h"
-#include "src/base/forwarding_source.h"
+#include "src/base/files/byte_stream.h"
+#include "src/base/values/bytes.h"
+#include "src/base/values/digest.h"
+#include "src/base/values/forwarding_source.h"
 #include "src/library/thick_source.h"
 
 namespace sluice {

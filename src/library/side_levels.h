@@ -18,9 +18,9 @@
 #include <vector>
 
 #include "io/zarr/level_store.h"
-#include "src/base/stop_token.h"
-#include "src/base/volume_source.h"
-#include "src/base/worker_pool.h"
+#include "src/base/threads/stop_token.h"
+#include "src/base/threads/worker_pool.h"
+#include "src/base/values/volume_source.h"
 #include "src/index/index_file.h"
 #include "src/library/requests.h"
 

@@ -6,9 +6,9 @@
 #include <limits>
 #include <vector>
 
-#include "src/base/mutex.h"
-#include "src/render/level_cut.h"
-#include "src/render/look.h"
+#include "src/base/threads/mutex.h"
+#include "src/render/blocks/level_cut.h"
+#include "src/render/blocks/look.h"
 #include "src/volume/device_reader.h"
 
 namespace sluice {

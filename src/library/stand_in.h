@@ -12,10 +12,10 @@
 #include <memory>
 #include <span>
 
-#include "src/base/volume_levels.h"
+#include "src/base/values/volume_levels.h"
 #include "src/index/indexed_ranges.h"
-#include "src/render/frame_options.h"
-#include "src/render/time_step.h"
+#include "src/render/blocks/time_step.h"
+#include "src/render/camera/frame_options.h"
 
 namespace sluice {
 

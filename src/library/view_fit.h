@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "src/library/indexed_volume.h"
-#include "src/render/camera_framing.h"
-#include "src/render/frame_options.h"
+#include "src/render/camera/camera_framing.h"
+#include "src/render/camera/frame_options.h"
 
 namespace sluice {
 

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "src/base/error.h"
-#include "src/base/value_counts.h"
+#include "src/base/values/value_counts.h"
 #include "src/library/conversions.h"
 #include "src/library/opened_volume.h"
 #include "src/library/resources.h"

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <utility>
 
-#include "src/base/byte_stream.h"
-#include "src/base/digest.h"
 #include "src/base/error.h"
+#include "src/base/files/byte_stream.h"
+#include "src/base/values/digest.h"
 
 namespace sluice {
 namespace {

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "src/base/volume_source.h"
+#include "src/base/values/volume_source.h"
 #include "src/parallel/team.h"
 #include "src/volume/slice_ranges.h"
 

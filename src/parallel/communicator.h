@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "src/base/stop_token.h"
+#include "src/base/threads/stop_token.h"
 
 namespace sluice {
 

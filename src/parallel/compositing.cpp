@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "src/base/clock.h"
 #include "src/base/error.h"
+#include "src/base/threads/clock.h"
 #include "src/device/look_up_texels.h"
 
 namespace sluice {

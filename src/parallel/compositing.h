@@ -7,8 +7,8 @@
 
 #include <cstdint>
 
-#include "src/base/picture.h"
-#include "src/base/worker_pool.h"
+#include "src/base/threads/worker_pool.h"
+#include "src/base/values/picture.h"
 #include "src/device/partial_picture.h"
 #include "src/parallel/team.h"
 

@@ -13,7 +13,7 @@
 
 #include <vector>
 
-#include "src/base/vec.h"
+#include "src/base/values/vec.h"
 #include "src/classify/blocks/classification.h"
 #include "src/device/frame_values.h"
 #include "src/volume/pyramid.h"

@@ -4,8 +4,8 @@
 #include <chrono>
 
 #include "src/base/error.h"
-#include "src/base/mutex.h"
-#include "src/base/threads.h"
+#include "src/base/threads/mutex.h"
+#include "src/base/threads/threads.h"
 
 namespace sluice {
 namespace {

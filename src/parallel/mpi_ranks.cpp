@@ -6,8 +6,8 @@
 #include <string_view>
 
 #include "src/base/error.h"
-#include "src/base/module_path.h"
-#include "src/base/shared_library.h"
+#include "src/base/files/module_path.h"
+#include "src/base/files/shared_library.h"
 #include "src/parallel/mpi_module.h"
 
 namespace sluice {

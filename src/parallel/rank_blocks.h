@@ -6,8 +6,8 @@
 #include <cstdint>
 
 #include "src/parallel/dealing.h"
-#include "src/render/level_cut.h"
-#include "src/render/visible_blocks.h"
+#include "src/render/blocks/level_cut.h"
+#include "src/render/blocks/visible_blocks.h"
 
 namespace sluice {
 

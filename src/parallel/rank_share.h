@@ -13,7 +13,7 @@
 #include "src/parallel/compositing.h"
 #include "src/parallel/part_device.h"
 #include "src/parallel/rank_blocks.h"
-#include "src/render/culled_blocks.h"
+#include "src/render/blocks/culled_blocks.h"
 
 namespace sluice {
 

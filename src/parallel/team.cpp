@@ -4,8 +4,8 @@
 #include <cstring>
 #include <numeric>
 
-#include "src/base/bytes.h"
 #include "src/base/error.h"
+#include "src/base/values/bytes.h"
 
 namespace sluice {
 namespace {

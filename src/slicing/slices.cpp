@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "src/render/index_space.h"
+#include "src/render/camera/index_space.h"
 
 namespace sluice {
 namespace {

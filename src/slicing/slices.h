@@ -16,9 +16,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "src/base/vec.h"
-#include "src/base/volume_source.h"
-#include "src/render/camera.h"
+#include "src/base/values/vec.h"
+#include "src/base/values/volume_source.h"
+#include "src/render/camera/camera.h"
 
 namespace sluice {
 

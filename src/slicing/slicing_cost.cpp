@@ -4,8 +4,8 @@
 #include <random>
 #include <vector>
 
-#include "src/base/clock.h"
 #include "src/base/error.h"
+#include "src/base/threads/clock.h"
 #include "src/slicing/incremental_slicer.h"
 #include "src/slicing/plain_slicer.h"
 

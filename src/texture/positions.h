@@ -2,7 +2,7 @@
 // its own, so that none is taken for another.
 #pragma once
 
-#include "src/base/strong_index.h"
+#include "src/base/values/strong_index.h"
 
 namespace sluice {
 

@@ -5,9 +5,9 @@
 #include <unordered_set>
 #include <utility>
 
-#include "src/base/bytes.h"
-#include "src/base/clock.h"
 #include "src/base/error.h"
+#include "src/base/threads/clock.h"
+#include "src/base/values/bytes.h"
 #include "src/texture/fill_chunk.h"
 #include "src/texture/read_runs.h"
 

@@ -17,10 +17,10 @@
 #include <span>
 #include <vector>
 
-#include "src/base/buffer_memory.h"
-#include "src/base/counters.h"
-#include "src/base/single_flight_cache.h"
-#include "src/base/worker_pool.h"
+#include "src/base/memory/buffer_memory.h"
+#include "src/base/threads/counters.h"
+#include "src/base/threads/single_flight_cache.h"
+#include "src/base/threads/worker_pool.h"
 #include "src/device/chunk_texels.h"
 #include "src/texture/texture_plan.h"
 #include "src/volume/volume_buffer.h"

@@ -5,7 +5,7 @@
 #include <tuple>
 
 #include "src/base/error.h"
-#include "src/base/large_pages.h"
+#include "src/base/memory/large_pages.h"
 #include "src/texture/clusters.h"
 #include "src/volume/block_side.h"
 

@@ -11,7 +11,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "src/base/vec.h"
+#include "src/base/values/vec.h"
 #include "src/visibility/extinction.h"
 
 namespace sluice {

@@ -9,7 +9,7 @@
 
 #include <optional>
 
-#include "src/base/vec.h"
+#include "src/base/values/vec.h"
 #include "src/visibility/opacity_map.h"
 
 namespace sluice {

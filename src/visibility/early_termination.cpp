@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "src/base/error.h"
-#include "src/base/mutex.h"
+#include "src/base/threads/mutex.h"
 
 namespace sluice {
 namespace {

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "src/base/worker_pool.h"
+#include "src/base/threads/worker_pool.h"
 #include "src/classify/transfer/opacity_table.h"
 #include "src/visibility/visibility_estimate.h"
 #include "src/volume/device_voxel.h"

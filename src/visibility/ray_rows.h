@@ -11,7 +11,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "src/base/vec.h"
+#include "src/base/values/vec.h"
 #include "src/device/frame_values.h"
 
 namespace sluice {

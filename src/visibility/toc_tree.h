@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-#include "src/base/vec.h"
+#include "src/base/values/vec.h"
 
 namespace sluice {
 

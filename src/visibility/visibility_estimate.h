@@ -25,8 +25,8 @@
 #include <span>
 #include <vector>
 
-#include "src/base/mutex.h"
-#include "src/base/worker_pool.h"
+#include "src/base/threads/mutex.h"
+#include "src/base/threads/worker_pool.h"
 #include "src/device/frame_values.h"
 #include "src/visibility/series_opacity.h"
 #include "src/visibility/unpacked_parts.h"

@@ -11,7 +11,7 @@
 
 #include <cstdint>
 
-#include "src/base/vec.h"
+#include "src/base/values/vec.h"
 
 namespace sluice {
 

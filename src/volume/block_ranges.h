@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include "src/base/vec.h"
+#include "src/base/values/vec.h"
 #include "src/volume/slice_ranges.h"
 
 namespace sluice {

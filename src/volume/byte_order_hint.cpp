@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "src/base/value_counts.h"
+#include "src/base/values/value_counts.h"
 
 namespace sluice {
 namespace {

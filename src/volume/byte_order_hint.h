@@ -5,7 +5,7 @@
 // other way round; floats swapped have any exponent, or none. Pure.
 #pragma once
 
-#include "src/base/voxel_type.h"
+#include "src/base/values/voxel_type.h"
 #include "src/volume/slice_ranges.h"
 
 namespace sluice {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "src/base/clock.h"
+#include "src/base/threads/clock.h"
 
 namespace sluice {
 namespace {

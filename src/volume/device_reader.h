@@ -11,7 +11,7 @@
 #include <memory>
 #include <span>
 
-#include "src/base/volume_source.h"
+#include "src/base/values/volume_source.h"
 #include "src/volume/device_voxel.h"
 
 namespace sluice {

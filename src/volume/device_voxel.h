@@ -15,7 +15,7 @@
 #include <cstdint>
 #include <span>
 
-#include "src/base/volume_source.h"
+#include "src/base/values/volume_source.h"
 
 namespace sluice {
 

@@ -14,7 +14,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "src/base/value_counts.h"
+#include "src/base/values/value_counts.h"
 #include "src/volume/device_voxel.h"
 
 namespace sluice {

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "src/base/stop_token.h"
+#include "src/base/threads/stop_token.h"
 
 namespace sluice {
 

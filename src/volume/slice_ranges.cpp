@@ -9,7 +9,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "src/base/mutex.h"
+#include "src/base/threads/mutex.h"
 #include "src/volume/block_ranges.h"
 #include "src/volume/brick_ranges.h"
 #include "src/volume/device_reader.h"

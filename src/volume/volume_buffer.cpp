@@ -4,10 +4,10 @@
 #include <new>
 #include <utility>
 
-#include "src/base/bytes.h"
-#include "src/base/clock.h"
 #include "src/base/error.h"
-#include "src/base/stop_token.h"
+#include "src/base/threads/clock.h"
+#include "src/base/threads/stop_token.h"
+#include "src/base/values/bytes.h"
 #include "src/volume/block_side.h"
 
 namespace sluice {

@@ -1,4 +1,4 @@
-#include "src/base/atomic_file.h"
+#include "src/base/files/atomic_file.h"
 
 #include <fcntl.h>
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-#include "src/base/buffer_memory.h"
+#include "src/base/memory/buffer_memory.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "src/base/byte_stream.h"
+#include "src/base/files/byte_stream.h"
 
 #include <gtest/gtest.h>
 

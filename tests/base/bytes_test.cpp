@@ -1,4 +1,4 @@
-#include "src/base/bytes.h"
+#include "src/base/values/bytes.h"
 
 #include <gtest/gtest.h>
 

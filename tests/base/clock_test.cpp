@@ -1,4 +1,4 @@
-#include "src/base/clock.h"
+#include "src/base/threads/clock.h"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "src/base/descriptor.h"
+#include "src/base/files/descriptor.h"
 #include "tests/support/temp_folder.h"
 
 namespace sluice {

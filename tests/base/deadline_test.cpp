@@ -1,4 +1,4 @@
-#include "src/base/deadline.h"
+#include "src/base/threads/deadline.h"
 
 #include <gtest/gtest.h>
 

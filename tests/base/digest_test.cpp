@@ -1,5 +1,5 @@
 // Digests tell bytes apart: contents, order, length and how they are cut.
-#include "src/base/digest.h"
+#include "src/base/values/digest.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "src/base/file_kind.h"
+#include "src/base/files/file_kind.h"
 
 #include <gtest/gtest.h>
 

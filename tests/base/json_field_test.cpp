@@ -1,4 +1,4 @@
-#include "src/base/json_field.h"
+#include "src/base/files/json_field.h"
 
 #include <gmock/gmock.h>
 

@@ -1,5 +1,5 @@
 // Large pages are a hint that changes no value and takes no more memory than is used.
-#include "src/base/large_pages.h"
+#include "src/base/memory/large_pages.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "src/base/numbered_name.h"
+#include "src/base/files/numbered_name.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "src/base/progress_meter.h"
+#include "src/base/threads/progress_meter.h"
 
 #include <gtest/gtest.h>
 

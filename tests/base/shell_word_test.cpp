@@ -1,4 +1,4 @@
-#include "src/base/shell_word.h"
+#include "src/base/files/shell_word.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "src/base/single_flight_cache.h"
+#include "src/base/threads/single_flight_cache.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "src/base/stop_token.h"
+#include "src/base/threads/stop_token.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "src/base/strong_index.h"
+#include "src/base/values/strong_index.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "src/base/value_counts.h"
+#include "src/base/values/value_counts.h"
 
 #include <gtest/gtest.h>
 

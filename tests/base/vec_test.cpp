@@ -1,4 +1,4 @@
-#include "src/base/vec.h"
+#include "src/base/values/vec.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "src/base/voxel_type.h"
+#include "src/base/values/voxel_type.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "src/base/worker_pool.h"
+#include "src/base/threads/worker_pool.h"
 
 #include <gtest/gtest.h>
 

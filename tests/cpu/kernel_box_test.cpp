@@ -5,8 +5,8 @@
 #include <memory>
 #include <utility>
 
-#include "src/render/frame_setup.h"
-#include "src/render/index_space.h"
+#include "src/render/camera/frame_setup.h"
+#include "src/render/camera/index_space.h"
 #include "tests/support/plain_device.h"
 
 namespace sluice {

@@ -10,7 +10,7 @@
 #include <cstring>
 #include <vector>
 
-#include "src/render/frame_setup.h"
+#include "src/render/camera/frame_setup.h"
 #include "tests/cpu/test_device.h"
 #include "tests/support/plain_device.h"
 

@@ -14,8 +14,8 @@
 #include <utility>
 
 #include "src/base/error.h"
-#include "src/render/frame_setup.h"
-#include "src/render/index_space.h"
+#include "src/render/camera/frame_setup.h"
+#include "src/render/camera/index_space.h"
 #include "tests/cpu/test_device.h"
 #include "tests/support/plain_device.h"
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "src/device/device.h"
-#include "src/render/frame_setup.h"
+#include "src/render/camera/frame_setup.h"
 #include "tests/support/plain_device.h"
 
 namespace sluice {

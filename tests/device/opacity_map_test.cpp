@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "src/base/error.h"
-#include "src/render/frame_occlusion.h"
-#include "src/render/frame_setup.h"
-#include "src/render/index_space.h"
+#include "src/render/camera/frame_setup.h"
+#include "src/render/camera/index_space.h"
+#include "src/render/frame/frame_occlusion.h"
 #include "tests/device/suite_device.h"
 #include "tests/support/plain_device.h"
 

@@ -10,8 +10,8 @@
 
 #include <fmt/format.h>
 
-#include "src/render/frame_setup.h"
-#include "src/render/index_space.h"
+#include "src/render/camera/frame_setup.h"
+#include "src/render/camera/index_space.h"
 #include "tests/device/suite_device.h"
 #include "tests/support/plain_device.h"
 

@@ -12,19 +12,19 @@ import sys
 # What is done in one place: a pattern of code, the files that may, and what the others use.
 ONCE = [
     (r'\bstd::(thread|jthread)\b(?!::)|\bstd::async\b|\bpthread_create\b|#\s*include\s*<future>',
-     ['src/base/threads.h', 'src/base/threads.cpp', 'src/base/worker_pool.h', 'src/base/worker_pool.cpp',
-      'src/base/deadline.h'],
-     'threads are started by src/base/threads.h; take a WorkerPool'),
+     ['src/base/threads/threads.h', 'src/base/threads/threads.cpp', 'src/base/threads/worker_pool.h', 'src/base/threads/worker_pool.cpp',
+      'src/base/threads/deadline.h'],
+     'threads are started by src/base/threads/threads.h; take a WorkerPool'),
     (r'\bstd::(mutex|shared_mutex|recursive_mutex|lock_guard|scoped_lock|unique_lock|condition_variable\w*)\b',
-     ['src/base/mutex.h'], 'clang checks the mutex of src/base/mutex.h, not this one'),
-    (r'::p?write\(\w+, .*\.data\(\)|\bpwrite\(', ['src/base/descriptor.cpp', 'tools/command_line/console.cpp'],
-     'writing all of something is done by src/base/descriptor.h'),
+     ['src/base/threads/mutex.h'], 'clang checks the mutex of src/base/threads/mutex.h, not this one'),
+    (r'::p?write\(\w+, .*\.data\(\)|\bpwrite\(', ['src/base/files/descriptor.cpp', 'tools/command_line/console.cpp'],
+     'writing all of something is done by src/base/files/descriptor.h'),
 ]
 # What the program may and the library may not: a pattern of code, the files of the library that
 # may, and what it does instead. A failed CHECK says so and aborts; drivers are tried in a child.
 PROGRAM = 'tools/'
 ONCE_IN_PROGRAM = [
-    (r'\bgetenv\(', [], 'the library does not read the environment: take an option, tools/environment.h reads it'),
+    (r'\bgetenv\(', [], 'the library does not read the environment: take an option, tools/command_line/environment.h reads it'),
     (r'\bf?printf\(|\bfputs\(|\bputs\(|\bstd::(cout|cerr|clog)\b|\bfmt::print\b|\bSTD(OUT|ERR)_FILENO\b', ['src/base/error.cpp', 'src/gl/child_process.cpp'],
      'the library does not print: return it, or take a function that is told'),
     (r'\b_?[eE]xit\(|\bquick_exit\(|\babort\(|\bterminate\(', ['src/base/error.cpp', 'src/gl/child_process.cpp'],

@@ -17,7 +17,7 @@ class OnceGate(unittest.TestCase):
 
     def test_names_file_line_and_what_to_do(self):
         self.assertEqual(self.complaints('io/b.cpp', '\nstd::thread other(work);\n'),
-                         ['io/b.cpp:2: threads are started by src/base/threads.h; take a WorkerPool'])
+                         ['io/b.cpp:2: threads are started by src/base/threads/threads.h; take a WorkerPool'])
 
     def test_catches_each_way_to_start_a_thread(self):
         for text in ['std::jthread a(work);', 'std::vector<std::thread> threads;', 'auto a = std::async(work);',
@@ -29,7 +29,7 @@ class OnceGate(unittest.TestCase):
         for text in ['std::mutex mutex_;', 'const std::lock_guard lock(mutex_);', 'std::condition_variable changed_;']:
             with self.subTest(text=text):
                 self.assertEqual(len(self.complaints('io/b.cpp', text)), 1)
-                self.assertEqual(self.complaints('src/base/mutex.h', text), [])
+                self.assertEqual(self.complaints('src/base/threads/mutex.h', text), [])
 
     def test_catches_loops_that_write(self):
         self.assertEqual(len(self.complaints('io/b.cpp', 'n = ::write(file, bytes.data(), bytes.size());')), 1)
@@ -48,7 +48,7 @@ class OnceGate(unittest.TestCase):
                 self.assertEqual(self.complaints('io/b.cpp', text), [])
 
     def test_passes_the_one_place_the_tests_and_words(self):
-        for file, text in [('src/base/threads.cpp', 'return std::thread(body);'), ('tests/io/b.cpp', 'std::thread a;'),
+        for file, text in [('src/base/threads/threads.cpp', 'return std::thread(body);'), ('tests/io/b.cpp', 'std::thread a;'),
                            ('io/b.cpp', '// unlike std::thread'), ('io/b.cpp', 'std::thread::id self;')]:
             with self.subTest(file=file):
                 self.assertEqual(self.complaints(file, text), [])

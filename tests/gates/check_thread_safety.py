@@ -3,7 +3,7 @@
 
   check_thread_safety.py ROOT BUILD_FOLDER [--jobs N]
 
-src/base/mutex.h has the annotations that it reads. Only sources that lock, or whose own header
+src/base/threads/mutex.h has the annotations that it reads. Only sources that lock, or whose own header
 does, are read: members that are guarded are private. Prints what clang says; exit status 1 when it
 says something, 77 when it is not installed.
 """

@@ -9,9 +9,9 @@ import unittest
 
 from check_thread_safety import check
 
-MUTEX = pathlib.Path(__file__).resolve().parents[2] / 'src/base/mutex.h'
+MUTEX = pathlib.Path(__file__).resolve().parents[2] / 'src/base/threads/mutex.h'
 HEADER = '''#pragma once
-#include "src/base/mutex.h"
+#include "src/base/threads/mutex.h"
 class Counter {
  public:
   void add();
@@ -29,8 +29,8 @@ class ThreadSafetyGate(unittest.TestCase):
         """What the gate says of Counter::add() with this body."""
         with tempfile.TemporaryDirectory() as folder:
             root = pathlib.Path(folder).resolve()
-            (root / 'src/base').mkdir(parents=True)
-            shutil.copy(MUTEX, root / 'src/base/mutex.h')
+            (root / 'src/base/threads').mkdir(parents=True)
+            shutil.copy(MUTEX, root / 'src/base/threads/mutex.h')
             (root / 'src/base/counter.h').write_text(HEADER)
             (root / 'src/base/counter.cpp').write_text(
                 f'#include "src/base/counter.h"\nvoid Counter::add() {{ {body} }}\n')

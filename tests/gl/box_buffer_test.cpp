@@ -7,8 +7,8 @@
 #include <cmath>
 #include <limits>
 
-#include "src/render/frame_setup.h"
-#include "src/render/index_space.h"
+#include "src/render/camera/frame_setup.h"
+#include "src/render/camera/index_space.h"
 
 namespace sluice {
 namespace {

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "src/device/drawing_cost.h"
-#include "src/render/frame_setup.h"
+#include "src/render/camera/frame_setup.h"
 #include "tests/support/plain_device.h"
 
 namespace sluice {

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "io/synth/mean_levels.h"
-#include "src/base/progress_meter.h"
+#include "src/base/threads/progress_meter.h"
 #include "src/classify/blocks/classification.h"
 #include "src/index/stale_check.h"
 #include "tests/support/function_source.h"

@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "src/base/worker_pool.h"
+#include "src/base/threads/worker_pool.h"
 #include "src/parallel/in_process.h"
 #include "tests/support/memory_source.h"
 

@@ -9,7 +9,7 @@
 
 #include "src/parallel/dealing.h"
 #include "src/parallel/hilbert.h"
-#include "src/render/frame_setup.h"
+#include "src/render/camera/frame_setup.h"
 #include "tests/render/culling_scene.h"
 
 namespace sluice {

@@ -1,5 +1,5 @@
 // Framing: the visible part fills the picture, and keeps its place and scale across frames.
-#include "src/render/camera_framing.h"
+#include "src/render/camera/camera_framing.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <random>
 
 #include "src/base/error.h"
-#include "src/render/index_space.h"
+#include "src/render/camera/index_space.h"
 #include "tests/render/render_scene.h"
 
 namespace sluice {

@@ -1,5 +1,5 @@
 // Camera paths: parsing, hostile files, and interpolation.
-#include "src/render/camera_path.h"
+#include "src/render/camera/camera_path.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

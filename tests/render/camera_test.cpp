@@ -1,5 +1,5 @@
 // The camera's conventions, checked with numbers worked out by hand, and its errors.
-#include "src/render/camera.h"
+#include "src/render/camera/camera.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "src/base/error.h"
-#include "src/render/camera_matrices.h"
+#include "src/render/camera/camera_matrices.h"
 
 namespace sluice {
 namespace {

@@ -1,13 +1,13 @@
 // Named views, with directions worked out by hand, and pictures of a volume whose sides are known:
 // upright and never mirrored, whatever the frame and however it is stored.
-#include "src/render/camera_views.h"
+#include "src/render/camera/camera_views.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <map>
 
-#include "src/render/index_space.h"
+#include "src/render/camera/index_space.h"
 #include "tests/render/render_scene.h"
 
 namespace sluice {

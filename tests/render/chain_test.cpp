@@ -6,7 +6,7 @@
 #include <atomic>
 #include <unordered_map>
 
-#include "src/render/planner.h"
+#include "src/render/session/planner.h"
 #include "tests/render/blob_scene.h"
 #include "tests/support/function_source.h"
 #include "tests/support/plain_device.h"

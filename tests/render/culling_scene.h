@@ -7,8 +7,8 @@
 #include <random>
 #include <vector>
 
-#include "src/render/culled_blocks.h"
-#include "src/render/index_space.h"
+#include "src/render/blocks/culled_blocks.h"
+#include "src/render/camera/index_space.h"
 #include "src/visibility/early_termination.h"
 #include "tests/render/render_scene.h"
 #include "tests/support/memory_source.h"

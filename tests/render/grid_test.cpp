@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "src/classify/transfer/transfer_makers.h"
-#include "src/render/index_space.h"
+#include "src/render/camera/index_space.h"
 #include "tests/render/render_scene.h"
 
 namespace sluice {

@@ -1,6 +1,6 @@
 // Cuts through levels of resolution: the blocks that they choose, and that their pictures equal the
 // levels' own, without a seam where levels meet.
-#include "src/render/level_cut.h"
+#include "src/render/blocks/level_cut.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,8 +10,8 @@
 
 #include "io/synth/mean_levels.h"
 #include "src/base/error.h"
-#include "src/render/index_space.h"
-#include "src/render/planner.h"
+#include "src/render/camera/index_space.h"
+#include "src/render/session/planner.h"
 #include "tests/render/render_scene.h"
 #include "tests/support/error_of.h"
 #include "tests/support/function_source.h"

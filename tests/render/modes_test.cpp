@@ -7,7 +7,7 @@
 
 #include "src/classify/transfer/automatic_look.h"
 #include "src/classify/transfer/transfer_makers.h"
-#include "src/render/index_space.h"
+#include "src/render/camera/index_space.h"
 #include "tests/gl/test_device.h"
 #include "tests/render/render_scene.h"
 #include "tests/support/random_volume.h"

@@ -6,7 +6,7 @@
 #include <atomic>
 
 #include "src/index/volume_boxes.h"
-#include "src/render/index_space.h"
+#include "src/render/camera/index_space.h"
 #include "tests/render/blob_scene.h"
 #include "tests/render/real_volumes.h"
 #include "tests/support/counting_source.h"

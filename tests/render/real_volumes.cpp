@@ -4,7 +4,7 @@
 
 #include "io/open_volume.h"
 #include "src/classify/transfer/automatic_look.h"
-#include "src/render/index_space.h"
+#include "src/render/camera/index_space.h"
 
 namespace sluice {
 namespace {

@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <limits>
 
-#include "src/render/index_space.h"
+#include "src/render/camera/index_space.h"
 #include "tests/device/suite_device.h"
 
 namespace sluice {

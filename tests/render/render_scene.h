@@ -10,7 +10,7 @@
 #include <memory>
 #include <optional>
 
-#include "src/render/session.h"
+#include "src/render/session/session.h"
 #include "tests/support/float_picture.h"
 #include "tests/support/memory_source.h"
 #include "tests/support/reference_renderer.h"

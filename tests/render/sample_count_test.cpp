@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "src/render/index_space.h"
-#include "src/render/sampling_limit.h"
+#include "src/render/camera/index_space.h"
+#include "src/render/camera/sampling_limit.h"
 #include "tests/render/render_scene.h"
 
 namespace sluice {

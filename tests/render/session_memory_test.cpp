@@ -9,7 +9,7 @@
 
 #include "cache/simulate/simulator.h"
 #include "src/base/error.h"
-#include "src/render/session.h"
+#include "src/render/session/session.h"
 #include "src/texture/chunk_names.h"
 #include "src/texture/frame_trace.h"
 #include "tests/render/blob_scene.h"

@@ -1,5 +1,5 @@
 // A session over several frames: its uploads, its reports, and sources that fail.
-#include "src/render/session.h"
+#include "src/render/session/session.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // The growing boxes that are drawn: every visible cell once, in an order that no ray contradicts.
-#include "src/render/visible_boxes.h"
+#include "src/render/blocks/visible_boxes.h"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-#include "src/render/index_space.h"
+#include "src/render/camera/index_space.h"
 #include "src/slicing/incremental_slicer.h"
 #include "src/slicing/plain_slicer.h"
 

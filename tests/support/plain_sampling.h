@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "src/base/vec.h"
+#include "src/base/values/vec.h"
 #include "src/device/device.h"
 
 namespace sluice {

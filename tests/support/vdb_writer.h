@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "src/base/vec.h"
+#include "src/base/values/vec.h"
 
 namespace sluice {
 

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "src/base/error.h"
-#include "src/base/stop_token.h"
+#include "src/base/threads/stop_token.h"
 #include "tests/support/failing_memory.h"
 #include "tests/support/failing_source.h"
 #include "tests/support/function_source.h"

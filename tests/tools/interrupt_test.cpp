@@ -1,4 +1,4 @@
-#include "tools/interrupt.h"
+#include "tools/command_line/interrupt.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "src/base/atomic_file.h"
+#include "src/base/files/atomic_file.h"
 #include "tests/support/temp_folder.h"
 
 // Each in a process of its own, since the effect of a signal stays for the rest of it.

@@ -1,4 +1,4 @@
-#include "tools/parse.h"
+#include "tools/command_line/parse.h"
 
 #include <gtest/gtest.h>
 

@@ -11,7 +11,7 @@
 #include <thread>
 #include <vector>
 
-#include "src/base/clock.h"
+#include "src/base/threads/clock.h"
 
 namespace sluice {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "io/pictures/exr_file.h"
 #include "io/pictures/png_file.h"
-#include "src/base/vec.h"
+#include "src/base/values/vec.h"
 #include "tests/tools/program.h"
 
 namespace sluice {

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "src/gl/gl_choice.h"
-#include "tools/environment.h"
+#include "tools/command_line/environment.h"
 
 namespace sluice {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "io/pictures/exr_file.h"
 #include "tests/tools/program.h"
-#include "tools/verification.h"
+#include "tools/commands/verification.h"
 
 namespace sluice {
 namespace {

@@ -1,12 +1,12 @@
-// Gestures are checked against the renderer's own view of the same camera (src/render/camera.h),
-// which knows nothing of them.
+// Gestures are checked against the renderer's own view of the same camera
+// (src/render/camera/camera.h), which knows nothing of them.
 #include "src/view/state/camera_gestures.h"
 
 #include <gtest/gtest.h>
 
 #include "src/library/conversions.h"
-#include "src/render/camera.h"
-#include "src/render/index_space.h"
+#include "src/render/camera/camera.h"
+#include "src/render/camera/index_space.h"
 
 namespace sluice {
 namespace {

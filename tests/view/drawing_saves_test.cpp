@@ -9,8 +9,8 @@
 #include <thread>
 
 #include "src/base/error.h"
-#include "src/base/file_kind.h"
-#include "src/base/threads.h"
+#include "src/base/files/file_kind.h"
+#include "src/base/threads/threads.h"
 #include "src/view/drawing/drawing_thread.h"
 #include "src/view/state/state_file.h"
 #include "tests/support/temp_folder.h"

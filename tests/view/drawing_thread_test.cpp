@@ -10,8 +10,8 @@
 #include <fstream>
 #include <thread>
 
-#include "src/base/file_kind.h"
-#include "src/base/threads.h"
+#include "src/base/files/file_kind.h"
+#include "src/base/threads/threads.h"
 #include "src/view/state/transfer_edit.h"
 #include "tests/support/temp_folder.h"
 #include "tests/support/wrong_states.h"

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "src/base/shell_word.h"
+#include "src/base/files/shell_word.h"
 
 namespace sluice {
 namespace {

@@ -4,7 +4,7 @@
 #include <functional>
 #include <limits>
 
-#include "src/base/voxel_type.h"
+#include "src/base/values/voxel_type.h"
 #include "src/volume/slice_ranges.h"
 #include "tests/support/memory_source.h"
 

@@ -8,7 +8,7 @@
 #include <random>
 
 #include "src/base/error.h"
-#include "src/base/stop_token.h"
+#include "src/base/threads/stop_token.h"
 #include "src/volume/slice_ranges.h"
 #include "tests/support/counting_source.h"
 #include "tests/support/failing_source.h"

@@ -8,7 +8,7 @@
 #include <cstring>
 
 #include "src/base/error.h"
-#include "src/base/stop_token.h"
+#include "src/base/threads/stop_token.h"
 #include "tests/support/failing_source.h"
 #include "tests/support/function_source.h"
 #include "tests/volume/volume_buffer_fixture.h"

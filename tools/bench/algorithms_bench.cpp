@@ -9,8 +9,8 @@
 #include "src/base/error.h"
 #include "tools/bench/warm_frames.h"
 #include "tools/command_line/console.h"
-#include "tools/parse.h"
-#include "tools/scene.h"
+#include "tools/command_line/parse.h"
+#include "tools/scene/scene.h"
 
 namespace sluice {
 namespace {

@@ -21,14 +21,14 @@
 #include "tools/bench/threshold_bench.h"
 #include "tools/bench/view_bench.h"
 #include "tools/command_line/console.h"
-#include "tools/command_line/shared_options.h"
-#include "tools/commands.h"
-#include "tools/environment.h"
+#include "tools/command_line/environment.h"
+#include "tools/commands/commands.h"
+#include "tools/options/shared_options.h"
+#include "tools/options/view_arguments.h"
+#include "tools/outputs/report.h"
 #include "tools/pages/report_file.h"
-#include "tools/rank_agreement.h"
-#include "tools/ranks.h"
-#include "tools/report.h"
-#include "tools/view_arguments.h"
+#include "tools/scene/rank_agreement.h"
+#include "tools/scene/ranks.h"
 
 namespace sluice {
 namespace {

@@ -8,13 +8,13 @@
 #include <string>
 #include <vector>
 
-#include "src/base/atomic_file.h"
 #include "src/base/error.h"
-#include "src/base/text_file.h"
+#include "src/base/files/atomic_file.h"
+#include "src/base/files/text_file.h"
 #include "tools/command_line/console.h"
+#include "tools/command_line/interrupt.h"
 #include "tools/command_line/outputs.h"
-#include "tools/command_line/shared_options.h"
-#include "tools/interrupt.h"
+#include "tools/options/shared_options.h"
 #include "tools/pages/compare_page.h"
 #include "tools/pages/report_file.h"
 

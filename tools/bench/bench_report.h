@@ -1,7 +1,7 @@
 // sluice bench report: runs side by side, from their JSON reports.
 #pragma once
 
-#include "tools/commands.h"
+#include "tools/commands/commands.h"
 
 namespace sluice {
 

@@ -9,15 +9,15 @@
 #include <memory>
 #include <numeric>
 
-#include "src/base/bytes.h"
-#include "src/base/clock.h"
-#include "src/base/descriptor.h"
+#include "src/base/files/descriptor.h"
+#include "src/base/threads/clock.h"
+#include "src/base/values/bytes.h"
 #include "src/parallel/dealing.h"
 #include "src/visibility/early_termination.h"
 #include "src/volume/device_reader.h"
 #include "tools/command_line/console.h"
-#include "tools/interrupt.h"
-#include "tools/series.h"
+#include "tools/command_line/interrupt.h"
+#include "tools/scene/series.h"
 
 namespace sluice {
 namespace {

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 
-#include "src/base/clock.h"
-#include "src/render/sampling_limit.h"
+#include "src/base/threads/clock.h"
+#include "src/render/camera/sampling_limit.h"
 #include "tools/bench/volumes_bench.h"
 #include "tools/bench/warm_frames.h"
 #include "tools/command_line/console.h"
-#include "tools/report.h"
+#include "tools/outputs/report.h"
 
 namespace sluice {
 namespace {

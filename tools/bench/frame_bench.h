@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "tools/scene.h"
+#include "tools/scene/scene.h"
 
 namespace sluice {
 

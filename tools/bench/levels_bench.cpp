@@ -6,12 +6,12 @@
 #include <optional>
 
 #include "src/base/error.h"
-#include "src/render/level_cut.h"
+#include "src/render/blocks/level_cut.h"
 #include "tools/bench/picture_error.h"
 #include "tools/bench/volumes_bench.h"
 #include "tools/bench/warm_frames.h"
 #include "tools/command_line/console.h"
-#include "tools/report.h"
+#include "tools/outputs/report.h"
 
 namespace sluice {
 namespace {

@@ -9,7 +9,7 @@
 #include "src/classify/transfer/transfer_makers.h"
 #include "tools/bench/warm_frames.h"
 #include "tools/command_line/console.h"
-#include "tools/scene.h"
+#include "tools/scene/scene.h"
 
 namespace sluice {
 namespace {

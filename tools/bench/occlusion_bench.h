@@ -7,7 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "src/render/frame_run.h"
+#include "src/render/frame/frame_run.h"
 #include "tools/bench/volumes_bench.h"
 
 namespace sluice {

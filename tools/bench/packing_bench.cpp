@@ -1,15 +1,15 @@
 #include "tools/bench/packing_bench.h"
-#include "tools/workers.h"
+#include "tools/scene/workers.h"
 
 #include <fmt/format.h>
 
 #include <array>
 
-#include "src/base/clock.h"
+#include "src/base/threads/clock.h"
 #include "src/volume/packed_block.h"
 #include "src/volume/volume_buffer.h"
 #include "tools/command_line/console.h"
-#include "tools/scene.h"
+#include "tools/scene/scene.h"
 
 namespace sluice {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "tools/arguments.h"
+#include "tools/options/arguments.h"
 
 namespace sluice {
 

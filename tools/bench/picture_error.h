@@ -2,7 +2,7 @@
 // functions.
 #pragma once
 
-#include "src/base/picture.h"
+#include "src/base/values/picture.h"
 
 namespace sluice {
 

@@ -2,16 +2,16 @@
 
 #include <algorithm>
 
-#include "src/base/bytes.h"
-#include "src/base/clock.h"
 #include "src/base/error.h"
+#include "src/base/threads/clock.h"
+#include "src/base/values/bytes.h"
 #include "src/parallel/in_process.h"
 #include "tools/bench/volumes_bench.h"
 #include "tools/bench/warm_frames.h"
 #include "tools/command_line/console.h"
-#include "tools/interrupt.h"
-#include "tools/ranks.h"
-#include "tools/scene.h"
+#include "tools/command_line/interrupt.h"
+#include "tools/scene/ranks.h"
+#include "tools/scene/scene.h"
 
 namespace sluice {
 namespace {

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "src/parallel/team.h"
-#include "src/render/frame_options.h"
-#include "tools/arguments.h"
+#include "src/render/camera/frame_options.h"
+#include "tools/options/arguments.h"
 
 namespace sluice {
 

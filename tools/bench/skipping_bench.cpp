@@ -7,7 +7,7 @@
 
 #include "tools/bench/warm_frames.h"
 #include "tools/command_line/console.h"
-#include "tools/scene.h"
+#include "tools/scene/scene.h"
 
 namespace sluice {
 namespace {

@@ -8,11 +8,11 @@
 #include <random>
 #include <unordered_set>
 
-#include "src/base/clock.h"
+#include "src/base/threads/clock.h"
 #include "src/classify/transfer/transfer_makers.h"
 #include "tools/bench/warm_frames.h"
 #include "tools/command_line/console.h"
-#include "tools/scene.h"
+#include "tools/scene/scene.h"
 
 namespace sluice {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "src/render/frame_options.h"
-#include "tools/arguments.h"
+#include "src/render/camera/frame_options.h"
+#include "tools/options/arguments.h"
 
 namespace sluice {
 

@@ -6,12 +6,12 @@
 #include <utility>
 #include <vector>
 
-#include "src/base/clock.h"
 #include "src/base/error.h"
+#include "src/base/threads/clock.h"
 #include "src/view/state/transfer_edit.h"
 #include "tools/bench/volumes_bench.h"
 #include "tools/command_line/console.h"
-#include "tools/interrupt.h"
+#include "tools/command_line/interrupt.h"
 
 namespace sluice {
 namespace {

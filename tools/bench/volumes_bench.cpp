@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "src/base/error.h"
-#include "tools/parse.h"
+#include "tools/command_line/parse.h"
 
 namespace sluice {
 

@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "src/render/frame_options.h"
-#include "tools/arguments.h"
+#include "src/render/camera/frame_options.h"
+#include "tools/options/arguments.h"
 
 namespace sluice {
 

@@ -11,7 +11,7 @@
 #include <tuple>
 #include <type_traits>
 
-#include "src/base/shell_word.h"
+#include "src/base/files/shell_word.h"
 
 namespace sluice {
 

@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
-#include "src/base/bytes.h"
+#include "src/base/values/bytes.h"
 #include "tools/command_line/near_miss.h"
-#include "tools/parse.h"
+#include "tools/command_line/parse.h"
 
 namespace sluice {
 

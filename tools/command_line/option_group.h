@@ -22,7 +22,7 @@
 #include <utility>
 #include <vector>
 
-#include "src/base/vec.h"
+#include "src/base/values/vec.h"
 #include "tools/command_line/number.h"
 
 namespace sluice {

@@ -10,7 +10,7 @@
 #include "cache/trace/trace.h"
 #include "io/files/file_list.h"
 #include "src/base/error.h"
-#include "src/base/numbered_name.h"
+#include "src/base/files/numbered_name.h"
 
 namespace sluice {
 namespace {

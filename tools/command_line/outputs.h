@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "src/base/file_kind.h"
+#include "src/base/files/file_kind.h"
 
 namespace sluice {
 

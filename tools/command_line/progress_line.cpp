@@ -8,9 +8,9 @@
 #include <memory>
 #include <utility>
 
-#include "src/base/bytes.h"
-#include "src/base/clock.h"
-#include "src/base/shell_word.h"
+#include "src/base/files/shell_word.h"
+#include "src/base/threads/clock.h"
+#include "src/base/values/bytes.h"
 
 namespace sluice {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "src/base/progress_meter.h"
+#include "src/base/threads/progress_meter.h"
 
 namespace sluice {
 

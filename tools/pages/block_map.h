@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
-#include "src/base/picture.h"
-#include "src/base/vec.h"
+#include "src/base/values/picture.h"
+#include "src/base/values/vec.h"
 #include "src/classify/blocks/classification.h"
 
 namespace sluice {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "src/base/file_kind.h"
+#include "src/base/files/file_kind.h"
 
 namespace sluice {
 namespace {

@@ -5,9 +5,9 @@
 
 #include "io/files/file.h"
 #include "io/pictures/png_file.h"
-#include "src/base/atomic_file.h"
+#include "src/base/files/atomic_file.h"
+#include "tools/outputs/picture_output.h"
 #include "tools/pages/block_map.h"
-#include "tools/picture_output.h"
 
 namespace sluice {
 

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <string>
 
-#include "src/base/picture.h"
+#include "src/base/values/picture.h"
 #include "src/classify/blocks/classification.h"
 #include "tools/command_line/outputs.h"
 #include "tools/pages/run_page.h"

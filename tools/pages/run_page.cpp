@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <array>
 
-#include "src/base/bytes.h"
-#include "src/base/shell_word.h"
+#include "src/base/files/shell_word.h"
+#include "src/base/values/bytes.h"
 #include "tools/pages/html_page.h"
 #include "tools/pages/rows_section.h"
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "cache/policies/key_table.h"
-#include "src/base/bytes.h"
+#include "src/base/values/bytes.h"
 #include "tools/pages/html_page.h"
 #include "tools/pages/svg_plot.h"
 

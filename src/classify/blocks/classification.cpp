@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "src/base/error.h"
-#include "src/base/large_pages.h"
+#include "src/base/memory/large_pages.h"
 #include "src/classify/transfer/visible_values.h"
 
 namespace sluice {

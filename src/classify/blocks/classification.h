@@ -11,7 +11,7 @@
 #include <optional>
 #include <vector>
 
-#include "src/base/worker_pool.h"
+#include "src/base/threads/worker_pool.h"
 #include "src/classify/blocks/cut_summary.h"
 #include "src/classify/transfer/opacity_table.h"
 #include "src/volume/block_name.h"

@@ -14,7 +14,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "src/base/vec.h"
+#include "src/base/values/vec.h"
 #include "src/volume/device_voxel.h"
 
 namespace sluice {

@@ -21,7 +21,7 @@
 #include <string>
 #include <string_view>
 
-#include "src/base/value_counts.h"
+#include "src/base/values/value_counts.h"
 #include "src/classify/transfer/transfer_function.h"
 
 namespace sluice {

@@ -3,7 +3,7 @@
 // RGB is sRGB in 0..1. Pure functions.
 #pragma once
 
-#include "src/base/vec.h"
+#include "src/base/values/vec.h"
 
 namespace sluice {
 

@@ -7,7 +7,7 @@
 // the hump is what the volume shows (a solid block), or the few values far above it are (vessels).
 #pragma once
 
-#include "src/base/histogram.h"
+#include "src/base/values/histogram.h"
 
 namespace sluice {
 

@@ -24,7 +24,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "src/base/volume_source.h"
+#include "src/base/values/volume_source.h"
 #include "src/classify/transfer/transfer_function.h"
 #include "src/volume/device_voxel.h"
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "src/base/json_field.h"
+#include "src/base/files/json_field.h"
 #include "src/classify/transfer/transfer_function.h"
 
 namespace sluice {

@@ -6,8 +6,8 @@
 #include <optional>
 
 #include "src/base/error.h"
-#include "src/base/json_field.h"
-#include "src/base/text_file.h"
+#include "src/base/files/json_field.h"
+#include "src/base/files/text_file.h"
 #include "src/classify/transfer/color_maps.h"
 #include "src/classify/transfer/paraview_map.h"
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "src/base/stop_token.h"
+#include "src/base/threads/stop_token.h"
 #include "src/classify/transfer/transfer_function.h"
 
 namespace sluice {

@@ -13,8 +13,8 @@
 #include <string>
 #include <vector>
 
-#include "src/base/vec.h"
-#include "src/base/volume_source.h"
+#include "src/base/values/vec.h"
+#include "src/base/values/volume_source.h"
 
 namespace sluice {
 

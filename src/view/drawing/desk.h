@@ -21,7 +21,7 @@
 
 namespace sluice {
 
-enum class FileKind;  // src/base/file_kind.h
+enum class FileKind;  // src/base/files/file_kind.h
 
 // The picture that the user wants to see now. A newer wish replaces those that were not drawn yet.
 struct Wish {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "src/base/clock.h"
+#include "src/base/threads/clock.h"
 
 namespace sluice {
 namespace {

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "src/base/mutex.h"
+#include "src/base/threads/mutex.h"
 #include "src/view/drawing/job_queue.h"
 #include "src/view/drawing/news_box.h"
 #include "src/view/drawing/pace.h"

@@ -1,10 +1,10 @@
 // The jobs that write pictures, small files, and films frame by frame.
 #include <utility>
 
-#include "src/base/atomic_file.h"
 #include "src/base/error.h"
-#include "src/base/file_kind.h"
-#include "src/base/numbered_name.h"
+#include "src/base/files/atomic_file.h"
+#include "src/base/files/file_kind.h"
+#include "src/base/files/numbered_name.h"
 #include "src/view/drawing/drawing_jobs.h"
 #include "src/view/drawing/picture_file.h"
 #include "src/view/state/printed_command.h"

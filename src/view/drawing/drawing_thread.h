@@ -5,7 +5,7 @@
 // Callers only ever take locks that are never held while something is read or drawn.
 #pragma once
 
-#include "src/base/worker_pool.h"
+#include "src/base/threads/worker_pool.h"
 #include "src/view/drawing/drawing_jobs.h"
 
 namespace sluice {

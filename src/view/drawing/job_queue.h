@@ -15,7 +15,7 @@
 #include <utility>
 #include <variant>
 
-#include "src/base/mutex.h"
+#include "src/base/threads/mutex.h"
 #include "src/view/drawing/desk.h"
 
 namespace sluice {

@@ -4,7 +4,7 @@
 #include <functional>
 #include <utility>
 
-#include "src/base/mutex.h"
+#include "src/base/threads/mutex.h"
 #include "src/view/drawing/desk.h"
 
 namespace sluice {

@@ -10,7 +10,7 @@
 #include <array>
 #include <optional>
 
-#include "src/base/vec.h"
+#include "src/base/values/vec.h"
 
 namespace sluice {
 

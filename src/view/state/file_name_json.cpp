@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "src/base/json_field.h"
+#include "src/base/files/json_field.h"
 
 namespace sluice {
 namespace {

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "src/base/mutex.h"
-#include "src/base/worker_pool.h"
+#include "src/base/threads/mutex.h"
+#include "src/base/threads/worker_pool.h"
 
 namespace sluice {
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "src/base/shell_word.h"
+#include "src/base/files/shell_word.h"
 
 namespace sluice {
 namespace {

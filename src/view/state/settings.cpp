@@ -4,8 +4,8 @@
 #include <nlohmann/json.hpp>
 
 #include "src/base/error.h"
-#include "src/base/json_field.h"
-#include "src/base/text_file.h"
+#include "src/base/files/json_field.h"
+#include "src/base/files/text_file.h"
 #include "src/view/state/file_name_json.h"
 
 namespace sluice {

@@ -4,10 +4,10 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
-#include "src/base/atomic_file.h"
 #include "src/base/error.h"
-#include "src/base/json_field.h"
-#include "src/base/text_file.h"
+#include "src/base/files/atomic_file.h"
+#include "src/base/files/json_field.h"
+#include "src/base/files/text_file.h"
 #include "src/view/state/file_name_json.h"
 #include "src/view/state/view_check.h"
 

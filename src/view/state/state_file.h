@@ -13,7 +13,7 @@
 #include <string>
 #include <string_view>
 
-#include "src/base/stop_token.h"
+#include "src/base/threads/stop_token.h"
 #include "src/view/state/view_path.h"
 #include "src/view/state/view_state.h"
 

@@ -8,12 +8,12 @@
 #include <cmath>
 
 #include "src/base/error.h"
-#include "src/base/vec.h"
+#include "src/base/values/vec.h"
 
 namespace sluice {
 namespace {
 
-// The limits of the options of the same names (tools/command_line/view_options.cpp), so that the
+// The limits of the options of the same names (tools/options/view_options.cpp), so that the
 // printed command accepts every number that the window accepts.
 constexpr double kMostDegrees = 36000, kZoomLimit = 1e6, kMostFov = 179, kMostStep = 1e6;
 constexpr double kWorld = 1e15, kMostGradient = 1e6;

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "src/base/error.h"
-#include "src/base/vec.h"
+#include "src/base/values/vec.h"
 #include "src/view/state/camera_gestures.h"
 
 namespace sluice {

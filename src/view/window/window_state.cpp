@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "src/base/file_kind.h"
+#include "src/base/files/file_kind.h"
 #include "src/view/state/state_file.h"
 #include "src/view/state/view_check.h"
 

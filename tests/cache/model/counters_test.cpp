@@ -1,4 +1,4 @@
-#include "src/base/counters.h"
+#include "src/base/threads/counters.h"
 
 #include <gtest/gtest.h>
 

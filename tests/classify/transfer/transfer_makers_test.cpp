@@ -8,7 +8,7 @@
 #include <string>
 
 #include "src/base/error.h"
-#include "src/base/histogram.h"
+#include "src/base/values/histogram.h"
 
 namespace sluice {
 namespace {

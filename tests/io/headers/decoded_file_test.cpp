@@ -11,7 +11,7 @@
 #include <optional>
 #include <thread>
 
-#include "src/base/stop_token.h"
+#include "src/base/threads/stop_token.h"
 #include "tests/io/headers/volume_files.h"
 
 namespace sluice {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "src/base/vec.h"
+#include "src/base/values/vec.h"
 
 namespace sluice {
 

@@ -14,7 +14,7 @@
 
 #include "io/synth/synth_math.h"
 #include "src/base/error.h"
-#include "src/base/volume_levels.h"
+#include "src/base/values/volume_levels.h"
 
 namespace sluice {
 namespace {

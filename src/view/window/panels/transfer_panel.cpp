@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "src/base/file_kind.h"
+#include "src/base/files/file_kind.h"
 #include "src/view/state/transfer_edit.h"
 #include "src/view/window/panels/panels.h"
 

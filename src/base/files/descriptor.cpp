@@ -1,0 +1,55 @@
+#include "src/base/files/descriptor.h"
+
+#include <unistd.h>
+
+#include <cerrno>
+
+#include "src/base/error.h"
+
+namespace sluice {
+
+void Descriptor::reset(int number) {
+  if (number_ >= 0) close(number_);
+  number_ = number;
+}
+
+namespace {
+
+// `write` takes the remaining bytes and returns how many of them it wrote.
+template <class Write>
+void writeWhole(std::span<const std::byte> bytes, const std::string& what, Write&& write) {
+  while (!bytes.empty()) {
+    const ssize_t written = write(bytes);
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) failErrno(what, errno);
+    bytes = bytes.subspan(static_cast<size_t>(written));
+  }
+}
+
+}  // namespace
+
+void writeAll(int descriptor, std::span<const std::byte> bytes, const std::string& what) {
+  writeWhole(bytes, what, [descriptor](std::span<const std::byte> left) {
+    return ::write(descriptor, left.data(), left.size());
+  });
+}
+
+void writeAllAt(int descriptor, std::span<const std::byte> bytes, uint64_t offset,
+                const std::string& what) {
+  const uint64_t end = offset + bytes.size();
+  writeWhole(bytes, what, [descriptor, end](std::span<const std::byte> left) {
+    return pwrite(descriptor, left.data(), left.size(), static_cast<off_t>(end - left.size()));
+  });
+}
+
+bool readAll(int descriptor, std::span<std::byte> out) {
+  while (!out.empty()) {
+    const ssize_t got = ::read(descriptor, out.data(), out.size());
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) return false;
+    out = out.subspan(static_cast<size_t>(got));
+  }
+  return true;
+}
+
+}  // namespace sluice

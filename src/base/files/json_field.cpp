@@ -1,0 +1,126 @@
+#include "src/base/files/json_field.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+#include <vector>
+
+#include "src/base/error.h"
+
+namespace sluice {
+namespace {
+
+constexpr int kDeepest = 32;
+
+std::string describe(const nlohmann::json& value) {
+  if (value.is_array()) return fmt::format("an array of {}", value.size());
+  if (value.is_object()) return fmt::format("an object of {}", value.size());
+  if (value.is_string()) return fmt::format("'{}'", printable(value.get_ref<const std::string&>()));
+  return value.dump();
+}
+
+}  // namespace
+
+std::string printable(std::string_view text, size_t longest) {
+  std::string line(text.substr(0, longest));
+  for (char& c : line) {
+    if (c < 0x20 || c > 0x7e) c = '?';
+  }
+  return text.size() > longest ? line + "..." : line;
+}
+
+nlohmann::json parseJson(std::string_view text, const std::string& where) {
+  using Event = nlohmann::json::parse_event_t;
+  std::vector<std::set<std::string>> keys;  // one set for each open object
+  const auto check = [&](int depth, Event event, nlohmann::json& value) {
+    if (depth > kDeepest)
+      fail("{}: expected at most {} levels of nesting, found more", where, kDeepest);
+    if (event == Event::object_start) keys.emplace_back();
+    if (event == Event::object_end) keys.pop_back();
+    // The library would take the last one in silence.
+    if (event == Event::key && !keys.back().insert(value.get<std::string>()).second)
+      fail("{}: expected each key of an object once, found '{}' twice", where,
+           printable(value.get<std::string>()));
+    return true;
+  };
+  try {
+    return nlohmann::json::parse(text.begin(), text.end(), check);
+  } catch (const nlohmann::json::exception& error) {
+    // The library's own "[json.exception.parse_error.101] " means nothing to a person.
+    std::string_view reason = error.what();
+    if (const size_t end = reason.find("] "); end != reason.npos) reason.remove_prefix(end + 2);
+    fail("{}: expected JSON, found {}", where, printable(reason, 200));
+  }
+}
+
+size_t JsonField::size() const {
+  if (!value_->is_array()) failExpected("an array");
+  return value_->size();
+}
+
+JsonField JsonField::operator[](size_t index) const {
+  SLUICE_CHECK_LT(index, size());
+  return {(*value_)[index], where_, fmt::format("{}/{}", place_, index)};
+}
+
+std::optional<JsonField> JsonField::find(const char* key) const {
+  if (!value_->is_object()) failExpected("an object");
+  const auto found = value_->find(key);
+  if (found == value_->end()) return std::nullopt;
+  return JsonField(*found, where_, fmt::format("{}/{}", place_, key));
+}
+
+JsonField JsonField::require(const char* key) const {
+  auto field = find(key);
+  if (!field) fail("{}: expected the field {}/{}, found none", where_, place_, key);
+  return *std::move(field);
+}
+
+void JsonField::allowOnly(std::initializer_list<std::string_view> keys) const {
+  if (!value_->is_object()) failExpected("an object");
+  for (const auto& [key, value] : value_->items()) {
+    if (std::find(keys.begin(), keys.end(), key) != keys.end()) continue;
+    fail("{}: expected one of the fields {}, found '{}'", where_, fmt::join(keys, ", "),
+         printable(key));
+  }
+}
+
+double JsonField::number() const {
+  if (!value_->is_number()) failExpected("a number");
+  const auto number = value_->get<double>();
+  if (!std::isfinite(number)) failExpected("a finite number");
+  return number;
+}
+
+int64_t JsonField::whole() const {
+  const bool fits = value_->is_number_unsigned()
+                        ? value_->get<uint64_t>() <= uint64_t{std::numeric_limits<int64_t>::max()}
+                        : value_->is_number_integer();
+  if (!fits) failExpected("a whole number");
+  return value_->get<int64_t>();
+}
+
+double JsonField::share() const {
+  const double value = number();
+  if (value < 0 || value > 1) failExpected("a number in 0..1");
+  return value;
+}
+
+const std::string& JsonField::text() const {
+  if (!value_->is_string()) failExpected("a text");
+  return value_->get_ref<const std::string&>();
+}
+
+bool JsonField::flag() const {
+  if (value_->is_boolean()) return value_->get<bool>();
+  if (value_->is_number()) return number() != 0;
+  failExpected("true or false");
+}
+
+void JsonField::failExpected(std::string_view expected) const {
+  fail("{}: expected {} at {}, found {}", where_, expected, place_.empty() ? "the top" : place_,
+       describe(*value_));
+}
+
+}  // namespace sluice

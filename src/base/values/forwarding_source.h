@@ -1,0 +1,42 @@
+// ForwardingSource: a VolumeSource that passes every call on to another one, which it owns; the
+// base of sources that replace a property or two.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "src/base/values/volume_channels.h"
+#include "src/base/values/volume_levels.h"
+#include "src/base/values/volume_source.h"
+
+namespace sluice {
+
+class ForwardingSource : public VolumeSource, public ChanneledSource, public LeveledSource {
+ public:
+  explicit ForwardingSource(std::unique_ptr<VolumeSource> source) : source_(std::move(source)) {}
+
+  const VolumeLayout& layout() const override { return source_->layout(); }
+  void readRegion(int64_t time, const Box3& box, std::span<std::byte> out) override {
+    source_->readRegion(time, box, out);
+  }
+  void readRegions(int64_t time, std::span<const RegionRead> regions) override {
+    source_->readRegions(time, regions);
+  }
+  std::optional<Occupancy> occupancy(int64_t time) override { return source_->occupancy(time); }
+  std::string identity() const override { return source_->identity(); }
+  std::span<const std::string> channelNames() const override {
+    return sluice::channelNames(*source_);
+  }
+  std::span<const CoarserLevel> levelsAbove() const override { return coarserLevels(*source_); }
+  uint64_t storedBytesRead() const override { return source_->storedBytesRead(); }
+  uint64_t heldBytesAThread() const override { return source_->heldBytesAThread(); }
+  void holdAtMost(uint64_t bytes) override { source_->holdAtMost(bytes); }
+  std::vector<std::string> files() override { return source_->files(); }
+
+ private:
+  const std::unique_ptr<VolumeSource> source_;
+};
+
+}  // namespace sluice

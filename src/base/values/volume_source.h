@@ -1,0 +1,113 @@
+// VolumeSource: the interface of level 1 (disk) to the levels above; one implementation a file
+// format.
+//
+// A source describes a volume on disk and copies boxes of voxels out of it. It holds no cache of
+// voxels of its own beyond what its format forces on it (a compressed single stream is decoded once
+// into a temporary file). All members may be called from any thread at once after construction.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "src/base/values/vec.h"
+#include "src/base/values/voxel_type.h"
+
+namespace sluice {
+
+// A closed interval of values.
+struct ValueRange {
+  double lo = 0, hi = 0;
+  friend constexpr bool operator==(const ValueRange&, const ValueRange&) = default;
+};
+
+// The meaning of the world's axes for people, as far as the file tells it.
+enum class WorldFrame {
+  kNone,         // nothing is known
+  kRas,          // right, anterior, superior: NIfTI
+  kLps,          // left, posterior, superior: DICOM, ITK's files
+  kPictureRows,  // x to the right, y down the rows, z through the stack: slices and microscopy
+  kYUp,          // computer graphics: OpenVDB
+};
+
+// Position and meaning of the voxels.
+struct VolumeLayout {
+  Vec3i dims;                       // voxels, each >= 1
+  VoxelType type = VoxelType::kU8;  // type that readRegion delivers, in this machine's byte order
+  Vec3d spacing{1, 1, 1};           // world units between neighbouring voxels, each > 0
+  Vec3d origin{0, 0, 0};            // world position of voxel (0, 0, 0)
+  std::array<Vec3d, 3> axes{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};  // unit directions of x, y, z
+  int64_t time_steps = 1;
+  std::optional<ValueRange> stored_range;  // range of stored values, if the file tells it
+  double value_scale = 1, value_offset = 0;
+  std::string name;  // for people: the file's name or the grid's
+  std::string unit;  // unit of spacing and origin, if the file tells it: "millimeter", ...
+  WorldFrame frame = WorldFrame::kNone;
+  // Other contents of the file: the number of channels or components and the one that is read, the
+  // number of levels of resolution, the names of all grids or arrays.
+  int64_t channels = 1, channel = 0, levels = 1;
+  std::vector<std::string> grids;
+  // For people, one line each: choices among several, and possible faults that can be read anyway.
+  std::vector<std::string> notes;
+};
+
+// A constant outside a list of boxes: known to sparse formats without reading a voxel.
+struct Occupancy {
+  double background = 0;    // the stored value outside all boxes; of floats perhaps NaN or infinite
+  std::vector<Box3> boxes;  // voxels, clipped to the volume; may touch or overlap
+};
+
+// A box to be copied out, and its destination.
+struct RegionRead {
+  Box3 box;
+  std::span<std::byte> out;
+};
+
+class VolumeSource {
+ public:
+  virtual ~VolumeSource() = default;
+
+  // Constant after construction.
+  virtual const VolumeLayout& layout() const = 0;
+
+  // Copies the voxels of `box` at time step `time` to `out`, x fastest, packed, in layout().type.
+  // Requires: 0 <= time < time_steps; box not empty and inside [0, dims);
+  // out.size() == box.count() * bytesPerVoxel(type). Throws Error when the read fails or is short.
+  virtual void readRegion(int64_t time, const Box3& box, std::span<std::byte> out) = 0;
+
+  // Calls readRegion() for each; a source whose voxels lie in rows reads neighbouring regions
+  // together. For blocks that lie side by side along x, which share the voxel planes between them.
+  virtual void readRegions(int64_t time, std::span<const RegionRead> regions) {
+    for (const RegionRead& region : regions) readRegion(time, region.box, region.out);
+  }
+
+  // The cells in which voxels may differ from a constant; nullopt: anywhere.
+  virtual std::optional<Occupancy> occupancy(int64_t /*time*/) { return std::nullopt; }
+
+  // A line that changes whenever the voxels may have changed: absolute path, size, modification
+  // time in ns and whatever else selects the voxels (grid name, dims given by the user). Keys the
+  // index.
+  virtual std::string identity() const = 0;
+
+  // Every file that the volume is read from: headers, detached voxels, slices, each time step's. A
+  // folder stands for all that is in it (a Zarr store). Paths are as the user named them, so
+  // perhaps relative to the current folder. May open files to find out; throws Error as opening
+  // them does.
+  virtual std::vector<std::string> files() { return {}; }
+
+  // The least bytes that a source of compressed chunks keeps decoded while a thread reads; 0: none.
+  virtual uint64_t heldBytesAThread() const { return 0; }
+  // From now on decoded chunks take at most these bytes, or the least that the threads inside
+  // readRegion need, whichever is more.
+  virtual void holdAtMost(uint64_t /*bytes*/) {}
+
+  // Bytes taken from files so far by this source (compressed bytes if compressed).
+  virtual uint64_t storedBytesRead() const = 0;
+};
+
+}  // namespace sluice

@@ -1,0 +1,278 @@
+#include "src/render/blocks/level_cut.h"
+
+#include <algorithm>
+#include <map>
+#include <string_view>
+#include <utility>
+
+#include "src/base/error.h"
+#include "src/render/camera/index_space.h"
+#include "src/render/camera/pixel_sizes.h"
+
+namespace sluice {
+namespace {
+
+Vec3i finestCells(const PyramidLayout& pyramid) {
+  return pyramid.finest().dims - Vec3i{1, 1, 1};
+}
+
+void requireLevel(const CutOptions& options, const TimeStep& step) {
+  const int levels = static_cast<int>(step.coarser.size()) + 1;
+  if (options.level && *options.level >= levels)
+    fail("{}: --level {}: there {} {} level{}, counted from 0", step.source->layout().name,
+         *options.level, levels == 1 ? "is" : "are", levels, levels == 1 ? "" : "s");
+}
+
+bool hasMeans(const TimeStep& step) {
+  return std::ranges::any_of(step.coarser,
+                             [](const CoarserStep& level) { return level.spreads != nullptr; });
+}
+
+// The coarsest level that the options allow.
+int topLevel(const PyramidLayout& pyramid, const CutOptions& options) {
+  const int top = pyramid.levels() - 1;
+  return options.coarsest ? std::min(top, *options.coarsest) : top;
+}
+
+// Bytes of a block, and of all that are chosen.
+struct BlockBytes {
+  uint64_t stored = 0, held = 0;
+  void add(const BlockBytes& more) {
+    stored += more.stored;
+    held += more.held;
+  }
+  void remove(const BlockBytes& less) {
+    stored -= less.stored;
+    held -= less.held;
+  }
+};
+
+struct CutNode {
+  int level = 0;
+  Vec3i index;
+  ObjectBlock object;
+  BlockBytes bytes;
+};
+
+// Makes one cut.
+class CutMaker {
+ public:
+  CutMaker(const BlockQuestion& question, const ShownLevels& shown)
+      : question_(question),
+        options_(*question.cut),
+        shown_(shown),
+        pyramid_(shown.pyramid()),
+        sizes_(question.step.source->layout(), question.view),
+        held_bytes_(bytesPerVoxel(question.step.ranges->map.type)) {}
+
+  void makeLevel(int level) {
+    addAll(level, [](Vec3i) { return true; });
+    chosen_ = std::move(open_);
+  }
+
+  void make() {
+    const int top = topLevel(pyramid_, options_);
+    addAll(top, [&](Vec3i index) { return shown_.showsFinest(top, index); });
+    for (int level = top; level > 0; --level) refine();
+    chosen_.insert(chosen_.end(), std::make_move_iterator(open_.begin()),
+                   std::make_move_iterator(open_.end()));
+  }
+
+  VisibleBlocks result() {
+    VisibleBlocks blocks;
+    blocks.white = left_out_;
+    std::map<int, CutSummary::Level> levels;
+    int64_t thin_blocks = 0;
+    for (CutNode& node : chosen_) {
+      if (node.object.cells.empty()) {
+        ++blocks.white;
+        continue;
+      }
+      ++(node.object.kind == BlockClass::kBlack ? blocks.black : blocks.grey);
+      CutSummary::Level& level = levels[node.level];
+      level.level = node.level;
+      ++level.blocks;
+      level.cells += node.object.cells.count();
+      thin_blocks += isThin(node) ? 1 : 0;
+      blocks.blocks.push_back(node.object);
+    }
+    std::ranges::sort(blocks.blocks, {}, &ObjectBlock::name);
+    CutSummary summary;
+    summary.has_spreads = true;
+    for (const auto& [number, level] : levels) {
+      summary.levels.push_back(level);
+      if (number > 0 && pyramid_.level(number).numbers != 2) summary.has_spreads = false;
+    }
+    const int64_t shown = levels.contains(0) ? levels[0].cells : 0;
+    if (shown_.finestCells() > 0)
+      summary.coarse_share =
+          1 - static_cast<double>(shown) / static_cast<double>(shown_.finestCells());
+    summary.is_final = !is_stopped_;
+    summary.thin_blocks = thin_blocks;
+    blocks.cut = std::move(summary);
+    return blocks;
+  }
+
+ private:
+  CutNode nodeOf(int level, Vec3i index) const {
+    CutNode node{level, index, shown_.objectOf(level, index, question_.step.time), {}};
+    if (node.object.cells.empty()) return node;
+    const LevelLayout& at = pyramid_.level(level);
+    const auto voxels = static_cast<uint64_t>(at.blocks.storedVoxels(index).count());
+    const VoxelType type = question_.step.source->layout().type;
+    node.bytes = {voxels * storedBytesPerVoxel(type, at.numbers),
+                  voxels * held_bytes_ * static_cast<uint64_t>(at.numbers)};
+    return node;
+  }
+
+  void addAll(int level, const auto& is_wanted) {
+    const BlockLayout& blocks = pyramid_.level(level).blocks;
+    for (int64_t block = 0; block < blocks.blockCount(); ++block) {
+      const Vec3i index = blocks.indexOf(block);
+      if (!is_wanted(index)) {
+        ++left_out_;
+        continue;
+      }
+      open_.push_back(nodeOf(level, index));
+      bytes_.add(open_.back().bytes);
+    }
+  }
+
+  bool fits() const {
+    return bytes_.stored <= options_.most_stored_bytes && bytes_.held <= options_.most_held_bytes;
+  }
+
+  std::vector<CutNode> childrenOf(const CutNode& node) {
+    std::vector<CutNode> nodes;
+    const Box3 children = pyramid_.childrenOf(node.level, node.index);
+    for (int64_t z = children.lo.z; z < children.hi.z; ++z)
+      for (int64_t y = children.lo.y; y < children.hi.y; ++y)
+        for (int64_t x = children.lo.x; x < children.hi.x; ++x)
+          if (shown_.showsFinest(node.level - 1, {x, y, z}))
+            nodes.push_back(nodeOf(node.level - 1, {x, y, z}));
+    return nodes;
+  }
+
+  double pixelsOf(const CutNode& node) const {
+    return sizes_.of(pyramid_.level(node.level), pyramid_.regionOf(node.level, node.index));
+  }
+  // Whether a coarse block in the picture may show next to nothing of what is there.
+  bool isThin(const CutNode& node) const {
+    return node.level > 0 && shown_.hasThinParts(node.level, node.index) && pixelsOf(node) > 0;
+  }
+  bool isTooCoarse(const CutNode& node) const {
+    return pixelsOf(node) > options_.pixel_error || (options_.keeps_thin && isThin(node));
+  }
+
+  // Replaces the open nodes, all of one level, by nodes of the next finer level if they are too
+  // coarse.
+  void refine() {
+    std::vector<std::pair<double, size_t>> wide;  // depth, position in open_
+    for (size_t i = 0; i < open_.size(); ++i) {
+      const Box3 region = pyramid_.regionOf(open_[i].level, open_[i].index);
+      if (!is_stopped_ && isTooCoarse(open_[i]))
+        wide.emplace_back(sizes_.depthOf(region), i);
+      else
+        chosen_.push_back(open_[i]);
+    }
+    std::ranges::sort(wide);
+    std::vector<CutNode> finer;
+    for (const auto& [depth, i] : wide) {
+      const CutNode& node = open_[i];
+      if (!is_stopped_) {
+        const std::vector<CutNode> children = childrenOf(node);
+        const BlockBytes before = bytes_;
+        bytes_.remove(node.bytes);
+        for (const CutNode& child : children) bytes_.add(child.bytes);
+        if (fits()) {
+          finer.insert(finer.end(), children.begin(), children.end());
+          continue;
+        }
+        bytes_ = before;
+        is_stopped_ = true;
+      }
+      chosen_.push_back(node);
+    }
+    open_ = std::move(finer);
+  }
+
+  const BlockQuestion& question_;
+  const CutOptions& options_;
+  const ShownLevels& shown_;
+  const PyramidLayout& pyramid_;
+  const PixelSizes sizes_;
+  const uint64_t held_bytes_;  // of a number
+  std::vector<CutNode> open_, chosen_;
+  BlockBytes bytes_;  // bytes of open_ and chosen_
+  int64_t left_out_ = 0;
+  bool is_stopped_ = false;
+};
+
+bool isSame(const VisibleBlocks& a, const VisibleBlocks& b) {
+  return std::ranges::equal(a.blocks, b.blocks,
+                            [](const ObjectBlock& x, const ObjectBlock& y) {
+                              return x.name == y.name && x.cells == y.cells;
+                            }) &&
+         a.cut->is_final == b.cut->is_final && a.cut->thin_blocks == b.cut->thin_blocks;
+}
+
+}  // namespace
+
+VisibleBlocksPtr LevelCut::choose(const BlockQuestion& question) {
+  SLUICE_CHECK(question.cut.has_value());
+  requireLevel(*question.cut, question.step);
+  const std::shared_ptr<const ShownLevels> shown =
+      shown_.of({question.step, question.look, question.crop}, [&] {
+        return std::make_shared<const ShownLevels>(question.step, *question.look, question.crop,
+                                                   pool_);
+      });
+  CutMaker maker(question, *shown);
+  if (question.cut->level)
+    maker.makeLevel(*question.cut->level);
+  else
+    maker.make();
+  auto made = std::make_shared<VisibleBlocks>(maker.result());
+  // The same plan serves all views that make the same cut.
+  if (answer_ != nullptr && of_answer_ == shown && isSame(*answer_, *made)) return answer_;
+  of_answer_ = shown;
+  answer_ = std::move(made);
+  return answer_;
+}
+
+bool drawsCut(const TimeStep& step, const std::optional<CutOptions>& cut, Mode mode,
+              bool has_labels) {
+  if (!cut) return false;
+  if (cut->is_default) return !step.coarser.empty() && suitDefaultCut(mode, has_labels);
+  requireLevel(*cut, step);
+  const auto refuse = [&](std::string_view are_not, std::string_view advice) {
+    if (hasMeans(step) && cut->level.value_or(1) > 0)
+      fail(
+          "{}: its coarser levels hold means, which are no {}; leave out --level, --pixel-error "
+          "and --max-bytes{}",
+          step.source->layout().name, are_not, advice);
+  };
+  if (has_labels) refuse("labels", ", or pack it with --downsample mode");
+  if (mode == Mode::kMip) refuse("maxima", ", or pack it with --downsample max");
+  if (mode == Mode::kMinip) refuse("minima", "");
+  return !step.coarser.empty();
+}
+
+int finestLevelShown(const TimeStep& step, const View& view, const CutOptions& options) {
+  requireLevel(options, step);
+  if (options.level) return *options.level;
+  const PyramidLayout pyramid = step.layout();
+  const PixelSizes sizes(step.source->layout(), view);
+  int level = 0;
+  while (level < topLevel(pyramid, options) &&
+         sizes.of(pyramid.level(level + 1), boxOf(finestCells(pyramid))) <= options.pixel_error)
+    ++level;
+  return level;
+}
+
+double spacingOfLevel(const TimeStep& step, int level) {
+  const VolumeLayout& volume = step.source->layout();
+  const Vec3d spacing = volume.spacing * step.layout().level(level).placement.scale;
+  return std::min({spacing.x, spacing.y, spacing.z}) / finestSpacing(volume);
+}
+
+}  // namespace sluice

@@ -1,0 +1,60 @@
+// LevelCut: the blocks of a picture from a cut through the levels of resolution, one more way to
+// choose them, made before a byte is read.
+//
+// A part of the volume is drawn at the coarsest level whose voxels are at most so many pixels wide
+// there. The cut starts with the coarsest level and is refined level by level, the parts in front
+// first, until the pixel error is reached everywhere or the blocks would take more than a budget
+// allows. Parts outside the picture stay coarse. A part without anything visible at the finest
+// level is left out, as with one level. A level whose voxels have a spread beside their mean shows
+// what the finest level shows; another level shows what its own ranges allow.
+#pragma once
+
+#include <memory>
+
+#include "src/base/threads/worker_pool.h"
+#include "src/render/blocks/shown_levels.h"
+#include "src/render/blocks/visible_blocks.h"
+#include "src/render/camera/cut_options.h"
+
+namespace sluice {
+
+// Whether coarser levels of means can show what the finest level shows, so that a picture may be
+// drawn from them without being asked: not extremes, averages or labels.
+inline bool suitDefaultCut(Mode mode, bool has_labels) {
+  return mode == Mode::kComposite && !has_labels;
+}
+
+// Whether a picture is drawn from a cut, of values or labels. False if no cut is set, if the step
+// has one level, or if the default cut would show something else than the finest level. Throws
+// Error if a cut was asked for that cannot be drawn: of a level that is not there, or of labels or
+// extremes from levels of means.
+bool drawsCut(const TimeStep& step, const std::optional<CutOptions>& cut, Mode mode,
+              bool has_labels);
+// The level that voxels `pixel_error` pixels wide require where the view needs the finest one, or
+// the level that the options name. The distance between slices follows from it.
+int finestLevelShown(const TimeStep& step, const View& view, const CutOptions& options);
+// The finest spacing of a level's voxels in units of the volume's finest spacing.
+double spacingOfLevel(const TimeStep& step, int level);
+
+class LevelCut : public BlockChooser {
+ public:
+  // `pool` must outlive it.
+  explicit LevelCut(WorkerPool& pool) : pool_(pool) {}
+  // Requires: the step has several levels and the question has a cut.
+  VisibleBlocksPtr choose(const BlockQuestion& question) override;
+
+ private:
+  struct ShownKey {
+    TimeStep step;
+    Identity<Look> look;
+    Box3 crop;
+    friend bool operator==(const ShownKey&, const ShownKey&) = default;
+  };
+
+  WorkerPool& pool_;
+  Memo<ShownKey, const ShownLevels> shown_;
+  std::shared_ptr<const ShownLevels> of_answer_;  // levels that answer_ was chosen from
+  VisibleBlocksPtr answer_;                       // the last one
+};
+
+}  // namespace sluice

@@ -1,0 +1,41 @@
+#include "src/render/blocks/look.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "src/render/camera/index_space.h"
+
+namespace sluice {
+
+LookUp lookUp(const OpacityTable& table, double finest_spacing) {
+  LookUp result;
+  result.device_range = table.deviceRange();
+  result.interpolates = table.mustInterpolate();
+  result.rgba.reserve(4 * static_cast<size_t>(table.entries()));
+  for (size_t i = 0; i < static_cast<size_t>(table.entries()); ++i) {
+    for (size_t channel = 0; channel < 3; ++channel)
+      result.rgba.push_back(table.rgb()[3 * i + channel]);
+    result.rgba.push_back(table.opacity()[i]);
+  }
+  for (const double magnitude : table.magnitudes())
+    result.magnitudes.push_back(magnitude / finest_spacing);
+  result.factors = table.factors();
+  result.labels = table.labels();
+  return result;
+}
+
+Look makeLook(const TimeStep& step, TransferFunction transfer, Mode mode) {
+  if (mode != Mode::kComposite) transfer.gradients.clear();
+  OpacityTable table(transfer, step.ranges->map, step.ranges->device_range);
+  LookUp look_up = lookUp(table, finestSpacing(step.source->layout()));
+  const bool has_spreads = std::ranges::any_of(
+      step.coarser, [](const CoarserStep& level) { return level.spreads != nullptr; });
+  if (has_spreads && mode == Mode::kComposite && !table.labels())
+    look_up.expected = std::make_shared<const ExpectedLook>(expectedLook(
+        look_up, table.volumeRange(),
+        step.ranges->map.type == DeviceType::kU8 ? TexelBytes::kOne : TexelBytes::kMore));
+  return {std::move(transfer), std::move(table),
+          std::make_shared<const LookUp>(std::move(look_up))};
+}
+
+}  // namespace sluice

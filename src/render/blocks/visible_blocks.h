@@ -1,0 +1,56 @@
+// BlockChooser decides which blocks of a time step a picture needs, the third arrow of a frame's
+// chain. Later stages do not know how they were chosen.
+//
+// By default that is the classification: blocks in which something is not transparent. An estimate
+// of which blocks are hidden, or a cut through levels of resolution, is another chooser.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "src/base/threads/worker_pool.h"
+#include "src/classify/blocks/classification.h"
+#include "src/render/blocks/look.h"
+#include "src/render/blocks/memo.h"
+#include "src/render/camera/camera.h"
+#include "src/render/camera/cut_options.h"
+
+namespace sluice {
+
+using VisibleBlocksPtr = std::shared_ptr<const VisibleBlocks>;
+
+struct BlockQuestion {
+  TimeStep step;
+  LookPtr look;
+  Box3 crop;  // cells that may show
+  View view;
+  std::optional<CutOptions> cut = {};  // unset: the finest level alone
+};
+
+class BlockChooser {
+ public:
+  virtual ~BlockChooser() = default;
+  // Blocks of the step's layout, of this or of other time steps and of any level, ascending by
+  // name; each finest cell at most once. Returns the same object again if no input has changed:
+  // then the values that follow from it are kept too.
+  virtual VisibleBlocksPtr choose(const BlockQuestion& question) = 0;
+};
+
+// classify(), kept while step, look and crop stay.
+class ClassifiedBlocks : public BlockChooser {
+ public:
+  explicit ClassifiedBlocks(WorkerPool& pool) : pool_(pool) {}
+  VisibleBlocksPtr choose(const BlockQuestion& question) override;
+
+ private:
+  struct Key {
+    TimeStep step;
+    Identity<Look> look;
+    Box3 crop;
+    friend bool operator==(const Key&, const Key&) = default;
+  };
+  WorkerPool& pool_;
+  Memo<Key, const VisibleBlocks> memo_;
+};
+
+}  // namespace sluice

@@ -1,0 +1,146 @@
+#include "src/render/camera/camera.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "src/base/error.h"
+#include "src/render/camera/index_space.h"
+
+namespace sluice {
+namespace {
+
+struct Orbit {
+  Vec3d eye, target, up;
+  double half_height;  // at zoom 1, as in View
+};
+
+struct Sphere {
+  Vec3d center;
+  double radius;
+};
+
+Sphere sphereAround(const VolumeLayout& layout) {
+  const Vec3d outer = toDouble(layout.dims - Vec3i{1, 1, 1});
+  Sphere sphere{worldFromIndex(layout, outer * 0.5), 0};
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3d index{(corner & 1) != 0 ? outer.x : 0, (corner & 2) != 0 ? outer.y : 0,
+                      (corner & 4) != 0 ? outer.z : 0};
+    sphere.radius = std::max(sphere.radius, length(worldFromIndex(layout, index) - sphere.center));
+  }
+  return sphere;
+}
+
+Orbit orbitOf(const Camera& camera, const VolumeLayout& layout, PictureSize size) {
+  const bool perspective = camera.projection == Projection::kPerspective;
+  const double half_angle = 0.5 * camera.field_of_view_deg * kDegree;
+  const Sphere sphere = sphereAround(layout);
+  // A picture that is higher than wide shows the whole sphere too.
+  const double height_factor =
+      std::max(1.0, static_cast<double>(size.height) / static_cast<double>(size.width));
+  Orbit orbit;
+  orbit.half_height = (perspective ? std::tan(half_angle) : sphere.radius) * height_factor;
+  if (camera.look_at) {
+    orbit.eye = camera.look_at->eye;
+    orbit.target = camera.look_at->target;
+    orbit.up = camera.up.value_or(frontAxes(camera.view, layout.frame, {}).up);
+    return orbit;
+  }
+  const ViewAxes axes = axesOf(camera, layout.frame);
+  double distance = sphere.radius / std::sin(half_angle);
+  orbit.target = sphere.center;
+  if (camera.framing) {
+    orbit.target = camera.framing->target;
+    if (perspective) {
+      distance = camera.framing->reach;
+    } else {
+      orbit.half_height = camera.framing->reach;
+    }
+  }
+  orbit.up = axes.up;
+  if (camera.framing) {
+    const double half = orbit.half_height / camera.zoom * (perspective ? distance : 1);
+    const double aspect = static_cast<double>(size.width) / size.height;
+    orbit.target = orbit.target - axes.right * (camera.framing->right * half * aspect) -
+                   axes.up * (camera.framing->up * half);
+  }
+  orbit.eye = orbit.target + axes.back * distance;
+  return orbit;
+}
+
+void requireFinite(Vec3d v, const char* what) {
+  if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.z))
+    fail("the camera's {} at {}, {}, {}: must be finite", what, v.x, v.y, v.z);
+}
+
+}  // namespace
+
+void requireValid(const Camera& camera, PictureSize size) {
+  if (size.width < 1 || size.height < 1)
+    fail("a picture of {} x {} pixels: both must be at least 1", size.width, size.height);
+  if (!(camera.zoom > 0) || !std::isfinite(camera.zoom))
+    fail("a zoom of {}: must be above 0", camera.zoom);
+  if (!(camera.field_of_view_deg > 0 && camera.field_of_view_deg < 180))
+    fail("a field of view of {} degrees: must be above 0 and below 180", camera.field_of_view_deg);
+  if (!std::isfinite(camera.azimuth_deg))
+    fail("an azimuth of {} degrees: must be finite", camera.azimuth_deg);
+  if (!std::isfinite(camera.elevation_deg))
+    fail("an elevation of {} degrees: must be finite", camera.elevation_deg);
+  if (!camera.up) return;
+  requireFinite(*camera.up, "up direction");
+  if (!(length(*camera.up) > 0)) fail("the camera's up direction is 0, 0, 0: must have a length");
+}
+
+ViewAxes axesOf(const Camera& camera, WorldFrame frame) {
+  const ViewTurn from = turnOf(camera.view, frame);
+  return turned(frontAxes(camera.view, frame, camera.up),
+                {from.azimuth_deg + camera.azimuth_deg, from.elevation_deg + camera.elevation_deg});
+}
+
+View resolve(const Camera& camera, const VolumeLayout& layout, PictureSize size, double step_vox) {
+  requireValid(camera, size);
+  if (!(step_vox > 0) || !std::isfinite(step_vox))
+    fail("a step of {} voxels: must be above 0", step_vox);
+  const Orbit orbit = orbitOf(camera, layout, size);
+  requireFinite(orbit.eye, "eye");
+  requireFinite(orbit.target, "target");
+  requireFinite(orbit.up, "up direction");
+  const Vec3d toward = orbit.target - orbit.eye;
+  if (!(length(toward) > 0)) fail("the camera's eye lies on its target");
+  const Vec3d side = cross(toward, orbit.up);
+  if (!(length(side) > 1e-9 * length(toward) * length(orbit.up)))
+    fail("the camera's up direction lies along its view");
+
+  View view;
+  view.projection = camera.projection;
+  view.size = size;
+  view.eye = orbit.eye;
+  view.forward = normalized(toward);
+  view.right = normalized(side);
+  view.up = cross(view.right, view.forward);
+  view.half_height = orbit.half_height / camera.zoom;
+  view.step = step_vox * finestSpacing(layout);
+  view.first_depth = std::numeric_limits<double>::infinity();
+  double last_depth = -view.first_depth;
+  const Vec3d outer = toDouble(layout.dims - Vec3i{1, 1, 1});
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3d index{(corner & 1) != 0 ? outer.x : 0, (corner & 2) != 0 ? outer.y : 0,
+                      (corner & 4) != 0 ? outer.z : 0};
+    const double depth = dot(worldFromIndex(layout, index) - view.eye, view.forward);
+    view.first_depth = std::min(view.first_depth, depth);
+    last_depth = std::max(last_depth, depth);
+  }
+  // Beyond this limit the devices, which count slices in floats, would silently leave some out.
+  constexpr double kMostSlices = 1 << 24;
+  const double slices = (last_depth - view.first_depth) / view.step;
+  if (!(slices <= kMostSlices))
+    fail(
+        "--step {}: {:.3g} slices along the view, of which at most {} can be drawn; give --step "
+        "{:.2g} "
+        "or more",
+        step_vox, slices, static_cast<int64_t>(kMostSlices),
+        1.01 * step_vox * slices / kMostSlices);
+  return view;
+}
+
+}  // namespace sluice

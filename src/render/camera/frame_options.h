@@ -1,0 +1,98 @@
+// FrameOptions: the options that may change from one frame to the next, including the camera. Plain
+// data.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "src/base/threads/progress_meter.h"
+#include "src/base/threads/stop_token.h"
+#include "src/classify/transfer/transfer_function.h"
+#include "src/device/frame_values.h"
+#include "src/device/lighting.h"
+#include "src/render/camera/camera.h"
+#include "src/render/camera/cut_options.h"
+#include "src/render/frame/frame_occlusion.h"
+#include "src/texture/texture_plan.h"
+
+namespace sluice {
+
+// Keeps world positions p with dot(normal, p) <= offset.
+struct WorldPlane {
+  Vec3d normal;
+  double offset = 0;
+};
+
+// The boxes that are drawn of a texture block: its object box, or the visible ones of its growing
+// boxes (Li 2003), which hold fewer empty cells. The picture is the same.
+enum class Partition { kBlocks, kBoxes };
+
+// Opaque enough to leave out everything behind (Li 2003, section 4.1).
+inline constexpr double kDefaultOpaque = 0.95;
+
+struct FrameOptions {
+  Camera camera;
+  PictureSize size;
+  double step_vox = 1;  // between slices, in units of the finest spacing
+  Mode mode = Mode::kComposite;
+  bool with_depth = false;
+  // From this opacity on a pixel counts as opaque, see rayThreshold() and hidingThreshold(). 1: the
+  // picture does not change. Unset: 1, with occlusion kDefaultOpaque.
+  std::optional<double> opacity_threshold;
+  Occlusion occlusion = Occlusion::kOff;  // composite only
+  bool shades = true;                     // by sessions opened lit; they may draw a frame without
+  Lighting lighting;                      // Applies if the frame is lit
+  std::optional<CutOptions> cut;          // unset: the finest level alone is drawn
+  std::optional<Box3> crop;  // voxels; the part between its outer voxel planes is shown
+  std::vector<WorldPlane> clip_planes;
+  Algorithm algorithm = Algorithm::kMerged;
+  MergeOrder merge_order = MergeOrder::kPaper;
+  Partition partition = Partition::kBlocks;  // kBoxes only if the session has boxes
+  // How long a frame may wait for missing data, including its drawing as far as the last frame
+  // predicts it. The data still missing then is left out; later frames have it. Unset: waits for
+  // all data.
+  std::optional<double> time_limit_s;
+  bool keep_phases = false;  // fills Frame::phases; with occlusion
+  // Reads, lights and blends every sample of the boxes drawn, even if it shows nothing, as
+  // renderers without empty space skipping do (Li's Basic): the baseline for measuring skipping.
+  bool shades_every_sample = false;
+  // Rays may leap over cells inside a box that show nothing and end where nothing behind could be
+  // seen, if the device can: the picture is the same. Off if a bench measures the papers' ways of
+  // skipping without it.
+  bool skips = true;
+  // Ends the frame, see Session::frame().
+  StopToken stop = {};
+  // Called with the number of clusters drawn and of all: before the first, and after each. Called
+  // by the drawing thread.
+  ProgressWatch watch = {};
+  bool count_samples = false;  // fills FrameReport::samples_*; costs a pass without texture reads
+  // With it, samples_taken leaves out leapt samples, even if no ray ends early.
+  bool counts_leaps = false;
+};
+
+// The opacity from which on boxes behind are hidden, rays end and pixels take no more samples: the
+// paper's ESS+M and ESS+C take all samples of the boxes that they draw.
+inline double hidingThreshold(const FrameOptions& options) {
+  return options.opacity_threshold.value_or(kDefaultOpaque);
+}
+inline double rayThreshold(const FrameOptions& options) {
+  switch (options.occlusion) {
+    case Occlusion::kOff:
+      return options.opacity_threshold.value_or(1);
+    case Occlusion::kClip:
+      return hidingThreshold(options);
+    case Occlusion::kMap:
+    case Occlusion::kCull:
+      break;
+  }
+  return 1;
+}
+
+// The cells that options.crop lets show: those between its outer voxel planes.
+inline Box3 cropCells(const FrameOptions& options, Vec3i dims) {
+  const Box3 all = boxOf(dims - Vec3i{1, 1, 1});
+  if (!options.crop) return all;
+  return intersect({options.crop->lo, options.crop->hi - Vec3i{1, 1, 1}}, all);
+}
+
+}  // namespace sluice

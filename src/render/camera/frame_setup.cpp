@@ -1,0 +1,156 @@
+#include "src/render/camera/frame_setup.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include "src/render/camera/index_space.h"
+
+namespace sluice {
+namespace {
+
+struct Frustum {
+  Vec3d right, up;  // world: half the picture's width and height (perspective: at depth 1)
+};
+
+Frustum frustumOf(const View& view) {
+  const double aspect = static_cast<double>(view.size.width) / view.size.height;
+  return {view.right * (aspect * view.half_height), view.up * view.half_height};
+}
+
+// u = 2 x / width - 1 and v = 2 y / height - 1, put into the ray's formula.
+RayGrid raysOf(const View& view, const VolumeLayout& layout) {
+  const auto [right, up] = frustumOf(view);
+  const auto direction = [&](Vec3d world) { return indexFromWorldDirection(layout, world); };
+  const Vec3d corner = direction(right + up) * -1.0;  // at u = v = -1
+  const Vec3d dx = direction(right) * (2.0 / view.size.width);
+  const Vec3d dy = direction(up) * (2.0 / view.size.height);
+  const Vec3d eye = indexFromWorld(layout, view.eye), forward = direction(view.forward);
+  RayGrid rays;
+  if (view.projection == Projection::kPerspective) {
+    rays.origin0 = eye + (forward + corner) * view.first_depth;
+    rays.origin_dx = dx * view.first_depth;
+    rays.origin_dy = dy * view.first_depth;
+    rays.step0 = (forward + corner) * view.step;
+    rays.step_dx = dx * view.step;
+    rays.step_dy = dy * view.step;
+  } else {
+    rays.origin0 = eye + corner + forward * view.first_depth;
+    rays.origin_dx = dx;
+    rays.origin_dy = dy;
+    rays.step0 = forward * view.step;
+  }
+  return rays;
+}
+
+// A row that takes dot(world - eye, along) from an index position.
+std::array<double, 4> rowOf(const View& view, const VolumeLayout& layout, Vec3d along) {
+  std::array<double, 4> row{};
+  for (size_t a = 0; a < 3; ++a)
+    row[a] = dot(layout.axes[a], along) * layout.spacing[static_cast<int>(a)];
+  row[3] = dot(layout.origin - view.eye, along);
+  return row;
+}
+
+std::vector<ClipPlane> clipPlanes(const std::vector<WorldPlane>& planes,
+                                  const VolumeLayout& layout) {
+  std::vector<ClipPlane> result;
+  for (const WorldPlane& plane : planes) {
+    ClipPlane clip;
+    for (int a = 0; a < 3; ++a)
+      clip.normal[a] = dot(layout.axes[static_cast<size_t>(a)], plane.normal) * layout.spacing[a];
+    clip.offset = plane.offset - dot(layout.origin, plane.normal);
+    result.push_back(clip);
+  }
+  return result;
+}
+
+// The first slice in front of a perspective eye.
+int64_t firstSlice(const View& view) {
+  if (view.projection == Projection::kOrtho || view.first_depth > 0) return 0;
+  return static_cast<int64_t>(std::floor(-view.first_depth / view.step - 0.5)) + 1;
+}
+
+FrameSetup setupOf(const View& view, const VolumeLayout& layout, const OpacityTable& table,
+                   LookUpPtr look_up, const ValueMap& map, const FrameOptions& options) {
+  FrameSetup setup = viewSetup(view, layout, options.clip_planes);
+  setup.shown = cropCells(options, layout.dims);
+  setup.type = map.type;
+  setup.look_up = std::move(look_up);
+  setup.mode = options.mode;
+  // The rounding of 1 / (1 / n) makes no more of n.
+  setup.planes_a_voxel = std::max(
+      1, static_cast<int>(
+             std::ceil(setup.slice_length > 0 ? std::min(1 / setup.slice_length, 1e6) - 1e-6 : 1)));
+  // If the scale is negative, the greatest value is the least device value.
+  if (map.scale < 0 && options.mode == Mode::kMip) setup.mode = Mode::kMinip;
+  if (map.scale < 0 && options.mode == Mode::kMinip) setup.mode = Mode::kMip;
+  setup.opacity_threshold = rayThreshold(options);
+  setup.with_depth = options.with_depth;
+  setup.shades_every_sample = options.shades_every_sample;
+  setup.skips = options.skips && !options.shades_every_sample;
+  setup.lighting = options.lighting;
+  for (size_t a = 0; a < 3; ++a) {
+    const Vec3d gradient = layout.axes[a] / layout.spacing[static_cast<int>(a)];
+    setup.camera_gradient[a] = {dot(gradient, view.right), dot(gradient, view.up),
+                                -dot(gradient, view.forward)};
+  }
+  const ValueRange range = table.volumeRange();
+  setup.flat = options.lighting.flat_share * (range.hi - range.lo) / finestSpacing(layout);
+  if (table.labels()) setup.flat = 0;  // a label's number tells nothing of how steep its surface is
+  return setup;
+}
+
+}  // namespace
+
+FrameSetup viewSetup(const View& view, const VolumeLayout& layout,
+                     const std::vector<WorldPlane>& planes) {
+  FrameSetup setup;
+  setup.size = view.size;
+  setup.projection = view.projection;
+  setup.rays = raysOf(view, layout);
+  const auto [right, up] = frustumOf(view);
+  setup.clip_from_index[0] = rowOf(view, layout, right / dot(right, right));
+  setup.clip_from_index[1] = rowOf(view, layout, up / dot(up, up));
+  if (view.projection == Projection::kPerspective) {
+    setup.clip_from_index[2] = rowOf(view, layout, view.forward);
+    setup.tan_half_x = length(right);
+    setup.tan_half_y = length(up);
+  } else {
+    setup.clip_from_index[2] = {0, 0, 0, 1};
+  }
+  setup.first_slice = firstSlice(view);
+  setup.first_depth = view.first_depth;
+  setup.depth_step = view.step;
+  setup.slice_length = view.step / finestSpacing(layout);
+  setup.shown = boxOf(layout.dims - Vec3i{1, 1, 1});
+  setup.clip_planes = clipPlanes(planes, layout);
+  return setup;
+}
+
+FrameSetup frameSetup(const View& view, const VolumeLayout& layout, const OpacityTable& table,
+                      const ValueMap& map, const FrameOptions& options) {
+  return setupOf(view, layout, table,
+                 std::make_shared<const LookUp>(lookUp(table, finestSpacing(layout))), map,
+                 options);
+}
+
+FrameSetup frameSetup(const View& view, const VolumeLayout& layout, const Look& look,
+                      const ValueMap& map, const FrameOptions& options, bool lit) {
+  FrameSetup setup = setupOf(view, layout, look.table, look.look_up, map, options);
+  setup.lit = lit;
+  // Rays or pixels may stop, or leap, so that fewer samples are taken than lie in the frame's
+  // boxes.
+  setup.counts_taken = options.count_samples && options.mode == Mode::kComposite &&
+                       !options.with_depth && (rayThreshold(options) < 1 || options.counts_leaps);
+  return setup;
+}
+
+EyePosition eyePosition(const View& view, const VolumeLayout& layout) {
+  if (view.projection == Projection::kOrtho)
+    return {true, indexFromWorldDirection(layout, view.forward)};
+  return {false, indexFromWorld(layout, view.eye)};
+}
+
+}  // namespace sluice

@@ -1,0 +1,27 @@
+// The values that a device needs for a frame, from the view, the volume's layout and the options.
+// Pure functions.
+#pragma once
+
+#include "src/classify/transfer/opacity_table.h"
+#include "src/device/frame_values.h"
+#include "src/render/blocks/look.h"
+#include "src/render/camera/frame_options.h"
+#include "src/texture/texture_plan.h"
+#include "src/volume/slice_ranges.h"
+
+namespace sluice {
+
+FrameSetup frameSetup(const View& view, const VolumeLayout& layout, const OpacityTable& table,
+                      const ValueMap& map, const FrameOptions& options);
+// The same for a frame of a session that is lit or not, with the counts that its options ask for.
+FrameSetup frameSetup(const View& view, const VolumeLayout& layout, const Look& look,
+                      const ValueMap& map, const FrameOptions& options, bool lit);
+
+// The view's part of it alone: rays, clip space, slices and clip planes.
+FrameSetup viewSetup(const View& view, const VolumeLayout& layout,
+                     const std::vector<WorldPlane>& clip_planes);
+
+// The eye's position for ordering blocks front to back.
+EyePosition eyePosition(const View& view, const VolumeLayout& layout);
+
+}  // namespace sluice

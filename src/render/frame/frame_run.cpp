@@ -1,0 +1,255 @@
+#include "src/render/frame/frame_run.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "src/base/error.h"
+#include "src/base/threads/clock.h"
+#include "src/device/picture_rows.h"
+#include "src/texture/frame_trace.h"
+
+namespace sluice {
+namespace {
+
+// A list for the device ends with the chunk that brings it to this.
+constexpr size_t kMostBoxesAtOnce = 1 << 14;
+
+void append(std::vector<BoxDraw>& to, const std::vector<BoxDraw>& boxes) {
+  to.insert(to.end(), boxes.begin(), boxes.end());
+}
+
+// `level` is the block's.
+BoxDraw boxDraw(const TextureBlock& block, const LevelPlacement& level) {
+  BoxDraw box;
+  box.cells = block.cells;
+  TexelMap& texels = box.texels;
+  texels.axes = textureAxes(block.trimming_axis);
+  for (int a = 0; a < 3; ++a) {
+    const int axis = texels.axes[static_cast<size_t>(a)];
+    texels.scale[a] = 1 / level.scale[axis];
+    texels.offset[a] = static_cast<double>(block.at[a] - block.voxels.lo[axis]) -
+                       level.offset[axis] / level.scale[axis];
+  }
+  return box;
+}
+
+}  // namespace
+
+FrameRun::FrameRun(FrameValues values, Residency& residency, Device& device, TraceWriter* trace,
+                   int64_t number, const FrameLessons& lessons)
+    : values_(std::move(values)),
+      options_(values_.options),
+      residency_(residency),
+      device_(device),
+      trace_(trace),
+      number_(number),
+      last_(lessons),
+      updates_(lessons.occlusion == options_.occlusion ? lessons.updates
+                                                       : UpdateCount(lessons.updates.options())) {}
+
+FrameRun::~FrameRun() {
+  if (!is_drawn_) {
+    // Ends the reading that was begun for this frame, so that the levels' counters are right.
+    boxes_.reset();
+    ahead_.reset();
+    residency_.chunks().waitUntilIdle();
+  }
+  // A frame that was drawn may be drawn again, phase after phase, and be stopped there.
+  device_.cancelFrame();
+}
+
+Picture FrameRun::draw() {
+  const FramePlan& plan = *values_.plan;
+  device_.beginFrame(values_.setup, options_.stop);
+  startOcclusion();
+  const ReadPurpose purpose{tally_, options_.stop};
+  if (values_.boxes != nullptr) {
+    boxes_.emplace(values_.boxes, *values_.order, residency_.readers(), !options_.time_limit_s,
+                   purpose);
+    boxes_->begin([this](BlockPosition block) { return isHidden(block); });
+  }
+  ahead_ = std::make_unique<ReadAhead>(residency_, values_.plan, *values_.order, purpose, needs());
+  residency_.unpinAll();
+  const Deadline deadline = this->deadline();
+  size_t visit = 0;
+  bool is_read = false;
+  const auto tellRead = [&] {
+    if (!std::exchange(is_read, true) && values_.when_read) values_.when_read();
+  };
+  tellProgress(visit);
+  while (const auto taken = ahead_->take(deadline)) {
+    options_.stop.throwIfStopped();
+    makeResident(*taken);
+    if (ahead_->isDone()) tellRead();
+    if (!taken->step.completes_cluster) continue;
+    const Visit& now = values_.order->visits[visit++];
+    if (now.draws) {
+      drawBlocks(now.blocks);
+      residency_.unpinAll();
+    }
+    tellProgress(visit);
+  }
+  tellRead();  // also of a frame that shows nothing
+  const Stopwatch watch;
+  Picture picture = device_.endFrame();
+  report_.stages.draw += watch.seconds();
+  if (missing_cells_ > 0) report_.missing_share = missing_cells_ / static_cast<double>(plan.cells);
+  gatherCounters();
+  boxes_.reset();
+  is_drawn_ = true;
+  return picture;
+}
+
+void FrameRun::tellProgress(size_t visits) const {
+  if (options_.watch) options_.watch(visits, values_.order->visits.size());
+  options_.stop.throwIfStopped();
+}
+
+FrameRun::Deadline FrameRun::deadline() const {
+  if (!options_.time_limit_s) return std::nullopt;
+  const std::chrono::duration<double> waiting(*options_.time_limit_s - last_.draw_s);
+  return values_.asked_at + std::chrono::duration_cast<std::chrono::nanoseconds>(waiting);
+}
+
+void FrameRun::makeResident(const ReadAhead::Taken& taken) {
+  for (size_t i = 0; i < taken.texels.size(); ++i) {
+    const ChunkPosition chunk = taken.step.chunks[i];
+    const ChunkName name = values_.plan->names[chunk];
+    ChunkTexelsPtr texels = taken.texels[i];
+    // The texels come first: a chunk that cannot be read is one that the model was never asked for.
+    if (texels == nullptr && !residency_.isResident(name)) {
+      if (options_.time_limit_s) continue;
+      texels = ahead_->takeOne(chunk);
+    }
+    if (trace_ != nullptr)
+      trace_->write(requestFor(textures(), chunk, name, taken.step.cluster, number_));
+    const Residency::Made made = residency_.makeResident(*values_.plan, chunk, texels);
+    report_.pages_loaded += made.pages;
+    report_.uploaded_bytes += made.copied_bytes;
+    report_.stages.upload += made.seconds;
+  }
+}
+
+void FrameRun::drawBlocks(const std::vector<BlockPosition>& order) {
+  const Stopwatch watch;
+  const double boxes_before = report_.stages.boxes;
+  const std::optional<PictureRows> rows = rowsOf(device_);
+  for (const BlockPosition position : order) {
+    const TextureBlock& block = textures().blocks[position];
+    if (block.cells.empty()) continue;  // loaded whole, shows nothing (algorithm II)
+    if (rows && !overlap(*rows, rowsOf(values_.setup, block.cells))) continue;
+    if (isHidden(position)) {
+      occlusion_->leaveOut(block.cells.count());
+      continue;
+    }
+    if (!residency_.isResident(values_.plan->names[block.chunk])) {
+      missing_cells_ += static_cast<double>(block.cells.count());  // left out at the time limit
+      if (occlusion_) shown_[block.chunk] = true;                  // the next frame wants it
+      continue;
+    }
+    drawBlock(position);
+  }
+  flushBoxes();
+  report_.stages.draw += watch.seconds() - (report_.stages.boxes - boxes_before);
+}
+
+void FrameRun::drawBlock(BlockPosition position) {
+  const TextureBlock& block = textures().blocks[position];
+  BoxDraw box = boxDraw(block, textures().pyramid.of(block.name).placement);
+  VisibleBoxesPtr boxes;
+  if (boxes_) {
+    const Stopwatch watch;
+    boxes = boxes_->take(position, [this](BlockPosition other) { return isHidden(other); });
+    report_.stages.boxes += watch.seconds();
+  }
+  if (boxes == nullptr) {  // the object box holds whatever its boxes would show
+    drawBox(block.chunk, box);
+    return;
+  }
+  const Vec3i first = values_.boxes->firstCell(position);
+  const EyePosition& eye = values_.order->eye;
+  const BoxEye from{eye.parallel, eye.parallel ? eye.index : eye.index - toDouble(first)};
+  boxes->visitFrontToBack(from, [&](const Box3& local) {
+    box.cells = translate(local, first);
+    drawBox(block.chunk, box);
+  });
+}
+
+void FrameRun::drawBox(ChunkPosition chunk, BoxDraw box) {
+  if (occlusion_) {
+    const std::optional<Box3> visible = occlusion_->visible(box.cells);
+    if (!visible) return;
+    box.cells = *visible;
+    shown_[chunk] = true;
+  }
+  box.chunk = residency_.idOf(values_.plan->names[chunk]);
+  if (pending_.empty() || pending_.back().chunk != box.chunk) {
+    if (pending_.size() >= kMostBoxesAtOnce) flushBoxes();
+    ++report_.binds;
+  }
+  pending_.push_back(box);
+  if (occlusion_ && occlusion_->isUpdateDue()) updateOpacityMap();
+}
+
+void FrameRun::flushBoxes() {
+  if (pending_.empty()) return;
+  device_.draw(pending_);
+  report_.boxes_drawn += static_cast<int64_t>(pending_.size());
+  if (!phases_.empty()) append(phases_.back().drawn, pending_);
+  if (options_.count_samples) append(counted_, pending_);
+  pending_.clear();
+}
+
+void FrameRun::gatherCounters() {
+  report_.decoded_bytes = tally_->decoded_bytes;
+  report_.copied_bytes = tally_->copied_bytes;
+  report_.stages.read = secondsOf(tally_->read_ns);
+  report_.stages.decode = secondsOf(tally_->decode_ns);
+  report_.stages.copy = secondsOf(tally_->copy_ns);
+  report_.white = values_.visible->white;
+  report_.grey = values_.visible->grey;
+  report_.black = values_.visible->black;
+  report_.cut = values_.visible->cut;
+  report_.before = last_.blocks;
+  const FramePlan& plan = *values_.plan;
+  report_.clusters = static_cast<int64_t>(plan.textures.clusters.size());
+  report_.chunks = static_cast<int64_t>(plan.textures.chunks.size());
+  report_.pages = plan.pages;
+  report_.rebuild = plan.rebuild;
+  if (!occlusion_) return;
+  const double seconds = report_.occlusion.seconds;
+  report_.occlusion = occlusion_->report();
+  report_.occlusion.seconds = seconds;
+  report_.occlusion.chunks_hidden = std::count(shown_.begin(), shown_.end(), false);
+}
+
+void FrameRun::countSamples() {
+  std::vector<BoxDraw> object;
+  for (const ObjectBlock& block : values_.visible->blocks) {
+    BoxDraw box;
+    box.cells = block.cells;
+    object.push_back(box);
+  }
+  // The taken samples are read first, because the other counts use the same place.
+  const uint64_t taken = values_.setup.counts_taken ? device_.takenSamples() : 0;
+  report_.samples_drawn = device_.countSamples(counted_);
+  report_.samples_taken = values_.setup.counts_taken ? taken : report_.samples_drawn;
+  report_.samples_object = device_.countSamples(object);
+}
+
+FrameLessons FrameRun::lessons() {
+  FrameLessons next;
+  next.blocks = {report_.white, report_.grey, report_.black};
+  next.draw_s = report_.stages.draw;
+  next.occlusion = options_.occlusion;
+  next.updates = updates_;
+  if (occlusion_) {
+    next.updates.finished({occlusion_->hiddenShare(), report_.occlusion.updates});
+    next.plan = values_.plan;
+    next.shown = std::move(shown_);
+  }
+  if (report_.missing_share > 0) next.unfinished = std::move(ahead_);
+  return next;
+}
+
+}  // namespace sluice

@@ -1,0 +1,50 @@
+// How --memory is shared out among the levels (design, point 3). Pure functions.
+#pragma once
+
+#include <cstdint>
+
+#include "cache/model/page_geometry.h"
+#include "src/base/values/volume_source.h"
+#include "src/device/device.h"
+#include "src/render/camera/frame_options.h"
+#include "src/volume/block_layout.h"
+
+namespace sluice {
+
+struct Budgets {
+  uint64_t volume_buffer = 0, texture_cache = 0;
+  uint64_t texture_buffer = 0;  // includes what a device borrows
+  uint64_t borrowed = 0;        // the most of texture_buffer that a device borrows
+  uint64_t scratch = 0;         // for the reading threads
+  uint64_t source = 0;          // chunks that the source keeps decoded
+  uint64_t boxes = 0;           // growing boxes
+  uint64_t growing = 0;         // voxels that they are made of
+  int readers = 1;              // threads that read and copy in addition to the one that draws
+};
+
+// Uses of memory besides the textures.
+struct BufferNeeds {
+  int64_t block_vox = 64;            // a side
+  uint64_t source_thread_bytes = 0;  // VolumeSource::heldBytesAThread()
+  uint64_t growing_bytes = 0;        // of a block (volume_boxes.h); 0: no growing boxes are drawn
+  uint64_t beside_bytes = 0;         // that others hold of the same memory: min-max arrays
+  int64_t numbers = 1;               // a voxel of the largest block: 2 with spreads
+};
+BufferNeeds bufferNeeds(const VolumeSource& source, const BlockLayout& layout, Partition partition,
+                        uint64_t beside_bytes);
+
+// The least that levels 1 to 3 work with: two merged chunks; for one reader and the drawing thread
+// two blocks each, their scratch, the source's memory for them and the voxels of their growing
+// boxes; and the memory that others hold.
+uint64_t leastBufferBytes(const PageGeometry& page, const BufferNeeds& needs);
+// The part of --memory that level 4 takes: a device's copies and the storage that may wait for
+// reuse; or the bytes that it borrows from level 3 and the tables that it makes of them
+// (kTableBrickSide).
+uint64_t textureMemoryBytes(const PageGeometry& page, TexelPlace texels);
+
+// Up to `most_readers` readers, fewer if memory is short. Throws Error, with the least that works,
+// when level 4 leaves too little to the others.
+Budgets shareMemory(uint64_t memory_bytes, const PageGeometry& page, TexelPlace texels,
+                    const BufferNeeds& needs, int most_readers);
+
+}  // namespace sluice

@@ -1,0 +1,41 @@
+#include "src/render/session/planner.h"
+
+namespace sluice {
+
+LookPtr Planner::look(const TimeStep& step, const TransferPtr& transfer, Mode mode) {
+  return look_.of({step, transfer, mode}, [&] { return makeLook(step, *transfer, mode); });
+}
+
+VisibleBlocksPtr Planner::visibleBlocks(const TimeStep& step, const LookPtr& look, const View& view,
+                                        const FrameOptions& options) {
+  std::optional<CutOptions> cut;
+  if (drawsCut(step, options.cut, options.mode, look->table.labels())) cut = options.cut;
+  BlockChooser* chooser = chooser_;
+  if (chooser == nullptr && cut) chooser = &cut_;
+  if (chooser == nullptr) chooser = &classified_;
+  return chooser->choose({step, look, cropCells(options, step.ranges->layout.dims), view, cut});
+}
+
+FramePlanPtr Planner::plan(const TimeStep& step, const VisibleBlocksPtr& visible,
+                           const FrameOptions& options) {
+  const Box3 crop = cropCells(options, step.ranges->layout.dims);
+  return plan_.of({step, visible, options.algorithm, options.merge_order, crop}, [&] {
+    return makeFramePlan(step, *visible, page_,
+                         {options.algorithm, options.merge_order, step.time, crop}, names_);
+  });
+}
+
+FramePlanPtr Planner::planFor(const TimeStep& step, const TransferPtr& transfer,
+                              const FrameOptions& options) {
+  const View view = resolve(options.camera, step.source->layout(), options.size, options.step_vox);
+  const LookPtr shown = look(step, transfer, options.mode);
+  return plan(step, visibleBlocks(step, shown, view, options), options);
+}
+
+DrawOrderPtr Planner::order(const FramePlanPtr& plan, const EyePosition& eye,
+                            Arrangement arrangement) {
+  return order_.of({plan, eye.parallel, eye.index, arrangement},
+                   [&] { return makeDrawOrder(plan->textures, eye, arrangement); });
+}
+
+}  // namespace sluice

@@ -1,0 +1,78 @@
+// Planner: the front half of a frame's chain, the same for pictures, `sluice plan` and the
+// simulator: from a time step to the order of its visit.
+//
+//   TimeStep -> Look -> VisibleBlocks -> FramePlan -> DrawOrder
+//
+// Each is a pure function of the values to its left and of options, and each value is kept until
+// its inputs change. No voxel is touched and no device is used. One thread; classification runs on
+// all threads of the pool.
+#pragma once
+
+#include <memory>
+
+#include "cache/model/page_geometry.h"
+#include "src/render/blocks/level_cut.h"
+#include "src/render/blocks/visible_blocks.h"
+#include "src/render/camera/frame_options.h"
+#include "src/render/frame/draw_order.h"
+#include "src/render/frame/frame_plan.h"
+
+namespace sluice {
+
+using TransferPtr = std::shared_ptr<const TransferFunction>;
+
+class Planner {
+ public:
+  // `pool` and `names` must outlive it.
+  Planner(const PageGeometry& page, WorkerPool& pool, ChunkNames& names)
+      : page_(page), names_(names), classified_(pool), cut_(pool) {}
+
+  // Blocks are chosen by this from now on, which must outlive its use; null: by a cut if
+  // the picture is drawn from one (drawsCut()), else by classification.
+  void chooseBlocksBy(BlockChooser* chooser) { chooser_ = chooser; }
+
+  LookPtr look(const TimeStep& step, const TransferPtr& transfer, Mode mode);
+  VisibleBlocksPtr visibleBlocks(const TimeStep& step, const LookPtr& look, const View& view,
+                                 const FrameOptions& options);
+  // Throws Error when the texture cache has fewer pages than one block.
+  FramePlanPtr plan(const TimeStep& step, const VisibleBlocksPtr& visible,
+                    const FrameOptions& options);
+  // The three in a row.
+  FramePlanPtr planFor(const TimeStep& step, const TransferPtr& transfer,
+                       const FrameOptions& options);
+  DrawOrderPtr order(const FramePlanPtr& plan, const EyePosition& eye, Arrangement arrangement);
+
+ private:
+  struct LookKey {
+    TimeStep step;
+    Identity<TransferFunction> transfer;
+    Mode mode;
+    friend bool operator==(const LookKey&, const LookKey&) = default;
+  };
+  struct PlanKey {
+    TimeStep step;
+    Identity<VisibleBlocks> visible;
+    Algorithm algorithm;
+    MergeOrder merge_order;
+    Box3 crop;
+    friend bool operator==(const PlanKey&, const PlanKey&) = default;
+  };
+  struct OrderKey {
+    Identity<FramePlan> plan;
+    bool parallel;
+    Vec3d eye;
+    Arrangement arrangement;
+    friend bool operator==(const OrderKey&, const OrderKey&) = default;
+  };
+
+  const PageGeometry page_;
+  ChunkNames& names_;
+  BlockChooser* chooser_ = nullptr;
+  ClassifiedBlocks classified_;
+  LevelCut cut_;
+  Memo<LookKey, const Look> look_;
+  Memo<PlanKey, const FramePlan> plan_;
+  Memo<OrderKey, const DrawOrder> order_;
+};
+
+}  // namespace sluice

@@ -1,0 +1,134 @@
+#include "src/render/session/residency.h"
+
+#include <algorithm>
+#include <unordered_set>
+
+#include "src/base/error.h"
+#include "src/base/threads/clock.h"
+
+namespace sluice {
+namespace {
+
+// Enough to keep a disk busy that serves many reads at once, on machines of few cores too.
+constexpr int kReadsInFlight = 4;
+
+// Names that no plan in use has: of thresholds seen before, whose chunks level 3 may still hold.
+constexpr size_t kMostUnusedNames = size_t{1} << 16;
+
+std::vector<VolumeBuffer::Level> bufferLevels(const TimeStep& step) {
+  const PyramidLayout layout = step.layout();
+  std::vector<VolumeBuffer::Level> levels{{step.source, layout.finest()}};
+  for (const CoarserStep& coarser : step.coarser)
+    levels.push_back(
+        {coarser.source, layout.level(static_cast<int>(levels.size())).blocks, coarser.spreads});
+  return levels;
+}
+
+// Of all levels, level 0 first.
+std::vector<VolumeSource*> sourcesOf(const TimeStep& step) {
+  std::vector<VolumeSource*> sources{step.source};
+  for (const CoarserStep& coarser : step.coarser) {
+    sources.push_back(coarser.source);
+    if (coarser.spreads != nullptr) sources.push_back(coarser.spreads);
+  }
+  return sources;
+}
+
+uint64_t sourceThreadBytes(const TimeStep& step) {
+  uint64_t bytes = 0;
+  for (const VolumeSource* source : sourcesOf(step))
+    bytes = std::max(bytes, source->heldBytesAThread());
+  return bytes;
+}
+
+BufferNeeds needsOf(const TimeStep& step, const ResidencyOptions& options) {
+  BufferNeeds needs =
+      bufferNeeds(*step.source, step.ranges->layout, options.partition, options.beside_bytes);
+  needs.source_thread_bytes = sourceThreadBytes(step);
+  if (!step.coarser.empty()) needs.block_vox = step.ranges->layout.size;
+  for (const CoarserStep& coarser : step.coarser)
+    if (coarser.spreads != nullptr) needs.numbers = 2;
+  return needs;
+}
+
+// Each level's source holds chunks of its own: the least that its reading threads need, and its
+// part of the rest.
+void shareSourceBytes(const TimeStep& step, const Budgets& budgets) {
+  if (step.coarser.empty()) {
+    step.source->holdAtMost(budgets.source);
+    return;
+  }
+  const std::vector<VolumeSource*> sources = sourcesOf(step);
+  const uint64_t needed = static_cast<uint64_t>(budgets.readers + 1) * sourceThreadBytes(step);
+  const uint64_t each = (budgets.source - std::min(budgets.source, needed)) / sources.size();
+  for (VolumeSource* source : sources) source->holdAtMost(each);
+}
+
+}  // namespace
+
+Residency::Residency(const TimeStep& step, Device& device, const ResidencyOptions& options)
+    : device_(device),
+      budgets_(shareMemory(options.memory_bytes, options.page, device.limits().texels,
+                           needsOf(step, options), std::max(options.threads, kReadsInFlight))),
+      blocks_(bufferLevels(step), budgets_.volume_buffer, VolumeBuffer::Cold::kPacked),
+      readers_(budgets_.readers + 1),
+      chunks_(blocks_, readers_, budgets_.texture_buffer),
+      cache_(static_cast<uint64_t>(options.page.pages),
+             static_cast<uint64_t>(options.page.pageBytes()),
+             makePolicy(options.policy, static_cast<uint64_t>(options.page.pages), options.seed)),
+      first_id_(device.takeIdRange()) {
+  SLUICE_CHECK_EQ(options.page.bytes_per_voxel,
+                  static_cast<int64_t>(bytesPerVoxel(blocks_.type())));
+  shareSourceBytes(step, budgets_);
+}
+
+Residency::~Residency() {
+  for (const ChunkId id : cache_.residents()) device_.evict(first_id_ + id);
+}
+
+Residency::Made Residency::makeResident(const FramePlan& plan, ChunkPosition position,
+                                        const ChunkTexelsPtr& texels) {
+  const Chunk& chunk = plan.textures.chunks[position];
+  const ChunkId id = modelId(plan.names[position]);
+  const TextureCache::Answer answer = cache_.request(id, static_cast<uint32_t>(chunk.pages),
+                                                     TextureBuffer::bytesOf(plan.textures, chunk));
+  if (answer.outcome == Outcome::kDoesNotFit)
+    fail("a cluster needs more than the texture cache's {} pages; give more --pages",
+         cache_.capacityPages());
+  cache_.pin(id);
+  if (answer.outcome != Outcome::kLoaded) return {};
+  Stopwatch watch;
+  try {
+    evict(answer.evicted);
+    SLUICE_CHECK(texels != nullptr);
+    watch = Stopwatch();
+    device_.makeResident(first_id_ + id, texels);
+  } catch (...) {
+    cache_.erase(id);
+    throw;
+  }
+  const bool is_copied = device_.limits().texels != TexelPlace::kBorrowed;
+  return {static_cast<uint64_t>(chunk.pages), is_copied ? texels->byte_count : 0, watch.seconds()};
+}
+
+void Residency::evict(std::span<const ChunkId> ids) {
+  size_t gone = 0;
+  try {
+    for (; gone < ids.size(); ++gone) device_.evict(first_id_ + ids[gone]);
+  } catch (...) {
+    device_.cancelFrame();  // so that there is nothing to be drawn first
+    for (; gone < ids.size(); ++gone) device_.evict(first_id_ + ids[gone]);
+    throw;
+  }
+}
+
+void Residency::forgetUnused(const FramePlan& plan) {
+  if (names_.kept() <= kMostUnusedNames + 2 * plan.names.size()) return;
+  std::unordered_set<ChunkId> used;
+  for (const ChunkName name : plan.names) used.insert(modelId(name));
+  for (const ChunkId id : cache_.residents()) used.insert(id);
+  names_.forgetUnused([&used](ChunkName name) { return used.contains(modelId(name)); });
+  cache_.forgetUnused([&used](ChunkId id) { return used.contains(id); });
+}
+
+}  // namespace sluice

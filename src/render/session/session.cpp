@@ -1,0 +1,90 @@
+#include "src/render/session/session.h"
+
+#include <utility>
+
+#include "src/base/error.h"
+
+namespace sluice {
+
+Session::Session(const TimeStep& step, Device& device, WorkerPool& pool,
+                 const SessionOptions& options)
+    : device_(device),
+      session_(options),
+      stale_check_(std::make_unique<StaleCheck>(step.source->layout().name)),
+      spreads_(std::make_unique<SpreadTally>()),
+      residency_(step, device,
+                 {options.page, options.memory_bytes, options.policy, options.seed,
+                  options.partition, pool.threads(), options.beside_bytes}),
+      planner_(options.page, pool, residency_.names()),
+      step_(step) {
+  SLUICE_CHECK(!options.lit || step.ranges->layout.ghost >= 1);
+  expectBlocksOf(step);
+  residency_.blocks().checkBy([check = stale_check_.get(), spreads = spreads_.get()](
+                                  const BlockName& name, const VolumeBlock& block) {
+    check->check(name, block);
+    spreads->note(name, block);
+  });
+}
+
+void Session::expectBlocksOf(const TimeStep& step) {
+  stale_check_->expect({.time = step.time}, step.ranges);
+  int32_t level = 0;
+  for (const CoarserStep& coarser : step.coarser) {
+    ++level;
+    if (coarser.ranges != nullptr)
+      stale_check_->expect({.time = step.time, .level = level}, coarser.ranges);
+  }
+}
+
+void Session::setTimeStep(const TimeStep& step) {
+  SLUICE_CHECK(step.source == step_.source);
+  SLUICE_CHECK(step.ranges->layout.size == step_.ranges->layout.size);
+  SLUICE_CHECK(step.ranges->layout.ghost == step_.ranges->layout.ghost);
+  SLUICE_CHECK(step.layout() == step_.layout());
+  SLUICE_CHECK_EQ(step.coarser.size(), step_.coarser.size());
+  expectBlocksOf(step);
+  step_ = step;
+  lessons_.unfinished.reset();
+}
+
+void Session::setTransferFunction(TransferFunction transfer) {
+  SLUICE_CHECK(transfer.gradients.empty() || step_.ranges->layout.ghost >= 1);
+  transfer_ = std::make_shared<const TransferFunction>(std::move(transfer));
+  lessons_.unfinished.reset();  // data that only the last picture needed is not read any more
+}
+
+void Session::readAfterwards(const TimeStep& next) {
+  const VolumeLayout& volume = next.source->layout();
+  const View view = resolve(options_.camera, volume, options_.size, options_.step_vox);
+  // The planner keeps these for the frame that will ask for the same.
+  const LookPtr look = planner_.look(next, transfer_, options_.mode);
+  const VisibleBlocksPtr visible = planner_.visibleBlocks(next, look, view, options_);
+  const FramePlanPtr plan = planner_.plan(next, visible, options_);
+  const DrawOrderPtr order = planner_.order(plan, eyePosition(view, volume), Arrangement::kRows);
+  read_afterwards_ = std::make_unique<ReadAhead>(
+      residency_, plan, *order, ReadPurpose{std::make_shared<ReadTally>(), options_.stop});
+  read_afterwards_->begin();
+}
+
+FrameReport Session::frameReport() {
+  Frame drawn = frame();
+  device_.reuse(std::move(drawn.picture));
+  return drawn.report;
+}
+
+ChosenBoxesPtr Session::boxesOf(const LookPtr& look, const FramePlanPtr& plan) {
+  if (options_.partition == Partition::kBlocks) return nullptr;
+  SLUICE_CHECK(session_.partition == Partition::kBoxes);
+  const Budgets& budgets = residency_.budgets();
+  const auto store = box_store_.of(step_, [&] {
+    return std::make_shared<BoxStore>(*step_.source, session_.index_places, step_.time,
+                                      *step_.ranges, residency_.readers(), budgets.boxes / 2,
+                                      budgets.growing, residency_.readPast());
+  });
+  return boxes_.of({step_, look, plan, options_.step_vox}, [&] {
+    return std::make_shared<const ChosenBoxes>(step_, look, plan, options_.step_vox, store,
+                                               budgets.boxes / 2);
+  });
+}
+
+}  // namespace sluice

@@ -1,0 +1,124 @@
+// Session: a volume open for drawing, frame after frame. It keeps the values that a frame's chain
+// shares with the last one's, and the levels of memory beneath.
+//
+//   TimeStep -> Look -> VisibleBlocks -> FramePlan -> DrawOrder -> FrameRun -> Picture
+//
+// Reading order: this header, then frame.cpp, whose one function is that line. Used on one thread,
+// the device's; workers run inside the calls.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "src/index/index_file.h"
+#include "src/index/stale_check.h"
+#include "src/render/blocks/spread_tally.h"
+#include "src/render/frame/frame_run.h"
+#include "src/render/session/planner.h"
+
+namespace sluice {
+
+struct SessionOptions {
+  PageGeometry page;          // bytes_per_voxel of the volume's device form
+  uint64_t memory_bytes = 0;  // budget of levels 2 and 3, and of level 4 if textures are in memory
+  PolicyKind policy = PolicyKind::kLru;
+  uint64_t seed = 1;  // for the random policy
+  bool lit = false;   // frames are shaded; the layout has a ghost layer
+  // kBoxes: frames may draw growing boxes, and a share of the memory is theirs. They are kept with
+  // the volume's index, in these places.
+  Partition partition = Partition::kBlocks;
+  IndexPlaces index_places;
+  uint64_t beside_bytes = 0;  // part of memory_bytes that the caller holds: min-max arrays
+};
+
+class Session {
+ public:
+  // The step's source, the device and the pool must outlive the session. Throws Error when the
+  // memory is too little.
+  Session(const TimeStep& step, Device& device, WorkerPool& pool, const SessionOptions& options);
+
+  // The step that frames show from now on. A change costs the values to the right of it in the
+  // chain, and the chunks that these change. Requires: the source and the layout of blocks are the
+  // session's.
+  void setTimeStep(const TimeStep& step);
+  // Requires: a ghost layer for one that looks at gradients, as composite frames do.
+  void setTransferFunction(TransferFunction transfer);
+  void setOptions(const FrameOptions& options) { options_ = options; }
+  // Sets the chooser of the blocks; null: classification. It must outlive its use.
+  void chooseBlocksBy(BlockChooser* chooser) { planner_.chooseBlocksBy(chooser); }
+  // Writes each request of the texture cache there too from now on; null: no longer. It must
+  // outlive the frames drawn.
+  void recordTo(TraceWriter* trace) { trace_ = trace; }
+  // The step that the frame after the next one will show. Its data is read while the last part of
+  // the next frame is drawn, as far as the buffers have room. Applies to the next frame alone.
+  void expectAfterwards(const TimeStep& step) {
+    expectBlocksOf(step);
+    afterwards_ = step;
+  }
+  // The next frame is drawn as if it were the first; the levels keep their contents. `updates`
+  // gives the first numbers of opacity map updates, and how they adapt.
+  void forgetLastFrame(const UpdateCountOptions& updates = FrameLessons::kUpdates) {
+    lessons_ = {};
+    lessons_.updates = UpdateCount(updates);
+  }
+
+  // Draws. Throws Error, and Interrupted when FrameOptions::stop asks for it; the next frame is
+  // right anyway. Requires: a transfer function is set.
+  Frame frame();
+  // The same if the picture is not wanted: its memory serves the next one.
+  FrameReport frameReport();
+
+  // Voxels of these blocks of any step, through level 2 like those of frames. Throws as
+  // VolumeBuffer::acquire() does.
+  std::vector<VolumeBlockPtr> readBlocks(std::span<const BlockName> keys) {
+    return residency_.blocks().acquire(keys);
+  }
+  // The blocks that the last frame found to be visible; null if there was no frame or they are out
+  // of date.
+  VisibleBlocksPtr lastVisible() const { return visible_.lock(); }
+
+  CacheCounters volumeBufferCounters() const { return residency_.blocks().counters(); }
+  CacheCounters textureBufferCounters() const { return residency_.chunks().counters(); }
+  const TextureCache& textureCache() const { return residency_.cache(); }
+  const PageGeometry& page() const { return session_.page; }
+
+ private:
+  struct BoxesKey {
+    TimeStep step;
+    Identity<Look> look;
+    Identity<FramePlan> plan;
+    double step_vox;
+    friend bool operator==(const BoxesKey&, const BoxesKey&) = default;
+  };
+
+  // Blocks of the step are compared with its ranges as they are read.
+  void expectBlocksOf(const TimeStep& step);
+  // Begins to read the data that `next` needs.
+  void readAfterwards(const TimeStep& next);
+  // Null if object boxes are drawn.
+  ChosenBoxesPtr boxesOf(const LookPtr& look, const FramePlanPtr& plan);
+
+  Device& device_;
+  const SessionOptions session_;
+  Memo<TimeStep, BoxStore> box_store_;
+  const std::unique_ptr<StaleCheck> stale_check_;  // checks the blocks that residency_ reads
+  const std::unique_ptr<SpreadTally> spreads_;     // notes their spreads
+  Residency residency_;
+  Planner planner_;
+  Memo<BoxesKey, const ChosenBoxes> boxes_;
+  TimeStep step_;
+  std::optional<TimeStep> afterwards_;
+  std::unique_ptr<ReadAhead> read_afterwards_;
+  TransferPtr transfer_;
+  FrameOptions options_;
+  std::weak_ptr<const VisibleBlocks> visible_;
+  TraceWriter* trace_ = nullptr;
+  int64_t frame_number_ = 0;
+  FrameLessons lessons_;
+};
+
+}  // namespace sluice

@@ -1,0 +1,64 @@
+#include "tools/command_line/environment.h"
+
+#include <cstdlib>
+#include <string_view>
+
+#include "src/gl/gl_choice.h"
+#include "tools/command_line/progress_line.h"
+
+namespace sluice {
+namespace {
+
+// The value of a variable that names a folder by its absolute path; empty otherwise.
+std::filesystem::path folderFrom(const char* variable) {
+  const char* value = std::getenv(variable);
+  return value != nullptr && value[0] == '/' ? value : "";
+}
+
+std::filesystem::path indexFolder(const std::string& index_dir) {
+  if (!index_dir.empty()) return index_dir;
+  if (auto said = folderFrom("SLUICE_INDEX_DIR"); !said.empty()) return said;
+  if (const auto cache = folderFrom("XDG_CACHE_HOME"); !cache.empty())
+    return cache / "sluice" / "index";
+  if (const auto home = folderFrom("HOME"); !home.empty())
+    return home / ".cache" / "sluice" / "index";
+  return {};
+}
+
+}  // namespace
+
+IndexWish indexWish(const std::string& index_dir) {
+  const char* const setting = std::getenv("SLUICE_INDEX");
+  const std::string_view wish = setting == nullptr ? "" : setting;
+  return {indexFolder(index_dir), wish == "beside" && index_dir.empty(), wish == "off"};
+}
+
+std::filesystem::path windowSettings() {
+  if (const auto config = folderFrom("XDG_CONFIG_HOME"); !config.empty())
+    return config / "sluice" / "view.json";
+  if (const auto home = folderFrom("HOME"); !home.empty())
+    return home / ".config" / "sluice" / "view.json";
+  return {};
+}
+
+DecodeOptions decodeOptions() {
+  DecodeOptions options;
+  if (const char* const chosen = std::getenv("TMPDIR")) options.folder = chosen;
+  options.watch = [](const std::string& file) { return progressLine("decoding " + file); };
+  return options;
+}
+
+Launch launchOfProcess() {
+  return launchOf([](const char* variable) { return std::getenv(variable); });
+}
+
+void prepareDriver() {
+  const char* const given = std::getenv("GALLIVM_PERF");
+  if (given == nullptr) return;  // the library sets it
+  std::string flags = given;
+  if (flags.find(kExactSampling) != std::string::npos) return;
+  if (!flags.empty()) flags += ',';
+  setenv("GALLIVM_PERF", (flags + kExactSampling).c_str(), 1);
+}
+
+}  // namespace sluice

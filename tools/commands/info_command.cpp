@@ -1,0 +1,146 @@
+// sluice info: the properties of a volume, and its index, which is built if it is missing.
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "src/base/values/bytes.h"
+#include "src/base/values/volume_levels.h"
+#include "src/library/thick_source.h"
+#include "tools/command_line/console.h"
+#include "tools/commands/commands.h"
+#include "tools/options/shared_options.h"
+#include "tools/outputs/report.h"
+#include "tools/scene/workers.h"
+
+namespace sluice {
+namespace {
+
+struct InfoArguments {
+  VolumeArguments volume;
+  ResourceArguments resources;
+  bool levels = false;
+  bool json = false;
+};
+
+// A line for each level: its voxels, and their places among those of level 0.
+void printLevels(const VolumeSource& source) {
+  const VolumeLayout& layout = source.layout();
+  const auto triple = [](auto v) { return fmt::format("{:g} x {:g} x {:g}", v.x, v.y, v.z); };
+  const auto line = [&](size_t level, Vec3i dims, const LevelPlacement& place,
+                        const std::string& spread) {
+    const auto voxels = static_cast<uint64_t>(dims.x * dims.y * dims.z);
+    const Vec3d offset = place.offset;
+    say("  level {}: {} x {} x {} voxels, {}; one is {} of level 0, the first at ({:g}, {:g}, "
+        "{:g}); spacing {}{}\n",
+        level, dims.x, dims.y, dims.z, formatBytes(voxels * bytesPerVoxel(layout.type)),
+        triple(place.scale), offset.x, offset.y, offset.z, triple(layout.spacing * place.scale),
+        spread);
+  };
+  line(0, layout.dims, {}, "");
+  size_t level = 0;
+  for (const CoarserLevel& coarser : coarserLevels(source))
+    line(++level, coarser.source->layout().dims, coarser.placement,
+         fmt::format("; spread: {}",
+                     coarser.spreads == nullptr ? "none" : name(coarser.spreads->layout().type)));
+}
+
+nlohmann::json levelsJson(const VolumeSource& source) {
+  const auto triple = [](auto v) { return nlohmann::json::array({v.x, v.y, v.z}); };
+  nlohmann::json levels = nlohmann::json::array();
+  const auto add = [&](Vec3i dims, const LevelPlacement& place, bool has_spreads) {
+    levels.push_back({{"dims", triple(dims)},
+                      {"scale", triple(place.scale)},
+                      {"offset", triple(place.offset)},
+                      {"spacing", triple(source.layout().spacing * place.scale)},
+                      {"spreads", has_spreads}});
+  };
+  add(source.layout().dims, {}, false);
+  for (const CoarserLevel& coarser : coarserLevels(source))
+    add(coarser.source->layout().dims, coarser.placement, coarser.spreads != nullptr);
+  return levels;
+}
+
+std::string orientationText(const VolumeLayout& layout) {
+  switch (layout.frame) {
+    case WorldFrame::kRas:
+    case WorldFrame::kLps: {
+      const std::string letters = axisLetters(layout);
+      return fmt::format("orientation {}, the world's is {}", letters.empty() ? "oblique" : letters,
+                         layout.frame == WorldFrame::kRas ? "RAS" : "LPS");
+    }
+    case WorldFrame::kPictureRows:
+      return "orientation: x to the right, y down the rows, z through the stack";
+    case WorldFrame::kYUp:
+      return "orientation: y up";
+    case WorldFrame::kNone:
+      break;
+  }
+  return "orientation not said";
+}
+
+void print(const IndexedVolume& volume, const ChosenLook& look) {
+  const VolumeLayout& layout = storedLayout(*volume.source);
+  const Vec3i dims = layout.dims;
+  const ValueRange range = volume.finiteRange();
+  const auto voxels = static_cast<uint64_t>(sluice::volume(dims));
+  say("{}\n", layout.name);
+  say("  {} x {} x {} voxels, {}, {} a time step\n", dims.x, dims.y, dims.z, name(layout.type),
+      formatBytes(voxels * bytesPerVoxel(layout.type)));
+  say("  spacing {} x {} x {}, {} time step{}\n", layout.spacing.x, layout.spacing.y,
+      layout.spacing.z, layout.time_steps, layout.time_steps == 1 ? "" : "s");
+  const WorldBounds bounds = worldBounds(volume.source->layout());
+  const auto triple = [](Vec3d v) { return fmt::format("{:g}, {:g}, {:g}", v.x, v.y, v.z); };
+  say("  from ({}) to ({}){}, origin ({})\n", triple(bounds.lo), triple(bounds.hi),
+      layout.unit.empty() ? ", unit not said" : " " + layout.unit, triple(layout.origin));
+  say("  {}\n", orientationText(layout));
+  if (const std::string hint = uprightHint(layout); !hint.empty()) say("  up: {}\n", hint);
+  if (layout.channels > 1) say("  channel {} of {}\n", layout.channel, layout.channels);
+  if (layout.levels > 1) say("  level 0 of {} resolutions (--levels lists them)\n", layout.levels);
+  if (layout.grids.size() > 1) say("  one of these grids: {}\n", joined(layout.grids, ", "));
+  say("  values {} to {}\n", range.lo, range.hi);
+  say("  {} blocks of {} a side, {} of them not all {}\n", volume.layout.blockCount(),
+      volume.layout.size, volume.index->ranges.blocks.size(),
+      volume.map.valueOf(volume.index->ranges.background));
+  say("  look {}: {}{}\n", look.transfer.name, look.options,
+      layout.time_steps > 1 ? " (of this step; a picture uses the range of all steps)" : "");
+  say("  index {}{}{}\n", volume.index->state, volume.index->path.empty() ? "" : ": ",
+      volume.index->path.string());
+}
+
+}  // namespace
+
+Command addInfo(CLI::App& program) {
+  auto arguments = std::make_shared<InfoArguments>();
+  CLI::App* app =
+      program.add_subcommand("info",
+                             "What a volume is: size, type, place in the world, values, index\n\n"
+                             "  sluice info head_256x256x225_uint8.raw --json");
+  addVolumeOptions(*app, arguments->volume);
+  const OptionGroup listed(*app, "Volume");
+  listed.flag("--levels", arguments->levels, "Lists the levels of resolution and their places");
+  addResourceOptions(*app, arguments->resources);
+  const OptionGroup output(*app, kOutputHeading);
+  addQuietOption(output, arguments->resources.quiet);
+  addJsonOption(output, arguments->json);
+  return [arguments] {
+    Workers pool(arguments->resources.threads);
+    IndexNeeds needs = kUsualNeeds;
+    if (arguments->levels) needs.levels = LevelNeeds::kAll;
+    const IndexedVolume volume = openIndexed(arguments->volume, arguments->resources, needs, pool);
+    LookArguments look;
+    look.first_picture = true;
+    const ChosenLook chosen = lookFor(volume, look, Mode::kComposite);
+    if (arguments->json) {
+      nlohmann::json report = volumeJson(volume);
+      report["look"] = lookJson(chosen);
+      report["pyramid"] = levelsJson(*volume.source);
+      sayJson(report);
+    } else if (!arguments->resources.quiet) {
+      print(volume, chosen);
+      if (arguments->levels) printLevels(*volume.source);
+    }
+    return 0;
+  };
+}
+
+}  // namespace sluice

@@ -1,0 +1,249 @@
+// sluice pack: a volume as a store of compressed chunks, which others read too.
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "io/zarr/zarr_writer.h"
+#include "src/base/error.h"
+#include "src/base/threads/clock.h"
+#include "src/base/values/bytes.h"
+#include "tools/command_line/console.h"
+#include "tools/command_line/interrupt.h"
+#include "tools/command_line/number.h"
+#include "tools/command_line/outputs.h"
+#include "tools/command_line/progress_line.h"
+#include "tools/commands/commands.h"
+#include "tools/options/shared_options.h"
+#include "tools/scene/scene.h"
+#include "tools/scene/workers.h"
+
+namespace sluice {
+namespace {
+
+struct PackArguments {
+  VolumeArguments volume;
+  ResourceArguments resources;
+  PackOptions pack;
+  std::string output;
+  int level = 0;  // 0: the codec's own default
+  bool check = false;
+  bool json = false;
+};
+
+struct PackedLevels {
+  bool any = false;
+  std::optional<int64_t> count;
+};
+constexpr int64_t kMostLevels = 30;
+
+// "auto", "none" or how many.
+std::optional<PackedLevels> levelsWish(const std::string& word) {
+  if (word == "none") return PackedLevels{};
+  if (word == "auto") return PackedLevels{true, std::nullopt};
+  const auto count = parseIn<int64_t>(word, {1, kMostLevels});
+  return count ? std::optional(PackedLevels{true, *count}) : std::nullopt;
+}
+
+constexpr int kLz4Level = 5, kZstdLevel = 1;
+
+// The indices that the store's first openings would build: of every channel and time step. Returns
+// the first.
+std::shared_ptr<const IndexedRanges> indexStore(const PackArguments& arguments, size_t channels,
+                                                WorkerPool& pool) {
+  ProgressMeter progress;
+  VolumeArguments store;
+  store.inputs = {arguments.output};
+  std::shared_ptr<const IndexedRanges> first;
+  for (size_t c = 0; c < channels; ++c) {
+    if (channels > 1) store.open.channel = static_cast<int64_t>(c);
+    IndexedVolume volume = openIndexed(store, arguments.resources, kUsualNeeds, pool);
+    for (int64_t t = 1; t < volume.source->layout().time_steps; ++t)
+      rangesOfStep(volume, t, {pool, progress, memoryBudget(arguments.resources), interruption()});
+    if (c == 0) first = volume.index;
+  }
+  return first;
+}
+
+// A source for each channel; the one that the user asks for alone.
+std::vector<std::unique_ptr<VolumeSource>> openChannels(const VolumeArguments& arguments) {
+  std::vector<std::unique_ptr<VolumeSource>> channels;
+  channels.push_back(openVolume(arguments.inputs, arguments.open));
+  const int64_t count = arguments.open.channel.given() ? 1 : channels[0]->layout().channels;
+  for (int64_t c = 1; c < count; ++c) {
+    OpenOptions open = arguments.open;
+    open.channel = c;
+    channels.push_back(openVolume(arguments.inputs, open));
+  }
+  return channels;
+}
+
+int pack(const PackArguments& arguments) {
+  Outputs outputs;
+  outputs.reads(arguments.volume.inputs);
+  outputs.writesFolder("-o", arguments.output);
+  outputs.checkNames();
+  const auto sources = openChannels(arguments.volume);
+  std::vector<VolumeSource*> channels;
+  for (const auto& source : sources) channels.push_back(source.get());
+  outputs.check(filesOf(*channels.front()));
+  Workers pool(arguments.resources.threads);
+  const VolumeLayout& layout = channels.front()->layout();
+  PackOptions options = arguments.pack;
+  options.stop = interruption();
+  options.memory_bytes = memoryBudget(arguments.resources);
+  options.blosc.level = arguments.level != 0                      ? arguments.level
+                        : options.blosc.codec == BloscCodec::kLz4 ? kLz4Level
+                                                                  : kZstdLevel;
+  const uint64_t bytes = static_cast<uint64_t>(volume(layout.dims) * layout.time_steps) *
+                         channels.size() * bytesPerVoxel(layout.type) * (options.verify ? 2 : 1);
+  PackReport report;
+  {
+    ProgressMeter progress =
+        arguments.resources.quiet ? ProgressMeter() : ProgressMeter(progressLine("packing"), bytes);
+    sayWhenInterrupted("interrupted; run the same command again to continue");
+    report = packZarr(channels, arguments.output, options, pool, progress);
+    sayWhenInterrupted("interrupted");  // the store is whole, its index may not be
+  }
+  const Stopwatch watch;
+  const auto kept = indexStore(arguments, channels.size(), pool);
+  const IndexedRanges& index = *kept;
+  const double index_seconds = watch.seconds();
+  const double ratio = static_cast<double>(report.voxel_bytes) /
+                       static_cast<double>(std::max<uint64_t>(1, report.stored_bytes));
+  if (arguments.json) {
+    const nlohmann::json json{
+        {"output", arguments.output},
+        {"chunks",
+         {{"count", report.chunks}, {"empty", report.empty_chunks}, {"kept", report.kept_chunks}}},
+        {"channels", channels.size()},
+        {"levels", 1 + report.levels.size()},
+        {"voxel_bytes", report.voxel_bytes},
+        {"stored_bytes", report.stored_bytes},
+        {"ratio", ratio},
+        {"verified", options.verify},
+        {"seconds",
+         {{"pack", report.pack_seconds},
+          {"verify", report.verify_seconds},
+          {"index", index_seconds}}},
+        {"index", {{"path", index.path.string()}, {"state", index.state}}},
+        {"peak_rss_bytes", peakResidentBytes()}};
+    sayJson(json);
+    return 0;
+  }
+  if (arguments.resources.quiet) return kDone;
+  say("{}\n", arguments.output);
+  if (channels.size() > 1) say("  {} channels\n", channels.size());
+  for (size_t i = 0; i < report.levels.size(); ++i) {
+    const Vec3i dims = report.levels[i];
+    say("  level {}: {} x {} x {} voxels\n", i + 1, dims.x, dims.y, dims.z);
+  }
+  say("  {} chunks, {} of them empty{}{}\n", report.chunks, report.empty_chunks,
+      report.kept_chunks == 0 ? ""
+                              : fmt::format(", {} done before an interruption", report.kept_chunks),
+      options.verify ? ", all equal to the volume" : "");
+  say("  {} as {}: {:.2f} to 1, in {:.1f} s\n", formatBytes(report.voxel_bytes),
+      formatBytes(report.stored_bytes), ratio, report.pack_seconds + report.verify_seconds);
+  say("  index {}{}{}{}\n", index.state, index.path.empty() ? "" : ": ", index.path.string(),
+      index.note.empty() ? "" : " (" + index.note + ")");
+  return 0;
+}
+
+int check(const PackArguments& arguments) {
+  Workers pool(arguments.resources.threads);
+  const std::string& name = arguments.volume.inputs.front();
+  CheckReport report;
+  {
+    ProgressMeter progress = arguments.resources.quiet
+                                 ? ProgressMeter()
+                                 : ProgressMeter(progressLine("checking " + name));
+    report = checkZarr(name, pool, progress, interruption());
+  }
+  if (arguments.json) {
+    const nlohmann::json json{{"chunks", report.chunks},
+                              {"stored_bytes", report.stored_bytes},
+                              {"faults", report.faults}};
+    sayJson(json);
+  }
+  if (!report.faults.empty())
+    fail("{} of {} chunks are not as packed: {}", report.faults.size(), report.chunks,
+         report.faults.front());
+  if (!arguments.json && !arguments.resources.quiet)
+    say("{}: {} chunks, {}, all as packed\n", name, report.chunks,
+        formatBytes(report.stored_bytes));
+  return 0;
+}
+
+}  // namespace
+
+Command addPack(CLI::App& program) {
+  auto arguments = std::make_shared<PackArguments>();
+  CLI::App* app = program.add_subcommand(
+      "pack",
+      "Writes a volume as an OME-Zarr store of compressed chunks\n\n"
+      "  sluice pack head_256x256x225_uint8.raw -o head.zarr --codec zstd\n"
+      "  sluice pack --check head.zarr\n\n"
+      "Interrupted in any way, the same command goes on where the first one ended: until all is\n"
+      "written the store is called DIR.zarr.partial. Each chunk has a checksum, which is compared\n"
+      "whenever sluice reads it.");
+  addVolumeOptions(*app, arguments->volume);
+  app->remove_option(app->get_option("--time"));  // all of them are packed
+  const OptionGroup store(*app, "Store");
+  CLI::Option* output =
+      store.text("-o,--output", "DIR.zarr", arguments->output, "The store, NAME.zarr");
+  store.number("--chunk", "N", arguments->pack.chunk_voxels, {4, 1024},
+               "Voxels per side of a chunk");
+  store.choice("--codec", Words<BloscCodec>{{"lz4", BloscCodec::kLz4}, {"zstd", BloscCodec::kZstd}},
+               arguments->pack.blosc.codec,
+               "Codec inside Blosc: lz4 reads faster, zstd is smaller");
+  store
+      .number("--level", "1..9", arguments->level, {1, 9},
+              fmt::format("Compression level of the codec ({} for lz4, {} for zstd)", kLz4Level,
+                          kZstdLevel))
+      ->default_str("");
+  PackOptions& options = arguments->pack;
+  store.parsed(
+      "--levels", "auto|N|none", fmt::format("auto, none or a number from 1 to {}", kMostLevels),
+      levelsWish,
+      [&options](const PackedLevels& wish) {
+        options.with_levels = wish.any;
+        options.levels = wish.count;
+      },
+      "Also writes coarser levels of resolution: N of them, or (auto) down to 64 voxels per side",
+      "none");
+  store.choice(
+      "--downsample",
+      Words<Downsample>{
+          {"mean", Downsample::kMean}, {"max", Downsample::kMax}, {"mode", Downsample::kMode}},
+      options.downsample,
+      "How a voxel of a coarser level follows from finer ones; use mode for labels");
+  store.text("--unit", "NAME", arguments->pack.unit,
+             "Unit of the spacing, if the file does not name it: micrometer, millimeter, ...");
+  CLI::Option* verify = store.flag("--verify", arguments->pack.verify,
+                                   "Reads the store again and compares every voxel");
+  CLI::Option* force = store.flag("--force", arguments->pack.replace,
+                                  "Replaces an existing store once the new one is complete");
+  store
+      .flag("--check", arguments->check,
+            "VOLUME is a packed store: compares every chunk with its checksum")
+      ->excludes(output)
+      ->excludes(verify)
+      ->excludes(force);
+  const OptionGroup printed(*app, kOutputHeading);
+  addQuietOption(printed, arguments->resources.quiet);
+  addJsonOption(printed, arguments->json);
+  const OptionGroup machine(*app, kMachineHeading);
+  machine.bytes("--memory", arguments->resources.memory_bytes,
+                "Budget for voxels and chunks (half of the machine's memory)");
+  addThreadsOption(machine, arguments->resources.threads);
+  addIndexDirOption(machine, arguments->resources.index_dir);
+  app->parse_complete_callback([arguments] {
+    if (!arguments->check && arguments->output.empty()) throw CLI::RequiredError("--output");
+  });
+  return [arguments] { return arguments->check ? check(*arguments) : pack(*arguments); };
+}
+
+}  // namespace sluice

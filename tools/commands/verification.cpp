@@ -1,0 +1,125 @@
+#include "tools/commands/verification.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "tools/command_line/interrupt.h"
+#include "tools/command_line/progress_line.h"
+
+namespace sluice {
+namespace {
+
+// More blocks would take gigabytes to list.
+constexpr int64_t kMostBlocks = int64_t{1} << 22;
+
+// All blocks, as if every value could be seen.
+class EveryBlock : public BlockChooser {
+ public:
+  explicit EveryBlock(WorkerPool& pool) : pool_(pool) {}
+  VisibleBlocksPtr choose(const BlockQuestion& question) override {
+    const SliceRanges& ranges = *question.step.ranges;
+    TransferFunction everything;
+    everything.colors = {{0, {1, 1, 1}}};
+    everything.opacities = {{0, 1}};
+    const OpacityTable table(everything, ranges.map, ranges.device_range);
+    return std::make_shared<const VisibleBlocks>(
+        classify(ranges, table, question.crop, pool_, question.step.time));
+  }
+
+ private:
+  WorkerPool& pool_;
+};
+
+// The volume as if nothing was known of it, in blocks of another size than the scene's.
+IndexedVolume openAnew(const Scene& scene, const VerifiedView& view, const IndexPass& pass) {
+  MachineOptions machine = view.resources;
+  const int64_t size = scene.volume.layout.size;
+  machine.block = size > 16 ? size / 2 : size * 2;
+  machine.pages.reset();  // they need not hold a block of that size
+  const IndexNeeds needs{.gradients = scene.volume.needs.gradients};
+  return indexVolume(openSource(view.volume), view.volume, machine, needs, {.disabled = true},
+                     pass);
+}
+
+// A series has one range of values for all steps, which tables and light follow from.
+TimeStep stepOf(const IndexedVolume& volume, const Scene& scene, int64_t time,
+                const IndexPass& pass) {
+  if (volume.source->layout().time_steps == 1) return volume.step();
+  IndexedRanges ranges = rangesOfStep(volume, time, pass);
+  ranges.ranges.device_range = scene.volume.index->ranges.device_range;
+  const auto kept = std::make_shared<const IndexedRanges>(std::move(ranges));
+  return {volume.source.get(), time, {kept, &kept->ranges}};
+}
+
+FrameOptions plainOptions(FrameOptions options) {
+  options.algorithm = Algorithm::kConventional;
+  options.partition = Partition::kBlocks;
+  options.opacity_threshold = 1;
+  options.occlusion = Occlusion::kOff;
+  options.skips = false;
+  options.time_limit_s.reset();
+  options.cut.reset();
+  options.count_samples = false;
+  options.keep_phases = false;
+  return options;
+}
+
+void compare(const Picture& plain, const Picture& picture, Verification& result) {
+  double sum = 0;
+  for (size_t i = 0; i < plain.rgba.size(); ++i) {
+    const double a = std::clamp(plain.rgba[i], 0.0F, 1.0F),
+                 b = std::clamp(picture.rgba[i], 0.0F, 1.0F);
+    const double difference = 255 * std::abs(a - b);
+    result.max_difference = std::max(result.max_difference, difference);
+    sum += difference;
+  }
+  result.mean_difference = sum / static_cast<double>(plain.rgba.size());
+}
+
+}  // namespace
+
+Verification verify(Scene& scene, const VerifiedView& view, FrameOptions options,
+                    const Picture& picture) {
+  Verification result;
+  result.unchecked.push_back(
+      fmt::format("the choice of the look, how {} samples and lights", scene.device->backend()));
+  // The plain picture has the memory of the other one.
+  scene.session.reset();
+  scene.volume.source->holdAtMost(0);
+  ProgressMeter progress(view.resources.quiet ? ProgressWatch() : progressLine("verifying"));
+  const IndexPass pass{scene.pool, progress, scene.memory_bytes, interruption()};
+  const IndexedVolume volume = openAnew(scene, view, pass);
+  const bool is_cut = scene.volume.pyramid != nullptr;
+  options = plainOptions(std::move(options));
+  std::vector<Camera> cameras = view.cameras;
+  if (volume.source->layout().time_steps == 1 || view.this_step) {
+    fitCameras(cameras, view.fit, {volume, volume.step(), scene.transfer, options, true}, view.room,
+               pass);
+    options.camera = cameras.at(view.frame);
+  } else if (fitOf(cameras, view.fit) == Fit::kVisible) {
+    result.unchecked.emplace_back("the fit to all time steps");
+  }
+  const VolumeLayout& layout = volume.source->layout();
+  // Slices of the finest level lie closer than those of a picture from coarser ones.
+  if (is_cut && !view.has_step)
+    options.step_vox =
+        stepFor(resolve(options.camera, layout, options.size, options.step_vox), layout);
+  EveryBlock every_block(scene.pool);
+  const bool all = volume.layout.blockCount() <= kMostBlocks;
+  if (!all) result.unchecked.emplace_back("which blocks are empty, since there are too many");
+  if (scene.share) scene.share->device().drawWhole(true);
+  SessionOptions session = sessionOptions(volume, scene.look.lit, view.resources,
+                                          Partition::kBlocks, scene.memory_bytes);
+  session.beside_bytes += scene.part_bytes;
+  Session plain(stepOf(volume, scene, view.time, pass), *scene.device, scene.pool, session);
+  plain.setTransferFunction(scene.transfer);
+  plain.chooseBlocksBy(all ? &every_block : nullptr);
+  plain.setOptions(options);
+  compare(plain.frame().picture, picture, result);
+  return result;
+}
+
+}  // namespace sluice

@@ -1,0 +1,32 @@
+#include "tools/options/shared_options.h"
+
+namespace sluice {
+
+void addCullingOptions(CLI::App& app, CullingArguments& arguments, bool chooses) {
+  const OptionGroup group(app, kSeriesHeading);
+  if (chooses)
+    group.choice("--culling",
+                 Words<Culling>{{"none", Culling::kNone},
+                                {"pof", Culling::kPof},
+                                {"opof", Culling::kOpof},
+                                {"toc", Culling::kToc},
+                                {"auto", Culling::kAuto}},
+                 arguments.culling,
+                 "Skips blocks that others hide: by least opacities (pof), by ratios to thickness "
+                 "(opof), or as opof, but looks again only where blocks change (toc); auto: toc if "
+                 "the series is prepared and its first steps are drawn faster with it");
+  group.number("--difference", "D", arguments.difference, {0, 1},
+               "Fuses blocks of successive steps that differ less than this; 0: none");
+  group.number("--directions", "N", arguments.directions, {1, 16},
+               "Rows of an opacity function's table of directions, over 90 degrees");
+  group.number("--part", "CELLS", arguments.part, {4, 64},
+               "Cells per side of a part of a block in its opacity function, a multiple of 4");
+  group.number(
+      "--detail", "BITS", arguments.detail, {0, 2},
+      "Bits per cube of a part, which has 64: more bits cull more blocks and need more storage");
+  group.text("--basis", "FILE,...", arguments.basis,
+             "Computes opacity functions for these transfer functions; any other with opacity 1 - "
+             "product of (1 - A)^K needs none of its own");
+}
+
+}  // namespace sluice

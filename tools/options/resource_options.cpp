@@ -1,0 +1,104 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+
+#include "cache/model/page_geometry.h"
+#include "tools/options/shared_options.h"
+
+namespace sluice {
+namespace {
+
+constexpr int64_t kMostThreads = 1024;
+constexpr int64_t kMostCachePages = int64_t{1} << 31;
+constexpr int64_t kLeastBlock = 4, kMostBlock = 1024;
+
+std::optional<int64_t> powerOfTwo(const std::string& word, int64_t least, int64_t most) {
+  const auto number = parseIn<int64_t>(word, {least, most});
+  if (!number || !std::has_single_bit(static_cast<uint64_t>(*number))) return std::nullopt;
+  return number;
+}
+
+}  // namespace
+
+std::optional<Vec3i> parsePageOption(const std::string& word) {
+  const auto page = parsePageSize(word);
+  if (!page || std::max({page->x, page->y, page->z}) > kMostBlock) return std::nullopt;
+  return page;
+}
+
+void addThreadsOption(const OptionGroup& group, int& threads) {
+  group.number("-j,--threads", "N", threads, {0, kMostThreads}, "Worker threads; 0: one per core");
+}
+
+void addDeviceOptions(const OptionGroup& group, DeviceArguments& arguments) {
+  group.choice(
+      "--device",
+      Words<DeviceChoice>{
+          {"auto", DeviceChoice::kAuto}, {"gl", DeviceChoice::kGl}, {"cpu", DeviceChoice::kCpu}},
+      arguments.device,
+      "Device that draws: auto uses GL on a GPU or if --gl is given, else the CPU");
+  Words<SimdTarget> targets;
+  for (const SimdTarget target : {SimdTarget::kAuto, SimdTarget::kPlain, SimdTarget::kSse4,
+                                  SimdTarget::kAvx2, SimdTarget::kAvx512})
+    targets.push_back({std::string(name(target)), target});
+  group.choice("--simd", targets, arguments.simd,
+               "Best instruction set that the CPU device may use");
+  group.choice(
+      "--gl",
+      Words<GlChoice>{
+          {"auto", GlChoice::kAuto}, {"osmesa", GlChoice::kOsmesa}, {"egl", GlChoice::kEgl}},
+      arguments.gl, "Library for OpenGL contexts");
+}
+
+void addQuietOption(const OptionGroup& group, bool& quiet) {
+  group.flag("-q,--quiet", quiet, "Prints errors only: no summary, warnings or progress");
+}
+
+void addReportOption(const OptionGroup& group, std::string& file) {
+  group.text("--report", "FILE", file,
+             "Writes a report of the run as JSON, or as a page if the name ends in .html");
+}
+
+void addForceOption(const OptionGroup& group, bool& force) {
+  group.flag("--force", force, "Replaces existing files, whatever their contents");
+}
+
+void addIndexDirOption(const OptionGroup& group, std::string& folder) {
+  group.text("--index-dir", "DIR", folder,
+             "Folder for the indices of volumes ($SLUICE_INDEX_DIR, or the user's cache folder)");
+}
+
+void addJsonOption(const OptionGroup& group, bool& json, const std::string& help) {
+  group.flag("--json", json, help);
+}
+
+void addResourceOptions(CLI::App& app, ResourceArguments& arguments) {
+  const OptionGroup group(app, kMachineHeading);
+  group.bytes("--memory", arguments.memory_bytes,
+              "Budget for blocks, chunks and software textures (half of the machine's memory)");
+  addThreadsOption(group, arguments.threads);
+  addDeviceOptions(group, arguments.device);
+  group.parsed(
+      "--page", "AxBxC", kPageSizes, parsePageOption,
+      [&arguments](Vec3i page) { arguments.page_vox = page; },
+      "Texture page in voxels (the 64 KiB page of the voxel type)");
+  group.parsed(
+      "--pages", "N", fmt::format("a power of two from 1 to {}", kMostCachePages),
+      [](const std::string& word) { return powerOfTwo(word, 1, kMostCachePages); },
+      [&arguments](int64_t pages) { arguments.pages = pages; },
+      "Pages of the texture cache, a power of two (as many as memory allows)");
+  group.parsed(
+      "--block", "2^d", fmt::format("a power of two from {} to {}", kLeastBlock, kMostBlock),
+      [](const std::string& word) { return powerOfTwo(word, kLeastBlock, kMostBlock); },
+      [&arguments](int64_t block) { arguments.block = block; },
+      "Voxels per side of a volume block, 4 to 1024 (the page's longest side)");
+  const Words<PolicyKind> policies =
+      wordsOf<PolicyKind>(onlinePolicies(), [](PolicyKind kind) { return name(kind); });
+  group.choice("--policy", policies, arguments.policy,
+               "Replacement policy of the texture cache: " + listed(namesOf(policies)));
+  group.number("--seed", "N", arguments.seed, {}, "Seed of the random policy");
+  addIndexDirOption(group, arguments.index_dir);
+}
+
+}  // namespace sluice

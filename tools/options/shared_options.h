@@ -1,0 +1,81 @@
+// The options that commands share, a group a function, a file a group. Scripts read these names
+// (the interface); nothing is renamed. To add one is one call in the right file.
+#pragma once
+
+#include <algorithm>
+#include <optional>
+#include <string_view>
+
+#include "src/render/camera/frame_options.h"
+#include "tools/command_line/option_group.h"
+#include "tools/options/arguments.h"
+
+namespace sluice {
+
+// `needs_volume`: false if the volume may be named elsewhere. `times`: --time takes a range of
+// steps too, and sets it and arguments.time to its first.
+void addVolumeOptions(CLI::App& app, VolumeArguments& arguments,
+                      std::optional<TimeRange>* times = nullptr, bool needs_volume = true);
+// `chooses`: includes --culling; otherwise only the options of opacity functions.
+void addCullingOptions(CLI::App& app, CullingArguments& arguments, bool chooses);
+void addLookOptions(CLI::App& app, LookArguments& look, FrameOptions& frame);
+// The groups View (the camera) and Drawing (how to draw).
+void addViewOptions(CLI::App& app, FrameOptions& options);
+void addFitOption(CLI::App& app, FitChoice& fit);
+// Look, view and fit of the commands that choose a good first picture.
+void addPictureOptions(CLI::App& app, LookArguments& look, FrameOptions& frame, FitChoice& fit);
+void addLevelOptions(CLI::App& app, LevelArguments& arguments, ResourceArguments& resources);
+void addResourceOptions(CLI::App& app, ResourceArguments& arguments);
+
+// "64x32x32" as --page takes it, no longer than a block along any axis; nullopt: something else.
+std::optional<Vec3i> parsePageOption(const std::string& word);
+inline constexpr const char* kPageSizes = "powers of two AxBxC, each from 1 to 1024";
+
+// The cut that a picture of these options is drawn from: the one that is asked for, or the default,
+// voxels as wide as pixels. Unset: the finest level, asked for or because the default does not
+// apply.
+std::optional<CutOptions> cutOptions(const LevelArguments& arguments,
+                                     const ResourceArguments& resources, const LookArguments& look,
+                                     const FrameOptions& frame);
+// Throws Error with this reason if the arguments ask for anything but the finest level.
+void refuseLevels(const LevelArguments& arguments, std::string_view why);
+
+// The largest extent of a volume along an axis, in voxels.
+inline constexpr double kMostVoxels = 1LL << 40;
+
+// Some of the last group, for commands that take no more.
+inline constexpr int64_t kMostFrames = 100'000;
+void addThreadsOption(const OptionGroup& group, int& threads);
+void addDeviceOptions(const OptionGroup& group, DeviceArguments& arguments);
+// Pictures, or frames that are measured: int64_t or int.
+template <class Number>
+void addFramesOption(const OptionGroup& group, Number& frames, const std::string& help) {
+  group.number("--frames", "N", frames, {1, kMostFrames}, help);
+}
+void addIndexDirOption(const OptionGroup& group, std::string& folder);
+void addQuietOption(const OptionGroup& group, bool& quiet);
+void addReportOption(const OptionGroup& group, std::string& file);
+void addForceOption(const OptionGroup& group, bool& force);
+void addJsonOption(const OptionGroup& group, bool& json,
+                   const std::string& help = "One JSON object");
+
+// An option that takes one of `types`, also by its long name ("uint8"). Target: VoxelType, or an
+// optional of it.
+template <class Target>
+CLI::Option* addTypeOption(const OptionGroup& group, const std::vector<VoxelType>& types,
+                           Target& target, const std::string& help) {
+  const auto also = [types](const std::string& word) {
+    const auto type = parseVoxelType(word);
+    return type && std::find(types.begin(), types.end(), *type) != types.end() ? type
+                                                                               : std::nullopt;
+  };
+  return group.choice("--type",
+                      wordsOf<VoxelType>(types, [](VoxelType type) { return name(type); }), target,
+                      help, std::function<std::optional<VoxelType>(const std::string&)>(also));
+}
+
+inline constexpr const char* kOutputHeading = "Output";
+inline constexpr const char* kSeriesHeading = "Series";
+inline constexpr const char* kMachineHeading = "Memory and device";
+
+}  // namespace sluice

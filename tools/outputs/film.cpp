@@ -1,0 +1,185 @@
+#include "tools/outputs/film.h"
+
+#include <sluice/renderer.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "src/base/error.h"
+#include "src/view/drawing/picture_file.h"
+#include "tools/command_line/console.h"
+#include "tools/command_line/environment.h"
+#include "tools/command_line/interrupt.h"
+#include "tools/command_line/outputs.h"
+#include "tools/command_line/progress_line.h"
+#include "tools/commands/commands.h"
+#include "tools/options/view_arguments.h"
+#include "tools/scene/empty_pictures.h"
+
+namespace sluice {
+namespace {
+
+// Options about how a picture is drawn or reported, as opposed to what it shows.
+constexpr std::array<std::string_view, 28> kOfOnePicture{"--annotate",
+                                                         "--aov",
+                                                         "--trace",
+                                                         "--report",
+                                                         "--debug-view",
+                                                         "--verify",
+                                                         "--json",
+                                                         "--culling",
+                                                         "--algorithm",
+                                                         "--page",
+                                                         "--pages",
+                                                         "--block",
+                                                         "--partition",
+                                                         "--occlusion",
+                                                         "--policy",
+                                                         "--seed",
+                                                         "--basis",
+                                                         "--directions",
+                                                         "--opacity-threshold",
+                                                         "--time-limit",
+                                                         "--simd",
+                                                         "--gl",
+                                                         "--part",
+                                                         "--detail",
+                                                         "--this-step",
+                                                         "--path",
+                                                         "--fit",
+                                                         "--difference"};
+
+void checkOptions(const RenderArguments& arguments, const CLI::App& app) {
+  for (const std::string_view name : kOfOnePicture) {
+    const CLI::Option* option = app.get_option_no_throw(std::string(name));
+    if (option != nullptr && option->count() > 0)
+      fail(
+          "{}: frames of the path in {} do not take it; give -o a name without a number for one "
+          "picture",
+          name, arguments.state_file);
+  }
+}
+
+ViewState frameState(const SavedFilm& film, const ViewState& now, int64_t frame) {
+  ViewState state = stateAt(film.path, now, frame);
+  if (film.path.kind == ViewPath::Kind::kTurn) return state;  // it is made from the given options
+  if (film.has_camera) state.view = now.view;
+  if (film.has_look) state.look = now.look;
+  if (film.has_step) state.step_vox = now.step_vox;
+  if (film.has_crop) state.crop = now.crop;
+  if (film.has_clip) state.clip_planes = now.clip_planes;
+  if (film.has_time) state.time = now.time;
+  if (film.has_background) state.background = now.background;
+  return state;
+}
+
+std::vector<int64_t> missingFrames(const RenderArguments& arguments, int64_t frames) {
+  std::vector<int64_t> missing;
+  for (int64_t i = 0; i < frames; ++i)
+    if (!arguments.resume || !std::filesystem::exists(numberedName(arguments.output, i, true)))
+      missing.push_back(i);
+  return missing;
+}
+
+void checkOutputs(const RenderArguments& arguments, const SavedFilm& film,
+                  const std::vector<int64_t>& frames, const std::vector<std::string>& more_read) {
+  Outputs outputs(arguments.force);
+  outputs.reads(arguments.volume.inputs);
+  outputs.reads({arguments.look.transfer_file, arguments.state_file});
+  for (const ViewKey& key : film.path.keys) outputs.reads(key.state.look.transfer_file);
+  const FileKind kind =
+      pictureKind(arguments.output) == PictureKind::kExr ? FileKind::kExr : FileKind::kPng;
+  if (isFilmName(arguments.output))
+    outputs.writes("-o", arguments.output, FileKind::kFilm);
+  else
+    for (const int64_t i : frames)
+      outputs.writes("-o", numberedName(arguments.output, i, true), kind);
+  outputs.check(more_read);
+}
+
+void addFrame(FilmFile& film, Renderer& renderer, const ViewState& state,
+              const PictureOptions& options, const ProgressFunction& watch) {
+  Image image = renderer.draw(options, watch);
+  const Picture drawn{image.width, image.height, std::move(image.rgba), {}};
+  film.add(state.background ? over(drawn, *state.background) : drawn);
+}
+
+}  // namespace
+
+bool asksForFilm(const RenderArguments& arguments) {
+  return (isNumbered(arguments.output) || isFilmName(arguments.output)) && arguments.frames == 1 &&
+         !arguments.times;
+}
+
+int writeFilm(const RenderArguments& arguments, const CLI::App& app, const SavedView& saved) {
+  SavedFilm film = *saved.film;
+  checkOptions(arguments, app);
+  const bool is_one_file = isFilmName(arguments.output);
+  if (!is_one_file) requirePictureName(arguments.output);
+  const int64_t count = frameCount(film.path);
+  if (is_one_file && arguments.resume)
+    fail("{}: a film is written in one go; --continue is for pictures", arguments.output);
+  const std::vector<int64_t> frames = missingFrames(arguments, count);
+  checkOutputs(arguments, film, frames, {});
+  const bool is_quiet = arguments.resources.quiet;
+  if (frames.empty()) {
+    if (!is_quiet) say("all {} frames are there\n", count);
+    return kDone;
+  }
+  const IndexWish wish = indexWish(arguments.resources.index_dir);
+  ViewedVolume viewed = viewedVolume(arguments.volume, arguments.resources,
+                                     wish.disabled ? "" : wish.folder.string());
+  viewed.options.time = 0;  // the view's own is checked against the volume first
+  // A signal ends whatever is under way.
+  const auto watch = [](const Progress&) { interruption().throwIfStopped(); };
+  const Volume volume(viewed.paths, viewed.options, watch);
+  saved.requireFits(volume.info());
+  checkOutputs(arguments, film, frames, volume.info().files);
+  if (!is_quiet)
+    for (const std::string& warning : volume.info().warnings) printWarning(warning);
+  ViewState now = viewState(arguments.volume, arguments.look, arguments.frame, arguments.fit,
+                            app.count("--step") > 0);
+  const int width = arguments.frame.size.width, height = arguments.frame.size.height;
+  Renderer renderer(volume, now.look, rendererOptions(arguments.resources));
+  if (!now.view.look_at || !now.view.up)
+    now.view = renderer.placed(pictureOf(now, width, height), watch);
+  placeKeys(film.path, renderer, watch);
+  ProgressMeter progress = is_quiet ? ProgressMeter()
+                                    : ProgressMeter(progressLine("frames", ProgressUnit::kPieces),
+                                                    static_cast<uint64_t>(frames.size()));
+  std::optional<FilmFile> made;
+  if (is_one_file)
+    made.emplace(
+        arguments.output, arguments.frame.size,
+        app.count("--rate") > 0 ? arguments.frames_per_second : film.path.frames_per_second,
+        interruption());
+  EmptyPictures empty;
+  for (const int64_t i : frames) {
+    interruption().throwIfStopped();
+    const ViewState state = frameState(film, now, i);
+    renderer.setLook(state.look);
+    const std::string name =
+        is_one_file ? fmt::format("frame {}", i) : numberedName(arguments.output, i, true).string();
+    if (made)
+      addFrame(*made, renderer, state, pictureOf(state, width, height), watch);
+    else
+      drawToFile(renderer, name, state, width, height, watch, {});
+    empty.add(name, renderer.report().why_empty);
+    progress.add(1);
+  }
+  if (made) made->finish();
+  empty.warn();
+  if (is_one_file && !is_quiet) say("{}: {} frames\n", arguments.output, count);
+  if (!is_one_file && !is_quiet)
+    say("{} of {} frames, {} to {}\n", frames.size(), count,
+        numberedName(arguments.output, frames.front(), true).string(),
+        numberedName(arguments.output, frames.back(), true).string());
+  return kDone;
+}
+
+}  // namespace sluice

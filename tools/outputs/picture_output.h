@@ -1,0 +1,73 @@
+// How `render` writes a picture: as PNG, with annotations if asked for, or as EXR with the
+// attributes that a compositing program needs.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string_view>
+
+#include "io/pictures/exr_file.h"
+#include "io/pictures/png_file.h"
+#include "src/render/camera/frame_options.h"
+#include "tools/outputs/film_file.h"
+#include "tools/scene/scene.h"
+
+namespace sluice {
+
+// Channels of an EXR in addition to the picture's colour and alpha.
+struct Aovs {
+  bool depth = false;
+  bool opacity = false;  // opacity of the volume alone, even over a background
+};
+// "depth,opacity", "none".
+std::optional<Aovs> parseAovs(std::string_view list);
+
+enum class PictureKind { kPng, kExr };
+// The kind by the name's extension in any case; nullopt: neither.
+std::optional<PictureKind> pictureKind(const std::filesystem::path& path);
+
+struct PictureOutput {
+  std::optional<std::array<float, 3>> background;
+  bool annotate = false;  // PNG
+  Aovs aovs;              // EXR
+};
+
+// The picture over its background and with its annotations, as PNG files and films show it.
+// `picture` may be some of its rows, from `first_row` on, counted from the top.
+Picture shownPicture(const Picture& picture, const PictureOutput& output,
+                     const FrameOptions& options, const Scene& scene, int first_row = 0);
+
+// The file of a picture that comes strip by strip, from the top down. The file has the same bytes
+// whatever the strips. It converts a few rows at a time, so that memory holds no second picture.
+// Without commit() nothing is left of it. One thread.
+class PictureWriter {
+ public:
+  // `options` are the frame's; they and `scene` must outlive it. With `film` the picture is the
+  // film's next frame instead of a file `path`. Throws Error.
+  PictureWriter(const std::filesystem::path& path, const PictureOutput& output,
+                const FrameOptions& options, Scene& scene, FilmFile* film = nullptr);
+  ~PictureWriter();
+  PictureWriter(const PictureWriter&) = delete;
+  PictureWriter& operator=(const PictureWriter&) = delete;
+
+  // Adds the next rows. Throws Error, and Interrupted after a signal.
+  void add(const Picture& strip);
+  // Finishes the file and gives it its name, with the same errors. Requires: all rows were added.
+  void commit();
+
+ private:
+  void addRows(const Picture& rows);
+  void addExrRows(const Picture& rows);
+
+  const std::filesystem::path path_;
+  const PictureOutput output_;
+  const FrameOptions& options_;
+  Scene& scene_;
+  FilmFile* const film_;
+  int rows_done_ = 0;
+  std::unique_ptr<PngFile> png_;  // null for other kinds
+  std::unique_ptr<ExrFile> exr_;  // made with the first rows
+};
+
+}  // namespace sluice

@@ -1,0 +1,275 @@
+#include "tools/outputs/report.h"
+
+#include <algorithm>
+
+#include <CLI/CLI.hpp>
+
+#include <array>
+#include <cmath>
+
+#include "src/base/threads/clock.h"
+#include "src/library/thick_source.h"
+#include "src/render/camera/index_space.h"
+
+namespace sluice {
+
+using nlohmann::json;
+
+json occlusionJson(const OcclusionReport& report) {
+  return {{"updates_wanted", report.updates_wanted},
+          {"updates", report.updates},
+          {"cells", report.cells},
+          {"cells_culled", report.cells_culled},
+          {"cells_clipped", report.cells_clipped},
+          {"skipped_share", report.skippedShare()},
+          {"chunks_hidden", report.chunks_hidden},
+          {"seconds", report.seconds}};
+}
+
+json frameJson(const RenderedFrame& frame) {
+  const FrameReport& report = frame.report;
+  const StageSeconds& s = report.stages;
+  return {{"seconds", report.seconds},
+          {"stages",
+           {{"classify", s.classify},
+            {"plan", s.plan},
+            {"read", s.read},
+            {"decode", s.decode},
+            {"copy", s.copy},
+            {"upload", s.upload},
+            {"draw", s.draw},
+            {"boxes", s.boxes},
+            {"write", frame.write_seconds}}},
+          {"samples_drawn", report.samples_drawn},
+          {"samples_taken", report.samples_taken},
+          {"samples_object", report.samples_object},
+          {"boxes_drawn", report.boxes_drawn},
+          {"chunks", report.chunks},
+          {"pages", report.pages},
+          {"pages_loaded", report.pages_loaded},
+          {"decoded_bytes", report.decoded_bytes},
+          {"copied_bytes", report.copied_bytes},
+          {"uploaded_bytes", report.uploaded_bytes},
+          {"rebuild",
+           {{"decoded_bytes", report.rebuild.decoded},
+            {"copied_bytes", report.rebuild.copied},
+            {"uploaded_bytes", report.rebuild.uploaded}}},
+          {"blocks", {{"white", report.white}, {"grey", report.grey}, {"black", report.black}}},
+          {"blocks_before",
+           {{"white", report.before.white},
+            {"grey", report.before.grey},
+            {"black", report.before.black}}},
+          {"complete", report.missing_share == 0},
+          {"missing_share", report.missing_share},
+          {"occlusion", occlusionJson(report.occlusion)},
+          {"binds", report.binds},
+          {"empty", frame.empty}};
+}
+
+json countersJson(const CacheCounters& c) {
+  return {{"requests", c.requests},
+          {"hits", c.hits},
+          {"misses", c.misses},
+          {"coalesced", c.coalesced},
+          {"failures", c.failures},
+          {"loads", c.loads},
+          {"redundant_loads", c.redundant_loads},
+          {"evictions", c.evictions},
+          {"current_bytes", c.current_bytes},
+          {"peak_bytes", c.peak_bytes},
+          {"budget_bytes", c.budget_bytes},
+          {"decoded_bytes", c.decoded_bytes},
+          {"packs", c.packs},
+          {"unpacks", c.unpacks}};
+}
+
+json lookJson(const ChosenLook& look) {
+  return {{"name", look.transfer.name},
+          {"options", look.options},
+          {"lit", look.lit},
+          {"labels", look.transfer.labels}};
+}
+
+WorldBounds worldBounds(const VolumeLayout& layout) {
+  const Vec3d last = toDouble(layout.dims - Vec3i{1, 1, 1});
+  WorldBounds bounds{worldFromIndex(layout, {}), worldFromIndex(layout, {})};
+  for (int corner = 1; corner < 8; ++corner) {
+    const Vec3d index{(corner & 1) != 0 ? last.x : 0, (corner & 2) != 0 ? last.y : 0,
+                      (corner & 4) != 0 ? last.z : 0};
+    const Vec3d world = worldFromIndex(layout, index);
+    bounds = {min(bounds.lo, world), max(bounds.hi, world)};
+  }
+  return bounds;
+}
+
+std::string axisLetters(const VolumeLayout& layout) {
+  // Letters of the world's axes, towards their positive and negative ends.
+  std::array<std::string_view, 2> letters;
+  if (layout.frame == WorldFrame::kRas) letters = {"RAS", "LPI"};
+  if (layout.frame == WorldFrame::kLps) letters = {"LPS", "RAI"};
+  if (letters[0].empty()) return "";
+  std::string text;
+  std::array<bool, 3> taken{};
+  for (const Vec3d& axis : layout.axes) {
+    int main = 0;
+    for (int a = 1; a < 3; ++a)
+      if (std::abs(axis[a]) > std::abs(axis[main])) main = a;
+    if (taken[static_cast<size_t>(main)]) return "";  // turned by half a right angle
+    taken[static_cast<size_t>(main)] = true;
+    text += letters[axis[main] < 0 ? 1 : 0][static_cast<size_t>(main)];
+  }
+  return text;
+}
+
+std::string_view name(WorldFrame frame) {
+  switch (frame) {
+    case WorldFrame::kRas:
+      return "ras";
+    case WorldFrame::kLps:
+      return "lps";
+    case WorldFrame::kPictureRows:
+      return "picture-rows";
+    case WorldFrame::kYUp:
+      return "y-up";
+    case WorldFrame::kNone:
+      break;
+  }
+  return "none";
+}
+
+json cutJson(const CutSummary& cut) {
+  json levels = json::array();
+  for (const CutSummary::Level& level : cut.levels)
+    levels.push_back({{"level", level.level}, {"blocks", level.blocks}, {"cells", level.cells}});
+  json summary{{"levels", levels},
+               {"coarse_share", cut.coarse_share},
+               {"spreads", cut.has_spreads},
+               {"thin_blocks", cut.thin_blocks},
+               {"final", cut.is_final}};
+  if (cut.spread)
+    summary["spread"] = {{"largest", cut.spread->largest}, {"mean", cut.spread->mean}};
+  return summary;
+}
+
+std::string cutLine(const CutSummary& cut) {
+  std::string levels;
+  for (const CutSummary::Level& level : cut.levels)
+    levels += fmt::format("{}{} ({} block{})", levels.empty() ? "" : ", ", level.level,
+                          level.blocks, level.blocks == 1 ? "" : "s");
+  std::string line = fmt::format(
+      "{:.1f} % of what shows is drawn coarser than it is stored, at level {}, {}",
+      100 * cut.coarse_share, levels,
+      cut.has_spreads ? "from means and spreads" : "from coarse voxels without a spread");
+  if (cut.spread)
+    line +=
+        fmt::format(" of up to {:.4g}, {:.3g} on average", cut.spread->largest, cut.spread->mean);
+  if (cut.thin_blocks > 0)
+    line += fmt::format("; {} block{} parts thinner than two voxels, --keep-thin refines {}",
+                        cut.thin_blocks, cut.thin_blocks == 1 ? " has" : "s have",
+                        cut.thin_blocks == 1 ? "it" : "them");
+  if (!cut.is_final) line += "; --memory, --max-bytes or --time-limit ended the refinement";
+  return line;
+}
+
+bool isCoarser(const VisibleBlocks& blocks) {
+  return blocks.cut && blocks.cut->coarse_share > 0;
+}
+
+std::string uprightHint(const VolumeLayout& layout) {
+  if (layout.frame == WorldFrame::kPictureRows)
+    return "not known for slices; --up 0,0,1 or --up 0,0,-1 stands the stack upright";
+  if (layout.frame == WorldFrame::kNone)
+    return "not in the file; --up 0,0,1, --up 0,0,-1 or --up 0,-1,0 turns the picture upright";
+  return "";
+}
+
+json volumeJson(const IndexedVolume& volume) {
+  const VolumeLayout& layout = storedLayout(*volume.source);
+  const ValueRange range = volume.finiteRange();
+  const auto triple = [](auto v) { return json::array({v.x, v.y, v.z}); };
+  const VolumeLayout& drawn = volume.source->layout();
+  const WorldBounds bounds = worldBounds(drawn);
+  // Level 0, or the coarser one that stands in for it while it has no index.
+  const int values_level = volume.stand_in ? volume.stand_in->level : 0;
+  return {{"name", layout.name},
+          {"dims", triple(layout.dims)},
+          {"voxel_type", name(layout.type)},
+          {"spacing", triple(layout.spacing)},
+          {"origin", triple(layout.origin)},
+          {"axes", {triple(layout.axes[0]), triple(layout.axes[1]), triple(layout.axes[2])}},
+          {"bounds", {triple(bounds.lo), triple(bounds.hi)}},
+          {"unit", layout.unit},
+          {"orientation", {{"frame", name(layout.frame)}, {"axes", axisLetters(layout)}}},
+          {"channels", layout.channels},
+          {"channel", layout.channel},
+          {"levels", layout.levels},
+          {"grids", layout.grids},
+          {"notes", drawn.notes},
+          {"time_steps", layout.time_steps},
+          {"value_range", {range.lo, range.hi}},
+          {"values_level", values_level},
+          {"blocks",
+           {{"size", volume.layout.size},
+            {"count", volume.layout.blockCount()},
+            {"held", volume.index->ranges.blocks.size()}}},
+          {"index",
+           {{"path", volume.index->path.string()},
+            {"state", volume.index->state},
+            {"note", volume.index->note},
+            {"bytes", volume.index->bytes()}}}};
+}
+
+json sceneJson(const Scene& scene, const std::vector<RenderedFrame>& frames) {
+  json report;
+  report["volume"] = volumeJson(scene.volume);
+  report["frames"] = json::array();
+  for (const RenderedFrame& frame : frames) report["frames"].push_back(frameJson(frame));
+  const FrameReport& last = frames.back().report;
+  report["blocks"] = {{"white", last.white}, {"grey", last.grey}, {"black", last.black}};
+  report["transfer"] = scene.transfer.name;
+  report["look"] = lookJson(scene.look);
+
+  const Session& session = *scene.session;
+  const TextureCache& cache = session.textureCache();
+  if (last.cut) report["cut"] = cutJson(*last.cut);
+  json& levels = report["levels"];
+  levels["disk"] = {{"read_bytes", scene.volume.source->storedBytesRead()}};
+  levels["volume_buffer"] = countersJson(session.volumeBufferCounters());
+  levels["texture_buffer"] = countersJson(session.textureBufferCounters());
+  levels["texture_cache"] = countersJson(cache.counters());
+  levels["texture_cache"].update({{"pages", cache.capacityPages()},
+                                  {"page_bytes", session.page().pageBytes()},
+                                  {"page", printPageSize(session.page().size_vox)},
+                                  {"pages_loaded", cache.pagesLoaded()},
+                                  {"uploaded_bytes", scene.device->uploadedBytes()},
+                                  {"binds", scene.device->binds()}});
+  report["memory_bytes"] = scene.memory_bytes;
+  report[scene.share ? "part_memory_bytes" : "picture_memory_bytes"] = scene.part_bytes;
+  report["beside_memory_bytes"] = scene.beside_bytes;
+  report["peak_rss_bytes"] = peakResidentBytes();
+  report["peak_anonymous_bytes"] = std::max(scene.peak_anonymous_bytes, anonymousBytes());
+  report["device"] = nameOf(*scene.device);
+  report["gl"] = {{"backend", scene.device->backend()}, {"renderer", scene.device->renderer()}};
+  report["version"] = SLUICE_VERSION;
+  return report;
+}
+
+json optionsJson(const CLI::App& app) {
+  json options = json::object();
+  for (const CLI::Option* option : app.get_options()) {
+    const std::string name = option->get_single_name();
+    if (name == "help" || (option->count() == 0 && option->get_default_str().empty())) continue;
+    if (option->count() == 0) {
+      options[name] = option->get_default_str();
+    } else if (option->get_expected_max() == 0) {
+      options[name] = true;
+    } else if (option->results().size() == 1 && name != "volume") {
+      options[name] = option->results().front();
+    } else {
+      options[name] = option->results();
+    }
+  }
+  return options;
+}
+
+}  // namespace sluice

@@ -1,0 +1,56 @@
+// The JSON that scripts read: the names are fixed by the interface. Pure functions.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include <string>
+#include <vector>
+
+#include "src/render/session/session.h"
+#include "tools/scene/scene.h"
+
+namespace CLI {
+class App;
+}
+
+namespace sluice {
+
+struct RenderedFrame {
+  FrameReport report;
+  double write_seconds = 0;
+  std::string empty = {};  // why its picture shows nothing, if it does
+};
+
+// The object of a frame in `frames`.
+nlohmann::json frameJson(const RenderedFrame& frame);
+// The counters of a level.
+nlohmann::json countersJson(const CacheCounters& counters);
+// `look`: the chosen look, as the options that reproduce it.
+nlohmann::json lookJson(const ChosenLook& look);
+// Levels that are drawn.
+nlohmann::json cutJson(const CutSummary& cut);
+// The same in one line for people.
+std::string cutLine(const CutSummary& cut);
+// Whether anything is drawn coarser than it is stored.
+bool isCoarser(const VisibleBlocks& blocks);
+// `dims`, `voxel_type`, ..., as `info` prints them.
+nlohmann::json volumeJson(const IndexedVolume& volume);
+// The box of the volume's outer voxel centres, along the world's axes.
+struct WorldBounds {
+  Vec3d lo, hi;
+};
+WorldBounds worldBounds(const VolumeLayout& layout);
+// The meaning of the voxels' axes: "RAS" (x to the right, y to the front, z up) and so on, if the
+// file tells it and they follow the world's axes nearly enough; empty otherwise.
+std::string axisLetters(const VolumeLayout& layout);
+// Advice if the volume does not tell which direction of the world is up; empty otherwise.
+std::string uprightHint(const VolumeLayout& layout);
+// "ras", "lps", "picture-rows", "y-up" or "none".
+std::string_view name(WorldFrame frame);
+
+// The whole report of `render`: frames, blocks, levels, memory, GL.
+nlohmann::json sceneJson(const Scene& scene, const std::vector<RenderedFrame>& frames);
+// The options that were given or have defaults, long names without dashes.
+nlohmann::json optionsJson(const CLI::App& app);
+
+}  // namespace sluice

@@ -1,0 +1,85 @@
+#include "tools/scene/fitted_scene.h"
+
+#include "src/base/error.h"
+#include "src/library/conversions.h"
+#include "src/render/camera/camera_path.h"
+#include "tools/command_line/interrupt.h"
+#include "tools/scene/ranks.h"
+
+namespace sluice {
+namespace {
+
+// A camera per frame, of a turn or along the path; or a single one for all steps of a series.
+std::vector<Camera> camerasOf(const RenderArguments& arguments, WorldFrame frame) {
+  Camera start = arguments.frame.camera;
+  if (arguments.path_file.empty()) return turnOf(start, arguments.frames);
+  const CameraPath path = readCameraPath(arguments.path_file, interruption());
+  start.up = frontAxes(start.view, frame, start.up).up;  // keys move it on
+  std::vector<Camera> cameras;
+  for (int64_t i = 0; i < frameCount(arguments); ++i)
+    cameras.push_back(cameraAt(path, start, i, frameCount(arguments)));
+  return cameras;
+}
+
+// With several ranks, rank 0 makes the index that the others read.
+std::unique_ptr<Scene> openScene(const RenderArguments& arguments, const Outputs& outputs,
+                                 Team* team, FinestLevel finest) {
+  const auto open = [&] {
+    return std::make_unique<Scene>(arguments.volume, arguments.look, arguments.resources,
+                                   arguments.frame, outputs, team, finest);
+  };
+  if (team == nullptr) return open();
+  std::unique_ptr<Scene> scene;
+  if (team->isFirst()) scene = open();
+  team->wait();
+  if (!team->isFirst()) scene = open();
+  return scene;
+}
+
+// The same for a view that was saved, which must fit the volume.
+std::unique_ptr<Scene> openScene(const RenderArguments& arguments,
+                                 const std::optional<SavedView>& saved, const Outputs& outputs,
+                                 Team* team, FinestLevel finest) {
+  if (!saved) return openScene(arguments, outputs, team, finest);
+  try {
+    std::unique_ptr<Scene> scene = openScene(arguments, outputs, team, finest);
+    saved->requireFits(volumeInfo(scene->volume.source->layout(), {}, {}));
+    return scene;
+  } catch (const Error& error) {
+    // The volume knows its step as --time, which the user did not give.
+    if (saved->file.state.time == 0) throw;
+    fail("{}: {}", saved->name, error.what());
+  }
+}
+
+FittedScene openFitted(const RenderArguments& arguments, const std::optional<SavedView>& saved,
+                       const Outputs& outputs, Team* team, Room room, FinestLevel finest) {
+  FittedScene fitted;
+  fitted.scene = openScene(arguments, saved, outputs, team, finest);
+  Scene& scene = *fitted.scene;
+  fitted.asked = camerasOf(arguments, scene.volume.source->layout().frame);
+  fitted.cameras = fitted.asked;
+  fitCameras(fitted.cameras, arguments.fit,
+             {scene.volume, scene.volume.step(), scene.transfer, arguments.frame,
+              arguments.look.this_step},
+             room, arguments.resources, scene.pool);
+  return fitted;
+}
+
+}  // namespace
+
+FittedScene openFitted(const RenderArguments& arguments, const std::optional<SavedView>& saved,
+                       const Outputs& outputs, Team* team, Room room) {
+  const bool compares = arguments.verify || arguments.debug_view;
+  if (team == nullptr && !compares) {
+    FittedScene fitted = openFitted(arguments, saved, outputs, team, room, FinestLevel::kMayWait);
+    Scene& scene = *fitted.scene;
+    // A row of pictures begins with coarse ones at once.
+    if (arguments.progressive) return fitted;
+    if (!mustReadFinest(scene.volume, scene.transfer, arguments.frame, fitted.cameras, scene.pool))
+      return fitted;
+  }
+  return openFitted(arguments, saved, outputs, team, room, FinestLevel::kRead);
+}
+
+}  // namespace sluice

@@ -1,0 +1,126 @@
+#include "tools/scene/rank_agreement.h"
+
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include "src/base/values/digest.h"
+#include "src/parallel/agreement.h"
+#include "src/render/session/planner.h"
+#include "tools/outputs/report.h"
+
+namespace sluice {
+namespace {
+
+constexpr std::array<std::string_view, 14> kOwn = {
+    "volume", "transfer", "path", "state",     "basis", "memory", "threads",
+    "device", "simd",     "gl",   "index-dir", "quiet", "force",  "pages"};
+
+// Rows of voxels that are compared: for a single volume, and for each step of a series, where a row
+// may cost a compressed chunk.
+constexpr int kSceneSamples = 32, kStepSamples = 4;
+
+// Converted to float, because hosts with other processors may compute the last bit of a double
+// differently.
+void add(Digest& digest, double number) {
+  digest.add(static_cast<float>(number));
+}
+
+void add(Digest& digest, const std::vector<OpacityPoint>& points) {
+  digest.add(points.size());
+  for (const OpacityPoint& point : points) {
+    add(digest, point.value);
+    add(digest, point.opacity);
+  }
+}
+
+uint64_t digestOf(const ChosenLook& look) {
+  Digest digest;
+  digest.add(look.transfer.colors.size());
+  for (const ColorPoint& point : look.transfer.colors) {
+    add(digest, point.value);
+    for (int a = 0; a < 3; ++a) add(digest, point.rgb[a]);
+  }
+  add(digest, look.transfer.opacities);
+  for (const GradientRow& row : look.transfer.gradients) {
+    add(digest, row.magnitude);
+    add(digest, row.factors);
+  }
+  digest.add(look.transfer.labels);
+  digest.add(look.lit);
+  return digest.value();
+}
+
+uint64_t digestOf(std::span<const Camera> cameras, const VolumeLayout& layout) {
+  Digest digest;
+  for (const Camera& camera : cameras) {
+    const View view = resolve(camera, layout, {1, 1}, 1);
+    for (const Vec3d& vector : {view.eye, view.right, view.up, view.forward})
+      for (int a = 0; a < 3; ++a) add(digest, vector[a]);
+    add(digest, view.half_height);
+  }
+  return digest.value();
+}
+
+// Exact positions of blocks: one block more or less would be a hole in the picture.
+uint64_t digestOfCuts(Scene& scene, std::span<const Camera> cameras, FrameOptions options) {
+  Digest digest;
+  if (!options.cut) return digest.value();
+  const TimeStep step = scene.volume.step();
+  ChunkNames names;
+  Planner planner(scene.volume.page, scene.pool, names);
+  const LookPtr look =
+      planner.look(step, std::make_shared<const TransferFunction>(scene.transfer), options.mode);
+  for (const Camera& camera : cameras) {
+    const View view = resolve(camera, step.source->layout(), options.size, options.step_vox);
+    for (const ObjectBlock& block : planner.visibleBlocks(step, look, view, options)->blocks) {
+      digest.add(block.name.level);
+      digest.add(block.name.block);
+      for (int a = 0; a < 3; ++a) {
+        digest.add(block.cells.lo[a]);
+        digest.add(block.cells.hi[a]);
+      }
+    }
+  }
+  return digest.value();
+}
+
+std::string adviceFor(const std::string& file) {
+  return fmt::format("give every rank the same file; is {} an old copy on one host?", file);
+}
+
+}  // namespace
+
+void expectSameCommand(Team& team, const CLI::App& app) {
+  const nlohmann::json options = optionsJson(app);
+  // A rank with another command has other options altogether.
+  expectAgreement(team, {{"sluice", SLUICE_VERSION}, {"the command", app.get_name()}},
+                  "start the same command on every rank");
+  std::vector<Fact> facts;
+  for (const auto& [name, value] : options.items())
+    if (std::find(kOwn.begin(), kOwn.end(), name) == kOwn.end())
+      facts.push_back({"--" + name, value.is_string() ? value.get<std::string>() : value.dump()});
+  expectAgreement(team, facts, "start every rank with the same options");
+}
+
+void expectSameScene(Team& team, Scene& scene, std::span<const Camera> cameras,
+                     const FrameOptions& options) {
+  const IndexedVolume& volume = scene.volume;
+  expectAgreement(team, factsOf(*volume.source, volume.time, volume.index->ranges, kSceneSamples),
+                  adviceFor(volume.name));
+  expectAgreement(team,
+                  {{"transfer functions", "", digestOf(scene.look)},
+                   {"cameras", "", digestOf(cameras, volume.source->layout())}},
+                  "give every rank the same files");
+  expectAgreement(team, {{"levels of resolution", "", digestOfCuts(scene, cameras, options)}},
+                  "processors may round differently; give --level N");
+}
+
+void expectSameStep(Team& team, const Scene& scene, const TimeStep& step) {
+  expectAgreement(team, factsOf(*step.source, step.time, *step.ranges, kStepSamples),
+                  adviceFor(fmt::format("time step {} of {}", step.time, scene.volume.name)));
+}
+
+}  // namespace sluice

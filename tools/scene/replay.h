@@ -1,0 +1,63 @@
+// The input of `sluice simulate`: a recorded trace, which is the same at every cache size, or the
+// requests of a turn around a volume, planned for each size as the renderer would.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cache/trace/prepared_trace.h"
+#include "src/render/camera/frame_options.h"
+#include "tools/command_line/outputs.h"
+#include "tools/options/arguments.h"
+
+namespace sluice {
+
+class ReplaySource {
+ public:
+  virtual ~ReplaySource() = default;
+  // A title for people.
+  virtual std::string title() const = 0;
+  // The size to study if the user does not set one.
+  virtual uint64_t defaultPages() const = 0;
+  // The least size that can be planned for.
+  virtual uint64_t leastPages() const { return 1; }
+  // The cache size for which the chunks are planned that a cache of `pages` pages is asked for;
+  // nullopt if that is not known. Requests for two sizes are the same if this is.
+  virtual std::optional<uint64_t> plannedPages(uint64_t pages) const = 0;
+  // The requests to a cache of `pages` pages. Throws Error: a damaged or empty file, a volume that
+  // cannot be read, a cache too small to plan for.
+  virtual PreparedTrace requests(uint64_t pages) = 0;
+  // The same as records, which take some six times the memory.
+  virtual Trace records(uint64_t pages) = 0;
+  // The same one by one, from a trace without holding it in memory. Returns the bytes of a page.
+  virtual uint64_t visit(uint64_t pages, const std::function<void(const TraceRecord&)>& take) = 0;
+  // Notes for a person on the data read so far, a line each.
+  virtual std::vector<std::string> warnings() const { return {}; }
+};
+
+// `format`: none if the file's name or first bytes tell. `page_bytes`: used if the format does not
+// tell.
+std::unique_ptr<ReplaySource> openTraceFile(const std::string& file,
+                                            std::optional<TraceFormat> format, uint64_t page_bytes);
+
+struct TurnArguments {
+  VolumeArguments volume;
+  LookArguments look;
+  FrameOptions frame;
+  LevelArguments levels;
+  ResourceArguments resources;
+  FitChoice fit;
+  int64_t frames = 36;
+  bool is_plan_fixed =
+      false;  // planned for `fixed_pages` (0: the default) whatever the cache's size
+  uint64_t fixed_pages = 0;
+};
+// `frames` views of a full turn, from plans alone; the volume is opened and indexed here, once
+// `outputs` are none of the files that it is read from. Throws Error.
+std::unique_ptr<ReplaySource> openTurn(const TurnArguments& arguments, const Outputs& outputs);
+
+}  // namespace sluice

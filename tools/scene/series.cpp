@@ -1,0 +1,198 @@
+#include "tools/scene/series.h"
+
+#include <algorithm>
+#include <limits>
+#include <sstream>
+#include <utility>
+
+#include "src/base/error.h"
+#include "src/base/threads/clock.h"
+#include "src/classify/transfer/transfer_file.h"
+#include "tools/command_line/console.h"
+#include "tools/command_line/interrupt.h"
+#include "tools/command_line/progress_line.h"
+#include "tools/scene/rank_agreement.h"
+#include "tools/scene/scene_session.h"
+#include "tools/scene/strip_drawing.h"
+
+namespace sluice {
+namespace {
+
+// Share of the time without culling: the saving must exceed the difference of two measurements.
+constexpr double kWorthwhile = 0.9;
+
+ProgressWatch preparingLine(const ResourceArguments& resources) {
+  return resources.quiet ? ProgressWatch() : progressLine("preparing");
+}
+
+// The functions that the index has; auto computes no others.
+std::optional<SeriesFunctions> preparedFunctions(Scene& scene, const CullingArguments& culling,
+                                                 const ResourceArguments& resources) {
+  ProgressMeter progress;
+  std::optional<SeriesFunctions> functions =
+      keptSeriesFunctions(scene.volume, scene.transfer, seriesOptions(culling, scene.volume),
+                          {scene.pool, progress, memoryBudget(resources), interruption()});
+  if (functions && !resources.quiet && !functions->note.empty()) printWarning(functions->note);
+  return functions;
+}
+
+}  // namespace
+
+std::vector<std::string> basisFiles(const CullingArguments& culling) {
+  std::vector<std::string> names;
+  std::istringstream files(culling.basis);
+  for (std::string file; std::getline(files, file, ',');) names.push_back(file);
+  return names;
+}
+
+SeriesOptions seriesOptions(const CullingArguments& culling, const IndexedVolume& volume) {
+  if (culling.part % kDetail != 0)
+    fail("--part {}: a part has {} cubes a side; give a multiple of {}", culling.part, kDetail,
+         kDetail);
+  SeriesOptions options;
+  options.difference = culling.difference;
+  options.part_cells = culling.part;
+  options.detail_bits = culling.detail;
+  options.direction_rows = culling.directions;
+  for (const std::string& file : basisFiles(culling))
+    options.basis.push_back(readTransferFunction(file, volume.valueRange(), {}, interruption()));
+  return options;
+}
+
+SeriesFunctions openFunctions(const IndexedVolume& volume, const TransferFunction& transfer,
+                              const CullingArguments& culling, const ResourceArguments& resources,
+                              WorkerPool& pool) {
+  ProgressMeter progress(preparingLine(resources));
+  SeriesFunctions functions =
+      seriesFunctions(volume, transfer, seriesOptions(culling, volume),
+                      {pool, progress, memoryBudget(resources), interruption()});
+  if (!resources.quiet && !functions.note.empty()) printWarning(functions.note);
+  return functions;
+}
+
+CullingOptions cullingOptions(Culling culling, const FrameOptions& frame,
+                              const SeriesFunctions& functions, uint64_t memory_bytes) {
+  constexpr uint64_t kKeptShare = 8;
+  CullingOptions options;
+  options.most_kept_bytes = std::min(options.most_kept_bytes, memory_bytes / kKeptShare);
+  options.form = culling == Culling::kPof ? OpacityForm::kPof : OpacityForm::kOpof;
+  options.opacity_threshold = hidingThreshold(frame);
+  options.uses_coherence = culling == Culling::kToc || culling == Culling::kAuto;
+  options.clip_planes = frame.clip_planes;
+  options.exponent = functions.exponent;
+  return options;
+}
+
+Series::Series(Scene& scene, const CullingArguments& culling, const ResourceArguments& resources,
+               const FrameOptions& frame)
+    : scene_(scene), resources_(resources), is_auto_(culling.culling == Culling::kAuto) {
+  if (scene.share) scene.share->dealEachPicture(scene.volume.source->layout().time_steps > 1);
+  if (is_auto_ && scene.share)
+    fail("--culling auto measures one process; give ranks --culling toc or none");
+  if (culling.culling != Culling::kNone)
+    scene.inTurn([&] {
+      if (is_auto_)
+        functions_ = preparedFunctions(scene, culling, resources);
+      else
+        functions_.emplace(
+            openFunctions(scene.volume, scene.transfer, culling, resources, scene.pool));
+    });
+  if (!functions_) return;
+  CullingOptions options = cullingOptions(culling.culling, frame, *functions_, scene.memory_bytes);
+  const SeriesOpacity& opacity = *functions_->opacity();
+  openSession(scene, resources, frame,
+              opacity.bytes() +
+                  CulledBlocks::mostBytes(opacity, frame.size, options, scene.pool.threads()));
+  if (scene.share) scene.share->shareEstimate(options);
+  culled_.emplace(functions_->opacity(), scene.volume.source->layout(), options, scene.pool);
+  if (!is_auto_) scene.chooseBlocksBy(&*culled_);
+}
+
+void Series::choose(std::span<const int64_t> times) {
+  if (!is_auto_) return;
+  choice_ = measure(times);
+  if (!choice_->culls) {
+    culled_.reset();
+    functions_.reset();
+  }
+  scene_.chooseBlocksBy(culled_ ? &*culled_ : nullptr);
+}
+
+CullingChoice Series::measure(std::span<const int64_t> times) {
+  CullingChoice choice;
+  if (!functions_) {
+    choice.line = "none: the series is not prepared; sluice prepare does it";
+    return choice;
+  }
+  if (times.size() < kLeastMeasured) {
+    choice.line =
+        fmt::format("none: only series of {} steps or more are measured; give toc", kLeastMeasured);
+    return choice;
+  }
+  double none = std::numeric_limits<double>::infinity(), culled = none;
+  secondsOf(times[0], true);
+  for (const size_t i : {1, 3}) {
+    none = std::min(none, secondsOf(times[i], false));
+    culled = std::min(culled, secondsOf(times[i + 1], true));
+  }
+  scene_.session->forgetLastFrame();
+  choice.none_seconds = none;
+  choice.culled_seconds = culled;
+  choice.culls = culled < kWorthwhile * none;
+  choice.line =
+      fmt::format("{}: a step took {:.3f} s with it, {:.3f} s without",
+                  choice.culls ? "toc" : "none", *choice.culled_seconds, *choice.none_seconds);
+  return choice;
+}
+
+double Series::secondsOf(int64_t time, bool culls) {
+  scene_.chooseBlocksBy(culls ? &*culled_ : nullptr);
+  const Stopwatch watch;
+  show(time, std::nullopt);
+  drawFrameOf(scene_, stripsFor(scene_), nullptr);
+  return watch.seconds();
+}
+
+Series::~Series() {
+  if (culled_) scene_.chooseBlocksBy(nullptr);
+}
+
+TimeStep Series::step(int64_t time) {
+  if (next_ && next_->time == time) return *next_;
+  ProgressMeter progress;
+  TimeStep step;
+  scene_.inTurn([&] {
+    step = stepOfSeries(scene_.volume, time,
+                        {scene_.pool, progress, memoryBudget(resources_), interruption()});
+  });
+  if (scene_.share && time != scene_.volume.time)
+    expectSameStep(scene_.share->team(), scene_, step);
+  return step;
+}
+
+void Series::show(int64_t time, std::optional<int64_t> next) {
+  scene_.session->setTimeStep(step(time));
+  next_.reset();
+  shown_ = time;
+  if (!next) return;
+  next_ = step(*next);
+  scene_.session->expectAfterwards(*next_);
+}
+
+nlohmann::json choiceJson(const CullingChoice& choice) {
+  nlohmann::json json{{"culls", choice.culls}, {"line", choice.line}};
+  if (choice.none_seconds)
+    json["seconds"] = {{"none", *choice.none_seconds}, {"toc", *choice.culled_seconds}};
+  return json;
+}
+
+nlohmann::json countsJson(const CullingCounts& counts) {
+  return {{"blocks_nonempty", counts.blocks_nonempty},
+          {"visible", counts.blocks_visible},
+          {"estimate_seconds", counts.estimate_seconds},
+          {"pixels_checked", counts.pixels_checked},
+          {"pixels", counts.pixels},
+          {"changed_blocks", counts.changed_blocks}};
+}
+
+}  // namespace sluice
