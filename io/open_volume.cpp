@@ -19,6 +19,7 @@
 #include "io/synth/synth_source.h"
 #include "io/vdb/vdb_series.h"
 #include "io/vdb/vdb_source.h"
+#include "io/zarr/zarr_folder.h"
 #include "io/zarr/zarr_source.h"
 #include "src/base/error.h"
 #include "src/base/values/forwarding_source.h"

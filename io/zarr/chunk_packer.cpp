@@ -25,6 +25,7 @@ ZarrArray packedArray(const VolumeLayout& layout, std::span<const int64_t> leadi
     array.shape.push_back(layout.dims[a]);
     array.chunks.push_back(chunk_voxels);
   }
+  array.files = array.chunks;
   array.type = layout.type;
   array.byte_order = std::endian::native;
   array.codec = ZarrCodec::kBlosc;

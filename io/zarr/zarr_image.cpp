@@ -50,8 +50,12 @@ void transform(const JsonField& list, ZarrPlace& place) {
     const JsonField step = list[i];
     const std::string& type = step.require("type").text();
     if (type == "identity") continue;
+    if (type == "sequence") {
+      transform(step.require("transformations"), place);
+      continue;
+    }
     if (type != "scale" && type != "translation")
-      step.require("type").failExpected("scale, translation or identity");
+      step.require("type").failExpected("scale, translation, identity or a sequence of these");
     const JsonField values = step.require(type.c_str());
     const std::vector<double> by = numbers(values);
     if (place.scale.empty()) {
@@ -83,9 +87,25 @@ void requireInside(const JsonField& field) {
     field.failExpected("the path of a folder inside this one");
 }
 
+// The axes of version 0.6: those of the coordinate system that the first level's transformations
+// lead to.
+std::optional<JsonField> axesOfSystem(const JsonField& multiscale, const JsonField& datasets) {
+  const auto systems = multiscale.find("coordinateSystems");
+  if (!systems || systems->size() == 0) return std::nullopt;
+  std::string wanted;
+  if (const auto list = datasets[0].find("coordinateTransformations"); list && list->size() > 0)
+    wanted = textOr((*list)[list->size() - 1], "output");
+  for (size_t i = 0; i < systems->size(); ++i)
+    if (wanted.empty() || textOr((*systems)[i], "name") == wanted)
+      return (*systems)[i].find("axes");
+  systems->failExpected(fmt::format("the coordinate system {}", shown(wanted)));
+}
+
 void parseMultiscale(const JsonField& multiscale, const std::string& level, ZarrImage& image) {
-  if (const auto axes = multiscale.find("axes")) image.axes = parseAxes(*axes);
   const JsonField datasets = multiscale.require("datasets");
+  auto axes = multiscale.find("axes");
+  if (!axes && datasets.size() > 0) axes = axesOfSystem(multiscale, datasets);
+  if (axes) image.axes = parseAxes(*axes);
   const size_t count = datasets.size();
   if (count == 0) datasets.failExpected("one level at least");
   constexpr size_t kMostLevels = 64;
@@ -156,6 +176,27 @@ void parseOwn(const JsonField& own, ZarrImage& image) {
     image.spreads = spreads->text();
   }
   if (const auto frame = own.find("frame")) image.frame = parseFrame(*frame);
+}
+
+// `ome`: what OME-Zarr says of the image, `attributes` itself before version 0.5.
+void parseAttributes(const JsonField& attributes, const JsonField& ome, const std::string& level,
+                     ZarrImage& image) {
+  if (const auto multiscales = ome.find("multiscales")) {
+    if (multiscales->size() == 0) multiscales->failExpected("one image at least");
+    parseMultiscale((*multiscales)[0], level, image);
+  } else if (const auto names = attributes.find("_ARRAY_DIMENSIONS")) {
+    image.axes = parseAxes(*names);
+  }
+  if (const auto omero = ome.find("omero")) image.channels = channelNames(*omero);
+  if (const auto own = attributes.find("sluice")) parseOwn(*own, image);
+}
+
+// Dimensions may have null for a name.
+bool areAllNamed(const JsonField& names) {
+  if (names.isNull()) return false;
+  for (size_t i = 0; i < names.size(); ++i)
+    if (!names[i].isText() || names[i].text().empty()) return false;
+  return true;
 }
 
 enum class Role { kX, kY, kZ, kTime, kChannel, kSomeSpace };
@@ -248,14 +289,15 @@ ZarrImage parseZarrImage(std::string_view text, const std::string& path, const s
   const nlohmann::json document = parseJson(text, path);
   const JsonField root(document, path);
   ZarrImage image;
-  if (const auto multiscales = root.find("multiscales")) {
-    if (multiscales->size() == 0) multiscales->failExpected("one image at least");
-    parseMultiscale((*multiscales)[0], level, image);
-  } else if (const auto names = root.find("_ARRAY_DIMENSIONS")) {
-    image.axes = parseAxes(*names);
+  if (!root.find("node_type")) {
+    parseAttributes(root, root, level, image);
+    return image;
   }
-  if (const auto omero = root.find("omero")) image.channels = channelNames(*omero);
-  if (const auto own = root.find("sluice")) parseOwn(*own, image);
+  // A zarr.json: OME-Zarr 0.5 has a member of its own among the attributes.
+  if (const auto attributes = root.find("attributes"))
+    parseAttributes(*attributes, attributes->find("ome").value_or(*attributes), level, image);
+  if (const auto names = root.find("dimension_names"); names && image.axes.empty())
+    if (areAllNamed(*names)) image.axes = parseAxes(*names);
   return image;
 }
 

@@ -1,9 +1,10 @@
-// ZarrImage: the levels, axes and place in the world from the .zattrs of an OME-Zarr image.
-// ZarrView: an array of 3 to 5 axes as a volume: which axis is x, y, z, time, channel, and the
-// place of the voxels.
+// ZarrImage: the levels, axes and place in the world of an OME-Zarr image, from its .zattrs
+// (version 0.1 to 0.4) or zarr.json (0.5, and 0.6 as far as its transformations are scalings and
+// shifts). ZarrView: an array of 3 to 5 axes as a volume: which axis is x, y, z, time, channel, and
+// the place of the voxels.
 //
 // Nothing here touches a file, so that the parser can be fuzzed. Source: OME-Zarr (NGFF) 0.1 to
-// 0.4. What those cannot say, the directions of oblique axes and the scaling of values, sluice
+// 0.6. What those cannot say, the directions of oblique axes and the scaling of values, sluice
 // keeps under a key of its own ("sluice"), which other programs pass over. There "spreads" names a
 // group inside the image's folder that has an array for each coarser level, of the same path and
 // shape: the spreads of its voxels (volume_levels.h).
@@ -51,8 +52,8 @@ struct ZarrImage {
 };
 
 // `level` is the folder whose scale is wanted; empty: the first. Axes also come from xarray's
-// _ARRAY_DIMENSIONS. Throws Error, which starts with `path`: not understood, no such level, a
-// level outside of the folder.
+// _ARRAY_DIMENSIONS and the dimension_names of a zarr.json. Throws Error, which starts with `path`:
+// not understood, no such level, a level outside of the folder.
 ZarrImage parseZarrImage(std::string_view text, const std::string& path,
                          const std::string& level = "");
 

@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "io/files/file.h"
+#include "io/zarr/zarr_folder.h"
 #include "io/zarr/zarr_image.h"
 #include "io/zarr/zarr_source.h"
 #include "src/base/error.h"
@@ -169,7 +170,7 @@ void ZarrPackFolder::checkParameters(const std::string& source_identity,
 fs::path ZarrPackFolder::chunkPath(int64_t chunk) const {
   const auto after = std::upper_bound(first_chunks_.begin(), first_chunks_.end(), chunk);
   const auto i = static_cast<size_t>(after - first_chunks_.begin()) - 1;
-  return store_ / arrays_[i].folder / arrays_[i].array.chunkName(chunk - first_chunks_[i]);
+  return store_ / arrays_[i].folder / arrays_[i].array.fileName(chunk - first_chunks_[i]);
 }
 
 bool ZarrPackFolder::checkChunk(int64_t chunk) const {

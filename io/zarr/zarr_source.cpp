@@ -7,6 +7,7 @@
 #include "io/files/file.h"
 #include "io/files/swap_bytes.h"
 #include "io/zarr/zarr_codec.h"
+#include "io/zarr/zarr_folder.h"
 #include "io/zarr/zarr_levels.h"
 #include "src/base/error.h"
 
@@ -14,41 +15,10 @@ namespace sluice {
 
 namespace fs = std::filesystem;
 
-// The array in a folder, and its description.
-struct FoundZarr {
-  fs::path array_folder;
-  ZarrImage image;
-  std::vector<std::string> identities, header_paths;
-  uint64_t header_bytes = 0;
-  std::string said_by;    // the file that names the axes, or else the array's own
-  bool is_image = false;  // the folder is an image's, the array its level 0
-};
-
 namespace {
 
-constexpr uint64_t kMostHeaderBytes = 16 << 20;
 constexpr uint64_t kSmallChunkBytes = 4 << 20;
 constexpr uint64_t kCoarserCacheBytes = 4 << 20;  // for each coarser level, until holdAtMost()
-
-struct HeaderFile {
-  std::string path, text, identity;
-};
-
-HeaderFile readHeader(const fs::path& path) {
-  File file(path);
-  if (file.sizeBytes() > kMostHeaderBytes)
-    fail("{}: expected at most {} bytes, found {}", path.string(), kMostHeaderBytes,
-         file.sizeBytes());
-  HeaderFile header{path.string(), std::string(static_cast<size_t>(file.sizeBytes()), '\0'),
-                    file.identity()};
-  file.readAt(0, std::as_writable_bytes(std::span(header.text)));
-  return header;
-}
-
-bool has(const fs::path& folder, const char* name) {
-  std::error_code ignored;
-  return fs::exists(folder / name, ignored);
-}
 
 // The identity of a folder: path and status.
 std::string folderIdentity(const fs::path& folder) {
@@ -57,72 +27,6 @@ std::string folderIdentity(const fs::path& folder) {
     failErrno(fmt::format("{}: cannot be opened", folder.string()), errno);
   return fmt::format("{}|{}", fs::absolute(folder).lexically_normal().string(),
                      describeStatus(status));
-}
-
-void take(const HeaderFile& header, FoundZarr& found) {
-  found.identities.push_back(header.identity);
-  found.header_paths.push_back(header.path);
-  found.header_bytes += header.text.size();
-}
-
-// An array by itself, or one of the levels of the image around it.
-FoundZarr findArray(const fs::path& folder) {
-  FoundZarr found;
-  found.array_folder = folder;
-  found.said_by = (folder / ".zarray").string();
-  const fs::path whole = fs::absolute(folder).lexically_normal();
-  const fs::path clean = whole.has_filename() ? whole : whole.parent_path();
-  const fs::path parent_attributes = clean.parent_path() / ".zattrs";
-  if (has(clean.parent_path(), ".zattrs")) {
-    const HeaderFile header = readHeader(parent_attributes);
-    const std::string level = clean.filename().string();
-    const auto levels = parseZarrImage(header.text, header.path).levels;
-    if (std::find(levels.begin(), levels.end(), level) != levels.end()) {
-      found.image = parseZarrImage(header.text, header.path, level);
-      found.said_by = header.path;
-      take(header, found);
-      return found;
-    }
-  }
-  if (has(folder, ".zattrs")) {
-    const HeaderFile header = readHeader(folder / ".zattrs");
-    found.image = parseZarrImage(header.text, header.path);
-    take(header, found);
-  }
-  return found;
-}
-
-// A name inside the folder that could be opened instead; empty when there is none.
-std::string insideOf(const fs::path& folder) {
-  std::vector<std::string> names;
-  std::error_code status;
-  fs::directory_iterator entries(folder, status);
-  for (; !status && entries != fs::directory_iterator(); entries.increment(status))
-    if (isZarr(entries->path())) names.push_back(entries->path().filename().string());
-  if (names.empty()) return "";
-  return fmt::format("; it holds others, such as {}",
-                     (folder / *std::min_element(names.begin(), names.end())).string());
-}
-
-FoundZarr find(const fs::path& folder) {
-  if (has(folder, ".zarray")) return findArray(folder);
-  if (has(folder, "zarr.json"))
-    fail("{}: expected Zarr version 2, found version 3 (zarr.json)", folder.string());
-  FoundZarr found;
-  if (has(folder, ".zattrs")) {
-    const HeaderFile header = readHeader(folder / ".zattrs");
-    found.image = parseZarrImage(header.text, header.path);
-    found.said_by = header.path;
-    take(header, found);
-  }
-  if (found.image.levels.empty())
-    fail(
-        "{}: expected an image (multiscales in .zattrs) or an array (.zarray), found a Zarr group "
-        "of neither{}",
-        folder.string(), insideOf(folder));
-  found.array_folder = folder / found.image.levels[0];
-  found.is_image = true;
-  return found;
 }
 
 void fillWith(std::span<const std::byte> voxel, std::byte* out, int64_t voxels) {
@@ -159,7 +63,7 @@ std::vector<int64_t> stridesOf(const ZarrArray& array) {
   std::vector<int64_t> strides(array.axes());
   int64_t stride = 1;
   for (size_t i = 0; i < array.axes(); ++i) {
-    const size_t axis = array.fortran_order ? i : array.axes() - 1 - i;
+    const size_t axis = array.order[array.axes() - 1 - i];
     strides[axis] = stride;
     stride *= array.chunks[axis];
   }
@@ -201,31 +105,16 @@ std::string faultOfSpreads(const VolumeLayout& level, const VolumeLayout& spread
   return "";
 }
 
-// An array in the place of dataset `number` of the image.
-FoundZarr foundDataset(const FoundZarr& image, const fs::path& array_folder, size_t number) {
-  FoundZarr found;
-  found.array_folder = array_folder;
-  found.image = image.image;
-  found.image.scale = image.image.places[number].scale;
-  found.image.translation = image.image.places[number].translation;
-  found.said_by = image.said_by;
-  return found;
-}
-
 }  // namespace
 
-bool isZarr(const fs::path& folder) {
-  return has(folder, ".zarray") || has(folder, ".zgroup") || has(folder, "zarr.json");
-}
-
 ZarrSource::ZarrSource(const fs::path& folder, const ZarrOptions& options)
-    : ZarrSource(folder, find(folder), options) {}
+    : ZarrSource(folder, findZarr(folder), options) {}
 
 ZarrSource::~ZarrSource() = default;
 
 ZarrSource::ZarrSource(const fs::path& folder, FoundZarr found, const ZarrOptions& options) {
-  const HeaderFile header = readHeader(found.array_folder / ".zarray");
-  take(header, found);
+  const ZarrHeader header = readArrayHeader(found.array_folder);
+  found.take(header);
   ZarrArray array = parseZarrArray(header.text, header.path);
   view_ = viewZarr(array, found.image, options.channel.given(), found.said_by);
   fs::path name = folder.lexically_normal();
@@ -248,7 +137,8 @@ ZarrSource::ZarrSource(const fs::path& folder, FoundZarr found, const ZarrOption
   header_bytes_ = found.header_bytes;
   identity_ = folderIdentity(found.array_folder);
   for (const std::string& identity : found.identities) identity_ += fmt::format("|{}", identity);
-  if (has(found.array_folder, std::string(kZarrChecksumsName).c_str()))
+  std::error_code unknown;
+  if (fs::exists(found.array_folder / kZarrChecksumsName, unknown))
     identity_ += fmt::format("|{}", File(found.array_folder / kZarrChecksumsName).identity());
   if (view_.channel) identity_ += fmt::format("|channel {}", channel_);
 
@@ -274,14 +164,14 @@ void ZarrSource::openLevels(const fs::path& folder, const FoundZarr& found,
   ZarrOptions own = options;
   own.chunk_cache_bytes = std::min(options.chunk_cache_bytes, kCoarserCacheBytes);
   own.channel = view_.channel ? ChannelWish(channel_) : ChannelWish();
-  if (has(folder / found.image.spreads / found.image.levels[0], ".zarray"))
+  if (isZarr(folder / found.image.spreads / found.image.levels[0]))
     spreads_ = openSpreads(folder, found, own, 0, layout);
   std::vector<size_t> datasets;  // of level_sources_
   for (size_t i = 1; i < found.image.levels.size(); ++i) {
     std::string fault;
     try {
       std::unique_ptr<ZarrSource> source(
-          new ZarrSource(folder, foundDataset(found, folder / found.image.levels[i], i), own));
+          new ZarrSource(folder, datasetOf(found, folder / found.image.levels[i], i), own));
       fault = faultAmong(layout, source->view_.layout);
       if (fault.empty()) fault = faultOfLevel(finest, claimOf(source->view_, found.image, i));
       if (fault.empty()) {
@@ -308,7 +198,7 @@ std::unique_ptr<ZarrSource> ZarrSource::openSpreads(const fs::path& folder, cons
   try {
     const fs::path array = folder / found.image.spreads / found.image.levels[dataset];
     std::unique_ptr<ZarrSource> source(
-        new ZarrSource(folder, foundDataset(found, array, dataset), options));
+        new ZarrSource(folder, datasetOf(found, array, dataset), options));
     fault = faultOfSpreads(level, source->view_.layout);
     if (fault.empty()) return source;
   } catch (const Error& error) {
@@ -375,7 +265,8 @@ uint64_t ZarrSource::storedBytesRead() const {
 }
 
 uint64_t ZarrSource::heldBytesAThread() const {
-  uint64_t bytes = 3 * files_->array().chunkBytes();
+  const ZarrArray& array = files_->array();
+  uint64_t bytes = 3 * array.chunkBytes() + (array.shards ? 2 * array.shardIndexBytes() : 0);
   for (const ZarrSource* source : sourcesAbove())
     bytes = std::max(bytes, source->heldBytesAThread());
   return bytes;
@@ -385,28 +276,36 @@ void ZarrSource::holdAtMost(uint64_t bytes) {
   const std::vector<ZarrSource*> above = sourcesAbove();
   const uint64_t each = above.empty() ? 0 : bytes / 8 / above.size();
   for (ZarrSource* source : above) source->holdAtMost(each);
-  cache_->setBudget(bytes - each * above.size());
+  uint64_t own = bytes - each * above.size();
+  if (ZarrShardIndices* indices = files_->shardIndices()) {
+    indices->setBudget(own / 8);
+    own -= own / 8;
+  }
+  cache_->setBudget(own);
 }
 
 std::vector<std::string> ZarrSource::files() {
   return places_;
 }
 
-Vec3i ZarrSource::chunkVoxels() const {
-  const ZarrArray& array = files_->array();
-  return {array.chunks[view_.space[0]], array.chunks[view_.space[1]], array.chunks[view_.space[2]]};
+Vec3i ZarrSource::voxelsOf(std::span<const int64_t> parts) const {
+  return {parts[view_.space[0]], parts[view_.space[1]], parts[view_.space[2]]};
 }
 
-// The chunk that holds a voxel.
-std::vector<int64_t> ZarrSource::chunkIndexAt(int64_t time, Vec3i at) const {
-  const ZarrArray& array = files_->array();
-  std::vector<int64_t> index(array.axes(), 0);
+Vec3i ZarrSource::chunkVoxels() const {
+  return voxelsOf(files_->array().chunks);
+}
+
+// The part of the array, a chunk or a file, that holds a voxel.
+std::vector<int64_t> ZarrSource::indexAt(std::span<const int64_t> parts, int64_t time,
+                                         Vec3i at) const {
+  std::vector<int64_t> index(parts.size(), 0);
   for (int a = 0; a < 3; ++a) {
     const size_t axis = view_.space[static_cast<size_t>(a)];
-    index[axis] = at[a] / array.chunks[axis];
+    index[axis] = at[a] / parts[axis];
   }
-  if (view_.time) index[*view_.time] = time / array.chunks[*view_.time];
-  if (view_.channel) index[*view_.channel] = channel_ / array.chunks[*view_.channel];
+  if (view_.time) index[*view_.time] = time / parts[*view_.time];
+  if (view_.channel) index[*view_.channel] = channel_ / parts[*view_.channel];
   return index;
 }
 
@@ -414,15 +313,13 @@ ZarrChunkCache::Chunk ZarrSource::decode(int64_t chunk, ChunkMemory& memory) {
   const ZarrArray& array = files_->array();
   std::shared_ptr<CountedBytes> decoded;
   std::unique_ptr<CountedBytes> stored;
-  uint64_t stored_bytes = 0;
-  files_->read(chunk, [&](uint64_t bytes) {
+  const uint64_t stored_bytes = files_->read(chunk, [&](uint64_t bytes) {
     if (array.codec == ZarrCodec::kNone) {
       decoded = std::make_shared<CountedBytes>(bytes, memory);
       return decoded->span();
     }
     // For chunks of up to kSmallChunkBytes, the buffer has the size of a decoded chunk, so that it
     // can be reused for any of them.
-    stored_bytes = bytes;
     stored = std::make_unique<CountedBytes>(
         std::max(bytes, std::min(array.chunkBytes(), kSmallChunkBytes)), memory);
     return stored->span().first(bytes);
@@ -435,7 +332,7 @@ ZarrChunkCache::Chunk ZarrSource::decode(int64_t chunk, ChunkMemory& memory) {
     decodeChunk(array.codec, file, decoded->span(), path);
   }
   if (array.byte_order != std::endian::native)
-    swapBytes(decoded->span(), bytesPerVoxel(array.type));
+    swapBytes(decoded->span().first(array.chunkBytes()), bytesPerVoxel(array.type));
   return decoded;
 }
 
@@ -477,7 +374,8 @@ void ZarrSource::readRegion(int64_t time, const Box3& box, std::span<std::byte> 
       for (int64_t x = first.x; x < box.hi.x; x += step.x) {
         const Vec3i corner{x, y, z};
         const Box3 part = intersect(box, {corner, corner + step});
-        const int64_t number = files_->array().chunkNumber(chunkIndexAt(time, corner));
+        const ZarrArray& array = files_->array();
+        const int64_t number = array.chunkNumber(indexAt(array.chunks, time, corner));
         if (files_->exists(number)) {
           copyChunk(cache_->get(number)->span(), time, part, box, out);
           continue;
@@ -492,14 +390,14 @@ void ZarrSource::readRegion(int64_t time, const Box3& box, std::span<std::byte> 
 
 std::optional<Occupancy> ZarrSource::occupancy(int64_t time) {
   const ZarrArray& array = files_->array();
-  const Vec3i step = chunkVoxels();
+  const Vec3i step = voxelsOf(array.files);
   const Vec3i dims = view_.layout.dims;
-  const std::vector<int64_t> wanted = chunkIndexAt(time, {0, 0, 0});
+  const std::vector<int64_t> wanted = indexAt(array.files, time, {0, 0, 0});
   Occupancy occupancy;
   occupancy.background = array.fill_value;
   int64_t present = 0;
   for (const int64_t number : files_->existing()) {
-    const std::vector<int64_t> index = array.chunkIndex(number);
+    const std::vector<int64_t> index = array.fileIndex(number);
     if ((view_.time && index[*view_.time] != wanted[*view_.time]) ||
         (view_.channel && index[*view_.channel] != wanted[*view_.channel]))
       continue;
@@ -507,7 +405,7 @@ std::optional<Occupancy> ZarrSource::occupancy(int64_t time) {
     const Vec3i lo =
         step * Vec3i{index[view_.space[0]], index[view_.space[1]], index[view_.space[2]]};
     const Box3 box = intersect({lo, lo + step}, boxOf(dims));
-    // Chunks that follow one another along x, as the numbers mostly do, are one box.
+    // Files that follow one another along x, as the numbers mostly do, are one box.
     Box3* last = occupancy.boxes.empty() ? nullptr : &occupancy.boxes.back();
     const bool goes_on = last != nullptr && last->hi.x == box.lo.x && last->lo.y == box.lo.y &&
                          last->lo.z == box.lo.z;

@@ -1,6 +1,7 @@
-// OME-Zarr images and plain Zarr v2 arrays as a VolumeSource.
+// OME-Zarr images and plain Zarr arrays, of version 2 and 3, as a VolumeSource.
 //
-// A folder with a .zarray is an array; one whose .zattrs has `multiscales` is an image: level 0 is
+// A folder with a .zarray or an array's zarr.json is an array; one whose .zattrs or zarr.json has
+// `multiscales` is an image: level 0 is
 // the volume, the others are its coarser levels, as far as their arrays are there and fit what is
 // said of them (io/zarr/zarr_levels.h); a note names each that is left out. Levels that sluice
 // packed as means have their spreads (io/zarr/zarr_image.h). Name the folder of a level to read
@@ -39,10 +40,7 @@ struct ZarrOptions {
   uint64_t chunk_cache_bytes = uint64_t{32} << 20;
 };
 
-// Whether a folder is a Zarr group or array, of any version.
-bool isZarr(const std::filesystem::path& folder);
-
-struct FoundZarr;  // the contents of a folder
+struct FoundZarr;  // the contents of a folder, see io/zarr/zarr_folder.h
 
 class ZarrSource final : public VolumeSource, public ChanneledSource, public LeveledSource {
  public:
@@ -69,7 +67,8 @@ class ZarrSource final : public VolumeSource, public ChanneledSource, public Lev
   // Coarser levels, if any, get an eighth.
   void holdAtMost(uint64_t bytes) override;
 
-  // Bytes of decoded chunks, and of those being decoded, now and at most so far.
+  // Bytes of decoded chunks and of those being decoded, without indices of shards, now and at most
+  // so far.
   uint64_t heldBytes() const { return cache_->held().now(); }
   uint64_t peakHeldBytes() const { return cache_->held().peak(); }
   // The size of a chunk along x, y and z.
@@ -93,7 +92,10 @@ class ZarrSource final : public VolumeSource, public ChanneledSource, public Lev
   // Sets their placements, some of which their metadata leave open.
   void placeLevels(const std::string& path, const FoundZarr& found,
                    const std::vector<size_t>& datasets);
-  std::vector<int64_t> chunkIndexAt(int64_t time, Vec3i at) const;
+  // The index of a voxel's chunk, or file, among parts of these extents.
+  std::vector<int64_t> indexAt(std::span<const int64_t> parts, int64_t time, Vec3i at) const;
+  // Their size along x, y and z.
+  Vec3i voxelsOf(std::span<const int64_t> parts) const;
   ZarrChunkCache::Chunk decode(int64_t chunk, ChunkMemory& memory);
   void copyChunk(std::span<const std::byte> chunk, int64_t time, const Box3& part, const Box3& box,
                  std::span<std::byte> out) const;

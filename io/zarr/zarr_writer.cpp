@@ -145,7 +145,7 @@ class Packer {
             if (std::memcmp(row, slab_.get() + at * voxel_, row_bytes) != 0)
               fail("{}: chunk {} differs from the volume in row y {}, z {}, time step {}",
                    store.string(),
-                   array_.chunkName(numberInArray(of, chunks[static_cast<size_t>(i)])), y, z,
+                   array_.fileName(numberInArray(of, chunks[static_cast<size_t>(i)])), y, z,
                    of.time);
             row += row_bytes;
           }

@@ -4,7 +4,7 @@
 #include "src/base/error.h"
 #include "tests/fuzz/description_checks.h"
 
-// A .zarray, an empty line, a .zattrs.
+// A .zarray or zarr.json, an empty line, a .zattrs.
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   const size_t end = std::min(text.find("\n\n"), text.size());
@@ -13,12 +13,19 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     const sluice::ZarrArray array = sluice::parseZarrArray(text.substr(0, end), "v/.zarray");
     const int64_t last = array.chunkCount() - 1;
     SLUICE_CHECK_EQ(array.chunkNumber(array.chunkIndex(last)), last);
-    SLUICE_CHECK(!array.chunkName(last).empty());
+    const sluice::ZarrArray::Place place = array.placeOf(last);
+    SLUICE_CHECK_LT(place.file, array.fileCount());
+    SLUICE_CHECK_LT(place.chunk, array.chunksAFile());
+    SLUICE_CHECK(!array.fileName(place.file).empty());
     SLUICE_CHECK_LE(array.chunkBytes(), sluice::kMostChunkBytes);
     const sluice::ZarrImage image = sluice::parseZarrImage(rest, "v/.zattrs");
     sluice::VolumeDescription description;
     description.layout = viewZarr(array, image, size % 2 == 1, "v/.zattrs").layout;
     return description;
+  });
+  sluice::checkParser([&] {
+    sluice::parseZarrImage(text.substr(0, end), "v/zarr.json");
+    return sluice::VolumeDescription{.layout = {.dims = {1, 1, 1}}};
   });
   sluice::checkParser([&] {
     sluice::parseZarrImage(rest, "v/.zattrs", "1");

@@ -7,8 +7,11 @@ import collections
 import gzip
 import json
 import os
+import pathlib
+import shutil
 import struct
 import subprocess
+import tempfile
 import zlib
 
 Case = collections.namedtuple("Case", "kind name arguments")
@@ -221,6 +224,13 @@ def zarrs(m):
     f = m.folder("zarr-packed")
     m.run(f, "pack", "synth:shells,dims=20x20x20", "-o", "v.zarr", "--codec", "zstd")
     m.case("zarr", "zarr-packed", "render", "v.zarr", *DRAW)
+    with tempfile.TemporaryDirectory() as made:
+        script = pathlib.Path(__file__).parents[1] / "io/make_zarr3.py"
+        if subprocess.run(["/usr/bin/python3", script, made], stderr=subprocess.DEVNULL, check=False).returncode != 0:
+            return  # NumPy or numcodecs is missing
+        for name in ("zstd_True", "shard_blosc_False", "index_end_True_little", "image"):
+            shutil.copytree(pathlib.Path(made) / name, m.folder(f"zarr3-{name}") / "v.zarr")
+            m.case("zarr", f"zarr3-{name}", "info" if name == "zstd_True" else "render", "v.zarr", *(MEMORY if name == "zstd_True" else DRAW))
 
 
 def vdbs(m):

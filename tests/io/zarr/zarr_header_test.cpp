@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "io/zarr/zarr_array.h"
@@ -33,7 +34,7 @@ TEST(ZarrArray, saysShapeChunksTypeAndNames) {
   EXPECT_EQ(array.chunkBytes(), 4U * 5 * 6 * 2);
   EXPECT_EQ(array.chunkCount(), 3 * 4 * 5);
   EXPECT_EQ(array.fill_value, 3);
-  EXPECT_EQ(array.chunkName(array.chunkNumber(std::vector<int64_t>{2, 0, 4})), "2/0/4");
+  EXPECT_EQ(array.fileName(array.chunkNumber(std::vector<int64_t>{2, 0, 4})), "2/0/4");
   for (int64_t i = 0; i < array.chunkCount(); ++i)
     ASSERT_EQ(array.chunkNumber(array.chunkIndex(i)), i);
   EXPECT_EQ(parseZarrArray(arrayWith("dimension_separator", ""), "").separator, '.');
@@ -69,7 +70,7 @@ TEST(ZarrArray, eachFieldIsCheckedByName) {
   struct Wrong {
     const char *key, *value, *said;
   };
-  for (const Wrong& wrong : {Wrong{"zarr_format", "3", "version 2"},
+  for (const Wrong& wrong : {Wrong{"zarr_format", "4", "version 2 or 3"},
                              {"zarr_format", "", "zarr_format"},
                              {"shape", "[]", "1 to 5 axes"},
                              {"shape", "[10, 0, 30]", "/shape/1"},
@@ -104,6 +105,87 @@ TEST(ZarrArray, eachFieldIsCheckedByName) {
   }
   EXPECT_THAT(errorOf([] { parseZarrArray("{", "a/.zarray"); }), HasSubstr("expected JSON"));
   EXPECT_THAT(errorOf([] { parseZarrArray("[]", "a/.zarray"); }), HasSubstr("an object"));
+}
+
+// A sound zarr.json of an array with one member replaced, or left out if `value` is empty.
+std::string array3With(const std::string& key, const std::string& value) {
+  std::vector<std::pair<std::string, std::string>> members = {
+      {"zarr_format", "3"},
+      {"node_type", "\"array\""},
+      {"shape", "[10, 20, 30]"},
+      {"data_type", "\"uint16\""},
+      {"chunk_grid", R"({"name": "regular", "configuration": {"chunk_shape": [4, 10, 6]}})"},
+      {"chunk_key_encoding", R"({"name": "default"})"},
+      {"fill_value", "3"},
+      {"codecs", R"([{"name": "bytes", "configuration": {"endian": "little"}}, "crc32c"])"}};
+  if (std::none_of(members.begin(), members.end(), [&](const auto& m) { return m.first == key; }))
+    members.emplace_back(key, "");
+  std::string text;
+  for (const auto& [name, sound] : members) {
+    const std::string& said = name == key ? value : sound;
+    if (said.empty()) continue;
+    text += (text.empty() ? "{\"" : ", \"") + name + "\": " + said;
+  }
+  return text + "}";
+}
+
+std::string shardsOf(const std::string& chunks, const std::string& codecs,
+                     const std::string& more = "") {
+  return R"([{"name": "sharding_indexed", "configuration": {"chunk_shape": )" + chunks +
+         R"(, "codecs": )" + codecs + R"(, "index_codecs": ["bytes", "crc32c"])" + more + "}}]";
+}
+
+TEST(Zarr3Array, saysWhereAChunkOfAShardLies) {
+  const ZarrArray array = parseZarrArray(
+      array3With("codecs", shardsOf("[2, 5, 3]", R"(["bytes", "zstd"])")), "zarr.json");
+  EXPECT_EQ(array.chunks, (std::vector<int64_t>{2, 5, 3}));
+  EXPECT_EQ(array.files, (std::vector<int64_t>{4, 10, 6}));
+  EXPECT_EQ(array.fileCount(), 3 * 2 * 5);
+  EXPECT_EQ(array.chunksAFile(), 8);
+  EXPECT_EQ(array.shardIndexBytes(), 8U * 16 + 4);
+  // Chunk (3, 2, 5) is the last but one along y and x of shard (1, 1, 2).
+  const ZarrArray::Place place = array.placeOf(array.chunkNumber(std::vector<int64_t>{3, 2, 5}));
+  EXPECT_EQ(array.fileName(place.file), "c/1/1/2");
+  EXPECT_EQ(place.chunk, 1 * 4 + 0 * 2 + 1);
+}
+
+TEST(Zarr3Array, eachFieldIsCheckedByName) {
+  struct Wrong {
+    std::string key, value, said;
+  };
+  const std::string bytes = R"(["bytes"])";
+  for (const Wrong& wrong :
+       {Wrong{"node_type", "\"group\"", "array"},
+        {"shape", "[]", "1 to 5 axes"},
+        {"data_type", "\"int64\"", "found 'int64'"},
+        {"data_type", "{\"name\": \"numpy.datetime64\"}", "/data_type"},
+        {"chunk_grid", R"({"name": "rectangular"})", "regular grid"},
+        {"chunk_grid", R"({"name": "regular", "configuration": {"chunk_shape": [4, 5]}})",
+         "3 extents"},
+        {"chunk_grid", R"({"name": "regular"})", "configuration"},
+        {"chunk_key_encoding", R"("v1")", "default or v2"},
+        {"chunk_key_encoding", R"({"name": "default", "configuration": {"separator": "-"}})",
+         "'.' or '/'"},
+        {"fill_value", "70000", "that the type holds"},
+        {"codecs", "[]", "a list of codecs"},
+        {"codecs", R"(["zstd"])", "in this order"},
+        {"codecs", R"(["bytes", "lzma"])", "in this order"},
+        {"codecs", R"(["bytes", "crc32c", "zstd"])", "in this order"},
+        {"codecs", R"(["bytes", "zstd", "gzip"])", "in this order"},
+        {"codecs", R"([{"name": "transpose", "configuration": {"order": [0, 0, 1]}}, "bytes"])",
+         "each axis"},
+        {"codecs", R"([{"name": "bytes", "configuration": {"endian": "middle"}}])",
+         "little or big"},
+        {"codecs", shardsOf("[3, 5, 3]", bytes), "a whole number makes a shard"},
+        {"codecs", shardsOf("[2, 5, 3]", shardsOf("[1, 5, 3]", bytes)), "in this order"},
+        {"codecs", shardsOf("[2, 5, 3]", bytes, R"(, "index_location": "middle")"), "start or end"},
+        {"storage_transformers", R"([{"name": "a"}])", "no storage transformers"},
+        {"irregular", "{}", "no such extension"}}) {
+    const std::string line =
+        errorOf([&] { parseZarrArray(array3With(wrong.key, wrong.value), "a/zarr.json"); });
+    EXPECT_THAT(line, AllOf(testing::StartsWith("a/zarr.json: "), HasSubstr(wrong.said)))
+        << wrong.key << " " << wrong.value;
+  }
 }
 
 std::string imageOf(const std::string& axes, const std::string& level, const std::string& whole) {

@@ -8,6 +8,7 @@
 
 #include "io/open_volume.h"
 #include "tests/io/python_volumes.h"
+#include "tests/io/zarr/zarr_case.h"
 
 namespace sluice {
 namespace {
@@ -16,32 +17,11 @@ namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::HasSubstr;
 
-// A store of make_zarr.py.
-struct Case {
-  static constexpr const char* kScript = "make_zarr.py";
-  static constexpr const char* kModules = "numpy, zarr, numcodecs";
-
-  std::string name, type;
-  Vec3i dims;
-  int64_t steps = 1, channel = -1;
-  bool missing = false;
-
-  ZarrOptions options() const {
-    ZarrOptions options;
-    if (channel >= 0) options.channel = channel;
-    return options;
-  }
-  friend std::istream& operator>>(std::istream& line, Case& c) {
-    return line >> c.name >> c.type >> c.dims.x >> c.dims.y >> c.dims.z >> c.steps >> c.channel >>
-           c.missing;
-  }
-};
-
-using ZarrPython = PythonVolumesTest<Case>;
+using ZarrPython = PythonVolumesTest<ZarrCase>;
 
 TEST_F(ZarrPython, storesAreReadAsTheyWereWritten) {
   ASSERT_GT(cases_.size(), 80U);
-  for (const Case& c : cases_) {
+  for (const ZarrCase& c : cases_) {
     SCOPED_TRACE(c.name);
     ZarrSource source(pathOf(c.name), c.options());
     EXPECT_EQ(source.layout().dims, c.dims);
@@ -52,7 +32,7 @@ TEST_F(ZarrPython, storesAreReadAsTheyWereWritten) {
 }
 
 TEST_F(ZarrPython, boxesInAnyOrderAreParts) {
-  for (const Case& c : cases_) {
+  for (const ZarrCase& c : cases_) {
     SCOPED_TRACE(c.name);
     ZarrOptions options = c.options();
     options.chunk_cache_bytes = 1;
@@ -64,7 +44,7 @@ TEST_F(ZarrPython, boxesInAnyOrderAreParts) {
 // The boxes cover every voxel that is not the fill value, and leave something out.
 TEST_F(ZarrPython, missingChunksAreKnownWithoutReading) {
   int sparse = 0;
-  for (const Case& c : cases_) {
+  for (const ZarrCase& c : cases_) {
     SCOPED_TRACE(c.name);
     ZarrSource source(pathOf(c.name), c.options());
     const auto header_bytes = source.storedBytesRead();
@@ -261,7 +241,7 @@ TEST(Zarr, aFolderThatIsNoImageSaysWhatItHolds) {
               AllOf(HasSubstr("multiscales"), HasSubstr("a/0")));
   fs::create_directories(folder / "b");
   writeFile(folder / "b/zarr.json", "{\"zarr_format\": 3}");
-  EXPECT_THAT(errorOf([&] { openVolume((folder / "b").string()); }), HasSubstr("version 3"));
+  EXPECT_THAT(errorOf([&] { openVolume((folder / "b").string()); }), HasSubstr("node_type"));
 }
 
 TEST(Zarr, aMissingArrayOrAFolderOutsideIsRefused) {
