@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 #include <utility>
 
 #include "cache/trace/decompressed_file.h"
@@ -17,6 +18,7 @@ const char* problemOf(const TraceRecord& record) {
   if (b.needed > b.moved || b.extended > b.moved || b.empty > b.moved ||
       b.needed + b.extended + b.empty > b.moved)
     return "needed, extended and empty bytes within the bytes moved";
+  if (record.level > kMaxLevel) return "levels from 0 to 63";
   return nullptr;
 }
 
@@ -31,6 +33,14 @@ TraceRecord recordOfSize(uint64_t chunk, uint64_t bytes, uint64_t frame, uint64_
   return record;
 }
 
+bool takeRecord(std::string_view& text, RecordFields& fields) {
+  const std::span<uint64_t> always(fields.data(), fields.size() - 1);
+  if (!takeNumbers(text, always)) return false;
+  fields.back() = 0;
+  const bool has_level = text.size() > 1 && text[0] == ' ' && text[1] >= '0' && text[1] <= '9';
+  return !has_level || (takeCharacter(text, ' ') && takeNumber(text, fields.back()));
+}
+
 TraceRecord recordOf(const RecordFields& v, const TraceInput& in, std::string_view line) {
   if (v[1] > kMaxPages || v[2] > UINT32_MAX || v[3] > UINT32_MAX)
     fail("{}:{}: expected pages to 2^31, cluster and frame to 2^32 - 1, found {}", in.label(),
@@ -39,15 +49,17 @@ TraceRecord recordOf(const RecordFields& v, const TraceInput& in, std::string_vi
                            static_cast<uint32_t>(v[1]),
                            static_cast<uint32_t>(v[2]),
                            static_cast<uint32_t>(v[3]),
-                           {v[4], v[5], v[6], v[7]}};
+                           {v[4], v[5], v[6], v[7]},
+                           static_cast<uint32_t>(std::min<uint64_t>(v[8], UINT32_MAX))};
   if (const char* problem = problemOf(record))
     fail("{}:{}: expected {}, found {}", in.label(), in.lineNumber(), problem, excerpt(line));
   return record;
 }
 
 std::string textOf(const TraceRecord& r) {
-  return fmt::format("{} {} {} {} {} {} {} {}", r.chunk, r.pages, r.cluster, r.frame, r.bytes.moved,
-                     r.bytes.needed, r.bytes.extended, r.bytes.empty);
+  const std::string level = r.level == 0 ? "" : fmt::format(" {}", r.level);
+  return fmt::format("{} {} {} {} {} {} {} {}{}", r.chunk, r.pages, r.cluster, r.frame,
+                     r.bytes.moved, r.bytes.needed, r.bytes.extended, r.bytes.empty, level);
 }
 
 std::string excerpt(std::string_view text) {

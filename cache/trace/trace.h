@@ -4,8 +4,8 @@
 //
 // Our formats are lossless and end with the number of records, so that a cut file is noticed:
 //   text    "sluice-trace 1 page_bytes N", then a line a record:
-//           chunk pages cluster frame moved needed extended empty
-//           ('#' starts a comment line)
+//           chunk pages cluster frame moved needed extended empty [level]
+//           ('#' starts a comment line; the level of resolution is left out if it is 0)
 //   binary  magic, page bytes, records as differences in varints, record count at the end
 // Formats of other programs, which take the fields that they know and ignore the rest. A file that
 // we write is read back whole, clusters and causes included. A file from another program has only
@@ -51,6 +51,7 @@ struct TraceRecord {
   uint32_t cluster = 0;  // for whose drawing it was requested
   uint32_t frame = 0;
   LoadBytes bytes;
+  uint32_t level = 0;  // of resolution, of the chunk's blocks; 0: the data as stored
   friend bool operator==(const TraceRecord&, const TraceRecord&) = default;
 };
 

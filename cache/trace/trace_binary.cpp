@@ -7,7 +7,7 @@ namespace sluice::trace_internal {
 namespace {
 
 // Leads a record or the end.
-enum : uint8_t { kEnd = 0, kRecord = 1, kSameVisit = 2, kSameShape = 4 };
+enum : uint8_t { kEnd = 0, kRecord = 1, kSameVisit = 2, kSameShape = 4, kNewLevel = 8 };
 
 class BinaryReader final : public Reader {
  public:
@@ -26,7 +26,7 @@ class BinaryReader final : public Reader {
       readEnd();
       return false;
     }
-    if ((tag & kRecord) == 0 || tag > (kRecord | kSameVisit | kSameShape))
+    if ((tag & kRecord) == 0 || tag > (kRecord | kSameVisit | kSameShape | kNewLevel))
       fail("{}: record {}: expected a record or the end, found tag {}", in_.label(), records_ + 1,
            tag);
     last_.chunk += unzigzag(varint());
@@ -41,10 +41,16 @@ class BinaryReader final : public Reader {
       last_.bytes.extended = varint();
       last_.bytes.empty = varint();
       last_.pages = static_cast<uint32_t>(std::min<uint64_t>(pages, UINT32_MAX));
+    }
+    if ((tag & kNewLevel) != 0)
+      last_.level = static_cast<uint32_t>(std::min<uint64_t>(varint(), UINT32_MAX));
+    if ((tag & (kSameShape | kNewLevel)) != kSameShape) {
       if (const char* problem = problemOf(last_))
-        fail("{}: record {}: expected {}, found pages {} moved {} needed {} extended {} empty {}",
-             in_.label(), records_ + 1, problem, pages, last_.bytes.moved, last_.bytes.needed,
-             last_.bytes.extended, last_.bytes.empty);
+        fail(
+            "{}: record {}: expected {}, found pages {} moved {} needed {} extended {} empty {} "
+            "level {}",
+            in_.label(), records_ + 1, problem, last_.pages, last_.bytes.moved, last_.bytes.needed,
+            last_.bytes.extended, last_.bytes.empty, last_.level);
     }
     ++records_;
     record = last_;
@@ -93,8 +99,10 @@ class BinaryWriter final : public Writer {
   void write(const TraceRecord& r) override {
     const bool same_visit = r.cluster == last_.cluster && r.frame == last_.frame;
     const bool same_shape = r.pages == last_.pages && r.bytes == last_.bytes && records_ > 0;
-    bytes_.assign(1, static_cast<char>(kRecord | (same_visit ? kSameVisit : 0) |
-                                       (same_shape ? kSameShape : 0)));
+    const bool new_level = r.level != last_.level;
+    bytes_.assign(1,
+                  static_cast<char>(kRecord | (same_visit ? kSameVisit : 0) |
+                                    (same_shape ? kSameShape : 0) | (new_level ? kNewLevel : 0)));
     putVarint(zigzag(r.chunk - last_.chunk));
     if (!same_visit) {
       putVarint(zigzag(uint64_t{r.cluster} - last_.cluster));
@@ -107,6 +115,7 @@ class BinaryWriter final : public Writer {
       putVarint(r.bytes.extended);
       putVarint(r.bytes.empty);
     }
+    if (new_level) putVarint(r.level);
     out_.append(bytes_);
     last_ = r;
     ++records_;

@@ -1,9 +1,11 @@
 // libCacheSim's csv, and ours, which has more columns than libCacheSim looks at:
-//   time,obj_id,obj_size,cluster,pages_of_N_bytes,needed,extended,empty,records
+//   time,obj_id,obj_size,cluster,pages_of_N_bytes,needed,extended,empty,level,records
 // time is the frame, obj_size the bytes moved; records is empty except in the last line, which has
-// the number of lines there, so that a cut file is noticed.
+// the number of lines there, so that a cut file is noticed. Older files have no level.
 #include <algorithm>
+#include <array>
 #include <cctype>
+#include <span>
 
 #include "cache/trace/trace_formats.h"
 
@@ -11,7 +13,8 @@ namespace sluice::trace_internal {
 namespace {
 
 constexpr std::string_view kOurStart = "time,obj_id,obj_size,cluster,pages_of_";
-constexpr std::string_view kOurEnd = "_bytes,needed,extended,empty,records";
+constexpr std::string_view kOurEnd = "_bytes,needed,extended,empty,level,records";
+constexpr std::string_view kOlderEnd = "_bytes,needed,extended,empty,records";
 
 // A name: letters first, maybe quoted or commented out.
 bool isColumnName(std::string_view field) {
@@ -72,7 +75,9 @@ class CsvReader final : public Reader {
  private:
   void readOurHeader(std::string_view line) {
     std::string_view rest = line.substr(kOurStart.size());
-    if (!takeNumber(rest, page_bytes_) || rest != kOurEnd || page_bytes_ < 1 ||
+    const bool has_number = takeNumber(rest, page_bytes_);
+    has_levels_ = rest == kOurEnd;
+    if (!has_number || !(has_levels_ || rest == kOlderEnd) || page_bytes_ < 1 ||
         page_bytes_ > kMaxBytes)
       fail("{}:1: expected '{}N{}', found {}; record the trace again", in_.label(), kOurStart,
            kOurEnd, excerpt(line.substr(kOurStart.size())));
@@ -105,9 +110,11 @@ class CsvReader final : public Reader {
 
   TraceRecord ours(std::string_view line) {
     std::string_view rest = line;
-    std::array<uint64_t, 8> v;  // frame, chunk, moved, cluster, pages, needed, extended, empty
+    // Frame, chunk, moved, cluster, pages, needed, extended, empty, level.
+    std::array<uint64_t, 9> v{};
+    const std::span<uint64_t> fields(v.data(), v.size() - (has_levels_ ? 0 : 1));
     bool parsed = !is_complete_;
-    for (uint64_t& field : v)
+    for (uint64_t& field : fields)
       parsed = parsed && takeNumber(rest, field) && takeCharacter(rest, ',');
     if (parsed && !rest.empty()) {
       parsed = takeNumber(rest, promised_) && rest.empty();
@@ -115,14 +122,15 @@ class CsvReader final : public Reader {
     }
     if (!parsed)
       fail(
-          "{}:{}: expected 8 whole numbers with commas and nothing after the last record, found "
+          "{}:{}: expected {} whole numbers with commas and nothing after the last record, found "
           "{}; record the trace again",
-          in_.label(), in_.lineNumber(), excerpt(line));
-    return recordOf({v[1], v[4], v[3], v[0], v[2], v[5], v[6], v[7]}, in_, line);
+          in_.label(), in_.lineNumber(), fields.size(), excerpt(line));
+    return recordOf({v[1], v[4], v[3], v[0], v[2], v[5], v[6], v[7], v[8]}, in_, line);
   }
 
   std::string_view first_;  // the first line, when it is a record
   bool is_first_ = false;
+  bool has_levels_ = false;   // ours, with a level in each line
   bool is_complete_ = false;  // the line with their number has come
   uint64_t promised_ = 0;
 };
@@ -134,8 +142,9 @@ class CsvWriter final : public Writer {
   }
   void write(const TraceRecord& r) override {
     if (records_ > 0) out_.append("\n");
-    out_.append(fmt::format("{},{},{},{},{},{},{},{},", r.frame, r.chunk, r.bytes.moved, r.cluster,
-                            r.pages, r.bytes.needed, r.bytes.extended, r.bytes.empty));
+    out_.append(fmt::format("{},{},{},{},{},{},{},{},{},", r.frame, r.chunk, r.bytes.moved,
+                            r.cluster, r.pages, r.bytes.needed, r.bytes.extended, r.bytes.empty,
+                            r.level));
     ++records_;
   }
   void finish() override {

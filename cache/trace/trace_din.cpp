@@ -83,7 +83,7 @@ class DinReader final : public Reader {
   // A request's first line and its other pages' lines.
   TraceRecord ours(Line line) {
     RecordFields fields;
-    if (is_complete_ || !takeNumbers(line.rest, fields)) failRecord(line);
+    if (is_complete_ || !takeRecord(line.rest, fields)) failRecord(line);
     const TraceRecord record = recordOf(fields, in_, line.text);
     const uint64_t first = line.address;
     for (uint64_t page = 1; page < record.pages; ++page) {
@@ -105,7 +105,7 @@ class DinReader final : public Reader {
   }
   [[noreturn]] void failRecord(const Line& line) const {
     fail(
-        "{}:{}: expected a request of {} whole numbers or its next page, found {}; record the "
+        "{}:{}: expected a request of 8 or {} whole numbers or its next page, found {}; record the "
         "trace again",
         in_.label(), in_.lineNumber(), RecordFields{}.size(), excerpt(line.text));
   }

@@ -30,8 +30,12 @@ constexpr uint64_t kMaxBytes = uint64_t{1} << 40;
 const char* problemOf(const TraceRecord& record);
 // Pages and causes for a load of `bytes` bytes of which only the size is known.
 TraceRecord recordOfSize(uint64_t chunk, uint64_t bytes, uint64_t frame, uint64_t page_bytes);
-// chunk, pages, cluster, frame, moved, needed, extended, empty: a record as text has it.
-using RecordFields = std::array<uint64_t, 8>;
+constexpr uint64_t kMaxLevel = 63;
+// chunk, pages, cluster, frame, moved, needed, extended, empty, level: a record as text has it.
+using RecordFields = std::array<uint64_t, 9>;
+// Takes a record off the front of `text`; its level may be missing and is 0 then. False when it
+// does not start with one.
+bool takeRecord(std::string_view& text, RecordFields& fields);
 // Throws Error, starting with "<label>:<line>:" and ending with `line`'s beginning, when they
 // exceed a record's limits.
 TraceRecord recordOf(const RecordFields& fields, const TraceInput& in, std::string_view line);

@@ -30,8 +30,8 @@ class TextReader final : public Reader {
       }
       RecordFields fields;
       std::string_view rest = line;
-      if (!takeNumbers(rest, fields) || !rest.empty())
-        fail("{}:{}: expected 8 whole numbers with single spaces, found {}", in_.label(),
+      if (!takeRecord(rest, fields) || !rest.empty())
+        fail("{}:{}: expected 8 or 9 whole numbers with single spaces, found {}", in_.label(),
              in_.lineNumber(), excerpt(line));
       record = recordOf(fields, in_, line);
       ++records_;
@@ -61,9 +61,10 @@ class TextReader final : public Reader {
 class TextWriter final : public Writer {
  public:
   TextWriter(const std::filesystem::path& path, uint64_t page_bytes) : Writer(path, page_bytes) {
-    out_.append(fmt::format(
-        "{}{}\n# chunk pages cluster frame moved needed extended empty (bytes of a load){}\n",
-        kTextMagic, page_bytes, kPromise));
+    out_.append(
+        fmt::format("{}{}\n# chunk pages cluster frame moved needed extended empty (bytes of a "
+                    "load) [level]{}\n",
+                    kTextMagic, page_bytes, kPromise));
   }
   void write(const TraceRecord& r) override {
     out_.append(textOf(r));

@@ -5,9 +5,12 @@ namespace sluice {
 TraceRecord requestFor(const TexturePlan& plan, ChunkPosition chunk, ChunkName name,
                        ClusterPosition cluster, int64_t frame) {
   const Chunk& wanted = plan.chunks[chunk];
-  return {static_cast<uint64_t>(name.value()), static_cast<uint32_t>(wanted.pages),
-          static_cast<uint32_t>(cluster.value()), static_cast<uint32_t>(frame),
-          plan.loadBytes(wanted)};
+  return {static_cast<uint64_t>(name.value()),
+          static_cast<uint32_t>(wanted.pages),
+          static_cast<uint32_t>(cluster.value()),
+          static_cast<uint32_t>(frame),
+          plan.loadBytes(wanted),
+          static_cast<uint32_t>(plan.blocks[wanted.blocks.front()].name.level)};
 }
 
 std::vector<TraceRecord> frameRequests(const TexturePlan& plan, const ChunkNameList& names,

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <set>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -58,6 +59,19 @@ TEST(Simulate, aPlannedTurnIsTheTraceOfTheDrawnOne) {
   EXPECT_EQ(readFile(program.folder / "drawn.txt"), readFile(program.folder / "planned.txt"));
 }
 
+// The ninth number of each line of a text trace, 0 where there are eight.
+std::set<int> levelsOfTrace(const std::filesystem::path& path) {
+  std::ifstream lines(path);
+  std::set<int> levels;
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    std::vector<int64_t> numbers;
+    for (int64_t number = 0; words >> number;) numbers.push_back(number);
+    if (numbers.size() >= 8) levels.insert(numbers.size() > 8 ? static_cast<int>(numbers[8]) : 0);
+  }
+  return levels;
+}
+
 // The cut of each view follows from the view, so both are given the size of the picture.
 TEST(Simulate, aTurnThroughLevelsOfResolutionMovesWhatTheRendererMoves) {
   const Program program;
@@ -73,6 +87,13 @@ TEST(Simulate, aTurnThroughLevelsOfResolutionMovesWhatTheRendererMoves) {
     EXPECT_EQ(readFile(program.folder / "drawn.txt"), readFile(program.folder / "planned.txt"));
     ASSERT_EQ(rows.size(), 1U);
     expectMovesOf(rows[0], drawn);
+    // The recorded trace costs the same, and names the level of each chunk.
+    expectMovesOf(
+        program.json("simulate drawn.txt --sizes 64 --pages 64 --policies lru")["rows"][0], drawn);
+    const std::set<int> levels = levelsOfTrace(program.folder / "drawn.txt");
+    for (const auto& level : drawn["cut"]["levels"])
+      EXPECT_TRUE(levels.contains(level["level"].get<int>())) << level;
+    EXPECT_LT(*levels.rbegin(), 4);
   }
 }
 

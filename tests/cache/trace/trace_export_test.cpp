@@ -33,11 +33,28 @@ TEST_F(TraceFiles, oracleGeneralIsLibCacheSimsLayout) {
 TEST_F(TraceFiles, csvIsWhatLibCacheSimReads) {
   // Time, id and size in the first three columns, one line of names.
   Trace trace;
-  trace.records = {{17, 2, 1, 4, {8192, 5000, 0, 0}}, {18, 1, 2, 5, {4096, 1, 2, 3}}};
+  trace.records = {{17, 2, 1, 4, {8192, 5000, 0, 0}}, {18, 1, 2, 5, {4096, 1, 2, 3}, 6}};
   EXPECT_EQ(contentOf(write(trace, TraceFormat::kCsv, "t.csv")),
-            "time,obj_id,obj_size,cluster,pages_of_4096_bytes,needed,extended,empty,records\n"
-            "4,17,8192,1,2,5000,0,0,\n"
-            "5,18,4096,2,1,1,2,3,2\n");
+            "time,obj_id,obj_size,cluster,pages_of_4096_bytes,needed,extended,empty,level,records\n"
+            "4,17,8192,1,2,5000,0,0,0,\n"
+            "5,18,4096,2,1,1,2,3,6,2\n");
+  // Files without levels, as they were once written.
+  const Trace older = read(
+      "time,obj_id,obj_size,cluster,pages_of_4096_bytes,needed,extended,empty,records\n"
+      "4,17,8192,1,2,5000,0,0,\n5,18,4096,2,1,1,2,3,2\n",
+      TraceFormat::kCsv);
+  trace.records.back().level = 0;
+  EXPECT_EQ(older.records, trace.records);
+}
+
+TEST_F(TraceFiles, aLevelOfResolutionIsWrittenIfItIsNotTheFinest) {
+  Trace trace;
+  trace.records = {{900, 1, 0, 0, {4096, 0, 0, 0}}, {17, 1, 5, 0, {4096, 0, 0, 0}, 3}};
+  EXPECT_EQ(contentOf(write(trace, TraceFormat::kDin, "t.din")),
+            "0 0 sluice-trace 1 page_bytes 4096 900 1 0 0 4096 0 0 0\n"
+            "0 1000 17 1 5 0 4096 0 0 0 3 records 2\n");
+  EXPECT_THAT(contentOf(write(trace, TraceFormat::kText, "t.txt")),
+              testing::HasSubstr("\n900 1 0 0 4096 0 0 0\n17 1 5 0 4096 0 0 0 3\n"));
 }
 
 TEST_F(TraceFiles, dinHasALineAPageAndTheRestBehindTheAddress) {
@@ -68,9 +85,10 @@ Trace turn() {
   for (uint32_t i = 0; i < 2000; ++i) {
     const uint64_t chunk = random.below(50);
     const auto pages = static_cast<uint32_t>(1 + chunk % 4);
+    const auto level = static_cast<uint32_t>(chunk % 12);
     const uint64_t moved = pages * trace.page_bytes;
     trace.records.push_back(
-        {chunk * 77, pages, i / 5 % 9, i / 100, {moved, moved / 2, moved / 4, 100}});
+        {chunk * 77, pages, i / 5 % 9, i / 100, {moved, moved / 2, moved / 4, 100}, level});
   }
   return trace;
 }

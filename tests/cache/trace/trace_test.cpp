@@ -17,7 +17,8 @@ Trace sample() {
                    {0, 64, 0, 0, {262144, 100000, 5000, 7000}},
                    {1, 64, 0, 0, {262144, 100000, 5000, 7000}},
                    {5, 1u << 31, UINT32_MAX, 3, {uint64_t{1} << 40, 0, 0, 0}},
-                   {0, 64, 7, UINT32_MAX, {262144, 100000, 5000, 7000}}};
+                   {0, 64, 7, UINT32_MAX, {262144, 100000, 5000, 7000}, 63},
+                   {0, 64, 7, UINT32_MAX, {262144, 100000, 5000, 7000}, 2}};
   return trace;
 }
 
@@ -89,9 +90,10 @@ TEST(TraceReaders, rejectBadInputInOneLine) {
       {TraceFormat::kText, "", "t:1: expected 'sluice-trace 1"},
       {TraceFormat::kText, "sluice-trace 2 page_bytes 4096\n", "t:1:"},
       {TraceFormat::kText, "sluice-trace 1 page_bytes 0\n", "t:1:"},
-      {TraceFormat::kText, head + "1 2 3\n", "t:2: expected 8 whole numbers"},
-      {TraceFormat::kText, head + "1 1 0 0 4096 0 0 0 9\n", "t:2: expected 8 whole numbers"},
-      {TraceFormat::kText, head + "# ok\n1 1 0 0 4096 0 0 -1\n", "t:3: expected 8 whole numbers"},
+      {TraceFormat::kText, head + "1 2 3\n", "t:2: expected 8 or 9 whole numbers"},
+      {TraceFormat::kText, head + "1 1 0 0 4096 0 0 0 1 9\n", "t:2: expected 8 or 9 whole numbers"},
+      {TraceFormat::kText, head + "# ok\n1 1 0 0 4096 0 0 -1\n",
+       "t:3: expected 8 or 9 whole numbers"},
       {TraceFormat::kText, head + "1 0 0 0 4096 0 0 0\n", "pages from 1"},
       {TraceFormat::kText, head + "1 4294967297 0 0 4096 0 0 0\n", "pages to 2^31"},
       {TraceFormat::kText, head + "1 1 4294967296 0 4096 0 0 0\n", "cluster and frame"},
@@ -99,12 +101,13 @@ TEST(TraceReaders, rejectBadInputInOneLine) {
       {TraceFormat::kText, head + "1 1 0 0 10 18446744073709551615 1 0\n",
        "within the bytes moved"},
       {TraceFormat::kText, head + "1 1 0 0 2199023255552 0 0 0\n", "2^40"},
+      {TraceFormat::kText, head + "1 1 0 0 4096 0 0 0 64\n", "levels from 0 to 63"},
       {TraceFormat::kBinary, "", "first bytes"},
       {TraceFormat::kBinary, "SLTRACE\x02", "first bytes"},
       {TraceFormat::kBinary, std::string("SLTRACE\x01", 8), "the file ends in the middle"},
       {TraceFormat::kBinary, std::string("SLTRACE\x01\x00", 9), "bytes a page, found 0"},
       {TraceFormat::kBinary, magic, "record 1: the file ends in the middle"},
-      {TraceFormat::kBinary, magic + "\x09", "found tag 9"},
+      {TraceFormat::kBinary, magic + "\x11", "found tag 17"},
       {TraceFormat::kBinary, magic + std::string("\x00\x05", 2), "expected 5 records, found 0"},
       {TraceFormat::kBinary, magic + "\x01" + std::string(11, '\xff'), "below 2^64"},
       {TraceFormat::kBinary, magic + "\x03" + std::string(6, '\0'), "pages from 1"},
