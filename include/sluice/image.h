@@ -22,6 +22,9 @@ struct Image {
   // The share of what can be seen that had not been read by PictureOptions::time_limit_s. 0:
   // complete.
   double missing_share = 0;
+  // Parts are drawn from coarser levels of resolution because their data did not come by
+  // PictureOptions::time_limit_s. The next picture of this view shows more of them as they are.
+  bool will_improve = false;
 
   // width * height * 4 bytes, red first, straight alpha. Over a background (red, green, blue, 0 to
   // 1) alpha is 255. Throws Error if rgba is not of the image's size.

@@ -102,16 +102,20 @@ struct PictureOptions {
   std::optional<double> step_vox = {};
   // Volumes with levels of resolution that have spreads, in composite mode and not of labels: each
   // part is drawn at the coarsest level whose voxels are at most this many pixels wide, above 0, as
-  // far as half of the memory holds the blocks. `level`: all at this level; 0 is the data as
-  // stored, the only level of other volumes and modes.
+  // far as three eighths of the memory hold the blocks. `level`: all at this level; 0 is the data
+  // as stored, the only level of other volumes and modes.
   double pixel_error = 1;
   std::optional<int> level = {};
   std::optional<Box> crop = {};
   std::vector<Plane> clip_planes = {};  // at most 6
   bool with_depth = false;              // composite mode
-  // How long the picture may wait for data that is not in memory. Data still missing then is left
-  // out of the picture (Image::missing_share), and reading goes on for the next one. Unset: waits
-  // for all data.
+  // How long the picture may wait for data that is not in memory. Unset: waits for all data. A
+  // volume of one level: data still missing then is left out of the picture (Image::missing_share),
+  // and reading goes on for the next one. A volume with levels of resolution: the picture is whole,
+  // and coarser where data would come later (Image::will_improve). With limits of 0.1 s or more,
+  // pictures drawn one after the other until one will not improve begin coarse and end as the one
+  // without a limit. Shorter limits are for views in motion: parts stay as fine as the last picture
+  // had them, or a little longer, so that nothing flickers.
   std::optional<double> time_limit_s = {};
   // The step that the next picture will show. Its data is read once this picture's is there, as far
   // as there is room.

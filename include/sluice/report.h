@@ -21,10 +21,14 @@ struct RenderReport {
   double seconds = 0, draw_seconds = 0;
   double missing_share = 0;
   int64_t white = 0, grey = 0, black = 0;
-  // The share of the visible cells that it shows at coarser levels of resolution than the data is
-  // stored at, and whether the memory ended the refinement before PictureOptions::pixel_error.
+  double step_vox = 1;  // see PictureOptions
+  // Of a volume with levels of resolution: the levels in the picture, the finest first, 0 being the
+  // data as stored; the share of the visible cells that coarser levels show; whether it is as fine
+  // as PictureOptions::pixel_error asks; and if not, whether another picture of this view would be
+  // finer (Image::will_improve), or the memory has no room.
+  std::vector<int> levels;
   double coarse_share = 0;
-  bool is_refined = true;
+  bool is_refined = true, will_improve = false;
   // Why the last picture shows nothing, in one line: "the camera looks past the visible part of the
   // volume". Empty if it shows something, or is on a screen.
   std::string why_empty;

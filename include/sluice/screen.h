@@ -25,7 +25,8 @@ struct ScreenImage {
   int width = 0, height = 0;
   void* drawn = nullptr;  // GLsync
   std::shared_ptr<std::atomic<void*>> seen;
-  double missing_share = 0;  // see Image
+  double missing_share = 0;   // see Image
+  bool will_improve = false;  // see Image
 };
 
 }  // namespace sluice

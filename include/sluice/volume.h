@@ -60,6 +60,7 @@ struct VolumeInfo {
   // the front or back, z up), "rows" (y down the rows of pictures), "y-up", or empty: not known.
   std::string frame;
   int64_t time_steps = 1;
+  int levels = 1;                     // levels of resolution that pictures may be drawn from
   std::array<double, 2> value_range;  // least and greatest
   // For people, one line each: choices among several, and possible faults of the file.
   std::vector<std::string> warnings;

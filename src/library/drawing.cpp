@@ -85,11 +85,12 @@ FrameOptions Drawing::framed(const PictureOptions& picture, const TimeStep& step
 FrameOptions Drawing::looked(const PictureOptions& picture, const TimeStep& step,
                              const IndexPass& pass) {
   FrameOptions options = framed(picture, step, pass);
-  if (options.cut) options.cut->most_held_bytes = memoryBudget(machine_) / 2;
+  if (options.cut) options.cut->most_held_bytes = cutBytes(memoryBudget(machine_));
   if (!picture.step_vox && mode_ == Mode::kComposite) {
     const View view = resolve(options.camera, layout(), options.size, options.step_vox);
     const bool is_cut = drawsCut(step, options.cut, mode_, look_.transfer.labels);
     options.step_vox = stepFor(view, step, is_cut ? finestLevelShown(step, view, *options.cut) : 0);
+    options.step_follows_cut = is_cut;
   }
   options.shades = look_.lit;
   options.lighting.flat_share *= look_.flat_scale;
@@ -120,7 +121,8 @@ Image Drawing::draw(const PictureOptions& picture, ProgressTeller& teller) {
           .height = drawn.height,
           .rgba = std::move(drawn.rgba),
           .depth = std::move(drawn.depth),
-          .missing_share = frame.report.missing_share};
+          .missing_share = frame.report.missing_share,
+          .will_improve = frame.report.cut && frame.report.cut->will_improve};
 }
 
 std::optional<ScreenImage> Drawing::drawOnScreen(const PictureOptions& picture,
@@ -132,8 +134,8 @@ std::optional<ScreenImage> Drawing::drawOnScreen(const PictureOptions& picture,
     const Image sizes = draw(picture, teller);
     const std::optional<ScreenPicture> kept = screen_->takeKept();
     SLUICE_CHECK(kept.has_value());
-    return ScreenImage{kept->texture, kept->width, kept->height,
-                       kept->drawn,   kept->seen,  sizes.missing_share};
+    return ScreenImage{kept->texture, kept->width,         kept->height,      kept->drawn,
+                       kept->seen,    sizes.missing_share, sizes.will_improve};
   } catch (...) {
     screen_->keepNext(std::nullopt);
     screen_->takeKept();
@@ -239,6 +241,7 @@ RenderReport Drawing::report(bool maps) const {
   report.seconds = report_.seconds;
   report.draw_seconds = report_.stages.draw;
   report.missing_share = report_.missing_share;
+  report.step_vox = report_.step_vox;
   report.why_empty = why_empty_;
   report.white = report_.white;
   report.grey = report_.grey;
@@ -246,6 +249,8 @@ RenderReport Drawing::report(bool maps) const {
   if (report_.cut) {
     report.coarse_share = report_.cut->coarse_share;
     report.is_refined = report_.cut->is_final;
+    report.will_improve = report_.cut->will_improve;
+    for (const CutSummary::Level& shown : report_.cut->levels) report.levels.push_back(shown.level);
   }
   report.pages_loaded = report_.pages_loaded;
   report.read_bytes = opened_->volume.source->storedBytesRead();

@@ -35,6 +35,7 @@ void open(OpenedVolume& opened, const std::vector<std::string>& paths, const Vol
   // If no folder is named, nobody expects an index.
   if (options.index_folder.empty()) std::erase(notes, opened.volume.index->note);
   opened.info = volumeInfo(opened.volume.source->layout(), opened.volume.valueRange(), notes);
+  opened.info.levels = static_cast<int>(opened.volume.step().coarser.size()) + 1;
   opened.info.files = opened.volume.source->files();
 }
 

@@ -317,6 +317,13 @@ std::vector<std::shared_ptr<VolumeBlock>> VolumeBuffer::load(std::span<const Own
   return blocks;
 }
 
+bool VolumeBuffer::holds(const BlockName& key) const {
+  const MutexLock lock(blocks_.mutex);
+  if (cold_by_key_.contains(key)) return true;
+  const EntryPtr entry = blocks_.find(key);
+  return entry != nullptr && entry->state == Blocks::Entry::State::kResident;
+}
+
 void VolumeBuffer::readPast(int64_t time, const RegionRead& region, ReadTally* tally) {
   DeviceReader reader(*levels_.front().source);
   reader.read(time, region);

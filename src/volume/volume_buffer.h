@@ -92,6 +92,9 @@ class VolumeBuffer {
                                       const std::vector<bool>& ahead = {},
                                       ReadTally* tally = nullptr);
 
+  // Whether a block is here, packed or not, so that it need not be read. Changes nothing.
+  bool holds(const BlockName& key) const;
+
   // Reads voxels of level 0 that are not kept here, for data made from them; counted as decoded
   // like the others. Throws what the source does.
   void readPast(int64_t time, const RegionRead& region, ReadTally* tally = nullptr);

@@ -112,6 +112,40 @@ TEST(Renderer, levelsOfResolutionAreThoseOfTheProgram) {
   EXPECT_THROW(renderer.draw(missing), Error);
 }
 
+TEST(Renderer, picturesWithATimeLimitBeginCoarseAndEndAsTheOneWithout) {
+  const std::string shells = "synth:shells,dims=120x110x100,levels=4";
+  const Volume volume(shells);
+  EXPECT_EQ(volume.info().levels, 4);
+  const LookOptions look{.threshold = 90};
+  PictureOptions picture = kSmall;
+  const Image whole = Renderer(volume, look).draw(picture);
+  EXPECT_FALSE(whole.will_improve);
+  Renderer renderer(volume, look);
+  picture.time_limit_s = 0;
+  Image image = renderer.draw(picture);
+  EXPECT_TRUE(image.will_improve);
+  EXPECT_EQ(image.missing_share, 0.0);
+  EXPECT_EQ(renderer.report().levels, std::vector<int>{3});
+  EXPECT_FALSE(renderer.report().is_refined);
+  // All of the volume shows from the first picture on.
+  size_t visible = 0, visible_in_both = 0;
+  for (size_t i = 3; i < whole.rgba.size(); i += 4) {
+    visible += whole.rgba[i] > 0.01F ? 1 : 0;
+    visible_in_both += whole.rgba[i] > 0.01F && image.rgba[i] > 0 ? 1 : 0;
+  }
+  EXPECT_GT(visible, 1000U);
+  EXPECT_GT(static_cast<double>(visible_in_both), 0.99 * static_cast<double>(visible));
+  picture.time_limit_s = 0.1;
+  for (int i = 0; image.will_improve; ++i) {
+    ASSERT_LT(i, 1000);
+    image = renderer.draw(picture);
+    EXPECT_EQ(image.missing_share, 0.0);
+  }
+  EXPECT_EQ(image.rgba, whole.rgba);
+  EXPECT_TRUE(renderer.report().is_refined);
+  EXPECT_FALSE(renderer.report().will_improve);
+}
+
 TEST(Renderer, aTurnHasOneFramingAsTheProgramsHas) {
   const TempFolder folder;
   const Volume volume(kShells);

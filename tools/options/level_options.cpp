@@ -48,8 +48,7 @@ std::optional<CutOptions> cutOptions(const LevelArguments& arguments,
   cut.pixel_error = arguments.pixel_error.value_or(cut.pixel_error);
   if (arguments.level) cut.level = static_cast<int>(*arguments.level);
   if (arguments.max_bytes != 0) cut.most_stored_bytes = arguments.max_bytes;
-  // With this limit the blocks of a picture stay in memory from one frame to the next.
-  cut.most_held_bytes = memoryBudget(resources) / 2;
+  cut.most_held_bytes = cutBytes(memoryBudget(resources));
   return cut;
 }
 

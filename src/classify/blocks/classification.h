@@ -36,6 +36,8 @@ struct VisibleBlocks {
   std::vector<ObjectBlock> blocks;  // grey and black ones, ascending by block
   int64_t white = 0, grey = 0, black = 0;
   std::optional<CutSummary> cut;  // for a volume of several levels
+  // Coarser blocks, ascending, in whose place the cut has finer ones.
+  std::vector<BlockName> refined = {};
 };
 
 // `crop`: cells that may show at all (the whole volume's by default); blocks and boxes are cut by

@@ -25,8 +25,10 @@ struct CutSummary {
   // Whether all coarser ones have spreads beside their means: what is drawn of them is what their
   // finest voxels look like on average.
   bool has_spreads = false;
-  // False: a budget ended the refinement before the pixel error was reached.
+  // False: a budget or the time ended the refinement before the pixel error was reached.
   bool is_final = true;
+  // The data of finer blocks was not in memory in time: a later picture shows them.
+  bool will_improve = false;
   // Coarser blocks in the picture below which the finest level shows something thinner than two of
   // their voxels: they may show next to nothing of it.
   int64_t thin_blocks = 0;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <string_view>
+#include <unordered_map>
 #include <utility>
 
 #include "src/base/error.h"
@@ -34,18 +35,22 @@ int topLevel(const PyramidLayout& pyramid, const CutOptions& options) {
   return options.coarsest ? std::min(top, *options.coarsest) : top;
 }
 
-// Bytes of a block, and of all that are chosen.
+// Bytes of a block, and of all that are chosen; `read`: those of `held` that are not in memory.
 struct BlockBytes {
-  uint64_t stored = 0, held = 0;
+  uint64_t stored = 0, held = 0, read = 0;
   void add(const BlockBytes& more) {
     stored += more.stored;
     held += more.held;
+    read += more.read;
   }
   void remove(const BlockBytes& less) {
     stored -= less.stored;
     held -= less.held;
+    read -= less.read;
   }
 };
+// Parts that stay refined do so until their voxels are this many times the pixel error wide.
+constexpr double kKeepsRefined = 0.7;
 
 struct CutNode {
   int level = 0;
@@ -62,6 +67,7 @@ class CutMaker {
         options_(*question.cut),
         shown_(shown),
         pyramid_(shown.pyramid()),
+        limit_(question.limit),
         sizes_(question.step.source->layout(), question.view),
         held_bytes_(bytesPerVoxel(question.step.ranges->map.type)) {}
 
@@ -107,9 +113,12 @@ class CutMaker {
     if (shown_.finestCells() > 0)
       summary.coarse_share =
           1 - static_cast<double>(shown) / static_cast<double>(shown_.finestCells());
-    summary.is_final = !is_stopped_;
+    summary.is_final = !is_stopped_ && !awaits_data_;
+    summary.will_improve = awaits_data_;
     summary.thin_blocks = thin_blocks;
     blocks.cut = std::move(summary);
+    std::ranges::sort(refined_);
+    blocks.refined = std::move(refined_);
     return blocks;
   }
 
@@ -121,8 +130,31 @@ class CutMaker {
     const auto voxels = static_cast<uint64_t>(at.blocks.storedVoxels(index).count());
     const VoxelType type = question_.step.source->layout().type;
     node.bytes = {voxels * storedBytesPerVoxel(type, at.numbers),
-                  voxels * held_bytes_ * static_cast<uint64_t>(at.numbers)};
+                  voxels * held_bytes_ * static_cast<uint64_t>(at.numbers), 0};
     return node;
+  }
+
+  // The node, with the bytes that are to be read for it.
+  CutNode withReading(CutNode node) {
+    if (limit_ != nullptr && !isInMemory(node)) node.bytes.read = node.bytes.held;
+    return node;
+  }
+
+  // Whether the block is in memory, or all the finer blocks that the pixel error asks for there.
+  bool isInMemory(const CutNode& node) {
+    const auto [known, is_new] = in_memory_.try_emplace(node.object.name, false);
+    if (!is_new) return known->second;
+    bool is_there = node.object.cells.empty() || limit_->is_in_memory(node.object.name);
+    if (!is_there && node.level > 0 && isTooCoarse(node))
+      is_there = std::ranges::all_of(childrenOf(node),
+                                     [this](const CutNode& child) { return isInMemory(child); });
+    in_memory_[node.object.name] = is_there;
+    return is_there;
+  }
+
+  bool wasRefined(const BlockName& name) const {
+    return limit_ != nullptr && limit_->last != nullptr &&
+           std::ranges::binary_search(limit_->last->refined, name);
   }
 
   void addAll(int level, const auto& is_wanted) {
@@ -133,13 +165,25 @@ class CutMaker {
         ++left_out_;
         continue;
       }
-      open_.push_back(nodeOf(level, index));
+      open_.push_back(withReading(nodeOf(level, index)));
       bytes_.add(open_.back().bytes);
     }
   }
 
   bool fits() const {
     return bytes_.stored <= options_.most_stored_bytes && bytes_.held <= options_.most_held_bytes;
+  }
+
+  // Whether these blocks, which are chosen now, come in time.
+  bool comeInTime(const std::vector<CutNode>& nodes) {
+    if (limit_ == nullptr) return true;
+    uint64_t read = 0;
+    for (const CutNode& node : nodes) read += node.bytes.read;
+    if (read == 0) return true;
+    const bool reads_one = limit_->refines_some && !reads_any_;
+    if (bytes_.read > limit_->most_bytes && !reads_one) return false;
+    reads_any_ = true;
+    return true;
   }
 
   std::vector<CutNode> childrenOf(const CutNode& node) {
@@ -161,7 +205,9 @@ class CutMaker {
     return node.level > 0 && shown_.hasThinParts(node.level, node.index) && pixelsOf(node) > 0;
   }
   bool isTooCoarse(const CutNode& node) const {
-    return pixelsOf(node) > options_.pixel_error || (options_.keeps_thin && isThin(node));
+    const bool is_kept = limit_ != nullptr && limit_->keeps_refined && wasRefined(node.object.name);
+    return pixelsOf(node) > options_.pixel_error * (is_kept ? kKeepsRefined : 1) ||
+           (options_.keeps_thin && isThin(node));
   }
 
   // Replaces the open nodes, all of one level, by nodes of the next finer level if they are too
@@ -180,16 +226,21 @@ class CutMaker {
     for (const auto& [depth, i] : wide) {
       const CutNode& node = open_[i];
       if (!is_stopped_) {
-        const std::vector<CutNode> children = childrenOf(node);
+        std::vector<CutNode> children = childrenOf(node);
+        for (CutNode& child : children) child = withReading(child);
         const BlockBytes before = bytes_;
         bytes_.remove(node.bytes);
         for (const CutNode& child : children) bytes_.add(child.bytes);
-        if (fits()) {
+        if (!fits()) {
+          is_stopped_ = true;
+        } else if (!comeInTime(children)) {
+          awaits_data_ = true;
+        } else {
           finer.insert(finer.end(), children.begin(), children.end());
+          refined_.push_back(node.object.name);
           continue;
         }
         bytes_ = before;
-        is_stopped_ = true;
       }
       chosen_.push_back(node);
     }
@@ -200,12 +251,17 @@ class CutMaker {
   const CutOptions& options_;
   const ShownLevels& shown_;
   const PyramidLayout& pyramid_;
+  const ReadLimit* const limit_;  // null: none
   const PixelSizes sizes_;
   const uint64_t held_bytes_;  // of a number
   std::vector<CutNode> open_, chosen_;
   BlockBytes bytes_;  // bytes of open_ and chosen_
   int64_t left_out_ = 0;
+  std::vector<BlockName> refined_;
+  std::unordered_map<BlockName, bool, BlockNameHash> in_memory_;  // see isInMemory()
   bool is_stopped_ = false;
+  bool awaits_data_ = false;  // a part stays coarse for want of time
+  bool reads_any_ = false;    // a part was refined by blocks that are to be read
 };
 
 bool isSame(const VisibleBlocks& a, const VisibleBlocks& b) {
@@ -213,7 +269,8 @@ bool isSame(const VisibleBlocks& a, const VisibleBlocks& b) {
                             [](const ObjectBlock& x, const ObjectBlock& y) {
                               return x.name == y.name && x.cells == y.cells;
                             }) &&
-         a.cut->is_final == b.cut->is_final && a.cut->thin_blocks == b.cut->thin_blocks;
+         a.cut->is_final == b.cut->is_final && a.cut->will_improve == b.cut->will_improve &&
+         a.cut->thin_blocks == b.cut->thin_blocks;
 }
 
 }  // namespace

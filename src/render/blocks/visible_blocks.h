@@ -12,12 +12,11 @@
 #include "src/classify/blocks/classification.h"
 #include "src/render/blocks/look.h"
 #include "src/render/blocks/memo.h"
+#include "src/render/blocks/read_limit.h"
 #include "src/render/camera/camera.h"
 #include "src/render/camera/cut_options.h"
 
 namespace sluice {
-
-using VisibleBlocksPtr = std::shared_ptr<const VisibleBlocks>;
 
 struct BlockQuestion {
   TimeStep step;
@@ -25,6 +24,7 @@ struct BlockQuestion {
   Box3 crop;  // cells that may show
   View view;
   std::optional<CutOptions> cut = {};  // unset: the finest level alone
+  const ReadLimit* limit = nullptr;    // of a cut; null: it waits for all data
 };
 
 class BlockChooser {

@@ -49,9 +49,12 @@ struct FrameOptions {
   MergeOrder merge_order = MergeOrder::kPaper;
   Partition partition = Partition::kBlocks;  // kBoxes only if the session has boxes
   // How long a frame may wait for missing data, including its drawing as far as the last frame
-  // predicts it. The data still missing then is left out; later frames have it. Unset: waits for
-  // all data.
+  // predicts it. The data still missing then is left out; later frames have it. A frame of a cut
+  // leaves nothing out: it shows parts coarser whose data would not come in time (read_limit.h).
+  // Unset: waits for all data.
   std::optional<double> time_limit_s;
+  // The distance between slices grows with the voxels if the time limit makes a cut coarser.
+  bool step_follows_cut = false;
   bool keep_phases = false;  // fills Frame::phases; with occlusion
   // Reads, lights and blends every sample of the boxes drawn, even if it shows nothing, as
   // renderers without empty space skipping do (Li's Basic): the baseline for measuring skipping.

@@ -27,23 +27,31 @@ Frame Session::frame() {
   const Stopwatch watch;
   Stopwatch stage;
   const VolumeLayout& volume = step_.source->layout();
-  const View view = resolve(options_.camera, volume, options_.size, options_.step_vox);
+  FrameOptions options = options_;
+  const auto viewNow = [&] {
+    return resolve(options.camera, volume, options.size, options.step_vox);
+  };
 
-  const LookPtr look = planner_.look(step_, transfer_, options_.mode);
-  const VisibleBlocksPtr visible = planner_.visibleBlocks(step_, look, view, options_);
+  const LookPtr look = planner_.look(step_, transfer_, options.mode);
+  const std::optional<ReadLimit> limit = readLimit(look);
+  if (limit) options.time_limit_s.reset();  // all blocks of the cut come in time
+  const VisibleBlocksPtr visible =
+      planner_.visibleBlocks(step_, look, viewNow(), options, limit ? &*limit : nullptr);
+  options.step_vox = stepForCut(*visible, options);
+  const View view = viewNow();
   const double classify_s = stage.lap();
   visible_ = visible;
-  const FramePlanPtr plan = planner_.plan(step_, visible, options_);
+  const FramePlanPtr plan = planner_.plan(step_, visible, options);
   const double plan_s = stage.lap();
   const DrawOrderPtr order = planner_.order(plan, eyePosition(view, volume),
-                                            arrangementOf(*plan, options_, residency_.cache()));
+                                            arrangementOf(*plan, options, residency_.cache()));
   const FrameSetup setup =
-      frameSetup(view, volume, *look, step_.ranges->map, options_, session_.lit && options_.shades);
+      frameSetup(view, volume, *look, step_.ranges->map, options, session_.lit && options.shades);
 
   lessons_.unfinished.reset();  // this frame requests again what it needs of it
   read_afterwards_.reset();     // and of the data that was read ahead for it
   residency_.forgetUnused(*plan);
-  FrameRun run({step_, look, visible, plan, order, boxesOf(look, plan), setup, options_, asked_at,
+  FrameRun run({step_, look, visible, plan, order, boxesOf(look, plan), setup, options, asked_at,
                 [this, &afterwards] {
                   if (afterwards) readAfterwards(*afterwards);
                 }},
@@ -53,11 +61,13 @@ Frame Session::frame() {
   run.report().seconds = watch.seconds();
   run.report().stages.classify = classify_s;
   run.report().stages.plan = plan_s;
-  if (options_.count_samples) run.countSamples();
+  run.report().step_vox = options.step_vox;
+  if (options.count_samples) run.countSamples();
   frame.phases = run.drawPhases();
   frame.report = run.report();
   if (frame.report.cut) frame.report.cut->spread = spreads_->of(*visible, step_.ranges->map.scale);
   frame.blocks = visible;
+  noteDrawn(visible, frame.report);
   lessons_ = run.lessons();
   ++frame_number_;
   return frame;

@@ -29,6 +29,7 @@ struct BlockClasses {
 
 struct FrameReport {
   double seconds = 0;
+  double step_vox = 1;  // between slices
   StageSeconds stages;
   // When counted: samples in the boxes that were drawn, and the samples that the device took of
   // them, fewer if rays end early and pixels are stopped (with depth: not counted, all).

@@ -7,13 +7,14 @@ LookPtr Planner::look(const TimeStep& step, const TransferPtr& transfer, Mode mo
 }
 
 VisibleBlocksPtr Planner::visibleBlocks(const TimeStep& step, const LookPtr& look, const View& view,
-                                        const FrameOptions& options) {
+                                        const FrameOptions& options, const ReadLimit* limit) {
   std::optional<CutOptions> cut;
   if (drawsCut(step, options.cut, options.mode, look->table.labels())) cut = options.cut;
   BlockChooser* chooser = chooser_;
   if (chooser == nullptr && cut) chooser = &cut_;
   if (chooser == nullptr) chooser = &classified_;
-  return chooser->choose({step, look, cropCells(options, step.ranges->layout.dims), view, cut});
+  return chooser->choose(
+      {step, look, cropCells(options, step.ranges->layout.dims), view, cut, limit});
 }
 
 FramePlanPtr Planner::plan(const TimeStep& step, const VisibleBlocksPtr& visible,

@@ -32,8 +32,13 @@ class Planner {
   void chooseBlocksBy(BlockChooser* chooser) { chooser_ = chooser; }
 
   LookPtr look(const TimeStep& step, const TransferPtr& transfer, Mode mode);
+  // Whether visibleBlocks() makes a cut through the levels of resolution itself.
+  bool makesCut(const TimeStep& step, const LookPtr& look, const FrameOptions& options) const {
+    return chooser_ == nullptr && drawsCut(step, options.cut, options.mode, look->table.labels());
+  }
+  // `limit` applies to such a cut alone; null: none.
   VisibleBlocksPtr visibleBlocks(const TimeStep& step, const LookPtr& look, const View& view,
-                                 const FrameOptions& options);
+                                 const FrameOptions& options, const ReadLimit* limit = nullptr);
   // Throws Error when the texture cache has fewer pages than one block.
   FramePlanPtr plan(const TimeStep& step, const VisibleBlocksPtr& visible,
                     const FrameOptions& options);

@@ -1,10 +1,20 @@
 #include "src/render/session/session.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "src/base/error.h"
 
 namespace sluice {
+namespace {
+
+// Pictures with a shorter limit follow a hand: the next one shows another view.
+constexpr double kSteady_s = 0.1;
+// Reading fewer bytes says little of its speed.
+constexpr uint64_t kTellingBytes = uint64_t{4} << 20;
+constexpr double kNewSpeed = 0.5;  // weight of the last picture in the expected speed
+
+}  // namespace
 
 Session::Session(const TimeStep& step, Device& device, WorkerPool& pool,
                  const SessionOptions& options)
@@ -64,6 +74,42 @@ void Session::readAfterwards(const TimeStep& next) {
   read_afterwards_ = std::make_unique<ReadAhead>(
       residency_, plan, *order, ReadPurpose{std::make_shared<ReadTally>(), options_.stop});
   read_afterwards_->begin();
+}
+
+std::optional<ReadLimit> Session::readLimit(const LookPtr& look) const {
+  if (!options_.time_limit_s || !planner_.makesCut(step_, look, options_)) return std::nullopt;
+  const double limit_s = *options_.time_limit_s;
+  const double reading_s = std::max(limit_s - lessons_.draw_s, limit_s / 2);
+  ReadLimit limit;
+  limit.most_bytes = static_cast<uint64_t>(reading_s * bytes_per_s_);
+  limit.refines_some = limit_s >= kSteady_s;
+  limit.keeps_refined = limit_s < kSteady_s;
+  limit.last = drawn_;
+  limit.is_in_memory = [this](const BlockName& name) {
+    return residency_.blocks().holds(name) ||
+           (drawn_ != nullptr &&
+            std::ranges::binary_search(drawn_->blocks, name, {}, &ObjectBlock::name));
+  };
+  return limit;
+}
+
+double Session::stepForCut(const VisibleBlocks& visible, const FrameOptions& options) const {
+  if (!options.step_follows_cut || !visible.cut || !visible.cut->will_improve ||
+      visible.cut->levels.empty())
+    return options.step_vox;
+  const View view = resolve(options.camera, step_.source->layout(), options.size, options.step_vox);
+  const int wanted = finestLevelShown(step_, view, *options.cut);
+  const int shown = std::max(wanted, visible.cut->levels.front().level);
+  return options.step_vox * spacingOfLevel(step_, shown) / spacingOfLevel(step_, wanted);
+}
+
+void Session::noteDrawn(const VisibleBlocksPtr& visible, const FrameReport& report) {
+  drawn_ = visible->cut ? visible : nullptr;
+  const double reading_s =
+      report.seconds - report.stages.draw - report.stages.classify - report.stages.plan;
+  if (report.decoded_bytes < kTellingBytes || reading_s <= 0) return;
+  const double bytes_per_s = static_cast<double>(report.decoded_bytes) / reading_s;
+  bytes_per_s_ += kNewSpeed * (bytes_per_s - bytes_per_s_);
 }
 
 FrameReport Session::frameReport() {

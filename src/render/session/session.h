@@ -99,6 +99,12 @@ class Session {
   void expectBlocksOf(const TimeStep& step);
   // Begins to read the data that `next` needs.
   void readAfterwards(const TimeStep& next);
+  // For a picture of a cut with a time limit; nullopt: it waits for all its data, or leaves some
+  // out if it is of one level.
+  std::optional<ReadLimit> readLimit(const LookPtr& look) const;
+  // The distance between slices, see FrameOptions::step_follows_cut.
+  double stepForCut(const VisibleBlocks& visible, const FrameOptions& options) const;
+  void noteDrawn(const VisibleBlocksPtr& visible, const FrameReport& report);
   // Null if object boxes are drawn.
   ChosenBoxesPtr boxesOf(const LookPtr& look, const FramePlanPtr& plan);
 
@@ -116,6 +122,8 @@ class Session {
   TransferPtr transfer_;
   FrameOptions options_;
   std::weak_ptr<const VisibleBlocks> visible_;
+  VisibleBlocksPtr drawn_;      // blocks of the last picture, if that was of a cut
+  double bytes_per_s_ = 150e6;  // expected of reading, decoding and copying blocks
   TraceWriter* trace_ = nullptr;
   int64_t frame_number_ = 0;
   FrameLessons lessons_;
