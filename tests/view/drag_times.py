@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Measures, and tests nothing: drags the threshold in the real window by real events, 60 a second, and says how long it is from
-an event's sending to a picture on the screen that is no older, and from the button's release to the whole one.
+the window's start to its first picture, from an event's sending to a picture on the screen that is no older, and from the button's
+release to the whole one. With `view` in place of the threshold, it turns the volume.
 
   drag_times.py PROGRAM VOLUME [THRESHOLD [SECONDS [RUNS [ARGUMENT...]]]]
 
@@ -21,14 +22,20 @@ def spread(times):
 
 def drag(folder):
     program, volume, threshold, seconds, runs, *more = sys.argv[1:] + ['40', '5', '1'][len(sys.argv) - 3:]
-    arguments = [volume, '--threshold', threshold, '--size', '800x600', *more]
+    turns = threshold == 'view'
+    arguments = [volume, *([] if turns else ['--threshold', threshold]), '--size', '800x600', *more]
     for _ in range(int(runs)):
+        started = time.monotonic()
         with Display() as display, Window(display, program, arguments, folder) as window:
             window.wait('opened')
-            window.whole(0)
+            first = window.wait('picture')
+            first_whole = window.whole(0)
             hand = Hand(display)
             window_driver.put_first(window.process, display)
-            start, end = window.place('threshold', 0.2), window.place('threshold', 0.45)
+            if turns:
+                start, end = window.place('picture', 0.3), window.place('picture', 0.6)
+            else:
+                start, end = window.place('threshold', 0.2), window.place('threshold', 0.45)
             hand.move(*start)
             hand.flush()
             time.sleep(0.1)
@@ -59,7 +66,9 @@ def drag(folder):
             if shown is not None:
                 answers.append(shown - at)
         shown = [line for line in window.lines if 'picture' in line and not line['complete']]
-        print({'event_to_screen_ms': spread(answers), 'release_to_whole_ms': round(1e3 * (whole['at'] - released), 1),
+        print({'first_picture_ms': round(1e3 * (first['at'] - started)), 'first_whole_ms': round(1e3 * (first_whole['at'] - started)),
+               'levels': [line['levels'] for line in window.lines if line.get('complete')],
+               'event_to_screen_ms': spread(answers), 'release_to_whole_ms': round(1e3 * (whole['at'] - released), 1),
                'whole_frame_ms': round(1e3 * whole['seconds'], 1), 'previews': len(shown),
                'pixels': sorted(line['size'][0] for line in shown)[len(shown) // 2],
                **{name: round(1e3 * times[f'{name}_seconds'], 1) for name in ('answer_p95', 'gl_p50', 'longest_turn')}})

@@ -124,6 +124,42 @@ TEST(DrawingThread, endsWithTheWholePictureThatTheLibraryDraws) {
             renderer.draw(pictureOf(wish.state, 96, 80)).toRgba8(std::array{0.0F, 0.0F, 0.0F}));
 }
 
+TEST(DrawingThread, levelsOfResolutionAreWholeFromTheFirstPictureOn) {
+  constexpr const char* kLevels = "synth:shells,dims=120x110x100,levels=4";
+  DrawingThread desk(options());
+  Seen seen(desk);
+  ASSERT_TRUE(seen.open(kLevels));
+  EXPECT_EQ(seen.opened->info.levels, 4);
+  Wish wish = seen.wish();
+  wish.state.background = std::array{0.0F, 0.0F, 0.0F};
+  wish.moves = true;
+  const auto litPixels = [](const std::vector<uint8_t>& rgba) {
+    double lit = 0;
+    for (size_t i = 0; i < rgba.size(); i += 4)
+      lit += rgba[i] + rgba[i + 1] + rgba[i + 2] > 0 ? 1 : 0;
+    return lit * 4 / static_cast<double>(rgba.size());
+  };
+  uint64_t last = 0;
+  for (int i = 0; i < 20; ++i) {
+    wish.state.view = orbit(wish.state.view, 3, 1, {96, 80});
+    last = desk.wish(wish);
+    ASSERT_TRUE(seen.until([&] { return seen.picture != nullptr && seen.picture->wish >= last; }));
+    EXPECT_EQ(seen.picture->missing_share, 0.0);
+    EXPECT_FALSE(seen.picture->levels.empty());
+    EXPECT_GT(litPixels(seen.picture->rgba), 0.1);
+  }
+  wish.moves = false;
+  ASSERT_TRUE(seen.whole(desk.wish(wish)));
+  ASSERT_TRUE(seen.picture->is_complete);
+  EXPECT_FALSE(seen.picture->will_improve);
+  EXPECT_TRUE(seen.picture->is_refined);
+  const Volume volume(kLevels);
+  Renderer renderer(volume, wish.state.look, options().renderer);
+  EXPECT_EQ(seen.picture->rgba,
+            renderer.draw(pictureOf(wish.state, 96, 80)).toRgba8(std::array{0.0F, 0.0F, 0.0F}));
+  EXPECT_EQ(seen.picture->levels, renderer.report().levels);
+}
+
 TEST(DrawingThread, anEmptyPictureSaysWhy) {
   DrawingThread desk(options());
   Seen seen(desk);

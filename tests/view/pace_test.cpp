@@ -51,6 +51,17 @@ TEST(Pace, aLongerStepTakesLess) {
               expectedSeconds(pace, {1, 1}, kPixels, 1) / 2, 1e-12);
 }
 
+TEST(Pace, withLevelsOfResolutionASmallerPictureHasLongerSteps) {
+  for (const double pixel_s : {2e-8, 1e-7, 4e-7}) {
+    const Pace pace = after(3, pixel_s, 0.002);
+    const Quality fixed = qualityWithin(pace, kPixels, 1, 0.02);
+    const Quality quality = qualityWithin(pace, kPixels, 1, 0.02, PreviewSteps::kFollowPixels);
+    EXPECT_GE(quality.scale, fixed.scale);
+    EXPECT_EQ(quality.step_factor, 1 / quality.scale);
+    EXPECT_LE(expectedSeconds(pace, quality, kPixels, 1), 0.02);
+  }
+}
+
 TEST(Pace, showingTakesItsPartOfTheBudget) {
   EXPECT_DOUBLE_EQ(drawingBudget(0.016, 0), 0.016);
   EXPECT_DOUBLE_EQ(drawingBudget(0.016, 0.006), 0.010);

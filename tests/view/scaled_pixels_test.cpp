@@ -70,5 +70,25 @@ TEST(ScaledPixels, areThoseOfAPlainFilter) {
   }
 }
 
+TEST(MixedPixels, goFromOnePictureToTheOther) {
+  const auto from = noise(37, 5), to = noise(5, 37);
+  std::vector<uint32_t> a, b, mixed;
+  scalePixels(from, 37, 5, 37, 5, a);
+  scalePixels(to, 5, 37, 5, 37, b);
+  std::ranges::reverse(b);
+  ASSERT_NE(a, b);
+  mixPixels(a, b, 0, mixed);
+  EXPECT_EQ(mixed, a);
+  mixPixels(a, b, 1, mixed);
+  EXPECT_EQ(mixed, b);
+  for (const double share : {0.01, 0.3, 0.5, 0.99}) {
+    mixPixels(a, b, share, mixed);
+    for (size_t i = 0; i < a.size(); ++i)
+      for (int channel = 0; channel < 4; ++channel)
+        EXPECT_NEAR(channelOf(mixed[i], channel),
+                    (1 - share) * channelOf(a[i], channel) + share * channelOf(b[i], channel), 1.5);
+  }
+}
+
 }  // namespace
 }  // namespace sluice

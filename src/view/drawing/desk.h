@@ -50,8 +50,12 @@ struct ShownPicture {
   bool is_complete = false;  // of the pane's size, at the wished step, with nothing missing
   double missing_share = 0;  // see Image
   std::string why_empty;     // see RenderReport
-  ViewState state;           // that it shows
-  double seconds = 0;        // that drawing it took
+  // Levels of resolution in it, the finest first, see RenderReport; empty: the volume has one.
+  std::vector<int> levels;
+  bool will_improve = false;  // a better picture of this wish follows
+  bool is_refined = true;     // see RenderReport
+  ViewState state;            // that it shows
+  double seconds = 0;         // that drawing it took
 };
 
 // The plane `at` of an axis, as grey values of the range of the look.

@@ -65,11 +65,22 @@ ViewOptions DrawingJobs::placed(const ViewState& state, int width, int height, c
 double DrawingJobs::wholeStep(const Wish& wish) const {
   if (wish.state.step_vox) return *wish.state.step_vox;
   if (wish.state.look.mode != LookOptions::Mode::kComposite) return 1;
-  const double pixel = worldPerPixel(wish.state.view, {wish.width, wish.height}, opened_.ground);
-  return pixel < opened_.ground.finest_spacing ? 0.5 : 1;
+  const double pixel_vox =
+      worldPerPixel(wish.state.view, {wish.width, wish.height}, opened_.ground) /
+      opened_.ground.finest_spacing;
+  if (pixel_vox < 1) return 0.5;
+  if (!drawsLevels(wish)) return 1;
+  const int coarsest = opened_.volume->info().levels - 1;
+  return std::exp2(std::min<double>(coarsest, std::floor(std::log2(pixel_vox))));
 }
 
-ShownPicture DrawingJobs::draw(const Job& job, const PictureOptions& picture, double step_vox) {
+bool DrawingJobs::drawsLevels(const Wish& wish) const {
+  const LookOptions& look = wish.state.look;
+  return opened_.volume->info().levels > 1 && look.mode == LookOptions::Mode::kComposite &&
+         !look.labels;
+}
+
+ShownPicture DrawingJobs::draw(const Job& job, const PictureOptions& picture) {
   Renderer& renderer = *opened_.renderer;
   const auto background = job.wish->wish.state.background.value_or(kPaneColor);
   ShownPicture shown;
@@ -87,10 +98,16 @@ ShownPicture DrawingJobs::draw(const Job& job, const PictureOptions& picture, do
   }
   RenderReport report = renderer.report();
   shown.why_empty = std::move(report.why_empty);
+  shown.levels = std::move(report.levels);
+  shown.will_improve = report.will_improve;
+  shown.is_refined = report.is_refined;
+  double other_s = std::max(0.0, report.seconds - report.draw_seconds);
+  // A picture of levels reads as much as its time allows: this says nothing of the next one.
+  if (!shown.levels.empty() && report.pages_loaded > 0)
+    other_s = std::min(other_s, opened_.pace.fixed_s);
   if (report.missing_share == 0)
-    opened_.pace = learned(
-        opened_.pace, {static_cast<double>(picture.width) * picture.height, step_vox,
-                       report.draw_seconds, std::max(0.0, report.seconds - report.draw_seconds)});
+    opened_.pace = learned(opened_.pace, {static_cast<double>(picture.width) * picture.height,
+                                          report.step_vox, report.draw_seconds, other_s});
   return shown;
 }
 
@@ -102,15 +119,18 @@ void DrawingJobs::run(const PreviewJob&, const Job& job) {
   const double step = wholeStep(wish);
   const double budget_s = drawingBudget(options_.budget_s, wish.showing_s);
   const Quality quality =
-      qualityWithin(opened_.pace, static_cast<double>(wish.width) * wish.height, step, budget_s);
+      qualityWithin(opened_.pace, static_cast<double>(wish.width) * wish.height, step, budget_s,
+                    drawsLevels(wish) ? PreviewSteps::kFollowPixels : PreviewSteps::kFixed);
   if (!quality.isFull()) {
     picture.width = std::max(1, static_cast<int>(std::lround(wish.width * quality.scale)));
     picture.height = std::max(1, static_cast<int>(std::lround(wish.height * quality.scale)));
-    picture.step_vox = step * quality.step_factor;
+    // The library chooses coarser levels for a smaller picture, and the steps that suit them.
+    if (!drawsLevels(wish) || wish.state.step_vox) picture.step_vox = step * quality.step_factor;
   }
   picture.time_limit_s = 1.25 * budget_s;
-  ShownPicture shown = draw(job, picture, step * quality.step_factor);
-  const bool is_complete = quality.isFull() && shown.missing_share == 0;
+  ShownPicture shown = draw(job, picture);
+  // A preview may show levels that the whole picture does not (PictureOptions::time_limit_s).
+  const bool is_complete = quality.isFull() && shown.missing_share == 0 && shown.levels.empty();
   deliver(*job.wish, std::move(shown), is_complete, watch.seconds());
 }
 
@@ -120,19 +140,25 @@ void DrawingJobs::run(const PictureJob&, const Job& job) {
   useLook(wish.state.look);
   PictureOptions picture = pictureOf(wish.state, wish.width, wish.height);
   picture.next_time = wish.next_time;
-  double missing = 1;
-  // Shows the parts that are there as they come, as long as each adds enough to be worth a picture.
+  double missing = 1, limit_s = kRefine_s;
+  // Shows the parts that are there as they come, as long as each adds enough to be worth a picture;
+  // with levels of resolution whole pictures, each finer than the one before. Such a picture may
+  // copy what the one before had in other chunks, so that each gets more time than the last took.
   while (true) {
-    picture.time_limit_s = kRefine_s;
-    ShownPicture shown = draw(job, picture, wholeStep(wish));
+    picture.time_limit_s = limit_s;
+    const Stopwatch since_last;
+    ShownPicture shown = draw(job, picture);
+    if (shown.will_improve) limit_s = 2 * std::max(limit_s, since_last.seconds());
     const double came = missing - shown.missing_share;
     missing = shown.missing_share;
-    deliver(*job.wish, std::move(shown), missing == 0, watch.seconds());
-    if (missing == 0) return;
-    if (came < kWorthShowing) break;
+    const bool is_complete = missing == 0 && !shown.will_improve;
+    const bool goes_on = shown.will_improve || came >= kWorthShowing;
+    deliver(*job.wish, std::move(shown), is_complete, watch.seconds());
+    if (is_complete) return;
+    if (!goes_on) break;
   }
   picture.time_limit_s.reset();
-  deliver(*job.wish, draw(job, picture, wholeStep(wish)), true, watch.seconds());
+  deliver(*job.wish, draw(job, picture), true, watch.seconds());
 }
 
 void DrawingJobs::deliver(const NumberedWish& wish, ShownPicture picture, bool is_complete,

@@ -99,9 +99,11 @@ class DrawingJobs {
   ViewOptions placed(const ViewState& state, int width, int height, const Job& job);
   // Voxels between samples of the wish's whole picture.
   double wholeStep(const Wish& wish) const;
+  // Whether the library draws the wish from several levels of resolution.
+  bool drawsLevels(const Wish& wish) const;
   // Draws what a screen is to show: pixels, or the texture that holds them. Learns the pace from
   // it.
-  ShownPicture draw(const Job& job, const PictureOptions& picture, double step_vox);
+  ShownPicture draw(const Job& job, const PictureOptions& picture);
   void deliver(const NumberedWish& wish, ShownPicture picture, bool is_complete, double seconds);
   ProgressFunction progress() const;
 

@@ -36,11 +36,18 @@ double drawingBudget(double budget_s, double showing_s) {
   return std::max(budget_s / 3, budget_s - showing_s);
 }
 
-Quality qualityWithin(const Pace& pace, double pixels, double step_vox, double budget_s) {
-  if (!pace.isKnown()) return kQualities[5];
-  for (const Quality& quality : kQualities)
+Quality qualityWithin(const Pace& pace, double pixels, double step_vox, double budget_s,
+                      PreviewSteps steps) {
+  const auto with = [steps](Quality quality) {
+    if (steps == PreviewSteps::kFollowPixels) quality.step_factor = 1 / quality.scale;
+    return quality;
+  };
+  if (!pace.isKnown()) return with(kQualities[5]);
+  for (const Quality& known : kQualities) {
+    const Quality quality = with(known);
     if (expectedSeconds(pace, quality, pixels, step_vox) <= budget_s) return quality;
-  return kQualities.back();
+  }
+  return with(kQualities.back());
 }
 
 }  // namespace sluice

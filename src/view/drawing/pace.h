@@ -26,9 +26,13 @@ struct Quality {
   double step_factor = 1;  // times the step of the complete picture
   bool isFull() const { return scale == 1 && step_factor == 1; }
 };
+// The distance between samples of pictures that are smaller than the complete one: by the table of
+// qualities, or, with levels of resolution, as wide as their pixels.
+enum class PreviewSteps { kFixed, kFollowPixels };
 // The best quality that is expected to take at most `budget_s`, or else the lowest; `pixels` and
 // `step_vox` are those of the complete picture. A quarter of the size if the pace is not known yet.
-Quality qualityWithin(const Pace& pace, double pixels, double step_vox, double budget_s);
+Quality qualityWithin(const Pace& pace, double pixels, double step_vox, double budget_s,
+                      PreviewSteps steps = PreviewSteps::kFixed);
 // The part of a frame's budget for drawing if showing takes the rest; at least a third.
 double drawingBudget(double budget_s, double showing_s);
 // Expected time of a frame.

@@ -73,4 +73,12 @@ void scalePixels(std::span<const uint8_t> rgba, int from_width, int from_height,
   }
 }
 
+void mixPixels(std::span<const uint32_t> from, std::span<const uint32_t> to, double share,
+               std::vector<uint32_t>& mixed) {
+  SLUICE_CHECK_EQ(from.size(), to.size());
+  const auto part = static_cast<uint32_t>(std::lround(256 * std::clamp(share, 0.0, 1.0)));
+  mixed.resize(to.size());
+  for (size_t i = 0; i < to.size(); ++i) mixed[i] = between(from[i], to[i], part);
+}
+
 }  // namespace sluice

@@ -14,4 +14,9 @@ namespace sluice {
 void scalePixels(std::span<const uint8_t> rgba, int from_width, int from_height, int width,
                  int height, std::vector<uint32_t>& bgra);
 
+// Makes the pixels between two pictures of one size, in the same order as theirs: `share` of `to`,
+// 0 to 1, and the rest of `from`; at 1 exactly `to`. Exact to 1.5 / 255 a channel.
+void mixPixels(std::span<const uint32_t> from, std::span<const uint32_t> to, double share,
+               std::vector<uint32_t>& mixed);
+
 }  // namespace sluice

@@ -15,6 +15,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto kHandRests = 150ms, kSavedShows = 4000ms;
+constexpr auto kFade = 120ms, kFadeTurn = 16ms;
 constexpr size_t kMostTimes = 8192;
 
 // Seconds of the system's monotonic clock, which programs that send events read too.
@@ -44,6 +45,17 @@ void keepRecent(WindowState& window) {
   noteRecent(window.settings, recent);
 }
 
+// Whether a picture follows a coarser one of the same view. Pictures of one level do not fade.
+bool fadesIn(const ShownPicture& picture, const ShownPicture& before) {
+  return !picture.levels.empty() && !before.levels.empty() && picture.state == before.state;
+}
+
+void endFade(PictureOnScreen& shown) {
+  shown.faded_in_from.reset();
+  shown.before.drop();
+  shown.share = 1;
+}
+
 void takeOpened(WindowState& window, std::unique_ptr<OpenedVolumeNews> news) {
   window.volume.news = std::move(news);
   const OpenedVolumeNews& opened = *window.volume.news;
@@ -52,6 +64,7 @@ void takeOpened(WindowState& window, std::unique_ptr<OpenedVolumeNews> news) {
   window.wishes = {.last = {}, .number = window.wishes.number, .unanswered = {}};
   window.pointer.value.reset();
   window.shown.picture = {};
+  endFade(window.shown);
   for (SliceOnScreen& slice : window.slices) slice.at = -1;
   window.series.is_playing = false;
   window.film = {.path = {}, .name = window.film.name};
@@ -65,6 +78,12 @@ void takeOpened(WindowState& window, std::unique_ptr<OpenedVolumeNews> news) {
 }
 
 void takePicture(PictureOnScreen& shown, ShownPicture picture) {
+  if (fadesIn(picture, shown.picture)) {
+    shown.faded_in_from = WindowClock::now();
+    shown.before.swap(shown.texture);
+  } else {
+    endFade(shown);
+  }
   shown.picture = std::move(picture);
   if (shown.picture.screen)
     shown.texture.show(*std::exchange(shown.picture.screen, std::nullopt));
@@ -101,6 +120,24 @@ void takeSaved(WindowState& window, const SavedNews& saved) {
   window.log.write({{"saved", saved.path}, {"command", saved.command}});
 }
 
+// The levels in the picture, and whether a finer one follows.
+std::string levelsText(const ShownPicture& picture) {
+  const int finest = picture.levels.front(), coarsest = picture.levels.back();
+  const std::string levels = finest == coarsest ? fmt::format("level {}", finest)
+                                                : fmt::format("levels {} to {}", finest, coarsest);
+  if (!picture.is_complete) return levels + ", will improve";
+  return levels + (picture.is_refined ? ", final" : ", as fine as the memory allows");
+}
+
+// The work that a picture which is not complete waits for.
+std::string doingText(const DeskStatus& status, const ShownPicture& picture) {
+  if (status.doing == DeskStatus::Doing::kPicture)
+    return fmt::format("drawing {:.0f} %", 100 * status.share);
+  if (picture.missing_share > 0)
+    return fmt::format("preview, {:.0f} % read", 100 * (1 - picture.missing_share));
+  return "preview";
+}
+
 }  // namespace
 
 void takeNews(WindowState& window) {
@@ -132,8 +169,21 @@ void takeNews(WindowState& window) {
   for (const std::string& failure : news.failures) window.fail(failure);
 }
 
+void updateFade(WindowState& window) {
+  PictureOnScreen& shown = window.shown;
+  if (!shown.faded_in_from) return;
+  const auto now = WindowClock::now();
+  const std::chrono::duration<double> since = now - *shown.faded_in_from, all = kFade;
+  shown.share = std::min(1.0, since / all);
+  if (shown.share < 1) window.loop.wakeBy(now + kFadeTurn);
+}
+
 void notePresented(WindowState& window) {
   for (SliceOnScreen& slice : window.slices) slice.is_new = false;
+  if (window.shown.faded_in_from && window.shown.share == 1) {
+    endFade(window.shown);
+    window.log.write({{"faded_in", window.shown.picture.wish}});
+  }
   if (!std::exchange(window.shown.is_new, false)) return;
   const ShownPicture& picture = window.shown.picture;
   const auto now = WindowClock::now();
@@ -146,6 +196,8 @@ void notePresented(WindowState& window) {
   }
   window.log.write({{"picture", picture.wish},
                     {"complete", picture.is_complete},
+                    {"levels", picture.levels},
+                    {"will_improve", picture.will_improve},
                     {"size", {picture.width, picture.height}},
                     {"time", picture.state.time},
                     {"seconds", picture.seconds},
@@ -182,20 +234,20 @@ void sendWish(WindowState& window) {
   window.log.write({{"wish", number}, {"moves", wish.moves}, {"event_at", clockSeconds(event_at)}});
 }
 
-std::string incompleteText(const WindowState& window) {
+CornerText cornerText(const WindowState& window) {
   const DeskStatus& status = window.status;
   const ShownPicture& picture = window.shown.picture;
   if (status.doing == DeskStatus::Doing::kOpening)
-    return fmt::format("{} {:.0f} %", status.is_indexing ? "indexing" : "opening",
-                       100 * status.share);
+    return {fmt::format("{} {:.0f} %", status.is_indexing ? "indexing" : "opening",
+                        100 * status.share)};
   if (!window.isOpen()) return {};
-  if (picture.wish == window.wishes.number && picture.is_complete)
-    return picture.why_empty.empty() ? "" : "nothing is visible: " + picture.why_empty;
-  if (status.doing == DeskStatus::Doing::kPicture)
-    return fmt::format("drawing {:.0f} %", 100 * status.share);
-  if (picture.missing_share > 0)
-    return fmt::format("preview, {:.0f} % read", 100 * (1 - picture.missing_share));
-  return "preview";
+  const std::string levels = picture.levels.empty() ? "" : levelsText(picture);
+  if (picture.wish == window.wishes.number && picture.is_complete) {
+    if (!picture.why_empty.empty()) return {"nothing is visible: " + picture.why_empty};
+    return {levels, true};
+  }
+  const std::string doing = doingText(status, picture);
+  return {levels.empty() ? doing : levels + "; " + doing};
 }
 
 }  // namespace sluice

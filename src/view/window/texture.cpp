@@ -49,6 +49,13 @@ void Texture::drop() {
   width_ = height_ = 0;
 }
 
+void Texture::swap(Texture& other) {
+  std::swap(name_, other.name_);
+  std::swap(shown_, other.shown_);
+  std::swap(width_, other.width_);
+  std::swap(height_, other.height_);
+}
+
 void Texture::show(const ScreenImage& image) {
   letGo();
   // The driver's commands wait, this thread does not.

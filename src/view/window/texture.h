@@ -22,6 +22,7 @@ class Texture {
   void show(const ScreenImage& image);
   // Shows nothing.
   void drop();
+  void swap(Texture& other);
   // The texture's identifier in ImGui; null before the first set().
   void* id() const;
   int width() const { return width_; }

@@ -136,6 +136,7 @@ class Window {
     if (!events_.dropped.empty()) openAny(window, std::exchange(events_.dropped, {}));
     playSeries(window);
     showPlayedFrame(window);
+    updateFade(window);
     times.news_s = secondsSince(began);
     build();
     times.build_s = secondsSince(began) - times.news_s;
@@ -230,13 +231,23 @@ class Window {
     const ShownPicture& picture = window.shown.picture;
     if (!window.isOpen() || picture.rgba.empty()) return canvas_->dropBackdrop();
     const Pane& pane = window.pane;
-    if (!window.shown.is_new && pane.width == shown_pane_.width &&
-        pane.height == shown_pane_.height)
-      return;
-    shown_pane_ = pane;
+    const bool is_same_pane = pane.width == shown_pane_.width && pane.height == shown_pane_.height;
+    const bool is_new = window.shown.is_new || !is_same_pane;
+    const bool fades = window.shown.faded_in_from.has_value();
+    if (!is_new && !fades) return;
     Canvas::Backdrop& backdrop = canvas_->renewBackdrop();
-    scalePixels(picture.rgba, picture.width, picture.height, pane.width, pane.height,
-                backdrop.bgra);
+    if (is_new) {
+      // A fade begins with what is on the screen, in the middle of another fade too.
+      fade_from_.clear();
+      if (fades && is_same_pane) fade_from_ = backdrop.bgra;
+      scalePixels(picture.rgba, picture.width, picture.height, pane.width, pane.height,
+                  fades ? fade_to_ : backdrop.bgra);
+    }
+    if (fades) {
+      const bool has_both = fade_from_.size() == fade_to_.size();
+      mixPixels(has_both ? fade_from_ : fade_to_, fade_to_, window.shown.share, backdrop.bgra);
+    }
+    shown_pane_ = pane;
     backdrop.width = pane.width;
     backdrop.height = pane.height;
   }
@@ -294,6 +305,8 @@ class Window {
   bool is_software_ = false;
   std::optional<Canvas> canvas_;
   Pane shown_pane_;  // the canvas has the picture for this pane
+  // Pixels of the pane, while a picture fades in: where the fade begins and ends.
+  std::vector<uint32_t> fade_from_, fade_to_;
   std::unique_ptr<WindowState> state_;
   WindowClock::time_point reported_at_{}, presented_at_{};
 };

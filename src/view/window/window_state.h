@@ -37,12 +37,15 @@ struct OpenVolume {
 };
 
 // The pixels go into the texture; if the processor would have to filter it, they stay with the
-// picture for the canvas.
+// picture for the canvas. A finer picture of the same view fades in over the coarser one.
 struct PictureOnScreen {
   ShownPicture picture;
   Texture texture;
+  Texture before;  // texture of the coarser picture, while one fades
   bool keeps_pixels = false;
-  bool is_new = false;  // since the window was last presented
+  bool is_new = false;                                   // since the window was last presented
+  std::optional<WindowClock::time_point> faded_in_from;  // unset: nothing fades
+  double share = 1;  // share of the picture in this turn, the rest is the coarser one's
 };
 
 struct SliceOnScreen {
@@ -198,13 +201,20 @@ void toggleProjection(WindowState& window);
 
 // Takes the news of the desk (desk_news.cpp).
 void takeNews(WindowState& window);
-// All that was taken is on the screen now: its times are known.
+// Decides how much of a picture that fades in is shown in this turn.
+void updateFade(WindowState& window);
+// All that was taken is on the screen now: its times are known, and a fade may be over.
 void notePresented(WindowState& window);
 // Tells the desk which picture is wanted, if that has changed.
 void sendWish(WindowState& window);
 // The text for the picture's corner: why the picture is not complete yet, or why a complete one
-// shows nothing. Empty for a complete picture that shows something.
-std::string incompleteText(const WindowState& window);
+// shows nothing; and of a volume with levels of resolution, the levels that are shown and whether
+// they will get finer. Empty for a complete picture of one level that shows something.
+struct CornerText {
+  std::string text;
+  bool is_final = false;  // nothing will change by itself
+};
+CornerText cornerText(const WindowState& window);
 
 // The film and the series (playing.cpp). A frame takes the place of the view, which comes back when
 // the film ends; any change of the view ends it.

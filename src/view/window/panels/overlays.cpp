@@ -99,11 +99,11 @@ void value(const WindowState& window, const Area& area, ImDrawList& to) {
 
 void drawOverlays(WindowState& window, const Area& area, float pixels) {
   ImDrawList& to = *ImGui::GetWindowDrawList();
-  const std::string incomplete = incompleteText(window);
+  const CornerText corner = cornerText(window);
   const float large = kLarge * ImGui::GetFontSize();
-  if (!incomplete.empty())
-    text(to, {area.x + 10, area.y + area.height - large - 8}, incomplete,
-         IM_COL32(255, 200, 110, 255), kLarge);
+  if (!corner.text.empty())
+    text(to, {area.x + 10, area.y + area.height - large - 8}, corner.text,
+         corner.is_final ? kInk : IM_COL32(255, 200, 110, 255), corner.is_final ? 1 : kLarge);
   if (WindowClock::now() < window.messages.saved_until) {
     text(to, {area.x + 10, area.y + 14 + ImGui::GetFontSize()}, window.messages.saved,
          IM_COL32(150, 230, 150, 255), kLarge);

@@ -95,8 +95,14 @@ void picturePane(WindowState& window, const Area& area, float pixels) {
                    ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_NoScrollWithMouse);
   ImGui::PopStyleVar(2);
   const ImVec2 lo{area.x, area.y}, hi{area.x + area.width, area.y + area.height};
-  if (window.shown.texture.id() != nullptr && window.isOpen())
-    ImGui::GetWindowDrawList()->AddImage(window.shown.texture.id(), lo, hi);
+  const PictureOnScreen& shown = window.shown;
+  if (shown.texture.id() != nullptr && window.isOpen()) {
+    ImDrawList& to = *ImGui::GetWindowDrawList();
+    const bool fades = shown.share < 1 && shown.before.id() != nullptr;
+    if (fades) to.AddImage(shown.before.id(), lo, hi);
+    const auto alpha = static_cast<int>(std::lround(255 * (fades ? shown.share : 1)));
+    to.AddImage(shown.texture.id(), lo, hi, {0, 0}, {1, 1}, IM_COL32(255, 255, 255, alpha));
+  }
   ImGui::SetCursorScreenPos(lo);
   ImGui::InvisibleButton("hand", {std::max(1.0F, area.width), std::max(1.0F, area.height)},
                          ImGuiButtonFlags_MouseButtonLeft | ImGuiButtonFlags_MouseButtonRight |
