@@ -278,15 +278,19 @@ Bench addThreshold(CLI::App& app, const FrameOptions& plain) {
 Bench addWindow(CLI::App& app) {
   auto bench = std::make_shared<FrameBench>();
   auto events = std::make_shared<int>(120);
+  auto drag = std::make_shared<DragKind>(DragKind::kThreshold);
   CLI::App* view = app.add_subcommand(
-      "view", std::string("Measures a threshold drag without a window: from an event to its "
-                          "picture, and whether the loop ever waits\n\n") +
+      "view", std::string("Measures the first picture and a drag without a window: from an event "
+                          "to its picture, and whether the loop ever waits\n\n") +
                   kPlainPicture +
                   "  sluice bench view bonsai.nii.gz --threshold 40 --size 800x600");
   addPictures(*view, *bench);
-  OptionGroup(*view, kOutputHeading)
-      .number("--events", "N", *events, {2, 100'000}, "Events of each of three drags");
-  return {view, [bench, events, view](const Show& show) {
+  const OptionGroup output(*view, kOutputHeading);
+  output.number("--events", "N", *events, {2, 100'000}, "Events of each of three drags");
+  output.choice("--drag",
+                Words<DragKind>{{"threshold", DragKind::kThreshold}, {"view", DragKind::kView}},
+                *drag, "What the hand moves");
+  return {view, [bench, events, drag, view](const Show& show) {
             const ViewState state = viewState(bench->volume, bench->look, bench->frame,
                                               std::nullopt, view->count("--step") > 0);
             const IndexWish wish = indexWish(bench->resources.index_dir);
@@ -302,6 +306,7 @@ Bench addWindow(CLI::App& app) {
             asked.height = bench->frame.size.height;
             asked.threshold = bench->look.threshold.value_or(0);
             asked.events = *events;
+            asked.drag = *drag;
             return show(benchView(asked), printView);
           }};
 }
