@@ -66,8 +66,9 @@ def drag(folder):
             if shown is not None:
                 answers.append(shown - at)
         shown = [line for line in window.lines if 'picture' in line and not line['complete']]
-        print({'first_picture_ms': round(1e3 * (first['at'] - started)), 'first_whole_ms': round(1e3 * (first_whole['at'] - started)),
-               'levels': [line['levels'] for line in window.lines if line.get('complete')],
+        print({'first_picture_ms': round(1e3 * (first['at'] - started)),
+               'first_whole_ms': round(1e3 * (first_whole['at'] - started)),
+               'levels': [line['levels'] for line in window.lines if 'picture' in line and line['complete']],
                'event_to_screen_ms': spread(answers), 'release_to_whole_ms': round(1e3 * (whole['at'] - released), 1),
                'whole_frame_ms': round(1e3 * whole['seconds'], 1), 'previews': len(shown),
                'pixels': sorted(line['size'][0] for line in shown)[len(shown) // 2],

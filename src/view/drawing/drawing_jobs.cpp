@@ -13,6 +13,8 @@ namespace {
 
 // How long the whole picture waits for data on disk before it is shown without the missing parts.
 constexpr double kRefine_s = 0.4;
+// With levels of resolution there is a whole picture already, and another costs its drawing.
+constexpr double kRefineLevels_s = 0.8;
 // If less than this share arrived in that time, it is quicker to wait for all of it.
 constexpr double kWorthShowing = 0.01;
 constexpr std::array<float, 3> kPaneColor{0.09F, 0.09F, 0.1F};
@@ -140,7 +142,7 @@ void DrawingJobs::run(const PictureJob&, const Job& job) {
   useLook(wish.state.look);
   PictureOptions picture = pictureOf(wish.state, wish.width, wish.height);
   picture.next_time = wish.next_time;
-  double missing = 1, limit_s = kRefine_s;
+  double missing = 1, limit_s = drawsLevels(wish) ? kRefineLevels_s : kRefine_s;
   // Shows the parts that are there as they come, as long as each adds enough to be worth a picture;
   // with levels of resolution whole pictures, each finer than the one before. Such a picture may
   // copy what the one before had in other chunks, so that each gets more time than the last took.
