@@ -150,6 +150,9 @@ TEST_F(LevelsCommand, aBenchComparesPixelErrorsWithTheTruth) {
     const json& error = row["pixel_error"];
     EXPECT_LT(row["mean_opacity_error"], error.is_null() || error <= 1 ? 0.1 : 0.2) << row;
     EXPECT_GE(row["max_error"], row["mean_error"]);
+    EXPECT_GT(row["detail"], 0);
+    EXPECT_GT(row["truth_detail"], 0);
+    EXPECT_EQ(row["truth_detail"], report["rows"][0]["truth_detail"]);
   }
   // Level 0 is the last.
   EXPECT_LT(report["rows"][2]["read_bytes"], report["rows"][4]["read_bytes"]);

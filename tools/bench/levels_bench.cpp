@@ -59,6 +59,8 @@ json rowOf(const FrameBench& bench, Scene& scene, const std::optional<CutOptions
            {"mean_error", error.mean},
            {"ssim", error.ssim},
            {"mean_opacity_error", error.mean_opacity},
+           {"detail", error.detail},
+           {"truth_detail", error.truth_detail},
            {"read_bytes", frame.report.rebuild.decoded},
            {"samples", frame.report.samples_drawn},
            {"seconds", median(seconds)}};
@@ -84,16 +86,18 @@ json benchLevels(const FrameBench& bench) {
 }
 
 void printLevels(const json& report) {
-  say("{:>11} {:>9} {:>9} {:>7} {:>9} {:>10} {:>9} {:>8}\n", "pixel error", "max /255", "mean /255",
-      "SSIM", "opacity", "read MB", "Msamples", "ms");
+  say("{:>11} {:>9} {:>9} {:>7} {:>9} {:>7} {:>10} {:>9} {:>8}\n", "pixel error", "max /255",
+      "mean /255", "SSIM", "opacity", "detail", "read MB", "Msamples", "ms");
   for (const json& row : report["rows"]) {
     const auto number = [&](const char* name) { return row[name].get<double>(); };
-    say("{:>11} {:>9.1f} {:>9.3f} {:>7.4f} {:>8.2f}% {:>10.2f} {:>9.2f} {:>8.1f}\n",
+    say("{:>11} {:>9.1f} {:>9.3f} {:>7.4f} {:>8.2f}% {:>7.3f} {:>10.2f} {:>9.2f} {:>8.1f}\n",
         row["pixel_error"].is_null() ? "level 0" : fmt::format("{}", number("pixel_error")),
         number("max_error"), number("mean_error"), number("ssim"),
-        100 * number("mean_opacity_error"), number("read_bytes") / 1e6, number("samples") / 1e6,
-        1000 * number("seconds"));
+        100 * number("mean_opacity_error"), number("detail"), number("read_bytes") / 1e6,
+        number("samples") / 1e6, 1000 * number("seconds"));
   }
+  say("detail: fine detail on smooth parts, /255; {:.3f} in the truth\n",
+      report["rows"][0]["truth_detail"].get<double>());
 }
 
 }  // namespace sluice

@@ -66,6 +66,37 @@ double ssimOf(const Picture& a, const Picture& b, size_t channel) {
   return sum / static_cast<double>(aa.values.size());
 }
 
+// The squares of what the blur takes from red, green and blue, of each pixel.
+std::vector<double> detailOf(const Picture& picture) {
+  std::vector<double> squares(picture.rgba.size() / 4);
+  for (size_t channel = 0; channel < 3; ++channel) {
+    const Plane plane = planeOf(picture, [&](size_t pixel) {
+      return static_cast<double>(picture.rgba[4 * pixel + channel]);
+    });
+    const Plane blurred = blurredAcross(blurredAcross(plane));
+    for (size_t i = 0; i < squares.size(); ++i)
+      squares[i] += std::pow(plane.values[i] - blurred.values[i], 2) / 3;
+  }
+  return squares;
+}
+
+void compareDetail(const Picture& picture, const Picture& truth, PictureError& error) {
+  const std::vector<double> found = detailOf(picture), expected = detailOf(truth);
+  std::vector<size_t> smooth;
+  for (size_t i = 0; i < expected.size(); ++i)
+    if (truth.rgba[4 * i + 3] > 0) smooth.push_back(i);
+  std::ranges::stable_sort(smooth, {}, [&](size_t i) { return expected[i]; });
+  smooth.resize((smooth.size() + 1) / 2);
+  if (smooth.empty()) return;
+  const auto rootMean = [&](const std::vector<double>& squares) {
+    double sum = 0;
+    for (const size_t i : smooth) sum += squares[i];
+    return 255 * std::sqrt(sum / static_cast<double>(smooth.size()));
+  };
+  error.detail = rootMean(found);
+  error.truth_detail = rootMean(expected);
+}
+
 double meanOpacity(const Picture& picture) {
   double sum = 0;
   for (size_t i = 3; i < picture.rgba.size(); i += 4) sum += static_cast<double>(picture.rgba[i]);
@@ -89,6 +120,7 @@ PictureError pictureError(const Picture& picture, const Picture& truth) {
   const double opacity = meanOpacity(truth);
   const double difference = std::abs(meanOpacity(picture) - opacity);
   error.mean_opacity = opacity > 0 ? difference / opacity : difference;
+  compareDetail(picture, truth, error);
   return error;
 }
 
