@@ -10,6 +10,7 @@ namespace sluice {
 namespace {
 
 constexpr int64_t kAnyExtent = INT64_MAX;
+constexpr uint32_t kNoPlace = UINT32_MAX;
 // A part that is thinner may lie in one voxel with as much of something else.
 constexpr double kThinVoxels = 2;
 
@@ -18,6 +19,17 @@ bool meet(const Box3& a, const Box3& b, int axis) {
   for (int other = 0; other < 3; ++other)
     if (other != axis && (a.lo[other] > b.hi[other] || b.lo[other] > a.hi[other])) return false;
   return true;
+}
+
+// Calls `call` for 0 to `count` on all threads of the pool, so many in a row that handing them out
+// costs little.
+template <class Call>
+void inParts(WorkerPool& pool, size_t count, const Call& call) {
+  constexpr size_t kPart = 512;
+  pool.parallelFor(static_cast<int64_t>((count + kPart - 1) / kPart), [&](int64_t part) {
+    const size_t from = static_cast<size_t>(part) * kPart;
+    for (size_t i = from; i < std::min(count, from + kPart); ++i) call(i);
+  });
 }
 
 // The axis along which the block has the fewest texels.
@@ -55,10 +67,19 @@ ShownLevels::ShownLevels(const TimeStep& step, const Look& look, const Box3& cro
     const Vec3i dims = pyramid_.level(static_cast<int>(levels_.size())).blocks.dims;
     add(coarser.ranges, boxOf(dims - Vec3i{1, 1, 1}));
   }
-  boundFinest();
+  for (size_t level = 0; level < levels_.size(); ++level) {
+    const auto blocks = pyramid_.level(static_cast<int>(level)).blocks.blockCount();
+    std::vector<uint32_t>& places = places_.emplace_back(static_cast<size_t>(blocks), kNoPlace);
+    for (size_t i = 0; i < levels_[level].blocks.size(); ++i)
+      places[static_cast<size_t>(levels_[level].blocks[i].name.block)] = static_cast<uint32_t>(i);
+  }
+  boundFinest(pool);
 }
 
-void ShownLevels::boundFinest() {
+void ShownLevels::boundFinest(WorkerPool& pool) {
+  const std::vector<ObjectBlock>& objects = levels_[0].blocks;
+  std::vector<Vec3i> object_extents(objects.size());
+  inParts(pool, objects.size(), [&](size_t i) { object_extents[i] = extentOf(objects[i]); });
   for (const ObjectBlock& object : levels_[0].blocks) finest_cells_ += object.cells.count();
   finest_boxes_.resize(1);
   reaches_.resize(1);
@@ -74,7 +95,7 @@ void ShownLevels::boundFinest() {
       extents[block] = min(extents[block], extent);
     };
     if (level == 1)
-      for (const ObjectBlock& object : levels_[0].blocks) add(object.cells, extentOf(object));
+      for (size_t i = 0; i < objects.size(); ++i) add(objects[i].cells, object_extents[i]);
     else
       for (size_t i = 0; i < finest_boxes_.back().size(); ++i)
         if (!finest_boxes_.back()[i].empty())
@@ -83,8 +104,10 @@ void ShownLevels::boundFinest() {
     least_extents_.push_back(std::move(extents));
     std::vector<Box3>& reaches = reaches_.emplace_back();
     if (!hasSpreads(level)) continue;
-    for (int64_t block = 0; block < at.blocks.blockCount(); ++block)
-      reaches.push_back(reachIn(level, at.blocks.indexOf(block)));
+    reaches.resize(finest_boxes_.back().size());
+    inParts(pool, reaches.size(), [&](size_t block) {
+      reaches[block] = reachIn(level, at.blocks.indexOf(static_cast<int64_t>(block)));
+    });
   }
 }
 
@@ -153,10 +176,9 @@ Box3 ShownLevels::reachIn(int level, Vec3i index) const {
 }
 
 const ObjectBlock* ShownLevels::find(int level, int64_t block) const {
-  const std::vector<ObjectBlock>& blocks = levels_[static_cast<size_t>(level)].blocks;
-  const auto found = std::ranges::lower_bound(
-      blocks, block, {}, [](const ObjectBlock& object) { return object.name.block; });
-  return found == blocks.end() || found->name.block != block ? nullptr : &*found;
+  const auto at = static_cast<size_t>(level);
+  const uint32_t place = places_[at][static_cast<size_t>(block)];
+  return place == kNoPlace ? nullptr : &levels_[at].blocks[place];
 }
 
 // The hull of the visible cells of this block and its neighbours: a level's cells are shifted

@@ -34,7 +34,7 @@ class ShownLevels {
   ObjectBlock objectOf(int level, Vec3i index, int64_t time) const;
 
  private:
-  void boundFinest();
+  void boundFinest(WorkerPool& pool);
   Vec3i extentOf(const ObjectBlock& object) const;
   Box3 finestBox(int level, Vec3i index) const;
   Box3 reachIn(int level, Vec3i index) const;
@@ -45,7 +45,8 @@ class ShownLevels {
   const PyramidLayout pyramid_;
   const Box3 crop_;
   std::vector<VisibleBlocks> levels_;  // by each level's own ranges; cells are the level's own
-  std::vector<bool> is_known_;         // of a level: it has ranges
+  std::vector<std::vector<uint32_t>> places_;  // of each level's blocks in levels_
+  std::vector<bool> is_known_;                 // of a level: it has ranges
   // Of the blocks of each level but the finest: the hull of the finest level's object boxes in
   // their regions, and the same with its reach for levels with spreads.
   std::vector<std::vector<Box3>> finest_boxes_, reaches_;
