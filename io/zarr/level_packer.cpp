@@ -73,6 +73,8 @@ void LevelPacker::packLayers(ZarrPackFolder& folder, std::span<const int64_t> le
   const auto isEnd = [&](size_t level) {
     return end % (levels()[level].step.z * chunk_voxels_) == 0 || end == planes_;
   };
+  for (size_t level = 0; level < levels().size(); ++level)
+    if (isEnd(level)) maker_.endLayer(level);
   for (size_t array = 0; array < arrays(); ++array) {
     const size_t level = levelOf(array);
     if (!isEnd(level)) continue;
@@ -87,8 +89,6 @@ void LevelPacker::packLayers(ZarrPackFolder& folder, std::span<const int64_t> le
                    held, chunk);
     });
   }
-  for (size_t level = 0; level < levels().size(); ++level)
-    if (isEnd(level)) maker_.clearLayer(level);
 }
 
 }  // namespace sluice

@@ -36,6 +36,7 @@ class LevelPacker {
   bool isLayerWanted(const ZarrPackFolder& folder, std::span<const int64_t> leading,
                      int64_t z) const;
   // See LevelMaker.
+  int64_t longestRow() const { return maker_.longestRow(); }
   void add(const Box3& box, const std::byte* voxels, int64_t row_stride, int64_t plane_stride) {
     maker_.add(box, voxels, row_stride, plane_stride);
   }

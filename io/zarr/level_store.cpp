@@ -114,11 +114,8 @@ bool LevelStoreWriter::wantsLayer(int64_t z) {
 
 void LevelStoreWriter::take(const VoxelPiece& piece) {
   if (!is_wanted_) return;
-  const int64_t side = plan_.chunk_voxels;
   const auto voxel = static_cast<int64_t>(bytesPerVoxel(layout_.type));
-  // Several chunks together, as many as LevelMaker::threadBytes() has room for: a row of one chunk
-  // is a cache line or two. Sums of wide voxels are rounded and would depend on it.
-  const int64_t columns = voxel <= 2 ? side * (volume(plan_.levels.front().step) / 2) : side;
+  const int64_t columns = levels_.longestRow();
   for (int64_t x = piece.box.lo.x; x < piece.box.hi.x; x += columns) {
     Box3 cube = piece.box;
     cube.lo.x = x;

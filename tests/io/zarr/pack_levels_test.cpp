@@ -4,7 +4,7 @@
 #include <atomic>
 #include <limits>
 
-#include "io/zarr/level_maker.h"
+#include "io/zarr/level_region.h"
 #include "io/zarr/zarr_source.h"
 #include "io/zarr/zarr_writer.h"
 #include "tests/io/image_test_support.h"
