@@ -1,10 +1,11 @@
-// blockRanges: the three min-max arrays of one block from its voxels; the inner loop of
+// RowRanges: the three min-max arrays of the blocks of a row from their voxels; the inner loop of
 // slice_ranges.cpp, in a form that compilers turn into vector code for every voxel type.
 #pragma once
 
 #include <algorithm>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "src/base/values/vec.h"
@@ -41,68 +42,87 @@ PlaneRange<T> rangeOf(const T* voxels, Vec3i size, int64_t row_stride, int64_t p
   return range;
 }
 
-// Work space for the ranges of blocks of up to `side` planes. One thread.
-template <class T>
-class BlockRanges {
- public:
-  explicit BlockRanges(int64_t side)
-      : side_(side),
-        z_lo_(static_cast<size_t>(side)),
-        z_hi_(z_lo_.size()),
-        x_lo_(z_lo_.size()),
-        x_hi_(z_lo_.size()),
-        y_lo_(z_lo_.size() * z_lo_.size()),
-        y_hi_(y_lo_.size()) {}
+// The columns of a block's voxels among those of a row of blocks.
+struct BlockColumns {
+  int64_t first = 0, count = 0;
+};
 
-  // `voxels`: x fastest with the given strides, `size` of them along each axis. Fills out[3][side]
-  // (planes that do not exist get kNoVoxels) and returns the range of all.
-  PlaneRange<T> of(const T* voxels, Vec3i size, int64_t row_stride, int64_t plane_stride,
-                   PlaneRange<T>* out) {
-    std::fill(out, out + 3 * side_, kNoVoxels<T>);
-    reset(x_lo_, x_hi_);
-    reset(y_lo_, y_hi_);
+// Work space for the ranges of rows of blocks of up to `side` planes. One thread.
+//
+// Voxels are taken row by row over all blocks side by side, since rows of one block are too short
+// for the caches and leave vectors half full.
+template <class T>
+class RowRanges {
+ public:
+  explicit RowRanges(int64_t side) : side_(side) {}
+
+  // `voxels`: x fastest with the given strides, `size` of them along each axis. Fills out[block]
+  // [3][side] (planes that do not exist get kNoVoxels) and `totals`, the range of each block.
+  void of(const T* voxels, Vec3i size, int64_t row_stride, int64_t plane_stride,
+          std::span<const BlockColumns> blocks, PlaneRange<T>* out, PlaneRange<T>* totals) {
+    const auto columns = static_cast<size_t>(size.x);
+    std::fill(out, out + 3 * side_ * static_cast<int64_t>(blocks.size()), kNoVoxels<T>);
+    x_.reset(columns);
+    y_.reset(columns * static_cast<size_t>(size.y));
     for (int64_t z = 0; z < size.z; ++z) {
-      reset(z_lo_, z_hi_);
-      for (int64_t y = 0; y < size.y; ++y) {
-        const T* row = voxels + z * plane_stride + y * row_stride;
-        widenRow(z_lo_.data(), z_hi_.data(), row, size.x);
-        widenRow(y_lo_.data() + y * side_, y_hi_.data() + y * side_, row, size.x);
-      }
-      widenRow(x_lo_.data(), x_hi_.data(), z_lo_.data(), size.x);
-      widenRow(x_lo_.data(), x_hi_.data(), z_hi_.data(), size.x);
-      out[2 * side_ + z] = reduce(z_lo_.data(), z_hi_.data(), size.x);
+      z_.reset(columns);
+      for (int64_t y = 0; y < size.y; ++y)
+        widenRow(voxels + z * plane_stride + y * row_stride, size.x, z_.lo.data(), z_.hi.data(),
+                 y_.lo.data() + y * size.x, y_.hi.data() + y * size.x);
+      for (size_t x = 0; x < columns; ++x) widen(x_, x, {z_.lo[x], z_.hi[x]});
+      for (size_t i = 0; i < blocks.size(); ++i)
+        planes(out, i, 2)[z] = reduce(z_, blocks[i].first, blocks[i].count);
     }
-    for (int64_t y = 0; y < size.y; ++y)
-      out[side_ + y] = reduce(y_lo_.data() + y * side_, y_hi_.data() + y * side_, size.x);
-    PlaneRange<T> total = kNoVoxels<T>;
-    for (int64_t x = 0; x < size.x; ++x) {
-      out[x] = {x_lo_[static_cast<size_t>(x)], x_hi_[static_cast<size_t>(x)]};
-      widen(total, out[x]);
+    for (size_t i = 0; i < blocks.size(); ++i) {
+      const BlockColumns& block = blocks[i];
+      for (int64_t y = 0; y < size.y; ++y)
+        planes(out, i, 1)[y] = reduce(y_, y * size.x + block.first, block.count);
+      for (int64_t x = 0; x < block.count; ++x)
+        planes(out, i, 0)[x] = reduce(x_, block.first + x, 1);
+      totals[i] = reduce(x_, block.first, block.count);
     }
-    return total;
   }
 
  private:
-  static void reset(std::vector<T>& lo, std::vector<T>& hi) {
-    std::fill(lo.begin(), lo.end(), kNoVoxels<T>.lo);
-    std::fill(hi.begin(), hi.end(), kNoVoxels<T>.hi);
+  // Ends of ranges, apart from each other as vector units like it.
+  struct Ends {
+    std::vector<T> lo, hi;
+    void reset(size_t count) {
+      lo.assign(count, kNoVoxels<T>.lo);
+      hi.assign(count, kNoVoxels<T>.hi);
+    }
+  };
+
+  static void widen(Ends& ends, size_t at, PlaneRange<T> by) {
+    ends.lo[at] = by.lo < ends.lo[at] ? by.lo : ends.lo[at];
+    ends.hi[at] = by.hi > ends.hi[at] ? by.hi : ends.hi[at];
   }
   // Element by element; a min over a row would be a chain that no vector unit likes.
-  static void widenRow(T* __restrict lo, T* __restrict hi, const T* __restrict row, int64_t count) {
+  static void widenRow(const T* __restrict row, int64_t count, T* __restrict z_lo,
+                       T* __restrict z_hi, T* __restrict y_lo, T* __restrict y_hi) {
     for (int64_t i = 0; i < count; ++i) {
-      lo[i] = row[i] < lo[i] ? row[i] : lo[i];
-      hi[i] = row[i] > hi[i] ? row[i] : hi[i];
+      const T value = row[i];
+      z_lo[i] = value < z_lo[i] ? value : z_lo[i];
+      z_hi[i] = value > z_hi[i] ? value : z_hi[i];
+      y_lo[i] = value < y_lo[i] ? value : y_lo[i];
+      y_hi[i] = value > y_hi[i] ? value : y_hi[i];
     }
   }
-  static PlaneRange<T> reduce(const T* lo, const T* hi, int64_t count) {
-    PlaneRange<T> range = kNoVoxels<T>;
-    for (int64_t i = 0; i < count; ++i) widen(range, {lo[i], hi[i]});
-    return range;
+  static PlaneRange<T> reduce(const Ends& ends, int64_t first, int64_t count) {
+    T lo = kNoVoxels<T>.lo, hi = kNoVoxels<T>.hi;
+    const T* const low = ends.lo.data() + first;
+    const T* const high = ends.hi.data() + first;
+    for (int64_t i = 0; i < count; ++i) lo = low[i] < lo ? low[i] : lo;
+    for (int64_t i = 0; i < count; ++i) hi = high[i] > hi ? high[i] : hi;
+    return {lo, hi};
+  }
+  PlaneRange<T>* planes(PlaneRange<T>* out, size_t block, int64_t axis) const {
+    return out + (static_cast<int64_t>(block) * 3 + axis) * side_;
   }
 
   const int64_t side_;
-  std::vector<T> z_lo_, z_hi_, x_lo_, x_hi_;  // a plane's or the block's columns
-  std::vector<T> y_lo_, y_hi_;                // [y][x]
+  Ends x_, z_;  // of the columns of all voxels, and of a plane
+  Ends y_;      // [y][x]
 };
 
 }  // namespace sluice

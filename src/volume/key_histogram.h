@@ -11,7 +11,9 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
+#include <cstring>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "src/base/values/value_counts.h"
@@ -58,9 +60,28 @@ class KeyHistogram {
  public:
   // Neighbours along x.
   void add(const T* voxels, int64_t count) {
-    // Four counters: runs of one value would wait for each other's sums.
     int64_t i = 0;
     if constexpr (kTables > 1) {
+      // Runs of one value are counted as a whole: their sums would wait for each other. Between
+      // them four counters wait less.
+      constexpr int64_t kWord = sizeof(uint64_t);
+      uint64_t run_word = 0, run = 0;
+      const auto endRun = [&] {
+        counts_[keyOf(static_cast<T>(run_word))] += std::exchange(run, 0);
+      };
+      for (; i + kWord <= count; i += kWord) {
+        uint64_t word = 0;
+        std::memcpy(&word, voxels + i, sizeof word);
+        if (word == std::rotr(word, 8)) {
+          if (word != run_word) endRun();
+          run_word = word;
+          run += kWord;
+          continue;
+        }
+        for (int64_t j = 0; j < kWord; ++j)
+          ++counts_[static_cast<size_t>(j % kTables) * kKeys + keyOf(voxels[i + j])];
+      }
+      endRun();
       for (; i + kTables <= count; i += kTables)
         for (int64_t table = 0; table < kTables; ++table)
           ++counts_[static_cast<size_t>(table) * kKeys + keyOf(voxels[i + table])];

@@ -1,7 +1,6 @@
 #include "src/volume/slice_ranges.h"
 
 #include <algorithm>
-#include <cmath>
 #include <functional>
 #include <map>
 #include <memory>
@@ -13,15 +12,16 @@
 #include "src/volume/block_ranges.h"
 #include "src/volume/brick_ranges.h"
 #include "src/volume/device_reader.h"
+#include "src/volume/far_voxels.h"
 #include "src/volume/key_histogram.h"
 #include "src/volume/pass_pieces.h"
+#include "src/volume/voxel_pass.h"
 
 namespace sluice {
 namespace {
 
-// A read and its converted voxels together take at most this many bytes on each thread, so that a
-// row of a very wide volume is cut.
-constexpr uint64_t kBytesPerRead = uint64_t{32} << 20;
+// Columns of voxels whose ranges stay in the caches while the rows of a plane pass.
+constexpr int64_t kColumnsAtOnce = 2048;
 
 // Volumes that are mostly nothing may have 2^90 voxels.
 uint64_t voxelsOf(const BlockLayout& layout) {
@@ -86,66 +86,12 @@ struct WorkSpace {
   std::unique_ptr<T[]> device;
   size_t stored_capacity = 0;
   std::unique_ptr<std::byte[]> stored;  // voxels that are larger than device voxels
-  BlockRanges<T> ranges;
+  RowRanges<T> ranges;
   std::vector<PlaneRange<T>> totals, planes;  // of the blocks of a piece, from that piece alone
   KeyHistogram<T> histogram;
   PlaneRange<T> seen = kNoVoxels<T>;  // range of all voxels but NaN and infinities
   ValueRange far{1, 0};               // see SliceRanges::far_range
 };
-
-// `total`, the range of a block's voxels, without those that stand for NaN and infinities. They are
-// rare, so that a second look at such a block costs nothing.
-template <class T>
-PlaneRange<T> numbersOf(PlaneRange<T> total, const T* voxels, Vec3i size, Vec3i stride_size) {
-  if constexpr (std::is_same_v<T, float>) {
-    if (total.lo > -kLargest && total.hi < kLargest) return total;
-    total = kNoVoxels<T>;
-    for (int64_t z = 0; z < size.z; ++z)
-      for (int64_t y = 0; y < size.y; ++y) {
-        const float* row = voxels + (z * stride_size.y + y) * stride_size.x;
-        for (int64_t x = 0; x < size.x; ++x)
-          if (row[x] > -kLargest && row[x] < kLargest) widen(total, {row[x], row[x]});
-      }
-  }
-  return total;
-}
-
-void widenFar(ValueRange& range, const ValueRange& by) {
-  if (by.lo > by.hi) return;
-  range =
-      range.lo > range.hi ? by : ValueRange{std::min(range.lo, by.lo), std::max(range.hi, by.hi)};
-}
-
-// Whether one of a block's device voxels stands for an infinity or for a value as far away.
-bool hasFarVoxels(const float* voxels, Vec3i size, Vec3i stride_size) {
-  for (int64_t z = 0; z < size.z; ++z)
-    for (int64_t y = 0; y < size.y; ++y) {
-      const float* row = voxels + (z * stride_size.y + y) * stride_size.x;
-      for (int64_t x = 0; x < size.x; ++x)
-        if (std::abs(row[x]) == kLargest) return true;
-    }
-  return false;
-}
-
-// The range of the finite stored values of a box that are beyond kLargest; lo > hi: there are none.
-ValueRange farRange(VolumeSource& source, int64_t time, const Box3& box) {
-  const VoxelType type = source.layout().type;
-  ValueRange range{1, 0};
-  visitVoxelType(type, [&](auto tag) {
-    using Stored = decltype(tag);
-    if constexpr (std::is_floating_point_v<Stored>) {
-      const auto count = static_cast<size_t>(box.count());
-      const auto stored = std::make_unique_for_overwrite<Stored[]>(count);
-      source.readRegion(time, box, std::as_writable_bytes(std::span(stored.get(), count)));
-      for (size_t i = 0; i < count; ++i) {
-        const auto value = static_cast<double>(stored[i]);
-        if (std::isfinite(value) && std::abs(value) > double{kLargest})
-          widenFar(range, {value, value});
-      }
-    }
-  });
-  return range;
-}
 
 // The device value outside the boxes that the source stores.
 std::optional<double> backgroundOf(const VolumeSource& source,
@@ -217,34 +163,22 @@ class Builder {
   }
 
  private:
+  // The part of a held block that a piece has.
+  struct Part {
+    size_t held;
+    Vec3i shift;  // its first plane among the block's
+    Box3 box;     // voxels
+  };
+
   // Widens the arrays of the piece's blocks: several pieces may hold parts of a block.
   void takeBlocks(const PassPiece& piece, const T* voxels, WorkSpace<T>& work) {
-    const BlockLayout& layout = result_.layout;
-    const Vec3i size = piece.read.size();
-    struct Part {
-      size_t held;
-      Vec3i shift;  // its first plane among the block's
-      Vec3i size;
-    };
     std::vector<Part> parts;
     work.totals.clear();
     work.planes.resize(static_cast<size_t>(piece.blocks.count()) * perBlock());
-    eachHeld(piece.blocks, [&](size_t held, Vec3i index) {
-      const Box3 whole = layout.ownedVoxels(index), part = intersect(whole, piece.read);
-      const Vec3i at = part.lo - piece.read.lo;
-      const T* first = voxels + (at.z * size.y + at.y) * size.x + at.x;
-      const PlaneRange<T> total =
-          work.ranges.of(first, part.size(), size.x, size.x * size.y,
-                         work.planes.data() + work.totals.size() * perBlock());
-      parts.push_back({held, part.lo - whole.lo, part.size()});
-      work.totals.push_back(total);
-      widen(work.seen, numbersOf(total, first, part.size(), size));
-      if constexpr (std::is_same_v<T, float>) {
-        const bool may_be = total.hi >= kLargest || total.lo <= -kLargest;
-        if (may_be && hasFarVoxels(first, part.size(), size))
-          widenFar(work.far, farRange(source_, time_, part));
-      }
-    });
+    const Box3& blocks = piece.blocks;
+    for (int64_t z = blocks.lo.z; z < blocks.hi.z; ++z)
+      for (int64_t y = blocks.lo.y; y < blocks.hi.y; ++y)
+        takeRow(piece, {{blocks.lo.x, y, z}, {blocks.hi.x, y + 1, z + 1}}, voxels, work, parts);
     const int64_t planes = result_.layout.planes();
     const MutexLock lock(mutex_);
     for (size_t i = 0; i < parts.size(); ++i) {
@@ -253,7 +187,45 @@ class Builder {
       for (int a = 0; a < 3; ++a) {
         const PlaneRange<T>* from = work.planes.data() + i * perBlock() + a * planes;
         PlaneRange<T>* to = planes_.data() + part.held * perBlock() + a * planes + part.shift[a];
-        for (int64_t plane = 0; plane < part.size[a]; ++plane) widen(to[plane], from[plane]);
+        for (int64_t plane = 0; plane < part.box.size()[a]; ++plane) widen(to[plane], from[plane]);
+      }
+    }
+  }
+
+  // The ranges of one row of the piece's blocks, which are added to those of `work`.
+  void takeRow(const PassPiece& piece, const Box3& row, const T* voxels, WorkSpace<T>& work,
+               std::vector<Part>& parts) {
+    const Vec3i size = piece.read.size();
+    const size_t before = parts.size();
+    const auto firstVoxel = [&](const Box3& box) {
+      const Vec3i at = box.lo - piece.read.lo;
+      return voxels + (at.z * size.y + at.y) * size.x + at.x;
+    };
+    eachHeld(row, [&](size_t held, Vec3i index) {
+      const Box3 whole = result_.layout.ownedVoxels(index), part = intersect(whole, piece.read);
+      parts.push_back({held, part.lo - whole.lo, part});
+    });
+    work.totals.resize(parts.size());
+    for (size_t first = before, end = first; first < parts.size(); first = end) {
+      // Blocks without a gap, as many as the caches like.
+      while (++end < parts.size() && parts[end].box.lo.x <= parts[end - 1].box.hi.x &&
+             parts[end].box.hi.x - parts[first].box.lo.x <= kColumnsAtOnce) {
+      }
+      const Box3 all = unite(parts[first].box, parts[end - 1].box);
+      std::vector<BlockColumns> columns;
+      for (size_t i = first; i < end; ++i)
+        columns.push_back({parts[i].box.lo.x - all.lo.x, parts[i].box.size().x});
+      work.ranges.of(firstVoxel(all), all.size(), size.x, size.x * size.y, columns,
+                     work.planes.data() + first * perBlock(), work.totals.data() + first);
+    }
+    for (size_t i = before; i < parts.size(); ++i) {
+      const PlaneRange<T> total = work.totals[i];
+      const Box3& part = parts[i].box;
+      widen(work.seen, numbersOf(total, firstVoxel(part), part.size(), size));
+      if constexpr (std::is_same_v<T, float>) {
+        const bool may_be = total.hi >= kLargest || total.lo <= -kLargest;
+        if (may_be && hasFarVoxels(firstVoxel(part), part.size(), size))
+          widenFar(work.far, farRange(source_, time_, part));
       }
     }
   }
@@ -347,35 +319,6 @@ SliceRanges buildSliceRanges(VolumeSource& source, int64_t time, const BlockLayo
   return buildSliceRanges(source, time, layout, pool, progress, most_bytes, stop, unused);
 }
 
-namespace {
-
-// A pass calls this for its pieces, from any thread.
-using TakePiece = std::function<void(const PassPiece&)>;
-
-// Layer by layer, for `taker`. `wants_all`: also the layers that it does not want.
-void passInTiles(const BlockLayout& layout, const std::vector<int64_t>& blocks, int64_t most_voxels,
-                 bool wants_all, WorkerPool& pool, VoxelTaker& taker, const StopToken& stop,
-                 const TakePiece& take) {
-  const int64_t side = taker.side();
-  for (int64_t z = 0; z < layout.dims.z; z += side) {
-    if (wants_all || taker.wantsLayer(z)) {
-      const std::vector<PassPiece> tiles = tilesOf(layout, blocks, side, z, most_voxels);
-      pool.parallelFor(static_cast<int64_t>(tiles.size()), [&](int64_t i) {
-        stop.throwIfStopped();
-        take(tiles[static_cast<size_t>(i)]);
-      });
-    }
-    taker.layersBefore(std::min(z + side, layout.dims.z));
-  }
-}
-
-// A voxel as it is read and as it is kept take `voxel_bytes` together.
-int64_t voxelsPerTile(size_t voxel_bytes, uint64_t thread_bytes) {
-  return static_cast<int64_t>(std::min(kBytesPerRead, thread_bytes) / voxel_bytes);
-}
-
-}  // namespace
-
 SliceRanges buildSliceRanges(VolumeSource& source, int64_t time, const BlockLayout& layout,
                              WorkerPool& pool, ProgressMeter& progress, uint64_t most_bytes,
                              const StopToken& stop, BrickRanges& bricks, VoxelTaker* taker) {
@@ -405,31 +348,12 @@ SliceRanges buildSliceRanges(VolumeSource& source, int64_t time, const BlockLayo
       });
     } else {
       progress.expect(static_cast<uint64_t>(volume(layout.dims)) * stored_bytes);
-      passInTiles(layout, result.blocks, voxelsPerTile(voxel_bytes, thread_bytes), true, pool,
-                  *taker, stop, take);
+      passInTiles(layout, result.blocks, voxelsPerTile(voxel_bytes, thread_bytes), PassLayers::kAll,
+                  pool, *taker, stop, take);
     }
     bricks = builder.finish(backgroundOf(source, occupancy));
   });
   return result;
-}
-
-void passVoxels(VolumeSource& source, int64_t time, const BlockLayout& layout, WorkerPool& pool,
-                ProgressMeter& progress, uint64_t most_bytes, const StopToken& stop,
-                VoxelTaker& taker) {
-  const std::vector<int64_t> blocks = candidateBlocks(layout, source.occupancy(time));
-  const size_t voxel_bytes = bytesPerVoxel(source.layout().type);
-  progress.expect(static_cast<uint64_t>(volume(layout.dims)) * voxel_bytes);
-  const TakePiece take = [&](const PassPiece& piece) {
-    const auto voxels = static_cast<size_t>(piece.own.count());
-    const auto stored = std::make_unique_for_overwrite<std::byte[]>(voxels * voxel_bytes);
-    source.readRegion(time, piece.own, {stored.get(), voxels * voxel_bytes});
-    const Vec3i size = piece.own.size();
-    taker.take({piece.own, stored.get(), size.x, size.x * size.y});
-    progress.add(voxels * voxel_bytes);
-  };
-  passInTiles(layout, blocks,
-              voxelsPerTile(voxel_bytes, most_bytes / static_cast<uint64_t>(pool.threads())), false,
-              pool, taker, stop, take);
 }
 
 }  // namespace sluice
