@@ -81,6 +81,8 @@ class LevelStore {
   // From level 1 on; valid as long as the store.
   const std::vector<CoarserLevel>& levels() const { return levels_; }
   uint64_t storedBytesRead() const { return source_->storedBytesRead(); }
+  // Decoded chunks of all levels and spreads together, as VolumeSource::holdAtMost() says.
+  void holdAtMost(uint64_t bytes) { source_->holdAtMost(bytes); }
   // A digest of the group's metadata and checksums, which tells it from any other.
   static uint64_t digestOf(const std::filesystem::path& folder);
 

@@ -9,13 +9,15 @@ ChunkMemory::Buffer ChunkMemory::take(uint64_t bytes) {
   const MutexLock lock(mutex_);
   auto best = kept_.end();
   for (auto buffer = kept_.begin(); buffer != kept_.end(); ++buffer)
-    if (buffer->size >= bytes && (best == kept_.end() || buffer->size < best->size)) best = buffer;
+    if (buffer->size >= bytes && buffer->size / 2 <= bytes &&
+        (best == kept_.end() || buffer->size < best->size))
+      best = buffer;
   if (best != kept_.end()) {
     Buffer found = std::move(*best);
     kept_.erase(best);
     return found;
   }
-  // All too small: one of them makes way.
+  // None is of that size: one of them makes way.
   if (!kept_.empty()) {
     now_ -= kept_.back().size;
     kept_.pop_back();
@@ -43,21 +45,24 @@ void ChunkMemory::setLimit(uint64_t limit_bytes) {
   }
 }
 
-ZarrChunkCache::ZarrChunkCache(uint64_t chunk_bytes, uint64_t budget_bytes, Decode decode)
-    : chunk_bytes_(chunk_bytes),
-      decode_(std::move(decode)),
-      memory_(budget_bytes),
-      chunks_(budget_bytes, Held::kStays) {}
+ZarrChunkCache::ZarrChunkCache(uint64_t budget_bytes)
+    : memory_(budget_bytes), chunks_(budget_bytes, Held::kStays) {}
+
+int ZarrChunkCache::addArray(uint64_t chunk_bytes, Decode decode) {
+  arrays_.push_back({chunk_bytes, std::move(decode)});
+  return static_cast<int>(arrays_.size()) - 1;
+}
 
 void ZarrChunkCache::setBudget(uint64_t budget_bytes) {
   memory_.setLimit(budget_bytes);
   chunks_.setBudget(budget_bytes);
 }
 
-ZarrChunkCache::Chunk ZarrChunkCache::get(int64_t chunk) {
+ZarrChunkCache::Chunk ZarrChunkCache::get(const Key& key) {
+  const Array& array = arrays_[static_cast<size_t>(key.array)];
   // A decoder holds its input too.
-  return chunks_.get(chunk, 2 * chunk_bytes_, [&] {
-    return Chunks::Loaded{decode_(chunk, memory_), chunk_bytes_};
+  return chunks_.get(key, 2 * array.chunk_bytes, [&] {
+    return Chunks::Loaded{array.decode(key.chunk, memory_), array.chunk_bytes};
   });
 }
 

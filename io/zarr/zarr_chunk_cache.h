@@ -1,4 +1,5 @@
-// ZarrChunkCache: decoded chunks, the ones used last, within a number of bytes.
+// ZarrChunkCache: decoded chunks of the arrays of a store, the ones used last, within a number of
+// bytes for all arrays together.
 //
 // The blocks that are read of a volume share chunks with their neighbours; without this each chunk
 // would be decoded up to 8 times. A chunk that two threads want at once is decoded by the first,
@@ -31,7 +32,7 @@ class ChunkMemory {
 
   explicit ChunkMemory(uint64_t limit_bytes) : limit_bytes_(limit_bytes) {}
 
-  // A buffer of `bytes` or somewhat more.
+  // A buffer of `bytes`, or of up to twice as many.
   Buffer take(uint64_t bytes);
   void give(Buffer buffer);
   // Frees the memory kept beyond it.
@@ -72,23 +73,43 @@ class ZarrChunkCache {
   // `memory`.
   using Decode = std::function<Chunk(int64_t chunk, ChunkMemory& memory)>;
 
+  // A chunk of one of the arrays.
+  struct Key {
+    int array = 0;  // see addArray()
+    int64_t chunk = 0;
+    friend bool operator==(const Key&, const Key&) = default;
+  };
+
   // Holds at most `budget_bytes`, but two chunks for each thread inside get() and one for each
   // Chunk that is still in use, whatever the budget.
-  ZarrChunkCache(uint64_t chunk_bytes, uint64_t budget_bytes, Decode decode);
+  explicit ZarrChunkCache(uint64_t budget_bytes);
 
-  // The chunk stays as long as the result does. A failure of `decode` is thrown to every thread
-  // that waited; the next call tries again.
-  Chunk get(int64_t chunk);
+  // Adds an array with chunks of `chunk_bytes`. Returns its number, counted from 0. To be called
+  // while no thread is inside get().
+  int addArray(uint64_t chunk_bytes, Decode decode);
+  // The chunk stays as long as the result does. A failure of the array's `decode` is thrown to
+  // every thread that waited; the next call tries again.
+  Chunk get(const Key& key);
   CacheCounters counters() const { return chunks_.counters(); }
 
   void setBudget(uint64_t budget_bytes);
   const ChunkMemory& held() const { return memory_; }
 
  private:
-  using Chunks = SingleFlightCache<int64_t, const CountedBytes>;
+  struct KeyHash {
+    size_t operator()(const Key& key) const {
+      // Arrays have far fewer than 2^48 chunks.
+      return std::hash<uint64_t>()(static_cast<uint64_t>(key.chunk) ^
+                                   static_cast<uint64_t>(key.array) << 48);
+    }
+  };
+  using Chunks = SingleFlightCache<Key, const CountedBytes, KeyHash>;
+  struct Array {
+    uint64_t chunk_bytes = 0;
+    Decode decode;
+  };
 
-  const uint64_t chunk_bytes_;
-  const Decode decode_;
+  std::vector<Array> arrays_;  // constant after the last addArray()
   ChunkMemory memory_;
   Chunks chunks_;
 };

@@ -19,17 +19,18 @@ constexpr uint64_t kMissing = std::numeric_limits<uint64_t>::max();
 }  // namespace
 
 ZarrShardIndices::ZarrShardIndices(const ZarrArray& array, uint64_t budget_bytes, Read read)
-    : array_(array),
-      indices_(array.shardIndexBytes(), budget_bytes,
-               [read = std::move(read), bytes = array.shardIndexBytes()](int64_t file,
-                                                                         ChunkMemory& memory) {
-                 auto index = std::make_shared<CountedBytes>(bytes, memory);
-                 read(file, index->span());
-                 return index;
-               }) {}
+    : array_(array), indices_(budget_bytes) {
+  indices_.addArray(
+      array.shardIndexBytes(),
+      [read = std::move(read), bytes = array.shardIndexBytes()](int64_t file, ChunkMemory& memory) {
+        auto index = std::make_shared<CountedBytes>(bytes, memory);
+        read(file, index->span());
+        return index;
+      });
+}
 
 std::optional<ZarrChunkPlace> ZarrShardIndices::find(ZarrArray::Place place) {
-  const ZarrChunkCache::Chunk index = indices_.get(place.file);
+  const ZarrChunkCache::Chunk index = indices_.get({0, place.file});
   std::array<uint64_t, 2> entry{};
   std::memcpy(entry.data(), index->span().data() + sizeof entry * static_cast<size_t>(place.chunk),
               sizeof entry);

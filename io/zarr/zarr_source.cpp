@@ -9,6 +9,7 @@
 #include "io/zarr/zarr_codec.h"
 #include "io/zarr/zarr_folder.h"
 #include "io/zarr/zarr_levels.h"
+#include "io/zarr/zarr_rows.h"
 #include "src/base/error.h"
 
 namespace sluice {
@@ -18,7 +19,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr uint64_t kSmallChunkBytes = 4 << 20;
-constexpr uint64_t kCoarserCacheBytes = 4 << 20;  // for each coarser level, until holdAtMost()
 
 // The identity of a folder: path and status.
 std::string folderIdentity(const fs::path& folder) {
@@ -27,47 +27,6 @@ std::string folderIdentity(const fs::path& folder) {
     failErrno(fmt::format("{}: cannot be opened", folder.string()), errno);
   return fmt::format("{}|{}", fs::absolute(folder).lexically_normal().string(),
                      describeStatus(status));
-}
-
-void fillWith(std::span<const std::byte> voxel, std::byte* out, int64_t voxels) {
-  const size_t bytes = voxel.size() * static_cast<size_t>(voxels);
-  if (bytes == 0) return;
-  std::memcpy(out, voxel.data(), voxel.size());
-  for (size_t done = voxel.size(); done < bytes;) {  // in doubling steps
-    const size_t more = std::min(done, bytes - done);
-    std::memcpy(out + done, out, more);
-    done += more;
-  }
-}
-
-template <class Word>
-void copyStrided(const std::byte* from, int64_t stride, std::byte* to, int64_t count) {
-  for (int64_t i = 0; i < count; ++i)
-    std::memcpy(to + i * static_cast<int64_t>(sizeof(Word)),
-                from + i * stride * static_cast<int64_t>(sizeof(Word)), sizeof(Word));
-}
-
-void copyRow(const std::byte* from, int64_t stride, std::byte* to, int64_t count, size_t voxel) {
-  if (stride == 1) {
-    std::memcpy(to, from, static_cast<size_t>(count) * voxel);
-    return;
-  }
-  if (voxel == 1) copyStrided<uint8_t>(from, stride, to, count);
-  if (voxel == 2) copyStrided<uint16_t>(from, stride, to, count);
-  if (voxel == 4) copyStrided<uint32_t>(from, stride, to, count);
-  if (voxel == 8) copyStrided<uint64_t>(from, stride, to, count);
-}
-
-// Voxels between neighbours along each of the array's axes, inside a chunk.
-std::vector<int64_t> stridesOf(const ZarrArray& array) {
-  std::vector<int64_t> strides(array.axes());
-  int64_t stride = 1;
-  for (size_t i = 0; i < array.axes(); ++i) {
-    const size_t axis = array.order[array.axes() - 1 - i];
-    strides[axis] = stride;
-    stride *= array.chunks[axis];
-  }
-  return strides;
 }
 
 LevelClaim claimOf(const ZarrView& view, const ZarrImage& image, size_t dataset) {
@@ -108,24 +67,27 @@ std::string faultOfSpreads(const VolumeLayout& level, const VolumeLayout& spread
 }  // namespace
 
 ZarrSource::ZarrSource(const fs::path& folder, const ZarrOptions& options)
-    : ZarrSource(folder, findZarr(folder), options) {}
+    : ZarrSource(folder, findZarr(folder), options.channel,
+                 std::make_shared<ZarrChunkCache>(options.chunk_cache_bytes), Part::kImage) {}
 
 ZarrSource::~ZarrSource() = default;
 
-ZarrSource::ZarrSource(const fs::path& folder, FoundZarr found, const ZarrOptions& options) {
+ZarrSource::ZarrSource(const fs::path& folder, FoundZarr found, const ChannelWish& channel,
+                       std::shared_ptr<ZarrChunkCache> cache, Part part)
+    : cache_(std::move(cache)), part_(part) {
   const ZarrHeader header = readArrayHeader(found.array_folder);
   found.take(header);
   ZarrArray array = parseZarrArray(header.text, header.path);
-  view_ = viewZarr(array, found.image, options.channel.given(), found.said_by);
+  view_ = viewZarr(array, found.image, channel.given(), found.said_by);
   fs::path name = folder.lexically_normal();
   if (!name.has_filename()) name = name.parent_path();
   view_.layout.name = name.filename().string() + (found.image.level_set ? " (level set)" : "");
-  if (options.channel.given() && !view_.channel)
+  if (channel.given() && !view_.channel)
     fail("{}: --channel {}: the volume has no channels; leave it out", folder.string(),
-         options.channel.text());
+         channel.text());
   channel_names_ = found.image.channels;
   for (const std::string& note : array.notes) view_.layout.notes.push_back(note);
-  chooseChannel(folder.string(), options.channel, channel_names_, view_.layout);
+  chooseChannel(folder.string(), channel, channel_names_, view_.layout);
   channel_ = view_.layout.channel;
   if (!found.image.axes.empty()) view_.layout.unit = found.image.axes[view_.space[0]].unit;
 
@@ -146,36 +108,31 @@ ZarrSource::ZarrSource(const fs::path& folder, FoundZarr found, const ZarrOption
   places_.push_back(found.array_folder.string());
   places_.push_back(folder.string());
 
-  const uint64_t chunk_bytes = array.chunkBytes();
   files_ = std::make_unique<ZarrChunkFiles>(found.array_folder, std::move(array), header.text);
   // With checksums a changed chunk is an Error when it is read.
   if (!files_->hasChecksums())
     identity_ += fmt::format("|{:016x}", files_->statusChecksum(kSampledChunks));
-  cache_ = std::make_unique<ZarrChunkCache>(
-      chunk_bytes, options.chunk_cache_bytes,
+  array_number_ = cache_->addArray(
+      files_->array().chunkBytes(),
       [this](int64_t chunk, ChunkMemory& memory) { return decode(chunk, memory); });
-  if (found.is_image) openLevels(folder, found, options);
+  if (found.is_image) openLevels(folder, found);
 }
 
-void ZarrSource::openLevels(const fs::path& folder, const FoundZarr& found,
-                            const ZarrOptions& options) {
+void ZarrSource::openLevels(const fs::path& folder, const FoundZarr& found) {
   VolumeLayout& layout = view_.layout;
   const LevelClaim finest = claimOf(view_, found.image, 0);
-  ZarrOptions own = options;
-  own.chunk_cache_bytes = std::min(options.chunk_cache_bytes, kCoarserCacheBytes);
-  own.channel = view_.channel ? ChannelWish(channel_) : ChannelWish();
   if (isZarr(folder / found.image.spreads / found.image.levels[0]))
-    spreads_ = openSpreads(folder, found, own, 0, layout);
+    spreads_ = openSpreads(folder, found, 0, layout);
   std::vector<size_t> datasets;  // of level_sources_
   for (size_t i = 1; i < found.image.levels.size(); ++i) {
     std::string fault;
     try {
-      std::unique_ptr<ZarrSource> source(
-          new ZarrSource(folder, datasetOf(found, folder / found.image.levels[i], i), own));
+      std::unique_ptr<ZarrSource> source =
+          openPart(folder, datasetOf(found, folder / found.image.levels[i], i));
       fault = faultAmong(layout, source->view_.layout);
       if (fault.empty()) fault = faultOfLevel(finest, claimOf(source->view_, found.image, i));
       if (fault.empty()) {
-        spread_sources_.push_back(openSpreads(folder, found, own, i, source->view_.layout));
+        spread_sources_.push_back(openSpreads(folder, found, i, source->view_.layout));
         level_sources_.push_back(std::move(source));
         datasets.push_back(i);
       }
@@ -190,15 +147,19 @@ void ZarrSource::openLevels(const fs::path& folder, const FoundZarr& found,
   layout.levels = 1 + static_cast<int64_t>(levels_above_.size());
 }
 
+std::unique_ptr<ZarrSource> ZarrSource::openPart(const fs::path& folder, FoundZarr found) {
+  const ChannelWish channel = view_.channel ? ChannelWish(channel_) : ChannelWish();
+  return std::unique_ptr<ZarrSource>(
+      new ZarrSource(folder, std::move(found), channel, cache_, Part::kLevel));
+}
+
 std::unique_ptr<ZarrSource> ZarrSource::openSpreads(const fs::path& folder, const FoundZarr& found,
-                                                    const ZarrOptions& options, size_t dataset,
-                                                    const VolumeLayout& level) {
+                                                    size_t dataset, const VolumeLayout& level) {
   if (found.image.spreads.empty()) return nullptr;
   std::string fault;
   try {
     const fs::path array = folder / found.image.spreads / found.image.levels[dataset];
-    std::unique_ptr<ZarrSource> source(
-        new ZarrSource(folder, datasetOf(found, array, dataset), options));
+    std::unique_ptr<ZarrSource> source = openPart(folder, datasetOf(found, array, dataset));
     fault = faultOfSpreads(level, source->view_.layout);
     if (fault.empty()) return source;
   } catch (const Error& error) {
@@ -273,15 +234,13 @@ uint64_t ZarrSource::heldBytesAThread() const {
 }
 
 void ZarrSource::holdAtMost(uint64_t bytes) {
-  const std::vector<ZarrSource*> above = sourcesAbove();
-  const uint64_t each = above.empty() ? 0 : bytes / 8 / above.size();
-  for (ZarrSource* source : above) source->holdAtMost(each);
-  uint64_t own = bytes - each * above.size();
-  if (ZarrShardIndices* indices = files_->shardIndices()) {
-    indices->setBudget(own / 8);
-    own -= own / 8;
-  }
-  cache_->setBudget(own);
+  if (part_ == Part::kLevel) return;
+  std::vector<ZarrShardIndices*> indices{files_->shardIndices()};
+  for (const ZarrSource* source : sourcesAbove()) indices.push_back(source->files_->shardIndices());
+  std::erase(indices, nullptr);
+  const uint64_t each = indices.empty() ? 0 : bytes / 8 / indices.size();
+  for (ZarrShardIndices* of_array : indices) of_array->setBudget(each);
+  cache_->setBudget(bytes - each * indices.size());
 }
 
 std::vector<std::string> ZarrSource::files() {
@@ -340,7 +299,7 @@ ZarrChunkCache::Chunk ZarrSource::decode(int64_t chunk, ChunkMemory& memory) {
 void ZarrSource::copyChunk(std::span<const std::byte> chunk, int64_t time, const Box3& part,
                            const Box3& box, std::span<std::byte> out) const {
   const ZarrArray& array = files_->array();
-  const std::vector<int64_t> strides = stridesOf(array);
+  const std::vector<int64_t> strides = stridesInChunk(array);
   const auto voxel = static_cast<int64_t>(bytesPerVoxel(array.type));
   int64_t base = 0;
   if (view_.time) base += time % array.chunks[*view_.time] * strides[*view_.time];
@@ -377,14 +336,14 @@ void ZarrSource::readRegion(int64_t time, const Box3& box, std::span<std::byte> 
         const ZarrArray& array = files_->array();
         const int64_t number = array.chunkNumber(indexAt(array.chunks, time, corner));
         if (files_->exists(number)) {
-          copyChunk(cache_->get(number)->span(), time, part, box, out);
+          copyChunk(cache_->get({array_number_, number})->span(), time, part, box, out);
           continue;
         }
         const Vec3i at = part.lo - box.lo;
         for (int64_t pz = at.z; pz < at.z + part.size().z; ++pz)
           for (int64_t py = at.y; py < at.y + part.size().y; ++py)
-            fillWith(fill_, out.data() + ((pz * box.size().y + py) * box.size().x + at.x) * voxel,
-                     part.size().x);
+            fillRow(fill_, out.data() + ((pz * box.size().y + py) * box.size().x + at.x) * voxel,
+                    part.size().x);
       }
 }
 

@@ -11,6 +11,8 @@
 // - Missing chunks are the fill value, and known as such: occupancy() has the boxes of the others.
 //   Chunks that sluice packed carry checksums; then a missing or changed one is an Error.
 // - A few decoded chunks are kept (io/zarr/zarr_chunk_cache.h), as neighbouring blocks share them.
+//   All levels of an image and their spreads share one limit, which is the image's: levels are not
+//   used evenly, so that parts of it would be too small for one and idle for another.
 // - identity() covers .zarray, .zattrs, checksums and the array's folder, and of a store without
 //   checksums the status of at most kSampledChunks chunk files, evenly spread: there may be
 //   millions.
@@ -24,6 +26,7 @@
 #include "io/files/channel_choice.h"
 #include "io/zarr/zarr_chunk_cache.h"
 #include "io/zarr/zarr_chunk_files.h"
+#include "io/zarr/zarr_folder.h"
 #include "io/zarr/zarr_image.h"
 #include "src/base/values/volume_channels.h"
 #include "src/base/values/volume_levels.h"
@@ -39,8 +42,6 @@ struct ZarrOptions {
   // Limit for decoded chunks; the least that ZarrChunkCache holds is held even if it is more.
   uint64_t chunk_cache_bytes = uint64_t{32} << 20;
 };
-
-struct FoundZarr;  // the contents of a folder, see io/zarr/zarr_folder.h
 
 class ZarrSource final : public VolumeSource, public ChanneledSource, public LeveledSource {
  public:
@@ -64,11 +65,11 @@ class ZarrSource final : public VolumeSource, public ChanneledSource, public Lev
   // A chunk being decoded, its compressed bytes, and one being copied from; of the level with the
   // largest chunks.
   uint64_t heldBytesAThread() const override;
-  // Coarser levels, if any, get an eighth.
+  // Limits the whole image, with its levels. Does nothing on a level of an image.
   void holdAtMost(uint64_t bytes) override;
 
-  // Bytes of decoded chunks and of those being decoded, without indices of shards, now and at most
-  // so far.
+  // Bytes of decoded chunks and of those being decoded, of all levels, without indices of shards,
+  // now and at most so far.
   uint64_t heldBytes() const { return cache_->held().now(); }
   uint64_t peakHeldBytes() const { return cache_->held().peak(); }
   // The size of a chunk along x, y and z.
@@ -79,14 +80,19 @@ class ZarrSource final : public VolumeSource, public ChanneledSource, public Lev
   ZarrChunkFiles& chunkFiles() { return *files_; }
 
  private:
-  ZarrSource(const std::filesystem::path& folder, FoundZarr found, const ZarrOptions& options);
+  // A folder's own array, with levels if it is an image's; or a level or spreads of that image.
+  enum class Part { kImage, kLevel };
+
+  ZarrSource(const std::filesystem::path& folder, FoundZarr found, const ChannelWish& channel,
+             std::shared_ptr<ZarrChunkCache> cache, Part part);
   // Opens the coarser levels of an image.
-  void openLevels(const std::filesystem::path& folder, const FoundZarr& found,
-                  const ZarrOptions& options);
+  void openLevels(const std::filesystem::path& folder, const FoundZarr& found);
+  // A level or spreads of this image.
+  std::unique_ptr<ZarrSource> openPart(const std::filesystem::path& folder, FoundZarr found);
   // The spreads of a level, which its dataset says to have; null, and a note, if they do not fit.
   std::unique_ptr<ZarrSource> openSpreads(const std::filesystem::path& folder,
-                                          const FoundZarr& found, const ZarrOptions& options,
-                                          size_t dataset, const VolumeLayout& level);
+                                          const FoundZarr& found, size_t dataset,
+                                          const VolumeLayout& level);
   // level_sources_, spread_sources_ and spreads_.
   std::vector<ZarrSource*> sourcesAbove() const;
   // Sets their placements, some of which their metadata leave open.
@@ -108,7 +114,9 @@ class ZarrSource final : public VolumeSource, public ChanneledSource, public Lev
   uint64_t header_bytes_ = 0;        // read of .zarray and .zattrs
   std::vector<std::byte> fill_;      // a voxel
   std::unique_ptr<ZarrChunkFiles> files_;
-  std::unique_ptr<ZarrChunkCache> cache_;
+  const std::shared_ptr<ZarrChunkCache> cache_;  // the image's
+  const Part part_;
+  int array_number_ = 0;  // in cache_
   std::vector<std::unique_ptr<ZarrSource>> level_sources_;
   std::vector<std::unique_ptr<ZarrSource>> spread_sources_;  // of each of these, or null
   std::unique_ptr<ZarrSource> spreads_;                      // see spreads()

@@ -51,19 +51,6 @@ BufferNeeds needsOf(const TimeStep& step, const ResidencyOptions& options) {
   return needs;
 }
 
-// Each level's source holds chunks of its own: the least that its reading threads need, and its
-// part of the rest.
-void shareSourceBytes(const TimeStep& step, const Budgets& budgets) {
-  if (step.coarser.empty()) {
-    step.source->holdAtMost(budgets.source);
-    return;
-  }
-  const std::vector<VolumeSource*> sources = sourcesOf(step);
-  const uint64_t needed = static_cast<uint64_t>(budgets.readers + 1) * sourceThreadBytes(step);
-  const uint64_t each = (budgets.source - std::min(budgets.source, needed)) / sources.size();
-  for (VolumeSource* source : sources) source->holdAtMost(each);
-}
-
 }  // namespace
 
 Residency::Residency(const TimeStep& step, Device& device, const ResidencyOptions& options)
@@ -79,7 +66,7 @@ Residency::Residency(const TimeStep& step, Device& device, const ResidencyOption
       first_id_(device.takeIdRange()) {
   SLUICE_CHECK_EQ(options.page.bytes_per_voxel,
                   static_cast<int64_t>(bytesPerVoxel(blocks_.type())));
-  shareSourceBytes(step, budgets_);
+  step.source->holdAtMost(budgets_.source);  // for all levels
 }
 
 Residency::~Residency() {

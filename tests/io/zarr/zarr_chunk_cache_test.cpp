@@ -36,9 +36,17 @@ struct Decoder {
   int64_t failing = -1;
 };
 
+// A cache of one array.
+struct OneArray : ZarrChunkCache {
+  OneArray(uint64_t budget_bytes, Decoder& decoder) : ZarrChunkCache(budget_bytes) {
+    addArray(kChunk, std::ref(decoder));
+  }
+  Chunk get(int64_t chunk) { return ZarrChunkCache::get({0, chunk}); }
+};
+
 TEST(ZarrChunkCache, keepsWhatWasUsedLast) {
   Decoder decoder;
-  ZarrChunkCache cache(kChunk, 4 * kChunk, std::ref(decoder));
+  OneArray cache(4 * kChunk, decoder);
   // Room for two in addition to the one that is decoded, which takes two.
   for (const int64_t chunk : {1, 2, 1, 3, 1, 4, 1, 2}) cache.get(chunk);
   EXPECT_EQ(decoder.decoded[1], 1);
@@ -49,7 +57,7 @@ TEST(ZarrChunkCache, keepsWhatWasUsedLast) {
 TEST(ZarrChunkCache, aFailureReachesTheCallerAndIsForgotten) {
   Decoder decoder;
   decoder.failing = 5;
-  ZarrChunkCache cache(kChunk, 4 * kChunk, std::ref(decoder));
+  OneArray cache(4 * kChunk, decoder);
   EXPECT_THROW(cache.get(5), Error);
   EXPECT_THROW(cache.get(5), Error);
   EXPECT_LE(cache.held().now(), 2 * kChunk);  // kept for the next
@@ -59,18 +67,34 @@ TEST(ZarrChunkCache, aFailureReachesTheCallerAndIsForgotten) {
 
 TEST(ZarrChunkCache, aChunkInUseStays) {
   Decoder decoder;
-  ZarrChunkCache cache(kChunk, 0, std::ref(decoder));
+  OneArray cache(0, decoder);
   const auto kept = cache.get(7);
   for (int64_t chunk = 8; chunk < 20; ++chunk) cache.get(chunk);
   EXPECT_EQ(kept->span()[0], std::byte{7});
   EXPECT_EQ(cache.held().now(), 2 * kChunk);  // it and the last one
 }
 
+// Levels of a store are not used evenly: the one in use may have the whole budget.
+TEST(ZarrChunkCache, arraysShareTheBudgetAndNoChunks) {
+  Decoder first, second;
+  ZarrChunkCache cache(8 * kChunk);
+  const int a = cache.addArray(kChunk, std::ref(first)),
+            b = cache.addArray(kChunk, std::ref(second));
+  for (int turn = 0; turn < 2; ++turn)
+    for (int64_t chunk = 0; chunk < 6; ++chunk) cache.get({a, chunk});
+  for (const auto& [chunk, times] : first.decoded) EXPECT_EQ(times, 1) << chunk;
+  for (int64_t chunk = 0; chunk < 6; ++chunk) cache.get({b, chunk});
+  EXPECT_EQ(second.decoded.size(), 6U);
+  cache.get({a, 0});
+  EXPECT_EQ(first.decoded[0], 2) << "the other array's chunks were used later";
+  EXPECT_LE(cache.held().peak(), 8 * kChunk);
+}
+
 TEST(ZarrChunkCache, threadsShareOneDecodingWithinTheBudget) {
   constexpr int kThreads = 8;
   for (const uint64_t budget : {uint64_t{0}, 10 * kChunk, 40 * kChunk}) {
     Decoder decoder;
-    ZarrChunkCache cache(kChunk, budget, std::ref(decoder));
+    OneArray cache(budget, decoder);
     {
       std::vector<std::jthread> threads;
       for (unsigned seed = 0; seed < kThreads; ++seed)
