@@ -11,6 +11,15 @@
 #include "src/volume/block_side.h"
 
 namespace sluice {
+namespace {
+
+// Voxels of a level and their spreads in device form, without the planes that blocks share.
+uint64_t bytesOf(const VolumeBuffer::Level& level) {
+  return static_cast<uint64_t>(volume(level.layout.dims)) *
+         bytesPerVoxel(deviceMap(level.source->layout()).type) * (level.spreads == nullptr ? 1 : 2);
+}
+
+}  // namespace
 
 VolumeBuffer::VolumeBuffer(VolumeSource& source, const BlockLayout& layout, uint64_t budget_bytes,
                            Cold cold)
@@ -20,6 +29,7 @@ VolumeBuffer::VolumeBuffer(std::vector<Level> levels, uint64_t budget_bytes, Col
     : levels_(std::move(levels)),
       map_(deviceMap(levels_.front().source->layout())),
       packs_(cold == Cold::kPacked && budget_bytes >= 16 * blockBytes()),
+      keeps_coarsest_(levels_.size() > 1 && bytesOf(levels_.back()) <= budget_bytes / 8),
       memory_(BufferMemory::make(budget_bytes)),
       blocks_(budget_bytes, Held::kStays) {
   for (const Level& level : levels_) {
@@ -52,20 +62,22 @@ void VolumeBuffer::countPacked(int64_t bytes) {
   memory_->setLimit(blocks_.budgetBytes() - scratch - packed_bytes_);
 }
 
-void VolumeBuffer::freeSome(MutexLock& lock, uint64_t wanted_bytes) {
-  const EntryPtr victim = blocks_.coldest();
+void VolumeBuffer::freeSome(MutexLock& lock, const BlockName& key, uint64_t bytes) {
+  const EntryPtr victim =
+      blocks_.coldest([&](const BlockName& name) { return !staysLongest(name, key.time); });
   if ((victim == nullptr || cold_bytes_ > blocks_.budgetBytes() / 2) && !cold_.empty()) {
     dropColdest();
   } else if (victim != nullptr) {
-    packOrDrop(lock, victim);
+    packOrDrop(lock, victim, key);
   } else if (packing_) {
     while (packing_) blocks_.changed.wait(lock);
+  } else if (const EntryPtr last = blocks_.coldest()) {
+    packOrDrop(lock, last, key);
   } else {
     fail(
         "the volume buffer of {} cannot hold {} more in addition to the {} in use; give more "
         "--memory or a smaller --block",
-        formatBytes(blocks_.budgetBytes()), formatBytes(wanted_bytes),
-        formatBytes(blocks_.takenBytes()));
+        formatBytes(blocks_.budgetBytes()), formatBytes(bytes), formatBytes(blocks_.takenBytes()));
   }
 }
 
@@ -78,8 +90,9 @@ void VolumeBuffer::dropColdest() {
   cold_.pop_back();
 }
 
-void VolumeBuffer::packOrDrop(MutexLock& lock, const EntryPtr& victim) {
-  if (!packs_ || !victim->note.reused) {
+void VolumeBuffer::packOrDrop(MutexLock& lock, const EntryPtr& victim, const BlockName& for_block) {
+  const bool is_worth_it = victim->note.reused || victim->key.level < for_block.level;
+  if (!packs_ || !is_worth_it) {
     blocks_.evict(victim);
     return;
   }
@@ -136,7 +149,7 @@ VolumeBuffer::EntryPtr VolumeBuffer::request(MutexLock& lock, const BlockName& k
     }
     if (!hasRoom(bytes)) {
       try {
-        freeSome(lock, bytes);
+        freeSome(lock, key, bytes);
       } catch (const Error&) {
         blocks_.countNoRoom();
         throw;

@@ -4,9 +4,12 @@
 // threads want it: the first publishes the entry and loads outside the lock, the others wait. The
 // least recently used block that no one holds goes first: one that was used more than once is
 // compressed and stays, in at most half of the budget, until it is the coldest of those; the others
-// are dropped and read again should they be wanted. A handle pins its block. The buffer must
-// outlive its handles' use of the source, not the handles. All members may be called from any
-// thread.
+// are dropped and read again should they be wanted. A block that makes room for one of a coarser
+// level is compressed, too, so that a coarse picture costs a finer one nothing that was read. If
+// the coarsest of several levels takes at most an eighth of the budget, its blocks go last among
+// those of their time step, since every picture can fall back on them. A handle pins its block. The
+// buffer must outlive its handles' use of the source, not the handles. All members may be called
+// from any thread.
 #pragma once
 
 #include <atomic>
@@ -137,8 +140,15 @@ class VolumeBuffer {
       SLUICE_REQUIRES(blocks_.mutex);
   bool hasRoom(uint64_t bytes) const SLUICE_REQUIRES(blocks_.mutex);
   void countPacked(int64_t bytes) SLUICE_REQUIRES(blocks_.mutex);
-  void freeSome(MutexLock& lock, uint64_t wanted_bytes) SLUICE_REQUIRES(blocks_.mutex);
-  void packOrDrop(MutexLock& lock, const EntryPtr& victim) SLUICE_REQUIRES(blocks_.mutex);
+  // Room for a block.
+  void freeSome(MutexLock& lock, const BlockName& key, uint64_t bytes)
+      SLUICE_REQUIRES(blocks_.mutex);
+  void packOrDrop(MutexLock& lock, const EntryPtr& victim, const BlockName& for_block)
+      SLUICE_REQUIRES(blocks_.mutex);
+  // Whether a block goes last while this time step is in use.
+  bool staysLongest(const BlockName& name, int64_t time) const {
+    return keeps_coarsest_ && name.level + size_t{1} == levels_.size() && name.time == time;
+  }
   void keepPacked(const EntryPtr& entry, PackedBytes bytes) SLUICE_REQUIRES(blocks_.mutex);
   void dropColdest() SLUICE_REQUIRES(blocks_.mutex);
 
@@ -167,6 +177,7 @@ class VolumeBuffer {
   const std::vector<Level> levels_;             // constant after construction
   const ValueMap map_;                          // constant after construction
   const bool packs_;                            // constant after construction
+  const bool keeps_coarsest_;                   // constant after construction
   Check check_;                                 // may be null; constant once blocks are read
   const std::shared_ptr<BufferMemory> memory_;  // memory of the unpacked blocks
   Blocks blocks_;                               // unpacked blocks

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <list>
 #include <random>
 
@@ -95,6 +96,57 @@ TEST_F(VolumeBufferTest, evictsLeastRecentlyUsed) {
   }
   EXPECT_EQ(counted_.counts().calls, static_cast<int64_t>(2000 - hits));
   EXPECT_THAT(buffer->counters().brokenIdentity(), IsEmpty());
+}
+
+// Two levels, the coarser one of a single block.
+class LeveledBufferTest : public VolumeBufferTest {
+ protected:
+  static constexpr uint64_t kRoom = 40;  // blocks
+  BlockName coarse(int64_t time = 0) const { return {.time = time, .level = 1, .block = 0}; }
+  // More blocks of level 0, of this step and the next, than there is room for.
+  void fill(VolumeBuffer& buffer, int64_t time = 0) {
+    for (int64_t block = 0; block < 24; ++block) buffer.acquire(keysOf({block}, time));
+    for (int64_t block = 0; block < 24; ++block) buffer.acquire(keysOf({block}, time + 1));
+  }
+
+  const std::unique_ptr<MemorySource> fine_ = makeSparseBlobs({.dims = kDims, .time_steps = 4}),
+                                      coarse_ =
+                                          makeSparseBlobs({.dims = {8, 8, 8}, .time_steps = 4});
+  const BlockLayout coarse_layout_ = blockLayout({8, 8, 8}, 8, 0);
+  CountingSource fine_counted_{*fine_}, coarse_counted_{*coarse_};
+};
+
+TEST_F(LeveledBufferTest, theCoarsestLevelOfTheStepInUseGoesLast) {
+  VolumeBuffer buffer({{&fine_counted_, layout_}, {&coarse_counted_, coarse_layout_}},
+                      kRoom * kBlockBytes);
+  buffer.acquire(std::array{coarse(1)});
+  fill(buffer);
+  buffer.acquire(std::array{coarse(1)});
+  EXPECT_EQ(coarse_counted_.counts().calls, 1);
+  // A step that is no longer drawn gives its blocks up.
+  fill(buffer, 2);
+  buffer.acquire(std::array{coarse(1)});
+  EXPECT_EQ(coarse_counted_.counts().calls, 2);
+  EXPECT_THAT(buffer.counters().brokenIdentity(), IsEmpty());
+}
+
+TEST_F(LeveledBufferTest, theCoarsestLevelGoesIfNothingElseCan) {
+  VolumeBuffer buffer({{&fine_counted_, layout_}, {&coarse_counted_, coarse_layout_}},
+                      8 * kBlockBytes);
+  buffer.acquire(std::array{coarse()});
+  const auto held = buffer.acquire(keysOf({0, 1, 2, 3, 4, 5, 6, 7}));
+  EXPECT_EQ(held.size(), 8U);
+  buffer.acquire(std::array{BlockName{.block = 0}});
+}
+
+TEST_F(LeveledBufferTest, aBlockThatMakesRoomForACoarserOneIsKeptCompressed) {
+  VolumeBuffer buffer({{&fine_counted_, layout_}, {&coarse_counted_, coarse_layout_}},
+                      16 * kBlockBytes, VolumeBuffer::Cold::kPacked);
+  for (int64_t block = 0; block < 15; ++block) buffer.acquire(keysOf({block}));
+  const int64_t read = fine_counted_.counts().calls;
+  buffer.acquire(std::array{coarse()});
+  buffer.acquire(keysOf({0}));  // the coldest
+  EXPECT_EQ(fine_counted_.counts().calls, read);
 }
 
 TEST_F(VolumeBufferTest, heldBlocksStay) {

@@ -106,8 +106,12 @@ class SingleFlightCache {
   Value take(MutexLock& lock, const EntryPtr& entry) SLUICE_REQUIRES(mutex);
   static void letGo(const EntryPtr& entry) { --entry->wanted_by; }
 
-  // The least recently used entry that may go; null when there is none.
-  EntryPtr coldest() const SLUICE_REQUIRES(mutex);
+  // The least recently used entry that may go, of those that suit; null when there is none.
+  template <class Suits>
+  EntryPtr coldest(Suits suits) const SLUICE_REQUIRES(mutex);
+  EntryPtr coldest() const SLUICE_REQUIRES(mutex) {
+    return coldest([](const Key& /*key*/) { return true; });
+  }
   bool mayGo(const Entry& entry) const {
     return entry.wanted_by == 0 && (held_ == Held::kMayLeave || entry.value.use_count() == 1);
   }
@@ -306,9 +310,10 @@ auto SingleFlightCache<Key, T, Hash, Note>::take(MutexLock& lock, const EntryPtr
 }
 
 template <class Key, class T, class Hash, class Note>
-auto SingleFlightCache<Key, T, Hash, Note>::coldest() const -> EntryPtr {
+template <class Suits>
+auto SingleFlightCache<Key, T, Hash, Note>::coldest(Suits suits) const -> EntryPtr {
   for (auto at = recent_.rbegin(); at != recent_.rend(); ++at)
-    if (mayGo(**at)) return *at;
+    if (suits((*at)->key) && mayGo(**at)) return *at;
   return nullptr;
 }
 
