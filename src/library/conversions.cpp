@@ -114,6 +114,7 @@ MachineOptions machineOptions(const VolumeOptions& options) {
   MachineOptions machine;
   machine.memory_bytes = options.memory_bytes;
   machine.threads = threadsOf(options.threads);
+  machine.levels = LevelsWish::kKept;  // nobody would hear what is written
   return machine;
 }
 

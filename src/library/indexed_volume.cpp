@@ -71,11 +71,9 @@ std::vector<std::string> notesOf(const std::string& name, const VolumeLayout& la
   return notes;
 }
 
-// Levels are made beside the index if somebody asks for a cut or for levels.
+// Levels beside the index are for pictures that may be drawn from them.
 LevelsWish wishFor(LevelNeeds needs, LevelsWish wish) {
-  const bool makes = needs == LevelNeeds::kAll ||
-                     (needs == LevelNeeds::kWithSpreads && wish == LevelsWish::kAlways);
-  return makes ? wish : LevelsWish::kNone;
+  return needs == LevelNeeds::kFinest ? LevelsWish::kNone : wish;
 }
 
 // The levels that these needs ask for.
@@ -241,8 +239,9 @@ IndexedVolume indexVolume(std::unique_ptr<VolumeSource> source, const VolumeArgu
   volume.time = arguments.time;
   const bool has_own = !coarserLevels(*volume.source).empty();
   SideLevels side({*volume.source, volume.name, volume.places, volume.time,
-                   has_own ? LevelsWish::kNone : wishFor(needs.levels, machine.levels), pass.pool,
-                   pass.memory_bytes, pass.stop, pass.announce});
+                   has_own ? LevelsWish::kNone : wishFor(needs.levels, machine.levels),
+                   needs.levels == LevelNeeds::kAll || machine.levels == LevelsWish::kAlways,
+                   pass.pool, pass.memory_bytes, pass.stop, pass.announce});
   // Several levels take a layer more (pyramid.h), and have the same blocks lit and unlit, so that
   // an index made ahead serves both: without one, nothing would be known of the finest level.
   const bool has_levels = side.any() || !levelsFor(*volume.source, needs.levels).empty();

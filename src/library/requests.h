@@ -54,8 +54,9 @@ enum class Fit { kVisible, kVolume };
 using FitChoice = std::optional<Fit>;
 
 // Whether coarser levels are made, once, for a volume whose file has none (side_levels.h): if it is
-// large; whatever its size; or never, and those made before are not used.
-enum class LevelsWish { kAuto, kAlways, kNone };
+// large; whatever its size; not now, but those made before are used; or never, and those are not
+// used either.
+enum class LevelsWish { kAuto, kAlways, kKept, kNone };
 
 // Resources that drawing may take.
 struct MachineOptions {

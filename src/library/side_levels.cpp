@@ -76,7 +76,6 @@ class MendedLevel final : public VolumeSource {
   }
   std::string identity() const override { return level_.identity(); }
   uint64_t heldBytesAThread() const override { return level_.heldBytesAThread(); }
-  void holdAtMost(uint64_t bytes) override { level_.holdAtMost(bytes); }
   uint64_t storedBytesRead() const override { return level_.storedBytesRead(); }
 
  private:
@@ -112,6 +111,12 @@ class LeveledVolume final : public ForwardingSource {
   }
   const VolumeLayout& layout() const override { return layout_; }
   std::span<const CoarserLevel> levelsAbove() const override { return levels_; }
+  // Pictures take most blocks from either the file or the levels: each may have half.
+  void holdAtMost(uint64_t bytes) override {
+    const uint64_t of_levels = ForwardingSource::heldBytesAThread() == 0 ? bytes : bytes / 2;
+    ForwardingSource::holdAtMost(bytes - of_levels);
+    store_->holdAtMost(of_levels);
+  }
   uint64_t storedBytesRead() const override {
     return ForwardingSource::storedBytesRead() + store_->storedBytesRead();
   }
@@ -149,6 +154,17 @@ bool isLarge(const VolumeLayout& layout) {
   return dims.x * dims.y * dims.z > static_cast<double>(kMostVoxelsWithoutLevels);
 }
 
+// Whether levels take little more than the index does, of a file that is there to stay.
+bool isCheap(VolumeSource& source) {
+  return bytesPerVoxel(source.layout().type) <= 2 && !source.files().empty();
+}
+
+bool makes(const SideLevelsRequest& request) {
+  if (request.wish == LevelsWish::kAlways) return true;
+  return request.wish == LevelsWish::kAuto && isLarge(request.source.layout()) &&
+         (request.is_asked || isCheap(request.source));
+}
+
 }  // namespace
 
 SideLevels::SideLevels(const SideLevelsRequest& request)
@@ -158,11 +174,13 @@ SideLevels::SideLevels(const SideLevelsRequest& request)
       key_(keyOf(request.source, request.time)),
       time_(request.time),
       announce_(request.announce) {
-  const bool is_wanted = request.wish == LevelsWish::kAlways ||
-                         (request.wish == LevelsWish::kAuto && isLarge(layout_));
-  if (!is_wanted || places_.disabled) return;
+  if (request.wish == LevelsWish::kNone || places_.disabled) return;
   open();
-  if (store_ == nullptr) prepare(request);
+  if (store_ != nullptr) return;
+  if (makes(request))
+    prepare(request);
+  else
+    notes_.clear();  // nobody waits for levels
 }
 
 void SideLevels::open() {
@@ -186,15 +204,19 @@ void SideLevels::prepare(const SideLevelsRequest& request) {
   const auto leaveOut = [&](const std::string& why) {
     notes_.push_back(fmt::format("{}: no coarser levels are made, {}", name_, why));
   };
+  // News to those alone who have asked for levels.
+  const auto answer = [&](const char* why) {
+    if (request.is_asked) leaveOut(why);
+  };
   const Vec3i stored = storedLayout(request.source).dims;
   if (std::min({stored.x, stored.y, stored.z}) < 2) return;
-  if (layout_.time_steps > 1) return leaveOut("since it has several time steps");
+  if (layout_.time_steps > 1) return answer("since it has several time steps");
   if (!canMakeLevels(request.source, request.time))
-    return leaveOut("since its background is not a number");
+    return answer("since its background is not a number");
   if (places_.written.empty())
-    return leaveOut("since there is no folder for them (--index-dir names one)");
+    return answer("since there is no folder for them (--index-dir names one)");
   const auto plan = planLevelStore(layout_, request.memory_bytes / 2, request.pool.threads());
-  if (!plan) return leaveOut("since --memory is too small to make them");
+  if (!plan) return answer("since --memory is too small to make them");
   if (plan->levels.empty()) return;
   const std::optional<uint64_t> free = freeBytes(places_.written);
   if (free && *free < plan->voxel_bytes)

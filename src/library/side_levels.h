@@ -27,7 +27,8 @@
 namespace sluice {
 
 // LevelsWish::kAuto makes levels of volumes with more voxels than this, 512 a side: a picture of
-// 512 pixels a side shows smaller ones with a voxel a pixel or less, and needs no coarser level.
+// 512 pixels a side shows smaller ones with a voxel a pixel or less, and needs no coarser level. If
+// nobody has asked for levels, they must be cheap, too: of files, and of voxels of 8 or 16 bits.
 inline constexpr int64_t kMostVoxelsWithoutLevels = int64_t{1} << 27;
 
 struct SideLevelsRequest {
@@ -36,6 +37,8 @@ struct SideLevelsRequest {
   const IndexPlaces& places;
   int64_t time = 0;
   LevelsWish wish = LevelsWish::kAuto;
+  // Somebody asks for levels, and is told if the volume cannot have them.
+  bool is_asked = false;
   WorkerPool& pool;
   uint64_t memory_bytes = UINT64_MAX;  // for the whole pass
   StopToken stop = {};

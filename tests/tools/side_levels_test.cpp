@@ -122,6 +122,46 @@ TEST_F(SideLevelsCommand, areNotMadeOfSmallVolumesOrIfNobodyWantsThem) {
   EXPECT_EQ(picture(), finest);
 }
 
+TEST_F(SideLevelsCommand, thatAreThereAreUsedByPicturesThatAskForNothing) {
+  const std::string plain = std::string("render ") + kVolume +
+                            " --threshold 60 --no-shade --view plain --size 64 -o x.png --force ";
+  EXPECT_THAT(program_.run(plain).output, Not(HasSubstr("at level")));
+  EXPECT_TRUE(group().empty());
+  const auto finest = picture();
+  render();
+  const auto coarse = picture();
+  const CommandResult used = program_.run(plain);
+  EXPECT_THAT(used.output, HasSubstr("at level 1"));
+  EXPECT_THAT(used.output, Not(HasSubstr(kMade)));
+  EXPECT_EQ(picture(), coarse);
+  for (const char* const option : {"--level 0", "--levels none"}) {
+    EXPECT_THAT(program_.run(plain + option).output, Not(HasSubstr("at level 1")));
+    EXPECT_EQ(picture(), finest) << option;
+  }
+}
+
+TEST_F(SideLevelsCommand, areMadeByDefaultOfLargeFilesOfNarrowVoxels) {
+  const auto fileOf = [&](const std::string& name, uintmax_t bytes) {
+    writeFile(program_.folder / name, "");
+    fs::resize_file(program_.folder / name, bytes);  // of zeros, which take no room
+    return name;
+  };
+  constexpr uintmax_t kVoxels = uintmax_t{513} * 512 * 512;
+  const std::string narrow = fileOf("n_513x512x512_uint8.raw", kVoxels);
+  for (const char* const option : {" --level 0", " --levels none"}) {
+    EXPECT_THAT(program_.run("plan " + narrow + option).output, Not(HasSubstr(kMade)));
+    EXPECT_TRUE(group().empty()) << option;
+  }
+  EXPECT_THAT(program_.run("info " + narrow).output, HasSubstr(kMade));
+  EXPECT_FALSE(group().empty());
+  EXPECT_THAT(program_.run("plan " + narrow).output, Not(HasSubstr(kMade)));
+  // Levels of wide voxels take longer.
+  fs::remove_all(program_.folder / "cache");
+  const std::string wide = fileOf("w_513x512x512_float32.raw", 4 * kVoxels);
+  EXPECT_THAT(program_.run("info " + wide).output, Not(HasSubstr(kMade)));
+  EXPECT_TRUE(group().empty());
+}
+
 TEST_F(SideLevelsCommand, areMadeAgainWhenTheFileHasChanged) {
   ASSERT_EQ(render().status, 0);
   const auto old = chunksOf(group());

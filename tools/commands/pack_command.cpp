@@ -57,10 +57,12 @@ std::shared_ptr<const IndexedRanges> indexStore(const PackArguments& arguments, 
   ProgressMeter progress;
   VolumeArguments store;
   store.inputs = {arguments.output};
+  ResourceArguments resources = arguments.resources;
+  resources.levels = LevelsWish::kKept;  // the store has the levels that were asked for
   std::shared_ptr<const IndexedRanges> first;
   for (size_t c = 0; c < channels; ++c) {
     if (channels > 1) store.open.channel = static_cast<int64_t>(c);
-    IndexedVolume volume = openIndexed(store, arguments.resources, kUsualNeeds, pool);
+    IndexedVolume volume = openIndexed(store, resources, kUsualNeeds, pool);
     for (int64_t t = 1; t < volume.source->layout().time_steps; ++t)
       rangesOfStep(volume, t, {pool, progress, memoryBudget(arguments.resources), interruption()});
     if (c == 0) first = volume.index;

@@ -29,8 +29,8 @@ void addLevelOptions(CLI::App& app, LevelArguments& arguments, ResourceArguments
                         {"always", LevelsWish::kAlways},
                         {"none", LevelsWish::kNone}},
       resources.levels,
-      "Makes coarser levels, once and beside the index, for a file that has none: if it has "
-      "more than 512^3 voxels, always, or never");
+      "Makes coarser levels, once and beside the index, for a file that has none: if it is "
+      "large, always, or never");
 }
 
 std::optional<CutOptions> cutOptions(const LevelArguments& arguments,
