@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Installs what is needed, builds, and runs what must pass before a change lands: all tests and gates
-# of the release build, in which a warning is an error, the fuzzers for a bounded time, and under
-# sanitizers what threads share: levels 2 to 4, the frame and the CPU device (asan-fast, tsan-fast).
+# of an optimized build whose sources are compiled in batches and in which a warning is an error, the
+# fuzzers for a bounded time, and under sanitizers what threads share: levels 2 to 4, the frame and
+# the CPU device (asan-fast, tsan-fast).
 # `tools/test.sh all` adds what takes long: clang-tidy over everything, and the sanitizers over the
 # rest of it. `tools/test.sh asan` runs one preset. At the end: what each part took of the processor.
 set -euo pipefail
@@ -9,11 +10,11 @@ cd "$(dirname "$0")/.."
 
 tools/setup.sh
 presets=("$@")
-# Of release alone: what is left out on the command line takes the place of what a preset leaves out.
+# Of batches alone: what is left out on the command line takes the place of what a preset leaves out.
 skip=(-E 'gates\.tidy$')
-((${#presets[@]} > 0)) || presets=(release fuzz asan-fast tsan-fast)
+((${#presets[@]} > 0)) || presets=(batches fuzz asan-fast tsan-fast)
 if [[ ${presets[0]} == all ]]; then
-  presets=(release fuzz asan-fast tsan-fast asan tsan)
+  presets=(batches fuzz asan-fast tsan-fast asan tsan)
   skip=()
 fi
 
@@ -30,9 +31,9 @@ for preset in "${presets[@]}"; do
   echo "== $preset"
   note_processor
   before=$now
-  options=() without=()
-  [[ $preset != release ]] || options=(-DSLUICE_WERROR=ON) without=("${skip[@]}")
-  cmake --preset "$preset" "${options[@]}" >/dev/null
+  without=()
+  [[ $preset != batches ]] || without=("${skip[@]}")
+  cmake --preset "$preset" >/dev/null
   cmake --build --preset "$preset"
   note_processor
   built=$now

@@ -3,17 +3,15 @@
 
   check_batches.py ROOT
 
-The presets demo, asan-fast and tsan-fast compile many sources as one. What is local to a source, in
+The presets demo, batches, asan-fast and tsan-fast compile many sources as one. What is local to a source, in
 a namespace without a name, then meets what is local to the others. Sources in SLUICE_APART of
 CMakeLists.txt are compiled by themselves. Prints each name that two sources of a target define, as
 FILE:LINE: reason; exit status 1 if there is one.
 """
-import json
 import pathlib
 import re
 import sys
 
-PRESET = 'asan-fast'  # its targets among the tests are compiled in batches
 TARGET = re.compile(r'\b(?:sluice_layer|sluice_test|add_library)\s*\(\s*(\w+)([^()]*)\)')
 APART = re.compile(r'\bset\s*\(\s*SLUICE_APART\b([^()]*)\)')
 COMMENT = re.compile(r'#.*$', re.M)
@@ -78,8 +76,6 @@ def is_same_alias(root, first, path, number):
 
 def check(root):
     """A list of complaints about the sources under `root`."""
-    presets = json.loads((root / 'CMakePresets.json').read_text())['buildPresets']
-    tests = [preset['targets'] for preset in presets if preset['name'] == PRESET][0]
     apart = set()
     for words in APART.findall(COMMENT.sub('', (root / 'CMakeLists.txt').read_text())):
         apart |= set(words.split())
@@ -87,8 +83,6 @@ def check(root):
     for top in ('src', 'io', 'cache', 'tools', 'tests'):
         for cmake in sorted((root / top).rglob('CMakeLists.txt')):
             for target, sources in sources_of(cmake).items():
-                if top == 'tests' and f'test_{target}' not in tests:
-                    continue
                 seen = {}
                 for path in sources:
                     if path.stem in apart or not path.is_file():

@@ -7,7 +7,6 @@ import unittest
 from check_batches import check
 
 CMAKE = 'sluice_layer(a\n  SOURCES one.cpp two.cpp  # and no more\n  DEPENDS sluice_base)\n'
-PRESETS = '{"buildPresets": [{"name": "asan-fast", "targets": ["test_a"]}]}'
 
 
 class BatchesGate(unittest.TestCase):
@@ -16,7 +15,6 @@ class BatchesGate(unittest.TestCase):
             root = pathlib.Path(root)
             (root / folder).mkdir(parents=True)
             (root / 'CMakeLists.txt').write_text(f'set(SLUICE_APART\n  # src\n  {apart})\n')
-            (root / 'CMakePresets.json').write_text(PRESETS)
             (root / folder / 'CMakeLists.txt').write_text(cmake)
             for name, text in (('one', one), ('two', two)):
                 (root / folder / f'{name}.cpp').write_text(f'namespace {{\n{text}\n}}  // namespace\n')
@@ -44,10 +42,9 @@ class BatchesGate(unittest.TestCase):
     def test_lets_sources_be_that_are_compiled_apart(self):
         self.assertEqual(self.complaints('struct Row {', 'struct Row {', apart='two'), [])
 
-    def test_looks_at_the_tests_that_are_compiled_in_batches(self):
+    def test_looks_at_tests(self):
         cmake = CMAKE.replace('sluice_layer', 'sluice_test')
         self.assertTrue(self.complaints('struct Row {', 'struct Row {', folder='tests/a', cmake=cmake))
-        self.assertEqual(self.complaints('struct Row {', 'struct Row {', folder='tests/b', cmake=cmake.replace('(a', '(b')), [])
 
 
 if __name__ == '__main__':

@@ -9,15 +9,13 @@ says something, 77 when it is not installed.
 """
 import argparse
 import concurrent.futures
-import json
 import pathlib
 import re
-import shlex
 import shutil
 import subprocess
 import sys
 
-from check_tidy import FOLDERS, flags_of
+from check_tidy import sources_of
 
 LOCKS = re.compile(r'\b(MutexLock|Mutex|SLUICE_GUARDED_BY|SLUICE_REQUIRES|SingleFlightCache)\b')
 
@@ -26,14 +24,6 @@ def locks(path):
     """Whether a source or the header of its name has to do with a mutex."""
     both = [path, path.with_suffix('.h')]
     return any(file.is_file() and LOCKS.search(file.read_text(errors='replace')) for file in both)
-
-
-def sources_of(root, build):
-    """(path, flags) of each source that locks."""
-    for entry in json.loads((build / 'compile_commands.json').read_text()):
-        path = pathlib.Path(entry['directory'], entry['file']).resolve()
-        if path.is_relative_to(root) and FOLDERS.fullmatch(path.relative_to(root).as_posix()) and locks(path):
-            yield path, flags_of(entry.get('command') or shlex.join(entry['arguments']))
 
 
 def check_source(root, path, flags):
@@ -47,8 +37,9 @@ def check_source(root, path, flags):
 def check(root, build, jobs=2):
     """All that clang says of the sources that `build` compiles."""
     root = root.resolve()
+    locking = sorted(source for source in sources_of(root, build) if locks(source[0]))
     with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
-        return ''.join(pool.map(lambda source: check_source(root, *source), sorted(sources_of(root, build))))
+        return ''.join(pool.map(lambda source: check_source(root, *source), locking))
 
 
 if __name__ == '__main__':

@@ -21,6 +21,7 @@ import tempfile
 
 GROUP = 10
 FOLDERS = re.compile(r'(src|io|cache|tools)(/\w+)*/\w+\.cpp$')
+BATCHED = re.compile(r'^#include "(.*)"$', re.M)
 
 
 def flags_of(command):
@@ -34,14 +35,22 @@ def flags_of(command):
     return flags
 
 
+def sources_of(root, build):
+    """(path, flags) of each source of the program. A batch stands for the sources that it includes."""
+    for entry in json.loads((build / 'compile_commands.json').read_text()):
+        path = pathlib.Path(entry['directory'], entry['file']).resolve()
+        flags = flags_of(entry.get('command') or shlex.join(entry['arguments']))
+        batch = BATCHED.findall(path.read_text()) if path.parent.name == 'Unity' else [path]
+        for source in map(pathlib.Path, batch):
+            if source.is_relative_to(root) and FOLDERS.fullmatch(source.relative_to(root).as_posix()):
+                yield source, flags
+
+
 def groups_of(root, build):
     """Lists of (path, flags), a folder's sources split into groups of at most GROUP."""
     folders = {}
-    for entry in json.loads((build / 'compile_commands.json').read_text()):
-        path = pathlib.Path(entry['directory'], entry['file']).resolve()
-        if path.is_relative_to(root) and FOLDERS.fullmatch(path.relative_to(root).as_posix()):
-            command = entry.get('command') or shlex.join(entry['arguments'])
-            folders.setdefault(path.parent, {})[path] = flags_of(command)
+    for path, flags in sources_of(root, build):
+        folders.setdefault(path.parent, {})[path] = flags
     for files in folders.values():
         listed = sorted(files.items())
         for start in range(0, len(listed), GROUP):

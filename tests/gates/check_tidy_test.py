@@ -7,7 +7,7 @@ import sys
 import tempfile
 import unittest
 
-from check_tidy import check, missing
+from check_tidy import check, missing, sources_of
 
 CLEAN = 'namespace { struct Local { int a = 0; }; }\nint NAME() { return Local{}.a; }\n'
 FAULTY = ('#include <string>\n#include <utility>\nnamespace { struct Local { std::string a; }; }\n'
@@ -34,6 +34,20 @@ class TidyGate(unittest.TestCase):
         said = self.said({'a.cpp': CLEAN, 'b.cpp': FAULTY, 'c.cpp': 'int c() { return 1; }\n'})
         self.assertIn('io/b.cpp:4', said)
         self.assertNotIn('io/a.cpp', said)
+
+    def test_looks_into_batches(self):
+        with tempfile.TemporaryDirectory() as folder:
+            root = pathlib.Path(folder).resolve()
+            (root / 'io').mkdir()
+            (root / 'Unity').mkdir()
+            for name in ('a', 'b'):
+                (root / f'io/{name}.cpp').write_text('')
+            unit = root / 'Unity/unity_0_cxx.cxx'
+            unit.write_text(f'/* generated */\n\n#include "{root}/io/a.cpp"\n\n#include "{root}/io/b.cpp"\n')
+            (root / 'compile_commands.json').write_text(
+                json.dumps([{'directory': str(root), 'file': str(unit), 'command': f'c++ -I{root} -c {unit}'}]))
+            self.assertEqual(list(sources_of(root, root)),
+                             [(root / f'io/{name}.cpp', [(f'-I{root}',)]) for name in ('a', 'b')])
 
     def test_source_that_does_not_compile_is_a_fault(self):
         self.assertIn('a.cpp', self.said({'a.cpp': 'int a( {\n', 'b.cpp': CLEAN}))

@@ -16,13 +16,13 @@ using testing::HasSubstr;
 using testing::Not;
 
 constexpr const char* kVolume = "synth:shells,dims=160x140x120,levels=4";
-constexpr const char* kLook =
+constexpr const char* kLevelsLook =
     "--threshold 60 --opacity 0.1 --no-shade --block 32 --view plain --azimuth 30 --size 64";
 
 class LevelsCommand : public testing::Test {
  protected:
   static std::string arguments(const std::string& more) {
-    return std::string(kVolume) + " " + kLook + " " + more;
+    return std::string(kVolume) + " " + kLevelsLook + " " + more;
   }
   json render(const std::string& more) const {
     return program_.json("render " + arguments("-o x.png --force " + more));
@@ -57,9 +57,10 @@ TEST_F(LevelsCommand, levelZeroIsThePictureOfTheVolumeWithoutLevels) {
   EXPECT_FALSE(render("--level 0").contains("cut"));
   const auto read = [&](const char* name) { return readPng(program_.folder / name).rgba; };
   const auto leveled = read("x.png");
-  ASSERT_EQ(program_.run(std::string("render synth:shells,dims=160x140x120 -o plain.png ") + kLook)
-                .status,
-            0);
+  ASSERT_EQ(
+      program_.run(std::string("render synth:shells,dims=160x140x120 -o plain.png ") + kLevelsLook)
+          .status,
+      0);
   EXPECT_EQ(leveled, read("plain.png"));
   const CommandResult said = program_.run("render " + arguments("-o x.png --force --level 0"));
   EXPECT_THAT(said.output, Not(HasSubstr("coarser")));
@@ -121,7 +122,8 @@ TEST_F(LevelsCommand, packedLevelsAreDrawnWithTheirSpreadsAndOthersWithout) {
   };
   run("pack synth:shells,dims=96x90x80 -o v.zarr --chunk 16 --levels 2");
   EXPECT_THAT(run("info v.zarr --levels"), HasSubstr("spread: u8"));
-  const std::string picture = std::string("v.zarr ") + kLook + " -o v.png --force --pixel-error 2";
+  const std::string picture =
+      std::string("v.zarr ") + kLevelsLook + " -o v.png --force --pixel-error 2";
   const json shown = program_.json("render " + picture);
   EXPECT_EQ(shown["cut"]["spreads"], true);
   EXPECT_GT(shown["cut"]["coarse_share"], 0.0);
@@ -135,7 +137,7 @@ TEST_F(LevelsCommand, packedLevelsAreDrawnWithTheirSpreadsAndOthersWithout) {
   EXPECT_EQ(program_.json("render " + picture)["cut"]["spreads"], false);
   EXPECT_THAT(run("render " + picture), HasSubstr("without a spread"));
   // Such levels lose thin structures: they are drawn only if they are asked for.
-  const std::string default_cut = std::string("v.zarr ") + kLook + " -o v.png --force";
+  const std::string default_cut = std::string("v.zarr ") + kLevelsLook + " -o v.png --force";
   EXPECT_FALSE(program_.json("render " + default_cut).contains("cut"));
 }
 

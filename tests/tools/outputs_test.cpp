@@ -13,10 +13,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool isOneLine(const std::string& text) {
-  return std::count(text.begin(), text.end(), '\n') == 1 && text.back() == '\n';
-}
-
 // Folders and files with their contents, except indices and new results.
 class Outputs : public testing::Test {
  protected:

@@ -15,10 +15,6 @@ namespace fs = std::filesystem;
 constexpr const char* kSlow = "synth:noise,dims=200x200x400,type=u16";
 constexpr const char* kOptions = " --codec zstd --level 7 --threads 1 --chunk 32";
 
-bool isOneLine(const std::string& text) {
-  return !text.empty() && std::count(text.begin(), text.end(), '\n') == 1 && text.back() == '\n';
-}
-
 // A line of sh in which $SLUICE is the program.
 CommandResult shell(const Program& program, const std::string& line) {
   return runCommand("cd " + shellQuoted(program.folder.path().string()) +

@@ -17,7 +17,7 @@ using testing::AnyOf;
 using testing::HasSubstr;
 using testing::Not;
 
-constexpr const char* kLook = " --threshold 60 --size 64x48 ";
+constexpr const char* kSmallLook = " --threshold 60 --size 64x48 ";
 
 std::string attributeOf(const ExrContents& exr, const std::string& wanted) {
   for (const auto& [name, text] : exr.attributes)
@@ -61,8 +61,9 @@ TEST(PictureOutput, anExrIsThePngInLinearLight) {
   for (const std::string look : {"", " --background 306090", " --mode mip", " --shade"}) {
     SCOPED_TRACE(look);
     for (const char* file : {"a.exr", "a.png"})
-      ASSERT_EQ(program.run(std::string("render ") + kSmall + kLook + "-o " + file + look).status,
-                0);
+      ASSERT_EQ(
+          program.run(std::string("render ") + kSmall + kSmallLook + "-o " + file + look).status,
+          0);
     const auto run =
         runCommand("cd " + shellQuoted(program.folder.path().string()) +
                    " && /usr/bin/python3 " SLUICE_TEST_DIR "/io/read_exr_oiio.py a.exr a.png");
@@ -86,7 +87,7 @@ TEST(PictureOutput, anExrIsThePngInLinearLight) {
 TEST(PictureOutput, openExrsOwnToolNamesTheMatrices) {
   if (std::system("command -v exrheader >/dev/null") != 0) GTEST_SKIP() << "exrheader is missing";
   const Program program;
-  ASSERT_EQ(program.run(std::string("render ") + kSmall + kLook + "-o a.exr").status, 0);
+  ASSERT_EQ(program.run(std::string("render ") + kSmall + kSmallLook + "-o a.exr").status, 0);
   const auto run = runCommand("exrheader " + (program.folder / "a.exr").string());
   EXPECT_THAT(
       run.output,
@@ -98,7 +99,7 @@ TEST(PictureOutput, channelsAreThoseAskedFor) {
   const Program program;
   const auto channelsOf = [&](const std::string& options) {
     const CommandResult made =
-        program.run(std::string("render ") + kSmall + kLook + "-o a.exr " + options);
+        program.run(std::string("render ") + kSmall + kSmallLook + "-o a.exr " + options);
     EXPECT_EQ(made.status, 0) << made.output;
     return readExr(program.folder / "a.exr");
   };
@@ -239,8 +240,9 @@ TEST(PictureOutput, whatIsVisibleFillsThePictureAlsoOfACrop) {
 // Pictures that are compared with other renderers and benches stay as they were.
 TEST(PictureOutput, thePlainViewHasTheVolumesSphere) {
   const Program program;
-  ASSERT_EQ(program.run(std::string("render ") + kSmall + kLook + "-o a.exr --view plain").status,
-            0);
+  ASSERT_EQ(
+      program.run(std::string("render ") + kSmall + kSmallLook + "-o a.exr --view plain").status,
+      0);
   const std::string camera = attributeOf(readExr(program.folder / "a.exr"), "camera");
   EXPECT_THAT(camera, AllOf(HasSubstr("--view plain"), HasSubstr("--fit volume"),
                             HasSubstr("--azimuth 0 --elevation 0"), HasSubstr("--zoom 1 "),

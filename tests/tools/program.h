@@ -50,6 +50,10 @@ class Program {
   const TempFolder folder;
 };
 
+inline bool isOneLine(const std::string& text) {
+  return !text.empty() && std::count(text.begin(), text.end(), '\n') == 1 && text.back() == '\n';
+}
+
 // A volume that every test can afford.
 inline constexpr const char* kSmall = "synth:shells,dims=48x40x36";
 

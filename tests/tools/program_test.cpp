@@ -14,10 +14,6 @@
 namespace sluice {
 namespace {
 
-bool isOneLine(const std::string& text) {
-  return !text.empty() && std::count(text.begin(), text.end(), '\n') == 1 && text.back() == '\n';
-}
-
 TEST(Program, printsItsVersionAndHelp) {
   const Program program;
   EXPECT_EQ(program.run("--version").output, std::string(SLUICE_VERSION) + "\n");

@@ -11,7 +11,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kSide = 68, kChunk = 4, kChunks = kSide / kChunk;
+constexpr int kStoreSide = 68, kChunk = 4, kChunks = kStoreSide / kChunk;
 
 // A store of uncompressed chunks, more than its identity looks at: a ball of 200 in 0.
 void writeStore(const fs::path& folder, const std::string& separator) {
@@ -33,10 +33,6 @@ void writeStore(const fs::path& folder, const std::string& separator) {
     fs::create_directories(chunk.parent_path());
     writeFile(chunk, bytes);
   }
-}
-
-bool isOneLine(const std::string& text) {
-  return !text.empty() && std::count(text.begin(), text.end(), '\n') == 1 && text.back() == '\n';
 }
 
 constexpr const char* kRender = "render v.zarr -q --size 64 --threshold 100 --block 16 -o ";

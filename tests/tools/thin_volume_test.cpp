@@ -15,18 +15,18 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr int64_t kSide = 30;
+constexpr int64_t kThinSide = 30;
 
 // A disc in a plane, `planes` times along axis `axis`.
 void writeDisc(const Program& program, const std::string& name, int axis, int64_t planes) {
-  Vec3i dims{kSide, kSide, kSide};
+  Vec3i dims{kThinSide, kThinSide, kThinSide};
   dims[axis] = planes;
   std::string bytes;
   for (int64_t z = 0; z < dims.z; ++z)
     for (int64_t y = 0; y < dims.y; ++y)
       for (int64_t x = 0; x < dims.x; ++x) {
         Vec3i p{x, y, z};
-        p[axis] = kSide / 2;
+        p[axis] = kThinSide / 2;
         const double r = length(toDouble(p) - Vec3d{15, 15, 15});
         bytes += static_cast<char>(std::lround(200 * std::clamp((12 - r) / 3, 0.0, 1.0)));
       }
@@ -39,7 +39,7 @@ TEST(ThinVolume, isDrawnAsTwoPlanesAVoxelApart) {
   for (int axis = 0; axis < 3; ++axis) {
     writeDisc(program, "thin", axis, 1);
     writeDisc(program, "two", axis, 2);
-    Vec3i thin{kSide, kSide, kSide}, two = thin;
+    Vec3i thin{kThinSide, kThinSide, kThinSide}, two = thin;
     thin[axis] = 1;
     two[axis] = 2;
     for (const char* mode : {"composite", "mip", "minip", "average"})

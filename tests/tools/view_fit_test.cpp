@@ -10,7 +10,7 @@
 namespace sluice {
 namespace {
 
-constexpr int64_t kSide = 48;
+constexpr int64_t kFittedSide = 48;
 
 class ViewFitTest : public testing::Test {
  protected:
@@ -18,9 +18,9 @@ class ViewFitTest : public testing::Test {
   ViewFitTest() {
     for (int64_t step = 0; step < 3; ++step) {
       std::string voxels;
-      for (int64_t z = 0; z < kSide; ++z)
-        for (int64_t y = 0; y < kSide; ++y)
-          for (int64_t x = 0; x < kSide; ++x) {
+      for (int64_t z = 0; z < kFittedSide; ++z)
+        for (int64_t y = 0; y < kFittedSide; ++y)
+          for (int64_t x = 0; x < kFittedSide; ++x) {
             const Box3 cube = translate(boxOf({8, 8, 8}), {4 + 12 * step, 20, 20});
             voxels += static_cast<char>(cube.contains(Vec3i{x, y, z}) ? 200 : 0);
           }
@@ -28,7 +28,7 @@ class ViewFitTest : public testing::Test {
       writeFile(file, voxels);
       arguments_.inputs.push_back(file.string());
     }
-    arguments_.open.dims = Vec3i{kSide, kSide, kSide};
+    arguments_.open.dims = Vec3i{kFittedSide, kFittedSide, kFittedSide};
     arguments_.open.type = VoxelType::kU8;
     arguments_.time = 1;
     resources_.block = 16;
