@@ -1,6 +1,7 @@
 // All of the library: volumes larger than memory as pictures.
 #pragma once
 
+#include <sluice/array.h>
 #include <sluice/error.h>
 #include <sluice/image.h>
 #include <sluice/options.h>

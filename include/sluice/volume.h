@@ -1,7 +1,9 @@
-// Volume: a volume on disk, open for drawing. It holds everything known about the volume without
-// its voxels; these are read when pictures need them, so that the volume may be larger than memory.
+// Volume: a volume on disk or in memory, open for drawing. It holds everything known about the
+// volume without its voxels; these are read when pictures need them, so that the volume may be
+// larger than memory.
 #pragma once
 
+#include <sluice/array.h>
 #include <sluice/error.h>
 #include <sluice/progress.h>
 #include <sluice/report.h>
@@ -12,6 +14,7 @@
 #include <optional>
 #include <stop_token>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace sluice {
@@ -85,6 +88,22 @@ class Volume {
   explicit Volume(const std::vector<std::string>& paths, const VolumeOptions& options = {},
                   const ProgressFunction& progress = {}, const std::stop_token& stop = {});
 
+  // An array that is in memory already, the voxel (0, 0, 0) of step 0 at `first`. It is not copied
+  // as a whole: pictures copy the blocks that they show, within their budget. It must stay as it is
+  // as long as the volume is open. `strides` unset: packed, x fastest. Of `options` those of a file
+  // and of folders are ignored. Throws Error, which names `layout.name`: dims, type, place or steps
+  // that none can be, no array; Cancelled.
+  static Volume borrow(const void* first, const ArrayLayout& layout,
+                       const std::optional<ArrayStrides>& strides = {},
+                       const VolumeOptions& options = {}, const ProgressFunction& progress = {},
+                       const std::stop_token& stop = {});
+  // Voxels that `fill` gives whenever they are needed, perhaps several times. Otherwise as
+  // borrow().
+  static Volume fromFunction(FillBox fill, const ArrayLayout& layout,
+                             const VolumeOptions& options = {},
+                             const ProgressFunction& progress = {},
+                             const std::stop_token& stop = {});
+
   const VolumeInfo& info() const;
   // The values of all voxels; for a series that was opened whole, of all its steps. Requires: bins
   // > 0.
@@ -93,6 +112,7 @@ class Volume {
  private:
   friend class Renderer;
   struct Impl;
+  explicit Volume(std::shared_ptr<const Impl> impl) : impl_(std::move(impl)) {}
   std::shared_ptr<const Impl> impl_;
 };
 

@@ -4,16 +4,6 @@
 #include <cstring>
 
 namespace sluice {
-namespace {
-
-template <class Word>
-void copyStrided(const std::byte* from, int64_t stride, std::byte* to, int64_t count) {
-  for (int64_t i = 0; i < count; ++i)
-    std::memcpy(to + i * static_cast<int64_t>(sizeof(Word)),
-                from + i * stride * static_cast<int64_t>(sizeof(Word)), sizeof(Word));
-}
-
-}  // namespace
 
 std::vector<int64_t> stridesInChunk(const ZarrArray& array) {
   std::vector<int64_t> strides(array.axes());
@@ -24,17 +14,6 @@ std::vector<int64_t> stridesInChunk(const ZarrArray& array) {
     stride *= array.chunks[axis];
   }
   return strides;
-}
-
-void copyRow(const std::byte* from, int64_t stride, std::byte* to, int64_t count, size_t voxel) {
-  if (stride == 1) {
-    std::memcpy(to, from, static_cast<size_t>(count) * voxel);
-    return;
-  }
-  if (voxel == 1) copyStrided<uint8_t>(from, stride, to, count);
-  if (voxel == 2) copyStrided<uint16_t>(from, stride, to, count);
-  if (voxel == 4) copyStrided<uint32_t>(from, stride, to, count);
-  if (voxel == 8) copyStrided<uint64_t>(from, stride, to, count);
 }
 
 void fillRow(std::span<const std::byte> voxel, std::byte* to, int64_t count) {

@@ -1,4 +1,4 @@
-// Rows of voxels out of a decoded chunk, or of the fill value. Pure functions.
+// How voxels lie in a decoded chunk, and rows of the fill value. Pure functions.
 #pragma once
 
 #include <cstddef>
@@ -12,9 +12,6 @@ namespace sluice {
 
 // Voxels between neighbours along each of the array's axes, inside a chunk.
 std::vector<int64_t> stridesInChunk(const ZarrArray& array);
-
-// Copies `count` voxels of `voxel` bytes, of which every stride-th is taken, to packed ones.
-void copyRow(const std::byte* from, int64_t stride, std::byte* to, int64_t count, size_t voxel);
 
 // Writes a voxel `count` times.
 void fillRow(std::span<const std::byte> voxel, std::byte* to, int64_t count);

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <utility>
 
+#include "io/files/copy_row.h"
 #include "io/files/file.h"
 #include "io/files/swap_bytes.h"
 #include "io/zarr/zarr_codec.h"
@@ -315,7 +316,7 @@ void ZarrSource::copyChunk(std::span<const std::byte> chunk, int64_t time, const
     for (int64_t y = 0; y < size.y; ++y) {
       const int64_t from = base + z * stride.z + y * stride.y;
       const int64_t to = ((at.z + z) * whole.y + at.y + y) * whole.x + at.x;
-      copyRow(chunk.data() + from * voxel, stride.x, out.data() + to * voxel, size.x,
+      copyRow(chunk.data() + from * voxel, stride.x * voxel, out.data() + to * voxel, size.x,
               static_cast<size_t>(voxel));
     }
 }

@@ -2,7 +2,9 @@
 
 #include <bit>
 #include <cmath>
+#include <utility>
 
+#include "io/lent_source.h"
 #include "src/base/error.h"
 
 namespace sluice {
@@ -73,6 +75,14 @@ Framing framingOf(const ViewOptions::Framing& given) {
   return {vec(given.target), given.reach, given.right, given.up};
 }
 
+VoxelType typeOf(const std::string& name, const std::string& type) {
+  const std::optional<VoxelType> known = parseVoxelType(type);
+  if (!known)
+    fail("{}: voxel type \"{}\" is not known, expected u8, i8, u16, i16, u32, i32, f32 or f64",
+         name, type);
+  return *known;
+}
+
 Box3 cropOf(const PictureOptions::Box& given, Vec3i dims) {
   const Box3 box{vec(given.lo), vec(given.hi)};
   const Box3 cells{box.lo, box.hi - Vec3i{1, 1, 1}};
@@ -95,12 +105,7 @@ VolumeArguments volumeArguments(const std::vector<std::string>& paths,
   OpenOptions& open = arguments.open;
   if (options.dims) open.dims = vec(*options.dims);
   open.time_steps = options.time_steps;
-  if (!options.type.empty()) {
-    open.type = parseVoxelType(options.type);
-    if (!open.type)
-      fail("{}: voxel type \"{}\" is not known, expected u8, i8, u16, i16, u32, i32, f32 or f64",
-           paths.front(), options.type);
-  }
+  if (!options.type.empty()) open.type = typeOf(paths.front(), options.type);
   if (options.big_endian) open.byte_order = std::endian::big;
   open.skip_bytes = options.skip_bytes;
   if (options.spacing) open.spacing = vec(*options.spacing);
@@ -108,6 +113,24 @@ VolumeArguments volumeArguments(const std::vector<std::string>& paths,
   open.channel = {options.channel, options.channel_name};
   open.decode.folder = options.temporary_folder;
   return arguments;
+}
+
+VolumeLayout volumeLayout(const ArrayLayout& array) {
+  VolumeLayout layout;
+  layout.name = array.name.empty() ? "array" : array.name;
+  layout.dims = vec(array.dims);
+  layout.time_steps = array.time_steps;
+  layout.unit = array.unit;
+  layout.type = typeOf(layout.name, array.type);
+  std::array<Vec3d, 3> steps;
+  for (size_t a = 0; a < 3; ++a) {
+    const Vec3d axis = vec(array.axes[a]);
+    if (!(array.spacing[a] > 0) || !(length(axis) > 0))
+      fail("{}: spacing {} along {}: must be above 0, and the axis must have a length", layout.name,
+           array.spacing[a], "xyz"[a]);
+    steps[a] = axis * (array.spacing[a] / length(axis));
+  }
+  return lentLayout(std::move(layout), steps, vec(array.origin));
 }
 
 MachineOptions machineOptions(const VolumeOptions& options) {

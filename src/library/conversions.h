@@ -16,6 +16,8 @@ namespace sluice {
 
 VolumeArguments volumeArguments(const std::vector<std::string>& paths,
                                 const VolumeOptions& options);
+// Throws Error, which names the layout's field.
+VolumeLayout volumeLayout(const ArrayLayout& array);
 // Options without a device, for the pass over a volume.
 MachineOptions machineOptions(const VolumeOptions& options);
 MachineOptions machineOptions(const RendererOptions& options);

@@ -208,7 +208,12 @@ IndexNeeds needsOf(const LookArguments& look, Mode mode, const std::optional<Cut
 }
 
 std::unique_ptr<VolumeSource> openSource(const VolumeArguments& arguments) {
-  auto source = withThickness(openVolume(arguments.inputs, arguments.open));
+  return checkedSource(openVolume(arguments.inputs, arguments.open), arguments);
+}
+
+std::unique_ptr<VolumeSource> checkedSource(std::unique_ptr<VolumeSource> opened,
+                                            const VolumeArguments& arguments) {
+  auto source = withThickness(std::move(opened));
   const int64_t steps = source->layout().time_steps;
   if (arguments.time >= 0 && arguments.time < steps) return source;
   const std::optional<int64_t> step = stepOfNumber(*source, arguments.time);

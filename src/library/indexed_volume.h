@@ -86,6 +86,9 @@ struct IndexPass {
 // Opens the volume and checks that it has the time step. A volume of one voxel along an axis is
 // made thick enough to be drawn (thick_source.h). Throws Error.
 std::unique_ptr<VolumeSource> openSource(const VolumeArguments& arguments);
+// The same of a source that is open already.
+std::unique_ptr<VolumeSource> checkedSource(std::unique_ptr<VolumeSource> opened,
+                                            const VolumeArguments& arguments);
 // Reads or builds the index of the step, or of all steps. `source` belongs to `arguments`. Throws
 // Error, Interrupted.
 IndexedVolume indexVolume(std::unique_ptr<VolumeSource> source, const VolumeArguments& arguments,

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "io/lent_source.h"
 #include "src/base/error.h"
 #include "src/base/values/value_counts.h"
 #include "src/library/conversions.h"
@@ -11,9 +12,10 @@
 namespace sluice {
 namespace {
 
-void open(OpenedVolume& opened, const std::vector<std::string>& paths, const VolumeOptions& options,
-          ProgressTeller& teller) {
-  VolumeArguments arguments = volumeArguments(paths, options);
+// `source` gives the volume of `arguments`, once a call may tell how far it is.
+template <class Source>
+void open(OpenedVolume& opened, VolumeArguments arguments, const VolumeOptions& options,
+          const IndexWish& wish, ProgressTeller& teller, const Source& source) {
   const MachineOptions machine = machineOptions(options);
   opened.relay = std::make_shared<ProgressRelay>();
   arguments.open.decode.watch = [relay = opened.relay](const std::string&) {
@@ -28,15 +30,29 @@ void open(OpenedVolume& opened, const std::vector<std::string>& paths, const Vol
   IndexNeeds needs = kUsualNeeds;  // any look can be drawn
   needs.whole_series = options.whole_series;
   opened.whole_series = options.whole_series;
-  opened.volume = indexVolume(openSource(arguments), arguments, machine, needs,
-                              {.folder = options.index_folder},
+  opened.volume = indexVolume(source(arguments), arguments, machine, needs, wish,
                               {pool, progress, memoryBudget(machine), teller.stop()});
   std::vector<std::string> notes = opened.volume.notes;
   // If no folder is named, nobody expects an index.
-  if (options.index_folder.empty()) std::erase(notes, opened.volume.index->note);
+  if (wish.folder.empty()) std::erase(notes, opened.volume.index->note);
   opened.info = volumeInfo(opened.volume.source->layout(), opened.volume.valueRange(), notes);
   opened.info.levels = static_cast<int>(opened.volume.step().coarser.size()) + 1;
   opened.info.files = opened.volume.source->files();
+}
+
+void openLent(OpenedVolume& opened, FillRegion fill, const VolumeLayout& layout,
+              const VolumeOptions& options, const ProgressFunction& progress,
+              const std::stop_token& stop) {
+  translated([&] {
+    ProgressTeller teller(progress, stop);
+    VolumeArguments arguments;
+    arguments.inputs = {layout.name};
+    arguments.time = options.time;
+    // Nobody can tell whether an index that was kept is of these voxels.
+    open(opened, arguments, options, {.disabled = true}, teller, [&](const VolumeArguments& asked) {
+      return checkedSource(lentSource(std::move(fill), layout), asked);
+    });
+  });
 }
 
 }  // namespace
@@ -50,9 +66,33 @@ Volume::Volume(const std::vector<std::string>& paths, const VolumeOptions& optio
   auto impl = std::make_shared<Impl>();
   translated([&] {
     ProgressTeller teller(progress, stop);
-    open(*impl, paths, options, teller);
+    open(*impl, volumeArguments(paths, options), options, {.folder = options.index_folder}, teller,
+         [](const VolumeArguments& arguments) { return openSource(arguments); });
   });
   impl_ = std::move(impl);
+}
+
+Volume Volume::borrow(const void* first, const ArrayLayout& layout,
+                      const std::optional<ArrayStrides>& strides, const VolumeOptions& options,
+                      const ProgressFunction& progress, const std::stop_token& stop) {
+  const VolumeLayout lent = volumeLayout(layout);
+  FillRegion fill = fillFrom(first, lent, strides.value_or(packedStrides(lent)));
+  auto impl = std::make_shared<Impl>();
+  openLent(*impl, std::move(fill), lent, options, progress, stop);
+  return Volume(std::move(impl));
+}
+
+Volume Volume::fromFunction(FillBox fill, const ArrayLayout& layout, const VolumeOptions& options,
+                            const ProgressFunction& progress, const std::stop_token& stop) {
+  const VolumeLayout lent = volumeLayout(layout);
+  FillRegion region;
+  if (fill)
+    region = [fill = std::move(fill)](int64_t time, const Box3& box, std::span<std::byte> out) {
+      fill(time, {box.lo.x, box.lo.y, box.lo.z}, {box.hi.x, box.hi.y, box.hi.z}, out);
+    };
+  auto impl = std::make_shared<Impl>();
+  openLent(*impl, std::move(region), lent, options, progress, stop);
+  return Volume(std::move(impl));
 }
 
 ValueHistogram Volume::histogram(int bins) const {

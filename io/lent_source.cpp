@@ -1,0 +1,78 @@
+#include "io/lent_source.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "io/files/copy_row.h"
+#include "io/headers/volume_description.h"
+#include "src/base/error.h"
+
+namespace sluice {
+namespace {
+
+constexpr int64_t kMostVoxels = int64_t{1} << 59;
+
+class LentSource final : public VolumeSource {
+ public:
+  LentSource(FillRegion fill, VolumeLayout layout)
+      : fill_(std::move(fill)), layout_(std::move(layout)) {}
+
+  const VolumeLayout& layout() const override { return layout_; }
+  void readRegion(int64_t time, const Box3& box, std::span<std::byte> out) override {
+    fill_(time, box, out);
+  }
+  // No index of it is kept.
+  std::string identity() const override { return layout_.name; }
+  uint64_t storedBytesRead() const override { return 0; }
+
+ private:
+  const FillRegion fill_;
+  const VolumeLayout layout_;
+};
+
+}  // namespace
+
+VolumeLayout lentLayout(VolumeLayout layout, const std::array<Vec3d, 3>& steps, Vec3d origin) {
+  int64_t voxels = 1;
+  for (const int64_t extent : {layout.dims.x, layout.dims.y, layout.dims.z, layout.time_steps})
+    if (extent < 1 || __builtin_mul_overflow(voxels, extent, &voxels) || voxels > kMostVoxels)
+      fail(
+          "{}: expected dims and time steps of at least 1, and at most 2^59 voxels, found {} x {} "
+          "x {} in {} steps",
+          layout.name, layout.dims.x, layout.dims.y, layout.dims.z, layout.time_steps);
+  setSteps(layout.name, {steps[0], steps[1], steps[2]}, layout);
+  setOrigin(layout.name, origin, layout);
+  return layout;
+}
+
+std::unique_ptr<VolumeSource> lentSource(FillRegion fill, VolumeLayout layout) {
+  if (!fill) fail("{}: expected a function that gives voxels, found none", layout.name);
+  return std::make_unique<LentSource>(std::move(fill), std::move(layout));
+}
+
+std::array<int64_t, 4> packedStrides(const VolumeLayout& layout) {
+  const auto voxel = static_cast<int64_t>(bytesPerVoxel(layout.type));
+  const Vec3i dims = layout.dims;
+  return {voxel, voxel * dims.x, voxel * dims.x * dims.y, voxel * dims.x * dims.y * dims.z};
+}
+
+FillRegion fillFrom(const void* first, const VolumeLayout& layout,
+                    const std::array<int64_t, 4>& strides) {
+  if (first == nullptr) fail("{}: expected an array, found none", layout.name);
+  const auto* voxels = static_cast<const std::byte*>(first);
+  const size_t voxel_bytes = bytesPerVoxel(layout.type);
+  return [=](int64_t time, const Box3& box, std::span<std::byte> out) {
+    const int64_t width = box.size().x;
+    std::byte* to = out.data();
+    for (int64_t z = box.lo.z; z < box.hi.z; ++z)
+      for (int64_t y = box.lo.y; y < box.hi.y; ++y) {
+        const std::byte* from =
+            voxels + time * strides[3] + z * strides[2] + y * strides[1] + box.lo.x * strides[0];
+        copyRow(from, strides[0], to, width, voxel_bytes);
+        to += width * static_cast<int64_t>(voxel_bytes);
+      }
+  };
+}
+
+}  // namespace sluice
