@@ -4,6 +4,14 @@
 #include <utility>
 
 namespace sluice {
+namespace {
+
+// A chunk counts as at least this much, which is more than the cache needs to keep a small one.
+constexpr uint64_t kLeastBytes = 512;
+// The most buffers that are kept for the next chunks; take() looks through them.
+constexpr size_t kMostKept = 256;
+
+}  // namespace
 
 ChunkMemory::Buffer ChunkMemory::take(uint64_t bytes) {
   const MutexLock lock(mutex_);
@@ -30,7 +38,7 @@ ChunkMemory::Buffer ChunkMemory::take(uint64_t bytes) {
 
 void ChunkMemory::give(Buffer buffer) {
   const MutexLock lock(mutex_);
-  if (now_ <= limit_bytes_)
+  if (now_ <= limit_bytes_ && kept_.size() < kMostKept)
     kept_.push_back(std::move(buffer));
   else
     now_ -= buffer.size;
@@ -49,7 +57,7 @@ ZarrChunkCache::ZarrChunkCache(uint64_t budget_bytes)
     : memory_(budget_bytes), chunks_(budget_bytes, Held::kStays) {}
 
 int ZarrChunkCache::addArray(uint64_t chunk_bytes, Decode decode) {
-  arrays_.push_back({chunk_bytes, std::move(decode)});
+  arrays_.push_back({std::max(chunk_bytes, kLeastBytes), std::move(decode)});
   return static_cast<int>(arrays_.size()) - 1;
 }
 
@@ -61,8 +69,8 @@ void ZarrChunkCache::setBudget(uint64_t budget_bytes) {
 ZarrChunkCache::Chunk ZarrChunkCache::get(const Key& key) {
   const Array& array = arrays_[static_cast<size_t>(key.array)];
   // A decoder holds its input too.
-  return chunks_.get(key, 2 * array.chunk_bytes, [&] {
-    return Chunks::Loaded{array.decode(key.chunk, memory_), array.chunk_bytes};
+  return chunks_.get(key, 2 * array.counted_bytes, [&] {
+    return Chunks::Loaded{array.decode(key.chunk, memory_), array.counted_bytes};
   });
 }
 

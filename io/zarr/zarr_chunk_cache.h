@@ -105,7 +105,7 @@ class ZarrChunkCache {
   };
   using Chunks = SingleFlightCache<Key, const CountedBytes, KeyHash>;
   struct Array {
-    uint64_t chunk_bytes = 0;
+    uint64_t counted_bytes = 0;  // of a chunk
     Decode decode;
   };
 

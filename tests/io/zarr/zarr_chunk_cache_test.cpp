@@ -65,6 +65,22 @@ TEST(ZarrChunkCache, aFailureReachesTheCallerAndIsForgotten) {
   EXPECT_EQ(cache.get(5)->span()[0], std::byte{5});
 }
 
+// A chunk of one byte takes hundreds besides: their number is bounded by the budget, too.
+TEST(ZarrChunkCache, tinyChunksCountWithWhatKeepsThem) {
+  constexpr uint64_t kBudget = 64 << 10;
+  int decoded = 0;
+  ZarrChunkCache cache(kBudget);
+  cache.addArray(1, [&](int64_t, ChunkMemory& memory) {
+    ++decoded;
+    return std::make_shared<CountedBytes>(1, memory);
+  });
+  for (int64_t chunk = 0; chunk < 10'000; ++chunk) cache.get({0, chunk});
+  EXPECT_EQ(decoded, 10'000);
+  for (int64_t chunk = 9'999; chunk >= 0; --chunk) cache.get({0, chunk});
+  EXPECT_GE(decoded, 20'000 - static_cast<int>(kBudget) / 512);
+  EXPECT_LT(decoded, 20'000);
+}
+
 TEST(ZarrChunkCache, aChunkInUseStays) {
   Decoder decoder;
   OneArray cache(0, decoder);
