@@ -2,6 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
+#include <iterator>
+#include <limits>
+#include <optional>
 #include <queue>
 #include <tuple>
 #include <utility>
@@ -29,11 +33,58 @@ MergedChunk chunkOf(Column only) {
   return chunk;
 }
 
+uint64_t placeOf(const Column& column) {
+  return column.blocks.front().place;
+}
+
+// Pairs columns of one thickness, neighbours first: those in one cell of a grid, then in one cell
+// of the grid of twice its cells' size, and so on. Returns the one that is left alone, if any. A
+// column more or less changes one pair of each grid at most.
+std::optional<Column> pairNeighbors(std::vector<Column> columns, std::vector<MergedChunk>& chunks) {
+  std::stable_sort(columns.begin(), columns.end(),
+                   [](const Column& a, const Column& b) { return placeOf(a) < placeOf(b); });
+  const int bits = std::bit_width(placeOf(columns.back()) ^ placeOf(columns.front()));
+  for (int shift = 0; shift <= bits && columns.size() > 1; ++shift) {
+    const auto cellOf = [&](const Column& column) {
+      return shift < std::numeric_limits<uint64_t>::digits ? placeOf(column) >> shift : 0;
+    };
+    std::vector<Column> alone;
+    for (size_t i = 0; i < columns.size(); ++i) {
+      if (i + 1 < columns.size() && cellOf(columns[i]) == cellOf(columns[i + 1])) {
+        chunks.push_back(chunkOf(std::move(columns[i]), std::move(columns[i + 1])));
+        ++i;
+      } else {
+        alone.push_back(std::move(columns[i]));
+      }
+    }
+    columns = std::move(alone);
+  }
+  return columns.empty() ? std::nullopt : std::optional(std::move(columns.front()));
+}
+
+// Pairs all columns of equal thickness, as the least difference goes first, and returns the others.
+// Requires: sorted by thickness.
+std::vector<Column> pairEquals(std::vector<Column> columns, std::vector<MergedChunk>& chunks) {
+  std::vector<Column> others;
+  for (auto first = columns.begin(); first != columns.end();) {
+    const auto last = std::find_if(first, columns.end(), [&](const Column& column) {
+      return column.thickness != first->thickness;
+    });
+    if (auto alone = pairNeighbors({std::move_iterator(first), std::move_iterator(last)}, chunks))
+      others.push_back(*std::move(alone));
+    first = last;
+  }
+  return others;
+}
+
 // Takes the pair of columns with the least difference in thickness, again and again, until at most
 // one is left alone. Neighbours in sorted order are the only candidates, and stay so as pairs go.
 std::vector<MergedChunk> pairByThickness(std::vector<Column> columns) {
   std::stable_sort(columns.begin(), columns.end(),
                    [](const Column& a, const Column& b) { return a.thickness < b.thickness; });
+  std::vector<MergedChunk> chunks;
+  chunks.reserve((columns.size() + 1) / 2);
+  columns = pairEquals(std::move(columns), chunks);
   const size_t count = columns.size();
   std::vector<size_t> before(count), after(count);  // count: none
   std::vector<bool> taken(count, false);
@@ -49,8 +100,6 @@ std::vector<MergedChunk> pairByThickness(std::vector<Column> columns) {
     after[i] = i + 1;
     if (i + 1 < count) offer(i, i + 1);
   }
-  std::vector<MergedChunk> chunks;
-  chunks.reserve((count + 1) / 2);
   while (!pairs.empty()) {
     const auto [difference, a, b] = pairs.top();
     pairs.pop();

@@ -6,7 +6,9 @@
 //               above the thinner one is the extended part
 //   vertical    two blocks pile up if their thicknesses fit under 2^d; a block piles on a column
 //               of a merged chunk likewise, the extended part excluded first
-// Pure functions; the caller may number blocks as it likes.
+// The paper leaves open which of several blocks of one thickness merge. Ours are neighbours, so
+// that a block that appears or goes changes the chunks near it and few others. Pure functions; the
+// caller may number blocks as it likes.
 #pragma once
 
 #include <cstdint>
@@ -30,6 +32,7 @@ std::optional<MergeOrder> parseMergeOrder(std::string_view text);
 struct MergeBlock {
   int64_t block = 0;
   int64_t thickness = 0;  // texels, 1 to 2^d
+  uint64_t place = 0;     // the more leading bits two blocks share, the nearer they are
 };
 
 struct Column {
@@ -44,7 +47,7 @@ struct MergedChunk {
 };
 
 // Merges within a cluster (3.2.3.2). `limit` is 2^d, no less than any thickness. Deterministic:
-// ties go by the order of `blocks`. O(n log n) for the paper's order.
+// ties go by place, then by the order of `blocks`. O(n log n) for the paper's order.
 std::vector<MergedChunk> mergeInCluster(const std::vector<MergeBlock>& blocks, int64_t limit,
                                         MergeOrder order);
 

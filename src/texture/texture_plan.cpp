@@ -93,8 +93,20 @@ void addBlocks(TexturePlan& plan, const VisibleBlocks& visible, const PlanOption
   }
 }
 
+// The bits of the numbers by turns, those of z first: neighbours share the leading ones.
+uint64_t interleaved(Vec3i index) {
+  constexpr int kBits = 21;
+  uint64_t place = 0;
+  for (int bit = 0; bit < kBits; ++bit)
+    for (int a = 0; a < 3; ++a)
+      place |= static_cast<uint64_t>(index[a] >> bit & 1) << (3 * bit + a);
+  return place;
+}
+
 MergeBlock mergeBlock(const TexturePlan& plan, BlockPosition position) {
-  return {position.value(), plan.blocks[position].texels().z};
+  const TextureBlock& block = plan.blocks[position];
+  const Vec3i index = plan.pyramid.of(block.name).blocks.indexOf(block.name.block);
+  return {position.value(), block.texels().z, interleaved(index)};
 }
 
 // Each block a chunk.

@@ -1,5 +1,6 @@
 #include "src/texture/merging.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -252,6 +253,58 @@ TEST(MergedPlan, everyClusterFitsTheCacheAndBlocksOfAChunkDoNotOverlap) {
       }
     }
   }
+}
+
+// Slabs of many thicknesses, most of them whole blocks as in real volumes, of which some go.
+struct ThinnedSlabs {
+  Machine machine{{16, 16, 4}};
+  std::vector<ObjectBlock> before, after;
+
+  explicit ThinnedSlabs(double share_gone, uint32_t seed) {
+    std::mt19937 random(seed);
+    std::bernoulli_distribution is_visible(0.6), is_whole(0.5), goes(share_gone);
+    machine.page.pages = 64 * 256;
+    for (int64_t block = 0; block < machine.layout.blockCount(); ++block) {
+      const int64_t cells = is_whole(random) ? 63 : 1 + static_cast<int64_t>(random() % 63);
+      if (!is_visible(random)) continue;
+      before.push_back(machine.slab(machine.layout.indexOf(block), cells, 2));
+      if (!goes(random)) after.push_back(before.back());
+    }
+  }
+  // The share of the pages after the change whose chunks got other names.
+  double renamedShare() const {
+    ChunkNames chunk_names;
+    chunk_names.namesOf(machine.plan(before));
+    const auto known = ChunkName(chunk_names.count());
+    const TexturePlan plan = machine.plan(after);
+    const auto names = chunk_names.namesOf(plan);
+    int64_t renamed = 0;
+    for (const ChunkPosition i : plan.chunks.indices())
+      if (names[i] >= known) renamed += plan.chunks[i].pages;
+    return static_cast<double>(renamed) / static_cast<double>(plan.pageCount());
+  }
+};
+
+// Of 2 % of the blocks, each takes a partner along: about 4 % must change.
+TEST(MergedPlan, aChangeOfFewBlocksChangesFewChunks) {
+  double sum = 0;
+  constexpr uint32_t kSeeds = 20;
+  for (uint32_t seed = 1; seed <= kSeeds; ++seed) sum += ThinnedSlabs(0.02, seed).renamedShare();
+  EXPECT_GT(sum / kSeeds, 0.02);
+  EXPECT_LT(sum / kSeeds, 0.08);
+}
+
+TEST(Merging, blocksOfOneThicknessMergeWithTheirNeighbors) {
+  std::vector<MergeBlock> blocks;
+  for (const uint64_t place : {0b0001U, 0b1100U, 0b0110U, 0b1101U, 0b0000U, 0b0100U})
+    blocks.push_back({static_cast<int64_t>(place), 20, place});
+  const auto chunks = mergeInCluster(blocks, 64, MergeOrder::kPaper);
+  std::vector<std::pair<int64_t, int64_t>> pairs;
+  for (const MergedChunk& chunk : chunks)
+    pairs.emplace_back(chunk.columns[0].blocks[0].block, chunk.columns[1].blocks[0].block);
+  EXPECT_THAT(pairs,
+              testing::UnorderedElementsAre(std::pair(0b0000, 0b0001), std::pair(0b1100, 0b1101),
+                                            std::pair(0b0100, 0b0110)));
 }
 
 TEST(MergedPlan, bytesByCauseAddUp) {
