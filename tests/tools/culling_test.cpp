@@ -68,6 +68,30 @@ TEST_F(CullingCommand, prepareMakesFunctionsOnce) {
   EXPECT_EQ(program_.json(command)["state"], "built");
 }
 
+// The plan of a step has the blocks that its picture reads.
+TEST_F(CullingCommand, isPlannedOncePrepared) {
+  const auto plan = [](const std::string& more) {
+    return std::string("plan mix_%03d.nrrd ") + kLook + " " + kPicture + " --time 3 " + more;
+  };
+  const CommandResult early = program_.run(plan("--culling toc"));
+  EXPECT_EQ(early.status, 1);
+  EXPECT_THAT(early.output, HasSubstr("mix_%03d.nrrd: the series is not prepared for this look"));
+  EXPECT_EQ(program_.run(std::string("prepare mix_%03d.nrrd -q ") + kLook).status, 0);
+  const json none = program_.json(plan("")), toc = program_.json(plan("--culling toc"));
+  const json drawn = renderJson("--time 3:3 --culling toc -o a.png");
+  const json& of_picture = drawn["frames"][0]["culling"];
+  EXPECT_EQ(toc["culling"]["visible"], of_picture["visible"]);
+  EXPECT_EQ(toc["culling"]["blocks_nonempty"], of_picture["blocks_nonempty"]);
+  EXPECT_EQ(toc["read"]["blocks"], of_picture["visible"]);
+  EXPECT_LT(toc["read"]["blocks"], none["read"]["blocks"]);
+  EXPECT_GT(toc["memory"]["peak_bytes"].get<int64_t>(), 0);
+  EXPECT_THAT(program_.run(plan("--culling toc")).output,
+              HasSubstr("that are not empty can be seen"));
+  for (const char* refused :
+       {"--culling auto", "--culling toc --mode mip", "--culling toc --pixel-error 2"})
+    EXPECT_EQ(program_.run(plan(refused)).status, 1) << refused;
+}
+
 TEST_F(CullingCommand, tornFunctionsAreMadeAnew) {
   const std::string command = std::string("prepare mix_%03d.nrrd ") + kLook;
   const json made = program_.json(command);

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 
+#include "src/base/error.h"
 #include "src/base/threads/clock.h"
 #include "src/base/values/bytes.h"
 #include "src/index/box_store.h"
@@ -24,6 +25,7 @@
 #include "tools/pages/report_file.h"
 #include "tools/scene/scene.h"
 #include "tools/scene/scene_session.h"
+#include "tools/scene/series.h"
 #include "tools/scene/workers.h"
 
 namespace sluice {
@@ -34,6 +36,7 @@ struct PlanArguments {
   LookArguments look;
   FrameOptions frame;
   LevelArguments levels;
+  CullingArguments culling;
   ResourceArguments resources;
   FitChoice fit;
   std::string report_file;
@@ -59,11 +62,46 @@ struct Shown {
   double seconds = 0;
 };
 
+// The blocks of a series that others hide, from the functions that `prepare` made.
+struct PlannedCulling {
+  PlannedCulling(const SeriesOpacityPtr& functions, const VolumeLayout& layout,
+                 const CullingOptions& options, WorkerPool& pool, uint64_t bytes)
+      : blocks(functions, layout, options, pool), most_bytes(bytes) {}
+
+  CulledBlocks blocks;
+  const uint64_t most_bytes;  // of the functions and of the estimate
+};
+
+std::unique_ptr<PlannedCulling> plannedCulling(const PlanArguments& arguments,
+                                               const IndexedVolume& volume,
+                                               const TransferFunction& transfer, WorkerPool& pool) {
+  const CullingArguments& culling = arguments.culling;
+  if (culling.culling == Culling::kNone) return nullptr;
+  const uint64_t memory_bytes = memoryBudget(arguments.resources);
+  ProgressMeter progress;
+  std::optional<SeriesFunctions> functions =
+      keptSeriesFunctions(volume, transfer, seriesOptions(culling, volume),
+                          {pool, progress, memory_bytes, interruption()});
+  if (!functions)
+    fail(
+        "{}: the series is not prepared for this look, which --culling needs; sluice prepare does "
+        "it",
+        arguments.volume.inputs.front());
+  const CullingOptions options =
+      cullingOptions(culling.culling, arguments.frame, *functions, memory_bytes);
+  const SeriesOpacityPtr opacity = functions->opacity();
+  return std::make_unique<PlannedCulling>(
+      opacity, volume.source->layout(), options, pool,
+      opacity->bytes() +
+          CulledBlocks::mostBytes(*opacity, arguments.frame.size, options, pool.threads()));
+}
+
 Shown shownBlocks(const PlanArguments& arguments, const IndexedVolume& volume,
-                  const TransferFunction& transfer, WorkerPool& pool) {
+                  const TransferFunction& transfer, BlockChooser* chooser, WorkerPool& pool) {
   const FrameOptions& frame = arguments.frame;
   ChunkNames names;
   Planner planner(volume.page, pool, names);
+  planner.chooseBlocksBy(chooser);
   Shown shown{.step = volume.step(), .look = {}, .blocks = {}, .view = {}};
   shown.view = resolve(frame.camera, volume.source->layout(), frame.size, frame.step_vox);
   Stopwatch watch;
@@ -242,13 +280,28 @@ PlannedVolume openPlanned(const PlanArguments& arguments, FinestLevel finest,
   return planned;
 }
 
+// Whether the plan is of a picture with culling. Throws Error if it cannot be.
+bool checkCulling(const PlanArguments& arguments) {
+  const Culling culling = arguments.culling.culling;
+  if (culling == Culling::kNone) return false;
+  if (culling == Culling::kAuto)
+    fail("--culling auto measures pictures; plan takes none, pof, opof or toc");
+  if (arguments.frame.mode != Mode::kComposite)
+    fail("--culling needs --mode composite, since other modes hide nothing");
+  refuseLevels(arguments.levels, "--culling plans the finest level alone");
+  return true;
+}
+
 int run(const PlanArguments& asked, const CLI::App& app) {
   PlanArguments arguments = asked;
   Workers pool(arguments.resources.threads);
   if (arguments.frame.partition == Partition::kBoxes)
     refuseLevels(arguments.levels, "--partition boxes plans the finest level alone");
-  arguments.frame.cut =
-      cutOptions(arguments.levels, arguments.resources, arguments.look, arguments.frame);
+  if (checkCulling(arguments))
+    arguments.look.whole_series = true;
+  else
+    arguments.frame.cut =
+        cutOptions(arguments.levels, arguments.resources, arguments.look, arguments.frame);
   Outputs outputs(arguments.force);
   outputs.reads(arguments.volume.inputs);
   outputs.reads(arguments.look.transfer_file);
@@ -259,8 +312,11 @@ int run(const PlanArguments& asked, const CLI::App& app) {
   IndexedVolume& volume = planned.volume;
   const TransferFunction& transfer = planned.transfer;
   arguments.frame.camera = planned.camera;
-  const Shown shown = shownBlocks(arguments, volume, transfer, pool);
-  const uint64_t others = othersBytes(volume, transfer, arguments.frame, pool);
+  const std::unique_ptr<PlannedCulling> culling = plannedCulling(arguments, volume, transfer, pool);
+  const Shown shown =
+      shownBlocks(arguments, volume, transfer, culling ? &culling->blocks : nullptr, pool);
+  const uint64_t others =
+      othersBytes(volume, transfer, arguments.frame, pool) + (culling ? culling->most_bytes : 0);
   volume.page.pages = besideShare(volume, arguments.resources, arguments.frame.partition,
                                   pictureDemand(arguments.resources, arguments.frame), others)
                           .pages;
@@ -271,8 +327,8 @@ int run(const PlanArguments& asked, const CLI::App& app) {
     boxes = planBoxes(arguments, volume, shown, pool);
   const Forecast forecast =
       forecastOf(volume, *shown.blocks, chosen.bytes, others, arguments.frame, arguments.resources);
-  const nlohmann::json report =
-      reportOf(costs, chosen, forecast, boxes, volume, transfer, shown, app);
+  nlohmann::json report = reportOf(costs, chosen, forecast, boxes, volume, transfer, shown, app);
+  if (culling) report["culling"] = countsJson(culling->blocks.counts());
   if (!arguments.report_file.empty()) {
     PagePictures pictures;
     if (isPage(arguments.report_file) && !isCoarser(*shown.blocks))
@@ -285,6 +341,9 @@ int run(const PlanArguments& asked, const CLI::App& app) {
     print(costs, arguments.frame.algorithm, shown.seconds, volume.page);
     if (isCoarser(*shown.blocks)) say("{}\n", cutLine(*shown.blocks->cut));
     printForecast(forecast);
+    if (culling)
+      say("culling: {} of {} blocks that are not empty can be seen\n",
+          culling->blocks.counts().blocks_visible, culling->blocks.counts().blocks_nonempty);
     if (volume.stand_in) say("{}\n", volume.standInNote());
     if (!volume.stand_in && volume.index->state != "read")
       say("index {}: this plan has read the whole volume for it, {}\n", volume.index->state,
@@ -305,6 +364,7 @@ Command addPlan(CLI::App& program) {
       "  sluice plan bonsai.nii.gz --threshold 40 --partition boxes");
   addVolumeOptions(*app, arguments->volume);
   addPictureOptions(*app, arguments->look, arguments->frame, arguments->fit);
+  addCullingOptions(*app, arguments->culling, true);
   addLevelOptions(*app, arguments->levels, arguments->resources);
   addResourceOptions(*app, arguments->resources);
   const OptionGroup output(*app, kOutputHeading);
