@@ -143,6 +143,9 @@ struct RendererOptions {
   int threads = 0;  // to classify and, on the CPU, draw; at least as many read; 0: one a core
   // Unless the CPU draws: the context to draw in, for Renderer::drawOnScreen().
   std::shared_ptr<const ScreenContext> screen = {};
+  // Width and height of the largest picture for Renderer::drawToFile() and drawRows(): memory_bytes
+  // then bounds the drawing and writing of such pictures, too. 0: pictures come on top.
+  int rows_width = 0, rows_height = 0;
 };
 
 }  // namespace sluice

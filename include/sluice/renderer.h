@@ -17,6 +17,7 @@
 #include <sluice/volume.h>
 
 #include <array>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -58,9 +59,23 @@ class Renderer {
   Image draw(const PictureOptions& picture = {}, const ProgressFunction& progress = {},
              const std::stop_token& stop = {});
 
-  // The same if RendererOptions::screen draws, over this background (red, green, blue, 0 to 1),
-  // without reading it back. nullopt: nothing was drawn, because that context does not draw, or
-  // because the picture has depth or a mode other than composite. Throws as draw() does.
+  // The same picture in strips, for pictures that are too large for memory: `take` gets a few
+  // rows at a time as an image of the picture's width, from the top row down. It is called on the
+  // renderer's thread and may not call the renderer. A strip takes a quarter of memory_bytes, or
+  // less if that is short. Throws as draw() does, and the errors of `take`.
+  void drawRows(const PictureOptions& picture, const std::function<void(const Image& rows)>& take,
+                const ProgressFunction& progress = {}, const std::stop_token& stop = {});
+
+  // Draws in strips into a file: .png, or .exr as writeExr() writes it. In composite mode, an .exr
+  // has depth. The file appears whole or not at all, and replaces one that is there. Throws as
+  // draw() does, and Error if the file cannot be written.
+  void drawToFile(const std::string& path, const PictureOptions& picture,
+                  const std::optional<std::array<float, 3>>& background = {},
+                  const ProgressFunction& progress = {}, const std::stop_token& stop = {});
+
+  // The same as draw() if RendererOptions::screen draws, over this background (red, green, blue, 0
+  // to 1), without reading it back. nullopt: nothing was drawn, because that context does not draw,
+  // or because the picture has depth or a mode other than composite. Throws as draw() does.
   std::optional<ScreenImage> drawOnScreen(const PictureOptions& picture,
                                           const std::array<float, 3>& background,
                                           const ProgressFunction& progress = {},

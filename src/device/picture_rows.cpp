@@ -3,9 +3,18 @@
 #include <algorithm>
 #include <cmath>
 
+#include "src/base/error.h"
 #include "src/device/device.h"
 
 namespace sluice {
+
+StripsOfDevice::StripsOfDevice(Device& device) : device_(dynamic_cast<DrawsRows*>(&device)) {
+  SLUICE_CHECK(device_ != nullptr);
+}
+
+StripsOfDevice::~StripsOfDevice() {
+  device_->drawRows(std::nullopt);
+}
 
 std::optional<PictureRows> rowsOf(const Device& device) {
   const auto* draws_rows = dynamic_cast<const DrawsRows*>(&device);

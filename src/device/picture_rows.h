@@ -27,6 +27,22 @@ class DrawsRows {
   virtual std::optional<PictureRows> rows() const = 0;
 };
 
+// Makes a device draw strips of its pictures. After its end the device draws whole pictures again.
+class StripsOfDevice {
+ public:
+  // Requires: the device implements DrawsRows.
+  explicit StripsOfDevice(Device& device);
+  ~StripsOfDevice();
+  StripsOfDevice(const StripsOfDevice&) = delete;
+  StripsOfDevice& operator=(const StripsOfDevice&) = delete;
+
+  // The next frame shows these rows.
+  void draw(PictureRows rows) { device_->drawRows(rows); }
+
+ private:
+  DrawsRows* const device_;
+};
+
 // The rows that a frame of the device shows; nullopt: all.
 std::optional<PictureRows> rowsOf(const Device& device);
 // The rows whose rays may meet a box of cells.

@@ -9,10 +9,12 @@
 #include "src/base/error.h"
 #include "src/classify/transfer/transfer_file.h"
 #include "src/library/conversions.h"
+#include "src/library/drawn_strips.h"
 #include "src/library/empty_picture.h"
 #include "src/library/exr_contents.h"
 #include "src/library/probing.h"
 #include "src/library/resources.h"
+#include "src/library/strip_file.h"
 #include "src/library/view_fit.h"
 #include "src/render/blocks/level_cut.h"
 #include "src/render/camera/index_space.h"
@@ -34,6 +36,13 @@ Drawing::Drawing(std::shared_ptr<const OpenedVolume> opened, const LookOptions& 
   frame.mode = modeOf(look);
   const ChosenLook first = lookFor(volume, lookArguments(look, opened_->whole_series), frame.mode);
   session.beside_bytes += planBytes(volume, first.transfer, frame, pool_);
+  if (options.rows_width > 0 && options.rows_height > 0) {
+    frame.size = {options.rows_width, options.rows_height};
+    const BesideShare share = besideShare(volume, machine_, Partition::kBlocks,
+                                          pictureDemand(machine_, frame), session.beside_bytes);
+    strip_bytes_ = share.picture_bytes;
+    session.beside_bytes = share.beside_bytes;
+  }
   session.page.pages = pageCount(machine_, volume, session.beside_bytes);
   session_ = std::make_unique<Session>(volume.step(), *device_, pool_, session);
   if (options.screen != nullptr) screen_ = dynamic_cast<DrawsForScreens*>(device_.get());
@@ -97,11 +106,8 @@ FrameOptions Drawing::looked(const PictureOptions& picture, const TimeStep& step
   return options;
 }
 
-Image Drawing::draw(const PictureOptions& picture, ProgressTeller& teller) {
-  const ProgressRelay::Call call(*opened_->relay, teller);
-  frameOptions(picture, layout(), mode_);  // throws before anything is read
-  ProgressMeter progress(teller.watch(Progress::Stage::kIndexing));
-  const IndexPass pass{pool_, progress, memoryBudget(machine_), teller.stop()};
+Drawing::ReadyFrame Drawing::ready(const PictureOptions& picture, const IndexPass& pass,
+                                   ProgressTeller& teller) {
   const TimeStep step = stepAt(picture.time, pass);
   FrameOptions options = looked(picture, step, pass);
   options.stop = teller.stop();
@@ -110,19 +116,95 @@ Image Drawing::draw(const PictureOptions& picture, ProgressTeller& teller) {
   session_->setOptions(options);
   if (picture.next_time && *picture.next_time != picture.time)
     session_->expectAfterwards(stepAt(*picture.next_time, pass));
-  Frame frame = session_->frame();
-  report_ = frame.report;
-  Picture& drawn = frame.picture;
+  return {std::move(options), step.time};
+}
+
+void Drawing::keepReport(const ReadyFrame& frame, const FrameReport& report, bool shows_something,
+                         const IndexPass& pass) {
+  report_ = report;
   why_empty_.clear();
-  if (showsNothing(drawn))
+  if (!shows_something)
     why_empty_ = whyEmpty(
-        {opened_->volume, step.time, look_.transfer, options, report_.missing_share}, pass);
+        {opened_->volume, frame.time, look_.transfer, frame.options, report_.missing_share}, pass);
+}
+
+Image Drawing::draw(const PictureOptions& picture, ProgressTeller& teller) {
+  const ProgressRelay::Call call(*opened_->relay, teller);
+  frameOptions(picture, layout(), mode_);  // throws before anything is read
+  ProgressMeter progress(teller.watch(Progress::Stage::kIndexing));
+  const IndexPass pass{pool_, progress, memoryBudget(machine_), teller.stop()};
+  const ReadyFrame of = ready(picture, pass, teller);
+  Frame frame = session_->frame();
+  Picture& drawn = frame.picture;
+  keepReport(of, frame.report, !showsNothing(drawn), pass);
   return {.width = drawn.width,
           .height = drawn.height,
           .rgba = std::move(drawn.rgba),
           .depth = std::move(drawn.depth),
           .missing_share = frame.report.missing_share,
           .will_improve = frame.report.cut && frame.report.cut->will_improve};
+}
+
+void Drawing::drawStrips(const ReadyFrame& frame, const IndexPass& pass,
+                         const std::function<void(const Picture& strip)>& take,
+                         ProgressTeller& teller) {
+  const PictureDemand demand = pictureDemand(machine_, frame.options);
+  const uint64_t bytes = strip_bytes_ >= leastPictureBytes(demand)
+                             ? strip_bytes_
+                             : pictureBytes(demand, memoryBudget(machine_));
+  const std::vector<PictureRows> strips = stripsOf(demand, bytes);
+  // The progress of the picture, of which each strip is a part.
+  FrameOptions watched = frame.options;
+  uint64_t done = 0;
+  const ProgressWatch watch = teller.watch(Progress::Stage::kDrawing);
+  watched.watch = [&](uint64_t of_strip, uint64_t total) {
+    watch(done * total + of_strip, strips.size() * total);
+  };
+  session_->setOptions(watched);
+  const auto drawStrip = [&] {
+    Frame strip = session_->frame();
+    ++done;
+    return strip;
+  };
+  const DrawnStrips drawn = sluice::drawStrips(*device_, strips, drawStrip, take);
+  keepReport(frame, drawn.report, drawn.shows_something, pass);
+}
+
+void Drawing::drawRows(const PictureOptions& picture,
+                       const std::function<void(const Image& rows)>& take, ProgressTeller& teller) {
+  const ProgressRelay::Call call(*opened_->relay, teller);
+  frameOptions(picture, layout(), mode_);  // throws before anything is read
+  ProgressMeter progress(teller.watch(Progress::Stage::kIndexing));
+  const IndexPass pass{pool_, progress, memoryBudget(machine_), teller.stop()};
+  const auto takeFew = [&](const Picture& rows, int /*above*/) {
+    take({.width = rows.width, .height = rows.height, .rgba = rows.rgba, .depth = rows.depth});
+  };
+  drawStrips(
+      ready(picture, pass, teller), pass,
+      [&](const Picture& strip) { eachFewRows(strip, teller.stop(), takeFew); }, teller);
+}
+
+void Drawing::drawToFile(const std::string& path, const PictureOptions& picture,
+                         const std::optional<std::array<float, 3>>& background,
+                         ProgressTeller& teller) {
+  const ProgressRelay::Call call(*opened_->relay, teller);
+  PictureOptions in_file = picture;
+  in_file.with_depth = mode_ == Mode::kComposite && pictureKind(path) == PictureKind::kExr;
+  frameOptions(in_file, layout(), mode_);  // throws before anything is read
+  ProgressMeter progress(teller.watch(Progress::Stage::kIndexing));
+  const IndexPass pass{pool_, progress, memoryBudget(machine_), teller.stop()};
+  const ReadyFrame frame = ready(in_file, pass, teller);
+  const std::string look = lookOf(frame.options);
+  StripFile file(path, {background, false, {}},
+                 {frame.options, *opened_->volume.source, look_.transfer, look}, teller.stop());
+  drawStrips(
+      frame, pass, [&](const Picture& strip) { file.add(strip); }, teller);
+  file.commit();
+}
+
+std::string Drawing::lookOf(const FrameOptions& options) const {
+  if (mode_ != Mode::kComposite) return look_.options;
+  return look_.options + fmt::format(" --step {}", options.step_vox);
 }
 
 std::optional<ScreenImage> Drawing::drawOnScreen(const PictureOptions& picture,
@@ -202,8 +284,7 @@ void Drawing::writeExr(const std::string& path, const Image& image, const Pictur
   ProgressMeter progress(teller.watch(Progress::Stage::kIndexing));
   const IndexPass pass{pool_, progress, memoryBudget(machine_), teller.stop()};
   const FrameOptions options = looked(picture, stepAt(picture.time, pass), pass);
-  std::string look = look_.options;
-  if (mode_ == Mode::kComposite) look += fmt::format(" --step {}", options.step_vox);
+  const std::string look = lookOf(options);
   const Picture drawn{image.width, image.height, image.rgba, image.depth};
   sluice::writeExr(path,
                    exrContents(drawn, background, false,

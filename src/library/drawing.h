@@ -9,6 +9,7 @@
 #include <sluice/screen.h>
 
 #include <array>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -41,6 +42,10 @@ class Drawing {
   const ChosenLook& look() const { return look_; }
   std::string deviceName() const;
   Image draw(const PictureOptions& picture, ProgressTeller& teller);
+  void drawRows(const PictureOptions& picture, const std::function<void(const Image& rows)>& take,
+                ProgressTeller& teller);
+  void drawToFile(const std::string& path, const PictureOptions& picture,
+                  const std::optional<std::array<float, 3>>& background, ProgressTeller& teller);
   std::optional<ScreenImage> drawOnScreen(const PictureOptions& picture,
                                           const std::array<float, 3>& background,
                                           ProgressTeller& teller);
@@ -64,10 +69,24 @@ class Drawing {
     friend bool operator==(const PointsKey&, const PointsKey&) = default;
   };
 
+  // A frame that the session is ready to draw.
+  struct ReadyFrame {
+    FrameOptions options;
+    int64_t time;
+  };
+  ReadyFrame ready(const PictureOptions& picture, const IndexPass& pass, ProgressTeller& teller);
+  // Draws the frame strip by strip.
+  void drawStrips(const ReadyFrame& frame, const IndexPass& pass,
+                  const std::function<void(const Picture& strip)>& take, ProgressTeller& teller);
+  // Keeps a frame's part of report().
+  void keepReport(const ReadyFrame& frame, const FrameReport& report, bool shows_something,
+                  const IndexPass& pass);
   // All options except those of the look and the machine, with the camera framed.
   FrameOptions framed(const PictureOptions& picture, const TimeStep& step, const IndexPass& pass);
   // The same with the options that follow from the look.
   FrameOptions looked(const PictureOptions& picture, const TimeStep& step, const IndexPass& pass);
+  // The options of `sluice render` that give the look of a frame.
+  std::string lookOf(const FrameOptions& options) const;
   std::vector<uint8_t> blockClasses() const;
   // The step with the series' range of values. Throws Error when the volume has no such step.
   TimeStep stepAt(int64_t time, const IndexPass& pass);
@@ -82,6 +101,7 @@ class Drawing {
   WorkerPool pool_;
   std::unique_ptr<Device> device_;
   std::unique_ptr<Session> session_;
+  uint64_t strip_bytes_ = 0;  // the part of the memory for strips; 0: none
   Mode mode_ = Mode::kComposite;
   ChosenLook look_;
   int64_t looks_ = 0;  // looks set so far

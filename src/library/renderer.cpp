@@ -77,6 +77,26 @@ Image Renderer::draw(const PictureOptions& picture, const ProgressFunction& prog
   });
 }
 
+void Renderer::drawRows(const PictureOptions& picture,
+                        const std::function<void(const Image& rows)>& take,
+                        const ProgressFunction& progress, const std::stop_token& stop) {
+  impl().on([&](Drawing& drawing) {
+    ProgressTeller teller(progress, stop);
+    drawing.drawRows(picture, take, teller);
+    return true;
+  });
+}
+
+void Renderer::drawToFile(const std::string& path, const PictureOptions& picture,
+                          const std::optional<std::array<float, 3>>& background,
+                          const ProgressFunction& progress, const std::stop_token& stop) {
+  impl().on([&](Drawing& drawing) {
+    ProgressTeller teller(progress, stop);
+    drawing.drawToFile(path, picture, background, teller);
+    return true;
+  });
+}
+
 std::optional<ScreenImage> Renderer::drawOnScreen(const PictureOptions& picture,
                                                   const std::array<float, 3>& background,
                                                   const ProgressFunction& progress,

@@ -97,6 +97,25 @@ uint64_t planBytes(const IndexedVolume& volume, const TransferFunction& transfer
   return blocks * kPlannedBlockBytes;
 }
 
+BesideShare besideShare(const IndexedVolume& volume, const MachineOptions& machine,
+                        Partition partition, const PictureDemand& picture, uint64_t others_bytes) {
+  const uint64_t memory_bytes = memoryBudget(machine);
+  BesideShare share;
+  for (const uint64_t of_memory : {memory_bytes, uint64_t{0}}) {
+    share.picture_bytes = pictureBytes(picture, of_memory);
+    share.beside_bytes = others_bytes + share.picture_bytes;
+    PageGeometry page = volume.page;
+    page.pages = pageCount(machine, volume, share.beside_bytes);
+    share.pages = page.pages;
+    BufferNeeds needs = bufferNeeds(*volume.source, volume.layout, partition, share.beside_bytes);
+    needs.numbers = volume.numbers();
+    if (textureMemoryBytes(page, TexelPlace::kInMemory) + leastBufferBytes(page, needs) <=
+        memory_bytes)
+      break;
+  }
+  return share;
+}
+
 SessionOptions sessionOptions(const IndexedVolume& volume, bool lit, const MachineOptions& machine,
                               Partition partition, uint64_t memory_bytes) {
   SessionOptions options;

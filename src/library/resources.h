@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "src/library/indexed_volume.h"
+#include "src/library/picture_memory.h"
 #include "src/library/requests.h"
 #include "src/render/session/session.h"
 
@@ -35,6 +36,17 @@ int64_t pageCount(const MachineOptions& machine, const IndexedVolume& volume,
 // opened for.
 uint64_t planBytes(const IndexedVolume& volume, const TransferFunction& transfer,
                    const FrameOptions& frame, WorkerPool& pool);
+
+// The bytes held in addition to the levels, and the pages of the texture cache that they leave room
+// for.
+struct BesideShare {
+  uint64_t picture_bytes = 0, beside_bytes = 0;
+  int64_t pages = 0;
+};
+// `others_bytes`: min-max arrays and whatever else is held. The picture gets a quarter of the
+// memory if the levels then have the least that they work with, otherwise the least strip.
+BesideShare besideShare(const IndexedVolume& volume, const MachineOptions& machine,
+                        Partition partition, const PictureDemand& picture, uint64_t others_bytes);
 
 // `lit`: frames may be shaded, the volume was indexed with gradients.
 SessionOptions sessionOptions(const IndexedVolume& volume, bool lit, const MachineOptions& machine,

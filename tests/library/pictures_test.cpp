@@ -64,6 +64,47 @@ TEST(Renderer, picturesAreThoseOfTheProgram) {
   }
 }
 
+// Rows from the top down are those of the picture, whether it is drawn in strips or whole, and so
+// is the file.
+TEST(Renderer, rowsAndFilesAreThoseOfThePicture) {
+  const TempFolder folder;
+  const Volume volume(kShells);
+  PictureOptions large;
+  large.width = 700;
+  large.height = 611;
+  constexpr std::array<float, 3> kGrey{0.2F, 0.3F, 0.4F};
+  Image whole;
+  std::string file;
+  for (const uint64_t memory : {uint64_t{1} << 30, uint64_t{24} << 20}) {
+    RendererOptions options{.memory_bytes = memory};
+    options.rows_width = large.width;
+    options.rows_height = large.height;
+    Renderer renderer(volume, {.threshold = 90}, options);
+    if (whole.rgba.empty()) whole = renderer.draw(large);
+    std::vector<float> rgba;
+    int height = 0, pieces = 0;
+    renderer.drawRows(large, [&](const Image& rows) {
+      EXPECT_EQ(rows.width, large.width);
+      rgba.insert(rgba.end(), rows.rgba.begin(), rows.rgba.end());
+      height += rows.height;
+      ++pieces;
+    });
+    EXPECT_EQ(height, large.height);
+    EXPECT_GT(pieces, 1);
+    EXPECT_TRUE(rgba == whole.rgba) << memory;
+    renderer.drawToFile((folder / "a.png").string(), large, kGrey);
+    whole.writePng((folder / "b.png").string(), kGrey);
+    EXPECT_TRUE(readFile(folder / "a.png") == readFile(folder / "b.png")) << memory;
+    EXPECT_EQ(renderer.report().why_empty, "");
+    EXPECT_THROW(renderer.drawToFile((folder / "a.gif").string(), large), Error);
+    large.with_depth = true;
+    renderer.writeExr((folder / "b.exr").string(), renderer.draw(large), large);
+    large.with_depth = false;
+    renderer.drawToFile((folder / "a.exr").string(), large);
+    EXPECT_TRUE(readFile(folder / "a.exr") == readFile(folder / "b.exr")) << memory;
+  }
+}
+
 // Levels of resolution: the default, a level, and pictures that means cannot show; in a series,
 // too.
 TEST(Renderer, levelsOfResolutionAreThoseOfTheProgram) {

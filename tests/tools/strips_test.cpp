@@ -1,9 +1,12 @@
 // Pictures that do not fit into their share of --memory are drawn in strips: the same files, within
 // the bound that `plan` gives.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <string>
+#include <utility>
 
 #include "tests/tools/program.h"
 
@@ -69,6 +72,48 @@ TEST(Strips, ofATurntable) {
     EXPECT_TRUE(readFile(program.folder / fmt::format("whole_{}.png", frame)) ==
                 readFile(program.folder / fmt::format("strips_{}.png", frame)))
         << frame;
+}
+
+// Frames of a saved path are drawn by the library.
+TEST(Strips, ofTheFramesOfASavedPath) {
+  const Program program;
+  writeFile(program.folder / "v.json",
+            R"({"sluice": "view", "volume": {"paths": ["synth:phantom,dims=60x56x50"]},
+                "path": {"kind": "turn", "frames": 2}})");
+  for (const char* way : {"-o {}_%d.png", "--background 336619 -o {}_%d.png", "-o {}_%d.exr"})
+    for (const auto& [name, memory] : {std::pair("whole", "900M"), {"strips", "40M"}}) {
+      const CommandResult drawn = program.run(
+          fmt::format("render --state v.json --device cpu --size 1300x1211 -q --force --memory {} ",
+                      memory) +
+          fmt::format(fmt::runtime(way), name));
+      ASSERT_EQ(drawn.status, 0) << drawn.output;
+      if (std::string(name) == "whole") continue;
+      const std::string extension = std::string(way).substr(std::string(way).size() - 4);
+      for (const char* frame : {"_0", "_1"})
+        EXPECT_TRUE(readFile(program.folder / ("whole" + (frame + extension))) ==
+                    readFile(program.folder / ("strips" + (frame + extension))))
+            << way << frame;
+    }
+}
+
+TEST(Strips, ofTheFramesOfASavedPathKeepWithinTheMemory) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "a sanitizer's own memory";
+#endif
+  const Program program;
+  writeFile(program.folder / "v.json",
+            R"({"sluice": "view", "volume": {"paths": ["synth:phantom,dims=60x56x50"]},
+                "path": {"kind": "turn", "frames": 2}})");
+  for (const char* extension : {"png", "exr"}) {
+    const CommandResult drawn =
+        program.run("render --state v.json --device cpu --size 3000x3000 -q --memory 64M -o f_%d." +
+                    std::string(extension));
+    ASSERT_EQ(drawn.status, 0) << drawn.output;
+  }
+  rusage used{};
+  ASSERT_EQ(getrusage(RUSAGE_CHILDREN, &used), 0);
+  // The budget, and the program with its libraries. A whole picture takes 380 MiB.
+  EXPECT_LE(used.ru_maxrss >> 10, 64 + 96);
 }
 
 // A strip may be empty if the picture is not; a picture is empty if all of its strips are.

@@ -104,9 +104,13 @@ void checkOutputs(const RenderArguments& arguments, const SavedFilm& film,
 
 void addFrame(FilmFile& film, Renderer& renderer, const ViewState& state,
               const PictureOptions& options, const ProgressFunction& watch) {
-  Image image = renderer.draw(options, watch);
-  const Picture drawn{image.width, image.height, std::move(image.rgba), {}};
-  film.add(state.background ? over(drawn, *state.background) : drawn);
+  renderer.drawRows(
+      options,
+      [&](const Image& few) {
+        const Picture rows{few.width, few.height, few.rgba, {}};
+        film.add(state.background ? over(rows, *state.background) : rows);
+      },
+      watch);
 }
 
 }  // namespace
@@ -145,7 +149,10 @@ int writeFilm(const RenderArguments& arguments, const CLI::App& app, const Saved
   ViewState now = viewState(arguments.volume, arguments.look, arguments.frame, arguments.fit,
                             app.count("--step") > 0);
   const int width = arguments.frame.size.width, height = arguments.frame.size.height;
-  Renderer renderer(volume, now.look, rendererOptions(arguments.resources));
+  RendererOptions options = rendererOptions(arguments.resources);
+  options.rows_width = width;
+  options.rows_height = height;
+  Renderer renderer(volume, now.look, options);
   if (!now.view.look_at || !now.view.up)
     now.view = renderer.placed(pictureOf(now, width, height), watch);
   placeKeys(film.path, renderer, watch);

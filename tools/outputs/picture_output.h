@@ -3,12 +3,10 @@
 #pragma once
 
 #include <filesystem>
-#include <memory>
 #include <optional>
 #include <string_view>
 
-#include "io/pictures/exr_file.h"
-#include "io/pictures/png_file.h"
+#include "src/library/strip_file.h"
 #include "src/render/camera/frame_options.h"
 #include "tools/outputs/film_file.h"
 #include "tools/scene/scene.h"
@@ -23,10 +21,6 @@ struct Aovs {
 // "depth,opacity", "none".
 std::optional<Aovs> parseAovs(std::string_view list);
 
-enum class PictureKind { kPng, kExr };
-// The kind by the name's extension in any case; nullopt: neither.
-std::optional<PictureKind> pictureKind(const std::filesystem::path& path);
-
 struct PictureOutput {
   std::optional<std::array<float, 3>> background;
   bool annotate = false;  // PNG
@@ -38,9 +32,8 @@ struct PictureOutput {
 Picture shownPicture(const Picture& picture, const PictureOutput& output,
                      const FrameOptions& options, const Scene& scene, int first_row = 0);
 
-// The file of a picture that comes strip by strip, from the top down. The file has the same bytes
-// whatever the strips. It converts a few rows at a time, so that memory holds no second picture.
-// Without commit() nothing is left of it. One thread.
+// The file of a picture that comes strip by strip, or the next frame of a film (strip_file.h). One
+// thread.
 class PictureWriter {
  public:
   // `options` are the frame's; they and `scene` must outlive it. With `film` the picture is the
@@ -57,17 +50,12 @@ class PictureWriter {
   void commit();
 
  private:
-  void addRows(const Picture& rows);
-  void addExrRows(const Picture& rows);
-
-  const std::filesystem::path path_;
   const PictureOutput output_;
   const FrameOptions& options_;
   Scene& scene_;
   FilmFile* const film_;
-  int rows_done_ = 0;
-  std::unique_ptr<PngFile> png_;  // null for other kinds
-  std::unique_ptr<ExrFile> exr_;  // made with the first rows
+  int film_rows_ = 0;              // rows added so far
+  std::optional<StripFile> file_;  // without a film
 };
 
 }  // namespace sluice

@@ -1,10 +1,7 @@
 #include "tools/scene/scene_session.h"
 
-#include <algorithm>
-
 #include "src/base/error.h"
 #include "src/base/values/bytes.h"
-#include "src/library/resources.h"
 
 namespace sluice {
 
@@ -13,25 +10,6 @@ uint64_t othersBytes(const IndexedVolume& volume, const TransferFunction& transf
   // A series also holds the ranges of the step that is shown and of the next one.
   const uint64_t steps = volume.source->layout().time_steps > 1 ? 3 : 1;
   return steps * volume.rangesBytes() + planBytes(volume, transfer, frame, pool);
-}
-
-BesideShare besideShare(const IndexedVolume& volume, const ResourceArguments& resources,
-                        Partition partition, const PictureDemand& picture, uint64_t others_bytes) {
-  const uint64_t memory_bytes = memoryBudget(resources);
-  BesideShare share;
-  for (const uint64_t of_memory : {memory_bytes, uint64_t{0}}) {
-    share.picture_bytes = pictureBytes(picture, of_memory);
-    share.beside_bytes = others_bytes + share.picture_bytes;
-    PageGeometry page = volume.page;
-    page.pages = pageCount(resources, volume, share.beside_bytes);
-    share.pages = page.pages;
-    BufferNeeds needs = bufferNeeds(*volume.source, volume.layout, partition, share.beside_bytes);
-    needs.numbers = volume.numbers();
-    if (textureMemoryBytes(page, TexelPlace::kInMemory) + leastBufferBytes(page, needs) <=
-        memory_bytes)
-      break;
-  }
-  return share;
 }
 
 void openSession(Scene& scene, const ResourceArguments& resources, const FrameOptions& frame,

@@ -51,6 +51,10 @@ struct FrameReport {
   std::optional<CutSummary> cut;  // for a frame of several levels of resolution
 };
 
+// Adds the work and the time of a further strip of a picture to those of its first strips. Blocks
+// and plans count the whole picture already.
+void addStrip(FrameReport& sum, const FrameReport& strip);
+
 // The boxes drawn between two updates of the opacity map (Li 2003, Figure 8).
 struct FramePhase {
   Picture picture;  // picture of these boxes alone, as far as their chunks are still resident

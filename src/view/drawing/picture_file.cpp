@@ -24,14 +24,7 @@ void requirePictureName(const std::string& path) {
 
 void drawToFile(Renderer& renderer, const std::string& path, const ViewState& state, int width,
                 int height, const ProgressFunction& progress, const std::stop_token& stop) {
-  PictureOptions picture = pictureOf(state, width, height);
-  const bool is_exr = endOf(path) == ".exr";
-  picture.with_depth = is_exr && state.look.mode == LookOptions::Mode::kComposite;
-  const Image image = renderer.draw(picture, progress, stop);
-  if (is_exr)
-    renderer.writeExr(path, image, picture, state.background);
-  else
-    image.writePng(path, state.background);
+  renderer.drawToFile(path, pictureOf(state, width, height), state.background, progress, stop);
 }
 
 void placeKeys(ViewPath& path, Renderer& renderer, const ProgressFunction& progress,

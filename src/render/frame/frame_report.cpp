@@ -1,0 +1,48 @@
+#include "src/render/frame/frame_report.h"
+
+#include <algorithm>
+
+namespace sluice {
+namespace {
+
+void add(StageSeconds& sum, const StageSeconds& more) {
+  sum.classify += more.classify;
+  sum.plan += more.plan;
+  sum.read += more.read;
+  sum.decode += more.decode;
+  sum.copy += more.copy;
+  sum.upload += more.upload;
+  sum.draw += more.draw;
+  sum.boxes += more.boxes;
+}
+
+void add(OcclusionReport& sum, const OcclusionReport& more) {
+  sum.updates_wanted += more.updates_wanted;
+  sum.updates += more.updates;
+  sum.cells += more.cells;
+  sum.cells_culled += more.cells_culled;
+  sum.cells_clipped += more.cells_clipped;
+  sum.chunks_hidden += more.chunks_hidden;
+  sum.seconds += more.seconds;
+}
+
+}  // namespace
+
+void addStrip(FrameReport& sum, const FrameReport& more) {
+  sum.seconds += more.seconds;
+  add(sum.stages, more.stages);
+  sum.samples_drawn += more.samples_drawn;
+  sum.samples_taken += more.samples_taken;
+  sum.samples_object += more.samples_object;
+  sum.boxes_drawn += more.boxes_drawn;
+  sum.pages_loaded += more.pages_loaded;
+  sum.binds += more.binds;
+  sum.decoded_bytes += more.decoded_bytes;
+  sum.copied_bytes += more.copied_bytes;
+  sum.uploaded_bytes += more.uploaded_bytes;
+  sum.missing_share = std::max(sum.missing_share, more.missing_share);
+  add(sum.occlusion, more.occlusion);
+  sum.cut = more.cut;  // the last strip knows the spreads of all blocks
+}
+
+}  // namespace sluice
