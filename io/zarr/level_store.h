@@ -53,6 +53,8 @@ class LevelStoreWriter final : public VoxelTaker {
   // Brings the group to its name. Requires: all layers have come. False if a write has failed, here
   // or before: see fault().
   bool finish();
+  // Removes what was written: the voxels cannot be read. Called last.
+  void discard() { folder_->discard(); }
   // Why the levels cannot be kept, in one line; empty as long as they can.
   const std::string& fault() const { return fault_; }
 

@@ -255,6 +255,11 @@ fs::path ZarrPackFolder::complete(const std::string& group_text, const std::stri
   return store_;
 }
 
+void ZarrPackFolder::discard() {
+  std::error_code ignored;
+  fs::remove_all(folder_, ignored);
+}
+
 void ZarrPackFolder::finish(const FinishOptions& options) {
   if (options.sync) syncFolder(folder_, true);
   requireFreeName(output_, options.replace);

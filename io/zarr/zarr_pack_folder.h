@@ -75,6 +75,9 @@ class ZarrPackFolder {
   // Brings all to the disk and the store to its name; the folder goes. Throws Error.
   void finish(const FinishOptions& options);
 
+  // Removes what was written. Nothing else may be called after it.
+  void discard();
+
   const std::vector<StoredChunk>& chunks() const { return chunks_; }
   const std::filesystem::path& path() const { return folder_; }
 

@@ -259,7 +259,12 @@ IndexedVolume indexVolume(std::unique_ptr<VolumeSource> source, const VolumeArgu
   volume.layout = blockLayout(layout.dims, block, ghost, volume.name.c_str());
   std::optional<IndexedRanges> made;
   if (side.taker() != nullptr) {
-    made = rangesOf(volume, volume.time, pass, &side);
+    try {
+      made = rangesOf(volume, volume.time, pass, &side);
+    } catch (const Error&) {
+      side.discard();
+      throw;
+    }
     side.finish();
   }
   volume.source = side.join(std::move(volume.source));

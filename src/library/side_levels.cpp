@@ -240,6 +240,10 @@ void SideLevels::prepare(const SideLevelsRequest& request) {
         name_, plan->levels.size(), folder.string(), formatBytes(plan->voxel_bytes)));
 }
 
+void SideLevels::discard() {
+  if (writer_ != nullptr) writer_->discard();
+}
+
 void SideLevels::finish() {
   if (writer_ == nullptr) return;
   const fs::path folder = storeIn(places_.written, key_);

@@ -60,6 +60,8 @@ class SideLevels {
   uint64_t heldBytes() const { return held_bytes_; }
   // To be called after the pass: keeps and opens the levels.
   void finish();
+  // To be called in its place if the voxels cannot be read: removes what was made.
+  void discard();
 
   // `source` with the levels, if there are some. Called once, last.
   std::unique_ptr<VolumeSource> join(std::unique_ptr<VolumeSource> source);

@@ -215,7 +215,7 @@ TEST(OutOfCore, aFileCutShortWhileIndexingIsOneLineAndLeavesNoIndex) {
   const std::string volume = "v_700x700x700_uint8.raw";
   const CommandResult info = runCommand(
       "cd " + shellQuoted(program.folder.path().string()) + "; " SLUICE_PROGRAM " info " + volume +
-      " --threads 1 & until ls -l /proc/$!/fd | grep -q " + volume +
+      " --quiet --threads 1 & until ls -l /proc/$!/fd | grep -q " + volume +
       " || ! kill -0 $!; do :; done 2>/dev/null; truncate -s 1000000 " + volume + "; wait $!");
   EXPECT_EQ(info.status, 1) << info.output;
   EXPECT_EQ(std::count(info.output.begin(), info.output.end(), '\n'), 1) << info.output;
