@@ -22,7 +22,7 @@ struct RenderReport {
   double missing_share = 0;
   int64_t white = 0, grey = 0, black = 0;
   double step_vox = 1;  // see PictureOptions
-  // Of a volume with levels of resolution: the levels in the picture, the finest first, 0 being the
+  // Levels of resolution in the picture of a volume that has several, the finest first, 0 being the
   // data as stored; the share of the visible cells that coarser levels show; whether it is as fine
   // as PictureOptions::pixel_error asks; and if not, whether another picture of this view would be
   // finer (Image::will_improve), or the memory has no room.

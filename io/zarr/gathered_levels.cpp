@@ -54,7 +54,7 @@ bool isNumber(T value) {
   return true;
 }
 
-// What squares of a cube are measured from: the value of its first voxel.
+// Squares of a cube are measured from this value: its first voxel's, or 0.
 template <class T>
 double originOf(const T* voxels) {
   if constexpr (kIsNarrow<T>) return 0;  // sums are exact, whatever the cube

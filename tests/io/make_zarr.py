@@ -12,27 +12,17 @@ import numcodecs
 import numpy as np
 import zarr
 
+sys.dont_write_bytecode = True
+from voxel_pattern import voxels_of
+
 NAMES = {"b1": "u8", "u1": "u8", "i1": "i8", "u2": "u16", "i2": "i16", "u4": "u32", "i4": "i32", "f4": "f32", "f8": "f64"}
 rng = np.random.default_rng(5)
 root = sys.argv[1]
 cases = open(os.path.join(root, "cases.txt"), "w")
 
 
-def voxels_of(kind, shape, hole=None):
-    """Smooth in part, noisy in part, and `hole` in one corner."""
-    values = sum(i * f for i, f in zip(np.indices(shape)[::-1], (1, 3, 31, 7, 11))) % 97
-    values = values + (rng.random(shape) < 0.2) * 3
-    if kind == "b1":
-        values = values % 2
-    if kind.startswith("f"):
-        values = values / 7 - 3
-    if hole is not None:
-        values[..., : shape[-2] // 2 + 1, :] = hole
-    return values.astype(kind)
-
-
 def case(name, kind, shape, chunks, codec, separator=".", order="C", fill=0, axes="zyx", attrs=None, channel=-1, hole=None, array="", sparse=False):
-    stored = voxels_of(kind[-2:], shape, hole)
+    stored = voxels_of(rng, kind[-2:], shape, hole)
     path = os.path.join(root, name)
     store = zarr.DirectoryStore(path) if separator == "." else zarr.NestedDirectoryStore(path)
     group_path = array or None

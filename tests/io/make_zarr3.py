@@ -13,6 +13,9 @@ import sys
 import numcodecs
 import numpy as np
 
+sys.dont_write_bytecode = True
+from voxel_pattern import voxels_of
+
 NAMES = {"bool": "u8", "uint8": "u8", "int8": "i8", "uint16": "u16", "int16": "i16", "uint32": "u32", "int32": "i32",
          "float32": "f32", "float64": "f64"}
 MISSING = 2**64 - 1
@@ -119,19 +122,8 @@ def write_array(path, values, chunks, codecs, fill=0, fill_text=None, keys=("def
     return missing
 
 
-def values_of(kind, shape, hole=None):
-    values = sum(i * f for i, f in zip(np.indices(shape)[::-1], (1, 3, 31, 7, 11))) % 97 + (rng.random(shape) < 0.2) * 3
-    if kind == "bool":
-        values = values % 2
-    if kind.startswith("f"):
-        values = values / 7 - 3
-    if hole is not None:
-        values[..., : shape[-2] // 2 + 1, :] = hole
-    return values.astype(kind)
-
-
 def case(name, kind, shape, chunks, codecs, hole=None, axes="zyx", channel=-1, **more):
-    values = values_of(kind, shape, hole)
+    values = voxels_of(rng, kind, shape, hole)
     missing = write_array(os.path.join(root, name), values, chunks, codecs, **more)
     seen, axes = values, list(axes)
     if "c" in axes:
@@ -177,7 +169,7 @@ case("extension", "uint8", SHAPE, (4, 5, 6), Codecs(), made_by={"must_understand
 
 def image(name, version):
     """An OME-Zarr 0.5 image of two levels, each one folder deeper than usual."""
-    fine = values_of("uint16", (8, 12, 16))
+    fine = voxels_of(rng, "uint16", (8, 12, 16))
     coarse = fine.reshape(4, 2, 6, 2, 8, 2).mean(axis=(1, 3, 5)).astype("uint16")
     path = os.path.join(root, name)
     datasets = []

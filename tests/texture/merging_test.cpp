@@ -285,7 +285,7 @@ struct ThinnedSlabs {
   }
 };
 
-// Of 2 % of the blocks, each takes a partner along: about 4 % must change.
+// Each of the 2 % of the blocks that go takes a partner along: about 4 % must change.
 TEST(MergedPlan, aChangeOfFewBlocksChangesFewChunks) {
   double sum = 0;
   constexpr uint32_t kSeeds = 20;

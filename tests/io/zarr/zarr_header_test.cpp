@@ -13,12 +13,10 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-// A sound .zarray with one member replaced, or left out if `value` is empty.
-std::string arrayWith(const std::string& key, const std::string& value) {
-  std::vector<std::pair<std::string, std::string>> members = {
-      {"zarr_format", "2"}, {"shape", "[10, 20, 30]"}, {"chunks", "[4, 5, 6]"},
-      {"dtype", "\"<u2\""}, {"compressor", "null"},    {"fill_value", "3"},
-      {"order", "\"C\""},   {"filters", "null"},       {"dimension_separator", "\"/\""}};
+using Members = std::vector<std::pair<std::string, std::string>>;
+
+// The JSON object of sound members with one replaced, or left out if `value` is empty.
+std::string objectWith(const Members& members, const std::string& key, const std::string& value) {
   std::string text;
   for (const auto& [name, sound] : members) {
     const std::string& said = name == key ? value : sound;
@@ -26,6 +24,15 @@ std::string arrayWith(const std::string& key, const std::string& value) {
     text += (text.empty() ? "{\"" : ", \"") + name + "\": " + said;
   }
   return text + "}";
+}
+
+// A sound .zarray with one member replaced, or left out if `value` is empty.
+std::string arrayWith(const std::string& key, const std::string& value) {
+  const Members members = {
+      {"zarr_format", "2"}, {"shape", "[10, 20, 30]"}, {"chunks", "[4, 5, 6]"},
+      {"dtype", "\"<u2\""}, {"compressor", "null"},    {"fill_value", "3"},
+      {"order", "\"C\""},   {"filters", "null"},       {"dimension_separator", "\"/\""}};
+  return objectWith(members, key, value);
 }
 
 TEST(ZarrArray, saysShapeChunksTypeAndNames) {
@@ -109,7 +116,7 @@ TEST(ZarrArray, eachFieldIsCheckedByName) {
 
 // A sound zarr.json of an array with one member replaced, or left out if `value` is empty.
 std::string array3With(const std::string& key, const std::string& value) {
-  std::vector<std::pair<std::string, std::string>> members = {
+  Members members = {
       {"zarr_format", "3"},
       {"node_type", "\"array\""},
       {"shape", "[10, 20, 30]"},
@@ -120,13 +127,7 @@ std::string array3With(const std::string& key, const std::string& value) {
       {"codecs", R"([{"name": "bytes", "configuration": {"endian": "little"}}, "crc32c"])"}};
   if (std::none_of(members.begin(), members.end(), [&](const auto& m) { return m.first == key; }))
     members.emplace_back(key, "");
-  std::string text;
-  for (const auto& [name, sound] : members) {
-    const std::string& said = name == key ? value : sound;
-    if (said.empty()) continue;
-    text += (text.empty() ? "{\"" : ", \"") + name + "\": " + said;
-  }
-  return text + "}";
+  return objectWith(members, key, value);
 }
 
 std::string shardsOf(const std::string& chunks, const std::string& codecs,

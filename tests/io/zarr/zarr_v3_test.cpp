@@ -70,7 +70,7 @@ TEST_F(Zarr3, aLevelByItselfHasItsScale) {
   EXPECT_EQ(source->layout().origin, (Vec3d{0.5, 0.5, 1.5}));
 }
 
-// Of an index that is read once and the chunks.
+// The index is read once, and then only the chunks that the box needs.
 TEST_F(Zarr3, aBoxOfAShardReadsTheIndexAndItsChunksAlone) {
   ZarrSource source(pathOf("one_shard"));
   const uint64_t header = source.storedBytesRead();
