@@ -67,6 +67,7 @@ TEST(Verify, agreesForAllWaysOfDrawing) {
     const auto report = program.json(fmt::format(
         "render ball_75x75x75_uint8.raw -o {}.png --size 160x130 --verify {}", seed++, options));
     EXPECT_LE(report["verify"]["max_difference"].get<double>(), 1) << options;
+    EXPECT_EQ(report["verify"]["differing_pixels"], 0) << options;
     EXPECT_FALSE(report["verify"]["unchecked"].empty());
   }
 }

@@ -474,6 +474,7 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
         last, drawn.picture);
     report["verify"] = {{"max_difference", verified->max_difference},
                         {"mean_difference", verified->mean_difference},
+                        {"differing_pixels", verified->differing_pixels},
                         {"unchecked", verified->unchecked}};
   }
   if (!arguments.report_file.empty())

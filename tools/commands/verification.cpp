@@ -69,12 +69,17 @@ FrameOptions plainOptions(FrameOptions options) {
 
 void compare(const Picture& plain, const Picture& picture, Verification& result) {
   double sum = 0;
-  for (size_t i = 0; i < plain.rgba.size(); ++i) {
-    const double a = std::clamp(plain.rgba[i], 0.0F, 1.0F),
-                 b = std::clamp(picture.rgba[i], 0.0F, 1.0F);
-    const double difference = 255 * std::abs(a - b);
-    result.max_difference = std::max(result.max_difference, difference);
-    sum += difference;
+  for (size_t pixel = 0; pixel < plain.rgba.size(); pixel += 4) {
+    double most = 0;
+    for (size_t i = pixel; i < pixel + 4; ++i) {
+      const double a = std::clamp(plain.rgba[i], 0.0F, 1.0F),
+                   b = std::clamp(picture.rgba[i], 0.0F, 1.0F);
+      const double difference = 255 * std::abs(a - b);
+      most = std::max(most, difference);
+      sum += difference;
+    }
+    result.max_difference = std::max(result.max_difference, most);
+    if (most > 1) ++result.differing_pixels;
   }
   result.mean_difference = sum / static_cast<double>(plain.rgba.size());
 }

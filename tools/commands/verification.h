@@ -7,6 +7,7 @@
 // out for time. Both pictures share the transfer function and the device.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@ namespace sluice {
 
 struct Verification {
   double max_difference = 0, mean_difference = 0;  // in 1/255
+  int64_t differing_pixels = 0;                    // pixels that differ by more than 1/255
   std::vector<std::string> unchecked;              // the inputs that both pictures share
 };
 

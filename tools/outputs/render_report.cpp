@@ -151,10 +151,11 @@ void printDrawn(const RenderArguments& arguments, const Scene& scene, const Seri
     say("incomplete: {:.1f} % of the visible cells were not read within --time-limit\n",
         100 * report.missing_share);
   if (verified)
-    say("against the plain picture{}: largest difference {:.3f}/255, mean {:.5f}/255; not checked: "
-        "{}\n",
+    say("against the plain picture{}: largest difference {:.3f}/255, mean {:.5f}/255, {} pixels "
+        "above 1/255; not checked: {}\n",
         isCoarser(*drawn.blocks) ? " of level 0" : "", verified->max_difference,
-        verified->mean_difference, fmt::join(verified->unchecked, "; "));
+        verified->mean_difference, verified->differing_pixels,
+        fmt::join(verified->unchecked, "; "));
   say("{}\n", drawn.name.string());
   for (const std::filesystem::path& view : drawn.views) say("{}\n", view.string());
 }
