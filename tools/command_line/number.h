@@ -3,25 +3,13 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <string>
 #include <type_traits>
 
+#include "src/base/values/number_range.h"
+
 namespace sluice {
-
-// The range of an option's values, both ends included unless `above_least` leaves the lower one
-// out.
-template <class Number>
-struct NumberRange {
-  Number least = std::numeric_limits<Number>::lowest();
-  Number most = std::numeric_limits<Number>::max();
-  bool above_least = false;
-
-  bool holds(Number n) const {
-    return n <= most && (above_least ? n > least : n >= least);  // false for NaN
-  }
-};
 
 // The whole of `text` as a finite number; nullopt otherwise, even if it only does not fit the type.
 std::optional<double> parseReal(const std::string& text);

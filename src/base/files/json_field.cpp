@@ -77,7 +77,7 @@ JsonField JsonField::require(const char* key) const {
   return *std::move(field);
 }
 
-void JsonField::allowOnly(std::initializer_list<std::string_view> keys) const {
+void JsonField::allowOnly(const std::vector<std::string_view>& keys) const {
   if (!value_->is_object()) failExpected("an object");
   for (const auto& [key, value] : value_->items()) {
     if (std::find(keys.begin(), keys.end(), key) != keys.end()) continue;

@@ -6,12 +6,12 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <initializer_list>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 namespace sluice {
 
@@ -43,7 +43,7 @@ class JsonField {
   JsonField require(const char* key) const;
   // Throws Error, listing the names, when the object has a member of another one: a misspelt field
   // would be ignored in silence.
-  void allowOnly(std::initializer_list<std::string_view> keys) const;
+  void allowOnly(const std::vector<std::string_view>& keys) const;
 
   // Finite, as JSON has no other numbers.
   double number() const;

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "src/base/files/shell_word.h"
+#include "src/view/state/option_table.h"
 
 namespace sluice {
 namespace {
@@ -17,59 +18,66 @@ std::string listed(const List& values) {
   return text;
 }
 
-// The words of `sluice render`'s --mode.
-const char* name(LookOptions::Mode mode) {
-  switch (mode) {
-    case LookOptions::Mode::kMaximum:
-      return "mip";
-    case LookOptions::Mode::kMinimum:
-      return "minip";
-    case LookOptions::Mode::kAverage:
-      return "average";
-    case LookOptions::Mode::kComposite:
-      break;
-  }
-  return "composite";
+// A value as --background takes it.
+std::string hexOf(const OptionReals& color) {
+  std::string text;
+  for (const double channel : color)
+    text += fmt::format("{:02x}", std::clamp(static_cast<int>(std::lround(channel * 255)), 0, 255));
+  return text;
 }
 
-const char* name(ViewOptions::From from) {
-  switch (from) {
-    case ViewOptions::From::kPlain:
-      return "plain";
-    case ViewOptions::From::kFront:
-      return "front";
-    case ViewOptions::From::kBack:
-      return "back";
-    case ViewOptions::From::kLeft:
-      return "left";
-    case ViewOptions::From::kRight:
-      return "right";
-    case ViewOptions::From::kTop:
-      return "top";
-    case ViewOptions::From::kBottom:
-      return "bottom";
-    case ViewOptions::From::kThreeQuarter:
-      break;
-  }
-  return "three-quarter";
+// Values as the command line takes them.
+std::string textOf(const std::string& text) {
+  return text;
+}
+template <class Number>
+std::string textOf(Number number) {
+  return fmt::format("{}", number);
+}
+template <class Number>
+std::string textOf(const std::vector<Number>& numbers) {
+  return listed(numbers);
+}
+std::string textOf(const std::vector<OptionReals>& points) {
+  std::string text;
+  for (const OptionReals& pair : points)
+    text += fmt::format("{}{}:{}", text.empty() ? "" : ",", pair[0], pair[1]);
+  return text;
 }
 
-void addView(std::vector<OptionWord>& words, const ViewOptions& view) {
-  const bool is_perspective = view.projection == ViewOptions::Projection::kPerspective;
-  words.emplace_back("--projection", is_perspective ? "perspective" : "ortho");
-  if (view.look_at) {
-    words.emplace_back("--eye", listed(view.look_at->eye));
-    words.emplace_back("--target", listed(view.look_at->target));
+void addWords(std::vector<OptionWord>& words, const OptionEntry& entry, const OptionValue& value) {
+  if (!entry.kind.needs.empty()) words.emplace_back(entry.kind.needs, "");
+  if (!entry.kind.flags.empty()) {
+    const auto at =
+        std::find(entry.kind.words.begin(), entry.kind.words.end(), std::get<std::string>(value));
+    const auto flag = entry.kind.flags[static_cast<size_t>(at - entry.kind.words.begin())];
+    if (!flag.empty()) words.emplace_back(flag, "");
+  } else if (entry.kind.form == OptionForm::kFlag) {
+    words.emplace_back(entry.option, "");
+  } else if (entry.kind.form == OptionForm::kColor) {
+    words.emplace_back(entry.option, hexOf(std::get<OptionReals>(value)));
+  } else if (entry.kind.form == OptionForm::kPlanes) {
+    for (const OptionReals& plane : std::get<std::vector<OptionReals>>(value))
+      words.emplace_back(entry.option, listed(plane));
   } else {
-    words.emplace_back("--view", name(view.from));
-    words.emplace_back("--azimuth", fmt::format("{}", view.azimuth_deg));
-    words.emplace_back("--elevation", fmt::format("{}", view.elevation_deg));
-    if (view.fit)
-      words.emplace_back("--fit", *view.fit == ViewOptions::Fit::kVolume ? "volume" : "visible");
+    words.emplace_back(entry.option,
+                       std::visit([](const auto& held) { return textOf(held); }, value));
   }
-  if (view.up) words.emplace_back("--up", listed(*view.up));
-  words.emplace_back("--zoom", fmt::format("{}", view.zoom));
-  if (is_perspective) words.emplace_back("--fov", fmt::format("{}", view.field_of_view_deg));
+}
+
+// The words of the entries of these parts.
+std::vector<OptionWord> wordsOf(const ViewState& state, std::initializer_list<OptionPart> parts) {
+  std::vector<const OptionEntry*> entries;
+  for (const OptionEntry& entry : optionTable())
+    if (!entry.option.empty() && std::find(parts.begin(), parts.end(), entry.part) != parts.end())
+      entries.push_back(&entry);
+  std::sort(entries.begin(), entries.end(),
+            [](const OptionEntry* a, const OptionEntry* b) { return a->turn < b->turn; });
+  std::vector<OptionWord> words;
+  for (const OptionEntry* entry : entries)
+    if (entry->is_printed == nullptr || entry->is_printed(state))
+      if (const auto value = savedValue(*entry, state)) addWords(words, *entry, *value);
+  return words;
 }
 
 // A name that begins as options do.
@@ -97,50 +105,13 @@ std::vector<OptionWord> volumeWords(const VolumeOptions& options) {
 }
 
 std::vector<OptionWord> lookWords(const LookOptions& look) {
-  std::vector<OptionWord> words;
-  if (!look.transfer_file.empty()) words.emplace_back("--transfer", look.transfer_file);
-  if (!look.opacities.empty()) {
-    std::string points;
-    for (const LookOptions::Opacity& point : look.opacities)
-      points += fmt::format("{}{}:{}", points.empty() ? "" : ",", point.value, point.opacity);
-    words.emplace_back("--opacities", points);
-  } else if (!look.transfer_file.empty()) {  // has them
-  } else if (look.labels) {
-    words.emplace_back("--labels", "");
-  } else if (look.threshold) {
-    words.emplace_back("--threshold", fmt::format("{}", *look.threshold));
-  }
-  if (look.opacity && look.opacities.empty())
-    words.emplace_back("--opacity", fmt::format("{}", *look.opacity));
-  if (!look.map.empty()) words.emplace_back("--map", look.map);
-  if (look.range) words.emplace_back("--range", listed(*look.range));
-  if (look.light == LookOptions::Light::kOn) words.emplace_back("--shade", "");
-  if (look.light == LookOptions::Light::kOff) words.emplace_back("--no-shade", "");
-  if (look.full_gradient) {
-    words.emplace_back("--modulate", "");
-    words.emplace_back("--full-gradient", fmt::format("{}", *look.full_gradient));
-  }
-  words.emplace_back("--mode", name(look.mode));
-  return words;
+  ViewState state;
+  state.look = look;
+  return wordsOf(state, {OptionPart::kLook});
 }
 
 std::vector<OptionWord> pictureWords(const ViewState& state) {
-  std::vector<OptionWord> words;
-  addView(words, state.view);
-  if (state.time != 0) words.emplace_back("--time", fmt::format("{}", state.time));
-  if (state.step_vox) words.emplace_back("--step", fmt::format("{}", *state.step_vox));
-  if (state.crop)
-    words.emplace_back("--crop", listed(state.crop->lo) + "," + listed(state.crop->hi));
-  for (const PictureOptions::Plane& plane : state.clip_planes)
-    words.emplace_back("--clip", fmt::format("{},{}", listed(plane.normal), plane.offset));
-  if (state.background) {
-    std::string color;
-    for (const float channel : *state.background)
-      color +=
-          fmt::format("{:02x}", std::clamp(static_cast<int>(std::lround(channel * 255)), 0, 255));
-    words.emplace_back("--background", color);
-  }
-  return words;
+  return wordsOf(state, {OptionPart::kCamera, OptionPart::kTop});
 }
 
 std::string renderCommand(const ViewedVolume& volume, const ViewState& state,

@@ -9,6 +9,7 @@
 #include "src/base/files/json_field.h"
 #include "src/base/files/text_file.h"
 #include "src/view/state/file_name_json.h"
+#include "src/view/state/option_table.h"
 #include "src/view/state/view_check.h"
 
 namespace sluice {
@@ -18,11 +19,7 @@ using nlohmann::json;
 
 constexpr uint64_t kMostBytes = uint64_t{1} << 20;
 constexpr double kMostSpacing = 1e15, kMostRate = 1000, kMostSeconds = 1e6;
-constexpr std::array kModes{"composite", "mip", "minip", "average"};
 constexpr std::array kTypes{"u8", "i8", "u16", "i16", "u32", "i32", "f32", "f64"};
-constexpr std::array kLights{"chosen", "on", "off"};
-constexpr std::array kViews{"plain", "front", "back",   "left",
-                            "right", "top",   "bottom", "three-quarter"};
 
 std::string absolutePath(const std::string& path) {
   std::error_code unknown;
@@ -50,63 +47,39 @@ json volumeJson(const ViewedVolume& volume) {
   return made;
 }
 
-json cameraJson(const ViewOptions& view) {
-  json made;
-  const bool is_perspective = view.projection == ViewOptions::Projection::kPerspective;
-  made["projection"] = is_perspective ? "perspective" : "ortho";
-  made["zoom"] = view.zoom;
-  made["fov"] = view.field_of_view_deg;
-  if (view.up) made["up"] = *view.up;
-  if (view.look_at) {
-    made["eye"] = view.look_at->eye;
-    made["target"] = view.look_at->target;
-  } else {
-    made["view"] = kViews[static_cast<size_t>(view.from)];
-    made["azimuth"] = view.azimuth_deg;
-    made["elevation"] = view.elevation_deg;
-    if (view.fit) made["fit"] = *view.fit == ViewOptions::Fit::kVolume ? "volume" : "visible";
-  }
-  return made;
-}
-
-json lookJson(const LookOptions& look) {
-  json made;
-  made["mode"] = kModes[static_cast<size_t>(look.mode)];
-  made["light"] = kLights[static_cast<size_t>(look.light)];
-  if (look.threshold) made["threshold"] = *look.threshold;
-  if (look.opacity) made["opacity"] = *look.opacity;
-  for (const LookOptions::Opacity& point : look.opacities)
-    made["opacities"].push_back({point.value, point.opacity});
-  if (!look.transfer_file.empty())
-    made["transfer"] = fileNameJson(absolutePath(look.transfer_file));
-  if (look.labels) made["labels"] = true;
-  if (!look.map.empty()) made["map"] = look.map;
-  if (look.range) made["range"] = *look.range;
-  if (look.full_gradient) made["full_gradient"] = *look.full_gradient;
-  return made;
+json jsonOf(const OptionEntry& entry, const OptionValue& value) {
+  if (entry.kind.form == OptionForm::kFile)
+    return fileNameJson(absolutePath(std::get<std::string>(value)));
+  return std::visit([](const auto& held) { return json(held); }, value);
 }
 
 // `count` numbers.
 template <class Number, size_t count>
-std::array<Number, count> numbers(const JsonField& field) {
+std::vector<Number> listOf(const JsonField& field) {
   if (!field.isArray() || field.size() != count)
     field.failExpected(fmt::format("{} numbers", count));
-  std::array<Number, count> found{};
+  std::vector<Number> found;
   for (size_t i = 0; i < count; ++i) {
     if constexpr (std::is_integral_v<Number>)
-      found[i] = field[i].whole();
+      found.push_back(field[i].whole());
     else
-      found[i] = static_cast<Number>(field[i].number());
+      found.push_back(field[i].number());
   }
   return found;
 }
 
+template <class Number>
+std::array<Number, 3> tripleOf(const JsonField& field) {
+  const std::vector<Number> n = listOf<Number, 3>(field);
+  return {n[0], n[1], n[2]};
+}
+
 // The position of a word among those that are known.
-template <size_t count>
-size_t wordOf(const JsonField& field, const std::array<const char*, count>& words) {
+template <class Words>
+size_t wordOf(const JsonField& field, const Words& words) {
   const std::string& word = field.text();
   std::string all;
-  for (size_t i = 0; i < count; ++i) {
+  for (size_t i = 0; i < words.size(); ++i) {
     if (word == words[i]) return i;
     all += (i == 0 ? "" : ", ") + std::string(words[i]);
   }
@@ -136,7 +109,7 @@ ViewedVolume volumeOf(const JsonField& field) {
   for (size_t i = 0; i < paths.size(); ++i) volume.paths.push_back(fileNameOf(paths[i]));
   VolumeOptions& options = volume.options;
   if (const auto f = field.find("dims")) {
-    options.dims = numbers<int64_t, 3>(*f);
+    options.dims = tripleOf<int64_t>(*f);
     for (size_t a = 0; a < 3; ++a) wholeFrom(1, (*f)[a]);
   }
   if (const auto f = field.find("type")) options.type = kTypes[wordOf(*f, kTypes)];
@@ -144,7 +117,7 @@ ViewedVolume volumeOf(const JsonField& field) {
   if (const auto f = field.find("skip")) options.skip_bytes = wholeFrom(0, *f);
   if (const auto f = field.find("time_steps")) options.time_steps = wholeFrom(1, *f);
   if (const auto f = field.find("spacing")) {
-    options.spacing = numbers<double, 3>(*f);
+    options.spacing = tripleOf<double>(*f);
     for (size_t a = 0; a < 3; ++a) aboveZero((*f)[a], kMostSpacing);
   }
   if (const auto f = field.find("grid")) options.grid = f->text();
@@ -157,96 +130,91 @@ ViewedVolume volumeOf(const JsonField& field) {
   return volume;
 }
 
-ViewOptions viewOf(const JsonField& field) {
-  field.allowOnly(
-      {"projection", "zoom", "fov", "up", "eye", "target", "view", "azimuth", "elevation", "fit"});
-  ViewOptions view;
-  constexpr std::array kProjections{"ortho", "perspective"};
-  constexpr std::array kFits{"visible", "volume"};
-  if (const auto f = field.find("projection"))
-    view.projection = static_cast<ViewOptions::Projection>(wordOf(*f, kProjections));
-  if (const auto f = field.find("zoom")) view.zoom = f->number();
-  if (const auto f = field.find("fov")) view.field_of_view_deg = f->number();
-  if (const auto f = field.find("up")) view.up = numbers<double, 3>(*f);
-  const auto eye = field.find("eye"), target = field.find("target");
-  if (eye.has_value() != target.has_value()) field.failExpected("eye and target together");
-  if (eye)
-    view.look_at = ViewOptions::LookAt{numbers<double, 3>(*eye), numbers<double, 3>(*target)};
-  if (const auto f = field.find("view"))
-    view.from = static_cast<ViewOptions::From>(wordOf(*f, kViews));
-  if (const auto f = field.find("azimuth")) view.azimuth_deg = f->number();
-  if (const auto f = field.find("elevation")) view.elevation_deg = f->number();
-  if (const auto f = field.find("fit")) view.fit = static_cast<ViewOptions::Fit>(wordOf(*f, kFits));
-  return view;
+// `count` numbers each. `expected`: what a list of them is called.
+template <size_t count>
+std::vector<OptionReals> listsOf(const JsonField& field, const char* expected) {
+  if (!field.isArray()) field.failExpected(expected);
+  std::vector<OptionReals> lists;
+  for (size_t i = 0; i < field.size(); ++i) lists.push_back(listOf<double, count>(field[i]));
+  return lists;
 }
 
-LookOptions lookOf(const JsonField& field) {
-  field.allowOnly({"mode", "light", "threshold", "opacity", "opacities", "transfer", "labels",
-                   "map", "range", "full_gradient"});
-  LookOptions look;
-  if (const auto f = field.find("mode"))
-    look.mode = static_cast<LookOptions::Mode>(wordOf(*f, kModes));
-  if (const auto f = field.find("light"))
-    look.light = static_cast<LookOptions::Light>(wordOf(*f, kLights));
-  if (const auto f = field.find("threshold")) look.threshold = f->number();
-  if (const auto f = field.find("opacity")) look.opacity = f->number();
-  if (const auto f = field.find("opacities")) {
-    if (!f->isArray()) f->failExpected("a list of pairs of a value and an opacity");
-    for (size_t i = 0; i < f->size(); ++i) {
-      const auto pair = numbers<double, 2>((*f)[i]);
-      look.opacities.push_back({pair[0], pair[1]});
-    }
+OptionValue valueOf(const OptionEntry& entry, const JsonField& field) {
+  switch (entry.kind.form) {
+    case OptionForm::kFlag:
+      return field.flag();
+    case OptionForm::kWhole:
+      return field.whole();
+    case OptionForm::kNumber:
+      return field.number();
+    case OptionForm::kWord:
+      return std::string(entry.kind.words[wordOf(field, entry.kind.words)]);
+    case OptionForm::kText:
+      return field.text();
+    case OptionForm::kFile:
+      return fileNameOf(field);
+    case OptionForm::kRange:
+      return listOf<double, 2>(field);
+    case OptionForm::kColor:
+      for (size_t i = 0; i < field.size(); ++i) field[i].share();  // before they become floats
+      [[fallthrough]];
+    case OptionForm::kPlace:
+    case OptionForm::kDirection:
+      return listOf<double, 3>(field);
+    case OptionForm::kVoxel:
+      return listOf<int64_t, 3>(field);
+    case OptionForm::kBox:
+      return listOf<int64_t, 6>(field);
+    case OptionForm::kPoints:
+      return listsOf<2>(field, "a list of pairs of a value and an opacity");
+    case OptionForm::kPlanes:
+      break;
   }
-  if (const auto f = field.find("transfer")) look.transfer_file = fileNameOf(*f);
-  if (const auto f = field.find("labels")) look.labels = f->flag();
-  if (const auto f = field.find("map")) look.map = f->text();
-  if (const auto f = field.find("range")) look.range = numbers<double, 2>(*f);
-  if (const auto f = field.find("full_gradient")) look.full_gradient = f->number();
-  return look;
+  return listsOf<4>(field, "a list of planes, four numbers each");
+}
+
+constexpr std::array kParts{"camera", "look"};
+
+// Adds the names of a part's options.
+void addKeys(std::vector<std::string_view>& keys, OptionPart part) {
+  for (const OptionEntry& entry : optionTable())
+    if (entry.part == part) keys.emplace_back(entry.key);
 }
 
 // The state without its volume and its path.
 json stateJson(const ViewState& state) {
   json made;
-  made["camera"] = cameraJson(state.view);
-  made["look"] = lookJson(state.look);
-  made["time"] = state.time;
-  if (state.step_vox) made["step"] = *state.step_vox;
-  if (state.crop)
-    made["crop"] = {state.crop->lo[0], state.crop->lo[1], state.crop->lo[2],
-                    state.crop->hi[0], state.crop->hi[1], state.crop->hi[2]};
-  for (const PictureOptions::Plane& plane : state.clip_planes)
-    made["clip"].push_back({plane.normal[0], plane.normal[1], plane.normal[2], plane.offset});
-  if (state.background) made["background"] = *state.background;
-  made["cross"] = state.cross;
-  made["slices"] = state.shows_slices;
+  for (const OptionEntry& entry : optionTable()) {
+    const std::optional<OptionValue> value = savedValue(entry, state);
+    if (!value) continue;
+    json& part =
+        entry.part == OptionPart::kTop ? made : made[kParts[static_cast<size_t>(entry.part)]];
+    part[entry.key] = jsonOf(entry, *value);
+  }
   return made;
+}
+
+void readPart(const JsonField& field, OptionPart part, ViewState& state) {
+  for (const OptionEntry& entry : optionTable())
+    if (entry.part == part)
+      if (const auto f = field.find(entry.key)) entry.set(state, valueOf(entry, *f));
 }
 
 // `place`: of the object in the document, as a JSON pointer.
 ViewState stateOf(const JsonField& root, const std::string& where, const std::string& place) {
   ViewState state;
-  if (const auto f = root.find("camera")) state.view = viewOf(*f);
-  if (const auto f = root.find("look")) state.look = lookOf(*f);
-  if (const auto f = root.find("time")) state.time = f->whole();
-  if (const auto f = root.find("step")) state.step_vox = f->number();
-  if (const auto f = root.find("crop")) {
-    const auto n = numbers<int64_t, 6>(*f);
-    state.crop = PictureOptions::Box{{n[0], n[1], n[2]}, {n[3], n[4], n[5]}};
+  for (const OptionPart part : {OptionPart::kCamera, OptionPart::kLook}) {
+    const auto field = root.find(kParts[static_cast<size_t>(part)]);
+    if (!field) continue;
+    std::vector<std::string_view> keys;
+    addKeys(keys, part);
+    field->allowOnly(keys);
+    readPart(*field, part, state);
+    if (part == OptionPart::kCamera &&
+        field->find("eye").has_value() != field->find("target").has_value())
+      field->failExpected("eye and target together");
   }
-  if (const auto f = root.find("clip")) {
-    if (!f->isArray()) f->failExpected("a list of planes, four numbers each");
-    for (size_t i = 0; i < f->size(); ++i) {
-      const auto n = numbers<double, 4>((*f)[i]);
-      state.clip_planes.push_back({{n[0], n[1], n[2]}, n[3]});
-    }
-  }
-  if (const auto f = root.find("background")) {
-    for (size_t i = 0; i < f->size(); ++i) (*f)[i].share();  // before it becomes a float
-    state.background = numbers<float, 3>(*f);
-  }
-  if (const auto f = root.find("cross")) state.cross = numbers<int64_t, 3>(*f);
-  if (const auto f = root.find("slices")) state.shows_slices = f->flag();
+  readPart(root, OptionPart::kTop, state);
   if (const std::optional<ViewFault> fault = faultOf(state))
     fail("{}: expected {} at {}{}, found {}", where, fault->expected, place, fault->field,
          fault->found);
@@ -261,8 +229,8 @@ json pathJson(const ViewPath& path) {
                {"rate", path.frames_per_second}};
   for (const ViewKey& key : path.keys) {
     json one = stateJson(key.state);
-    one.erase("cross");
-    one.erase("slices");
+    for (const OptionEntry& entry : optionTable())
+      if (entry.option.empty()) one.erase(entry.key);
     one["seconds"] = key.seconds;
     made["keys"].push_back(std::move(one));
   }
@@ -279,11 +247,15 @@ ViewPath pathOf(const JsonField& field, const std::string& where) {
       f->failExpected(fmt::format("1 to {} frames", ViewPath::kMostFrames));
   }
   if (const auto f = field.find("rate")) path.frames_per_second = aboveZero(*f, kMostRate);
+  std::vector<std::string_view> keys_of_frame{"seconds", kParts[0], kParts[1]};
+  for (const OptionEntry& entry : optionTable())
+    if (entry.part == OptionPart::kTop && !entry.option.empty())
+      keys_of_frame.emplace_back(entry.key);
   const auto keys = field.find("keys");
   if (keys && !keys->isArray()) keys->failExpected("a list of views");
   for (size_t i = 0; keys && i < keys->size(); ++i) {
     const JsonField one = (*keys)[i];
-    one.allowOnly({"seconds", "camera", "look", "time", "step", "crop", "clip", "background"});
+    one.allowOnly(keys_of_frame);
     ViewKey key;
     if (const auto f = one.find("seconds")) key.seconds = aboveZero(*f, kMostSeconds);
     key.state = stateOf(one, where, keyPlace(i));
@@ -317,8 +289,10 @@ StateFile parseState(std::string_view text, const std::string& where) {
   if (!root.isObject() || !root.find("sluice") || !root.find("sluice")->isText() ||
       root.find("sluice")->text() != "view")
     fail("{}: expected a view's state, an object with \"sluice\": \"view\"", where);
-  root.allowOnly({"sluice", "volume", "camera", "look", "time", "step", "crop", "clip",
-                  "background", "cross", "slices", "path"});
+  std::vector<std::string_view> known{"sluice", "volume", kParts[0], kParts[1]};
+  addKeys(known, OptionPart::kTop);
+  known.emplace_back("path");
+  root.allowOnly(known);
   StateFile file;
   if (const auto f = root.find("volume")) file.volume = volumeOf(*f);
   file.state = stateOf(root, where, {});

@@ -4,31 +4,23 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <string_view>
+#include <type_traits>
 
 #include "src/base/error.h"
 #include "src/base/values/vec.h"
+#include "src/view/state/option_table.h"
 
 namespace sluice {
 namespace {
 
-// The limits of the options of the same names (tools/options/view_options.cpp), so that the
-// printed command accepts every number that the window accepts.
-constexpr double kMostDegrees = 36000, kZoomLimit = 1e6, kMostFov = 179, kMostStep = 1e6;
-constexpr double kWorld = 1e15, kMostGradient = 1e6;
 constexpr size_t kMostPlanes = 6;
 constexpr int64_t kMostVoxels = int64_t{1} << 40;  // along an axis, as of --crop
 
-using Triple = std::array<double, 3>;
-
+template <class Triple>
 Vec3d vecOf(const Triple& a) {
   return {a[0], a[1], a[2]};
-}
-
-template <class Range>
-bool areFinite(const Range& numbers) {
-  return std::all_of(numbers.begin(), numbers.end(), [](double n) { return std::isfinite(n); });
 }
 
 // Keeps the first fault that it is told of.
@@ -39,45 +31,103 @@ class Findings {
                const Found& found) {
     if (!is_right && !first_) first_ = ViewFault{field, expected, fmt::format("{}", found)};
   }
-  // Requires a number in (0, most].
-  void above0(const std::string& field, double number, double most) {
-    require(number > 0 && number <= most, field, fmt::format("a number above 0, up to {}", most),
-            number);
-  }
-  void finite(const std::string& field, double number) {
-    require(std::isfinite(number), field, "a finite number", number);
-  }
-  void share(const std::string& field, double number) {
-    require(number >= 0 && number <= 1, field, "a number in 0..1", number);
-  }
-  void degrees(const std::string& field, double number) {
-    require(std::abs(number) <= kMostDegrees, field,
-            fmt::format("degrees from {} to {}", -kMostDegrees, kMostDegrees), number);
-  }
-  void world(const std::string& field, const Triple& place) {
-    require(std::all_of(place.begin(), place.end(), [](double n) { return std::abs(n) <= kWorld; }),
-            field, fmt::format("three numbers from {} to {}", -kWorld, kWorld), place);
-  }
   const std::optional<ViewFault>& first() const { return first_; }
 
  private:
   std::optional<ViewFault> first_;
 };
 
-void checkCamera(Findings& findings, const ViewOptions& view) {
-  findings.above0("/camera/zoom", view.zoom, kZoomLimit);
-  findings.above0("/camera/fov", view.field_of_view_deg, kMostFov);
-  findings.degrees("/camera/azimuth", view.azimuth_deg);
-  findings.degrees("/camera/elevation", view.elevation_deg);
-  if (view.up) {
-    findings.world("/camera/up", *view.up);
-    findings.require(length(vecOf(*view.up)) > 0, "/camera/up", "a direction with a length",
-                     *view.up);
+// "degrees from -90 to 90": the numbers of a range, which are called `noun`.
+std::string expectedOf(const NumberRange<double>& range, std::string_view noun) {
+  const auto& [least, most, above_least] = range;
+  const NumberRange<double> all;
+  if (above_least) return fmt::format("{} above {}, up to {}", noun, least, most);
+  if (least == all.least) return "a finite number";
+  if (most == all.most) return fmt::format("{}, counted from {}", noun, least);
+  if (least == 0 && most == 1) return fmt::format("{} in 0..1", noun);
+  return fmt::format("{} from {} to {}", noun, least, most);
+}
+
+// The check of one option's values.
+class Check {
+ public:
+  Check(const OptionEntry& entry, Findings& findings)
+      : entry_(entry),
+        findings_(findings),
+        field_(entry.part == OptionPart::kCamera ? "/camera/"
+               : entry.part == OptionPart::kLook ? "/look/"
+                                                 : "/") {
+    field_ += entry.key;
   }
+
+  void operator()(const auto& number)
+      const requires std::is_arithmetic_v<std::remove_cvref_t<decltype(number)>> {
+    within(field_, entry_.kind.limits, number, entry_.kind.noun);
+  }
+  void operator()(const std::string& /*text*/) const {}
+  void operator()(const OptionReals& n) const {
+    if (entry_.kind.form == OptionForm::kRange)
+      return require(std::isfinite(n[0]) && std::isfinite(n[1]) && n[0] != n[1], field_,
+                     "two different finite numbers", n);
+    if (entry_.kind.form == OptionForm::kColor) return eachWithin(n);
+    triple(field_, n);
+    if (entry_.kind.form == OptionForm::kDirection)
+      require(length(vecOf(n)) > 0, field_, "a direction with a length", n);
+  }
+  void operator()(const OptionWholes& n) const {
+    if (entry_.kind.form != OptionForm::kBox) return eachWithin(n);
+    for (size_t a = 0; a < 3; ++a)
+      require(n[a] >= 0 && n[a] <= kMostVoxels && n[a + 3] >= n[a] + 2 && n[a + 3] <= kMostVoxels,
+              field_, "voxels from 0 to 2^40, each upper one at least 2 above the lower",
+              fmt::format("[{}, {}, {}] to [{}, {}, {}]", n[0], n[1], n[2], n[3], n[4], n[5]));
+  }
+  void operator()(const std::vector<OptionReals>& lists) const {
+    if (entry_.kind.form == OptionForm::kPlanes)
+      require(lists.size() <= kMostPlanes, field_, fmt::format("at most {} planes", kMostPlanes),
+              lists.size());
+    for (size_t i = 0; i < lists.size(); ++i) {
+      const std::string field = fmt::format("{}/{}", field_, i);
+      const OptionReals& n = lists[i];
+      if (entry_.kind.form == OptionForm::kPoints) {
+        within(field + "/0", {}, n[0]);
+        within(field + "/1", {0, 1}, n[1]);
+        require(i == 0 || n[0] >= lists[i - 1][0], field, "values that ascend", n[0]);
+      } else {
+        const OptionReals normal{n[0], n[1], n[2]};
+        triple(field, normal);
+        within(field + "/3", entry_.kind.limits, n[3]);
+        require(length(vecOf(normal)) > 0, field, "a normal with a length", normal);
+      }
+    }
+  }
+
+ private:
+  void require(bool is_right, const std::string& field, const std::string& expected,
+               const auto& found) const {
+    findings_.require(is_right, field, expected, found);
+  }
+  void within(const std::string& field, const NumberRange<double>& range, const auto& n,
+              std::string_view noun = "a number") const {
+    require(range.holds(static_cast<double>(n)), field, expectedOf(range, noun), n);
+  }
+  void eachWithin(const auto& numbers) const {
+    for (size_t i = 0; i < numbers.size(); ++i)
+      within(fmt::format("{}/{}", field_, i), entry_.kind.limits, numbers[i], entry_.kind.noun);
+  }
+  void triple(const std::string& field, const OptionReals& n) const {
+    require(std::all_of(n.begin(), n.end(), [&](double x) { return entry_.kind.limits.holds(x); }),
+            field, expectedOf(entry_.kind.limits, "three numbers"), n);
+  }
+
+  const OptionEntry& entry_;
+  Findings& findings_;
+  std::string field_;
+};
+
+// Checks of the camera's values against each other.
+void checkCamera(Findings& findings, const ViewOptions& view) {
   if (!view.look_at) return;
   const auto& [eye, target] = *view.look_at;
-  findings.world("/camera/eye", eye);
-  findings.world("/camera/target", target);
   const Vec3d back = vecOf(eye) - vecOf(target);
   findings.require(length(back) > 0, "/camera/eye", "an eye apart from its target", eye);
   if (!view.up) return;
@@ -86,62 +136,16 @@ void checkCamera(Findings& findings, const ViewOptions& view) {
                    "a direction across the view", *view.up);
 }
 
-void checkLook(Findings& findings, const LookOptions& look) {
-  if (look.threshold) findings.finite("/look/threshold", *look.threshold);
-  if (look.opacity) findings.share("/look/opacity", *look.opacity);
-  for (size_t i = 0; i < look.opacities.size(); ++i) {
-    const auto& [value, opacity] = look.opacities[i];
-    const std::string field = fmt::format("/look/opacities/{}", i);
-    findings.finite(field + "/0", value);
-    findings.share(field + "/1", opacity);
-    findings.require(i == 0 || value >= look.opacities[i - 1].value, field, "values that ascend",
-                     value);
-  }
-  if (look.range) {
-    findings.require(areFinite(*look.range) && (*look.range)[0] != (*look.range)[1], "/look/range",
-                     "two different finite numbers", *look.range);
-  }
-  if (look.full_gradient)
-    findings.above0("/look/full_gradient", *look.full_gradient, kMostGradient);
-}
-
-void checkCuts(Findings& findings, const ViewState& state) {
-  if (state.crop) {
-    const auto& [lo, hi] = *state.crop;
-    for (size_t a = 0; a < 3; ++a)
-      findings.require(
-          lo[a] >= 0 && lo[a] <= kMostVoxels && hi[a] >= lo[a] + 2 && hi[a] <= kMostVoxels, "/crop",
-          "voxels from 0 to 2^40, each upper one at least 2 above the lower",
-          fmt::format("{} to {}", lo, hi));
-  }
-  findings.require(state.clip_planes.size() <= kMostPlanes, "/clip",
-                   fmt::format("at most {} planes", kMostPlanes), state.clip_planes.size());
-  for (size_t i = 0; i < state.clip_planes.size(); ++i) {
-    const PictureOptions::Plane& plane = state.clip_planes[i];
-    const std::string field = fmt::format("/clip/{}", i);
-    findings.world(field, plane.normal);
-    findings.require(std::abs(plane.offset) <= kWorld, field + "/3",
-                     fmt::format("a number from {} to {}", -kWorld, kWorld), plane.offset);
-    findings.require(length(vecOf(plane.normal)) > 0, field, "a normal with a length",
-                     plane.normal);
-  }
-}
-
 }  // namespace
 
 std::optional<ViewFault> faultOf(const ViewState& state) {
   Findings findings;
-  checkCamera(findings, state.view);
-  checkLook(findings, state.look);
-  findings.require(state.time >= 0, "/time", "a time step, counted from 0", state.time);
-  if (state.step_vox) findings.above0("/step", *state.step_vox, kMostStep);
-  checkCuts(findings, state);
-  if (state.background)
-    for (size_t c = 0; c < 3; ++c)
-      findings.share(fmt::format("/background/{}", c), static_cast<double>((*state.background)[c]));
-  for (size_t a = 0; a < 3; ++a)
-    findings.require(state.cross[a] >= 0, fmt::format("/cross/{}", a), "a voxel, counted from 0",
-                     state.cross[a]);
+  for (const OptionPart part : {OptionPart::kCamera, OptionPart::kLook, OptionPart::kTop}) {
+    for (const OptionEntry& entry : optionTable())
+      if (entry.part == part)
+        if (const auto value = entry.get(state)) std::visit(Check(entry, findings), *value);
+    if (part == OptionPart::kCamera) checkCamera(findings, state.view);
+  }
   return findings.first();
 }
 

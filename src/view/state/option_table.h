@@ -1,0 +1,81 @@
+// The options of a view, each described once: its names, form and limits, and where a ViewState
+// holds it. The saved view (state_file.h), the printed command (printed_command.h), the checks
+// (view_check.h) and the command line (tools/options) follow from this table. Pure functions.
+//
+// A new option is a member of ViewState and an entry here.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "src/base/values/number_range.h"
+#include "src/view/state/view_state.h"
+
+namespace sluice {
+
+using OptionReals = std::vector<double>;
+using OptionWholes = std::vector<int64_t>;
+// The value of an option, as JSON and a command line hold it.
+using OptionValue = std::variant<bool, int64_t, double, std::string, OptionReals, OptionWholes,
+                                 std::vector<OptionReals>>;
+
+// The alternative of OptionValue is in parentheses.
+enum class OptionForm {
+  kFlag,       // (bool)
+  kWhole,      // a whole number within the limits (int64_t)
+  kNumber,     // a number within the limits (double)
+  kWord,       // one of `words` (std::string)
+  kText,       // (std::string)
+  kFile,       // the name of a file (std::string)
+  kRange,      // two different numbers (OptionReals)
+  kPlace,      // three numbers within the limits: a world position (OptionReals)
+  kDirection,  // as kPlace, not all 0 (OptionReals)
+  kColor,      // three numbers from 0 to 1 (OptionReals)
+  kVoxel,      // three whole numbers within the limits (OptionWholes)
+  kBox,        // the lower and the upper corner of a box of voxels (OptionWholes)
+  kPoints,     // pairs of a value, ascending, and an opacity (a list of OptionReals)
+  kPlanes,     // normal and offset each (a list of OptionReals)
+};
+
+// The values that an option takes.
+struct OptionKind {
+  OptionForm form = OptionForm::kNumber;
+  NumberRange<double> limits = {};
+  std::string_view noun = "a number";  // of a value, in the messages of checks
+  std::vector<std::string_view> words = {};
+  // The flags that stand for the words on a command line; empty: no flag says the word.
+  std::vector<std::string_view> flags = {};
+  std::string_view needs = {};  // a flag that the option is printed with
+};
+
+// The object of a saved view that an option is in: "camera", "look", or the view itself.
+enum class OptionPart { kCamera, kLook, kTop };
+
+struct OptionEntry {
+  const char* key = "";          // the name in that object
+  std::string_view option = {};  // "--zoom"; empty for an option of the window alone
+  int turn = 0;                  // printed commands have options in ascending order of turns
+  OptionKind kind = {};
+  // Whether views are saved with the option, and whether commands are printed with one that is
+  // saved. Null: always.
+  bool (*is_saved)(const ViewState&) = nullptr;
+  bool (*is_printed)(const ViewState&) = nullptr;
+  OptionPart part = OptionPart::kTop;
+  // nullopt: the view does not set the option.
+  std::function<std::optional<OptionValue>(const ViewState&)> get = {};
+  // Requires: the alternative is the form's, with as many numbers, and a word is one of `words`.
+  std::function<void(ViewState&, const OptionValue&)> set = {};
+};
+
+// All options, part by part, in the order in which a saved view is read.
+const std::vector<OptionEntry>& optionTable();
+
+// The value that a view is saved with; nullopt: it is saved without the option.
+std::optional<OptionValue> savedValue(const OptionEntry& entry, const ViewState& state);
+
+}  // namespace sluice

@@ -1,0 +1,126 @@
+// Every option of a view survives a saved view and a command line: values at random for each entry
+// of the table, with a seed, there and back.
+#include "src/view/state/option_table.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+#include "src/view/state/printed_command.h"
+#include "src/view/state/state_file.h"
+#include "src/view/state/view_check.h"
+#include "tools/options/shared_options.h"
+#include "tools/options/view_arguments.h"
+
+namespace sluice {
+namespace {
+
+// Values that an option takes, of every form.
+class Values {
+ public:
+  OptionValue of(const OptionKind& kind) {
+    switch (kind.form) {
+      case OptionForm::kFlag:
+        return true;
+      case OptionForm::kWhole:
+        return whole(0, 1000);
+      case OptionForm::kNumber:
+        return number(std::max(kind.limits.least, -1e7), std::min(kind.limits.most, 1e7));
+      case OptionForm::kWord:
+        return std::string(kind.words[static_cast<size_t>(whole(0, 99)) % kind.words.size()]);
+      case OptionForm::kText:
+        return std::string(whole(0, 1) == 0 ? "viridis" : "c0ffee");  // colours are the only texts
+      case OptionForm::kFile:
+        return std::string(whole(0, 1) == 0 ? "no such file.json" : "b.json");
+      case OptionForm::kRange:
+        return numbers(2);
+      case OptionForm::kPlace:
+      case OptionForm::kDirection:
+        return numbers(3);
+      case OptionForm::kColor:
+        return OptionReals{channel(), channel(), channel()};
+      case OptionForm::kVoxel:
+        return OptionWholes{whole(0, 99), whole(0, 99), whole(0, 99)};
+      case OptionForm::kBox: {
+        const OptionWholes lo{whole(0, 99), whole(0, 99), whole(0, int64_t{1} << 39)};
+        return OptionWholes{lo[0], lo[1], lo[2], lo[0] + 2, lo[1] + whole(2, 9), lo[2] + 5};
+      }
+      case OptionForm::kPoints: {
+        const double first = number(-9, 9);
+        return std::vector<OptionReals>{{first, number(0, 1)}, {first + number(0, 1), 1}};
+      }
+      case OptionForm::kPlanes:
+        break;
+    }
+    return std::vector<OptionReals>(static_cast<size_t>(whole(1, 6)), numbers(4));
+  }
+
+ private:
+  int64_t whole(int64_t least, int64_t most) {
+    return std::uniform_int_distribution<int64_t>(least, most)(random_);
+  }
+  double number(double least, double most) {
+    return std::uniform_real_distribution<double>(least, most)(random_);
+  }
+  OptionReals numbers(size_t count) {
+    OptionReals found;
+    for (size_t i = 0; i < count; ++i) found.push_back(number(-1e4, 1e4));
+    return found;
+  }
+  // A channel of a colour that a command line can say.
+  double channel() { return static_cast<float>(static_cast<double>(whole(0, 255)) / 255); }
+
+  std::mt19937_64 random_{1};
+};
+
+// A view that is saved and printed with the entry's value.
+ViewState viewWith(const OptionEntry& entry, Values& values) {
+  ViewState state;
+  state.view.projection = ViewOptions::Projection::kPerspective;
+  if (std::string_view(entry.key) == "eye" || std::string_view(entry.key) == "target")
+    state.view.look_at = ViewOptions::LookAt{{1, 2, 3}, {-4, 5, 6}};
+  entry.set(state, values.of(entry.kind));
+  return state;
+}
+
+// The view that the options of `sluice render` ask for.
+ViewState parsed(const std::vector<OptionWord>& words) {
+  VolumeArguments volume;
+  LookArguments look;
+  FrameOptions frame;
+  FitChoice fit;
+  CLI::App app;
+  addVolumeOptions(app, volume, nullptr, false);
+  addPictureOptions(app, look, frame, fit);
+  std::vector<std::string> given;
+  for (const auto& [option, value] : words)
+    given.push_back(value.empty() ? option : option + "=" + value);
+  std::reverse(given.begin(), given.end());
+  app.parse(given);
+  return viewState(volume, look, frame, fit, app.count("--step") > 0);
+}
+
+TEST(OptionTable, everyOptionSurvivesASavedView) {
+  Values values;
+  for (const OptionEntry& entry : optionTable())
+    for (int i = 0; i < 20; ++i) {
+      const ViewState state = viewWith(entry, values);
+      const std::string text = stateText({}, state);
+      EXPECT_EQ(parseState(text, "here").state, state) << text;
+    }
+}
+
+TEST(OptionTable, everyOptionSurvivesACommandLine) {
+  Values values;
+  for (const OptionEntry& entry : optionTable())
+    for (int i = 0; i < 20 && !entry.option.empty(); ++i) {
+      const ViewState state = viewWith(entry, values);
+      std::vector<OptionWord> words = pictureWords(state);
+      for (const OptionWord& word : lookWords(state.look)) words.push_back(word);
+      EXPECT_EQ(parsed(words), state) << entry.key;
+    }
+}
+
+}  // namespace
+}  // namespace sluice
