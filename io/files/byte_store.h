@@ -26,6 +26,9 @@ class ByteStore {
   // `bytes` from `offset` on are read next: a disk may begin with them. Never fails.
   virtual void expectRead(uint64_t /*offset*/, uint64_t /*bytes*/) {}
 
+  // Whether the first read takes as long as reading all of it.
+  virtual bool isOneStream() const { return false; }
+
   // Bytes taken from the file itself so far: compressed bytes of a compressed file.
   virtual uint64_t storedBytesRead() const = 0;
 

@@ -46,6 +46,7 @@ class DecodedFile : public ByteStore {
   // The first call decodes, and tells the watch. Throws Error when a stream is damaged, too short
   // or too long, or the disk is full; a failure is remembered and thrown at every later call.
   void read(uint64_t offset, std::span<const iovec> parts) override;
+  bool isOneStream() const override { return true; }
   uint64_t storedBytesRead() const override;
   std::vector<std::string> paths() const override;
 

@@ -156,6 +156,10 @@ std::vector<std::string> RawSource::files() {
   return all;
 }
 
+ReadUnits RawSource::readUnits() const {
+  return {.voxels = {1, 1, 1}, .is_one_stream = segments_.front().store->isOneStream()};
+}
+
 void RawSource::readRegion(int64_t time, const Box3& box, std::span<std::byte> out) {
   const RegionRead region{box, out};
   readRegions(time, std::span(&region, 1));

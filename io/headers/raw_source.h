@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "io/files/byte_store.h"
+#include "src/base/values/read_units.h"
 #include "src/base/values/volume_source.h"
 
 namespace sluice {
@@ -25,7 +26,7 @@ struct RawSegment {
   uint64_t offset_bytes = 0;
 };
 
-class RawSource : public VolumeSource {
+class RawSource : public VolumeSource, public UnitSource {
  public:
   // `header`, if it is a file of its own and not null, is counted with the bytes read. The voxels
   // are in `byte_order`. Requires: the layout's bytes do not overflow, and the number of segments
@@ -39,6 +40,7 @@ class RawSource : public VolumeSource {
   void readRegions(int64_t time, std::span<const RegionRead> regions) override;
   std::string identity() const override { return identity_; }
   std::vector<std::string> files() override;
+  ReadUnits readUnits() const override;
   uint64_t storedBytesRead() const override;
 
  private:

@@ -12,6 +12,7 @@
 #include "src/base/error.h"
 #include "src/base/threads/mutex.h"
 #include "src/base/threads/single_flight_cache.h"
+#include "src/base/values/read_units.h"
 #include "src/base/values/volume_channels.h"
 
 namespace sluice {
@@ -85,7 +86,7 @@ struct BandKeyHash {
 using Rows = std::vector<std::byte>;
 using BandCache = SingleFlightCache<BandKey, const Rows, BandKeyHash>;
 
-class SliceStack final : public VolumeSource, public ChanneledSource {
+class SliceStack final : public VolumeSource, public ChanneledSource, public UnitSource {
  public:
   SliceStack(std::vector<std::filesystem::path> files, const SliceOptions& options)
       : files_(std::move(files)),
@@ -113,6 +114,7 @@ class SliceStack final : public VolumeSource, public ChanneledSource {
     return all;
   }
 
+  ReadUnits readUnits() const override { return {.voxels = {layout_.dims.x, layout_.dims.y, 1}}; }
   // A picture, a band that is filled and one that is copied from.
   uint64_t heldBytesAThread() const override { return format_.open_bytes + 2 * bandBytes(); }
   // A third for pictures, whose number counts, the rest for rows.

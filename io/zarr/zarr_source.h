@@ -28,6 +28,7 @@
 #include "io/zarr/zarr_chunk_files.h"
 #include "io/zarr/zarr_folder.h"
 #include "io/zarr/zarr_image.h"
+#include "src/base/values/read_units.h"
 #include "src/base/values/volume_channels.h"
 #include "src/base/values/volume_levels.h"
 #include "src/base/values/volume_source.h"
@@ -43,7 +44,10 @@ struct ZarrOptions {
   uint64_t chunk_cache_bytes = uint64_t{32} << 20;
 };
 
-class ZarrSource final : public VolumeSource, public ChanneledSource, public LeveledSource {
+class ZarrSource final : public VolumeSource,
+                         public ChanneledSource,
+                         public LeveledSource,
+                         public UnitSource {
  public:
   // Throws Error: nothing in the folder that can be read, --channel without such an axis.
   explicit ZarrSource(const std::filesystem::path& folder, const ZarrOptions& options = {});
@@ -60,6 +64,8 @@ class ZarrSource final : public VolumeSource, public ChanneledSource, public Lev
   // has (io/zarr/level_store.h); null: none.
   VolumeSource* spreads() const { return spreads_.get(); }
   std::vector<std::string> files() override;
+  // A chunk.
+  ReadUnits readUnits() const override { return {.voxels = chunkVoxels()}; }
   uint64_t storedBytesRead() const override;
 
   // A chunk being decoded, its compressed bytes, and one being copied from; of the level with the

@@ -8,10 +8,12 @@
 #include <utility>
 
 #include "src/base/error.h"
+#include "src/base/values/read_units.h"
 #include "src/base/values/volume_levels.h"
 #include "src/library/resources.h"
 #include "src/library/side_levels.h"
 #include "src/library/thick_source.h"
+#include "src/library/volume_sample.h"
 #include "src/volume/byte_order_hint.h"
 
 namespace sluice {
@@ -86,6 +88,32 @@ std::span<const CoarserLevel> levelsFor(const VolumeSource& source, LevelNeeds n
   return all.first(count);
 }
 
+// Whether a sample is asked for and may serve: of one step, for a cut through all levels.
+bool maySample(const VolumeLayout& layout, const IndexNeeds& needs) {
+  return needs.sample_seconds && needs.may_stand_in && needs.levels == LevelNeeds::kAll &&
+         layout.time_steps == 1 && isWorthSampling(layout, *needs.sample_seconds);
+}
+
+// Whether a volume is drawn at level 0 from an index that is there already, without further levels.
+bool isKnown(const IndexedVolume& volume, const BlockLayout& layout) {
+  return !isLarge(volume.source->layout()) &&
+         keptRanges(*volume.source, volume.places, volume.time, layout);
+}
+
+// Opens the volume with a sample of its voxels as its one coarser level.
+void takeSample(IndexedVolume& volume, double seconds, const IndexPass& pass) {
+  if (readUnits(*volume.source).is_one_stream && pass.announce)
+    pass.announce(fmt::format(
+        "{}: is one compressed stream, which cannot be read in parts: all of it is unpacked before "
+        "the first picture",
+        volume.name));
+  volume.source->holdAtMost(pass.memory_bytes / 4);
+  VolumeSample sample =
+      sampleVolume({*volume.source, volume.time, pass.pool, pass.memory_bytes, seconds, pass.stop});
+  volume.sample = {sample.part, sample.voxels.size()};
+  volume.source = withSample(std::move(volume.source), std::move(sample));
+}
+
 // Adds the levels up to the first that does not nest.
 void addLevels(IndexedVolume& volume, std::span<const CoarserLevel> levels) {
   if (levels.empty()) return;
@@ -111,8 +139,10 @@ void addLevels(IndexedVolume& volume, std::span<const CoarserLevel> levels) {
 std::shared_ptr<const IndexedRanges> indexOfLevel(const IndexedVolume& volume, int level,
                                                   int64_t time, const IndexPass& pass) {
   VolumeSource& source = *coarserLevels(*volume.source)[static_cast<size_t>(level) - 1].source;
+  IndexPlaces places = volume.places;
+  if (volume.sample) places.disabled = true;  // it is never the same again
   return std::make_shared<const IndexedRanges>(
-      indexedRanges(source, volume.places, time, volume.pyramid->level(level).blocks, pass.pool,
+      indexedRanges(source, places, time, volume.pyramid->level(level).blocks, pass.pool,
                     pass.progress, pass.memory_bytes, pass.stop));
 }
 
@@ -191,7 +221,7 @@ int IndexedVolume::numbers() const {
 }
 
 uint64_t IndexedVolume::rangesBytes() const {
-  uint64_t bytes = index->bytes();
+  uint64_t bytes = index->bytes() + (sample ? sample->held_bytes : 0);
   if (stand_in && stand_in->index != coarser[static_cast<size_t>(stand_in->level) - 1])
     bytes += stand_in->index->bytes();
   for (const auto& level : coarser)
@@ -243,20 +273,30 @@ IndexedVolume indexVolume(std::unique_ptr<VolumeSource> source, const VolumeArgu
   const int64_t block = machine.block.value_or(blockSizeFor(volume.page.size_vox));
   volume.time = arguments.time;
   const bool has_own = !coarserLevels(*volume.source).empty();
+  const bool may_sample =
+      !has_own && machine.levels != LevelsWish::kNone && maySample(layout, needs);
+  const LevelsWish wished = wishFor(needs.levels, machine.levels);
   SideLevels side({*volume.source, volume.name, volume.places, volume.time,
-                   has_own ? LevelsWish::kNone : wishFor(needs.levels, machine.levels),
+                   has_own      ? LevelsWish::kNone
+                   : may_sample ? std::max(wished, LevelsWish::kKept)
+                                : wished,
                    needs.levels == LevelNeeds::kAll || machine.levels == LevelsWish::kAlways,
                    pass.pool, pass.memory_bytes, pass.stop, pass.announce});
+  const auto layoutOf = [&](int ghost) {
+    if (block - 1 - 2 * ghost < 1)
+      fail(
+          "{}: blocks of {} voxels a side have no room for the border that a picture takes; give a "
+          "larger --block",
+          volume.name, block);
+    return blockLayout(layout.dims, block, ghost, volume.name.c_str());
+  };
+  const int plain_ghost = needs.gradients ? 1 : 0;
+  if (may_sample && !side.any() && !isKnown(volume, layoutOf(plain_ghost)))
+    takeSample(volume, *needs.sample_seconds, pass);
   // Several levels take a layer more (pyramid.h), and have the same blocks lit and unlit, so that
   // an index made ahead serves both: without one, nothing would be known of the finest level.
   const bool has_levels = side.any() || !levelsFor(*volume.source, needs.levels).empty();
-  const int ghost = has_levels ? 2 : needs.gradients ? 1 : 0;
-  if (block - 1 - 2 * ghost < 1)
-    fail(
-        "{}: blocks of {} voxels a side have no room for the border that a picture takes; give a "
-        "larger --block",
-        volume.name, block);
-  volume.layout = blockLayout(layout.dims, block, ghost, volume.name.c_str());
+  volume.layout = layoutOf(has_levels ? 2 : plain_ghost);
   std::optional<IndexedRanges> made;
   if (side.taker() != nullptr) {
     try {
@@ -286,6 +326,11 @@ IndexedRanges rangesOfStep(const IndexedVolume& volume, int64_t time, const Inde
 
 std::string IndexedVolume::standInNote() const {
   if (!stand_in) return "";
+  if (sample)
+    return fmt::format(
+        "{}: has no index yet; {} were read, evenly spread: the range of values, the look and the "
+        "fit come from them, and the picture will improve with more time",
+        name, sample->part);
   return fmt::format(
       "{}: level 0 has no index yet; the range of values, the look and the fit come from level {} "
       "and may differ a little from those of level 0",

@@ -32,6 +32,9 @@ struct IndexNeeds {
   LevelNeeds levels = LevelNeeds::kFinest;
   // With levels: a volume that has no index of its finest level is opened with a stand-in.
   bool may_stand_in = false;
+  // With may_stand_in: a volume that has neither levels nor an index is opened with a sample of its
+  // voxels, for which so many seconds may be spent; unset: it is passed over.
+  std::optional<double> sample_seconds = {};
 };
 // `cut`: the cut that pictures are drawn from; unset: the finest level.
 IndexNeeds needsOf(const LookArguments& look, Mode mode,
@@ -50,8 +53,14 @@ struct IndexedVolume {
   std::shared_ptr<const IndexedRanges>
       index;                        // of this step; without values if there is a stand-in
   std::optional<StandIn> stand_in;  // in place of the finest level, which was not read then
-  ValueStatistics values;           // of its step, or of the series
-  IndexNeeds needs;                 // those that it was opened for
+  // The sample that is the one level above the finest, if that was all there was time for.
+  struct Sample {
+    std::string part;         // the part of the file that it was read from, for people
+    uint64_t held_bytes = 0;  // its voxels
+  };
+  std::optional<Sample> sample;
+  ValueStatistics values;  // of its step, or of the series
+  IndexNeeds needs;        // those that it was opened for
   // Levels above the finest, of the same step, from fine to coarse: null and empty where there are
   // none or none was asked for. A level with spreads has no index: null.
   std::shared_ptr<const PyramidLayout> pyramid;
@@ -62,7 +71,7 @@ struct IndexedVolume {
   TimeStep step() const;
   // The most that a voxel of a level has: 2 if a level has spreads.
   int numbers() const;
-  // Of the min-max arrays and brick ranges of all levels.
+  // Of the min-max arrays and brick ranges of all levels, and of a sample.
   uint64_t rangesBytes() const;
   // A line for people about the stand-in; empty if there is none.
   std::string standInNote() const;

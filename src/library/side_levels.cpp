@@ -149,11 +149,6 @@ std::optional<uint64_t> freeBytes(fs::path folder) {
   return space.available;
 }
 
-bool isLarge(const VolumeLayout& layout) {
-  const Vec3d dims = toDouble(layout.dims);
-  return dims.x * dims.y * dims.z > static_cast<double>(kMostVoxelsWithoutLevels);
-}
-
 // Whether levels take little more than the index does, of a file that is there to stay.
 bool isCheap(VolumeSource& source) {
   return bytesPerVoxel(source.layout().type) <= 2 && !source.files().empty();
@@ -166,6 +161,11 @@ bool makes(const SideLevelsRequest& request) {
 }
 
 }  // namespace
+
+bool isLarge(const VolumeLayout& layout) {
+  const Vec3d dims = toDouble(layout.dims);
+  return dims.x * dims.y * dims.z > static_cast<double>(kMostVoxelsWithoutLevels);
+}
 
 SideLevels::SideLevels(const SideLevelsRequest& request)
     : places_(request.places),

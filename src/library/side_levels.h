@@ -30,6 +30,7 @@ namespace sluice {
 // 512 pixels a side shows smaller ones with a voxel a pixel or less, and needs no coarser level. If
 // nobody has asked for levels, they must be cheap, too: of files, and of voxels of 8 or 16 bits.
 inline constexpr int64_t kMostVoxelsWithoutLevels = int64_t{1} << 27;
+bool isLarge(const VolumeLayout& layout);
 
 struct SideLevelsRequest {
   VolumeSource& source;

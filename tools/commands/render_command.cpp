@@ -287,22 +287,26 @@ struct RowOptions {
   bool is_refined = false;
   bool has_step = false;      // --step is given, the same for all pictures
   Deadline::TimePoint began;  // of the command: the first frame's time counts from here
+  // Pictures of the first frame that were drawn from a sample, as in its report.
+  nlohmann::json earlier = nlohmann::json::array();
 };
 
 // Draws a frame as pictures that get better. With --progressive each is written as it comes,
 // numbered if the name has a place for a number; the last one is written by the caller otherwise.
 RefinedFrame drawPictures(const Arguments& arguments, const PictureOutput& output,
-                          const FrameOptions& options, bool has_step, Scene& scene,
-                          Deadline::TimePoint began, std::filesystem::path& name) {
+                          const FrameOptions& options, const RowOptions& row, Scene& scene,
+                          std::optional<Deadline::TimePoint> until, std::filesystem::path& name) {
   const auto step_of = [&](const CutOptions& cut) {
-    if (has_step) return options.step_vox;
+    if (row.has_step) return options.step_vox;
     FrameOptions of_cut = options;
     of_cut.cut = cut;
     return chosenStep(scene, options.camera, of_cut);
   };
   const auto take = [&](const BetterPicture& better) {
     if (!arguments.progressive) return;
-    if (numbersPictures(arguments)) name = numberedName(arguments.output, better.number, true);
+    if (numbersPictures(arguments))
+      name = numberedName(arguments.output,
+                          better.number + static_cast<int64_t>(row.earlier.size()), true);
     PictureWriter writer(name, output, better.options, scene);
     writer.add(better.frame.picture);
     writer.commit();
@@ -312,7 +316,24 @@ RefinedFrame drawPictures(const Arguments& arguments, const PictureOutput& outpu
   };
   FrameOptions uncounted = options;
   if (options.time_limit_s) uncounted.count_samples = false;  // takes time of its own
-  return drawRefined(scene, uncounted, step_of, began, endOfDrawing(options, began), take);
+  RefinedFrame frame = drawRefined(scene, uncounted, step_of, row.began, until, take);
+  frame.pictures.insert(frame.pictures.begin(), row.earlier.begin(), row.earlier.end());
+  return frame;
+}
+
+// Draws the one picture that a sample gives. The pass over all voxels follows it, and better
+// pictures. Returns its part of the report.
+nlohmann::json drawSample(const Arguments& arguments, const CLI::App& app,
+                          const PictureOutput& output, const FittedScene& fitted,
+                          Deadline::TimePoint began) {
+  Scene& scene = *fitted.scene;
+  if (!arguments.resources.quiet) printWarning(scene.volume.standInNote());
+  FrameOptions options = frameOptions(arguments, app, fitted.cameras.front(), output, scene);
+  options.camera = fitted.cameras.front();
+  requireWholePicture(arguments, scene);
+  const RowOptions row{.is_refined = true, .has_step = app.count("--step") > 0, .began = began};
+  std::filesystem::path name = frameName(arguments, 0);
+  return drawPictures(arguments, output, options, row, scene, began, name).pictures;
 }
 
 // Draws the frames and writes their pictures, which the first rank does for all.
@@ -344,9 +365,10 @@ Drawn drawAll(const Arguments& arguments, const std::vector<int64_t>& to_draw,
     WrittenFrame frame;
     FrameOptions shown = options;
     if (row.is_refined) {
-      const auto began = at == 0 ? row.began : std::chrono::steady_clock::now();
-      RefinedFrame refined =
-          drawPictures(arguments, output, options, row.has_step, scene, began, drawn.name);
+      RowOptions of_frame = row;
+      if (at > 0) of_frame = {true, row.has_step, std::chrono::steady_clock::now()};
+      RefinedFrame refined = drawPictures(arguments, output, options, of_frame, scene,
+                                          endOfDrawing(options, of_frame.began), drawn.name);
       drawn.refined.push_back(std::move(refined.pictures));
       frame = std::move(refined.frame);
       shown = refined.options;
@@ -415,7 +437,15 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
   arguments.frame.cut = cutOf(arguments, team);
   checkLastStep(arguments);
   const Room room = arguments.annotate ? annotationRoom(arguments.frame.size) : Room{};
-  const FittedScene fitted = openFitted(arguments, saved, outputs, team, room);
+  FittedScene fitted = openFitted(arguments, saved, outputs, team, room);
+  const PictureOutput output = outputOf(arguments);
+  nlohmann::json earlier_pictures = nlohmann::json::array();
+  // A time limit leaves no time for a pass over all voxels.
+  if (fitted.scene->volume.sample && !arguments.frame.time_limit_s) {
+    earlier_pictures = drawSample(arguments, app, output, fitted, began);
+    fitted = {};
+    fitted = openFitted(arguments, saved, outputs, team, room, FinestLevel::kMayWait);
+  }
   Scene& scene = *fitted.scene;
   if (scene.share && arguments.frame.cut)
     arguments.frame.cut->coarsest = scene.share->dealing().coarsest_level;
@@ -424,7 +454,6 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
     for (const std::string& warning : scene.look.warnings) printWarning(warning);
   if (scene.volume.stand_in && !arguments.resources.quiet) printWarning(scene.volume.standInNote());
   if (team != nullptr) expectSameScene(*team, scene, cameras, arguments.frame);
-  const PictureOutput output = outputOf(arguments);
   const FrameOptions options = frameOptions(arguments, app, cameras.front(), output, scene);
   requireWholePicture(arguments, scene);
 
@@ -438,7 +467,8 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
                             static_cast<uint64_t>(scene.session->page().pageBytes()));
     scene.session->recordTo(trace.get());
   }
-  const RowOptions row{isRefined(arguments, scene), app.count("--step") > 0, began};
+  const RowOptions row{isRefined(arguments, scene), app.count("--step") > 0, began,
+                       std::move(earlier_pictures)};
   const Drawn drawn =
       drawAll(arguments, to_draw, cameras, output, options, row, scene, series, is_first);
   if (drawn.is_cut) {
@@ -528,9 +558,10 @@ Command addRender(CLI::App& program) {
   output.flag("--verify", arguments->verify,
               "Also draws the picture without acceleration, and prints the largest and mean "
               "difference and what it cannot check");
-  output.flag("--progressive", arguments->progressive,
-              "Volumes with levels of resolution: writes a coarse picture first and replaces it by "
-              "better ones; #### or %04d in -o numbers them");
+  output.flag(
+      "--progressive", arguments->progressive,
+      "Volumes with levels of resolution, and large ones: writes a coarse picture first and "
+      "replaces it by better ones; #### or %04d in -o numbers them");
   addForceOption(output, arguments->force);
   addQuietOption(output, arguments->resources.quiet);
   addJsonOption(output, arguments->json, "Prints the report instead of a summary");

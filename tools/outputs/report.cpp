@@ -208,6 +208,7 @@ json volumeJson(const IndexedVolume& volume) {
           {"time_steps", layout.time_steps},
           {"value_range", {range.lo, range.hi}},
           {"values_level", values_level},
+          {"sample", volume.sample ? json(volume.sample->part) : json()},
           {"blocks",
            {{"size", volume.layout.size},
             {"count", volume.layout.blockCount()},

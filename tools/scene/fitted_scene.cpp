@@ -1,5 +1,7 @@
 #include "tools/scene/fitted_scene.h"
 
+#include <algorithm>
+
 #include "src/base/error.h"
 #include "src/library/conversions.h"
 #include "src/render/camera/camera_path.h"
@@ -52,8 +54,8 @@ std::unique_ptr<Scene> openScene(const RenderArguments& arguments,
   }
 }
 
-FittedScene openFitted(const RenderArguments& arguments, const std::optional<SavedView>& saved,
-                       const Outputs& outputs, Team* team, Room room, FinestLevel finest) {
+FittedScene fittedScene(const RenderArguments& arguments, const std::optional<SavedView>& saved,
+                        const Outputs& outputs, Team* team, Room room, FinestLevel finest) {
   FittedScene fitted;
   fitted.scene = openScene(arguments, saved, outputs, team, finest);
   Scene& scene = *fitted.scene;
@@ -69,17 +71,19 @@ FittedScene openFitted(const RenderArguments& arguments, const std::optional<Sav
 }  // namespace
 
 FittedScene openFitted(const RenderArguments& arguments, const std::optional<SavedView>& saved,
-                       const Outputs& outputs, Team* team, Room room) {
+                       const Outputs& outputs, Team* team, Room room, FinestLevel finest) {
   const bool compares = arguments.verify || arguments.debug_view;
   if (team == nullptr && !compares) {
-    FittedScene fitted = openFitted(arguments, saved, outputs, team, room, FinestLevel::kMayWait);
+    const bool is_row = asksForRefinement(arguments) && !isSeries(arguments);
+    FittedScene fitted = fittedScene(arguments, saved, outputs, team, room,
+                                     is_row ? finest : std::min(finest, FinestLevel::kMayWait));
     Scene& scene = *fitted.scene;
     // A row of pictures begins with coarse ones at once.
     if (arguments.progressive) return fitted;
     if (!mustReadFinest(scene.volume, scene.transfer, arguments.frame, fitted.cameras, scene.pool))
       return fitted;
   }
-  return openFitted(arguments, saved, outputs, team, room, FinestLevel::kRead);
+  return fittedScene(arguments, saved, outputs, team, room, FinestLevel::kRead);
 }
 
 }  // namespace sluice

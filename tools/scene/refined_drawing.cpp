@@ -23,6 +23,9 @@ RefinedFrame drawRefined(Scene& scene, const FrameOptions& options,
     if (last) scene.device->reuse(std::move(last->picture));
     last = std::move(frame);
     scene.noteMemory();
+    // A sample shows a part of the voxels, whatever the pixel error.
+    if (scene.volume.sample && last->report.cut && last->report.cut->coarse_share > 0)
+      last->report.cut->is_final = false;
     refined.options = row.shown();
     const std::chrono::duration<double> since = std::chrono::steady_clock::now() - began;
     nlohmann::json picture{{"seconds", since.count()}, {"step", refined.options.step_vox}};

@@ -44,9 +44,13 @@ IndexedVolume openIndexed(const VolumeArguments& arguments, const ResourceArgume
 IndexNeeds pictureNeeds(const LookArguments& look, const FrameOptions& frame, FinestLevel finest) {
   IndexNeeds needs = needsOf(look, frame.mode, frame.cut);
   // Growing boxes have an index of their own, which takes the finest level's.
-  needs.may_stand_in = finest == FinestLevel::kMayWait && needs.levels != LevelNeeds::kFinest &&
+  needs.may_stand_in = finest != FinestLevel::kRead && needs.levels != LevelNeeds::kFinest &&
                        frame.cut->level.value_or(1) > 0 && frame.partition == Partition::kBlocks &&
                        !frame.cut->keeps_thin;
+  // The other half is for drawing.
+  constexpr double kSampleShare = 0.5, kUnlimitedSeconds = 1;
+  if (finest == FinestLevel::kMaySample)
+    needs.sample_seconds = kSampleShare * frame.time_limit_s.value_or(kUnlimitedSeconds);
   return needs;
 }
 

@@ -34,8 +34,8 @@ IndexedVolume openIndexed(const VolumeArguments& volume, const ResourceArguments
                           const Outputs& outputs = Outputs());
 
 // Needs of a picture with these options. A cut through levels may be opened with a stand-in
-// (stand_in.h) if `finest` allows it.
-enum class FinestLevel { kRead, kMayWait };
+// (stand_in.h) if `finest` allows it, and with a sample (volume_sample.h) if it allows that.
+enum class FinestLevel { kRead, kMayWait, kMaySample };
 IndexNeeds pictureNeeds(const LookArguments& look, const FrameOptions& frame, FinestLevel finest);
 // Whether pictures from these cameras of a volume with a stand-in have to wait for the index of
 // the finest level: they show that level, and no limit of bytes or time stands against it.
