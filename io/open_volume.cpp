@@ -16,6 +16,7 @@
 #include "io/sequence.h"
 #include "io/slices/slice_picture.h"
 #include "io/slices/slice_stack.h"
+#include "io/stores/folder_store.h"
 #include "io/synth/synth_source.h"
 #include "io/vdb/vdb_series.h"
 #include "io/vdb/vdb_source.h"
@@ -167,7 +168,7 @@ std::unique_ptr<VolumeSource> openOne(const std::string& input, const OpenOption
     checkOptions(input, Format::kUnknown, options);
     return respaced(openSynth(parseSynthSpec(input)), options);
   }
-  if (fs::is_directory(path) && isZarr(path)) {
+  if (fs::is_directory(path) && isZarr(folderPlace(path))) {
     checkOptions(input, Format::kZarr, options);
     const ZarrOptions zarr{.channel = options.channel,
                            .chunk_cache_bytes = options.chunk_cache_bytes};

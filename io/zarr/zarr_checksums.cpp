@@ -4,8 +4,8 @@
 #include <xxhash.h>
 
 #include <array>
+#include <cstring>
 
-#include "io/files/file.h"
 #include "src/base/error.h"
 #include "src/base/files/atomic_file.h"
 
@@ -22,6 +22,7 @@ struct Header {
   uint64_t header_checksum = 0;  // XXH3 of the header with 0 here
 };
 static_assert(sizeof(Header) == 48, "no padding, whose bytes would be unchecked");
+static_assert(sizeof(Header) % sizeof(StoredChunk) == 0, "read into a row of these");
 
 uint64_t ownChecksum(Header header) {
   header.header_checksum = 0;
@@ -36,37 +37,42 @@ uint64_t zarrChecksum(std::span<const std::byte> bytes) {
   return XXH3_64bits(bytes.data(), bytes.size());
 }
 
-std::optional<std::vector<StoredChunk>> readZarrChecksums(const std::filesystem::path& folder,
+std::optional<std::vector<StoredChunk>> readZarrChecksums(const StorePlace& folder,
                                                           std::string_view array_text,
                                                           int64_t chunk_count) {
-  const std::filesystem::path path = folder / kZarrChecksumsName;
-  std::error_code status;
-  if (std::filesystem::symlink_status(path, status).type() == std::filesystem::file_type::not_found)
-    return std::nullopt;
-  File file(path);
+  const StorePlace place = folder.at(std::string(kZarrChecksumsName));
+  const std::string path = place.name();
+  std::vector<StoredChunk> chunks;  // the header in the first of them at first
+  // Before room is made: the file must be as long as the array's chunks need.
+  const uint64_t expected =
+      sizeof(Header) + static_cast<uint64_t>(chunk_count) * sizeof(StoredChunk);
+  const bool is_there = place.store->read(place.key, {}, [&](const PieceInfo& piece) {
+    if (piece.bytes < sizeof(Header)) fail("{}: cut short; {}", path, kRemedy);
+    if (piece.bytes != expected)
+      fail("{}: expected {} bytes, found {}; {}", path, expected, piece.bytes, kRemedy);
+    chunks.resize(piece.bytes / sizeof(StoredChunk));
+    return std::as_writable_bytes(std::span(chunks));
+  });
+  if (!is_there) return std::nullopt;
   Header header;
   const Header ours;
-  if (file.sizeBytes() < sizeof header) fail("{}: cut short; {}", path.string(), kRemedy);
-  file.readAt(0, std::as_writable_bytes(std::span(&header, 1)));
+  std::memcpy(static_cast<void*>(&header), chunks.data(), sizeof header);
+  chunks.erase(chunks.begin(), chunks.begin() + sizeof(Header) / sizeof(StoredChunk));
   if (header.magic != ours.magic || header.order != ours.order)
-    fail("{}: no checksums of this version of sluice and kind of machine; {}", path.string(),
-         kRemedy);
+    fail("{}: no checksums of this version of sluice and kind of machine; {}", path, kRemedy);
   if (header.header_checksum != ownChecksum(header))
-    fail("{}: damaged in its header; {}", path.string(), kRemedy);
+    fail("{}: damaged in its header; {}", path, kRemedy);
   if (header.array_checksum != zarrChecksum(std::as_bytes(std::span(array_text))) ||
       header.chunk_count != static_cast<uint64_t>(chunk_count))
-    fail("{}: of another .zarray than the one beside it, which was damaged or changed; {}",
-         path.string(), kRemedy);
-  // Before room is made: the file must be as long as its header declares.
-  if ((file.sizeBytes() - sizeof header) / sizeof(StoredChunk) != header.chunk_count ||
-      (file.sizeBytes() - sizeof header) % sizeof(StoredChunk) != 0)
-    fail("{}: expected {} bytes, found {}; {}", path.string(),
-         sizeof header + header.chunk_count * sizeof(StoredChunk), file.sizeBytes(), kRemedy);
-  std::vector<StoredChunk> chunks(header.chunk_count);
-  file.readAt(sizeof header, std::as_writable_bytes(std::span(chunks)));
+    fail("{}: of another .zarray than the one beside it, which was damaged or changed; {}", path,
+         kRemedy);
   if (zarrChecksum(std::as_bytes(std::span(chunks))) != header.chunks_checksum)
-    fail("{}: damaged; {}", path.string(), kRemedy);
+    fail("{}: damaged; {}", path, kRemedy);
   return chunks;
+}
+
+uint64_t zarrChecksumsBytes(std::span<const StoredChunk> chunks) {
+  return sizeof(Header) + chunks.size_bytes();
 }
 
 void writeZarrChecksums(const std::filesystem::path& folder, std::string_view array_text,

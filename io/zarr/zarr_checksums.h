@@ -12,6 +12,8 @@
 #include <string_view>
 #include <vector>
 
+#include "io/stores/chunk_store.h"
+
 namespace sluice {
 
 inline constexpr std::string_view kZarrChecksumsName = ".sluice-checksums";
@@ -26,9 +28,12 @@ uint64_t zarrChecksum(std::span<const std::byte> bytes);
 
 // The chunks by number. `array_text` is the .zarray that the chunks belong to. nullopt when the
 // folder has no such file. Throws Error when it is damaged or of another array, or cannot be read.
-std::optional<std::vector<StoredChunk>> readZarrChecksums(const std::filesystem::path& folder,
+std::optional<std::vector<StoredChunk>> readZarrChecksums(const StorePlace& folder,
                                                           std::string_view array_text,
                                                           int64_t chunk_count);
+
+// The size of their file.
+uint64_t zarrChecksumsBytes(std::span<const StoredChunk> chunks);
 
 // Throws Error. The file appears whole or not at all.
 void writeZarrChecksums(const std::filesystem::path& folder, std::string_view array_text,

@@ -1,36 +1,20 @@
 #include "io/zarr/zarr_chunk_files.h"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <sys/uio.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
 #include <charconv>
 #include <cstring>
 #include <utility>
 
-#include "io/files/byte_store.h"
-#include "io/files/file.h"
 #include "io/zarr/crc32c.h"
 #include "io/zarr/zarr_codec.h"
 #include "src/base/error.h"
-#include "src/base/files/descriptor.h"
 
 namespace sluice {
 namespace {
 
 constexpr uint64_t kCrcBytes = sizeof(uint32_t);
 constexpr uint64_t kIndexCacheBytes = 4 << 20;  // until setBudget()
-
-Descriptor openChunk(const std::string& path) {
-  return Descriptor(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
-}
-
-bool isBefore(const timespec& a, const timespec& b) {
-  return a.tv_sec < b.tv_sec || (a.tv_sec == b.tv_sec && a.tv_nsec < b.tv_nsec);
-}
+constexpr size_t kMostMissing = 1 << 16;        // a few megabytes
 
 // A number as it stands in a chunk's name: digits alone, no leading zero, below `end`.
 std::optional<int64_t> indexIn(std::string_view text, int64_t end) {
@@ -55,18 +39,10 @@ void requireCrc(std::span<const std::byte> stored, const std::string& path, cons
 
 }  // namespace
 
-struct ZarrChunkFiles::OpenFile {
-  std::string path;
-  Descriptor descriptor;
-  uint64_t bytes = 0;
-};
-
-ZarrChunkFiles::ZarrChunkFiles(std::filesystem::path folder, ZarrArray array,
-                               std::string_view array_text)
+ZarrChunkFiles::ZarrChunkFiles(StorePlace folder, ZarrArray array, std::string_view array_text)
     : folder_(std::move(folder)), array_(std::move(array)) {
-  clock_gettime(CLOCK_REALTIME, &opened_at_);
   if (!array_.shards) checksums_ = readZarrChecksums(folder_, array_text, array_.chunkCount());
-  if (checksums_) read_bytes_ += std::filesystem::file_size(folder_ / kZarrChecksumsName);
+  if (checksums_) read_bytes_ += zarrChecksumsBytes(*checksums_);
   if (array_.shards)
     indices_ = std::make_unique<ZarrShardIndices>(
         array_, kIndexCacheBytes,
@@ -77,8 +53,12 @@ const StoredChunk& ZarrChunkFiles::stored(int64_t chunk) const {
   return (*checksums_)[static_cast<size_t>(chunk)];
 }
 
+uint64_t ZarrChunkFiles::digestOfChecksums() const {
+  return zarrChecksum(std::as_bytes(std::span(*checksums_)));
+}
+
 std::string ZarrChunkFiles::path(int64_t chunk) const {
-  return folder_.string() + "/" + array_.fileName(array_.placeOf(chunk).file);
+  return folder_.at(array_.fileName(array_.placeOf(chunk).file)).name();
 }
 
 const std::vector<int64_t>& ZarrChunkFiles::existing() {
@@ -89,13 +69,17 @@ const std::vector<int64_t>& ZarrChunkFiles::existing() {
 bool ZarrChunkFiles::exists(int64_t chunk) {
   if (checksums_) {
     if (stored(chunk).bytes > 0) return true;
-    if (access(path(chunk).c_str(), F_OK) == 0)
+    if (folder_.store->canList() && folder_.has(array_.fileName(array_.placeOf(chunk).file)))
       fail("{}: expected no such chunk, as packed, found one", path(chunk));
     return false;
   }
-  const std::vector<int64_t>& all = existing();
   const ZarrArray::Place place = array_.placeOf(chunk);
-  if (!std::binary_search(all.begin(), all.end(), place.file)) return false;
+  if (areKnown()) {
+    const std::vector<int64_t>& all = existing();
+    if (!std::binary_search(all.begin(), all.end(), place.file)) return false;
+  } else if (isRememberedMissing(place.file)) {
+    return false;
+  }
   return !indices_ || indices_->find(place).has_value();
 }
 
@@ -111,50 +95,40 @@ void ZarrChunkFiles::list() {
 std::vector<int64_t> ZarrChunkFiles::onDisk() const {
   std::vector<int64_t> index, found;
   const bool is_below = !array_.prefix.empty() && array_.separator == '/';
-  const std::filesystem::path top = is_below ? folder_ / array_.prefix : folder_;
-  std::error_code status;
-  if (is_below && !std::filesystem::exists(top, status) && !status) return found;
-  listFolder(top, index, found);
+  listFolder(is_below ? folder_.at(array_.prefix) : folder_, index, found);
   std::sort(found.begin(), found.end());
   return found;
 }
 
-uint64_t ZarrChunkFiles::statusChecksum(int64_t most) const {
+uint64_t ZarrChunkFiles::stampChecksum(int64_t most) const {
   const int64_t files = array_.fileCount(), sampled = std::min(files, most);
   std::string all;
   for (int64_t i = 0; i < sampled; ++i) {
     // Computed without a product that could overflow.
     const int64_t file = files / sampled * i + files % sampled * i / sampled;
-    struct stat status = {};
-    const bool is_there = stat((folder_ / array_.fileName(file)).c_str(), &status) == 0;
-    all += is_there ? describeStatus(status) : "none";
-    all += '\n';
+    all += folder_.store->stampOf(folder_.at(array_.fileName(file)).key) + '\n';
   }
   return zarrChecksum(std::as_bytes(std::span(all)));
 }
 
 // With '/' a folder is a digit of the number; `index` has the digits of the folders above.
-void ZarrChunkFiles::listFolder(const std::filesystem::path& folder, std::vector<int64_t>& index,
+void ZarrChunkFiles::listFolder(const StorePlace& folder, std::vector<int64_t>& index,
                                 std::vector<int64_t>& found) const {
   const auto take = [&](std::string_view text) {
     const auto value = indexIn(text, array_.filesAlong(index.size()));
     if (value) index.push_back(*value);
     return value.has_value();
   };
-  std::error_code status;
-  std::filesystem::directory_iterator entries(folder, status);
-  for (; !status && entries != std::filesystem::directory_iterator(); entries.increment(status)) {
-    const std::string name = entries->path().filename().string();
+  folder.store->list(folder.key, [&](const ChunkStore::Entry& entry) {
     const size_t depth = index.size();
     if (array_.separator == '/') {
-      if (!take(name)) continue;
+      if (!take(entry.name)) return;
       if (index.size() == array_.axes())
         found.push_back(array_.fileNumber(index));
-      else if (entries->is_directory(status))
-        listFolder(entries->path(), index, found);
-      status.clear();
+      else if (entry.is_folder)
+        listFolder(folder.at(entry.name), index, found);
     } else {
-      std::string_view rest = name;
+      std::string_view rest = entry.name;
       const std::string before = array_.prefix.empty() ? "" : array_.prefix + array_.separator;
       bool is_chunk = rest.starts_with(before);
       if (is_chunk) rest.remove_prefix(before.size());
@@ -167,78 +141,92 @@ void ZarrChunkFiles::listFolder(const std::filesystem::path& folder, std::vector
       if (is_chunk) found.push_back(array_.fileNumber(index));
     }
     index.resize(depth);
-  }
-  if (status) fail("{}: cannot be listed: {}", folder.string(), status.message());
+  });
 }
 
-ZarrChunkFiles::OpenFile ZarrChunkFiles::openFile(int64_t file) const {
-  const std::string path = folder_.string() + "/" + array_.fileName(file);
-  OpenFile opened{path, openChunk(path)};
-  if (!opened.descriptor)
-    failErrno(fmt::format("{}: expected a chunk, which was there when {}, found none", opened.path,
-                          checksums_ ? "the store was packed" : "the volume was opened"),
-              errno);
-  struct stat status = {};
-  if (fstat(opened.descriptor.get(), &status) != 0) failErrno(opened.path, errno);
-  if (!S_ISREG(status.st_mode)) fail("{}: expected a chunk, found no regular file", opened.path);
-  opened.bytes = static_cast<uint64_t>(status.st_size);
-  if (checksums_) return opened;
-  // A time in the future is a clock that is wrong, not a change.
-  timespec now = {};
-  clock_gettime(CLOCK_REALTIME, &now);
-  if (isBefore(opened_at_, status.st_mtim) && isBefore(status.st_mtim, now))
-    fail("{}: changed while the volume was open; open it again", opened.path);
-  return opened;
+void ZarrChunkFiles::rememberMissing(int64_t file) {
+  const MutexLock lock(mutex_);
+  if (missing_.size() < kMostMissing) missing_.insert(file);
 }
 
-void ZarrChunkFiles::readAll(const OpenFile& file, uint64_t offset, std::span<std::byte> out) {
-  const iovec part{out.data(), out.size()};
-  const uint64_t got = readParts(file.path, file.descriptor.get(), offset, std::span(&part, 1));
-  read_bytes_ += got;
-  if (got < out.size())
-    fail("{}: expected {} bytes, found {}; it was cut short", file.path, offset + out.size(),
-         offset + got);
+bool ZarrChunkFiles::isRememberedMissing(int64_t file) {
+  const MutexLock lock(mutex_);
+  return missing_.contains(file);
+}
+
+bool ZarrChunkFiles::readFile(int64_t file, const PieceBytes& wanted, const Room& room) {
+  const StorePlace place = folder_.at(array_.fileName(file));
+  uint64_t bytes = 0;
+  const bool is_there = place.store->read(place.key, wanted, [&](const PieceInfo& piece) {
+    // Those with checksums are compared with these.
+    if (!checksums_ && piece.has_changed)
+      fail("{}: changed while the volume was open; open it again", place.name());
+    const std::span<std::byte> out = room(piece);
+    bytes = out.size();
+    return out;
+  });
+  read_bytes_ += bytes;
+  if (!is_there && areKnown())
+    fail("{}: expected a chunk, which was there when {}, found none", place.name(),
+         checksums_ ? "the store was packed" : "the volume was opened");
+  return is_there;
 }
 
 void ZarrChunkFiles::readIndex(int64_t number, std::span<std::byte> index) {
-  const OpenFile file = openFile(number);
-  if (file.bytes < index.size())
-    fail("{}: expected a shard with an index of {} bytes, found {}", file.path, index.size(),
-         file.bytes);
-  readAll(file, array_.shards->is_first ? 0 : file.bytes - index.size(), index);
-  if (array_.shards->has_crc) requireCrc(index, file.path, "the index of the shard");
+  const std::string path = folder_.at(array_.fileName(number)).name();
+  const auto from = array_.shards->is_first ? PieceBytes::From::kStart : PieceBytes::From::kEnd;
+  const bool is_there = readFile(number, {from, 0, index.size()}, [&](const PieceInfo& piece) {
+    if (piece.bytes < index.size())
+      fail("{}: expected a shard with an index of {} bytes, found {}", path, index.size(),
+           piece.bytes);
+    return index;
+  });
+  if (!is_there) {
+    rememberMissing(number);
+    return ZarrShardIndices::setMissing(index);
+  }
+  if (array_.shards->has_crc) requireCrc(index, path, "the index of the shard");
 }
 
-ZarrChunkPlace ZarrChunkFiles::placeIn(const OpenFile& file, int64_t chunk) {
-  if (checksums_ && file.bytes != stored(chunk).bytes)
-    fail("{}: expected {} bytes, as packed, found {}", file.path, stored(chunk).bytes, file.bytes);
-  if (!indices_) return {0, file.bytes};
-  const std::optional<ZarrChunkPlace> place = indices_->find(array_.placeOf(chunk));
-  if (!place) fail("{}: expected a chunk, which was there before, found none", file.path);
-  if (place->offset > file.bytes || place->bytes > file.bytes - place->offset)
-    fail("{}: expected chunks within its {} bytes, found one of {} at {}; the shard was cut short",
-         file.path, file.bytes, place->bytes, place->offset);
-  return *place;
-}
-
-uint64_t ZarrChunkFiles::read(int64_t chunk,
-                              const std::function<std::span<std::byte>(uint64_t bytes)>& room) {
-  const OpenFile file = openFile(array_.placeOf(chunk).file);
-  const ZarrChunkPlace place = placeIn(file, chunk);
+std::optional<uint64_t> ZarrChunkFiles::read(
+    int64_t chunk, const std::function<std::span<std::byte>(uint64_t bytes)>& room) {
+  const ZarrArray::Place place = array_.placeOf(chunk);
+  const std::string path = this->path(chunk);
+  PieceBytes wanted;
+  if (indices_) {
+    const std::optional<ZarrChunkPlace> part = indices_->find(place);
+    if (!part) fail("{}: expected a chunk, which was there before, found none", path);
+    wanted = {PieceBytes::From::kStart, part->offset, part->bytes};
+  }
   const uint64_t behind = array_.has_crc ? kCrcBytes : 0;
-  if (place.bytes < behind)
-    fail("{}: expected a chunk with a checksum, found {} bytes", file.path, place.bytes);
-  checkStoredSize(array_.codec, place.bytes - behind, array_.chunkBytes(), file.path);
-  const std::span<std::byte> out = room(place.bytes);
-  readAll(file, place.offset, out);
+  std::span<std::byte> out;
+  const bool is_there = readFile(place.file, wanted, [&](const PieceInfo& piece) {
+    if (checksums_ && piece.bytes != stored(chunk).bytes)
+      fail("{}: expected {} bytes, as packed, found {}", path, stored(chunk).bytes, piece.bytes);
+    if (!indices_) wanted.bytes = piece.bytes;
+    if (wanted.offset > piece.bytes || wanted.bytes > piece.bytes - wanted.offset)
+      fail(
+          "{}: expected chunks within its {} bytes, found one of {} at {}; the shard was cut short",
+          path, piece.bytes, wanted.bytes, wanted.offset);
+    if (wanted.bytes < behind)
+      fail("{}: expected a chunk with a checksum, found {} bytes", path, wanted.bytes);
+    checkStoredSize(array_.codec, wanted.bytes - behind, array_.chunkBytes(), path);
+    out = room(wanted.bytes);
+    return out;
+  });
+  if (!is_there) {
+    if (indices_) fail("{}: expected a shard, which was there before, found none", path);
+    rememberMissing(place.file);
+    return std::nullopt;
+  }
   if (checksums_) {
     const uint64_t found = zarrChecksum(out);
     if (found != stored(chunk).checksum)
       fail("{}: expected the checksum {:016x}, as packed, found {:016x}; the chunk is damaged",
-           file.path, stored(chunk).checksum, found);
+           path, stored(chunk).checksum, found);
   }
-  if (array_.has_crc) requireCrc(out, file.path, "a chunk");
-  return place.bytes - behind;
+  if (array_.has_crc) requireCrc(out, path, "a chunk");
+  return wanted.bytes - behind;
 }
 
 }  // namespace sluice

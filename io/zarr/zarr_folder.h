@@ -6,22 +6,22 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <string>
 #include <vector>
 
+#include "io/stores/chunk_store.h"
 #include "io/zarr/zarr_image.h"
 
 namespace sluice {
 
 // A metadata file.
 struct ZarrHeader {
-  std::string path, text, identity;
+  std::string path, text, identity;  // its name in messages
 };
 
 // The array in a folder, and its description.
 struct FoundZarr {
-  std::filesystem::path array_folder;
+  StorePlace array_folder;
   ZarrImage image;
   std::vector<std::string> identities, header_paths;  // of the metadata files that were read
   uint64_t header_bytes = 0;
@@ -31,17 +31,19 @@ struct FoundZarr {
   void take(const ZarrHeader& header);
 };
 
+// The whole name of a piece or folder and its stamp: a line that changes when it does.
+std::string identityOf(const StorePlace& place);
+
 // Whether a folder is a Zarr group or array, of any version.
-bool isZarr(const std::filesystem::path& folder);
+bool isZarr(const StorePlace& folder);
 
 // Throws Error: neither an array nor an image, metadata that cannot be read.
-FoundZarr findZarr(const std::filesystem::path& folder);
+FoundZarr findZarr(const StorePlace& folder);
 
 // An array in the place of dataset `number` of the image.
-FoundZarr datasetOf(const FoundZarr& image, const std::filesystem::path& array_folder,
-                    size_t number);
+FoundZarr datasetOf(const FoundZarr& image, const StorePlace& array_folder, size_t number);
 
 // The .zarray or zarr.json of an array. Throws Error: there is none.
-ZarrHeader readArrayHeader(const std::filesystem::path& array_folder);
+ZarrHeader readArrayHeader(const StorePlace& array_folder);
 
 }  // namespace sluice

@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "io/files/file.h"
+#include "io/stores/folder_store.h"
 #include "io/zarr/zarr_folder.h"
 #include "io/zarr/zarr_image.h"
 #include "io/zarr/zarr_source.h"
@@ -308,7 +309,8 @@ void requireFreeName(const fs::path& output, bool replace) {
   std::error_code ignored;
   if (!fs::exists(output, ignored)) return;
   if (!replace) fail("{}: exists; --force replaces it once the new one is whole", output.string());
-  if (!isZarr(output)) fail("{}: is no Zarr store and is not replaced", output.string());
+  if (!isZarr(folderPlace(output)))
+    fail("{}: is no Zarr store and is not replaced", output.string());
   requireNothingForeign(output);
 }
 

@@ -1,5 +1,6 @@
 #include "io/zarr/zarr_shard_indices.h"
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <limits>
@@ -27,6 +28,10 @@ ZarrShardIndices::ZarrShardIndices(const ZarrArray& array, uint64_t budget_bytes
         read(file, index->span());
         return index;
       });
+}
+
+void ZarrShardIndices::setMissing(std::span<std::byte> index) {
+  std::fill(index.begin(), index.end(), std::byte{0xff});
 }
 
 std::optional<ZarrChunkPlace> ZarrShardIndices::find(ZarrArray::Place place) {

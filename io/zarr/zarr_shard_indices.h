@@ -28,6 +28,9 @@ class ZarrShardIndices {
   // `array` must outlive this. Requires: array.shards.
   ZarrShardIndices(const ZarrArray& array, uint64_t budget_bytes, Read read);
 
+  // An index of a shard without a chunk.
+  static void setMissing(std::span<std::byte> index);
+
   // nullopt: the shard has no such chunk. Throws what `read` does.
   std::optional<ZarrChunkPlace> find(ZarrArray::Place place);
 

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "io/files/copy_row.h"
-#include "io/files/file.h"
 #include "io/files/swap_bytes.h"
+#include "io/stores/folder_store.h"
 #include "io/zarr/zarr_codec.h"
 #include "io/zarr/zarr_folder.h"
 #include "io/zarr/zarr_levels.h"
@@ -20,15 +20,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr uint64_t kSmallChunkBytes = 4 << 20;
-
-// The identity of a folder: path and status.
-std::string folderIdentity(const fs::path& folder) {
-  struct stat status = {};
-  if (stat(folder.c_str(), &status) != 0)
-    failErrno(fmt::format("{}: cannot be opened", folder.string()), errno);
-  return fmt::format("{}|{}", fs::absolute(folder).lexically_normal().string(),
-                     describeStatus(status));
-}
 
 LevelClaim claimOf(const ZarrView& view, const ZarrImage& image, size_t dataset) {
   LevelClaim claim;
@@ -68,27 +59,28 @@ std::string faultOfSpreads(const VolumeLayout& level, const VolumeLayout& spread
 }  // namespace
 
 ZarrSource::ZarrSource(const fs::path& folder, const ZarrOptions& options)
+    : ZarrSource(folderPlace(folder), options) {}
+
+ZarrSource::ZarrSource(const StorePlace& folder, const ZarrOptions& options)
     : ZarrSource(folder, findZarr(folder), options.channel,
                  std::make_shared<ZarrChunkCache>(options.chunk_cache_bytes), Part::kImage) {}
 
 ZarrSource::~ZarrSource() = default;
 
-ZarrSource::ZarrSource(const fs::path& folder, FoundZarr found, const ChannelWish& channel,
+ZarrSource::ZarrSource(const StorePlace& folder, FoundZarr found, const ChannelWish& channel,
                        std::shared_ptr<ZarrChunkCache> cache, Part part)
     : cache_(std::move(cache)), part_(part) {
   const ZarrHeader header = readArrayHeader(found.array_folder);
   found.take(header);
   ZarrArray array = parseZarrArray(header.text, header.path);
   view_ = viewZarr(array, found.image, channel.given(), found.said_by);
-  fs::path name = folder.lexically_normal();
-  if (!name.has_filename()) name = name.parent_path();
-  view_.layout.name = name.filename().string() + (found.image.level_set ? " (level set)" : "");
+  view_.layout.name = folder.lastPart() + (found.image.level_set ? " (level set)" : "");
   if (channel.given() && !view_.channel)
-    fail("{}: --channel {}: the volume has no channels; leave it out", folder.string(),
+    fail("{}: --channel {}: the volume has no channels; leave it out", folder.name(),
          channel.text());
   channel_names_ = found.image.channels;
   for (const std::string& note : array.notes) view_.layout.notes.push_back(note);
-  chooseChannel(folder.string(), channel, channel_names_, view_.layout);
+  chooseChannel(folder.name(), channel, channel_names_, view_.layout);
   channel_ = view_.layout.channel;
   if (!found.image.axes.empty()) view_.layout.unit = found.image.axes[view_.space[0]].unit;
 
@@ -98,38 +90,36 @@ ZarrSource::ZarrSource(const fs::path& folder, FoundZarr found, const ChannelWis
     std::memcpy(fill_.data(), &tag, sizeof tag);
   });
   header_bytes_ = found.header_bytes;
-  identity_ = folderIdentity(found.array_folder);
+  identity_ = identityOf(found.array_folder);
   for (const std::string& identity : found.identities) identity_ += fmt::format("|{}", identity);
-  std::error_code unknown;
-  if (fs::exists(found.array_folder / kZarrChecksumsName, unknown))
-    identity_ += fmt::format("|{}", File(found.array_folder / kZarrChecksumsName).identity());
   if (view_.channel) identity_ += fmt::format("|channel {}", channel_);
 
   places_ = found.header_paths;
-  places_.push_back(found.array_folder.string());
-  places_.push_back(folder.string());
+  places_.push_back(found.array_folder.name());
+  places_.push_back(folder.name());
 
   files_ = std::make_unique<ZarrChunkFiles>(found.array_folder, std::move(array), header.text);
   // With checksums a changed chunk is an Error when it is read.
-  if (!files_->hasChecksums())
-    identity_ += fmt::format("|{:016x}", files_->statusChecksum(kSampledChunks));
+  identity_ +=
+      fmt::format("|{:016x}", files_->hasChecksums() ? files_->digestOfChecksums()
+                                                     : files_->stampChecksum(kSampledChunks));
   array_number_ = cache_->addArray(
       files_->array().chunkBytes(),
       [this](int64_t chunk, ChunkMemory& memory) { return decode(chunk, memory); });
   if (found.is_image) openLevels(folder, found);
 }
 
-void ZarrSource::openLevels(const fs::path& folder, const FoundZarr& found) {
+void ZarrSource::openLevels(const StorePlace& folder, const FoundZarr& found) {
   VolumeLayout& layout = view_.layout;
   const LevelClaim finest = claimOf(view_, found.image, 0);
-  if (isZarr(folder / found.image.spreads / found.image.levels[0]))
+  if (isZarr(folder.at(found.image.spreads).at(found.image.levels[0])))
     spreads_ = openSpreads(folder, found, 0, layout);
   std::vector<size_t> datasets;  // of level_sources_
   for (size_t i = 1; i < found.image.levels.size(); ++i) {
     std::string fault;
     try {
       std::unique_ptr<ZarrSource> source =
-          openPart(folder, datasetOf(found, folder / found.image.levels[i], i));
+          openPart(folder, datasetOf(found, folder.at(found.image.levels[i]), i));
       fault = faultAmong(layout, source->view_.layout);
       if (fault.empty()) fault = faultOfLevel(finest, claimOf(source->view_, found.image, i));
       if (fault.empty()) {
@@ -141,25 +131,25 @@ void ZarrSource::openLevels(const fs::path& folder, const FoundZarr& found) {
       fault = error.what();
     }
     if (!fault.empty())
-      layout.notes.push_back(
-          fmt::format("{}: level {} is left out: {}", folder.string(), i, fault));
+      layout.notes.push_back(fmt::format("{}: level {} is left out: {}", folder.name(), i, fault));
   }
-  placeLevels(folder.string(), found, datasets);
+  placeLevels(folder.name(), found, datasets);
   layout.levels = 1 + static_cast<int64_t>(levels_above_.size());
 }
 
-std::unique_ptr<ZarrSource> ZarrSource::openPart(const fs::path& folder, FoundZarr found) {
+std::unique_ptr<ZarrSource> ZarrSource::openPart(const StorePlace& folder, FoundZarr found) {
   const ChannelWish channel = view_.channel ? ChannelWish(channel_) : ChannelWish();
   return std::unique_ptr<ZarrSource>(
       new ZarrSource(folder, std::move(found), channel, cache_, Part::kLevel));
 }
 
-std::unique_ptr<ZarrSource> ZarrSource::openSpreads(const fs::path& folder, const FoundZarr& found,
-                                                    size_t dataset, const VolumeLayout& level) {
+std::unique_ptr<ZarrSource> ZarrSource::openSpreads(const StorePlace& folder,
+                                                    const FoundZarr& found, size_t dataset,
+                                                    const VolumeLayout& level) {
   if (found.image.spreads.empty()) return nullptr;
   std::string fault;
   try {
-    const fs::path array = folder / found.image.spreads / found.image.levels[dataset];
+    const StorePlace array = folder.at(found.image.spreads).at(found.image.levels[dataset]);
     std::unique_ptr<ZarrSource> source = openPart(folder, datasetOf(found, array, dataset));
     fault = faultOfSpreads(level, source->view_.layout);
     if (fault.empty()) return source;
@@ -167,7 +157,7 @@ std::unique_ptr<ZarrSource> ZarrSource::openSpreads(const fs::path& folder, cons
     fault = error.what();
   }
   view_.layout.notes.push_back(
-      fmt::format("{}: the spread of level {} is left out: {}", folder.string(), dataset, fault));
+      fmt::format("{}: the spread of level {} is left out: {}", folder.name(), dataset, fault));
   return nullptr;
 }
 
@@ -269,11 +259,18 @@ std::vector<int64_t> ZarrSource::indexAt(std::span<const int64_t> parts, int64_t
   return index;
 }
 
+ZarrChunkCache::Chunk ZarrSource::filledChunk(ChunkMemory& memory) const {
+  const ZarrArray& array = files_->array();
+  auto chunk = std::make_shared<CountedBytes>(array.chunkBytes(), memory);
+  fillRow(fill_, chunk->span().data(), static_cast<int64_t>(array.chunkBytes() / fill_.size()));
+  return chunk;
+}
+
 ZarrChunkCache::Chunk ZarrSource::decode(int64_t chunk, ChunkMemory& memory) {
   const ZarrArray& array = files_->array();
   std::shared_ptr<CountedBytes> decoded;
   std::unique_ptr<CountedBytes> stored;
-  const uint64_t stored_bytes = files_->read(chunk, [&](uint64_t bytes) {
+  const std::optional<uint64_t> stored_bytes = files_->read(chunk, [&](uint64_t bytes) {
     if (array.codec == ZarrCodec::kNone) {
       decoded = std::make_shared<CountedBytes>(bytes, memory);
       return decoded->span();
@@ -284,8 +281,9 @@ ZarrChunkCache::Chunk ZarrSource::decode(int64_t chunk, ChunkMemory& memory) {
         std::max(bytes, std::min(array.chunkBytes(), kSmallChunkBytes)), memory);
     return stored->span().first(bytes);
   });
+  if (!stored_bytes) return filledChunk(memory);
   if (stored) {
-    const auto file = std::as_const(*stored).span().first(stored_bytes);
+    const auto file = std::as_const(*stored).span().first(*stored_bytes);
     const std::string path = files_->path(chunk);
     checkStored(array.codec, file, array.chunkBytes(), path);
     decoded = std::make_shared<CountedBytes>(array.chunkBytes(), memory);
@@ -349,6 +347,7 @@ void ZarrSource::readRegion(int64_t time, const Box3& box, std::span<std::byte> 
 }
 
 std::optional<Occupancy> ZarrSource::occupancy(int64_t time) {
+  if (!files_->areKnown()) return std::nullopt;
   const ZarrArray& array = files_->array();
   const Vec3i step = voxelsOf(array.files);
   const Vec3i dims = view_.layout.dims;

@@ -50,6 +50,7 @@ class ZarrSource final : public VolumeSource,
                          public UnitSource {
  public:
   // Throws Error: nothing in the folder that can be read, --channel without such an axis.
+  explicit ZarrSource(const StorePlace& folder, const ZarrOptions& options = {});
   explicit ZarrSource(const std::filesystem::path& folder, const ZarrOptions& options = {});
   ~ZarrSource() override;
 
@@ -89,16 +90,15 @@ class ZarrSource final : public VolumeSource,
   // A folder's own array, with levels if it is an image's; or a level or spreads of that image.
   enum class Part { kImage, kLevel };
 
-  ZarrSource(const std::filesystem::path& folder, FoundZarr found, const ChannelWish& channel,
+  ZarrSource(const StorePlace& folder, FoundZarr found, const ChannelWish& channel,
              std::shared_ptr<ZarrChunkCache> cache, Part part);
   // Opens the coarser levels of an image.
-  void openLevels(const std::filesystem::path& folder, const FoundZarr& found);
+  void openLevels(const StorePlace& folder, const FoundZarr& found);
   // A level or spreads of this image.
-  std::unique_ptr<ZarrSource> openPart(const std::filesystem::path& folder, FoundZarr found);
+  std::unique_ptr<ZarrSource> openPart(const StorePlace& folder, FoundZarr found);
   // The spreads of a level, which its dataset says to have; null, and a note, if they do not fit.
-  std::unique_ptr<ZarrSource> openSpreads(const std::filesystem::path& folder,
-                                          const FoundZarr& found, size_t dataset,
-                                          const VolumeLayout& level);
+  std::unique_ptr<ZarrSource> openSpreads(const StorePlace& folder, const FoundZarr& found,
+                                          size_t dataset, const VolumeLayout& level);
   // level_sources_, spread_sources_ and spreads_.
   std::vector<ZarrSource*> sourcesAbove() const;
   // Sets their placements, some of which their metadata leave open.
@@ -108,6 +108,8 @@ class ZarrSource final : public VolumeSource,
   std::vector<int64_t> indexAt(std::span<const int64_t> parts, int64_t time, Vec3i at) const;
   // Their size along x, y and z.
   Vec3i voxelsOf(std::span<const int64_t> parts) const;
+  // A chunk that is not there.
+  ZarrChunkCache::Chunk filledChunk(ChunkMemory& memory) const;
   ZarrChunkCache::Chunk decode(int64_t chunk, ChunkMemory& memory);
   void copyChunk(std::span<const std::byte> chunk, int64_t time, const Box3& part, const Box3& box,
                  std::span<std::byte> out) const;

@@ -1,0 +1,31 @@
+#include "io/stores/chunk_store.h"
+
+namespace sluice {
+namespace {
+
+// A key without the slashes at its end.
+std::string trimmed(std::string key) {
+  while (key.size() > 1 && key.back() == '/') key.pop_back();
+  return key;
+}
+
+}  // namespace
+
+StorePlace StorePlace::at(const std::string& below) const {
+  if (key.empty()) return {store, below};
+  return {store, key.back() == '/' ? key + below : key + "/" + below};
+}
+
+StorePlace StorePlace::around() const {
+  const std::string whole = trimmed(store->wholeKey(key));
+  const size_t end = whole.rfind('/');
+  if (end == std::string::npos) return {store, ""};
+  return {store, whole.substr(0, end == 0 ? 1 : end)};
+}
+
+std::string StorePlace::lastPart() const {
+  const std::string whole = trimmed(store->wholeKey(key));
+  return whole.substr(whole.rfind('/') + 1);
+}
+
+}  // namespace sluice

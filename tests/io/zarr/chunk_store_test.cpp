@@ -1,0 +1,95 @@
+#include "io/stores/chunk_store.h"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+
+#include "io/stores/folder_store.h"
+#include "io/zarr/zarr_source.h"
+#include "tests/io/python_volumes.h"
+#include "tests/io/zarr/map_store.h"
+#include "tests/io/zarr/zarr_case.h"
+
+namespace sluice {
+namespace {
+
+using testing::HasSubstr;
+
+struct StoredCase : ZarrCase {
+  static constexpr const char* kScript = "make_zarr3.py";
+  static constexpr const char* kModules = "numpy, numcodecs";
+};
+
+class ZarrInAStore : public PythonVolumesTest<StoredCase> {
+ protected:
+  static std::shared_ptr<MapStore> mapOf(const std::string& name) {
+    return std::make_shared<MapStore>(pathOf(name));
+  }
+};
+
+// Missing chunks and shards are the fill value there, too.
+TEST_F(ZarrInAStore, thatCannotBeListedHasTheVoxelsOfTheFolder) {
+  size_t with_missing = 0;
+  for (const StoredCase& c : cases_) {
+    SCOPED_TRACE(c.name);
+    ZarrSource source(StorePlace{mapOf(c.name), ""}, c.options());
+    EXPECT_EQ(source.layout().dims, c.dims);
+    EXPECT_FALSE(source.occupancy(0).has_value());
+    EXPECT_TRUE(allSteps(source) == voxelsOf(c.name));
+    with_missing += c.missing ? 1 : 0;
+  }
+  EXPECT_GT(with_missing, 3U);
+}
+
+TEST_F(ZarrInAStore, isAskedOnceForWhatIsNotThere) {
+  for (const StoredCase& c : cases_) {
+    if (!c.missing) continue;
+    SCOPED_TRACE(c.name);
+    const auto map = mapOf(c.name);
+    ZarrSource source(StorePlace{map, ""}, c.options());
+    source.holdAtMost(1);
+    allSteps(source);
+    allSteps(source);
+    for (const auto& [key, reads] : map->reads) {
+      const bool is_header = key.starts_with(".z") || key.ends_with("zarr.json");
+      EXPECT_TRUE(map->has(key) || is_header || reads == 1) << key << " " << reads;
+    }
+  }
+}
+
+TEST_F(ZarrInAStore, hasItsLevelsAndAnErrorForAPieceThatChanges) {
+  const auto map = mapOf("image");
+  ZarrSource source(StorePlace{map, ""});
+  ASSERT_EQ(source.levelsAbove().size(), 1U);
+  EXPECT_TRUE(asText(readAll(*source.levelsAbove()[0].source)) ==
+              readFile(pathOf("image_coarse.bin")));
+  map->has_changed = true;
+  EXPECT_THAT(errorOf([&] { readAll(source); }), HasSubstr("changed while the volume was open"));
+}
+
+TEST_F(ZarrInAStore, aLevelByItselfHasItsScaleFromAround) {
+  const ZarrSource source(StorePlace{mapOf("image"), "scale1/image"});
+  EXPECT_EQ(source.layout().spacing, (Vec3d{2, 2, 6}));
+}
+
+// A shard that goes away after its index was read is no shard of fill values.
+TEST_F(ZarrInAStore, aShardThatGoesAwayIsAnError) {
+  const auto map = mapOf("one_shard");
+  ZarrSource source(StorePlace{map, ""});
+  source.holdAtMost(uint64_t{1} << 20);
+  readBox(source, {{0, 0, 0}, {1, 1, 1}}, 0);
+  map->pieces.erase("c/0/0/0");
+  EXPECT_THAT(errorOf([&] { readAll(source); }), HasSubstr("map:c/0/0/0: expected a shard"));
+}
+
+TEST(StorePlaceTest, namesWhatIsInsideAndAround) {
+  const StorePlace place = folderPlace("/a/b/");
+  EXPECT_EQ(place.at("c").key, "/a/b/c");
+  EXPECT_EQ(place.lastPart(), "b");
+  EXPECT_EQ(place.around().key, "/a");
+  EXPECT_EQ(place.around().around().key, "/");
+  EXPECT_EQ(place.around().around().around().key, "/");
+}
+
+}  // namespace
+}  // namespace sluice
