@@ -141,6 +141,20 @@ TEST_F(LevelsCommand, packedLevelsAreDrawnWithTheirSpreadsAndOthersWithout) {
   EXPECT_FALSE(program_.json("render " + default_cut).contains("cut"));
 }
 
+TEST_F(LevelsCommand, benchCutPlansAVolumeThatDoesNotExist) {
+  const json report = program_.json("bench cut --dims 900,700,500 --frames 2");
+  EXPECT_EQ(report["command"], "bench cut");
+  EXPECT_GE(report["levels"], 3);
+  EXPECT_GT(report["volume_blocks"], 1000);
+  // The same volume: the coarser the voxels may be, the fewer blocks are chosen.
+  EXPECT_GT(report["first"]["blocks"], 0);
+  EXPECT_GT(report["close_view"]["blocks"], report["view"]["blocks"]);
+  for (const char* kind : {"first", "threshold", "view", "close_view"})
+    for (const char* time : {"choose_seconds", "seconds", "processor_seconds"})
+      EXPECT_GE(report[kind][time], 0) << kind << ' ' << time;
+  EXPECT_EQ(program_.run("bench cut --dims 900,700").status, 2);
+}
+
 TEST_F(LevelsCommand, aBenchComparesPixelErrorsWithTheTruth) {
   const json report = program_.json("bench levels " + std::string(kVolume) +
                                     " --threshold 60 --size 48x48 --frames 1");

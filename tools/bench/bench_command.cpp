@@ -12,6 +12,7 @@
 #include "tools/bench/algorithms_bench.h"
 #include "tools/bench/bench_report.h"
 #include "tools/bench/culling_bench.h"
+#include "tools/bench/cut_bench.h"
 #include "tools/bench/frame_bench.h"
 #include "tools/bench/levels_bench.h"
 #include "tools/bench/occlusion_bench.h"
@@ -235,6 +236,30 @@ Bench addLevels(CLI::App& app, const FrameOptions& plain) {
   return {levels, [bench](const Show& show) { return show(benchLevels(*bench), printLevels); }};
 }
 
+Bench addCut(CLI::App& app, const FrameOptions& plain) {
+  auto bench = std::make_shared<CutBench>();
+  bench->frame = plain;
+  CLI::App* cut = app.add_subcommand(
+      "cut",
+      "Measures planning pictures of a huge volume with levels of resolution: its min-max arrays "
+      "come from a function, and no voxel is read\n\n"
+      "  sluice bench cut --dims 16821,7494,2070");
+  constexpr NumberRange<double> kDims{128, 65536};
+  const Vec3i& dims = bench->dims;
+  OptionGroup(*cut, "Volume")
+      .numbers(
+          "--dims", "X,Y,Z", 3, kDims,
+          [bench](const std::vector<double>& values) {
+            for (int a = 0; a < 3; ++a)
+              bench->dims[a] = static_cast<int64_t>(values[static_cast<size_t>(a)]);
+          },
+          "Voxels along each axis; a million blocks of 64 take 400 MB of memory",
+          fmt::format("{},{},{}", dims.x, dims.y, dims.z));
+  addThreadsOption(OptionGroup(*cut, kMachineHeading), bench->threads);
+  addFramesOption(OptionGroup(*cut, kOutputHeading), bench->frames, "Plans measured for each kind");
+  return {cut, [bench](const Show& show) { return show(benchCut(*bench), printCut); }};
+}
+
 Bench addRanks(CLI::App& app, const FrameOptions& plain) {
   auto bench = std::make_shared<RanksBench>();
   bench->frame = plain;
@@ -379,6 +404,7 @@ Command addBench(CLI::App& program) {
                                    addOcclusion(*app, plain),
                                    addCulling(*app, plain),
                                    addLevels(*app, plain),
+                                   addCut(*app, plain),
                                    addRanks(*app, plain),
                                    addThreshold(*app, plain),
                                    addPacking(*app),

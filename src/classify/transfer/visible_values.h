@@ -43,6 +43,15 @@ class VisibleValues {
     return first != intervals_.end() && first->lo <= hi;
   }
 
+  // True only if any() holds for every range inside lo to hi, since one interval contains them.
+  // Requires: lo <= hi.
+  bool allPartsOf(T lo, T hi) const {
+    const auto first =
+        std::partition_point(intervals_.begin(), intervals_.end(),
+                             [hi](const Interval& interval) { return interval.hi < hi; });
+    return first != intervals_.end() && first->lo <= lo;
+  }
+
  private:
   // Ranges that reach up to `lo` and down to `hi` show. If the opaque entries lie between two
   // neighbouring integers, lo is the integer above them and hi the one below.

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <string_view>
 #include <unordered_map>
 #include <utility>
 
 #include "src/base/error.h"
+#include "src/render/blocks/shown_levels.h"
 #include "src/render/camera/index_space.h"
 #include "src/render/camera/pixel_sizes.h"
 
@@ -72,13 +74,15 @@ class CutMaker {
         held_bytes_(bytesPerVoxel(question.step.ranges->map.type)) {}
 
   void makeLevel(int level) {
-    addAll(level, [](Vec3i) { return true; });
+    addAll(level, [&](Vec3i index) {
+      return std::optional(shown_.objectOf(level, index, question_.step.time));
+    });
     chosen_ = std::move(open_);
   }
 
   void make() {
     const int top = topLevel(pyramid_, options_);
-    addAll(top, [&](Vec3i index) { return shown_.showsFinest(top, index); });
+    addAll(top, [&](Vec3i index) { return shown_.partOf(top, index, question_.step.time); });
     for (int level = top; level > 0; --level) refine();
     chosen_.insert(chosen_.end(), std::make_move_iterator(open_.begin()),
                    std::make_move_iterator(open_.end()));
@@ -123,8 +127,8 @@ class CutMaker {
   }
 
  private:
-  CutNode nodeOf(int level, Vec3i index) const {
-    CutNode node{level, index, shown_.objectOf(level, index, question_.step.time), {}};
+  CutNode nodeOf(int level, Vec3i index, const ObjectBlock& object) const {
+    CutNode node{level, index, object, {}};
     if (node.object.cells.empty()) return node;
     const LevelLayout& at = pyramid_.level(level);
     const auto voxels = static_cast<uint64_t>(at.blocks.storedVoxels(index).count());
@@ -157,15 +161,17 @@ class CutMaker {
            std::ranges::binary_search(limit_->last->refined, name);
   }
 
-  void addAll(int level, const auto& is_wanted) {
+  // Opens the blocks of a level of which there is an object.
+  void addAll(int level, const auto& object_of) {
     const BlockLayout& blocks = pyramid_.level(level).blocks;
     for (int64_t block = 0; block < blocks.blockCount(); ++block) {
       const Vec3i index = blocks.indexOf(block);
-      if (!is_wanted(index)) {
+      const std::optional<ObjectBlock> object = object_of(index);
+      if (!object) {
         ++left_out_;
         continue;
       }
-      open_.push_back(withReading(nodeOf(level, index)));
+      open_.push_back(withReading(nodeOf(level, index, *object)));
       bytes_.add(open_.back().bytes);
     }
   }
@@ -192,8 +198,8 @@ class CutMaker {
     for (int64_t z = children.lo.z; z < children.hi.z; ++z)
       for (int64_t y = children.lo.y; y < children.hi.y; ++y)
         for (int64_t x = children.lo.x; x < children.hi.x; ++x)
-          if (shown_.showsFinest(node.level - 1, {x, y, z}))
-            nodes.push_back(nodeOf(node.level - 1, {x, y, z}));
+          if (const auto part = shown_.partOf(node.level - 1, {x, y, z}, question_.step.time))
+            nodes.push_back(nodeOf(node.level - 1, {x, y, z}, *part));
     return nodes;
   }
 

@@ -12,11 +12,12 @@
 #include <memory>
 
 #include "src/base/threads/worker_pool.h"
-#include "src/render/blocks/shown_levels.h"
 #include "src/render/blocks/visible_blocks.h"
 #include "src/render/camera/cut_options.h"
 
 namespace sluice {
+
+class ShownLevels;
 
 // Whether coarser levels of means can show what the finest level shows, so that a picture may be
 // drawn from them without being asked: not extremes, averages or labels.

@@ -1,35 +1,30 @@
 #include "src/render/blocks/shown_levels.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
-#include <cstdint>
-#include <memory>
 #include <utility>
 
 namespace sluice {
 namespace {
 
-constexpr int64_t kAnyExtent = INT64_MAX;
-constexpr uint32_t kNoPlace = UINT32_MAX;
 // A part that is thinner may lie in one voxel with as much of something else.
 constexpr double kThinVoxels = 2;
 
-// Whether boxes that meet at a face across `axis` have a part of it in common.
-bool meet(const Box3& a, const Box3& b, int axis) {
-  for (int other = 0; other < 3; ++other)
-    if (other != axis && (a.lo[other] > b.hi[other] || b.lo[other] > a.hi[other])) return false;
-  return true;
+// Calls `call` with the first and the end of parts of 0 to `count` on all threads of the pool, each
+// part so long that handing it out costs little.
+template <class Call>
+void inParts(WorkerPool& pool, int64_t count, const Call& call) {
+  constexpr int64_t kPart = 512;
+  pool.parallelFor((count + kPart - 1) / kPart,
+                   [&](int64_t part) { call(part * kPart, std::min(count, (part + 1) * kPart)); });
 }
 
-// Calls `call` for 0 to `count` on all threads of the pool, so many in a row that handing them out
-// costs little.
 template <class Call>
-void inParts(WorkerPool& pool, size_t count, const Call& call) {
-  constexpr size_t kPart = 512;
-  pool.parallelFor(static_cast<int64_t>((count + kPart - 1) / kPart), [&](int64_t part) {
-    const size_t from = static_cast<size_t>(part) * kPart;
-    for (size_t i = from; i < std::min(count, from + kPart); ++i) call(i);
-  });
+void visitIndices(const Box3& indices, const Call& call) {
+  for (int64_t z = indices.lo.z; z < indices.hi.z; ++z)
+    for (int64_t y = indices.lo.y; y < indices.hi.y; ++y)
+      for (int64_t x = indices.lo.x; x < indices.hi.x; ++x) call(Vec3i{x, y, z});
 }
 
 // The axis along which the block has the fewest texels.
@@ -57,103 +52,75 @@ Box3 cellsAround(const LevelLayout& level, const Box3& finest) {
 
 ShownLevels::ShownLevels(const TimeStep& step, const Look& look, const Box3& crop, WorkerPool& pool)
     : pyramid_(step.layout()), crop_(crop) {
-  const auto add = [&](const std::shared_ptr<const SliceRanges>& ranges, const Box3& cells) {
-    is_known_.push_back(ranges != nullptr);
-    levels_.push_back(ranges == nullptr ? VisibleBlocks()
-                                        : classify(*ranges, look.table, cells, pool));
-  };
-  add(step.ranges, crop);
+  boxes_.emplace_back(std::in_place, *step.ranges, look.table, crop, pool);
   for (const CoarserStep& coarser : step.coarser) {
-    const Vec3i dims = pyramid_.level(static_cast<int>(levels_.size())).blocks.dims;
-    add(coarser.ranges, boxOf(dims - Vec3i{1, 1, 1}));
-  }
-  for (size_t level = 0; level < levels_.size(); ++level) {
-    const auto blocks = pyramid_.level(static_cast<int>(level)).blocks.blockCount();
-    std::vector<uint32_t>& places = places_.emplace_back(static_cast<size_t>(blocks), kNoPlace);
-    for (size_t i = 0; i < levels_[level].blocks.size(); ++i)
-      places[static_cast<size_t>(levels_[level].blocks[i].name.block)] = static_cast<uint32_t>(i);
+    const int level = static_cast<int>(boxes_.size());
+    std::optional<ObjectBoxes>& boxes = boxes_.emplace_back();
+    const Vec3i dims = pyramid_.level(level).blocks.dims;
+    if (coarser.ranges != nullptr && !hasSpreads(level))
+      boxes.emplace(*coarser.ranges, look.table, boxOf(dims - Vec3i{1, 1, 1}), pool);
   }
   boundFinest(pool);
 }
 
 void ShownLevels::boundFinest(WorkerPool& pool) {
-  const std::vector<ObjectBlock>& objects = levels_[0].blocks;
-  std::vector<Vec3i> object_extents(objects.size());
-  inParts(pool, objects.size(), [&](size_t i) { object_extents[i] = extentOf(objects[i]); });
-  for (const ObjectBlock& object : levels_[0].blocks) finest_cells_ += object.cells.count();
-  finest_boxes_.resize(1);
-  reaches_.resize(1);
-  least_extents_.resize(1);
+  std::atomic<int64_t> cells = 0;
+  below_.resize(1);
   for (int level = 1; level < pyramid_.levels(); ++level) {
-    const LevelLayout& at = pyramid_.level(level);
-    std::vector<Box3> boxes(static_cast<size_t>(at.blocks.blockCount()));
-    std::vector<Vec3i> extents(boxes.size(), {kAnyExtent, kAnyExtent, kAnyExtent});
-    const auto add = [&](const Box3& cells, Vec3i extent) {
-      const Vec3i index = min(cells.lo / at.width, at.blocks.grid - Vec3i{1, 1, 1});
-      const auto block = static_cast<size_t>(at.blocks.idOf(index));
-      boxes[block] = unite(boxes[block], cells);
-      extents[block] = min(extents[block], extent);
-    };
-    if (level == 1)
-      for (size_t i = 0; i < objects.size(); ++i) add(objects[i].cells, object_extents[i]);
-    else
-      for (size_t i = 0; i < finest_boxes_.back().size(); ++i)
-        if (!finest_boxes_.back()[i].empty())
-          add(finest_boxes_.back()[i], least_extents_.back()[i]);
-    finest_boxes_.push_back(std::move(boxes));
-    least_extents_.push_back(std::move(extents));
-    std::vector<Box3>& reaches = reaches_.emplace_back();
-    if (!hasSpreads(level)) continue;
-    reaches.resize(finest_boxes_.back().size());
-    inParts(pool, reaches.size(), [&](size_t block) {
-      reaches[block] = reachIn(level, at.blocks.indexOf(static_cast<int64_t>(block)));
+    const BlockLayout& blocks = pyramid_.level(level).blocks;
+    std::vector<Below>& all = below_.emplace_back(static_cast<size_t>(blocks.blockCount()));
+    inParts(pool, blocks.blockCount(), [&](int64_t from, int64_t to) {
+      int64_t cells_of_part = 0;
+      for (int64_t block = from; block < to; ++block) {
+        Below& below = all[static_cast<size_t>(block)];
+        visitIndices(pyramid_.childrenOf(level, blocks.indexOf(block)), [&](Vec3i child) {
+          const Below more = level == 1 ? finestOf(child) : belowOf(level - 1, child);
+          if (more.hull.empty()) return;
+          below.hull = unite(below.hull, more.hull);
+          below.least_extent = min(below.least_extent, more.least_extent);
+          if (level == 1) cells_of_part += more.hull.count();
+        });
+      }
+      cells += cells_of_part;
     });
   }
+  finest_cells_ = cells;
+}
+
+ShownLevels::Below ShownLevels::finestOf(Vec3i index) const {
+  const Box3 cells = boxes_[0]->of(index);
+  return cells.empty() ? Below() : Below{cells, extentOf(index, cells)};
 }
 
 // The extent of an object box with what continues it in the next blocks; kAnyExtent if a face of
 // the crop ends it.
-Vec3i ShownLevels::extentOf(const ObjectBlock& object) const {
-  const BlockLayout& layout = pyramid_.finest();
-  const Vec3i index = layout.indexOf(object.name.block);
-  const Box3 owned = layout.ownedCells(index);
-  Vec3i extent = object.cells.size();
-  for (int a = 0; a < 3; ++a)
-    for (const bool is_upper : {false, true}) {
-      const auto faceOf = [&](const Box3& box) { return is_upper ? box.hi[a] : box.lo[a]; };
-      const int64_t face = faceOf(object.cells);
-      if (face == faceOf(crop_) && face > 0 && face < layout.dims[a] - 1) {
-        extent[a] = kAnyExtent;
-        break;
-      }
-      Vec3i beside = index;
-      beside[a] += is_upper ? 1 : -1;
-      if (face != faceOf(owned) || beside[a] < 0 || beside[a] >= layout.grid[a]) continue;
-      const ObjectBlock* next = find(0, layout.idOf(beside));
-      if (next == nullptr || (is_upper ? next->cells.lo[a] : next->cells.hi[a]) != face) continue;
-      if (meet(object.cells, next->cells, a)) extent[a] += next->cells.size()[a];
-    }
+Vec3i ShownLevels::extentOf(Vec3i index, const Box3& cells) const {
+  Vec3i extent = boxes_[0]->extentWithNeighbors(index);
+  const Box3 all = boxOf(pyramid_.finest().dims - Vec3i{1, 1, 1});
+  for (int a = 0; a < 3; ++a) {
+    const bool is_cut_below = cells.lo[a] == crop_.lo[a] && crop_.lo[a] > all.lo[a];
+    const bool is_cut_above = cells.hi[a] == crop_.hi[a] && crop_.hi[a] < all.hi[a];
+    if (is_cut_below || is_cut_above) extent[a] = kAnyExtent;
+  }
   return extent;
 }
 
 bool ShownLevels::hasThinParts(int level, Vec3i index) const {
-  const LevelLayout& at = pyramid_.level(level);
-  const Vec3i extent =
-      least_extents_[static_cast<size_t>(level)][static_cast<size_t>(at.blocks.idOf(index))];
+  const Vec3d scale = pyramid_.level(level).placement.scale;
+  const Vec3i extent = belowOf(level, index).least_extent;
   for (int a = 0; a < 3; ++a)
-    if (static_cast<double>(extent[a]) < kThinVoxels * at.placement.scale[a]) return true;
+    if (static_cast<double>(extent[a]) < kThinVoxels * scale[a]) return true;
   return false;
 }
 
-Box3 ShownLevels::finestBox(int level, Vec3i index) const {
+const ShownLevels::Below& ShownLevels::belowOf(int level, Vec3i index) const {
   const int64_t block = pyramid_.level(level).blocks.idOf(index);
-  if (level == 0) {
-    const ObjectBlock* object = find(0, block);
-    return object == nullptr ? Box3() : object->cells;
-  }
-  return (hasSpreads(level)
-              ? reaches_
-              : finest_boxes_)[static_cast<size_t>(level)][static_cast<size_t>(block)];
+  return below_[static_cast<size_t>(level)][static_cast<size_t>(block)];
+}
+
+Box3 ShownLevels::finestBox(int level, Vec3i index) const {
+  if (level == 0) return boxes_[0]->of(index);
+  return hasSpreads(level) ? reachIn(level, index) : belowOf(level, index).hull;
 }
 
 // What the finest level shows below this block and those beside it, with the cells around that
@@ -161,24 +128,17 @@ Box3 ShownLevels::finestBox(int level, Vec3i index) const {
 Box3 ShownLevels::reachIn(int level, Vec3i index) const {
   const LevelLayout& at = pyramid_.level(level);
   const Box3 region = pyramid_.regionOf(level, index);
-  const Box3 around =
-      intersect({index - Vec3i{1, 1, 1}, index + Vec3i{2, 2, 2}}, boxOf(at.blocks.grid));
-  Box3 reach;
-  for (int64_t z = around.lo.z; z < around.hi.z; ++z)
-    for (int64_t y = around.lo.y; y < around.hi.y; ++y)
-      for (int64_t x = around.lo.x; x < around.hi.x; ++x) {
-        const auto block = static_cast<size_t>(at.blocks.idOf({x, y, z}));
-        const Box3& box = finest_boxes_[static_cast<size_t>(level)][block];
-        if (box.empty()) continue;
-        reach = unite(reach, intersect(at.cellsOver(cellsAround(at, box)), region));
-      }
+  const auto reachOf = [&](Vec3i block) {
+    const Box3& hull = belowOf(level, block).hull;
+    return hull.empty() ? Box3() : intersect(at.cellsOver(cellsAround(at, hull)), region);
+  };
+  Box3 reach = reachOf(index);
+  // Inside a solid body the neighbours add nothing.
+  if (reach == region) return reach;
+  const Vec3i one{1, 1, 1};
+  visitIndices(intersect({index - one, index + one + one}, boxOf(at.blocks.grid)),
+               [&](Vec3i block) { reach = unite(reach, reachOf(block)); });
   return reach;
-}
-
-const ObjectBlock* ShownLevels::find(int level, int64_t block) const {
-  const auto at = static_cast<size_t>(level);
-  const uint32_t place = places_[at][static_cast<size_t>(block)];
-  return place == kNoPlace ? nullptr : &levels_[at].blocks[place];
 }
 
 // The hull of the visible cells of this block and its neighbours: a level's cells are shifted
@@ -195,34 +155,40 @@ Box3 ShownLevels::cellsShown(int level, Vec3i index, const Box3& region) const {
     if (covered.hi[a] < region.hi[a] && owners.hi[a] < at.blocks.grid[a]) ++owners.hi[a];
   }
   Box3 shown;
-  for (int64_t z = owners.lo.z; z < owners.hi.z; ++z)
-    for (int64_t y = owners.lo.y; y < owners.hi.y; ++y)
-      for (int64_t x = owners.lo.x; x < owners.hi.x; ++x) {
-        const ObjectBlock* object = find(level, at.blocks.idOf({x, y, z}));
-        if (object == nullptr) continue;
-        Box3 cells = at.cellsOver(object->cells);
-        // Beyond its outermost voxels a level shows their values.
-        for (int a = 0; a < 3; ++a) {
-          if (object->cells.lo[a] == 0) cells.lo[a] = 0;
-          if (object->cells.hi[a] == last[a]) cells.hi[a] = end[a];
-        }
-        cells = intersect(cells, region);
-        shown = unite(shown, cells);
-      }
+  visitIndices(owners, [&](Vec3i owner) {
+    const Box3 object = boxes_[static_cast<size_t>(level)]->of(owner);
+    if (object.empty()) return;
+    Box3 cells = at.cellsOver(object);
+    // Beyond its outermost voxels a level shows their values.
+    for (int a = 0; a < 3; ++a) {
+      if (object.lo[a] == 0) cells.lo[a] = 0;
+      if (object.hi[a] == last[a]) cells.hi[a] = end[a];
+    }
+    shown = unite(shown, intersect(cells, region));
+  });
   return shown;
 }
 
+std::optional<ObjectBlock> ShownLevels::partOf(int level, Vec3i index, int64_t time) const {
+  const Box3 finest = finestBox(level, index);
+  if (finest.empty()) return std::nullopt;
+  return objectOf(level, index, time, finest);
+}
+
 ObjectBlock ShownLevels::objectOf(int level, Vec3i index, int64_t time) const {
+  return objectOf(level, index, time, finestBox(level, index));
+}
+
+ObjectBlock ShownLevels::objectOf(int level, Vec3i index, int64_t time, const Box3& finest) const {
   ObjectBlock object;
   const LevelLayout& at = pyramid_.level(level);
   const int64_t block = at.blocks.idOf(index);
   object.name = {.time = time, .level = level, .block = block};
   const Box3 region = pyramid_.regionOf(level, index);
   if (level == 0 || hasSpreads(level))
-    object.cells = finestBox(level, index);
+    object.cells = finest;
   else
-    object.cells =
-        is_known_[static_cast<size_t>(level)] ? cellsShown(level, index, region) : region;
+    object.cells = boxes_[static_cast<size_t>(level)] ? cellsShown(level, index, region) : region;
   object.cells = intersect(object.cells, crop_);
   if (object.cells.empty()) {
     object.cells = {};

@@ -9,6 +9,7 @@
 #include <random>
 
 #include "src/base/error.h"
+#include "src/classify/blocks/object_boxes.h"
 #include "tests/support/function_source.h"
 #include "tests/support/random_volume.h"
 
@@ -90,11 +91,26 @@ Box3 allCells(const BlockLayout& layout) {
   return {{0, 0, 0}, layout.dims - Vec3i{1, 1, 1}};
 }
 
+// Compares the boxes of all blocks with the list of visible ones.
+void expectSameBoxes(const VisibleBlocks& listed, const ObjectBoxes& boxes,
+                     const BlockLayout& layout) {
+  size_t next = 0;
+  for (int64_t block = 0; block < layout.blockCount(); ++block) {
+    const bool is_listed = next < listed.blocks.size() && listed.blocks[next].name.block == block;
+    EXPECT_EQ(boxes.of(layout.indexOf(block)), is_listed ? listed.blocks[next++].cells : Box3());
+  }
+}
+
 VisibleBlocks classified(const SliceRanges& ranges, const TransferFunction& transfer,
                          std::optional<Box3> crop = std::nullopt, int threads = 2) {
   WorkerPool pool(threads);
   const OpacityTable table(transfer, ranges.map, ranges.device_range);
-  return classify(ranges, table, crop.value_or(allCells(ranges.layout)), pool);
+  const Box3 cells = crop.value_or(allCells(ranges.layout));
+  const VisibleBlocks result = classify(ranges, table, cells, pool);
+  constexpr int64_t kMostCompared = 100'000;
+  if (ranges.layout.blockCount() <= kMostCompared)
+    expectSameBoxes(result, ObjectBoxes(ranges, table, cells, pool), ranges.layout);
+  return result;
 }
 
 // The table's entries one at a time; the neighbours count too, for rounding.

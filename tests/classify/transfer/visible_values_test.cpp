@@ -39,6 +39,30 @@ TEST(VisibleValues, agreeWithTheTableOnEveryPairOfBytes) {
     }
 }
 
+TEST(VisibleValues, allPartsShowOnlyIfEachValueDoes) {
+  std::mt19937_64 random(4);
+  int64_t found = 0, showing = 0;
+  for (const int bands : {0, 1, 2, 5, 40}) {
+    const OpacityTable table = randomTable(random, bands, DeviceType::kU8, {17, 201});
+    const VisibleValues<uint8_t> visible(table);
+    for (int lo = 0; lo < 256; ++lo) {
+      bool each_shows = true;
+      for (int hi = lo; hi < 256; ++hi) {
+        each_shows = each_shows && table.anyOpaque(hi, hi);
+        const bool all = visible.allPartsOf(static_cast<uint8_t>(lo), static_cast<uint8_t>(hi));
+        if (all) {
+          ASSERT_TRUE(each_shows) << lo << " to " << hi << ", " << bands << " bands";
+        }
+        found += all ? 1 : 0;
+        showing += each_shows ? 1 : 0;
+      }
+    }
+  }
+  // Neighbouring intervals that do not meet are told apart.
+  EXPECT_GT(found, showing * 9 / 10);
+  EXPECT_GT(showing, 1000);
+}
+
 TEST(VisibleValues, agreeWithTheTableOnSixteenBits) {
   std::mt19937_64 random(2);
   for (const int bands : {1, 3, 300})
