@@ -10,6 +10,7 @@
 #include "src/base/error.h"
 #include "src/base/values/read_units.h"
 #include "src/base/values/volume_levels.h"
+#include "src/library/coarsest_level.h"
 #include "src/library/resources.h"
 #include "src/library/side_levels.h"
 #include "src/library/thick_source.h"
@@ -73,9 +74,13 @@ std::vector<std::string> notesOf(const std::string& name, const VolumeLayout& la
   return notes;
 }
 
-// Levels beside the index are for pictures that may be drawn from them.
-LevelsWish wishFor(LevelNeeds needs, LevelsWish wish) {
-  return needs == LevelNeeds::kFinest ? LevelsWish::kNone : wish;
+// Levels beside the index are for pictures that may be drawn from them. Those that continue the
+// levels of a file have no spreads.
+LevelsWish wishFor(const VolumeSource& source, LevelNeeds needs, LevelsWish wish) {
+  const std::span<const CoarserLevel> own = coarserLevels(source);
+  if (needs == LevelNeeds::kFinest) return LevelsWish::kNone;
+  if (own.empty()) return wish;
+  return needs != LevelNeeds::kAll || own.front().is_computed ? LevelsWish::kNone : wish;
 }
 
 // The levels that these needs ask for.
@@ -100,17 +105,30 @@ bool isKnown(const IndexedVolume& volume, const BlockLayout& layout) {
          keptRanges(*volume.source, volume.places, volume.time, layout);
 }
 
-// Opens the volume with a sample of its voxels as its one coarser level.
+// Makes the levels that continue those of the file, and the index of its coarsest one.
+void passOverCoarsest(const IndexedVolume& volume, VolumeSource& coarsest, const SideLevels& side,
+                      const IndexPass& pass) {
+  const BlockLayout blocks =
+      blockLayout(coarsest.layout().dims, volume.layout.size, volume.layout.ghost);
+  volume.source->holdAtMost(pass.memory_bytes / 4);
+  indexedRanges(coarsest, volume.places, volume.time, blocks, pass.pool, pass.progress,
+                pass.memory_bytes - side.heldBytes(), pass.stop, side.taker());
+}
+
+// Opens the volume with a sample of its coarsest level as a further level.
 void takeSample(IndexedVolume& volume, double seconds, const IndexPass& pass) {
-  if (readUnits(*volume.source).is_one_stream && pass.announce)
+  VolumeSource& coarsest = *coarsestLevel(*volume.source).source;
+  if (readUnits(coarsest).is_one_stream && pass.announce)
     pass.announce(fmt::format(
         "{}: is one compressed stream, which cannot be read in parts: all of it is unpacked before "
         "the first picture",
         volume.name));
   volume.source->holdAtMost(pass.memory_bytes / 4);
   VolumeSample sample =
-      sampleVolume({*volume.source, volume.time, pass.pool, pass.memory_bytes, seconds, pass.stop});
-  volume.sample = {sample.part, sample.voxels.size()};
+      sampleVolume({coarsest, volume.time, pass.pool, pass.memory_bytes, seconds, pass.stop});
+  const size_t level = coarserLevels(*volume.source).size();
+  volume.sample = {sample.part + (level == 0 ? "" : fmt::format(" of level {}", level)),
+                   sample.voxels.size()};
   volume.source = withSample(std::move(volume.source), std::move(sample));
 }
 
@@ -140,7 +158,8 @@ std::shared_ptr<const IndexedRanges> indexOfLevel(const IndexedVolume& volume, i
                                                   int64_t time, const IndexPass& pass) {
   VolumeSource& source = *coarserLevels(*volume.source)[static_cast<size_t>(level) - 1].source;
   IndexPlaces places = volume.places;
-  if (volume.sample) places.disabled = true;  // it is never the same again
+  // A sample is never the same again.
+  if (volume.sample && level == volume.pyramid->levels() - 1) places.disabled = true;
   return std::make_shared<const IndexedRanges>(
       indexedRanges(source, places, time, volume.pyramid->level(level).blocks, pass.pool,
                     pass.progress, pass.memory_bytes, pass.stop));
@@ -157,7 +176,7 @@ void indexLevels(IndexedVolume& volume, int least, const IndexPass& pass) {
 // The stand-in's values for the finest level, of whose blocks nothing is known. Indices are made of
 // the stand-in and the levels above it; finer levels have theirs if they are there.
 IndexedRanges standIn(IndexedVolume& volume, const IndexPass& pass) {
-  const int number = standInLevel(*volume.pyramid);
+  const int number = volume.sample ? volume.pyramid->levels() - 1 : standInLevel(*volume.pyramid);
   indexLevels(volume, number, pass);
   const std::span<const CoarserLevel> levels = coarserLevels(*volume.source);
   for (int level = 1; level < number; ++level) {
@@ -273,13 +292,11 @@ IndexedVolume indexVolume(std::unique_ptr<VolumeSource> source, const VolumeArgu
   const int64_t block = machine.block.value_or(blockSizeFor(volume.page.size_vox));
   volume.time = arguments.time;
   const bool has_own = !coarserLevels(*volume.source).empty();
-  const bool may_sample =
-      !has_own && machine.levels != LevelsWish::kNone && maySample(layout, needs);
-  const LevelsWish wished = wishFor(needs.levels, machine.levels);
-  SideLevels side({*volume.source, volume.name, volume.places, volume.time,
-                   has_own      ? LevelsWish::kNone
-                   : may_sample ? std::max(wished, LevelsWish::kKept)
-                                : wished,
+  VolumeSource& coarsest = *coarsestLevel(*volume.source).source;
+  const LevelsWish wished = wishFor(*volume.source, needs.levels, machine.levels);
+  const bool may_sample = wished != LevelsWish::kNone && maySample(coarsest.layout(), needs);
+  SideLevels side({coarsest, volume.name, volume.places, volume.time,
+                   may_sample ? std::max(wished, LevelsWish::kKept) : wished,
                    needs.levels == LevelNeeds::kAll || machine.levels == LevelsWish::kAlways,
                    pass.pool, pass.memory_bytes, pass.stop, pass.announce});
   const auto layoutOf = [&](int ghost) {
@@ -291,7 +308,7 @@ IndexedVolume indexVolume(std::unique_ptr<VolumeSource> source, const VolumeArgu
     return blockLayout(layout.dims, block, ghost, volume.name.c_str());
   };
   const int plain_ghost = needs.gradients ? 1 : 0;
-  if (may_sample && !side.any() && !isKnown(volume, layoutOf(plain_ghost)))
+  if (may_sample && !side.any() && (has_own || !isKnown(volume, layoutOf(plain_ghost))))
     takeSample(volume, *needs.sample_seconds, pass);
   // Several levels take a layer more (pyramid.h), and have the same blocks lit and unlit, so that
   // an index made ahead serves both: without one, nothing would be known of the finest level.
@@ -300,7 +317,10 @@ IndexedVolume indexVolume(std::unique_ptr<VolumeSource> source, const VolumeArgu
   std::optional<IndexedRanges> made;
   if (side.taker() != nullptr) {
     try {
-      made = rangesOf(volume, volume.time, pass, &side);
+      if (has_own)
+        passOverCoarsest(volume, coarsest, side, pass);
+      else
+        made = rangesOf(volume, volume.time, pass, &side);
     } catch (const Error&) {
       side.discard();
       throw;

@@ -14,6 +14,7 @@
 #include "src/base/values/bytes.h"
 #include "src/base/values/digest.h"
 #include "src/base/values/forwarding_source.h"
+#include "src/library/coarsest_level.h"
 #include "src/library/thick_source.h"
 
 namespace sluice {
@@ -87,6 +88,7 @@ class MendedLevel final : public VolumeSource {
   DamageReport& damage_;
 };
 
+// A source with its own levels, if it has some, and those of the store above them.
 class LeveledVolume final : public ForwardingSource {
  public:
   LeveledVolume(std::unique_ptr<VolumeSource> source, int64_t time,
@@ -95,17 +97,24 @@ class LeveledVolume final : public ForwardingSource {
         store_(std::move(store)),
         damage_(std::move(damage)),
         layout_(ForwardingSource::layout()) {
+    const std::span<const CoarserLevel> own = ForwardingSource::levelsAbove();
+    levels_.assign(own.begin(), own.end());
+    const CoarserLevel below = own.empty() ? CoarserLevel{this, {}} : own.back();
     const auto mended = [&](VolumeSource& level, Numbers numbers, const LevelShape& shape) {
       return mended_
-          .emplace_back(std::make_unique<MendedLevel>(level, numbers, shape, *this, time, *damage_))
+          .emplace_back(
+              std::make_unique<MendedLevel>(level, numbers, shape, *below.source, time, *damage_))
           .get();
     };
     for (const CoarserLevel& level : store_->levels()) {
       const Vec3d step = level.placement.scale;
       const LevelShape shape{level.source->layout().dims,
                              {std::llround(step.x), std::llround(step.y), std::llround(step.z)}};
-      levels_.push_back({mended(*level.source, Numbers::kMeans, shape), level.placement,
-                         mended(*level.spreads, Numbers::kSpreads, shape)});
+      CoarserLevel above{mended(*level.source, Numbers::kMeans, shape),
+                         placedAbove(below.placement, level.placement)};
+      // The spread of an own level's voxels is not that of the finest ones.
+      if (own.empty()) above.spreads = mended(*level.spreads, Numbers::kSpreads, shape);
+      levels_.push_back(above);
     }
     layout_.levels = 1 + static_cast<int64_t>(levels_.size());
   }

@@ -1,5 +1,8 @@
-// SideLevels: coarser levels of a volume whose file has one level alone, kept beside its index
-// (src/index/index_file.h) as a Zarr group (io/zarr/level_store.h).
+// SideLevels: coarser levels of a volume whose file has one level alone, or whose levels end too
+// large, kept beside its index (src/index/index_file.h) as a Zarr group (io/zarr/level_store.h).
+//
+// They are made of the file's coarsest level. If that is not the volume itself, they have no
+// spreads: those would be the spreads of its own voxels, not of the finest ones.
 //
 // They are made in the pass that makes the min-max arrays, or in a pass of their own if the arrays
 // are there already. An interrupted pass keeps what it has written. A group belongs to the state of
@@ -33,8 +36,8 @@ inline constexpr int64_t kMostVoxelsWithoutLevels = int64_t{1} << 27;
 bool isLarge(const VolumeLayout& layout);
 
 struct SideLevelsRequest {
-  VolumeSource& source;
-  std::string name;  // the volume's, for messages
+  VolumeSource& source;  // the coarsest level of the file
+  std::string name;      // the volume's, for messages
   const IndexPlaces& places;
   int64_t time = 0;
   LevelsWish wish = LevelsWish::kAuto;
@@ -64,7 +67,7 @@ class SideLevels {
   // To be called in its place if the voxels cannot be read: removes what was made.
   void discard();
 
-  // `source` with the levels, if there are some. Called once, last.
+  // `source`, the whole volume, with the levels, if there are some. Called once, last.
   std::unique_ptr<VolumeSource> join(std::unique_ptr<VolumeSource> source);
   // Lines for people: why levels are missing or were not believed.
   const std::vector<std::string>& notes() const { return notes_; }

@@ -12,6 +12,7 @@
 #include "src/base/threads/clock.h"
 #include "src/base/values/forwarding_source.h"
 #include "src/base/values/read_units.h"
+#include "src/library/coarsest_level.h"
 
 namespace sluice {
 namespace {
@@ -321,7 +322,10 @@ class SampledVolume final : public ForwardingSource {
     layout.dims = sample_.dims;
     source_of_level_ =
         lentSource(fillFrom(sample_.voxels.data(), layout, packedStrides(layout)), layout);
-    levels_.push_back({source_of_level_.get(), sample_.placement, nullptr});
+    const std::span<const CoarserLevel> own = ForwardingSource::levelsAbove();
+    levels_.assign(own.begin(), own.end());
+    const LevelPlacement below = own.empty() ? LevelPlacement() : own.back().placement;
+    levels_.push_back({source_of_level_.get(), placedAbove(below, sample_.placement), nullptr});
   }
   std::span<const CoarserLevel> levelsAbove() const override { return levels_; }
 

@@ -49,8 +49,8 @@ VolumeSample sampleVolume(const SampleRequest& request);
 // enough for a coarser level.
 bool isWorthSampling(const VolumeLayout& layout, double seconds);
 
-// `source` with the sample as its one coarser level, which has no spreads. Reading the level reads
-// memory.
+// `source` with a sample of its coarsest level, or of itself if it has one level, as a further
+// level, which has no spreads. Reading the level reads memory.
 std::unique_ptr<VolumeSource> withSample(std::unique_ptr<VolumeSource> source, VolumeSample sample);
 
 }  // namespace sluice

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <map>
+#include <numeric>
 
 #include "io/pictures/png_file.h"
 #include "tests/tools/program.h"
@@ -254,6 +256,84 @@ TEST_F(SideLevelsCommand, thatCannotBeKeptAreOneLineAndThePictureIsLevelZeros) {
   runCommand(here + "umount disk");
   EXPECT_THAT(full.output, HasSubstr("since they may take 411.5 KiB"));
   expectFinest(read_only, "since they cannot be kept");
+}
+
+// A pyramid of another program, whose coarsest level is large, and which has no index.
+class ShortPyramid : public testing::Test {
+ protected:
+  void SetUp() override {
+    run("pack synth:shells,dims=320x300x280 -o v.zarr --chunk 32 --levels 1");
+    fs::remove_all(program_.folder / "cache");
+    fs::remove_all(program_.folder / "v.zarr/spread");
+    std::string attributes = readFile(program_.folder / "v.zarr/.zattrs");
+    attributes.replace(attributes.find("spreads"), 7, "nothing");
+    writeFile(program_.folder / "v.zarr/.zattrs", attributes);
+  }
+  std::string run(const std::string& command) const {
+    const CommandResult result = program_.run(command);
+    EXPECT_EQ(result.status, 0) << result.output;
+    return result.output;
+  }
+  static std::string line(const std::string& volume, const std::string& more) {
+    return "render " + volume +
+           " --threshold 60 --opacity 0.1 --range 0,255 --no-shade --view plain --fit volume "
+           "--size 64 -o x.png --force " +
+           more;
+  }
+  // Chunks have checksums: reading one of these is an error.
+  void spoilLevelZero() const {
+    for (const auto& file : fs::recursive_directory_iterator(program_.folder / "v.zarr/0"))
+      if (file.is_regular_file() && file.path().filename().string().front() != '.')
+        writeFile(file.path(), "spoilt");
+  }
+  const Program program_;
+};
+
+TEST_F(ShortPyramid, isContinuedOnceWithoutReadingLevelZero) {
+  spoilLevelZero();
+  const std::string asked = line("v.zarr", "--pixel-error 2 --levels always");
+  EXPECT_THAT(run(asked), HasSubstr(kMade));
+  EXPECT_THAT(run(asked), Not(HasSubstr(kMade)));
+  // Levels that are there are used, however large the coarsest one of the file is.
+  const nlohmann::json report = program_.json(line("v.zarr", "--pixel-error 2"));
+  const nlohmann::json& levels = report["cut"]["levels"];
+  ASSERT_FALSE(levels.empty());
+  EXPECT_GT(levels.back()["level"], 1);
+  EXPECT_EQ(report["cut"]["spreads"], false);
+}
+
+TEST_F(ShortPyramid, itsFurtherLevelsAreThoseThatPackMakes) {
+  run("pack synth:shells,dims=320x300x280 -o all.zarr --chunk 32 --levels 3");
+  for (const char* level : {"2", "3"}) {
+    run(line("v.zarr", std::string("--levels always --level ") + level));
+    const auto continued = readPng(program_.folder / "x.png").rgba;
+    fs::remove_all(program_.folder / "all.zarr/spread");
+    std::string attributes = readFile(program_.folder / "all.zarr/.zattrs");
+    if (const size_t at = attributes.find("spreads"); at != std::string::npos)
+      attributes.replace(at, 7, "nothing");
+    writeFile(program_.folder / "all.zarr/.zattrs", attributes);
+    run(line("all.zarr", std::string("--level ") + level));
+    const auto packed = readPng(program_.folder / "x.png").rgba;
+    // Means of means are rounded twice.
+    double sum = 0;
+    for (size_t i = 0; i < packed.size(); ++i) sum += std::abs(packed[i] - continued[i]);
+    EXPECT_LT(sum / static_cast<double>(packed.size()), 0.5) << level;
+    EXPECT_GT(std::accumulate(packed.begin(), packed.end(), 0.0), 0) << "something shows";
+  }
+}
+
+TEST_F(ShortPyramid, isNotContinuedIfItsCoarsestLevelIsSmallOrNobodyAsks) {
+  EXPECT_THAT(run(line("v.zarr", "--pixel-error 2")), Not(HasSubstr(kMade)));
+  EXPECT_THAT(run(line("v.zarr", "--levels always --level 0")), Not(HasSubstr(kMade)));
+  EXPECT_THAT(run(line("v.zarr", "--levels none --pixel-error 2")), Not(HasSubstr(kMade)));
+}
+
+TEST_F(ShortPyramid, beginsWithASampleOfItsCoarsestLevelIfTimeIsShort) {
+  spoilLevelZero();
+  const nlohmann::json report = program_.json(line("v.zarr", "--time-limit 0"));
+  EXPECT_EQ(report["volume"]["sample"], "125 of 125 chunks of level 1");
+  EXPECT_EQ(report["volume"]["values_level"], 2);
+  EXPECT_EQ(report["cut"]["final"], false);
 }
 
 }  // namespace
