@@ -2,6 +2,7 @@
 
 #include <bit>
 #include <cstring>
+#include <type_traits>
 #include <utility>
 
 namespace sluice {
@@ -82,13 +83,21 @@ void ChunkPacker::pack(ZarrPackFolder& folder, size_t array, int64_t number, con
       std::memcpy(bytes.data() + i, fill.data(), fill.size());
   const int64_t side = chunk_voxels_;
   const Vec3i lo = held.box.lo, size = held.box.size();
-  for (int64_t z = box.lo.z; z < box.hi.z; ++z)
-    for (int64_t y = box.lo.y; y < box.hi.y; ++y) {
-      const int64_t from = ((z - lo.z) * size.y + y - lo.y) * size.x + box.lo.x - lo.x;
-      const int64_t to = ((z - whole.lo.z) * side + y - whole.lo.y) * side;
-      std::memcpy(bytes.data() + to * voxel, held.voxels + from * voxel,
-                  static_cast<size_t>(box.size().x * voxel));
-    }
+  const auto copyRows = [&](auto row_bytes) {
+    for (int64_t z = box.lo.z; z < box.hi.z; ++z)
+      for (int64_t y = box.lo.y; y < box.hi.y; ++y) {
+        const int64_t from = ((z - lo.z) * size.y + y - lo.y) * size.x + box.lo.x - lo.x;
+        const int64_t to = ((z - whole.lo.z) * side + y - whole.lo.y) * side;
+        std::memcpy(bytes.data() + to * voxel, held.voxels + from * voxel, row_bytes);
+      }
+  };
+  // Millions of rows are as short as this: a call for each takes longer than the copying.
+  constexpr size_t kUsualBytes = 64;
+  const auto row_bytes = static_cast<size_t>(box.size().x * voxel);
+  if (row_bytes == kUsualBytes)
+    copyRows(std::integral_constant<size_t, kUsualBytes>());
+  else
+    copyRows(row_bytes);
   if (isFill(bytes, fill)) return folder.write(number, {}, scratch->number);
   folder.write(number, encodeBlosc(bytes, fill.size(), blosc_, scratch->stored), scratch->number);
 }

@@ -7,6 +7,7 @@
 #include <type_traits>
 
 #include "io/zarr/block_sums.h"
+#include "io/zarr/byte_blocks.h"
 
 namespace sluice {
 namespace {
@@ -33,8 +34,12 @@ void addBlocks(const FinerRows<In>& rows, int64_t blocks, F f, Out* __restrict o
 }
 
 // The same for rows of `size` numbers, with a last block that may be narrower.
+// The first `made` blocks are there already.
 template <class Sum, class In, class F, class Out>
-void addRows(const FinerRows<In>& rows, int64_t size, int64_t step, F f, Out* __restrict out) {
+void addRows(FinerRows<In> rows, int64_t size, int64_t step, F f, Out* out, int64_t made = 0) {
+  for (size_t r = 0; r < rows.count; ++r) rows.row[r] += made * step;
+  size -= made * step;
+  out += made;
   const int64_t whole = size / step;
   const auto addWhole = [&]<int64_t kStep>(std::integral_constant<int64_t, kStep>) {
     if (rows.count == 4) return addBlocks<4, kStep, Sum>(rows, whole, f, out);
@@ -122,9 +127,13 @@ class Pass {
       const auto rows = rowsOf<T>(cube_.size, step, y, z, rowAt);
       int32_t* const sums = to.sums + y * sizes_.front().x;
       FirstSquare<T>* const squares = to.squares + y * sizes_.front().x;
+      int64_t made = 0;
+      if constexpr (std::is_same_v<T, uint8_t>) {
+        if (rows.count == 4 && step.x == 2) made = makeByteBlocks(rows.row, y, z);
+      }
       using Narrow = std::conditional_t<sizeof(T) == 1, int16_t, int32_t>;
       addRows<Narrow>(
-          rows, cube_.size.x, step.x, [](T v) { return Narrow{v}; }, sums);
+          rows, cube_.size.x, step.x, [](T v) { return Narrow{v}; }, sums, made);
       addRows<FirstSquare<T>>(
           rows, cube_.size.x, step.x,
           [](T v) {
@@ -132,9 +141,21 @@ class Pass {
             const auto wide = static_cast<uint32_t>(int32_t{v});
             return static_cast<FirstSquare<T>>(wide * wide);
           },
-          squares);
-      finishRow(0, y, z, sums, squares);
+          squares, made);
+      finishRow(0, y, z, sums, squares, made);
     }
+  }
+
+  // The first blocks of a row of the first level; returns how many.
+  int64_t makeByteBlocks(const std::array<const uint8_t*, 4>& rows, int64_t y, int64_t z) const {
+    const LevelPart& part = levels_.front();
+    const int64_t at = z * part.plane_stride + y * part.row_stride;
+    const auto& plane = first_[static_cast<size_t>(z % 2)];
+    const int64_t row = y * sizes_.front().x;
+    return sluice::makeByteBlocks(
+        rows, cube_.size.x / 2,
+        {plane.sums + row, plane.squares + row, reinterpret_cast<uint8_t*>(part.voxels) + at,
+         reinterpret_cast<uint8_t*>(part.spreads) + at});
   }
 
   // The planes of coarser levels that end with plane z of the first one.
@@ -179,8 +200,10 @@ class Pass {
     return rows;
   }
 
+  // The first `made` blocks are there already.
   template <class Sum, class Square>
-  void finishRow(size_t level, int64_t y, int64_t z, const Sum* sums, const Square* squares) {
+  void finishRow(size_t level, int64_t y, int64_t z, const Sum* sums, const Square* squares,
+                 int64_t made = 0) {
     const LevelPart& part = levels_[level];
     const Vec3i step = part.step;
     const int64_t at = z * part.plane_stride + y * part.row_stride;
@@ -190,10 +213,11 @@ class Pass {
                          (std::min((z + 1) * step.z, cube_.size.z) - z * step.z);
     // Eight values of 8 bits: all products are below 2^24.
     using Real = std::conditional_t<std::is_same_v<Square, int32_t>, float, double>;
-    int64_t x = 0;
+    int64_t x = made;
     if (const int64_t count = rows * step.x; std::has_single_bit(static_cast<uint64_t>(count))) {
       x = cube_.size.x / step.x;
-      finishBlocks<Real, T>(sums, squares, x, count, means, spreads);
+      finishBlocks<Real, T>(sums + made, squares + made, x - made, count, means + made,
+                            spreads + made);
     }
     for (; x < sizes_[level].x; ++x) {
       const int64_t columns = std::min((x + 1) * step.x, cube_.size.x) - x * step.x;
