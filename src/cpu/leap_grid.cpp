@@ -125,19 +125,24 @@ size_t markShown(const LeapGrid& grid, DeviceType type, const ShownValues& shown
   return count;
 }
 
+// Takes into `out` the distance over the bricks `in`, which are `way` bricks away.
+void takeFrom(const uint8_t* __restrict in, uint8_t way, uint8_t* __restrict out, int64_t count) {
+  for (int64_t i = 0; i < count; ++i) out[i] = std::min(out[i], std::max(in[i], way));
+}
+
 // The distance of the greatest axis is separable: along x those of a line, then for each further
 // axis the least, over the bricks of a line, of the greater of their distance and the way to them.
 void spreadAlongX(std::span<uint8_t> distances, int64_t count) {
+  // A line with nothing on both sides, so that each way is one loop without a condition.
   const auto columns = static_cast<size_t>(count);
+  std::vector<uint8_t> before(columns + 2 * kMostDistance, kMostDistance);
   for (size_t line = 0; line < distances.size(); line += columns) {
-    int nearest = kMostDistance;
-    const auto step = [&](uint8_t& distance) {
-      nearest = std::min<int>(nearest + 1, distance);
-      distance = static_cast<uint8_t>(nearest);
-    };
-    for (size_t x = 0; x < columns; ++x) step(distances[line + x]);
-    nearest = kMostDistance;
-    for (size_t x = columns; x-- > 0;) step(distances[line + x]);
+    uint8_t* const out = distances.data() + line;
+    std::copy_n(out, columns, before.data() + kMostDistance);
+    for (uint8_t way = 1; way < kMostDistance; ++way) {
+      takeFrom(before.data() + kMostDistance - way, way, out, count);
+      takeFrom(before.data() + kMostDistance + way, way, out, count);
+    }
   }
 }
 
@@ -149,13 +154,8 @@ void spreadAlong(std::span<uint8_t> distances, int64_t count, int64_t stride,
   for (int64_t at = 0; at < all; at += line)
     for (uint8_t way = 1; way < kMostDistance && way < count; ++way) {
       const int64_t shift = way * stride;
-      const auto take = [&](int64_t to, int64_t from) {
-        uint8_t* __restrict out = distances.data() + at + to;
-        const uint8_t* __restrict in = before.data() + at + from;
-        for (int64_t i = 0; i < line - shift; ++i) out[i] = std::min(out[i], std::max(in[i], way));
-      };
-      take(shift, 0);
-      take(0, shift);
+      takeFrom(before.data() + at, way, distances.data() + at + shift, line - shift);
+      takeFrom(before.data() + at + shift, way, distances.data() + at, line - shift);
     }
 }
 

@@ -48,6 +48,7 @@ inline PackedEntries packedEntries(std::span<const float> rgba, double most_opac
   PackedEntries result{static_cast<float>(std::ldexp(color, 112)),
                        static_cast<float>(sign * std::ldexp(opacity, 112)),
                        {}};
+  result.entries.reserve(rgba.size() / 4);
   for (size_t i = 0; i < rgba.size(); i += 4) {
     uint64_t bits = packed(share(rgba[i + 3], opacity));
     for (size_t channel = 3; channel-- > 0;)

@@ -43,15 +43,17 @@ std::vector<float> lookUpTexels(const LookUpKey& key) {
   // A factor is for the opacity as it is: the shader does the rest.
   if (!key.look_up->magnitudes.empty()) return texels;
   const bool perspective = key.projection == Projection::kPerspective;
+  const double length = key.slice_length;
   for (size_t i = 0; i < texels.size(); i += 4) {
     const double opacity = texels[i + 3];
     if (perspective) {
       // An opaque entry stays opaque at any length.
-      texels[i + 3] =
-          static_cast<float>(opacity < 1 ? std::log2(1 - opacity) * key.slice_length : -1e4);
+      texels[i + 3] = static_cast<float>(opacity < 1 ? std::log2(1 - opacity) * length : -1e4);
       continue;
     }
-    const double corrected = 1 - std::pow(1 - opacity, key.slice_length);
+    // Most tables have many entries of no opacity, and most steps are the length of a voxel.
+    const double corrected =
+        opacity > 0 ? 1 - (length == 1 ? 1 - opacity : std::pow(1 - opacity, length)) : 0;
     for (size_t channel = 0; channel < 3; ++channel)
       texels[i + channel] = static_cast<float>(texels[i + channel] * corrected);
     texels[i + 3] = static_cast<float>(corrected);

@@ -402,6 +402,7 @@ TEST(Bench, aChangedThresholdCopiesWhatItChanges) {
       EXPECT_GT(measured["p50"].get<double>(), 0);
       EXPECT_LE(measured["p50"].get<double>(), measured["p95"].get<double>());
       EXPECT_LE(measured["p95"].get<double>(), measured["max"].get<double>());
+      EXPECT_GT(measured["again_p50"].get<double>(), 0);
     }
   for (const char* name :
        {"steady_frame_seconds", "classify_seconds", "plan_seconds", "rebuild_seconds"})

@@ -18,8 +18,9 @@ struct ThresholdBench {
 };
 
 // The names of the interface, and in addition `walk` and `band` changes, the parts of each change,
-// a threshold `raised_by_a_fifth` from ones drawn before, and the same changes `cold` (a session
-// that holds nothing) and `out_of_core` (memory for a quarter of the picture's need). Throws Error.
+// with each picture drawn `again` and the processor's time of both, a threshold `raised_by_a_fifth`
+// from ones drawn before, and the same changes `cold` (a session that holds nothing) and
+// `out_of_core` (memory for a quarter of the picture's need). Throws Error.
 nlohmann::json benchThreshold(const ThresholdBench& bench);
 void printThreshold(const nlohmann::json& report);
 

@@ -5,6 +5,7 @@
 #include <cstddef>
 
 #include "src/base/error.h"
+#include "src/classify/transfer/segments.h"
 
 namespace sluice {
 namespace {
@@ -107,10 +108,12 @@ OpacityTable::OpacityTable(const TransferFunction& transfer, const ValueMap& map
   const auto size = static_cast<size_t>(count);
   opacity_.resize(size);
   rgb_.resize(3 * size);
+  SegmentCursor colors(transfer.colors);
+  SegmentCursor opacities(transfer.opacities);
   for (size_t i = 0; i < size; ++i) {
     const double value = map.valueOf(deviceAt(i));
-    const Vec3d color = colorAt(transfer, value);
-    opacity_[i] = static_cast<float>(opacityAt(transfer, value));
+    const Vec3d color = colorIn(colors.at(value));
+    opacity_[i] = static_cast<float>(opacityIn(opacities.at(value)));
     for (int channel = 0; channel < 3; ++channel)
       rgb_[3 * i + static_cast<size_t>(channel)] = static_cast<float>(color[channel]);
   }

@@ -5,37 +5,10 @@
 #include <cstddef>
 
 #include "src/base/error.h"
+#include "src/classify/transfer/segments.h"
 
 namespace sluice {
 namespace {
-
-// The two points around a value and the way from the first to the second, 0..1; `t` is 0 at a
-// point, so that points are met exactly, and beyond the ends both are the end.
-template <class Point>
-struct Segment {
-  const Point& a;
-  const Point& b;
-  double t;
-};
-
-template <class Point>
-Segment<Point> segmentAt(const std::vector<Point>& points, double value) {
-  SLUICE_CHECK(!points.empty());
-  // The first point above the value: the one before it is the last of several at one value, which
-  // is the side of a step that holds at the step itself.
-  const auto above = std::upper_bound(points.begin(), points.end(), value,
-                                      [](double v, const Point& point) { return v < point.value; });
-  if (above == points.begin()) return {points.front(), points.front(), 0};
-  const Point& a = *(above - 1);
-  if (above == points.end()) return {a, a, 0};
-  const Point& b = *above;
-  const double distance = b.value - a.value;
-  // The distance of two finite values may overflow; that of their halves does not.
-  const double t = std::isfinite(distance)
-                       ? (value - a.value) / distance
-                       : (value / 2 - a.value / 2) / (b.value / 2 - a.value / 2);
-  return {a, b, std::clamp(t, 0.0, 1.0)};
-}
 
 bool inUnit(double x) {
   return x >= 0 && x <= 1;  // false for NaN
@@ -93,21 +66,17 @@ void validateGradients(const std::vector<GradientRow>& rows, const std::string& 
 Vec3d colorAt(const TransferFunction& transfer, double value) {
   SLUICE_CHECK(!transfer.colors.empty());
   if (std::isnan(value)) return transfer.colors.front().rgb;
-  const auto [a, b, t] = segmentAt(transfer.colors, value);
-  return {std::lerp(a.rgb.x, b.rgb.x, t), std::lerp(a.rgb.y, b.rgb.y, t),
-          std::lerp(a.rgb.z, b.rgb.z, t)};
+  return colorIn(segmentAt(transfer.colors, value));
 }
 
 double opacityAt(const TransferFunction& transfer, double value) {
   if (std::isnan(value)) return 0;
-  const auto [a, b, t] = segmentAt(transfer.opacities, value);
-  return std::lerp(a.opacity, b.opacity, t);
+  return opacityIn(segmentAt(transfer.opacities, value));
 }
 
 double gradientFactorAt(const GradientRow& row, double value) {
   if (std::isnan(value)) return 0;
-  const auto [a, b, t] = segmentAt(row.factors, value);
-  return std::lerp(a.opacity, b.opacity, t);
+  return opacityIn(segmentAt(row.factors, value));
 }
 
 double gradientFactorAt(const TransferFunction& transfer, double value, double magnitude) {

@@ -11,11 +11,11 @@ LookUp lookUp(const OpacityTable& table, double finest_spacing) {
   LookUp result;
   result.device_range = table.deviceRange();
   result.interpolates = table.mustInterpolate();
-  result.rgba.reserve(4 * static_cast<size_t>(table.entries()));
+  result.rgba.resize(4 * static_cast<size_t>(table.entries()));
   for (size_t i = 0; i < static_cast<size_t>(table.entries()); ++i) {
     for (size_t channel = 0; channel < 3; ++channel)
-      result.rgba.push_back(table.rgb()[3 * i + channel]);
-    result.rgba.push_back(table.opacity()[i]);
+      result.rgba[4 * i + channel] = table.rgb()[3 * i + channel];
+    result.rgba[4 * i + 3] = table.opacity()[i];
   }
   for (const double magnitude : table.magnitudes())
     result.magnitudes.push_back(magnitude / finest_spacing);

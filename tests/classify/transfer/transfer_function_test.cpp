@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "src/base/error.h"
+#include "src/classify/transfer/segments.h"
 
 namespace sluice {
 namespace {
@@ -210,6 +211,24 @@ TEST(GradientFactor, rowsAreValidated) {
   TransferFunction most = good;
   most.gradients = many;
   validate(most, "most");
+}
+
+TEST(TransferFunction, aCursorFindsTheSegmentsThatASearchFinds) {
+  // Steps, a far end, and values at, between and beyond the points, up, down and at random.
+  const std::vector<OpacityPoint> points{{-2, 0.1}, {1, 0.3}, {1, 0.7},
+                                         {1, 0.2},  {5, 1},   {1e300, 0}};
+  std::vector<double> values{-1e300, -2, -1, 1, 1.5, 5, 6, 1e300, 1.5e300};
+  const size_t ascending = values.size();
+  for (size_t i = ascending; i-- > 0;) values.push_back(values[i]);
+  std::mt19937 random(7);
+  for (int i = 0; i < 200; ++i) values.push_back(values[random() % ascending]);
+  SegmentCursor cursor(points);
+  for (const double value : values) {
+    const Segment<OpacityPoint> found = cursor.at(value), expected = segmentAt(points, value);
+    EXPECT_EQ(&found.a, &expected.a) << value;
+    EXPECT_EQ(&found.b, &expected.b) << value;
+    EXPECT_EQ(found.t, expected.t) << value;
+  }
 }
 
 }  // namespace
