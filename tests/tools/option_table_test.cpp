@@ -92,13 +92,13 @@ ViewState parsed(const std::vector<OptionWord>& words) {
   FitChoice fit;
   CLI::App app;
   addVolumeOptions(app, volume, nullptr, false);
-  addPictureOptions(app, look, frame, fit);
+  const AskedView asked = addPictureOptions(app, look, frame, fit);
   std::vector<std::string> given;
   for (const auto& [option, value] : words)
     given.push_back(value.empty() ? option : option + "=" + value);
   std::reverse(given.begin(), given.end());
   app.parse(given);
-  return viewState(volume, look, frame, fit, app.count("--step") > 0);
+  return viewState(*asked, volume, look);
 }
 
 TEST(OptionTable, everyOptionSurvivesASavedView) {

@@ -101,11 +101,13 @@ std::optional<std::vector<int>> rankCounts(const std::string& word) {
 
 // Options of the pictures, for every bench that draws.
 template <class Arguments>
-void addPictures(CLI::App& app, Arguments& arguments) {
+AskedView addPictures(CLI::App& app, Arguments& arguments) {
+  auto asked = std::make_shared<ViewState>();
   addVolumeOptions(app, arguments.volume);
-  addLookOptions(app, arguments.look, arguments.frame);
-  addViewOptions(app, arguments.frame);
+  addLookOptions(app, asked, arguments.look, arguments.frame);
+  addViewOptions(app, asked, arguments.frame);
   addResourceOptions(app, arguments.resources);
+  return asked;
 }
 
 // A bench over any set of volumes, frame by frame.
@@ -309,15 +311,14 @@ Bench addWindow(CLI::App& app) {
                           "to its picture, and whether the loop ever waits\n\n") +
                   kPlainPicture +
                   "  sluice bench view bonsai.nii.gz --threshold 40 --size 800x600");
-  addPictures(*view, *bench);
+  const AskedView options = addPictures(*view, *bench);
   const OptionGroup output(*view, kOutputHeading);
   output.number("--events", "N", *events, {2, 100'000}, "Events of each of three drags");
   output.choice("--drag",
                 Words<DragKind>{{"threshold", DragKind::kThreshold}, {"view", DragKind::kView}},
                 *drag, "What the hand moves");
-  return {view, [bench, events, drag, view](const Show& show) {
-            const ViewState state = viewState(bench->volume, bench->look, bench->frame,
-                                              std::nullopt, view->count("--step") > 0);
+  return {view, [bench, events, drag, options](const Show& show) {
+            const ViewState state = viewState(*options, bench->volume, bench->look);
             const IndexWish wish = indexWish(bench->resources.index_dir);
             ViewBench asked;
             if (!wish.disabled) asked.drawing.index_folder = wish.folder.string();

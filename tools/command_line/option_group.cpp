@@ -60,6 +60,18 @@ CLI::Option* OptionGroup::text(const std::string& names, const std::string& what
       [&target](const std::string& word) { target = word; }, help);
 }
 
+CLI::Option* OptionGroup::word(const std::string& names, const std::vector<std::string>& words,
+                               const std::function<void(const std::string&)>& take,
+                               const std::string& help, const std::string& shown,
+                               const std::function<bool(const std::string&)>& also) const {
+  const auto check = [=](const std::string& given) {
+    const bool is_known = std::find(words.begin(), words.end(), given) != words.end();
+    if (!is_known && !(also && also(given))) refuseWord(longName(names), given, words);
+    take(given);
+  };
+  return add(names, chooseName(words), help, check)->default_str(shown);
+}
+
 CLI::Option* OptionGroup::add(const std::string& names, const std::string& what,
                               const std::string& help,
                               const std::function<void(const std::string&)>& take) const {

@@ -92,8 +92,14 @@ class OptionGroup {
   CLI::Option* text(const std::string& names, const std::string& what, std::string& target,
                     const std::string& help) const;
 
-  // An option that takes one of a few words. `also` understands more words than those that are
-  // shown.
+  // An option that takes one of these words, which `take` gets. `also` accepts more words than
+  // those that are shown.
+  CLI::Option* word(const std::string& names, const std::vector<std::string>& words,
+                    const std::function<void(const std::string&)>& take, const std::string& help,
+                    const std::string& shown = "",
+                    const std::function<bool(const std::string&)>& also = nullptr) const;
+
+  // The same for words that have values. `also` understands more words than those that are shown.
   template <class Value, class Target>
   CLI::Option* choice(
       const std::string& names, const Words<Value>& words, Target& target, const std::string& help,
@@ -102,17 +108,16 @@ class OptionGroup {
     if constexpr (std::same_as<Target, Value>)
       for (const auto& [word, value] : words)
         if (value == target) shown = word;
-    const auto take = [=, &target](const std::string& word) {
+    const auto take = [=, &target](const std::string& given) {
       for (const auto& [known, value] : words)
-        if (word == known) {
+        if (given == known) {
           target = value;
           return;
         }
-      const std::optional<Value> value = also ? also(word) : std::nullopt;
-      if (!value) refuseWord(longName(names), word, namesOf(words));
-      target = *value;
+      target = *also(given);
     };
-    return add(names, chooseName(namesOf(words)), help, take)->default_str(shown);
+    return word(names, namesOf(words), take, help, shown,
+                [also](const std::string& given) { return also && also(given); });
   }
 
   // Accepts several of a few words, with commas between.

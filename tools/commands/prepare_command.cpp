@@ -100,7 +100,7 @@ Command addPrepare(CLI::App& program) {
       "apply to the given transfer function and are kept with the index.\n\n"
       "  sluice prepare 'step_%03d.nrrd' --threshold 40");
   addVolumeOptions(*app, arguments->volume);
-  addLookOptions(*app, arguments->look, arguments->frame);
+  addLookOptions(*app, std::make_shared<ViewState>(), arguments->look, arguments->frame);
   addCullingOptions(*app, arguments->culling, false);
   addResourceOptions(*app, arguments->resources);
   const OptionGroup output(*app, kOutputHeading);

@@ -565,7 +565,7 @@ Command addRender(CLI::App& program) {
   addForceOption(output, arguments->force);
   addQuietOption(output, arguments->resources.quiet);
   addJsonOption(output, arguments->json, "Prints the report instead of a summary");
-  addPictureOptions(*app, arguments->look, arguments->frame, arguments->fit);
+  arguments->asked = addPictureOptions(*app, arguments->look, arguments->frame, arguments->fit);
   addCullingOptions(*app, arguments->culling, true);
   OptionGroup(*app, kSeriesHeading)
       .flag("--continue", arguments->resume, "Draws only the pictures that do not exist yet");

@@ -31,6 +31,7 @@ struct ViewArguments {
   LookArguments look;
   FrameOptions frame;
   FitChoice fit;
+  AskedView asked;
   ResourceArguments resources;
   std::string state_file, trace_file, log_file;
 };
@@ -52,13 +53,10 @@ void checkSaved(const std::vector<std::string>& reads, const std::vector<std::st
   outputs.check();
 }
 
-DrawingOptions drawingOptions(const ViewArguments& arguments, const CLI::App& app) {
-  const bool has_step = app.count("--step") > 0;
-  const ViewState state =
-      viewState(arguments.volume, arguments.look, arguments.frame, arguments.fit, has_step);
+DrawingOptions drawingOptions(const ViewArguments& arguments) {
   DrawingOptions options;
   options.renderer = rendererOptions(arguments.resources);
-  options.state = state;
+  options.state = viewState(*arguments.asked, arguments.volume, arguments.look);
   options.trace_file = arguments.trace_file;
   options.check_outputs = checkSaved;
   const IndexWish wish = indexWish(arguments.resources.index_dir);
@@ -83,7 +81,7 @@ int run(const ViewArguments& arguments, const CLI::App& app) {
   outputs.writes("--log", arguments.log_file, FileKind::kLog);
   outputs.check();
   RunWindow* const run_window = openWindowModule();
-  DrawingOptions options = drawingOptions(arguments, app);
+  DrawingOptions options = drawingOptions(arguments);
   WindowRequest request;
   request.volume = viewedVolume(arguments.volume, arguments.resources, options.index_folder);
   if (!arguments.state_file.empty()) {
@@ -138,7 +136,7 @@ Command addView(CLI::App& program) {
               "Records the texture cache's requests, for sluice simulate");
   output.text("--log", "FILE", arguments->log_file,
               "Writes events, a JSON object per line: places of controls, pictures, measurements");
-  addPictureOptions(*app, arguments->look, arguments->frame, arguments->fit);
+  arguments->asked = addPictureOptions(*app, arguments->look, arguments->frame, arguments->fit);
   addResourceOptions(*app, arguments->resources);
   return [arguments, app] { return run(*arguments, *app); };
 }

@@ -8,6 +8,7 @@
 #include "src/base/files/numbered_name.h"
 #include "src/library/view_fit.h"
 #include "tools/options/arguments.h"
+#include "tools/options/table_options.h"
 #include "tools/outputs/film_file.h"
 #include "tools/outputs/picture_output.h"
 
@@ -20,6 +21,7 @@ struct RenderArguments {
   LevelArguments levels;
   ResourceArguments resources;
   FitChoice fit;
+  AskedView asked;
   std::optional<Aovs> aovs;
   bool annotate = false;
   std::string output;

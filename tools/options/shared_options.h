@@ -1,5 +1,6 @@
 // The options that commands share, a group a function, a file a group. Scripts read these names
-// (the interface); nothing is renamed. To add one is one call in the right file.
+// (the interface); nothing is renamed. To add one is one call in the right file, and for an option
+// of a view an entry in src/view/state/option_table.cpp.
 #pragma once
 
 #include <algorithm>
@@ -9,6 +10,7 @@
 #include "src/render/camera/frame_options.h"
 #include "tools/command_line/option_group.h"
 #include "tools/options/arguments.h"
+#include "tools/options/table_options.h"
 
 namespace sluice {
 
@@ -18,12 +20,13 @@ void addVolumeOptions(CLI::App& app, VolumeArguments& arguments,
                       std::optional<TimeRange>* times = nullptr, bool needs_volume = true);
 // `chooses`: includes --culling; otherwise only the options of opacity functions.
 void addCullingOptions(CLI::App& app, CullingArguments& arguments, bool chooses);
-void addLookOptions(CLI::App& app, LookArguments& look, FrameOptions& frame);
+void addLookOptions(CLI::App& app, const AskedView& asked, LookArguments& look,
+                    FrameOptions& frame);
 // The groups View (the camera) and Drawing (how to draw).
-void addViewOptions(CLI::App& app, FrameOptions& options);
-void addFitOption(CLI::App& app, FitChoice& fit);
+void addViewOptions(CLI::App& app, const AskedView& asked, FrameOptions& options);
 // Look, view and fit of the commands that choose a good first picture.
-void addPictureOptions(CLI::App& app, LookArguments& look, FrameOptions& frame, FitChoice& fit);
+AskedView addPictureOptions(CLI::App& app, LookArguments& look, FrameOptions& frame,
+                            FitChoice& fit);
 void addLevelOptions(CLI::App& app, LevelArguments& arguments, ResourceArguments& resources);
 void addResourceOptions(CLI::App& app, ResourceArguments& arguments);
 

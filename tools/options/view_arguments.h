@@ -5,7 +5,6 @@
 #include <sluice/options.h>
 #include <sluice/volume.h>
 
-#include "src/render/camera/frame_options.h"
 #include "src/view/state/view_state.h"
 #include "tools/options/arguments.h"
 
@@ -13,10 +12,10 @@ namespace sluice {
 
 ViewedVolume viewedVolume(const VolumeArguments& volume, const ResourceArguments& resources,
                           const std::string& index_folder);
-LookOptions lookOptions(const LookArguments& look, Mode mode);
-// The volume is opened whole, so its range covers all steps.
-ViewState viewState(const VolumeArguments& volume, const LookArguments& look,
-                    const FrameOptions& frame, const FitChoice& fit, bool has_step);
+// The view that was asked for, with the time step and the flags of the look, which the options hold
+// apart. The volume is opened whole, so its range covers all steps.
+ViewState viewState(const ViewState& asked, const VolumeArguments& volume,
+                    const LookArguments& look);
 RendererOptions rendererOptions(const ResourceArguments& resources);
 
 }  // namespace sluice

@@ -1,5 +1,9 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+
+#include "src/library/conversions.h"
+#include "src/view/state/option_table.h"
 #include "tools/command_line/interrupt.h"
 #include "tools/command_line/parse.h"
 #include "tools/options/shared_options.h"
@@ -20,85 +24,57 @@ std::optional<double> parseSeconds(std::string word) {
   return number ? std::optional(*number * unit) : std::nullopt;
 }
 
-constexpr double kMostDegrees = 36000;  // a hundred turns
-constexpr NumberRange<double> kWorld{-1e15, 1e15};
-
-std::optional<Box3> cropBox(const std::string& word) {
-  const auto found = parseNumbers(word, 6);
-  if (!found) return std::nullopt;
-  for (const double n : *found)
-    if (n < 0 || n > kMostVoxels || n != static_cast<double>(static_cast<int64_t>(n)))
-      return std::nullopt;
-  for (size_t a = 0; a < 3; ++a)
-    if ((*found)[a + 3] < (*found)[a] + 2)
-      return std::nullopt;  // a single voxel plane has no thickness
-  return Box3{asVec3i(*found), asVec3i({(*found)[3], (*found)[4], (*found)[5]})};
-}
-
-void addCameraOptions(const OptionGroup& group, Camera& camera) {
-  group.choice(
-      "--projection",
-      Words<Projection>{{"ortho", Projection::kOrtho}, {"perspective", Projection::kPerspective}},
-      camera.projection, "Projection of the camera");
-  const auto views = wordsOf<ViewName>(
-      std::array{ViewName::kFront, ViewName::kBack, ViewName::kLeft, ViewName::kRight,
-                 ViewName::kTop, ViewName::kBottom, ViewName::kThreeQuarter, ViewName::kPlain},
-      [](ViewName each) { return name(each); });
-  CLI::Option* view = group.choice("--view", views, camera.view,
-                                   "Start of the camera: " + listed(namesOf(views)) +
-                                       ", along -z with +y up whatever the axes mean");
-  CLI::Option* azimuth =
-      group.number("--azimuth", "DEGREES", camera.azimuth_deg, {-kMostDegrees, kMostDegrees},
-                   "Turns the camera from the view about the up axis");
-  CLI::Option* elevation =
-      group.number("--elevation", "DEGREES", camera.elevation_deg, {-kMostDegrees, kMostDegrees},
-                   "Lifts the camera from the view");
-  group.number("--zoom", "FACTOR", camera.zoom, {0, 1e6, true},
-               "Magnification; 1 shows everything that --fit names");
-  group.number("--fov", "DEGREES", camera.field_of_view_deg, {0, 179, true},
-               "Vertical field of view of a perspective camera");
-  const auto look_at = [&camera]() -> Camera::LookAt& {
-    if (!camera.look_at) camera.look_at = Camera::LookAt{};
-    return *camera.look_at;
-  };
-  CLI::Option* eye = group.numbers(
-      "--eye", "X,Y,Z", 3, kWorld,
-      [look_at](const std::vector<double>& n) { look_at().eye = asVec3d(n); },
-      "Camera position in the world, with --target");
-  CLI::Option* target = group.numbers(
-      "--target", "X,Y,Z", 3, kWorld,
-      [look_at](const std::vector<double>& n) { look_at().target = asVec3d(n); },
-      "World position that the camera looks at, with --eye");
-  group.numbers(
-      "--up", "X,Y,Z", 3, kWorld,
-      [&camera](const std::vector<double>& n) { camera.up = asVec3d(n); },
-      "Up direction in the world (the view's)");
+void addCameraOptions(CLI::App& app, const AskedView& asked, Camera& camera) {
+  const OptionEntry& from = optionEntry("--view");
+  from.set(*asked, std::string(name(camera.view)));
+  asked->view.azimuth_deg = camera.azimuth_deg;
+  asked->view.elevation_deg = camera.elevation_deg;
+  const auto take = [&camera](const ViewState& state) { camera = cameraOf(state.view); };
+  const TableOptions options(app, "View", asked);
+  options.add("--projection", take);
+  std::vector<std::string> views(from.kind.words.begin(), from.kind.words.end());
+  std::rotate(views.begin(), views.begin() + 1, views.end());  // plain is the last
+  CLI::Option* view = OptionGroup(app, "View")
+                          .word(
+                              "--view", views,
+                              [&from, take, asked](const std::string& word) {
+                                from.set(*asked, word);
+                                take(*asked);
+                              },
+                              "Start of the camera: " + listed(views) +
+                                  ", along -z with +y up whatever the axes mean",
+                              std::string(name(camera.view)));
+  CLI::Option* azimuth = options.add("--azimuth", take);
+  CLI::Option* elevation = options.add("--elevation", take);
+  options.add("--zoom", take);
+  options.add("--fov", take);
+  CLI::Option* eye = options.add("--eye", take);
+  CLI::Option* target = options.add("--target", take);
+  options.add("--up", take);
   eye->needs(target)->excludes(view)->excludes(azimuth)->excludes(elevation);
   target->needs(eye);
 }
 
-void addDrawingOptions(const OptionGroup& group, FrameOptions& options) {
+void addDrawingOptions(CLI::App& app, const AskedView& asked, FrameOptions& options) {
+  const OptionGroup group(app, "Drawing");
+  const TableOptions table(app, "Drawing", asked);
   group.parsed(
       "-s,--size", "WxH", "WxH or one number for both, each from 1 to 65536", parsePictureSize,
       [&options](PictureSize size) { options.size = size; }, "Pixels",
       fmt::format("{}x{}", options.size.width, options.size.height));
-  group.number("--step", "VOXELS", options.step_vox, {0, 1e6, true},
-               "Distance between slices in voxels of the finest spacing");
-  group.parsed(
-      "--crop", "X0,Y0,Z0,X1,Y1,Z1",
-      "six whole numbers X0,Y0,Z0,X1,Y1,Z1 from 0 to 2^40, each upper one at least 2 above the "
-      "lower, since a single voxel plane has no thickness",
-      cropBox, [&options](const Box3& box) { options.crop = box; },
-      "Shows the voxels between these planes, the upper ones not included");
-  group
-      .numbers(
-          "--clip", "A,B,C,D", 4, kWorld,
-          [&options](const std::vector<double>& n) {
-            if (options.clip_planes.size() == kMostClipPlanes)
-              throw CLI::ValidationError("--clip: at most 6 planes");
-            options.clip_planes.push_back({asVec3d(n), n[3]});
-          },
-          "Shows world positions with a x + b y + c z <= d; may be given up to 6 times")
+  table.add(
+      "--step", [&options](const ViewState& state) { options.step_vox = *state.step_vox; },
+      numberText(options.step_vox));
+  table.add("--crop", [&options](const ViewState& state) {
+    const auto& [lo, hi] = *state.crop;
+    options.crop = Box3{{lo[0], lo[1], lo[2]}, {hi[0], hi[1], hi[2]}};
+  });
+  table
+      .add("--clip",
+           [&options](const ViewState& state) {
+             const auto& [n, offset] = state.clip_planes.back();
+             options.clip_planes.push_back({{n[0], n[1], n[2]}, offset});
+           })
       ->trigger_on_parse();
   group.choice("--algorithm",
                wordsOf<Algorithm>(std::array{Algorithm::kConventional, Algorithm::kClipped,
@@ -136,26 +112,23 @@ void addDrawingOptions(const OptionGroup& group, FrameOptions& options) {
 
 }  // namespace
 
-void addViewOptions(CLI::App& app, FrameOptions& options) {
+void addViewOptions(CLI::App& app, const AskedView& asked, FrameOptions& options) {
   options.stop = interruption();
-  addCameraOptions(OptionGroup(app, "View"), options.camera);
-  addDrawingOptions(OptionGroup(app, "Drawing"), options);
+  addCameraOptions(app, asked, options.camera);
+  addDrawingOptions(app, asked, options);
 }
 
-void addFitOption(CLI::App& app, FitChoice& fit) {
-  OptionGroup(app, "View")
-      .choice("--fit", Words<Fit>{{"visible", Fit::kVisible}, {"volume", Fit::kVolume}}, fit,
-              "Fits the visible part into the picture, over all steps of a series unless "
-              "--this-step, or the volume's sphere (visible; with --view plain volume)")
-      ->excludes(app.get_option("--eye"));
-}
-
-void addPictureOptions(CLI::App& app, LookArguments& look, FrameOptions& frame, FitChoice& fit) {
+AskedView addPictureOptions(CLI::App& app, LookArguments& look, FrameOptions& frame,
+                            FitChoice& fit) {
+  auto asked = std::make_shared<ViewState>();
   look.first_picture = true;
-  addLookOptions(app, look, frame);
+  addLookOptions(app, asked, look, frame);
   frame.camera.view = ViewName::kThreeQuarter;
-  addViewOptions(app, frame);
-  addFitOption(app, fit);
+  addViewOptions(app, asked, frame);
+  TableOptions(app, "View", asked)
+      .add("--fit", [&fit](const ViewState& state) { fit = fitChoice(state.view); })
+      ->excludes(app.get_option("--eye"));
+  return asked;
 }
 
 }  // namespace sluice

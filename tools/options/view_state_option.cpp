@@ -13,50 +13,54 @@
 namespace sluice {
 namespace {
 
-constexpr std::array<std::string_view, 9> kCamera{"--view", "--azimuth", "--elevation",
-                                                  "--eye",  "--target",  "--up",
-                                                  "--zoom", "--fov",     "--projection"};
 constexpr std::array<std::string_view, 4> kOpacities{"--threshold", "--transfer", "--opacities",
                                                      "--labels"};
 constexpr std::array<std::string_view, 2> kLight{"--shade", "--no-shade"};
 
 bool isGiven(const CLI::App& app, const std::string& name) {
+  if (name.empty()) return false;  // CLI11 would find any option
   const CLI::Option* option = app.get_option_no_throw(name);
   return option != nullptr && option->count() > 0;
 }
 
-// Options of which the user gave one: the file's are left out.
-template <class List>
-bool isGivenAny(const CLI::App& app, const List& names, const std::string& name) {
-  if (std::find(names.begin(), names.end(), name) == names.end()) return false;
-  return std::any_of(names.begin(), names.end(),
-                     [&](std::string_view other) { return isGiven(app, std::string(other)); });
+// The options of a word's kind, of which the user's take the place of all of the file's.
+std::vector<std::string_view> kindOf(std::string_view name) {
+  std::vector<std::string_view> camera;
+  for (const OptionEntry& entry : optionTable())
+    if (entry.part == OptionPart::kCamera && entry.option != "--fit")
+      camera.push_back(entry.option);
+  const std::vector<std::string_view> opacities(kOpacities.begin(), kOpacities.end());
+  const std::vector<std::string_view> light(kLight.begin(), kLight.end());
+  for (const auto& kind : {camera, opacities, light})
+    if (std::find(kind.begin(), kind.end(), name) != kind.end()) return kind;
+  return {name};
 }
 
-// The kinds of options that the user gave. To be called before the file's options are added.
-SavedFilm givenBesides(const CLI::App& app) {
-  const auto hasAny = [&](std::initializer_list<const char*> names) {
-    return std::any_of(names.begin(), names.end(),
-                       [&](const char* name) { return isGiven(app, name); });
-  };
-  SavedFilm given;
-  given.has_camera = isGivenAny(app, kCamera, "--view");
-  given.has_look = isGivenAny(app, kOpacities, "--threshold") ||
-                   isGivenAny(app, kLight, "--shade") ||
-                   hasAny({"--map", "--range", "--opacity", "--modulate", "--mode"});
-  given.has_step = hasAny({"--step"});
-  given.has_crop = hasAny({"--crop"});
-  given.has_clip = hasAny({"--clip"});
-  given.has_time = hasAny({"--time"});
-  given.has_background = hasAny({"--background"});
+bool isGivenAny(const CLI::App& app, const std::vector<std::string_view>& names) {
+  return std::any_of(names.begin(), names.end(),
+                     [&](std::string_view name) { return isGiven(app, std::string(name)); });
+}
+
+// The options that the user gave. To be called before the file's options are added.
+std::vector<const OptionEntry*> givenOptions(const CLI::App& app) {
+  std::vector<const OptionEntry*> given;
+  for (const OptionEntry& entry : optionTable()) {
+    std::vector<std::string_view> names = entry.kind.flags;
+    names.insert(names.end(), {entry.option, entry.kind.needs});
+    if (isGivenAny(app, names)) given.push_back(&entry);
+  }
   return given;
 }
 
 // The view and its key frames without the properties that the user gave.
-StateFile without(const SavedFilm& given, StateFile file) {
+StateFile without(const std::vector<const OptionEntry*>& given, StateFile file) {
+  const auto has = [&](std::string_view option) {
+    return std::any_of(given.begin(), given.end(),
+                       [&](const OptionEntry* entry) { return entry->option == option; });
+  };
   const auto drop = [&](ViewState& state) {
-    if (given.has_crop) state.crop.reset();
-    if (given.has_time) state.time = 0;
+    if (has("--crop")) state.crop.reset();
+    if (has("--time")) state.time = 0;
     state.cross = {0, 0, 0};  // the window's alone
   };
   drop(file.state);
@@ -73,12 +77,9 @@ void SavedView::requireFits(const VolumeInfo& volume) const {
 
 SavedView applyState(CLI::App& app, const std::string& file) {
   const StateFile state = readState(file, interruption());
-  const SavedFilm besides = givenBesides(app);
+  const std::vector<const OptionEntry*> besides = givenOptions(app);
   SavedView saved{without(besides, state), {}, file};
-  if (state.path) {
-    saved.film = besides;
-    saved.film->path = *state.path;
-  }
+  if (state.path) saved.film = SavedFilm{*state.path, besides};
   std::vector<OptionWord> words = pictureWords(state.state);
   const std::vector<OptionWord> look = lookWords(state.state.look);
   words.insert(words.end(), look.begin(), look.end());
@@ -93,9 +94,7 @@ SavedView applyState(CLI::App& app, const std::string& file) {
   // --clip comes once for each of several planes.
   std::vector<std::string> given;
   for (const OptionWord& word : words)
-    if (isGiven(app, word.first) || isGivenAny(app, kCamera, word.first) ||
-        isGivenAny(app, kOpacities, word.first) || isGivenAny(app, kLight, word.first))
-      given.push_back(word.first);
+    if (isGivenAny(app, kindOf(word.first))) given.push_back(word.first);
   for (const auto& [name, value] : words) {
     CLI::Option* option = app.get_option_no_throw(name);
     if (option == nullptr || std::find(given.begin(), given.end(), name) != given.end()) continue;

@@ -5,18 +5,19 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "src/view/state/option_table.h"
 #include "src/view/state/state_file.h"
 #include "src/view/state/view_path.h"
 
 namespace sluice {
 
-// A path saved with a view, and the properties of its key frames that the user gave: all frames
-// have these from the user.
+// A path saved with a view, and the options that the user gave: all frames have these from the
+// user.
 struct SavedFilm {
   ViewPath path;
-  bool has_camera = false, has_look = false, has_step = false, has_crop = false, has_clip = false;
-  bool has_time = false, has_background = false;
+  std::vector<const OptionEntry*> given;  // entries of optionTable()
 };
 
 // A saved view, without the properties that the user gave.

@@ -68,13 +68,11 @@ void checkOptions(const RenderArguments& arguments, const CLI::App& app) {
 ViewState frameState(const SavedFilm& film, const ViewState& now, int64_t frame) {
   ViewState state = stateAt(film.path, now, frame);
   if (film.path.kind == ViewPath::Kind::kTurn) return state;  // it is made from the given options
-  if (film.has_camera) state.view = now.view;
-  if (film.has_look) state.look = now.look;
-  if (film.has_step) state.step_vox = now.step_vox;
-  if (film.has_crop) state.crop = now.crop;
-  if (film.has_clip) state.clip_planes = now.clip_planes;
-  if (film.has_time) state.time = now.time;
-  if (film.has_background) state.background = now.background;
+  for (const OptionEntry* given : film.given) {
+    if (given->part == OptionPart::kCamera) state.view = now.view;
+    if (given->part == OptionPart::kLook) state.look = now.look;
+    if (given->part == OptionPart::kTop) given->set(state, given->get(now).value());
+  }
   return state;
 }
 
@@ -146,8 +144,7 @@ int writeFilm(const RenderArguments& arguments, const CLI::App& app, const Saved
   checkOutputs(arguments, film, frames, volume.info().files);
   if (!is_quiet)
     for (const std::string& warning : volume.info().warnings) printWarning(warning);
-  ViewState now = viewState(arguments.volume, arguments.look, arguments.frame, arguments.fit,
-                            app.count("--step") > 0);
+  ViewState now = viewState(*arguments.asked, arguments.volume, arguments.look);
   const int width = arguments.frame.size.width, height = arguments.frame.size.height;
   RendererOptions options = rendererOptions(arguments.resources);
   options.rows_width = width;

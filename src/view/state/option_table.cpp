@@ -5,6 +5,8 @@
 #include <type_traits>
 #include <utility>
 
+#include "src/base/error.h"
+
 namespace sluice {
 namespace {
 
@@ -162,44 +164,117 @@ bool isLater(const ViewState& state) {
 std::vector<OptionEntry> makeTable() {
   const OptionKind factor{Form::kNumber, {0, 1e6, true}}, place{Form::kPlace, kWorld};
   const OptionKind degrees{Form::kNumber, {-36000, 36000}, "degrees"};  // a hundred turns
+  const OptionKind light{.form = Form::kWord,
+                         .words = {"chosen", "on", "off"},
+                         .flags = {"", "--shade", "--no-shade"}};
   const Words views{"plain", "front", "back", "left", "right", "top", "bottom", "three-quarter"};
   return {
-      in(&View::projection, {"projection", "--projection", 20, wordOf({"ortho", "perspective"})}),
-      in(&View::zoom, {"zoom", "--zoom", 28, factor}),
-      in(&View::field_of_view_deg,
-         {"fov", "--fov", 29, {Form::kNumber, {0, 179, true}}, nullptr, hasPerspective}),
-      in(&View::up, {"up", "--up", 27, {Form::kDirection, kWorld}}),
-      in(&View::LookAt::eye, {"eye", "--eye", 21, place}),
-      in(&View::LookAt::target, {"target", "--target", 22, place}),
-      in(&View::from, {"view", "--view", 23, wordOf(views), hasNoPlace}),
-      in(&View::azimuth_deg, {"azimuth", "--azimuth", 24, degrees, hasNoPlace}),
-      in(&View::elevation_deg, {"elevation", "--elevation", 25, degrees, hasNoPlace}),
-      in(&View::fit, {"fit", "--fit", 26, wordOf({"visible", "volume"}), hasNoPlace}),
+      in(&View::projection, {"projection", "--projection", 20, wordOf({"ortho", "perspective"}), "",
+                             "Projection of the camera"}),
+      in(&View::zoom, {"zoom", "--zoom", 28, factor, "FACTOR",
+                       "Magnification; 1 shows everything that --fit names"}),
+      in(&View::field_of_view_deg, {"fov",
+                                    "--fov",
+                                    29,
+                                    {Form::kNumber, {0, 179, true}},
+                                    "DEGREES",
+                                    "Vertical field of view of a perspective camera",
+                                    nullptr,
+                                    hasPerspective}),
+      in(&View::up, {"up",
+                     "--up",
+                     27,
+                     {Form::kDirection, kWorld},
+                     "X,Y,Z",
+                     "Up direction in the world (the view's)"}),
+      in(&View::LookAt::eye,
+         {"eye", "--eye", 21, place, "X,Y,Z", "Camera position in the world, with --target"}),
+      in(&View::LookAt::target, {"target", "--target", 22, place, "X,Y,Z",
+                                 "World position that the camera looks at, with --eye"}),
+      in(&View::from, {"view", "--view", 23, wordOf(views), "", "", hasNoPlace}),
+      in(&View::azimuth_deg, {"azimuth", "--azimuth", 24, degrees, "DEGREES",
+                              "Turns the camera from the view about the up axis", hasNoPlace}),
+      in(&View::elevation_deg, {"elevation", "--elevation", 25, degrees, "DEGREES",
+                                "Lifts the camera from the view", hasNoPlace}),
+      in(&View::fit, {"fit", "--fit", 26, wordOf({"visible", "volume"}), "",
+                      "Fits the visible part into the picture, over all steps of a series unless "
+                      "--this-step, or the volume's sphere (visible; with --view plain volume)",
+                      hasNoPlace}),
 
-      in(&Look::mode, {"mode", "--mode", 9, wordOf({"composite", "mip", "minip", "average"})}),
-      in(&Look::light, {"light",
-                        "--shade",
-                        7,
-                        {.form = Form::kWord,
-                         .words = {"chosen", "on", "off"},
-                         .flags = {"", "--shade", "--no-shade"}}}),
-      in(&Look::threshold, {"threshold", "--threshold", 3, {}, nullptr, hasRamp}),
-      in(&Look::opacity,
-         {"opacity", "--opacity", 4, {Form::kNumber, kShare}, nullptr, hasNoPoints}),
-      in(&Look::opacities, {"opacities", "--opacities", 1, {Form::kPoints}}),
-      in(&Look::transfer_file, {"transfer", "--transfer", 0, {Form::kFile}}),
-      in(&Look::labels, {"labels", "--labels", 2, {Form::kFlag}, hasLabels, hasNoFile}),
+      in(&Look::mode, {"mode", "--mode", 9, wordOf({"composite", "mip", "minip", "average"}), "",
+                       "How the samples along a ray are combined"}),
+      in(&Look::light, {"light", "--shade", 7, light}),
+      in(&Look::threshold, {"threshold",
+                            "--threshold",
+                            3,
+                            {},
+                            "VALUE",
+                            "Opacity 0 below this value, and a ramp above it",
+                            nullptr,
+                            hasRamp}),
+      in(&Look::opacity, {"opacity",
+                          "--opacity",
+                          4,
+                          {Form::kNumber, kShare},
+                          "A",
+                          "Opacity per voxel length at the top of the ramp (0.05)",
+                          nullptr,
+                          hasNoPoints}),
+      in(&Look::opacities,
+         {"opacities",
+          "--opacities",
+          1,
+          {Form::kPoints},
+          "V:A,V:A,...",
+          "Opacities per voxel length at these values, linear in between; with --transfer they "
+          "replace the opacities of the file, whose colours stay"}),
+      in(&Look::transfer_file, {"transfer",
+                                "--transfer",
+                                0,
+                                {Form::kFile},
+                                "FILE",
+                                "Transfer function: our JSON or ParaView's colour map"}),
+      in(&Look::labels, {"labels", "--labels", 2, {Form::kFlag}, "", "", hasLabels, hasNoFile}),
       in(&Look::map, {"map", "--map", 5, {Form::kText}}),
-      in(&Look::range, {"range", "--range", 6, {Form::kRange}}),
+      in(&Look::range,
+         {"range",
+          "--range",
+          6,
+          {Form::kRange},
+          "LO,HI",
+          "Value range for colours and ramps (the range of the data, over all steps of a series)"}),
       in(&Look::full_gradient,
-         {"full_gradient", "--full-gradient", 8, {.limits = factor.limits, .needs = "--modulate"}}),
+         {"full_gradient",
+          "--full-gradient",
+          8,
+          {.limits = factor.limits, .needs = "--modulate"},
+          "SHARE",
+          "Gradient magnitude at which the ramp of --modulate reaches 1, as a share of the "
+          "value range per voxel length"}),
 
       in(&ViewState::time,
-         {"time", "--time", 40, {Form::kWhole, {0}, "a time step"}, nullptr, isLater}),
-      in(&ViewState::step_vox, {"step", "--step", 41, factor}),
-      in(&ViewState::crop, {"crop", "--crop", 42, {Form::kBox}}),
-      in(&ViewState::clip_planes, {"clip", "--clip", 43, {Form::kPlanes, kWorld}}),
-      in(&ViewState::background, {"background", "--background", 44, {Form::kColor, kShare}}),
+         {"time", "--time", 40, {Form::kWhole, {0}, "a time step"}, "", "", nullptr, isLater}),
+      in(&ViewState::step_vox, {"step", "--step", 41, factor, "VOXELS",
+                                "Distance between slices in voxels of the finest spacing"}),
+      in(&ViewState::crop, {"crop",
+                            "--crop",
+                            42,
+                            {Form::kBox},
+                            "X0,Y0,Z0,X1,Y1,Z1",
+                            "Shows the voxels between these planes, the upper ones not included"}),
+      in(&ViewState::clip_planes,
+         {"clip",
+          "--clip",
+          43,
+          {Form::kPlanes, kWorld},
+          "A,B,C,D",
+          "Shows world positions with a x + b y + c z <= d; may be given up to 6 times"}),
+      in(&ViewState::background, {"background",
+                                  "--background",
+                                  44,
+                                  {Form::kColor, kShare},
+                                  "RRGGBB",
+                                  "Background colour; without it, PNG keeps alpha"}),
       in(&ViewState::cross, {"cross", "", 0, {Form::kVoxel, {0}, "a voxel"}}),
       in(&ViewState::shows_slices, {"slices", "", 0, {Form::kFlag}}),
   };
@@ -207,9 +282,36 @@ std::vector<OptionEntry> makeTable() {
 
 }  // namespace
 
+size_t numbersOf(OptionForm form) {
+  switch (form) {
+    case Form::kRange:
+    case Form::kPoints:
+      return 2;
+    case Form::kPlace:
+    case Form::kDirection:
+    case Form::kColor:
+    case Form::kVoxel:
+      return 3;
+    case Form::kPlanes:
+      return 4;
+    case Form::kBox:
+      return 6;
+    default:
+      return 0;
+  }
+}
+
 const std::vector<OptionEntry>& optionTable() {
   static const std::vector<OptionEntry> table = makeTable();
   return table;
+}
+
+const OptionEntry& optionEntry(std::string_view option) {
+  const auto& table = optionTable();
+  const auto found = std::find_if(table.begin(), table.end(),
+                                  [&](const OptionEntry& entry) { return entry.option == option; });
+  SLUICE_CHECK(found != table.end());
+  return *found;
 }
 
 std::optional<OptionValue> savedValue(const OptionEntry& entry, const ViewState& state) {

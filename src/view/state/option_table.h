@@ -42,6 +42,9 @@ enum class OptionForm {
   kPlanes,     // normal and offset each (a list of OptionReals)
 };
 
+// The numbers of a value, or of each list of kPoints and kPlanes; 0: it is no list.
+size_t numbersOf(OptionForm form);
+
 // The values that an option takes.
 struct OptionKind {
   OptionForm form = OptionForm::kNumber;
@@ -61,6 +64,8 @@ struct OptionEntry {
   std::string_view option = {};  // "--zoom"; empty for an option of the window alone
   int turn = 0;                  // printed commands have options in ascending order of turns
   OptionKind kind = {};
+  std::string_view value = {};  // the value's name in --help; empty if the words are listed
+  std::string_view help = {};   // the line of --help; empty if the command line words it
   // Whether views are saved with the option, and whether commands are printed with one that is
   // saved. Null: always.
   bool (*is_saved)(const ViewState&) = nullptr;
@@ -74,6 +79,9 @@ struct OptionEntry {
 
 // All options, part by part, in the order in which a saved view is read.
 const std::vector<OptionEntry>& optionTable();
+
+// The entry of an option. Requires: there is one.
+const OptionEntry& optionEntry(std::string_view option);
 
 // The value that a view is saved with; nullopt: it is saved without the option.
 std::optional<OptionValue> savedValue(const OptionEntry& entry, const ViewState& state);

@@ -53,9 +53,8 @@ json jsonOf(const OptionEntry& entry, const OptionValue& value) {
   return std::visit([](const auto& held) { return json(held); }, value);
 }
 
-// `count` numbers.
-template <class Number, size_t count>
-std::vector<Number> listOf(const JsonField& field) {
+template <class Number>
+std::vector<Number> listOf(const JsonField& field, size_t count) {
   if (!field.isArray() || field.size() != count)
     field.failExpected(fmt::format("{} numbers", count));
   std::vector<Number> found;
@@ -70,7 +69,7 @@ std::vector<Number> listOf(const JsonField& field) {
 
 template <class Number>
 std::array<Number, 3> tripleOf(const JsonField& field) {
-  const std::vector<Number> n = listOf<Number, 3>(field);
+  const std::vector<Number> n = listOf<Number>(field, 3);
   return {n[0], n[1], n[2]};
 }
 
@@ -130,17 +129,10 @@ ViewedVolume volumeOf(const JsonField& field) {
   return volume;
 }
 
-// `count` numbers each. `expected`: what a list of them is called.
-template <size_t count>
-std::vector<OptionReals> listsOf(const JsonField& field, const char* expected) {
-  if (!field.isArray()) field.failExpected(expected);
-  std::vector<OptionReals> lists;
-  for (size_t i = 0; i < field.size(); ++i) lists.push_back(listOf<double, count>(field[i]));
-  return lists;
-}
-
 OptionValue valueOf(const OptionEntry& entry, const JsonField& field) {
-  switch (entry.kind.form) {
+  const OptionForm form = entry.kind.form;
+  const size_t count = numbersOf(form);
+  switch (form) {
     case OptionForm::kFlag:
       return field.flag();
     case OptionForm::kWhole:
@@ -153,24 +145,26 @@ OptionValue valueOf(const OptionEntry& entry, const JsonField& field) {
       return field.text();
     case OptionForm::kFile:
       return fileNameOf(field);
-    case OptionForm::kRange:
-      return listOf<double, 2>(field);
+    case OptionForm::kVoxel:
+    case OptionForm::kBox:
+      return listOf<int64_t>(field, count);
     case OptionForm::kColor:
       for (size_t i = 0; i < field.size(); ++i) field[i].share();  // before they become floats
       [[fallthrough]];
+    case OptionForm::kRange:
     case OptionForm::kPlace:
     case OptionForm::kDirection:
-      return listOf<double, 3>(field);
-    case OptionForm::kVoxel:
-      return listOf<int64_t, 3>(field);
-    case OptionForm::kBox:
-      return listOf<int64_t, 6>(field);
+      return listOf<double>(field, count);
     case OptionForm::kPoints:
-      return listsOf<2>(field, "a list of pairs of a value and an opacity");
     case OptionForm::kPlanes:
       break;
   }
-  return listsOf<4>(field, "a list of planes, four numbers each");
+  if (!field.isArray())
+    field.failExpected(form == OptionForm::kPoints ? "a list of pairs of a value and an opacity"
+                                                   : "a list of planes, four numbers each");
+  std::vector<OptionReals> lists;
+  for (size_t i = 0; i < field.size(); ++i) lists.push_back(listOf<double>(field[i], count));
+  return lists;
 }
 
 constexpr std::array kParts{"camera", "look"};

@@ -10,7 +10,6 @@
 
 #include "src/base/error.h"
 #include "src/base/values/vec.h"
-#include "src/view/state/option_table.h"
 
 namespace sluice {
 namespace {
@@ -71,8 +70,6 @@ class Check {
                      "two different finite numbers", n);
     if (entry_.kind.form == OptionForm::kColor) return eachWithin(n);
     triple(field_, n);
-    if (entry_.kind.form == OptionForm::kDirection)
-      require(length(vecOf(n)) > 0, field_, "a direction with a length", n);
   }
   void operator()(const OptionWholes& n) const {
     if (entry_.kind.form != OptionForm::kBox) return eachWithin(n);
@@ -93,10 +90,8 @@ class Check {
         within(field + "/1", {0, 1}, n[1]);
         require(i == 0 || n[0] >= lists[i - 1][0], field, "values that ascend", n[0]);
       } else {
-        const OptionReals normal{n[0], n[1], n[2]};
-        triple(field, normal);
+        triple(field, {n[0], n[1], n[2]});
         within(field + "/3", entry_.kind.limits, n[3]);
-        require(length(vecOf(normal)) > 0, field, "a normal with a length", normal);
       }
     }
   }
@@ -124,19 +119,33 @@ class Check {
   std::string field_;
 };
 
-// Checks of the camera's values against each other.
+// Checks of directions, and of the camera's values against each other.
 void checkCamera(Findings& findings, const ViewOptions& view) {
+  const Vec3d up = view.up ? vecOf(*view.up) : Vec3d{};
+  if (view.up)
+    findings.require(length(up) > 0, "/camera/up", "a direction with a length", *view.up);
   if (!view.look_at) return;
   const auto& [eye, target] = *view.look_at;
   const Vec3d back = vecOf(eye) - vecOf(target);
   findings.require(length(back) > 0, "/camera/eye", "an eye apart from its target", eye);
-  if (!view.up) return;
-  const Vec3d up = vecOf(*view.up);
-  findings.require(length(cross(back, up)) > 1e-9 * length(back) * length(up), "/camera/up",
-                   "a direction across the view", *view.up);
+  if (view.up)
+    findings.require(length(cross(back, up)) > 1e-9 * length(back) * length(up), "/camera/up",
+                     "a direction across the view", *view.up);
+}
+
+void checkPlanes(Findings& findings, const std::vector<PictureOptions::Plane>& planes) {
+  for (size_t i = 0; i < planes.size(); ++i)
+    findings.require(length(vecOf(planes[i].normal)) > 0, fmt::format("/clip/{}", i),
+                     "a normal with a length", planes[i].normal);
 }
 
 }  // namespace
+
+std::optional<ViewFault> faultOf(const OptionEntry& entry, const OptionValue& value) {
+  Findings findings;
+  std::visit(Check(entry, findings), value);
+  return findings.first();
+}
 
 std::optional<ViewFault> faultOf(const ViewState& state) {
   Findings findings;
@@ -146,6 +155,7 @@ std::optional<ViewFault> faultOf(const ViewState& state) {
         if (const auto value = entry.get(state)) std::visit(Check(entry, findings), *value);
     if (part == OptionPart::kCamera) checkCamera(findings, state.view);
   }
+  checkPlanes(findings, state.clip_planes);
   return findings.first();
 }
 

@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 
+#include "src/view/state/option_table.h"
 #include "src/view/state/view_path.h"
 #include "src/view/state/view_state.h"
 
@@ -19,6 +20,8 @@ struct ViewFault {
   std::string expected, found;
 };
 
+// The first number of one option that its kind does not take. nullopt: there is none.
+std::optional<ViewFault> faultOf(const OptionEntry& entry, const OptionValue& value);
 // The first number that is wrong whatever the volume is: not finite, beyond the limits of the
 // options of the same names, a camera without a direction. nullopt: there is none.
 std::optional<ViewFault> faultOf(const ViewState& state);

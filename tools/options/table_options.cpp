@@ -1,0 +1,131 @@
+#include "tools/options/table_options.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "src/view/state/option_table.h"
+#include "src/view/state/view_check.h"
+#include "tools/command_line/parse.h"
+
+namespace sluice {
+namespace {
+
+// "40:0,60:0.1".
+std::optional<OptionValue> pointsOf(const std::string& word) {
+  std::vector<OptionReals> points;
+  for (size_t from = 0; from <= word.size();) {
+    const size_t end = std::min(word.find(',', from), word.size());
+    std::string pair = word.substr(from, end - from);
+    const size_t colon = pair.find(':');
+    if (colon == std::string::npos) return std::nullopt;
+    pair[colon] = ',';
+    const auto numbers = parseNumbers(pair, 2);
+    if (!numbers) return std::nullopt;
+    points.push_back(*numbers);
+    from = end + 1;
+  }
+  return points;
+}
+
+std::optional<OptionValue> wholesOf(const OptionReals& numbers) {
+  OptionWholes wholes;
+  for (const double n : numbers) {
+    if (n != std::floor(n) || std::abs(n) > 0x1p53) return std::nullopt;
+    wholes.push_back(static_cast<int64_t>(n));
+  }
+  return wholes;
+}
+
+// The value that a word of the entry's form says, in range or not; nullopt: it is no such word.
+std::optional<OptionValue> readWord(const OptionEntry& entry, const std::string& word) {
+  switch (entry.kind.form) {
+    case OptionForm::kNumber:
+      return parseReal(word);
+    case OptionForm::kWord:
+      return word;
+    case OptionForm::kFile:
+      return word.empty() ? std::nullopt : std::optional<OptionValue>(word);
+    case OptionForm::kPoints:
+      return pointsOf(word);
+    case OptionForm::kColor: {
+      const auto color = parseColor(word);
+      if (!color) return std::nullopt;
+      return OptionReals(color->begin(), color->end());
+    }
+    default:
+      break;
+  }
+  const auto numbers = parseNumbers(word, numbersOf(entry.kind.form));
+  if (!numbers) return std::nullopt;
+  if (entry.kind.form == OptionForm::kBox) return wholesOf(*numbers);
+  if (entry.kind.form == OptionForm::kPlanes) return std::vector<OptionReals>{*numbers};
+  if (entry.kind.form == OptionForm::kRange && word.find('x') != std::string::npos)
+    return std::nullopt;  // "0x10" is no range
+  return *numbers;
+}
+
+std::string expectedOf(const OptionEntry& entry) {
+  const std::string range = rangeText(entry.kind.limits);
+  switch (entry.kind.form) {
+    case OptionForm::kFile:
+      return "a name that is not empty";
+    case OptionForm::kRange:
+      return "two different numbers LO,HI";
+    case OptionForm::kColor:
+      return "six hexadecimal digits RRGGBB";
+    case OptionForm::kBox:
+      return "six whole numbers X0,Y0,Z0,X1,Y1,Z1 from 0 to 2^40, each upper one at least 2 above "
+             "the lower, since a single voxel plane has no thickness";
+    case OptionForm::kPoints:
+      return "pairs V:A of values, ascending, and opacities from 0 to 1";
+    case OptionForm::kNumber:
+      return range;
+    default:
+      return fmt::format("{}, each {}", entry.value, range);
+  }
+}
+
+// The default in --help; empty for what is not set.
+std::string shownOf(const OptionEntry& entry, const ViewState& asked) {
+  const std::optional<OptionValue> value = entry.get(asked);
+  if (!value) return "";
+  if (entry.kind.form == OptionForm::kNumber) return numberText(std::get<double>(*value));
+  return entry.kind.form == OptionForm::kWord ? std::get<std::string>(*value) : "";
+}
+
+// The planes asked for so far, and one more.
+OptionValue oneMore(const OptionEntry& entry, const ViewState& asked, const OptionValue& plane) {
+  using Lists = std::vector<OptionReals>;
+  Lists planes = std::get<Lists>(entry.get(asked).value_or(Lists()));
+  planes.push_back(std::get<Lists>(plane).front());
+  if (const auto fault = faultOf(entry, planes))
+    throw CLI::ValidationError(fmt::format("{}: {}", entry.option, fault->expected));
+  return planes;
+}
+
+}  // namespace
+
+CLI::Option* TableOptions::add(const std::string& names,
+                               const std::function<void(const ViewState&)>& take,
+                               const std::string& shown) const {
+  const OptionEntry& entry = optionEntry(names.substr(names.find("--")));
+  const auto parse = [&entry](const std::string& word) {
+    auto value = readWord(entry, word);
+    return value && !faultOf(entry, *value) ? value : std::nullopt;
+  };
+  const auto keep = [&entry, take, asked = asked_](const OptionValue& value) {
+    entry.set(*asked,
+              entry.kind.form == OptionForm::kPlanes ? oneMore(entry, *asked, value) : value);
+    take(*asked);
+  };
+  const std::string help(entry.help), as_default = shown.empty() ? shownOf(entry, *asked_) : shown;
+  if (entry.kind.form == OptionForm::kWord)
+    return group_.word(names, {entry.kind.words.begin(), entry.kind.words.end()}, keep, help,
+                       as_default);
+  return group_.parsed(names, std::string(entry.value), expectedOf(entry), parse, keep, help,
+                       as_default);
+}
+
+}  // namespace sluice
