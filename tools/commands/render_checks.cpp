@@ -1,0 +1,179 @@
+#include "tools/commands/render_checks.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "src/annotate/annotate.h"
+#include "src/base/error.h"
+#include "src/base/values/bytes.h"
+#include "src/library/picture_memory.h"
+#include "src/render/blocks/level_cut.h"
+#include "src/view/state/view_path.h"
+#include "tools/commands/debug_views.h"
+#include "tools/options/shared_options.h"
+#include "tools/pages/report_file.h"
+#include "tools/scene/series.h"
+#include "tools/scene/strip_drawing.h"
+
+namespace sluice {
+namespace {
+
+using Arguments = RenderArguments;
+
+// The frames that are still to be drawn: pictures appear whole or not at all.
+std::vector<int64_t> framesToDraw(const Arguments& arguments) {
+  std::vector<int64_t> frames;
+  for (int64_t i = 0; i < frameCount(arguments); ++i)
+    if (!arguments.resume || !std::filesystem::exists(frameName(arguments, i))) frames.push_back(i);
+  return frames;
+}
+
+bool isExr(const Arguments& arguments) {
+  return pictureKind(arguments.output) == PictureKind::kExr;
+}
+
+// At most one a level, and one more that the time ends.
+constexpr int64_t kMostPictures = 64;
+
+}  // namespace
+
+bool numbersPictures(const Arguments& arguments) {
+  return arguments.progressive && isNumbered(arguments.output) && frameCount(arguments) == 1;
+}
+
+Outputs renderOutputs(const Arguments& arguments) {
+  Outputs outputs(arguments.force);
+  outputs.reads(arguments.volume.inputs);
+  outputs.reads({arguments.look.transfer_file, arguments.path_file, arguments.state_file});
+  outputs.reads(basisFiles(arguments.culling));
+  if (isFilmName(arguments.output))
+    outputs.writes("-o", arguments.output, FileKind::kFilm);
+  else if (numbersPictures(arguments))
+    for (int64_t i = 0; i < kMostPictures; ++i)
+      outputs.writes("-o", numberedName(arguments.output, i, true),
+                     isExr(arguments) ? FileKind::kExr : FileKind::kPng);
+  else
+    for (const int64_t i : framesToDraw(arguments))
+      outputs.writes("-o", frameName(arguments, i),
+                     isExr(arguments) ? FileKind::kExr : FileKind::kPng);
+  if (arguments.debug_view)
+    for (const auto& view : debugViewNames(frameName(arguments, 0)))
+      outputs.writes("--debug-view", view, FileKind::kPng);
+  outputs.writes("--report", arguments.report_file, reportKind(arguments.report_file));
+  outputs.writesTrace("--trace", arguments.trace_file);
+  return outputs;
+}
+
+void checkOutput(const Arguments& arguments) {
+  const auto kind = pictureKind(arguments.output);
+  const bool is_film = isFilmName(arguments.output);
+  if (!kind && !is_film)
+    fail("{}: pictures are written as .png or .exr, films as .mp4", arguments.output);
+  if (is_film && frameCount(arguments) < 2)
+    fail("{}: a film has several frames; give --frames or a range of --time", arguments.output);
+  if (is_film && arguments.resume)
+    fail("{}: a film is written in one go; --continue is for pictures", arguments.output);
+  if (is_film && arguments.progressive)
+    fail("{}: a film has one picture a frame; --progressive is for pictures", arguments.output);
+  if (arguments.progressive && isSeries(arguments))
+    fail("--progressive takes one time step and no --culling");
+  if (!arguments.path_file.empty() && frameCount(arguments) < 2)
+    throw CLI::RequiresError("--path", "--frames or a range of --time");
+  if (arguments.aovs && kind != PictureKind::kExr)
+    fail("{}: --aov adds channels to .exr pictures", arguments.output);
+  if (arguments.annotate && kind == PictureKind::kExr)
+    fail("{}: --annotate draws over .png pictures; an .exr holds values", arguments.output);
+  const PictureSize& size = arguments.frame.size;
+  if (arguments.annotate && std::min(size.width, size.height) < kLeastAnnotatedPixels)
+    fail("--annotate: a picture of {} x {} pixels has no room for letters; it needs {} x {}",
+         size.width, size.height, kLeastAnnotatedPixels, kLeastAnnotatedPixels);
+  if (arguments.aovs && arguments.aovs->depth && arguments.frame.mode != Mode::kComposite)
+    fail("--aov depth needs --mode composite, since depth is weighted by opacity");
+  if (arguments.debug_view && frameCount(arguments) > 1)
+    fail("--debug-view takes one frame, not {}", frameCount(arguments));
+  if (arguments.times && arguments.frames > 1)
+    fail("--frames {} takes one time step, not a range of --time", arguments.frames);
+  if (arguments.culling.culling != Culling::kNone && arguments.frame.mode != Mode::kComposite)
+    fail("--culling needs --mode composite, since other modes hide nothing");
+  if (arguments.verify && arguments.culling.culling != Culling::kNone && frameCount(arguments) > 1)
+    fail("--verify with --culling takes one frame, not {}", frameCount(arguments));
+  if (arguments.debug_view && arguments.frame.occlusion == Occlusion::kOff &&
+      arguments.frame.partition == Partition::kBlocks)
+    fail("--debug-view shows the effect of --occlusion and --partition boxes; give one of them");
+}
+
+std::optional<CutOptions> cutOf(const Arguments& arguments, Team* team) {
+  if (arguments.culling.culling != Culling::kNone) {
+    // Culling knows the blocks of the finest level alone.
+    refuseLevels(arguments.levels, "--culling draws the finest level alone");
+    return std::nullopt;
+  }
+  LevelArguments levels = arguments.levels;
+  // Pictures that get better begin with any level; means cannot show some of them.
+  if (asksForRefinement(arguments) && !isSeries(arguments) && team == nullptr && !levels.level &&
+      suitDefaultCut(arguments.frame.mode, arguments.look.labels))
+    levels.pixel_error = levels.pixel_error.value_or(CutOptions().pixel_error);
+  std::optional<CutOptions> cut =
+      cutOptions(levels, arguments.resources, arguments.look, arguments.frame);
+  // All ranks make the same cut, and each holds its share of the blocks.
+  if (cut && team != nullptr)
+    cut->most_held_bytes = static_cast<uint64_t>(team->ranks()) *
+                           std::stoull(team->fromFirst(std::to_string(cut->most_held_bytes)));
+  return cut;
+}
+
+PictureOutput pictureOutput(const Arguments& arguments) {
+  PictureOutput output;
+  if (arguments.look.has_background) output.background = arguments.look.background;
+  output.annotate = arguments.annotate;
+  if (pictureKind(arguments.output) == PictureKind::kExr)
+    output.aovs = arguments.aovs.value_or(Aovs{.depth = arguments.frame.mode == Mode::kComposite});
+  return output;
+}
+
+void checkLastStep(const Arguments& arguments) {
+  if (!arguments.times) return;
+  VolumeArguments last = arguments.volume;
+  last.time = arguments.times->at(arguments.times->count() - 1);
+  openSource(last);
+}
+
+std::vector<int64_t> framesToDraw(const Arguments& arguments, Team* team) {
+  std::vector<int64_t> frames = framesToDraw(arguments);
+  if (team == nullptr) return frames;
+  return nlohmann::json::parse(team->fromFirst(nlohmann::json(frames).dump()))
+      .get<std::vector<int64_t>>();
+}
+
+bool reportsParts(const Arguments& arguments) {
+  return frameCount(arguments) > 1 && !arguments.report_file.empty() &&
+         !isPage(arguments.report_file) && !isFilmName(arguments.output);
+}
+
+bool isRefined(const Arguments& arguments, const Scene& scene) {
+  return asksForRefinement(arguments) && !isSeries(arguments) && scene.share == nullptr &&
+         drawsCut(scene.volume.step(), arguments.frame.cut, arguments.frame.mode,
+                  scene.transfer.labels);
+}
+
+void requireWholePicture(const Arguments& arguments, const Scene& scene) {
+  const bool is_refined = isRefined(arguments, scene);
+  if (!arguments.verify && !arguments.debug_view && !is_refined) return;
+  if (is_refined && (arguments.verify || arguments.debug_view))
+    fail("{} looks at one picture; leave out --time-limit and --progressive",
+         arguments.verify ? "--verify" : "--debug-view");
+  if (stripsFor(scene).size() == 1) return;
+  const PictureSize size = scene.pictures.size;
+  const uint64_t needed = 4 * wholePictureBytes(scene.pictures);
+  fail(
+      "{} needs the whole picture of {} x {} in memory, and --memory {} has no room; give "
+      "--memory {}",
+      arguments.verify        ? "--verify"
+      : arguments.debug_view  ? "--debug-view"
+      : arguments.progressive ? "--progressive"
+                              : "--time-limit with levels of resolution",
+      size.width, size.height, formatBytes(scene.memory_bytes), needed);
+}
+
+}  // namespace sluice

@@ -1,0 +1,43 @@
+// The arguments of `render` before anything is drawn: its frames, the files that it reads and
+// writes, and the options that do not go together. Functions of the arguments; nothing is written.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "tools/command_line/outputs.h"
+#include "tools/options/render_arguments.h"
+#include "tools/outputs/picture_output.h"
+#include "tools/scene/ranks.h"
+#include "tools/scene/scene.h"
+
+namespace sluice {
+
+// The numbers of the frames that are still to be drawn; with ranks, those of the first rank, which
+// writes them. `team`: null for a single process.
+std::vector<int64_t> framesToDraw(const RenderArguments& arguments, Team* team);
+
+// Whether the pictures of one frame that gets better are files of their own.
+bool numbersPictures(const RenderArguments& arguments);
+// All files that the command names.
+Outputs renderOutputs(const RenderArguments& arguments);
+PictureOutput pictureOutput(const RenderArguments& arguments);
+
+// Throws Error, or a usage error, for options that do not go together.
+void checkOutput(const RenderArguments& arguments);
+// Throws Error if the series lacks the last step asked for.
+void checkLastStep(const RenderArguments& arguments);
+// The cut to draw from. Throws Error if levels are asked for with --culling.
+std::optional<CutOptions> cutOf(const RenderArguments& arguments, Team* team);
+
+// Whether a signal leaves a report of the pictures that were there by then: --continue draws the
+// others and reports all.
+bool reportsParts(const RenderArguments& arguments);
+// Whether the scene's frames are rows of pictures that get better: a volume of one level has no
+// coarser picture to begin with.
+bool isRefined(const RenderArguments& arguments, const Scene& scene);
+// Throws Error if options that look at a whole picture are given for one that is drawn in strips.
+void requireWholePicture(const RenderArguments& arguments, const Scene& scene);
+
+}  // namespace sluice
