@@ -24,9 +24,7 @@ struct Turned {
   double voxel = 0.25;   // in slabs
   std::vector<float> excess;
 
-  float at(int64_t u, int64_t v, int64_t w) const {
-    return excess[static_cast<size_t>((w * nv + v) * nu + u)];
-  }
+  const float* row(int64_t v, int64_t w) const { return excess.data() + (w * nv + v) * nu; }
   double slab(int64_t w) const { return w + 1 == nw ? last_slab : 1; }
 };
 
@@ -49,6 +47,10 @@ Turned turnedTo(int axis, const BlockParts& parts, float floor) {
         turned.excess[to] = parts.least[static_cast<size_t>(from)] - floor;
       }
   return turned;
+}
+
+void takeLeast(const float* __restrict from, float* __restrict least, int64_t count) {
+  for (int64_t i = 0; i < count; ++i) least[i] = std::min(least[i], from[i]);
 }
 
 // The parts lo..hi, in whole parts, that rays through [0, 1] at the reference plane can reach in
@@ -112,22 +114,20 @@ class Beams {
     std::vector<float> rows(static_cast<size_t>(parts_.nv * count_u_));
     for (int64_t w = 0; w < parts_.nw; ++w) {
       const Window u = u_[static_cast<size_t>(w)], v = v_[static_cast<size_t>(w)];
+      std::ranges::fill(rows, kOutside);
       for (int64_t j = 0; j < parts_.nv; ++j)
-        for (int64_t i = 0; i < count_u_; ++i) {
-          float least = kOutside;
-          const int64_t end = std::min(parts_.nu - 1, first_u_ + i + u.hi);
-          for (int64_t k = std::max<int64_t>(0, first_u_ + i + u.lo); k <= end; ++k)
-            least = std::min(least, parts_.at(k, j, w));
-          rows[static_cast<size_t>(j * count_u_ + i)] = least;
+        // All beams of a row at once, one part of their windows after the other.
+        for (int64_t shift = first_u_ + u.lo; shift <= first_u_ + u.hi; ++shift) {
+          const int64_t first = std::max<int64_t>(0, -shift);
+          const int64_t count = std::min(count_u_, parts_.nu - shift) - first;
+          if (count > 0)
+            takeLeast(parts_.row(j, w) + first + shift, rows.data() + j * count_u_ + first, count);
         }
       float* to = least_.data() + w * count_u_ * count_v_;
       for (int64_t j = 0; j < count_v_; ++j) {
         const int64_t end = std::min(parts_.nv - 1, first_v_ + j + v.hi);
         for (int64_t k = std::max<int64_t>(0, first_v_ + j + v.lo); k <= end; ++k)
-          for (int64_t i = 0; i < count_u_; ++i) {
-            float& least = to[j * count_u_ + i];
-            least = std::min(least, rows[static_cast<size_t>(k * count_u_ + i)]);
-          }
+          takeLeast(rows.data() + k * count_u_, to + j * count_u_, count_u_);
       }
     }
   }
