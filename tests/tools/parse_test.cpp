@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "cache/trace/trace.h"
-#include "tools/bench/algorithms_bench.h"
+#include "tools/bench/bench.h"
 
 namespace sluice {
 namespace {

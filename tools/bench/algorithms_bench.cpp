@@ -1,5 +1,5 @@
-#include "tools/bench/algorithms_bench.h"
-
+// sluice bench algorithms: Tong's Table 1 for any set of volumes, and the bytes that the texture
+// cache moved.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,7 +7,7 @@
 
 #include "cache/simulate/cost_model.h"
 #include "src/base/error.h"
-#include "tools/bench/warm_frames.h"
+#include "tools/bench/bench.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/parse.h"
 #include "tools/scene/scene.h"
@@ -70,14 +70,16 @@ double processingSeconds(Scene& scene, const LookArguments& look, const FrameOpt
   return stages.classify + stages.plan + stages.copy;
 }
 
-nlohmann::json rowOf(const VolumesBench& bench, const std::string& word) {
+nlohmann::json rowOf(const BenchArguments& bench, const std::string& word) {
   const auto [file, threshold] = splitThreshold(word, bench.look.threshold);
   LookArguments look = bench.look;
   look.threshold = threshold;
-  Scene scene({{file}, bench.open, bench.time}, look, bench.resources, bench.frame.partition);
-  nlohmann::json row{{"volume", file},
-                     {"threshold", threshold ? nlohmann::json(*threshold) : nlohmann::json()},
-                     {"empty_percent", emptyPercent(scene.volume, scene.transfer, bench.time)}};
+  Scene scene({{file}, bench.volume.open, bench.volume.time}, look, bench.resources,
+              bench.frame.partition);
+  nlohmann::json row{
+      {"volume", file},
+      {"threshold", threshold ? nlohmann::json(*threshold) : nlohmann::json()},
+      {"empty_percent", emptyPercent(scene.volume, scene.transfer, bench.volume.time)}};
   const auto page_bytes = static_cast<uint64_t>(scene.volume.page.pageBytes());
   for (const Algorithm algorithm : kAlgorithms) {
     const Measured measured = measure(*scene.session, bench.frame, algorithm, bench.frames);
@@ -100,11 +102,10 @@ nlohmann::json rowOf(const VolumesBench& bench, const std::string& word) {
   return row;
 }
 
-}  // namespace
-
-nlohmann::json benchAlgorithms(const VolumesBench& bench) {
+// {"rows": [...]}: one object a volume, the names of the interface. Throws Error.
+nlohmann::json benchAlgorithms(const BenchArguments& bench) {
   nlohmann::json rows = nlohmann::json::array();
-  for (const std::string& word : bench.volumes) rows.push_back(rowOf(bench, word));
+  for (const std::string& word : bench.volume.inputs) rows.push_back(rowOf(bench, word));
   return {{"rows", rows}};
 }
 
@@ -128,6 +129,25 @@ void printAlgorithms(const nlohmann::json& report) {
         m["conventional"].get<double>(), m["clipped"].get<double>(), m["trimmed"].get<double>(),
         m["merged"].get<double>());
   }
+}
+
+}  // namespace
+
+// The paper's machine and picture, unless told otherwise.
+Bench addAlgorithmsBench(CLI::App& app) {
+  auto bench = std::make_shared<BenchArguments>();
+  bench->frame = plainFrame();
+  bench->resources.page_vox = {32, 64, 2};
+  bench->resources.pages = 256;
+  bench->frame.size = {400, 400};
+  CLI::App* algorithms = app.add_subcommand(
+      "algorithms", std::string("Tong's Table 1: I conventional, II clipped, III trimmed, IV "
+                                "merged\n\n") +
+                        kPlainPicture +
+                        "  sluice bench algorithms bonsai.nii.gz@40 engine.nii.gz@80");
+  addFrames(*algorithms, *bench, kFramesOfEachWay);
+  return {algorithms,
+          [bench](const Show& show) { return show(benchAlgorithms(*bench), printAlgorithms); }};
 }
 
 }  // namespace sluice

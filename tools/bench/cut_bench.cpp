@@ -1,5 +1,4 @@
-#include "tools/bench/cut_bench.h"
-
+// sluice bench cut: the time to plan a picture of a volume that is too large for any disk at hand.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -10,13 +9,20 @@
 #include "src/base/threads/clock.h"
 #include "src/classify/transfer/transfer_makers.h"
 #include "src/render/session/planner.h"
-#include "tools/bench/volumes_bench.h"
+#include "tools/bench/bench.h"
 #include "tools/command_line/console.h"
 
 namespace sluice {
 namespace {
 
 using nlohmann::json;
+
+struct CutBench {
+  Vec3i dims{16821, 7494, 2070};
+  FrameOptions frame;
+  int threads = 0;  // 0: one a core
+  int frames = 9;   // plans measured for each kind
+};
 
 constexpr int64_t kBlockSize = 64;
 constexpr int64_t kCoarsestVoxels = 256;  // of the coarsest level along its longest axis
@@ -184,8 +190,9 @@ class CutRun {
   TransferPtr transfer_;
 };
 
-}  // namespace
-
+// Plans pictures of a pyramid of means with spreads: an ellipsoid of nested shells. Its min-max
+// arrays come from a function, and no voxel exists. Measures the first plan, plans of other
+// thresholds, and plans of other views: of the whole volume, and from close by. Throws Error.
 json benchCut(const CutBench& bench) {
   WorkerPool pool(bench.threads);
   CutRun run(bench, pool);
@@ -223,6 +230,32 @@ void printCut(const json& report) {
         1000 * row["choose_seconds"].get<double>(), 1000 * row["seconds"].get<double>(),
         1000 * row["processor_seconds"].get<double>(), row["blocks"].get<size_t>());
   }
+}
+
+}  // namespace
+
+Bench addCutBench(CLI::App& app) {
+  auto bench = std::make_shared<CutBench>();
+  bench->frame = plainFrame();
+  CLI::App* cut = app.add_subcommand(
+      "cut",
+      "Measures planning pictures of a huge volume with levels of resolution: its min-max arrays "
+      "come from a function, and no voxel is read\n\n"
+      "  sluice bench cut --dims 16821,7494,2070");
+  constexpr NumberRange<double> kDims{128, 65536};
+  const Vec3i& dims = bench->dims;
+  OptionGroup(*cut, "Volume")
+      .numbers(
+          "--dims", "X,Y,Z", 3, kDims,
+          [bench](const std::vector<double>& values) {
+            for (int a = 0; a < 3; ++a)
+              bench->dims[a] = static_cast<int64_t>(values[static_cast<size_t>(a)]);
+          },
+          "Voxels along each axis; a million blocks of 64 take 400 MB of memory",
+          fmt::format("{},{},{}", dims.x, dims.y, dims.z));
+  addThreadsOption(OptionGroup(*cut, kMachineHeading), bench->threads);
+  addFramesOption(OptionGroup(*cut, kOutputHeading), bench->frames, "Plans measured for each kind");
+  return {cut, [bench](const Show& show) { return show(benchCut(*bench), printCut); }};
 }
 
 }  // namespace sluice

@@ -1,22 +1,20 @@
-#include "tools/bench/frame_bench.h"
-
+// sluice bench limit and bench render: this machine's sampling rate, and the frames of a turn.
 #include <algorithm>
 
 #include "src/base/threads/clock.h"
 #include "src/render/camera/sampling_limit.h"
-#include "tools/bench/volumes_bench.h"
-#include "tools/bench/warm_frames.h"
+#include "tools/bench/bench.h"
 #include "tools/command_line/console.h"
 #include "tools/outputs/report.h"
+#include "tools/scene/scene.h"
 
 namespace sluice {
 namespace {
 
 using nlohmann::json;
 
-}  // namespace
-
-json benchLimit(const FrameBench& bench) {
+// Full-screen slices of one resident texture: `samples_per_second`. Throws Error.
+json benchLimit(const BenchArguments& bench) {
   Workers pool(bench.resources.threads);
   const auto device = makeDevice(bench.resources.device, pool);
   return {{"samples_per_second", samplingLimit(*device, bench.frame.size, bench.frames)},
@@ -31,7 +29,9 @@ void printLimit(const json& report) {
       report["renderer"].get<std::string>());
 }
 
-json benchFrames(const FrameBench& bench) {
+// The frames of a turn, warm: their seconds, the processor's, their samples, and their share of the
+// sampling rate, which is measured too; the last frame's report. Throws Error.
+json benchFrames(const BenchArguments& bench) {
   Scene scene(bench.volume, bench.look, bench.resources, bench.frame.partition);
   FrameOptions options = bench.frame;
   const auto turnTo = [&](int frame) {
@@ -93,6 +93,32 @@ void printFrames(const json& report) {
       number("/samples_object") / 1e6);
   say("{:.2f} of this machine's {:.1f} million samples a second\n", number("/share_of_limit"),
       number("/limit_samples_per_second") / 1e6);
+}
+
+}  // namespace
+
+Bench addLimitBench(CLI::App& app) {
+  auto bench = std::make_shared<BenchArguments>();
+  CLI::App* limit = app.add_subcommand(
+      "limit",
+      "Measures this machine's sampling rate with full-screen slices of one resident texture");
+  const OptionGroup machine(*limit, kMachineHeading);
+  addThreadsOption(machine, bench->resources.threads);
+  addDeviceOptions(machine, bench->resources.device);
+  addFramesOption(OptionGroup(*limit, kOutputHeading), bench->frames, kFrames);
+  return {limit, [bench](const Show& show) { return show(benchLimit(*bench), printLimit); }};
+}
+
+Bench addRenderBench(CLI::App& app) {
+  auto bench = std::make_shared<BenchArguments>();
+  bench->frame = plainFrame();
+  CLI::App* render = app.add_subcommand(
+      "render",
+      std::string(
+          "Measures the median frame of a turn, warm, and its share of the sampling rate\n\n") +
+          kPlainPicture + "  sluice bench render bonsai.nii.gz --threshold 40");
+  addFrames(*render, *bench, kFrames);
+  return {render, [bench](const Show& show) { return show(benchFrames(*bench), printFrames); }};
 }
 
 }  // namespace sluice

@@ -1,5 +1,4 @@
-#include "tools/bench/levels_bench.h"
-
+// sluice bench levels: what drawing coarser levels of resolution costs and saves.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,9 +6,8 @@
 
 #include "src/base/error.h"
 #include "src/render/blocks/level_cut.h"
+#include "tools/bench/bench.h"
 #include "tools/bench/picture_error.h"
-#include "tools/bench/volumes_bench.h"
-#include "tools/bench/warm_frames.h"
 #include "tools/command_line/console.h"
 #include "tools/outputs/report.h"
 
@@ -22,7 +20,7 @@ constexpr int kTruthPixels = 4;  // for one, along each axis
 constexpr double kPixelErrors[] = {0.5, 1, 2, 4};
 
 // The view's step is in voxels of the finest level that it shows.
-FrameOptions optionsOf(const FrameBench& bench, const Scene& scene,
+FrameOptions optionsOf(const BenchArguments& bench, const Scene& scene,
                        const std::optional<CutOptions>& cut) {
   FrameOptions options = bench.frame;
   options.cut = cut;
@@ -33,7 +31,7 @@ FrameOptions optionsOf(const FrameBench& bench, const Scene& scene,
   return options;
 }
 
-Picture truthOf(const FrameBench& bench, Scene& scene) {
+Picture truthOf(const BenchArguments& bench, Scene& scene) {
   FrameOptions options = bench.frame;
   options.size = {options.size.width * kTruthPixels, options.size.height * kTruthPixels};
   options.step_vox /= 2;
@@ -41,7 +39,7 @@ Picture truthOf(const FrameBench& bench, Scene& scene) {
   return averagedDown(scene.session->frame().picture, kTruthPixels);
 }
 
-json rowOf(const FrameBench& bench, Scene& scene, const std::optional<CutOptions>& cut,
+json rowOf(const BenchArguments& bench, Scene& scene, const std::optional<CutOptions>& cut,
            const Picture& truth) {
   FrameOptions options = optionsOf(bench, scene, cut);
   scene.session->setOptions(options);
@@ -68,10 +66,12 @@ json rowOf(const FrameBench& bench, Scene& scene, const std::optional<CutOptions
   return row;
 }
 
-}  // namespace
-
-json benchLevels(const FrameBench& bench) {
-  FrameBench asked = bench;
+// Pictures at pixel errors of 0.5, 1, 2 and 4 and of level 0, each compared with the truth: level 0
+// with four pixels for one along each axis and half the distance between slices. `read_bytes`:
+// stored voxels of the blocks that a picture needs. `detail` and `truth_detail`: see PictureError.
+// Throws Error if the volume has one level.
+json benchLevels(const BenchArguments& bench) {
+  BenchArguments asked = bench;
   asked.frame.cut = CutOptions{};
   Scene scene(asked.volume, asked.look, asked.resources, asked.frame, Outputs(), nullptr);
   if (scene.volume.step().coarser.empty())
@@ -98,6 +98,22 @@ void printLevels(const json& report) {
   }
   say("detail: fine detail on smooth parts, /255; {:.3f} in the truth\n",
       report["rows"][0]["truth_detail"].get<double>());
+}
+
+}  // namespace
+
+Bench addLevelsBench(CLI::App& app) {
+  auto bench = std::make_shared<BenchArguments>();
+  bench->frame = plainFrame();
+  CLI::App* levels = app.add_subcommand(
+      "levels",
+      std::string("What coarser levels of resolution cost and save: their error against level 0 "
+                  "with four samples a pixel along each axis, bytes, samples and seconds\n\n") +
+          kPlainPicture +
+          "  sluice bench levels synth:phantom,dims=512x512x512,levels=4 "
+          "--size 256x256");
+  addFrames(*levels, *bench, kFramesOfEachWay);
+  return {levels, [bench](const Show& show) { return show(benchLevels(*bench), printLevels); }};
 }
 
 }  // namespace sluice

@@ -1,6 +1,4 @@
-#include "tools/bench/packing_bench.h"
-#include "tools/scene/workers.h"
-
+// sluice bench packing: the gain from compressing a volume's blocks in memory, by codec.
 #include <fmt/format.h>
 
 #include <array>
@@ -8,8 +6,10 @@
 #include "src/base/threads/clock.h"
 #include "src/volume/packed_block.h"
 #include "src/volume/volume_buffer.h"
+#include "tools/bench/bench.h"
 #include "tools/command_line/console.h"
 #include "tools/scene/scene.h"
+#include "tools/scene/workers.h"
 
 namespace sluice {
 namespace {
@@ -45,8 +45,8 @@ nlohmann::json rowOf(const std::vector<VolumeBlockPtr>& blocks, const PackCodec&
            unpacked_bytes == 0 ? 0 : static_cast<double>(unpacked_bytes) / unpack_seconds}};
 }
 
-}  // namespace
-
+// {"rows": [{"codec", "level", "ratio", "pack_bytes_per_second", "unpack_bytes_per_second"}]}, on
+// one thread, over blocks that are not one value, at most 64 MiB of them. Throws Error.
 nlohmann::json benchPacking(const VolumeArguments& arguments, const ResourceArguments& resources) {
   Workers pool(resources.threads);
   const IndexedVolume volume = openIndexed(arguments, resources, {}, pool);
@@ -72,6 +72,19 @@ void printPacking(const nlohmann::json& report) {
         fmt::format("{}-{}", row["codec"].get<std::string>(), row["level"].get<int>()),
         row["ratio"].get<double>(), row["pack_bytes_per_second"].get<double>() / 1e6,
         row["unpack_bytes_per_second"].get<double>() / 1e6);
+}
+
+}  // namespace
+
+Bench addPackingBench(CLI::App& app) {
+  auto bench = std::make_shared<BenchArguments>();
+  CLI::App* packing = app.add_subcommand(
+      "packing", "Measures compression of a volume's blocks in memory, by codec, on one core");
+  addVolumeOptions(*packing, bench->volume);
+  addResourceOptions(*packing, bench->resources);
+  return {packing, [bench](const Show& show) {
+            return show(benchPacking(bench->volume, bench->resources), printPacking);
+          }};
 }
 
 }  // namespace sluice

@@ -1,15 +1,19 @@
-#include "tools/bench/ranks_bench.h"
-
+// sluice bench ranks: the gain from sharing a picture among ranks. Started by mpirun it measures
+// that run's ranks; alone it has ranks of threads, each with a thread, a device and a budget of its
+// own, and one process with one thread to compare with.
 #include <algorithm>
+#include <sstream>
+#include <vector>
 
 #include "src/base/error.h"
 #include "src/base/threads/clock.h"
 #include "src/base/values/bytes.h"
 #include "src/parallel/in_process.h"
-#include "tools/bench/volumes_bench.h"
-#include "tools/bench/warm_frames.h"
+#include "src/parallel/team.h"
+#include "tools/bench/bench.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/interrupt.h"
+#include "tools/scene/rank_agreement.h"
 #include "tools/scene/ranks.h"
 #include "tools/scene/scene.h"
 
@@ -17,6 +21,10 @@ namespace sluice {
 namespace {
 
 using nlohmann::json;
+
+struct RanksBench : BenchArguments {
+  std::vector<int> ranks = {1, 2};  // alone
+};
 
 // The frames of one rank, or of one process alone.
 json framesOf(const RanksBench& bench, Team* team) {
@@ -63,8 +71,10 @@ json framesOf(const RanksBench& bench, Team* team) {
   return row;
 }
 
-}  // namespace
-
+// `rows` [{`ranks`, `frame_seconds`{`median`,`min`,`max`}, `draw_seconds`, `exchange_seconds`,
+// `compose_seconds`, `gather_seconds`, `part_bytes`, `sent_bytes`, `speedup`}]: medians of rank 0,
+// speedup against the row of one. `team` is null for a single process. Throws Error. With several
+// ranks, rank 0 gets the report.
 json benchRanks(const RanksBench& asked, Team* team) {
   RanksBench bench = asked;
   json rows = json::array();
@@ -113,6 +123,46 @@ void printRanks(const json& report) {
         milliseconds(row, "gather_seconds"),
         row.contains("sent_bytes") ? formatBytes(row["sent_bytes"].get<uint64_t>()) : "-",
         row.contains("speedup") ? fmt::format("{:.2f}", row["speedup"].get<double>()) : "-");
+}
+
+// "1,2,4".
+std::optional<std::vector<int>> rankCounts(const std::string& word) {
+  constexpr int kMostRanks = 64;
+  if (word.ends_with(',')) return std::nullopt;
+  std::vector<int> counts;
+  std::stringstream rest(word);
+  for (std::string part; std::getline(rest, part, ',');) {
+    const auto count = parseIn<int>(part, {1, kMostRanks});
+    if (!count) return std::nullopt;
+    counts.push_back(*count);
+  }
+  if (counts.empty()) return std::nullopt;
+  return counts;
+}
+
+}  // namespace
+
+Bench addRanksBench(CLI::App& app) {
+  auto bench = std::make_shared<RanksBench>();
+  bench->frame = plainFrame();
+  CLI::App* ranks =
+      app.add_subcommand("ranks",
+                         "Measures pictures shared among ranks: those of mpirun, or in-process "
+                         "ranks of one thread each\n\n"
+                         "  mpirun -n 2 sluice bench ranks bonsai.nii.gz --threshold 40");
+  addPictures(*ranks, *bench);
+  const OptionGroup output(*ranks, kOutputHeading);
+  output.parsed(
+      "--ranks", "N,...", "numbers from 1 to 64 with commas between", rankCounts,
+      [bench](const std::vector<int>& counts) { bench->ranks = counts; },
+      "Ranks to measure if no launcher sets their number", "1,2");
+  addFramesOption(output, bench->frames, kFrames);
+  return {ranks, [bench, ranks](const Show& show) {
+            return onRanks([&](Team* team) {
+              if (team != nullptr) expectSameCommand(*team, *ranks);
+              return show(benchRanks(*bench, team), printRanks);
+            });
+          }};
 }
 
 }  // namespace sluice

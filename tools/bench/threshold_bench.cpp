@@ -1,5 +1,5 @@
-#include "tools/bench/threshold_bench.h"
-
+// sluice bench threshold: from a changed transfer function to the finished picture, and the time of
+// a renderer without min-max arrays for the same.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,12 +10,16 @@
 
 #include "src/base/threads/clock.h"
 #include "src/classify/transfer/transfer_makers.h"
-#include "tools/bench/warm_frames.h"
+#include "tools/bench/bench.h"
 #include "tools/command_line/console.h"
 #include "tools/scene/scene.h"
 
 namespace sluice {
 namespace {
+
+struct ThresholdBench : BenchArguments {
+  int changes = 24;  // changes of each kind
+};
 
 constexpr int kSteadyFrames = 9;
 constexpr int kRebuilds = 3;
@@ -284,8 +288,10 @@ double rebuildSeconds(const ThresholdRun& bench) {
   return quantile(seconds, 0.5);
 }
 
-}  // namespace
-
+// The names of the interface, and in addition `walk` and `band` changes, the parts of each change,
+// with each picture drawn `again` and the processor's time of both, a threshold `raised_by_a_fifth`
+// from ones drawn before, and the same changes `cold` (a session that holds nothing) and
+// `out_of_core` (memory for a quarter of the picture's need). Throws Error.
 nlohmann::json benchThreshold(const ThresholdBench& asked) {
   Scene scene(asked.volume, asked.look, asked.resources, asked.frame.partition);
   const ValueRange values = scene.volume.valueRange();
@@ -332,6 +338,25 @@ void printThreshold(const nlohmann::json& report) {
       "drawn again\n");
   say("in memory: {} bytes copied, {} bytes of changed chunks\n",
       report["bytes_copied"].get<uint64_t>(), report["bytes_changed"].get<uint64_t>());
+}
+
+}  // namespace
+
+Bench addThresholdBench(CLI::App& app) {
+  auto bench = std::make_shared<ThresholdBench>();
+  bench->frame = plainFrame();
+  bench->changes = 24;
+  CLI::App* threshold = app.add_subcommand(
+      "threshold",
+      std::string(
+          "Measures from a changed threshold to the finished picture: small and large steps, a "
+          "random walk and a band; in memory, out of core and cold; and a full rebuild\n\n") +
+          kPlainPicture + "  sluice bench threshold bonsai.nii.gz --threshold 40");
+  addPictures(*threshold, *bench);
+  OptionGroup(*threshold, kOutputHeading)
+      .number("--changes", "N", bench->changes, {1, 100'000}, "Changes of each kind");
+  return {threshold,
+          [bench](const Show& show) { return show(benchThreshold(*bench), printThreshold); }};
 }
 
 }  // namespace sluice

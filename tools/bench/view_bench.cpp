@@ -1,5 +1,5 @@
-#include "tools/bench/view_bench.h"
-
+// sluice bench view: how soon a window would have a picture after a movement of the hand, and
+// whether its loop ever waits.
 #include <algorithm>
 #include <chrono>
 #include <thread>
@@ -8,15 +8,32 @@
 
 #include "src/base/error.h"
 #include "src/base/threads/clock.h"
+#include "src/view/drawing/drawing_thread.h"
 #include "src/view/state/transfer_edit.h"
-#include "tools/bench/volumes_bench.h"
+#include "tools/bench/bench.h"
 #include "tools/command_line/console.h"
+#include "tools/command_line/environment.h"
 #include "tools/command_line/interrupt.h"
+#include "tools/options/view_arguments.h"
 
 namespace sluice {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+
+// The thing that the hand moves.
+enum class DragKind { kThreshold, kView };
+
+struct ViewBench {
+  ViewedVolume volume;
+  DrawingOptions drawing;
+  int width = 800, height = 600;
+  DragKind drag = DragKind::kThreshold;
+  double threshold = 0;  // start of a drag of the threshold
+  int events = 120;      // events of a drag
+  double events_per_second = 60;
+  int drags = 3;
+};
 
 nlohmann::json spread(std::vector<double> times) {
   if (times.empty()) return {{"p50", 0}, {"p95", 0}, {"max", 0}};
@@ -80,8 +97,12 @@ void move(ViewState& state, const ViewBench& bench, std::array<double, 2> range,
     state.view = orbit(state.view, part < 0.5 ? 4 : -4, 0, {bench.width, bench.height});
 }
 
-}  // namespace
-
+// Opens the volume and waits for the first picture, then drags the threshold or turns the view back
+// and forth with a hand's events, lets go, and waits for the whole picture:
+// {"first_picture_seconds", "answer_seconds": {"p50", "p95", "max"}, "complete_seconds",
+// "steady_frame_seconds", "loop_seconds": {"p50", "p95", "max"}, ...}. The first picture's seconds
+// count from the call. The loop's times are those of one turn of the thread that stands for the
+// window's, which asks and takes. Throws Error.
 nlohmann::json benchView(const ViewBench& bench) {
   const Stopwatch since_start;
   DrawingThread desk(bench.drawing);
@@ -164,6 +185,43 @@ void printView(const nlohmann::json& report) {
       ms(report["complete_seconds"]["p50"]), report["complete_frames"].get<double>(),
       ms(report["steady_frame_seconds"]));
   say("a turn of the loop: p95 {:.3f} ms, max {:.3f} ms\n", ms(loop["p95"]), ms(loop["max"]));
+}
+
+}  // namespace
+
+Bench addWindowBench(CLI::App& app) {
+  auto bench = std::make_shared<BenchArguments>();
+  auto events = std::make_shared<int>(120);
+  auto drag = std::make_shared<DragKind>(DragKind::kThreshold);
+  CLI::App* view = app.add_subcommand(
+      "view", std::string("Measures the first picture and a drag without a window: from an event "
+                          "to its picture, and whether the loop ever waits\n\n") +
+                  kPlainPicture +
+                  "  sluice bench view bonsai.nii.gz --threshold 40 --size 800x600");
+  const AskedView options = addPictures(*view, *bench);
+  const OptionGroup output(*view, kOutputHeading);
+  output.number("--events", "N", *events, {2, 100'000}, "Events of each of three drags");
+  output.choice("--drag",
+                Words<DragKind>{{"threshold", DragKind::kThreshold}, {"view", DragKind::kView}},
+                *drag, "What the hand moves");
+  return {view, [bench, events, drag, options](const Show& show) {
+            const ViewState state = viewState(*options, bench->volume, bench->look);
+            const IndexWish wish = indexWish(bench->resources.index_dir);
+            ViewBench asked;
+            if (!wish.disabled) asked.drawing.index_folder = wish.folder.string();
+            asked.volume =
+                viewedVolume(bench->volume, bench->resources, asked.drawing.index_folder);
+            asked.drawing.renderer = rendererOptions(bench->resources);
+            asked.drawing.state.look = state.look;
+            asked.drawing.state.view = state.view;
+            asked.drawing.state.step_vox = state.step_vox;
+            asked.width = bench->frame.size.width;
+            asked.height = bench->frame.size.height;
+            asked.threshold = bench->look.threshold.value_or(0);
+            asked.events = *events;
+            asked.drag = *drag;
+            return show(benchView(asked), printView);
+          }};
 }
 
 }  // namespace sluice

@@ -1,0 +1,52 @@
+#include "tools/bench/bench.h"
+
+#include <algorithm>
+
+#include "src/base/error.h"
+#include "tools/command_line/parse.h"
+
+namespace sluice {
+
+const char* const kPlainPicture =
+    "By default pictures are plain: --view plain at azimuth 30 and elevation 20, fitted to the "
+    "volume's sphere, unlit, with a step of 1. Without --threshold the ramp begins at a fifth of "
+    "the value range.\n\n";
+
+FrameOptions plainFrame() {
+  FrameOptions plain;
+  plain.camera.azimuth_deg = 30;
+  plain.camera.elevation_deg = 20;
+  return plain;
+}
+
+AskedView addPictures(CLI::App& app, BenchArguments& arguments) {
+  auto asked = std::make_shared<ViewState>();
+  addVolumeOptions(app, arguments.volume);
+  addLookOptions(app, asked, arguments.look, arguments.frame);
+  addViewOptions(app, asked, arguments.frame);
+  addResourceOptions(app, arguments.resources);
+  return asked;
+}
+
+void addFrames(CLI::App& app, BenchArguments& bench, const char* which) {
+  addPictures(app, bench);
+  addFramesOption(OptionGroup(app, kOutputHeading), bench.frames, which);
+}
+
+std::pair<std::string, std::optional<double>> splitThreshold(const std::string& word,
+                                                             std::optional<double> threshold) {
+  const size_t at = word.rfind('@');
+  if (at == std::string::npos) return {word, threshold};
+  const auto number = parseNumbers(word.substr(at + 1), 1);
+  if (!number) return {word, threshold};
+  return {word.substr(0, at), number->front()};
+}
+
+double median(std::vector<double> values) {
+  SLUICE_CHECK(!values.empty());
+  std::sort(values.begin(), values.end());
+  const size_t middle = values.size() / 2;
+  return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
+}
+
+}  // namespace sluice

@@ -1,8 +1,0 @@
-// Frames that a bench draws before the first that it measures.
-#pragma once
-
-namespace sluice {
-
-inline constexpr int kWarmFrames = 2;
-
-}  // namespace sluice
