@@ -36,7 +36,7 @@ ChunkTexelsPtr texels() {
 
 }  // namespace
 
-double samplingLimit(Device& device, PictureSize size, int frames) {
+SamplingRate samplingLimit(Device& device, PictureSize size, int frames) {
   VolumeLayout layout;
   layout.dims = {kSide, kSide, kSide};
   const ValueMap map = deviceMap(layout);
@@ -52,19 +52,26 @@ double samplingLimit(Device& device, PictureSize size, int frames) {
   box.chunk = kChunk;
   box.cells = boxOf(layout.dims - Vec3i{1, 1, 1});
   device.makeResident(kChunk, texels());
-  std::vector<double> seconds;
+  std::vector<double> seconds, processor_seconds;
   uint64_t samples = 0;
   for (int i = -kWarmFrames; i < frames; ++i) {
+    const double processor_before = processorSeconds();
     const Stopwatch watch;
     device.beginFrame(setup);
     device.draw({&box, 1});
     device.reuse(device.endFrame());
-    if (i >= 0) seconds.push_back(watch.seconds());
+    if (i >= 0) {
+      seconds.push_back(watch.seconds());
+      processor_seconds.push_back(processorSeconds() - processor_before);
+    }
     if (i == -1) samples = device.countSamples({&box, 1});
   }
   device.evict(kChunk);
-  std::sort(seconds.begin(), seconds.end());
-  return static_cast<double>(samples) / seconds[seconds.size() / 2];
+  const auto rateOf = [samples](std::vector<double>& times) {
+    std::ranges::sort(times);
+    return static_cast<double>(samples) / times[times.size() / 2];
+  };
+  return {rateOf(seconds), rateOf(processor_seconds)};
 }
 
 }  // namespace sluice

@@ -7,7 +7,13 @@
 
 namespace sluice {
 
-// Samples a second, from the median of `frames` frames after two warm ones.
-double samplingLimit(Device& device, PictureSize size, int frames);
+struct SamplingRate {
+  double samples_per_second = 0;
+  // By the time of all threads, which other work on the machine changes little.
+  double samples_per_processor_second = 0;
+};
+
+// From the medians of `frames` frames after two warm ones.
+SamplingRate samplingLimit(Device& device, PictureSize size, int frames);
 
 }  // namespace sluice
