@@ -6,6 +6,7 @@
 #include "src/base/threads/clock.h"
 #include "src/classify/blocks/classification.h"
 #include "src/render/blocks/look.h"
+#include "src/render/blocks/spread_tally.h"
 
 namespace sluice {
 namespace {
@@ -52,6 +53,18 @@ uint64_t blocksOfCut(const IndexedVolume& volume, const CutOptions& cut) {
   return cut.most_held_bytes / block_bytes + 1;
 }
 
+// The spreads of coarse blocks that were read, of which each step has its own.
+uint64_t spreadBytes(const IndexedVolume& volume) {
+  if (volume.pyramid == nullptr) return 0;
+  double blocks = 0;
+  for (int level = 1; level < volume.pyramid->levels(); ++level)
+    if (const LevelLayout& at = volume.pyramid->level(level); at.numbers == 2)
+      blocks += static_cast<double>(at.blocks.blockCount());
+  blocks *= static_cast<double>(volume.source->layout().time_steps);
+  const auto most = static_cast<double>(SpreadTally::kMostBlocks);
+  return static_cast<uint64_t>(std::min(blocks, most)) * SpreadTally::kBlockBytes;
+}
+
 }  // namespace
 
 uint64_t memoryBudget(const MachineOptions& machine) {
@@ -94,7 +107,7 @@ uint64_t planBytes(const IndexedVolume& volume, const TransferFunction& transfer
     if (volume.source->layout().time_steps > 1) blocks = std::min(2 * all, 3 * blocks);
   }
   if (frame.cut && volume.pyramid) blocks = std::min(blocks, blocksOfCut(volume, *frame.cut));
-  return blocks * kPlannedBlockBytes;
+  return blocks * kPlannedBlockBytes + spreadBytes(volume);
 }
 
 BesideShare besideShare(const IndexedVolume& volume, const MachineOptions& machine,

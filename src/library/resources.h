@@ -32,7 +32,8 @@ int64_t pageCount(const MachineOptions& machine, const IndexedVolume& volume,
 // The bytes that plans of frames with this look take in addition to the levels: for each block
 // that is planned
 // its boxes, its chunk and their names, its places in the order of the visit and in the tables of
-// all levels. A series has the next step's plan, too. Classifies the step that the volume was
+// all levels. A series has the next step's plan, too. The spreads that are noted of coarse blocks
+// (spread_tally.h) are counted with them. Classifies the step that the volume was
 // opened for.
 uint64_t planBytes(const IndexedVolume& volume, const TransferFunction& transfer,
                    const FrameOptions& frame, WorkerPool& pool);

@@ -48,6 +48,13 @@ TEST(BenchSlicing, saysWhatBothSlicersTake) {
   EXPECT_GT(report["plain_ns"].get<double>(), 0);
 }
 
+TEST(Plan, countsOneBlockAndOneCluster) {
+  const Program program;
+  const CommandResult plan = program.run("plan synth:cube,dims=16x16x16");
+  EXPECT_NE(plan.output.find("reads 1 block, "), std::string::npos) << plan.output;
+  EXPECT_NE(plan.output.find("1 cluster of"), std::string::npos) << plan.output;
+}
+
 TEST(Plan, theFirstSaysThatItMakesTheIndex) {
   const Program program;
   const std::string line = std::string("plan ") + kSmall;

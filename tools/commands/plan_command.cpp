@@ -153,9 +153,9 @@ void print(const Costs& costs, Algorithm algorithm, double classify_seconds,
     say("{:<13} {:>8} {:>9} {:>12} {:>7}\n", name(kAlgorithms[i]), costs[i].chunks, costs[i].pages,
         formatBytes(costs[i].bytes), costs[i].binds);
   const Cost& chosen = costs[static_cast<size_t>(algorithm)];
-  say("{} clusters of {} x {} blocks; classified in {:.2f} ms, planned in {:.2f} ms\n",
-      chosen.clusters, chosen.cluster_blocks.x, chosen.cluster_blocks.y, 1e3 * classify_seconds,
-      1e3 * chosen.seconds);
+  say("{} cluster{} of {} x {} blocks; classified in {:.2f} ms, planned in {:.2f} ms\n",
+      chosen.clusters, chosen.clusters == 1 ? "" : "s", chosen.cluster_blocks.x,
+      chosen.cluster_blocks.y, 1e3 * classify_seconds, 1e3 * chosen.seconds);
 }
 
 // Growing boxes, compared with the two partitions that they lie between: one object box a block,

@@ -65,9 +65,10 @@ nlohmann::json memoryJson(const Forecast& forecast) {
 }
 
 void printForecast(const Forecast& forecast) {
-  say("reads {} blocks, {} of voxels; {} of memory at most: {} of --memory {}, {} beside it\n",
-      forecast.blocks, formatBytes(forecast.voxel_bytes), formatBytes(forecast.peakBytes()),
-      formatBytes(forecast.buffer_bytes), formatBytes(forecast.budget_bytes),
+  say("reads {} block{}, {} of voxels; {} of memory at most: {} of --memory {}, {} beside it\n",
+      forecast.blocks, forecast.blocks == 1 ? "" : "s", formatBytes(forecast.voxel_bytes),
+      formatBytes(forecast.peakBytes()), formatBytes(forecast.buffer_bytes),
+      formatBytes(forecast.budget_bytes),
       formatBytes(forecast.peakBytes() - forecast.buffer_bytes));
   if (forecast.least_bytes > forecast.budget_bytes) {
     say("does not fit --memory: {} is the least that works, or fewer --pages\n",

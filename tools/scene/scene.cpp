@@ -47,8 +47,8 @@ IndexNeeds pictureNeeds(const LookArguments& look, const FrameOptions& frame, Fi
   needs.may_stand_in = finest != FinestLevel::kRead && needs.levels != LevelNeeds::kFinest &&
                        frame.cut->level.value_or(1) > 0 && frame.partition == Partition::kBlocks &&
                        !frame.cut->keeps_thin;
-  // The other half is for drawing.
-  constexpr double kSampleShare = 0.5, kUnlimitedSeconds = 1;
+  // The rest is for drawing, which takes longer on a busy machine.
+  constexpr double kSampleShare = 1.0 / 3, kUnlimitedSeconds = 1;
   if (finest == FinestLevel::kMaySample)
     needs.sample_seconds = kSampleShare * frame.time_limit_s.value_or(kUnlimitedSeconds);
   return needs;

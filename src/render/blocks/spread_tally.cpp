@@ -23,6 +23,7 @@ void SpreadTally::note(const BlockName& name, const VolumeBlock& block) {
     spreads = {static_cast<double>(largest), sum / static_cast<double>(count)};
   });
   const MutexLock lock(mutex_);
+  if (by_block_.size() >= kMostBlocks && !by_block_.contains(name)) by_block_.clear();
   by_block_[name] = spreads;
 }
 

@@ -15,10 +15,14 @@ namespace sluice {
 
 class SpreadTally {
  public:
+  // It notes at most so many blocks, and forgets all when more are read. Each takes about so many
+  // bytes: a node of the table and its place.
+  static constexpr size_t kMostBlocks = size_t{1} << 17, kBlockBytes = 80;
+
   // Notes the spreads of a block that was just read; a block without spreads is ignored.
   void note(const BlockName& name, const VolumeBlock& block) SLUICE_EXCLUDES(mutex_);
-  // The spreads of all blocks of a picture that were read so far, in units of values; nullopt if
-  // none of its blocks has spreads. `scale`: values in a device value.
+  // The spreads of all blocks of a picture that were read and not forgotten so far, in units of
+  // values; nullopt if none of its blocks has spreads. `scale`: values in a device value.
   std::optional<StandingSpread> of(const VisibleBlocks& blocks, double scale) const
       SLUICE_EXCLUDES(mutex_);
 
@@ -29,7 +33,6 @@ class SpreadTally {
   };
 
   mutable Mutex mutex_;
-  // A few bytes for each coarse block ever read: a thousandth of the block itself.
   std::unordered_map<BlockName, Spreads, BlockNameHash> by_block_ SLUICE_GUARDED_BY(mutex_);
 };
 
