@@ -20,6 +20,8 @@
 #include "io/synth/synth_source.h"
 #include "io/vdb/vdb_series.h"
 #include "io/vdb/vdb_source.h"
+#include "io/web/address.h"
+#include "io/web/web_place.h"
 #include "io/zarr/zarr_folder.h"
 #include "io/zarr/zarr_source.h"
 #include "src/base/error.h"
@@ -161,18 +163,32 @@ std::unique_ptr<VolumeSource> openFolder(const fs::path& folder, const OpenOptio
   return openSliceFolder(folder, sliceOptions(options));
 }
 
-// A name that stands for one source: a file, a folder, a synthetic volume.
+ZarrOptions zarrOptions(const OpenOptions& options) {
+  return {.channel = options.channel, .chunk_cache_bytes = options.chunk_cache_bytes};
+}
+
+std::unique_ptr<VolumeSource> openAddress(const std::string& input, const OpenOptions& options) {
+  const StorePlace place = webPlace(input, options.buckets, options.stop);
+  checkOptions(place.name(), Format::kZarr, options);
+  if (!isZarr(place))
+    fail(
+        "{}: expected a Zarr store, found neither zarr.json nor .zarray nor .zgroup there; "
+        "download files of other kinds first",
+        place.name());
+  return respaced(std::make_unique<ZarrSource>(place, zarrOptions(options)), options);
+}
+
+// A name that stands for one source: a file, a folder, an address, a synthetic volume.
 std::unique_ptr<VolumeSource> openOne(const std::string& input, const OpenOptions& options) {
   const fs::path path(input);
   if (isSynthSpec(input)) {
     checkOptions(input, Format::kUnknown, options);
     return respaced(openSynth(parseSynthSpec(input)), options);
   }
+  if (isAddress(input)) return openAddress(input, options);
   if (fs::is_directory(path) && isZarr(folderPlace(path))) {
     checkOptions(input, Format::kZarr, options);
-    const ZarrOptions zarr{.channel = options.channel,
-                           .chunk_cache_bytes = options.chunk_cache_bytes};
-    return respaced(std::make_unique<ZarrSource>(path, zarr), options);
+    return respaced(std::make_unique<ZarrSource>(path, zarrOptions(options)), options);
   }
   if (fs::is_directory(path)) return openFolder(path, options);
   Format format = formatOfContent(path);
@@ -202,7 +218,8 @@ std::unique_ptr<VolumeSource> openOne(const std::string& input, const OpenOption
 std::map<std::string, Box3> boxesOfVdbSteps(const std::vector<std::string>& files,
                                             const OpenOptions& options) {
   for (const std::string& file : files)
-    if (isSynthSpec(file) || fs::is_directory(file) || formatOfContent(file) != Format::kVdb)
+    if (isSynthSpec(file) || isAddress(file) || fs::is_directory(file) ||
+        formatOfContent(file) != Format::kVdb)
       return {};
   checkOptions(files[0], Format::kVdb, options);
   const std::vector<Box3> boxes =
@@ -213,7 +230,8 @@ std::map<std::string, Box3> boxesOfVdbSteps(const std::vector<std::string>& file
 }
 
 bool isSlice(const std::string& input) {
-  if (isSynthSpec(input) || fs::is_directory(input) || !isSlicePicture(input)) return false;
+  if (isSynthSpec(input) || isAddress(input) || fs::is_directory(input) || !isSlicePicture(input))
+    return false;
   return openSlicePicture(input)->format().pages == 1;
 }
 
@@ -257,7 +275,7 @@ std::unique_ptr<VolumeSource> openVolume(const std::vector<std::string>& inputs,
   SLUICE_CHECK(!inputs.empty());
   std::vector<std::string> files;
   for (const std::string& input : inputs) {
-    if (isSynthSpec(input) || !isPattern(input)) {
+    if (isSynthSpec(input) || isAddress(input) || !isPattern(input)) {
       files.push_back(input);
       continue;
     }

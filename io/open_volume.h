@@ -2,8 +2,8 @@
 //
 // The file's first bytes decide which reader opens it, or its extension if they do not tell. A name
 // is a file (NRRD, MetaImage, NIfTI, OpenVDB, PNG, TIFF, raw), a folder of slices, an OME-Zarr
-// image or Zarr array, a pattern ('slice-*.png', 'step_%03d.raw'), several of these, or a
-// "synth:KIND,..." volume.
+// image or Zarr array or its address on the web, a pattern ('slice-*.png', 'step_%03d.raw'),
+// several of these, or a "synth:KIND,..." volume.
 #pragma once
 
 #include <bit>
@@ -15,6 +15,7 @@
 
 #include "io/files/channel_choice.h"
 #include "io/headers/decode_options.h"
+#include "io/web/address.h"
 #include "src/base/threads/stop_token.h"
 #include "src/base/values/volume_source.h"
 
@@ -34,6 +35,7 @@ struct OpenOptions {
   // Zarr: decoded chunks kept at most, see zarr_source.h. Not a property of a volume, hence without
   // effect on other formats.
   uint64_t chunk_cache_bytes = uint64_t{32} << 20;
+  BucketAccess buckets = {};  // s3:// addresses; without effect on the others
   // Compressed volumes of one stream; without effect on the others either. Its stop token is set to
   // the one below.
   DecodeOptions decode = {};

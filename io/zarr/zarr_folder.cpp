@@ -18,6 +18,8 @@ constexpr int kMostLevelDepth = 2;  // folders between an image's and its level'
 // nullopt: there is no such file.
 std::optional<ZarrHeader> findHeader(const StorePlace& folder, const char* name) {
   const StorePlace place = folder.at(name);
+  // A server's store keeps what it was asked for so.
+  if (!place.store->has(place.key)) return std::nullopt;
   ZarrHeader header{place.name(), {}, {}};
   const bool is_there = place.store->read(place.key, {}, [&](const PieceInfo& piece) {
     if (piece.bytes > kMostHeaderBytes)
@@ -94,7 +96,7 @@ std::string identityOf(const StorePlace& place) {
 }
 
 bool isZarr(const StorePlace& folder) {
-  return folder.has(".zarray") || folder.has(".zgroup") || folder.has(kVersion3);
+  return folder.has(kVersion3) || folder.has(".zarray") || folder.has(".zgroup");
 }
 
 ZarrHeader readArrayHeader(const StorePlace& array_folder) {

@@ -13,7 +13,7 @@ import sys
 ONCE = [
     (r'\bstd::(thread|jthread)\b(?!::)|\bstd::async\b|\bpthread_create\b|#\s*include\s*<future>',
      ['src/base/threads/threads.h', 'src/base/threads/threads.cpp', 'src/base/threads/worker_pool.h', 'src/base/threads/worker_pool.cpp',
-      'src/base/threads/deadline.h'],
+      'src/base/threads/deadline.h', 'io/web/http_client.h'],
      'threads are started by src/base/threads/threads.h; take a WorkerPool'),
     (r'\bstd::(mutex|shared_mutex|recursive_mutex|lock_guard|scoped_lock|unique_lock|condition_variable\w*)\b',
      ['src/base/threads/mutex.h'], 'clang checks the mutex of src/base/threads/mutex.h, not this one'),

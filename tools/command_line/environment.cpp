@@ -25,6 +25,11 @@ std::filesystem::path indexFolder(const std::string& index_dir) {
   return {};
 }
 
+std::string textFrom(const char* variable) {
+  const char* value = std::getenv(variable);
+  return value == nullptr ? "" : value;
+}
+
 }  // namespace
 
 IndexWish indexWish(const std::string& index_dir) {
@@ -46,6 +51,18 @@ DecodeOptions decodeOptions() {
   if (const char* const chosen = std::getenv("TMPDIR")) options.folder = chosen;
   options.watch = [](const std::string& file) { return progressLine("decoding " + file); };
   return options;
+}
+
+BucketAccess bucketAccess() {
+  BucketAccess access;
+  access.endpoint = textFrom("AWS_ENDPOINT_URL");
+  for (const char* name : {"AWS_DEFAULT_REGION", "AWS_REGION"})
+    if (const std::string region = textFrom(name); !region.empty()) access.region = region;
+  access.access_key = textFrom("AWS_ACCESS_KEY_ID");
+  access.secret_key = textFrom("AWS_SECRET_ACCESS_KEY");
+  if (access.secret_key.empty()) access.access_key.clear();
+  access.session_token = textFrom("AWS_SESSION_TOKEN");
+  return access;
 }
 
 Launch launchOfProcess() {

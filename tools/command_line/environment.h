@@ -6,6 +6,7 @@
 #include <string>
 
 #include "io/headers/decode_options.h"
+#include "io/web/address.h"
 #include "src/index/index_file.h"
 #include "src/parallel/mpi_ranks.h"
 
@@ -22,6 +23,10 @@ std::filesystem::path windowSettings();
 
 // Options for decoding into $TMPDIR, with a line of progress.
 DecodeOptions decodeOptions();
+
+// Where s3:// addresses lead: AWS_ENDPOINT_URL, AWS_REGION or AWS_DEFAULT_REGION, and the key of
+// AWS_ACCESS_KEY_ID, AWS_SECRET_ACCESS_KEY and AWS_SESSION_TOKEN if the first two are set.
+BucketAccess bucketAccess();
 
 // The rank that a launcher has started this process as, and the number of ranks.
 Launch launchOfProcess();

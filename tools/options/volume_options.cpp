@@ -68,9 +68,10 @@ void addVolumeOptions(CLI::App& app, VolumeArguments& arguments, std::optional<T
                       bool needs_volume) {
   arguments.open.decode = decodeOptions();
   arguments.open.stop = interruption();
+  arguments.open.buckets = bucketAccess();
   app.add_option("volume", arguments.inputs,
-                 "Files, a folder of slices, a Zarr store, a pattern ('step_%03d.raw', "
-                 "'step_###.raw'), or synth:KIND,...")
+                 "Files, a folder of slices, a Zarr store or its address (https://..., s3://...), "
+                 "a pattern ('step_%03d.raw', 'step_###.raw'), or synth:KIND,...")
       ->required(needs_volume)
       ->type_name("VOLUME")
       ->group("Volume");

@@ -1,0 +1,77 @@
+#include "io/web/address.h"
+
+#include <algorithm>
+#include <array>
+
+#include "src/base/error.h"
+
+namespace sluice {
+namespace {
+
+constexpr std::array<std::string_view, 3> kSchemes = {"http://", "https://", "s3://"};
+
+std::string_view schemeOf(std::string_view name) {
+  for (const std::string_view scheme : kSchemes)
+    if (name.starts_with(scheme)) return scheme;
+  return "";
+}
+
+// s3://BUCKET/KEY as an address of the bucket's server.
+Address bucketAddress(std::string_view rest, const BucketAccess& buckets) {
+  const size_t end = std::min(rest.find('/'), rest.size());
+  const std::string bucket(rest.substr(0, end));
+  const std::string key(rest.substr(std::min(end + 1, rest.size())));
+  Address address;
+  address.is_bucket = true;
+  if (const std::string& endpoint = buckets.endpoint; !endpoint.empty()) {
+    address.server = endpoint.ends_with('/') ? endpoint.substr(0, endpoint.size() - 1) : endpoint;
+    address.key = bucket + "/" + key;
+  } else if (bucket.find('.') != std::string::npos) {
+    // No certificate covers a bucket's name with dots.
+    address.server = fmt::format("https://s3.{}.amazonaws.com", buckets.region);
+    address.key = bucket + "/" + key;
+  } else {
+    address.server = fmt::format("https://{}.s3.{}.amazonaws.com", bucket, buckets.region);
+    address.key = key;
+  }
+  if (bucket.empty()) address.server.clear();
+  return address;
+}
+
+}  // namespace
+
+bool isAddress(std::string_view name) {
+  return !schemeOf(name).empty();
+}
+
+Address parseAddress(const std::string& name, const BucketAccess& buckets) {
+  const std::string_view scheme = schemeOf(name);
+  std::string_view rest = std::string_view(name).substr(scheme.size());
+  Address address;
+  if (scheme == "s3://") {
+    address = bucketAddress(rest, buckets);
+  } else {
+    rest = rest.substr(0, rest.find('#'));
+    const size_t query = std::min(rest.find('?'), rest.size());
+    address.query = rest.substr(query);
+    rest = rest.substr(0, query);
+    const size_t path = std::min(rest.find('/'), rest.size());
+    std::string_view host = rest.substr(0, path);
+    if (const size_t at = host.rfind('@'); at != std::string_view::npos) {
+      address.user = host.substr(0, at);
+      host = host.substr(at + 1);
+    }
+    if (!host.empty()) address.server = std::string(scheme) + std::string(host);
+    address.key = rest.substr(std::min(path + 1, rest.size()));
+  }
+  while (address.key.ends_with('/')) address.key.pop_back();
+  if (address.server.empty() || address.key.empty())
+    fail("{}: expected an address such as https://HOST/PATH or s3://BUCKET/KEY", name);
+  return address;
+}
+
+std::string printedAddress(const Address& address) {
+  return address.server + "/" + address.key;
+}
+
+}  // namespace sluice

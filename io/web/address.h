@@ -1,0 +1,34 @@
+// Addresses of volumes on the web, as users name them: http://HOST/PATH, https://HOST/PATH?QUERY,
+// s3://BUCKET/KEY. Pure functions.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace sluice {
+
+// Whether a name is an address, and not a file's.
+bool isAddress(std::string_view name);
+
+// A server of buckets, and the key for signed requests; without one, requests are not signed.
+struct BucketAccess {
+  std::string endpoint;  // as "http://127.0.0.1:9000"; empty: Amazon's
+  std::string region = "us-east-1";
+  std::string access_key, secret_key, session_token;
+};
+
+struct Address {
+  std::string server;      // "https://host:port", without a user's name and password
+  std::string key;         // the path, without the slash at its beginning
+  std::string query;       // "?...", or empty: sent with every request, printed never
+  std::string user;        // "name:password", or empty
+  bool is_bucket = false;  // it may take signed requests
+};
+
+// Throws Error: no server, or no path.
+Address parseAddress(const std::string& name, const BucketAccess& buckets = {});
+
+// The address without name, password and query: for messages, reports and titles.
+std::string printedAddress(const Address& address);
+
+}  // namespace sluice

@@ -1,0 +1,224 @@
+#include "io/web/http_client.h"
+
+#include <curl/curl.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <chrono>
+#include <utility>
+#include <vector>
+
+#include "src/base/error.h"
+#include "src/base/threads/threads.h"
+
+namespace sluice {
+namespace {
+
+constexpr long kConnections = 8;     // to one server
+constexpr long kConnectSeconds = 8;  // until a connection stands
+constexpr long kSilentSeconds = 8;   // until a connection without a byte is given up
+constexpr long kRedirects = 5;
+constexpr int kPollMs = 1000;  // a wake-up comes before
+constexpr std::chrono::milliseconds kAskStopEvery(50);
+
+std::string_view trimmed(std::string_view text) {
+  const size_t first = text.find_first_not_of(" \t");
+  if (first == std::string_view::npos) return "";
+  return text.substr(first, text.find_last_not_of(" \t\r\n") + 1 - first);
+}
+
+std::optional<uint64_t> numberIn(std::string_view text) {
+  uint64_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+// "bytes 5-9/100", or "bytes */100"
+void takeContentRange(std::string_view value, HttpHead& head) {
+  if (!value.starts_with("bytes ")) return;
+  value.remove_prefix(6);
+  const size_t slash = value.find('/');
+  if (slash == std::string_view::npos) return;
+  head.first_byte = numberIn(value.substr(0, value.find('-')));
+  head.whole = numberIn(value.substr(slash + 1));
+}
+
+// Faults of the network and of a busy server, which others do not have.
+bool mayPass(CURLcode code) {
+  constexpr std::array kPassing = {
+      CURLE_COULDNT_CONNECT, CURLE_PARTIAL_FILE, CURLE_OPERATION_TIMEDOUT,
+      CURLE_GOT_NOTHING,     CURLE_SEND_ERROR,   CURLE_RECV_ERROR,
+      CURLE_HTTP2,           CURLE_HTTP2_STREAM};
+  return std::find(kPassing.begin(), kPassing.end(), code) != kPassing.end();
+}
+
+}  // namespace
+
+void takeHeaderLine(std::string_view line, HttpHead& head) {
+  if (line.starts_with("HTTP/")) {
+    head = {};
+    const size_t space = std::min(line.find(' '), line.size());
+    const std::string_view status = line.substr(std::min(space + 1, line.size())).substr(0, 3);
+    head.status = static_cast<int>(numberIn(status).value_or(0));
+    return;
+  }
+  const size_t colon = line.find(':');
+  if (colon == std::string_view::npos) return;
+  std::string name(line.substr(0, colon));
+  for (char& c : name)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  const std::string_view value = trimmed(line.substr(colon + 1));
+  if (name == "content-length") head.length = numberIn(value);
+  if (name == "content-range") takeContentRange(value, head);
+  if (name == "etag") head.stamp = value;
+  if (name == "last-modified" && head.stamp.empty()) head.stamp = value;
+  if (name == "retry-after") head.retry_after_s = static_cast<double>(numberIn(value).value_or(0));
+  if (name == "content-encoding") head.is_encoded = value != "identity";
+}
+
+struct HttpClient::Transfer {
+  const HttpGet& request;
+  CURL* easy = nullptr;
+  curl_slist* headers = nullptr;
+  HttpHead head = {};
+  bool is_head_told = false;
+  std::array<char, CURL_ERROR_SIZE> message{};
+  bool is_stopped = false;  // guarded by the client's mutex, as the rest
+  bool is_done = false;
+  HttpEnd end = {};
+
+  bool tellHead() {
+    if (is_head_told) return true;
+    is_head_told = true;
+    return request.on_head(head);
+  }
+  static size_t takeHeader(char* bytes, size_t one, size_t count, void* self) {
+    auto& transfer = *static_cast<Transfer*>(self);
+    takeHeaderLine({bytes, one * count}, transfer.head);
+    return one * count;
+  }
+  static size_t takeBody(char* bytes, size_t one, size_t count, void* self) {
+    auto& transfer = *static_cast<Transfer*>(self);
+    const std::span<const std::byte> body(reinterpret_cast<const std::byte*>(bytes), one * count);
+    return transfer.tellHead() && transfer.request.on_body(body) ? body.size()
+                                                                 : CURL_WRITEFUNC_ERROR;
+  }
+};
+
+HttpClient::HttpClient(HttpCredentials credentials)
+    : credentials_(std::move(credentials)), multi_(curl_multi_init()) {
+  curl_multi_setopt(multi_, CURLMOPT_MAX_HOST_CONNECTIONS, kConnections);
+  thread_ = startThread([this] { run(); });
+}
+
+HttpClient::~HttpClient() {
+  {
+    const MutexLock lock(mutex_);
+    is_over_ = true;
+  }
+  curl_multi_wakeup(multi_);
+  thread_.join();
+  curl_multi_cleanup(multi_);
+}
+
+HttpEnd HttpClient::get(const HttpGet& request, const StopToken& stop) {
+  Transfer transfer{.request = request};
+  MutexLock lock(mutex_);
+  waiting_.push_back(&transfer);
+  curl_multi_wakeup(multi_);
+  while (!transfer.is_done) {
+    ended_.waitUntil(lock, std::chrono::steady_clock::now() + kAskStopEvery);
+    if (stop.isStopRequested() && !transfer.is_stopped) {
+      transfer.is_stopped = true;
+      curl_multi_wakeup(multi_);
+    }
+  }
+  if (transfer.is_stopped) throw Interrupted();
+  return transfer.end;
+}
+
+void HttpClient::begin(Transfer& transfer) {
+  CURL* const easy = transfer.easy = curl_easy_init();
+  const HttpGet& request = transfer.request;
+  curl_easy_setopt(easy, CURLOPT_URL, request.url.c_str());
+  if (!request.range.empty()) curl_easy_setopt(easy, CURLOPT_RANGE, request.range.c_str());
+  curl_easy_setopt(easy, CURLOPT_PROTOCOLS_STR, "http,https");
+  curl_easy_setopt(easy, CURLOPT_REDIR_PROTOCOLS_STR, "http,https");
+  curl_easy_setopt(easy, CURLOPT_FOLLOWLOCATION, 1L);
+  curl_easy_setopt(easy, CURLOPT_MAXREDIRS, kRedirects);
+  curl_easy_setopt(easy, CURLOPT_NOSIGNAL, 1L);
+  curl_easy_setopt(easy, CURLOPT_PIPEWAIT, 1L);  // one connection for many, if the server can
+  curl_easy_setopt(easy, CURLOPT_HTTP_VERSION, CURL_HTTP_VERSION_2TLS);
+  curl_easy_setopt(easy, CURLOPT_CONNECTTIMEOUT, kConnectSeconds);
+  curl_easy_setopt(easy, CURLOPT_LOW_SPEED_LIMIT, 1L);
+  curl_easy_setopt(easy, CURLOPT_LOW_SPEED_TIME, kSilentSeconds);
+  curl_easy_setopt(easy, CURLOPT_USERAGENT, "sluice/" SLUICE_VERSION);
+  curl_easy_setopt(easy, CURLOPT_ERRORBUFFER, transfer.message.data());
+  curl_easy_setopt(easy, CURLOPT_PRIVATE, &transfer);
+  curl_easy_setopt(easy, CURLOPT_HEADERFUNCTION, Transfer::takeHeader);
+  curl_easy_setopt(easy, CURLOPT_HEADERDATA, &transfer);
+  curl_easy_setopt(easy, CURLOPT_WRITEFUNCTION, Transfer::takeBody);
+  curl_easy_setopt(easy, CURLOPT_WRITEDATA, &transfer);
+  if (!credentials_.user.empty())
+    curl_easy_setopt(easy, CURLOPT_USERPWD, credentials_.user.c_str());
+  if (!credentials_.signs_with.empty())
+    curl_easy_setopt(easy, CURLOPT_AWS_SIGV4, credentials_.signs_with.c_str());
+  if (!credentials_.session_token.empty())
+    transfer.headers =
+        curl_slist_append(nullptr, ("x-amz-security-token: " + credentials_.session_token).c_str());
+  curl_easy_setopt(easy, CURLOPT_HTTPHEADER, transfer.headers);
+  curl_multi_add_handle(multi_, easy);
+}
+
+void HttpClient::finish(Transfer& transfer, HttpEnd end) {
+  curl_multi_remove_handle(multi_, transfer.easy);
+  curl_easy_cleanup(transfer.easy);
+  curl_slist_free_all(transfer.headers);
+  const MutexLock lock(mutex_);
+  transfer.end = std::move(end);
+  transfer.is_done = true;
+  ended_.notifyAll();
+}
+
+void HttpClient::run() {
+  std::vector<Transfer*> going;
+  for (;;) {
+    std::vector<Transfer*> fresh, stopped;
+    {
+      const MutexLock lock(mutex_);
+      if (is_over_ && going.empty() && waiting_.empty()) return;
+      fresh.assign(waiting_.begin(), waiting_.end());
+      waiting_.clear();
+      for (Transfer* transfer : going)
+        if (transfer->is_stopped) stopped.push_back(transfer);
+    }
+    for (Transfer* transfer : fresh) begin(*transfer);
+    going.insert(going.end(), fresh.begin(), fresh.end());
+    for (Transfer* transfer : stopped) {
+      std::erase(going, transfer);
+      finish(*transfer, {"stopped", false});
+    }
+    int running = 0, left = 0;
+    curl_multi_perform(multi_, &running);
+    while (const CURLMsg* message = curl_multi_info_read(multi_, &left)) {
+      if (message->msg != CURLMSG_DONE) continue;
+      Transfer* transfer = nullptr;
+      curl_easy_getinfo(message->easy_handle, CURLINFO_PRIVATE, &transfer);
+      const CURLcode code = message->data.result;
+      HttpEnd end;
+      if (code == CURLE_OK) {
+        transfer->tellHead();  // an answer without a body
+      } else {
+        const char* text = transfer->message[0] != 0 ? transfer->message.data() : nullptr;
+        end = {text != nullptr ? text : curl_easy_strerror(code), mayPass(code)};
+      }
+      std::erase(going, transfer);
+      finish(*transfer, std::move(end));
+    }
+    curl_multi_poll(multi_, nullptr, 0, kPollMs, nullptr);
+  }
+}
+
+}  // namespace sluice

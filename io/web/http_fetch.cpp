@@ -1,0 +1,162 @@
+#include "io/web/http_fetch.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstring>
+#include <thread>
+
+namespace sluice {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Seconds = std::chrono::duration<double>;
+
+constexpr int kOk = 200, kPart = 206, kUnauthorized = 401, kForbidden = 403, kNotFound = 404,
+              kTimeout = 408, kGone = 410, kBeyondEnd = 416, kTooMany = 429, kServerFault = 500;
+
+// Tries without a byte in between, and the time after which no other begins.
+constexpr int kMostTries = 6;
+constexpr double kMostSeconds = 15, kFirstWait = 0.05, kMostWait = 5;
+// What is read and dropped of an object of which a part was wanted.
+constexpr uint64_t kMostSkippedBytes = 1 << 20;
+
+bool mayPass(int status) {
+  return status == kTimeout || status == kTooMany || status >= kServerFault;
+}
+
+void waitFor(double seconds, const StopToken& stop) {
+  const Clock::time_point end =
+      Clock::now() + std::chrono::duration_cast<Clock::duration>(Seconds(seconds));
+  while (Clock::now() < end) {
+    stop.throwIfStopped();
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+}
+
+}  // namespace
+
+HttpFetch::HttpFetch(HttpClient& client, const std::string& name, const std::string& url,
+                     const PieceBytes& wanted, const ChunkStore::Room& room,
+                     const std::optional<std::string>& known_stamp)
+    : client_(client),
+      name_(name),
+      url_(url),
+      wanted_(wanted),
+      room_(room),
+      known_stamp_(known_stamp) {}
+
+std::string HttpFetch::range() const {
+  if (has_room_) {
+    if (got_ == 0 && wanted_.from == PieceBytes::From::kAll) return "";
+    return fmt::format("{}-{}", next(), first_ + out_.size() - 1);
+  }
+  switch (wanted_.from) {
+    case PieceBytes::From::kAll:
+      return "";
+    case PieceBytes::From::kStart:
+      return fmt::format("{}-{}", wanted_.offset, wanted_.offset + wanted_.bytes - 1);
+    case PieceBytes::From::kEnd:
+      return fmt::format("-{}", wanted_.bytes);
+  }
+  return "";
+}
+
+bool HttpFetch::takeHead(const HttpHead& head) {
+  head_ = head;
+  if (head.status != kOk && head.status != kPart) return true;
+  try {
+    if (head.is_encoded)
+      fail(
+          "{}: expected the object as it is, found a Content-Encoding; the server must not "
+          "compress it",
+          name_);
+    const std::optional<uint64_t> whole = head.status == kPart ? head.whole : head.length;
+    if (!whole || (head.status == kPart && !head.first_byte))
+      fail("{}: expected an answer that tells the object's size, found none", name_);
+    if (!has_room_) {
+      const std::span<std::byte> out =
+          room_({*whole, known_stamp_.value_or(head.stamp) != head.stamp});
+      whole_ = *whole;
+      out_ = out;
+      stamp_ = head.stamp;
+      first_ = wanted_.from == PieceBytes::From::kEnd
+                   ? whole_ - std::min<uint64_t>(whole_, out.size())
+                   : wanted_.offset;
+      has_room_ = true;
+    } else if (*whole != whole_ || head.stamp != stamp_) {
+      fail("{}: changed while it was read; open it again", name_);
+    }
+    const uint64_t from = head.status == kPart ? *head.first_byte : 0;
+    if (from > next() || next() - from > kMostSkippedBytes || first_ + out_.size() > whole_)
+      fail(
+          "{}: expected its bytes from {} to {}, found an answer with those from {} on, of {}; the "
+          "server must be able to send parts of objects",
+          name_, next(), first_ + out_.size(), from, whole_);
+    skips_ = next() - from;
+  } catch (...) {
+    error_ = std::current_exception();
+    return false;
+  }
+  return true;
+}
+
+bool HttpFetch::takeBody(std::span<const std::byte> bytes) {
+  if (!has_room_ || (head_.status != kOk && head_.status != kPart)) return true;
+  const uint64_t skipped = std::min<uint64_t>(skips_, bytes.size());
+  skips_ -= skipped;
+  bytes = bytes.subspan(skipped);
+  const uint64_t taken = std::min<uint64_t>(bytes.size(), out_.size() - got_);
+  if (taken > 0) std::memcpy(out_.data() + got_, bytes.data(), taken);
+  got_ += taken;
+  // The rest of an object that came whole is dropped with its connection if it is long.
+  return !isComplete() || head_.status == kPart || whole_ <= kMostSkippedBytes;
+}
+
+void HttpFetch::refuse(const HttpHead& head) const {
+  if (head.status == kUnauthorized || head.status == kForbidden)
+    throw HttpForbidden(
+        fmt::format("{}: expected an object, found that the server forbids it (status {})", name_,
+                    head.status));
+  if (head.status == kBeyondEnd)
+    fail("{}: expected bytes {}, found that it ends before", name_, range());
+  fail("{}: expected an object, found status {} of the server", name_, head.status);
+}
+
+bool HttpFetch::run(const StopToken& stop) {
+  Clock::time_point since = Clock::now();
+  for (int tries = 1;; ++tries) {
+    const uint64_t before = got_;
+    head_ = {};
+    const HttpEnd end =
+        client_.get({url_, range(), [this](const HttpHead& h) { return takeHead(h); },
+                     [this](auto bytes) { return takeBody(bytes); }},
+                    stop);
+    if (error_) std::rethrow_exception(error_);
+    const bool is_answer = head_.status == kOk || head_.status == kPart;
+    if (is_answer && isComplete()) return true;
+    if (head_.status == kNotFound || head_.status == kGone) {
+      if (has_room_) fail("{}: went away while it was read; open it again", name_);
+      return false;
+    }
+    if (head_.status != 0 && !is_answer && !mayPass(head_.status)) refuse(head_);
+    if (got_ > before) {
+      since = Clock::now();
+      tries = 0;
+    }
+    const double spent = Seconds(Clock::now() - since).count();
+    const bool may_pass = end.fault.empty() || end.may_pass;
+    if (!may_pass || tries >= kMostTries || spent > kMostSeconds) {
+      const std::string why = !is_answer && head_.status != 0
+                                  ? fmt::format("status {} of the server", head_.status)
+                              : end.fault.empty() ? "an answer that is too short"
+                                                  : end.fault;
+      fail("{}: expected {}, found {}; tried {} times in {:.0f} s", name_,
+           has_room_ ? fmt::format("{} bytes", out_.size()) : "an object", why, std::max(tries, 1),
+           spent);
+    }
+    const double wait = kFirstWait * static_cast<double>(1 << std::clamp(tries - 1, 0, 5));
+    waitFor(std::clamp(head_.retry_after_s, std::min(wait, kMostWait), kMostWait), stop);
+  }
+}
+
+}  // namespace sluice

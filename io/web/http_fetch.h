@@ -1,0 +1,61 @@
+// HttpFetch: one object, or a part of it, in as many requests as it takes.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <exception>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "io/stores/chunk_store.h"
+#include "io/web/http_client.h"
+#include "src/base/error.h"
+
+namespace sluice {
+
+// The server knows who asks, and refuses (401, 403).
+class HttpForbidden : public Error {
+  using Error::Error;
+};
+
+class HttpFetch {
+ public:
+  // `name`: for messages; `known_stamp`: the object's when it was read before. All must outlive it.
+  HttpFetch(HttpClient& client, const std::string& name, const std::string& url,
+            const PieceBytes& wanted, const ChunkStore::Room& room,
+            const std::optional<std::string>& known_stamp);
+
+  // As ChunkStore::read(). Throws Error: after some tries within half a minute without a byte;
+  // Interrupted.
+  bool run(const StopToken& stop);
+  // Of the object, as the server tells; may be empty.
+  const std::string& stamp() const { return stamp_; }
+
+ private:
+  bool takeHead(const HttpHead& head);
+  bool takeBody(std::span<const std::byte> bytes);
+  // The first byte wanted and not there yet, of the object.
+  uint64_t next() const { return first_ + got_; }
+  // Of the next request; empty: all.
+  std::string range() const;
+  void refuse(const HttpHead& head) const;
+  // All bytes are there.
+  bool isComplete() const { return has_room_ && got_ == out_.size(); }
+
+  HttpClient& client_;
+  const std::string& name_;
+  const std::string& url_;
+  const PieceBytes& wanted_;
+  const ChunkStore::Room& room_;
+  const std::optional<std::string>& known_stamp_;
+  HttpHead head_;                   // of the request that goes on
+  uint64_t whole_ = 0, first_ = 0;  // known with room
+  bool has_room_ = false;
+  std::span<std::byte> out_;
+  uint64_t got_ = 0, skips_ = 0;  // bytes: in `out_`; of the body before them
+  std::string stamp_;
+  std::exception_ptr error_;
+};
+
+}  // namespace sluice

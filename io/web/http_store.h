@@ -1,0 +1,51 @@
+// The objects of a web server as a ChunkStore.
+//
+// What a server drops, delays or refuses for a while is asked for again, from the byte where it
+// stopped; an object that changes meanwhile is an Error. The metadata that has() asks for are kept,
+// so that nothing is asked for twice.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "io/stores/chunk_store.h"
+#include "io/web/address.h"
+#include "io/web/http_client.h"
+
+namespace sluice {
+
+class HttpStore final : public ChunkStore {
+ public:
+  HttpStore(Address address, HttpCredentials credentials, StopToken stop);
+
+  std::string wholeKey(const std::string& key) const override;
+  std::string nameOf(const std::string& key) const override { return address_.server + "/" + key; }
+  // An object that the server forbids is not there for has(): buckets answer so for any that is
+  // not.
+  bool has(const std::string& key) override;
+  bool read(const std::string& key, const PieceBytes& wanted, const Room& room) override;
+  std::string stampOf(const std::string& key) override;
+  bool canList() const override { return false; }
+  void list(const std::string& folder,
+            const std::function<void(const Entry& entry)>& take) override;
+
+ private:
+  struct Kept {
+    bool is_there = false;
+    std::vector<std::byte> bytes;
+  };
+  bool fetch(const std::string& key, const PieceBytes& wanted, const Room& room);
+  std::string urlOf(const std::string& key) const;
+
+  const Address address_;
+  const StopToken stop_;
+  HttpClient client_;
+  Mutex mutex_;
+  std::map<std::string, Kept> kept_ SLUICE_GUARDED_BY(mutex_);  // asked for by has()
+  std::unordered_map<std::string, std::string> stamps_ SLUICE_GUARDED_BY(mutex_);
+};
+
+}  // namespace sluice

@@ -1,0 +1,99 @@
+#!/usr/bin/env python3
+"""A web server of a folder's files that misbehaves as asked.
+
+  web_server.py FOLDER LOG [FAULT]
+
+Prints its port, then serves until its input ends. LOG gets a line for each request: the path, the
+range and the status. Every third request for a chunk goes wrong, by FAULT:
+
+  drop      the connection is closed half way
+  silent    the connection is closed without an answer
+  delay     50 ms before each answer, and none goes wrong
+  busy      status 429, with Retry-After: 0
+  broken    status 503
+  whole     200 and the whole object where a part was asked for, always
+  long      a Content-Length that is larger than what comes
+  changed   from the twentieth request on, every object has another ETag
+  forbidden status 403 for what is not there
+  gzip      a Content-Encoding
+"""
+import http.server
+import pathlib
+import sys
+import threading
+import time
+
+folder, log = pathlib.Path(sys.argv[1]), open(sys.argv[2], 'w', buffering=1)
+fault = sys.argv[3] if len(sys.argv) > 3 else ''
+lock = threading.Lock()
+counted = {'all': 0, 'chunks': 0}
+
+
+class Handler(http.server.BaseHTTPRequestHandler):
+    protocol_version = 'HTTP/1.1'
+    disable_nagle_algorithm = True
+
+    def log_message(self, *_):
+        pass
+
+    def part_of(self, size):
+        """First and last byte of the range, and whether there is one."""
+        asked = self.headers.get('Range')
+        if not asked or fault == 'whole':
+            return 0, size - 1, False
+        first, last = asked.removeprefix('bytes=').split('-')
+        if first == '':
+            return max(0, size - int(last)), size - 1, True
+        return int(first), min(int(last or size - 1), size - 1), True
+
+    def do_GET(self):
+        path = self.path.split('?')[0].lstrip('/')
+        file = folder / path
+        with lock:
+            counted['all'] += 1
+            is_chunk = not file.name.startswith(('.z', 'zarr.json'))
+            counted['chunks'] += is_chunk
+            goes_wrong = is_chunk and counted['chunks'] % 3 == 0
+            stamp = 'second' if fault == 'changed' and counted['all'] >= 20 else 'first'
+        if fault == 'delay':
+            time.sleep(0.05)
+        status = 200
+        if not file.is_file():
+            status = 403 if fault == 'forbidden' else 404
+        elif goes_wrong and fault in ('busy', 'broken'):
+            status = 429 if fault == 'busy' else 503
+        if status != 200:
+            body, first, last, is_part = b'no', 0, 1, False
+        else:
+            body = file.read_bytes()
+            first, last, is_part = self.part_of(len(body))
+            if is_part:
+                status = 206
+        log.write(f'{path} {self.headers.get("Range", "-")} {status} {self.headers.get("Authorization", "-")}\n')
+        if goes_wrong and fault == 'silent':
+            self.close_connection = True
+            return
+        part = body[first:last + 1]
+        self.send_response(status)
+        self.send_header('Content-Length', str(len(part) + (100 if goes_wrong and fault == 'long' else 0)))
+        if is_part:
+            self.send_header('Content-Range', f'bytes {first}-{last}/{len(body)}')
+        if status in (200, 206):
+            self.send_header('ETag', f'"{stamp}-{len(body)}"')
+        if status == 429:
+            self.send_header('Retry-After', '0')
+        if fault == 'gzip':
+            self.send_header('Content-Encoding', 'gzip')
+        self.end_headers()
+        if goes_wrong and fault == 'drop':
+            part = part[:len(part) // 2]
+        self.wfile.write(part)
+        if goes_wrong and fault in ('drop', 'long'):
+            self.close_connection = True
+
+
+server = http.server.ThreadingHTTPServer(('127.0.0.1', 0), Handler)
+server.daemon_threads = True
+threading.Thread(target=server.serve_forever, daemon=True).start()
+print(server.server_port, flush=True)
+sys.stdin.read()
