@@ -347,11 +347,12 @@ TEST(Simulate, pageSizesAreSweptInOneRun) {
 TEST(Simulate, printsTheTableOnStandardOutputAsCsv) {
   const Program program;
   std::ofstream(program.folder / "t.csv") << skewedCsv(300);
-  const CommandResult result = program.run("simulate t.csv --sizes 2K --policies lru --csv -");
+  const CommandResult result = program.run("simulate t.csv --sizes 2K,10M --policies lru --csv -");
   EXPECT_EQ(result.status, 0);
   EXPECT_EQ(result.output.rfind("policy,pages,requests,", 0), 0U) << result.output;
   EXPECT_NE(result.output.find("\nlru,2048,300,"), std::string::npos) << result.output;
-  EXPECT_EQ(std::count(result.output.begin(), result.output.end(), '\n'), 2);
+  EXPECT_NE(result.output.find("\nlru,10485760,300,"), std::string::npos) << result.output;
+  EXPECT_EQ(std::count(result.output.begin(), result.output.end(), '\n'), 3);
   EXPECT_FALSE(std::filesystem::exists(program.folder / "-"));
 }
 
