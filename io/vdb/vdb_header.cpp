@@ -52,22 +52,43 @@ bool isWellSized(const std::string& type, size_t bytes) {
   return true;
 }
 
+// A name or a type, which messages print.
+std::string nameFrom(VdbReader& reader) {
+  constexpr size_t kMostBytes = 256;
+  std::string name = reader.text();
+  if (name.size() > kMostBytes)
+    fail("{}: damaged OpenVDB file: a name of {} bytes, expected at most {}", reader.path(),
+         name.size(), kMostBytes);
+  return name;
+}
+
+// The type that a metadatum which is looked at must have; empty: any.
+std::string_view typeOf(std::string_view key) {
+  if (key == "class") return "string";
+  if (key == "is_saved_as_half_float") return "bool";
+  if (key == "file_bbox_min" || key == "file_bbox_max") return "vec3i";
+  return "";
+}
+
 // Walks a block of named metadata.
 Metadata readMetadata(VdbReader& reader) {
   Metadata result;
   const auto count = reader.number<uint32_t>();
   for (uint32_t i = 0; i < count; ++i) {
-    const std::string key = reader.text();
-    const std::string type = reader.text();
+    const std::string key = nameFrom(reader);
+    const std::string type = nameFrom(reader);
     const std::string value = reader.text();
     if (!isWellSized(type, value.size()))
       fail("{}: damaged OpenVDB file: metadatum \"{}\" of type {} has {} bytes", reader.path(), key,
            type, value.size());
-    if (key == "class" && type == "string") result.grid_class = value;
-    if (key == "is_saved_as_half_float" && type == "bool")
-      result.is_half = !value.empty() && value[0] != 0;
-    if (key == "file_bbox_min" && type == "vec3i") result.active_min = vectorOf(value);
-    if (key == "file_bbox_max" && type == "vec3i") result.active_max = vectorOf(value);
+    const std::string_view expected = typeOf(key);
+    if (!expected.empty() && type != expected)
+      fail("{}: damaged OpenVDB file: metadatum \"{}\" has the type \"{}\", expected {}",
+           reader.path(), key, type, expected);
+    if (key == "class") result.grid_class = value;
+    if (key == "is_saved_as_half_float") result.is_half = value[0] != 0;
+    if (key == "file_bbox_min") result.active_min = vectorOf(value);
+    if (key == "file_bbox_max") result.active_max = vectorOf(value);
   }
   return result;
 }
@@ -95,9 +116,9 @@ void splitTreeType(std::string tree_type, VdbGridInfo& grid) {
 
 VdbGridInfo readGrid(VdbReader& reader) {
   VdbGridInfo grid;
-  grid.name = readableName(reader.text());
-  splitTreeType(reader.text(), grid);
-  grid.instance_of = readableName(reader.text());
+  grid.name = readableName(nameFrom(reader));
+  splitTreeType(nameFrom(reader), grid);
+  grid.instance_of = readableName(nameFrom(reader));
   const auto grid_at = reader.number<uint64_t>();
   grid.values_at = reader.number<uint64_t>();
   grid.end = reader.number<uint64_t>();
@@ -112,7 +133,7 @@ VdbGridInfo readGrid(VdbReader& reader) {
         "{}: damaged OpenVDB file: the type and the metadata of grid \"{}\" disagree on half "
         "precision",
         reader.path(), grid.name);
-  grid.grid_class = metadata.grid_class;
+  grid.grid_class = metadata.grid_class.substr(0, 64);  // messages print it
   if (metadata.active_min && metadata.active_max)
     grid.active = Box3{*metadata.active_min, *metadata.active_max + Vec3i{1, 1, 1}};
   grid.transform_at = reader.position();

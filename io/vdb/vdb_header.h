@@ -6,15 +6,21 @@
 // same for a tree. Plain functions, any thread.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "io/files/file.h"
 #include "src/base/values/vec.h"
 
 namespace sluice {
+
+// The classes that OpenVDB knows.
+inline constexpr std::array<std::string_view, 4> kVdbGridClasses{"unknown", "level set",
+                                                                 "fog volume", "staggered"};
 
 struct VdbGridInfo {
   std::string name;        // "density"; "density[1]" if several grids share the name

@@ -304,6 +304,10 @@ class VdbSource final : public VolumeSource {
     const auto at = transform.indexToWorld(openvdb::Vec3d(
         static_cast<double>(lo_.x), static_cast<double>(lo_.y), static_cast<double>(lo_.z)));
     layout_.origin = {at.x(), at.y(), at.z()};
+    const auto& [x, y, z] = layout_.axes;
+    if (!std::isfinite(at.x() + at.y() + at.z()) || !(std::abs(dot(cross(x, y), z)) > 1e-6))
+      fail("{}: grid \"{}\" has a transform to no place, or one in which its axes lie in one plane",
+           path_, info_.name);
   }
 
   const std::string path_;

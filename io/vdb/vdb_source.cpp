@@ -1,5 +1,6 @@
 #include "io/vdb/vdb_source.h"
 
+#include <algorithm>
 #include <memory>
 #include <span>
 #include <string_view>
@@ -31,12 +32,20 @@ OpenVdbGrid* openModule(const std::string& volume) {
   }
 }
 
-// Tells which of several grids is read.
+// Tells which of several grids is read, and if its class is none of OpenVDB's.
 std::vector<std::string> notesOf(const std::string& path, const std::vector<VdbGridInfo>& grids,
                                  const VdbGridInfo& taken, const std::string& wanted) {
-  if (grids.size() < 2 || !wanted.empty()) return {};
-  return {fmt::format("{}: grid {} of {} is read; --grid takes another of {}", path, taken.name,
-                      grids.size(), describe(grids))};
+  std::vector<std::string> notes;
+  if (grids.size() > 1 && wanted.empty())
+    notes.push_back(fmt::format("{}: grid {} of {} is read; --grid takes another of {}", path,
+                                taken.name, grids.size(), describe(grids)));
+  const auto& known = kVdbGridClasses;
+  if (!taken.grid_class.empty() && std::ranges::find(known, taken.grid_class) == known.end())
+    notes.push_back(fmt::format(
+        "{}: grid {} is of the class \"{}\", which is none of OpenVDB's ({}); it is read as values "
+        "without a class",
+        path, taken.name, taken.grid_class, fmt::join(known, ", ")));
+  return notes;
 }
 
 }  // namespace

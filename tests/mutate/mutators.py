@@ -25,7 +25,7 @@ def apply(rng, kind, folder):
         files = [p for p in files if p.suffix == ".json"]
     path = rng.choice(files)
     ways = {"nrrd": [text_field], "meta": [text_field], "nifti": [nifti_field], "tiff": [tiff_tag, tiff_tag, tiff_text], "png": [png_header, png_chunk],
-            "zarr": [json_member, json_member], "json": [json_member, json_member, json_text], "vdb": [words], "index": [words], "trace": [text_field, words],
+            "zarr": [json_member, json_member], "json": [json_member, json_member, json_text], "vdb": [vdb_field, vdb_field, words], "index": [words], "trace": [text_field, words],
             "raw": [words]}[kind]
     way = rng.choice(ways + [damage])
     if rng.random() < 0.03:
@@ -255,6 +255,90 @@ def members(value, found):
             found.append((value, i))
             members(value[i], found)
     return found
+
+
+VDB_TEXTS = ["", "float", "int32", "vec3i", "string", "bool", "density", "Tree_float_5_4_3", "Tree_float_5_4_3_HalfFloat", "Tree_vec3s_5_4_3",
+             "Tree_half_5_4_3", "Tree_float_5_4", "Tree_uint32_5_4_3", "PointDataGrid", "level set", "fog volume", "staggered", "fog", "AffineMap",
+             "ScaleMap", "UniformScaleTranslateMap", "TranslationMap", "NonlinearFrustumMap", "UnitaryMap", "a\x1eb", "class", "file_bbox_min"]
+
+
+class VdbHeader:
+    """The head of an OpenVDB file of one grid, taken apart, so that a part may change its length."""
+
+    def __init__(self, data):
+        self.data, self.at = data, 0
+        self.front = self.take(57)
+        self.file_metadata = self.metadata()
+        if self.number("I") != 1:
+            raise ValueError("several grids")
+        self.texts = [self.text() for _ in range(3)]  # name, type, shared tree
+        self.places = [self.number("Q") for _ in range(3)]
+        self.compression = self.number("I")
+        self.grid_metadata = self.metadata()
+        self.transform = self.text()
+        self.numbers = [self.number("d") for _ in range({"AffineMap": 16, "UniformScaleMap": 15, "UniformScaleTranslateMap": 18,
+                                                         "ScaleMap": 15, "ScaleTranslateMap": 18}[self.transform.decode()])]
+
+    def take(self, count):
+        self.at += count
+        return self.data[self.at - count:self.at]
+
+    def number(self, form):
+        return struct.unpack("<" + form, self.take(struct.calcsize("<" + form)))[0]
+
+    def text(self):
+        return self.take(self.number("I"))
+
+    def metadata(self):
+        return [[self.text(), self.text(), self.text()] for _ in range(self.number("I"))]
+
+    def bytes(self):
+        def text(t):
+            return struct.pack("<I", len(t)) + t
+
+        def metadata(entries):
+            return struct.pack("<I", len(entries)) + b"".join(text(part) for entry in entries for part in entry)
+
+        def head(places):
+            return self.front + metadata(self.file_metadata) + struct.pack("<I", 1) + b"".join(map(text, self.texts)) + struct.pack("<3Q", *places)
+
+        grid_at = len(head([0, 0, 0]))
+        grid = struct.pack("<I", self.compression) + metadata(self.grid_metadata) + text(self.transform) + struct.pack(
+            f"<{len(self.numbers)}d", *self.numbers)
+        moved = grid_at + len(grid) - self.at
+        return head([grid_at, self.places[1] + moved, self.places[2] + moved]) + grid + self.data[self.at:]
+
+
+def vdb_field(rng, path):
+    """A text, a metadatum, a number of the transform or the compression of an OpenVDB file, all else in its place."""
+    header = VdbHeader(path.read_bytes())
+    way = rng.randrange(8)
+    entries = header.grid_metadata if rng.random() < 0.8 else header.file_metadata
+    other = rng.choice(VDB_TEXTS + TEXTS).encode("utf-8")
+    if way == 0:
+        at = rng.randrange(3)
+        header.texts[at], said = other, f"text {at}"
+    elif way == 1:
+        at = rng.randrange(len(header.numbers))
+        header.numbers[at] = rng.choice([0, -1, 1e-300, 1e300, float("nan"), float("inf"), -0.5, 3])
+        said = f"number {at} of the transform: {header.numbers[at]}"
+    elif way == 2:
+        header.compression = rng.choice([0, 1, 2, 3, 4, 5, 6, 7, 8, 255, 2**31])
+        said = f"compression {header.compression}"
+    elif way == 3:
+        header.transform, said = other, "transform"
+    elif not entries or way == 4:
+        entries.append([rng.choice(entries)[0] if entries else b"class", b"string", other])
+        said = "a metadatum twice"
+    elif way == 5:
+        said = f"without metadatum {entries.pop(rng.randrange(len(entries)))[0]}"
+    else:
+        entry = rng.choice(entries)
+        part = rng.randrange(3)
+        said = f"{'key type value'.split()[part]} of metadatum {entry[0]}"
+        entry[part] = bytes(rng.randrange(256) for _ in entry[part]) if rng.random() < 0.3 else other
+    path.write_bytes(header.bytes())
+    return f"{said}: {other[:40]!r}" if way in (0, 3) or way > 5 else said
 
 
 def json_member(rng, path):

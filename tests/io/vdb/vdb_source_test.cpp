@@ -303,6 +303,42 @@ TEST(VdbSource, survivesDamagedHeader) {
   EXPECT_GT(failures, 20);
 }
 
+// Replaces the first text after `key` in the file by one of the same length.
+void replaceAfter(const std::filesystem::path& path, const std::string& key, const std::string& old,
+                  const std::string& text) {
+  std::string bytes = readFile(path);
+  const size_t at = bytes.find(old, bytes.find(key) + key.size());
+  ASSERT_NE(at, std::string::npos);
+  writeFile(path, bytes.replace(at, old.size(), text));
+}
+
+TEST(VdbSource, metadataOfWrongTypesAreNamed) {
+  const TempFolder folder;
+  for (const auto& [key, type, wrong] :
+       std::vector<std::array<std::string, 3>>{{"class", "string", "strong"},
+                                               {"is_saved_as_half_float", "bool", "pool"},
+                                               {"file_bbox_min", "vec3i", "vec3s"},
+                                               {"file_bbox_max", "vec3i", "vec3s"}}) {
+    if (key == "class")
+      writeSeveral(folder / "a.vdb");
+    else
+      writeMixedGrid(folder / "a.vdb", "half");
+    replaceAfter(folder / "a.vdb", key, type, wrong);
+    EXPECT_THAT(errorOf([&] { openVdb(folder / "a.vdb"); }),
+                AllOf(HasSubstr("a.vdb"), HasSubstr("metadatum \"" + key + "\" has the type \"" +
+                                                    wrong + "\", expected " + type)));
+  }
+}
+
+TEST(VdbSource, aClassOfNoMeaningIsNamed) {
+  const TempFolder folder;
+  writeSeveral(folder / "a.vdb");
+  EXPECT_THAT(openVdb(folder / "a.vdb", "density[0]")->layout().notes, testing::IsEmpty());
+  replaceAfter(folder / "a.vdb", "class", "fog volume", "smog balls");
+  EXPECT_THAT(openVdb(folder / "a.vdb", "density[0]")->layout().notes,
+              testing::ElementsAre(HasSubstr("of the class \"smog balls\", which is none of")));
+}
+
 TEST(VdbSource, agreesWithVdbPrintOnTheSmokeSample) {
   const std::string path = SLUICE_DATA_DIR "/smoke.vdb";
   if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is missing";
