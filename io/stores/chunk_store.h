@@ -52,6 +52,9 @@ class ChunkStore {
   // reading it; "none" if there is none. Never fails.
   virtual std::string stampOf(const std::string& key) = 0;
 
+  // As VolumeSource::distantReads().
+  virtual int distantReads() const { return 0; }
+
   struct Entry {
     std::string name;  // the last part of its key
     bool is_folder = false;

@@ -15,7 +15,7 @@
 namespace sluice {
 namespace {
 
-constexpr long kConnections = 8;     // to one server
+constexpr long kConnections = 16;    // to one server
 constexpr long kConnectSeconds = 8;  // until a connection stands
 constexpr long kSilentSeconds = 8;   // until a connection without a byte is given up
 constexpr long kRedirects = 5;

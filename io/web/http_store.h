@@ -29,6 +29,7 @@ class HttpStore final : public ChunkStore {
   bool read(const std::string& key, const PieceBytes& wanted, const Room& room) override;
   std::string stampOf(const std::string& key) override;
   bool canList() const override { return false; }
+  int distantReads() const override { return 16; }
   void list(const std::string& folder,
             const std::function<void(const Entry& entry)>& take) override;
 

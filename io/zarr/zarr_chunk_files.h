@@ -66,6 +66,8 @@ class ZarrChunkFiles {
   // The file of a chunk.
   std::string path(int64_t chunk) const;
 
+  int distantReads() const { return folder_.store->distantReads(); }
+
   // The memory for indices of shards: null without shards.
   ZarrShardIndices* shardIndices() { return indices_.get(); }
 

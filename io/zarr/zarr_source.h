@@ -65,6 +65,7 @@ class ZarrSource final : public VolumeSource,
   // has (io/zarr/level_store.h); null: none.
   VolumeSource* spreads() const { return spreads_.get(); }
   std::vector<std::string> files() override;
+  int distantReads() const override { return files_->distantReads(); }
   // A chunk.
   ReadUnits readUnits() const override { return {.voxels = chunkVoxels()}; }
   uint64_t storedBytesRead() const override;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
 #include <utility>
 
@@ -90,11 +91,12 @@ IndexedRanges indexedRanges(VolumeSource& source, const IndexPlaces& places, int
                             uint64_t memory_bytes, const StopToken& stop, VoxelTaker* taker) {
   const IndexKey key = keyOf(source, time, layout);
   const auto plan = [&] {
-    return planFirstPass(source, time, layout, memory_bytes, pool.threads());
+    return planFirstPass(source, time, layout, memory_bytes,
+                         std::max(pool.threads(), source.distantReads()));
   };
-  std::optional<WorkerPool> fewer;
+  std::optional<WorkerPool> other;
   const auto threadsOf = [&](const FirstPass& pass) -> WorkerPool& {
-    return pass.threads < pool.threads() ? fewer.emplace(pass.threads) : pool;
+    return pass.threads != pool.threads() ? other.emplace(pass.threads) : pool;
   };
   IndexedRanges result;
   if (readKept(source, places, key, layout, result)) {

@@ -62,6 +62,7 @@ class ThickSource : public VolumeSource {
   std::vector<std::string> files() override { return thin_->files(); }
   uint64_t heldBytesAThread() const override { return thin_->heldBytesAThread(); }
   void holdAtMost(uint64_t bytes) override { thin_->holdAtMost(bytes); }
+  int distantReads() const override { return thin_->distantReads(); }
   uint64_t storedBytesRead() const override { return thin_->storedBytesRead(); }
   const VolumeLayout& storedLayout() const { return thin_->layout(); }
 

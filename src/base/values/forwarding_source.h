@@ -33,6 +33,7 @@ class ForwardingSource : public VolumeSource, public ChanneledSource, public Lev
   uint64_t storedBytesRead() const override { return source_->storedBytesRead(); }
   uint64_t heldBytesAThread() const override { return source_->heldBytesAThread(); }
   void holdAtMost(uint64_t bytes) override { source_->holdAtMost(bytes); }
+  int distantReads() const override { return source_->distantReads(); }
   std::vector<std::string> files() override { return source_->files(); }
 
  private:

@@ -106,6 +106,10 @@ class VolumeSource {
   // readRegion need, whichever is more.
   virtual void holdAtMost(uint64_t /*bytes*/) {}
 
+  // How many reads should wait at once for a source that answers late, such as a web server; 0: it
+  // is near.
+  virtual int distantReads() const { return 0; }
+
   // Bytes taken from files so far by this source (compressed bytes if compressed).
   virtual uint64_t storedBytesRead() const = 0;
 };

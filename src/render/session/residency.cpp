@@ -51,12 +51,16 @@ BufferNeeds needsOf(const TimeStep& step, const ResidencyOptions& options) {
   return needs;
 }
 
+int readsAtOnce(const VolumeSource& source, int threads) {
+  return std::max({threads, kReadsInFlight, source.distantReads()});
+}
+
 }  // namespace
 
 Residency::Residency(const TimeStep& step, Device& device, const ResidencyOptions& options)
     : device_(device),
       budgets_(shareMemory(options.memory_bytes, options.page, device.limits().texels,
-                           needsOf(step, options), std::max(options.threads, kReadsInFlight))),
+                           needsOf(step, options), readsAtOnce(*step.source, options.threads))),
       blocks_(bufferLevels(step), budgets_.volume_buffer, VolumeBuffer::Cold::kPacked),
       readers_(budgets_.readers + 1),
       chunks_(blocks_, readers_, budgets_.texture_buffer),
