@@ -94,13 +94,12 @@ HWY_INLINE V corrected(V opacity, V lengths) {
   return hn::IfThenElse(hn::Lt(opacity, all(1.0F)), hn::Sub(all(1.0F), left), all(1.0F));
 }
 
-// The colour of a texel with a spread, premultiplied, for a way of `lengths` unit lengths whose
+// The colour of a mean and the square of its spread (SpreadValue), premultiplied, for a way of `lengths` unit lengths whose
 // opacity is multiplied by `factor` first: see ExpectedLook. `exact` is the colour without spread.
-HWY_INLINE Color expectedColor(const KernelFrame& frame, V value, V spread, V factor, V lengths,
+HWY_INLINE Color expectedColor(const KernelFrame& frame, V value, V square, V factor, V lengths,
                                const Color& exact) {
   const V zero = hn::Zero(F()), one = all(1.0F);
-  const V row = hn::Mul(hn::Sqrt(hn::Max(hn::Mul(spread, all(frame.spread_scale)), zero)),
-                        all(static_cast<float>(frame.expected_rows)));
+  const V row = hn::Mul(hn::Sqrt(hn::Sqrt(square)), all(static_cast<float>(frame.expected_rows)));
   const V last_row = all(static_cast<float>(frame.expected_rows - 1));
   const V last_entry = all(static_cast<float>(frame.expected_entries - 1));
   const V at_row = hn::Min(hn::Max(hn::Sub(row, one), zero), last_row);

@@ -55,7 +55,7 @@ HWY_INLINE V3 differencesOf(const KernelBox& box, const V3& at, const Place& pla
 
 template <DeviceType kType, Shading kShading>
 HWY_INLINE Color colorOf(const KernelFrame& frame, const KernelBox& box, const V3& at,
-                         const Place& place, V value, V spread, V ray_length) {
+                         const Place& place, V value, V square, V ray_length) {
   const V entry = entryOf(frame, value);
   Color color = colorAt(frame, entry);
   if constexpr (kShading == Shading::kLength) {
@@ -81,7 +81,7 @@ HWY_INLINE Color colorOf(const KernelFrame& frame, const KernelBox& box, const V
       color = {hn::Mul(color.r, color.a), hn::Mul(color.g, color.a), hn::Mul(color.b, color.a),
                color.a};
     if constexpr (kShading == Shading::kSpread)
-      color = expectedColor(frame, value, spread, factor,
+      color = expectedColor(frame, value, square, factor,
                             hn::Mul(ray_length, all(frame.slice_length)), color);
     if (frame.lit) color = shaded(frame, color, gradient);
   }
@@ -93,7 +93,8 @@ constexpr float kTurnsAfterLeap = 4, kTurnsBetweenLooks = 8;
 
 // A sample a lane, at slice k of the box.
 struct Sample {
-  V k, value, spread;
+  V k, value;
+  V square;  // of the spread
   M active;
   // For gradients.
   V3 at;
@@ -118,8 +119,8 @@ struct Passage {
     if (clamps) at = clamped(cells, at);
     const Place place = placeAt(cells, at);
     if constexpr (kShading == Shading::kSpread) {
-      const SpreadValue both = spreadAt<kType>(box, place);
-      return {k, both.value, both.spread, hn::Lt(k, end), at, place};
+      const SpreadValue both = spreadAt<kType>(box, place, frame.spread_scale);
+      return {k, both.mean, both.square, hn::Lt(k, end), at, place};
     } else {
       const V value = frame.labels ? labelAt<kType>(box, place) : valueAt<kType>(box, place);
       return {k, value, value, hn::Lt(k, end), at, place};
@@ -139,7 +140,7 @@ struct Passage {
       if (hn::AllFalse(F(), shows)) return true;
     }
     const Color color = colorOf<kType, kShading>(frame, box, sample.at, sample.place, sample.value,
-                                                 sample.spread, ray_length);
+                                                 sample.square, ray_length);
     const V left = hn::IfThenElseZero(shows, hn::Sub(all(1.0F), pixels.sum.a));
     if (frame.with_depth) {
       const V slice = hn::Add(sample.k, all(box.first_slice + 0.5F));

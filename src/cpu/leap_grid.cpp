@@ -36,57 +36,111 @@ void widen(const T* texels, T* lo, T* hi, int64_t count) {
   }
 }
 
-// The same of the values that texels with spreads stand for.
+// The least and the greatest means of texels with spreads, and the greatest spread.
 template <class T>
-void widenBySpread(const T* texels, const ExpectedLook& expected, T* lo, T* hi, int64_t count) {
+struct SpreadBounds {
+  Range<T> means = kNothing<T>;
+  T spread = 0;
+};
+
+// Takes `count` texels into as many bounds.
+template <class T>
+void widenBySpread(const T* texels, SpreadBounds<T>* bounds, int64_t count) {
+  for (int64_t i = 0; i < count; ++i) {
+    const T mean = texels[2 * i];
+    if constexpr (std::is_same_v<T, float>)
+      if (mean < kNoNumber) continue;
+    bounds[i].means = {std::min(bounds[i].means.lo, mean), std::max(bounds[i].means.hi, mean)};
+    bounds[i].spread = std::max(bounds[i].spread, texels[2 * i + 1]);
+  }
+}
+
+// The values that a sample with this mean and spread can show, rounded outwards.
+template <class T>
+Range<T> shownBy(T mean, T spread, const ExpectedLook& expected) {
   if constexpr (std::is_same_v<T, uint8_t>) {
     if (!expected.byte_ranges.empty()) {
-      for (int64_t i = 0; i < count; ++i) {
-        const ByteRange range =
-            expected.byte_ranges[size_t{256} * texels[2 * i] + texels[2 * i + 1]];
-        lo[i] = std::min(lo[i], range.lo);
-        hi[i] = std::max(hi[i], range.hi);
-      }
-      return;
+      const ByteRange range = expected.byte_ranges[size_t{256} * mean + spread];
+      return {range.lo, range.hi};
     }
   }
   constexpr double kLeast = static_cast<double>(std::numeric_limits<T>::lowest());
   constexpr double kMost = static_cast<double>(std::numeric_limits<T>::max());
-  for (int64_t i = 0; i < count; ++i) {
-    const double mean = texels[2 * i];
-    if (mean < kNoNumber) continue;
-    const ValueRange range = shownRange(mean, texels[2 * i + 1], expected);
-    lo[i] = std::min(lo[i], static_cast<T>(std::clamp(std::floor(range.lo), kLeast, kMost)));
-    hi[i] = std::max(hi[i], static_cast<T>(std::clamp(std::ceil(range.hi), kLeast, kMost)));
-  }
+  const ValueRange range = shownRange(mean, spread, expected);
+  return {static_cast<T>(std::clamp(std::floor(range.lo), kLeast, kMost)),
+          static_cast<T>(std::clamp(std::ceil(range.hi), kLeast, kMost))};
+}
+
+// Means and spreads are interpolated by themselves, so a sample may have any mean between two
+// texels' with any spread up to the greatest. Between two means the ends of shownRange() lie
+// between its ends at these two, and a greater spread only widens it.
+template <class T>
+Range<T> shownBy(const SpreadBounds<T>& bounds, const ExpectedLook& expected) {
+  if (bounds.means.lo > bounds.means.hi) return kNothing<T>;
+  const Range<T> lower = shownBy(bounds.means.lo, bounds.spread, expected);
+  const Range<T> upper = shownBy(bounds.means.hi, bounds.spread, expected);
+  return {std::min(lower.lo, upper.lo), std::max(lower.hi, upper.hi)};
+}
+
+// Goes over the bricks: `begin()` before each row of them along x, `take(first texel of a row)` for
+// each row of texels in it, and `finish(first, end)` for the columns of texels of each brick.
+void eachBrick(const ChunkTexels& chunk, Vec3i bricks, const auto& begin, const auto& take,
+               const auto& finish) {
+  const Vec3i storage = chunk.storage_vox;
+  const auto endOf = [](int64_t brick, int64_t texels) {
+    return std::min((brick + 1) * kBrickSide + 1, texels);
+  };
+  for (int64_t bz = 0; bz < bricks.z; ++bz)
+    for (int64_t by = 0; by < bricks.y; ++by) {
+      begin();
+      for (int64_t z = bz * kBrickSide; z < endOf(bz, storage.z); ++z)
+        for (int64_t y = by * kBrickSide; y < endOf(by, storage.y); ++y)
+          take((z * storage.y + y) * storage.x);
+      for (int64_t bx = 0; bx < bricks.x; ++bx)
+        finish(static_cast<size_t>(bx * kBrickSide), static_cast<size_t>(endOf(bx, storage.x)));
+    }
 }
 
 template <class T>
-void setRanges(const ChunkTexels& chunk, const ExpectedLook* expected, LeapGrid& grid) {
-  const Vec3i storage = chunk.storage_vox;
+void setRanges(const ChunkTexels& chunk, LeapGrid& grid) {
   const auto* texels = reinterpret_cast<const T*>(chunk.bytes.get());
-  const auto row_texels = static_cast<size_t>(storage.x);
-  std::vector<T> lo(row_texels), hi(row_texels);
+  const int64_t columns = chunk.storage_vox.x;
+  std::vector<T> lo(static_cast<size_t>(columns)), hi(lo.size());
   auto* out = reinterpret_cast<Range<T>*>(grid.ranges.data());
-  for (int64_t bz = 0; bz < grid.bricks.z; ++bz)
-    for (int64_t by = 0; by < grid.bricks.y; ++by) {
-      std::ranges::fill(lo, kNothing<T>.lo);
-      std::ranges::fill(hi, kNothing<T>.hi);
-      for (int64_t z = bz * kBrickSide; z <= std::min((bz + 1) * kBrickSide, storage.z - 1); ++z)
-        for (int64_t y = by * kBrickSide; y <= std::min((by + 1) * kBrickSide, storage.y - 1); ++y)
-          if (const int64_t row = (z * storage.y + y) * storage.x; chunk.has_spread)
-            widenBySpread(texels + 2 * row, *expected, lo.data(), hi.data(), storage.x);
-          else
-            widen(texels + row, lo.data(), hi.data(), storage.x);
-      for (int64_t bx = 0; bx < grid.bricks.x; ++bx) {
-        const auto from = static_cast<size_t>(bx * kBrickSide);
-        const size_t to = std::min(from + kBrickSide + 1, row_texels);
+  eachBrick(
+      chunk, grid.bricks,
+      [&] {
+        std::ranges::fill(lo, kNothing<T>.lo);
+        std::ranges::fill(hi, kNothing<T>.hi);
+      },
+      [&](int64_t row) { widen(texels + row, lo.data(), hi.data(), columns); },
+      [&](size_t first, size_t end) {
         Range<T> range = kNothing<T>;
-        for (size_t x = from; x < to; ++x)
+        for (size_t x = first; x < end; ++x)
           range = {std::min(range.lo, lo[x]), std::max(range.hi, hi[x])};
         *out++ = range;
-      }
-    }
+      });
+}
+
+template <class T>
+void setRangesOfSpreads(const ChunkTexels& chunk, const ExpectedLook& expected, LeapGrid& grid) {
+  const auto* texels = reinterpret_cast<const T*>(chunk.bytes.get());
+  const int64_t columns = chunk.storage_vox.x;
+  std::vector<SpreadBounds<T>> bounds(static_cast<size_t>(columns));
+  auto* out = reinterpret_cast<Range<T>*>(grid.ranges.data());
+  eachBrick(
+      chunk, grid.bricks, [&] { std::ranges::fill(bounds, SpreadBounds<T>()); },
+      [&](int64_t row) { widenBySpread(texels + 2 * row, bounds.data(), columns); },
+      [&](size_t first, size_t end) {
+        SpreadBounds<T> all;
+        for (size_t x = first; x < end; ++x) {
+          const SpreadBounds<T>& more = bounds[x];
+          all.means = {std::min(all.means.lo, more.means.lo),
+                       std::max(all.means.hi, more.means.hi)};
+          all.spread = std::max(all.spread, more.spread);
+        }
+        *out++ = shownBy(all, expected);
+      });
 }
 
 // Of each value of one byte the least `hi` for which a sample from it to `hi` may show something;
@@ -196,7 +250,10 @@ LeapGrid leapGrid(const ChunkTexels& chunk, const ExpectedLook* expected) {
   grid.ranges.resize(bricks * 2 * bytesPerVoxel(chunk.type));
   visitDeviceType(chunk.type, [&](auto tag) {
     using T = decltype(tag);
-    setRanges<T>(chunk, expected, grid);
+    if (chunk.has_spread)
+      setRangesOfSpreads<T>(chunk, *expected, grid);
+    else
+      setRanges<T>(chunk, grid);
   });
   return grid;
 }

@@ -1,8 +1,9 @@
 // LeapGrid: which bricks of a chunk show nothing, so that rays leap over them.
 //
 // A brick is kBrickSide^3 cells of a chunk, from its first texel on. A sample in it lies between
-// the least and the greatest of its (kBrickSide + 1)^3 texels, or of the values that texels with
-// spreads stand for. If no such value has an opacity, leaving the samples out changes nothing. Rays
+// the least and the greatest of its (kBrickSide + 1)^3 texels. In a chunk with spreads it shows
+// values that any mean between the least and the greatest may stand for with the greatest spread.
+// If no such value has an opacity, leaving the samples out changes nothing. Rays
 // leap over neighbouring bricks at once: each brick has its distance to the nearest one that may
 // show something (as in Zuiderveld et al. 1992, with the distance of the greatest axis).
 //
@@ -41,7 +42,8 @@ class ShownValues {
 
 struct LeapGrid {
   Vec3i bricks;
-  // For each brick, x fastest, the least and the greatest texel. NaN texels do not count.
+  // For each brick, x fastest, the least and the greatest value that a sample may show. NaN texels
+  // do not count.
   std::vector<std::byte> ranges;
   // 0 if the brick may show something, else bricks to the nearest one that may, 1 for a neighbour;
   // kMostDistance for all greater distances. A few bytes more than bricks, so that four may be read

@@ -86,7 +86,7 @@ HWY_INLINE void drawPacket(const KernelFrame& frame, const KernelBox& box,
     const Place texels = placeAt(cells, clamped(cells, at));
     V value;
     if constexpr (kSpread)
-      value = spreadAt<kType>(box, texels).value;
+      value = meanAt<kType>(box, texels);
     else
       value = valueAt<kType>(box, texels);
     M counts = hn::Lt(turn, line.count);

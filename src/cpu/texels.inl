@@ -110,47 +110,70 @@ HWY_INLINE V valueAt(const KernelBox& box, const Place& place) {
   return between(lower, upper, place.fz, hn::Sub(all(1.0F), place.fz));
 }
 
-// The two numbers of a place in a chunk with spreads.
-struct SpreadValue {
-  V value, spread;
+// The eight texels around a place in a chunk with spreads: pairs of the four rows.
+struct SpreadRows {
+  Pair mean[4], spread[4];
 };
 template <DeviceType kType>
-HWY_INLINE SpreadValue spreadAt(const KernelBox& box, const Place& place) {
+HWY_INLINE SpreadRows spreadRowsAround(const KernelBox& box, VI offset) {
   const auto y = static_cast<int64_t>(box.stride[1]), z = static_cast<int64_t>(box.stride[2]);
   const std::byte* from[4] = {box.texels, box.texels + y, box.texels + z, box.texels + y + z};
-  Pair value[4], spread[4];  // for the four rows
+  SpreadRows rows;
   if constexpr (kType == DeviceType::kU8) {
     VI bytes[4];
-    fourAtOnce(from, place.offset, bytes);
+    fourAtOnce(from, offset, bytes);
     for (int i = 0; i < 4; ++i) {
       const VI even = hn::And(bytes[i], hn::Set(I(), 0x00FF00FF));
       const VI odd = hn::And(hn::ShiftRight<8>(bytes[i]), hn::Set(I(), 0x00FF00FF));
-      value[i] = pairIn<DeviceType::kU16>(even);
-      spread[i] = pairIn<DeviceType::kU16>(odd);
+      rows.mean[i] = pairIn<DeviceType::kU16>(even);
+      rows.spread[i] = pairIn<DeviceType::kU16>(odd);
     }
   } else if constexpr (kType == DeviceType::kU16) {
     for (int i = 0; i < 4; ++i) {
-      const auto [first, second] = wideAt(from[i], place.offset);
+      const auto [first, second] = wideAt(from[i], offset);
       const Pair one = pairIn<kType>(first), next = pairIn<kType>(second);
-      value[i] = {one.first, next.first};
-      spread[i] = {one.second, next.second};
+      rows.mean[i] = {one.first, next.first};
+      rows.spread[i] = {one.second, next.second};
     }
   } else {
     for (int i = 0; i < 4; ++i) {
-      const Quad quad = quadAt(from[i], place.offset);
-      value[i] = {quad.of[0], quad.of[2]};
-      spread[i] = {quad.of[1], quad.of[3]};
+      const Quad quad = quadAt(from[i], offset);
+      rows.mean[i] = {quad.of[0], quad.of[2]};
+      rows.spread[i] = {quad.of[1], quad.of[3]};
     }
   }
+  return rows;
+}
+HWY_INLINE V withinRows(const Pair (&rows)[4], const Place& place) {
   const V one = all(1.0F), rx = hn::Sub(one, place.fx), ry = hn::Sub(one, place.fy),
           rz = hn::Sub(one, place.fz);
-  const auto within = [&](const Pair* rows) {
-    V row[4];
-    for (int i = 0; i < 4; ++i) row[i] = between(rows[i].first, rows[i].second, place.fx, rx);
-    return between(between(row[0], row[1], place.fy, ry), between(row[2], row[3], place.fy, ry),
-                   place.fz, rz);
+  V row[4];
+  for (int i = 0; i < 4; ++i) row[i] = between(rows[i].first, rows[i].second, place.fx, rx);
+  return between(between(row[0], row[1], place.fy, ry), between(row[2], row[3], place.fy, ry),
+                 place.fz, rz);
+}
+
+// The mean at a place in a chunk with spreads.
+template <DeviceType kType>
+HWY_INLINE V meanAt(const KernelBox& box, const Place& place) {
+  return withinRows(spreadRowsAround<kType>(box, place.offset).mean, place);
+}
+
+// The mean, and the square of the spread in units of 1 / spread_scale (see ExpectedLook). NaN
+// texels have no spread.
+struct SpreadValue {
+  V mean, square;
+};
+template <DeviceType kType>
+HWY_INLINE SpreadValue spreadAt(const KernelBox& box, const Place& place, float spread_scale) {
+  SpreadRows rows = spreadRowsAround<kType>(box, place.offset);
+  const auto square = [&](V spread) {
+    // Squares of values themselves may overflow.
+    const V share = hn::Mul(hn::Max(spread, hn::Zero(F())), all(spread_scale));
+    return hn::Mul(share, share);
   };
-  return {within(value), within(spread)};
+  for (Pair& pair : rows.spread) pair = {square(pair.first), square(pair.second)};
+  return {withinRows(rows.mean, place), withinRows(rows.spread, place)};
 }
 
 // Below it lie the stand-in for NaN and whatever is interpolated with it.
@@ -210,8 +233,8 @@ HWY_INLINE V differenceAlong(const KernelBox& box, V3 at, int axis) {
   const Place place_before = placeAt(cells, clamped(cells, before));
   V next, last;
   if constexpr (kSpread) {
-    next = spreadAt<kType>(box, place_after).value;
-    last = spreadAt<kType>(box, place_before).value;
+    next = meanAt<kType>(box, place_after);
+    last = meanAt<kType>(box, place_before);
   } else {
     next = valueAt<kType>(box, place_after);
     last = valueAt<kType>(box, place_before);

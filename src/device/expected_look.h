@@ -11,6 +11,12 @@
 // beyond the volume's values, and the greatest spread is two values alone (a net of thin bright
 // lines).
 //
+// Between texels the mean is interpolated, and the square of the spread: values of two texels mixed
+// have the mixed variances, and the difference between the means adds to them. That part is left
+// out, since on a slope of values it would count the slope twice. Interpolating the spreads
+// themselves would lose a quarter of the variance halfway from a thin line to the empty texel
+// beside it, and with it a quarter of the line's opacity.
+//
 // The opacity applies to one unit length. Voxels along a ray count as independent draws: n lengths
 // let (1 - expected opacity)^n through, and the colour is weighted by opacity.
 //

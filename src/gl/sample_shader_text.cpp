@@ -148,10 +148,32 @@ uniform sampler2D expected;
 uniform vec4 expected_line;  // of a mean: scale, offset; of a spread: scale, rows
 uniform float expected_length;
 
+// The spread at a place, as its share of the volume's values; see ExpectedLook for its squares. The
+// hardware interpolates what it reads, so the texels are read one by one.
+float spreadShareAt(vec3 at) {
+  ivec3 last = textureSize(chunk, 0) - 1;
+  vec3 texel = at / texel_size - 0.5;
+  vec3 low = floor(texel);
+  vec3 t = texel - low;
+  ivec3 first = clamp(ivec3(low), ivec3(0), last);
+  ivec3 next = clamp(ivec3(low) + 1, ivec3(0), last);
+  float square = 0.0;
+  for (int i = 0; i < 8; ++i) {
+    bvec3 upper = bvec3((i & 1) != 0, (i & 2) != 0, (i & 4) != 0);
+    vec3 w = mix(1.0 - t, t, upper);
+    float share = max(texelFetch(chunk, ivec3(upper.x ? next.x : first.x,
+                                              upper.y ? next.y : first.y,
+                                              upper.z ? next.z : first.z), 0).g, 0.0) *
+                  expected_line.z;
+    square += w.x * w.y * w.z * share * share;
+  }
+  return sqrt(square);
+}
+
 // What a texel with a spread looks like, premultiplied, for a way of `lengths` slices whose opacity
 // is multiplied by `factor` first: see ExpectedLook. `exact` is the same without spread.
-vec4 expectedColor(float value, float spread, float factor, float lengths, vec4 exact) {
-  float row = sqrt(max(spread * expected_line.z, 0.0)) * expected_line.w;
+vec4 expectedColor(float value, float share, float factor, float lengths, vec4 exact) {
+  float row = sqrt(share) * expected_line.w;
   vec2 at = vec2(value * expected_line.x + expected_line.y,
                  (max(row - 1.0, 0.0) + 0.5) / expected_line.w);
   vec4 mean = textureLod(expected, clamp(at, vec2(0.0), vec2(1.0)), 0.0);
@@ -223,9 +245,6 @@ void main() {
   for (int k = range.x; k < range.y; ++k) {
     vec3 at;
     float value;
-#if SPREAD
-    float spread;
-#endif
 #if GOES_AHEAD
     // On to the next sample that may show something. Software GL runs a loop's body for several
     // pixels together, as long as any of them needs it, and skips nothing by `if`: so each pixel goes
@@ -242,16 +261,11 @@ void main() {
 #else
       at = first + float(k - first_k) * along;
 #endif
-#if SPREAD
       vec2 both = textureLod(chunk, at, 0.0).rg;
       value = both.r;
-      spread = both.g;
-#else
-      value = textureLod(chunk, at, 0.0).r;
-#endif
 #if GOES_AHEAD
 #if SPREAD
-      if (spread > 0.0) break;
+      if (both.g > 0.0) break;
 #endif
       if ((value >= visible.x && value <= visible.y) || k + 1 == range.y) break;
     }
@@ -291,7 +305,7 @@ void main() {
     color.rgb *= color.a;
 #endif
 #if SPREAD
-    color = expectedColor(value, spread, factor, ray_length, color);
+    color = expectedColor(value, spreadShareAt(at), factor, ray_length, color);
 #if FLOATS
     if (IS_NO_NUMBER(vec3(value)).x) color = vec4(0.0);
 #endif

@@ -227,8 +227,9 @@ TEST_F(LevelCutTest, aNetOfThinLinesKeepsMostOfItsOpacityAtCoarseLevels) {
       options.cut = CutOptions{.level = level};
       const double kept = opacityOf(draw(*session, options)) / finest;
       if (with_spreads) {
-        EXPECT_GT(kept, 0.6) << level;
-        EXPECT_LT(kept, 1.15) << level;
+        // A line is half as wide as a voxel of level 1, and blurred the most there.
+        EXPECT_GT(kept, level == 1 ? 0.88 : 0.9) << level;
+        EXPECT_LT(kept, 1.1) << level;
       } else {
         EXPECT_LT(kept, 0.1) << "a mean alone loses them";
       }
@@ -245,26 +246,28 @@ TEST_F(LevelCutTest, oneBrightVoxelIsReportedAndRefinedOnRequest) {
     Pyramid pyramid(source, 4, false, Spreads::kKept);
     const TransferFunction transfer = opaqueAbove(100, 255, 0.9);
     const auto session = sessionOf(pyramid, transfer);
-    FrameOptions options = obliqueView(Projection::kOrtho);
-    options.size = {280, 260};  // pixels smaller than voxels, so that rays meet it
-    options.step_vox = 0.25;
     const auto opacityOf = [](const Drawn& drawn) {
       float most = 0;
       for (size_t i = 3; i < drawn.picture.rgba.size(); i += 4)
         most = std::max(most, drawn.picture.rgba[i]);
       return most;
     };
-    const float finest = opacityOf(draw(*session, options));
-    ASSERT_GT(finest, 0.1);
-    options.cut = CutOptions{.pixel_error = 1000};
-    const Drawn coarse = draw(*session, options);
-    EXPECT_GT(coarse.report.cut->thin_blocks, 0);
-    EXPECT_LT(opacityOf(coarse), 0.5 * finest);
-    options.cut->keeps_thin = true;
-    const Drawn kept = draw(*session, options);
-    EXPECT_EQ(kept.report.cut->thin_blocks, 0);
-    EXPECT_EQ(kept.report.cut->levels.front().level, 0);
-    EXPECT_NEAR(opacityOf(kept), finest, 0.01);
+    for (const Projection projection : kProjections) {
+      FrameOptions options = obliqueView(projection);
+      options.size = {280, 260};  // pixels smaller than voxels, so that rays meet it
+      options.step_vox = 0.25;
+      const float finest = opacityOf(draw(*session, options));
+      ASSERT_GT(finest, 0.1);
+      options.cut = CutOptions{.pixel_error = 1000};
+      const Drawn coarse = draw(*session, options);
+      EXPECT_GT(coarse.report.cut->thin_blocks, 0);
+      EXPECT_LT(opacityOf(coarse), 0.5 * finest);
+      options.cut->keeps_thin = true;
+      const Drawn kept = draw(*session, options);
+      EXPECT_EQ(kept.report.cut->thin_blocks, 0);
+      EXPECT_EQ(kept.report.cut->levels.front().level, 0);
+      EXPECT_NEAR(opacityOf(kept), finest, 0.01);
+    }
   }
 }
 

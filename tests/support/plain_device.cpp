@@ -242,7 +242,7 @@ void PlainDevice::take(const Ray& ray, const BoxDraw& box, const ChunkTexels& ch
     ++taken_;
     if (value < kNoNumber) return true;
     const auto rgba = lookedUp(look_up, value, look_up.interpolates || !composite);
-    const double spread = chunk.has_spread && composite ? valueAt(chunk, texel, 1) : 0;
+    const double spread = chunk.has_spread && composite ? spreadAt(chunk, texel) : 0;
     if (rgba[3] <= 0 && !(spread > 0)) return true;
     if (!composite) {
       const bool replaces = pixel.count == 0 ||

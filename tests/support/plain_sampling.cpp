@@ -43,9 +43,9 @@ double entryPosition(const LookUp& look_up, double value) {
          (static_cast<double>(look_up.rgba.size() / 4) - 1);
 }
 
-}  // namespace
-
-double valueAt(const ChunkTexels& chunk, Vec3d at, int number) {
+// The trilinear weights of the eight texels around, times `number_of` of each texel.
+template <class NumberOf>
+double trilinear(Vec3d at, const NumberOf& number_of) {
   const Vec3i lo{static_cast<int64_t>(std::floor(at.x)), static_cast<int64_t>(std::floor(at.y)),
                  static_cast<int64_t>(std::floor(at.z))};
   const Vec3d part = at - toDouble(lo);
@@ -58,9 +58,22 @@ double valueAt(const ChunkTexels& chunk, Vec3d at, int number) {
       texel[a] += up;
       weight *= up != 0 ? part[a] : 1 - part[a];
     }
-    if (weight > 0) sum += weight * texelAt(chunk, texel, number);
+    if (weight > 0) sum += weight * number_of(texel);
   }
   return sum;
+}
+
+}  // namespace
+
+double valueAt(const ChunkTexels& chunk, Vec3d at) {
+  return trilinear(at, [&](Vec3i texel) { return texelAt(chunk, texel); });
+}
+
+double spreadAt(const ChunkTexels& chunk, Vec3d at) {
+  return std::sqrt(trilinear(at, [&](Vec3i texel) {
+    const double spread = std::max(texelAt(chunk, texel, 1), 0.0);
+    return spread * spread;
+  }));
 }
 
 double labelAt(const ChunkTexels& chunk, Vec3d at) {

@@ -8,9 +8,12 @@
 
 namespace sluice {
 
-// Trilinear; texel centres at integers, beyond the chunk its outermost texels. In a chunk with
-// spreads, number 0 is the mean and 1 the spread.
-double valueAt(const ChunkTexels& chunk, Vec3d at, int number = 0);
+// Trilinear; texel centres at integers, beyond the chunk its outermost texels. The mean in a chunk
+// with spreads.
+double valueAt(const ChunkTexels& chunk, Vec3d at);
+// The spread there, whose square is trilinear; texels that are no number have none. Requires: the
+// chunk has spreads.
+double spreadAt(const ChunkTexels& chunk, Vec3d at);
 
 // The value with the greatest weight among the eight texels around; of two with the same weight,
 // the greater.
