@@ -3,6 +3,7 @@
 #include <png.h>
 
 #include <cstring>
+#include <exception>
 #include <functional>
 #include <span>
 #include <utility>
@@ -22,6 +23,7 @@ struct Writer {
   png_structp png = nullptr;
   png_infop info = nullptr;
   char message[200] = "";
+  std::exception_ptr thrown;          // by the sink, kept while libpng's frames are left
   std::string mark = softwareMark();  // outlives the jump
   png_text software{};
   StopToken stop;
@@ -53,8 +55,8 @@ struct Writer {
     try {
       sink({reinterpret_cast<const std::byte*>(from), bytes});
       return true;
-    } catch (const std::exception& e) {
-      keepMessage(e.what());
+    } catch (...) {
+      thrown = std::current_exception();
       return false;
     }
   }
@@ -108,6 +110,7 @@ class Encoder {
  private:
   void require(bool is_written) const {
     writer_.stop.throwIfStopped();
+    if (writer_.thrown) std::rethrow_exception(writer_.thrown);
     if (!is_written) fail("{}: cannot be written: {}", name_, writer_.message);
   }
 
