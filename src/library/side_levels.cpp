@@ -206,6 +206,7 @@ void SideLevels::open() {
     index_file_ = std::move(kept.path);
   } catch (const Error& error) {
     notes_.push_back(fmt::format("{}; the levels are made again", error.what()));
+    damaged_ = folder;
   }
 }
 
@@ -234,6 +235,9 @@ void SideLevels::prepare(const SideLevelsRequest& request) {
                     "another folder, --levels none goes without)",
                     formatBytes(plan->voxel_bytes), places_.written.string(), formatBytes(*free)));
   const fs::path folder = storeIn(places_.written, key_);
+  // The index file says that sluice made it, even if it no longer looks like a store.
+  std::error_code ignored;  // then the writer says why
+  if (folder == damaged_) fs::remove_all(folder, ignored);
   try {
     writer_ = std::make_unique<LevelStoreWriter>(request.source, request.time, folder, *plan,
                                                  request.pool, request.stop);

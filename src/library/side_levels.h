@@ -83,6 +83,7 @@ class SideLevels {
   const int64_t time_;
   const std::function<void(const std::string& line)> announce_;
   std::filesystem::path index_file_;  // that names the state of the volume
+  std::filesystem::path damaged_;     // the group, if it is not the one that was written
   std::unique_ptr<LevelStoreWriter> writer_;
   std::unique_ptr<LevelStore> store_;
   uint64_t held_bytes_ = 0;

@@ -224,6 +224,13 @@ TEST_F(SideLevelsCommand, thatAreDamagedAreMadeAgainAndThePictureIsTheSame) {
   expectMended("the levels are made again", true);
   fs::remove_all(group());
   expectMended("the levels are made again", true);
+  fs::remove(group() / ".zgroup");  // it looks like no store any more
+  writeFile(group() / ".zattrs", "{}");
+  expectMended("the levels are made again", true);
+  const fs::path folder = group();
+  fs::remove_all(folder);
+  writeFile(folder, "a file in its place");
+  expectMended("the levels are made again", true);
   // Damage that is found when they are read.
   std::string chunk = readFile(someChunk());
   chunk[chunk.size() / 2] = static_cast<char>(chunk[chunk.size() / 2] ^ 1);
