@@ -67,7 +67,7 @@ std::optional<OptionValue> readWord(const OptionEntry& entry, const std::string&
 }
 
 std::string expectedOf(const OptionEntry& entry) {
-  const std::string range = rangeText(entry.kind.limits);
+  std::string range = rangeText(entry.kind.limits);
   switch (entry.kind.form) {
     case OptionForm::kFile:
       return "a name that is not empty";

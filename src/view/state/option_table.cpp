@@ -63,9 +63,10 @@ std::optional<OptionValue> read(const Words& words, const T& held) {
   } else if (held.empty()) {
     return std::nullopt;
   } else if constexpr (std::is_same_v<T, std::string>) {
-    return held;
+    return OptionValue(held);
   } else {
     std::vector<OptionReals> lists;
+    lists.reserve(held.size());
     for (const auto& item : held) lists.push_back(realsOf(item));
     return lists;
   }
