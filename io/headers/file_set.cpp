@@ -75,7 +75,7 @@ std::string formatted(const Conversion& form, int64_t number) {
 void demandPlainName(const std::string& path, std::string_view name) {
   bool plain = !name.empty();
   for (const char c : name) plain = plain && static_cast<unsigned char>(c) >= ' ' && c != '\x7f';
-  if (!plain) fail("{}: {} is no name of a data file", path, quoted(name));
+  if (!plain) fail("{}: {} is no name of a data file", path, inQuotes(name));
 }
 
 }  // namespace
@@ -99,11 +99,11 @@ FileSet parseFilePattern(const std::string& path, std::string_view pattern, std:
   files.pattern = pattern;
   if (!onlyConversion(pattern))
     fail("{}: the file name pattern {} needs exactly one number such as %d or %03d", path,
-         quoted(pattern));
+         inQuotes(pattern));
   const auto number = [&](std::string_view text) {
     const std::optional<int64_t> value = parseInteger(text);
     if (!value || *value > kMaxNumber || *value < -kMaxNumber)
-      fail("{}: {} in the file name pattern is no whole number", path, quoted(text));
+      fail("{}: {} in the file name pattern is no whole number", path, inQuotes(text));
     return *value;
   };
   files.first = number(first);

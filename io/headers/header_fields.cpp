@@ -55,7 +55,7 @@ std::optional<double> parseReal(std::string_view text) {
   return parseAll<double>(text);
 }
 
-std::string quoted(std::string_view text) {
+std::string inQuotes(std::string_view text) {
   std::string line = "'";
   for (const char c : text.substr(0, kQuotedCharacters)) line += c >= ' ' && c <= '~' ? c : '?';
   return line + (text.size() > kQuotedCharacters ? "...'" : "'");
@@ -82,7 +82,7 @@ std::string unknownFieldsNote(const std::string& path, const std::vector<std::st
   constexpr size_t kMostShown = 4;
   std::string list;
   for (size_t i = 0; i < std::min(names.size(), kMostShown); ++i)
-    list += (list.empty() ? "" : ", ") + sluice::quoted(names[i]);
+    list += (list.empty() ? "" : ", ") + inQuotes(names[i]);
   if (names.size() > kMostShown) list += fmt::format(" and {} more", names.size() - kMostShown);
   return fmt::format("{}: its header has {} without a meaning, which {} passed over: {}", path,
                      names.size() == 1 ? "a field" : "fields", names.size() == 1 ? "is" : "are",

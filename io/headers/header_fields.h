@@ -24,7 +24,7 @@ std::optional<int64_t> parseInteger(std::string_view text);
 std::optional<double> parseReal(std::string_view text);
 
 // The text for a message: in quotation marks, on one line, printable, cut after 60 characters.
-std::string quoted(std::string_view text);
+std::string inQuotes(std::string_view text);
 
 // Whether `text` is not `known` but becomes it by at most two letters that are changed, put in or
 // taken out, upper and lower case being the same: a slip of the hand or a flipped bit.

@@ -55,9 +55,9 @@ Fields readFields(std::string_view text, const std::string& path) {
     if (!line) fail("{}: no MetaImage file: the header has no {}", path, kDataFile);
     if (trimmed(*line).empty()) continue;
     const auto entry = keyAndValue(*line);
-    if (!entry) fail("{}: header line {} is no 'Key = Value'", path, quoted(*line));
+    if (!entry) fail("{}: header line {} is no 'Key = Value'", path, inQuotes(*line));
     if (!fields.values.emplace(entry->first, entry->second).second)
-      fail("{}: the header has the key {} twice", path, quoted(entry->first));
+      fail("{}: the header has the key {} twice", path, inQuotes(entry->first));
   }
   fields.header_bytes = lines.position();
   if (isList(fields.demand(kDataFile)))
@@ -124,7 +124,7 @@ int64_t integer(const Fields& fields, std::string_view name, std::string_view te
                 int64_t most = std::numeric_limits<int64_t>::max()) {
   const std::optional<int64_t> value = parseInteger(text);
   if (!value || *value < least || *value > most)
-    fail("{}: {} = {} is no whole number from {} to {}", fields.path, name, quoted(text), least,
+    fail("{}: {} = {} is no whole number from {} to {}", fields.path, name, inQuotes(text), least,
          most);
   return *value;
 }
@@ -135,7 +135,7 @@ bool flag(const Fields& fields, std::initializer_list<std::string_view> names, b
   const std::string text = lowercase(*value);
   if (text == "true" || text == "t" || text == "1") return true;
   if (text == "false" || text == "f" || text == "0") return false;
-  fail("{}: {} = {} is neither True nor False", fields.path, *names.begin(), quoted(*value));
+  fail("{}: {} = {} is neither True nor False", fields.path, *names.begin(), inQuotes(*value));
 }
 
 // Empty if none of the names is there.
@@ -149,7 +149,7 @@ std::vector<double> reals(const Fields& fields, std::initializer_list<std::strin
     fail("{}: {} has {} numbers, {} expected", fields.path, *names.begin(), words.size(), count);
   for (const std::string_view word : words) {
     const std::optional<double> value = parseReal(word);
-    if (!value) fail("{}: {}: {} is no number", fields.path, *names.begin(), quoted(word));
+    if (!value) fail("{}: {}: {} is no number", fields.path, *names.begin(), inQuotes(word));
     values.push_back(*value);
   }
   return values;
@@ -171,12 +171,12 @@ VoxelType elementType(const Fields& fields) {
   for (const auto& [name, type] : kTypes)
     if (name == text) return type;
   fail("{}: ElementType {} is not read; scalars of 8 to 32 bits and MET_DOUBLE are", fields.path,
-       quoted(text));
+       inQuotes(text));
 }
 
 void demandScalarImage(const Fields& fields) {
   const std::string_view object = fields.find({"ObjectType"}).value_or("Image");
-  if (object != "Image") fail("{}: ObjectType {} is no Image", fields.path, quoted(object));
+  if (object != "Image") fail("{}: ObjectType {} is no Image", fields.path, inQuotes(object));
   const std::string_view channels = fields.find({"ElementNumberOfChannels"}).value_or("1");
   const int64_t count = integer(fields, "ElementNumberOfChannels", channels, 1);
   if (count != 1)

@@ -10,7 +10,8 @@ namespace {
 
 void demandMagic(std::string_view line, const std::string& path) {
   if (line.size() != 8 || !line.starts_with("NRRD000") || line[7] < '1' || line[7] > '5')
-    fail("{}: no NRRD file: it starts with {}, NRRD0001 to NRRD0005 expected", path, quoted(line));
+    fail("{}: no NRRD file: it starts with {}, NRRD0001 to NRRD0005 expected", path,
+         inQuotes(line));
 }
 
 // All fields of the format, without spaces (http://teem.sourceforge.net/nrrd/format.html); most are
@@ -78,10 +79,10 @@ NrrdFields readNrrdFields(std::string_view text, const std::string& path) {
     const bool key_value = colon != std::string_view::npos && line->substr(colon, 2) == ":=";
     if (line->front() == '#' || key_value) continue;
     if (colon == std::string_view::npos)
-      fail("{}: header line {} is no 'field: value'", path, quoted(*line));
+      fail("{}: header line {} is no 'field: value'", path, inQuotes(*line));
     const std::string name = withoutSpaces(line->substr(0, colon));
     if (!fields.values.emplace(name, trimmed(line->substr(colon + 1))).second)
-      fail("{}: the header has the field {} twice", path, quoted(name));
+      fail("{}: the header has the field {} twice", path, inQuotes(name));
   }
   fields.header_bytes = lines.position();
   return fields;

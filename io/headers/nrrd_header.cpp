@@ -28,7 +28,7 @@ VoxelType voxelType(const NrrdFields& fields) {
   if (text.ends_with("shortint")) text.erase(text.size() - 3);
   if (const std::optional<VoxelType> type = parseVoxelType(text)) return *type;
   fail("{}: voxel type {} is not read; 8 to 32 bit integers, float and double are", fields.path,
-       quoted(fields.demand("type")));
+       inQuotes(fields.demand("type")));
 }
 
 Encoding encoding(const NrrdFields& fields) {
@@ -37,7 +37,7 @@ Encoding encoding(const NrrdFields& fields) {
   if (text == "gzip" || text == "gz") return Encoding::kDeflate;
   if (text == "txt" || text == "text" || text == "ascii") return Encoding::kText;
   fail("{}: encoding {} is not read; convert with 'unu save -f nrrd -e gzip'", fields.path,
-       quoted(text));
+       inQuotes(text));
 }
 
 std::endian byteOrder(const NrrdFields& fields, const VolumeDescription& description) {
@@ -50,7 +50,7 @@ std::endian byteOrder(const NrrdFields& fields, const VolumeDescription& descrip
   }
   const std::string text = lowercase(*value);
   if (text != "little" && text != "big")
-    fail("{}: endian {} is neither 'little' nor 'big'", fields.path, quoted(*value));
+    fail("{}: endian {} is neither 'little' nor 'big'", fields.path, inQuotes(*value));
   return text == "little" ? std::endian::little : std::endian::big;
 }
 
@@ -58,14 +58,14 @@ int64_t integer(const NrrdFields& fields, std::string_view name, std::string_vie
                 int64_t least, int64_t most = std::numeric_limits<int64_t>::max()) {
   const std::optional<int64_t> value = parseInteger(text);
   if (!value || *value < least || *value > most)
-    fail("{}: {}: {} is no whole number from {} to {}", fields.path, name, quoted(text), least,
+    fail("{}: {}: {} is no whole number from {} to {}", fields.path, name, inQuotes(text), least,
          most);
   return *value;
 }
 
 double real(const NrrdFields& fields, std::string_view name, std::string_view text) {
   const std::optional<double> value = parseReal(text);
-  if (!value) fail("{}: {}: {} is no number", fields.path, name, quoted(text));
+  if (!value) fail("{}: {}: {} is no number", fields.path, name, inQuotes(text));
   return *value;
 }
 
@@ -81,12 +81,12 @@ std::vector<std::string_view> perAxis(const NrrdFields& fields, std::string_view
 Vec3d vector(const NrrdFields& fields, std::string_view name, std::string_view text) {
   std::string inner(trimmed(text));
   if (inner.size() < 2 || inner.front() != '(' || inner.back() != ')')
-    fail("{}: {}: {} is no vector such as (1,0,0)", fields.path, name, quoted(text));
+    fail("{}: {}: {} is no vector such as (1,0,0)", fields.path, name, inQuotes(text));
   inner = inner.substr(1, inner.size() - 2);
   std::replace(inner.begin(), inner.end(), ',', ' ');
   const std::vector<std::string_view> words = splitWords(inner);
   if (words.empty() || words.size() > 4)
-    fail("{}: {}: {} has {} numbers, 1 to 4 expected", fields.path, name, quoted(text),
+    fail("{}: {}: {} has {} numbers, 1 to 4 expected", fields.path, name, inQuotes(text),
          words.size());
   Vec3d value;
   for (size_t i = 0; i < std::min<size_t>(words.size(), 3); ++i)
@@ -179,7 +179,7 @@ int64_t takeTimeSteps(const NrrdFields& fields, std::vector<Axis>& axes) {
       fail(
           "{}: axis {} ({}) holds {} values a voxel; only volumes of one value per voxel are read "
           "(cut one out with 'unu slice -a {} -p 0')",
-          fields.path, axis.number, axis.kind.empty() ? "not of space" : quoted(axis.kind),
+          fields.path, axis.number, axis.kind.empty() ? "not of space" : inQuotes(axis.kind),
           axis.size, axis.number);
   if (axes.size() > 3)
     fail("{}: {} axes of space, 3 and one of time at most", fields.path, axes.size());

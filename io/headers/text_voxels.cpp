@@ -57,7 +57,7 @@ size_t TextVoxels::read(std::span<std::byte> out) {
       const char* const end = token.data() + token.size();
       const auto [stop, status] = std::from_chars(begin, end, tag);
       if (status != std::errc() || stop != end || token.size() > kMaxTokenBytes)
-        fail("{}: {} before offset {} is no {} value", file_->path(), quoted(token),
+        fail("{}: {} before offset {} is no {} value", file_->path(), inQuotes(token),
              offset_ - (end_ - begin_), name(type_));
       std::memcpy(out.data() + got, &tag, sizeof(tag));
       got += sizeof(tag);
