@@ -45,7 +45,7 @@ double entryPosition(const LookUp& look_up, double value) {
 
 // The trilinear weights of the eight texels around, times `number_of` of each texel.
 template <class NumberOf>
-double trilinear(Vec3d at, const NumberOf& number_of) {
+double interpolated(Vec3d at, const NumberOf& number_of) {
   const Vec3i lo{static_cast<int64_t>(std::floor(at.x)), static_cast<int64_t>(std::floor(at.y)),
                  static_cast<int64_t>(std::floor(at.z))};
   const Vec3d part = at - toDouble(lo);
@@ -66,11 +66,11 @@ double trilinear(Vec3d at, const NumberOf& number_of) {
 }  // namespace
 
 double valueAt(const ChunkTexels& chunk, Vec3d at) {
-  return trilinear(at, [&](Vec3i texel) { return texelAt(chunk, texel); });
+  return interpolated(at, [&](Vec3i texel) { return texelAt(chunk, texel); });
 }
 
 double spreadAt(const ChunkTexels& chunk, Vec3d at) {
-  return std::sqrt(trilinear(at, [&](Vec3i texel) {
+  return std::sqrt(interpolated(at, [&](Vec3i texel) {
     const double spread = std::max(texelAt(chunk, texel, 1), 0.0);
     return spread * spread;
   }));

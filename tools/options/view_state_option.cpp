@@ -24,7 +24,7 @@ bool isGiven(const CLI::App& app, const std::string& name) {
 }
 
 // The options of a word's kind, of which the user's take the place of all of the file's.
-std::vector<std::string_view> kindOf(std::string_view name) {
+std::vector<std::string_view> optionsAlike(std::string_view name) {
   std::vector<std::string_view> camera;
   for (const OptionEntry& entry : optionTable())
     if (entry.part == OptionPart::kCamera && entry.option != "--fit")
@@ -94,7 +94,7 @@ SavedView applyState(CLI::App& app, const std::string& file) {
   // --clip comes once for each of several planes.
   std::vector<std::string> given;
   for (const OptionWord& word : words)
-    if (isGivenAny(app, kindOf(word.first))) given.push_back(word.first);
+    if (isGivenAny(app, optionsAlike(word.first))) given.push_back(word.first);
   for (const auto& [name, value] : words) {
     CLI::Option* option = app.get_option_no_throw(name);
     if (option == nullptr || std::find(given.begin(), given.end(), name) != given.end()) continue;
