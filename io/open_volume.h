@@ -6,42 +6,16 @@
 // several of these, or a "synth:KIND,..." volume.
 #pragma once
 
-#include <bit>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "io/files/channel_choice.h"
-#include "io/headers/decode_options.h"
-#include "io/web/address.h"
-#include "src/base/threads/stop_token.h"
+#include "io/open_options.h"
 #include "src/base/values/volume_source.h"
 
 namespace sluice {
-
-// The user's options in addition to the name. An option for one format is an Error with other
-// formats, so that no option is silently without effect.
-struct OpenOptions {
-  std::optional<Vec3i> dims = {};              // raw
-  std::optional<int64_t> time_steps = {};      // raw
-  std::optional<VoxelType> type = {};          // raw
-  std::optional<std::endian> byte_order = {};  // raw
-  int64_t skip_bytes = 0;                      // raw
-  std::optional<Vec3d> spacing = {};           // any; replaces the file's
-  std::string grid = {};                       // OpenVDB; empty: see vdb_source.h
-  ChannelWish channel = {};                    // Zarr, pages of a TIFF; without: the first
-  // Zarr: decoded chunks kept at most, see zarr_source.h. Not a property of a volume, hence without
-  // effect on other formats.
-  uint64_t chunk_cache_bytes = uint64_t{32} << 20;
-  BucketAccess buckets = {};  // s3:// addresses; without effect on the others
-  // Compressed volumes of one stream; without effect on the others either. Its stop token is set to
-  // the one below.
-  DecodeOptions decode = {};
-  // Ends lengthy opening and reading, by Interrupted.
-  StopToken stop = {};
-};
 
 // Opens one name. Throws Error in one line: what is missing, damaged or not understood, and what
 // was expected.

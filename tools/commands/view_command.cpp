@@ -4,7 +4,7 @@
 #include <system_error>
 #include <utility>
 
-#include "io/volume_names.h"
+#include "io/formats.h"
 #include "src/base/error.h"
 #include "src/classify/transfer/color_maps.h"
 #if SLUICE_HAS_GL

@@ -1,0 +1,308 @@
+#include "io/formats.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include <fmt/ranges.h>
+
+#include "io/files/file.h"
+#include "io/files/file_list.h"
+#include "io/headers/meta_image.h"
+#include "io/headers/nifti.h"
+#include "io/headers/nrrd.h"
+#include "io/headers/raw.h"
+#include "io/headers/raw_name.h"
+#include "io/relabelled.h"
+#include "io/sequence.h"
+#include "io/slices/slice_picture.h"
+#include "io/slices/slice_stack.h"
+#include "io/stores/folder_store.h"
+#include "io/synth/synth_source.h"
+#include "io/vdb/vdb_series.h"
+#include "io/vdb/vdb_source.h"
+#include "io/web/web_place.h"
+#include "io/zarr/zarr_folder.h"
+#include "io/zarr/zarr_source.h"
+#include "src/base/error.h"
+
+namespace sluice {
+namespace {
+
+using namespace std::string_view_literals;
+namespace fs = std::filesystem;
+using Source = std::unique_ptr<VolumeSource>;
+
+bool hasAt(const std::string& head, size_t at, std::string_view magic) {
+  return head.size() >= at + magic.size() &&
+         std::string_view(head).substr(at, magic.size()) == magic;
+}
+
+bool isMetaImage(const std::string& head) {
+  const std::string_view first_line = std::string_view(head).substr(0, head.find('\n'));
+  return first_line.find('=') != std::string_view::npos &&
+         first_line.find('\0') == std::string_view::npos &&
+         head.find("DimSize") != std::string::npos;
+}
+
+bool isNifti(const std::string& head) {
+  constexpr size_t kNifti1MagicAt = 344, kNifti2MagicAt = 4;
+  return hasAt(head, kNifti1MagicAt, "n+1\0"sv) || hasAt(head, kNifti1MagicAt, "ni1\0"sv) ||
+         hasAt(head, kNifti2MagicAt, "n+2\0"sv) || hasAt(head, kNifti2MagicAt, "ni2\0"sv);
+}
+
+// Voxels of NIfTI's older form, with their header beside them.
+bool areNiftiVoxels(const NamedInput& input, const OpenOptions& /*options*/) {
+  fs::path voxels = input.file;
+  const std::string ending = lowerExtension(voxels);
+  if (ending != ".img" && ending != ".img.gz") return false;
+  if (ending == ".img.gz") voxels.replace_extension();
+  voxels.replace_extension(".hdr");
+  return fs::exists(voxels) || fs::exists(voxels.string() + ".gz");
+}
+
+bool areSlicesWithoutHeaders(const NamedInput& input, const OpenOptions& options) {
+  return input.is_folder && options.dims && options.type;
+}
+
+DecodeOptions decodeOptionsOf(const OpenOptions& options) {
+  DecodeOptions decode = options.decode;
+  decode.stop = options.stop;
+  return decode;
+}
+
+RawOptions rawOptions(const OpenOptions& options) {
+  return {.dims = options.dims,
+          .time_steps = options.time_steps,
+          .type = options.type,
+          .byte_order = options.byte_order,
+          .skip_bytes = options.skip_bytes,
+          .spacing = options.spacing,
+          .decode = decodeOptionsOf(options)};
+}
+
+SliceOptions sliceOptions(const OpenOptions& options) {
+  return {.spacing = options.spacing, .channel = options.channel, .stop = options.stop};
+}
+
+bool isRawName(const NamedInput& input, const OpenOptions& options) {
+  const std::string ending = lowerExtension(input.file);
+  return ending == ".img" || ending == ".img.gz" || options.dims || options.type ||
+         parseRawName(input.file.filename().string()).dims;
+}
+
+Source openRawOrSlices(const NamedInput& input, const OpenOptions& options) {
+  return input.is_folder ? openRawSlices(listFolder(input.file), rawOptions(options))
+                         : openRaw(input.file, rawOptions(options));
+}
+
+// Raw files each of which has the bytes of one slice of --dims.
+Source joinRawSlices(const std::vector<std::string>& files, const OpenOptions& options) {
+  if (!options.dims || !options.type || static_cast<size_t>(options.dims->z) != files.size())
+    return nullptr;
+  std::error_code unknown;
+  const auto slice_bytes =
+      static_cast<uint64_t>(options.dims->x * options.dims->y) * bytesPerVoxel(*options.type);
+  if (fs::file_size(files[0], unknown) != slice_bytes + static_cast<uint64_t>(options.skip_bytes))
+    return nullptr;
+  return openRawSlices({files.begin(), files.end()}, rawOptions(options));
+}
+
+// Any other folder is one of slices.
+bool arePictures(const NamedInput& input, const OpenOptions& options) {
+  if (input.is_folder) return !areSlicesWithoutHeaders(input, options);
+  return !input.head.empty() && isSlicePicture(input.file);
+}
+
+Source openPictures(const NamedInput& input, const OpenOptions& options) {
+  return input.is_folder ? openSliceFolder(input.file, sliceOptions(options))
+                         : openSlices({input.file}, sliceOptions(options));
+}
+
+// Pictures of one page.
+Source joinPictures(const std::vector<std::string>& files, const OpenOptions& options) {
+  const NamedInput first = lookAt(files[0], options);
+  if (first.is_folder || !arePictures(first, options) ||
+      openSlicePicture(first.file)->format().pages != 1)
+    return nullptr;
+  return openSlices({files.begin(), files.end()}, sliceOptions(options));
+}
+
+bool isVdb(const NamedInput& input, const OpenOptions& /*options*/) {
+  return hasAt(input.head, 0, " BDV");
+}
+
+// The time steps of a series in the box around all of them.
+Source joinVdb(const std::vector<std::string>& files, const OpenOptions& options) {
+  for (const std::string& file : files) {
+    if (!isVdb(lookAt(file, options), options)) return nullptr;
+  }
+  const std::vector<Box3> boxes =
+      vdbSeriesBoxes({files.begin(), files.end()}, options.grid, options.stop);
+  std::map<std::string, Box3> box_of;
+  for (size_t i = 0; i < files.size(); ++i) box_of[files[i]] = boxes[i];
+  return std::make_unique<SequenceSource>(
+      files, [grid = options.grid, spacing = options.spacing, box_of](const std::string& file) {
+        return respaced(openVdb(file, grid, box_of.at(file)), spacing);
+      });
+}
+
+bool isZarrStore(const NamedInput& input, const OpenOptions& /*options*/) {
+  return input.store && isZarr(*input.store);
+}
+
+Source openZarr(const NamedInput& input, const OpenOptions& options) {
+  return std::make_unique<ZarrSource>(
+      *input.store,
+      ZarrOptions{.channel = options.channel, .chunk_cache_bytes = options.chunk_cache_bytes});
+}
+
+// One row a format. The first that holds the content opens it, or else the first that has the name.
+std::vector<Format> makeFormats() {
+  using In = const NamedInput&;
+  using Given = const OpenOptions&;
+  return {
+      {.holds = [](In input, Given) { return isSynthSpec(input.name); },
+       .open = [](In input, Given) -> Source { return openSynth(parseSynthSpec(input.name)); }},
+      {.name = "NRRD",
+       .endings = {".nrrd", ".nhdr"},
+       .holds = [](In input, Given) { return hasAt(input.head, 0, "NRRD"); },
+       .open = [](In input, Given given) { return openNrrd(input.file, decodeOptionsOf(given)); }},
+      {.name = "MetaImage",
+       .endings = {".mhd", ".mha"},
+       .holds = [](In input, Given) { return isMetaImage(input.head); },
+       .open = [](In input,
+                  Given given) { return openMetaImage(input.file, decodeOptionsOf(given)); }},
+      {.name = "NIfTI",
+       .endings = {".nii", ".nii.gz", ".hdr", ".hdr.gz"},
+       .holds = [](In input, Given) { return isNifti(input.head); },
+       .named = areNiftiVoxels,
+       .open = [](In input, Given given) { return openNifti(input.file, decodeOptionsOf(given)); }},
+      {.name = "OpenVDB",
+       .plural = "OpenVDB files",
+       .takes = {.grid = true},
+       .endings = {".vdb"},
+       .holds = isVdb,
+       .open = [](In input, Given given) { return openVdb(input.file, given.grid); },
+       .join = joinVdb},
+      {.name = "Zarr",
+       .plural = "Zarr stores",
+       .takes = {.channel = true},
+       .endings = {".zarr"},
+       .holds = isZarrStore,
+       .open = openZarr},
+      {.name = "PNG or TIFF slices",
+       .plural = "TIFF files",
+       .takes = {.channel = true},
+       .endings = {".png", ".tif", ".tiff"},
+       .holds = arePictures,
+       .open = openPictures,
+       .join = joinPictures},
+      {.name = "raw with --dims X,Y,Z --type T",
+       .plural = "raw files",
+       .takes = {.description = true},
+       .endings = {".raw", ".raw.gz"},
+       .holds = areSlicesWithoutHeaders,
+       .named = isRawName,
+       .open = openRawOrSlices,
+       .join = joinRawSlices},
+  };
+}
+
+// The volumes of the formats that take an option: "Zarr stores and TIFF files".
+std::string takers(bool Format::Takes::*option) {
+  std::vector<std::string_view> names;
+  for (const Format& format : formats()) {
+    if (format.takes.*option) names.push_back(format.plural);
+  }
+  return fmt::format("{}{}{}", fmt::join(names.begin(), names.end() - 1, ", "),
+                     names.size() > 1 ? " and " : "", names.back());
+}
+
+std::string understood() {
+  std::vector<std::string_view> names;
+  for (const Format& format : formats()) {
+    if (!format.name.empty()) names.push_back(format.name);
+  }
+  return fmt::format("{} or {}", fmt::join(names.begin(), names.end() - 1, ", "), names.back());
+}
+
+bool isNamed(const Format& format, const NamedInput& input, const OpenOptions& options) {
+  const std::string ending = lowerExtension(input.file);
+  return std::find(format.endings.begin(), format.endings.end(), ending) != format.endings.end() ||
+         (format.named != nullptr && format.named(input, options));
+}
+
+}  // namespace
+
+std::span<const Format> formats() {
+  static const std::vector<Format> all = makeFormats();
+  return all;
+}
+
+NamedInput lookAt(const std::string& name, const OpenOptions& options) {
+  NamedInput input;
+  input.name = name;
+  if (isSynthSpec(name)) return input;
+  if (isAddress(name)) {
+    input.store = webPlace(name, options.buckets, options.stop);
+    return input;
+  }
+  input.file = name;
+  input.is_folder = fs::is_directory(input.file);
+  if (input.is_folder) {
+    input.store = folderPlace(input.file);
+    return input;
+  }
+  std::array<std::byte, 4096> bytes{};
+  File file(input.file);
+  input.head.assign(reinterpret_cast<const char*>(bytes.data()), file.readSome(0, bytes));
+  return input;
+}
+
+const Format& formatOf(const NamedInput& input, const OpenOptions& options) {
+  for (const Format& format : formats()) {
+    if (format.holds(input, options)) return format;
+  }
+  if (isAddress(input.name))
+    fail(
+        "{}: expected a Zarr store, found neither zarr.json nor .zarray nor .zgroup there; "
+        "download files of other kinds first",
+        input.store->name());
+  for (const Format& format : formats()) {
+    if (isNamed(format, input, options)) return format;
+  }
+  fail("{}: unknown kind of file, expected {}", input.name, understood());
+}
+
+void requireTaken(const std::string& name, const Format& format, const OpenOptions& options) {
+  const bool is_described = options.dims || options.time_steps || options.type ||
+                            options.byte_order || options.skip_bytes != 0;
+  if (is_described && !format.takes.description)
+    fail(
+        "{}: the file contains its size and type; leave out --dims, --type, --endian and --skip, "
+        "which are for raw files",
+        name);
+  if (!options.grid.empty() && !format.takes.grid)
+    fail("{}: --grid {} is for {}, which this is not; leave it out", name, options.grid,
+         takers(&Format::Takes::grid));
+  if (options.channel.given() && !format.takes.channel)
+    fail("{}: --channel {} is for {}, which this is not; leave it out", name,
+         options.channel.text(), takers(&Format::Takes::channel));
+  if (!options.spacing) return;
+  const Vec3d s = *options.spacing;
+  for (int a = 0; a < 3; ++a) {
+    if (!(s[a] > 0) || !std::isfinite(s[a]))
+      fail("{}: spacing {}, {}, {}, expected three positive numbers", name, s.x, s.y, s.z);
+  }
+}
+
+std::vector<std::string> volumeEndings() {
+  std::vector<std::string> all;
+  for (const Format& format : formats())
+    all.insert(all.end(), format.endings.begin(), format.endings.end());
+  return all;
+}
+
+}  // namespace sluice

@@ -1,0 +1,21 @@
+// A source with some properties replaced, its voxels as they are.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "src/base/values/volume_source.h"
+
+namespace sluice {
+
+// With these distances between voxels, in world units; the source itself if they are its own or
+// nullopt.
+std::unique_ptr<VolumeSource> respaced(std::unique_ptr<VolumeSource> source,
+                                       const std::optional<Vec3d>& spacing);
+
+// With one more note in its layout; nullopt: the source itself.
+std::unique_ptr<VolumeSource> withNote(std::unique_ptr<VolumeSource> source,
+                                       const std::optional<std::string>& note);
+
+}  // namespace sluice
