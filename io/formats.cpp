@@ -246,7 +246,7 @@ NamedInput lookAt(const std::string& name, const OpenOptions& options) {
   input.name = name;
   if (isSynthSpec(name)) return input;
   if (isAddress(name)) {
-    input.store = webPlace(name, options.buckets, options.stop);
+    input.store = webPlace(name, options.web, options.stop);
     return input;
   }
   input.file = name;

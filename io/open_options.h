@@ -29,7 +29,7 @@ struct OpenOptions {
   // Zarr: decoded chunks kept at most, see zarr_source.h. Not a property of a volume, hence without
   // effect on other formats.
   uint64_t chunk_cache_bytes = uint64_t{32} << 20;
-  BucketAccess buckets = {};  // s3:// addresses; without effect on the others
+  WebOptions web = {};  // addresses; without effect on the others
   // Compressed volumes of one stream; without effect on the others either. Its stop token is set to
   // the one below.
   DecodeOptions decode = {};

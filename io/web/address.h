@@ -2,6 +2,8 @@
 // s3://BUCKET/KEY. Pure functions.
 #pragma once
 
+#include <cstdint>
+#include <filesystem>
 #include <string>
 #include <string_view>
 
@@ -15,6 +17,18 @@ struct BucketAccess {
   std::string endpoint;  // as "http://127.0.0.1:9000"; empty: Amazon's
   std::string region = "us-east-1";
   std::string access_key, secret_key, session_token;
+};
+
+// Where pieces of objects are kept from one time to the next, and how much of them; 0 bytes:
+// nowhere.
+struct WebCache {
+  std::filesystem::path folder;
+  uint64_t budget_bytes = 0;
+};
+
+struct WebOptions {
+  BucketAccess buckets = {};
+  WebCache cache = {};
 };
 
 struct Address {

@@ -45,6 +45,11 @@ void takeContentRange(std::string_view value, HttpHead& head) {
   head.whole = numberIn(value.substr(slash + 1));
 }
 
+// A stamp is an ETag, which is quoted, or a time.
+bool isEntityTag(const std::string& stamp) {
+  return stamp.find('"') != std::string::npos;
+}
+
 // Faults of the network and of a busy server, which others do not have.
 bool mayPass(CURLcode code) {
   constexpr std::array kPassing = {
@@ -165,9 +170,14 @@ void HttpClient::begin(Transfer& transfer) {
     curl_easy_setopt(easy, CURLOPT_USERPWD, credentials_.user.c_str());
   if (!credentials_.signs_with.empty())
     curl_easy_setopt(easy, CURLOPT_AWS_SIGV4, credentials_.signs_with.c_str());
+  const auto addHeader = [&](const std::string& line) {
+    transfer.headers = curl_slist_append(transfer.headers, line.c_str());
+  };
   if (!credentials_.session_token.empty())
-    transfer.headers =
-        curl_slist_append(nullptr, ("x-amz-security-token: " + credentials_.session_token).c_str());
+    addHeader("x-amz-security-token: " + credentials_.session_token);
+  if (!request.known_stamp.empty())
+    addHeader((isEntityTag(request.known_stamp) ? "If-None-Match: " : "If-Modified-Since: ") +
+              request.known_stamp);
   curl_easy_setopt(easy, CURLOPT_HTTPHEADER, transfer.headers);
   curl_multi_add_handle(multi_, easy);
 }

@@ -44,7 +44,8 @@ struct HttpCredentials {
 
 struct HttpGet {
   std::string url;
-  std::string range;  // as "0-99" or "-16"; empty: all
+  std::string range;        // as "0-99" or "-16"; empty: all
+  std::string known_stamp;  // an object that has this one still is not sent (status 304)
   // Both are called on the client's thread, the head once the headers of the last answer are
   // complete. False ends the request.
   std::function<bool(const HttpHead& head)> on_head;

@@ -11,8 +11,9 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Seconds = std::chrono::duration<double>;
 
-constexpr int kOk = 200, kPart = 206, kUnauthorized = 401, kForbidden = 403, kNotFound = 404,
-              kTimeout = 408, kGone = 410, kBeyondEnd = 416, kTooMany = 429, kServerFault = 500;
+constexpr int kOk = 200, kPart = 206, kNotModified = 304, kUnauthorized = 401, kForbidden = 403,
+              kNotFound = 404, kTimeout = 408, kGone = 410, kBeyondEnd = 416, kTooMany = 429,
+              kServerFault = 500;
 
 // Tries without a byte in between, and the time after which no other begins.
 constexpr int kMostTries = 6;
@@ -37,13 +38,14 @@ void waitFor(double seconds, const StopToken& stop) {
 
 HttpFetch::HttpFetch(HttpClient& client, const std::string& name, const std::string& url,
                      const PieceBytes& wanted, const ChunkStore::Room& room,
-                     const std::optional<std::string>& known_stamp)
+                     const std::optional<std::string>& known_stamp, const std::string& cached_stamp)
     : client_(client),
       name_(name),
       url_(url),
       wanted_(wanted),
       room_(room),
-      known_stamp_(known_stamp) {}
+      known_stamp_(known_stamp),
+      cached_stamp_(cached_stamp) {}
 
 std::string HttpFetch::range() const {
   if (has_room_) {
@@ -122,21 +124,22 @@ void HttpFetch::refuse(const HttpHead& head) const {
   fail("{}: expected an object, found status {} of the server", name_, head.status);
 }
 
-bool HttpFetch::run(const StopToken& stop) {
+HttpFetch::Outcome HttpFetch::run(const StopToken& stop) {
   Clock::time_point since = Clock::now();
   for (int tries = 1;; ++tries) {
     const uint64_t before = got_;
     head_ = {};
-    const HttpEnd end =
-        client_.get({url_, range(), [this](const HttpHead& h) { return takeHead(h); },
-                     [this](auto bytes) { return takeBody(bytes); }},
-                    stop);
+    const HttpEnd end = client_.get({url_, range(), has_room_ ? "" : cached_stamp_,
+                                     [this](const HttpHead& h) { return takeHead(h); },
+                                     [this](auto bytes) { return takeBody(bytes); }},
+                                    stop);
     if (error_) std::rethrow_exception(error_);
     const bool is_answer = head_.status == kOk || head_.status == kPart;
-    if (is_answer && isComplete()) return true;
+    if (is_answer && isComplete()) return Outcome::kRead;
+    if (head_.status == kNotModified && !has_room_) return Outcome::kUnchanged;
     if (head_.status == kNotFound || head_.status == kGone) {
       if (has_room_) fail("{}: went away while it was read; open it again", name_);
-      return false;
+      return Outcome::kMissing;
     }
     if (head_.status != 0 && !is_answer && !mayPass(head_.status)) refuse(head_);
     if (got_ > before) {

@@ -21,16 +21,20 @@ class HttpForbidden : public Error {
 
 class HttpFetch {
  public:
-  // `name`: for messages; `known_stamp`: the object's when it was read before. All must outlive it.
+  // `name`: for messages; `known_stamp`: the object's when it was read before; `cached_stamp`: of
+  // the bytes that a cache has, or empty. All must outlive it.
   HttpFetch(HttpClient& client, const std::string& name, const std::string& url,
             const PieceBytes& wanted, const ChunkStore::Room& room,
-            const std::optional<std::string>& known_stamp);
+            const std::optional<std::string>& known_stamp, const std::string& cached_stamp);
 
-  // As ChunkStore::read(). Throws Error: after some tries within half a minute without a byte;
-  // Interrupted.
-  bool run(const StopToken& stop);
-  // Of the object, as the server tells; may be empty.
+  enum class Outcome { kMissing, kRead, kUnchanged };
+  // kMissing: there is no object; kUnchanged: it has the cached stamp still, and `room` was not
+  // called. Throws Error: after some tries within half a minute without a byte; Interrupted.
+  Outcome run(const StopToken& stop);
+  // After kRead: of the object, as the server tells; may be empty.
   const std::string& stamp() const { return stamp_; }
+  uint64_t wholeBytes() const { return whole_; }
+  std::span<const std::byte> bytes() const { return out_; }
 
  private:
   bool takeHead(const HttpHead& head);
@@ -49,6 +53,7 @@ class HttpFetch {
   const PieceBytes& wanted_;
   const ChunkStore::Room& room_;
   const std::optional<std::string>& known_stamp_;
+  const std::string& cached_stamp_;
   HttpHead head_;                   // of the request that goes on
   uint64_t whole_ = 0, first_ = 0;  // known with room
   bool has_room_ = false;

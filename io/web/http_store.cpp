@@ -17,10 +17,19 @@ constexpr uint64_t kMostKeptBytes = 16 << 20;
 // A change of objects beyond these is found by their own checksums alone.
 constexpr size_t kMostStamps = 1 << 16;
 
+// The name of a piece in the cache. It says neither who asked nor with what query.
+std::string cacheName(const std::string& object, const PieceBytes& wanted) {
+  return fmt::format("{} {} {} {}", object, static_cast<int>(wanted.from), wanted.offset,
+                     wanted.bytes);
+}
+
 }  // namespace
 
-HttpStore::HttpStore(Address address, HttpCredentials credentials, StopToken stop)
-    : address_(std::move(address)), stop_(std::move(stop)), client_(std::move(credentials)) {}
+HttpStore::HttpStore(Address address, HttpCredentials credentials, const WebCache& cache,
+                     StopToken stop)
+    : address_(std::move(address)), stop_(std::move(stop)), client_(std::move(credentials)) {
+  if (cache.budget_bytes > 0) cache_.emplace(cache.folder, cache.budget_bytes);
+}
 
 std::string HttpStore::wholeKey(const std::string& key) const {
   return key;
@@ -73,18 +82,47 @@ bool HttpStore::read(const std::string& key, const PieceBytes& wanted, const Roo
   return fetch(key, wanted, room);
 }
 
-bool HttpStore::fetch(const std::string& key, const PieceBytes& wanted, const Room& room) {
-  std::optional<std::string> known;
-  {
-    const MutexLock lock(mutex_);
-    if (const auto found = stamps_.find(key); found != stamps_.end()) known = found->second;
-  }
-  const std::string name = nameOf(key), url = urlOf(key);
-  HttpFetch fetch(client_, name, url, wanted, room, known);
-  if (!fetch.run(stop_)) return false;
+std::optional<std::string> HttpStore::stampKnown(const std::string& key) {
   const MutexLock lock(mutex_);
-  if (stamps_.size() < kMostStamps) stamps_.emplace(key, fetch.stamp());
-  return true;
+  const auto found = stamps_.find(key);
+  return found == stamps_.end() ? std::nullopt : std::optional(found->second);
+}
+
+void HttpStore::learnStamp(const std::string& key, const std::string& stamp) {
+  const MutexLock lock(mutex_);
+  if (stamps_.size() < kMostStamps) stamps_.emplace(key, stamp);
+}
+
+bool HttpStore::fetch(const std::string& key, const PieceBytes& wanted, const Room& room) {
+  const std::optional<std::string> known = stampKnown(key);
+  const std::string name = nameOf(key), url = urlOf(key);
+  const std::string cache_name = cacheName(name, wanted);
+  const std::optional<CachedPiece> cached = cache_ ? cache_->find(cache_name) : std::nullopt;
+  // The room is asked for once, also if what the cache has turns out to be damaged.
+  std::optional<std::span<std::byte>> given;
+  const Room once = [&](const PieceInfo& piece) {
+    if (!given) given = room(piece);
+    return *given;
+  };
+  std::string cached_stamp = cached ? cached->stamp() : "";
+  const bool is_checked = cached && known == cached_stamp;
+  for (;;) {
+    HttpFetch fetch(client_, name, url, wanted, once, known, cached_stamp);
+    const HttpFetch::Outcome outcome =
+        is_checked && !given ? HttpFetch::Outcome::kUnchanged : fetch.run(stop_);
+    if (outcome == HttpFetch::Outcome::kMissing) return false;
+    if (outcome == HttpFetch::Outcome::kRead) {
+      learnStamp(key, fetch.stamp());
+      if (cache_ && !fetch.stamp().empty())
+        cache_->keep(cache_name, fetch.stamp(), fetch.wholeBytes(), fetch.bytes());
+      return true;
+    }
+    learnStamp(key, cached_stamp);
+    if (cached->read(once({cached->wholeBytes(), known.value_or(cached_stamp) != cached_stamp})))
+      return true;
+    cache_->remove(cache_name);
+    cached_stamp.clear();
+  }
 }
 
 std::string HttpStore::stampOf(const std::string& key) {

@@ -14,12 +14,14 @@
 #include "io/stores/chunk_store.h"
 #include "io/web/address.h"
 #include "io/web/http_client.h"
+#include "io/web/piece_cache.h"
 
 namespace sluice {
 
 class HttpStore final : public ChunkStore {
  public:
-  HttpStore(Address address, HttpCredentials credentials, StopToken stop);
+  // Throws Error: the cache's folder cannot be written.
+  HttpStore(Address address, HttpCredentials credentials, const WebCache& cache, StopToken stop);
 
   std::string wholeKey(const std::string& key) const override;
   std::string nameOf(const std::string& key) const override { return address_.server + "/" + key; }
@@ -39,11 +41,14 @@ class HttpStore final : public ChunkStore {
     std::vector<std::byte> bytes;
   };
   bool fetch(const std::string& key, const PieceBytes& wanted, const Room& room);
+  std::optional<std::string> stampKnown(const std::string& key);
+  void learnStamp(const std::string& key, const std::string& stamp);
   std::string urlOf(const std::string& key) const;
 
   const Address address_;
   const StopToken stop_;
   HttpClient client_;
+  std::optional<PieceCache> cache_;
   Mutex mutex_;
   std::map<std::string, Kept> kept_ SLUICE_GUARDED_BY(mutex_);  // asked for by has()
   std::unordered_map<std::string, std::string> stamps_ SLUICE_GUARDED_BY(mutex_);

@@ -22,11 +22,11 @@ extern "C" const char* sluiceOpenWebVersion() {
 }
 
 extern "C" void sluiceOpenWebStore(const sluice::Address& address,
-                                   const sluice::BucketAccess& buckets,
-                                   const sluice::StopToken& stop,
+                                   const sluice::WebOptions& options, const sluice::StopToken& stop,
                                    std::shared_ptr<sluice::ChunkStore>& store) {
   using namespace sluice;
   if (curl_global_init(CURL_GLOBAL_DEFAULT) != CURLE_OK)
     fail("{}: libcurl cannot begin", printedAddress(address));
-  store = std::make_shared<HttpStore>(address, credentialsFor(address, buckets), stop);
+  store = std::make_shared<HttpStore>(address, credentialsFor(address, options.buckets),
+                                      options.cache, stop);
 }

@@ -13,13 +13,13 @@
 namespace sluice {
 
 // The one function of the module: the objects of the address's server, as `store`.
-using OpenWebStore = void(const Address& address, const BucketAccess& buckets,
-                          const StopToken& stop, std::shared_ptr<ChunkStore>& store);
+using OpenWebStore = void(const Address& address, const WebOptions& options, const StopToken& stop,
+                          std::shared_ptr<ChunkStore>& store);
 inline constexpr const char* kOpenWebStore = "sluiceOpenWebStore";
 
 // The module exports this before anything is called: the version of sluice and of this interface.
 using OpenWebVersion = const char*();
 inline constexpr const char* kOpenWebVersion = "sluiceOpenWebVersion";
-inline constexpr const char* kWebModuleVersion = SLUICE_VERSION " web module 1";
+inline constexpr const char* kWebModuleVersion = SLUICE_VERSION " web module 2";
 
 }  // namespace sluice

@@ -26,11 +26,10 @@ OpenWebStore* openModule(const std::string& address) {
 
 }  // namespace
 
-StorePlace webPlace(const std::string& address, const BucketAccess& buckets,
-                    const StopToken& stop) {
-  const Address parsed = parseAddress(address, buckets);
+StorePlace webPlace(const std::string& address, const WebOptions& options, const StopToken& stop) {
+  const Address parsed = parseAddress(address, options.buckets);
   StorePlace place{nullptr, parsed.key};
-  openModule(printedAddress(parsed))(parsed, buckets, stop, place.store);
+  openModule(printedAddress(parsed))(parsed, options, stop, place.store);
   return place;
 }
 

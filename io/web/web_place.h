@@ -11,6 +11,6 @@ namespace sluice {
 
 // Asks for nothing yet. `stop` ends reading by Interrupted. Throws Error: no address, the module is
 // missing.
-StorePlace webPlace(const std::string& address, const BucketAccess& buckets, const StopToken& stop);
+StorePlace webPlace(const std::string& address, const WebOptions& options, const StopToken& stop);
 
 }  // namespace sluice

@@ -4,7 +4,7 @@
   web_server.py FOLDER LOG [FAULT]
 
 Prints its port, then serves until its input ends. LOG gets a line for each request: the path, the
-range and the status. Every third request for a chunk goes wrong, by FAULT:
+range and the status. An ETag that is sent back is answered by 304. Every third request for a chunk goes wrong, by FAULT:
 
   drop      the connection is closed half way
   silent    the connection is closed without an answer
@@ -66,20 +66,24 @@ class Handler(http.server.BaseHTTPRequestHandler):
             body, first, last, is_part = b'no', 0, 1, False
         else:
             body = file.read_bytes()
+            tag = f'"{stamp}-{len(body)}-{file.stat().st_mtime_ns}"'
             first, last, is_part = self.part_of(len(body))
             if is_part:
                 status = 206
+            if self.headers.get('If-None-Match') == tag:
+                status, body, first, last, is_part = 304, b'', 0, -1, False
         log.write(f'{path} {self.headers.get("Range", "-")} {status} {self.headers.get("Authorization", "-")}\n')
         if goes_wrong and fault == 'silent':
             self.close_connection = True
             return
         part = body[first:last + 1]
         self.send_response(status)
-        self.send_header('Content-Length', str(len(part) + (100 if goes_wrong and fault == 'long' else 0)))
+        if status != 304:
+            self.send_header('Content-Length', str(len(part) + (100 if goes_wrong and fault == 'long' else 0)))
         if is_part:
             self.send_header('Content-Range', f'bytes {first}-{last}/{len(body)}')
-        if status in (200, 206):
-            self.send_header('ETag', f'"{stamp}-{len(body)}"')
+        if status in (200, 206, 304):
+            self.send_header('ETag', tag)
         if status == 429:
             self.send_header('Retry-After', '0')
         if fault == 'gzip':

@@ -35,8 +35,8 @@ TEST(CommandLinePage, namesEveryEnvironmentVariableThatTheSourcesAskForAndNoOthe
   for (const char* folder : {"src", "io", "cache", "tools"})
     for (const auto& entry : fs::recursive_directory_iterator(fs::path(SLUICE_SOURCE_DIR) / folder))
       if (entry.path().extension() == ".cpp")
-        asked.merge(
-            matches(readFile(entry.path()), "(?:getenv|setenv|folderFrom)\\(\"([A-Z_]+)\""));
+        asked.merge(matches(readFile(entry.path()),
+                            "(?:getenv|setenv|folderFrom|textFrom)\\(\"([A-Z_]+)\""));
   ASSERT_GE(asked.size(), 5U);
   EXPECT_EQ(matches(section(page(), "Environment"), "\\n\\| `([A-Z_]+)`"), asked);
 }

@@ -15,14 +15,18 @@ std::filesystem::path folderFrom(const char* variable) {
   return value != nullptr && value[0] == '/' ? value : "";
 }
 
+// A folder in the user's cache; empty: there is none.
+std::filesystem::path cacheFolder(const char* name) {
+  if (const auto cache = folderFrom("XDG_CACHE_HOME"); !cache.empty())
+    return cache / "sluice" / name;
+  if (const auto home = folderFrom("HOME"); !home.empty()) return home / ".cache" / "sluice" / name;
+  return {};
+}
+
 std::filesystem::path indexFolder(const std::string& index_dir) {
   if (!index_dir.empty()) return index_dir;
   if (auto said = folderFrom("SLUICE_INDEX_DIR"); !said.empty()) return said;
-  if (const auto cache = folderFrom("XDG_CACHE_HOME"); !cache.empty())
-    return cache / "sluice" / "index";
-  if (const auto home = folderFrom("HOME"); !home.empty())
-    return home / ".cache" / "sluice" / "index";
-  return {};
+  return cacheFolder("index");
 }
 
 std::string textFrom(const char* variable) {
@@ -53,11 +57,15 @@ DecodeOptions decodeOptions() {
   return options;
 }
 
+std::filesystem::path webCacheFolder() {
+  return cacheFolder("web");
+}
+
 BucketAccess bucketAccess() {
   BucketAccess access;
   access.endpoint = textFrom("AWS_ENDPOINT_URL");
-  for (const char* name : {"AWS_DEFAULT_REGION", "AWS_REGION"})
-    if (const std::string region = textFrom(name); !region.empty()) access.region = region;
+  for (const std::string& region : {textFrom("AWS_DEFAULT_REGION"), textFrom("AWS_REGION")})
+    if (!region.empty()) access.region = region;
   access.access_key = textFrom("AWS_ACCESS_KEY_ID");
   access.secret_key = textFrom("AWS_SECRET_ACCESS_KEY");
   if (access.secret_key.empty()) access.access_key.clear();

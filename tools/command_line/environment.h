@@ -24,6 +24,10 @@ std::filesystem::path windowSettings();
 // Options for decoding into $TMPDIR, with a line of progress.
 DecodeOptions decodeOptions();
 
+// The folder for what was read from the web: $XDG_CACHE_HOME/sluice/web or ~/.cache/sluice/web;
+// empty: neither is set.
+std::filesystem::path webCacheFolder();
+
 // Where s3:// addresses lead: AWS_ENDPOINT_URL, AWS_REGION or AWS_DEFAULT_REGION, and the key of
 // AWS_ACCESS_KEY_ID, AWS_SECRET_ACCESS_KEY and AWS_SESSION_TOKEN if the first two are set.
 BucketAccess bucketAccess();

@@ -14,9 +14,9 @@ constexpr size_t kNamesColumns = 30;  // left column; longer names have a line o
 
 // Commands whose --help is short, and what it leaves out.
 constexpr std::array<std::string_view, 3> kDrawing = {"render", "view", "plan"};
-constexpr std::array<std::string_view, 40> kRare = {
+constexpr std::array<std::string_view, 42> kRare = {
     // how bytes and numbers of a file are taken
-    "endian", "skip", "grid", "this-step", "index-dir",
+    "endian", "skip", "grid", "this-step", "index-dir", "cache", "cache-dir",
     // outputs
     "aov", "trace", "debug-view", "verify", "rate", "continue",
     // the camera by numbers

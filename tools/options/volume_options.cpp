@@ -2,6 +2,7 @@
 #include <bit>
 
 #include "io/headers/volume_description.h"
+#include "src/base/values/bytes.h"
 #include "tools/command_line/environment.h"
 #include "tools/command_line/interrupt.h"
 #include "tools/command_line/parse.h"
@@ -62,13 +63,38 @@ std::optional<TimeRange> timeRange(const std::string& word) {
   return range;
 }
 
+constexpr uint64_t kCacheBytes = uint64_t{20} << 30;
+
+// Each of the two turns the cache on.
+void addWebCacheOptions(const OptionGroup& group, WebCache& cache) {
+  const auto positive = [](const std::string& word) {
+    const auto bytes = parseBytes(word);
+    return bytes && *bytes > 0 ? bytes : std::nullopt;
+  };
+  group.parsed(
+      "--cache", "BYTES", "a size above 0 and below 8 EiB, as in 512M or 20G", positive,
+      [&cache](uint64_t bytes) {
+        cache.budget_bytes = bytes;
+        if (cache.folder.empty()) cache.folder = webCacheFolder();
+      },
+      "Addresses: keeps what was read in a folder, up to so many bytes");
+  group.parsed(
+      "--cache-dir", "DIR", "the name of a folder",
+      [](const std::string& word) { return word.empty() ? std::nullopt : std::optional(word); },
+      [&cache](const std::string& folder) {
+        cache.folder = folder;
+        if (cache.budget_bytes == 0) cache.budget_bytes = kCacheBytes;
+      },
+      "Addresses: the folder for --cache (the user's cache folder); alone: up to 20G");
+}
+
 }  // namespace
 
 void addVolumeOptions(CLI::App& app, VolumeArguments& arguments, std::optional<TimeRange>* times,
                       bool needs_volume) {
   arguments.open.decode = decodeOptions();
   arguments.open.stop = interruption();
-  arguments.open.buckets = bucketAccess();
+  arguments.open.web.buckets = bucketAccess();
   app.add_option("volume", arguments.inputs,
                  "Files, a folder of slices, a Zarr store or its address (https://..., s3://...), "
                  "a pattern ('step_%03d.raw', 'step_###.raw'), or synth:KIND,...")
@@ -101,6 +127,7 @@ void addVolumeOptions(CLI::App& app, VolumeArguments& arguments, std::optional<T
       "--channel", "N|NAME", "a channel's number from 0 to 1000000, or its name", channel,
       [&arguments](const ChannelWish& wish) { arguments.open.channel = wish; },
       "Zarr, TIFF: channel by its number, from 0 (the first), or by its name in the file");
+  addWebCacheOptions(group, arguments.open.web.cache);
   if (times == nullptr) {
     group.number("--time", "STEP", arguments.time, {0, kMostSteps}, "Time step, from 0");
     return;

@@ -14,9 +14,9 @@
 namespace sluice {
 namespace {
 
-constexpr std::array<std::string_view, 14> kOwn = {
-    "volume", "transfer", "path", "state",     "basis", "memory", "threads",
-    "device", "simd",     "gl",   "index-dir", "quiet", "force",  "pages"};
+constexpr std::array<std::string_view, 16> kOwn = {
+    "volume", "transfer", "path",      "state", "basis", "memory", "threads", "device",
+    "simd",   "gl",       "index-dir", "quiet", "force", "pages",  "cache",   "cache-dir"};
 
 // Rows of voxels that are compared: for a single volume, and for each step of a series, where a row
 // may cost a compressed chunk.

@@ -132,7 +132,7 @@ TEST_F(WebVolume, neverPrintsAPasswordOrAQuery) {
 TEST_F(WebVolume, ofABucketIsReadWithASignature) {
   const WebServer server(root());
   OpenOptions options;
-  options.buckets = {server.address(), "eu-west-1", "AKIDEXAMPLE", "secret", ""};
+  options.web.buckets = {server.address(), "eu-west-1", "AKIDEXAMPLE", "secret", ""};
   const auto source = openVolume("s3://image/scale1/image", options);
   EXPECT_TRUE(allSteps(*source) == readFile(pathOf("image_coarse.bin")));
   EXPECT_THAT(server.requests().back().authorization,
