@@ -9,11 +9,11 @@
 
 #include "io/files/file.h"
 #include "io/files/file_list.h"
-#include "io/headers/meta_image.h"
-#include "io/headers/nifti.h"
-#include "io/headers/nrrd.h"
-#include "io/headers/raw.h"
-#include "io/headers/raw_name.h"
+#include "io/headers/meta_image/meta_image.h"
+#include "io/headers/nifti/nifti.h"
+#include "io/headers/nrrd/nrrd.h"
+#include "io/headers/raw/raw.h"
+#include "io/headers/raw/raw_name.h"
 #include "io/relabelled.h"
 #include "io/sequence.h"
 #include "io/slices/slice_picture.h"
@@ -23,8 +23,8 @@
 #include "io/vdb/vdb_series.h"
 #include "io/vdb/vdb_source.h"
 #include "io/web/web_place.h"
-#include "io/zarr/zarr_folder.h"
-#include "io/zarr/zarr_source.h"
+#include "io/zarr/metadata/zarr_folder.h"
+#include "io/zarr/reading/zarr_source.h"
 #include "src/base/error.h"
 
 namespace sluice {

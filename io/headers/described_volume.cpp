@@ -7,7 +7,7 @@
 
 #include "io/files/file_list.h"
 #include "io/headers/decoded_file.h"
-#include "io/headers/raw_source.h"
+#include "io/headers/raw/raw_source.h"
 #include "src/base/error.h"
 
 namespace sluice {

@@ -7,7 +7,7 @@
 
 #include "src/base/error.h"
 #include "src/gl/box_buffer.h"
-#include "src/gl/shading.h"
+#include "src/gl/shaders/shading.h"
 
 namespace sluice {
 namespace {

@@ -20,13 +20,13 @@
 #include "src/device/look_up_texels.h"
 #include "src/device/picture_rows.h"
 #include "src/device/screen_picture.h"
-#include "src/gl/context.h"
+#include "src/gl/contexts/context.h"
 #include "src/gl/drawing_pieces.h"
-#include "src/gl/gl_program.h"
 #include "src/gl/occlusion_passes.h"
 #include "src/gl/render_target.h"
 #include "src/gl/screen_textures.h"
-#include "src/gl/shaders.h"
+#include "src/gl/shaders/gl_program.h"
+#include "src/gl/shaders/shaders.h"
 #include "src/gl/texture_pool.h"
 
 namespace sluice {

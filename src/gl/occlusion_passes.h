@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "src/device/frame_values.h"
-#include "src/gl/gl_program.h"
+#include "src/gl/shaders/gl_program.h"
 
 namespace sluice {
 

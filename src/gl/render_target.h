@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "src/device/device.h"
-#include "src/gl/gl_functions.h"
+#include "src/gl/contexts/gl_functions.h"
 
 namespace sluice {
 

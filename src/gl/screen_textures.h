@@ -8,8 +8,8 @@
 
 #include "src/device/frame_values.h"
 #include "src/device/screen_picture.h"
-#include "src/gl/gl_functions.h"
-#include "src/gl/gl_program.h"
+#include "src/gl/contexts/gl_functions.h"
+#include "src/gl/shaders/gl_program.h"
 
 namespace sluice {
 

@@ -14,7 +14,7 @@
 
 #include "src/base/values/vec.h"
 #include "src/device/device.h"
-#include "src/gl/gl_functions.h"
+#include "src/gl/contexts/gl_functions.h"
 #include "src/volume/device_voxel.h"
 
 namespace sluice {

@@ -7,7 +7,7 @@
 
 #include "src/base/error.h"
 #include "src/base/threads/clock.h"
-#include "src/visibility/fusion.h"
+#include "src/visibility/plenoptic/fusion.h"
 #include "src/volume/block_ranges.h"
 #include "src/volume/device_reader.h"
 

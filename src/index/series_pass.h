@@ -16,8 +16,8 @@
 #include "src/base/threads/worker_pool.h"
 #include "src/base/values/volume_source.h"
 #include "src/index/stale_check.h"
-#include "src/visibility/extinction.h"
-#include "src/visibility/series_opacity.h"
+#include "src/visibility/plenoptic/extinction.h"
+#include "src/visibility/plenoptic/series_opacity.h"
 #include "src/volume/slice_ranges.h"
 
 namespace sluice {

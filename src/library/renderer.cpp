@@ -4,7 +4,7 @@
 
 #include "src/base/error.h"
 #include "src/library/conversions.h"
-#include "src/library/drawing.h"
+#include "src/library/drawing/drawing.h"
 #include "src/library/own_thread.h"
 
 namespace sluice {

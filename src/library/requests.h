@@ -13,7 +13,7 @@
 #include "io/open_volume.h"
 #include "src/base/threads/stop_token.h"
 #include "src/classify/transfer/transfer_function.h"
-#include "src/library/device_choice.h"
+#include "src/library/drawing/device_choice.h"
 
 namespace sluice {
 

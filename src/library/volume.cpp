@@ -6,8 +6,8 @@
 #include "src/base/error.h"
 #include "src/base/values/value_counts.h"
 #include "src/library/conversions.h"
-#include "src/library/opened_volume.h"
-#include "src/library/resources.h"
+#include "src/library/drawing/resources.h"
+#include "src/library/opening/opened_volume.h"
 
 namespace sluice {
 namespace {

@@ -1,4 +1,4 @@
-#include "io/headers/nifti_header.h"
+#include "io/headers/nifti/nifti_header.h"
 #include "tests/fuzz/description_checks.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {

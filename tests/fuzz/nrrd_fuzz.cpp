@@ -1,4 +1,4 @@
-#include "io/headers/nrrd_header.h"
+#include "io/headers/nrrd/nrrd_header.h"
 #include "tests/fuzz/description_checks.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {

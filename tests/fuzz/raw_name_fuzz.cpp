@@ -1,4 +1,4 @@
-#include "io/headers/raw_name.h"
+#include "io/headers/raw/raw_name.h"
 #include "src/base/error.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {

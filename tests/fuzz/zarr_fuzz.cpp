@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "io/zarr/zarr_image.h"
+#include "io/zarr/metadata/zarr_image.h"
 #include "src/base/error.h"
 #include "tests/fuzz/description_checks.h"
 

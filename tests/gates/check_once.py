@@ -25,13 +25,13 @@ ONCE = [
 PROGRAM = 'tools/'
 ONCE_IN_PROGRAM = [
     (r'\bgetenv\(', [], 'the library does not read the environment: take an option, tools/command_line/environment.h reads it'),
-    (r'\bf?printf\(|\bfputs\(|\bputs\(|\bstd::(cout|cerr|clog)\b|\bfmt::print\b|\bSTD(OUT|ERR)_FILENO\b', ['src/base/error.cpp', 'src/gl/child_process.cpp'],
+    (r'\bf?printf\(|\bfputs\(|\bputs\(|\bstd::(cout|cerr|clog)\b|\bfmt::print\b|\bSTD(OUT|ERR)_FILENO\b', ['src/base/error.cpp', 'src/gl/contexts/child_process.cpp'],
      'the library does not print: return it, or take a function that is told'),
-    (r'\b_?[eE]xit\(|\bquick_exit\(|\babort\(|\bterminate\(', ['src/base/error.cpp', 'src/gl/child_process.cpp'],
+    (r'\b_?[eE]xit\(|\bquick_exit\(|\babort\(|\bterminate\(', ['src/base/error.cpp', 'src/gl/contexts/child_process.cpp'],
      'the library does not end the program: throw Error'),
 ]
 # A list of functions to load: each has a caller.
-LISTED = 'src/gl/gl_functions.h'
+LISTED = 'src/gl/contexts/gl_functions.h'
 CALLERS = ['src/gl', 'tests/gl']
 COMMENT = re.compile(r'//.*$')
 

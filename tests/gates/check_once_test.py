@@ -57,10 +57,10 @@ class OnceGate(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             root = pathlib.Path(folder)
             (root / 'src/gl').mkdir(parents=True)
-            (root / 'src/gl/gl_functions.h').write_text('#define ALL(X) \\\n  X(Clear, CLEAR) \\\n  X(Hint, HINT)\n')
-            (root / 'src/gl/gl_functions.cpp').write_text('')
+            (root / 'src/gl/contexts/gl_functions.h').write_text('#define ALL(X) \\\n  X(Clear, CLEAR) \\\n  X(Hint, HINT)\n')
+            (root / 'src/gl/contexts/gl_functions.cpp').write_text('')
             (root / 'src/gl/b.cpp').write_text('gl_.Clear(0);\n')
-            self.assertEqual(uncalled(root), ['src/gl/gl_functions.h:3: Hint has no caller'])
+            self.assertEqual(uncalled(root), ['src/gl/contexts/gl_functions.h:3: Hint has no caller'])
 
 
 if __name__ == '__main__':

@@ -1,4 +1,4 @@
-#include "src/gl/context.h"
+#include "src/gl/contexts/context.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "src/base/error.h"
-#include "src/gl/backends.h"
+#include "src/gl/contexts/backends.h"
 #include "tests/gl/small_scene.h"
 
 namespace sluice {

@@ -1,4 +1,4 @@
-#include "src/gl/gl_functions.h"
+#include "src/gl/contexts/gl_functions.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

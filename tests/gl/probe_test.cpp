@@ -1,5 +1,5 @@
 // A program of its own, because probing comes before any context of the process.
-#include "src/gl/probe.h"
+#include "src/gl/contexts/probe.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@
 #include <sstream>
 
 #include "src/base/error.h"
-#include "src/gl/child_process.h"
+#include "src/gl/contexts/child_process.h"
 
 namespace sluice {
 namespace {

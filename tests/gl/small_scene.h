@@ -5,7 +5,7 @@
 #include <array>
 #include <vector>
 
-#include "src/gl/context.h"
+#include "src/gl/contexts/context.h"
 
 namespace sluice {
 

@@ -7,7 +7,7 @@
 #include <memory>
 
 #include "src/base/error.h"
-#include "src/gl/context.h"
+#include "src/gl/contexts/context.h"
 
 namespace sluice {
 namespace {

@@ -7,7 +7,7 @@
 #include <optional>
 #include <set>
 
-#include "io/headers/raw.h"
+#include "io/headers/raw/raw.h"
 #include "io/synth/synth_source.h"
 #include "src/base/error.h"
 #include "tests/support/counting_source.h"

@@ -9,7 +9,7 @@
 
 #include "src/render/blocks/culled_blocks.h"
 #include "src/render/camera/index_space.h"
-#include "src/visibility/early_termination.h"
+#include "src/visibility/occlusion/early_termination.h"
 #include "tests/render/render_scene.h"
 #include "tests/support/memory_source.h"
 #include "tests/support/series_functions.h"

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "src/gl/gl_choice.h"
+#include "src/gl/contexts/gl_choice.h"
 #include "tools/command_line/environment.h"
 
 namespace sluice {

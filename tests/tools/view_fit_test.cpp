@@ -1,5 +1,5 @@
 // --fit: which box it looks at, and that it looks at no voxel.
-#include "src/library/view_fit.h"
+#include "src/library/drawing/view_fit.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Projection and clipping of boxes against single points and their rays.
-#include "src/visibility/box_occlusion.h"
+#include "src/visibility/occlusion/box_occlusion.h"
 
 #include <gtest/gtest.h>
 

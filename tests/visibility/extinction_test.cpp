@@ -1,12 +1,12 @@
 // The least of an interval against every entry in it, and the precision of extinctions in one byte.
-#include "src/visibility/extinction.h"
+#include "src/visibility/plenoptic/extinction.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
-#include "src/visibility/block_parts.h"
+#include "src/visibility/plenoptic/block_parts.h"
 
 namespace sluice {
 namespace {

@@ -1,5 +1,5 @@
 // The updates of a frame by hand, and the number of them under performances that are known.
-#include "src/visibility/map_updates.h"
+#include "src/visibility/occlusion/map_updates.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // Opacity functions against single rays: thousands of them through random blocks, sampled as
 // pictures are, in plain loops.
-#include "src/visibility/opacity_function.h"
+#include "src/visibility/plenoptic/opacity_function.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Questions to the map against plain loops over its pixels.
-#include "src/visibility/opacity_map.h"
+#include "src/visibility/occlusion/opacity_map.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // The detail kept of a block's cubes is never more than they hide, and all of it if they have few
 // values. Bytes from anywhere are validated before they are read.
-#include "src/visibility/part_detail.h"
+#include "src/visibility/plenoptic/part_detail.h"
 
 #include <gtest/gtest.h>
 

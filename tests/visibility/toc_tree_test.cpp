@@ -1,13 +1,13 @@
 // The tree against a look at every block; fusion against its formulas by hand.
-#include "src/visibility/toc_tree.h"
+#include "src/visibility/plenoptic/toc_tree.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <random>
 
-#include "src/visibility/fusion.h"
-#include "src/visibility/series_opacity.h"
+#include "src/visibility/plenoptic/fusion.h"
+#include "src/visibility/plenoptic/series_opacity.h"
 
 namespace sluice {
 namespace {

@@ -13,7 +13,7 @@
 #include "src/base/files/descriptor.h"
 #include "src/base/threads/clock.h"
 #include "src/parallel/dealing.h"
-#include "src/visibility/early_termination.h"
+#include "src/visibility/occlusion/early_termination.h"
 #include "src/volume/device_reader.h"
 #include "tools/bench/bench.h"
 #include "tools/bench/culling_print.h"

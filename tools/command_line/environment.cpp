@@ -3,7 +3,7 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "src/gl/gl_choice.h"
+#include "src/gl/contexts/gl_choice.h"
 #include "tools/command_line/progress_line.h"
 
 namespace sluice {

@@ -15,7 +15,7 @@
 #include "tools/commands/commands.h"
 #include "tools/options/shared_options.h"
 #if SLUICE_HAS_GL
-#include "src/gl/probe.h"
+#include "src/gl/contexts/probe.h"
 #endif
 
 namespace sluice {

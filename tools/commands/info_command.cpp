@@ -5,7 +5,7 @@
 
 #include "src/base/values/bytes.h"
 #include "src/base/values/volume_levels.h"
-#include "src/library/thick_source.h"
+#include "src/library/opening/thick_source.h"
 #include "tools/command_line/console.h"
 #include "tools/commands/commands.h"
 #include "tools/options/shared_options.h"

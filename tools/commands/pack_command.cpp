@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "io/zarr/zarr_writer.h"
+#include "io/zarr/packing/zarr_writer.h"
 #include "src/base/error.h"
 #include "src/base/threads/clock.h"
 #include "src/base/values/bytes.h"

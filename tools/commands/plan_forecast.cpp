@@ -4,7 +4,7 @@
 
 #include "src/base/threads/clock.h"
 #include "src/base/values/bytes.h"
-#include "src/library/picture_memory.h"
+#include "src/library/drawing/picture_memory.h"
 #include "tools/command_line/console.h"
 #include "tools/scene/scene_session.h"
 

@@ -7,7 +7,7 @@
 #include "src/annotate/annotate.h"
 #include "src/base/error.h"
 #include "src/base/values/bytes.h"
-#include "src/library/picture_memory.h"
+#include "src/library/drawing/picture_memory.h"
 #include "src/render/blocks/level_cut.h"
 #include "src/view/state/view_path.h"
 #include "tools/commands/debug_views.h"

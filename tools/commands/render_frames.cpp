@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "src/base/threads/clock.h"
-#include "src/library/empty_picture.h"
+#include "src/library/drawing/empty_picture.h"
 #include "src/render/blocks/level_cut.h"
 #include "src/render/session/planner.h"
 #include "tools/command_line/console.h"

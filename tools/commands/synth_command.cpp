@@ -7,8 +7,8 @@
 #include <string>
 
 #include "io/files/file_list.h"
-#include "io/headers/raw_name.h"
-#include "io/headers/raw_writer.h"
+#include "io/headers/raw/raw_name.h"
+#include "io/headers/raw/raw_writer.h"
 #include "io/synth/synth_source.h"
 #include "src/base/files/numbered_name.h"
 #include "src/base/threads/worker_pool.h"

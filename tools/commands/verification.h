@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "src/library/view_fit.h"
+#include "src/library/drawing/view_fit.h"
 #include "tools/scene/scene.h"
 
 namespace sluice {

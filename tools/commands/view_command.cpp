@@ -8,7 +8,7 @@
 #include "src/base/error.h"
 #include "src/classify/transfer/color_maps.h"
 #if SLUICE_HAS_GL
-#include "src/gl/backends.h"
+#include "src/gl/contexts/backends.h"
 #endif
 #include "src/view/drawing/drawing_thread.h"
 #include "src/view/drawing/window_module.h"

@@ -1,5 +1,5 @@
 #include "src/base/error.h"
-#include "src/library/resources.h"
+#include "src/library/drawing/resources.h"
 #include "src/render/blocks/level_cut.h"
 #include "tools/options/shared_options.h"
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "src/base/files/numbered_name.h"
-#include "src/library/view_fit.h"
+#include "src/library/drawing/view_fit.h"
 #include "tools/options/arguments.h"
 #include "tools/options/table_options.h"
 #include "tools/outputs/film_file.h"

@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "src/base/threads/clock.h"
-#include "src/library/thick_source.h"
+#include "src/library/opening/thick_source.h"
 #include "src/render/camera/index_space.h"
 
 namespace sluice {

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "src/base/error.h"
-#include "src/library/empty_picture.h"
+#include "src/library/drawing/empty_picture.h"
 #include "tools/outputs/report.h"
 
 namespace sluice {

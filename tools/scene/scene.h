@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "src/library/indexed_volume.h"
-#include "src/library/picture_memory.h"
-#include "src/library/resources.h"
-#include "src/library/view_fit.h"
+#include "src/library/drawing/picture_memory.h"
+#include "src/library/drawing/resources.h"
+#include "src/library/drawing/view_fit.h"
+#include "src/library/opening/indexed_volume.h"
 #include "src/parallel/rank_share.h"
 #include "tools/command_line/outputs.h"
 #include "tools/options/arguments.h"

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "src/library/resources.h"
+#include "src/library/drawing/resources.h"
 #include "tools/scene/scene.h"
 
 namespace sluice {

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "src/library/series_functions.h"
+#include "src/library/opening/series_functions.h"
 #include "src/render/blocks/culled_blocks.h"
 #include "tools/scene/scene.h"
 

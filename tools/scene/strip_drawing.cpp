@@ -3,9 +3,9 @@
 #include <utility>
 
 #include "src/base/threads/clock.h"
-#include "src/library/drawn_strips.h"
-#include "src/library/empty_picture.h"
-#include "src/library/picture_memory.h"
+#include "src/library/drawing/drawn_strips.h"
+#include "src/library/drawing/empty_picture.h"
+#include "src/library/drawing/picture_memory.h"
 
 namespace sluice {
 

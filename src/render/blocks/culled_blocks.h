@@ -14,7 +14,7 @@
 
 #include "src/render/blocks/visible_blocks.h"
 #include "src/render/camera/frame_options.h"
-#include "src/visibility/visibility_estimate.h"
+#include "src/visibility/plenoptic/visibility_estimate.h"
 
 namespace sluice {
 

@@ -14,9 +14,9 @@
 #include "src/base/values/vec.h"
 #include "src/device/frame_values.h"
 #include "src/texture/texture_plan.h"
-#include "src/visibility/box_occlusion.h"
-#include "src/visibility/map_updates.h"
-#include "src/visibility/opacity_map.h"
+#include "src/visibility/occlusion/box_occlusion.h"
+#include "src/visibility/occlusion/map_updates.h"
+#include "src/visibility/occlusion/opacity_map.h"
 
 namespace sluice {
 

@@ -1,4 +1,4 @@
-#include "io/headers/meta_image.h"
+#include "io/headers/meta_image/meta_image.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "io/headers/meta_image_header.h"
+#include "io/headers/meta_image/meta_image_header.h"
 #include "tests/io/headers/volume_files.h"
 
 namespace sluice {

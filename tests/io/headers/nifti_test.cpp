@@ -1,4 +1,4 @@
-#include "io/headers/nifti.h"
+#include "io/headers/nifti/nifti.h"
 
 #include <gmock/gmock.h>
 
@@ -9,7 +9,7 @@
 #include <limits>
 #include <sstream>
 
-#include "io/headers/nifti_header.h"
+#include "io/headers/nifti/nifti_header.h"
 #include "tests/io/headers/volume_files.h"
 
 namespace sluice {

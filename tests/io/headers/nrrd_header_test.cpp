@@ -1,4 +1,4 @@
-#include "io/headers/nrrd_header.h"
+#include "io/headers/nrrd/nrrd_header.h"
 
 #include <gmock/gmock.h>
 

@@ -1,5 +1,5 @@
 // NRRD files, read: attached and detached data, and files that teem's unu writes and reads.
-#include "io/headers/nrrd.h"
+#include "io/headers/nrrd/nrrd.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-#include "io/headers/raw_name.h"
+#include "io/headers/raw/raw_name.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "io/headers/raw_source.h"
+#include "io/headers/raw/raw_source.h"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "io/headers/raw.h"
+#include "io/headers/raw/raw.h"
 
 #include <gmock/gmock.h>
 

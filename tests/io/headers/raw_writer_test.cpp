@@ -1,4 +1,4 @@
-#include "io/headers/raw_writer.h"
+#include "io/headers/raw/raw_writer.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

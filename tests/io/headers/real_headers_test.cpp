@@ -5,10 +5,10 @@
 #include <cstring>
 #include <memory>
 
-#include "io/headers/meta_image.h"
-#include "io/headers/nifti.h"
-#include "io/headers/nrrd.h"
-#include "io/headers/raw.h"
+#include "io/headers/meta_image/meta_image.h"
+#include "io/headers/nifti/nifti.h"
+#include "io/headers/nrrd/nrrd.h"
+#include "io/headers/raw/raw.h"
 #include "tests/io/headers/volume_files.h"
 
 namespace sluice {

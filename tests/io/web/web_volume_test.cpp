@@ -6,7 +6,7 @@
 
 #include "io/open_volume.h"
 #include "io/web/address.h"
-#include "io/zarr/zarr_source.h"
+#include "io/zarr/reading/zarr_source.h"
 #include "tests/io/python_volumes.h"
 #include "tests/io/web/web_server.h"
 #include "tests/io/zarr/zarr_case.h"

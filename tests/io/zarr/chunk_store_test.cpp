@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "io/stores/folder_store.h"
-#include "io/zarr/zarr_source.h"
+#include "io/zarr/reading/zarr_source.h"
 #include "tests/io/python_volumes.h"
 #include "tests/io/zarr/map_store.h"
 #include "tests/io/zarr/zarr_case.h"

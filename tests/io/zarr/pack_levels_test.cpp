@@ -4,9 +4,9 @@
 #include <atomic>
 #include <limits>
 
-#include "io/zarr/level_region.h"
-#include "io/zarr/zarr_source.h"
-#include "io/zarr/zarr_writer.h"
+#include "io/zarr/packing/level_region.h"
+#include "io/zarr/packing/zarr_writer.h"
+#include "io/zarr/reading/zarr_source.h"
 #include "tests/io/image_test_support.h"
 #include "tests/support/function_source.h"
 #include "tests/support/random_volume.h"

@@ -4,7 +4,7 @@
 #include <istream>
 #include <string>
 
-#include "io/zarr/zarr_source.h"
+#include "io/zarr/reading/zarr_source.h"
 
 namespace sluice {
 

@@ -1,4 +1,4 @@
-#include "io/zarr/zarr_chunk_cache.h"
+#include "io/zarr/reading/zarr_chunk_cache.h"
 
 #include <gtest/gtest.h>
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "io/zarr/zarr_array.h"
-#include "io/zarr/zarr_image.h"
+#include "io/zarr/metadata/zarr_array.h"
+#include "io/zarr/metadata/zarr_image.h"
 #include "tests/io/image_test_support.h"
 
 namespace sluice {

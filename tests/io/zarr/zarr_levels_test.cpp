@@ -1,9 +1,9 @@
-#include "io/zarr/zarr_levels.h"
+#include "io/zarr/reading/zarr_levels.h"
 
 #include <gmock/gmock.h>
 
 #include "io/open_volume.h"
-#include "io/zarr/zarr_source.h"
+#include "io/zarr/reading/zarr_source.h"
 #include "tests/io/python_volumes.h"
 
 namespace sluice {

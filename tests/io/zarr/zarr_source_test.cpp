@@ -1,4 +1,4 @@
-#include "io/zarr/zarr_source.h"
+#include "io/zarr/reading/zarr_source.h"
 
 #include <gmock/gmock.h>
 

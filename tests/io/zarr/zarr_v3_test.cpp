@@ -5,7 +5,7 @@
 #include <fstream>
 
 #include "io/open_volume.h"
-#include "io/zarr/crc32c.h"
+#include "io/zarr/reading/crc32c.h"
 #include "tests/io/python_volumes.h"
 #include "tests/io/zarr/zarr_case.h"
 

@@ -1,4 +1,4 @@
-#include "io/zarr/zarr_writer.h"
+#include "io/zarr/packing/zarr_writer.h"
 
 #include <gmock/gmock.h>
 
@@ -6,8 +6,8 @@
 #include <map>
 #include <thread>
 
-#include "io/zarr/zarr_pack_folder.h"
-#include "io/zarr/zarr_source.h"
+#include "io/zarr/packing/zarr_pack_folder.h"
+#include "io/zarr/reading/zarr_source.h"
 #include "tests/io/image_test_support.h"
 #include "tests/support/failing_source.h"
 #include "tests/support/function_source.h"

@@ -1,0 +1,138 @@
+#include "io/zarr/metadata/zarr_folder.h"
+
+#include <algorithm>
+#include <optional>
+#include <span>
+
+#include "io/zarr/reading/zarr_checksums.h"
+#include "src/base/error.h"
+
+namespace sluice {
+
+namespace {
+
+constexpr uint64_t kMostHeaderBytes = 16 << 20;
+constexpr const char* kVersion3 = "zarr.json";
+constexpr int kMostLevelDepth = 2;  // folders between an image's and its level's, that one included
+
+// nullopt: there is no such file.
+std::optional<ZarrHeader> findHeader(const StorePlace& folder, const char* name) {
+  const StorePlace place = folder.at(name);
+  // A server's store keeps what it was asked for so.
+  if (!place.store->has(place.key)) return std::nullopt;
+  ZarrHeader header{place.name(), {}, {}};
+  const bool is_there = place.store->read(place.key, {}, [&](const PieceInfo& piece) {
+    if (piece.bytes > kMostHeaderBytes)
+      fail("{}: expected at most {} bytes, found {}", header.path, kMostHeaderBytes, piece.bytes);
+    header.text.resize(piece.bytes);
+    return std::as_writable_bytes(std::span(header.text));
+  });
+  if (!is_there) return std::nullopt;
+  header.identity = fmt::format("{}|{:016x}", identityOf(place),
+                                zarrChecksum(std::as_bytes(std::span(header.text))));
+  return header;
+}
+
+// The file of a folder that may describe an image.
+std::optional<ZarrHeader> findAttributes(const StorePlace& folder) {
+  for (const char* name : {".zattrs", kVersion3})
+    if (std::optional<ZarrHeader> header = findHeader(folder, name)) return header;
+  return std::nullopt;
+}
+
+bool isVersion3(const ZarrHeader& header) {
+  return header.path.ends_with(kVersion3);
+}
+
+// An array by itself, or one of the levels of the image around it.
+FoundZarr findArray(const StorePlace& folder) {
+  FoundZarr found;
+  found.array_folder = folder;
+  found.said_by = folder.at(folder.has(".zarray") ? ".zarray" : kVersion3).name();
+  // The levels of some programs lie one folder deeper, as in scale0/image.
+  std::string level;
+  StorePlace around = folder;
+  for (int depth = 0; depth < kMostLevelDepth; ++depth) {
+    level = level.empty() ? around.lastPart() : around.lastPart() + "/" + level;
+    const StorePlace outside = around.around();
+    if (outside.key == around.key) break;
+    around = outside;
+    const std::optional<ZarrHeader> header = findAttributes(around);
+    if (!header) continue;
+    const auto levels = parseZarrImage(header->text, header->path).levels;
+    if (std::find(levels.begin(), levels.end(), level) == levels.end()) continue;
+    found.image = parseZarrImage(header->text, header->path, level);
+    found.said_by = header->path;
+    found.take(*header);
+    return found;
+  }
+  if (const std::optional<ZarrHeader> own = findAttributes(folder)) {
+    found.image = parseZarrImage(own->text, own->path);
+    if (!isVersion3(*own)) found.take(*own);  // the array's own header otherwise
+  }
+  return found;
+}
+
+// A name inside the folder that could be opened instead; empty when there is none.
+std::string insideOf(const StorePlace& folder) {
+  if (!folder.store->canList()) return "";
+  std::string least;
+  folder.store->list(folder.key, [&](const ChunkStore::Entry& entry) {
+    if (isZarr(folder.at(entry.name)) && (least.empty() || entry.name < least)) least = entry.name;
+  });
+  return least.empty() ? "" : fmt::format("; it holds others, such as {}", folder.at(least).name());
+}
+
+}  // namespace
+
+void FoundZarr::take(const ZarrHeader& header) {
+  identities.push_back(header.identity);
+  header_paths.push_back(header.path);
+  header_bytes += header.text.size();
+}
+
+std::string identityOf(const StorePlace& place) {
+  return fmt::format("{}|{}", place.store->wholeKey(place.key), place.store->stampOf(place.key));
+}
+
+bool isZarr(const StorePlace& folder) {
+  return folder.has(kVersion3) || folder.has(".zarray") || folder.has(".zgroup");
+}
+
+ZarrHeader readArrayHeader(const StorePlace& array_folder) {
+  for (const char* name : {".zarray", kVersion3})
+    if (std::optional<ZarrHeader> header = findHeader(array_folder, name)) return *header;
+  fail("{}: expected an array's header, there or in zarr.json; found none",
+       array_folder.at(".zarray").name());
+}
+
+FoundZarr findZarr(const StorePlace& folder) {
+  if (folder.has(".zarray")) return findArray(folder);
+  FoundZarr found;
+  if (const std::optional<ZarrHeader> header = findAttributes(folder)) {
+    if (isVersion3(*header) && isZarrArray(header->text, header->path)) return findArray(folder);
+    found.image = parseZarrImage(header->text, header->path);
+    found.said_by = header->path;
+    found.take(*header);
+  }
+  if (found.image.levels.empty())
+    fail(
+        "{}: expected an image (multiscales in .zattrs or zarr.json) or an array, found a Zarr "
+        "group of neither{}",
+        folder.name(), insideOf(folder));
+  found.array_folder = folder.at(found.image.levels[0]);
+  found.is_image = true;
+  return found;
+}
+
+FoundZarr datasetOf(const FoundZarr& image, const StorePlace& array_folder, size_t number) {
+  FoundZarr found;
+  found.array_folder = array_folder;
+  found.image = image.image;
+  found.image.scale = image.image.places[number].scale;
+  found.image.translation = image.image.places[number].translation;
+  found.said_by = image.said_by;
+  return found;
+}
+
+}  // namespace sluice

@@ -1,0 +1,49 @@
+// The contents of a folder in a Zarr store, by its metadata files: .zarray and .zattrs of version
+// 2, zarr.json of version 3.
+//
+// A folder is an array, or an image, whose first level is the volume. An array that is a level of
+// the image around it has its scale from there.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "io/stores/chunk_store.h"
+#include "io/zarr/metadata/zarr_image.h"
+
+namespace sluice {
+
+// A metadata file.
+struct ZarrHeader {
+  std::string path, text, identity;  // its name in messages
+};
+
+// The array in a folder, and its description.
+struct FoundZarr {
+  StorePlace array_folder;
+  ZarrImage image;
+  std::vector<std::string> identities, header_paths;  // of the metadata files that were read
+  uint64_t header_bytes = 0;
+  std::string said_by;    // the file that names the axes, or else the array's own
+  bool is_image = false;  // the folder is an image's, the array its level 0
+
+  void take(const ZarrHeader& header);
+};
+
+// The whole name of a piece or folder and its stamp: a line that changes when it does.
+std::string identityOf(const StorePlace& place);
+
+// Whether a folder is a Zarr group or array, of any version.
+bool isZarr(const StorePlace& folder);
+
+// Throws Error: neither an array nor an image, metadata that cannot be read.
+FoundZarr findZarr(const StorePlace& folder);
+
+// An array in the place of dataset `number` of the image.
+FoundZarr datasetOf(const FoundZarr& image, const StorePlace& array_folder, size_t number);
+
+// The .zarray or zarr.json of an array. Throws Error: there is none.
+ZarrHeader readArrayHeader(const StorePlace& array_folder);
+
+}  // namespace sluice

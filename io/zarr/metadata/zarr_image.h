@@ -1,0 +1,75 @@
+// ZarrImage: the levels, axes and place in the world of an OME-Zarr image, from its .zattrs
+// (version 0.1 to 0.4) or zarr.json (0.5, and 0.6 as far as its transformations are scalings and
+// shifts). ZarrView: an array of 3 to 5 axes as a volume: which axis is x, y, z, time, channel, and
+// the place of the voxels.
+//
+// Nothing here touches a file, so that the parser can be fuzzed. Source: OME-Zarr (NGFF) 0.1 to
+// 0.6. What those cannot say, the directions of oblique axes and the scaling of values, sluice
+// keeps under a key of its own ("sluice"), which other programs pass over. There "spreads" names a
+// group inside the image's folder that has an array for each coarser level, of the same path and
+// shape: the spreads of its voxels (volume_levels.h).
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "io/zarr/metadata/zarr_array.h"
+#include "src/base/values/volume_source.h"
+
+namespace sluice {
+
+// The group of the spreads in stores that sluice packs.
+inline constexpr const char* kZarrSpreadFolder = "spread";
+
+struct ZarrAxis {
+  std::string name, type, unit;  // type and unit may be empty
+};
+
+// The placement of an array in the world, one number for each of its axes.
+struct ZarrPlace {
+  std::vector<double> scale, translation;  // empty: not given
+  bool is_translated = false;              // the array has a translation of its own
+};
+
+struct ZarrImage {
+  std::vector<std::string> levels;  // folders of the arrays, the finest first; may be empty
+  std::vector<ZarrPlace> places;    // one for each level
+  std::vector<ZarrAxis> axes;       // empty: not given
+  std::vector<double> scale,
+      translation;                    // for the level asked for, one per axis; empty: not given
+  std::vector<std::string> channels;  // their names, if the file gives them ("omero")
+  // Stored under the key "sluice".
+  std::optional<std::array<Vec3d, 3>> directions;
+  double value_scale = 1, value_offset = 0;
+  bool level_set = false;
+  std::string spreads;              // folder of the levels' spreads; empty: there are none
+  std::optional<WorldFrame> frame;  // without: that of pictures, where the axes are an image's
+};
+
+// `level` is the folder whose scale is wanted; empty: the first. Axes also come from xarray's
+// _ARRAY_DIMENSIONS and the dimension_names of a zarr.json. Throws Error, which starts with `path`:
+// not understood, no such level, a level outside of the folder.
+ZarrImage parseZarrImage(std::string_view text, const std::string& path,
+                         const std::string& level = "");
+
+// The text for a frame under the key "sluice".
+std::string_view zarrFrameName(WorldFrame frame);
+
+struct ZarrView {
+  VolumeLayout layout;            // all but the name
+  std::array<size_t, 3> space{};  // the array's axes that are x, y and z
+  std::optional<size_t> time, channel;
+};
+
+// Without names the axes are taken as z y x, t z y x and t c z y x; of four the first is the
+// channel if `channel_wanted`. Throws Error, which starts with `path`: fewer than 3 or more than 5
+// axes, others than x, y, z, t and c, a place that is not finite.
+ZarrView viewZarr(const ZarrArray& array, const ZarrImage& image, bool channel_wanted,
+                  const std::string& path);
+
+}  // namespace sluice

@@ -1,0 +1,127 @@
+#include "io/zarr/metadata/zarr_text.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "io/zarr/metadata/zarr_image.h"
+
+namespace sluice {
+namespace {
+
+using nlohmann::ordered_json;
+
+std::string dtype(const ZarrArray& array) {
+  const std::string_view brief = name(array.type);  // "u16"
+  const size_t bytes = bytesPerVoxel(array.type);
+  const char order = bytes == 1 ? '|' : array.byte_order == std::endian::big ? '>' : '<';
+  return std::string(1, order) + brief[0] + std::to_string(bytes);
+}
+
+ordered_json fillValue(const ZarrArray& array) {
+  if (array.type != VoxelType::kF32 && array.type != VoxelType::kF64)
+    return static_cast<int64_t>(array.fill_value);
+  if (std::isnan(array.fill_value)) return "NaN";
+  if (std::isinf(array.fill_value)) return array.fill_value > 0 ? "Infinity" : "-Infinity";
+  return array.fill_value;
+}
+
+ordered_json axis(const char* name, const char* type, const std::string& unit) {
+  ordered_json result{{"name", name}, {"type", type}};
+  if (!unit.empty()) result["unit"] = unit;
+  return result;
+}
+
+ordered_json ownPart(const VolumeLayout& layout) {
+  ordered_json own = ordered_json::object();
+  const std::array<Vec3d, 3> straight{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+  if (layout.axes != straight)
+    for (const Vec3d& a : layout.axes) own["axes"].push_back({a.x, a.y, a.z});
+  if (layout.value_scale != 1 || layout.value_offset != 0) {
+    own["value_scale"] = layout.value_scale;
+    own["value_offset"] = layout.value_offset;
+  }
+  if (layout.name.ends_with("(level set)")) own["level_set"] = true;
+  if (layout.frame != WorldFrame::kPictureRows) own["frame"] = zarrFrameName(layout.frame);
+  return own;
+}
+
+// Names and colours of the channels in viewers, until the user chooses others.
+ordered_json omero(const std::vector<std::string>& names) {
+  constexpr std::array<const char*, 6> kColors = {"FF0000", "00FF00", "0000FF",
+                                                  "FFFF00", "FF00FF", "00FFFF"};
+  ordered_json channels = ordered_json::array();
+  for (size_t c = 0; c < names.size(); ++c)
+    channels.push_back({{"label", names[c].empty() ? fmt::format("channel {}", c) : names[c]},
+                        {"color", kColors[c % kColors.size()]},
+                        {"active", true}});
+  return {{"channels", channels}};
+}
+
+}  // namespace
+
+std::string zarrGroupText() {
+  return ordered_json{{"zarr_format", 2}}.dump(2) + "\n";
+}
+
+std::string zarrArrayText(const ZarrArray& array, const BloscOptions& options) {
+  const ordered_json compressor{{"id", "blosc"},
+                                {"cname", options.codec == BloscCodec::kLz4 ? "lz4" : "zstd"},
+                                {"clevel", options.level},
+                                {"shuffle", bloscShuffle(bytesPerVoxel(array.type))},
+                                {"blocksize", kBloscBlockBytes}};
+  return ordered_json{{"zarr_format", 2},
+                      {"shape", array.shape},
+                      {"chunks", array.chunks},
+                      {"dtype", dtype(array)},
+                      {"compressor", compressor},
+                      {"fill_value", fillValue(array)},
+                      {"order", "C"},
+                      {"filters", nullptr},
+                      {"dimension_separator", std::string(1, array.separator)}}
+             .dump(2) +
+         "\n";
+}
+
+std::string zarrImageText(const VolumeLayout& layout, const std::string& name,
+                          const std::vector<std::string>& channels, const ZarrLevelsText& levels) {
+  ordered_json axes = ordered_json::array();
+  if (layout.time_steps > 1) axes.push_back(axis("t", "time", ""));
+  if (channels.size() > 1) axes.push_back(axis("c", "channel", ""));
+  const size_t others = axes.size();  // axes that are not of space
+  constexpr const char* kNames[] = {"x", "y", "z"};
+  for (int a = 2; a >= 0; --a) axes.push_back(axis(kNames[a], "space", layout.unit));
+  ordered_json datasets = ordered_json::array();
+  const auto addLevel = [&](const LevelPlacement& place) {
+    ordered_json scale = ordered_json::array(), translation = ordered_json::array();
+    for (size_t i = 0; i < others; ++i) {
+      scale.push_back(1.0);
+      translation.push_back(0.0);
+    }
+    for (int a = 2; a >= 0; --a) {
+      scale.push_back(layout.spacing[a] * place.scale[a]);
+      translation.push_back(layout.origin[a] + layout.spacing[a] * place.offset[a]);
+    }
+    datasets.push_back({{"path", std::to_string(datasets.size())},
+                        {"coordinateTransformations",
+                         {{{"type", "scale"}, {"scale", scale}},
+                          {{"type", "translation"}, {"translation", translation}}}}});
+  };
+  addLevel({});
+  for (const LevelPlacement& place : levels.placements) addLevel(place);
+  ordered_json multiscale{
+      {"version", "0.4"}, {"name", name}, {"axes", axes}, {"datasets", datasets}};
+  if (!levels.placements.empty()) multiscale["type"] = levels.type;
+  ordered_json image;
+  image["multiscales"] = ordered_json::array({multiscale});
+  if (channels.size() > 1) image["omero"] = omero(channels);
+  ordered_json own = ownPart(layout);
+  if (levels.has_spreads) own["spreads"] = kZarrSpreadFolder;
+  if (!own.empty()) image["sluice"] = own;
+  // A name need not be UTF-8.
+  return image.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace sluice

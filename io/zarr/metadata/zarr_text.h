@@ -1,0 +1,34 @@
+// The metadata files of a store that sluice packs: OME-Zarr 0.4 over Zarr v2. Pure functions; the
+// same text for the same arguments, so that a pack that was interrupted ends in the same bytes.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "io/zarr/metadata/zarr_array.h"
+#include "io/zarr/reading/zarr_codec.h"
+#include "src/base/values/volume_levels.h"
+#include "src/base/values/volume_source.h"
+
+namespace sluice {
+
+std::string zarrGroupText();
+// .zarray of a Blosc array in C order.
+std::string zarrArrayText(const ZarrArray& array, const BloscOptions& options);
+// The coarser levels of an image: the places of their voxels among the finest one's, and how they
+// were made ("mean", "max", "mode").
+struct ZarrLevelsText {
+  std::vector<LevelPlacement> placements;  // from fine to coarse
+  std::string type;
+  bool has_spreads = false;  // in arrays beside them, see kZarrSpreadFolder
+};
+
+// .zattrs of an image called `name`, whose levels are the folders "0", "1" and so on: axes t c z y
+// x, without t for one time step and without c for one channel; the layout's spacing and origin as
+// scale and translation of level 0, from which the other levels' follow. Directions that are not
+// the coordinate axes and a scaling of the values go under the key "sluice". `channels`: a name
+// each, perhaps empty; of several they go under "omero".
+std::string zarrImageText(const VolumeLayout& layout, const std::string& name,
+                          const std::vector<std::string>& channels, const ZarrLevelsText& levels);
+
+}  // namespace sluice

@@ -1,0 +1,287 @@
+#include "io/zarr/packing/narrow_means.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <type_traits>
+
+#include "io/zarr/packing/block_sums.h"
+#include "io/zarr/packing/byte_blocks.h"
+
+namespace sluice {
+namespace {
+
+// The rows of numbers that a row of blocks is made of: one, or two neighbours along y or z, or two
+// of each of two planes.
+template <class In>
+struct FinerRows {
+  std::array<const In*, 4> row{};
+  size_t count = 0;
+};
+
+// out[x]: the sum of f() over the numbers of block x, kStep of each of kRows rows.
+template <size_t kRows, int64_t kStep, class Sum, class In, class F, class Out>
+void addBlocks(const FinerRows<In>& rows, int64_t blocks, F f, Out* __restrict out) {
+  std::array<const In*, kRows> row;
+  std::copy_n(rows.row.begin(), kRows, row.begin());
+  for (int64_t x = 0; x < blocks; ++x) {
+    Sum sum = 0;
+    for (size_t r = 0; r < kRows; ++r)
+      for (int64_t i = 0; i < kStep; ++i) sum = static_cast<Sum>(sum + f(row[r][x * kStep + i]));
+    out[x] = static_cast<Out>(sum);
+  }
+}
+
+// The same for rows of `size` numbers, with a last block that may be narrower.
+// The first `made` blocks are there already.
+template <class Sum, class In, class F, class Out>
+void addRows(FinerRows<In> rows, int64_t size, int64_t step, F f, Out* out, int64_t made = 0) {
+  for (size_t r = 0; r < rows.count; ++r) rows.row[r] += made * step;
+  size -= made * step;
+  out += made;
+  const int64_t whole = size / step;
+  const auto addWhole = [&]<int64_t kStep>(std::integral_constant<int64_t, kStep>) {
+    if (rows.count == 4) return addBlocks<4, kStep, Sum>(rows, whole, f, out);
+    if (rows.count == 2) return addBlocks<2, kStep, Sum>(rows, whole, f, out);
+    addBlocks<1, kStep, Sum>(rows, whole, f, out);
+  };
+  if (step == 1) return addWhole(std::integral_constant<int64_t, 1>());
+  addWhole(std::integral_constant<int64_t, 2>());
+  if (size % 2 == 0) return;
+  Sum sum = 0;
+  for (size_t r = 0; r < rows.count; ++r) sum = static_cast<Sum>(sum + f(rows.row[r][size - 1]));
+  out[whole] = static_cast<Out>(sum);
+}
+
+// Means and spreads of blocks of `count` voxels, a power of two. Real must hold the sums, divided
+// by the count, and the square of a mean exactly.
+template <class Real, class T, class Sum, class Square>
+void finishBlocks(const Sum* __restrict sums, const Square* __restrict squares, int64_t blocks,
+                  int64_t count, T* __restrict means, SpreadOf<T>* __restrict spreads) {
+  const Real share = Real{1} / static_cast<Real>(count);
+  for (int64_t x = 0; x < blocks; ++x) {
+    const Real mean = static_cast<Real>(sums[x]) * share;
+    const Real variance = static_cast<Real>(squares[x]) * share - mean * mean;
+    const Real spread = 2 * std::sqrt(std::max(Real{0}, variance));
+    means[x] = static_cast<T>(static_cast<int32_t>(rounded(mean)));
+    spreads[x] = static_cast<SpreadOf<T>>(static_cast<int32_t>(rounded(spread)));
+  }
+}
+
+// Sums of the blocks of one plane, x fastest.
+template <class Sum, class Square>
+struct Plane {
+  Sum* sums = nullptr;
+  Square* squares = nullptr;
+};
+// The last two planes of a level, an even one first.
+template <class Sum, class Square>
+using Planes = std::array<Plane<Sum, Square>, 2>;
+
+// Squares of a block of the first level: eight of 8 bits, or eight of 16 bits.
+template <class T>
+using FirstSquare = std::conditional_t<sizeof(T) == 1, int32_t, uint64_t>;
+
+template <class T>
+class Pass {
+ public:
+  Pass(const CubeVoxels<T>& cube, std::span<const LevelPart> levels, std::vector<std::byte>& room)
+      : cube_(cube), levels_(levels), coarser_(levels.size()) {
+    std::vector<Vec3i> steps;
+    for (const LevelPart& level : levels) {
+      steps.push_back(level.step);
+      sizes_.push_back(blocksOf(cube.size, level.step));
+    }
+    room.resize(std::max<size_t>(room.size(), narrowMeansRoom(cube.size, steps)));
+    std::byte* next = room.data();
+    const auto take = [&]<class Number>(Number*& to, size_t level) {
+      to = reinterpret_cast<Number*>(next);
+      next += static_cast<size_t>(sizes_[level].x * sizes_[level].y) * sizeof(Number);
+    };
+    const auto takePlanes = [&](auto& planes, size_t level) {
+      // Wide numbers first, so that all of them are aligned.
+      for (auto& plane : planes) take(plane.squares, level);
+      for (auto& plane : planes) take(plane.sums, level);
+    };
+    for (size_t level = levels.size() - 1; level > 0; --level) takePlanes(coarser_[level], level);
+    takePlanes(first_, 0);
+  }
+
+  void run() {
+    for (int64_t z = 0; z < sizes_.front().z; ++z) {
+      makeFirst(z);
+      makeCoarserOf(z);
+    }
+  }
+
+ private:
+  // A plane of the first level.
+  void makeFirst(int64_t z) {
+    const Vec3i step = levels_.front().step;
+    const auto rowAt = [&](int64_t pz, int64_t py) {
+      return cube_.voxels + pz * cube_.plane_stride + py * cube_.row_stride;
+    };
+    const Plane<int32_t, FirstSquare<T>> to = first_[static_cast<size_t>(z % 2)];
+    for (int64_t y = 0; y < sizes_.front().y; ++y) {
+      const auto rows = rowsOf<T>(cube_.size, step, y, z, rowAt);
+      int32_t* const sums = to.sums + y * sizes_.front().x;
+      FirstSquare<T>* const squares = to.squares + y * sizes_.front().x;
+      int64_t made = 0;
+      if constexpr (std::is_same_v<T, uint8_t>) {
+        if (rows.count == 4 && step.x == 2) made = makeByteBlocks(rows.row, y, z);
+      }
+      using Narrow = std::conditional_t<sizeof(T) == 1, int16_t, int32_t>;
+      addRows<Narrow>(
+          rows, cube_.size.x, step.x, [](T v) { return Narrow{v}; }, sums, made);
+      addRows<FirstSquare<T>>(
+          rows, cube_.size.x, step.x,
+          [](T v) {
+            // A square of 16 bits fits into 32 without a sign.
+            const auto wide = static_cast<uint32_t>(int32_t{v});
+            return static_cast<FirstSquare<T>>(wide * wide);
+          },
+          squares, made);
+      finishRow(0, y, z, sums, squares, made);
+    }
+  }
+
+  // The first blocks of a row of the first level; returns how many.
+  int64_t makeByteBlocks(const std::array<const uint8_t*, 4>& rows, int64_t y, int64_t z) const {
+    const LevelPart& part = levels_.front();
+    const int64_t at = z * part.plane_stride + y * part.row_stride;
+    const auto& plane = first_[static_cast<size_t>(z % 2)];
+    const int64_t row = y * sizes_.front().x;
+    return sluice::makeByteBlocks(
+        rows, cube_.size.x / 2,
+        {plane.sums + row, plane.squares + row, reinterpret_cast<uint8_t*>(part.voxels) + at,
+         reinterpret_cast<uint8_t*>(part.spreads) + at});
+  }
+
+  // The planes of coarser levels that end with plane z of the first one.
+  void makeCoarserOf(int64_t z) {
+    for (size_t level = 1; level < levels_.size(); ++level) {
+      const int64_t step = levels_[level].step.z / levels_[level - 1].step.z;
+      if ((z + 1) % step != 0 && z + 1 < sizes_[level - 1].z) return;
+      z /= step;
+      if (level == 1)
+        makeCoarser(level, z, first_);
+      else
+        makeCoarser(level, z, coarser_[level - 1]);
+    }
+  }
+
+  template <class Sum, class Square>
+  void makeCoarser(size_t level, int64_t z, const Planes<Sum, Square>& finer) {
+    const Vec3i step = levels_[level].step / levels_[level - 1].step;
+    const Vec3i finer_size = sizes_[level - 1], size = sizes_[level];
+    const Plane<double, double> to = coarser_[level][static_cast<size_t>(z % 2)];
+    const auto same = [](auto number) { return number; };
+    for (int64_t y = 0; y < size.y; ++y) {
+      const auto sums = rowsOf<Sum>(finer_size, step, y, z, [&](int64_t pz, int64_t py) {
+        return finer[static_cast<size_t>(pz % 2)].sums + py * finer_size.x;
+      });
+      const auto squares = rowsOf<Square>(finer_size, step, y, z, [&](int64_t pz, int64_t py) {
+        return finer[static_cast<size_t>(pz % 2)].squares + py * finer_size.x;
+      });
+      addRows<Sum>(sums, finer_size.x, step.x, same, to.sums + y * size.x);
+      addRows<Square>(squares, finer_size.x, step.x, same, to.squares + y * size.x);
+      finishRow(level, y, z, to.sums + y * size.x, to.squares + y * size.x);
+    }
+  }
+
+  // The rows of numbers below row y of plane z.
+  template <class In, class RowAt>
+  static FinerRows<In> rowsOf(Vec3i size, Vec3i step, int64_t y, int64_t z, RowAt rowAt) {
+    FinerRows<In> rows;
+    for (int64_t pz = z * step.z; pz < std::min((z + 1) * step.z, size.z); ++pz)
+      for (int64_t py = y * step.y; py < std::min((y + 1) * step.y, size.y); ++py)
+        rows.row[rows.count++] = rowAt(pz, py);
+    return rows;
+  }
+
+  // The first `made` blocks are there already.
+  template <class Sum, class Square>
+  void finishRow(size_t level, int64_t y, int64_t z, const Sum* sums, const Square* squares,
+                 int64_t made = 0) {
+    const LevelPart& part = levels_[level];
+    const Vec3i step = part.step;
+    const int64_t at = z * part.plane_stride + y * part.row_stride;
+    T* const means = reinterpret_cast<T*>(part.voxels) + at;
+    auto* const spreads = reinterpret_cast<SpreadOf<T>*>(part.spreads) + at;
+    const int64_t rows = (std::min((y + 1) * step.y, cube_.size.y) - y * step.y) *
+                         (std::min((z + 1) * step.z, cube_.size.z) - z * step.z);
+    // Eight values of 8 bits: all products are below 2^24.
+    using Real = std::conditional_t<std::is_same_v<Square, int32_t>, float, double>;
+    int64_t x = made;
+    if (const int64_t count = rows * step.x; std::has_single_bit(static_cast<uint64_t>(count))) {
+      x = cube_.size.x / step.x;
+      finishBlocks<Real, T>(sums + made, squares + made, x - made, count, means + made,
+                            spreads + made);
+    }
+    for (; x < sizes_[level].x; ++x) {
+      const int64_t columns = std::min((x + 1) * step.x, cube_.size.x) - x * step.x;
+      const BlockSums block{static_cast<double>(sums[x]), static_cast<double>(squares[x]),
+                            static_cast<uint32_t>(rows * columns)};
+      means[x] = voxelOf<T>(meanOf(block.value, block.count), block.count);
+      spreads[x] = spreadOf<SpreadOf<T>>(block, 0);
+    }
+  }
+
+  const CubeVoxels<T> cube_;
+  const std::span<const LevelPart> levels_;
+  std::vector<Vec3i> sizes_;  // blocks of each level
+  Planes<int32_t, FirstSquare<T>> first_;
+  std::vector<Planes<double, double>> coarser_;  // of each level but the first
+};
+
+// The same pass compiled for wider vectors; the results are the same.
+#if defined(__x86_64__)
+template <class T>
+[[gnu::target("avx2"), gnu::flatten]] void runWide(Pass<T>& pass) {
+  pass.run();
+}
+bool hasWide() {
+  return __builtin_cpu_supports("avx2") != 0;
+}
+#else
+template <class T>
+void runWide(Pass<T>& pass) {
+  pass.run();
+}
+bool hasWide() {
+  return true;
+}
+#endif
+
+}  // namespace
+
+template <class T>
+void narrowMeans(const CubeVoxels<T>& cube, std::span<const LevelPart> levels,
+                 std::vector<std::byte>& room) {
+  if (levels.empty()) return;
+  Pass<T> pass(cube, levels, room);
+  if (hasWide())
+    runWide(pass);
+  else
+    pass.run();
+}
+template void narrowMeans(const CubeVoxels<uint8_t>&, std::span<const LevelPart>,
+                          std::vector<std::byte>&);
+template void narrowMeans(const CubeVoxels<int8_t>&, std::span<const LevelPart>,
+                          std::vector<std::byte>&);
+template void narrowMeans(const CubeVoxels<uint16_t>&, std::span<const LevelPart>,
+                          std::vector<std::byte>&);
+template void narrowMeans(const CubeVoxels<int16_t>&, std::span<const LevelPart>,
+                          std::vector<std::byte>&);
+
+uint64_t narrowMeansRoom(Vec3i size, std::span<const Vec3i> steps) {
+  uint64_t numbers = 0;  // two planes a level, of two numbers of at most 8 bytes
+  for (const Vec3i step : steps) {
+    const Vec3i blocks = blocksOf(size, step);
+    numbers += 4 * static_cast<uint64_t>(blocks.x * blocks.y);
+  }
+  return numbers * sizeof(double);
+}
+
+}  // namespace sluice

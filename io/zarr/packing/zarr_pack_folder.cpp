@@ -1,0 +1,317 @@
+#include "io/zarr/packing/zarr_pack_folder.h"
+
+#include <fcntl.h>
+#include <linux/fs.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "io/files/file.h"
+#include "io/stores/folder_store.h"
+#include "io/zarr/metadata/zarr_folder.h"
+#include "io/zarr/metadata/zarr_image.h"
+#include "io/zarr/reading/zarr_source.h"
+#include "src/base/error.h"
+#include "src/base/files/atomic_file.h"
+#include "src/base/files/json_field.h"
+
+namespace sluice {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A line of the journal. A line that is cut short or damaged is ignored, and so is everything after
+// it.
+struct Record {
+  uint64_t chunk = 0, bytes = 0, checksum = 0;
+  uint64_t own_checksum = 0;  // XXH3 of the three
+};
+
+uint64_t ownChecksum(const Record& record) {
+  return zarrChecksum(std::as_bytes(std::span(&record.chunk, 3)));
+}
+
+Descriptor openedFile(const fs::path& path, int flags) {
+  Descriptor file(open(path.c_str(), flags | O_CLOEXEC, 0666));
+  if (!file) failErrno(fmt::format("{}: cannot be opened", path.string()), errno);
+  return file;
+}
+
+void writeChunk(int file, std::span<const std::byte> bytes, const std::string& path) {
+  writeAll(
+      file, bytes,
+      fmt::format("{}: write failed; make room and give the same command again to go on", path));
+}
+
+void makeFolders(const fs::path& path) {
+  std::error_code status;
+  fs::create_directories(path, status);
+  if (status) fail("{}: cannot be made: {}", path.string(), status.message());
+}
+
+void renamePath(const fs::path& from, const fs::path& to) {
+  if (rename(from.c_str(), to.c_str()) != 0)
+    failErrno(fmt::format("{}: cannot be renamed to {}", from.string(), to.string()), errno);
+}
+
+// Files and the names of files. A folder on some network file systems cannot be synced: no error.
+void syncFolder(const fs::path& folder, bool whole_file_system) {
+  const Descriptor opened = openedFile(folder, O_RDONLY | O_DIRECTORY);
+  if (!whole_file_system) {
+    fsync(opened.get());
+    return;
+  }
+  if (syncfs(opened.get()) != 0)
+    failErrno(fmt::format("{}: cannot be brought to the disk", folder.string()), errno);
+}
+
+std::vector<int64_t> firstChunks(const std::vector<PackedArray>& arrays) {
+  std::vector<int64_t> firsts{0};
+  for (const PackedArray& packed : arrays)
+    firsts.push_back(firsts.back() + packed.array.chunkCount());
+  return firsts;
+}
+
+fs::path withoutSlash(const fs::path& path) {
+  const fs::path clean = path.lexically_normal();
+  return clean.has_filename() ? clean : clean.parent_path();
+}
+
+}  // namespace
+
+ZarrPackFolder::ZarrPackFolder(const fs::path& output, std::vector<PackedArray> arrays,
+                               const std::string& source_identity, const std::string& parameters,
+                               BegunByOthers others)
+    : output_(withoutSlash(output)),
+      folder_(output_.string() + ".partial"),
+      store_(folder_ / "store"),
+      arrays_(std::move(arrays)),
+      first_chunks_(firstChunks(arrays_)),
+      chunks_(static_cast<size_t>(first_chunks_.back())),
+      done_(chunks_.size(), 0) {
+  lock();
+  checkParameters(source_identity, parameters, others);
+  for (const PackedArray& packed : arrays_) makeFolders(store_ / packed.folder);
+  journal_.reset(
+      open((folder_ / "journal").c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666));
+  if (!journal_)
+    failErrno(fmt::format("{}: cannot be written", (folder_ / "journal").string()), errno);
+}
+
+// The process that finishes removes the file that others may have opened: they then try again.
+void ZarrPackFolder::lock() {
+  const std::string path = (folder_ / "lock").string();
+  for (;;) {
+    makeFolders(folder_);
+    Descriptor file(open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666));
+    if (!file && errno == ENOENT) continue;
+    if (!file) failErrno(fmt::format("{}: cannot be written", path), errno);
+    if (flock(file.get(), LOCK_EX | LOCK_NB) != 0) {
+      const int reason = errno;
+      if (reason != EWOULDBLOCK) failErrno(fmt::format("{}: cannot be locked", path), reason);
+      fail("{}: another sluice is packing to it; wait for it or choose another name",
+           output_.string());
+    }
+    struct stat opened = {}, named = {};
+    if (fstat(file.get(), &opened) == 0 && stat(path.c_str(), &named) == 0 &&
+        opened.st_ino == named.st_ino) {
+      lock_ = std::move(file);
+      return;
+    }
+  }
+}
+
+void ZarrPackFolder::checkParameters(const std::string& source_identity,
+                                     const std::string& parameters, BegunByOthers others) {
+  const fs::path path = folder_ / "pack.json";
+  const nlohmann::json ours{{"source", source_identity}, {"parameters", parameters}};
+  const std::string text = ours.dump(2, ' ', false, nlohmann::json::error_handler_t::replace);
+  std::string reason;
+  if (fs::exists(path)) {
+    File file(path);
+    std::string found(std::min<uint64_t>(file.sizeBytes(), 1 << 20), '\0');
+    file.readAt(0, std::as_writable_bytes(std::span(found)));
+    if (found == text) return;
+    const nlohmann::json theirs = nlohmann::json::parse(found, nullptr, false);
+    reason = !theirs.is_object() || theirs.value("source", "") == ours["source"]
+                 ? "with other options"
+                 : "of another volume, or of this one before it changed";
+  } else {
+    for (const auto& entry : fs::directory_iterator(folder_)) {
+      const std::string name = entry.path().filename().string();
+      if (name != "lock" && !name.starts_with("pack.json")) reason = "by another program";
+    }
+  }
+  if (!reason.empty() && others == BegunByOthers::kReplace) {
+    // The lock stays.
+    for (const char* const part : {"store", "journal", "pack.json"}) {
+      std::error_code status;
+      fs::remove_all(folder_ / part, status);
+      if (status) fail("{}: cannot be removed: {}", (folder_ / part).string(), status.message());
+    }
+  } else if (!reason.empty()) {
+    fail(
+        "{}: holds a store that was begun {}; give the volume and options of that run, or remove "
+        "it to start again",
+        folder_.string(), reason);
+  }
+  AtomicFile file(path);
+  file.write(text);
+  file.commit();
+}
+
+fs::path ZarrPackFolder::chunkPath(int64_t chunk) const {
+  const auto after = std::upper_bound(first_chunks_.begin(), first_chunks_.end(), chunk);
+  const auto i = static_cast<size_t>(after - first_chunks_.begin()) - 1;
+  return store_ / arrays_[i].folder / arrays_[i].array.fileName(chunk - first_chunks_[i]);
+}
+
+bool ZarrPackFolder::checkChunk(int64_t chunk) const {
+  const StoredChunk& noted = chunks_[static_cast<size_t>(chunk)];
+  if (noted.bytes == 0) return true;
+  try {
+    File file(chunkPath(chunk));
+    if (file.sizeBytes() != noted.bytes) return false;
+    std::vector<std::byte> bytes(noted.bytes);
+    file.readAt(0, bytes);
+    return zarrChecksum(bytes) == noted.checksum;
+  } catch (const Error&) {
+    return false;  // to be written anew
+  }
+}
+
+int64_t ZarrPackFolder::recover(WorkerPool& pool, ProgressMeter& progress, const StopToken& stop) {
+  std::vector<int64_t> noted;
+  off_t sound = 0;
+  Record record;
+  while (pread(journal_.get(), &record, sizeof record, sound) == ssize_t{sizeof record} &&
+         record.own_checksum == ownChecksum(record) && record.chunk < chunks_.size()) {
+    sound += ssize_t{sizeof record};
+    noted.push_back(static_cast<int64_t>(record.chunk));
+    chunks_[record.chunk] = {record.bytes, record.checksum};
+  }
+  if (ftruncate(journal_.get(), sound) != 0) failErrno((folder_ / "journal").string(), errno);
+  std::atomic<int64_t> done = 0;
+  pool.parallelFor(static_cast<int64_t>(noted.size()), [&](int64_t i) {
+    stop.throwIfStopped();
+    const int64_t chunk = noted[static_cast<size_t>(i)];
+    if (!checkChunk(chunk)) return;
+    {
+      const MutexLock lock(mutex_);
+      if (std::exchange(done_[static_cast<size_t>(chunk)], 1) != 0) return;
+    }
+    ++done;
+    progress.add(0);
+  });
+  return done;
+}
+
+void ZarrPackFolder::write(int64_t chunk, std::span<const std::byte> stored, int thread) {
+  Record record{static_cast<uint64_t>(chunk), stored.size(), 0, 0};
+  if (!stored.empty()) {
+    record.checksum = zarrChecksum(stored);
+    const fs::path temporary = folder_ / fmt::format("chunk-{}.tmp", thread);
+    const fs::path path = chunkPath(chunk);
+    {
+      const Descriptor file = openedFile(temporary, O_WRONLY | O_CREAT | O_TRUNC);
+      writeChunk(file.get(), stored, path.string());
+    }
+    if (rename(temporary.c_str(), path.c_str()) != 0) {
+      makeFolders(path.parent_path());
+      renamePath(temporary, path);
+    }
+  }
+  record.own_checksum = ownChecksum(record);
+  const MutexLock lock(mutex_);
+  writeChunk(journal_.get(), std::as_bytes(std::span(&record, 1)), (folder_ / "journal").string());
+  chunks_[record.chunk] = {record.bytes, record.checksum};
+  done_[record.chunk] = 1;
+}
+
+fs::path ZarrPackFolder::complete(const std::string& group_text, const std::string& image_text,
+                                  const std::vector<std::string>& array_texts) {
+  const auto write = [](const fs::path& path, const std::string& text) {
+    AtomicFile file(path);
+    file.write(text);
+    file.commit();
+  };
+  write(store_ / ".zgroup", group_text);
+  write(store_ / ".zattrs", image_text);
+  for (size_t i = 0; i < arrays_.size(); ++i) {
+    const fs::path name = arrays_[i].folder, folder = store_ / name;
+    if (name.has_parent_path()) write(store_ / name.parent_path() / ".zgroup", group_text);
+    write(folder / ".zarray", array_texts[i]);
+    const auto first = static_cast<size_t>(first_chunks_[i]);
+    const auto end = static_cast<size_t>(first_chunks_[i + 1]);
+    writeZarrChecksums(folder, array_texts[i], std::span(chunks_).subspan(first, end - first));
+  }
+  return store_;
+}
+
+void ZarrPackFolder::discard() {
+  std::error_code ignored;
+  fs::remove_all(folder_, ignored);
+}
+
+void ZarrPackFolder::finish(const FinishOptions& options) {
+  if (options.sync) syncFolder(folder_, true);
+  requireFreeName(output_, options.replace);
+  if (fs::exists(output_)) {
+    // In one step if the file system can; the old store then lies in the new one's place.
+    if (renameat2(AT_FDCWD, store_.c_str(), AT_FDCWD, output_.c_str(), RENAME_EXCHANGE) != 0) {
+      renamePath(output_, folder_ / "replaced");
+      renamePath(store_, output_);
+    }
+  } else {
+    renamePath(store_, output_);
+  }
+  const fs::path parent = fs::absolute(output_).parent_path();
+  if (options.sync) syncFolder(parent, false);
+  std::error_code ignored;  // the store is whole; the rest is litter
+  fs::remove_all(folder_, ignored);
+}
+
+namespace {
+
+// A name that a Zarr store has: metadata, our checksums and spreads, or a chunk's or array's number
+// ("0.1.2").
+bool belongsToStore(const fs::path& name) {
+  const std::string text = name.string();
+  constexpr std::array<std::string_view, 7> kMetadata = {
+      ".zarray",   ".zgroup",          ".zattrs",        ".zmetadata",
+      "zarr.json", kZarrChecksumsName, kZarrSpreadFolder};
+  if (std::find(kMetadata.begin(), kMetadata.end(), text) != kMetadata.end()) return true;
+  return !text.empty() && text.find_first_not_of("0123456789.") == std::string::npos;
+}
+
+// Whatever is replaced is removed, so that it must be a store and nothing else.
+void requireNothingForeign(const fs::path& store) {
+  for (const auto& entry : fs::recursive_directory_iterator(store)) {
+    if (belongsToStore(entry.path().filename()) && !entry.is_symlink()) continue;
+    fail("{}: is not replaced, since {} is not part of a Zarr store; move it away", store.string(),
+         entry.path().string());
+  }
+}
+
+}  // namespace
+
+void requireFreeName(const fs::path& output, bool replace) {
+  if (withoutSlash(output).extension() != ".zarr")
+    fail("{}: expected a name ending in .zarr", output.string());
+  std::error_code ignored;
+  if (!fs::exists(output, ignored)) return;
+  if (!replace) fail("{}: exists; --force replaces it once the new one is whole", output.string());
+  if (!isZarr(folderPlace(output)))
+    fail("{}: is no Zarr store and is not replaced", output.string());
+  requireNothingForeign(output);
+}
+
+}  // namespace sluice

@@ -1,0 +1,100 @@
+// ZarrPackFolder: an unfinished pack on disk, DIR.zarr.partial in the folder of the DIR.zarr that
+// it becomes.
+//
+// The store has several arrays, whose chunks are numbered through. Holds the future store
+// ("store"), a lock against a second process, what is packed and how
+// ("pack.json"), and a journal of the chunks that are done with the checksum of each. A chunk is
+// written under another name and renamed, then noted in the journal; whoever opens the folder again
+// believes the journal only where the chunk's file has the length and the checksum noted, so
+// that a kill or a power cut at any moment costs chunks and never makes a wrong one. finish() is
+// the only way to the final name. chunk functions: any thread; the others: one.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "io/zarr/metadata/zarr_array.h"
+#include "io/zarr/reading/zarr_checksums.h"
+#include "src/base/files/descriptor.h"
+#include "src/base/threads/mutex.h"
+#include "src/base/threads/progress_meter.h"
+#include "src/base/threads/stop_token.h"
+#include "src/base/threads/worker_pool.h"
+
+namespace sluice {
+
+// Throws Error when a store must not be written to `output`: the name does not end in .zarr, or it
+// exists and is not to be replaced, or is no store.
+void requireFreeName(const std::filesystem::path& output, bool replace);
+
+// An array of a store: a level of the volume, or its spreads.
+struct PackedArray {
+  std::string folder;  // in the store: "0", "1", "spread/1"
+  ZarrArray array;
+};
+
+// Refuses or replaces an unfinished store of another volume or of other parameters.
+enum class BegunByOthers { kRefuse, kReplace };
+
+struct FinishOptions {
+  bool replace = false;  // an older store of that name
+  bool sync = true;      // after a power cut the store is whole; without, its checksums may fail
+};
+
+class ZarrPackFolder {
+ public:
+  // Opens or makes the folder of `output`. `arrays`: of the store. `parameters` (one text) says
+  // what is packed and how. Throws Error: another process packs to there, the folder is of another
+  // volume or other parameters and not to be replaced (the line says what to do), it cannot be
+  // written.
+  ZarrPackFolder(const std::filesystem::path& output, std::vector<PackedArray> arrays,
+                 const std::string& source_identity, const std::string& parameters,
+                 BegunByOthers others = BegunByOthers::kRefuse);
+  ZarrPackFolder(const ZarrPackFolder&) = delete;
+  ZarrPackFolder& operator=(const ZarrPackFolder&) = delete;
+
+  // Reads the journal and checks each chunk's file against it, on all threads. Returns how many
+  // chunks are done, empty ones included. Called once, before the following.
+  int64_t recover(WorkerPool& pool, ProgressMeter& progress, const StopToken& stop);
+  // The number of the first chunk of an array; of one more than there are, of all chunks.
+  int64_t firstChunk(size_t array) const { return first_chunks_[array]; }
+  bool isDone(int64_t chunk) const { return done_[static_cast<size_t>(chunk)]; }
+
+  // Takes the bytes of a chunk's file; none for a chunk that is all fill value. Each thread gives a
+  // number of its own. Throws Error (a full disk too).
+  void write(int64_t chunk, std::span<const std::byte> stored, int thread);
+
+  // With the metadata in place the store can be opened, to be verified. Requires: all chunks done.
+  // `array_texts`: of each array.
+  std::filesystem::path complete(const std::string& group_text, const std::string& image_text,
+                                 const std::vector<std::string>& array_texts);
+  // Brings all to the disk and the store to its name; the folder goes. Throws Error.
+  void finish(const FinishOptions& options);
+
+  // Removes what was written. Nothing else may be called after it.
+  void discard();
+
+  const std::vector<StoredChunk>& chunks() const { return chunks_; }
+  const std::filesystem::path& path() const { return folder_; }
+
+ private:
+  void lock();
+  void checkParameters(const std::string& source_identity, const std::string& parameters,
+                       BegunByOthers others);
+  bool checkChunk(int64_t chunk) const;
+  std::filesystem::path chunkPath(int64_t chunk) const;
+
+  const std::filesystem::path output_, folder_, store_;
+  const std::vector<PackedArray> arrays_;
+  const std::vector<int64_t> first_chunks_;
+  Descriptor lock_, journal_;        // constant once open
+  Mutex mutex_;                      // guards writing to the journal and the members below
+  std::vector<StoredChunk> chunks_;  // guarded by mutex_, an element a chunk
+  std::vector<char> done_;           // guarded by mutex_, read between loops only
+};
+
+}  // namespace sluice

@@ -1,0 +1,232 @@
+#include "io/zarr/reading/zarr_chunk_files.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cstring>
+#include <utility>
+
+#include "io/zarr/reading/crc32c.h"
+#include "io/zarr/reading/zarr_codec.h"
+#include "src/base/error.h"
+
+namespace sluice {
+namespace {
+
+constexpr uint64_t kCrcBytes = sizeof(uint32_t);
+constexpr uint64_t kIndexCacheBytes = 4 << 20;  // until setBudget()
+constexpr size_t kMostMissing = 1 << 16;        // a few megabytes
+
+// A number as it stands in a chunk's name: digits alone, no leading zero, below `end`.
+std::optional<int64_t> indexIn(std::string_view text, int64_t end) {
+  int64_t value = 0;
+  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || stop != text.data() + text.size() || value < 0 || value >= end ||
+      std::to_string(value) != text)
+    return std::nullopt;
+  return value;
+}
+
+// Throws Error, naming the file, unless the CRC32C at the end of `stored` is that of the rest.
+void requireCrc(std::span<const std::byte> stored, const std::string& path, const char* what) {
+  const std::span<const std::byte> content = stored.first(stored.size() - kCrcBytes);
+  uint32_t expected = 0;
+  std::memcpy(&expected, stored.data() + content.size(), kCrcBytes);
+  const uint32_t found = crc32c(content);
+  if (found != expected)
+    fail("{}: expected the CRC32C {:08x}, as stored, found {:08x}; {} is damaged", path, expected,
+         found, what);
+}
+
+}  // namespace
+
+ZarrChunkFiles::ZarrChunkFiles(StorePlace folder, ZarrArray array, std::string_view array_text)
+    : folder_(std::move(folder)), array_(std::move(array)) {
+  if (!array_.shards) checksums_ = readZarrChecksums(folder_, array_text, array_.chunkCount());
+  if (checksums_) read_bytes_ += zarrChecksumsBytes(*checksums_);
+  if (array_.shards)
+    indices_ = std::make_unique<ZarrShardIndices>(
+        array_, kIndexCacheBytes,
+        [this](int64_t file, std::span<std::byte> index) { readIndex(file, index); });
+}
+
+const StoredChunk& ZarrChunkFiles::stored(int64_t chunk) const {
+  return (*checksums_)[static_cast<size_t>(chunk)];
+}
+
+uint64_t ZarrChunkFiles::digestOfChecksums() const {
+  return zarrChecksum(std::as_bytes(std::span(*checksums_)));
+}
+
+std::string ZarrChunkFiles::path(int64_t chunk) const {
+  return folder_.at(array_.fileName(array_.placeOf(chunk).file)).name();
+}
+
+const std::vector<int64_t>& ZarrChunkFiles::existing() {
+  std::call_once(listed_, [this] { list(); });
+  return existing_;
+}
+
+bool ZarrChunkFiles::exists(int64_t chunk) {
+  if (checksums_) {
+    if (stored(chunk).bytes > 0) return true;
+    if (folder_.store->canList() && folder_.has(array_.fileName(array_.placeOf(chunk).file)))
+      fail("{}: expected no such chunk, as packed, found one", path(chunk));
+    return false;
+  }
+  const ZarrArray::Place place = array_.placeOf(chunk);
+  if (areKnown()) {
+    const std::vector<int64_t>& all = existing();
+    if (!std::binary_search(all.begin(), all.end(), place.file)) return false;
+  } else if (isRememberedMissing(place.file)) {
+    return false;
+  }
+  return !indices_ || indices_->find(place).has_value();
+}
+
+void ZarrChunkFiles::list() {
+  if (checksums_) {
+    for (size_t i = 0; i < checksums_->size(); ++i)
+      if ((*checksums_)[i].bytes > 0) existing_.push_back(static_cast<int64_t>(i));
+  } else {
+    existing_ = onDisk();
+  }
+}
+
+std::vector<int64_t> ZarrChunkFiles::onDisk() const {
+  std::vector<int64_t> index, found;
+  const bool is_below = !array_.prefix.empty() && array_.separator == '/';
+  listFolder(is_below ? folder_.at(array_.prefix) : folder_, index, found);
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+uint64_t ZarrChunkFiles::stampChecksum(int64_t most) const {
+  const int64_t files = array_.fileCount(), sampled = std::min(files, most);
+  std::string all;
+  for (int64_t i = 0; i < sampled; ++i) {
+    // Computed without a product that could overflow.
+    const int64_t file = files / sampled * i + files % sampled * i / sampled;
+    all += folder_.store->stampOf(folder_.at(array_.fileName(file)).key) + '\n';
+  }
+  return zarrChecksum(std::as_bytes(std::span(all)));
+}
+
+// With '/' a folder is a digit of the number; `index` has the digits of the folders above.
+void ZarrChunkFiles::listFolder(const StorePlace& folder, std::vector<int64_t>& index,
+                                std::vector<int64_t>& found) const {
+  const auto take = [&](std::string_view text) {
+    const auto value = indexIn(text, array_.filesAlong(index.size()));
+    if (value) index.push_back(*value);
+    return value.has_value();
+  };
+  folder.store->list(folder.key, [&](const ChunkStore::Entry& entry) {
+    const size_t depth = index.size();
+    if (array_.separator == '/') {
+      if (!take(entry.name)) return;
+      if (index.size() == array_.axes())
+        found.push_back(array_.fileNumber(index));
+      else if (entry.is_folder)
+        listFolder(folder.at(entry.name), index, found);
+    } else {
+      std::string_view rest = entry.name;
+      const std::string before = array_.prefix.empty() ? "" : array_.prefix + array_.separator;
+      bool is_chunk = rest.starts_with(before);
+      if (is_chunk) rest.remove_prefix(before.size());
+      while (is_chunk && index.size() < array_.axes()) {
+        const bool last = index.size() + 1 == array_.axes();
+        const size_t end = last ? rest.size() : std::min(rest.find('.'), rest.size());
+        is_chunk = take(rest.substr(0, end));
+        rest.remove_prefix(std::min(end + 1, rest.size()));
+      }
+      if (is_chunk) found.push_back(array_.fileNumber(index));
+    }
+    index.resize(depth);
+  });
+}
+
+void ZarrChunkFiles::rememberMissing(int64_t file) {
+  const MutexLock lock(mutex_);
+  if (missing_.size() < kMostMissing) missing_.insert(file);
+}
+
+bool ZarrChunkFiles::isRememberedMissing(int64_t file) {
+  const MutexLock lock(mutex_);
+  return missing_.contains(file);
+}
+
+bool ZarrChunkFiles::readFile(int64_t file, const PieceBytes& wanted, const Room& room) {
+  const StorePlace place = folder_.at(array_.fileName(file));
+  uint64_t bytes = 0;
+  const bool is_there = place.store->read(place.key, wanted, [&](const PieceInfo& piece) {
+    // Those with checksums are compared with these.
+    if (!checksums_ && piece.has_changed)
+      fail("{}: changed while the volume was open; open it again", place.name());
+    const std::span<std::byte> out = room(piece);
+    bytes = out.size();
+    return out;
+  });
+  read_bytes_ += bytes;
+  if (!is_there && areKnown())
+    fail("{}: expected a chunk, which was there when {}, found none", place.name(),
+         checksums_ ? "the store was packed" : "the volume was opened");
+  return is_there;
+}
+
+void ZarrChunkFiles::readIndex(int64_t number, std::span<std::byte> index) {
+  const std::string path = folder_.at(array_.fileName(number)).name();
+  const auto from = array_.shards->is_first ? PieceBytes::From::kStart : PieceBytes::From::kEnd;
+  const bool is_there = readFile(number, {from, 0, index.size()}, [&](const PieceInfo& piece) {
+    if (piece.bytes < index.size())
+      fail("{}: expected a shard with an index of {} bytes, found {}", path, index.size(),
+           piece.bytes);
+    return index;
+  });
+  if (!is_there) {
+    rememberMissing(number);
+    return ZarrShardIndices::setMissing(index);
+  }
+  if (array_.shards->has_crc) requireCrc(index, path, "the index of the shard");
+}
+
+std::optional<uint64_t> ZarrChunkFiles::read(
+    int64_t chunk, const std::function<std::span<std::byte>(uint64_t bytes)>& room) {
+  const ZarrArray::Place place = array_.placeOf(chunk);
+  const std::string path = this->path(chunk);
+  PieceBytes wanted;
+  if (indices_) {
+    const std::optional<ZarrChunkPlace> part = indices_->find(place);
+    if (!part) fail("{}: expected a chunk, which was there before, found none", path);
+    wanted = {PieceBytes::From::kStart, part->offset, part->bytes};
+  }
+  const uint64_t behind = array_.has_crc ? kCrcBytes : 0;
+  std::span<std::byte> out;
+  const bool is_there = readFile(place.file, wanted, [&](const PieceInfo& piece) {
+    if (checksums_ && piece.bytes != stored(chunk).bytes)
+      fail("{}: expected {} bytes, as packed, found {}", path, stored(chunk).bytes, piece.bytes);
+    if (!indices_) wanted.bytes = piece.bytes;
+    if (wanted.offset > piece.bytes || wanted.bytes > piece.bytes - wanted.offset)
+      fail(
+          "{}: expected chunks within its {} bytes, found one of {} at {}; the shard was cut short",
+          path, piece.bytes, wanted.bytes, wanted.offset);
+    if (wanted.bytes < behind)
+      fail("{}: expected a chunk with a checksum, found {} bytes", path, wanted.bytes);
+    checkStoredSize(array_.codec, wanted.bytes - behind, array_.chunkBytes(), path);
+    out = room(wanted.bytes);
+    return out;
+  });
+  if (!is_there) {
+    if (indices_) fail("{}: expected a shard, which was there before, found none", path);
+    rememberMissing(place.file);
+    return std::nullopt;
+  }
+  if (checksums_) {
+    const uint64_t found = zarrChecksum(out);
+    if (found != stored(chunk).checksum)
+      fail("{}: expected the checksum {:016x}, as packed, found {:016x}; the chunk is damaged",
+           path, stored(chunk).checksum, found);
+  }
+  if (array_.has_crc) requireCrc(out, path, "a chunk");
+  return wanted.bytes - behind;
+}
+
+}  // namespace sluice

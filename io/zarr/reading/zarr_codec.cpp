@@ -1,0 +1,163 @@
+#include "io/zarr/reading/zarr_codec.h"
+
+#include <blosc.h>
+#include <zlib.h>
+#include <zstd.h>
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <string_view>
+
+#include "src/base/error.h"
+
+namespace sluice {
+namespace {
+
+constexpr uint64_t kMostDeflateRatio = 1032;
+constexpr uint64_t kMostZstdRatio = (uint64_t{128} << 10) / 4;  // a block of 4 bytes: one repeated
+
+void checkBlosc(std::span<const std::byte> stored, uint64_t chunk_bytes, const std::string& path) {
+  if (stored.size() < BLOSC_MIN_HEADER_LENGTH)
+    fail("{}: expected a Blosc chunk, found {} bytes, fewer than its header has", path,
+         stored.size());
+  size_t decoded = 0, held = 0, block = 0;
+  blosc_cbuffer_sizes(stored.data(), &decoded, &held, &block);
+  if (decoded != chunk_bytes)
+    fail("{}: expected a Blosc chunk of {} bytes, found {}", path, chunk_bytes, decoded);
+  if (held != stored.size())
+    fail("{}: expected {} bytes of Blosc by its header, found {}; the file was cut or damaged",
+         path, held, stored.size());
+  if (blosc_cbuffer_validate(stored.data(), stored.size(), &decoded) != 0)
+    fail("{}: expected a Blosc chunk, found a damaged header", path);
+}
+
+void decodeBlosc(std::span<const std::byte> stored, std::span<std::byte> chunk,
+                 const std::string& path) {
+  const int got = blosc_decompress_ctx(stored.data(), chunk.data(), chunk.size(), 1);
+  if (got >= 0 && static_cast<size_t>(got) == chunk.size()) return;
+  const char* inside = blosc_cbuffer_complib(stored.data());
+  const std::string_view known = blosc_list_compressors();
+  std::string name = inside == nullptr ? "unknown" : inside;
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (known.find(name) == std::string_view::npos)
+    fail("{}: compressed with {} inside Blosc, this machine's Blosc has {}", path, name, known);
+  fail("{}: expected {} bytes of Blosc with {} inside, found damaged ones", path, chunk.size(),
+       name);
+}
+
+// Decodes one or more members, as the gzip format allows.
+void decodeDeflate(std::span<const std::byte> stored, std::span<std::byte> chunk,
+                   const std::string& path) {
+  z_stream stream = {};
+  constexpr int kGzipOrZlib = 15 + 32;
+  if (inflateInit2(&stream, kGzipOrZlib) != Z_OK) fail("{}: not enough memory to decode it", path);
+  // A chunk and its file are below 2^32 bytes.
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<std::byte*>(stored.data()));
+  stream.avail_in = static_cast<uInt>(stored.size());
+  stream.next_out = reinterpret_cast<Bytef*>(chunk.data());
+  stream.avail_out = static_cast<uInt>(chunk.size());
+  int status = Z_OK;
+  uint64_t got = 0;
+  for (;;) {
+    const uInt before = stream.avail_out;
+    status = inflate(&stream, Z_FINISH);
+    got += before - stream.avail_out;
+    if (status != Z_STREAM_END || stream.avail_in == 0) break;
+    inflateReset(&stream);
+  }
+  inflateEnd(&stream);
+  if (status == Z_STREAM_END && got == chunk.size()) return;
+  if (status == Z_STREAM_END || (status == Z_BUF_ERROR && got == chunk.size()))
+    fail("{}: expected {} bytes once decoded, found {}", path, chunk.size(),
+         got == chunk.size() ? "more" : std::to_string(got));
+  fail("{}: expected a zlib or gzip stream of {} bytes, found one that is cut or damaged at {}",
+       path, chunk.size(), got);
+}
+
+void decodeZstd(std::span<const std::byte> stored, std::span<std::byte> chunk,
+                const std::string& path) {
+  const size_t got = ZSTD_decompress(chunk.data(), chunk.size(), stored.data(), stored.size());
+  if (ZSTD_isError(got) != 0)
+    fail("{}: expected {} bytes of zstd, found damaged ones: {}", path, chunk.size(),
+         ZSTD_getErrorName(got));
+  if (got != chunk.size())
+    fail("{}: expected {} bytes once decoded, found {}", path, chunk.size(), got);
+}
+
+}  // namespace
+
+void checkStoredSize(ZarrCodec codec, uint64_t stored_bytes, uint64_t chunk_bytes,
+                     const std::string& path) {
+  if (codec == ZarrCodec::kNone && stored_bytes != chunk_bytes)
+    fail("{}: expected {} bytes, found {}", path, chunk_bytes, stored_bytes);
+  constexpr uint64_t kHeaders = 4096;
+  const uint64_t most = chunk_bytes + chunk_bytes / 16 + kHeaders;
+  if (stored_bytes > most)
+    fail("{}: expected at most {} bytes for a chunk of {}, found {}", path, most, chunk_bytes,
+         stored_bytes);
+}
+
+void checkStored(ZarrCodec codec, std::span<const std::byte> stored, uint64_t chunk_bytes,
+                 const std::string& path) {
+  switch (codec) {
+    case ZarrCodec::kNone:
+      return;
+    case ZarrCodec::kBlosc:
+      return checkBlosc(stored, chunk_bytes, path);
+    case ZarrCodec::kDeflate:
+      if (stored.size() < chunk_bytes / kMostDeflateRatio)
+        fail("{}: expected zlib or gzip of {} bytes, found {}, which cannot hold them", path,
+             chunk_bytes, stored.size());
+      return;
+    case ZarrCodec::kZstd: {
+      const unsigned long long said = ZSTD_getFrameContentSize(stored.data(), stored.size());
+      if (said == ZSTD_CONTENTSIZE_ERROR)
+        fail("{}: expected a zstd frame, found none in {} bytes", path, stored.size());
+      if (said != ZSTD_CONTENTSIZE_UNKNOWN && said > chunk_bytes)
+        fail("{}: expected {} bytes of zstd, found {}", path, chunk_bytes, said);
+      if (stored.size() < chunk_bytes / kMostZstdRatio)
+        fail("{}: expected zstd of {} bytes, found {}, which cannot hold them", path, chunk_bytes,
+             stored.size());
+      return;
+    }
+  }
+}
+
+void decodeChunk(ZarrCodec codec, std::span<const std::byte> stored, std::span<std::byte> chunk,
+                 const std::string& path) {
+  switch (codec) {
+    case ZarrCodec::kNone:
+      SLUICE_CHECK_EQ(stored.size(), chunk.size());
+      std::memcpy(chunk.data(), stored.data(), chunk.size());
+      return;
+    case ZarrCodec::kBlosc:
+      return decodeBlosc(stored, chunk, path);
+    case ZarrCodec::kDeflate:
+      return decodeDeflate(stored, chunk, path);
+    case ZarrCodec::kZstd:
+      return decodeZstd(stored, chunk, path);
+  }
+}
+
+int bloscShuffle(size_t voxel_bytes) {
+  return voxel_bytes == 1 ? BLOSC_BITSHUFFLE : BLOSC_SHUFFLE;
+}
+
+uint64_t bloscRoomBytes(uint64_t chunk_bytes) {
+  return chunk_bytes + BLOSC_MAX_OVERHEAD;
+}
+
+std::span<const std::byte> encodeBlosc(std::span<const std::byte> chunk, size_t voxel_bytes,
+                                       const BloscOptions& options, std::vector<std::byte>& room) {
+  room.resize(bloscRoomBytes(chunk.size()));
+  const char* inside = options.codec == BloscCodec::kLz4 ? BLOSC_LZ4_COMPNAME : BLOSC_ZSTD_COMPNAME;
+  const int got =
+      blosc_compress_ctx(options.level, bloscShuffle(voxel_bytes), voxel_bytes, chunk.size(),
+                         chunk.data(), room.data(), room.size(), inside, kBloscBlockBytes, 1);
+  SLUICE_CHECK_LT(0, got);
+  return std::span(room).first(static_cast<size_t>(got));
+}
+
+}  // namespace sluice

@@ -1,0 +1,344 @@
+#include "src/gl/shaders/shader_text.h"
+
+namespace sluice {
+
+const char* const kSampleText = R"(
+uniform sampler3D chunk;
+uniform sampler2D look_up;
+// Texels below are, or are interpolated with, one that stands for NaN.
+#define IS_NO_NUMBER(v) lessThan(v, vec3(-2e30))
+#if WITH_DEPTH
+layout(location = 1) out vec4 depth_sum;  // opacity times depth, and opacity to blend by
+#endif
+#if COUNTS_TAKEN
+layout(location = 1) out vec4 taken;  // samples; of opacity 0, so that they add up
+#endif
+vec3 textureOrder(vec3 v) { return turn == 2 ? v : turn == 0 ? v.yzx : v.zxy; }
+
+#if LABELS
+// The value that has the greatest weight among the eight texels around, see LookUp.
+float labelAt(vec3 at) {
+  const float kTie = 1e-3;
+  ivec3 last = textureSize(chunk, 0) - 1;
+  vec3 texel = at / texel_size - 0.5;
+  vec3 low = floor(texel);
+  vec3 t = texel - low;
+  ivec3 first = clamp(ivec3(low), ivec3(0), last);
+  ivec3 next = min(first + 1, last);
+  float values[8];
+  float weights[8];
+  for (int i = 0; i < 8; ++i) {
+    bvec3 upper = bvec3((i & 1) != 0, (i & 2) != 0, (i & 4) != 0);
+    vec3 w = mix(1.0 - t, t, upper);
+    values[i] = texelFetch(chunk, ivec3(upper.x ? next.x : first.x, upper.y ? next.y : first.y,
+                                        upper.z ? next.z : first.z), 0).r;
+    weights[i] = w.x * w.y * w.z;
+  }
+  float best = values[0], most = -1.0;
+  for (int i = 0; i < 8; ++i) {
+    float weight = 0.0;
+    for (int k = 0; k < 8; ++k) weight += values[k] == values[i] ? weights[k] : 0.0;
+    if (weight > most + kTie || (weight > most - kTie && values[i] > best)) {
+      best = values[i];
+      most = weight;
+    }
+  }
+  return best;
+}
+#endif
+
+#if PLANES && FLOATS
+// On a voxel plane the voxels beside it have no part, but rounding gives them one, and of a texel
+// that stands for NaN the least is too much: here it is none.
+float valueOnPlane(vec3 at) {
+  const float kRounding = 1e-4;
+  ivec3 last = textureSize(chunk, 0) - 1;
+  vec3 texel = at / texel_size - 0.5;
+  vec3 nearest = round(texel);
+  texel = mix(texel, nearest, lessThan(abs(texel - nearest), vec3(kRounding)));
+  vec3 low = floor(texel);
+  vec3 t = texel - low;
+  ivec3 first = clamp(ivec3(low), ivec3(0), last);
+  ivec3 next = min(first + 1, last);
+  float value = 0.0;
+  for (int i = 0; i < 8; ++i) {
+    bvec3 upper = bvec3((i & 1) != 0, (i & 2) != 0, (i & 4) != 0);
+    vec3 w = mix(1.0 - t, t, upper);
+    value += w.x * w.y * w.z *
+             texelFetch(chunk, ivec3(upper.x ? next.x : first.x, upper.y ? next.y : first.y,
+                                     upper.z ? next.z : first.z), 0).r;
+  }
+  return value;
+}
+#endif
+
+#if GRADIENTS
+// From one voxel to the next, along the texture's axes. On software GL the reads beyond the first
+// are half of a lit frame, so that gradients kept with the voxels could save that at most; they
+// would need 16 bits a component and take eight times the bytes of 8-bit data at every level.
+vec3 differenceAt(vec3 at) {
+  vec2 n = vec2(1.0, 0.0);
+  vec3 after = vec3(textureLod(chunk, at + n.xyy * texel_size, 0.0).r,
+                    textureLod(chunk, at + n.yxy * texel_size, 0.0).r,
+                    textureLod(chunk, at + n.yyx * texel_size, 0.0).r);
+  vec3 before = vec3(textureLod(chunk, at - n.xyy * texel_size, 0.0).r,
+                     textureLod(chunk, at - n.yxy * texel_size, 0.0).r,
+                     textureLod(chunk, at - n.yyx * texel_size, 0.0).r);
+  vec3 difference = 0.5 * (after - before);
+#if FLOATS
+  // A neighbour that is no number says nothing of the slope along its axis.
+  difference = mix(difference, vec3(0.0), IS_NO_NUMBER(min(after, before)));
+#endif
+  return difference;
+}
+
+#if OBLIQUE
+uniform vec3 axis_cosines;  // between y and z, z and x, x and y
+#endif
+
+// The square of the gradient's length in the world.
+float squareOf(vec3 difference) {
+  vec3 g = difference * slope;
+  float squared = dot(g, g);
+#if OBLIQUE
+  g = turn == 2 ? g : turn == 0 ? g.zxy : g.yzx;
+  squared += 2.0 * dot(axis_cosines, g.yzx * g.zxy);
+#endif
+  return squared;
+}
+#endif
+
+#if GRADIENT_ROWS > 0
+uniform float slice_length;
+#if GRADIENT_ROWS > 2
+uniform vec4 gradient_rows[GRADIENT_ROWS];  // as `ramp`, from each row to the next
+#endif
+#if FACTOR_TABLE
+uniform sampler2D factors;
+#endif
+
+float factorOf(float magnitude, float entry) {
+  float row = clamp((magnitude - ramp.x) * ramp.y, 0.0, 1.0);
+  float factor = ramp.z + row * ramp.w;
+#if GRADIENT_ROWS > 2
+  for (int i = 1; i + 1 < GRADIENT_ROWS; ++i) {
+    float passed = clamp((magnitude - gradient_rows[i].x) * gradient_rows[i].y, 0.0, 1.0);
+    row += passed;
+    factor += passed * gradient_rows[i].w;
+  }
+#endif
+#if FACTOR_TABLE
+  factor = textureLod(factors, vec2(entry, (row + 0.5) / float(GRADIENT_ROWS)), 0.0).r;
+#endif
+  return factor;
+}
+
+// The opacity of `voxel_lengths` from that of one.
+float corrected(float opacity, float voxel_lengths) {
+#if CORRECTS
+  return opacity < 1.0 ? 1.0 - exp2(voxel_lengths * log2(1.0 - opacity)) : 1.0;
+#else
+  return opacity;
+#endif
+}
+#endif
+
+#if SPREAD
+uniform sampler2D expected;
+uniform vec4 expected_line;  // of a mean: scale, offset; of a spread: scale, rows
+uniform float expected_length;
+
+// The spread at a place, as its share of the volume's values; see ExpectedLook for its squares. The
+// hardware interpolates what it reads, so the texels are read one by one.
+float spreadShareAt(vec3 at) {
+  ivec3 last = textureSize(chunk, 0) - 1;
+  vec3 texel = at / texel_size - 0.5;
+  vec3 low = floor(texel);
+  vec3 t = texel - low;
+  ivec3 first = clamp(ivec3(low), ivec3(0), last);
+  ivec3 next = clamp(ivec3(low) + 1, ivec3(0), last);
+  float square = 0.0;
+  for (int i = 0; i < 8; ++i) {
+    bvec3 upper = bvec3((i & 1) != 0, (i & 2) != 0, (i & 4) != 0);
+    vec3 w = mix(1.0 - t, t, upper);
+    float share = max(texelFetch(chunk, ivec3(upper.x ? next.x : first.x,
+                                              upper.y ? next.y : first.y,
+                                              upper.z ? next.z : first.z), 0).g, 0.0) *
+                  expected_line.z;
+    square += w.x * w.y * w.z * share * share;
+  }
+  return sqrt(square);
+}
+
+// What a texel with a spread looks like, premultiplied, for a way of `lengths` slices whose opacity
+// is multiplied by `factor` first: see ExpectedLook. `exact` is the same without spread.
+vec4 expectedColor(float value, float share, float factor, float lengths, vec4 exact) {
+  float row = sqrt(share) * expected_line.w;
+  vec2 at = vec2(value * expected_line.x + expected_line.y,
+                 (max(row - 1.0, 0.0) + 0.5) / expected_line.w);
+  vec4 mean = textureLod(expected, clamp(at, vec2(0.0), vec2(1.0)), 0.0);
+  float opacity = mean.a * factor;
+  float a = opacity < 1.0 ? 1.0 - exp2(lengths * expected_length * log2(1.0 - opacity)) : 1.0;
+  return mix(exact, vec4(mean.rgb * (a / max(mean.a, 1e-20)), a), min(row, 1.0));
+}
+#endif
+
+#if LIT
+#if SHININESS == 0
+uniform float shininess;
+#endif
+
+vec2 shine(vec2 x) {
+#if SHININESS > 0
+  // Software GL takes long over a logarithm.
+  vec2 result = vec2(1.0);
+  for (int n = SHININESS; n > 0; n /= 2) {
+    if ((n & 1) != 0) result *= x;
+    x *= x;
+  }
+  return result;
+#else
+  return pow(x, vec2(shininess));
+#endif
+}
+
+// `color` premultiplied; `squared` and `flatness` squares of lengths of gradients in one unit.
+vec4 shade(vec4 color, vec3 difference, float squared, float flatness) {
+  float to_unit = inversesqrt(max(squared, 1e-37));
+  vec2 facing = abs(vec2(dot(difference, toward0), dot(difference, toward1)));
+  vec2 mirrored = abs(vec2(dot(difference, halfway0), dot(difference, halfway1)));
+  vec3 lit = color.rgb * (reflection.z + to_unit * (facing.x + facing.y)) +
+             color.a * dot(reflection.xy, shine(to_unit * mirrored));
+  return vec4(mix(color.rgb, lit, squared / max(squared + flatness, 1e-37)), color.a);
+}
+#endif
+
+void main() {
+  vec2 pixel = gl_FragCoord.xy + vec2(0.0, first_row);
+#if PLANES
+  vec3 start, way, size, corner;
+  vec2 ends;
+  ivec2 range = planes(pixel, start, way, size, corner, ends);
+  if (range.x >= range.y) discard;
+#else
+  vec3 step = step0 + pixel.x * step_dx + pixel.y * step_dy;
+  ivec2 range = slices(pixel.x * origin_dx + pixel.y * origin_dy, step);
+  if (range.x >= range.y) discard;
+  vec3 along = textureOrder(step * TEXEL_SCALE) * texel_size;
+  vec3 first = texel0 + pixel.x * texel_dx + pixel.y * texel_dy;
+#endif
+#if PERSPECTIVE
+  float ray_length = length(vec3(pixel.x * pixel_ray.x + pixel_ray.y, pixel.y * pixel_ray.z + pixel_ray.w, 1.0));
+#else
+  const float ray_length = 1.0;
+#endif
+#if GRADIENT_ROWS > 0
+  float voxel_lengths = slice_length * ray_length;
+#endif
+  vec4 sum = MODE == 1 ? vec4(-3e38) : MODE == 2 ? vec4(3e38) : vec4(0.0);
+#if WITH_DEPTH
+  float weighted_depth = 0.0;
+#endif
+#if COUNTS_TAKEN
+  taken = vec4(0.0);
+#endif
+  for (int k = range.x; k < range.y; ++k) {
+    vec3 at;
+    float value;
+#if GOES_AHEAD
+    // On to the next sample that may show something. Software GL runs a loop's body for several
+    // pixels together, as long as any of them needs it, and skips nothing by `if`: so each pixel goes
+    // ahead to where it has something to light, and the reads there are made for all at once.
+    for (;; ++k) {
+#endif
+#if COUNTS_TAKEN
+      taken.r += 1.0;
+#endif
+#if PLANES
+      float place = clamp(float(k), ends.x, ends.y);
+      vec3 voxel = clamp(start + place * way, vec3(0.0), size);
+      at = textureOrder(corner + voxel * TEXEL_SCALE) * texel_size;
+#else
+      at = first + float(k - first_k) * along;
+#endif
+      vec2 both = textureLod(chunk, at, 0.0).rg;
+      value = both.r;
+#if GOES_AHEAD
+#if SPREAD
+      if (both.g > 0.0) break;
+#endif
+      if ((value >= visible.x && value <= visible.y) || k + 1 == range.y) break;
+    }
+#endif
+#if LABELS
+    value = labelAt(at);
+#elif PLANES && FLOATS
+    // A loop, since software GL skips no `if`.
+    for (bool again = IS_NO_NUMBER(vec3(value)).x; again; again = false) value = valueOnPlane(at);
+#endif
+    float entry = value * entry_scale + entry_offset;
+#if FLOATS
+    entry = clamp(entry, 0.0, 1.0);  // drivers may wrap where a coordinate is beyond integers
+#endif
+    vec4 color = textureLod(look_up, vec2(entry, 0.5), 0.0);
+#if FLOATS
+    if (IS_NO_NUMBER(vec3(value)).x) color = vec4(0.0);
+#endif
+#if MODE == 0
+#if GRADIENTS
+    vec3 difference = differenceAt(at);
+    float unit = 1.0;
+#if FLOATS
+    // In units of the steepest axis, since squares of the values themselves may overflow.
+    unit = max(max(abs(difference.x), max(abs(difference.y), abs(difference.z))), 1e-37);
+    difference /= unit;
+#endif
+    float squared = squareOf(difference);
+#endif
+    float factor = 1.0;
+#if GRADIENT_ROWS > 0
+    factor = factorOf(unit * sqrt(squared), entry);
+    color.a = corrected(color.a * factor, voxel_lengths);
+    color.rgb *= color.a;
+#elif PERSPECTIVE
+    color.a = 1.0 - exp2(color.a * ray_length);
+    color.rgb *= color.a;
+#endif
+#if SPREAD
+    color = expectedColor(value, spreadShareAt(at), factor, ray_length, color);
+#if FLOATS
+    if (IS_NO_NUMBER(vec3(value)).x) color = vec4(0.0);
+#endif
+#endif
+#if LIT
+    float flatness = reflection.w / unit;
+    color = shade(color, difference, squared, flatness * flatness);
+#endif
+#if WITH_DEPTH
+    weighted_depth += (1.0 - sum.a) * color.a * (first_depth + (float(k) + 0.5) * depth_step);
+#endif
+    sum += (1.0 - sum.a) * color;
+#if STOPS_EARLY
+    if (sum.a >= stop_opacity) break;
+#endif
+#else
+    // A sample's part (alpha) moves its value toward the end that loses: to (max, greatest part),
+    // (min, 1 - greatest part) or (sum, sum of parts).
+    float part = color.a;
+#if MODE == 1
+    if (part > 0.0) sum.rg = max(sum.rg, vec2(mix(least, value, part), part));
+#elif MODE == 2
+    if (part > 0.0) sum.rg = min(sum.rg, vec2(mix(greatest, value, part), 1.0 - part));
+#else
+    if (part > 0.0) sum.rg += vec2(value * part, part);
+#endif
+#endif
+  }
+  result = sum;
+#if WITH_DEPTH
+  depth_sum = vec4(weighted_depth, 0.0, 0.0, sum.a);
+#endif
+}
+)";
+
+}  // namespace sluice

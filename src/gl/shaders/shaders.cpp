@@ -1,0 +1,50 @@
+#include "src/gl/shaders/shaders.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "src/gl/shaders/shader_text.h"
+
+namespace sluice {
+namespace {
+
+constexpr const char* kVersion = "#version 330 core\n";
+
+std::string definitions(const ShaderVariant& v) {
+  const std::pair<const char*, int> numbers[] = {{"MODE", static_cast<int>(v.mode)},
+                                                 {"PERSPECTIVE", v.perspective},
+                                                 {"LIT", v.lit},
+                                                 {"WITH_DEPTH", v.with_depth},
+                                                 {"STOPS_EARLY", v.stops_early},
+                                                 {"CLIP_PLANES", v.clip_planes},
+                                                 {"FLOATS", v.floats},
+                                                 {"COUNTS_TAKEN", v.counts_taken},
+                                                 {"GRADIENTS", v.lit || v.gradient_rows > 0},
+                                                 {"GRADIENT_ROWS", v.gradient_rows},
+                                                 {"FACTOR_TABLE", v.factor_table},
+                                                 {"CORRECTS", v.corrects},
+                                                 {"SHININESS", v.shininess},
+                                                 {"GOES_AHEAD", v.goes_ahead},
+                                                 {"LABELS", v.labels},
+                                                 {"PLANES", v.planes},
+                                                 {"SCALED", v.scaled},
+                                                 {"SPREAD", v.spread},
+                                                 {"OBLIQUE", v.oblique}};
+  std::string lines;
+  for (const auto& [name, value] : numbers) lines += fmt::format("#define {} {}\n", name, value);
+  return lines;
+}
+
+}  // namespace
+
+std::string vertexShader(const ShaderVariant& variant) {
+  return kVersion + definitions(variant) + "#define FLAT flat out\n" + kInputsText + kVertexText;
+}
+
+std::string fragmentShader(const ShaderVariant& variant) {
+  return kVersion + definitions(variant) + "#define FLAT flat in\n" + kInputsText + kIntervalText +
+         kPlanesText + (variant.counts ? kCountText : kSampleText);
+}
+
+}  // namespace sluice

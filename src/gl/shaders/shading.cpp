@@ -1,0 +1,119 @@
+#include "src/gl/shaders/shading.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "src/device/look_up_texels.h"
+
+namespace sluice {
+namespace {
+
+// The cosines between the axes y and z, z and x, x and y.
+Vec3d axisCosines(const FrameSetup& setup) {
+  Vec3d cosines;
+  for (size_t a = 0; a < 3; ++a)
+    cosines[static_cast<int>(a)] = dot(normalized(setup.camera_gradient[(a + 1) % 3]),
+                                       normalized(setup.camera_gradient[(a + 2) % 3]));
+  return cosines;
+}
+
+// Products of each axis' direction with one.
+Vec3d along(const FrameSetup& setup, Vec3d direction) {
+  const auto& axes = setup.camera_gradient;
+  return {dot(axes[0], direction), dot(axes[1], direction), dot(axes[2], direction)};
+}
+
+class Floats {
+ public:
+  Floats& add(double v) {
+    values_.push_back(static_cast<float>(v));
+    return *this;
+  }
+  Floats& add(Vec3d v) { return add(v.x).add(v.y).add(v.z); }
+  const float* data() const { return values_.data(); }
+
+ private:
+  std::vector<float> values_;
+};
+
+// Four numbers for each row: its magnitude, 1 / the distance to the next row, its factor, and by
+// how much the next row's factor is greater. Only the first entry's factors are read.
+Floats rowsOf(const FrameSetup& setup) {
+  const std::vector<double>& magnitudes = setup.look_up->magnitudes;
+  const std::vector<float>& factors = setup.look_up->factors;
+  const size_t rows = magnitudes.size(), entries = factors.size() / rows;
+  const double scale = valueScale(setup.type);
+  Floats result;
+  for (size_t row = 0; row < rows; ++row) {
+    const size_t next = std::min(row + 1, rows - 1);
+    const double distance = (magnitudes[next] - magnitudes[row]) / scale;
+    const double factor = factors[row * entries];
+    result.add(magnitudes[row] / scale)
+        .add(distance > 0 ? 1 / distance : 0)
+        .add(factor)
+        .add(factors[next * entries] - factor);
+  }
+  return result;
+}
+
+void setLights(const FrameSetup& setup, GlProgram& program) {
+  const Lighting& lighting = setup.lighting;
+  Floats toward, halfway, reflection;
+  for (const Light& light : lighting.lights) {
+    toward.add(along(setup, light.toward) * (light.strength * lighting.diffuse));
+    halfway.add(along(setup, normalized(light.toward + Vec3d{0, 0, 1})));
+    reflection.add(light.strength * lighting.specular);
+  }
+  reflection.add(lighting.ambient).add(setup.flat / valueScale(setup.type));
+  program.set3("index_toward", toward.data(), 2);
+  program.set3("index_halfway", halfway.data(), 2);
+  program.set4("view_reflection", reflection.data(), 1);
+  program.set("shininess", lighting.shininess);
+}
+
+}  // namespace
+
+double valueScale(DeviceType type) {
+  switch (type) {
+    case DeviceType::kU8:
+      return 255;
+    case DeviceType::kU16:
+      return 65535;
+    case DeviceType::kF32:
+      break;
+  }
+  return 1;
+}
+
+void chooseShading(const FrameSetup& setup, ShaderVariant& variant) {
+  variant.lit = setup.lit;
+  variant.shininess = setup.lit ? setup.lighting.wholeShininess() : 0;
+  const LookUp& look_up = *setup.look_up;
+  variant.gradient_rows = static_cast<int>(look_up.magnitudes.size());
+  variant.factor_table = look_up.factors.size() > look_up.magnitudes.size();
+  variant.corrects = variant.gradient_rows > 0 && (variant.perspective || setup.slice_length != 1);
+  if (!setup.lit && variant.gradient_rows == 0) return;
+  variant.goes_ahead = !setup.shades_every_sample;
+  const Vec3d cosines = axisCosines(setup);
+  constexpr double kRounding = 1e-6;
+  variant.oblique =
+      std::max({std::abs(cosines.x), std::abs(cosines.y), std::abs(cosines.z)}) > kRounding;
+}
+
+void setShading(const FrameSetup& setup, const ShaderVariant& variant, GlProgram& program) {
+  if (!variant.lit && variant.gradient_rows == 0) return;
+  const auto& axes = setup.camera_gradient;
+  program.set("index_slope", Vec3d{length(axes[0]), length(axes[1]), length(axes[2])});
+  program.set("axis_cosines", axisCosines(setup));
+  const auto [least, greatest] = visibleValues(*setup.look_up);
+  const double scale = valueScale(setup.type);
+  program.set2("visible_texels", least / scale, greatest / scale);
+  if (variant.lit) setLights(setup, program);
+  if (variant.gradient_rows == 0) return;
+  const Floats rows = rowsOf(setup);
+  program.set4("first_rows", rows.data(), 1);
+  program.set4("gradient_rows", rows.data(), variant.gradient_rows);
+  program.set("slice_length", setup.slice_length);
+}
+
+}  // namespace sluice

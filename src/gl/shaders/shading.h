@@ -1,0 +1,25 @@
+// The uniforms for gradients, lights and factors (src/device/lighting.h) in the shaders' units:
+// texel values, and differences along the volume's axes instead of directions, so that a sample is
+// lit without turning its gradient into the world. Pure functions.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "src/device/frame_values.h"
+#include "src/gl/shaders/gl_program.h"
+#include "src/gl/shaders/shaders.h"
+
+namespace sluice {
+
+// The factor from a voxel as the shader reads it to its device value.
+double valueScale(DeviceType type);
+
+// Sets the members that depend on how the frame is lit and on factors, in a variant whose other
+// members are set. Requires: composite.
+void chooseShading(const FrameSetup& setup, ShaderVariant& variant);
+
+// Sets the uniforms of such a variant. Requires: the program is in use.
+void setShading(const FrameSetup& setup, const ShaderVariant& variant, GlProgram& program);
+
+}  // namespace sluice

@@ -1,0 +1,248 @@
+#include "src/library/drawing/chosen_look.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "src/base/files/shell_word.h"
+#include "src/classify/transfer/automatic_look.h"
+#include "src/classify/transfer/color_maps.h"
+#include "src/classify/transfer/transfer_file.h"
+#include "src/classify/transfer/transfer_makers.h"
+#include "src/render/blocks/level_cut.h"
+#include "src/render/camera/index_space.h"
+
+namespace sluice {
+namespace {
+
+// The map of modes that use values alone: grey, as radiologists use it.
+constexpr std::string_view kModeMap = "grey";
+
+std::string_view mapOr(const LookArguments& look, std::string_view otherwise) {
+  return look.map.empty() ? otherwise : std::string_view(look.map);
+}
+
+ValueRange ascending(ValueRange range) {
+  return {std::min(range.lo, range.hi), std::max(range.lo, range.hi)};
+}
+
+// Nothing for a volume of a single value, whose range follows from it: --range takes two values.
+std::string rangeOption(ValueRange range) {
+  if (range.lo == range.hi) return {};
+  return fmt::format(" --range {},{}", range.lo, range.hi);
+}
+
+std::string pointsOption(const std::vector<OpacityPoint>& points) {
+  std::string text = " --opacities ";
+  for (size_t i = 0; i < points.size(); ++i)
+    text += fmt::format("{}{}:{}", i == 0 ? "" : ",", points[i].value, points[i].opacity);
+  return text;
+}
+
+AutomaticOptions automaticOptions(const VolumeLayout& layout, const LookArguments& look) {
+  AutomaticOptions options;
+  options.finest_spacing = finestSpacing(layout);
+  options.thickness_vox = 0;
+  for (int a = 0; a < 3; ++a)
+    options.thickness_vox +=
+        static_cast<double>(layout.dims[a]) * layout.spacing[a] / options.finest_spacing / 3;
+  options.signed_distance = layout.name.ends_with("(level set)");
+  options.map = look.map;
+  return options;
+}
+
+class Chooser {
+ public:
+  Chooser(const VolumeLayout& layout, const ValueStatistics& values, const LookArguments& look,
+          Mode mode)
+      : layout_(layout),
+        values_(values),
+        look_(look),
+        mode_(mode),
+        map_range_(look.range.value_or(values.range)),
+        range_(ascending(map_range_)) {}
+
+  ChosenLook choose() {
+    chosen_.lit = look_.first_picture;
+    if (!look_.transfer_file.empty()) {
+      fromFile();
+    } else if (!look_.opacities.empty()) {
+      fromPoints();
+    } else if (look_.labels) {
+      fromLabels();
+    } else if (look_.threshold) {
+      fromThreshold(*look_.threshold);
+    } else if (mode_ != Mode::kComposite) {
+      wholeRange();
+    } else if (!look_.first_picture) {
+      fromThreshold(plainThreshold(range_));
+    } else {
+      automatic();
+    }
+    fadeSolidColor();
+    modulate();
+    light();
+    return std::move(chosen_);
+  }
+
+ private:
+  void add(const std::string& option) { chosen_.options += option; }
+  void addMap(std::string_view map) { add(fmt::format(" --map {}", shellWord(std::string(map)))); }
+
+  void fromFile() {
+    chosen_.transfer = readTransferFunction(look_.transfer_file, range_, look_.map, look_.stop);
+    add(fmt::format(" --transfer {}", shellWord(look_.transfer_file)));
+    if (!look_.map.empty()) addMap(look_.map);
+    if (look_.range) measureFlatness(range_);
+    if (look_.range) add(rangeOption(*look_.range));
+    if (look_.opacities.empty()) return;
+    chosen_.transfer.opacities = look_.opacities;  // over the file's colours
+    add(pointsOption(look_.opacities));
+  }
+
+  void fromPoints() {
+    const std::string_view map = mapOr(look_, kDefaultColorMap);
+    chosen_.transfer = pointsTransfer(map, map_range_, look_.opacities);
+    measureFlatness(map_range_);
+    addMap(map);
+    add(rangeOption(map_range_));
+    add(pointsOption(look_.opacities));
+  }
+
+  void fromLabels() {
+    chosen_.transfer = labelsTransferOf(values_.counts, look_.map);
+    addLabels();
+  }
+  void addLabels() {
+    add(" --labels");
+    if (!look_.map.empty()) addMap(look_.map);
+  }
+
+  void fromThreshold(double threshold) {
+    const std::string_view map = mapOr(look_, kDefaultColorMap);
+    const double opacity = look_.opacity.value_or(kDefaultOpacity);
+    chosen_.transfer = thresholdTransfer(threshold, range_, opacity, map);
+    add(fmt::format(" --threshold {} --opacity {}", threshold, opacity));
+    addMap(map);
+    if (look_.range) measureFlatness(range_);
+    if (look_.range) add(rangeOption(*look_.range));
+    if (threshold > range_.hi || threshold < range_.lo)
+      chosen_.warnings.push_back(
+          fmt::format("--threshold {}: {} shows, the values are {:.6g} to {:.6g}", threshold,
+                      threshold > range_.hi ? "nothing" : "everything", range_.lo, range_.hi));
+  }
+
+  void wholeRange() {
+    const std::string_view map = mapOr(look_, kModeMap);
+    chosen_.transfer = wholeRangeTransfer(map, map_range_);
+    addMap(map);
+    add(rangeOption(map_range_));
+  }
+
+  void automatic() {
+    const ValueCounts counts = look_.range ? inside(values_.counts, range_) : values_.counts;
+    AutomaticLook made = automaticLook(counts, automaticOptions(layout_, look_));
+    chosen_.transfer = std::move(made.transfer);
+    chosen_.lit = chosen_.lit && made.lit;
+    if (chosen_.transfer.labels) {
+      addLabels();
+      return;
+    }
+    if (look_.range) {
+      TransferFunction over_range =
+          pointsTransfer(made.map, map_range_, std::move(chosen_.transfer.opacities));
+      over_range.name = std::move(chosen_.transfer.name);
+      chosen_.transfer = std::move(over_range);
+      made.map_range = map_range_;
+    }
+    if (look_.opacity)
+      chosen_.transfer =
+          scaleOpacity(std::move(chosen_.transfer), *look_.opacity / kDefaultOpacity);
+    measureFlatness(made.map_range);
+    addMap(made.map);
+    add(rangeOption(made.map_range));
+    add(pointsOption(chosen_.transfer.opacities));
+  }
+
+  // By the colours alone, so that options that determine them give the same light again, whatever
+  // is known of the values: in a series, the range of one step or of all.
+  void measureFlatness(ValueRange colors) {
+    const double part = std::abs(colors.hi - colors.lo), all = values_.range.hi - values_.range.lo;
+    if (all > 0) chosen_.flat_scale = part / all;
+  }
+
+  // Modes that show one value a pixel, opaque, tell values apart by the colour alone: from black up
+  // to it.
+  void fadeSolidColor() {
+    if (mode_ != Mode::kComposite && !chosen_.transfer.labels && solidColor(look_.map))
+      chosen_.transfer.colors.front().rgb = {0, 0, 0};
+  }
+
+  void modulate() {
+    if (!look_.modulate) return;
+    // A volume of one value is flat, whatever the unit.
+    const double unit = range_.hi > range_.lo ? range_.hi - range_.lo : 1;
+    chosen_.transfer = modulateByGradient(std::move(chosen_.transfer), look_.full_gradient * unit);
+    add(fmt::format(" --modulate --full-gradient {}", look_.full_gradient));
+  }
+
+  void light() {
+    if (mode_ != Mode::kComposite || look_.no_shade) chosen_.lit = false;
+    if (look_.shade) chosen_.lit = true;
+    if (mode_ == Mode::kComposite) add(chosen_.lit ? " --shade" : " --no-shade");
+    if (!chosen_.options.empty()) chosen_.options.erase(0, 1);
+  }
+
+  const VolumeLayout& layout_;
+  const ValueStatistics& values_;
+  const LookArguments& look_;
+  const Mode mode_;
+  const ValueRange map_range_, range_;  // the range as given, and ascending
+  ChosenLook chosen_;
+};
+
+}  // namespace
+
+ChosenLook chooseLook(const VolumeLayout& layout, const ValueStatistics& values,
+                      const LookArguments& look, Mode mode) {
+  return Chooser(layout, values, look, mode).choose();
+}
+
+double plainThreshold(ValueRange range) {
+  return std::lerp(range.lo, range.hi, 0.2);
+}
+
+bool needsGradients(const LookArguments& look, Mode mode) {
+  if (look.shade || look.modulate) return true;
+  if (look.first_picture && !look.no_shade && mode == Mode::kComposite) return true;
+  // Whatever the volume's range is.
+  return !look.transfer_file.empty() &&
+         !readTransferFunction(look.transfer_file, {0, 1}, look.map, look.stop).gradients.empty();
+}
+
+bool needsStatistics(const LookArguments& look) {
+  const bool stands_alone =
+      look.threshold || !look.opacities.empty() || !look.transfer_file.empty();
+  return !(look.range && stands_alone) || look.labels;
+}
+
+double stepFor(const View& view, const VolumeLayout& layout) {
+  double pixel = 2 * view.half_height / view.size.height;
+  if (view.projection == Projection::kPerspective) {
+    const Vec3d center = worldFromIndex(layout, toDouble(layout.dims - Vec3i{1, 1, 1}) * 0.5);
+    pixel *= std::max(0.0, dot(center - view.eye, view.forward));
+  }
+  return pixel < finestSpacing(layout) ? 0.5 : 1;
+}
+
+double stepFor(const View& view, const TimeStep& step, int finest_level) {
+  VolumeLayout level = step.source->layout();
+  const double times = spacingOfLevel(step, finest_level);
+  level.spacing = level.spacing * times;
+  for (int a = 0; a < 3; ++a)
+    level.dims[a] = std::max<int64_t>(1, std::llround(static_cast<double>(level.dims[a]) / times));
+  return times * stepFor(view, level);
+}
+
+}  // namespace sluice

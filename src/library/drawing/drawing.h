@@ -1,0 +1,117 @@
+// Drawing: the work of the public Renderer, on the one thread that owns the device: a volume, its
+// device and session, and the look. It keeps the results of fitting in addition to what the session
+// keeps.
+#pragma once
+
+#include <sluice/image.h>
+#include <sluice/options.h>
+#include <sluice/report.h>
+#include <sluice/screen.h>
+
+#include <array>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "cache/trace/trace.h"
+#include "src/device/screen_picture.h"
+#include "src/library/drawing/chosen_look.h"
+#include "src/library/opening/opened_volume.h"
+#include "src/library/progress_relay.h"
+#include "src/library/requests.h"
+#include "src/render/blocks/memo.h"
+#include "src/render/session/session.h"
+
+namespace sluice {
+
+class Drawing {
+ public:
+  // Makes the device. Throws Error.
+  Drawing(std::shared_ptr<const OpenedVolume> opened, const LookOptions& look,
+          const RendererOptions& options);
+  // Ends the trace, if any; a failure to write it is ignored here.
+  ~Drawing();
+  Drawing(const Drawing&) = delete;
+  Drawing& operator=(const Drawing&) = delete;
+
+  // See Renderer. These throw Interrupted when the Renderer throws Cancelled.
+  void setLook(const LookOptions& look);
+  const ChosenLook& look() const { return look_; }
+  std::string deviceName() const;
+  Image draw(const PictureOptions& picture, ProgressTeller& teller);
+  void drawRows(const PictureOptions& picture, const std::function<void(const Image& rows)>& take,
+                ProgressTeller& teller);
+  void drawToFile(const std::string& path, const PictureOptions& picture,
+                  const std::optional<std::array<float, 3>>& background, ProgressTeller& teller);
+  std::optional<ScreenImage> drawOnScreen(const PictureOptions& picture,
+                                          const std::array<float, 3>& background,
+                                          ProgressTeller& teller);
+  void fit(std::span<PictureOptions> pictures, ProgressTeller& teller);
+  ViewOptions placed(const PictureOptions& picture, ProgressTeller& teller);
+  void writeExr(const std::string& path, const Image& image, const PictureOptions& picture,
+                const std::optional<std::array<float, 3>>& background);
+  ShownLook shownLook() const;
+  RenderReport report(bool maps) const;
+  std::optional<VoxelProbe> probe(const PictureOptions& picture, double right, double down,
+                                  ProgressTeller& teller);
+  SliceValues slice(const SliceOptions& slice, ProgressTeller& teller);
+  void recordTo(const std::string& path);
+
+ private:
+  using Points = std::shared_ptr<const std::vector<Vec3d>>;
+  struct PointsKey {
+    int64_t time;
+    std::optional<Box3> crop;
+    int64_t look;
+    friend bool operator==(const PointsKey&, const PointsKey&) = default;
+  };
+
+  // A frame that the session is ready to draw.
+  struct ReadyFrame {
+    FrameOptions options;
+    int64_t time;
+  };
+  ReadyFrame ready(const PictureOptions& picture, const IndexPass& pass, ProgressTeller& teller);
+  // Draws the frame strip by strip.
+  void drawStrips(const ReadyFrame& frame, const IndexPass& pass,
+                  const std::function<void(const Picture& strip)>& take, ProgressTeller& teller);
+  // Keeps a frame's part of report().
+  void keepReport(const ReadyFrame& frame, const FrameReport& report, bool shows_something,
+                  const IndexPass& pass);
+  // All options except those of the look and the machine, with the camera framed.
+  FrameOptions framed(const PictureOptions& picture, const TimeStep& step, const IndexPass& pass);
+  // The same with the options that follow from the look.
+  FrameOptions looked(const PictureOptions& picture, const TimeStep& step, const IndexPass& pass);
+  // The options of `sluice render` that give the look of a frame.
+  std::string lookOf(const FrameOptions& options) const;
+  std::vector<uint8_t> blockClasses() const;
+  // The step with the series' range of values. Throws Error when the volume has no such step.
+  TimeStep stepAt(int64_t time, const IndexPass& pass);
+  // The framing for pictures from all these cameras together; null if they need none.
+  std::optional<Framing> framingFor(const std::vector<Camera>& cameras, FitChoice choice,
+                                    const FrameOptions& options, const TimeStep& step,
+                                    const IndexPass& pass);
+  const VolumeLayout& layout() const { return opened_->volume.source->layout(); }
+
+  const std::shared_ptr<const OpenedVolume> opened_;
+  const MachineOptions machine_;
+  WorkerPool pool_;
+  std::unique_ptr<Device> device_;
+  std::unique_ptr<Session> session_;
+  uint64_t strip_bytes_ = 0;  // the part of the memory for strips; 0: none
+  Mode mode_ = Mode::kComposite;
+  ChosenLook look_;
+  int64_t looks_ = 0;  // looks set so far
+  // The step that is drawn and the one that is read ahead.
+  std::array<Memo<int64_t, const TimeStep>, 2> steps_;
+  FrameReport report_;                 // report of the last frame
+  std::string why_empty_;              // RenderReport::why_empty
+  DrawsForScreens* screen_ = nullptr;  // the device, if it draws in a context that was lent
+  std::unique_ptr<TraceWriter> trace_;
+  Memo<PointsKey, const std::vector<Vec3d>> points_;
+};
+
+}  // namespace sluice

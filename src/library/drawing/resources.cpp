@@ -1,0 +1,146 @@
+#include "src/library/drawing/resources.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "src/base/threads/clock.h"
+#include "src/classify/blocks/classification.h"
+#include "src/render/blocks/look.h"
+#include "src/render/blocks/spread_tally.h"
+
+namespace sluice {
+namespace {
+
+// The share of the memory for textures if they live in it. Elsewhere their memory is not known to
+// the program, and any GPU of the last ten years has this much.
+constexpr uint64_t kTextureShare = 4;
+constexpr uint64_t kDeviceTextureBytes = uint64_t{1} << 30;
+
+// Never fewer than a block takes.
+int64_t defaultPages(const PageGeometry& page, const BufferNeeds& needs, Vec3i dims,
+                     uint64_t memory_bytes) {
+  const auto page_bytes = static_cast<uint64_t>(page.pageBytes());
+  const Vec3i block{needs.block_vox, needs.block_vox, needs.block_vox};
+  const auto least = std::bit_ceil(static_cast<uint64_t>(page.pagesOf(block) * needs.numbers));
+  // Blocks share planes and are padded: twice the volume's own pages holds them all.
+  const Vec3i bounded = min(dims, Vec3i{1 << 20, 1 << 20, 1 << 20});
+  const double whole = std::min(2.0 * static_cast<double>(page.pagesOf(bounded)), 1e15);
+  const uint64_t most = std::min(memory_bytes / kTextureShare, kDeviceTextureBytes) / page_bytes;
+  uint64_t pages = std::min(std::bit_floor(std::max<uint64_t>(1, most)),
+                            std::bit_ceil(static_cast<uint64_t>(whole)));
+  pages = std::max(pages, least);
+  // What is held beside is off `memory_bytes` already.
+  const uint64_t buffers = leastBufferBytes(page, needs);
+  const auto needed = [&] {
+    PageGeometry geometry = page;
+    geometry.pages = static_cast<int64_t>(pages);
+    return textureMemoryBytes(geometry, TexelPlace::kInMemory) + buffers;
+  };
+  while (pages > least && needed() > memory_bytes) pages /= 2;
+  return static_cast<int64_t>(pages);
+}
+
+// A planned block. Measured with blocks of 8 voxels, each in a chunk with one other: 820 bytes.
+constexpr uint64_t kPlannedBlockBytes = 1000;
+
+// The most blocks that a cut may hold at once, whatever the view.
+uint64_t blocksOfCut(const IndexedVolume& volume, const CutOptions& cut) {
+  if (cut.level && *cut.level < volume.pyramid->levels())
+    return static_cast<uint64_t>(volume.pyramid->level(*cut.level).blocks.blockCount());
+  const int64_t side = volume.layout.size;
+  const uint64_t block_bytes =
+      static_cast<uint64_t>(sluice::volume({side, side, side})) * bytesPerVoxel(volume.map.type);
+  return cut.most_held_bytes / block_bytes + 1;
+}
+
+// The spreads of coarse blocks that were read, of which each step has its own.
+uint64_t spreadBytes(const IndexedVolume& volume) {
+  if (volume.pyramid == nullptr) return 0;
+  double blocks = 0;
+  for (int level = 1; level < volume.pyramid->levels(); ++level)
+    if (const LevelLayout& at = volume.pyramid->level(level); at.numbers == 2)
+      blocks += static_cast<double>(at.blocks.blockCount());
+  blocks *= static_cast<double>(volume.source->layout().time_steps);
+  const auto most = static_cast<double>(SpreadTally::kMostBlocks);
+  return static_cast<uint64_t>(std::min(blocks, most)) * SpreadTally::kBlockBytes;
+}
+
+}  // namespace
+
+uint64_t memoryBudget(const MachineOptions& machine) {
+  return machine.memory_bytes != 0 ? machine.memory_bytes : availableMemoryBytes() / 2;
+}
+
+PageGeometry pageShape(const MachineOptions& machine, const ValueMap& map) {
+  PageGeometry page;
+  page.bytes_per_voxel = static_cast<int64_t>(bytesPerVoxel(map.type));
+  const char* standard = page.bytes_per_voxel == 1   ? "sparse-8"
+                         : page.bytes_per_voxel == 2 ? "sparse-16"
+                                                     : "sparse-32";
+  page.size_vox = machine.page_vox.value_or(findPageConfiguration(standard)->geometry.size_vox);
+  return page;
+}
+
+int64_t pageCount(const MachineOptions& machine, const IndexedVolume& volume,
+                  uint64_t beside_bytes) {
+  if (machine.pages) return *machine.pages;
+  // The partition makes no difference, so that a plan holds for both.
+  BufferNeeds needs = bufferNeeds(*volume.source, volume.layout, Partition::kBlocks, 0);
+  needs.numbers = volume.numbers();
+  const uint64_t memory_bytes = memoryBudget(machine);
+  return defaultPages(volume.page, needs, volume.source->layout().dims,
+                      memory_bytes - std::min(memory_bytes, beside_bytes));
+}
+
+uint64_t planBytes(const IndexedVolume& volume, const TransferFunction& transfer,
+                   const FrameOptions& frame, WorkerPool& pool) {
+  const auto all = static_cast<uint64_t>(volume.layout.blockCount());
+  const bool is_whole =
+      frame.algorithm == Algorithm::kConventional || frame.algorithm == Algorithm::kClipped;
+  uint64_t blocks = all;
+  if (!is_whole && !volume.stand_in) {  // of whose blocks nothing is known
+    const SliceRanges& ranges = volume.index->ranges;
+    const Look look = makeLook(volume.step(), transfer, frame.mode);
+    blocks = classify(ranges, look.table, cropCells(frame, ranges.layout.dims), pool, volume.time)
+                 .blocks.size();
+    // Another step may show more.
+    if (volume.source->layout().time_steps > 1) blocks = std::min(2 * all, 3 * blocks);
+  }
+  if (frame.cut && volume.pyramid) blocks = std::min(blocks, blocksOfCut(volume, *frame.cut));
+  return blocks * kPlannedBlockBytes + spreadBytes(volume);
+}
+
+BesideShare besideShare(const IndexedVolume& volume, const MachineOptions& machine,
+                        Partition partition, const PictureDemand& picture, uint64_t others_bytes) {
+  const uint64_t memory_bytes = memoryBudget(machine);
+  BesideShare share;
+  for (const uint64_t of_memory : {memory_bytes, uint64_t{0}}) {
+    share.picture_bytes = pictureBytes(picture, of_memory);
+    share.beside_bytes = others_bytes + share.picture_bytes;
+    PageGeometry page = volume.page;
+    page.pages = pageCount(machine, volume, share.beside_bytes);
+    share.pages = page.pages;
+    BufferNeeds needs = bufferNeeds(*volume.source, volume.layout, partition, share.beside_bytes);
+    needs.numbers = volume.numbers();
+    if (textureMemoryBytes(page, TexelPlace::kInMemory) + leastBufferBytes(page, needs) <=
+        memory_bytes)
+      break;
+  }
+  return share;
+}
+
+SessionOptions sessionOptions(const IndexedVolume& volume, bool lit, const MachineOptions& machine,
+                              Partition partition, uint64_t memory_bytes) {
+  SessionOptions options;
+  options.page = volume.page;
+  options.memory_bytes = memory_bytes;
+  options.beside_bytes = volume.rangesBytes();
+  options.policy = machine.policy;
+  options.seed = machine.seed;
+  options.lit = lit;
+  options.partition = partition;
+  options.index_places = volume.places;
+  return options;
+}
+
+}  // namespace sluice

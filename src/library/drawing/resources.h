@@ -1,0 +1,56 @@
+// The resources for a picture on this machine: the budget, the texture pages, the session. Pure
+// functions.
+#pragma once
+
+#include <cstdint>
+
+#include "src/library/drawing/picture_memory.h"
+#include "src/library/opening/indexed_volume.h"
+#include "src/library/requests.h"
+#include "src/render/session/session.h"
+
+namespace sluice {
+
+// The default of MachineOptions::memory_bytes: half of what the machine or its cgroup has.
+uint64_t memoryBudget(const MachineOptions& machine);
+
+// The bytes of voxels that a picture of several levels of resolution may have: they stay in memory
+// from one frame to the next, and leave the volume buffer room for the coarser blocks of pictures
+// that are drawn while a view moves.
+constexpr uint64_t cutBytes(uint64_t memory_bytes) {
+  return memory_bytes / 8 * 3;
+}
+
+// The standard 64 KiB page of the voxel type unless the user sets another; the number of pages is
+// still open.
+PageGeometry pageShape(const MachineOptions& machine, const ValueMap& map);
+// How many pages, of what `beside_bytes` (min-max arrays and others) leave of the memory: as the
+// user says, or what holds the volume, or what memory comfortably does beside the least buffers.
+int64_t pageCount(const MachineOptions& machine, const IndexedVolume& volume,
+                  uint64_t beside_bytes);
+
+// The bytes that plans of frames with this look take in addition to the levels: for each block
+// that is planned
+// its boxes, its chunk and their names, its places in the order of the visit and in the tables of
+// all levels. A series has the next step's plan, too. The spreads that are noted of coarse blocks
+// (spread_tally.h) are counted with them. Classifies the step that the volume was
+// opened for.
+uint64_t planBytes(const IndexedVolume& volume, const TransferFunction& transfer,
+                   const FrameOptions& frame, WorkerPool& pool);
+
+// The bytes held in addition to the levels, and the pages of the texture cache that they leave room
+// for.
+struct BesideShare {
+  uint64_t picture_bytes = 0, beside_bytes = 0;
+  int64_t pages = 0;
+};
+// `others_bytes`: min-max arrays and whatever else is held. The picture gets a quarter of the
+// memory if the levels then have the least that they work with, otherwise the least strip.
+BesideShare besideShare(const IndexedVolume& volume, const MachineOptions& machine,
+                        Partition partition, const PictureDemand& picture, uint64_t others_bytes);
+
+// `lit`: frames may be shaded, the volume was indexed with gradients.
+SessionOptions sessionOptions(const IndexedVolume& volume, bool lit, const MachineOptions& machine,
+                              Partition partition, uint64_t memory_bytes);
+
+}  // namespace sluice

@@ -1,0 +1,80 @@
+#include "src/library/drawing/view_fit.h"
+
+#include <algorithm>
+
+#include "src/classify/blocks/visible_cells.h"
+
+namespace sluice {
+namespace {
+
+// The cells of a coarse level that can show anything, among the finest ones. Beyond its outermost
+// voxels the level shows their values.
+std::vector<Box3> cellsOfStandIn(const LevelLayout& level, const IndexedRanges& index,
+                                 const TransferFunction& transfer, const Box3& crop) {
+  const Box3 all = boxOf(level.blocks.dims - Vec3i{1, 1, 1});
+  std::vector<Box3> boxes;
+  for (const Box3& cells : visibleCells(index.ranges, index.bricks, transfer, all)) {
+    Box3 box = level.cellsOver(cells);
+    for (int a = 0; a < 3; ++a) {
+      if (cells.lo[a] == all.lo[a]) box.lo[a] = crop.lo[a];
+      if (cells.hi[a] == all.hi[a]) box.hi[a] = crop.hi[a];
+    }
+    box = intersect(box, crop);
+    if (!box.empty()) boxes.push_back(box);
+  }
+  return boxes;
+}
+
+}  // namespace
+
+std::vector<Box3> shownCells(const IndexedVolume& volume, const IndexedRanges& index,
+                             const TransferFunction& transfer, const Box3& crop) {
+  if (!volume.stand_in || &index != volume.index.get())
+    return visibleCells(index.ranges, index.bricks, transfer, crop);
+  return cellsOfStandIn(volume.pyramid->level(volume.stand_in->level), *volume.stand_in->index,
+                        transfer, crop);
+}
+
+Fit fitOf(const std::vector<Camera>& cameras, FitChoice choice) {
+  const bool looks_at = std::all_of(cameras.begin(), cameras.end(), [](const Camera& camera) {
+    return camera.look_at.has_value();
+  });
+  if (looks_at) return Fit::kVolume;
+  const bool plain = cameras.front().view == ViewName::kPlain;
+  return choice.value_or(plain ? Fit::kVolume : Fit::kVisible);
+}
+
+std::vector<Vec3d> visiblePoints(const FitRequest& request, const IndexPass& pass) {
+  const VolumeLayout& layout = request.volume.source->layout();
+  VisibleHull hull(layout);
+  const auto addStep = [&](const IndexedRanges& index) {
+    hull.add(
+        shownCells(request.volume, index, request.transfer, cropCells(request.frame, layout.dims)));
+  };
+  for (int64_t time = 0; time < layout.time_steps; ++time) {
+    if (request.this_step && time != request.step.time) continue;
+    if (time == request.volume.time)
+      addStep(*request.volume.index);
+    else
+      addStep(rangesOfStep(request.volume, time, pass));
+  }
+  return hull.points();
+}
+
+void fitCameras(std::vector<Camera>& cameras, FitChoice choice, const FitRequest& request,
+                Room room, const IndexPass& pass) {
+  if (fitOf(cameras, choice) == Fit::kVolume) return;
+  const auto framing = framingOf(visiblePoints(request, pass), cameras,
+                                 request.volume.source->layout().frame, request.frame.size, room);
+  for (Camera& camera : cameras) camera.framing = framing;
+}
+
+std::vector<Camera> turnOf(const Camera& start, int64_t frames) {
+  std::vector<Camera> cameras(static_cast<size_t>(frames), start);
+  for (int64_t i = 0; i < frames; ++i)
+    cameras[static_cast<size_t>(i)].azimuth_deg =
+        start.azimuth_deg + 360 * (static_cast<double>(i) / static_cast<double>(frames));
+  return cameras;
+}
+
+}  // namespace sluice

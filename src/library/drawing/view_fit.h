@@ -1,0 +1,40 @@
+// Fits what is visible into the picture: --fit.
+#pragma once
+
+#include <vector>
+
+#include "src/library/opening/indexed_volume.h"
+#include "src/render/camera/camera_framing.h"
+#include "src/render/camera/frame_options.h"
+
+namespace sluice {
+
+// An open volume, and the part of it to show.
+struct FitRequest {
+  const IndexedVolume& volume;
+  TimeStep step;  // the step that is drawn
+  const TransferFunction& transfer;
+  const FrameOptions& frame;  // crop and size
+  bool this_step = false;     // ignores what is visible in the other steps
+};
+
+// The fit for these cameras; kVolume if they look at a point of their own.
+Fit fitOf(const std::vector<Camera>& cameras, FitChoice choice);
+
+// Boxes of cells whose hull holds all that can show anything (visible_cells.h). `index` belongs to
+// a step of the volume; if it is the volume's own, a stand-in answers in its place.
+std::vector<Box3> shownCells(const IndexedVolume& volume, const IndexedRanges& index,
+                             const TransferFunction& transfer, const Box3& crop);
+
+// The corners of the visible part (VisibleHull::points()), by cells: the same for any size of
+// block. Looks at every time step that counts; reads voxels only of steps that have no index yet.
+std::vector<Vec3d> visiblePoints(const FitRequest& request, const IndexPass& pass);
+
+// Gives all cameras one framing.
+void fitCameras(std::vector<Camera>& cameras, FitChoice choice, const FitRequest& request,
+                Room room, const IndexPass& pass);
+
+// `frames` cameras once around, from `start` on.
+std::vector<Camera> turnOf(const Camera& start, int64_t frames);
+
+}  // namespace sluice

@@ -1,0 +1,39 @@
+// OpenedVolume: the state behind the public Volume, shared by its copies and its Renderers.
+#pragma once
+
+#include <sluice/volume.h>
+
+#include <exception>
+#include <filesystem>
+#include <memory>
+#include <system_error>
+
+#include "src/base/threads/stop_token.h"
+#include "src/library/opening/indexed_volume.h"
+#include "src/library/progress_relay.h"
+
+namespace sluice {
+
+struct OpenedVolume {
+  std::shared_ptr<ProgressRelay> relay;  // the source's too
+  IndexedVolume volume;
+  bool whole_series = true;
+  VolumeInfo info;
+};
+
+struct Volume::Impl : OpenedVolume {};
+
+// Runs a call of the library with its exceptions translated: Interrupted becomes Cancelled, and
+// errors of the C++ library about files and threads become Error.
+template <class Call>
+auto translated(const Call& call) {
+  try {
+    return call();
+  } catch (const Interrupted&) {
+    throw Cancelled();
+  } catch (const std::system_error& error) {  // includes those of std::filesystem
+    throw Error(error.what());
+  }
+}
+
+}  // namespace sluice

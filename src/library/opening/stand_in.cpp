@@ -1,0 +1,130 @@
+#include "src/library/opening/stand_in.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "src/base/threads/mutex.h"
+#include "src/render/blocks/level_cut.h"
+#include "src/render/blocks/look.h"
+#include "src/volume/device_reader.h"
+
+namespace sluice {
+namespace {
+
+// The greatest spread of the voxels with nearly the same mean.
+constexpr size_t kBins = 256;
+using SpreadBins = std::array<double, kBins>;
+
+// Planes that a thread reads at a time hold about this many voxels.
+constexpr int64_t kVoxelsPerRead = int64_t{1} << 20;
+
+template <class T>
+std::vector<T> deviceVoxels(VolumeSource& source, int64_t time, const Box3& box) {
+  std::vector<T> voxels(static_cast<size_t>(box.count()));
+  DeviceReader(source).read(time, {box, std::as_writable_bytes(std::span(voxels))});
+  return voxels;
+}
+
+template <class T>
+SpreadBins spreadsIn(const CoarserLevel& level, ValueRange means, int64_t time, const Box3& box) {
+  const std::vector<T> mean = deviceVoxels<T>(*level.source, time, box);
+  const std::vector<T> spread = deviceVoxels<T>(*level.spreads, time, box);
+  const double bins_per_device = (kBins - 1) / std::max(means.hi - means.lo, 1e-300);
+  SpreadBins most{};
+  for (size_t i = 0; i < mean.size(); ++i) {
+    const double bin = (static_cast<double>(mean[i]) - means.lo) * bins_per_device + 0.5;
+    if (!(bin >= 0) || bin >= kBins) continue;  // no number, or infinite
+    double& spread_of_bin = most[static_cast<size_t>(bin)];
+    spread_of_bin = std::max(spread_of_bin, static_cast<double>(spread[i]));
+  }
+  return most;
+}
+
+// Values that lie `below` their mean at the farthest reach at least so far above it if they have
+// this spread: two values alone. Rounded means near the end would ask for too much.
+double leastReach(double spread, double below) {
+  constexpr double kMostDeviations = 4;
+  const double deviation = spread / 2;
+  return std::min(deviation * deviation / std::max(below, 1e-300), kMostDeviations * deviation);
+}
+
+// The range of values that voxels of this device type can have.
+ValueRange valuesOf(DeviceType type) {
+  switch (type) {
+    case DeviceType::kU8:
+      return {0, std::numeric_limits<uint8_t>::max()};
+    case DeviceType::kU16:
+      return {0, std::numeric_limits<uint16_t>::max()};
+    case DeviceType::kF32:
+      break;
+  }
+  return {-double{kLargest}, double{kLargest}};
+}
+
+}  // namespace
+
+int standInLevel(const PyramidLayout& pyramid) {
+  int level = pyramid.levels() - 1;
+  while (level > 1 && volume(pyramid.level(level).blocks.dims) < kLeastStandInVoxels) --level;
+  return level;
+}
+
+ValueRange rangeOfSpreads(const CoarserLevel& level, ValueRange means, int64_t time,
+                          WorkerPool& pool, const StopToken& stop) {
+  const VolumeLayout& layout = level.source->layout();
+  const int64_t planes = std::max<int64_t>(1, kVoxelsPerRead / (layout.dims.x * layout.dims.y));
+  const int64_t reads = (layout.dims.z + planes - 1) / planes;
+  SpreadBins most{};
+  Mutex mutex;  // guards `most`
+  pool.parallelFor(reads, [&](int64_t i) {
+    stop.throwIfStopped();
+    const Box3 box{{0, 0, i * planes},
+                   {layout.dims.x, layout.dims.y, std::min((i + 1) * planes, layout.dims.z)}};
+    const SpreadBins found = visitDeviceType(deviceMap(layout).type, [&](auto tag) {
+      return spreadsIn<decltype(tag)>(level, means, time, box);
+    });
+    const MutexLock lock(mutex);
+    for (size_t bin = 0; bin < kBins; ++bin) most[bin] = std::max(most[bin], found[bin]);
+  });
+  const auto meanOf = [&](size_t bin) {
+    return means.lo + (means.hi - means.lo) * static_cast<double>(bin) / (kBins - 1);
+  };
+  ValueRange range = means;
+  const auto widenUp = [&] {
+    for (size_t bin = 0; bin < kBins; ++bin)
+      range.hi = std::max(range.hi, meanOf(bin) + leastReach(most[bin], meanOf(bin) - range.lo));
+  };
+  const auto widenDown = [&] {
+    for (size_t bin = 0; bin < kBins; ++bin)
+      range.lo = std::min(range.lo, meanOf(bin) - leastReach(most[bin], range.hi - meanOf(bin)));
+  };
+  // The end whose voxels differ least is the values' own.
+  if (most.front() <= most.back()) {
+    widenUp();
+    widenDown();
+  } else {
+    widenDown();
+    widenUp();
+  }
+  const ValueRange all = valuesOf(deviceMap(layout).type);
+  return {std::max(range.lo, all.lo), std::min(range.hi, all.hi)};
+}
+
+bool showsFinest(const TimeStep& step, const TransferFunction& transfer, FrameOptions frame,
+                 std::span<const Camera> cameras, WorkerPool& pool) {
+  if (!drawsCut(step, frame.cut, frame.mode, transfer.labels)) return true;
+  LevelCut chooser(pool);
+  const auto look = std::make_shared<const Look>(makeLook(step, transfer, frame.mode));
+  const VolumeLayout& layout = step.source->layout();
+  return std::ranges::any_of(cameras, [&](const Camera& camera) {
+    const View view = resolve(camera, layout, frame.size, frame.step_vox);
+    const VisibleBlocksPtr blocks =
+        chooser.choose({step, look, cropCells(frame, layout.dims), view, *frame.cut});
+    return !blocks->blocks.empty() && blocks->blocks.front().name.level == 0;
+  });
+}
+
+}  // namespace sluice
