@@ -59,7 +59,10 @@ class TiffPicture final : public SlicePicture {
 
  private:
   void listPages() {
+    // Pages, from 1: one whose strip is too small for uncompressed pixels, and a compressed one.
+    size_t too_small = 0, compressed = 0;
     do {
+      const bool replaced = std::exchange(stream_.strip_size_replaced, false);
       if ((tiffField<uint32_t>(tiff_.get(), TIFFTAG_SUBFILETYPE, 0) & FILETYPE_REDUCEDIMAGE) != 0)
         continue;
       const TiffPage p = tiffPageOf(tiff_.get());
@@ -74,8 +77,16 @@ class TiffPicture final : public SlicePicture {
              format_.width, format_.height, name(format_.type));
       }
       pages_.push_back(p);
+      const bool is_plain = p.compression == COMPRESSION_NONE;
+      if (is_plain && replaced && too_small == 0) too_small = pages_.size();
+      if (!is_plain && compressed == 0) compressed = pages_.size();
     } while (TIFFReadDirectory(tiff_.get()) != 0);
     if (!stream_.message.empty()) stream_.failWith("damaged TIFF");
+    if (too_small != 0 && compressed != 0)
+      fail(
+          "{}: page {} has fewer bytes than its uncompressed pixels take, and page {} is "
+          "compressed; expected the compression of page {} named on both, the file is damaged",
+          stream_.file.path(), too_small, compressed, compressed);
     if (pages_.empty()) stream_.failWith("TIFF without a picture of full size");
     format_.order = parseTiffDescription(description_, static_cast<int64_t>(pages_.size()),
                                          resolution_[0], resolution_[1]);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <string_view>
 #include <utility>
 
 #include "src/base/error.h"
@@ -62,7 +63,11 @@ int error(TIFF*, void* user, const char* module, const char* format, va_list arg
   std::replace(s.message.begin(), s.message.end(), '\n', ' ');
   return 1;  // handled: libtiff's own printing is left out
 }
-int warning(TIFF*, void*, const char*, const char*, va_list) {
+int warning(TIFF*, void* user, const char*, const char* format, va_list arguments) {
+  char text[256];
+  std::vsnprintf(text, sizeof text, format, arguments);
+  if (std::string_view(text).find("StripByteCounts") != std::string_view::npos)
+    of(user).strip_size_replaced = true;
   return 1;
 }
 

@@ -72,6 +72,33 @@ TEST_F(TiffPages, whatIsCutOffIsAnError) {
               HasSubstr("names 20 images of 1200 bytes"));
 }
 
+// Its compressed bytes, and those behind them, would be read as pixels.
+TEST(TiffPage, thatLostItsCompressionIsNamed) {
+  if (!hasPythonModules("numpy, tifffile")) GTEST_SKIP() << "python3 with tifffile is missing";
+  const TempFolder folder;
+  const std::string file = (folder / "z.tif").string();
+  ASSERT_EQ(
+      runCommand("/usr/bin/python3 -c \"import numpy as n, tifffile as t; t.imwrite('" + file +
+                 "', n.indices((6, 30, 40)).sum(0).astype('u1'), compression='zlib')\"")
+          .status,
+      0);
+  const std::string sound = readFile(file);
+  ASSERT_NO_THROW(openVolume(file));
+  // The field 259 of one short number: 8, Adobe's deflate.
+  const std::string field("\x03\x01\x03\0\x01\0\0\0\x08\0", 10);
+  size_t at = 0;
+  for (int page = 1; page <= 6; ++page) {
+    at = sound.find(field, at + 1);
+    ASSERT_NE(at, std::string::npos);
+    std::string damaged = sound;
+    damaged[at + 1] = 0x43;
+    writeFile(file, damaged);
+    EXPECT_THAT(errorOf([&] { openVolume(file); }),
+                AllOf(HasSubstr(fmt::format("page {} has fewer bytes", page)),
+                      HasSubstr(page == 1 ? "page 2 is compressed" : "page 1 is compressed")));
+  }
+}
+
 TEST(TiffDescription, thatDoesNotFitGivesSlicesAndANote) {
   const PageOrder imagej = parseTiffDescription("ImageJ=1\nslices=4\nchannels=3\n", 5, 0, 0);
   EXPECT_EQ(imagej.slices, 5);
