@@ -4,9 +4,11 @@
 #include <utility>
 
 #include "io/files/file_list.h"
+#include "io/files/series_numbers.h"
 #include "io/formats.h"
 #include "io/relabelled.h"
 #include "io/sequence.h"
+#include "io/step_numbers.h"
 #include "io/synth/synth_source.h"
 #include "io/web/address.h"
 #include "src/base/error.h"
@@ -80,6 +82,10 @@ std::optional<std::string> missingStep(VolumeSource& source, int64_t time) {
 std::optional<int64_t> stepOfNumber(VolumeSource& source, int64_t number) {
   const auto step = fileOfNumber(filesOfSteps(source), number);
   return step ? std::optional(static_cast<int64_t>(*step)) : std::nullopt;
+}
+
+std::optional<std::array<int64_t, 2>> numbersOfSteps(VolumeSource& source) {
+  return numbersOf(filesOfSteps(source));
 }
 
 }  // namespace sluice

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "io/files/file.h"
+#include "io/files/series_numbers.h"
 #include "src/base/error.h"
 
 namespace sluice {
@@ -297,6 +298,12 @@ std::optional<size_t> fileOfNumber(const std::vector<std::filesystem::path>& fil
   const auto at = std::lower_bound(found->numbers.begin(), found->numbers.end(), number);
   if (at == found->numbers.end() || *at != number) return std::nullopt;
   return static_cast<size_t>(at - found->numbers.begin());
+}
+
+std::optional<std::array<int64_t, 2>> numbersOf(const std::vector<std::filesystem::path>& files) {
+  const auto found = numberedFiles(files);
+  if (!found) return std::nullopt;
+  return std::array{found->numbers.front(), found->numbers.back()};
 }
 
 std::optional<std::filesystem::path> missingFile(const std::vector<std::filesystem::path>& files,

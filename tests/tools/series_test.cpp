@@ -101,6 +101,9 @@ TEST(Series, stepsAreCountedFromZeroWhateverTheFilesNumbers) {
       testing::HasSubstr("--time 1002: time steps are counted from 0, not by the files' "
                          "numbers: the file of that number is step 1 of 3; give --time 1\n"));
   EXPECT_THAT(program.run(render + "1001:1003").output, testing::HasSubstr("is step 2 of 3"));
+  EXPECT_THAT(program.run(render + "1001:1024").output,
+              testing::HasSubstr("not by the files' numbers: the last file has number 1003 and is "
+                                 "step 2 of 3; s_1004_8x8x8_uint8.raw is missing\n"));
   EXPECT_THAT(program.run(render + "3").output,
               testing::HasSubstr("s_1004_8x8x8_uint8.raw is missing"));
 }

@@ -7,6 +7,7 @@
 #include <span>
 #include <utility>
 
+#include "io/step_numbers.h"
 #include "src/base/error.h"
 #include "src/base/values/read_units.h"
 #include "src/base/values/volume_levels.h"
@@ -266,14 +267,20 @@ std::unique_ptr<VolumeSource> checkedSource(std::unique_ptr<VolumeSource> opened
   const int64_t steps = source->layout().time_steps;
   if (arguments.time >= 0 && arguments.time < steps) return source;
   const std::optional<int64_t> step = stepOfNumber(*source, arguments.time);
+  const auto numbers = numbersOfSteps(*source);
+  // Numbers that begin above 0 were meant by who asks for one beyond them.
+  const bool beyond_numbers = numbers && numbers->front() > 0 && arguments.time > numbers->back();
   // A number that is a file's asks for no step beyond the last one.
-  const auto missing = missingStep(*source, step ? *step : arguments.time);
+  const auto missing = missingStep(*source, step ? *step : beyond_numbers ? steps : arguments.time);
   const std::string gap = missing ? "; " + *missing + " is missing" : "";
+  constexpr const char* kCounted = "time steps are counted from 0, not by the files' numbers";
   if (step)
-    fail(
-        "{}: --time {}: time steps are counted from 0, not by the files' numbers: the file of that "
-        "number is step {} of {}; give --time {}{}",
-        arguments.inputs.front(), arguments.time, *step, steps, *step, gap);
+    fail("{}: --time {}: {}: the file of that number is step {} of {}; give --time {}{}",
+         arguments.inputs.front(), arguments.time, kCounted, *step, steps, *step, gap);
+  if (beyond_numbers)
+    fail("{}: --time {}: {}: the last file has number {} and is step {} of {}{}",
+         arguments.inputs.front(), arguments.time, kCounted, numbers->back(), steps - 1, steps,
+         gap);
   fail("{}: --time {}: the volume has {} time step{}, counted from 0{}", arguments.inputs.front(),
        arguments.time, steps, steps == 1 ? "" : "s", gap);
 }
