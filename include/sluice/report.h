@@ -30,7 +30,7 @@ struct RenderReport {
   double coarse_share = 0;
   bool is_refined = true, will_improve = false;
   // Why the last picture shows nothing, in one line: "the camera looks past the visible part of the
-  // volume". Empty if it shows something, or is on a screen.
+  // volume". Empty if it shows something.
   std::string why_empty;
   uint64_t pages_loaded = 0;
 

@@ -8,6 +8,9 @@
 
 namespace sluice {
 
+// A pixel of less opacity shows nothing: it changes no channel of 8 bits.
+inline constexpr float kLeastOpacity = 0.5F / 255;
+
 struct ScreenPicture {
   unsigned texture = 0;  // 8 bits a channel, opaque, rows from the top
   int width = 0, height = 0;
@@ -15,6 +18,7 @@ struct ScreenPicture {
   // A fence behind the reader's last command, or null; whoever holds this keeps the texture from
   // being drawn to. The last one to let go of it deletes texture and fences.
   std::shared_ptr<std::atomic<void*>> seen;
+  bool shows_something = true;  // any pixel has at least kLeastOpacity
 };
 
 // A device that can draw for screens implements this in addition to Device. Called on the device's

@@ -25,6 +25,16 @@ void main() {
 }
 )";
 
+constexpr const char* kShown = R"(#version 330 core
+uniform sampler2D picture;
+uniform float least_opacity;
+layout(location = 0) out vec4 shown;
+void main() {
+  if (texelFetch(picture, ivec2(gl_FragCoord.xy), 0).a < least_opacity) discard;
+  shown = vec4(1.0);
+}
+)";
+
 }  // namespace
 
 ScreenTextures::~ScreenTextures() {
@@ -35,6 +45,27 @@ ScreenTextures::~ScreenTextures() {
     gl_.DeleteTextures(1, &slot.texture);
   }
   gl_.DeleteFramebuffers(1, &framebuffer_);
+  gl_.DeleteQueries(1, &query_);
+}
+
+void ScreenTextures::makePrograms() {
+  if (over_ != nullptr) return;
+  over_ = std::make_unique<GlProgram>(gl_, kWholeScreen, kOver);
+  shown_ = std::make_unique<GlProgram>(gl_, kWholeScreen, kShown);
+  gl_.GenFramebuffers(1, &framebuffer_);
+  gl_.GenQueries(1, &query_);
+}
+
+bool ScreenTextures::showsSomething() {
+  shown_->use();
+  shown_->set("picture", 0);
+  shown_->set("least_opacity", kLeastOpacity);
+  gl_.BeginQuery(GL_ANY_SAMPLES_PASSED, query_);
+  gl_.DrawArrays(GL_TRIANGLES, 0, 3);
+  gl_.EndQuery(GL_ANY_SAMPLES_PASSED);
+  GLuint any = 0;
+  gl_.GetQueryObjectuiv(query_, GL_QUERY_RESULT, &any);
+  return any != 0;
 }
 
 ScreenTextures::Slot& ScreenTextures::freeSlot(PictureSize size) {
@@ -66,10 +97,7 @@ ScreenTextures::Slot& ScreenTextures::freeSlot(PictureSize size) {
 
 ScreenPicture ScreenTextures::make(GLuint picture, PictureSize size,
                                    std::array<float, 3> background) {
-  if (program_ == nullptr) {
-    program_ = std::make_unique<GlProgram>(gl_, kWholeScreen, kOver);
-    gl_.GenFramebuffers(1, &framebuffer_);
-  }
+  makePrograms();
   gl_.ActiveTexture(GL_TEXTURE0);
   Slot& slot = freeSlot(size);
   gl_.BindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
@@ -80,13 +108,15 @@ ScreenPicture ScreenTextures::make(GLuint picture, PictureSize size,
   for (const GLenum off : {GL_BLEND, GL_CULL_FACE, GL_DEPTH_TEST, GL_SCISSOR_TEST})
     gl_.Disable(off);
   gl_.BindTexture(GL_TEXTURE_2D, picture);
-  program_->use();
-  program_->set("picture", 0);
-  program_->set("background", Vec3d{background[0], background[1], background[2]});
+  // Its pixels are drawn over below.
+  const bool shows_something = showsSomething();
+  over_->use();
+  over_->set("picture", 0);
+  over_->set("background", Vec3d{background[0], background[1], background[2]});
   gl_.DrawArrays(GL_TRIANGLES, 0, 3);
   slot.drawn = gl_.FenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
   gl_.Flush();  // else a thread that waits for the fence may wait for ever
-  return {slot.texture, size.width, size.height, slot.drawn, slot.seen};
+  return {slot.texture, size.width, size.height, slot.drawn, slot.seen, shows_something};
 }
 
 }  // namespace sluice

@@ -21,8 +21,9 @@ class ScreenTextures {
   ScreenTextures(const ScreenTextures&) = delete;
   ScreenTextures& operator=(const ScreenTextures&) = delete;
 
-  // `picture`, premultiplied, its rows upwards, over an opaque background. Changes the framebuffer,
-  // the program, the viewport and the first texture unit. Throws Error if the driver refuses.
+  // `picture`, premultiplied, its rows upwards, over an opaque background. Waits until the driver
+  // knows whether it shows anything. Changes the framebuffer, the program, the viewport and the
+  // first texture unit. Throws Error if the driver refuses.
   ScreenPicture make(GLuint picture, PictureSize size, std::array<float, 3> background);
 
  private:
@@ -34,11 +35,14 @@ class ScreenTextures {
   };
   // A slot of this size that nobody reads any more.
   Slot& freeSlot(PictureSize size);
+  void makePrograms();
+  // Whether any pixel of the bound picture shows something. Draws into the bound framebuffer.
+  bool showsSomething();
 
   const GlFunctions& gl_;
   std::vector<Slot> slots_;
-  std::unique_ptr<GlProgram> program_;
-  GLuint framebuffer_ = 0;
+  std::unique_ptr<GlProgram> over_, shown_;
+  GLuint framebuffer_ = 0, query_ = 0;
 };
 
 }  // namespace sluice

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """The GL device draws into textures of the window's own driver, with no read-back; what the window shows then is what it
-shows of pictures that were read back, also in a mode that is read back in either case."""
+shows of pictures that were read back, also in a mode that is read back in either case. It says why a picture is empty."""
 import sys
 
 import window_driver
@@ -53,5 +53,15 @@ def same_pictures(folder):
         assert largest <= CLOSE, f'step {number} differs by {largest}/255'
 
 
+def empty_pictures_say_why(folder):
+    arguments = ['synth:shells,dims=48x40x36', '--size', f'{WIDTH}x{HEIGHT}', '--device', 'gl', '--memory', '256M']
+    for more, reason in ([], ''), (['--threshold', '9999'], 'opacity 0'):
+        with Display() as display, Window(display, sys.argv[1], arguments + more, folder) as window:
+            assert window.wait('opened')['device'].startswith('window, ')
+            why = window.whole(0)['why_empty']
+            assert reason in why and bool(reason) == bool(why), why
+            window.end()
+
+
 if __name__ == '__main__':
-    window_driver.run(same_pictures)
+    window_driver.run(same_pictures, empty_pictures_say_why)

@@ -75,6 +75,12 @@ using GlLoader = std::function<void*(const char*)>;
   X(BindVertexArray, BINDVERTEXARRAY)                       \
   X(DrawArrays, DRAWARRAYS)                                 \
   X(DrawElementsInstanced, DRAWELEMENTSINSTANCED)           \
+  /* Whether anything passed */                             \
+  X(GenQueries, GENQUERIES)                                 \
+  X(DeleteQueries, DELETEQUERIES)                           \
+  X(BeginQuery, BEGINQUERY)                                 \
+  X(EndQuery, ENDQUERY)                                     \
+  X(GetQueryObjectuiv, GETQUERYOBJECTUIV)                   \
   /* Framebuffers */                                        \
   X(GenFramebuffers, GENFRAMEBUFFERS)                       \
   X(DeleteFramebuffers, DELETEFRAMEBUFFERS)                 \

@@ -129,6 +129,13 @@ void Drawing::keepReport(const ReadyFrame& frame, const FrameReport& report, boo
 }
 
 Image Drawing::draw(const PictureOptions& picture, ProgressTeller& teller) {
+  return drawFrame(
+      picture, [](const Picture& drawn) { return !showsNothing(drawn); }, teller);
+}
+
+Image Drawing::drawFrame(const PictureOptions& picture,
+                         const std::function<bool(const Picture&)>& showsSomething,
+                         ProgressTeller& teller) {
   const ProgressRelay::Call call(*opened_->relay, teller);
   frameOptions(picture, layout(), mode_);  // throws before anything is read
   ProgressMeter progress(teller.watch(Progress::Stage::kIndexing));
@@ -136,7 +143,7 @@ Image Drawing::draw(const PictureOptions& picture, ProgressTeller& teller) {
   const ReadyFrame of = ready(picture, pass, teller);
   Frame frame = session_->frame();
   Picture& drawn = frame.picture;
-  keepReport(of, frame.report, !showsNothing(drawn), pass);
+  keepReport(of, frame.report, showsSomething(drawn), pass);
   return {.width = drawn.width,
           .height = drawn.height,
           .rgba = std::move(drawn.rgba),
@@ -213,9 +220,13 @@ std::optional<ScreenImage> Drawing::drawOnScreen(const PictureOptions& picture,
   if (screen_ == nullptr || mode_ != Mode::kComposite || picture.with_depth) return std::nullopt;
   screen_->keepNext(background);
   try {
-    const Image sizes = draw(picture, teller);
-    const std::optional<ScreenPicture> kept = screen_->takeKept();
-    SLUICE_CHECK(kept.has_value());
+    std::optional<ScreenPicture> kept;
+    const auto takeKept = [&](const Picture&) {
+      kept = screen_->takeKept();
+      SLUICE_CHECK(kept.has_value());
+      return kept->shows_something;
+    };
+    const Image sizes = drawFrame(picture, takeKept, teller);
     return ScreenImage{kept->texture, kept->width,         kept->height,      kept->drawn,
                        kept->seen,    sizes.missing_share, sizes.will_improve};
   } catch (...) {

@@ -75,6 +75,10 @@ class Drawing {
     int64_t time;
   };
   ReadyFrame ready(const PictureOptions& picture, const IndexPass& pass, ProgressTeller& teller);
+  // Draws the frame whole; `showsSomething` tells whether its picture does.
+  Image drawFrame(const PictureOptions& picture,
+                  const std::function<bool(const Picture& drawn)>& showsSomething,
+                  ProgressTeller& teller);
   // Draws the frame strip by strip.
   void drawStrips(const ReadyFrame& frame, const IndexPass& pass,
                   const std::function<void(const Picture& strip)>& take, ProgressTeller& teller);

@@ -5,13 +5,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "src/device/screen_picture.h"
 #include "src/library/drawing/view_fit.h"
 #include "src/render/camera/camera_framing.h"
 
 namespace sluice {
 namespace {
-
-constexpr float kLeastOpacity = 0.5F / 255;
 
 bool hasNoOpacity(const TransferFunction& transfer) {
   return std::all_of(transfer.opacities.begin(), transfer.opacities.end(),

@@ -10,8 +10,8 @@
 
 namespace sluice {
 
-// Whether no pixel shows anything: each has less than half of 1/255 of opacity. A picture without
-// pixels, which a device keeps for a screen, is not looked at: false.
+// Whether no pixel shows anything: each has less than kLeastOpacity. False for a picture without
+// pixels; of one that a device keeps for a screen, the device tells (ScreenPicture).
 bool showsNothing(const Picture& picture);
 
 // The inputs that a picture was drawn from.

@@ -198,6 +198,7 @@ void notePresented(WindowState& window) {
                     {"complete", picture.is_complete},
                     {"levels", picture.levels},
                     {"will_improve", picture.will_improve},
+                    {"why_empty", picture.why_empty},
                     {"size", {picture.width, picture.height}},
                     {"time", picture.state.time},
                     {"seconds", picture.seconds},
