@@ -24,7 +24,7 @@ test_packages=(
   # Sanitizers, gates, and the programs of others that results are checked against.
   clang clang-format clang-tidy libclang-rt-14-dev
   xvfb xdotool libxtst6 tidy
-  libopenvdb-tools nifti-bin teem-apps openexr openimageio-tools python3-openimageio
+  libopenvdb-tools nifti-bin teem-apps openexr openimageio-tools python3-openimageio ffmpeg
   python3 python3-numpy python3-vtk9 python3-nibabel python3-tifffile python3-zarr python3-numcodecs
 )
 
