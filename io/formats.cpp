@@ -22,8 +22,11 @@
 #include "io/synth/synth_source.h"
 #include "io/vdb/vdb_series.h"
 #include "io/vdb/vdb_source.h"
+#include "io/vtk/vtk_image.h"
+#include "io/vtk/vtk_source.h"
 #include "io/web/web_place.h"
 #include "io/zarr/metadata/zarr_folder.h"
+#include "io/zarr/n5/n5_volume.h"
 #include "io/zarr/reading/zarr_source.h"
 #include "src/base/error.h"
 
@@ -152,10 +155,20 @@ bool isZarrStore(const NamedInput& input, const OpenOptions& /*options*/) {
   return input.store && isZarr(*input.store);
 }
 
+ChunkedOptions chunkedOptions(const OpenOptions& options) {
+  return {.channel = options.channel, .chunk_cache_bytes = options.chunk_cache_bytes};
+}
+
 Source openZarr(const NamedInput& input, const OpenOptions& options) {
-  return std::make_unique<ZarrSource>(
-      *input.store,
-      ZarrOptions{.channel = options.channel, .chunk_cache_bytes = options.chunk_cache_bytes});
+  return std::make_unique<ZarrSource>(*input.store, chunkedOptions(options));
+}
+
+bool isN5Store(const NamedInput& input, const OpenOptions& /*options*/) {
+  return input.store && isN5(*input.store);
+}
+
+Source openN5(const NamedInput& input, const OpenOptions& options) {
+  return std::make_unique<ChunkedSource>(n5Volume(*input.store), chunkedOptions(options));
 }
 
 // One row a format. The first that holds the content opens it, or else the first that has the name.
@@ -179,6 +192,18 @@ std::vector<Format> makeFormats() {
        .holds = [](In input, Given) { return isNifti(input.head); },
        .named = areNiftiVoxels,
        .open = [](In input, Given given) { return openNifti(input.file, decodeOptionsOf(given)); }},
+      {.name = "VTK (.vti, .vtk)",
+       .plural = "VTK images",
+       .takes = {.channel = true},
+       .endings = {".vti", ".vtk"},
+       .holds =
+           [](In input, Given) {
+             return isLegacyVtk(input.head) || (isVti(input.head) && !input.is_folder);
+           },
+       .open =
+           [](In input, Given given) {
+             return openVtk(input.file, given.channel, decodeOptionsOf(given));
+           }},
       {.name = "OpenVDB",
        .plural = "OpenVDB files",
        .takes = {.grid = true},
@@ -192,6 +217,12 @@ std::vector<Format> makeFormats() {
        .endings = {".zarr"},
        .holds = isZarrStore,
        .open = openZarr},
+      {.name = "N5",
+       .plural = "N5 groups",
+       .takes = {.channel = true},
+       .endings = {".n5"},
+       .holds = isN5Store,
+       .open = openN5},
       {.name = "PNG or TIFF slices",
        .plural = "TIFF files",
        .takes = {.channel = true},
@@ -267,8 +298,8 @@ const Format& formatOf(const NamedInput& input, const OpenOptions& options) {
   }
   if (isAddress(input.name))
     fail(
-        "{}: expected a Zarr store, found neither zarr.json nor .zarray nor .zgroup there; "
-        "download files of other kinds first",
+        "{}: expected a Zarr or N5 store, found none of zarr.json, .zarray, .zgroup and "
+        "attributes.json there; download files of other kinds first",
         input.store->name());
   for (const Format& format : formats()) {
     if (isNamed(format, input, options)) return format;

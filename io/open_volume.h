@@ -1,9 +1,9 @@
 // The one way in: from a user's name on the command line to a VolumeSource.
 //
 // The file's first bytes decide which reader opens it, or its extension if they do not tell. A name
-// is a file (NRRD, MetaImage, NIfTI, OpenVDB, PNG, TIFF, raw), a folder of slices, an OME-Zarr
-// image or Zarr array or its address on the web, a pattern ('slice-*.png', 'step_%03d.raw'),
-// several of these, or a "synth:KIND,..." volume.
+// is a file (NRRD, MetaImage, NIfTI, VTK, OpenVDB, PNG, TIFF, raw), a folder of slices, an OME-Zarr
+// image, a Zarr array, an N5 group or its address on the web, a pattern ('slice-*.png',
+// 'step_%03d.raw'), several of these, or a "synth:KIND,..." volume.
 #pragma once
 
 #include <cstdint>

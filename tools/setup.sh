@@ -10,6 +10,7 @@ build_packages=(
   libopenvdb-dev libboost-dev libopenexr-dev libosmesa6-dev libegl-dev libgl-dev libtbb-dev
   libblosc-dev libzstd-dev libcli11-dev libfmt-dev nlohmann-json3-dev libpng-dev libtiff-dev zlib1g-dev
   libcairo2-dev libxxhash-dev libhwy-dev libcurl4-openssl-dev
+  libexpat1-dev liblz4-dev liblzma-dev
   # Pictures by several ranks; libmpich-dev in its place, or beside it, does as well.
   libopenmpi-dev
   # The window's module; without these the rest is built all the same.

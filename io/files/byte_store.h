@@ -29,6 +29,12 @@ class ByteStore {
   // Whether the first read takes as long as reading all of it.
   virtual bool isOneStream() const { return false; }
 
+  // The bytes that are decoded together, so that one costs as much as all; 1: each is read alone.
+  virtual uint64_t unitBytes() const { return 1; }
+  // As the members of VolumeSource of these names.
+  virtual uint64_t heldBytesAThread() const { return 0; }
+  virtual void holdAtMost(uint64_t /*bytes*/) {}
+
   // Bytes taken from the file itself so far: compressed bytes of a compressed file.
   virtual uint64_t storedBytesRead() const = 0;
 

@@ -67,7 +67,7 @@ DecodedFile::DecodedFile(std::vector<EncodedFile> inputs, Codec codec, VoxelType
       arithmetic_(std::move(arithmetic)),
       options_(std::move(options)) {
   for (const EncodedFile& input : inputs_) {
-    const uint64_t size = input.file->sizeBytes();
+    const uint64_t size = std::min(input.file->sizeBytes(), input.end_bytes);
     const uint64_t encoded = size - std::min(size, input.offset_bytes);
     // Each voxel takes at least a digit and, except the last, a separator of the text.
     const uint64_t most = codec_ == Codec::kDeflate ? encoded * kMaxDeflateRatio
@@ -97,7 +97,7 @@ std::vector<std::string> DecodedFile::paths() const {
 
 std::unique_ptr<Decoder> DecodedFile::open(const EncodedFile& input) const {
   if (codec_ == Codec::kText)
-    return std::make_unique<TextVoxels>(input.file, input.offset_bytes, type_);
+    return std::make_unique<TextVoxels>(input.file, input.offset_bytes, type_, input.end_bytes);
   return std::make_unique<Inflater>(input.file, input.offset_bytes);
 }
 

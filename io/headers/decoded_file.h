@@ -27,9 +27,10 @@ enum class Codec { kDeflate, kText };  // gzip or zlib; numbers as text
 // An encoded file of a volume, and the part of its decoded bytes that belongs to the volume.
 struct EncodedFile {
   std::shared_ptr<File> file;
-  uint64_t offset_bytes = 0;  // start of the stream
-  uint64_t skip_bytes = 0;    // decoded bytes to leave out
-  uint64_t keep_bytes = 0;    // decoded bytes that follow, up to the stream's end
+  uint64_t offset_bytes = 0;        // start of the stream
+  uint64_t skip_bytes = 0;          // decoded bytes to leave out
+  uint64_t keep_bytes = 0;          // decoded bytes that follow, up to the stream's end
+  uint64_t end_bytes = UINT64_MAX;  // text: where it ends in the file, at the latest
 };
 
 class DecodedFile : public ByteStore {

@@ -1,5 +1,6 @@
 #include "io/headers/text_voxels.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cstring>
 #include <utility>
@@ -18,16 +19,18 @@ bool separates(char c) {
 
 }  // namespace
 
-TextVoxels::TextVoxels(std::shared_ptr<File> file, uint64_t offset, VoxelType type)
-    : file_(std::move(file)), type_(type), offset_(offset) {}
+TextVoxels::TextVoxels(std::shared_ptr<File> file, uint64_t offset, VoxelType type, uint64_t end)
+    : file_(std::move(file)), type_(type), text_end_(end), offset_(offset) {}
 
 // Moves the unread part to the front and reads on behind it; false when the file has no more.
 bool TextVoxels::refill() {
   std::memmove(text_.data(), text_.data() + begin_, end_ - begin_);
   end_ -= begin_;
   begin_ = 0;
-  const size_t taken =
-      file_->readSome(offset_, std::as_writable_bytes(std::span(text_).subspan(end_)));
+  const uint64_t left = text_end_ - std::min(offset_, text_end_);
+  const auto room = std::span(text_).subspan(end_);
+  const size_t taken = file_->readSome(
+      offset_, std::as_writable_bytes(room.first(std::min<uint64_t>(room.size(), left))));
   offset_ += taken;
   end_ += taken;
   return taken > 0;

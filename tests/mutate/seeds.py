@@ -233,6 +233,30 @@ def zarrs(m):
             m.case("zarr", f"zarr3-{name}", "info" if name == "zstd_True" else "render", "v.zarr", *(MEMORY if name == "zstd_True" else DRAW))
 
 
+def n5(m):
+    with tempfile.TemporaryDirectory() as made:
+        script = pathlib.Path(__file__).parents[1] / "io/make_n5.py"
+        if subprocess.run(["/usr/bin/python3", script, made], stderr=subprocess.DEVNULL, check=False).returncode != 0:
+            print("no N5 groups: numpy or zarr is missing")
+            return
+        for name in ("cut_uint16", "zstd_1", "blosc_0", "scales"):
+            shutil.copytree(pathlib.Path(made) / name, m.folder(f"n5-{name}") / "v.n5")
+            m.case("n5", f"n5-{name}", "render", "v.n5", *DRAW)
+
+
+def vtk(m):
+    with tempfile.TemporaryDirectory() as made:
+        script = pathlib.Path(__file__).parents[1] / "io/make_vtk.py"
+        if subprocess.run(["/usr/bin/python3", script, made], stderr=subprocess.DEVNULL, check=False).returncode != 0:
+            print("no VTK images: numpy or VTK's modules are missing")
+            return
+        for name in ("raw_uint8.vti", "ascii_int16.vti", "base64_float32.vti", "zlib_uint16.vti", "appendedTrueLZ4FalseTrue512.vti", "cells.vti",
+                     "legacy_int16_False.vtk", "several_True_third.vtk"):
+            end = name[-4:]
+            shutil.copy(pathlib.Path(made) / name, m.folder("vtk-" + name.replace(".", "-")) / ("v" + end))
+            m.case("vtk", "vtk-" + name.replace(".", "-"), "render", "v" + end, *DRAW)
+
+
 def vdbs(m):
     def tool(*arguments):
         try:
@@ -287,6 +311,6 @@ def others(m):
 
 def make(program, root):
     maker = Maker(program, root)
-    for part in (headers, slices, zarrs, vdbs, others):
+    for part in (headers, slices, zarrs, n5, vtk, vdbs, others):
         part(maker)
     return maker.cases

@@ -157,7 +157,22 @@ std::vector<std::string> RawSource::files() {
 }
 
 ReadUnits RawSource::readUnits() const {
-  return {.voxels = {1, 1, 1}, .is_one_stream = segments_.front().store->isOneStream()};
+  const ByteStore& store = *segments_.front().store;
+  const auto unit = static_cast<int64_t>(store.unitBytes() / bytesPerVoxel(layout_.type));
+  const Vec3i rows{layout_.dims.x, std::clamp<int64_t>(unit / layout_.dims.x, 1, layout_.dims.y),
+                   1};
+  return {.voxels = unit > 1 ? rows : Vec3i{1, 1, 1}, .is_one_stream = store.isOneStream()};
+}
+
+uint64_t RawSource::heldBytesAThread() const {
+  uint64_t bytes = 0;
+  for (const RawSegment& segment : segments_)
+    bytes = std::max(bytes, segment.store->heldBytesAThread());
+  return bytes;
+}
+
+void RawSource::holdAtMost(uint64_t bytes) {
+  for (const RawSegment& segment : segments_) segment.store->holdAtMost(bytes / segments_.size());
 }
 
 void RawSource::readRegion(int64_t time, const Box3& box, std::span<std::byte> out) {

@@ -41,6 +41,9 @@ class RawSource : public VolumeSource, public UnitSource {
   std::string identity() const override { return identity_; }
   std::vector<std::string> files() override;
   ReadUnits readUnits() const override;
+  uint64_t heldBytesAThread() const override;
+  // Shares the bytes out among the segments.
+  void holdAtMost(uint64_t bytes) override;
   uint64_t storedBytesRead() const override;
 
  private:

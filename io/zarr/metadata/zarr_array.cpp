@@ -1,5 +1,7 @@
 #include "io/zarr/metadata/zarr_array.h"
 
+#include <algorithm>
+
 #include "src/base/values/vec.h"
 
 namespace sluice {
@@ -71,7 +73,9 @@ std::vector<int64_t> ZarrArray::fileIndex(int64_t number) const {
 
 std::string ZarrArray::fileName(int64_t number) const {
   std::string name = prefix;
-  for (const int64_t i : fileIndex(number)) {
+  std::vector<int64_t> index = fileIndex(number);
+  if (is_n5) std::reverse(index.begin(), index.end());
+  for (const int64_t i : index) {
     if (!name.empty()) name += separator;
     name += std::to_string(i);
   }

@@ -22,7 +22,9 @@
 
 namespace sluice {
 
-enum class ZarrCodec { kNone, kBlosc, kDeflate, kZstd };  // kDeflate: zlib or gzip
+// kDeflate: zlib or gzip; kLz4: one block of LZ4; kXz: the .xz format. Zarr has neither of these
+// two.
+enum class ZarrCodec { kNone, kBlosc, kDeflate, kZstd, kLz4, kXz };
 
 // The index of a shard: offset and size of each of its chunks, 8 bytes each, the last axis fastest.
 struct ZarrShardIndex {
@@ -41,9 +43,12 @@ struct ZarrArray {
   ZarrCodec codec = ZarrCodec::kNone;
   bool has_crc = false;  // a CRC32C follows the stored bytes of each chunk
   std::optional<ZarrShardIndex> shards;
-  double fill_value = 0;           // value of missing chunks, of `type`
-  char separator = '.';            // between the numbers of a file's name
-  std::string prefix;              // before them, with a separator
+  double fill_value = 0;  // value of missing chunks, of `type`
+  char separator = '.';   // between the numbers of a file's name
+  std::string prefix;     // before them, with a separator
+  // N5: the numbers of a file's name are in the other order, and a header before the stored voxels
+  // gives the chunk's own extents, which are smaller at the upper ends of the array.
+  bool is_n5 = false;
   std::vector<std::string> notes;  // for people, one line each: members that mean nothing
 
   size_t axes() const { return shape.size(); }

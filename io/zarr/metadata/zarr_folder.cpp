@@ -1,7 +1,6 @@
 #include "io/zarr/metadata/zarr_folder.h"
 
 #include <algorithm>
-#include <optional>
 #include <span>
 
 #include "io/zarr/reading/zarr_checksums.h"
@@ -14,24 +13,6 @@ namespace {
 constexpr uint64_t kMostHeaderBytes = 16 << 20;
 constexpr const char* kVersion3 = "zarr.json";
 constexpr int kMostLevelDepth = 2;  // folders between an image's and its level's, that one included
-
-// nullopt: there is no such file.
-std::optional<ZarrHeader> findHeader(const StorePlace& folder, const char* name) {
-  const StorePlace place = folder.at(name);
-  // A server's store keeps what it was asked for so.
-  if (!place.store->has(place.key)) return std::nullopt;
-  ZarrHeader header{place.name(), {}, {}};
-  const bool is_there = place.store->read(place.key, {}, [&](const PieceInfo& piece) {
-    if (piece.bytes > kMostHeaderBytes)
-      fail("{}: expected at most {} bytes, found {}", header.path, kMostHeaderBytes, piece.bytes);
-    header.text.resize(piece.bytes);
-    return std::as_writable_bytes(std::span(header.text));
-  });
-  if (!is_there) return std::nullopt;
-  header.identity = fmt::format("{}|{:016x}", identityOf(place),
-                                zarrChecksum(std::as_bytes(std::span(header.text))));
-  return header;
-}
 
 // The file of a folder that may describe an image.
 std::optional<ZarrHeader> findAttributes(const StorePlace& folder) {
@@ -85,6 +66,23 @@ std::string insideOf(const StorePlace& folder) {
 
 }  // namespace
 
+std::optional<ZarrHeader> findHeader(const StorePlace& folder, const char* name) {
+  const StorePlace place = folder.at(name);
+  // A server's store keeps what it was asked for so.
+  if (!place.store->has(place.key)) return std::nullopt;
+  ZarrHeader header{place.name(), {}, {}};
+  const bool is_there = place.store->read(place.key, {}, [&](const PieceInfo& piece) {
+    if (piece.bytes > kMostHeaderBytes)
+      fail("{}: expected at most {} bytes, found {}", header.path, kMostHeaderBytes, piece.bytes);
+    header.text.resize(piece.bytes);
+    return std::as_writable_bytes(std::span(header.text));
+  });
+  if (!is_there) return std::nullopt;
+  header.identity = fmt::format("{}|{:016x}", identityOf(place),
+                                zarrChecksum(std::as_bytes(std::span(header.text))));
+  return header;
+}
+
 void FoundZarr::take(const ZarrHeader& header) {
   identities.push_back(header.identity);
   header_paths.push_back(header.path);
@@ -122,16 +120,6 @@ FoundZarr findZarr(const StorePlace& folder) {
         folder.name(), insideOf(folder));
   found.array_folder = folder.at(found.image.levels[0]);
   found.is_image = true;
-  return found;
-}
-
-FoundZarr datasetOf(const FoundZarr& image, const StorePlace& array_folder, size_t number) {
-  FoundZarr found;
-  found.array_folder = array_folder;
-  found.image = image.image;
-  found.image.scale = image.image.places[number].scale;
-  found.image.translation = image.image.places[number].translation;
-  found.said_by = image.said_by;
   return found;
 }
 

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,8 +41,9 @@ bool isZarr(const StorePlace& folder);
 // Throws Error: neither an array nor an image, metadata that cannot be read.
 FoundZarr findZarr(const StorePlace& folder);
 
-// An array in the place of dataset `number` of the image.
-FoundZarr datasetOf(const FoundZarr& image, const StorePlace& array_folder, size_t number);
+// A metadata file of a folder; nullopt: there is none. Throws Error: it cannot be read, or is
+// larger than any.
+std::optional<ZarrHeader> findHeader(const StorePlace& folder, const char* name);
 
 // The .zarray or zarr.json of an array. Throws Error: there is none.
 ZarrHeader readArrayHeader(const StorePlace& array_folder);

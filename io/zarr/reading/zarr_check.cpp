@@ -9,9 +9,8 @@ namespace sluice {
 namespace {
 
 // Adds the findings on one array to `report`.
-void checkArray(ZarrSource& source, CheckReport& report, WorkerPool& pool, ProgressMeter& progress,
-                const StopToken& stop) {
-  ZarrChunkFiles& files = source.chunkFiles();
+void checkArray(ZarrChunkFiles& files, CheckReport& report, WorkerPool& pool,
+                ProgressMeter& progress, const StopToken& stop) {
   const std::vector<int64_t>& chunks = files.existing();
   for (const int64_t chunk : chunks) progress.expect(files.stored(chunk).bytes);
   Mutex mutex;
@@ -51,13 +50,13 @@ CheckReport checkZarr(const std::filesystem::path& folder, WorkerPool& pool,
     fail("{}: has no checksums, as only sluice pack writes them; pack it to have some",
          folder.string());
   CheckReport report;
-  checkArray(source, report, pool, progress, stop);
+  checkArray(ZarrSource::filesOf(source), report, pool, progress, stop);
   // A level that is missing or does not fit is a fault, too.
   for (const std::string& note : source.layout().notes)
     if (note.find(" is left out: ") != std::string::npos) report.faults.push_back(note);
   const auto check = [&](VolumeSource& above) {
-    auto& array = dynamic_cast<ZarrSource&>(above);
-    if (array.hasChecksums()) checkArray(array, report, pool, progress, stop);
+    ZarrChunkFiles& files = ZarrSource::filesOf(dynamic_cast<ChunkedSource&>(above));
+    if (files.hasChecksums()) checkArray(files, report, pool, progress, stop);
   };
   for (const CoarserLevel& level : source.levelsAbove()) {
     check(*level.source);

@@ -5,6 +5,8 @@
 #include <cstring>
 #include <utility>
 
+#include "io/files/swap_bytes.h"
+#include "io/zarr/n5/n5_block.h"
 #include "io/zarr/reading/crc32c.h"
 #include "io/zarr/reading/zarr_codec.h"
 #include "src/base/error.h"
@@ -15,6 +17,7 @@ namespace {
 constexpr uint64_t kCrcBytes = sizeof(uint32_t);
 constexpr uint64_t kIndexCacheBytes = 4 << 20;  // until setBudget()
 constexpr size_t kMostMissing = 1 << 16;        // a few megabytes
+constexpr uint64_t kSmallChunkBytes = 4 << 20;
 
 // A number as it stands in a chunk's name: digits alone, no leading zero, below `end`.
 std::optional<int64_t> indexIn(std::string_view text, int64_t end) {
@@ -55,6 +58,10 @@ const StoredChunk& ZarrChunkFiles::stored(int64_t chunk) const {
 
 uint64_t ZarrChunkFiles::digestOfChecksums() const {
   return zarrChecksum(std::as_bytes(std::span(*checksums_)));
+}
+
+std::string ZarrChunkFiles::stamp() const {
+  return fmt::format("{:016x}", checksums_ ? digestOfChecksums() : stampChecksum(kSampledChunks));
 }
 
 std::string ZarrChunkFiles::path(int64_t chunk) const {
@@ -115,7 +122,8 @@ uint64_t ZarrChunkFiles::stampChecksum(int64_t most) const {
 void ZarrChunkFiles::listFolder(const StorePlace& folder, std::vector<int64_t>& index,
                                 std::vector<int64_t>& found) const {
   const auto take = [&](std::string_view text) {
-    const auto value = indexIn(text, array_.filesAlong(index.size()));
+    const size_t axis = array_.is_n5 ? array_.axes() - 1 - index.size() : index.size();
+    const auto value = indexIn(text, array_.filesAlong(axis));
     if (value) index.push_back(*value);
     return value.has_value();
   };
@@ -124,7 +132,8 @@ void ZarrChunkFiles::listFolder(const StorePlace& folder, std::vector<int64_t>& 
     if (array_.separator == '/') {
       if (!take(entry.name)) return;
       if (index.size() == array_.axes())
-        found.push_back(array_.fileNumber(index));
+        found.push_back(array_.fileNumber(
+            array_.is_n5 ? std::vector<int64_t>(index.rbegin(), index.rend()) : index));
       else if (entry.is_folder)
         listFolder(folder.at(entry.name), index, found);
     } else {
@@ -210,7 +219,10 @@ std::optional<uint64_t> ZarrChunkFiles::read(
           path, piece.bytes, wanted.bytes, wanted.offset);
     if (wanted.bytes < behind)
       fail("{}: expected a chunk with a checksum, found {} bytes", path, wanted.bytes);
-    checkStoredSize(array_.codec, wanted.bytes - behind, array_.chunkBytes(), path);
+    if (array_.is_n5)
+      checkN5Size(wanted.bytes, array_.chunkBytes(), path);
+    else
+      checkStoredSize(array_.codec, wanted.bytes - behind, array_.chunkBytes(), path);
     out = room(wanted.bytes);
     return out;
   });
@@ -227,6 +239,36 @@ std::optional<uint64_t> ZarrChunkFiles::read(
   }
   if (array_.has_crc) requireCrc(out, path, "a chunk");
   return wanted.bytes - behind;
+}
+
+std::shared_ptr<CountedBytes> ZarrChunkFiles::load(int64_t chunk, ChunkMemory& memory) {
+  std::shared_ptr<CountedBytes> decoded;
+  std::unique_ptr<CountedBytes> stored;
+  const std::optional<uint64_t> stored_bytes = read(chunk, [&](uint64_t bytes) {
+    if (array_.codec == ZarrCodec::kNone && !array_.is_n5) {
+      decoded = std::make_shared<CountedBytes>(bytes, memory);
+      return decoded->span();
+    }
+    // For chunks of up to kSmallChunkBytes, the buffer has the size of a decoded chunk, so that it
+    // can be reused for any of them.
+    stored = std::make_unique<CountedBytes>(
+        std::max(bytes, std::min(array_.chunkBytes(), kSmallChunkBytes)), memory);
+    return stored->span().first(bytes);
+  });
+  if (!stored_bytes) return nullptr;
+  if (stored) {
+    const auto file = std::as_const(*stored).span().first(*stored_bytes);
+    const std::string path = this->path(chunk);
+    const N5Block block = array_.is_n5 ? parseN5Block(array_, chunk, file, path) : N5Block{file};
+    const uint64_t bytes = array_.is_n5 ? block.bytes : array_.chunkBytes();
+    checkStored(array_.codec, block.stored, bytes, path);
+    decoded = std::make_shared<CountedBytes>(array_.chunkBytes(), memory);
+    decodeChunk(array_.codec, block.stored, decoded->span().first(bytes), path);
+    if (array_.is_n5) spreadN5Block(array_, block, decoded->span());
+  }
+  if (array_.byte_order != std::endian::native)
+    swapBytes(decoded->span().first(array_.chunkBytes()), bytesPerVoxel(array_.type));
+  return decoded;
 }
 
 }  // namespace sluice

@@ -23,33 +23,41 @@
 
 #include "io/stores/chunk_store.h"
 #include "io/zarr/metadata/zarr_array.h"
+#include "io/zarr/reading/chunked_array.h"
 #include "io/zarr/reading/zarr_checksums.h"
 #include "io/zarr/reading/zarr_shard_indices.h"
 #include "src/base/threads/mutex.h"
 
 namespace sluice {
 
-class ZarrChunkFiles {
+// At 64^3 bytes each, they are a gigabyte.
+inline constexpr int64_t kSampledChunks = 4096;
+
+class ZarrChunkFiles final : public ChunkedArray {
  public:
   // `array_text`: the .zarray that `array` was parsed from. Throws Error: checksums that are
   // damaged.
   ZarrChunkFiles(StorePlace folder, ZarrArray array, std::string_view array_text);
 
-  const ZarrArray& array() const { return array_; }
+  const ZarrArray& array() const override { return array_; }
   bool hasChecksums() const { return checksums_.has_value(); }
   // Changes with any of the checksums. Requires: hasChecksums().
   uint64_t digestOfChecksums() const;
   // The checksum record of a chunk. Requires: hasChecksums().
   const StoredChunk& stored(int64_t chunk) const;
 
-  // Whether existing() knows the files: there are checksums, or the store can be listed.
-  bool areKnown() const { return checksums_ || folder_.store->canList(); }
-  // The numbers of the files that there are, ascending. Requires: areKnown(). Throws Error when the
-  // folder cannot be listed.
-  const std::vector<int64_t>& existing();
-  // Whether a chunk is stored; perhaps also true if files are not known. Throws Error if the
-  // checksums deny the chunk, and there is one; the index of its shard cannot be read.
-  bool exists(int64_t chunk);
+  // There are checksums, or the store can be listed.
+  bool areKnown() const override { return checksums_ || folder_.store->canList(); }
+  // Throws Error when the folder cannot be listed.
+  const std::vector<int64_t>& existing() override;
+  // Throws Error if the checksums deny the chunk, and there is one; the index of its shard cannot
+  // be read.
+  bool exists(int64_t chunk) override;
+  // Read and decoded. Throws Error, naming the file.
+  std::shared_ptr<CountedBytes> load(int64_t chunk, ChunkMemory& memory) override;
+  // Covers the checksums, which deny a changed chunk when it is read; without them the stamps of at
+  // most kSampledChunks files.
+  std::string stamp() const override;
   // The files as the folder lists them, whatever the checksums tell. Requires: the store can be
   // listed.
   std::vector<int64_t> onDisk() const;
@@ -57,22 +65,23 @@ class ZarrChunkFiles {
   // file counts too. It changes when one of them is rewritten, replaced, removed or added.
   uint64_t stampChecksum(int64_t most) const;
 
-  // Reads the bytes of a chunk into the memory that `room(bytes)` returns, after their number was
-  // found credible, and checks the checksum if there is one. Returns how many there are without a
-  // checksum that follows them; nullopt, without calling `room`: files are not known, and there is
-  // no such chunk. Requires: exists(chunk). Throws Error naming the file.
+  // Reads the stored bytes of a chunk into the memory that `room(bytes)` returns, after their
+  // number was found credible, and checks the checksum if there is one. Returns how many there are
+  // without a checksum that follows them; nullopt, without calling `room`: files are not known, and
+  // there is no such chunk. Requires: exists(chunk). Throws Error naming the file.
   std::optional<uint64_t> read(int64_t chunk,
                                const std::function<std::span<std::byte>(uint64_t bytes)>& room);
   // The file of a chunk.
   std::string path(int64_t chunk) const;
 
-  int distantReads() const { return folder_.store->distantReads(); }
+  int distantReads() const override { return folder_.store->distantReads(); }
 
-  // The memory for indices of shards: null without shards.
-  ZarrShardIndices* shardIndices() { return indices_.get(); }
+  // Indices of shards.
+  uint64_t indexBytes() const override { return array_.shards ? array_.shardIndexBytes() : 0; }
+  void holdIndices(uint64_t bytes) override { indices_->setBudget(bytes); }
 
   // Bytes of chunks, indices and checksums.
-  uint64_t storedBytesRead() const { return read_bytes_; }
+  uint64_t storedBytesRead() const override { return read_bytes_; }
 
  private:
   using Room = ChunkStore::Room;

@@ -1,6 +1,8 @@
 #include "io/zarr/reading/zarr_codec.h"
 
 #include <blosc.h>
+#include <lz4.h>
+#include <lzma.h>
 #include <zlib.h>
 #include <zstd.h>
 
@@ -15,6 +17,9 @@ namespace sluice {
 namespace {
 
 constexpr uint64_t kMostDeflateRatio = 1032;
+constexpr uint64_t kMostLz4Ratio = 255;
+constexpr uint64_t kMostXzRatio = 8192;
+constexpr uint64_t kMostXzMemory = uint64_t{80} << 20;          // its dictionary of up to 64 MiB
 constexpr uint64_t kMostZstdRatio = (uint64_t{128} << 10) / 4;  // a block of 4 bytes: one repeated
 
 void checkBlosc(std::span<const std::byte> stored, uint64_t chunk_bytes, const std::string& path) {
@@ -86,6 +91,36 @@ void decodeZstd(std::span<const std::byte> stored, std::span<std::byte> chunk,
     fail("{}: expected {} bytes once decoded, found {}", path, chunk.size(), got);
 }
 
+void decodeLz4(std::span<const std::byte> stored, std::span<std::byte> chunk,
+               const std::string& path) {
+  const int got = LZ4_decompress_safe(
+      reinterpret_cast<const char*>(stored.data()), reinterpret_cast<char*>(chunk.data()),
+      static_cast<int>(stored.size()), static_cast<int>(chunk.size()));
+  if (got < 0 || static_cast<size_t>(got) != chunk.size())
+    fail("{}: expected {} bytes of LZ4, found damaged ones", path, chunk.size());
+}
+
+void decodeXz(std::span<const std::byte> stored, std::span<std::byte> chunk,
+              const std::string& path) {
+  uint64_t memory = kMostXzMemory;
+  size_t in = 0, out = 0;
+  const lzma_ret status = lzma_stream_buffer_decode(
+      &memory, 0, nullptr, reinterpret_cast<const uint8_t*>(stored.data()), &in, stored.size(),
+      reinterpret_cast<uint8_t*>(chunk.data()), &out, chunk.size());
+  if (status == LZMA_MEMLIMIT_ERROR)
+    fail("{}: expected xz that needs at most {} bytes to decode, found one of {}", path,
+         kMostXzMemory, memory);
+  if (status != LZMA_OK || in != stored.size() || out != chunk.size())
+    fail("{}: expected {} bytes of xz, found damaged ones", path, chunk.size());
+}
+
+void requireRatio(const char* name, uint64_t most, std::span<const std::byte> stored,
+                  uint64_t chunk_bytes, const std::string& path) {
+  if (stored.size() < chunk_bytes / most)
+    fail("{}: expected {} of {} bytes, found {}, which cannot hold them", path, name, chunk_bytes,
+         stored.size());
+}
+
 }  // namespace
 
 void checkStoredSize(ZarrCodec codec, uint64_t stored_bytes, uint64_t chunk_bytes,
@@ -107,20 +142,18 @@ void checkStored(ZarrCodec codec, std::span<const std::byte> stored, uint64_t ch
     case ZarrCodec::kBlosc:
       return checkBlosc(stored, chunk_bytes, path);
     case ZarrCodec::kDeflate:
-      if (stored.size() < chunk_bytes / kMostDeflateRatio)
-        fail("{}: expected zlib or gzip of {} bytes, found {}, which cannot hold them", path,
-             chunk_bytes, stored.size());
-      return;
+      return requireRatio("zlib or gzip", kMostDeflateRatio, stored, chunk_bytes, path);
+    case ZarrCodec::kLz4:
+      return requireRatio("LZ4", kMostLz4Ratio, stored, chunk_bytes, path);
+    case ZarrCodec::kXz:
+      return requireRatio("xz", kMostXzRatio, stored, chunk_bytes, path);
     case ZarrCodec::kZstd: {
       const unsigned long long said = ZSTD_getFrameContentSize(stored.data(), stored.size());
       if (said == ZSTD_CONTENTSIZE_ERROR)
         fail("{}: expected a zstd frame, found none in {} bytes", path, stored.size());
       if (said != ZSTD_CONTENTSIZE_UNKNOWN && said > chunk_bytes)
         fail("{}: expected {} bytes of zstd, found {}", path, chunk_bytes, said);
-      if (stored.size() < chunk_bytes / kMostZstdRatio)
-        fail("{}: expected zstd of {} bytes, found {}, which cannot hold them", path, chunk_bytes,
-             stored.size());
-      return;
+      return requireRatio("zstd", kMostZstdRatio, stored, chunk_bytes, path);
     }
   }
 }
@@ -138,6 +171,10 @@ void decodeChunk(ZarrCodec codec, std::span<const std::byte> stored, std::span<s
       return decodeDeflate(stored, chunk, path);
     case ZarrCodec::kZstd:
       return decodeZstd(stored, chunk, path);
+    case ZarrCodec::kLz4:
+      return decodeLz4(stored, chunk, path);
+    case ZarrCodec::kXz:
+      return decodeXz(stored, chunk, path);
   }
 }
 

@@ -1,0 +1,341 @@
+#include "io/zarr/reading/chunked_source.h"
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+#include "io/files/copy_row.h"
+#include "io/zarr/reading/zarr_levels.h"
+#include "io/zarr/reading/zarr_rows.h"
+#include "src/base/error.h"
+
+namespace sluice {
+
+namespace {
+
+LevelClaim claimOf(const ZarrView& view, const ZarrImage& image, size_t dataset) {
+  LevelClaim claim;
+  claim.dims = view.layout.dims;
+  const ZarrPlace& place = image.places[dataset];
+  if (place.scale.empty()) return claim;
+  claim.scale = claim.translation = Vec3d{};
+  for (size_t a = 0; a < 3; ++a) {
+    (*claim.scale)[static_cast<int>(a)] = place.scale[view.space[a]];
+    (*claim.translation)[static_cast<int>(a)] = place.translation[view.space[a]];
+  }
+  return claim;
+}
+
+// Why two arrays cannot be levels of one image; empty if they can.
+std::string faultAmong(const VolumeLayout& finest, const VolumeLayout& level) {
+  if (level.type != finest.type)
+    return fmt::format("its voxels are {}, the first level's are {}", name(level.type),
+                       name(finest.type));
+  if (level.time_steps != finest.time_steps || level.channels != finest.channels)
+    return fmt::format("it has {} time steps and {} channels, the first level {} and {}",
+                       level.time_steps, level.channels, finest.time_steps, finest.channels);
+  return "";
+}
+
+// Why an array cannot be the spreads of a level; empty where it can.
+std::string faultOfSpreads(const VolumeLayout& level, const VolumeLayout& spreads) {
+  const VoxelType type = spreadType(level.type);
+  if (spreads.type != type)
+    return fmt::format("its numbers are {}, expected {}", name(spreads.type), name(type));
+  if (spreads.dims != level.dims || spreads.time_steps != level.time_steps ||
+      spreads.channels != level.channels)
+    return "its shape is not that of the level";
+  return "";
+}
+
+}  // namespace
+
+ChunkedSource::ChunkedSource(ChunkedVolume volume, const ChunkedOptions& options)
+    : ChunkedSource(volume, volume.open(0), 0, options.channel,
+                    std::make_shared<ZarrChunkCache>(options.chunk_cache_bytes), Part::kImage) {}
+
+ChunkedSource::~ChunkedSource() = default;
+
+ChunkedSource::ChunkedSource(const ChunkedVolume& volume, OpenedArray opened, size_t level,
+                             const ChannelWish& channel, std::shared_ptr<ZarrChunkCache> cache,
+                             Part part)
+    : array_(std::move(opened.array)), cache_(std::move(cache)), part_(part) {
+  const ZarrArray& array = array_->array();
+  ZarrImage image = volume.image;
+  if (part_ == Part::kLevel) {
+    image.scale = image.places[level].scale;
+    image.translation = image.places[level].translation;
+  }
+  view_ = viewZarr(array, image, channel.given(), volume.said_by);
+  view_.layout.name = volume.title + (image.level_set ? " (level set)" : "");
+  if (channel.given() && !view_.channel)
+    fail("{}: --channel {}: the volume has no channels; leave it out", volume.name, channel.text());
+  channel_names_ = image.channels;
+  for (const std::string& note : array.notes) view_.layout.notes.push_back(note);
+  chooseChannel(volume.name, channel, channel_names_, view_.layout);
+  channel_ = view_.layout.channel;
+  if (!image.axes.empty()) view_.layout.unit = image.axes[view_.space[0]].unit;
+
+  fill_.resize(bytesPerVoxel(array.type));
+  visitVoxelType(array.type, [&](auto tag) {
+    tag = static_cast<decltype(tag)>(array.fill_value);
+    std::memcpy(fill_.data(), &tag, sizeof tag);
+  });
+  header_bytes_ = opened.header_bytes;
+  identity_ = opened.identity;
+  places_ = opened.places;
+  if (part_ == Part::kImage) {
+    header_bytes_ += volume.header_bytes;
+    for (const std::string& identity : volume.identities) identity_ += "|" + identity;
+    places_.insert(places_.begin(), volume.places.begin(), volume.places.end());
+    places_.push_back(volume.name);
+  }
+  if (view_.channel) identity_ += fmt::format("|channel {}", channel_);
+  identity_ += "|" + array_->stamp();
+  array_number_ = cache_->addArray(array.chunkBytes(), [this](int64_t chunk, ChunkMemory& memory) {
+    return load(chunk, memory);
+  });
+  if (part_ == Part::kImage && volume.is_image) openLevels(volume);
+}
+
+void ChunkedSource::openLevels(const ChunkedVolume& volume) {
+  VolumeLayout& layout = view_.layout;
+  const LevelClaim finest = claimOf(view_, volume.image, 0);
+  spreads_ = openSpreads(volume, 0, layout);
+  std::vector<size_t> datasets;  // of level_sources_
+  for (size_t i = 1; i < volume.image.levels.size(); ++i) {
+    std::string fault;
+    try {
+      std::unique_ptr<ChunkedSource> source = openPart(volume, volume.open(i), i);
+      fault = faultAmong(layout, source->view_.layout);
+      if (fault.empty()) fault = faultOfLevel(finest, claimOf(source->view_, volume.image, i));
+      if (fault.empty()) {
+        spread_sources_.push_back(openSpreads(volume, i, source->view_.layout));
+        level_sources_.push_back(std::move(source));
+        datasets.push_back(i);
+      }
+    } catch (const Error& error) {
+      fault = error.what();
+    }
+    if (!fault.empty())
+      layout.notes.push_back(fmt::format("{}: level {} is left out: {}", volume.name, i, fault));
+  }
+  placeLevels(volume, datasets);
+  layout.levels = 1 + static_cast<int64_t>(levels_above_.size());
+}
+
+std::unique_ptr<ChunkedSource> ChunkedSource::openPart(const ChunkedVolume& volume,
+                                                       OpenedArray opened, size_t level) {
+  const ChannelWish channel = view_.channel ? ChannelWish(channel_) : ChannelWish();
+  return std::unique_ptr<ChunkedSource>(
+      new ChunkedSource(volume, std::move(opened), level, channel, cache_, Part::kLevel));
+}
+
+std::unique_ptr<ChunkedSource> ChunkedSource::openSpreads(const ChunkedVolume& volume, size_t level,
+                                                          const VolumeLayout& layout) {
+  if (!volume.open_spreads) return nullptr;
+  std::string fault;
+  try {
+    std::optional<OpenedArray> opened = volume.open_spreads(level);
+    if (!opened) return nullptr;
+    std::unique_ptr<ChunkedSource> source = openPart(volume, *std::move(opened), level);
+    fault = faultOfSpreads(layout, source->view_.layout);
+    if (fault.empty()) return source;
+  } catch (const Error& error) {
+    fault = error.what();
+  }
+  view_.layout.notes.push_back(
+      fmt::format("{}: the spread of level {} is left out: {}", volume.name, level, fault));
+  return nullptr;
+}
+
+std::vector<ChunkedSource*> ChunkedSource::sourcesAbove() const {
+  std::vector<ChunkedSource*> sources;
+  for (const auto* list : {&level_sources_, &spread_sources_})
+    for (const auto& source : *list)
+      if (source != nullptr) sources.push_back(source.get());
+  if (spreads_ != nullptr) sources.push_back(spreads_.get());
+  return sources;
+}
+
+void ChunkedSource::placeLevels(const ChunkedVolume& volume, const std::vector<size_t>& datasets) {
+  const ZarrImage& image = volume.image;
+  const LevelClaim finest = claimOf(view_, image, 0);
+  bool is_translated = image.places[0].is_translated;
+  for (size_t i = 0; i < datasets.size(); ++i) {
+    const LevelClaim claim = claimOf(level_sources_[i]->view_, image, datasets[i]);
+    LevelPlacement place{levelFactor(finest, claim), {}};
+    is_translated = is_translated || image.places[datasets[i]].is_translated;
+    if (claim.translation && finest.translation)
+      place.offset = (*claim.translation - *finest.translation) / *finest.scale;
+    levels_above_.push_back({level_sources_[i].get(), place, spread_sources_[i].get()});
+  }
+  std::stable_sort(levels_above_.begin(), levels_above_.end(),
+                   [](const CoarserLevel& a, const CoarserLevel& b) {
+                     const Vec3d f = a.placement.scale, g = b.placement.scale;
+                     return f.x * f.y * f.z < g.x * g.y * g.z;
+                   });
+  if (levels_above_.empty() || is_translated) return;
+
+  // The two coarsest with a few voxels a side: the fewest bytes that show it.
+  constexpr int64_t kLeastSide = 8;
+  size_t at = levels_above_.size() - 1;
+  const auto leastSide = [&](size_t i) {
+    const Vec3i d = levels_above_[i].source->layout().dims;
+    return std::min({d.x, d.y, d.z});
+  };
+  while (at > 0 && leastSide(at) < kLeastSide) --at;
+  VolumeSource& fine = at == 0 ? static_cast<VolumeSource&>(*this) : *levels_above_[at - 1].source;
+  const Vec3d finer = at == 0 ? Vec3d{1, 1, 1} : levels_above_[at - 1].placement.scale;
+  const auto origin =
+      originOf(fine, *levels_above_[at].source, levels_above_[at].placement.scale / finer);
+  for (CoarserLevel& level : levels_above_)
+    level.placement.offset = offsetOf(origin.value_or(VoxelOrigin::kCorner), level.placement.scale);
+  view_.layout.notes.push_back(fmt::format(
+      "{}: its levels have no translation; comparing levels {} and {} {}", volume.name, at, at + 1,
+      !origin ? "does not tell where their voxels lie; sluice assumes a common corner"
+      : *origin == VoxelOrigin::kCorner ? "shows voxels that begin at a common corner"
+                                        : "shows first voxels with a common centre"));
+}
+
+uint64_t ChunkedSource::storedBytesRead() const {
+  uint64_t bytes = header_bytes_ + array_->storedBytesRead();
+  for (const ChunkedSource* source : sourcesAbove()) bytes += source->storedBytesRead();
+  return bytes;
+}
+
+uint64_t ChunkedSource::heldBytesAThread() const {
+  uint64_t bytes = 3 * array_->array().chunkBytes() + 2 * array_->indexBytes();
+  for (const ChunkedSource* source : sourcesAbove())
+    bytes = std::max(bytes, source->heldBytesAThread());
+  return bytes;
+}
+
+void ChunkedSource::holdAtMost(uint64_t bytes) {
+  if (part_ == Part::kLevel) return;
+  std::vector<ChunkedArray*> indexed{array_.get()};
+  for (const ChunkedSource* source : sourcesAbove()) indexed.push_back(source->array_.get());
+  std::erase_if(indexed, [](const ChunkedArray* array) { return array->indexBytes() == 0; });
+  const uint64_t each = indexed.empty() ? 0 : bytes / 8 / indexed.size();
+  for (ChunkedArray* array : indexed) array->holdIndices(each);
+  cache_->setBudget(bytes - each * indexed.size());
+}
+
+std::vector<std::string> ChunkedSource::files() {
+  return places_;
+}
+
+Vec3i ChunkedSource::voxelsOf(std::span<const int64_t> parts) const {
+  return {parts[view_.space[0]], parts[view_.space[1]], parts[view_.space[2]]};
+}
+
+Vec3i ChunkedSource::chunkVoxels() const {
+  return voxelsOf(array_->array().chunks);
+}
+
+// The part of the array, a chunk or a file, that holds a voxel.
+std::vector<int64_t> ChunkedSource::indexAt(std::span<const int64_t> parts, int64_t time,
+                                            Vec3i at) const {
+  std::vector<int64_t> index(parts.size(), 0);
+  for (int a = 0; a < 3; ++a) {
+    const size_t axis = view_.space[static_cast<size_t>(a)];
+    index[axis] = at[a] / parts[axis];
+  }
+  if (view_.time) index[*view_.time] = time / parts[*view_.time];
+  if (view_.channel) index[*view_.channel] = channel_ / parts[*view_.channel];
+  return index;
+}
+
+ZarrChunkCache::Chunk ChunkedSource::load(int64_t chunk, ChunkMemory& memory) {
+  if (std::shared_ptr<CountedBytes> loaded = array_->load(chunk, memory)) return loaded;
+  const uint64_t bytes = array_->array().chunkBytes();
+  auto filled = std::make_shared<CountedBytes>(bytes, memory);
+  fillRow(fill_, filled->span().data(), static_cast<int64_t>(bytes / fill_.size()));
+  return filled;
+}
+
+// `part` of `box` out of the one chunk that holds it.
+void ChunkedSource::copyChunk(std::span<const std::byte> chunk, int64_t time, const Box3& part,
+                              const Box3& box, std::span<std::byte> out) const {
+  const ZarrArray& array = array_->array();
+  const std::vector<int64_t> strides = stridesInChunk(array);
+  const auto voxel = static_cast<int64_t>(bytesPerVoxel(array.type));
+  int64_t base = 0;
+  if (view_.time) base += time % array.chunks[*view_.time] * strides[*view_.time];
+  if (view_.channel) base += channel_ % array.chunks[*view_.channel] * strides[*view_.channel];
+  Vec3i stride;
+  for (int a = 0; a < 3; ++a) {
+    const size_t axis = view_.space[static_cast<size_t>(a)];
+    stride[a] = strides[axis];
+    base += part.lo[a] % array.chunks[axis] * strides[axis];
+  }
+  const Vec3i size = part.size(), whole = box.size(), at = part.lo - box.lo;
+  for (int64_t z = 0; z < size.z; ++z)
+    for (int64_t y = 0; y < size.y; ++y) {
+      const int64_t from = base + z * stride.z + y * stride.y;
+      const int64_t to = ((at.z + z) * whole.y + at.y + y) * whole.x + at.x;
+      copyRow(chunk.data() + from * voxel, stride.x * voxel, out.data() + to * voxel, size.x,
+              static_cast<size_t>(voxel));
+    }
+}
+
+void ChunkedSource::readRegion(int64_t time, const Box3& box, std::span<std::byte> out) {
+  const VolumeLayout& layout = view_.layout;
+  const auto voxel = static_cast<int64_t>(fill_.size());
+  SLUICE_CHECK(!box.empty() && boxOf(layout.dims).contains(box));
+  SLUICE_CHECK(time >= 0 && time < layout.time_steps);
+  SLUICE_CHECK_EQ(static_cast<int64_t>(out.size()), box.count() * voxel);
+  const Vec3i step = chunkVoxels();
+  const Vec3i first = box.lo / step * step;
+  for (int64_t z = first.z; z < box.hi.z; z += step.z)
+    for (int64_t y = first.y; y < box.hi.y; y += step.y)
+      for (int64_t x = first.x; x < box.hi.x; x += step.x) {
+        const Vec3i corner{x, y, z};
+        const Box3 part = intersect(box, {corner, corner + step});
+        const ZarrArray& array = array_->array();
+        const int64_t number = array.chunkNumber(indexAt(array.chunks, time, corner));
+        if (array_->exists(number)) {
+          copyChunk(cache_->get({array_number_, number})->span(), time, part, box, out);
+          continue;
+        }
+        const Vec3i at = part.lo - box.lo;
+        for (int64_t pz = at.z; pz < at.z + part.size().z; ++pz)
+          for (int64_t py = at.y; py < at.y + part.size().y; ++py)
+            fillRow(fill_, out.data() + ((pz * box.size().y + py) * box.size().x + at.x) * voxel,
+                    part.size().x);
+      }
+}
+
+std::optional<Occupancy> ChunkedSource::occupancy(int64_t time) {
+  if (!array_->areKnown()) return std::nullopt;
+  const ZarrArray& array = array_->array();
+  const Vec3i step = voxelsOf(array.files);
+  const Vec3i dims = view_.layout.dims;
+  const std::vector<int64_t> wanted = indexAt(array.files, time, {0, 0, 0});
+  Occupancy occupancy;
+  occupancy.background = array.fill_value;
+  int64_t present = 0;
+  for (const int64_t number : array_->existing()) {
+    const std::vector<int64_t> index = array.fileIndex(number);
+    if ((view_.time && index[*view_.time] != wanted[*view_.time]) ||
+        (view_.channel && index[*view_.channel] != wanted[*view_.channel]))
+      continue;
+    ++present;
+    const Vec3i lo =
+        step * Vec3i{index[view_.space[0]], index[view_.space[1]], index[view_.space[2]]};
+    const Box3 box = intersect({lo, lo + step}, boxOf(dims));
+    // Files that follow one another along x, as the numbers mostly do, are one box.
+    Box3* last = occupancy.boxes.empty() ? nullptr : &occupancy.boxes.back();
+    const bool goes_on = last != nullptr && last->hi.x == box.lo.x && last->lo.y == box.lo.y &&
+                         last->lo.z == box.lo.z;
+    if (goes_on)
+      last->hi.x = box.hi.x;
+    else
+      occupancy.boxes.push_back(box);
+  }
+  const Vec3i grid{ceilDiv(dims.x, step.x), ceilDiv(dims.y, step.y), ceilDiv(dims.z, step.z)};
+  if (present == volume(grid)) return std::nullopt;
+  return occupancy;
+}
+
+}  // namespace sluice
