@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "io/files/file.h"
+#include "io/files/luminance.h"
 #include "src/base/error.h"
 
 namespace sluice {

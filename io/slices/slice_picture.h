@@ -1,8 +1,7 @@
 // SlicePicture: a PNG or TIFF file as rows of scalars, for stacks of slices.
 //
-// Colors become luminance, 0.2126 R + 0.7152 G + 0.0722 B of the stored numbers (Rec. 709), rounded
-// to nearest, in integers: a grey that is stored as R = G = B comes out as it was. Alpha is
-// dropped. Row 0 is the top row, x grows to the right. One thread at a time uses a SlicePicture.
+// Colors become luminance of the stored numbers (io/files/luminance.h). Alpha is dropped. Row 0 is
+// the top row, x grows to the right. One thread at a time uses a SlicePicture.
 #pragma once
 
 #include <cstddef>
@@ -54,12 +53,5 @@ bool isSlicePicture(const std::filesystem::path& path);
 // Opens a PNG or TIFF by its first bytes. Throws Error if the file is neither, damaged, or of an
 // unsupported kind (the message lists the supported ones).
 std::unique_ptr<SlicePicture> openSlicePicture(const std::filesystem::path& path);
-
-// The luminance of 8 or 16 bit numbers, as above.
-template <class T>
-T luminance(T red, T green, T blue) {
-  constexpr uint32_t kRed = 2126, kGreen = 7152, kBlue = 722, kSum = kRed + kGreen + kBlue;
-  return static_cast<T>((kRed * red + kGreen * green + kBlue * blue + kSum / 2) / kSum);
-}
 
 }  // namespace sluice

@@ -2,24 +2,19 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cstring>
-#include <functional>
 #include <list>
 #include <utility>
 
 #include "io/files/file_list.h"
+#include "io/files/plane_bands.h"
 #include "io/slices/slice_picture.h"
 #include "src/base/error.h"
 #include "src/base/threads/mutex.h"
-#include "src/base/threads/single_flight_cache.h"
 #include "src/base/values/read_units.h"
 #include "src/base/values/volume_channels.h"
 
 namespace sluice {
 namespace {
-
-constexpr int64_t kBandBytes = int64_t{512} << 10;
-constexpr int64_t kMaxUnitBytes = int64_t{8} << 20;
 
 // Pictures that are open and idle, each with its decoder at some row. A thread takes one out, uses
 // it alone and gives it back; the ones idle longest are closed.
@@ -73,19 +68,6 @@ class PicturePool {
   std::atomic<uint64_t> read_bytes_{0};
 };
 
-// A file or page and one of its bands of rows.
-struct BandKey {
-  int64_t picture = 0, band = 0;
-  friend bool operator==(const BandKey&, const BandKey&) = default;
-};
-struct BandKeyHash {
-  size_t operator()(const BandKey& key) const {
-    return std::hash<int64_t>()(key.picture) * 0x9e3779b97f4a7c15U + std::hash<int64_t>()(key.band);
-  }
-};
-using Rows = std::vector<std::byte>;
-using BandCache = SingleFlightCache<BandKey, const Rows, BandKeyHash>;
-
 class SliceStack final : public VolumeSource, public ChanneledSource, public UnitSource {
  public:
   SliceStack(std::vector<std::filesystem::path> files, const SliceOptions& options)
@@ -96,11 +78,13 @@ class SliceStack final : public VolumeSource, public ChanneledSource, public Uni
     format_ = checkPictures();
     identity_ = fileIdentity(files_);
     describe(options);
-    row_bytes_ = format_.width * static_cast<int64_t>(bytesPerVoxel(format_.type));
-    const int64_t unit_rows = std::clamp<int64_t>(format_.unit_rows, 1, format_.height);
-    const int64_t unit = unit_rows * row_bytes_ <= kMaxUnitBytes ? unit_rows : 1;
-    band_rows_ = std::max<int64_t>(kBandBytes / row_bytes_ / unit, 1) * unit;
-    band_rows_ = std::min(band_rows_, format_.height);
+    const int64_t row_bytes = format_.width * static_cast<int64_t>(bytesPerVoxel(format_.type));
+    bands_.emplace(PlaneBands::Shape{.height = format_.height,
+                                     .row_bytes = row_bytes,
+                                     .band_rows = PlaneBands::usualBandRows(
+                                         format_.height, row_bytes, format_.unit_rows)},
+                   [this](int64_t picture, int64_t first, int64_t count,
+                          std::span<std::byte> rows) { decode(picture, first, count, rows); });
     holdAtMost(options.held_bytes);
   }
 
@@ -116,14 +100,16 @@ class SliceStack final : public VolumeSource, public ChanneledSource, public Uni
 
   ReadUnits readUnits() const override { return {.voxels = {layout_.dims.x, layout_.dims.y, 1}}; }
   // A picture, a band that is filled and one that is copied from.
-  uint64_t heldBytesAThread() const override { return format_.open_bytes + 2 * bandBytes(); }
+  uint64_t heldBytesAThread() const override {
+    return format_.open_bytes + 2 * bands_->bandBytes();
+  }
   // A third for pictures, whose number counts, the rest for rows.
   void holdAtMost(uint64_t bytes) override {
     const uint64_t open_bytes = std::max<uint64_t>(format_.open_bytes, 1);
     const uint64_t pictures = std::min<uint64_t>(bytes / 3 / open_bytes, max_open_pictures_);
     pool_.setMaxIdle(static_cast<size_t>(std::max<uint64_t>(pictures, 1)));
     const uint64_t left = bytes - std::min(bytes, pictures * open_bytes);
-    cache_.setBudget(std::max(left, bandBytes()));
+    bands_->holdAtMost(left);
   }
 
   void readRegion(int64_t time, const Box3& box, std::span<std::byte> out) override {
@@ -131,28 +117,16 @@ class SliceStack final : public VolumeSource, public ChanneledSource, public Uni
     SLUICE_CHECK(time >= 0 && time < layout_.time_steps);
     SLUICE_CHECK(!box.empty() && boxOf(layout_.dims).contains(box));
     SLUICE_CHECK_EQ(out.size(), static_cast<size_t>(box.count() * voxel_bytes));
-    const size_t part_bytes = static_cast<size_t>(box.size().x * voxel_bytes);
     std::byte* to = out.data();
-    for (int64_t z = box.lo.z; z < box.hi.z; ++z) {
+    for (int64_t z = box.lo.z; z < box.hi.z; ++z, to += box.size().x * box.size().y * voxel_bytes) {
       stop_.throwIfStopped();
       const int64_t picture = isOneFile() ? format_.order.page(time, z, layout_.channel) : z;
-      for (int64_t y = box.lo.y; y < box.hi.y;) {
-        const int64_t band = y / band_rows_;
-        const int64_t band_end = std::min((band + 1) * band_rows_, box.hi.y);
-        const BandCache::Value rows = cache_.get({picture, band}, bandBytes(), [&] {
-          return BandCache::Loaded{decode(picture, band), bandBytes()};
-        });
-        for (; y < band_end; ++y, to += part_bytes)
-          std::memcpy(to,
-                      rows->data() + (y - band * band_rows_) * row_bytes_ + box.lo.x * voxel_bytes,
-                      part_bytes);
-      }
+      bands_->copy(picture, box, static_cast<size_t>(voxel_bytes), to);
     }
   }
 
  private:
   bool isOneFile() const { return files_.size() == 1; }
-  uint64_t bandBytes() const { return static_cast<uint64_t>(band_rows_ * row_bytes_); }
 
   void describe(const SliceOptions& options) {
     const PageOrder& order = format_.order;
@@ -177,17 +151,13 @@ class SliceStack final : public VolumeSource, public ChanneledSource, public Uni
     if (const auto gap = gapNote(files_)) layout_.notes.push_back(*gap);
   }
 
-  std::shared_ptr<const Rows> decode(int64_t picture_number, int64_t band) {
-    const int64_t first = band * band_rows_;
-    const int64_t count = std::min(band_rows_, layout_.dims.y - first);
+  void decode(int64_t picture_number, int64_t first, int64_t count, std::span<std::byte> rows) {
     const size_t file = isOneFile() ? 0 : static_cast<size_t>(picture_number);
     auto picture = pool_.take(file);
-    auto rows = std::make_shared<Rows>(static_cast<size_t>(count * row_bytes_));
     const uint64_t read_before = picture->storedBytesRead();
-    picture->readRows(isOneFile() ? picture_number : 0, first, count, *rows);
+    picture->readRows(isOneFile() ? picture_number : 0, first, count, rows);
     pool_.countRead(picture->storedBytesRead() - read_before);
     pool_.giveBack(file, std::move(picture));
-    return rows;
   }
 
   // Opens each file once, for its header alone.
@@ -216,12 +186,10 @@ class SliceStack final : public VolumeSource, public ChanneledSource, public Uni
   PicturePool pool_;
   const size_t max_open_pictures_;
   const StopToken stop_;
-  PictureFormat format_;  // constant after construction, as all that follows but the cache
+  PictureFormat format_;  // constant after construction, as all that follows
   VolumeLayout layout_;
   std::string identity_;
-  int64_t row_bytes_ = 0;
-  int64_t band_rows_ = 0;
-  BandCache cache_{0, Held::kStays};  // its budget is holdAtMost()'s
+  std::optional<PlaneBands> bands_;
 };
 
 // Pieces of one size without a header are most likely raw slices.

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "io/files/luminance.h"
 #include "io/files/swap_bytes.h"
 #include "io/slices/deflate_rows.h"
 #include "io/slices/tiff_page.h"
