@@ -7,6 +7,8 @@
 
 #include <fmt/ranges.h>
 
+#include "io/dicom/dicom_folder.h"
+#include "io/dicom/dicom_source.h"
 #include "io/files/file.h"
 #include "io/files/file_list.h"
 #include "io/headers/meta_image/meta_image.h"
@@ -110,6 +112,28 @@ Source joinRawSlices(const std::vector<std::string>& files, const OpenOptions& o
   if (fs::file_size(files[0], unknown) != slice_bytes + static_cast<uint64_t>(options.skip_bytes))
     return nullptr;
   return openRawSlices({files.begin(), files.end()}, rawOptions(options));
+}
+
+bool isDicom(const NamedInput& input, const OpenOptions& options) {
+  if (input.is_folder) return !areSlicesWithoutHeaders(input, options) && isDicomFolder(input.file);
+  return looksLikeDicom(input.head);
+}
+
+DicomOptions dicomOptions(const OpenOptions& options) {
+  return {.series = options.grid, .stop = options.stop};
+}
+
+Source openDicom(const NamedInput& input, const OpenOptions& options) {
+  return input.is_folder ? openDicomFolder(input.file, dicomOptions(options))
+                         : openDicomFiles({input.file}, dicomOptions(options));
+}
+
+// Slices of any number of series.
+Source joinDicom(const std::vector<std::string>& files, const OpenOptions& options) {
+  for (const std::string& file : files)
+    if (const NamedInput input = lookAt(file, options); input.is_folder || !isDicom(input, options))
+      return nullptr;
+  return openDicomFiles({files.begin(), files.end()}, dicomOptions(options));
 }
 
 // Any other folder is one of slices.
@@ -223,6 +247,13 @@ std::vector<Format> makeFormats() {
        .endings = {".n5"},
        .holds = isN5Store,
        .open = openN5},
+      {.name = "DICOM",
+       .plural = "DICOM images",
+       .takes = {.grid = true},
+       .endings = {".dcm", ".dicom"},
+       .holds = isDicom,
+       .open = openDicom,
+       .join = joinDicom},
       {.name = "PNG or TIFF slices",
        .plural = "TIFF files",
        .takes = {.channel = true},

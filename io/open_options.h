@@ -24,8 +24,8 @@ struct OpenOptions {
   std::optional<std::endian> byte_order = {};  // raw
   int64_t skip_bytes = 0;                      // raw
   std::optional<Vec3d> spacing = {};           // any; replaces the file's
-  std::string grid = {};                       // OpenVDB; empty: see vdb_source.h
-  ChannelWish channel = {};                    // formats with channels; without: the first
+  std::string grid = {};     // OpenVDB, DICOM; empty: see vdb_source.h, dicom_source.h
+  ChannelWish channel = {};  // formats with channels; without: the first
   // Zarr: decoded chunks kept at most, see zarr_source.h. Not a property of a volume, hence without
   // effect on other formats.
   uint64_t chunk_cache_bytes = uint64_t{32} << 20;

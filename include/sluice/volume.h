@@ -30,7 +30,7 @@ struct VolumeOptions {
   std::optional<int64_t> time_steps = {};  // stored one after the other; unset: 1, or by name
   // Any file: world units between neighbouring voxels, instead of the file's.
   std::optional<std::array<double, 3>> spacing = {};
-  std::string grid = {};  // grid of an OpenVDB file; empty: the first that can be drawn
+  std::string grid = {};                // grid of OpenVDB, series of DICOM; empty: first, largest
   std::optional<int64_t> channel = {};  // channel by its number; unset: the first
   std::string channel_name = {};        // the same by its name, if `channel` is unset
 
@@ -75,9 +75,9 @@ struct VolumeInfo {
 // Renderer of it. Any thread may call, several at once.
 class Volume {
  public:
-  // `path`: a file (NRRD, MetaImage, NIfTI, VTK, OpenVDB, raw, PNG or TIFF slices), a folder of
-  // slices, an OME-Zarr image or Zarr array, a pattern ("step_%03d.nrrd"), or "synth:KIND,..."; of
-  // several paths each is a slice or a time step.
+  // `path`: a file (NRRD, MetaImage, NIfTI, VTK, OpenVDB, DICOM, raw, PNG or TIFF slices), a
+  // folder of slices, an OME-Zarr image or Zarr array, a pattern ("step_%03d.nrrd"), or
+  // "synth:KIND,..."; of several paths each is a slice or a time step.
   //
   // Reads the volume's index, or passes over its voxels once, telling `progress`. Throws Error,
   // which names the file: it is missing, damaged, of another size than its header or of no known

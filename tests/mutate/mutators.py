@@ -3,6 +3,7 @@ folder in place and says in a few words what it did."""
 import gzip
 import json
 import random
+import re
 import struct
 import zlib
 
@@ -25,7 +26,7 @@ def apply(rng, kind, folder):
         files = [p for p in files if p.suffix == ".json"]
     path = rng.choice(files)
     ways = {"nrrd": [text_field], "meta": [text_field], "nifti": [nifti_field], "tiff": [tiff_tag, tiff_tag, tiff_text], "png": [png_header, png_chunk],
-            "zarr": [json_member, json_member], "n5": [json_member, json_member, words], "vtk": [text_field, words], "json": [json_member, json_member, json_text], "vdb": [vdb_field, vdb_field, words], "index": [words], "trace": [text_field, words],
+            "zarr": [json_member, json_member], "n5": [json_member, json_member, words], "vtk": [text_field, words], "json": [json_member, json_member, json_text], "vdb": [vdb_field, vdb_field, words], "dicom": [dicom_element, dicom_element, words], "index": [words], "trace": [text_field, words],
             "raw": [words]}[kind]
     way = rng.choice(ways + [damage])
     if rng.random() < 0.03:
@@ -182,6 +183,30 @@ def tiff_tag(rng, path):
     struct.pack_into(order + form, data, entry + where, value)
     path.write_bytes(data)
     return f"tag {tag}: {value} at {where}"
+
+
+def dicom_element(rng, path):
+    """The length, the type or the value of an element that names its type."""
+    data = bytearray(path.read_bytes())
+    found = [m.start() for m in re.finditer(rb"[\x02\x08\x18\x20\x28\x52\xe0]\x00..(CS|DS|IS|US|UI|OW|OB|SQ|PN|SH|LO)", bytes(data), re.S)]
+    found += [m.start() for m in re.finditer(rb"\xfe\xff(\x00\xe0|\x0d\xe0|\xdd\xe0)", bytes(data))]
+    at = rng.choice(found)
+    way = rng.randrange(4)
+    if way == 0:
+        struct.pack_into("<H", data, at + 6, rng.choice(WHOLE) % 2**16)
+        said = "length"
+    elif way == 1:
+        struct.pack_into("<I", data, at + 8, rng.choice(WHOLE) % 2**32)
+        said = "value or long length"
+    elif way == 2:
+        data[at + 4:at + 6] = rng.choice([b"SQ", b"UN", b"OB", b"US", b"DS", b"\0\0", b"zz"])
+        said = "type"
+    else:
+        for i in range(at + 8, min(at + 8 + rng.randrange(1, 12), len(data))):
+            data[i] = rng.choice(b"0123456789.-+e\\\0 ")
+        said = "value"
+    path.write_bytes(data)
+    return f"{said} of the element at {at}"
 
 
 def tiff_text(rng, path):

@@ -279,6 +279,21 @@ def vdbs(m):
     m.case("vdb", "vdb-series", "info", "t%d.vdb", "--time", "2", *MEMORY)
 
 
+def dicoms(m):
+    with tempfile.TemporaryDirectory() as made:
+        script = pathlib.Path(__file__).parents[1] / "io/make_dicom.py"
+        if subprocess.run(["/usr/bin/python3", script, made], stderr=subprocess.DEVNULL, check=False).returncode != 0:
+            print("no DICOM files: NumPy or pydicom is missing")
+            return
+        for name in ("ct", "implicit", "enhanced", "enhanced-delimited", "dose", "rle-ct", "jpeg-ct", "jpegls-u8", "j2k-ct"):
+            folder = pathlib.Path(made) / name
+            if not folder.exists():
+                continue  # GDCM's programs are missing
+            shutil.copytree(folder, m.folder(f"dicom-{name}") / "scan")
+            drawn = name in ("ct", "jpeg-ct", "j2k-ct")
+            m.case("dicom", f"dicom-{name}", "render" if drawn else "info", "scan", *(DRAW if drawn else MEMORY))
+
+
 def others(m):
     volume = "v_12x10x9_uint8.raw"
 
@@ -311,6 +326,6 @@ def others(m):
 
 def make(program, root):
     maker = Maker(program, root)
-    for part in (headers, slices, zarrs, n5, vtk, vdbs, others):
+    for part in (headers, slices, zarrs, n5, vtk, vdbs, dicoms, others):
         part(maker)
     return maker.cases

@@ -96,7 +96,7 @@ void print(const IndexedVolume& volume, const ChosenLook& look) {
   if (const std::string hint = uprightHint(layout); !hint.empty()) say("  up: {}\n", hint);
   if (layout.channels > 1) say("  channel {} of {}\n", layout.channel, layout.channels);
   if (layout.levels > 1) say("  level 0 of {} resolutions (--levels lists them)\n", layout.levels);
-  if (layout.grids.size() > 1) say("  one of these grids: {}\n", joined(layout.grids, ", "));
+  if (layout.grids.size() > 1) say("  --grid takes one of: {}\n", joined(layout.grids, ", "));
   say("  values {} to {}\n", range.lo, range.hi);
   say("  {} blocks of {} a side, {} of them not all {}\n", volume.layout.blockCount(),
       volume.layout.size, volume.index->ranges.blocks.size(),

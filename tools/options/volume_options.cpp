@@ -97,8 +97,8 @@ void addVolumeOptions(CLI::App& app, VolumeArguments& arguments, std::optional<T
   arguments.open.web.buckets = bucketAccess();
   app.add_option(
          "volume", arguments.inputs,
-         "Files, a folder of slices, a Zarr or N5 store or its address (https://..., s3://...), "
-         "a pattern ('step_%03d.raw', 'step_###.raw'), or synth:KIND,...")
+         "Files, a folder of slices or DICOM images, a Zarr or N5 store or its address "
+         "(https://..., s3://...), a pattern ('step_%03d.raw', 'step_###.raw'), or synth:KIND,...")
       ->required(needs_volume)
       ->type_name("VOLUME")
       ->group("Volume");
@@ -123,7 +123,8 @@ void addVolumeOptions(CLI::App& app, VolumeArguments& arguments, std::optional<T
       "--spacing", "X,Y,Z", "one number or X,Y,Z, each above 0, up to 1e+12", spacings,
       [&arguments](const std::vector<double>& n) { arguments.open.spacing = asVec3d(n); },
       "World units between voxels, instead of the file's");
-  group.text("--grid", "NAME", arguments.open.grid, "OpenVDB: name of the grid");
+  group.text("--grid", "NAME", arguments.open.grid,
+             "OpenVDB: name of the grid; DICOM: number of the series");
   group.parsed(
       "--channel", "N|NAME", "a channel's number from 0 to 1000000, or its name", channel,
       [&arguments](const ChannelWish& wish) { arguments.open.channel = wish; },
