@@ -85,15 +85,18 @@ void copyTextureBlock(const TextureBlock& block, const VolumeBlock& from, Vec3i 
 }
 
 std::vector<Vec3i> roomsOf(const TexturePlan& plan, const Chunk& chunk, Vec3i storage_vox) {
-  // Columns along x from the left, each listed from below: a block's room ends where the next block
-  // of its column, or the next column, begins.
+  // Columns along x or y, the first at 0, each listed from below: a block's room ends where the
+  // next block of its column, or the next column, begins.
   std::vector<Vec3i> rooms(chunk.blocks.size());
-  Vec3i end = storage_vox;
-  int64_t column = -1;
+  Vec3i end = storage_vox, next = storage_vox;
   for (size_t i = rooms.size(); i-- > 0;) {
     const Vec3i at = plan.blocks[chunk.blocks[i]].at;
-    if (column >= 0 && at.x != column) end = {column, storage_vox.y, storage_vox.z};
-    column = at.x;
+    for (const int a : {0, 1})
+      if (i + 1 < rooms.size() && at[a] != next[a]) {
+        end = storage_vox;
+        end[a] = next[a];
+      }
+    next = at;
     rooms[i] = end - at;
     end.z = at.z;
   }

@@ -1,7 +1,7 @@
 // Merging of texture blocks into chunks (Tong 1999, section 3.2.3), on thicknesses alone.
 //
-// A chunk is one or two columns side by side along texture x; a column is a pile of texture blocks
-// along z, no higher than a volume block. The paper's operations:
+// A chunk is one or two columns side by side along texture x or y; a column is a pile of texture
+// blocks along z, no higher than a volume block. The paper's operations:
 //   horizontal  two blocks become the two columns of a chunk, as thick as the thicker one; the room
 //               above the thinner one is the extended part
 //   vertical    two blocks pile up if their thicknesses fit under 2^d; a block piles on a column

@@ -186,10 +186,21 @@ TEST(MergingBetweenClusters, aChunkOfTwoClustersIsLoadedOnceInBothDirections) {
     ASSERT_EQ(plan.chunks.size(), 1U);
     EXPECT_EQ(plan.clusters.front().chunks, plan.clusters.back().chunks);
     EXPECT_EQ(plan.chunks.front().size_vox,
-              order == MergeOrder::kPaper ? (Vec3i{128, 64, 30}) : (Vec3i{64, 64, 50}));
+              order == MergeOrder::kPaper ? (Vec3i{64, 128, 30}) : (Vec3i{64, 64, 50}));
     EXPECT_EQ(loadsOf(plan, {0.3, 0.2, 1}), 1U);
     EXPECT_EQ(loadsOf(plan, {0.3, 0.2, -1}), 1U);
   }
+}
+
+// Two columns side by side in wide pages; otherwise one above the other along y.
+TEST(MergingBetweenClusters, columnsLieAlongXWhereThatTakesFewerPages) {
+  Machine machine({2, 2, 2});
+  machine.page.size_vox = {128, 32, 32};
+  const TexturePlan plan =
+      machine.plan({machine.slab({0, 0, 0}, 19, 0), machine.slab({1, 1, 1}, 29, 1)});
+  ASSERT_EQ(plan.chunks.size(), 1U);
+  EXPECT_EQ(plan.chunks.front().size_vox, (Vec3i{128, 64, 30}));
+  EXPECT_EQ(plan.chunks.front().pages, 2);
 }
 
 TEST(MergingBetweenClusters, theOddBlocksOfFullerClustersMergeToo) {
