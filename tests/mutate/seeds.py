@@ -224,6 +224,9 @@ def zarrs(m):
     f = m.folder("zarr-packed")
     m.run(f, "pack", "synth:shells,dims=20x20x20", "-o", "v.zarr", "--codec", "zstd")
     m.case("zarr", "zarr-packed", "render", "v.zarr", *DRAW)
+    f = m.folder("zarr-shards")
+    m.run(f, "pack", "synth:shells,dims=20x20x20", "-o", "v.zarr", "--zarr", "3", "--chunk", "8", "--shard", "16", "--levels", "1")
+    m.case("zarr", "zarr-shards", "render", "v.zarr", *DRAW)
     with tempfile.TemporaryDirectory() as made:
         script = pathlib.Path(__file__).parents[1] / "io/make_zarr3.py"
         if subprocess.run(["/usr/bin/python3", script, made], stderr=subprocess.DEVNULL, check=False).returncode != 0:

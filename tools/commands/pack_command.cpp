@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <optional>
@@ -15,6 +17,7 @@
 #include "tools/command_line/interrupt.h"
 #include "tools/command_line/number.h"
 #include "tools/command_line/outputs.h"
+#include "tools/command_line/parse.h"
 #include "tools/command_line/progress_line.h"
 #include "tools/commands/commands.h"
 #include "tools/options/shared_options.h"
@@ -30,6 +33,8 @@ struct PackArguments {
   PackOptions pack;
   std::string output;
   int level = 0;  // 0: the codec's own default
+  int zarr = 2;
+  std::optional<Vec3i> shard = {};
   bool check = false;
   bool json = false;
 };
@@ -46,6 +51,17 @@ std::optional<PackedLevels> levelsWish(const std::string& word) {
   if (word == "auto") return PackedLevels{true, std::nullopt};
   const auto count = parseIn<int64_t>(word, {1, kMostLevels});
   return count ? std::optional(PackedLevels{true, *count}) : std::nullopt;
+}
+
+// "256" or "256,256,64".
+std::optional<Vec3i> shards(const std::string& word) {
+  constexpr int64_t kMostVoxels = int64_t{1} << 30;
+  if (const auto side = parseIn<int64_t>(word, {1, kMostVoxels})) return Vec3i{*side, *side, *side};
+  const auto numbers = parseNumbers(word, 3);
+  if (!numbers) return std::nullopt;
+  for (const double n : *numbers)
+    if (n != std::floor(n) || n < 1 || n > double{kMostVoxels}) return std::nullopt;
+  return asVec3i(*numbers);
 }
 
 constexpr int kLz4Level = 5, kZstdLevel = 1;
@@ -83,6 +99,14 @@ std::vector<std::unique_ptr<VolumeSource>> openChannels(const VolumeArguments& a
   return channels;
 }
 
+// The wanted one, or about 512 voxels a side: a volume of 2048 a side is 64 files.
+Vec3i shardOf(const PackArguments& arguments) {
+  constexpr int64_t kUsualSide = 512;
+  const int64_t chunk = arguments.pack.chunk_voxels;
+  const int64_t side = std::max<int64_t>(kUsualSide / chunk, 1) * chunk;
+  return arguments.shard.value_or(Vec3i{side, side, side});
+}
+
 int pack(const PackArguments& arguments) {
   Outputs outputs;
   outputs.reads(arguments.volume.inputs);
@@ -96,6 +120,9 @@ int pack(const PackArguments& arguments) {
   const VolumeLayout& layout = channels.front()->layout();
   PackOptions options = arguments.pack;
   options.stop = interruption();
+  if (arguments.zarr == 3) options.shard_voxels = shardOf(arguments);
+  if (arguments.zarr == 2 && arguments.shard)
+    fail("--shard: Zarr 2 has no shards, expected --zarr 3 with it");
   options.memory_bytes = memoryBudget(arguments.resources);
   options.blosc.level = arguments.level != 0                      ? arguments.level
                         : options.blosc.codec == BloscCodec::kLz4 ? kLz4Level
@@ -121,6 +148,7 @@ int pack(const PackArguments& arguments) {
         {"output", arguments.output},
         {"chunks",
          {{"count", report.chunks}, {"empty", report.empty_chunks}, {"kept", report.kept_chunks}}},
+        {"files", report.files},
         {"channels", channels.size()},
         {"levels", 1 + report.levels.size()},
         {"voxel_bytes", report.voxel_bytes},
@@ -143,7 +171,8 @@ int pack(const PackArguments& arguments) {
     const Vec3i dims = report.levels[i];
     say("  level {}: {} x {} x {} voxels\n", i + 1, dims.x, dims.y, dims.z);
   }
-  say("  {} chunks, {} of them empty{}{}\n", report.chunks, report.empty_chunks,
+  say("  {} chunks, {} of them empty, in {} files{}{}\n", report.chunks, report.empty_chunks,
+      report.files,
       report.kept_chunks == 0 ? ""
                               : fmt::format(", {} done before an interruption", report.kept_chunks),
       options.verify ? ", all equal to the volume" : "");
@@ -198,6 +227,12 @@ Command addPack(CLI::App& program) {
       store.text("-o,--output", "DIR.zarr", arguments->output, "The store, NAME.zarr");
   store.number("--chunk", "N", arguments->pack.chunk_voxels, {4, 1024},
                "Voxels per side of a chunk");
+  store.choice("--zarr", Words<int>{{"2", 2}, {"3", 3}}, arguments->zarr,
+               "Version of Zarr: 2 (OME-Zarr 0.4), or 3 (OME-Zarr 0.5), which has shards");
+  store.parsed(
+      "--shard", "X,Y,Z", "one number or X,Y,Z, multiples of --chunk", shards,
+      [arguments](const Vec3i& voxels) { arguments->shard = voxels; },
+      "Zarr 3: voxels of a file along each axis, multiples of --chunk (about 512)");
   store.choice("--codec", Words<BloscCodec>{{"lz4", BloscCodec::kLz4}, {"zstd", BloscCodec::kZstd}},
                arguments->pack.blosc.codec,
                "Codec inside Blosc: lz4 reads faster, zstd is smaller");

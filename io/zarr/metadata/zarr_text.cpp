@@ -62,11 +62,71 @@ ordered_json omero(const std::vector<std::string>& names) {
 
 }  // namespace
 
-std::string zarrGroupText() {
-  return ordered_json{{"zarr_format", 2}}.dump(2) + "\n";
+namespace {
+
+std::string dataType(VoxelType type) {
+  switch (type) {
+    case VoxelType::kF32:
+      return "float32";
+    case VoxelType::kF64:
+      return "float64";
+    default:
+      return fmt::format("{}int{}", name(type)[0] == 'u' ? "u" : "", 8 * bytesPerVoxel(type));
+  }
+}
+
+ordered_json codec(const char* name, ordered_json configuration = nullptr) {
+  ordered_json result{{"name", name}};
+  if (!configuration.is_null()) result["configuration"] = std::move(configuration);
+  return result;
+}
+
+ordered_json bytesCodec(std::endian order) {
+  return codec("bytes", {{"endian", order == std::endian::big ? "big" : "little"}});
+}
+
+// The zarr.json of an array of shards.
+std::string shardedArrayText(const ZarrArray& array, const BloscOptions& options) {
+  constexpr std::array<const char*, 3> kShuffles = {"noshuffle", "shuffle", "bitshuffle"};
+  const size_t voxel_bytes = bytesPerVoxel(array.type);
+  ordered_json inside = ordered_json::array();
+  inside.push_back(bytesCodec(array.byte_order));
+  inside.push_back(
+      codec("blosc", {{"cname", options.codec == BloscCodec::kLz4 ? "lz4" : "zstd"},
+                      {"clevel", options.level},
+                      {"shuffle", kShuffles[static_cast<size_t>(bloscShuffle(voxel_bytes))]},
+                      {"typesize", voxel_bytes},
+                      {"blocksize", kBloscBlockBytes}}));
+  inside.push_back(codec("crc32c"));
+  ordered_json index = ordered_json::array();
+  index.push_back(bytesCodec(array.shards->byte_order));
+  index.push_back(codec("crc32c"));
+  ordered_json codecs = ordered_json::array();
+  codecs.push_back(codec("sharding_indexed", {{"chunk_shape", array.chunks},
+                                              {"codecs", inside},
+                                              {"index_codecs", index},
+                                              {"index_location", "end"}}));
+  ordered_json text{{"zarr_format", 3}, {"node_type", "array"}};
+  text["shape"] = array.shape;
+  text["data_type"] = dataType(array.type);
+  text["chunk_grid"] = codec("regular", {{"chunk_shape", array.files}});
+  text["chunk_key_encoding"] = codec("default", {{"separator", std::string(1, array.separator)}});
+  text["fill_value"] = fillValue(array);
+  text["codecs"] = codecs;
+  text["attributes"] = ordered_json::object();
+  return text.dump(2) + "\n";
+}
+
+}  // namespace
+
+std::string zarrGroupText(ZarrFormat format) {
+  ordered_json text{{"zarr_format", format == ZarrFormat::k3 ? 3 : 2}};
+  if (format == ZarrFormat::k3) text["node_type"] = "group";
+  return text.dump(2) + "\n";
 }
 
 std::string zarrArrayText(const ZarrArray& array, const BloscOptions& options) {
+  if (array.shards) return shardedArrayText(array, options);
   const ordered_json compressor{{"id", "blosc"},
                                 {"cname", options.codec == BloscCodec::kLz4 ? "lz4" : "zstd"},
                                 {"clevel", options.level},
@@ -86,7 +146,8 @@ std::string zarrArrayText(const ZarrArray& array, const BloscOptions& options) {
 }
 
 std::string zarrImageText(const VolumeLayout& layout, const std::string& name,
-                          const std::vector<std::string>& channels, const ZarrLevelsText& levels) {
+                          const std::vector<std::string>& channels, const ZarrLevelsText& levels,
+                          ZarrFormat format) {
   ordered_json axes = ordered_json::array();
   if (layout.time_steps > 1) axes.push_back(axis("t", "time", ""));
   if (channels.size() > 1) axes.push_back(axis("c", "channel", ""));
@@ -111,15 +172,26 @@ std::string zarrImageText(const VolumeLayout& layout, const std::string& name,
   };
   addLevel({});
   for (const LevelPlacement& place : levels.placements) addLevel(place);
-  ordered_json multiscale{
-      {"version", "0.4"}, {"name", name}, {"axes", axes}, {"datasets", datasets}};
+  const bool is_v3 = format == ZarrFormat::k3;
+  ordered_json multiscale;
+  if (!is_v3) multiscale["version"] = "0.4";
+  multiscale["name"] = name;
+  multiscale["axes"] = axes;
+  multiscale["datasets"] = datasets;
   if (!levels.placements.empty()) multiscale["type"] = levels.type;
   ordered_json image;
+  if (is_v3) image["version"] = "0.5";
   image["multiscales"] = ordered_json::array({multiscale});
   if (channels.size() > 1) image["omero"] = omero(channels);
   ordered_json own = ownPart(layout);
   if (levels.has_spreads) own["spreads"] = kZarrSpreadFolder;
-  if (!own.empty()) image["sluice"] = own;
+  if (is_v3) {
+    ordered_json attributes{{"ome", image}};
+    if (!own.empty()) attributes["sluice"] = own;
+    image = {{"zarr_format", 3}, {"node_type", "group"}, {"attributes", attributes}};
+  } else if (!own.empty()) {
+    image["sluice"] = own;
+  }
   // A name need not be UTF-8.
   return image.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }

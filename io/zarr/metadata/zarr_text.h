@@ -1,5 +1,6 @@
-// The metadata files of a store that sluice packs: OME-Zarr 0.4 over Zarr v2. Pure functions; the
-// same text for the same arguments, so that a pack that was interrupted ends in the same bytes.
+// The metadata files of a store that sluice packs: OME-Zarr 0.4 over Zarr 2, or 0.5 over Zarr 3.
+// Pure functions; the same text for the same arguments, so that a pack that was interrupted ends in
+// the same bytes.
 #pragma once
 
 #include <string>
@@ -12,8 +13,11 @@
 
 namespace sluice {
 
-std::string zarrGroupText();
-// .zarray of a Blosc array in C order.
+enum class ZarrFormat { k2, k3 };
+
+// .zgroup, or the zarr.json of a group without attributes.
+std::string zarrGroupText(ZarrFormat format = ZarrFormat::k2);
+// .zarray of a Blosc array in C order, or its zarr.json if it has shards.
 std::string zarrArrayText(const ZarrArray& array, const BloscOptions& options);
 // The coarser levels of an image: the places of their voxels among the finest one's, and how they
 // were made ("mean", "max", "mode").
@@ -23,12 +27,13 @@ struct ZarrLevelsText {
   bool has_spreads = false;  // in arrays beside them, see kZarrSpreadFolder
 };
 
-// .zattrs of an image called `name`, whose levels are the folders "0", "1" and so on: axes t c z y
-// x, without t for one time step and without c for one channel; the layout's spacing and origin as
-// scale and translation of level 0, from which the other levels' follow. Directions that are not
-// the coordinate axes and a scaling of the values go under the key "sluice". `channels`: a name
-// each, perhaps empty; of several they go under "omero".
+// .zattrs, or the zarr.json of a group, of an image called `name`, whose levels are the folders
+// "0", "1" and so on: axes t c z y x, without t for one time step and without c for one channel;
+// the layout's spacing and origin as scale and translation of level 0, from which the other levels'
+// follow. Directions that are not the coordinate axes and a scaling of the values go under the key
+// "sluice". `channels`: a name each, perhaps empty; of several they go under "omero".
 std::string zarrImageText(const VolumeLayout& layout, const std::string& name,
-                          const std::vector<std::string>& channels, const ZarrLevelsText& levels);
+                          const std::vector<std::string>& channels, const ZarrLevelsText& levels,
+                          ZarrFormat format = ZarrFormat::k2);
 
 }  // namespace sluice

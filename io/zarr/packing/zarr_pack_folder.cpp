@@ -11,6 +11,7 @@
 #include <atomic>
 #include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -18,6 +19,7 @@
 #include "io/stores/folder_store.h"
 #include "io/zarr/metadata/zarr_folder.h"
 #include "io/zarr/metadata/zarr_image.h"
+#include "io/zarr/reading/crc32c.h"
 #include "io/zarr/reading/zarr_source.h"
 #include "src/base/error.h"
 #include "src/base/files/atomic_file.h"
@@ -32,11 +34,15 @@ namespace fs = std::filesystem;
 // it.
 struct Record {
   uint64_t chunk = 0, bytes = 0, checksum = 0;
-  uint64_t own_checksum = 0;  // XXH3 of the three
+  uint64_t offset = 0;        // in the file of a shard
+  uint64_t own_checksum = 0;  // XXH3 of the four
 };
 
+// Behind the stored bytes of a chunk in a shard, and behind the shard's index.
+constexpr uint64_t kShardCrcBytes = sizeof(uint32_t);
+
 uint64_t ownChecksum(const Record& record) {
-  return zarrChecksum(std::as_bytes(std::span(&record.chunk, 3)));
+  return zarrChecksum(std::as_bytes(std::span(&record.chunk, 4)));
 }
 
 Descriptor openedFile(const fs::path& path, int flags) {
@@ -73,11 +79,31 @@ void syncFolder(const fs::path& folder, bool whole_file_system) {
     failErrno(fmt::format("{}: cannot be brought to the disk", folder.string()), errno);
 }
 
-std::vector<int64_t> firstChunks(const std::vector<PackedArray>& arrays) {
+// Sums of a count of each array.
+std::vector<int64_t> runningSums(const std::vector<PackedArray>& arrays,
+                                 int64_t (ZarrArray::*count)() const) {
   std::vector<int64_t> firsts{0};
   for (const PackedArray& packed : arrays)
-    firsts.push_back(firsts.back() + packed.array.chunkCount());
+    firsts.push_back(firsts.back() + (packed.array.*count)());
   return firsts;
+}
+
+// The index of a chunk within an array, from its shard's and its number in the shard.
+std::vector<int64_t> chunkIndexIn(const ZarrArray& array, std::span<const int64_t> shard,
+                                  int64_t number) {
+  std::vector<int64_t> index(array.axes());
+  for (size_t a = array.axes(); a-- > 0;) {
+    const int64_t along = array.files[a] / array.chunks[a];
+    index[a] = shard[a] * along + number % along;
+    number /= along;
+  }
+  return index;
+}
+
+bool isInside(const ZarrArray& array, std::span<const int64_t> index) {
+  for (size_t a = 0; a < array.axes(); ++a)
+    if (index[a] * array.chunks[a] >= array.shape[a]) return false;
+  return true;
 }
 
 fs::path withoutSlash(const fs::path& path) {
@@ -94,9 +120,14 @@ ZarrPackFolder::ZarrPackFolder(const fs::path& output, std::vector<PackedArray> 
       folder_(output_.string() + ".partial"),
       store_(folder_ / "store"),
       arrays_(std::move(arrays)),
-      first_chunks_(firstChunks(arrays_)),
+      first_chunks_(runningSums(arrays_, &ZarrArray::chunkCount)),
+      first_files_(runningSums(arrays_, &ZarrArray::fileCount)),
       chunks_(static_cast<size_t>(first_chunks_.back())),
       done_(chunks_.size(), 0) {
+  if (hasShards()) {
+    offsets_.resize(chunks_.size());
+    ends_.resize(static_cast<size_t>(first_files_.back()));
+  }
   lock();
   checkParameters(source_identity, parameters, others);
   for (const PackedArray& packed : arrays_) makeFolders(store_ / packed.folder);
@@ -168,10 +199,33 @@ void ZarrPackFolder::checkParameters(const std::string& source_identity,
   file.commit();
 }
 
-fs::path ZarrPackFolder::chunkPath(int64_t chunk) const {
+uint64_t ZarrPackFolder::tableBytes(const ZarrArray& array) {
+  const uint64_t chunk = sizeof(StoredChunk) + 1 + (array.shards ? sizeof(uint64_t) : 0);
+  return static_cast<uint64_t>(array.chunkCount()) * chunk;
+}
+
+size_t ZarrPackFolder::arrayOf(int64_t chunk) const {
   const auto after = std::upper_bound(first_chunks_.begin(), first_chunks_.end(), chunk);
-  const auto i = static_cast<size_t>(after - first_chunks_.begin()) - 1;
-  return store_ / arrays_[i].folder / arrays_[i].array.fileName(chunk - first_chunks_[i]);
+  return static_cast<size_t>(after - first_chunks_.begin()) - 1;
+}
+
+fs::path ZarrPackFolder::chunkPath(int64_t chunk) const {
+  const size_t i = arrayOf(chunk);
+  const ZarrArray& array = arrays_[i].array;
+  return store_ / arrays_[i].folder / array.fileName(array.placeOf(chunk - first_chunks_[i]).file);
+}
+
+size_t ZarrPackFolder::shardOf(int64_t chunk) const {
+  const size_t i = arrayOf(chunk);
+  return static_cast<size_t>(first_files_[i] +
+                             arrays_[i].array.placeOf(chunk - first_chunks_[i]).file);
+}
+
+int64_t ZarrPackFolder::chunkFiles() const {
+  if (hasShards())
+    return std::count_if(ends_.begin(), ends_.end(), [](uint64_t end) { return end > 0; });
+  return std::count_if(chunks_.begin(), chunks_.end(),
+                       [](const StoredChunk& chunk) { return chunk.bytes > 0; });
 }
 
 bool ZarrPackFolder::checkChunk(int64_t chunk) const {
@@ -179,10 +233,16 @@ bool ZarrPackFolder::checkChunk(int64_t chunk) const {
   if (noted.bytes == 0) return true;
   try {
     File file(chunkPath(chunk));
-    if (file.sizeBytes() != noted.bytes) return false;
+    const uint64_t offset = hasShards() ? offsets_[static_cast<size_t>(chunk)] : 0;
+    if (hasShards() ? file.sizeBytes() < offset + noted.bytes : file.sizeBytes() != noted.bytes)
+      return false;
     std::vector<std::byte> bytes(noted.bytes);
-    file.readAt(0, bytes);
-    return zarrChecksum(bytes) == noted.checksum;
+    file.readAt(offset, bytes);
+    if (!hasShards()) return zarrChecksum(bytes) == noted.checksum;
+    const std::span content = std::span(bytes).first(noted.bytes - kShardCrcBytes);
+    uint32_t crc = 0;
+    std::memcpy(&crc, bytes.data() + content.size(), kShardCrcBytes);
+    return zarrChecksum(content) == noted.checksum && crc32c(content) == crc;
   } catch (const Error&) {
     return false;  // to be written anew
   }
@@ -197,6 +257,10 @@ int64_t ZarrPackFolder::recover(WorkerPool& pool, ProgressMeter& progress, const
     sound += ssize_t{sizeof record};
     noted.push_back(static_cast<int64_t>(record.chunk));
     chunks_[record.chunk] = {record.bytes, record.checksum};
+    if (!hasShards() || record.bytes == 0) continue;
+    offsets_[record.chunk] = record.offset;
+    uint64_t& end = ends_[shardOf(noted.back())];
+    end = std::max(end, record.offset + record.bytes);
   }
   if (ftruncate(journal_.get(), sound) != 0) failErrno((folder_ / "journal").string(), errno);
   std::atomic<int64_t> done = 0;
@@ -214,9 +278,65 @@ int64_t ZarrPackFolder::recover(WorkerPool& pool, ProgressMeter& progress, const
   return done;
 }
 
+void ZarrPackFolder::append(int64_t chunk, std::span<const std::byte> stored, uint64_t offset) {
+  const fs::path path = chunkPath(chunk);
+  const auto openShard = [&] {
+    return Descriptor(open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666));
+  };
+  Descriptor file = openShard();
+  if (!file && errno == ENOENT) {
+    makeFolders(path.parent_path());
+    file = openShard();
+  }
+  if (!file || lseek(file.get(), static_cast<off_t>(offset), SEEK_SET) < 0)
+    failErrno(fmt::format("{}: cannot be written", path.string()), errno);
+  writeChunk(file.get(), stored, path.string());
+  const uint32_t crc = crc32c(stored);
+  writeChunk(file.get(), std::as_bytes(std::span(&crc, 1)), path.string());
+}
+
+void ZarrPackFolder::writeIndices(size_t array_number) {
+  const ZarrArray& array = arrays_[array_number].array;
+  const auto count = static_cast<size_t>(array.chunksAFile());
+  for (int64_t shard = 0; shard < array.fileCount(); ++shard) {
+    const uint64_t end = ends_[static_cast<size_t>(first_files_[array_number] + shard)];
+    if (end == 0) continue;  // all fill value
+    const std::vector<int64_t> at = array.fileIndex(shard);
+    std::vector<uint64_t> index(2 * count, UINT64_MAX);
+    for (size_t i = 0; i < count; ++i) {
+      const std::vector<int64_t> inside = chunkIndexIn(array, at, static_cast<int64_t>(i));
+      if (!isInside(array, inside)) continue;
+      const auto chunk =
+          static_cast<size_t>(first_chunks_[array_number] + array.chunkNumber(inside));
+      if (chunks_[chunk].bytes == 0) continue;
+      index[2 * i] = offsets_[chunk];
+      index[2 * i + 1] = chunks_[chunk].bytes;
+    }
+    const std::string path =
+        (store_ / arrays_[array_number].folder / array.fileName(shard)).string();
+    const Descriptor file = openedFile(path, O_WRONLY);
+    // What an interrupted run left behind the last chunk goes.
+    if (ftruncate(file.get(), static_cast<off_t>(end)) != 0 ||
+        lseek(file.get(), static_cast<off_t>(end), SEEK_SET) < 0)
+      failErrno(fmt::format("{}: cannot be written", path), errno);
+    const std::span bytes = std::as_bytes(std::span(index));
+    const uint32_t crc = crc32c(bytes);
+    writeChunk(file.get(), bytes, path);
+    writeChunk(file.get(), std::as_bytes(std::span(&crc, 1)), path);
+  }
+}
+
 void ZarrPackFolder::write(int64_t chunk, std::span<const std::byte> stored, int thread) {
-  Record record{static_cast<uint64_t>(chunk), stored.size(), 0, 0};
-  if (!stored.empty()) {
+  Record record{static_cast<uint64_t>(chunk), stored.size(), 0, 0, 0};
+  if (!stored.empty() && hasShards()) {
+    record.checksum = zarrChecksum(stored);
+    record.bytes += kShardCrcBytes;
+    {
+      const MutexLock lock(mutex_);
+      record.offset = std::exchange(ends_[shardOf(chunk)], ends_[shardOf(chunk)] + record.bytes);
+    }
+    append(chunk, stored, record.offset);
+  } else if (!stored.empty()) {
     record.checksum = zarrChecksum(stored);
     const fs::path temporary = folder_ / fmt::format("chunk-{}.tmp", thread);
     const fs::path path = chunkPath(chunk);
@@ -233,6 +353,7 @@ void ZarrPackFolder::write(int64_t chunk, std::span<const std::byte> stored, int
   const MutexLock lock(mutex_);
   writeChunk(journal_.get(), std::as_bytes(std::span(&record, 1)), (folder_ / "journal").string());
   chunks_[record.chunk] = {record.bytes, record.checksum};
+  if (hasShards()) offsets_[record.chunk] = record.offset;
   done_[record.chunk] = 1;
 }
 
@@ -243,11 +364,18 @@ fs::path ZarrPackFolder::complete(const std::string& group_text, const std::stri
     file.write(text);
     file.commit();
   };
-  write(store_ / ".zgroup", group_text);
-  write(store_ / ".zattrs", image_text);
+  // Zarr 3 has one file of metadata for each group and array.
+  if (!hasShards()) write(store_ / ".zgroup", group_text);
+  write(store_ / (hasShards() ? "zarr.json" : ".zattrs"), image_text);
+  const char* const group_name = hasShards() ? "zarr.json" : ".zgroup";
   for (size_t i = 0; i < arrays_.size(); ++i) {
     const fs::path name = arrays_[i].folder, folder = store_ / name;
-    if (name.has_parent_path()) write(store_ / name.parent_path() / ".zgroup", group_text);
+    if (name.has_parent_path()) write(store_ / name.parent_path() / group_name, group_text);
+    if (hasShards()) {
+      writeIndices(i);
+      write(folder / "zarr.json", array_texts[i]);
+      continue;
+    }
     write(folder / ".zarray", array_texts[i]);
     const auto first = static_cast<size_t>(first_chunks_[i]);
     const auto end = static_cast<size_t>(first_chunks_[i + 1]);
@@ -285,9 +413,9 @@ namespace {
 // ("0.1.2").
 bool belongsToStore(const fs::path& name) {
   const std::string text = name.string();
-  constexpr std::array<std::string_view, 7> kMetadata = {
-      ".zarray",   ".zgroup",          ".zattrs",        ".zmetadata",
-      "zarr.json", kZarrChecksumsName, kZarrSpreadFolder};
+  constexpr std::array<std::string_view, 8> kMetadata = {
+      ".zarray",   ".zgroup",          ".zattrs",         ".zmetadata",
+      "zarr.json", kZarrChecksumsName, kZarrSpreadFolder, "c"};
   if (std::find(kMetadata.begin(), kMetadata.end(), text) != kMetadata.end()) return true;
   return !text.empty() && text.find_first_not_of("0123456789.") == std::string::npos;
 }

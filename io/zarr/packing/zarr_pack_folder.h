@@ -6,7 +6,9 @@
 // ("pack.json"), and a journal of the chunks that are done with the checksum of each. A chunk is
 // written under another name and renamed, then noted in the journal; whoever opens the folder again
 // believes the journal only where the chunk's file has the length and the checksum noted, so
-// that a kill or a power cut at any moment costs chunks and never makes a wrong one. finish() is
+// that a kill or a power cut at any moment costs chunks and never makes a wrong one. Chunks of an
+// array of shards are appended to their shard's file in the order in which they come, and the
+// journal has their offsets; complete() puts the indices behind them. finish() is
 // the only way to the final name. chunk functions: any thread; the others: one.
 #pragma once
 
@@ -64,7 +66,7 @@ class ZarrPackFolder {
   int64_t firstChunk(size_t array) const { return first_chunks_[array]; }
   bool isDone(int64_t chunk) const { return done_[static_cast<size_t>(chunk)]; }
 
-  // Takes the bytes of a chunk's file; none for a chunk that is all fill value. Each thread gives a
+  // Takes the stored bytes of a chunk; none for a chunk that is all fill value. Each thread gives a
   // number of its own. Throws Error (a full disk too).
   void write(int64_t chunk, std::span<const std::byte> stored, int thread);
 
@@ -79,6 +81,10 @@ class ZarrPackFolder {
   void discard();
 
   const std::vector<StoredChunk>& chunks() const { return chunks_; }
+  // Memory of the tables for an array's chunks.
+  static uint64_t tableBytes(const ZarrArray& array);
+  // Files that hold chunks. Requires: complete() was called.
+  int64_t chunkFiles() const;
   const std::filesystem::path& path() const { return folder_; }
 
  private:
@@ -86,15 +92,25 @@ class ZarrPackFolder {
   void checkParameters(const std::string& source_identity, const std::string& parameters,
                        BegunByOthers others);
   bool checkChunk(int64_t chunk) const;
+  // The array that a chunk belongs to.
+  size_t arrayOf(int64_t chunk) const;
   std::filesystem::path chunkPath(int64_t chunk) const;
+  bool hasShards() const { return arrays_.front().array.shards.has_value(); }
+  // The number of a chunk's shard among those of all arrays.
+  size_t shardOf(int64_t chunk) const;
+  void append(int64_t chunk, std::span<const std::byte> stored, uint64_t offset);
+  // Puts the index of each shard of an array behind its chunks.
+  void writeIndices(size_t array);
 
   const std::filesystem::path output_, folder_, store_;
   const std::vector<PackedArray> arrays_;
-  const std::vector<int64_t> first_chunks_;
+  const std::vector<int64_t> first_chunks_, first_files_;
   Descriptor lock_, journal_;        // constant once open
   Mutex mutex_;                      // guards writing to the journal and the members below
   std::vector<StoredChunk> chunks_;  // guarded by mutex_, an element a chunk
   std::vector<char> done_;           // guarded by mutex_, read between loops only
+  // With shards: the offset of each chunk in its file, and the end of the chunks of each file.
+  std::vector<uint64_t> offsets_, ends_;  // guarded by mutex_
 };
 
 }  // namespace sluice

@@ -19,7 +19,27 @@
 namespace sluice {
 namespace {
 
-ZarrArray arrayFor(ChannelSources channels, int64_t chunk_voxels) {
+// Makes the array one of shards, whose files are boxes of so many voxels.
+void setShards(Vec3i voxels, ZarrArray& array) {
+  int64_t chunks = 1;
+  for (int a = 0; a < 3; ++a) {
+    const size_t axis = array.axes() - 1 - static_cast<size_t>(a);
+    const int64_t side = array.chunks[axis];
+    if (voxels[a] < side || voxels[a] % side != 0 || voxels[a] / side > kMostChunksAFile)
+      fail("--shard {},{},{}: expected multiples of the chunks' {} voxels", voxels.x, voxels.y,
+           voxels.z, side);
+    array.files[axis] = voxels[a];
+    chunks *= voxels[a] / side;
+    if (chunks > kMostChunksAFile)
+      fail("--shard {},{},{}: more than {} chunks of {} voxels a side", voxels.x, voxels.y,
+           voxels.z, kMostChunksAFile, side);
+  }
+  array.prefix = "c";
+  array.has_crc = true;
+  array.shards = ZarrShardIndex{.has_crc = true, .byte_order = std::endian::native};
+}
+
+ZarrArray arrayFor(ChannelSources channels, const PackOptions& options) {
   VolumeSource& source = *channels.front();
   const VolumeLayout& layout = source.layout();
   std::vector<int64_t> leading;
@@ -27,7 +47,10 @@ ZarrArray arrayFor(ChannelSources channels, int64_t chunk_voxels) {
     if (count > 1) leading.push_back(count);
   const std::optional<Occupancy> occupancy = source.occupancy(0);
   const bool is_known = occupancy && std::isfinite(occupancy->background);
-  return packedArray(layout, leading, chunk_voxels, is_known ? occupancy->background : 0);
+  ZarrArray array =
+      packedArray(layout, leading, options.chunk_voxels, is_known ? occupancy->background : 0);
+  if (options.shard_voxels) setShards(*options.shard_voxels, array);
+  return array;
 }
 
 // Limit for the source of the channel that is read.
@@ -145,8 +168,9 @@ class Packer {
             if (std::memcmp(row, slab_.get() + at * voxel_, row_bytes) != 0)
               fail("{}: chunk {} differs from the volume in row y {}, z {}, time step {}",
                    store.string(),
-                   array_.fileName(numberInArray(of, chunks[static_cast<size_t>(i)])), y, z,
-                   of.time);
+                   array_.fileName(
+                       array_.placeOf(numberInArray(of, chunks[static_cast<size_t>(i)])).file),
+                   y, z, of.time);
             row += row_bytes;
           }
       });
@@ -161,8 +185,7 @@ class Packer {
     const Vec3i dims = layout_.dims;
     const int64_t side = options_.chunk_voxels;
     uint64_t table = 0;
-    for (const PackedArray& packed : arrays_)
-      table += static_cast<uint64_t>(packed.array.chunkCount()) * (sizeof(StoredChunk) + 1);
+    for (const PackedArray& packed : arrays_) table += ZarrPackFolder::tableBytes(packed.array);
     const uint64_t chunk = array_.chunkBytes();
     const uint64_t pending = LevelMaker::pendingBytes(layout_, side, levels, options_.downsample);
     const uint64_t making = levels.empty() ? 0 : LevelMaker::threadBytes(layout_, side);
@@ -291,7 +314,7 @@ PackReport packZarr(ChannelSources channels, const std::filesystem::path& output
   if (!options.unit.empty()) layout.unit = options.unit;
   const std::vector<LevelShape> levels = levelsFor(layout, options);
   const std::vector<PackedArray> arrays =
-      arraysFor(arrayFor(channels, options.chunk_voxels), levels, options.downsample);
+      arraysFor(arrayFor(channels, options), levels, options.downsample);
   ZarrLevelsText placed{{}, nameOf(options.downsample), arrays.size() > 1 + levels.size()};
   for (const LevelShape& level : levels) placed.placements.push_back(placementOf(level));
   std::vector<std::string> array_texts;
@@ -300,7 +323,9 @@ PackReport packZarr(ChannelSources channels, const std::filesystem::path& output
     array_texts.push_back(zarrArrayText(packed.array, options.blosc));
     parameters += array_texts.back();
   }
-  const std::string image_text = zarrImageText(layout, layout.name, namesOf(channels), placed);
+  const ZarrFormat format = options.shard_voxels ? ZarrFormat::k3 : ZarrFormat::k2;
+  const std::string image_text =
+      zarrImageText(layout, layout.name, namesOf(channels), placed, format);
   Packer packer(channels, options, arrays, levels, pool, progress);
 
   const Stopwatch watch;
@@ -308,12 +333,14 @@ PackReport packZarr(ChannelSources channels, const std::filesystem::path& output
   PackReport report;
   report.kept_chunks = folder.recover(pool, progress, options.stop);
   packer.pack(folder);
-  const std::filesystem::path store = folder.complete(zarrGroupText(), image_text, array_texts);
+  const std::filesystem::path store =
+      folder.complete(zarrGroupText(format), image_text, array_texts);
   report.pack_seconds = watch.seconds();
   if (options.verify) packer.verify(store);
   report.verify_seconds = watch.seconds() - report.pack_seconds;
 
   report.chunks = static_cast<int64_t>(folder.chunks().size());
+  report.files = folder.chunkFiles();
   for (const LevelShape& level : levels) report.levels.push_back(level.dims);
   for (const StoredChunk& chunk : folder.chunks()) {
     report.stored_bytes += chunk.bytes;

@@ -1,8 +1,9 @@
 // Packs any VolumeSource as a store of compressed chunks that everybody reads: OME-Zarr 0.4 over
-// Zarr v2, Blosc chunks, coarser levels if wanted (io/zarr/packing/level_maker.h), whose spreads go
-// into a group of sluice's own (io/zarr/metadata/zarr_image.h). A stream: memory stays within the
-// budget whatever the volume's size; restartable (io/zarr/packing/zarr_pack_folder.h); the same
-// volume and options give the same bytes.
+// Zarr 2, or 0.5 over Zarr 3 in shards, Blosc chunks, coarser levels if wanted
+// (io/zarr/packing/level_maker.h), whose spreads go into a group of sluice's own
+// (io/zarr/metadata/zarr_image.h). A stream: memory stays within the budget whatever the volume's
+// size; restartable (io/zarr/packing/zarr_pack_folder.h); the same volume and options give the same
+// bytes.
 #pragma once
 
 #include <cstdint>
@@ -23,6 +24,9 @@ namespace sluice {
 
 struct PackOptions {
   int64_t chunk_voxels = 64;  // a side
+  // Voxels of a shard, multiples of a chunk: one file for many chunks, as Zarr 3 has them. Without,
+  // a chunk is a file, in Zarr 2.
+  std::optional<Vec3i> shard_voxels = {};
   BloscOptions blosc = {};
   uint64_t memory_bytes = uint64_t{256} << 20;  // limit for all threads together
   bool verify = false;                          // read again and compare with the source
@@ -38,6 +42,7 @@ struct PackReport {
   int64_t chunks = 0;         // of all levels and their spreads
   int64_t empty_chunks = 0;   // all fill value: no file
   int64_t kept_chunks = 0;    // done by an earlier run that was interrupted
+  int64_t files = 0;          // that hold chunks
   uint64_t voxel_bytes = 0;   // of the volume
   uint64_t stored_bytes = 0;  // of the chunk files, of coarser levels and spreads too
   std::vector<Vec3i> levels;  // voxels of each coarser level
@@ -66,8 +71,8 @@ struct CheckReport {
   std::vector<std::string> faults;  // a line for each chunk that is damaged, missing or too many
 };
 
-// Reads every chunk file of a packed store and compares its checksum. Throws Error when the store
-// cannot be opened or has no checksums, and Interrupted.
+// Reads every chunk of a packed store and compares its checksum. A shard that is missing is all
+// fill value. Throws Error when the store cannot be opened or has no checksums, and Interrupted.
 CheckReport checkZarr(const std::filesystem::path& folder, WorkerPool& pool,
                       ProgressMeter& progress, const StopToken& stop = {});
 

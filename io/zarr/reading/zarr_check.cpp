@@ -11,8 +11,15 @@ namespace {
 // Adds the findings on one array to `report`.
 void checkArray(ZarrChunkFiles& files, CheckReport& report, WorkerPool& pool,
                 ProgressMeter& progress, const StopToken& stop) {
-  const std::vector<int64_t>& chunks = files.existing();
-  for (const int64_t chunk : chunks) progress.expect(files.stored(chunk).bytes);
+  const bool is_listed = files.hasChecksums();
+  // Only the indices of shards know their chunks, and reading one may fail.
+  std::vector<int64_t> chunks = is_listed ? files.existing() : std::vector<int64_t>();
+  for (int64_t i = 0; !is_listed && i < files.array().chunkCount(); ++i) chunks.push_back(i);
+  const auto bytesOf = [&](int64_t chunk) {
+    return is_listed ? files.stored(chunk).bytes : files.array().chunkBytes();
+  };
+  for (const int64_t chunk : chunks) progress.expect(bytesOf(chunk));
+  int64_t found = 0;
   Mutex mutex;
   pool.parallelFor(static_cast<int64_t>(chunks.size()), [&](int64_t i) {
     stop.throwIfStopped();
@@ -21,20 +28,23 @@ void checkArray(ZarrChunkFiles& files, CheckReport& report, WorkerPool& pool,
     uint64_t read = 0;
     try {
       std::vector<std::byte> bytes;
-      files.read(chunk, [&](uint64_t count) {
+      const auto room = [&](uint64_t count) {
         bytes.resize(count);
         return std::span(bytes);
-      });
+      };
+      if (files.exists(chunk)) files.read(chunk, room);
       read = bytes.size();
     } catch (const Error& error) {
       fault = error.what();
     }
-    progress.add(files.stored(chunk).bytes);
+    progress.add(bytesOf(chunk));
     const MutexLock lock(mutex);
     report.stored_bytes += read;
+    if (read > 0 || !fault.empty()) ++found;
     if (!fault.empty()) report.faults.push_back(fault);
   });
-  report.chunks += static_cast<int64_t>(chunks.size());
+  report.chunks += found;
+  if (!is_listed) return;
   for (const int64_t chunk : files.onDisk())
     if (files.stored(chunk).bytes == 0)
       report.faults.push_back(
@@ -46,9 +56,11 @@ void checkArray(ZarrChunkFiles& files, CheckReport& report, WorkerPool& pool,
 CheckReport checkZarr(const std::filesystem::path& folder, WorkerPool& pool,
                       ProgressMeter& progress, const StopToken& stop) {
   ZarrSource source(folder);
-  if (!source.hasChecksums())
-    fail("{}: has no checksums, as only sluice pack writes them; pack it to have some",
-         folder.string());
+  const auto hasSome = [](const ZarrChunkFiles& files) {
+    return files.hasChecksums() || files.array().has_crc;
+  };
+  if (!hasSome(ZarrSource::filesOf(source)))
+    fail("{}: has no checksums, as sluice pack writes them; pack it to have some", folder.string());
   CheckReport report;
   checkArray(ZarrSource::filesOf(source), report, pool, progress, stop);
   // A level that is missing or does not fit is a fault, too.
@@ -56,13 +68,15 @@ CheckReport checkZarr(const std::filesystem::path& folder, WorkerPool& pool,
     if (note.find(" is left out: ") != std::string::npos) report.faults.push_back(note);
   const auto check = [&](VolumeSource& above) {
     ZarrChunkFiles& files = ZarrSource::filesOf(dynamic_cast<ChunkedSource&>(above));
-    if (files.hasChecksums()) checkArray(files, report, pool, progress, stop);
+    if (hasSome(files)) checkArray(files, report, pool, progress, stop);
   };
   for (const CoarserLevel& level : source.levelsAbove()) {
     check(*level.source);
     if (level.spreads != nullptr) check(*level.spreads);
   }
   std::sort(report.faults.begin(), report.faults.end());
+  // A damaged index is a fault of each of its shard's chunks.
+  report.faults.erase(std::unique(report.faults.begin(), report.faults.end()), report.faults.end());
   return report;
 }
 

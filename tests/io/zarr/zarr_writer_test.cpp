@@ -244,10 +244,10 @@ TEST(PackZarr, whatIsDamagedInAnUnfinishedPackIsDoneAgain) {
   fs::remove(partial / "store/0/0/2/0/0");
   go(58);
   half();
-  fs::resize_file(partial / "journal", 32 * 10 + 17);
+  fs::resize_file(partial / "journal", 40 * 10 + 17);
   go(10);
   half();
-  flipBit(partial / "journal", 32 * 20 + 9);
+  flipBit(partial / "journal", 40 * 20 + 9);
   go(20);
   half();
   fs::remove(partial / "journal");
