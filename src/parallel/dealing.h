@@ -22,14 +22,14 @@ namespace sluice {
 
 // How the blocks of a volume are dealt to ranks. In a volume with levels of resolution, a block of
 // a coarser level stands for the finest blocks in its region. Hands are made of whole regions, up
-// to the level at which too few hands would be left for the ranks.
+// to the level at which too few hands would be left for the ranks, or to one that is asked for.
 struct Dealing {
   Vec3i hands;  // grid of hands, the unit of dealing; the last along an axis have the rest of it
   int ranks = 1;
   int64_t hand = 1;      // finest blocks a side of a hand
   int64_t side_vox = 1;  // finest cells a side of that
   int bits = 0;          // bits of the curve's coordinates
-  // Each block of this level and of finer ones lies in one hand; pictures have no coarser blocks.
+  // Each block of this level and of finer ones lies in one hand; pictures show no coarser blocks.
   int coarsest_level = 0;
 
   // The hand that a finest cell lies in.

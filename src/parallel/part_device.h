@@ -23,6 +23,9 @@ class PartDevice : public Device {
  public:
   PartDevice(std::unique_ptr<Device> device, const Dealing& dealing);
 
+  // The hands of later frames.
+  void deal(const Dealing& dealing) { dealing_ = dealing; }
+
   // Later frames are whole pictures of the boxes drawn, as the device alone makes them.
   void drawWhole(bool whole) { draws_whole_ = whole; }
   // Parts of a frame take no more than this: beyond it drawing throws Error.
@@ -54,7 +57,7 @@ class PartDevice : public Device {
   void takeLayer(uint32_t layer, const Picture& picture);
 
   const std::unique_ptr<Device> device_;
-  const Dealing dealing_;
+  Dealing dealing_;
   bool draws_whole_ = false;
   uint64_t most_bytes_ = UINT64_MAX;
   FrameSetup setup_;

@@ -2,13 +2,27 @@
 
 namespace sluice {
 
+void RankBlocks::dealFor(const BlockQuestion& question, const VisibleBlocks& all) {
+  const int coarsest =
+      all.cut ? coarsestLevelShown(question.step, question.view, all) : first_.coarsest_level;
+  // The volume's own hands, which are the most even ones, hold all levels up to this one.
+  const bool fits_first = coarsest <= first_.coarsest_level;
+  const int before = dealing_.coarsest_level;
+  if (fits_first)
+    dealing_ = first_;
+  else if (before != coarsest)
+    dealing_ = dealBlocks(question.step.layout(), first_.ranks, coarsest);
+  if (dealing_.coarsest_level != before && changed_) changed_(dealing_);
+}
+
 VisibleBlocksPtr RankBlocks::choose(const BlockQuestion& question) {
   BlockChooser* chooser = chooser_;
   if (chooser == nullptr && question.cut) chooser = &cut_;
   if (chooser == nullptr) chooser = &classified_;
   const VisibleBlocksPtr all = chooser->choose(question);
   const PyramidLayout layout = question.step.layout();
-  return memo_.of(Identity<VisibleBlocks>(all), [&] {
+  dealFor(question, *all);
+  return memo_.of({Identity<VisibleBlocks>(all), dealing_.coarsest_level}, [&] {
     VisibleBlocks mine;
     mine.white = all->white;
     mine.cut = all->cut;  // of the whole picture

@@ -1,9 +1,14 @@
 // RankBlocks: those of the blocks needed for a picture that this rank draws; another source of
 // visible blocks. Later stages of the frame's chain do not know of it, so nothing of others' blocks
 // is planned, read or drawn.
+//
+// Of a volume with levels of resolution all ranks make the cut of one process. Its blocks are dealt
+// in hands that hold whole blocks of the coarsest level in the picture, however few they are.
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <utility>
 
 #include "src/parallel/dealing.h"
 #include "src/render/blocks/level_cut.h"
@@ -15,7 +20,7 @@ class RankBlocks : public BlockChooser {
  public:
   // `pool` must outlive it.
   RankBlocks(const Dealing& dealing, int rank, WorkerPool& pool)
-      : dealing_(dealing), rank_(rank), classified_(pool), cut_(pool) {}
+      : first_(dealing), dealing_(dealing), rank_(rank), classified_(pool), cut_(pool) {}
 
   // From now on takes from the blocks that `chooser` selects, which must outlive its use; null:
   // from the cut that the picture is drawn from, or all visible blocks of the classification.
@@ -23,16 +28,31 @@ class RankBlocks : public BlockChooser {
   // `each`: from now on each picture's blocks are dealt for it, see dealPicture(); otherwise the
   // volume's, once.
   void dealEachPicture(bool each) { deals_each_ = each; }
+  // `changed` is called by choose() whenever the hands are others than before.
+  void tellDealings(std::function<void(const Dealing&)> changed) { changed_ = std::move(changed); }
+  // Of the blocks chosen last.
+  const Dealing& dealing() const { return dealing_; }
   VisibleBlocksPtr choose(const BlockQuestion& question) override;
 
  private:
-  const Dealing dealing_;
+  struct Key {
+    Identity<VisibleBlocks> all;
+    int coarsest_level;
+    friend bool operator==(const Key&, const Key&) = default;
+  };
+
+  // Makes hands that suit the picture.
+  void dealFor(const BlockQuestion& question, const VisibleBlocks& all);
+
+  const Dealing first_;  // of the volume
+  Dealing dealing_;
+  std::function<void(const Dealing&)> changed_;
   const int rank_;
   ClassifiedBlocks classified_;
   LevelCut cut_;
   BlockChooser* chooser_ = nullptr;
   bool deals_each_ = false;
-  Memo<Identity<VisibleBlocks>, const VisibleBlocks> memo_;
+  Memo<Key, const VisibleBlocks> memo_;
 };
 
 }  // namespace sluice

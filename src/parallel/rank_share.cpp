@@ -25,14 +25,14 @@ uint64_t partBytes(PictureSize size, const Dealing& dealing, uint64_t memory_byt
 }
 
 RankShare::RankShare(Team& team, const Dealing& dealing, WorkerPool& pool, uint64_t part_bytes)
-    : team_(team),
-      dealing_(dealing),
-      pool_(pool),
-      part_bytes_(part_bytes),
-      blocks_(dealing, team.rank(), pool) {}
+    : team_(team), pool_(pool), part_bytes_(part_bytes), blocks_(dealing, team.rank(), pool) {
+  blocks_.tellDealings([this](const Dealing& hands) {
+    if (device_ != nullptr) device_->deal(hands);
+  });
+}
 
 std::unique_ptr<PartDevice> RankShare::deviceFrom(std::unique_ptr<Device> own) {
-  auto device = std::make_unique<PartDevice>(std::move(own), dealing_);
+  auto device = std::make_unique<PartDevice>(std::move(own), blocks_.dealing());
   device->limitPart(part_bytes_ / 2);
   device_ = device.get();
   return device;

@@ -50,13 +50,13 @@ class RankShare {
     if (!team_.isFirst()) body();
   }
   Team& team() { return team_; }
-  const Dealing& dealing() const { return dealing_; }
+  // Of the last picture.
+  const Dealing& dealing() const { return blocks_.dealing(); }
 
  private:
   void exchangeReached(int64_t time, std::vector<bool>& reached);
 
   Team& team_;
-  const Dealing dealing_;
   WorkerPool& pool_;
   const uint64_t part_bytes_;
   RankBlocks blocks_;

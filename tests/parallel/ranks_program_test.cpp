@@ -152,18 +152,26 @@ TEST_P(RanksProgram, drawThePictureOfOneProcess) {
 }
 
 TEST_P(RanksProgram, drawTheCutThroughLevelsOfOneProcess) {
-  constexpr const char* kLevels =
-      "render synth:shells,dims=100x94x88,levels=4 --block 8 --size 36x30 --threshold 60 "
-      "--no-shade --memory 300M --background 000000";  // colours of nearly nothing are rounding
-  for (const std::string& cut : {std::string(), std::string("--level 3"),
-                                 std::string("--projection perspective --zoom 3 --pixel-error 2"),
-                                 std::string("--pixel-error 0.3 --max-bytes 300K")}) {
-    json one = program_.json(fmt::format("{} {} -o one.png", kLevels, cut));
+  constexpr const char* kLook =
+      "--size 36x30 --threshold 60 --no-shade --memory 300M "
+      "--background 000000";  // colours of nearly nothing are rounding
+  constexpr const char* kMany = "synth:shells,dims=100x94x88,levels=4 --block 8";
+  // Of so few blocks that some ranks have none of a coarse level.
+  constexpr const char* kFew = "synth:shells,dims=90x80x70,levels=3";
+  const std::pair<const char*, const char*> cases[] = {
+      {kMany, ""},
+      {kMany, "--level 3"},
+      {kMany, "--projection perspective --zoom 3 --pixel-error 2"},
+      {kMany, "--pixel-error 0.3 --max-bytes 300K"},
+      {kFew, ""},
+      {kFew, "--projection perspective --zoom 0.5 --pixel-error 2"}};
+  for (const auto& [volume, cut] : cases) {
+    const std::string picture = fmt::format("render {} {} {}", volume, kLook, cut);
+    json one = program_.json(picture + " -o one.png");
     one["cut"].erase("spread");  // a rank knows its own blocks alone
     for (const int ranks : {2, 5}) {
-      SCOPED_TRACE(fmt::format("{} ranks, {}", ranks, cut));
-      const CommandResult run =
-          onRanks(ranks, fmt::format("{} {} -o many.png --json -q", kLevels, cut));
+      SCOPED_TRACE(fmt::format("{} ranks, {}", ranks, picture));
+      const CommandResult run = onRanks(ranks, picture + " -o many.png --json -q");
       ASSERT_EQ(run.status, 0) << run.output;
       EXPECT_LE(pictureDifference(program_.folder / "one.png", program_.folder / "many.png"), 1);
       const json many = json::parse(run.output);

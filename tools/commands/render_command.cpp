@@ -67,8 +67,6 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
     fitted = openFitted(arguments, saved, outputs, team, room, FinestLevel::kMayWait);
   }
   Scene& scene = *fitted.scene;
-  if (scene.share && arguments.frame.cut)
-    arguments.frame.cut->coarsest = scene.share->dealing().coarsest_level;
   const std::vector<Camera>& cameras = fitted.cameras;
   if (is_first)
     for (const std::string& warning : scene.look.warnings) printWarning(warning);

@@ -31,12 +31,6 @@ bool hasMeans(const TimeStep& step) {
                              [](const CoarserStep& level) { return level.spreads != nullptr; });
 }
 
-// The coarsest level that the options allow.
-int topLevel(const PyramidLayout& pyramid, const CutOptions& options) {
-  const int top = pyramid.levels() - 1;
-  return options.coarsest ? std::min(top, *options.coarsest) : top;
-}
-
 // Bytes of a block, and of all that are chosen; `read`: those of `held` that are not in memory.
 struct BlockBytes {
   uint64_t stored = 0, held = 0, read = 0;
@@ -81,7 +75,7 @@ class CutMaker {
   }
 
   void make() {
-    const int top = topLevel(pyramid_, options_);
+    const int top = pyramid_.levels() - 1;
     addAll(top, [&](Vec3i index) { return shown_.partOf(top, index, question_.step.time); });
     for (int level = top; level > 0; --level) refine();
     chosen_.insert(chosen_.end(), std::make_move_iterator(open_.begin()),
@@ -326,10 +320,21 @@ int finestLevelShown(const TimeStep& step, const View& view, const CutOptions& o
   const PyramidLayout pyramid = step.layout();
   const PixelSizes sizes(step.source->layout(), view);
   int level = 0;
-  while (level < topLevel(pyramid, options) &&
+  while (level < pyramid.levels() - 1 &&
          sizes.of(pyramid.level(level + 1), boxOf(finestCells(pyramid))) <= options.pixel_error)
     ++level;
   return level;
+}
+
+int coarsestLevelShown(const TimeStep& step, const View& view, const VisibleBlocks& blocks) {
+  const PyramidLayout pyramid = step.layout();
+  const PixelSizes sizes(step.source->layout(), view);
+  int coarsest = 0;
+  for (const ObjectBlock& block : blocks.blocks)
+    if (block.name.level > coarsest &&
+        sizes.of(pyramid.of(block.name), pyramid.regionOf(block.name)) > 0)
+      coarsest = block.name.level;
+  return coarsest;
 }
 
 double spacingOfLevel(const TimeStep& step, int level) {

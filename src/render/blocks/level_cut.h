@@ -34,6 +34,8 @@ bool drawsCut(const TimeStep& step, const std::optional<CutOptions>& cut, Mode m
 // The level that voxels `pixel_error` pixels wide require where the view needs the finest one, or
 // the level that the options name. The distance between slices follows from it.
 int finestLevelShown(const TimeStep& step, const View& view, const CutOptions& options);
+// The coarsest level of the blocks that the picture shows.
+int coarsestLevelShown(const TimeStep& step, const View& view, const VisibleBlocks& blocks);
 // The finest spacing of a level's voxels in units of the volume's finest spacing.
 double spacingOfLevel(const TimeStep& step, int level);
 

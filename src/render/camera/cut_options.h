@@ -7,9 +7,8 @@
 namespace sluice {
 
 struct CutOptions {
-  double pixel_error = 1;            // pixels that a voxel may be wide along any axis
-  std::optional<int> level = {};     // all at this one, whatever the pixel error and the budgets
-  std::optional<int> coarsest = {};  // the coarsest level to begin with; unset: any
+  double pixel_error = 1;         // pixels that a voxel may be wide along any axis
+  std::optional<int> level = {};  // all at this one, whatever the pixel error and the budgets
   // Nobody asked for a cut. The finest level is drawn if coarser ones would show something else:
   // maxima, minima, averages and labels need values that means do not have.
   bool is_default = false;
