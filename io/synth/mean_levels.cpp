@@ -126,7 +126,8 @@ MeanLevels::MeanLevels(VolumeSource& finest, int64_t count, Spreads spreads) {
     levels_.push_back({add(Delivers::kMeans),
                        {{scale, scale, scale}, {offset, offset, offset}},
                        spreads == Spreads::kKept ? add(Delivers::kSpreads) : nullptr,
-                       true});
+                       true,
+                       LevelValues::kMeans});
   }
 }
 

@@ -1,6 +1,6 @@
 """Compares the levels of a store with what NumPy makes of its level 0.
 
-check_packed_levels.py STORE mean|max|mode: every voxel of a level is compared with that of its block, a
+check_packed_levels.py STORE mean|max|min|mode: every voxel of a level is compared with that of its block, a
 level's place with its scale. Levels of means have spreads: twice NumPy's standard deviation. Prints "level shape step" a line for each level, x first.
 """
 
@@ -44,9 +44,9 @@ def mean(voxels, step):
     return sums
 
 
-def greatest(voxels, step):
+def extreme(voxels, step, of):
     for axis, s in enumerate(step):
-        voxels = np.maximum.reduceat(voxels, np.arange(0, voxels.shape[axis], s), axis)
+        voxels = of.reduceat(voxels, np.arange(0, voxels.shape[axis], s), axis)
     return voxels
 
 
@@ -61,6 +61,7 @@ def spread(voxels, step):
 
 spreads = group.attrs["sluice"].get("spreads") if "sluice" in group.attrs else None
 assert (spreads is not None) == (how == "mean")
+assert image["type"] == how
 kinds = {"u1": "u1", "i1": "u1", "u2": "u2", "i2": "u2"}
 scale_0, translation_0 = place(image["datasets"][0])
 for i, dataset in enumerate(image["datasets"][1:], 1):
@@ -84,6 +85,7 @@ for i, dataset in enumerate(image["datasets"][1:], 1):
             assert kept.shape == expected.shape
             assert np.abs(kept.astype("f8") - expected).max() <= tolerance
         else:
-            expected = greatest(voxels, step[space:]) if how == "max" else blocks(voxels, step[space:], mode)
+            extremes = {"max": np.maximum, "min": np.minimum}
+            expected = extreme(voxels, step[space:], extremes[how]) if how in extremes else blocks(voxels, step[space:], mode)
             assert np.array_equal(found, expected)
     print(i, *coarse.shape[:space - 1 if space else None:-1], *step[:space - 1 if space else None:-1])

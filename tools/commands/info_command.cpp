@@ -40,23 +40,26 @@ void printLevels(const VolumeSource& source) {
   size_t level = 0;
   for (const CoarserLevel& coarser : coarserLevels(source))
     line(++level, coarser.source->layout().dims, coarser.placement,
-         fmt::format("; spread: {}",
+         fmt::format("; {}, spread: {}", wordOf(coarser.values),
                      coarser.spreads == nullptr ? "none" : name(coarser.spreads->layout().type)));
 }
 
 nlohmann::json levelsJson(const VolumeSource& source) {
   const auto triple = [](auto v) { return nlohmann::json::array({v.x, v.y, v.z}); };
   nlohmann::json levels = nlohmann::json::array();
-  const auto add = [&](Vec3i dims, const LevelPlacement& place, bool has_spreads) {
+  const auto add = [&](Vec3i dims, const LevelPlacement& place, const char* values,
+                       bool has_spreads) {
     levels.push_back({{"dims", triple(dims)},
                       {"scale", triple(place.scale)},
                       {"offset", triple(place.offset)},
                       {"spacing", triple(source.layout().spacing * place.scale)},
+                      {"values", values},
                       {"spreads", has_spreads}});
   };
-  add(source.layout().dims, {}, false);
+  add(source.layout().dims, {}, "voxels", false);
   for (const CoarserLevel& coarser : coarserLevels(source))
-    add(coarser.source->layout().dims, coarser.placement, coarser.spreads != nullptr);
+    add(coarser.source->layout().dims, coarser.placement, wordOf(coarser.values),
+        coarser.spreads != nullptr);
   return levels;
 }
 

@@ -253,10 +253,13 @@ Command addPack(CLI::App& program) {
       "none");
   store.choice(
       "--downsample",
-      Words<Downsample>{
-          {"mean", Downsample::kMean}, {"max", Downsample::kMax}, {"mode", Downsample::kMode}},
+      Words<Downsample>{{"mean", Downsample::kMean},
+                        {"max", Downsample::kMax},
+                        {"min", Downsample::kMin},
+                        {"mode", Downsample::kMode}},
       options.downsample,
-      "How a voxel of a coarser level follows from finer ones; use mode for labels");
+      "How a voxel of a coarser level follows from finer ones: max for --mode mip, min for minip, "
+      "mode for labels");
   store.text("--unit", "NAME", arguments->pack.unit,
              "Unit of the spacing, if the file does not name it: micrometer, millimeter, ...");
   CLI::Option* verify = store.flag("--verify", arguments->pack.verify,

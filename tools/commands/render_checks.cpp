@@ -110,9 +110,10 @@ std::optional<CutOptions> cutOf(const Arguments& arguments, Team* team) {
     return std::nullopt;
   }
   LevelArguments levels = arguments.levels;
-  // Pictures that get better begin with any level; means cannot show some of them.
+  // Pictures that get better begin with any level, also with levels that are made for them. Other
+  // modes take levels that are there.
   if (asksForRefinement(arguments) && !isSeries(arguments) && team == nullptr && !levels.level &&
-      suitDefaultCut(arguments.frame.mode, arguments.look.labels))
+      arguments.frame.mode == Mode::kComposite && !arguments.look.labels)
     levels.pixel_error = levels.pixel_error.value_or(CutOptions().pixel_error);
   std::optional<CutOptions> cut =
       cutOptions(levels, arguments.resources, arguments.look, arguments.frame);

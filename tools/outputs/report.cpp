@@ -137,12 +137,49 @@ std::string_view name(WorldFrame frame) {
   return "none";
 }
 
+const char* wordOf(LevelValues values) {
+  switch (values) {
+    case LevelValues::kMeans:
+      return "means";
+    case LevelValues::kMaxima:
+      return "maxima";
+    case LevelValues::kMinima:
+      return "minima";
+    case LevelValues::kModes:
+      return "modes";
+    case LevelValues::kUnknown:
+      break;
+  }
+  return "unknown";
+}
+
+namespace {
+
+// What a picture of coarser levels is drawn from, for people.
+std::string originText(const CutSummary& cut) {
+  switch (cut.values) {
+    case LevelValues::kMaxima:
+      return "from the largest values below each voxel";
+    case LevelValues::kMinima:
+      return "from the least values below each voxel";
+    case LevelValues::kModes:
+      return "from the most frequent labels below each voxel";
+    case LevelValues::kMeans:
+    case LevelValues::kUnknown:
+      break;
+  }
+  return cut.has_spreads ? "from means and spreads" : "from coarse voxels without a spread";
+}
+
+}  // namespace
+
 json cutJson(const CutSummary& cut) {
   json levels = json::array();
   for (const CutSummary::Level& level : cut.levels)
     levels.push_back({{"level", level.level}, {"blocks", level.blocks}, {"cells", level.cells}});
   json summary{{"levels", levels},
                {"coarse_share", cut.coarse_share},
+               {"values", wordOf(cut.values)},
                {"spreads", cut.has_spreads},
                {"thin_blocks", cut.thin_blocks},
                {"final", cut.is_final}};
@@ -156,10 +193,9 @@ std::string cutLine(const CutSummary& cut) {
   for (const CutSummary::Level& level : cut.levels)
     levels += fmt::format("{}{} ({} block{})", levels.empty() ? "" : ", ", level.level,
                           level.blocks, level.blocks == 1 ? "" : "s");
-  std::string line = fmt::format(
-      "{:.1f} % of what shows is drawn coarser than it is stored, at level {}, {}",
-      100 * cut.coarse_share, levels,
-      cut.has_spreads ? "from means and spreads" : "from coarse voxels without a spread");
+  std::string line =
+      fmt::format("{:.1f} % of what shows is drawn coarser than it is stored, at level {}, {}",
+                  100 * cut.coarse_share, levels, originText(cut));
   if (cut.spread)
     line +=
         fmt::format(" of up to {:.4g}, {:.3g} on average", cut.spread->largest, cut.spread->mean);

@@ -43,6 +43,11 @@ std::vector<ZarrAxis> parseAxes(const JsonField& field) {
   return axes;
 }
 
+constexpr std::pair<const char*, LevelValues> kLevelNames[] = {{"mean", LevelValues::kMeans},
+                                                               {"max", LevelValues::kMaxima},
+                                                               {"min", LevelValues::kMinima},
+                                                               {"mode", LevelValues::kModes}};
+
 // Applies a list of transformations after those that are in `place` already.
 void transform(const JsonField& list, ZarrPlace& place) {
   const size_t count = list.size();
@@ -106,6 +111,10 @@ void parseMultiscale(const JsonField& multiscale, const std::string& level, Zarr
   auto axes = multiscale.find("axes");
   if (!axes && datasets.size() > 0) axes = axesOfSystem(multiscale, datasets);
   if (axes) image.axes = parseAxes(*axes);
+  // Other writers have more words, such as "gaussian".
+  if (const auto type = multiscale.find("type"); type && type->isText())
+    for (const auto& [name, values] : kLevelNames)
+      if (type->text() == name) image.level_values = values;
   const size_t count = datasets.size();
   if (count == 0) datasets.failExpected("one level at least");
   constexpr size_t kMostLevels = 64;
@@ -278,6 +287,12 @@ void place(const ZarrImage& image, const std::string& path, ZarrView& view) {
 }
 
 }  // namespace
+
+std::string_view zarrLevelsName(LevelValues values) {
+  for (const auto& [name, known] : kLevelNames)
+    if (known == values) return name;
+  return {};
+}
 
 std::string_view zarrFrameName(WorldFrame frame) {
   for (const auto& [name, known] : kFrames)

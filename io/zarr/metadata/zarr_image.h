@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "io/zarr/metadata/zarr_array.h"
+#include "src/base/values/volume_levels.h"
 #include "src/base/values/volume_source.h"
 
 namespace sluice {
@@ -47,7 +48,8 @@ struct ZarrImage {
   std::optional<std::array<Vec3d, 3>> directions;
   double value_scale = 1, value_offset = 0;
   bool level_set = false;
-  std::string spreads;              // folder of the levels' spreads; empty: there are none
+  std::string spreads;  // folder of the levels' spreads; empty: there are none
+  LevelValues level_values = LevelValues::kUnknown;  // as far as the image says it
   std::optional<WorldFrame> frame;  // without: that of pictures, where the axes are an image's
 };
 
@@ -57,6 +59,8 @@ struct ZarrImage {
 ZarrImage parseZarrImage(std::string_view text, const std::string& path,
                          const std::string& level = "");
 
+// The word for how levels were made; empty for kUnknown.
+std::string_view zarrLevelsName(LevelValues values);
 // The text for a frame under the key "sluice".
 std::string_view zarrFrameName(WorldFrame frame);
 

@@ -178,7 +178,7 @@ std::string zarrImageText(const VolumeLayout& layout, const std::string& name,
   multiscale["name"] = name;
   multiscale["axes"] = axes;
   multiscale["datasets"] = datasets;
-  if (!levels.placements.empty()) multiscale["type"] = levels.type;
+  if (!levels.placements.empty()) multiscale["type"] = zarrLevelsName(levels.values);
   ordered_json image;
   if (is_v3) image["version"] = "0.5";
   image["multiscales"] = ordered_json::array({multiscale});

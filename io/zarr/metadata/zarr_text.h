@@ -20,10 +20,10 @@ std::string zarrGroupText(ZarrFormat format = ZarrFormat::k2);
 // .zarray of a Blosc array in C order, or its zarr.json if it has shards.
 std::string zarrArrayText(const ZarrArray& array, const BloscOptions& options);
 // The coarser levels of an image: the places of their voxels among the finest one's, and how they
-// were made ("mean", "max", "mode").
+// were made.
 struct ZarrLevelsText {
   std::vector<LevelPlacement> placements;  // from fine to coarse
-  std::string type;
+  LevelValues values = LevelValues::kMeans;
   bool has_spreads = false;  // in arrays beside them, see kZarrSpreadFolder
 };
 

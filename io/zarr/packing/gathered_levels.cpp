@@ -13,8 +13,11 @@ void gather(BlockSums& block, const BlockSums& more, Downsample how) {
   if (more.count == 0) return;
   if (how == Downsample::kMean)
     block.value += more.value;
+  else if (block.count == 0)
+    block.value = more.value;
   else
-    block.value = block.count == 0 ? more.value : std::max(block.value, more.value);
+    block.value = how == Downsample::kMax ? std::max(block.value, more.value)
+                                          : std::min(block.value, more.value);
   block.squares += more.squares;
   block.count += more.count;
 }

@@ -10,8 +10,8 @@
 
 namespace sluice {
 
-void makeLevelRegion(VolumeSource& finest, int64_t time, const LevelShape& level, const Box3& box,
-                     std::span<std::byte> voxels, std::span<std::byte> spreads) {
+void makeLevelRegion(VolumeSource& finest, int64_t time, const LevelShape& level, Downsample how,
+                     const Box3& box, std::span<std::byte> voxels, std::span<std::byte> spreads) {
   const VolumeLayout& layout = finest.layout();
   const Vec3i from = box.lo * level.step, size = min(box.hi * level.step, layout.dims) - from;
   const int64_t side = std::max({level.step.x, level.step.y, level.step.z});
@@ -26,7 +26,7 @@ void makeLevelRegion(VolumeSource& finest, int64_t time, const LevelShape& level
     levels.push_back({blocksOf(size, step), step});
   }
   const size_t last = levels.size() - 1;
-  LevelMaker maker(part, side, std::move(levels), Downsample::kMean, fill);
+  LevelMaker maker(part, side, std::move(levels), how, fill);
   std::vector<std::byte> cube(static_cast<size_t>(side * side * side) * voxel);
   const auto copyLayer = [&](const Box3& layer, const std::byte* made, std::span<std::byte> to) {
     if (to.empty()) return;

@@ -3,12 +3,28 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace sluice {
+namespace {
 
-const char* nameOf(Downsample how) {
-  if (how == Downsample::kMean) return "mean";
-  return how == Downsample::kMax ? "max" : "mode";
+constexpr std::pair<Downsample, LevelValues> kWays[] = {{Downsample::kMean, LevelValues::kMeans},
+                                                        {Downsample::kMax, LevelValues::kMaxima},
+                                                        {Downsample::kMin, LevelValues::kMinima},
+                                                        {Downsample::kMode, LevelValues::kModes}};
+
+}  // namespace
+
+LevelValues valuesOf(Downsample how) {
+  for (const auto& [way, values] : kWays)
+    if (way == how) return values;
+  return LevelValues::kUnknown;
+}
+
+Downsample downsampleFor(LevelValues values) {
+  for (const auto& [way, of_way] : kWays)
+    if (of_way == values) return way;
+  return Downsample::kMean;
 }
 
 LevelPlacement placementOf(const LevelShape& shape) {

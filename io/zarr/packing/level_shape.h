@@ -14,13 +14,14 @@ namespace sluice {
 
 // The value of a coarse voxel, from its block of finer ones. NaN counts only if a block has nothing
 // else. If several values are most frequent, kMode takes the least.
-enum class Downsample { kMean, kMax, kMode };
+enum class Downsample { kMean, kMax, kMin, kMode };
 // Whether the levels have spreads.
 constexpr bool keepsSpreads(Downsample how) {
   return how == Downsample::kMean;
 }
-// "mean", "max", "mode".
-const char* nameOf(Downsample how);
+LevelValues valuesOf(Downsample how);
+// The way to make levels of these values; kMean if they are unknown.
+Downsample downsampleFor(LevelValues values);
 
 struct LevelShape {
   Vec3i dims;  // voxels

@@ -13,7 +13,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr Downsample kHow = Downsample::kMean;
 constexpr BloscOptions kBlosc{.codec = BloscCodec::kLz4, .level = 5};
 
 double fillValueOf(VolumeSource& source, int64_t time) {
@@ -24,7 +23,7 @@ double fillValueOf(VolumeSource& source, int64_t time) {
 std::vector<PackedArray> arraysOf(const VolumeLayout& layout, const LevelStorePlan& plan,
                                   double fill_value) {
   const ZarrArray finest = packedArray(layout, {}, plan.chunk_voxels, fill_value);
-  return levelArrays(finest, plan.levels, kHow, 0);
+  return levelArrays(finest, plan.levels, plan.how, 0);
 }
 
 // The volume's first coarser level as a volume of its own.
@@ -39,9 +38,10 @@ VolumeLayout firstLevel(VolumeLayout layout, const LevelShape& shape) {
   return layout;
 }
 
-std::string imageText(const VolumeLayout& layout, const std::vector<LevelShape>& levels) {
+std::string imageText(const VolumeLayout& layout, const LevelStorePlan& plan) {
+  const std::vector<LevelShape>& levels = plan.levels;
   const LevelPlacement first = placementOf(levels.front());
-  ZarrLevelsText text{{}, nameOf(kHow), keepsSpreads(kHow)};
+  ZarrLevelsText text{{}, valuesOf(plan.how), keepsSpreads(plan.how)};
   for (size_t i = 1; i < levels.size(); ++i) {
     const LevelPlacement place = placementOf(levels[i]);
     text.placements.push_back(
@@ -52,26 +52,27 @@ std::string imageText(const VolumeLayout& layout, const std::vector<LevelShape>&
 
 }  // namespace
 
-std::optional<LevelStorePlan> planLevelStore(const VolumeLayout& layout, uint64_t memory_bytes,
-                                             int threads) {
+std::optional<LevelStorePlan> planLevelStore(const VolumeLayout& layout, Downsample how,
+                                             uint64_t memory_bytes, int threads) {
+  const int numbers = keepsSpreads(how) ? 2 : 1;
   for (const int64_t side : {64, 32, 16}) {
-    LevelStorePlan plan{levelShapes(layout, side, std::nullopt), side, 0, 0};
+    LevelStorePlan plan{how, levelShapes(layout, side, std::nullopt), side, 0, 0};
     double voxels = 0, chunks = 0;
     for (const LevelShape& level : plan.levels) {
       const Vec3d dims = toDouble(level.dims);
       voxels += dims.x * dims.y * dims.z;
       const Vec3d grid = toDouble(Vec3i{ceilDiv(level.dims.x, side), ceilDiv(level.dims.y, side),
                                         ceilDiv(level.dims.z, side)});
-      chunks += 2 * grid.x * grid.y * grid.z;
+      chunks += numbers * grid.x * grid.y * grid.z;
     }
     const double voxel_bytes =
-        voxels * static_cast<double>(storedBytesPerVoxel(layout.type, keepsSpreads(kHow) ? 2 : 1));
+        voxels * static_cast<double>(storedBytesPerVoxel(layout.type, numbers));
     const auto chunk_bytes = static_cast<uint64_t>(side * side * side) * bytesPerVoxel(layout.type);
     const double table = chunks * (sizeof(StoredChunk) + 1);
     if (voxel_bytes + table > 1e18) return std::nullopt;
     plan.voxel_bytes = static_cast<uint64_t>(voxel_bytes);
     plan.held_bytes =
-        static_cast<uint64_t>(table) + LevelMaker::pendingBytes(layout, side, plan.levels, kHow) +
+        static_cast<uint64_t>(table) + LevelMaker::pendingBytes(layout, side, plan.levels, how) +
         static_cast<uint64_t>(threads) *
             (ChunkPacker::threadBytes(chunk_bytes) + LevelMaker::threadBytes(layout, side));
     if (plan.held_bytes <= memory_bytes) return plan;
@@ -90,10 +91,10 @@ LevelStoreWriter::LevelStoreWriter(VolumeSource& source, int64_t time, fs::path 
       layout_(source.layout()),
       stop_(stop),
       arrays_(arraysOf(layout_, plan_, fillValueOf(source, time))),
-      image_text_(imageText(layout_, plan_.levels)),
+      image_text_(imageText(layout_, plan_)),
       chunks_(arrays_, plan_.chunk_voxels, kBlosc),
-      levels_(layout_, plan_.chunk_voxels, plan_.levels, kHow, fillVoxel(arrays_.front().array), 0,
-              chunks_, pool) {
+      levels_(layout_, plan_.chunk_voxels, plan_.levels, plan_.how,
+              fillVoxel(arrays_.front().array), 0, chunks_, pool) {
   requireFreeName(output, true);
   std::string parameters = image_text_;
   for (const PackedArray& packed : arrays_) {
@@ -145,7 +146,7 @@ bool LevelStoreWriter::finish() {
   return fault_.empty();
 }
 
-LevelStore::LevelStore(const fs::path& folder, const VolumeLayout& finest)
+LevelStore::LevelStore(const fs::path& folder, const VolumeLayout& finest, Downsample how)
     : source_(std::make_unique<ZarrSource>(folder, ZarrOptions())) {
   const Vec3i chunk = source_->chunkVoxels();
   const std::vector<LevelShape> shapes = levelShapes(finest, chunk.x, std::nullopt);
@@ -157,10 +158,12 @@ LevelStore::LevelStore(const fs::path& folder, const VolumeLayout& finest)
          notes.empty() ? "" : ": " + notes.front());
   for (size_t i = 0; i < shapes.size(); ++i) {
     const VolumeLayout& level = found[i].source->layout();
-    if (found[i].spreads == nullptr || level.dims != shapes[i].dims || level.type != finest.type)
+    if ((found[i].spreads != nullptr) != keepsSpreads(how) || level.dims != shapes[i].dims ||
+        level.type != finest.type)
       fail("{}: level {} is not that of {}{}", folder.string(), i + 1, finest.name,
            notes.empty() ? "" : ": " + notes.front());
-    levels_.push_back({found[i].source, placementOf(shapes[i]), found[i].spreads});
+    levels_.push_back(
+        {found[i].source, placementOf(shapes[i]), found[i].spreads, false, valuesOf(how)});
   }
 }
 

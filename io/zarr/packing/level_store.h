@@ -1,6 +1,6 @@
-// LevelStore: the coarser levels of a volume and their spreads, in a Zarr group of their own; for
-// volumes whose format has one level. The group is an OME-Zarr image whose finest level is the
-// volume's level 1, with voxels as `sluice pack --levels auto` makes them.
+// LevelStore: the coarser levels of a volume, and their spreads if they are means, in a Zarr group
+// of their own; for volumes whose format has one level. The group is an OME-Zarr image whose finest
+// level is the volume's level 1, with voxels as `sluice pack --levels auto` makes them.
 //
 // LevelStoreWriter makes it of voxels that pass once. The group appears whole or not at all. What
 // an interrupted run has done stays in NAME.zarr.partial and is kept by the next one, if it makes
@@ -24,15 +24,16 @@
 namespace sluice {
 
 struct LevelStorePlan {
+  Downsample how = Downsample::kMean;
   std::vector<LevelShape> levels;  // from fine to coarse; may be empty
   int64_t chunk_voxels = 0;        // a side
   uint64_t held_bytes = 0;         // memory of the writer
   uint64_t voxel_bytes = 0;        // of all levels and spreads, before they are compressed
 };
-// The levels of a volume, in the largest chunks with which a writer with this many threads fits
-// into `memory_bytes`; nullopt: none do.
-std::optional<LevelStorePlan> planLevelStore(const VolumeLayout& layout, uint64_t memory_bytes,
-                                             int threads);
+// The levels of a volume, made in this way, in the largest chunks with which a writer with this
+// many threads fits into `memory_bytes`; nullopt: none do.
+std::optional<LevelStorePlan> planLevelStore(const VolumeLayout& layout, Downsample how,
+                                             uint64_t memory_bytes, int threads);
 
 // Whether levels can be made of a source in one pass: what it does not store is a number.
 bool canMakeLevels(VolumeSource& source, int64_t time);
@@ -76,9 +77,9 @@ class LevelStoreWriter final : public VoxelTaker {
 // An open group. Any thread.
 class LevelStore {
  public:
-  // `finest`: the volume that they are levels of. Throws Error: a level or its spreads are missing,
-  // damaged, or of another volume.
-  LevelStore(const std::filesystem::path& folder, const VolumeLayout& finest);
+  // `finest`: the volume that they are levels of, made in the way `how`. Throws Error: a level or
+  // its spreads are missing, damaged, or of another volume.
+  LevelStore(const std::filesystem::path& folder, const VolumeLayout& finest, Downsample how);
 
   // From level 1 on; valid as long as the store.
   const std::vector<CoarserLevel>& levels() const { return levels_; }

@@ -315,7 +315,7 @@ PackReport packZarr(ChannelSources channels, const std::filesystem::path& output
   const std::vector<LevelShape> levels = levelsFor(layout, options);
   const std::vector<PackedArray> arrays =
       arraysFor(arrayFor(channels, options), levels, options.downsample);
-  ZarrLevelsText placed{{}, nameOf(options.downsample), arrays.size() > 1 + levels.size()};
+  ZarrLevelsText placed{{}, valuesOf(options.downsample), arrays.size() > 1 + levels.size()};
   for (const LevelShape& level : levels) placed.placements.push_back(placementOf(level));
   std::vector<std::string> array_texts;
   std::string parameters;

@@ -168,7 +168,9 @@ void ChunkedSource::placeLevels(const ChunkedVolume& volume, const std::vector<s
     is_translated = is_translated || image.places[datasets[i]].is_translated;
     if (claim.translation && finest.translation)
       place.offset = (*claim.translation - *finest.translation) / *finest.scale;
-    levels_above_.push_back({level_sources_[i].get(), place, spread_sources_[i].get()});
+    const bool has_spreads = spread_sources_[i] != nullptr;
+    levels_above_.push_back({level_sources_[i].get(), place, spread_sources_[i].get(), false,
+                             has_spreads ? LevelValues::kMeans : image.level_values});
   }
   std::stable_sort(levels_above_.begin(), levels_above_.end(),
                    [](const CoarserLevel& a, const CoarserLevel& b) {

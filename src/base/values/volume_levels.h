@@ -44,6 +44,10 @@ inline size_t storedBytesPerVoxel(VoxelType type, int numbers) {
   return bytesPerVoxel(type) + (numbers == 2 ? bytesPerVoxel(spreadType(type)) : 0);
 }
 
+// How the voxels of a coarser level follow from the finest ones that they stand for. Of the last
+// three each voxel has a value that occurs among these.
+enum class LevelValues { kUnknown, kMeans, kMaxima, kMinima, kModes };
+
 struct CoarserLevel {
   VolumeSource* source = nullptr;  // owned by the source it is a level of
   LevelPlacement placement;        // among the voxels of that source
@@ -52,7 +56,15 @@ struct CoarserLevel {
   // steps are the level's. Null: no spread is known.
   VolumeSource* spreads = nullptr;
   bool is_computed = false;  // from voxels of the finest level whenever it is read
+  LevelValues values = LevelValues::kUnknown;
 };
+
+// Whether a level of these values shows something where the finest level does, and nowhere else: it
+// needs no ranges of its own then.
+constexpr bool showsAsFinest(LevelValues values, bool has_spreads) {
+  return has_spreads || values == LevelValues::kMaxima || values == LevelValues::kMinima ||
+         values == LevelValues::kModes;
+}
 
 // A VolumeSource implements this too if it has coarser levels; see coarserLevels().
 class LeveledSource {

@@ -5,6 +5,8 @@
 #include <optional>
 #include <vector>
 
+#include "src/base/values/volume_levels.h"
+
 namespace sluice {
 
 // The spreads of coarse voxels (volume_levels.h) in units of values: how much the finest values
@@ -25,6 +27,7 @@ struct CutSummary {
   // Whether all coarser ones have spreads beside their means: what is drawn of them is what their
   // finest voxels look like on average.
   bool has_spreads = false;
+  LevelValues values = LevelValues::kUnknown;  // what the voxels of coarser levels are
   // False: a budget or the time ended the refinement before the pixel error was reached.
   bool is_final = true;
   // The data of finer blocks was not in memory in time: a later picture shows them.

@@ -9,6 +9,7 @@
 
 #include "io/step_numbers.h"
 #include "src/base/error.h"
+#include "src/base/values/forwarding_source.h"
 #include "src/base/values/read_units.h"
 #include "src/base/values/volume_levels.h"
 #include "src/library/drawing/resources.h"
@@ -16,6 +17,7 @@
 #include "src/library/opening/side_levels.h"
 #include "src/library/opening/thick_source.h"
 #include "src/library/opening/volume_sample.h"
+#include "src/render/blocks/level_cut.h"
 #include "src/volume/byte_order_hint.h"
 
 namespace sluice {
@@ -75,29 +77,60 @@ std::vector<std::string> notesOf(const std::string& name, const VolumeLayout& la
   return notes;
 }
 
-// Levels beside the index are for pictures that may be drawn from them. Those that continue the
-// levels of a file have no spreads.
-LevelsWish wishFor(const VolumeSource& source, LevelNeeds needs, LevelsWish wish) {
-  const std::span<const CoarserLevel> own = coarserLevels(source);
-  if (needs == LevelNeeds::kFinest) return LevelsWish::kNone;
-  if (own.empty()) return wish;
-  return needs != LevelNeeds::kAll || own.front().is_computed ? LevelsWish::kNone : wish;
+// Whether pictures with these needs may be drawn from a file's own levels, of which not all writers
+// say how they were made: then they are taken for means.
+bool suit(std::span<const CoarserLevel> own, const IndexNeeds& needs) {
+  return std::ranges::all_of(own, [&](const CoarserLevel& level) {
+    return level.values == needs.values ||
+           (level.values == LevelValues::kUnknown && needs.values == LevelValues::kMeans);
+  });
 }
 
+// Levels beside the index are for pictures that may be drawn from them. Those that continue the
+// levels of a file have no spreads, and the mode of modes is not that of the voxels.
+LevelsWish wishFor(const VolumeSource& source, const IndexNeeds& needs, LevelsWish wish) {
+  const std::span<const CoarserLevel> own = coarserLevels(source);
+  if (needs.levels == LevelNeeds::kFinest) return LevelsWish::kNone;
+  if (own.empty()) return wish;
+  if (own.front().is_computed) return LevelsWish::kNone;
+  if (!suit(own, needs)) return wish;
+  return needs.levels == LevelNeeds::kAll && needs.values != LevelValues::kModes
+             ? wish
+             : LevelsWish::kNone;
+}
+
+// A volume without the levels of its file, which hold something else than pictures need.
+class WithoutLevels final : public ForwardingSource {
+ public:
+  explicit WithoutLevels(std::unique_ptr<VolumeSource> source)
+      : ForwardingSource(std::move(source)), layout_(ForwardingSource::layout()) {
+    layout_.levels = 1;
+  }
+  const VolumeLayout& layout() const override { return layout_; }
+  std::span<const CoarserLevel> levelsAbove() const override { return {}; }
+
+ private:
+  VolumeLayout layout_;  // constant after construction
+};
+
 // The levels that these needs ask for.
-std::span<const CoarserLevel> levelsFor(const VolumeSource& source, LevelNeeds needs) {
+std::span<const CoarserLevel> levelsFor(const VolumeSource& source, const IndexNeeds& needs) {
   const std::span<const CoarserLevel> all = coarserLevels(source);
-  if (needs == LevelNeeds::kAll) return all;
+  if (needs.levels == LevelNeeds::kAll) return all;
+  const auto isFaithful = [&](const CoarserLevel& level) {
+    return level.values == needs.values && showsAsFinest(level.values, level.spreads != nullptr);
+  };
   size_t count = 0;
-  if (needs == LevelNeeds::kWithSpreads)
-    while (count < all.size() && all[count].spreads != nullptr) ++count;
+  if (needs.levels == LevelNeeds::kFaithful)
+    while (count < all.size() && isFaithful(all[count])) ++count;
   return all.first(count);
 }
 
 // Whether a sample is asked for and may serve: of one step, for a cut through all levels.
 bool maySample(const VolumeLayout& layout, const IndexNeeds& needs) {
   return needs.sample_seconds && needs.may_stand_in && needs.levels == LevelNeeds::kAll &&
-         layout.time_steps == 1 && isWorthSampling(layout, *needs.sample_seconds);
+         needs.values == LevelValues::kMeans && layout.time_steps == 1 &&
+         isWorthSampling(layout, *needs.sample_seconds);
 }
 
 // Whether a volume is drawn at level 0 from an index that is there already, without further levels.
@@ -166,10 +199,15 @@ std::shared_ptr<const IndexedRanges> indexOfLevel(const IndexedVolume& volume, i
                     pass.progress, pass.memory_bytes, pass.stop));
 }
 
-// Indices of the levels without spreads, from `least` on.
+bool needsIndex(const CoarserLevel& level) {
+  return !showsAsFinest(level.values, level.spreads != nullptr);
+}
+
+// Indices of the levels that need one, from `least` on.
 void indexLevels(IndexedVolume& volume, int least, const IndexPass& pass) {
+  const std::span<const CoarserLevel> levels = coarserLevels(*volume.source);
   for (int level = least; level <= static_cast<int>(volume.coarser.size()); ++level)
-    if (volume.pyramid->level(level).numbers == 1)
+    if (needsIndex(levels[static_cast<size_t>(level) - 1]))
       volume.coarser[static_cast<size_t>(level) - 1] =
           indexOfLevel(volume, level, volume.time, pass);
 }
@@ -181,10 +219,10 @@ IndexedRanges standIn(IndexedVolume& volume, const IndexPass& pass) {
   indexLevels(volume, number, pass);
   const std::span<const CoarserLevel> levels = coarserLevels(*volume.source);
   for (int level = 1; level < number; ++level) {
-    const LevelLayout& at = volume.pyramid->level(level);
-    if (at.numbers > 1) continue;
     const auto i = static_cast<size_t>(level) - 1;
-    auto kept = keptRanges(*levels[i].source, volume.places, volume.time, at.blocks);
+    if (!needsIndex(levels[i])) continue;
+    auto kept = keptRanges(*levels[i].source, volume.places, volume.time,
+                           volume.pyramid->level(level).blocks);
     if (kept) volume.coarser[i] = std::make_shared<const IndexedRanges>(*std::move(kept));
   }
   const auto at = static_cast<size_t>(number) - 1;
@@ -227,7 +265,8 @@ TimeStep IndexedVolume::step() const {
   for (size_t i = 0; i < coarser.size(); ++i) {
     std::shared_ptr<const SliceRanges> ranges;
     if (coarser[i] != nullptr) ranges = {coarser[i], &coarser[i]->ranges};
-    step.coarser.push_back({levels[i].source, std::move(ranges), levels[i].spreads});
+    step.coarser.push_back(
+        {levels[i].source, std::move(ranges), levels[i].spreads, levels[i].values});
   }
   return step;
 }
@@ -251,10 +290,10 @@ uint64_t IndexedVolume::rangesBytes() const {
 
 IndexNeeds needsOf(const LookArguments& look, Mode mode, const std::optional<CutOptions>& cut) {
   LevelNeeds levels = LevelNeeds::kFinest;
-  if (cut) levels = cut->is_default ? LevelNeeds::kWithSpreads : LevelNeeds::kAll;
+  if (cut) levels = cut->is_default ? LevelNeeds::kFaithful : LevelNeeds::kAll;
   return {needsGradients(look, mode),
           look.whole_series || (look.first_picture && needsStatistics(look) && !look.this_step),
-          levels};
+          levels, levelValuesFor(mode, look.labels)};
 }
 
 std::unique_ptr<VolumeSource> openSource(const VolumeArguments& arguments) {
@@ -299,10 +338,11 @@ IndexedVolume indexVolume(std::unique_ptr<VolumeSource> source, const VolumeArgu
   const int64_t block = machine.block.value_or(blockSizeFor(volume.page.size_vox));
   volume.time = arguments.time;
   const bool has_own = !coarserLevels(*volume.source).empty();
-  VolumeSource& coarsest = *coarsestLevel(*volume.source).source;
-  const LevelsWish wished = wishFor(*volume.source, needs.levels, machine.levels);
+  const bool suits = suit(coarserLevels(*volume.source), needs);
+  VolumeSource& coarsest = suits ? *coarsestLevel(*volume.source).source : *volume.source;
+  const LevelsWish wished = wishFor(*volume.source, needs, machine.levels);
   const bool may_sample = wished != LevelsWish::kNone && maySample(coarsest.layout(), needs);
-  SideLevels side({coarsest, volume.name, volume.places, volume.time,
+  SideLevels side({coarsest, volume.name, volume.places, volume.time, downsampleFor(needs.values),
                    may_sample ? std::max(wished, LevelsWish::kKept) : wished,
                    needs.levels == LevelNeeds::kAll || machine.levels == LevelsWish::kAlways,
                    pass.pool, pass.memory_bytes, pass.stop, pass.announce});
@@ -319,12 +359,12 @@ IndexedVolume indexVolume(std::unique_ptr<VolumeSource> source, const VolumeArgu
     takeSample(volume, *needs.sample_seconds, pass);
   // Several levels take a layer more (pyramid.h), and have the same blocks lit and unlit, so that
   // an index made ahead serves both: without one, nothing would be known of the finest level.
-  const bool has_levels = side.any() || !levelsFor(*volume.source, needs.levels).empty();
+  const bool has_levels = side.any() || !levelsFor(*volume.source, needs).empty();
   volume.layout = layoutOf(has_levels ? 2 : plain_ghost);
   std::optional<IndexedRanges> made;
   if (side.taker() != nullptr) {
     try {
-      if (has_own)
+      if (has_own && suits)
         passOverCoarsest(volume, coarsest, side, pass);
       else
         made = rangesOf(volume, volume.time, pass, &side);
@@ -334,8 +374,10 @@ IndexedVolume indexVolume(std::unique_ptr<VolumeSource> source, const VolumeArgu
     }
     side.finish();
   }
+  if (side.any() && !suits)
+    volume.source = std::make_unique<WithoutLevels>(std::move(volume.source));
   volume.source = side.join(std::move(volume.source));
-  addLevels(volume, levelsFor(*volume.source, needs.levels));
+  addLevels(volume, levelsFor(*volume.source, needs));
   volume.source->holdAtMost(pass.memory_bytes / 4);  // nothing else is in memory yet
   if (made) indexLevels(volume, 1, pass);
   IndexedRanges index = made ? *std::move(made) : indexOf(volume, needs, pass);

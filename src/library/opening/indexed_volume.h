@@ -22,14 +22,15 @@
 
 namespace sluice {
 
-// The levels of resolution that pictures may be drawn from: the finest alone; also those that have
-// spreads, up to the first that has none, for the default cut; or all.
-enum class LevelNeeds { kFinest, kWithSpreads, kAll };
+// The levels of resolution that pictures may be drawn from: the finest alone; also those that show
+// what it shows, up to the first that does not, for the default cut; or all.
+enum class LevelNeeds { kFinest, kFaithful, kAll };
 
 struct IndexNeeds {
   bool gradients = false;     // a ghost layer
   bool whole_series = false;  // values of all steps
   LevelNeeds levels = LevelNeeds::kFinest;
+  LevelValues values = LevelValues::kMeans;  // of the coarser levels
   // With levels: a volume that has no index of its finest level is opened with a stand-in.
   bool may_stand_in = false;
   // With may_stand_in: a volume that has neither levels nor an index is opened with a sample of its
@@ -40,7 +41,7 @@ struct IndexNeeds {
 IndexNeeds needsOf(const LookArguments& look, Mode mode,
                    const std::optional<CutOptions>& cut = std::nullopt);
 // The needs of a picture without options, so that an index made ahead serves it.
-inline constexpr IndexNeeds kUsualNeeds{.gradients = true, .levels = LevelNeeds::kWithSpreads};
+inline constexpr IndexNeeds kUsualNeeds{.gradients = true, .levels = LevelNeeds::kFaithful};
 
 struct IndexedVolume {
   std::unique_ptr<VolumeSource> source;
@@ -62,7 +63,7 @@ struct IndexedVolume {
   ValueStatistics values;  // of its step, or of the series
   IndexNeeds needs;        // those that it was opened for
   // Levels above the finest, of the same step, from fine to coarse: null and empty where there are
-  // none or none was asked for. A level with spreads has no index: null.
+  // none or none was asked for. A level that shows as the finest one does has no index: null.
   std::shared_ptr<const PyramidLayout> pyramid;
   std::vector<std::shared_ptr<const IndexedRanges>> coarser;
   // For people, one line each: choices among several, and possible faults.

@@ -48,17 +48,18 @@ class DamageReport {
   std::atomic<bool> is_made_{false};
 };
 
-enum class Numbers { kMeans, kSpreads };
+enum class Numbers { kVoxels, kSpreads };
 
 // A level, or its spreads, whose damaged chunks are made of the finest voxels.
 class MendedLevel final : public VolumeSource {
  public:
   // All must outlive it.
-  MendedLevel(VolumeSource& level, Numbers numbers, const LevelShape& shape, VolumeSource& finest,
-              int64_t finest_time, DamageReport& damage)
+  MendedLevel(VolumeSource& level, Numbers numbers, const LevelShape& shape, Downsample how,
+              VolumeSource& finest, int64_t finest_time, DamageReport& damage)
       : level_(level),
         numbers_(numbers),
         shape_(shape),
+        how_(how),
         finest_(finest),
         finest_time_(finest_time),
         damage_(damage) {}
@@ -69,10 +70,10 @@ class MendedLevel final : public VolumeSource {
       level_.readRegion(time, box, out);
     } catch (const Error& error) {
       damage_.add(error);
-      if (numbers_ == Numbers::kMeans)
-        makeLevelRegion(finest_, finest_time_, shape_, box, out, {});
+      if (numbers_ == Numbers::kVoxels)
+        makeLevelRegion(finest_, finest_time_, shape_, how_, box, out, {});
       else
-        makeLevelRegion(finest_, finest_time_, shape_, box, {}, out);
+        makeLevelRegion(finest_, finest_time_, shape_, how_, box, {}, out);
     }
   }
   std::string identity() const override { return level_.identity(); }
@@ -83,6 +84,7 @@ class MendedLevel final : public VolumeSource {
   VolumeSource& level_;
   const Numbers numbers_;
   const LevelShape shape_;
+  const Downsample how_;
   VolumeSource& finest_;
   const int64_t finest_time_;
   DamageReport& damage_;
@@ -91,7 +93,7 @@ class MendedLevel final : public VolumeSource {
 // A source with its own levels, if it has some, and those of the store above them.
 class LeveledVolume final : public ForwardingSource {
  public:
-  LeveledVolume(std::unique_ptr<VolumeSource> source, int64_t time,
+  LeveledVolume(std::unique_ptr<VolumeSource> source, int64_t time, Downsample how,
                 std::unique_ptr<LevelStore> store, std::unique_ptr<DamageReport> damage)
       : ForwardingSource(std::move(source)),
         store_(std::move(store)),
@@ -102,18 +104,20 @@ class LeveledVolume final : public ForwardingSource {
     const CoarserLevel below = own.empty() ? CoarserLevel{this, {}} : own.back();
     const auto mended = [&](VolumeSource& level, Numbers numbers, const LevelShape& shape) {
       return mended_
-          .emplace_back(
-              std::make_unique<MendedLevel>(level, numbers, shape, *below.source, time, *damage_))
+          .emplace_back(std::make_unique<MendedLevel>(level, numbers, shape, how, *below.source,
+                                                      time, *damage_))
           .get();
     };
     for (const CoarserLevel& level : store_->levels()) {
       const Vec3d step = level.placement.scale;
       const LevelShape shape{level.source->layout().dims,
                              {std::llround(step.x), std::llround(step.y), std::llround(step.z)}};
-      CoarserLevel above{mended(*level.source, Numbers::kMeans, shape),
+      CoarserLevel above{mended(*level.source, Numbers::kVoxels, shape),
                          placedAbove(below.placement, level.placement)};
+      above.values = level.values;
       // The spread of an own level's voxels is not that of the finest ones.
-      if (own.empty()) above.spreads = mended(*level.spreads, Numbers::kSpreads, shape);
+      if (own.empty() && level.spreads != nullptr)
+        above.spreads = mended(*level.spreads, Numbers::kSpreads, shape);
       levels_.push_back(above);
     }
     layout_.levels = 1 + static_cast<int64_t>(levels_.size());
@@ -138,8 +142,24 @@ class LeveledVolume final : public ForwardingSource {
   std::vector<CoarserLevel> levels_;
 };
 
-IndexKey keyOf(const VolumeSource& source, int64_t time) {
-  return {source.identity(), "levels-" + selectionOf(source.layout(), time), kSideLevelsVersion};
+// The kind of levels as part of a key.
+std::string kindOf(Downsample how) {
+  switch (how) {
+    case Downsample::kMax:
+      return "maxima-";
+    case Downsample::kMin:
+      return "minima-";
+    case Downsample::kMode:
+      return "modes-";
+    case Downsample::kMean:
+      break;
+  }
+  return {};
+}
+
+IndexKey keyOf(const VolumeSource& source, int64_t time, Downsample how) {
+  return {source.identity(), "levels-" + kindOf(how) + selectionOf(source.layout(), time),
+          kSideLevelsVersion};
 }
 
 // The group in a folder of indices.
@@ -159,14 +179,15 @@ std::optional<uint64_t> freeBytes(fs::path folder) {
 }
 
 // Whether levels take little more than the index does, of a file that is there to stay.
-bool isCheap(VolumeSource& source) {
-  return bytesPerVoxel(source.layout().type) <= 2 && !source.files().empty();
+bool isCheap(VolumeSource& source, Downsample how) {
+  return how == Downsample::kMean && bytesPerVoxel(source.layout().type) <= 2 &&
+         !source.files().empty();
 }
 
 bool makes(const SideLevelsRequest& request) {
   if (request.wish == LevelsWish::kAlways) return true;
   return request.wish == LevelsWish::kAuto && isLarge(request.source.layout()) &&
-         (request.is_asked || isCheap(request.source));
+         (request.is_asked || isCheap(request.source, request.how));
 }
 
 }  // namespace
@@ -180,8 +201,9 @@ SideLevels::SideLevels(const SideLevelsRequest& request)
     : places_(request.places),
       layout_(request.source.layout()),
       name_(request.name),
-      key_(keyOf(request.source, request.time)),
+      key_(keyOf(request.source, request.time, request.how)),
       time_(request.time),
+      how_(request.how),
       announce_(request.announce) {
   if (request.wish == LevelsWish::kNone || places_.disabled) return;
   open();
@@ -202,7 +224,7 @@ void SideLevels::open() {
     ByteReader(*kept.blob).value(digest);
     if (digest != LevelStore::digestOf(folder))
       fail("{}: differs from the levels that were written", folder.string());
-    store_ = std::make_unique<LevelStore>(folder, layout_);
+    store_ = std::make_unique<LevelStore>(folder, layout_, how_);
     index_file_ = std::move(kept.path);
   } catch (const Error& error) {
     notes_.push_back(fmt::format("{}; the levels are made again", error.what()));
@@ -225,7 +247,7 @@ void SideLevels::prepare(const SideLevelsRequest& request) {
     return answer("since its background is not a number");
   if (places_.written.empty())
     return answer("since there is no folder for them (--index-dir names one)");
-  const auto plan = planLevelStore(layout_, request.memory_bytes / 2, request.pool.threads());
+  const auto plan = planLevelStore(layout_, how_, request.memory_bytes / 2, request.pool.threads());
   if (!plan) return answer("since --memory is too small to make them");
   if (plan->levels.empty()) return;
   const std::optional<uint64_t> free = freeBytes(places_.written);
@@ -274,7 +296,7 @@ void SideLevels::finish() {
     blob.value(LevelStore::digestOf(folder));
     const IndexWritten written = writeIndex(places_, key_, blob.bytes);
     if (written.path.empty()) return lost(written.note);
-    store_ = std::make_unique<LevelStore>(folder, layout_);
+    store_ = std::make_unique<LevelStore>(folder, layout_, how_);
     index_file_ = written.path;
   } catch (const Error& error) {
     lost(error.what());
@@ -283,7 +305,7 @@ void SideLevels::finish() {
 
 std::unique_ptr<VolumeSource> SideLevels::join(std::unique_ptr<VolumeSource> source) {
   if (store_ == nullptr) return source;
-  return std::make_unique<LeveledVolume>(std::move(source), time_, std::move(store_),
+  return std::make_unique<LeveledVolume>(std::move(source), time_, how_, std::move(store_),
                                          std::make_unique<DamageReport>(index_file_, announce_));
 }
 

@@ -2,8 +2,10 @@
 // large, kept beside its index (src/index/index_file.h) as a Zarr group
 // (io/zarr/packing/level_store.h).
 //
-// They are made of the file's coarsest level. If that is not the volume itself, they have no
-// spreads: those would be the spreads of its own voxels, not of the finest ones.
+// Means, maxima, minima and modes each have a group of their own. They are made of the file's
+// coarsest level, or of the finest one if the file's levels hold something else. If they are made
+// of a coarser level, means have no spreads: those would be the spreads of its own voxels, not of
+// the finest ones.
 //
 // They are made in the pass that makes the min-max arrays, or in a pass of their own if the arrays
 // are there already. An interrupted pass keeps what it has written. A group belongs to the state of
@@ -37,10 +39,11 @@ inline constexpr int64_t kMostVoxelsWithoutLevels = int64_t{1} << 27;
 bool isLarge(const VolumeLayout& layout);
 
 struct SideLevelsRequest {
-  VolumeSource& source;  // the coarsest level of the file
+  VolumeSource& source;  // the level of the file that they are made of
   std::string name;      // the volume's, for messages
   const IndexPlaces& places;
   int64_t time = 0;
+  Downsample how = Downsample::kMean;
   LevelsWish wish = LevelsWish::kAuto;
   // Somebody asks for levels, and is told if the volume cannot have them.
   bool is_asked = false;
@@ -82,6 +85,7 @@ class SideLevels {
   const std::string name_;
   const IndexKey key_;
   const int64_t time_;
+  const Downsample how_;
   const std::function<void(const std::string& line)> announce_;
   std::filesystem::path index_file_;  // that names the state of the volume
   std::filesystem::path damaged_;     // the group, if it is not the one that was written

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <map>
 #include <optional>
-#include <string_view>
 #include <unordered_map>
 #include <utility>
 
@@ -26,9 +25,23 @@ void requireLevel(const CutOptions& options, const TimeStep& step) {
          *options.level, levels == 1 ? "is" : "are", levels, levels == 1 ? "" : "s");
 }
 
-bool hasMeans(const TimeStep& step) {
-  return std::ranges::any_of(step.coarser,
-                             [](const CoarserStep& level) { return level.spreads != nullptr; });
+// What levels hold, and the word for `sluice pack --downsample`.
+struct LevelWords {
+  const char *hold, *option;
+};
+LevelWords wordsOf(LevelValues values) {
+  switch (values) {
+    case LevelValues::kMaxima:
+      return {"maxima", "max"};
+    case LevelValues::kMinima:
+      return {"minima", "min"};
+    case LevelValues::kModes:
+      return {"labels", "mode"};
+    case LevelValues::kMeans:
+    case LevelValues::kUnknown:
+      break;
+  }
+  return {"means", "mean"};
 }
 
 // Bytes of a block, and of all that are chosen; `read`: those of `held` that are not in memory.
@@ -107,6 +120,8 @@ class CutMaker {
       summary.levels.push_back(level);
       if (number > 0 && pyramid_.level(number).numbers != 2) summary.has_spreads = false;
     }
+    if (!question_.step.coarser.empty())
+      summary.values = question_.step.coarser.front().valuesShown();
     const int64_t shown = levels.contains(0) ? levels[0].cells : 0;
     if (shown_.finestCells() > 0)
       summary.coarse_share =
@@ -299,18 +314,25 @@ VisibleBlocksPtr LevelCut::choose(const BlockQuestion& question) {
 bool drawsCut(const TimeStep& step, const std::optional<CutOptions>& cut, Mode mode,
               bool has_labels) {
   if (!cut) return false;
-  if (cut->is_default) return !step.coarser.empty() && suitDefaultCut(mode, has_labels);
+  const LevelValues wanted = levelValuesFor(mode, has_labels);
+  if (cut->is_default) {
+    // The opening has left out means without spreads.
+    const bool are_wanted = wanted == LevelValues::kMeans ||
+                            std::ranges::all_of(step.coarser, [&](const CoarserStep& level) {
+                              return level.valuesShown() == wanted;
+                            });
+    return !step.coarser.empty() && suitDefaultCut(mode, has_labels) && are_wanted;
+  }
   requireLevel(*cut, step);
-  const auto refuse = [&](std::string_view are_not, std::string_view advice) {
-    if (hasMeans(step) && cut->level.value_or(1) > 0)
-      fail(
-          "{}: its coarser levels hold means, which are no {}; leave out --level, --pixel-error "
-          "and --max-bytes{}",
-          step.source->layout().name, are_not, advice);
-  };
-  if (has_labels) refuse("labels", ", or pack it with --downsample mode");
-  if (mode == Mode::kMip) refuse("maxima", ", or pack it with --downsample max");
-  if (mode == Mode::kMinip) refuse("minima", "");
+  for (const CoarserStep& level : step.coarser) {
+    const LevelValues found = level.valuesShown();
+    if (found == LevelValues::kUnknown || found == wanted || cut->level.value_or(1) == 0) continue;
+    fail(
+        "{}: its coarser levels hold {}, which are no {}; leave out --level, --pixel-error and "
+        "--max-bytes, or pack it with --downsample {}",
+        step.source->layout().name, wordsOf(found).hold, wordsOf(wanted).hold,
+        wordsOf(wanted).option);
+  }
   return !step.coarser.empty();
 }
 

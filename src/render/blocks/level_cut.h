@@ -19,16 +19,23 @@ namespace sluice {
 
 class ShownLevels;
 
-// Whether coarser levels of means can show what the finest level shows, so that a picture may be
-// drawn from them without being asked: not extremes, averages or labels.
-inline bool suitDefaultCut(Mode mode, bool has_labels) {
-  return mode == Mode::kComposite && !has_labels;
+// What the voxels of coarser levels must be of the finest ones for a picture of this mode, of
+// values or labels.
+constexpr LevelValues levelValuesFor(Mode mode, bool has_labels) {
+  if (has_labels) return LevelValues::kModes;
+  if (mode == Mode::kMip) return LevelValues::kMaxima;
+  return mode == Mode::kMinip ? LevelValues::kMinima : LevelValues::kMeans;
+}
+// Whether such levels can show what the finest level shows, so that a picture may be drawn from
+// them without being asked: not averages, nor labels along a ray.
+constexpr bool suitDefaultCut(Mode mode, bool has_labels) {
+  return mode != Mode::kAverage && !(has_labels && mode != Mode::kComposite);
 }
 
 // Whether a picture is drawn from a cut, of values or labels. False if no cut is set, if the step
 // has one level, or if the default cut would show something else than the finest level. Throws
-// Error if a cut was asked for that cannot be drawn: of a level that is not there, or of labels or
-// extremes from levels of means.
+// Error if a cut was asked for that cannot be drawn: of a level that is not there, or from levels
+// of something else than the picture shows.
 bool drawsCut(const TimeStep& step, const std::optional<CutOptions>& cut, Mode mode,
               bool has_labels);
 // The level that voxels `pixel_error` pixels wide require where the view needs the finest one, or

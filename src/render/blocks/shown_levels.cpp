@@ -51,13 +51,14 @@ Box3 cellsAround(const LevelLayout& level, const Box3& finest) {
 }  // namespace
 
 ShownLevels::ShownLevels(const TimeStep& step, const Look& look, const Box3& crop, WorkerPool& pool)
-    : pyramid_(step.layout()), crop_(crop) {
+    : pyramid_(step.layout()), crop_(crop), is_as_finest_{true} {
   boxes_.emplace_back(std::in_place, *step.ranges, look.table, crop, pool);
   for (const CoarserStep& coarser : step.coarser) {
     const int level = static_cast<int>(boxes_.size());
     std::optional<ObjectBoxes>& boxes = boxes_.emplace_back();
     const Vec3i dims = pyramid_.level(level).blocks.dims;
-    if (coarser.ranges != nullptr && !hasSpreads(level))
+    is_as_finest_.push_back(showsAsFinest(coarser.values, coarser.spreads != nullptr));
+    if (coarser.ranges != nullptr && !isAsFinest(level))
       boxes.emplace(*coarser.ranges, look.table, boxOf(dims - Vec3i{1, 1, 1}), pool);
   }
   boundFinest(pool);
@@ -120,7 +121,7 @@ const ShownLevels::Below& ShownLevels::belowOf(int level, Vec3i index) const {
 
 Box3 ShownLevels::finestBox(int level, Vec3i index) const {
   if (level == 0) return boxes_[0]->of(index);
-  return hasSpreads(level) ? reachIn(level, index) : belowOf(level, index).hull;
+  return isAsFinest(level) ? reachIn(level, index) : belowOf(level, index).hull;
 }
 
 // What the finest level shows below this block and those beside it, with the cells around that
@@ -185,7 +186,7 @@ ObjectBlock ShownLevels::objectOf(int level, Vec3i index, int64_t time, const Bo
   const int64_t block = at.blocks.idOf(index);
   object.name = {.time = time, .level = level, .block = block};
   const Box3 region = pyramid_.regionOf(level, index);
-  if (level == 0 || hasSpreads(level))
+  if (isAsFinest(level))
     object.cells = finest;
   else
     object.cells = boxes_[static_cast<size_t>(level)] ? cellsShown(level, index, region) : region;

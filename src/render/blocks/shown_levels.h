@@ -15,8 +15,8 @@ namespace sluice {
 // Immutable once made; any thread may read.
 class ShownLevels {
  public:
-  // Classifies all blocks of the finest level, and of the levels without spreads whose ranges are
-  // known, on all threads of `pool`. Throws Error as classify() does.
+  // Classifies all blocks of the finest level, and of levels that do not show as it does and whose
+  // ranges are known, on all threads of `pool`. Throws Error as classify() does.
   ShownLevels(const TimeStep& step, const Look& look, const Box3& crop, WorkerPool& pool);
 
   const PyramidLayout& pyramid() const { return pyramid_; }
@@ -27,13 +27,13 @@ class ShownLevels {
   // count with it; faces of the crop make nothing thin. Requires: level > 0.
   bool hasThinParts(int level, Vec3i index) const;
   // What is drawn of a block of time step `time` at its level: the box of the finest cells in its
-  // region where interpolation of the level's voxels gives something visible. A level with spreads
-  // shows what the finest level shows; if the ranges of another level are not known, the whole
-  // region shows. No cells: nothing.
+  // region where interpolation of the level's voxels gives something visible. A level with spreads,
+  // of extremes or of modes shows what the finest level shows; if the ranges of another level are
+  // not known, the whole region shows. No cells: nothing.
   ObjectBlock objectOf(int level, Vec3i index, int64_t time) const;
   // The same for a block that has a part in the picture because of what the finest level shows:
-  // something in its region, or, if its level has spreads, as far beyond as interpolation carries
-  // it. nullopt: it has none.
+  // something in its region, or, if its level shows as the finest one does, as far beyond as
+  // interpolation carries it. nullopt: it has none.
   std::optional<ObjectBlock> partOf(int level, Vec3i index, int64_t time) const;
 
  private:
@@ -54,10 +54,12 @@ class ShownLevels {
   Box3 reachIn(int level, Vec3i index) const;
   Box3 cellsShown(int level, Vec3i index, const Box3& region) const;
   ObjectBlock objectOf(int level, Vec3i index, int64_t time, const Box3& finest) const;
-  bool hasSpreads(int level) const { return pyramid_.level(level).numbers == 2; }
+  // See showsAsFinest(); true of the finest level itself.
+  bool isAsFinest(int level) const { return is_as_finest_[static_cast<size_t>(level)]; }
 
   const PyramidLayout pyramid_;
   const Box3 crop_;
+  std::vector<bool> is_as_finest_;  // for each level
   // By each level's own ranges, in the level's own cells; none for a level that shows what the
   // finest one shows, or of which nothing is known.
   std::vector<std::optional<ObjectBoxes>> boxes_;

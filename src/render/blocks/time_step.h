@@ -17,11 +17,13 @@ namespace sluice {
 // A level above the finest one.
 struct CoarserStep {
   VolumeSource* source = nullptr;  // outlives whoever has the step
-  // Of its own voxels; null: not known, any block may show something. A level with spreads needs
-  // none: what it may show is what level 0 shows below it.
+  // Of its own voxels; null: not known, any block may show something. A level that shows what the
+  // finest one shows (showsAsFinest()) needs none.
   std::shared_ptr<const SliceRanges> ranges;
   VolumeSource* spreads = nullptr;  // CoarserLevel::spreads
+  LevelValues values = LevelValues::kUnknown;
 
+  LevelValues valuesShown() const { return spreads != nullptr ? LevelValues::kMeans : values; }
   friend bool operator==(const CoarserStep&, const CoarserStep&) = default;
 };
 

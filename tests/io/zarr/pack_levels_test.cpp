@@ -67,7 +67,7 @@ TEST(LevelShapes, halveTheAxesWhoseVoxelsAreShort) {
             (std::vector<Vec3i>{{1, 2, 1}, {2, 4, 2}}));
 }
 
-TEST(PackLevels, areNumPysMeansGreatestAndModes) {
+TEST(PackLevels, areNumPysMeansExtremesAndModes) {
   if (!hasPythonModules("numpy, zarr")) GTEST_SKIP() << "python3 with numpy and zarr is missing";
   const TempFolder folder;
   struct Case {
@@ -85,8 +85,10 @@ TEST(PackLevels, areNumPysMeansGreatestAndModes) {
                                    {{9, 40, 11}, VoxelType::kI32},
                                    {{18, 10, 26}, VoxelType::kF64, {0.5, 2, 0.5}},
                                    {{1, 25, 37}, VoxelType::kU8}};
-  const std::pair<Downsample, const char*> ways[] = {
-      {Downsample::kMean, "mean"}, {Downsample::kMax, "max"}, {Downsample::kMode, "mode"}};
+  const std::pair<Downsample, const char*> ways[] = {{Downsample::kMean, "mean"},
+                                                     {Downsample::kMax, "max"},
+                                                     {Downsample::kMin, "min"},
+                                                     {Downsample::kMode, "mode"}};
   for (const Case& c : cases)
     for (const auto& [how, name] : ways) {
       SCOPED_TRACE(fmt::format("{} x {} x {} {} {}", c.dims.x, c.dims.y, c.dims.z,
@@ -116,6 +118,7 @@ TEST(PackLevels, areNumPysMeansGreatestAndModes) {
         EXPECT_EQ(packed.levelsAbove()[i].source->layout().dims, report.levels[i]);
         const VolumeSource* const spreads = packed.levelsAbove()[i].spreads;
         ASSERT_EQ(spreads != nullptr, how == Downsample::kMean);
+        EXPECT_EQ(packed.levelsAbove()[i].values, valuesOf(how));
         if (spreads != nullptr) {
           EXPECT_EQ(spreads->layout().dims, report.levels[i]);
           EXPECT_EQ(spreads->layout().type, spreadType(c.type));
@@ -273,7 +276,7 @@ TEST(LevelRegion, isThatOfTheWholeLevel) {
           std::vector<std::byte> means(count * bytesPerVoxel(type));
           std::vector<std::byte> spreads(count * bytesPerVoxel(spreadType(type)));
           std::vector<std::byte> expected_means(means), expected_spreads(spreads);
-          makeLevelRegion(source, 0, shapes[i], box, means, spreads);
+          makeLevelRegion(source, 0, shapes[i], Downsample::kMean, box, means, spreads);
           packed.levelsAbove()[i].source->readRegion(0, box, expected_means);
           packed.levelsAbove()[i].spreads->readRegion(0, box, expected_spreads);
           EXPECT_EQ(means, expected_means);

@@ -1,0 +1,182 @@
+// Pictures of extremes and of labels from coarser levels that hold extremes and labels.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "io/pictures/png_file.h"
+#include "tests/tools/program.h"
+
+namespace sluice {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using testing::HasSubstr;
+using testing::Not;
+
+class ExtremeLevels : public testing::Test {
+ protected:
+  std::string run(const std::string& command) const {
+    const CommandResult result = program_.run(command);
+    EXPECT_EQ(result.status, 0) << result.output;
+    return result.output;
+  }
+  void pack(const std::string& how) const {
+    run("pack synth:phantom,dims=128x120x112 -o " + how +
+        ".zarr --chunk 16 --levels 3 --downsample " + how);
+  }
+  // The report of a picture in which, at 64 pixels a side, a voxel of level 1 is about a pixel
+  // wide.
+  json render(const std::string& volume, const std::string& more = "", int size = 64) const {
+    return program_.json("render " + volume +
+                         " --map grey --range 0,255 --opacities 0:0,1:1 --no-shade --view plain "
+                         "--azimuth 20 --fit volume --block 16 -o x.png --force --size " +
+                         std::to_string(size) + " " + more);
+  }
+  std::vector<uint8_t> picture() const {
+    const auto rgba = readPng(program_.folder / "x.png").rgba;
+    return {rgba.begin(), rgba.end()};
+  }
+  static double meanDifference(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b) {
+    double sum = 0;
+    for (size_t i = 0; i < a.size(); ++i) sum += std::abs(a[i] - b[i]);
+    return sum / static_cast<double>(a.size());
+  }
+  // Chunks have checksums: reading one of these is an error.
+  void spoilLevelZero(const std::string& store) const {
+    for (const auto& file : fs::recursive_directory_iterator(program_.folder / store / "0"))
+      if (file.is_regular_file() && file.path().filename().string().front() != '.')
+        writeFile(file.path(), "spoilt");
+  }
+  const Program program_;
+};
+
+TEST_F(ExtremeLevels, areDrawnByDefaultAndSaid) {
+  for (const auto& [how, mode, values] :
+       {std::tuple{"max", "mip", "maxima"}, {"min", "minip", "minima"}}) {
+    SCOPED_TRACE(how);
+    pack(how);
+    const std::string store = std::string(how) + ".zarr", option = std::string("--mode ") + mode;
+    EXPECT_THAT(run("info " + store + " --levels"),
+                HasSubstr(std::string(values) + ", spread: none"));
+    const json report = render(store, option);
+    EXPECT_EQ(report["cut"]["values"], values);
+    EXPECT_EQ(report["cut"]["levels"][0]["level"], 1);
+    EXPECT_EQ(report["cut"]["coarse_share"], 1.0);
+    const auto coarse = picture();
+    EXPECT_FALSE(render(store, option + " --level 0").contains("cut"));
+    EXPECT_LT(meanDifference(coarse, picture()), 3);
+  }
+  // Means do not show them.
+  pack("mean");
+  EXPECT_FALSE(render("mean.zarr", "--mode mip").contains("cut"));
+}
+
+// The brightest voxel stays as bright at every level, where a mean has an eighth, a 64th and so on.
+TEST_F(ExtremeLevels, oneBrightVoxelShowsAtEveryLevel) {
+  constexpr size_t kSide = 96;
+  std::string voxels(kSide * kSide * kSide, '\0');
+  for (const auto& [x, y, z] : {std::tuple{33, 51, 40}, {70, 20, 77}})
+    voxels[(static_cast<size_t>(z) * kSide + static_cast<size_t>(y)) * kSide +
+           static_cast<size_t>(x)] = '\xff';
+  writeFile(program_.folder / "one_96x96x96_uint8.raw", voxels);
+  run("pack one_96x96x96_uint8.raw -o one.zarr --chunk 16 --levels 3 --downsample max");
+  for (const int level : {1, 2, 3}) {
+    render("one.zarr", "--mode mip --level " + std::to_string(level), 192);
+    const auto drawn = picture();
+    EXPECT_GT(*std::ranges::max_element(drawn), 180) << level;
+  }
+}
+
+TEST_F(ExtremeLevels, areDrawnWithoutReadingLevelZero) {
+  pack("max");
+  render("max.zarr", "--mode mip");
+  const auto known = picture();
+  fs::remove_all(program_.folder / "cache");
+  spoilLevelZero("max.zarr");
+  const json report = render("max.zarr", "--mode mip");
+  EXPECT_EQ(report["volume"]["values_level"], 1);
+  EXPECT_LT(meanDifference(known, picture()), 0.5);
+  // Coarse first, as with means.
+  const json refined = render("max.zarr", "--mode mip --time-limit 60s");
+  EXPECT_GE(refined["frames"][0]["pictures"].size(), 2U);
+  EXPECT_EQ(refined["cut"]["final"], true);
+}
+
+// Levels that hold something else are not drawn; those that a picture needs are made beside the
+// index, and equal those of a store that was packed with them.
+TEST_F(ExtremeLevels, areMadeBesideTheIndexOfStoresOfMeansAndOfFiles) {
+  constexpr const char* kMade = "coarser levels once and keeps them in";
+  pack("mean");
+  pack("max");
+  render("max.zarr", "--mode mip --level 1");
+  const auto expected = picture();
+  run("synth phantom --dims 128,120,112 -o v_128x120x112_uint8.raw");
+  for (const std::string volume : {"mean.zarr", "v_128x120x112_uint8.raw"}) {
+    SCOPED_TRACE(volume);
+    const std::string picture_of = "render " + volume + " --mode mip --size 64 -o y.png --force ";
+    EXPECT_THAT(run(picture_of), Not(HasSubstr(kMade)));
+    EXPECT_THAT(run(picture_of + "--pixel-error 1 --levels always"), HasSubstr(kMade));
+    EXPECT_THAT(run(picture_of + "--pixel-error 1 --levels always"), Not(HasSubstr(kMade)));
+    // Later pictures use them without being asked to.
+    EXPECT_EQ(render(volume, "--mode mip")["cut"]["values"], "maxima");
+    render(volume, "--mode mip --level 1");
+    EXPECT_LE(meanDifference(expected, picture()), 0.01);
+  }
+  // Other pictures of the store go on with its own.
+  EXPECT_EQ(render("mean.zarr")["cut"]["values"], "means");
+}
+
+TEST_F(ExtremeLevels, ofDamagedGroupsAreMadeOfLevelZero) {
+  run("synth phantom --dims 128,120,112 -o v_128x120x112_uint8.raw");
+  const auto draw = [&] {
+    return run(
+        "render v_128x120x112_uint8.raw --mode mip --pixel-error 1 --size 64 -o x.png "
+        "--force --levels always");
+  };
+  draw();
+  const auto shown = picture();
+  fs::path chunk;
+  for (const auto& entry : fs::recursive_directory_iterator(program_.folder / "cache"))
+    if (entry.is_regular_file() && entry.path().string().find(".zarr/0/") != std::string::npos &&
+        entry.path().filename().string().front() != '.')
+      chunk = entry.path();
+  ASSERT_FALSE(chunk.empty());
+  writeFile(chunk, "spoilt");
+  EXPECT_THAT(draw(), HasSubstr("what is damaged is made of level 0"));
+  EXPECT_EQ(picture(), shown);
+}
+
+TEST_F(ExtremeLevels, labelsAreDrawnFromTheMostFrequentOnes) {
+  std::string labels;
+  for (int z = 0; z < 64; ++z)
+    for (int y = 0; y < 64; ++y)
+      for (int x = 0; x < 64; ++x)
+        labels += static_cast<char>(z < 10 || x < 12 ? 0 : (y / 20 + 1) * 20);
+  writeFile(program_.folder / "l_64x64x64_uint8.raw", labels);
+  run("pack l_64x64x64_uint8.raw -o l.zarr --chunk 16 --levels 2 --downsample mode");
+  const std::string look =
+      "render l.zarr --labels --no-shade --block 16 --size 32 --view plain -o x.png --force ";
+  const json report = program_.json(look);
+  EXPECT_EQ(report["cut"]["values"], "modes");
+  EXPECT_GE(report["cut"]["levels"][0]["level"], 1);
+  const auto coarse = picture();
+  program_.json(look + "--level 0");
+  // A mean of two labels would be a third one of another colour.
+  EXPECT_LT(meanDifference(coarse, picture()), 4);
+}
+
+TEST_F(ExtremeLevels, whatTheyDoNotShowIsRefusedInOneLine) {
+  pack("max");
+  const CommandResult refused = program_.run("render max.zarr --size 32 -o y.png --pixel-error 1");
+  EXPECT_EQ(refused.status, 1);
+  EXPECT_THAT(refused.output, HasSubstr("hold maxima, which are no means"));
+  EXPECT_THAT(refused.output, HasSubstr("--downsample mean"));
+  EXPECT_FALSE(render("max.zarr").contains("cut"));
+}
+
+}  // namespace
+}  // namespace sluice
