@@ -204,6 +204,16 @@ TEST_F(LevelsCommand, aBudgetOfBytesEndsTheRefinement) {
   EXPECT_THAT(said.output, HasSubstr("--time-limit ended the refinement"));
 }
 
+// In a row the next picture finds the blocks of the last one in memory.
+TEST_F(LevelsCommand, aPictureAloneMayTakeMoreOfTheMemoryThanOneOfARow) {
+  const std::string picture =
+      "synth:phantom,dims=224x224x224,levels=3 --block 32 --page 16x16x16 --pages 64 --threshold "
+      "60 "
+      "--pixel-error 0.1 --size 64 --memory 16M --force ";
+  EXPECT_EQ(program_.json("render " + picture + "-o one.png")["cut"]["final"], true);
+  EXPECT_EQ(program_.json("render " + picture + "-o row_##.png --frames 2")["cut"]["final"], false);
+}
+
 TEST_F(LevelsCommand, aPlanAndASimulationHaveTheSameCut) {
   const std::string options = "--pixel-error 0.5 --projection perspective --zoom 3";
   const json plan = program_.json("plan " + arguments(options));

@@ -300,8 +300,8 @@ int run(const PlanArguments& asked, const CLI::App& app) {
   if (checkCulling(arguments))
     arguments.look.whole_series = true;
   else
-    arguments.frame.cut =
-        cutOptions(arguments.levels, arguments.resources, arguments.look, arguments.frame);
+    arguments.frame.cut = cutOptions(arguments.levels, arguments.resources, arguments.look,
+                                     arguments.frame, PictureRow::kOne);
   Outputs outputs(arguments.force);
   outputs.reads(arguments.volume.inputs);
   outputs.reads(arguments.look.transfer_file);

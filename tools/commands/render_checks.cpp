@@ -115,8 +115,10 @@ std::optional<CutOptions> cutOf(const Arguments& arguments, Team* team) {
   if (asksForRefinement(arguments) && !isSeries(arguments) && team == nullptr && !levels.level &&
       arguments.frame.mode == Mode::kComposite && !arguments.look.labels)
     levels.pixel_error = levels.pixel_error.value_or(CutOptions().pixel_error);
+  const bool is_alone = frameCount(arguments) == 1 && !asksForRefinement(arguments);
   std::optional<CutOptions> cut =
-      cutOptions(levels, arguments.resources, arguments.look, arguments.frame);
+      cutOptions(levels, arguments.resources, arguments.look, arguments.frame,
+                 is_alone ? PictureRow::kOne : PictureRow::kMore);
   // All ranks make the same cut, and each holds its share of the blocks.
   if (cut && team != nullptr)
     cut->most_held_bytes = static_cast<uint64_t>(team->ranks()) *

@@ -35,7 +35,7 @@ void addLevelOptions(CLI::App& app, LevelArguments& arguments, ResourceArguments
 
 std::optional<CutOptions> cutOptions(const LevelArguments& arguments,
                                      const ResourceArguments& resources, const LookArguments& look,
-                                     const FrameOptions& frame) {
+                                     const FrameOptions& frame, PictureRow row) {
   if (arguments.level == 0) return std::nullopt;
   CutOptions cut;
   cut.is_default = !arguments.level && !arguments.pixel_error && arguments.max_bytes == 0;
@@ -48,7 +48,7 @@ std::optional<CutOptions> cutOptions(const LevelArguments& arguments,
   cut.pixel_error = arguments.pixel_error.value_or(cut.pixel_error);
   if (arguments.level) cut.level = static_cast<int>(*arguments.level);
   if (arguments.max_bytes != 0) cut.most_stored_bytes = arguments.max_bytes;
-  cut.most_held_bytes = cutBytes(memoryBudget(resources));
+  cut.most_held_bytes = cutBytes(memoryBudget(resources), row);
   return cut;
 }
 

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string_view>
 
+#include "src/library/drawing/resources.h"
 #include "src/render/camera/frame_options.h"
 #include "tools/command_line/option_group.h"
 #include "tools/options/arguments.h"
@@ -39,7 +40,7 @@ inline constexpr const char* kPageSizes = "powers of two AxBxC, each from 1 to 1
 // apply.
 std::optional<CutOptions> cutOptions(const LevelArguments& arguments,
                                      const ResourceArguments& resources, const LookArguments& look,
-                                     const FrameOptions& frame);
+                                     const FrameOptions& frame, PictureRow row);
 // Throws Error with this reason if the arguments ask for anything but the finest level.
 void refuseLevels(const LevelArguments& arguments, std::string_view why);
 

@@ -141,7 +141,8 @@ std::unique_ptr<ReplaySource> openTraceFile(const std::string& file,
 
 std::unique_ptr<ReplaySource> openTurn(const TurnArguments& arguments, const Outputs& outputs) {
   TurnArguments turn = arguments;
-  turn.frame.cut = cutOptions(turn.levels, turn.resources, turn.look, turn.frame);
+  turn.frame.cut = cutOptions(turn.levels, turn.resources, turn.look, turn.frame,
+                              turn.frames == 1 ? PictureRow::kOne : PictureRow::kMore);
   return std::make_unique<Turn>(turn, outputs);
 }
 

@@ -94,7 +94,8 @@ FrameOptions Drawing::framed(const PictureOptions& picture, const TimeStep& step
 FrameOptions Drawing::looked(const PictureOptions& picture, const TimeStep& step,
                              const IndexPass& pass) {
   FrameOptions options = framed(picture, step, pass);
-  if (options.cut) options.cut->most_held_bytes = cutBytes(memoryBudget(machine_));
+  if (options.cut)
+    options.cut->most_held_bytes = cutBytes(memoryBudget(machine_), PictureRow::kMore);
   if (!picture.step_vox && mode_ == Mode::kComposite) {
     const View view = resolve(options.camera, layout(), options.size, options.step_vox);
     const bool is_cut = drawsCut(step, options.cut, mode_, look_.transfer.labels);

@@ -14,11 +14,13 @@ namespace sluice {
 // The default of MachineOptions::memory_bytes: half of what the machine or its cgroup has.
 uint64_t memoryBudget(const MachineOptions& machine);
 
-// The bytes of voxels that a picture of several levels of resolution may have: they stay in memory
-// from one frame to the next, and leave the volume buffer room for the coarser blocks of pictures
-// that are drawn while a view moves.
-constexpr uint64_t cutBytes(uint64_t memory_bytes) {
-  return memory_bytes / 8 * 3;
+// Whether a picture is drawn alone, or others of the same volume follow it.
+enum class PictureRow { kOne, kMore };
+// The bytes of voxels that a picture of several levels of resolution may have. In a row they stay
+// in memory from one frame to the next, and leave the volume buffer room for the coarser blocks of
+// pictures that are drawn while a view moves.
+constexpr uint64_t cutBytes(uint64_t memory_bytes, PictureRow row) {
+  return row == PictureRow::kOne ? memory_bytes / 2 : memory_bytes / 8 * 3;
 }
 
 // The standard 64 KiB page of the voxel type unless the user sets another; the number of pages is
