@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 #include <optional>
 #include <utility>
 
@@ -15,14 +16,21 @@
 namespace sluice {
 namespace {
 
+std::string nameOf(const VolumeSource& source, int64_t time, const BlockLayout& layout) {
+  return fmt::format("{}{}-{}", layout.size,
+                     layout.ghost == 0   ? ""
+                     : layout.ghost == 1 ? "-lit"
+                                         : "-levels",
+                     selectionOf(source.layout(), time));
+}
+
 IndexKey keyOf(const VolumeSource& source, int64_t time, const BlockLayout& layout) {
-  return {source.identity(),
-          fmt::format("minmax-{}{}-{}", layout.size,
-                      layout.ghost == 0   ? ""
-                      : layout.ghost == 1 ? "-lit"
-                                          : "-levels",
-                      selectionOf(source.layout(), time)),
+  return {source.identity(), "minmax-" + nameOf(source, time, layout),
           kSliceRangesVersion << 16 | kBrickRangesVersion};
+}
+
+IndexKey learntKeyOf(const VolumeSource& source, int64_t time, const BlockLayout& layout) {
+  return {source.identity(), "learnt-" + nameOf(source, time, layout), kSliceRangesVersion};
 }
 
 // Both lie in one file, so that one is never newer than the other.
@@ -84,6 +92,37 @@ std::optional<IndexedRanges> keptRanges(const VolumeSource& source, const IndexP
   IndexedRanges result;
   if (!readKept(source, places, keyOf(source, time, layout), layout, result)) return std::nullopt;
   return result;
+}
+
+void keepLearnt(const VolumeSource& source, const IndexPlaces& places, int64_t time,
+                const SliceRanges& ranges) {
+  ByteWriter out;
+  out.list(ranges.unknown);
+  const std::vector<std::byte> bytes = sluice::serialize(ranges);
+  out.bytes.insert(out.bytes.end(), bytes.begin(), bytes.end());
+  writeIndex(places, learntKeyOf(source, time, ranges.layout), out.bytes);
+}
+
+std::optional<SliceRanges> keptLearnt(const VolumeSource& source, const IndexPlaces& places,
+                                      int64_t time, const BlockLayout& layout) {
+  const IndexRead kept = readIndex(places, learntKeyOf(source, time, layout));
+  std::vector<int64_t> unknown;
+  if (!kept.blob) return std::nullopt;
+  ByteReader reader(*kept.blob);
+  if (!reader.list(unknown)) return std::nullopt;
+  auto ranges = sluice::deserialize(reader.left(), layout, deviceMap(source.layout()));
+  if (!ranges) return std::nullopt;
+  // Each block is known or not.
+  const bool is_sound =
+      std::ranges::is_sorted(unknown, std::less_equal<>()) &&
+      (unknown.empty() || (unknown.front() >= 0 && unknown.back() < layout.blockCount())) &&
+      std::ranges::none_of(ranges->blocks, [&](int64_t block) {
+        return std::ranges::binary_search(unknown, block);
+      });
+  if (!is_sound) return std::nullopt;
+  ranges->unknown = std::move(unknown);
+  ranges->index_file = kept.path;
+  return ranges;
 }
 
 IndexedRanges indexedRanges(VolumeSource& source, const IndexPlaces& places, int64_t time,

@@ -34,6 +34,15 @@ struct IndexedRanges {
 std::optional<IndexedRanges> keptRanges(const VolumeSource& source, const IndexPlaces& places,
                                         int64_t time, const BlockLayout& layout);
 
+// Ranges of some blocks, which pictures have learnt (src/volume/learnt_ranges.h), for a volume that
+// has no index: nullopt if none are kept, or not of its present state. Range and counts of the
+// values are those that keepLearnt() was given.
+std::optional<SliceRanges> keptLearnt(const VolumeSource& source, const IndexPlaces& places,
+                                      int64_t time, const BlockLayout& layout);
+// Keeps them for later openings, if that is possible.
+void keepLearnt(const VolumeSource& source, const IndexPlaces& places, int64_t time,
+                const SliceRanges& ranges);
+
 // `places`: where the index is kept, by the user's name for the volume (the first of several
 // names). Throws Error when the source cannot be read, Interrupted when `stop` asks for it. A
 // damaged or stale index is rebuilt within `memory_bytes` (first_pass.h, whose Error names the

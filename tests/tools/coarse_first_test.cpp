@@ -122,6 +122,28 @@ TEST_F(CoarseFirst, withAnIndexNothingIsTakenFromACoarserLevel) {
   EXPECT_EQ(report["volume"]["values_level"], 0);
 }
 
+// Blocks of level 0 that a picture has read are known from then on: only what shows of them is
+// drawn.
+TEST_F(CoarseFirst, rangesOfTheBlocksThatAPictureReadsAreKept) {
+  const std::string all = "--pixel-error 0.01 --max-bytes 1G --pages 4096";
+  const json first = render(all);
+  EXPECT_EQ(first["volume"]["index"]["state"], "not made");
+  ASSERT_EQ(first["cut"]["levels"][0]["level"], 0);
+  const auto shown = picture();
+  const json second = render(all);
+  EXPECT_EQ(second["volume"]["index"]["state"], "not made");
+  EXPECT_LT(second["cut"]["levels"][0]["cells"], first["cut"]["levels"][0]["cells"]);
+  for (size_t i = 0; i < shown.rgba.size(); ++i)
+    ASSERT_NEAR(picture().rgba[i], shown.rgba[i], 1) << i;
+  // Within one command, too: the second frame shows as few cells.
+  removeIndex();
+  const json turn = render(all + " --frames 2 -o turn_##.png");
+  EXPECT_EQ(turn["cut"]["levels"][0]["cells"], second["cut"]["levels"][0]["cells"]);
+  // Of another state of the store nothing is believed.
+  writeFile(program_.folder / "v.zarr/.zattrs", readFile(program_.folder / "v.zarr/.zattrs") + " ");
+  EXPECT_EQ(render(all)["cut"]["levels"][0]["cells"], first["cut"]["levels"][0]["cells"]);
+}
+
 TEST_F(CoarseFirst, levelsOfAnotherProgramAreDrawnWithoutLevelZeroToo) {
   std::filesystem::remove_all(program_.folder / "v.zarr/spread");
   std::string attributes = readFile(program_.folder / "v.zarr/.zattrs");

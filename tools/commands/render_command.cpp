@@ -88,6 +88,7 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
     scene.session->recordTo(trace.get());
   }
   const Drawn drawn = drawFrames(job, series);
+  scene.keepLearntRanges();
   if (drawn.is_cut) {
     if (team == nullptr) {
       nlohmann::json report = reportOf(arguments, app, to_draw, drawn, scene);

@@ -114,6 +114,13 @@ Frame Scene::frame() {
   return frame;
 }
 
+void Scene::keepLearntRanges() const {
+  if (!volume.stand_in || session == nullptr) return;
+  const std::shared_ptr<const SliceRanges> learnt = session->ranges();
+  if (learnt->unknown.size() < volume.index->ranges.unknown.size())
+    keepLearnt(*volume.source, volume.places, volume.time, *learnt);
+}
+
 void Scene::noteMemory() {
   peak_anonymous_bytes = std::max(peak_anonymous_bytes, anonymousBytes());
 }

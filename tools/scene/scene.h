@@ -76,6 +76,9 @@ struct Scene {
 
   // After a frame: notes the process's own memory.
   void noteMemory();
+  // Keeps the ranges of finest blocks that pictures have learnt (learnt_ranges.h) for later
+  // commands.
+  void keepLearntRanges() const;
 
   Workers pool;
   IndexedVolume volume;

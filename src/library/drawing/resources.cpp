@@ -7,6 +7,7 @@
 #include "src/classify/blocks/classification.h"
 #include "src/render/blocks/look.h"
 #include "src/render/blocks/spread_tally.h"
+#include "src/volume/learnt_ranges.h"
 
 namespace sluice {
 namespace {
@@ -65,6 +66,16 @@ uint64_t spreadBytes(const IndexedVolume& volume) {
   return static_cast<uint64_t>(std::min(blocks, most)) * SpreadTally::kBlockBytes;
 }
 
+// The ranges of blocks that become known as they are read: noted, and in two states of all ranges.
+uint64_t learntBytes(const IndexedVolume& volume) {
+  const SliceRanges& ranges = volume.index->ranges;
+  if (ranges.unknown.empty()) return 0;
+  const uint64_t block =
+      (1 + 3 * static_cast<uint64_t>(ranges.layout.planes())) * 2 * bytesPerVoxel(ranges.map.type);
+  const uint64_t noted = std::min(ranges.unknown.size() * block, LearntRanges::kMostBytes);
+  return 3 * noted + 2 * ranges.bytes();
+}
+
 }  // namespace
 
 uint64_t memoryBudget(const MachineOptions& machine) {
@@ -107,7 +118,7 @@ uint64_t planBytes(const IndexedVolume& volume, const TransferFunction& transfer
     if (volume.source->layout().time_steps > 1) blocks = std::min(2 * all, 3 * blocks);
   }
   if (frame.cut && volume.pyramid) blocks = std::min(blocks, blocksOfCut(volume, *frame.cut));
-  return blocks * kPlannedBlockBytes + spreadBytes(volume);
+  return blocks * kPlannedBlockBytes + spreadBytes(volume) + learntBytes(volume);
 }
 
 BesideShare besideShare(const IndexedVolume& volume, const MachineOptions& machine,

@@ -35,7 +35,8 @@ int64_t pageCount(const MachineOptions& machine, const IndexedVolume& volume,
 // that is planned
 // its boxes, its chunk and their names, its places in the order of the visit and in the tables of
 // all levels. A series has the next step's plan, too. The spreads that are noted of coarse blocks
-// (spread_tally.h) are counted with them. Classifies the step that the volume was
+// (spread_tally.h), and the ranges that are learnt of finest ones (learnt_ranges.h), are counted
+// with them. Classifies the step that the volume was
 // opened for.
 uint64_t planBytes(const IndexedVolume& volume, const TransferFunction& transfer,
                    const FrameOptions& frame, WorkerPool& pool);

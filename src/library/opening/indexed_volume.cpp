@@ -212,7 +212,8 @@ void indexLevels(IndexedVolume& volume, int least, const IndexPass& pass) {
           indexOfLevel(volume, level, volume.time, pass);
 }
 
-// The stand-in's values for the finest level, of whose blocks nothing is known. Indices are made of
+// The stand-in's values for the finest level, of whose blocks only those are known that pictures
+// have read. Indices are made of
 // the stand-in and the levels above it; finer levels have theirs if they are there.
 IndexedRanges standIn(IndexedVolume& volume, const IndexPass& pass) {
   const int number = volume.sample ? volume.pyramid->levels() - 1 : standInLevel(*volume.pyramid);
@@ -233,7 +234,9 @@ IndexedRanges standIn(IndexedVolume& volume, const IndexPass& pass) {
     stand_in.device_range =
         rangeOfSpreads(levels[at], stand_in.device_range, volume.time, pass.pool, pass.stop);
   IndexedRanges index;
-  index.ranges = unknownRanges(*volume.source, volume.time, volume.layout);
+  auto learnt = keptLearnt(*volume.source, volume.places, volume.time, volume.layout);
+  index.ranges =
+      learnt ? *std::move(learnt) : unknownRanges(*volume.source, volume.time, volume.layout);
   index.ranges.device_range = stand_in.device_range;
   index.ranges.counts = stand_in.index->ranges.counts;
   index.state = "not made";

@@ -22,6 +22,9 @@ Session::Session(const TimeStep& step, Device& device, WorkerPool& pool,
       session_(options),
       stale_check_(std::make_unique<StaleCheck>(step.source->layout().name)),
       spreads_(std::make_unique<SpreadTally>()),
+      learnt_(step.ranges->unknown.empty()
+                  ? nullptr
+                  : std::make_unique<LearntRanges>(step.time, step.ranges)),
       residency_(step, device,
                  {options.page, options.memory_bytes, options.policy, options.seed,
                   options.partition, pool.threads(), options.beside_bytes}),
@@ -29,11 +32,13 @@ Session::Session(const TimeStep& step, Device& device, WorkerPool& pool,
       step_(step) {
   SLUICE_CHECK(!options.lit || step.ranges->layout.ghost >= 1);
   expectBlocksOf(step);
-  residency_.blocks().checkBy([check = stale_check_.get(), spreads = spreads_.get()](
-                                  const BlockName& name, const VolumeBlock& block) {
-    check->check(name, block);
-    spreads->note(name, block);
-  });
+  residency_.blocks().checkBy(
+      [check = stale_check_.get(), spreads = spreads_.get(), learnt = learnt_.get()](
+          const BlockName& name, const VolumeBlock& block) {
+        check->check(name, block);
+        spreads->note(name, block);
+        if (learnt != nullptr) learnt->note(name, block);
+      });
 }
 
 void Session::expectBlocksOf(const TimeStep& step) {
@@ -44,6 +49,10 @@ void Session::expectBlocksOf(const TimeStep& step) {
     if (coarser.ranges != nullptr)
       stale_check_->expect({.time = step.time, .level = level}, coarser.ranges);
   }
+}
+
+std::shared_ptr<const SliceRanges> Session::ranges() const {
+  return learnt_ != nullptr && learnt_->time() == step_.time ? learnt_->ranges() : step_.ranges;
 }
 
 void Session::setTimeStep(const TimeStep& step) {

@@ -19,6 +19,7 @@
 #include "src/render/blocks/spread_tally.h"
 #include "src/render/frame/frame_run.h"
 #include "src/render/session/planner.h"
+#include "src/volume/learnt_ranges.h"
 
 namespace sluice {
 
@@ -77,6 +78,9 @@ class Session {
   std::vector<VolumeBlockPtr> readBlocks(std::span<const BlockName> keys) {
     return residency_.blocks().acquire(keys);
   }
+  // The ranges of the step's finest level with the blocks that pictures have read, if they were not
+  // known when it was opened.
+  std::shared_ptr<const SliceRanges> ranges() const;
   // The blocks that the last frame found to be visible; null if there was no frame or they are out
   // of date.
   VisibleBlocksPtr lastVisible() const { return visible_.lock(); }
@@ -113,6 +117,7 @@ class Session {
   Memo<TimeStep, BoxStore> box_store_;
   const std::unique_ptr<StaleCheck> stale_check_;  // checks the blocks that residency_ reads
   const std::unique_ptr<SpreadTally> spreads_;     // notes their spreads
+  const std::unique_ptr<LearntRanges> learnt_;     // notes their ranges; null: all are known
   Residency residency_;
   Planner planner_;
   Memo<BoxesKey, const ChosenBoxes> boxes_;
