@@ -3,6 +3,7 @@
 
 #include "src/base/error.h"
 #include "src/base/threads/clock.h"
+#include "src/render/frame/pixel_rays.h"
 #include "src/render/session/session.h"
 
 namespace sluice {
@@ -42,6 +43,9 @@ Frame Session::frame() {
   const VisibleBlocksPtr visible =
       planner_.visibleBlocks(step_, look, viewNow(), options, limit ? &*limit : nullptr);
   options.step_vox = stepForCut(*visible, options);
+  const int rays =
+      planner_.makesCut(step_, look, options) ? raysASide(step_, *visible, viewNow(), options) : 1;
+  if (rays > 1) options.step_vox /= 2;  // slices are no farther apart than rays
   const View view = viewNow();
   const double classify_s = stage.lap();
   visible_ = visible;
@@ -55,24 +59,36 @@ Frame Session::frame() {
   lessons_.unfinished.reset();  // this frame requests again what it needs of it
   read_afterwards_.reset();     // and of the data that was read ahead for it
   residency_.forgetUnused(*plan);
-  FrameRun run({step_, look, visible, plan, order, boxesOf(look, plan), setup, options, asked_at,
-                [this, &afterwards] {
-                  if (afterwards) readAfterwards(*afterwards);
-                }},
-               residency_, device_, trace_, frame_number_, lessons_);
   Frame frame;
-  frame.picture = run.draw();
-  run.report().seconds = watch.seconds();
-  run.report().stages.classify = classify_s;
-  run.report().stages.plan = plan_s;
-  run.report().step_vox = options.step_vox;
-  if (options.count_samples) run.countSamples();
-  frame.phases = run.drawPhases();
-  frame.report = run.report();
+  for (int ray = 0; ray < rays * rays; ++ray) {
+    FrameSetup of_ray = setup;
+    if (rays > 1) of_ray.rays = raysOfPixel(setup.rays, ray % rays, ray / rays, rays);
+    FrameRun run({step_, look, visible, plan, order, boxesOf(look, plan), std::move(of_ray),
+                  options, asked_at,
+                  [this, &afterwards, is_last = ray + 1 == rays * rays] {
+                    if (is_last && afterwards) readAfterwards(*afterwards);
+                  }},
+                 residency_, device_, trace_, frame_number_, lessons_);
+    Picture picture = run.draw();
+    if (ray == 0)
+      frame.picture = std::move(picture);
+    else
+      keepMost(frame.picture, picture);
+    if (options.count_samples) run.countSamples();
+    frame.phases = run.drawPhases();
+    if (ray == 0)
+      frame.report = run.report();
+    else
+      addStrip(frame.report, run.report());
+    lessons_ = run.lessons();
+  }
+  frame.report.seconds = watch.seconds();
+  frame.report.stages.classify = classify_s;
+  frame.report.stages.plan = plan_s;
+  frame.report.step_vox = options.step_vox;
   if (frame.report.cut) frame.report.cut->spread = spreads_->of(*visible, step_.ranges->map.scale);
   frame.blocks = visible;
   noteDrawn(visible, frame.report);
-  lessons_ = run.lessons();
   ++frame_number_;
   return frame;
 }

@@ -1,0 +1,62 @@
+#include "src/render/frame/pixel_rays.h"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <utility>
+
+#include "src/base/error.h"
+#include "src/render/camera/pixel_sizes.h"
+
+namespace sluice {
+namespace {
+
+constexpr size_t kChannels = 4;
+constexpr double kRaysAVoxel = 3;
+
+// Opacity first, then the sum of the colours.
+std::pair<float, float> rankOf(std::span<const float> pixel) {
+  return {pixel[3], pixel[0] + pixel[1] + pixel[2]};
+}
+
+}  // namespace
+
+int raysASide(const TimeStep& step, const VisibleBlocks& visible, const View& view,
+              const FrameOptions& options) {
+  const bool keeps_thin = options.cut && options.cut->keeps_thin && visible.cut;
+  if (!keeps_thin || options.time_limit_s) return 1;
+  const PyramidLayout pyramid = step.layout();
+  const PixelSizes sizes(step.source->layout(), view);
+  double least_pixels = 1;  // that a voxel is wide
+  for (const ObjectBlock& block : visible.blocks) {
+    if (block.name.level > 0) continue;
+    const double pixels = sizes.of(pyramid.level(0), pyramid.regionOf(block.name));
+    if (pixels > 0) least_pixels = std::min(least_pixels, pixels);
+  }
+  if (least_pixels >= 1) return 1;
+  const double pixels = static_cast<double>(view.size.width) * view.size.height;
+  const double most = std::max(1.0, std::floor(std::sqrt(kMostRays / pixels)));
+  return static_cast<int>(std::min(std::ceil(kRaysAVoxel / least_pixels), most));
+}
+
+RayGrid raysOfPixel(const RayGrid& middles, int x, int y, int side) {
+  const auto shiftOf = [side](int at) { return (at + 0.5) / side - 0.5; };
+  RayGrid rays = middles;
+  rays.origin0 = rays.origin0 + rays.origin_dx * shiftOf(x) + rays.origin_dy * shiftOf(y);
+  rays.step0 = rays.step0 + rays.step_dx * shiftOf(x) + rays.step_dy * shiftOf(y);
+  return rays;
+}
+
+void keepMost(Picture& kept, const Picture& more) {
+  SLUICE_CHECK_EQ(kept.rgba.size(), more.rgba.size());
+  SLUICE_CHECK_EQ(kept.depth.size(), more.depth.size());
+  for (size_t i = 0; i < kept.rgba.size() / kChannels; ++i) {
+    const auto of = std::span(kept.rgba).subspan(kChannels * i, kChannels);
+    const auto with = std::span(more.rgba).subspan(kChannels * i, kChannels);
+    if (!(rankOf(of) < rankOf(with))) continue;
+    std::ranges::copy(with, of.begin());
+    if (!kept.depth.empty()) kept.depth[i] = more.depth[i];
+  }
+}
+
+}  // namespace sluice

@@ -1,0 +1,33 @@
+// Several rays through each pixel, for parts that are thinner than the distance between the rays of
+// neighbouring pixels: one ray alone may pass beside them. The picture of one ray a pixel is drawn
+// once for each, with the rays shifted inside the pixels, and each pixel shows the ray that met
+// most. A mean of the rays would hide again what is much smaller than a pixel. Pure functions.
+#pragma once
+
+#include "src/base/values/picture.h"
+#include "src/device/frame_values.h"
+#include "src/render/blocks/time_step.h"
+#include "src/render/blocks/visible_blocks.h"
+#include "src/render/camera/frame_options.h"
+
+namespace sluice {
+
+// The most rays of a picture.
+inline constexpr double kMostRays = 1 << 26;
+
+// The rays along each side of a pixel: 1, or, for a cut that keeps thin parts, as many as leave a
+// third of a voxel of the finest level between them wherever the picture shows that level with
+// voxels smaller than pixels. Interpolation reaches a voxel far to each side and falls off towards
+// there.
+int raysASide(const TimeStep& step, const VisibleBlocks& visible, const View& view,
+              const FrameOptions& options);
+
+// The same rays for ray (x, y) of a pixel with `side` of them along each side. Requires: x and y
+// are below `side`.
+RayGrid raysOfPixel(const RayGrid& middles, int x, int y, int side);
+
+// Replaces the pixels of `kept` that are less opaque, or as opaque and darker, than those of
+// `more`. Requires: pictures of one size, both with depth or neither.
+void keepMost(Picture& kept, const Picture& more);
+
+}  // namespace sluice
