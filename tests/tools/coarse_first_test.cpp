@@ -137,7 +137,8 @@ TEST_F(CoarseFirst, rangesOfTheBlocksThatAPictureReadsAreKept) {
     ASSERT_NEAR(picture().rgba[i], shown.rgba[i], 1) << i;
   // Within one command, too: the second frame shows as few cells.
   removeIndex();
-  const json turn = render(all + " --frames 2 -o turn_##.png");
+  const json turn =
+      program_.json(std::string("render v.zarr -o turn_##.png --frames 2 ") + kLook + " " + all);
   EXPECT_EQ(turn["cut"]["levels"][0]["cells"], second["cut"]["levels"][0]["cells"]);
   // Of another state of the store nothing is believed.
   writeFile(program_.folder / "v.zarr/.zattrs", readFile(program_.folder / "v.zarr/.zattrs") + " ");

@@ -298,7 +298,7 @@ TEST_F(LevelsCommand, oneBrightVoxelIsFoundByAPlanAndDrawnWithKeepThin) {
   const auto shown = [&](int size, const std::string& more) {
     const json report = program_.json(
         fmt::format("render one.zarr --threshold 20 --opacity 1 --no-shade --fit volume --size {} "
-                    "--background none -o v.png --force --step 1 {}",
+                    "-o v.png --force --step 1 {}",
                     size, more));
     int most = 0;
     const auto rgba = readPng(program_.folder / "v.png").rgba;
