@@ -5,6 +5,10 @@
 namespace sluice {
 namespace {
 
+// A volume of no more voxels (16 TiB of bytes) may be stored whole: its bricks do not depend on
+// which parts a sparse file leaves out.
+constexpr double kMostDenseVoxels = 0x1p44;
+
 // Computed in doubles: a sparse volume may have more cells than 63 bits count.
 bool fits(Vec3i cells, int64_t side) {
   double bricks = 1;
@@ -16,7 +20,9 @@ bool fits(Vec3i cells, int64_t side) {
 
 Box3 brickCells(Vec3i dims, const std::optional<Occupancy>& occupancy) {
   const Box3 all = boxOf(dims - Vec3i{1, 1, 1});
-  if (!occupancy) return all;
+  const double voxels_in_all =
+      static_cast<double>(dims.x) * static_cast<double>(dims.y) * static_cast<double>(dims.z);
+  if (!occupancy || voxels_in_all <= kMostDenseVoxels) return all;
   Box3 voxels;
   for (const Box3& box : occupancy->boxes) voxels = unite(voxels, box);
   if (voxels.empty()) return {};

@@ -46,8 +46,9 @@ struct BrickRanges {
   }
 };
 
-// The cells of a volume of `dims` voxels that bricks cover: all, or those between the first and the
-// last that the source knows may differ from its background.
+// The cells of a volume of `dims` voxels that bricks cover: all of them, so that a file that leaves
+// out empty chunks gives the same view as one that stores them. Of a sparse volume with more voxels
+// than any file stores, those between the first and the last that may differ from its background.
 Box3 brickCells(Vec3i dims, const std::optional<Occupancy>& occupancy);
 // The grid over these cells, without ranges. Without cells there are no bricks.
 BrickRanges brickGrid(const Box3& cells);

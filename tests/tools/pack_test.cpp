@@ -60,9 +60,9 @@ TEST(PackCommand, aPackedVolumeGivesTheSamePicture) {
   const std::string bonsai = SLUICE_DATA_DIR "/bonsai.nii.gz";
   if (fs::exists(bonsai)) volumes.push_back(bonsai);
   for (const std::string& volume : volumes)
-    for (const char* codec : {"lz4", "zstd"}) {
-      SCOPED_TRACE(volume + " " + codec);
-      ASSERT_EQ(program.run("pack " + volume + " -o v.zarr --force --codec " + codec).status, 0);
+    for (const char* options : {"--codec lz4", "--codec zstd", "--chunk 16", "--zarr 3"}) {
+      SCOPED_TRACE(volume + " " + options);
+      ASSERT_EQ(program.run("pack " + volume + " -o v.zarr --force " + options).status, 0);
       const std::string view = " --size 200 --threshold 40 --azimuth 30 --elevation 20 --shade -o ";
       ASSERT_EQ(program.run("render " + volume + view + "a.png").status, 0);
       ASSERT_EQ(program.run("render v.zarr" + view + "b.png").status, 0);

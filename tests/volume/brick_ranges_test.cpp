@@ -78,6 +78,13 @@ TEST(BrickRanges, notANumberDoesNotCount) {
   EXPECT_EQ(ranges[8].hi, 9);
 }
 
+TEST(BrickRanges, missingChunksChangeNoBricks) {
+  Occupancy occupancy;
+  occupancy.boxes = {{{1000, 0, 0}, {1008, 8, 8}}};
+  const Vec3i dims{4096, 4096, 4096};
+  EXPECT_EQ(brickCells(dims, occupancy), boxOf(dims - Vec3i{1, 1, 1}));
+}
+
 TEST(BrickRanges, aSparseVolumeHasThemWhereItHasVoxels) {
   const Vec3i far{int64_t{1} << 30, int64_t{1} << 30, int64_t{1} << 30};
   Occupancy occupancy;
