@@ -15,6 +15,8 @@ build_packages=(
   libopenmpi-dev
   # The window's module; without these the rest is built all the same.
   libglfw3-dev libimgui-dev libstb-dev
+  # The Python package; without these the rest is built all the same.
+  python3-dev python3-numpy pybind11-dev
   # To draw.
   libosmesa6 libegl1 libegl-mesa0 libgl1-mesa-dri fonts-dejavu-core
 )

@@ -11,7 +11,7 @@ import pathlib
 import re
 import sys
 
-FOLDERS = ('include', 'src', 'io', 'cache', 'tools', 'tests', 'examples', 'docs', '.ci')
+FOLDERS = ('include', 'src', 'io', 'cache', 'tools', 'python', 'tests', 'examples', 'docs', '.ci')
 CODE = re.compile(r'`([^`\n]+)`')
 LINK = re.compile(r'\]\(([^)\s#]+)[^)]*\)')
 TOP_FILE = re.compile(r'[A-Za-z0-9_.-]+\.(md|txt|json|sh|h|cpp)$')

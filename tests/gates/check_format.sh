@@ -10,5 +10,5 @@ if ! clang-format --version 2>/dev/null | grep -q 'version 14\.'; then
 fi
 mode=(--dry-run --Werror)
 [ "${1:-}" = --fix ] && mode=(-i)
-find include src io cache tools tests examples \( -name '*.h' -o -name '*.cpp' \) -print0 |
+find include src io cache tools python tests examples \( -name '*.h' -o -name '*.cpp' \) -print0 |
   xargs -0 -n 20 -P 2 clang-format "${mode[@]}"

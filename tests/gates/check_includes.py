@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Includes point one way only: tools, src/view -> include/sluice -> src/* -> cache, io -> src/base, and so within each.
+"""Includes point one way only: tools, python, src/view -> include/sluice -> src/* -> cache, io -> src/base, and so within each.
 
   check_includes.py ROOT
 
@@ -54,6 +54,7 @@ ALLOWED = {
     'src/view/window': [PUBLIC, 'src/view/state', 'src/view/drawing', 'src/view/window/panels'],
     'src/view/window/panels': [PUBLIC, 'src/view/state', 'src/view/drawing', 'src/view/window'],
     'src/cpu': ['src/device', 'src/volume'],
+    'python': [PUBLIC, 'src/view/state', 'cache/policies', 'cache/trace', 'cache/simulate'],
     'tools': None,  # everything
     'tools/bench': None,
     'tools/command_line': None,
@@ -108,6 +109,7 @@ LIBRARIES = {
     r'hwy/': ['src/cpu/'],
     r'mpi\.h': ['src/parallel/', 'tests/parallel/'],
     r'CLI/': ['tools/', 'tests/tools/'],
+    r'pybind11/': ['python/'],
 }
 INCLUDE = re.compile(r'\s*#\s*include\s*([<"])([^>"]+)[>"]')
 
@@ -149,7 +151,7 @@ def fault(file, quote, target, root):
 def check(root):
     """A list of complaints about the sources under `root`."""
     complaints = []
-    for top in ('include', 'src', 'io', 'cache', 'tools', 'tests'):
+    for top in ('include', 'src', 'io', 'cache', 'tools', 'python', 'tests'):
         for path in sorted((root / top).rglob('*')):
             if path.suffix not in ('.h', '.cpp'):
                 continue

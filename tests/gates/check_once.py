@@ -39,7 +39,7 @@ COMMENT = re.compile(r'//.*$')
 def check(root):
     """A list of complaints about the sources under `root`; tests may do as they like."""
     complaints = []
-    for top in ('include', 'src', 'io', 'cache', 'tools'):
+    for top in ('include', 'src', 'io', 'cache', 'tools', 'python'):
         for path in sorted((root / top).rglob('*')):
             if path.suffix not in ('.h', '.cpp'):
                 continue

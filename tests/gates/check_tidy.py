@@ -20,7 +20,7 @@ import sys
 import tempfile
 
 GROUP = 10
-FOLDERS = re.compile(r'(src|io|cache|tools)(/\w+)*/\w+\.cpp$')
+FOLDERS = re.compile(r'(src|io|cache|tools|python)(/\w+)*/\w+\.cpp$')
 BATCHED = re.compile(r'^#include "(.*)"$', re.M)
 
 

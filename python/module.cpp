@@ -1,0 +1,153 @@
+// The module sluice._sluice. The package's Python (python/sluice/__init__.py) wraps it: what people
+// see, with its documentation, is there.
+#include <pybind11/numpy.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+#include <sluice/sluice.h>
+
+#include <memory>
+#include <utility>
+
+#include "python/arrays.h"
+#include "python/picture_options.h"
+#include "python/renderer_handle.h"
+#include "python/running.h"
+#include "python/simulation.h"
+
+namespace sluice::python {
+namespace {
+
+VolumeOptions volumeOptions(const py::dict& keywords) {
+  VolumeOptions options;
+  const auto take = [&](const char* keyword, auto& held) {
+    if (keywords.contains(keyword) && !keywords[keyword].is_none())
+      held = keywords[keyword].cast<std::remove_reference_t<decltype(held)>>();
+  };
+  take("dims", options.dims);
+  take("type", options.type);
+  take("big_endian", options.big_endian);
+  take("skip", options.skip_bytes);
+  take("time_steps", options.time_steps);
+  take("spacing", options.spacing);
+  take("grid", options.grid);
+  take("channel", options.channel);
+  take("channel_name", options.channel_name);
+  take("whole_series", options.whole_series);
+  take("time", options.time);
+  take("index_dir", options.index_folder);
+  take("temporary_dir", options.temporary_folder);
+  take("memory", options.memory_bytes);
+  take("threads", options.threads);
+  return options;
+}
+
+std::unique_ptr<VolumeHandle> openFiles(const std::vector<std::string>& paths,
+                                        const py::dict& keywords, const py::object& progress) {
+  const VolumeOptions options = volumeOptions(keywords);
+  const ProgressFunction told = progressFunction(progress);
+  return std::make_unique<VolumeHandle>(
+      VolumeHandle{py::none(), Held<Volume>(run([&](const std::stop_token& stop) {
+                     return Volume(paths, options, told, stop);
+                   }))});
+}
+
+std::unique_ptr<VolumeHandle> openArray(const py::array& array, const ArrayPlace& place,
+                                        const py::dict& keywords, const py::object& progress) {
+  return std::make_unique<VolumeHandle>(VolumeHandle{
+      array,
+      Held<Volume>(borrowed(array, place, volumeOptions(keywords), progressFunction(progress)))});
+}
+
+std::unique_ptr<VolumeHandle> openFunction(const py::function& fill,
+                                           const std::vector<int64_t>& shape, const py::dtype& type,
+                                           const ArrayPlace& place, const py::dict& keywords,
+                                           const py::object& progress) {
+  return std::make_unique<VolumeHandle>(VolumeHandle{
+      py::none(), Held<Volume>(filled(fill, shape, type, place, volumeOptions(keywords),
+                                      progressFunction(progress)))});
+}
+
+py::dict infoOf(const VolumeHandle& handle) {
+  const VolumeInfo& info = handle.volume.get().info();
+  py::dict out;
+  out["name"] = info.name;
+  out["dims"] = py::tuple(py::cast(info.dims));
+  out["type"] = info.type;
+  out["spacing"] = py::tuple(py::cast(info.spacing));
+  out["origin"] = py::tuple(py::cast(info.origin));
+  out["unit"] = info.unit;
+  out["axes"] = info.axes;
+  out["frame"] = info.frame;
+  out["time_steps"] = info.time_steps;
+  out["levels"] = info.levels;
+  out["value_range"] = py::tuple(py::cast(info.value_range));
+  out["warnings"] = info.warnings;
+  out["files"] = info.files;
+  return out;
+}
+
+py::tuple histogramOf(const VolumeHandle& handle, int bins) {
+  const Volume& volume = handle.volume.get();
+  ValueHistogram histogram = run([&](const std::stop_token&) { return volume.histogram(bins); });
+  std::vector<double> edges(histogram.counts.size() + 1);
+  const double width = (histogram.hi - histogram.lo) / static_cast<double>(histogram.counts.size());
+  for (size_t i = 0; i < edges.size(); ++i)
+    edges[i] = histogram.lo + width * static_cast<double>(i);
+  edges.back() = histogram.hi;
+  const auto count = static_cast<py::ssize_t>(histogram.counts.size());
+  return py::make_tuple(arrayOf(std::move(histogram.counts), {count}),
+                        arrayOf(std::move(edges), {count + 1}));
+}
+
+// Exceptions of the library. `Cancelled` reaches Python if a call was stopped by another's Ctrl-C.
+void addErrors(py::module_& module) {
+  py::register_exception<Error>(module, "Error", PyExc_RuntimeError);
+  py::register_exception<Cancelled>(module, "Cancelled", PyExc_RuntimeError);
+}
+
+}  // namespace
+
+PYBIND11_MODULE(_sluice, module) {
+  addErrors(module);
+  py::class_<ArrayPlace>(module, "ArrayPlace")
+      .def(py::init(
+               [](const Triple& spacing, const Triple& origin, std::string unit, std::string name) {
+                 return ArrayPlace{spacing, origin, std::move(unit), std::move(name)};
+               }),
+           py::arg("spacing"), py::arg("origin"), py::arg("unit"), py::arg("name"));
+  py::class_<VolumeHandle>(module, "Volume")
+      .def("info", &infoOf)
+      .def("histogram", &histogramOf, py::arg("bins"));
+  py::class_<RendererHandle>(module, "Renderer")
+      .def(py::init([](const VolumeHandle& volume, const std::string& device, uint64_t memory,
+                       int threads) {
+             return std::make_unique<RendererHandle>(volume, device, memory, threads);
+           }),
+           py::arg("volume"), py::arg("device"), py::arg("memory"), py::arg("threads"),
+           py::keep_alive<1, 2>())
+      .def("render", &RendererHandle::render)
+      .def("save", &RendererHandle::save)
+      .def("probe", &RendererHandle::probe)
+      .def("slice", &RendererHandle::slice)
+      .def("look", &RendererHandle::look)
+      .def("device", &RendererHandle::device)
+      .def("record_to", &RendererHandle::recordTo)
+      .def("report", &RendererHandle::report);
+  module.def("open_files", &openFiles);
+  module.def("open_array", &openArray);
+  module.def("open_function", &openFunction);
+  module.def("keywords", &pictureKeywords);
+  module.def("simulate", [](SimulationRequest request) {
+    return run([&](const std::stop_token&) { return simulatedRows(request); });
+  });
+  py::class_<SimulationRequest>(module, "SimulationRequest")
+      .def(py::init<>())
+      .def_readwrite("trace", &SimulationRequest::trace)
+      .def_readwrite("policies", &SimulationRequest::policies)
+      .def_readwrite("sizes", &SimulationRequest::sizes)
+      .def_readwrite("format", &SimulationRequest::format)
+      .def_readwrite("page_bytes", &SimulationRequest::page_bytes)
+      .def_readwrite("pins", &SimulationRequest::pins);
+}
+
+}  // namespace sluice::python

@@ -1,0 +1,255 @@
+#include "python/picture_options.h"
+
+#include <fmt/format.h>
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <functional>
+#include <map>
+#include <string_view>
+#include <utility>
+
+#include "src/view/state/option_table.h"
+#include "src/view/state/view_check.h"
+
+namespace sluice::python {
+namespace {
+
+std::string keywordOf(const OptionEntry& entry) {
+  std::string keyword(entry.option.substr(entry.option.find_first_not_of('-')));
+  std::replace(keyword.begin(), keyword.end(), '-', '_');
+  return keyword;
+}
+
+std::string printed(const py::handle& value) {
+  return py::repr(value).cast<std::string>();
+}
+
+[[noreturn]] void failType(const std::string& keyword, std::string_view expected,
+                           const py::handle& found) {
+  throw py::type_error(fmt::format("{}: expected {}, found {}", keyword, expected, printed(found)));
+}
+
+[[noreturn]] void failValue(const std::string& keyword, std::string_view expected,
+                            std::string_view found) {
+  throw py::value_error(fmt::format("{}: expected {}, found {}", keyword, expected, found));
+}
+
+// `value` as a T. Python's own conversions apply: an int is a float, a NumPy scalar is a number.
+template <class T>
+T taken(const std::string& keyword, std::string_view expected, const py::handle& value) {
+  try {
+    return value.cast<T>();
+  } catch (const py::cast_error&) {
+    failType(keyword, expected, value);
+  }
+}
+
+// "RRGGBB", with "#" or not, or three numbers from 0 to 1.
+OptionReals colorOf(const std::string& keyword, const py::handle& value) {
+  constexpr const char* kExpected = "'RRGGBB' or three numbers from 0 to 1";
+  if (!py::isinstance<py::str>(value)) return taken<OptionReals>(keyword, kExpected, value);
+  auto word = value.cast<std::string>();
+  if (word.starts_with('#')) word.erase(0, 1);
+  const bool is_hex =
+      word.size() == 6 && word.find_first_not_of("0123456789abcdefABCDEF") == std::string::npos;
+  if (!is_hex) failValue(keyword, kExpected, printed(value));
+  const unsigned long bits = std::stoul(word, nullptr, 16);
+  return {static_cast<double>(bits >> 16) / 255, static_cast<double>(bits >> 8 & 255) / 255,
+          static_cast<double>(bits & 255) / 255};
+}
+
+std::string wordOf(const OptionEntry& entry, const std::string& keyword, const py::handle& value) {
+  const auto& words = entry.kind.words;
+  const std::string expected = fmt::format("one of '{}'", fmt::join(words, "', '"));
+  // shade=True and False.
+  const bool is_switch = std::find(words.begin(), words.end(), "on") != words.end();
+  if (is_switch && py::isinstance<py::bool_>(value)) return value.cast<bool>() ? "on" : "off";
+  auto word = taken<std::string>(keyword, expected, value);
+  if (std::find(words.begin(), words.end(), word) == words.end())
+    failValue(keyword, expected, printed(value));
+  return word;
+}
+
+// As many numbers as the form has.
+template <class List>
+List listOf(const OptionEntry& entry, const std::string& keyword, const py::handle& value) {
+  const size_t count = numbersOf(entry.kind.form);
+  const std::string expected = fmt::format("{} numbers ({})", count, entry.value);
+  auto list = taken<List>(keyword, expected, value);
+  if (list.size() != count) failValue(keyword, expected, printed(value));
+  return list;
+}
+
+// A list of lists; points are also a dict from value to opacity.
+std::vector<OptionReals> listsOf(const OptionEntry& entry, const std::string& keyword,
+                                 const py::handle& value) {
+  std::vector<OptionReals> lists;
+  const py::object items = py::isinstance<py::dict>(value)
+                               ? value.attr("items")()
+                               : py::reinterpret_borrow<py::object>(value);
+  for (const py::handle& item : taken<py::iterable>(keyword, "a list", items))
+    lists.push_back(listOf<OptionReals>(entry, keyword, item));
+  return lists;
+}
+
+OptionValue valueOf(const OptionEntry& entry, const std::string& keyword, const py::handle& value) {
+  switch (entry.kind.form) {
+    case OptionForm::kFlag:
+      return taken<bool>(keyword, "True or False", value);
+    case OptionForm::kWhole:
+      return taken<int64_t>(keyword, "a whole number", value);
+    case OptionForm::kNumber:
+      return taken<double>(keyword, entry.kind.noun, value);
+    case OptionForm::kWord:
+      return wordOf(entry, keyword, value);
+    case OptionForm::kText:
+      return taken<std::string>(keyword, "a text", value);
+    case OptionForm::kFile:
+      return py::module_::import("os").attr("fspath")(value).cast<std::string>();
+    case OptionForm::kColor: {
+      OptionReals color = colorOf(keyword, value);
+      if (color.size() != 3) failValue(keyword, "three numbers from 0 to 1", printed(value));
+      return color;
+    }
+    case OptionForm::kVoxel:
+    case OptionForm::kBox:
+      return listOf<OptionWholes>(entry, keyword, value);
+    case OptionForm::kPoints:
+    case OptionForm::kPlanes:
+      return listsOf(entry, keyword, value);
+    case OptionForm::kRange:
+    case OptionForm::kPlace:
+    case OptionForm::kDirection:
+      return listOf<OptionReals>(entry, keyword, value);
+  }
+  failType(keyword, "a value", value);
+}
+
+// What a picture has beside a view.
+using PictureSetter = std::function<void(AskedPicture&, const py::handle&)>;
+
+template <class T>
+void setNumber(const char* keyword, const char* expected, NumberRange<double> range,
+               const py::handle& value, T& held) {
+  held = taken<T>(keyword, expected, value);
+  if (!range.holds(static_cast<double>(held))) failValue(keyword, expected, printed(value));
+}
+
+void setSize(AskedPicture& asked, const py::handle& value) {
+  constexpr const char* kExpected = "(width, height) or one number for both, each from 1 to 65536";
+  std::array<int, 2> size{};
+  if (py::isinstance<py::int_>(value)) {
+    size.fill(taken<int>("size", kExpected, value));
+  } else {
+    size = taken<std::array<int, 2>>("size", kExpected, value);
+  }
+  for (const int side : size)
+    if (side < 1 || side > 65536) failValue("size", kExpected, printed(value));
+  asked.picture.width = size[0];
+  asked.picture.height = size[1];
+}
+
+const std::map<std::string, PictureSetter>& pictureSetters() {
+  static const std::map<std::string, PictureSetter> setters{
+      {"size", setSize},
+      {"pixel_error",
+       [](AskedPicture& asked, const py::handle& value) {
+         setNumber("pixel_error", "a number above 0", {0, 1e6, true}, value,
+                   asked.picture.pixel_error);
+       }},
+      {"level",
+       [](AskedPicture& asked, const py::handle& value) {
+         setNumber("level", "a whole number from 0", {0, 60}, value, asked.picture.level.emplace());
+       }},
+      {"time_limit",
+       [](AskedPicture& asked, const py::handle& value) {
+         setNumber("time_limit", "seconds from 0", {0, 1e9}, value,
+                   asked.picture.time_limit_s.emplace());
+       }},
+      {"depth",
+       [](AskedPicture& asked, const py::handle& value) {
+         asked.picture.with_depth = taken<bool>("depth", "True or False", value);
+       }},
+  };
+  return setters;
+}
+
+const OptionEntry* entryOf(const std::string& keyword) {
+  for (const OptionEntry& entry : optionTable())
+    if (!entry.option.empty() && keywordOf(entry) == keyword) return &entry;
+  return nullptr;
+}
+
+// Keywords of which a look takes one, as the command line has it.
+void requireOneLook(const py::kwargs& keywords) {
+  const auto given = [&](const char* keyword) {
+    return keywords.contains(keyword) && !keywords[keyword].is_none();
+  };
+  constexpr std::pair<const char*, const char*> kApart[] = {
+      {"threshold", "transfer"}, {"threshold", "opacities"}, {"threshold", "labels"},
+      {"transfer", "labels"},    {"opacities", "labels"},    {"opacities", "opacity"}};
+  for (const auto& [one, other] : kApart)
+    if (given(one) && given(other))
+      throw py::type_error(fmt::format("{} and {} do not go together", one, other));
+  if (given("eye") != given("target")) throw py::type_error("eye and target are given together");
+  for (const char* angle : {"view", "azimuth", "elevation", "fit"})
+    if (given("eye") && given(angle))
+      throw py::type_error(fmt::format("eye and {} do not go together", angle));
+}
+
+void requireNoFault(const std::optional<ViewFault>& fault) {
+  if (!fault) return;
+  std::string keyword = fault->field.substr(fault->field.rfind('/') + 1);
+  for (const OptionEntry& entry : optionTable())
+    if (fault->field.find(std::string("/") + entry.key) != std::string::npos &&
+        !entry.option.empty())
+      keyword = keywordOf(entry);
+  failValue(keyword, fault->expected, fault->found);
+}
+
+}  // namespace
+
+AskedPicture askedPicture(const py::kwargs& keywords, const VolumeInfo& volume) {
+  AskedPicture asked;
+  ViewState state;
+  for (const auto& [name, value] : keywords) {
+    const auto keyword = name.cast<std::string>();
+    const auto setter = pictureSetters().find(keyword);
+    const OptionEntry* const entry = entryOf(keyword);
+    if (setter == pictureSetters().end() && entry == nullptr)
+      throw py::type_error(fmt::format("unexpected keyword '{}'; there are: {}", keyword,
+                                       fmt::join(pictureKeywords(), ", ")));
+    if (value.is_none()) continue;
+    if (entry == nullptr) {
+      setter->second(asked, value);
+      continue;
+    }
+    const OptionValue taken_value = valueOf(*entry, keyword, value);
+    if (const auto fault = faultOf(*entry, taken_value))
+      failValue(keyword, fault->expected, fault->found);
+    entry->set(state, taken_value);
+  }
+  requireOneLook(keywords);
+  requireNoFault(faultOf(state));
+  requireNoFault(faultOf(state, volume));
+  const PictureOptions of_view = pictureOf(state, asked.picture.width, asked.picture.height);
+  asked.picture.view = of_view.view;
+  asked.picture.time = of_view.time;
+  asked.picture.step_vox = of_view.step_vox;
+  asked.picture.crop = of_view.crop;
+  asked.picture.clip_planes = of_view.clip_planes;
+  asked.look = state.look;
+  asked.background = state.background;
+  return asked;
+}
+
+std::vector<std::string> pictureKeywords() {
+  std::vector<std::string> keywords;
+  for (const auto& [keyword, setter] : pictureSetters()) keywords.push_back(keyword);
+  for (const OptionEntry& entry : optionTable())
+    if (!entry.option.empty()) keywords.push_back(keywordOf(entry));
+  return keywords;
+}
+
+}  // namespace sluice::python

@@ -1,0 +1,31 @@
+// Keywords of render() and save(): the options of `sluice render` of the same names, with "_" for
+// "-", as the table of options describes them (src/view/state/option_table.h), and a few more that
+// belong to a picture alone.
+#pragma once
+
+#include <pybind11/pybind11.h>
+#include <sluice/options.h>
+
+#include <string>
+#include <vector>
+
+#include "src/view/state/view_state.h"
+
+namespace sluice::python {
+
+namespace py = pybind11;
+
+struct AskedPicture {
+  PictureOptions picture;
+  LookOptions look;
+  std::optional<std::array<float, 3>> background;
+};
+
+// Throws TypeError for a keyword that is none, or a value of another kind than it takes, and
+// ValueError for a value out of its range or a picture that does not fit the volume.
+AskedPicture askedPicture(const py::kwargs& keywords, const VolumeInfo& volume);
+
+// The keywords, in the table's order.
+std::vector<std::string> pictureKeywords();
+
+}  // namespace sluice::python

@@ -1,0 +1,119 @@
+#include "python/renderer_handle.h"
+
+#include <pybind11/stl.h>
+
+#include <utility>
+#include <vector>
+
+#include "python/picture_options.h"
+
+namespace sluice::python {
+namespace {
+
+Renderer makeRenderer(const Volume& volume, const std::string& device, uint64_t memory_bytes,
+                      int threads) {
+  using Device = RendererOptions::Device;
+  RendererOptions options{.memory_bytes = memory_bytes, .threads = threads};
+  if (device == "gl")
+    options.device = Device::kGl;
+  else if (device == "cpu")
+    options.device = Device::kCpu;
+  else if (device != "auto")
+    throw py::value_error("device: expected one of 'auto', 'gl', 'cpu', found '" + device + "'");
+  return run([&](const std::stop_token&) { return Renderer(volume, {}, options); });
+}
+
+py::dict levelOf(const LevelReport& level) {
+  py::dict out;
+  out["requests"] = level.requests;
+  out["hits"] = level.hits;
+  out["misses"] = level.misses;
+  out["loads"] = level.loads;
+  out["evictions"] = level.evictions;
+  out["current_bytes"] = level.current_bytes;
+  out["peak_bytes"] = level.peak_bytes;
+  out["budget_bytes"] = level.budget_bytes;
+  return out;
+}
+
+}  // namespace
+
+RendererHandle::RendererHandle(const VolumeHandle& volume, const std::string& device,
+                               uint64_t memory_bytes, int threads)
+    : renderer_(makeRenderer(volume.volume.get(), device, memory_bytes, threads)) {}
+
+py::object RendererHandle::render(const VolumeHandle& volume, const py::object& progress,
+                                  const py::kwargs& keywords) {
+  const AskedPicture asked = askedPicture(keywords, volume.volume.get().info());
+  Image image =
+      withLook(asked.look, progress,
+               [&](Renderer& renderer, const ProgressFunction& told, const std::stop_token& stop) {
+                 return renderer.draw(asked.picture, told, stop);
+               });
+  std::vector<uint8_t> bytes = [&] {
+    const py::gil_scoped_release unlocked;
+    return image.toRgba8(asked.background);
+  }();
+  py::array rgba = arrayOf(std::move(bytes), {image.height, image.width, 4});
+  if (!asked.picture.with_depth) return rgba;
+  return py::make_tuple(rgba, arrayOf(std::move(image.depth), {image.height, image.width}));
+}
+
+void RendererHandle::save(const VolumeHandle& volume, const std::string& path,
+                          const py::object& progress, const py::kwargs& keywords) {
+  const AskedPicture asked = askedPicture(keywords, volume.volume.get().info());
+  withLook(asked.look, progress,
+           [&](Renderer& renderer, const ProgressFunction& told, const std::stop_token& stop) {
+             renderer.drawToFile(path, asked.picture, asked.background, told, stop);
+             return true;
+           });
+}
+
+py::object RendererHandle::probe(const VolumeHandle& volume, double right, double down,
+                                 const py::kwargs& keywords) {
+  const AskedPicture asked = askedPicture(keywords, volume.volume.get().info());
+  const auto found =
+      withLook(asked.look, py::none(),
+               [&](Renderer& renderer, const ProgressFunction&, const std::stop_token& stop) {
+                 return renderer.probe(asked.picture, right, down, stop);
+               });
+  if (!found) return py::none();
+  py::dict out;
+  out["voxel"] = py::tuple(py::cast(found->voxel));
+  out["world"] = py::tuple(py::cast(found->world));
+  out["value"] = found->value;
+  return out;
+}
+
+py::array RendererHandle::slice(int axis, int64_t at, int64_t time, int most) {
+  Renderer& renderer = renderer_.get();
+  SliceValues slice = run([&](const std::stop_token& stop) {
+    return renderer.slice({.axis = axis, .at = at, .time = time, .most = most}, stop);
+  });
+  return arrayOf(std::move(slice.values), {slice.height, slice.width});
+}
+
+py::dict RendererHandle::report() {
+  const RenderReport report = renderer_.get().report();
+  py::dict out;
+  out["seconds"] = report.seconds;
+  out["draw_seconds"] = report.draw_seconds;
+  out["missing_share"] = report.missing_share;
+  out["blocks"] = py::dict(py::arg("white") = report.white, py::arg("grey") = report.grey,
+                           py::arg("black") = report.black);
+  out["step"] = report.step_vox;
+  out["levels"] = report.levels;
+  out["coarse_share"] = report.coarse_share;
+  out["will_improve"] = report.will_improve;
+  out["why_empty"] = report.why_empty;
+  out["read_bytes"] = report.read_bytes;
+  out["volume_buffer"] = levelOf(report.volume_buffer);
+  out["texture_buffer"] = levelOf(report.texture_buffer);
+  out["texture_cache"] = levelOf(report.texture_cache);
+  out["pages"] = report.pages;
+  out["page_bytes"] = report.page_bytes;
+  out["pages_loaded"] = report.pages_loaded;
+  return out;
+}
+
+}  // namespace sluice::python

@@ -1,0 +1,56 @@
+// A renderer as Python holds it. Calls from several threads of Python follow one another, each with
+// the look that it asks for.
+#pragma once
+
+#include <pybind11/pybind11.h>
+#include <sluice/renderer.h>
+
+#include <cstdint>
+#include <string>
+
+#include "python/volume_handle.h"
+#include "src/base/threads/mutex.h"
+
+namespace sluice::python {
+
+class RendererHandle {
+ public:
+  // `device`: "auto", "gl" or "cpu". Throws ValueError, Error.
+  RendererHandle(const VolumeHandle& volume, const std::string& device, uint64_t memory_bytes,
+                 int threads);
+
+  // What each does and returns stands in python/sluice/__init__.py. `keywords`: picture_options.h.
+  py::object render(const VolumeHandle& volume, const py::object& progress,
+                    const py::kwargs& keywords);
+  void save(const VolumeHandle& volume, const std::string& path, const py::object& progress,
+            const py::kwargs& keywords);
+  py::object probe(const VolumeHandle& volume, double right, double down,
+                   const py::kwargs& keywords);
+  py::array slice(int axis, int64_t at, int64_t time, int most);
+  py::dict report();
+  std::string look() { return renderer_.get().lookText(); }
+  std::string device() { return renderer_.get().deviceName(); }
+  void recordTo(const std::string& path) { renderer_.get().recordTo(path); }
+
+ private:
+  // Calls with the renderer, once it has this look, a ProgressFunction and a stop token.
+  template <class Call>
+  auto withLook(const LookOptions& look, const py::object& progress, const Call& call) {
+    const ProgressFunction told = progressFunction(progress);
+    Renderer& renderer = renderer_.get();
+    return run([&](const std::stop_token& stop) {
+      const MutexLock lock(mutex_);
+      if (look != look_) {
+        renderer.setLook(look);
+        look_ = look;
+      }
+      return call(renderer, told, stop);
+    });
+  }
+
+  Held<Renderer> renderer_;
+  Mutex mutex_;  // held while a look is set and drawn
+  LookOptions look_ SLUICE_GUARDED_BY(mutex_);
+};
+
+}  // namespace sluice::python

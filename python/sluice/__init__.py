@@ -1,0 +1,346 @@
+"""Render volumes larger than memory.
+
+    >>> import sluice
+    >>> volume = sluice.open('synth:phantom,dims=64x64x64')
+    >>> picture = volume.render(size=(256, 192), threshold=40)
+    >>> picture.shape, picture.dtype
+    ((192, 256, 4), dtype('uint8'))
+
+Options of a picture have the names of the options of `sluice render`, with "_" for "-", and the
+same values; their defaults are the command's, and so is the picture. Lengths, places and boxes are
+x, y, z. Arrays are indexed [z, y, x], or [time, z, y, x].
+
+Calls may come from any thread, and let other threads run meanwhile. Ctrl-C ends them within a
+second. What goes wrong with a file or a request raises sluice.Error, in one line.
+"""
+
+import json as _json
+import os as _os
+import struct as _struct
+import zlib as _zlib
+
+import numpy as _numpy
+
+from . import _sluice
+from ._sluice import Cancelled, Error
+
+__all__ = ['Cancelled', 'Error', 'Renderer', 'Volume', 'from_array', 'from_function', 'open', 'simulate']
+
+_UNITS = {'K': 1 << 10, 'M': 1 << 20, 'G': 1 << 30, 'T': 1 << 40}
+
+
+def _bytes(size):
+    """512 or '512M' as a number of bytes; None is 0, which means the default."""
+    if size is None:
+        return 0
+    if not isinstance(size, str):
+        return int(size)
+    word = size.strip().upper()
+    unit = _UNITS.get(word[-1:], 1)
+    try:
+        return int(float(word[:-1] if unit > 1 else word) * unit)
+    except (OverflowError, ValueError):
+        raise ValueError(f"memory: expected bytes as in 512000000 or '512M', found {size!r}") from None
+
+
+def _index_folder(index_dir):
+    """The folder that `sluice` itself keeps indices in, unless another one is named; '' is none."""
+    if index_dir is not None:
+        return _os.fspath(index_dir)
+    if _os.environ.get('SLUICE_INDEX') == 'off':
+        return ''
+    for variable, below in (('SLUICE_INDEX_DIR', ''), ('XDG_CACHE_HOME', 'sluice/index'),
+                            ('HOME', '.cache/sluice/index')):
+        folder = _os.environ.get(variable, '')
+        if folder.startswith('/'):
+            return _os.path.join(folder, below) if below else folder
+    return ''
+
+
+def open(path, *, dims=None, type=None, endian=None, skip=None, time_steps=None, spacing=None, grid=None,
+         channel=None, time=0, whole_series=True, index_dir=None, memory=None, threads=None, progress=None):
+    """Opens a volume and returns a Volume.
+
+    `path` is what `sluice render` takes: a file, a folder, a pattern such as 'step_%03d.nrrd', an
+    address, or 'synth:phantom'; or a list of them, each a slice or a time step. `dims` (x, y, z),
+    `type` ('u8', 'i16', 'f32', ...), `endian` ('little' or 'big'), `skip` (bytes before the first
+    voxel) and `time_steps` are for raw files. `channel` is a number or a name.
+
+    The first opening passes over the voxels and keeps an index in `index_dir`, by default the
+    folder that `sluice` uses; '' keeps none. `memory` ('512M' or bytes) bounds that pass.
+    `progress(stage, done, total)` is called with 'indexing' or 'decoding' and bytes.
+
+        >>> volume = sluice.open('synth:cube,dims=20x16x12')
+        >>> volume.dims, volume.dtype
+        ((20, 16, 12), dtype('uint8'))
+    """
+    if endian not in (None, 'little', 'big'):
+        raise ValueError(f"endian: expected 'little' or 'big', found {endian!r}")
+    paths = [path] if isinstance(path, (str, _os.PathLike)) else list(path)
+    options = dict(dims=dims, type=type, big_endian=endian == 'big', skip=skip, time_steps=time_steps,
+                   spacing=spacing, grid=grid, whole_series=whole_series, time=time,
+                   index_dir=_index_folder(index_dir), memory=_bytes(memory), threads=threads)
+    options['channel_name' if isinstance(channel, str) else 'channel'] = channel
+    return Volume(_sluice.open_files([_os.fspath(each) for each in paths], options, progress))
+
+
+def _place(spacing, origin, unit, name):
+    return _sluice.ArrayPlace(tuple(spacing), tuple(origin), unit, name)
+
+
+def from_array(array, *, spacing=(1, 1, 1), origin=(0, 0, 0), unit='', name='array', memory=None, threads=None,
+               progress=None):
+    """Opens an array indexed [z, y, x], or [time, z, y, x], as a volume.
+
+    A NumPy array of any strides is used as it is, without a copy; do not change it while the volume
+    is open. Other arrays with a shape, a dtype and slicing (zarr, dask, xarray, h5py) are read box
+    by box when pictures need them. `spacing` and `origin` are x, y, z.
+
+        >>> import numpy
+        >>> z, y, x = numpy.mgrid[:32, :32, :32] - 15.5
+        >>> ball = (255 * (x * x + y * y + z * z < 150)).astype('u1')
+        >>> sluice.from_array(ball, spacing=(1, 1, 2)).render(size=64).shape
+        (64, 64, 4)
+    """
+    options = dict(memory=_bytes(memory), threads=threads)
+    place = _place(spacing, origin, unit, name)
+    array = getattr(array, 'variable', array)  # of xarray: the array without its coordinates
+    if isinstance(getattr(array, 'data', None), _numpy.ndarray):
+        array = array.data
+    if isinstance(array, _numpy.ndarray):
+        return Volume(_sluice.open_array(array, place, options, progress))
+    if not all(hasattr(array, name) for name in ('shape', 'dtype', '__getitem__')):
+        array = _numpy.asarray(array)
+        return Volume(_sluice.open_array(array, place, options, progress))
+    has_steps = len(array.shape) == 4
+    dtype = _numpy.dtype(array.dtype)
+
+    def fill(time, lo, hi):
+        box = tuple(slice(lo[axis], hi[axis]) for axis in (2, 1, 0))
+        voxels = array[(time, *box) if has_steps else box]
+        return _numpy.ascontiguousarray(voxels, dtype=dtype.newbyteorder('='))
+
+    return Volume(_sluice.open_function(fill, tuple(array.shape), dtype.newbyteorder('='), place, options, progress))
+
+
+def from_function(fill, shape, dtype, *, spacing=(1, 1, 1), origin=(0, 0, 0), unit='', name='function', memory=None,
+                  threads=None, progress=None):
+    """Opens a volume whose voxels a function gives whenever they are needed.
+
+    fill(time, lo, hi) returns the voxels from lo to hi, hi not included, both x, y, z, as an array
+    of `dtype` indexed [z, y, x]. `shape` is (z, y, x) or (time, z, y, x).
+
+        >>> import numpy
+        >>> def ramp(time, lo, hi):
+        ...     x = numpy.arange(lo[0], hi[0], dtype='f4')
+        ...     return numpy.broadcast_to(x, (hi[2] - lo[2], hi[1] - lo[1], len(x)))
+        >>> sluice.from_function(ramp, (16, 16, 16), 'f4').value_range
+        (0.0, 15.0)
+    """
+    def packed(time, lo, hi):
+        return _numpy.ascontiguousarray(fill(time, lo, hi), dtype=dtype)
+
+    return Volume(_sluice.open_function(packed, tuple(shape), _numpy.dtype(dtype), _place(spacing, origin, unit, name),
+                                        dict(memory=_bytes(memory), threads=threads), progress))
+
+
+class Volume:
+    """A volume that is open for pictures; see open() and from_array()."""
+
+    def __init__(self, handle):
+        self._handle = handle
+        self._info = handle.info()
+        self._own = None  # the renderer of render(), slice() and the like
+
+    def __repr__(self):
+        x, y, z = self.dims
+        steps = f', {self.time_steps} steps' if self.time_steps > 1 else ''
+        return f"<sluice.Volume '{self.name}': {x} x {y} x {z} {self._info['type']}{steps}>"
+
+    def _repr_png_(self):
+        return _png(self.render())
+
+    @property
+    def info(self):
+        """All that is known of the volume without its voxels, as a dict."""
+        return dict(self._info)
+
+    @property
+    def name(self):
+        return self._info['name']
+
+    @property
+    def dims(self):
+        """Voxels along x, y, z."""
+        return self._info['dims']
+
+    @property
+    def shape(self):
+        """Of the array of its voxels: (z, y, x), or (time, z, y, x) if there are several steps."""
+        steps = (self.time_steps,) if self.time_steps > 1 else ()
+        return steps + self.dims[::-1]
+
+    @property
+    def dtype(self):
+        kind = self._info['type']
+        return _numpy.dtype(f'{kind[0]}{int(kind[1:]) // 8}')
+
+    @property
+    def spacing(self):
+        """World units between neighbouring voxels along x, y, z."""
+        return self._info['spacing']
+
+    @property
+    def time_steps(self):
+        return self._info['time_steps']
+
+    @property
+    def value_range(self):
+        """The least and the greatest value."""
+        return self._info['value_range']
+
+    def histogram(self, bins=256):
+        """How often values occur, as numpy.histogram() gives it: counts, and one more edges."""
+        return self._handle.histogram(bins)
+
+    def _renderer(self):
+        if self._own is None:
+            self._own = Renderer(self)
+        return self._own
+
+    def render(self, *, progress=None, **options):
+        """Draws a picture; see Renderer.render(). Pictures of one volume share what they have read."""
+        return self._renderer().render(progress=progress, **options)
+
+    def save(self, path, *, progress=None, **options):
+        """Draws a picture into a file; see Renderer.save()."""
+        self._renderer().save(path, progress=progress, **options)
+
+    def slice(self, axis, at, *, time=0, most=1024):
+        """The plane `at` of the axis 'x', 'y' or 'z' as floats; see Renderer.slice()."""
+        return self._renderer().slice(axis, at, time=time, most=most)
+
+    def probe(self, right, down, **options):
+        """The voxel seen at a point of a picture; see Renderer.probe()."""
+        return self._renderer().probe(right, down, **options)
+
+
+class Renderer:
+    """Draws pictures of a volume on a device and within a memory of its own.
+
+        >>> volume = sluice.open('synth:phantom,dims=64x64x64')
+        >>> renderer = sluice.Renderer(volume, device='cpu', memory='256M')
+        >>> turn = [renderer.render(azimuth=angle, size=64) for angle in range(0, 360, 90)]
+        >>> len(turn), renderer.report()['volume_buffer']['evictions']
+        (4, 0)
+
+    `device` is 'auto', 'gl' or 'cpu'. `memory` ('512M' or bytes, by default half of the machine's)
+    is a hard bound on the voxels in memory.
+    """
+
+    def __init__(self, volume, *, device='auto', memory=None, threads=None):
+        self._volume = volume._handle
+        self._handle = _sluice.Renderer(volume._handle, device, _bytes(memory), threads or 0)
+
+    def render(self, *, progress=None, **options):
+        """Draws a picture and returns it as bytes of shape (height, width, 4): red, green, blue,
+        alpha, not premultiplied; opaque over a `background`.
+
+        `options` are those of `sluice render`: threshold, opacity, opacities, transfer, map, range,
+        labels, mode, shade, full_gradient, view, azimuth, elevation, zoom, projection, fov, up,
+        eye, target, fit, time, step, crop, clip, background; and of the picture `size` ((width,
+        height) or one number), `pixel_error`, `level` and `time_limit` (seconds). With depth=True
+        the result is a pair, the second of shape (height, width): the distance from the eye in
+        world units, inf where nothing shows.
+
+        progress(stage, done, total) is called with 'drawing' and groups of blocks.
+
+            >>> volume = sluice.open('synth:phantom,dims=64x64x64')
+            >>> volume.render(threshold=10, crop=(0, 0, 0, 64, 32, 64), size=64, shade=True).shape
+            (64, 64, 4)
+            >>> volume.render(zoom=-1)
+            Traceback (most recent call last):
+            ValueError: zoom: expected a number above 0, up to 1000000, found -1
+        """
+        return self._handle.render(self._volume, progress, **options)
+
+    def save(self, path, *, progress=None, **options):
+        """Draws a picture into a PNG or EXR file, in strips if it is large. The file appears whole
+        or not at all, and replaces one that is there."""
+        self._handle.save(self._volume, _os.fspath(path), progress, **options)
+
+    def slice(self, axis, at, *, time=0, most=1024):
+        """The plane `at` of the axis 'x', 'y' or 'z' as floats, indexed by the other two axes, the
+        later one first. Of more than `most` voxels along a side every second, third, ... is taken."""
+        if axis not in ('x', 'y', 'z'):
+            raise ValueError(f"axis: expected 'x', 'y' or 'z', found {axis!r}")
+        return self._handle.slice('xyz'.index(axis), at, time, most)
+
+    def probe(self, right, down, **options):
+        """The place that first hides what lies behind it at a point of the picture that render()
+        gives for these options, from 0 to 1 to the right and down: a dict of voxel, world and
+        value; None if nothing shows there."""
+        return self._handle.probe(self._volume, right, down, **options)
+
+    @property
+    def look(self):
+        """The options of `sluice render` that give the last picture's look, also if it was chosen."""
+        return self._handle.look()
+
+    @property
+    def device(self):
+        """What draws: 'cpu ...' or the OpenGL driver's name."""
+        return self._handle.device()
+
+    def record_to(self, path):
+        """From now on writes each request of the texture cache into a trace, for simulate(); None
+        ends it, and the file appears."""
+        self._handle.record_to('' if path is None else _os.fspath(path))
+
+    def report(self):
+        """Times, counters and bytes of the last picture and of the levels of memory, as a dict."""
+        return self._handle.report()
+
+
+def simulate(trace, *, policies=None, sizes=None, format=None, page_bytes=4096, pin=True):
+    """Replays a trace of a texture cache through policies and cache sizes in pages.
+
+    Returns the columns of the table that `sluice simulate` prints, as a dict of arrays, one row a
+    policy and size, in the units of `--json`; pandas.DataFrame() takes it. `policies` are names such
+    as 'lru' (by default all), `sizes` numbers of pages (by default powers of two).
+
+        >>> volume = sluice.open('synth:phantom,dims=64x64x64')
+        >>> renderer = sluice.Renderer(volume, device='cpu')
+        >>> import os, tempfile
+        >>> folder = tempfile.TemporaryDirectory()
+        >>> trace = os.path.join(folder.name, 'turn.trace')
+        >>> renderer.record_to(trace)
+        >>> for angle in (0, 90):
+        ...     _ = renderer.render(azimuth=angle, size=64)
+        >>> renderer.record_to(None)
+        >>> table = sluice.simulate(trace, policies=['lru', 'belady'], sizes=[4096])
+        >>> [str(policy) for policy in table['policy']]
+        ['lru', 'belady']
+        >>> folder.cleanup()
+    """
+    request = _sluice.SimulationRequest()
+    request.trace = _os.fspath(trace)
+    request.policies = list(policies or [])
+    request.sizes = [int(size) for size in sizes or []]
+    request.format = format
+    request.page_bytes = page_bytes
+    request.pins = pin
+    rows = _json.loads(_sluice.simulate(request))['rows']
+    return {name: _numpy.array([row[name] for row in rows]) for name in rows[0]}
+
+
+def _png(rgba):
+    """The bytes of a PNG file of a picture."""
+    def chunk(kind, data):
+        return _struct.pack('>I', len(data)) + kind + data + _struct.pack('>I', _zlib.crc32(kind + data))
+
+    height, width = rgba.shape[:2]
+    rows = _numpy.zeros((height, 1 + 4 * width), 'u1')  # a filter of 0 before each row
+    rows[:, 1:] = rgba.reshape(height, -1)
+    return (b'\x89PNG\r\n\x1a\n' + chunk(b'IHDR', _struct.pack('>IIBBBBB', width, height, 8, 6, 0, 0, 0)) +
+            chunk(b'IDAT', _zlib.compress(rows.tobytes(), 6)) + chunk(b'IEND', b''))

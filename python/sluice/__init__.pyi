@@ -1,0 +1,150 @@
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from os import PathLike
+from typing import Any, Literal, TypedDict, overload
+
+import numpy
+from numpy.typing import ArrayLike, DTypeLike, NDArray
+from typing_extensions import Unpack
+
+_Path = str | PathLike[str]
+_Triple = Sequence[float]
+_Progress = Callable[[str, int, int], object]
+_Fill = Callable[[int, tuple[int, int, int], tuple[int, int, int]], ArrayLike]
+
+class Error(RuntimeError): ...
+class Cancelled(RuntimeError): ...
+
+class PictureOptions(TypedDict, total=False):
+    size: int | tuple[int, int] | None
+    pixel_error: float | None
+    level: int | None
+    time_limit: float | None
+    projection: Literal['ortho', 'perspective'] | None
+    zoom: float | None
+    fov: float | None
+    up: _Triple | None
+    eye: _Triple | None
+    target: _Triple | None
+    view: Literal['plain', 'front', 'back', 'left', 'right', 'top', 'bottom', 'three-quarter'] | None
+    azimuth: float | None
+    elevation: float | None
+    fit: Literal['visible', 'volume'] | None
+    mode: Literal['composite', 'mip', 'minip', 'average'] | None
+    shade: bool | Literal['chosen', 'on', 'off'] | None
+    threshold: float | None
+    opacity: float | None
+    opacities: Mapping[float, float] | Sequence[Sequence[float]] | None
+    transfer: _Path | None
+    labels: bool | None
+    map: str | None
+    range: Sequence[float] | None
+    full_gradient: float | None
+    time: int | None
+    step: float | None
+    crop: Sequence[int] | None
+    clip: Sequence[Sequence[float]] | None
+    background: str | _Triple | None
+
+def open(
+    path: _Path | Iterable[_Path],
+    *,
+    dims: Sequence[int] | None = ...,
+    type: str | None = ...,
+    endian: Literal['little', 'big'] | None = ...,
+    skip: int | None = ...,
+    time_steps: int | None = ...,
+    spacing: _Triple | None = ...,
+    grid: str | None = ...,
+    channel: int | str | None = ...,
+    time: int = ...,
+    whole_series: bool = ...,
+    index_dir: _Path | None = ...,
+    memory: int | str | None = ...,
+    threads: int | None = ...,
+    progress: _Progress | None = ...,
+) -> Volume: ...
+def from_array(
+    array: Any,
+    *,
+    spacing: _Triple = ...,
+    origin: _Triple = ...,
+    unit: str = ...,
+    name: str = ...,
+    memory: int | str | None = ...,
+    threads: int | None = ...,
+    progress: _Progress | None = ...,
+) -> Volume: ...
+def from_function(
+    fill: _Fill,
+    shape: Sequence[int],
+    dtype: DTypeLike,
+    *,
+    spacing: _Triple = ...,
+    origin: _Triple = ...,
+    unit: str = ...,
+    name: str = ...,
+    memory: int | str | None = ...,
+    threads: int | None = ...,
+    progress: _Progress | None = ...,
+) -> Volume: ...
+def simulate(
+    trace: _Path,
+    *,
+    policies: Sequence[str] | None = ...,
+    sizes: Sequence[int] | None = ...,
+    format: Literal['text', 'binary', 'csv', 'oracleGeneral', 'din'] | None = ...,
+    page_bytes: int = ...,
+    pin: bool = ...,
+) -> dict[str, NDArray[Any]]: ...
+
+class _Draws:
+    @overload
+    def render(
+        self, *, depth: Literal[True], progress: _Progress | None = ..., **options: Unpack[PictureOptions]
+    ) -> tuple[NDArray[numpy.uint8], NDArray[numpy.float32]]: ...
+    @overload
+    def render(
+        self, *, depth: Literal[False] = ..., progress: _Progress | None = ..., **options: Unpack[PictureOptions]
+    ) -> NDArray[numpy.uint8]: ...
+    def save(
+        self, path: _Path, *, progress: _Progress | None = ..., **options: Unpack[PictureOptions]
+    ) -> None: ...
+    def slice(
+        self, axis: Literal['x', 'y', 'z'], at: int, *, time: int = ..., most: int = ...
+    ) -> NDArray[numpy.float32]: ...
+    def probe(self, right: float, down: float, **options: Unpack[PictureOptions]) -> dict[str, Any] | None: ...
+
+class Volume(_Draws):
+    @property
+    def info(self) -> dict[str, Any]: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def dims(self) -> tuple[int, int, int]: ...
+    @property
+    def shape(self) -> tuple[int, ...]: ...
+    @property
+    def dtype(self) -> numpy.dtype[Any]: ...
+    @property
+    def spacing(self) -> tuple[float, float, float]: ...
+    @property
+    def time_steps(self) -> int: ...
+    @property
+    def value_range(self) -> tuple[float, float]: ...
+    def histogram(self, bins: int = ...) -> tuple[NDArray[numpy.uint64], NDArray[numpy.float64]]: ...
+
+class Renderer(_Draws):
+    def __init__(
+        self,
+        volume: Volume,
+        *,
+        device: Literal['auto', 'gl', 'cpu'] = ...,
+        memory: int | str | None = ...,
+        threads: int | None = ...,
+    ) -> None: ...
+    @property
+    def look(self) -> str: ...
+    @property
+    def device(self) -> str: ...
+    def record_to(self, path: _Path | None) -> None: ...
+    def report(self) -> dict[str, Any]: ...

@@ -1,0 +1,401 @@
+"""The Python package against the program, NumPy and other people's arrays.
+
+  python_test.py PROGRAM PACKAGE_FOLDER [unittest's arguments]
+"""
+import ast
+import doctest
+import gc
+import os
+import pathlib
+import signal
+import struct
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import unittest
+import zlib
+
+import numpy
+
+PROGRAM, PACKAGE = sys.argv[1:3]
+sys.path.insert(0, PACKAGE)
+os.environ['SLUICE_INDEX'] = 'off'
+import sluice  # noqa: E402
+
+PHANTOM = 'synth:phantom,dims=64x64x48'
+
+
+def read_png(path):
+    """The pixels of a PNG of 8 bits, RGB or RGBA, by its specification."""
+    data = pathlib.Path(path).read_bytes()
+    at, packed = 8, b''
+    while at < len(data):
+        size, kind = struct.unpack_from('>I4s', data, at)
+        body = data[at + 8:at + 8 + size]
+        if kind == b'IHDR':
+            width, height, _, color = struct.unpack_from('>IIBB', body)
+        elif kind == b'IDAT':
+            packed += body
+        at += 12 + size
+    channels = {2: 3, 6: 4}[color]
+    rows = numpy.frombuffer(zlib.decompress(packed), 'u1').reshape(height, 1 + channels * width)
+    out = numpy.zeros((height, channels * width), 'u1')
+    for y in range(height):
+        filtered, before = rows[y, 1:].astype(int), out[y - 1].astype(int) if y else numpy.zeros(channels * width, int)
+        kind, line = rows[y, 0], numpy.zeros(channels * width, int)
+        if kind in (0, 2):
+            line = (filtered + (before if kind else 0)) % 256
+        else:
+            for x in range(channels * width):
+                left, up, corner = (line[x - channels], before[x], before[x - channels]) if x >= channels else (
+                    0, before[x], 0)
+                guess = left + up - corner
+                paeth = min((left, up, corner), key=lambda c: abs(guess - c))
+                line[x] = (filtered[x] + {1: left, 3: (left + up) // 2, 4: paeth}[kind]) % 256
+        out[y] = line
+    return out.reshape(height, width, channels)
+
+
+def ball(dtype='u1', size=24):
+    z, y, x = numpy.mgrid[:size, :size + 3, :size + 7]
+    inside = (x - 9.0)**2 + (y - 12.0)**2 + (1.3 * z - 14.0)**2
+    return (100 * numpy.clip(1.4 - inside / 120, 0, 1)).astype(dtype)
+
+
+class Pictures(unittest.TestCase):
+    def assertSamePicture(self, one, other):
+        self.assertEqual(one.shape, other.shape)
+        self.assertEqual(int(numpy.abs(one.astype(int) - other.astype(int)).max()), 0)
+
+    def command(self, *options):
+        with tempfile.TemporaryDirectory() as folder:
+            out = os.path.join(folder, 'p.png')
+            subprocess.run([PROGRAM, 'render', *options, '-o', out, '-q'], check=True)
+            return read_png(out)
+
+    def test_equal_those_of_the_command_to_the_byte(self):
+        volume = sluice.open(PHANTOM)
+        for options, words in [
+            (dict(size=(96, 80)), ['--size', '96x80']),
+            (dict(size=64, threshold=40, shade=False, azimuth=30, elevation=-20, map='viridis'),
+             ['--size', '64', '--threshold', '40', '--no-shade', '--azimuth', '30', '--elevation', '-20', '--map',
+              'viridis']),
+            (dict(size=64, opacities={10: 0, 60: 0.1, 255: 0.4}, range=(0, 200), projection='perspective', fov=50),
+             ['--size', '64', '--opacities', '10:0,60:0.1,255:0.4', '--range', '0,200', '--projection', 'perspective',
+              '--fov', '50']),
+            (dict(size=64, mode='mip', crop=(0, 0, 0, 64, 32, 48), view='left', zoom=1.5),
+             ['--size', '64', '--mode', 'mip', '--crop', '0,0,0,64,32,48', '--view', 'left', '--zoom', '1.5']),
+            (dict(size=64, threshold=10, clip=[(1, 0, 0, 30)], step=0.7, full_gradient=0.2, opacity=0.2),
+             ['--size', '64', '--threshold', '10', '--clip', '1,0,0,30', '--step', '0.7', '--modulate',
+              '--full-gradient', '0.2', '--opacity', '0.2'])]:
+            with self.subTest(words):
+                self.assertSamePicture(volume.render(**options), self.command(PHANTOM, *words))
+
+    def test_over_a_background_are_opaque(self):
+        volume = sluice.open(PHANTOM)
+        picture = volume.render(size=64, threshold=40, background='#102030')
+        self.assertTrue((picture[..., 3] == 255).all())
+        self.assertEqual(picture[0, 0].tolist(), [0x10, 0x20, 0x30, 255])
+        command = self.command(PHANTOM, '--size', '64', '--threshold', '40', '--background', '102030')
+        self.assertSamePicture(picture[..., :command.shape[2]], command)
+
+    def test_of_an_array_equal_those_of_its_file(self):
+        array = ball('<u2', 20)
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, 'ball.raw')
+            array.tofile(path)
+            words = [path, '--dims', ','.join(map(str, array.shape[::-1])), '--type', 'u16', '--spacing', '1,1,1.5',
+                     '--size', '64', '--threshold', '30']
+            expected = self.command(*words)
+        picture = sluice.from_array(array, spacing=(1, 1, 1.5)).render(size=64, threshold=30)
+        self.assertSamePicture(picture, expected)
+
+    def test_have_the_depth_of_a_cubes_face(self):
+        cube = numpy.full((16, 16, 16), 200, 'u1')
+        rgba, depth = sluice.from_array(cube).render(view='plain', size=33, opacities={0: 1, 255: 1}, depth=True,
+                                                     fit='volume')
+        inside = numpy.isfinite(depth)
+        self.assertTrue((inside == (rgba[..., 3] > 0)).all())
+        self.assertLess(numpy.ptp(depth[12:21, 12:21]), 0.01)
+
+    def test_of_several_threads_have_their_own_looks(self):
+        volume = sluice.from_array(ball())
+        renderer = sluice.Renderer(volume, device='cpu')
+        thresholds = [10, 25, 40, 55]
+        expected = [volume.render(size=48, threshold=t) for t in thresholds]
+        wrong = []
+
+        def draw(number):
+            for _ in range(8):
+                picture = renderer.render(size=48, threshold=thresholds[number])
+                if not (picture == expected[number]).all():
+                    wrong.append(number)
+
+        threads = [threading.Thread(target=draw, args=(n,)) for n in range(4)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertEqual(wrong, [])
+
+    def test_are_saved_as_they_are_drawn(self):
+        volume = sluice.from_array(ball())
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / 'p.png'
+            volume.save(path, size=40, threshold=30)
+            self.assertSamePicture(read_png(path), volume.render(size=40, threshold=30))
+            self.assertEqual(os.listdir(folder), ['p.png'])
+            with self.assertRaisesRegex(sluice.Error, 'no/such'):
+                volume.save('no/such/folder/p.png', size=8)
+
+    def test_are_shown_by_notebooks(self):
+        png = sluice.from_array(ball())._repr_png_()
+        with tempfile.NamedTemporaryFile(suffix='.png') as file:
+            file.write(png)
+            file.flush()
+            self.assertEqual(read_png(file.name).shape, (512, 512, 4))
+
+
+class Arrays(unittest.TestCase):
+    def picture(self, array):
+        return sluice.from_array(array).render(size=40, threshold=20)
+
+    def test_of_every_order_and_sign_are_borrowed(self):
+        array = ball()
+        expected = self.picture(array)
+        wide = numpy.zeros([2 * n for n in array.shape], 'u1')
+        wide[::2, ::2, ::2] = array
+        read_only = array.copy()
+        read_only.flags.writeable = False
+        for name, view in [('Fortran', numpy.asfortranarray(array)), ('every second', wide[::2, ::2, ::2]),
+                           ('read only', read_only), ('mirrored twice', array[::-1, :, ::-1].copy()[::-1, :, ::-1]),
+                           ('transposed', numpy.ascontiguousarray(array.transpose(2, 0, 1)).transpose(1, 2, 0))]:
+            with self.subTest(name):
+                self.assertTrue((view == array).all())
+                self.assertTrue((self.picture(view) == expected).all())
+
+    def test_of_every_type_have_their_values(self):
+        for dtype in ['?', 'u1', 'i1', 'u2', 'i2', 'u4', 'i4', 'f4', 'f8']:
+            with self.subTest(dtype):
+                array = ball(dtype)
+                volume = sluice.from_array(array)
+                self.assertEqual(volume.shape, array.shape)
+                self.assertEqual(volume.value_range, (array.min(), array.max()))
+                plane = volume.slice('z', 10)
+                self.assertTrue((plane == array[10].astype('f4')).all())
+                self.assertTrue((volume.slice('x', 5) == array[:, :, 5].astype('f4')).all())
+                self.assertTrue((volume.slice('y', 7) == array[:, 7].astype('f4')).all())
+
+    def test_with_several_steps_are_series(self):
+        steps = numpy.stack([ball(), 2 * ball()])
+        volume = sluice.from_array(steps)
+        self.assertEqual((volume.time_steps, volume.shape), (2, steps.shape))
+        self.assertTrue((volume.slice('z', 9, time=1) == steps[1, 9]).all())
+
+    def test_that_are_no_volume_are_refused(self):
+        for array, error, words in [
+            (numpy.zeros((4, 4)), ValueError, '2 axes'), (numpy.zeros((2, 2, 2, 2, 2)), ValueError, '5 axes'),
+            (numpy.zeros((4, 0, 4)), ValueError, 'at least one voxel'),
+            (numpy.zeros((4, 4, 4), 'c8'), TypeError, 'complex64'),
+            (numpy.zeros((4, 4, 4), 'f2'), TypeError, 'float16'),
+            (numpy.zeros((4, 4, 4), 'i8'), TypeError, 'int64'),
+            (numpy.zeros((4, 4, 4), '>f4'), TypeError, 'byte order'),
+            (numpy.zeros((4, 4, 4), 'U3'), TypeError, '<U3')]:
+            with self.subTest(words), self.assertRaisesRegex(error, words):
+                sluice.from_array(array)
+        with self.assertRaisesRegex(sluice.Error, 'spacing'):
+            sluice.from_array(ball(), spacing=(1, 0, 1))
+
+    def test_stay_while_the_volume_is_open(self):
+        expected = self.picture(ball())
+        volume = sluice.from_array(ball())
+        gc.collect()
+        junk = [numpy.full(100_000, 255, 'u1') for _ in range(20)]
+        self.assertTrue((volume.render(size=40, threshold=20) == expected).all())
+        del junk
+
+    def test_of_zarr_are_read_box_by_box(self):
+        try:
+            import zarr
+        except ImportError:
+            self.skipTest('python3-zarr is not installed')
+        array = ball('i2', 40)
+        stored = zarr.array(array, chunks=(16, 16, 16))
+        volume = sluice.from_array(stored)
+        self.assertTrue((volume.render(size=40, threshold=20) == self.picture(array)).all())
+
+    def test_that_a_function_gives_may_fail(self):
+        calls = []
+
+        def fill(time, lo, hi):
+            calls.append((lo, hi))
+            if len(calls) > 1:
+                raise KeyError('gone')
+            return numpy.zeros(tuple(hi[a] - lo[a] for a in (2, 1, 0)), 'u1')
+
+        with self.assertRaisesRegex(KeyError, 'gone'):
+            sluice.from_function(fill, (200, 200, 200), 'u1', threads=1).render(size=16, threshold=0)
+        with self.assertRaisesRegex(ValueError, 'contiguous array'):
+            sluice.from_function(lambda time, lo, hi: numpy.zeros((1, 1, 1), 'u1'), (30, 30, 30), 'u1')
+
+    def test_have_numpys_histogram(self):
+        array = ball()
+        counts, edges = sluice.from_array(array).histogram(16)
+        self.assertEqual(int(counts.sum()), array.size)
+        self.assertEqual((edges[0], edges[-1]), (array.min(), array.max()))
+
+
+class Requests(unittest.TestCase):
+    def test_that_are_wrong_name_the_keyword(self):
+        volume = sluice.from_array(ball())
+        for options, error, words in [
+            (dict(colour='red'), TypeError, "unexpected keyword 'colour'"),
+            (dict(zoom='much'), TypeError, 'zoom'), (dict(zoom=0), ValueError, 'zoom'),
+            (dict(zoom=float('nan')), ValueError, 'zoom'), (dict(size=(0, 4)), ValueError, 'size'),
+            (dict(size=1 << 20), ValueError, 'size'), (dict(size='big'), TypeError, 'size'),
+            (dict(view='inside'), ValueError, "one of 'plain'"), (dict(crop=(0, 0, 0, 4)), ValueError, 'crop'),
+            (dict(crop=(0, 0, 0, 400, 4, 4)), ValueError, 'crop'), (dict(time=3), ValueError, 'time'),
+            (dict(time=-1), ValueError, 'time'), (dict(map='pinkish'), sluice.Error, 'pinkish'),
+            (dict(background='red'), ValueError, 'background'), (dict(eye=(0, 0, 0)), TypeError, 'eye and target'),
+            (dict(threshold=4, labels=True), TypeError, 'threshold and labels'),
+            (dict(opacities=[(5, 0.1), (1, 0.2)]), ValueError, 'opacities'),
+            (dict(opacities=[(5, 2)]), ValueError, 'opacities'), (dict(level=-1), ValueError, 'level'),
+            (dict(level=5), sluice.Error, 'level'), (dict(transfer='no/such.json'), sluice.Error, 'no/such.json'),
+            (dict(pixel_error=0), ValueError, 'pixel_error'), (dict(depth='yes'), TypeError, 'depth')]:
+            with self.subTest(options), self.assertRaisesRegex(error, words):
+                volume.render(**options)
+        with self.assertRaisesRegex(ValueError, 'device'):
+            sluice.Renderer(volume, device='abacus')
+        with self.assertRaisesRegex(ValueError, 'memory'):
+            sluice.Renderer(volume, memory='lots')
+        with self.assertRaisesRegex(sluice.Error, 'no/such/file.nrrd'):
+            sluice.open('no/such/file.nrrd')
+
+    def test_take_none_as_the_default(self):
+        volume = sluice.from_array(ball())
+        same = {keyword: None for keyword in sluice._sluice.keywords()}
+        self.assertTrue((volume.render(**{**same, 'size': 32}) == volume.render(size=32)).all())
+
+    def test_have_every_keyword_in_the_stubs(self):
+        stubs = ast.parse((pathlib.Path(PACKAGE) / 'sluice/__init__.pyi').read_text())
+        options = next(node for node in stubs.body if getattr(node, 'name', '') == 'PictureOptions')
+        named = {field.target.id for field in options.body} | {'depth'}
+        self.assertEqual(named, set(sluice._sluice.keywords()))
+
+    def test_tell_progress(self):
+        told = []
+        volume = sluice.open(PHANTOM, progress=lambda *step: told.append(step))
+        self.assertEqual(told[-1][0], 'indexing')
+        self.assertEqual(told[-1][1], told[-1][2])
+        stages = []
+        volume.render(size=32, progress=lambda stage, done, total: stages.append(stage))
+        self.assertEqual(set(stages), {'drawing'})
+
+        def complain(*step):
+            raise LookupError('enough')
+
+        with self.assertRaisesRegex(LookupError, 'enough'):
+            volume.render(size=32, progress=complain)
+        self.assertEqual(volume.render(size=32).shape, (32, 32, 4))
+
+    def test_are_ended_by_a_signal_within_a_second(self):
+        class Enough(Exception):
+            pass
+
+        def handler(*_):
+            raise Enough
+
+        volume = sluice.open('synth:phantom,dims=256x256x256')
+        before = signal.signal(signal.SIGALRM, handler)
+        try:
+            signal.setitimer(signal.ITIMER_REAL, 0.3)
+            began = time.monotonic()
+            with self.assertRaises(Enough):
+                while True:
+                    volume.render(size=2000, step=0.05)
+            self.assertLess(time.monotonic() - began, 60)  # not never; how fast it is, is no test
+        finally:
+            signal.signal(signal.SIGALRM, before)
+        self.assertEqual(volume.render(size=32).shape, (32, 32, 4))
+
+    def test_in_a_forked_process_say_what_to_do(self):
+        volume = sluice.from_array(ball())
+        renderer = sluice.Renderer(volume)
+        renderer.render(size=16)
+        child = os.fork()
+        if child == 0:
+            status = 1
+            try:
+                renderer.render(size=16)
+            except sluice.Error as error:
+                status = 0 if 'fork' in str(error) else 2
+            del renderer
+            gc.collect()
+            os._exit(status)
+        self.assertEqual(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), 0)
+        self.assertEqual(renderer.render(size=16).shape, (16, 16, 4))
+
+    def test_give_their_memory_back(self):
+        def resident():
+            gc.collect()
+            return int(pathlib.Path('/proc/self/statm').read_text().split()[1]) * os.sysconf('SC_PAGE_SIZE')
+
+        volume = sluice.from_array(ball())
+
+        def once():
+            volume.render(size=128, threshold=20)
+            with self.assertRaises(ValueError):
+                volume.render(zoom=-1)
+            with self.assertRaises(sluice.Error):
+                volume.render(size=8, map='pinkish')
+            sluice.from_array(ball()).render(size=16)
+
+        for _ in range(20):
+            once()
+        before = resident()
+        for _ in range(200):
+            once()
+        self.assertLess(resident() - before, 16 << 20)
+
+
+class Levels(unittest.TestCase):
+    def test_are_reported_as_the_command_does(self):
+        renderer = sluice.Renderer(sluice.open(PHANTOM), device='cpu', memory='128M')
+        renderer.render(size=32, threshold=40)
+        report = renderer.report()
+        self.assertEqual(report['volume_buffer']['requests'],
+                         report['volume_buffer']['hits'] + report['volume_buffer']['misses'])
+        self.assertLessEqual(report['volume_buffer']['peak_bytes'], 128 << 20)
+        self.assertIn('--threshold 40', renderer.look)
+        self.assertTrue(renderer.device)
+
+    def test_of_a_recorded_trace_are_simulated_as_the_command_does(self):
+        with tempfile.TemporaryDirectory() as folder:
+            trace = os.path.join(folder, 'turn.trace')
+            renderer = sluice.Renderer(sluice.open(PHANTOM), device='cpu')
+            renderer.record_to(trace)
+            for angle in (0, 60):
+                renderer.render(size=32, threshold=40, azimuth=angle)
+            renderer.record_to(None)
+            words = [PROGRAM, 'simulate', trace, '--sizes', '16,256', '--policies', 'lru,belady', '--json']
+            import json
+            rows = json.loads(subprocess.run(words, check=True, capture_output=True).stdout)['rows']
+            table = sluice.simulate(trace, sizes=[16, 256], policies=['lru', 'belady'])
+            for column in ('policy', 'pages', 'requests', 'hits', 'misses', 'bytes_moved'):
+                self.assertEqual(table[column].tolist(), [row[column] for row in rows])
+            with self.assertRaisesRegex(sluice.Error, 'no policy is called best'):
+                sluice.simulate(trace, policies=['best'])
+
+
+class Docstrings(unittest.TestCase):
+    def test_say_what_happens(self):
+        options = doctest.ELLIPSIS | doctest.IGNORE_EXCEPTION_DETAIL
+        failed, tried = doctest.testmod(sluice, extraglobs={'sluice': sluice}, optionflags=options)
+        self.assertEqual(failed, 0)
+        self.assertGreater(tried, 20)
+
+
+if __name__ == '__main__':
+    unittest.main(argv=[sys.argv[0], *sys.argv[3:]])
