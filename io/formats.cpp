@@ -11,6 +11,10 @@
 #include "io/dicom/dicom_source.h"
 #include "io/files/file.h"
 #include "io/files/file_list.h"
+#include "io/hdf5/bdv_xml.h"
+#include "io/hdf5/hdf5_images.h"
+#include "io/hdf5/hdf5_input.h"
+#include "io/hdf5/hdf5_volume.h"
 #include "io/headers/meta_image/meta_image.h"
 #include "io/headers/nifti/nifti.h"
 #include "io/headers/nrrd/nrrd.h"
@@ -228,6 +232,22 @@ std::vector<Format> makeFormats() {
            [](In input, Given given) {
              return openVtk(input.file, given.channel, decodeOptionsOf(given));
            }},
+      {.name = "HDF5 (FILE.h5:/SET)",
+       .plural = "HDF5 files",
+       .takes = {.channel = true},
+       .endings = {".h5", ".hdf5", ".nc", ".ims"},
+       .holds = [](In input, Given) { return isHdf5(input.head); },
+       .open =
+           [](In input, Given given) {
+             return openHdf5(input.file, input.inside, chunkedOptions(given));
+           }},
+      {.name = "BigDataViewer's .xml",
+       .plural = "BigDataViewer's images",
+       .takes = {.channel = true},
+       .endings = {".xml"},
+       .holds = [](In input, Given) { return isBdvXml(input.head); },
+       .open = [](In input,
+                  Given given) { return openBdvXml(input.file.string(), chunkedOptions(given)); }},
       {.name = "OpenVDB",
        .plural = "OpenVDB files",
        .takes = {.grid = true},
@@ -312,6 +332,11 @@ NamedInput lookAt(const std::string& name, const OpenOptions& options) {
     return input;
   }
   input.file = name;
+  std::error_code missing;
+  if (const size_t end = name.find(":/"); end != name.npos && !fs::exists(input.file, missing)) {
+    input.file = name.substr(0, end);
+    input.inside = name.substr(end + 1);
+  }
   input.is_folder = fs::is_directory(input.file);
   if (input.is_folder) {
     input.store = folderPlace(input.file);
@@ -320,6 +345,9 @@ NamedInput lookAt(const std::string& name, const OpenOptions& options) {
   std::array<std::byte, 4096> bytes{};
   File file(input.file);
   input.head.assign(reinterpret_cast<const char*>(bytes.data()), file.readSome(0, bytes));
+  if (!input.inside.empty() && !isHdf5(input.head))
+    fail("{}: expected an HDF5 file in front of ':{}', found another kind", input.file.string(),
+         input.inside);
   return input;
 }
 

@@ -23,7 +23,8 @@ struct NamedInput {
       file;  // a file or folder of this machine; empty: an address, a synthetic volume
   bool is_folder = false;
   std::optional<StorePlace> store;  // a folder or an address
-  std::string head;                 // the first bytes of a file, at most 4096
+  std::string inside;  // the path of a data set inside the file, after its name and ':'
+  std::string head;    // the first bytes of a file, at most 4096
 };
 
 // Throws Error: there is no such file, or its first bytes cannot be read; no address.

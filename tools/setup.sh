@@ -10,7 +10,7 @@ build_packages=(
   libopenvdb-dev libboost-dev libopenexr-dev libosmesa6-dev libegl-dev libgl-dev libtbb-dev
   libblosc-dev libzstd-dev libcli11-dev libfmt-dev nlohmann-json3-dev libpng-dev libtiff-dev zlib1g-dev
   libcairo2-dev libxxhash-dev libhwy-dev libcurl4-openssl-dev
-  libgdcm-dev libexpat1-dev liblz4-dev liblzma-dev
+  libgdcm-dev libexpat1-dev libhdf5-dev liblz4-dev liblzma-dev
   # Pictures by several ranks; libmpich-dev in its place, or beside it, does as well.
   libopenmpi-dev
   # The window's module; without these the rest is built all the same.
@@ -28,7 +28,7 @@ test_packages=(
   clang clang-format clang-tidy libclang-rt-14-dev
   xvfb xdotool libxtst6 tidy
   libopenvdb-tools nifti-bin teem-apps openexr openimageio-tools python3-openimageio ffmpeg
-  python3 python3-numpy python3-vtk9 python3-nibabel python3-tifffile python3-zarr python3-numcodecs
+  python3 python3-numpy python3-h5py python3-vtk9 python3-nibabel python3-tifffile python3-zarr python3-numcodecs
   libgdcm-tools python3-pydicom python3-gdcm
 )
 

@@ -260,6 +260,23 @@ def vtk(m):
             m.case("vtk", "vtk-" + name.replace(".", "-"), "render", "v" + end, *DRAW)
 
 
+def hdf5(m):
+    with tempfile.TemporaryDirectory() as made:
+        for script in ("make_hdf5.py", "make_microscopes.py"):
+            folder = pathlib.Path(made) / script
+            folder.mkdir()
+            script = pathlib.Path(__file__).parents[1] / "io" / script
+            if subprocess.run(["/usr/bin/python3", script, folder], stderr=subprocess.DEVNULL, check=False).returncode != 0:
+                print("no HDF5 files: h5py or zarr is missing")
+                return
+        for folder, name in (("make_hdf5.py", "one.h5"), ("make_hdf5.py", "block.h5"), ("make_microscopes.py", "image.ims"), ("make_microscopes.py", "hdf5.xml")):
+            place = m.folder("hdf5-" + name.replace(".", "-"))
+            shutil.copy(pathlib.Path(made) / folder / name, place / name)
+            if name.endswith("xml"):
+                shutil.copy(pathlib.Path(made) / folder / "bdv.h5", place)
+            m.case("hdf5", place.name, "render", name, *DRAW)
+
+
 def vdbs(m):
     def tool(*arguments):
         try:
@@ -329,6 +346,6 @@ def others(m):
 
 def make(program, root):
     maker = Maker(program, root)
-    for part in (headers, slices, zarrs, n5, vtk, vdbs, dicoms, others):
+    for part in (headers, slices, zarrs, n5, vtk, hdf5, vdbs, dicoms, others):
         part(maker)
     return maker.cases

@@ -97,8 +97,9 @@ void addVolumeOptions(CLI::App& app, VolumeArguments& arguments, std::optional<T
   arguments.open.web.buckets = bucketAccess();
   app.add_option(
          "volume", arguments.inputs,
-         "Files, a folder of slices or DICOM images, a Zarr or N5 store or its address "
-         "(https://..., s3://...), a pattern ('step_%03d.raw', 'step_###.raw'), or synth:KIND,...")
+         "Files (FILE.h5:/SET), a folder of slices or DICOM images, a Zarr or N5 store or its "
+         "address (https://..., s3://...), a pattern ('step_%03d.raw', 'step_###.raw'), or "
+         "synth:KIND,...")
       ->required(needs_volume)
       ->type_name("VOLUME")
       ->group("Volume");
@@ -128,7 +129,8 @@ void addVolumeOptions(CLI::App& app, VolumeArguments& arguments, std::optional<T
   group.parsed(
       "--channel", "N|NAME", "a channel's number from 0 to 1000000, or its name", channel,
       [&arguments](const ChannelWish& wish) { arguments.open.channel = wish; },
-      "Zarr, N5, VTK, TIFF: channel by its number, from 0 (the first), or by its name in the file");
+      "Zarr, N5, HDF5, VTK, TIFF: channel by its number, from 0 (the first), or by its name in the "
+      "file");
   addWebCacheOptions(group, arguments.open.web.cache);
   if (times == nullptr) {
     group.number("--time", "STEP", arguments.time, {0, kMostSteps}, "Time step, from 0");

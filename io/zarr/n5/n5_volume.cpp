@@ -19,19 +19,6 @@ bool isArrayIn(const StorePlace& folder) {
   return header && isN5Array(header->text, header->path);
 }
 
-OpenedArray openDataSet(const StorePlace& folder) {
-  const auto header = findHeader(folder, kAttributes);
-  if (!header)
-    fail("{}: expected a data set's attributes, found none", folder.at(kAttributes).name());
-  OpenedArray opened;
-  opened.array = std::make_unique<ZarrChunkFiles>(folder, parseN5Array(header->text, header->path),
-                                                  header->text);
-  opened.identity = fmt::format("{}|{}", identityOf(folder), header->identity);
-  opened.places = {header->path, folder.name()};
-  opened.header_bytes = header->text.size();
-  return opened;
-}
-
 // Attributes that tell where voxels lie; those of a group may be missing.
 N5Place placeIn(const StorePlace& folder, ChunkedVolume& volume) {
   const auto header = findHeader(folder, kAttributes);
@@ -43,7 +30,7 @@ N5Place placeIn(const StorePlace& folder, ChunkedVolume& volume) {
 }
 
 size_t axesOfDataSet(const StorePlace& folder) {
-  return openDataSet(folder).array->array().axes();
+  return openN5Array(folder).array->array().axes();
 }
 
 // The levels that there are, or those up to `named`.
@@ -89,6 +76,44 @@ std::string nameInside(const StorePlace& folder) {
 
 }  // namespace
 
+OpenedArray openN5Array(const StorePlace& folder) {
+  const auto header = findHeader(folder, kAttributes);
+  if (!header)
+    fail("{}: expected a data set's attributes, found none", folder.at(kAttributes).name());
+  OpenedArray opened;
+  opened.array = std::make_unique<ZarrChunkFiles>(folder, parseN5Array(header->text, header->path),
+                                                  header->text);
+  opened.identity = fmt::format("{}|{}", identityOf(folder), header->identity);
+  opened.places = {header->path, folder.name()};
+  opened.header_bytes = header->text.size();
+  return opened;
+}
+
+std::vector<Vec3d> n5Factors(const StorePlace& setup, const StorePlace& time_point) {
+  ChunkedVolume read;
+  std::vector<std::vector<double>> all = placeIn(setup, read).factors;
+  if (all.empty())
+    while (all.size() < kMostLevels) {
+      const StorePlace level = time_point.at(n5LevelName(all.size()));
+      if (!level.has(kAttributes)) break;
+      const N5Place own = placeIn(level, read);
+      if (own.factors.size() != 1 && !all.empty()) break;
+      all.push_back(own.factors.size() == 1 ? own.factors[0] : std::vector<double>{1, 1, 1});
+    }
+  std::vector<Vec3d> factors;
+  for (const std::vector<double>& of_level : all) {
+    const bool is_sound =
+        of_level.size() == 3 && *std::min_element(of_level.begin(), of_level.end()) >= 1;
+    if (!is_sound)
+      fail("{}: expected 3 downsamplingFactors of 1 or more for each level, found others",
+           setup.name());
+    factors.push_back({of_level[0], of_level[1], of_level[2]});
+  }
+  if (factors.empty())
+    fail("{}: expected levels s0, s1 ... of a set-up, found none", time_point.name());
+  return factors;
+}
+
 bool isN5(const StorePlace& folder) {
   return folder.has(kAttributes) || folder.at(n5LevelName(0)).has(kAttributes);
 }
@@ -99,7 +124,7 @@ ChunkedVolume n5Volume(const StorePlace& folder) {
   volume.title = folder.lastPart();
   if (isArrayIn(folder)) {
     volume.image = imageOfArray(folder, volume);
-    volume.open = [folder](size_t) { return openDataSet(folder); };
+    volume.open = [folder](size_t) { return openN5Array(folder); };
     return volume;
   }
   if (!isArrayIn(folder.at(n5LevelName(0))))
@@ -107,7 +132,7 @@ ChunkedVolume n5Volume(const StorePlace& folder) {
          volume.name, nameInside(folder));
   volume.image = imageOf(folder, volume);
   volume.is_image = true;
-  volume.open = [folder](size_t level) { return openDataSet(folder.at(n5LevelName(level))); };
+  volume.open = [folder](size_t level) { return openN5Array(folder.at(n5LevelName(level))); };
   return volume;
 }
 

@@ -63,6 +63,7 @@ struct ChunkedVolume {
   std::string said_by;                          // the file that names the axes, in messages
   bool is_image = false;                        // level 0 of several, see `image`
   std::vector<std::string> identities, places;  // of what was read so far
+  std::vector<std::string> notes;               // for people, one line each
   uint64_t header_bytes = 0;
 
   // The array of a level. Throws Error.

@@ -71,7 +71,9 @@ ChunkedSource::ChunkedSource(const ChunkedVolume& volume, OpenedArray opened, si
   if (channel.given() && !view_.channel)
     fail("{}: --channel {}: the volume has no channels; leave it out", volume.name, channel.text());
   channel_names_ = image.channels;
-  for (const std::string& note : array.notes) view_.layout.notes.push_back(note);
+  view_.layout.notes = array.notes;
+  if (part_ == Part::kImage)
+    view_.layout.notes.insert(view_.layout.notes.end(), volume.notes.begin(), volume.notes.end());
   chooseChannel(volume.name, channel, channel_names_, view_.layout);
   channel_ = view_.layout.channel;
   if (!image.axes.empty()) view_.layout.unit = image.axes[view_.space[0]].unit;

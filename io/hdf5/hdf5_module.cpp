@@ -1,0 +1,368 @@
+#include "io/hdf5/hdf5_module.h"
+
+#include <hdf5.h>
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "src/base/error.h"
+#include "src/base/threads/mutex.h"
+
+namespace sluice {
+namespace {
+
+constexpr int kMostAxes = 5;
+constexpr size_t kMostAttributes = 1000, kMostTextBytes = 1 << 20, kMostNumbers = 1 << 16;
+
+// The library has state of its own and lets in one thread at a time.
+Mutex& libraryMutex() {
+  static Mutex mutex;
+  return mutex;
+}
+
+// An identifier of the library, closed at the end.
+class Handle {
+ public:
+  using Close = herr_t (*)(hid_t);
+  Handle(hid_t id, Close close) : id_(id), close_(close) {}
+  ~Handle() {
+    if (id_ >= 0) close_(id_);
+  }
+  Handle(Handle&& other) noexcept : id_(std::exchange(other.id_, -1)), close_(other.close_) {}
+  Handle(const Handle&) = delete;
+  Handle& operator=(const Handle&) = delete;
+  Handle& operator=(Handle&&) = delete;
+  hid_t get() const { return id_; }
+  explicit operator bool() const { return id_ >= 0; }
+
+ private:
+  hid_t id_;
+  Close close_;
+};
+
+// The innermost reason that the library has for its last failure.
+std::string reason() {
+  std::string found;
+  H5Ewalk2(
+      H5E_DEFAULT, H5E_WALK_UPWARD,
+      [](unsigned n, const H5E_error2_t* error, void* text) -> herr_t {
+        if (n == 0 && error->desc != nullptr) *static_cast<std::string*>(text) = error->desc;
+        return 0;
+      },
+      &found);
+  for (char& c : found)
+    if (c < ' ' || c > '~') c = '?';
+  return found.empty() ? "no reason given" : found.substr(0, 200);
+}
+
+std::optional<VoxelType> voxelTypeOf(hid_t type) {
+  const size_t bytes = H5Tget_size(type);
+  switch (H5Tget_class(type)) {
+    case H5T_ENUM: {  // h5py's bool
+      const Handle base(H5Tget_super(type), H5Tclose);
+      return base ? voxelTypeOf(base.get()) : std::nullopt;
+    }
+    case H5T_INTEGER: {
+      if (H5Tget_precision(type) != 8 * bytes) return std::nullopt;
+      const bool is_signed = H5Tget_sign(type) == H5T_SGN_2;
+      if (bytes == 1) return is_signed ? VoxelType::kI8 : VoxelType::kU8;
+      if (bytes == 2) return is_signed ? VoxelType::kI16 : VoxelType::kU16;
+      if (bytes == 4) return is_signed ? VoxelType::kI32 : VoxelType::kU32;
+      return std::nullopt;
+    }
+    case H5T_FLOAT:
+      if (bytes == 4 && H5Tget_precision(type) == 32) return VoxelType::kF32;
+      if (bytes == 8 && H5Tget_precision(type) == 64) return VoxelType::kF64;
+      return std::nullopt;
+    default:
+      return std::nullopt;
+  }
+}
+
+std::endian orderOf(hid_t type) {
+  if (H5Tget_class(type) == H5T_ENUM) {
+    const Handle base(H5Tget_super(type), H5Tclose);
+    return orderOf(base.get());
+  }
+  return H5Tget_order(type) == H5T_ORDER_BE ? std::endian::big : std::endian::little;
+}
+
+std::vector<int64_t> extentsOf(std::span<const hsize_t> dims) {
+  std::vector<int64_t> extents;
+  for (const hsize_t dim : dims)
+    extents.push_back(static_cast<int64_t>(
+        std::min<hsize_t>(dim, static_cast<hsize_t>(std::numeric_limits<int64_t>::max()))));
+  return extents;
+}
+
+// Numbers or texts of an attribute; nullopt: another kind.
+std::optional<Hdf5Attribute> readAttribute(hid_t object, const char* name) {
+  const Handle attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose);
+  if (!attribute) return std::nullopt;
+  const Handle type(H5Aget_type(attribute.get()), H5Tclose);
+  const Handle space(H5Aget_space(attribute.get()), H5Sclose);
+  if (!type || !space) return std::nullopt;
+  const hssize_t count = H5Sget_simple_extent_npoints(space.get());
+  if (count < 1 || count > static_cast<hssize_t>(kMostNumbers)) return std::nullopt;
+  Hdf5Attribute found{.name = name, .numbers = {}, .texts = {}};
+  const H5T_class_t kind = H5Tget_class(type.get());
+  if (kind == H5T_INTEGER || kind == H5T_FLOAT) {
+    found.numbers.resize(static_cast<size_t>(count));
+    if (H5Aread(attribute.get(), H5T_NATIVE_DOUBLE, found.numbers.data()) < 0) return std::nullopt;
+    return found;
+  }
+  if (kind != H5T_STRING) return std::nullopt;
+  const Handle memory(H5Tcopy(H5T_C_S1), H5Tclose);
+  H5Tset_cset(memory.get(), H5Tget_cset(type.get()));
+  if (H5Tis_variable_str(type.get()) > 0) {
+    H5Tset_size(memory.get(), H5T_VARIABLE);
+    std::vector<char*> texts(static_cast<size_t>(count), nullptr);
+    if (H5Aread(attribute.get(), memory.get(), texts.data()) < 0) return std::nullopt;
+    for (const char* text : texts)
+      found.texts.emplace_back(text == nullptr ? std::string() : std::string(text));
+    H5Dvlen_reclaim(memory.get(), space.get(), H5P_DEFAULT, texts.data());
+    return found;
+  }
+  const size_t bytes = H5Tget_size(type.get());
+  if (bytes == 0 || bytes > kMostTextBytes / static_cast<size_t>(count)) return std::nullopt;
+  H5Tset_size(memory.get(), bytes + 1);
+  std::vector<char> all((bytes + 1) * static_cast<size_t>(count), '\0');
+  if (H5Aread(attribute.get(), memory.get(), all.data()) < 0) return std::nullopt;
+  for (size_t i = 0; i < static_cast<size_t>(count); ++i)
+    found.texts.emplace_back(all.data() + i * (bytes + 1));
+  return found;
+}
+
+std::vector<Hdf5Attribute> readAttributes(hid_t object) {
+  std::vector<std::string> names;
+  hsize_t at = 0;
+  H5Aiterate2(
+      object, H5_INDEX_NAME, H5_ITER_NATIVE, &at,
+      [](hid_t, const char* name, const H5A_info_t*, void* list) -> herr_t {
+        auto& all = *static_cast<std::vector<std::string>*>(list);
+        all.emplace_back(name);
+        return all.size() < kMostAttributes ? 0 : 1;
+      },
+      &names);
+  std::vector<Hdf5Attribute> found;
+  for (const std::string& name : names)
+    if (auto attribute = readAttribute(object, name.c_str()))
+      found.push_back(*std::move(attribute));
+  return found;
+}
+
+class Set final : public Hdf5Set {
+ public:
+  // Called with the library's mutex held, as all of the private members are.
+  Set(std::shared_ptr<Handle> file, const std::string& file_path, const std::string& path)
+      : file_(std::move(file)),
+        name_(file_path + ":" + path),
+        set_(H5Dopen2(file_->get(), path.c_str(), H5P_DEFAULT), H5Dclose) {
+    if (!set_) fail("{}: the data set cannot be opened: {}", name_, reason());
+    describeVoxels();
+    describeStorage();
+    description_.attributes = readAttributes(set_.get());
+  }
+  ~Set() override {
+    // Closed with the mutex held.
+    const MutexLock lock(libraryMutex());
+    { const Handle gone(std::move(set_)); }
+    file_.reset();
+  }
+  Set(const Set&) = delete;
+  Set& operator=(const Set&) = delete;
+
+  const Hdf5Description& description() const override { return description_; }
+
+  uint64_t storedBytes(std::span<const int64_t> corner) override {
+    const MutexLock lock(libraryMutex());
+    hsize_t bytes = 0;
+    // A chunk that is missing is a failure to some versions and no bytes to others.
+    if (H5Dget_chunk_storage_size(set_.get(), sizes(corner).data(), &bytes) < 0) return 0;
+    return bytes;
+  }
+
+  uint32_t readStored(std::span<const int64_t> corner, std::span<std::byte> out) override {
+    const MutexLock lock(libraryMutex());
+    uint32_t mask = 0;
+    if (H5Dread_chunk(set_.get(), H5P_DEFAULT, sizes(corner).data(), &mask, out.data()) < 0)
+      fail("{}: a chunk cannot be read: {}", name_, reason());
+    return mask;
+  }
+
+  void readBox(std::span<const int64_t> corner, std::span<const int64_t> extents,
+               std::span<std::byte> out) override {
+    const MutexLock lock(libraryMutex());
+    const Handle space(H5Dget_space(set_.get()), H5Sclose);
+    const std::vector<hsize_t> from = sizes(corner), count = sizes(extents);
+    const Handle memory(H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr),
+                        H5Sclose);
+    const Handle type(H5Dget_type(set_.get()), H5Tclose);
+    if (H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, from.data(), nullptr, count.data(),
+                            nullptr) < 0 ||
+        H5Dread(set_.get(), type.get(), memory.get(), space.get(), H5P_DEFAULT, out.data()) < 0)
+      fail("{}: voxels cannot be read: {}", name_, reason());
+  }
+
+ private:
+  static std::vector<hsize_t> sizes(std::span<const int64_t> numbers) {
+    return {numbers.begin(), numbers.end()};
+  }
+
+  void describeVoxels() {
+    const Handle space(H5Dget_space(set_.get()), H5Sclose);
+    const int axes = space ? H5Sget_simple_extent_ndims(space.get()) : -1;
+    if (axes < 1 || axes > kMostAxes)
+      fail("{}: expected an array of 1 to {} axes, found {}", name_, kMostAxes, std::max(axes, 0));
+    std::vector<hsize_t> dims(static_cast<size_t>(axes));
+    H5Sget_simple_extent_dims(space.get(), dims.data(), nullptr);
+    description_.shape = extentsOf(dims);
+    const Handle type(H5Dget_type(set_.get()), H5Tclose);
+    const auto voxel = type ? voxelTypeOf(type.get()) : std::nullopt;
+    if (!voxel)
+      fail("{}: expected integers of 8 to 32 bits or floats of 32 or 64, found another type",
+           name_);
+    description_.type = *voxel;
+    description_.byte_order = orderOf(type.get());
+  }
+
+  void describeStorage() {
+    const Handle list(H5Dget_create_plist(set_.get()), H5Pclose);
+    if (!list) fail("{}: the data set cannot be opened: {}", name_, reason());
+    if (H5Pget_external_count(list.get()) > 0)
+      fail("{}: its voxels lie in other files, which is not read; copy it with h5repack", name_);
+    const H5D_layout_t layout = H5Pget_layout(list.get());
+    if (layout == H5D_VIRTUAL)
+      fail("{}: a virtual data set, which is not read; name one of those that it is made of",
+           name_);
+    H5D_fill_value_t defined = H5D_FILL_VALUE_UNDEFINED;
+    if (H5Pfill_value_defined(list.get(), &defined) >= 0 &&
+        defined == H5D_FILL_VALUE_USER_DEFINED &&
+        H5Pget_fill_value(list.get(), H5T_NATIVE_DOUBLE, &description_.fill_value) < 0)
+      description_.fill_value = 0;
+    if (layout == H5D_CONTIGUOUS) {
+      const haddr_t at = H5Dget_offset(set_.get());
+      if (at != HADDR_UNDEF) description_.in_place_at = at;
+    }
+    if (layout != H5D_CHUNKED) return;
+    std::vector<hsize_t> chunk(description_.shape.size());
+    if (H5Pget_chunk(list.get(), static_cast<int>(chunk.size()), chunk.data()) < 0)
+      fail("{}: the size of its chunks cannot be read: {}", name_, reason());
+    description_.chunks = extentsOf(chunk);
+    const int filters = H5Pget_nfilters(list.get());
+    for (int i = 0; i < filters; ++i) {
+      std::vector<unsigned> values(32);
+      std::vector<char> name(64, '\0');
+      size_t count = values.size();
+      unsigned flags = 0, config = 0;
+      const H5Z_filter_t number =
+          H5Pget_filter2(list.get(), static_cast<unsigned>(i), &flags, &count, values.data(),
+                         name.size() - 1, name.data(), &config);
+      if (number < 0) fail("{}: its filters cannot be read: {}", name_, reason());
+      values.resize(std::min(count, values.size()));
+      Hdf5Filter filter{.number = number, .name = name.data(), .values = std::move(values)};
+      for (char& c : filter.name)
+        if (c < ' ' || c > '~') c = '?';
+      filter.is_in_library = H5Zfilter_avail(number) > 0;
+      description_.filters.push_back(std::move(filter));
+    }
+  }
+
+  std::shared_ptr<Handle> file_;
+  const std::string name_;
+  Handle set_;
+  Hdf5Description description_;
+};
+
+class File final : public Hdf5File {
+ public:
+  explicit File(std::string path) : path_(std::move(path)) {
+    const MutexLock lock(libraryMutex());
+    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+    const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+    H5Pset_file_locking(access.get(), false, true);  // a file that may only be read is read, too
+    file_ =
+        std::make_shared<Handle>(H5Fopen(path_.c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose);
+    if (!*file_)
+      fail("{}: expected an HDF5 file, found none that can be opened: {}", path_, reason());
+  }
+  ~File() override {
+    const MutexLock lock(libraryMutex());
+    file_.reset();
+  }
+  File(const File&) = delete;
+  File& operator=(const File&) = delete;
+
+  std::vector<Hdf5Entry> sets(size_t most) override {
+    const MutexLock lock(libraryMutex());
+    struct Visit {
+      std::vector<Hdf5Entry> found;
+      size_t most;
+    } visit{{}, most};
+    H5Ovisit2(
+        file_->get(), H5_INDEX_NAME, H5_ITER_INC,
+        [](hid_t root, const char* name, const H5O_info_t* info, void* user) -> herr_t {
+          auto& to = *static_cast<Visit*>(user);
+          if (info->type != H5O_TYPE_DATASET) return 0;
+          const Handle set(H5Dopen2(root, name, H5P_DEFAULT), H5Dclose);
+          const Handle space(set ? H5Dget_space(set.get()) : -1, H5Sclose);
+          const int axes = space ? H5Sget_simple_extent_ndims(space.get()) : 0;
+          if (axes < 2 || axes > H5S_MAX_RANK) return 0;
+          std::vector<hsize_t> dims(static_cast<size_t>(axes));
+          H5Sget_simple_extent_dims(space.get(), dims.data(), nullptr);
+          to.found.push_back({std::string("/") + name, extentsOf(dims)});
+          return to.found.size() < to.most ? 0 : 1;
+        },
+        &visit, H5O_INFO_BASIC);
+    return visit.found;
+  }
+
+  bool has(const std::string& path) override {
+    const MutexLock lock(libraryMutex());
+    return exists(path);
+  }
+
+  std::unique_ptr<Hdf5Set> open(const std::string& path) override {
+    const MutexLock lock(libraryMutex());
+    if (!exists(path)) fail("{}: expected a data set {}, found none", path_, path);
+    return std::make_unique<Set>(file_, path_, path);
+  }
+
+  std::vector<Hdf5Attribute> attributes(const std::string& path) override {
+    const MutexLock lock(libraryMutex());
+    if (!exists(path)) return {};
+    const Handle object(H5Oopen(file_->get(), path.c_str(), H5P_DEFAULT), H5Oclose);
+    if (!object) return {};
+    return readAttributes(object.get());
+  }
+
+ private:
+  // Along the way no link leads out of the file.
+  bool exists(const std::string& path) const {
+    for (size_t end = path.find('/', 1);; end = path.find('/', end + 1)) {
+      const std::string part = path.substr(0, end);
+      if (part.empty() || part == "/") return part == "/" && end == std::string::npos;
+      H5L_info_t info;
+      if (H5Lget_info(file_->get(), part.c_str(), &info, H5P_DEFAULT) < 0) return false;
+      if (info.type != H5L_TYPE_HARD && info.type != H5L_TYPE_SOFT)
+        fail("{}: {} leads to another file, which is not followed; name that file", path_, part);
+      if (end == std::string::npos)
+        return H5Oexists_by_name(file_->get(), part.c_str(), H5P_DEFAULT) > 0;
+    }
+  }
+
+  const std::string path_;
+  std::shared_ptr<Handle> file_;
+};
+
+}  // namespace
+}  // namespace sluice
+
+extern "C" const char* sluiceOpenHdf5Version() {
+  return sluice::kHdf5ModuleVersion;
+}
+
+extern "C" void sluiceOpenHdf5(const std::string& path, std::shared_ptr<sluice::Hdf5File>& file) {
+  file = std::make_shared<sluice::File>(path);
+}

@@ -1,0 +1,167 @@
+#include "io/hdf5/hdf5_volume.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <utility>
+#include <vector>
+
+#include "io/hdf5/hdf5_images.h"
+#include "io/hdf5/hdf5_input.h"
+#include "io/headers/raw/raw_source.h"
+#include "io/headers/volume_description.h"
+#include "src/base/error.h"
+#include "src/base/files/json_field.h"
+
+namespace sluice {
+namespace {
+
+constexpr size_t kSpace = 3, kMostListed = 12;
+
+// Names of the axes; empty: none.
+std::vector<ZarrAxis> axesOf(const Hdf5Description& description, const std::string& name) {
+  std::vector<ZarrAxis> axes;
+  if (const Hdf5Attribute* tags = find(description.attributes, "axistags");
+      tags && tags->texts.size() == 1) {
+    const nlohmann::json document = parseJson(tags->texts[0], name + ": axistags");
+    const JsonField list = JsonField(document, name + ": axistags").require("axes");
+    if (list.size() != description.shape.size())
+      list.failExpected(fmt::format("{} axes", description.shape.size()));
+    for (size_t i = 0; i < list.size(); ++i)
+      axes.push_back({list[i].require("key").text(), "", ""});
+  } else if (const Hdf5Attribute* labels = find(description.attributes, "DIMENSION_LABELS");
+             labels && labels->texts.size() == description.shape.size()) {
+    for (const std::string& label : labels->texts) axes.push_back({label, "", ""});
+    if (std::any_of(axes.begin(), axes.end(),
+                    [](const ZarrAxis& axis) { return axis.name.empty(); }))
+      axes.clear();
+  }
+  return axes;
+}
+
+ZarrImage imageOf(const Hdf5Description& description, size_t axes, const std::string& name) {
+  ZarrImage image;
+  image.axes = axesOf(description, name);
+  if (description.shape.size() != axes) image.axes.clear();
+  const Hdf5Attribute* const size = find(description.attributes, "element_size_um");
+  if (size != nullptr && size->numbers.size() == kSpace) {
+    image.scale.assign(axes, 1);
+    image.translation.assign(axes, 0);
+    constexpr std::string_view kNames[] = {"z", "y", "x"};
+    for (size_t a = 0; a < kSpace; ++a) {
+      size_t at = axes - kSpace + a;
+      for (size_t i = 0; i < image.axes.size(); ++i)
+        if (image.axes[i].name == kNames[a]) at = i;
+      image.scale[at] = size->numbers[a];
+      if (!image.axes.empty()) image.axes[at].unit = "micrometer";
+    }
+    image.frame = WorldFrame::kPictureRows;
+  }
+  // NetCDF's packed values.
+  const auto number = [&](const char* key, double otherwise) {
+    const Hdf5Attribute* const found = find(description.attributes, key);
+    return found != nullptr && found->numbers.size() == 1 ? found->numbers[0] : otherwise;
+  };
+  image.value_scale = number("scale_factor", 1);
+  image.value_offset = number("add_offset", 0);
+  return image;
+}
+
+// Voxels in one piece with x fastest, read where they lie; null: they are not.
+std::unique_ptr<VolumeSource> inPlace(const std::shared_ptr<File>& file,
+                                      const Hdf5Description& description, const ZarrArray& array,
+                                      const ZarrView& view, VolumeLayout layout,
+                                      const std::string& identity) {
+  const size_t axes = array.axes();
+  const bool is_in_order =
+      view.space[0] == axes - 1 && view.space[1] == axes - 2 && view.space[2] == axes - 3;
+  if (!description.in_place_at || !is_in_order) return nullptr;
+  const int64_t voxels = volume(layout.dims);
+  const auto bytes = static_cast<int64_t>(bytesPerVoxel(layout.type));
+  const auto strideOf = [&](std::optional<size_t> axis) {
+    int64_t stride = voxels;
+    for (size_t a = axes - kSpace; axis && a-- > *axis + 1;) stride *= array.shape[a];
+    return stride;
+  };
+  std::vector<RawSegment> segments;
+  for (int64_t t = 0; t < layout.time_steps; ++t) {
+    const int64_t first = t * strideOf(view.time) + layout.channel * strideOf(view.channel);
+    const uint64_t at = *description.in_place_at + static_cast<uint64_t>(first * bytes);
+    if (at > file->sizeBytes() || static_cast<uint64_t>(voxels * bytes) > file->sizeBytes() - at)
+      fail("{}: expected voxels up to byte {}, found {} bytes; it was cut short", file->path(),
+           at + static_cast<uint64_t>(voxels * bytes), file->sizeBytes());
+    segments.push_back({file, at});
+  }
+  return std::make_unique<RawSource>(std::move(layout), description.byte_order, std::move(segments),
+                                     nullptr, identity);
+}
+
+std::string listed(const std::vector<Hdf5Entry>& sets) {
+  std::vector<std::string> names;
+  for (const Hdf5Entry& set : sets) {
+    if (names.size() == kMostListed) {
+      names.push_back("...");
+      break;
+    }
+    names.push_back(fmt::format("{} ({})", printable(set.path, 200), fmt::join(set.shape, " x ")));
+  }
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+// The one data set of three axes or more.
+std::string onlySet(Hdf5File& file, const std::string& path) {
+  constexpr size_t kMostSets = 1000;
+  std::vector<Hdf5Entry> sets = file.sets(kMostSets);
+  std::vector<Hdf5Entry> volumes;
+  for (const Hdf5Entry& set : sets)
+    if (set.shape.size() >= kSpace) volumes.push_back(set);
+  if (volumes.size() == 1) return volumes[0].path;
+  if (volumes.empty())
+    fail("{}: expected a data set of three axes or more, found {}", path,
+         sets.empty() ? "none of two" : "but " + listed(sets));
+  fail("{}: expected the path of one of its data sets after the name, as {}:{}; found {}: {}", path,
+       path, volumes[0].path, volumes.size() == kMostSets ? "many" : std::to_string(volumes.size()),
+       listed(volumes));
+}
+
+}  // namespace
+
+std::unique_ptr<VolumeSource> openHdf5(const std::string& path, const std::string& set,
+                                       const ChunkedOptions& options) {
+  const Hdf5Input input = openHdf5Input(path);
+  if (set.empty())
+    if (auto image = openHdf5Image(input, path, options)) return image;
+  const std::string set_path = set.empty() ? onlySet(*input.inside, path) : set;
+  const std::string name = path + ":" + set_path;
+  std::unique_ptr<Hdf5Set> opened = input.inside->open(set_path);
+  const Hdf5Description& description = opened->description();
+  const ZarrArray array = hdf5ArrayOf(description, name);
+  ChunkedVolume volume;
+  volume.name = volume.said_by = name;
+  volume.title = std::filesystem::path(set_path).filename().string();
+  volume.image = imageOf(description, array.axes(), name);
+  volume.identities = {"hdf5 " + set_path};
+  volume.places = {path};
+
+  ZarrView view = viewZarr(array, volume.image, options.channel.given(), name);
+  if (view.channel || !options.channel.given()) {
+    VolumeLayout layout = view.layout;
+    layout.name = volume.title;
+    if (!volume.image.scale.empty()) layout.unit = "micrometer";
+    chooseChannel(name, options.channel, {}, layout);
+    std::string identity =
+        fmt::format("{}|hdf5 {}|channel {}", input.file->identity(), set_path, layout.channel);
+    if (auto source = inPlace(input.file, description, array, view, std::move(layout), identity))
+      return source;
+  }
+  // Opened once: the only level.
+  auto shared = std::make_shared<std::unique_ptr<Hdf5Set>>(std::move(opened));
+  volume.open = [input, shared, name, array](size_t) {
+    OpenedArray made;
+    made.array = hdf5Chunks(input, std::move(*shared), array, name);
+    return made;
+  };
+  return std::make_unique<ChunkedSource>(std::move(volume), options);
+}
+
+}  // namespace sluice

@@ -1,0 +1,22 @@
+// A data set of an HDF5 file as a volume: FILE.h5:/path/in/it, or the one volume of a file.
+//
+// NetCDF-4 files are HDF5. Axes have their names from DIMENSION_LABELS or vigra's axistags; without
+// them the last three are z, y and x, as in Zarr. element_size_um (z, y, x) is the spacing. Voxels
+// in one piece are read in place; those in chunks as ChunkedSource says. Images of Imaris and
+// BigDataViewer are known by their groups, see hdf5_images.h.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "io/zarr/reading/chunked_source.h"
+#include "src/base/values/volume_source.h"
+
+namespace sluice {
+
+// `set`: the path of a data set; empty: the file's only volume. Throws Error: none or several (with
+// their names), one that cannot be read, the module is missing.
+std::unique_ptr<VolumeSource> openHdf5(const std::string& path, const std::string& set,
+                                       const ChunkedOptions& options);
+
+}  // namespace sluice

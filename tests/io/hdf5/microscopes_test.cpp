@@ -1,0 +1,116 @@
+#include <gmock/gmock.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "io/hdf5/bdv_xml.h"
+#include "io/open_volume.h"
+#include "src/base/values/volume_channels.h"
+#include "src/base/values/volume_levels.h"
+#include "tests/io/python_volumes.h"
+#include "tests/io/zarr/zarr_case.h"
+
+namespace sluice {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+struct MicroscopeCase : ZarrCase {
+  static constexpr const char* kScript = "make_microscopes.py";
+  static constexpr const char* kModules = "numpy, h5py, zarr, numcodecs";
+};
+
+class Microscopes : public PythonVolumesTest<MicroscopeCase> {
+ protected:
+  static std::unique_ptr<VolumeSource> open(const std::string& name, int64_t channel = 1) {
+    return openVolume(pathOf(name).string(), {.channel = channel});
+  }
+  // The error from a changed copy of an .xml.
+  static std::string errorOfChanged(const std::string& from, const std::string& to) {
+    std::string text = readFile(pathOf("hdf5.xml"));
+    EXPECT_NE(text.find(from), std::string::npos) << from;
+    for (size_t at = text.find(from); at != text.npos; at = text.find(from, at + to.size()))
+      text.replace(at, from.size(), to);
+    const fs::path file = pathOf("changed.xml");
+    std::ofstream(file, std::ios::binary) << text;
+    return errorOf([&] { allSteps(*openVolume(file.string())); });
+  }
+};
+
+TEST_F(Microscopes, imagesAreReadAsTheyWereWritten) {
+  ASSERT_EQ(cases_.size(), 4U);
+  for (const MicroscopeCase& c : cases_) {
+    SCOPED_TRACE(c.name);
+    const auto source = open(c.name, c.channel);
+    EXPECT_EQ(source->layout().dims, c.dims);
+    EXPECT_EQ(name(source->layout().type), c.type);
+    EXPECT_EQ(source->layout().time_steps, c.steps);
+    EXPECT_EQ(source->layout().channels, 2);
+    const std::string whole = voxelsOf(c.name);
+    EXPECT_TRUE(allSteps(*source) == whole);
+    expectBoxesAreParts(*source, whole);
+    const std::span<const CoarserLevel> levels = coarserLevels(*source);
+    ASSERT_EQ(levels.size(), 1U);
+    EXPECT_EQ(levels[0].placement, (LevelPlacement{{2, 2, 2}, {0.5, 0.5, 0.5}}));
+    EXPECT_TRUE(asText(readAll(*levels[0].source, 1)) == voxelsOf(c.name + ".level"));
+  }
+}
+
+TEST_F(Microscopes, placesUnitsAndNamesAreRead) {
+  const auto imaris = open("image.ims");
+  EXPECT_EQ(imaris->layout().spacing, (Vec3d{0.5, 0.5, 2}));
+  EXPECT_EQ(imaris->layout().origin, (Vec3d{1.25, 0.25, -4}));
+  EXPECT_EQ(imaris->layout().unit, "micrometer");
+  EXPECT_THAT(channelNames(*imaris), ElementsAre("DAPI", "GFP"));
+  for (const std::string name : {"hdf5.xml", "n5.xml"}) {
+    const auto source = open(name);
+    EXPECT_EQ(source->layout().spacing, (Vec3d{0.5, 0.5, 2})) << name;
+    EXPECT_EQ(source->layout().origin, (Vec3d{1, 2, 3})) << name;
+    EXPECT_EQ(source->layout().unit, "micrometer");
+    EXPECT_THAT(channelNames(*source), ElementsAre("DAPI", "GFP"));
+  }
+  EXPECT_THAT(open("moved.xml")->layout().notes,
+              ElementsAre(HasSubstr("set-up 1 lies elsewhere at other time points")));
+  const VolumeLayout turned = open("turned.xml")->layout();
+  EXPECT_THAT(turned.axes, ElementsAre(Vec3d{0, 1, 0}, Vec3d{-1, 0, 0}, Vec3d{0, 0, 1}));
+  EXPECT_EQ(coarserLevels(*open("turned.xml"))[0].placement.offset, (Vec3d{0.5, 0.5, 0.5}));
+}
+
+TEST_F(Microscopes, wrongFilesAreOneLine) {
+  const std::pair<std::pair<std::string, std::string>, std::string> wrong[] = {
+      {{"bdv.hdf5", "bdv.imaris"}, "expected an ImageLoader of bdv.hdf5 or bdv.n5"},
+      {{"bdv.h5<", "none.h5<"}, "none.h5"},
+      {{"<last>2", "<last>x"}, "the last time point, found 'x'"},
+      {{"<last>2", "<last>9999999999"}, "time points"},
+      {{"<last>2", "<last>9"}, "/t00003/s00/0/cells"},
+      {{"<id>0", "<id>-1"}, "the id of a set-up"},
+      {{"<id>0", "<id>7"}, "/s07/resolutions"},
+      {{"0.5 0 0 0 0 0.5 0 0 0 0 2 0", "0.5 0 0"}, "12 numbers of an affine"},
+      {{"0.5 0 0 0 0 0.5 0 0 0 0 2 0", "0 0 0 0 0 0.5 0 0 0 0 2 0"}, "steps between voxels"},
+      {{"<SequenceDescription>", "<SequenceDescription"}, "expected XML"}};
+  for (const auto& [change, said] : wrong)
+    EXPECT_THAT(errorOfChanged(change.first, change.second), HasSubstr(said));
+}
+
+TEST(BdvXml, timePointsMayBeAPattern) {
+  const std::string text =
+      "<SpimData><SequenceDescription><ImageLoader format='bdv.n5'><n5>a.n5</n5></ImageLoader>"
+      "<ViewSetups><ViewSetup><id>4</id></ViewSetup></ViewSetups><Timepoints type='pattern'>"
+      "<integerpattern>7, 1-3, 10-20:5</integerpattern></Timepoints></SequenceDescription>"
+      "</SpimData>";
+  const BdvImage image = parseBdvXml(
+      [&](uint64_t offset, std::span<std::byte> out) {
+        const std::string part = text.substr(std::min<size_t>(offset, text.size()), out.size());
+        std::memcpy(out.data(), part.data(), part.size());
+        return part.size();
+      },
+      "v.xml");
+  EXPECT_THAT(image.times, ElementsAre(1, 2, 3, 7, 10, 15, 20));
+  EXPECT_EQ(image.setups[0].id, 4);
+}
+
+}  // namespace
+}  // namespace sluice
