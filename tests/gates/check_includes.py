@@ -113,6 +113,11 @@ LIBRARIES = {
     r'CLI/': ['tools/', 'tests/tools/'],
     r'pybind11/': ['python/'],
 }
+# One place makes what draws: commands and the public Renderer go through the Scene. Benches measure the parts
+# beneath it, and --verify compares with a second session.
+MAKES_SESSION = re.compile(r'make_unique<Session>|\bSession \w+[({]|makeDevice\(')
+SESSION_MAKERS = ['src/library/drawing/scene.cpp', 'src/library/drawing/device_choice.', 'tools/bench/',
+                  'tools/commands/verification.cpp', 'tests/']
 INCLUDE = re.compile(r'\s*#\s*include\s*([<"])([^>"]+)[>"]')
 
 
@@ -165,6 +170,8 @@ def check(root):
             if path.suffix == '.h' and '#pragma once' not in lines:
                 complaints.append(f'{file}:1: no #pragma once')
             for number, line in enumerate(lines, 1):
+                if MAKES_SESSION.search(line) and not file.startswith(tuple(SESSION_MAKERS)):
+                    complaints.append(f'{file}:{number}: draw through src/library/drawing/scene.h, which makes the session')
                 found = INCLUDE.match(line)
                 reason = found and fault(file, found[1], found[2], root)
                 if reason:

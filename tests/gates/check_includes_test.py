@@ -51,6 +51,14 @@ class IncludeGate(unittest.TestCase):
                 self.assertEqual(len(self.complaints({file: '#include "src/library/a.h"\n'})), 1)
         self.assertEqual(len(self.complaints({'io/b.cpp': '#include <sluice/error.h>\n'})), 1)
 
+    def test_catches_sessions_made_beside_the_scene(self):
+        for line in ['Session plain(step, device, pool, options);', 'auto s = std::make_unique<Session>(step);',
+                     'device = makeDevice(arguments, pool);']:
+            with self.subTest(line=line):
+                self.assertEqual(len(self.complaints({'tools/commands/b.cpp': line + '\n'})), 1)
+                self.assertEqual(self.complaints({'src/library/drawing/scene.cpp': line + '\n'}), [])
+                self.assertEqual(self.complaints({'tools/bench/b.cpp': line + '\n'}), [])
+
     def test_names_file_line_and_reason(self):
         self.assertEqual(self.complaints({'io/files/b.cpp': '\n#include "cache/model/a.h"\n'}),
                          ['io/files/b.cpp:3: io/files may include src/base, not cache/model'])

@@ -110,11 +110,11 @@ class VerifyFaultTest : public testing::Test {
 
   double differenceWith(double scale_of_fit, BlockChooser* chooser,
                         std::optional<double> time_limit_s = std::nullopt) {
-    Scene scene(volume_, look_, resources_, frame_, Outputs(), nullptr);
+    Scene scene = openScene(volume_, look_, resources_, frame_);
     std::vector<Camera> cameras{frame_.camera};
     fitCameras(cameras, std::nullopt,
-               {scene.volume, scene.volume.step(), scene.transfer, frame_, false}, {}, resources_,
-               scene.pool);
+               {scene.volume, scene.volume.step(), scene.look.transfer, frame_, false}, {},
+               resources_, scene.pool);
     FrameOptions options = frame_;
     options.camera = cameras.front();
     options.camera.framing->reach *= scale_of_fit;

@@ -65,7 +65,7 @@ double processingSeconds(Scene& scene, const LookArguments& look, const FrameOpt
   if (changed.threshold) changed.threshold = *changed.threshold * kThresholdStep;
   scene.session->setOptions(options);
   scene.session->setTransferFunction(changed.threshold ? transferFor(scene.volume, changed)
-                                                       : scene.transfer);
+                                                       : scene.look.transfer);
   const StageSeconds stages = scene.session->frameReport().stages;
   return stages.classify + stages.plan + stages.copy;
 }
@@ -74,13 +74,13 @@ nlohmann::json rowOf(const BenchArguments& bench, const std::string& word) {
   const auto [file, threshold] = splitThreshold(word, bench.look.threshold);
   LookArguments look = bench.look;
   look.threshold = threshold;
-  Scene scene({{file}, bench.volume.open, bench.volume.time}, look, bench.resources,
-              bench.frame.partition);
+  Scene scene =
+      openScene({{file}, bench.volume.open, bench.volume.time}, look, bench.resources, bench.frame);
   nlohmann::json row{
       {"volume", file},
       {"threshold", threshold ? nlohmann::json(*threshold) : nlohmann::json()},
-      {"empty_percent", emptyPercent(scene.volume, scene.transfer, bench.volume.time)}};
-  const auto page_bytes = static_cast<uint64_t>(scene.volume.page.pageBytes());
+      {"empty_percent", emptyPercent(scene.volume, scene.look.transfer, bench.volume.time)}};
+  const auto page_bytes = static_cast<uint64_t>(scene.page.pageBytes());
   for (const Algorithm algorithm : kAlgorithms) {
     const Measured measured = measure(*scene.session, bench.frame, algorithm, bench.frames);
     const std::string key(name(algorithm));

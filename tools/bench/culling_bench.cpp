@@ -290,10 +290,10 @@ void drawSeries(const CullingBench& bench, json& report) {
   for (const auto& [name, culling] : kCullings) {
     CullingArguments how = bench.culling;
     how.culling = culling;
-    Scene scene(bench.volume, bench.look, bench.resources, bench.frame.partition);
+    Scene scene = openScene(bench.volume, bench.look, bench.resources, bench.frame);
     Series series(scene, how, bench.resources, bench.frame);
     scene.session->setOptions(bench.frame);
-    dropFromMemory(filesOf(*scene.volume.source));
+    dropFromMemory(scene.volume.source->files());
     const uint64_t before = scene.volume.source->storedBytesRead();
     const Stopwatch watch;
     const int64_t steps = scene.volume.source->layout().time_steps;

@@ -34,7 +34,7 @@ void printLimit(const json& report) {
 // The frames of a turn, warm: their seconds, the processor's, their samples, and their share of the
 // sampling rate, which is measured too; the last frame's report. Throws Error.
 json benchFrames(const BenchArguments& bench) {
-  Scene scene(bench.volume, bench.look, bench.resources, bench.frame.partition);
+  Scene scene = openScene(bench.volume, bench.look, bench.resources, bench.frame);
   FrameOptions options = bench.frame;
   const auto turnTo = [&](int frame) {
     options.camera.azimuth_deg =

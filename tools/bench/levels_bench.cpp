@@ -73,7 +73,7 @@ json rowOf(const BenchArguments& bench, Scene& scene, const std::optional<CutOpt
 json benchLevels(const BenchArguments& bench) {
   BenchArguments asked = bench;
   asked.frame.cut = CutOptions{};
-  Scene scene(asked.volume, asked.look, asked.resources, asked.frame, Outputs(), nullptr);
+  Scene scene = openScene(asked.volume, asked.look, asked.resources, asked.frame);
   if (scene.volume.step().coarser.empty())
     fail("{}: has one level; sluice pack --levels auto makes more", scene.volume.name);
   asked.frame.cut.reset();

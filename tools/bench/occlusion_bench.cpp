@@ -106,11 +106,13 @@ json rowOf(const OcclusionBench& bench, const std::string& word) {
   const auto [file, threshold] = splitThreshold(word, bench.look.threshold);
   LookArguments look = bench.look;
   look.threshold = threshold;
-  Scene scene({{file}, bench.volume.open, bench.volume.time}, look, bench.resources,
-              Partition::kBoxes);
+  FrameOptions boxes = bench.frame;
+  boxes.partition = Partition::kBoxes;
+  Scene scene =
+      openScene({{file}, bench.volume.open, bench.volume.time}, look, bench.resources, boxes);
   Session& session = *scene.session;
   if (look.transfer_file.empty() && !look.opacity)
-    session.setTransferFunction(scaleOpacity(scene.transfer, kSurfaceFactor));
+    session.setTransferFunction(scaleOpacity(scene.look.transfer, kSurfaceFactor));
   session.forgetLastFrame(scheduleOf(bench));
   json row{{"volume", file}, {"threshold", threshold ? json(*threshold) : json()}};
   const auto speeds = speedsOf(session, bench.frame, bench.frames);

@@ -28,14 +28,14 @@ struct RanksBench : BenchArguments {
 
 // The frames of one rank, or of one process alone.
 json framesOf(const RanksBench& bench, Team* team) {
-  std::unique_ptr<Scene> scene;
+  std::optional<Scene> scene;
   const auto open = [&] {
-    scene = std::make_unique<Scene>(bench.volume, bench.look, bench.resources, bench.frame,
-                                    Outputs(), team);
+    scene.emplace(
+        openScene(bench.volume, bench.look, bench.resources, bench.frame, Outputs(), team));
   };
   if (team == nullptr || team->isFirst()) open();
   if (team != nullptr) team->wait();
-  if (scene == nullptr) open();
+  if (!scene) open();
   FrameOptions options = bench.frame;
   options.stop = interruption();
   std::vector<double> seconds, draws, exchanges, composes, gathers;

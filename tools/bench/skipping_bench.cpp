@@ -32,8 +32,10 @@ nlohmann::json skippingRow(const BenchArguments& bench, const std::string& word)
   const auto [file, threshold] = splitThreshold(word, bench.look.threshold);
   LookArguments look = bench.look;
   look.threshold = threshold;
-  Scene scene({{file}, bench.volume.open, bench.volume.time}, look, bench.resources,
-              Partition::kBoxes);
+  FrameOptions boxes = bench.frame;
+  boxes.partition = Partition::kBoxes;
+  Scene scene =
+      openScene({{file}, bench.volume.open, bench.volume.time}, look, bench.resources, boxes);
   nlohmann::json row{{"volume", file},
                      {"threshold", threshold ? nlohmann::json(*threshold) : nlohmann::json()}};
   std::array<std::vector<double>, kSkippingWays.size()> seconds;

@@ -131,7 +131,7 @@ FrameReport change(Session& session, const TransferFunction& transfer, Changes& 
 class ChangedBytes {
  public:
   explicit ChangedBytes(Scene& scene)
-      : step_(scene.volume.step()), planner_(scene.volume.page, scene.pool, names_) {}
+      : step_(scene.volume.step()), planner_(scene.page, scene.pool, names_) {}
 
   uint64_t of(const TransferFunction& transfer, const FrameOptions& options) {
     const FramePlanPtr plan =
@@ -175,10 +175,10 @@ struct ThresholdRun {
     return changes;
   }
   std::unique_ptr<Session> sessionOf(const TimeStep& step, uint64_t memory_bytes) const {
-    auto session =
-        std::make_unique<Session>(step, *scene.device, scene.pool,
-                                  sessionOptions(scene.volume, scene.look.lit, asked.resources,
-                                                 asked.frame.partition, memory_bytes));
+    SessionOptions options = sessionOptions(scene.volume, scene.look.lit, asked.resources,
+                                            asked.frame.partition, memory_bytes);
+    options.page = scene.page;
+    auto session = std::make_unique<Session>(step, *scene.device, scene.pool, options);
     session->setOptions(asked.frame);
     return session;
   }
@@ -249,7 +249,7 @@ nlohmann::json coldChanges(const ThresholdRun& bench) {
 nlohmann::json outOfCoreChanges(const ThresholdRun& bench) {
   const MovedBytes all = bench.scene.session->frameReport().rebuild;
   const DeviceLimits limits = bench.scene.device->limits();
-  const PageGeometry& page = bench.scene.volume.page;
+  const PageGeometry& page = bench.scene.page;
   const uint64_t textures = textureMemoryBytes(page, limits.texels);
   const BufferNeeds needs =
       bufferNeeds(*bench.scene.volume.source, bench.scene.volume.layout,
@@ -293,7 +293,7 @@ double rebuildSeconds(const ThresholdRun& bench) {
 // from ones drawn before, and the same changes `cold` (a session that holds nothing) and
 // `out_of_core` (memory for a quarter of the picture's need). Throws Error.
 nlohmann::json benchThreshold(const ThresholdBench& asked) {
-  Scene scene(asked.volume, asked.look, asked.resources, asked.frame.partition);
+  Scene scene = openScene(asked.volume, asked.look, asked.resources, asked.frame);
   const ValueRange values = scene.volume.valueRange();
   const double start = asked.look.threshold.value_or(plainThreshold(values));
   const ThresholdRun bench{asked, scene, {values.lo, values.hi, start}};

@@ -115,7 +115,7 @@ int pack(const PackArguments& arguments) {
   const auto sources = openChannels(arguments.volume);
   std::vector<VolumeSource*> channels;
   for (const auto& source : sources) channels.push_back(source.get());
-  outputs.check(filesOf(*channels.front()));
+  outputs.check(channels.front()->files());
   Workers pool(arguments.resources.threads);
   const VolumeLayout& layout = channels.front()->layout();
   PackOptions options = arguments.pack;

@@ -24,7 +24,6 @@
 #include "tools/outputs/report.h"
 #include "tools/pages/report_file.h"
 #include "tools/scene/scene.h"
-#include "tools/scene/scene_session.h"
 #include "tools/scene/series.h"
 #include "tools/scene/workers.h"
 

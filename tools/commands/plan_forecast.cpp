@@ -5,8 +5,8 @@
 #include "src/base/threads/clock.h"
 #include "src/base/values/bytes.h"
 #include "src/library/drawing/picture_memory.h"
+#include "src/library/drawing/scene.h"
 #include "tools/command_line/console.h"
-#include "tools/scene/scene_session.h"
 
 namespace sluice {
 namespace {

@@ -14,7 +14,6 @@
 #include "tools/options/shared_options.h"
 #include "tools/pages/report_file.h"
 #include "tools/scene/series.h"
-#include "tools/scene/strip_drawing.h"
 
 namespace sluice {
 namespace {
@@ -157,7 +156,7 @@ bool reportsParts(const Arguments& arguments) {
 bool isRefined(const Arguments& arguments, const Scene& scene) {
   return asksForRefinement(arguments) && !isSeries(arguments) && scene.share == nullptr &&
          drawsCut(scene.volume.step(), arguments.frame.cut, arguments.frame.mode,
-                  scene.transfer.labels);
+                  scene.look.transfer.labels);
 }
 
 void requireWholePicture(const Arguments& arguments, const Scene& scene) {
@@ -166,9 +165,9 @@ void requireWholePicture(const Arguments& arguments, const Scene& scene) {
   if (is_refined && (arguments.verify || arguments.debug_view))
     fail("{} looks at one picture; leave out --time-limit and --progressive",
          arguments.verify ? "--verify" : "--debug-view");
-  if (stripsFor(scene).size() == 1) return;
-  const PictureSize size = scene.pictures.size;
-  const uint64_t needed = 4 * wholePictureBytes(scene.pictures);
+  if (scene.stripsOf(arguments.frame).size() == 1) return;
+  const PictureSize size = arguments.frame.size;
+  const uint64_t needed = 4 * wholePictureBytes(pictureDemand(scene.machine, arguments.frame));
   fail(
       "{} needs the whole picture of {} x {} in memory, and --memory {} has no room; give "
       "--memory {}",

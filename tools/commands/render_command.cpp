@@ -58,7 +58,7 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
   FittedScene fitted = openFitted(arguments, saved, outputs, team, room);
   const PictureOutput output = pictureOutput(arguments);
   const bool has_step = app.count("--step") > 0;
-  nlohmann::json earlier_pictures = nlohmann::json::array();
+  std::vector<RefinedPicture> earlier_pictures;
   // A time limit leaves no time for a pass over all voxels.
   if (fitted.scene->volume.sample && !arguments.frame.time_limit_s) {
     earlier_pictures = drawSample(
@@ -72,8 +72,8 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
     for (const std::string& warning : scene.look.warnings) printWarning(warning);
   if (scene.volume.stand_in && !arguments.resources.quiet) printWarning(scene.volume.standInNote());
   if (team != nullptr) expectSameScene(*team, scene, cameras, arguments.frame);
-  FrameJob job{arguments, to_draw,  cameras,  output, {},
-               scene,     is_first, has_step, began,  std::move(earlier_pictures)};
+  RenderJob job{arguments, to_draw,  cameras,  output, {},
+                scene,     is_first, has_step, began,  std::move(earlier_pictures)};
   job.options = drawingOptions(job);
   requireWholePicture(arguments, scene);
 
@@ -81,12 +81,7 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
   // The series comes before the trace, since culling opens the session anew.
   Series series(scene, arguments.culling, arguments.resources, job.options);
   chooseCulling(job, series);
-  std::unique_ptr<TraceWriter> trace;
-  if (!arguments.trace_file.empty()) {
-    trace = makeTraceWriter(arguments.trace_file, traceFormatOf(arguments.trace_file),
-                            static_cast<uint64_t>(scene.session->page().pageBytes()));
-    scene.session->recordTo(trace.get());
-  }
+  if (!arguments.trace_file.empty()) scene.recordTo(arguments.trace_file);
   const Drawn drawn = drawFrames(job, series);
   scene.keepLearntRanges();
   if (drawn.is_cut) {
@@ -97,10 +92,7 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
     }
     throw Interrupted();
   }
-  if (trace) {
-    trace->finish();
-    scene.session->recordTo(nullptr);
-  }
+  scene.recordTo("");
   nlohmann::json report;
   if (wantsReport(arguments)) {
     report = reportOf(arguments, app, to_draw, drawn, scene);

@@ -7,42 +7,15 @@
 #include <utility>
 
 #include "src/base/threads/clock.h"
-#include "src/library/drawing/empty_picture.h"
-#include "src/render/blocks/level_cut.h"
-#include "src/render/session/planner.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/interrupt.h"
 #include "tools/command_line/progress_line.h"
 #include "tools/commands/debug_views.h"
 #include "tools/commands/render_checks.h"
 #include "tools/outputs/film_file.h"
-#include "tools/scene/refined_drawing.h"
-#include "tools/scene/strip_drawing.h"
 
 namespace sluice {
 namespace {
-
-// The finest level in the picture.
-int finestLevelOf(Scene& scene, const View& view, const FrameOptions& options) {
-  const TimeStep step = scene.volume.step();
-  if (!drawsCut(step, options.cut, options.mode, scene.transfer.labels)) return 0;
-  if (!options.cut->keeps_thin) return finestLevelShown(step, view, *options.cut);
-  // Thin parts may be refined anywhere, which the cut alone tells.
-  ChunkNames names;
-  Planner planner(scene.volume.page, scene.pool, names);
-  const LookPtr look =
-      planner.look(step, std::make_shared<const TransferFunction>(scene.transfer), options.mode);
-  const VisibleBlocksPtr blocks = planner.visibleBlocks(step, look, view, options);
-  return blocks->cut->levels.empty() ? 0 : blocks->cut->levels.front().level;
-}
-
-// The distance between slices if the user does not set it: it follows from the first view.
-double chosenStep(Scene& scene, const Camera& camera, const FrameOptions& options) {
-  if (options.mode != Mode::kComposite) return options.step_vox;
-  const VolumeLayout& layout = scene.volume.source->layout();
-  const View view = resolve(camera, layout, options.size, options.step_vox);
-  return stepFor(view, scene.volume.step(), finestLevelOf(scene, view, options));
-}
 
 // When drawing has to end, so that the picture is written in time.
 std::optional<Deadline::TimePoint> endOfDrawing(const FrameOptions& options,
@@ -58,20 +31,14 @@ std::optional<Deadline::TimePoint> endOfDrawing(const FrameOptions& options,
 struct Row {
   Deadline::TimePoint began;  // where its seconds are counted from
   std::optional<Deadline::TimePoint> until;
-  nlohmann::json earlier = nlohmann::json::array();  // its pictures that were drawn before
+  std::vector<RefinedPicture> earlier = {};  // its pictures that were drawn before
 };
 
 // Draws a frame as pictures that get better. With --progressive each is written as it comes,
 // numbered if the name has a place for a number; otherwise the caller writes the last one.
-RefinedFrame drawRow(const FrameJob& job, const FrameOptions& options, const Row& row,
+RefinedFrame drawRow(const RenderJob& job, const FrameOptions& options, const Row& row,
                      std::filesystem::path& name) {
   const RenderArguments& arguments = job.arguments;
-  const auto step_of = [&](const CutOptions& cut) {
-    if (job.has_step) return options.step_vox;
-    FrameOptions of_cut = options;
-    of_cut.cut = cut;
-    return chosenStep(job.scene, options.camera, of_cut);
-  };
   const auto take = [&](const BetterPicture& better) {
     if (!arguments.progressive) return;
     if (numbersPictures(arguments))
@@ -86,7 +53,7 @@ RefinedFrame drawRow(const FrameJob& job, const FrameOptions& options, const Row
   };
   FrameOptions uncounted = options;
   if (options.time_limit_s) uncounted.count_samples = false;  // takes time of its own
-  RefinedFrame frame = drawRefined(job.scene, uncounted, step_of, row.began, row.until, take);
+  RefinedFrame frame = drawRefined(job.scene, uncounted, job.has_step, row.began, row.until, take);
   frame.pictures.insert(frame.pictures.begin(), row.earlier.begin(), row.earlier.end());
   return frame;
 }
@@ -94,13 +61,13 @@ RefinedFrame drawRow(const FrameJob& job, const FrameOptions& options, const Row
 // The frames of a job, and what was drawn of them so far.
 class Frames {
  public:
-  Frames(const FrameJob& job, Series& series)
+  Frames(const RenderJob& job, Series& series)
       : job_(job),
         arguments_(job.arguments),
         scene_(job.scene),
         series_(series),
         is_refined_(isRefined(job.arguments, job.scene)),
-        strips_(stripsFor(job.scene)),
+        strips_(job.scene.stripsOf(job.options)),
         options_(job.options) {
     // A single picture has its own progress, if any.
     if (frameCount(arguments_) > 1 && !arguments_.resources.quiet)
@@ -142,7 +109,8 @@ class Frames {
     scene_.device->reuse(std::move(drawn_.picture));
     drawn_.name = frameName(arguments_, job_.to_draw[at]);
     std::optional<PictureWriter> writer;
-    WrittenFrame frame;
+    SceneFrame frame;
+    double write_seconds = 0;
     FrameOptions shown = options_;
     if (is_refined_) {
       Row row{std::chrono::steady_clock::now(), {}};
@@ -155,16 +123,23 @@ class Frames {
     }
     const bool writes = job_.is_first && !(is_refined_ && arguments_.progressive);
     if (writes) writer.emplace(drawn_.name, job_.output, shown, scene_, film_ ? &*film_ : nullptr);
+    const auto write = [&](const Picture& rows) {
+      const Stopwatch watch;
+      if (writer) writer->add(rows);
+      write_seconds += watch.seconds();
+    };
     if (!is_refined_)
-      frame = drawFrameOf(scene_, strips_, writer ? &*writer : nullptr);
+      frame = scene_.draw(strips_, write);
     else if (writes)
       writer->add(frame.whole->picture);
     drawn_.blocks = frame.blocks;
-    std::string empty = whyNothing(frame, shown, job_.to_draw[at]);
+    std::string empty;
+    if (job_.is_first)
+      empty = scene_.whyNothing(frame, timeOf(arguments_, job_.to_draw[at]), shown,
+                                {scene_.pool, *progress_, scene_.memory_bytes, interruption()});
     const Stopwatch watch;
     if (writer) writer->commit();
-    drawn_.frames.push_back(
-        {frame.report, frame.write_seconds + watch.seconds(), std::move(empty)});
+    drawn_.frames.push_back({frame.report, write_seconds + watch.seconds(), std::move(empty)});
     if (series_.culls()) drawn_.culling.push_back(countsJson(series_.counts()));
     progress_->add(1);
     if (arguments_.debug_view)
@@ -173,15 +148,7 @@ class Frames {
     if (frame.whole) drawn_.picture = std::move(frame.whole->picture);
   }
 
-  // The reason why the picture of a frame shows nothing, in one line; empty if it shows something.
-  std::string whyNothing(const WrittenFrame& frame, const FrameOptions& shown, int64_t number) {
-    if (!job_.is_first || frame.shows_something) return "";
-    return whyEmpty({scene_.volume, timeOf(arguments_, number), scene_.transfer, shown,
-                     frame.report.missing_share},
-                    {scene_.pool, *progress_, scene_.memory_bytes, interruption()});
-  }
-
-  const FrameJob& job_;
+  const RenderJob& job_;
   const RenderArguments& arguments_;
   Scene& scene_;
   Series& series_;
@@ -199,11 +166,11 @@ const Camera& cameraOf(const std::vector<Camera>& cameras, int64_t frame) {
   return cameras[cameras.size() == 1 ? 0 : static_cast<size_t>(frame)];
 }
 
-FrameOptions drawingOptions(const FrameJob& job) {
+FrameOptions drawingOptions(const RenderJob& job) {
   FrameOptions options = job.arguments.frame;
-  if (!job.has_step) options.step_vox = chosenStep(job.scene, job.cameras.front(), options);
-  if (options.mode == Mode::kComposite)
-    job.scene.look.options += fmt::format(" --step {}", options.step_vox);
+  options.camera = job.cameras.front();
+  if (!job.has_step) options.step_vox = job.scene.chosenStep(job.scene.volume.step(), options);
+  job.scene.look.options = job.scene.lookOf(options);
   options.lighting.flat_share *= job.scene.look.flat_scale;
   options.count_samples = wantsReport(job.arguments);
   options.keep_phases = job.arguments.debug_view;
@@ -211,16 +178,15 @@ FrameOptions drawingOptions(const FrameJob& job) {
   return options;
 }
 
-nlohmann::json drawSample(const FrameJob& job) {
+std::vector<RefinedPicture> drawSample(const RenderJob& job) {
   if (!job.arguments.resources.quiet) printWarning(job.scene.volume.standInNote());
   FrameOptions options = drawingOptions(job);
-  options.camera = job.cameras.front();
   requireWholePicture(job.arguments, job.scene);
   std::filesystem::path name = frameName(job.arguments, 0);
   return drawRow(job, options, {job.began, job.began}, name).pictures;
 }
 
-void chooseCulling(const FrameJob& job, Series& series) {
+void chooseCulling(const RenderJob& job, Series& series) {
   std::vector<int64_t> times;
   for (const int64_t i : job.to_draw)
     if (job.arguments.times) times.push_back(timeOf(job.arguments, i));
@@ -231,7 +197,7 @@ void chooseCulling(const FrameJob& job, Series& series) {
   series.choose(times);
 }
 
-Drawn drawFrames(const FrameJob& job, Series& series) {
+Drawn drawFrames(const RenderJob& job, Series& series) {
   return Frames(job, series).draw();
 }
 

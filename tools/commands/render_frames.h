@@ -1,8 +1,6 @@
 // The frames of `render`: draws them one after another and writes their pictures.
 #pragma once
 
-#include <nlohmann/json.hpp>
-
 #include <cstdint>
 #include <vector>
 
@@ -16,18 +14,18 @@
 namespace sluice {
 
 // What is drawn, and where. All references must outlive the drawing.
-struct FrameJob {
+struct RenderJob {
   const RenderArguments& arguments;
   const std::vector<int64_t>& to_draw;  // numbers of the frames
   const std::vector<Camera>& cameras;   // one, or one for each frame of the command
   const PictureOutput& output;
-  FrameOptions options;  // with the camera of any frame
+  FrameOptions options;  // with the first camera
   Scene& scene;
   bool is_first = true;       // of the ranks: it writes the pictures
   bool has_step = false;      // --step is given, the same for all pictures of a row
   Deadline::TimePoint began;  // of the command: the first frame's time counts from here
-  // Pictures of the first frame that were drawn from a sample, as in its report.
-  nlohmann::json earlier = nlohmann::json::array();
+  // Pictures of the first frame that were drawn from a sample.
+  std::vector<RefinedPicture> earlier = {};
 };
 
 // For a series without a path, one camera shows every step.
@@ -35,18 +33,18 @@ const Camera& cameraOf(const std::vector<Camera>& cameras, int64_t frame);
 
 // The options of all frames, with the distance between slices that follows from the first camera
 // unless --step is given. Adds that distance to the options of the scene's look.
-FrameOptions drawingOptions(const FrameJob& job);
+FrameOptions drawingOptions(const RenderJob& job);
 
 // Draws the one picture that a sample gives. The pass over all voxels follows it, and better
-// pictures. Returns its part of the report. Throws Error and Interrupted.
-nlohmann::json drawSample(const FrameJob& job);
+// pictures. Throws Error and Interrupted.
+std::vector<RefinedPicture> drawSample(const RenderJob& job);
 
 // Decides for --culling auto before the first picture; frames of turns and paths show one step,
 // which is not measured.
-void chooseCulling(const FrameJob& job, Series& series);
+void chooseCulling(const RenderJob& job, Series& series);
 
 // Draws the frames and writes their pictures. A signal ends it early if reportsParts(). Throws
 // Error and Interrupted.
-Drawn drawFrames(const FrameJob& job, Series& series);
+Drawn drawFrames(const RenderJob& job, Series& series);
 
 }  // namespace sluice

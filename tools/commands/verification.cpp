@@ -101,8 +101,8 @@ Verification verify(Scene& scene, const VerifiedView& view, FrameOptions options
   options = plainOptions(std::move(options));
   std::vector<Camera> cameras = view.cameras;
   if (volume.source->layout().time_steps == 1 || view.this_step) {
-    fitCameras(cameras, view.fit, {volume, volume.step(), scene.transfer, options, true}, view.room,
-               pass);
+    fitCameras(cameras, view.fit, {volume, volume.step(), scene.look.transfer, options, true},
+               view.room, pass);
     options.camera = cameras.at(view.frame);
   } else if (fitOf(cameras, view.fit) == Fit::kVisible) {
     result.unchecked.emplace_back("the fit to all time steps");
@@ -120,7 +120,7 @@ Verification verify(Scene& scene, const VerifiedView& view, FrameOptions options
                                           Partition::kBlocks, scene.memory_bytes);
   session.beside_bytes += scene.part_bytes;
   Session plain(stepOf(volume, scene, view.time, pass), *scene.device, scene.pool, session);
-  plain.setTransferFunction(scene.transfer);
+  plain.setTransferFunction(scene.look.transfer);
   plain.chooseBlocksBy(all ? &every_block : nullptr);
   plain.setOptions(options);
   compare(plain.frame().picture, picture, result);

@@ -20,11 +20,11 @@ Annotations annotationsOf(const PictureOutput& output, const FrameOptions& optio
   if (camera.look_at) annotations.target = camera.look_at->target;
   annotations.frame = layout.frame;
   annotations.unit = layout.unit;
-  annotations.transfer = scene.transfer;
+  annotations.transfer = scene.look.transfer;
   annotations.range = scene.volume.valueRange();
-  if (scene.transfer.labels)
+  if (scene.look.transfer.labels)
     for (const ValueCount& entry : scene.volume.values.counts.entries)
-      if (entry.lo == entry.hi && opacityAt(scene.transfer, entry.lo) > 0)
+      if (entry.lo == entry.hi && opacityAt(scene.look.transfer, entry.lo) > 0)
         annotations.labels.push_back(entry.lo);
   annotations.background = output.background;
   return annotations;
@@ -62,7 +62,7 @@ PictureWriter::PictureWriter(const std::filesystem::path& path, const PictureOut
       return annotated(rows, annotationsOf(output_, options_, scene_), first);
     };
   file_.emplace(path, std::move(look),
-                DrawnOf{options, *scene.volume.source, scene.transfer, scene.look.options},
+                DrawnOf{options, *scene.volume.source, scene.look.transfer, scene.look.options},
                 interruption());
 }
 

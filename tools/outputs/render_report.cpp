@@ -16,7 +16,6 @@
 #include "tools/pages/report_file.h"
 #include "tools/scene/empty_pictures.h"
 #include "tools/scene/ranks.h"
-#include "tools/scene/refined_drawing.h"
 
 namespace sluice {
 namespace {
@@ -44,7 +43,7 @@ nlohmann::json reportOf(const RenderArguments& arguments, const CLI::App& app,
   for (size_t i = 0; i < drawn.culling.size(); ++i)
     report["frames"][i]["culling"] = drawn.culling[i];
   for (size_t i = 0; i < drawn.refined.size(); ++i)
-    report["frames"][i]["pictures"] = drawn.refined[i];
+    report["frames"][i]["pictures"] = refinedJson(drawn.refined[i]);
   return report;
 }
 
@@ -119,14 +118,14 @@ void printDrawn(const RenderArguments& arguments, const Scene& scene, const Seri
   const FrameReport& report = frames.back().report;
   const VolumeLayout& layout = storedLayout(*scene.volume.source);
   say("{} x {} x {} {}, {}: {} white, {} grey, {} black blocks{}\n", layout.dims.x, layout.dims.y,
-      layout.dims.z, name(layout.type), scene.transfer.name, report.white, report.grey,
+      layout.dims.z, name(layout.type), scene.look.transfer.name, report.white, report.grey,
       report.black, scene.share ? " of rank 0" : "");
   say("look: {}\n", scene.look.options);
   if (isCoarser(*drawn.blocks)) say("{}\n", cutLine(*report.cut));
   if (!drawn.refined.empty())
     say("{} picture{}, the last after {:.2f} s: {}\n", drawn.refined.back().size(),
-        drawn.refined.back().size() == 1 ? "" : "s",
-        drawn.refined.back().back()["seconds"].get<double>(), refinedLine(*report.cut));
+        drawn.refined.back().size() == 1 ? "" : "s", drawn.refined.back().back().seconds,
+        refinedLine(*report.cut));
   say("{} frame{} of {:.3f} s on {} ({}), read {}, peak memory {} of its own, {} resident\n",
       frames.size(), frames.size() == 1 ? "" : "s, the last", report.seconds,
       scene.device->backend(), scene.device->renderer(),

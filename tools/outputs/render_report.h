@@ -22,8 +22,8 @@ namespace sluice {
 // The result of drawing; picture, blocks and names are the last frame's.
 struct Drawn {
   std::vector<RenderedFrame> frames;
-  std::vector<nlohmann::json> culling;  // one per frame, if blocks are culled
-  std::vector<nlohmann::json> refined;  // one per frame, if it is a row of pictures
+  std::vector<nlohmann::json> culling;               // one per frame, if blocks are culled
+  std::vector<std::vector<RefinedPicture>> refined;  // one per frame, if it is a row of pictures
   std::filesystem::path name;
   std::vector<std::filesystem::path> views;
   Picture picture;

@@ -207,6 +207,23 @@ std::string cutLine(const CutSummary& cut) {
   return line;
 }
 
+std::string refinedLine(const CutSummary& cut) {
+  std::string levels;
+  for (const CutSummary::Level& level : cut.levels)
+    levels += fmt::format("{}{}", levels.empty() ? "" : ", ", level.level);
+  return fmt::format("level{} {}, {}", cut.levels.size() == 1 ? "" : "s", levels,
+                     cut.is_final ? "final" : "will improve");
+}
+
+json refinedJson(const std::vector<RefinedPicture>& pictures) {
+  json rows = json::array();
+  for (const RefinedPicture& picture : pictures) {
+    rows.push_back({{"seconds", picture.seconds}, {"step", picture.step_vox}});
+    if (picture.cut) rows.back()["cut"] = cutJson(*picture.cut);
+  }
+  return rows;
+}
+
 bool isCoarser(const VisibleBlocks& blocks) {
   return blocks.cut && blocks.cut->coarse_share > 0;
 }
@@ -263,7 +280,7 @@ json sceneJson(const Scene& scene, const std::vector<RenderedFrame>& frames) {
   for (const RenderedFrame& frame : frames) report["frames"].push_back(frameJson(frame));
   const FrameReport& last = frames.back().report;
   report["blocks"] = {{"white", last.white}, {"grey", last.grey}, {"black", last.black}};
-  report["transfer"] = scene.transfer.name;
+  report["transfer"] = scene.look.transfer.name;
   report["look"] = lookJson(scene.look);
 
   const Session& session = *scene.session;

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "src/render/session/session.h"
+#include "src/library/drawing/refined_frame.h"
 #include "tools/scene/scene.h"
 
 namespace CLI {
@@ -33,6 +33,10 @@ const char* wordOf(LevelValues values);
 nlohmann::json cutJson(const CutSummary& cut);
 // The same in one line for people.
 std::string cutLine(const CutSummary& cut);
+// "level 2", "levels 1, 2", and whether the picture will improve, for people.
+std::string refinedLine(const CutSummary& cut);
+// `cut`, `seconds` and `step` of each picture of a frame that got better.
+nlohmann::json refinedJson(const std::vector<RefinedPicture>& pictures);
 // Whether anything is drawn coarser than it is stored.
 bool isCoarser(const VisibleBlocks& blocks);
 // `dims`, `voxel_type`, ..., as `info` prints them.

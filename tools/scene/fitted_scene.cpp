@@ -27,8 +27,8 @@ std::vector<Camera> camerasOf(const RenderArguments& arguments, WorldFrame frame
 std::unique_ptr<Scene> openScene(const RenderArguments& arguments, const Outputs& outputs,
                                  Team* team, FinestLevel finest) {
   const auto open = [&] {
-    return std::make_unique<Scene>(arguments.volume, arguments.look, arguments.resources,
-                                   arguments.frame, outputs, team, finest);
+    return std::make_unique<Scene>(openScene(arguments.volume, arguments.look, arguments.resources,
+                                             arguments.frame, outputs, team, finest));
   };
   if (team == nullptr) return open();
   std::unique_ptr<Scene> scene;
@@ -62,7 +62,7 @@ FittedScene fittedScene(const RenderArguments& arguments, const std::optional<Sa
   fitted.asked = camerasOf(arguments, scene.volume.source->layout().frame);
   fitted.cameras = fitted.asked;
   fitCameras(fitted.cameras, arguments.fit,
-             {scene.volume, scene.volume.step(), scene.transfer, arguments.frame,
+             {scene.volume, scene.volume.step(), scene.look.transfer, arguments.frame,
               arguments.look.this_step},
              room, arguments.resources, scene.pool);
   return fitted;
@@ -80,7 +80,8 @@ FittedScene openFitted(const RenderArguments& arguments, const std::optional<Sav
     Scene& scene = *fitted.scene;
     // A row of pictures begins with coarse ones at once.
     if (arguments.progressive) return fitted;
-    if (!mustReadFinest(scene.volume, scene.transfer, arguments.frame, fitted.cameras, scene.pool))
+    if (!mustReadFinest(scene.volume, scene.look.transfer, arguments.frame, fitted.cameras,
+                        scene.pool))
       return fitted;
   }
   return fittedScene(arguments, saved, outputs, team, room, FinestLevel::kRead);

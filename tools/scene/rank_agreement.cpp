@@ -70,9 +70,9 @@ uint64_t digestOfCuts(Scene& scene, std::span<const Camera> cameras, FrameOption
   if (!options.cut) return digest.value();
   const TimeStep step = scene.volume.step();
   ChunkNames names;
-  Planner planner(scene.volume.page, scene.pool, names);
-  const LookPtr look =
-      planner.look(step, std::make_shared<const TransferFunction>(scene.transfer), options.mode);
+  Planner planner(scene.page, scene.pool, names);
+  const LookPtr look = planner.look(
+      step, std::make_shared<const TransferFunction>(scene.look.transfer), options.mode);
   for (const Camera& camera : cameras) {
     const View view = resolve(camera, step.source->layout(), options.size, options.step_vox);
     for (const ObjectBlock& block : planner.visibleBlocks(step, look, view, options)->blocks) {

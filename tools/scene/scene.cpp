@@ -1,14 +1,12 @@
 #include "tools/scene/scene.h"
 
-#include <algorithm>
+#include <memory>
 #include <utility>
 
-#include "src/base/threads/clock.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/environment.h"
 #include "tools/command_line/interrupt.h"
 #include "tools/command_line/progress_line.h"
-#include "tools/scene/scene_session.h"
 
 namespace sluice {
 namespace {
@@ -17,20 +15,13 @@ ProgressWatch indexingLine(const ResourceArguments& resources) {
   return resources.quiet ? ProgressWatch() : progressLine("indexing");
 }
 
-FrameOptions withPartition(Partition partition, Mode mode) {
-  FrameOptions frame;
-  frame.partition = partition;
-  frame.mode = mode;
-  return frame;
-}
-
 }  // namespace
 
 IndexedVolume openIndexed(const VolumeArguments& arguments, const ResourceArguments& resources,
                           const IndexNeeds& needs, WorkerPool& pool, const Outputs& outputs) {
   outputs.checkNames();
   auto source = openSource(arguments);
-  outputs.check(filesOf(*source));
+  outputs.check(source->files());
   ProgressMeter progress(indexingLine(resources));
   IndexedVolume volume =
       indexVolume(std::move(source), arguments, resources, needs, indexWish(resources.index_dir),
@@ -72,57 +63,16 @@ TransferFunction transferFor(const IndexedVolume& volume, const LookArguments& l
   return lookFor(volume, look, Mode::kComposite).transfer;
 }
 
-Scene::Scene(const VolumeArguments& arguments, const LookArguments& arguments_look,
-             const ResourceArguments& resources, Partition partition, Mode mode,
-             const Outputs& outputs)
-    : Scene(arguments, arguments_look, resources, withPartition(partition, mode), outputs,
-            nullptr) {}
-
-Scene::Scene(const VolumeArguments& arguments, const LookArguments& arguments_look,
-             const ResourceArguments& resources, const FrameOptions& frame, const Outputs& outputs,
-             Team* team, FinestLevel finest)
-    : pool(resources.threads),
-      volume(openIndexed(arguments, resources, pictureNeeds(arguments_look, frame, finest), pool,
-                         outputs)),
-      memory_bytes(memoryBudget(resources)),
-      pictures(pictureDemand(resources, frame)),
-      device(makeDevice(resources.device, pool)),
-      look(lookFor(volume, arguments_look, frame.mode)),
-      transfer(look.transfer) {
-  if (team != nullptr) {
-    const int level = frame.cut ? frame.cut->level.value_or(0) : 0;
-    const Dealing dealing = dealBlocks(volume.step().layout(), team->ranks(), level);
-    part_bytes = partBytes(frame.size, dealing, memory_bytes);
-    share = std::make_unique<RankShare>(*team, dealing, pool, part_bytes);
-    device = share->deviceFrom(std::move(device));
-  }
-  openSession(*this, resources, frame, 0);
-  noteMemory();
-}
-
-void Scene::chooseBlocksBy(BlockChooser* chooser) {
-  if (session != nullptr) session->chooseBlocksBy(share ? share->chooserFrom(chooser) : chooser);
-}
-
-Frame Scene::frame() {
-  Frame frame = session->frame();
-  if (!share) return frame;
-  frame.picture = share->picture();
-  if (frame.report.cut) frame.report.cut->spread.reset();  // of this rank's blocks alone
-  const CompositingReport& parts = share->report();
-  frame.report.seconds += parts.exchange_seconds + parts.compose_seconds + parts.gather_seconds;
-  return frame;
-}
-
-void Scene::keepLearntRanges() const {
-  if (!volume.stand_in || session == nullptr) return;
-  const std::shared_ptr<const SliceRanges> learnt = session->ranges();
-  if (learnt->unknown.size() < volume.index->ranges.unknown.size())
-    keepLearnt(*volume.source, volume.places, volume.time, *learnt);
-}
-
-void Scene::noteMemory() {
-  peak_anonymous_bytes = std::max(peak_anonymous_bytes, anonymousBytes());
+Scene openScene(const VolumeArguments& volume, const LookArguments& look,
+                const ResourceArguments& resources, const FrameOptions& frame,
+                const Outputs& outputs, Team* team, FinestLevel finest) {
+  auto pool = std::make_shared<Workers>(resources.threads);
+  auto indexed = std::make_shared<const IndexedVolume>(
+      openIndexed(volume, resources, pictureNeeds(look, frame, finest), *pool, outputs));
+  return {
+      {.pool = std::move(pool), .volume = std::move(indexed), .machine = resources, .team = team},
+      look,
+      frame};
 }
 
 }  // namespace sluice

@@ -12,8 +12,6 @@
 #include "tools/command_line/interrupt.h"
 #include "tools/command_line/progress_line.h"
 #include "tools/scene/rank_agreement.h"
-#include "tools/scene/scene_session.h"
-#include "tools/scene/strip_drawing.h"
 
 namespace sluice {
 namespace {
@@ -30,7 +28,7 @@ std::optional<SeriesFunctions> preparedFunctions(Scene& scene, const CullingArgu
                                                  const ResourceArguments& resources) {
   ProgressMeter progress;
   std::optional<SeriesFunctions> functions =
-      keptSeriesFunctions(scene.volume, scene.transfer, seriesOptions(culling, scene.volume),
+      keptSeriesFunctions(scene.volume, scene.look.transfer, seriesOptions(culling, scene.volume),
                           {scene.pool, progress, memoryBudget(resources), interruption()});
   if (functions && !resources.quiet && !functions->note.empty()) printWarning(functions->note);
   return functions;
@@ -85,7 +83,7 @@ CullingOptions cullingOptions(Culling culling, const FrameOptions& frame,
 
 Series::Series(Scene& scene, const CullingArguments& culling, const ResourceArguments& resources,
                const FrameOptions& frame)
-    : scene_(scene), resources_(resources), is_auto_(culling.culling == Culling::kAuto) {
+    : scene_(scene), frame_(frame), is_auto_(culling.culling == Culling::kAuto) {
   if (scene.share) scene.share->dealEachPicture(scene.volume.source->layout().time_steps > 1);
   if (is_auto_ && scene.share)
     fail("--culling auto measures one process; give ranks --culling toc or none");
@@ -95,14 +93,13 @@ Series::Series(Scene& scene, const CullingArguments& culling, const ResourceArgu
         functions_ = preparedFunctions(scene, culling, resources);
       else
         functions_.emplace(
-            openFunctions(scene.volume, scene.transfer, culling, resources, scene.pool));
+            openFunctions(scene.volume, scene.look.transfer, culling, resources, scene.pool));
     });
   if (!functions_) return;
   CullingOptions options = cullingOptions(culling.culling, frame, *functions_, scene.memory_bytes);
   const SeriesOpacity& opacity = *functions_->opacity();
-  openSession(scene, resources, frame,
-              opacity.bytes() +
-                  CulledBlocks::mostBytes(opacity, frame.size, options, scene.pool.threads()));
+  scene.openSession(frame, opacity.bytes() + CulledBlocks::mostBytes(opacity, frame.size, options,
+                                                                     scene.pool.threads()));
   if (scene.share) scene.share->shareEstimate(options);
   culled_.emplace(functions_->opacity(), scene.volume.source->layout(), options, scene.pool);
   if (!is_auto_) scene.chooseBlocksBy(&*culled_);
@@ -149,7 +146,7 @@ double Series::secondsOf(int64_t time, bool culls) {
   scene_.chooseBlocksBy(culls ? &*culled_ : nullptr);
   const Stopwatch watch;
   show(time, std::nullopt);
-  drawFrameOf(scene_, stripsFor(scene_), nullptr);
+  scene_.draw(scene_.stripsOf(frame_), [](const Picture& /*rows*/) {});
   return watch.seconds();
 }
 
@@ -163,7 +160,7 @@ TimeStep Series::step(int64_t time) {
   TimeStep step;
   scene_.inTurn([&] {
     step = stepOfSeries(scene_.volume, time,
-                        {scene_.pool, progress, memoryBudget(resources_), interruption()});
+                        {scene_.pool, progress, scene_.memory_bytes, interruption()});
   });
   if (scene_.share && time != scene_.volume.time)
     expectSameStep(scene_.share->team(), scene_, step);

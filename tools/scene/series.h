@@ -43,7 +43,8 @@ class Series {
   // more steps would not be small.
   static constexpr size_t kLeastMeasured = 64;
 
-  // `scene` must outlive it, and was opened for the whole series. Throws Error.
+  // `scene` must outlive it, and was opened for the whole series. `frame`: the options of its
+  // pictures. Throws Error.
   Series(Scene& scene, const CullingArguments& culling, const ResourceArguments& resources,
          const FrameOptions& frame);
   ~Series();
@@ -72,7 +73,7 @@ class Series {
   CullingChoice measure(std::span<const int64_t> times);
 
   Scene& scene_;
-  const ResourceArguments& resources_;
+  const FrameOptions frame_;
   const bool is_auto_;
   std::optional<CullingChoice> choice_;
   std::optional<SeriesFunctions> functions_;

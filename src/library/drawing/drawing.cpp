@@ -9,11 +9,8 @@
 #include "src/base/error.h"
 #include "src/classify/transfer/transfer_file.h"
 #include "src/library/conversions.h"
-#include "src/library/drawing/drawn_strips.h"
-#include "src/library/drawing/empty_picture.h"
 #include "src/library/drawing/exr_contents.h"
 #include "src/library/drawing/probing.h"
-#include "src/library/drawing/resources.h"
 #include "src/library/drawing/strip_file.h"
 #include "src/library/drawing/view_fit.h"
 #include "src/render/blocks/level_cut.h"
@@ -21,45 +18,50 @@
 
 namespace sluice {
 
-Drawing::Drawing(std::shared_ptr<const OpenedVolume> opened, const LookOptions& look,
-                 const RendererOptions& options)
-    : opened_(std::move(opened)),
-      machine_(machineOptions(options)),
-      pool_(machine_.threads),
-      device_(makeDevice(machine_.device, pool_)) {
-  const IndexedVolume& volume = opened_->volume;
-  const uint64_t memory_bytes = memoryBudget(machine_);
-  SessionOptions session = sessionOptions(volume, true, machine_, Partition::kBlocks, memory_bytes);
-  // A series holds the ranges of the drawn step in addition to the volume's own.
-  if (layout().time_steps > 1) session.beside_bytes *= 2;
+namespace {
+
+Scene sceneOf(const std::shared_ptr<const OpenedVolume>& opened, const LookOptions& look,
+              const RendererOptions& options) {
+  const MachineOptions machine = machineOptions(options);
   FrameOptions frame;
   frame.mode = modeOf(look);
-  const ChosenLook first = lookFor(volume, lookArguments(look, opened_->whole_series), frame.mode);
-  session.beside_bytes += planBytes(volume, first.transfer, frame, pool_);
-  if (options.rows_width > 0 && options.rows_height > 0) {
-    frame.size = {options.rows_width, options.rows_height};
-    const BesideShare share = besideShare(volume, machine_, Partition::kBlocks,
-                                          pictureDemand(machine_, frame), session.beside_bytes);
-    strip_bytes_ = share.picture_bytes;
-    session.beside_bytes = share.beside_bytes;
-  }
-  session.page.pages = pageCount(machine_, volume, session.beside_bytes);
-  session_ = std::make_unique<Session>(volume.step(), *device_, pool_, session);
-  if (options.screen != nullptr) screen_ = dynamic_cast<DrawsForScreens*>(device_.get());
-  setLook(look);
+  frame.size = {std::max(0, options.rows_width), std::max(0, options.rows_height)};
+  return {{.pool = std::make_shared<WorkerPool>(machine.threads),
+           .volume = {opened, &opened->volume},
+           .machine = machine,
+           .may_be_lit = true},
+          lookArguments(look, opened->whole_series),
+          frame};
+}
+
+}  // namespace
+
+// A call that may read: its progress goes to the caller's teller.
+struct Drawing::Reading {
+  Reading(const Drawing& drawing, ProgressTeller& teller)
+      : call(*drawing.opened_->relay, teller),
+        progress(teller.watch(Progress::Stage::kIndexing)),
+        pass{drawing.scene_.pool, progress, drawing.scene_.memory_bytes, teller.stop()} {}
+  const ProgressRelay::Call call;
+  ProgressMeter progress;
+  const IndexPass pass;
+};
+
+Drawing::Drawing(std::shared_ptr<const OpenedVolume> opened, const LookOptions& look,
+                 const RendererOptions& options)
+    : opened_(std::move(opened)), scene_(sceneOf(opened_, look, options)), mode_(modeOf(look)) {
+  if (options.screen != nullptr) screen_ = dynamic_cast<DrawsForScreens*>(scene_.device.get());
 }
 
 void Drawing::setLook(const LookOptions& look) {
   const Mode mode = modeOf(look);
-  ChosenLook chosen = lookFor(opened_->volume, lookArguments(look, opened_->whole_series), mode);
-  session_->setTransferFunction(chosen.transfer);
-  look_ = std::move(chosen);
+  scene_.setLook(lookArguments(look, opened_->whole_series), mode);
   mode_ = mode;
   ++looks_;
 }
 
 std::string Drawing::deviceName() const {
-  return fmt::format("{}, {}", device_->backend(), device_->renderer());
+  return fmt::format("{}, {}", scene_.device->backend(), scene_.device->renderer());
 }
 
 TimeStep Drawing::stepAt(int64_t time, const IndexPass& pass) {
@@ -77,7 +79,7 @@ std::optional<Framing> Drawing::framingFor(const std::vector<Camera>& cameras, F
   const bool this_step = !opened_->whole_series;
   const PointsKey key{this_step ? step.time : 0, options.crop, looks_};
   const Points points = points_.of(key, [&] {
-    return visiblePoints({opened_->volume, step, look_.transfer, options, this_step}, pass);
+    return visiblePoints({opened_->volume, step, scene_.look.transfer, options, this_step}, pass);
   });
   return framingOf(*points, cameras, layout().frame, options.size);
 }
@@ -94,16 +96,14 @@ FrameOptions Drawing::framed(const PictureOptions& picture, const TimeStep& step
 FrameOptions Drawing::looked(const PictureOptions& picture, const TimeStep& step,
                              const IndexPass& pass) {
   FrameOptions options = framed(picture, step, pass);
-  if (options.cut)
-    options.cut->most_held_bytes = cutBytes(memoryBudget(machine_), PictureRow::kMore);
-  if (!picture.step_vox && mode_ == Mode::kComposite) {
-    const View view = resolve(options.camera, layout(), options.size, options.step_vox);
-    const bool is_cut = drawsCut(step, options.cut, mode_, look_.transfer.labels);
-    options.step_vox = stepFor(view, step, is_cut ? finestLevelShown(step, view, *options.cut) : 0);
-    options.step_follows_cut = is_cut;
+  if (options.cut) options.cut->most_held_bytes = cutBytes(scene_.memory_bytes, PictureRow::kMore);
+  if (!picture.step_vox) {
+    options.step_vox = scene_.chosenStep(step, options);
+    options.step_follows_cut = mode_ == Mode::kComposite &&
+                               drawsCut(step, options.cut, mode_, scene_.look.transfer.labels);
   }
-  options.shades = look_.lit;
-  options.lighting.flat_share *= look_.flat_scale;
+  options.shades = scene_.look.lit;
+  options.lighting.flat_share *= scene_.look.flat_scale;
   return options;
 }
 
@@ -113,54 +113,16 @@ Drawing::ReadyFrame Drawing::ready(const PictureOptions& picture, const IndexPas
   FrameOptions options = looked(picture, step, pass);
   options.stop = teller.stop();
   options.watch = teller.watch(Progress::Stage::kDrawing);
-  session_->setTimeStep(step);
-  session_->setOptions(options);
+  scene_.session->setTimeStep(step);
+  scene_.session->setOptions(options);
   if (picture.next_time && *picture.next_time != picture.time)
-    session_->expectAfterwards(stepAt(*picture.next_time, pass));
+    scene_.session->expectAfterwards(stepAt(*picture.next_time, pass));
   return {std::move(options), step.time};
 }
 
-void Drawing::keepReport(const ReadyFrame& frame, const FrameReport& report, bool shows_something,
-                         const IndexPass& pass) {
-  report_ = report;
-  why_empty_.clear();
-  if (!shows_something)
-    why_empty_ = whyEmpty(
-        {opened_->volume, frame.time, look_.transfer, frame.options, report_.missing_share}, pass);
-}
-
-Image Drawing::draw(const PictureOptions& picture, ProgressTeller& teller) {
-  return drawFrame(
-      picture, [](const Picture& drawn) { return !showsNothing(drawn); }, teller);
-}
-
-Image Drawing::drawFrame(const PictureOptions& picture,
-                         const std::function<bool(const Picture&)>& showsSomething,
-                         ProgressTeller& teller) {
-  const ProgressRelay::Call call(*opened_->relay, teller);
-  frameOptions(picture, layout(), mode_);  // throws before anything is read
-  ProgressMeter progress(teller.watch(Progress::Stage::kIndexing));
-  const IndexPass pass{pool_, progress, memoryBudget(machine_), teller.stop()};
-  const ReadyFrame of = ready(picture, pass, teller);
-  Frame frame = session_->frame();
-  Picture& drawn = frame.picture;
-  keepReport(of, frame.report, showsSomething(drawn), pass);
-  return {.width = drawn.width,
-          .height = drawn.height,
-          .rgba = std::move(drawn.rgba),
-          .depth = std::move(drawn.depth),
-          .missing_share = frame.report.missing_share,
-          .will_improve = frame.report.cut && frame.report.cut->will_improve};
-}
-
-void Drawing::drawStrips(const ReadyFrame& frame, const IndexPass& pass,
-                         const std::function<void(const Picture& strip)>& take,
-                         ProgressTeller& teller) {
-  const PictureDemand demand = pictureDemand(machine_, frame.options);
-  const uint64_t bytes = strip_bytes_ >= leastPictureBytes(demand)
-                             ? strip_bytes_
-                             : pictureBytes(demand, memoryBudget(machine_));
-  const std::vector<PictureRows> strips = stripsOf(demand, bytes);
+SceneFrame Drawing::drawFrame(const ReadyFrame& frame, const std::vector<PictureRows>& strips,
+                              const std::function<void(const Picture& rows)>& take,
+                              ProgressTeller& teller) {
   // The progress of the picture, of which each strip is a part.
   FrameOptions watched = frame.options;
   uint64_t done = 0;
@@ -168,51 +130,73 @@ void Drawing::drawStrips(const ReadyFrame& frame, const IndexPass& pass,
   watched.watch = [&](uint64_t of_strip, uint64_t total) {
     watch(done * total + of_strip, strips.size() * total);
   };
-  session_->setOptions(watched);
-  const auto drawStrip = [&] {
-    Frame strip = session_->frame();
+  scene_.session->setOptions(watched);
+  return scene_.draw(strips, [&](const Picture& rows) {
     ++done;
-    return strip;
-  };
-  const DrawnStrips drawn = sluice::drawStrips(*device_, strips, drawStrip, take);
-  keepReport(frame, drawn.report, drawn.shows_something, pass);
+    take(rows);
+  });
+}
+
+void Drawing::keepReport(const ReadyFrame& frame, const SceneFrame& drawn, const IndexPass& pass) {
+  report_ = drawn.report;
+  why_empty_ = scene_.whyNothing(drawn, frame.time, frame.options, pass);
+}
+
+Image Drawing::draw(const PictureOptions& picture, ProgressTeller& teller) {
+  return drawWhole(picture, nullptr, teller);
+}
+
+Image Drawing::drawWhole(const PictureOptions& picture, std::optional<ScreenPicture>* kept,
+                         ProgressTeller& teller) {
+  const Reading reading(*this, teller);
+  frameOptions(picture, layout(), mode_);  // throws before anything is read
+  const ReadyFrame of = ready(picture, reading.pass, teller);
+  SceneFrame frame = drawFrame(
+      of, {{0, of.options.size.height}}, [](const Picture& /*whole*/) {}, teller);
+  if (kept != nullptr) {
+    *kept = screen_->takeKept();
+    SLUICE_CHECK(kept->has_value());
+    frame.shows_something = (*kept)->shows_something;
+  }
+  keepReport(of, frame, reading.pass);
+  Picture& whole = frame.whole->picture;
+  return {.width = whole.width,
+          .height = whole.height,
+          .rgba = std::move(whole.rgba),
+          .depth = std::move(whole.depth),
+          .missing_share = frame.report.missing_share,
+          .will_improve = frame.report.cut && frame.report.cut->will_improve};
 }
 
 void Drawing::drawRows(const PictureOptions& picture,
                        const std::function<void(const Image& rows)>& take, ProgressTeller& teller) {
-  const ProgressRelay::Call call(*opened_->relay, teller);
+  const Reading reading(*this, teller);
   frameOptions(picture, layout(), mode_);  // throws before anything is read
-  ProgressMeter progress(teller.watch(Progress::Stage::kIndexing));
-  const IndexPass pass{pool_, progress, memoryBudget(machine_), teller.stop()};
   const auto takeFew = [&](const Picture& rows, int /*above*/) {
     take({.width = rows.width, .height = rows.height, .rgba = rows.rgba, .depth = rows.depth});
   };
-  drawStrips(
-      ready(picture, pass, teller), pass,
-      [&](const Picture& strip) { eachFewRows(strip, teller.stop(), takeFew); }, teller);
+  const ReadyFrame frame = ready(picture, reading.pass, teller);
+  const auto takeStrip = [&](const Picture& strip) { eachFewRows(strip, teller.stop(), takeFew); };
+  keepReport(frame, drawFrame(frame, scene_.stripsOf(frame.options), takeStrip, teller),
+             reading.pass);
 }
 
 void Drawing::drawToFile(const std::string& path, const PictureOptions& picture,
                          const std::optional<std::array<float, 3>>& background,
                          ProgressTeller& teller) {
-  const ProgressRelay::Call call(*opened_->relay, teller);
+  const Reading reading(*this, teller);
   PictureOptions in_file = picture;
   in_file.with_depth = mode_ == Mode::kComposite && pictureKind(path) == PictureKind::kExr;
   frameOptions(in_file, layout(), mode_);  // throws before anything is read
-  ProgressMeter progress(teller.watch(Progress::Stage::kIndexing));
-  const IndexPass pass{pool_, progress, memoryBudget(machine_), teller.stop()};
-  const ReadyFrame frame = ready(in_file, pass, teller);
-  const std::string look = lookOf(frame.options);
+  const ReadyFrame frame = ready(in_file, reading.pass, teller);
+  const std::string look = scene_.lookOf(frame.options);
   StripFile file(path, {background, false, {}},
-                 {frame.options, *opened_->volume.source, look_.transfer, look}, teller.stop());
-  drawStrips(
-      frame, pass, [&](const Picture& strip) { file.add(strip); }, teller);
+                 {frame.options, *opened_->volume.source, scene_.look.transfer, look},
+                 teller.stop());
+  const auto takeStrip = [&](const Picture& strip) { file.add(strip); };
+  keepReport(frame, drawFrame(frame, scene_.stripsOf(frame.options), takeStrip, teller),
+             reading.pass);
   file.commit();
-}
-
-std::string Drawing::lookOf(const FrameOptions& options) const {
-  if (mode_ != Mode::kComposite) return look_.options;
-  return look_.options + fmt::format(" --step {}", options.step_vox);
 }
 
 std::optional<ScreenImage> Drawing::drawOnScreen(const PictureOptions& picture,
@@ -222,12 +206,7 @@ std::optional<ScreenImage> Drawing::drawOnScreen(const PictureOptions& picture,
   screen_->keepNext(background);
   try {
     std::optional<ScreenPicture> kept;
-    const auto takeKept = [&](const Picture&) {
-      kept = screen_->takeKept();
-      SLUICE_CHECK(kept.has_value());
-      return kept->shows_something;
-    };
-    const Image sizes = drawFrame(picture, takeKept, teller);
+    const Image sizes = drawWhole(picture, &kept, teller);
     return ScreenImage{kept->texture, kept->width,         kept->height,      kept->drawn,
                        kept->seen,    sizes.missing_share, sizes.will_improve};
   } catch (...) {
@@ -239,7 +218,7 @@ std::optional<ScreenImage> Drawing::drawOnScreen(const PictureOptions& picture,
 
 void Drawing::fit(std::span<PictureOptions> pictures, ProgressTeller& teller) {
   if (pictures.empty()) return;
-  const ProgressRelay::Call call(*opened_->relay, teller);
+  const Reading reading(*this, teller);
   std::vector<Camera> cameras;
   for (PictureOptions picture : pictures) {
     picture.view.framing.reset();
@@ -247,10 +226,9 @@ void Drawing::fit(std::span<PictureOptions> pictures, ProgressTeller& teller) {
   }
   const PictureOptions& first = pictures.front();
   const FitChoice choice = fitChoice(first.view);
-  ProgressMeter progress(teller.watch(Progress::Stage::kIndexing));
-  const IndexPass pass{pool_, progress, memoryBudget(machine_), teller.stop()};
-  const std::optional<Framing> framing = framingFor(
-      cameras, choice, frameOptions(first, layout(), mode_), stepAt(first.time, pass), pass);
+  const std::optional<Framing> framing =
+      framingFor(cameras, choice, frameOptions(first, layout(), mode_),
+                 stepAt(first.time, reading.pass), reading.pass);
   for (PictureOptions& picture : pictures) {
     if (picture.view.look_at) continue;
     picture.view.fit = first.view.fit;
@@ -260,10 +238,8 @@ void Drawing::fit(std::span<PictureOptions> pictures, ProgressTeller& teller) {
 }
 
 ViewOptions Drawing::placed(const PictureOptions& picture, ProgressTeller& teller) {
-  const ProgressRelay::Call call(*opened_->relay, teller);
-  ProgressMeter progress(teller.watch(Progress::Stage::kIndexing));
-  const IndexPass pass{pool_, progress, memoryBudget(machine_), teller.stop()};
-  Camera camera = framed(picture, stepAt(picture.time, pass), pass).camera;
+  const Reading reading(*this, teller);
+  Camera camera = framed(picture, stepAt(picture.time, reading.pass), reading.pass).camera;
   const PictureSize size{picture.width, picture.height};
   const View view = resolve(camera, layout(), size, 1);
   const auto asArray = [](Vec3d v) { return std::array<double, 3>{v.x, v.y, v.z}; };
@@ -292,29 +268,27 @@ void Drawing::writeExr(const std::string& path, const Image& image, const Pictur
          image.height, image.rgba.size(), picture.width, picture.height);
   const ProgressFunction nobody;
   ProgressTeller teller(nobody, {});
-  const ProgressRelay::Call call(*opened_->relay, teller);
-  ProgressMeter progress(teller.watch(Progress::Stage::kIndexing));
-  const IndexPass pass{pool_, progress, memoryBudget(machine_), teller.stop()};
-  const FrameOptions options = looked(picture, stepAt(picture.time, pass), pass);
-  const std::string look = lookOf(options);
+  const Reading reading(*this, teller);
+  const FrameOptions options = looked(picture, stepAt(picture.time, reading.pass), reading.pass);
+  const std::string look = scene_.lookOf(options);
   const Picture drawn{image.width, image.height, image.rgba, image.depth};
   sluice::writeExr(path,
                    exrContents(drawn, background, false,
-                               {options, *opened_->volume.source, look_.transfer, look}),
+                               {options, *opened_->volume.source, scene_.look.transfer, look}),
                    ExrPrecision::kFloat);
 }
 
 ShownLook Drawing::shownLook() const {
   ShownLook shown;
-  for (const ColorPoint& point : look_.transfer.colors)
+  for (const ColorPoint& point : scene_.look.transfer.colors)
     shown.colors.push_back({point.value, {point.rgb.x, point.rgb.y, point.rgb.z}});
-  for (const OpacityPoint& point : look_.transfer.opacities)
+  for (const OpacityPoint& point : scene_.look.transfer.opacities)
     shown.opacities.push_back({point.value, point.opacity});
-  shown.lit = look_.lit;
-  shown.labels = look_.transfer.labels;
-  shown.options = look_.options;
-  shown.transfer = writeTransferFunction(look_.transfer);
-  shown.warnings = look_.warnings;
+  shown.lit = scene_.look.lit;
+  shown.labels = scene_.look.transfer.labels;
+  shown.options = scene_.look.options;
+  shown.transfer = writeTransferFunction(scene_.look.transfer);
+  shown.warnings = scene_.look.warnings;
   return shown;
 }
 
@@ -329,7 +303,7 @@ RenderReport Drawing::report(bool maps) const {
                        .peak_bytes = c.peak_bytes,
                        .budget_bytes = c.budget_bytes};
   };
-  const TextureCache& cache = session_->textureCache();
+  const TextureCache& cache = scene_.session->textureCache();
   RenderReport report;
   report.seconds = report_.seconds;
   report.draw_seconds = report_.stages.draw;
@@ -347,11 +321,11 @@ RenderReport Drawing::report(bool maps) const {
   }
   report.pages_loaded = report_.pages_loaded;
   report.read_bytes = opened_->volume.source->storedBytesRead();
-  report.volume_buffer = level(session_->volumeBufferCounters());
-  report.texture_buffer = level(session_->textureBufferCounters());
+  report.volume_buffer = level(scene_.session->volumeBufferCounters());
+  report.texture_buffer = level(scene_.session->textureBufferCounters());
   report.texture_cache = level(cache.counters());
   report.pages = cache.capacityPages();
-  report.page_bytes = static_cast<uint64_t>(session_->page().pageBytes());
+  report.page_bytes = static_cast<uint64_t>(scene_.session->page().pageBytes());
   if (!maps) return report;
   // Numbers of chunks in the order of their first pages.
   std::unordered_map<ChunkId, uint32_t> numbers;
@@ -368,7 +342,7 @@ RenderReport Drawing::report(bool maps) const {
 
 std::vector<uint8_t> Drawing::blockClasses() const {
   const int64_t blocks = opened_->volume.layout.blockCount();
-  const VisibleBlocksPtr visible = session_->lastVisible();
+  const VisibleBlocksPtr visible = scene_.session->lastVisible();
   if (visible == nullptr || blocks > RenderReport::kMostMappedBlocks) return {};
   std::vector<uint8_t> classes(static_cast<size_t>(blocks), 0);
   const BlockLayout& finest = opened_->volume.layout;
@@ -386,30 +360,21 @@ std::vector<uint8_t> Drawing::blockClasses() const {
 
 std::optional<VoxelProbe> Drawing::probe(const PictureOptions& picture, double right, double down,
                                          ProgressTeller& teller) {
-  const ProgressRelay::Call call(*opened_->relay, teller);
-  ProgressMeter progress(teller.watch(Progress::Stage::kIndexing));
-  const IndexPass pass{pool_, progress, memoryBudget(machine_), teller.stop()};
-  const TimeStep step = stepAt(picture.time, pass);
-  const FrameOptions options = framed(picture, step, pass);
+  const Reading reading(*this, teller);
+  const TimeStep step = stepAt(picture.time, reading.pass);
+  const FrameOptions options = framed(picture, step, reading.pass);
   const View view = resolve(options.camera, layout(), options.size, 1);
-  return probeAlong({options, view, look_.transfer, right, down}, *session_, step, teller.stop());
+  return probeAlong({options, view, scene_.look.transfer, right, down}, *scene_.session, step,
+                    teller.stop());
 }
 
 SliceValues Drawing::slice(const SliceOptions& slice, ProgressTeller& teller) {
-  const ProgressRelay::Call call(*opened_->relay, teller);
-  ProgressMeter progress(teller.watch(Progress::Stage::kIndexing));
-  const IndexPass pass{pool_, progress, memoryBudget(machine_), teller.stop()};
-  return sliceOf(slice, *session_, stepAt(slice.time, pass), teller.stop());
+  const Reading reading(*this, teller);
+  return sliceOf(slice, *scene_.session, stepAt(slice.time, reading.pass), teller.stop());
 }
 
 void Drawing::recordTo(const std::string& path) {
-  session_->recordTo(nullptr);
-  if (trace_ != nullptr) trace_->finish();
-  trace_.reset();
-  if (path.empty()) return;
-  trace_ = makeTraceWriter(path, traceFormatOf(path),
-                           static_cast<uint64_t>(session_->page().pageBytes()));
-  session_->recordTo(trace_.get());
+  scene_.recordTo(path);
 }
 
 Drawing::~Drawing() {

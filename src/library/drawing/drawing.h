@@ -1,6 +1,6 @@
-// Drawing: the work of the public Renderer, on the one thread that owns the device: a volume, its
-// device and session, and the look. It keeps the results of fitting in addition to what the session
-// keeps.
+// Drawing: the work of the public Renderer, on the one thread that owns the device: a scene, and
+// public options and reports in place of its own. It keeps the results of fitting in addition to
+// what the scene keeps.
 #pragma once
 
 #include <sluice/image.h>
@@ -16,14 +16,11 @@
 #include <string>
 #include <vector>
 
-#include "cache/trace/trace.h"
 #include "src/device/screen_picture.h"
-#include "src/library/drawing/chosen_look.h"
+#include "src/library/drawing/scene.h"
 #include "src/library/opening/opened_volume.h"
 #include "src/library/progress_relay.h"
-#include "src/library/requests.h"
 #include "src/render/blocks/memo.h"
-#include "src/render/session/session.h"
 
 namespace sluice {
 
@@ -39,7 +36,7 @@ class Drawing {
 
   // See Renderer. These throw Interrupted when the Renderer throws Cancelled.
   void setLook(const LookOptions& look);
-  const ChosenLook& look() const { return look_; }
+  const ChosenLook& look() const { return scene_.look; }
   std::string deviceName() const;
   Image draw(const PictureOptions& picture, ProgressTeller& teller);
   void drawRows(const PictureOptions& picture, const std::function<void(const Image& rows)>& take,
@@ -61,6 +58,7 @@ class Drawing {
   void recordTo(const std::string& path);
 
  private:
+  struct Reading;
   using Points = std::shared_ptr<const std::vector<Vec3d>>;
   struct PointsKey {
     int64_t time;
@@ -75,22 +73,18 @@ class Drawing {
     int64_t time;
   };
   ReadyFrame ready(const PictureOptions& picture, const IndexPass& pass, ProgressTeller& teller);
-  // Draws the frame whole; `showsSomething` tells whether its picture does.
-  Image drawFrame(const PictureOptions& picture,
-                  const std::function<bool(const Picture& drawn)>& showsSomething,
+  // Draws the frame whole. `kept`: set to the picture that stays on the device; null: pixels come.
+  Image drawWhole(const PictureOptions& picture, std::optional<ScreenPicture>* kept,
                   ProgressTeller& teller);
-  // Draws the frame strip by strip.
-  void drawStrips(const ReadyFrame& frame, const IndexPass& pass,
-                  const std::function<void(const Picture& strip)>& take, ProgressTeller& teller);
+  SceneFrame drawFrame(const ReadyFrame& frame, const std::vector<PictureRows>& strips,
+                       const std::function<void(const Picture& rows)>& take,
+                       ProgressTeller& teller);
   // Keeps a frame's part of report().
-  void keepReport(const ReadyFrame& frame, const FrameReport& report, bool shows_something,
-                  const IndexPass& pass);
+  void keepReport(const ReadyFrame& frame, const SceneFrame& drawn, const IndexPass& pass);
   // All options except those of the look and the machine, with the camera framed.
   FrameOptions framed(const PictureOptions& picture, const TimeStep& step, const IndexPass& pass);
   // The same with the options that follow from the look.
   FrameOptions looked(const PictureOptions& picture, const TimeStep& step, const IndexPass& pass);
-  // The options of `sluice render` that give the look of a frame.
-  std::string lookOf(const FrameOptions& options) const;
   std::vector<uint8_t> blockClasses() const;
   // The step with the series' range of values. Throws Error when the volume has no such step.
   TimeStep stepAt(int64_t time, const IndexPass& pass);
@@ -101,20 +95,14 @@ class Drawing {
   const VolumeLayout& layout() const { return opened_->volume.source->layout(); }
 
   const std::shared_ptr<const OpenedVolume> opened_;
-  const MachineOptions machine_;
-  WorkerPool pool_;
-  std::unique_ptr<Device> device_;
-  std::unique_ptr<Session> session_;
-  uint64_t strip_bytes_ = 0;  // the part of the memory for strips; 0: none
-  Mode mode_ = Mode::kComposite;
-  ChosenLook look_;
+  Scene scene_;
+  Mode mode_;
   int64_t looks_ = 0;  // looks set so far
   // The step that is drawn and the one that is read ahead.
   std::array<Memo<int64_t, const TimeStep>, 2> steps_;
   FrameReport report_;                 // report of the last frame
   std::string why_empty_;              // RenderReport::why_empty
   DrawsForScreens* screen_ = nullptr;  // the device, if it draws in a context that was lent
-  std::unique_ptr<TraceWriter> trace_;
   Memo<PointsKey, const std::vector<Vec3d>> points_;
 };
 

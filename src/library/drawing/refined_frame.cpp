@@ -1,22 +1,24 @@
-#include "tools/scene/refined_drawing.h"
-
-#include <fmt/format.h>
+#include "src/library/drawing/refined_frame.h"
 
 #include <chrono>
 #include <utility>
 
 #include "src/base/error.h"
 #include "src/library/drawing/empty_picture.h"
-#include "tools/outputs/report.h"
 
 namespace sluice {
 
-RefinedFrame drawRefined(Scene& scene, const FrameOptions& options,
-                         const Refinement::StepOf& step_of, Deadline::TimePoint began,
-                         std::optional<Deadline::TimePoint> until,
+RefinedFrame drawRefined(Scene& scene, const FrameOptions& options, bool has_step,
+                         Deadline::TimePoint began, std::optional<Deadline::TimePoint> until,
                          const std::function<void(const BetterPicture&)>& take) {
-  Refinement row(*scene.session, {scene.volume.step(), scene.transfer, scene.pool}, options,
-                 step_of, until);
+  const TimeStep step = scene.volume.step();
+  const auto step_of = [&](const CutOptions& cut) {
+    if (has_step) return options.step_vox;
+    FrameOptions of_cut = options;
+    of_cut.cut = cut;
+    return scene.chosenStep(step, of_cut);
+  };
+  Refinement row(*scene.session, {step, scene.look.transfer, scene.pool}, options, step_of, until);
   RefinedFrame refined;
   std::optional<Frame> last;
   for (int number = 0; std::optional<Frame> frame = row.next(); ++number) {
@@ -28,9 +30,7 @@ RefinedFrame drawRefined(Scene& scene, const FrameOptions& options,
       last->report.cut->is_final = false;
     refined.options = row.shown();
     const std::chrono::duration<double> since = std::chrono::steady_clock::now() - began;
-    nlohmann::json picture{{"seconds", since.count()}, {"step", refined.options.step_vox}};
-    if (last->report.cut) picture["cut"] = cutJson(*last->report.cut);
-    refined.pictures.push_back(std::move(picture));
+    refined.pictures.push_back({since.count(), refined.options.step_vox, last->report.cut});
     take({*last, refined.options, number, since.count()});
   }
   SLUICE_CHECK(last.has_value());
@@ -39,14 +39,6 @@ RefinedFrame drawRefined(Scene& scene, const FrameOptions& options,
   refined.frame.shows_something = !showsNothing(last->picture);
   refined.frame.whole = std::move(last);
   return refined;
-}
-
-std::string refinedLine(const CutSummary& cut) {
-  std::string levels;
-  for (const CutSummary::Level& level : cut.levels)
-    levels += fmt::format("{}{}", levels.empty() ? "" : ", ", level.level);
-  return fmt::format("level{} {}, {}", cut.levels.size() == 1 ? "" : "s", levels,
-                     cut.is_final ? "final" : "will improve");
 }
 
 }  // namespace sluice

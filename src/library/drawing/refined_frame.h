@@ -2,14 +2,12 @@
 // time is over (src/render/frame/refinement.h). Each is whole; the last one is the frame.
 #pragma once
 
-#include <nlohmann/json.hpp>
-
 #include <functional>
 #include <optional>
+#include <vector>
 
+#include "src/library/drawing/scene.h"
 #include "src/render/frame/refinement.h"
-#include "tools/scene/scene.h"
-#include "tools/scene/strip_drawing.h"
 
 namespace sluice {
 
@@ -21,20 +19,23 @@ struct BetterPicture {
   double seconds = 0;
 };
 
+// What is kept of a picture of the row.
+struct RefinedPicture {
+  double seconds = 0, step_vox = 0;
+  std::optional<CutSummary> cut;
+};
+
 struct RefinedFrame {
-  WrittenFrame frame;                                 // the last picture, not yet written
-  FrameOptions options;                               // its own
-  nlohmann::json pictures = nlohmann::json::array();  // `cut`, `seconds` and `step` of each
+  SceneFrame frame;      // the last picture, whole
+  FrameOptions options;  // its own
+  std::vector<RefinedPicture> pictures;
 };
 
 // Draws the row. Each picture is passed to `take` as soon as it is there. `began`: where seconds
-// are counted from. Throws Error, Interrupted.
-RefinedFrame drawRefined(Scene& scene, const FrameOptions& options,
-                         const Refinement::StepOf& step_of, Deadline::TimePoint began,
-                         std::optional<Deadline::TimePoint> until,
+// are counted from. `has_step`: the distance between slices is that of the options in all pictures;
+// otherwise it follows from what each shows. Throws Error, Interrupted.
+RefinedFrame drawRefined(Scene& scene, const FrameOptions& options, bool has_step,
+                         Deadline::TimePoint began, std::optional<Deadline::TimePoint> until,
                          const std::function<void(const BetterPicture&)>& take);
-
-// "level 2", "levels 1, 2", and whether the picture will improve, for people.
-std::string refinedLine(const CutSummary& cut);
 
 }  // namespace sluice
