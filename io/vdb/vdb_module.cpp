@@ -12,6 +12,7 @@
 #include <streambuf>
 #include <utility>
 
+#include "io/vdb/vdb_library_grids.h"
 #include "io/vdb/vdb_tree_walk.h"
 #include "src/base/error.h"
 

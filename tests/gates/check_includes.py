@@ -100,7 +100,7 @@ FOR_ALL = {'include/sluice/error.h': ['src/base']}
 LIBRARIES = {
     r'(GL|GLES\d?|EGL|KHR)/': ['src/gl/', 'tests/gl/'],
     r'GLFW/|imgui|backends/imgui': ['src/view/window/'],
-    r'openvdb/': ['io/vdb/vdb_module.cpp', 'io/vdb/vdb_tree_walk.h', 'tests/support/vdb_writer.cpp'],
+    r'openvdb/': ['io/vdb/vdb_library_grids.h', 'io/vdb/vdb_module.cpp', 'io/vdb/vdb_tree_walk.h', 'tests/support/vdb_writer.cpp'],
     r'(OpenEXR|Imath)/': ['io/pictures/', 'tests/io/'],
     r'(png|tiffio)\.h': ['io/', 'tests/io/'],
     r'nifti': ['io/', 'tests/io/'],
