@@ -56,7 +56,7 @@ class OnceGate(unittest.TestCase):
     def test_catches_functions_that_are_loaded_for_nothing(self):
         with tempfile.TemporaryDirectory() as folder:
             root = pathlib.Path(folder)
-            (root / 'src/gl').mkdir(parents=True)
+            (root / 'src/gl/contexts').mkdir(parents=True)
             (root / 'src/gl/contexts/gl_functions.h').write_text('#define ALL(X) \\\n  X(Clear, CLEAR) \\\n  X(Hint, HINT)\n')
             (root / 'src/gl/contexts/gl_functions.cpp').write_text('')
             (root / 'src/gl/b.cpp').write_text('gl_.Clear(0);\n')

@@ -179,7 +179,7 @@ TEST(OpenVolume, saysWhatIsWrongWithAName) {
   writeFile(folder / "a.vdb", "hello");
   EXPECT_THAT(errorOf([&] { openVolume((folder / "a.txt").string()); }),
               AllOf(HasSubstr("a.txt: unknown kind of file"),
-                    HasSubstr("NRRD, MetaImage, NIfTI, OpenVDB")));
+                    HasSubstr("NRRD, MetaImage, NIfTI, VTK"), HasSubstr("OpenVDB")));
   EXPECT_THAT(errorOf([&] { openVolume((folder / "empty").string()); }),
               HasSubstr("unknown kind of file"));
   EXPECT_THAT(errorOf([&] { openVolume((folder / "none.nii").string()); }), HasSubstr("none.nii"));

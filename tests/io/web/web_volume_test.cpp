@@ -108,9 +108,9 @@ TEST_F(WebVolume, aServerWithoutPartsSendsSmallObjectsWhole) {
 TEST_F(WebVolume, whatIsNoStoreAndWhatIsForbiddenIsOneLine) {
   const WebServer plain(root()), forbidding(root(), "forbidden");
   EXPECT_THAT(errorOf([&] { openVolume(plain.address() + "/cases.txt"); }),
-              HasSubstr("expected a Zarr store"));
+              HasSubstr("expected a Zarr or N5 store"));
   EXPECT_THAT(errorOf([&] { openVolume(forbidding.address() + "/nothing"); }),
-              HasSubstr("expected a Zarr store"));
+              HasSubstr("expected a Zarr or N5 store"));
   EXPECT_TRUE(voxelsFrom(forbidding, "one_shard") == voxelsOf("one_shard"));
   EXPECT_THAT(errorOf([] { openVolume("http://127.0.0.1:1/a.zarr"); }),
               AllOf(HasSubstr("http://127.0.0.1:1/a.zarr"), HasSubstr("tried")));

@@ -137,7 +137,7 @@ TEST_F(ZarrPython, openVolumeFindsThem) {
   EXPECT_THAT(errorOf([&] { openVolume(pathOf("ome-4d").string(), {.channel = 2}); }),
               HasSubstr("the volume has 2 channels"));
   EXPECT_THAT(errorOf([&] { openVolume("synth:cube", {.channel = 0}); }),
-              HasSubstr("--channel 0 is for VTK images, Zarr stores"));
+              HasSubstr("--channel 0 is for VTK images, HDF5 files"));
   EXPECT_THAT(errorOf([&] {
                 openVolume(pathOf("zstd-dot").string(), {.dims = Vec3i{1, 1, 1}});
               }),
