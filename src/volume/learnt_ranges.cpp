@@ -83,10 +83,12 @@ void LearntRanges::note(const BlockName& name, const VolumeBlock& block) {
 std::shared_ptr<const SliceRanges> LearntRanges::ranges() {
   const MutexLock lock(mutex_);
   if (fresh_.empty()) return known_;
-  known_ = visitDeviceType(known_->map.type, [&](auto tag) {
-    return std::make_shared<const SliceRanges>(withBlocks<decltype(tag)>(*known_, fresh_));
+  // Clang does not see in a lambda that its caller holds the lock, so these are taken out before.
+  const std::shared_ptr<const SliceRanges> known = known_;
+  const auto fresh = std::exchange(fresh_, {});
+  known_ = visitDeviceType(known->map.type, [&](auto tag) {
+    return std::make_shared<const SliceRanges>(withBlocks<decltype(tag)>(*known, fresh));
   });
-  fresh_.clear();
   return known_;
 }
 
