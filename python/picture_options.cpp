@@ -71,7 +71,7 @@ std::string wordOf(const OptionEntry& entry, const std::string& keyword, const p
   return word;
 }
 
-// As many numbers as the form has.
+// A list of as many numbers as the form has.
 template <class List>
 List listOf(const OptionEntry& entry, const std::string& keyword, const py::handle& value) {
   const size_t count = numbersOf(entry.kind.form);
@@ -126,7 +126,7 @@ OptionValue valueOf(const OptionEntry& entry, const std::string& keyword, const 
   failType(keyword, "a value", value);
 }
 
-// What a picture has beside a view.
+// The options of a picture that its view does not have.
 using PictureSetter = std::function<void(AskedPicture&, const py::handle&)>;
 
 template <class T>

@@ -19,7 +19,7 @@ class RendererHandle {
   RendererHandle(const VolumeHandle& volume, const std::string& device, uint64_t memory_bytes,
                  int threads);
 
-  // What each does and returns stands in python/sluice/__init__.py. `keywords`: picture_options.h.
+  // python/sluice/__init__.py documents each method. `keywords`: picture_options.h.
   py::object render(const VolumeHandle& volume, const py::object& progress,
                     const py::kwargs& keywords);
   void save(const VolumeHandle& volume, const std::string& path, const py::object& progress,

@@ -68,7 +68,7 @@ class HeaderReader {
   }
 
  private:
-  // Where the elements of a data set belong: the file's own, or a frame's functions, or nowhere.
+  // The owner of a data set's elements: the file, the functions of a frame, or nobody.
   struct Scope {
     DicomFunctions* functions = nullptr;
     bool is_top = false;
@@ -130,7 +130,7 @@ class HeaderReader {
     elements_.setEncoding(header_.encoding);
   }
 
-  // Of a data set without a word about it: types are letters.
+  // Guesses the encoding of a data set that does not name it: explicit types are letters.
   DicomEncoding encodingOf(uint64_t at) {
     std::array<std::byte, 6> head{};
     input_.readSome(at, head);
@@ -189,7 +189,7 @@ class HeaderReader {
     elements_.setEncoding(outside);
   }
 
-  // Of an item of a wanted sequence.
+  // The scope of an item of a wanted sequence.
   Scope scopeOf(const Scope& scope, DicomTag sequence) {
     if (!scope.is_top) return {.functions = scope.functions};
     if (sequence == kSharedFunctions) return {.functions = &header_.shared};

@@ -36,7 +36,7 @@ struct DicomHeader {
   static constexpr int64_t kMostSide = 65535;
 
   std::string path;
-  // What the file is in place of a readable image: "a DICOMDIR, ..."; empty: an image, perhaps.
+  // Names the kind of a file that is no readable image: "a DICOMDIR, ..."; empty: perhaps an image.
   std::string refusal;
   std::string syntax;    // UID; empty: not said
   std::string modality;  // two or more capital letters: "CT", or "image"

@@ -28,7 +28,7 @@ std::array<int64_t, 6> roundedDirections(const DicomFunctions& functions) {
   return rounded;
 }
 
-// What frames of one stack have in common.
+// The properties that all frames of a stack share.
 using StackKey = std::tuple<int64_t, std::string, std::array<int64_t, 6>, std::string, int64_t,
                             int64_t, int64_t, int64_t, int64_t, int64_t, bool, bool, bool, bool>;
 StackKey keyOf(const DicomHeader& h, const DicomFunctions& functions) {

@@ -31,7 +31,7 @@ class ByteStore {
 
   // The bytes that are decoded together, so that one costs as much as all; 1: each is read alone.
   virtual uint64_t unitBytes() const { return 1; }
-  // As the members of VolumeSource of these names.
+  // The same as the members of VolumeSource of these names.
   virtual uint64_t heldBytesAThread() const { return 0; }
   virtual void holdAtMost(uint64_t /*bytes*/) {}
 

@@ -52,7 +52,7 @@ class ChunkStore {
   // reading it; "none" if there is none. Never fails.
   virtual std::string stampOf(const std::string& key) = 0;
 
-  // As VolumeSource::distantReads().
+  // See VolumeSource::distantReads().
   virtual int distantReads() const { return 0; }
 
   struct Entry {

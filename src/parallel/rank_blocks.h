@@ -2,7 +2,7 @@
 // visible blocks. Later stages of the frame's chain do not know of it, so nothing of others' blocks
 // is planned, read or drawn.
 //
-// Of a volume with levels of resolution all ranks make the cut of one process. Its blocks are dealt
+// All ranks make the cut through levels of resolution that one process makes. Its blocks are dealt
 // in hands that hold whole blocks of the coarsest level in the picture, however few they are.
 #pragma once
 

@@ -140,7 +140,7 @@ TEST_F(CoarseFirst, rangesOfTheBlocksThatAPictureReadsAreKept) {
   const json turn =
       program_.json(std::string("render v.zarr -o turn_##.png --frames 2 ") + kLook + " " + all);
   EXPECT_EQ(turn["cut"]["levels"][0]["cells"], second["cut"]["levels"][0]["cells"]);
-  // Of another state of the store nothing is believed.
+  // Ranges of another state of the store are not believed.
   writeFile(program_.folder / "v.zarr/.zattrs", readFile(program_.folder / "v.zarr/.zattrs") + " ");
   EXPECT_EQ(render(all)["cut"]["levels"][0]["cells"], first["cut"]["levels"][0]["cells"]);
 }

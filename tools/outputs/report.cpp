@@ -155,7 +155,7 @@ const char* wordOf(LevelValues values) {
 
 namespace {
 
-// What a picture of coarser levels is drawn from, for people.
+// The levels that a picture is drawn from, for people.
 std::string originText(const CutSummary& cut) {
   switch (cut.values) {
     case LevelValues::kMaxima:

@@ -27,7 +27,7 @@ nlohmann::json frameJson(const RenderedFrame& frame);
 nlohmann::json countersJson(const CacheCounters& counters);
 // `look`: the chosen look, as the options that reproduce it.
 nlohmann::json lookJson(const ChosenLook& look);
-// What the voxels of coarser levels are, in one word: "maxima".
+// The kind of the voxels of coarser levels, in one word: "maxima".
 const char* wordOf(LevelValues values);
 // Levels that are drawn.
 nlohmann::json cutJson(const CutSummary& cut);

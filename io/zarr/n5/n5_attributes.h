@@ -26,7 +26,7 @@ bool isN5Array(std::string_view text, const std::string& path);
 // blosc.
 ZarrArray parseN5Array(std::string_view text, const std::string& path);
 
-// What attributes tell of the places of voxels, x first.
+// The places of voxels as attributes give them, x first.
 struct N5Place {
   // Finest voxels a voxel of each level (a group's), or of this data set alone; empty: not given.
   std::vector<std::vector<double>> factors;

@@ -315,7 +315,7 @@ void ZarrPackFolder::writeIndices(size_t array_number) {
     const std::string path =
         (store_ / arrays_[array_number].folder / array.fileName(shard)).string();
     const Descriptor file = openedFile(path, O_WRONLY);
-    // What an interrupted run left behind the last chunk goes.
+    // Removes bytes that an interrupted run left behind the last chunk.
     if (ftruncate(file.get(), static_cast<off_t>(end)) != 0 ||
         lseek(file.get(), static_cast<off_t>(end), SEEK_SET) < 0)
       failErrno(fmt::format("{}: cannot be written", path), errno);

@@ -38,7 +38,7 @@ class ChunkedArray {
   // A text that changes whenever a chunk may have changed.
   virtual std::string stamp() const = 0;
   virtual uint64_t storedBytesRead() const = 0;
-  // As VolumeSource::distantReads().
+  // See VolumeSource::distantReads().
   virtual int distantReads() const { return 0; }
 
   // The memory that a thread holds of an index of chunks; 0: there is none to be read.

@@ -19,7 +19,7 @@ struct BetterPicture {
   double seconds = 0;
 };
 
-// What is kept of a picture of the row.
+// The record of one picture of a row.
 struct RefinedPicture {
   double seconds = 0, step_vox = 0;
   std::optional<CutSummary> cut;

@@ -29,7 +29,7 @@ struct SceneFrame {
   std::optional<Frame> whole;  // set only if the picture was drawn whole
 };
 
-// What a scene is made of.
+// The parts that a scene is made of.
 struct SceneInputs {
   std::shared_ptr<WorkerPool> pool;
   std::shared_ptr<const IndexedVolume> volume;

@@ -25,7 +25,7 @@ void requireLevel(const CutOptions& options, const TimeStep& step) {
          *options.level, levels == 1 ? "is" : "are", levels, levels == 1 ? "" : "s");
 }
 
-// What levels hold, and the word for `sluice pack --downsample`.
+// The values that levels hold, and their word for `sluice pack --downsample`.
 struct LevelWords {
   const char *hold, *option;
 };
