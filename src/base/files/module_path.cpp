@@ -31,7 +31,8 @@ bool isTrusted(const std::filesystem::path& program, const std::filesystem::path
 }  // namespace
 
 std::string modulePath(std::string_view file) {
-  const std::string name = "/" + std::string(file);
+  std::string name = "/";
+  name += file;
   if (sluiceModuleFolder != nullptr) return sluiceModuleFolder() + name;
   std::error_code unknown;
   const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", unknown);
