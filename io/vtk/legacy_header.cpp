@@ -207,8 +207,8 @@ class LegacyParser {
       components = 1;
       if (const std::string_view said = trimmed(rest); !said.empty()) {
         const auto value = parseInteger(said);
-        if (!value) fail("{}: expected components of {}, found {}", path_, inQuotes(name),
-                         inQuotes(said));
+        if (!value)
+          fail("{}: expected components of {}, found {}", path_, inQuotes(name), inQuotes(said));
         components = *value;
       }
       if (const std::string table = words_.next(); table != "LOOKUP_TABLE")
