@@ -79,6 +79,7 @@ PARTS = {
     'io/headers/raw': 'io/headers',
     'io/zarr/metadata': 'io/zarr',
     'io/zarr/n5': 'io/zarr',
+    'io/zarr/levels': 'io/zarr',
     'io/zarr/packing': 'io/zarr',
     'io/zarr/reading': 'io/zarr',
     'src/gl/contexts': 'src/gl',

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "io/zarr/levels/level_maker.h"
 #include "io/zarr/packing/chunk_packer.h"
-#include "io/zarr/packing/level_maker.h"
 #include "src/base/threads/stop_token.h"
 #include "src/base/threads/worker_pool.h"
 

@@ -5,6 +5,7 @@
 
 #include "io/files/file.h"
 #include "io/zarr/metadata/zarr_text.h"
+#include "io/zarr/packing/free_name.h"
 #include "src/base/error.h"
 #include "src/base/values/digest.h"
 

@@ -7,7 +7,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <cerrno>
 #include <cstdio>
@@ -16,9 +15,8 @@
 #include <utility>
 
 #include "io/files/file.h"
-#include "io/stores/folder_store.h"
-#include "io/zarr/metadata/zarr_folder.h"
 #include "io/zarr/metadata/zarr_image.h"
+#include "io/zarr/packing/free_name.h"
 #include "io/zarr/reading/crc32c.h"
 #include "io/zarr/reading/zarr_source.h"
 #include "src/base/error.h"
@@ -30,31 +28,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A line of the journal. A line that is cut short or damaged is ignored, and so is everything after
-// it.
-struct Record {
-  uint64_t chunk = 0, bytes = 0, checksum = 0;
-  uint64_t offset = 0;        // in the file of a shard
-  uint64_t own_checksum = 0;  // XXH3 of the four
-};
-
 // Behind the stored bytes of a chunk in a shard, and behind the shard's index.
 constexpr uint64_t kShardCrcBytes = sizeof(uint32_t);
-
-uint64_t ownChecksum(const Record& record) {
-  return zarrChecksum(std::as_bytes(std::span(&record.chunk, 4)));
-}
 
 Descriptor openedFile(const fs::path& path, int flags) {
   Descriptor file(open(path.c_str(), flags | O_CLOEXEC, 0666));
   if (!file) failErrno(fmt::format("{}: cannot be opened", path.string()), errno);
   return file;
-}
-
-void writeChunk(int file, std::span<const std::byte> bytes, const std::string& path) {
-  writeAll(
-      file, bytes,
-      fmt::format("{}: write failed; make room and give the same command again to go on", path));
 }
 
 void makeFolders(const fs::path& path) {
@@ -106,11 +86,6 @@ bool isInside(const ZarrArray& array, std::span<const int64_t> index) {
   return true;
 }
 
-fs::path withoutSlash(const fs::path& path) {
-  const fs::path clean = path.lexically_normal();
-  return clean.has_filename() ? clean : clean.parent_path();
-}
-
 }  // namespace
 
 ZarrPackFolder::ZarrPackFolder(const fs::path& output, std::vector<PackedArray> arrays,
@@ -131,10 +106,7 @@ ZarrPackFolder::ZarrPackFolder(const fs::path& output, std::vector<PackedArray> 
   lock();
   checkParameters(source_identity, parameters, others);
   for (const PackedArray& packed : arrays_) makeFolders(store_ / packed.folder);
-  journal_.reset(
-      open((folder_ / "journal").c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666));
-  if (!journal_)
-    failErrno(fmt::format("{}: cannot be written", (folder_ / "journal").string()), errno);
+  journal_.emplace(folder_ / "journal");
 }
 
 // The process that finishes removes the file that others may have opened: they then try again.
@@ -249,24 +221,18 @@ bool ZarrPackFolder::checkChunk(int64_t chunk) const {
 }
 
 int64_t ZarrPackFolder::recover(WorkerPool& pool, ProgressMeter& progress, const StopToken& stop) {
-  std::vector<int64_t> noted;
-  off_t sound = 0;
-  Record record;
-  while (pread(journal_.get(), &record, sizeof record, sound) == ssize_t{sizeof record} &&
-         record.own_checksum == ownChecksum(record) && record.chunk < chunks_.size()) {
-    sound += ssize_t{sizeof record};
-    noted.push_back(static_cast<int64_t>(record.chunk));
+  const std::vector<PackRecord> noted = journal_->recover(chunks_.size());
+  for (const PackRecord& record : noted) {
     chunks_[record.chunk] = {record.bytes, record.checksum};
     if (!hasShards() || record.bytes == 0) continue;
     offsets_[record.chunk] = record.offset;
-    uint64_t& end = ends_[shardOf(noted.back())];
+    uint64_t& end = ends_[shardOf(static_cast<int64_t>(record.chunk))];
     end = std::max(end, record.offset + record.bytes);
   }
-  if (ftruncate(journal_.get(), sound) != 0) failErrno((folder_ / "journal").string(), errno);
   std::atomic<int64_t> done = 0;
   pool.parallelFor(static_cast<int64_t>(noted.size()), [&](int64_t i) {
     stop.throwIfStopped();
-    const int64_t chunk = noted[static_cast<size_t>(i)];
+    const auto chunk = static_cast<int64_t>(noted[static_cast<size_t>(i)].chunk);
     if (!checkChunk(chunk)) return;
     {
       const MutexLock lock(mutex_);
@@ -290,9 +256,9 @@ void ZarrPackFolder::append(int64_t chunk, std::span<const std::byte> stored, ui
   }
   if (!file || lseek(file.get(), static_cast<off_t>(offset), SEEK_SET) < 0)
     failErrno(fmt::format("{}: cannot be written", path.string()), errno);
-  writeChunk(file.get(), stored, path.string());
+  writePart(file.get(), stored, path);
   const uint32_t crc = crc32c(stored);
-  writeChunk(file.get(), std::as_bytes(std::span(&crc, 1)), path.string());
+  writePart(file.get(), std::as_bytes(std::span(&crc, 1)), path);
 }
 
 void ZarrPackFolder::writeIndices(size_t array_number) {
@@ -321,13 +287,13 @@ void ZarrPackFolder::writeIndices(size_t array_number) {
       failErrno(fmt::format("{}: cannot be written", path), errno);
     const std::span bytes = std::as_bytes(std::span(index));
     const uint32_t crc = crc32c(bytes);
-    writeChunk(file.get(), bytes, path);
-    writeChunk(file.get(), std::as_bytes(std::span(&crc, 1)), path);
+    writePart(file.get(), bytes, path);
+    writePart(file.get(), std::as_bytes(std::span(&crc, 1)), path);
   }
 }
 
 void ZarrPackFolder::write(int64_t chunk, std::span<const std::byte> stored, int thread) {
-  Record record{static_cast<uint64_t>(chunk), stored.size(), 0, 0, 0};
+  PackRecord record{.chunk = static_cast<uint64_t>(chunk), .bytes = stored.size()};
   if (!stored.empty() && hasShards()) {
     record.checksum = zarrChecksum(stored);
     record.bytes += kShardCrcBytes;
@@ -342,16 +308,15 @@ void ZarrPackFolder::write(int64_t chunk, std::span<const std::byte> stored, int
     const fs::path path = chunkPath(chunk);
     {
       const Descriptor file = openedFile(temporary, O_WRONLY | O_CREAT | O_TRUNC);
-      writeChunk(file.get(), stored, path.string());
+      writePart(file.get(), stored, path);
     }
     if (rename(temporary.c_str(), path.c_str()) != 0) {
       makeFolders(path.parent_path());
       renamePath(temporary, path);
     }
   }
-  record.own_checksum = ownChecksum(record);
   const MutexLock lock(mutex_);
-  writeChunk(journal_.get(), std::as_bytes(std::span(&record, 1)), (folder_ / "journal").string());
+  journal_->add(record);
   chunks_[record.chunk] = {record.bytes, record.checksum};
   if (hasShards()) offsets_[record.chunk] = record.offset;
   done_[record.chunk] = 1;
@@ -405,41 +370,6 @@ void ZarrPackFolder::finish(const FinishOptions& options) {
   if (options.sync) syncFolder(parent, false);
   std::error_code ignored;  // the store is whole; the rest is litter
   fs::remove_all(folder_, ignored);
-}
-
-namespace {
-
-// A name that a Zarr store has: metadata, our checksums and spreads, or a chunk's or array's number
-// ("0.1.2").
-bool belongsToStore(const fs::path& name) {
-  const std::string text = name.string();
-  constexpr std::array<std::string_view, 8> kMetadata = {
-      ".zarray",   ".zgroup",          ".zattrs",         ".zmetadata",
-      "zarr.json", kZarrChecksumsName, kZarrSpreadFolder, "c"};
-  if (std::find(kMetadata.begin(), kMetadata.end(), text) != kMetadata.end()) return true;
-  return !text.empty() && text.find_first_not_of("0123456789.") == std::string::npos;
-}
-
-// Whatever is replaced is removed, so that it must be a store and nothing else.
-void requireNothingForeign(const fs::path& store) {
-  for (const auto& entry : fs::recursive_directory_iterator(store)) {
-    if (belongsToStore(entry.path().filename()) && !entry.is_symlink()) continue;
-    fail("{}: is not replaced, since {} is not part of a Zarr store; move it away", store.string(),
-         entry.path().string());
-  }
-}
-
-}  // namespace
-
-void requireFreeName(const fs::path& output, bool replace) {
-  if (withoutSlash(output).extension() != ".zarr")
-    fail("{}: expected a name ending in .zarr", output.string());
-  std::error_code ignored;
-  if (!fs::exists(output, ignored)) return;
-  if (!replace) fail("{}: exists; --force replaces it once the new one is whole", output.string());
-  if (!isZarr(folderPlace(output)))
-    fail("{}: is no Zarr store and is not replaced", output.string());
-  requireNothingForeign(output);
 }
 
 }  // namespace sluice

@@ -15,11 +15,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "io/zarr/metadata/zarr_array.h"
+#include "io/zarr/packing/pack_journal.h"
 #include "io/zarr/reading/zarr_checksums.h"
 #include "src/base/files/descriptor.h"
 #include "src/base/threads/mutex.h"
@@ -28,10 +30,6 @@
 #include "src/base/threads/worker_pool.h"
 
 namespace sluice {
-
-// Throws Error when a store must not be written to `output`: the name does not end in .zarr, or it
-// exists and is not to be replaced, or is no store.
-void requireFreeName(const std::filesystem::path& output, bool replace);
 
 // An array of a store: a level of the volume, or its spreads.
 struct PackedArray {
@@ -105,10 +103,11 @@ class ZarrPackFolder {
   const std::filesystem::path output_, folder_, store_;
   const std::vector<PackedArray> arrays_;
   const std::vector<int64_t> first_chunks_, first_files_;
-  Descriptor lock_, journal_;        // constant once open
-  Mutex mutex_;                      // guards writing to the journal and the members below
-  std::vector<StoredChunk> chunks_;  // guarded by mutex_, an element a chunk
-  std::vector<char> done_;           // guarded by mutex_, read between loops only
+  Descriptor lock_;                     // constant once open
+  std::optional<PackJournal> journal_;  // there once the folder is ours; guarded by mutex_
+  Mutex mutex_;                         // guards the journal and the members below
+  std::vector<StoredChunk> chunks_;     // guarded by mutex_, an element a chunk
+  std::vector<char> done_;              // guarded by mutex_, read between loops only
   // With shards: the offset of each chunk in its file, and the end of the chunks of each file.
   std::vector<uint64_t> offsets_, ends_;  // guarded by mutex_
 };

@@ -8,6 +8,7 @@
 
 #include "io/zarr/metadata/zarr_text.h"
 #include "io/zarr/packing/chunk_packer.h"
+#include "io/zarr/packing/free_name.h"
 #include "io/zarr/packing/level_packer.h"
 #include "io/zarr/packing/zarr_pack_folder.h"
 #include "io/zarr/reading/zarr_source.h"

@@ -1,6 +1,6 @@
 // Packs any VolumeSource as a store of compressed chunks that everybody reads: OME-Zarr 0.4 over
 // Zarr 2, or 0.5 over Zarr 3 in shards, Blosc chunks, coarser levels if wanted
-// (io/zarr/packing/level_maker.h), whose spreads go into a group of sluice's own
+// (io/zarr/levels/level_maker.h), whose spreads go into a group of sluice's own
 // (io/zarr/metadata/zarr_image.h). A stream: memory stays within the budget whatever the volume's
 // size; restartable (io/zarr/packing/zarr_pack_folder.h); the same volume and options give the same
 // bytes.
@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "io/zarr/packing/level_maker.h"
+#include "io/zarr/levels/level_maker.h"
 #include "io/zarr/reading/zarr_codec.h"
 #include "src/base/threads/progress_meter.h"
 #include "src/base/threads/stop_token.h"

@@ -8,7 +8,7 @@
 #include <system_error>
 #include <utility>
 
-#include "io/zarr/packing/level_region.h"
+#include "io/zarr/levels/level_region.h"
 #include "src/base/error.h"
 #include "src/base/files/byte_stream.h"
 #include "src/base/values/bytes.h"

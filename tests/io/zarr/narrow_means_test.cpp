@@ -1,5 +1,5 @@
 // Levels of narrow voxels with vector instructions, against sums in doubles, block by block.
-#include "io/zarr/packing/narrow_means.h"
+#include "io/zarr/levels/narrow_means.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "io/zarr/packing/gathered_levels.h"
+#include "io/zarr/levels/gathered_levels.h"
 
 namespace sluice {
 namespace {

@@ -4,7 +4,7 @@
 #include <atomic>
 #include <limits>
 
-#include "io/zarr/packing/level_region.h"
+#include "io/zarr/levels/level_region.h"
 #include "io/zarr/packing/zarr_writer.h"
 #include "io/zarr/reading/zarr_source.h"
 #include "tests/io/image_test_support.h"

@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "io/zarr/packing/block_sums.h"
-#include "io/zarr/packing/level_part.h"
-#include "io/zarr/packing/level_shape.h"
+#include "io/zarr/levels/block_sums.h"
+#include "io/zarr/levels/level_part.h"
+#include "io/zarr/levels/level_shape.h"
 
 namespace sluice {
 

@@ -1,4 +1,4 @@
-#include "io/zarr/packing/gathered_levels.h"
+#include "io/zarr/levels/gathered_levels.h"
 
 #include <algorithm>
 #include <cmath>

@@ -12,7 +12,7 @@
 #include <span>
 #include <vector>
 
-#include "io/zarr/packing/level_part.h"
+#include "io/zarr/levels/level_part.h"
 #include "src/base/values/vec.h"
 
 namespace sluice {

@@ -1,11 +1,11 @@
-#include "io/zarr/packing/level_maker.h"
+#include "io/zarr/levels/level_maker.h"
 
 #include <algorithm>
 #include <cstring>
 #include <utility>
 
-#include "io/zarr/packing/gathered_levels.h"
-#include "io/zarr/packing/narrow_means.h"
+#include "io/zarr/levels/gathered_levels.h"
+#include "io/zarr/levels/narrow_means.h"
 #include "io/zarr/reading/zarr_rows.h"
 #include "src/base/error.h"
 

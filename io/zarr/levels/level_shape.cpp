@@ -1,4 +1,4 @@
-#include "io/zarr/packing/level_shape.h"
+#include "io/zarr/levels/level_shape.h"
 
 #include <algorithm>
 #include <cmath>

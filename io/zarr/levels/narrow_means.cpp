@@ -1,4 +1,4 @@
-#include "io/zarr/packing/narrow_means.h"
+#include "io/zarr/levels/narrow_means.h"
 
 #include <algorithm>
 #include <array>
@@ -6,8 +6,8 @@
 #include <cmath>
 #include <type_traits>
 
-#include "io/zarr/packing/block_sums.h"
-#include "io/zarr/packing/byte_blocks.h"
+#include "io/zarr/levels/block_sums.h"
+#include "io/zarr/levels/byte_blocks.h"
 
 namespace sluice {
 namespace {

@@ -1,12 +1,12 @@
-#include "io/zarr/packing/level_region.h"
+#include "io/zarr/levels/level_region.h"
 
 #include <algorithm>
 #include <cstring>
 #include <utility>
 #include <vector>
 
-#include "io/zarr/packing/level_maker.h"
-#include "io/zarr/packing/level_part.h"
+#include "io/zarr/levels/level_maker.h"
+#include "io/zarr/levels/level_part.h"
 
 namespace sluice {
 

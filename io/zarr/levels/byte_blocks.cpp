@@ -1,4 +1,4 @@
-#include "io/zarr/packing/byte_blocks.h"
+#include "io/zarr/levels/byte_blocks.h"
 
 #if defined(__x86_64__)
 #include <immintrin.h>

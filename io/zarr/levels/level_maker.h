@@ -16,7 +16,7 @@
 #include <span>
 #include <vector>
 
-#include "io/zarr/packing/level_shape.h"
+#include "io/zarr/levels/level_shape.h"
 #include "src/base/threads/mutex.h"
 #include "src/base/values/vec.h"
 #include "src/base/values/volume_source.h"

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "io/zarr/packing/level_shape.h"
+#include "io/zarr/levels/level_shape.h"
 #include "src/base/values/volume_source.h"
 
 namespace sluice {
