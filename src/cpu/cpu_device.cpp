@@ -90,7 +90,7 @@ void CpuDevice::beginFrame(const FrameSetup& setup, const StopToken& stop) {
   taken_ = 0;
   if (!look_up_ || look_up_->key != lookUpKey(setup_)) look_up_.emplace(lookUpKey(setup_));
   tables_.emplace(setup_, *look_up_);
-  leaps_ = setup_.skips && setup_.mode == Mode::kComposite;
+  leaps_ = setup_.skips && traitsOf(setup_.mode).hides;
   if (leaps_ && shown_for_ != setup_.look_up) {
     ShownValues shown(*setup_.look_up);
     if (shown != shown_) ++shown_number_;
@@ -161,8 +161,9 @@ void CpuDevice::drawNow(const Then& then, Keep keep) {
   forgetPutOff();
   const TileBins bins = binsOf(boxes);
   const KernelFrame& frame = tables_->frame();
-  const bool composite = setup_.mode == Mode::kComposite, in_layers = composite && setup_.is_part;
-  const auto draw = composite ? kernels_.composite : kernels_.other;
+  const ModeTraits& traits = traitsOf(setup_.mode);
+  const bool in_layers = traits.needs_order && setup_.is_part;
+  const auto draw = traits.combining == Combining::kBlend ? kernels_.composite : kernels_.other;
   if (keep == Keep::kPixels) picture_.makeRoom();
   eachTile(pool_, picture_.tiles(), [&](int64_t index) {
     std::span<const uint32_t> rest = bins.of(index);
@@ -185,14 +186,14 @@ void CpuDevice::drawNow(const Then& then, Keep keep) {
 }
 
 std::vector<float> CpuDevice::leastOpacity(const MapGrid& grid) {
-  SLUICE_CHECK(setup_.mode == Mode::kComposite);
+  SLUICE_CHECK(traitsOf(setup_.mode).hides);
   LeastOpacity least(grid, setup_.size);
   drawNow([&](const TilePixels& tile) { least.add(picture_, tile); });
   return least.cells();
 }
 
 void CpuDevice::stopOpaque() {
-  SLUICE_CHECK(setup_.mode == Mode::kComposite);
+  SLUICE_CHECK(traitsOf(setup_.mode).hides);
   drawNow();
   picture_.stopOpaque(static_cast<float>(setup_.opacity_threshold));
 }
@@ -220,7 +221,7 @@ uint64_t CpuDevice::takenSamples() {
 Picture CpuDevice::endFrame() {
   Picture picture = std::exchange(spare_, {});
   picture_.shape(picture, stop_);
-  const bool resolves = setup_.mode != Mode::kComposite && !setup_.is_part;
+  const bool resolves = !traitsOf(setup_.mode).has_colors && !setup_.is_part;
   const auto finish = [&](const TilePixels& tile) {
     picture_.copyTile(tile, picture);
     if (!resolves) return;
@@ -235,7 +236,7 @@ PartialPicture CpuDevice::endPart() {
   SLUICE_CHECK(setup_.is_part);
   drawNow();
   stop_.throwIfStopped();
-  if (setup_.mode != Mode::kComposite)
+  if (!traitsOf(setup_.mode).needs_order)
     pool_.parallelFor(picture_.tiles(), [&](int64_t index) {
       const TilePixels tile = picture_.drawnTile(index);
       if (tile.color[0] != nullptr) parts_.takeOut(index, tile);

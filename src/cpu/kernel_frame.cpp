@@ -18,30 +18,32 @@ constexpr double kMostExponent = 32;
 
 LookUpTables::LookUpTables(LookUpKey of)
     : key(std::move(of)), entries(lookUpTexels(key)), visible(visibleValues(*key.look_up)) {
-  if (key.mode == Mode::kComposite && !key.look_up->interpolates)
+  if (traitsOf(key.mode).has_colors && !key.look_up->interpolates)
     packed = packedEntries(entries, kMostExponent);
 }
 
 FrameTables::FrameTables(const FrameSetup& setup, const LookUpTables& look_up) {
-  const bool composite = setup.mode == Mode::kComposite;
+  const ModeTraits& traits = traitsOf(setup.mode);
+  const bool colors = traits.has_colors;
   frame_.width = setup.size.width;
   frame_.height = setup.size.height;
-  frame_.mode = setup.mode;
+  frame_.combining = traits.combining;
+  frame_.on_planes = traits.on_planes;
   frame_.type = setup.type;
   frame_.perspective = setup.projection == Projection::kPerspective;
-  frame_.with_depth = composite && setup.with_depth;
-  frame_.counts_taken = composite && setup.counts_taken && !setup.with_depth;
-  frame_.labels = composite && setup.look_up->labels;
+  frame_.with_depth = colors && setup.with_depth;
+  frame_.counts_taken = colors && setup.counts_taken && !setup.with_depth;
+  frame_.labels = colors && setup.look_up->labels;
   frame_.shades_every_sample = setup.shades_every_sample;
   frame_.interpolates = setup.look_up->interpolates;
-  frame_.lit = composite && setup.lit;
-  if (composite && setup.opacity_threshold < 1)
+  frame_.lit = colors && setup.lit;
+  if (traits.hides && setup.opacity_threshold < 1)
     frame_.box_opacity = static_cast<float>(setup.opacity_threshold);
-  if (composite && setup.skips) frame_.ray_opacity = kNothingMore;
+  if (traits.hides && setup.skips) frame_.ray_opacity = kNothingMore;
   setRays(setup);
   setLookUp(look_up);
   setLights(setup);
-  if (composite) setRows(setup);
+  if (colors) setRows(setup);
 }
 
 void FrameTables::setRays(const FrameSetup& setup) {

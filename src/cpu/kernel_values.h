@@ -22,7 +22,8 @@ inline constexpr int kMostLanes = 16;
 // FrameSetup in single precision; rays relative to origin0.
 struct KernelFrame {
   int width = 0, height = 0;
-  Mode mode = Mode::kComposite;
+  Combining combining = Combining::kBlend;
+  bool on_planes = false;  // see ModeTraits
   DeviceType type = DeviceType::kU8;
   Float3 origin_dx{}, origin_dy{}, step0{}, step_dx{}, step_dy{};
   float first_slice = 0, first_depth = 0, depth_step = 1, slice_length = 1;

@@ -27,10 +27,6 @@ namespace hn = hwy::HWY_NAMESPACE;
 #include "src/cpu/colors.inl"
 // clang-format on
 
-HWY_INLINE bool isExtreme(const KernelFrame& frame) {
-  return frame.mode == Mode::kMip || frame.mode == Mode::kMinip;
-}
-
 // The samples of a packet's rays in a box: `count` samples at first + clamp(j, from, to) * pace, in
 // texels.
 struct Line {
@@ -40,7 +36,7 @@ struct Line {
 HWY_INLINE Line lineOf(const KernelFrame& frame, const KernelBox& box, const Positions& positions,
                        const Packet& packet) {
   const V3 step = stepOf(frame, packet);
-  if (isExtreme(frame)) {
+  if (frame.on_planes) {
     const Planes planes = planesIn(frame, box, positions, packet, step);
     const V3 start{hn::MulAdd(planes.from, planes.way.x, planes.start.x),
                    hn::MulAdd(planes.from, planes.way.y, planes.start.y),
@@ -74,7 +70,6 @@ HWY_INLINE void drawPacket(const KernelFrame& frame, const KernelBox& box,
                            V& part_sum) {
   const Line line = lineOf(frame, box, positions, packet);
   const float most = hn::GetLane(hn::MaxOfLanes(F(), line.count));
-  const bool extreme = isExtreme(frame);
   const Cells cells = cellsOf(box);
   for (int j = 0; j < static_cast<int>(most); ++j) {
     const V turn = all(static_cast<float>(j));
@@ -82,7 +77,7 @@ HWY_INLINE void drawPacket(const KernelFrame& frame, const KernelBox& box,
     V3 at{hn::MulAdd(place, line.pace.x, line.first.x),
           hn::MulAdd(place, line.pace.y, line.first.y),
           hn::MulAdd(place, line.pace.z, line.first.z)};
-    if (extreme) at = {settled(at.x), settled(at.y), settled(at.z)};
+    if (frame.on_planes) at = {settled(at.x), settled(at.y), settled(at.z)};
     const Place texels = placeAt(cells, clamped(cells, at));
     V value;
     if constexpr (kSpread)
@@ -96,11 +91,11 @@ HWY_INLINE void drawPacket(const KernelFrame& frame, const KernelBox& box,
     if (hn::AllFalse(F(), shows)) continue;
     // A sample's part moves its value toward the end that loses.
     const V rest = hn::Sub(all(1.0F), part);
-    if (frame.mode == Mode::kMip) {
+    if (frame.combining == Combining::kGreatest) {
       const V moved = between(all(frame.least), value, part, rest);
       value_sum = hn::IfThenElse(shows, hn::Max(value_sum, moved), value_sum);
       part_sum = hn::IfThenElse(shows, hn::Max(part_sum, part), part_sum);
-    } else if (frame.mode == Mode::kMinip) {
+    } else if (frame.combining == Combining::kLeast) {
       const V moved = between(all(frame.greatest), value, part, rest);
       value_sum = hn::IfThenElse(shows, hn::Min(value_sum, moved), value_sum);
       part_sum = hn::IfThenElse(shows, hn::Min(part_sum, rest), part_sum);
@@ -160,8 +155,8 @@ uint64_t countSamples(const KernelFrame& frame, const KernelBox* boxes, const ui
       for (int x = x_lo; x < x_hi; x += kPacketWidth) {
         const Packet packet = packetAt(frame, tile, x, y);
         const V3 step = stepOf(frame, packet);
-        const V found = isExtreme(frame) ? planesIn(frame, box, positions, packet, step).count
-                                         : slicesIn(frame, box, packet, step).count;
+        const V found = frame.on_planes ? planesIn(frame, box, positions, packet, step).count
+                                        : slicesIn(frame, box, packet, step).count;
         samples +=
             static_cast<uint64_t>(hn::GetLane(hn::SumOfLanes(I(), hn::ConvertTo(I(), found))));
       }

@@ -11,7 +11,7 @@ void TileParts::begin(const FrameSetup& setup, const KernelFrame& frame, const K
   for (int i = 0; i < kTilePixels; ++i)
     place_[static_cast<size_t>(i)] = kernels.placeOf(i % kTileSide, i / kTileSide);
   picture_ = emptyPartialPicture(setup.size);
-  through_.assign(setup.mode == Mode::kComposite ? picture_.tiles.size() * kTilePixels : 0, 1.0F);
+  through_.assign(traitsOf(setup.mode).needs_order ? picture_.tiles.size() * kTilePixels : 0, 1.0F);
 }
 
 void TileParts::draw(int64_t index, const std::vector<KernelBox>& boxes,
@@ -42,10 +42,7 @@ void TileParts::takeOut(int64_t index, const TilePixels& tile) {
 }
 
 void TileParts::append(int64_t index, uint32_t layer, const TilePixels& tile) {
-  const bool composite = setup_->mode == Mode::kComposite;
-  // Extremes begin beyond all values, sums of parts with 0.
-  const size_t tells = composite ? 3 : setup_->mode == Mode::kAverage ? 1 : 0;
-  const float empty = composite ? 0 : emptyPart(setup_->mode);
+  const ModeTraits& traits = traitsOf(setup_->mode);
   std::array<const float*, kMostPartChannels> channels{tile.color[0], tile.color[1], tile.color[2],
                                                        tile.color[3], tile.depth_sum};
   const int width = std::min(kTileSide, setup_->size.width - tile.x);
@@ -54,7 +51,8 @@ void TileParts::append(int64_t index, uint32_t layer, const TilePixels& tile) {
       picture_.tiles[static_cast<size_t>(index)], layer, partChannels(*setup_),
       [&](int pixel) {
         return pixel % kTileSide < width && pixel / kTileSide < height &&
-               channels[tells][place_[static_cast<size_t>(pixel)]] != empty;
+               channels[traits.telling_number][place_[static_cast<size_t>(pixel)]] !=
+                   traits.first_value;
       },
       [&](int pixel, int channel) {
         return channels[static_cast<size_t>(channel)][place_[static_cast<size_t>(pixel)]];

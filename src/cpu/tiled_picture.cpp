@@ -27,9 +27,9 @@ void TiledPicture::begin(const FrameSetup& setup, const Kernels& kernels, Pictur
   rows_ = rows;
   across_ = (size_.width + kTileSide - 1) / kTileSide;
   up_ = (rows_.hi - rows_.lo + kTileSide - 1) / kTileSide;
-  with_depth_ = setup.mode == Mode::kComposite && setup.with_depth;
+  with_depth_ = traitsOf(setup.mode).has_colors && setup.with_depth;
   arrays_ = with_depth_ ? kDepth + 1 : kStopped + 1;
-  start_ = emptyPart(setup.mode);
+  start_ = traitsOf(setup.mode).first_value;
   stop_number_ = 0;
   stops_.assign(static_cast<size_t>(tiles()), kNotBegun);
 }

@@ -19,12 +19,11 @@
 #include "src/base/values/vec.h"
 #include "src/device/expected_look.h"
 #include "src/device/lighting.h"
+#include "src/device/mode.h"
 #include "src/device/view_values.h"
 #include "src/volume/device_voxel.h"
 
 namespace sluice {
-
-enum class Mode { kComposite, kMip, kMinip, kAverage };
 
 // See the top: the rays of a view in index space.
 struct RayGrid {
@@ -166,7 +165,7 @@ constexpr OuterFaces outerFaces(const FrameSetup& setup, const Box3& cells) {
 // Whether chunks with spreads may be drawn.
 inline bool drawsSpreads(const FrameSetup& setup) {
   const LookUp& look_up = *setup.look_up;
-  return setup.mode != Mode::kComposite || (look_up.expected != nullptr && !look_up.labels);
+  return !traitsOf(setup.mode).has_colors || (look_up.expected != nullptr && !look_up.labels);
 }
 
 // A square grid of side x side cells on a plane of index space, seen from the eye: rows x, y and w

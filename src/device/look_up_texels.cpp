@@ -36,7 +36,7 @@ LookUpKey lookUpKey(const FrameSetup& setup) {
 
 std::vector<float> lookUpTexels(const LookUpKey& key) {
   std::vector<float> texels = key.look_up->rgba;
-  if (key.mode != Mode::kComposite) {
+  if (!traitsOf(key.mode).has_colors) {
     setParts(texels);
     return texels;
   }
@@ -87,14 +87,15 @@ void resolveMode(const FrameSetup& setup, double device_unit, std::span<float> r
   const ValueRange range = setup.look_up->device_range;
   const double per_device =
       range.hi > range.lo ? static_cast<double>(entries - 1) / (range.hi - range.lo) : 0;
+  const Combining combining = traitsOf(setup.mode).combining;
+  const bool average = combining == Combining::kSum;
   for (size_t i = 0; i < rgba.size(); i += 4) {
-    const bool average = setup.mode == Mode::kAverage;
     const bool seen = average ? rgba[i + 1] > 0 : std::abs(rgba[i]) < kNothingSeen;
     double device = seen ? rgba[i] * device_unit : 0;
     if (seen && average) device /= rgba[i + 1];
-    const float part = !seen                        ? 0
-                       : setup.mode == Mode::kMinip ? 1 - rgba[i + 1]
-                                                    : std::min(rgba[i + 1], 1.0F);
+    const float part = !seen                            ? 0
+                       : combining == Combining::kLeast ? 1 - rgba[i + 1]
+                                                        : std::min(rgba[i + 1], 1.0F);
     const double at =
         std::clamp((device - range.lo) * per_device + 0.5, 0.0, static_cast<double>(entries - 1));
     const float* entry = &table[4 * static_cast<size_t>(at)];

@@ -1,7 +1,6 @@
 #include "src/device/partial_picture.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "src/base/error.h"
 #include "src/base/values/bytes.h"
@@ -23,19 +22,6 @@ void visitPixels(const PartRecord& record, int channels, const Visit& visit) {
 }
 
 }  // namespace
-
-float emptyPart(Mode mode) {
-  switch (mode) {
-    case Mode::kMip:
-      return std::numeric_limits<float>::lowest();
-    case Mode::kMinip:
-      return std::numeric_limits<float>::max();
-    case Mode::kComposite:
-    case Mode::kAverage:
-      break;
-  }
-  return 0;
-}
 
 uint64_t PartialPicture::bytes() const {
   uint64_t sum = 0;
@@ -82,7 +68,8 @@ std::vector<PartRecord> partRecords(std::span<const std::byte> tile, int channel
 TileNumbers composeTile(std::vector<PartRecord> records, const FrameSetup& setup) {
   TileNumbers tile{};
   const int channels = partChannels(setup);
-  if (setup.mode == Mode::kComposite) {
+  const ModeTraits& traits = traitsOf(setup.mode);
+  if (traits.needs_order) {
     std::stable_sort(records.begin(), records.end(), [](const PartRecord& a, const PartRecord& b) {
       return a.header.layer < b.header.layer;
     });
@@ -95,15 +82,15 @@ TileNumbers composeTile(std::vector<PartRecord> records, const FrameSetup& setup
     return tile;
   }
   // The numbers follow resolveMode(): of a minimum, both are the least.
-  tile[0].fill(emptyPart(setup.mode));
-  tile[1].fill(setup.mode == Mode::kAverage ? 0.0F : emptyPart(setup.mode));
+  tile[0].fill(traits.first_value);
+  tile[1].fill(traits.first_value);
   for (const PartRecord& record : records)
     visitPixels(record, channels, [&](size_t pixel, const auto& numbers) {
       for (size_t c = 0; c < 2; ++c) {
         float& to = tile[c][pixel];
-        if (setup.mode == Mode::kMip) to = std::max(to, numbers[c]);
-        if (setup.mode == Mode::kMinip) to = std::min(to, numbers[c]);
-        if (setup.mode == Mode::kAverage) to += numbers[c];
+        if (traits.combining == Combining::kGreatest) to = std::max(to, numbers[c]);
+        if (traits.combining == Combining::kLeast) to = std::min(to, numbers[c]);
+        if (traits.combining == Combining::kSum) to += numbers[c];
       }
     });
   return tile;

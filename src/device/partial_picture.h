@@ -29,13 +29,10 @@ inline constexpr int kPartPixels = kPartSide * kPartSide;
 
 // Numbers of a pixel.
 inline int partChannels(const FrameSetup& setup) {
-  if (setup.mode != Mode::kComposite) return 2;
+  if (!traitsOf(setup.mode).has_colors) return 2;
   return setup.with_depth ? 5 : 4;
 }
 inline constexpr int kMostPartChannels = 5;
-
-// The first number of a pixel that shows nothing.
-float emptyPart(Mode mode);
 
 struct PartialPicture {
   int across = 0, up = 0;                     // tiles

@@ -114,11 +114,13 @@ GlProgram& GlDevice::programFor(const ShaderVariant& variant) {
   return *program;
 }
 
-void GlDevice::setBlending(Mode mode) {
+void GlDevice::setBlending(Combining combining) {
   gl_.Enable(GL_BLEND);
-  gl_.BlendEquation(mode == Mode::kMip ? GL_MAX : mode == Mode::kMinip ? GL_MIN : GL_FUNC_ADD);
+  gl_.BlendEquation(combining == Combining::kGreatest ? GL_MAX
+                    : combining == Combining::kLeast  ? GL_MIN
+                                                      : GL_FUNC_ADD);
   // `under` for premultiplied colour drawn front to back.
-  gl_.BlendFunc(mode == Mode::kComposite ? GL_ONE_MINUS_DST_ALPHA : GL_ONE, GL_ONE);
+  gl_.BlendFunc(combining == Combining::kBlend ? GL_ONE_MINUS_DST_ALPHA : GL_ONE, GL_ONE);
 }
 
 void GlDevice::setView(GlProgram& program) {
@@ -158,7 +160,7 @@ void GlDevice::uploadLookUp() {
 
 void GlDevice::setLookUp(GlProgram& program) {
   const auto entries = static_cast<GLsizei>(setup_.look_up->rgba.size() / 4);
-  const bool interpolates = setup_.look_up->interpolates || setup_.mode != Mode::kComposite;
+  const bool interpolates = setup_.look_up->interpolates || !traitsOf(setup_.mode).has_colors;
   gl_.ActiveTexture(GL_TEXTURE0 + kLookUpUnit);
   gl_.BindTexture(GL_TEXTURE_2D, look_up_);
   uploadLookUp();
@@ -211,7 +213,7 @@ void GlDevice::bindTarget() {
   gl_.Viewport(0, -frame_rows_.lo, setup_.size.width, setup_.size.height);
   const std::array<GLenum, 2> outputs = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
   gl_.DrawBuffers(variant_.with_depth || variant_.counts_taken ? 2 : 1, outputs.data());
-  setBlending(setup_.mode);
+  setBlending(traitsOf(setup_.mode).combining);
   gl_.Enable(GL_CULL_FACE);
   gl_.CullFace(GL_FRONT);
   gl_.FrontFace(isMirrored(setup_) ? GL_CW : GL_CCW);
@@ -227,7 +229,7 @@ void GlDevice::bindTarget() {
 
 std::vector<float> GlDevice::leastOpacity(const MapGrid& grid) {
   context_->makeCurrent();
-  SLUICE_CHECK(setup_.mode == Mode::kComposite);
+  SLUICE_CHECK(traitsOf(setup_.mode).hides);
   SLUICE_CHECK(!rows_);  // opacity maps belong to whole pictures
   std::vector<float> least = occlusion_.leastOpacity(target_.color(), setup_.size, grid);
   bindTarget();
@@ -236,7 +238,7 @@ std::vector<float> GlDevice::leastOpacity(const MapGrid& grid) {
 
 void GlDevice::stopOpaque() {
   context_->makeCurrent();
-  SLUICE_CHECK(setup_.mode == Mode::kComposite);
+  SLUICE_CHECK(traitsOf(setup_.mode).hides);
   SLUICE_CHECK(!rows_);
   marked_ = occlusion_.markOpaque(target_.color(), setup_.size, setup_.opacity_threshold);
   bindTarget();
@@ -248,18 +250,19 @@ void GlDevice::beginFrame(const FrameSetup& setup, const StopToken& stop) {
   setup_ = setup;
   stop_ = stop;
   pieces_.emplace(setup_);
-  const bool composite = setup.mode == Mode::kComposite;
-  variant_ = {.mode = setup.mode,
-              .perspective = composite && setup.projection == Projection::kPerspective,
-              .with_depth = composite && setup.with_depth,
-              .stops_early = composite && setup.opacity_threshold < 1,
+  const ModeTraits& traits = traitsOf(setup.mode);
+  const bool colors = traits.has_colors;
+  variant_ = {.combining = traits.combining,
+              .perspective = colors && setup.projection == Projection::kPerspective,
+              .with_depth = colors && setup.with_depth,
+              .stops_early = traits.hides && setup.opacity_threshold < 1,
               .floats = setup.type == DeviceType::kF32,
-              .counts_taken = composite && setup.counts_taken && !setup.with_depth,
+              .counts_taken = colors && setup.counts_taken && !setup.with_depth,
               .counts = false,
               .clip_planes = static_cast<int>(setup.clip_planes.size()),
-              .labels = composite && setup.look_up->labels,
-              .planes = setup.mode == Mode::kMip || setup.mode == Mode::kMinip};
-  if (composite) chooseShading(setup, variant_);
+              .labels = colors && setup.look_up->labels,
+              .planes = traits.on_planes};
+  if (colors) chooseShading(setup, variant_);
   const int64_t most = limits().max_picture_size;
   if (std::max(setup.size.width, setup.size.height) > most)
     fail("a picture of {} x {} pixels: the GL driver draws at most {} along an axis",
@@ -270,7 +273,7 @@ void GlDevice::beginFrame(const FrameSetup& setup, const StopToken& stop) {
   target_.resize({setup.size.width, frame_rows_.hi - frame_rows_.lo});
   marked_ = 0;
   bindTarget();
-  const float start = emptyPart(setup.mode);
+  const float start = traits.first_value;
   gl_.ClearColor(start, start, start, start);
   gl_.Clear(GL_COLOR_BUFFER_BIT);
   told_.clear();
@@ -289,14 +292,14 @@ void GlDevice::setFrame(GlProgram& program) {
       static_cast<float>(ux), static_cast<float>(-setup_.tan_half_x), static_cast<float>(vy),
       static_cast<float>(-setup_.tan_half_y)};
   program.set4("view_pixel_ray", pixel_ray.data(), 1);
-  if (setup_.mode == Mode::kComposite) setShading(setup_, variant_, program);
+  if (traitsOf(setup_.mode).has_colors) setShading(setup_, variant_, program);
 }
 
 GlProgram& GlDevice::frameProgram(Vec3d scale, bool has_spread) {
   SLUICE_CHECK(!has_spread || drawsSpreads(setup_));
   ShaderVariant variant = variant_;
   variant.scaled = scale != kOne;
-  variant.spread = has_spread && setup_.mode == Mode::kComposite;
+  variant.spread = has_spread && traitsOf(setup_.mode).has_colors;
   GlProgram& program = programFor(variant);
   if (told_.insert(variant).second) {
     setFrame(program);
@@ -374,7 +377,7 @@ uint64_t GlDevice::countSamples(std::span<const BoxDraw> boxes) {
   gl_.Disable(GL_DEPTH_TEST);
   gl_.ClearColor(0, 0, 0, 0);
   gl_.Clear(GL_COLOR_BUFFER_BIT);
-  setBlending(Mode::kAverage);
+  setBlending(Combining::kSum);
   while (!boxes.empty()) {
     const size_t count =
         firstAlike(boxes.first(std::min(kBoxesPerDraw, boxes.size())), haveOneScale).size();
@@ -411,13 +414,13 @@ Picture GlDevice::endFrame() {
   picture.height = target_.size().height;
   picture.depth.clear();
   const auto background = std::exchange(keeps_, std::nullopt);
-  if (background && setup_.mode == Mode::kComposite && !setup_.with_depth && !setup_.is_part) {
+  if (background && traitsOf(setup_.mode).has_colors && !setup_.with_depth && !setup_.is_part) {
     picture.rgba.clear();
     kept_ = screen_.make(target_.color(), target_.size(), *background);
     return picture;
   }
   target_.read(GL_COLOR_ATTACHMENT0, picture.rgba);
-  if (setup_.mode != Mode::kComposite) {
+  if (!traitsOf(setup_.mode).has_colors) {
     if (setup_.is_part)
       scaleValues(valueScale(setup_.type), picture.rgba);
     else

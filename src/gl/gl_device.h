@@ -75,7 +75,7 @@ class GlDevice : public Device, public DrawsForScreens, public DrawsRows {
   void uploadLookUp();
   // The same of LookUp::expected.
   void setExpected(GlProgram& program);
-  void setBlending(Mode mode);
+  void setBlending(Combining combining);
   // Restores the state of beginFrame() after another pass.
   void bindTarget();
   // Draws boxes of one chunk and one scale, in pieces between which it checks whether to stop.

@@ -244,7 +244,7 @@ FrameOptions frameOptions(const PictureOptions& picture, const VolumeLayout& lay
     options.cut->is_default = !picture.level;
   }
   if (picture.crop) options.crop = cropOf(*picture.crop, layout.dims);
-  if (picture.with_depth && mode != Mode::kComposite)
+  if (picture.with_depth && !traitsOf(mode).has_colors)
     fail("with_depth: depth exists only in composite mode, since it is weighted by opacity");
   options.with_depth = picture.with_depth;
   if (picture.clip_planes.size() > kMostClipPlanes)

@@ -58,12 +58,12 @@ std::vector<Message> messagesOf(PartialPicture& part, int ranks) {
 
 std::vector<std::byte> packed(const TileNumbers& numbers, const FrameSetup& setup) {
   std::vector<std::byte> record;
-  const bool composite = setup.mode == Mode::kComposite;
-  const size_t tells = composite ? 3 : setup.mode == Mode::kAverage ? 1 : 0;
-  const float empty = composite ? 0 : emptyPart(setup.mode);
+  const ModeTraits& traits = traitsOf(setup.mode);
   packPart(
       record, 0, partChannels(setup),
-      [&](int pixel) { return numbers[tells][static_cast<size_t>(pixel)] != empty; },
+      [&](int pixel) {
+        return numbers[traits.telling_number][static_cast<size_t>(pixel)] != traits.first_value;
+      },
       [&](int pixel, int channel) {
         return numbers[static_cast<size_t>(channel)][static_cast<size_t>(pixel)];
       });
@@ -101,11 +101,11 @@ Picture pictureOf(const std::vector<Message>& from, const PartialPicture& part,
   picture.width = width;
   picture.height = height;
   picture.rgba.assign(4 * pixels, 0.0F);
-  const bool composite = setup.mode == Mode::kComposite;
-  if (composite && setup.with_depth)
+  const ModeTraits& traits = traitsOf(setup.mode);
+  if (traits.has_colors && setup.with_depth)
     picture.depth.assign(pixels, std::numeric_limits<float>::infinity());
-  if (!composite)
-    for (size_t i = 0; i < picture.rgba.size(); i += 4) picture.rgba[i] = emptyPart(setup.mode);
+  if (!traits.has_colors)
+    for (size_t i = 0; i < picture.rgba.size(); i += 4) picture.rgba[i] = traits.first_value;
   for (const Message& message : from)
     visitTiles(message, part.tiles.size(), [&](size_t tile, std::span<const std::byte> bytes) {
       const TileNumbers numbers = composeTile(partRecords(bytes, channels), setup);
@@ -123,7 +123,7 @@ Picture pictureOf(const std::vector<Message>& from, const PartialPicture& part,
           picture.depth[to] = numbers[4][pixel] / numbers[3][pixel];
       }
     });
-  if (!composite) resolveMode(setup, 1, picture.rgba);
+  if (!traits.has_colors) resolveMode(setup, 1, picture.rgba);
   return picture;
 }
 

@@ -43,7 +43,7 @@ void PartDevice::draw(std::span<const BoxDraw> boxes) {
     return;
   }
   std::vector<BoxDraw> placed(boxes.begin(), boxes.end());
-  if (setup_.mode == Mode::kComposite)
+  if (traitsOf(setup_.mode).needs_order)
     for (BoxDraw& box : placed) box.layer = layers_->layerOf(box.cells);
   if (!goesByLayers()) {
     device_->draw(placed);
@@ -75,9 +75,7 @@ void PartDevice::drawPutOff() {
 
 void PartDevice::takeLayer(uint32_t layer, const Picture& picture) {
   const int channels = partChannels(setup_);
-  const bool composite = setup_.mode == Mode::kComposite;
-  const size_t tells = composite ? 3 : setup_.mode == Mode::kAverage ? 1 : 0;
-  const float empty = composite ? 0 : emptyPart(setup_.mode);
+  const ModeTraits& traits = traitsOf(setup_.mode);
   for (size_t tile = 0; tile < part_.tiles.size(); ++tile) {
     const int x0 = static_cast<int>(tile) % part_.across * kPartSide;
     const int y0 = static_cast<int>(tile) / part_.across * kPartSide;
@@ -94,7 +92,7 @@ void PartDevice::takeLayer(uint32_t layer, const Picture& picture) {
         [&](int pixel) {
           return x0 + pixel % kPartSide < picture.width &&
                  y0 + pixel / kPartSide < picture.height &&
-                 picture.rgba[4 * at(pixel) + tells] != empty;
+                 picture.rgba[4 * at(pixel) + traits.telling_number] != traits.first_value;
         },
         [&](int pixel, int channel) {
           const size_t i = at(pixel);

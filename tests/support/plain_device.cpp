@@ -377,7 +377,7 @@ Picture PlainDevice::endFrame() {
       std::array<double, 4> rgba{pixel.rgb.x, pixel.rgb.y, pixel.rgb.z, pixel.opacity};
       if (setup_.mode != Mode::kComposite && setup_.is_part) {
         const bool sums = setup_.mode == Mode::kAverage, seen = pixel.count > 0;
-        rgba[0] = seen ? pixel.value : emptyPart(setup_.mode);
+        rgba[0] = seen ? pixel.value : traitsOf(setup_.mode).first_value;
         rgba[1] = sums                                ? static_cast<double>(pixel.count)
                   : setup_.mode == Mode::kMip && seen ? 1
                                                       : 0;

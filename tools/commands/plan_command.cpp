@@ -285,7 +285,7 @@ bool checkCulling(const PlanArguments& arguments) {
   if (culling == Culling::kNone) return false;
   if (culling == Culling::kAuto)
     fail("--culling auto measures pictures; plan takes none, pof, opof or toc");
-  if (arguments.frame.mode != Mode::kComposite)
+  if (!traitsOf(arguments.frame.mode).hides)
     fail("--culling needs --mode composite, since other modes hide nothing");
   refuseLevels(arguments.levels, "--culling plans the finest level alone");
   return true;

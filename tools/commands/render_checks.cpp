@@ -87,13 +87,13 @@ void checkOutput(const Arguments& arguments) {
   if (arguments.annotate && std::min(size.width, size.height) < kLeastAnnotatedPixels)
     fail("--annotate: a picture of {} x {} pixels has no room for letters; it needs {} x {}",
          size.width, size.height, kLeastAnnotatedPixels, kLeastAnnotatedPixels);
-  if (arguments.aovs && arguments.aovs->depth && arguments.frame.mode != Mode::kComposite)
+  if (arguments.aovs && arguments.aovs->depth && !traitsOf(arguments.frame.mode).has_colors)
     fail("--aov depth needs --mode composite, since depth is weighted by opacity");
   if (arguments.debug_view && frameCount(arguments) > 1)
     fail("--debug-view takes one frame, not {}", frameCount(arguments));
   if (arguments.times && arguments.frames > 1)
     fail("--frames {} takes one time step, not a range of --time", arguments.frames);
-  if (arguments.culling.culling != Culling::kNone && arguments.frame.mode != Mode::kComposite)
+  if (arguments.culling.culling != Culling::kNone && !traitsOf(arguments.frame.mode).hides)
     fail("--culling needs --mode composite, since other modes hide nothing");
   if (arguments.verify && arguments.culling.culling != Culling::kNone && frameCount(arguments) > 1)
     fail("--verify with --culling takes one frame, not {}", frameCount(arguments));
@@ -112,7 +112,7 @@ std::optional<CutOptions> cutOf(const Arguments& arguments, Team* team) {
   // Pictures that get better begin with any level, also with levels that are made for them. Other
   // modes take levels that are there.
   if (asksForRefinement(arguments) && !isSeries(arguments) && team == nullptr && !levels.level &&
-      arguments.frame.mode == Mode::kComposite && !arguments.look.labels)
+      traitsOf(arguments.frame.mode).has_colors && !arguments.look.labels)
     levels.pixel_error = levels.pixel_error.value_or(CutOptions().pixel_error);
   const bool is_alone = frameCount(arguments) == 1 && !asksForRefinement(arguments);
   std::optional<CutOptions> cut =
@@ -130,7 +130,7 @@ PictureOutput pictureOutput(const Arguments& arguments) {
   if (arguments.look.has_background) output.background = arguments.look.background;
   output.annotate = arguments.annotate;
   if (pictureKind(arguments.output) == PictureKind::kExr)
-    output.aovs = arguments.aovs.value_or(Aovs{.depth = arguments.frame.mode == Mode::kComposite});
+    output.aovs = arguments.aovs.value_or(Aovs{.depth = traitsOf(arguments.frame.mode).has_colors});
   return output;
 }
 

@@ -235,7 +235,7 @@ void main() {
 #if GRADIENT_ROWS > 0
   float voxel_lengths = slice_length * ray_length;
 #endif
-  vec4 sum = MODE == 1 ? vec4(-3e38) : MODE == 2 ? vec4(3e38) : vec4(0.0);
+  vec4 sum = COMBINING == 1 ? vec4(-3e38) : COMBINING == 2 ? vec4(3e38) : vec4(0.0);
 #if WITH_DEPTH
   float weighted_depth = 0.0;
 #endif
@@ -284,7 +284,7 @@ void main() {
 #if FLOATS
     if (IS_NO_NUMBER(vec3(value)).x) color = vec4(0.0);
 #endif
-#if MODE == 0
+#if COMBINING == 0
 #if GRADIENTS
     vec3 difference = differenceAt(at);
     float unit = 1.0;
@@ -325,9 +325,9 @@ void main() {
     // A sample's part (alpha) moves its value toward the end that loses: to (max, greatest part),
     // (min, 1 - greatest part) or (sum, sum of parts).
     float part = color.a;
-#if MODE == 1
+#if COMBINING == 1
     if (part > 0.0) sum.rg = max(sum.rg, vec2(mix(least, value, part), part));
-#elif MODE == 2
+#elif COMBINING == 2
     if (part > 0.0) sum.rg = min(sum.rg, vec2(mix(greatest, value, part), 1.0 - part));
 #else
     if (part > 0.0) sum.rg += vec2(value * part, part);

@@ -12,7 +12,7 @@ namespace {
 constexpr const char* kVersion = "#version 330 core\n";
 
 std::string definitions(const ShaderVariant& v) {
-  const std::pair<const char*, int> numbers[] = {{"MODE", static_cast<int>(v.mode)},
+  const std::pair<const char*, int> numbers[] = {{"COMBINING", static_cast<int>(v.combining)},
                                                  {"PERSPECTIVE", v.perspective},
                                                  {"LIT", v.lit},
                                                  {"WITH_DEPTH", v.with_depth},

@@ -10,7 +10,7 @@ namespace sluice {
 
 // Selects the loop's body. Two frames with equal variants share a program.
 struct ShaderVariant {
-  Mode mode = Mode::kComposite;
+  Combining combining = Combining::kBlend;
   bool perspective = false;
   bool lit = false;
   bool with_depth = false;

@@ -73,7 +73,7 @@ class Chooser {
       fromLabels();
     } else if (look_.threshold) {
       fromThreshold(*look_.threshold);
-    } else if (mode_ != Mode::kComposite) {
+    } else if (!traitsOf(mode_).has_colors) {
       wholeRange();
     } else if (!look_.first_picture) {
       fromThreshold(plainThreshold(range_));
@@ -175,7 +175,7 @@ class Chooser {
   // Modes that show one value a pixel, opaque, tell values apart by the colour alone: from black up
   // to it.
   void fadeSolidColor() {
-    if (mode_ != Mode::kComposite && !chosen_.transfer.labels && solidColor(look_.map))
+    if (!traitsOf(mode_).has_colors && !chosen_.transfer.labels && solidColor(look_.map))
       chosen_.transfer.colors.front().rgb = {0, 0, 0};
   }
 
@@ -188,9 +188,9 @@ class Chooser {
   }
 
   void light() {
-    if (mode_ != Mode::kComposite || look_.no_shade) chosen_.lit = false;
+    if (!traitsOf(mode_).has_colors || look_.no_shade) chosen_.lit = false;
     if (look_.shade) chosen_.lit = true;
-    if (mode_ == Mode::kComposite) add(chosen_.lit ? " --shade" : " --no-shade");
+    if (traitsOf(mode_).has_colors) add(chosen_.lit ? " --shade" : " --no-shade");
     if (!chosen_.options.empty()) chosen_.options.erase(0, 1);
   }
 
@@ -215,7 +215,7 @@ double plainThreshold(ValueRange range) {
 
 bool needsGradients(const LookArguments& look, Mode mode) {
   if (look.shade || look.modulate) return true;
-  if (look.first_picture && !look.no_shade && mode == Mode::kComposite) return true;
+  if (look.first_picture && !look.no_shade && traitsOf(mode).has_colors) return true;
   // Whatever the volume's range is.
   return !look.transfer_file.empty() &&
          !readTransferFunction(look.transfer_file, {0, 1}, look.map, look.stop).gradients.empty();

@@ -99,7 +99,7 @@ FrameOptions Drawing::looked(const PictureOptions& picture, const TimeStep& step
   if (options.cut) options.cut->most_held_bytes = cutBytes(scene_.memory_bytes, PictureRow::kMore);
   if (!picture.step_vox) {
     options.step_vox = scene_.chosenStep(step, options);
-    options.step_follows_cut = mode_ == Mode::kComposite &&
+    options.step_follows_cut = traitsOf(mode_).has_colors &&
                                drawsCut(step, options.cut, mode_, scene_.look.transfer.labels);
   }
   options.shades = scene_.look.lit;
@@ -186,7 +186,7 @@ void Drawing::drawToFile(const std::string& path, const PictureOptions& picture,
                          ProgressTeller& teller) {
   const Reading reading(*this, teller);
   PictureOptions in_file = picture;
-  in_file.with_depth = mode_ == Mode::kComposite && pictureKind(path) == PictureKind::kExr;
+  in_file.with_depth = traitsOf(mode_).has_colors && pictureKind(path) == PictureKind::kExr;
   frameOptions(in_file, layout(), mode_);  // throws before anything is read
   const ReadyFrame frame = ready(in_file, reading.pass, teller);
   const std::string look = scene_.lookOf(frame.options);
@@ -202,7 +202,7 @@ void Drawing::drawToFile(const std::string& path, const PictureOptions& picture,
 std::optional<ScreenImage> Drawing::drawOnScreen(const PictureOptions& picture,
                                                  const std::array<float, 3>& background,
                                                  ProgressTeller& teller) {
-  if (screen_ == nullptr || mode_ != Mode::kComposite || picture.with_depth) return std::nullopt;
+  if (screen_ == nullptr || !traitsOf(mode_).has_colors || picture.with_depth) return std::nullopt;
   screen_->keepNext(background);
   try {
     std::optional<ScreenPicture> kept;

@@ -87,7 +87,7 @@ std::string whyEmpty(const DrawnPicture& drawn, const IndexPass& pass) {
     if (isClipped(points, plane))
       return fmt::format("the clip plane {},{},{},{} takes away all that is visible",
                          plane.normal.x, plane.normal.y, plane.normal.z, plane.offset);
-  if (!drawn.transfer.gradients.empty() && options.mode == Mode::kComposite)
+  if (!drawn.transfer.gradients.empty() && traitsOf(options.mode).has_colors)
     return "the opacities by gradient hide everything that the opacities by value show";
   return "the visible part is too transparent or too small to change a pixel";
 }

@@ -174,8 +174,9 @@ std::optional<VoxelProbe> probeAlong(const ProbeRequest& request, Session& sessi
   if (!(ray.end > ray.begin) || !(voxels > 0)) return std::nullopt;
   const double along = 1 / (kSamplesAVoxel * voxels);  // units of t per sample
   const double lengths = along * ray.world_length / finestSpacing(layout);
-  const bool composite = request.options.mode == Mode::kComposite;
-  const bool least = request.options.mode == Mode::kMinip;
+  const ModeTraits& traits = traitsOf(request.options.mode);
+  const bool composite = traits.hides;
+  const bool least = traits.combining == Combining::kLeast;
   Values values(session, step);
   double through = 1, most = composite ? 0 : -std::numeric_limits<double>::infinity();
   std::optional<VoxelProbe> found;

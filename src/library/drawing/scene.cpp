@@ -106,14 +106,14 @@ void Scene::chooseBlocksBy(BlockChooser* chooser) {
 }
 
 double Scene::chosenStep(const TimeStep& step, const FrameOptions& options) const {
-  if (options.mode != Mode::kComposite) return options.step_vox;
+  if (!traitsOf(options.mode).has_colors) return options.step_vox;
   const View view =
       resolve(options.camera, volume.source->layout(), options.size, options.step_vox);
   return stepFor(view, step, finestLevelOf(*this, step, view, options));
 }
 
 std::string Scene::lookOf(const FrameOptions& options) const {
-  if (options.mode != Mode::kComposite) return look.options;
+  if (!traitsOf(options.mode).has_colors) return look.options;
   return look.options + fmt::format(" --step {}", options.step_vox);
 }
 

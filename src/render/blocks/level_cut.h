@@ -22,14 +22,12 @@ class ShownLevels;
 // What the voxels of coarser levels must be of the finest ones for a picture of this mode, of
 // values or labels.
 constexpr LevelValues levelValuesFor(Mode mode, bool has_labels) {
-  if (has_labels) return LevelValues::kModes;
-  if (mode == Mode::kMip) return LevelValues::kMaxima;
-  return mode == Mode::kMinip ? LevelValues::kMinima : LevelValues::kMeans;
+  return has_labels ? LevelValues::kModes : traitsOf(mode).level_values;
 }
 // Whether such levels can show what the finest level shows, so that a picture may be drawn from
 // them without being asked: not averages, nor labels along a ray.
 constexpr bool suitDefaultCut(Mode mode, bool has_labels) {
-  return mode != Mode::kAverage && !(has_labels && mode != Mode::kComposite);
+  return traitsOf(mode).suits_levels && !(has_labels && !traitsOf(mode).has_colors);
 }
 
 // Whether a picture is drawn from a cut, of values or labels. False if no cut is set, if the step

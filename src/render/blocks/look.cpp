@@ -25,12 +25,12 @@ LookUp lookUp(const OpacityTable& table, double finest_spacing) {
 }
 
 Look makeLook(const TimeStep& step, TransferFunction transfer, Mode mode) {
-  if (mode != Mode::kComposite) transfer.gradients.clear();
+  if (!traitsOf(mode).has_colors) transfer.gradients.clear();
   OpacityTable table(transfer, step.ranges->map, step.ranges->device_range);
   LookUp look_up = lookUp(table, finestSpacing(step.source->layout()));
   const bool has_spreads = std::ranges::any_of(
       step.coarser, [](const CoarserStep& level) { return level.spreads != nullptr; });
-  if (has_spreads && mode == Mode::kComposite && !table.labels())
+  if (has_spreads && traitsOf(mode).has_colors && !table.labels())
     look_up.expected = std::make_shared<const ExpectedLook>(expectedLook(
         look_up, table.volumeRange(),
         step.ranges->map.type == DeviceType::kU8 ? TexelBytes::kOne : TexelBytes::kMore));

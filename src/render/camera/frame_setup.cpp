@@ -78,14 +78,13 @@ FrameSetup setupOf(const View& view, const VolumeLayout& layout, const OpacityTa
   setup.shown = cropCells(options, layout.dims);
   setup.type = map.type;
   setup.look_up = std::move(look_up);
-  setup.mode = options.mode;
+  const ModeTraits& traits = traitsOf(options.mode);
+  // If the scale is negative, the greatest value is the least device value.
+  setup.mode = map.scale < 0 ? traits.for_negated : traits.mode;
   // The rounding of 1 / (1 / n) makes no more of n.
   setup.planes_a_voxel = std::max(
       1, static_cast<int>(
              std::ceil(setup.slice_length > 0 ? std::min(1 / setup.slice_length, 1e6) - 1e-6 : 1)));
-  // If the scale is negative, the greatest value is the least device value.
-  if (map.scale < 0 && options.mode == Mode::kMip) setup.mode = Mode::kMinip;
-  if (map.scale < 0 && options.mode == Mode::kMinip) setup.mode = Mode::kMip;
   setup.opacity_threshold = rayThreshold(options);
   setup.with_depth = options.with_depth;
   setup.shades_every_sample = options.shades_every_sample;
@@ -142,7 +141,7 @@ FrameSetup frameSetup(const View& view, const VolumeLayout& layout, const Look& 
   setup.lit = lit;
   // Rays or pixels may stop, or leap, so that fewer samples are taken than lie in the frame's
   // boxes.
-  setup.counts_taken = options.count_samples && options.mode == Mode::kComposite &&
+  setup.counts_taken = options.count_samples && traitsOf(options.mode).hides &&
                        !options.with_depth && (rayThreshold(options) < 1 || options.counts_leaps);
   return setup;
 }

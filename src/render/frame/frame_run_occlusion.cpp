@@ -10,7 +10,7 @@ namespace sluice {
 
 void FrameRun::startOcclusion() {
   if (options_.occlusion == Occlusion::kOff) return;
-  if (options_.mode != Mode::kComposite)
+  if (!traitsOf(options_.mode).hides)
     fail(
         "occlusion follows from opacity, which only composite pictures have; leave out "
         "--occlusion");
