@@ -92,7 +92,7 @@ void CpuDevice::beginFrame(const FrameSetup& setup, const StopToken& stop) {
   tables_.emplace(setup_, *look_up_);
   leaps_ = setup_.skips && traitsOf(setup_.mode).hides;
   if (leaps_ && shown_for_ != setup_.look_up) {
-    ShownValues shown(*setup_.look_up);
+    ShownValues shown = shownValues(*setup_.look_up);
     if (shown != shown_) ++shown_number_;
     shown_ = std::move(shown);
     shown_for_ = setup_.look_up;

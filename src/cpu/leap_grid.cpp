@@ -12,8 +12,6 @@
 namespace sluice {
 namespace {
 
-// Entries beyond an interval of values that are included to cover rounding.
-constexpr double kMarginEntries = 0.02;
 // Below it lies the stand-in for texels that are no number.
 constexpr float kNoNumber = -2e30F;
 
@@ -173,7 +171,7 @@ size_t markShown(const LeapGrid& grid, DeviceType type, const ShownValues& shown
         mark(i, ranges[i].lo <= ranges[i].hi && ranges[i].hi >= least[ranges[i].lo]);
     } else {
       for (size_t i = 0; i < distances.size(); ++i)
-        mark(i, shown.anyIn(static_cast<float>(ranges[i].lo), static_cast<float>(ranges[i].hi)));
+        mark(i, shown.anyIn(static_cast<double>(ranges[i].lo), static_cast<double>(ranges[i].hi)));
     }
   });
   return count;
@@ -214,31 +212,6 @@ void spreadAlong(std::span<uint8_t> distances, int64_t count, int64_t stride,
 }
 
 }  // namespace
-
-ShownValues::ShownValues(const LookUp& look_up) : interpolates_(look_up.interpolates) {
-  const size_t entries = look_up.rgba.size() / 4;
-  const ValueRange range = look_up.device_range;
-  scale_ = range.hi > range.lo ? static_cast<double>(entries - 1) / (range.hi - range.lo) : 0;
-  offset_ = -range.lo * scale_;
-  for (size_t entry = 0; entry < entries; ++entry)
-    shown_before_.push_back(shown_before_.back() + (look_up.rgba[4 * entry + 3] > 0 ? 1 : 0));
-}
-
-bool ShownValues::anyIn(float lo, float hi) const {
-  if (lo > hi) return false;
-  const double last = static_cast<double>(shown_before_.size()) - 2;
-  const auto entryOf = [&](double value) {
-    const double entry = value * scale_ + offset_;
-    return entry > 0 ? std::min(entry, last) : 0.0;
-  };
-  // Interpolated texels take from both entries around, others from the nearest.
-  const double half = interpolates_ ? 0 : 0.5;
-  const double from = std::floor(entryOf(lo) - kMarginEntries + half);
-  const double to = interpolates_ ? std::ceil(entryOf(hi) + kMarginEntries)
-                                  : std::floor(entryOf(hi) + kMarginEntries + half);
-  return shown_before_[static_cast<size_t>(std::min(to, last)) + 1] >
-         shown_before_[static_cast<size_t>(std::max(from, 0.0))];
-}
 
 LeapGrid leapGrid(const ChunkTexels& chunk, const ExpectedLook* expected) {
   SLUICE_CHECK(!chunk.has_spread || expected != nullptr);

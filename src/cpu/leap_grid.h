@@ -14,6 +14,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "src/base/values/shown_values.h"
 #include "src/device/chunk_texels.h"
 #include "src/device/device.h"
 #include "src/device/frame_values.h"
@@ -23,22 +24,6 @@ namespace sluice {
 inline constexpr int kBrickSide = kTableBrickSide;
 // Distances reach no further.
 inline constexpr int kMostDistance = 6;
-
-// ShownValues tells in O(1) which intervals of values show something.
-class ShownValues {
- public:
-  ShownValues() = default;
-  explicit ShownValues(const LookUp& look_up);
-
-  // Whether a sample between the two, or just beyond by rounding, may have an opacity.
-  bool anyIn(float lo, float hi) const;
-  bool operator==(const ShownValues&) const = default;
-
- private:
-  double scale_ = 0, offset_ = 0;
-  bool interpolates_ = false;
-  std::vector<uint32_t> shown_before_{0};  // entries before this one that show something
-};
 
 struct LeapGrid {
   Vec3i bricks;

@@ -61,19 +61,21 @@ std::vector<float> lookUpTexels(const LookUpKey& key) {
   return texels;
 }
 
+ShownValues shownValues(const LookUp& look_up) {
+  return {look_up.device_range, static_cast<int>(look_up.rgba.size() / 4),
+          [&](int entry) { return look_up.rgba[4 * static_cast<size_t>(entry) + 3] > 0; }};
+}
+
 std::array<double, 2> visibleValues(const LookUp& look_up) {
-  const size_t entries = look_up.rgba.size() / 4;
-  const auto shows = [&](size_t entry) { return look_up.rgba[4 * entry + 3] > 0; };
-  size_t first = 0, end = entries;
-  while (first < entries && !shows(first)) ++first;
-  while (end > first && !shows(end - 1)) --end;
+  const std::vector<ShownValues::Interval> intervals = shownValues(look_up).intervals();
   constexpr double kAll = std::numeric_limits<float>::max();
-  if (first == end) return {kAll, -kAll};
+  if (intervals.empty()) return {kAll, -kAll};
   const ValueRange range = look_up.device_range;
-  const double entry =
-      (range.hi - range.lo) / static_cast<double>(std::max<size_t>(1, entries - 1));
-  return {first < 2 ? -kAll : range.lo + (static_cast<double>(first) - 2) * entry,
-          end + 2 > entries ? kAll : range.lo + (static_cast<double>(end) + 1) * entry};
+  const int last = static_cast<int>(look_up.rgba.size() / 4) - 1;
+  const double entry = (range.hi - range.lo) / std::max(1, last);
+  const int least = intervals.front().first - 1, greatest = intervals.back().last + 1;
+  return {least < 0 ? -kAll : range.lo + least * entry,
+          greatest > last ? kAll : range.lo + greatest * entry};
 }
 
 void scaleValues(double device_unit, std::vector<float>& rgba) {

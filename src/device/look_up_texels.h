@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "src/base/values/shown_values.h"
 #include "src/device/frame_values.h"
 
 namespace sluice {
@@ -26,8 +27,10 @@ LookUpKey lookUpKey(const FrameSetup& setup);
 // the entry takes.
 std::vector<float> lookUpTexels(const LookUpKey& key);
 
-// Device values beyond which no entry has an opacity: entries are interpolated, and rounding may
-// move by one more. The first is the greater one if no entry has an opacity.
+// The device values whose samples have an opacity.
+ShownValues shownValues(const LookUp& look_up);
+// Device values beyond which none has: an entry of distance is added for rounding. The first is the
+// greater one if no entry has an opacity.
 std::array<double, 2> visibleValues(const LookUp& look_up);
 
 // In place: turns the numbers of modes other than composite into their colours, premultiplied.

@@ -218,9 +218,9 @@ StepBlocks::StepBlocks(const SliceRanges& ranges, const ExtinctionTable& table)
       highs_(kinds_.size()),
       index_file_(ranges.index_file) {
   const auto set = [&](size_t block, double lo, double hi) {
-    kinds_[block] = !table.anyOpaque(lo, hi) ? Kind::kEmpty
-                    : lo == hi               ? Kind::kUniform
-                                             : Kind::kMixed;
+    kinds_[block] = !table.shown().anyIn(lo, hi) ? Kind::kEmpty
+                    : lo == hi                   ? Kind::kUniform
+                                                 : Kind::kMixed;
     lows_[block] = static_cast<float>(lo);
     highs_[block] = static_cast<float>(hi);
   };

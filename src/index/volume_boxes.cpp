@@ -159,7 +159,7 @@ void addBackground(const SliceRanges& ranges, const OpacityTable& table, const B
   cost.grown += count;
   cost.boxes += count;
   cost.types[static_cast<size_t>(BoxType::kUniform)] += count;
-  if (count == 0 || !table.anyOpaque(ranges.background, ranges.background)) return;
+  if (count == 0 || !table.shown().anyIn(ranges.background, ranges.background)) return;
   const Extent all = extentOf(layout, boxOf(layout.grid), crop);
   cost.visible_boxes += all.blocks;
   cost.visible_cells += all.cells;

@@ -108,7 +108,7 @@ TEST(VolumeBoxes, costsAreThoseOfPlainSums) {
     int64_t boxes = 0, cells = 0, all = 0;
     for (const auto& [box, grown] : treePartition(volume, 32)) {
       ++all;
-      if (!table.anyOpaque(grown.range.lo, grown.range.hi)) continue;
+      if (!table.shown().anyIn(grown.range.lo, grown.range.hi)) continue;
       if (intersect(box, crop).empty()) continue;
       ++boxes;
       cells += intersect(box, crop).count();
@@ -128,7 +128,7 @@ TEST(VolumeBoxes, costsAreThoseOfPlainSums) {
             const Vec3i at{x, y, z};
             const Box3 brick =
                 intersect(translate(grid.cellsOf({at, at + Vec3i{1, 1, 1}}), owned.lo), crop);
-            if (brick.empty() || !table.anyOpaque(grid.at(at).lo, grid.at(at).hi)) continue;
+            if (brick.empty() || !table.shown().anyIn(grid.at(at).lo, grid.at(at).hi)) continue;
             ++bricks;
             brick_cells += brick.count();
           }

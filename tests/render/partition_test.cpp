@@ -212,7 +212,7 @@ TEST_P(PartitionDataTest, boxesDrawTheSamePicture) {
         const Box3& box = object[static_cast<size_t>(block)];
         for (const GrownBox& grown :
              growBoxTree(grid, growingParameters(ranges.map.type, ranges.device_range)).boxes) {
-          if (!table.anyOpaque(grown.range.lo, grown.range.hi)) continue;
+          if (!table.shown().anyIn(grown.range.lo, grown.range.hi)) continue;
           ++visible;
           if (intersect(translate(grown.local(), grid.cells.lo), box).empty()) ++outside;
         }

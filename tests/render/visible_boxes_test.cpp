@@ -41,7 +41,7 @@ struct Block {
           static_cast<int>(voxels[static_cast<size_t>((p.z * dims.y + p.y) * dims.x + p.x)]);
       lo = std::min(lo, value), hi = std::max(hi, value);
     }
-    return table.anyOpaque(lo, hi);
+    return table.shown().anyIn(lo, hi);
   }
 
   std::unique_ptr<MemorySource> source;

@@ -10,8 +10,8 @@
 
 #include "src/base/error.h"
 #include "src/base/threads/worker_pool.h"
+#include "src/base/values/shown_values.h"
 #include "src/classify/transfer/opacity_table.h"
-#include "src/classify/transfer/visible_values.h"
 #include "src/volume/slice_ranges.h"
 
 namespace sluice {
@@ -29,13 +29,13 @@ template <class T>
 class Classifier {
  public:
   Classifier(const SliceRanges& ranges, const OpacityTable& table, const Box3& crop)
-      : ranges_(ranges), crop_(crop), visible_(table) {}
+      : ranges_(ranges), crop_(crop), shown_(table.shown()) {}
 
   // The object box of a held block, whose cells are `owned`, cut by the crop; empty: it is white.
   Box3 shownCells(size_t held, const Box3& owned) const {
     const PlaneRange<T> total = ranges_.totalsAs<T>()[held];
     // Without a look at the planes of a block that is solid.
-    if (visible_.allPartsOf(total.lo, total.hi)) return intersect(owned, crop_);
+    if (shown_.allPartsOf(total.lo, total.hi)) return intersect(owned, crop_);
     Box3 cells;
     for (int axis = 0; axis < 3; ++axis) {
       const auto planes = ranges_.planesAs<T>(held, axis);
@@ -53,18 +53,18 @@ class Classifier {
   // False only if the block is white; O(1).
   bool mayShow(size_t held) const {
     const PlaneRange<T> total = ranges_.totalsAs<T>()[held];
-    return visible_.any(total.lo, total.hi);
+    return shown_.any(total.lo, total.hi);
   }
 
  private:
   // The slab between this plane and the next.
   bool slabShows(const PlaneRange<T>* plane) const {
-    return visible_.any(std::min(plane[0].lo, plane[1].lo), std::max(plane[0].hi, plane[1].hi));
+    return shown_.any(std::min(plane[0].lo, plane[1].lo), std::max(plane[0].hi, plane[1].hi));
   }
 
   const SliceRanges& ranges_;
   const Box3& crop_;
-  const VisibleValues<T> visible_;
+  const ShownVoxels<T> shown_;
 };
 
 // The grid's blocks that own cells of `cells`.
@@ -117,7 +117,7 @@ template <class Call>
 void visitWhole(const SliceRanges& ranges, const OpacityTable& table, const Box3& crop,
                 const Call& call) {
   for (const int64_t block : ranges.unknown) call(block);
-  if (table.anyOpaque(ranges.background, ranges.background) &&
+  if (table.shown().anyIn(ranges.background, ranges.background) &&
       static_cast<int64_t>(ranges.blocks.size() + ranges.unknown.size()) <
           ranges.layout.blockCount())
     visitBackground(ranges, crop, call);

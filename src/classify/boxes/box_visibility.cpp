@@ -38,19 +38,19 @@ BoxVisibility::BoxVisibility(const OpacityTable& table, const VolumeLayout& layo
 }
 
 bool BoxVisibility::shows(const CellRange& range) const {
-  if (table_.magnitudes().empty()) return table_.anyOpaque(range.lo, range.hi);
+  if (table_.magnitudes().empty()) return table_.shown().anyIn(range.lo, range.hi);
   // Next to a voxel that is no number an axis adds nothing to a gradient; its difference is beyond
   // all others here.
   const bool bounded = knows_gradients_ && range.gradient_hi < kLargest;
   if (!bounded)
-    return table_.anyOpaque(range.lo, range.hi, 0, std::numeric_limits<double>::infinity());
+    return table_.showsAny(range.lo, range.hi, 0, std::numeric_limits<double>::infinity());
   // Samples of equal voxels are equal, and their gradient is 0 exactly.
-  if (range.gradient_hi == 0) return table_.anyOpaque(range.lo, range.hi, 0, 0);
+  if (range.gradient_hi == 0) return table_.showsAny(range.lo, range.hi, 0, 0);
   const double rounding =
       kRounding * std::max(std::abs(double{range.lo}), std::abs(double{range.hi}));
-  return table_.anyOpaque(range.lo, range.hi,
-                          std::max(0.0, range.gradient_lo * least_stretch_ - rounding),
-                          range.gradient_hi * most_stretch_ + rounding);
+  return table_.showsAny(range.lo, range.hi,
+                         std::max(0.0, range.gradient_lo * least_stretch_ - rounding),
+                         range.gradient_hi * most_stretch_ + rounding);
 }
 
 }  // namespace sluice

@@ -88,12 +88,6 @@ int spreadSteps(std::vector<float>& entries) {
   return step_entries;
 }
 
-std::vector<uint32_t> countBefore(size_t entries, const auto& isOpaque) {
-  std::vector<uint32_t> before(entries + 1);
-  for (size_t i = 0; i < entries; ++i) before[i + 1] = before[i] + (isOpaque(i) ? 1 : 0);
-  return before;
-}
-
 }  // namespace
 
 OpacityTable::OpacityTable(const TransferFunction& transfer, const ValueMap& map,
@@ -102,9 +96,7 @@ OpacityTable::OpacityTable(const TransferFunction& transfer, const ValueMap& map
       volume_range_(device_range),
       labels_(transfer.labels) {
   SLUICE_CHECK_LE(2, most_entries);
-  const double span = range_.hi - range_.lo;
   const int count = entryCount(range_, most_entries);
-  entries_per_device_ = span > 0 ? (count - 1) / span : 0;
   const auto size = static_cast<size_t>(count);
   opacity_.resize(size);
   rgb_.resize(3 * size);
@@ -119,7 +111,8 @@ OpacityTable::OpacityTable(const TransferFunction& transfer, const ValueMap& map
   }
   step_entries_ = spreadSteps(opacity_);
   must_interpolate_ = neighborsDiffer();
-  opaque_before_ = countBefore(size, [&](size_t i) { return opacity_[i] > 0; });
+  shown_ = ShownValues(range_, count,
+                       [&](int entry) { return opacity_[static_cast<size_t>(entry)] > 0; });
   addGradients(transfer, map);
 }
 
@@ -134,31 +127,27 @@ void OpacityTable::addGradients(const TransferFunction& transfer, const ValueMap
       factors[i] = static_cast<float>(gradientFactorAt(row, map.valueOf(deviceAt(i))));
     if (depends) step_entries_ = std::max(step_entries_, spreadSteps(factors));
     // A factor is interpolated, so it reaches to the neighbouring entries.
-    const auto shows = [&](size_t i) {
+    shown_in_row_.emplace_back(range_, entries(), [&](int entry) {
+      const auto i = static_cast<size_t>(entry);
+      if (!(opacity_[i] > 0)) return false;
       if (!depends) return factors[0] > 0;
       return factors[i] > 0 || (i > 0 && factors[i - 1] > 0) ||
              (i + 1 < factors.size() && factors[i + 1] > 0);
-    };
-    opaque_before_in_row_.push_back(
-        countBefore(opacity_.size(), [&](size_t i) { return opacity_[i] > 0 && shows(i); }));
+    });
     factors_.insert(factors_.end(), factors.begin(), factors.end());
   }
 }
 
-bool OpacityTable::anyOpaque(double lo, double hi, double gradient_lo, double gradient_hi) const {
-  if (magnitudes_.empty()) return anyOpaque(lo, hi);
+bool OpacityTable::showsAny(double lo, double hi, double gradient_lo, double gradient_hi) const {
+  if (magnitudes_.empty()) return shown_.anyIn(lo, hi);
   // From the last row at or below the least magnitude to the first at or above the greatest:
   // between two rows both have a part.
   const auto above = std::upper_bound(magnitudes_.begin(), magnitudes_.end(), gradient_lo);
   const auto from = above == magnitudes_.begin() ? above : above - 1;
   const auto last = std::lower_bound(from, magnitudes_.end() - 1, gradient_hi);
-  const size_t entry_from = static_cast<size_t>(std::max(0, entryOf(lo) - 1));
-  const size_t entry_to = static_cast<size_t>(std::min(entries(), entryOf(hi) + 2));
-  for (auto row = from; row <= last; ++row) {
-    const auto& before = opaque_before_in_row_[static_cast<size_t>(row - magnitudes_.begin())];
-    if (before[entry_to] != before[entry_from]) return true;
-  }
-  return false;
+  const auto begin = shown_in_row_.begin();
+  return std::any_of(begin + (from - magnitudes_.begin()), begin + (last + 1 - magnitudes_.begin()),
+                     [&](const ShownValues& shown) { return shown.anyIn(lo, hi); });
 }
 
 bool OpacityTable::neighborsDiffer() const {

@@ -1,5 +1,5 @@
-// OpacityTable: a transfer function sampled over the device values of a volume, and the question
-// that every acceleration asks of it: is anything in [lo, hi] visible?
+// OpacityTable: a transfer function sampled over the device values of a volume, and which of these
+// show something, see ShownValues.
 //
 // Classification reads the same table in which a device looks values up, so that a block called
 // empty is empty in the picture. Entry i stands for the device value
@@ -21,9 +21,9 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <cstdint>
 #include <vector>
 
+#include "src/base/values/shown_values.h"
 #include "src/base/values/volume_source.h"
 #include "src/classify/transfer/transfer_function.h"
 #include "src/volume/device_voxel.h"
@@ -45,11 +45,7 @@ class OpacityTable {
   // All device values of the volume.
   ValueRange volumeRange() const { return volume_range_; }
   // The nearest entry of a device value, clamped to the table.
-  int entryOf(double device) const {
-    const double at = (device - range_.lo) * entries_per_device_ + 0.5;
-    if (!(at > 0)) return 0;
-    return at >= entries() ? entries() - 1 : static_cast<int>(at);
-  }
+  int entryOf(double device) const { return shown_.entryOf(device); }
   // Opacity of each entry for one voxel length of the finest spacing, not corrected for a step.
   const std::vector<float>& opacity() const { return opacity_; }
   // Values are names, see TransferFunction.
@@ -65,18 +61,11 @@ class OpacityTable {
   // Row after row; entries() a row, or one a row if none depends on the value.
   const std::vector<float>& factors() const { return factors_; }
 
-  // False only when every sample between device values lo <= hi has opacity 0, also one that
-  // single-precision arithmetic moves to the next entry. O(1).
-  bool anyOpaque(double lo, double hi) const { return anyOpaqueEntry(entryOf(lo), entryOf(hi)); }
-  // The same for entries lo <= hi.
-  bool anyOpaqueEntry(int lo, int hi) const {
-    const int from = lo > 0 ? lo - 1 : 0;
-    const int to = hi + 1 < entries() ? hi + 2 : entries();
-    return opaque_before_[static_cast<size_t>(to)] != opaque_before_[static_cast<size_t>(from)];
-  }
-  // The same for samples whose gradient's magnitude is between `gradient_lo` and `gradient_hi`,
-  // device values a voxel length. O(rows).
-  bool anyOpaque(double lo, double hi, double gradient_lo, double gradient_hi) const;
+  // The device values that show something, whatever the gradient.
+  const ShownValues& shown() const { return shown_; }
+  // shown().anyIn(lo, hi) for samples whose gradient's magnitude is between `gradient_lo` and
+  // `gradient_hi`, device values a voxel length. O(rows).
+  bool showsAny(double lo, double hi, double gradient_lo, double gradient_hi) const;
 
  private:
   void addGradients(const TransferFunction& transfer, const ValueMap& map);
@@ -87,16 +76,14 @@ class OpacityTable {
   bool neighborsDiffer() const;
 
   ValueRange range_, volume_range_;
-  double entries_per_device_ = 0;
   std::vector<float> opacity_;
   std::vector<float> rgb_;
   int step_entries_ = 0;
   bool must_interpolate_ = false, labels_ = false;
-  std::vector<uint32_t> opaque_before_;  // [i]: entries below i whose opacity is not 0
+  ShownValues shown_;
   std::vector<double> magnitudes_;
   std::vector<float> factors_;
-  // Each row's own opaque_before_, of entries whose factor is not 0 either.
-  std::vector<std::vector<uint32_t>> opaque_before_in_row_;
+  std::vector<ShownValues> shown_in_row_;  // those whose factor in the row is not 0 either
 };
 
 }  // namespace sluice

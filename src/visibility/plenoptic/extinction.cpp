@@ -85,7 +85,7 @@ ExtinctionTable::ExtinctionTable(const OpacityTable& table)
 float ExtinctionTable::leastIn(double lo, double hi) const {
   if (lo < kLeastNumber) return 0;
   // An additional entry on both sides covers the rounding of the device's arithmetic; see
-  // OpacityTable::anyOpaque().
+  // ShownValues.
   const int first = std::max(0, table_.entryOf(lo) - 1);
   const int last = std::min(table_.entries() - 1, table_.entryOf(hi) + 1);
   const int entries = last - first + 1;

@@ -33,7 +33,7 @@ class ExtinctionTable {
   float opacityOf(double device) const {
     return device < kLeastNumber ? 0 : opacity_[static_cast<size_t>(table_.entryOf(device))];
   }
-  bool anyOpaque(double lo, double hi) const { return table_.anyOpaque(lo, hi); }
+  const ShownValues& shown() const { return table_.shown(); }
 
  private:
   static constexpr double kLeastNumber = -2e38;  // lesser values stand for NaN

@@ -111,9 +111,9 @@ TEST(OpacityTable, aSampleTakesTheNearestEntry) {
 TEST(OpacityTable, aRangeOfOneValueIsOneAnswer) {
   const TransferFunction step = transferOf({{7, 0}, {7, 0.5}});
   for (const ValueMap& map : {kBytes, kFloats}) {
-    EXPECT_TRUE(OpacityTable(step, map, {7, 7}).anyOpaque(7, 7));
-    EXPECT_FALSE(OpacityTable(step, map, {6, 6}).anyOpaque(6, 6));
-    EXPECT_FALSE(OpacityTable(step, map, {6, 6}).anyOpaque(0, 255));
+    EXPECT_TRUE(OpacityTable(step, map, {7, 7}).shown().anyIn(7, 7));
+    EXPECT_FALSE(OpacityTable(step, map, {6, 6}).shown().anyIn(6, 6));
+    EXPECT_FALSE(OpacityTable(step, map, {6, 6}).shown().anyIn(0, 255));
   }
 }
 
@@ -126,7 +126,7 @@ TEST(OpacityTable, prefixSumsAnswerAsALoopDoes) {
         bool any = false;  // a neighbour on each side included, for rounding
         for (int e = std::max(0, lo - 1); e <= std::min(table.entries() - 1, hi + 1); ++e)
           any = any || table.opacity()[static_cast<size_t>(e)] > 0;
-        ASSERT_EQ(table.anyOpaqueEntry(lo, hi), any) << lo << " to " << hi;
+        ASSERT_EQ(table.shown().anyEntryIn(lo, hi), any) << lo << " to " << hi;
       }
   }
 }
@@ -145,8 +145,8 @@ TEST(OpacityTable, aVisibleValueIsNeverCalledInvisible) {
       const bool visible = opacityAt(transfer, value - width) > 0 &&
                            opacityAt(transfer, value) > 0 && opacityAt(transfer, value + width) > 0;
       if (visible) {
-        ASSERT_TRUE(table.anyOpaque(value, value)) << value;
-        ASSERT_TRUE(table.anyOpaque(value - unit(), value + unit())) << value;
+        ASSERT_TRUE(table.shown().anyIn(value, value)) << value;
+        ASSERT_TRUE(table.shown().anyIn(value - unit(), value + unit())) << value;
       }
     }
   }
@@ -154,10 +154,10 @@ TEST(OpacityTable, aVisibleValueIsNeverCalledInvisible) {
 
 TEST(OpacityTable, anIntervalOfZerosIsInvisible) {
   const OpacityTable table(transferOf({{99, 0}, {100, 0.5}, {101, 0}}), kBytes, {0, 255});
-  EXPECT_FALSE(table.anyOpaque(0, 98.9));
-  EXPECT_FALSE(table.anyOpaque(101.1, 255));
-  EXPECT_TRUE(table.anyOpaque(100, 100));
-  EXPECT_TRUE(table.anyOpaque(0, 255));
+  EXPECT_FALSE(table.shown().anyIn(0, 98.9));
+  EXPECT_FALSE(table.shown().anyIn(101.1, 255));
+  EXPECT_TRUE(table.shown().anyIn(100, 100));
+  EXPECT_TRUE(table.shown().anyIn(0, 255));
 }
 
 TEST(OpacityTable, singlePrecisionMayMoveAValueToTheNextEntry) {
@@ -166,9 +166,9 @@ TEST(OpacityTable, singlePrecisionMayMoveAValueToTheNextEntry) {
   // Values next to the first visible entry on the invisible side.
   int first = 0;
   while (!(table.opacity()[static_cast<size_t>(first)] > 0)) ++first;
-  EXPECT_TRUE(table.anyOpaque(deviceOf(table, first - 1), deviceOf(table, first - 1)));
+  EXPECT_TRUE(table.shown().anyIn(deviceOf(table, first - 1), deviceOf(table, first - 1)));
   EXPECT_FALSE(
-      table.anyOpaque(deviceOf(table, first - 1) - width, deviceOf(table, first - 1) - width));
+      table.shown().anyIn(deviceOf(table, first - 1) - width, deviceOf(table, first - 1) - width));
 }
 
 TEST(OpacityTable, aStepIsARampOverAFewEntriesBelowIt) {
@@ -210,9 +210,9 @@ TEST(OpacityTable, whatIsVisibleStaysSoWhereStepsAreSpread) {
                            {0, 16383});
   ASSERT_EQ(table.entries(), 16384);
   EXPECT_GT(table.opacity()[50], 0);
-  EXPECT_TRUE(table.anyOpaque(50, 50));
-  EXPECT_FALSE(table.anyOpaque(0, 50 - table.stepEntries() - 2));
-  EXPECT_FALSE(table.anyOpaque(53, 16383));
+  EXPECT_TRUE(table.shown().anyIn(50, 50));
+  EXPECT_FALSE(table.shown().anyIn(0, 50 - table.stepEntries() - 2));
+  EXPECT_FALSE(table.shown().anyIn(53, 16383));
 }
 
 TEST(OpacityTable, floatsThatHoldIntegersFallOnEntriesToo) {
@@ -235,7 +235,7 @@ TEST(OpacityTable, aValueFarOffLeavesTheEntriesToWhereTheTransferFunctionChanges
     }
     EXPECT_FLOAT_EQ(table.opacity()[static_cast<size_t>(table.entryOf(range.hi))],
                     static_cast<float>(opacityAt(transfer, range.hi)));
-    EXPECT_EQ(table.anyOpaque(range.lo, range.lo), false);
+    EXPECT_EQ(table.shown().anyIn(range.lo, range.lo), false);
   }
   // Integers still fall on entries.
   const ValueMap words{DeviceType::kU16, 1, 0};
@@ -252,8 +252,8 @@ TEST(OpacityTable, aValueFarOffLeavesTheEntriesToWhereTheTransferFunctionChanges
   transfer.opacities = {{2000, 0}, {2000, 0.5}};
   transfer.colors = {{2000, {1, 1, 1}}};
   const OpacityTable step(transfer, words, {0, 65535});
-  EXPECT_FALSE(step.anyOpaque(0, 1999));
-  EXPECT_TRUE(step.anyOpaque(2000, 2000));
+  EXPECT_FALSE(step.shown().anyIn(0, 1999));
+  EXPECT_TRUE(step.shown().anyIn(2000, 2000));
 }
 
 TEST(OpacityTable, aSampleInterpolatesWhereNeighborsDifferVisibly) {

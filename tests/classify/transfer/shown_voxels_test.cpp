@@ -1,4 +1,4 @@
-#include "src/classify/transfer/visible_values.h"
+#include "src/base/values/shown_values.h"
 
 #include <gtest/gtest.h>
 
@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numeric>
 #include <random>
+
+#include "src/classify/transfer/opacity_table.h"
 
 namespace sluice {
 namespace {
@@ -25,31 +27,31 @@ OpacityTable randomTable(std::mt19937_64& random, int bands, DeviceType type, Va
   return {transfer, {type, 1, 0}, range};
 }
 
-TEST(VisibleValues, agreeWithTheTableOnEveryPairOfBytes) {
+TEST(ShownVoxels, agreeWithTheTableOnEveryPairOfBytes) {
   std::mt19937_64 random(1);
   for (const int bands : {0, 1, 2, 5, 40})
     for (const ValueRange range : {ValueRange{0, 255}, {17, 201}, {90, 90}}) {
       const OpacityTable table = randomTable(random, bands, DeviceType::kU8, range);
-      const VisibleValues<uint8_t> visible(table);
+      const ShownVoxels<uint8_t> shown(table.shown());
       for (int lo = 0; lo < 256; ++lo)
         for (int hi = lo; hi < 256; ++hi)
-          ASSERT_EQ(visible.any(static_cast<uint8_t>(lo), static_cast<uint8_t>(hi)),
-                    table.anyOpaque(lo, hi))
+          ASSERT_EQ(shown.any(static_cast<uint8_t>(lo), static_cast<uint8_t>(hi)),
+                    table.shown().anyIn(lo, hi))
               << lo << " to " << hi << ", " << bands << " bands";
     }
 }
 
-TEST(VisibleValues, allPartsShowOnlyIfEachValueDoes) {
+TEST(ShownVoxels, allPartsShowOnlyIfEachValueDoes) {
   std::mt19937_64 random(4);
   int64_t found = 0, showing = 0;
   for (const int bands : {0, 1, 2, 5, 40}) {
     const OpacityTable table = randomTable(random, bands, DeviceType::kU8, {17, 201});
-    const VisibleValues<uint8_t> visible(table);
+    const ShownVoxels<uint8_t> shown(table.shown());
     for (int lo = 0; lo < 256; ++lo) {
       bool each_shows = true;
       for (int hi = lo; hi < 256; ++hi) {
-        each_shows = each_shows && table.anyOpaque(hi, hi);
-        const bool all = visible.allPartsOf(static_cast<uint8_t>(lo), static_cast<uint8_t>(hi));
+        each_shows = each_shows && table.shown().anyIn(hi, hi);
+        const bool all = shown.allPartsOf(static_cast<uint8_t>(lo), static_cast<uint8_t>(hi));
         if (all) {
           ASSERT_TRUE(each_shows) << lo << " to " << hi << ", " << bands << " bands";
         }
@@ -63,32 +65,32 @@ TEST(VisibleValues, allPartsShowOnlyIfEachValueDoes) {
   EXPECT_GT(showing, 1000);
 }
 
-TEST(VisibleValues, agreeWithTheTableOnSixteenBits) {
+TEST(ShownVoxels, agreeWithTheTableOnSixteenBits) {
   std::mt19937_64 random(2);
   for (const int bands : {1, 3, 300})
     for (const ValueRange range : {ValueRange{0, 65535}, {31768, 35768}}) {
       const OpacityTable table = randomTable(random, bands, DeviceType::kU16, range);
-      const VisibleValues<uint16_t> visible(table);
+      const ShownVoxels<uint16_t> shown(table.shown());
       for (uint32_t v = 0; v < 65536; ++v)
-        ASSERT_EQ(visible.any(static_cast<uint16_t>(v), static_cast<uint16_t>(v)),
-                  table.anyOpaque(v, v))
+        ASSERT_EQ(shown.any(static_cast<uint16_t>(v), static_cast<uint16_t>(v)),
+                  table.shown().anyIn(v, v))
             << v;
       for (int pair = 0; pair < 20000; ++pair) {
         const auto lo = static_cast<uint16_t>(random());
         const auto hi = static_cast<uint16_t>(std::min<uint64_t>(65535, lo + random() % 3000));
-        ASSERT_EQ(visible.any(lo, hi), table.anyOpaque(lo, hi)) << lo << " to " << hi;
+        ASSERT_EQ(shown.any(lo, hi), table.shown().anyIn(lo, hi)) << lo << " to " << hi;
       }
     }
 }
 
-TEST(VisibleValues, agreeWithTheTableOnNeighboringFloats) {
+TEST(ShownVoxels, agreeWithTheTableOnNeighboringFloats) {
   std::mt19937_64 random(3);
   for (const int bands : {1, 2, 50})
     for (const ValueRange range : {ValueRange{-3, 5}, {1e-8, 2e-8}, {-1e20, 1e25}, {0, 0}}) {
       const OpacityTable table = randomTable(random, bands, DeviceType::kF32, range);
-      const VisibleValues<float> visible(table);
+      const ShownVoxels<float> shown(table.shown());
       const auto expectSame = [&](float v) {
-        ASSERT_EQ(visible.any(v, v), table.anyOpaque(v, v)) << v;
+        ASSERT_EQ(shown.any(v, v), table.shown().anyIn(v, v)) << v;
       };
       for (const float v : {kNotANumber, kLargest, 0.0F, -0.0F}) expectSame(v);
       for (int i = 0; i < 20000 && !HasFatalFailure(); ++i)
@@ -98,11 +100,11 @@ TEST(VisibleValues, agreeWithTheTableOnNeighboringFloats) {
       auto last = static_cast<float>(range.lo);
       for (int step = 1; step <= 2000 && !HasFatalFailure(); ++step) {
         const auto next = static_cast<float>(std::lerp(range.lo, range.hi, step / 2000.0));
-        if (table.anyOpaque(last, last) != table.anyOpaque(next, next)) {
+        if (table.shown().anyIn(last, last) != table.shown().anyIn(next, next)) {
           float lo = last, hi = next;
           for (float middle = std::midpoint(lo, hi); lo < middle && middle < hi;
                middle = std::midpoint(lo, hi))
-            (table.anyOpaque(middle, middle) == table.anyOpaque(lo, lo) ? lo : hi) = middle;
+            (table.shown().anyIn(middle, middle) == table.shown().anyIn(lo, lo) ? lo : hi) = middle;
           expectSame(lo);
           expectSame(hi);
         }
