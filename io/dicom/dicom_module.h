@@ -2,7 +2,7 @@
 //
 // GDCM brings a dozen libraries. So all that includes its headers (dicom_module.cpp) is a library
 // apart, sluice_dicom.so, opened with the first frame of JPEG, JPEG-LS or JPEG 2000
-// (src/base/files/module_path.h says where from). The program reads everything else itself, and
+// (src/base/files/program_module.h says where from). The program reads everything else itself, and
 // checks what a frame says of its own size first (dicom_frames.h).
 #pragma once
 
@@ -21,7 +21,6 @@ using DecodeDicomFrame = bool(DicomCoding coding, const DicomPixelForm& form,
 inline constexpr const char* kDecodeDicomFrame = "sluiceDecodeDicomFrame";
 
 // The module exports this before anything is called: the version of sluice and of this interface.
-using DicomModuleVersion = const char*();
 inline constexpr const char* kDicomModuleVersionName = "sluiceDicomVersion";
 inline constexpr const char* kDicomModuleVersion = SLUICE_VERSION " dicom module 1";
 

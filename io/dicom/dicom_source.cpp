@@ -15,8 +15,7 @@
 #include "io/files/file_list.h"
 #include "io/files/plane_bands.h"
 #include "src/base/error.h"
-#include "src/base/files/module_path.h"
-#include "src/base/files/shared_library.h"
+#include "src/base/files/program_module.h"
 #include "src/base/values/read_units.h"
 
 namespace sluice {
@@ -25,14 +24,10 @@ namespace {
 namespace fs = std::filesystem;
 
 DecodeDicomFrame* openDecoder(const std::string& volume) {
-  const std::string name = modulePath("sluice_dicom.so");
   try {
-    const SharedLibrary library(std::span(&name, 1), "sluice's module for compressed DICOM images");
-    const std::string_view version = library.get<DicomModuleVersion*>(kDicomModuleVersionName)();
-    if (version != kDicomModuleVersion)
-      fail("{} belongs to sluice {}, expected {}; install sluice again", name, version,
-           kDicomModuleVersion);
-    return library.get<DecodeDicomFrame*>(kDecodeDicomFrame);
+    return openModule({"sluice_dicom.so", "sluice's module for compressed DICOM images",
+                       kDicomModuleVersionName, kDicomModuleVersion})
+        .get<DecodeDicomFrame*>(kDecodeDicomFrame);
   } catch (const Error& error) {
     fail("{}: a compressed DICOM image, which is not read without {}", volume, error.what());
   }

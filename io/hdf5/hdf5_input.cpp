@@ -11,8 +11,7 @@
 #include "io/files/swap_bytes.h"
 #include "io/hdf5/hdf5_filters.h"
 #include "src/base/error.h"
-#include "src/base/files/module_path.h"
-#include "src/base/files/shared_library.h"
+#include "src/base/files/program_module.h"
 
 namespace sluice {
 namespace {
@@ -20,15 +19,11 @@ namespace {
 constexpr size_t kLeastAxes = 3;
 
 std::shared_ptr<Hdf5File> openFile(const std::string& path) {
-  const std::string name = modulePath("sluice_hdf5.so");
   OpenHdf5* open = nullptr;
   try {
-    const SharedLibrary library(std::span(&name, 1), "sluice's module for HDF5");
-    const std::string_view version = library.get<OpenHdf5Version*>(kOpenHdf5Version)();
-    if (version != kHdf5ModuleVersion)
-      fail("{} belongs to sluice {}, expected {}; install sluice again", name, version,
-           kHdf5ModuleVersion);
-    open = library.get<OpenHdf5*>(kOpenHdf5);
+    open = openModule(
+               {"sluice_hdf5.so", "sluice's module for HDF5", kOpenHdf5Version, kHdf5ModuleVersion})
+               .get<OpenHdf5*>(kOpenHdf5);
   } catch (const Error& error) {
     fail("{}: an HDF5 file, which is not read without {}", path, error.what());
   }

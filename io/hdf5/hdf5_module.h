@@ -1,9 +1,9 @@
 // The interface between the program and its module for HDF5.
 //
 // All that includes HDF5's headers is a library apart, sluice_hdf5.so, opened with the first file
-// of that kind (src/base/files/module_path.h says where from). It tells where the chunks of a data
-// set are and hands out their bytes as they are stored; the program decodes them, on any number of
-// threads, while HDF5's library lets in one at a time.
+// of that kind (src/base/files/program_module.h says where from). It tells where the chunks of a
+// data set are and hands out their bytes as they are stored; the program decodes them, on any
+// number of threads, while HDF5's library lets in one at a time.
 #pragma once
 
 #include <bit>
@@ -80,7 +80,6 @@ using OpenHdf5 = void(const std::string& path, std::shared_ptr<Hdf5File>& file);
 inline constexpr const char* kOpenHdf5 = "sluiceOpenHdf5";
 
 // The module exports this before anything is called: the version of sluice and of this interface.
-using OpenHdf5Version = const char*();
 inline constexpr const char* kOpenHdf5Version = "sluiceOpenHdf5Version";
 inline constexpr const char* kHdf5ModuleVersion = SLUICE_VERSION " hdf5 module 1";
 

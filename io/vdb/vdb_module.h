@@ -2,9 +2,9 @@
 //
 // OpenVDB's library has 60 000 symbols to bind, which takes a third of the time of a command that
 // reads no OpenVDB file. So all that includes its headers (vdb_module.cpp) is a library apart,
-// sluice_openvdb.so, opened when the first .vdb is, from a place that was fixed when the program
-// was built (src/base/files/module_path.h). The program checks the file first (vdb_check.h); the
-// module brings a copy of src/base of its own, and an exception from it is an Error there and here.
+// sluice_openvdb.so, opened when the first .vdb is (src/base/files/program_module.h says where
+// from). The program checks the file first (vdb_check.h); the module brings a copy of src/base of
+// its own, and an exception from it is an Error there and here.
 #pragma once
 
 #include <memory>
@@ -39,7 +39,6 @@ inline constexpr const char* kOpenVdbGrid = "sluiceOpenVdbGrid";
 
 // A module must export this before anything is called: the version of sluice and of this interface.
 // The number counts up with each change of the interface.
-using OpenVdbVersion = const char*();
 inline constexpr const char* kOpenVdbVersion = "sluiceOpenVdbVersion";
 inline constexpr const char* kOpenVdbModuleVersion = SLUICE_VERSION " module 2";
 

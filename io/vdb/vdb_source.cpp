@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <memory>
-#include <span>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -10,23 +9,18 @@
 #include "io/files/file.h"
 #include "io/vdb/vdb_module.h"
 #include "src/base/error.h"
-#include "src/base/files/module_path.h"
-#include "src/base/files/shared_library.h"
+#include "src/base/files/program_module.h"
 
 namespace sluice {
 namespace {
 
 namespace fs = std::filesystem;
 
-OpenVdbGrid* openModule(const std::string& volume) {
-  const std::string name = modulePath("sluice_openvdb.so");
+OpenVdbGrid* vdbModule(const std::string& volume) {
   try {
-    const SharedLibrary library(std::span(&name, 1), "sluice's module for OpenVDB files");
-    const std::string_view version = library.get<OpenVdbVersion*>(kOpenVdbVersion)();
-    if (version != kOpenVdbModuleVersion)
-      fail("{} belongs to sluice {}, expected {}; install sluice again", name, version,
-           kOpenVdbModuleVersion);
-    return library.get<OpenVdbGrid*>(kOpenVdbGrid);
+    return openModule({"sluice_openvdb.so", "sluice's module for OpenVDB files", kOpenVdbVersion,
+                       kOpenVdbModuleVersion})
+        .get<OpenVdbGrid*>(kOpenVdbGrid);
   } catch (const Error& error) {
     fail("{}: an OpenVDB file, which is not read without {}", volume, error.what());
   }
@@ -68,7 +62,7 @@ std::unique_ptr<VolumeSource> openVdb(const fs::path& path, const std::string& g
     opening.identity += fmt::format(" box {},{},{} to {},{},{}", box->lo.x, box->lo.y, box->lo.z,
                                     box->hi.x, box->hi.y, box->hi.z);
   std::unique_ptr<VolumeSource> source;
-  openModule(file->path())(opening, source);
+  vdbModule(file->path())(opening, source);
   return source;
 }
 

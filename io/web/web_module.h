@@ -1,7 +1,7 @@
 // The interface between the program and its module for the web.
 //
 // libcurl brings some thirty libraries. So all that includes its headers is a library apart,
-// sluice_web.so, opened with the first address (src/base/files/module_path.h says where from).
+// sluice_web.so, opened with the first address (src/base/files/program_module.h says where from).
 #pragma once
 
 #include <memory>
@@ -18,7 +18,6 @@ using OpenWebStore = void(const Address& address, const WebOptions& options, con
 inline constexpr const char* kOpenWebStore = "sluiceOpenWebStore";
 
 // The module exports this before anything is called: the version of sluice and of this interface.
-using OpenWebVersion = const char*();
 inline constexpr const char* kOpenWebVersion = "sluiceOpenWebVersion";
 inline constexpr const char* kWebModuleVersion = SLUICE_VERSION " web module 2";
 

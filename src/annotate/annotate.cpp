@@ -2,44 +2,34 @@
 
 #include <algorithm>
 
+#include "src/annotate/annotate_module.h"
 #include "src/annotate/parts.h"
 #include "src/base/error.h"
+#include "src/base/files/program_module.h"
 
 namespace sluice {
-namespace {
-
-// A picture without a background is shown on white more often than not.
-bool isLight(const std::optional<std::array<float, 3>>& background) {
-  if (!background) return true;
-  const auto& [r, g, b] = *background;
-  return 0.3F * r + 0.59F * g + 0.11F * b > 0.5F;
-}
-
-}  // namespace
 
 double emOf(PictureSize size) {
   constexpr double kLettersAPicture = 34, kLeastEm = 8;
   return std::max(kLeastEm, std::min(size.width, size.height) / kLettersAPicture);
 }
 
-Picture annotated(const Picture& picture, const Annotations& annotations, int first_row) {
-  const PictureSize size = annotations.view.size;
-  SLUICE_CHECK_EQ(picture.width, size.width);
-  SLUICE_CHECK_LE(first_row + picture.height, size.height);
-  if (std::min(size.width, size.height) < kLeastAnnotatedPixels)
-    fail("a picture of {} x {} pixels is too small for --annotate, which needs {} x {}", size.width,
-         size.height, kLeastAnnotatedPixels, kLeastAnnotatedPixels);
-  Pen pen(picture.width, picture.height, emOf(size), isLight(annotations.background), first_row);
-  drawColorBar(pen, annotations);
-  drawScaleBar(pen, annotations);
-  drawOrientationAxes(pen, annotations);
-  return pen.over(picture);
-}
-
 Room annotationRoom(PictureSize size) {
   const double em = emOf(size);
   return {.right = (kColorBarEms + kFreeEms) * em / size.width,
           .bottom = (kScaleBarEms + kFreeEms) * em / size.height};
+}
+
+Picture annotated(const Picture& picture, const Annotations& annotations, int first_row) {
+  Picture drawn;
+  try {
+    openModule({"sluice_annotate.so", "sluice's module for --annotate; install libcairo2",
+                kAnnotateVersion, kAnnotateModuleVersion})
+        .get<DrawAnnotations*>(kDrawAnnotations)(picture, annotations, first_row, drawn);
+  } catch (const Error& error) {
+    fail("no annotations: {}", error.what());
+  }
+  return drawn;
 }
 
 }  // namespace sluice

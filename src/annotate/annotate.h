@@ -35,8 +35,9 @@ struct Annotations {
 inline constexpr int kLeastAnnotatedPixels = 128;  // for both sides
 
 // The picture with all three drawn over it; depth is kept. Throws Error when the picture is smaller
-// than kLeastAnnotatedPixels or no font is installed. `picture` may be a strip of the picture,
-// whole rows from `first_row` on, counted from the top. Requires: view.size is the whole picture's.
+// than kLeastAnnotatedPixels, or no font or no Cairo is installed. `picture` may be a strip of the
+// picture, whole rows from `first_row` on, counted from the top. Requires: view.size is the whole
+// picture's.
 Picture annotated(const Picture& picture, const Annotations& annotations, int first_row = 0);
 
 // The margins of a picture that annotations take, so that the volume can be framed clear of them.

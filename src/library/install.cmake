@@ -2,8 +2,8 @@
 # the CMake package `sluice`. Included last, when all layers are known.
 include(CMakePackageConfigHelpers)
 
-# Where a library that is linked to comes from, in the words of find_dependency(). Headers alone
-# need no line: nothing of them shows in the public headers.
+# Where a library that is linked to comes from, in the words of find_dependency() and in those of
+# pkg-config. Headers alone need no line: nothing of them shows in the public headers.
 set(package_of_fmt::fmt "fmt")
 set(package_of_Threads::Threads "Threads")
 set(package_of_ZLIB::ZLIB "ZLIB")
@@ -11,6 +11,13 @@ set(package_of_PNG::PNG "PNG")
 set(package_of_TIFF::TIFF "TIFF")
 set(package_of_OpenEXR::OpenEXR "OpenEXR 3.1 CONFIG")
 set(package_of_TBB::tbb "TBB CONFIG")
+set(pc_of_fmt::fmt fmt)
+set(pc_of_ZLIB::ZLIB zlib)
+set(pc_of_PNG::PNG libpng)
+set(pc_of_TIFF::TIFF libtiff-4)
+set(pc_of_OpenEXR::OpenEXR OpenEXR)
+set(pc_of_TBB::tbb tbb)
+set(pc_of_PkgConfig::HWY libhwy)
 set(plain_name_of_PkgConfig::HWY hwy)  # no CMake package: by name, as those that are linked by their path
 set(header_libraries nlohmann_json::nlohmann_json sluice_options)
 
@@ -39,7 +46,7 @@ add_library(sluice_installed STATIC ${objects})
 set_target_properties(sluice_installed PROPERTIES
   OUTPUT_NAME sluice EXPORT_NAME sluice LINKER_LANGUAGE CXX)
 target_compile_features(sluice_installed INTERFACE cxx_std_20)
-target_include_directories(sluice_installed INTERFACE $<INSTALL_INTERFACE:include>)
+target_include_directories(sluice_installed INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
 
 # What has no package of its own is looked for by name.
 set(SLUICE_DEPENDENCIES)
@@ -66,14 +73,37 @@ foreach(item ${others})
   target_link_libraries(sluice_installed PRIVATE ${item})
 endforeach()
 
-set(package_folder lib/cmake/sluice)
+set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/sluice)
 configure_package_config_file(src/library/sluice-config.cmake.in ${CMAKE_BINARY_DIR}/package/sluice-config.cmake
-  INSTALL_DESTINATION ${package_folder})
+  INSTALL_DESTINATION ${package_folder} PATH_VARS SLUICE_MODULE_DIR)
 write_basic_package_version_file(${CMAKE_BINARY_DIR}/package/sluice-config-version.cmake
   COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_BINARY_DIR}/package/sluice-config.cmake
-              ${CMAKE_BINARY_DIR}/package/sluice-config-version.cmake DESTINATION ${package_folder})
-install(FILES src/library/module_folder.cpp DESTINATION ${package_folder})
-install(TARGETS sluice_installed EXPORT sluice ARCHIVE DESTINATION lib)
-install(EXPORT sluice NAMESPACE sluice:: FILE sluice-targets.cmake DESTINATION ${package_folder})
-install(DIRECTORY include/sluice DESTINATION include FILES_MATCHING PATTERN "*.h")
+              ${CMAKE_BINARY_DIR}/package/sluice-config-version.cmake src/library/module_folders.cpp
+        DESTINATION ${package_folder} COMPONENT libsluice-dev)
+install(TARGETS sluice_installed EXPORT sluice ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT libsluice-dev)
+install(EXPORT sluice NAMESPACE sluice:: FILE sluice-targets.cmake DESTINATION ${package_folder}
+        COMPONENT libsluice-dev)
+install(DIRECTORY include/sluice DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT libsluice-dev
+        FILES_MATCHING PATTERN "*.h")
+
+# pkg-config's file, which may be moved with its prefix. The archive needs what it is linked to in
+# every program, so nothing is private.
+set(SLUICE_PC_PACKAGES)
+set(SLUICE_PC_LIBRARIES)
+foreach(item ${others})
+  if(DEFINED pc_of_${item})
+    list(APPEND SLUICE_PC_PACKAGES ${pc_of_${item}})
+  elseif(item STREQUAL Threads::Threads)
+    string(APPEND SLUICE_PC_LIBRARIES " -pthread")
+  elseif(item MATCHES "::")
+    message(FATAL_ERROR "${item} is linked to the library: name its pkg-config file in src/library/install.cmake")
+  else()
+    string(REGEX REPLACE "^.*/lib([^/]+)\\.(so|a)$" "\\1" name ${item})
+    string(APPEND SLUICE_PC_LIBRARIES " -l${name}")
+  endif()
+endforeach()
+list(JOIN SLUICE_PC_PACKAGES ", " SLUICE_PC_PACKAGES)
+file(RELATIVE_PATH SLUICE_PREFIX_FROM_PC ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_PREFIX})
+configure_file(src/library/sluice.pc.in ${CMAKE_BINARY_DIR}/package/sluice.pc @ONLY)
+install(FILES ${CMAKE_BINARY_DIR}/package/sluice.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT libsluice-dev)

@@ -18,7 +18,6 @@ inline constexpr const char* kJoinMpi = "sluiceJoinMpi";
 
 // A module must export this first: the version of sluice and of this interface. The number counts
 // up with each change of the interface.
-using MpiModuleVersion = const char*();
 inline constexpr const char* kMpiModuleVersionOf = "sluiceMpiModuleVersion";
 inline constexpr const char* kMpiModuleVersion = SLUICE_VERSION " mpi module 2";
 

@@ -2,12 +2,10 @@
 
 #include <array>
 #include <charconv>
-#include <span>
 #include <string_view>
 
 #include "src/base/error.h"
-#include "src/base/files/module_path.h"
-#include "src/base/files/shared_library.h"
+#include "src/base/files/program_module.h"
 #include "src/parallel/mpi_module.h"
 
 namespace sluice {
@@ -38,7 +36,7 @@ int numberIn(const char* text) {
 }
 
 std::string moduleFor(MpiKind kind) {
-  return modulePath(kind == MpiKind::kOpenMpi ? "sluice_openmpi.so" : "sluice_mpich.so");
+  return kind == MpiKind::kOpenMpi ? "sluice_openmpi.so" : "sluice_mpich.so";
 }
 
 }  // namespace
@@ -65,20 +63,15 @@ std::unique_ptr<Communicator> joinRanks(const Launch& launch) {
         "started {} times by srun without MPI, so that the ranks cannot meet; give srun --mpi=pmix "
         "or --mpi=pmi2, or use mpirun",
         launch.ranks);
-  const std::string file = moduleFor(launch.kind);
   std::unique_ptr<Communicator> ranks;
   try {
-    const SharedLibrary library(
-        std::span(&file, 1),
-        fmt::format("sluice's module for {}; build sluice on a machine with {}, or start it "
-                    "without a launcher",
-                    name(launch.kind),
-                    launch.kind == MpiKind::kOpenMpi ? "libopenmpi-dev" : "libmpich-dev"));
-    const std::string_view version = library.get<MpiModuleVersion*>(kMpiModuleVersionOf)();
-    if (version != kMpiModuleVersion)
-      fail("{} belongs to sluice {}, expected {}; install sluice again", file, version,
-           kMpiModuleVersion);
-    library.get<JoinMpi*>(kJoinMpi)(ranks);
+    const std::string hint = fmt::format(
+        "sluice's module for {}; install the package sluice-mpi, build sluice on a machine with "
+        "{}, "
+        "or start it without a launcher",
+        name(launch.kind), launch.kind == MpiKind::kOpenMpi ? "libopenmpi-dev" : "libmpich-dev");
+    openModule({moduleFor(launch.kind), hint, kMpiModuleVersionOf, kMpiModuleVersion})
+        .get<JoinMpi*>(kJoinMpi)(ranks);
   } catch (const Error& error) {
     fail("started as {} ranks of {}, which do not meet: {}", launch.ranks, name(launch.kind),
          error.what());

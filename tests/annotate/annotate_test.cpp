@@ -1,6 +1,6 @@
 // Annotations over pictures: their places, that they measure right, and that they can be read on
 // any background.
-#include "src/annotate/annotate.h"
+#include "src/annotate/annotation_drawing.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -77,7 +77,7 @@ TEST(Annotate, theScaleBarIsAsLongAsItSays) {
       camera.zoom = 1.3;
       Annotations annotations = annotationsOf(camera, size);
       annotations.background = {1, 1, 1};
-      const Picture picture = annotated(filled(size, {1, 1, 1, 1}), annotations);
+      const Picture picture = drawAnnotations(filled(size, {1, 1, 1, 1}), annotations);
       // Two points of the world a round length apart, seen side by side at the target.
       const View& view = annotations.view;
       double unit = 2 * view.half_height / size.height;
@@ -94,7 +94,7 @@ TEST(Annotate, theMiddleOfThePictureIsUntouchedAndDepthIsKept) {
   const PictureSize size{256, 256};
   Picture plain = filled(size, {0.1F, 0.2F, 0.3F, 0.5F});
   plain.depth.assign(256 * 256, 4);
-  const Picture picture = annotated(plain, annotationsOf({}, size));
+  const Picture picture = drawAnnotations(plain, annotationsOf({}, size));
   EXPECT_EQ(picture.depth, plain.depth);
   for (int y = 60; y < 190; ++y)
     for (int x = 60; x < 190; ++x)
@@ -113,7 +113,7 @@ TEST(Annotate, canBeReadOnLightAndDark) {
     for (const bool told : {false, true}) {
       Annotations annotations = annotationsOf({}, size);
       if (told) annotations.background = {grey, grey, grey};
-      const Picture picture = annotated(filled(size, {grey, grey, grey, 1}), annotations);
+      const Picture picture = drawAnnotations(filled(size, {grey, grey, grey, 1}), annotations);
       float least = 1, most = 0;
       for (int y = 290; y < 320; ++y)
         for (int x = 200; x < 320; ++x) {
@@ -134,7 +134,7 @@ TEST(Annotate, labelsHaveAPatchEachAsFarAsThereIsRoom) {
     const std::vector<double> some(values.begin(), values.begin() + 1 + static_cast<int>(count));
     annotations.transfer = labelsTransfer(some, 0);
     annotations.labels = {some.begin() + 1, some.end()};
-    const Picture picture = annotated(filled(size, {1, 1, 1, 1}), annotations);
+    const Picture picture = drawAnnotations(filled(size, {1, 1, 1, 1}), annotations);
     const int x = size.width - static_cast<int>((kFreeEms + 0.45) * emOf(size));
     const int end = size.height - static_cast<int>((kFreeEms + kScaleBarEms + 1) * emOf(size));
     size_t found = 0;
@@ -175,7 +175,7 @@ TEST(Annotate, orientationAxesPointWhereTheirNamesSay) {
   camera.view = ViewName::kFront;
   for (const WorldFrame frame : {WorldFrame::kRas, WorldFrame::kLps}) {
     const Picture picture =
-        annotated(filled(size, {0, 0, 0, 1}), annotationsOf(camera, size, frame));
+        drawAnnotations(filled(size, {0, 0, 0, 1}), annotationsOf(camera, size, frame));
     const auto right = colored(picture, 0), superior = colored(picture, 2);
     ASSERT_TRUE(right && superior);
     EXPECT_LT(right->first, middle_x - em) << "a patient's right is on the left";
@@ -183,8 +183,8 @@ TEST(Annotate, orientationAxesPointWhereTheirNamesSay) {
     EXPECT_LT(superior->second, middle_y - em);
     EXPECT_NEAR(superior->first, middle_x, 0.5 * em);
   }
-  const Picture rows =
-      annotated(filled(size, {0, 0, 0, 1}), annotationsOf(camera, size, WorldFrame::kPictureRows));
+  const Picture rows = drawAnnotations(filled(size, {0, 0, 0, 1}),
+                                       annotationsOf(camera, size, WorldFrame::kPictureRows));
   EXPECT_GT(colored(rows, 0)->first, middle_x + em);
   EXPECT_GT(colored(rows, 1)->second, middle_y + em) << "rows run down";
 }
@@ -194,7 +194,7 @@ TEST(Annotate, theColorBarHasTheColorsOfTheValues) {
   Annotations annotations = annotationsOf({}, size);
   annotations.transfer = {{{0, {1, 0, 0}}, {100, {0, 0, 1}}}, {{0, 0.1}, {100, 0.1}}, "two"};
   annotations.range = {0, 100};
-  const Picture picture = annotated(filled(size, {1, 1, 1, 1}), annotations);
+  const Picture picture = drawAnnotations(filled(size, {1, 1, 1, 1}), annotations);
   const double em = emOf(size);
   const int x = static_cast<int>(512 - 1.45 * em);
   const double top = 1.5 * em, bottom = 512 - (kFreeEms + kScaleBarEms + 1) * em;
@@ -212,16 +212,16 @@ TEST(Annotate, oddTransferFunctionsAndRangesAreDrawn) {
   for (const ValueRange range : {ValueRange{5, 5}, {0, 1e-30}, {-1e30, 1e30}, {0, 65535}}) {
     annotations.range = range;
     annotations.transfer = {{{1, {1, 1, 1}}}, {{1, 0.5}}, "one colour"};
-    EXPECT_NE(annotated(plain, annotations).rgba, plain.rgba);
+    EXPECT_NE(drawAnnotations(plain, annotations).rgba, plain.rgba);
     annotations.transfer = {{{1, {1, 1, 1}}}, {{1, 0}}, "nothing shows"};
-    EXPECT_NE(annotated(plain, annotations).rgba, plain.rgba);
+    EXPECT_NE(drawAnnotations(plain, annotations).rgba, plain.rgba);
   }
 }
 
 TEST(Annotate, tooSmallAPictureIsRefused) {
   const PictureSize size{127, 400};
   EXPECT_THAT(errorOf([&] {
-                annotated(filled(size, {0, 0, 0, 0}), annotationsOf({}, size));
+                drawAnnotations(filled(size, {0, 0, 0, 0}), annotationsOf({}, size));
               }),
               HasSubstr("needs 128 x 128"));
 }

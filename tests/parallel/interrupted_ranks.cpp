@@ -12,10 +12,6 @@
 
 #include "src/parallel/mpi_ranks.h"
 
-extern "C" const char* sluiceModuleFolder() {
-  return MODULE_FOLDER;
-}
-
 namespace sluice {
 namespace {
 

@@ -46,7 +46,6 @@ using RunWindow = void(const WindowRequest& request);
 inline constexpr const char* kRunWindow = "sluiceRunWindow";
 
 // See io/vdb/vdb_module.h. The number counts up with each change of this interface.
-using WindowVersion = const char*();
 inline constexpr const char* kWindowVersion = "sluiceWindowVersion";
 inline constexpr const char* kWindowModuleVersion = SLUICE_VERSION " window 2";
 
