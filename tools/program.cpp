@@ -9,6 +9,7 @@
 #include "tools/command_line/help.h"
 #include "tools/command_line/interrupt.h"
 #include "tools/command_line/usage.h"
+#include "tools/manual/help_files.h"
 #include "tools/scene/ranks.h"
 
 namespace sluice {
@@ -38,6 +39,11 @@ std::vector<std::string> withoutHelpWord(const std::vector<std::string>& words) 
 int parseAndRun(const CommandLine& line, const std::vector<std::string>& given,
                 const Launch& launch) {
   CLI::App& program = *line.program;
+  // For the build, and in no help: "help --files FOLDER".
+  if (given.size() == 3 && given[0] == "help" && given[1] == "--files") {
+    writeHelpFiles(program, given[2]);
+    return kDone;
+  }
   const std::vector<std::string> words = withoutHelpWord(given);
   if (words.empty() || words.front() == "--help" || words.front() == "-h") {
     sayText(overview(program));

@@ -30,6 +30,10 @@ test_packages=(
   libopenvdb-tools nifti-bin teem-apps openexr openimageio-tools python3-openimageio ffmpeg
   python3 python3-numpy python3-h5py python3-vtk9 python3-nibabel python3-tifffile python3-zarr python3-numcodecs
   libgdcm-tools python3-pydicom python3-gdcm
+  # Manual pages, completions, the desktop's files.
+  man-db groff mandoc zsh fish desktop-file-utils shared-mime-info libxml2-utils
+  # The documents as pages.
+  mkdocs
 )
 
 case "${1-all}" in

@@ -60,6 +60,7 @@ ALLOWED = {
     'tools/bench': None,
     'tools/command_line': None,
     'tools/commands': None,
+    'tools/manual': None,
     'tools/options': None,
     'tools/outputs': None,
     'tools/scene': None,

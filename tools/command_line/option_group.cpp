@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <iterator>
+#include <sstream>
+
 #include "src/base/values/bytes.h"
 #include "tools/command_line/near_miss.h"
 #include "tools/command_line/parse.h"
@@ -18,6 +21,25 @@ std::string listed(const std::vector<std::string>& words) {
   if (words.size() < 2) return joined(words, "");
   const std::vector<std::string> head(words.begin(), words.end() - 1);
   return joined(head, ", ") + " or " + words.back();
+}
+
+// The words are the description of a validator that is switched off: it checks and shows nothing.
+constexpr const char* kOffered = "offered words";
+
+std::vector<std::string> offeredWords(CLI::Option& option) {
+  CLI::Validator offered;
+  try {
+    offered = *option.get_validator(kOffered);
+  } catch (const CLI::OptionNotFound&) {
+    return {};
+  }
+  std::istringstream text(offered.active(true).get_description());
+  return {std::istream_iterator<std::string>(text), {}};
+}
+
+CLI::Option* OptionGroup::offering(CLI::Option* option, const std::vector<std::string>& words) {
+  CLI::Validator offered(joined(words, " "));
+  return option->check(offered.active(false), kOffered);
 }
 
 CLI::Option* OptionGroup::flag(const std::string& names, bool& on, const std::string& help) const {
@@ -69,7 +91,7 @@ CLI::Option* OptionGroup::word(const std::string& names, const std::vector<std::
     if (!is_known && !(also && also(given))) refuseWord(longName(names), given, words);
     take(given);
   };
-  return add(names, chooseName(words), help, check)->default_str(shown);
+  return offering(add(names, chooseName(words), help, check), words)->default_str(shown);
 }
 
 CLI::Option* OptionGroup::add(const std::string& names, const std::string& what,

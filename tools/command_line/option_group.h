@@ -50,6 +50,9 @@ std::string joined(const std::vector<std::string>& words, const std::string& bet
 // "composite, mip, minip or average"
 std::string listed(const std::vector<std::string>& words);
 
+// The words that an option of an OptionGroup takes, for completions; empty if it takes any text.
+std::vector<std::string> offeredWords(CLI::Option& option);
+
 class OptionGroup {
  public:
   // The most that one heading may hold.
@@ -124,7 +127,7 @@ class OptionGroup {
   template <class Value>
   CLI::Option* choices(const std::string& names, const Words<Value>& words,
                        std::vector<Value>& target, const std::string& help) const {
-    return add(names, "NAME,...", help, [=, &target](const std::string& given) {
+    const auto take = [=, &target](const std::string& given) {
       target.clear();
       for (const std::string& word : parts(given)) {
         const auto known = std::find_if(words.begin(), words.end(),
@@ -132,7 +135,8 @@ class OptionGroup {
         if (known == words.end()) refuseWord(longName(names), word, namesOf(words));
         target.push_back(known->second);
       }
-    });
+    };
+    return offering(add(names, "NAME,...", help, take), namesOf(words));
   }
 
   // Anything else: `parse` turns the word into a value (nullopt: it is refused, and the message
@@ -153,6 +157,8 @@ class OptionGroup {
  private:
   CLI::Option* add(const std::string& names, const std::string& what, const std::string& help,
                    const std::function<void(const std::string&)>& take) const;
+  // Keeps the words for offeredWords().
+  static CLI::Option* offering(CLI::Option* option, const std::vector<std::string>& words);
   // The placeholder of the value in --help: the words if they are few, else NAME.
   static std::string chooseName(const std::vector<std::string>& words);
   // The parts between commas.
