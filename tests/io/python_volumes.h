@@ -2,16 +2,18 @@
 // from it, and the common code of their tests.
 #pragma once
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <memory>
+#include <functional>
 #include <random>
 #include <sstream>
 #include <string>
 #include <vector>
 
 #include "tests/io/image_test_support.h"
+#include "tests/support/made_once.h"
 
 namespace sluice {
 
@@ -25,35 +27,42 @@ inline std::string allSteps(VolumeSource& source) {
   return bytes;
 }
 
-// The volumes of one script, made once for all tests of a suite. `Case` says which: its kScript (a
-// file of this folder) writes into a folder, needs the Python modules of kModules, and leaves a
-// line in cases.txt for each volume, which operator>> reads into a Case with a name. A suite is
-// skipped by name if a module is missing.
+// The volumes of one script, made once for all tests (made_once.h), which only read them. `Case`
+// says which: its kScript (a file of this folder) writes into a folder, needs the Python modules of
+// kModules, and leaves a line in cases.txt for each volume, which operator>> reads into a Case with
+// a name. A suite is skipped by name if a module is missing.
 template <class Case>
 class PythonVolumesTest : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    if (!hasPythonModules(Case::kModules)) return;
-    folder_ = std::make_unique<TempFolder>();
-    const auto made = runCommand(std::string("/usr/bin/python3 " SLUICE_TEST_DIR "/") +
-                                 Case::kScript + " " + shellQuoted(folder_->path().string()));
-    ASSERT_EQ(made.status, 0) << made.output;
-    std::istringstream lines(readFile(*folder_ / "cases.txt"));
+    cases_.clear();
+    const std::filesystem::path scripts = SLUICE_TEST_DIR;
+    // Scripts share their patterns.
+    const std::string text =
+        readFile(scripts / Case::kScript) + readFile(scripts / "voxel_pattern.py");
+    const std::string name =
+        fmt::format("{}-{:016x}", Case::kScript, std::hash<std::string>()(text));
+    folder_ = madeOnce(name, [&](const std::filesystem::path& folder) {
+      if (!hasPythonModules(Case::kModules)) return false;
+      const auto made =
+          runCommand("/usr/bin/python3 " + shellQuoted((scripts / Case::kScript).string()) + " " +
+                     shellQuoted(folder.string()));
+      EXPECT_EQ(made.status, 0) << made.output;
+      return made.status == 0;
+    });
+    if (folder_.empty()) return;
+    std::istringstream lines(readFile(folder_ / "cases.txt"));
     Case c;
     while (lines >> c) cases_.push_back(c);
   }
-  static void TearDownTestSuite() {
-    folder_.reset();
-    cases_.clear();
-  }
   void SetUp() override {
-    if (!folder_) GTEST_SKIP() << "python3 with " << Case::kModules << " is missing";
+    if (folder_.empty()) GTEST_SKIP() << "python3 with " << Case::kModules << " is missing";
   }
-  static std::filesystem::path pathOf(const std::string& name) { return *folder_ / name; }
+  static std::filesystem::path pathOf(const std::string& name) { return folder_ / name; }
   // x fastest, time step after time step, in this machine's byte order.
   static std::string voxelsOf(const std::string& name) { return readFile(pathOf(name + ".bin")); }
 
-  static inline std::unique_ptr<TempFolder> folder_;
+  static inline std::filesystem::path folder_;  // empty: not made
   static inline std::vector<Case> cases_;
 };
 

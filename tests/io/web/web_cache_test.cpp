@@ -72,7 +72,7 @@ std::vector<int> answersToChunks(const WebServer& server, size_t first) {
 }
 
 TEST_F(WebCacheVolume, hasItsPiecesTheNextTime) {
-  const WebServer server(folder_->path());
+  const WebServer server(folder_);
   for (const char* name : {"one_shard", "keys_v2_slash", "sharded_start"}) {
     if (!fs::exists(pathOf(name))) continue;
     SCOPED_TRACE(name);
@@ -97,7 +97,7 @@ TEST_F(WebCacheVolume, readsAnewWhatWasWrittenMeanwhile) {
 }
 
 TEST_F(WebCacheVolume, damagedPiecesAreReadAnew) {
-  const WebServer server(folder_->path());
+  const WebServer server(folder_);
   ASSERT_TRUE(voxelsFrom(server, "one_shard") == voxelsOf("one_shard"));
   const auto damages = std::vector<std::function<void(const fs::path&)>>{
       [](const fs::path& file) { fs::resize_file(file, fs::file_size(file) - 1); },
@@ -118,7 +118,7 @@ TEST_F(WebCacheVolume, damagedPiecesAreReadAnew) {
 }
 
 TEST_F(WebCacheVolume, keepsWithinItsLimitAndTellsNoSecret) {
-  const WebServer server(folder_->path());
+  const WebServer server(folder_);
   for (const uint64_t limit : {uint64_t{1}, uint64_t{20000}, uint64_t{100000}}) {
     SCOPED_TRACE(limit);
     for (const CacheCase& c : cases_) {
@@ -137,7 +137,7 @@ TEST_F(WebCacheVolume, keepsWithinItsLimitAndTellsNoSecret) {
 }
 
 TEST_F(WebCacheVolume, aFolderThatCannotBeWrittenIsOneLine) {
-  const WebServer server(folder_->path());
+  const WebServer server(folder_);
   std::ofstream(cache_ / "web") << "a file";
   EXPECT_THAT(errorOf([&] { voxelsFrom(server, "one_shard"); }),
               AllOf(HasSubstr("--cache-dir"), Not(HasSubstr("\n"))));

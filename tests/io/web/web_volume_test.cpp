@@ -26,7 +26,7 @@ struct WebCase : ZarrCase {
 
 class WebVolume : public PythonVolumesTest<WebCase> {
  protected:
-  static std::string root() { return folder_->path().string(); }
+  static std::string root() { return folder_.string(); }
   // The voxels of a store of some chunks, or the error.
   static std::string voxelsFrom(const WebServer& server, const std::string& name) {
     try {
