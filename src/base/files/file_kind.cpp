@@ -182,6 +182,20 @@ bool isMetaImage(const Existing& file) {
   return startsAndHas(file, "ObjectType = Image\n", marked("\nComment = "));
 }
 
+bool isPly(const Existing& file) {
+  return startsAndHas(file, "ply\n", marked("\ncomment "));
+}
+
+// Its header is 80 bytes, the last of which is zero.
+bool isStl(const Existing& file) {
+  constexpr size_t kLast = 79;
+  return file.start.starts_with(kProgram) && file.start.size() > kLast && file.start[kLast] == 0;
+}
+
+bool isObj(const Existing& file) {
+  return file.start.starts_with(marked("# "));
+}
+
 // Any bytes may be voxels, even those of somebody's only copy.
 bool isNever(const Existing&) {
   return false;
@@ -193,7 +207,7 @@ struct Row {
   bool (*is_ours)(const Existing&);
 };
 
-constexpr std::array<Row, 13> kKinds{{
+constexpr std::array<Row, 16> kKinds{{
     {FileKind::kPng, "a PNG picture of sluice", isPng},
     {FileKind::kExr, "an OpenEXR picture of sluice", isExr},
     {FileKind::kReport, "a report of sluice", isReport},
@@ -206,6 +220,9 @@ constexpr std::array<Row, 13> kKinds{{
     {FileKind::kFilm, "a film of sluice", isFilm},
     {FileKind::kNrrd, "an NRRD of sluice", isNrrd},
     {FileKind::kMetaImage, "a MetaImage of sluice", isMetaImage},
+    {FileKind::kPly, "a PLY mesh of sluice", isPly},
+    {FileKind::kStl, "an STL mesh of sluice", isStl},
+    {FileKind::kObj, "an OBJ mesh of sluice", isObj},
     {FileKind::kRaw, "known to be replaceable", isNever},
 }};
 

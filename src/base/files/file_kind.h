@@ -25,14 +25,17 @@ enum class FileKind {
   kFilm,              // MP4
   kNrrd,              // header and voxels, or the header of a detached file
   kMetaImage,
+  kPly,  // meshes
+  kStl,
+  kObj,
   kRaw,  // voxels without a header: never known to be ours
 };
 
 // "a report of sluice", for messages.
 std::string nameOf(FileKind kind);
 
-// The text by which PNG, EXR, HTML, NRRD, MetaImage and MP4 files of ours are known, in the field
-// that their format has for the name of a program: "sluice VERSION".
+// The text by which PNG, EXR, HTML, NRRD, MetaImage, PLY, STL, OBJ and MP4 files of ours are known,
+// in the field that their format has for the name of a program: "sluice VERSION".
 std::string softwareMark();
 
 // Whether a new file of this kind may replace the one at `path` without --force: there is nothing,
