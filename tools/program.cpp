@@ -99,9 +99,10 @@ CommandLine makeCommandLine() {
   program.formatter(std::make_shared<HelpFormatter>());
   program.set_version_flag("-V,--version", SLUICE_VERSION);
   program.require_subcommand(1);
-  const std::vector<Heading> headings = {{"Pictures", {addRender, addView, addInfo, addPlan}},
-                                         {"Volumes", {addSynth, addPack, addPrepare}},
-                                         {"Measuring", {addSimulate, addBench, addDoctor}}};
+  const std::vector<Heading> headings = {
+      {"Pictures", {addRender, addView, addSurface, addInfo, addPlan}},
+      {"Volumes", {addSynth, addPack, addPrepare}},
+      {"Measuring", {addSimulate, addBench, addDoctor}}};
   for (const auto& [title, commands] : headings)
     for (const auto add : commands) {
       Command command = add(program);

@@ -18,7 +18,7 @@ TEST(Program, printsItsVersionAndHelp) {
   const Program program;
   EXPECT_EQ(program.run("--version").output, std::string(SLUICE_VERSION) + "\n");
   for (const char* command :
-       {"info", "render", "plan", "simulate", "synth", "pack", "doctor", "bench limit",
+       {"info", "render", "plan", "simulate", "synth", "pack", "surface", "doctor", "bench limit",
         "bench render", "bench algorithms", "bench simulate", "bench threshold", "bench packing"}) {
     const CommandResult help = program.run(std::string(command) + " --help");
     EXPECT_EQ(help.status, 0) << command;

@@ -18,6 +18,7 @@ Command addRender(CLI::App& program);
 Command addView(CLI::App& program);
 Command addPlan(CLI::App& program);
 Command addPrepare(CLI::App& program);
+Command addSurface(CLI::App& program);
 Command addSimulate(CLI::App& program);
 Command addSynth(CLI::App& program);
 Command addPack(CLI::App& program);

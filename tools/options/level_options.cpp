@@ -6,10 +6,9 @@
 namespace sluice {
 
 void addLevelOptions(CLI::App& app, LevelArguments& arguments, ResourceArguments& resources) {
-  constexpr int64_t kMostLevel = 63;
-  const OptionGroup group(app, "Levels of resolution");
-  CLI::Option* level = group.number("--level", "N", arguments.level, {0, kMostLevel},
-                                    "Draws this level only; 0 is the data as stored");
+  const OptionGroup group(app, kLevelsHeading);
+  CLI::Option* level =
+      addLevelOption(group, arguments.level, "Draws this level only; 0 is the data as stored");
   group
       .number("--pixel-error", "PIXELS", arguments.pixel_error, {0, 1e6, true},
               "Draws each part at the coarsest level whose voxels are at most this wide (1)")
@@ -23,12 +22,22 @@ void addLevelOptions(CLI::App& app, LevelArguments& arguments, ResourceArguments
       .flag("--keep-thin", arguments.keeps_thin,
             "Refines parts where level 0 shows something thinner than two coarse voxels")
       ->excludes(level);
+  addLevelsOption(group, resources);
+}
+
+CLI::Option* addLevelOption(const OptionGroup& group, std::optional<int64_t>& level,
+                            const std::string& help) {
+  constexpr int64_t kMostLevel = 63;
+  return group.number("--level", "N", level, {0, kMostLevel}, help);
+}
+
+void addLevelsOption(const OptionGroup& group, MachineOptions& machine) {
   group.choice(
       "--levels",
       Words<LevelsWish>{{"auto", LevelsWish::kAuto},
                         {"always", LevelsWish::kAlways},
                         {"none", LevelsWish::kNone}},
-      resources.levels,
+      machine.levels,
       "Makes coarser levels, once and beside the index, for a file that has none: if it is "
       "large, always, or never");
 }

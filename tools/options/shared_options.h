@@ -49,6 +49,9 @@ inline constexpr double kMostVoxels = 1LL << 40;
 
 // Some of the last group, for commands that take no more.
 inline constexpr int64_t kMostFrames = 100'000;
+CLI::Option* addLevelOption(const OptionGroup& group, std::optional<int64_t>& level,
+                            const std::string& help);
+void addLevelsOption(const OptionGroup& group, MachineOptions& machine);
 void addThreadsOption(const OptionGroup& group, int& threads);
 void addDeviceOptions(const OptionGroup& group, DeviceArguments& arguments);
 // Pictures, or frames that are measured: int64_t or int.
@@ -80,6 +83,7 @@ CLI::Option* addTypeOption(const OptionGroup& group, const std::vector<VoxelType
 
 inline constexpr const char* kOutputHeading = "Output";
 inline constexpr const char* kSeriesHeading = "Series";
+inline constexpr const char* kLevelsHeading = "Levels of resolution";
 inline constexpr const char* kMachineHeading = "Memory and device";
 
 }  // namespace sluice
