@@ -61,7 +61,6 @@ nlohmann::json reportOf(const SurfaceArguments& arguments, const CLI::App& app,
           {"voxel_bytes", report.voxel_bytes},
           {"warnings", made.warnings},
           {"seconds", {{"surface", report.seconds}, {"write", write_seconds}}},
-          {"peak_bytes", anonymousBytes()},
           {"peak_rss_bytes", peakResidentBytes()}};
 }
 
