@@ -26,6 +26,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 #include "src/cpu/texels.inl"
 #include "src/cpu/colors.inl"
 #include "src/cpu/leaps.inl"
+#include "src/cpu/segments.inl"
 // clang-format on
 
 // The work that a sample's colour takes beyond the look-up.
@@ -34,7 +35,13 @@ enum class Shading {
   kLength,     // the opacity corrected for the ray: perspective views
   kGradients,  // light, or factors of the opacity; either view
   kSpread,     // chunks with spreads; with or without gradients, either view
+  // Pre-integrated: a sample stands for the values between two places, see FrameSetup::integrates.
+  kSegments,
+  kSegmentGradients,
 };
+constexpr bool isIntegrated(Shading shading) {
+  return shading == Shading::kSegments || shading == Shading::kSegmentGradients;
+}
 
 // A packet's pixels while they are drawn.
 struct Pixels {
@@ -88,6 +95,30 @@ HWY_INLINE Color colorOf(const KernelFrame& frame, const KernelBox& box, const V
   return color;
 }
 
+// The same of a segment. `at`: its middle.
+template <DeviceType kType, Shading kShading>
+HWY_INLINE Color segmentColorOf(const KernelFrame& frame, const KernelBox& box, const V3& at,
+                                const SumsAt& front, const SumsAt& back, V ray_length) {
+  Color color = segmentColor(frame, front, back);
+  Gradient gradient{};
+  if constexpr (kShading == Shading::kSegmentGradients)
+    gradient = gradientOf(box, differencesOf<kType, kShading>(box, at, placeAt(cellsOf(box), at)));
+  if (kShading == Shading::kSegmentGradients && frame.rows > 0) {
+    const V magnitude = hn::Mul(gradient.unit, hn::Sqrt(gradient.squared));
+    const V middle = hn::Mul(all(0.5F), hn::Add(front.place, back.place));
+    const V entry = hn::Min(hn::Max(middle, hn::Zero(F())), all(frame.last_entry));
+    color.a = hn::Mul(hn::Sub(all(1.0F), powerOfTwo(hn::Neg(color.a))),
+                      factorAt(frame, magnitude, entry));
+    if (frame.corrects) color.a = corrected(color.a, hn::Mul(ray_length, all(frame.slice_length)));
+  } else {
+    color.a = hn::Sub(all(1.0F), powerOfTwo(hn::Neg(hn::Mul(color.a, ray_length))));
+  }
+  color = {hn::Mul(color.r, color.a), hn::Mul(color.g, color.a), hn::Mul(color.b, color.a),
+           color.a};
+  if (kShading == Shading::kSegmentGradients && frame.lit) color = shaded(frame, color, gradient);
+  return color;
+}
+
 // Turns between two looks for bricks to leap over: few, if the last look found some.
 constexpr float kTurnsAfterLeap = 4, kTurnsBetweenLooks = 8;
 
@@ -127,12 +158,17 @@ struct Passage {
     }
   }
 
-  // Whether some lane goes on.
-  HWY_INLINE bool blend(const Sample& sample, Pixels& pixels) {
-    const M active = hn::And(sample.active, going);
+  // The lanes of `within` that take a sample.
+  HWY_INLINE M taking(M within, Pixels& pixels) const {
+    const M active = hn::And(within, going);
     if (frame.counts_taken)
       pixels.taken = hn::Sub(pixels.taken, hn::VecFromMask(I(), hn::RebindMask(I(), active)));
-    M shows = active;
+    return active;
+  }
+
+  // Whether some lane goes on.
+  HWY_INLINE bool blend(const Sample& sample, Pixels& pixels) {
+    M shows = taking(sample.active, pixels);
     if (kType == DeviceType::kF32) shows = hn::AndNot(isNoNumber(sample.value), shows);
     if (kShading != Shading::kSpread && !frame.shades_every_sample) {
       shows = hn::And(shows, hn::And(hn::Ge(sample.value, all(frame.least_visible)),
@@ -141,9 +177,14 @@ struct Passage {
     }
     const Color color = colorOf<kType, kShading>(frame, box, sample.at, sample.place, sample.value,
                                                  sample.square, ray_length);
+    return add(color, shows, sample.k, pixels);
+  }
+
+  // Blends the colour at slice k of the box. Whether some lane goes on.
+  HWY_INLINE bool add(const Color& color, M shows, V k, Pixels& pixels) {
     const V left = hn::IfThenElseZero(shows, hn::Sub(all(1.0F), pixels.sum.a));
     if (frame.with_depth) {
-      const V slice = hn::Add(sample.k, all(box.first_slice + 0.5F));
+      const V slice = hn::Add(k, all(box.first_slice + 0.5F));
       const V depth = hn::MulAdd(slice, all(frame.depth_step), all(frame.first_depth));
       pixels.depth_sum = hn::MulAdd(hn::Mul(left, color.a), depth, pixels.depth_sum);
     }
@@ -183,6 +224,65 @@ struct Passage {
     }
     if (has_last) blend(last, pixels);
   }
+
+  HWY_INLINE V3 placeOf(V k, const Cells& within) const {
+    return clamped(within, {hn::MulAdd(k, pace.x, first.x), hn::MulAdd(k, pace.y, first.y),
+                            hn::MulAdd(k, pace.z, first.z)});
+  }
+  // The value at an end of a segment, which may lie in the ghost layer.
+  HWY_INLINE V endAt(V k, const Cells& stored) const {
+    return valueAt<kType>(box, placeAt(stored, placeOf(k, stored)));
+  }
+
+  // Slices [k, end), each with the values from half a slice before it to half a slice behind it.
+  HWY_INLINE void goBySegments(V k, V end, bool leaps, Pixels& pixels) {
+    const BrickWay way = leaps ? brickWay(box, first, pace) : noBrickWay();
+    const Cells stored = storedCells(box);
+    const V half = all(0.5F), one = all(1.0F);
+    V front = k;
+    SumsAt front_sums = noSums();
+    bool has_front = false, has_sums = false;
+    for (;;) {
+      bool leapt = false;
+      if (leaps) k = nextShown(box, way, k, hn::IfThenElse(going, end, k), leapt);
+      float turns = hn::GetLane(hn::MaxOfLanes(F(), hn::IfThenElseZero(going, hn::Sub(end, k))));
+      if (!(turns > 0)) break;
+      if (leaps) turns = std::min(turns, leapt ? kTurnsAfterLeap : kTurnsBetweenLooks);
+      if (!has_front || leapt) {
+        front = endAt(hn::Sub(k, half), stored);
+        has_front = true;
+        has_sums = false;
+      }
+      for (int j = static_cast<int>(turns); j > 0; --j, k = hn::Add(k, one)) {
+        const V back = endAt(hn::Add(k, half), stored);
+        M shows = taking(hn::Lt(k, end), pixels);
+        V from = front, to = back;
+        if constexpr (kType == DeviceType::kF32) {
+          // Next to a voxel that is no number the other end stands for all.
+          from = hn::IfThenElse(isNoNumber(front), back, front);
+          to = hn::IfThenElse(isNoNumber(back), front, back);
+          shows = hn::AndNot(isNoNumber(from), shows);
+        }
+        if (!frame.shades_every_sample) {
+          shows = hn::And(shows, hn::And(hn::Ge(hn::Max(from, to), all(frame.least_visible)),
+                                         hn::Le(hn::Min(from, to), all(frame.most_visible))));
+          if (hn::AllFalse(F(), shows)) {
+            front = back;
+            has_sums = false;
+            continue;
+          }
+        }
+        if (!has_sums) front_sums = sumsAt(frame, from);
+        const SumsAt back_sums = sumsAt(frame, to);
+        const Color color = segmentColorOf<kType, kShading>(frame, box, placeOf(k, cells),
+                                                            front_sums, back_sums, ray_length);
+        if (!add(color, shows, k, pixels)) return;
+        front = back;
+        front_sums = back_sums;
+        has_sums = kType != DeviceType::kF32;
+      }
+    }
+  }
 };
 
 // The box for one packet. `going`: pixels that take samples.
@@ -212,7 +312,11 @@ HWY_INLINE void drawPacket(const KernelFrame& frame, const KernelBox& box,
                                    clamps,
                                    hn::Zero(F()),
                                    meets};
-  passage.go(slices.from, hn::Add(slices.from, slices.count), box.distances != nullptr, pixels);
+  const V end = hn::Add(slices.from, slices.count);
+  if constexpr (isIntegrated(kShading))
+    passage.goBySegments(slices.from, end, box.distances != nullptr, pixels);
+  else
+    passage.go(slices.from, end, box.distances != nullptr, pixels);
 }
 
 // The packet's pixels that still take samples.
@@ -264,6 +368,10 @@ void drawTyped(const KernelFrame& frame, const KernelBox* boxes, const uint32_t*
     const KernelBox& box = boxes[indices[i]];
     if (box.has_spread)
       drawBox<kType, Shading::kSpread>(frame, box, tile);
+    else if (frame.sums != nullptr && (frame.lit || frame.rows > 0))
+      drawBox<kType, Shading::kSegmentGradients>(frame, box, tile);
+    else if (frame.sums != nullptr)
+      drawBox<kType, Shading::kSegments>(frame, box, tile);
     else if (frame.lit || frame.rows > 0)
       drawBox<kType, Shading::kGradients>(frame, box, tile);
     else if (frame.perspective)

@@ -135,12 +135,16 @@ void CpuDevice::forgetPutOff() {
 }
 
 void CpuDevice::prepareLeaps() {
+  const int64_t margin = setup_.integrates ? 1 : 0;
   std::vector<Resident*> stale;
-  for (auto& [id, chunk] : resident_)
-    if (chunk.is_put_off && chunk.leaps_for != shown_number_) stale.push_back(&chunk);
+  for (auto& [id, chunk] : resident_) {
+    if (!chunk.is_put_off) continue;
+    if (chunk.leaps && chunk.leaps->margin != margin) chunk.leaps.reset();
+    if (!chunk.leaps || chunk.leaps_for != shown_number_) stale.push_back(&chunk);
+  }
   pool_.parallelFor(static_cast<int64_t>(stale.size()), [&](int64_t i) {
     Resident& chunk = *stale[static_cast<size_t>(i)];
-    if (!chunk.leaps) chunk.leaps = leapGrid(*chunk.texels, setup_.look_up->expected.get());
+    if (!chunk.leaps) chunk.leaps = leapGrid(*chunk.texels, setup_.look_up->expected.get(), margin);
     setDistances(*chunk.leaps, chunk.texels->type, shown_);
     chunk.leaps_for = shown_number_;
   });

@@ -18,7 +18,9 @@ constexpr double kMostExponent = 32;
 
 LookUpTables::LookUpTables(LookUpKey of)
     : key(std::move(of)), entries(lookUpTexels(key)), visible(visibleValues(*key.look_up)) {
-  if (traitsOf(key.mode).has_colors && !key.look_up->interpolates)
+  if (key.integrates)
+    integrated = integratedLook(*key.look_up);
+  else if (traitsOf(key.mode).has_colors && !key.look_up->interpolates)
     packed = packedEntries(entries, kMostExponent);
 }
 
@@ -81,6 +83,13 @@ void FrameTables::setLookUp(const LookUpTables& tables) {
     frame_.packed_entries = tables.packed.entries.data();
     frame_.color_unit = tables.packed.color_unit;
     frame_.opacity_unit = tables.packed.opacity_unit;
+  }
+  if (const IntegratedLook& integrated = tables.integrated; !integrated.sums.empty()) {
+    frame_.sums = integrated.sums.data();
+    frame_.sums_last = static_cast<float>(integrated.entries() - 1);
+    const bool has_factors = !tables.key.look_up->magnitudes.empty();
+    frame_.sums_unit =
+        static_cast<float>(integrated.unit * (has_factors ? 1 : tables.key.slice_length));
   }
   frame_.entry_scale = static_cast<float>(per_value);
   frame_.entry_offset = static_cast<float>(-range.lo * per_value);

@@ -7,6 +7,7 @@
 
 #include "src/cpu/kernel_values.h"
 #include "src/cpu/packed_entries.h"
+#include "src/device/integrated_look.h"
 #include "src/device/look_up_texels.h"
 
 namespace sluice {
@@ -18,6 +19,7 @@ struct LookUpTables {
   LookUpKey key;
   std::vector<float> entries;       // see lookUpTexels()
   PackedEntries packed;             // composite that does not interpolate, else without entries
+  IntegratedLook integrated;        // pre-integrated frames, else without sums
   std::array<double, 2> visible{};  // visibleValues()
 };
 

@@ -8,6 +8,7 @@
 #include <cstdint>
 
 #include "src/device/frame_values.h"
+#include "src/device/integrated_look.h"
 
 namespace sluice {
 
@@ -44,6 +45,10 @@ struct KernelFrame {
   const int64_t* packed_entries = nullptr;
   float color_unit = 1, opacity_unit = 1;  // factors of packed_entries
   float entry_scale = 0, entry_offset = 0, last_entry = 0;
+  // Pre-integrated frames, else null: IntegratedLook::sums, and the exponent of slice_length, or of
+  // a unit length with factors, that a sum of 1 stands for.
+  const int32_t* sums = nullptr;
+  float sums_unit = 1, sums_last = 1;         // the last entry
   float least = 0, greatest = 0;              // values of the first and of the last entry
   float least_visible = 0, most_visible = 0;  // values beyond these have no opacity
 

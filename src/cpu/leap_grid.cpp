@@ -81,32 +81,36 @@ Range<T> shownBy(const SpreadBounds<T>& bounds, const ExpectedLook& expected) {
 }
 
 // Goes over the bricks: `begin()` before each row of them along x, `take(first texel of a row)` for
-// each row of texels in it, and `finish(first, end)` for the columns of texels of each brick.
-void eachBrick(const ChunkTexels& chunk, Vec3i bricks, const auto& begin, const auto& take,
-               const auto& finish) {
+// each row of texels in it, and `finish(first, end)` for the columns of texels of each brick, and
+// of `margin` more on every side.
+void eachBrick(const ChunkTexels& chunk, Vec3i bricks, int64_t margin, const auto& begin,
+               const auto& take, const auto& finish) {
   const Vec3i storage = chunk.storage_vox;
-  const auto endOf = [](int64_t brick, int64_t texels) {
-    return std::min((brick + 1) * kBrickSide + 1, texels);
+  const auto firstOf = [margin](int64_t brick) {
+    return std::max<int64_t>(brick * kBrickSide - margin, 0);
+  };
+  const auto endOf = [margin](int64_t brick, int64_t texels) {
+    return std::min((brick + 1) * kBrickSide + 1 + margin, texels);
   };
   for (int64_t bz = 0; bz < bricks.z; ++bz)
     for (int64_t by = 0; by < bricks.y; ++by) {
       begin();
-      for (int64_t z = bz * kBrickSide; z < endOf(bz, storage.z); ++z)
-        for (int64_t y = by * kBrickSide; y < endOf(by, storage.y); ++y)
+      for (int64_t z = firstOf(bz); z < endOf(bz, storage.z); ++z)
+        for (int64_t y = firstOf(by); y < endOf(by, storage.y); ++y)
           take((z * storage.y + y) * storage.x);
       for (int64_t bx = 0; bx < bricks.x; ++bx)
-        finish(static_cast<size_t>(bx * kBrickSide), static_cast<size_t>(endOf(bx, storage.x)));
+        finish(static_cast<size_t>(firstOf(bx)), static_cast<size_t>(endOf(bx, storage.x)));
     }
 }
 
 template <class T>
-void setRanges(const ChunkTexels& chunk, LeapGrid& grid) {
+void setRanges(const ChunkTexels& chunk, int64_t margin, LeapGrid& grid) {
   const auto* texels = reinterpret_cast<const T*>(chunk.bytes.get());
   const int64_t columns = chunk.storage_vox.x;
   std::vector<T> lo(static_cast<size_t>(columns)), hi(lo.size());
   auto* out = reinterpret_cast<Range<T>*>(grid.ranges.data());
   eachBrick(
-      chunk, grid.bricks,
+      chunk, grid.bricks, margin,
       [&] {
         std::ranges::fill(lo, kNothing<T>.lo);
         std::ranges::fill(hi, kNothing<T>.hi);
@@ -127,7 +131,7 @@ void setRangesOfSpreads(const ChunkTexels& chunk, const ExpectedLook& expected, 
   std::vector<SpreadBounds<T>> bounds(static_cast<size_t>(columns));
   auto* out = reinterpret_cast<Range<T>*>(grid.ranges.data());
   eachBrick(
-      chunk, grid.bricks, [&] { std::ranges::fill(bounds, SpreadBounds<T>()); },
+      chunk, grid.bricks, 0, [&] { std::ranges::fill(bounds, SpreadBounds<T>()); },
       [&](int64_t row) { widenBySpread(texels + 2 * row, bounds.data(), columns); },
       [&](size_t first, size_t end) {
         SpreadBounds<T> all;
@@ -213,10 +217,11 @@ void spreadAlong(std::span<uint8_t> distances, int64_t count, int64_t stride,
 
 }  // namespace
 
-LeapGrid leapGrid(const ChunkTexels& chunk, const ExpectedLook* expected) {
+LeapGrid leapGrid(const ChunkTexels& chunk, const ExpectedLook* expected, int64_t margin) {
   SLUICE_CHECK(!chunk.has_spread || expected != nullptr);
   const Vec3i storage = chunk.storage_vox;
   LeapGrid grid;
+  grid.margin = margin;
   for (int a = 0; a < 3; ++a)
     grid.bricks[a] = (std::max<int64_t>(storage[a] - 1, 1) + kBrickSide - 1) / kBrickSide;
   const auto bricks = static_cast<size_t>(volume(grid.bricks));
@@ -226,7 +231,7 @@ LeapGrid leapGrid(const ChunkTexels& chunk, const ExpectedLook* expected) {
     if (chunk.has_spread)
       setRangesOfSpreads<T>(chunk, *expected, grid);
     else
-      setRanges<T>(chunk, grid);
+      setRanges<T>(chunk, margin, grid);
   });
   return grid;
 }

@@ -35,10 +35,13 @@ struct LeapGrid {
   // at each.
   std::vector<uint8_t> distances;
   double shown_share = 1;  // share of bricks that may show something
+  int64_t margin = 0;      // texels beside a brick that count as its own
 };
 
 // Makes the grid without distances. `expected` gives the look of spreads, if the chunk has them.
-LeapGrid leapGrid(const ChunkTexels& chunk, const ExpectedLook* expected = nullptr);
+// `margin`: a sample shows values up to so many texels from it, of a chunk without spreads.
+LeapGrid leapGrid(const ChunkTexels& chunk, const ExpectedLook* expected = nullptr,
+                  int64_t margin = 0);
 void setDistances(LeapGrid& grid, DeviceType type, const ShownValues& shown);
 
 }  // namespace sluice

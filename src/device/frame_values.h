@@ -103,6 +103,12 @@ struct FrameSetup {
   bool shades_every_sample = false;  // also reads, lights and blends samples that show nothing
   bool skips = false;  // may leave out samples that show nothing, or lie behind opaque
   bool lit = false;    // composite only: chunks carry a ghost layer around each block
+  // Composite only, and not of labels or chunks with spreads: sample k stands for all values on the
+  // ray from slice k - 1/2 to k + 1/2, between which they are taken to change linearly, see
+  // IntegratedLook. Light and gradients are those of slice k. Both places lie within a voxel of it,
+  // so that the ghost layer around each block has their texels, and beyond the volume its outermost
+  // ones continue. Boxes take in all cells within a voxel of one that shows something.
+  bool integrates = false;
   // Others draw the rest of the picture: it ends with Device::endPart(), or, of modes other than
   // composite and a device without it, with a picture of the numbers of partial_picture.h.
   bool is_part = false;

@@ -31,7 +31,7 @@ void setParts(std::vector<float>& rgba) {
 }  // namespace
 
 LookUpKey lookUpKey(const FrameSetup& setup) {
-  return {setup.look_up, setup.mode, setup.projection, setup.slice_length};
+  return {setup.look_up, setup.mode, setup.projection, setup.slice_length, setup.integrates};
 }
 
 std::vector<float> lookUpTexels(const LookUpKey& key) {

@@ -17,6 +17,7 @@ struct LookUpKey {
   Mode mode = Mode::kComposite;
   Projection projection = Projection::kOrtho;
   double slice_length = 1;
+  bool integrates = false;
   bool operator==(const LookUpKey&) const = default;
 };
 LookUpKey lookUpKey(const FrameSetup& setup);

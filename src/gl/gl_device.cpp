@@ -14,7 +14,8 @@ namespace {
 
 // Boxes a draw call: bounded by the smallest legal buffer texture (65536 texels).
 constexpr size_t kBoxesPerDraw = 65536 / kTexelsPerBox;
-constexpr GLenum kChunkUnit = 0, kLookUpUnit = 1, kBoxUnit = 2, kFactorUnit = 3, kExpectedUnit = 4;
+constexpr GLenum kChunkUnit = 0, kLookUpUnit = 1, kBoxUnit = 2, kFactorUnit = 3, kExpectedUnit = 4,
+                 kSumsUnit = 5;
 
 std::array<float, 3> asFloats(Vec3d v) {
   return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
@@ -68,11 +69,13 @@ GlDevice::GlDevice(std::unique_ptr<GlContext> context)
   gl_.GenTextures(1, &look_up_);
   gl_.GenTextures(1, &factors_);
   gl_.GenTextures(1, &expected_);
+  gl_.GenTextures(1, &sums_);
 }
 
 GlDevice::~GlDevice() {
   context_->makeCurrent();
   for (auto& [id, chunk] : resident_) gl_.DeleteTextures(1, &chunk.texture);
+  gl_.DeleteTextures(1, &sums_);
   gl_.DeleteTextures(1, &expected_);
   gl_.DeleteTextures(1, &factors_);
   gl_.DeleteTextures(1, &look_up_);
@@ -185,6 +188,26 @@ void GlDevice::setLookUp(GlProgram& program) {
   program.set4("entries", line.data(), 1);
 }
 
+void GlDevice::setSums(GlProgram& program) {
+  const LookUp& look_up = *setup_.look_up;
+  gl_.ActiveTexture(GL_TEXTURE0 + kSumsUnit);
+  gl_.BindTexture(GL_TEXTURE_2D, sums_);
+  if (summed_look_ != setup_.look_up) {
+    integrated_ = integratedLook(look_up);
+    summed_look_ = setup_.look_up;
+    gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32I, integrated_.entries(), 1, 0, GL_RGBA_INTEGER,
+                   GL_INT, integrated_.sums.data());
+  }
+  setFilter(gl_, GL_NEAREST);
+  program.set("sums", static_cast<int>(kSumsUnit));
+  const double length = look_up.magnitudes.empty() ? setup_.slice_length : 1;
+  program.set2("sums_line", integrated_.entries() - 1, integrated_.unit * length);
+  const double scale = valueScale(setup_.type);
+  const std::array<float, 4> line = {static_cast<float>(scale * integrated_.entries_a_value),
+                                     static_cast<float>(integrated_.first), 0, 0};
+  program.set4("entries", line.data(), 1);
+}
+
 void GlDevice::setExpected(GlProgram& program) {
   const ExpectedLookPtr& look = setup_.look_up->expected;
   gl_.ActiveTexture(GL_TEXTURE0 + kExpectedUnit);
@@ -261,7 +284,8 @@ void GlDevice::beginFrame(const FrameSetup& setup, const StopToken& stop) {
               .counts = false,
               .clip_planes = static_cast<int>(setup.clip_planes.size()),
               .labels = colors && setup.look_up->labels,
-              .planes = traits.on_planes};
+              .planes = traits.on_planes,
+              .integrates = setup.integrates};
   if (colors) chooseShading(setup, variant_);
   const int64_t most = limits().max_picture_size;
   if (std::max(setup.size.width, setup.size.height) > most)
@@ -304,6 +328,7 @@ GlProgram& GlDevice::frameProgram(Vec3d scale, bool has_spread) {
   if (told_.insert(variant).second) {
     setFrame(program);
     if (variant.spread) setExpected(program);
+    if (variant.integrates) setSums(program);
   }
   if (variant.scaled) program.set("texel_scale", scale);
   return program;

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "src/device/device.h"
+#include "src/device/integrated_look.h"
 #include "src/device/look_up_texels.h"
 #include "src/device/picture_rows.h"
 #include "src/device/screen_picture.h"
@@ -75,6 +76,8 @@ class GlDevice : public Device, public DrawsForScreens, public DrawsRows {
   void uploadLookUp();
   // The same of LookUp::expected.
   void setExpected(GlProgram& program);
+  // The same of IntegratedLook.
+  void setSums(GlProgram& program);
   void setBlending(Combining combining);
   // Restores the state of beginFrame() after another pass.
   void bindTarget();
@@ -102,8 +105,10 @@ class GlDevice : public Device, public DrawsForScreens, public DrawsRows {
   ShaderVariant variant_;
   std::set<ShaderVariant> told_;  // programs that know of this frame
   GLuint vertex_array_ = 0, index_buffer_ = 0, box_buffer_ = 0, box_texture_ = 0, look_up_ = 0,
-         factors_ = 0, expected_ = 0;
+         factors_ = 0, expected_ = 0, sums_ = 0;
   ExpectedLookPtr expected_look_;  // the texture's content
+  LookUpPtr summed_look_;          // the look-up that the texture of sums is made of
+  IntegratedLook integrated_;      // the texture's content
   LookUpKey look_up_key_;          // key of the texture's content; without a look-up: none yet
   uint64_t binds_ = 0;
   GLuint marked_ = 0;  // depth buffer with the opaque pixels; 0: none are marked in this frame

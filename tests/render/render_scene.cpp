@@ -115,6 +115,7 @@ FloatPicture RenderScene::reference(const FrameOptions& options) const {
     scene.clip_planes.push_back({plane.normal, plane.offset});
   if (options_.lit) scene.lighting = options.lighting;
   scene.value_range = valueRangeOf(source_, options_.time);
+  scene.integrates = options.integrates;
   scene.opacity_threshold = rayThreshold(options);
   scene.rounding = roundingOf({transfer_, ranges_->map, ranges_->device_range}, ranges_->map);
   return renderReference(

@@ -160,6 +160,8 @@ void PlainDevice::beginFrame(const FrameSetup& setup, const StopToken& stop) {
   setup_ = setup;
   stop_ = stop;
   taken_ = 0;
+  mean_look_.reset();
+  if (setup.integrates) mean_look_.emplace(*setup.look_up);
   put_off_.clear();
   pixels_.assign(static_cast<size_t>(setup.size.width) * static_cast<size_t>(setup.size.height),
                  {});
@@ -232,16 +234,34 @@ void PlainDevice::take(const Ray& ray, const BoxDraw& box, const ChunkTexels& ch
   double in_box = 0;
   eachSample(ray, box, [&](Vec3d p, double k) {
     const auto& [axes, scale, offset] = box.texels;
-    Vec3d texel;
+    Vec3d texel, texel_beside;
     for (int a = 0; a < 3; ++a) texel[a] = p[axes[static_cast<size_t>(a)]] * scale[a] + offset[a];
     // Beyond the outermost texels their values continue.
     for (int a = 0; a < 3; ++a)
       texel[a] = std::clamp(texel[a], 0.0, static_cast<double>(chunk.storage_vox[a] - 1));
     const bool labels = composite && look_up.labels;
-    const double value = labels ? labelAt(chunk, texel) : valueAt(chunk, texel);
     ++taken_;
-    if (value < kNoNumber) return true;
-    const auto rgba = lookedUp(look_up, value, look_up.interpolates || !composite);
+    double value = 0;
+    std::array<double, 4> rgba{};
+    if (setup_.integrates) {
+      const auto valueBeside = [&](double slices) {
+        const Vec3d place = p + ray.step * slices;
+        for (int a = 0; a < 3; ++a)
+          texel_beside[a] = std::clamp(place[axes[static_cast<size_t>(a)]] * scale[a] + offset[a],
+                                       0.0, static_cast<double>(chunk.storage_vox[a] - 1));
+        return valueAt(chunk, texel_beside);
+      };
+      double front = valueBeside(-0.5), back = valueBeside(0.5);
+      if (front < kNoNumber) front = back;
+      if (back < kNoNumber) back = front;
+      if (front < kNoNumber) return true;
+      value = (front + back) / 2;
+      rgba = mean_look_->between(front, back);
+    } else {
+      value = labels ? labelAt(chunk, texel) : valueAt(chunk, texel);
+      if (value < kNoNumber) return true;
+      rgba = lookedUp(look_up, value, look_up.interpolates || !composite);
+    }
     const double spread = chunk.has_spread && composite ? spreadAt(chunk, texel) : 0;
     if (rgba[3] <= 0 && !(spread > 0)) return true;
     if (!composite) {

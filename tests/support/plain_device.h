@@ -7,10 +7,12 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <unordered_map>
 #include <vector>
 
 #include "src/device/device.h"
+#include "tests/support/plain_sampling.h"
 
 namespace sluice {
 
@@ -76,6 +78,7 @@ class PlainDevice : public Device {
   std::unordered_map<uint64_t, ChunkTexelsPtr> resident_;
   uint64_t uploaded_bytes_ = 0, binds_ = 0, taken_ = 0;
   FrameSetup setup_;
+  std::optional<MeanLook> mean_look_;  // a frame that integrates
   StopToken stop_;
   std::vector<Pixel> pixels_;  // rows upwards
   std::vector<BoxDraw> put_off_;

@@ -98,6 +98,56 @@ double labelAt(const ChunkTexels& chunk, Vec3d at) {
   return best;
 }
 
+MeanLook::MeanLook(const LookUp& look_up) {
+  const size_t entries = look_up.rgba.size() / 4;
+  const ValueRange range = look_up.device_range;
+  if (range.hi > range.lo) scale_ = static_cast<double>(entries - 1) / (range.hi - range.lo);
+  offset_ = -range.lo * scale_;
+  const auto extinctionOf = [&](size_t entry) {
+    const float* rgba = &look_up.rgba[4 * entry];
+    const double clear = 1 - static_cast<double>(rgba[3]);
+    const double extinction = clear > 0 ? std::min(-std::log2(clear), 16.0) : 16;
+    return std::array<double, 4>{rgba[0] * extinction, rgba[1] * extinction, rgba[2] * extinction,
+                                 extinction};
+  };
+  sums_.push_back({});
+  for (size_t i = 0; i + 1 < std::max<size_t>(entries, 2); ++i) {
+    const auto a = extinctionOf(i), b = extinctionOf(std::min(i + 1, entries - 1));
+    auto sum = sums_.back();
+    auto& density = densities_.emplace_back();
+    for (size_t c = 0; c < 4; ++c) {
+      density[c] = (a[c] + b[c]) / 2;
+      sum[c] += density[c];
+    }
+    sums_.push_back(sum);
+  }
+}
+
+std::array<double, 4> MeanLook::densityAt(double entry) const {
+  const double last = static_cast<double>(densities_.size()) - 1;
+  return densities_[static_cast<size_t>(std::clamp(std::floor(entry), 0.0, last))];
+}
+
+std::array<double, 4> MeanLook::sumBelow(double entry) const {
+  const double last = static_cast<double>(densities_.size()) - 1;
+  const double first = std::clamp(std::floor(entry), 0.0, last);
+  std::array<double, 4> sum = sums_[static_cast<size_t>(first)];
+  for (size_t c = 0; c < 4; ++c) sum[c] += densityAt(entry)[c] * (entry - first);
+  return sum;
+}
+
+std::array<double, 4> MeanLook::between(double from, double to) const {
+  const double a = from * scale_ + offset_, b = to * scale_ + offset_;
+  std::array<double, 4> mean = densityAt((a + b) / 2);
+  if (std::abs(b - a) > 1e-6) {
+    const auto below_a = sumBelow(a), below_b = sumBelow(b);
+    for (size_t c = 0; c < 4; ++c) mean[c] = (below_b[c] - below_a[c]) / (b - a);
+  }
+  for (size_t c = 0; c < 3; ++c) mean[c] = mean[3] > 0 ? mean[c] / mean[3] : 0;
+  mean[3] = 1 - std::exp2(-mean[3]);
+  return mean;
+}
+
 std::array<double, 4> lookedUp(const LookUp& look_up, double value, bool interpolates) {
   const Entry entry = entryOf(entryPosition(look_up, value), look_up.rgba.size() / 4, interpolates);
   std::array<double, 4> rgba{};

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <vector>
 
 #include "src/base/values/vec.h"
 #include "src/device/device.h"
@@ -21,6 +22,22 @@ double labelAt(const ChunkTexels& chunk, Vec3d at);
 
 // The table's entry of a device value, interpolated between two entries if it interpolates.
 std::array<double, 4> lookedUp(const LookUp& look_up, double value, bool interpolates);
+
+// The mean colour and opacity of all values between two, see IntegratedLook: r, g, b, not
+// premultiplied, weighted by extinction, and the opacity of a unit length.
+class MeanLook {
+ public:
+  explicit MeanLook(const LookUp& look_up);
+  std::array<double, 4> between(double from, double to) const;
+
+ private:
+  std::array<double, 4> densityAt(double entry) const;
+  std::array<double, 4> sumBelow(double entry) const;
+
+  double scale_ = 0, offset_ = 0;
+  // Extinction times red, green, blue and 1 of each step from an entry to the next, and their sums.
+  std::vector<std::array<double, 4>> densities_, sums_;
+};
 
 // The table's entry of a mean and a spread, premultiplied, and the share by which it stands for
 // them; the rest is the mean's look without spread.

@@ -63,7 +63,13 @@ struct ReferenceScene {
   std::vector<ReferenceClipPlane> clip_planes;
   std::optional<Lighting> lighting;  // unlit if absent
   ValueRange value_range;            // range of the volume, for Lighting::flat_share
-  double opacity_threshold = 1;      // a ray ends once its opacity has reached this
+  // Composite, not of labels: a sample shows all values from half a slice before it to half a slice
+  // behind it, which change linearly between these two places. An opacity counts as its extinction,
+  // -log2(1 - opacity), at most 16, and a colour in proportion to the extinction. Factors of
+  // gradients are for the mean of the two values. If one of them is no number, the other counts.
+  // Requires: no step in the transfer function.
+  bool integrates = false;
+  double opacity_threshold = 1;  // a ray ends once its opacity has reached this
   Rounding rounding;
 };
 

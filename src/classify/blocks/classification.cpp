@@ -1,6 +1,7 @@
 #include "src/classify/blocks/classification.h"
 
 #include <algorithm>
+#include <unordered_map>
 
 #include "src/base/memory/large_pages.h"
 #include "src/classify/blocks/classifier.h"
@@ -22,6 +23,12 @@ ObjectBlock objectOf(int64_t block, const Box3& cells, const Box3& owned, int64_
 
 Box3 ownedCells(const BlockLayout& layout, int64_t block) {
   return layout.ownedCells(layout.indexOf(block));
+}
+
+void count(const BlockLayout& layout, VisibleBlocks& result) {
+  for (const ObjectBlock& object : result.blocks)
+    ++(object.kind == BlockClass::kBlack ? result.black : result.grey);
+  result.white = layout.blockCount() - result.grey - result.black;
 }
 
 }  // namespace
@@ -53,9 +60,38 @@ VisibleBlocks classify(const SliceRanges& ranges, const OpacityTable& table, con
     if (!cells.empty()) result.blocks.push_back(objectOf(block, cells, owned, time));
   });
   if (result.blocks.size() > visible) std::ranges::sort(result.blocks, {}, &ObjectBlock::name);
-  for (const ObjectBlock& object : result.blocks)
-    ++(object.kind == BlockClass::kBlack ? result.black : result.grey);
-  result.white = ranges.layout.blockCount() - result.grey - result.black;
+  count(ranges.layout, result);
+  return result;
+}
+
+VisibleBlocks classifyAround(const SliceRanges& ranges, const OpacityTable& table, const Box3& crop,
+                             WorkerPool& pool, int64_t time) {
+  const BlockLayout& layout = ranges.layout;
+  const Box3 all = boxOf(layout.dims - Vec3i{1, 1, 1});
+  const auto around = [](const Box3& cells) {
+    return Box3{cells.lo - Vec3i{1, 1, 1}, cells.hi + Vec3i{1, 1, 1}};
+  };
+  // Cells beside the crop show in samples inside it.
+  const VisibleBlocks shown = classify(ranges, table, intersect(around(crop), all), pool, time);
+  std::unordered_map<int64_t, Box3> boxes;
+  boxes.reserve(shown.blocks.size());
+  for (const ObjectBlock& object : shown.blocks) {
+    const Box3 cells = intersect(around(object.cells), crop);
+    const Box3 blocks = blocksOf(layout, cells);
+    for (int64_t z = blocks.lo.z; z < blocks.hi.z; ++z)
+      for (int64_t y = blocks.lo.y; y < blocks.hi.y; ++y)
+        for (int64_t x = blocks.lo.x; x < blocks.hi.x; ++x) {
+          const Box3 part = intersect(cells, layout.ownedCells({x, y, z}));
+          const auto [box, is_new] = boxes.try_emplace(layout.idOf({x, y, z}), part);
+          if (!is_new) box->second = unite(box->second, part);
+        }
+  }
+  VisibleBlocks result;
+  reserveLarge(result.blocks, boxes.size());
+  for (const auto& [block, cells] : boxes)
+    result.blocks.push_back(objectOf(block, cells, ownedCells(layout, block), time));
+  std::ranges::sort(result.blocks, {}, &ObjectBlock::name);
+  count(layout, result);
   return result;
 }
 

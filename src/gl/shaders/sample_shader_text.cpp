@@ -183,6 +183,43 @@ vec4 expectedColor(float value, float share, float factor, float lengths, vec4 e
 }
 #endif
 
+#if INTEGRATES
+uniform isampler2D sums;   // IntegratedLook
+// The last entry; the exponent of slice_length, or of a unit length with factors, that a sum of 1
+// stands for.
+uniform vec2 sums_line;
+
+// A value's place among the entries, and the sums below it: those below the entry before it, their
+// growth up to the next entry, and the part of it up to the place.
+struct SumsAt {
+  float place;
+  ivec4 below;
+  vec4 growth, part;
+};
+SumsAt sumsAt(float value) {
+  SumsAt result;
+  result.place = clamp(value * entry_scale + entry_offset, -4e6, 4e6);
+  float first = clamp(floor(result.place), 0.0, sums_line.x - 1.0);
+  result.below = texelFetch(sums, ivec2(int(first), 0), 0);
+  result.growth = vec4(texelFetch(sums, ivec2(int(first) + 1, 0), 0) - result.below);
+  result.part = (result.place - first) * result.growth;
+  return result;
+}
+
+// The mean of the values from one place to another: colour, not premultiplied, and the exponent of
+// what passes.
+vec4 segmentColor(SumsAt front, SumsAt back) {
+  float way = back.place - front.place;
+  // One value, or values beyond one end of the table, which all look the same.
+  bool even = abs(way) < 1e-3 || min(front.place, back.place) >= sums_line.x ||
+              max(front.place, back.place) <= 0.0;
+  vec4 sum = vec4(back.below - front.below) + (back.part - front.part);
+  vec4 mean = even ? 0.5 * (front.growth + back.growth) : sum / (even ? 1.0 : way);
+  float extinction = max(mean.a, 0.0);
+  return vec4(clamp(mean.rgb / max(extinction, 1e-20), 0.0, 1.0), extinction * sums_line.y);
+}
+#endif
+
 #if LIT
 #if SHININESS == 0
 uniform float shininess;
@@ -242,6 +279,10 @@ void main() {
 #if COUNTS_TAKEN
   taken = vec4(0.0);
 #endif
+#if INTEGRATES
+  // Segments have the values at both ends, which may lie in the ghost layer.
+  float front, back = textureLod(chunk, first + (float(range.x - first_k) - 0.5) * along, 0.0).r;
+#endif
   for (int k = range.x; k < range.y; ++k) {
     vec3 at;
     float value;
@@ -261,6 +302,15 @@ void main() {
 #else
       at = first + float(k - first_k) * along;
 #endif
+#if INTEGRATES
+      front = back;
+      back = textureLod(chunk, at + 0.5 * along, 0.0).r;
+#if GOES_AHEAD
+      if ((max(front, back) >= visible.x && min(front, back) <= visible.y) || k + 1 == range.y)
+        break;
+    }
+#endif
+#else
       vec2 both = textureLod(chunk, at, 0.0).rg;
       value = both.r;
 #if GOES_AHEAD
@@ -270,6 +320,22 @@ void main() {
       if ((value >= visible.x && value <= visible.y) || k + 1 == range.y) break;
     }
 #endif
+#endif
+#if INTEGRATES
+    float from = front, to = back;
+#if FLOATS
+    // Next to a voxel that is no number the other end stands for all.
+    if (IS_NO_NUMBER(vec3(front)).x) from = back;
+    if (IS_NO_NUMBER(vec3(back)).x) to = front;
+#endif
+    SumsAt sums_before = sumsAt(from), sums_after = sumsAt(to);
+    vec4 color = segmentColor(sums_before, sums_after);
+#if FLOATS
+    if (IS_NO_NUMBER(vec3(from)).x) color = vec4(0.0);
+#endif
+    float entry = (clamp(0.5 * (sums_before.place + sums_after.place), 0.0, sums_line.x) + 0.5) /
+                  (sums_line.x + 1.0);
+#else
 #if LABELS
     value = labelAt(at);
 #elif PLANES && FLOATS
@@ -284,6 +350,7 @@ void main() {
 #if FLOATS
     if (IS_NO_NUMBER(vec3(value)).x) color = vec4(0.0);
 #endif
+#endif
 #if COMBINING == 0
 #if GRADIENTS
     vec3 difference = differenceAt(at);
@@ -297,8 +364,14 @@ void main() {
 #endif
     float factor = 1.0;
 #if GRADIENT_ROWS > 0
+#if INTEGRATES
+    color.a = 1.0 - exp2(-color.a);
+#endif
     factor = factorOf(unit * sqrt(squared), entry);
     color.a = corrected(color.a * factor, voxel_lengths);
+    color.rgb *= color.a;
+#elif INTEGRATES
+    color.a = 1.0 - exp2(-color.a * ray_length);
     color.rgb *= color.a;
 #elif PERSPECTIVE
     color.a = 1.0 - exp2(color.a * ray_length);

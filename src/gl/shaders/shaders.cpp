@@ -30,6 +30,7 @@ std::string definitions(const ShaderVariant& v) {
                                                  {"PLANES", v.planes},
                                                  {"SCALED", v.scaled},
                                                  {"SPREAD", v.spread},
+                                                 {"INTEGRATES", v.integrates},
                                                  {"OBLIQUE", v.oblique}};
   std::string lines;
   for (const auto& [name, value] : numbers) lines += fmt::format("#define {} {}\n", name, value);

@@ -28,6 +28,7 @@ struct ShaderVariant {
   bool planes = false;        // samples lie on voxel planes, see FrameSetup
   bool spread = false;        // chunks have spreads, see ExpectedLook
   bool scaled = false;        // texels are not voxels, see TexelMap
+  bool integrates = false;    // segments in place of samples, see FrameSetup
   bool oblique = false;       // with gradients: the volume's axes are not at right angles
   friend auto operator<=>(const ShaderVariant&, const ShaderVariant&) = default;
 };

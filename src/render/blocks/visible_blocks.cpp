@@ -4,8 +4,9 @@ namespace sluice {
 
 VisibleBlocksPtr ClassifiedBlocks::choose(const BlockQuestion& question) {
   const BlockQuestion& q = question;
-  return memo_.of({q.step, q.look, q.crop}, [&] {
-    return classify(*q.step.ranges, q.look->table, q.crop, pool_, q.step.time);
+  return memo_.of({q.step, q.look, q.crop, q.integrates}, [&] {
+    const auto how = q.integrates ? classifyAround : classify;
+    return how(*q.step.ranges, q.look->table, q.crop, pool_, q.step.time);
   });
 }
 

@@ -25,6 +25,7 @@ struct BlockQuestion {
   View view;
   std::optional<CutOptions> cut = {};  // unset: the finest level alone
   const ReadLimit* limit = nullptr;    // of a cut; null: it waits for all data
+  bool integrates = false;             // the frame does, see FrameSetup; not of a cut
 };
 
 class BlockChooser {
@@ -36,7 +37,7 @@ class BlockChooser {
   virtual VisibleBlocksPtr choose(const BlockQuestion& question) = 0;
 };
 
-// classify(), kept while step, look and crop stay.
+// classify(), or classifyAround() for a frame that integrates, kept while its inputs stay.
 class ClassifiedBlocks : public BlockChooser {
  public:
   explicit ClassifiedBlocks(WorkerPool& pool) : pool_(pool) {}
@@ -47,6 +48,7 @@ class ClassifiedBlocks : public BlockChooser {
     TimeStep step;
     Identity<Look> look;
     Box3 crop;
+    bool integrates;
     friend bool operator==(const Key&, const Key&) = default;
   };
   WorkerPool& pool_;

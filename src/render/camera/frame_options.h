@@ -68,6 +68,9 @@ struct FrameOptions {
   // Called with the number of clusters drawn and of all: before the first, and after each. Called
   // by the drawing thread.
   ProgressWatch watch = {};
+  // Samples show all values between them, if the frame can: Planner::integrates().
+  bool integrates = false;
+  double step_factor = 1;      // of a step that is chosen and integrated
   bool count_samples = false;  // fills FrameReport::samples_*; costs a pass without texture reads
   // With it, samples_taken leaves out leapt samples, even if no ray ends early.
   bool counts_leaps = false;

@@ -21,6 +21,12 @@ FrameSetup frameSetup(const View& view, const VolumeLayout& layout, const Look& 
 FrameSetup viewSetup(const View& view, const VolumeLayout& layout,
                      const std::vector<WorldPlane>& clip_planes);
 
+// The most voxels between two slices along any axis, of all rays of the view.
+double longestStep(const View& view, const VolumeLayout& layout);
+// The most for a frame that integrates: the values half as far from a sample lie within the ghost
+// layer around its block.
+inline constexpr double kMostIntegratedStep = 2;
+
 // The eye's position for ordering blocks front to back.
 EyePosition eyePosition(const View& view, const VolumeLayout& layout);
 

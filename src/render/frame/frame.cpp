@@ -53,8 +53,9 @@ Frame Session::frame() {
   const double plan_s = stage.lap();
   const DrawOrderPtr order = planner_.order(plan, eyePosition(view, volume),
                                             arrangementOf(*plan, options, residency_.cache()));
-  const FrameSetup setup =
+  FrameSetup setup =
       frameSetup(view, volume, *look, step_.ranges->map, options, session_.lit && options.shades);
+  setup.integrates = Planner::integrates(step_, *look, view, options);
 
   lessons_.unfinished.reset();  // this frame requests again what it needs of it
   read_afterwards_.reset();     // and of the data that was read ahead for it
@@ -63,8 +64,9 @@ Frame Session::frame() {
   for (int ray = 0; ray < rays * rays; ++ray) {
     FrameSetup of_ray = setup;
     if (rays > 1) of_ray.rays = raysOfPixel(setup.rays, ray % rays, ray / rays, rays);
-    FrameRun run({step_, look, visible, plan, order, boxesOf(look, plan), std::move(of_ray),
-                  options, asked_at,
+    // Growing boxes know nothing of the cells around them.
+    const ChosenBoxesPtr boxes = setup.integrates ? nullptr : boxesOf(look, plan);
+    FrameRun run({step_, look, visible, plan, order, boxes, std::move(of_ray), options, asked_at,
                   [this, &afterwards, is_last = ray + 1 == rays * rays] {
                     if (is_last && afterwards) readAfterwards(*afterwards);
                   }},

@@ -1,9 +1,19 @@
 #include "src/render/session/planner.h"
 
+#include "src/render/camera/frame_setup.h"
+
 namespace sluice {
 
 LookPtr Planner::look(const TimeStep& step, const TransferPtr& transfer, Mode mode) {
   return look_.of({step, transfer, mode}, [&] { return makeLook(step, *transfer, mode); });
+}
+
+bool Planner::integrates(const TimeStep& step, const Look& look, const View& view,
+                         const FrameOptions& options) {
+  const bool labels = look.table.labels();
+  return options.integrates && traitsOf(options.mode).has_colors && !labels &&
+         step.ranges->layout.ghost > 0 && !drawsCut(step, options.cut, options.mode, labels) &&
+         longestStep(view, step.source->layout()) <= kMostIntegratedStep * (1 + 1e-6);
 }
 
 VisibleBlocksPtr Planner::visibleBlocks(const TimeStep& step, const LookPtr& look, const View& view,
@@ -13,8 +23,8 @@ VisibleBlocksPtr Planner::visibleBlocks(const TimeStep& step, const LookPtr& loo
   BlockChooser* chooser = chooser_;
   if (chooser == nullptr && cut) chooser = &cut_;
   if (chooser == nullptr) chooser = &classified_;
-  return chooser->choose(
-      {step, look, cropCells(options, step.ranges->layout.dims), view, cut, limit});
+  return chooser->choose({step, look, cropCells(options, step.ranges->layout.dims), view, cut,
+                          limit, integrates(step, *look, view, options)});
 }
 
 FramePlanPtr Planner::plan(const TimeStep& step, const VisibleBlocksPtr& visible,

@@ -36,6 +36,11 @@ class Planner {
   bool makesCut(const TimeStep& step, const LookPtr& look, const FrameOptions& options) const {
     return chooser_ == nullptr && drawsCut(step, options.cut, options.mode, look->table.labels());
   }
+  // Whether a frame is pre-integrated: its options ask for it, and it can be. It cannot in modes
+  // without colours, of labels, of a cut, without a ghost layer, or if slices are more than two
+  // voxels apart on an axis.
+  static bool integrates(const TimeStep& step, const Look& look, const View& view,
+                         const FrameOptions& options);
   // `limit` applies to such a cut alone; null: none.
   VisibleBlocksPtr visibleBlocks(const TimeStep& step, const LookPtr& look, const View& view,
                                  const FrameOptions& options, const ReadLimit* limit = nullptr);

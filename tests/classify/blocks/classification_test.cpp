@@ -399,5 +399,43 @@ TEST(Classification, moreVisibleBackgroundThanCanBeListedIsAnError) {
   EXPECT_EQ(classified(ranges, threshold(100)).blocks.size(), 1U);
 }
 
+// By their definition: each block's hull of what lies within a cell of any object box, with cells
+// beside the crop among them.
+TEST(ClassifyAround, takesInTheCellsBesideVisibleOnes) {
+  std::mt19937_64 random(12);
+  WorkerPool pool(2);
+  int grown = 0, woken = 0;
+  for (int trial = 0; trial < 12; ++trial) {
+    const Volume volume = volumeOf(makeSparseBlobs({.dims = {41, 37, 33}, .seed = random()}), 8, 1);
+    const SliceRanges& ranges = volume.ranges;
+    const OpacityTable table(randomTransfer(random, {0, 255}), ranges.map, ranges.device_range);
+    const Box3 all = allCells(ranges.layout);
+    const Box3 crop = trial % 2 == 0 ? all : Box3{{4, 7, 2}, {33, 30, 29}};
+    const auto around = [](const Box3& cells) {
+      return Box3{cells.lo - Vec3i{1, 1, 1}, cells.hi + Vec3i{1, 1, 1}};
+    };
+    const VisibleBlocks exact = classify(ranges, table, intersect(around(crop), all), pool);
+    const VisibleBlocks result = classifyAround(ranges, table, crop, pool);
+    size_t next = 0;
+    for (int64_t block = 0; block < ranges.layout.blockCount(); ++block) {
+      const Box3 owned = ranges.layout.ownedCells(ranges.layout.indexOf(block));
+      Box3 expected, own;
+      for (const ObjectBlock& object : exact.blocks) {
+        if (object.name.block == block) own = intersect(object.cells, crop);
+        const Box3 part = intersect(intersect(around(object.cells), crop), owned);
+        if (!part.empty()) expected = expected.empty() ? part : unite(expected, part);
+      }
+      const bool listed = next < result.blocks.size() && result.blocks[next].name.block == block;
+      ASSERT_EQ(listed ? result.blocks[next++].cells : Box3(), expected) << block;
+      grown += !own.empty() && !(own == expected) ? 1 : 0;
+      woken += own.empty() && !expected.empty() ? 1 : 0;
+    }
+    EXPECT_EQ(next, result.blocks.size()) << "each once, ascending";
+    EXPECT_EQ(result.white + result.grey + result.black, ranges.layout.blockCount());
+  }
+  EXPECT_GT(grown, 50);
+  EXPECT_GT(woken, 50);
+}
+
 }  // namespace
 }  // namespace sluice
