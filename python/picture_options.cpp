@@ -237,6 +237,7 @@ AskedPicture askedPicture(const py::kwargs& keywords, const VolumeInfo& volume) 
   asked.picture.view = of_view.view;
   asked.picture.time = of_view.time;
   asked.picture.step_vox = of_view.step_vox;
+  asked.picture.quality = of_view.quality;
   asked.picture.crop = of_view.crop;
   asked.picture.clip_planes = of_view.clip_planes;
   asked.look = state.look;

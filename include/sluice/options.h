@@ -94,12 +94,19 @@ struct PictureOptions {
     friend bool operator==(const Plane&, const Plane&) = default;
   };
 
+  // How a ray is sampled in composite mode. kPlain: a sample shows its own value. The others: a
+  // sample shows all values between it and the next ones (pre-integration), so that thin surfaces
+  // and sharp edges have no rings, at the chosen step, twice that, or half of it. Labels, pictures
+  // from coarser levels and steps of more than two voxels are plain always.
+  enum class Quality { kPlain, kFast, kNormal, kHigh };
+
   int width = 512, height = 512;  // pixels, each at least 1
   ViewOptions view = {};
   int64_t time = 0;  // step of a series, from 0
   // Distance between samples along a ray, in voxel lengths of the finest spacing, above 0; unset:
   // 1/2 if pixels are smaller than voxels, otherwise 1.
   std::optional<double> step_vox = {};
+  Quality quality = Quality::kPlain;
   // Volumes with levels of resolution that have spreads, in composite mode and not of labels: each
   // part is drawn at the coarsest level whose voxels are at most this many pixels wide, above 0, as
   // far as three eighths of the memory hold the blocks. `level`: all at this level; 0 is the data

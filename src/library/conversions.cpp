@@ -227,12 +227,20 @@ ViewOptions::Framing framingOf(const Framing& framing) {
   return {asArray(framing.target), framing.reach, framing.right, framing.up};
 }
 
+void setQuality(PictureOptions::Quality quality, FrameOptions& options) {
+  options.integrates = quality != PictureOptions::Quality::kPlain;
+  options.step_factor = quality == PictureOptions::Quality::kFast   ? 2
+                        : quality == PictureOptions::Quality::kHigh ? 0.5
+                                                                    : 1;
+}
+
 FrameOptions frameOptions(const PictureOptions& picture, const VolumeLayout& layout, Mode mode) {
   FrameOptions options;
   options.camera = cameraOf(picture.view);
   options.size = {picture.width, picture.height};
   options.mode = mode;
   if (picture.step_vox) options.step_vox = *picture.step_vox;
+  setQuality(picture.quality, options);
   resolve(options.camera, layout, options.size, options.step_vox);  // throws
   requireStep(picture.time, layout);
   requireFinite("pixel_error", picture.pixel_error);

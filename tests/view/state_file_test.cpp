@@ -26,6 +26,7 @@ ViewState everything() {
   state.look.full_gradient = 0.07;
   state.time = 3;
   state.step_vox = 0.3;
+  state.quality = PictureOptions::Quality::kHigh;
   state.crop = PictureOptions::Box{{1, 2, 3}, {4, 5, 6}};
   state.clip_planes = {{{0, 0, 1}, 2.5}, {{1, 0, 0}, -1}};
   state.background = std::array{0.0F, 0.5F, 1.0F};

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "src/render/blocks/level_cut.h"
 #include "tools/command_line/interrupt.h"
 #include "tools/command_line/progress_line.h"
 
@@ -98,6 +99,9 @@ Verification verify(Scene& scene, const VerifiedView& view, FrameOptions options
   const IndexPass pass{scene.pool, progress, scene.memory_bytes, interruption()};
   const IndexedVolume volume = openAnew(scene, view, pass);
   const bool is_cut = scene.volume.pyramid != nullptr;
+  // Pictures of a cut have plain samples.
+  if (drawsCut(scene.volume.step(), options.cut, options.mode, scene.look.transfer.labels))
+    options.integrates = false;
   options = plainOptions(std::move(options));
   std::vector<Camera> cameras = view.cameras;
   if (volume.source->layout().time_steps == 1 || view.this_step) {

@@ -65,6 +65,8 @@ void addDrawingOptions(CLI::App& app, const AskedView& asked, FrameOptions& opti
   table.add(
       "--step", [&options](const ViewState& state) { options.step_vox = *state.step_vox; },
       numberText(options.step_vox));
+  table.add("--quality",
+            [&options](const ViewState& state) { setQuality(state.quality, options); });
   table.add("--crop", [&options](const ViewState& state) {
     const auto& [lo, hi] = *state.crop;
     options.crop = Box3{{lo[0], lo[1], lo[2]}, {hi[0], hi[1], hi[2]}};

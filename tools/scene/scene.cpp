@@ -34,6 +34,8 @@ IndexedVolume openIndexed(const VolumeArguments& arguments, const ResourceArgume
 
 IndexNeeds pictureNeeds(const LookArguments& look, const FrameOptions& frame, FinestLevel finest) {
   IndexNeeds needs = needsOf(look, frame.mode, frame.cut);
+  // Integrated frames take values beside a block's own.
+  needs.gradients = needs.gradients || (frame.integrates && traitsOf(frame.mode).has_colors);
   // Growing boxes have an index of their own, which takes the finest level's.
   needs.may_stand_in = finest != FinestLevel::kRead && needs.levels != LevelNeeds::kFinest &&
                        frame.cut->level.value_or(1) > 0 && frame.partition == Partition::kBlocks &&

@@ -10,6 +10,7 @@
 #include "src/base/values/bytes.h"
 #include "src/library/drawing/empty_picture.h"
 #include "src/render/blocks/level_cut.h"
+#include "src/render/camera/frame_setup.h"
 #include "src/render/session/planner.h"
 
 namespace sluice {
@@ -109,12 +110,19 @@ double Scene::chosenStep(const TimeStep& step, const FrameOptions& options) cons
   if (!traitsOf(options.mode).has_colors) return options.step_vox;
   const View view =
       resolve(options.camera, volume.source->layout(), options.size, options.step_vox);
-  return stepFor(view, step, finestLevelOf(*this, step, view, options));
+  const double chosen = stepFor(view, step, finestLevelOf(*this, step, view, options));
+  if (!options.integrates || drawsCut(step, options.cut, options.mode, look.transfer.labels))
+    return chosen;
+  // As long as frames may integrate.
+  const double most =
+      options.step_vox * kMostIntegratedStep / longestStep(view, volume.source->layout());
+  return std::min(chosen * options.step_factor, most);
 }
 
 std::string Scene::lookOf(const FrameOptions& options) const {
   if (!traitsOf(options.mode).has_colors) return look.options;
-  return look.options + fmt::format(" --step {}", options.step_vox);
+  return look.options + fmt::format(" --step {}", options.step_vox) +
+         (options.integrates ? " --quality normal" : "");
 }
 
 std::vector<PictureRows> Scene::stripsOf(const FrameOptions& frame) const {

@@ -158,6 +158,9 @@ bool hasNoFile(const ViewState& state) {
 bool hasRamp(const ViewState& state) {
   return hasNoFile(state) && !state.look.labels;
 }
+bool isIntegrated(const ViewState& state) {
+  return state.quality != PictureOptions::Quality::kPlain;
+}
 bool isLater(const ViewState& state) {
   return state.time != 0;
 }
@@ -257,6 +260,11 @@ std::vector<OptionEntry> makeTable() {
          {"time", "--time", 40, {Form::kWhole, {0}, "a time step"}, "", "", nullptr, isLater}),
       in(&ViewState::step_vox, {"step", "--step", 41, factor, "VOXELS",
                                 "Distance between slices in voxels of the finest spacing"}),
+      in(&ViewState::quality,
+         {"quality", "--quality", 46, wordOf({"plain", "fast", "normal", "high"}), "",
+          "How rays are sampled: plain takes single values; the others take all values between "
+          "samples, at the chosen step (normal), twice (fast) or half of it (high)",
+          isIntegrated}),
       in(&ViewState::crop, {"crop",
                             "--crop",
                             42,

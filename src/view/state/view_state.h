@@ -19,6 +19,7 @@ struct ViewState {
   LookOptions look;
   int64_t time = 0;
   std::optional<double> step_vox;  // unset: as PictureOptions has it
+  PictureOptions::Quality quality = PictureOptions::Quality::kPlain;
   std::optional<PictureOptions::Box> crop;
   std::vector<PictureOptions::Plane> clip_planes;
   std::optional<std::array<float, 3>> background;  // unset: pictures that are saved keep alpha
@@ -41,6 +42,7 @@ inline PictureOptions pictureOf(const ViewState& state, int width, int height) {
   picture.view = state.view;
   picture.time = state.time;
   picture.step_vox = state.step_vox;
+  picture.quality = state.quality;
   picture.crop = state.crop;
   picture.clip_planes = state.clip_planes;
   return picture;
