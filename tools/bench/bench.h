@@ -80,6 +80,7 @@ Bench addSkippingBench(CLI::App& app);    // Li's Table 1
 Bench addOcclusionBench(CLI::App& app);   // Li's Table 2 and Figure 6
 Bench addCullingBench(CLI::App& app);     // Gao's figures and Table 1
 Bench addLevelsBench(CLI::App& app);      // coarser levels of resolution
+Bench addQualityBench(CLI::App& app);     // ways to sample rays
 Bench addCutBench(CLI::App& app);         // plans of huge volumes
 Bench addRanksBench(CLI::App& app);       // a picture shared among ranks
 Bench addThresholdBench(CLI::App& app);   // from a changed transfer function to the picture
@@ -88,7 +89,7 @@ Bench addWindowBench(CLI::App& app);      // a drag in a window
 
 inline constexpr Bench (*kBenches[])(CLI::App&) = {
     addLimitBench,    addRenderBench,    addSimulatorBench, addSlicingBench, addAlgorithmsBench,
-    addSkippingBench, addOcclusionBench, addCullingBench,   addLevelsBench,  addCutBench,
-    addRanksBench,    addThresholdBench, addPackingBench,   addWindowBench};
+    addSkippingBench, addOcclusionBench, addCullingBench,   addLevelsBench,  addQualityBench,
+    addCutBench,      addRanksBench,     addThresholdBench, addPackingBench, addWindowBench};
 
 }  // namespace sluice
