@@ -127,6 +127,7 @@ PYBIND11_MODULE(_sluice, module) {
            py::keep_alive<1, 2>())
       .def("render", &RendererHandle::render)
       .def("save", &RendererHandle::save)
+      .def("plan", &RendererHandle::plan)
       .def("probe", &RendererHandle::probe)
       .def("slice", &RendererHandle::slice)
       .def("look", &RendererHandle::look)

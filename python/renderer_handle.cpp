@@ -23,6 +23,43 @@ Renderer makeRenderer(const Volume& volume, const std::string& device, uint64_t 
   return run([&](const std::stop_token&) { return Renderer(volume, {}, options); });
 }
 
+py::dict memoryOf(const PicturePlan::Memory& memory) {
+  return py::dict(
+      py::arg("budget_bytes") = memory.budget_bytes, py::arg("least_bytes") = memory.least_bytes,
+      py::arg("buffer_bytes") = memory.buffer_bytes, py::arg("index_bytes") = memory.index_bytes,
+      py::arg("picture_bytes") = memory.picture_bytes,
+      py::arg("program_bytes") = memory.program_bytes, py::arg("peak_bytes") = memory.peak_bytes,
+      py::arg("machine_bytes") = memory.machine_bytes, py::arg("fits") = memory.fits);
+}
+
+// With the names of `sluice plan --json`.
+py::dict planned(const PicturePlan& plan) {
+  py::dict algorithms;
+  for (const PicturePlan::Algorithm& each : plan.algorithms)
+    algorithms[py::str(each.name)] =
+        py::dict(py::arg("chunks") = each.chunks, py::arg("pages") = each.pages,
+                 py::arg("bytes") = each.bytes, py::arg("binds") = each.binds);
+  py::dict out;
+  out["blocks"] = py::dict(py::arg("white") = plan.white, py::arg("grey") = plan.grey,
+                           py::arg("black") = plan.black);
+  out["algorithms"] = algorithms;
+  out["clusters"] = plan.clusters;
+  out["read"] = py::dict(py::arg("blocks") = plan.read_blocks,
+                         py::arg("voxel_bytes") = plan.read_voxel_bytes);
+  out["memory"] = memoryOf(plan.memory);
+  out["classify_seconds"] = plan.classify_seconds;
+  out["plan_seconds"] = plan.plan_seconds;
+  out["seconds"] = plan.classify_seconds + plan.plan_seconds;
+  if (plan.levels.empty()) return out;
+  py::list levels;
+  for (const PicturePlan::Level& each : plan.levels)
+    levels.append(py::dict(py::arg("level") = each.level, py::arg("blocks") = each.blocks,
+                           py::arg("cells") = each.cells));
+  out["cut"] = py::dict(py::arg("levels") = levels, py::arg("coarse_share") = plan.coarse_share,
+                        py::arg("final") = plan.is_refined);
+  return out;
+}
+
 py::dict levelOf(const LevelReport& level) {
   py::dict out;
   out["requests"] = level.requests;
@@ -91,6 +128,16 @@ py::array RendererHandle::slice(int axis, int64_t at, int64_t time, int most) {
     return renderer.slice({.axis = axis, .at = at, .time = time, .most = most}, stop);
   });
   return arrayOf(std::move(slice.values), {slice.height, slice.width});
+}
+
+py::dict RendererHandle::plan(const VolumeHandle& volume, const py::object& progress,
+                              const py::kwargs& keywords) {
+  const AskedPicture asked = askedPicture(keywords, volume.volume.get().info());
+  return planned(
+      withLook(asked.look, progress,
+               [&](Renderer& renderer, const ProgressFunction& told, const std::stop_token& stop) {
+                 return renderer.plan(asked.picture, told, stop);
+               }));
 }
 
 py::dict RendererHandle::report() {

@@ -27,6 +27,8 @@ class RendererHandle {
   py::object probe(const VolumeHandle& volume, double right, double down,
                    const py::kwargs& keywords);
   py::array slice(int axis, int64_t at, int64_t time, int most);
+  // The keys of `sluice plan --json` that tell of the picture.
+  py::dict plan(const VolumeHandle& volume, const py::object& progress, const py::kwargs& keywords);
   py::dict report();
   std::string look() { return renderer_.get().lookText(); }
   std::string device() { return renderer_.get().deviceName(); }

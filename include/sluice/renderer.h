@@ -103,6 +103,11 @@ class Renderer {
   // The last picture and the levels as they are now. `maps` copies the maps too.
   RenderReport report(bool maps = false) const;
 
+  // The cost of a picture with these options and the look as it is. No voxel is read, unless the
+  // time step has no index yet. Throws as draw() does.
+  PicturePlan plan(const PictureOptions& picture = {}, const ProgressFunction& progress = {},
+                   const std::stop_token& stop = {});
+
   // The place that first hides what lies behind it, along the ray through a point of the picture (0
   // to 1, to the right and down): where half of the light is gone, or, if more passes, where most
   // was taken. In maximum and minimum modes, the place of the extreme. nullopt: nothing shows

@@ -48,6 +48,46 @@ struct RenderReport {
   std::vector<uint8_t> block_classes;
 };
 
+// The cost of a picture that was not drawn yet.
+struct PicturePlan {
+  // Blocks that are empty, trimmed and full.
+  int64_t white = 0, grey = 0, black = 0;
+  // How blocks may be trimmed and merged: conventional, clipped, trimmed, merged, in this order.
+  // Pictures are drawn merged.
+  struct Algorithm {
+    std::string name;
+    uint64_t chunks = 0, pages = 0, bytes = 0, binds = 0;
+  };
+  std::array<Algorithm, 4> algorithms;
+  uint64_t clusters = 0;
+  // What a first picture reads: blocks that show something, and the bytes of their voxels.
+  int64_t read_blocks = 0;
+  uint64_t read_voxel_bytes = 0;
+
+  struct Memory {
+    // RendererOptions::memory_bytes, the least that works, and what the picture takes of it; parts
+    // of that for the min-max arrays and for the pixels.
+    uint64_t budget_bytes = 0, least_bytes = 0, buffer_bytes = 0;
+    uint64_t index_bytes = 0, picture_bytes = 0;
+    // In addition to the budget, with it, and what this process may have.
+    uint64_t program_bytes = 0, peak_bytes = 0, machine_bytes = 0;
+    bool fits = false;
+  };
+  Memory memory;
+
+  // Of a volume with several levels of resolution: those in the picture, the finest first; the rest
+  // as in RenderReport.
+  struct Level {
+    int level = 0;
+    int64_t blocks = 0, cells = 0;
+  };
+  std::vector<Level> levels;
+  double coarse_share = 0;
+  bool is_refined = true;
+
+  double classify_seconds = 0, plan_seconds = 0;
+};
+
 // How often values occur: bin i of n holds lo + (hi - lo) / n * [i, i + 1), the last one hi too.
 struct ValueHistogram {
   double lo = 0, hi = 0;

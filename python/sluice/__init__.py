@@ -216,6 +216,10 @@ class Volume:
         """Draws a picture into a file; see Renderer.save()."""
         self._renderer().save(path, progress=progress, **options)
 
+    def plan(self, *, progress=None, **options):
+        """The cost of a picture before it is drawn; see Renderer.plan()."""
+        return self._renderer().plan(progress=progress, **options)
+
     def slice(self, axis, at, *, time=0, most=1024):
         """The plane `at` of the axis 'x', 'y' or 'z' as floats; see Renderer.slice()."""
         return self._renderer().slice(axis, at, time=time, most=most)
@@ -268,6 +272,23 @@ class Renderer:
         """Draws a picture into a PNG or EXR file, in strips if it is large. The file appears whole
         or not at all, and replaces one that is there."""
         self._handle.save(self._volume, _os.fspath(path), progress, **options)
+
+    def plan(self, *, progress=None, **options):
+        """The cost of the picture that render() draws for these options, before it is drawn: a dict
+        with the keys of `sluice plan --json`. No voxel is read.
+
+        `blocks` counts those that are empty (white), trimmed (grey) and full (black); `algorithms`
+        has the chunks, pages, bytes and binds of each way to trim and merge them; `read` the blocks
+        and bytes of voxels that a first picture reads; `memory` the bytes that it takes, and whether
+        it fits; `cut` the levels of resolution, if the volume has several.
+
+            >>> plan = sluice.open('synth:phantom,dims=64x64x64').plan(threshold=40)
+            >>> plan['read']['voxel_bytes'] <= 66**3, plan['memory']['fits']
+            (True, True)
+            >>> list(plan['algorithms'])
+            ['conventional', 'clipped', 'trimmed', 'merged']
+        """
+        return self._handle.plan(self._volume, progress, **options)
 
     def slice(self, axis, at, *, time=0, most=1024):
         """The plane `at` of the axis 'x', 'y' or 'z' as floats, indexed by the other two axes, the

@@ -140,6 +140,14 @@ RenderReport Renderer::report(bool maps) const {
   return impl().on([&](Drawing& drawing) { return drawing.report(maps); });
 }
 
+PicturePlan Renderer::plan(const PictureOptions& picture, const ProgressFunction& progress,
+                           const std::stop_token& stop) {
+  return impl().on([&](Drawing& drawing) {
+    ProgressTeller teller(progress, stop);
+    return drawing.plan(picture, teller);
+  });
+}
+
 std::optional<VoxelProbe> Renderer::probe(const PictureOptions& picture, double right, double down,
                                           const std::stop_token& stop) {
   return impl().on([&](Drawing& drawing) {

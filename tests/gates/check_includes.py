@@ -51,7 +51,7 @@ ALLOWED = {
     'src/parallel': ['src/volume', BLOCKS, 'src/device', 'src/render'],
     'src/gl': ['src/device', 'src/volume'],
     'src/library': [PUBLIC, 'cache/model', 'cache/policies', 'cache/trace', 'io', 'io/meshes', 'io/pictures', 'io/zarr', 'src/volume', TRANSFER, BLOCKS, 'src/device',
-                    'src/cpu', 'src/gl', 'src/index', 'src/parallel', 'src/render', 'src/surface', 'src/visibility'],
+                    'src/cpu', 'src/gl', 'src/index', 'src/parallel', 'src/render', 'src/surface', 'src/texture', 'src/visibility'],
     'src/view/state': [PUBLIC],
     'src/view/drawing': [PUBLIC, 'src/view/state'],
     'src/view/window': [PUBLIC, 'src/view/state', 'src/view/drawing', 'src/view/window/panels'],

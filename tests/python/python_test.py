@@ -5,6 +5,7 @@
 import ast
 import doctest
 import gc
+import json
 import os
 import pathlib
 import signal
@@ -245,6 +246,59 @@ class Arrays(unittest.TestCase):
         counts, edges = sluice.from_array(array).histogram(16)
         self.assertEqual(int(counts.sum()), array.size)
         self.assertEqual((edges[0], edges[-1]), (array.min(), array.max()))
+
+
+class Plans(unittest.TestCase):
+    def command(self, *words):
+        text = subprocess.run([PROGRAM, 'plan', *words, '--json', '-q'], check=True, stdout=subprocess.PIPE).stdout
+        return json.loads(text)
+
+    def test_have_the_keys_and_numbers_of_the_command(self):
+        for path, options, words in [
+            (PHANTOM, dict(size=(96, 80), threshold=40), ['--size', '96x80', '--threshold', '40']),
+            (PHANTOM, dict(size=64, threshold=10, crop=(0, 0, 0, 64, 32, 48)),
+             ['--size', '64', '--threshold', '10', '--crop', '0,0,0,64,32,48']),
+            ('synth:shells,dims=100x90x80', dict(size=64, mode='mip'), ['--size', '64', '--mode', 'mip'])]:
+            with self.subTest(words):
+                plan = sluice.open(path).plan(**options)
+                command = self.command(path, *words)
+                about_the_picture = {'command', 'options', 'volume', 'transfer'}
+                self.assertEqual(set(plan), set(command) - about_the_picture)
+                for key in ('blocks', 'algorithms', 'clusters'):
+                    self.assertEqual(plan[key], command[key], key)
+                self.assertEqual(plan['read']['blocks'], command['read']['blocks'])
+                if 'mip' not in words:  # the package opens volumes for lit pictures, whose blocks have wider borders
+                    self.assertEqual(plan['read'], command['read'])
+                self.assertEqual(set(plan['memory']), set(command['memory']))
+                self.assertEqual(plan['memory']['budget_bytes'], command['memory']['budget_bytes'])
+                self.assertTrue(plan['memory']['fits'])
+                self.assertGreaterEqual(plan['seconds'], plan['plan_seconds'])
+
+    def test_are_of_a_picture_that_then_reads_as_many_blocks(self):
+        volume = sluice.open('synth:shells,dims=100x90x80')
+        renderer = sluice.Renderer(volume, device='cpu')
+        plan = renderer.plan(size=64, threshold=120)
+        self.assertEqual(renderer.report()['volume_buffer']['loads'], 0)
+        renderer.render(size=64, threshold=120)
+        report = renderer.report()
+        self.assertEqual(report['blocks'], plan['blocks'])
+        self.assertEqual(report['volume_buffer']['loads'], plan['read']['blocks'])
+        self.assertEqual(report['pages_loaded'], plan['algorithms']['merged']['pages'])
+
+    def test_name_the_levels_of_a_store(self):
+        with tempfile.TemporaryDirectory() as folder:
+            store = os.path.join(folder, 's.zarr')
+            subprocess.run([PROGRAM, 'pack', 'synth:shells,dims=128x128x128', '-o', store, '--levels', '2', '-q'],
+                           check=True)
+            options = dict(size=32, pixel_error=4)
+            plan = sluice.open(store).plan(**options)
+            command = self.command(store, '--size', '32', '--pixel-error', '4')
+            self.assertEqual(plan['cut']['levels'], command['cut']['levels'])
+            self.assertGreater(plan['cut']['coarse_share'], 0)
+
+    def test_that_are_wrong_say_so(self):
+        with self.assertRaisesRegex(ValueError, 'zoom'):
+            sluice.open(PHANTOM).plan(zoom=-1)
 
 
 class Requests(unittest.TestCase):

@@ -12,9 +12,7 @@
 #include "src/base/values/bytes.h"
 #include "src/index/box_store.h"
 #include "src/index/volume_boxes.h"
-#include "src/render/camera/frame_setup.h"
-#include "src/render/session/planner.h"
-#include "src/texture/frame_trace.h"
+#include "src/library/drawing/picture_cost.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/interrupt.h"
 #include "tools/command_line/progress_line.h"
@@ -41,24 +39,6 @@ struct PlanArguments {
   std::string report_file;
   bool force = false;
   bool json = false;
-};
-
-struct Cost {
-  size_t chunks = 0, clusters = 0;
-  Vec3i cluster_blocks;
-  int64_t pages = 0, binds = 0;
-  uint64_t bytes = 0;
-  double seconds = 0;  // planning time
-};
-using Costs = std::array<Cost, kAlgorithms.size()>;
-
-// The input of the plans: the visible blocks, the same for all.
-struct Shown {
-  TimeStep step;
-  LookPtr look;
-  VisibleBlocksPtr blocks;
-  View view;
-  double seconds = 0;
 };
 
 // The blocks of a series that others hide, from the functions that `prepare` made.
@@ -95,63 +75,14 @@ std::unique_ptr<PlannedCulling> plannedCulling(const PlanArguments& arguments,
           CulledBlocks::mostBytes(*opacity, arguments.frame.size, options, pool.threads()));
 }
 
-Shown shownBlocks(const PlanArguments& arguments, const IndexedVolume& volume,
-                  const TransferFunction& transfer, BlockChooser* chooser, WorkerPool& pool) {
-  const FrameOptions& frame = arguments.frame;
-  ChunkNames names;
-  Planner planner(volume.page, pool, names);
-  planner.chooseBlocksBy(chooser);
-  Shown shown{.step = volume.step(), .look = {}, .blocks = {}, .view = {}};
-  shown.view = resolve(frame.camera, volume.source->layout(), frame.size, frame.step_vox);
-  Stopwatch watch;
-  shown.look =
-      planner.look(shown.step, std::make_shared<const TransferFunction>(transfer), frame.mode);
-  shown.blocks = planner.visibleBlocks(shown.step, shown.look, shown.view, frame);
-  shown.seconds = watch.lap();
-  return shown;
-}
-
-Cost costOf(const PlanArguments& arguments, const IndexedVolume& volume, const Shown& shown,
-            Algorithm algorithm, WorkerPool& pool) {
-  ChunkNames names;
-  Planner planner(volume.page, pool, names);
-  FrameOptions frame = arguments.frame;
-  frame.algorithm = algorithm;
-  Stopwatch watch;
-  const FramePlanPtr plan = planner.plan(shown.step, shown.blocks, frame);
-  const double seconds = watch.lap();
-  const TexturePlan& textures = plan->textures;
-  return {textures.chunks.size(),
-          textures.clusters.size(),
-          textures.cluster_blocks,
-          plan->pages,
-          bindCount(textures, eyePosition(shown.view, volume.source->layout())),
-          textures.bytes(),
-          seconds};
-}
-
-// The one asked for first, since merging takes longest.
-Costs costsOf(const PlanArguments& arguments, const IndexedVolume& volume, const Shown& shown,
-              WorkerPool& pool) {
-  std::array<Algorithm, kAlgorithms.size()> order = kAlgorithms;
-  std::partition(order.begin(), order.end(),
-                 [&](Algorithm algorithm) { return algorithm == arguments.frame.algorithm; });
-  Costs costs;
-  pool.parallelFor(order.size(), [&](int64_t i) {
-    const Algorithm algorithm = order[static_cast<size_t>(i)];
-    costs[static_cast<size_t>(algorithm)] = costOf(arguments, volume, shown, algorithm, pool);
-  });
-  return costs;
-}
-
-void print(const Costs& costs, Algorithm algorithm, double classify_seconds,
+void print(const AlgorithmCosts& costs, Algorithm algorithm, double classify_seconds,
            const PageGeometry& page) {
   say("{:<13} {:>8} {:>9} {:>12} {:>7}   pages of {}, {} in the cache\n", "algorithm", "chunks",
       "pages", "bytes", "binds", printPageSize(page.size_vox), page.pages);
   for (size_t i = 0; i < costs.size(); ++i)
     say("{:<13} {:>8} {:>9} {:>12} {:>7}\n", name(kAlgorithms[i]), costs[i].chunks, costs[i].pages,
         formatBytes(costs[i].bytes), costs[i].binds);
-  const Cost& chosen = costs[static_cast<size_t>(algorithm)];
+  const AlgorithmCost& chosen = costs[static_cast<size_t>(algorithm)];
   say("{} cluster{} of {} x {} blocks; classified in {:.2f} ms, planned in {:.2f} ms\n",
       chosen.clusters, chosen.clusters == 1 ? "" : "s", chosen.cluster_blocks.x,
       chosen.cluster_blocks.y, 1e3 * classify_seconds, 1e3 * chosen.seconds);
@@ -167,7 +98,7 @@ struct PlannedBoxes {
 };
 
 PlannedBoxes planBoxes(const PlanArguments& arguments, const IndexedVolume& volume,
-                       const Shown& shown, WorkerPool& pool) {
+                       const PlannedBlocks& shown, WorkerPool& pool) {
   const SliceRanges& ranges = volume.index->ranges;
   const Box3 crop = cropCells(arguments.frame, ranges.layout.dims);
   PlannedBoxes planned;
@@ -229,9 +160,10 @@ nlohmann::json boxesJson(const PlannedBoxes& planned) {
           {"seconds", planned.seconds}};
 }
 
-nlohmann::json reportOf(const Costs& costs, const Cost& chosen, const Forecast& forecast,
-                        const std::optional<PlannedBoxes>& boxes, const IndexedVolume& volume,
-                        const TransferFunction& transfer, const Shown& shown, const CLI::App& app) {
+nlohmann::json reportOf(const AlgorithmCosts& costs, const AlgorithmCost& chosen,
+                        const Forecast& forecast, const std::optional<PlannedBoxes>& boxes,
+                        const IndexedVolume& volume, const TransferFunction& transfer,
+                        const PlannedBlocks& shown, const CLI::App& app) {
   nlohmann::json report{{"command", "plan"},
                         {"options", optionsJson(app)},
                         {"volume", volumeJson(volume)},
@@ -312,20 +244,21 @@ int run(const PlanArguments& asked, const CLI::App& app) {
   const TransferFunction& transfer = planned.transfer;
   arguments.frame.camera = planned.camera;
   const std::unique_ptr<PlannedCulling> culling = plannedCulling(arguments, volume, transfer, pool);
-  const Shown shown =
-      shownBlocks(arguments, volume, transfer, culling ? &culling->blocks : nullptr, pool);
+  const PlannedBlocks shown =
+      plannedBlocks(volume, volume.step(), transfer, arguments.frame, volume.page,
+                    culling ? &culling->blocks : nullptr, pool);
   const uint64_t others =
       othersBytes(volume, transfer, arguments.frame, pool) + (culling ? culling->most_bytes : 0);
   volume.page.pages = besideShare(volume, arguments.resources, arguments.frame.partition,
                                   pictureDemand(arguments.resources, arguments.frame), others)
                           .pages;
-  const Costs costs = costsOf(arguments, volume, shown, pool);
-  const Cost& chosen = costs[static_cast<size_t>(arguments.frame.algorithm)];
+  const AlgorithmCosts costs = algorithmCosts(volume, shown, arguments.frame, volume.page, pool);
+  const AlgorithmCost& chosen = costs[static_cast<size_t>(arguments.frame.algorithm)];
   std::optional<PlannedBoxes> boxes;
   if (arguments.frame.partition == Partition::kBoxes)
     boxes = planBoxes(arguments, volume, shown, pool);
-  const Forecast forecast =
-      forecastOf(volume, *shown.blocks, chosen.bytes, others, arguments.frame, arguments.resources);
+  const Forecast forecast = forecastOf(volume, *shown.blocks, volume.page, chosen.bytes, others,
+                                       arguments.frame, arguments.resources);
   nlohmann::json report = reportOf(costs, chosen, forecast, boxes, volume, transfer, shown, app);
   if (culling) report["culling"] = countsJson(culling->blocks.counts());
   if (!arguments.report_file.empty()) {

@@ -10,6 +10,7 @@
 #include "src/classify/transfer/transfer_file.h"
 #include "src/library/conversions.h"
 #include "src/library/drawing/exr_contents.h"
+#include "src/library/drawing/picture_plan.h"
 #include "src/library/drawing/probing.h"
 #include "src/library/drawing/strip_file.h"
 #include "src/library/drawing/view_fit.h"
@@ -356,6 +357,12 @@ std::vector<uint8_t> Drawing::blockClasses() const {
           classes[static_cast<size_t>(finest.idOf({x, y, z}))] = kind;
   }
   return classes;
+}
+
+PicturePlan Drawing::plan(const PictureOptions& picture, ProgressTeller& teller) {
+  const Reading reading(*this, teller);
+  const TimeStep step = stepAt(picture.time, reading.pass);
+  return planOf(scene_, step, looked(picture, step, reading.pass));
 }
 
 std::optional<VoxelProbe> Drawing::probe(const PictureOptions& picture, double right, double down,

@@ -52,6 +52,7 @@ class Drawing {
                 const std::optional<std::array<float, 3>>& background);
   ShownLook shownLook() const;
   RenderReport report(bool maps) const;
+  PicturePlan plan(const PictureOptions& picture, ProgressTeller& teller);
   std::optional<VoxelProbe> probe(const PictureOptions& picture, double right, double down,
                                   ProgressTeller& teller);
   SliceValues slice(const SliceOptions& slice, ProgressTeller& teller);
