@@ -45,6 +45,8 @@ SequenceSource::SequenceSource(std::vector<std::string> steps, Opener opener, si
   held_bytes_a_thread_ = first->heldBytesAThread();
   const std::span<const std::string> names = sluice::channelNames(*first);
   channel_names_.assign(names.begin(), names.end());
+  const std::span<const StoredLook> looks = sluice::channelLooks(*first);
+  channel_looks_.assign(looks.begin(), looks.end());
   open_.push_front({0, std::move(first)});
 }
 

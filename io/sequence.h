@@ -42,6 +42,8 @@ class SequenceSource final : public VolumeSource, public ChanneledSource {
   std::string identity() const override { return identity_; }
   // Names from the first file.
   std::span<const std::string> channelNames() const override { return channel_names_; }
+  // Looks from the first file.
+  std::span<const StoredLook> channelLooks() const override { return channel_looks_; }
   uint64_t storedBytesRead() const override;
   uint64_t heldBytesAThread() const override { return held_bytes_a_thread_; }
   // Opens each step whose files are not known, one after the other.
@@ -66,6 +68,7 @@ class SequenceSource final : public VolumeSource, public ChanneledSource {
   VolumeLayout layout_;                     // constant after construction
   std::string identity_;                    // constant after construction
   std::vector<std::string> channel_names_;  // constant after construction
+  std::vector<StoredLook> channel_looks_;   // constant after construction
   uint64_t held_bytes_a_thread_ = 0;        // constant after construction
 
   OpenFile* find(int64_t time) SLUICE_REQUIRES(mutex_);

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 
 #include "src/base/error.h"
+#include "src/base/values/channel_look.h"
 
 namespace sluice {
 namespace {
@@ -26,9 +28,20 @@ std::string listed(int64_t first, int64_t count, std::span<const std::string> na
   return list;
 }
 
+void requireNumber(const std::string& path, int64_t number, int64_t channels) {
+  if (number < 0 || number >= channels)
+    fail("{}: --channel {}: the volume has {} channel{}, counted from 0", path, number, channels,
+         channels == 1 ? "" : "s");
+}
+
 int64_t numberOf(const std::string& path, const std::string& name,
                  std::span<const std::string> names, int64_t channels) {
   const auto found = std::find(names.begin(), names.end(), name);
+  if (found == names.end() && name.find(',') != std::string::npos) {
+    wishedChannels(path, {std::nullopt, name}, names, channels);  // throws for a wrong one
+    fail("{}: --channel {}: one channel is read here, expected one of {}", path, name,
+         listed(0, channels, names));
+  }
   if (name.empty() || found == names.end() || found - names.begin() >= channels)
     fail("{}: --channel {}: the volume has no channel of that name, expected one of {}", path, name,
          listed(0, channels, names));
@@ -40,11 +53,40 @@ int64_t numberOf(const std::string& path, const std::string& name,
 
 }  // namespace
 
+std::vector<int64_t> wishedChannels(const std::string& path, const ChannelWish& wish,
+                                    std::span<const std::string> names, int64_t channels) {
+  std::vector<int64_t> wished;
+  const auto add = [&](int64_t channel) {
+    if (std::ranges::find(wished, channel) != wished.end())
+      fail("{}: --channel {}: channel {} comes twice", path, wish.text(), shown(channel, names));
+    wished.push_back(channel);
+  };
+  const bool is_one = wish.number || std::ranges::find(names, wish.name) != names.end() ||
+                      wish.name.find(',') == std::string::npos;
+  if (is_one) {
+    if (wish.number) requireNumber(path, *wish.number, channels);
+    add(wish.number ? *wish.number : numberOf(path, wish.name, names, channels));
+    return wished;
+  }
+  for (size_t at = 0; at <= wish.name.size();) {
+    const size_t end = std::min(wish.name.find(',', at), wish.name.size());
+    const std::string word = wish.name.substr(at, end - at);
+    int64_t number = 0;
+    const auto [read, status] = std::from_chars(word.data(), word.data() + word.size(), number);
+    const bool is_number = status == std::errc() && read == word.data() + word.size();
+    if (is_number) requireNumber(path, number, channels);
+    add(is_number ? number : numberOf(path, word, names, channels));
+    at = end + 1;
+  }
+  if (wished.size() > kMostChannels)
+    fail("{}: --channel {}: {} channels, a picture shows {} together at the most", path,
+         wish.text(), wished.size(), kMostChannels);
+  return wished;
+}
+
 void chooseChannel(const std::string& path, const ChannelWish& wish,
                    std::span<const std::string> names, VolumeLayout& layout) {
-  if (wish.number && (*wish.number < 0 || *wish.number >= layout.channels))
-    fail("{}: --channel {}: the volume has {} channel{}, counted from 0", path, *wish.number,
-         layout.channels, layout.channels == 1 ? "" : "s");
+  if (wish.number) requireNumber(path, *wish.number, layout.channels);
   layout.channel = wish.number.value_or(0);
   if (!wish.number && wish.given())
     layout.channel = numberOf(path, wish.name, names, layout.channels);

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "src/base/values/volume_source.h"
 
@@ -13,7 +14,9 @@ namespace sluice {
 
 struct ChannelWish {
   std::optional<int64_t> number = {};  // from 0
-  std::string name = {};               // used if there is no number; both empty: the first channel
+  // Used if there is no number; perhaps several, see wishedChannels(). Both empty: the first
+  // channel.
+  std::string name = {};
 
   ChannelWish() = default;
   ChannelWish(int64_t wanted) : number(wanted) {}
@@ -24,6 +27,12 @@ struct ChannelWish {
   // The text as written after --channel.
   std::string text() const { return number ? std::to_string(*number) : name; }
 };
+
+// The channels that a wish names: "0,2" or "DAPI,GFP" as well as one channel. A name of the
+// volume's that has a comma is one channel. Throws Error, which starts with `path`, for a channel
+// that it does not have, one that comes twice, and more than kMostChannels.
+std::vector<int64_t> wishedChannels(const std::string& path, const ChannelWish& wish,
+                                    std::span<const std::string> names, int64_t channels);
 
 // Sets layout.channel to the wanted one of the layout's channels. `names` may be fewer than those.
 // Without a wish, a volume of several channels gets a note: which one is read, the names of the

@@ -91,6 +91,7 @@ class SliceStack final : public VolumeSource, public ChanneledSource, public Uni
   const VolumeLayout& layout() const override { return layout_; }
   std::string identity() const override { return identity_; }
   std::span<const std::string> channelNames() const override { return format_.order.channel_names; }
+  std::span<const StoredLook> channelLooks() const override { return format_.order.channel_looks; }
   uint64_t storedBytesRead() const override { return pool_.storedBytesRead(); }
   std::vector<std::string> files() override {
     std::vector<std::string> all;

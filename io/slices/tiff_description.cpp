@@ -205,6 +205,19 @@ double omeLength(const Fields& pixels, std::string_view axis, const std::string&
   return lengthOr1(known && from != to ? *size * from->second / to->second : *size);
 }
 
+// A signed number of 32 bits: red, green, blue and alpha from the highest byte down. Writers that
+// do not choose a color write -1, white, which tells no channel from another.
+std::optional<std::array<double, 3>> omeColor(const std::string& text) {
+  int64_t number = 0;
+  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (text.empty() || status != std::errc() || end != text.data() + text.size() ||
+      number < INT32_MIN || number > UINT32_MAX)
+    return std::nullopt;
+  const auto rgba = static_cast<uint32_t>(number);
+  if (rgba == UINT32_MAX) return std::nullopt;
+  return std::array{(rgba >> 24) / 255.0, (rgba >> 16 & 255) / 255.0, (rgba >> 8 & 255) / 255.0};
+}
+
 PageOrder omeOrder(std::string_view xml, int64_t pages) {
   const size_t at = elementFrom(xml, "Pixels", 0);
   if (at == std::string_view::npos) return plainPages(pages);
@@ -230,11 +243,17 @@ PageOrder omeOrder(std::string_view xml, int64_t pages) {
         "{}, but this file has {} pages (a set of several files?); its pages are read as slices",
         said, pages));
   }
+  bool says_colors = false;
   for (size_t c = elementFrom(inside, "Channel", 0);
        c != std::string_view::npos &&
        static_cast<int64_t>(order.channel_names.size()) < order.channels;
-       c = elementAfter(inside, "Channel", c))
-    order.channel_names.push_back(fieldOf(attributesAt(inside, c), "Name"));
+       c = elementAfter(inside, "Channel", c)) {
+    const Fields channel = attributesAt(inside, c);
+    order.channel_names.push_back(fieldOf(channel, "Name"));
+    order.channel_looks.push_back({.color = omeColor(fieldOf(channel, "Color"))});
+    says_colors = says_colors || order.channel_looks.back().color;
+  }
+  if (!says_colors) order.channel_looks.clear();
   if (fieldOf(pixels, "PhysicalSizeX").empty()) return order;
   const std::string unit = fieldOf(pixels, "PhysicalSizeXUnit");
   order.unit = unit.empty() ? "micrometer" : lengthUnit(unit);

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "src/base/values/vec.h"
+#include "src/base/values/volume_channels.h"
 
 namespace sluice {
 
@@ -25,6 +26,7 @@ struct PageOrder {
   Vec3d spacing{1, 1, 1};
   std::string unit;                        // empty: the spacing is not known in one
   std::vector<std::string> channel_names;  // may be empty
+  std::vector<StoredLook> channel_looks;   // empty: the description says nothing of them
   // ImageJ's stacks beyond 4 GiB: this many pages follow the first without tables of their own.
   int64_t untold_pages = 0;
   std::vector<std::string> notes;  // one line each, without the file's name

@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "io/zarr/metadata/zarr_array.h"
+#include "src/base/values/volume_channels.h"
 #include "src/base/values/volume_levels.h"
 #include "src/base/values/volume_source.h"
 
@@ -44,6 +45,7 @@ struct ZarrImage {
   std::vector<double> scale,
       translation;                    // for the level asked for, one per axis; empty: not given
   std::vector<std::string> channels;  // their names, if the file gives them ("omero")
+  std::vector<StoredLook> looks;      // their looks, as many; empty if it gives none
   // Stored under the key "sluice".
   std::optional<std::array<Vec3d, 3>> directions;
   double value_scale = 1, value_offset = 0;

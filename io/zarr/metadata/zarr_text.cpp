@@ -4,7 +4,9 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
+#include <type_traits>
 
 #include "io/zarr/metadata/zarr_image.h"
 
@@ -48,15 +50,38 @@ ordered_json ownPart(const VolumeLayout& layout) {
   return own;
 }
 
+std::string hexOf(const std::array<double, 3>& color) {
+  std::string text;
+  for (const double part : color) text += fmt::format("{:02X}", std::lround(255 * part));
+  return text;
+}
+
+// The window in the form that viewers expect: with the limits of the values.
+ordered_json windowOf(const ValueRange& window, const VolumeLayout& layout) {
+  ValueRange limits = layout.stored_range.value_or(window);
+  visitVoxelType(layout.type, [&](auto tag) {
+    using T = decltype(tag);
+    if constexpr (std::is_integral_v<T>)
+      limits = {static_cast<double>(std::numeric_limits<T>::min()),
+                static_cast<double>(std::numeric_limits<T>::max())};
+  });
+  return {{"min", limits.lo}, {"max", limits.hi}, {"start", window.lo}, {"end", window.hi}};
+}
+
 // Names and colours of the channels in viewers, until the user chooses others.
-ordered_json omero(const std::vector<std::string>& names) {
+ordered_json omero(const ZarrChannelsText& text, const VolumeLayout& layout) {
+  const std::vector<std::string>& names = text.names;
   constexpr std::array<const char*, 6> kColors = {"FF0000", "00FF00", "0000FF",
                                                   "FFFF00", "FF00FF", "00FFFF"};
   ordered_json channels = ordered_json::array();
-  for (size_t c = 0; c < names.size(); ++c)
+  for (size_t c = 0; c < names.size(); ++c) {
+    const bool has_look = c < text.looks.size();
+    const StoredLook look = has_look ? text.looks[c] : StoredLook{.is_active = c == 0};
     channels.push_back({{"label", names[c].empty() ? fmt::format("channel {}", c) : names[c]},
-                        {"color", kColors[c % kColors.size()]},
-                        {"active", true}});
+                        {"color", look.color ? hexOf(*look.color) : kColors[c % kColors.size()]},
+                        {"active", look.is_active}});
+    if (look.window) channels.back()["window"] = windowOf(*look.window, layout);
+  }
   return {{"channels", channels}};
 }
 
@@ -146,11 +171,11 @@ std::string zarrArrayText(const ZarrArray& array, const BloscOptions& options) {
 }
 
 std::string zarrImageText(const VolumeLayout& layout, const std::string& name,
-                          const std::vector<std::string>& channels, const ZarrLevelsText& levels,
+                          const ZarrChannelsText& channels, const ZarrLevelsText& levels,
                           ZarrFormat format) {
   ordered_json axes = ordered_json::array();
   if (layout.time_steps > 1) axes.push_back(axis("t", "time", ""));
-  if (channels.size() > 1) axes.push_back(axis("c", "channel", ""));
+  if (channels.names.size() > 1) axes.push_back(axis("c", "channel", ""));
   const size_t others = axes.size();  // axes that are not of space
   constexpr const char* kNames[] = {"x", "y", "z"};
   for (int a = 2; a >= 0; --a) axes.push_back(axis(kNames[a], "space", layout.unit));
@@ -182,7 +207,7 @@ std::string zarrImageText(const VolumeLayout& layout, const std::string& name,
   ordered_json image;
   if (is_v3) image["version"] = "0.5";
   image["multiscales"] = ordered_json::array({multiscale});
-  if (channels.size() > 1) image["omero"] = omero(channels);
+  if (channels.names.size() > 1) image["omero"] = omero(channels, layout);
   ordered_json own = ownPart(layout);
   if (levels.has_spreads) own["spreads"] = kZarrSpreadFolder;
   if (is_v3) {

@@ -8,6 +8,7 @@
 
 #include "io/zarr/metadata/zarr_array.h"
 #include "io/zarr/reading/zarr_codec.h"
+#include "src/base/values/volume_channels.h"
 #include "src/base/values/volume_levels.h"
 #include "src/base/values/volume_source.h"
 
@@ -27,13 +28,20 @@ struct ZarrLevelsText {
   bool has_spreads = false;  // in arrays beside them, see kZarrSpreadFolder
 };
 
+// The channels of an image, for viewers.
+struct ZarrChannelsText {
+  std::vector<std::string> names;  // one each, perhaps empty
+  std::vector<StoredLook> looks;   // fewer than names: the file gave none
+};
+
 // .zattrs, or the zarr.json of a group, of an image called `name`, whose levels are the folders
 // "0", "1" and so on: axes t c z y x, without t for one time step and without c for one channel;
 // the layout's spacing and origin as scale and translation of level 0, from which the other levels'
 // follow. Directions that are not the coordinate axes and a scaling of the values go under the key
-// "sluice". `channels`: a name each, perhaps empty; of several they go under "omero".
+// "sluice". `channels`: their names and looks; of several they go under "omero". Without looks the
+// first is the active one, which pictures show.
 std::string zarrImageText(const VolumeLayout& layout, const std::string& name,
-                          const std::vector<std::string>& channels, const ZarrLevelsText& levels,
+                          const ZarrChannelsText& channels, const ZarrLevelsText& levels,
                           ZarrFormat format = ZarrFormat::k2);
 
 }  // namespace sluice

@@ -67,13 +67,16 @@ std::vector<LevelShape> levelsFor(const VolumeLayout& layout, const PackOptions&
   return levels;
 }
 
-// The name of each channel; empty if the file does not tell.
-std::vector<std::string> namesOf(ChannelSources channels) {
-  std::vector<std::string> names(channels.size());
+// The name of each channel, empty if the file does not tell, and its look.
+ZarrChannelsText textOf(ChannelSources channels) {
+  ZarrChannelsText text;
+  text.names.resize(channels.size());
+  if (channels.size() < 2) return text;
   const std::span<const std::string> said = channelNames(*channels.front());
-  if (channels.size() > 1)
-    for (size_t c = 0; c < std::min(names.size(), said.size()); ++c) names[c] = said[c];
-  return names;
+  for (size_t c = 0; c < std::min(text.names.size(), said.size()); ++c) text.names[c] = said[c];
+  const std::span<const StoredLook> looks = channelLooks(*channels.front());
+  text.looks.assign(looks.begin(), looks.end());
+  return text;
 }
 
 // Of the store: level 0, the coarser levels, and their spreads if they have some.
@@ -326,7 +329,7 @@ PackReport packZarr(ChannelSources channels, const std::filesystem::path& output
   }
   const ZarrFormat format = options.shard_voxels ? ZarrFormat::k3 : ZarrFormat::k2;
   const std::string image_text =
-      zarrImageText(layout, layout.name, namesOf(channels), placed, format);
+      zarrImageText(layout, layout.name, textOf(channels), placed, format);
   Packer packer(channels, options, arrays, levels, pool, progress);
 
   const Stopwatch watch;

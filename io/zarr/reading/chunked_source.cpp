@@ -71,6 +71,7 @@ ChunkedSource::ChunkedSource(const ChunkedVolume& volume, OpenedArray opened, si
   if (channel.given() && !view_.channel)
     fail("{}: --channel {}: the volume has no channels; leave it out", volume.name, channel.text());
   channel_names_ = image.channels;
+  channel_looks_ = image.looks;
   view_.layout.notes = array.notes;
   if (part_ == Part::kImage)
     view_.layout.notes.insert(view_.layout.notes.end(), volume.notes.begin(), volume.notes.end());

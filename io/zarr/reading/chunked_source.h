@@ -48,6 +48,7 @@ class ChunkedSource : public VolumeSource,
   std::optional<Occupancy> occupancy(int64_t time) override;
   std::string identity() const override { return identity_; }
   std::span<const std::string> channelNames() const override { return channel_names_; }
+  std::span<const StoredLook> channelLooks() const override { return channel_looks_; }
   std::span<const CoarserLevel> levelsAbove() const override { return levels_above_; }
   // Spreads of the first level's own voxels, which a group of the coarser levels of another volume
   // has (io/zarr/packing/level_store.h); null: none.
@@ -105,6 +106,7 @@ class ChunkedSource : public VolumeSource,
   int64_t channel_ = 0;  // index along the axis view_.channel, if any
   std::string identity_;
   std::vector<std::string> channel_names_;
+  std::vector<StoredLook> channel_looks_;
   std::vector<std::string> places_;  // see files()
   uint64_t header_bytes_ = 0;        // read of the metadata
   std::vector<std::byte> fill_;      // a voxel

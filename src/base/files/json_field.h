@@ -31,6 +31,7 @@ class JsonField {
   bool isObject() const { return value_->is_object(); }
   bool isArray() const { return value_->is_array(); }
   bool isText() const { return value_->is_string(); }
+  bool isNumber() const { return value_->is_number(); }
   bool isFlag() const { return value_->is_boolean(); }
   bool isNull() const { return value_->is_null(); }
   // Elements of an array. Throws Error when it is none.

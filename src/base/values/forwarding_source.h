@@ -29,6 +29,9 @@ class ForwardingSource : public VolumeSource, public ChanneledSource, public Lev
   std::span<const std::string> channelNames() const override {
     return sluice::channelNames(*source_);
   }
+  std::span<const StoredLook> channelLooks() const override {
+    return sluice::channelLooks(*source_);
+  }
   std::span<const CoarserLevel> levelsAbove() const override { return coarserLevels(*source_); }
   uint64_t storedBytesRead() const override { return source_->storedBytesRead(); }
   uint64_t heldBytesAThread() const override { return source_->heldBytesAThread(); }

@@ -6,6 +6,8 @@
 #include <cstring>
 #include <utility>
 
+#include "src/base/values/volume_channels.h"
+
 namespace sluice {
 namespace {
 
@@ -24,12 +26,16 @@ VolumeLayout thickLayout(VolumeLayout layout) {
   return layout;
 }
 
-class ThickSource : public VolumeSource {
+class ThickSource : public VolumeSource, public ChanneledSource {
  public:
   explicit ThickSource(std::unique_ptr<VolumeSource> thin)
       : thin_(std::move(thin)), layout_(thickLayout(thin_->layout())) {}
 
   const VolumeLayout& layout() const override { return layout_; }
+  std::span<const std::string> channelNames() const override {
+    return sluice::channelNames(*thin_);
+  }
+  std::span<const StoredLook> channelLooks() const override { return sluice::channelLooks(*thin_); }
 
   void readRegion(int64_t time, const Box3& box, std::span<std::byte> out) override {
     // Both planes are the one.

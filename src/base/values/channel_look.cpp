@@ -1,0 +1,64 @@
+#include "src/base/values/channel_look.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+
+namespace sluice {
+namespace {
+
+std::optional<double> number(std::string_view text) {
+  double value = 0;
+  const char* end = text.data() + text.size();
+  const auto [read, status] = std::from_chars(text.data(), end, value);
+  if (status != std::errc() || read != end || !std::isfinite(value)) return std::nullopt;
+  return value;
+}
+
+// "400:3000".
+std::optional<ValueRange> rangeOf(std::string_view text) {
+  const size_t colon = text.find(':');
+  if (colon == std::string_view::npos) return std::nullopt;
+  const auto lo = number(text.substr(0, colon)), hi = number(text.substr(colon + 1));
+  if (!lo || !hi || *lo == *hi) return std::nullopt;
+  return ValueRange{*lo, *hi};
+}
+
+}  // namespace
+
+std::optional<ChannelLook> parseChannelLook(std::string_view text) {
+  const std::string_view head = text.substr(0, text.find(','));
+  const size_t colon = head.rfind(':');
+  if (colon == std::string_view::npos || colon == 0) return std::nullopt;
+  ChannelLook look{.channel = std::string(head.substr(0, colon)),
+                   .map = std::string(head.substr(colon + 1))};
+  for (size_t at = head.size(); at < text.size();) {
+    const size_t end = std::min(text.find(',', at + 1), text.size());
+    const std::string_view part = text.substr(at + 1, end - at - 1);
+    const bool is_range = part.find(':') != std::string_view::npos;
+    if (is_range ? look.range || look.opacity : look.opacity.has_value()) return std::nullopt;
+    if (is_range) {
+      look.range = rangeOf(part);
+      if (!look.range) return std::nullopt;
+    } else {
+      look.opacity = number(part);
+      if (!look.opacity || *look.opacity < 0 || *look.opacity > 1) return std::nullopt;
+    }
+    at = end;
+  }
+  return look;
+}
+
+std::string channelLookText(const ChannelLook& look) {
+  std::string text = fmt::format("{}:{}", look.channel, look.map);
+  if (look.range) text += fmt::format(",{}:{}", look.range->lo, look.range->hi);
+  if (look.opacity) text += fmt::format(",{}", *look.opacity);
+  return text;
+}
+
+bool isLookOf(const ChannelLook& look, int64_t channel, std::string_view name) {
+  return look.channel == fmt::format("{}", channel) || (!name.empty() && look.channel == name);
+}
+
+}  // namespace sluice

@@ -1,0 +1,34 @@
+// ChannelLook: how one of several channels looks that are drawn together, as an option says it:
+// `0:green,400:3000,0.1`. Pure functions.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "src/base/values/volume_source.h"
+
+namespace sluice {
+
+// Channels that a picture shows together at the most.
+inline constexpr size_t kMostChannels = 8;
+
+// Whatever is not set follows from the file, or from the values.
+struct ChannelLook {
+  std::string channel;                   // its number from 0, or its name; not empty
+  std::string map = {};                  // a colour or a map; empty: not set
+  std::optional<ValueRange> range = {};  // colours span it, and opacity rises over it; lo != hi
+  std::optional<double> opacity = {};    // at the end of the range, of a voxel length; 0 to 1
+  friend bool operator==(const ChannelLook&, const ChannelLook&) = default;
+};
+
+// "0:green", "0:green,400:3000", "DAPI:0000ff,400:3000,0.1", "1:,400:3000"; nullopt: no such text.
+// The name ends at the last colon in front of the first comma.
+std::optional<ChannelLook> parseChannelLook(std::string_view text);
+// The text that gives the look again.
+std::string channelLookText(const ChannelLook& look);
+// Whether the look is meant for the channel of this number and name.
+bool isLookOf(const ChannelLook& look, int64_t channel, std::string_view name);
+
+}  // namespace sluice
