@@ -115,6 +115,11 @@ OptionValue valueOf(const OptionEntry& entry, const std::string& keyword, const 
     case OptionForm::kVoxel:
     case OptionForm::kBox:
       return listOf<OptionWholes>(entry, keyword, value);
+    case OptionForm::kChannels:
+      if (py::isinstance<py::str>(value))
+        return std::vector<std::string>{value.cast<std::string>()};
+      return taken<std::vector<std::string>>(
+          keyword, "looks of channels, such as ['0:green,400:3000']", value);
     case OptionForm::kPoints:
     case OptionForm::kPlanes:
       return listsOf(entry, keyword, value);

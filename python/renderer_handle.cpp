@@ -153,6 +153,7 @@ py::dict RendererHandle::report() {
   out["coarse_share"] = report.coarse_share;
   out["will_improve"] = report.will_improve;
   out["why_empty"] = report.why_empty;
+  out["empty_channels"] = report.empty_channels;
   out["read_bytes"] = report.read_bytes;
   out["volume_buffer"] = levelOf(report.volume_buffer);
   out["texture_buffer"] = levelOf(report.texture_buffer);

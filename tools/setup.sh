@@ -28,7 +28,7 @@ test_packages=(
   clang clang-format clang-tidy libclang-rt-14-dev
   xvfb xdotool libxtst6 tidy
   libopenvdb-tools nifti-bin teem-apps openexr openimageio-tools python3-openimageio ffmpeg
-  python3 python3-numpy python3-h5py python3-vtk9 python3-nibabel python3-tifffile python3-zarr python3-numcodecs
+  python3 python3-numpy python3-h5py python3-vtk9 python3-nibabel python3-tifffile python3-zarr python3-numcodecs python3-pil
   libgdcm-tools python3-pydicom python3-gdcm
   # Manual pages, completions, the desktop's files.
   man-db groff mandoc zsh fish desktop-file-utils shared-mime-info libxml2-utils

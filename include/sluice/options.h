@@ -24,6 +24,16 @@ struct LookOptions {
     friend bool operator==(const Opacity&, const Opacity&) = default;
   };
 
+  // How one of several channels looks that are drawn together. What is not set follows from the
+  // look of all channels, else from the file, else from the values.
+  struct Channel {
+    std::string channel = {};                         // its number from 0, or its name
+    std::string map = {};                             // a colour, "green" or "00ff00", or a map
+    std::optional<std::array<double, 2>> range = {};  // opacity rises over it from 0, too
+    std::optional<double> opacity = {};               // at the end of the range
+    friend bool operator==(const Channel&, const Channel&) = default;
+  };
+
   Mode mode = Mode::kComposite;
   // A ramp: opacity 0 below it, a fifth of `opacity` at it, and that at the top of the values.
   std::optional<double> threshold = {};
@@ -33,6 +43,8 @@ struct LookOptions {
   bool labels = false;                  // values are names of things, each with its colour
   std::string map = {};                 // name of a colour map, "viridis"; empty: chosen
   std::optional<std::array<double, 2>> range = {};  // colours span these; descending: reversed
+  // Channels that are not named look as the file says (OME), or by a colour of their own.
+  std::vector<Channel> channels = {};
   Light light = Light::kChosen;  // lights surfaces in composite mode; chosen: if it shows more
   // The opacity times a ramp of the gradient's magnitude, which is 1 from this share of the values'
   // range a voxel length on, above 0; unset: no ramp.

@@ -32,6 +32,8 @@ struct RenderReport {
   // Why the last picture shows nothing, in one line: "the camera looks past the visible part of the
   // volume". Empty if it shows something.
   std::string why_empty;
+  // Which of several channels show nothing, and why, in one line; empty if none or all do.
+  std::string empty_channels;
   uint64_t pages_loaded = 0;
 
   uint64_t read_bytes = 0;  // level 1: taken from the volume's files, as they are stored

@@ -32,7 +32,10 @@ struct VolumeOptions {
   std::optional<std::array<double, 3>> spacing = {};
   std::string grid = {};                // grid of OpenVDB, series of DICOM; empty: first, largest
   std::optional<int64_t> channel = {};  // channel by its number; unset: the first
-  std::string channel_name = {};        // the same by its name, if `channel` is unset
+  // The same by its name, if `channel` is unset. Several that pictures show together, at most 8,
+  // have commas between: "0,2" or "DAPI,GFP". With neither, pictures of a file that says how its
+  // channels look (OME) show its active channels, and those of other files the first channel.
+  std::string channel_name = {};
 
   // For a series: whether the value range, looks chosen by it, and fits cover all steps, whose
   // indices are then made when the volume is opened. Otherwise range and look follow from the step
@@ -63,6 +66,7 @@ struct VolumeInfo {
   // the front or back, z up), "rows" (y down the rows of pictures), "y-up", or empty: not known.
   std::string frame;
   int64_t time_steps = 1;
+  std::vector<std::string> channels;  // that pictures show together, for people; empty: only one
   int levels = 1;                     // levels of resolution that pictures may be drawn from
   std::array<double, 2> value_range;  // least and greatest
   // For people, one line each: choices among several, and possible faults of the file.

@@ -64,7 +64,8 @@ def open(path, *, dims=None, type=None, endian=None, skip=None, time_steps=None,
     `path` is what `sluice render` takes: a file, a folder, a pattern such as 'step_%03d.nrrd', an
     address, or 'synth:phantom'; or a list of them, each a slice or a time step. `dims` (x, y, z),
     `type` ('u8', 'i16', 'f32', ...), `endian` ('little' or 'big'), `skip` (bytes before the first
-    voxel) and `time_steps` are for raw files. `channel` is a number or a name.
+    voxel) and `time_steps` are for raw files. `channel` is a number or a name,
+    or a list of them that pictures show together, as they do the active channels of an OME file.
 
     The first opening passes over the voxels and keeps an index in `index_dir`, by default the
     folder that `sluice` uses; '' keeps none. `memory` ('512M' or bytes) bounds that pass.
@@ -80,6 +81,8 @@ def open(path, *, dims=None, type=None, endian=None, skip=None, time_steps=None,
     options = dict(dims=dims, type=type, big_endian=endian == 'big', skip=skip, time_steps=time_steps,
                    spacing=spacing, grid=grid, whole_series=whole_series, time=time,
                    index_dir=_index_folder(index_dir), memory=_bytes(memory), threads=threads)
+    if isinstance(channel, (list, tuple)):
+        channel = ','.join(map(str, channel)) if len(channel) > 1 else channel[0]
     options['channel_name' if isinstance(channel, str) else 'channel'] = channel
     return Volume(_sluice.open_files([_os.fspath(each) for each in paths], options, progress))
 

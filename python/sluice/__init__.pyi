@@ -55,7 +55,7 @@ def open(
     time_steps: int | None = ...,
     spacing: _Triple | None = ...,
     grid: str | None = ...,
-    channel: int | str | None = ...,
+    channel: int | str | Sequence[int | str] | None = ...,
     time: int = ...,
     whole_series: bool = ...,
     index_dir: _Path | None = ...,

@@ -17,6 +17,12 @@
 
 namespace sluice {
 
+// A patch of a colour and what it stands for: a label, a channel.
+struct LegendEntry {
+  std::string text;
+  Vec3d rgb;
+};
+
 struct Annotations {
   View view;
   // The scale bar measures at this point's distance in perspective.
@@ -25,9 +31,9 @@ struct Annotations {
   std::string unit;                      // unit of the world, as in VolumeLayout
   TransferFunction transfer;
   ValueRange range;  // all values of the volume
-  // For a transfer function of labels: the labels that show. Each gets a patch of its colour, in
-  // place of the colour bar.
-  std::vector<double> labels;
+  // For a picture of labels, or of several channels: those that show. Each gets a patch of its
+  // colour, in place of the colour bar.
+  std::vector<LegendEntry> legend;
   // Background of the picture, if it has one.
   std::optional<std::array<float, 3>> background;
 };

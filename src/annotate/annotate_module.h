@@ -16,6 +16,6 @@ inline constexpr const char* kDrawAnnotations = "sluiceDrawAnnotations";
 
 // The module exports this before anything is called: the version of sluice and of this interface.
 inline constexpr const char* kAnnotateVersion = "sluiceAnnotateVersion";
-inline constexpr const char* kAnnotateModuleVersion = SLUICE_VERSION " annotate module 1";
+inline constexpr const char* kAnnotateModuleVersion = SLUICE_VERSION " annotate module 2";
 
 }  // namespace sluice

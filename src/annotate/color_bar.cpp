@@ -44,19 +44,19 @@ Place placeOf(const Pen& pen, PictureSize size) {
           size.height - (kFreeEms + kScaleBarEms + 1) * em};
 }
 
-// A patch a label, from the top on; if there is no room for all, the number of the others.
-void drawLabels(Pen& pen, const Annotations& annotations) {
+// A patch an entry, from the top on; if there is no room for all, the number of the others.
+void drawLegend(Pen& pen, const Annotations& annotations) {
   const double em = pen.em(), row = 1.6 * em;
   const auto [left, right, top, bottom] = placeOf(pen, annotations.view.size);
   const size_t rows = std::max<size_t>(2, static_cast<size_t>((bottom - top) / row));
-  const size_t all = annotations.labels.size(), shown = all <= rows ? all : rows - 1;
+  const size_t all = annotations.legend.size(), shown = all <= rows ? all : rows - 1;
   for (size_t i = 0; i < shown; ++i) {
     const double y0 = std::round(top + static_cast<double>(i) * row), y1 = y0 + (right - left);
     const std::vector<Point> corners{{left, y0}, {right, y0}, {right, y1}, {left, y1}, {left, y0}};
     pen.line(corners, 0.1 * em, pen.ink());
-    pen.area(corners, colorAt(annotations.transfer, annotations.labels[i]));
-    pen.word({left - 0.6 * em, (y0 + y1) / 2}, Anchor::kRight,
-             fmt::format("{:.7g}", annotations.labels[i]), pen.ink());
+    pen.area(corners, annotations.legend[i].rgb);
+    pen.word({left - 0.6 * em, (y0 + y1) / 2}, Anchor::kRight, annotations.legend[i].text,
+             pen.ink());
   }
   if (shown < all)
     pen.word({right, top + (static_cast<double>(shown) + 0.3) * row}, Anchor::kRight,
@@ -66,8 +66,8 @@ void drawLabels(Pen& pen, const Annotations& annotations) {
 }  // namespace
 
 void drawColorBar(Pen& pen, const Annotations& annotations) {
-  if (!annotations.labels.empty()) {
-    drawLabels(pen, annotations);
+  if (!annotations.legend.empty()) {
+    drawLegend(pen, annotations);
     return;
   }
   const double em = pen.em();

@@ -184,6 +184,17 @@ LookArguments lookArguments(const LookOptions& look, bool whole_series) {
       fail("range {} to {}: must be two different values", (*look.range)[0], (*look.range)[1]);
     arguments.range = {(*look.range)[0], (*look.range)[1]};
   }
+  for (const LookOptions::Channel& channel : look.channels) {
+    ChannelLook own{.channel = channel.channel, .map = channel.map, .opacity = channel.opacity};
+    if (channel.range) own.range = {(*channel.range)[0], (*channel.range)[1]};
+    // What a text cannot say is no look.
+    if (parseChannelLook(channelLookText(own)) != own)
+      fail(
+          "channels: {}: expected a channel, a range of two different values and an opacity from "
+          "0 to 1",
+          channelLookText(own));
+    arguments.channels.push_back(std::move(own));
+  }
   arguments.shade = look.light == LookOptions::Light::kOn;
   arguments.no_shade = look.light == LookOptions::Light::kOff;
   arguments.modulate = look.full_gradient.has_value();
@@ -305,6 +316,7 @@ VolumeInfo volumeInfo(const VolumeLayout& layout, ValueRange values,
           .axes = {asArray(layout.axes[0]), asArray(layout.axes[1]), asArray(layout.axes[2])},
           .frame = frameName(layout.frame),
           .time_steps = layout.time_steps,
+          .channels = {},
           .value_range = {values.lo, values.hi},
           .warnings = notes,
           .files = {}};

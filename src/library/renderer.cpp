@@ -58,7 +58,7 @@ void Renderer::setLook(const LookOptions& look) {
 }
 
 std::string Renderer::lookText() const {
-  return impl().on([](Drawing& drawing) { return drawing.look().options; });
+  return impl().on([](Drawing& drawing) { return drawing.lookText(); });
 }
 
 std::vector<std::string> Renderer::lookWarnings() const {

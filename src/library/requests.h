@@ -12,6 +12,7 @@
 #include "cache/policies/policy.h"
 #include "io/open_volume.h"
 #include "src/base/threads/stop_token.h"
+#include "src/base/values/channel_look.h"
 #include "src/classify/transfer/transfer_function.h"
 #include "src/library/drawing/device_choice.h"
 
@@ -31,6 +32,7 @@ struct LookArguments {
   std::string map;
   std::optional<double> opacity;
   std::vector<OpacityPoint> opacities;  // empty: from one of the others
+  std::vector<ChannelLook> channels;    // looks of single channels
   bool labels = false;
   std::optional<ValueRange> range;  // in place of the data's; lo > hi turns a map round
   // For a series: look and fit follow from the drawn step alone.

@@ -1,5 +1,6 @@
 #include <sluice/volume.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "io/lent_source.h"
@@ -12,10 +13,10 @@
 namespace sluice {
 namespace {
 
-// `source` gives the volume of `arguments`, once a call may tell how far it is.
-template <class Source>
+// `channels` gives those of `arguments` that pictures show, once a call may tell how far it is.
+template <class Channels>
 void open(OpenedVolume& opened, VolumeArguments arguments, const VolumeOptions& options,
-          const IndexWish& wish, ProgressTeller& teller, const Source& source) {
+          const IndexWish& wish, ProgressTeller& teller, const Channels& channels) {
   const MachineOptions machine = machineOptions(options);
   opened.relay = std::make_shared<ProgressRelay>();
   arguments.open.decode.watch = [relay = opened.relay](const std::string&) {
@@ -30,12 +31,27 @@ void open(OpenedVolume& opened, VolumeArguments arguments, const VolumeOptions& 
   IndexNeeds needs = kUsualNeeds;  // any look can be drawn
   needs.whole_series = options.whole_series;
   opened.whole_series = options.whole_series;
-  opened.volume = indexVolume(source(arguments), arguments, machine, needs, wish,
-                              {pool, progress, memoryBudget(machine), teller.stop()});
-  std::vector<std::string> notes = opened.volume.notes;
-  // If no folder is named, nobody expects an index.
-  if (wish.folder.empty()) std::erase(notes, opened.volume.index->note);
+  const IndexPass pass{pool, progress, memoryBudget(machine), teller.stop()};
+  std::vector<std::string> notes;
+  std::vector<ChannelSource> sources = channels(arguments);
+  for (ChannelSource& source : sources) {
+    IndexedVolume volume =
+        indexVolume(std::move(source.source), arguments, machine, needs, wish, pass);
+    volume.channel = std::move(source.channel);
+    for (const std::string& note : volume.notes) {
+      // If no folder is named, nobody expects an index.
+      const bool is_expected = !(wish.folder.empty() && note == volume.index->note);
+      if (is_expected && std::ranges::find(notes, note) == notes.end()) notes.push_back(note);
+    }
+    if (opened.volume.source == nullptr)
+      opened.volume = std::move(volume);
+    else
+      opened.more.push_back(std::move(volume));
+  }
   opened.info = volumeInfo(opened.volume.source->layout(), opened.volume.valueRange(), notes);
+  if (!opened.more.empty()) opened.info.channels.push_back(opened.volume.channel.title());
+  for (const IndexedVolume& volume : opened.more)
+    opened.info.channels.push_back(volume.channel.title());
   opened.info.levels = static_cast<int>(opened.volume.step().coarser.size()) + 1;
   opened.info.files = opened.volume.source->files();
 }
@@ -50,7 +66,9 @@ void openLent(OpenedVolume& opened, FillRegion fill, const VolumeLayout& layout,
     arguments.time = options.time;
     // Nobody can tell whether an index that was kept is of these voxels.
     open(opened, arguments, options, {.disabled = true}, teller, [&](const VolumeArguments& asked) {
-      return checkedSource(lentSource(std::move(fill), layout), asked);
+      std::vector<ChannelSource> one(1);
+      one.front().source = checkedSource(lentSource(std::move(fill), layout), asked);
+      return one;
     });
   });
 }
@@ -67,7 +85,7 @@ Volume::Volume(const std::vector<std::string>& paths, const VolumeOptions& optio
   translated([&] {
     ProgressTeller teller(progress, stop);
     open(*impl, volumeArguments(paths, options), options, {.folder = options.index_folder}, teller,
-         [](const VolumeArguments& arguments) { return openSource(arguments); });
+         [](const VolumeArguments& arguments) { return openChannels(arguments); });
   });
   impl_ = std::move(impl);
 }

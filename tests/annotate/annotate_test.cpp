@@ -2,6 +2,7 @@
 // any background.
 #include "src/annotate/annotation_drawing.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -133,13 +134,15 @@ TEST(Annotate, labelsHaveAPatchEachAsFarAsThereIsRoom) {
   const auto patchesOf = [&](size_t count) {
     const std::vector<double> some(values.begin(), values.begin() + 1 + static_cast<int>(count));
     annotations.transfer = labelsTransfer(some, 0);
-    annotations.labels = {some.begin() + 1, some.end()};
+    annotations.legend.clear();
+    for (size_t i = 1; i < some.size(); ++i)
+      annotations.legend.push_back({fmt::format("{}", some[i]), labelColor(some[i])});
     const Picture picture = drawAnnotations(filled(size, {1, 1, 1, 1}), annotations);
     const int x = size.width - static_cast<int>((kFreeEms + 0.45) * emOf(size));
     const int end = size.height - static_cast<int>((kFreeEms + kScaleBarEms + 1) * emOf(size));
     size_t found = 0;
     for (int y = 0; y < end && found < count; ++y) {
-      const Vec3d rgb = labelColor(annotations.labels[found]);
+      const Vec3d rgb = annotations.legend[found].rgb;
       const std::array<float, 3> pixel = colorAt(picture, x, y);
       if (length(Vec3d{pixel[0], pixel[1], pixel[2]} - rgb) < 0.01) ++found;
     }

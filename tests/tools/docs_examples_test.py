@@ -50,10 +50,30 @@ def write_nifti(path):
     path.write_bytes(gzip.compress(bytes(header) + voxels))
 
 
+def write_cells(path):
+    """An OME-Zarr image of three channels of 24^3 voxels, a ball each."""
+    (path / '0').mkdir(parents=True)
+    axes = [{'name': 'c', 'type': 'channel'}] + [{'name': name, 'type': 'space'} for name in 'zyx']
+    datasets = [{'path': '0', 'coordinateTransformations': [{'type': 'scale', 'scale': [1, 1, 1, 1]}]}]
+    channels = [{'label': label, 'color': color, 'active': True, 'window': {'min': 0, 'max': 65535, 'start': 100, 'end': 900}}
+                for label, color in (('DAPI', '00FFFF'), ('GFP', '00FF00'), ('RFP', 'FF00FF'))]
+    attributes = {'multiscales': [{'version': '0.4', 'axes': axes, 'datasets': datasets}], 'omero': {'channels': channels}}
+    array = {'zarr_format': 2, 'shape': [3, 24, 24, 24], 'chunks': [1, 24, 24, 24], 'dtype': '<u2', 'compressor': None,
+             'fill_value': 0, 'order': 'C', 'filters': None, 'dimension_separator': '.'}
+    (path / '.zgroup').write_text('{"zarr_format": 2}')
+    (path / '.zattrs').write_text(json.dumps(attributes))
+    (path / '0' / '.zarray').write_text(json.dumps(array))
+    for channel in range(3):
+        at = 8 + 4 * channel
+        voxels = [max(0, 1000 - 20 * ((x - at)**2 + (y - 12)**2 + (z - 12)**2)) for z in range(24) for y in range(24) for x in range(24)]
+        (path / '0' / f'{channel}.0.0.0').write_bytes(struct.pack(f'<{len(voxels)}H', *voxels))
+
+
 def make_volumes(folder):
     """What the examples take for granted."""
     for name in ('bonsai', 'engine'):
         write_nifti(folder / f'{name}.nii.gz')
+    write_cells(folder / 'cells.ome.zarr')
     for line in ('sluice synth shells -q -o head.nrrd --dims 32,32,32',
                  'sluice synth phantom -q -o head_48x48x40_uint8.raw --dims 48,48,40',
                  'sluice synth phantom -q -o head_48x48x48_uint8.raw --dims 48,48,48',

@@ -50,6 +50,8 @@ class Values {
         const double first = number(-9, 9);
         return std::vector<OptionReals>{{first, number(0, 1)}, {first + number(0, 1), 1}};
       }
+      case OptionForm::kChannels:
+        return std::vector<std::string>{"0:green,400:3000", "DAPI:0000ff,-1:2.5,0.125"};
       case OptionForm::kPlanes:
         break;
     }

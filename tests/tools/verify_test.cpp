@@ -113,7 +113,7 @@ class VerifyFaultTest : public testing::Test {
     Scene scene = openScene(volume_, look_, resources_, frame_);
     std::vector<Camera> cameras{frame_.camera};
     fitCameras(cameras, std::nullopt,
-               {scene.volume, scene.volume.step(), scene.look.transfer, frame_, false}, {},
+               {{{scene.volume, scene.volume.step(), scene.look.transfer}}, frame_, false}, {},
                resources_, scene.pool);
     FrameOptions options = frame_;
     options.camera = cameras.front();

@@ -42,7 +42,7 @@ class ViewFitTest : public testing::Test {
     const uint64_t before = volume.source->storedBytesRead();
     std::vector<Camera> cameras = turnOf(frame_.camera, frames);
     const TransferFunction transfer = thresholdTransfer(100, {0, 200});
-    fitCameras(cameras, choice, {volume, volume.step(), transfer, frame_, this_step}, {},
+    fitCameras(cameras, choice, {{{volume, volume.step(), transfer}}, frame_, this_step}, {},
                resources_, pool);
     read_bytes_ = volume.source->storedBytesRead() - before;
     return cameras;

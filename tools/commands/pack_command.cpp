@@ -87,7 +87,7 @@ std::shared_ptr<const IndexedRanges> indexStore(const PackArguments& arguments, 
 }
 
 // A source for each channel; the one that the user asks for alone.
-std::vector<std::unique_ptr<VolumeSource>> openChannels(const VolumeArguments& arguments) {
+std::vector<std::unique_ptr<VolumeSource>> openEachChannel(const VolumeArguments& arguments) {
   std::vector<std::unique_ptr<VolumeSource>> channels;
   channels.push_back(openVolume(arguments.inputs, arguments.open));
   const int64_t count = arguments.open.channel.given() ? 1 : channels[0]->layout().channels;
@@ -112,7 +112,7 @@ int pack(const PackArguments& arguments) {
   outputs.reads(arguments.volume.inputs);
   outputs.writesFolder("-o", arguments.output);
   outputs.checkNames();
-  const auto sources = openChannels(arguments.volume);
+  const auto sources = openEachChannel(arguments.volume);
   std::vector<VolumeSource*> channels;
   for (const auto& source : sources) channels.push_back(source.get());
   outputs.check(channels.front()->files());

@@ -160,53 +160,127 @@ nlohmann::json boxesJson(const PlannedBoxes& planned) {
           {"seconds", planned.seconds}};
 }
 
-nlohmann::json reportOf(const AlgorithmCosts& costs, const AlgorithmCost& chosen,
-                        const Forecast& forecast, const std::optional<PlannedBoxes>& boxes,
-                        const IndexedVolume& volume, const TransferFunction& transfer,
-                        const PlannedBlocks& shown, const CLI::App& app) {
-  nlohmann::json report{{"command", "plan"},
-                        {"options", optionsJson(app)},
-                        {"volume", volumeJson(volume)},
-                        {"transfer", transfer.name},
-                        {"blocks",
-                         {{"white", shown.blocks->white},
-                          {"grey", shown.blocks->grey},
-                          {"black", shown.blocks->black}}},
-                        {"clusters", chosen.clusters},
-                        {"read", readJson(forecast)},
-                        {"memory", memoryJson(forecast)},
-                        {"classify_seconds", shown.seconds},
-                        {"plan_seconds", chosen.seconds},
-                        {"seconds", shown.seconds + chosen.seconds}};
-  for (size_t i = 0; i < costs.size(); ++i)
-    report["algorithms"][std::string(name(kAlgorithms[i]))] = {{"chunks", costs[i].chunks},
-                                                               {"pages", costs[i].pages},
-                                                               {"bytes", costs[i].bytes},
-                                                               {"binds", costs[i].binds}};
-  if (boxes) report["partition"] = boxesJson(*boxes);
-  if (shown.blocks->cut) report["cut"] = cutJson(*shown.blocks->cut);
-  return report;
-}
-
-// A volume with its look and the camera fitted to it.
-struct PlannedVolume {
+// A channel of the picture with its look and its plans. Most volumes have one.
+struct PlannedChannel {
   IndexedVolume volume;
   TransferFunction transfer;
+  PlannedBlocks shown = {};
+  AlgorithmCosts costs = {};
+  Forecast forecast = {};
+  std::optional<PlannedBoxes> boxes = {};
+};
+
+// The channels, and the camera fitted to them.
+struct PlannedPicture {
+  std::vector<PlannedChannel> channels;
   Camera camera;
 };
 
-PlannedVolume openPlanned(const PlanArguments& arguments, FinestLevel finest,
-                          const Outputs& outputs, WorkerPool& pool) {
+// What all channels take together.
+struct PlannedSum {
+  int64_t white = 0, grey = 0, black = 0;
+  AlgorithmCosts costs = {};
+  Forecast forecast;
+  double classify_seconds = 0;
+};
+
+PlannedSum sumOf(const std::vector<PlannedChannel>& channels) {
+  PlannedSum sum;
+  for (const PlannedChannel& channel : channels) {
+    sum.white += channel.shown.blocks->white;
+    sum.grey += channel.shown.blocks->grey;
+    sum.black += channel.shown.blocks->black;
+    sum.classify_seconds += channel.shown.seconds;
+    if (&channel == &channels.front()) {
+      sum.costs = channel.costs;
+      sum.forecast = channel.forecast;
+      continue;
+    }
+    add(sum.forecast, channel.forecast);
+    for (size_t i = 0; i < sum.costs.size(); ++i) {
+      AlgorithmCost& cost = sum.costs[i];
+      const AlgorithmCost& more = channel.costs[i];
+      cost.chunks += more.chunks;
+      cost.clusters += more.clusters;
+      cost.pages += more.pages;
+      cost.binds += more.binds;
+      cost.bytes += more.bytes;
+      cost.seconds += more.seconds;
+    }
+  }
+  return sum;
+}
+
+// The part of a report that channels have as well as their sum.
+nlohmann::json sumJson(const PlannedSum& sum, Algorithm algorithm) {
+  const AlgorithmCost& chosen = sum.costs[static_cast<size_t>(algorithm)];
+  nlohmann::json report{
+      {"blocks", {{"white", sum.white}, {"grey", sum.grey}, {"black", sum.black}}},
+      {"clusters", chosen.clusters},
+      {"read", readJson(sum.forecast)},
+      {"memory", memoryJson(sum.forecast)},
+      {"classify_seconds", sum.classify_seconds},
+      {"plan_seconds", chosen.seconds},
+      {"seconds", sum.classify_seconds + chosen.seconds}};
+  for (size_t i = 0; i < sum.costs.size(); ++i)
+    report["algorithms"][std::string(name(kAlgorithms[i]))] = {{"chunks", sum.costs[i].chunks},
+                                                               {"pages", sum.costs[i].pages},
+                                                               {"bytes", sum.costs[i].bytes},
+                                                               {"binds", sum.costs[i].binds}};
+  return report;
+}
+
+nlohmann::json channelJson(const PlannedChannel& channel, const PlannedSum& sum,
+                           Algorithm algorithm) {
+  nlohmann::json report = sumJson(sum, algorithm);
+  report["transfer"] = channel.transfer.name;
+  if (channel.boxes) report["partition"] = boxesJson(*channel.boxes);
+  if (channel.shown.blocks->cut) report["cut"] = cutJson(*channel.shown.blocks->cut);
+  return report;
+}
+
+nlohmann::json reportOf(const std::vector<PlannedChannel>& channels, Algorithm algorithm,
+                        const CLI::App& app) {
+  const PlannedChannel& first = channels.front();
+  nlohmann::json report = channelJson(first, sumOf(channels), algorithm);
+  report["command"] = "plan";
+  report["options"] = optionsJson(app);
+  report["volume"] = volumeJson(first.volume);
+  if (channels.size() == 1) return report;
+  for (const PlannedChannel& channel : channels) {
+    PlannedSum own{.white = channel.shown.blocks->white,
+                   .grey = channel.shown.blocks->grey,
+                   .black = channel.shown.blocks->black,
+                   .costs = channel.costs,
+                   .forecast = channel.forecast,
+                   .classify_seconds = channel.shown.seconds};
+    nlohmann::json of_channel = channelJson(channel, own, algorithm);
+    of_channel["channel"] = channel.volume.channel.number;
+    of_channel["name"] = channel.volume.channel.name;
+    report["channels"].push_back(std::move(of_channel));
+  }
+  return report;
+}
+
+PlannedPicture openPlanned(const PlanArguments& arguments, FinestLevel finest,
+                           const Outputs& outputs, WorkerPool& pool) {
   const FrameOptions& frame = arguments.frame;
-  PlannedVolume planned;
-  planned.volume = openIndexed(arguments.volume, arguments.resources,
-                               pictureNeeds(arguments.look, frame, finest), pool, outputs);
-  planned.transfer = lookFor(planned.volume, arguments.look, frame.mode).transfer;
+  PlannedPicture planned;
+  std::vector<FittedVolume> fitted;
+  std::vector<const ShownChannel*> shown;
+  for (IndexedVolume& volume : openIndexedChannels(
+           arguments.volume, arguments.look, arguments.resources, frame, finest, pool, outputs)) {
+    TransferFunction transfer = lookFor(volume, arguments.look, frame.mode).transfer;
+    planned.channels.push_back({std::move(volume), std::move(transfer)});
+  }
+  for (const PlannedChannel& channel : planned.channels) {
+    fitted.push_back({channel.volume, channel.volume.step(), channel.transfer});
+    shown.push_back(&channel.volume.channel);
+  }
+  requireShown(arguments.look, shown);
   std::vector<Camera> cameras{frame.camera};
-  fitCameras(
-      cameras, arguments.fit,
-      {planned.volume, planned.volume.step(), planned.transfer, frame, arguments.look.this_step},
-      {}, arguments.resources, pool);
+  fitCameras(cameras, arguments.fit, {std::move(fitted), frame, arguments.look.this_step}, {},
+             arguments.resources, pool);
   planned.camera = cameras.front();
   return planned;
 }
@@ -223,6 +297,46 @@ bool checkCulling(const PlanArguments& arguments) {
   return true;
 }
 
+// The arguments of each of so many channels, which share the memory as a scene's do.
+PlanArguments shareOf(PlanArguments arguments, size_t channels) {
+  if (channels == 1) return arguments;
+  arguments.resources.memory_bytes = memoryBudget(arguments.resources) / channels;
+  if (arguments.frame.cut) arguments.frame.cut->most_held_bytes /= channels;
+  return arguments;
+}
+
+void planChannel(const PlanArguments& arguments, PlannedChannel& channel, PlannedCulling* culling,
+                 WorkerPool& pool) {
+  IndexedVolume& volume = channel.volume;
+  channel.shown = plannedBlocks(volume, volume.step(), channel.transfer, arguments.frame,
+                                volume.page, culling != nullptr ? &culling->blocks : nullptr, pool);
+  const uint64_t others = othersBytes(volume, channel.transfer, arguments.frame, pool) +
+                          (culling != nullptr ? culling->most_bytes : 0);
+  volume.page.pages = besideShare(volume, arguments.resources, arguments.frame.partition,
+                                  pictureDemand(arguments.resources, arguments.frame), others)
+                          .pages;
+  channel.costs = algorithmCosts(volume, channel.shown, arguments.frame, volume.page, pool);
+  if (arguments.frame.partition == Partition::kBoxes)
+    channel.boxes = planBoxes(arguments, volume, channel.shown, pool);
+  const AlgorithmCost& chosen = channel.costs[static_cast<size_t>(arguments.frame.algorithm)];
+  channel.forecast = forecastOf(volume, *channel.shown.blocks, volume.page, chosen.bytes, others,
+                                arguments.frame, arguments.resources);
+}
+
+void print(const PlannedChannel& channel, Algorithm algorithm) {
+  print(channel.costs, algorithm, channel.shown.seconds, channel.volume.page);
+  if (isCoarser(*channel.shown.blocks)) say("{}\n", cutLine(*channel.shown.blocks->cut));
+}
+
+void printIndex(const PlannedChannel& channel) {
+  const IndexedVolume& volume = channel.volume;
+  if (volume.stand_in) say("{}\n", volume.standInNote());
+  if (!volume.stand_in && volume.index->state != "read")
+    say("index {}: this plan has read the whole volume for it, {}\n", volume.index->state,
+        volume.index->path.empty() ? "and so will the next one" : "the next one reads no voxel");
+  if (channel.boxes) print(*channel.boxes);
+}
+
 int run(const PlanArguments& asked, const CLI::App& app) {
   PlanArguments arguments = asked;
   Workers pool(arguments.resources.threads);
@@ -237,51 +351,45 @@ int run(const PlanArguments& asked, const CLI::App& app) {
   outputs.reads(arguments.volume.inputs);
   outputs.reads(arguments.look.transfer_file);
   outputs.writes("--report", arguments.report_file, reportKind(arguments.report_file));
-  PlannedVolume planned = openPlanned(arguments, FinestLevel::kMayWait, outputs, pool);
-  if (mustReadFinest(planned.volume, planned.transfer, arguments.frame, {&planned.camera, 1}, pool))
-    planned = openPlanned(arguments, FinestLevel::kRead, outputs, pool);
-  IndexedVolume& volume = planned.volume;
-  const TransferFunction& transfer = planned.transfer;
+  PlannedPicture planned = openPlanned(arguments, FinestLevel::kMayWait, outputs, pool);
+  const bool must_read = std::ranges::any_of(planned.channels, [&](const PlannedChannel& channel) {
+    return mustReadFinest(channel.volume, channel.transfer, arguments.frame, {&planned.camera, 1},
+                          pool);
+  });
+  if (must_read) planned = openPlanned(arguments, FinestLevel::kRead, outputs, pool);
+  std::vector<PlannedChannel>& channels = planned.channels;
+  PlannedChannel& first = channels.front();
   arguments.frame.camera = planned.camera;
-  const std::unique_ptr<PlannedCulling> culling = plannedCulling(arguments, volume, transfer, pool);
-  const PlannedBlocks shown =
-      plannedBlocks(volume, volume.step(), transfer, arguments.frame, volume.page,
-                    culling ? &culling->blocks : nullptr, pool);
-  const uint64_t others =
-      othersBytes(volume, transfer, arguments.frame, pool) + (culling ? culling->most_bytes : 0);
-  volume.page.pages = besideShare(volume, arguments.resources, arguments.frame.partition,
-                                  pictureDemand(arguments.resources, arguments.frame), others)
-                          .pages;
-  const AlgorithmCosts costs = algorithmCosts(volume, shown, arguments.frame, volume.page, pool);
-  const AlgorithmCost& chosen = costs[static_cast<size_t>(arguments.frame.algorithm)];
-  std::optional<PlannedBoxes> boxes;
-  if (arguments.frame.partition == Partition::kBoxes)
-    boxes = planBoxes(arguments, volume, shown, pool);
-  const Forecast forecast = forecastOf(volume, *shown.blocks, volume.page, chosen.bytes, others,
-                                       arguments.frame, arguments.resources);
-  nlohmann::json report = reportOf(costs, chosen, forecast, boxes, volume, transfer, shown, app);
+  if (channels.size() > 1 && arguments.culling.culling != Culling::kNone)
+    fail("{}: --culling looks at one channel, not {}; give one --channel", first.volume.name,
+         channels.size());
+  const std::unique_ptr<PlannedCulling> culling =
+      plannedCulling(arguments, first.volume, first.transfer, pool);
+  const PlanArguments share = shareOf(arguments, channels.size());
+  for (PlannedChannel& channel : channels) planChannel(share, channel, culling.get(), pool);
+  const Algorithm algorithm = arguments.frame.algorithm;
+  nlohmann::json report = reportOf(channels, algorithm, app);
   if (culling) report["culling"] = countsJson(culling->blocks.counts());
   if (!arguments.report_file.empty()) {
     PagePictures pictures;
-    if (isPage(arguments.report_file) && !isCoarser(*shown.blocks))
-      addBlocks(pictures, volume.step().ranges->layout.grid, *shown.blocks);
+    if (isPage(arguments.report_file) && !isCoarser(*first.shown.blocks))
+      addBlocks(pictures, first.volume.step().ranges->layout.grid, *first.shown.blocks);
     writeReport(arguments.report_file, report, pictures);
   }
   if (arguments.json) {
     sayJson(report);
-  } else if (!arguments.resources.quiet) {
-    print(costs, arguments.frame.algorithm, shown.seconds, volume.page);
-    if (isCoarser(*shown.blocks)) say("{}\n", cutLine(*shown.blocks->cut));
-    printForecast(forecast);
-    if (culling)
-      say("culling: {} of {} blocks that are not empty can be seen\n",
-          culling->blocks.counts().blocks_visible, culling->blocks.counts().blocks_nonempty);
-    if (volume.stand_in) say("{}\n", volume.standInNote());
-    if (!volume.stand_in && volume.index->state != "read")
-      say("index {}: this plan has read the whole volume for it, {}\n", volume.index->state,
-          volume.index->path.empty() ? "and so will the next one" : "the next one reads no voxel");
-    if (boxes) print(*boxes);
+    return 0;
   }
+  if (arguments.resources.quiet) return 0;
+  for (const PlannedChannel& channel : channels) {
+    if (channels.size() > 1) say("{}\n", channel.volume.channel.title());
+    print(channel, algorithm);
+  }
+  printForecast(sumOf(channels).forecast);
+  if (culling)
+    say("culling: {} of {} blocks that are not empty can be seen\n",
+        culling->blocks.counts().blocks_visible, culling->blocks.counts().blocks_nonempty);
+  for (const PlannedChannel& channel : channels) printIndex(channel);
   return 0;
 }
 

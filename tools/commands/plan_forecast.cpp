@@ -5,6 +5,16 @@
 
 namespace sluice {
 
+void add(Forecast& sum, const Forecast& more) {
+  sum.blocks += more.blocks;
+  sum.voxel_bytes += more.voxel_bytes;
+  sum.budget_bytes += more.budget_bytes;
+  sum.least_bytes += more.least_bytes;
+  sum.buffer_bytes += more.buffer_bytes;
+  sum.index_bytes += more.index_bytes;
+  sum.picture_bytes += more.picture_bytes;
+}
+
 nlohmann::json readJson(const Forecast& forecast) {
   return {{"blocks", forecast.blocks}, {"voxel_bytes", forecast.voxel_bytes}};
 }

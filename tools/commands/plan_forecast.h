@@ -7,6 +7,9 @@
 
 namespace sluice {
 
+// Adds the cost of another channel of the same picture, which has its own share of the memory.
+void add(Forecast& sum, const Forecast& more);
+
 // `read` and `memory` of plan's JSON.
 nlohmann::json readJson(const Forecast& forecast);
 nlohmann::json memoryJson(const Forecast& forecast);

@@ -155,8 +155,15 @@ bool reportsParts(const Arguments& arguments) {
 
 bool isRefined(const Arguments& arguments, const Scene& scene) {
   return asksForRefinement(arguments) && !isSeries(arguments) && scene.share == nullptr &&
+         scene.more.empty() &&
          drawsCut(scene.volume.step(), arguments.frame.cut, arguments.frame.mode,
                   scene.look.transfer.labels);
+}
+
+void requireOneChannel(const Arguments& arguments, const Scene& scene) {
+  if (scene.more.empty() || !(arguments.progressive || arguments.debug_view)) return;
+  fail("{}: {} shows one channel, not {}; give one --channel", scene.volume.name,
+       arguments.progressive ? "--progressive" : "--debug-view", scene.layers().size());
 }
 
 void requireWholePicture(const Arguments& arguments, const Scene& scene) {
@@ -167,7 +174,9 @@ void requireWholePicture(const Arguments& arguments, const Scene& scene) {
          arguments.verify ? "--verify" : "--debug-view");
   if (scene.stripsOf(arguments.frame).size() == 1) return;
   const PictureSize size = arguments.frame.size;
-  const uint64_t needed = 4 * wholePictureBytes(pictureDemand(scene.machine, arguments.frame));
+  // A picture may take a quarter of a channel's share.
+  const uint64_t needed =
+      4 * scene.layers().size() * wholePictureBytes(pictureDemand(scene.machine, arguments.frame));
   fail(
       "{} needs the whole picture of {} x {} in memory, and --memory {} has no room; give "
       "--memory {}",

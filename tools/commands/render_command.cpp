@@ -67,9 +67,11 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
     fitted = openFitted(arguments, saved, outputs, team, room, FinestLevel::kMayWait);
   }
   Scene& scene = *fitted.scene;
+  requireOneChannel(arguments, scene);
   const std::vector<Camera>& cameras = fitted.cameras;
   if (is_first)
-    for (const std::string& warning : scene.look.warnings) printWarning(warning);
+    for (const Layer* layer : scene.layers())
+      for (const std::string& warning : layer->look.warnings) printWarning(warning);
   if (scene.volume.stand_in && !arguments.resources.quiet) printWarning(scene.volume.standInNote());
   if (team != nullptr) expectSameScene(*team, scene, cameras, arguments.frame);
   RenderJob job{arguments, to_draw,  cameras,  output, {},

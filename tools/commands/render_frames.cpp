@@ -94,7 +94,7 @@ class Frames {
   // Tells the session and the series which frame comes, and which one next.
   void show(size_t at) {
     options_.camera = cameraOf(job_.cameras, job_.to_draw[at]);
-    scene_.session->setOptions(options_);
+    scene_.setOptions(options_);
     if (!isSeries(arguments_)) return;
     // The next step's blocks would take the room of those that the next strip needs again.
     const bool reads_ahead =
@@ -133,13 +133,17 @@ class Frames {
     else if (writes)
       writer->add(frame.whole->picture);
     drawn_.blocks = frame.blocks;
-    std::string empty;
-    if (job_.is_first)
-      empty = scene_.whyNothing(frame, timeOf(arguments_, job_.to_draw[at]), shown,
-                                {scene_.pool, *progress_, scene_.memory_bytes, interruption()});
+    std::string empty, empty_layers;
+    if (job_.is_first) {
+      const IndexPass pass{scene_.pool, *progress_, scene_.memory_bytes, interruption()};
+      const int64_t time = timeOf(arguments_, job_.to_draw[at]);
+      empty = scene_.whyNothing(frame, time, shown, pass);
+      empty_layers = scene_.emptyLayers(frame, time, shown, pass);
+    }
     const Stopwatch watch;
     if (writer) writer->commit();
-    drawn_.frames.push_back({frame.report, write_seconds + watch.seconds(), std::move(empty)});
+    drawn_.frames.push_back({frame.report, write_seconds + watch.seconds(), std::move(empty),
+                             std::move(frame.layers), std::move(empty_layers)});
     if (series_.culls()) drawn_.culling.push_back(countsJson(series_.counts()));
     progress_->add(1);
     if (arguments_.debug_view)
@@ -170,7 +174,7 @@ FrameOptions drawingOptions(const RenderJob& job) {
   FrameOptions options = job.arguments.frame;
   options.camera = job.cameras.front();
   if (!job.has_step) options.step_vox = job.scene.chosenStep(job.scene.volume.step(), options);
-  job.scene.look.options = job.scene.lookOf(options);
+  job.scene.drawn_look = job.scene.lookOf(options);
   options.lighting.flat_share *= job.scene.look.flat_scale;
   options.count_samples = wantsReport(job.arguments);
   options.keep_phases = job.arguments.debug_view;
@@ -193,7 +197,7 @@ void chooseCulling(const RenderJob& job, Series& series) {
   FrameOptions options = job.options;
   options.camera = cameraOf(job.cameras, job.to_draw.front());
   options.count_samples = options.keep_phases = false;
-  job.scene.session->setOptions(options);
+  job.scene.setOptions(options);
   series.choose(times);
 }
 

@@ -32,7 +32,8 @@ struct RenderJob {
 const Camera& cameraOf(const std::vector<Camera>& cameras, int64_t frame);
 
 // The options of all frames, with the distance between slices that follows from the first camera
-// unless --step is given. Adds that distance to the options of the scene's look.
+// unless --step is given. Keeps the options of the look, with that distance, as the scene's
+// drawn_look.
 FrameOptions drawingOptions(const RenderJob& job);
 
 // Draws the one picture that a sample gives. The pass over all voxels follows it, and better

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <utility>
 
+#include "src/library/drawing/added_pictures.h"
+#include "src/library/opening/shown_channels.h"
 #include "src/render/blocks/level_cut.h"
 #include "tools/command_line/interrupt.h"
 #include "tools/command_line/progress_line.h"
@@ -35,22 +37,37 @@ class EveryBlock : public BlockChooser {
 };
 
 // The volume as if nothing was known of it, in blocks of another size than the scene's.
-IndexedVolume openAnew(const Scene& scene, const VerifiedView& view, const IndexPass& pass) {
+IndexedVolume openAnew(const Layer& layer, ChannelSource opened, const VerifiedView& view,
+                       const IndexPass& pass) {
   MachineOptions machine = view.resources;
-  const int64_t size = scene.volume.layout.size;
+  const int64_t size = layer.volume.layout.size;
   machine.block = size > 16 ? size / 2 : size * 2;
   machine.pages.reset();  // they need not hold a block of that size
-  const IndexNeeds needs{.gradients = scene.volume.needs.gradients};
-  return indexVolume(openSource(view.volume), view.volume, machine, needs, {.disabled = true},
-                     pass);
+  const IndexNeeds needs{.gradients = layer.volume.needs.gradients};
+  IndexedVolume volume =
+      indexVolume(std::move(opened.source), view.volume, machine, needs, {.disabled = true}, pass);
+  volume.channel = std::move(opened.channel);
+  return volume;
+}
+
+// The channels of the scene in its order.
+std::vector<IndexedVolume> openAnew(const Scene& scene, const VerifiedView& view,
+                                    const IndexPass& pass) {
+  std::vector<ChannelSource> opened = openChannels(view.volume);
+  const std::vector<const Layer*> layers = scene.layers();
+  SLUICE_CHECK_EQ(opened.size(), layers.size());
+  std::vector<IndexedVolume> volumes;
+  for (size_t i = 0; i < layers.size(); ++i)
+    volumes.push_back(openAnew(*layers[i], std::move(opened[i]), view, pass));
+  return volumes;
 }
 
 // A series has one range of values for all steps, which tables and light follow from.
-TimeStep stepOf(const IndexedVolume& volume, const Scene& scene, int64_t time,
+TimeStep stepOf(const IndexedVolume& volume, const Layer& layer, int64_t time,
                 const IndexPass& pass) {
   if (volume.source->layout().time_steps == 1) return volume.step();
   IndexedRanges ranges = rangesOfStep(volume, time, pass);
-  ranges.ranges.device_range = scene.volume.index->ranges.device_range;
+  ranges.ranges.device_range = layer.volume.index->ranges.device_range;
   const auto kept = std::make_shared<const IndexedRanges>(std::move(ranges));
   return {volume.source.get(), time, {kept, &kept->ranges}};
 }
@@ -93,41 +110,56 @@ Verification verify(Scene& scene, const VerifiedView& view, FrameOptions options
   result.unchecked.push_back(
       fmt::format("the choice of the look, how {} samples and lights", scene.device->backend()));
   // The plain picture has the memory of the other one.
-  scene.session.reset();
-  scene.volume.source->holdAtMost(0);
+  for (Layer* layer : scene.layers()) {
+    layer->session.reset();
+    layer->volume.source->holdAtMost(0);
+  }
   ProgressMeter progress(view.resources.quiet ? ProgressWatch() : progressLine("verifying"));
   const IndexPass pass{scene.pool, progress, scene.memory_bytes, interruption()};
-  const IndexedVolume volume = openAnew(scene, view, pass);
+  const std::vector<IndexedVolume> volumes = openAnew(scene, view, pass);
+  const std::vector<Layer*> layers = scene.layers();
+  const VolumeLayout& layout = volumes.front().source->layout();
   const bool is_cut = scene.volume.pyramid != nullptr;
   // Pictures of a cut have plain samples.
   if (drawsCut(scene.volume.step(), options.cut, options.mode, scene.look.transfer.labels))
     options.integrates = false;
   options = plainOptions(std::move(options));
   std::vector<Camera> cameras = view.cameras;
-  if (volume.source->layout().time_steps == 1 || view.this_step) {
-    fitCameras(cameras, view.fit, {volume, volume.step(), scene.look.transfer, options, true},
-               view.room, pass);
+  if (layout.time_steps == 1 || view.this_step) {
+    std::vector<FittedVolume> fitted;
+    for (size_t i = 0; i < layers.size(); ++i)
+      fitted.push_back({volumes[i], volumes[i].step(), layers[i]->look.transfer});
+    fitCameras(cameras, view.fit, {std::move(fitted), options, true}, view.room, pass);
     options.camera = cameras.at(view.frame);
   } else if (fitOf(cameras, view.fit) == Fit::kVisible) {
     result.unchecked.emplace_back("the fit to all time steps");
   }
-  const VolumeLayout& layout = volume.source->layout();
   // Slices of the finest level lie closer than those of a picture from coarser ones.
   if (is_cut && !view.has_step)
     options.step_vox =
         stepFor(resolve(options.camera, layout, options.size, options.step_vox), layout);
   EveryBlock every_block(scene.pool);
-  const bool all = volume.layout.blockCount() <= kMostBlocks;
+  const bool all = volumes.front().layout.blockCount() <= kMostBlocks;
   if (!all) result.unchecked.emplace_back("which blocks are empty, since there are too many");
   if (scene.share) scene.share->device().drawWhole(true);
-  SessionOptions session = sessionOptions(volume, scene.look.lit, view.resources,
-                                          Partition::kBlocks, scene.memory_bytes);
-  session.beside_bytes += scene.part_bytes;
-  Session plain(stepOf(volume, scene, view.time, pass), *scene.device, scene.pool, session);
-  plain.setTransferFunction(scene.look.transfer);
-  plain.chooseBlocksBy(all ? &every_block : nullptr);
-  plain.setOptions(options);
-  compare(plain.frame().picture, picture, result);
+  std::optional<Picture> sum;
+  for (size_t i = 0; i < layers.size(); ++i) {
+    const Layer& layer = *layers[i];
+    SessionOptions session = sessionOptions(volumes[i], layer.look.lit, view.resources,
+                                            Partition::kBlocks, scene.memory_bytes);
+    session.beside_bytes += layers.size() * layer.part_bytes;
+    Session plain(stepOf(volumes[i], layer, view.time, pass), *scene.device, scene.pool, session);
+    plain.setTransferFunction(layer.look.transfer);
+    plain.chooseBlocksBy(all ? &every_block : nullptr);
+    plain.setOptions(scene.optionsOf(layer, options));
+    Picture drawn = plain.frame().picture;
+    if (!sum)
+      sum = std::move(drawn);
+    else
+      addPicture(*sum, drawn, scene.pool);
+  }
+  if (layers.size() > 1) limitSum(*sum, scene.pool);
+  compare(*sum, picture, result);
   return result;
 }
 

@@ -37,6 +37,14 @@ void addLookOptions(CLI::App& app, const AskedView& asked, LookArguments& look,
   table.add("--range", [&look](const ViewState& state) {
     look.range = {(*state.look.range)[0], (*state.look.range)[1]};
   });
+  table
+      .add("--look",
+           [&look](const ViewState& state) {
+             LookOptions channels;
+             channels.channels = state.look.channels;
+             look.channels = lookArguments(channels, true).channels;
+           })
+      ->trigger_on_parse();
   group.flag("--this-step", look.this_step,
              "Series: computes look and fit from the drawn step alone");
   CLI::Option* opacity = table.add(

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "src/base/values/channel_look.h"
 #include "src/view/state/option_table.h"
 #include "src/view/state/view_check.h"
 #include "tools/command_line/parse.h"
@@ -47,6 +48,9 @@ std::optional<OptionValue> readWord(const OptionEntry& entry, const std::string&
       return word;
     case OptionForm::kFile:
       return word.empty() ? std::nullopt : std::optional<OptionValue>(word);
+    case OptionForm::kChannels:
+      return parseChannelLook(word) ? std::optional<OptionValue>(std::vector<std::string>{word})
+                                    : std::nullopt;
     case OptionForm::kPoints:
       return pointsOf(word);
     case OptionForm::kColor: {
@@ -78,6 +82,9 @@ std::string expectedOf(const OptionEntry& entry) {
     case OptionForm::kBox:
       return "six whole numbers X0,Y0,Z0,X1,Y1,Z1 from 0 to 2^40, each upper one at least 2 above "
              "the lower, since a single voxel plane has no thickness";
+    case OptionForm::kChannels:
+      return "a channel and its colour, perhaps a range of values and an opacity from 0 to 1, such "
+             "as 0:green,400:3000,0.1";
     case OptionForm::kPoints:
       return "pairs V:A of values, ascending, and opacities from 0 to 1";
     case OptionForm::kNumber:
@@ -95,14 +102,24 @@ std::string shownOf(const OptionEntry& entry, const ViewState& asked) {
   return entry.kind.form == OptionForm::kWord ? std::get<std::string>(*value) : "";
 }
 
-// The planes asked for so far, and one more.
-OptionValue oneMore(const OptionEntry& entry, const ViewState& asked, const OptionValue& plane) {
-  using Lists = std::vector<OptionReals>;
-  Lists planes = std::get<Lists>(entry.get(asked).value_or(Lists()));
-  planes.push_back(std::get<Lists>(plane).front());
-  if (const auto fault = faultOf(entry, planes))
+// The planes, or looks of channels, asked for so far, and one more.
+template <class Lists>
+OptionValue oneMore(const OptionEntry& entry, const ViewState& asked, const Lists& one) {
+  Lists all = std::get<Lists>(entry.get(asked).value_or(Lists()));
+  all.push_back(one.front());
+  if (const auto fault = faultOf(entry, all))
     throw CLI::ValidationError(fmt::format("{}: {}", entry.option, fault->expected));
-  return planes;
+  return all;
+}
+
+// The value of an option that may be given again.
+OptionValue withEarlier(const OptionEntry& entry, const ViewState& asked,
+                        const OptionValue& value) {
+  if (entry.kind.form == OptionForm::kPlanes)
+    return oneMore(entry, asked, std::get<std::vector<OptionReals>>(value));
+  if (entry.kind.form == OptionForm::kChannels)
+    return oneMore(entry, asked, std::get<std::vector<std::string>>(value));
+  return value;
 }
 
 }  // namespace
@@ -116,8 +133,7 @@ CLI::Option* TableOptions::add(const std::string& names,
     return value && !faultOf(entry, *value) ? value : std::nullopt;
   };
   const auto keep = [&entry, take, asked = asked_](const OptionValue& value) {
-    entry.set(*asked,
-              entry.kind.form == OptionForm::kPlanes ? oneMore(entry, *asked, value) : value);
+    entry.set(*asked, withEarlier(entry, *asked, value));
     take(*asked);
   };
   const std::string help(entry.help), as_default = shown.empty() ? shownOf(entry, *asked_) : shown;

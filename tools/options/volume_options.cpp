@@ -127,10 +127,10 @@ void addVolumeOptions(CLI::App& app, VolumeArguments& arguments, std::optional<T
   group.text("--grid", "NAME", arguments.open.grid,
              "OpenVDB: name of the grid; DICOM: number of the series");
   group.parsed(
-      "--channel", "N|NAME", "a channel's number from 0 to 1000000, or its name", channel,
+      "--channel", "N|NAME,...", "a channel's number from 0 to 1000000, or its name", channel,
       [&arguments](const ChannelWish& wish) { arguments.open.channel = wish; },
       "Zarr, N5, HDF5, VTK, TIFF: channel by its number, from 0 (the first), or by its name in the "
-      "file");
+      "file; pictures show several together (the active ones of an OME file, else the first)");
   addWebCacheOptions(group, arguments.open.web.cache);
   if (times == nullptr) {
     group.number("--time", "STEP", arguments.time, {0, kMostSteps}, "Time step, from 0");

@@ -1,5 +1,7 @@
 #include "tools/outputs/picture_output.h"
 
+#include <fmt/format.h>
+
 #include <utility>
 
 #include "src/annotate/annotate.h"
@@ -25,7 +27,16 @@ Annotations annotationsOf(const PictureOutput& output, const FrameOptions& optio
   if (scene.look.transfer.labels)
     for (const ValueCount& entry : scene.volume.values.counts.entries)
       if (entry.lo == entry.hi && opacityAt(scene.look.transfer, entry.lo) > 0)
-        annotations.labels.push_back(entry.lo);
+        annotations.legend.push_back(
+            {fmt::format("{:.7g}", entry.lo), colorAt(scene.look.transfer, entry.lo)});
+  // A channel's own colour is the one of its brightest values.
+  for (const Layer* layer : scene.layers()) {
+    if (scene.more.empty()) break;
+    const ShownChannel& channel = layer->volume.channel;
+    annotations.legend.push_back(
+        {channel.name.empty() ? fmt::format("{}", channel.number) : channel.name,
+         layer->look.transfer.colors.back().rgb});
+  }
   annotations.background = output.background;
   return annotations;
 }
@@ -62,7 +73,7 @@ PictureWriter::PictureWriter(const std::filesystem::path& path, const PictureOut
       return annotated(rows, annotationsOf(output_, options_, scene_), first);
     };
   file_.emplace(path, std::move(look),
-                DrawnOf{options, *scene.volume.source, scene.look.transfer, scene.look.options},
+                DrawnOf{options, *scene.volume.source, scene.look.transfer, scene.drawn_look},
                 interruption());
 }
 

@@ -27,6 +27,14 @@ bool leavesUpToVolume(const RenderArguments& arguments) {
          arguments.path_file.empty() && arguments.state_file.empty();
 }
 
+// "shows channel 0 (DAPI), channel 1 (GFP)".
+std::string channelsLine(const Scene& scene) {
+  std::string line = "shows";
+  for (const Layer* layer : scene.layers())
+    line += (layer == &scene ? " " : ", ") + layer->volume.channel.title();
+  return line;
+}
+
 }  // namespace
 
 nlohmann::json reportOf(const RenderArguments& arguments, const CLI::App& app,
@@ -99,6 +107,13 @@ void warnOfEmptyPictures(const RenderArguments& arguments, const std::vector<int
   for (size_t i = 0; i < drawn.frames.size(); ++i)
     empty.add(frameName(arguments, to_draw[i]).string(), drawn.frames[i].empty);
   empty.warn();
+  // Once: of a turn, all pictures are without the same channels.
+  for (size_t i = 0; i < drawn.frames.size(); ++i)
+    if (!drawn.frames[i].empty_layers.empty()) {
+      printWarning(fmt::format("{}: {}", frameName(arguments, to_draw[i]).string(),
+                               drawn.frames[i].empty_layers));
+      break;
+    }
 }
 
 void sayAllAreThere(const RenderArguments& arguments, const CLI::App& app) {
@@ -120,7 +135,8 @@ void printDrawn(const RenderArguments& arguments, const Scene& scene, const Seri
   say("{} x {} x {} {}, {}: {} white, {} grey, {} black blocks{}\n", layout.dims.x, layout.dims.y,
       layout.dims.z, name(layout.type), scene.look.transfer.name, report.white, report.grey,
       report.black, scene.share ? " of rank 0" : "");
-  say("look: {}\n", scene.look.options);
+  say("look: {}\n", scene.drawn_look);
+  if (!scene.more.empty()) say("{}\n", channelsLine(scene));
   if (isCoarser(*drawn.blocks)) say("{}\n", cutLine(*report.cut));
   if (!drawn.refined.empty())
     say("{} picture{}, the last after {:.2f} s: {}\n", drawn.refined.back().size(),
@@ -128,9 +144,8 @@ void printDrawn(const RenderArguments& arguments, const Scene& scene, const Seri
         refinedLine(*report.cut));
   say("{} frame{} of {:.3f} s on {} ({}), read {}, peak memory {} of its own, {} resident\n",
       frames.size(), frames.size() == 1 ? "" : "s, the last", report.seconds,
-      scene.device->backend(), scene.device->renderer(),
-      formatBytes(scene.volume.source->storedBytesRead()), formatBytes(scene.peak_anonymous_bytes),
-      formatBytes(peakResidentBytes()));
+      scene.device->backend(), scene.device->renderer(), formatBytes(scene.storedBytesRead()),
+      formatBytes(scene.peak_anonymous_bytes), formatBytes(peakResidentBytes()));
   const std::string upright = uprightHint(layout);
   if (!upright.empty() && leavesUpToVolume(arguments)) say("up: {}\n", upright);
   if (series.choice()) say("culling auto: {}\n", series.choice()->line);

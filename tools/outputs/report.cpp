@@ -26,7 +26,26 @@ json occlusionJson(const OcclusionReport& report) {
           {"seconds", report.seconds}};
 }
 
-json frameJson(const RenderedFrame& frame) {
+namespace {
+
+json channelsJson(const std::vector<LayerFrame>& layers) {
+  json channels = json::array();
+  for (const LayerFrame& layer : layers) {
+    const FrameReport& report = layer.report;
+    channels.push_back(
+        {{"seconds", report.seconds},
+         {"samples_drawn", report.samples_drawn},
+         {"samples_taken", report.samples_taken},
+         {"chunks", report.chunks},
+         {"pages_loaded", report.pages_loaded},
+         {"decoded_bytes", report.decoded_bytes},
+         {"blocks", {{"white", report.white}, {"grey", report.grey}, {"black", report.black}}},
+         {"empty", !layer.shows_something}});
+  }
+  return channels;
+}
+
+json plainFrameJson(const RenderedFrame& frame) {
   const FrameReport& report = frame.report;
   const StageSeconds& s = report.stages;
   return {{"seconds", report.seconds},
@@ -64,6 +83,14 @@ json frameJson(const RenderedFrame& frame) {
           {"occlusion", occlusionJson(report.occlusion)},
           {"binds", report.binds},
           {"empty", frame.empty}};
+}
+
+}  // namespace
+
+json frameJson(const RenderedFrame& frame) {
+  json made = plainFrameJson(frame);
+  if (frame.layers.size() > 1) made["channels"] = channelsJson(frame.layers);
+  return made;
 }
 
 json countersJson(const CacheCounters& c) {
@@ -273,6 +300,40 @@ json volumeJson(const IndexedVolume& volume) {
             {"bytes", volume.index->bytes()}}}};
 }
 
+namespace {
+
+// The counters of all channels.
+json levelsJson(const Scene& scene) {
+  const LevelCounters counters = scene.levelCounters();
+  const PageGeometry& page = scene.session->page();
+  json levels;
+  levels["disk"] = {{"read_bytes", scene.storedBytesRead()}};
+  levels["volume_buffer"] = countersJson(counters.volume_buffer);
+  levels["texture_buffer"] = countersJson(counters.texture_buffer);
+  levels["texture_cache"] = countersJson(counters.texture_cache);
+  levels["texture_cache"].update({{"pages", counters.pages},
+                                  {"page_bytes", page.pageBytes()},
+                                  {"page", printPageSize(page.size_vox)},
+                                  {"pages_loaded", counters.pages_loaded},
+                                  {"uploaded_bytes", scene.device->uploadedBytes()},
+                                  {"binds", scene.device->binds()}});
+  return levels;
+}
+
+// Each channel, with its own look and memory.
+json channelsJson(const Scene& scene) {
+  json channels = json::array();
+  for (const Layer* layer : scene.layers())
+    channels.push_back({{"channel", layer->volume.channel.number},
+                        {"name", layer->volume.channel.name},
+                        {"look", lookJson(layer->look)},
+                        {"read_bytes", layer->volume.source->storedBytesRead()},
+                        {"memory_bytes", memoryBudget(layer->machine)}});
+  return channels;
+}
+
+}  // namespace
+
 json sceneJson(const Scene& scene, const std::vector<RenderedFrame>& frames) {
   json report;
   report["volume"] = volumeJson(scene.volume);
@@ -282,24 +343,19 @@ json sceneJson(const Scene& scene, const std::vector<RenderedFrame>& frames) {
   report["blocks"] = {{"white", last.white}, {"grey", last.grey}, {"black", last.black}};
   report["transfer"] = scene.look.transfer.name;
   report["look"] = lookJson(scene.look);
+  report["look"]["options"] = scene.drawn_look;
 
-  const Session& session = *scene.session;
-  const TextureCache& cache = session.textureCache();
   if (last.cut) report["cut"] = cutJson(*last.cut);
-  json& levels = report["levels"];
-  levels["disk"] = {{"read_bytes", scene.volume.source->storedBytesRead()}};
-  levels["volume_buffer"] = countersJson(session.volumeBufferCounters());
-  levels["texture_buffer"] = countersJson(session.textureBufferCounters());
-  levels["texture_cache"] = countersJson(cache.counters());
-  levels["texture_cache"].update({{"pages", cache.capacityPages()},
-                                  {"page_bytes", session.page().pageBytes()},
-                                  {"page", printPageSize(session.page().size_vox)},
-                                  {"pages_loaded", cache.pagesLoaded()},
-                                  {"uploaded_bytes", scene.device->uploadedBytes()},
-                                  {"binds", scene.device->binds()}});
+  report["levels"] = levelsJson(scene);
+  if (!scene.more.empty()) report["channels"] = channelsJson(scene);
+  uint64_t part_bytes = 0, beside_bytes = 0;
+  for (const Layer* layer : scene.layers()) {
+    part_bytes += layer->part_bytes;
+    beside_bytes += layer->beside_bytes;
+  }
   report["memory_bytes"] = scene.memory_bytes;
-  report[scene.share ? "part_memory_bytes" : "picture_memory_bytes"] = scene.part_bytes;
-  report["beside_memory_bytes"] = scene.beside_bytes;
+  report[scene.share ? "part_memory_bytes" : "picture_memory_bytes"] = part_bytes;
+  report["beside_memory_bytes"] = beside_bytes;
   report["peak_rss_bytes"] = peakResidentBytes();
   report["peak_anonymous_bytes"] = std::max(scene.peak_anonymous_bytes, anonymousBytes());
   report["device"] = nameOf(*scene.device);

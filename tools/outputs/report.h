@@ -18,7 +18,9 @@ namespace sluice {
 struct RenderedFrame {
   FrameReport report;
   double write_seconds = 0;
-  std::string empty = {};  // why its picture shows nothing, if it does
+  std::string empty = {};               // why its picture shows nothing, if it does
+  std::vector<LayerFrame> layers = {};  // channels, if it shows several
+  std::string empty_layers = {};        // which of these show nothing, and why
 };
 
 // The object of a frame in `frames`.

@@ -62,9 +62,8 @@ FittedScene fittedScene(const RenderArguments& arguments, const std::optional<Sa
   fitted.asked = camerasOf(arguments, scene.volume.source->layout().frame);
   fitted.cameras = fitted.asked;
   fitCameras(fitted.cameras, arguments.fit,
-             {scene.volume, scene.volume.step(), scene.look.transfer, arguments.frame,
-              arguments.look.this_step},
-             room, arguments.resources, scene.pool);
+             {fittedVolumes(scene), arguments.frame, arguments.look.this_step}, room,
+             arguments.resources, scene.pool);
   return fitted;
 }
 
@@ -80,9 +79,7 @@ FittedScene openFitted(const RenderArguments& arguments, const std::optional<Sav
     Scene& scene = *fitted.scene;
     // A row of pictures begins with coarse ones at once.
     if (arguments.progressive) return fitted;
-    if (!mustReadFinest(scene.volume, scene.look.transfer, arguments.frame, fitted.cameras,
-                        scene.pool))
-      return fitted;
+    if (!mustReadFinest(scene, arguments.frame, fitted.cameras)) return fitted;
   }
   return fittedScene(arguments, saved, outputs, team, room, FinestLevel::kRead);
 }

@@ -82,8 +82,8 @@ class Turn final : public ReplaySource {
         default_pages_(static_cast<uint64_t>(volume_.page.pages)),
         cameras_(turnOf(arguments.frame.camera, arguments.frames)) {
     fitCameras(cameras_, arguments.fit,
-               {volume_, volume_.step(), *transfer_, arguments.frame, arguments.look.this_step}, {},
-               arguments.resources, pool_);
+               {{{volume_, volume_.step(), *transfer_}}, arguments.frame, arguments.look.this_step},
+               {}, arguments.resources, pool_);
     if (arguments_.fixed_pages == 0) arguments_.fixed_pages = default_pages_;
   }
   std::string title() const override { return volume_.source->layout().name; }

@@ -1,5 +1,6 @@
 #include "tools/scene/scene.h"
 
+#include <algorithm>
 #include <memory>
 #include <utility>
 
@@ -15,21 +16,60 @@ ProgressWatch indexingLine(const ResourceArguments& resources) {
   return resources.quiet ? ProgressWatch() : progressLine("indexing");
 }
 
+// Reads or builds the index of a channel. `said`: notes that were printed; the channel's others are
+// printed and added.
+IndexedVolume indexed(ChannelSource opened, const VolumeArguments& arguments,
+                      const ResourceArguments& resources, const IndexNeeds& needs, WorkerPool& pool,
+                      std::vector<std::string>& said) {
+  ProgressMeter progress(indexingLine(resources));
+  IndexedVolume volume = indexVolume(std::move(opened.source), arguments, resources, needs,
+                                     indexWish(resources.index_dir),
+                                     {pool, progress, memoryBudget(resources), interruption(),
+                                      resources.quiet ? nullptr : printNotice});
+  volume.channel = std::move(opened.channel);
+  for (const std::string& note : volume.notes) {
+    if (resources.quiet || std::ranges::find(said, note) != said.end()) continue;
+    printWarning(note);
+    said.push_back(note);
+  }
+  return volume;
+}
+
 }  // namespace
 
 IndexedVolume openIndexed(const VolumeArguments& arguments, const ResourceArguments& resources,
                           const IndexNeeds& needs, WorkerPool& pool, const Outputs& outputs) {
   outputs.checkNames();
-  auto source = openSource(arguments);
-  outputs.check(source->files());
-  ProgressMeter progress(indexingLine(resources));
-  IndexedVolume volume =
-      indexVolume(std::move(source), arguments, resources, needs, indexWish(resources.index_dir),
-                  {pool, progress, memoryBudget(resources), interruption(),
-                   resources.quiet ? nullptr : printNotice});
-  if (!resources.quiet)
-    for (const std::string& note : volume.notes) printWarning(note);
-  return volume;
+  ChannelSource opened = openChannel(arguments);
+  outputs.check(opened.source->files());
+  std::vector<std::string> said;
+  return indexed(std::move(opened), arguments, resources, needs, pool, said);
+}
+
+std::vector<IndexedVolume> openIndexedChannels(const VolumeArguments& arguments,
+                                               const LookArguments& look,
+                                               const ResourceArguments& resources,
+                                               const FrameOptions& frame, FinestLevel finest,
+                                               WorkerPool& pool, const Outputs& outputs) {
+  outputs.checkNames();
+  std::vector<ChannelSource> opened = openChannels(arguments);
+  outputs.check(opened.front().source->files());
+  // Several channels have no row of pictures that begins with a sample.
+  if (opened.size() > 1) finest = std::min(finest, FinestLevel::kMayWait);
+  std::vector<std::string> said;
+  std::vector<IndexedVolume> volumes;
+  for (ChannelSource& channel : opened) {
+    const IndexNeeds needs = pictureNeeds(lookOfChannel(look, channel.channel), frame, finest);
+    volumes.push_back(indexed(std::move(channel), arguments, resources, needs, pool, said));
+  }
+  return volumes;
+}
+
+std::vector<FittedVolume> fittedVolumes(const Scene& scene) {
+  std::vector<FittedVolume> volumes;
+  for (const Layer* layer : scene.layers())
+    volumes.push_back({layer->volume, layer->volume.step(), layer->look.transfer});
+  return volumes;
 }
 
 IndexNeeds pictureNeeds(const LookArguments& look, const FrameOptions& frame, FinestLevel finest) {
@@ -45,6 +85,13 @@ IndexNeeds pictureNeeds(const LookArguments& look, const FrameOptions& frame, Fi
   if (finest == FinestLevel::kMaySample)
     needs.sample_seconds = kSampleShare * frame.time_limit_s.value_or(kUnlimitedSeconds);
   return needs;
+}
+
+bool mustReadFinest(const Scene& scene, const FrameOptions& frame,
+                    std::span<const Camera> cameras) {
+  return std::ranges::any_of(scene.layers(), [&](const Layer* layer) {
+    return mustReadFinest(layer->volume, layer->look.transfer, frame, cameras, scene.pool);
+  });
 }
 
 bool mustReadFinest(const IndexedVolume& volume, const TransferFunction& transfer,
@@ -69,12 +116,17 @@ Scene openScene(const VolumeArguments& volume, const LookArguments& look,
                 const ResourceArguments& resources, const FrameOptions& frame,
                 const Outputs& outputs, Team* team, FinestLevel finest) {
   auto pool = std::make_shared<Workers>(resources.threads);
-  auto indexed = std::make_shared<const IndexedVolume>(
-      openIndexed(volume, resources, pictureNeeds(look, frame, finest), *pool, outputs));
-  return {
-      {.pool = std::move(pool), .volume = std::move(indexed), .machine = resources, .team = team},
-      look,
-      frame};
+  std::vector<std::shared_ptr<const IndexedVolume>> channels;
+  for (IndexedVolume& channel :
+       openIndexedChannels(volume, look, resources, frame, finest, *pool, outputs))
+    channels.push_back(std::make_shared<const IndexedVolume>(std::move(channel)));
+  return {{.pool = std::move(pool),
+           .volume = channels.front(),
+           .more = {channels.begin() + 1, channels.end()},
+           .machine = resources,
+           .team = team},
+          look,
+          frame};
 }
 
 }  // namespace sluice

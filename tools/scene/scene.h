@@ -24,10 +24,19 @@ IndexedVolume openIndexed(const VolumeArguments& volume, const ResourceArguments
 // (stand_in.h) if `finest` allows it, and with a sample (volume_sample.h) if it allows that.
 enum class FinestLevel { kRead, kMayWait, kMaySample };
 IndexNeeds pictureNeeds(const LookArguments& look, const FrameOptions& frame, FinestLevel finest);
+// The same for each channel that a picture with these options shows (shown_channels.h), with the
+// needs of its own look.
+std::vector<IndexedVolume> openIndexedChannels(const VolumeArguments& volume,
+                                               const LookArguments& look,
+                                               const ResourceArguments& resources,
+                                               const FrameOptions& frame, FinestLevel finest,
+                                               WorkerPool& pool, const Outputs& outputs);
 // Whether pictures from these cameras of a volume with a stand-in have to wait for the index of
 // the finest level: they show that level, and no limit of bytes or time stands against it.
 bool mustReadFinest(const IndexedVolume& volume, const TransferFunction& transfer,
                     const FrameOptions& frame, std::span<const Camera> cameras, WorkerPool& pool);
+// The same for any channel of a scene.
+bool mustReadFinest(const Scene& scene, const FrameOptions& frame, std::span<const Camera> cameras);
 
 // fitCameras() with progress, until a signal comes.
 void fitCameras(std::vector<Camera>& cameras, FitChoice choice, const FitRequest& request,
@@ -36,8 +45,11 @@ void fitCameras(std::vector<Camera>& cameras, FitChoice choice, const FitRequest
 // lookFor() of a composite picture.
 TransferFunction transferFor(const IndexedVolume& volume, const LookArguments& look);
 
-// Opens the volume and makes a scene of it, for frames like this one; of a team each rank does so.
-// Throws Error.
+// The channels of a scene, for fits.
+std::vector<FittedVolume> fittedVolumes(const Scene& scene);
+
+// Opens the volume and makes a scene of the channels that pictures show, for frames like this one;
+// of a team each rank does so. Throws Error.
 Scene openScene(const VolumeArguments& volume, const LookArguments& look,
                 const ResourceArguments& resources, const FrameOptions& frame,
                 const Outputs& outputs = Outputs(), Team* team = nullptr,

@@ -85,6 +85,9 @@ Series::Series(Scene& scene, const CullingArguments& culling, const ResourceArgu
                const FrameOptions& frame)
     : scene_(scene), frame_(frame), is_auto_(culling.culling == Culling::kAuto) {
   if (scene.share) scene.share->dealEachPicture(scene.volume.source->layout().time_steps > 1);
+  if (culling.culling != Culling::kNone && !scene.more.empty())
+    fail("{}: --culling looks at one channel, not {}; give one --channel", scene.volume.name,
+         scene.layers().size());
   if (is_auto_ && scene.share)
     fail("--culling auto measures one process; give ranks --culling toc or none");
   if (culling.culling != Culling::kNone)
@@ -154,26 +157,27 @@ Series::~Series() {
   if (culled_) scene_.chooseBlocksBy(nullptr);
 }
 
-TimeStep Series::step(int64_t time) {
-  if (next_ && next_->time == time) return *next_;
+std::vector<TimeStep> Series::steps(int64_t time) {
+  if (!next_.empty() && next_.front().time == time) return next_;
   ProgressMeter progress;
-  TimeStep step;
+  std::vector<TimeStep> steps;
   scene_.inTurn([&] {
-    step = stepOfSeries(scene_.volume, time,
-                        {scene_.pool, progress, scene_.memory_bytes, interruption()});
+    for (const Layer* layer : scene_.layers())
+      steps.push_back(stepOfSeries(layer->volume, time,
+                                   {scene_.pool, progress, scene_.memory_bytes, interruption()}));
   });
   if (scene_.share && time != scene_.volume.time)
-    expectSameStep(scene_.share->team(), scene_, step);
-  return step;
+    expectSameStep(scene_.share->team(), scene_, steps.front());
+  return steps;
 }
 
 void Series::show(int64_t time, std::optional<int64_t> next) {
-  scene_.session->setTimeStep(step(time));
-  next_.reset();
+  scene_.setTimeStep(steps(time));
+  next_.clear();
   shown_ = time;
   if (!next) return;
-  next_ = step(*next);
-  scene_.session->expectAfterwards(*next_);
+  next_ = steps(*next);
+  scene_.expectAfterwards(next_);
 }
 
 nlohmann::json choiceJson(const CullingChoice& choice) {

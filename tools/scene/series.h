@@ -67,7 +67,8 @@ class Series {
   const SeriesFunctions* functions() const { return functions_ ? &*functions_ : nullptr; }
 
  private:
-  TimeStep step(int64_t time);
+  // The step of each channel of the scene.
+  std::vector<TimeStep> steps(int64_t time);
   // Seconds that drawing a step takes either way.
   double secondsOf(int64_t time, bool culls);
   CullingChoice measure(std::span<const int64_t> times);
@@ -78,7 +79,7 @@ class Series {
   std::optional<CullingChoice> choice_;
   std::optional<SeriesFunctions> functions_;
   std::optional<CulledBlocks> culled_;
-  std::optional<TimeStep> next_;
+  std::vector<TimeStep> next_;  // empty: not known
   int64_t shown_ = -1;
 };
 

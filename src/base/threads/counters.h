@@ -87,6 +87,37 @@ struct CacheCounters {
     peak_bytes = std::max(peak_bytes, current_bytes);
   }
 
+  // Those of another cache too. Peaks become the sums of both, of which less may have been there at
+  // once.
+  CacheCounters& operator+=(const CacheCounters& more) {
+    constexpr uint64_t CacheCounters::*kAll[] = {&CacheCounters::requests,
+                                                 &CacheCounters::hits,
+                                                 &CacheCounters::misses,
+                                                 &CacheCounters::coalesced,
+                                                 &CacheCounters::failures,
+                                                 &CacheCounters::loads,
+                                                 &CacheCounters::redundant_loads,
+                                                 &CacheCounters::evictions,
+                                                 &CacheCounters::loaded_bytes,
+                                                 &CacheCounters::evicted_bytes,
+                                                 &CacheCounters::packs,
+                                                 &CacheCounters::unpacks,
+                                                 &CacheCounters::packed_bytes,
+                                                 &CacheCounters::unpacked_bytes,
+                                                 &CacheCounters::stored_bytes,
+                                                 &CacheCounters::decoded_bytes,
+                                                 &CacheCounters::uploaded_bytes,
+                                                 &CacheCounters::resident,
+                                                 &CacheCounters::peak_resident,
+                                                 &CacheCounters::current_bytes,
+                                                 &CacheCounters::peak_bytes,
+                                                 &CacheCounters::budget_bytes,
+                                                 &CacheCounters::resident_at_reset,
+                                                 &CacheCounters::bytes_at_reset};
+    for (uint64_t CacheCounters::*field : kAll) this->*field += more.*field;
+    return *this;
+  }
+
   // Zeroes events, never occupancy.
   void reset() {
     CacheCounters kept;

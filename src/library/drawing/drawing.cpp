@@ -27,8 +27,11 @@ Scene sceneOf(const std::shared_ptr<const OpenedVolume>& opened, const LookOptio
   FrameOptions frame;
   frame.mode = modeOf(look);
   frame.size = {std::max(0, options.rows_width), std::max(0, options.rows_height)};
+  std::vector<std::shared_ptr<const IndexedVolume>> more;
+  for (const IndexedVolume& volume : opened->more) more.emplace_back(opened, &volume);
   return {{.pool = std::make_shared<WorkerPool>(machine.threads),
            .volume = {opened, &opened->volume},
+           .more = std::move(more),
            .machine = machine,
            .may_be_lit = true},
           lookArguments(look, opened->whole_series),
@@ -65,12 +68,14 @@ std::string Drawing::deviceName() const {
   return fmt::format("{}, {}", scene_.device->backend(), scene_.device->renderer());
 }
 
-TimeStep Drawing::stepAt(int64_t time, const IndexPass& pass) {
+std::vector<TimeStep> Drawing::stepsAt(int64_t time, const IndexPass& pass) {
   requireStep(time, layout());
-  const IndexedVolume& volume = opened_->volume;
-  if (time == volume.time) return volume.step();
-  return *steps_[static_cast<size_t>(time % 2)].of(
-      time, [&] { return stepOfSeries(volume, time, pass); });
+  return *steps_[static_cast<size_t>(time % 2)].of(time, [&] {
+    std::vector<TimeStep> steps;
+    for (const Layer* layer : scene_.layers())
+      steps.push_back(stepOfSeries(layer->volume, time, pass));
+    return steps;
+  });
 }
 
 std::optional<Framing> Drawing::framingFor(const std::vector<Camera>& cameras, FitChoice choice,
@@ -80,7 +85,13 @@ std::optional<Framing> Drawing::framingFor(const std::vector<Camera>& cameras, F
   const bool this_step = !opened_->whole_series;
   const PointsKey key{this_step ? step.time : 0, options.crop, looks_};
   const Points points = points_.of(key, [&] {
-    return visiblePoints({opened_->volume, step, scene_.look.transfer, options, this_step}, pass);
+    const std::vector<TimeStep> steps = stepsAt(step.time, pass);
+    std::vector<FittedVolume> volumes;
+    for (size_t i = 0; i < steps.size(); ++i) {
+      const Layer& layer = *scene_.layers()[i];
+      volumes.push_back({layer.volume, steps[i], layer.look.transfer});
+    }
+    return visiblePoints({std::move(volumes), options, this_step}, pass);
   });
   return framingOf(*points, cameras, layout().frame, options.size);
 }
@@ -110,15 +121,15 @@ FrameOptions Drawing::looked(const PictureOptions& picture, const TimeStep& step
 
 Drawing::ReadyFrame Drawing::ready(const PictureOptions& picture, const IndexPass& pass,
                                    ProgressTeller& teller) {
-  const TimeStep step = stepAt(picture.time, pass);
-  FrameOptions options = looked(picture, step, pass);
+  const std::vector<TimeStep> steps = stepsAt(picture.time, pass);
+  FrameOptions options = looked(picture, steps.front(), pass);
   options.stop = teller.stop();
   options.watch = teller.watch(Progress::Stage::kDrawing);
-  scene_.session->setTimeStep(step);
-  scene_.session->setOptions(options);
+  scene_.setTimeStep(steps);
+  scene_.setOptions(options);
   if (picture.next_time && *picture.next_time != picture.time)
-    scene_.session->expectAfterwards(stepAt(*picture.next_time, pass));
-  return {std::move(options), step.time};
+    scene_.expectAfterwards(stepsAt(*picture.next_time, pass));
+  return {std::move(options), picture.time};
 }
 
 SceneFrame Drawing::drawFrame(const ReadyFrame& frame, const std::vector<PictureRows>& strips,
@@ -131,7 +142,7 @@ SceneFrame Drawing::drawFrame(const ReadyFrame& frame, const std::vector<Picture
   watched.watch = [&](uint64_t of_strip, uint64_t total) {
     watch(done * total + of_strip, strips.size() * total);
   };
-  scene_.session->setOptions(watched);
+  scene_.setOptions(watched);
   return scene_.draw(strips, [&](const Picture& rows) {
     ++done;
     take(rows);
@@ -141,6 +152,7 @@ SceneFrame Drawing::drawFrame(const ReadyFrame& frame, const std::vector<Picture
 void Drawing::keepReport(const ReadyFrame& frame, const SceneFrame& drawn, const IndexPass& pass) {
   report_ = drawn.report;
   why_empty_ = scene_.whyNothing(drawn, frame.time, frame.options, pass);
+  empty_channels_ = scene_.emptyLayers(drawn, frame.time, frame.options, pass);
 }
 
 Image Drawing::draw(const PictureOptions& picture, ProgressTeller& teller) {
@@ -203,7 +215,9 @@ void Drawing::drawToFile(const std::string& path, const PictureOptions& picture,
 std::optional<ScreenImage> Drawing::drawOnScreen(const PictureOptions& picture,
                                                  const std::array<float, 3>& background,
                                                  ProgressTeller& teller) {
-  if (screen_ == nullptr || !traitsOf(mode_).has_colors || picture.with_depth) return std::nullopt;
+  if (screen_ == nullptr || !traitsOf(mode_).has_colors || picture.with_depth ||
+      !scene_.more.empty())
+    return std::nullopt;
   screen_->keepNext(background);
   try {
     std::optional<ScreenPicture> kept;
@@ -287,7 +301,7 @@ ShownLook Drawing::shownLook() const {
     shown.opacities.push_back({point.value, point.opacity});
   shown.lit = scene_.look.lit;
   shown.labels = scene_.look.transfer.labels;
-  shown.options = scene_.look.options;
+  shown.options = scene_.lookText();
   shown.transfer = writeTransferFunction(scene_.look.transfer);
   shown.warnings = scene_.look.warnings;
   return shown;
@@ -305,12 +319,14 @@ RenderReport Drawing::report(bool maps) const {
                        .budget_bytes = c.budget_bytes};
   };
   const TextureCache& cache = scene_.session->textureCache();
+  const LevelCounters counters = scene_.levelCounters();
   RenderReport report;
   report.seconds = report_.seconds;
   report.draw_seconds = report_.stages.draw;
   report.missing_share = report_.missing_share;
   report.step_vox = report_.step_vox;
   report.why_empty = why_empty_;
+  report.empty_channels = empty_channels_;
   report.white = report_.white;
   report.grey = report_.grey;
   report.black = report_.black;
@@ -321,13 +337,14 @@ RenderReport Drawing::report(bool maps) const {
     for (const CutSummary::Level& shown : report_.cut->levels) report.levels.push_back(shown.level);
   }
   report.pages_loaded = report_.pages_loaded;
-  report.read_bytes = opened_->volume.source->storedBytesRead();
-  report.volume_buffer = level(scene_.session->volumeBufferCounters());
-  report.texture_buffer = level(scene_.session->textureBufferCounters());
-  report.texture_cache = level(cache.counters());
-  report.pages = cache.capacityPages();
+  report.read_bytes = scene_.storedBytesRead();
+  report.volume_buffer = level(counters.volume_buffer);
+  report.texture_buffer = level(counters.texture_buffer);
+  report.texture_cache = level(counters.texture_cache);
+  report.pages = counters.pages;
   report.page_bytes = static_cast<uint64_t>(scene_.session->page().pageBytes());
   if (!maps) return report;
+  // Of the first channel.
   // Numbers of chunks in the order of their first pages.
   std::unordered_map<ChunkId, uint32_t> numbers;
   for (const ChunkId chunk : cache.pageMap())

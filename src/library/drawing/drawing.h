@@ -37,6 +37,7 @@ class Drawing {
   // See Renderer. These throw Interrupted when the Renderer throws Cancelled.
   void setLook(const LookOptions& look);
   const ChosenLook& look() const { return scene_.look; }
+  std::string lookText() const { return scene_.lookText(); }
   std::string deviceName() const;
   Image draw(const PictureOptions& picture, ProgressTeller& teller);
   void drawRows(const PictureOptions& picture, const std::function<void(const Image& rows)>& take,
@@ -87,8 +88,10 @@ class Drawing {
   // The same with the options that follow from the look.
   FrameOptions looked(const PictureOptions& picture, const TimeStep& step, const IndexPass& pass);
   std::vector<uint8_t> blockClasses() const;
-  // The step with the series' range of values. Throws Error when the volume has no such step.
-  TimeStep stepAt(int64_t time, const IndexPass& pass);
+  // The step of each channel with the series' range of values. Throws Error when the volume has no
+  // such step.
+  std::vector<TimeStep> stepsAt(int64_t time, const IndexPass& pass);
+  TimeStep stepAt(int64_t time, const IndexPass& pass) { return stepsAt(time, pass).front(); }
   // The framing for pictures from all these cameras together; null if they need none.
   std::optional<Framing> framingFor(const std::vector<Camera>& cameras, FitChoice choice,
                                     const FrameOptions& options, const TimeStep& step,
@@ -100,9 +103,10 @@ class Drawing {
   Mode mode_;
   int64_t looks_ = 0;  // looks set so far
   // The step that is drawn and the one that is read ahead.
-  std::array<Memo<int64_t, const TimeStep>, 2> steps_;
+  std::array<Memo<int64_t, const std::vector<TimeStep>>, 2> steps_;
   FrameReport report_;                 // report of the last frame
   std::string why_empty_;              // RenderReport::why_empty
+  std::string empty_channels_;         // RenderReport::empty_channels
   DrawsForScreens* screen_ = nullptr;  // the device, if it draws in a context that was lent
   Memo<PointsKey, const std::vector<Vec3d>> points_;
 };

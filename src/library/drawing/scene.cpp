@@ -8,6 +8,7 @@
 #include "src/base/error.h"
 #include "src/base/threads/clock.h"
 #include "src/base/values/bytes.h"
+#include "src/library/drawing/added_pictures.h"
 #include "src/library/drawing/empty_picture.h"
 #include "src/render/blocks/level_cut.h"
 #include "src/render/camera/frame_setup.h"
@@ -16,19 +17,31 @@
 namespace sluice {
 namespace {
 
-// The finest level in the picture.
-int finestLevelOf(const Scene& scene, const TimeStep& step, const View& view,
+// The finest level in the picture of a layer.
+int finestLevelOf(const Scene& scene, const Layer& layer, const TimeStep& step, const View& view,
                   const FrameOptions& options) {
-  const TransferFunction& transfer = scene.look.transfer;
+  const TransferFunction& transfer = layer.look.transfer;
   if (!drawsCut(step, options.cut, options.mode, transfer.labels)) return 0;
   if (!options.cut->keeps_thin) return finestLevelShown(step, view, *options.cut);
   // Thin parts may be refined anywhere, which the cut alone tells.
   ChunkNames names;
-  Planner planner(scene.page, scene.pool, names);
+  Planner planner(layer.page, scene.pool, names);
   const LookPtr look =
       planner.look(step, std::make_shared<const TransferFunction>(transfer), options.mode);
   const VisibleBlocksPtr blocks = planner.visibleBlocks(step, look, view, options);
   return blocks->cut->levels.empty() ? 0 : blocks->cut->levels.front().level;
+}
+
+// The distance between slices of a layer for which nobody sets one.
+double chosenStepOf(const Scene& scene, const Layer& layer, const TimeStep& step, const View& view,
+                    const FrameOptions& options) {
+  const double chosen = stepFor(view, step, finestLevelOf(scene, layer, step, view, options));
+  if (!options.integrates || drawsCut(step, options.cut, options.mode, layer.look.transfer.labels))
+    return chosen;
+  // As long as frames may integrate.
+  const double most =
+      options.step_vox * kMostIntegratedStep / longestStep(view, layer.volume.source->layout());
+  return std::min(chosen * options.step_factor, most);
 }
 
 // Ranks have parts in the picture's place, and the first one the picture.
@@ -43,6 +56,12 @@ uint64_t composedBytes(uint64_t part_bytes, PictureSize size, uint64_t memory_by
   return bytes;
 }
 
+// The part of a machine for each of so many layers.
+MachineOptions shareOf(MachineOptions machine, size_t layers) {
+  if (layers > 1) machine.memory_bytes = memoryBudget(machine) / layers;
+  return machine;
+}
+
 }  // namespace
 
 uint64_t othersBytes(const IndexedVolume& volume, const TransferFunction& transfer,
@@ -52,18 +71,25 @@ uint64_t othersBytes(const IndexedVolume& volume, const TransferFunction& transf
   return steps * volume.rangesBytes() + planBytes(volume, transfer, frame, pool);
 }
 
-Scene::Scene(SceneInputs inputs, const LookArguments& asked, const FrameOptions& frame)
-    : owned_pool(std::move(inputs.pool)),
-      owned_volume(std::move(inputs.volume)),
+Scene::Scene(SceneInputs inputs, const LookArguments& asked_look, const FrameOptions& frame)
+    : Layer(std::move(inputs.volume), shareOf(inputs.machine, 1 + inputs.more.size())),
+      owned_pool(std::move(inputs.pool)),
       pool(*owned_pool),
-      volume(*owned_volume),
-      machine(std::move(inputs.machine)),
       may_be_lit(inputs.may_be_lit),
-      memory_bytes(memoryBudget(machine)),
-      page(volume.page),
-      device(makeDevice(machine.device, pool)),
-      look(lookFor(volume, asked, frame.mode)) {
+      memory_bytes(memoryBudget(inputs.machine)),
+      asked(asked_look),
+      device(makeDevice(machine.device, pool)) {
+  for (auto& further : inputs.more)
+    more.push_back(std::make_unique<Layer>(std::move(further), machine));
+  std::vector<const ShownChannel*> shown;
+  for (Layer* layer : layers()) shown.push_back(&layer->volume.channel);
+  requireShown(asked, shown);
+  for (Layer* layer : layers()) layer->look = lookFor(layer->volume, asked, frame.mode);
+  drawn_look = lookText();
   if (inputs.team != nullptr) {
+    if (!more.empty())
+      fail("{}: several ranks draw one channel, not {}; give one --channel", volume.name,
+           layers().size());
     const int level = frame.cut ? frame.cut->level.value_or(0) : 0;
     const Dealing dealing = dealBlocks(volume.step().layout(), inputs.team->ranks(), level);
     part_bytes = partBytes(frame.size, dealing, memory_bytes);
@@ -74,32 +100,122 @@ Scene::Scene(SceneInputs inputs, const LookArguments& asked, const FrameOptions&
   noteMemory();
 }
 
+Scene::~Scene() {
+  more.clear();
+  session.reset();
+}
+
+std::vector<Layer*> Scene::layers() {
+  std::vector<Layer*> all{this};
+  for (const auto& further : more) all.push_back(further.get());
+  return all;
+}
+
+std::vector<const Layer*> Scene::layers() const {
+  std::vector<const Layer*> all{this};
+  for (const auto& further : more) all.push_back(further.get());
+  return all;
+}
+
 void Scene::openSession(const FrameOptions& frame, uint64_t more_bytes) {
-  const uint64_t others_bytes = othersBytes(volume, look.transfer, frame, pool) + more_bytes;
+  for (Layer* layer : layers()) layer->session.reset();
+  for (Layer* layer : layers()) try {
+      openSession(*layer, optionsOf(*layer, frame), more_bytes);
+    } catch (const Error& error) {
+      for (Layer* opened : layers()) opened->session.reset();  // none outlives the device
+      if (more.empty()) throw;
+      fail("{} ({} channels share the memory evenly, and this is the part of one)", error.what(),
+           layers().size());
+    }
+  chooseBlocksBy(nullptr);
+}
+
+void Scene::openSession(Layer& layer, const FrameOptions& frame, uint64_t more_bytes) {
+  const IndexedVolume& of = layer.volume;
+  const uint64_t others_bytes = othersBytes(of, layer.look.transfer, frame, pool) + more_bytes;
   BesideShare beside =
-      besideShare(volume, machine, frame.partition, pictureDemand(machine, frame), others_bytes);
+      besideShare(of, layer.machine, frame.partition, pictureDemand(machine, frame), others_bytes);
   if (share) {
     beside.beside_bytes = others_bytes + composedBytes(part_bytes, frame.size, memory_bytes);
     beside.pages = pageCount(machine, volume, beside.beside_bytes);
   } else {
-    part_bytes = beside.picture_bytes;
+    layer.part_bytes = beside.picture_bytes;
   }
-  page.pages = beside.pages;
-  beside_bytes = beside.beside_bytes;
-  SessionOptions options =
-      sessionOptions(volume, may_be_lit || look.lit, machine, frame.partition, memory_bytes);
-  options.page = page;
-  options.beside_bytes = beside_bytes;
-  session.reset();
-  session = std::make_unique<Session>(volume.step(), *device, pool, options);
-  session->setTransferFunction(look.transfer);
-  chooseBlocksBy(nullptr);
+  layer.page.pages = beside.pages;
+  layer.beside_bytes = beside.beside_bytes;
+  SessionOptions options = sessionOptions(of, may_be_lit || layer.look.lit, machine,
+                                          frame.partition, memoryBudget(layer.machine));
+  options.page = layer.page;
+  options.beside_bytes = layer.beside_bytes;
+  layer.session = std::make_unique<Session>(of.step(), *device, pool, options);
+  layer.session->setTransferFunction(layer.look.transfer);
 }
 
-void Scene::setLook(const LookArguments& asked, Mode mode) {
-  ChosenLook chosen = lookFor(volume, asked, mode);
-  session->setTransferFunction(chosen.transfer);
-  look = std::move(chosen);
+void Scene::setLook(const LookArguments& asked_look, Mode mode) {
+  std::vector<const ShownChannel*> shown;
+  std::vector<ChosenLook> chosen;
+  for (const Layer* layer : layers()) {
+    shown.push_back(&layer->volume.channel);
+    chosen.push_back(lookFor(layer->volume, asked_look, mode));
+  }
+  requireShown(asked_look, shown);
+  asked = asked_look;
+  for (size_t i = 0; i < chosen.size(); ++i) {
+    Layer& layer = *layers()[i];
+    layer.session->setTransferFunction(chosen[i].transfer);
+    layer.look = std::move(chosen[i]);
+  }
+  drawn_look = lookText();
+}
+
+FrameOptions Scene::optionsOf(const Layer& layer, const FrameOptions& options) const {
+  if (more.empty()) return options;
+  const auto all = layers();
+  const auto place = static_cast<uint64_t>(std::ranges::find(all, &layer) - all.begin());
+  FrameOptions own = options;
+  own.shades = layer.look.lit;
+  if (look.flat_scale > 0) own.lighting.flat_share *= layer.look.flat_scale / look.flat_scale;
+  // Waiting and blocks of a cut are shared out, too.
+  if (own.time_limit_s) *own.time_limit_s /= static_cast<double>(all.size());
+  if (own.cut) own.cut->most_held_bytes /= all.size();
+  if (options.watch)
+    own.watch = [watch = options.watch, place, count = all.size()](uint64_t done, uint64_t total) {
+      watch(place * total + done, count * total);
+    };
+  return own;
+}
+
+void Scene::setOptions(const FrameOptions& options) {
+  for (Layer* layer : layers()) layer->session->setOptions(optionsOf(*layer, options));
+}
+
+void Scene::setTimeStep(const std::vector<TimeStep>& steps) {
+  SLUICE_CHECK_EQ(steps.size(), layers().size());
+  for (size_t i = 0; i < steps.size(); ++i) layers()[i]->session->setTimeStep(steps[i]);
+}
+
+void Scene::expectAfterwards(const std::vector<TimeStep>& steps) {
+  SLUICE_CHECK_EQ(steps.size(), layers().size());
+  for (size_t i = 0; i < steps.size(); ++i) layers()[i]->session->expectAfterwards(steps[i]);
+}
+
+LevelCounters Scene::levelCounters() const {
+  LevelCounters sum;
+  for (const Layer* layer : layers()) {
+    const Session& of_layer = *layer->session;
+    sum.volume_buffer += of_layer.volumeBufferCounters();
+    sum.texture_buffer += of_layer.textureBufferCounters();
+    sum.texture_cache += of_layer.textureCache().counters();
+    sum.pages += of_layer.textureCache().capacityPages();
+    sum.pages_loaded += of_layer.textureCache().pagesLoaded();
+  }
+  return sum;
+}
+
+uint64_t Scene::storedBytesRead() const {
+  uint64_t bytes = 0;
+  for (const Layer* layer : layers()) bytes += layer->volume.source->storedBytesRead();
+  return bytes;
 }
 
 void Scene::chooseBlocksBy(BlockChooser* chooser) {
@@ -110,18 +226,23 @@ double Scene::chosenStep(const TimeStep& step, const FrameOptions& options) cons
   if (!traitsOf(options.mode).has_colors) return options.step_vox;
   const View view =
       resolve(options.camera, volume.source->layout(), options.size, options.step_vox);
-  const double chosen = stepFor(view, step, finestLevelOf(*this, step, view, options));
-  if (!options.integrates || drawsCut(step, options.cut, options.mode, look.transfer.labels))
-    return chosen;
-  // As long as frames may integrate.
-  const double most =
-      options.step_vox * kMostIntegratedStep / longestStep(view, volume.source->layout());
-  return std::min(chosen * options.step_factor, most);
+  double least = chosenStepOf(*this, *this, step, view, options);
+  for (const auto& layer : more)
+    least = std::min(
+        least, chosenStepOf(*this, *layer, layer->volume.step(), view, optionsOf(*layer, options)));
+  return least;
+}
+
+std::string Scene::lookText() const {
+  if (more.empty()) return look.options;
+  std::vector<const ShownChannel*> shown;
+  for (const Layer* layer : layers()) shown.push_back(&layer->volume.channel);
+  return lookOptions(asked, shown);
 }
 
 std::string Scene::lookOf(const FrameOptions& options) const {
-  if (!traitsOf(options.mode).has_colors) return look.options;
-  return look.options + fmt::format(" --step {}", options.step_vox) +
+  if (!traitsOf(options.mode).has_colors) return lookText();
+  return lookText() + fmt::format(" --step {}", options.step_vox) +
          (options.integrates ? " --quality normal" : "");
 }
 
@@ -137,9 +258,19 @@ SceneFrame Scene::draw(const std::vector<PictureRows>& strips,
                        const std::function<void(const Picture& rows)>& take) {
   SceneFrame drawn;
   const auto drawNext = [&] {
-    Frame next = frame();
+    std::vector<LayerFrame> parts;
+    Frame next = frame(&parts);
     noteMemory();
-    drawn.shows_something = drawn.shows_something || !showsNothing(next.picture);
+    drawn.layers.resize(parts.size());
+    for (size_t i = 0; i < parts.size(); ++i) {
+      LayerFrame& layer = drawn.layers[i];
+      if (drawn.blocks == nullptr)
+        layer.report = parts[i].report;
+      else
+        addStrip(layer.report, parts[i].report);
+      layer.shows_something = layer.shows_something || parts[i].shows_something;
+      drawn.shows_something = drawn.shows_something || parts[i].shows_something;
+    }
     if (drawn.blocks == nullptr) {
       drawn.blocks = next.blocks;
       drawn.report = next.report;
@@ -161,10 +292,44 @@ SceneFrame Scene::draw(const std::vector<PictureRows>& strips,
   return drawn;
 }
 
-Frame Scene::frame() {
+Frame Scene::drawLayers(std::vector<LayerFrame>& parts) {
+  const Stopwatch watch;
+  const std::vector<Layer*> all = layers();
+  parts.resize(all.size());
+  std::optional<Frame> sum;
+  for (size_t i = 0; i < all.size(); ++i) {
+    Session& of_layer = *all[i]->session;
+    LayerFrame& part = parts[i];
+    // A layer without blocks costs no picture, but the last one gives it if no other does.
+    const std::optional<FrameReport> without_blocks = of_layer.withoutBlocks();
+    if (without_blocks && (sum || i + 1 < all.size())) {
+      part.report = *without_blocks;
+      continue;
+    }
+    Frame next = of_layer.frame();
+    part = {next.report, !showsNothing(next.picture)};
+    if (!sum) {
+      sum = std::move(next);
+      continue;
+    }
+    addPicture(sum->picture, next.picture, pool);
+    device->reuse(std::move(next.picture));
+  }
+  limitSum(sum->picture, pool);
+  sum->report = parts.front().report;
+  for (size_t i = 1; i < parts.size(); ++i) addLayer(sum->report, parts[i].report);
+  sum->report.seconds = watch.seconds();
+  return *std::move(sum);
+}
+
+Frame Scene::frame(std::vector<LayerFrame>* of_layers) {
+  std::vector<LayerFrame> own;
+  if (of_layers == nullptr) of_layers = &own;
+  if (!more.empty()) return drawLayers(*of_layers);
   Frame frame = session->frame();
+  if (share) frame.picture = share->picture();
+  *of_layers = {{frame.report, !showsNothing(frame.picture)}};
   if (!share) return frame;
-  frame.picture = share->picture();
   if (frame.report.cut) frame.report.cut->spread.reset();  // of this rank's blocks alone
   const CompositingReport& parts = share->report();
   frame.report.seconds += parts.exchange_seconds + parts.compose_seconds + parts.gather_seconds;
@@ -177,7 +342,27 @@ std::string Scene::whyNothing(const SceneFrame& frame, int64_t time, const Frame
   return whyEmpty({volume, time, look.transfer, options, frame.report.missing_share}, pass);
 }
 
+std::string Scene::emptyLayers(const SceneFrame& frame, int64_t time, const FrameOptions& options,
+                               const IndexPass& pass) const {
+  std::string line;
+  if (!frame.shows_something || more.empty()) return line;
+  for (size_t i = 0; i < frame.layers.size(); ++i) {
+    const LayerFrame& part = frame.layers[i];
+    const Layer& layer = *layers()[i];
+    if (part.shows_something) continue;
+    const std::string why = whyEmpty({layer.volume, time, layer.look.transfer,
+                                      optionsOf(layer, options), part.report.missing_share},
+                                     pass);
+    line += fmt::format("{}{} shows nothing: {}", line.empty() ? "" : "; ",
+                        layer.volume.channel.title(), why);
+  }
+  return line;
+}
+
 void Scene::recordTo(const std::string& path) {
+  if (!path.empty() && !more.empty())
+    fail("{}: a trace records the texture cache of one channel, not of {}; give one --channel",
+         path, layers().size());
   session->recordTo(nullptr);
   if (trace != nullptr) trace->finish();
   trace.reset();
@@ -187,10 +372,13 @@ void Scene::recordTo(const std::string& path) {
 }
 
 void Scene::keepLearntRanges() const {
-  if (!volume.stand_in || session == nullptr) return;
-  const std::shared_ptr<const SliceRanges> learnt = session->ranges();
-  if (learnt->unknown.size() < volume.index->ranges.unknown.size())
-    keepLearnt(*volume.source, volume.places, volume.time, *learnt);
+  for (const Layer* layer : layers()) {
+    const IndexedVolume& of = layer->volume;
+    if (!of.stand_in || layer->session == nullptr) continue;
+    const std::shared_ptr<const SliceRanges> learnt = layer->session->ranges();
+    if (learnt->unknown.size() < of.index->ranges.unknown.size())
+      keepLearnt(*of.source, of.places, of.time, *learnt);
+  }
 }
 
 void Scene::noteMemory() {

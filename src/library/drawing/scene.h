@@ -1,6 +1,10 @@
 // Scene: a volume that is ready to be drawn: its device, session and look, and their shares of the
 // memory. The public Renderer and the commands of the program both draw through it.
 //
+// A picture may show several channels of the volume. Each is a layer: a source of its own with its
+// look and session, drawn as an ordinary frame from the same camera. The picture is the sum of the
+// layers' pictures (added_pictures.h). The memory is shared out evenly among the layers.
+//
 // Used on one thread, the device's; workers of the pool run inside the calls.
 #pragma once
 
@@ -21,10 +25,17 @@
 
 namespace sluice {
 
+// The part of a layer in a frame.
+struct LayerFrame {
+  FrameReport report;  // the sum of all strips
+  bool shows_something = false;
+};
+
 // A frame that was drawn.
 struct SceneFrame {
-  FrameReport report;  // the sum of all strips
-  VisibleBlocksPtr blocks;
+  FrameReport report;              // the sum of all strips and layers
+  std::vector<LayerFrame> layers;  // of the scene, in their order
+  VisibleBlocksPtr blocks;         // of the first layer that shows something
   bool shows_something = false;
   std::optional<Frame> whole;  // set only if the picture was drawn whole
 };
@@ -33,6 +44,8 @@ struct SceneFrame {
 struct SceneInputs {
   std::shared_ptr<WorkerPool> pool;
   std::shared_ptr<const IndexedVolume> volume;
+  // Further channels that pictures show together with it, opened in the same way.
+  std::vector<std::shared_ptr<const IndexedVolume>> more = {};
   MachineOptions machine;
   // The ranks that draw its pictures together, which must outlive the scene; null: alone.
   Team* team = nullptr;
@@ -40,23 +53,60 @@ struct SceneInputs {
   bool may_be_lit = false;
 };
 
-struct Scene {
+// A channel of a scene.
+struct Layer {
+  Layer(std::shared_ptr<const IndexedVolume> of, MachineOptions share)
+      : owned_volume(std::move(of)),
+        volume(*owned_volume),
+        machine(std::move(share)),
+        page(volume.page) {}
+
+  const std::shared_ptr<const IndexedVolume> owned_volume;
+  const IndexedVolume& volume;
+  const MachineOptions machine;  // memory_bytes is the layer's share
+  PageGeometry page;             // with as many pages as the session has
+  uint64_t part_bytes = 0;       // part of the share for a picture, or a strip or part of it
+  // Part of the share for all that is held in addition to the levels: min-max arrays, plans,
+  // pictures, and of a series its opacity functions and what culling keeps.
+  uint64_t beside_bytes = 0;
+  ChosenLook look;
+  std::unique_ptr<Session> session;  // null after a comparison took its memory
+};
+
+// The counters of levels 2 to 4, of all layers together. Peaks are sums of the layers' peaks.
+struct LevelCounters {
+  CacheCounters volume_buffer, texture_buffer, texture_cache;
+  uint64_t pages = 0, pages_loaded = 0;
+};
+
+// A scene is its first layer, and perhaps more.
+struct Scene : Layer {
   // Makes the device, and opens the session for frames like this one. A size of 0 x 0 leaves no
   // memory to pictures: the caller holds them. Throws Error.
   Scene(SceneInputs inputs, const LookArguments& look, const FrameOptions& frame);
+  Scene(Scene&&) = default;
+  // The sessions end before the device.
+  ~Scene();
 
   // Opens the session anew, so that the levels leave room for the min-max arrays, pictures or parts
   // of them, a frame's plan and `more_bytes`. The contents of the earlier session are lost. Throws
   // Error if the memory is too little.
   void openSession(const FrameOptions& frame, uint64_t more_bytes);
-  // Throws Error from a transfer function's file; the look is the same then.
+  // Throws Error from a transfer function's file; the looks are the same then.
   void setLook(const LookArguments& look, Mode mode);
+  // The options of frames from now on, with the light of the first layer's look.
+  void setOptions(const FrameOptions& options);
+  // The time step that frames show from now on, and the one after the next frame: of each layer.
+  void setTimeStep(const std::vector<TimeStep>& steps);
+  void expectAfterwards(const std::vector<TimeStep>& steps);
   // Blocks are chosen by this, or null by the classification; of several ranks each has its share.
   void chooseBlocksBy(BlockChooser* chooser);
   // The distance between slices, in voxels, of a picture for which nobody sets one: it follows from
-  // the view and from the finest level in the picture.
+  // the view and from the finest level in the picture. `step`: of the first layer.
   double chosenStep(const TimeStep& step, const FrameOptions& options) const;
-  // The options of `sluice render` that give the look of a frame.
+  // The options of `sluice render` that give the looks of all layers.
+  std::string lookText() const;
+  // The same for a frame, with its distance between slices.
   std::string lookOf(const FrameOptions& options) const;
 
   // Pictures that are too large for their share of the memory are drawn strip by strip, from the
@@ -70,14 +120,20 @@ struct Scene {
   // afterwards.
   SceneFrame draw(const std::vector<PictureRows>& strips,
                   const std::function<void(const Picture& rows)>& take);
-  // The next frame as one picture, for those who look at single frames.
-  Frame frame();
+  // The next frame as one picture, for those who look at single frames. `of_layers`: set to the
+  // layers' parts, unless null.
+  Frame frame(std::vector<LayerFrame>* of_layers = nullptr);
+  // The channels that show nothing in a frame that shows others, in one line: "channel 1 (GFP)
+  // shows nothing: ..."; empty if all show something.
+  std::string emptyLayers(const SceneFrame& frame, int64_t time, const FrameOptions& options,
+                          const IndexPass& pass) const;
   // The reason why a frame shows nothing, in one line; empty if it shows something.
   std::string whyNothing(const SceneFrame& frame, int64_t time, const FrameOptions& options,
                          const IndexPass& pass) const;
 
   // Records the requests to the texture cache in this file from now on; empty: finishes the file.
-  // The file of a scene that ends before is left out. Throws Error.
+  // The file of a scene that ends before is left out. Throws Error, also for several layers, which
+  // have a cache each.
   void recordTo(const std::string& path);
 
   // Runs `body`, with several ranks at rank 0 first, so that the files that it keeps are there for
@@ -95,24 +151,32 @@ struct Scene {
   // After a frame: notes the process's own memory.
   void noteMemory();
 
+  // The counters of all layers.
+  LevelCounters levelCounters() const;
+  // Bytes of files that all layers have read.
+  uint64_t storedBytesRead() const;
+  // The layers, the first one included.
+  std::vector<const Layer*> layers() const;
+  std::vector<Layer*> layers();
+  // The options of a layer's frames, of those that setOptions() got.
+  FrameOptions optionsOf(const Layer& layer, const FrameOptions& options) const;
+
   const std::shared_ptr<WorkerPool> owned_pool;
-  const std::shared_ptr<const IndexedVolume> owned_volume;
   WorkerPool& pool;
-  const IndexedVolume& volume;
-  const MachineOptions machine;
   const bool may_be_lit;
-  const uint64_t memory_bytes;
-  PageGeometry page;        // with as many pages as the session has
-  uint64_t part_bytes = 0;  // part of memory_bytes for a picture, or a strip or part of it
-  // Part of memory_bytes for all that is held in addition to the levels: min-max arrays, plans,
-  // pictures, and of a series its opacity functions and what culling keeps.
-  uint64_t beside_bytes = 0;
+  const uint64_t memory_bytes;        // of all layers
+  LookArguments asked;                // the look of all layers
+  std::string drawn_look;             // lookOf() the frames that are drawn, for whoever keeps it
   uint64_t peak_anonymous_bytes = 0;  // at the calls of noteMemory()
   std::unique_ptr<RankShare> share;   // null: alone
   std::unique_ptr<Device> device;
-  ChosenLook look;
   std::unique_ptr<TraceWriter> trace;
-  std::unique_ptr<Session> session;  // null after a comparison took its memory
+  std::vector<std::unique_ptr<Layer>> more;  // the further layers; their sessions end first
+
+ private:
+  void openSession(Layer& layer, const FrameOptions& frame, uint64_t more_bytes);
+  // The sum of the layers' next frames.
+  Frame drawLayers(std::vector<LayerFrame>& parts);
 };
 
 // The bytes that a frame holds in addition to the levels and the picture: min-max arrays, plans.

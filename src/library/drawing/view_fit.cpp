@@ -45,27 +45,33 @@ Fit fitOf(const std::vector<Camera>& cameras, FitChoice choice) {
 }
 
 std::vector<Vec3d> visiblePoints(const FitRequest& request, const IndexPass& pass) {
-  const VolumeLayout& layout = request.volume.source->layout();
-  VisibleHull hull(layout);
-  const auto addStep = [&](const IndexedRanges& index) {
-    hull.add(
-        shownCells(request.volume, index, request.transfer, cropCells(request.frame, layout.dims)));
-  };
-  for (int64_t time = 0; time < layout.time_steps; ++time) {
-    if (request.this_step && time != request.step.time) continue;
-    if (time == request.volume.time)
-      addStep(*request.volume.index);
-    else
-      addStep(rangesOfStep(request.volume, time, pass));
+  std::vector<Vec3d> points;
+  for (const FittedVolume& fitted : request.volumes) {
+    const VolumeLayout& layout = fitted.volume.source->layout();
+    VisibleHull hull(layout);
+    const auto addStep = [&](const IndexedRanges& index) {
+      hull.add(
+          shownCells(fitted.volume, index, fitted.transfer, cropCells(request.frame, layout.dims)));
+    };
+    for (int64_t time = 0; time < layout.time_steps; ++time) {
+      if (request.this_step && time != fitted.step.time) continue;
+      if (time == fitted.volume.time)
+        addStep(*fitted.volume.index);
+      else
+        addStep(rangesOfStep(fitted.volume, time, pass));
+    }
+    const std::vector<Vec3d> more = hull.points();
+    points.insert(points.end(), more.begin(), more.end());
   }
-  return hull.points();
+  return points;
 }
 
 void fitCameras(std::vector<Camera>& cameras, FitChoice choice, const FitRequest& request,
                 Room room, const IndexPass& pass) {
   if (fitOf(cameras, choice) == Fit::kVolume) return;
-  const auto framing = framingOf(visiblePoints(request, pass), cameras,
-                                 request.volume.source->layout().frame, request.frame.size, room);
+  const auto framing =
+      framingOf(visiblePoints(request, pass), cameras,
+                request.volumes.front().volume.source->layout().frame, request.frame.size, room);
   for (Camera& camera : cameras) camera.framing = framing;
 }
 

@@ -9,13 +9,17 @@
 
 namespace sluice {
 
-// An open volume, and the part of it to show.
-struct FitRequest {
+// An open volume, or a channel of it, and what shows of it.
+struct FittedVolume {
   const IndexedVolume& volume;
   TimeStep step;  // the step that is drawn
   const TransferFunction& transfer;
-  const FrameOptions& frame;  // crop and size
-  bool this_step = false;     // ignores what is visible in the other steps
+};
+
+struct FitRequest {
+  std::vector<FittedVolume> volumes;  // channels of one volume; at least one
+  const FrameOptions& frame;          // crop and size
+  bool this_step = false;             // ignores what is visible in the other steps
 };
 
 // The fit for these cameras; kVolume if they look at a point of their own.
@@ -26,8 +30,9 @@ Fit fitOf(const std::vector<Camera>& cameras, FitChoice choice);
 std::vector<Box3> shownCells(const IndexedVolume& volume, const IndexedRanges& index,
                              const TransferFunction& transfer, const Box3& crop);
 
-// The corners of the visible part (VisibleHull::points()), by cells: the same for any size of
-// block. Looks at every time step that counts; reads voxels only of steps that have no index yet.
+// The corners of the visible part of each volume (VisibleHull::points()), by cells: the same for
+// any size of block. Looks at every time step that counts; reads voxels only of steps that have no
+// index yet.
 std::vector<Vec3d> visiblePoints(const FitRequest& request, const IndexPass& pass);
 
 // Gives all cameras one framing.

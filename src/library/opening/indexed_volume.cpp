@@ -434,7 +434,8 @@ ValueRange IndexedVolume::finiteRange() const {
 }
 
 ChosenLook lookFor(const IndexedVolume& volume, const LookArguments& look, Mode mode) {
-  return chooseLook(volume.source->layout(), volume.values, look, mode);
+  return chooseLook(volume.source->layout(), volume.values, lookOfChannel(look, volume.channel),
+                    mode);
 }
 
 }  // namespace sluice

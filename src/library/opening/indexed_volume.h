@@ -15,6 +15,7 @@
 #include "src/base/threads/worker_pool.h"
 #include "src/index/indexed_ranges.h"
 #include "src/library/drawing/chosen_look.h"
+#include "src/library/opening/shown_channels.h"
 #include "src/library/opening/stand_in.h"
 #include "src/library/requests.h"
 #include "src/render/blocks/time_step.h"
@@ -45,8 +46,9 @@ inline constexpr IndexNeeds kUsualNeeds{.gradients = true, .levels = LevelNeeds:
 
 struct IndexedVolume {
   std::unique_ptr<VolumeSource> source;
-  std::string name;    // name given by the user; the first of several
-  IndexPlaces places;  // places of its indices
+  std::string name;      // name given by the user; the first of several
+  ShownChannel channel;  // the one that the source reads
+  IndexPlaces places;    // places of its indices
   ValueMap map;
   PageGeometry page;
   BlockLayout layout;
@@ -113,6 +115,7 @@ IndexedRanges rangesOfStep(const IndexedVolume& volume, int64_t time, const Inde
 // step. Throws as rangesOfStep() does.
 TimeStep stepOfSeries(const IndexedVolume& volume, int64_t time, const IndexPass& pass);
 
+// The look of the volume's channel.
 ChosenLook lookFor(const IndexedVolume& volume, const LookArguments& look, Mode mode);
 
 }  // namespace sluice

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <memory>
 #include <system_error>
+#include <vector>
 
 #include "src/base/threads/stop_token.h"
 #include "src/library/opening/indexed_volume.h"
@@ -17,6 +18,7 @@ namespace sluice {
 struct OpenedVolume {
   std::shared_ptr<ProgressRelay> relay;  // the source's too
   IndexedVolume volume;
+  std::vector<IndexedVolume> more;  // further channels that pictures show together with it
   bool whole_series = true;
   VolumeInfo info;
 };

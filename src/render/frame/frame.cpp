@@ -27,10 +27,7 @@ Frame Session::frame() {
   const auto asked_at = std::chrono::steady_clock::now();
   const Stopwatch watch;
   Stopwatch stage;
-  if (auto known = ranges(); known != step_.ranges) {
-    step_.ranges = std::move(known);
-    expectBlocksOf(step_);
-  }
+  takeLearntRanges();
   const VolumeLayout& volume = step_.source->layout();
   FrameOptions options = options_;
   const auto viewNow = [&] {

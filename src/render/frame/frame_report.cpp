@@ -45,4 +45,31 @@ void addStrip(FrameReport& sum, const FrameReport& more) {
   sum.cut = more.cut;  // the last strip knows the spreads of all blocks
 }
 
+void addLayer(FrameReport& sum, const FrameReport& layer) {
+  std::optional<CutSummary> cut = sum.cut;
+  addStrip(sum, layer);
+  sum.step_vox = std::min(sum.step_vox, layer.step_vox);
+  sum.white += layer.white;
+  sum.grey += layer.grey;
+  sum.black += layer.black;
+  sum.before.white += layer.before.white;
+  sum.before.grey += layer.before.grey;
+  sum.before.black += layer.before.black;
+  sum.clusters += layer.clusters;
+  sum.chunks += layer.chunks;
+  sum.pages += layer.pages;
+  sum.rebuild.decoded += layer.rebuild.decoded;
+  sum.rebuild.copied += layer.rebuild.copied;
+  sum.rebuild.uploaded += layer.rebuild.uploaded;
+  if (!cut) return;
+  // Levels are those of the first volume; the rest holds for all.
+  if (layer.cut) {
+    cut->coarse_share = std::max(cut->coarse_share, layer.cut->coarse_share);
+    cut->thin_blocks += layer.cut->thin_blocks;
+    cut->is_final = cut->is_final && layer.cut->is_final;
+    cut->will_improve = cut->will_improve || layer.cut->will_improve;
+  }
+  sum.cut = std::move(cut);
+}
+
 }  // namespace sluice

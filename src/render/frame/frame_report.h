@@ -55,6 +55,9 @@ struct FrameReport {
 // and plans count the whole picture already.
 void addStrip(FrameReport& sum, const FrameReport& strip);
 
+// Adds the report of another volume that shows in the same picture.
+void addLayer(FrameReport& sum, const FrameReport& layer);
+
 // The boxes drawn between two updates of the opacity map (Li 2003, Figure 8).
 struct FramePhase {
   Picture picture;  // picture of these boxes alone, as far as their chunks are still resident

@@ -72,6 +72,32 @@ void Session::setTransferFunction(TransferFunction transfer) {
   lessons_.unfinished.reset();  // data that only the last picture needed is not read any more
 }
 
+void Session::takeLearntRanges() {
+  auto known = ranges();
+  if (known == step_.ranges) return;
+  step_.ranges = std::move(known);
+  expectBlocksOf(step_);
+}
+
+std::optional<FrameReport> Session::withoutBlocks() {
+  SLUICE_CHECK(transfer_ != nullptr);
+  if (options_.time_limit_s) return std::nullopt;  // its cut depends on the time
+  const Stopwatch watch;
+  takeLearntRanges();
+  const LookPtr look = planner_.look(step_, transfer_, options_.mode);
+  const View view =
+      resolve(options_.camera, step_.source->layout(), options_.size, options_.step_vox);
+  const VisibleBlocksPtr visible = planner_.visibleBlocks(step_, look, view, options_);
+  if (!visible->blocks.empty()) return std::nullopt;
+  visible_ = visible;
+  FrameReport report;
+  report.seconds = report.stages.classify = watch.seconds();
+  report.step_vox = options_.step_vox;
+  report.white = visible->white;
+  report.cut = visible->cut;
+  return report;
+}
+
 void Session::readAfterwards(const TimeStep& next) {
   const VolumeLayout& volume = next.source->layout();
   const View view = resolve(options_.camera, volume, options_.size, options_.step_vox);

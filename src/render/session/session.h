@@ -70,6 +70,9 @@ class Session {
   // Draws. Throws Error, and Interrupted when FrameOptions::stop asks for it; the next frame is
   // right anyway. Requires: a transfer function is set.
   Frame frame();
+  // The report of the next frame if no block shows anything in it, so that it need not be drawn;
+  // nullopt: it has to be. The planner keeps what it found for the frame.
+  std::optional<FrameReport> withoutBlocks();
   // The same if the picture is not wanted: its memory serves the next one.
   FrameReport frameReport();
 
@@ -101,6 +104,8 @@ class Session {
 
   // Blocks of the step are compared with its ranges as they are read.
   void expectBlocksOf(const TimeStep& step);
+  // Takes over the ranges that were learnt since the last frame.
+  void takeLearntRanges();
   // Begins to read the data that `next` needs.
   void readAfterwards(const TimeStep& next);
   // For a picture of a cut with a time limit; nullopt: it waits for all its data, or leaves some

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "src/base/error.h"
+#include "src/base/values/channel_look.h"
 
 namespace sluice {
 namespace {
@@ -32,6 +33,19 @@ void assign(Look::Opacity& point, const OptionReals& n) {
 }
 void assign(PictureOptions::Plane& plane, const OptionReals& n) {
   plane = {{n[0], n[1], n[2]}, n[3]};
+}
+
+std::string textOf(const Look::Channel& channel) {
+  ChannelLook look{.channel = channel.channel, .map = channel.map, .opacity = channel.opacity};
+  if (channel.range) look.range = {(*channel.range)[0], (*channel.range)[1]};
+  return channelLookText(look);
+}
+Look::Channel channelOf(const std::string& text) {
+  const std::optional<ChannelLook> look = parseChannelLook(text);
+  SLUICE_CHECK(look.has_value());
+  Look::Channel channel{.channel = look->channel, .map = look->map, .opacity = look->opacity};
+  if (look->range) channel.range = {look->range->lo, look->range->hi};
+  return channel;
 }
 
 template <class T>
@@ -64,6 +78,10 @@ std::optional<OptionValue> read(const Words& words, const T& held) {
     return std::nullopt;
   } else if constexpr (std::is_same_v<T, std::string>) {
     return OptionValue(held);
+  } else if constexpr (std::is_same_v<T, std::vector<Look::Channel>>) {
+    std::vector<std::string> texts;
+    for (const Look::Channel& channel : held) texts.push_back(textOf(channel));
+    return texts;
   } else {
     std::vector<OptionReals> lists;
     lists.reserve(held.size());
@@ -86,6 +104,10 @@ void write(const Words& words, const OptionValue& value, T& held) {
     const auto& numbers = std::get<ListOf<T>>(value);
     for (size_t i = 0; i < held.size(); ++i)
       held[i] = static_cast<typename T::value_type>(numbers[i]);
+  } else if constexpr (std::is_same_v<T, std::vector<Look::Channel>>) {
+    held.clear();
+    for (const std::string& text : std::get<std::vector<std::string>>(value))
+      held.push_back(channelOf(text));
   } else if constexpr (
       requires { held.emplace_back().opacity; } || requires { held.emplace_back().offset; }) {
     held.clear();
@@ -247,6 +269,14 @@ std::vector<OptionEntry> makeTable() {
           {Form::kRange},
           "LO,HI",
           "Value range for colours and ramps (the range of the data, over all steps of a series)"}),
+      in(&Look::channels,
+         {"channels",
+          "--look",
+          10,
+          {Form::kChannels},
+          "C:COLOR[,LO:HI[,A]]",
+          "Several channels: the colour or map of channel C, the values over which its opacity "
+          "rises from 0 to A; may be given for each channel (what the file says, else automatic)"}),
       in(&Look::full_gradient,
          {"full_gradient",
           "--full-gradient",

@@ -22,7 +22,7 @@ using OptionReals = std::vector<double>;
 using OptionWholes = std::vector<int64_t>;
 // The value of an option, as JSON and a command line hold it.
 using OptionValue = std::variant<bool, int64_t, double, std::string, OptionReals, OptionWholes,
-                                 std::vector<OptionReals>>;
+                                 std::vector<OptionReals>, std::vector<std::string>>;
 
 // The alternative of OptionValue is in parentheses.
 enum class OptionForm {
@@ -40,6 +40,7 @@ enum class OptionForm {
   kBox,        // the lower and the upper corner of a box of voxels (OptionWholes)
   kPoints,     // pairs of a value, ascending, and an opacity (a list of OptionReals)
   kPlanes,     // normal and offset each (a list of OptionReals)
+  kChannels,   // looks of channels, as parseChannelLook() takes them (a list of std::string)
 };
 
 // The numbers of a value, or of each list of kPoints and kPlanes; 0: it is no list.

@@ -1,6 +1,7 @@
 #include "src/view/state/printed_command.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -38,6 +39,9 @@ template <class Number>
 std::string textOf(const std::vector<Number>& numbers) {
   return listed(numbers);
 }
+std::string textOf(const std::vector<std::string>& texts) {
+  return fmt::format("{}", fmt::join(texts, ","));
+}
 std::string textOf(const std::vector<OptionReals>& points) {
   std::string text;
   for (const OptionReals& pair : points)
@@ -59,6 +63,9 @@ void addWords(std::vector<OptionWord>& words, const OptionEntry& entry, const Op
   } else if (entry.kind.form == OptionForm::kPlanes) {
     for (const OptionReals& plane : std::get<std::vector<OptionReals>>(value))
       words.emplace_back(entry.option, listed(plane));
+  } else if (entry.kind.form == OptionForm::kChannels) {
+    for (const std::string& look : std::get<std::vector<std::string>>(value))
+      words.emplace_back(entry.option, look);
   } else {
     words.emplace_back(entry.option,
                        std::visit([](const auto& held) { return textOf(held); }, value));

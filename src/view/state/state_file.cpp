@@ -8,6 +8,7 @@
 #include "src/base/files/atomic_file.h"
 #include "src/base/files/json_field.h"
 #include "src/base/files/text_file.h"
+#include "src/base/values/channel_look.h"
 #include "src/view/state/file_name_json.h"
 #include "src/view/state/option_table.h"
 #include "src/view/state/view_check.h"
@@ -155,6 +156,16 @@ OptionValue valueOf(const OptionEntry& entry, const JsonField& field) {
     case OptionForm::kPlace:
     case OptionForm::kDirection:
       return listOf<double>(field, count);
+    case OptionForm::kChannels: {
+      if (!field.isArray()) field.failExpected("a list of looks of channels");
+      std::vector<std::string> looks;
+      for (size_t i = 0; i < field.size(); ++i) {
+        if (!parseChannelLook(field[i].text()))
+          field[i].failExpected("a look of a channel, such as 0:green,400:3000,0.1");
+        looks.push_back(field[i].text());
+      }
+      return looks;
+    }
     case OptionForm::kPoints:
     case OptionForm::kPlanes:
       break;

@@ -9,6 +9,7 @@
 #include <type_traits>
 
 #include "src/base/error.h"
+#include "src/base/values/channel_look.h"
 #include "src/base/values/vec.h"
 
 namespace sluice {
@@ -47,6 +48,9 @@ std::string expectedOf(const NumberRange<double>& range, std::string_view noun) 
   return fmt::format("{} from {} to {}", noun, least, most);
 }
 
+constexpr const char* kExpectedLook =
+    "a channel with its colour, range and opacity, such as 0:green,400:3000,0.1";
+
 // The check of one option's values.
 class Check {
  public:
@@ -77,6 +81,12 @@ class Check {
       require(n[a] >= 0 && n[a] <= kMostVoxels && n[a + 3] >= n[a] + 2 && n[a + 3] <= kMostVoxels,
               field_, "voxels from 0 to 2^40, each upper one at least 2 above the lower",
               fmt::format("[{}, {}, {}] to [{}, {}, {}]", n[0], n[1], n[2], n[3], n[4], n[5]));
+  }
+  void operator()(const std::vector<std::string>& looks) const {
+    require(looks.size() <= kMostChannels, field_,
+            fmt::format("looks of at most {} channels", kMostChannels), looks.size());
+    for (const std::string& look : looks)
+      require(parseChannelLook(look).has_value(), field_, kExpectedLook, look);
   }
   void operator()(const std::vector<OptionReals>& lists) const {
     if (entry_.kind.form == OptionForm::kPlanes)

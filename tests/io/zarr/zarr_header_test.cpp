@@ -238,6 +238,24 @@ TEST(ZarrImage, saysFrameLevelsAndChannels) {
             (std::vector<std::string>{"DAPI", "", ""}));
 }
 
+TEST(ZarrImage, saysHowChannelsLook) {
+  const ZarrImage image = parseZarrImage(R"({"omero": {"channels": [
+    {"color": "0080FF", "window": {"min": 0, "max": 255, "start": 3, "end": 100.5}},
+    {"color": "red", "window": {"start": 5, "end": 5}, "active": false},
+    {"window": {"start": "a", "end": 2}, "active": 1}, 7]}})",
+                                         "");
+  ASSERT_EQ(image.looks.size(), 4U);
+  EXPECT_EQ(
+      image.looks[0],
+      (StoredLook{.color = {{0, 128 / 255.0, 1}}, .window = {{3, 100.5}}, .is_active = true}));
+  EXPECT_EQ(image.looks[1], StoredLook{.is_active = false});
+  EXPECT_EQ(image.looks[2], StoredLook{});
+  EXPECT_EQ(image.looks[3], StoredLook{});
+  // Names alone say nothing of looks.
+  EXPECT_TRUE(parseZarrImage(R"({"omero": {"channels": [{"label": "a"}, {"active": true}]}})", "")
+                  .looks.empty());
+}
+
 TEST(ZarrImage, eachFieldIsCheckedByName) {
   const std::string sound = R"([{"type": "scale", "scale": [1, 1, 1]}])";
   struct Wrong {

@@ -1,0 +1,225 @@
+// Pictures of several channels, against sums of pictures of one and against NumPy.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <sstream>
+
+#include "tests/tools/program.h"
+
+namespace sluice {
+namespace {
+
+using testing::HasSubstr;
+using testing::StartsWith;
+
+// Files of channels by zarr-python and tifffile, which are sought in the system's own Python.
+class Channels : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (runCommand("/usr/bin/python3 -c 'import numpy, PIL, tifffile, zarr'").status != 0)
+      GTEST_SKIP() << "python3 with numpy, pil, tifffile and zarr is missing";
+    ASSERT_EQ(python("write"), "");
+  }
+  std::string python(const std::string& arguments) const {
+    return runCommand("cd " + shellQuoted(program_.folder.path().string()) +
+                      " && /usr/bin/python3 " SLUICE_TEST_DIR "/tools/channels.py " + arguments)
+        .output;
+  }
+  // The largest difference of a picture and a sum, as the script prints it.
+  double difference(const std::string& arguments) const {
+    std::istringstream line(python(arguments));
+    double most = -1, brightest = 0;
+    std::string of;
+    line >> most >> of >> brightest;
+    EXPECT_GT(brightest, 150) << arguments;
+    return most;
+  }
+  void render(const std::string& arguments, const std::string& size = "200x160") const {
+    const CommandResult result =
+        program_.run("render --force --fit volume --size " + size + " " + arguments);
+    ASSERT_EQ(result.status, 0) << result.output;
+  }
+
+  const Program program_;
+};
+
+// Opacities over the windows, and the colours, as omero has them.
+constexpr std::array<const char*, 3> kStoredLooks = {
+    "--map 00ffff --range 400,3000 --opacities 400:0,3000:0.05",
+    "--map 00ff00 --range 400,2000 --opacities 400:0,2000:0.05",
+    "--map ff00ff --range 500,5000 --opacities 500:0,5000:0.05"};
+
+TEST_F(Channels, activeOnesOfAnOmeFileAddUpInItsColoursAndWindows) {
+  for (const char* device : {"cpu", "gl"})
+    for (const char* mode : {"composite", "mip"}) {
+      SCOPED_TRACE(fmt::format("{} {}", device, mode));
+      const std::string common =
+          fmt::format(" --background 000000 --mode {} --device {} --step 1{} -o ", mode, device,
+                      std::string_view(device) == "gl" ? " --gl osmesa" : "");
+      if (program_.run("render cells.ome.zarr --force" + common + "try.png").status != 0 &&
+          std::string_view(device) == "gl")
+        GTEST_SKIP() << "no software OpenGL";
+      render("cells.ome.zarr" + common + "whole.png");
+      for (size_t c = 0; c < kStoredLooks.size(); ++c)
+        render(fmt::format("cells.ome.zarr --channel {} {} {} {}{}.png", c, kStoredLooks[c],
+                           std::string_view(mode) == "composite" ? "--no-shade" : "", common, c));
+      // Each of the pictures is rounded.
+      EXPECT_LE(difference("sum whole.png 0.png 1.png 2.png"), 2);
+    }
+}
+
+TEST_F(Channels, omeTiffHasColoursAndAutomaticWindows) {
+  const std::string common = " --background 000000 --step 1 -o ";
+  render("cells.ome.tif" + common + "whole.png");
+  const std::array<const char*, 3> colors = {"00ffff", "00ff00", "ff00ff"};
+  for (size_t c = 0; c < colors.size(); ++c)
+    render(fmt::format("cells.ome.tif --channel {} --map {} --no-shade{}{}.png", c, colors[c],
+                       common, c));
+  EXPECT_LE(difference("sum whole.png 0.png 1.png 2.png"), 2);
+}
+
+TEST_F(Channels, projectionIsTheSumOfWindowsInNumPy) {
+  // A pixel a voxel.
+  const double zoom = std::sqrt(47.0 * 47 + 31 * 31 + 5 * 5) / 2 / 16;
+  ASSERT_EQ(program_
+                .run(fmt::format("render flat.ome.zarr --mode mip --view plain --fit volume --zoom "
+                                 "{} --size 48x32 --background 000000 -o flat.png",
+                                 zoom))
+                .status,
+            0);
+  EXPECT_LE(difference("flat flat.png"), 2);
+}
+
+TEST_F(Channels, pictureIsTheSameForAllBlocksAndBudgets) {
+  for (const char* options : {"", "--block 16 --page 16x16x16", "--memory 80M", "--mode mip",
+                              "--channel 0,2 --partition boxes"}) {
+    const auto report = program_.json(
+        fmt::format("render cells.ome.zarr {} --size 200x160 --force --verify -o a.png", options));
+    EXPECT_LE(report["verify"]["max_difference"], 1) << options;
+    EXPECT_EQ(report["verify"]["differing_pixels"], 0) << options;
+    EXPECT_EQ(report["channels"].size(),
+              std::string_view(options).starts_with("--channel") ? 2 : 3);
+    uint64_t memory = 0;
+    for (const auto& channel : report["channels"])
+      memory += channel["memory_bytes"].get<uint64_t>();
+    EXPECT_LE(memory, report["memory_bytes"]);
+  }
+}
+
+TEST_F(Channels, stripsMakeTheSamePicture) {
+  render("cells.ome.zarr -o whole.png --background 000000", "1200x900");
+  render("cells.ome.zarr -o strips.png --background 000000 --memory 60M", "1200x900");
+  EXPECT_LE(difference("sum strips.png whole.png"), 1);
+}
+
+TEST_F(Channels, planAndReportCountEachChannel) {
+  const auto plan = program_.json("plan cells.ome.zarr");
+  const auto report = program_.json("render cells.ome.zarr -o a.png");
+  ASSERT_EQ(plan["channels"].size(), 3U);
+  int64_t blocks = 0, grey = 0, chunks = 0;
+  for (int c = 0; c < 3; ++c) {
+    const auto alone = program_.json(fmt::format("plan cells.ome.zarr --channel {} {} --no-shade",
+                                                 c, kStoredLooks[static_cast<size_t>(c)]));
+    const auto& channel = plan["channels"][static_cast<size_t>(c)];
+    EXPECT_EQ(channel["channel"], c);
+    EXPECT_EQ(channel["read"], alone["read"]);
+    EXPECT_EQ(channel["blocks"], alone["blocks"]);
+    EXPECT_EQ(report["frames"][0]["channels"][static_cast<size_t>(c)]["blocks"], alone["blocks"]);
+    blocks += alone["read"]["blocks"].get<int64_t>();
+    grey += alone["blocks"]["grey"].get<int64_t>();
+    chunks += alone["algorithms"]["merged"]["chunks"].get<int64_t>();
+  }
+  EXPECT_EQ(plan["read"]["blocks"], blocks);
+  EXPECT_EQ(plan["blocks"]["grey"], grey);
+  EXPECT_EQ(report["frames"][0]["blocks"]["grey"], grey);
+  EXPECT_EQ(report["frames"][0]["chunks"], chunks);
+  EXPECT_EQ(report["levels"]["volume_buffer"]["loads"], blocks);
+}
+
+TEST_F(Channels, oneThatShowsNothingIsNamedAndNotRead) {
+  render("cells.ome.zarr -o two.png --background 000000 --channel 0,2");
+  const std::string line =
+      "cells.ome.zarr -o three.png --background 000000 --look Actin:,60000:65000 ";
+  const CommandResult result =
+      program_.run("render --force --fit volume --size 200x160 --report r.json " + line);
+  EXPECT_EQ(result.status, 0);
+  EXPECT_THAT(result.output, HasSubstr("three.png: channel 1 (Actin) shows nothing: "));
+  EXPECT_LE(difference("sum three.png two.png"), 0);
+  const auto report = program_.json("render --force --fit volume --size 200x160 " + line);
+  EXPECT_EQ(report["frames"][0]["empty"], "");
+  EXPECT_TRUE(report["frames"][0]["channels"][1]["empty"]);
+  EXPECT_EQ(report["frames"][0]["channels"][1]["decoded_bytes"], 0);
+  EXPECT_GT(report["frames"][0]["channels"][0]["decoded_bytes"], 0);
+}
+
+TEST_F(Channels, printedLookMakesThePictureAgain) {
+  render("cells.ome.zarr -o a.png --background 000000 --look 2:orange,600:4000 --channel 2,0,1");
+  const auto report = program_.json(
+      "render cells.ome.zarr --force -o b.png --background 000000 --size 200x160 --fit volume "
+      "--look 2:orange,600:4000 --channel 2,0,1");
+  const std::string look = report["look"]["options"];
+  EXPECT_THAT(look, StartsWith("--channel 2,0,1 --look 2:orange,600:4000,0.05 --look 0:00ffff"));
+  render("cells.ome.tif -o b.png --background 000000 " + look);
+  EXPECT_LE(difference("sum a.png b.png"), 0);
+}
+
+TEST_F(Channels, turnsAndSavedViewsShowAll) {
+  render("cells.ome.zarr -o turn_####.png --frames 3 --background 000000");
+  render("cells.ome.zarr -o one.png --azimuth 120 --background 000000");
+  EXPECT_LE(difference("sum turn_0001.png one.png"), 0);
+  const auto state =
+      nlohmann::json{{"sluice", "view"},
+                     {"volume", {{"paths", {"cells.ome.tif"}}, {"channel", "0,Spots"}}},
+                     {"look", {{"channels", {"Spots:ff0000,600:4000", "0:00ffff,400:3000"}}}},
+                     {"background", {0, 0, 0}}};
+  writeFile(program_.folder / "view.json", state.dump());
+  const CommandResult saved =
+      program_.run("render --state view.json --fit volume --size 200x160 -o saved.png");
+  ASSERT_EQ(saved.status, 0) << saved.output;
+  render(
+      "cells.ome.tif --channel 0,2 --look 2:ff0000,600:4000 --look 0:00ffff,400:3000 -o a.png "
+      "--background 000000");
+  EXPECT_LE(difference("sum saved.png a.png"), 0);
+}
+
+TEST_F(Channels, packedVolumeLooksTheSame) {
+  ASSERT_EQ(program_.run("pack cells.ome.zarr -o p.zarr --chunk 16").status, 0);
+  render("cells.ome.zarr -o a.png --background 000000");
+  render("p.zarr -o b.png --background 000000");
+  EXPECT_LE(difference("sum a.png b.png"), 1);
+}
+
+TEST_F(Channels, wrongOnesAreRefusedInOneLine) {
+  const std::vector<std::pair<std::string, std::string>> wrong = {
+      {"cells.ome.zarr --channel 0,7 -o a.png",
+       "sluice: cells.ome.zarr: --channel 7: the volume has 4 channels, counted from 0\n"},
+      {"cells.ome.zarr --channel 0,GFP -o a.png",
+       "sluice: cells.ome.zarr: --channel GFP: the volume has no channel of that name, expected "
+       "one "
+       "of 0 (DAPI), 1 (Actin), 2 (Spots), 3 (Dust)\n"},
+      {"cells.ome.zarr --channel 1,Actin -o a.png",
+       "sluice: cells.ome.zarr: --channel 1,Actin: channel 1 (Actin) comes twice\n"},
+      {"cells.ome.zarr --look Dust:red -o a.png",
+       "sluice: --look Dust:red: that channel is not shown; the picture shows channel 0 (DAPI), "
+       "channel 1 (Actin), channel 2 (Spots)\n"},
+      {"cells.ome.zarr --progressive -o a.png",
+       "sluice: cells.ome.zarr: --progressive shows one channel, not 3; give one --channel\n"},
+      {"cells.ome.zarr --trace t.csv -o a.png",
+       "sluice: t.csv: a trace records the texture cache of one channel, not of 3; give one "
+       "--channel\n"},
+      {"cells.ome.zarr --culling toc -o a.png",
+       "sluice: cells.ome.zarr: --culling looks at one channel, not 3; give one --channel\n"}};
+  for (const auto& [arguments, message] : wrong) {
+    const CommandResult result = program_.run("render -q " + arguments);
+    EXPECT_EQ(result.status, 1) << arguments;
+    EXPECT_EQ(result.output, message) << arguments;
+  }
+  const CommandResult look = program_.run("render cells.ome.zarr --look 1:red,5:5 -o a.png");
+  EXPECT_THAT(look.output, HasSubstr("--look: expected a channel and its colour"));
+}
+
+}  // namespace
+}  // namespace sluice
