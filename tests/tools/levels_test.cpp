@@ -13,6 +13,7 @@ namespace sluice {
 namespace {
 
 using nlohmann::json;
+using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -52,6 +53,18 @@ TEST_F(LevelsCommand, aPictureIsDrawnAtTheLevelItsPixelsAskForAndSaysSo) {
   EXPECT_THAT(said.output, HasSubstr("100.0 % of what shows is drawn coarser than it is stored"));
   EXPECT_THAT(said.output, HasSubstr("at level 1 ("));
   EXPECT_THAT(said.output, HasSubstr("--step 2"));
+}
+
+TEST_F(LevelsCommand, aPictureFromLevelsSaysThatQualityChangesNothing) {
+  const auto said = [&](const std::string& more) {
+    return program_.run("render " + arguments("-o x.png --force --quality normal " + more)).output;
+  };
+  EXPECT_THAT(said("--pixel-error 1"),
+              AllOf(HasSubstr("--quality changes nothing in a picture from levels of resolution"),
+                    Not(HasSubstr("--step 2 --quality"))));
+  EXPECT_THAT(said("--level 0 --mode mip"), HasSubstr("--quality changes nothing in this --mode"));
+  EXPECT_THAT(said("--level 0"),
+              AllOf(Not(HasSubstr("changes nothing")), HasSubstr(" --quality normal")));
 }
 
 TEST_F(LevelsCommand, levelZeroIsThePictureOfTheVolumeWithoutLevels) {

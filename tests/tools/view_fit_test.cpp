@@ -5,7 +5,7 @@
 
 #include "src/classify/transfer/transfer_makers.h"
 #include "tests/support/temp_folder.h"
-#include "tools/scene/scene.h"
+#include "tools/scene/open_scene.h"
 
 namespace sluice {
 namespace {

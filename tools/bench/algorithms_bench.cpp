@@ -10,7 +10,7 @@
 #include "tools/bench/bench.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/parse.h"
-#include "tools/scene/scene.h"
+#include "tools/scene/open_scene.h"
 
 namespace sluice {
 namespace {

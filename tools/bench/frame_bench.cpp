@@ -6,7 +6,7 @@
 #include "tools/bench/bench.h"
 #include "tools/command_line/console.h"
 #include "tools/outputs/report.h"
-#include "tools/scene/scene.h"
+#include "tools/scene/open_scene.h"
 
 namespace sluice {
 namespace {

@@ -13,7 +13,7 @@
 #include "src/render/frame/frame_run.h"
 #include "tools/bench/bench.h"
 #include "tools/command_line/console.h"
-#include "tools/scene/scene.h"
+#include "tools/scene/open_scene.h"
 
 namespace sluice {
 namespace {

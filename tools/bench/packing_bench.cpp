@@ -8,7 +8,7 @@
 #include "src/volume/volume_buffer.h"
 #include "tools/bench/bench.h"
 #include "tools/command_line/console.h"
-#include "tools/scene/scene.h"
+#include "tools/scene/open_scene.h"
 #include "tools/scene/workers.h"
 
 namespace sluice {

@@ -13,9 +13,9 @@
 #include "tools/bench/bench.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/interrupt.h"
+#include "tools/scene/open_scene.h"
 #include "tools/scene/rank_agreement.h"
 #include "tools/scene/ranks.h"
-#include "tools/scene/scene.h"
 
 namespace sluice {
 namespace {

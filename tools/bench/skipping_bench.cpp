@@ -8,7 +8,7 @@
 
 #include "tools/bench/bench.h"
 #include "tools/command_line/console.h"
-#include "tools/scene/scene.h"
+#include "tools/scene/open_scene.h"
 
 namespace sluice {
 namespace {

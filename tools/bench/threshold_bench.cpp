@@ -12,7 +12,7 @@
 #include "src/classify/transfer/transfer_makers.h"
 #include "tools/bench/bench.h"
 #include "tools/command_line/console.h"
-#include "tools/scene/scene.h"
+#include "tools/scene/open_scene.h"
 
 namespace sluice {
 namespace {

@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "tools/scene/scene.h"
+#include "tools/scene/open_scene.h"
 
 namespace sluice {
 

@@ -21,7 +21,7 @@
 #include "tools/command_line/progress_line.h"
 #include "tools/commands/commands.h"
 #include "tools/options/shared_options.h"
-#include "tools/scene/scene.h"
+#include "tools/scene/open_scene.h"
 #include "tools/scene/workers.h"
 
 namespace sluice {

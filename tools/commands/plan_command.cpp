@@ -21,7 +21,7 @@
 #include "tools/options/shared_options.h"
 #include "tools/outputs/report.h"
 #include "tools/pages/report_file.h"
-#include "tools/scene/scene.h"
+#include "tools/scene/open_scene.h"
 #include "tools/scene/series.h"
 #include "tools/scene/workers.h"
 

@@ -9,8 +9,8 @@
 #include "tools/command_line/outputs.h"
 #include "tools/options/render_arguments.h"
 #include "tools/outputs/picture_output.h"
+#include "tools/scene/open_scene.h"
 #include "tools/scene/ranks.h"
-#include "tools/scene/scene.h"
 
 namespace sluice {
 

@@ -20,6 +20,14 @@ namespace {
 
 using Arguments = RenderArguments;
 
+// Pictures that are sampled plainly, whatever --quality says.
+const char* whyPlain(const Arguments& arguments, const Scene& scene) {
+  if (!traitsOf(arguments.frame.mode).has_colors) return "this --mode";
+  return scene.look.transfer.labels
+             ? "a picture of labels"
+             : "a picture from levels of resolution; --level 0 leaves them out";
+}
+
 int run(Arguments& arguments, CLI::App& app, Team* team) {
   const auto began = std::chrono::steady_clock::now();
   std::optional<SavedView> saved;
@@ -73,6 +81,9 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
     for (const Layer* layer : scene.layers())
       for (const std::string& warning : layer->look.warnings) printWarning(warning);
   if (scene.volume.stand_in && !arguments.resources.quiet) printWarning(scene.volume.standInNote());
+  if (is_first && arguments.frame.integrates && !scene.integrates(arguments.frame))
+    printWarning(fmt::format("{}: --quality changes nothing in {}", scene.volume.name,
+                             whyPlain(arguments, scene)));
   if (team != nullptr) expectSameScene(*team, scene, cameras, arguments.frame);
   RenderJob job{arguments, to_draw,  cameras,  output, {},
                 scene,     is_first, has_step, began,  std::move(earlier_pictures)};

@@ -8,7 +8,7 @@
 #include "tools/options/render_arguments.h"
 #include "tools/outputs/picture_output.h"
 #include "tools/outputs/render_report.h"
-#include "tools/scene/scene.h"
+#include "tools/scene/open_scene.h"
 #include "tools/scene/series.h"
 
 namespace sluice {

@@ -10,7 +10,7 @@
 #include "src/base/error.h"
 #include "src/base/values/bytes.h"
 #include "tools/pages/report_file.h"
-#include "tools/scene/scene.h"
+#include "tools/scene/open_scene.h"
 
 namespace sluice {
 namespace {

@@ -22,7 +22,7 @@
 #include "tools/options/table_options.h"
 #include "tools/outputs/report.h"
 #include "tools/pages/report_file.h"
-#include "tools/scene/scene.h"
+#include "tools/scene/open_scene.h"
 #include "tools/scene/workers.h"
 
 namespace sluice {

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "src/library/drawing/view_fit.h"
-#include "tools/scene/scene.h"
+#include "tools/scene/open_scene.h"
 
 namespace sluice {
 

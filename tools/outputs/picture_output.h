@@ -9,7 +9,7 @@
 #include "src/library/drawing/strip_file.h"
 #include "src/render/camera/frame_options.h"
 #include "tools/outputs/film_file.h"
-#include "tools/scene/scene.h"
+#include "tools/scene/open_scene.h"
 
 namespace sluice {
 

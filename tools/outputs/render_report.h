@@ -10,7 +10,7 @@
 #include "tools/commands/verification.h"
 #include "tools/options/render_arguments.h"
 #include "tools/outputs/report.h"
-#include "tools/scene/scene.h"
+#include "tools/scene/open_scene.h"
 #include "tools/scene/series.h"
 
 namespace CLI {

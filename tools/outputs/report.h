@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "src/library/drawing/refined_frame.h"
-#include "tools/scene/scene.h"
+#include "tools/scene/open_scene.h"
 
 namespace CLI {
 class App;

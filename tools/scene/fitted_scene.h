@@ -8,7 +8,7 @@
 
 #include "tools/options/render_arguments.h"
 #include "tools/options/view_state_option.h"
-#include "tools/scene/scene.h"
+#include "tools/scene/open_scene.h"
 
 namespace sluice {
 

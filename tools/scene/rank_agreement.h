@@ -9,7 +9,7 @@
 
 #include "src/parallel/team.h"
 #include "src/render/camera/camera.h"
-#include "tools/scene/scene.h"
+#include "tools/scene/open_scene.h"
 
 namespace CLI {
 class App;

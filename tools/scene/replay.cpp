@@ -10,7 +10,7 @@
 #include "src/texture/frame_trace.h"
 #include "src/volume/block_side.h"
 #include "tools/options/shared_options.h"
-#include "tools/scene/scene.h"
+#include "tools/scene/open_scene.h"
 #include "tools/scene/workers.h"
 
 namespace sluice {

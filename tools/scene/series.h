@@ -12,7 +12,7 @@
 
 #include "src/library/opening/series_functions.h"
 #include "src/render/blocks/culled_blocks.h"
-#include "tools/scene/scene.h"
+#include "tools/scene/open_scene.h"
 
 namespace sluice {
 

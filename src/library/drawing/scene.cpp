@@ -243,7 +243,12 @@ std::string Scene::lookText() const {
 std::string Scene::lookOf(const FrameOptions& options) const {
   if (!traitsOf(options.mode).has_colors) return lookText();
   return lookText() + fmt::format(" --step {}", options.step_vox) +
-         (options.integrates ? " --quality normal" : "");
+         (integrates(options) ? " --quality normal" : "");
+}
+
+bool Scene::integrates(const FrameOptions& options) const {
+  return options.integrates && traitsOf(options.mode).has_colors && !look.transfer.labels &&
+         !drawsCut(volume.step(), options.cut, options.mode, look.transfer.labels);
 }
 
 std::vector<PictureRows> Scene::stripsOf(const FrameOptions& frame) const {

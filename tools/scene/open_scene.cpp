@@ -1,4 +1,4 @@
-#include "tools/scene/scene.h"
+#include "tools/scene/open_scene.h"
 
 #include <algorithm>
 #include <memory>
