@@ -104,7 +104,7 @@ class Renderer {
   RenderReport report(bool maps = false) const;
 
   // The cost of a picture with these options and the look as it is. No voxel is read, unless the
-  // time step has no index yet. Throws as draw() does.
+  // time step has no index yet. Throws as draw() does, and Error for several channels.
   PicturePlan plan(const PictureOptions& picture = {}, const ProgressFunction& progress = {},
                    const std::stop_token& stop = {});
 

@@ -36,11 +36,13 @@ class PictureOptions(TypedDict, total=False):
     opacities: Mapping[float, float] | Sequence[Sequence[float]] | None
     transfer: _Path | None
     labels: bool | None
+    look: Sequence[str] | None
     map: str | None
     range: Sequence[float] | None
     full_gradient: float | None
     time: int | None
     step: float | None
+    quality: Literal['plain', 'fast', 'normal', 'high'] | None
     crop: Sequence[int] | None
     clip: Sequence[Sequence[float]] | None
     background: str | _Triple | None

@@ -219,6 +219,9 @@ TEST_F(Channels, wrongOnesAreRefusedInOneLine) {
   }
   const CommandResult look = program_.run("render cells.ome.zarr --look 1:red,5:5 -o a.png");
   EXPECT_THAT(look.output, HasSubstr("--look: expected a channel and its colour"));
+  const CommandResult map = program_.run("render cells.ome.zarr --look 1:nosuch -o a.png");
+  EXPECT_EQ(map.status, 1);
+  EXPECT_THAT(map.output, HasSubstr("--look 1:nosuch: expected one of viridis"));
 }
 
 }  // namespace

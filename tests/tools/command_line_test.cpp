@@ -149,7 +149,8 @@ TEST(CommandLine, sayingNothingOrHelpPrintsTheOverview) {
 TEST(CommandLine, noOptionTakesANumberOutsideItsRange) {
   const std::set<std::string> signed_angles = {"--azimuth", "--elevation"};
   const auto takes = [&](const std::string& option, const std::string& word) {
-    if (option == "--threshold") return parseReal(word).has_value();  // any that is finite
+    // Any value that is finite.
+    if (option == "--threshold" || option == "--iso") return parseReal(word).has_value();
     // A word that is no number is a name.
     if (option == "--channel") return word.find_first_not_of("+-0123456789") != std::string::npos;
     return signed_angles.contains(option) && word == "-1";
@@ -249,7 +250,7 @@ TEST(CommandLine, aNearMissIsAnsweredWithTheRightWord) {
       {"synth phantm", "did you mean phantom?"},
       {"render --codec lz4", "pack has it"},
       {"view --level 3", "a coarser level of a store is one of its folders, such as image.zarr/2"},
-      {"paint", "render, view, info, plan"},
+      {"paint", "render, view, surface, info, plan"},
       {"synth:cube", "sluice render synth:cube -o picture.png"},
       {"bench", "limit, render"},
       {"render --size", "expected WxH after it"},

@@ -378,6 +378,9 @@ std::vector<uint8_t> Drawing::blockClasses() const {
 
 PicturePlan Drawing::plan(const PictureOptions& picture, ProgressTeller& teller) {
   const Reading reading(*this, teller);
+  if (!scene_.more.empty())
+    fail("{}: a plan is of one channel, not {}; open the volume with one", scene_.volume.name,
+         scene_.layers().size());
   const TimeStep step = stepAt(picture.time, reading.pass);
   return planOf(scene_, step, looked(picture, step, reading.pass));
 }

@@ -9,6 +9,7 @@
 
 #include "src/base/error.h"
 #include "src/base/files/shell_word.h"
+#include "src/classify/transfer/color_maps.h"
 #include "src/classify/transfer/transfer_makers.h"
 #include "src/library/opening/indexed_volume.h"
 
@@ -122,10 +123,12 @@ LookArguments lookOfChannel(const LookArguments& asked, const ShownChannel& chan
   LookArguments look = asked;
   look.channels.clear();
   const bool is_own_map = own != nullptr && !own->map.empty();
-  if (is_own_map)
+  if (is_own_map) {
+    requireColorMap(own->map, "--look " + channelLookText(*own));
     look.map = own->map;
-  else if (look.map.empty() && look.transfer_file.empty() && !look.labels)
+  } else if (look.map.empty() && look.transfer_file.empty() && !look.labels) {
     look.map = channel.color;
+  }
   if (own != nullptr && own->opacity) look.opacity = own->opacity;
   if (!look.range) look.range = channel.window;
   if (own != nullptr && own->range) look.range = own->range;
