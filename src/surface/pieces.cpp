@@ -39,7 +39,7 @@ std::vector<int64_t> PieceGrid::mixedPieces(const BlockStates& states) const {
   }
   // Blocks of two pieces alternate if these have several blocks along x.
   std::ranges::sort(ids);
-  ids.erase(std::ranges::unique(ids).begin(), ids.end());
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
   return ids;
 }
 

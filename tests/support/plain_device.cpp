@@ -233,9 +233,12 @@ void PlainDevice::take(const Ray& ray, const BoxDraw& box, const ChunkTexels& ch
   const LookUp& look_up = *setup_.look_up;
   double in_box = 0;
   eachSample(ray, box, [&](Vec3d p, double k) {
-    const auto& [axes, scale, offset] = box.texels;
+    const auto texelAt = [&](Vec3d place, int a) {
+      const auto& [axes, scale, offset] = box.texels;
+      return place[axes[static_cast<size_t>(a)]] * scale[a] + offset[a];
+    };
     Vec3d texel, texel_beside;
-    for (int a = 0; a < 3; ++a) texel[a] = p[axes[static_cast<size_t>(a)]] * scale[a] + offset[a];
+    for (int a = 0; a < 3; ++a) texel[a] = texelAt(p, a);
     // Beyond the outermost texels their values continue.
     for (int a = 0; a < 3; ++a)
       texel[a] = std::clamp(texel[a], 0.0, static_cast<double>(chunk.storage_vox[a] - 1));
@@ -247,8 +250,8 @@ void PlainDevice::take(const Ray& ray, const BoxDraw& box, const ChunkTexels& ch
       const auto valueBeside = [&](double slices) {
         const Vec3d place = p + ray.step * slices;
         for (int a = 0; a < 3; ++a)
-          texel_beside[a] = std::clamp(place[axes[static_cast<size_t>(a)]] * scale[a] + offset[a],
-                                       0.0, static_cast<double>(chunk.storage_vox[a] - 1));
+          texel_beside[a] =
+              std::clamp(texelAt(place, a), 0.0, static_cast<double>(chunk.storage_vox[a] - 1));
         return valueAt(chunk, texel_beside);
       };
       double front = valueBeside(-0.5), back = valueBeside(0.5);
@@ -283,8 +286,9 @@ void PlainDevice::take(const Ray& ray, const BoxDraw& box, const ChunkTexels& ch
         before[a] -= 1;
         const double next = valueAt(chunk, after), last = valueAt(chunk, before);
         if (next < kNoNumber || last < kNoNumber) continue;
-        const auto axis = static_cast<size_t>(axes[static_cast<size_t>(a)]);
-        gradient = gradient + setup_.camera_gradient[axis] * (0.5 * (next - last) * scale[a]);
+        const auto axis = static_cast<size_t>(box.texels.axes[static_cast<size_t>(a)]);
+        gradient =
+            gradient + setup_.camera_gradient[axis] * (0.5 * (next - last) * box.texels.scale[a]);
       }
     const double factor = factorOf(look_up, length(gradient), value);
     const auto opacityOf = [&](double one) {

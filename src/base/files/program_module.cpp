@@ -7,8 +7,9 @@
 #include <algorithm>
 #include <filesystem>
 #include <optional>
-#include <ranges>
 #include <span>
+#include <sstream>
+#include <string>
 #include <system_error>
 #include <vector>
 
@@ -86,8 +87,9 @@ std::string modulePath(const std::string& file) {
   const fs::path program = ownFile();
   fs::path path;
   std::optional<fs::path> refused;
-  for (const auto part : std::views::split(moduleFolders(), ':')) {
-    const fs::path folder(std::string(part.begin(), part.end()));
+  std::istringstream folders(moduleFolders());
+  for (std::string part; std::getline(folders, part, ':');) {
+    const fs::path folder(part);
     if (folder.is_relative() && program.empty()) continue;
     path = (program.parent_path() / folder / file).lexically_normal();
     std::error_code unknown;
