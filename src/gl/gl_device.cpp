@@ -14,20 +14,11 @@ namespace {
 
 // Boxes a draw call: bounded by the smallest legal buffer texture (65536 texels).
 constexpr size_t kBoxesPerDraw = 65536 / kTexelsPerBox;
-constexpr GLenum kChunkUnit = 0, kLookUpUnit = 1, kBoxUnit = 2, kFactorUnit = 3, kExpectedUnit = 4,
-                 kSumsUnit = 5;
+// Of the texture units, 1 and those from 3 on are LookTextures'.
+constexpr GLenum kChunkUnit = 0, kBoxUnit = 2;
 
 std::array<float, 3> asFloats(Vec3d v) {
   return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
-}
-
-// Filter of the bound table's texture.
-void setFilter(const GlFunctions& gl, GLint filter) {
-  for (const GLenum way : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
-    gl.TexParameteri(GL_TEXTURE_2D, way, filter);
-  for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
-    gl.TexParameteri(GL_TEXTURE_2D, wrap, GL_CLAMP_TO_EDGE);
-  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
 }
 
 constexpr Vec3d kOne{1, 1, 1};
@@ -55,6 +46,7 @@ GlDevice::GlDevice(std::unique_ptr<GlContext> context)
     : context_(currentOf(std::move(context))),
       gl_(context_->functions()),
       pool_(gl_),
+      look_(gl_),
       occlusion_(gl_),
       target_(gl_, context_->has("GL_MESA_pack_invert")),
       screen_(gl_) {
@@ -66,19 +58,11 @@ GlDevice::GlDevice(std::unique_ptr<GlContext> context)
                  GL_STATIC_DRAW);
   gl_.GenBuffers(1, &box_buffer_);
   gl_.GenTextures(1, &box_texture_);
-  gl_.GenTextures(1, &look_up_);
-  gl_.GenTextures(1, &factors_);
-  gl_.GenTextures(1, &expected_);
-  gl_.GenTextures(1, &sums_);
 }
 
 GlDevice::~GlDevice() {
   context_->makeCurrent();
   for (auto& [id, chunk] : resident_) gl_.DeleteTextures(1, &chunk.texture);
-  gl_.DeleteTextures(1, &sums_);
-  gl_.DeleteTextures(1, &expected_);
-  gl_.DeleteTextures(1, &factors_);
-  gl_.DeleteTextures(1, &look_up_);
   gl_.DeleteTextures(1, &box_texture_);
   gl_.DeleteBuffers(1, &box_buffer_);
   gl_.DeleteBuffers(1, &index_buffer_);
@@ -128,6 +112,7 @@ void GlDevice::setBlending(Combining combining) {
 
 void GlDevice::setView(GlProgram& program) {
   const RayGrid& rays = setup_.rays;
+  program.set("chunk", static_cast<int>(kChunkUnit));
   program.set("boxes", static_cast<int>(kBoxUnit));
   program.set("first_row", static_cast<double>(frame_rows_.lo));
   program.set("view_origin_dx", rays.origin_dx);
@@ -145,89 +130,6 @@ void GlDevice::setView(GlProgram& program) {
   }
   if (!planes.empty())
     program.set4("clip_planes", planes.data(), static_cast<int>(setup_.clip_planes.size()));
-}
-
-void GlDevice::uploadLookUp() {
-  LookUpKey key = lookUpKey(setup_);
-  if (look_up_key_ == key) return;
-  const auto width = static_cast<GLsizei>(setup_.look_up->rgba.size() / 4);
-  const std::vector<float> texels = lookUpTexels(key);
-  look_up_key_ = std::move(key);
-  gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, width, 1, 0, GL_RGBA, GL_FLOAT, texels.data());
-  if (!variant_.factor_table) return;
-  gl_.BindTexture(GL_TEXTURE_2D, factors_);
-  gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_R32F, width, variant_.gradient_rows, 0, GL_RED, GL_FLOAT,
-                 setup_.look_up->factors.data());
-  gl_.BindTexture(GL_TEXTURE_2D, look_up_);
-}
-
-void GlDevice::setLookUp(GlProgram& program) {
-  const auto entries = static_cast<GLsizei>(setup_.look_up->rgba.size() / 4);
-  const bool interpolates = setup_.look_up->interpolates || !traitsOf(setup_.mode).has_colors;
-  gl_.ActiveTexture(GL_TEXTURE0 + kLookUpUnit);
-  gl_.BindTexture(GL_TEXTURE_2D, look_up_);
-  uploadLookUp();
-  setFilter(gl_, interpolates ? GL_LINEAR : GL_NEAREST);
-  if (variant_.factor_table) {
-    gl_.ActiveTexture(GL_TEXTURE0 + kFactorUnit);
-    gl_.BindTexture(GL_TEXTURE_2D, factors_);
-    setFilter(gl_, GL_LINEAR);
-    program.set("factors", static_cast<int>(kFactorUnit));
-  }
-  // Entry e covers [e, e + 1) / entries of the texture.
-  const ValueRange range = setup_.look_up->device_range;
-  const double span = range.hi - range.lo;
-  const double per_device = span > 0 ? (entries - 1) / span : 0;
-  const double scale = valueScale(setup_.type);
-  program.set("chunk", static_cast<int>(kChunkUnit));
-  program.set("look_up", static_cast<int>(kLookUpUnit));
-  const std::array<float, 4> line = {static_cast<float>(scale * per_device / entries),
-                                     static_cast<float>((0.5 - range.lo * per_device) / entries),
-                                     static_cast<float>(range.lo / scale),
-                                     static_cast<float>(range.hi / scale)};
-  program.set4("entries", line.data(), 1);
-}
-
-void GlDevice::setSums(GlProgram& program) {
-  const LookUp& look_up = *setup_.look_up;
-  gl_.ActiveTexture(GL_TEXTURE0 + kSumsUnit);
-  gl_.BindTexture(GL_TEXTURE_2D, sums_);
-  if (summed_look_ != setup_.look_up) {
-    integrated_ = integratedLook(look_up);
-    summed_look_ = setup_.look_up;
-    gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32I, integrated_.entries(), 1, 0, GL_RGBA_INTEGER,
-                   GL_INT, integrated_.sums.data());
-  }
-  setFilter(gl_, GL_NEAREST);
-  program.set("sums", static_cast<int>(kSumsUnit));
-  const double length = look_up.magnitudes.empty() ? setup_.slice_length : 1;
-  program.set2("sums_line", integrated_.entries() - 1, integrated_.unit * length);
-  const double scale = valueScale(setup_.type);
-  const std::array<float, 4> line = {static_cast<float>(scale * integrated_.entries_a_value),
-                                     static_cast<float>(integrated_.first), 0, 0};
-  program.set4("entries", line.data(), 1);
-}
-
-void GlDevice::setExpected(GlProgram& program) {
-  const ExpectedLookPtr& look = setup_.look_up->expected;
-  gl_.ActiveTexture(GL_TEXTURE0 + kExpectedUnit);
-  gl_.BindTexture(GL_TEXTURE_2D, expected_);
-  if (expected_look_ != look)
-    gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, look->entries, look->rows, 0, GL_RGBA, GL_FLOAT,
-                   look->rgba.data());
-  expected_look_ = look;
-  setFilter(gl_, GL_LINEAR);
-  program.set("expected", static_cast<int>(kExpectedUnit));
-  // Entry e lies at (e + 1/2) / entries of the texture.
-  const ValueRange range = look->device_range;
-  const double span = range.hi - range.lo, scale = valueScale(setup_.type);
-  const double per_device = span > 0 ? (look->entries - 1) / span : 0;
-  const std::array<float, 4> line = {
-      static_cast<float>(scale * per_device / look->entries),
-      static_cast<float>((0.5 - range.lo * per_device) / look->entries),
-      static_cast<float>(span > 0 ? scale / span : 0), static_cast<float>(look->rows)};
-  program.set4("expected_line", line.data(), 1);
-  program.set("expected_length", setup_.slice_length);
 }
 
 void GlDevice::bindTarget() {
@@ -306,7 +208,7 @@ void GlDevice::beginFrame(const FrameSetup& setup, const StopToken& stop) {
 
 void GlDevice::setFrame(GlProgram& program) {
   setView(program);
-  setLookUp(program);
+  look_.setLookUp(setup_, variant_, program);
   program.set("opacity_threshold", setup_.opacity_threshold);
   program.set("view_first_depth", setup_.first_depth);
   program.set("view_depth_step", setup_.depth_step);
@@ -327,8 +229,8 @@ GlProgram& GlDevice::frameProgram(Vec3d scale, bool has_spread) {
   GlProgram& program = programFor(variant);
   if (told_.insert(variant).second) {
     setFrame(program);
-    if (variant.spread) setExpected(program);
-    if (variant.integrates) setSums(program);
+    if (variant.spread) look_.setExpected(setup_, program);
+    if (variant.integrates) look_.setSums(setup_, program);
   }
   if (variant.scaled) program.set("texel_scale", scale);
   return program;

@@ -17,12 +17,11 @@
 #include <vector>
 
 #include "src/device/device.h"
-#include "src/device/integrated_look.h"
-#include "src/device/look_up_texels.h"
 #include "src/device/picture_rows.h"
 #include "src/device/screen_picture.h"
 #include "src/gl/contexts/context.h"
 #include "src/gl/drawing_pieces.h"
+#include "src/gl/look_textures.h"
 #include "src/gl/occlusion_passes.h"
 #include "src/gl/render_target.h"
 #include "src/gl/screen_textures.h"
@@ -71,13 +70,6 @@ class GlDevice : public Device, public DrawsForScreens, public DrawsRows {
   // Tells a program of the frame all that no box changes.
   void setFrame(GlProgram& program);
   void setView(GlProgram& program);
-  void setLookUp(GlProgram& program);
-  // Uploads the look-up into the bound texture, and factors into theirs, unless they are there.
-  void uploadLookUp();
-  // The same of LookUp::expected.
-  void setExpected(GlProgram& program);
-  // The same of IntegratedLook.
-  void setSums(GlProgram& program);
   void setBlending(Combining combining);
   // Restores the state of beginFrame() after another pass.
   void bindTarget();
@@ -90,6 +82,7 @@ class GlDevice : public Device, public DrawsForScreens, public DrawsRows {
   std::unique_ptr<GlContext> context_;
   const GlFunctions& gl_;
   TexturePool pool_;
+  LookTextures look_;
   OcclusionPasses occlusion_;
   RenderTarget target_;
   ScreenTextures screen_;
@@ -104,12 +97,7 @@ class GlDevice : public Device, public DrawsForScreens, public DrawsRows {
   std::optional<DrawingPieces> pieces_;  // for the current frame
   ShaderVariant variant_;
   std::set<ShaderVariant> told_;  // programs that know of this frame
-  GLuint vertex_array_ = 0, index_buffer_ = 0, box_buffer_ = 0, box_texture_ = 0, look_up_ = 0,
-         factors_ = 0, expected_ = 0, sums_ = 0;
-  ExpectedLookPtr expected_look_;  // the texture's content
-  LookUpPtr summed_look_;          // the look-up that the texture of sums is made of
-  IntegratedLook integrated_;      // the texture's content
-  LookUpKey look_up_key_;          // key of the texture's content; without a look-up: none yet
+  GLuint vertex_array_ = 0, index_buffer_ = 0, box_buffer_ = 0, box_texture_ = 0;
   uint64_t binds_ = 0;
   GLuint marked_ = 0;  // depth buffer with the opaque pixels; 0: none are marked in this frame
 };

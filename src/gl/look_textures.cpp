@@ -1,0 +1,118 @@
+#include "src/gl/look_textures.h"
+
+#include <array>
+#include <utility>
+#include <vector>
+
+#include "src/gl/shaders/shading.h"
+
+namespace sluice {
+namespace {
+
+constexpr GLenum kLookUpUnit = 1, kFactorUnit = 3, kExpectedUnit = 4, kSumsUnit = 5;
+
+// Filter of the bound table's texture.
+void setFilter(const GlFunctions& gl, GLint filter) {
+  for (const GLenum way : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+    gl.TexParameteri(GL_TEXTURE_2D, way, filter);
+  for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
+    gl.TexParameteri(GL_TEXTURE_2D, wrap, GL_CLAMP_TO_EDGE);
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
+}
+
+}  // namespace
+
+LookTextures::LookTextures(const GlFunctions& gl) : gl_(gl) {
+  for (GLuint* const texture : {&look_up_, &factors_, &expected_, &sums_})
+    gl_.GenTextures(1, texture);
+}
+
+LookTextures::~LookTextures() {
+  for (const GLuint texture : {look_up_, factors_, expected_, sums_})
+    gl_.DeleteTextures(1, &texture);
+}
+
+void LookTextures::uploadLookUp(const FrameSetup& setup, const ShaderVariant& variant) {
+  LookUpKey key = lookUpKey(setup);
+  if (look_up_key_ == key) return;
+  const auto width = static_cast<GLsizei>(setup.look_up->rgba.size() / 4);
+  const std::vector<float> texels = lookUpTexels(key);
+  look_up_key_ = std::move(key);
+  gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, width, 1, 0, GL_RGBA, GL_FLOAT, texels.data());
+  if (!variant.factor_table) return;
+  gl_.BindTexture(GL_TEXTURE_2D, factors_);
+  gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_R32F, width, variant.gradient_rows, 0, GL_RED, GL_FLOAT,
+                 setup.look_up->factors.data());
+  gl_.BindTexture(GL_TEXTURE_2D, look_up_);
+}
+
+void LookTextures::setLookUp(const FrameSetup& setup, const ShaderVariant& variant,
+                             GlProgram& program) {
+  const auto entries = static_cast<GLsizei>(setup.look_up->rgba.size() / 4);
+  const bool interpolates = setup.look_up->interpolates || !traitsOf(setup.mode).has_colors;
+  gl_.ActiveTexture(GL_TEXTURE0 + kLookUpUnit);
+  gl_.BindTexture(GL_TEXTURE_2D, look_up_);
+  uploadLookUp(setup, variant);
+  setFilter(gl_, interpolates ? GL_LINEAR : GL_NEAREST);
+  if (variant.factor_table) {
+    gl_.ActiveTexture(GL_TEXTURE0 + kFactorUnit);
+    gl_.BindTexture(GL_TEXTURE_2D, factors_);
+    setFilter(gl_, GL_LINEAR);
+    program.set("factors", static_cast<int>(kFactorUnit));
+  }
+  // Entry e covers [e, e + 1) / entries of the texture.
+  const ValueRange range = setup.look_up->device_range;
+  const double span = range.hi - range.lo;
+  const double per_device = span > 0 ? (entries - 1) / span : 0;
+  const double scale = valueScale(setup.type);
+  program.set("look_up", static_cast<int>(kLookUpUnit));
+  const std::array<float, 4> line = {static_cast<float>(scale * per_device / entries),
+                                     static_cast<float>((0.5 - range.lo * per_device) / entries),
+                                     static_cast<float>(range.lo / scale),
+                                     static_cast<float>(range.hi / scale)};
+  program.set4("entries", line.data(), 1);
+}
+
+void LookTextures::setSums(const FrameSetup& setup, GlProgram& program) {
+  const LookUp& look_up = *setup.look_up;
+  gl_.ActiveTexture(GL_TEXTURE0 + kSumsUnit);
+  gl_.BindTexture(GL_TEXTURE_2D, sums_);
+  if (summed_look_ != setup.look_up) {
+    integrated_ = integratedLook(look_up);
+    summed_look_ = setup.look_up;
+    gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32I, integrated_.entries(), 1, 0, GL_RGBA_INTEGER,
+                   GL_INT, integrated_.sums.data());
+  }
+  setFilter(gl_, GL_NEAREST);
+  program.set("sums", static_cast<int>(kSumsUnit));
+  const double length = look_up.magnitudes.empty() ? setup.slice_length : 1;
+  program.set2("sums_line", integrated_.entries() - 1, integrated_.unit * length);
+  const double scale = valueScale(setup.type);
+  const std::array<float, 4> line = {static_cast<float>(scale * integrated_.entries_a_value),
+                                     static_cast<float>(integrated_.first), 0, 0};
+  program.set4("entries", line.data(), 1);
+}
+
+void LookTextures::setExpected(const FrameSetup& setup, GlProgram& program) {
+  const ExpectedLookPtr& look = setup.look_up->expected;
+  gl_.ActiveTexture(GL_TEXTURE0 + kExpectedUnit);
+  gl_.BindTexture(GL_TEXTURE_2D, expected_);
+  if (expected_look_ != look)
+    gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, look->entries, look->rows, 0, GL_RGBA, GL_FLOAT,
+                   look->rgba.data());
+  expected_look_ = look;
+  setFilter(gl_, GL_LINEAR);
+  program.set("expected", static_cast<int>(kExpectedUnit));
+  // Entry e lies at (e + 1/2) / entries of the texture.
+  const ValueRange range = look->device_range;
+  const double span = range.hi - range.lo, scale = valueScale(setup.type);
+  const double per_device = span > 0 ? (look->entries - 1) / span : 0;
+  const std::array<float, 4> line = {
+      static_cast<float>(scale * per_device / look->entries),
+      static_cast<float>((0.5 - range.lo * per_device) / look->entries),
+      static_cast<float>(span > 0 ? scale / span : 0), static_cast<float>(look->rows)};
+  program.set4("expected_line", line.data(), 1);
+  program.set("expected_length", setup.slice_length);
+}
+
+}  // namespace sluice

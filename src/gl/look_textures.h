@@ -1,0 +1,40 @@
+// LookTextures: the tables of a look as textures: its colours and opacities, the factors of its
+// gradients, the expected look of coarse voxels, and the sums of a pre-integrated look. A table is
+// uploaded only if it is not in its texture yet. The context must be current in every call.
+#pragma once
+
+#include "src/device/integrated_look.h"
+#include "src/device/look_up_texels.h"
+#include "src/gl/contexts/gl_functions.h"
+#include "src/gl/shaders/gl_program.h"
+#include "src/gl/shaders/shaders.h"
+
+namespace sluice {
+
+class LookTextures {
+ public:
+  explicit LookTextures(const GlFunctions& gl);
+  ~LookTextures();
+  LookTextures(const LookTextures&) = delete;
+  LookTextures& operator=(const LookTextures&) = delete;
+
+  // Each binds its texture and tells the program, which is in use, how to read it.
+  void setLookUp(const FrameSetup& setup, const ShaderVariant& variant, GlProgram& program);
+  void setExpected(const FrameSetup& setup, GlProgram& program);
+  // Called after setLookUp(), whose line of entries it replaces.
+  void setSums(const FrameSetup& setup, GlProgram& program);
+
+ private:
+  // Uploads the look-up into the bound texture, and factors into theirs.
+  void uploadLookUp(const FrameSetup& setup, const ShaderVariant& variant);
+
+  const GlFunctions& gl_;
+  GLuint look_up_ = 0, factors_ = 0, expected_ = 0, sums_ = 0;
+  // The textures' contents; without a look: none yet.
+  LookUpKey look_up_key_;
+  ExpectedLookPtr expected_look_;
+  LookUpPtr summed_look_;  // the look-up that integrated_ is made of
+  IntegratedLook integrated_;
+};
+
+}  // namespace sluice
