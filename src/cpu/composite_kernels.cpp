@@ -198,6 +198,16 @@ struct Passage {
     return !hn::AllFalse(F(), hn::And(going, hn::Lt(pixels.sum.a, all(frame.ray_opacity))));
   }
 
+  // Moves k over what does not show. Returns how many slices to take before the next look; 0: none
+  // is left.
+  HWY_INLINE int turnsFrom(V& k, V end, const BrickWay& way, bool leaps, bool& leapt) const {
+    if (leaps) k = nextShown(box, way, k, hn::IfThenElse(going, end, k), leapt);
+    float turns = hn::GetLane(hn::MaxOfLanes(F(), hn::IfThenElseZero(going, hn::Sub(end, k))));
+    if (!(turns > 0)) return 0;
+    if (leaps) turns = std::min(turns, leapt ? kTurnsAfterLeap : kTurnsBetweenLooks);
+    return static_cast<int>(turns);
+  }
+
   // Slices [k, end). A sample is looked up and blended while the next one is read.
   HWY_INLINE void go(V k, V end, bool leaps, Pixels& pixels) {
     const BrickWay way = leaps ? brickWay(box, first, pace) : noBrickWay();
@@ -206,11 +216,9 @@ struct Passage {
     const V one = all(1.0F);
     for (;;) {
       bool leapt = false;
-      if (leaps) k = nextShown(box, way, k, hn::IfThenElse(going, end, k), leapt);
-      float turns = hn::GetLane(hn::MaxOfLanes(F(), hn::IfThenElseZero(going, hn::Sub(end, k))));
-      if (!(turns > 0)) break;
-      if (leaps) turns = std::min(turns, leapt ? kTurnsAfterLeap : kTurnsBetweenLooks);
-      for (int j = static_cast<int>(turns); j > 0; --j) {
+      const int turns = turnsFrom(k, end, way, leaps, leapt);
+      if (turns == 0) break;
+      for (int j = turns; j > 0; --j) {
         const Sample next = take(k, end);
         k = hn::Add(k, one);
         if constexpr (kShading == Shading::kGradients || kShading == Shading::kSpread) {
@@ -244,16 +252,14 @@ struct Passage {
     bool has_front = false, has_sums = false;
     for (;;) {
       bool leapt = false;
-      if (leaps) k = nextShown(box, way, k, hn::IfThenElse(going, end, k), leapt);
-      float turns = hn::GetLane(hn::MaxOfLanes(F(), hn::IfThenElseZero(going, hn::Sub(end, k))));
-      if (!(turns > 0)) break;
-      if (leaps) turns = std::min(turns, leapt ? kTurnsAfterLeap : kTurnsBetweenLooks);
+      const int turns = turnsFrom(k, end, way, leaps, leapt);
+      if (turns == 0) break;
       if (!has_front || leapt) {
         front = endAt(hn::Sub(k, half), stored);
         has_front = true;
         has_sums = false;
       }
-      for (int j = static_cast<int>(turns); j > 0; --j, k = hn::Add(k, one)) {
+      for (int j = turns; j > 0; --j, k = hn::Add(k, one)) {
         const V back = endAt(hn::Add(k, half), stored);
         M shows = taking(hn::Lt(k, end), pixels);
         V from = front, to = back;
