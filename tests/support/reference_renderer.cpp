@@ -10,6 +10,8 @@
 #include <thread>
 
 #include "src/base/error.h"
+#include "tests/support/reference_extinction.h"
+#include "tests/support/reference_lighting.h"
 #include "tests/support/reference_values.h"
 
 namespace sluice {
@@ -226,12 +228,20 @@ class Renderer {
     return doubt;
   }
 
+  // A sample behind what the pixel has. `depth` holds the sum of weighted depths meanwhile.
+  void blend(Pixel& out, const Sample& sample, Vec3d rgb, double a) const {
+    if (scene_.lighting) rgb = litReference(scene_, view_, finest_, gradient(sample.p), rgb);
+    const double weight = (1 - out.opacity) * a;
+    out.rgb = out.rgb + rgb * weight;
+    out.depth += weight * sample.depth;
+    out.opacity += weight;
+  }
+
   Pixel composite(Vec3d start, Vec3d direction) const {
     const double voxel_lengths = view_.step * length(direction) / finest_;
     // Lit colours may be brighter than white.
     const double brightest = scene_.lighting ? kBrightestLit : 1;
     Pixel out;
-    double depth_sum = 0;
     eachSample(start, direction, [&](const Sample& sample) {
       const bool labels = scene_.transfer.labels;
       const ReferenceValues::Label label =
@@ -243,55 +253,11 @@ class Renderer {
       double doubt = sample.near_face ? a : doubtOf(value, magnitude, voxel_lengths);
       if (labels && label.lead < scene_.rounding.label_weight) doubt = 1;
       out.doubt += (1 - out.opacity) * doubt * brightest;
-      if (a > 0 && sample.counts) {
-        Vec3d rgb = colorAt(scene_.transfer, value);
-        if (scene_.lighting) rgb = lit(sample.p, rgb);
-        const double weight = (1 - out.opacity) * a;
-        out.rgb = out.rgb + rgb * weight;
-        depth_sum += weight * sample.depth;
-        out.opacity += weight;
-      }
+      if (a > 0 && sample.counts) blend(out, sample, colorAt(scene_.transfer, value), a);
       return out.opacity < scene_.opacity_threshold;
     });
-    if (out.opacity > 0) out.depth = depth_sum / out.opacity;
+    if (out.opacity > 0) out.depth /= out.opacity;
     return out;
-  }
-
-  // Extinction times red, green, blue and 1.
-  std::array<double, 4> extinctionAt(double value) const {
-    const double opacity = opacityAt(scene_.transfer, value);
-    const double extinction = opacity < 1 ? std::min(-std::log2(1 - opacity), 16.0) : 16;
-    const Vec3d rgb = colorAt(scene_.transfer, value) * extinction;
-    return {rgb.x, rgb.y, rgb.z, extinction};
-  }
-
-  // The mean of extinctionAt() over the values between two: by Gauss' rule of three places, in
-  // short pieces between the points of the transfer function.
-  std::array<double, 4> meanExtinction(double from, double to) const {
-    if (from > to) std::swap(from, to);
-    if (!(to - from > 1e-9 * (std::abs(from) + std::abs(to)))) return extinctionAt(from);
-    std::vector<double> ends{from, to};
-    const auto cut = [&](const auto& points) {
-      for (const auto& point : points)
-        if (point.value > from && point.value < to) ends.push_back(point.value);
-    };
-    cut(scene_.transfer.opacities);
-    cut(scene_.transfer.colors);
-    std::sort(ends.begin(), ends.end());
-    constexpr int kPieces = 6;
-    constexpr double kAside = 0.3872983346207417, kWeights[] = {5.0 / 18, 8.0 / 18, 5.0 / 18};
-    std::array<double, 4> mean{};
-    for (size_t i = 0; i + 1 < ends.size(); ++i) {
-      const double width = (ends[i + 1] - ends[i]) / kPieces;
-      for (int piece = 0; piece < kPieces && width > 0; ++piece)
-        for (int place = 0; place < 3; ++place) {
-          const double at = ends[i] + (piece + 0.5 + (place - 1) * kAside) * width;
-          const auto extinction = extinctionAt(at);
-          for (size_t c = 0; c < 4; ++c)
-            mean[c] += extinction[c] * kWeights[place] * width / (to - from);
-        }
-    }
-    return mean;
   }
 
   Pixel integrated(Vec3d start, Vec3d direction) const {
@@ -302,31 +268,23 @@ class Renderer {
           clampedTo(boxOf(layout_.dims), index_from_world_(start + direction * depth)));
     };
     Pixel out;
-    double depth_sum = 0;
     eachSample(start, direction, [&](const Sample& sample) {
       double front = valueAt(sample.depth - view_.step / 2);
       double back = valueAt(sample.depth + view_.step / 2);
       if (std::isnan(front)) front = back;
       if (std::isnan(back)) back = front;
       if (std::isnan(front)) return true;
-      const auto mean = meanExtinction(front, back);
+      const auto mean = meanExtinction(scene_.transfer, front, back);
       const double magnitude =
           scene_.transfer.gradients.empty() ? 0 : length(gradient(sample.p)) * finest_;
       const double whole = (1 - std::exp2(-mean[3])) *
                            gradientFactorAt(scene_.transfer, (front + back) / 2, magnitude);
       const double a = 1 - std::pow(1 - whole, voxel_lengths);
       if (sample.near_face) out.doubt += (1 - out.opacity) * a * brightest;
-      if (a > 0 && sample.counts) {
-        Vec3d rgb = Vec3d{mean[0], mean[1], mean[2]} / mean[3];
-        if (scene_.lighting) rgb = lit(sample.p, rgb);
-        const double weight = (1 - out.opacity) * a;
-        out.rgb = out.rgb + rgb * weight;
-        depth_sum += weight * sample.depth;
-        out.opacity += weight;
-      }
+      if (a > 0 && sample.counts) blend(out, sample, Vec3d{mean[0], mean[1], mean[2]} / mean[3], a);
       return out.opacity < scene_.opacity_threshold;
     });
-    if (out.opacity > 0) out.depth = depth_sum / out.opacity;
+    if (out.opacity > 0) out.depth /= out.opacity;
     return out;
   }
 
@@ -399,32 +357,6 @@ class Renderer {
       g = g + layout_.axes[static_cast<size_t>(a)] * (difference / (2 * layout_.spacing[a]));
     }
     return g;
-  }
-
-  Vec3d lit(Vec3d p, Vec3d rgb) const {
-    const Lighting& lighting = *scene_.lighting;
-    const Vec3d g = gradient(p);
-    const double g2 = dot(g, g);
-    if (!(g2 > 0)) return rgb;
-    const double flat =
-        scene_.transfer.labels
-            ? 0
-            : lighting.flat_share * (scene_.value_range.hi - scene_.value_range.lo) / finest_;
-    const double w = g2 / (g2 + flat * flat);
-    const Vec3d n = normalized(g);
-    const Vec3d viewer = -view_.forward;
-    double diffuse = 0, specular = 0;
-    for (const Light& light : lighting.lights) {
-      const Vec3d l =
-          view_.right * light.toward.x + view_.up * light.toward.y + viewer * light.toward.z;
-      diffuse += light.strength * std::abs(dot(n, l));
-      specular +=
-          light.strength * std::pow(std::abs(dot(n, normalized(l + viewer))), lighting.shininess);
-    }
-    const double shine = lighting.specular * specular;
-    const Vec3d shown =
-        rgb * (lighting.ambient + lighting.diffuse * diffuse) + Vec3d{shine, shine, shine};
-    return rgb * (1 - w) + shown * w;
   }
 
   const VolumeLayout& layout_;

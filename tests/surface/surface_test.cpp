@@ -10,7 +10,6 @@
 #include <limits>
 #include <map>
 #include <optional>
-#include <set>
 #include <sstream>
 
 #include "src/surface/vertex_maker.h"
@@ -20,51 +19,10 @@
 #include "tests/support/function_source.h"
 #include "tests/support/random_volume.h"
 #include "tests/support/temp_folder.h"
+#include "tests/surface/mesh_checks.h"
 
 namespace sluice {
 namespace {
-
-using Triple = std::array<float, 3>;
-using Numbers = std::array<uint32_t, 3>;
-
-struct Mesh {
-  std::vector<MeshVertex> vertices;
-  std::vector<Numbers> triangles;
-
-  Vec3d position(size_t i) const {
-    const Triple& p = vertices[i].position;
-    return {p[0], p[1], p[2]};
-  }
-  Vec3d normal(size_t i) const {
-    const Triple& n = vertices[i].normal;
-    return {n[0], n[1], n[2]};
-  }
-};
-
-// A PLY of ours, read by its header.
-Mesh readPly(const std::filesystem::path& path) {
-  const std::string bytes = readFile(path);
-  std::istringstream lines(bytes);
-  std::string line;
-  size_t vertices = 0, triangles = 0;
-  while (std::getline(lines, line) && line != "end_header") {
-    if (line.starts_with("element vertex ")) vertices = std::stoul(line.substr(15));
-    if (line.starts_with("element face ")) triangles = std::stoul(line.substr(13));
-  }
-  size_t at = static_cast<size_t>(lines.tellg());
-  Mesh mesh;
-  mesh.vertices.resize(vertices);
-  EXPECT_EQ(bytes.size(), at + vertices * sizeof(MeshVertex) + triangles * 13);
-  std::memcpy(mesh.vertices.data(), bytes.data() + at, vertices * sizeof(MeshVertex));
-  at += vertices * sizeof(MeshVertex);
-  for (size_t i = 0; i < triangles; ++i, at += 13) {
-    EXPECT_EQ(bytes[at], 3);
-    Numbers numbers;
-    std::memcpy(numbers.data(), bytes.data() + at + 1, sizeof numbers);
-    mesh.triangles.push_back(numbers);
-  }
-  return mesh;
-}
 
 struct Options {
   double threshold = 0;
@@ -120,33 +78,6 @@ Made make(VolumeSource& source, const Options& options) {
   return makeFrom(source, source, options);
 }
 
-// The directed sides of triangles that have no partner in the opposite direction. Fails if a side
-// occurs twice.
-std::vector<std::pair<uint32_t, uint32_t>> openSides(const Mesh& mesh) {
-  std::set<std::pair<uint32_t, uint32_t>> sides;
-  for (const Numbers& t : mesh.triangles)
-    for (size_t i = 0; i < 3; ++i) {
-      EXPECT_LT(t[i], mesh.vertices.size());
-      EXPECT_NE(t[i], t[(i + 1) % 3]);
-      EXPECT_TRUE(sides.insert({t[i], t[(i + 1) % 3]}).second) << "a side of two triangles";
-    }
-  std::vector<std::pair<uint32_t, uint32_t>> open;
-  for (const auto& [a, b] : sides)
-    if (sides.count({b, a}) == 0) open.emplace_back(a, b);
-  return open;
-}
-
-// Whether all vertices are used and no two are at one place.
-void expectVerticesOnce(const Mesh& mesh) {
-  std::vector<bool> used(mesh.vertices.size());
-  for (const Numbers& t : mesh.triangles)
-    for (const uint32_t i : t) used[i] = true;
-  EXPECT_EQ(std::ranges::count(used, false), 0);
-  std::set<Triple> places;
-  for (const MeshVertex& v : mesh.vertices) places.insert(v.position);
-  EXPECT_EQ(places.size(), mesh.vertices.size());
-}
-
 // The vertices by plain loops over all edges: positions in voxels, sorted.
 template <class T>
 std::vector<Triple> plainVertices(const MemorySource& source, double threshold) {
@@ -171,32 +102,6 @@ std::vector<Triple> plainVertices(const MemorySource& source, double threshold) 
   std::ranges::sort(found);
   return found;
 }
-std::vector<Triple> sortedPositions(const Mesh& mesh) {
-  std::vector<Triple> places;
-  for (const MeshVertex& v : mesh.vertices) places.push_back(v.position);
-  std::ranges::sort(places);
-  return places;
-}
-// Triangles as positions, each turned to begin with its least corner, sorted.
-std::vector<std::array<Triple, 3>> sortedTriangles(const Mesh& mesh) {
-  std::vector<std::array<Triple, 3>> triangles;
-  for (const Numbers& t : mesh.triangles) {
-    std::array<Triple, 3> corners{mesh.vertices[t[0]].position, mesh.vertices[t[1]].position,
-                                  mesh.vertices[t[2]].position};
-    std::ranges::rotate(corners, std::ranges::min_element(corners));
-    triangles.push_back(corners);
-  }
-  std::ranges::sort(triangles);
-  return triangles;
-}
-
-double enclosedVolume(const Mesh& mesh) {
-  double sum = 0;
-  for (const Numbers& t : mesh.triangles)
-    sum += dot(mesh.position(t[0]), cross(mesh.position(t[1]), mesh.position(t[2]))) / 6;
-  return sum;
-}
-
 // Falls from 30 in the middle by 1 a voxel.
 std::unique_ptr<MemorySource> ball(VolumeLayout layout) {
   return makeMemorySource<float>(layout, [=](auto x, auto y, auto z) {
@@ -413,7 +318,8 @@ TEST(Surface, ofStlHasTheSameTriangles) {
   std::vector<std::array<Triple, 3>> triangles(count);
   for (size_t i = 0; i < count; ++i) {
     std::memcpy(triangles[i].data(), made.bytes.data() + 84 + i * 50 + 12, sizeof triangles[i]);
-    std::ranges::rotate(triangles[i], std::ranges::min_element(triangles[i]));
+    auto& corners = triangles[i];
+    std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
   }
   std::ranges::sort(triangles);
   EXPECT_EQ(triangles, expected);
