@@ -32,7 +32,7 @@ py::dict memoryOf(const PicturePlan::Memory& memory) {
       py::arg("machine_bytes") = memory.machine_bytes, py::arg("fits") = memory.fits);
 }
 
-// With the names of `sluice plan --json`.
+// The plan as a dict with the names of `sluice plan --json`.
 py::dict planned(const PicturePlan& plan) {
   py::dict algorithms;
   for (const PicturePlan::Algorithm& each : plan.algorithms)

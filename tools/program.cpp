@@ -39,7 +39,7 @@ std::vector<std::string> withoutHelpWord(const std::vector<std::string>& words) 
 int parseAndRun(const CommandLine& line, const std::vector<std::string>& given,
                 const Launch& launch) {
   CLI::App& program = *line.program;
-  // For the build, and in no help: "help --files FOLDER".
+  // The build calls "help --files FOLDER"; no help lists it.
   if (given.size() == 3 && given[0] == "help" && given[1] == "--files") {
     writeHelpFiles(program, given[2]);
     return kDone;

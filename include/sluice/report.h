@@ -62,7 +62,8 @@ struct PicturePlan {
   };
   std::array<Algorithm, 4> algorithms;
   uint64_t clusters = 0;
-  // What a first picture reads: blocks that show something, and the bytes of their voxels.
+  // A first picture reads the blocks that show something: their number, and the bytes of their
+  // voxels.
   int64_t read_blocks = 0;
   uint64_t read_voxel_bytes = 0;
 
@@ -71,14 +72,14 @@ struct PicturePlan {
     // of that for the min-max arrays and for the pixels.
     uint64_t budget_bytes = 0, least_bytes = 0, buffer_bytes = 0;
     uint64_t index_bytes = 0, picture_bytes = 0;
-    // In addition to the budget, with it, and what this process may have.
+    // Bytes outside the budget, bytes with it, and bytes that this process may have.
     uint64_t program_bytes = 0, peak_bytes = 0, machine_bytes = 0;
     bool fits = false;
   };
   Memory memory;
 
-  // Of a volume with several levels of resolution: those in the picture, the finest first; the rest
-  // as in RenderReport.
+  // Levels of resolution in the picture, the finest first; empty for a volume with one level. The
+  // other members are as in RenderReport.
   struct Level {
     int level = 0;
     int64_t blocks = 0, cells = 0;

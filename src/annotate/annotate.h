@@ -31,8 +31,8 @@ struct Annotations {
   std::string unit;                      // unit of the world, as in VolumeLayout
   TransferFunction transfer;
   ValueRange range;  // all values of the volume
-  // For a picture of labels, or of several channels: those that show. Each gets a patch of its
-  // colour, in place of the colour bar.
+  // Labels or channels that show, in a picture of labels or of several channels. Each gets a patch
+  // of its colour, in place of the colour bar.
   std::vector<LegendEntry> legend;
   // Background of the picture, if it has one.
   std::optional<std::array<float, 3>> background;

@@ -31,7 +31,7 @@ struct ModeTraits {
   bool has_colors = true;
   // The order of boxes along a ray matters: parts of a picture are put together layer by layer.
   bool needs_order = true;
-  // What lies in front hides what lies behind: rays end, boxes are culled, empty cells are leapt.
+  // Matter in front hides matter behind it: rays end, boxes are culled, empty cells are leapt.
   bool hides = true;
   // Samples lie on voxel planes, see FrameSetup, and not on the view's slices.
   bool on_planes = false;
@@ -40,8 +40,8 @@ struct ModeTraits {
   // A pixel shows nothing if this number of it has its first value, which all its numbers have.
   size_t telling_number = 3;
   float first_value = 0;
-  // What the voxels of coarser levels must be of the finest ones, and whether such levels show what
-  // the finest shows, so that a picture may be drawn from them without being asked.
+  // How voxels of coarser levels must be made of the finest ones, and whether such levels show the
+  // same as the finest, so that a picture may be drawn from them without being asked.
   LevelValues level_values = LevelValues::kMeans;
   bool suits_levels = true;
 };

@@ -187,7 +187,7 @@ LookArguments lookArguments(const LookOptions& look, bool whole_series) {
   for (const LookOptions::Channel& channel : look.channels) {
     ChannelLook own{.channel = channel.channel, .map = channel.map, .opacity = channel.opacity};
     if (channel.range) own.range = {(*channel.range)[0], (*channel.range)[1]};
-    // What a text cannot say is no look.
+    // A look is valid only if a text can say it.
     if (parseChannelLook(channelLookText(own)) != own)
       fail(
           "channels: {}: expected a channel, a range of two different values and an opacity from "

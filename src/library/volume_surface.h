@@ -19,13 +19,13 @@ struct SurfaceOptions {
   bool is_closed = false;  // along the border, too
 };
 
-// What an IndexedVolume has to be opened with.
+// An IndexedVolume for a surface is opened with these needs.
 IndexNeeds surfaceNeeds(const SurfaceOptions& options);
 
 struct VolumeSurface {
   SurfaceReport report;
   Vec3i dims;  // voxels of the level
-  // For people, one line each: an empty mesh, positions that floats cannot tell apart.
+  // Lines for people: the mesh is empty, or floats cannot tell its positions apart.
   std::vector<std::string> warnings;
 };
 

@@ -118,7 +118,7 @@ BlockStates blockStates(const SliceRanges& ranges, const InsideSet& inside, cons
         stateAt(stateOf(inside, span.lo, span.hi), ranges.layout, id, closed_at);
     if (state != states.others) states.blocks.push_back({id, state});
   });
-  // Of nearly all volumes, the background is outside.
+  // The background is seldom inside.
   if (closed_at != nullptr && states.others == RangeState::kInside) {
     BlockStates held{ranges.layout, states.others, {}};
     forEachHeld(ranges, [&](int64_t id, Span span) {

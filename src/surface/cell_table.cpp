@@ -42,8 +42,8 @@ bool areOnOneFace(int a, int b) {
   return false;
 }
 
-// For each crossed edge the edge that the surface's boundary within a face leads to from there; -1
-// for the others. Every crossed edge lies on two faces: it begins the segment of one and ends that
+// The surface's boundary within a face leads from each crossed edge to the edge listed here; edges
+// that are not crossed have -1. Every crossed edge lies on two faces: it begins the segment of one and ends that
 // of the other.
 std::array<int, kEdges> segmentsOf(int inside) {
   std::array<int, kEdges> next{};

@@ -96,7 +96,7 @@ void PieceMesher::addTriangles(const MeshedPiece& piece, int64_t z) {
   const Vec3i size = bits.size();
   const CellTable& table = cellTable();
   for (int64_t y = 0; y + 1 < size.y; ++y) {
-    // Where each edge of the row's first cell has its vertex.
+    // The place of the vertex of each edge of the row's first cell.
     struct Edge {
       const Sheet* sheet;
       const uint32_t* places;

@@ -31,7 +31,7 @@ class PieceVoxels {
 
   const std::vector<VoxelRun>& runs() const { return runs_; }
   DeviceType type() const { return type_; }
-  // Of stored voxels that the last piece took.
+  // Bytes of stored voxels that the last piece took.
   uint64_t storedBytes() const;
   // Mixed blocks of the last piece.
   uint64_t blocks() const;

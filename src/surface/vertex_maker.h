@@ -20,7 +20,7 @@ namespace sluice {
 
 inline constexpr double kLeastShare = 1.0 / 1024;
 
-// Of device voxels of type T.
+// Makes vertices from device voxels of type T.
 template <class T>
 class VertexMaker {
  public:

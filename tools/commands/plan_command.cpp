@@ -176,7 +176,7 @@ struct PlannedPicture {
   Camera camera;
 };
 
-// What all channels take together.
+// The cost of all channels together.
 struct PlannedSum {
   int64_t white = 0, grey = 0, black = 0;
   AlgorithmCosts costs = {};

@@ -42,7 +42,7 @@ constexpr const char* kBashEnd = R"(    if [[ $cur == -* ]]; then
 complete -F _sluice sluice
 )";
 
-// What follows an option, or stands alone: files, words, or anything.
+// The value of an option, or an argument: files, words, or anything.
 std::string bashValue(const OptionText& option) {
   if (!option.words.empty())
     return fmt::format("words='{}'", joined(option.words, option.is_list ? "," : " "));

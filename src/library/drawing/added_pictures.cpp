@@ -20,7 +20,7 @@ void eachPixels(const Picture& picture, WorkerPool& pool, const Body& body) {
   });
 }
 
-// Where nothing is, depth is infinite and has no weight.
+// The mean weighted by the opacities. The depth of an empty pixel is infinite and has no weight.
 float meanDepth(float opacity, float depth, float more_opacity, float more_depth) {
   if (!(more_opacity > 0)) return depth;
   if (!(opacity > 0)) return more_depth;

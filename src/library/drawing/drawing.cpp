@@ -344,8 +344,7 @@ RenderReport Drawing::report(bool maps) const {
   report.pages = counters.pages;
   report.page_bytes = static_cast<uint64_t>(scene_.session->page().pageBytes());
   if (!maps) return report;
-  // Of the first channel.
-  // Numbers of chunks in the order of their first pages.
+  // The first channel's chunks, numbered in the order of their first pages.
   std::unordered_map<ChunkId, uint32_t> numbers;
   for (const ChunkId chunk : cache.pageMap())
     report.page_chunks.push_back(
