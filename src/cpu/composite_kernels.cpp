@@ -52,12 +52,12 @@ struct Pixels {
 
 template <DeviceType kType, Shading kShading>
 HWY_INLINE V3 differencesOf(const KernelBox& box, const V3& at, const Place& place) {
-  constexpr bool kSpread = kShading == Shading::kSpread;
-  if constexpr (!kSpread) {
-    if (box.has_margin) return differencesAt<kType>(box, place);
-  }
-  return {differenceAlong<kType, kSpread>(box, at, 0), differenceAlong<kType, kSpread>(box, at, 1),
-          differenceAlong<kType, kSpread>(box, at, 2)};
+  if constexpr (kShading == Shading::kSpread)
+    return {differenceAlong<kType, true>(box, at, 0), differenceAlong<kType, true>(box, at, 1),
+            differenceAlong<kType, true>(box, at, 2)};
+  else
+    return box.has_margin ? differencesAt<kType>(box, place)
+                          : differencesWithoutMargin<kType>(box, at);
 }
 
 template <DeviceType kType, Shading kShading>

@@ -179,9 +179,10 @@ HWY_INLINE SpreadValue spreadAt(const KernelBox& box, const Place& place, float 
 // Below it lie the stand-in for NaN and whatever is interpolated with it.
 HWY_INLINE M isNoNumber(V value) { return hn::Lt(value, all(-2e30F)); }
 
-// The value that has the greatest weight among the eight texels around, see LookUp.
+// The value that has the greatest weight among the eight texels around, see LookUp. A call of its own: its
+// 64 comparisons inside each kernel took a large share of the compiler's time.
 template <DeviceType kType>
-HWY_INLINE V labelAt(const KernelBox& box, const Place& place) {
+HWY_NOINLINE V labelAt(const KernelBox& box, Place place) {
   const Rows rows = rowsAround<kType>(box, place.offset);
   const V one = all(1.0F);
   alignas(64) float values[8][kMostLanes], weights[8][kMostLanes];
@@ -240,6 +241,14 @@ HWY_INLINE V differenceAlong(const KernelBox& box, V3 at, int axis) {
     last = valueAt<kType>(box, place_before);
   }
   return halfDifference<kType>(next, last);
+}
+
+// The differences along each axis. If chunks have a margin, differencesAt() does it with fewer reads; the rest
+// is rare and so long that it is a call of its own.
+template <DeviceType kType>
+HWY_NOINLINE V3 differencesWithoutMargin(const KernelBox& box, V3 at) {
+  return {differenceAlong<kType>(box, at, 0), differenceAlong<kType>(box, at, 1),
+          differenceAlong<kType>(box, at, 2)};
 }
 
 // Texels of four rows along x, from one before a place on.
