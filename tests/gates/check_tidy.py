@@ -57,12 +57,17 @@ def groups_of(root, build):
             yield listed[start:start + GROUP]
 
 
-def check_group(root, scratch, group):
-    """What clang-tidy says of the sources of `group`; empty when nothing."""
+def unit_of(root, scratch, group):
+    """A source in `scratch` that includes those of `group`, and the words that a compiler needs to read it."""
     unit = scratch / f'{group[0][0].stem}_{len(group)}.cpp'
     unit.write_text(''.join(f'#include "{path}"\n' for path, _ in group))
     flags = list(dict.fromkeys(flag for _, each in group for flag in each))
-    words = ['-std=c++20', f'-I{root}'] + [word for flag in flags for word in flag]
+    return unit, ['-std=c++20', f'-I{root}'] + [word for flag in flags for word in flag]
+
+
+def check_group(root, scratch, group):
+    """What clang-tidy says of the sources of `group`; empty when nothing."""
+    unit, words = unit_of(root, scratch, group)
     if len(group) > 1:
         reads = subprocess.run(['clang++', '-fsyntax-only', '-w', *words, unit], capture_output=True, check=False)
         if reads.returncode != 0:
