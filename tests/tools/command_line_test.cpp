@@ -47,8 +47,7 @@ std::vector<std::string> linesOf(const std::string& text) {
 
 // The program's complaint about these words; empty: they are accepted. Missing arguments do not
 // count.
-std::string complaint(const std::vector<std::string>& words) {
-  const CommandLine line = makeCommandLine();
+std::string complaint(const CommandLine& line, const std::vector<std::string>& words) {
   if (const auto wrong = wrongUsage(*line.program, words)) return *wrong;
   try {
     line.program->parse(std::vector<std::string>(words.rbegin(), words.rend()));
@@ -58,6 +57,9 @@ std::string complaint(const std::vector<std::string>& words) {
     return error.what();
   }
   return "";
+}
+std::string complaint(const std::vector<std::string>& words) {
+  return complaint(makeCommandLine(), words);
 }
 
 TEST(CommandLine, groupsHoldAtMostTwelveOptionsWithNamedValues) {
@@ -170,7 +172,7 @@ TEST(CommandLine, noOptionTakesANumberOutsideItsRange) {
         if (is_text && !word.empty()) continue;
         std::vector<std::string> words = place.words;
         words.insert(words.end(), {name, word});
-        const std::string said = complaint(words);
+        const std::string said = complaint(line, words);
         ++tried;
         if (takes(name, word)) {
           EXPECT_EQ(said, "") << name << " " << word;
