@@ -151,12 +151,13 @@ Source openPictures(const NamedInput& input, const OpenOptions& options) {
                          : openSlices({input.file}, sliceOptions(options));
 }
 
-// Pictures of one page.
+// Pictures of one page, or of a set of OME-TIFF files.
 Source joinPictures(const std::vector<std::string>& files, const OpenOptions& options) {
   const NamedInput first = lookAt(files[0], options);
-  if (first.is_folder || !arePictures(first, options) ||
-      openSlicePicture(first.file)->format().pages != 1)
-    return nullptr;
+  if (first.is_folder || !arePictures(first, options)) return nullptr;
+  const PictureFormat format = openSlicePicture(first.file)->format();
+  const bool is_of_set = !format.order.files.empty() || !format.order.companion.empty();
+  if (format.pages != 1 && !is_of_set) return nullptr;
   return openSlices({files.begin(), files.end()}, sliceOptions(options));
 }
 

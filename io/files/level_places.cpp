@@ -1,4 +1,4 @@
-#include "io/zarr/reading/zarr_levels.h"
+#include "io/files/level_places.h"
 
 #include <fmt/format.h>
 
@@ -193,6 +193,26 @@ std::optional<VoxelOrigin> originOf(VolumeSource& fine, VolumeSource& coarse, Ve
   if (corner < kClearly * centre) return VoxelOrigin::kCorner;
   if (centre < kClearly * corner) return VoxelOrigin::kCentre;
   return std::nullopt;
+}
+
+std::string findOrigin(VolumeSource& finest, std::span<CoarserLevel> levels) {
+  constexpr int64_t kLeastSide = 8;
+  size_t at = levels.size() - 1;
+  const auto leastSide = [&](size_t i) {
+    const Vec3i d = levels[i].source->layout().dims;
+    return std::min({d.x, d.y, d.z});
+  };
+  while (at > 0 && leastSide(at) < kLeastSide) --at;
+  VolumeSource& fine = at == 0 ? finest : *levels[at - 1].source;
+  const Vec3d finer = at == 0 ? Vec3d{1, 1, 1} : levels[at - 1].placement.scale;
+  const auto origin = originOf(fine, *levels[at].source, levels[at].placement.scale / finer);
+  for (CoarserLevel& level : levels)
+    level.placement.offset = offsetOf(origin.value_or(VoxelOrigin::kCorner), level.placement.scale);
+  return fmt::format(
+      "its levels have no translation; comparing levels {} and {} {}", at, at + 1,
+      !origin ? "does not tell where their voxels lie; sluice assumes a common corner"
+      : *origin == VoxelOrigin::kCorner ? "shows voxels that begin at a common corner"
+                                        : "shows first voxels with a common centre");
 }
 
 }  // namespace sluice

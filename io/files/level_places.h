@@ -1,5 +1,5 @@
-// The coarser levels of an OME-Zarr image: their metadata, checked against the shapes of their
-// arrays, and the places of their voxels among those of the finest one.
+// The coarser levels of an image as its file describes them: checked against their shapes, and the
+// places of their voxels among those of the finest one.
 //
 // Many writers give a scale alone. Then either the corners of the first voxels coincide (levels of
 // means, whose centres move by half a finer voxel) or their centres do (levels of every n-th
@@ -8,6 +8,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 
 #include "src/base/values/vec.h"
@@ -40,5 +41,10 @@ Vec3d offsetOf(VoxelOrigin origin, Vec3d factor);
 // fine; nullopt: both fit, or neither does. Reads some ten thousand voxels of each at time step 0,
 // where the coarse ones differ most. Throws Error from the sources.
 std::optional<VoxelOrigin> originOf(VolumeSource& fine, VolumeSource& coarse, Vec3d factor);
+
+// Sets the offsets of levels without a translation, the finest first, by the origin of two of them:
+// the coarsest that have a few voxels a side. Returns a note about it. Requires: not empty, with
+// scales.
+std::string findOrigin(VolumeSource& finest, std::span<CoarserLevel> levels);
 
 }  // namespace sluice

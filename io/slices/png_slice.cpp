@@ -44,7 +44,9 @@ class PngPicture final : public SlicePicture {
   const PictureFormat& format() const override { return format_; }
   uint64_t storedBytesRead() const override { return file_.storedBytesRead(); }
 
-  void readRows(int64_t page, int64_t first, int64_t count, std::span<std::byte> out) override {
+  void readRows(int64_t page, size_t level, int64_t first, int64_t count,
+                std::span<std::byte> out) override {
+    SLUICE_CHECK_EQ(level, size_t{0});
     const size_t row_bytes = static_cast<size_t>(format_.width) * bytesPerVoxel(format_.type);
     SLUICE_CHECK_EQ(page, 0);
     SLUICE_CHECK(first >= 0 && count >= 0 && first + count <= format_.height);

@@ -12,17 +12,25 @@
 #include <string>
 #include <vector>
 
-#include "io/slices/tiff_description.h"
+#include "io/slices/page_order.h"
 #include "src/base/values/voxel_type.h"
 
 namespace sluice {
+
+// A coarser picture of a page: the same in fewer pixels.
+struct ReducedFormat {
+  int64_t width = 0, height = 0;
+  int64_t unit_rows = 1;
+  friend bool operator==(const ReducedFormat&, const ReducedFormat&) = default;
+};
 
 struct PictureFormat {
   int64_t width = 0, height = 0;  // pixels, each 1 to kMaxSide
   int64_t pages = 1;              // pictures in the file, all of this size and type
   VoxelType type = VoxelType::kU8;
-  int64_t unit_rows = 1;  // rows that are best read together (tiles); a hint
-  PageOrder order;        // meaning of the pages; their number is `pages`
+  int64_t unit_rows = 1;               // rows that are best read together (tiles); a hint
+  PageOrder order;                     // meaning of the pages; their number is `pages`
+  std::vector<ReducedFormat> reduced;  // that each page has: levels 1, 2, ... of resolution
   // The most bytes that the picture holds while it is open and read: decoders, rows, a strip.
   uint64_t open_bytes = 0;
   std::vector<std::string> notes;  // for VolumeLayout, without the file's name
@@ -37,11 +45,13 @@ class SlicePicture {
   // Constant after construction.
   virtual const PictureFormat& format() const = 0;
 
-  // Rows [first, first + count) of a page, packed, in format().type and this machine's byte order.
-  // Rows are cheapest in ascending order, call after call: compressed ones are decoded from the
-  // last row read onward, so a step back starts anew. No more than some rows are held in memory.
-  // Requires: the rows exist; out.size() fits. Throws Error when the file is damaged.
-  virtual void readRows(int64_t page, int64_t first, int64_t count, std::span<std::byte> out) = 0;
+  // Rows [first, first + count) of a page, or of one of its reduced pictures if `level` > 0,
+  // packed, in format().type and this machine's byte order. Rows are cheapest in ascending order,
+  // call after call: compressed ones are decoded from the last row read onward, so a step back
+  // starts anew. No more than some rows are held in memory. Requires: the rows exist; out.size()
+  // fits. Throws Error when the file is damaged.
+  virtual void readRows(int64_t page, size_t level, int64_t first, int64_t count,
+                        std::span<std::byte> out) = 0;
 
   // Bytes taken from the file so far.
   virtual uint64_t storedBytesRead() const = 0;

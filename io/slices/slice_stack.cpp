@@ -6,12 +6,15 @@
 #include <utility>
 
 #include "io/files/file_list.h"
+#include "io/files/level_places.h"
 #include "io/files/plane_bands.h"
+#include "io/slices/ome_set.h"
 #include "io/slices/slice_picture.h"
 #include "src/base/error.h"
 #include "src/base/threads/mutex.h"
 #include "src/base/values/read_units.h"
 #include "src/base/values/volume_channels.h"
+#include "src/base/values/volume_levels.h"
 
 namespace sluice {
 namespace {
@@ -68,7 +71,10 @@ class PicturePool {
   std::atomic<uint64_t> read_bytes_{0};
 };
 
-class SliceStack final : public VolumeSource, public ChanneledSource, public UnitSource {
+class SliceStack final : public VolumeSource,
+                         public ChanneledSource,
+                         public LeveledSource,
+                         public UnitSource {
  public:
   SliceStack(std::vector<std::filesystem::path> files, const SliceOptions& options)
       : files_(std::move(files)),
@@ -78,20 +84,17 @@ class SliceStack final : public VolumeSource, public ChanneledSource, public Uni
     format_ = checkPictures();
     identity_ = fileIdentity(files_);
     describe(options);
-    const int64_t row_bytes = format_.width * static_cast<int64_t>(bytesPerVoxel(format_.type));
-    bands_.emplace(PlaneBands::Shape{.height = format_.height,
-                                     .row_bytes = row_bytes,
-                                     .band_rows = PlaneBands::usualBandRows(
-                                         format_.height, row_bytes, format_.unit_rows)},
-                   [this](int64_t picture, int64_t first, int64_t count,
-                          std::span<std::byte> rows) { decode(picture, first, count, rows); });
+    bands_ = bandsOf(0);
+    openLevels();
     holdAtMost(options.held_bytes);
+    placeLevels();
   }
 
   const VolumeLayout& layout() const override { return layout_; }
   std::string identity() const override { return identity_; }
   std::span<const std::string> channelNames() const override { return format_.order.channel_names; }
   std::span<const StoredLook> channelLooks() const override { return format_.order.channel_looks; }
+  std::span<const CoarserLevel> levelsAbove() const override { return levels_above_; }
   uint64_t storedBytesRead() const override { return pool_.storedBytesRead(); }
   std::vector<std::string> files() override {
     std::vector<std::string> all;
@@ -104,36 +107,106 @@ class SliceStack final : public VolumeSource, public ChanneledSource, public Uni
   uint64_t heldBytesAThread() const override {
     return format_.open_bytes + 2 * bands_->bandBytes();
   }
-  // A third for pictures, whose number counts, the rest for rows.
+  // A third for pictures, whose number counts, the rest for rows: half of it for coarser levels, if
+  // there are any.
   void holdAtMost(uint64_t bytes) override {
     const uint64_t open_bytes = std::max<uint64_t>(format_.open_bytes, 1);
     const uint64_t pictures = std::min<uint64_t>(bytes / 3 / open_bytes, max_open_pictures_);
     pool_.setMaxIdle(static_cast<size_t>(std::max<uint64_t>(pictures, 1)));
     const uint64_t left = bytes - std::min(bytes, pictures * open_bytes);
-    bands_->holdAtMost(left);
+    bands_->holdAtMost(levels_.empty() ? left : left / 2);
+    for (const auto& level : levels_) level->holdAtMost(left / 2 / levels_.size());
   }
 
   void readRegion(int64_t time, const Box3& box, std::span<std::byte> out) override {
-    const auto voxel_bytes = static_cast<int64_t>(bytesPerVoxel(layout_.type));
-    SLUICE_CHECK(time >= 0 && time < layout_.time_steps);
-    SLUICE_CHECK(!box.empty() && boxOf(layout_.dims).contains(box));
+    copy(*bands_, layout_, time, box, out);
+  }
+
+ private:
+  // The reduced pictures of all pages.
+  class Level final : public VolumeSource {
+   public:
+    // `number`: from 1. The stack must outlive it.
+    Level(SliceStack& stack, size_t number)
+        : stack_(stack), bands_(stack.bandsOf(number)), layout_(stack.layout_) {
+      const ReducedFormat& format = stack.format_.reduced[number - 1];
+      layout_.dims.x = format.width;
+      layout_.dims.y = format.height;
+      identity_ = fmt::format("{}|level {}", stack.identity_, number);
+    }
+    const VolumeLayout& layout() const override { return layout_; }
+    std::string identity() const override { return identity_; }
+    uint64_t storedBytesRead() const override { return 0; }  // the stack counts all
+    uint64_t heldBytesAThread() const override { return 2 * bands_->bandBytes(); }
+    void holdAtMost(uint64_t bytes) override { bands_->holdAtMost(bytes); }
+    void readRegion(int64_t time, const Box3& box, std::span<std::byte> out) override {
+      stack_.copy(*bands_, layout_, time, box, out);
+    }
+
+   private:
+    SliceStack& stack_;
+    const std::unique_ptr<PlaneBands> bands_;
+    VolumeLayout layout_;
+    std::string identity_;
+  };
+
+  void copy(PlaneBands& bands, const VolumeLayout& layout, int64_t time, const Box3& box,
+            std::span<std::byte> out) {
+    const auto voxel_bytes = static_cast<int64_t>(bytesPerVoxel(layout.type));
+    SLUICE_CHECK(time >= 0 && time < layout.time_steps);
+    SLUICE_CHECK(!box.empty() && boxOf(layout.dims).contains(box));
     SLUICE_CHECK_EQ(out.size(), static_cast<size_t>(box.count() * voxel_bytes));
     std::byte* to = out.data();
     for (int64_t z = box.lo.z; z < box.hi.z; ++z, to += box.size().x * box.size().y * voxel_bytes) {
       stop_.throwIfStopped();
-      const int64_t picture = isOneFile() ? format_.order.page(time, z, layout_.channel) : z;
-      bands_->copy(picture, box, static_cast<size_t>(voxel_bytes), to);
+      const int64_t plane = is_described_ ? format_.order.plane(time, z, layout_.channel) : z;
+      bands.copy(plane, box, static_cast<size_t>(voxel_bytes), to);
     }
   }
 
- private:
-  bool isOneFile() const { return files_.size() == 1; }
+  // Decoded rows of the pictures of a level; 0: of the pages themselves.
+  std::unique_ptr<PlaneBands> bandsOf(size_t level) {
+    const ReducedFormat size = level == 0
+                                   ? ReducedFormat{format_.width, format_.height, format_.unit_rows}
+                                   : format_.reduced[level - 1];
+    const int64_t row_bytes = size.width * static_cast<int64_t>(bytesPerVoxel(format_.type));
+    const PlaneBands::Shape shape{
+        .height = size.height,
+        .row_bytes = row_bytes,
+        .band_rows = PlaneBands::usualBandRows(size.height, row_bytes, size.unit_rows)};
+    return std::make_unique<PlaneBands>(
+        shape,
+        [this, level](int64_t plane, int64_t first, int64_t count, std::span<std::byte> rows) {
+          decode(plane, level, first, count, rows);
+        });
+  }
+
+  void openLevels() {
+    const LevelClaim finest{layout_.dims, {}, {}};
+    for (size_t number = 1; number <= format_.reduced.size(); ++number) {
+      auto level = std::make_unique<Level>(*this, number);
+      const LevelClaim claim{level->layout().dims, {}, {}};
+      if (const std::string fault = faultOfLevel(finest, claim); !fault.empty()) {
+        layout_.notes.push_back(
+            fmt::format("{}: level {} is left out: {}", files_[0].string(), number, fault));
+        continue;
+      }
+      levels_above_.push_back(
+          {.source = level.get(), .placement = {levelFactor(finest, claim), {}}});
+      levels_.push_back(std::move(level));
+    }
+    layout_.levels = 1 + static_cast<int64_t>(levels_.size());
+  }
+  void placeLevels() {
+    if (!levels_above_.empty())
+      layout_.notes.push_back(files_[0].string() + ": " + findOrigin(*this, levels_above_));
+  }
 
   void describe(const SliceOptions& options) {
     const PageOrder& order = format_.order;
     const std::string first = files_[0].string();
     layout_.dims = {format_.width, format_.height,
-                    isOneFile() ? order.slices : static_cast<int64_t>(files_.size())};
+                    is_described_ ? order.slices : static_cast<int64_t>(files_.size())};
     layout_.type = format_.type;
     layout_.name = files_[0].filename().string();
     layout_.frame = WorldFrame::kPictureRows;
@@ -143,54 +216,95 @@ class SliceStack final : public VolumeSource, public ChanneledSource, public Uni
       layout_.notes.push_back(fmt::format("{}: {}", first, note));
     for (const std::string& note : order.notes)
       layout_.notes.push_back(fmt::format("{}: {}", first, note));
-    if (isOneFile()) {
+    if (is_described_) {
       layout_.time_steps = order.frames;
       layout_.channels = order.channels;
     }
     chooseChannel(first, options.channel, format_.order.channel_names, layout_);
     if (layout_.channels > 1) identity_ += fmt::format("|channel {}", layout_.channel);
-    if (const auto gap = gapNote(files_)) layout_.notes.push_back(*gap);
+    if (const auto gap = gapNote(files_); gap && !is_described_) layout_.notes.push_back(*gap);
   }
 
-  void decode(int64_t picture_number, int64_t first, int64_t count, std::span<std::byte> rows) {
-    const size_t file = isOneFile() ? 0 : static_cast<size_t>(picture_number);
-    auto picture = pool_.take(file);
+  void decode(int64_t plane, size_t level, int64_t first, int64_t count,
+              std::span<std::byte> rows) {
+    const PagePlace place =
+        is_described_ ? format_.order.place(plane) : PagePlace{static_cast<uint32_t>(plane), 0};
+    auto picture = pool_.take(place.file);
     const uint64_t read_before = picture->storedBytesRead();
-    picture->readRows(isOneFile() ? picture_number : 0, first, count, rows);
+    picture->readRows(place.page, level, first, count, rows);
     pool_.countRead(picture->storedBytesRead() - read_before);
-    pool_.giveBack(file, std::move(picture));
+    pool_.giveBack(place.file, std::move(picture));
   }
 
-  // Opens each file once, for its header alone.
+  // The files of the set that the first one belongs to take the place of those that were given, if
+  // these are all of the set.
+  void findSet(PictureFormat& format) {
+    is_described_ = files_.size() == 1;
+    PageOrder order = orderWithCompanion(files_[0], format.order, format.pages);
+    if (order.files.empty()) {
+      if (is_described_) format.order = std::move(order);
+      return;
+    }
+    for (const auto& file : files_)
+      if (std::find(order.files.begin(), order.files.end(), file.filename()) == order.files.end())
+        return;
+    files_ = filesOfSet(files_[0], order);
+    format.order = std::move(order);
+    is_described_ = true;
+  }
+
+  // The number of pages that each file must have at least.
+  std::vector<int64_t> wantedPages(const PageOrder& order) const {
+    std::vector<int64_t> pages(files_.size(), 1);
+    if (!is_described_) return pages;
+    for (const PagePlace& place : order.places)
+      pages[place.file] = std::max(pages[place.file], place.page + 1);
+    return pages;
+  }
+
+  // Opens each file once, for its header alone; the first one twice if it is not the only one.
   PictureFormat checkPictures() {
-    PictureFormat first;
+    PictureFormat first = pool_.take(0)->format();
+    findSet(first);
+    if (files_.size() == 1) return first;
+    const std::vector<int64_t> wanted = wantedPages(first.order);
     for (size_t i = 0; i < files_.size(); ++i) {
       stop_.throwIfStopped();
       const auto picture = pool_.take(i);
       const PictureFormat& format = picture->format();
-      if (i == 0) first = format;
       first.open_bytes = std::max(first.open_bytes, format.open_bytes);
-      if (files_.size() > 1 && format.pages != 1)
+      if (!is_described_ && format.pages != 1)
         fail(
             "{}: {} pages among {} files of a stack, expected one per file; give a multi-page file "
             "by itself",
             files_[i].string(), format.pages, files_.size());
+      if (is_described_ && format.pages < wanted[i])
+        fail(
+            "{}: {} pages, but the OME description of its set names page {}; it was cut short or "
+            "replaced",
+            files_[i].string(), format.pages, wanted[i]);
       if (format.width != first.width || format.height != first.height || format.type != first.type)
         fail("{}: {} x {} of {}, expected {} x {} of {} as in {}; all slices must agree",
              files_[i].string(), format.width, format.height, name(format.type), first.width,
              first.height, name(first.type), files_[0].string());
+      if (format.reduced != first.reduced) first.reduced.clear();
     }
     return first;
   }
 
-  const std::vector<std::filesystem::path> files_;
+  std::vector<std::filesystem::path> files_;  // constant after construction, as all but the pool
   PicturePool pool_;
   const size_t max_open_pictures_;
   const StopToken stop_;
-  PictureFormat format_;  // constant after construction, as all that follows
+  // The order of planes is that of a description, in one file or a set; otherwise each file is a
+  // slice.
+  bool is_described_ = false;
+  PictureFormat format_;
   VolumeLayout layout_;
   std::string identity_;
-  std::optional<PlaneBands> bands_;
+  std::unique_ptr<PlaneBands> bands_;
+  std::vector<std::unique_ptr<Level>> levels_;
+  std::vector<CoarserLevel> levels_above_;
 };
 
 // Pieces of one size without a header are most likely raw slices.

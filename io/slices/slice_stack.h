@@ -2,10 +2,12 @@
 //
 // Voxel (x, y, z) is column x, row y (row 0 on top) of slice z. A file of pages whose description
 // tells that they are slices, channels and time steps (tiff_description.h) is read so; its spacing
-// and unit are taken too. Decoded rows go through a small cache of bands of rows, and some pictures
-// stay open with their decoders in place, so that reading block by block (x, then y, then z)
-// decodes each row about once, not once a block. Both are bounded. Reads run on any number of
-// threads at once; two that want the same band decode it once.
+// and unit are taken too. If it belongs to a set of OME-TIFF files, all of them are read. If each
+// page has reduced images (SubIFDs), these are coarser levels. Decoded
+// rows go through a small cache of bands of rows, and some pictures stay open with their decoders
+// in place, so that reading block by block (x, then y, then z) decodes each row about once, not
+// once a block. Both are bounded. Reads run on any number of threads at once; two that want the
+// same band decode it once.
 #pragma once
 
 #include <filesystem>
@@ -30,9 +32,9 @@ struct SliceOptions {
   StopToken stop = {};            // ends opening and reading by Interrupted
 };
 
-// The slices in the order given, bottom (z = 0) first. Throws Error: a file is missing, no picture
-// or damaged; a slice's size or type differs from the first one's (the message names it); one of
-// several files has more than a page.
+// The slices in the order given, bottom (z = 0) first, or files of one set, in any order. Throws
+// Error: a file is missing, no picture or damaged; a slice's size or type differs from the first
+// one's (the message names it); one of several files that are no set has more than a page.
 std::unique_ptr<VolumeSource> openSlices(const std::vector<std::filesystem::path>& files,
                                          const SliceOptions& options = {});
 

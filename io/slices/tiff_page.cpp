@@ -1,5 +1,7 @@
 #include "io/slices/tiff_page.h"
 
+#include <algorithm>
+
 #include "src/base/error.h"
 
 namespace sluice {
@@ -22,6 +24,14 @@ TiffPage tiffPageOf(TIFF* tiff) {
   p.fill_order = tiffField<uint16_t>(tiff, TIFFTAG_FILLORDER, FILLORDER_MSB2LSB);
   p.is_tiled = TIFFIsTiled(tiff) != 0;
   return p;
+}
+
+std::vector<uint64_t> reducedDirectoriesOf(TIFF* tiff) {
+  constexpr uint16_t kMost = 32;
+  uint16_t count = 0;
+  const uint64_t* offsets = nullptr;
+  if (TIFFGetField(tiff, TIFFTAG_SUBIFD, &count, &offsets) != 1 || offsets == nullptr) return {};
+  return {offsets, offsets + std::min(count, kMost)};
 }
 
 VoxelType voxelTypeOf(const TiffPage& p, const std::string& path) {

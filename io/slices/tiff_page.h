@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "src/base/values/voxel_type.h"
 
@@ -42,6 +43,10 @@ T tiffField(TIFF* tiff, uint32_t tag, T otherwise) {
   return TIFFGetFieldDefaulted(tiff, tag, &value) == 1 ? value : otherwise;
 }
 TiffPage tiffPageOf(TIFF* tiff);
+
+// The offsets of the tables of a page's own reduced images (SubIFDs), as many as there are up
+// to 32.
+std::vector<uint64_t> reducedDirectoriesOf(TIFF* tiff);
 
 // Throws Error, which names the file at `path`, for pixels that are no scalars of a known type.
 VoxelType voxelTypeOf(const TiffPage& page, const std::string& path);

@@ -7,10 +7,10 @@
 #include <utility>
 #include <vector>
 
-#include "io/files/luminance.h"
 #include "io/files/swap_bytes.h"
 #include "io/slices/deflate_rows.h"
 #include "io/slices/tiff_page.h"
+#include "io/slices/tiff_samples.h"
 #include "io/slices/tiff_stream.h"
 #include "src/base/error.h"
 
@@ -30,22 +30,24 @@ class TiffPicture final : public SlicePicture {
   const PictureFormat& format() const override { return format_; }
   uint64_t storedBytesRead() const override { return stream_.file.storedBytesRead(); }
 
-  void readRows(int64_t page, int64_t first, int64_t count, std::span<std::byte> out) override {
-    const size_t row_bytes = static_cast<size_t>(format_.width) * bytesPerVoxel(format_.type);
+  void readRows(int64_t page, size_t level, int64_t first, int64_t count,
+                std::span<std::byte> out) override {
     SLUICE_CHECK(page >= 0 && page < format_.pages);
-    SLUICE_CHECK(first >= 0 && count >= 0 && first + count <= format_.height);
+    SLUICE_CHECK(level <= format_.reduced.size());
+    goTo(page, level);
+    const TiffPage& p = at_page_;
+    const size_t row_bytes = size_t{p.width} * bytesPerVoxel(format_.type);
+    SLUICE_CHECK(first >= 0 && count >= 0 && first + count <= p.height);
     SLUICE_CHECK_EQ(out.size(), row_bytes * static_cast<size_t>(count));
-    goTo(page);
-    const TiffPage& p = pages_[static_cast<size_t>(page)];
     const bool is_upside_down =
         p.orientation == ORIENTATION_BOTLEFT || p.orientation == ORIENTATION_BOTRIGHT;
     const bool is_mirrored =
         p.orientation == ORIENTATION_TOPRIGHT || p.orientation == ORIENTATION_BOTRIGHT;
-    if (is_upside_down) first = format_.height - first - count;
+    if (is_upside_down) first = p.height - first - count;
     const auto keepRow = [&](int64_t row, const std::byte* stored) {
       const int64_t at = is_upside_down ? first + count - 1 - row : row - first;
-      convertRow(p, stored, out.subspan(static_cast<size_t>(at) * row_bytes, row_bytes),
-                 is_mirrored);
+      convertPixels(p, format_.type, palette_, stored,
+                    out.subspan(static_cast<size_t>(at) * row_bytes, row_bytes), is_mirrored);
     };
     if (p.is_tiled) {
       readTiles(p, first, count, keepRow);
@@ -78,6 +80,7 @@ class TiffPicture final : public SlicePicture {
              format_.width, format_.height, name(format_.type));
       }
       pages_.push_back(p);
+      reduced_.push_back(reducedDirectoriesOf(tiff_.get()));
       const bool is_plain = p.compression == COMPRESSION_NONE;
       if (is_plain && replaced && too_small == 0) too_small = pages_.size();
       if (!is_plain && compressed == 0) compressed = pages_.size();
@@ -93,8 +96,54 @@ class TiffPicture final : public SlicePicture {
                                          resolution_[0], resolution_[1]);
     if (format_.order.untold_pages > 0) addUntoldPages();
     format_.pages = static_cast<int64_t>(pages_.size());
+    listReduced();
     noteColors();
     format_.open_bytes = openBytes();
+  }
+
+  // Adds the image at whose table libtiff stands. Returns why it is no smaller picture of page 1;
+  // empty: it is.
+  std::string addReduced() {
+    PictureFormat format;
+    try {
+      format = formatOf(tiffPageOf(tiff_.get()));
+    } catch (const Error& error) {
+      return error.what();
+    }
+    const bool is_first = format_.reduced.empty();
+    const int64_t width = is_first ? format_.width : format_.reduced.back().width;
+    const int64_t height = is_first ? format_.height : format_.reduced.back().height;
+    if (format.type != format_.type)
+      return fmt::format("its pixels are {}, expected {}", name(format.type), name(format_.type));
+    if (format.width > width || format.height > height ||
+        (format.width == width && format.height == height))
+      return fmt::format("it has {} x {} pixels, the one before it {} x {}", format.width,
+                         format.height, width, height);
+    format_.reduced.push_back({format.width, format.height, format.unit_rows});
+    return "";
+  }
+
+  // The sizes of the reduced images that each page has.
+  void listReduced() {
+    if (format_.order.untold_pages > 0) return;
+    const size_t levels = reduced_[0].size();
+    for (size_t i = 1; i < reduced_.size(); ++i)
+      if (reduced_[i].size() != levels) {
+        format_.notes.push_back(
+            fmt::format("page {} has {} reduced images, page 1 has {}; they are left out", i + 1,
+                        reduced_[i].size(), levels));
+        return;
+      }
+    for (const uint64_t directory : reduced_[0]) {
+      std::string fault = "its table is damaged";
+      if (TIFFSetSubDirectory(tiff_.get(), directory) != 0) fault = addReduced();
+      stream_.message.clear();
+      if (fault.empty()) continue;
+      format_.notes.push_back(
+          fmt::format("reduced image {} of page 1 is left out, and smaller ones: {}",
+                      format_.reduced.size() + 1, fault));
+      return;
+    }
   }
 
   // Reads the description of the first page, in which writers describe the whole file.
@@ -137,7 +186,7 @@ class TiffPicture final : public SlicePicture {
 
   // libtiff holds a compressed strip or tile whole, and its tables.
   uint64_t openBytes() {
-    goTo(0);
+    goTo(0, 0);
     const TiffPage& p = pages_[0];
     constexpr uint64_t kDecoderBytes = uint64_t{128} << 10;
     uint64_t bytes = kDecoderBytes + pages_.size() * sizeof(TiffPage);
@@ -177,32 +226,34 @@ class TiffPicture final : public SlicePicture {
     return format;
   }
 
-  void goTo(int64_t page) {
-    if (page == at_page_) return;
+  void goTo(int64_t page, size_t level) {
+    if (page == page_number_ && level == level_) return;
     stream_.message.clear();
-    const TiffPage& p = pages_[static_cast<size_t>(page)];
-    if (TIFFSetSubDirectory(tiff_.get(), p.directory) == 0) stream_.failWith("damaged TIFF");
-    at_page_ = page;
+    page_number_ = -1;
+    const auto i = static_cast<size_t>(page);
+    at_page_ = pages_[i];
+    if (TIFFSetSubDirectory(tiff_.get(),
+                            level == 0 ? at_page_.directory : reduced_[i][level - 1]) == 0)
+      stream_.failWith("damaged TIFF");
+    if (level > 0) {
+      at_page_ = tiffPageOf(tiff_.get());
+      const PictureFormat found = formatOf(at_page_);
+      const ReducedFormat& expected = format_.reduced[level - 1];
+      if (found.width != expected.width || found.height != expected.height ||
+          found.type != format_.type)
+        fail(
+            "{}: reduced image {} of page {} is {} x {} of {}, expected {} x {} of {} as on page 1",
+            stream_.file.path(), level, page + 1, found.width, found.height, name(found.type),
+            expected.width, expected.height, name(format_.type));
+    }
+    page_number_ = page;
+    level_ = level;
     next_row_ = -1;
     deflated_.reset();
+    const TiffPage& p = at_page_;
     if (p.photometric == PHOTOMETRIC_YCBCR)
       TIFFSetField(tiff_.get(), TIFFTAG_JPEGCOLORMODE, JPEGCOLORMODE_RGB);
-    if (p.photometric == PHOTOMETRIC_PALETTE) readPalette();
-  }
-
-  void readPalette() {
-    uint16_t *red = nullptr, *green = nullptr, *blue = nullptr;
-    if (TIFFGetField(tiff_.get(), TIFFTAG_COLORMAP, &red, &green, &blue) != 1)
-      stream_.failWith("TIFF with a palette that is missing");
-    // Old writers put 8-bit numbers into fields for 16 bits.
-    constexpr size_t kEntries = 256;
-    uint16_t highest = 0;
-    for (size_t i = 0; i < kEntries; ++i) highest = std::max({highest, red[i], green[i], blue[i]});
-    palette_.resize(kEntries);
-    for (size_t i = 0; i < kEntries; ++i) {
-      const uint16_t gray = luminance(red[i], green[i], blue[i]);
-      palette_[i] = static_cast<uint8_t>(highest < kEntries ? gray : gray >> 8);
-    }
+    if (p.photometric == PHOTOMETRIC_PALETTE) palette_ = paletteOf(tiff_.get(), stream_);
   }
 
   int64_t rowsPerStrip(const TiffPage& p) {
@@ -213,8 +264,8 @@ class TiffPicture final : public SlicePicture {
   // The decoder of a strip or tile, at its first row. libtiff's names: a strile is either.
   std::unique_ptr<DeflateRows> deflateRows(const TiffPage& p, uint32_t strile, size_t row_bytes,
                                            int64_t rows) {
-    const std::string where = fmt::format("{}: page {}, {} {}", stream_.file.path(), at_page_ + 1,
-                                          p.is_tiled ? "tile" : "strip", strile);
+    const std::string where = fmt::format("{}: page {}, {} {}", stream_.file.path(),
+                                          page_number_ + 1, p.is_tiled ? "tile" : "strip", strile);
     const uint64_t at = TIFFGetStrileOffset(tiff_.get(), strile);
     const uint64_t bytes = TIFFGetStrileByteCount(tiff_.get(), strile);
     const uint64_t file_bytes = stream_.file.sizeBytes();
@@ -273,7 +324,7 @@ class TiffPicture final : public SlicePicture {
     for (int64_t row = can_go_on ? next_row_ : strip_start; row < first + count; ++row) {
       next_row_ = -1;
       if (TIFFReadScanline(tiff_.get(), buffer_.data(), static_cast<uint32_t>(row), 0) != 1)
-        stream_.failWith(fmt::format("page {}, row {}: damaged TIFF", at_page_ + 1, row));
+        stream_.failWith(fmt::format("page {}, row {}: damaged TIFF", page_number_ + 1, row));
       next_row_ = row + 1;
       if (row >= first) keep(row, buffer_.data());
     }
@@ -315,7 +366,7 @@ class TiffPicture final : public SlicePicture {
       fail(
           "{}: TIFF cut short: page {}, row {} needs {} bytes at {} in a strip of {} and a file "
           "of {}",
-          stream_.file.path(), at_page_ + 1, row, row_bytes,
+          stream_.file.path(), page_number_ + 1, row, row_bytes,
           strip_at + offset_in_strip + p.moved_bytes, strip_bytes, file_bytes);
     return strip_at + offset_in_strip + p.moved_bytes;
   }
@@ -341,7 +392,7 @@ class TiffPicture final : public SlicePicture {
                           static_cast<size_t>(tile_width * pixel), tile_height);
         else if (TIFFReadTile(tiff_.get(), buffer_.data(), x, y, 0, 0) < 0)
           stream_.failWith(
-              fmt::format("page {}, tile at ({}, {}): damaged TIFF", at_page_ + 1, left, top));
+              fmt::format("page {}, tile at ({}, {}): damaged TIFF", page_number_ + 1, left, top));
         const int64_t columns = std::min<int64_t>(tile_width, p.width - left);
         for (int64_t row = begin; row < end; ++row)
           std::memcpy(rows.data() + ((row - begin) * p.width + left) * pixel,
@@ -353,34 +404,16 @@ class TiffPicture final : public SlicePicture {
     }
   }
 
-  // A stored row of pixels to a row of scalars.
-  void convertRow(const TiffPage& p, const std::byte* stored, std::span<std::byte> out,
-                  bool is_mirrored) {
-    visitVoxelType(format_.type, [&](auto tag) {
-      using T = decltype(tag);
-      for (int64_t x = 0; x < p.width; ++x) {
-        T sample[3];
-        std::memcpy(sample, stored + x * static_cast<int64_t>(p.pixelBytes()),
-                    sizeof(T) * (p.hasColor() ? 3 : 1));
-        T value = sample[0];
-        if constexpr (std::is_same_v<T, uint8_t> || std::is_same_v<T, uint16_t>) {
-          if (p.hasColor()) value = luminance(sample[0], sample[1], sample[2]);
-          if (p.photometric == PHOTOMETRIC_PALETTE) value = palette_[sample[0]];
-        }
-        if constexpr (std::is_unsigned_v<T>) {
-          if (p.photometric == PHOTOMETRIC_MINISWHITE) value = static_cast<T>(~value);
-        }
-        const int64_t to = is_mirrored ? p.width - 1 - x : x;
-        std::memcpy(out.data() + to * static_cast<int64_t>(sizeof(T)), &value, sizeof(T));
-      }
-    });
-  }
-
   TiffStream stream_;
   const TiffPtr tiff_;
   PictureFormat format_;
   std::vector<TiffPage> pages_;
-  int64_t at_page_ = -1;
+  std::vector<std::vector<uint64_t>>
+      reduced_;  // tables of each page's reduced images, the largest first
+  // The table at which libtiff stands.
+  int64_t page_number_ = -1;
+  size_t level_ = 0;
+  TiffPage at_page_;
   int64_t next_row_ = -1;                  // the page's row at which the decoder stands; -1: none
   std::unique_ptr<DeflateRows> deflated_;  // decoder of a page that isDeflate()
   std::vector<std::byte> buffer_;          // a row or tile as stored

@@ -63,3 +63,61 @@ ome("ome-zct", voxels(2, 3, 4), "XYZCT", (0.1, 0.2, 0.5), ("µm", "µm", "µm"),
 ome("ome-czt", voxels(2, 3, 4), "XYCZT", (0.1, 0.2, 0.5), ("", "", ""), "micrometer")
 ome("ome-tcz", voxels(2, 3, 4), "XYTCZ", (10, 20, 30), ("nm", "nm", "nm"), "nanometer")
 ome("ome-units", voxels(1, 6, 1), "XYZCT", (1, 1, 2000), ("µm", "µm", "mm"), "micrometer")
+
+
+# Sets of several OME files: each has a part of the planes, and all of them the same XML, or a companion that has it.
+def ome_set(name, v, parts, has_companion=False):
+    path = case(name, v, (0.5, 0.5, 2), "micrometer")
+    t, z, c, y, x = v.shape
+    planes = v.reshape(t * z, c, y, x).transpose(1, 0, 2, 3).reshape(-1, y, x)  # z and t fastest first: XYZTC
+    files = [os.path.basename(path)] + [f"{name}-{i}.tif" for i in range(1, parts)]
+    share = -(-len(planes) // parts)
+    blocks = ""
+    for i, plane in enumerate(planes):
+        at = f'FirstZ="{i % z}" FirstT="{i // z % t}" FirstC="{i // z // t}"'
+        blocks += (f'<TiffData IFD="{i % share}" {at} PlaneCount="1"><UUID FileName="{files[i // share]}">'
+                   f'urn:uuid:00000000-0000-0000-0000-{i // share:012}</UUID></TiffData>')
+    channels = "".join(f'<Channel ID="Channel:0:{i}" Name="DNA &amp; {i}" SamplesPerPixel="1"/>' for i in range(c))
+    spaces = 'xmlns="http://www.openmicroscopy.org/Schemas/OME/2016-06"'
+    uuid = 'UUID="urn:uuid:00000000-0000-0000-0000-{:012}"'
+    xml = (f'<?xml version="1.0" encoding="UTF-8"?><OME {spaces} {uuid}><Image ID="Image:0"><Pixels ID="Pixels:0" '
+           f'DimensionOrder="XYZTC" Type="uint16" SizeX="{x}" SizeY="{y}" SizeZ="{z}" SizeC="{c}" SizeT="{t}" '
+           f'PhysicalSizeX="0.5" PhysicalSizeY="0.5" PhysicalSizeZ="2">{channels}{blocks}</Pixels></Image></OME>')
+    if has_companion:
+        with open(os.path.join(root, name + ".companion.ome"), "w") as companion:
+            companion.write(xml.format(99))
+        xml = (f'<OME {spaces} {uuid}><BinaryOnly MetadataFile="{name}.companion.ome" '
+               'UUID="urn:uuid:00000000-0000-0000-0000-000000000099"/></OME>')
+    for i, file in enumerate(files):
+        tifffile.imwrite(os.path.join(root, file), planes[i * share:(i + 1) * share], metadata=None,
+                         photometric="minisblack", description=xml.format(i))
+    if not has_companion:  # as another reader understands the set
+        read = tifffile.imread(path, squeeze=False).reshape(c, t, z, y, x)
+        assert (read.transpose(1, 2, 0, 3, 4) == v).all()
+
+
+ome_set("ome-set", voxels(2, 3, 2), 3)
+ome_set("ome-companion", voxels(1, 4, 3), 4, has_companion=True)
+
+
+# Reduced images of each page (SubIFDs), level by level in NAME-<level>.bin.
+def pyramid(name, pages):
+    """`pages`: the levels, each (z, y, x)."""
+    with tifffile.TiffWriter(os.path.join(root, name + ".tif"), ome=True) as tif:
+        tif.write(pages[0], subifds=len(pages) - 1, photometric="minisblack", tile=(16, 16), compression="zlib",
+                  metadata={"axes": "ZYX", "PhysicalSizeX": 0.5, "PhysicalSizeY": 0.5, "PhysicalSizeZ": 2})
+        for level in pages[1:]:
+            tif.write(level, subfiletype=1, photometric="minisblack", tile=(16, 16))
+    for i, level in enumerate(pages):
+        np.ascontiguousarray(level).tofile(os.path.join(root, f"{name}-{i}.bin"))
+
+
+def means(v):
+    z, y, x = v.shape
+    return v.astype("f8").reshape(z, y // 2, 2, x // 2, 2).mean((2, 4)).round().astype("u2")
+
+
+fine = voxels(1, 9, 1, 48, 64)[0, :, 0]
+pyramid("levels-means", [fine, means(fine), means(means(fine))])
+odd = voxels(1, 9, 1, 47, 61)[0, :, 0]
+pyramid("levels-strided", [odd, odd[:, ::2, ::2], odd[:, ::4, ::4]])

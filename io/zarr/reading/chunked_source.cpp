@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "io/files/copy_row.h"
-#include "io/zarr/reading/zarr_levels.h"
+#include "io/files/level_places.h"
 #include "io/zarr/reading/zarr_rows.h"
 #include "src/base/error.h"
 
@@ -180,27 +180,8 @@ void ChunkedSource::placeLevels(const ChunkedVolume& volume, const std::vector<s
                      const Vec3d f = a.placement.scale, g = b.placement.scale;
                      return f.x * f.y * f.z < g.x * g.y * g.z;
                    });
-  if (levels_above_.empty() || is_translated) return;
-
-  // The two coarsest with a few voxels a side: the fewest bytes that show it.
-  constexpr int64_t kLeastSide = 8;
-  size_t at = levels_above_.size() - 1;
-  const auto leastSide = [&](size_t i) {
-    const Vec3i d = levels_above_[i].source->layout().dims;
-    return std::min({d.x, d.y, d.z});
-  };
-  while (at > 0 && leastSide(at) < kLeastSide) --at;
-  VolumeSource& fine = at == 0 ? static_cast<VolumeSource&>(*this) : *levels_above_[at - 1].source;
-  const Vec3d finer = at == 0 ? Vec3d{1, 1, 1} : levels_above_[at - 1].placement.scale;
-  const auto origin =
-      originOf(fine, *levels_above_[at].source, levels_above_[at].placement.scale / finer);
-  for (CoarserLevel& level : levels_above_)
-    level.placement.offset = offsetOf(origin.value_or(VoxelOrigin::kCorner), level.placement.scale);
-  view_.layout.notes.push_back(fmt::format(
-      "{}: its levels have no translation; comparing levels {} and {} {}", volume.name, at, at + 1,
-      !origin ? "does not tell where their voxels lie; sluice assumes a common corner"
-      : *origin == VoxelOrigin::kCorner ? "shows voxels that begin at a common corner"
-                                        : "shows first voxels with a common centre"));
+  if (!levels_above_.empty() && !is_translated)
+    view_.layout.notes.push_back(volume.name + ": " + findOrigin(*this, levels_above_));
 }
 
 uint64_t ChunkedSource::storedBytesRead() const {

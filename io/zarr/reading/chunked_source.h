@@ -2,7 +2,7 @@
 // Zarr, N5, HDF5.
 //
 // - Level 0 is the volume, the others are its coarser levels, as far as their arrays are there and
-//   fit what is said of them (io/zarr/reading/zarr_levels.h); a note names each that is left out.
+//   fit what is said of them (io/files/level_places.h); a note names each that is left out.
 // - Missing chunks are the fill value, and known as such: occupancy() has the boxes of the others.
 // - A few decoded chunks are kept (io/zarr/reading/zarr_chunk_cache.h), as neighbouring blocks
 //   share them. All levels of an image and their spreads share one limit, which is the image's:

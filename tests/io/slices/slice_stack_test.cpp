@@ -65,7 +65,7 @@ TEST_F(Slices, picturesGiveRowsInAnyOrder) {
     const size_t row = static_cast<size_t>(c.dims.x) * bytesPerVoxel(picture->format().type);
     for (const int64_t first : {0, 3, 4, 17, 2, 18}) {
       std::vector<std::byte> rows(2 * row);
-      picture->readRows(0, first, 2, rows);
+      picture->readRows(0, 0, first, 2, rows);
       ASSERT_TRUE(asText(rows) == whole.substr(static_cast<size_t>(first) * row, 2 * row)) << first;
     }
   }

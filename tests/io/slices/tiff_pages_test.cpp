@@ -6,6 +6,8 @@
 #include "io/open_volume.h"
 #include "io/slices/slice_stack.h"
 #include "io/slices/tiff_description.h"
+#include "src/base/values/volume_channels.h"
+#include "src/base/values/volume_levels.h"
 #include "tests/io/python_volumes.h"
 
 namespace sluice {
@@ -34,7 +36,7 @@ struct Case {
 using TiffPages = PythonVolumesTest<Case>;
 
 TEST_F(TiffPages, areSlicesChannelsAndStepsAsTheirDescriptionSays) {
-  ASSERT_EQ(cases_.size(), 9U);
+  ASSERT_EQ(cases_.size(), 11U);
   for (const Case& c : cases_) {
     SCOPED_TRACE(c.name);
     const std::string path = pathOf(c.name + ".tif").string();
@@ -72,6 +74,77 @@ TEST_F(TiffPages, whatIsCutOffIsAnError) {
               HasSubstr("names 20 images of 1200 bytes"));
 }
 
+TEST_F(TiffPages, withReducedImagesHaveCoarserLevels) {
+  struct Expected {
+    const char* name;
+    std::vector<Vec3i> dims;
+    std::vector<double> offsets;
+    const char* note;
+  };
+  for (const Expected& e :
+       {Expected{
+            "levels-means", {{64, 48, 9}, {32, 24, 9}, {16, 12, 9}}, {0.5, 1.5}, "common corner"},
+        Expected{
+            "levels-strided", {{61, 47, 9}, {31, 24, 9}, {16, 12, 9}}, {0, 0}, "common centre"}}) {
+    SCOPED_TRACE(e.name);
+    const auto source = openVolume(pathOf(std::string(e.name) + ".tif").string());
+    const std::span<const CoarserLevel> levels = coarserLevels(*source);
+    ASSERT_EQ(levels.size(), 2U);
+    EXPECT_EQ(source->layout().levels, 3);
+    EXPECT_EQ(source->layout().spacing, (Vec3d{0.5, 0.5, 2}));
+    EXPECT_THAT(source->layout().notes, testing::ElementsAre(HasSubstr(e.note)));
+    source->holdAtMost(1 << 20);
+    for (size_t i = 0; i < 3; ++i) {
+      VolumeSource& level = i == 0 ? *source : *levels[i - 1].source;
+      EXPECT_EQ(level.layout().dims, e.dims[i]);
+      const std::string voxels = voxelsOf(fmt::format("{}-{}", e.name, i));
+      EXPECT_TRUE(allSteps(level) == voxels) << i;
+      expectBoxesAreParts(level, voxels);
+      if (i == 0) continue;
+      const double scale = i == 1 ? 2 : 4, offset = e.offsets[i - 1];
+      EXPECT_EQ(levels[i - 1].placement, (LevelPlacement{{scale, scale, 1}, {offset, offset, 0}}));
+    }
+  }
+}
+
+TEST_F(TiffPages, ofASetAreThoseOfAllItsFilesWhicheverIsNamed) {
+  const auto whole = allSteps(*openVolume(pathOf("ome-set.tif").string(), {.channel = 1}));
+  for (const char* file : {"ome-set-1.tif", "ome-set-2.tif"})
+    EXPECT_TRUE(allSteps(*openVolume(pathOf(file).string(), {.channel = 1})) == whole) << file;
+  const std::vector<std::string> names = {pathOf("ome-set-2.tif").string(),
+                                          pathOf("ome-set.tif").string()};
+  const auto both = openVolume(names, {.channel = 1});
+  EXPECT_TRUE(allSteps(*both) == whole);
+  EXPECT_EQ(both->files().size(), 3U);
+  EXPECT_THAT(channelNames(*both), testing::ElementsAre("DNA & 0", "DNA & 1"));
+}
+
+TEST_F(TiffPages, ofASetThatIsNotWholeAreAnError) {
+  const TempFolder folder;
+  const auto copy = [&](const std::string& name) {
+    std::filesystem::copy_file(pathOf(name), folder / name);
+  };
+  const auto error = [&](const char* name) {
+    return errorOf([&] { openVolume((folder / name).string()); });
+  };
+  copy("ome-set.tif");
+  EXPECT_THAT(error("ome-set.tif"),
+              AllOf(HasSubstr("ome-set.tif: "), HasSubstr("names ome-set-1.tif")));
+  copy("ome-set-1.tif");
+  writeFile(folder / "ome-set-2.tif", readFile(pathOf("ome-companion.tif")));
+  EXPECT_THAT(error("ome-set.tif"), AllOf(HasSubstr("ome-set-2.tif: "), HasSubstr("pages")));
+  copy("ome-companion.tif");
+  EXPECT_THAT(error("ome-companion.tif"),
+              HasSubstr("names ome-companion.companion.ome, which is missing"));
+  writeFile(folder / "ome-companion.companion.ome", "<OME></OME>");
+  EXPECT_THAT(error("ome-companion.tif"), HasSubstr("expected the OME description of the set"));
+  std::string elsewhere = readFile(pathOf("ome-companion.tif"));
+  for (size_t at = 0; (at = elsewhere.find("ome-companion.c", at)) != std::string::npos; ++at)
+    elsewhere.replace(at, 3, "../");
+  writeFile(folder / "ome-companion.tif", elsewhere);
+  EXPECT_THAT(error("ome-companion.tif"), HasSubstr("expected a name without folders"));
+}
+
 // Its compressed bytes, and those behind them, would be read as pixels.
 TEST(TiffPage, thatLostItsCompressionIsNamed) {
   if (!hasPythonModules("numpy, tifffile")) GTEST_SKIP() << "python3 with tifffile is missing";
@@ -104,14 +177,47 @@ TEST(TiffDescription, thatDoesNotFitGivesSlicesAndANote) {
   EXPECT_EQ(imagej.slices, 5);
   EXPECT_THAT(imagej.notes, testing::ElementsAre(HasSubstr("the file has 5 pages")));
   const PageOrder ome = parseTiffDescription(
-      "<OME><Image><Pixels DimensionOrder=\"XYZCT\" SizeZ=\"4\" SizeC=\"1\" SizeT=\"1\"/></OME>", 5,
-      0, 0);
+      "<OME><Image><Pixels DimensionOrder=\"XYZCT\" SizeZ=\"4\" SizeC=\"1\" "
+      "SizeT=\"1\"/></Image></OME>",
+      5, 0, 0);
   EXPECT_EQ(ome.slices, 5);
-  EXPECT_THAT(ome.notes, testing::ElementsAre(HasSubstr("set of several files")));
+  EXPECT_THAT(ome.notes, testing::ElementsAre(HasSubstr("its own 5 pages are read as slices")));
+  EXPECT_THAT(parseTiffDescription("<OME><Pixels", 2, 0, 0).notes,
+              testing::ElementsAre(HasSubstr("its OME description")));
   for (const char* nothing :
        {"", "a microscope", "<OME", "ImageJ=", "<OME><Pixels", "ImageJ=1\nimages=x"}) {
     EXPECT_EQ(parseTiffDescription(nothing, 1, 0, 0).slices, 1) << nothing;
     EXPECT_EQ(parseTiffDescription(nothing, 1, 0, 0).spacing, (Vec3d{1, 1, 1})) << nothing;
+  }
+}
+
+TEST(TiffDescription, ofASetNamesItsFilesOnceEach) {
+  const std::string front =
+      "<OME><Pixels DimensionOrder=\"XYZCT\" SizeZ=\"2\" SizeC=\"1\" SizeT=\"1\">";
+  const auto block = [](int z, int page, const char* file) {
+    return fmt::format(
+        "<TiffData FirstZ=\"{}\" IFD=\"{}\"><UUID FileName=\"{}\">u</UUID></TiffData>", z, page,
+        file);
+  };
+  const std::string back = "</Pixels></OME>";
+  const PageOrder order =
+      parseTiffDescription(front + block(1, 7, "a.tif") + block(0, 0, "b.tif") + back, 1, 0, 0);
+  EXPECT_THAT(order.files, testing::ElementsAre("a.tif", "b.tif"));
+  EXPECT_EQ(order.place(0), (PagePlace{1, 0}));
+  EXPECT_EQ(order.place(1), (PagePlace{0, 7}));
+  // A file that was renamed is no set.
+  const PageOrder renamed =
+      parseTiffDescription(front + block(0, 0, "a.tif") + block(1, 1, "a.tif") + back, 2, 0, 0);
+  EXPECT_THAT(renamed.files, testing::IsEmpty());
+  EXPECT_EQ(renamed.slices, 2);
+  // A plane without a page; more planes than anybody has.
+  for (const std::string& wrong : {front + block(0, 0, "a.tif") + block(0, 0, "b.tif") + back,
+                                   "<OME><Pixels DimensionOrder=\"XYZCT\" SizeZ=\"90000000\">" +
+                                       block(0, 0, "a.tif") + block(1, 0, "b.tif") + back}) {
+    const PageOrder plain = parseTiffDescription(wrong, 3, 0, 0);
+    EXPECT_EQ(plain.slices, 3);
+    EXPECT_THAT(plain.files, testing::IsEmpty());
+    EXPECT_EQ(plain.notes.size(), 1U);
   }
 }
 
@@ -123,8 +229,8 @@ TEST(TiffDescription, blocksSayWhereEachPlaneIs) {
           "<TiffData FirstZ=\"0\" FirstC=\"1\" IFD=\"0\" PlaneCount=\"2\"/>"
           "<TiffData FirstZ=\"0\" FirstC=\"0\" IFD=\"2\" PlaneCount=\"2\"/></Pixels></OME>",
       4, 0, 0);
-  EXPECT_EQ(order.page(0, 0, 0), 2);
-  EXPECT_EQ(order.page(0, 1, 1), 1);
+  EXPECT_EQ(order.place(order.plane(0, 0, 0)), (PagePlace{0, 2}));
+  EXPECT_EQ(order.place(order.plane(0, 1, 1)), (PagePlace{0, 1}));
   for (const char* wrong :
        {"<TiffData IFD=\"9\"/>", "<TiffData FirstZ=\"2\" IFD=\"0\"/>", "<TiffData IFD=\"-1\"/>",
         "<TiffData IFD=\"1\"/>", "<TiffData IFD=\"0\" PlaneCount=\"9\"/>"}) {

@@ -1,4 +1,4 @@
-#include "io/zarr/reading/zarr_levels.h"
+#include "io/files/level_places.h"
 
 #include <gmock/gmock.h>
 

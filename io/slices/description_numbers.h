@@ -1,0 +1,43 @@
+// Fields of a TIFF's description, and the numbers in them.
+#pragma once
+
+#include <charconv>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "io/slices/page_order.h"
+
+namespace sluice {
+
+// ImageJ's "key=value" lines, or the attributes of an XML element.
+using Fields = std::map<std::string, std::string, std::less<>>;
+
+inline std::string fieldOf(const Fields& fields, std::string_view name) {
+  const auto found = fields.find(name);
+  return found == fields.end() ? "" : found->second;
+}
+
+template <class T>
+std::optional<T> numberIn(std::string_view text) {
+  T value{};
+  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (status != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+// A count of 1 or more; 1 if the field is missing or makes no sense.
+inline int64_t countOf(const Fields& fields, std::string_view name) {
+  const auto count = numberIn<int64_t>(fieldOf(fields, name));
+  return count && *count >= 1 && *count <= kMostPlanes ? *count : 1;
+}
+
+// The length when it makes sense as one, else 1.
+inline double lengthOr1(std::optional<double> length) {
+  constexpr double kLeast = 1e-15, kMost = 1e15;
+  return length && *length >= kLeast && *length <= kMost ? *length : 1;
+}
+
+}  // namespace sluice

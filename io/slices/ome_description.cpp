@@ -1,0 +1,207 @@
+#include "io/slices/ome_description.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+#include <span>
+
+#include "io/files/length_unit.h"
+#include "io/files/xml_scanner.h"
+#include "io/slices/description_numbers.h"
+#include "src/base/error.h"
+
+namespace sluice {
+namespace {
+
+// A <TiffData> block: planes one after the other from this one on, in pages one after the other.
+struct TiffBlock {
+  Fields fields;
+  std::string file;  // empty: the file that has the description
+};
+
+struct OmePixels {
+  bool was_found = false;
+  Fields fields;
+  std::vector<Fields> channels;
+  std::vector<TiffBlock> blocks;
+  std::string companion;
+};
+
+Fields fieldsOf(const XmlTag& tag) {
+  Fields fields;
+  for (const auto& [name, value] : tag.attributes) fields.emplace(name, value);
+  return fields;
+}
+
+// Throws Error.
+OmePixels pixelsIn(std::string_view xml) {
+  OmePixels pixels;
+  bool is_inside = false;
+  const auto input = [&](uint64_t offset, std::span<std::byte> out) {
+    const size_t count = std::min<uint64_t>(out.size(), xml.size() - std::min(offset, xml.size()));
+    if (count > 0) std::memcpy(out.data(), xml.data() + offset, count);
+    return count;
+  };
+  const auto begin = [&](const XmlTag& tag) {
+    const std::string_view name = tag.name.substr(tag.name.find(':') + 1);
+    if (name == "BinaryOnly") pixels.companion = fieldOf(fieldsOf(tag), "MetadataFile");
+    if (name == "Pixels") {
+      if (pixels.was_found) return false;
+      pixels.was_found = is_inside = true;
+      pixels.fields = fieldsOf(tag);
+    }
+    if (!is_inside) return true;
+    if (name == "Channel") pixels.channels.push_back(fieldsOf(tag));
+    if (name == "TiffData") pixels.blocks.push_back({fieldsOf(tag), ""});
+    if (name == "UUID" && !pixels.blocks.empty())
+      pixels.blocks.back().file = fieldOf(fieldsOf(tag), "FileName");
+    return true;
+  };
+  const auto end = [&](std::string_view name, uint64_t /*at*/) {
+    if (name.substr(name.find(':') + 1) == "Pixels") is_inside = false;
+  };
+  scanXml(input, "its OME description", {begin, end, {}});
+  return pixels;
+}
+
+// The steps of the three axes in the order that letters such as "XYZCT" give.
+bool setSteps(std::string_view letters, PageOrder& order) {
+  if (letters.size() != 5 || !letters.starts_with("XY")) return false;
+  int64_t step = 1;
+  bool seen[3] = {};
+  for (const char axis : letters.substr(2)) {
+    const size_t which = axis == 'Z' ? 0 : axis == 'C' ? 1 : 2;
+    if ((axis != 'Z' && axis != 'C' && axis != 'T') || seen[which]) return false;
+    seen[which] = true;
+    (which == 0 ? order.slice_step : which == 1 ? order.channel_step : order.frame_step) = step;
+    step *= which == 0 ? order.slices : which == 1 ? order.channels : order.frames;
+  }
+  return true;
+}
+
+// The files that the blocks name; empty if they name no more than one, which is this file whatever
+// it is called now.
+std::vector<std::string> filesOf(const std::vector<TiffBlock>& blocks) {
+  std::vector<std::string> files;
+  for (const TiffBlock& block : blocks)
+    if (std::find(files.begin(), files.end(), block.file) == files.end())
+      files.push_back(block.file);
+  if (files.size() < 2) files.clear();
+  return files;
+}
+
+// Places the planes as the blocks say. False if they do not name each plane once.
+bool placePlanes(const std::vector<TiffBlock>& blocks, int64_t pages, PageOrder& order) {
+  if (blocks.empty()) return planesOf(order) == pages;
+  constexpr int64_t kMostOfSet = 1'000'000;
+  const int64_t planes = planesOf(order);
+  const bool is_set = !order.files.empty();
+  if (is_set ? planes < 1 || planes > kMostOfSet : planes != pages) return false;
+  constexpr PagePlace kNowhere{0, -1};
+  std::vector<PagePlace> places(static_cast<size_t>(planes), kNowhere);
+  for (const TiffBlock& block : blocks) {
+    const auto numberOr = [&](std::string_view name, int64_t otherwise) {
+      const std::string text = fieldOf(block.fields, name);
+      return text.empty() ? otherwise : numberIn<int64_t>(text).value_or(-1);
+    };
+    const int64_t page = numberOr("IFD", 0);
+    const bool says_page = block.fields.count("IFD") > 0;
+    const int64_t count = numberOr("PlaneCount", says_page ? 1 : pages);
+    const int64_t z = numberOr("FirstZ", 0), c = numberOr("FirstC", 0), t = numberOr("FirstT", 0);
+    if (z < 0 || z >= order.slices || c < 0 || c >= order.channels || t < 0 || t >= order.frames ||
+        page < 0 || page > kMostPlanes || count < 1)
+      return false;
+    const int64_t first = order.plane(t, z, c);
+    if (count > planes - first || (!is_set && count > pages - page)) return false;
+    const auto file = std::find(order.files.begin(), order.files.end(), block.file);
+    const auto number = static_cast<uint32_t>(is_set ? file - order.files.begin() : 0);
+    for (int64_t i = 0; i < count; ++i) places[static_cast<size_t>(first + i)] = {number, page + i};
+  }
+  if (std::find(places.begin(), places.end(), kNowhere) != places.end()) return false;
+  order.places = std::move(places);
+  return true;
+}
+
+double omeLength(const Fields& pixels, std::string_view axis, const std::string& unit) {
+  const std::string name = fmt::format("PhysicalSize{}", axis);
+  const auto size = numberIn<double>(fieldOf(pixels, name));
+  const std::string own = fieldOf(pixels, name + "Unit");
+  // If y or z has another unit than x, a known unit is converted to x's.
+  static const std::map<std::string, double, std::less<>> kMeters = {
+      {"angstrom", 1e-10},  {"nanometer", 1e-9}, {"micrometer", 1e-6}, {"millimeter", 1e-3},
+      {"centimeter", 1e-2}, {"meter", 1},        {"inch", 0.0254}};
+  const auto from = kMeters.find(own.empty() ? "micrometer" : lengthUnit(own));
+  const auto to = kMeters.find(unit);
+  const bool known = from != kMeters.end() && to != kMeters.end();
+  if (!size) return 1;
+  return lengthOr1(known && from != to ? *size * from->second / to->second : *size);
+}
+
+// A signed number of 32 bits: red, green, blue and alpha from the highest byte down. Writers that
+// do not choose a color write -1, white, which tells no channel from another.
+std::optional<std::array<double, 3>> omeColor(const std::string& text) {
+  const auto number = numberIn<int64_t>(text);
+  if (!number || *number < INT32_MIN || *number > UINT32_MAX) return std::nullopt;
+  const auto rgba = static_cast<uint32_t>(*number);
+  if (rgba == UINT32_MAX) return std::nullopt;
+  return std::array{(rgba >> 24) / 255.0, (rgba >> 16 & 255) / 255.0, (rgba >> 8 & 255) / 255.0};
+}
+
+void describeChannels(const std::vector<Fields>& channels, PageOrder& order) {
+  bool says_colors = false;
+  for (const Fields& channel : channels) {
+    if (static_cast<int64_t>(order.channel_names.size()) == order.channels) break;
+    order.channel_names.push_back(fieldOf(channel, "Name"));
+    order.channel_looks.push_back({.color = omeColor(fieldOf(channel, "Color"))});
+    says_colors = says_colors || order.channel_looks.back().color;
+  }
+  if (!says_colors) order.channel_looks.clear();
+}
+
+}  // namespace
+
+PageOrder parseOmeDescription(std::string_view xml, int64_t pages) {
+  OmePixels pixels;
+  PageOrder order = plainPages(pages);
+  try {
+    pixels = pixelsIn(xml);
+  } catch (const Error& error) {
+    order.notes.push_back(fmt::format("{}; its pages are read as slices", error.what()));
+    return order;
+  }
+  if (!pixels.was_found) {
+    order.companion = pixels.companion;
+    return order;
+  }
+  order.slices = countOf(pixels.fields, "SizeZ");
+  order.channels = countOf(pixels.fields, "SizeC");
+  order.frames = countOf(pixels.fields, "SizeT");
+  // Colors of one page are channels that take no pages.
+  if (!pixels.channels.empty()) {
+    const int64_t samples = countOf(pixels.channels[0], "SamplesPerPixel");
+    if (samples > 1 && order.channels % samples == 0) order.channels /= samples;
+  }
+  order.files = filesOf(pixels.blocks);
+  order.is_described = setSteps(fieldOf(pixels.fields, "DimensionOrder"), order) &&
+                       placePlanes(pixels.blocks, pages, order);
+  if (!order.is_described) {
+    const std::string note = fmt::format(
+        "its OME description names {} slices x {} channels x {} steps in {} files, but not a page "
+        "for each; "
+        "its own {} pages are read as slices",
+        order.slices, order.channels, order.frames, std::max<size_t>(order.files.size(), 1), pages);
+    order = plainPages(pages);
+    order.notes.push_back(note);
+  }
+  describeChannels(pixels.channels, order);
+  if (fieldOf(pixels.fields, "PhysicalSizeX").empty()) return order;
+  const std::string unit = fieldOf(pixels.fields, "PhysicalSizeXUnit");
+  order.unit = unit.empty() ? "micrometer" : lengthUnit(unit);
+  order.spacing = {omeLength(pixels.fields, "X", order.unit),
+                   omeLength(pixels.fields, "Y", order.unit),
+                   omeLength(pixels.fields, "Z", order.unit)};
+  return order;
+}
+
+}  // namespace sluice
