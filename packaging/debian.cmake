@@ -1,7 +1,7 @@
 # The Debian packages that tools/package.sh makes: one for each component of the installation. Included
 # last if SLUICE_PACKAGES is on, which configures for the prefix /usr.
 set(SLUICE_PACKAGER "" CACHE STRING "Who makes the packages: \"NAME <ADDRESS>\"")
-set(packages sluice libsluice-dev)
+set(packages sluice ${shared_package} libsluice-dev)
 if(TARGET sluice_window)
   list(APPEND packages sluice-window)
 endif()
@@ -71,11 +71,19 @@ if(TARGET sluice_python)
   math(EXPR next_minor "${Python_VERSION_MINOR} + 1")
   set(CPACK_DEBIAN_PYTHON3-SLUICE_PACKAGE_DEPENDS "sluice ${same}, python3-numpy, python3 (>= ${Python_VERSION_MAJOR}.${Python_VERSION_MINOR}~), python3 (<< ${Python_VERSION_MAJOR}.${next_minor})")
 endif()
-sluice_package(libsluice-dev "renderer of volumes that are larger than memory - library"
+# Its modules are in the package of the program, and belong to one version.
+sluice_package(${shared_package} "renderer of volumes that are larger than memory - library"
 "Sluice draws scalar volumes that are larger than memory. This package has the
-library as an archive, its headers, and its files for CMake and pkg-config.")
+shared library, for programs that are linked to it.")
+string(TOUPPER ${shared_package} key)
+set(CPACK_DEBIAN_${key}_PACKAGE_SECTION libs)
+set(CPACK_DEBIAN_${key}_PACKAGE_DEPENDS "sluice ${same}")
+set(CPACK_DEBIAN_${key}_PACKAGE_GENERATE_SHLIBS ON)
+sluice_package(libsluice-dev "renderer of volumes that are larger than memory - headers"
+"Sluice draws scalar volumes that are larger than memory. This package has the
+headers of the library, its archive, and its files for CMake and pkg-config.")
 set(CPACK_DEBIAN_LIBSLUICE-DEV_PACKAGE_SECTION libdevel)
-set(CPACK_DEBIAN_LIBSLUICE-DEV_PACKAGE_DEPENDS "sluice ${same}, libblosc-dev, libexpat1-dev, libfmt-dev, libhwy-dev, liblz4-dev, liblzma-dev, libopenexr-dev, libpng-dev, libtiff-dev, libzstd-dev, zlib1g-dev")
+set(CPACK_DEBIAN_LIBSLUICE-DEV_PACKAGE_DEPENDS "${shared_package} ${same}, libblosc-dev, libexpat1-dev, libfmt-dev, libhwy-dev, liblz4-dev, liblzma-dev, libopenexr-dev, libpng-dev, libtiff-dev, libzstd-dev, zlib1g-dev")
 
 # Each package has its copyright and the changelog of Debian.
 configure_file(${CMAKE_CURRENT_LIST_DIR}/changelog.in ${CMAKE_BINARY_DIR}/package/changelog.Debian @ONLY)

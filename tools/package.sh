@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Builds Debian packages of sluice into out/packages: sluice, sluice-window, sluice-mpi, libsluice-dev
-# and python3-sluice. DEBFULLNAME and DEBEMAIL name who makes them, as for Debian's own tools; without
+# Builds Debian packages of sluice into out/packages: sluice, sluice-window, sluice-mpi, libsluice0.1,
+# libsluice-dev and python3-sluice. DEBFULLNAME and DEBEMAIL name who makes them, as for Debian's own tools; without
 # them, git's user does.
 # JOBS limits the compilers that run at once.
 #   tools/package.sh [OPTION...]      options go to `cmake --preset batches`

@@ -1,5 +1,5 @@
-# The library for other programs: every layer that it needs in one archive, the public headers, and
-# the CMake package `sluice`. Included last, when all layers are known.
+# The library for other programs: every layer that it needs in one archive and in one shared library, the
+# public headers, and the CMake package `sluice`. Included last, when all layers are known.
 include(CMakePackageConfigHelpers)
 
 # Where a library that is linked to comes from, in the words of find_dependency() and in those of
@@ -45,8 +45,23 @@ endforeach()
 add_library(sluice_installed STATIC ${objects})
 set_target_properties(sluice_installed PROPERTIES
   OUTPUT_NAME sluice EXPORT_NAME sluice LINKER_LANGUAGE CXX)
-target_compile_features(sluice_installed INTERFACE cxx_std_20)
-target_include_directories(sluice_installed INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+
+# The same as a shared library, which exports the functions of the public headers alone. Before version 1
+# each minor version may change them, so its name has both numbers. It finds the modules from its own place.
+add_library(sluice_shared SHARED ${objects} src/library/module_folders.cpp)
+file(RELATIVE_PATH modules_from_library ${CMAKE_INSTALL_FULL_LIBDIR} ${SLUICE_FULL_MODULE_DIR})
+set_source_files_properties(src/library/module_folders.cpp PROPERTIES
+  COMPILE_DEFINITIONS SLUICE_MODULE_FOLDERS=".:${modules_from_library}")
+set_target_properties(sluice_shared PROPERTIES
+  OUTPUT_NAME sluice EXPORT_NAME shared LINKER_LANGUAGE CXX VERSION ${PROJECT_VERSION}
+  SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR} LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}
+  LINK_DEPENDS ${CMAKE_CURRENT_LIST_DIR}/exported_symbols.map)
+target_link_options(sluice_shared PRIVATE
+  -Wl,--version-script,${CMAKE_CURRENT_LIST_DIR}/exported_symbols.map -Wl,--no-undefined)
+foreach(target sluice_installed sluice_shared)
+  target_compile_features(${target} INTERFACE cxx_std_20)
+  target_include_directories(${target} INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+endforeach()
 
 # What has no package of its own is looked for by name.
 set(SLUICE_DEPENDENCIES)
@@ -71,6 +86,7 @@ foreach(item ${others})
     message(FATAL_ERROR "${item} is linked to the library: name its package in src/library/install.cmake")
   endif()
   target_link_libraries(sluice_installed PRIVATE ${item})
+  target_link_libraries(sluice_shared PRIVATE ${item})
 endforeach()
 
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/sluice)
@@ -81,29 +97,41 @@ write_basic_package_version_file(${CMAKE_BINARY_DIR}/package/sluice-config-versi
 install(FILES ${CMAKE_BINARY_DIR}/package/sluice-config.cmake
               ${CMAKE_BINARY_DIR}/package/sluice-config-version.cmake src/library/module_folders.cpp
         DESTINATION ${package_folder} COMPONENT libsluice-dev)
-install(TARGETS sluice_installed EXPORT sluice ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT libsluice-dev)
+set(shared_package libsluice${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+install(TARGETS sluice_installed sluice_shared EXPORT sluice
+  ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT libsluice-dev
+  LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT ${shared_package} NAMELINK_COMPONENT libsluice-dev)
 install(EXPORT sluice NAMESPACE sluice:: FILE sluice-targets.cmake DESTINATION ${package_folder}
         COMPONENT libsluice-dev)
 install(DIRECTORY include/sluice DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT libsluice-dev
         FILES_MATCHING PATTERN "*.h")
 
-# pkg-config's file, which may be moved with its prefix. The archive needs what it is linked to in
-# every program, so nothing is private.
-set(SLUICE_PC_PACKAGES)
-set(SLUICE_PC_LIBRARIES)
+# pkg-config's files, which may be moved with their prefix. The archive needs what it is linked to in every
+# program that takes it, so nothing of the second one is private.
+set(pc_packages)
+set(pc_libraries)
 foreach(item ${others})
   if(DEFINED pc_of_${item})
-    list(APPEND SLUICE_PC_PACKAGES ${pc_of_${item}})
+    list(APPEND pc_packages ${pc_of_${item}})
   elseif(item STREQUAL Threads::Threads)
-    string(APPEND SLUICE_PC_LIBRARIES " -pthread")
+    string(APPEND pc_libraries " -pthread")
   elseif(item MATCHES "::")
     message(FATAL_ERROR "${item} is linked to the library: name its pkg-config file in src/library/install.cmake")
   else()
     string(REGEX REPLACE "^.*/lib([^/]+)\\.(so|a)$" "\\1" name ${item})
-    string(APPEND SLUICE_PC_LIBRARIES " -l${name}")
+    string(APPEND pc_libraries " -l${name}")
   endif()
 endforeach()
-list(JOIN SLUICE_PC_PACKAGES ", " SLUICE_PC_PACKAGES)
+list(JOIN pc_packages ", " pc_packages)
 file(RELATIVE_PATH SLUICE_PREFIX_FROM_PC ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_PREFIX})
-configure_file(src/library/sluice.pc.in ${CMAKE_BINARY_DIR}/package/sluice.pc @ONLY)
-install(FILES ${CMAKE_BINARY_DIR}/package/sluice.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT libsluice-dev)
+# sluice_pkg_config(NAME LIBRARIES PACKAGES)
+function(sluice_pkg_config name libraries packages)
+  set(SLUICE_PC_NAME ${name})
+  set(SLUICE_PC_LIBRARIES "${libraries}")
+  set(SLUICE_PC_PACKAGES "${packages}")
+  configure_file(src/library/sluice.pc.in ${CMAKE_BINARY_DIR}/package/${name}.pc @ONLY)
+  install(FILES ${CMAKE_BINARY_DIR}/package/${name}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig
+          COMPONENT libsluice-dev)
+endfunction()
+sluice_pkg_config(sluice "-lsluice" "")
+sluice_pkg_config(sluice-static "-l:libsluice.a${pc_libraries}" "${pc_packages}")

@@ -1,7 +1,9 @@
-// Compiled into programs that link to the installed library, by its package: the folder of its
-// modules. Declared and explained in src/base/files/program_module.cpp.
+// The folders of the modules that are opened at run time, for code that does not lie beside them:
+// the shared library, Python's extension module, and programs that link to the installed archive,
+// whose CMake package compiles this file into them. Declared and explained in
+// src/base/files/program_module.cpp.
 extern "C" const char* sluiceModuleFolders();
 
 extern "C" const char* sluiceModuleFolders() {
-  return SLUICE_MODULE_FOLDER;
+  return SLUICE_MODULE_FOLDERS;
 }

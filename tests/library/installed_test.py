@@ -4,6 +4,7 @@
 """
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
@@ -41,7 +42,7 @@ class Installed(unittest.TestCase):
         return {**os.environ, 'XDG_CACHE_HOME': self.folder.name + '/cache', **more}
 
     def test_has_every_part(self):
-        for name in ['bin/sluice', 'lib/libsluice.a', 'lib/cmake/sluice/sluice-config.cmake', 'lib/pkgconfig/sluice.pc',
+        for name in ['bin/sluice', 'lib/libsluice.a', 'lib/libsluice.so', 'lib/libsluice.so.0.1', 'lib/cmake/sluice/sluice-config.cmake', 'lib/pkgconfig/sluice.pc',
                      'include/sluice/sluice.h', 'share/doc/sluice/LICENSE']:
             self.assertTrue((self.prefix / name).is_file(), name)
         modules = {path.name for path in (self.prefix / 'lib/sluice').iterdir()}
@@ -90,6 +91,26 @@ class Installed(unittest.TestCase):
                            env=self.environment(PYTHONPATH=str(package)), cwd=self.folder.name)
                 self.assertEqual(said, '(6, 5, 4)\n')
 
+    def test_wheel_goes_into_an_environment(self):
+        if not (self.prefix / 'lib/python3/dist-packages/sluice').is_dir():
+            self.skipTest('built without Python')
+        if subprocess.run(['/usr/bin/python3', '-m', 'wheel', 'version'], capture_output=True, check=False).returncode != 0:
+            self.skipTest('python3-wheel is not installed')
+        wheel = run(pathlib.Path(SOURCE) / 'tools/wheel.sh', BUILD, self.folder.name + '/wheels').strip()
+        place = pathlib.Path(self.folder.name) / 'environment'
+        run('/usr/bin/python3', '-m', 'venv', '--system-site-packages', place)
+        run(place / 'bin/pip', '--quiet', 'install', '--no-index', '--no-deps', wheel)
+        volume = 'synth:shells,dims=32x32x32'
+        said = run(place / 'bin/python', '-c', f'import sluice; sluice.open({volume!r}).save("wheel.png", threshold=90)\n'
+                   'print(sluice.__file__)', cwd=self.folder.name, env=self.environment())
+        self.assertTrue(said.startswith(str(place)), said)
+        run(self.prefix / 'bin/sluice', 'render', '-q', volume, '-o', 'program.png', '--threshold', '90',
+            cwd=self.folder.name, env=self.environment())
+        self.assertEqual((pathlib.Path(self.folder.name) / 'wheel.png').read_bytes(),
+                         (pathlib.Path(self.folder.name) / 'program.png').read_bytes())
+        if (self.prefix / 'lib/sluice/sluice_hdf5.so').exists():
+            self.assertIn('sluice/sluice_hdf5.so', run('/usr/bin/python3', '-m', 'zipfile', '-l', wheel))
+
     def test_goes_where_destdir_says(self):
         stage = pathlib.Path(self.folder.name) / 'stage'
         run(CMAKE, '--install', BUILD, '--prefix', '/opt/there', env={**os.environ, 'DESTDIR': str(stage)})
@@ -101,16 +122,33 @@ class Installed(unittest.TestCase):
         if shutil.which('pkg-config') is None:
             self.skipTest('pkg-config is not installed')
         moved = pathlib.Path(self.folder.name) / 'for pkg-config'
-        shutil.copytree(self.prefix, moved)
-        environment = self.environment(PKG_CONFIG_PATH=str(moved / 'lib/pkgconfig'))
-        self.assertRegex(run('pkg-config', '--modversion', 'sluice', env=environment), r'^\d+\.\d+\.\d+\n$')
+        shutil.copytree(self.prefix, moved, symlinks=True)
+        environment = self.environment(PKG_CONFIG_PATH=str(moved / 'lib/pkgconfig'), LD_LIBRARY_PATH=str(moved / 'lib'))
         source = pathlib.Path(self.folder.name) / 'one.cpp'
         source.write_text('#include <sluice/sluice.h>\n#include <cstdio>\nint main() {\n'
                           '  const sluice::Volume volume("synth:shells,dims=32x32x32");\n'
-                          '  std::printf("%d\\n", int(volume.info().dims[2]));\n}\n')
-        run('sh', '-c', f"eval '{CXX}' -std=c++20 one.cpp -o one $(pkg-config --cflags --libs sluice)", env=environment,
-            cwd=self.folder.name)
-        self.assertEqual(run('./one', cwd=self.folder.name), '32\n')
+                          '  std::printf("%d\\n", int(volume.info().dims[2]));\n'
+                          '  try {\n    const sluice::Volume none("none.nrrd");\n'
+                          '  } catch (const sluice::Error& error) {\n    std::puts(error.what());\n  }\n}\n')
+        for name, is_shared in [('sluice', True), ('sluice-static', False)]:
+            self.assertRegex(run('pkg-config', '--modversion', name, env=environment), r'^\d+\.\d+\.\d+\n$')
+            run('sh', '-c', f"eval '{CXX}' -std=c++20 one.cpp -o one $(pkg-config --cflags --libs {name})", env=environment,
+                cwd=self.folder.name)
+            self.assertRegex(run('./one', cwd=self.folder.name, env=environment), r'^32\nnone\.nrrd: .*\n$')
+            self.assertEqual('libsluice.so.0.1' in run('readelf', '-Wd', self.folder.name + '/one'), is_shared, name)
+
+    def test_shared_library_exports_the_public_functions_alone(self):
+        library = self.prefix / 'lib/libsluice.so'
+        self.assertIn('[libsluice.so.0.1]', run('readelf', '-Wd', library))
+        exported = set(re.findall(r' [TWVBDR] (.*?)(?:@@.*)?$', run('nm', '-DC', '--defined-only', library), re.M))
+        # Functions of two words of indentation: members of the classes, whose bodies are elsewhere.
+        declared = set()
+        for header, owner in [('image', 'Image'), ('renderer', 'Renderer'), ('volume', 'Volume')]:
+            text = re.sub(r'//.*', '', (self.prefix / f'include/sluice/{header}.h').read_text())
+            body = re.search(rf'^(?:class|struct) {owner} {{(.*?)(?:^ private:|^}};)', text, re.M | re.S)[1]
+            declared |= {f'sluice::{owner}::{name}' for name in
+                         re.findall(r'^  [\w:<>&\[\] ]*?(~?\w+|operator=)\([^;{]*;', body, re.M)}
+        self.assertEqual({re.sub(r'(\[abi:\w+\])?\(.*', '', name) for name in exported if 'SLUICE_0.1' != name}, declared)
 
     def test_desktop_files_are_valid(self):
         share = self.prefix / 'share'

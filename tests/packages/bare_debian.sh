@@ -68,7 +68,7 @@ inside bash -c '. /usr/share/bash-completion/bash_completion; _completion_loader
 inside fish -c 'complete -C "sluice render --thresh"' | grep -- --threshold >/dev/null
 inside zsh -c 'autoload -U compinit; compinit -D -u; [[ $_comps[sluice] == _sluice ]]'
 
-for name in sluice-window sluice-mpi python3-sluice libsluice-dev; do
+for name in sluice-window sluice-mpi python3-sluice libsluice0.1 libsluice-dev; do
   step "$name"
   add "$(in_root $name)"
 done
@@ -87,7 +87,7 @@ inside sh -ec 'cd /tmp/turntable; cmake -B build -DCMAKE_BUILD_TYPE=Release >/de
   ./by_pkg_config synth:phantom,dims=64x64x64 20 /tmp/t2.png >/dev/null; cmp /tmp/t.png /tmp/t2.png'
 
 step "removed"
-inside apt-get purge -y -q sluice sluice-window sluice-mpi python3-sluice libsluice-dev >/dev/null
+inside apt-get purge -y -q sluice sluice-window sluice-mpi python3-sluice libsluice0.1 libsluice-dev >/dev/null
 left=$(cd "$root" && find . -xdev \( -path ./proc -o -path ./tmp -o -path ./root -o -path ./var/cache/apt -o -path ./var/cache/man -o -path ./var/lib/apt -o -path ./var/log \) -prune -o -iname '*sluice*' -print)
 [[ -z $left ]] || fail "left behind: $left"
 inside man -k sluice >/dev/null 2>&1 && fail "man still knows sluice"
