@@ -30,10 +30,12 @@ test_packages=(
   libopenvdb-tools nifti-bin teem-apps openexr openimageio-tools python3-openimageio ffmpeg
   python3 python3-numpy python3-h5py python3-vtk9 python3-nibabel python3-tifffile python3-zarr python3-numcodecs python3-pil
   libgdcm-tools python3-pydicom python3-gdcm
+  # The Python package as a wheel, and an environment to install it into.
+  python3-wheel python3-venv
   # Manual pages, completions, the desktop's files.
   man-db groff mandoc zsh fish desktop-file-utils shared-mime-info libxml2-utils
-  # The documents as pages.
-  mkdocs
+  # The documents and the library's headers as pages.
+  mkdocs doxygen
 )
 
 case "${1-all}" in

@@ -43,8 +43,8 @@ bool areOnOneFace(int a, int b) {
 }
 
 // The surface's boundary within a face leads from each crossed edge to the edge listed here; edges
-// that are not crossed have -1. Every crossed edge lies on two faces: it begins the segment of one and ends that
-// of the other.
+// that are not crossed have -1. Every crossed edge lies on two faces: it begins the segment of one
+// and ends that of the other.
 std::array<int, kEdges> segmentsOf(int inside) {
   std::array<int, kEdges> next{};
   next.fill(-1);

@@ -1,6 +1,9 @@
-"""mkdocs: pages of the top of the repository beside those of docs/, and their links."""
+"""mkdocs: pages of the top of the repository beside those of docs/, their links, and the library's headers as
+pages, which Doxygen makes (Doxyfile) if it is installed."""
 import pathlib
 import re
+import shutil
+import subprocess
 
 from mkdocs.structure.files import File
 
@@ -29,3 +32,17 @@ def on_page_markdown(markdown, page, config, files):
         return text
 
     return LINK.sub(mended, markdown)
+
+
+def on_page_content(html, page, config, files):
+    if page.file.src_path != 'library.md' or shutil.which('doxygen') is None:
+        return html
+    return html + '<p><a href="api/annotated.html">All classes and functions of the headers</a></p>'
+
+
+def on_post_build(config):
+    if shutil.which('doxygen') is None:
+        return
+    settings = (ROOT / 'tools/docs/Doxyfile').read_text()
+    settings += f'OUTPUT_DIRECTORY = "{config["site_dir"]}"\nHTML_OUTPUT = api\n'
+    subprocess.run(['doxygen', '-'], input=settings, text=True, cwd=ROOT, check=True)
