@@ -13,7 +13,7 @@ namespace sluice {
 // The voxels of a block added up so far. Sums of integers are exact: 2^32 times 2^18 voxels are
 // below 2^53.
 struct BlockSums {
-  double value = 0;    // sum, greatest or least
+  double value = 0;    // sum
   double squares = 0;  // of the values' distances from an origin
   uint32_t count = 0;  // of voxels that are numbers
 };

@@ -6,18 +6,14 @@
 #include <type_traits>
 #include <utility>
 
+#include "src/base/error.h"
+
 namespace sluice {
 namespace {
 
-void gather(BlockSums& block, const BlockSums& more, Downsample how) {
+void gather(BlockSums& block, const BlockSums& more) {
   if (more.count == 0) return;
-  if (how == Downsample::kMean)
-    block.value += more.value;
-  else if (block.count == 0)
-    block.value = more.value;
-  else
-    block.value = how == Downsample::kMax ? std::max(block.value, more.value)
-                                          : std::min(block.value, more.value);
+  block.value += more.value;
   block.squares += more.squares;
   block.count += more.count;
 }
@@ -72,19 +68,19 @@ BlockSums* rowOf(std::vector<BlockSums>& blocks, Vec3i size, int64_t y, int64_t 
 // A step from a level to the next is 1 or 2 along each axis, and so a shift of the index by 0 or 1.
 
 // Blocks into those of the next level.
-void gatherCoarser(std::vector<BlockSums>& finer, Vec3i finer_size, Vec3i step, Downsample how,
+void gatherCoarser(std::vector<BlockSums>& finer, Vec3i finer_size, Vec3i step,
                    std::vector<BlockSums>& coarser, Vec3i size) {
   for (int64_t z = 0; z < finer_size.z; ++z)
     for (int64_t y = 0; y < finer_size.y; ++y) {
       const BlockSums* const from = rowOf(finer, finer_size, y, z);
       BlockSums* const to = rowOf(coarser, size, y >> (step.y - 1), z >> (step.z - 1));
-      for (int64_t x = 0; x < finer_size.x; ++x) gather(to[x >> (step.x - 1)], from[x], how);
+      for (int64_t x = 0; x < finer_size.x; ++x) gather(to[x >> (step.x - 1)], from[x]);
     }
 }
 
 // The finest voxels of a cube into the blocks of the first level.
 template <class T>
-void gatherFirst(const CubeVoxels<T>& cube, Vec3i step, double origin, Downsample how,
+void gatherFirst(const CubeVoxels<T>& cube, Vec3i step, double origin,
                  std::vector<BlockSums>& blocks, Vec3i size) {
   for (int64_t z = 0; z < cube.size.z; ++z)
     for (int64_t y = 0; y < cube.size.y; ++y) {
@@ -94,7 +90,7 @@ void gatherFirst(const CubeVoxels<T>& cube, Vec3i step, double origin, Downsampl
         if (isNumber(from[x])) {
           const auto value = static_cast<double>(from[x]);
           const double away = value - origin;
-          gather(row[x >> (step.x - 1)], {value, away * away, 1}, how);
+          gather(row[x >> (step.x - 1)], {value, away * away, 1});
         }
     }
 }
@@ -116,18 +112,14 @@ void putModes(const CubeVoxels<T>& cube, const LevelPart& part) {
 }
 
 template <class T>
-void put(std::vector<BlockSums>& blocks, Vec3i size, double origin, Downsample how,
-         const LevelPart& part) {
+void put(std::vector<BlockSums>& blocks, Vec3i size, double origin, const LevelPart& part) {
   for (int64_t z = 0; z < size.z; ++z)
     for (int64_t y = 0; y < size.y; ++y) {
       const BlockSums* const row = rowOf(blocks, size, y, z);
       const int64_t at = z * part.plane_stride + y * part.row_stride;
       T* const to = reinterpret_cast<T*>(part.voxels) + at;
       for (int64_t x = 0; x < size.x; ++x)
-        to[x] =
-            voxelOf<T>(how == Downsample::kMean ? meanOf(row[x].value, row[x].count) : row[x].value,
-                       row[x].count);
-      if (!keepsSpreads(how)) continue;
+        to[x] = voxelOf<T>(meanOf(row[x].value, row[x].count), row[x].count);
       auto* const spreads = reinterpret_cast<SpreadOf<T>*>(part.spreads) + at;
       for (int64_t x = 0; x < size.x; ++x) spreads[x] = spreadOf<SpreadOf<T>>(row[x], origin);
     }
@@ -138,6 +130,7 @@ void put(std::vector<BlockSums>& blocks, Vec3i size, double origin, Downsample h
 template <class T>
 void gatheredLevels(const CubeVoxels<T>& cube, std::span<const LevelPart> levels, Downsample how,
                     GatheredRoom& room) {
+  SLUICE_CHECK(how == Downsample::kMean || how == Downsample::kMode);
   const double origin = originOf(cube.voxels);
   Vec3i finer_step{1, 1, 1}, finer_size;
   for (const LevelPart& part : levels) {
@@ -149,10 +142,10 @@ void gatheredLevels(const CubeVoxels<T>& cube, std::span<const LevelPart> levels
     const Vec3i size = blocksOf(cube.size, part.step), step = part.step / finer_step;
     room.coarser.assign(static_cast<size_t>(volume(size)), BlockSums{});
     if (&part == levels.data())
-      gatherFirst(cube, step, origin, how, room.coarser, size);
+      gatherFirst(cube, step, origin, room.coarser, size);
     else
-      gatherCoarser(room.finer, finer_size, step, how, room.coarser, size);
-    put<T>(room.coarser, size, origin, how, part);
+      gatherCoarser(room.finer, finer_size, step, room.coarser, size);
+    put<T>(room.coarser, size, origin, part);
     std::swap(room.finer, room.coarser);
     finer_step = part.step;
     finer_size = size;

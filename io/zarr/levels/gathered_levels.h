@@ -1,5 +1,5 @@
-// gatheredLevels: the levels of a cube of voxels of any type, for every way to downsample. Block by
-// block in doubles; narrow_means.h does the same for most bytes, faster.
+// gatheredLevels: the levels of means with their spreads, or of modes, of a cube of voxels of any
+// type. Block by block in doubles; narrow_means.h does the same for most bytes, faster.
 #pragma once
 
 #include <span>
@@ -16,8 +16,9 @@ struct GatheredRoom {
   std::vector<BlockSums> coarser, finer;
 };
 
-// Fills the parts of all levels, from fine to coarse. Requires: along each axis a level's step is 1
-// or 2 times the one before, the first level's 1 or 2; parts have spreads if levels keep them.
+// Fills the parts of all levels, from fine to coarse. Requires: `how` is kMean or kMode; along each
+// axis a level's step is 1 or 2 times the one before, the first level's 1 or 2; parts have spreads
+// if levels keep them.
 template <class T>
 void gatheredLevels(const CubeVoxels<T>& cube, std::span<const LevelPart> levels, Downsample how,
                     GatheredRoom& room);

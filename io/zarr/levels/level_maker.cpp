@@ -4,6 +4,7 @@
 #include <cstring>
 #include <utility>
 
+#include "io/zarr/levels/extreme_levels.h"
 #include "io/zarr/levels/gathered_levels.h"
 #include "io/zarr/levels/narrow_means.h"
 #include "io/zarr/reading/zarr_rows.h"
@@ -68,6 +69,8 @@ uint64_t LevelMaker::threadBytes(const VolumeLayout& layout, int64_t chunk_voxel
 }
 
 int64_t LevelMaker::longestRow() const {
+  const bool is_extreme = how_ == Downsample::kMax || how_ == Downsample::kMin;
+  if (is_extreme) return ceilDiv(dims_.x, chunk_voxels_) * chunk_voxels_;
   if (bytesPerVoxel(type_) > 2 || how_ != Downsample::kMean) return chunk_voxels_;
   const int64_t side = chunk_voxels_;
   const uint64_t cube = narrowMeansRoom({side, side, side}, stepsOf(levels_));
@@ -154,14 +157,20 @@ void LevelMaker::addOf(const Box3& box, const T* voxels, int64_t row_stride, int
     std::fill_n(came, cubes, char{1});
   }
   const CubeVoxels<T> all{box.size(), voxels, row_stride, plane_stride};
-  const auto gatherAll = [&] { gatheredLevels(all, parts, how_, scratch->gathered); };
-  if constexpr (kIsNarrow<T>) {
-    if (how_ == Downsample::kMean)
-      narrowMeans(all, parts, scratch->narrow);
-    else
-      gatherAll();
-  } else {
-    gatherAll();
+  switch (how_) {
+    case Downsample::kMax:
+    case Downsample::kMin:
+      extremeLevels(all, parts, how_);
+      break;
+    case Downsample::kMean:
+      if constexpr (kIsNarrow<T>)
+        narrowMeans(all, parts, scratch->narrow);
+      else
+        gatheredLevels(all, parts, how_, scratch->gathered);
+      break;
+    case Downsample::kMode:
+      gatheredLevels(all, parts, how_, scratch->gathered);
+      break;
   }
   const MutexLock lock(mutex_);
   idle_.push_back(std::move(scratch));
