@@ -1,7 +1,9 @@
 """Compares the levels of a store with what NumPy makes of its level 0.
 
 check_packed_levels.py STORE mean|max|min|mode: every voxel of a level is compared with that of its block, a
-level's place with its scale. Levels of means have spreads: twice NumPy's standard deviation. Prints "level shape step" a line for each level, x first.
+level's place with its scale. Levels of means have spreads: twice NumPy's standard deviation. Several words with
+commas between: the further levels lie in groups of their own, which the attributes name. Prints "level shape step"
+a line for each level, x first.
 """
 
 import sys
@@ -10,7 +12,7 @@ import numpy as np
 import zarr
 
 group = zarr.open(sys.argv[1], "r")
-how = sys.argv[2]
+how, *further = sys.argv[2].split(",")
 image = group.attrs["multiscales"][0]
 fine = group["0"][:]
 space = fine.ndim - 3
@@ -59,9 +61,13 @@ def spread(voxels, step):
     return 2 * np.sqrt(mean((values - means) ** 2, step))
 
 
-spreads = group.attrs["sluice"].get("spreads") if "sluice" in group.attrs else None
+own = group.attrs["sluice"] if "sluice" in group.attrs else {}
+spreads = own.get("spreads")
+folders = own.get("levels", {})
+assert sorted(folders) == sorted(further), folders
 assert (spreads is not None) == (how == "mean")
 assert image["type"] == how
+extremes = {"max": np.maximum, "min": np.minimum}
 kinds = {"u1": "u1", "i1": "u1", "u2": "u2", "i2": "u2"}
 scale_0, translation_0 = place(image["datasets"][0])
 for i, dataset in enumerate(image["datasets"][1:], 1):
@@ -71,6 +77,11 @@ for i, dataset in enumerate(image["datasets"][1:], 1):
     assert np.allclose(translation, translation_0 + (step - 1) / 2 * scale_0), (translation, translation_0)
     assert (step[:space] == 1).all()
     coarse = group[dataset["path"]][:]
+    for kind in further:
+        made = group[f"{folders[kind]}/{dataset['path']}"][:]
+        for outer in np.ndindex(fine.shape[:space]):
+            voxels = fine[outer]
+            assert np.array_equal(made[outer], extreme(voxels, step[space:], extremes[kind]) if kind in extremes else blocks(voxels, step[space:], mode))
     for outer in np.ndindex(fine.shape[:space]):
         voxels, found = fine[outer], coarse[outer]
         if how == "mean":
@@ -85,7 +96,6 @@ for i, dataset in enumerate(image["datasets"][1:], 1):
             assert kept.shape == expected.shape
             assert np.abs(kept.astype("f8") - expected).max() <= tolerance
         else:
-            extremes = {"max": np.maximum, "min": np.minimum}
             expected = extreme(voxels, step[space:], extremes[how]) if how in extremes else blocks(voxels, step[space:], mode)
             assert np.array_equal(found, expected)
     print(i, *coarse.shape[:space - 1 if space else None:-1], *step[:space - 1 if space else None:-1])

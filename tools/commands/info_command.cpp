@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "src/base/values/bytes.h"
+#include "src/base/values/level_kinds.h"
 #include "src/base/values/volume_levels.h"
 #include "src/library/opening/thick_source.h"
 #include "tools/command_line/console.h"
@@ -42,6 +43,9 @@ void printLevels(const VolumeSource& source) {
     line(++level, coarser.source->layout().dims, coarser.placement,
          fmt::format("; {}, spread: {}", wordOf(coarser.values),
                      coarser.spreads == nullptr ? "none" : name(coarser.spreads->layout().type)));
+  for (const LevelValues values : kLevelKinds)
+    if (const auto levels = levelsOfKind(source, values); !levels.empty())
+      say("  {} levels of {} beside them\n", levels.size(), wordOf(values));
 }
 
 nlohmann::json levelsJson(const VolumeSource& source) {
@@ -49,12 +53,17 @@ nlohmann::json levelsJson(const VolumeSource& source) {
   nlohmann::json levels = nlohmann::json::array();
   const auto add = [&](Vec3i dims, const LevelPlacement& place, const char* values,
                        bool has_spreads) {
+    nlohmann::json also = nlohmann::json::array();
+    for (const LevelValues kind : kLevelKinds)
+      if (!levels.empty() && levelsOfKind(source, kind).size() >= levels.size())
+        also.push_back(wordOf(kind));
     levels.push_back({{"dims", triple(dims)},
                       {"scale", triple(place.scale)},
                       {"offset", triple(place.offset)},
                       {"spacing", triple(source.layout().spacing * place.scale)},
                       {"values", values},
-                      {"spreads", has_spreads}});
+                      {"spreads", has_spreads},
+                      {"also", also}});
   };
   add(source.layout().dims, {}, "voxels", false);
   for (const CoarserLevel& coarser : coarserLevels(source))

@@ -64,6 +64,15 @@ std::optional<Vec3i> shards(const std::string& word) {
   return asVec3i(*numbers);
 }
 
+// Each way once, means first: other programs know them best.
+std::vector<Downsample> inOrder(const std::vector<Downsample>& ways) {
+  std::vector<Downsample> ordered;
+  for (const Downsample how : ways)
+    if (std::ranges::find(ordered, how) == ordered.end())
+      ordered.insert(how == Downsample::kMean ? ordered.begin() : ordered.end(), how);
+  return ordered;
+}
+
 constexpr int kLz4Level = 5, kZstdLevel = 1;
 
 // The indices that the store's first openings would build: of every channel and time step. Returns
@@ -119,6 +128,7 @@ int pack(const PackArguments& arguments) {
   Workers pool(arguments.resources.threads);
   const VolumeLayout& layout = channels.front()->layout();
   PackOptions options = arguments.pack;
+  options.downsample = inOrder(options.downsample);
   options.stop = interruption();
   if (arguments.zarr == 3) options.shard_voxels = shardOf(arguments);
   if (arguments.zarr == 2 && arguments.shard)
@@ -251,15 +261,16 @@ Command addPack(CLI::App& program) {
       },
       "Also writes coarser levels of resolution: N of them, or (auto) down to 64 voxels per side",
       "none");
-  store.choice(
-      "--downsample",
-      Words<Downsample>{{"mean", Downsample::kMean},
-                        {"max", Downsample::kMax},
-                        {"min", Downsample::kMin},
-                        {"mode", Downsample::kMode}},
-      options.downsample,
-      "How a voxel of a coarser level follows from finer ones: max for --mode mip, min for minip, "
-      "mode for labels");
+  store
+      .choices("--downsample",
+               Words<Downsample>{{"mean", Downsample::kMean},
+                                 {"max", Downsample::kMax},
+                                 {"min", Downsample::kMin},
+                                 {"mode", Downsample::kMode}},
+               options.downsample,
+               "How a voxel of a coarser level follows from finer ones: mean, max for --mode mip, "
+               "min for minip, mode for labels. Several, as mean,max, make levels of each kind")
+      ->default_str("mean");
   store.text("--unit", "NAME", arguments->pack.unit,
              "Unit of the spacing, if the file does not name it: micrometer, millimeter, ...");
   CLI::Option* verify = store.flag("--verify", arguments->pack.verify,

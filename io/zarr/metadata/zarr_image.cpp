@@ -44,10 +44,18 @@ std::vector<ZarrAxis> parseAxes(const JsonField& field) {
   return axes;
 }
 
-constexpr std::pair<const char*, LevelValues> kLevelNames[] = {{"mean", LevelValues::kMeans},
-                                                               {"max", LevelValues::kMaxima},
-                                                               {"min", LevelValues::kMinima},
-                                                               {"mode", LevelValues::kModes}};
+struct LevelWords {
+  LevelValues values;
+  const char *name, *folder;
+};
+constexpr LevelWords kLevelWords[] = {{LevelValues::kMeans, "mean", "mean"},
+                                      {LevelValues::kMaxima, "max", "maximum"},
+                                      {LevelValues::kMinima, "min", "minimum"},
+                                      {LevelValues::kModes, "mode", "mode"}};
+const LevelWords* wordsOf(LevelValues values) {
+  const auto* const words = std::ranges::find(kLevelWords, values, &LevelWords::values);
+  return words == std::end(kLevelWords) ? nullptr : words;
+}
 
 // Applies a list of transformations after those that are in `place` already.
 void transform(const JsonField& list, ZarrPlace& place) {
@@ -114,8 +122,8 @@ void parseMultiscale(const JsonField& multiscale, const std::string& level, Zarr
   if (axes) image.axes = parseAxes(*axes);
   // Other writers have more words, such as "gaussian".
   if (const auto type = multiscale.find("type"); type && type->isText())
-    for (const auto& [name, values] : kLevelNames)
-      if (type->text() == name) image.level_values = values;
+    for (const LevelWords& words : kLevelWords)
+      if (type->text() == words.name) image.level_values = words.values;
   const size_t count = datasets.size();
   if (count == 0) datasets.failExpected("one level at least");
   constexpr size_t kMostLevels = 64;
@@ -226,6 +234,12 @@ void parseOwn(const JsonField& own, ZarrImage& image) {
     requireInside(*spreads);
     image.spreads = spreads->text();
   }
+  if (const auto groups = own.find("levels"))
+    for (const LevelWords& words : kLevelWords)
+      if (const auto folder = groups->find(words.name)) {
+        requireInside(*folder);
+        image.level_groups.push_back({words.values, folder->text()});
+      }
   if (const auto frame = own.find("frame")) image.frame = parseFrame(*frame);
 }
 
@@ -334,9 +348,13 @@ void place(const ZarrImage& image, const std::string& path, ZarrView& view) {
 }  // namespace
 
 std::string_view zarrLevelsName(LevelValues values) {
-  for (const auto& [name, known] : kLevelNames)
-    if (known == values) return name;
-  return {};
+  const LevelWords* const words = wordsOf(values);
+  return words == nullptr ? std::string_view() : words->name;
+}
+
+std::string_view zarrLevelsFolder(LevelValues values) {
+  const LevelWords* const words = wordsOf(values);
+  return words == nullptr ? std::string_view() : words->folder;
 }
 
 std::string_view zarrFrameName(WorldFrame frame) {

@@ -7,7 +7,8 @@
 // 0.6. What those cannot say, the directions of oblique axes and the scaling of values, sluice
 // keeps under a key of its own ("sluice"), which other programs pass over. There "spreads" names a
 // group inside the image's folder that has an array for each coarser level, of the same path and
-// shape: the spreads of its voxels (volume_levels.h).
+// shape: the spreads of its voxels (volume_levels.h). "levels" names groups of the same kind for
+// coarser levels that hold something else, by the words of zarrLevelsName().
 #pragma once
 
 #include <array>
@@ -27,6 +28,12 @@ namespace sluice {
 
 // The group of the spreads in stores that sluice packs.
 inline constexpr const char* kZarrSpreadFolder = "spread";
+
+// A group of coarser levels beside those of the image.
+struct ZarrLevelGroup {
+  LevelValues values = LevelValues::kUnknown;
+  std::string folder;
+};
 
 struct ZarrAxis {
   std::string name, type, unit;  // type and unit may be empty
@@ -51,6 +58,7 @@ struct ZarrImage {
   double value_scale = 1, value_offset = 0;
   bool level_set = false;
   std::string spreads;  // folder of the levels' spreads; empty: there are none
+  std::vector<ZarrLevelGroup> level_groups;
   LevelValues level_values = LevelValues::kUnknown;  // as far as the image says it
   std::optional<WorldFrame> frame;  // without: that of pictures, where the axes are an image's
 };
@@ -63,6 +71,8 @@ ZarrImage parseZarrImage(std::string_view text, const std::string& path,
 
 // The word for how levels were made; empty for kUnknown.
 std::string_view zarrLevelsName(LevelValues values);
+// The group of such levels in stores that sluice packs with levels of several kinds.
+std::string_view zarrLevelsFolder(LevelValues values);
 // The text for a frame under the key "sluice".
 std::string_view zarrFrameName(WorldFrame frame);
 

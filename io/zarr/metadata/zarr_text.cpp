@@ -210,6 +210,8 @@ std::string zarrImageText(const VolumeLayout& layout, const std::string& name,
   if (channels.names.size() > 1) image["omero"] = omero(channels, layout);
   ordered_json own = ownPart(layout);
   if (levels.has_spreads) own["spreads"] = kZarrSpreadFolder;
+  for (const LevelValues values : levels.groups)
+    own["levels"][std::string(zarrLevelsName(values))] = zarrLevelsFolder(values);
   if (is_v3) {
     ordered_json attributes{{"ome", image}};
     if (!own.empty()) attributes["sluice"] = own;

@@ -25,7 +25,8 @@ std::string zarrArrayText(const ZarrArray& array, const BloscOptions& options);
 struct ZarrLevelsText {
   std::vector<LevelPlacement> placements;  // from fine to coarse
   LevelValues values = LevelValues::kMeans;
-  bool has_spreads = false;  // in arrays beside them, see kZarrSpreadFolder
+  bool has_spreads = false;              // in arrays beside them, see kZarrSpreadFolder
+  std::vector<LevelValues> groups = {};  // of further levels, see zarrLevelsFolder()
 };
 
 // The channels of an image, for viewers.

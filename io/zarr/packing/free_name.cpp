@@ -7,8 +7,10 @@
 
 #include "io/stores/folder_store.h"
 #include "io/zarr/metadata/zarr_folder.h"
+#include "io/zarr/metadata/zarr_image.h"
 #include "io/zarr/reading/zarr_checksums.h"
 #include "src/base/error.h"
+#include "src/base/values/level_kinds.h"
 
 namespace sluice {
 
@@ -16,14 +18,16 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// A name that a Zarr store has: metadata, our checksums and spreads, or a chunk's or array's number
-// ("0.1.2").
+// A name that a Zarr store has: metadata, our checksums, spreads and groups of levels, or a chunk's
+// or array's number ("0.1.2").
 bool belongsToStore(const fs::path& name) {
   const std::string text = name.string();
   constexpr std::array<std::string_view, 8> kMetadata = {
       ".zarray",   ".zgroup",          ".zattrs",         ".zmetadata",
       "zarr.json", kZarrChecksumsName, kZarrSpreadFolder, "c"};
   if (std::find(kMetadata.begin(), kMetadata.end(), text) != kMetadata.end()) return true;
+  for (const LevelValues values : kLevelKinds)
+    if (text == zarrLevelsFolder(values)) return true;
   return !text.empty() && text.find_first_not_of("0123456789.") == std::string::npos;
 }
 

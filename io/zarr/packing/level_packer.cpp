@@ -27,11 +27,12 @@ ZarrArray spreadsOf(ZarrArray array) {
 }  // namespace
 
 std::vector<PackedArray> levelArrays(const ZarrArray& finest, std::span<const LevelShape> levels,
-                                     Downsample how, int64_t first) {
+                                     Downsample how, int64_t first, std::string_view group) {
   std::vector<PackedArray> arrays;
   for (const LevelShape& level : levels)
-    arrays.push_back(
-        {std::to_string(first + static_cast<int64_t>(arrays.size())), arrayOf(finest, level)});
+    arrays.push_back({fmt::format("{}{}{}", group, group.empty() ? "" : "/",
+                                  first + static_cast<int64_t>(arrays.size())),
+                      arrayOf(finest, level)});
   if (keepsSpreads(how))
     for (size_t i = 0; i < levels.size(); ++i)
       arrays.push_back(

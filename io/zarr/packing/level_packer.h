@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "io/zarr/levels/level_maker.h"
@@ -18,9 +19,10 @@
 namespace sluice {
 
 // The arrays of a store for the levels of a volume whose finest array is `finest`, from fine to
-// coarse, then those of their spreads. Folders are counted from `first` on: "1", "spread/1".
+// coarse, then those of their spreads. Folders are counted from `first` on: "1", "spread/1"; in
+// the group `group`, if it is not empty: "maximum/1".
 std::vector<PackedArray> levelArrays(const ZarrArray& finest, std::span<const LevelShape> levels,
-                                     Downsample how, int64_t first);
+                                     Downsample how, int64_t first, std::string_view group = {});
 
 class LevelPacker {
  public:

@@ -79,12 +79,34 @@ ZarrChannelsText textOf(ChannelSources channels) {
   return text;
 }
 
-// Of the store: level 0, the coarser levels, and their spreads if they have some.
-std::vector<PackedArray> arraysFor(const ZarrArray& finest, const std::vector<LevelShape>& levels,
-                                   Downsample how) {
-  std::vector<PackedArray> arrays{{"0", finest}};
-  for (PackedArray& array : levelArrays(finest, levels, how, 1)) arrays.push_back(std::move(array));
-  return arrays;
+// Of the store: level 0, and for each way to make coarser levels these, and their spreads if they
+// have some.
+struct StoreArrays {
+  std::vector<PackedArray> arrays{};
+  std::vector<size_t> first;  // for each way, the first of its levels
+};
+StoreArrays arraysFor(const ZarrArray& finest, const std::vector<LevelShape>& levels,
+                      const std::vector<Downsample>& ways) {
+  StoreArrays store;
+  store.arrays.push_back({"0", finest});
+  for (const Downsample how : ways) {
+    const bool is_main = store.first.empty();
+    store.first.push_back(store.arrays.size());
+    const std::string_view group = is_main ? "" : zarrLevelsFolder(valuesOf(how));
+    for (PackedArray& array : levelArrays(finest, levels, how, 1, group))
+      store.arrays.push_back(std::move(array));
+  }
+  return store;
+}
+
+// The text of an image for levels made in these ways.
+ZarrLevelsText textOf(const std::vector<LevelShape>& levels, const std::vector<Downsample>& ways) {
+  const Downsample how = ways.front();
+  ZarrLevelsText text{{}, valuesOf(how), !levels.empty() && keepsSpreads(how)};
+  for (const LevelShape& level : levels) text.placements.push_back(placementOf(level));
+  if (!levels.empty())
+    for (size_t i = 1; i < ways.size(); ++i) text.groups.push_back(valuesOf(ways[i]));
+  return text;
 }
 
 // One volume of a store: a time step of a channel.
@@ -95,23 +117,23 @@ struct StoreVolume {
 
 class Packer {
  public:
-  // `arrays`: arraysFor() of `levels`.
-  Packer(ChannelSources channels, const PackOptions& options,
-         const std::vector<PackedArray>& arrays, const std::vector<LevelShape>& levels,
-         WorkerPool& pool, ProgressMeter& progress)
+  // `store`: arraysFor() of `levels`.
+  Packer(ChannelSources channels, const PackOptions& options, const StoreArrays& store,
+         const std::vector<LevelShape>& levels, WorkerPool& pool, ProgressMeter& progress)
       : channels_(channels),
         layout_(channels.front()->layout()),
         options_(options),
-        arrays_(arrays),
-        array_(arrays.front().array),
+        arrays_(store.arrays),
+        array_(arrays_.front().array),
         pool_(pool),
         progress_(progress),
         voxel_(static_cast<int64_t>(bytesPerVoxel(array_.type))),
-        chunks_(arrays, options.chunk_voxels, options.blosc) {
+        chunks_(arrays_, options.chunk_voxels, options.blosc) {
     planSlabs(levels);
-    levels_ =
-        std::make_unique<LevelPacker>(layout_, options.chunk_voxels, levels, options.downsample,
-                                      fillVoxel(array_), 1, chunks_, pool);
+    for (size_t i = 0; i < store.first.size(); ++i)
+      levels_.push_back(std::make_unique<LevelPacker>(layout_, options.chunk_voxels, levels,
+                                                      options.downsample[i], fillVoxel(array_),
+                                                      store.first[i], chunks_, pool));
   }
 
   void pack(ZarrPackFolder& folder) {
@@ -124,7 +146,10 @@ class Packer {
       };
       const bool is_done = std::all_of(chunks.begin(), chunks.end(),
                                        [&](Vec3i chunk) { return folder.isDone(numberOf(chunk)); });
-      const bool makes_levels = !known_empty && levels_->isLayerWanted(folder, leading, slab.lo.z);
+      const bool makes_levels =
+          !known_empty && std::ranges::any_of(levels_, [&](const auto& levels) {
+            return levels->isLayerWanted(folder, leading, slab.lo.z);
+          });
       if ((!is_done && !known_empty) || makes_levels) read(of, slab, slab_.get());
       if (!is_done || makes_levels)
         pool_.parallelFor(static_cast<int64_t>(chunks.size()), [&](int64_t i) {
@@ -139,7 +164,9 @@ class Packer {
             chunks_.pack(folder, 0, number, {slab, slab_.get()}, chunk);
         });
       const bool ends_layer = slab.hi.x == layout_.dims.x && slab.hi.y == layout_.dims.y;
-      if (ends_layer) levels_->packLayers(folder, leading, slab.hi.z, options_.stop);
+      if (ends_layer)
+        for (const auto& levels : levels_)
+          levels->packLayers(folder, leading, slab.hi.z, options_.stop);
       progress_.add(bytes);
     });
   }
@@ -191,8 +218,11 @@ class Packer {
     uint64_t table = 0;
     for (const PackedArray& packed : arrays_) table += ZarrPackFolder::tableBytes(packed.array);
     const uint64_t chunk = array_.chunkBytes();
-    const uint64_t pending = LevelMaker::pendingBytes(layout_, side, levels, options_.downsample);
-    const uint64_t making = levels.empty() ? 0 : LevelMaker::threadBytes(layout_, side);
+    uint64_t pending = 0, making = 0;
+    for (const Downsample how : options_.downsample) {
+      pending += LevelMaker::pendingBytes(layout_, side, levels, how);
+      making += levels.empty() ? 0 : LevelMaker::threadBytes(layout_, side);
+    }
     // To verify, each thread holds two chunks inside the reader, which is less than packing takes.
     const uint64_t fixed =
         table + pending +
@@ -267,8 +297,8 @@ class Packer {
   void addToLevels(const Box3& slab, Vec3i chunk) {
     const Box3 box = intersect(chunks_.boxOf(chunk), slab);
     const Vec3i size = slab.size(), at = box.lo - slab.lo;
-    levels_->add(box, slab_.get() + ((at.z * size.y + at.y) * size.x + at.x) * voxel_, size.x,
-                 size.x * size.y);
+    const std::byte* const voxels = slab_.get() + ((at.z * size.y + at.y) * size.x + at.x) * voxel_;
+    for (const auto& levels : levels_) levels->add(box, voxels, size.x, size.x * size.y);
   }
 
   // All threads at work on planes of the slab: each plane of a file is read by one of them, once.
@@ -300,7 +330,7 @@ class Packer {
   Vec3i slab_voxels_;
   size_t slab_bytes_ = 0;
   std::unique_ptr<std::byte[]> slab_;
-  std::unique_ptr<LevelPacker> levels_;
+  std::vector<std::unique_ptr<LevelPacker>> levels_;  // one for each way to make them
 };
 
 }  // namespace
@@ -317,10 +347,8 @@ PackReport packZarr(ChannelSources channels, const std::filesystem::path& output
   VolumeLayout layout = channels.front()->layout();
   if (!options.unit.empty()) layout.unit = options.unit;
   const std::vector<LevelShape> levels = levelsFor(layout, options);
-  const std::vector<PackedArray> arrays =
-      arraysFor(arrayFor(channels, options), levels, options.downsample);
-  ZarrLevelsText placed{{}, valuesOf(options.downsample), arrays.size() > 1 + levels.size()};
-  for (const LevelShape& level : levels) placed.placements.push_back(placementOf(level));
+  const StoreArrays made = arraysFor(arrayFor(channels, options), levels, options.downsample);
+  const std::vector<PackedArray>& arrays = made.arrays;
   std::vector<std::string> array_texts;
   std::string parameters;
   for (const PackedArray& packed : arrays) {
@@ -328,9 +356,9 @@ PackReport packZarr(ChannelSources channels, const std::filesystem::path& output
     parameters += array_texts.back();
   }
   const ZarrFormat format = options.shard_voxels ? ZarrFormat::k3 : ZarrFormat::k2;
-  const std::string image_text =
-      zarrImageText(layout, layout.name, textOf(channels), placed, format);
-  Packer packer(channels, options, arrays, levels, pool, progress);
+  const std::string image_text = zarrImageText(layout, layout.name, textOf(channels),
+                                               textOf(levels, options.downsample), format);
+  Packer packer(channels, options, made, levels, pool, progress);
 
   const Stopwatch watch;
   ZarrPackFolder folder(output, arrays, channels.front()->identity(), parameters + image_text);

@@ -34,8 +34,10 @@ struct PackOptions {
   std::string unit = {};                        // unit of the spacing; empty: the source's
   bool with_levels = false;                     // also writes coarser levels
   std::optional<int64_t> levels = {};           // how many; without: see levelShapes()
-  Downsample downsample = Downsample::kMean;    // how voxels of coarser levels are made
-  StopToken stop = {};                          // ends packing by Interrupted
+  // How voxels of coarser levels are made, each way once: the first for the levels that all readers
+  // see, the others for groups beside them (zarrLevelsFolder()). kMean is the first if it occurs.
+  std::vector<Downsample> downsample = {Downsample::kMean};
+  StopToken stop = {};  // ends packing by Interrupted
 };
 
 struct PackReport {

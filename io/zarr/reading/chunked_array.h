@@ -70,6 +70,8 @@ struct ChunkedVolume {
   std::function<OpenedArray(size_t level)> open;
   // The spreads of a level; nullopt: it has none. Empty: no level has.
   std::function<std::optional<OpenedArray>(size_t level)> open_spreads;
+  // A level of the group of this number among image.level_groups. Throws Error.
+  std::function<OpenedArray(size_t group, size_t level)> open_in_group;
 };
 
 }  // namespace sluice

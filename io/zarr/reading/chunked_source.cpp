@@ -105,6 +105,8 @@ void ChunkedSource::openLevels(const ChunkedVolume& volume) {
   VolumeLayout& layout = view_.layout;
   const LevelClaim finest = claimOf(view_, volume.image, 0);
   spreads_ = openSpreads(volume, 0, layout);
+  for (const ZarrLevelGroup& group : volume.image.level_groups)
+    level_groups_.push_back({group.values, {}, {}});
   std::vector<size_t> datasets;  // of level_sources_
   for (size_t i = 1; i < volume.image.levels.size(); ++i) {
     std::string fault;
@@ -114,6 +116,8 @@ void ChunkedSource::openLevels(const ChunkedVolume& volume) {
       if (fault.empty()) fault = faultOfLevel(finest, claimOf(source->view_, volume.image, i));
       if (fault.empty()) {
         spread_sources_.push_back(openSpreads(volume, i, source->view_.layout));
+        for (size_t g = 0; g < level_groups_.size(); ++g)
+          level_groups_[g].sources.push_back(openInGroup(volume, g, i, source->view_.layout));
         level_sources_.push_back(std::move(source));
         datasets.push_back(i);
       }
@@ -124,6 +128,7 @@ void ChunkedSource::openLevels(const ChunkedVolume& volume) {
       layout.notes.push_back(fmt::format("{}: level {} is left out: {}", volume.name, i, fault));
   }
   placeLevels(volume, datasets);
+  placeGroups();
   layout.levels = 1 + static_cast<int64_t>(levels_above_.size());
 }
 
@@ -152,11 +157,40 @@ std::unique_ptr<ChunkedSource> ChunkedSource::openSpreads(const ChunkedVolume& v
   return nullptr;
 }
 
+std::unique_ptr<ChunkedSource> ChunkedSource::openInGroup(const ChunkedVolume& volume, size_t group,
+                                                          size_t level,
+                                                          const VolumeLayout& layout) {
+  std::string fault;
+  try {
+    std::unique_ptr<ChunkedSource> source =
+        openPart(volume, volume.open_in_group(group, level), level);
+    fault = faultAmong(layout, source->view_.layout);
+    if (fault.empty() && source->view_.layout.dims != layout.dims)
+      fault = "its shape is not that of the level";
+    if (fault.empty()) return source;
+  } catch (const Error& error) {
+    fault = error.what();
+  }
+  view_.layout.notes.push_back(fmt::format("{}: the {} of level {} is left out: {}", volume.name,
+                                           volume.image.level_groups[group].folder, level, fault));
+  return nullptr;
+}
+
+std::span<const CoarserLevel> ChunkedSource::levelsOfKind(LevelValues values) const {
+  for (const LevelGroup& group : level_groups_)
+    if (group.values == values) return group.levels;
+  return {};
+}
+
 std::vector<ChunkedSource*> ChunkedSource::sourcesAbove() const {
   std::vector<ChunkedSource*> sources;
-  for (const auto* list : {&level_sources_, &spread_sources_})
-    for (const auto& source : *list)
+  const auto add = [&](const std::vector<std::unique_ptr<ChunkedSource>>& list) {
+    for (const auto& source : list)
       if (source != nullptr) sources.push_back(source.get());
+  };
+  add(level_sources_);
+  add(spread_sources_);
+  for (const LevelGroup& group : level_groups_) add(group.sources);
   if (spreads_ != nullptr) sources.push_back(spreads_.get());
   return sources;
 }
@@ -182,6 +216,15 @@ void ChunkedSource::placeLevels(const ChunkedVolume& volume, const std::vector<s
                    });
   if (!levels_above_.empty() && !is_translated)
     view_.layout.notes.push_back(volume.name + ": " + findOrigin(*this, levels_above_));
+}
+
+void ChunkedSource::placeGroups() {
+  for (LevelGroup& group : level_groups_)
+    for (const CoarserLevel& level : levels_above_)
+      for (size_t i = 0; i < level_sources_.size(); ++i)
+        if (level.source == level_sources_[i].get() && group.sources[i] != nullptr)
+          group.levels.push_back(
+              {group.sources[i].get(), level.placement, nullptr, false, group.values});
 }
 
 uint64_t ChunkedSource::storedBytesRead() const {

@@ -18,6 +18,7 @@
 #include "io/zarr/metadata/zarr_image.h"
 #include "io/zarr/reading/chunked_array.h"
 #include "io/zarr/reading/zarr_chunk_cache.h"
+#include "src/base/values/level_kinds.h"
 #include "src/base/values/read_units.h"
 #include "src/base/values/volume_channels.h"
 #include "src/base/values/volume_levels.h"
@@ -34,6 +35,7 @@ struct ChunkedOptions {
 class ChunkedSource : public VolumeSource,
                       public ChanneledSource,
                       public LeveledSource,
+                      public LevelKinds,
                       public UnitSource {
  public:
   // Throws Error: an array that cannot be opened, --channel without such an axis.
@@ -50,6 +52,7 @@ class ChunkedSource : public VolumeSource,
   std::span<const std::string> channelNames() const override { return channel_names_; }
   std::span<const StoredLook> channelLooks() const override { return channel_looks_; }
   std::span<const CoarserLevel> levelsAbove() const override { return levels_above_; }
+  std::span<const CoarserLevel> levelsOfKind(LevelValues values) const override;
   // Spreads of the first level's own voxels, which a group of the coarser levels of another volume
   // has (io/zarr/packing/level_store.h); null: none.
   VolumeSource* spreads() const { return spreads_.get(); }
@@ -89,10 +92,15 @@ class ChunkedSource : public VolumeSource,
   // The spreads of a level; null if there are none, or, with a note, if they do not fit.
   std::unique_ptr<ChunkedSource> openSpreads(const ChunkedVolume& volume, size_t level,
                                              const VolumeLayout& layout);
-  // level_sources_, spread_sources_ and spreads_.
+  // The level of a group beside those of the image; null, with a note: it does not fit.
+  std::unique_ptr<ChunkedSource> openInGroup(const ChunkedVolume& volume, size_t group,
+                                             size_t level, const VolumeLayout& layout);
+  // All sources that follow here.
   std::vector<ChunkedSource*> sourcesAbove() const;
   // Sets their placements, some of which their metadata leave open.
   void placeLevels(const ChunkedVolume& volume, const std::vector<size_t>& datasets);
+  // Gives the levels of other kinds the places of those.
+  void placeGroups();
   // The index of a voxel's chunk, or file, among parts of these extents.
   std::vector<int64_t> indexAt(std::span<const int64_t> parts, int64_t time, Vec3i at) const;
   // Their size along x, y and z.
@@ -118,6 +126,13 @@ class ChunkedSource : public VolumeSource,
   std::vector<std::unique_ptr<ChunkedSource>> spread_sources_;  // of each of these, or null
   std::unique_ptr<ChunkedSource> spreads_;                      // see spreads()
   std::vector<CoarserLevel> levels_above_;
+  // Levels of other kinds.
+  struct LevelGroup {
+    LevelValues values = LevelValues::kUnknown;
+    std::vector<std::unique_ptr<ChunkedSource>> sources;  // one for each of level_sources_, or null
+    std::vector<CoarserLevel> levels;
+  };
+  std::vector<LevelGroup> level_groups_;
 };
 
 }  // namespace sluice

@@ -70,10 +70,14 @@ CheckReport checkZarr(const std::filesystem::path& folder, WorkerPool& pool,
     ZarrChunkFiles& files = ZarrSource::filesOf(dynamic_cast<ChunkedSource&>(above));
     if (hasSome(files)) checkArray(files, report, pool, progress, stop);
   };
-  for (const CoarserLevel& level : source.levelsAbove()) {
-    check(*level.source);
-    if (level.spreads != nullptr) check(*level.spreads);
-  }
+  const auto checkLevels = [&](std::span<const CoarserLevel> levels) {
+    for (const CoarserLevel& level : levels) {
+      check(*level.source);
+      if (level.spreads != nullptr) check(*level.spreads);
+    }
+  };
+  checkLevels(source.levelsAbove());
+  for (const LevelValues values : kLevelKinds) checkLevels(source.levelsOfKind(values));
   std::sort(report.faults.begin(), report.faults.end());
   // A damaged index is a fault of each of its shard's chunks.
   report.faults.erase(std::unique(report.faults.begin(), report.faults.end()), report.faults.end());

@@ -41,6 +41,9 @@ ChunkedVolume zarrVolume(const StorePlace& folder) {
       if (level == 0 && !isZarr(place)) return std::nullopt;
       return openZarrArray(place);
     };
+  volume.open_in_group = [folder, image](size_t group, size_t level) {
+    return openZarrArray(folder.at(image.level_groups[group].folder).at(image.levels[level]));
+  };
   return volume;
 }
 

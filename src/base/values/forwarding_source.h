@@ -7,13 +7,17 @@
 #include <utility>
 #include <vector>
 
+#include "src/base/values/level_kinds.h"
 #include "src/base/values/volume_channels.h"
 #include "src/base/values/volume_levels.h"
 #include "src/base/values/volume_source.h"
 
 namespace sluice {
 
-class ForwardingSource : public VolumeSource, public ChanneledSource, public LeveledSource {
+class ForwardingSource : public VolumeSource,
+                         public ChanneledSource,
+                         public LeveledSource,
+                         public LevelKinds {
  public:
   explicit ForwardingSource(std::unique_ptr<VolumeSource> source) : source_(std::move(source)) {}
 
@@ -33,6 +37,9 @@ class ForwardingSource : public VolumeSource, public ChanneledSource, public Lev
     return sluice::channelLooks(*source_);
   }
   std::span<const CoarserLevel> levelsAbove() const override { return coarserLevels(*source_); }
+  std::span<const CoarserLevel> levelsOfKind(LevelValues values) const override {
+    return sluice::levelsOfKind(*source_, values);
+  }
   uint64_t storedBytesRead() const override { return source_->storedBytesRead(); }
   uint64_t heldBytesAThread() const override { return source_->heldBytesAThread(); }
   void holdAtMost(uint64_t bytes) override { source_->holdAtMost(bytes); }

@@ -27,7 +27,7 @@ PackOptions withLevels(Downsample how = Downsample::kMean) {
   PackOptions options;
   options.chunk_voxels = 8;
   options.with_levels = true;
-  options.downsample = how;
+  options.downsample = {how};
   options.levels = 2;
   options.replace = true;
   return options;
@@ -133,6 +133,59 @@ TEST(PackLevels, areNumPysMeansExtremesAndModes) {
     }
 }
 
+// The levels of the source with others of this kind in a store are `values` ones of equal places.
+void expectKind(const ZarrSource& store, LevelValues values) {
+  const auto levels = store.levelsAbove(), others = store.levelsOfKind(values);
+  ASSERT_EQ(others.size(), levels.size());
+  for (size_t i = 0; i < levels.size(); ++i) {
+    EXPECT_EQ(others[i].values, values);
+    EXPECT_EQ(others[i].placement, levels[i].placement);
+    EXPECT_EQ(others[i].spreads, nullptr);
+    EXPECT_NE(others[i].source->identity(), levels[i].source->identity());
+  }
+}
+
+TEST(PackLevels, ofSeveralKindsLieInOneStore) {
+  if (!hasPythonModules("numpy, zarr")) GTEST_SKIP() << "python3 with numpy and zarr is missing";
+  const TempFolder folder;
+  for (const auto& [ways, words] :
+       {std::pair<std::vector<Downsample>, const char*>{
+            {Downsample::kMean, Downsample::kMax, Downsample::kMin}, "mean,max,min"},
+        {{Downsample::kMode, Downsample::kMax}, "mode,max"}}) {
+    SCOPED_TRACE(words);
+    const auto source = makeSparseBlobs({.dims = {43, 37, 29}, .type = VoxelType::kU16});
+    PackOptions options = withLevels();
+    options.downsample = ways;
+    pack(*source, folder / "v.zarr", options);
+    const CommandResult compared =
+        runCommand(fmt::format("/usr/bin/python3 " SLUICE_TEST_DIR "/check_packed_levels.py {} {}",
+                               shellQuoted((folder / "v.zarr").string()), words));
+    EXPECT_EQ(compared.status, 0) << compared.output;
+    const ZarrSource packed(folder / "v.zarr");
+    EXPECT_EQ(packed.layout().notes, std::vector<std::string>{});
+    EXPECT_EQ(packed.levelsAbove().front().values, valuesOf(ways.front()));
+    for (size_t i = 1; i < ways.size(); ++i) expectKind(packed, valuesOf(ways[i]));
+    EXPECT_TRUE(packed.levelsOfKind(valuesOf(ways.front())).empty());
+  }
+}
+
+TEST(PackLevels, ofOneKindThatDoNotFitAreLeftOutAndSaid) {
+  const TempFolder folder;
+  const auto source = makeWhiteNoise({40, 40, 40}, VoxelType::kU8, 1);
+  PackOptions options = withLevels();
+  options.downsample = {Downsample::kMean, Downsample::kMax};
+  pack(*source, folder / "v.zarr", options);
+  const auto group = folder / "v.zarr/maximum";
+  std::filesystem::remove_all(group / "2");
+  std::filesystem::copy(group / "1", group / "2", std::filesystem::copy_options::recursive);
+  const ZarrSource damaged(folder / "v.zarr");
+  EXPECT_THAT(damaged.layout().notes,
+              testing::ElementsAre(HasSubstr(
+                  "the maximum of level 2 is left out: its shape is not that of the level")));
+  EXPECT_EQ(damaged.levelsAbove().size(), 2U);
+  EXPECT_EQ(damaged.levelsOfKind(LevelValues::kMaxima).size(), 1U);
+}
+
 TEST(PackLevels, doNotDependOnThreadsMemoryOrInterruptions) {
   const TempFolder folder;
   const auto source = makeSparseBlobs({.dims = {70, 50, 45}, .time_steps = 2});
@@ -233,7 +286,9 @@ TEST(PackLevels, spreadsThatDoNotFitAreLeftOutAndSaid) {
 TEST(PackLevels, aDamagedOrMissingChunkOfALevelIsFound) {
   const TempFolder folder;
   const auto source = makeWhiteNoise({40, 40, 40}, VoxelType::kU8, 1);
-  pack(*source, folder / "v.zarr", withLevels());
+  PackOptions options = withLevels();
+  options.downsample.push_back(Downsample::kMax);
+  pack(*source, folder / "v.zarr", options);
   WorkerPool pool(2);
   ProgressMeter quiet;
   EXPECT_EQ(checkZarr(folder / "v.zarr", pool, quiet).faults.size(), 0U);
@@ -241,10 +296,12 @@ TEST(PackLevels, aDamagedOrMissingChunkOfALevelIsFound) {
   std::string bytes = readFile(folder / "v.zarr/2/0/0/1");
   bytes.back() = static_cast<char>(bytes.back() ^ 1);
   writeFile(folder / "v.zarr/2/0/0/1", bytes);
+  std::filesystem::remove(folder / "v.zarr/maximum/1/1/0/0");
   std::filesystem::remove(folder / "v.zarr/spread/1/0/0/1");
   const CheckReport report = checkZarr(folder / "v.zarr", pool, quiet);
-  ASSERT_EQ(report.faults.size(), 3U);
-  EXPECT_THAT(report.faults[2], HasSubstr("v.zarr/spread/1/0/0/1"));
+  ASSERT_EQ(report.faults.size(), 4U);
+  EXPECT_THAT(report.faults[2], HasSubstr("v.zarr/maximum/1/1/0/0"));
+  EXPECT_THAT(report.faults[3], HasSubstr("v.zarr/spread/1/0/0/1"));
   EXPECT_THAT(report.faults[0], HasSubstr("v.zarr/1/0/1/0"));
   EXPECT_THAT(report.faults[1], HasSubstr("v.zarr/2/0/0/1"));
 }
