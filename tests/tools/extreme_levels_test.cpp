@@ -14,6 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
+using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -32,13 +33,21 @@ class ExtremeLevels : public testing::Test {
   // wide.
   json render(const std::string& volume, const std::string& more = "", int size = 64) const {
     return program_.json("render " + volume +
-                         " --map grey --range 0,255 --opacities 0:0,1:1 --no-shade --view plain "
+                         " --map grey --range 0,255 --opacities 0:1 --no-shade --view plain "
                          "--azimuth 20 --fit volume --block 16 -o x.png --force --size " +
                          std::to_string(size) + " " + more);
   }
   std::vector<uint8_t> picture() const {
     const auto rgba = readPng(program_.folder / "x.png").rgba;
     return {rgba.begin(), rgba.end()};
+  }
+  // The red of each pixel that shows something.
+  std::vector<uint8_t> reds() const {
+    const std::vector<uint8_t> rgba = picture();
+    std::vector<uint8_t> reds;
+    for (size_t i = 0; i < rgba.size(); i += 4)
+      if (rgba[i + 3] == 255) reds.push_back(rgba[i]);
+    return reds;
   }
   static double meanDifference(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b) {
     double sum = 0;
@@ -91,6 +100,33 @@ TEST_F(ExtremeLevels, oneBrightVoxelShowsAtEveryLevel) {
   }
 }
 
+// One ray a pixel may pass far from the middle of a coarse voxel that is smaller than the pixel.
+// With several, the voxel shows from any side, as bright or dark as it is but for interpolation.
+TEST_F(ExtremeLevels, oneVoxelKeepsItsBrightnessWithSeveralRaysAPixel) {
+  constexpr size_t kSide = 96, kVoxel = (40 * kSide + 51) * kSide + 33;
+  const auto packed = [&](const std::string& how, char others, char voxel) {
+    std::string voxels(kSide * kSide * kSide, others);
+    voxels[kVoxel] = voxel;
+    writeFile(program_.folder / "v_96x96x96_uint8.raw", voxels);
+    run("pack v_96x96x96_uint8.raw -o " + how + ".zarr --chunk 16 --levels 3 --downsample " + how);
+  };
+  packed("max", '\0', '\xff');
+  packed("min", '\xff', '\0');
+  constexpr int kShown = 150;
+  for (const int size : {30, 41, 47, 52})
+    for (const char* const view : {"", " --elevation 21"}) {
+      SCOPED_TRACE(std::to_string(size) + view);
+      const json report = render("max.zarr", std::string("--mode mip --keep-thin") + view, size);
+      EXPECT_GE(report["cut"]["levels"][0]["level"], 1);
+      EXPECT_EQ(report["cut"]["thin_blocks"], 0);
+      const std::vector<uint8_t> bright = reds();
+      EXPECT_GT(*std::ranges::max_element(bright), kShown);
+      render("min.zarr", std::string("--mode minip --keep-thin") + view, size);
+      const std::vector<uint8_t> dark = reds();
+      EXPECT_LT(*std::ranges::min_element(dark), 255 - kShown);
+    }
+}
+
 TEST_F(ExtremeLevels, areDrawnWithoutReadingLevelZero) {
   pack("max");
   render("max.zarr", "--mode mip");
@@ -104,6 +140,37 @@ TEST_F(ExtremeLevels, areDrawnWithoutReadingLevelZero) {
   const json refined = render("max.zarr", "--mode mip --time-limit 60s");
   EXPECT_GE(refined["frames"][0]["pictures"].size(), 2U);
   EXPECT_EQ(refined["cut"]["final"], true);
+}
+
+// One store may hold levels for every mode, and a copy of it shows MIP without reading level 0.
+TEST_F(ExtremeLevels, ofAStoreThatAlsoHasMeansAreDrawn) {
+  pack("mean");
+  run("pack synth:phantom,dims=128x120x112 -o all.zarr --chunk 16 --levels 3 --downsample "
+      "max,mean,min");
+  EXPECT_THAT(run("info all.zarr --levels"),
+              AllOf(HasSubstr("means, spread: u8"), HasSubstr("3 levels of maxima beside them"),
+                    HasSubstr("3 levels of minima beside them")));
+  render("mean.zarr");
+  const auto means = picture();
+  EXPECT_EQ(render("all.zarr")["cut"]["values"], "means");
+  EXPECT_EQ(picture(), means);
+  for (const auto& [how, mode, values] :
+       {std::tuple{"max", "mip", "maxima"}, {"min", "minip", "minima"}}) {
+    pack(how);
+    for (const char* const cut : {"", " --level 2", " --pixel-error 3"}) {
+      const std::string option = std::string("--mode ") + mode + cut;
+      SCOPED_TRACE(option);
+      render(std::string(how) + ".zarr", option);
+      const auto expected = picture();
+      const json report = render("all.zarr", option);
+      EXPECT_EQ(report["cut"]["values"], values);
+      EXPECT_EQ(picture(), expected);
+    }
+  }
+  spoilLevelZero("all.zarr");
+  fs::remove_all(program_.folder / "cache");
+  EXPECT_EQ(render("all.zarr", "--mode mip")["volume"]["values_level"], 1);
+  EXPECT_EQ(fs::exists(program_.folder / "all.zarr/maximum/1/.zarray"), true);
 }
 
 // Levels that hold something else are not drawn; those that a picture needs are made beside the
@@ -167,6 +234,58 @@ TEST_F(ExtremeLevels, labelsAreDrawnFromTheMostFrequentOnes) {
   program_.json(look + "--level 0");
   // A mean of two labels would be a third one of another colour.
   EXPECT_LT(meanDifference(coarse, picture()), 4);
+}
+
+// The greatest value of a coarse voxel may be hidden while others of its voxels show.
+TEST_F(ExtremeLevels, areNotDrawnIfTheLookHidesExtremesOfWhatItShows) {
+  pack("max");
+  const std::string band = " --mode mip --opacities 0:0,40:0,50:1,90:1,100:0";
+  const std::string above = " --mode mip --opacities 40:0,50:1";
+  const auto shows = [&](const std::string& look) {
+    return program_
+        .json(
+            "render max.zarr --map grey --range 0,255 --no-shade --view plain --fit volume "
+            "--block 16 -o x.png --force --size 64" +
+            look)
+        .contains("cut");
+  };
+  EXPECT_TRUE(shows(above));
+  EXPECT_FALSE(shows(band));
+  const auto drawn = picture();
+  EXPECT_FALSE(shows(band + " --level 0"));
+  EXPECT_EQ(picture(), drawn);
+  const CommandResult refused = program_.run("render max.zarr -o y.png --size 32 --level 1" + band);
+  EXPECT_EQ(refused.status, 1);
+  EXPECT_THAT(refused.output, HasSubstr("hold maxima, and the look hides some of them"));
+  pack("min");
+  const std::string least = "plan min.zarr --size 64 --block 16 --mode minip";
+  EXPECT_TRUE(program_.json(least).contains("cut"));
+  EXPECT_FALSE(program_.json(least + " --threshold 40").contains("cut"));
+}
+
+// If a value falls as the stored number rises, the greatest value has the least number.
+TEST_F(ExtremeLevels, ofNegatedValuesAreTheOtherExtremes) {
+  run("synth phantom --dims 96,90,84 -o v_96x90x84_uint8.raw");
+  const auto packed = [&](const std::string& name, const std::string& how) {
+    run("pack v_96x90x84_uint8.raw -o " + name + " --chunk 16 --levels 2 --downsample " + how);
+    std::string attributes = readFile(program_.folder / name / ".zattrs");
+    const std::string key = "\"sluice\": {";
+    const size_t at = attributes.find(key);
+    ASSERT_NE(at, std::string::npos);
+    attributes.insert(at + key.size(), "\"value_scale\": -1.0, \"value_offset\": 255.0,");
+    writeFile(program_.folder / name / ".zattrs", attributes);
+  };
+  packed("both.zarr", "mean,max,min");
+  packed("max.zarr", "max");
+  for (const auto& [mode, values] : {std::pair{"mip", "minima"}, {"minip", "maxima"}}) {
+    SCOPED_TRACE(mode);
+    const std::string option = std::string("--mode ") + mode;
+    EXPECT_EQ(render("both.zarr", option)["cut"]["values"], values);
+    const auto coarse = picture();
+    EXPECT_FALSE(render("both.zarr", option + " --level 0").contains("cut"));
+    EXPECT_LT(meanDifference(coarse, picture()), 5);
+  }
+  EXPECT_FALSE(render("max.zarr", "--mode mip").contains("cut"));
 }
 
 TEST_F(ExtremeLevels, whatTheyDoNotShowIsRefusedInOneLine) {

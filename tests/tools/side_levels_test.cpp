@@ -157,6 +157,13 @@ TEST_F(SideLevelsCommand, areMadeByDefaultOfLargeFilesOfNarrowVoxels) {
   EXPECT_THAT(program_.run("info " + narrow).output, HasSubstr(kMade));
   EXPECT_FALSE(group().empty());
   EXPECT_THAT(program_.run("plan " + narrow).output, Not(HasSubstr(kMade)));
+  // Pictures of extremes have levels of their own.
+  for (const char* const mode : {"mip", "minip"}) {
+    const std::string plan = "plan " + narrow + " --mode " + mode;
+    EXPECT_THAT(program_.run(plan + " --level 0").output, Not(HasSubstr(kMade))) << mode;
+    EXPECT_THAT(program_.run(plan).output, HasSubstr(kMade)) << mode;
+    EXPECT_THAT(program_.run(plan).output, Not(HasSubstr(kMade))) << mode;
+  }
   // Levels of wide voxels take longer.
   fs::remove_all(program_.folder / "cache");
   const std::string wide = fileOf("w_513x512x512_float32.raw", 4 * kVoxels);

@@ -157,7 +157,7 @@ bool isRefined(const Arguments& arguments, const Scene& scene) {
   return asksForRefinement(arguments) && !isSeries(arguments) && scene.share == nullptr &&
          scene.more.empty() &&
          drawsCut(scene.volume.step(), arguments.frame.cut, arguments.frame.mode,
-                  scene.look.transfer.labels);
+                  scene.look.transfer);
 }
 
 void requireOneChannel(const Arguments& arguments, const Scene& scene) {

@@ -121,7 +121,7 @@ Verification verify(Scene& scene, const VerifiedView& view, FrameOptions options
   const VolumeLayout& layout = volumes.front().source->layout();
   const bool is_cut = scene.volume.pyramid != nullptr;
   // Pictures of a cut have plain samples.
-  if (drawsCut(scene.volume.step(), options.cut, options.mode, scene.look.transfer.labels))
+  if (drawsCut(scene.volume.step(), options.cut, options.mode, scene.look.transfer))
     options.integrates = false;
   options = plainOptions(std::move(options));
   std::vector<Camera> cameras = view.cameras;

@@ -111,8 +111,8 @@ FrameOptions Drawing::looked(const PictureOptions& picture, const TimeStep& step
   if (options.cut) options.cut->most_held_bytes = cutBytes(scene_.memory_bytes, PictureRow::kMore);
   if (!picture.step_vox) {
     options.step_vox = scene_.chosenStep(step, options);
-    options.step_follows_cut = traitsOf(mode_).has_colors &&
-                               drawsCut(step, options.cut, mode_, scene_.look.transfer.labels);
+    options.step_follows_cut =
+        traitsOf(mode_).has_colors && drawsCut(step, options.cut, mode_, scene_.look.transfer);
   }
   options.shades = scene_.look.lit;
   options.lighting.flat_share *= scene_.look.flat_scale;

@@ -21,7 +21,7 @@ namespace {
 int finestLevelOf(const Scene& scene, const Layer& layer, const TimeStep& step, const View& view,
                   const FrameOptions& options) {
   const TransferFunction& transfer = layer.look.transfer;
-  if (!drawsCut(step, options.cut, options.mode, transfer.labels)) return 0;
+  if (!drawsCut(step, options.cut, options.mode, transfer)) return 0;
   if (!options.cut->keeps_thin) return finestLevelShown(step, view, *options.cut);
   // Thin parts may be refined anywhere, which the cut alone tells.
   ChunkNames names;
@@ -36,7 +36,7 @@ int finestLevelOf(const Scene& scene, const Layer& layer, const TimeStep& step, 
 double chosenStepOf(const Scene& scene, const Layer& layer, const TimeStep& step, const View& view,
                     const FrameOptions& options) {
   const double chosen = stepFor(view, step, finestLevelOf(scene, layer, step, view, options));
-  if (!options.integrates || drawsCut(step, options.cut, options.mode, layer.look.transfer.labels))
+  if (!options.integrates || drawsCut(step, options.cut, options.mode, layer.look.transfer))
     return chosen;
   // As long as frames may integrate.
   const double most =
@@ -248,7 +248,7 @@ std::string Scene::lookOf(const FrameOptions& options) const {
 
 bool Scene::integrates(const FrameOptions& options) const {
   return options.integrates && traitsOf(options.mode).has_colors && !look.transfer.labels &&
-         !drawsCut(volume.step(), options.cut, options.mode, look.transfer.labels);
+         !drawsCut(volume.step(), options.cut, options.mode, look.transfer);
 }
 
 std::vector<PictureRows> Scene::stripsOf(const FrameOptions& frame) const {

@@ -10,6 +10,7 @@
 #include "io/step_numbers.h"
 #include "src/base/error.h"
 #include "src/base/values/forwarding_source.h"
+#include "src/base/values/level_kinds.h"
 #include "src/base/values/read_units.h"
 #include "src/base/values/volume_levels.h"
 #include "src/library/drawing/resources.h"
@@ -77,6 +78,16 @@ std::vector<std::string> notesOf(const std::string& name, const VolumeLayout& la
   return notes;
 }
 
+// The needs in terms of the numbers that a volume stores.
+IndexNeeds ofStored(IndexNeeds needs, const ValueMap& map) {
+  if (map.scale > 0) return needs;
+  if (needs.values == LevelValues::kMaxima)
+    needs.values = LevelValues::kMinima;
+  else if (needs.values == LevelValues::kMinima)
+    needs.values = LevelValues::kMaxima;
+  return needs;
+}
+
 // Whether pictures with these needs may be drawn from a file's own levels, of which not all writers
 // say how they were made: then they are taken for means.
 bool suit(std::span<const CoarserLevel> own, const IndexNeeds& needs) {
@@ -99,19 +110,29 @@ LevelsWish wishFor(const VolumeSource& source, const IndexNeeds& needs, LevelsWi
              : LevelsWish::kNone;
 }
 
-// A volume without the levels of its file, which hold something else than pictures need.
-class WithoutLevels final : public ForwardingSource {
+// A volume without the levels that its readers see, which hold something else than pictures need:
+// with others of its file, or none.
+class OtherLevels final : public ForwardingSource {
  public:
-  explicit WithoutLevels(std::unique_ptr<VolumeSource> source)
-      : ForwardingSource(std::move(source)), layout_(ForwardingSource::layout()) {
-    layout_.levels = 1;
+  OtherLevels(std::unique_ptr<VolumeSource> source, std::span<const CoarserLevel> levels)
+      : ForwardingSource(std::move(source)), levels_(levels), layout_(ForwardingSource::layout()) {
+    layout_.levels = 1 + static_cast<int64_t>(levels.size());
   }
   const VolumeLayout& layout() const override { return layout_; }
-  std::span<const CoarserLevel> levelsAbove() const override { return {}; }
+  std::span<const CoarserLevel> levelsAbove() const override { return levels_; }
 
  private:
+  const std::span<const CoarserLevel> levels_;
   VolumeLayout layout_;  // constant after construction
 };
+
+// The volume with those levels of its file that pictures need, if they are beside others.
+std::unique_ptr<VolumeSource> withLevelsFor(std::unique_ptr<VolumeSource> source,
+                                            const IndexNeeds& needs) {
+  const std::span<const CoarserLevel> levels = levelsOfKind(*source, needs.values);
+  if (levels.empty() || suit(coarserLevels(*source), needs)) return source;
+  return std::make_unique<OtherLevels>(std::move(source), levels);
+}
 
 // The levels that these needs ask for.
 std::span<const CoarserLevel> levelsFor(const VolumeSource& source, const IndexNeeds& needs) {
@@ -296,7 +317,7 @@ IndexNeeds needsOf(const LookArguments& look, Mode mode, const std::optional<Cut
   if (cut) levels = cut->is_default ? LevelNeeds::kFaithful : LevelNeeds::kAll;
   return {needsGradients(look, mode),
           look.whole_series || (look.first_picture && needsStatistics(look) && !look.this_step),
-          levels, levelValuesFor(mode, look.labels)};
+          levels, levelValuesFor(mode, look.labels, 1)};
 }
 
 std::unique_ptr<VolumeSource> openSource(const VolumeArguments& arguments) {
@@ -328,11 +349,12 @@ std::unique_ptr<VolumeSource> checkedSource(std::unique_ptr<VolumeSource> opened
 }
 
 IndexedVolume indexVolume(std::unique_ptr<VolumeSource> source, const VolumeArguments& arguments,
-                          const MachineOptions& machine, const IndexNeeds& needs,
+                          const MachineOptions& machine, const IndexNeeds& asked,
                           const IndexWish& wish, const IndexPass& pass) {
   IndexedVolume volume;
-  volume.source = std::move(source);
-  volume.needs = needs;
+  const IndexNeeds needs = ofStored(asked, deviceMap(source->layout()));
+  volume.source = withLevelsFor(std::move(source), needs);
+  volume.needs = asked;
   volume.name = arguments.inputs.front();
   volume.places = indexPlaces(volume.name, wish);
   const VolumeLayout& layout = volume.source->layout();
@@ -343,7 +365,11 @@ IndexedVolume indexVolume(std::unique_ptr<VolumeSource> source, const VolumeArgu
   const bool has_own = !coarserLevels(*volume.source).empty();
   const bool suits = suit(coarserLevels(*volume.source), needs);
   VolumeSource& coarsest = suits ? *coarsestLevel(*volume.source).source : *volume.source;
-  const LevelsWish wished = wishFor(*volume.source, needs, machine.levels);
+  LevelsWish wished = wishFor(*volume.source, needs, machine.levels);
+  // A picture that must come soon does not wait for extremes, which nobody has asked for.
+  const bool is_hurried = needs.sample_seconds && needs.levels == LevelNeeds::kFaithful;
+  if (wished == LevelsWish::kAuto && is_hurried && needs.values != LevelValues::kMeans)
+    wished = LevelsWish::kKept;
   const bool may_sample = wished != LevelsWish::kNone && maySample(coarsest.layout(), needs);
   SideLevels side({coarsest, volume.name, volume.places, volume.time, downsampleFor(needs.values),
                    may_sample ? std::max(wished, LevelsWish::kKept) : wished,
@@ -378,7 +404,8 @@ IndexedVolume indexVolume(std::unique_ptr<VolumeSource> source, const VolumeArgu
     side.finish();
   }
   if (side.any() && !suits)
-    volume.source = std::make_unique<WithoutLevels>(std::move(volume.source));
+    volume.source =
+        std::make_unique<OtherLevels>(std::move(volume.source), std::span<const CoarserLevel>());
   volume.source = side.join(std::move(volume.source));
   addLevels(volume, levelsFor(*volume.source, needs));
   volume.source->holdAtMost(pass.memory_bytes / 4);  // nothing else is in memory yet

@@ -31,7 +31,9 @@ struct IndexNeeds {
   bool gradients = false;     // a ghost layer
   bool whole_series = false;  // values of all steps
   LevelNeeds levels = LevelNeeds::kFinest;
-  LevelValues values = LevelValues::kMeans;  // of the coarser levels
+  // What coarser levels must hold, of values; if the volume's scale is negative, its levels hold
+  // the other extreme of the stored numbers.
+  LevelValues values = LevelValues::kMeans;
   // With levels: a volume that has no index of its finest level is opened with a stand-in.
   bool may_stand_in = false;
   // With may_stand_in: a volume that has neither levels nor an index is opened with a sample of its

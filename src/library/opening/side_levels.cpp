@@ -180,8 +180,9 @@ std::optional<uint64_t> freeBytes(fs::path folder) {
 
 // Whether levels take little more than the index does, of a file that is there to stay.
 bool isCheap(VolumeSource& source, Downsample how) {
-  return how == Downsample::kMean && bytesPerVoxel(source.layout().type) <= 2 &&
-         !source.files().empty();
+  if (source.files().empty()) return false;
+  const bool is_extreme = how == Downsample::kMax || how == Downsample::kMin;
+  return is_extreme || (how == Downsample::kMean && bytesPerVoxel(source.layout().type) <= 2);
 }
 
 bool makes(const SideLevelsRequest& request) {

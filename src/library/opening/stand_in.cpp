@@ -115,7 +115,7 @@ ValueRange rangeOfSpreads(const CoarserLevel& level, ValueRange means, int64_t t
 
 bool showsFinest(const TimeStep& step, const TransferFunction& transfer, FrameOptions frame,
                  std::span<const Camera> cameras, WorkerPool& pool) {
-  if (!drawsCut(step, frame.cut, frame.mode, transfer.labels)) return true;
+  if (!drawsCut(step, frame.cut, frame.mode, transfer)) return true;
   LevelCut chooser(pool);
   const auto look = std::make_shared<const Look>(makeLook(step, transfer, frame.mode));
   const VolumeLayout& layout = step.source->layout();

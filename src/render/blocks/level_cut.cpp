@@ -78,7 +78,11 @@ class CutMaker {
         pyramid_(shown.pyramid()),
         limit_(question.limit),
         sizes_(question.step.source->layout(), question.view),
-        held_bytes_(bytesPerVoxel(question.step.ranges->map.type)) {}
+        held_bytes_(bytesPerVoxel(question.step.ranges->map.type)),
+        holds_extremes_(std::ranges::any_of(question.step.coarser, [](const CoarserStep& level) {
+          return level.valuesShown() == LevelValues::kMaxima ||
+                 level.valuesShown() == LevelValues::kMinima;
+        })) {}
 
   void makeLevel(int level) {
     addAll(level, [&](Vec3i index) {
@@ -215,9 +219,11 @@ class CutMaker {
   double pixelsOf(const CutNode& node) const {
     return sizes_.of(pyramid_.level(node.level), pyramid_.regionOf(node.level, node.index));
   }
-  // Whether a coarse block in the picture may show next to nothing of what is there.
+  // Whether a coarse block in the picture may show next to nothing of what is there. Extremes do
+  // not, as long as a ray meets them.
   bool isThin(const CutNode& node) const {
-    return node.level > 0 && shown_.hasThinParts(node.level, node.index) && pixelsOf(node) > 0;
+    return node.level > 0 && !holds_extremes_ && shown_.hasThinParts(node.level, node.index) &&
+           pixelsOf(node) > 0;
   }
   bool isTooCoarse(const CutNode& node) const {
     const bool is_kept = limit_ != nullptr && limit_->keeps_refined && wasRefined(node.object.name);
@@ -269,6 +275,7 @@ class CutMaker {
   const ReadLimit* const limit_;  // null: none
   const PixelSizes sizes_;
   const uint64_t held_bytes_;  // of a number
+  const bool holds_extremes_;  // the coarser levels do
   std::vector<CutNode> open_, chosen_;
   BlockBytes bytes_;  // bytes of open_ and chosen_
   int64_t left_out_ = 0;
@@ -311,17 +318,37 @@ VisibleBlocksPtr LevelCut::choose(const BlockQuestion& question) {
   return answer_;
 }
 
+namespace {
+
+// Whether the extreme of several voxels shows if one of them does: for the greatest value, each
+// value above one that shows. Other ways to combine samples look at no extreme.
+bool showsExtremes(const TransferFunction& transfer, Combining combining) {
+  std::vector<OpacityPoint> towards_extreme = transfer.opacities;
+  if (combining == Combining::kLeast)
+    std::ranges::reverse(towards_extreme);
+  else if (combining != Combining::kGreatest)
+    return true;
+  const auto isShown = [](const OpacityPoint& point) { return point.opacity > 0; };
+  const auto first = std::ranges::find_if(towards_extreme, isShown);
+  return std::all_of(first, towards_extreme.end(), isShown);
+}
+
+}  // namespace
+
 bool drawsCut(const TimeStep& step, const std::optional<CutOptions>& cut, Mode mode,
-              bool has_labels) {
+              const TransferFunction& transfer) {
   if (!cut) return false;
-  const LevelValues wanted = levelValuesFor(mode, has_labels);
+  const bool has_labels = transfer.labels;
+  const bool shows_extremes = showsExtremes(transfer, traitsOf(mode).combining);
+  const LevelValues wanted = levelValuesFor(mode, has_labels, step.ranges->map.scale);
   if (cut->is_default) {
     // The opening has left out means without spreads.
     const bool are_wanted = wanted == LevelValues::kMeans ||
                             std::ranges::all_of(step.coarser, [&](const CoarserStep& level) {
                               return level.valuesShown() == wanted;
                             });
-    return !step.coarser.empty() && suitDefaultCut(mode, has_labels) && are_wanted;
+    return !step.coarser.empty() && suitDefaultCut(mode, has_labels) && are_wanted &&
+           shows_extremes;
   }
   requireLevel(*cut, step);
   for (const CoarserStep& level : step.coarser) {
@@ -333,6 +360,12 @@ bool drawsCut(const TimeStep& step, const std::optional<CutOptions>& cut, Mode m
         step.source->layout().name, wordsOf(found).hold, wordsOf(wanted).hold,
         wordsOf(wanted).option);
   }
+  if (!shows_extremes && !step.coarser.empty() && cut->level.value_or(1) > 0)
+    fail(
+        "{}: its coarser levels hold {}, and the look hides some of them where it shows other "
+        "values; leave out --level, --pixel-error and --max-bytes, or make all {} values visible",
+        step.source->layout().name, wordsOf(wanted).hold,
+        traitsOf(mode).combining == Combining::kGreatest ? "greater" : "lesser");
   return !step.coarser.empty();
 }
 

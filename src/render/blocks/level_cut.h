@@ -14,15 +14,18 @@
 #include "src/base/threads/worker_pool.h"
 #include "src/render/blocks/visible_blocks.h"
 #include "src/render/camera/cut_options.h"
+#include "src/render/camera/frame_setup.h"
 
 namespace sluice {
 
 class ShownLevels;
 
 // What the voxels of coarser levels must be of the finest ones for a picture of this mode, of
-// values or labels.
-constexpr LevelValues levelValuesFor(Mode mode, bool has_labels) {
-  return has_labels ? LevelValues::kModes : traitsOf(mode).level_values;
+// values or labels. `value_scale`: the value of a stored number more; if it is negative, the
+// greatest value has the least number, of which levels are made.
+constexpr LevelValues levelValuesFor(Mode mode, bool has_labels, double value_scale) {
+  if (has_labels) return LevelValues::kModes;
+  return traitsOf(deviceMode(mode, value_scale)).level_values;
 }
 // Whether such levels can show what the finest level shows, so that a picture may be drawn from
 // them without being asked: not averages, nor labels along a ray.
@@ -30,12 +33,12 @@ constexpr bool suitDefaultCut(Mode mode, bool has_labels) {
   return traitsOf(mode).suits_levels && !(has_labels && !traitsOf(mode).has_colors);
 }
 
-// Whether a picture is drawn from a cut, of values or labels. False if no cut is set, if the step
-// has one level, or if the default cut would show something else than the finest level. Throws
-// Error if a cut was asked for that cannot be drawn: of a level that is not there, or from levels
-// of something else than the picture shows.
+// Whether a picture is drawn from a cut. False if no cut is set, if the step has one level, or if
+// the default cut would show something else than the finest level. Throws Error if a cut was asked
+// for that cannot be drawn: of a level that is not there, from levels of something else than the
+// picture shows, or of extremes that the look hides while it shows values next to them.
 bool drawsCut(const TimeStep& step, const std::optional<CutOptions>& cut, Mode mode,
-              bool has_labels);
+              const TransferFunction& transfer);
 // The level that voxels `pixel_error` pixels wide require where the view needs the finest one, or
 // the level that the options name. The distance between slices follows from it.
 int finestLevelShown(const TimeStep& step, const View& view, const CutOptions& options);

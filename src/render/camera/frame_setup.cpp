@@ -78,9 +78,7 @@ FrameSetup setupOf(const View& view, const VolumeLayout& layout, const OpacityTa
   setup.shown = cropCells(options, layout.dims);
   setup.type = map.type;
   setup.look_up = std::move(look_up);
-  const ModeTraits& traits = traitsOf(options.mode);
-  // If the scale is negative, the greatest value is the least device value.
-  setup.mode = map.scale < 0 ? traits.for_negated : traits.mode;
+  setup.mode = deviceMode(options.mode, map.scale);
   // The rounding of 1 / (1 / n) makes no more of n.
   setup.planes_a_voxel = std::max(
       1, static_cast<int>(

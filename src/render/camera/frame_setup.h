@@ -11,6 +11,11 @@
 
 namespace sluice {
 
+// The mode for device values. If the scale is negative, the greatest value is the least of these.
+constexpr Mode deviceMode(Mode mode, double value_scale) {
+  return value_scale < 0 ? traitsOf(mode).for_negated : mode;
+}
+
 FrameSetup frameSetup(const View& view, const VolumeLayout& layout, const OpacityTable& table,
                       const ValueMap& map, const FrameOptions& options);
 // The same for a frame of a session that is lit or not, with the counts that its options ask for.

@@ -12,14 +12,15 @@ bool Planner::integrates(const TimeStep& step, const Look& look, const View& vie
                          const FrameOptions& options) {
   const bool labels = look.table.labels();
   return options.integrates && traitsOf(options.mode).has_colors && !labels &&
-         step.ranges->layout.ghost > 0 && !drawsCut(step, options.cut, options.mode, labels) &&
+         step.ranges->layout.ghost > 0 &&
+         !drawsCut(step, options.cut, options.mode, look.transfer) &&
          longestStep(view, step.source->layout()) <= kMostIntegratedStep * (1 + 1e-6);
 }
 
 VisibleBlocksPtr Planner::visibleBlocks(const TimeStep& step, const LookPtr& look, const View& view,
                                         const FrameOptions& options, const ReadLimit* limit) {
   std::optional<CutOptions> cut;
-  if (drawsCut(step, options.cut, options.mode, look->table.labels())) cut = options.cut;
+  if (drawsCut(step, options.cut, options.mode, look->transfer)) cut = options.cut;
   BlockChooser* chooser = chooser_;
   if (chooser == nullptr && cut) chooser = &cut_;
   if (chooser == nullptr) chooser = &classified_;

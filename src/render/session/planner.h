@@ -34,7 +34,7 @@ class Planner {
   LookPtr look(const TimeStep& step, const TransferPtr& transfer, Mode mode);
   // Whether visibleBlocks() makes a cut through the levels of resolution itself.
   bool makesCut(const TimeStep& step, const LookPtr& look, const FrameOptions& options) const {
-    return chooser_ == nullptr && drawsCut(step, options.cut, options.mode, look->table.labels());
+    return chooser_ == nullptr && drawsCut(step, options.cut, options.mode, look->transfer);
   }
   // Whether a frame is pre-integrated: its options ask for it, and it can be. It cannot in modes
   // without colours, of labels, of a cut, without a ghost layer, or if slices are more than two
