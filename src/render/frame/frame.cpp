@@ -40,9 +40,13 @@ Frame Session::frame() {
   const VisibleBlocksPtr visible =
       planner_.visibleBlocks(step_, look, viewNow(), options, limit ? &*limit : nullptr);
   options.step_vox = stepForCut(*visible, options);
-  const int rays =
-      planner_.makesCut(step_, look, options) ? raysASide(step_, *visible, viewNow(), options) : 1;
-  if (rays > 1) options.step_vox /= 2;  // slices are no farther apart than rays
+  const std::optional<KeptRay> kept_ray =
+      keptRay(*look->look_up, deviceMode(options.mode, step_.ranges->map.scale));
+  const int rays = kept_ray && planner_.makesCut(step_, look, options)
+                       ? raysASide(step_, *visible, viewNow(), options)
+                       : 1;
+  // Slices are no farther apart than rays.
+  if (rays > 1 && !traitsOf(options.mode).on_planes) options.step_vox /= 2;
   const View view = viewNow();
   const double classify_s = stage.lap();
   visible_ = visible;
@@ -72,7 +76,7 @@ Frame Session::frame() {
     if (ray == 0)
       frame.picture = std::move(picture);
     else
-      keepMost(frame.picture, picture);
+      keepMost(frame.picture, picture, *kept_ray);
     if (options.count_samples) run.countSamples();
     frame.phases = run.drawPhases();
     if (ray == 0)

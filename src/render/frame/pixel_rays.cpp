@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <span>
 #include <utility>
+#include <vector>
 
 #include "src/base/error.h"
 #include "src/render/camera/pixel_sizes.h"
@@ -15,11 +17,38 @@ constexpr size_t kChannels = 4;
 constexpr double kRaysAVoxel = 3;
 
 // Opacity first, then the sum of the colours.
-std::pair<float, float> rankOf(std::span<const float> pixel) {
-  return {pixel[3], pixel[0] + pixel[1] + pixel[2]};
+std::pair<float, float> rankOf(std::span<const float> pixel, KeptRay ray) {
+  const float brightness = pixel[0] + pixel[1] + pixel[2];
+  return {pixel[3], ray == KeptRay::kBrightest ? brightness : -brightness};
+}
+
+bool isExtreme(Mode mode) {
+  const Combining combining = traitsOf(mode).combining;
+  return combining == Combining::kGreatest || combining == Combining::kLeast;
+}
+
+// The sums of the colours of entries that show, by value.
+std::vector<float> brightnessOf(const LookUp& look_up) {
+  std::vector<float> brightness;
+  const std::span<const float> entries(look_up.rgba);
+  for (size_t at = 0; at + kChannels <= entries.size(); at += kChannels)
+    if (entries[at + 3] > 0) brightness.push_back(entries[at] + entries[at + 1] + entries[at + 2]);
+  return brightness;
 }
 
 }  // namespace
+
+std::optional<KeptRay> keptRay(const LookUp& look_up, Mode mode) {
+  if (traitsOf(mode).has_colors) return KeptRay::kBrightest;
+  if (!isExtreme(mode)) return std::nullopt;
+  const std::vector<float> brightness = brightnessOf(look_up);
+  const bool is_greatest = traitsOf(mode).combining == Combining::kGreatest;
+  if (std::ranges::is_sorted(brightness))
+    return is_greatest ? KeptRay::kBrightest : KeptRay::kDarkest;
+  if (std::ranges::is_sorted(brightness, std::ranges::greater()))
+    return is_greatest ? KeptRay::kDarkest : KeptRay::kBrightest;
+  return std::nullopt;
+}
 
 int raysASide(const TimeStep& step, const VisibleBlocks& visible, const View& view,
               const FrameOptions& options) {
@@ -29,8 +58,8 @@ int raysASide(const TimeStep& step, const VisibleBlocks& visible, const View& vi
   const PixelSizes sizes(step.source->layout(), view);
   double least_pixels = 1;  // that a voxel is wide
   for (const ObjectBlock& block : visible.blocks) {
-    if (block.name.level > 0) continue;
-    const double pixels = sizes.of(pyramid.level(0), pyramid.regionOf(block.name));
+    if (block.name.level > 0 && !isExtreme(options.mode)) continue;
+    const double pixels = sizes.of(pyramid.of(block.name), pyramid.regionOf(block.name));
     if (pixels > 0) least_pixels = std::min(least_pixels, pixels);
   }
   if (least_pixels >= 1) return 1;
@@ -47,13 +76,13 @@ RayGrid raysOfPixel(const RayGrid& middles, int x, int y, int side) {
   return rays;
 }
 
-void keepMost(Picture& kept, const Picture& more) {
+void keepMost(Picture& kept, const Picture& more, KeptRay ray) {
   SLUICE_CHECK_EQ(kept.rgba.size(), more.rgba.size());
   SLUICE_CHECK_EQ(kept.depth.size(), more.depth.size());
   for (size_t i = 0; i < kept.rgba.size() / kChannels; ++i) {
     const auto of = std::span(kept.rgba).subspan(kChannels * i, kChannels);
     const auto with = std::span(more.rgba).subspan(kChannels * i, kChannels);
-    if (!(rankOf(of) < rankOf(with))) continue;
+    if (!(rankOf(of, ray) < rankOf(with, ray))) continue;
     std::ranges::copy(with, of.begin());
     if (!kept.depth.empty()) kept.depth[i] = more.depth[i];
   }

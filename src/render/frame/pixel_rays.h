@@ -4,6 +4,8 @@
 // most. A mean of the rays would hide again what is much smaller than a pixel. Pure functions.
 #pragma once
 
+#include <optional>
+
 #include "src/base/values/picture.h"
 #include "src/device/frame_values.h"
 #include "src/render/blocks/time_step.h"
@@ -15,10 +17,17 @@ namespace sluice {
 // The most rays of a picture.
 inline constexpr double kMostRays = 1 << 26;
 
+// The ray that a pixel shows, of those of the same opacity.
+enum class KeptRay { kBrightest, kDarkest };
+// Of a picture in this mode, as devices have it. For an extreme it is the ray whose value wins, if
+// the look's colours become ever brighter, or ever darker, with the values. nullopt: colours do not
+// tell which ray it is, or the mode looks at all of them.
+std::optional<KeptRay> keptRay(const LookUp& look_up, Mode mode);
+
 // The rays along each side of a pixel: 1, or, for a cut that keeps thin parts, as many as leave a
-// third of a voxel of the finest level between them wherever the picture shows that level with
-// voxels smaller than pixels. Interpolation reaches a voxel far to each side and falls off towards
-// there.
+// third of a voxel between them wherever the picture shows voxels that are smaller than pixels: of
+// the finest level, and of all levels if these hold extremes. Interpolation reaches a voxel far to
+// each side and falls off towards there.
 int raysASide(const TimeStep& step, const VisibleBlocks& visible, const View& view,
               const FrameOptions& options);
 
@@ -26,8 +35,8 @@ int raysASide(const TimeStep& step, const VisibleBlocks& visible, const View& vi
 // are below `side`.
 RayGrid raysOfPixel(const RayGrid& middles, int x, int y, int side);
 
-// Replaces the pixels of `kept` that are less opaque, or as opaque and darker, than those of
-// `more`. Requires: pictures of one size, both with depth or neither.
-void keepMost(Picture& kept, const Picture& more);
+// Replaces the pixels of `kept` that are less opaque than those of `more`, or as opaque and not the
+// kept ray. Requires: pictures of one size, both with depth or neither.
+void keepMost(Picture& kept, const Picture& more, KeptRay ray);
 
 }  // namespace sluice
