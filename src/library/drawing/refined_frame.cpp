@@ -16,6 +16,7 @@ RefinedFrame drawRefined(Scene& scene, const FrameOptions& options, bool has_ste
     if (has_step) return options.step_vox;
     FrameOptions of_cut = options;
     of_cut.cut = cut;
+    of_cut.time_limit_s.reset();  // the last picture is the one without a limit
     return scene.chosenStep(step, of_cut);
   };
   Refinement row(*scene.session, {step, scene.look.transfer, scene.pool}, options, step_of, until);
