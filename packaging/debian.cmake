@@ -78,7 +78,11 @@ shared library, for programs that are linked to it.")
 string(TOUPPER ${shared_package} key)
 set(CPACK_DEBIAN_${key}_PACKAGE_SECTION libs)
 set(CPACK_DEBIAN_${key}_PACKAGE_DEPENDS "sluice ${same}")
-set(CPACK_DEBIAN_${key}_PACKAGE_GENERATE_SHLIBS ON)
+set(so_version ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+file(WRITE ${CMAKE_BINARY_DIR}/package/shlibs "libsluice ${so_version} ${shared_package} ${same}\n")
+file(WRITE ${CMAKE_BINARY_DIR}/package/triggers "activate-noawait ldconfig\n")
+set(CPACK_DEBIAN_${key}_PACKAGE_CONTROL_EXTRA
+    "${CMAKE_BINARY_DIR}/package/shlibs;${CMAKE_BINARY_DIR}/package/triggers")
 sluice_package(libsluice-dev "renderer of volumes that are larger than memory - headers"
 "Sluice draws scalar volumes that are larger than memory. This package has the
 headers of the library, its archive, and its files for CMake and pkg-config.")
@@ -96,6 +100,10 @@ foreach(package ${packages})
   if(package STREQUAL sluice-window)
     file(APPEND ${overrides} "# It is in the package sluice, which this one depends on.\n"
          "${package}: desktop-command-not-in-package *\n")
+  endif()
+  if(package STREQUAL shared_package)
+    file(APPEND ${overrides} "# CPack adds calls beside the trigger, and they do no harm.\n"
+         "${package}: maintscript-calls-ldconfig *\n")
   endif()
   install(FILES ${overrides} DESTINATION ${CMAKE_INSTALL_DATADIR}/lintian/overrides COMPONENT ${package})
 endforeach()
