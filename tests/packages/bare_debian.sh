@@ -62,6 +62,7 @@ inside sluice render -q synth:phantom -o /tmp/a.png --annotate
 step "manual pages and completions"
 add man-db bash-completion zsh fish
 inside man sluice-render | grep -- --threshold >/dev/null
+inside mandb --quiet
 inside man -k sluice | grep '^sluice-bench-render' >/dev/null
 inside bash -c '. /usr/share/bash-completion/bash_completion; _completion_loader sluice || true
   COMP_WORDS=(sluice render --thresh) COMP_CWORD=2; _sluice; [[ ${COMPREPLY[*]} == --threshold ]]'

@@ -98,7 +98,7 @@ TEST(PackLevels, areNumPysMeansExtremesAndModes) {
       layout.origin = {10, -20, 30};
       const auto noise = makeWhiteNoise(c.dims, VoxelType::kU8, 5);
       const std::span<const std::byte> bytes = noise->bytes();
-      FunctionSource source(layout, [&](int64_t, Vec3i p) {
+      FunctionSource source(layout, [&, how = how](int64_t, Vec3i p) {
         const auto byte =
             static_cast<int>(bytes[static_cast<size_t>((p.z * c.dims.y + p.y) * c.dims.x + p.x)]);
         return how == Downsample::kMode ? byte % 5 : byte - (c.type == VoxelType::kI8 ? 128 : 0);
@@ -313,7 +313,7 @@ TEST(LevelRegion, isThatOfTheWholeLevel) {
       const auto noise = makeWhiteNoise({45, 37, 83}, type, 7);
       VolumeLayout layout = noise->layout();
       layout.spacing = spacing;
-      FunctionSource source(layout, [&](int64_t, Vec3i p) {
+      FunctionSource source(layout, [&, how = how](int64_t, Vec3i p) {
         return visitVoxelType(type, [&](auto voxel) {
           noise->readRegion(0, {p, p + Vec3i{1, 1, 1}},
                             std::as_writable_bytes(std::span(&voxel, 1)));
