@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "src/base/memory/aligned_array.h"
 #include "src/base/threads/mutex.h"
 #include "src/classify/boxes/box_visibility.h"
 #include "src/index/stale_check.h"
@@ -53,14 +54,14 @@ Box3 voxelsAround(const Box3& cells, Vec3i dims) {
 struct DeviceVoxels {
   Box3 box;
   DeviceType type;
-  std::unique_ptr<std::byte[]> bytes;
+  AlignedArray<std::byte> bytes;
 };
 
 DeviceVoxels readDevice(VolumeSource& source, int64_t time, const Box3& box,
                         const ReadVoxels& read) {
   DeviceVoxels voxels{box, deviceMap(source.layout()).type, {}};
   const auto bytes = static_cast<size_t>(box.count()) * bytesPerVoxel(voxels.type);
-  voxels.bytes = std::make_unique_for_overwrite<std::byte[]>(bytes);
+  voxels.bytes = alignedForOverwrite<std::byte>(bytes);
   const RegionRead region{box, {voxels.bytes.get(), bytes}};
   if (read)
     read(time, region);

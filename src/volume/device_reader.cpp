@@ -42,7 +42,7 @@ void DeviceReader::readThroughScratch(int64_t time, const RegionRead& region) {
       static_cast<int64_t>(std::max<size_t>(1, scratch_bytes_ / plane_bytes)), box.size().z);
   if (const size_t bytes = plane_bytes * static_cast<size_t>(planes); bytes > scratch_size_) {
     scratch_.reset();  // never two at once
-    scratch_ = std::make_unique_for_overwrite<std::byte[]>(bytes);
+    scratch_ = alignedForOverwrite<std::byte>(bytes);
     scratch_size_ = bytes;
   }
   Stopwatch watch;

@@ -8,9 +8,9 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <span>
 
+#include "src/base/memory/aligned_array.h"
 #include "src/base/values/volume_source.h"
 #include "src/volume/device_voxel.h"
 
@@ -40,7 +40,7 @@ class DeviceReader {
   VolumeSource& source_;
   const size_t scratch_bytes_;
   size_t scratch_size_ = 0;
-  std::unique_ptr<std::byte[]> scratch_;
+  AlignedArray<std::byte> scratch_;
   int64_t read_ns_ = 0, convert_ns_ = 0;
 };
 

@@ -8,6 +8,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "src/base/memory/aligned_array.h"
 #include "src/base/threads/mutex.h"
 #include "src/volume/block_ranges.h"
 #include "src/volume/brick_ranges.h"
@@ -68,14 +69,14 @@ struct WorkSpace {
   // Uninitialised on purpose: the read overwrites every byte.
   std::span<T> room(size_t count) {
     if (count > capacity) {
-      device = std::make_unique_for_overwrite<T[]>(count);
+      device = alignedForOverwrite<T>(count);
       capacity = count;
     }
     return {device.get(), count};
   }
   std::span<std::byte> storedRoom(size_t bytes) {
     if (bytes > stored_capacity) {
-      stored = std::make_unique_for_overwrite<std::byte[]>(bytes);
+      stored = alignedForOverwrite<std::byte>(bytes);
       stored_capacity = bytes;
     }
     return {stored.get(), bytes};
@@ -83,9 +84,9 @@ struct WorkSpace {
 
   DeviceReader reader;  // the piece bounds the bytes of a read
   size_t capacity = 0;  // voxels
-  std::unique_ptr<T[]> device;
+  AlignedArray<T> device;
   size_t stored_capacity = 0;
-  std::unique_ptr<std::byte[]> stored;  // voxels that are larger than device voxels
+  AlignedArray<std::byte> stored;  // voxels that are larger than device voxels
   RowRanges<T> ranges;
   std::vector<PlaneRange<T>> totals, planes;  // of the blocks of a piece, from that piece alone
   KeyHistogram<T> histogram;

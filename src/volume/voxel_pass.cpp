@@ -1,8 +1,8 @@
 #include "src/volume/voxel_pass.h"
 
 #include <algorithm>
-#include <memory>
 
+#include "src/base/memory/aligned_array.h"
 #include "src/volume/brick_ranges.h"
 
 namespace sluice {
@@ -36,7 +36,7 @@ void passVoxels(VolumeSource& source, int64_t time, const BlockLayout& layout, W
   progress.expect(static_cast<uint64_t>(volume(layout.dims)) * voxel_bytes);
   const TakePiece take = [&](const PassPiece& piece) {
     const auto voxels = static_cast<size_t>(piece.own.count());
-    const auto stored = std::make_unique_for_overwrite<std::byte[]>(voxels * voxel_bytes);
+    const AlignedArray<std::byte> stored = alignedForOverwrite<std::byte>(voxels * voxel_bytes);
     source.readRegion(time, piece.own, {stored.get(), voxels * voxel_bytes});
     const Vec3i size = piece.own.size();
     taker.take({piece.own, stored.get(), size.x, size.x * size.y});

@@ -8,6 +8,7 @@
 
 #include "io/files/swap_bytes.h"
 #include "src/base/error.h"
+#include "src/base/memory/aligned_array.h"
 
 namespace sluice {
 namespace {
@@ -72,7 +73,7 @@ class RawSource::Gather {
     if (pieces_.size() == 1) {
       read(pieces_.front().offset, {pieces_.front().to, pieces_.front().bytes});
     } else if (!pieces_.empty()) {
-      if (span_ == nullptr) span_ = std::make_unique_for_overwrite<std::byte[]>(kSpanBytes);
+      if (span_ == nullptr) span_ = alignedForOverwrite<std::byte>(kSpanBytes);
       const uint64_t begin = pieces_.front().offset;
       read(begin, {span_.get(), end_ - begin});
       for (const Piece& piece : pieces_)
@@ -99,7 +100,7 @@ class RawSource::Gather {
   std::vector<Piece> pieces_;
   uint64_t end_ = 0;        // end of the pieces in the store
   uint64_t run_begin_ = 0;  // begin of the bytes that lie before end_ without a gap
-  std::unique_ptr<std::byte[]> span_;
+  AlignedArray<std::byte> span_;
 };
 
 RawSource::RawSource(VolumeLayout layout, std::endian byte_order, std::vector<RawSegment> segments,

@@ -13,6 +13,7 @@
 #include "io/zarr/packing/zarr_pack_folder.h"
 #include "io/zarr/reading/zarr_source.h"
 #include "src/base/error.h"
+#include "src/base/memory/aligned_array.h"
 #include "src/base/threads/clock.h"
 #include "src/base/values/bytes.h"
 #include "src/base/values/volume_channels.h"
@@ -246,7 +247,7 @@ class Packer {
       }
     }
     slab_bytes_ = static_cast<size_t>(volume(slab_voxels_) * voxel_);
-    slab_ = std::make_unique_for_overwrite<std::byte[]>(slab_bytes_);
+    slab_ = alignedForOverwrite<std::byte>(slab_bytes_);
   }
 
   template <class F>
@@ -329,7 +330,7 @@ class Packer {
   ChunkPacker chunks_;
   Vec3i slab_voxels_;
   size_t slab_bytes_ = 0;
-  std::unique_ptr<std::byte[]> slab_;
+  AlignedArray<std::byte> slab_;
   std::vector<std::unique_ptr<LevelPacker>> levels_;  // one for each way to make them
 };
 

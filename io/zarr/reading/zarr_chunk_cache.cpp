@@ -30,7 +30,7 @@ ChunkMemory::Buffer ChunkMemory::take(uint64_t bytes) {
     now_ -= kept_.back().size;
     kept_.pop_back();
   }
-  Buffer made{std::make_unique_for_overwrite<std::byte[]>(static_cast<size_t>(bytes)), bytes};
+  Buffer made{alignedForOverwrite<std::byte>(static_cast<size_t>(bytes)), bytes};
   now_ += bytes;
   peak_ = std::max(peak_.load(), now_.load());
   return made;

@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "src/base/memory/aligned_array.h"
 #include "src/base/threads/mutex.h"
 #include "src/base/threads/single_flight_cache.h"
 
@@ -26,7 +27,7 @@ namespace sluice {
 class ChunkMemory {
  public:
   struct Buffer {
-    std::unique_ptr<std::byte[]> bytes;  // not set to anything
+    AlignedArray<std::byte> bytes;  // not set to anything
     uint64_t size = 0;
   };
 

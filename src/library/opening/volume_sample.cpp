@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "io/lent_source.h"
+#include "src/base/memory/aligned_array.h"
 #include "src/base/threads/clock.h"
 #include "src/base/values/forwarding_source.h"
 #include "src/base/values/read_units.h"
@@ -97,7 +98,7 @@ class Sampler {
         grid_(finestGrid(layout_, most_bytes_)) {
     // Threads that only wait for a disk cost nothing; those that decode are as many as processors.
     if (request.source.heldBytesAThread() == 0 && !units_.is_one_stream) readers_.emplace(kReaders);
-    voxels_.resize(static_cast<size_t>(threads().threads()) + 1);
+    rooms_.resize(static_cast<size_t>(threads().threads()) + 1);
     const Vec3i dims = dimsOf(grid_);
     sample_.voxels.resize(static_cast<size_t>(volume(dims) * voxel_bytes_));
   }
@@ -117,6 +118,12 @@ class Sampler {
   }
 
  private:
+  // Voxels as a thread reads them.
+  struct Room {
+    AlignedArray<std::byte> voxels;
+    size_t bytes = 0;
+  };
+
   // Reads as many rounds as the time allows: `read(step)` reads the parts at that step which were
   // not read before, from `first` on in steps that halve. Returns the last step. `growth`: parts of
   // a round for each of those read before.
@@ -281,11 +288,12 @@ class Sampler {
       points.hi[a] = std::min(axis.pointFrom(box.hi[a]), axis.count);
     }
     if (points.empty()) return;
-    std::vector<std::byte>& voxels = voxels_[static_cast<size_t>(threads().self())];
-    voxels.resize(static_cast<size_t>(box.count() * voxel_bytes_));
-    request_.source.readRegion(request_.time, box, voxels);
+    Room& room = rooms_[static_cast<size_t>(threads().self())];
+    const auto bytes = static_cast<size_t>(box.count() * voxel_bytes_);
+    if (bytes > room.bytes) room = {alignedForOverwrite<std::byte>(bytes), bytes};
+    request_.source.readRegion(request_.time, box, {room.voxels.get(), bytes});
     visitVoxelType(layout_.type,
-                   [&](auto tag) { keep<decltype(tag)>(box, points, voxels.data()); });
+                   [&](auto tag) { keep<decltype(tag)>(box, points, room.voxels.get()); });
   }
 
   template <class T>
@@ -309,8 +317,8 @@ class Sampler {
   const ReadUnits units_;
   const uint64_t most_bytes_;
   Grid grid_;
-  std::optional<WorkerPool> readers_;           // unset: request_.pool
-  std::vector<std::vector<std::byte>> voxels_;  // as a thread reads them
+  std::optional<WorkerPool> readers_;  // unset: request_.pool
+  std::vector<Room> rooms_;            // of each thread
   VolumeSample sample_;
 };
 
