@@ -2,7 +2,37 @@
 
 #include <algorithm>
 
+#include "src/base/values/number_set.h"
+
 namespace sluice {
+namespace {
+
+// The indices of the blocks that own a voxel of a box: a voxel on a shared plane belongs to the
+// blocks on both sides.
+Box3 blocksAround(const BlockLayout& layout, const Box3& voxels) {
+  Box3 blocks;
+  for (int a = 0; a < 3; ++a) {
+    blocks.lo[a] = std::max<int64_t>(0, voxels.lo[a] - 1) / layout.cells();
+    blocks.hi[a] = std::min(layout.grid[a], (voxels.hi[a] - 1) / layout.cells() + 1);
+  }
+  return blocks;
+}
+
+// Calls `call` with the first block and the end of each row of blocks around the boxes.
+template <class Call>
+void eachRow(const BlockLayout& layout, const std::vector<Box3>& boxes, const Call& call) {
+  for (const Box3& box : boxes) {
+    if (box.empty()) continue;
+    const Box3 blocks = blocksAround(layout, box);
+    for (int64_t z = blocks.lo.z; z < blocks.hi.z; ++z)
+      for (int64_t y = blocks.lo.y; y < blocks.hi.y; ++y) {
+        const int64_t first = layout.idOf({blocks.lo.x, y, z});
+        call(first, first + blocks.size().x);
+      }
+  }
+}
+
+}  // namespace
 
 std::vector<int64_t> candidateBlocks(const BlockLayout& layout,
                                      const std::optional<Occupancy>& occupancy) {
@@ -12,28 +42,24 @@ std::vector<int64_t> candidateBlocks(const BlockLayout& layout,
     for (size_t i = 0; i < blocks.size(); ++i) blocks[i] = static_cast<int64_t>(i);
     return blocks;
   }
+  if (layout.blockCount() <= NumberSet::kMostNumbers) {
+    NumberSet found(layout.blockCount());
+    eachRow(layout, occupancy->boxes, [&](int64_t first, int64_t end) { found.add(first, end); });
+    return found.numbers();
+  }
   const auto dropRepeats = [&blocks] {
     std::sort(blocks.begin(), blocks.end());
     blocks.erase(std::unique(blocks.begin(), blocks.end()), blocks.end());
   };
   size_t drop_at = size_t{1} << 22;
-  for (const Box3& box : occupancy->boxes) {
-    if (box.empty()) continue;
-    // A voxel on a shared plane belongs to the blocks on both sides.
-    Vec3i lo, hi;
-    for (int a = 0; a < 3; ++a) {
-      lo[a] = std::max<int64_t>(0, (box.lo[a] - 1) / layout.cells());
-      hi[a] = std::min(layout.grid[a] - 1, (box.hi[a] - 1) / layout.cells());
-    }
-    for (int64_t z = lo.z; z <= hi.z; ++z)
-      for (int64_t y = lo.y; y <= hi.y; ++y)
-        for (int64_t x = lo.x; x <= hi.x; ++x) blocks.push_back(layout.idOf({x, y, z}));
+  eachRow(layout, occupancy->boxes, [&](int64_t first, int64_t end) {
+    for (int64_t block = first; block < end; ++block) blocks.push_back(block);
     // Leaves of sparse formats repeat blocks many times over.
     if (blocks.size() > drop_at) {
       dropRepeats();
       drop_at = std::max(drop_at, 2 * blocks.size());
     }
-  }
+  });
   dropRepeats();
   return blocks;
 }
@@ -65,16 +91,6 @@ std::vector<PassPiece> runsOf(const BlockLayout& layout, const std::vector<int64
 }
 
 namespace {
-
-// The indices of the blocks that own a voxel of a box.
-Box3 blocksAround(const BlockLayout& layout, const Box3& voxels) {
-  Box3 blocks;
-  for (int a = 0; a < 3; ++a) {
-    blocks.lo[a] = std::max<int64_t>(0, voxels.lo[a] - 1) / layout.cells();
-    blocks.hi[a] = std::min(layout.grid[a], (voxels.hi[a] - 1) / layout.cells() + 1);
-  }
-  return blocks;
-}
 
 // Whether one of `blocks` (ascending) lies in a box of indices.
 bool holdsAny(const BlockLayout& layout, const std::vector<int64_t>& blocks, const Box3& box) {

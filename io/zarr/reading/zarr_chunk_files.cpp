@@ -10,6 +10,7 @@
 #include "io/zarr/reading/crc32c.h"
 #include "io/zarr/reading/zarr_codec.h"
 #include "src/base/error.h"
+#include "src/base/values/number_set.h"
 
 namespace sluice {
 namespace {
@@ -103,8 +104,13 @@ std::vector<int64_t> ZarrChunkFiles::onDisk() const {
   std::vector<int64_t> index, found;
   const bool is_below = !array_.prefix.empty() && array_.separator == '/';
   listFolder(is_below ? folder_.at(array_.prefix) : folder_, index, found);
-  std::sort(found.begin(), found.end());
-  return found;
+  if (array_.fileCount() > NumberSet::kMostNumbers) {
+    std::sort(found.begin(), found.end());
+    return found;
+  }
+  NumberSet files(array_.fileCount());
+  for (const int64_t file : found) files.add(file);
+  return files.numbers();
 }
 
 uint64_t ZarrChunkFiles::stampChecksum(int64_t most) const {
