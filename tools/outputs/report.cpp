@@ -221,8 +221,11 @@ std::string cutLine(const CutSummary& cut) {
     levels += fmt::format("{}{} ({} block{})", levels.empty() ? "" : ", ", level.level,
                           level.blocks, level.blocks == 1 ? "" : "s");
   std::string line =
-      fmt::format("{:.1f} % of what shows is drawn coarser than it is stored, at level {}, {}",
-                  100 * cut.coarse_share, levels, originText(cut));
+      cut.levels.empty()
+          ? std::string("nothing that was read shows anything")
+          : fmt::format(
+                "{:.1f} % of what shows is drawn coarser than it is stored, at level {}, {}",
+                100 * cut.coarse_share, levels, originText(cut));
   if (cut.spread)
     line +=
         fmt::format(" of up to {:.4g}, {:.3g} on average", cut.spread->largest, cut.spread->mean);
@@ -238,8 +241,9 @@ std::string refinedLine(const CutSummary& cut) {
   std::string levels;
   for (const CutSummary::Level& level : cut.levels)
     levels += fmt::format("{}{}", levels.empty() ? "" : ", ", level.level);
-  return fmt::format("level{} {}, {}", cut.levels.size() == 1 ? "" : "s", levels,
-                     cut.is_final ? "final" : "will improve");
+  const char* const end = cut.is_final ? "final" : "will improve";
+  if (cut.levels.empty()) return fmt::format("no level shows anything, {}", end);
+  return fmt::format("level{} {}, {}", cut.levels.size() == 1 ? "" : "s", levels, end);
 }
 
 json refinedJson(const std::vector<RefinedPicture>& pictures) {

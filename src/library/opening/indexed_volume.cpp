@@ -371,7 +371,8 @@ IndexedVolume indexVolume(std::unique_ptr<VolumeSource> source, const VolumeArgu
   if (wished == LevelsWish::kAuto && is_hurried && needs.values != LevelValues::kMeans)
     wished = LevelsWish::kKept;
   const bool may_sample = wished != LevelsWish::kNone && maySample(coarsest.layout(), needs);
-  SideLevels side({coarsest, volume.name, volume.places, volume.time, downsampleFor(needs.values),
+  SideLevels side({coarsest, has_own && suits, volume.name, volume.places, volume.time,
+                   downsampleFor(needs.values),
                    may_sample ? std::max(wished, LevelsWish::kKept) : wished,
                    needs.levels == LevelNeeds::kAll || machine.levels == LevelsWish::kAlways,
                    pass.pool, pass.memory_bytes, pass.stop, pass.announce});

@@ -185,17 +185,23 @@ bool isCheap(VolumeSource& source, Downsample how) {
   return is_extreme || (how == Downsample::kMean && bytesPerVoxel(source.layout().type) <= 2);
 }
 
+bool hasMoreVoxels(const VolumeLayout& layout, int64_t most) {
+  const Vec3d dims = toDouble(layout.dims);
+  return dims.x * dims.y * dims.z > static_cast<double>(most);
+}
+
 bool makes(const SideLevelsRequest& request) {
   if (request.wish == LevelsWish::kAlways) return true;
-  return request.wish == LevelsWish::kAuto && isLarge(request.source.layout()) &&
-         (request.is_asked || isCheap(request.source, request.how));
+  if (request.wish != LevelsWish::kAuto) return false;
+  const VolumeLayout& layout = request.source.layout();
+  if (request.continues) return request.is_asked && hasMoreVoxels(layout, kMostVoxelsOfCoarsest);
+  return isLarge(layout) && (request.is_asked || isCheap(request.source, request.how));
 }
 
 }  // namespace
 
 bool isLarge(const VolumeLayout& layout) {
-  const Vec3d dims = toDouble(layout.dims);
-  return dims.x * dims.y * dims.z > static_cast<double>(kMostVoxelsWithoutLevels);
+  return hasMoreVoxels(layout, kMostVoxelsWithoutLevels);
 }
 
 SideLevels::SideLevels(const SideLevelsRequest& request)

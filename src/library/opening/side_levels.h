@@ -37,10 +37,14 @@ namespace sluice {
 // nobody has asked for levels, they must be cheap, too: of files, and of voxels of 8 or 16 bits.
 inline constexpr int64_t kMostVoxelsWithoutLevels = int64_t{1} << 27;
 bool isLarge(const VolumeLayout& layout);
+// Levels of a file that end with more voxels than this, 128 a side, are continued by kAuto if
+// somebody asks for levels: a first picture reads all of the coarsest one.
+inline constexpr int64_t kMostVoxelsOfCoarsest = int64_t{1} << 21;
 
 struct SideLevelsRequest {
-  VolumeSource& source;  // the level of the file that they are made of
-  std::string name;      // the volume's, for messages
+  VolumeSource& source;    // the level of the file that they are made of
+  bool continues = false;  // it is the coarsest of several
+  std::string name;        // the volume's, for messages
   const IndexPlaces& places;
   int64_t time = 0;
   Downsample how = Downsample::kMean;
