@@ -10,6 +10,7 @@
 
 #include "src/base/memory/aligned_array.h"
 #include "src/base/threads/mutex.h"
+#include "src/base/wide_vectors.h"
 #include "src/volume/block_ranges.h"
 #include "src/volume/brick_ranges.h"
 #include "src/volume/device_reader.h"
@@ -120,7 +121,7 @@ class Builder {
     std::unique_ptr<WorkSpace<T>> work = takeWorkSpace();
     const T* voxels = taker == nullptr ? work->read(time_, piece.read)
                                        : work->read(source_, time_, piece, *taker);
-    bricks_.add(voxels, piece.read);
+    inWideVectors([&] { bricks_.add(voxels, piece.read); });
     takeBlocks(piece, voxels, *work);
     const Vec3i size = piece.read.size();
     const Vec3i own = piece.own.size();
@@ -216,8 +217,10 @@ class Builder {
       std::vector<BlockColumns> columns;
       for (size_t i = first; i < end; ++i)
         columns.push_back({parts[i].box.lo.x - all.lo.x, parts[i].box.size().x});
-      work.ranges.of(firstVoxel(all), all.size(), size.x, size.x * size.y, columns,
-                     work.planes.data() + first * perBlock(), work.totals.data() + first);
+      inWideVectors([&] {
+        work.ranges.of(firstVoxel(all), all.size(), size.x, size.x * size.y, columns,
+                       work.planes.data() + first * perBlock(), work.totals.data() + first);
+      });
     }
     for (size_t i = before; i < parts.size(); ++i) {
       const PlaneRange<T> total = work.totals[i];

@@ -1,5 +1,6 @@
 // Blocks of 2 x 2 x 2 unsigned bytes: their sums, squares, means and spreads, with vector
-// instructions. Seven of eight voxels that level_maker.h makes of a CT scan are such blocks.
+// instructions. Seven of eight voxels that level_maker.h makes of a CT scan are such blocks, and
+// seven of eight others are blocks of eight of them.
 #pragma once
 
 #include <array>
@@ -19,5 +20,18 @@ struct ByteBlocks {
 // rounded down to whole vectors; 0 on processors without AVX2.
 int64_t makeByteBlocks(const std::array<const uint8_t*, 4>& rows, int64_t blocks,
                        const ByteBlocks& to);
+
+// The same of the next coarser level, whose blocks are of 2 x 2 x 2 such blocks: 64 bytes.
+struct FinerByteBlocks {
+  std::array<const int32_t*, 4> sums, squares;  // four rows each
+};
+struct CoarserByteBlocks {
+  double* sums = nullptr;
+  double* squares = nullptr;
+  uint8_t* means = nullptr;
+  uint8_t* spreads = nullptr;
+};
+int64_t makeCoarserByteBlocks(const FinerByteBlocks& rows, int64_t blocks,
+                              const CoarserByteBlocks& to);
 
 }  // namespace sluice

@@ -8,6 +8,7 @@
 
 #include "io/zarr/levels/block_sums.h"
 #include "io/zarr/levels/byte_blocks.h"
+#include "src/base/wide_vectors.h"
 
 namespace sluice {
 namespace {
@@ -184,10 +185,30 @@ class Pass {
       const auto squares = rowsOf<Square>(finer_size, step, y, z, [&](int64_t pz, int64_t py) {
         return finer[static_cast<size_t>(pz % 2)].squares + py * finer_size.x;
       });
-      addRows<Sum>(sums, finer_size.x, step.x, same, to.sums + y * size.x);
-      addRows<Square>(squares, finer_size.x, step.x, same, to.squares + y * size.x);
-      finishRow(level, y, z, to.sums + y * size.x, to.squares + y * size.x);
+      int64_t made = 0;
+      if constexpr (std::is_same_v<T, uint8_t> && std::is_same_v<Sum, int32_t>) {
+        if (areOf64(level, y, z)) made = makeBlocksOf64({sums.row, squares.row}, y, z, to);
+      }
+      addRows<Sum>(sums, finer_size.x, step.x, same, to.sums + y * size.x, made);
+      addRows<Square>(squares, finer_size.x, step.x, same, to.squares + y * size.x, made);
+      finishRow(level, y, z, to.sums + y * size.x, to.squares + y * size.x, made);
     }
+  }
+
+  // Whether the blocks of a row are of 4 x 4 x 4 voxels, but for the last ones.
+  bool areOf64(size_t level, int64_t y, int64_t z) const {
+    return levels_[0].step == Vec3i{2, 2, 2} && levels_[level].step == Vec3i{4, 4, 4} &&
+           (y + 1) * 4 <= cube_.size.y && (z + 1) * 4 <= cube_.size.z;
+  }
+  // The first of them; returns how many.
+  int64_t makeBlocksOf64(const FinerByteBlocks& rows, int64_t y, int64_t z,
+                         const Plane<double, double>& to) const {
+    const LevelPart& part = levels_[1];
+    const int64_t at = z * part.plane_stride + y * part.row_stride, row = y * sizes_[1].x;
+    return makeCoarserByteBlocks(
+        rows, cube_.size.x / 4,
+        {to.sums + row, to.squares + row, reinterpret_cast<uint8_t*>(part.voxels) + at,
+         reinterpret_cast<uint8_t*>(part.spreads) + at});
   }
 
   // The rows of numbers below row y of plane z.
@@ -235,25 +256,6 @@ class Pass {
   std::vector<Planes<double, double>> coarser_;  // of each level but the first
 };
 
-// The same pass compiled for wider vectors; the results are the same.
-#if defined(__x86_64__)
-template <class T>
-[[gnu::target("avx2"), gnu::flatten]] void runWide(Pass<T>& pass) {
-  pass.run();
-}
-bool hasWide() {
-  return __builtin_cpu_supports("avx2") != 0;
-}
-#else
-template <class T>
-void runWide(Pass<T>& pass) {
-  pass.run();
-}
-bool hasWide() {
-  return true;
-}
-#endif
-
 }  // namespace
 
 template <class T>
@@ -261,10 +263,7 @@ void narrowMeans(const CubeVoxels<T>& cube, std::span<const LevelPart> levels,
                  std::vector<std::byte>& room) {
   if (levels.empty()) return;
   Pass<T> pass(cube, levels, room);
-  if (hasWide())
-    runWide(pass);
-  else
-    pass.run();
+  inWideVectors([&pass] { pass.run(); });
 }
 template void narrowMeans(const CubeVoxels<uint8_t>&, std::span<const LevelPart>,
                           std::vector<std::byte>&);

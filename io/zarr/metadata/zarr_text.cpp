@@ -116,12 +116,12 @@ std::string shardedArrayText(const ZarrArray& array, const BloscOptions& options
   const size_t voxel_bytes = bytesPerVoxel(array.type);
   ordered_json inside = ordered_json::array();
   inside.push_back(bytesCodec(array.byte_order));
-  inside.push_back(
-      codec("blosc", {{"cname", options.codec == BloscCodec::kLz4 ? "lz4" : "zstd"},
-                      {"clevel", options.level},
-                      {"shuffle", kShuffles[static_cast<size_t>(bloscShuffle(voxel_bytes))]},
-                      {"typesize", voxel_bytes},
-                      {"blocksize", kBloscBlockBytes}}));
+  inside.push_back(codec(
+      "blosc", {{"cname", options.codec == BloscCodec::kLz4 ? "lz4" : "zstd"},
+                {"clevel", options.level},
+                {"shuffle", kShuffles[static_cast<size_t>(bloscShuffle(voxel_bytes, options))]},
+                {"typesize", voxel_bytes},
+                {"blocksize", kBloscBlockBytes}}));
   inside.push_back(codec("crc32c"));
   ordered_json index = ordered_json::array();
   index.push_back(bytesCodec(array.shards->byte_order));
@@ -155,7 +155,7 @@ std::string zarrArrayText(const ZarrArray& array, const BloscOptions& options) {
   const ordered_json compressor{{"id", "blosc"},
                                 {"cname", options.codec == BloscCodec::kLz4 ? "lz4" : "zstd"},
                                 {"clevel", options.level},
-                                {"shuffle", bloscShuffle(bytesPerVoxel(array.type))},
+                                {"shuffle", bloscShuffle(bytesPerVoxel(array.type), options)},
                                 {"blocksize", kBloscBlockBytes}};
   return ordered_json{{"zarr_format", 2},
                       {"shape", array.shape},

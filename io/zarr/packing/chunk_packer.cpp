@@ -8,9 +8,32 @@
 namespace sluice {
 namespace {
 
-bool isFill(std::span<const std::byte> bytes, std::span<const std::byte> fill) {
-  return std::memcmp(bytes.data(), fill.data(), fill.size()) == 0 &&
-         std::memcmp(bytes.data(), bytes.data() + fill.size(), bytes.size() - fill.size()) == 0;
+// Whether a row of voxels is one voxel, which `word` repeats.
+bool isFill(const std::byte* row, size_t bytes, uint64_t word) {
+  uint64_t difference = 0;
+  size_t at = 0;
+  for (; at + sizeof word <= bytes; at += sizeof word) {
+    uint64_t found = 0;
+    std::memcpy(&found, row + at, sizeof found);
+    difference |= found ^ word;
+  }
+  return difference == 0 && std::memcmp(row + at, &word, bytes - at) == 0;
+}
+
+// Whether all voxels of a box are fill value. Most boxes that are not tell so in their first rows.
+bool isFillIn(const Box3& box, const HeldVoxels& held, std::span<const std::byte> fill) {
+  const auto voxel = static_cast<int64_t>(fill.size());
+  const auto row_bytes = static_cast<size_t>(box.size().x * voxel);
+  const Vec3i lo = held.box.lo, size = held.box.size();
+  uint64_t word = 0;
+  for (size_t at = 0; at < sizeof word; at += fill.size())
+    std::memcpy(reinterpret_cast<std::byte*>(&word) + at, fill.data(), fill.size());
+  for (int64_t z = box.lo.z; z < box.hi.z; ++z)
+    for (int64_t y = box.lo.y; y < box.hi.y; ++y) {
+      const int64_t at = ((z - lo.z) * size.y + y - lo.y) * size.x + box.lo.x - lo.x;
+      if (!isFill(held.voxels + at * voxel, row_bytes, word)) return false;
+    }
+  return true;
 }
 
 }  // namespace
@@ -77,6 +100,7 @@ void ChunkPacker::pack(ZarrPackFolder& folder, size_t array, int64_t number, con
   const std::vector<std::byte>& fill = fills_[array];
   const auto voxel = static_cast<int64_t>(fill.size());
   const Box3 whole = boxOf(chunk), box = intersect(whole, held.box);
+  if (isFillIn(box, held, fill)) return folder.write(number, {}, scratch->number);
   const std::span bytes = std::span(scratch->chunk).first(arrays_[array].array.chunkBytes());
   if (box != whole)
     for (size_t i = 0; i < bytes.size(); i += fill.size())
@@ -98,7 +122,6 @@ void ChunkPacker::pack(ZarrPackFolder& folder, size_t array, int64_t number, con
     copyRows(std::integral_constant<size_t, kUsualBytes>());
   else
     copyRows(row_bytes);
-  if (isFill(bytes, fill)) return folder.write(number, {}, scratch->number);
   folder.write(number, encodeBlosc(bytes, fill.size(), blosc_, scratch->stored), scratch->number);
 }
 

@@ -14,7 +14,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr BloscOptions kBlosc{.codec = BloscCodec::kLz4, .level = 5};
+// Levels are made and read much faster than files are packed for keeping.
+constexpr BloscOptions kBlosc{.codec = BloscCodec::kLz4, .level = 1, .shuffles_bits = false};
 
 double fillValueOf(VolumeSource& source, int64_t time) {
   const std::optional<Occupancy> occupancy = source.occupancy(time);

@@ -178,8 +178,9 @@ void decodeChunk(ZarrCodec codec, std::span<const std::byte> stored, std::span<s
   }
 }
 
-int bloscShuffle(size_t voxel_bytes) {
-  return voxel_bytes == 1 ? BLOSC_BITSHUFFLE : BLOSC_SHUFFLE;
+int bloscShuffle(size_t voxel_bytes, const BloscOptions& options) {
+  if (voxel_bytes > 1) return BLOSC_SHUFFLE;
+  return options.shuffles_bits ? BLOSC_BITSHUFFLE : BLOSC_NOSHUFFLE;
 }
 
 uint64_t bloscRoomBytes(uint64_t chunk_bytes) {
@@ -190,9 +191,9 @@ std::span<const std::byte> encodeBlosc(std::span<const std::byte> chunk, size_t 
                                        const BloscOptions& options, std::vector<std::byte>& room) {
   room.resize(bloscRoomBytes(chunk.size()));
   const char* inside = options.codec == BloscCodec::kLz4 ? BLOSC_LZ4_COMPNAME : BLOSC_ZSTD_COMPNAME;
-  const int got =
-      blosc_compress_ctx(options.level, bloscShuffle(voxel_bytes), voxel_bytes, chunk.size(),
-                         chunk.data(), room.data(), room.size(), inside, kBloscBlockBytes, 1);
+  const int got = blosc_compress_ctx(options.level, bloscShuffle(voxel_bytes, options), voxel_bytes,
+                                     chunk.size(), chunk.data(), room.data(), room.size(), inside,
+                                     kBloscBlockBytes, 1);
   SLUICE_CHECK_LT(0, got);
   return std::span(room).first(static_cast<size_t>(got));
 }

@@ -33,12 +33,15 @@ enum class BloscCodec { kLz4, kZstd };
 struct BloscOptions {
   BloscCodec codec = BloscCodec::kLz4;
   int level = 5;  // 1 to 9
+  // Of voxels of one byte: noisy ones take less storage then, and all take two to three times as
+  // long to decode.
+  bool shuffles_bits = true;
 };
 // The block size for Blosc, in bytes. Blosc's own choice grows with the level and saves nothing on
 // disk, but then each decoding maps memory anew.
 constexpr int kBloscBlockBytes = 32 << 10;
-// The shuffle by bytes (by bits for voxels of one byte), as numcodecs names it in .zarray.
-int bloscShuffle(size_t voxel_bytes);
+// The shuffle as numcodecs numbers it in .zarray: by bytes, by bits or none for voxels of one byte.
+int bloscShuffle(size_t voxel_bytes, const BloscOptions& options);
 // The bytes of the chunk's file, in `room`, which is made as large as it may have to be. The same
 // for the same arguments and library. Requires: chunk not empty, at most kMostChunkBytes.
 std::span<const std::byte> encodeBlosc(std::span<const std::byte> chunk, size_t voxel_bytes,

@@ -69,13 +69,18 @@ TEST(NarrowMeans, roundTiesToTheEvenNumber) {
   for (uint32_t seed = 0; seed < 20; ++seed) expectSameLevels<uint8_t>({128, 16, 8}, 0, 3, seed);
 }
 
+TEST(NarrowMeans, ofOneValueAreThatValue) {
+  for (const int64_t value : {0, 1, 200, 255})
+    expectSameLevels<uint8_t>({130, 10, 9}, value, value, 1);
+}
+
 TEST(NarrowMeans, holdTheGreatestSpread) {
   for (uint32_t seed = 0; seed < 5; ++seed) {
     std::mt19937 random(seed);
     std::vector<uint8_t> voxels(size_t{64} * 4 * 4);
     for (uint8_t& voxel : voxels) voxel = random() % 2 == 0 ? 0 : 255;
     const CubeVoxels<uint8_t> cube{{64, 4, 4}, voxels.data(), 64, 256};
-    const std::vector<Vec3i> steps{{2, 2, 2}};
+    const std::vector<Vec3i> steps{{2, 2, 2}, {4, 4, 4}};
     std::vector<std::byte> room;
     const auto narrow = levelsBy(
         cube, steps, [&](std::span<const LevelPart> parts) { narrowMeans(cube, parts, room); });
