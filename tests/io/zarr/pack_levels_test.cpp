@@ -313,7 +313,7 @@ TEST(LevelRegion, isThatOfTheWholeLevel) {
       const auto noise = makeWhiteNoise({45, 37, 83}, type, 7);
       VolumeLayout layout = noise->layout();
       layout.spacing = spacing;
-      FunctionSource source(layout, [&, how = how](int64_t, Vec3i p) {
+      FunctionSource source(layout, [&](int64_t, Vec3i p) {
         return visitVoxelType(type, [&](auto voxel) {
           noise->readRegion(0, {p, p + Vec3i{1, 1, 1}},
                             std::as_writable_bytes(std::span(&voxel, 1)));
