@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <functional>
 #include <map>
+#include <sstream>
 #include <string_view>
 #include <utility>
 
@@ -93,6 +94,46 @@ std::vector<OptionReals> listsOf(const OptionEntry& entry, const std::string& ke
   return lists;
 }
 
+// Values of surfaces, each a number, (value, opacity) or (value, opacity, colour), or a text of the
+// command line.
+std::vector<std::string> surfacesOf(const std::string& keyword, const py::handle& value) {
+  constexpr const char* kExpected = "values, or (value, opacity, colour) each";
+  if (py::isinstance<py::str>(value)) {
+    std::vector<std::string> texts;
+    std::istringstream whole(value.cast<std::string>());
+    for (std::string text; std::getline(whole, text, ',');) texts.push_back(text);
+    return texts;
+  }
+  if (py::isinstance<py::float_>(value) || py::isinstance<py::int_>(value))
+    return {fmt::format("{}", value.cast<double>())};
+  std::vector<std::string> texts;
+  for (const py::handle& item : taken<py::iterable>(keyword, kExpected, value)) {
+    if (!py::isinstance<py::tuple>(item)) {
+      texts.push_back(py::isinstance<py::str>(item)
+                          ? item.cast<std::string>()
+                          : fmt::format("{}", taken<double>(keyword, kExpected, item)));
+      continue;
+    }
+    std::string text;
+    for (const py::handle& part : item)
+      text += (text.empty() ? "" : ":") + py::str(part).cast<std::string>();
+    texts.push_back(text);
+  }
+  return texts;
+}
+
+// Looks of labels, as a dict from labels to looks, or a list of texts of the command line.
+std::vector<std::string> labelsOf(const std::string& keyword, const py::handle& value) {
+  constexpr const char* kExpected = "looks of labels, such as {3: 'ff8800:0.4'}";
+  if (py::isinstance<py::str>(value)) return {value.cast<std::string>()};
+  if (!py::isinstance<py::dict>(value))
+    return taken<std::vector<std::string>>(keyword, kExpected, value);
+  std::vector<std::string> texts;
+  for (const auto& [label, look] : py::reinterpret_borrow<py::dict>(value))
+    texts.push_back(py::str(label).cast<std::string>() + "=" + py::str(look).cast<std::string>());
+  return texts;
+}
+
 OptionValue valueOf(const OptionEntry& entry, const std::string& keyword, const py::handle& value) {
   switch (entry.kind.form) {
     case OptionForm::kFlag:
@@ -120,10 +161,15 @@ OptionValue valueOf(const OptionEntry& entry, const std::string& keyword, const 
         return std::vector<std::string>{value.cast<std::string>()};
       return taken<std::vector<std::string>>(
           keyword, "looks of channels, such as ['0:green,400:3000']", value);
+    case OptionForm::kLabels:
+      return labelsOf(keyword, value);
+    case OptionForm::kSurfaces:
+      return surfacesOf(keyword, value);
     case OptionForm::kPoints:
     case OptionForm::kPlanes:
       return listsOf(entry, keyword, value);
     case OptionForm::kRange:
+    case OptionForm::kAngles:
     case OptionForm::kPlace:
     case OptionForm::kDirection:
       return listOf<OptionReals>(entry, keyword, value);
@@ -191,9 +237,21 @@ void requireOneLook(const py::kwargs& keywords) {
   const auto given = [&](const char* keyword) {
     return keywords.contains(keyword) && !keywords[keyword].is_none();
   };
-  constexpr std::pair<const char*, const char*> kApart[] = {
-      {"threshold", "transfer"}, {"threshold", "opacities"}, {"threshold", "labels"},
-      {"transfer", "labels"},    {"opacities", "labels"},    {"opacities", "opacity"}};
+  constexpr std::pair<const char*, const char*> kApart[] = {{"threshold", "transfer"},
+                                                            {"threshold", "opacities"},
+                                                            {"threshold", "labels"},
+                                                            {"transfer", "labels"},
+                                                            {"opacities", "labels"},
+                                                            {"opacities", "opacity"},
+                                                            {"threshold", "label"},
+                                                            {"transfer", "label"},
+                                                            {"opacities", "label"},
+                                                            {"iso", "labels"},
+                                                            {"iso", "label"},
+                                                            {"iso", "labels_table"},
+                                                            {"transfer", "labels_table"},
+                                                            {"threshold", "labels_table"},
+                                                            {"opacities", "labels_table"}};
   for (const auto& [one, other] : kApart)
     if (given(one) && given(other))
       throw py::type_error(fmt::format("{} and {} do not go together", one, other));
@@ -243,6 +301,7 @@ AskedPicture askedPicture(const py::kwargs& keywords, const VolumeInfo& volume) 
   asked.picture.time = of_view.time;
   asked.picture.step_vox = of_view.step_vox;
   asked.picture.quality = of_view.quality;
+  asked.picture.lighting = of_view.lighting;
   asked.picture.crop = of_view.crop;
   asked.picture.clip_planes = of_view.clip_planes;
   asked.look = state.look;

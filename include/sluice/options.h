@@ -34,14 +34,39 @@ struct LookOptions {
     friend bool operator==(const Channel&, const Channel&) = default;
   };
 
+  // A surface where the volume has a value.
+  struct Surface {
+    double value = 0;
+    double opacity = 1;      // 0 to 1, wherever it is seen, whatever the angle
+    std::string color = {};  // "green" or "00ff00"; empty: the map's at the value
+    friend bool operator==(const Surface&, const Surface&) = default;
+  };
+
+  // How the labels from the first to the last look; all labels if these are infinite. What is not
+  // set stays as it is.
+  struct Label {
+    double first = 0, last = 0;
+    std::string color = {};              // "green" or "00ff00"
+    std::optional<double> opacity = {};  // of a voxel length, 0 to 1
+    friend bool operator==(const Label&, const Label&) = default;
+  };
+
   Mode mode = Mode::kComposite;
+  // Composite mode, not with labels; at most 8. With threshold, opacity, opacities or transfer_file
+  // they are drawn together with what those show, and otherwise alone. Pictures with surfaces are
+  // drawn from the finest level, with plain samples at most a voxel apart.
+  std::vector<Surface> surfaces = {};
   // A ramp: opacity 0 below it, a fifth of `opacity` at it, and that at the top of the values.
   std::optional<double> threshold = {};
   std::optional<double> opacity = {};   // at the top; unset: 0.05, or the automatic choice
   std::vector<Opacity> opacities = {};  // ascending by value, linear in between
   std::string transfer_file = {};       // our JSON, or ParaView's
   bool labels = false;                  // values are names of things, each with its colour
-  std::string map = {};                 // name of a colour map, "viridis"; empty: chosen
+  // Both ask for labels. A table of ITK-SNAP's or 3D Slicer's kind: labels that it does not name do
+  // not show. Looks of single labels come after it, one after another.
+  std::string label_table = {};
+  std::vector<Label> label_looks = {};
+  std::string map = {};  // name of a colour map, "viridis"; empty: chosen
   std::optional<std::array<double, 2>> range = {};  // colours span these; descending: reversed
   // Channels that are not named look as the file says (OME), or by a colour of their own.
   std::vector<Channel> channels = {};
@@ -112,6 +137,17 @@ struct PictureOptions {
   // from coarser levels and steps of more than two voxels are plain always.
   enum class Quality { kPlain, kFast, kNormal, kHigh };
 
+  // The light of a lit picture; what is not set has its default.
+  struct Lighting {
+    // The direction from which the key light comes, seen from the camera: degrees to the viewer's
+    // right and upwards.
+    std::optional<std::array<double, 2>> key = {};
+    // Shares of a colour that all light reflects, and light on a surface that faces it; and of
+    // white in a highlight. Each from 0 to 1.
+    std::optional<double> ambient = {}, diffuse = {}, specular = {};
+    friend bool operator==(const Lighting&, const Lighting&) = default;
+  };
+
   int width = 512, height = 512;  // pixels, each at least 1
   ViewOptions view = {};
   int64_t time = 0;  // step of a series, from 0
@@ -119,6 +155,7 @@ struct PictureOptions {
   // 1/2 if pixels are smaller than voxels, otherwise 1.
   std::optional<double> step_vox = {};
   Quality quality = Quality::kPlain;
+  Lighting lighting = {};
   // Volumes with levels of resolution that have spreads, in composite mode and not of labels: each
   // part is drawn at the coarsest level whose voxels are at most this many pixels wide, above 0, as
   // far as three eighths of the memory hold the blocks. `level`: all at this level; 0 is the data

@@ -6,7 +6,7 @@
 #include <charconv>
 
 #include "src/base/error.h"
-#include "src/base/values/channel_look.h"
+#include "src/base/looks/channel_look.h"
 
 namespace sluice {
 namespace {

@@ -36,6 +36,9 @@ class PictureOptions(TypedDict, total=False):
     opacities: Mapping[float, float] | Sequence[Sequence[float]] | None
     transfer: _Path | None
     labels: bool | None
+    label: Mapping[int | str, str] | Sequence[str] | str | None
+    labels_table: _Path | None
+    iso: float | str | Sequence[float | str | tuple[Any, ...]] | None
     look: Sequence[str] | None
     map: str | None
     range: Sequence[float] | None
@@ -43,6 +46,10 @@ class PictureOptions(TypedDict, total=False):
     time: int | None
     step: float | None
     quality: Literal['plain', 'fast', 'normal', 'high'] | None
+    light: tuple[float, float] | None
+    ambient: float | None
+    diffuse: float | None
+    specular: float | None
     crop: Sequence[int] | None
     clip: Sequence[Sequence[float]] | None
     background: str | _Triple | None

@@ -165,8 +165,9 @@ HWY_INLINE Gradient gradientOf(const KernelBox& box, V3 difference) {
   return {g, unit, hn::MulAdd(g.z, g.z, hn::MulAdd(g.y, g.y, hn::Mul(g.x, g.x)))};
 }
 
-// Applies lighting.h; `color` is premultiplied.
-HWY_INLINE Color shaded(const KernelFrame& frame, const Color& color, const Gradient& gradient) {
+// Applies lighting.h with this `flat`; `color` is premultiplied.
+HWY_INLINE Color shaded(const KernelFrame& frame, const Color& color, const Gradient& gradient,
+                        float flatness) {
   const V to_unit = hn::Div(all(1.0F), hn::Sqrt(hn::Max(gradient.squared, all(1e-37F))));
   V diffuse = hn::Zero(F()), specular = hn::Zero(F());
   for (size_t i = 0; i < frame.toward.size(); ++i) {
@@ -176,7 +177,7 @@ HWY_INLINE Color shaded(const KernelFrame& frame, const Color& color, const Grad
   }
   const V bright = hn::MulAdd(to_unit, diffuse, all(frame.ambient));
   const V gleam = hn::Mul(color.a, specular);
-  const V flat = hn::Div(all(frame.flat), gradient.unit);
+  const V flat = hn::Div(all(flatness), gradient.unit);
   const V part = hn::Div(gradient.squared,
                          hn::Max(hn::MulAdd(flat, flat, gradient.squared), all(1e-37F)));
   const V rest = hn::Sub(all(1.0F), part);

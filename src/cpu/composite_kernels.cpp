@@ -27,6 +27,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 #include "src/cpu/colors.inl"
 #include "src/cpu/leaps.inl"
 #include "src/cpu/segments.inl"
+#include "src/cpu/surfaces.inl"
 // clang-format on
 
 // The work that a sample's colour takes beyond the look-up.
@@ -38,6 +39,7 @@ enum class Shading {
   // Pre-integrated: a sample stands for the values between two places, see FrameSetup::integrates.
   kSegments,
   kSegmentGradients,
+  kSurfaces,  // with surfaces, see FrameSetup::has_surfaces; with or without gradients, either view
 };
 constexpr bool isIntegrated(Shading shading) {
   return shading == Shading::kSegments || shading == Shading::kSegmentGradients;
@@ -70,7 +72,8 @@ HWY_INLINE Color colorOf(const KernelFrame& frame, const KernelBox& box, const V
     color = {hn::Mul(color.r, color.a), hn::Mul(color.g, color.a), hn::Mul(color.b, color.a),
              color.a};
   }
-  if constexpr (kShading == Shading::kGradients || kShading == Shading::kSpread) {
+  if constexpr (kShading == Shading::kGradients || kShading == Shading::kSpread ||
+                kShading == Shading::kSurfaces) {
     Gradient gradient{};
     if (kShading == Shading::kGradients || frame.lit || frame.rows > 0)
       gradient = gradientOf(box, differencesOf<kType, kShading>(box, at, place));
@@ -90,7 +93,7 @@ HWY_INLINE Color colorOf(const KernelFrame& frame, const KernelBox& box, const V
     if constexpr (kShading == Shading::kSpread)
       color = expectedColor(frame, value, square, factor,
                             hn::Mul(ray_length, all(frame.slice_length)), color);
-    if (frame.lit) color = shaded(frame, color, gradient);
+    if (frame.lit) color = shaded(frame, color, gradient, frame.flat);
   }
   return color;
 }
@@ -115,7 +118,8 @@ HWY_INLINE Color segmentColorOf(const KernelFrame& frame, const KernelBox& box, 
   }
   color = {hn::Mul(color.r, color.a), hn::Mul(color.g, color.a), hn::Mul(color.b, color.a),
            color.a};
-  if (kShading == Shading::kSegmentGradients && frame.lit) color = shaded(frame, color, gradient);
+  if (kShading == Shading::kSegmentGradients && frame.lit)
+    color = shaded(frame, color, gradient, frame.flat);
   return color;
 }
 
@@ -289,6 +293,87 @@ struct Passage {
       }
     }
   }
+
+  // The same with surfaces. `begin`: each ray's first slice in the box.
+  HWY_INLINE void goBySurfaces(V k, V end, bool leaps, Pixels& pixels) {
+    const BrickWay way = leaps ? brickWay(box, first, pace) : noBrickWay();
+    const Cells stored = storedCells(box);
+    const V half = all(0.5F), one = all(1.0F), begin = k;
+    V front = k;
+    bool has_front = false;
+    for (;;) {
+      bool leapt = false;
+      const int turns = turnsFrom(k, end, way, leaps, leapt);
+      if (turns == 0) break;
+      if (!has_front || leapt) front = endAt(hn::Sub(k, half), stored);
+      has_front = true;
+      for (int j = turns; j > 0; --j, k = hn::Add(k, one)) {
+        const V back = endAt(hn::Add(k, half), stored);
+        const Stretch stretch{front, back, hn::Eq(k, begin), hn::Ge(hn::Add(k, one), end)};
+        front = back;
+        const M within = taking(hn::Lt(k, end), pixels);
+        M numbers = within;
+        if constexpr (kType == DeviceType::kF32)
+          numbers = hn::AndNot(isNoNumber(hn::Min(stretch.front, back)), within);
+        const M meets = hn::And(numbers, meetsAny(frame, stretch));
+        if (hn::AllFalse(F(), meets) ? !blendWhole(k, end, within, pixels)
+                                     : !blendParts(k, end, within, meets, stretch, stored, pixels))
+          return;
+      }
+    }
+  }
+
+  // What slice k shows of the opacities, and the rays of `within` on which it shows something.
+  struct Slice {
+    Color color;
+    M shows;
+  };
+  HWY_NOINLINE Slice sliceAt(V k, V end, M within) const {
+    const Sample sample = take(k, end);
+    M shows = hn::And(within, hn::And(hn::Ge(sample.value, all(frame.least_visible)),
+                                      hn::Le(sample.value, all(frame.most_visible))));
+    if (frame.shades_every_sample) shows = within;
+    if (kType == DeviceType::kF32) shows = hn::AndNot(isNoNumber(sample.value), shows);
+    const V none = hn::Zero(F());
+    if (hn::AllFalse(F(), shows)) return {{none, none, none, none}, shows};
+    return {colorOf<kType, kShading>(frame, box, sample.at, sample.place, sample.value,
+                                     sample.square, ray_length),
+            shows};
+  }
+  HWY_INLINE bool blendWhole(V k, V end, M within, Pixels& pixels) {
+    if (!frame.has_opacities) return true;
+    const Slice slice = sliceAt(k, end, within);
+    return hn::AllFalse(F(), slice.shows) || add(slice.color, slice.shows, k, pixels);
+  }
+  // Slice k in parts, with the surfaces that the rays of `meets` meet between them.
+  HWY_NOINLINE bool blendParts(V k, V end, M within, M meets, const Stretch& stretch,
+                               const Cells& stored, Pixels& pixels) {
+    const V none = hn::Zero(F()), one = all(1.0F), near_end = hn::Sub(k, all(0.5F));
+    const Slice slice = frame.has_opacities
+                            ? sliceAt(k, end, within)
+                            : Slice{{none, none, none, none}, hn::MaskFromVec(none)};
+    const M up = hn::Gt(stretch.back, stretch.front);
+    const auto placeAlong = [&](V part) { return placeOf(hn::Add(near_end, part), stored); };
+    V from = none, value = stretch.front;
+    bool goes = true;
+    for (int n = 0; n < frame.surfaces; ++n) {
+      const MetSurface surface = surfaceOf(frame, up, n);
+      const M hit = hn::And(meets, meetsLevel(frame, stretch, surface.level));
+      if (hn::AllFalse(F(), hit)) continue;
+      const V part =
+          crossing<kType>(box, stored, placeAlong,
+                          {surface.level, from, value, stretch.back, hn::VecFromMask(F(), up)});
+      if (!hn::AllFalse(F(), slice.shows))
+        add(partOf(slice.color, hn::Sub(part, from)), hn::And(slice.shows, hit), k, pixels);
+      const Color color = surfaceColor<kType>(frame, box, stored, placeAlong(part), surface);
+      goes = add(color, hit, hn::Add(near_end, part), pixels);
+      from = hn::IfThenElse(hit, part, from);
+      value = hn::IfThenElse(hit, surface.level, value);
+    }
+    if (!hn::AllFalse(F(), slice.shows))
+      goes = add(partOf(slice.color, hn::Sub(one, from)), slice.shows, k, pixels);
+    return goes;
+  }
 };
 
 // The box for one packet. `going`: pixels that take samples.
@@ -308,7 +393,8 @@ HWY_INLINE void drawPacket(const KernelFrame& frame, const KernelBox& box,
   }
   // A value that stands for NaN is so large that even a rounding error's share of it would show.
   const bool clamps = kType == DeviceType::kF32 || kShading == Shading::kGradients ||
-                      kShading == Shading::kSpread || frame.labels || box.clamps;
+                      kShading == Shading::kSpread || kShading == Shading::kSurfaces ||
+                      frame.labels || box.clamps;
   Passage<kType, kShading> passage{frame,
                                    box,
                                    texelsAt(box, voxelsOf(positions, packet)),
@@ -319,7 +405,9 @@ HWY_INLINE void drawPacket(const KernelFrame& frame, const KernelBox& box,
                                    hn::Zero(F()),
                                    meets};
   const V end = hn::Add(slices.from, slices.count);
-  if constexpr (isIntegrated(kShading))
+  if constexpr (kShading == Shading::kSurfaces)
+    passage.goBySurfaces(slices.from, end, box.distances != nullptr, pixels);
+  else if constexpr (isIntegrated(kShading))
     passage.goBySegments(slices.from, end, box.distances != nullptr, pixels);
   else
     passage.go(slices.from, end, box.distances != nullptr, pixels);
@@ -374,6 +462,8 @@ void drawTyped(const KernelFrame& frame, const KernelBox* boxes, const uint32_t*
     const KernelBox& box = boxes[indices[i]];
     if (box.has_spread)
       drawBox<kType, Shading::kSpread>(frame, box, tile);
+    else if (frame.surfaces > 0)
+      drawBox<kType, Shading::kSurfaces>(frame, box, tile);
     else if (frame.sums != nullptr && (frame.lit || frame.rows > 0))
       drawBox<kType, Shading::kSegmentGradients>(frame, box, tile);
     else if (frame.sums != nullptr)

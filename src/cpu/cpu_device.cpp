@@ -135,7 +135,7 @@ void CpuDevice::forgetPutOff() {
 }
 
 void CpuDevice::prepareLeaps() {
-  const int64_t margin = setup_.integrates ? 1 : 0;
+  const int64_t margin = setup_.integrates || setup_.has_surfaces ? 1 : 0;
   std::vector<Resident*> stale;
   for (auto& [id, chunk] : resident_) {
     if (!chunk.is_put_off) continue;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "src/base/error.h"
 #include "src/cpu/floats.h"
 
 namespace sluice {
@@ -44,6 +45,7 @@ FrameTables::FrameTables(const FrameSetup& setup, const LookUpTables& look_up) {
   if (traits.hides && setup.skips) frame_.ray_opacity = kNothingMore;
   setRays(setup);
   setLookUp(look_up);
+  if (setup.has_surfaces) setSurfaces(*setup.look_up);
   setLights(setup);
   if (colors) setRows(setup);
 }
@@ -109,6 +111,19 @@ void FrameTables::setLookUp(const LookUpTables& tables) {
   }
   frame_.least_visible = static_cast<float>(tables.visible[0]);
   frame_.most_visible = static_cast<float>(tables.visible[1]);
+}
+
+void FrameTables::setSurfaces(const LookUp& look_up) {
+  SLUICE_CHECK_LE(look_up.surfaces.size(), kMostSurfaces);
+  frame_.surface_tie = static_cast<float>(look_up.surface_tie);
+  for (const SurfaceLevel& surface : look_up.surfaces) {
+    const auto i = static_cast<size_t>(frame_.surfaces++);
+    frame_.level[i] = static_cast<float>(surface.level);
+    frame_.surface_opacity[i] = static_cast<float>(surface.opacity);
+    for (size_t c = 0; c < 3; ++c)
+      frame_.surface_rgb[c][i] = static_cast<float>(surface.rgb[static_cast<int>(c)]);
+  }
+  frame_.has_opacities = showsOpacities(look_up);
 }
 
 void FrameTables::setLights(const FrameSetup& setup) {

@@ -35,6 +35,7 @@ class FrameTables {
  private:
   void setRays(const FrameSetup& setup);
   void setLookUp(const LookUpTables& tables);
+  void setSurfaces(const LookUp& look_up);
   void setLights(const FrameSetup& setup);
   void setRows(const FrameSetup& setup);
 

@@ -52,6 +52,15 @@ struct KernelFrame {
   float least = 0, greatest = 0;              // values of the first and of the last entry
   float least_visible = 0, most_visible = 0;  // values beyond these have no opacity
 
+  // FrameSetup::has_surfaces: the surfaces of the look-up, ascending by level, with their colours
+  // not premultiplied; 0 of them in other frames. `has_opacities`: the look-up shows something
+  // else.
+  int surfaces = 0;
+  std::array<float, kMostSurfaces> level{}, surface_opacity{};
+  std::array<std::array<float, kMostSurfaces>, 3> surface_rgb{};
+  float surface_tie = 0;
+  bool has_opacities = true;
+
   // For chunks with spreads: LookUp::expected as premultiplied rows. A mean's entry is mean *
   // mean_scale + mean_offset; a spread's row, from 1 on, is sqrt(spread * spread_scale) * rows.
   const float* expected = nullptr;

@@ -16,6 +16,7 @@
 #include <memory>
 #include <vector>
 
+#include "src/base/looks/surface_look.h"
 #include "src/base/values/vec.h"
 #include "src/device/expected_look.h"
 #include "src/device/lighting.h"
@@ -57,6 +58,11 @@ struct LookUp {
   // among the eight around it, have the greatest weight together; of two values with the same
   // weight (to kLabelTie), the greater.
   bool labels = false;
+  // Composite only, not of labels: see FrameSetup::has_surfaces. Ascending by level, at most
+  // kMostSurfaces. Values within `surface_tie` of a level may be on either of its sides by
+  // rounding.
+  std::vector<SurfaceLevel> surfaces = {};
+  double surface_tie = 0;
   // Composite only, not of labels: how texels of chunks with spreads look. Modes other than
   // composite look at the means alone, and so do gradients. Null if no such chunk is drawn.
   ExpectedLookPtr expected = {};
@@ -109,6 +115,20 @@ struct FrameSetup {
   // so that the ghost layer around each block has their texels, and beyond the volume its outermost
   // ones continue. Boxes take in all cells within a voxel of one that shows something.
   bool integrates = false;
+  // Composite only, not of labels or chunks with spreads: the surfaces of the look-up are drawn
+  // together with its opacities, which may be 0 everywhere. Slice k stands for the way from slice
+  // k - 1/2 to k + 1/2, as it does for a frame that integrates, and slices are at most a voxel
+  // apart along any axis. A surface shows where the value passes its level between these two
+  // places, at the first of several such places in order of the levels. Its normal is the gradient
+  // there: the differences between the eight corners of a unit cube around it, in voxels. What
+  // slice k shows of the opacities is divided by the surfaces in proportion to the parts of the
+  // way.
+  //
+  // Neighbouring boxes compute the values at the place between two slices alike but for rounding.
+  // The last slice of a box takes a surface whose level is within the tie of the value at its far
+  // end, and the first slice of a box leaves one that is within half of the tie of the value at its
+  // near end. So none is lost between two boxes.
+  bool has_surfaces = false;
   // Others draw the rest of the picture: it ends with Device::endPart(), or, of modes other than
   // composite and a device without it, with a picture of the numbers of partial_picture.h.
   bool is_part = false;

@@ -61,9 +61,24 @@ std::vector<float> lookUpTexels(const LookUpKey& key) {
   return texels;
 }
 
+bool showsOpacities(const LookUp& look_up) {
+  for (size_t i = 3; i < look_up.rgba.size(); i += 4)
+    if (look_up.rgba[i] > 0) return true;
+  return false;
+}
+
 ShownValues shownValues(const LookUp& look_up) {
-  return {look_up.device_range, static_cast<int>(look_up.rgba.size() / 4),
-          [&](int entry) { return look_up.rgba[4 * static_cast<size_t>(entry) + 3] > 0; }};
+  const auto entries = static_cast<int>(look_up.rgba.size() / 4);
+  const ShownValues all(look_up.device_range, entries, [](int) { return true; });
+  std::vector<int> of_surfaces;
+  for (const SurfaceLevel& surface : look_up.surfaces)
+    of_surfaces.push_back(all.entryOf(surface.level));
+  return {look_up.device_range, entries,
+          [&](int entry) {
+            return look_up.rgba[4 * static_cast<size_t>(entry) + 3] > 0 ||
+                   std::ranges::find(of_surfaces, entry) != of_surfaces.end();
+          },
+          ShownValues::reachOf(look_up.labels, look_up.device_range, entries)};
 }
 
 std::array<double, 2> visibleValues(const LookUp& look_up) {

@@ -28,7 +28,9 @@ LookUpKey lookUpKey(const FrameSetup& setup);
 // the entry takes.
 std::vector<float> lookUpTexels(const LookUpKey& key);
 
-// The device values whose samples have an opacity.
+// Whether any entry has an opacity.
+bool showsOpacities(const LookUp& look_up);
+// The device values whose samples have an opacity, or at which surfaces are.
 ShownValues shownValues(const LookUp& look_up);
 // Device values beyond which none has: an entry of distance is added for rounding. The first is the
 // greater one if no entry has an opacity.

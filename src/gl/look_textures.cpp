@@ -1,5 +1,6 @@
 #include "src/gl/look_textures.h"
 
+#include <algorithm>
 #include <array>
 #include <utility>
 #include <vector>
@@ -36,9 +37,14 @@ void LookTextures::uploadLookUp(const FrameSetup& setup, const ShaderVariant& va
   LookUpKey key = lookUpKey(setup);
   if (look_up_key_ == key) return;
   const auto width = static_cast<GLsizei>(setup.look_up->rgba.size() / 4);
-  const std::vector<float> texels = lookUpTexels(key);
+  std::vector<float> texels = lookUpTexels(key);
   look_up_key_ = std::move(key);
-  gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, width, 1, 0, GL_RGBA, GL_FLOAT, texels.data());
+  // Tables of labels may have more entries than a texture is wide; LABEL_ROW in the shader.
+  constexpr GLsizei kLabelRow = 4096;
+  const GLsizei row = setup.look_up->labels ? std::min(width, kLabelRow) : width;
+  const GLsizei rows = (width + row - 1) / row;
+  texels.resize(4 * static_cast<size_t>(row) * static_cast<size_t>(rows));
+  gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, row, rows, 0, GL_RGBA, GL_FLOAT, texels.data());
   if (!variant.factor_table) return;
   gl_.BindTexture(GL_TEXTURE_2D, factors_);
   gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_R32F, width, variant.gradient_rows, 0, GL_RED, GL_FLOAT,
@@ -66,6 +72,7 @@ void LookTextures::setLookUp(const FrameSetup& setup, const ShaderVariant& varia
   const double per_device = span > 0 ? (entries - 1) / span : 0;
   const double scale = valueScale(setup.type);
   program.set("look_up", static_cast<int>(kLookUpUnit));
+  program.set("label_entries", static_cast<int>(entries));
   const std::array<float, 4> line = {static_cast<float>(scale * per_device / entries),
                                      static_cast<float>((0.5 - range.lo * per_device) / entries),
                                      static_cast<float>(range.lo / scale),

@@ -2,6 +2,7 @@
 
 #include <bit>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "io/lent_source.h"
@@ -177,7 +178,16 @@ LookArguments lookArguments(const LookOptions& look, bool whole_series) {
   arguments.map = look.map;
   for (const LookOptions::Opacity& point : look.opacities)
     arguments.opacities.push_back({point.value, point.opacity});
-  arguments.labels = look.labels;
+  arguments.label_table = look.label_table;
+  for (const LookOptions::Label& label : look.label_looks) {
+    LabelLook own{label.first, label.last, label.color, label.opacity};
+    if (parseLabelLook(labelLookText(own)) != own)
+      fail("label_looks: {}: expected labels that ascend, a colour and an opacity from 0 to 1",
+           labelLookText(own));
+    arguments.label_looks.push_back(std::move(own));
+  }
+  arguments.labels =
+      look.labels || !arguments.label_table.empty() || !arguments.label_looks.empty();
   if (look.range) {
     for (const double end : *look.range) requireFinite("range", end);
     if ((*look.range)[0] == (*look.range)[1])
@@ -195,6 +205,15 @@ LookArguments lookArguments(const LookOptions& look, bool whole_series) {
           channelLookText(own));
     arguments.channels.push_back(std::move(own));
   }
+  for (const LookOptions::Surface& surface : look.surfaces) {
+    SurfaceLook own{surface.value, surface.opacity, surface.color};
+    if (parseSurfaceLook(surfaceLookText(own)) != own)
+      fail("surfaces: {}: expected a finite value, an opacity from 0 to 1 and a colour",
+           surfaceLookText(own));
+    arguments.surfaces.push_back(std::move(own));
+  }
+  if (arguments.surfaces.size() > kMostSurfaces)
+    fail("surfaces: {} of them, at most {}", arguments.surfaces.size(), kMostSurfaces);
   arguments.shade = look.light == LookOptions::Light::kOn;
   arguments.no_shade = look.light == LookOptions::Light::kOff;
   arguments.modulate = look.full_gradient.has_value();
@@ -238,6 +257,25 @@ ViewOptions::Framing framingOf(const Framing& framing) {
   return {asArray(framing.target), framing.reach, framing.right, framing.up};
 }
 
+void setLighting(const PictureOptions::Lighting& lighting, FrameOptions& options) {
+  Lighting& light = options.lighting;
+  if (lighting.key) {
+    for (const double angle : *lighting.key) requireFinite("lighting.key", angle);
+    const double degree = std::numbers::pi / 180;
+    const double aside = (*lighting.key)[0] * degree, up = (*lighting.key)[1] * degree;
+    light.lights[0].toward = {std::sin(aside) * std::cos(up), std::sin(up),
+                              std::cos(aside) * std::cos(up)};
+  }
+  const auto set = [](const char* field, const std::optional<double>& share, double& held) {
+    if (!share) return;
+    if (!(*share >= 0 && *share <= 1)) fail("{} {}: must be from 0 to 1", field, *share);
+    held = *share;
+  };
+  set("lighting.ambient", lighting.ambient, light.ambient);
+  set("lighting.diffuse", lighting.diffuse, light.diffuse);
+  set("lighting.specular", lighting.specular, light.specular);
+}
+
 void setQuality(PictureOptions::Quality quality, FrameOptions& options) {
   options.integrates = quality != PictureOptions::Quality::kPlain;
   options.step_factor = quality == PictureOptions::Quality::kFast   ? 2
@@ -252,6 +290,7 @@ FrameOptions frameOptions(const PictureOptions& picture, const VolumeLayout& lay
   options.mode = mode;
   if (picture.step_vox) options.step_vox = *picture.step_vox;
   setQuality(picture.quality, options);
+  setLighting(picture.lighting, options);
   resolve(options.camera, layout, options.size, options.step_vox);  // throws
   requireStep(picture.time, layout);
   requireFinite("pixel_error", picture.pixel_error);

@@ -31,6 +31,7 @@ FitChoice fitChoice(const ViewOptions& view);
 // An unset step_vox becomes 1; values that belong to the look are left out. Checks the crop box,
 // the time step and the camera against the volume.
 FrameOptions frameOptions(const PictureOptions& picture, const VolumeLayout& layout, Mode mode);
+void setLighting(const PictureOptions::Lighting& lighting, FrameOptions& options);
 void setQuality(PictureOptions::Quality quality, FrameOptions& options);
 ViewOptions::Framing framingOf(const Framing& framing);
 void requireStep(int64_t time, const VolumeLayout& layout);

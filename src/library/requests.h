@@ -11,8 +11,10 @@
 
 #include "cache/policies/policy.h"
 #include "io/open_volume.h"
+#include "src/base/looks/channel_look.h"
+#include "src/base/looks/label_look.h"
+#include "src/base/looks/surface_look.h"
 #include "src/base/threads/stop_token.h"
-#include "src/base/values/channel_look.h"
 #include "src/classify/transfer/transfer_function.h"
 #include "src/library/drawing/device_choice.h"
 
@@ -33,7 +35,10 @@ struct LookArguments {
   std::optional<double> opacity;
   std::vector<OpacityPoint> opacities;  // empty: from one of the others
   std::vector<ChannelLook> channels;    // looks of single channels
-  bool labels = false;
+  std::vector<SurfaceLook> surfaces;    // drawn alone unless opacities are given
+  bool labels = false;                  // as a table or a look of a label ask for, too
+  std::string label_table;              // a file
+  std::vector<LabelLook> label_looks;
   std::optional<ValueRange> range;  // in place of the data's; lo > hi turns a map round
   // For a series: look and fit follow from the drawn step alone.
   bool this_step = false;

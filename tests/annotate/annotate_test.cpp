@@ -11,6 +11,7 @@
 #include "src/annotate/labels.h"
 #include "src/annotate/parts.h"
 #include "src/classify/transfer/color_maps.h"
+#include "src/classify/transfer/label_table.h"
 #include "src/classify/transfer/transfer_makers.h"
 #include "tests/support/error_of.h"
 
@@ -133,7 +134,7 @@ TEST(Annotate, labelsHaveAPatchEachAsFarAsThereIsRoom) {
   // The colours down the middle of the patches, from one paper-white stretch to the next.
   const auto patchesOf = [&](size_t count) {
     const std::vector<double> some(values.begin(), values.begin() + 1 + static_cast<int>(count));
-    annotations.transfer = labelsTransfer(some, 0);
+    annotations.transfer = labelsTransfer(labelStyles(some, 0));
     annotations.legend.clear();
     for (size_t i = 1; i < some.size(); ++i)
       annotations.legend.push_back({fmt::format("{}", some[i]), labelColor(some[i])});

@@ -1,4 +1,4 @@
-#include "src/base/values/channel_look.h"
+#include "src/base/looks/channel_look.h"
 
 #include <gtest/gtest.h>
 

@@ -73,6 +73,7 @@ ALLOWED = {
 # Folders within a layer, for which the rule is the layer's.
 PARTS = {
     'src/base/files': 'src/base',
+    'src/base/looks': 'src/base',
     'src/base/threads': 'src/base',
     'src/base/memory': 'src/base',
     'src/base/values': 'src/base',

@@ -90,7 +90,12 @@ class Pictures(unittest.TestCase):
              ['--size', '64', '--mode', 'mip', '--crop', '0,0,0,64,32,48', '--view', 'left', '--zoom', '1.5']),
             (dict(size=64, threshold=10, clip=[(1, 0, 0, 30)], step=0.7, full_gradient=0.2, opacity=0.2),
              ['--size', '64', '--threshold', '10', '--clip', '1,0,0,30', '--step', '0.7', '--modulate',
-              '--full-gradient', '0.2', '--opacity', '0.2'])]:
+              '--full-gradient', '0.2', '--opacity', '0.2']),
+            (dict(size=64, iso=[100, (180, 0.4, 'ff8800')], light=(60, 10), ambient=0.2),
+             ['--size', '64', '--iso', '100,180:0.4:ff8800', '--light', '60,10', '--ambient', '0.2']),
+            (dict(size=64, iso='100:0.5', threshold=40), ['--size', '64', '--iso', '100:0.5', '--threshold', '40']),
+            (dict(size=64, label={'all': ':0.1', 120: 'red:1'}),
+             ['--size', '64', '--label', 'all=:0.1', '--label', '120=red:1'])]:
             with self.subTest(words):
                 self.assertSamePicture(volume.render(**options), self.command(PHANTOM, *words))
 

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "src/classify/transfer/automatic_look.h"
+#include "src/classify/transfer/label_table.h"
 #include "src/classify/transfer/transfer_makers.h"
 #include "src/render/camera/index_space.h"
 #include "tests/gl/test_device.h"
@@ -149,7 +150,7 @@ std::unique_ptr<MemorySource> things() {
 
 TEST_F(ModesTest, labelsGiveTheReferencePicture) {
   const auto source = things();
-  const TransferFunction transfer = labelsTransfer({0, 3, 90, 200}, 0);
+  const TransferFunction transfer = labelsTransfer(labelStyles({0, 3, 90, 200}, 0));
   for (const bool lit : {false, true})
     for (const int64_t block : {8, 32}) {
       RenderScene scene(device(), *source, transfer, {.block_vox = block, .lit = lit});
@@ -166,7 +167,7 @@ TEST_F(ModesTest, labelsGiveTheReferencePicture) {
 
 TEST_F(ModesTest, labelsShowNoColourButTheirOwn) {
   const auto source = things();
-  const TransferFunction transfer = labelsTransfer({0, 3, 90, 200}, 0);
+  const TransferFunction transfer = labelsTransfer(labelStyles({0, 3, 90, 200}, 0));
   RenderScene scene(device(), *source, transfer, {.block_vox = 8});
   FrameOptions options = obliqueView(Projection::kOrtho, {128, 128});
   options.step_vox = 0.25;
@@ -190,6 +191,48 @@ TEST_F(ModesTest, labelsShowNoColourButTheirOwn) {
       ASSERT_TRUE(known) << i << ", " << j;
     }
   for (const int pixels : seen) EXPECT_GT(pixels, 100);
+}
+
+// Cubes of labels from all over 16 bits.
+std::unique_ptr<MemorySource> manyLabels() {
+  return makeMemorySource<uint16_t>(Vec3i{34, 30, 26}, [](int64_t x, int64_t y, int64_t z) {
+    const int64_t cube = (x / 5) + 7 * (y / 5) + 49 * (z / 5);
+    return static_cast<double>(cube % 4 == 0 ? 0 : cube * 40503 % 65536);
+  });
+}
+
+TEST_F(ModesTest, eachOfManyLabelsHasItsOwnOpacityAndColour) {
+  const auto source = manyLabels();
+  std::vector<LabelStyle> styles;
+  for (int i = 0; i < 65536; ++i)
+    styles.push_back({static_cast<double>(i),
+                      {i % 256 / 255.0, i / 256 / 255.0, i % 7 / 6.0},
+                      i == 0 ? 0 : std::array{0.0, 0.15, 1.0}[static_cast<size_t>(i % 3)]});
+  for (const bool lit : {false, true}) {
+    RenderScene scene(device(), *source, labelsTransfer(styles), {.block_vox = 8, .lit = lit});
+    for (const Projection projection : kProjections) {
+      const FrameOptions options = obliqueView(projection, {64, 60});
+      EXPECT_TRUE(within(kOfReference, scene.draw(options), scene.reference(options)))
+          << lit << ", " << static_cast<int>(projection);
+    }
+  }
+}
+
+TEST_F(ModesTest, blocksOfLabelsThatDoNotShowAreNotDrawn) {
+  const auto source = makeMemorySource<uint8_t>(Vec3i{57, 17, 17}, [](int64_t x, int64_t, int64_t) {
+    return x < 30 ? 4.0 : x < 44 ? 5 : 6;
+  });
+  for (const double shown : {4.0, 5.0, 6.0}) {
+    auto styles = labelStyles({0, 4, 5, 6}, 0);
+    for (LabelStyle& style : styles) style.opacity = style.label == shown ? 0.5 : 0;
+    RenderScene scene(device(), *source, labelsTransfer(styles), {.block_vox = 8});
+    const Frame frame = scene.frame(obliqueView(Projection::kOrtho, {64, 60}));
+    ASSERT_FALSE(frame.blocks->blocks.empty());
+    for (const ObjectBlock& block : frame.blocks->blocks) {
+      EXPECT_GE(block.cells.hi.x, shown == 4 ? 0 : shown == 5 ? 30 : 44) << shown;
+      EXPECT_LE(block.cells.lo.x, shown == 4 ? 29 : shown == 5 ? 43 : 57) << shown;
+    }
+  }
 }
 
 }  // namespace

@@ -228,6 +228,65 @@ void PlainDevice::drawBox(const BoxDraw& box) {
   });
 }
 
+// A sample of opacities that a ray takes, and what it blends of it.
+struct PlainDevice::Sample {
+  Vec3d rgb;
+  double opacity = 0, depth = 0;
+};
+
+void PlainDevice::blend(const Sample& sample, Pixel& pixel) {
+  const double weight = (1 - pixel.opacity) * sample.opacity;
+  pixel.rgb = pixel.rgb + sample.rgb * weight;
+  pixel.depth_sum += weight * sample.depth;
+  pixel.opacity += weight;
+}
+
+// The surfaces that the ray meets from half a slice before slice k to half a slice behind it, and
+// between them the parts of the sample there.
+void PlainDevice::blendSurfaces(const Ray& ray, const BoxDraw& box, const ChunkTexels& chunk,
+                                double k, const Sample& sample, Pixel& pixel) const {
+  const auto texelOf = [&](double slice) {
+    Vec3d texel = box.texels(ray.origin + ray.step * (slice + 0.5));
+    for (int a = 0; a < 3; ++a)
+      texel[a] = std::clamp(texel[a], 0.0, static_cast<double>(chunk.storage_vox[a] - 1));
+    return texel;
+  };
+  const auto valueOf = [&](double part) { return valueAt(chunk, texelOf(k - 0.5 + part)); };
+  const auto partOf = [](Sample of, double part) {
+    of.opacity = 1 - std::pow(1 - of.opacity, part);
+    return of;
+  };
+  const double front = valueOf(0), back = valueOf(1);
+  double from = 0;
+  std::vector<SurfaceLevel> surfaces = setup_.look_up->surfaces;
+  if (back < front) std::ranges::reverse(surfaces);
+  for (const SurfaceLevel& surface : surfaces) {
+    if (std::min(front, back) < kNoNumber) break;
+    if ((front >= surface.level) == (back >= surface.level)) continue;
+    double lo = from, hi = 1;
+    for (int i = 0; i < 40; ++i) {
+      const double middle = (lo + hi) / 2;
+      ((valueOf(middle) < surface.level) == (front < surface.level) ? lo : hi) = middle;
+    }
+    blend(partOf(sample, lo - from), pixel);
+    from = lo;
+    const Vec3d at = texelOf(k - 0.5 + lo);
+    Vec3d gradient;
+    for (int corner = 0; corner < 8; ++corner) {
+      const Vec3d side{(corner & 1) - 0.5, (corner >> 1 & 1) - 0.5, (corner >> 2) - 0.5};
+      double value = valueAt(chunk, at + side);
+      if (value < kNoNumber) value = surface.level;
+      for (int a = 0; a < 3; ++a) {
+        const auto axis = static_cast<size_t>(box.texels.axes[static_cast<size_t>(a)]);
+        gradient = gradient + setup_.camera_gradient[axis] * (side[a] * value / 2);
+      }
+    }
+    const Vec3d rgb = setup_.lit ? shaded(surface.rgb, gradient, 0) : surface.rgb;
+    blend({rgb, surface.opacity, setup_.first_depth + (k + lo) * setup_.depth_step}, pixel);
+  }
+  blend(partOf(sample, 1 - from), pixel);
+}
+
 void PlainDevice::take(const Ray& ray, const BoxDraw& box, const ChunkTexels& chunk, Pixel& pixel) {
   const bool composite = setup_.mode == Mode::kComposite;
   const LookUp& look_up = *setup_.look_up;
@@ -262,11 +321,14 @@ void PlainDevice::take(const Ray& ray, const BoxDraw& box, const ChunkTexels& ch
       rgba = mean_look_->between(front, back);
     } else {
       value = labels ? labelAt(chunk, texel) : valueAt(chunk, texel);
-      if (value < kNoNumber) return true;
-      rgba = lookedUp(look_up, value, look_up.interpolates || !composite);
+      if (value < kNoNumber && !setup_.has_surfaces) return true;
+      if (value >= kNoNumber) rgba = lookedUp(look_up, value, look_up.interpolates || !composite);
     }
     const double spread = chunk.has_spread && composite ? spreadAt(chunk, texel) : 0;
-    if (rgba[3] <= 0 && !(spread > 0)) return true;
+    if (rgba[3] <= 0 && !(spread > 0)) {
+      if (setup_.has_surfaces) blendSurfaces(ray, box, chunk, k, {}, pixel);
+      return true;
+    }
     if (!composite) {
       const bool replaces = pixel.count == 0 ||
                             (setup_.mode == Mode::kMip && value > pixel.value) ||
@@ -306,18 +368,19 @@ void PlainDevice::take(const Ray& ray, const BoxDraw& box, const ChunkTexels& ch
       if (!(opacity > 0)) return true;
       rgb = sum / opacity;
     }
-    if (setup_.lit) rgb = shaded(rgb, gradient);
-    const double weight = (1 - pixel.opacity) * opacity;
-    pixel.rgb = pixel.rgb + rgb * weight;
-    pixel.depth_sum += weight * (setup_.first_depth + (k + 0.5) * setup_.depth_step);
-    pixel.opacity += weight;
+    if (setup_.lit) rgb = shaded(rgb, gradient, setup_.flat);
+    const Sample sample{rgb, opacity, setup_.first_depth + (k + 0.5) * setup_.depth_step};
+    if (setup_.has_surfaces)
+      blendSurfaces(ray, box, chunk, k, sample, pixel);
+    else
+      blend(sample, pixel);
     in_box += (1 - in_box) * opacity;
     return in_box < setup_.opacity_threshold || setup_.opacity_threshold >= 1;
   });
 }
 
 // Lights as described in lighting.h.
-Vec3d PlainDevice::shaded(Vec3d rgb, Vec3d gradient) const {
+Vec3d PlainDevice::shaded(Vec3d rgb, Vec3d gradient, double flatness) const {
   const double squared = dot(gradient, gradient);
   if (!(squared > 0)) return rgb;
   const Lighting& lighting = setup_.lighting;
@@ -331,7 +394,7 @@ Vec3d PlainDevice::shaded(Vec3d rgb, Vec3d gradient) const {
   const double shine = lighting.specular * specular;
   const Vec3d lit =
       rgb * (lighting.ambient + lighting.diffuse * diffuse) + Vec3d{shine, shine, shine};
-  const double w = squared / (squared + setup_.flat * setup_.flat);
+  const double w = squared / (squared + flatness * flatness);
   return rgb * (1 - w) + lit * w;
 }
 

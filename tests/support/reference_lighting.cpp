@@ -4,15 +4,16 @@
 
 namespace sluice {
 
-Vec3d litReference(const ReferenceScene& scene, const View& view, double finest, Vec3d gradient,
+double flatReference(const ReferenceScene& scene, double finest) {
+  if (scene.transfer.labels) return 0;
+  return scene.lighting->flat_share * (scene.value_range.hi - scene.value_range.lo) / finest;
+}
+
+Vec3d litReference(const ReferenceScene& scene, const View& view, double flat, Vec3d gradient,
                    Vec3d rgb) {
   const Lighting& lighting = *scene.lighting;
   const double g2 = dot(gradient, gradient);
   if (!(g2 > 0)) return rgb;
-  const double flat =
-      scene.transfer.labels
-          ? 0
-          : lighting.flat_share * (scene.value_range.hi - scene.value_range.lo) / finest;
   const double w = g2 / (g2 + flat * flat);
   const Vec3d n = normalized(gradient);
   const Vec3d viewer = -view.forward;

@@ -5,9 +5,10 @@
 
 namespace sluice {
 
-// `gradient`: value units a world unit, in world directions. `finest`: the finest spacing.
-// Requires: scene.lighting.
-Vec3d litReference(const ReferenceScene& scene, const View& view, double finest, Vec3d gradient,
+// Lighting's `flat` of samples, value units a world unit. `finest`: the finest spacing.
+double flatReference(const ReferenceScene& scene, double finest);
+// `gradient`: value units a world unit, in world directions. Requires: scene.lighting.
+Vec3d litReference(const ReferenceScene& scene, const View& view, double flat, Vec3d gradient,
                    Vec3d rgb);
 
 }  // namespace sluice

@@ -12,6 +12,7 @@
 #include "src/base/error.h"
 #include "tests/support/reference_extinction.h"
 #include "tests/support/reference_lighting.h"
+#include "tests/support/reference_surfaces.h"
 #include "tests/support/reference_values.h"
 
 namespace sluice {
@@ -230,11 +231,43 @@ class Renderer {
 
   // A sample behind what the pixel has. `depth` holds the sum of weighted depths meanwhile.
   void blend(Pixel& out, const Sample& sample, Vec3d rgb, double a) const {
-    if (scene_.lighting) rgb = litReference(scene_, view_, finest_, gradient(sample.p), rgb);
+    add(out, litAt(sample.p, rgb), a, sample.depth);
+  }
+  static void add(Pixel& out, Vec3d rgb, double a, double depth) {
     const double weight = (1 - out.opacity) * a;
     out.rgb = out.rgb + rgb * weight;
-    out.depth += weight * sample.depth;
+    out.depth += weight * depth;
     out.opacity += weight;
+  }
+  Vec3d litAt(Vec3d p, Vec3d rgb) const {
+    if (!scene_.lighting) return rgb;
+    return litReference(scene_, view_, flatReference(scene_, finest_), gradient(p), rgb);
+  }
+
+  // The surfaces that the ray meets on the way for which the sample stands, and between them the
+  // parts of what the sample shows.
+  void blendSurfaces(Pixel& out, Vec3d start, Vec3d direction, const Sample& sample, Vec3d rgb,
+                     double a) const {
+    const Box3 all = boxOf(layout_.dims);
+    const auto placeAt = [&](double part) {
+      return clampedTo(
+          all, index_from_world_(start + direction * (sample.depth + (part - 0.5) * view_.step)));
+    };
+    const double range = scene_.value_range.hi - scene_.value_range.lo;
+    const ReferenceHits hits = surfaceHits(scene_.transfer.surfaces, range,
+                                           [&](double part) { return values_.at(placeAt(part)); });
+    out.doubt += (1 - out.opacity) * hits.doubt * kBrightestLit;
+    if (a > 0) rgb = litAt(sample.p, rgb);
+    double from = 0;
+    for (const auto& [part, surface] : hits.hits) {
+      add(out, rgb, 1 - std::pow(1 - a, part - from), sample.depth);
+      Vec3d color = surface->rgb;
+      if (scene_.lighting)
+        color = litReference(scene_, view_, 0, cubeGradient(placeAt(part), surface->value), color);
+      add(out, color, surface->opacity, sample.depth + (part - 0.5) * view_.step);
+      from = part;
+    }
+    add(out, rgb, 1 - std::pow(1 - a, 1 - from), sample.depth);
   }
 
   Pixel composite(Vec3d start, Vec3d direction) const {
@@ -253,7 +286,10 @@ class Renderer {
       double doubt = sample.near_face ? a : doubtOf(value, magnitude, voxel_lengths);
       if (labels && label.lead < scene_.rounding.label_weight) doubt = 1;
       out.doubt += (1 - out.opacity) * doubt * brightest;
-      if (a > 0 && sample.counts) blend(out, sample, colorAt(scene_.transfer, value), a);
+      if (sample.counts && !scene_.transfer.surfaces.empty())
+        blendSurfaces(out, start, direction, sample, colorAt(scene_.transfer, value), a);
+      else if (a > 0 && sample.counts)
+        blend(out, sample, colorAt(scene_.transfer, value), a);
       return out.opacity < scene_.opacity_threshold;
     });
     if (out.opacity > 0) out.depth /= out.opacity;
@@ -355,6 +391,19 @@ class Renderer {
       const double difference = values_.at(after) - values_.at(before);
       if (std::isnan(difference)) continue;  // tells nothing of the slope along this axis
       g = g + layout_.axes[static_cast<size_t>(a)] * (difference / (2 * layout_.spacing[a]));
+    }
+    return g;
+  }
+
+  // The same from the corners of a unit cube, in voxels. `value` is at its middle.
+  Vec3d cubeGradient(Vec3d p, double value) const {
+    Vec3d g;
+    for (int corner = 0; corner < 8; ++corner) {
+      const Vec3d side{(corner & 1) - 0.5, (corner >> 1 & 1) - 0.5, (corner >> 2) - 0.5};
+      double there = values_.at(clampedTo(boxOf(layout_.dims), p + side));
+      if (std::isnan(there)) there = value;
+      for (int a = 0; a < 3; ++a)
+        g = g + layout_.axes[static_cast<size_t>(a)] * (side[a] * there / (2 * layout_.spacing[a]));
     }
     return g;
   }

@@ -24,9 +24,11 @@ ViewState everything() {
   state.look.range = std::array{5.0, -5.0};
   state.look.light = LookOptions::Light::kOff;
   state.look.full_gradient = 0.07;
+  state.look.surfaces = {{12.5, 0.4, "ff8800"}, {40, 1, ""}};
   state.time = 3;
   state.step_vox = 0.3;
   state.quality = PictureOptions::Quality::kHigh;
+  state.lighting = {std::array{40.0, -20.0}, 0.1, 0.8, 0.5};
   state.crop = PictureOptions::Box{{1, 2, 3}, {4, 5, 6}};
   state.clip_planes = {{{0, 0, 1}, 2.5}, {{1, 0, 0}, -1}};
   state.background = std::array{0.0F, 0.5F, 1.0F};

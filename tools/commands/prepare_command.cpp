@@ -6,6 +6,7 @@
 #include <memory>
 #include <numeric>
 
+#include "src/base/error.h"
 #include "src/base/values/bytes.h"
 #include "tools/command_line/console.h"
 #include "tools/commands/commands.h"
@@ -60,6 +61,7 @@ nlohmann::json reportOf(const SeriesFunctions& functions, const CLI::App& app) {
 
 int run(PrepareArguments& arguments, const CLI::App& app) {
   arguments.look.whole_series = true;
+  if (!arguments.look.surfaces.empty()) fail("prepare knows nothing of surfaces; leave out --iso");
   Workers pool(arguments.resources.threads);
   const IndexedVolume volume = openIndexed(arguments.volume, arguments.resources,
                                            needsOf(arguments.look, Mode::kComposite), pool);

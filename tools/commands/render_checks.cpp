@@ -44,7 +44,8 @@ bool numbersPictures(const Arguments& arguments) {
 Outputs renderOutputs(const Arguments& arguments) {
   Outputs outputs(arguments.force);
   outputs.reads(arguments.volume.inputs);
-  outputs.reads({arguments.look.transfer_file, arguments.path_file, arguments.state_file});
+  outputs.reads({arguments.look.transfer_file, arguments.look.label_table, arguments.path_file,
+                 arguments.state_file});
   outputs.reads(basisFiles(arguments.culling));
   if (isFilmName(arguments.output))
     outputs.writes("-o", arguments.output, FileKind::kFilm);
@@ -93,6 +94,10 @@ void checkOutput(const Arguments& arguments) {
     fail("--debug-view takes one frame, not {}", frameCount(arguments));
   if (arguments.times && arguments.frames > 1)
     fail("--frames {} takes one time step, not a range of --time", arguments.frames);
+  if (!arguments.look.surfaces.empty() && !traitsOf(arguments.frame.mode).has_colors)
+    fail("--iso needs --mode composite, since other modes show one value a pixel");
+  if (!arguments.look.surfaces.empty() && arguments.culling.culling != Culling::kNone)
+    fail("--culling knows nothing of surfaces; leave out --culling or --iso");
   if (arguments.culling.culling != Culling::kNone && !traitsOf(arguments.frame.mode).hides)
     fail("--culling needs --mode composite, since other modes hide nothing");
   if (arguments.verify && arguments.culling.culling != Culling::kNone && frameCount(arguments) > 1)
@@ -106,6 +111,10 @@ std::optional<CutOptions> cutOf(const Arguments& arguments, Team* team) {
   if (arguments.culling.culling != Culling::kNone) {
     // Culling knows the blocks of the finest level alone.
     refuseLevels(arguments.levels, "--culling draws the finest level alone");
+    return std::nullopt;
+  }
+  if (!arguments.look.surfaces.empty()) {
+    refuseLevels(arguments.levels, "--iso draws the finest level alone");
     return std::nullopt;
   }
   LevelArguments levels = arguments.levels;

@@ -76,7 +76,7 @@ std::string settingsFile() {
 int run(const ViewArguments& arguments, const CLI::App& app) {
   Outputs outputs;
   outputs.reads(arguments.volume.inputs);
-  outputs.reads({arguments.look.transfer_file, arguments.state_file});
+  outputs.reads({arguments.look.transfer_file, arguments.look.label_table, arguments.state_file});
   outputs.writesTrace("--trace", arguments.trace_file);
   outputs.writes("--log", arguments.log_file, FileKind::kLog);
   outputs.check();

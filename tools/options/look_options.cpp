@@ -1,3 +1,5 @@
+#include <utility>
+
 #include "src/classify/transfer/color_maps.h"
 #include "src/library/conversions.h"
 #include "tools/command_line/interrupt.h"
@@ -22,6 +24,17 @@ void addLookOptions(CLI::App& app, const AskedView& asked, LookArguments& look,
   CLI::Option* labels = group.flag("--labels", look.labels,
                                    "Treats values as integer labels of a segmentation: each is "
                                    "opaque in its own colour, 0 is empty");
+  const auto takeLabels = [&look](const ViewState& state) {
+    LookOptions of_labels;
+    of_labels.label_table = state.look.label_table;
+    of_labels.label_looks = state.look.label_looks;
+    LookArguments taken = lookArguments(of_labels, true);
+    look.labels = true;
+    look.label_table = std::move(taken.label_table);
+    look.label_looks = std::move(taken.label_looks);
+  };
+  CLI::Option* label_table = table.add("--labels-table", takeLabels);
+  CLI::Option* label_looks = table.add("--label", takeLabels)->trigger_on_parse();
   Words<std::string> maps;
   for (const std::string_view name : colorMapNames()) maps.emplace_back(name, name);
   for (const std::string_view name : solidColorNames()) maps.emplace_back(name, name);
@@ -45,6 +58,13 @@ void addLookOptions(CLI::App& app, const AskedView& asked, LookArguments& look,
              look.channels = lookArguments(channels, true).channels;
            })
       ->trigger_on_parse();
+  CLI::Option* surfaces = table.add("--iso", [&look](const ViewState& state) {
+    LookOptions of_surfaces;
+    of_surfaces.surfaces = state.look.surfaces;
+    look.surfaces = lookArguments(of_surfaces, true).surfaces;
+  });
+  for (CLI::Option* of_labels : {labels, label_table, label_looks})
+    for (CLI::Option* other : {threshold, transfer, points, surfaces}) other->excludes(of_labels);
   group.flag("--this-step", look.this_step,
              "Series: computes look and fit from the drawn step alone");
   CLI::Option* opacity = table.add(

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "src/base/values/channel_look.h"
+#include "src/base/looks/channel_look.h"
+#include "src/base/looks/label_look.h"
+#include "src/base/looks/surface_look.h"
 #include "src/view/state/option_table.h"
 #include "src/view/state/view_check.h"
 #include "tools/command_line/parse.h"
@@ -30,6 +32,18 @@ std::optional<OptionValue> pointsOf(const std::string& word) {
   return points;
 }
 
+// "300:0.4,1200".
+std::optional<OptionValue> surfacesOf(const std::string& word) {
+  std::vector<std::string> surfaces;
+  for (size_t from = 0; from <= word.size();) {
+    const size_t end = std::min(word.find(',', from), word.size());
+    surfaces.push_back(word.substr(from, end - from));
+    if (!parseSurfaceLook(surfaces.back())) return std::nullopt;
+    from = end + 1;
+  }
+  return surfaces;
+}
+
 std::optional<OptionValue> wholesOf(const OptionReals& numbers) {
   OptionWholes wholes;
   for (const double n : numbers) {
@@ -51,6 +65,11 @@ std::optional<OptionValue> readWord(const OptionEntry& entry, const std::string&
     case OptionForm::kChannels:
       return parseChannelLook(word) ? std::optional<OptionValue>(std::vector<std::string>{word})
                                     : std::nullopt;
+    case OptionForm::kLabels:
+      return parseLabelLook(word) ? std::optional<OptionValue>(std::vector<std::string>{word})
+                                  : std::nullopt;
+    case OptionForm::kSurfaces:
+      return surfacesOf(word);
     case OptionForm::kPoints:
       return pointsOf(word);
     case OptionForm::kColor: {
@@ -85,6 +104,14 @@ std::string expectedOf(const OptionEntry& entry) {
     case OptionForm::kChannels:
       return "a channel and its colour, perhaps a range of values and an opacity from 0 to 1, such "
              "as 0:green,400:3000,0.1";
+    case OptionForm::kLabels:
+      return "a label N, labels N-M or all, and their colour or opacity from 0 to 1, such as "
+             "3=ff8800:0.4";
+    case OptionForm::kSurfaces:
+      return fmt::format(
+          "up to {} values T, T:A or T:A:COLOR with an opacity from 0 to 1 and a colour, such as "
+          "1200,300:0.4:ff8800",
+          kMostSurfaces);
     case OptionForm::kPoints:
       return "pairs V:A of values, ascending, and opacities from 0 to 1";
     case OptionForm::kNumber:
@@ -102,7 +129,7 @@ std::string shownOf(const OptionEntry& entry, const ViewState& asked) {
   return entry.kind.form == OptionForm::kWord ? std::get<std::string>(*value) : "";
 }
 
-// The planes, or looks of channels, asked for so far, and one more.
+// The planes, or looks of channels or labels, asked for so far, and one more.
 template <class Lists>
 OptionValue oneMore(const OptionEntry& entry, const ViewState& asked, const Lists& one) {
   Lists all = std::get<Lists>(entry.get(asked).value_or(Lists()));
@@ -117,7 +144,7 @@ OptionValue withEarlier(const OptionEntry& entry, const ViewState& asked,
                         const OptionValue& value) {
   if (entry.kind.form == OptionForm::kPlanes)
     return oneMore(entry, asked, std::get<std::vector<OptionReals>>(value));
-  if (entry.kind.form == OptionForm::kChannels)
+  if (entry.kind.form == OptionForm::kChannels || entry.kind.form == OptionForm::kLabels)
     return oneMore(entry, asked, std::get<std::vector<std::string>>(value));
   return value;
 }

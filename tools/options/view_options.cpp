@@ -67,6 +67,9 @@ void addDrawingOptions(CLI::App& app, const AskedView& asked, FrameOptions& opti
       numberText(options.step_vox));
   table.add("--quality",
             [&options](const ViewState& state) { setQuality(state.quality, options); });
+  const TableOptions light(app, "Light", asked);
+  for (const char* option : {"--light", "--ambient", "--diffuse", "--specular"})
+    light.add(option, [&options](const ViewState& state) { setLighting(state.lighting, options); });
   table.add("--crop", [&options](const ViewState& state) {
     const auto& [lo, hi] = *state.crop;
     options.crop = Box3{{lo[0], lo[1], lo[2]}, {hi[0], hi[1], hi[2]}};

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "src/annotate/annotate.h"
@@ -10,6 +11,11 @@
 
 namespace sluice {
 namespace {
+
+std::string labelName(const ChosenLook& look, double label) {
+  const auto found = look.label_names.find(label);
+  return found == look.label_names.end() ? fmt::format("{:.7g}", label) : found->second;
+}
 
 Annotations annotationsOf(const PictureOutput& output, const FrameOptions& options,
                           const Scene& scene) {
@@ -28,7 +34,12 @@ Annotations annotationsOf(const PictureOutput& output, const FrameOptions& optio
     for (const ValueCount& entry : scene.volume.values.counts.entries)
       if (entry.lo == entry.hi && opacityAt(scene.look.transfer, entry.lo) > 0)
         annotations.legend.push_back(
-            {fmt::format("{:.7g}", entry.lo), colorAt(scene.look.transfer, entry.lo)});
+            {labelName(scene.look, entry.lo), colorAt(scene.look.transfer, entry.lo)});
+  // Surfaces alone: no other value shows.
+  const TransferFunction& transfer = scene.look.transfer;
+  if (std::ranges::none_of(transfer.opacities, [](const auto& point) { return point.opacity > 0; }))
+    for (const IsoSurface& surface : transfer.surfaces)
+      annotations.legend.push_back({fmt::format("{:.7g}", surface.value), surface.rgb});
   // A channel's own colour is the one of its brightest values.
   for (const Layer* layer : scene.layers()) {
     if (scene.more.empty()) break;

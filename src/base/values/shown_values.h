@@ -6,13 +6,14 @@
 // beyond its ends look as the ends do. A sample takes the nearest entry or interpolates two, and
 // rounding may move it by one more. So a value may show if its nearest entry or one beside it has
 // an opacity. The entries for which that is true form a few intervals, which are kept in ascending
-// order.
+// order. Labels lie on their entries exactly, so an entry beside one that shows does not show.
 //
 // Immutable after construction; any thread may read.
 #pragma once
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <type_traits>
 #include <vector>
@@ -30,17 +31,27 @@ class ShownValues {
     friend bool operator==(const Interval&, const Interval&) = default;
   };
 
+  // Whether values of the entries beside one that shows may show, too: not those of labels.
+  enum class Reach { kBeside, kItself };
+  // `labels`: the values are labels, whole numbers. They reach no further if each lies on an entry.
+  static Reach reachOf(bool labels, ValueRange range, int entries) {
+    const double span = range.hi - range.lo;
+    const bool on_entries = span >= 1 && std::floor(range.lo) == range.lo &&
+                            std::floor(span) == span && std::fmod(entries - 1, span) == 0;
+    return labels && on_entries ? Reach::kItself : Reach::kBeside;
+  }
+
   // No value shows.
   ShownValues() = default;
   // `shows(i)`: entry i has an opacity. Entry i stands for range.lo + i * (range.hi - range.lo) /
   // (entries - 1). Requires: at least one entry.
   template <class Shows>
-  ShownValues(ValueRange range, int entries, const Shows& shows)
+  ShownValues(ValueRange range, int entries, const Shows& shows, Reach reach = Reach::kBeside)
       : lo_(range.lo),
         entries_a_value_(range.hi > range.lo ? (entries - 1) / (range.hi - range.lo) : 0),
         entries_(entries) {
     for (int entry = 0; entry < entries; ++entry)
-      if (shows(entry)) add(entry);
+      if (shows(entry)) add(entry, reach == Reach::kBeside ? 1 : 0);
   }
 
   // The nearest entry, clamped to the table.
@@ -69,11 +80,11 @@ class ShownValues {
 
  private:
   // Takes in an entry that shows; they come in ascending order.
-  void add(int entry) {
-    if (!intervals_.empty() && entry - 1 <= intervals_.back().last + 1)
-      intervals_.back().last = entry + 1;
+  void add(int entry, int reach) {
+    if (!intervals_.empty() && entry - reach <= intervals_.back().last + 1)
+      intervals_.back().last = entry + reach;
     else
-      intervals_.push_back({entry - 1, entry + 1});
+      intervals_.push_back({entry - reach, entry + reach});
   }
 
   double lo_ = 0, entries_a_value_ = 0;

@@ -136,7 +136,9 @@ bool anyOpacity(const TransferFunction& transfer, double lo, double hi) {
                                 [](double v, const OpacityPoint& p) { return v < p.value; });
   for (; point != points.end() && point->value <= hi; ++point)
     if (point->opacity > 0) return true;
-  return false;
+  return std::ranges::any_of(transfer.surfaces, [&](const IsoSurface& surface) {
+    return surface.opacity > 0 && surface.value >= lo && surface.value <= hi;
+  });
 }
 
 }  // namespace sluice

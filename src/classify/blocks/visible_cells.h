@@ -21,7 +21,7 @@ namespace sluice {
 std::vector<Box3> visibleCells(const SliceRanges& ranges, const BrickRanges& bricks,
                                const TransferFunction& transfer, const Box3& crop);
 
-// Whether any value of lo..hi has an opacity above 0, whatever the gradient.
+// Whether any value of lo..hi has an opacity above 0, whatever the gradient, or is a surface's.
 bool anyOpacity(const TransferFunction& transfer, double lo, double hi);
 
 }  // namespace sluice

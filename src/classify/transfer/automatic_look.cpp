@@ -354,12 +354,20 @@ bool areLabels(const ValueCounts& counts) {
          static_cast<double>(counts.jumps) > kLeastJump * (range.hi - range.lo) * changes;
 }
 
-TransferFunction labelsTransferOf(const ValueCounts& counts, std::string_view map) {
+std::vector<LabelStyle> labelStylesOf(const ValueCounts& counts, std::string_view map) {
   std::vector<double> values;
-  for (const ValueCount& entry : counts.entries)
-    if (values.empty() || entry.lo > values.back()) values.push_back(entry.lo);
+  if (areSingleValues(counts)) {
+    for (const ValueCount& entry : counts.entries)
+      if (values.empty() || entry.lo > values.back()) values.push_back(entry.lo);
+  } else {
+    const ValueRange range = rangeOf(counts);
+    const double first = std::ceil(range.lo), span = std::floor(range.hi) - first;
+    if (!(span < static_cast<double>(kMostLabels)))
+      fail("labels from {} to {}: expected at most {} of them", range.lo, range.hi, kMostLabels);
+    for (int i = 0; i <= static_cast<int>(span); ++i) values.push_back(first + i);
+  }
   if (values.empty()) values = {0};
-  return labelsTransfer(values, counts.entries.empty() ? 0 : backgroundLabel(counts), map);
+  return labelStyles(values, counts.entries.empty() ? 0 : backgroundLabel(counts), map);
 }
 
 AutomaticLook automaticLook(const ValueCounts& counts, const AutomaticOptions& options) {
@@ -372,7 +380,7 @@ AutomaticLook automaticLook(const ValueCounts& counts, const AutomaticOptions& o
     return lookOf(binaryDraft(range.lo, range.hi), options);
   if (areLabels(counts)) {
     AutomaticLook look;
-    look.transfer = labelsTransferOf(counts, options.map);
+    look.transfer = labelsTransfer(labelStylesOf(counts, options.map));
     look.map = options.map;
     look.map_range = range;
     return look;

@@ -22,6 +22,7 @@
 #include <string_view>
 
 #include "src/base/values/value_counts.h"
+#include "src/classify/transfer/label_table.h"
 #include "src/classify/transfer/transfer_function.h"
 
 namespace sluice {
@@ -55,7 +56,8 @@ AutomaticLook automaticLook(const ValueCounts& counts, const AutomaticOptions& o
 bool areLabels(const ValueCounts& counts);
 // The label that stands for nothing: 0 if it occurs, otherwise the most frequent value.
 double backgroundLabel(const ValueCounts& counts);
-// labelsTransfer() of the values that occur.
-TransferFunction labelsTransferOf(const ValueCounts& counts, std::string_view map = {});
+// labelStyles() of the values that occur. Of more values than are counted one by one, all whole
+// numbers in their range; throws Error if these are more than kMostLabels.
+std::vector<LabelStyle> labelStylesOf(const ValueCounts& counts, std::string_view map = {});
 
 }  // namespace sluice

@@ -35,6 +35,10 @@ ValueRange tableRange(const TransferFunction& transfer, const ValueMap& map, Val
   constexpr double kFewOfAll = 1.0 / 64, kMargin = 1.0 / 64;
   double lo = std::min(transfer.colors.front().value, transfer.opacities.front().value);
   double hi = std::max(transfer.colors.back().value, transfer.opacities.back().value);
+  for (const IsoSurface& surface : transfer.surfaces) {
+    lo = std::min(lo, surface.value);
+    hi = std::max(hi, surface.value);
+  }
   for (const GradientRow& row : transfer.gradients) {
     if (row.factors.size() == 1) continue;  // constant
     lo = std::min(lo, row.factors.front().value);
@@ -49,6 +53,9 @@ ValueRange tableRange(const TransferFunction& transfer, const ValueMap& map, Val
   const bool is_few = part.lo < part.hi && part.hi - part.lo < kFewOfAll * (all.hi - all.lo);
   return is_few ? part : all;
 }
+
+// Entries of a table of labels.
+constexpr int kMostLabelEntries = 1 << 16;
 
 // Each integer falls on an entry, of floats that hold integers too.
 int entryCount(ValueRange range, int most) {
@@ -96,7 +103,10 @@ OpacityTable::OpacityTable(const TransferFunction& transfer, const ValueMap& map
       volume_range_(device_range),
       labels_(transfer.labels) {
   SLUICE_CHECK_LE(2, most_entries);
-  const int count = entryCount(range_, most_entries);
+  // Each label has an entry of its own.
+  const int count =
+      entryCount(range_, labels_ && range_.hi - range_.lo < kMostLabelEntries ? kMostLabelEntries
+                                                                              : most_entries);
   const auto size = static_cast<size_t>(count);
   opacity_.resize(size);
   rgb_.resize(3 * size);
@@ -109,11 +119,36 @@ OpacityTable::OpacityTable(const TransferFunction& transfer, const ValueMap& map
     for (int channel = 0; channel < 3; ++channel)
       rgb_[3 * i + static_cast<size_t>(channel)] = static_cast<float>(color[channel]);
   }
-  step_entries_ = spreadSteps(opacity_);
-  must_interpolate_ = neighborsDiffer();
-  shown_ = ShownValues(range_, count,
-                       [&](int entry) { return opacity_[static_cast<size_t>(entry)] > 0; });
+  // Labels lie on their entries, or far from steps.
+  if (!labels_) {
+    step_entries_ = spreadSteps(opacity_);
+    must_interpolate_ = neighborsDiffer();
+  }
+  addSurfaces(transfer, map);
+  shown_ = ShownValues(
+      range_, count,
+      [&](int entry) { return opacity_[static_cast<size_t>(entry)] > 0 || isSurfaceEntry(entry); },
+      ShownValues::reachOf(labels_, range_, count));
   addGradients(transfer, map);
+}
+
+void OpacityTable::addSurfaces(const TransferFunction& transfer, const ValueMap& map) {
+  // Rounding grows with the values. Rounding of positions, of a few millionths of a voxel, grows
+  // with their range. A wider tie would let more surfaces be met twice where two boxes meet.
+  const double of_range = (range_.hi - range_.lo) / (1 << 17);
+  const double of_values = std::max(std::abs(range_.lo), std::abs(range_.hi)) / (1 << 20);
+  surface_tie_ = std::max(of_range, of_values) / 2;
+  for (const IsoSurface& surface : transfer.surfaces)
+    surfaces_.push_back(
+        {map.deviceOf(surface.value) - 2 * surface_tie_, surface.opacity, surface.rgb});
+  std::ranges::sort(surfaces_, {}, &SurfaceLevel::level);
+  const ShownValues all(range_, entries(), [](int) { return true; });
+  for (const SurfaceLevel& surface : surfaces_)
+    surface_entries_.push_back(all.entryOf(surface.level));
+}
+
+bool OpacityTable::isSurfaceEntry(int entry) const {
+  return std::ranges::find(surface_entries_, entry) != surface_entries_.end();
 }
 
 void OpacityTable::addGradients(const TransferFunction& transfer, const ValueMap& map) {
@@ -129,6 +164,7 @@ void OpacityTable::addGradients(const TransferFunction& transfer, const ValueMap
     // A factor is interpolated, so it reaches to the neighbouring entries.
     shown_in_row_.emplace_back(range_, entries(), [&](int entry) {
       const auto i = static_cast<size_t>(entry);
+      if (isSurfaceEntry(entry)) return true;
       if (!(opacity_[i] > 0)) return false;
       if (!depends) return factors[0] > 0;
       return factors[i] > 0 || (i > 0 && factors[i - 1] > 0) ||

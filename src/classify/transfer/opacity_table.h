@@ -23,6 +23,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "src/base/looks/surface_look.h"
 #include "src/base/values/shown_values.h"
 #include "src/base/values/volume_source.h"
 #include "src/classify/transfer/transfer_function.h"
@@ -61,7 +62,13 @@ class OpacityTable {
   // Row after row; entries() a row, or one a row if none depends on the value.
   const std::vector<float>& factors() const { return factors_; }
 
-  // The device values that show something, whatever the gradient.
+  // Ascending by level.
+  const std::vector<SurfaceLevel>& surfaces() const { return surfaces_; }
+  // Values this close to a level may be on either of its sides by rounding; half of the distance
+  // from a surface's value to its level.
+  double surfaceTie() const { return surface_tie_; }
+
+  // The device values that show something, surfaces too, whatever the gradient.
   const ShownValues& shown() const { return shown_; }
   // shown().anyIn(lo, hi) for samples whose gradient's magnitude is between `gradient_lo` and
   // `gradient_hi`, device values a voxel length. O(rows).
@@ -69,6 +76,8 @@ class OpacityTable {
 
  private:
   void addGradients(const TransferFunction& transfer, const ValueMap& map);
+  void addSurfaces(const TransferFunction& transfer, const ValueMap& map);
+  bool isSurfaceEntry(int entry) const;
   double deviceAt(size_t entry) const {
     return range_.lo + (range_.hi - range_.lo) * static_cast<double>(entry) /
                            std::max(1.0, static_cast<double>(opacity_.size() - 1));
@@ -80,6 +89,9 @@ class OpacityTable {
   std::vector<float> rgb_;
   int step_entries_ = 0;
   bool must_interpolate_ = false, labels_ = false;
+  std::vector<SurfaceLevel> surfaces_;
+  std::vector<int> surface_entries_;  // the nearest ones of their levels
+  double surface_tie_ = 0;
   ShownValues shown_;
   std::vector<double> magnitudes_;
   std::vector<float> factors_;

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "src/base/looks/surface_look.h"
 #include "src/base/values/vec.h"
 #include "src/base/values/volume_source.h"
 
@@ -35,6 +36,13 @@ struct GradientRow {
 };
 inline constexpr size_t kMostGradientRows = 16;
 
+// A surface where the volume has one value. It shows wherever a ray meets it, whatever the angle.
+struct IsoSurface {
+  double value = 0;
+  double opacity = 1;  // 0..1, of a meeting
+  Vec3d rgb{1, 1, 1};
+};
+
 struct TransferFunction {
   std::vector<ColorPoint> colors;       // ascending by value, not empty
   std::vector<OpacityPoint> opacities;  // ascending by value, not empty
@@ -45,6 +53,9 @@ struct TransferFunction {
   // Values are labels, with nothing between them: instead of interpolating, a sample takes the one
   // of the eight voxels around it whose value has the greatest weight among them.
   bool labels = false;
+  // At most kMostSurfaces different values, in any order; not of labels. They are drawn together
+  // with what the opacities show.
+  std::vector<IsoSurface> surfaces = {};
 };
 
 // The colour and the opacity at `value`, whatever the gradient: the most that any shows. NaN has

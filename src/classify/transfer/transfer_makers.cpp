@@ -1,7 +1,6 @@
 #include "src/classify/transfer/transfer_makers.h"
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 
 #include "src/base/error.h"
@@ -49,30 +48,6 @@ TransferFunction pointsTransfer(std::string_view map, ValueRange map_range,
 TransferFunction wholeRangeTransfer(std::string_view map, ValueRange range) {
   TransferFunction transfer = pointsTransfer(map, range, {{0, 1}});
   transfer.name = fmt::format("all values, {:.6g} to {:.6g}", range.lo, range.hi);
-  return transfer;
-}
-
-TransferFunction labelsTransfer(const std::vector<double>& values, double background,
-                                std::string_view map) {
-  SLUICE_CHECK(!values.empty());
-  TransferFunction over_values;
-  if (!map.empty())
-    over_values.colors = rescale(requireColorMap(map, "--map"), values.front(), values.back());
-  TransferFunction transfer;
-  transfer.labels = true;
-  transfer.name = fmt::format("{} labels", values.size() - 1);
-  for (size_t i = 0; i < values.size(); ++i) {
-    const double value = values[i];
-    const Vec3d rgb = map.empty() ? labelColor(value) : colorAt(over_values, value);
-    const double opacity = value == background ? 0 : 1;
-    // Half way to its neighbours, so that rounding moves no label into the next one's colour.
-    const double lo = i == 0 ? value : std::midpoint(values[i - 1], value);
-    const double hi = i + 1 == values.size() ? value : std::midpoint(value, values[i + 1]);
-    transfer.colors.push_back({lo, rgb});
-    transfer.colors.push_back({hi, rgb});
-    transfer.opacities.push_back({lo, opacity});
-    transfer.opacities.push_back({hi, opacity});
-  }
   return transfer;
 }
 

@@ -36,12 +36,6 @@ TransferFunction pointsTransfer(std::string_view map, ValueRange map_range,
 // Everything shows, in the colours of the map over the range: for modes that look at values alone.
 TransferFunction wholeRangeTransfer(std::string_view map, ValueRange range);
 
-// Every value of `values` (ascending) but `background` is opaque, each in a colour of its own: the
-// colour of its number, or from `map` over all of them if one is named. Throws Error when the map
-// is unknown.
-TransferFunction labelsTransfer(const std::vector<double>& values, double background,
-                                std::string_view map = {});
-
 // Li 2003, figure 1: multiplies each opacity by a ramp of the gradient magnitude, 0 where the
 // volume is flat and 1 from `full_magnitude` on (value units a voxel length). Throws Error when
 // `transfer` looks at gradients already or the magnitude is not above 0.

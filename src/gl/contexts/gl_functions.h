@@ -111,6 +111,7 @@ using GlLoader = std::function<void*(const char*)>;
   X(Uniform1f, UNIFORM1F)                                   \
   X(Uniform2f, UNIFORM2F)                                   \
   X(Uniform3f, UNIFORM3F)                                   \
+  X(Uniform1fv, UNIFORM1FV)                                 \
   X(Uniform2fv, UNIFORM2FV)                                 \
   X(Uniform3fv, UNIFORM3FV)                                 \
   X(Uniform4fv, UNIFORM4FV)

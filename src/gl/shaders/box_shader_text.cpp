@@ -68,9 +68,11 @@ uniform vec4 view_pixel_ray;
 #endif
 uniform vec4 entries;      // scale, offset, least, greatest
 uniform float opacity_threshold;
+#if GOES_AHEAD
+uniform vec2 visible_texels;
+#endif
 #if GRADIENTS
 // Along the volume's axes.
-uniform vec2 visible_texels;
 uniform vec3 index_slope, index_toward[2], index_halfway[2];
 uniform vec4 view_reflection, first_rows;
 vec3 textureOrder(vec3 v) { return turn == 2 ? v : turn == 0 ? v.yzx : v.zxy; }

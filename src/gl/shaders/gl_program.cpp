@@ -68,6 +68,9 @@ void GlProgram::set2(const char* name, const float* values) {
 void GlProgram::set2(const char* name, double x, double y) {
   gl_.Uniform2f(locate(name), static_cast<GLfloat>(x), static_cast<GLfloat>(y));
 }
+void GlProgram::set1(const char* name, const float* values, int count) {
+  gl_.Uniform1fv(locate(name), count, values);
+}
 void GlProgram::set4(const char* name, const float* values, int count) {
   gl_.Uniform4fv(locate(name), count, values);
 }

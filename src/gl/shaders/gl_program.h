@@ -26,6 +26,7 @@ class GlProgram {
   void set2(const char* name, const float* values);
   void set2(const char* name, double x, double y);
   void set4(const char* name, const float* values, int count);
+  void set1(const char* name, const float* values, int count);
   void set3(const char* name, const float* values, int count);
 
  private:

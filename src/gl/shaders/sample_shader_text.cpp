@@ -3,253 +3,6 @@
 namespace sluice {
 
 const char* const kSampleText = R"(
-uniform sampler3D chunk;
-uniform sampler2D look_up;
-// Texels below are, or are interpolated with, one that stands for NaN.
-#define IS_NO_NUMBER(v) lessThan(v, vec3(-2e30))
-#if WITH_DEPTH
-layout(location = 1) out vec4 depth_sum;  // opacity times depth, and opacity to blend by
-#endif
-#if COUNTS_TAKEN
-layout(location = 1) out vec4 taken;  // samples; of opacity 0, so that they add up
-#endif
-vec3 textureOrder(vec3 v) { return turn == 2 ? v : turn == 0 ? v.yzx : v.zxy; }
-
-#if LABELS
-// The value that has the greatest weight among the eight texels around, see LookUp.
-float labelAt(vec3 at) {
-  const float kTie = 1e-3;
-  ivec3 last = textureSize(chunk, 0) - 1;
-  vec3 texel = at / texel_size - 0.5;
-  vec3 low = floor(texel);
-  vec3 t = texel - low;
-  ivec3 first = clamp(ivec3(low), ivec3(0), last);
-  ivec3 next = min(first + 1, last);
-  float values[8];
-  float weights[8];
-  for (int i = 0; i < 8; ++i) {
-    bvec3 upper = bvec3((i & 1) != 0, (i & 2) != 0, (i & 4) != 0);
-    vec3 w = mix(1.0 - t, t, upper);
-    values[i] = texelFetch(chunk, ivec3(upper.x ? next.x : first.x, upper.y ? next.y : first.y,
-                                        upper.z ? next.z : first.z), 0).r;
-    weights[i] = w.x * w.y * w.z;
-  }
-  float best = values[0], most = -1.0;
-  for (int i = 0; i < 8; ++i) {
-    float weight = 0.0;
-    for (int k = 0; k < 8; ++k) weight += values[k] == values[i] ? weights[k] : 0.0;
-    if (weight > most + kTie || (weight > most - kTie && values[i] > best)) {
-      best = values[i];
-      most = weight;
-    }
-  }
-  return best;
-}
-#endif
-
-#if PLANES && FLOATS
-// On a voxel plane the voxels beside it have no part, but rounding gives them one, and of a texel
-// that stands for NaN the least is too much: here it is none.
-float valueOnPlane(vec3 at) {
-  const float kRounding = 1e-4;
-  ivec3 last = textureSize(chunk, 0) - 1;
-  vec3 texel = at / texel_size - 0.5;
-  vec3 nearest = round(texel);
-  texel = mix(texel, nearest, lessThan(abs(texel - nearest), vec3(kRounding)));
-  vec3 low = floor(texel);
-  vec3 t = texel - low;
-  ivec3 first = clamp(ivec3(low), ivec3(0), last);
-  ivec3 next = min(first + 1, last);
-  float value = 0.0;
-  for (int i = 0; i < 8; ++i) {
-    bvec3 upper = bvec3((i & 1) != 0, (i & 2) != 0, (i & 4) != 0);
-    vec3 w = mix(1.0 - t, t, upper);
-    value += w.x * w.y * w.z *
-             texelFetch(chunk, ivec3(upper.x ? next.x : first.x, upper.y ? next.y : first.y,
-                                     upper.z ? next.z : first.z), 0).r;
-  }
-  return value;
-}
-#endif
-
-#if GRADIENTS
-// From one voxel to the next, along the texture's axes. On software GL the reads beyond the first
-// are half of a lit frame, so that gradients kept with the voxels could save that at most; they
-// would need 16 bits a component and take eight times the bytes of 8-bit data at every level.
-vec3 differenceAt(vec3 at) {
-  vec2 n = vec2(1.0, 0.0);
-  vec3 after = vec3(textureLod(chunk, at + n.xyy * texel_size, 0.0).r,
-                    textureLod(chunk, at + n.yxy * texel_size, 0.0).r,
-                    textureLod(chunk, at + n.yyx * texel_size, 0.0).r);
-  vec3 before = vec3(textureLod(chunk, at - n.xyy * texel_size, 0.0).r,
-                     textureLod(chunk, at - n.yxy * texel_size, 0.0).r,
-                     textureLod(chunk, at - n.yyx * texel_size, 0.0).r);
-  vec3 difference = 0.5 * (after - before);
-#if FLOATS
-  // A neighbour that is no number says nothing of the slope along its axis.
-  difference = mix(difference, vec3(0.0), IS_NO_NUMBER(min(after, before)));
-#endif
-  return difference;
-}
-
-#if OBLIQUE
-uniform vec3 axis_cosines;  // between y and z, z and x, x and y
-#endif
-
-// The square of the gradient's length in the world.
-float squareOf(vec3 difference) {
-  vec3 g = difference * slope;
-  float squared = dot(g, g);
-#if OBLIQUE
-  g = turn == 2 ? g : turn == 0 ? g.zxy : g.yzx;
-  squared += 2.0 * dot(axis_cosines, g.yzx * g.zxy);
-#endif
-  return squared;
-}
-#endif
-
-#if GRADIENT_ROWS > 0
-uniform float slice_length;
-#if GRADIENT_ROWS > 2
-uniform vec4 gradient_rows[GRADIENT_ROWS];  // as `ramp`, from each row to the next
-#endif
-#if FACTOR_TABLE
-uniform sampler2D factors;
-#endif
-
-float factorOf(float magnitude, float entry) {
-  float row = clamp((magnitude - ramp.x) * ramp.y, 0.0, 1.0);
-  float factor = ramp.z + row * ramp.w;
-#if GRADIENT_ROWS > 2
-  for (int i = 1; i + 1 < GRADIENT_ROWS; ++i) {
-    float passed = clamp((magnitude - gradient_rows[i].x) * gradient_rows[i].y, 0.0, 1.0);
-    row += passed;
-    factor += passed * gradient_rows[i].w;
-  }
-#endif
-#if FACTOR_TABLE
-  factor = textureLod(factors, vec2(entry, (row + 0.5) / float(GRADIENT_ROWS)), 0.0).r;
-#endif
-  return factor;
-}
-
-// The opacity of `voxel_lengths` from that of one.
-float corrected(float opacity, float voxel_lengths) {
-#if CORRECTS
-  return opacity < 1.0 ? 1.0 - exp2(voxel_lengths * log2(1.0 - opacity)) : 1.0;
-#else
-  return opacity;
-#endif
-}
-#endif
-
-#if SPREAD
-uniform sampler2D expected;
-uniform vec4 expected_line;  // of a mean: scale, offset; of a spread: scale, rows
-uniform float expected_length;
-
-// The spread at a place, as its share of the volume's values; see ExpectedLook for its squares. The
-// hardware interpolates what it reads, so the texels are read one by one.
-float spreadShareAt(vec3 at) {
-  ivec3 last = textureSize(chunk, 0) - 1;
-  vec3 texel = at / texel_size - 0.5;
-  vec3 low = floor(texel);
-  vec3 t = texel - low;
-  ivec3 first = clamp(ivec3(low), ivec3(0), last);
-  ivec3 next = clamp(ivec3(low) + 1, ivec3(0), last);
-  float square = 0.0;
-  for (int i = 0; i < 8; ++i) {
-    bvec3 upper = bvec3((i & 1) != 0, (i & 2) != 0, (i & 4) != 0);
-    vec3 w = mix(1.0 - t, t, upper);
-    float share = max(texelFetch(chunk, ivec3(upper.x ? next.x : first.x,
-                                              upper.y ? next.y : first.y,
-                                              upper.z ? next.z : first.z), 0).g, 0.0) *
-                  expected_line.z;
-    square += w.x * w.y * w.z * share * share;
-  }
-  return sqrt(square);
-}
-
-// What a texel with a spread looks like, premultiplied, for a way of `lengths` slices whose opacity
-// is multiplied by `factor` first: see ExpectedLook. `exact` is the same without spread.
-vec4 expectedColor(float value, float share, float factor, float lengths, vec4 exact) {
-  float row = sqrt(share) * expected_line.w;
-  vec2 at = vec2(value * expected_line.x + expected_line.y,
-                 (max(row - 1.0, 0.0) + 0.5) / expected_line.w);
-  vec4 mean = textureLod(expected, clamp(at, vec2(0.0), vec2(1.0)), 0.0);
-  float opacity = mean.a * factor;
-  float a = opacity < 1.0 ? 1.0 - exp2(lengths * expected_length * log2(1.0 - opacity)) : 1.0;
-  return mix(exact, vec4(mean.rgb * (a / max(mean.a, 1e-20)), a), min(row, 1.0));
-}
-#endif
-
-#if INTEGRATES
-uniform isampler2D sums;   // IntegratedLook
-// The last entry; the exponent of slice_length, or of a unit length with factors, that a sum of 1
-// stands for.
-uniform vec2 sums_line;
-
-// A value's place among the entries, and the sums below it: those below the entry before it, their
-// growth up to the next entry, and the part of it up to the place.
-struct SumsAt {
-  float place;
-  ivec4 below;
-  vec4 growth, part;
-};
-SumsAt sumsAt(float value) {
-  SumsAt result;
-  result.place = clamp(value * entry_scale + entry_offset, -4e6, 4e6);
-  float first = clamp(floor(result.place), 0.0, sums_line.x - 1.0);
-  result.below = texelFetch(sums, ivec2(int(first), 0), 0);
-  result.growth = vec4(texelFetch(sums, ivec2(int(first) + 1, 0), 0) - result.below);
-  result.part = (result.place - first) * result.growth;
-  return result;
-}
-
-// The mean of the values from one place to another: colour, not premultiplied, and the exponent of
-// what passes.
-vec4 segmentColor(SumsAt front, SumsAt back) {
-  float way = back.place - front.place;
-  // One value, or values beyond one end of the table, which all look the same.
-  bool even = abs(way) < 1e-3 || min(front.place, back.place) >= sums_line.x ||
-              max(front.place, back.place) <= 0.0;
-  vec4 sum = vec4(back.below - front.below) + (back.part - front.part);
-  vec4 mean = even ? 0.5 * (front.growth + back.growth) : sum / (even ? 1.0 : way);
-  float extinction = max(mean.a, 0.0);
-  return vec4(clamp(mean.rgb / max(extinction, 1e-20), 0.0, 1.0), extinction * sums_line.y);
-}
-#endif
-
-#if LIT
-#if SHININESS == 0
-uniform float shininess;
-#endif
-
-vec2 shine(vec2 x) {
-#if SHININESS > 0
-  // Software GL takes long over a logarithm.
-  vec2 result = vec2(1.0);
-  for (int n = SHININESS; n > 0; n /= 2) {
-    if ((n & 1) != 0) result *= x;
-    x *= x;
-  }
-  return result;
-#else
-  return pow(x, vec2(shininess));
-#endif
-}
-
-// `color` premultiplied; `squared` and `flatness` squares of lengths of gradients in one unit.
-vec4 shade(vec4 color, vec3 difference, float squared, float flatness) {
-  float to_unit = inversesqrt(max(squared, 1e-37));
-  vec2 facing = abs(vec2(dot(difference, toward0), dot(difference, toward1)));
-  vec2 mirrored = abs(vec2(dot(difference, halfway0), dot(difference, halfway1)));
-  vec3 lit = color.rgb * (reflection.z + to_unit * (facing.x + facing.y)) +
-             color.a * dot(reflection.xy, shine(to_unit * mirrored));
-  return vec4(mix(color.rgb, lit, squared / max(squared + flatness, 1e-37)), color.a);
-}
-#endif
-
 void main() {
   vec2 pixel = gl_FragCoord.xy + vec2(0.0, first_row);
 #if PLANES
@@ -271,6 +24,10 @@ void main() {
 #endif
 #if GRADIENT_ROWS > 0
   float voxel_lengths = slice_length * ray_length;
+#endif
+#if SURFACES > 0
+  // The filtered values of both ends of a slice's way, for finding slices that may meet a surface.
+  float near_end, far_end = placeValue(first + (float(range.x - first_k) - 0.5) * along);
 #endif
   vec4 sum = COMBINING == 1 ? vec4(-3e38) : COMBINING == 2 ? vec4(3e38) : vec4(0.0);
 #if WITH_DEPTH
@@ -302,7 +59,15 @@ void main() {
 #else
       at = first + float(k - first_k) * along;
 #endif
-#if INTEGRATES
+#if SURFACES > 0
+      near_end = far_end;
+      far_end = placeValue(at + 0.5 * along);
+      value = placeValue(at);
+      if (mayMeet(near_end, far_end) || (HAS_OPACITIES == 1 && value >= visible.x && value <= visible.y) ||
+          k + 1 == range.y)
+        break;
+    }
+#elif INTEGRATES
       front = back;
       back = textureLod(chunk, at + 0.5 * along, 0.0).r;
 #if GOES_AHEAD
@@ -317,7 +82,15 @@ void main() {
 #if SPREAD
       if (both.g > 0.0) break;
 #endif
-      if ((value >= visible.x && value <= visible.y) || k + 1 == range.y) break;
+      bool shows = value >= visible.x && value <= visible.y;
+#if LABELS
+      // Between labels the hardware's value is none of them. It is 0 where all of them are.
+      for (bool again = value != 0.0; again; again = false) {
+        float label = labelAt(at);
+        shows = label >= visible.x && label <= visible.y;
+      }
+#endif
+      if (shows || k + 1 == range.y) break;
     }
 #endif
 #endif
@@ -346,12 +119,18 @@ void main() {
 #if FLOATS
     entry = clamp(entry, 0.0, 1.0);  // drivers may wrap where a coordinate is beyond integers
 #endif
+#if LABELS
+    vec4 color = labelColor(entry);
+#else
     vec4 color = textureLod(look_up, vec2(entry, 0.5), 0.0);
+#endif
 #if FLOATS
     if (IS_NO_NUMBER(vec3(value)).x) color = vec4(0.0);
 #endif
 #endif
-#if COMBINING == 0
+#if SURFACES > 0 && !HAS_OPACITIES
+    color = vec4(0.0);
+#elif COMBINING == 0
 #if GRADIENTS
     vec3 difference = differenceAt(at);
     float unit = 1.0;
@@ -386,6 +165,40 @@ void main() {
 #if LIT
     float flatness = reflection.w / unit;
     color = shade(color, difference, squared, flatness * flatness);
+#endif
+#endif
+#if COMBINING == 0
+#if SURFACES > 0
+    // The slice is blended in parts, with a surface behind each but the last.
+    float from = 0.0;
+    // A loop, since software GL skips no `if`.
+    for (bool again = mayMeet(near_end, far_end); again; again = false) {
+      float h = float(k - first_k) - 0.5;
+      float front = exactAt(first + h * along), back = exactAt(first + (h + 1.0) * along);
+      bool up = back > front;
+      float value_from = front;
+      for (int n = 0; n < SURFACES; ++n) {
+        int i = up ? n : SURFACES - 1 - n;
+        float level = surface_levels[i];
+        for (bool meets = meetsLevel(front, back, level, k == range.x, k + 1 == range.y); meets;
+             meets = false) {
+          float part = crossing(first, along, h, level, from, value_from, back, up);
+          vec4 before = partOf(color, part - from);
+#if WITH_DEPTH
+          weighted_depth += (1.0 - sum.a) * before.a * (first_depth + (float(k) + 0.5) * depth_step);
+#endif
+          sum += (1.0 - sum.a) * before;
+          vec4 surface = surfaceColor(first + (h + part) * along, level, surface_colors[i]);
+#if WITH_DEPTH
+          weighted_depth += (1.0 - sum.a) * surface.a * (first_depth + (float(k) + part) * depth_step);
+#endif
+          sum += (1.0 - sum.a) * surface;
+          from = part;
+          value_from = level;
+        }
+      }
+    }
+    color = partOf(color, 1.0 - from);
 #endif
 #if WITH_DEPTH
     weighted_depth += (1.0 - sum.a) * color.a * (first_depth + (float(k) + 0.5) * depth_step);

@@ -9,6 +9,8 @@ extern const char* const kInputsText;    // values that pass from vertices to pi
 extern const char* const kVertexText;    // main: the outline of a box in the picture
 extern const char* const kIntervalText;  // ivec2 slices(origin, step)
 extern const char* const kPlanesText;    // ivec2 planes(pixel, ...): the same of voxel planes
+extern const char* const kColorText;     // the colour of a sample: gradients, factors, light
+extern const char* const kSurfaceText;   // surfaces where values pass a level
 extern const char* const kSampleText;    // main: looks up, lights and blends the samples
 extern const char* const kCountText;     // main: how many samples there are
 

@@ -31,6 +31,8 @@ std::string definitions(const ShaderVariant& v) {
                                                  {"SCALED", v.scaled},
                                                  {"SPREAD", v.spread},
                                                  {"INTEGRATES", v.integrates},
+                                                 {"SURFACES", v.surfaces},
+                                                 {"HAS_OPACITIES", v.has_opacities},
                                                  {"OBLIQUE", v.oblique}};
   std::string lines;
   for (const auto& [name, value] : numbers) lines += fmt::format("#define {} {}\n", name, value);
@@ -45,7 +47,9 @@ std::string vertexShader(const ShaderVariant& variant) {
 
 std::string fragmentShader(const ShaderVariant& variant) {
   return kVersion + definitions(variant) + "#define FLAT flat in\n" + kInputsText + kIntervalText +
-         kPlanesText + (variant.counts ? kCountText : kSampleText);
+         kPlanesText +
+         (variant.counts ? std::string(kCountText)
+                         : kColorText + std::string(kSurfaceText) + kSampleText);
 }
 
 }  // namespace sluice

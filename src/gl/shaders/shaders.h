@@ -29,6 +29,8 @@ struct ShaderVariant {
   bool spread = false;        // chunks have spreads, see ExpectedLook
   bool scaled = false;        // texels are not voxels, see TexelMap
   bool integrates = false;    // segments in place of samples, see FrameSetup
+  int surfaces = 0;           // how many surfaces there are, see FrameSetup
+  bool has_opacities = true;  // with surfaces: the look-up shows something else, too
   bool oblique = false;       // with gradients: the volume's axes are not at right angles
   friend auto operator<=>(const ShaderVariant&, const ShaderVariant&) = default;
 };

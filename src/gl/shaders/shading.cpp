@@ -71,6 +71,30 @@ void setLights(const FrameSetup& setup, GlProgram& program) {
   program.set("shininess", lighting.shininess);
 }
 
+void setVisible(const FrameSetup& setup, GlProgram& program) {
+  const auto [least, greatest] = visibleValues(*setup.look_up);
+  const double scale = valueScale(setup.type);
+  program.set2("visible_texels", least / scale, greatest / scale);
+}
+
+void setSurfaces(const FrameSetup& setup, GlProgram& program) {
+  // Hardware interpolates with eight bits, or as exactly as it likes: a little more than its error.
+  constexpr double kFilterShare = 1.0 / 64;
+  const LookUp& look_up = *setup.look_up;
+  const double scale = valueScale(setup.type);
+  const double range = look_up.device_range.hi - look_up.device_range.lo;
+  Floats levels, colors;
+  for (const SurfaceLevel& surface : look_up.surfaces) {
+    levels.add(surface.level / scale);
+    colors.add(surface.rgb * surface.opacity).add(surface.opacity);
+  }
+  const auto count = static_cast<int>(look_up.surfaces.size());
+  program.set1("surface_levels", levels.data(), count);
+  program.set4("surface_colors", colors.data(), count);
+  program.set2("surface_ties", look_up.surface_tie / scale, range * kFilterShare / scale);
+  setVisible(setup, program);
+}
+
 }  // namespace
 
 double valueScale(DeviceType type) {
@@ -86,6 +110,11 @@ double valueScale(DeviceType type) {
 }
 
 void chooseShading(const FrameSetup& setup, ShaderVariant& variant) {
+  if (setup.has_surfaces) {
+    variant.surfaces = static_cast<int>(setup.look_up->surfaces.size());
+    variant.has_opacities = showsOpacities(*setup.look_up);
+    variant.goes_ahead = true;
+  }
   variant.lit = setup.lit;
   variant.shininess = setup.lit ? setup.lighting.wholeShininess() : 0;
   const LookUp& look_up = *setup.look_up;
@@ -93,7 +122,7 @@ void chooseShading(const FrameSetup& setup, ShaderVariant& variant) {
   variant.factor_table = look_up.factors.size() > look_up.magnitudes.size();
   variant.corrects = variant.gradient_rows > 0 && (variant.perspective || setup.slice_length != 1);
   if (!setup.lit && variant.gradient_rows == 0) return;
-  variant.goes_ahead = !setup.shades_every_sample;
+  variant.goes_ahead = variant.surfaces > 0 || !setup.shades_every_sample;
   const Vec3d cosines = axisCosines(setup);
   constexpr double kRounding = 1e-6;
   variant.oblique =
@@ -101,13 +130,12 @@ void chooseShading(const FrameSetup& setup, ShaderVariant& variant) {
 }
 
 void setShading(const FrameSetup& setup, const ShaderVariant& variant, GlProgram& program) {
+  if (variant.surfaces > 0) setSurfaces(setup, program);
   if (!variant.lit && variant.gradient_rows == 0) return;
   const auto& axes = setup.camera_gradient;
   program.set("index_slope", Vec3d{length(axes[0]), length(axes[1]), length(axes[2])});
   program.set("axis_cosines", axisCosines(setup));
-  const auto [least, greatest] = visibleValues(*setup.look_up);
-  const double scale = valueScale(setup.type);
-  program.set2("visible_texels", least / scale, greatest / scale);
+  setVisible(setup, program);
   if (variant.lit) setLights(setup, program);
   if (variant.gradient_rows == 0) return;
   const Floats rows = rowsOf(setup);

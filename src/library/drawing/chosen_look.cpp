@@ -1,13 +1,16 @@
 #include "src/library/drawing/chosen_look.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "src/base/error.h"
 #include "src/base/files/shell_word.h"
 #include "src/classify/transfer/automatic_look.h"
 #include "src/classify/transfer/color_maps.h"
+#include "src/classify/transfer/label_table.h"
 #include "src/classify/transfer/transfer_file.h"
 #include "src/classify/transfer/transfer_makers.h"
 #include "src/render/blocks/level_cut.h"
@@ -65,7 +68,9 @@ class Chooser {
 
   ChosenLook choose() {
     chosen_.lit = look_.first_picture;
-    if (!look_.transfer_file.empty()) {
+    if (drawsSurfacesAlone()) {
+      onlyColors();
+    } else if (!look_.transfer_file.empty()) {
       fromFile();
     } else if (!look_.opacities.empty()) {
       fromPoints();
@@ -81,6 +86,7 @@ class Chooser {
       automatic();
     }
     fadeSolidColor();
+    addSurfaces();
     modulate();
     light();
     return std::move(chosen_);
@@ -111,8 +117,17 @@ class Chooser {
   }
 
   void fromLabels() {
-    chosen_.transfer = labelsTransferOf(values_.counts, look_.map);
+    std::vector<LabelStyle> styles = labelStylesOf(values_.counts, look_.map);
+    if (!look_.label_table.empty())
+      applyTable(styles, readLabelTable(look_.label_table, look_.stop));
+    applyLooks(styles, look_.label_looks);
+    chosen_.transfer = labelsTransfer(styles);
+    for (const LabelStyle& style : styles)
+      if (!style.name.empty()) chosen_.label_names.emplace(style.label, style.name);
     addLabels();
+    if (!look_.label_table.empty()) add(" --labels-table " + shellWord(look_.label_table));
+    for (const LabelLook& look : look_.label_looks)
+      add(" --label " + shellWord(labelLookText(look)));
   }
   void addLabels() {
     add(" --labels");
@@ -165,6 +180,56 @@ class Chooser {
     add(pointsOption(chosen_.transfer.opacities));
   }
 
+  bool drawsSurfaces() const { return !look_.surfaces.empty() && traitsOf(mode_).has_colors; }
+  // Nothing asks for opacities.
+  bool drawsSurfacesAlone() const {
+    return drawsSurfaces() && look_.transfer_file.empty() && look_.opacities.empty() &&
+           !look_.labels && !look_.threshold && !look_.opacity;
+  }
+
+  // The colours of the automatic look, and no opacities.
+  void onlyColors() {
+    std::string map(mapOr(look_, kDefaultColorMap));
+    ValueRange range = map_range_;
+    if (look_.first_picture && look_.map.empty()) {
+      const AutomaticLook made = automaticLook(values_.counts, automaticOptions(layout_, look_));
+      if (!made.transfer.labels) map = made.map;
+      if (!made.transfer.labels && !look_.range) range = made.map_range;
+      // The greatest value has the brightest colour of the map.
+      double top = range.lo;
+      for (const SurfaceLook& surface : look_.surfaces) top = std::max(top, surface.value);
+      if (!look_.range && top > range.lo) range.hi = top;
+    }
+    chosen_.transfer = pointsTransfer(map, range, {{range_.lo, 0}});
+    addMap(map);
+    add(rangeOption(range));
+  }
+
+  Vec3d colorOf(const SurfaceLook& surface) const {
+    if (surface.color.empty()) return colorAt(chosen_.transfer, surface.value);
+    if (const auto rgb = solidColor(surface.color)) return *rgb;
+    fail("--iso {}: there is no colour {}; give RRGGBB or one of {}", surfaceLookText(surface),
+         surface.color, fmt::join(solidColorNames(), ", "));
+  }
+
+  void addSurfaces() {
+    if (!drawsSurfaces()) return;
+    if (chosen_.transfer.labels)
+      fail("--iso draws surfaces between values, which labels do not have; leave out --labels");
+    std::string text;
+    for (const SurfaceLook& look : look_.surfaces) {
+      chosen_.transfer.surfaces.push_back({look.value, look.opacity, colorOf(look)});
+      text += (text.empty() ? "" : ",") + surfaceLookText(look);
+      const bool is_known = values_.range.lo < values_.range.hi;
+      if (is_known && !(look.value >= values_.range.lo && look.value <= values_.range.hi))
+        chosen_.warnings.push_back(
+            fmt::format("--iso {}: no surface, the values are {:.6g} to {:.6g}", look.value,
+                        values_.range.lo, values_.range.hi));
+    }
+    add(" --iso " + shellWord(text));
+    chosen_.lit = look_.first_picture;
+  }
+
   // By the colours alone, so that options that determine them give the same light again, whatever
   // is known of the values: in a series, the range of one step or of all.
   void measureFlatness(ValueRange colors) {
@@ -214,6 +279,7 @@ double plainThreshold(ValueRange range) {
 }
 
 bool needsGradients(const LookArguments& look, Mode mode) {
+  if (!look.surfaces.empty() && traitsOf(mode).has_colors) return true;
   if (look.shade || look.modulate) return true;
   if (look.first_picture && !look.no_shade && traitsOf(mode).has_colors) return true;
   // Whatever the volume's range is.

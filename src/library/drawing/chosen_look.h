@@ -2,6 +2,7 @@
 // options that reproduce it.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,7 @@ struct ChosenLook {
   // known, since fill values stretch the range of the values, and a step's range differs from its
   // series'.
   double flat_scale = 1;
+  std::map<double, std::string> label_names;  // of labels to which a table gives names
   std::string options;                // "--map ct-bone --range 40,255 --opacities 40:0,... --shade"
   std::vector<std::string> warnings;  // one line each
 };

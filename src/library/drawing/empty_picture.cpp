@@ -14,7 +14,9 @@ namespace {
 
 bool hasNoOpacity(const TransferFunction& transfer) {
   return std::all_of(transfer.opacities.begin(), transfer.opacities.end(),
-                     [](const OpacityPoint& point) { return point.opacity == 0; });
+                     [](const OpacityPoint& point) { return point.opacity == 0; }) &&
+         std::ranges::all_of(transfer.surfaces,
+                             [](const IsoSurface& surface) { return surface.opacity == 0; });
 }
 
 // Whether all points lie beyond one and the same side of the picture, or behind the eye.

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "src/base/error.h"
+#include "src/classify/blocks/visible_cells.h"
 #include "src/render/camera/index_space.h"
 
 namespace sluice {
@@ -156,14 +157,6 @@ Ray rayOf(const ProbeRequest& request, const VolumeLayout& layout) {
   return ray;
 }
 
-bool anyOpaque(const TransferFunction& transfer, Totals range) {
-  if (opacityAt(transfer, range.lo) > 0 || opacityAt(transfer, range.hi) > 0) return true;
-  return std::any_of(
-      transfer.opacities.begin(), transfer.opacities.end(), [&](const OpacityPoint& point) {
-        return point.value >= range.lo && point.value <= range.hi && point.opacity > 0;
-      });
-}
-
 }  // namespace
 
 std::optional<VoxelProbe> probeAlong(const ProbeRequest& request, Session& session,
@@ -180,17 +173,28 @@ std::optional<VoxelProbe> probeAlong(const ProbeRequest& request, Session& sessi
   Values values(session, step);
   double through = 1, most = composite ? 0 : -std::numeric_limits<double>::infinity();
   std::optional<VoxelProbe> found;
+  std::optional<double> last;  // the value before, on the way through cells that may show something
   const auto count = static_cast<int64_t>(std::min((ray.end - ray.begin) / along, 1e8));
   for (int64_t i = 0; i <= count; ++i) {
     stop.throwIfStopped();
     const Vec3d index =
         ray.origin + ray.direction * (ray.begin + (static_cast<double>(i) + 0.5) * along);
-    if (composite && !anyOpaque(request.transfer, values.rangeAround(values.cellOf(index))))
+    const Totals around = values.rangeAround(values.cellOf(index));
+    if (composite && !anyOpacity(request.transfer, around.lo, around.hi)) {
+      last.reset();
       continue;
+    }
     const double value = values.at(max(index, Vec3d{0, 0, 0}));
+    if (!last && !request.transfer.surfaces.empty())
+      last = values.at(max(index - ray.direction * along, Vec3d{0, 0, 0}));
     double weight = least ? -value : value;
     if (composite) {
-      const double opacity = 1 - std::pow(1 - opacityAt(request.transfer, value), lengths);
+      double clear = std::pow(1 - opacityAt(request.transfer, value), lengths);
+      for (const IsoSurface& surface : request.transfer.surfaces)
+        if (last && (*last >= surface.value) != (value >= surface.value))
+          clear *= 1 - surface.opacity;
+      last = value;
+      const double opacity = 1 - clear;
       weight = through * opacity;
       through *= 1 - opacity;
     }

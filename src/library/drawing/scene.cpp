@@ -253,6 +253,7 @@ std::string Scene::lookOf(const FrameOptions& options) const {
 
 bool Scene::integrates(const FrameOptions& options) const {
   return options.integrates && traitsOf(options.mode).has_colors && !look.transfer.labels &&
+         look.transfer.surfaces.empty() &&
          !drawsCut(volume.step(), options.cut, options.mode, look.transfer);
 }
 

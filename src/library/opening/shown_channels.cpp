@@ -157,6 +157,9 @@ std::string lookOptions(const LookArguments& asked, const std::vector<const Show
   if (asked.threshold) text += fmt::format(" --threshold {}", *asked.threshold);
   if (!asked.transfer_file.empty()) text += " --transfer " + shellWord(asked.transfer_file);
   if (asked.labels) text += " --labels";
+  if (!asked.label_table.empty()) text += " --labels-table " + shellWord(asked.label_table);
+  for (const LabelLook& look : asked.label_looks)
+    text += " --label " + shellWord(labelLookText(look));
   for (size_t i = 0; i < asked.opacities.size(); ++i)
     text += fmt::format("{}{}:{}", i == 0 ? " --opacities " : ",", asked.opacities[i].value,
                         asked.opacities[i].opacity);
@@ -167,6 +170,8 @@ std::string lookOptions(const LookArguments& asked, const std::vector<const Show
 }
 
 void requireShown(const LookArguments& asked, const std::vector<const ShownChannel*>& shown) {
+  if (!asked.surfaces.empty() && shown.size() > 1)
+    fail("--iso draws surfaces of one channel, not of {}; give one --channel", shown.size());
   for (const ChannelLook& look : asked.channels) {
     const bool is_shown = std::ranges::any_of(shown, [&](const ShownChannel* channel) {
       return isLookOf(look, channel->number, channel->name);

@@ -337,7 +337,7 @@ bool showsExtremes(const TransferFunction& transfer, Combining combining) {
 
 bool drawsCut(const TimeStep& step, const std::optional<CutOptions>& cut, Mode mode,
               const TransferFunction& transfer) {
-  if (!cut) return false;
+  if (!cut || (!transfer.surfaces.empty() && traitsOf(mode).has_colors)) return false;
   const bool has_labels = transfer.labels;
   const bool shows_extremes = showsExtremes(transfer, traitsOf(mode).combining);
   const LevelValues wanted = levelValuesFor(mode, has_labels, step.ranges->map.scale);

@@ -33,10 +33,11 @@ constexpr bool suitDefaultCut(Mode mode, bool has_labels) {
   return traitsOf(mode).suits_levels && !(has_labels && !traitsOf(mode).has_colors);
 }
 
-// Whether a picture is drawn from a cut. False if no cut is set, if the step has one level, or if
-// the default cut would show something else than the finest level. Throws Error if a cut was asked
-// for that cannot be drawn: of a level that is not there, from levels of something else than the
-// picture shows, or of extremes that the look hides while it shows values next to them.
+// Whether a picture is drawn from a cut. False if no cut is set, if the step has one level, if the
+// default cut would show something else than the finest level, or if the transfer function has
+// surfaces, which are those of the finest level's values. Throws Error if a cut was asked for that
+// cannot be drawn: of a level that is not there, from levels of something else than the picture
+// shows, or of extremes that the look hides while it shows values next to them.
 bool drawsCut(const TimeStep& step, const std::optional<CutOptions>& cut, Mode mode,
               const TransferFunction& transfer);
 // The level that voxels `pixel_error` pixels wide require where the view needs the finest one, or

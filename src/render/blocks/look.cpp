@@ -21,11 +21,16 @@ LookUp lookUp(const OpacityTable& table, double finest_spacing) {
     result.magnitudes.push_back(magnitude / finest_spacing);
   result.factors = table.factors();
   result.labels = table.labels();
+  result.surfaces = table.surfaces();
+  result.surface_tie = table.surfaceTie();
   return result;
 }
 
 Look makeLook(const TimeStep& step, TransferFunction transfer, Mode mode) {
-  if (!traitsOf(mode).has_colors) transfer.gradients.clear();
+  if (!traitsOf(mode).has_colors) {
+    transfer.gradients.clear();
+    transfer.surfaces.clear();
+  }
   OpacityTable table(transfer, step.ranges->map, step.ranges->device_range);
   LookUp look_up = lookUp(table, finestSpacing(step.source->layout()));
   const bool has_spreads = std::ranges::any_of(

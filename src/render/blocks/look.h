@@ -20,8 +20,8 @@ using LookPtr = std::shared_ptr<const Look>;
 // The table for a volume with this finest spacing, see index_space.h.
 LookUp lookUp(const OpacityTable& table, double finest_spacing);
 
-// Modes other than composite look at values alone: gradients and spreads make no difference to
-// them.
+// Modes other than composite look at values alone: gradients, spreads and surfaces make no
+// difference to them.
 Look makeLook(const TimeStep& step, TransferFunction transfer, Mode mode);
 
 }  // namespace sluice

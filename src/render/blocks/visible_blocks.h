@@ -25,7 +25,7 @@ struct BlockQuestion {
   View view;
   std::optional<CutOptions> cut = {};  // unset: the finest level alone
   const ReadLimit* limit = nullptr;    // of a cut; null: it waits for all data
-  bool integrates = false;             // the frame does, see FrameSetup; not of a cut
+  bool looks_around = false;           // the frame integrates or has surfaces; not of a cut
 };
 
 class BlockChooser {
@@ -37,7 +37,8 @@ class BlockChooser {
   virtual VisibleBlocksPtr choose(const BlockQuestion& question) = 0;
 };
 
-// classify(), or classifyAround() for a frame that integrates, kept while its inputs stay.
+// classify(), or classifyAround() for a frame that looks around its samples, kept while its inputs
+// stay.
 class ClassifiedBlocks : public BlockChooser {
  public:
   explicit ClassifiedBlocks(WorkerPool& pool) : pool_(pool) {}
@@ -48,7 +49,7 @@ class ClassifiedBlocks : public BlockChooser {
     TimeStep step;
     Identity<Look> look;
     Box3 crop;
-    bool integrates;
+    bool looks_around;
     friend bool operator==(const Key&, const Key&) = default;
   };
   WorkerPool& pool_;

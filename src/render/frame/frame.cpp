@@ -47,6 +47,9 @@ Frame Session::frame() {
                        : 1;
   // Slices are no farther apart than rays.
   if (rays > 1 && !traitsOf(options.mode).on_planes) options.step_vox /= 2;
+  const bool has_surfaces = Planner::drawsSurfaces(step_, *look, options);
+  if (has_surfaces)
+    options.step_vox = Planner::stepForSurfaces(viewNow(), volume, options.step_vox);
   const View view = viewNow();
   const double classify_s = stage.lap();
   visible_ = visible;
@@ -56,6 +59,7 @@ Frame Session::frame() {
                                             arrangementOf(*plan, options, residency_.cache()));
   FrameSetup setup =
       frameSetup(view, volume, *look, step_.ranges->map, options, session_.lit && options.shades);
+  setup.has_surfaces = has_surfaces;
   setup.integrates = Planner::integrates(step_, *look, view, options);
 
   lessons_.unfinished.reset();  // this frame requests again what it needs of it
@@ -66,7 +70,8 @@ Frame Session::frame() {
     FrameSetup of_ray = setup;
     if (rays > 1) of_ray.rays = raysOfPixel(setup.rays, ray % rays, ray / rays, rays);
     // Growing boxes know nothing of the cells around them.
-    const ChosenBoxesPtr boxes = setup.integrates ? nullptr : boxesOf(look, plan);
+    const bool looks_around = setup.integrates || has_surfaces;
+    const ChosenBoxesPtr boxes = looks_around ? nullptr : boxesOf(look, plan);
     FrameRun run({step_, look, visible, plan, order, boxes, std::move(of_ray), options, asked_at,
                   [this, &afterwards, is_last = ray + 1 == rays * rays] {
                     if (is_last && afterwards) readAfterwards(*afterwards);

@@ -1,5 +1,8 @@
 #include "src/render/session/planner.h"
 
+#include <algorithm>
+
+#include "src/base/error.h"
 #include "src/render/camera/frame_setup.h"
 
 namespace sluice {
@@ -10,11 +13,20 @@ LookPtr Planner::look(const TimeStep& step, const TransferPtr& transfer, Mode mo
 
 bool Planner::integrates(const TimeStep& step, const Look& look, const View& view,
                          const FrameOptions& options) {
-  const bool labels = look.table.labels();
-  return options.integrates && traitsOf(options.mode).has_colors && !labels &&
-         step.ranges->layout.ghost > 0 &&
+  return options.integrates && traitsOf(options.mode).has_colors && !look.table.labels() &&
+         look.table.surfaces().empty() && step.ranges->layout.ghost > 0 &&
          !drawsCut(step, options.cut, options.mode, look.transfer) &&
          longestStep(view, step.source->layout()) <= kMostIntegratedStep * (1 + 1e-6);
+}
+
+bool Planner::drawsSurfaces(const TimeStep& step, const Look& look, const FrameOptions& options) {
+  if (look.table.surfaces().empty() || !traitsOf(options.mode).has_colors) return false;
+  SLUICE_CHECK(step.ranges->layout.ghost > 0);
+  return true;
+}
+
+double Planner::stepForSurfaces(const View& view, const VolumeLayout& layout, double step_vox) {
+  return step_vox * std::min(1.0, 1 / longestStep(view, layout));
 }
 
 VisibleBlocksPtr Planner::visibleBlocks(const TimeStep& step, const LookPtr& look, const View& view,
@@ -24,8 +36,9 @@ VisibleBlocksPtr Planner::visibleBlocks(const TimeStep& step, const LookPtr& loo
   BlockChooser* chooser = chooser_;
   if (chooser == nullptr && cut) chooser = &cut_;
   if (chooser == nullptr) chooser = &classified_;
-  return chooser->choose({step, look, cropCells(options, step.ranges->layout.dims), view, cut,
-                          limit, integrates(step, *look, view, options)});
+  return chooser->choose(
+      {step, look, cropCells(options, step.ranges->layout.dims), view, cut, limit,
+       integrates(step, *look, view, options) || drawsSurfaces(step, *look, options)});
 }
 
 FramePlanPtr Planner::plan(const TimeStep& step, const VisibleBlocksPtr& visible,

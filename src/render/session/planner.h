@@ -41,6 +41,11 @@ class Planner {
   // voxels apart on an axis.
   static bool integrates(const TimeStep& step, const Look& look, const View& view,
                          const FrameOptions& options);
+  // Whether a frame draws surfaces: its look has some, and its mode colours. Such a frame draws the
+  // finest level alone and does not integrate. Requires: blocks have a ghost layer.
+  static bool drawsSurfaces(const TimeStep& step, const Look& look, const FrameOptions& options);
+  // The distance between slices that frames with surfaces have at most, see FrameSetup.
+  static double stepForSurfaces(const View& view, const VolumeLayout& layout, double step_vox);
   // `limit` applies to such a cut alone; null: none.
   VisibleBlocksPtr visibleBlocks(const TimeStep& step, const LookPtr& look, const View& view,
                                  const FrameOptions& options, const ReadLimit* limit = nullptr);

@@ -6,7 +6,9 @@
 #include <utility>
 
 #include "src/base/error.h"
-#include "src/base/values/channel_look.h"
+#include "src/base/looks/channel_look.h"
+#include "src/base/looks/label_look.h"
+#include "src/base/looks/surface_look.h"
 
 namespace sluice {
 namespace {
@@ -40,18 +42,40 @@ std::string textOf(const Look::Channel& channel) {
   if (channel.range) look.range = {(*channel.range)[0], (*channel.range)[1]};
   return channelLookText(look);
 }
-Look::Channel channelOf(const std::string& text) {
+void assign(Look::Channel& channel, const std::string& text) {
   const std::optional<ChannelLook> look = parseChannelLook(text);
   SLUICE_CHECK(look.has_value());
-  Look::Channel channel{.channel = look->channel, .map = look->map, .opacity = look->opacity};
+  channel = {.channel = look->channel, .map = look->map, .opacity = look->opacity};
   if (look->range) channel.range = {look->range->lo, look->range->hi};
-  return channel;
+}
+
+std::string textOf(const Look::Label& label) {
+  return labelLookText({label.first, label.last, label.color, label.opacity});
+}
+void assign(Look::Label& label, const std::string& text) {
+  const std::optional<LabelLook> look = parseLabelLook(text);
+  SLUICE_CHECK(look.has_value());
+  label = {look->first, look->last, look->color, look->opacity};
+}
+
+std::string textOf(const Look::Surface& surface) {
+  return surfaceLookText({surface.value, surface.opacity, surface.color});
+}
+void assign(Look::Surface& surface, const std::string& text) {
+  const std::optional<SurfaceLook> look = parseSurfaceLook(text);
+  SLUICE_CHECK(look.has_value());
+  surface = {look->value, look->opacity, look->color};
 }
 
 template <class T>
 constexpr bool kIsOptional = false;
 template <class T>
 constexpr bool kIsOptional<std::optional<T>> = true;
+// Things that a text says.
+template <class T>
+constexpr bool kIsTexts =
+    std::is_same_v<T, std::vector<Look::Channel>> ||
+    std::is_same_v<T, std::vector<Look::Surface>> || std::is_same_v<T, std::vector<Look::Label>>;
 template <class T>
 concept AnArray = requires(T array) {
   std::tuple_size<T>::value;
@@ -78,9 +102,9 @@ std::optional<OptionValue> read(const Words& words, const T& held) {
     return std::nullopt;
   } else if constexpr (std::is_same_v<T, std::string>) {
     return OptionValue(held);
-  } else if constexpr (std::is_same_v<T, std::vector<Look::Channel>>) {
+  } else if constexpr (kIsTexts<T>) {
     std::vector<std::string> texts;
-    for (const Look::Channel& channel : held) texts.push_back(textOf(channel));
+    for (const auto& item : held) texts.push_back(textOf(item));
     return texts;
   } else {
     std::vector<OptionReals> lists;
@@ -104,10 +128,10 @@ void write(const Words& words, const OptionValue& value, T& held) {
     const auto& numbers = std::get<ListOf<T>>(value);
     for (size_t i = 0; i < held.size(); ++i)
       held[i] = static_cast<typename T::value_type>(numbers[i]);
-  } else if constexpr (std::is_same_v<T, std::vector<Look::Channel>>) {
+  } else if constexpr (kIsTexts<T>) {
     held.clear();
     for (const std::string& text : std::get<std::vector<std::string>>(value))
-      held.push_back(channelOf(text));
+      assign(held.emplace_back(), text);
   } else if constexpr (
       requires { held.emplace_back().opacity; } || requires { held.emplace_back().offset; }) {
     held.clear();
@@ -147,6 +171,11 @@ OptionEntry in(T Look::*member, OptionEntry entry) {
   return holding(
       std::move(entry), [=](auto& state) -> auto& { return state.look.*member; });
 }
+template <class T>
+OptionEntry in(T PictureOptions::Lighting::*member, OptionEntry entry) {
+  return holding(
+      std::move(entry), [=](auto& state) -> auto& { return state.lighting.*member; });
+}
 // One end of the line of sight.
 OptionEntry in(std::array<double, 3> View::LookAt::*member, OptionEntry entry) {
   entry.part = OptionPart::kCamera;
@@ -178,7 +207,8 @@ bool hasNoFile(const ViewState& state) {
   return hasNoPoints(state) && state.look.transfer_file.empty();
 }
 bool hasRamp(const ViewState& state) {
-  return hasNoFile(state) && !state.look.labels;
+  return hasNoFile(state) && !state.look.labels && state.look.label_table.empty() &&
+         state.look.label_looks.empty();
 }
 bool isIntegrated(const ViewState& state) {
   return state.quality != PictureOptions::Quality::kPlain;
@@ -261,6 +291,25 @@ std::vector<OptionEntry> makeTable() {
                                 "FILE",
                                 "Transfer function: our JSON or ParaView's colour map"}),
       in(&Look::labels, {"labels", "--labels", 2, {Form::kFlag}, "", "", hasLabels, hasNoFile}),
+      in(&Look::label_table, {"label_table",
+                              "--labels-table",
+                              2,
+                              {Form::kFile},
+                              "FILE",
+                              "Names, colours and opacities of labels, as ITK-SNAP or 3D Slicer "
+                              "writes them; other labels do not show",
+                              nullptr,
+                              hasNoFile}),
+      in(&Look::label_looks,
+         {"label_looks",
+          "--label",
+          2,
+          {Form::kLabels},
+          "N=COLOR[:A]",
+          "Colour and opacity per voxel length of label N, of labels N-M or of all; may be given "
+          "again",
+          nullptr,
+          hasNoFile}),
       in(&Look::map, {"map", "--map", 5, {Form::kText}}),
       in(&Look::range,
          {"range",
@@ -277,6 +326,14 @@ std::vector<OptionEntry> makeTable() {
           "C:COLOR[,LO:HI[,A]]",
           "Several channels: the colour or map of channel C, the values over which its opacity "
           "rises from 0 to A; may be given for each channel (what the file says, else automatic)"}),
+      in(&Look::surfaces,
+         {"surfaces",
+          "--iso",
+          8,
+          {Form::kSurfaces},
+          "T[:A[:COLOR]],...",
+          "Draws surfaces at these values, of opacity A (1) and a colour (the map's), lit; with "
+          "--threshold, --transfer, --opacities or --opacity together with the volume"}),
       in(&Look::full_gradient,
          {"full_gradient",
           "--full-gradient",
@@ -295,6 +352,34 @@ std::vector<OptionEntry> makeTable() {
           "How rays are sampled: plain takes single values; the others take all values between "
           "samples, at the chosen step (normal), twice (fast) or half of it (high)",
           isIntegrated}),
+      in(&PictureOptions::Lighting::key,
+         {"key_light",
+          "--light",
+          47,
+          {Form::kAngles, {-36000, 36000}, "degrees"},
+          "AZIMUTH,ELEVATION",
+          "Where the key light of lit pictures comes from: degrees to the viewer's right and "
+          "upwards (-22,29)"}),
+      in(&PictureOptions::Lighting::ambient,
+         {"ambient",
+          "--ambient",
+          48,
+          {Form::kNumber, kShare},
+          "SHARE",
+          "Share of the colour that lit samples show in any light (0.3)"}),
+      in(&PictureOptions::Lighting::diffuse,
+         {"diffuse",
+          "--diffuse",
+          49,
+          {Form::kNumber, kShare},
+          "SHARE",
+          "Share of the colour that a surface shows facing a light (0.65)"}),
+      in(&PictureOptions::Lighting::specular, {"specular",
+                                               "--specular",
+                                               50,
+                                               {Form::kNumber, kShare},
+                                               "SHARE",
+                                               "Brightness of highlights (0.2)"}),
       in(&ViewState::crop, {"crop",
                             "--crop",
                             42,
@@ -324,6 +409,7 @@ std::vector<OptionEntry> makeTable() {
 size_t numbersOf(OptionForm form) {
   switch (form) {
     case Form::kRange:
+    case Form::kAngles:
     case Form::kPoints:
       return 2;
     case Form::kPlace:

@@ -33,6 +33,7 @@ enum class OptionForm {
   kText,       // (std::string)
   kFile,       // the name of a file (std::string)
   kRange,      // two different numbers (OptionReals)
+  kAngles,     // two numbers within the limits, in degrees (OptionReals)
   kPlace,      // three numbers within the limits: a world position (OptionReals)
   kDirection,  // as kPlace, not all 0 (OptionReals)
   kColor,      // three numbers from 0 to 1 (OptionReals)
@@ -40,6 +41,8 @@ enum class OptionForm {
   kBox,        // the lower and the upper corner of a box of voxels (OptionWholes)
   kPoints,     // pairs of a value, ascending, and an opacity (a list of OptionReals)
   kPlanes,     // normal and offset each (a list of OptionReals)
+  kSurfaces,   // surfaces, as parseSurfaceLook() takes each (a list of std::string)
+  kLabels,     // looks of labels, as parseLabelLook() takes each (a list of std::string)
   kChannels,   // looks of channels, as parseChannelLook() takes them (a list of std::string)
 };
 

@@ -63,7 +63,7 @@ void addWords(std::vector<OptionWord>& words, const OptionEntry& entry, const Op
   } else if (entry.kind.form == OptionForm::kPlanes) {
     for (const OptionReals& plane : std::get<std::vector<OptionReals>>(value))
       words.emplace_back(entry.option, listed(plane));
-  } else if (entry.kind.form == OptionForm::kChannels) {
+  } else if (entry.kind.form == OptionForm::kChannels || entry.kind.form == OptionForm::kLabels) {
     for (const std::string& look : std::get<std::vector<std::string>>(value))
       words.emplace_back(entry.option, look);
   } else {

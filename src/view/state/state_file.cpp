@@ -8,7 +8,9 @@
 #include "src/base/files/atomic_file.h"
 #include "src/base/files/json_field.h"
 #include "src/base/files/text_file.h"
-#include "src/base/values/channel_look.h"
+#include "src/base/looks/channel_look.h"
+#include "src/base/looks/label_look.h"
+#include "src/base/looks/surface_look.h"
 #include "src/view/state/file_name_json.h"
 #include "src/view/state/option_table.h"
 #include "src/view/state/view_check.h"
@@ -130,6 +132,18 @@ ViewedVolume volumeOf(const JsonField& field) {
   return volume;
 }
 
+// A list of texts, each `expected`.
+std::vector<std::string> textsOf(const JsonField& field, const std::string& expected,
+                                 bool (*is_right)(const std::string&)) {
+  if (!field.isArray()) field.failExpected("a list, each " + expected);
+  std::vector<std::string> texts;
+  for (size_t i = 0; i < field.size(); ++i) {
+    if (!is_right(field[i].text())) field[i].failExpected(expected);
+    texts.push_back(field[i].text());
+  }
+  return texts;
+}
+
 OptionValue valueOf(const OptionEntry& entry, const JsonField& field) {
   const OptionForm form = entry.kind.form;
   const size_t count = numbersOf(form);
@@ -153,19 +167,19 @@ OptionValue valueOf(const OptionEntry& entry, const JsonField& field) {
       for (size_t i = 0; i < field.size(); ++i) field[i].share();  // before they become floats
       [[fallthrough]];
     case OptionForm::kRange:
+    case OptionForm::kAngles:
     case OptionForm::kPlace:
     case OptionForm::kDirection:
       return listOf<double>(field, count);
-    case OptionForm::kChannels: {
-      if (!field.isArray()) field.failExpected("a list of looks of channels");
-      std::vector<std::string> looks;
-      for (size_t i = 0; i < field.size(); ++i) {
-        if (!parseChannelLook(field[i].text()))
-          field[i].failExpected("a look of a channel, such as 0:green,400:3000,0.1");
-        looks.push_back(field[i].text());
-      }
-      return looks;
-    }
+    case OptionForm::kChannels:
+      return textsOf(field, "a look of a channel, such as 0:green,400:3000,0.1",
+                     [](const std::string& text) { return parseChannelLook(text).has_value(); });
+    case OptionForm::kLabels:
+      return textsOf(field, "a look of labels, such as 3=ff8800:0.4",
+                     [](const std::string& text) { return parseLabelLook(text).has_value(); });
+    case OptionForm::kSurfaces:
+      return textsOf(field, "a surface, such as 300:0.4:ff8800",
+                     [](const std::string& text) { return parseSurfaceLook(text).has_value(); });
     case OptionForm::kPoints:
     case OptionForm::kPlanes:
       break;

@@ -9,7 +9,9 @@
 #include <type_traits>
 
 #include "src/base/error.h"
-#include "src/base/values/channel_look.h"
+#include "src/base/looks/channel_look.h"
+#include "src/base/looks/label_look.h"
+#include "src/base/looks/surface_look.h"
 #include "src/base/values/vec.h"
 
 namespace sluice {
@@ -72,7 +74,8 @@ class Check {
     if (entry_.kind.form == OptionForm::kRange)
       return require(std::isfinite(n[0]) && std::isfinite(n[1]) && n[0] != n[1], field_,
                      "two different finite numbers", n);
-    if (entry_.kind.form == OptionForm::kColor) return eachWithin(n);
+    if (entry_.kind.form == OptionForm::kColor || entry_.kind.form == OptionForm::kAngles)
+      return eachWithin(n);
     triple(field_, n);
   }
   void operator()(const OptionWholes& n) const {
@@ -83,6 +86,8 @@ class Check {
               fmt::format("[{}, {}, {}] to [{}, {}, {}]", n[0], n[1], n[2], n[3], n[4], n[5]));
   }
   void operator()(const std::vector<std::string>& looks) const {
+    if (entry_.kind.form == OptionForm::kSurfaces) return surfaces(looks);
+    if (entry_.kind.form == OptionForm::kLabels) return labels(looks);
     require(looks.size() <= kMostChannels, field_,
             fmt::format("looks of at most {} channels", kMostChannels), looks.size());
     for (const std::string& look : looks)
@@ -110,6 +115,18 @@ class Check {
   void require(bool is_right, const std::string& field, const std::string& expected,
                const auto& found) const {
     findings_.require(is_right, field, expected, found);
+  }
+  void surfaces(const std::vector<std::string>& looks) const {
+    require(looks.size() <= kMostSurfaces, field_,
+            fmt::format("at most {} surfaces", kMostSurfaces), looks.size());
+    for (const std::string& look : looks)
+      require(parseSurfaceLook(look).has_value(), field_,
+              "a value with an opacity and a colour, such as 300:0.4:ff8800", look);
+  }
+  void labels(const std::vector<std::string>& looks) const {
+    for (const std::string& look : looks)
+      require(parseLabelLook(look).has_value(), field_,
+              "a label with a colour and an opacity, such as 3=ff8800:0.4", look);
   }
   void within(const std::string& field, const NumberRange<double>& range, const auto& n,
               std::string_view noun = "a number") const {

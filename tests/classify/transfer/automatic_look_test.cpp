@@ -277,7 +277,8 @@ TEST(AutomaticLook, twoMediaThatMixAreNoLabels) {
 TEST(AutomaticLook, labelsWithoutZeroLeaveOutTheMostFrequent) {
   EXPECT_EQ(backgroundLabel({{{1, 1, 10}, {2, 2, 500}, {3, 3, 20}}}), 2);
   EXPECT_EQ(backgroundLabel({{{-1, -1, 10}, {0, 0, 1}, {3, 3, 20}}}), 0);
-  const TransferFunction transfer = labelsTransferOf({{{1, 1, 10}, {2, 2, 500}, {3, 3, 20}}});
+  const TransferFunction transfer =
+      labelsTransfer(labelStylesOf({{{1, 1, 10}, {2, 2, 500}, {3, 3, 20}}}));
   EXPECT_EQ(opacityAt(transfer, 1), 1);
   EXPECT_EQ(opacityAt(transfer, 2), 0);
   EXPECT_EQ(opacityAt(transfer, 3), 1);

@@ -11,6 +11,7 @@
 
 #include "src/base/error.h"
 #include "src/classify/transfer/color_maps.h"
+#include "src/classify/transfer/label_table.h"
 #include "src/classify/transfer/transfer_makers.h"
 #include "tests/support/temp_folder.h"
 
@@ -131,7 +132,7 @@ TEST(TransferFile, whatIsWrittenIsReadBackBitForBit) {
 }
 
 TEST(TransferFile, labelsAreWrittenAndReadBack) {
-  const TransferFunction labels = labelsTransfer({0, 3, 90}, 0);
+  const TransferFunction labels = labelsTransfer(labelStyles({0, 3, 90}, 0));
   const TransferFunction again = parsed(writeTransferFunction(labels));
   EXPECT_TRUE(same(again, labels));
   EXPECT_TRUE(again.labels);

@@ -1,26 +1,19 @@
-#include "src/base/values/channel_look.h"
+#include "src/base/looks/channel_look.h"
 
 #include <fmt/format.h>
 
-#include <charconv>
-#include <cmath>
+#include <algorithm>
+
+#include "src/base/files/number_text.h"
 
 namespace sluice {
 namespace {
-
-std::optional<double> number(std::string_view text) {
-  double value = 0;
-  const char* end = text.data() + text.size();
-  const auto [read, status] = std::from_chars(text.data(), end, value);
-  if (status != std::errc() || read != end || !std::isfinite(value)) return std::nullopt;
-  return value;
-}
 
 // "400:3000".
 std::optional<ValueRange> rangeOf(std::string_view text) {
   const size_t colon = text.find(':');
   if (colon == std::string_view::npos) return std::nullopt;
-  const auto lo = number(text.substr(0, colon)), hi = number(text.substr(colon + 1));
+  const auto lo = numberOf(text.substr(0, colon)), hi = numberOf(text.substr(colon + 1));
   if (!lo || !hi || *lo == *hi) return std::nullopt;
   return ValueRange{*lo, *hi};
 }
@@ -42,7 +35,7 @@ std::optional<ChannelLook> parseChannelLook(std::string_view text) {
       look.range = rangeOf(part);
       if (!look.range) return std::nullopt;
     } else {
-      look.opacity = number(part);
+      look.opacity = numberOf(part);
       if (!look.opacity || *look.opacity < 0 || *look.opacity > 1) return std::nullopt;
     }
     at = end;

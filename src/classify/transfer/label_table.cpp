@@ -1,0 +1,189 @@
+#include "src/classify/transfer/label_table.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
+
+#include "src/base/error.h"
+#include "src/base/files/json_field.h"
+#include "src/base/files/number_text.h"
+#include "src/base/files/text_file.h"
+#include "src/classify/transfer/color_maps.h"
+
+namespace sluice {
+namespace {
+
+constexpr uint64_t kMostTableBytes = uint64_t{16} << 20;
+constexpr const char* kExpectedLine =
+    "NUMBER R G B A VISIBLE MESH \"NAME\" as ITK-SNAP writes it, or NUMBER NAME R G B A as 3D "
+    "Slicer "
+    "does";
+
+std::string_view trimmed(std::string_view text) {
+  constexpr std::string_view kBlank = " \t\r";
+  const size_t first = text.find_first_not_of(kBlank);
+  if (first == text.npos) return {};
+  return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
+}
+
+// The next word of the line, which is taken off.
+std::string_view nextWord(std::string_view& rest) {
+  rest = trimmed(rest);
+  const std::string_view word = rest.substr(0, rest.find_first_of(" \t"));
+  rest.remove_prefix(word.size());
+  return word;
+}
+
+// The next number, from 0 to `most`; nullopt: there is none.
+std::optional<double> nextNumber(std::string_view& rest, double most) {
+  const std::optional<double> number = numberOf(nextWord(rest));
+  return number && *number >= 0 && *number <= most ? number : std::nullopt;
+}
+
+// Red, green and blue of 255.
+bool readColor(std::string_view& rest, Vec3d& rgb) {
+  for (int c = 0; c < 3; ++c) {
+    const std::optional<double> part = nextNumber(rest, 255);
+    if (!part) return false;
+    rgb[c] = *part / 255;
+  }
+  return true;
+}
+
+std::string_view unquoted(std::string_view text) {
+  text = trimmed(text);
+  const bool is_quoted = text.size() >= 2 && text.front() == '"' && text.back() == '"';
+  return is_quoted ? text.substr(1, text.size() - 2) : text;
+}
+
+// What follows the number in a line of ITK-SNAP's.
+bool readSnap(std::string_view rest, LabelStyle& style) {
+  if (!readColor(rest, style.rgb)) return false;
+  const auto opacity = nextNumber(rest, 1), is_visible = nextNumber(rest, 1);
+  if (!opacity || !is_visible || !nextNumber(rest, 1)) return false;
+  style.opacity = *is_visible > 0 ? *opacity : 0;
+  style.name = unquoted(rest);
+  return true;
+}
+// The same of 3D Slicer's. Names have no blanks there but those written as underscores.
+bool readSlicer(std::string_view rest, LabelStyle& style) {
+  style.name = nextWord(rest);
+  std::ranges::replace(style.name, '_', ' ');
+  if (style.name.empty() || !readColor(rest, style.rgb)) return false;
+  const auto opacity = nextNumber(rest, 255);
+  if (!opacity || !trimmed(rest).empty()) return false;
+  style.opacity = *opacity / 255;
+  return true;
+}
+
+std::optional<LabelStyle> readLine(std::string_view line) {
+  LabelStyle style;
+  const auto number = numberOf(nextWord(line));
+  if (!number) return std::nullopt;
+  style.label = *number;
+  std::string_view ahead = line;
+  const bool is_snap = numberOf(nextWord(ahead)).has_value();
+  return (is_snap ? readSnap(line, style) : readSlicer(line, style)) ? std::optional(style)
+                                                                     : std::nullopt;
+}
+
+}  // namespace
+
+std::vector<LabelStyle> readLabelTable(const std::filesystem::path& path, const StopToken& stop) {
+  return parseLabelTable(readTextFile(path, kMostTableBytes, "a table of labels", stop),
+                         path.string());
+}
+
+std::vector<LabelStyle> parseLabelTable(std::string_view text, const std::string& where) {
+  std::vector<LabelStyle> table;
+  int number = 0;
+  for (size_t from = 0; from < text.size();) {
+    const size_t end = std::min(text.find('\n', from), text.size());
+    const std::string_view line = trimmed(text.substr(from, end - from));
+    from = end + 1;
+    ++number;
+    if (line.empty() || line.front() == '#') continue;
+    const std::optional<LabelStyle> style = readLine(line);
+    if (!style)
+      fail("{}: line {}: expected {}, found {}", where, number, kExpectedLine, printable(line));
+    table.push_back(*style);
+    if (table.size() > kMostLabels)
+      fail("{}: line {}: more than {} labels", where, number, kMostLabels);
+  }
+  if (table.empty()) fail("{}: expected {} in a line, found none", where, kExpectedLine);
+  if (std::ranges::all_of(table, [](const LabelStyle& style) { return style.opacity == 0; }))
+    for (LabelStyle& style : table) style.opacity = style.label == 0 ? 0 : 1;
+  std::ranges::stable_sort(table, {}, &LabelStyle::label);
+  for (size_t i = 1; i < table.size(); ++i)
+    if (table[i].label == table[i - 1].label)
+      fail("{}: label {} is there twice; remove one of its lines", where, table[i].label);
+  return table;
+}
+
+std::vector<LabelStyle> labelStyles(const std::vector<double>& values, double background,
+                                    std::string_view map) {
+  SLUICE_CHECK(!values.empty());
+  TransferFunction over_values;
+  if (!map.empty())
+    over_values.colors = rescale(requireColorMap(map, "--map"), values.front(), values.back());
+  std::vector<LabelStyle> styles;
+  styles.reserve(values.size());
+  for (const double value : values)
+    styles.push_back({value, map.empty() ? labelColor(value) : colorAt(over_values, value),
+                      value == background ? 0.0 : 1.0, std::string(), value == background});
+  return styles;
+}
+
+void applyTable(std::vector<LabelStyle>& styles, const std::vector<LabelStyle>& table) {
+  for (LabelStyle& style : styles) {
+    const auto found = std::ranges::lower_bound(table, style.label, {}, &LabelStyle::label);
+    const bool is_background = style.is_background;
+    if (found != table.end() && found->label == style.label)
+      style = *found;
+    else
+      style.opacity = 0;
+    style.is_background = is_background;
+  }
+}
+
+void applyLooks(std::vector<LabelStyle>& styles, const std::vector<LabelLook>& looks) {
+  for (const LabelLook& look : looks) {
+    std::optional<Vec3d> rgb;
+    if (!look.color.empty()) {
+      rgb = solidColor(look.color);
+      if (!rgb)
+        fail("--label {}: there is no colour {}; give RRGGBB or one of {}", labelLookText(look),
+             look.color, fmt::join(solidColorNames(), ", "));
+    }
+    for (LabelStyle& style : styles) {
+      if (style.label < look.first || style.label > look.last) continue;
+      if (style.is_background && std::isinf(look.first) && std::isinf(look.last)) continue;
+      if (rgb) style.rgb = *rgb;
+      if (look.opacity) style.opacity = *look.opacity;
+    }
+  }
+}
+
+TransferFunction labelsTransfer(const std::vector<LabelStyle>& styles) {
+  SLUICE_CHECK(!styles.empty());
+  TransferFunction transfer;
+  transfer.labels = true;
+  transfer.name = fmt::format("{} labels", styles.size() - 1);
+  for (size_t i = 0; i < styles.size(); ++i) {
+    const double value = styles[i].label;
+    // Half way to its neighbours, so that rounding moves no label into the next one's colour.
+    const double lo = i == 0 ? value : std::midpoint(styles[i - 1].label, value);
+    const double hi = i + 1 == styles.size() ? value : std::midpoint(value, styles[i + 1].label);
+    for (const double end : {lo, hi}) {
+      transfer.colors.push_back({end, styles[i].rgb});
+      transfer.opacities.push_back({end, styles[i].opacity});
+    }
+  }
+  return transfer;
+}
+
+}  // namespace sluice

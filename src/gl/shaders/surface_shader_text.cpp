@@ -1,0 +1,105 @@
+#include "src/gl/shaders/shader_text.h"
+
+namespace sluice {
+
+const char* const kSurfaceText = R"(
+#if SURFACES > 0
+uniform float surface_levels[SURFACES];  // texel values, ascending
+uniform vec4 surface_colors[SURFACES];   // premultiplied
+// How close to a level rounding may move a value, and the same for the hardware's interpolation.
+uniform vec2 surface_ties;
+
+float placeValue(vec3 at) { return textureLod(chunk, at, 0.0).r; }
+
+// Whether an exact look at the values of both ends may find a level between them.
+bool mayMeet(float front, float back) {
+  bool may = false;
+  float lo = min(front, back) - surface_ties.y, hi = max(front, back) + surface_ties.y;
+  for (int i = 0; i < SURFACES; ++i)
+    may = may || (surface_levels[i] >= lo && surface_levels[i] <= hi);
+#if FLOATS
+  may = may && !IS_NO_NUMBER(vec3(min(front, back))).x;
+#endif
+  return may;
+}
+
+// The value at a place. The hardware's interpolation has a few bits a voxel, so the eight texels
+// are read one by one.
+float exactAt(vec3 at) {
+  ivec3 last = textureSize(chunk, 0) - 1;
+  vec3 texel = clamp(at / texel_size - 0.5, vec3(0.0), vec3(last));
+  vec3 low = floor(texel);
+  vec3 t = texel - low;
+  ivec3 a = ivec3(low), b = min(a + 1, last);
+  vec4 lower = vec4(texelFetch(chunk, a, 0).r, texelFetch(chunk, ivec3(b.x, a.yz), 0).r,
+                   texelFetch(chunk, ivec3(a.x, b.y, a.z), 0).r,
+                   texelFetch(chunk, ivec3(b.xy, a.z), 0).r);
+  vec4 upper = vec4(texelFetch(chunk, ivec3(a.xy, b.z), 0).r,
+                  texelFetch(chunk, ivec3(b.x, a.y, b.z), 0).r,
+                  texelFetch(chunk, ivec3(a.x, b.yz), 0).r, texelFetch(chunk, b, 0).r);
+  vec4 plane = lower * (1.0 - t.z) + upper * t.z;
+  vec2 row = plane.xy * (1.0 - t.y) + plane.zw * t.y;
+  return row.x * (1.0 - t.x) + row.y * t.x;
+}
+
+// See FrameSetup::has_surfaces.
+bool meetsLevel(float front, float back, float level, bool is_first, bool is_last) {
+  bool passes = (front >= level) != (back >= level);
+  float off = abs(front - level);
+  if (is_first && off < 0.5 * surface_ties.x) passes = false;
+  if (is_last && abs(back - level) < surface_ties.x && off >= surface_ties.x) passes = true;
+#if FLOATS
+  if (IS_NO_NUMBER(vec3(min(front, back))).x) passes = false;
+#endif
+  return passes;
+}
+
+// The part of the way from place h on, in slices, at which the values pass the level: halved six
+// times, and once more where a straight line between the two last values passes it.
+float crossing(vec3 first, vec3 along, float h, float level, float lo, float value_lo,
+               float value_hi, bool up) {
+  float hi = 1.0;
+  for (int i = 0; i < 6; ++i) {
+    float middle = 0.5 * (lo + hi);
+    float value = exactAt(first + (h + middle) * along);
+    bool is_before = (value < level) == up;
+    lo = is_before ? middle : lo;
+    value_lo = is_before ? value : value_lo;
+    hi = is_before ? hi : middle;
+    value_hi = is_before ? value_hi : value;
+  }
+  float way = value_hi - value_lo;
+  float part = abs(way) < 1e-30 ? 0.0 : clamp((level - value_lo) / way, 0.0, 1.0);
+  return lo + part * (hi - lo);
+}
+
+// The colour of a surface at a place: its normal is the difference between the corners of a cube.
+vec4 surfaceColor(vec3 at, float level, vec4 color) {
+#if LIT
+  vec3 difference = vec3(0.0);
+  for (int i = 0; i < 8; ++i) {
+    vec3 side = vec3((i & 1) != 0 ? 1.0 : -1.0, (i & 2) != 0 ? 1.0 : -1.0,
+                     (i & 4) != 0 ? 1.0 : -1.0);
+    float value = exactAt(at + 0.5 * side * texel_size);
+#if FLOATS
+    if (IS_NO_NUMBER(vec3(value)).x) value = level;
+#endif
+    difference += side * (0.25 * (value - level));
+  }
+  float unit = max(max(abs(difference.x), max(abs(difference.y), abs(difference.z))), 1e-37);
+  difference /= unit;
+  return shade(color, difference, squareOf(difference), 0.0);
+#else
+  return color;
+#endif
+}
+
+// What a part of a slice's way shows of its colour.
+vec4 partOf(vec4 color, float part) {
+  float opacity = color.a < 1.0 ? 1.0 - exp2(part * log2(1.0 - color.a)) : part > 0.0 ? 1.0 : 0.0;
+  return color * (opacity / max(color.a, 1e-20));
+}
+#endif
+)";
+
+}  // namespace sluice

@@ -1,0 +1,147 @@
+// Surfaces and looks of labels from the command line: pictures that hold for any blocks, blocks
+// that are left out, and what is refused.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+
+#include "tests/tools/program.h"
+
+namespace sluice {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+class Looks : public testing::Test {
+ protected:
+  nlohmann::json report(const std::string& arguments) const {
+    const CommandResult result =
+        program_.run("render --force --size 96x80 -o a.png --report r.json " + arguments);
+    EXPECT_EQ(result.status, 0) << result.output;
+    std::ifstream in(program_.folder / "r.json");
+    return nlohmann::json::parse(in, nullptr, false);
+  }
+  std::string refusal(const std::string& arguments, int status = 1) const {
+    const CommandResult result = program_.run("render --force --size 64 -o a.png " + arguments);
+    EXPECT_EQ(result.status, status) << result.output;
+    EXPECT_TRUE(isOneLine(result.output) || status == 2) << result.output;
+    return result.output;
+  }
+  void write(const std::string& name, const std::string& text) const {
+    std::ofstream(program_.folder / name, std::ios::binary) << text;
+  }
+  std::string bytesOf(const std::string& name) const {
+    std::ifstream in(program_.folder / name, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+  // Three slabs of labels 1, 2 and 3 along x, next to nothing.
+  void writeLabels() const {
+    std::string voxels;
+    for (int i = 0; i < 64 * 20 * 20; ++i) voxels += static_cast<char>(std::min(i % 64 / 16, 3));
+    write("labels.raw", voxels);
+  }
+  static constexpr const char* kLabels = "labels.raw --dims 64,20,20 --type u8 --block 8 ";
+
+  const Program program_;
+};
+
+TEST_F(Looks, surfacesAreThoseOfAPictureWithoutAccelerations) {
+  for (const char* device : {"cpu", "gl"})
+    for (const char* more : {"", "--threshold 40 --opacity 0.02 ", "--projection perspective "}) {
+      const nlohmann::json found = report(fmt::format(
+          "{} --iso 100,180:0.4:ff8800 --block 16 --verify --device {} {}", kSmall, device, more));
+      EXPECT_LE(found["verify"]["max_difference"].get<double>(), 1) << device << more;
+      EXPECT_THAT(found["options"].dump() + found["look"].dump(), HasSubstr("100,180:0.4:ff8800"));
+    }
+}
+
+TEST_F(Looks, blocksWithoutASurfaceAreNotRead) {
+  const auto blocks = [&](const std::string& look) {
+    return program_.json(fmt::format("plan {} --block 8 {}", kSmall, look))["read"]["blocks"]
+        .get<int64_t>();
+  };
+  EXPECT_LT(blocks("--iso 250"), blocks("--threshold 1") * 0.8);
+  EXPECT_GT(blocks("--iso 100"), 0);
+}
+
+TEST_F(Looks, surfacesAreRefusedWhereThereCanBeNone) {
+  const std::string small = kSmall;
+  EXPECT_THAT(refusal(small + " --iso 100 --mode mip"), HasSubstr("--iso needs --mode composite"));
+  EXPECT_THAT(refusal(small + " --iso 100 --level 1"), HasSubstr("--iso draws the finest level"));
+  EXPECT_THAT(
+      refusal(small + " --iso 100:1:nocolour"),
+      HasSubstr("--iso 100:1:nocolour: there is no colour nocolour; give RRGGBB or one of"));
+  EXPECT_THAT(refusal(small + " --iso 100:2", 2), HasSubstr("--iso: expected up to 8 values T"));
+  EXPECT_THAT(refusal(small + " --iso 1,2,3,4,5,6,7,8,9", 2), HasSubstr("expected up to 8 values"));
+  EXPECT_THAT(refusal(small + " --iso 100 --labels", 2), HasSubstr("excludes"));
+  const CommandResult none =
+      program_.run("render --force -o a.png --size 64 " + small + " --iso 999");
+  EXPECT_EQ(none.status, 0);
+  EXPECT_THAT(none.output, HasSubstr("--iso 999: no surface, the values are"));
+}
+
+TEST_F(Looks, labelsHaveTheLooksOfATableAndOfOptions) {
+  writeLabels();
+  write("snap.txt", "# labels\n1 255 0 0 1 1 1 \"one\"\n2 0 255 0 0.3 1 1 \"two\"\n");
+  write("slicer.ctbl", "1 one 255 0 0 255\n2 two 0 255 0 76.5\n");
+  const std::string labels = kLabels;
+  const auto picture = [&](const std::string& look) {
+    EXPECT_EQ(program_.run("render --force --size 160x128 -o a.png " + labels + look).status, 0);
+    return bytesOf("a.png");
+  };
+  const std::string table = picture("--labels-table snap.txt");
+  EXPECT_EQ(table, picture("--labels-table slicer.ctbl"));
+  EXPECT_EQ(table, picture("--label 1=ff0000 --label 2=00ff00:0.3 --label 3=:0"));
+  EXPECT_EQ(table, picture("--label all=:0 --label 1=ff0000:1 --label 2=00ff00:0.3"));
+  EXPECT_NE(table, picture("--labels-table snap.txt --label 2=:0.4"));
+  EXPECT_NE(picture("--labels-table snap.txt --annotate"),
+            picture("--label 1=ff0000 --label 2=00ff00:0.3 --label 3=:0 --annotate"));
+  for (const char* device : {"cpu", "gl"})
+    EXPECT_LE(report(labels + "--labels-table snap.txt --verify --device " +
+                     device)["verify"]["max_difference"]
+                  .get<double>(),
+              1);
+}
+
+TEST_F(Looks, blocksOfLabelsThatDoNotShowAreNotRead) {
+  writeLabels();
+  const auto blocks = [&](const std::string& look) {
+    return program_.json(std::string("plan ") + kLabels + look)["read"]["blocks"].get<int64_t>();
+  };
+  // A quarter of the volume, and the blocks that reach into it.
+  EXPECT_LE(blocks("--label all=:0 --label 1=:1"), blocks("--labels") / 2);
+}
+
+TEST_F(Looks, wrongTablesAndLabelsAreNamed) {
+  writeLabels();
+  write("wrong.txt", "1 one 255 0 0 255\n2 two 0 256 0 255\n");
+  const std::string labels = kLabels;
+  EXPECT_THAT(refusal(labels + "--labels-table wrong.txt"),
+              HasSubstr("wrong.txt: line 2: expected NUMBER R G B A VISIBLE"));
+  EXPECT_THAT(refusal(labels + "--labels-table none.txt"), HasSubstr("none.txt"));
+  EXPECT_THAT(refusal(labels + "--label 1=nocolour"), HasSubstr("there is no colour nocolour"));
+  EXPECT_THAT(refusal(labels + "--label 1", 2), HasSubstr("--label: expected a label N"));
+  EXPECT_THAT(refusal(labels + "--label 1=red --threshold 3", 2), HasSubstr("excludes"));
+}
+
+TEST_F(Looks, theLightComesFromWhereItIsAsked) {
+  const std::string common = std::string(kSmall) + " --force --size 64 --threshold 40 --shade -o ";
+  const auto picture = [&](const std::string& light) {
+    EXPECT_EQ(program_.run("render " + common + "a.png " + light).status, 0);
+    return bytesOf("a.png");
+  };
+  const std::string plain = picture("");
+  EXPECT_EQ(plain, picture("--ambient 0.3 --diffuse 0.65 --specular 0.2"));
+  EXPECT_NE(plain, picture("--light 60,10"));
+  EXPECT_EQ(picture("--light 60,10"), picture("--light 420,10"));
+  EXPECT_NE(plain, picture("--specular 0"));
+  EXPECT_THAT(refusal(std::string(kSmall) + " --ambient 2", 2), HasSubstr("--ambient"));
+}
+
+}  // namespace
+}  // namespace sluice
