@@ -33,7 +33,10 @@ constexpr std::array<Ellipsoid, 10> kHead = {{
 constexpr double kScale = 0.9;        // leaves room for the texture above bone
 constexpr float kTexture = 0.03F;     // amplitude
 constexpr float kAirDensity = 0.01F;  // below this is air: exactly 0, no texture
-constexpr double kSoftVoxels = 1;     // beyond this far from a surface a voxel is in or out
+// Half of the width of an edge in voxels, as a scanner blurs it. Narrower ones are stairs to the
+// central differences that light a surface: rings. Volumes of few voxels have narrow edges all the
+// same, so that the skull keeps its density.
+constexpr double kEdgeVoxels = 1.5, kLeastEdgeVoxels = 0.5, kVoxelsOfWholeEdge = 256;
 
 // A half-open run of voxels along x.
 struct Run {
@@ -44,6 +47,8 @@ class PhantomField : public SynthField {
  public:
   explicit PhantomField(const SynthOptions& options)
       : SynthField(options.dims), dims_(options.dims), texture_(options.seed) {
+    const auto side = static_cast<double>(std::min({dims_.x, dims_.y, dims_.z}));
+    edge_vox_ = std::clamp(kEdgeVoxels * side / kVoxelsOfWholeEdge, kLeastEdgeVoxels, kEdgeVoxels);
     for (size_t i = 0; i < kHead.size(); ++i) {
       cosine_[i] = cosineOfTurns(kHead[i].turns);
       sine_[i] = sineOfTurns(kHead[i].turns);
@@ -58,14 +63,14 @@ class PhantomField : public SynthField {
     };
     bool any = false;
     for (size_t i = 0; i < kHead.size(); ++i) {
-      const Run outer = clipped(runOf(i, y, z, kSoftVoxels));
+      const Run outer = clipped(runOf(i, y, z, edge_vox_ + 0.5));
       if (outer.lo == outer.hi) {
         if (i == 0) return false;  // all others lie inside the first
         continue;
       }
       if (!any) std::fill(row.begin(), row.end(), 0.0F);
       any = true;
-      Run inner = clipped(runOf(i, y, z, -kSoftVoxels));
+      Run inner = clipped(runOf(i, y, z, -edge_vox_ - 0.5));
       inner.lo = std::clamp(inner.lo, outer.lo, outer.hi);
       inner.hi = std::clamp(inner.hi, inner.lo, outer.hi);
       const auto density = static_cast<float>(kHead[i].density * kScale);
@@ -124,8 +129,8 @@ class PhantomField : public SynthField {
             firstVoxelAt(e.x + (-half_linear + root) / square)};
   }
 
-  // The share of a voxel that lies inside ellipsoid i, from its distance to the surface: edges a
-  // scanner would give, and no stairs in the picture.
+  // The share of ellipsoid i in a voxel, from its distance to the surface: half at it, all or none
+  // beyond the edge, and smooth in between.
   float coverage(size_t i, int64_t x, int64_t y, int64_t z) const {
     const Ellipsoid& e = kHead[i];
     const double dx = coordinate(0, x) - e.x, dy = coordinate(1, y) - e.y;
@@ -139,7 +144,8 @@ class PhantomField : public SynthField {
     const double steepness = std::sqrt(gx * gx + gy * gy + gz * gz);
     const double inside = 1 - (u * u + v * v + w * w);
     if (steepness <= 0) return inside > 0 ? 1 : 0;
-    return static_cast<float>(std::clamp(0.5 + inside / steepness, 0.0, 1.0));
+    const double share = std::clamp(0.5 + inside / steepness / (2 * edge_vox_), 0.0, 1.0);
+    return static_cast<float>(share * share * (3 - 2 * share));
   }
 
   // The first voxel whose centre is at or beyond x in -1..1.
@@ -149,7 +155,8 @@ class PhantomField : public SynthField {
 
   const Vec3i dims_;
   const TextureTile texture_;
-  std::array<double, kHead.size()> cosine_{}, sine_{};  // constant after construction
+  double edge_vox_ = kEdgeVoxels;  // constant after construction, as what follows
+  std::array<double, kHead.size()> cosine_{}, sine_{};
 };
 
 }  // namespace

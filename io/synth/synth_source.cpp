@@ -41,7 +41,7 @@ constexpr std::array<SynthKind, kKinds.size()> kKindList = [] {
 }();
 
 // Raised when a kind's voxels change, so that data computed from older ones is rejected.
-constexpr int kRevision = 2;
+constexpr int kRevision = 3;
 
 const KindEntry& entryOf(SynthKind kind) {
   return kKinds[static_cast<size_t>(kind)];

@@ -223,7 +223,7 @@ TEST_F(LevelsCommand, aPictureAloneMayTakeMoreOfTheMemoryThanOneOfARow) {
   const std::string picture =
       "synth:phantom,dims=224x224x224,levels=3 --block 32 --page 16x16x16 --pages 64 --threshold "
       "60 "
-      "--pixel-error 0.1 --size 64 --memory 16M --force ";
+      "--pixel-error 0.1 --size 64 --memory 18M --force ";
   EXPECT_EQ(program_.json("render " + picture + "-o one.png")["cut"]["final"], true);
   EXPECT_EQ(program_.json("render " + picture + "-o row_##.png --frames 2")["cut"]["final"], false);
 }
