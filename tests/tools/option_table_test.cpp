@@ -52,6 +52,13 @@ class Values {
       }
       case OptionForm::kChannels:
         return std::vector<std::string>{"0:green,400:3000", "DAPI:0000ff,-1:2.5,0.125"};
+      case OptionForm::kAngles:
+        return OptionReals{number(kind.limits.least, kind.limits.most),
+                           number(kind.limits.least, kind.limits.most)};
+      case OptionForm::kSurfaces:
+        return std::vector<std::string>{"300:0.4:green", "-1.5"};
+      case OptionForm::kLabels:
+        return std::vector<std::string>{"3=ff8800:0.4", "7-9=:0"};
       case OptionForm::kPlanes:
         break;
     }
@@ -82,6 +89,8 @@ ViewState viewWith(const OptionEntry& entry, Values& values) {
   state.view.projection = ViewOptions::Projection::kPerspective;
   if (std::string_view(entry.key) == "eye" || std::string_view(entry.key) == "target")
     state.view.look_at = ViewOptions::LookAt{{1, 2, 3}, {-4, 5, 6}};
+  // A command line with looks of labels means labels.
+  state.look.labels = std::string_view(entry.key).starts_with("label_");
   entry.set(state, values.of(entry.kind));
   return state;
 }

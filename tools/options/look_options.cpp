@@ -9,8 +9,9 @@ namespace sluice {
 void addLookOptions(CLI::App& app, const AskedView& asked, LookArguments& look,
                     FrameOptions& frame) {
   look.stop = interruption();
-  const OptionGroup group(app, "Look"), light(app, "Light");
-  const TableOptions table(app, "Look", asked);
+  constexpr const char* kParts = "Channels, labels, surfaces";
+  const OptionGroup group(app, "Look"), parts(app, kParts), light(app, "Light");
+  const TableOptions table(app, "Look", asked), parts_table(app, kParts, asked);
   CLI::Option* threshold = table.add(
       "-t,--threshold", [&look](const ViewState& state) { look.threshold = state.look.threshold; });
   CLI::Option* transfer = table.add("--transfer", [&look](const ViewState& state) {
@@ -21,7 +22,7 @@ void addLookOptions(CLI::App& app, const AskedView& asked, LookArguments& look,
     for (const LookOptions::Opacity& point : state.look.opacities)
       look.opacities.push_back({point.value, point.opacity});
   });
-  CLI::Option* labels = group.flag("--labels", look.labels,
+  CLI::Option* labels = parts.flag("--labels", look.labels,
                                    "Treats values as integer labels of a segmentation: each is "
                                    "opaque in its own colour, 0 is empty");
   const auto takeLabels = [&look](const ViewState& state) {
@@ -33,8 +34,8 @@ void addLookOptions(CLI::App& app, const AskedView& asked, LookArguments& look,
     look.label_table = std::move(taken.label_table);
     look.label_looks = std::move(taken.label_looks);
   };
-  CLI::Option* label_table = table.add("--labels-table", takeLabels);
-  CLI::Option* label_looks = table.add("--label", takeLabels)->trigger_on_parse();
+  CLI::Option* label_table = parts_table.add("--labels-table", takeLabels);
+  CLI::Option* label_looks = parts_table.add("--label", takeLabels)->trigger_on_parse();
   Words<std::string> maps;
   for (const std::string_view name : colorMapNames()) maps.emplace_back(name, name);
   for (const std::string_view name : solidColorNames()) maps.emplace_back(name, name);
@@ -50,7 +51,7 @@ void addLookOptions(CLI::App& app, const AskedView& asked, LookArguments& look,
   table.add("--range", [&look](const ViewState& state) {
     look.range = {(*state.look.range)[0], (*state.look.range)[1]};
   });
-  table
+  parts_table
       .add("--look",
            [&look](const ViewState& state) {
              LookOptions channels;
@@ -58,7 +59,7 @@ void addLookOptions(CLI::App& app, const AskedView& asked, LookArguments& look,
              look.channels = lookArguments(channels, true).channels;
            })
       ->trigger_on_parse();
-  CLI::Option* surfaces = table.add("--iso", [&look](const ViewState& state) {
+  CLI::Option* surfaces = parts_table.add("--iso", [&look](const ViewState& state) {
     LookOptions of_surfaces;
     of_surfaces.surfaces = state.look.surfaces;
     look.surfaces = lookArguments(of_surfaces, true).surfaces;

@@ -84,8 +84,9 @@ std::optional<OptionValue> readWord(const OptionEntry& entry, const std::string&
   if (!numbers) return std::nullopt;
   if (entry.kind.form == OptionForm::kBox) return wholesOf(*numbers);
   if (entry.kind.form == OptionForm::kPlanes) return std::vector<OptionReals>{*numbers};
-  if (entry.kind.form == OptionForm::kRange && word.find('x') != std::string::npos)
-    return std::nullopt;  // "0x10" is no range
+  const bool is_pair =
+      entry.kind.form == OptionForm::kRange || entry.kind.form == OptionForm::kAngles;
+  if (is_pair && word.find('x') != std::string::npos) return std::nullopt;  // "0x10" is none
   return *numbers;
 }
 
