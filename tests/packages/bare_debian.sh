@@ -91,6 +91,8 @@ step "removed"
 inside apt-get purge -y -q sluice sluice-window sluice-mpi python3-sluice libsluice0.1 libsluice-dev >/dev/null
 left=$(cd "$root" && find . -xdev \( -path ./proc -o -path ./tmp -o -path ./root -o -path ./var/cache/apt -o -path ./var/cache/man -o -path ./var/lib/apt -o -path ./var/log \) -prune -o -iname '*sluice*' -print)
 [[ -z $left ]] || fail "left behind: $left"
+# The page that was shown above is kept as shown.
+inside find /var/cache/man -name 'sluice*' -delete
 inside mandb --create --quiet
 known=$(inside man -k sluice 2>/dev/null || true)
 [[ -z $known ]] || fail "man still knows $known"
