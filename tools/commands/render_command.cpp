@@ -23,6 +23,7 @@ using Arguments = RenderArguments;
 // Pictures that are sampled plainly, whatever --quality says.
 const char* whyPlain(const Arguments& arguments, const Scene& scene) {
   if (!traitsOf(arguments.frame.mode).has_colors) return "this --mode";
+  if (!arguments.look.surfaces.empty()) return "a picture with --iso";
   return scene.look.transfer.labels
              ? "a picture of labels"
              : "a picture from levels of resolution; --level 0 leaves them out";
