@@ -323,7 +323,7 @@ struct Passage {
     }
   }
 
-  // What slice k shows of the opacities, and the rays of `within` on which it shows something.
+  // The colour of slice k without surfaces, and the rays of `within` on which it shows something.
   struct Slice {
     Color color;
     M shows;

@@ -103,7 +103,7 @@ HWY_NOINLINE Color surfaceColor(const KernelFrame& frame, const KernelBox& box, 
   return shaded(frame, surface.color, gradientOf(box, difference), 0);
 }
 
-// What a part of a slice's way shows of its colour.
+// The colour of a slice over a part of its way.
 HWY_INLINE Color partOf(const Color& color, V part) {
   const V opacity = corrected(color.a, part);
   const V scale = hn::Div(opacity, hn::Max(color.a, all(1e-20F)));

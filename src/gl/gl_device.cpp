@@ -14,7 +14,7 @@ namespace {
 
 // Boxes a draw call: bounded by the smallest legal buffer texture (65536 texels).
 constexpr size_t kBoxesPerDraw = 65536 / kTexelsPerBox;
-// Of the texture units, 1 and those from 3 on are LookTextures'.
+// Texture units; 1 and those from 3 on belong to LookTextures.
 constexpr GLenum kChunkUnit = 0, kBoxUnit = 2;
 
 std::array<float, 3> asFloats(Vec3d v) {

@@ -6,11 +6,12 @@
 #include <limits>
 
 #include "tests/render/blob_scene.h"
+#include "tests/render/right_picture.h"
 
 namespace sluice {
 namespace {
 
-constexpr double kOfReference = 2, kOfPlain = 1;
+constexpr double kOfReference = 2;
 
 // A thin shell and a solid inside, without a step.
 TransferFunction shellAndCore(ValueRange range, double opacity = 0.4) {
@@ -21,21 +22,12 @@ TransferFunction shellAndCore(ValueRange range, double opacity = 0.4) {
   return transfer;
 }
 
-class IntegratedTest : public RenderTest {
+class IntegratedTest : public RightPictureTest {
  protected:
   void expectRightPicture(VolumeSource& source, const TransferFunction& transfer,
                           FrameOptions options, bool lit) {
     options.integrates = true;
-    RenderScene scene(device(), source, transfer, {.block_vox = 8, .lit = lit, .ghost = true});
-    const FloatPicture drawn = scene.draw(options);
-    EXPECT_GE(shownShare(drawn), 0.05);
-    EXPECT_TRUE(within(kOfReference, drawn, scene.reference(options)));
-    RenderScene large(device(), source, transfer, {.block_vox = 32, .lit = lit, .ghost = true});
-    EXPECT_TRUE(within(kOfPlain, drawn, large.draw(options))) << "blocks of another size";
-    options.algorithm = Algorithm::kConventional;
-    EXPECT_TRUE(within(kOfPlain, drawn, scene.draw(options))) << "whole blocks";
-    options.skips = false;
-    EXPECT_TRUE(within(kOfPlain, drawn, large.draw(options))) << "without leaps";
+    RightPictureTest::expectRightPicture(source, transfer, options, options, lit);
   }
 };
 

@@ -9,11 +9,12 @@
 
 #include "src/render/session/planner.h"
 #include "tests/render/blob_scene.h"
+#include "tests/render/right_picture.h"
 
 namespace sluice {
 namespace {
 
-constexpr double kSurfaceTolerance = 2, kSameTolerance = 1;
+constexpr double kSurfaceTolerance = 2;
 
 // Opacity 0 everywhere: surfaces alone show.
 TransferFunction surfacesAlone(ValueRange range, std::vector<IsoSurface> surfaces) {
@@ -29,25 +30,16 @@ std::vector<IsoSurface> threeSurfaces(ValueRange range) {
   return {{at(0.63), 0.8, {1, 0.3, 0.1}}, {at(0.31), 0.35, {0.2, 0.9, 0.4}}, {at(0.84), 1}};
 }
 
-class SurfacesTest : public RenderTest {
+class SurfacesTest : public RightPictureTest {
  protected:
   void expectRightPicture(VolumeSource& source, const TransferFunction& transfer,
-                          FrameOptions options, bool lit) {
-    RenderScene scene(device(), source, transfer, {.block_vox = 8, .lit = lit, .ghost = true});
-    const FloatPicture drawn = scene.draw(options);
-    EXPECT_GE(shownShare(drawn), 0.05);
+                          const FrameOptions& options, bool lit) {
     // The lengths between samples that a frame with surfaces has.
     FrameOptions of_reference = options;
     of_reference.step_vox = Planner::stepForSurfaces(
         resolve(options.camera, source.layout(), options.size, options.step_vox), source.layout(),
         options.step_vox);
-    EXPECT_TRUE(within(kSurfaceTolerance, drawn, scene.reference(of_reference)));
-    RenderScene large(device(), source, transfer, {.block_vox = 32, .lit = lit, .ghost = true});
-    EXPECT_TRUE(within(kSameTolerance, drawn, large.draw(options))) << "blocks of another size";
-    options.algorithm = Algorithm::kConventional;
-    EXPECT_TRUE(within(kSameTolerance, drawn, scene.draw(options))) << "whole blocks";
-    options.skips = false;
-    EXPECT_TRUE(within(kSameTolerance, drawn, large.draw(options))) << "without leaps";
+    RightPictureTest::expectRightPicture(source, transfer, options, of_reference, lit);
   }
 };
 

@@ -12,7 +12,7 @@
 // A composite picture of a transfer function with surfaces looks at the way from half a slice
 // before each sample to half a slice behind it. A surface is met if the values at both ends lie on
 // its two sides (those that equal its value on the upper side), where the value has reached it.
-// What the sample shows lasts over the whole way, in parts before, between and behind the surfaces.
+// The sample's colour lasts over the whole way, in parts before, between and behind the surfaces.
 //
 // A slice's sample counts if 0 <= p[a] < dims[a] - 1 on every axis (p: its position in voxels),
 // inside the crop box and kept by every clip plane. Infinities count as +-1e30; a sample with any

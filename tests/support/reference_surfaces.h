@@ -1,4 +1,4 @@
-// Where a ray meets surfaces on a short way, for the reference renderer.
+// Finds the places where a ray meets surfaces on a short way, for the reference renderer.
 #pragma once
 
 #include <functional>

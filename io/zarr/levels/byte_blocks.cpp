@@ -44,7 +44,7 @@ struct Halves {
   return _mm256_cvtps_epi32(_mm256_mul_ps(root, _mm256_set1_ps(0.25F)));
 }
 
-// Of four rows.
+// A vector of bytes from each of four rows.
 struct Bytes {
   __m256i a, b, c, d;
 };

@@ -80,8 +80,8 @@ ZarrChannelsText textOf(ChannelSources channels) {
   return text;
 }
 
-// Of the store: level 0, and for each way to make coarser levels these, and their spreads if they
-// have some.
+// The arrays of the store: level 0, and for each way to make coarser levels these, with their
+// spreads if they have some.
 struct StoreArrays {
   std::vector<PackedArray> arrays{};
   std::vector<size_t> first;  // for each way, the first of its levels

@@ -33,8 +33,8 @@ enum class BloscCodec { kLz4, kZstd };
 struct BloscOptions {
   BloscCodec codec = BloscCodec::kLz4;
   int level = 5;  // 1 to 9
-  // Of voxels of one byte: noisy ones take less storage then, and all take two to three times as
-  // long to decode.
+  // Shuffles the bits of one-byte voxels: noisy ones take less storage then, and all take two to
+  // three times as long to decode.
   bool shuffles_bits = true;
 };
 // The block size for Blosc, in bytes. Blosc's own choice grows with the level and saves nothing on

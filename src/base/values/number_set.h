@@ -16,7 +16,7 @@ class NumberSet {
   // 8 MiB of bits.
   static constexpr int64_t kMostNumbers = int64_t{1} << 26;
 
-  // Of numbers below `end`, at most kMostNumbers.
+  // Holds numbers below `end`, which is at most kMostNumbers.
   explicit NumberSet(int64_t end) : words_(static_cast<size_t>((end + kBits - 1) / kBits)) {}
 
   void add(int64_t number) { word(number) |= bitOf(number); }

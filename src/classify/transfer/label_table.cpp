@@ -60,7 +60,7 @@ std::string_view unquoted(std::string_view text) {
   return is_quoted ? text.substr(1, text.size() - 2) : text;
 }
 
-// What follows the number in a line of ITK-SNAP's.
+// Reads the fields behind the number in a line of ITK-SNAP.
 bool readSnap(std::string_view rest, LabelStyle& style) {
   if (!readColor(rest, style.rgb)) return false;
   const auto opacity = nextNumber(rest, 1), is_visible = nextNumber(rest, 1);

@@ -177,7 +177,7 @@ float spreadShareAt(vec3 at) {
   return sqrt(square);
 }
 
-// What a texel with a spread looks like, premultiplied, for a way of `lengths` slices whose opacity
+// The colour of a texel with a spread, premultiplied, over a way of `lengths` slices whose opacity
 // is multiplied by `factor` first: see ExpectedLook. `exact` is the same without spread.
 vec4 expectedColor(float value, float share, float factor, float lengths, vec4 exact) {
   float row = sqrt(share) * expected_line.w;

@@ -94,7 +94,7 @@ vec4 surfaceColor(vec3 at, float level, vec4 color) {
 #endif
 }
 
-// What a part of a slice's way shows of its colour.
+// The colour of a slice over a part of its way.
 vec4 partOf(vec4 color, float part) {
   float opacity = color.a < 1.0 ? 1.0 - exp2(part * log2(1.0 - color.a)) : part > 0.0 ? 1.0 : 0.0;
   return color * (opacity / max(color.a, 1e-20));

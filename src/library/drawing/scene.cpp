@@ -36,8 +36,8 @@ int finestLevelOf(const Scene& scene, const Layer& layer, const TimeStep& step, 
 double chosenStepOf(const Scene& scene, const Layer& layer, const TimeStep& step, const View& view,
                     const FrameOptions& options) {
   const int level = finestLevelOf(scene, layer, step, view, options);
-  // Where light meets the edge of a body, it changes faster from slice to slice than the means of
-  // a coarse level do. Frames of a moving picture have no time for more slices.
+  // At the edge of a body, light changes faster from slice to slice than the means of a coarse
+  // level do. Frames of a moving picture have no time for more slices.
   constexpr double kLitLevelFactor = 0.5;
   const bool is_finer = level > 0 && layer.look.lit && !options.time_limit_s;
   const double chosen = stepFor(view, step, level) * (is_finer ? kLitLevelFactor : 1);

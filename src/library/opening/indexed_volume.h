@@ -31,8 +31,8 @@ struct IndexNeeds {
   bool gradients = false;     // a ghost layer
   bool whole_series = false;  // values of all steps
   LevelNeeds levels = LevelNeeds::kFinest;
-  // What coarser levels must hold, of values; if the volume's scale is negative, its levels hold
-  // the other extreme of the stored numbers.
+  // The kind of values that coarser levels must hold. If the volume's scale is negative, its levels
+  // hold the other extreme of the stored numbers.
   LevelValues values = LevelValues::kMeans;
   // With levels: a volume that has no index of its finest level is opened with a stand-in.
   bool may_stand_in = false;

@@ -19,9 +19,9 @@ inline constexpr double kMostRays = 1 << 26;
 
 // The ray that a pixel shows, of those of the same opacity.
 enum class KeptRay { kBrightest, kDarkest };
-// Of a picture in this mode, as devices have it. For an extreme it is the ray whose value wins, if
-// the look's colours become ever brighter, or ever darker, with the values. nullopt: colours do not
-// tell which ray it is, or the mode looks at all of them.
+// Returns the ray that a pixel keeps in this mode. For an extreme it is the ray whose value wins,
+// if the look's colours become ever brighter, or ever darker, with the values. nullopt: colours do
+// not tell which ray it is, or the mode looks at all of them.
 std::optional<KeptRay> keptRay(const LookUp& look_up, Mode mode);
 
 // The rays along each side of a pixel: 1, or, for a cut that keeps thin parts, as many as leave a
