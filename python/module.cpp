@@ -33,6 +33,7 @@ VolumeOptions volumeOptions(const py::dict& keywords) {
   take("channel", options.channel);
   take("channel_name", options.channel_name);
   take("whole_series", options.whole_series);
+  take("opens_soon", options.opens_soon);
   take("time", options.time);
   take("index_dir", options.index_folder);
   take("temporary_dir", options.temporary_folder);

@@ -43,6 +43,12 @@ struct VolumeOptions {
   bool whole_series = true;
   int64_t time = 0;  // from 0; the step whose index is made first
 
+  // A large or distant volume whose file has coarser levels of resolution is opened without passing
+  // over its finest level: the value range and looks chosen by it come from a coarse level, and may
+  // differ a little. VolumeInfo::warnings says so. Pictures are drawn from its levels, which shows
+  // thin structures fainter if they hold means without spreads. Other volumes open as usual.
+  bool opens_soon = false;
+
   // The folder that keeps the least and greatest values of blocks for the next opening, an index of
   // a few thousandths of the volume's size. Empty: none, and each opening passes over the voxels,
   // unless an index lies next to the volume.
@@ -68,6 +74,7 @@ struct VolumeInfo {
   int64_t time_steps = 1;
   std::vector<std::string> channels;  // that pictures show together, for people; empty: only one
   int levels = 1;                     // levels of resolution that pictures may be drawn from
+  bool was_opened_soon = false;       // VolumeOptions::opens_soon made a difference
   std::array<double, 2> value_range;  // least and greatest
   // For people, one line each: choices among several, and possible faults of the file.
   std::vector<std::string> warnings;

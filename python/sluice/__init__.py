@@ -58,7 +58,8 @@ def _index_folder(index_dir):
 
 
 def open(path, *, dims=None, type=None, endian=None, skip=None, time_steps=None, spacing=None, grid=None,
-         channel=None, time=0, whole_series=True, index_dir=None, memory=None, threads=None, progress=None):
+         channel=None, time=0, whole_series=True, opens_soon=False, index_dir=None, memory=None, threads=None,
+         progress=None):
     """Opens a volume and returns a Volume.
 
     `path` is what `sluice render` takes: a file, a folder, a pattern such as 'step_%03d.nrrd', an
@@ -71,6 +72,10 @@ def open(path, *, dims=None, type=None, endian=None, skip=None, time_steps=None,
     folder that `sluice` uses; '' keeps none. `memory` ('512M' or bytes) bounds that pass.
     `progress(stage, done, total)` is called with 'indexing' or 'decoding' and bytes.
 
+    With `opens_soon`, a large or distant volume whose file has coarser levels is opened without that
+    pass: the range of values and looks come from a coarse level, which `warnings` says, and pictures
+    are drawn from the levels.
+
         >>> volume = sluice.open('synth:cube,dims=20x16x12')
         >>> volume.dims, volume.dtype
         ((20, 16, 12), dtype('uint8'))
@@ -79,7 +84,7 @@ def open(path, *, dims=None, type=None, endian=None, skip=None, time_steps=None,
         raise ValueError(f"endian: expected 'little' or 'big', found {endian!r}")
     paths = [path] if isinstance(path, (str, _os.PathLike)) else list(path)
     options = dict(dims=dims, type=type, big_endian=endian == 'big', skip=skip, time_steps=time_steps,
-                   spacing=spacing, grid=grid, whole_series=whole_series, time=time,
+                   spacing=spacing, grid=grid, whole_series=whole_series, opens_soon=opens_soon, time=time,
                    index_dir=_index_folder(index_dir), memory=_bytes(memory), threads=threads)
     if isinstance(channel, (list, tuple)):
         channel = ','.join(map(str, channel)) if len(channel) > 1 else channel[0]

@@ -67,6 +67,7 @@ def open(
     channel: int | str | Sequence[int | str] | None = ...,
     time: int = ...,
     whole_series: bool = ...,
+    opens_soon: bool = ...,
     index_dir: _Path | None = ...,
     memory: int | str | None = ...,
     threads: int | None = ...,

@@ -356,6 +356,7 @@ VolumeInfo volumeInfo(const VolumeLayout& layout, ValueRange values,
           .frame = frameName(layout.frame),
           .time_steps = layout.time_steps,
           .channels = {},
+          .was_opened_soon = false,
           .value_range = {values.lo, values.hi},
           .warnings = notes,
           .files = {}};

@@ -8,6 +8,7 @@
 #include "src/base/values/value_counts.h"
 #include "src/library/conversions.h"
 #include "src/library/drawing/resources.h"
+#include "src/library/opening/checked_source.h"
 #include "src/library/opening/opened_volume.h"
 
 namespace sluice {
@@ -30,6 +31,7 @@ void open(OpenedVolume& opened, VolumeArguments arguments, const VolumeOptions& 
   ProgressMeter progress(teller.watch(Progress::Stage::kIndexing));
   IndexNeeds needs = kUsualNeeds;  // any look can be drawn
   needs.whole_series = options.whole_series;
+  needs.opens_soon = options.opens_soon;
   opened.whole_series = options.whole_series;
   const IndexPass pass{pool, progress, memoryBudget(machine), teller.stop()};
   std::vector<std::string> notes;
@@ -38,6 +40,7 @@ void open(OpenedVolume& opened, VolumeArguments arguments, const VolumeOptions& 
     IndexedVolume volume =
         indexVolume(std::move(source.source), arguments, machine, needs, wish, pass);
     volume.channel = std::move(source.channel);
+    if (volume.stand_in) volume.notes.push_back(volume.standInNote());
     for (const std::string& note : volume.notes) {
       // If no folder is named, nobody expects an index.
       const bool is_expected = !(wish.folder.empty() && note == volume.index->note);
@@ -53,6 +56,7 @@ void open(OpenedVolume& opened, VolumeArguments arguments, const VolumeOptions& 
   for (const IndexedVolume& volume : opened.more)
     opened.info.channels.push_back(volume.channel.title());
   opened.info.levels = static_cast<int>(opened.volume.step().coarser.size()) + 1;
+  opened.info.was_opened_soon = opened.volume.was_hurried;
   opened.info.files = opened.volume.source->files();
 }
 

@@ -89,7 +89,10 @@ void warnOfFloats(const IndexedVolume& volume, const SurfacePlace& place, const 
 
 IndexNeeds surfaceNeeds(const SurfaceOptions& options) {
   IndexNeeds needs = kUsualNeeds;
-  if (options.level > 0) needs.levels = LevelNeeds::kAll;
+  if (options.level > 0) {
+    needs.levels = LevelNeeds::kAll;
+    needs.may_stand_in = true;  // the finest level only tells which blocks need not be read
+  }
   return needs;
 }
 

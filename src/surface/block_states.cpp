@@ -138,7 +138,7 @@ BlockStates blockStates(const SliceRanges& finest, const InsideSet& inside, cons
   const FinestSpans spans(finest);
   for (int64_t id = 0; id < level.blockCount(); ++id) {
     RangeState state = RangeState::kMixed;
-    if (values != LevelValues::kUnknown) {
+    if (values != LevelValues::kUnknown && finest.unknown.empty()) {
       const Box3 cells = level.ownedCells(level.indexOf(id));
       Span span = spans.of(finestBlocks(finest.layout, placement, cells));
       // A mean of equal floats may miss them by a rounding.

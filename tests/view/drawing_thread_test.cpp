@@ -13,6 +13,7 @@
 #include "src/base/files/file_kind.h"
 #include "src/base/threads/threads.h"
 #include "src/view/state/transfer_edit.h"
+#include "tests/support/ball_pyramid.h"
 #include "tests/support/temp_folder.h"
 #include "tests/support/wrong_states.h"
 
@@ -122,6 +123,25 @@ TEST(DrawingThread, endsWithTheWholePictureThatTheLibraryDraws) {
   EXPECT_GT(lit, 1000U);
   EXPECT_EQ(seen.picture->rgba,
             renderer.draw(pictureOf(wish.state, 96, 80)).toRgba8(std::array{0.0F, 0.0F, 0.0F}));
+}
+
+// A pyramid of another program without an index: the window shows its coarser levels at once.
+TEST(DrawingThread, aLargePyramidIsShownWithoutReadingItsFinestLevel) {
+  const TempFolder folder;
+  BallPyramid().write(folder / "ball.zarr");
+  spoilLevel(folder / "ball.zarr", 0);
+  DrawingThread desk(options());
+  Seen seen(desk);
+  ASSERT_TRUE(seen.open((folder / "ball.zarr").string())) << testing::PrintToString(seen.failures);
+  EXPECT_THAT(seen.opened->info.warnings, testing::Contains(HasSubstr("level 0 has no index yet")));
+  EXPECT_FALSE(seen.opened->volume.options.opens_soon) << "a saved view has no such option";
+  const Wish wish = seen.wish();
+  ASSERT_TRUE(seen.whole(desk.wish(wish)));
+  EXPECT_THAT(seen.failures, IsEmpty());
+  ASSERT_NE(seen.picture, nullptr);
+  EXPECT_TRUE(seen.picture->is_complete);
+  EXPECT_THAT(seen.picture->levels, testing::Each(testing::Gt(0)));
+  EXPECT_THAT(seen.picture->levels, testing::Not(IsEmpty()));
 }
 
 TEST(DrawingThread, levelsOfResolutionAreWholeFromTheFirstPictureOn) {

@@ -35,6 +35,25 @@ TEST(PrintedCommand, takesTheLookAsItIsDrawn) {
       << command;
 }
 
+// The program draws levels of another program on request alone, the window at once.
+TEST(PrintedCommand, drawsTheLevelsOfAVolumeThatWasOpenedSoon) {
+  ViewedVolume volume;
+  volume.paths = {"a.zarr"};
+  ViewState state;
+  const auto asks = [&] {
+    return renderCommand(volume, state, "", 10, 10, "b.png").find("--pixel-error=1") !=
+           std::string::npos;
+  };
+  EXPECT_FALSE(asks());
+  volume.options.opens_soon = true;
+  EXPECT_TRUE(asks());
+  state.look.labels = true;
+  EXPECT_FALSE(asks()) << "drawn at level 0";
+  state.look = {};
+  state.look.mode = LookOptions::Mode::kMaximum;
+  EXPECT_FALSE(asks());
+}
+
 TEST(PrintedCommand, saysPointsBesideTheFileOfTheirColours) {
   LookOptions look;
   look.transfer_file = "a.json";

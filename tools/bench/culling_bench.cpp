@@ -12,6 +12,7 @@
 
 #include "src/base/files/descriptor.h"
 #include "src/base/threads/clock.h"
+#include "src/library/opening/step_ranges.h"
 #include "src/parallel/dealing.h"
 #include "src/visibility/occlusion/early_termination.h"
 #include "src/volume/device_reader.h"

@@ -14,6 +14,7 @@
 #include "tools/command_line/console.h"
 #include "tools/command_line/environment.h"
 #include "tools/command_line/interrupt.h"
+#include "tools/command_line/progress_line.h"
 #include "tools/options/view_arguments.h"
 
 namespace sluice {
@@ -108,7 +109,14 @@ nlohmann::json benchView(const ViewBench& bench) {
   DrawingThread desk(bench.drawing);
   Loop loop(desk);
   desk.open(bench.volume, std::nullopt);
-  loop.turnUntil([&] { return loop.opened != nullptr; });
+  {
+    constexpr uint64_t kTotal = 1000;
+    const ProgressWatch opening = progressLine("opening", ProgressUnit::kShare);
+    loop.turnUntil([&] {
+      if (opening) opening(static_cast<uint64_t>(kTotal * desk.status().share), kTotal);
+      return loop.opened != nullptr;
+    });
+  }
   const std::array<double, 2> range = loop.opened->info.value_range;
   Wish wish;
   wish.state = loop.opened->state;

@@ -28,7 +28,8 @@ class Line {
   Line(const std::string& label, ProgressUnit unit) : label_(shownName(label)), unit_(unit) {}
   ~Line() {
     if (drawn_at_s_ > 0)
-      show(fmt::format("\r\033[K{}: {} in {:.1f} s\n", label_, textOf(done_), watch_.seconds()));
+      show(fmt::format("\r\033[K{}: {} in {:.1f} s\n", label_,
+                       unit_ == ProgressUnit::kShare ? "done" : textOf(done_), watch_.seconds()));
   }
   Line(const Line&) = delete;
   Line& operator=(const Line&) = delete;
@@ -41,11 +42,14 @@ class Line {
     const double rate = static_cast<double>(done) / now_s;
     const double left_s = rate > 0 ? static_cast<double>(total - std::min(done, total)) / rate : 0;
     const double share = total == 0 ? 1 : static_cast<double>(done) / static_cast<double>(total);
-    const std::string speed = unit_ == ProgressUnit::kBytes
-                                  ? formatBytes(static_cast<uint64_t>(rate)) + "/s"
-                                  : fmt::format("{:.2f} s each", rate > 0 ? 1 / rate : 0);
-    show(fmt::format("\r\033[K{} {:.0f} % of {}, {}, {:.0f} s left", label_,
-                     100 * std::min(share, 1.0), textOf(total), speed, left_s));
+    std::string amounts;
+    if (unit_ == ProgressUnit::kBytes)
+      amounts =
+          fmt::format(" of {}, {}/s", textOf(total), formatBytes(static_cast<uint64_t>(rate)));
+    if (unit_ == ProgressUnit::kPieces)
+      amounts = fmt::format(" of {}, {:.2f} s each", textOf(total), rate > 0 ? 1 / rate : 0);
+    show(fmt::format("\r\033[K{} {:.0f} %{}, {:.0f} s left", label_, 100 * std::min(share, 1.0),
+                     amounts, left_s));
   }
 
  private:

@@ -8,7 +8,8 @@
 
 namespace sluice {
 
-enum class ProgressUnit { kBytes, kPieces };
+// kShare: what is done is only known as a share of the total.
+enum class ProgressUnit { kBytes, kPieces, kShare };
 
 // The line appears after half a second, and ends with the last copy of the returned function. It
 // must not be called by two threads at once, as a ProgressMeter never does.

@@ -13,6 +13,7 @@
 #include "src/base/error.h"
 #include "src/base/threads/clock.h"
 #include "src/base/values/bytes.h"
+#include "src/library/opening/step_ranges.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/interrupt.h"
 #include "tools/command_line/number.h"

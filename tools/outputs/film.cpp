@@ -139,6 +139,7 @@ int writeFilm(const RenderArguments& arguments, const CLI::App& app, const Saved
   viewed.options.time = 0;  // the view's own is checked against the volume first
   // A signal ends whatever is under way.
   const auto watch = [](const Progress&) { interruption().throwIfStopped(); };
+  viewed.options.opens_soon = true;  // as the window does
   const Volume volume(viewed.paths, viewed.options, watch);
   saved.requireFits(volume.info());
   checkOutputs(arguments, film, frames, volume.info().files);

@@ -9,6 +9,7 @@
 #include "src/render/session/planner.h"
 #include "src/texture/frame_trace.h"
 #include "src/volume/block_side.h"
+#include "tools/command_line/console.h"
 #include "tools/options/shared_options.h"
 #include "tools/scene/open_scene.h"
 #include "tools/scene/workers.h"
@@ -69,21 +70,48 @@ class TraceFile final : public ReplaySource {
   std::vector<std::string> warnings_;
 };
 
+// A volume with the pictures of a turn around it.
+struct TurnedVolume {
+  std::unique_ptr<const IndexedVolume> volume;
+  TransferPtr transfer;
+  std::vector<Camera> cameras;
+};
+
+TurnedVolume openTurned(const TurnArguments& arguments, FinestLevel finest, WorkerPool& pool,
+                        const Outputs& outputs) {
+  TurnedVolume turned;
+  turned.volume = std::make_unique<const IndexedVolume>(
+      openIndexed(arguments.volume, arguments.resources,
+                  pictureNeeds(arguments.look, arguments.frame, finest), pool, outputs));
+  const IndexedVolume& volume = *turned.volume;
+  turned.transfer = std::make_shared<const TransferFunction>(
+      lookFor(volume, arguments.look, arguments.frame.mode).transfer);
+  turned.cameras = turnOf(arguments.frame.camera, arguments.frames);
+  fitCameras(
+      turned.cameras, arguments.fit,
+      {{{volume, volume.step(), *turned.transfer}}, arguments.frame, arguments.look.this_step}, {},
+      arguments.resources, pool);
+  return turned;
+}
+
+// Without the index of the finest level if no picture of the turn shows that level.
+TurnedVolume openTurned(const TurnArguments& arguments, WorkerPool& pool, const Outputs& outputs) {
+  TurnedVolume turned = openTurned(arguments, FinestLevel::kMayWait, pool, outputs);
+  if (mustReadFinest(*turned.volume, *turned.transfer, arguments.frame, turned.cameras, pool))
+    return openTurned(arguments, FinestLevel::kRead, pool, outputs);
+  if (turned.volume->stand_in && !arguments.resources.quiet)
+    printWarning(turned.volume->standInNote());
+  return turned;
+}
+
 class Turn final : public ReplaySource {
  public:
   Turn(const TurnArguments& arguments, const Outputs& outputs)
       : arguments_(arguments),
         pool_(arguments.resources.threads),
-        volume_(openIndexed(arguments.volume, arguments.resources,
-                            needsOf(arguments.look, arguments.frame.mode, arguments.frame.cut),
-                            pool_, outputs)),
-        transfer_(std::make_shared<const TransferFunction>(
-            lookFor(volume_, arguments.look, arguments.frame.mode).transfer)),
-        default_pages_(static_cast<uint64_t>(volume_.page.pages)),
-        cameras_(turnOf(arguments.frame.camera, arguments.frames)) {
-    fitCameras(cameras_, arguments.fit,
-               {{{volume_, volume_.step(), *transfer_}}, arguments.frame, arguments.look.this_step},
-               {}, arguments.resources, pool_);
+        turned_(openTurned(arguments, pool_, outputs)),
+        volume_(*turned_.volume),
+        default_pages_(static_cast<uint64_t>(volume_.page.pages)) {
     if (arguments_.fixed_pages == 0) arguments_.fixed_pages = default_pages_;
   }
   std::string title() const override { return volume_.source->layout().name; }
@@ -112,9 +140,9 @@ class Turn final : public ReplaySource {
     trace.page_bytes = static_cast<uint64_t>(page.pageBytes());
     FrameOptions options = arguments_.frame;
     for (int64_t frame = 0; frame < arguments_.frames; ++frame) {
-      options.camera = cameras_[static_cast<size_t>(frame)];
+      options.camera = turned_.cameras[static_cast<size_t>(frame)];
       const View view = resolve(options.camera, layout, options.size, options.step_vox);
-      const FramePlanPtr plan = planner.planFor(volume_.step(), transfer_, options);
+      const FramePlanPtr plan = planner.planFor(volume_.step(), turned_.transfer, options);
       const auto requests =
           frameRequests(plan->textures, plan->names, eyePosition(view, layout), frame);
       trace.records.insert(trace.records.end(), requests.begin(), requests.end());
@@ -125,10 +153,9 @@ class Turn final : public ReplaySource {
  private:
   TurnArguments arguments_;
   Workers pool_;
-  const IndexedVolume volume_;
-  const TransferPtr transfer_;
+  const TurnedVolume turned_;
+  const IndexedVolume& volume_;
   const uint64_t default_pages_;
-  std::vector<Camera> cameras_;
 };
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include "src/base/error.h"
 #include "src/base/threads/clock.h"
 #include "src/classify/transfer/transfer_file.h"
+#include "src/library/opening/step_ranges.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/interrupt.h"
 #include "tools/command_line/progress_line.h"

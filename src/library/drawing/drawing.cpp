@@ -14,6 +14,7 @@
 #include "src/library/drawing/probing.h"
 #include "src/library/drawing/strip_file.h"
 #include "src/library/drawing/view_fit.h"
+#include "src/library/opening/step_ranges.h"
 #include "src/render/blocks/level_cut.h"
 #include "src/render/camera/index_space.h"
 
@@ -405,6 +406,7 @@ void Drawing::recordTo(const std::string& path) {
 
 Drawing::~Drawing() {
   try {
+    scene_.keepLearntRanges();
     recordTo({});
   } catch (const std::exception&) {  // NOLINT: nobody is there to be told
   }

@@ -7,6 +7,7 @@
 
 #include "src/device/screen_picture.h"
 #include "src/library/drawing/view_fit.h"
+#include "src/library/opening/step_ranges.h"
 #include "src/render/camera/camera_framing.h"
 
 namespace sluice {
@@ -68,16 +69,13 @@ std::string whyEmpty(const DrawnPicture& drawn, const IndexPass& pass) {
     return fmt::format("the crop box lies outside of the volume's {} x {} x {} voxels", dims.x,
                        dims.y, dims.z);
   if (hasNoOpacity(drawn.transfer)) return "the transfer function has opacity 0 everywhere";
-  std::shared_ptr<const IndexedRanges> kept = drawn.volume.index;
-  if (drawn.time != drawn.volume.time)
-    kept = std::make_shared<const IndexedRanges>(rangesOfStep(drawn.volume, drawn.time, pass));
-  const IndexedRanges& index = *kept;
+  const StepValues values = valuesOfStep(drawn.volume, drawn.time, pass);
   const auto cellsIn = [&](const Box3& box) {
-    return shownCells(drawn.volume, index, drawn.transfer, box);
+    return shownCells(drawn.volume, values, drawn.transfer, box);
   };
   if (cellsIn(all).empty())
     return fmt::format("the transfer function gives all values of the volume, {}, opacity 0",
-                       valuesOf(index.ranges));
+                       valuesOf(values.index->ranges));
   const std::vector<Box3> cells = cellsIn(crop);
   if (cells.empty()) return "the transfer function gives all values inside the crop box opacity 0";
   VisibleHull hull(layout);

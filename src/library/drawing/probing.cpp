@@ -23,6 +23,14 @@ struct Totals {
   double lo, hi;
 };
 
+double deviceValue(const VolumeBlock& block, Vec3i voxel) {
+  return visitDeviceType(block.type, [&](auto zero) {
+    auto stored = zero;
+    std::memcpy(&stored, block.at(voxel), sizeof stored);
+    return static_cast<double>(stored);
+  });
+}
+
 // Values at places of the volume, with the block of the last one at hand.
 class Values {
  public:
@@ -32,6 +40,8 @@ class Values {
   Totals rangeAround(Vec3i cell) {
     const SliceRanges& ranges = *step_.ranges;
     const auto held = heldAt(cell);
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    if (!is_known_) return {-kInfinity, kInfinity};
     Totals totals{ranges.background, ranges.background};
     if (held)
       visitDeviceType(ranges.map.type, [&](auto zero) {
@@ -47,7 +57,7 @@ class Values {
   double at(Vec3d index) {
     const SliceRanges& ranges = *step_.ranges;
     const Vec3i cell = cellOf(index);
-    if (!heldAt(cell)) return ranges.map.valueOf(ranges.background);
+    if (!heldAt(cell) && is_known_) return ranges.map.valueOf(ranges.background);
     load(cell);
     double value = 0;
     for (int corner = 0; corner < 8; ++corner) {
@@ -57,7 +67,7 @@ class Values {
         const double part = index[a] - static_cast<double>(cell[a]);
         weight *= voxel[a] > cell[a] ? part : 1 - part;
       }
-      if (weight > 0) value += weight * deviceAt(voxel);
+      if (weight > 0) value += weight * deviceValue(*block_, voxel);
     }
     return ranges.map.valueOf(value);
   }
@@ -77,7 +87,7 @@ class Values {
     const int64_t cells = layout.cells();
     return layout.idOf({cell.x / cells, cell.y / cells, cell.z / cells});
   }
-  // Its position among the held ones.
+  // Its position among the held ones. Sets is_known_.
   std::optional<size_t> heldAt(Vec3i cell) {
     const int64_t block = blockOf(cell);
     if (block != held_block_) {
@@ -87,6 +97,7 @@ class Values {
       held_.reset();
       if (found != blocks.end() && *found == block)
         held_ = static_cast<size_t>(found - blocks.begin());
+      is_known_ = held_ || step_.ranges->isKnown(block);
     }
     return held_;
   }
@@ -97,21 +108,72 @@ class Values {
     block_ = session_.readBlocks(std::span(&key, 1)).front();
     key_ = key;
   }
-  double deviceAt(Vec3i voxel) const {
-    return visitDeviceType(block_->type, [&](auto zero) {
-      auto stored = zero;
-      std::memcpy(&stored, block_->at(voxel), sizeof stored);
-      return static_cast<double>(stored);
-    });
-  }
 
   Session& session_;
   const TimeStep& step_;
   int64_t held_block_ = -1;
   std::optional<size_t> held_;
+  bool is_known_ = true;  // of the same block: what values it has
   BlockName key_;
   VolumeBlockPtr block_;
 };
+
+// The level that the values of a slice are taken from.
+struct SlicedLevel {
+  int number = 0;
+  BlockLayout layout;
+  LevelPlacement placement = {};
+  const SliceRanges* ranges = nullptr;  // null: nothing is known
+
+  // Values along an axis, from `begin` to `end`, that lie in one block.
+  struct Run {
+    int64_t block = 0;
+    int begin = 0, end = 0;
+  };
+  // The level's voxel that is nearest to a finest one.
+  int64_t voxelAt(int axis, int64_t finest) const {
+    const double at =
+        (static_cast<double>(finest) - placement.offset[axis]) / placement.scale[axis];
+    return std::clamp<int64_t>(std::llround(at), 0, layout.dims[axis] - 1);
+  }
+  // Neighbours share a plane of voxels: both have the same.
+  int64_t blockOf(int axis, int64_t voxel) const {
+    return std::min(voxel, std::max<int64_t>(0, layout.dims[axis] - 2)) / layout.cells();
+  }
+  std::vector<Run> runs(int axis, int64_t every, int count) const {
+    std::vector<Run> all;
+    for (int i = 0; i < count; ++i) {
+      const int64_t block = blockOf(axis, voxelAt(axis, i * every));
+      if (all.empty() || all.back().block != block) all.push_back({block, i, i});
+      all.back().end = i + 1;
+    }
+    return all;
+  }
+  double background() const { return ranges == nullptr ? 0 : ranges->background; }
+  // Whether the block may have other values than the background.
+  bool mayDiffer(int64_t block) const {
+    return ranges == nullptr || std::ranges::binary_search(ranges->blocks, block) ||
+           !ranges->isKnown(block);
+  }
+};
+
+// The finest level; but of a volume whose finest level was not read, the coarsest level that has as
+// many values: otherwise a slice would read thousands of blocks of which it shows little.
+SlicedLevel slicedLevel(const TimeStep& step, int64_t every) {
+  SlicedLevel found{0, step.ranges->layout, {}, step.ranges.get()};
+  if (step.ranges->unknown.empty()) return found;
+  const PyramidLayout pyramid = step.layout();
+  for (int number = 1; number < pyramid.levels(); ++number) {
+    const LevelLayout& level = pyramid.level(number);
+    const CoarserStep& coarser = step.coarser[static_cast<size_t>(number) - 1];
+    const Vec3d scale = level.placement.scale;
+    const bool are_means = coarser.valuesShown() == LevelValues::kMeans ||
+                           coarser.valuesShown() == LevelValues::kUnknown;
+    if (!are_means || std::max({scale.x, scale.y, scale.z}) > static_cast<double>(every)) break;
+    found = {number, level.blocks, level.placement, coarser.ranges.get()};
+  }
+  return found;
+}
 
 // A ray in index space: origin + t * direction, t in world units along the view's depth.
 struct Ray {
@@ -211,8 +273,7 @@ std::optional<VoxelProbe> probeAlong(const ProbeRequest& request, Session& sessi
 
 SliceValues sliceOf(const SliceOptions& slice, Session& session, const TimeStep& step,
                     const StopToken& stop) {
-  const SliceRanges& ranges = *step.ranges;
-  const BlockLayout& layout = ranges.layout;
+  const BlockLayout& layout = step.ranges->layout;
   if (slice.axis < 0 || slice.axis > 2) fail("slice of axis {}: must be 0, 1 or 2", slice.axis);
   if (slice.at < 0 || slice.at >= layout.dims[slice.axis])
     fail("slice {} of axis {}: the volume has {}, counted from 0", slice.at, slice.axis,
@@ -224,43 +285,33 @@ SliceValues sliceOf(const SliceOptions& slice, Session& session, const TimeStep&
   result.every = (longest + slice.most - 1) / slice.most;
   result.width = static_cast<int>((layout.dims[across] + result.every - 1) / result.every);
   result.height = static_cast<int>((layout.dims[down] + result.every - 1) / result.every);
-  const auto background = static_cast<float>(ranges.map.valueOf(ranges.background));
+  const SlicedLevel level = slicedLevel(step, result.every);
+  const ValueMap& map = step.ranges->map;
   result.values.assign(static_cast<size_t>(result.width) * static_cast<size_t>(result.height),
-                       background);
-  const auto cellOf = [&](int axis, int64_t voxel) {
-    return std::min(voxel, std::max<int64_t>(0, layout.dims[axis] - 2)) / layout.cells();
-  };
-  Vec3i at;
-  at[slice.axis] = cellOf(slice.axis, slice.at);
-  for (at[down] = 0; at[down] < layout.grid[down]; ++at[down]) {
-    for (at[across] = 0; at[across] < layout.grid[across]; ++at[across]) {
+                       static_cast<float>(map.valueOf(level.background())));
+  const std::vector<SlicedLevel::Run> columns = level.runs(across, result.every, result.width);
+  Vec3i voxel;
+  voxel[slice.axis] = level.voxelAt(slice.axis, slice.at);
+  for (const SlicedLevel::Run& rows : level.runs(down, result.every, result.height))
+    for (const SlicedLevel::Run& run : columns) {
       stop.throwIfStopped();
-      const int64_t block = layout.idOf(at);
-      if (!std::binary_search(ranges.blocks.begin(), ranges.blocks.end(), block)) continue;
-      const BlockName key{.time = slice.time, .block = block};
+      Vec3i index;
+      index[across] = run.block;
+      index[down] = rows.block;
+      index[slice.axis] = level.blockOf(slice.axis, voxel[slice.axis]);
+      const int64_t block = level.layout.idOf(index);
+      if (!level.mayDiffer(block)) continue;
+      const BlockName key{.time = slice.time, .level = level.number, .block = block};
       const VolumeBlockPtr voxels = session.readBlocks(std::span(&key, 1)).front();
-      const Box3 cells = layout.ownedCells(at);
-      // Neighbours share a plane of voxels: both have the same.
-      const auto first = [&](int axis) {
-        return (cells.lo[axis] + result.every - 1) / result.every;
-      };
-      for (int64_t y = first(down); y * result.every <= cells.hi[down]; ++y) {
-        for (int64_t x = first(across); x * result.every <= cells.hi[across]; ++x) {
-          Vec3i voxel;
-          voxel[slice.axis] = slice.at;
-          voxel[across] = x * result.every;
-          voxel[down] = y * result.every;
-          const double device = visitDeviceType(voxels->type, [&](auto zero) {
-            auto stored = zero;
-            std::memcpy(&stored, voxels->at(voxel), sizeof stored);
-            return static_cast<double>(stored);
-          });
+      for (int y = rows.begin; y < rows.end; ++y)
+        for (int x = run.begin; x < run.end; ++x) {
+          voxel[across] = level.voxelAt(across, x * result.every);
+          voxel[down] = level.voxelAt(down, y * result.every);
           result.values[static_cast<size_t>(y) * static_cast<size_t>(result.width) +
-                        static_cast<size_t>(x)] = static_cast<float>(ranges.map.valueOf(device));
+                        static_cast<size_t>(x)] =
+              static_cast<float>(map.valueOf(deviceValue(*voxels, voxel)));
         }
-      }
     }
-  }
   return result;
 }
 

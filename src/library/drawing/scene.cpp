@@ -386,8 +386,8 @@ void Scene::keepLearntRanges() const {
   for (const Layer* layer : layers()) {
     const IndexedVolume& of = layer->volume;
     if (!of.stand_in || layer->session == nullptr) continue;
-    const std::shared_ptr<const SliceRanges> learnt = layer->session->ranges();
-    if (learnt->unknown.size() < of.index->ranges.unknown.size())
+    const std::shared_ptr<const SliceRanges> learnt = layer->session->learntRanges();
+    if (learnt != nullptr && learnt->unknown.size() < of.index->ranges.unknown.size())
       keepLearnt(*of.source, of.places, of.time, *learnt);
   }
 }

@@ -27,12 +27,12 @@ std::vector<Box3> cellsOfStandIn(const LevelLayout& level, const IndexedRanges& 
 
 }  // namespace
 
-std::vector<Box3> shownCells(const IndexedVolume& volume, const IndexedRanges& index,
+std::vector<Box3> shownCells(const IndexedVolume& volume, const StepValues& values,
                              const TransferFunction& transfer, const Box3& crop) {
-  if (!volume.stand_in || &index != volume.index.get())
-    return visibleCells(index.ranges, index.bricks, transfer, crop);
-  return cellsOfStandIn(volume.pyramid->level(volume.stand_in->level), *volume.stand_in->index,
-                        transfer, crop);
+  if (values.stand_in == nullptr)
+    return visibleCells(values.index->ranges, values.index->bricks, transfer, crop);
+  return cellsOfStandIn(volume.pyramid->level(volume.stand_in_level), *values.stand_in, transfer,
+                        crop);
 }
 
 Fit fitOf(const std::vector<Camera>& cameras, FitChoice choice) {
@@ -49,16 +49,10 @@ std::vector<Vec3d> visiblePoints(const FitRequest& request, const IndexPass& pas
   for (const FittedVolume& fitted : request.volumes) {
     const VolumeLayout& layout = fitted.volume.source->layout();
     VisibleHull hull(layout);
-    const auto addStep = [&](const IndexedRanges& index) {
-      hull.add(
-          shownCells(fitted.volume, index, fitted.transfer, cropCells(request.frame, layout.dims)));
-    };
     for (int64_t time = 0; time < layout.time_steps; ++time) {
       if (request.this_step && time != fitted.step.time) continue;
-      if (time == fitted.volume.time)
-        addStep(*fitted.volume.index);
-      else
-        addStep(rangesOfStep(fitted.volume, time, pass));
+      hull.add(shownCells(fitted.volume, valuesOfStep(fitted.volume, time, pass), fitted.transfer,
+                          cropCells(request.frame, layout.dims)));
     }
     const std::vector<Vec3d> more = hull.points();
     points.insert(points.end(), more.begin(), more.end());

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "src/library/opening/indexed_volume.h"
+#include "src/library/opening/step_ranges.h"
 #include "src/render/camera/camera_framing.h"
 #include "src/render/camera/frame_options.h"
 
@@ -25,9 +26,9 @@ struct FitRequest {
 // The fit for these cameras; kVolume if they look at a point of their own.
 Fit fitOf(const std::vector<Camera>& cameras, FitChoice choice);
 
-// Boxes of cells whose hull holds all that can show anything (visible_cells.h). `index` belongs to
-// a step of the volume; if it is the volume's own, a stand-in answers in its place.
-std::vector<Box3> shownCells(const IndexedVolume& volume, const IndexedRanges& index,
+// Boxes of cells whose hull holds all that can show anything (visible_cells.h). `values` belong to
+// a step of the volume; a stand-in answers in place of a finest level that was not read.
+std::vector<Box3> shownCells(const IndexedVolume& volume, const StepValues& values,
                              const TransferFunction& transfer, const Box3& crop);
 
 // The corners of the visible part of each volume (VisibleHull::points()), by cells: the same for

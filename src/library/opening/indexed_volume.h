@@ -15,36 +15,13 @@
 #include "src/base/threads/worker_pool.h"
 #include "src/index/indexed_ranges.h"
 #include "src/library/drawing/chosen_look.h"
+#include "src/library/opening/level_choice.h"
 #include "src/library/opening/shown_channels.h"
 #include "src/library/opening/stand_in.h"
 #include "src/library/requests.h"
 #include "src/render/blocks/time_step.h"
-#include "src/render/camera/cut_options.h"
 
 namespace sluice {
-
-// The levels of resolution that pictures may be drawn from: the finest alone; also those that show
-// what it shows, up to the first that does not, for the default cut; or all.
-enum class LevelNeeds { kFinest, kFaithful, kAll };
-
-struct IndexNeeds {
-  bool gradients = false;     // a ghost layer
-  bool whole_series = false;  // values of all steps
-  LevelNeeds levels = LevelNeeds::kFinest;
-  // The kind of values that coarser levels must hold. If the volume's scale is negative, its levels
-  // hold the other extreme of the stored numbers.
-  LevelValues values = LevelValues::kMeans;
-  // With levels: a volume that has no index of its finest level is opened with a stand-in.
-  bool may_stand_in = false;
-  // With may_stand_in: a volume that has neither levels nor an index is opened with a sample of its
-  // voxels, for which so many seconds may be spent; unset: it is passed over.
-  std::optional<double> sample_seconds = {};
-};
-// `cut`: the cut that pictures are drawn from; unset: the finest level.
-IndexNeeds needsOf(const LookArguments& look, Mode mode,
-                   const std::optional<CutOptions>& cut = std::nullopt);
-// The needs of a picture without options, so that an index made ahead serves it.
-inline constexpr IndexNeeds kUsualNeeds{.gradients = true, .levels = LevelNeeds::kFaithful};
 
 struct IndexedVolume {
   std::unique_ptr<VolumeSource> source;
@@ -58,6 +35,9 @@ struct IndexedVolume {
   std::shared_ptr<const IndexedRanges>
       index;                        // of this step; without values if there is a stand-in
   std::optional<StandIn> stand_in;  // in place of the finest level, which was not read then
+  bool was_hurried = false;         // hurriedNeeds() made a difference
+  // The level whose values may stand for the finest one of any step; 0: none may.
+  int stand_in_level = 0;
   // The sample that is the one level above the finest, if that was all there was time for.
   struct Sample {
     std::string part;         // the part of the file that it was read from, for people
@@ -97,25 +77,11 @@ struct IndexPass {
   std::function<void(const std::string& line)> announce = {};
 };
 
-// Opens the volume and checks that it has the time step. A volume of one voxel along an axis is
-// made thick enough to be drawn (thick_source.h). Throws Error.
-std::unique_ptr<VolumeSource> openSource(const VolumeArguments& arguments);
-// The same of a source that is open already.
-std::unique_ptr<VolumeSource> checkedSource(std::unique_ptr<VolumeSource> opened,
-                                            const VolumeArguments& arguments);
 // Reads or builds the index of the step, or of all steps. `source` belongs to `arguments`. Throws
 // Error, Interrupted.
 IndexedVolume indexVolume(std::unique_ptr<VolumeSource> source, const VolumeArguments& arguments,
                           const MachineOptions& machine, const IndexNeeds& needs,
                           const IndexWish& wish, const IndexPass& pass);
-
-// The min-max arrays of any step of the volume, like its own step's in IndexedVolume. Throws Error,
-// Interrupted.
-IndexedRanges rangesOfStep(const IndexedVolume& volume, int64_t time, const IndexPass& pass);
-// A step of the series, with the levels of the volume's own step and with the value range of all
-// steps if the volume was opened for the whole series, so that one table of opacities serves every
-// step. Throws as rangesOfStep() does.
-TimeStep stepOfSeries(const IndexedVolume& volume, int64_t time, const IndexPass& pass);
 
 // The look of the volume's channel.
 ChosenLook lookFor(const IndexedVolume& volume, const LookArguments& look, Mode mode);

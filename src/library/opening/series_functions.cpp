@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "src/base/error.h"
+#include "src/library/opening/step_ranges.h"
 #include "src/visibility/plenoptic/extinction.h"
 
 namespace sluice {

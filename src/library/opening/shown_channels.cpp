@@ -11,6 +11,7 @@
 #include "src/base/files/shell_word.h"
 #include "src/classify/transfer/color_maps.h"
 #include "src/classify/transfer/transfer_makers.h"
+#include "src/library/opening/checked_source.h"
 #include "src/library/opening/indexed_volume.h"
 
 namespace sluice {

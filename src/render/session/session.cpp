@@ -51,6 +51,10 @@ void Session::expectBlocksOf(const TimeStep& step) {
   }
 }
 
+std::shared_ptr<const SliceRanges> Session::learntRanges() const {
+  return learnt_ != nullptr ? learnt_->ranges() : nullptr;
+}
+
 std::shared_ptr<const SliceRanges> Session::ranges() const {
   return learnt_ != nullptr && learnt_->time() == step_.time ? learnt_->ranges() : step_.ranges;
 }

@@ -81,9 +81,9 @@ class Session {
   std::vector<VolumeBlockPtr> readBlocks(std::span<const BlockName> keys) {
     return residency_.blocks().acquire(keys);
   }
-  // The ranges of the step's finest level with the blocks that pictures have read, if they were not
-  // known when it was opened.
-  std::shared_ptr<const SliceRanges> ranges() const;
+  // The ranges of the finest level of the step that the session began with, with the blocks that
+  // pictures have read; null: all of them were known.
+  std::shared_ptr<const SliceRanges> learntRanges() const;
   // The blocks that the last frame found to be visible; null if there was no frame or they are out
   // of date.
   VisibleBlocksPtr lastVisible() const { return visible_.lock(); }
@@ -94,6 +94,9 @@ class Session {
   const PageGeometry& page() const { return session_.page; }
 
  private:
+  // The ranges of the step's finest level with those that pictures have learnt.
+  std::shared_ptr<const SliceRanges> ranges() const;
+
   struct BoxesKey {
     TimeStep step;
     Identity<Look> look;

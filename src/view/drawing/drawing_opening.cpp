@@ -78,7 +78,10 @@ void DrawingJobs::openVolume(OpenJob task, const Job& job) {
   // Its index goes to the first one's folder.
   if (next.viewed.options.index_folder.empty())
     next.viewed.options.index_folder = options_.index_folder;
-  next.volume.emplace(next.viewed.paths, next.viewed.options, progress(), job.stop);
+  // A window is there before its volume, and does not wait for a pass over all voxels.
+  VolumeOptions how = next.viewed.options;
+  how.opens_soon = true;
+  next.volume.emplace(next.viewed.paths, how, progress(), job.stop);
   if (is_first && !task.path) task.path = options_.path;
   if (is_first && !task.state && !options_.state_file.empty()) {
     task.state = options_.state;

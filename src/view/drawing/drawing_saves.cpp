@@ -50,8 +50,10 @@ void DrawingJobs::run(const SavePictureJob& task, const Job& job) {
   checkOutputs({path}, wish.state.look);
   useLook(wish.state.look);
   drawToFile(*opened_.renderer, path, wish.state, wish.width, wish.height, progress(), job.stop);
-  SavedNews saved{path, renderCommand(opened_.viewed, wish.state, opened_.renderer->lookText(),
-                                      wish.width, wish.height, path)};
+  ViewedVolume viewed = opened_.viewed;
+  viewed.options.opens_soon = opened_.volume->info().was_opened_soon;
+  SavedNews saved{path, renderCommand(viewed, wish.state, opened_.renderer->lookText(), wish.width,
+                                      wish.height, path)};
   news_.add([&](News& news) { news.saved.push_back(std::move(saved)); });
 }
 

@@ -140,6 +140,12 @@ std::string renderCommand(const ViewedVolume& volume, const ViewState& state,
     add({words.back()});  // the mode
   }
   add(pictureWords(state));
+  // Levels of another program, which the program draws on request alone.
+  const LookOptions& shown = state.look;
+  const bool has_labels = shown.labels || !shown.label_table.empty() || !shown.label_looks.empty();
+  if (volume.options.opens_soon && shown.mode == LookOptions::Mode::kComposite && !has_labels &&
+      shown.surfaces.empty())
+    command += " --pixel-error=1";
   return command + fmt::format(" --size {}x{} -o {}", width, height, shellWord(asOperand(output)));
 }
 

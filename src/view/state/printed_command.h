@@ -23,8 +23,8 @@ std::vector<OptionWord> lookWords(const LookOptions& look);
 std::vector<OptionWord> pictureWords(const ViewState& state);
 
 // "sluice render head.nrrd --threshold 40 ... --size 800x600 -o head.png", words quoted for a shell
-// if they must be. `look`: the options that give the look as it is drawn (ShownLook::options);
-// empty: as it was asked for.
+// if they must be. A volume that was opened soon is drawn from its levels. `look`: the options that
+// give the look as it is drawn (ShownLook::options); empty: as it was asked for.
 std::string renderCommand(const ViewedVolume& volume, const ViewState& state,
                           const std::string& look, int width, int height,
                           const std::string& output);

@@ -1,0 +1,41 @@
+#include "src/library/opening/checked_source.h"
+
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "io/step_numbers.h"
+#include "src/base/error.h"
+#include "src/library/opening/thick_source.h"
+
+namespace sluice {
+
+std::unique_ptr<VolumeSource> openSource(const VolumeArguments& arguments) {
+  return checkedSource(openVolume(arguments.inputs, arguments.open), arguments);
+}
+
+std::unique_ptr<VolumeSource> checkedSource(std::unique_ptr<VolumeSource> opened,
+                                            const VolumeArguments& arguments) {
+  auto source = withThickness(std::move(opened));
+  const int64_t steps = source->layout().time_steps;
+  if (arguments.time >= 0 && arguments.time < steps) return source;
+  const std::optional<int64_t> step = stepOfNumber(*source, arguments.time);
+  const auto numbers = numbersOfSteps(*source);
+  // Numbers that begin above 0 were meant by who asks for one beyond them.
+  const bool beyond_numbers = numbers && numbers->front() > 0 && arguments.time > numbers->back();
+  // A number that is a file's asks for no step beyond the last one.
+  const auto missing = missingStep(*source, step ? *step : beyond_numbers ? steps : arguments.time);
+  const std::string gap = missing ? "; " + *missing + " is missing" : "";
+  constexpr const char* kCounted = "time steps are counted from 0, not by the files' numbers";
+  if (step)
+    fail("{}: --time {}: {}: the file of that number is step {} of {}; give --time {}{}",
+         arguments.inputs.front(), arguments.time, kCounted, *step, steps, *step, gap);
+  if (beyond_numbers)
+    fail("{}: --time {}: {}: the last file has number {} and is step {} of {}{}",
+         arguments.inputs.front(), arguments.time, kCounted, numbers->back(), steps - 1, steps,
+         gap);
+  fail("{}: --time {}: the volume has {} time step{}, counted from 0{}", arguments.inputs.front(),
+       arguments.time, steps, steps == 1 ? "" : "s", gap);
+}
+
+}  // namespace sluice

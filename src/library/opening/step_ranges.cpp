@@ -1,0 +1,186 @@
+#include "src/library/opening/step_ranges.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "src/library/opening/side_levels.h"
+
+namespace sluice {
+namespace {
+
+// `side`: the levels to be made in the same pass; null: none.
+IndexedRanges passedRanges(const IndexedVolume& volume, int64_t time, const IndexPass& pass,
+                           const SideLevels* side) {
+  const uint64_t bytes = pass.memory_bytes - (side == nullptr ? 0 : side->heldBytes());
+  // The first opening reads everything, and nothing else is in memory then.
+  volume.source->holdAtMost(bytes / 4);
+  return indexedRanges(*volume.source, volume.places, time, volume.layout, pass.pool, pass.progress,
+                       bytes, pass.stop, side == nullptr ? nullptr : side->taker());
+}
+
+const CoarserLevel& levelAt(const IndexedVolume& volume, int level) {
+  return coarserLevels(*volume.source)[static_cast<size_t>(level) - 1];
+}
+
+bool needsIndex(const CoarserLevel& level) {
+  return !showsAsFinest(level.values, level.spreads != nullptr);
+}
+
+std::shared_ptr<const IndexedRanges> indexOfLevel(const IndexedVolume& volume, int level,
+                                                  int64_t time, const IndexPass& pass) {
+  IndexPlaces places = volume.places;
+  // A sample is never the same again.
+  if (volume.sample && level == volume.pyramid->levels() - 1) places.disabled = true;
+  return std::make_shared<const IndexedRanges>(indexedRanges(
+      *levelAt(volume, level).source, places, time, volume.pyramid->level(level).blocks, pass.pool,
+      pass.progress, pass.memory_bytes, pass.stop));
+}
+
+// The same if it is kept, without reading the level; otherwise null.
+std::shared_ptr<const IndexedRanges> keptIndexOfLevel(const IndexedVolume& volume, int level,
+                                                      int64_t time) {
+  auto kept = keptRanges(*levelAt(volume, level).source, volume.places, time,
+                         volume.pyramid->level(level).blocks);
+  return kept ? std::make_shared<const IndexedRanges>(*std::move(kept)) : nullptr;
+}
+
+// The level that stands for the finest one of a step. Reads the level, unless it is kept or is the
+// volume's own.
+StandIn standInOf(const IndexedVolume& volume, int64_t time, const IndexPass& pass) {
+  const int level = volume.stand_in_level;
+  StandIn stand_in{level, nullptr, {}};
+  if (time == volume.time) stand_in.index = volume.coarser[static_cast<size_t>(level) - 1];
+  if (stand_in.index == nullptr) stand_in.index = indexOfLevel(volume, level, time, pass);
+  stand_in.device_range = stand_in.index->ranges.device_range;
+  const CoarserLevel& at = levelAt(volume, level);
+  if (at.spreads != nullptr)
+    stand_in.device_range = rangeOfSpreads(at, stand_in.device_range, time, pass.pool, pass.stop);
+  return stand_in;
+}
+
+// The finest level with the values of its stand-in. Only the blocks are known that pictures have
+// read.
+IndexedRanges unreadRanges(const IndexedVolume& volume, int64_t time, const StandIn& stand_in) {
+  IndexedRanges index;
+  auto learnt = keptLearnt(*volume.source, volume.places, time, volume.layout);
+  index.ranges = learnt ? *std::move(learnt) : unknownRanges(*volume.source, time, volume.layout);
+  index.ranges.device_range = stand_in.device_range;
+  index.ranges.counts = stand_in.index->ranges.counts;
+  index.state = "not made";
+  return index;
+}
+
+}  // namespace
+
+StepValues valuesOfStep(const IndexedVolume& volume, int64_t time, const IndexPass& pass) {
+  if (time == volume.time && volume.index != nullptr)
+    return {volume.index, volume.stand_in ? volume.stand_in->index : nullptr};
+  StepValues values;
+  const auto keep = [](IndexedRanges ranges) {
+    return std::make_shared<const IndexedRanges>(std::move(ranges));
+  };
+  if (volume.stand_in_level == 0) {
+    values.index = keep(passedRanges(volume, time, pass, nullptr));
+  } else if (auto kept = keptRanges(*volume.source, volume.places, time, volume.layout)) {
+    values.index = keep(*std::move(kept));
+  } else {
+    const StandIn stand_in = standInOf(volume, time, pass);
+    values.stand_in = stand_in.index;
+    values.index = keep(unreadRanges(volume, time, stand_in));
+  }
+  return values;
+}
+
+IndexedRanges rangesOfStep(const IndexedVolume& volume, int64_t time, const IndexPass& pass) {
+  if (volume.stand_in_level == 0) return passedRanges(volume, time, pass, nullptr);
+  return *valuesOfStep(volume, time, pass).index;
+}
+
+TimeStep stepOfSeries(const IndexedVolume& volume, int64_t time, const IndexPass& pass) {
+  TimeStep step = volume.step();
+  if (time == volume.time) return step;
+  step.time = time;
+  auto ranges = std::make_shared<SliceRanges>(rangesOfStep(volume, time, pass).ranges);
+  ranges->device_range = volume.index->ranges.device_range;
+  step.ranges = std::move(ranges);
+  for (size_t i = 0; i < step.coarser.size(); ++i) {
+    auto& ranges = step.coarser[i].ranges;
+    if (ranges == nullptr) continue;
+    const int level = static_cast<int>(i) + 1;
+    const auto index = level < volume.stand_in_level ? keptIndexOfLevel(volume, level, time)
+                                                     : indexOfLevel(volume, level, time, pass);
+    ranges = nullptr;
+    if (index != nullptr) ranges = {index, &index->ranges};
+  }
+  return step;
+}
+
+bool isKnown(const IndexedVolume& volume, const BlockLayout& layout) {
+  return !isLarge(volume.source->layout()) &&
+         keptRanges(*volume.source, volume.places, volume.time, layout);
+}
+
+IndexedRanges passForLevels(const IndexedVolume& volume, const IndexPass& pass,
+                            const SideLevels& side) {
+  return passedRanges(volume, volume.time, pass, &side);
+}
+
+void passOverCoarsest(const IndexedVolume& volume, VolumeSource& coarsest, const SideLevels& side,
+                      const IndexPass& pass) {
+  const BlockLayout blocks =
+      blockLayout(coarsest.layout().dims, volume.layout.size, volume.layout.ghost);
+  volume.source->holdAtMost(pass.memory_bytes / 4);
+  indexedRanges(coarsest, volume.places, volume.time, blocks, pass.pool, pass.progress,
+                pass.memory_bytes - side.heldBytes(), pass.stop, side.taker());
+}
+
+void indexLevels(IndexedVolume& volume, int least, const IndexPass& pass) {
+  for (int level = 1; level <= static_cast<int>(volume.coarser.size()); ++level) {
+    auto& index = volume.coarser[static_cast<size_t>(level) - 1];
+    if (!needsIndex(levelAt(volume, level))) continue;
+    index = level < least ? keptIndexOfLevel(volume, level, volume.time)
+                          : indexOfLevel(volume, level, volume.time, pass);
+  }
+}
+
+IndexedRanges indexStep(IndexedVolume& volume, const IndexNeeds& needs, const IndexPass& pass) {
+  if (!needs.may_stand_in || volume.coarser.empty() || levelAt(volume, 1).is_computed) {
+    IndexedRanges index = rangesOfStep(volume, volume.time, pass);
+    indexLevels(volume, 1, pass);
+    return index;
+  }
+  const int level = volume.sample ? volume.pyramid->levels() - 1 : standInLevel(*volume.pyramid);
+  auto kept = keptRanges(*volume.source, volume.places, volume.time, volume.layout);
+  const bool is_hurried = needs.sample_seconds || needs.opens_soon;
+  if (!kept || is_hurried) volume.stand_in_level = level;
+  indexLevels(volume, std::max(1, volume.stand_in_level), pass);
+  if (kept) return *std::move(kept);
+  volume.stand_in = standInOf(volume, volume.time, pass);
+  return unreadRanges(volume, volume.time, *volume.stand_in);
+}
+
+ValueStatistics statisticsOf(const IndexedVolume& volume, IndexedRanges& index, bool whole_series,
+                             const IndexPass& pass) {
+  const auto valuesOf = [&](const SliceRanges& ranges) {
+    return scaled(ranges.counts, volume.map.scale, volume.map.offset);
+  };
+  const auto widen = [](ValueRange& range, const ValueRange& by) {
+    range = {std::min(range.lo, by.lo), std::max(range.hi, by.hi)};
+  };
+  ValueStatistics values{valuesOf(index.ranges), {}};
+  // Tables and light follow from it too.
+  ValueRange& device = index.ranges.device_range;
+  const int64_t steps = whole_series ? volume.source->layout().time_steps : 0;
+  for (int64_t time = 0; time < steps; ++time) {
+    if (time == volume.time) continue;
+    const IndexedRanges other = rangesOfStep(volume, time, pass);
+    if (other.ranges.counts.entries.empty()) continue;
+    widen(device, other.ranges.device_range);
+    values.counts = merged(values.counts, valuesOf(other.ranges));
+  }
+  const double a = volume.map.valueOf(device.lo), b = volume.map.valueOf(device.hi);
+  values.range = {std::min(a, b), std::max(a, b)};
+  return values;
+}
+
+}  // namespace sluice
