@@ -16,6 +16,9 @@
 namespace sluice {
 namespace {
 
+// Of the format in which learnt ranges are kept, but for that of the ranges themselves.
+constexpr uint32_t kLearntVersion = 1;
+
 std::string nameOf(const VolumeSource& source, int64_t time, const BlockLayout& layout) {
   return fmt::format("{}{}-{}", layout.size,
                      layout.ghost == 0   ? ""
@@ -30,7 +33,8 @@ IndexKey keyOf(const VolumeSource& source, int64_t time, const BlockLayout& layo
 }
 
 IndexKey learntKeyOf(const VolumeSource& source, int64_t time, const BlockLayout& layout) {
-  return {source.identity(), "learnt-" + nameOf(source, time, layout), kSliceRangesVersion};
+  return {source.identity(), "learnt-" + nameOf(source, time, layout),
+          kLearntVersion << 16 | kSliceRangesVersion};
 }
 
 // Both lie in one file, so that one is never newer than the other.
@@ -98,6 +102,7 @@ void keepLearnt(const VolumeSource& source, const IndexPlaces& places, int64_t t
                 const SliceRanges& ranges) {
   ByteWriter out;
   out.list(ranges.unknown);
+  out.value<uint8_t>(ranges.is_listed ? 1 : 0);
   const std::vector<std::byte> bytes = sluice::serialize(ranges);
   out.bytes.insert(out.bytes.end(), bytes.begin(), bytes.end());
   writeIndex(places, learntKeyOf(source, time, ranges.layout), out.bytes);
@@ -109,7 +114,8 @@ std::optional<SliceRanges> keptLearnt(const VolumeSource& source, const IndexPla
   std::vector<int64_t> unknown;
   if (!kept.blob) return std::nullopt;
   ByteReader reader(*kept.blob);
-  if (!reader.list(unknown)) return std::nullopt;
+  uint8_t is_listed = 0;
+  if (!reader.list(unknown) || !reader.value(is_listed) || is_listed > 1) return std::nullopt;
   auto ranges = sluice::deserialize(reader.left(), layout, deviceMap(source.layout()));
   if (!ranges) return std::nullopt;
   // Each block is known or not.
@@ -120,7 +126,11 @@ std::optional<SliceRanges> keptLearnt(const VolumeSource& source, const IndexPla
         return std::ranges::binary_search(unknown, block);
       });
   if (!is_sound) return std::nullopt;
+  if (is_listed == 0 &&
+      static_cast<int64_t>(unknown.size() + ranges->blocks.size()) != layout.blockCount())
+    return std::nullopt;
   ranges->unknown = std::move(unknown);
+  ranges->is_listed = is_listed == 1;
   ranges->index_file = kept.path;
   return ranges;
 }

@@ -52,7 +52,7 @@ SliceRanges withBlocks(const SliceRanges& known,
     PlaneRange<T> total{};
     std::memcpy(&total, arrays.data(), sizeof total);
     const T background = static_cast<T>(known.background);
-    if (total.lo == background && total.hi == background) continue;
+    if (known.is_listed && total.lo == background && total.hi == background) continue;
     add(block, arrays.data(), arrays.data() + total_bytes);
   }
   addHeldBefore(known.layout.blockCount());

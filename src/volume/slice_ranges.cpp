@@ -306,14 +306,31 @@ class Builder {
 
 }  // namespace
 
-SliceRanges unknownRanges(VolumeSource& source, int64_t time, const BlockLayout& layout) {
+SliceRanges unknownRanges(VolumeSource& source, int64_t time, const BlockLayout& layout,
+                          Listing listing) {
   SliceRanges result;
   result.layout = layout;
   result.map = deviceMap(source.layout());
-  const std::optional<Occupancy> occupancy = source.occupancy(time);
+  result.is_listed = listing == Listing::kNow;
+  std::optional<Occupancy> occupancy;
+  if (result.is_listed) occupancy = source.occupancy(time);
   result.unknown = candidateBlocks(layout, occupancy);
   result.background = backgroundOf(source, occupancy).value_or(0);
   return result;
+}
+
+std::shared_ptr<const SliceRanges> listedRanges(std::shared_ptr<const SliceRanges> ranges,
+                                                VolumeSource& source, int64_t time) {
+  if (ranges->is_listed) return ranges;
+  auto listed = std::make_shared<SliceRanges>(*ranges);
+  listed->is_listed = true;
+  const std::optional<Occupancy> occupancy = source.occupancy(time);
+  if (!occupancy) return listed;
+  listed->background = *backgroundOf(source, occupancy);
+  const std::vector<int64_t> candidates = candidateBlocks(ranges->layout, occupancy);
+  listed->unknown.clear();
+  std::ranges::set_intersection(ranges->unknown, candidates, std::back_inserter(listed->unknown));
+  return listed;
 }
 
 SliceRanges buildSliceRanges(VolumeSource& source, int64_t time, const BlockLayout& layout,

@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -41,6 +42,9 @@ struct SliceRanges {
   // Ids of the blocks whose values are not known, ascending; none of them is held, and anything may
   // show in them. Only a volume whose finest level has not been read has such blocks.
   std::vector<int64_t> unknown;
+  // False: nobody has asked the source yet which blocks it knows to be background without reading a
+  // voxel. They are among the unknown ones, and all known blocks are held. See listedRanges().
+  bool is_listed = true;
   ValueRange device_range;  // range of all voxels but NaN and infinities; 0, 0 if there are none
   // The range of the finite stored values beyond kLargest, which device voxels cannot tell from
   // infinities; lo > hi: there are none. Only floats have such values.
@@ -79,9 +83,17 @@ SliceRanges buildSliceRanges(VolumeSource& source, int64_t time, const BlockLayo
                              WorkerPool& pool, ProgressMeter& progress,
                              uint64_t most_bytes = kMostIndexingBytes, const StopToken& stop = {});
 
+// When a source is asked which blocks may hold something else than the background, which takes long
+// if its chunks are many files.
+enum class Listing { kNow, kLater };
 // The arrays of a volume of which nothing has been read: every block that may hold something else
-// than the background is unknown. The range and the counts of the values are empty. Throws Error
-// from the source.
-SliceRanges unknownRanges(VolumeSource& source, int64_t time, const BlockLayout& layout);
+// than the background is unknown, or every block if the listing comes later. The range and the
+// counts of the values are empty. Throws Error from the source.
+SliceRanges unknownRanges(VolumeSource& source, int64_t time, const BlockLayout& layout,
+                          Listing listing = Listing::kNow);
+// The same ranges after the listing; `ranges` itself if they are listed. Throws Error from the
+// source.
+std::shared_ptr<const SliceRanges> listedRanges(std::shared_ptr<const SliceRanges> ranges,
+                                                VolumeSource& source, int64_t time);
 
 }  // namespace sluice

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "src/volume/volume_buffer.h"
+#include "tests/support/function_source.h"
 #include "tests/support/random_volume.h"
 
 namespace sluice {
@@ -77,6 +78,45 @@ TEST(LearntRanges, areTheSameObjectWhileNothingIsNew) {
   EXPECT_FALSE(second->isKnown(4));
   learning.read({3});
   EXPECT_EQ(learning.learnt.ranges(), second);
+}
+
+// Nobody has asked the source which blocks are empty: the listing comes later, and takes nothing
+// away that was learnt before.
+TEST(LearntRanges, areTheSameWhetherTheListingComesFirstOrLast) {
+  const Box3 stored{{8, 8, 8}, {60, 30, 30}};
+  FunctionSource source(
+      functionLayout({80, 40, 40}, VoxelType::kU8),
+      [&](int64_t, Vec3i v) {
+        if (!stored.contains({v, v + Vec3i{1, 1, 1}})) return 5.0;
+        return v.x < 30 ? 0.0 : 100.0 + static_cast<double>(v.y);
+      },
+      Occupancy{5, {stored}});
+  const BlockLayout layout = blockLayout(source.layout().dims, 16, 2);
+  const auto later =
+      std::make_shared<const SliceRanges>(unknownRanges(source, 0, layout, Listing::kLater));
+  EXPECT_EQ(static_cast<int64_t>(later->unknown.size()), layout.blockCount());
+  EXPECT_FALSE(later->is_listed);
+  LearntRanges learnt(0, later);
+  Learning listed_first(source);
+  EXPECT_LT(static_cast<int64_t>(listed_first.learnt.ranges()->unknown.size()),
+            layout.blockCount());
+  const std::vector<int64_t> read{0, 1, 2, layout.idOf({1, 1, 1}), layout.idOf({3, 1, 1})};
+  listed_first.read(read);
+  VolumeBuffer buffer(source, layout, uint64_t{1} << 28);
+  for (const int64_t block : read) {
+    const BlockName name{.block = block};
+    learnt.note(name, *buffer.acquire(std::span(&name, 1)).front());
+  }
+  EXPECT_EQ(learnt.ranges()->unknown.size(), later->unknown.size() - read.size());
+  EXPECT_EQ(learnt.ranges()->blocks.size(), read.size()) << "nothing is known to be background";
+  const auto listed = listedRanges(learnt.ranges(), source, 0);
+  const auto expected = listed_first.learnt.ranges();
+  EXPECT_TRUE(listed->is_listed);
+  EXPECT_EQ(listed->background, 5);
+  EXPECT_EQ(listed->unknown, expected->unknown);
+  for (int64_t block = 0; block < layout.blockCount(); ++block)
+    EXPECT_EQ(listed->isKnown(block), expected->isKnown(block)) << block;
+  EXPECT_EQ(listedRanges(listed, source, 0), listed);
 }
 
 TEST(LearntRanges, ignoreOtherLevelsAndSteps) {

@@ -55,6 +55,9 @@ class Classifier {
     const PlaneRange<T> total = ranges_.totalsAs<T>()[held];
     return shown_.any(total.lo, total.hi);
   }
+  // The same for any block whose values lie between these; and whether all of its cells show.
+  bool anyBetween(T lo, T hi) const { return shown_.any(lo, hi); }
+  bool allBetween(T lo, T hi) const { return shown_.allPartsOf(lo, hi); }
 
  private:
   // The slab between this plane and the next.
@@ -75,16 +78,28 @@ inline Box3 blocksOf(const BlockLayout& layout, const Box3& cells) {
   return {inside.lo / side, (inside.hi - Vec3i{1, 1, 1}) / side + Vec3i{1, 1, 1}};
 }
 
+// Whether there are known blocks that are not held, and their value shows. Throws Error if there
+// may be too many of them in the crop.
+inline bool showsBackground(const SliceRanges& ranges, const OpacityTable& table,
+                            const Box3& crop) {
+  const auto others = static_cast<int64_t>(ranges.blocks.size() + ranges.unknown.size());
+  if (!table.shown().anyIn(ranges.background, ranges.background) ||
+      others >= ranges.layout.blockCount())
+    return false;
+  const int64_t blocks = blocksOf(ranges.layout, crop).count();
+  if (blocks > kMostBackgroundBlocks)
+    fail(
+        "the value outside the stored region ({}) is visible under this transfer function and "
+        "would fill {} blocks; make its opacity 0 or crop the volume",
+        ranges.map.valueOf(ranges.background), blocks);
+  return true;
+}
+
 // Calls `call` with each known block of the crop that is not held.
 template <class Call>
 void visitBackground(const SliceRanges& ranges, const Box3& crop, const Call& call) {
   const BlockLayout& layout = ranges.layout;
   const Box3 blocks = blocksOf(layout, crop);
-  if (blocks.count() > kMostBackgroundBlocks)
-    fail(
-        "the value outside the stored region ({}) is visible under this transfer function and "
-        "would fill {} blocks; make its opacity 0 or crop the volume",
-        ranges.map.valueOf(ranges.background), blocks.count());
   for (int64_t z = blocks.lo.z; z < blocks.hi.z; ++z)
     for (int64_t y = blocks.lo.y; y < blocks.hi.y; ++y) {
       // Ids ascend along the row, so that one look finds the first held one.
@@ -117,10 +132,7 @@ template <class Call>
 void visitWhole(const SliceRanges& ranges, const OpacityTable& table, const Box3& crop,
                 const Call& call) {
   for (const int64_t block : ranges.unknown) call(block);
-  if (table.shown().anyIn(ranges.background, ranges.background) &&
-      static_cast<int64_t>(ranges.blocks.size() + ranges.unknown.size()) <
-          ranges.layout.blockCount())
-    visitBackground(ranges, crop, call);
+  if (showsBackground(ranges, table, crop)) visitBackground(ranges, crop, call);
 }
 
 }  // namespace sluice

@@ -1,61 +1,50 @@
 #include "src/classify/blocks/object_boxes.h"
 
-#include "src/base/memory/large_pages.h"
-#include "src/classify/blocks/classifier.h"
+#include <algorithm>
+#include <atomic>
+#include <new>
+#include <utility>
 
 namespace sluice {
-namespace {
 
-// The cells that blocks own, for blocks in ascending order: most lie in the row of the last one.
-class OwnedCells {
- public:
-  explicit OwnedCells(const BlockLayout& layout) : layout_(layout) {}
-
-  Box3 of(int64_t block) {
-    if (block < row_begin_ || block >= row_begin_ + layout_.grid.x) {
-      index_ = layout_.indexOf(block);
-      row_begin_ = block - index_.x;
-    }
-    index_.x = block - row_begin_;
-    return layout_.ownedCells(index_);
-  }
-
- private:
-  const BlockLayout& layout_;
-  Vec3i index_;
-  int64_t row_begin_ = INT64_MAX;
-};
-
-}  // namespace
-
-ObjectBoxes::ObjectBoxes(const SliceRanges& ranges, const OpacityTable& table, const Box3& crop,
-                         WorkerPool& pool)
-    : layout_(ranges.layout) {
-  const auto count = static_cast<size_t>(layout_.blockCount());
-  reserveLarge(boxes_, count);
-  boxes_.resize(count);
-  visitDeviceType(ranges.map.type, [&](auto tag) {
-    const Classifier<decltype(tag)> classifier(ranges, table, crop);
-    classifyInTasks(ranges, pool, [&](size_t, size_t from, size_t to) {
-      OwnedCells owned_cells(layout_);
-      for (size_t held = from; held < to; ++held) {
-        if (!classifier.mayShow(held)) continue;
-        const int64_t block = ranges.blocks[held];
-        const Box3 owned = owned_cells.of(block);
-        set(block, owned, classifier.shownCells(held, owned));
-      }
-    });
-  });
-  OwnedCells owned_cells(layout_);
-  visitWhole(ranges, table, crop, [&](int64_t block) {
-    const Box3 owned = owned_cells.of(block);
-    set(block, owned, intersect(owned, crop));
-  });
+ObjectBoxes::ObjectBoxes(std::shared_ptr<const SliceRanges> ranges, const OpacityTable& table,
+                         const Box3& crop)
+    : ranges_(std::move(ranges)),
+      crop_(crop),
+      classifier_(visitDeviceType(ranges_->map.type,
+                                  [&](auto tag) {
+                                    return AnyClassifier(
+                                        Classifier<decltype(tag)>(*ranges_, table, crop_));
+                                  })),
+      shows_background_(showsBackground(*ranges_, table, crop)),
+      boxes_(static_cast<PackedBox*>(
+          std::calloc(static_cast<size_t>(layout().blockCount()), sizeof(PackedBox)))) {
+  if (boxes_ == nullptr) throw std::bad_alloc();
 }
 
-void ObjectBoxes::set(int64_t block, const Box3& owned, const Box3& cells) {
-  if (cells.empty()) return;
-  PackedBox& box = boxes_[static_cast<size_t>(block)];
+Box3 ObjectBoxes::shownCells(int64_t block, const Box3& owned) const {
+  const std::vector<int64_t>& all = ranges_->blocks;
+  // Most volumes have no gaps before most blocks.
+  auto held = static_cast<size_t>(block);
+  if (held >= all.size() || all[held] != block)
+    held = static_cast<size_t>(std::ranges::lower_bound(all, block) - all.begin());
+  if (held < all.size() && all[held] == block)
+    return std::visit(
+        [&](const auto& classifier) {
+          return classifier.mayShow(held) ? classifier.shownCells(held, owned) : Box3();
+        },
+        classifier_);
+  if (shows_background_ || !ranges_->isKnown(block)) return intersect(owned, crop_);
+  return {};
+}
+
+void ObjectBoxes::make(int64_t block, PackedBox& box) const {
+  const Box3 owned = layout().ownedCells(layout().indexOf(block));
+  const Box3 cells = shownCells(block, owned);
+  if (cells.empty()) {
+    box.lo[0] = 1;  // made, and empty
+    return;
+  }
   for (int a = 0; a < 3; ++a) {
     const auto axis = static_cast<size_t>(a);
     box.lo[axis] = static_cast<uint16_t>(cells.lo[a] - owned.lo[a]);
@@ -63,11 +52,41 @@ void ObjectBoxes::set(int64_t block, const Box3& owned, const Box3& cells) {
   }
 }
 
+ObjectBoxes::Shown ObjectBoxes::shownBetween(double lo, double hi) const {
+  if (lo > hi) return Shown::kNothing;
+  return std::visit(
+      [&]<class T>(const Classifier<T>& classifier) {
+        const auto from = static_cast<T>(lo), to = static_cast<T>(hi);
+        if (!classifier.anyBetween(from, to)) return Shown::kNothing;
+        return classifier.allBetween(from, to) ? Shown::kEverything : Shown::kSomething;
+      },
+      classifier_);
+}
+
+int64_t ObjectBoxes::cellCount(WorkerPool& pool) const {
+  std::atomic<int64_t> cells = 0;
+  const int64_t parts = (layout().blockCount() + kPart - 1) / kPart;
+  pool.parallelFor(parts, [&](int64_t part) {
+    int64_t of_part = 0;
+    const int64_t end = std::min(layout().blockCount(), (part + 1) * kPart);
+    for (int64_t block = part * kPart; block < end; ++block) {
+      const PackedBox& box = at(block);
+      if (box.empty()) continue;
+      int64_t of_box = 1;
+      for (size_t axis = 0; axis < 3; ++axis) of_box *= box.hi[axis] - box.lo[axis];
+      of_part += of_box;
+    }
+    cells += of_part;
+  });
+  return cells;
+}
+
 Vec3i ObjectBoxes::extentWithNeighbors(Vec3i index) const {
-  const int64_t block = layout_.idOf(index);
+  const int64_t block = layout().idOf(index);
   const PackedBox& box = at(block);
-  const auto side = static_cast<uint16_t>(layout_.cells());
-  const std::array<int64_t, 3> strides{1, layout_.grid.x, layout_.grid.x * layout_.grid.y};
+  const auto side = static_cast<uint16_t>(layout().cells());
+  const Vec3i grid = layout().grid;
+  const std::array<int64_t, 3> strides{1, grid.x, grid.x * grid.y};
   // Neighbours along an axis count cells of the other two from the same planes.
   const auto touches = [&](const PackedBox& next, size_t axis) {
     for (const size_t other : {(axis + 1) % 3, (axis + 2) % 3})
@@ -82,7 +101,7 @@ Vec3i ObjectBoxes::extentWithNeighbors(Vec3i index) const {
       if (const PackedBox& next = at(block - strides[axis]);
           next.hi[axis] == side && touches(next, axis))
         extent[a] += next.hi[axis] - next.lo[axis];
-    if (box.hi[axis] == side && index[a] + 1 < layout_.grid[a])
+    if (box.hi[axis] == side && index[a] + 1 < grid[a])
       if (const PackedBox& next = at(block + strides[axis]);
           !next.empty() && next.lo[axis] == 0 && touches(next, axis))
         extent[a] += next.hi[axis] - next.lo[axis];

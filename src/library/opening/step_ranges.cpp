@@ -63,7 +63,12 @@ StandIn standInOf(const IndexedVolume& volume, int64_t time, const IndexPass& pa
 IndexedRanges unreadRanges(const IndexedVolume& volume, int64_t time, const StandIn& stand_in) {
   IndexedRanges index;
   auto learnt = keptLearnt(*volume.source, volume.places, time, volume.layout);
-  index.ranges = learnt ? *std::move(learnt) : unknownRanges(*volume.source, time, volume.layout);
+  // A level that shows what the finest one shows needs the listing at once.
+  const std::span<const CoarserLevel> levels = coarserLevels(*volume.source);
+  const auto shown = levels.first(volume.coarser.size());
+  const Listing listing = std::ranges::all_of(shown, needsIndex) ? Listing::kLater : Listing::kNow;
+  index.ranges =
+      learnt ? *std::move(learnt) : unknownRanges(*volume.source, time, volume.layout, listing);
   index.ranges.device_range = stand_in.device_range;
   index.ranges.counts = stand_in.index->ranges.counts;
   index.state = "not made";

@@ -71,7 +71,7 @@ struct CutNode {
 // Makes one cut.
 class CutMaker {
  public:
-  CutMaker(const BlockQuestion& question, const ShownLevels& shown)
+  CutMaker(const BlockQuestion& question, ShownLevels& shown)
       : question_(question),
         options_(*question.cut),
         shown_(shown),
@@ -127,9 +127,7 @@ class CutMaker {
     if (!question_.step.coarser.empty())
       summary.values = question_.step.coarser.front().valuesShown();
     const int64_t shown = levels.contains(0) ? levels[0].cells : 0;
-    if (shown_.finestCells() > 0)
-      summary.coarse_share =
-          1 - static_cast<double>(shown) / static_cast<double>(shown_.finestCells());
+    summary.coarse_share = shown_.coarseShare(shown);
     summary.is_final = !is_stopped_ && !awaits_data_;
     summary.will_improve = awaits_data_;
     summary.thin_blocks = thin_blocks;
@@ -222,8 +220,8 @@ class CutMaker {
   // Whether a coarse block in the picture may show next to nothing of what is there. Extremes do
   // not, as long as a ray meets them.
   bool isThin(const CutNode& node) const {
-    return node.level > 0 && !holds_extremes_ && shown_.hasThinParts(node.level, node.index) &&
-           pixelsOf(node) > 0;
+    return node.level > 0 && !holds_extremes_ && pixelsOf(node) > 0 &&
+           shown_.hasThinParts(node.level, node.index);
   }
   bool isTooCoarse(const CutNode& node) const {
     const bool is_kept = limit_ != nullptr && limit_->keeps_refined && wasRefined(node.object.name);
@@ -270,7 +268,7 @@ class CutMaker {
 
   const BlockQuestion& question_;
   const CutOptions& options_;
-  const ShownLevels& shown_;
+  ShownLevels& shown_;
   const PyramidLayout& pyramid_;
   const ReadLimit* const limit_;  // null: none
   const PixelSizes sizes_;
@@ -297,14 +295,25 @@ bool isSame(const VisibleBlocks& a, const VisibleBlocks& b) {
 
 }  // namespace
 
+TimeStep LevelCut::listed(const TimeStep& step) {
+  TimeStep with_listing = step;
+  if (!step.ranges->is_listed && followsFinest(step))
+    with_listing.ranges =
+        listed_.of(step, [&] { return listedRanges(step.ranges, *step.source, step.time); });
+  return with_listing;
+}
+
 VisibleBlocksPtr LevelCut::choose(const BlockQuestion& question) {
   SLUICE_CHECK(question.cut.has_value());
   requireLevel(*question.cut, question.step);
-  const std::shared_ptr<const ShownLevels> shown =
-      shown_.of({question.step, question.look, question.crop}, [&] {
-        return std::make_shared<const ShownLevels>(question.step, *question.look, question.crop,
-                                                   pool_);
-      });
+  const TimeStep step = listed(question.step);
+  const std::shared_ptr<ShownLevels> shown = shown_.of({step, question.look, question.crop}, [&] {
+    std::shared_ptr<const RangeTree> tree;
+    if (step.ranges->is_listed)
+      tree = tree_.of(step, [&] { return RangeTree(*step.ranges, step.layout(), pool_); });
+    return std::make_shared<ShownLevels>(step, question.look, question.crop, std::move(tree),
+                                         pool_);
+  });
   CutMaker maker(question, *shown);
   if (question.cut->level)
     maker.makeLevel(*question.cut->level);

@@ -18,6 +18,7 @@
 
 namespace sluice {
 
+class RangeTree;
 class ShownLevels;
 
 // What the voxels of coarser levels must be of the finest ones for a picture of this mode, of
@@ -64,7 +65,12 @@ class LevelCut : public BlockChooser {
   };
 
   WorkerPool& pool_;
-  Memo<ShownKey, const ShownLevels> shown_;
+  // The step with its finest level listed, if a level follows that one.
+  TimeStep listed(const TimeStep& step);
+
+  Memo<TimeStep, const SliceRanges> listed_;
+  Memo<TimeStep, const RangeTree> tree_;
+  Memo<ShownKey, ShownLevels> shown_;
   std::shared_ptr<const ShownLevels> of_answer_;  // levels that answer_ was chosen from
   VisibleBlocksPtr answer_;                       // the last one
 };

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "src/base/error.h"
+
 namespace sluice {
 namespace {
 
@@ -50,53 +52,126 @@ Box3 cellsAround(const LevelLayout& level, const Box3& finest) {
 
 }  // namespace
 
-ShownLevels::ShownLevels(const TimeStep& step, const Look& look, const Box3& crop, WorkerPool& pool)
-    : pyramid_(step.layout()), crop_(crop), is_as_finest_{true} {
-  boxes_.emplace_back(std::in_place, *step.ranges, look.table, crop, pool);
-  for (const CoarserStep& coarser : step.coarser) {
-    const int level = static_cast<int>(boxes_.size());
-    std::optional<ObjectBoxes>& boxes = boxes_.emplace_back();
-    const Vec3i dims = pyramid_.level(level).blocks.dims;
-    is_as_finest_.push_back(showsAsFinest(coarser.values, coarser.spreads != nullptr));
-    if (coarser.ranges != nullptr && !isAsFinest(level))
-      boxes.emplace(*coarser.ranges, look.table, boxOf(dims - Vec3i{1, 1, 1}), pool);
-  }
-  boundFinest(pool);
+bool followsFinest(const TimeStep& step) {
+  return std::ranges::any_of(step.coarser, [](const CoarserStep& level) {
+    return showsAsFinest(level.values, level.spreads != nullptr);
+  });
 }
 
-void ShownLevels::boundFinest(WorkerPool& pool) {
-  std::atomic<int64_t> cells = 0;
-  below_.resize(1);
-  for (int level = 1; level < pyramid_.levels(); ++level) {
+ShownLevels::ShownLevels(const TimeStep& step, LookPtr look, const Box3& crop,
+                         std::shared_ptr<const RangeTree> tree, WorkerPool& pool)
+    : step_(step),
+      look_(std::move(look)),
+      pyramid_(step.layout()),
+      crop_(crop),
+      tree_(std::move(tree)),
+      pool_(pool),
+      is_as_finest_{true},
+      levels_(static_cast<size_t>(pyramid_.levels())) {
+  SLUICE_CHECK_EQ(isListed(), step_.ranges->is_listed);
+  SLUICE_CHECK(isListed() || !followsFinest(step_));
+  for (const CoarserStep& level : step_.coarser)
+    is_as_finest_.push_back(showsAsFinest(level.values, level.spreads != nullptr));
+  if (isListed()) boxesOf(0);  // throws if too much would show
+}
+
+ObjectBoxes* ShownLevels::boxesOf(int level) {
+  Level& of = levels_[static_cast<size_t>(level)];
+  if (!of.has_boxes) of.boxes = madeBoxes(level);
+  of.has_boxes = true;
+  return of.boxes.get();
+}
+
+std::unique_ptr<ObjectBoxes> ShownLevels::madeBoxes(int level) const {
+  if (level == 0)
+    return std::make_unique<ObjectBoxes>(listedRanges(step_.ranges, *step_.source, step_.time),
+                                         look_->table, crop_);
+  if (isAsFinest(level)) return nullptr;
+  const CoarserStep& coarser = step_.coarser[static_cast<size_t>(level) - 1];
+  const BlockLayout& blocks = pyramid_.level(level).blocks;
+  std::shared_ptr<const SliceRanges> ranges = coarser.ranges;
+  if (ranges == nullptr && !isListed())
+    ranges =
+        std::make_shared<const SliceRanges>(unknownRanges(*coarser.source, step_.time, blocks));
+  if (ranges == nullptr) return nullptr;
+  return std::make_unique<ObjectBoxes>(std::move(ranges), look_->table,
+                                       boxOf(blocks.dims - Vec3i{1, 1, 1}));
+}
+
+double ShownLevels::coarseShare(int64_t shown_finest) {
+  // Of a picture of coarser levels alone it does not matter how many cells there are.
+  if (shown_finest == 0) {
+    if (!isListed()) return crop_.empty() ? 0 : 1;
+    const int top = pyramid_.levels() - 1;
+    bool shows_any = false;
+    visitIndices(boxOf(pyramid_.level(top).blocks.grid),
+                 [&](Vec3i index) { shows_any = shows_any || !hullOf(top, index).empty(); });
+    return shows_any ? 1 : 0;
+  }
+  if (!finest_cells_ && !isListed()) finest_cells_ = boxesOf(0)->cellCount(pool_);
+  if (!finest_cells_) {
+    // Threads look at the blocks below different ones.
+    const int level = std::min(2, pyramid_.levels() - 1);
     const BlockLayout& blocks = pyramid_.level(level).blocks;
-    std::vector<Below>& all = below_.emplace_back(static_cast<size_t>(blocks.blockCount()));
-    inParts(pool, blocks.blockCount(), [&](int64_t from, int64_t to) {
-      int64_t cells_of_part = 0;
-      for (int64_t block = from; block < to; ++block) {
-        Below& below = all[static_cast<size_t>(block)];
-        visitIndices(pyramid_.childrenOf(level, blocks.indexOf(block)), [&](Vec3i child) {
-          const Below more = level == 1 ? finestOf(child) : belowOf(level - 1, child);
-          if (more.hull.empty()) return;
-          below.hull = unite(below.hull, more.hull);
-          below.least_extent = min(below.least_extent, more.least_extent);
-          if (level == 1) cells_of_part += more.hull.count();
-        });
-      }
-      cells += cells_of_part;
+    std::atomic<int64_t> cells = 0;
+    inParts(pool_, blocks.blockCount(), [&](int64_t from, int64_t to) {
+      int64_t of_part = 0;
+      for (int64_t block = from; block < to; ++block)
+        of_part += cellsBelow(level, blocks.indexOf(block));
+      cells += of_part;
     });
+    finest_cells_ = cells;
   }
-  finest_cells_ = cells;
+  return 1 - static_cast<double>(shown_finest) / static_cast<double>(*finest_cells_);
 }
 
-ShownLevels::Below ShownLevels::finestOf(Vec3i index) const {
-  const Box3 cells = boxes_[0]->of(index);
-  return cells.empty() ? Below() : Below{cells, extentOf(index, cells)};
+ShownLevels::Shown ShownLevels::shownBelow(int level, Vec3i index) {
+  const RangeTree::Node& node = tree_->of(level, pyramid_.level(level).blocks.idOf(index));
+  const Shown of_known = boxesOf(0)->shownBetween(node.lo, node.hi);
+  if (!node.has_unknown) return of_known;
+  // Anything may show in unknown blocks.
+  return of_known == Shown::kEverything || node.lo > node.hi ? Shown::kEverything
+                                                             : Shown::kSomething;
+}
+
+const Box3& ShownLevels::hullOf(int level, Vec3i index) {
+  const int64_t block = pyramid_.level(level).blocks.idOf(index);
+  const auto [at, is_new] = levels_[static_cast<size_t>(level)].hulls.try_emplace(block);
+  if (is_new) addHull(level, index, at->second);
+  return at->second;
+}
+
+// Parts that lie within the hull so far add nothing: the inside of a body is never looked at.
+void ShownLevels::addHull(int level, Vec3i index, Box3& hull) {
+  const Box3 region = cropped(level, index);
+  if (region.empty() || hull.contains(region)) return;
+  if (level == 0) {
+    const Box3 cells = boxesOf(0)->of(index);
+    if (!cells.empty()) hull = unite(hull, cells);
+    return;
+  }
+  const Shown shown = shownBelow(level, index);
+  if (shown == Shown::kEverything) hull = unite(hull, region);
+  if (shown != Shown::kSomething) return;
+  visitIndices(pyramid_.childrenOf(level, index),
+               [&](Vec3i child) { addHull(level - 1, child, hull); });
+}
+
+int64_t ShownLevels::cellsBelow(int level, Vec3i index) {
+  if (level == 0) return boxesOf(0)->of(index).count();
+  const Shown shown = shownBelow(level, index);
+  if (shown == Shown::kEverything) return cropped(level, index).count();
+  int64_t cells = 0;
+  if (shown == Shown::kSomething)
+    visitIndices(pyramid_.childrenOf(level, index),
+                 [&](Vec3i child) { cells += cellsBelow(level - 1, child); });
+  return cells;
 }
 
 // The extent of an object box with what continues it in the next blocks; kAnyExtent if a face of
 // the crop ends it.
-Vec3i ShownLevels::extentOf(Vec3i index, const Box3& cells) const {
-  Vec3i extent = boxes_[0]->extentWithNeighbors(index);
+Vec3i ShownLevels::extentOf(Vec3i index, const Box3& cells) {
+  Vec3i extent = boxesOf(0)->extentWithNeighbors(index);
   const Box3 all = boxOf(pyramid_.finest().dims - Vec3i{1, 1, 1});
   for (int a = 0; a < 3; ++a) {
     const bool is_cut_below = cells.lo[a] == crop_.lo[a] && crop_.lo[a] > all.lo[a];
@@ -106,31 +181,69 @@ Vec3i ShownLevels::extentOf(Vec3i index, const Box3& cells) const {
   return extent;
 }
 
-bool ShownLevels::hasThinParts(int level, Vec3i index) const {
-  const Vec3d scale = pyramid_.level(level).placement.scale;
-  const Vec3i extent = belowOf(level, index).least_extent;
-  for (int a = 0; a < 3; ++a)
-    if (static_cast<double>(extent[a]) < kThinVoxels * scale[a]) return true;
+// No extent of a finest block in the region of this one, all of which shows, is less: a block has
+// at least the next one beside it, unless it is alone or the crop cuts that one.
+Vec3i ShownLevels::leastExtentOfWhole(int level, Vec3i index) const {
+  const int64_t block = pyramid_.level(level).blocks.idOf(index);
+  const Box3 blocks = pyramid_.finestBlocksOf({.level = level, .block = block});
+  const Box3 region = pyramid_.regionOf(level, index), shown = intersect(region, crop_);
+  const BlockLayout& finest = pyramid_.finest();
+  Vec3i least;
+  for (int a = 0; a < 3; ++a) {
+    const int64_t last = region.hi[a] - (blocks.hi[a] - 1) * finest.cells();
+    const bool is_cut = shown.lo[a] != region.lo[a] || shown.hi[a] != region.hi[a];
+    const bool is_alone = blocks.size()[a] == 1;
+    least[a] = std::min(last, finest.cells()) + (is_cut || is_alone ? 0 : finest.cells());
+  }
+  return least;
+}
+
+bool ShownLevels::hasThinParts(int level, Vec3i index) {
+  if (!isListed()) return false;
+  const int64_t block = pyramid_.level(level).blocks.idOf(index);
+  const auto [at, is_new] = levels_[static_cast<size_t>(level)].thin.try_emplace(block);
+  if (is_new)
+    at->second = hasThinner(level, index, pyramid_.level(level).placement.scale * kThinVoxels);
+  return at->second;
+}
+
+// Whether an object box of the finest level in the region of the block has a lesser extent.
+bool ShownLevels::hasThinner(int level, Vec3i index, const Vec3d& least) {
+  const auto isThinner = [&](Vec3i extent) {
+    for (int a = 0; a < 3; ++a)
+      if (static_cast<double>(extent[a]) < least[a]) return true;
+    return false;
+  };
+  if (level == 0) {
+    const Box3 cells = boxesOf(0)->of(index);
+    return !cells.empty() && isThinner(extentOf(index, cells));
+  }
+  if (cropped(level, index).empty()) return false;
+  const Shown shown = shownBelow(level, index);
+  if (shown == Shown::kNothing ||
+      (shown == Shown::kEverything && !isThinner(leastExtentOfWhole(level, index))))
+    return false;
+  const Box3 children = pyramid_.childrenOf(level, index);
+  for (int64_t z = children.lo.z; z < children.hi.z; ++z)
+    for (int64_t y = children.lo.y; y < children.hi.y; ++y)
+      for (int64_t x = children.lo.x; x < children.hi.x; ++x)
+        if (hasThinner(level - 1, {x, y, z}, least)) return true;
   return false;
 }
 
-const ShownLevels::Below& ShownLevels::belowOf(int level, Vec3i index) const {
-  const int64_t block = pyramid_.level(level).blocks.idOf(index);
-  return below_[static_cast<size_t>(level)][static_cast<size_t>(block)];
-}
-
-Box3 ShownLevels::finestBox(int level, Vec3i index) const {
-  if (level == 0) return boxes_[0]->of(index);
-  return isAsFinest(level) ? reachIn(level, index) : belowOf(level, index).hull;
+Box3 ShownLevels::finestBox(int level, Vec3i index) {
+  if (level == 0) return boxesOf(0)->of(index);
+  if (!isListed()) return cropped(level, index);
+  return isAsFinest(level) ? reachIn(level, index) : hullOf(level, index);
 }
 
 // What the finest level shows below this block and those beside it, with the cells around that
 // interpolate the level's voxels which stand for it.
-Box3 ShownLevels::reachIn(int level, Vec3i index) const {
+Box3 ShownLevels::reachIn(int level, Vec3i index) {
   const LevelLayout& at = pyramid_.level(level);
   const Box3 region = pyramid_.regionOf(level, index);
   const auto reachOf = [&](Vec3i block) {
-    const Box3& hull = belowOf(level, block).hull;
+    const Box3& hull = hullOf(level, block);
     return hull.empty() ? Box3() : intersect(at.cellsOver(cellsAround(at, hull)), region);
   };
   Box3 reach = reachOf(index);
@@ -144,7 +257,7 @@ Box3 ShownLevels::reachIn(int level, Vec3i index) const {
 
 // The hull of the visible cells of this block and its neighbours: a level's cells are shifted
 // against the regions, so that one cell may lie in the regions of two blocks.
-Box3 ShownLevels::cellsShown(int level, Vec3i index, const Box3& region) const {
+Box3 ShownLevels::cellsShown(int level, Vec3i index, const Box3& region) {
   const LevelLayout& at = pyramid_.level(level);
   const Vec3i last = at.blocks.dims - Vec3i{1, 1, 1}, end = pyramid_.finest().dims - Vec3i{1, 1, 1};
   // Blocks that own cells in the region: a neighbour too, if the shift leads there.
@@ -157,7 +270,7 @@ Box3 ShownLevels::cellsShown(int level, Vec3i index, const Box3& region) const {
   }
   Box3 shown;
   visitIndices(owners, [&](Vec3i owner) {
-    const Box3 object = boxes_[static_cast<size_t>(level)]->of(owner);
+    const Box3 object = boxesOf(level)->of(owner);
     if (object.empty()) return;
     Box3 cells = at.cellsOver(object);
     // Beyond its outermost voxels a level shows their values.
@@ -170,17 +283,17 @@ Box3 ShownLevels::cellsShown(int level, Vec3i index, const Box3& region) const {
   return shown;
 }
 
-std::optional<ObjectBlock> ShownLevels::partOf(int level, Vec3i index, int64_t time) const {
+std::optional<ObjectBlock> ShownLevels::partOf(int level, Vec3i index, int64_t time) {
   const Box3 finest = finestBox(level, index);
   if (finest.empty()) return std::nullopt;
   return objectOf(level, index, time, finest);
 }
 
-ObjectBlock ShownLevels::objectOf(int level, Vec3i index, int64_t time) const {
+ObjectBlock ShownLevels::objectOf(int level, Vec3i index, int64_t time) {
   return objectOf(level, index, time, finestBox(level, index));
 }
 
-ObjectBlock ShownLevels::objectOf(int level, Vec3i index, int64_t time, const Box3& finest) const {
+ObjectBlock ShownLevels::objectOf(int level, Vec3i index, int64_t time, const Box3& finest) {
   ObjectBlock object;
   const LevelLayout& at = pyramid_.level(level);
   const int64_t block = at.blocks.idOf(index);
@@ -189,7 +302,7 @@ ObjectBlock ShownLevels::objectOf(int level, Vec3i index, int64_t time, const Bo
   if (isAsFinest(level))
     object.cells = finest;
   else
-    object.cells = boxes_[static_cast<size_t>(level)] ? cellsShown(level, index, region) : region;
+    object.cells = boxesOf(level) != nullptr ? cellsShown(level, index, region) : region;
   object.cells = intersect(object.cells, crop_);
   if (object.cells.empty()) {
     object.cells = {};

@@ -2,69 +2,101 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
+#include <unordered_map>
 #include <vector>
 
 #include "src/base/threads/worker_pool.h"
 #include "src/classify/blocks/object_boxes.h"
+#include "src/render/blocks/range_tree.h"
 #include "src/render/blocks/visible_blocks.h"
 #include "src/volume/pyramid.h"
 
 namespace sluice {
 
-// Immutable once made; any thread may read.
+// Whether a coarser level of the step shows what the finest one does (showsAsFinest()), and nothing
+// of its own.
+bool followsFinest(const TimeStep& step);
+
+// The blocks that are asked for are classified, and no others: of a million blocks, a picture of
+// coarse levels needs the few that bound what shows.
+//
+// Of a finest level that nobody has listed (SliceRanges::is_listed), nothing is taken for the
+// levels above it. It is listed when its own blocks are asked for, as are other levels that nobody
+// has read: a picture of coarse levels lists few files.
+//
+// One thread at a time.
 class ShownLevels {
  public:
-  // Classifies all blocks of the finest level, and of levels that do not show as it does and whose
-  // ranges are known, on all threads of `pool`. Throws Error as classify() does.
-  ShownLevels(const TimeStep& step, const Look& look, const Box3& crop, WorkerPool& pool);
+  // `tree`: of the step's finest ranges; null if they are not listed. `pool` must outlive this, as
+  // the step's sources must. Requires: the finest level is listed, or no level follows it. This and
+  // the other functions throw Error as classify() does, and from sources that are listed.
+  ShownLevels(const TimeStep& step, LookPtr look, const Box3& crop,
+              std::shared_ptr<const RangeTree> tree, WorkerPool& pool);
 
   const PyramidLayout& pyramid() const { return pyramid_; }
-  // Finest cells in object boxes of the finest level.
-  int64_t finestCells() const { return finest_cells_; }
+  // The share of the finest cells in object boxes of the finest level that a cut shows coarser, if
+  // it shows so many of them at the finest level.
+  double coarseShare(int64_t shown_finest);
   // Whether the finest level shows something in the block's region that is thinner than two voxels
   // of the block's level along an axis. Parts that go on in the next block of the finest level
-  // count with it; faces of the crop make nothing thin. Requires: level > 0.
-  bool hasThinParts(int level, Vec3i index) const;
+  // count with it; faces of the crop make nothing thin. False if the finest level is not listed.
+  // Requires: level > 0.
+  bool hasThinParts(int level, Vec3i index);
   // What is drawn of a block of time step `time` at its level: the box of the finest cells in its
   // region where interpolation of the level's voxels gives something visible. A level with spreads,
   // of extremes or of modes shows what the finest level shows; if the ranges of another level are
   // not known, the whole region shows. No cells: nothing.
-  ObjectBlock objectOf(int level, Vec3i index, int64_t time) const;
+  ObjectBlock objectOf(int level, Vec3i index, int64_t time);
   // The same for a block that has a part in the picture because of what the finest level shows:
   // something in its region, or, if its level shows as the finest one does, as far beyond as
   // interpolation carries it. nullopt: it has none.
-  std::optional<ObjectBlock> partOf(int level, Vec3i index, int64_t time) const;
+  std::optional<ObjectBlock> partOf(int level, Vec3i index, int64_t time);
 
  private:
   static constexpr int64_t kAnyExtent = INT64_MAX;
+  using Shown = ObjectBoxes::Shown;
 
-  // The finest level's object boxes in the region of a block: their hull, and their least extents
-  // along each axis. Both are in finest cells.
-  struct Below {
-    Box3 hull;
-    Vec3i least_extent{kAnyExtent, kAnyExtent, kAnyExtent};
-  };
-
-  void boundFinest(WorkerPool& pool);
-  Below finestOf(Vec3i index) const;  // for a block of the finest level itself
-  const Below& belowOf(int level, Vec3i index) const;
-  Vec3i extentOf(Vec3i index, const Box3& cells) const;
-  Box3 finestBox(int level, Vec3i index) const;
-  Box3 reachIn(int level, Vec3i index) const;
-  Box3 cellsShown(int level, Vec3i index, const Box3& region) const;
-  ObjectBlock objectOf(int level, Vec3i index, int64_t time, const Box3& finest) const;
+  // The object boxes of a level by its own ranges, in its own cells; null if the level follows the
+  // finest one, or if nothing is known of it.
+  ObjectBoxes* boxesOf(int level);
+  std::unique_ptr<ObjectBoxes> madeBoxes(int level) const;
+  // What of the region of a block shows at the finest level, as far as its ranges tell at once.
+  Shown shownBelow(int level, Vec3i index);
+  // The hull of the finest level's object boxes in the region of a block, in finest cells.
+  const Box3& hullOf(int level, Vec3i index);
+  void addHull(int level, Vec3i index, Box3& hull);
+  int64_t cellsBelow(int level, Vec3i index);
+  bool hasThinner(int level, Vec3i index, const Vec3d& least);
+  Vec3i leastExtentOfWhole(int level, Vec3i index) const;
+  Vec3i extentOf(Vec3i index, const Box3& cells);
+  Box3 cropped(int level, Vec3i index) const {
+    return intersect(pyramid_.regionOf(level, index), crop_);
+  }
+  Box3 finestBox(int level, Vec3i index);
+  Box3 reachIn(int level, Vec3i index);
+  Box3 cellsShown(int level, Vec3i index, const Box3& region);
+  ObjectBlock objectOf(int level, Vec3i index, int64_t time, const Box3& finest);
   // See showsAsFinest(); true of the finest level itself.
   bool isAsFinest(int level) const { return is_as_finest_[static_cast<size_t>(level)]; }
+  bool isListed() const { return tree_ != nullptr; }
 
+  const TimeStep step_;
+  const LookPtr look_;
   const PyramidLayout pyramid_;
   const Box3 crop_;
+  const std::shared_ptr<const RangeTree> tree_;
+  WorkerPool& pool_;
   std::vector<bool> is_as_finest_;  // for each level
-  // By each level's own ranges, in the level's own cells; none for a level that shows what the
-  // finest one shows, or of which nothing is known.
-  std::vector<std::optional<ObjectBoxes>> boxes_;
-  std::vector<std::vector<Below>> below_;  // for the blocks of each level but the finest
-  int64_t finest_cells_ = 0;
+  struct Level {
+    bool has_boxes = false;                   // boxes were made, or are none
+    std::unique_ptr<ObjectBoxes> boxes;       // see boxesOf()
+    std::unordered_map<int64_t, Box3> hulls;  // of the blocks that were asked for
+    std::unordered_map<int64_t, bool> thin;
+  };
+  std::vector<Level> levels_;
+  std::optional<int64_t> finest_cells_;  // in all object boxes of the finest level
 };
 
 }  // namespace sluice

@@ -109,7 +109,8 @@ VisibleBlocks classified(const SliceRanges& ranges, const TransferFunction& tran
   const VisibleBlocks result = classify(ranges, table, cells, pool);
   constexpr int64_t kMostCompared = 100'000;
   if (ranges.layout.blockCount() <= kMostCompared)
-    expectSameBoxes(result, ObjectBoxes(ranges, table, cells, pool), ranges.layout);
+    expectSameBoxes(result, ObjectBoxes(std::make_shared<const SliceRanges>(ranges), table, cells),
+                    ranges.layout);
   return result;
 }
 
