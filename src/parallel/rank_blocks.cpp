@@ -1,5 +1,7 @@
 #include "src/parallel/rank_blocks.h"
 
+#include "src/render/blocks/cut_rules.h"
+
 namespace sluice {
 
 void RankBlocks::dealFor(const BlockQuestion& question, const VisibleBlocks& all) {

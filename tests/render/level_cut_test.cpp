@@ -1,6 +1,7 @@
 // Cuts through levels of resolution: the blocks that they choose, and that their pictures equal the
 // levels' own, without a seam where levels meet.
 #include "src/render/blocks/level_cut.h"
+#include "src/render/blocks/cut_rules.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

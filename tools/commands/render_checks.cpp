@@ -9,7 +9,7 @@
 #include "src/base/values/bytes.h"
 #include "src/library/drawing/picture_memory.h"
 #include "src/library/opening/checked_source.h"
-#include "src/render/blocks/level_cut.h"
+#include "src/render/blocks/cut_rules.h"
 #include "src/view/state/view_path.h"
 #include "tools/commands/debug_views.h"
 #include "tools/options/shared_options.h"

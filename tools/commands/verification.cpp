@@ -9,7 +9,7 @@
 #include "src/library/drawing/added_pictures.h"
 #include "src/library/opening/shown_channels.h"
 #include "src/library/opening/step_ranges.h"
-#include "src/render/blocks/level_cut.h"
+#include "src/render/blocks/cut_rules.h"
 #include "tools/command_line/interrupt.h"
 #include "tools/command_line/progress_line.h"
 

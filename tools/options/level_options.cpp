@@ -1,6 +1,6 @@
 #include "src/base/error.h"
 #include "src/library/drawing/resources.h"
-#include "src/render/blocks/level_cut.h"
+#include "src/render/blocks/cut_rules.h"
 #include "tools/options/shared_options.h"
 
 namespace sluice {

@@ -15,7 +15,7 @@
 #include "src/library/drawing/strip_file.h"
 #include "src/library/drawing/view_fit.h"
 #include "src/library/opening/step_ranges.h"
-#include "src/render/blocks/level_cut.h"
+#include "src/render/blocks/cut_rules.h"
 #include "src/render/camera/index_space.h"
 
 namespace sluice {

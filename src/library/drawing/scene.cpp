@@ -10,7 +10,7 @@
 #include "src/base/values/bytes.h"
 #include "src/library/drawing/added_pictures.h"
 #include "src/library/drawing/empty_picture.h"
-#include "src/render/blocks/level_cut.h"
+#include "src/render/blocks/cut_rules.h"
 #include "src/render/camera/frame_setup.h"
 #include "src/render/session/planner.h"
 

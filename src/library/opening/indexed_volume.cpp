@@ -15,7 +15,6 @@
 #include "src/library/opening/side_levels.h"
 #include "src/library/opening/step_ranges.h"
 #include "src/library/opening/volume_sample.h"
-#include "src/render/blocks/level_cut.h"
 #include "src/volume/byte_order_hint.h"
 
 namespace sluice {

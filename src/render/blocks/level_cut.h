@@ -14,40 +14,11 @@
 #include "src/base/threads/worker_pool.h"
 #include "src/render/blocks/visible_blocks.h"
 #include "src/render/camera/cut_options.h"
-#include "src/render/camera/frame_setup.h"
 
 namespace sluice {
 
 class RangeTree;
 class ShownLevels;
-
-// What the voxels of coarser levels must be of the finest ones for a picture of this mode, of
-// values or labels. `value_scale`: the value of a stored number more; if it is negative, the
-// greatest value has the least number, of which levels are made.
-constexpr LevelValues levelValuesFor(Mode mode, bool has_labels, double value_scale) {
-  if (has_labels) return LevelValues::kModes;
-  return traitsOf(deviceMode(mode, value_scale)).level_values;
-}
-// Whether such levels can show what the finest level shows, so that a picture may be drawn from
-// them without being asked: not averages, nor labels along a ray.
-constexpr bool suitDefaultCut(Mode mode, bool has_labels) {
-  return traitsOf(mode).suits_levels && !(has_labels && !traitsOf(mode).has_colors);
-}
-
-// Whether a picture is drawn from a cut. False if no cut is set, if the step has one level, if the
-// default cut would show something else than the finest level, or if the transfer function has
-// surfaces, which are those of the finest level's values. Throws Error if a cut was asked for that
-// cannot be drawn: of a level that is not there, from levels of something else than the picture
-// shows, or of extremes that the look hides while it shows values next to them.
-bool drawsCut(const TimeStep& step, const std::optional<CutOptions>& cut, Mode mode,
-              const TransferFunction& transfer);
-// The level that voxels `pixel_error` pixels wide require where the view needs the finest one, or
-// the level that the options name. The distance between slices follows from it.
-int finestLevelShown(const TimeStep& step, const View& view, const CutOptions& options);
-// The coarsest level of the blocks that the picture shows.
-int coarsestLevelShown(const TimeStep& step, const View& view, const VisibleBlocks& blocks);
-// The finest spacing of a level's voxels in units of the volume's finest spacing.
-double spacingOfLevel(const TimeStep& step, int level);
 
 class LevelCut : public BlockChooser {
  public:

@@ -11,6 +11,7 @@
 #include <memory>
 
 #include "cache/model/page_geometry.h"
+#include "src/render/blocks/cut_rules.h"
 #include "src/render/blocks/level_cut.h"
 #include "src/render/blocks/visible_blocks.h"
 #include "src/render/camera/frame_options.h"

@@ -4,6 +4,8 @@
 #include <utility>
 
 #include "src/base/error.h"
+#include "src/base/threads/clock.h"
+#include "src/render/blocks/cut_rules.h"
 
 namespace sluice {
 namespace {

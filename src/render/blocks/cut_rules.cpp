@@ -1,0 +1,120 @@
+#include "src/render/blocks/cut_rules.h"
+
+#include <algorithm>
+
+#include "src/base/error.h"
+#include "src/render/camera/index_space.h"
+#include "src/render/camera/pixel_sizes.h"
+
+namespace sluice {
+namespace {
+
+Vec3i finestCells(const PyramidLayout& pyramid) {
+  return pyramid.finest().dims - Vec3i{1, 1, 1};
+}
+
+// The values that levels hold, and their word for `sluice pack --downsample`.
+struct LevelWords {
+  const char *hold, *option;
+};
+LevelWords wordsOf(LevelValues values) {
+  switch (values) {
+    case LevelValues::kMaxima:
+      return {"maxima", "max"};
+    case LevelValues::kMinima:
+      return {"minima", "min"};
+    case LevelValues::kModes:
+      return {"labels", "mode"};
+    case LevelValues::kMeans:
+    case LevelValues::kUnknown:
+      break;
+  }
+  return {"means", "mean"};
+}
+
+// Whether the extreme of several voxels shows if one of them does: for the greatest value, each
+// value above one that shows. Other ways to combine samples look at no extreme.
+bool showsExtremes(const TransferFunction& transfer, Combining combining) {
+  std::vector<OpacityPoint> towards_extreme = transfer.opacities;
+  if (combining == Combining::kLeast)
+    std::ranges::reverse(towards_extreme);
+  else if (combining != Combining::kGreatest)
+    return true;
+  const auto isShown = [](const OpacityPoint& point) { return point.opacity > 0; };
+  const auto first = std::ranges::find_if(towards_extreme, isShown);
+  return std::all_of(first, towards_extreme.end(), isShown);
+}
+
+}  // namespace
+
+void requireLevel(const CutOptions& options, const TimeStep& step) {
+  const int levels = static_cast<int>(step.coarser.size()) + 1;
+  if (options.level && *options.level >= levels)
+    fail("{}: --level {}: there {} {} level{}, counted from 0", step.source->layout().name,
+         *options.level, levels == 1 ? "is" : "are", levels, levels == 1 ? "" : "s");
+}
+
+bool drawsCut(const TimeStep& step, const std::optional<CutOptions>& cut, Mode mode,
+              const TransferFunction& transfer) {
+  if (!cut || (!transfer.surfaces.empty() && traitsOf(mode).has_colors)) return false;
+  const bool has_labels = transfer.labels;
+  const bool shows_extremes = showsExtremes(transfer, traitsOf(mode).combining);
+  const LevelValues wanted = levelValuesFor(mode, has_labels, step.ranges->map.scale);
+  if (cut->is_default) {
+    // The opening has left out means without spreads.
+    const bool are_wanted = wanted == LevelValues::kMeans ||
+                            std::ranges::all_of(step.coarser, [&](const CoarserStep& level) {
+                              return level.valuesShown() == wanted;
+                            });
+    return !step.coarser.empty() && suitDefaultCut(mode, has_labels) && are_wanted &&
+           shows_extremes;
+  }
+  requireLevel(*cut, step);
+  for (const CoarserStep& level : step.coarser) {
+    const LevelValues found = level.valuesShown();
+    if (found == LevelValues::kUnknown || found == wanted || cut->level.value_or(1) == 0) continue;
+    fail(
+        "{}: its coarser levels hold {}, which are no {}; leave out --level, --pixel-error and "
+        "--max-bytes, or pack it with --downsample {}",
+        step.source->layout().name, wordsOf(found).hold, wordsOf(wanted).hold,
+        wordsOf(wanted).option);
+  }
+  if (!shows_extremes && !step.coarser.empty() && cut->level.value_or(1) > 0)
+    fail(
+        "{}: its coarser levels hold {}, and the look hides some of them where it shows other "
+        "values; leave out --level, --pixel-error and --max-bytes, or make all {} values visible",
+        step.source->layout().name, wordsOf(wanted).hold,
+        traitsOf(mode).combining == Combining::kGreatest ? "greater" : "lesser");
+  return !step.coarser.empty();
+}
+
+int finestLevelShown(const TimeStep& step, const View& view, const CutOptions& options) {
+  requireLevel(options, step);
+  if (options.level) return *options.level;
+  const PyramidLayout pyramid = step.layout();
+  const PixelSizes sizes(step.source->layout(), view);
+  int level = 0;
+  while (level < pyramid.levels() - 1 &&
+         sizes.of(pyramid.level(level + 1), boxOf(finestCells(pyramid))) <= options.pixel_error)
+    ++level;
+  return level;
+}
+
+int coarsestLevelShown(const TimeStep& step, const View& view, const VisibleBlocks& blocks) {
+  const PyramidLayout pyramid = step.layout();
+  const PixelSizes sizes(step.source->layout(), view);
+  int coarsest = 0;
+  for (const ObjectBlock& block : blocks.blocks)
+    if (block.name.level > coarsest &&
+        sizes.of(pyramid.of(block.name), pyramid.regionOf(block.name)) > 0)
+      coarsest = block.name.level;
+  return coarsest;
+}
+
+double spacingOfLevel(const TimeStep& step, int level) {
+  const VolumeLayout& volume = step.source->layout();
+  const Vec3d spacing = volume.spacing * step.layout().level(level).placement.scale;
+  return std::min({spacing.x, spacing.y, spacing.z}) / finestSpacing(volume);
+}
+
+}  // namespace sluice
