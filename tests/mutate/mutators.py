@@ -26,7 +26,7 @@ def apply(rng, kind, folder):
         files = [p for p in files if p.suffix == ".json"]
     path = rng.choice(files)
     ways = {"nrrd": [text_field], "meta": [text_field], "nifti": [nifti_field], "tiff": [tiff_tag, tiff_tag, tiff_text], "png": [png_header, png_chunk],
-            "zarr": [json_member, json_member], "n5": [json_member, json_member, words], "vtk": [text_field, words], "hdf5": [words, words], "json": [json_member, json_member, json_text], "vdb": [vdb_field, vdb_field, words], "dicom": [dicom_element, dicom_element, words], "index": [words], "trace": [text_field, words],
+            "zarr": [json_member, json_member], "n5": [json_member, json_member, words], "ome": [tiff_tag, tiff_text, xml_value, xml_value], "vtk": [text_field, xml_value, words], "hdf5": [words, words, xml_value], "json": [json_member, json_member, json_text], "vdb": [vdb_field, vdb_field, words], "dicom": [dicom_element, dicom_element, words], "index": [words], "trace": [text_field, words],
             "raw": [words]}[kind]
     way = rng.choice(ways + [damage])
     if rng.random() < 0.03:
@@ -222,6 +222,27 @@ def tiff_text(rng, path):
         changed[rng.choice(places)] = rng.choice(b"0123456789-e<>\"' \x1bZCT")
     path.write_bytes(changed)
     return "the description"
+
+
+XML_TEXTS = ["", "0", "-1", "1", "2", "3", "255", "4294967296", "9223372036854775808", "1e300", "nan", "0.5", "XYZCT", "XYCZT", "XXXXX", "uint8", "uint16",
+             "double", "Int16", "&amp;", "&lt;&#27;[2J", "&#0;", "&nothing;", "../other.tif", "/dev/zero", "v.tif", "0 5 0 5 0 5", "1 1 1", "a" * 3000]
+
+
+def xml_value(rng, path):
+    """The value of an attribute, or the text of an element; of a TIFF's description in as many bytes."""
+    data = path.read_bytes()
+    begin = data.find(b"<")
+    if path.suffix == ".tif":
+        begin = data.find(b"<OME")
+    end = data.find(b"\0", begin) if path.suffix == ".tif" else len(data)
+    found = list(re.finditer(rb'(?<==")[^"]*(?=")|(?<=>)[^<>]+(?=<)', data[begin:end]))
+    place = rng.choice(found)
+    at, length = begin + place.start(), len(place.group())
+    value = rng.choice(XML_TEXTS).encode()
+    if path.suffix == ".tif":
+        value = value[:length].ljust(length)
+    path.write_bytes(data[:at] + value + data[at + length:])
+    return f"{place.group()[:30]!r} becomes {value[:30]!r}"
 
 
 def chunks_of(data):

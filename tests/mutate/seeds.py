@@ -277,6 +277,23 @@ def hdf5(m):
             m.case("hdf5", place.name, "render", name, *DRAW)
 
 
+def tiff_sets(m):
+    """OME-TIFF files that belong together, by the XML in each or in a companion, and pages with reduced images."""
+    with tempfile.TemporaryDirectory() as made:
+        script = pathlib.Path(__file__).parents[1] / "io/make_tiff_pages.py"
+        if subprocess.run(["/usr/bin/python3", script, made], stderr=subprocess.DEVNULL, check=False).returncode != 0:
+            print("no sets of TIFF files: numpy or tifffile is missing")
+            return
+        for name, opened, arguments in (("ome-set", "ome-set-1.tif", DRAW), ("ome-companion", "ome-companion.tif", DRAW),
+                                        ("ome-companion", "ome-companion-2.tif", MEMORY),
+                                        ("levels-means", "levels-means.tif", MEMORY)):
+            place = m.folder("set-" + opened.replace(".", "-"))
+            for file in pathlib.Path(made).glob(name + "*"):
+                if file.suffix != ".bin":
+                    shutil.copy(file, place)
+            m.case("ome", place.name, "render" if arguments is DRAW else "info", opened, *arguments)
+
+
 def vdbs(m):
     def tool(*arguments):
         try:
@@ -305,7 +322,8 @@ def dicoms(m):
         if subprocess.run(["/usr/bin/python3", script, made], stderr=subprocess.DEVNULL, check=False).returncode != 0:
             print("no DICOM files: NumPy or pydicom is missing")
             return
-        for name in ("ct", "implicit", "enhanced", "enhanced-delimited", "dose", "rle-ct", "jpeg-ct", "jpegls-u8", "j2k-ct"):
+        for name in ("ct", "implicit", "several", "times", "missing", "tilt", "folders", "enhanced", "enhanced-delimited", "dose", "rle-ct", "jpeg-ct",
+                     "jpegls-u8", "j2k-ct"):
             folder = pathlib.Path(made) / name
             if not folder.exists():
                 continue  # GDCM's programs are missing
@@ -346,6 +364,6 @@ def others(m):
 
 def make(program, root):
     maker = Maker(program, root)
-    for part in (headers, slices, zarrs, n5, vtk, hdf5, vdbs, dicoms, others):
+    for part in (headers, slices, zarrs, n5, vtk, hdf5, tiff_sets, vdbs, dicoms, others):
         part(maker)
     return maker.cases

@@ -135,10 +135,9 @@ View resolve(const Camera& camera, const VolumeLayout& layout, PictureSize size,
   const double slices = (last_depth - view.first_depth) / view.step;
   if (!(slices <= kMostSlices))
     fail(
-        "--step {}: {:.3g} slices along the view, of which at most {} can be drawn; give --step "
-        "{:.2g} "
-        "or more",
-        step_vox, slices, static_cast<int64_t>(kMostSlices),
+        "{}: --step {}: {:.3g} slices along the view, of which at most {} can be drawn; give "
+        "--step {:.2g} or more",
+        layout.name, step_vox, slices, static_cast<int64_t>(kMostSlices),
         1.01 * step_vox * slices / kMostSlices);
   return view;
 }
