@@ -74,4 +74,16 @@ std::string printedAddress(const Address& address) {
   return address.server + "/" + address.key;
 }
 
+std::string withoutSecrets(const std::string& name) {
+  const std::string_view scheme = schemeOf(name);
+  if (scheme.empty()) return name;
+  std::string_view rest = std::string_view(name).substr(scheme.size());
+  rest = rest.substr(0, rest.find_first_of("?#"));
+  const size_t path = std::min(rest.find('/'), rest.size());
+  // Up to the last one: a password may have one of its own.
+  if (const size_t at = rest.substr(0, path).rfind('@'); at != std::string_view::npos)
+    rest.remove_prefix(at + 1);
+  return std::string(scheme) + std::string(rest);
+}
+
 }  // namespace sluice

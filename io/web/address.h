@@ -45,4 +45,8 @@ Address parseAddress(const std::string& name, const BucketAccess& buckets = {});
 // The address without name, password and query: for messages, reports and titles.
 std::string printedAddress(const Address& address);
 
+// What a user named, without name, password and query if it is an address: for messages, reports
+// and names of files.
+std::string withoutSecrets(const std::string& name);
+
 }  // namespace sluice

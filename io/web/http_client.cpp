@@ -151,7 +151,8 @@ void HttpClient::begin(Transfer& transfer) {
   if (!request.range.empty()) curl_easy_setopt(easy, CURLOPT_RANGE, request.range.c_str());
   curl_easy_setopt(easy, CURLOPT_PROTOCOLS_STR, "http,https");
   curl_easy_setopt(easy, CURLOPT_REDIR_PROTOCOLS_STR, "http,https");
-  curl_easy_setopt(easy, CURLOPT_FOLLOWLOCATION, 1L);
+  // A signature is for one server, and the token that comes with it is for no other.
+  curl_easy_setopt(easy, CURLOPT_FOLLOWLOCATION, credentials_.signs_with.empty() ? 1L : 0L);
   curl_easy_setopt(easy, CURLOPT_MAXREDIRS, kRedirects);
   curl_easy_setopt(easy, CURLOPT_NOSIGNAL, 1L);
   curl_easy_setopt(easy, CURLOPT_PIPEWAIT, 1L);  // one connection for many, if the server can

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 
+#include "io/web/address.h"
 #include "src/base/threads/clock.h"
 #include "src/library/opening/thick_source.h"
 #include "src/render/camera/index_space.h"
@@ -380,7 +381,9 @@ json optionsJson(const CLI::App& app) {
     } else if (option->results().size() == 1 && name != "volume") {
       options[name] = option->results().front();
     } else {
-      options[name] = option->results();
+      std::vector<std::string> words = option->results();
+      for (std::string& word : words) word = withoutSecrets(word);
+      options[name] = std::move(words);
     }
   }
   return options;

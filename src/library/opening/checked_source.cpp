@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "io/step_numbers.h"
+#include "io/web/address.h"
 #include "src/base/error.h"
 #include "src/library/opening/thick_source.h"
 
@@ -26,16 +27,16 @@ std::unique_ptr<VolumeSource> checkedSource(std::unique_ptr<VolumeSource> opened
   // A number that is a file's asks for no step beyond the last one.
   const auto missing = missingStep(*source, step ? *step : beyond_numbers ? steps : arguments.time);
   const std::string gap = missing ? "; " + *missing + " is missing" : "";
+  const std::string name = withoutSecrets(arguments.inputs.front());
   constexpr const char* kCounted = "time steps are counted from 0, not by the files' numbers";
   if (step)
-    fail("{}: --time {}: {}: the file of that number is step {} of {}; give --time {}{}",
-         arguments.inputs.front(), arguments.time, kCounted, *step, steps, *step, gap);
+    fail("{}: --time {}: {}: the file of that number is step {} of {}; give --time {}{}", name,
+         arguments.time, kCounted, *step, steps, *step, gap);
   if (beyond_numbers)
-    fail("{}: --time {}: {}: the last file has number {} and is step {} of {}{}",
-         arguments.inputs.front(), arguments.time, kCounted, numbers->back(), steps - 1, steps,
-         gap);
-  fail("{}: --time {}: the volume has {} time step{}, counted from 0{}", arguments.inputs.front(),
-       arguments.time, steps, steps == 1 ? "" : "s", gap);
+    fail("{}: --time {}: {}: the last file has number {} and is step {} of {}{}", name,
+         arguments.time, kCounted, numbers->back(), steps - 1, steps, gap);
+  fail("{}: --time {}: the volume has {} time step{}, counted from 0{}", name, arguments.time,
+       steps, steps == 1 ? "" : "s", gap);
 }
 
 }  // namespace sluice

@@ -7,6 +7,7 @@
 #include <span>
 #include <utility>
 
+#include "io/web/address.h"
 #include "src/base/error.h"
 #include "src/base/values/read_units.h"
 #include "src/base/values/volume_levels.h"
@@ -117,7 +118,7 @@ IndexedVolume indexVolume(std::unique_ptr<VolumeSource> source, const VolumeArgu
   const IndexNeeds needs = hurriedNeeds(stored, *volume.source);
   volume.was_hurried = needs.may_stand_in && !asked.may_stand_in;
   volume.needs = asked;
-  volume.name = arguments.inputs.front();
+  volume.name = withoutSecrets(arguments.inputs.front());
   volume.places = indexPlaces(volume.name, wish);
   const VolumeLayout& layout = volume.source->layout();
   volume.map = deviceMap(layout);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "io/web/address.h"
 #include "src/base/error.h"
 #include "src/base/files/shell_word.h"
 #include "src/classify/transfer/color_maps.h"
@@ -94,7 +95,7 @@ std::vector<ChannelSource> openChannels(const VolumeArguments& arguments) {
   std::unique_ptr<VolumeSource> source = openSource(first);
   std::vector<int64_t> numbers{source->layout().channel};
   if (is_list)
-    numbers = wishedChannels(arguments.inputs.front(), wish, channelNames(*source),
+    numbers = wishedChannels(withoutSecrets(arguments.inputs.front()), wish, channelNames(*source),
                              source->layout().channels);
   else if (!wish.given())
     numbers = activeChannels(*source);
