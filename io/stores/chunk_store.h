@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -47,6 +48,14 @@ class ChunkStore {
   // it, if there is no such piece. Throws Error, naming the piece: it cannot be read, or is shorter
   // than that; and what `room` throws.
   virtual bool read(const std::string& key, const PieceBytes& wanted, const Room& room) = 0;
+
+  // The copy of a piece that this machine keeps, if read() asked for just these bytes before: its
+  // length, and with `out` its bytes, which must have that length. nullopt: there is none, it is
+  // damaged, or the store keeps no copies. Whether the piece has changed since is not asked.
+  virtual std::optional<uint64_t> keptCopy(const std::string& /*key*/, const PieceBytes& /*wanted*/,
+                                           std::span<std::byte> /*out*/ = {}) {
+    return std::nullopt;
+  }
 
   // A text that changes when the piece or the folder does, as far as the store knows without
   // reading it; "none" if there is none. Never fails.

@@ -125,6 +125,14 @@ bool HttpStore::fetch(const std::string& key, const PieceBytes& wanted, const Ro
   }
 }
 
+std::optional<uint64_t> HttpStore::keptCopy(const std::string& key, const PieceBytes& wanted,
+                                            std::span<std::byte> out) {
+  if (!cache_) return std::nullopt;
+  const std::optional<CachedPiece> cached = cache_->find(cacheName(nameOf(key), wanted));
+  if (!cached || (!out.empty() && !cached->read(out))) return std::nullopt;
+  return cached->bytes();
+}
+
 std::string HttpStore::stampOf(const std::string& key) {
   const MutexLock lock(mutex_);
   const auto known = stamps_.find(key);

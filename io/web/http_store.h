@@ -29,6 +29,8 @@ class HttpStore final : public ChunkStore {
   // not.
   bool has(const std::string& key) override;
   bool read(const std::string& key, const PieceBytes& wanted, const Room& room) override;
+  std::optional<uint64_t> keptCopy(const std::string& key, const PieceBytes& wanted,
+                                   std::span<std::byte> out) override;
   std::string stampOf(const std::string& key) override;
   bool canList() const override { return false; }
   int distantReads() const override { return 16; }

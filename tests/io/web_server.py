@@ -4,7 +4,7 @@
   web_server.py FOLDER LOG [FAULT]
 
 Prints its port, then serves until its input ends. LOG gets a line for each request: the path, the
-range and the status. An ETag that is sent back is answered by 304. Every third request for a chunk goes wrong, by FAULT:
+range, the status and the bytes of the body. An ETag that is sent back is answered by 304. Every third request for a chunk goes wrong, by FAULT:
 
   drop      the connection is closed half way
   silent    the connection is closed without an answer
@@ -16,6 +16,7 @@ range and the status. An ETag that is sent back is answered by 304. Every third 
   changed   from the twentieth request on, every object has another ETag
   forbidden status 403 for what is not there
   gzip      a Content-Encoding
+  shaped    answers begin after 50 ms, and all together send 100 Mbit/s at most, and none goes wrong
 """
 import http.server
 import pathlib
@@ -27,6 +28,8 @@ folder, log = pathlib.Path(sys.argv[1]), open(sys.argv[2], 'w', buffering=1)
 fault = sys.argv[3] if len(sys.argv) > 3 else ''
 lock = threading.Lock()
 counted = {'all': 0, 'chunks': 0}
+shaped_bytes_a_second = 100e6 / 8
+line_is_free_at = [0.0]  # of the shaped line
 
 
 class Handler(http.server.BaseHTTPRequestHandler):
@@ -35,6 +38,17 @@ class Handler(http.server.BaseHTTPRequestHandler):
 
     def log_message(self, *_):
         pass
+
+    def send_shaped(self, part):
+        """Sends in small pieces, each when the line has had the time for it."""
+        for at in range(0, len(part), 16384):
+            piece = part[at:at + 16384]
+            with lock:
+                begins = max(line_is_free_at[0], time.monotonic())
+                line_is_free_at[0] = begins + len(piece) / shaped_bytes_a_second
+                ends = line_is_free_at[0]
+            time.sleep(max(0, ends - time.monotonic()))
+            self.wfile.write(piece)
 
     def part_of(self, size):
         """First and last byte of the range, and whether there is one."""
@@ -55,7 +69,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
             counted['chunks'] += is_chunk
             goes_wrong = is_chunk and counted['chunks'] % 3 == 0
             stamp = 'second' if fault == 'changed' and counted['all'] >= 20 else 'first'
-        if fault == 'delay':
+        if fault in ('delay', 'shaped'):
             time.sleep(0.05)
         status = 200
         if not file.is_file():
@@ -72,11 +86,12 @@ class Handler(http.server.BaseHTTPRequestHandler):
                 status = 206
             if self.headers.get('If-None-Match') == tag:
                 status, body, first, last, is_part = 304, b'', 0, -1, False
-        log.write(f'{path} {self.headers.get("Range", "-")} {status} {self.headers.get("Authorization", "-")}\n')
+        part = body[first:last + 1]
+        log.write(f'{path} {self.headers.get("Range", "-")} {status} {len(part)} '
+                  f'{self.headers.get("Authorization", "-")}\n')
         if goes_wrong and fault == 'silent':
             self.close_connection = True
             return
-        part = body[first:last + 1]
         self.send_response(status)
         if status != 304:
             self.send_header('Content-Length', str(len(part) + (100 if goes_wrong and fault == 'long' else 0)))
@@ -91,7 +106,10 @@ class Handler(http.server.BaseHTTPRequestHandler):
         self.end_headers()
         if goes_wrong and fault == 'drop':
             part = part[:len(part) // 2]
-        self.wfile.write(part)
+        if fault == 'shaped':
+            self.send_shaped(part)
+        else:
+            self.wfile.write(part)
         if goes_wrong and fault in ('drop', 'long'):
             self.close_connection = True
 

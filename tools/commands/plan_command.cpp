@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 
+#include "io/web/address.h"
 #include "src/base/error.h"
 #include "src/base/threads/clock.h"
 #include "src/base/values/bytes.h"
@@ -18,6 +19,7 @@
 #include "tools/command_line/progress_line.h"
 #include "tools/commands/commands.h"
 #include "tools/commands/plan_forecast.h"
+#include "tools/commands/plan_server.h"
 #include "tools/options/shared_options.h"
 #include "tools/outputs/report.h"
 #include "tools/pages/report_file.h"
@@ -65,7 +67,7 @@ std::unique_ptr<PlannedCulling> plannedCulling(const PlanArguments& arguments,
     fail(
         "{}: the series is not prepared for this look, which --culling needs; sluice prepare does "
         "it",
-        arguments.volume.inputs.front());
+        withoutSecrets(arguments.volume.inputs.front()));
   const CullingOptions options =
       cullingOptions(culling.culling, arguments.frame, *functions, memory_bytes);
   const SeriesOpacityPtr opacity = functions->opacity();
@@ -337,6 +339,18 @@ void printIndex(const PlannedChannel& channel) {
   if (channel.boxes) print(*channel.boxes);
 }
 
+// The plan of a picture of which nothing is known before all of the volume is read.
+int printPassAlone(const PlanArguments& arguments, const PassForecast& pass, const CLI::App& app) {
+  nlohmann::json report{{"command", "plan"}, {"options", optionsJson(app)}};
+  addStoreJson(report, {}, pass);
+  if (!arguments.report_file.empty()) writeReport(arguments.report_file, report);
+  if (arguments.json)
+    sayJson(report);
+  else if (!arguments.resources.quiet)
+    say("{}\n", passLine(arguments.volume, pass));
+  return kDone;
+}
+
 int run(const PlanArguments& asked, const CLI::App& app) {
   PlanArguments arguments = asked;
   Workers pool(arguments.resources.threads);
@@ -351,12 +365,20 @@ int run(const PlanArguments& asked, const CLI::App& app) {
   outputs.reads(arguments.volume.inputs);
   outputs.reads(arguments.look.transfer_file);
   outputs.writes("--report", arguments.report_file, reportKind(arguments.report_file));
+  outputs.checkNames();
+  std::optional<PassForecast> pass =
+      passOverServer(arguments.volume, arguments.look, arguments.resources, arguments.frame);
+  if (pass && pass->is_all) return printPassAlone(arguments, *pass, app);
+  if (pass && !arguments.resources.quiet) printNotice(passLine(arguments.volume, *pass));
   PlannedPicture planned = openPlanned(arguments, FinestLevel::kMayWait, outputs, pool);
   const bool must_read = std::ranges::any_of(planned.channels, [&](const PlannedChannel& channel) {
     return mustReadFinest(channel.volume, channel.transfer, arguments.frame, {&planned.camera, 1},
                           pool);
   });
-  if (must_read) planned = openPlanned(arguments, FinestLevel::kRead, outputs, pool);
+  if (must_read && pass) {
+    for (PlannedChannel& channel : planned.channels) addFinestLevel(*pass, channel.volume);
+  }
+  if (must_read && !pass) planned = openPlanned(arguments, FinestLevel::kRead, outputs, pool);
   std::vector<PlannedChannel>& channels = planned.channels;
   PlannedChannel& first = channels.front();
   arguments.frame.camera = planned.camera;
@@ -369,6 +391,7 @@ int run(const PlanArguments& asked, const CLI::App& app) {
   for (PlannedChannel& channel : channels) planChannel(share, channel, culling.get(), pool);
   const Algorithm algorithm = arguments.frame.algorithm;
   nlohmann::json report = reportOf(channels, algorithm, app);
+  addStoreJson(report, sumOf(channels).forecast, pass);
   if (culling) report["culling"] = countsJson(culling->blocks.counts());
   if (!arguments.report_file.empty()) {
     PagePictures pictures;
@@ -385,7 +408,10 @@ int run(const PlanArguments& asked, const CLI::App& app) {
     if (channels.size() > 1) say("{}\n", channel.volume.channel.title());
     print(channel, algorithm);
   }
-  printForecast(sumOf(channels).forecast);
+  const Forecast sum = sumOf(channels).forecast;
+  printForecast(sum);
+  if (sum.stored) printStore(*sum.stored, first.volume.source->distantReads() > 0);
+  if (pass && must_read) say("{}\n", passLine(arguments.volume, *pass));
   if (culling)
     say("culling: {} of {} blocks that are not empty can be seen\n",
         culling->blocks.counts().blocks_visible, culling->blocks.counts().blocks_nonempty);

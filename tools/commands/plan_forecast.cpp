@@ -8,6 +8,7 @@ namespace sluice {
 void add(Forecast& sum, const Forecast& more) {
   sum.blocks += more.blocks;
   sum.voxel_bytes += more.voxel_bytes;
+  if (more.stored) sum.stored = sum.stored.value_or(StoredReads()) += *more.stored;
   sum.budget_bytes += more.budget_bytes;
   sum.least_bytes += more.least_bytes;
   sum.buffer_bytes += more.buffer_bytes;

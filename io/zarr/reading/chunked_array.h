@@ -7,12 +7,14 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "io/zarr/metadata/zarr_array.h"
 #include "io/zarr/metadata/zarr_image.h"
 #include "io/zarr/reading/zarr_chunk_cache.h"
+#include "src/base/values/stored_reads.h"
 
 namespace sluice {
 
@@ -34,6 +36,15 @@ class ChunkedArray {
   // The voxels of a chunk in this machine's byte order; null: it turned out not to be there. Takes
   // at most twice its size from `memory` meanwhile. Requires: exists(chunk). Throws Error.
   virtual std::shared_ptr<CountedBytes> load(int64_t chunk, ChunkMemory& memory) = 0;
+
+  // The cost of reading each of these chunks, without their decoding. Neither chunks nor indices
+  // are read for it. Requires: ascending, each once. Throws Error as existing() does.
+  virtual StoredReads storedReads(std::span<const int64_t> chunks) {
+    StoredReads reads;
+    reads.chunks = static_cast<int64_t>(chunks.size());
+    reads.most_bytes = chunks.size() * array().chunkBytes();
+    return reads;
+  }
 
   // A text that changes whenever a chunk may have changed.
   virtual std::string stamp() const = 0;

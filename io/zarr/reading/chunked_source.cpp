@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <map>
 #include <utility>
 
 #include "io/files/copy_row.h"
@@ -240,6 +241,46 @@ uint64_t ChunkedSource::heldBytesAThread() const {
   return bytes;
 }
 
+template <class Visit>
+void ChunkedSource::eachChunk(int64_t time, const Box3& box, const Visit& visit) const {
+  const Vec3i step = chunkVoxels(), first = box.lo / step * step;
+  const ZarrArray& array = array_->array();
+  for (int64_t z = first.z; z < box.hi.z; z += step.z)
+    for (int64_t y = first.y; y < box.hi.y; y += step.y)
+      for (int64_t x = first.x; x < box.hi.x; x += step.x)
+        visit(Vec3i{x, y, z}, array.chunkNumber(indexAt(array.chunks, time, {x, y, z})));
+}
+
+std::optional<StoredReads> ChunkedSource::storedReads(int64_t time, std::span<const LevelBox> boxes,
+                                                      uint64_t held_bytes) {
+  std::map<const VolumeSource*, ChunkedSource*> sources{{nullptr, this}};
+  for (ChunkedSource* source : sourcesAbove()) sources.emplace(source, source);
+  std::map<ChunkedSource*, std::vector<int64_t>> needed;
+  uint64_t decoded_bytes = 0;
+  int64_t uses = 0;
+  for (const LevelBox& box : boxes) {
+    const auto found = sources.find(box.level);
+    if (found == sources.end() || box.box.empty()) continue;
+    ChunkedSource* source = found->second;
+    std::vector<int64_t>& numbers = needed[source];
+    source->eachChunk(time, box.box, [&](Vec3i /*corner*/, int64_t number) {
+      numbers.push_back(number);
+      ++uses;
+    });
+  }
+  StoredReads reads;
+  for (auto& [source, numbers] : needed) {
+    std::sort(numbers.begin(), numbers.end());
+    numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+    reads += source->array_->storedReads(numbers);
+    decoded_bytes += numbers.size() * source->array_->array().chunkBytes();
+  }
+  reads.decoded_bytes = decoded_bytes;
+  // Boxes are read by several threads, so that no order of them is certain.
+  reads.decodes = decoded_bytes <= held_bytes ? reads.chunks : uses;
+  return reads;
+}
+
 void ChunkedSource::holdAtMost(uint64_t bytes) {
   if (part_ == Part::kLevel) return;
   std::vector<ChunkedArray*> indexed{array_.get()};
@@ -314,25 +355,18 @@ void ChunkedSource::readRegion(int64_t time, const Box3& box, std::span<std::byt
   SLUICE_CHECK(!box.empty() && boxOf(layout.dims).contains(box));
   SLUICE_CHECK(time >= 0 && time < layout.time_steps);
   SLUICE_CHECK_EQ(static_cast<int64_t>(out.size()), box.count() * voxel);
-  const Vec3i step = chunkVoxels();
-  const Vec3i first = box.lo / step * step;
-  for (int64_t z = first.z; z < box.hi.z; z += step.z)
-    for (int64_t y = first.y; y < box.hi.y; y += step.y)
-      for (int64_t x = first.x; x < box.hi.x; x += step.x) {
-        const Vec3i corner{x, y, z};
-        const Box3 part = intersect(box, {corner, corner + step});
-        const ZarrArray& array = array_->array();
-        const int64_t number = array.chunkNumber(indexAt(array.chunks, time, corner));
-        if (array_->exists(number)) {
-          copyChunk(cache_->get({array_number_, number})->span(), time, part, box, out);
-          continue;
-        }
-        const Vec3i at = part.lo - box.lo;
-        for (int64_t pz = at.z; pz < at.z + part.size().z; ++pz)
-          for (int64_t py = at.y; py < at.y + part.size().y; ++py)
-            fillRow(fill_, out.data() + ((pz * box.size().y + py) * box.size().x + at.x) * voxel,
-                    part.size().x);
-      }
+  eachChunk(time, box, [&](Vec3i corner, int64_t number) {
+    const Box3 part = intersect(box, {corner, corner + chunkVoxels()});
+    if (array_->exists(number)) {
+      copyChunk(cache_->get({array_number_, number})->span(), time, part, box, out);
+      return;
+    }
+    const Vec3i at = part.lo - box.lo;
+    for (int64_t pz = at.z; pz < at.z + part.size().z; ++pz)
+      for (int64_t py = at.y; py < at.y + part.size().y; ++py)
+        fillRow(fill_, out.data() + ((pz * box.size().y + py) * box.size().x + at.x) * voxel,
+                part.size().x);
+  });
 }
 
 std::optional<Occupancy> ChunkedSource::occupancy(int64_t time) {

@@ -12,6 +12,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "io/files/channel_choice.h"
@@ -20,6 +21,7 @@
 #include "io/zarr/reading/zarr_chunk_cache.h"
 #include "src/base/values/level_kinds.h"
 #include "src/base/values/read_units.h"
+#include "src/base/values/stored_reads.h"
 #include "src/base/values/volume_channels.h"
 #include "src/base/values/volume_levels.h"
 #include "src/base/values/volume_source.h"
@@ -36,7 +38,8 @@ class ChunkedSource : public VolumeSource,
                       public ChanneledSource,
                       public LeveledSource,
                       public LevelKinds,
-                      public UnitSource {
+                      public UnitSource,
+                      public StoredSource {
  public:
   // Throws Error: an array that cannot be opened, --channel without such an axis.
   explicit ChunkedSource(ChunkedVolume volume, const ChunkedOptions& options = {});
@@ -61,6 +64,8 @@ class ChunkedSource : public VolumeSource,
   // A chunk.
   ReadUnits readUnits() const override { return {.voxels = chunkVoxels()}; }
   uint64_t storedBytesRead() const override;
+  std::optional<StoredReads> storedReads(int64_t time, std::span<const LevelBox> boxes,
+                                         uint64_t held_bytes) override;
 
   // A chunk being decoded, its compressed bytes, and one being copied from; of the level with the
   // largest chunks.
@@ -97,6 +102,9 @@ class ChunkedSource : public VolumeSource,
                                              size_t level, const VolumeLayout& layout);
   // All sources that follow here.
   std::vector<ChunkedSource*> sourcesAbove() const;
+  // Calls `visit` with the number of each chunk that a box needs.
+  template <class Visit>
+  void eachChunk(int64_t time, const Box3& box, const Visit& visit) const;
   // Sets their placements, some of which their metadata leave open.
   void placeLevels(const ChunkedVolume& volume, const std::vector<size_t>& datasets);
   // Gives the levels of other kinds the places of those.

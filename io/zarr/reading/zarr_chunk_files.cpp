@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cstring>
+#include <map>
 #include <utility>
 
 #include "io/files/swap_bytes.h"
@@ -19,6 +20,11 @@ constexpr uint64_t kCrcBytes = sizeof(uint32_t);
 constexpr uint64_t kIndexCacheBytes = 4 << 20;  // until setBudget()
 constexpr size_t kMostMissing = 1 << 16;        // a few megabytes
 constexpr uint64_t kSmallChunkBytes = 4 << 20;
+
+// The most that codecs make of a chunk: what they cannot compress they store with a few headers.
+constexpr uint64_t mostStoredBytes(uint64_t chunk_bytes) {
+  return chunk_bytes + chunk_bytes / 128 + 256;
+}
 
 // A number as it stands in a chunk's name: digits alone, no leading zero, below `end`.
 std::optional<int64_t> indexIn(std::string_view text, int64_t end) {
@@ -187,10 +193,63 @@ bool ZarrChunkFiles::readFile(int64_t file, const PieceBytes& wanted, const Room
   return is_there;
 }
 
+PieceBytes ZarrChunkFiles::indexPiece() const {
+  const auto from = array_.shards->is_first ? PieceBytes::From::kStart : PieceBytes::From::kEnd;
+  return {from, 0, array_.shardIndexBytes()};
+}
+
+StoredReads ZarrChunkFiles::storedReads(std::span<const int64_t> chunks) {
+  StoredReads reads;
+  const auto count = [&](const std::string& key, const PieceBytes& piece, uint64_t most_bytes) {
+    const std::optional<uint64_t> kept = folder_.store->keptCopy(key, piece);
+    if (kept)
+      ++reads.kept;
+    else
+      reads.most_bytes += most_bytes;
+  };
+  const uint64_t behind = array_.has_crc ? kCrcBytes : 0;
+  const bool is_plain = array_.codec == ZarrCodec::kNone && !array_.is_n5;
+  const uint64_t most = is_plain ? array_.chunkBytes() : mostStoredBytes(array_.chunkBytes());
+  // The shards that were met, each with the copy of its index, if one is kept.
+  std::map<int64_t, std::vector<std::byte>> indices;
+  for (const int64_t chunk : chunks) {
+    if (checksums_ && stored(chunk).bytes == 0) continue;
+    const ZarrArray::Place place = array_.placeOf(chunk);
+    if (!checksums_ && areKnown() &&
+        !std::binary_search(existing().begin(), existing().end(), place.file))
+      continue;
+    const std::string key = folder_.at(array_.fileName(place.file)).key;
+    PieceBytes piece;
+    uint64_t bytes = checksums_ ? stored(chunk).bytes : most + behind;
+    bool has_place = !indices_;
+    if (indices_) {
+      const auto [index, is_new] = indices.try_emplace(place.file);
+      if (is_new) {
+        ++reads.indices;
+        index->second.resize(array_.shardIndexBytes());
+        count(key, indexPiece(), index->second.size());
+        if (!folder_.store->keptCopy(key, indexPiece(), index->second)) index->second.clear();
+      }
+      if (!index->second.empty()) {
+        const auto at = ZarrShardIndices::entryOf(array_, index->second, place.chunk);
+        if (!at) continue;
+        piece = {PieceBytes::From::kStart, at->offset, at->bytes};
+        bytes = at->bytes;
+        has_place = true;
+      }
+    }
+    ++reads.chunks;
+    if (has_place)
+      count(key, piece, bytes);
+    else
+      reads.most_bytes += bytes;
+  }
+  return reads;
+}
+
 void ZarrChunkFiles::readIndex(int64_t number, std::span<std::byte> index) {
   const std::string path = folder_.at(array_.fileName(number)).name();
-  const auto from = array_.shards->is_first ? PieceBytes::From::kStart : PieceBytes::From::kEnd;
-  const bool is_there = readFile(number, {from, 0, index.size()}, [&](const PieceInfo& piece) {
+  const bool is_there = readFile(number, indexPiece(), [&](const PieceInfo& piece) {
     if (piece.bytes < index.size())
       fail("{}: expected a shard with an index of {} bytes, found {}", path, index.size(),
            piece.bytes);

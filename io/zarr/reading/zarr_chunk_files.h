@@ -55,6 +55,7 @@ class ZarrChunkFiles final : public ChunkedArray {
   bool exists(int64_t chunk) override;
   // Read and decoded. Throws Error, naming the file.
   std::shared_ptr<CountedBytes> load(int64_t chunk, ChunkMemory& memory) override;
+  StoredReads storedReads(std::span<const int64_t> chunks) override;
   // Covers the checksums, which deny a changed chunk when it is read; without them the stamps of at
   // most kSampledChunks files.
   std::string stamp() const override;
@@ -92,6 +93,8 @@ class ZarrChunkFiles final : public ChunkedArray {
   // written after the volume was opened.
   bool readFile(int64_t file, const PieceBytes& wanted, const Room& room);
   void readIndex(int64_t file, std::span<std::byte> index);
+  // Where a shard's index lies in its file.
+  PieceBytes indexPiece() const;
   // Files that turned out not to be there, so that a server is seldom asked for them again.
   void rememberMissing(int64_t file);
   bool isRememberedMissing(int64_t file);

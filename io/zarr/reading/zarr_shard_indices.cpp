@@ -35,11 +35,15 @@ void ZarrShardIndices::setMissing(std::span<std::byte> index) {
 }
 
 std::optional<ZarrChunkPlace> ZarrShardIndices::find(ZarrArray::Place place) {
-  const ZarrChunkCache::Chunk index = indices_.get({0, place.file});
+  return entryOf(array_, indices_.get({0, place.file})->span(), place.chunk);
+}
+
+std::optional<ZarrChunkPlace> ZarrShardIndices::entryOf(const ZarrArray& array,
+                                                        std::span<const std::byte> index,
+                                                        int64_t chunk) {
   std::array<uint64_t, 2> entry{};
-  std::memcpy(entry.data(), index->span().data() + sizeof entry * static_cast<size_t>(place.chunk),
-              sizeof entry);
-  if (array_.shards->byte_order != std::endian::native)
+  std::memcpy(entry.data(), index.data() + sizeof entry * static_cast<size_t>(chunk), sizeof entry);
+  if (array.shards->byte_order != std::endian::native)
     swapBytes(std::as_writable_bytes(std::span(entry)), sizeof(uint64_t));
   if (entry[0] == kMissing && entry[1] == kMissing) return std::nullopt;
   return ZarrChunkPlace{entry[0], entry[1]};

@@ -31,6 +31,10 @@ class ZarrShardIndices {
   // An index of a shard without a chunk.
   static void setMissing(std::span<std::byte> index);
 
+  // The entry of a chunk of the shard in an index as stored; nullopt: the shard has no such chunk.
+  static std::optional<ZarrChunkPlace> entryOf(const ZarrArray& array,
+                                               std::span<const std::byte> index, int64_t chunk);
+
   // nullopt: the shard has no such chunk. Throws what `read` does.
   std::optional<ZarrChunkPlace> find(ZarrArray::Place place);
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "src/base/values/level_kinds.h"
+#include "src/base/values/stored_reads.h"
 #include "src/base/values/volume_channels.h"
 #include "src/base/values/volume_levels.h"
 #include "src/base/values/volume_source.h"
@@ -17,7 +18,8 @@ namespace sluice {
 class ForwardingSource : public VolumeSource,
                          public ChanneledSource,
                          public LeveledSource,
-                         public LevelKinds {
+                         public LevelKinds,
+                         public StoredSource {
  public:
   explicit ForwardingSource(std::unique_ptr<VolumeSource> source) : source_(std::move(source)) {}
 
@@ -45,6 +47,10 @@ class ForwardingSource : public VolumeSource,
   void holdAtMost(uint64_t bytes) override { source_->holdAtMost(bytes); }
   int distantReads() const override { return source_->distantReads(); }
   std::vector<std::string> files() override { return source_->files(); }
+  std::optional<StoredReads> storedReads(int64_t time, std::span<const LevelBox> boxes,
+                                         uint64_t held_bytes) override {
+    return sluice::storedReads(*source_, time, boxes, held_bytes);
+  }
 
  private:
   const std::unique_ptr<VolumeSource> source_;

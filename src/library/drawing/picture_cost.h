@@ -4,7 +4,9 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 
+#include "src/base/values/stored_reads.h"
 #include "src/library/opening/indexed_volume.h"
 #include "src/library/requests.h"
 #include "src/render/blocks/visible_blocks.h"
@@ -46,6 +48,8 @@ AlgorithmCosts algorithmCosts(const IndexedVolume& volume, const PlannedBlocks& 
 struct Forecast {
   int64_t blocks = 0;        // blocks that show something
   uint64_t voxel_bytes = 0;  // decoded bytes of those blocks, as a first frame reads them
+  // What a first frame reads of a store of chunks; unset: the volume is none.
+  std::optional<StoredReads> stored = {};
   // The memory that MachineOptions::memory_bytes bounds: its value, the least that works, and the
   // frame's need.
   uint64_t budget_bytes = 0, least_bytes = 0, buffer_bytes = 0;
@@ -58,6 +62,10 @@ struct Forecast {
   uint64_t peakBytes() const { return buffer_bytes + program_bytes; }
   bool fits() const { return least_bytes <= budget_bytes && peakBytes() <= machine_bytes; }
 };
+
+// What reading a level of the volume from end to end takes of a store of chunks, with its spreads;
+// level 0 has no spreads. Throws Error.
+std::optional<StoredReads> storedReadsOfLevel(VolumeSource& source, int64_t time, int level);
 
 // `page`: with as many pages as the picture has. `plan_bytes`: bytes of the textures that the
 // chosen algorithm makes, which count on software GL, whose textures live in memory.

@@ -16,6 +16,8 @@ namespace {
 // draw.
 constexpr uint64_t kBoxShare = 8;
 
+constexpr int kReadsInFlight = 4;
+
 // The largest chunk: two whole blocks side by side, in whole pages.
 uint64_t largestChunkBytes(const PageGeometry& page, const BufferNeeds& needs) {
   const int64_t side = needs.block_vox;
@@ -43,6 +45,10 @@ uint64_t tableBytes(const PageGeometry& page) {
 }
 
 }  // namespace
+
+int readsAtOnce(const VolumeSource& source, int threads) {
+  return std::max({threads, kReadsInFlight, source.distantReads()});
+}
 
 BufferNeeds bufferNeeds(const VolumeSource& source, const BlockLayout& layout, Partition partition,
                         uint64_t beside_bytes) {

@@ -33,6 +33,10 @@ struct BufferNeeds {
 BufferNeeds bufferNeeds(const VolumeSource& source, const BlockLayout& layout, Partition partition,
                         uint64_t beside_bytes);
 
+// How many blocks are read at once for a program of so many threads: enough to keep a disk busy
+// that serves many reads at once, on machines of few cores too, or a distant server.
+int readsAtOnce(const VolumeSource& source, int threads);
+
 // The least that levels 1 to 3 work with: two merged chunks; for one reader and the drawing thread
 // two blocks each, their scratch, the source's memory for them and the voxels of their growing
 // boxes; and the memory that others hold.

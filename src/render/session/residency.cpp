@@ -9,9 +9,6 @@
 namespace sluice {
 namespace {
 
-// Enough to keep a disk busy that serves many reads at once, on machines of few cores too.
-constexpr int kReadsInFlight = 4;
-
 // Names that no plan in use has: of thresholds seen before, whose chunks level 3 may still hold.
 constexpr size_t kMostUnusedNames = size_t{1} << 16;
 
@@ -49,10 +46,6 @@ BufferNeeds needsOf(const TimeStep& step, const ResidencyOptions& options) {
   for (const CoarserStep& coarser : step.coarser)
     if (coarser.spreads != nullptr) needs.numbers = 2;
   return needs;
-}
-
-int readsAtOnce(const VolumeSource& source, int threads) {
-  return std::max({threads, kReadsInFlight, source.distantReads()});
 }
 
 }  // namespace

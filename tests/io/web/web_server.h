@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <sstream>
@@ -19,6 +20,7 @@ namespace sluice {
 struct WebRequest {
   std::string path, range;  // the range "-" for all of it
   int status = 0;
+  uint64_t bytes = 0;  // of the body
   std::string authorization;
 };
 
@@ -61,7 +63,7 @@ class WebServer {
   std::vector<WebRequest> requests() const {
     std::istringstream lines(readFile(log_ / "log"));
     std::vector<WebRequest> all;
-    for (WebRequest r; lines >> r.path >> r.range >> r.status;) {
+    for (WebRequest r; lines >> r.path >> r.range >> r.status >> r.bytes;) {
       std::getline(lines >> std::ws, r.authorization);
       all.push_back(r);
     }

@@ -1,0 +1,65 @@
+#include "src/library/opening/pass_forecast.h"
+
+#include <algorithm>
+#include <span>
+
+#include "io/web/address.h"
+#include "src/base/values/volume_levels.h"
+#include "src/library/drawing/picture_cost.h"
+#include "src/library/drawing/resources.h"
+#include "src/library/opening/stand_in.h"
+#include "src/volume/pyramid.h"
+
+namespace sluice {
+namespace {
+
+bool isFaithful(const CoarserLevel& level) {
+  return showsAsFinest(level.values, level.spreads != nullptr);
+}
+
+// The levels that nest, of those that a picture with these needs may be drawn from.
+PyramidLayout pyramidOf(const VolumeSource& source, const BlockLayout& finest,
+                        const IndexNeeds& needs) {
+  PyramidLayout pyramid(finest);
+  if (needs.levels == LevelNeeds::kFinest) return pyramid;
+  for (const CoarserLevel& level : coarserLevels(source)) {
+    if (needs.levels == LevelNeeds::kFaithful && !isFaithful(level)) break;
+    const int numbers = level.spreads != nullptr ? 2 : 1;
+    if (!pyramid.add(level.source->layout().dims, level.placement, numbers).empty()) break;
+  }
+  return pyramid;
+}
+
+}  // namespace
+
+std::optional<PassForecast> passForecast(VolumeSource& source, const VolumeArguments& arguments,
+                                         const MachineOptions& machine, const IndexNeeds& needs,
+                                         const IndexWish& wish) {
+  const VolumeLayout& layout = source.layout();
+  const PageGeometry page = pageShape(machine, deviceMap(layout));
+  const int64_t side = machine.block.value_or(blockSizeFor(page.size_vox));
+  // Volumes with levels have a layer more (indexed_volume.h).
+  constexpr int kLevelsGhost = 2;
+  PyramidLayout pyramid = pyramidOf(source, blockLayout(layout.dims, side, kLevelsGhost), needs);
+  if (pyramid.levels() == 1)
+    pyramid = PyramidLayout(blockLayout(layout.dims, side, needs.gradients ? 1 : 0));
+  const IndexPlaces places = indexPlaces(withoutSecrets(arguments.inputs.front()), wish);
+  if (keptRanges(source, places, arguments.time, pyramid.finest())) return std::nullopt;
+  PassForecast forecast;
+  const bool stands_in =
+      needs.may_stand_in && pyramid.levels() > 1 && (layout.time_steps == 1 || !needs.whole_series);
+  forecast.level = stands_in ? standInLevel(pyramid) : 0;
+  forecast.is_all = !stands_in;
+  bool is_known = false;
+  for (int level = forecast.level; level < pyramid.levels(); ++level) {
+    // Levels above show as the first one does, or need an index of their own.
+    if (level > forecast.level && isFaithful(coarserLevels(source)[static_cast<size_t>(level) - 1]))
+      continue;
+    const auto reads = storedReadsOfLevel(source, arguments.time, level);
+    is_known = is_known || reads.has_value();
+    forecast.reads += reads.value_or(StoredReads());
+  }
+  return is_known ? std::optional(forecast) : std::nullopt;
+}
+
+}  // namespace sluice
