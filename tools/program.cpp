@@ -101,7 +101,7 @@ CommandLine makeCommandLine() {
   program.require_subcommand(1);
   const std::vector<Heading> headings = {
       {"Pictures", {addRender, addView, addSurface, addInfo, addPlan}},
-      {"Volumes", {addSynth, addPack, addPrepare}},
+      {"Volumes", {addSynth, addPack, addFetch, addPrepare}},
       {"Measuring", {addSimulate, addBench, addDoctor}}};
   for (const auto& [title, commands] : headings)
     for (const auto add : commands) {

@@ -303,6 +303,7 @@ TEST(CommandLine, aFullDeviceOrAClosedOutputIsStatusOne) {
                                           "simulate " + trace,
                                           "synth cube --dims 8,8,8 -o c.nrrd",
                                           "pack --check a.zarr",
+                                          "fetch --list",
                                           "doctor",
                                           "bench slicing"};
   for (const std::string& line : lines)

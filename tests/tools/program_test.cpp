@@ -17,9 +17,9 @@ namespace {
 TEST(Program, printsItsVersionAndHelp) {
   const Program program;
   EXPECT_EQ(program.run("--version").output, std::string(SLUICE_VERSION) + "\n");
-  for (const char* command :
-       {"info", "render", "plan", "simulate", "synth", "pack", "surface", "doctor", "bench limit",
-        "bench render", "bench algorithms", "bench simulate", "bench threshold", "bench packing"}) {
+  for (const char* command : {"info", "render", "plan", "simulate", "synth", "pack", "surface",
+                              "fetch", "doctor", "bench limit", "bench render", "bench algorithms",
+                              "bench simulate", "bench threshold", "bench packing"}) {
     const CommandResult help = program.run(std::string(command) + " --help");
     EXPECT_EQ(help.status, 0) << command;
     EXPECT_NE(help.output.find("--json"), std::string::npos) << command;

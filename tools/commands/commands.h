@@ -22,6 +22,7 @@ Command addSurface(CLI::App& program);
 Command addSimulate(CLI::App& program);
 Command addSynth(CLI::App& program);
 Command addPack(CLI::App& program);
+Command addFetch(CLI::App& program);
 Command addDoctor(CLI::App& program);
 Command addBench(CLI::App& program);
 

@@ -1,0 +1,231 @@
+#include "io/fetch_volume.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <set>
+#include <string_view>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "io/formats.h"
+#include "io/web/web_place.h"
+#include "io/zarr/metadata/zarr_array.h"
+#include "io/zarr/n5/n5_attributes.h"
+#include "src/base/error.h"
+#include "src/base/threads/mutex.h"
+#include "src/base/threads/worker_pool.h"
+
+namespace sluice {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array<std::string_view, 4> kMetadataNames = {"zarr.json", ".zarray", ".zgroup",
+                                                            "attributes.json"};
+// Objects of a store that are read at once.
+constexpr int kObjectsAtOnce = 8;
+
+std::string lastPart(const std::string& key) {
+  return key.substr(key.rfind('/') + 1);
+}
+
+// The metadata that a reader of a store asks for, so that they need not be looked for.
+class RecordingStore final : public ChunkStore {
+ public:
+  explicit RecordingStore(std::shared_ptr<ChunkStore> store) : store_(std::move(store)) {}
+
+  std::set<std::string> metadata() const {
+    const MutexLock lock(mutex_);
+    return metadata_;
+  }
+
+  std::string wholeKey(const std::string& key) const override { return store_->wholeKey(key); }
+  std::string nameOf(const std::string& key) const override { return store_->nameOf(key); }
+  bool has(const std::string& key) override { return noted(key, store_->has(key)); }
+  bool read(const std::string& key, const PieceBytes& wanted, const Room& room) override {
+    return noted(key, store_->read(key, wanted, room));
+  }
+  std::string stampOf(const std::string& key) override { return store_->stampOf(key); }
+  int distantReads() const override { return store_->distantReads(); }
+  bool canList() const override { return store_->canList(); }
+  void list(const std::string& folder,
+            const std::function<void(const Entry& entry)>& take) override {
+    store_->list(folder, take);
+  }
+
+ private:
+  bool noted(const std::string& key, bool is_there) {
+    const std::string name = lastPart(key);
+    const bool is_metadata =
+        name == ".zattrs" || std::ranges::find(kMetadataNames, name) != kMetadataNames.end();
+    if (is_there && is_metadata) {
+      const MutexLock lock(mutex_);
+      metadata_.insert(key);
+    }
+    return is_there;
+  }
+
+  const std::shared_ptr<ChunkStore> store_;
+  mutable Mutex mutex_;
+  std::set<std::string> metadata_ SLUICE_GUARDED_BY(mutex_);
+};
+
+std::string textOf(ChunkStore& store, const std::string& key) {
+  std::string text;
+  store.read(key, {}, [&](const PieceInfo& piece) {
+    text.resize(piece.bytes);
+    return std::as_writable_bytes(std::span(text));
+  });
+  return text;
+}
+
+// The array that a metadata file describes; nullopt: it is a group's.
+std::optional<ZarrArray> arrayIn(const std::string& name, const std::string& text,
+                                 const std::string& path) {
+  if (name == ".zarray" || (name == "zarr.json" && isZarrArray(text, path)))
+    return parseZarrArray(text, path);
+  if (name == "attributes.json" && isN5Array(text, path)) return parseN5Array(text, path);
+  return std::nullopt;
+}
+
+class StoreFetch {
+ public:
+  StoreFetch(StorePlace root, const fs::path& target, const FetchOptions& options,
+             ProgressMeter& progress)
+      : root_(std::move(root)),
+        target_(target),
+        part_(target.string() + ".part"),
+        options_(options),
+        progress_(progress) {
+    one_.reads = 1;
+    one_.has_checksum = false;
+    one_.stop = options.download.stop;
+  }
+
+  FetchedVolume run(const std::string& address) {
+    const std::set<std::string> metadata = findMetadata(address);
+    for (const std::string& key : metadata) fetchOne(key);
+    for (const std::string& key : metadata) fetchArray(key);
+    std::error_code error;
+    fs::rename(part_, target_, error);
+    if (error) fail("{}: cannot be written: {}", target_.string(), error.message());
+    FetchedVolume fetched{.is_store = true, .files = files_, .missing_files = missing_};
+    fetched.object.bytes = bytes_;
+    fetched.object.resumed_bytes = resumed_bytes_;
+    return fetched;
+  }
+
+ private:
+  // The keys of all metadata below the root, of the volume and of its levels.
+  std::set<std::string> findMetadata(const std::string& address) const {
+    const auto recording = std::make_shared<RecordingStore>(root_.store);
+    NamedInput input;
+    input.name = address;
+    input.store = StorePlace{recording, root_.key};
+    const Format& format = formatOf(input, options_.open);
+    format.open(input, options_.open);
+    std::set<std::string> keys;
+    for (const std::string& key : recording->metadata()) {
+      if (!key.starts_with(root_.key + "/")) continue;  // an image around it
+      keys.insert(key);
+      addAround(key, keys);
+    }
+    return keys;
+  }
+
+  // Metadata that other programs expect beside a key and in the folders that it lies in: a group's,
+  // attributes of its own.
+  void addAround(const std::string& key, std::set<std::string>& keys) const {
+    const std::string kind = lastPart(key);
+    const std::vector<std::string> names =
+        kind.starts_with(".z") ? std::vector<std::string>{".zarray", ".zattrs", ".zgroup"}
+                               : std::vector<std::string>{kind};
+    for (std::string folder = key; folder.size() > root_.key.size();) {
+      folder.resize(folder.rfind('/'));
+      for (const std::string& name : names) {
+        const std::string beside = folder + "/" + name;
+        if (!keys.contains(beside) && root_.store->has(beside)) keys.insert(beside);
+      }
+    }
+  }
+
+  fs::path fileOf(const std::string& key) const {
+    const fs::path below = key.substr(root_.key.size() + 1);
+    for (const fs::path& part : below)
+      if (part == ".." || part.is_absolute())
+        fail("{}: expected names of files below the store's", root_.store->nameOf(key));
+    return part_ / below;
+  }
+
+  void fetchOne(const std::string& key) {
+    const fs::path file = fileOf(key);
+    std::error_code error;
+    if (const uintmax_t bytes = fs::file_size(file, error); !error) {
+      ++files_;
+      bytes_ += bytes;
+      resumed_bytes_ += bytes;
+      return;
+    }
+    fs::create_directories(file.parent_path(), error);
+    if (error) fail("{}: cannot be written: {}", file.parent_path().string(), error.message());
+    ProgressMeter nobody;
+    const auto done = download({root_.store, key}, file, {}, one_, nobody);
+    if (!done) {
+      ++missing_;
+      return;
+    }
+    ++files_;
+    bytes_ += done->bytes;
+    resumed_bytes_ += done->resumed_bytes;
+  }
+
+  // All chunks or shards of the array that a metadata file describes.
+  void fetchArray(const std::string& key) {
+    const auto array = arrayIn(lastPart(key), textOf(*root_.store, key), root_.store->nameOf(key));
+    if (!array) return;
+    const StorePlace folder{root_.store, key.substr(0, key.rfind('/'))};
+    const int64_t count = array->fileCount();
+    progress_.expect(static_cast<uint64_t>(count));
+    WorkerPool pool(kObjectsAtOnce);
+    pool.parallelFor(count, [&](int64_t file) {
+      options_.download.stop.throwIfStopped();
+      fetchOne(folder.at(array->fileName(file)).key);
+      progress_.add(1);
+    });
+  }
+
+  const StorePlace root_;
+  const fs::path& target_;
+  const fs::path part_;
+  const FetchOptions& options_;
+  ProgressMeter& progress_;
+  DownloadOptions one_;
+  std::atomic<int64_t> files_{0}, missing_{0};
+  std::atomic<uint64_t> bytes_{0}, resumed_bytes_{0};
+};
+
+bool isStorePlace(const StorePlace& place) {
+  return std::ranges::any_of(kMetadataNames,
+                             [&](std::string_view name) { return place.has(std::string(name)); });
+}
+
+}  // namespace
+
+FetchedVolume fetchVolume(const std::string& address, const fs::path& target,
+                          const FetchOptions& options, ProgressMeter& progress) {
+  const StorePlace place = webPlace(address, options.open.web, options.open.stop);
+  if (isStorePlace(place)) {
+    if (options.expected.bytes || !options.expected.sha256.empty())
+      fail("{}: a store of many files, which has no size and checksum of its own", place.name());
+    return StoreFetch(place, target, options, progress).run(address);
+  }
+  const auto done = download(place, target, options.expected, options.download, progress);
+  if (!done) fail("{}: expected an object, found none", place.name());
+  FetchedVolume fetched;
+  fetched.object = *done;
+  return fetched;
+}
+
+}  // namespace sluice

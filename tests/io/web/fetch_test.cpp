@@ -1,0 +1,249 @@
+#include <gmock/gmock.h>
+#include <sys/stat.h>
+
+#include <fstream>
+#include <map>
+#include <random>
+#include <set>
+
+#include "io/fetch_volume.h"
+#include "io/open_volume.h"
+#include "io/stores/folder_store.h"
+#include "io/stores/sha256.h"
+#include "tests/io/python_volumes.h"
+#include "tests/io/web/web_server.h"
+#include "tests/io/zarr/zarr_case.h"
+#include "tests/support/run_command.h"
+
+namespace sluice {
+namespace {
+
+namespace fs = std::filesystem;
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+using testing::StartsWith;
+
+std::string sha256Of(std::string_view text) {
+  Sha256 sha;
+  // In pieces of many lengths.
+  for (size_t at = 0, bytes = 1; at < text.size(); at += bytes, bytes = bytes * 2 % 211 + 1)
+    sha.add(std::as_bytes(std::span(text.substr(at, bytes))));
+  return sha.finish();
+}
+
+// The examples of the standard, and the lengths around the end of a block.
+TEST(Sha256, givesTheDigestsOfTheStandard) {
+  EXPECT_EQ(sha256Of(""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+  EXPECT_EQ(sha256Of("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+  EXPECT_EQ(sha256Of("abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq"),
+            "248d6a61d20638b8e5c026930c3e6039a33ce45964ff2167f6ecedd419db06c1");
+  EXPECT_EQ(sha256Of(std::string(1000000, 'a')),
+            "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
+  const TempFolder folder;
+  for (const size_t bytes : {55, 56, 63, 64, 65, 119, 120, 128}) {
+    const std::string text(bytes, 'x');
+    std::ofstream(folder / "f") << text;
+    const std::string said = runCommand("sha256sum " + (folder / "f").string()).output;
+    EXPECT_EQ(sha256Of(text), said.substr(0, 64)) << bytes;
+  }
+}
+
+// A file of random bytes behind a server.
+class Fetch : public testing::Test {
+ protected:
+  static constexpr uint64_t kBytes = 1000003;
+
+  Fetch() {
+    std::mt19937 random(7);
+    for (uint64_t i = 0; i < kBytes; ++i) content_ += static_cast<char>(random());
+    fs::create_directories(served_ / "data");
+    std::ofstream(served_ / "data/head.raw", std::ios::binary) << content_;
+  }
+
+  FetchOptions options() const {
+    FetchOptions options;
+    options.download.piece_bytes = 30000;
+    return options;
+  }
+  FetchedVolume fetch(const WebServer& server, const FetchOptions& with) const {
+    ProgressMeter nobody;
+    return fetchVolume(server.address() + "/data/head.raw", target_, with, nobody);
+  }
+  // Only the file is there, with its bytes.
+  void expectWhole() const {
+    EXPECT_TRUE(readFile(target_) == content_);
+    EXPECT_FALSE(fs::exists(target_.string() + ".part"));
+    EXPECT_FALSE(fs::exists(target_.string() + ".part-of"));
+  }
+  // Puts the first bytes of the object in the place where an earlier run left them.
+  void leavePart(const WebServer& server, uint64_t bytes, const std::string& stamp) const {
+    std::ofstream(target_.string() + ".part", std::ios::binary) << content_.substr(0, bytes);
+    std::ofstream(target_.string() + ".part-of") << server.address() << "/data/head.raw\n"
+                                                 << kBytes << "\n"
+                                                 << stamp << "\n";
+  }
+  // The ETag of the server.
+  std::string stamp() const {
+    struct stat about {};
+    stat((served_ / "data/head.raw").c_str(), &about);
+    return "\"first-" + std::to_string(kBytes) + "-" +
+           std::to_string(about.st_mtim.tv_sec * 1000000000 + about.st_mtim.tv_nsec) + "\"";
+  }
+
+  const TempFolder served_, here_;
+  const fs::path target_ = here_ / "head.raw";
+  std::string content_;
+};
+
+TEST_F(Fetch, copiesAFileAndAsksForNothingTwice) {
+  const WebServer server(served_.path());
+  FetchOptions with = options();
+  with.expected = {kBytes, sha256Of(content_)};
+  const FetchedVolume fetched = fetch(server, with);
+  expectWhole();
+  EXPECT_EQ(fetched.object.bytes, kBytes);
+  EXPECT_EQ(fetched.object.resumed_bytes, 0U);
+  EXPECT_EQ(fetched.object.sha256, sha256Of(content_));
+  std::set<std::string> ranges;
+  uint64_t bytes = 0;
+  for (const WebRequest& r : server.requests()) {
+    if (r.path != "data/head.raw") continue;
+    EXPECT_TRUE(ranges.insert(r.range).second) << r.range;
+    bytes += r.bytes;
+  }
+  EXPECT_EQ(bytes, kBytes);
+}
+
+TEST_F(Fetch, faultsThatPassChangeNoByte) {
+  for (const char* fault : {"drop", "silent", "delay", "busy", "broken", "long"}) {
+    SCOPED_TRACE(fault);
+    const WebServer server(served_.path(), fault);
+    fs::remove(target_);
+    fetch(server, options());
+    expectWhole();
+  }
+}
+
+TEST_F(Fetch, faultsThatDoNotPassAreOneLineAndNoFile) {
+  const std::map<std::string, std::string> lines = {
+      {"changed", "changed while"}, {"gzip", "Content-Encoding"}, {"whole", "able to send parts"}};
+  for (const auto& [fault, line] : lines) {
+    SCOPED_TRACE(fault);
+    const TempFolder folder;
+    std::string large = content_ + content_;
+    fs::create_directories(folder / "data");
+    std::ofstream(folder / "data/head.raw", std::ios::binary) << large;
+    const WebServer server(folder.path(), fault);
+    EXPECT_THAT(errorOf([&] { fetch(server, options()); }),
+                AllOf(StartsWith(server.address() + "/data/head.raw"), HasSubstr(line),
+                      Not(HasSubstr("\n"))));
+    EXPECT_FALSE(fs::exists(target_));
+    fs::remove(target_.string() + ".part");
+  }
+}
+
+TEST_F(Fetch, anotherSizeOrChecksumThanExpectedIsOneLineAndNoFile) {
+  const WebServer server(served_.path());
+  FetchOptions wrong = options();
+  wrong.expected.bytes = kBytes + 1;
+  EXPECT_THAT(errorOf([&] { fetch(server, wrong); }),
+              AllOf(HasSubstr("expected 1000004 bytes, found 1000003"), Not(HasSubstr("\n"))));
+  wrong.expected = {kBytes, std::string(64, '0')};
+  EXPECT_THAT(errorOf([&] { fetch(server, wrong); }),
+              AllOf(HasSubstr("expected the SHA-256 0000"), HasSubstr(sha256Of(content_)),
+                    Not(HasSubstr("\n"))));
+  EXPECT_TRUE(fs::is_empty(here_.path()));
+}
+
+TEST_F(Fetch, goesOnWhereItStopped) {
+  const WebServer server(served_.path());
+  for (const uint64_t there : {uint64_t{1}, uint64_t{123456}, kBytes - 1, kBytes}) {
+    SCOPED_TRACE(there);
+    const size_t before = server.requests().size();
+    leavePart(server, there, stamp());
+    FetchOptions with = options();
+    with.expected.sha256 = sha256Of(content_);
+    EXPECT_EQ(fetch(server, with).object.resumed_bytes, there);
+    expectWhole();
+    uint64_t bytes = 0;
+    const std::vector<WebRequest> all = server.requests();
+    for (size_t i = before; i < all.size(); ++i)
+      if (all[i].path == "data/head.raw" && all[i].status == 206) bytes += all[i].bytes;
+    EXPECT_EQ(bytes, kBytes - there);
+  }
+}
+
+TEST_F(Fetch, beginsAnewIfTheObjectHasChanged) {
+  const WebServer server(served_.path());
+  leavePart(server, 5000, "\"another\"");
+  std::ofstream(target_.string() + ".part", std::ios::binary) << std::string(5000, 'x');
+  EXPECT_EQ(fetch(server, options()).object.resumed_bytes, 0U);
+  expectWhole();
+}
+
+TEST_F(Fetch, anObjectThatIsNotThereIsOneLine) {
+  const WebServer server(served_.path());
+  ProgressMeter nobody;
+  EXPECT_THAT(errorOf([&] {
+                fetchVolume(server.address() + "/data/none.raw", target_, options(), nobody);
+              }),
+              AllOf(HasSubstr("/data/none.raw: expected an object"), Not(HasSubstr("\n"))));
+  EXPECT_TRUE(fs::is_empty(here_.path()));
+}
+
+struct FetchCase : ZarrCase {
+  static constexpr const char* kScript = "make_zarr3.py";
+  static constexpr const char* kModules = "numpy, numcodecs";
+};
+
+class FetchStore : public PythonVolumesTest<FetchCase> {};
+
+// Every store of the script: what is fetched has the voxels of what lies at the server, and of the
+// files that readers need each is there.
+TEST_F(FetchStore, hasTheVoxelsAndAsksForNothingTwice) {
+  const TempFolder here;
+  const WebServer server(folder_);
+  for (const FetchCase& c : cases_) {
+    SCOPED_TRACE(c.name);
+    const fs::path target = here.path() / fs::path(c.name).filename();
+    fs::remove_all(target);
+    ProgressMeter nobody;
+    const FetchedVolume fetched = fetchVolume(server.address() + "/" + c.name, target, {}, nobody);
+    EXPECT_TRUE(fetched.is_store);
+    EXPECT_FALSE(fs::exists(target.string() + ".part"));
+    OpenOptions options;
+    options.channel = c.options().channel;
+    EXPECT_TRUE(allSteps(*openVolume(target.string(), options)) == voxelsOf(c.name));
+    for (const auto& entry : fs::recursive_directory_iterator(target))
+      if (entry.is_regular_file()) {
+        EXPECT_EQ(readFile(entry.path()),
+                  readFile(fs::path(folder_) / c.name / fs::relative(entry.path(), target)));
+      }
+  }
+  std::map<std::string, int> chunks;
+  for (const WebRequest& r : server.requests())
+    if (r.path.find("/c/") != std::string::npos) ++chunks[r.path + " " + r.range];
+  EXPECT_FALSE(chunks.empty());
+}
+
+TEST_F(FetchStore, goesOnWithTheFilesThatAreMissing) {
+  const TempFolder here;
+  const WebServer server(folder_);
+  const fs::path target = here / "v";
+  ProgressMeter nobody;
+  fetchVolume(server.address() + "/one_shard", target, {}, nobody);
+  fs::rename(target, target.string() + ".part");
+  fs::remove(target.string() + ".part/c/0/0/0");
+  const size_t before = server.requests().size();
+  fetchVolume(server.address() + "/one_shard", target, {}, nobody);
+  EXPECT_TRUE(allSteps(*openVolume(target.string())) == voxelsOf("one_shard"));
+  int chunks = 0;
+  const std::vector<WebRequest> all = server.requests();
+  for (size_t i = before; i < all.size(); ++i) chunks += all[i].path == "one_shard/c/0/0/0";
+  EXPECT_EQ(chunks, 1);
+}
+
+}  // namespace
+}  // namespace sluice
