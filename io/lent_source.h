@@ -23,6 +23,13 @@ VolumeLayout lentLayout(VolumeLayout layout, const std::array<Vec3d, 3>& steps, 
 // Throws Error: `fill` is empty.
 std::unique_ptr<VolumeSource> lentSource(FillRegion fill, VolumeLayout layout);
 
+// A volume of which only the voxels of `there` are at hand. `fill` gives boxes of them, with
+// positions counted from there.lo. All other voxels have the value of the voxel at `outside`, which
+// is one of these. Requires: `there` is not empty and within the volume. Throws as lentSource()
+// does.
+std::unique_ptr<VolumeSource> lentBoxSource(FillRegion fill, VolumeLayout layout, const Box3& there,
+                                            Vec3i outside);
+
 // Copies boxes of an array whose voxel (0, 0, 0) of step 0 is at `first`. `strides`: bytes between
 // neighbours along x, y, z and time. Throws Error: there is no array.
 FillRegion fillFrom(const void* first, const VolumeLayout& layout,

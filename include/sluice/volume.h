@@ -82,6 +82,9 @@ struct VolumeInfo {
   std::vector<std::string> files;
 };
 
+class Ranks;
+struct LentBox;
+
 // A handle: copies are the same open volume, which closes with the last of them and the last
 // Renderer of it. Any thread may call, several at once.
 class Volume {
@@ -106,6 +109,17 @@ class Volume {
   // that none can be, no array; Cancelled.
   static Volume borrow(const void* first, const ArrayLayout& layout,
                        const std::optional<ArrayStrides>& strides = {},
+                       const VolumeOptions& options = {}, const ProgressFunction& progress = {},
+                       const std::stop_token& stop = {});
+  // The part of a volume that this process has, of which the other ranks have the rest; see
+  // in_situ.h, which has LentBox and Ranks. `first` is the array's first voxel, the lowest of the
+  // ghosts, and `layout` that of the whole volume, of one time step. `strides` unset: the array
+  // with its ghosts is packed, x fastest. All ranks call. The voxels must stay as they are until
+  // the volume is closed: borrow them again after each step of a simulation. info() is of the whole
+  // volume. Throws Error at every rank: as above, or the boxes do not tile the volume or cannot be
+  // put in order, ghosts are missing.
+  static Volume borrow(const void* first, const ArrayLayout& layout, const LentBox& box,
+                       const Ranks& ranks, const std::optional<ArrayStrides>& strides = {},
                        const VolumeOptions& options = {}, const ProgressFunction& progress = {},
                        const std::stop_token& stop = {});
   // Voxels that `fill` gives whenever they are needed, perhaps several times. Otherwise as

@@ -18,7 +18,10 @@ void OwnThread::run(const std::function<void()>& call) {
     is_done_ = false;
     failure_ = nullptr;
   }
-  worker_.submit([this, &call] { execute(call); });
+  if (worker_)
+    worker_->submit([this, &call] { execute(call); });
+  else
+    execute(call);
   MutexLock lock(mutex_);
   while (!is_done_) changed_.wait(lock);
   if (failure_ != nullptr) std::rethrow_exception(std::exchange(failure_, nullptr));

@@ -1,9 +1,11 @@
 // OwnThread: a thread on which calls run one after the other, whichever thread they come from. For
-// objects that belong to one thread, such as OpenGL contexts.
+// objects that belong to one thread, such as OpenGL contexts. If calls may run on no other thread
+// than their caller's, as those of MPI, each runs there.
 #pragma once
 
 #include <exception>
 #include <functional>
+#include <optional>
 #include <thread>
 
 #include "src/base/threads/mutex.h"
@@ -13,8 +15,11 @@ namespace sluice {
 
 class OwnThread {
  public:
+  enum class Runs { kOnOwn, kOnCallers };
   // If the system gives no thread, calls run on their caller's thread.
-  OwnThread() : worker_(1) {}
+  explicit OwnThread(Runs runs = Runs::kOnOwn) {
+    if (runs == Runs::kOnOwn) worker_.emplace(1);
+  }
   OwnThread(const OwnThread&) = delete;
   OwnThread& operator=(const OwnThread&) = delete;
 
@@ -31,7 +36,7 @@ class OwnThread {
   bool is_done_ SLUICE_GUARDED_BY(mutex_) = false;
   std::exception_ptr failure_ SLUICE_GUARDED_BY(mutex_);
   std::thread::id running_ SLUICE_GUARDED_BY(mutex_);  // on which a call runs now
-  WorkerPool worker_;                                  // last: joins before the rest goes
+  std::optional<WorkerPool> worker_;                   // last: joins before the rest goes
 };
 
 }  // namespace sluice

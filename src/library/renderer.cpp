@@ -11,6 +11,8 @@ namespace sluice {
 
 // The drawing is the own thread's alone, from its making to its end.
 struct Renderer::Impl {
+  explicit Impl(OwnThread::Runs runs) : own(runs) {}
+
   OwnThread own;
   std::unique_ptr<Drawing> drawing;
 
@@ -32,13 +34,18 @@ struct Renderer::Impl {
   }
 };
 
-Renderer::Renderer(const Volume& volume, const LookOptions& look, const RendererOptions& options)
-    : impl_(std::make_unique<Impl>()) {
+Renderer::Renderer(const Volume& volume, const LookOptions& look, const RendererOptions& options) {
   volume.info();  // throws if there is none
-  translated([&] {
+  const InSitu* in_situ = volume.impl_->in_situ.get();
+  // Ranks meet on the thread that may call MPI, which is the caller's.
+  impl_ = std::make_unique<Impl>(in_situ == nullptr ? OwnThread::Runs::kOnOwn
+                                                    : OwnThread::Runs::kOnCallers);
+  const auto make = [&] {
     impl_->own.run(
         [&] { impl_->drawing = std::make_unique<Drawing>(volume.impl_, look, options); });
-  });
+    return true;
+  };
+  translated([&] { return in_situ == nullptr ? make() : together(in_situ->team(), make); });
 }
 
 Renderer::~Renderer() = default;

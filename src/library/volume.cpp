@@ -14,6 +14,25 @@
 namespace sluice {
 namespace {
 
+// The notes of an open volume that its user should see. If no folder is named, nobody expects an
+// index.
+void addNotes(const IndexedVolume& volume, const IndexWish& wish, std::vector<std::string>& notes) {
+  for (const std::string& note : volume.notes) {
+    const bool is_expected = !(wish.folder.empty() && note == volume.index->note);
+    if (is_expected && std::ranges::find(notes, note) == notes.end()) notes.push_back(note);
+  }
+}
+
+void setInfo(OpenedVolume& opened, const std::vector<std::string>& notes) {
+  opened.info = volumeInfo(opened.volume.source->layout(), opened.volume.valueRange(), notes);
+  if (!opened.more.empty()) opened.info.channels.push_back(opened.volume.channel.title());
+  for (const IndexedVolume& volume : opened.more)
+    opened.info.channels.push_back(volume.channel.title());
+  opened.info.levels = static_cast<int>(opened.volume.step().coarser.size()) + 1;
+  opened.info.was_opened_soon = opened.volume.was_hurried;
+  opened.info.files = opened.volume.source->files();
+}
+
 // `channels` gives those of `arguments` that pictures show, once a call may tell how far it is.
 template <class Channels>
 void open(OpenedVolume& opened, VolumeArguments arguments, const VolumeOptions& options,
@@ -41,23 +60,33 @@ void open(OpenedVolume& opened, VolumeArguments arguments, const VolumeOptions& 
         indexVolume(std::move(source.source), arguments, machine, needs, wish, pass);
     volume.channel = std::move(source.channel);
     if (volume.stand_in) volume.notes.push_back(volume.standInNote());
-    for (const std::string& note : volume.notes) {
-      // If no folder is named, nobody expects an index.
-      const bool is_expected = !(wish.folder.empty() && note == volume.index->note);
-      if (is_expected && std::ranges::find(notes, note) == notes.end()) notes.push_back(note);
-    }
+    addNotes(volume, wish, notes);
     if (opened.volume.source == nullptr)
       opened.volume = std::move(volume);
     else
       opened.more.push_back(std::move(volume));
   }
-  opened.info = volumeInfo(opened.volume.source->layout(), opened.volume.valueRange(), notes);
-  if (!opened.more.empty()) opened.info.channels.push_back(opened.volume.channel.title());
-  for (const IndexedVolume& volume : opened.more)
-    opened.info.channels.push_back(volume.channel.title());
-  opened.info.levels = static_cast<int>(opened.volume.step().coarser.size()) + 1;
-  opened.info.was_opened_soon = opened.volume.was_hurried;
-  opened.info.files = opened.volume.source->files();
+  setInfo(opened, notes);
+}
+
+void openPart(OpenedVolume& opened, const LentPart& part, std::shared_ptr<Ranks::Impl> ranks,
+              const VolumeOptions& options, ProgressTeller& teller) {
+  const MachineOptions machine = machineOptions(options);
+  opened.relay = std::make_shared<ProgressRelay>();
+  const ProgressRelay::Call call(*opened.relay, teller);
+  teller.stop().throwIfStopped();
+  WorkerPool pool(machine.threads);
+  ProgressMeter progress(teller.watch(Progress::Stage::kIndexing));
+  VolumeArguments arguments;
+  arguments.inputs = {part.layout.name};
+  arguments.time = 0;
+  SharedVolume shared = openShared(part, std::move(ranks), arguments, machine,
+                                   {pool, progress, memoryBudget(machine), teller.stop()});
+  opened.volume = std::move(shared.volume);
+  opened.in_situ = std::move(shared.in_situ);
+  std::vector<std::string> notes;
+  addNotes(opened.volume, {.disabled = true}, notes);
+  setInfo(opened, notes);
 }
 
 void openLent(OpenedVolume& opened, FillRegion fill, const VolumeLayout& layout,
@@ -101,6 +130,22 @@ Volume Volume::borrow(const void* first, const ArrayLayout& layout,
   FillRegion fill = fillFrom(first, lent, strides.value_or(packedStrides(lent)));
   auto impl = std::make_shared<Impl>();
   openLent(*impl, std::move(fill), lent, options, progress, stop);
+  return Volume(std::move(impl));
+}
+
+Volume Volume::borrow(const void* first, const ArrayLayout& layout, const LentBox& box,
+                      const Ranks& ranks, const std::optional<ArrayStrides>& strides,
+                      const VolumeOptions& options, const ProgressFunction& progress,
+                      const std::stop_token& stop) {
+  if (ranks.impl_ == nullptr) fail("Ranks that were moved from: they are none any more");
+  auto impl = std::make_shared<Impl>();
+  translated([&] {
+    ProgressTeller teller(progress, stop);
+    together(ranks.impl_->team, [&] {
+      openPart(*impl, {first, volumeLayout(layout), box, strides}, ranks.impl_, options, teller);
+      return true;
+    });
+  });
   return Volume(std::move(impl));
 }
 

@@ -59,6 +59,14 @@ Dealing dealBlocks(const PyramidLayout& pyramid, int ranks, int level) {
   return dealing;
 }
 
+Dealing dealLent(std::shared_ptr<const LentBoxes> boxes) {
+  Dealing dealing;
+  dealing.ranks = boxes->count();
+  dealing.hands = {dealing.ranks, 1, 1};  // as many layers as ranks
+  dealing.lent = std::move(boxes);
+  return dealing;
+}
+
 int Dealing::rankOf(Vec3i block) const {
   const Vec3i at = min(block / hand, hands - Vec3i{1, 1, 1});
   const uint64_t place = hilbertPosition(at, bits) * kGolden;
@@ -92,6 +100,10 @@ std::vector<int32_t> dealPicture(const Dealing& dealing, const PyramidLayout& py
 
 DealingLayers::DealingLayers(const Dealing& dealing, const FrameSetup& setup)
     : dealing_(dealing), parallel_(setup.projection == Projection::kOrtho) {
+  if (dealing_.lent) {
+    of_ranks_ = dealing_.lent->layersFor(setup);
+    return;
+  }
   const RayGrid& rays = setup.rays;
   for (int a = 0; a < 3; ++a) {
     if (parallel_) {
@@ -106,6 +118,7 @@ DealingLayers::DealingLayers(const Dealing& dealing, const FrameSetup& setup)
 }
 
 uint32_t DealingLayers::layerOf(const Box3& cells) const {
+  if (dealing_.lent) return of_ranks_[static_cast<size_t>(dealing_.lent->rankAt(cells.lo))];
   int64_t layer = 0;
   const Vec3i hand = dealing_.handOf(cells.lo);
   for (int a = 0; a < 3; ++a) {

@@ -10,12 +10,13 @@
 #pragma once
 
 #include <cstdint>
-
+#include <memory>
 #include <vector>
 
 #include "src/base/values/vec.h"
 #include "src/classify/blocks/classification.h"
 #include "src/device/frame_values.h"
+#include "src/parallel/lent_boxes.h"
 #include "src/volume/pyramid.h"
 
 namespace sluice {
@@ -31,6 +32,8 @@ struct Dealing {
   int bits = 0;          // bits of the curve's coordinates
   // Each block of this level and of finer ones lies in one hand; pictures show no coarser blocks.
   int coarsest_level = 0;
+  // The ranks draw the boxes that they have, and no block is dealt; null: blocks are dealt.
+  std::shared_ptr<const LentBoxes> lent = nullptr;
 
   // The hand that a finest cell lies in.
   Vec3i handOf(Vec3i cell) const { return min(cell / side_vox, hands - Vec3i{1, 1, 1}); }
@@ -47,10 +50,13 @@ std::vector<int32_t> dealPicture(const Dealing& dealing, const PyramidLayout& py
 // hold whole blocks of this level, however few they are.
 Dealing dealBlocks(const PyramidLayout& pyramid, int ranks, int level = 0);
 
+// Ranks that draw the boxes that they lend.
+Dealing dealLent(std::shared_ptr<const LentBoxes> boxes);
+
 // The layers of a view (partial_picture.h): of each hand how many steps along the axes it lies from
 // the eye. A ray that leads from one hand into another goes away from the eye along each axis, and
 // along one at least by a step. So hands of a layer do not hide each other, and hands of later
-// layers do not hide earlier ones.
+// layers do not hide earlier ones. Lent boxes are a layer each, in their order.
 class DealingLayers {
  public:
   DealingLayers(const Dealing& dealing, const FrameSetup& setup);
@@ -59,6 +65,7 @@ class DealingLayers {
 
  private:
   const Dealing dealing_;
+  std::vector<uint32_t> of_ranks_;  // of lent boxes
   bool parallel_;
   Vec3i eye_;                   // perspective: the hand that it is in, or nearest to
   std::array<bool, 3> down_{};  // parallel: rays go down this axis

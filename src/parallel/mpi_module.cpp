@@ -93,20 +93,26 @@ class Underway {
 
 class MpiRanks : public Communicator {
  public:
+  // Of all processes; begins MPI.
   MpiRanks() {
     int is_begun = 0;
     check(MPI_Initialized(&is_begun), "cannot begin");
     int level = MPI_THREAD_SINGLE;
     if (is_begun == 0)
       check(MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &level), "cannot begin");
-    check(MPI_Comm_set_errhandler(MPI_COMM_WORLD, MPI_ERRORS_RETURN), "cannot begin");
-    check(MPI_Comm_rank(MPI_COMM_WORLD, &rank_), "cannot begin");
-    check(MPI_Comm_size(MPI_COMM_WORLD, &ranks_), "cannot begin");
+    findPlace();
+  }
+  // Of a program's communicator.
+  explicit MpiRanks(MPI_Comm of_program) : is_shared_(true) {
+    check(MPI_Comm_dup(of_program, &all_), "cannot share the communicator");
+    findPlace();
   }
 
-  // Buffers that MPI may still use stay for the rest of the process, which ends now.
+  // Buffers that MPI may still use stay for the rest of the process.
   ~MpiRanks() override {
     for (std::unique_ptr<Transfer>& transfer : abandoned_) static_cast<void>(transfer.release());
+    int is_over = 0;
+    if (is_shared_ && MPI_Finalized(&is_over) == MPI_SUCCESS && is_over == 0) MPI_Comm_free(&all_);
   }
   MpiRanks(const MpiRanks&) = delete;
   MpiRanks& operator=(const MpiRanks&) = delete;
@@ -120,7 +126,7 @@ class MpiRanks : public Communicator {
     transfer->numbers_from.resize(mine.size() * static_cast<size_t>(ranks_));
     const int count = static_cast<int>(mine.size());
     check(MPI_Iallgather(transfer->numbers_to.data(), count, MPI_UINT64_T,
-                         transfer->numbers_from.data(), count, MPI_UINT64_T, MPI_COMM_WORLD,
+                         transfer->numbers_from.data(), count, MPI_UINT64_T, all_,
                          &transfer->others.emplace_back(MPI_REQUEST_NULL)),
           "ranks cannot meet");
     transfer.wait(stop);
@@ -145,22 +151,32 @@ class MpiRanks : public Communicator {
     for (int r = 0; r < ranks_; ++r)
       if (r != rank_)
         each(from[static_cast<size_t>(r)], transfer->receives,
-             [r](std::byte* data, int bytes, MPI_Request* request) {
-               return MPI_Irecv(data, bytes, MPI_BYTE, r, 0, MPI_COMM_WORLD, request);
+             [r, this](std::byte* data, int bytes, MPI_Request* request) {
+               return MPI_Irecv(data, bytes, MPI_BYTE, r, 0, all_, request);
              });
     for (int r = 0; r < ranks_; ++r)
       if (r != rank_)
         each(transfer->to[static_cast<size_t>(r)], transfer->others,
-             [r](std::byte* data, int bytes, MPI_Request* request) {
-               return MPI_Isend(data, bytes, MPI_BYTE, r, 0, MPI_COMM_WORLD, request);
+             [r, this](std::byte* data, int bytes, MPI_Request* request) {
+               return MPI_Isend(data, bytes, MPI_BYTE, r, 0, all_, request);
              });
     transfer.wait(stop);
     return std::move(from);
   }
 
-  void finish() override { check(MPI_Finalize(), "cannot end"); }
+  void finish() override {
+    if (!is_shared_) check(MPI_Finalize(), "cannot end");
+  }
 
  private:
+  void findPlace() {
+    check(MPI_Comm_set_errhandler(all_, MPI_ERRORS_RETURN), "cannot begin");
+    check(MPI_Comm_rank(all_, &rank_), "cannot begin");
+    check(MPI_Comm_size(all_, &ranks_), "cannot begin");
+  }
+
+  MPI_Comm all_ = MPI_COMM_WORLD;
+  const bool is_shared_ = false;  // the program's, which ends MPI itself
   Transfers abandoned_;
   int rank_ = 0, ranks_ = 1;
 };
@@ -177,6 +193,13 @@ __attribute__((visibility("default"))) void sluiceJoinMpi(
   if (dladdr(reinterpret_cast<void*>(&MPI_Init_thread), &info) != 0 && info.dli_fname != nullptr)
     dlopen(info.dli_fname, RTLD_NOW | RTLD_GLOBAL | RTLD_NOLOAD);
   ranks = std::make_unique<sluice::MpiRanks>();
+}
+
+__attribute__((visibility("default"))) void sluiceShareMpi(
+    int fortran_communicator, std::unique_ptr<sluice::Communicator>& ranks) {
+  const MPI_Comm of_program = MPI_Comm_f2c(fortran_communicator);
+  if (of_program == MPI_COMM_NULL) sluice::fail("MPI: expected a communicator, found none");
+  ranks = std::make_unique<sluice::MpiRanks>(of_program);
 }
 
 __attribute__((visibility("default"))) const char* sluiceMpiModuleVersion() {

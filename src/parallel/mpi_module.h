@@ -12,13 +12,18 @@
 
 namespace sluice {
 
-// The one function of a module: begins MPI.
+// Begins MPI: the ranks are all processes that the launcher has started.
 using JoinMpi = void(std::unique_ptr<Communicator>& ranks);
 inline constexpr const char* kJoinMpi = "sluiceJoinMpi";
+
+// The ranks of a communicator of a program that has begun MPI itself: the number that
+// MPI_Comm_c2f() gives. All of its ranks call; it is duplicated, and MPI stays as it is.
+using ShareMpi = void(int fortran_communicator, std::unique_ptr<Communicator>& ranks);
+inline constexpr const char* kShareMpi = "sluiceShareMpi";
 
 // A module must export this first: the version of sluice and of this interface. The number counts
 // up with each change of the interface.
 inline constexpr const char* kMpiModuleVersionOf = "sluiceMpiModuleVersion";
-inline constexpr const char* kMpiModuleVersion = SLUICE_VERSION " mpi module 2";
+inline constexpr const char* kMpiModuleVersion = SLUICE_VERSION " mpi module 3";
 
 }  // namespace sluice

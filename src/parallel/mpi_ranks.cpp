@@ -1,5 +1,7 @@
 #include "src/parallel/mpi_ranks.h"
 
+#include <dlfcn.h>
+
 #include <array>
 #include <charconv>
 #include <string_view>
@@ -35,8 +37,28 @@ int numberIn(const char* text) {
   return number > kMostRanks ? -1 : number;
 }
 
-std::string moduleFor(MpiKind kind) {
-  return kind == MpiKind::kOpenMpi ? "sluice_openmpi.so" : "sluice_mpich.so";
+SharedLibrary moduleFor(MpiKind kind) {
+  const bool is_open = kind == MpiKind::kOpenMpi;
+  const std::string hint = fmt::format(
+      "sluice's module for {}; install the package sluice-mpi, build sluice on a machine with {}, "
+      "or start it without a launcher",
+      name(kind), is_open ? "libopenmpi-dev" : "libmpich-dev");
+  return openModule({is_open ? "sluice_openmpi.so" : "sluice_mpich.so", hint, kMpiModuleVersionOf,
+                     kMpiModuleVersion});
+}
+
+// The MPI that this program is linked to, by what it says of itself.
+MpiKind kindInProcess() {
+  using VersionOf = int(char* text, int* length);
+  auto* const version_of =
+      reinterpret_cast<VersionOf*>(dlsym(RTLD_DEFAULT, "MPI_Get_library_version"));
+  if (version_of == nullptr)
+    fail("expected a program that is linked to MPI, found none; ranks share a communicator of it");
+  constexpr size_t kMostText = 8192;  // MPICH's limit, which is the larger one
+  std::string text(kMostText, '\0');
+  int length = 0;
+  version_of(text.data(), &length);
+  return text.starts_with("Open MPI") ? MpiKind::kOpenMpi : MpiKind::kMpich;
 }
 
 }  // namespace
@@ -65,18 +87,18 @@ std::unique_ptr<Communicator> joinRanks(const Launch& launch) {
         launch.ranks);
   std::unique_ptr<Communicator> ranks;
   try {
-    const std::string hint = fmt::format(
-        "sluice's module for {}; install the package sluice-mpi, build sluice on a machine with "
-        "{}, "
-        "or start it without a launcher",
-        name(launch.kind), launch.kind == MpiKind::kOpenMpi ? "libopenmpi-dev" : "libmpich-dev");
-    openModule({moduleFor(launch.kind), hint, kMpiModuleVersionOf, kMpiModuleVersion})
-        .get<JoinMpi*>(kJoinMpi)(ranks);
+    moduleFor(launch.kind).get<JoinMpi*>(kJoinMpi)(ranks);
   } catch (const Error& error) {
     fail("started as {} ranks of {}, which do not meet: {}", launch.ranks, name(launch.kind),
          error.what());
   }
   SLUICE_CHECK_EQ(ranks->ranks(), launch.ranks);
+  return ranks;
+}
+
+std::unique_ptr<Communicator> shareRanks(int fortran_communicator) {
+  std::unique_ptr<Communicator> ranks;
+  moduleFor(kindInProcess()).get<ShareMpi*>(kShareMpi)(fortran_communicator, ranks);
   return ranks;
 }
 

@@ -27,4 +27,9 @@ Launch launchOf(const std::function<const char*(const char* variable)>& environm
 // Meets the others. Throws Error: not built for this MPI, or the MPI does not begin.
 std::unique_ptr<Communicator> joinRanks(const Launch& launch);
 
+// The ranks of a communicator of this program, which is linked to an MPI and has begun it: the
+// number that MPI_Comm_c2f() gives. All of its ranks call. Throws Error: no MPI in this process, or
+// none that sluice was built for.
+std::unique_ptr<Communicator> shareRanks(int fortran_communicator);
+
 }  // namespace sluice

@@ -3,6 +3,27 @@
 #include "src/render/blocks/cut_rules.h"
 
 namespace sluice {
+namespace {
+
+// The parts of blocks within a box of cells, of those that have any.
+VisibleBlocks partsWithin(const VisibleBlocks& all, const Box3& cells) {
+  VisibleBlocks parts;
+  parts.white = all.white;
+  for (const ObjectBlock& block : all.blocks) {
+    ObjectBlock part = block;
+    part.cells = intersect(block.cells, cells);
+    if (part.cells.empty()) continue;
+    if (part.cells != block.cells) {
+      part.kind = BlockClass::kGrey;
+      part.trimming_axis = shortestAxis(part.cells.size());
+    }
+    ++(part.kind == BlockClass::kBlack ? parts.black : parts.grey);
+    parts.blocks.push_back(part);
+  }
+  return parts;
+}
+
+}  // namespace
 
 void RankBlocks::dealFor(const BlockQuestion& question, const VisibleBlocks& all) {
   const int coarsest =
@@ -22,6 +43,9 @@ VisibleBlocksPtr RankBlocks::choose(const BlockQuestion& question) {
   if (chooser == nullptr && question.cut) chooser = &cut_;
   if (chooser == nullptr) chooser = &classified_;
   const VisibleBlocksPtr all = chooser->choose(question);
+  if (dealing_.lent)
+    return memo_.of({Identity<VisibleBlocks>(all), 0},
+                    [&] { return partsWithin(*all, dealing_.lent->cellsOf(rank_)); });
   const PyramidLayout layout = question.step.layout();
   dealFor(question, *all);
   return memo_.of({Identity<VisibleBlocks>(all), dealing_.coarsest_level}, [&] {

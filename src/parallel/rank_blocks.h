@@ -3,7 +3,8 @@
 // is planned, read or drawn.
 //
 // All ranks make the cut through levels of resolution that one process makes. Its blocks are dealt
-// in hands that hold whole blocks of the coarsest level in the picture, however few they are.
+// in hands that hold whole blocks of the coarsest level in the picture, however few they are. Of a
+// volume that the ranks lend in boxes, each draws the parts of blocks in its own.
 #pragma once
 
 #include <cstdint>

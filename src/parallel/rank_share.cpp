@@ -15,6 +15,7 @@ constexpr uint64_t kPartShare = 4;
 
 uint64_t partBytes(PictureSize size, const Dealing& dealing, uint64_t memory_bytes) {
   if (dealing.ranks == 1) return 0;
+  if (size.width == 0) return memory_bytes / kPartShare;
   const Vec3i hands = dealing.hands;
   const auto layers = static_cast<uint64_t>(hands.x + hands.y + hands.z - 2);
   const auto pixels = static_cast<uint64_t>(size.width) * static_cast<uint64_t>(size.height);

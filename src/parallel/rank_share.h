@@ -18,7 +18,8 @@
 namespace sluice {
 
 // The memory of a rank for parts of a picture of this size, those that it draws and those that it
-// receives; at most a quarter of `memory_bytes`.
+// receives; at most a quarter of `memory_bytes`. That much for a size of 0 x 0, of pictures whose
+// sizes are not known yet.
 uint64_t partBytes(PictureSize size, const Dealing& dealing, uint64_t memory_bytes);
 
 class RankShare {

@@ -14,10 +14,7 @@ ObjectBlock objectOf(int64_t block, const Box3& cells, const Box3& owned, int64_
   object.name = {.time = time, .block = block};
   object.cells = cells;
   object.kind = cells == owned ? BlockClass::kBlack : BlockClass::kGrey;
-  const Vec3i size = cells.size();
-  object.trimming_axis = 2;
-  for (int axis = 1; axis >= 0; --axis)
-    if (size[axis] < size[object.trimming_axis]) object.trimming_axis = axis;
+  object.trimming_axis = shortestAxis(cells.size());
   return object;
 }
 
@@ -32,6 +29,13 @@ void count(const BlockLayout& layout, VisibleBlocks& result) {
 }
 
 }  // namespace
+
+int shortestAxis(Vec3i size) {
+  int shortest = 2;
+  for (int axis = 1; axis >= 0; --axis)
+    if (size[axis] < size[shortest]) shortest = axis;
+  return shortest;
+}
 
 VisibleBlocks classify(const SliceRanges& ranges, const OpacityTable& table, const Box3& crop,
                        WorkerPool& pool, int64_t time) {

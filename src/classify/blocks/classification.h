@@ -32,6 +32,9 @@ struct ObjectBlock {
   int trimming_axis = 2;  // the shortest side of the object box; the last of equals
 };
 
+// The shortest side of a box of this size; the last of equals.
+int shortestAxis(Vec3i size);
+
 struct VisibleBlocks {
   std::vector<ObjectBlock> blocks;  // grey and black ones, ascending by block
   int64_t white = 0, grey = 0, black = 0;

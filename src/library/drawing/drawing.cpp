@@ -7,6 +7,8 @@
 #include <utility>
 
 #include "src/base/error.h"
+#include "src/base/files/byte_stream.h"
+#include "src/base/values/digest.h"
 #include "src/classify/transfer/transfer_file.h"
 #include "src/library/conversions.h"
 #include "src/library/drawing/exr_contents.h"
@@ -14,7 +16,9 @@
 #include "src/library/drawing/probing.h"
 #include "src/library/drawing/strip_file.h"
 #include "src/library/drawing/view_fit.h"
+#include "src/library/in_situ.h"
 #include "src/library/opening/step_ranges.h"
+#include "src/parallel/agreement.h"
 #include "src/render/blocks/cut_rules.h"
 #include "src/render/camera/index_space.h"
 
@@ -28,12 +32,18 @@ Scene sceneOf(const std::shared_ptr<const OpenedVolume>& opened, const LookOptio
   FrameOptions frame;
   frame.mode = modeOf(look);
   frame.size = {std::max(0, options.rows_width), std::max(0, options.rows_height)};
+  if (opened->in_situ != nullptr) frame.crop = opened->in_situ->ownVoxels();
   std::vector<std::shared_ptr<const IndexedVolume>> more;
   for (const IndexedVolume& volume : opened->more) more.emplace_back(opened, &volume);
+  // A rank that has all of the volume draws it alone.
+  const InSitu* in_situ = opened->in_situ.get();
+  if (in_situ != nullptr && in_situ->team().ranks() == 1) in_situ = nullptr;
   return {{.pool = std::make_shared<WorkerPool>(machine.threads),
            .volume = {opened, &opened->volume},
            .more = std::move(more),
            .machine = machine,
+           .team = in_situ == nullptr ? nullptr : &in_situ->team(),
+           .lent = in_situ == nullptr ? nullptr : in_situ->boxes,
            .may_be_lit = true},
           lookArguments(look, opened->whole_series),
           frame};
@@ -92,15 +102,75 @@ std::optional<Framing> Drawing::framingFor(const std::vector<Camera>& cameras, F
       const Layer& layer = *scene_.layers()[i];
       volumes.push_back({layer.volume, steps[i], layer.look.transfer});
     }
-    return visiblePoints({std::move(volumes), options, this_step}, pass);
+    if (opened_->in_situ == nullptr)
+      return visiblePoints({std::move(volumes), options, this_step}, pass);
+    FrameOptions own = options;
+    own.crop =
+        intersect(options.crop.value_or(boxOf(layout().dims)), opened_->in_situ->ownVoxels());
+    return pointsOfRanks(cropCells(own, layout().dims).empty()
+                             ? std::vector<Vec3d>()
+                             : visiblePoints({std::move(volumes), own, this_step}, pass));
   });
   return framingOf(*points, cameras, layout().frame, options.size);
+}
+
+void Drawing::refuseInSitu(const char* call) const {
+  if (opened_->in_situ != nullptr)
+    fail("{}: {} is not for a volume of which each rank has a part; ranks draw() together",
+         opened_->volume.name, call);
+}
+
+std::vector<Vec3d> Drawing::pointsOfRanks(std::vector<Vec3d> own) const {
+  ByteWriter mine;
+  mine.list(own);
+  std::vector<Vec3d> all, more;
+  for (const Message& message : opened_->in_situ->team().gatherAll(mine.bytes)) {
+    ByteReader from(message);
+    SLUICE_CHECK(from.list(more));
+    all.insert(all.end(), more.begin(), more.end());
+  }
+  return all;
+}
+
+void Drawing::expectSameRequest(const PictureOptions& picture) const {
+  expectAgreement(opened_->in_situ->team(),
+                  {{"the look", scene_.lookText()},
+                   {"the number of looks set", std::to_string(looks_)},
+                   {"the size", fmt::format("{}x{}", picture.width, picture.height)}},
+                  "draw the same picture on every rank");
+}
+
+void Drawing::expectSamePicture(const FrameOptions& options, const View& view) const {
+  const InSitu& in_situ = *opened_->in_situ;
+  Digest place;
+  for (const Vec3d& vector : {view.eye, view.right, view.up, view.forward})
+    for (int a = 0; a < 3; ++a) place.add(static_cast<float>(vector[a]));
+  place.add(static_cast<float>(view.half_height));
+  const Box3 crop = options.crop.value_or(boxOf(layout().dims));
+  for (int a = 0; a < 3; ++a) {
+    place.add(crop.lo[a]);
+    place.add(crop.hi[a]);
+  }
+  expectAgreement(in_situ.team(),
+                  {{"the look", scene_.lookOf(options)}, {"the view", "", place.value()}},
+                  "draw the same picture on every rank");
+  const TransferFunction& transfer = scene_.look.transfer;
+  const bool looks_around = options.shades || scene_.integrates(options) ||
+                            !transfer.gradients.empty() || !transfer.surfaces.empty();
+  if (looks_around && !in_situ.can_look_around)
+    fail(
+        "{}: lit pictures, surfaces and --quality need one layer of ghosts below and two above on "
+        "each rank; lend them, or set LookOptions::light to kOff",
+        opened_->volume.name);
 }
 
 FrameOptions Drawing::framed(const PictureOptions& picture, const TimeStep& step,
                              const IndexPass& pass) {
   FrameOptions options = frameOptions(picture, layout(), mode_);
-  if (!options.camera.framing)
+  // Ranks know the values of a brick that they share in parts, so that the visible part of all is
+  // found to a brick: they fit the volume unless they are asked for more.
+  const bool fits = opened_->in_situ == nullptr || picture.view.fit.has_value();
+  if (!options.camera.framing && fits)
     options.camera.framing =
         framingFor({options.camera}, fitChoice(picture.view), options, step, pass);
   return options;
@@ -123,7 +193,10 @@ FrameOptions Drawing::looked(const PictureOptions& picture, const TimeStep& step
 Drawing::ReadyFrame Drawing::ready(const PictureOptions& picture, const IndexPass& pass,
                                    ProgressTeller& teller) {
   const std::vector<TimeStep> steps = stepsAt(picture.time, pass);
+  if (opened_->in_situ != nullptr) expectSameRequest(picture);
   FrameOptions options = looked(picture, steps.front(), pass);
+  if (opened_->in_situ != nullptr)
+    expectSamePicture(options, resolve(options.camera, layout(), options.size, options.step_vox));
   options.stop = teller.stop();
   options.watch = teller.watch(Progress::Stage::kDrawing);
   scene_.setTimeStep(steps);
@@ -152,12 +225,14 @@ SceneFrame Drawing::drawFrame(const ReadyFrame& frame, const std::vector<Picture
 
 void Drawing::keepReport(const ReadyFrame& frame, const SceneFrame& drawn, const IndexPass& pass) {
   report_ = drawn.report;
+  if (opened_->in_situ != nullptr) return;  // an empty part is no empty picture
   why_empty_ = scene_.whyNothing(drawn, frame.time, frame.options, pass);
   empty_channels_ = scene_.emptyLayers(drawn, frame.time, frame.options, pass);
 }
 
 Image Drawing::draw(const PictureOptions& picture, ProgressTeller& teller) {
-  return drawWhole(picture, nullptr, teller);
+  if (opened_->in_situ == nullptr) return drawWhole(picture, nullptr, teller);
+  return together(opened_->in_situ->team(), [&] { return drawWhole(picture, nullptr, teller); });
 }
 
 Image Drawing::drawWhole(const PictureOptions& picture, std::optional<ScreenPicture>* kept,
@@ -184,6 +259,7 @@ Image Drawing::drawWhole(const PictureOptions& picture, std::optional<ScreenPict
 
 void Drawing::drawRows(const PictureOptions& picture,
                        const std::function<void(const Image& rows)>& take, ProgressTeller& teller) {
+  refuseInSitu("drawRows()");
   const Reading reading(*this, teller);
   frameOptions(picture, layout(), mode_);  // throws before anything is read
   const auto takeFew = [&](const Picture& rows, int /*above*/) {
@@ -198,6 +274,7 @@ void Drawing::drawRows(const PictureOptions& picture,
 void Drawing::drawToFile(const std::string& path, const PictureOptions& picture,
                          const std::optional<std::array<float, 3>>& background,
                          ProgressTeller& teller) {
+  refuseInSitu("drawToFile()");
   const Reading reading(*this, teller);
   PictureOptions in_file = picture;
   in_file.with_depth = traitsOf(mode_).has_colors && pictureKind(path) == PictureKind::kExr;
@@ -216,6 +293,7 @@ void Drawing::drawToFile(const std::string& path, const PictureOptions& picture,
 std::optional<ScreenImage> Drawing::drawOnScreen(const PictureOptions& picture,
                                                  const std::array<float, 3>& background,
                                                  ProgressTeller& teller) {
+  refuseInSitu("drawOnScreen()");
   if (screen_ == nullptr || !traitsOf(mode_).has_colors || picture.with_depth ||
       !scene_.more.empty())
     return std::nullopt;
@@ -234,6 +312,7 @@ std::optional<ScreenImage> Drawing::drawOnScreen(const PictureOptions& picture,
 
 void Drawing::fit(std::span<PictureOptions> pictures, ProgressTeller& teller) {
   if (pictures.empty()) return;
+  refuseInSitu("fit()");
   const Reading reading(*this, teller);
   std::vector<Camera> cameras;
   for (PictureOptions picture : pictures) {
@@ -254,6 +333,7 @@ void Drawing::fit(std::span<PictureOptions> pictures, ProgressTeller& teller) {
 }
 
 ViewOptions Drawing::placed(const PictureOptions& picture, ProgressTeller& teller) {
+  refuseInSitu("placed()");
   const Reading reading(*this, teller);
   Camera camera = framed(picture, stepAt(picture.time, reading.pass), reading.pass).camera;
   const PictureSize size{picture.width, picture.height};
@@ -377,6 +457,7 @@ std::vector<uint8_t> Drawing::blockClasses() const {
 }
 
 PicturePlan Drawing::plan(const PictureOptions& picture, ProgressTeller& teller) {
+  refuseInSitu("plan()");
   const Reading reading(*this, teller);
   if (!scene_.more.empty())
     fail("{}: a plan is of one channel, not {}; open the volume with one", scene_.volume.name,
@@ -387,6 +468,7 @@ PicturePlan Drawing::plan(const PictureOptions& picture, ProgressTeller& teller)
 
 std::optional<VoxelProbe> Drawing::probe(const PictureOptions& picture, double right, double down,
                                          ProgressTeller& teller) {
+  refuseInSitu("probe()");
   const Reading reading(*this, teller);
   const TimeStep step = stepAt(picture.time, reading.pass);
   const FrameOptions options = framed(picture, step, reading.pass);
@@ -396,6 +478,7 @@ std::optional<VoxelProbe> Drawing::probe(const PictureOptions& picture, double r
 }
 
 SliceValues Drawing::slice(const SliceOptions& slice, ProgressTeller& teller) {
+  refuseInSitu("slice()");
   const Reading reading(*this, teller);
   return sliceOf(slice, *scene_.session, stepAt(slice.time, reading.pass), teller.stop());
 }

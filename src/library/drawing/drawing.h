@@ -69,6 +69,15 @@ class Drawing {
     friend bool operator==(const PointsKey&, const PointsKey&) = default;
   };
 
+  // Throws Error if ranks draw together and a call is not one for all of them.
+  void refuseInSitu(const char* call) const;
+  // Ranks that draw together compare what they are asked for, before anything that all have to do,
+  // and what they draw. Throws Error, at all of them.
+  void expectSameRequest(const PictureOptions& picture) const;
+  void expectSamePicture(const FrameOptions& options, const View& view) const;
+  // The corners of what shows of the boxes of all ranks.
+  std::vector<Vec3d> pointsOfRanks(std::vector<Vec3d> own) const;
+
   // A frame that the session is ready to draw.
   struct ReadyFrame {
     FrameOptions options;

@@ -96,7 +96,9 @@ Scene::Scene(SceneInputs inputs, const LookArguments& asked_look, const FrameOpt
       fail("{}: several ranks draw one channel, not {}; give one --channel", volume.name,
            layers().size());
     const int level = frame.cut ? frame.cut->level.value_or(0) : 0;
-    const Dealing dealing = dealBlocks(volume.step().layout(), inputs.team->ranks(), level);
+    const Dealing dealing = inputs.lent != nullptr
+                                ? dealLent(std::move(inputs.lent))
+                                : dealBlocks(volume.step().layout(), inputs.team->ranks(), level);
     part_bytes = partBytes(frame.size, dealing, memory_bytes);
     share = std::make_unique<RankShare>(*inputs.team, dealing, pool, part_bytes);
     device = share->deviceFrom(std::move(device));

@@ -49,6 +49,8 @@ struct SceneInputs {
   MachineOptions machine;
   // The ranks that draw its pictures together, which must outlive the scene; null: alone.
   Team* team = nullptr;
+  // The boxes of the volume that these ranks have; null: each can read all of it.
+  std::shared_ptr<const LentBoxes> lent = nullptr;
   // The look may become a lit one, for which the volume was indexed with gradients.
   bool may_be_lit = false;
 };

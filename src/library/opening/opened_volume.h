@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "src/base/threads/stop_token.h"
+#include "src/library/in_situ.h"
 #include "src/library/opening/indexed_volume.h"
 #include "src/library/progress_relay.h"
 
@@ -20,6 +21,8 @@ struct OpenedVolume {
   IndexedVolume volume;
   std::vector<IndexedVolume> more;  // further channels that pictures show together with it
   bool whole_series = true;
+  // The ranks that have the volume in parts; null: this process has all of it.
+  std::shared_ptr<const InSitu> in_situ;
   VolumeInfo info;
 };
 

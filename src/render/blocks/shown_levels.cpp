@@ -29,14 +29,6 @@ void visitIndices(const Box3& indices, const Call& call) {
       for (int64_t x = indices.lo.x; x < indices.hi.x; ++x) call(Vec3i{x, y, z});
 }
 
-// The axis along which the block has the fewest texels.
-int trimmingAxis(const Vec3i& texels) {
-  int axis = 2;
-  for (int a = 1; a >= 0; --a)
-    if (texels[a] < texels[axis]) axis = a;
-  return axis;
-}
-
 // The level's cells that touch a voxel of it which stands for some voxel of these finest cells.
 Box3 cellsAround(const LevelLayout& level, const Box3& finest) {
   const auto voxelOf = [&](Vec3i voxel, int a) {
@@ -309,7 +301,7 @@ ObjectBlock ShownLevels::objectOf(int level, Vec3i index, int64_t time, const Bo
     return object;
   }
   object.kind = object.cells == region ? BlockClass::kBlack : BlockClass::kGrey;
-  object.trimming_axis = trimmingAxis(at.voxelsUnder(object.cells).size());
+  object.trimming_axis = shortestAxis(at.voxelsUnder(object.cells).size());
   return object;
 }
 
