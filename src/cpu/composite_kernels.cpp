@@ -27,7 +27,6 @@ namespace hn = hwy::HWY_NAMESPACE;
 #include "src/cpu/colors.inl"
 #include "src/cpu/leaps.inl"
 #include "src/cpu/segments.inl"
-#include "src/cpu/surfaces.inl"
 // clang-format on
 
 // The work that a sample's colour takes beyond the look-up.
@@ -135,6 +134,10 @@ struct Sample {
   V3 at;
   Place place;
 };
+
+// See surfaces.inl.
+struct Stretch;
+struct SliceColor;
 
 // The way of a packet through a box.
 template <DeviceType kType, Shading kShading>
@@ -294,87 +297,15 @@ struct Passage {
     }
   }
 
-  // The same with surfaces. `begin`: each ray's first slice in the box.
-  HWY_INLINE void goBySurfaces(V k, V end, bool leaps, Pixels& pixels) {
-    const BrickWay way = leaps ? brickWay(box, first, pace) : noBrickWay();
-    const Cells stored = storedCells(box);
-    const V half = all(0.5F), one = all(1.0F), begin = k;
-    V front = k;
-    bool has_front = false;
-    for (;;) {
-      bool leapt = false;
-      const int turns = turnsFrom(k, end, way, leaps, leapt);
-      if (turns == 0) break;
-      if (!has_front || leapt) front = endAt(hn::Sub(k, half), stored);
-      has_front = true;
-      for (int j = turns; j > 0; --j, k = hn::Add(k, one)) {
-        const V back = endAt(hn::Add(k, half), stored);
-        const Stretch stretch{front, back, hn::Eq(k, begin), hn::Ge(hn::Add(k, one), end)};
-        front = back;
-        const M within = taking(hn::Lt(k, end), pixels);
-        M numbers = within;
-        if constexpr (kType == DeviceType::kF32)
-          numbers = hn::AndNot(isNoNumber(hn::Min(stretch.front, back)), within);
-        const M meets = hn::And(numbers, meetsAny(frame, stretch));
-        if (hn::AllFalse(F(), meets) ? !blendWhole(k, end, within, pixels)
-                                     : !blendParts(k, end, within, meets, stretch, stored, pixels))
-          return;
-      }
-    }
-  }
-
-  // The colour of slice k without surfaces, and the rays of `within` on which it shows something.
-  struct Slice {
-    Color color;
-    M shows;
-  };
-  HWY_NOINLINE Slice sliceAt(V k, V end, M within) const {
-    const Sample sample = take(k, end);
-    M shows = hn::And(within, hn::And(hn::Ge(sample.value, all(frame.least_visible)),
-                                      hn::Le(sample.value, all(frame.most_visible))));
-    if (frame.shades_every_sample) shows = within;
-    if (kType == DeviceType::kF32) shows = hn::AndNot(isNoNumber(sample.value), shows);
-    const V none = hn::Zero(F());
-    if (hn::AllFalse(F(), shows)) return {{none, none, none, none}, shows};
-    return {colorOf<kType, kShading>(frame, box, sample.at, sample.place, sample.value,
-                                     sample.square, ray_length),
-            shows};
-  }
-  HWY_INLINE bool blendWhole(V k, V end, M within, Pixels& pixels) {
-    if (!frame.has_opacities) return true;
-    const Slice slice = sliceAt(k, end, within);
-    return hn::AllFalse(F(), slice.shows) || add(slice.color, slice.shows, k, pixels);
-  }
-  // Slice k in parts, with the surfaces that the rays of `meets` meet between them.
-  HWY_NOINLINE bool blendParts(V k, V end, M within, M meets, const Stretch& stretch,
-                               const Cells& stored, Pixels& pixels) {
-    const V none = hn::Zero(F()), one = all(1.0F), near_end = hn::Sub(k, all(0.5F));
-    const Slice slice = frame.has_opacities
-                            ? sliceAt(k, end, within)
-                            : Slice{{none, none, none, none}, hn::MaskFromVec(none)};
-    const M up = hn::Gt(stretch.back, stretch.front);
-    const auto placeAlong = [&](V part) { return placeOf(hn::Add(near_end, part), stored); };
-    V from = none, value = stretch.front;
-    bool goes = true;
-    for (int n = 0; n < frame.surfaces; ++n) {
-      const MetSurface surface = surfaceOf(frame, up, n);
-      const M hit = hn::And(meets, meetsLevel(frame, stretch, surface.level));
-      if (hn::AllFalse(F(), hit)) continue;
-      const V part =
-          crossing<kType>(box, stored, placeAlong,
-                          {surface.level, from, value, stretch.back, hn::VecFromMask(F(), up)});
-      if (!hn::AllFalse(F(), slice.shows))
-        add(partOf(slice.color, hn::Sub(part, from)), hn::And(slice.shows, hit), k, pixels);
-      const Color color = surfaceColor<kType>(frame, box, stored, placeAlong(part), surface);
-      goes = add(color, hit, hn::Add(near_end, part), pixels);
-      from = hn::IfThenElse(hit, part, from);
-      value = hn::IfThenElse(hit, surface.level, value);
-    }
-    if (!hn::AllFalse(F(), slice.shows))
-      goes = add(partOf(slice.color, hn::Sub(one, from)), slice.shows, k, pixels);
-    return goes;
-  }
+  // The same with surfaces; surfaces.inl has these.
+  void goBySurfaces(V k, V end, bool leaps, Pixels& pixels);
+  SliceColor sliceAt(V k, V end, M within) const;
+  bool blendWhole(V k, V end, M within, Pixels& pixels);
+  bool blendParts(V k, V end, M within, M meets, const Stretch& stretch, const Cells& stored,
+                  Pixels& pixels);
 };
+
+#include "src/cpu/surfaces.inl"
 
 // The box for one packet. `going`: pixels that take samples.
 template <DeviceType kType, Shading kShading>
@@ -385,12 +316,7 @@ HWY_INLINE void drawPacket(const KernelFrame& frame, const KernelBox& box,
   const Slices slices = slicesIn(frame, box, packet, step);
   const M meets = hn::And(going, hn::Gt(slices.count, hn::Zero(F())));
   if (hn::AllFalse(F(), meets)) return;
-  V ray_length = all(1.0F);
-  if (kShading != Shading::kTable && frame.perspective) {
-    const V u = hn::MulAdd(packet.px, all(frame.pixel_ray[0]), all(frame.pixel_ray[1]));
-    const V v = hn::MulAdd(packet.py, all(frame.pixel_ray[2]), all(frame.pixel_ray[3]));
-    ray_length = hn::Sqrt(hn::MulAdd(v, v, hn::MulAdd(u, u, all(1.0F))));
-  }
+  const V ray_length = kShading == Shading::kTable ? all(1.0F) : rayLengthOf(frame, packet);
   // A value that stands for NaN is so large that even a rounding error's share of it would show.
   const bool clamps = kType == DeviceType::kF32 || kShading == Shading::kGradients ||
                       kShading == Shading::kSpread || kShading == Shading::kSurfaces ||

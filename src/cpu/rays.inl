@@ -84,6 +84,14 @@ HWY_INLINE Packet packetAt(const KernelFrame& frame, const TilePixels& tile, int
                   hn::Lt(py, all(static_cast<float>(frame.height))))};
 }
 
+// The way from slice to slice along the packet's rays, in units of slice_length.
+HWY_INLINE V rayLengthOf(const KernelFrame& frame, const Packet& packet) {
+  if (!frame.perspective) return all(1.0F);
+  const V u = hn::MulAdd(packet.px, all(frame.pixel_ray[0]), all(frame.pixel_ray[1]));
+  const V v = hn::MulAdd(packet.py, all(frame.pixel_ray[2]), all(frame.pixel_ray[3]));
+  return hn::Sqrt(hn::MulAdd(v, v, hn::MulAdd(u, u, all(1.0F))));
+}
+
 // Voxel coordinates of a tile's pixels in a box, at the box's first slice: base + x * dx + y * dy.
 struct Positions {
   Float3 base, dx, dy;

@@ -1,4 +1,5 @@
-// Surfaces where values pass a level, see FrameSetup::has_surfaces. Included once a target.
+// Surfaces where values pass a level, see FrameSetup::has_surfaces, and how a Passage meets them.
+// Included once a target.
 
 // The values at both ends of a slice's way, and whether the slice is the first or last of the box.
 struct Stretch {
@@ -108,4 +109,91 @@ HWY_INLINE Color partOf(const Color& color, V part) {
   const V opacity = corrected(color.a, part);
   const V scale = hn::Div(opacity, hn::Max(color.a, all(1e-20F)));
   return {hn::Mul(color.r, scale), hn::Mul(color.g, scale), hn::Mul(color.b, scale), opacity};
+}
+
+struct SliceColor {
+  Color color;
+  M shows;
+};
+
+// Slices [k, end), each with the surfaces on its way. `begin`: each ray's first slice in the box.
+template <DeviceType kType, Shading kShading>
+HWY_INLINE void Passage<kType, kShading>::goBySurfaces(V k, V end, bool leaps, Pixels& pixels) {
+  const BrickWay way = leaps ? brickWay(box, first, pace) : noBrickWay();
+  const Cells stored = storedCells(box);
+  const V half = all(0.5F), one = all(1.0F), begin = k;
+  V front = k;
+  bool has_front = false;
+  for (;;) {
+    bool leapt = false;
+    const int turns = turnsFrom(k, end, way, leaps, leapt);
+    if (turns == 0) break;
+    if (!has_front || leapt) front = endAt(hn::Sub(k, half), stored);
+    has_front = true;
+    for (int j = turns; j > 0; --j, k = hn::Add(k, one)) {
+      const V back = endAt(hn::Add(k, half), stored);
+      const Stretch stretch{front, back, hn::Eq(k, begin), hn::Ge(hn::Add(k, one), end)};
+      front = back;
+      const M within = taking(hn::Lt(k, end), pixels);
+      M numbers = within;
+      if constexpr (kType == DeviceType::kF32)
+        numbers = hn::AndNot(isNoNumber(hn::Min(stretch.front, back)), within);
+      const M meets = hn::And(numbers, meetsAny(frame, stretch));
+      if (hn::AllFalse(F(), meets) ? !blendWhole(k, end, within, pixels)
+                                   : !blendParts(k, end, within, meets, stretch, stored, pixels))
+        return;
+    }
+  }
+}
+
+// The colour of slice k without surfaces, and the rays of `within` on which it shows something.
+template <DeviceType kType, Shading kShading>
+HWY_NOINLINE SliceColor Passage<kType, kShading>::sliceAt(V k, V end, M within) const {
+  const Sample sample = take(k, end);
+  M shows = hn::And(within, hn::And(hn::Ge(sample.value, all(frame.least_visible)),
+                                    hn::Le(sample.value, all(frame.most_visible))));
+  if (frame.shades_every_sample) shows = within;
+  if (kType == DeviceType::kF32) shows = hn::AndNot(isNoNumber(sample.value), shows);
+  const V none = hn::Zero(F());
+  if (hn::AllFalse(F(), shows)) return {{none, none, none, none}, shows};
+  return {colorOf<kType, kShading>(frame, box, sample.at, sample.place, sample.value,
+                                   sample.square, ray_length),
+          shows};
+}
+template <DeviceType kType, Shading kShading>
+HWY_INLINE bool Passage<kType, kShading>::blendWhole(V k, V end, M within, Pixels& pixels) {
+  if (!frame.has_opacities) return true;
+  const SliceColor slice = sliceAt(k, end, within);
+  return hn::AllFalse(F(), slice.shows) || add(slice.color, slice.shows, k, pixels);
+}
+// Slice k in parts, with the surfaces that the rays of `meets` meet between them.
+template <DeviceType kType, Shading kShading>
+HWY_NOINLINE bool Passage<kType, kShading>::blendParts(V k, V end, M within, M meets,
+                                                     const Stretch& stretch, const Cells& stored,
+                                                     Pixels& pixels) {
+  const V none = hn::Zero(F()), one = all(1.0F), near_end = hn::Sub(k, all(0.5F));
+  const SliceColor slice = frame.has_opacities
+                          ? sliceAt(k, end, within)
+                          : SliceColor{{none, none, none, none}, hn::MaskFromVec(none)};
+  const M up = hn::Gt(stretch.back, stretch.front);
+  const auto placeAlong = [&](V part) { return placeOf(hn::Add(near_end, part), stored); };
+  V from = none, value = stretch.front;
+  bool goes = true;
+  for (int n = 0; n < frame.surfaces; ++n) {
+    const MetSurface surface = surfaceOf(frame, up, n);
+    const M hit = hn::And(meets, meetsLevel(frame, stretch, surface.level));
+    if (hn::AllFalse(F(), hit)) continue;
+    const V part =
+        crossing<kType>(box, stored, placeAlong,
+                        {surface.level, from, value, stretch.back, hn::VecFromMask(F(), up)});
+    if (!hn::AllFalse(F(), slice.shows))
+      add(partOf(slice.color, hn::Sub(part, from)), hn::And(slice.shows, hit), k, pixels);
+    const Color color = surfaceColor<kType>(frame, box, stored, placeAlong(part), surface);
+    goes = add(color, hit, hn::Add(near_end, part), pixels);
+    from = hn::IfThenElse(hit, part, from);
+    value = hn::IfThenElse(hit, surface.level, value);
+  }
+  if (!hn::AllFalse(F(), slice.shows))
+    goes = add(partOf(slice.color, hn::Sub(one, from)), slice.shows, k, pixels);
+  return goes;
 }

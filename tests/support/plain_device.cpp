@@ -7,12 +7,10 @@
 
 #include "src/base/error.h"
 #include "tests/support/plain_sampling.h"
+#include "tests/support/plain_surfaces.h"
 
 namespace sluice {
 namespace {
-
-// Below it lie the stand-in for NaN and whatever is interpolated with it (device_voxel.h).
-constexpr double kNoNumber = -2e30;
 
 // The product of a row of clip space and a position.
 double along(const std::array<double, 4>& row, Vec3d p) {
@@ -33,7 +31,7 @@ struct PlainDevice::Ray {
   Vec3d origin, step;
   double length = 1;  // length between two slices, in units of FrameSetup::slice_length
 
-  Vec3d at(int64_t slice) const { return origin + step * (static_cast<double>(slice) + 0.5); }
+  Vec3d at(double slice) const { return origin + step * (slice + 0.5); }
   // Slices [from, to) inside the box and the clip planes.
   std::array<int64_t, 2> slicesIn(const Box3& cells, const FrameSetup& setup) const {
     double from = static_cast<double>(setup.first_slice), to = 1e15;
@@ -92,7 +90,7 @@ void PlainDevice::eachSample(const Ray& ray, const BoxDraw& box, Visit&& visit) 
   if (setup_.mode == Mode::kComposite || setup_.mode == Mode::kAverage) {
     const auto [from, to] = ray.slicesIn(cells, setup_);
     for (int64_t k = from; k < to; ++k)
-      if (!visit(ray.at(k), static_cast<double>(k))) return;
+      if (const auto slice = static_cast<double>(k); !visit(ray.at(slice), slice)) return;
     return;
   }
   int main = 0;
@@ -245,44 +243,18 @@ void PlainDevice::blend(const Sample& sample, Pixel& pixel) {
 // between them the parts of the sample there.
 void PlainDevice::blendSurfaces(const Ray& ray, const BoxDraw& box, const ChunkTexels& chunk,
                                 double k, const Sample& sample, Pixel& pixel) const {
-  const auto texelOf = [&](double slice) {
-    Vec3d texel = box.texels(ray.origin + ray.step * (slice + 0.5));
-    for (int a = 0; a < 3; ++a)
-      texel[a] = std::clamp(texel[a], 0.0, static_cast<double>(chunk.storage_vox[a] - 1));
-    return texel;
-  };
-  const auto valueOf = [&](double part) { return valueAt(chunk, texelOf(k - 0.5 + part)); };
   const auto partOf = [](Sample of, double part) {
     of.opacity = 1 - std::pow(1 - of.opacity, part);
     return of;
   };
-  const double front = valueOf(0), back = valueOf(1);
   double from = 0;
-  std::vector<SurfaceLevel> surfaces = setup_.look_up->surfaces;
-  if (back < front) std::ranges::reverse(surfaces);
-  for (const SurfaceLevel& surface : surfaces) {
-    if (std::min(front, back) < kNoNumber) break;
-    if ((front >= surface.level) == (back >= surface.level)) continue;
-    double lo = from, hi = 1;
-    for (int i = 0; i < 40; ++i) {
-      const double middle = (lo + hi) / 2;
-      ((valueOf(middle) < surface.level) == (front < surface.level) ? lo : hi) = middle;
-    }
-    blend(partOf(sample, lo - from), pixel);
-    from = lo;
-    const Vec3d at = texelOf(k - 0.5 + lo);
-    Vec3d gradient;
-    for (int corner = 0; corner < 8; ++corner) {
-      const Vec3d side{(corner & 1) - 0.5, (corner >> 1 & 1) - 0.5, (corner >> 2) - 0.5};
-      double value = valueAt(chunk, at + side);
-      if (value < kNoNumber) value = surface.level;
-      for (int a = 0; a < 3; ++a) {
-        const auto axis = static_cast<size_t>(box.texels.axes[static_cast<size_t>(a)]);
-        gradient = gradient + setup_.camera_gradient[axis] * (side[a] * value / 2);
-      }
-    }
-    const Vec3d rgb = setup_.lit ? shaded(surface.rgb, gradient, 0) : surface.rgb;
-    blend({rgb, surface.opacity, setup_.first_depth + (k + lo) * setup_.depth_step}, pixel);
+  for (const PlainSurface& surface : surfacesBetween(
+           setup_, box.texels, chunk, [&](double part) { return ray.at(k - 0.5 + part); })) {
+    blend(partOf(sample, surface.part - from), pixel);
+    from = surface.part;
+    const Vec3d rgb =
+        setup_.lit ? shaded(surface.level.rgb, surface.gradient, 0) : surface.level.rgb;
+    blend({rgb, surface.level.opacity, setup_.first_depth + (k + from) * setup_.depth_step}, pixel);
   }
   blend(partOf(sample, 1 - from), pixel);
 }

@@ -9,6 +9,9 @@
 
 namespace sluice {
 
+// Below it lie the stand-in for NaN and whatever is interpolated with it (device_voxel.h).
+inline constexpr double kNoNumber = -2e30;
+
 // Trilinear; texel centres at integers, beyond the chunk its outermost texels. The mean in a chunk
 // with spreads.
 double valueAt(const ChunkTexels& chunk, Vec3d at);
