@@ -16,7 +16,7 @@ namespace sluice {
 // labels, threshold. Otherwise they are chosen from the values. Opacities given with a
 // transfer_file keep the colours of that file.
 struct LookOptions {
-  enum class Mode { kComposite, kMaximum, kMinimum, kAverage };
+  enum class Mode { kComposite, kMaximum, kMinimum, kAverage, kAttenuatedMaximum };
   enum class Light { kChosen, kOn, kOff };
   struct Opacity {
     double value = 0;
@@ -71,6 +71,9 @@ struct LookOptions {
   // Channels that are not named look as the file says (OME), or by a colour of their own.
   std::vector<Channel> channels = {};
   Light light = Light::kChosen;  // lights surfaces in composite mode; chosen: if it shows more
+  // Attenuated maximum: a voxel length of the finest spacing at the greatest value of `range` dims
+  // what is behind it by exp(-attenuation), and lesser values in proportion; unset: 0.05.
+  std::optional<double> attenuation = {};
   // The opacity times a ramp of the gradient's magnitude, which is 1 from this share of the values'
   // range a voxel length on, above 0; unset: no ramp.
   std::optional<double> full_gradient = {};

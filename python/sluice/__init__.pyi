@@ -29,7 +29,8 @@ class PictureOptions(TypedDict, total=False):
     azimuth: float | None
     elevation: float | None
     fit: Literal['visible', 'volume'] | None
-    mode: Literal['composite', 'mip', 'minip', 'average'] | None
+    mode: Literal['composite', 'mip', 'minip', 'average', 'attenuated-mip'] | None
+    attenuation: float | None
     shade: bool | Literal['chosen', 'on', 'off'] | None
     threshold: float | None
     opacity: float | None

@@ -167,7 +167,7 @@ void CpuDevice::drawNow(const Then& then, Keep keep) {
   const KernelFrame& frame = tables_->frame();
   const ModeTraits& traits = traitsOf(setup_.mode);
   const bool in_layers = traits.needs_order && setup_.is_part;
-  const auto draw = traits.combining == Combining::kBlend ? kernels_.composite : kernels_.other;
+  const auto draw = kernels_.drawing(traits.combining);
   if (keep == Keep::kPixels) picture_.makeRoom();
   eachTile(pool_, picture_.tiles(), [&](int64_t index) {
     std::span<const uint32_t> rest = bins.of(index);

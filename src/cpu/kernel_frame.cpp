@@ -45,6 +45,11 @@ FrameTables::FrameTables(const FrameSetup& setup, const LookUpTables& look_up) {
   if (traits.hides && setup.skips) frame_.ray_opacity = kNothingMore;
   setRays(setup);
   setLookUp(look_up);
+  const auto [window_lo, window_hi] = setup.window;
+  frame_.window_lo = static_cast<float>(window_lo);
+  frame_.window_scale =
+      static_cast<float>(window_lo == window_hi ? 0 : 1 / (window_hi - window_lo));
+  frame_.attenuation = static_cast<float>(setup.attenuation * setup.slice_length);
   if (setup.has_surfaces) setSurfaces(*setup.look_up);
   setLights(setup);
   if (colors) setRows(setup);

@@ -48,8 +48,11 @@ struct KernelFrame {
   // Pre-integrated frames, else null: IntegratedLook::sums, and the exponent of slice_length, or of
   // a unit length with factors, that a sum of 1 stands for.
   const int32_t* sums = nullptr;
-  float sums_unit = 1, sums_last = 1;         // the last entry
-  float least = 0, greatest = 0;              // values of the first and of the last entry
+  float sums_unit = 1, sums_last = 1;  // the last entry
+  float least = 0, greatest = 0;       // values of the first and of the last entry
+  // FrameSetup::window as its first value and 1 / its length, and FrameSetup::attenuation of the
+  // way from slice to slice.
+  float window_lo = 0, window_scale = 0, attenuation = 0;
   float least_visible = 0, most_visible = 0;  // values beyond these have no opacity
 
   // FrameSetup::has_surfaces: the surfaces of the look-up, ascending by level, with their colours
@@ -119,7 +122,7 @@ struct KernelBox {
 // The pixels of a tile, packet after packet. Each is kTilePixels floats.
 struct TilePixels {
   int x = 0, y = 0;  // lower left pixel
-  // Composite: red, green, blue, opacity; other modes: the two sums of the shader of that name.
+  // Composite: red, green, blue, opacity; other modes: the numbers of their Combining.
   std::array<float*, 4> color{};
   float* depth_sum = nullptr;  // with_depth
   float* stopped = nullptr;    // 1 if a pixel takes no more samples
@@ -138,6 +141,11 @@ struct Kernels {
   // How many samples that would be if no ray ended.
   uint64_t (*count)(const KernelFrame& frame, const KernelBox* boxes, const uint32_t* indices,
                     size_t count, const TilePixels& tile) = nullptr;
+
+  // What draws frames of a mode.
+  auto drawing(Combining combining) const {
+    return combining == Combining::kBlend ? composite : other;
+  }
 
   // The index of the tile's pixel (x, y) in its arrays.
   int placeOf(int x, int y) const {

@@ -1,4 +1,4 @@
-// Modes other than composite, and counting: the extremes and sums over the samples of a packet's
+// Modes other than composite, and counting: the numbers of Combining over the samples of a packet's
 // rays.
 #include <algorithm>
 
@@ -63,14 +63,58 @@ HWY_INLINE V settled(V at) {
   return hn::IfThenElse(hn::Lt(hn::Abs(hn::Sub(at, plane)), all(kOnPlane)), plane, at);
 }
 
+// The numbers of a packet's pixels, see Combining.
+struct Numbers {
+  V of[3];
+};
+
+// Takes samples of these values and parts, those that show something. `attenuation`: of the way
+// from sample to sample.
+HWY_INLINE void takeSample(const KernelFrame& frame, V value, V part, V attenuation, M shows,
+                           Numbers& numbers) {
+  const V one = all(1.0F), rest = hn::Sub(one, part);
+  auto& [first, second, third] = numbers.of;
+  // A sample's part moves its value toward the end that loses.
+  switch (frame.combining) {
+    case Combining::kGreatest: {
+      const V moved = between(all(frame.least), value, part, rest);
+      first = hn::IfThenElse(shows, hn::Max(first, moved), first);
+      second = hn::IfThenElse(shows, hn::Max(second, part), second);
+      return;
+    }
+    case Combining::kLeast: {
+      const V moved = between(all(frame.greatest), value, part, rest);
+      first = hn::IfThenElse(shows, hn::Min(first, moved), first);
+      second = hn::IfThenElse(shows, hn::Min(second, rest), second);
+      return;
+    }
+    case Combining::kAttenuated: {
+      const V place = hn::Mul(hn::Sub(value, all(frame.window_lo)), all(frame.window_scale));
+      const V within = hn::Min(hn::Max(place, hn::Zero(F())), one);
+      const V level = hn::IfThenElseZero(shows, hn::Mul(within, part));
+      const V clear = hn::Sub(one, second);
+      first = hn::Max(first, hn::Mul(clear, level));
+      const V dimmed = hn::Sub(one, hn::Exp(F(), hn::Neg(hn::Mul(attenuation, level))));
+      second = hn::MulAdd(clear, dimmed, second);
+      third = hn::Max(third, part);
+      return;
+    }
+    case Combining::kSum:
+    case Combining::kBlend:
+      break;
+  }
+  first = hn::IfThenElse(shows, hn::MulAdd(value, part, first), first);
+  second = hn::Add(second, part);
+}
+
 // kSpread: of a chunk with spreads, whose means alone count.
 template <DeviceType kType, bool kSpread>
 HWY_INLINE void drawPacket(const KernelFrame& frame, const KernelBox& box,
-                           const Positions& positions, const Packet& packet, V& value_sum,
-                           V& part_sum) {
+                           const Positions& positions, const Packet& packet, Numbers& numbers) {
   const Line line = lineOf(frame, box, positions, packet);
   const float most = hn::GetLane(hn::MaxOfLanes(F(), line.count));
   const Cells cells = cellsOf(box);
+  const V attenuation = hn::Mul(all(frame.attenuation), rayLengthOf(frame, packet));
   for (int j = 0; j < static_cast<int>(most); ++j) {
     const V turn = all(static_cast<float>(j));
     const V place = hn::Min(hn::Max(turn, line.from), line.to);
@@ -89,20 +133,7 @@ HWY_INLINE void drawPacket(const KernelFrame& frame, const KernelBox& box,
     const V part = hn::IfThenElseZero(counts, partAt(frame, entryOf(frame, value)));
     const M shows = hn::Gt(part, hn::Zero(F()));
     if (hn::AllFalse(F(), shows)) continue;
-    // A sample's part moves its value toward the end that loses.
-    const V rest = hn::Sub(all(1.0F), part);
-    if (frame.combining == Combining::kGreatest) {
-      const V moved = between(all(frame.least), value, part, rest);
-      value_sum = hn::IfThenElse(shows, hn::Max(value_sum, moved), value_sum);
-      part_sum = hn::IfThenElse(shows, hn::Max(part_sum, part), part_sum);
-    } else if (frame.combining == Combining::kLeast) {
-      const V moved = between(all(frame.greatest), value, part, rest);
-      value_sum = hn::IfThenElse(shows, hn::Min(value_sum, moved), value_sum);
-      part_sum = hn::IfThenElse(shows, hn::Min(part_sum, rest), part_sum);
-    } else {
-      value_sum = hn::IfThenElse(shows, hn::MulAdd(value, part, value_sum), value_sum);
-      part_sum = hn::Add(part_sum, part);
-    }
+    takeSample(frame, value, part, attenuation, shows, numbers);
   }
 }
 
@@ -113,14 +144,14 @@ HWY_NOINLINE void drawBox(const KernelFrame& frame, const KernelBox& box, TilePi
   for (int y = y_lo; y < y_hi; y += kPacketHeight)
     for (int x = x_lo; x < x_hi; x += kPacketWidth) {
       const int at = (y / kPacketHeight * (kTileSide / kPacketWidth) + x / kPacketWidth) * kLanes;
-      V value = hn::Load(F(), tile.color[0] + at), part = hn::Load(F(), tile.color[1] + at);
+      Numbers numbers;
+      for (size_t i = 0; i < 3; ++i) numbers.of[i] = hn::Load(F(), tile.color[i] + at);
       const Packet packet = packetAt(frame, tile, x, y);
       if (box.has_spread)
-        drawPacket<kType, true>(frame, box, positions, packet, value, part);
+        drawPacket<kType, true>(frame, box, positions, packet, numbers);
       else
-        drawPacket<kType, false>(frame, box, positions, packet, value, part);
-      hn::Store(value, F(), tile.color[0] + at);
-      hn::Store(part, F(), tile.color[1] + at);
+        drawPacket<kType, false>(frame, box, positions, packet, numbers);
+      for (size_t i = 0; i < 3; ++i) hn::Store(numbers.of[i], F(), tile.color[i] + at);
     }
 }
 

@@ -25,7 +25,8 @@ void TileParts::draw(int64_t index, const std::vector<KernelBox>& boxes,
     const uint32_t layer = boxes[order[from]].layer;
     size_t to = from;
     while (to < order.size() && boxes[order[to]].layer == layer) ++to;
-    kernels_->composite(*frame_, boxes.data(), order.data() + from, to - from, tile);
+    kernels_->drawing(frame_->combining)(*frame_, boxes.data(), order.data() + from, to - from,
+                                         tile);
     from = to;
     append(index, layer, tile);
     for (size_t i = 0; i < kTilePixels; ++i) {

@@ -20,7 +20,8 @@ class TileParts {
  public:
   // To be called for each frame; `kernels` must outlive it.
   void begin(const FrameSetup& setup, const KernelFrame& frame, const Kernels& kernels);
-  // Composite: draws these boxes of one tile, whose pixels are empty before and after.
+  // Modes that need an order: draws these boxes of one tile, whose pixels are empty before and
+  // after.
   void draw(int64_t index, const std::vector<KernelBox>& boxes, std::span<const uint32_t> of_tile,
             TilePixels& tile);
   // Other modes: called once, for the pixels that all boxes left in the tile.

@@ -71,7 +71,7 @@ inline constexpr double kLabelTie = 1e-3;
 // The frames of a look share it: the same pointer is the same table.
 using LookUpPtr = std::shared_ptr<const LookUp>;
 
-// The places at which a ray is sampled. Composite and average: the view's slices. Maximum and
+// The places at which a ray is sampled. Most modes: the view's slices. Maximum and
 // minimum: where the ray meets the planes of texel centres of its main axis, the one it runs along
 // most (in voxels; of axes alike to kAxisTie the first); at `planes_a_voxel` - 1 places between two
 // planes; and at both ends of its way through what is shown. What is shown are the cells
@@ -101,8 +101,14 @@ struct FrameSetup {
   DeviceType type = DeviceType::kU8;
   LookUpPtr look_up = std::make_shared<const LookUp>();
   Mode mode = Mode::kComposite;
-  Box3 shown;                        // cells that may show: the volume's, or a crop's
-  int planes_a_voxel = 1;            // maximum and minimum, see above
+  Box3 shown;              // cells that may show: the volume's, or a crop's
+  int planes_a_voxel = 1;  // maximum and minimum, see above
+  // Attenuated maximum: a sample counts with its place between these device values, 0 to 1, the
+  // first of which may be the greater. Of samples of w_1, w_2, ... a pixel shows the greatest of
+  //   w_k * exp(-attenuation * length * (w_1 + ... + w_(k-1))),
+  // `length` being the unit lengths between samples. Samples that do not take part count as 0.
+  std::array<double, 2> window{0, 1};
+  double attenuation = 0;
   double opacity_threshold = 1;      // a ray ends inside a box at this opacity; 1: never
   bool with_depth = false;           // composite only: the picture gets a depth channel
   bool counts_taken = false;         // composite only, not with depth: takenSamples() can be asked

@@ -93,7 +93,8 @@ std::array<double, 2> visibleValues(const LookUp& look_up) {
           greatest > last ? kAll : range.lo + greatest * entry};
 }
 
-void scaleValues(double device_unit, std::vector<float>& rgba) {
+void scaleValues(const FrameSetup& setup, double device_unit, std::vector<float>& rgba) {
+  if (traitsOf(setup.mode).combining == Combining::kAttenuated) return;  // places in a window
   for (size_t i = 0; i < rgba.size(); i += 4)
     if (std::abs(rgba[i]) < kNothingSeen) rgba[i] *= static_cast<float>(device_unit);
 }
@@ -106,13 +107,17 @@ void resolveMode(const FrameSetup& setup, double device_unit, std::span<float> r
       range.hi > range.lo ? static_cast<double>(entries - 1) / (range.hi - range.lo) : 0;
   const Combining combining = traitsOf(setup.mode).combining;
   const bool average = combining == Combining::kSum;
+  const bool attenuated = combining == Combining::kAttenuated;
+  const size_t share = attenuated ? 2 : 1;
   for (size_t i = 0; i < rgba.size(); i += 4) {
-    const bool seen = average ? rgba[i + 1] > 0 : std::abs(rgba[i]) < kNothingSeen;
+    const bool seen =
+        average || attenuated ? rgba[i + share] > 0 : std::abs(rgba[i]) < kNothingSeen;
     double device = seen ? rgba[i] * device_unit : 0;
     if (seen && average) device /= rgba[i + 1];
+    if (attenuated) device = std::lerp(setup.window[0], setup.window[1], double{rgba[i]});
     const float part = !seen                            ? 0
-                       : combining == Combining::kLeast ? 1 - rgba[i + 1]
-                                                        : std::min(rgba[i + 1], 1.0F);
+                       : combining == Combining::kLeast ? 1 - rgba[i + share]
+                                                        : std::min(rgba[i + share], 1.0F);
     const double at =
         std::clamp((device - range.lo) * per_device + 0.5, 0.0, static_cast<double>(entries - 1));
     const float* entry = &table[4 * static_cast<size_t>(at)];

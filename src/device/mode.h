@@ -12,7 +12,7 @@
 
 namespace sluice {
 
-enum class Mode : uint8_t { kComposite, kMip, kMinip, kAverage };
+enum class Mode : uint8_t { kComposite, kMip, kMinip, kAverage, kAttenuatedMip };
 
 // How samples of a ray, and parts of a picture, are put together. The shaders know these by number.
 enum class Combining : uint8_t {
@@ -20,13 +20,16 @@ enum class Combining : uint8_t {
   kGreatest,  // the greatest value, and the greatest share of visibility
   kLeast,     // the least value, and the least of 1 - the share
   kSum,       // the sum of values times their shares, and of the shares
+  // The greatest value, each dimmed by the values in front of it; how much those behind are dimmed;
+  // and the greatest share. See FrameSetup::attenuation.
+  kAttenuated,
 };
 
 struct ModeTraits {
   Mode mode = Mode::kComposite;
   Combining combining = Combining::kBlend;
   // Pixels hold colours and an opacity: light, gradients, labels and spreads show, and a depth can
-  // be weighted by opacity. Otherwise they hold the two numbers of `combining`, of which
+  // be weighted by opacity. Otherwise they hold the numbers of `combining`, of which
   // resolveMode() makes a colour at the end.
   bool has_colors = true;
   // The order of boxes along a ray matters: parts of a picture are put together layer by layer.
@@ -46,7 +49,7 @@ struct ModeTraits {
   bool suits_levels = true;
 };
 
-inline constexpr std::array<ModeTraits, 4> kModeTraits{{
+inline constexpr std::array<ModeTraits, 5> kModeTraits{{
     {.mode = Mode::kComposite},
     {.mode = Mode::kMip,
      .combining = Combining::kGreatest,
@@ -75,6 +78,13 @@ inline constexpr std::array<ModeTraits, 4> kModeTraits{{
      .hides = false,
      .for_negated = Mode::kAverage,
      .telling_number = 1,
+     .suits_levels = false},
+    {.mode = Mode::kAttenuatedMip,
+     .combining = Combining::kAttenuated,
+     .has_colors = false,
+     .hides = false,
+     .for_negated = Mode::kAttenuatedMip,
+     .telling_number = 2,
      .suits_levels = false},
 }};
 

@@ -75,6 +75,13 @@ TileNumbers composeTile(std::vector<PartRecord> records, const FrameSetup& setup
     });
     for (const PartRecord& record : records)
       visitPixels(record, channels, [&](size_t pixel, const auto& numbers) {
+        if (traits.combining == Combining::kAttenuated) {
+          const float clear = 1 - tile[1][pixel];
+          tile[0][pixel] = std::max(tile[0][pixel], clear * numbers[0]);
+          tile[1][pixel] += clear * numbers[1];
+          tile[2][pixel] = std::max(tile[2][pixel], numbers[2]);
+          return;
+        }
         const float through = 1 - tile[3][pixel];
         for (size_t c = 0; c < static_cast<size_t>(channels); ++c)
           tile[c][pixel] += through * numbers[c];

@@ -3,11 +3,11 @@
 //
 // A layer is a set of boxes none of which hides another. Layers are numbered front to back, alike
 // on all devices that draw parts of the picture, so that blending the parts in the order of layers
-// is exact however the boxes interleave. Modes other than composite need no order: one layer.
+// is exact however the boxes interleave. Modes that need no order have one layer.
 //
 // A tile consists of records, each for one layer: the layer's number, a mask of its pixels, and
 // their numbers. Composite: red, green, blue, opacity, premultiplied, and with depth the sum of
-// weights times depths; other modes the two numbers of resolveMode(), for a unit of 1.
+// weights times depths; other modes the two or three numbers of resolveMode(), for a unit of 1.
 #pragma once
 
 #include <array>
@@ -29,7 +29,8 @@ inline constexpr int kPartPixels = kPartSide * kPartSide;
 
 // Numbers of a pixel.
 inline int partChannels(const FrameSetup& setup) {
-  if (!traitsOf(setup.mode).has_colors) return 2;
+  const ModeTraits& traits = traitsOf(setup.mode);
+  if (!traits.has_colors) return traits.combining == Combining::kAttenuated ? 3 : 2;
   return setup.with_depth ? 5 : 4;
 }
 inline constexpr int kMostPartChannels = 5;

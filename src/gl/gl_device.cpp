@@ -14,8 +14,8 @@ namespace {
 
 // Boxes a draw call: bounded by the smallest legal buffer texture (65536 texels).
 constexpr size_t kBoxesPerDraw = 65536 / kTexelsPerBox;
-// Texture units; 1 and those from 3 on belong to LookTextures.
-constexpr GLenum kChunkUnit = 0, kBoxUnit = 2;
+// Texture units; 1 and those from 3 to 5 belong to LookTextures.
+constexpr GLenum kChunkUnit = 0, kBoxUnit = 2, kKeptUnit = 6;
 
 std::array<float, 3> asFloats(Vec3d v) {
   return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
@@ -102,6 +102,10 @@ GlProgram& GlDevice::programFor(const ShaderVariant& variant) {
 }
 
 void GlDevice::setBlending(Combining combining) {
+  if (combining == Combining::kAttenuated) {  // by the shader, see drawOverKept()
+    gl_.Disable(GL_BLEND);
+    return;
+  }
   gl_.Enable(GL_BLEND);
   gl_.BlendEquation(combining == Combining::kGreatest ? GL_MAX
                     : combining == Combining::kLeast  ? GL_MIN
@@ -138,6 +142,7 @@ void GlDevice::bindTarget() {
   gl_.Viewport(0, -frame_rows_.lo, setup_.size.width, setup_.size.height);
   const std::array<GLenum, 2> outputs = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
   gl_.DrawBuffers(variant_.with_depth || variant_.counts_taken ? 2 : 1, outputs.data());
+  target_.attachSecond(variant_.combining != Combining::kAttenuated);
   setBlending(traitsOf(setup_.mode).combining);
   gl_.Enable(GL_CULL_FACE);
   gl_.CullFace(GL_FRONT);
@@ -178,7 +183,8 @@ void GlDevice::beginFrame(const FrameSetup& setup, const StopToken& stop) {
   const ModeTraits& traits = traitsOf(setup.mode);
   const bool colors = traits.has_colors;
   variant_ = {.combining = traits.combining,
-              .perspective = colors && setup.projection == Projection::kPerspective,
+              .perspective = (colors || traits.combining == Combining::kAttenuated) &&
+                             setup.projection == Projection::kPerspective,
               .with_depth = colors && setup.with_depth,
               .stops_early = traits.hides && setup.opacity_threshold < 1,
               .floats = setup.type == DeviceType::kF32,
@@ -218,7 +224,15 @@ void GlDevice::setFrame(GlProgram& program) {
       static_cast<float>(ux), static_cast<float>(-setup_.tan_half_x), static_cast<float>(vy),
       static_cast<float>(-setup_.tan_half_y)};
   program.set4("view_pixel_ray", pixel_ray.data(), 1);
-  if (traitsOf(setup_.mode).has_colors) setShading(setup_, variant_, program);
+  const ModeTraits& traits = traitsOf(setup_.mode);
+  if (traits.has_colors) setShading(setup_, variant_, program);
+  if (traits.combining == Combining::kAttenuated) {
+    const auto [lo, hi] = setup_.window;
+    const double scale = valueScale(setup_.type);
+    program.set("kept", static_cast<int>(kKeptUnit));
+    program.set("window_texels", Vec3d{lo / scale, lo == hi ? 0 : scale / (hi - lo),
+                                       setup_.attenuation * setup_.slice_length});
+  }
 }
 
 GlProgram& GlDevice::frameProgram(Vec3d scale, bool has_spread) {
@@ -248,6 +262,17 @@ void GlDevice::drawBoxes(std::span<const BoxDraw> boxes) {
     gl_.TexBuffer(GL_TEXTURE_BUFFER, GL_RGBA32F, box_buffer_);
     gl_.DrawElementsInstanced(GL_TRIANGLES, static_cast<GLsizei>(kCubeTriangles.size()),
                               GL_UNSIGNED_BYTE, nullptr, static_cast<GLsizei>(part.size()));
+  }
+}
+
+void GlDevice::drawOverKept(std::span<const BoxDraw> boxes, int row_lo, int row_hi) {
+  for (size_t i = 0; i < boxes.size(); ++i) {
+    const PictureRows rows = rowsOf(setup_, boxes[i].cells);
+    const int lo = std::max(rows.lo, row_lo), hi = std::min(rows.hi, row_hi);
+    if (lo >= hi) continue;
+    gl_.ActiveTexture(GL_TEXTURE0 + kKeptUnit);
+    target_.keepRows(lo - frame_rows_.lo, hi - frame_rows_.lo);
+    drawBoxes(boxes.subspan(i, 1));
   }
 }
 
@@ -286,7 +311,11 @@ void GlDevice::drawFromChunk(std::span<const BoxDraw> boxes) {
       gl_.Enable(GL_SCISSOR_TEST);
       gl_.Scissor(0, row_lo - frame_rows_.lo, setup_.size.width, row_hi - row_lo);
     }
-    drawBoxes(boxes.subspan(piece.first, piece.count));
+    const auto of_piece = boxes.subspan(piece.first, piece.count);
+    if (variant_.combining == Combining::kAttenuated)
+      drawOverKept(of_piece, row_lo, row_hi);
+    else
+      drawBoxes(of_piece);
     if (is_band) gl_.Disable(GL_SCISSOR_TEST);
   }
 }
@@ -299,6 +328,7 @@ uint64_t GlDevice::countSamples(std::span<const BoxDraw> boxes) {
   counting.clip_planes = variant_.clip_planes;
   counting.planes = variant_.planes;
   gl_.BindFramebuffer(GL_FRAMEBUFFER, target_.framebuffer());
+  target_.attachSecond(true);
   const GLenum output = GL_COLOR_ATTACHMENT1;
   gl_.DrawBuffers(1, &output);
   gl_.Disable(GL_DEPTH_TEST);
@@ -349,7 +379,7 @@ Picture GlDevice::endFrame() {
   target_.read(GL_COLOR_ATTACHMENT0, picture.rgba);
   if (!traitsOf(setup_.mode).has_colors) {
     if (setup_.is_part)
-      scaleValues(valueScale(setup_.type), picture.rgba);
+      scaleValues(setup_, valueScale(setup_.type), picture.rgba);
     else
       resolveMode(setup_, valueScale(setup_.type), picture.rgba);
   }

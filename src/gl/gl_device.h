@@ -76,6 +76,8 @@ class GlDevice : public Device, public DrawsForScreens, public DrawsRows {
   // Draws boxes of one chunk and one scale, in pieces between which it checks whether to stop.
   void drawFromChunk(std::span<const BoxDraw> boxes);
   void drawBoxes(std::span<const BoxDraw> boxes);
+  // The same box by box, with the target's rows [row_lo, row_hi) of each as they were before it.
+  void drawOverKept(std::span<const BoxDraw> boxes, int row_lo, int row_hi);
   // Adds up the counts in the second attachment.
   uint64_t sumOfCounts() const;
 

@@ -47,6 +47,17 @@ void RenderTarget::resize(PictureSize size) {
   size_ = size;
 }
 
+void RenderTarget::attachSecond(bool is_attached) const {
+  gl_.FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT1, GL_TEXTURE_2D,
+                           is_attached ? second_ : 0, 0);
+}
+
+void RenderTarget::keepRows(int lo, int hi) const {
+  gl_.ReadBuffer(GL_COLOR_ATTACHMENT0);
+  gl_.BindTexture(GL_TEXTURE_2D, second_);
+  gl_.CopyTexSubImage2D(GL_TEXTURE_2D, 0, 0, lo, 0, lo, size_.width, hi - lo);
+}
+
 void RenderTarget::read(GLenum attachment, std::vector<float>& rgba) const {
   const auto width = static_cast<size_t>(size_.width);
   const auto height = static_cast<size_t>(size_.height);

@@ -1,4 +1,5 @@
-// RenderTarget: a framebuffer of two float pictures, colour and (for depth or counts) a second one.
+// RenderTarget: a framebuffer of two float pictures: colour, and a second one for depth, for counts
+// or for what colour held before.
 // Its context must be current in every call.
 #pragma once
 
@@ -22,6 +23,13 @@ class RenderTarget {
   PictureSize size() const { return size_; }
   GLuint framebuffer() const { return framebuffer_; }
   GLuint color() const { return color_; }
+
+  // Whether drawing may write the second picture, or shaders may read it. Requires: the framebuffer
+  // is bound.
+  void attachSecond(bool is_attached) const;
+  // Copies these rows of the colour picture, counted from its lowest, to the second picture and
+  // leaves that bound as a texture. Requires: the framebuffer is bound, without the second picture.
+  void keepRows(int lo, int hi) const;
 
   // RGBA of GL_COLOR_ATTACHMENT0 or 1 into `rgba`, top row first, whatever it held.
   void read(GLenum attachment, std::vector<float>& rgba) const;

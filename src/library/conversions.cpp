@@ -161,6 +161,8 @@ Mode modeOf(const LookOptions& look) {
       return Mode::kMinip;
     case LookOptions::Mode::kAverage:
       return Mode::kAverage;
+    case LookOptions::Mode::kAttenuatedMaximum:
+      return Mode::kAttenuatedMip;
   }
   fail("mode {}: no such mode", static_cast<int>(look.mode));
 }
@@ -214,6 +216,11 @@ LookArguments lookArguments(const LookOptions& look, bool whole_series) {
   }
   if (arguments.surfaces.size() > kMostSurfaces)
     fail("surfaces: {} of them, at most {}", arguments.surfaces.size(), kMostSurfaces);
+  if (look.attenuation) {
+    if (!(*look.attenuation >= 0 && *look.attenuation <= kMostAttenuation))
+      fail("attenuation {}: must be from 0 to {}", *look.attenuation, kMostAttenuation);
+    arguments.attenuation = *look.attenuation;
+  }
   arguments.shade = look.light == LookOptions::Light::kOn;
   arguments.no_shade = look.light == LookOptions::Light::kOff;
   arguments.modulate = look.full_gradient.has_value();

@@ -50,6 +50,7 @@ struct LookArguments {
   bool first_picture = false;
   bool modulate = false;       // the opacity by the gradient's magnitude
   double full_gradient = 0.1;  // gradient of factor 1: a share of the value range per voxel length
+  double attenuation = kDefaultAttenuation;  // of the attenuated maximum
   std::array<float, 3> background{0, 0, 0};
   bool has_background = false;
   StopToken stop = {};  // ends waiting for a transfer file that is a pipe

@@ -155,7 +155,7 @@ TEST_F(SpreadTest, noSpreadIsThePictureOfTheMeans) {
 
 TEST_F(SpreadTest, modesOtherThanCompositeLookAtMeansAlone) {
   for (const DeviceType type : kTypes)
-    for (const Mode mode : {Mode::kMip, Mode::kMinip, Mode::kAverage}) {
+    for (const Mode mode : {Mode::kMip, Mode::kMinip, Mode::kAverage, Mode::kAttenuatedMip}) {
       const FrameSetup setup = setupOf({Projection::kPerspective, mode}, type);
       const Picture one = drawOn(*device_, setup, chunkOf(noiseAt, type, false));
       EXPECT_GT(mostOpacity(one), 0.1);

@@ -198,7 +198,7 @@ TEST_F(TexelMapTest, anyTexelsGiveThePictureOfPlainLoops) {
   const Box3 all = boxOf(kDims - Vec3i{1, 1, 1});
   std::vector<Seen> seen = composites();
   for (const Projection projection : {Projection::kOrtho, Projection::kPerspective})
-    for (const Mode mode : {Mode::kMip, Mode::kMinip, Mode::kAverage})
+    for (const Mode mode : {Mode::kMip, Mode::kMinip, Mode::kAverage, Mode::kAttenuatedMip})
       seen.push_back({projection, mode, false, false, 0.7});
   const Level bare{{2, 2, 2}, {0, 1, 2}, {0, 0, 0}};
   for (const DeviceType type : {DeviceType::kU8, DeviceType::kU16, DeviceType::kF32})

@@ -44,7 +44,7 @@ TEST_F(RanksPicture, compositeLitAndUnlit) {
 TEST_F(RanksPicture, otherModes) {
   const auto source = spacedBlobs();
   for (const Projection projection : kProjections)
-    for (const Mode mode : {Mode::kMip, Mode::kMinip, Mode::kAverage}) {
+    for (const Mode mode : {Mode::kMip, Mode::kMinip, Mode::kAverage, Mode::kAttenuatedMip}) {
       SCOPED_TRACE(fmt::format("projection {} mode {}", static_cast<int>(projection),
                                static_cast<int>(mode)));
       FrameOptions options = obliqueView(projection);
@@ -113,7 +113,8 @@ TEST_F(RanksPicture, withOcclusion) {
 TEST_F(RanksPicture, onADeviceOfWholePictures) {
   const auto source = blobs({30, 26, 28});
   const auto maker = [] { return std::make_unique<PlainDevice>(); };
-  for (const Mode mode : {Mode::kComposite, Mode::kMip, Mode::kMinip, Mode::kAverage})
+  for (const Mode mode :
+       {Mode::kComposite, Mode::kMip, Mode::kMinip, Mode::kAverage, Mode::kAttenuatedMip})
     for (const int64_t pages : {8, 1 << 12}) {
       SCOPED_TRACE(fmt::format("mode {} pages {}", static_cast<int>(mode), pages));
       FrameOptions options = obliqueView(Projection::kPerspective, {50, 37});

@@ -102,7 +102,7 @@ TEST_F(ModesTest, extremesFromAnywhereAreTheReferencePicture) {
   for (const int64_t block : {8, 32}) {
     RenderScene scene(device(), *noise, wholeRangeTransfer("grey", {0, 255}), {.block_vox = block});
     for (const Projection projection : kProjections)
-      for (const Mode mode : {Mode::kMip, Mode::kMinip, Mode::kAverage})
+      for (const Mode mode : {Mode::kMip, Mode::kMinip, Mode::kAverage, Mode::kAttenuatedMip})
         for (const double step : {1.0, 0.4}) {
           SCOPED_TRACE(fmt::format("projection {} mode {} step {}", static_cast<int>(projection),
                                    static_cast<int>(mode), step));
@@ -134,6 +134,82 @@ TEST_F(ModesTest, samplesOfAMaximumAreThePlanesThatRaysMeet) {
   EXPECT_EQ(scene.frame(options).report.samples_drawn, 22U * 19U * 17U);
   options.step_vox = 0.5;
   EXPECT_EQ(scene.frame(options).report.samples_drawn, 22U * 19U * (2U * 16U + 1U));
+}
+
+// --- attenuated maximum
+
+// Two slabs across z with nothing between them, of these values.
+std::unique_ptr<MemorySource> twoSlabs(uint8_t nearer_top, uint8_t farther_down) {
+  return makeMemorySource<uint8_t>(Vec3i{20, 20, 41}, [=](int64_t, int64_t, int64_t z) {
+    return z >= 30 ? nearer_top : z <= 10 ? farther_down : uint8_t{0};
+  });
+}
+
+// The value that shows where the slabs are seen from above, straight down.
+double seenFromAbove(RenderScene& scene, const MemorySource& source, double step) {
+  FrameOptions options = alongAxis(source.layout(), 2, true);
+  options.mode = Mode::kAttenuatedMip;
+  options.step_vox = step;
+  return 255 * scene.draw(options).at(10, 10)[0];
+}
+
+TEST_F(ModesTest, aSlabDimsWhatIsBehindItByItsValueAndThickness) {
+  const auto source = twoSlabs(51, 255);  // a fifth of the brightest, and the brightest
+  TransferFunction transfer = wholeRangeTransfer("grey", {0, 255});
+  for (const double attenuation : {0.0, 0.1, 0.3, 1.0}) {
+    transfer.attenuation = attenuation;
+    RenderScene scene(device(), *source, transfer, {.block_vox = 8});
+    // Values are interpolated between the slabs and nothing: the upper one counts as 10.5 voxel
+    // lengths of a fifth, and half a voxel length of the lower one lies before its face.
+    const double dimmed = 255 * std::exp(-attenuation * (0.2 * 10.5 + 0.5));
+    for (const double step : {1.0, 0.25}) {
+      SCOPED_TRACE(fmt::format("attenuation {} step {}", attenuation, step));
+      EXPECT_NEAR(seenFromAbove(scene, *source, step), std::max(51.0, dimmed), 2.5);
+    }
+  }
+}
+
+TEST_F(ModesTest, attenuatedMaximaAreTheSameInBlocksOfAnySize) {
+  const auto noise = makeWhiteNoise({40, 33, 30}, VoxelType::kU16, 5);
+  TransferFunction transfer = thresholdTransfer(20000, {0, 65535}, 1, "viridis");
+  transfer.attenuation = 0.2;
+  RenderScene whole(device(), *noise, transfer, {.block_vox = 64});
+  for (const Projection projection : kProjections) {
+    FrameOptions options = obliqueView(projection);
+    options.mode = Mode::kAttenuatedMip;
+    const FloatPicture picture = whole.draw(options);
+    EXPECT_GT(shownShare(picture), 0.2);
+    for (const int64_t block : {8, 16, 32}) {
+      SCOPED_TRACE(fmt::format("block {}", block));
+      RenderScene scene(device(), *noise, transfer, {.block_vox = block});
+      EXPECT_TRUE(within(1, scene.draw(options), picture));
+      EXPECT_TRUE(within(kOfReference, scene.draw(options), scene.reference(options)));
+    }
+  }
+}
+
+TEST_F(ModesTest, voxelsOfFloatsAndDescendingValuesAttenuateAlike) {
+  // The device holds values of a negative scale the other way round.
+  VolumeLayout layout;
+  layout.dims = {24, 20, 18};
+  for (const bool negative : {false, true}) {
+    layout.value_scale = negative ? -2 : 2;
+    layout.value_offset = negative ? 510 : 0;
+    const auto noise = makeWhiteNoise(layout.dims, VoxelType::kU8, 8);
+    MemorySource source(layout, {noise->bytes().begin(), noise->bytes().end()});
+    TransferFunction transfer = wholeRangeTransfer("grey", {0, 510});
+    transfer.attenuation = 0.2;
+    RenderScene scene(device(), source, transfer, {.block_vox = 8});
+    FrameOptions options = obliqueView(Projection::kOrtho);
+    options.mode = Mode::kAttenuatedMip;
+    EXPECT_TRUE(within(kOfReference, scene.draw(options), scene.reference(options)));
+  }
+  const auto floats = makeWhiteNoise({24, 20, 18}, VoxelType::kF32, 8);
+  const ValueRange range = valueRangeOf(*floats);
+  RenderScene scene(device(), *floats, wholeRangeTransfer("grey", range), {.block_vox = 8});
+  FrameOptions options = obliqueView(Projection::kOrtho);
+  options.mode = Mode::kAttenuatedMip;
+  EXPECT_TRUE(within(kOfReference, scene.draw(options), scene.reference(options)));
 }
 
 // --- labels

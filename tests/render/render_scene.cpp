@@ -28,6 +28,8 @@ ReferenceMode referenceMode(Mode mode) {
       return ReferenceMode::kMinimum;
     case Mode::kAverage:
       return ReferenceMode::kAverage;
+    case Mode::kAttenuatedMip:
+      return ReferenceMode::kAttenuatedMaximum;
     case Mode::kComposite:
       break;
   }
@@ -116,6 +118,7 @@ FloatPicture RenderScene::reference(const FrameOptions& options) const {
   if (options_.lit) scene.lighting = options.lighting;
   scene.value_range = valueRangeOf(source_, options_.time);
   scene.integrates = options.integrates;
+  scene.attenuation = transfer_.attenuation;
   scene.opacity_threshold = rayThreshold(options);
   scene.rounding = roundingOf({transfer_, ranges_->map, ranges_->device_range}, ranges_->map);
   return renderReference(

@@ -87,7 +87,7 @@ struct PlainDevice::Ray {
 template <class Visit>
 void PlainDevice::eachSample(const Ray& ray, const BoxDraw& box, Visit&& visit) const {
   const Box3& cells = box.cells;
-  if (setup_.mode == Mode::kComposite || setup_.mode == Mode::kAverage) {
+  if (!traitsOf(setup_.mode).on_planes) {
     const auto [from, to] = ray.slicesIn(cells, setup_);
     for (int64_t k = from; k < to; ++k)
       if (const auto slice = static_cast<double>(k); !visit(ray.at(slice), slice)) return;
@@ -305,7 +305,13 @@ void PlainDevice::take(const Ray& ray, const BoxDraw& box, const ChunkTexels& ch
       const bool replaces = pixel.count == 0 ||
                             (setup_.mode == Mode::kMip && value > pixel.value) ||
                             (setup_.mode == Mode::kMinip && value < pixel.value);
-      if (setup_.mode == Mode::kAverage)
+      if (setup_.mode == Mode::kAttenuatedMip) {
+        const auto [lo, hi] = setup_.window;
+        const double level = lo == hi ? 0 : std::clamp((value - lo) / (hi - lo), 0.0, 1.0);
+        pixel.value = std::max(pixel.value, level * (1 - pixel.dimmed));
+        pixel.dimmed = 1 - (1 - pixel.dimmed) * std::exp(-setup_.attenuation * level *
+                                                         setup_.slice_length * ray.length);
+      } else if (setup_.mode == Mode::kAverage)
         pixel.value += value;
       else if (replaces)
         pixel.value = value;
@@ -439,10 +445,14 @@ Picture PlainDevice::endFrame() {
         rgba[0] = seen ? pixel.value : traitsOf(setup_.mode).first_value;
         rgba[1] = sums                                ? static_cast<double>(pixel.count)
                   : setup_.mode == Mode::kMip && seen ? 1
-                                                      : 0;
+                                                      : pixel.dimmed;
+        rgba[2] = setup_.mode == Mode::kAttenuatedMip && seen ? 1 : 0;
       } else if (setup_.mode != Mode::kComposite && pixel.count > 0) {
         const double taken = setup_.mode == Mode::kAverage ? static_cast<double>(pixel.count) : 1;
-        rgba = lookedUp(*setup_.look_up, pixel.value / taken, false);
+        const double value = setup_.mode == Mode::kAttenuatedMip
+                                 ? std::lerp(setup_.window[0], setup_.window[1], pixel.value)
+                                 : pixel.value / taken;
+        rgba = lookedUp(*setup_.look_up, value, false);
         rgba[3] = 1;
       }
       for (const double channel : rgba) picture.rgba.push_back(static_cast<float>(channel));

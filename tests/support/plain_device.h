@@ -54,6 +54,7 @@ class PlainDevice : public Device {
     double opacity = 0, depth_sum = 0;
     // Other modes: of the samples that took part.
     double value = 0;
+    double dimmed = 0;  // attenuated maximum: what is taken from values behind
     int64_t count = 0;
     bool is_stopped = false;
   };

@@ -324,12 +324,17 @@ class Renderer {
     return out;
   }
 
-  // The maximum, minimum or mean of some samples.
+  // The maximum, minimum or mean of some samples, or their attenuated maximum.
   struct Projected {
     double value = 0;
+    double in_front = 0;  // sum of the places of the samples so far
     int64_t taken = 0;
-    void take(ReferenceMode mode, double v) {
-      if (taken == 0)
+    // `attenuation`: of a sample's length.
+    void take(ReferenceMode mode, double v, double attenuation) {
+      if (mode == ReferenceMode::kAttenuatedMaximum) {
+        value = std::max(value, v * std::exp(-attenuation * in_front));
+        in_front += v;
+      } else if (taken == 0)
         value = v;
       else if (mode == ReferenceMode::kMaximum)
         value = std::max(value, v);
@@ -344,24 +349,41 @@ class Renderer {
     if (projected.taken == 0) return {};
     const bool mean = scene_.mode == ReferenceMode::kAverage;
     const double taken = mean ? static_cast<double>(projected.taken) : 1;
-    return {colorAt(scene_.transfer, projected.value / taken), 1, 0};
+    double value = projected.value / taken;
+    if (scene_.mode == ReferenceMode::kAttenuatedMaximum) {
+      const auto& colors = scene_.transfer.colors;
+      value = std::lerp(colors.front().value, colors.back().value, value);
+    }
+    return {colorAt(scene_.transfer, value), 1, 0};
+  }
+  // What a value counts as.
+  double counted(double value) const {
+    const auto& colors = scene_.transfer.colors;
+    const double lo = colors.front().value, hi = colors.back().value;
+    if (scene_.mode != ReferenceMode::kAttenuatedMaximum) return value;
+    return std::clamp((value - lo) / (hi - lo), 0.0, 1.0);
   }
 
   Pixel project(Vec3d start, Vec3d direction) const {
     // The result exactly; without the samples that rounding may leave out; with those that it may
     // add.
     Projected exact, least, most;
+    const double attenuation = scene_.attenuation * view_.step * length(direction) / finest_;
     const auto take = [&](Vec3d p, bool surely, bool exactly, bool perhaps) {
       const double value = values_.at(p);
       const double reach = scene_.rounding.end_value;
       const bool shows = opacityAt(scene_.transfer, value) > 0;
       const bool shows_below = opacityAt(scene_.transfer, value - reach) > 0;
       const bool shows_above = opacityAt(scene_.transfer, value + reach) > 0;
-      if (exactly && shows) exact.take(scene_.mode, value);
-      if (surely && shows && shows_below && shows_above) least.take(scene_.mode, value);
-      if (perhaps && (shows || shows_below || shows_above)) most.take(scene_.mode, value);
+      const auto takeInto = [&](Projected& projected) {
+        projected.take(scene_.mode, counted(value), attenuation);
+      };
+      if (exactly && shows) takeInto(exact);
+      if (surely && shows && shows_below && shows_above) takeInto(least);
+      if (perhaps && (shows || shows_below || shows_above)) takeInto(most);
     };
-    if (scene_.mode == ReferenceMode::kAverage) {
+    if (scene_.mode == ReferenceMode::kAverage ||
+        scene_.mode == ReferenceMode::kAttenuatedMaximum) {
       eachSample(start, direction, [&](const Sample& sample) {
         take(sample.p, !sample.near_face, sample.counts, true);
         return true;

@@ -38,6 +38,10 @@ enum class ReferenceMode {
   kMaximum,
   kMinimum,
   kAverage,
+  // Each value counts with its place between the ends of the colours, 0 to 1, times
+  // exp(-attenuation * s), where s is the integral of these places over the way in front of it in
+  // voxel lengths of the finest spacing. The colour of the greatest, opaque.
+  kAttenuatedMaximum,
 };
 
 // A sample is kept if dot(normal, world position) <= offset.
@@ -74,6 +78,7 @@ struct ReferenceScene {
   // gradients are for the mean of the two values. If one of them is no number, the other counts.
   // Requires: no step in the transfer function.
   bool integrates = false;
+  double attenuation = 0;        // of kAttenuatedMaximum
   double opacity_threshold = 1;  // a ray ends once its opacity has reached this
   Rounding rounding;
 };

@@ -143,5 +143,27 @@ TEST_F(Looks, theLightComesFromWhereItIsAsked) {
   EXPECT_THAT(refusal(std::string(kSmall) + " --ambient 2", 2), HasSubstr("--ambient"));
 }
 
+TEST_F(Looks, attenuationDimsMaxima) {
+  const auto picture = [&](const std::string& more) {
+    EXPECT_EQ(
+        program_.run(fmt::format("render --force --size 64 -o a.png {} {}", kSmall, more)).status,
+        0);
+    return bytesOf("a.png");
+  };
+  const std::string attenuated = picture("--mode attenuated-mip");
+  EXPECT_EQ(attenuated, picture("--mode attenuated-mip --attenuation 0.05"));
+  EXPECT_NE(attenuated, picture("--mode attenuated-mip --attenuation 0.5"));
+  for (const char* device : {"cpu", "gl"})
+    for (const char* projection : {"ortho", "perspective"}) {
+      const nlohmann::json found = report(
+          fmt::format("{} --mode attenuated-mip --attenuation 0.2 --block 16 --verify --device {} "
+                      "--projection {}",
+                      kSmall, device, projection));
+      EXPECT_LE(found["verify"]["max_difference"].get<double>(), 1) << device << projection;
+      EXPECT_THAT(found["look"].dump(), HasSubstr("--attenuation 0.2"));
+    }
+  EXPECT_THAT(refusal(std::string(kSmall) + " --attenuation -1", 2), HasSubstr("--attenuation"));
+}
+
 }  // namespace
 }  // namespace sluice

@@ -93,6 +93,8 @@ void addLookOptions(CLI::App& app, const AskedView& asked, LookArguments& look,
           numberText(look.full_gradient))
       ->needs(modulate);
   table.add("--mode", [&frame](const ViewState& state) { frame.mode = modeOf(state.look); });
+  table.add("--attenuation",
+            [&look](const ViewState& state) { look.attenuation = *state.look.attenuation; });
   table.add("--background", [&look](const ViewState& state) {
     look.background = *state.background;
     look.has_background = true;

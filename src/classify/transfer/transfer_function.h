@@ -43,6 +43,8 @@ struct IsoSurface {
   Vec3d rgb{1, 1, 1};
 };
 
+inline constexpr double kDefaultAttenuation = 0.05, kMostAttenuation = 1000;
+
 struct TransferFunction {
   std::vector<ColorPoint> colors;       // ascending by value, not empty
   std::vector<OpacityPoint> opacities;  // ascending by value, not empty
@@ -56,6 +58,9 @@ struct TransferFunction {
   // At most kMostSurfaces different values, in any order; not of labels. They are drawn together
   // with what the opacities show.
   std::vector<IsoSurface> surfaces = {};
+  // Attenuated maximum: how much a voxel length of the finest spacing at the last colour's value
+  // dims what is behind it, by exp(-attenuation); in proportion from the first colour's value on.
+  double attenuation = kDefaultAttenuation;
 };
 
 // The colour and the opacity at `value`, whatever the gradient: the most that any shows. NaN has

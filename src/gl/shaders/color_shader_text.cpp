@@ -13,6 +13,11 @@ layout(location = 1) out vec4 depth_sum;  // opacity times depth, and opacity to
 #if COUNTS_TAKEN
 layout(location = 1) out vec4 taken;  // samples; of opacity 0, so that they add up
 #endif
+#if COMBINING == 4
+uniform sampler2D kept;      // the target before this box
+// FrameSetup::window: its first value, 1 / its length; the attenuation from slice to slice.
+uniform vec3 window_texels;
+#endif
 vec3 textureOrder(vec3 v) { return turn == 2 ? v : turn == 0 ? v.yzx : v.zxy; }
 
 #if LABELS

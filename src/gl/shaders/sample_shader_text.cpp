@@ -29,7 +29,14 @@ void main() {
   // The filtered values of both ends of a slice's way, for finding slices that may meet a surface.
   float near_end, far_end = placeValue(first + (float(range.x - first_k) - 0.5) * along);
 #endif
+#if COMBINING == 4
+  // Read once: software GL reads uniforms again in every turn of a loop.
+  vec4 sum = texelFetch(kept, ivec2(gl_FragCoord.xy), 0);
+  vec2 window = window_texels.xy;
+  float attenuation = window_texels.z * ray_length;
+#else
   vec4 sum = COMBINING == 1 ? vec4(-3e38) : COMBINING == 2 ? vec4(3e38) : vec4(0.0);
+#endif
 #if WITH_DEPTH
   float weighted_depth = 0.0;
 #endif
@@ -209,12 +216,18 @@ void main() {
 #endif
 #else
     // A sample's part (alpha) moves its value toward the end that loses: to (max, greatest part),
-    // (min, 1 - greatest part) or (sum, sum of parts).
+    // (min, 1 - greatest part), (sum, sum of parts), or (dimmed max, what dims those behind,
+    // greatest part).
     float part = color.a;
 #if COMBINING == 1
     if (part > 0.0) sum.rg = max(sum.rg, vec2(mix(least, value, part), part));
 #elif COMBINING == 2
     if (part > 0.0) sum.rg = min(sum.rg, vec2(mix(greatest, value, part), 1.0 - part));
+#elif COMBINING == 4
+    float level = part > 0.0 ? clamp((value - window.x) * window.y, 0.0, 1.0) * part : 0.0;
+    float clear = 1.0 - sum.g;
+    sum = vec4(max(sum.r, clear * level), sum.g + clear * (1.0 - exp(-attenuation * level)),
+               max(sum.b, part), 0.0);
 #else
     if (part > 0.0) sum.rg += vec2(value * part, part);
 #endif

@@ -88,6 +88,7 @@ class Chooser {
     fadeSolidColor();
     addSurfaces();
     modulate();
+    attenuate();
     light();
     return std::move(chosen_);
   }
@@ -250,6 +251,12 @@ class Chooser {
     const double unit = range_.hi > range_.lo ? range_.hi - range_.lo : 1;
     chosen_.transfer = modulateByGradient(std::move(chosen_.transfer), look_.full_gradient * unit);
     add(fmt::format(" --modulate --full-gradient {}", look_.full_gradient));
+  }
+
+  void attenuate() {
+    if (traitsOf(mode_).combining != Combining::kAttenuated) return;
+    chosen_.transfer.attenuation = look_.attenuation;
+    add(fmt::format(" --attenuation {}", look_.attenuation));
   }
 
   void light() {

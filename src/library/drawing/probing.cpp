@@ -232,6 +232,10 @@ std::optional<VoxelProbe> probeAlong(const ProbeRequest& request, Session& sessi
   const ModeTraits& traits = traitsOf(request.options.mode);
   const bool composite = traits.hides;
   const bool least = traits.combining == Combining::kLeast;
+  const bool attenuated = traits.combining == Combining::kAttenuated;
+  const double first = request.transfer.colors.front().value;
+  const double span = request.transfer.colors.back().value - first;
+  double in_front = 0;  // attenuated: the integral over the way so far
   Values values(session, step);
   double through = 1, most = composite ? 0 : -std::numeric_limits<double>::infinity();
   std::optional<VoxelProbe> found;
@@ -250,6 +254,12 @@ std::optional<VoxelProbe> probeAlong(const ProbeRequest& request, Session& sessi
     if (!last && !request.transfer.surfaces.empty())
       last = values.at(max(index - ray.direction * along, Vec3d{0, 0, 0}));
     double weight = least ? -value : value;
+    if (attenuated) {
+      const double place = span > 0 ? std::clamp((value - first) / span, 0.0, 1.0) : 0;
+      const bool shows = opacityAt(request.transfer, value) > 0;
+      weight = shows ? place * std::exp(-request.transfer.attenuation * in_front) : -1;
+      if (shows) in_front += place * lengths;
+    }
     if (composite) {
       double clear = std::pow(1 - opacityAt(request.transfer, value), lengths);
       for (const IsoSurface& surface : request.transfer.surfaces)

@@ -137,6 +137,9 @@ FrameSetup frameSetup(const View& view, const VolumeLayout& layout, const Look& 
                       const ValueMap& map, const FrameOptions& options, bool lit) {
   FrameSetup setup = setupOf(view, layout, look.table, look.look_up, map, options);
   setup.lit = lit;
+  const std::vector<ColorPoint>& colors = look.transfer.colors;
+  setup.window = {map.deviceOf(colors.front().value), map.deviceOf(colors.back().value)};
+  setup.attenuation = look.transfer.attenuation;
   // Rays or pixels may stop, or leap, so that fewer samples are taken than lie in the frame's
   // boxes.
   setup.counts_taken = options.count_samples && traitsOf(options.mode).hides &&

@@ -89,7 +89,7 @@ void look(WindowState& window, const ImGuiIO& io) {
     next.look = withThreshold(next.look, std::clamp(now + by, all[0], all[1]), all);
   }
   if (pressed(GLFW_KEY_M))
-    next.look.mode = static_cast<LookOptions::Mode>((static_cast<int>(next.look.mode) + 1) % 4);
+    next.look.mode = static_cast<LookOptions::Mode>((static_cast<int>(next.look.mode) + 1) % 5);
   if (pressed(GLFW_KEY_L))
     next.look.light = window.volume.look.lit ? LookOptions::Light::kOff : LookOptions::Light::kOn;
   if (pressed(GLFW_KEY_G))

@@ -38,7 +38,7 @@ void opacitySlider(WindowState& window) {
 }
 
 void modes(WindowState& window) {
-  constexpr std::array kNames{"composite", "maximum", "minimum", "average"};
+  constexpr std::array kNames{"composite", "maximum", "minimum", "average", "attenuated maximum"};
   int mode = static_cast<int>(window.state().look.mode);
   ImGui::SetNextItemWidth(-1);
   if (ImGui::Combo("##mode", &mode, kNames.data(), static_cast<int>(kNames.size()))) {
