@@ -148,6 +148,10 @@ struct PictureOptions {
     // Shares of a colour that all light reflects, and light on a surface that faces it; and of
     // white in a highlight. Each from 0 to 1.
     std::optional<double> ambient = {}, diffuse = {}, specular = {};
+    // How much of the key light matter on its way takes away, and how much of all other light
+    // matter around a place does; each from 0 to 1, unset: 0. Not for opacities that depend on
+    // gradients.
+    std::optional<double> shadows = {}, occlusion = {};
     friend bool operator==(const Lighting&, const Lighting&) = default;
   };
 

@@ -51,6 +51,8 @@ class PictureOptions(TypedDict, total=False):
     ambient: float | None
     diffuse: float | None
     specular: float | None
+    shadows: float | None
+    occlusion_light: float | None
     crop: Sequence[int] | None
     clip: Sequence[Sequence[float]] | None
     background: str | _Triple | None

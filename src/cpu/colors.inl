@@ -1,4 +1,4 @@
-// The colour of a value: look-up, factors of gradients, light. Included once a target.
+// The colour of a value: look-up, factors of gradients. Included once a target.
 
 struct Color {
   V r, g, b, a;
@@ -130,58 +130,4 @@ HWY_INLINE Color expectedColor(const KernelFrame& frame, V value, V square, V fa
           between(exact.b, hn::Mul(scale, between(lower.b, upper.b, row_part, row_rest)), weight,
                   left),
           between(exact.a, a, weight, left)};
-}
-
-HWY_INLINE V shine(const KernelFrame& frame, V x) {
-  if (frame.whole_shininess > 0) {
-    V result = all(1.0F);
-    for (int n = frame.whole_shininess; n > 0; n /= 2) {
-      if ((n & 1) != 0) result = hn::Mul(result, x);
-      x = hn::Mul(x, x);
-    }
-    return result;
-  }
-  const V power = hn::Exp(
-      F(), hn::Mul(all(frame.shininess), hn::Log(F(), hn::Max(x, all(1e-37F)))));
-  return frame.shininess > 0 ? hn::IfThenElseZero(hn::Gt(x, hn::Zero(F())), power) : all(1.0F);
-}
-
-// Device values a world unit, camera space, divided by `unit`; its length squared.
-struct Gradient {
-  V3 g;
-  V unit, squared;
-};
-HWY_INLINE Gradient gradientOf(const KernelBox& box, V3 difference) {
-  // Computed in units of the steepest axis, since squares of the values themselves may overflow.
-  const V unit = hn::Max(
-      hn::Max(hn::Abs(difference.x), hn::Max(hn::Abs(difference.y), hn::Abs(difference.z))),
-      all(1e-30F));
-  const V scale = hn::Div(all(1.0F), unit);
-  difference = {hn::Mul(difference.x, scale), hn::Mul(difference.y, scale),
-                hn::Mul(difference.z, scale)};
-  const auto& [a, b, c] = box.gradient;
-  const V3 g{dot3({a[0], b[0], c[0]}, difference), dot3({a[1], b[1], c[1]}, difference),
-             dot3({a[2], b[2], c[2]}, difference)};
-  return {g, unit, hn::MulAdd(g.z, g.z, hn::MulAdd(g.y, g.y, hn::Mul(g.x, g.x)))};
-}
-
-// Applies lighting.h with this `flat`; `color` is premultiplied.
-HWY_INLINE Color shaded(const KernelFrame& frame, const Color& color, const Gradient& gradient,
-                        float flatness) {
-  const V to_unit = hn::Div(all(1.0F), hn::Sqrt(hn::Max(gradient.squared, all(1e-37F))));
-  V diffuse = hn::Zero(F()), specular = hn::Zero(F());
-  for (size_t i = 0; i < frame.toward.size(); ++i) {
-    diffuse = hn::Add(diffuse, hn::Abs(dot3(frame.toward[i], gradient.g)));
-    const V mirrored = hn::Mul(to_unit, hn::Abs(dot3(frame.halfway[i], gradient.g)));
-    specular = hn::MulAdd(all(frame.specular[i]), shine(frame, mirrored), specular);
-  }
-  const V bright = hn::MulAdd(to_unit, diffuse, all(frame.ambient));
-  const V gleam = hn::Mul(color.a, specular);
-  const V flat = hn::Div(all(flatness), gradient.unit);
-  const V part = hn::Div(gradient.squared,
-                         hn::Max(hn::MulAdd(flat, flat, gradient.squared), all(1e-37F)));
-  const V rest = hn::Sub(all(1.0F), part);
-  return {between(color.r, hn::MulAdd(color.r, bright, gleam), part, rest),
-          between(color.g, hn::MulAdd(color.g, bright, gleam), part, rest),
-          between(color.b, hn::MulAdd(color.b, bright, gleam), part, rest), color.a};
 }

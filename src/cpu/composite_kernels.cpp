@@ -25,6 +25,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 #include "src/cpu/loads.inl"
 #include "src/cpu/texels.inl"
 #include "src/cpu/colors.inl"
+#include "src/cpu/lighting.inl"
 #include "src/cpu/leaps.inl"
 #include "src/cpu/segments.inl"
 // clang-format on
@@ -92,7 +93,7 @@ HWY_INLINE Color colorOf(const KernelFrame& frame, const KernelBox& box, const V
     if constexpr (kShading == Shading::kSpread)
       color = expectedColor(frame, value, square, factor,
                             hn::Mul(ray_length, all(frame.slice_length)), color);
-    if (frame.lit) color = shaded(frame, color, gradient, frame.flat);
+    if (frame.lit) color = shaded(frame, box, at, color, gradient, frame.flat);
   }
   return color;
 }
@@ -118,7 +119,7 @@ HWY_INLINE Color segmentColorOf(const KernelFrame& frame, const KernelBox& box, 
   color = {hn::Mul(color.r, color.a), hn::Mul(color.g, color.a), hn::Mul(color.b, color.a),
            color.a};
   if (kShading == Shading::kSegmentGradients && frame.lit)
-    color = shaded(frame, color, gradient, frame.flat);
+    color = shaded(frame, box, at, color, gradient, frame.flat);
   return color;
 }
 

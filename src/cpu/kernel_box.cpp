@@ -113,6 +113,20 @@ void setTexels(const BoxDraw& box, const ChunkTexels& chunk, const TexelSpan& sp
   }
 }
 
+// Requires: texel_scale and texel_start are set.
+void setLight(const LightVolume& light, const BoxDraw& box, KernelBox& out) {
+  for (int a = 0; a < 3; ++a)
+    out.light_axes[static_cast<size_t>(box.texels.axes[static_cast<size_t>(a)])] = a;
+  for (int a = 0; a < 3; ++a) {
+    const auto i = static_cast<size_t>(a);
+    const double scale = light.scale[a] / double{out.texel_scale[i]};
+    const double at_corner = static_cast<double>(box.cells.lo[a]) * light.scale[a];
+    out.light_scale[i] = static_cast<float>(scale);
+    out.light_start[i] =
+        static_cast<float>(at_corner + light.offset[a] - double{out.texel_start[i]} * scale);
+  }
+}
+
 void setLeaps(const LeapGrid& leaps, Vec3i lo, KernelBox& out) {
   if (volume(leaps.bricks) > kMostOffset) return;  // their numbers would not be exact
   out.distances = leaps.distances.data();
@@ -156,6 +170,7 @@ void appendPart(const FrameSetup& setup, const BoxDraw& box, const ChunkTexels* 
     const TexelSpan span = texelsOf(box, chunk->storage_vox);
     setTexels(box, *chunk, span, result);
     if (leaps != nullptr) setLeaps(*leaps, span.lo, result);
+    if (setup.light != nullptr) setLight(*setup.light, box, result);
   }
   out.push_back(result);
 }

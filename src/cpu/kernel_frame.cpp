@@ -143,6 +143,14 @@ void FrameTables::setLights(const FrameSetup& setup) {
   frame_.flat = static_cast<float>(setup.flat);
   frame_.shininess = static_cast<float>(lighting.shininess);
   frame_.whole_shininess = lighting.wholeShininess();
+  frame_.key_share = static_cast<float>(lighting.keyShare());
+  if (!frame_.lit || setup.light == nullptr) return;
+  const Vec3i texels = setup.light->dims;
+  constexpr int64_t kTexelBytes = 2 * sizeof(uint16_t);
+  frame_.light = reinterpret_cast<const std::byte*>(setup.light->texels.data());
+  frame_.light_hi = asFloats(toDouble(texels - Vec3i{1, 1, 1}));
+  frame_.light_last = asFloats(toDouble(texels - Vec3i{2, 2, 2}));
+  frame_.light_stride = asFloats(toDouble(Vec3i{1, texels.x, texels.x * texels.y} * kTexelBytes));
 }
 
 void FrameTables::setRows(const FrameSetup& setup) {

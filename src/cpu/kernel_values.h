@@ -76,6 +76,11 @@ struct KernelFrame {
   std::array<float, 2> specular{};
   float ambient = 0, flat = 0, shininess = 0;
   int whole_shininess = 0;  // the same if it is a small whole number, else 0
+  // FrameSetup::light: its texels, the last and the last but one along each axis, and strides in
+  // bytes; null: all light arrives.
+  const std::byte* light = nullptr;
+  Float3 light_hi{}, light_last{}, light_stride{};
+  float key_share = 0;
   int rows = 0, factor_entries = 0;
   const float* factors = nullptr;      // rows x factor_entries
   const float* row_starts = nullptr;   // magnitudes
@@ -106,6 +111,10 @@ struct KernelBox {
   bool has_margin = false;            // a texel more on every side
   // Device values a world unit, camera space, of a value more a texel along each texel axis.
   std::array<Float3, 3> gradient{};
+  // Texel coordinates of the frame's light, along the volume's axes: texel coordinates along the
+  // chunk's axes light_axes * light_scale + light_start.
+  std::array<int, 3> light_axes{0, 1, 2};
+  Float3 light_scale{}, light_start{};
   Float3 size{};  // in voxels
   // Maximum and minimum: 0 for a face at which rays enter or leave what is shown, else kInside, far
   // beyond any slice.

@@ -101,7 +101,7 @@ HWY_NOINLINE Color surfaceColor(const KernelFrame& frame, const KernelBox& box, 
     difference.y = y ? hn::Add(difference.y, value) : hn::Sub(difference.y, value);
     difference.z = z ? hn::Add(difference.z, value) : hn::Sub(difference.z, value);
   }
-  return shaded(frame, surface.color, gradientOf(box, difference), 0);
+  return shaded(frame, box, at, surface.color, gradientOf(box, difference), 0);
 }
 
 // The colour of a slice over a part of its way.

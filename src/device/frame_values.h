@@ -19,6 +19,7 @@
 #include "src/base/looks/surface_look.h"
 #include "src/base/values/vec.h"
 #include "src/device/expected_look.h"
+#include "src/device/light_volume.h"
 #include "src/device/lighting.h"
 #include "src/device/mode.h"
 #include "src/device/view_values.h"
@@ -140,6 +141,7 @@ struct FrameSetup {
   bool is_part = false;
   uint64_t most_part_bytes = UINT64_MAX;  // limit for the part; drawing more throws Error
   Lighting lighting;
+  LightVolumePtr light = {};  // lit only; null: all light arrives everywhere
   // Camera-space direction (right, up, toward the viewer) of one device value more a voxel along
   // each index axis: unit axis / spacing.
   std::array<Vec3d, 3> camera_gradient{};

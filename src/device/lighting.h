@@ -9,6 +9,10 @@
 // so that flat regions, whose direction is noise, keep their own colour without a jump. Labels have
 // no flat regions: `flat` is 0.
 //
+// With a LightVolume, a share `key` of the first light arrives at the sample, and a share `open` of
+// all other light: s_1 is multiplied by `key`, s_2 and `ambient` by `open`, and the colour of flat
+// regions by mix(open, key, keyShare()).
+//
 // A transfer function that looks at gradients multiplies the opacity of one voxel length by its
 // factor for |g| before the opacity is corrected for the step, lit or unlit (Li 2003, figure 1).
 #pragma once
@@ -33,6 +37,17 @@ struct Lighting {
   std::array<Light, 2> lights{
       {{{-0.3244428422615251, 0.48666426339228763, 0.8111071056538127}, 0.9},
        {{0.7844645405527362, -0.19611613513818404, 0.5883484054145521}, 0.35}}};
+
+  // How much of the light matter takes away that lies between a place and the first light, and
+  // around the place: 0 to 1, see LightVolume.
+  double shadows = 0, occlusion = 0;
+  bool looksAround() const { return shadows > 0 || occlusion > 0; }
+  // The share of the first light in all that arrives.
+  double keyShare() const {
+    const double key = diffuse * lights[0].strength;
+    const double others = ambient + diffuse * lights[1].strength;
+    return key + others > 0 ? key / (key + others) : 0.5;
+  }
 
   // The exponent of the highlights if multiplying it out is worth while; otherwise 0.
   int wholeShininess() const {

@@ -14,7 +14,7 @@ namespace {
 
 // Boxes a draw call: bounded by the smallest legal buffer texture (65536 texels).
 constexpr size_t kBoxesPerDraw = 65536 / kTexelsPerBox;
-// Texture units; 1 and those from 3 to 5 belong to LookTextures.
+// Texture units; 1, those from 3 to 5, and 7 belong to LookTextures.
 constexpr GLenum kChunkUnit = 0, kBoxUnit = 2, kKeptUnit = 6;
 
 std::array<float, 3> asFloats(Vec3d v) {
@@ -226,6 +226,7 @@ void GlDevice::setFrame(GlProgram& program) {
   program.set4("view_pixel_ray", pixel_ray.data(), 1);
   const ModeTraits& traits = traitsOf(setup_.mode);
   if (traits.has_colors) setShading(setup_, variant_, program);
+  if (variant_.light_volume) look_.setLight(setup_, program);
   if (traits.combining == Combining::kAttenuated) {
     const auto [lo, hi] = setup_.window;
     const double scale = valueScale(setup_.type);

@@ -10,7 +10,7 @@
 namespace sluice {
 namespace {
 
-constexpr GLenum kLookUpUnit = 1, kFactorUnit = 3, kExpectedUnit = 4, kSumsUnit = 5;
+constexpr GLenum kLookUpUnit = 1, kFactorUnit = 3, kExpectedUnit = 4, kSumsUnit = 5, kLightUnit = 7;
 
 // Filter of the bound table's texture.
 void setFilter(const GlFunctions& gl, GLint filter) {
@@ -24,12 +24,12 @@ void setFilter(const GlFunctions& gl, GLint filter) {
 }  // namespace
 
 LookTextures::LookTextures(const GlFunctions& gl) : gl_(gl) {
-  for (GLuint* const texture : {&look_up_, &factors_, &expected_, &sums_})
+  for (GLuint* const texture : {&look_up_, &factors_, &expected_, &sums_, &light_})
     gl_.GenTextures(1, texture);
 }
 
 LookTextures::~LookTextures() {
-  for (const GLuint texture : {look_up_, factors_, expected_, sums_})
+  for (const GLuint texture : {look_up_, factors_, expected_, sums_, light_})
     gl_.DeleteTextures(1, &texture);
 }
 
@@ -98,6 +98,29 @@ void LookTextures::setSums(const FrameSetup& setup, GlProgram& program) {
   const std::array<float, 4> line = {static_cast<float>(scale * integrated_.entries_a_value),
                                      static_cast<float>(integrated_.first), 0, 0};
   program.set4("entries", line.data(), 1);
+}
+
+void LookTextures::setLight(const FrameSetup& setup, GlProgram& program) {
+  const LightVolume& light = *setup.light;
+  gl_.ActiveTexture(GL_TEXTURE0 + kLightUnit);
+  gl_.BindTexture(GL_TEXTURE_3D, light_);
+  if (light_volume_ != setup.light) {
+    light_volume_ = setup.light;
+    for (const GLenum way : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+      gl_.TexParameteri(GL_TEXTURE_3D, way, GL_LINEAR);
+    for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R})
+      gl_.TexParameteri(GL_TEXTURE_3D, wrap, GL_CLAMP_TO_EDGE);
+    gl_.TexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MAX_LEVEL, 0);
+    gl_.TexImage3D(GL_TEXTURE_3D, 0, GL_RG16, static_cast<GLsizei>(light.dims.x),
+                   static_cast<GLsizei>(light.dims.y), static_cast<GLsizei>(light.dims.z), 0, GL_RG,
+                   GL_UNSIGNED_SHORT, light.texels.data());
+  }
+  program.set("light", static_cast<int>(kLightUnit));
+  // Texel t lies at (t + 1/2) / texels of the texture.
+  const Vec3d texels = toDouble(light.dims);
+  const Vec3d origin = setup.rays.origin0 * light.scale + light.offset + Vec3d{0.5, 0.5, 0.5};
+  program.set("light_scale", light.scale / texels);
+  program.set("light_offset", origin / texels);
 }
 
 void LookTextures::setExpected(const FrameSetup& setup, GlProgram& program) {

@@ -281,6 +281,8 @@ void setLighting(const PictureOptions::Lighting& lighting, FrameOptions& options
   set("lighting.ambient", lighting.ambient, light.ambient);
   set("lighting.diffuse", lighting.diffuse, light.diffuse);
   set("lighting.specular", lighting.specular, light.specular);
+  set("lighting.shadows", lighting.shadows, light.shadows);
+  set("lighting.occlusion", lighting.occlusion, light.occlusion);
 }
 
 void setQuality(PictureOptions::Quality quality, FrameOptions& options) {

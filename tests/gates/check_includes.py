@@ -96,6 +96,7 @@ PARTS = {
     'src/render/camera': 'src/render',
     'src/render/blocks': 'src/render',
     'src/render/frame': 'src/render',
+    'src/render/light': 'src/render',
     'src/render/session': 'src/render',
 }
 

@@ -41,6 +41,14 @@ TEST_F(RanksPicture, compositeLitAndUnlit) {
     }
 }
 
+TEST_F(RanksPicture, withShadows) {
+  const auto source = spacedBlobs();
+  FrameOptions options = obliqueView(Projection::kPerspective);
+  options.lighting.shadows = 1;
+  options.lighting.occlusion = 0.8;
+  expectSame(*source, someTransfer(), {.block_vox = 8, .lit = true}, options);
+}
+
 TEST_F(RanksPicture, otherModes) {
   const auto source = spacedBlobs();
   for (const Projection projection : kProjections)

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "src/base/error.h"
+#include "tests/support/plain_lighting.h"
 #include "tests/support/plain_sampling.h"
 #include "tests/support/plain_surfaces.h"
 
@@ -252,8 +253,9 @@ void PlainDevice::blendSurfaces(const Ray& ray, const BoxDraw& box, const ChunkT
            setup_, box.texels, chunk, [&](double part) { return ray.at(k - 0.5 + part); })) {
     blend(partOf(sample, surface.part - from), pixel);
     from = surface.part;
-    const Vec3d rgb =
-        setup_.lit ? shaded(surface.level.rgb, surface.gradient, 0) : surface.level.rgb;
+    const Vec3d rgb = setup_.lit ? litPlainly(setup_, ray.at(k - 0.5 + surface.part),
+                                              surface.level.rgb, surface.gradient, 0)
+                                 : surface.level.rgb;
     blend({rgb, surface.level.opacity, setup_.first_depth + (k + from) * setup_.depth_step}, pixel);
   }
   blend(partOf(sample, 1 - from), pixel);
@@ -346,7 +348,7 @@ void PlainDevice::take(const Ray& ray, const BoxDraw& box, const ChunkTexels& ch
       if (!(opacity > 0)) return true;
       rgb = sum / opacity;
     }
-    if (setup_.lit) rgb = shaded(rgb, gradient, setup_.flat);
+    if (setup_.lit) rgb = litPlainly(setup_, p, rgb, gradient, setup_.flat);
     const Sample sample{rgb, opacity, setup_.first_depth + (k + 0.5) * setup_.depth_step};
     if (setup_.has_surfaces)
       blendSurfaces(ray, box, chunk, k, sample, pixel);
@@ -355,25 +357,6 @@ void PlainDevice::take(const Ray& ray, const BoxDraw& box, const ChunkTexels& ch
     in_box += (1 - in_box) * opacity;
     return in_box < setup_.opacity_threshold || setup_.opacity_threshold >= 1;
   });
-}
-
-// Lights as described in lighting.h.
-Vec3d PlainDevice::shaded(Vec3d rgb, Vec3d gradient, double flatness) const {
-  const double squared = dot(gradient, gradient);
-  if (!(squared > 0)) return rgb;
-  const Lighting& lighting = setup_.lighting;
-  const Vec3d n = normalized(gradient);
-  double diffuse = 0, specular = 0;
-  for (const Light& light : lighting.lights) {
-    const Vec3d halfway = normalized(light.toward + Vec3d{0, 0, 1});
-    diffuse += light.strength * std::abs(dot(n, light.toward));
-    specular += light.strength * std::pow(std::abs(dot(n, halfway)), lighting.shininess);
-  }
-  const double shine = lighting.specular * specular;
-  const Vec3d lit =
-      rgb * (lighting.ambient + lighting.diffuse * diffuse) + Vec3d{shine, shine, shine};
-  const double w = squared / (squared + flatness * flatness);
-  return rgb * (1 - w) + lit * w;
 }
 
 std::vector<float> PlainDevice::leastOpacity(const MapGrid& grid) {

@@ -72,7 +72,6 @@ class PlainDevice : public Device {
   static void blend(const Sample& sample, Pixel& pixel);
   void blendSurfaces(const Ray& ray, const BoxDraw& box, const ChunkTexels& chunk, double k,
                      const Sample& sample, Pixel& pixel) const;
-  Vec3d shaded(Vec3d rgb, Vec3d gradient, double flatness) const;
   Pixel& at(int x, int y) {
     return pixels_[static_cast<size_t>(y) * static_cast<size_t>(setup_.size.width) +
                    static_cast<size_t>(x)];

@@ -1,6 +1,8 @@
 // The light of a sample for the reference renderer, as src/device/lighting.h defines it.
 #pragma once
 
+#include <array>
+
 #include "tests/support/reference_renderer.h"
 
 namespace sluice {
@@ -9,6 +11,6 @@ namespace sluice {
 double flatReference(const ReferenceScene& scene, double finest);
 // `gradient`: value units a world unit, in world directions. Requires: scene.lighting.
 Vec3d litReference(const ReferenceScene& scene, const View& view, double flat, Vec3d gradient,
-                   Vec3d rgb);
+                   Vec3d rgb, std::array<double, 2> arriving = {1, 1});
 
 }  // namespace sluice

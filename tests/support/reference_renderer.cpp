@@ -11,6 +11,7 @@
 
 #include "src/base/error.h"
 #include "tests/support/reference_extinction.h"
+#include "tests/support/reference_light.h"
 #include "tests/support/reference_lighting.h"
 #include "tests/support/reference_surfaces.h"
 #include "tests/support/reference_values.h"
@@ -64,6 +65,7 @@ class Renderer {
         view_(view),
         scene_(scene),
         values_(source, scene.time),
+        light_(layout_, view, scene, values_),
         index_from_world_(layout_),
         crop_(scene.crop ? intersect(*scene.crop, boxOf(layout_.dims)) : boxOf(layout_.dims)),
         finest_(std::min({layout_.spacing.x, layout_.spacing.y, layout_.spacing.z})),
@@ -241,7 +243,8 @@ class Renderer {
   }
   Vec3d litAt(Vec3d p, Vec3d rgb) const {
     if (!scene_.lighting) return rgb;
-    return litReference(scene_, view_, flatReference(scene_, finest_), gradient(p), rgb);
+    return litReference(scene_, view_, flatReference(scene_, finest_), gradient(p), rgb,
+                        light_.at(p));
   }
 
   // The surfaces that the ray meets on the way for which the sample stands, and between them the
@@ -263,7 +266,8 @@ class Renderer {
       add(out, rgb, 1 - std::pow(1 - a, part - from), sample.depth);
       Vec3d color = surface->rgb;
       if (scene_.lighting)
-        color = litReference(scene_, view_, 0, cubeGradient(placeAt(part), surface->value), color);
+        color = litReference(scene_, view_, 0, cubeGradient(placeAt(part), surface->value), color,
+                             light_.at(placeAt(part)));
       add(out, color, surface->opacity, sample.depth + (part - 0.5) * view_.step);
       from = part;
     }
@@ -434,6 +438,7 @@ class Renderer {
   const View& view_;
   const ReferenceScene& scene_;
   const ReferenceValues values_;
+  const ReferenceLight light_;
   const IndexFromWorld index_from_world_;
   const Box3 crop_;
   const double finest_;

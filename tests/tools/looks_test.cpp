@@ -143,6 +143,34 @@ TEST_F(Looks, theLightComesFromWhereItIsAsked) {
   EXPECT_THAT(refusal(std::string(kSmall) + " --ambient 2", 2), HasSubstr("--ambient"));
 }
 
+TEST_F(Looks, matterTakesLightAway) {
+  const std::string common = "--force --size 64 --threshold 40 --shade -o a.png ";
+  const auto picture = [&](const std::string& light) {
+    EXPECT_EQ(program_.run("render " + common + light + " " + kSmall).status, 0);
+    return bytesOf("a.png");
+  };
+  const std::string plain = picture("");
+  EXPECT_TRUE(plain == picture("--shadows=0 --occlusion-light=0"));
+  EXPECT_TRUE(plain != picture("--shadows"));  // and the file after it is the volume
+  EXPECT_TRUE(picture("--shadows") == picture("--shadows=1"));
+  EXPECT_TRUE(picture("--shadows") != picture("--shadows=0.5"));
+  EXPECT_TRUE(picture("--shadows") != picture("--shadows --light 70,0"));
+  for (const char* device : {"cpu", "gl"}) {
+    const nlohmann::json found =
+        report(fmt::format("{} --threshold 40 --shade --shadows --occlusion-light=0.5 --block 16 "
+                           "--verify --device {}",
+                           kSmall, device));
+    EXPECT_LE(found["verify"]["max_difference"].get<double>(), 1) << device;
+    EXPECT_GE(found["frames"][0]["light"]["texels"][0].get<int64_t>(), 2) << found["frames"][0];
+  }
+  EXPECT_THAT(refusal(std::string(kSmall) + " --shadows=2", 2), HasSubstr("--shadows"));
+  EXPECT_THAT(refusal(std::string(kSmall) + " --shadows --mode mip"),
+              HasSubstr("--mode composite"));
+  EXPECT_THAT(refusal(std::string(kSmall) + " --shadows --no-shade"), HasSubstr("--no-shade"));
+  EXPECT_THAT(refusal(std::string(kSmall) + " --shadows --modulate --shade"),
+              HasSubstr("--modulate"));
+}
+
 TEST_F(Looks, attenuationDimsMaxima) {
   const auto picture = [&](const std::string& more) {
     EXPECT_EQ(

@@ -154,6 +154,19 @@ class OptionGroup {
         ->default_str(shown);
   }
 
+  // A flag that may have a value after "=": alone it means `bare`.
+  template <class Parse, class Take>
+  CLI::Option* valuedFlag(const std::string& name, const std::string& bare,
+                          const std::string& expected, Parse parse, Take take,
+                          const std::string& help) const {
+    const auto check = [=](const std::string& word) {
+      const auto value = parse(word);
+      if (!value) refuse(name, word, expected);
+      take(*value);
+    };
+    return app_.add_flag(name + "{" + bare + "}", help)->each(check)->group(heading_);
+  }
+
  private:
   CLI::Option* add(const std::string& names, const std::string& what, const std::string& help,
                    const std::function<void(const std::string&)>& take) const;

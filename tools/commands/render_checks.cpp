@@ -97,6 +97,10 @@ void checkOutput(const Arguments& arguments) {
     fail("--frames {} takes one time step, not a range of --time", arguments.frames);
   if (!arguments.look.surfaces.empty() && !traitsOf(arguments.frame.mode).has_colors)
     fail("--iso needs --mode composite, since other modes show one value a pixel");
+  if (arguments.frame.lighting.looksAround() && !traitsOf(arguments.frame.mode).has_colors)
+    fail("--shadows and --occlusion-light need --mode composite, since other modes are not lit");
+  if (arguments.frame.lighting.looksAround() && arguments.look.no_shade)
+    fail("--shadows and --occlusion-light light the picture; leave out --no-shade");
   if (!arguments.look.surfaces.empty() && arguments.culling.culling != Culling::kNone)
     fail("--culling knows nothing of surfaces; leave out --culling or --iso");
   if (arguments.culling.culling != Culling::kNone && !traitsOf(arguments.frame.mode).hides)

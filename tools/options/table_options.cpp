@@ -165,6 +165,9 @@ CLI::Option* TableOptions::add(const std::string& names,
     take(*asked);
   };
   const std::string help(entry.help), as_default = shown.empty() ? shownOf(entry, *asked_) : shown;
+  if (!entry.kind.bare.empty())
+    return group_.valuedFlag(names, std::string(entry.kind.bare), expectedOf(entry), parse, keep,
+                             help);
   if (entry.kind.form == OptionForm::kWord)
     return group_.word(names, {entry.kind.words.begin(), entry.kind.words.end()}, keep, help,
                        as_default);

@@ -68,7 +68,8 @@ void addDrawingOptions(CLI::App& app, const AskedView& asked, FrameOptions& opti
   table.add("--quality",
             [&options](const ViewState& state) { setQuality(state.quality, options); });
   const TableOptions light(app, "Light", asked);
-  for (const char* option : {"--light", "--ambient", "--diffuse", "--specular"})
+  for (const char* option :
+       {"--light", "--ambient", "--diffuse", "--specular", "--shadows", "--occlusion-light"})
     light.add(option, [&options](const ViewState& state) { setLighting(state.lighting, options); });
   table.add("--crop", [&options](const ViewState& state) {
     const auto& [lo, hi] = *state.crop;

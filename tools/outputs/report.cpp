@@ -90,6 +90,9 @@ json plainFrameJson(const RenderedFrame& frame) {
 
 json frameJson(const RenderedFrame& frame) {
   json made = plainFrameJson(frame);
+  if (const Vec3i texels = frame.report.light_texels; texels.x > 0)
+    made["light"] = {{"texels", {texels.x, texels.y, texels.z}},
+                     {"seconds", frame.report.stages.light}};
   if (frame.layers.size() > 1) made["channels"] = channelsJson(frame.layers);
   return made;
 }

@@ -236,6 +236,10 @@ vec4 segmentColor(SumsAt front, SumsAt back) {
 #if SHININESS == 0
 uniform float shininess;
 #endif
+#if LIGHT_VOLUME
+uniform sampler3D light;  // LightVolume
+uniform float key_share;
+#endif
 
 vec2 shine(vec2 x) {
 #if SHININESS > 0
@@ -251,14 +255,23 @@ vec2 shine(vec2 x) {
 #endif
 }
 
-// `color` premultiplied; `squared` and `flatness` squares of lengths of gradients in one unit.
-vec4 shade(vec4 color, vec3 difference, float squared, float flatness) {
+// `color` premultiplied; `squared` and `flatness` squares of lengths of gradients in one unit;
+// `light_at`: the place in the light volume.
+vec4 shade(vec4 color, vec3 difference, float squared, float flatness, vec3 light_at) {
   float to_unit = inversesqrt(max(squared, 1e-37));
   vec2 facing = abs(vec2(dot(difference, toward0), dot(difference, toward1)));
   vec2 mirrored = abs(vec2(dot(difference, halfway0), dot(difference, halfway1)));
-  vec3 lit = color.rgb * (reflection.z + to_unit * (facing.x + facing.y)) +
-             color.a * dot(reflection.xy, shine(to_unit * mirrored));
-  return vec4(mix(color.rgb, lit, squared / max(squared + flatness, 1e-37)), color.a);
+#if LIGHT_VOLUME
+  vec2 arriving = textureLod(light, light_at, 0.0).rg;
+  facing *= arriving;
+  vec3 plain = color.rgb * mix(arriving.y, arriving.x, key_share);
+#else
+  const vec2 arriving = vec2(1.0);
+  vec3 plain = color.rgb;
+#endif
+  vec3 lit = color.rgb * (reflection.z * arriving.y + to_unit * (facing.x + facing.y)) +
+             color.a * dot(reflection.xy * arriving, shine(to_unit * mirrored));
+  return vec4(mix(plain, lit, squared / max(squared + flatness, 1e-37)), color.a);
 }
 #endif
 )";

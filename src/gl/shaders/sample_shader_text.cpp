@@ -3,6 +3,10 @@
 namespace sluice {
 
 const char* const kSampleText = R"(
+#if LIGHT_VOLUME
+// Of index positions from the rays' common origin: the place in the light volume.
+uniform vec3 light_scale, light_offset;
+#endif
 void main() {
   vec2 pixel = gl_FragCoord.xy + vec2(0.0, first_row);
 #if PLANES
@@ -24,6 +28,14 @@ void main() {
 #endif
 #if GRADIENT_ROWS > 0
   float voxel_lengths = slice_length * ray_length;
+#endif
+#if LIGHT_VOLUME
+  vec3 light_along = step * light_scale;
+  vec3 light_first =
+      (pixel.x * origin_dx + pixel.y * origin_dy + 0.5 * step) * light_scale + light_offset;
+#define LIGHT_AT(k) (light_first + (k) * light_along)
+#else
+#define LIGHT_AT(k) vec3(0.0)
 #endif
 #if SURFACES > 0
   // The filtered values of both ends of a slice's way, for finding slices that may meet a surface.
@@ -171,7 +183,7 @@ void main() {
 #endif
 #if LIT
     float flatness = reflection.w / unit;
-    color = shade(color, difference, squared, flatness * flatness);
+    color = shade(color, difference, squared, flatness * flatness, LIGHT_AT(float(k)));
 #endif
 #endif
 #if COMBINING == 0
@@ -195,7 +207,8 @@ void main() {
           weighted_depth += (1.0 - sum.a) * before.a * (first_depth + (float(k) + 0.5) * depth_step);
 #endif
           sum += (1.0 - sum.a) * before;
-          vec4 surface = surfaceColor(first + (h + part) * along, level, surface_colors[i]);
+          vec4 surface = surfaceColor(first + (h + part) * along, level, surface_colors[i],
+                                      LIGHT_AT(float(k) - 0.5 + part));
 #if WITH_DEPTH
           weighted_depth += (1.0 - sum.a) * surface.a * (first_depth + (float(k) + part) * depth_step);
 #endif

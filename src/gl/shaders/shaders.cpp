@@ -33,6 +33,7 @@ std::string definitions(const ShaderVariant& v) {
                                                  {"INTEGRATES", v.integrates},
                                                  {"SURFACES", v.surfaces},
                                                  {"HAS_OPACITIES", v.has_opacities},
+                                                 {"LIGHT_VOLUME", v.light_volume},
                                                  {"OBLIQUE", v.oblique}};
   std::string lines;
   for (const auto& [name, value] : numbers) lines += fmt::format("#define {} {}\n", name, value);

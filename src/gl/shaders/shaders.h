@@ -31,6 +31,7 @@ struct ShaderVariant {
   bool integrates = false;    // segments in place of samples, see FrameSetup
   int surfaces = 0;           // how many surfaces there are, see FrameSetup
   bool has_opacities = true;  // with surfaces: the look-up shows something else, too
+  bool light_volume = false;  // lit: light arrives as FrameSetup::light has it
   bool oblique = false;       // with gradients: the volume's axes are not at right angles
   friend auto operator<=>(const ShaderVariant&, const ShaderVariant&) = default;
 };

@@ -69,6 +69,7 @@ void setLights(const FrameSetup& setup, GlProgram& program) {
   program.set3("index_halfway", halfway.data(), 2);
   program.set4("view_reflection", reflection.data(), 1);
   program.set("shininess", lighting.shininess);
+  program.set("key_share", lighting.keyShare());
 }
 
 void setVisible(const FrameSetup& setup, GlProgram& program) {
@@ -117,6 +118,7 @@ void chooseShading(const FrameSetup& setup, ShaderVariant& variant) {
   }
   variant.lit = setup.lit;
   variant.shininess = setup.lit ? setup.lighting.wholeShininess() : 0;
+  variant.light_volume = setup.lit && setup.light != nullptr;
   const LookUp& look_up = *setup.look_up;
   variant.gradient_rows = static_cast<int>(look_up.magnitudes.size());
   variant.factor_table = look_up.factors.size() > look_up.magnitudes.size();

@@ -74,7 +74,7 @@ float crossing(vec3 first, vec3 along, float h, float level, float lo, float val
 }
 
 // The colour of a surface at a place: its normal is the difference between the corners of a cube.
-vec4 surfaceColor(vec3 at, float level, vec4 color) {
+vec4 surfaceColor(vec3 at, float level, vec4 color, vec3 light_at) {
 #if LIT
   vec3 difference = vec3(0.0);
   for (int i = 0; i < 8; ++i) {
@@ -88,7 +88,7 @@ vec4 surfaceColor(vec3 at, float level, vec4 color) {
   }
   float unit = max(max(abs(difference.x), max(abs(difference.y), abs(difference.z))), 1e-37);
   difference /= unit;
-  return shade(color, difference, squareOf(difference), 0.0);
+  return shade(color, difference, squareOf(difference), 0.0, light_at);
 #else
   return color;
 #endif

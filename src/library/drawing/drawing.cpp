@@ -26,13 +26,19 @@ namespace sluice {
 
 namespace {
 
-Scene sceneOf(const std::shared_ptr<const OpenedVolume>& opened, const LookOptions& look,
-              const RendererOptions& options) {
-  const MachineOptions machine = machineOptions(options);
+// The frames that a scene's session is opened for.
+FrameOptions sessionFrame(const OpenedVolume* opened, const LookOptions& look,
+                          const RendererOptions& options) {
   FrameOptions frame;
   frame.mode = modeOf(look);
   frame.size = {std::max(0, options.rows_width), std::max(0, options.rows_height)};
   if (opened->in_situ != nullptr) frame.crop = opened->in_situ->ownVoxels();
+  return frame;
+}
+
+Scene sceneOf(const std::shared_ptr<const OpenedVolume>& opened, const LookOptions& look,
+              const RendererOptions& options) {
+  const MachineOptions machine = machineOptions(options);
   std::vector<std::shared_ptr<const IndexedVolume>> more;
   for (const IndexedVolume& volume : opened->more) more.emplace_back(opened, &volume);
   // A rank that has all of the volume draws it alone.
@@ -46,7 +52,7 @@ Scene sceneOf(const std::shared_ptr<const OpenedVolume>& opened, const LookOptio
            .lent = in_situ == nullptr ? nullptr : in_situ->boxes,
            .may_be_lit = true},
           lookArguments(look, opened->whole_series),
-          frame};
+          sessionFrame(opened.get(), look, options)};
 }
 
 }  // namespace
@@ -64,7 +70,10 @@ struct Drawing::Reading {
 
 Drawing::Drawing(std::shared_ptr<const OpenedVolume> opened, const LookOptions& look,
                  const RendererOptions& options)
-    : opened_(std::move(opened)), scene_(sceneOf(opened_, look, options)), mode_(modeOf(look)) {
+    : opened_(std::move(opened)),
+      scene_(sceneOf(opened_, look, options)),
+      mode_(modeOf(look)),
+      session_frame_(sessionFrame(opened_.get(), look, options)) {
   if (options.screen != nullptr) screen_ = dynamic_cast<DrawsForScreens*>(scene_.device.get());
 }
 
@@ -197,8 +206,18 @@ Drawing::ReadyFrame Drawing::ready(const PictureOptions& picture, const IndexPas
   FrameOptions options = looked(picture, steps.front(), pass);
   if (opened_->in_situ != nullptr)
     expectSamePicture(options, resolve(options.camera, layout(), options.size, options.step_vox));
+  if (opened_->in_situ != nullptr && opened_->in_situ->team().ranks() > 1 &&
+      options.lighting.looksAround())
+    fail(
+        "lighting.shadows and lighting.occlusion need the whole volume, of which a rank has a "
+        "part");
   options.stop = teller.stop();
   options.watch = teller.watch(Progress::Stage::kDrawing);
+  // Light that looks around has a share of the memory from the first such picture on.
+  if (options.lighting.looksAround() && !session_frame_.lighting.looksAround()) {
+    session_frame_.lighting = options.lighting;
+    scene_.openSession(session_frame_, 0);
+  }
   scene_.setTimeStep(steps);
   scene_.setOptions(options);
   if (picture.next_time && *picture.next_time != picture.time)

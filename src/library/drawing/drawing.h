@@ -110,7 +110,8 @@ class Drawing {
   const std::shared_ptr<const OpenedVolume> opened_;
   Scene scene_;
   Mode mode_;
-  int64_t looks_ = 0;  // looks set so far
+  FrameOptions session_frame_;  // frames that the session has memory for
+  int64_t looks_ = 0;           // looks set so far
   // The step that is drawn and the one that is read ahead.
   std::array<Memo<int64_t, const std::vector<TimeStep>>, 2> steps_;
   FrameReport report_;                 // report of the last frame

@@ -73,7 +73,9 @@ uint64_t othersBytes(const IndexedVolume& volume, const TransferFunction& transf
                      const FrameOptions& frame, WorkerPool& pool) {
   // A series also holds the ranges of the step that is shown and of the next one.
   const uint64_t steps = volume.source->layout().time_steps > 1 ? 3 : 1;
-  return steps * volume.rangesBytes() + planBytes(volume, transfer, frame, pool);
+  const uint64_t light_bytes =
+      frame.lighting.looksAround() ? lightBytes(volume.source->layout(), pool.threads()) : 0;
+  return steps * volume.rangesBytes() + planBytes(volume, transfer, frame, pool) + light_bytes;
 }
 
 Scene::Scene(SceneInputs inputs, const LookArguments& asked_look, const FrameOptions& frame)

@@ -183,7 +183,8 @@ struct Scene : Layer {
   Frame drawLayers(std::vector<LayerFrame>& parts);
 };
 
-// The bytes that a frame holds in addition to the levels and the picture: min-max arrays, plans.
+// The bytes that a frame holds in addition to the levels and the picture: min-max arrays, plans,
+// and the light that arrives if the frame's lighting looks around.
 uint64_t othersBytes(const IndexedVolume& volume, const TransferFunction& transfer,
                      const FrameOptions& frame, WorkerPool& pool);
 

@@ -60,6 +60,13 @@ Frame Session::frame() {
   FrameSetup setup =
       frameSetup(view, volume, *look, step_.ranges->map, options, session_.lit && options.shades);
   setup.has_surfaces = has_surfaces;
+  stage.lap();
+  if (setup.lit && traitsOf(options.mode).has_colors)
+    setup.light = light_.of(
+        step_, look,
+        planner_.makesCut(step_, look, options) ? MatterFrom::kLevels : MatterFrom::kFinest, view,
+        options, pool_);
+  const double light_s = stage.lap();
   setup.integrates = Planner::integrates(step_, *look, view, options);
 
   lessons_.unfinished.reset();  // this frame requests again what it needs of it
@@ -93,6 +100,8 @@ Frame Session::frame() {
   frame.report.seconds = watch.seconds();
   frame.report.stages.classify = classify_s;
   frame.report.stages.plan = plan_s;
+  frame.report.stages.light = light_s;
+  if (setup.light != nullptr) frame.report.light_texels = setup.light->dims;
   frame.report.step_vox = options.step_vox;
   if (frame.report.cut) frame.report.cut->spread = spreads_->of(*visible, step_.ranges->map.scale);
   frame.blocks = visible;

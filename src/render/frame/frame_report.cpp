@@ -14,6 +14,7 @@ void add(StageSeconds& sum, const StageSeconds& more) {
   sum.upload += more.upload;
   sum.draw += more.draw;
   sum.boxes += more.boxes;
+  sum.light += more.light;
 }
 
 void add(OcclusionReport& sum, const OcclusionReport& more) {

@@ -15,6 +15,7 @@ namespace sluice {
 // Seconds of wall clock, but read, decode and copy: summed over all threads that did it.
 struct StageSeconds {
   double classify = 0, plan = 0, read = 0, decode = 0, copy = 0, upload = 0, draw = 0;
+  double light = 0;  // what arrives of it was computed
   double boxes = 0;  // drawing waited for growing boxes: made or read, and those to draw chosen
 };
 
@@ -34,6 +35,7 @@ struct FrameReport {
   // When counted: samples in the boxes that were drawn, and the samples that the device took of
   // them, fewer if rays end early and pixels are stopped (with depth: not counted, all).
   uint64_t samples_drawn = 0, samples_taken = 0;
+  Vec3i light_texels{0, 0, 0};  // of the light volume; 0: all light arrives everywhere
   uint64_t samples_object = 0;  // samples inside object boxes, whether drawn or not
   int64_t boxes_drawn = 0;      // handed to the device
   int64_t white = 0, grey = 0, black = 0;

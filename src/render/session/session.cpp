@@ -21,6 +21,7 @@ constexpr double kNewSpeed = 0.5;  // weight of the last picture in the expected
 Session::Session(const TimeStep& step, Device& device, WorkerPool& pool,
                  const SessionOptions& options)
     : device_(device),
+      pool_(pool),
       session_(options),
       stale_check_(std::make_unique<StaleCheck>(step.source->layout().name)),
       spreads_(std::make_unique<SpreadTally>()),

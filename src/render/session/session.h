@@ -18,6 +18,7 @@
 #include "src/index/stale_check.h"
 #include "src/render/blocks/spread_tally.h"
 #include "src/render/frame/frame_run.h"
+#include "src/render/light/arriving_light.h"
 #include "src/render/session/planner.h"
 #include "src/volume/learnt_ranges.h"
 
@@ -121,6 +122,7 @@ class Session {
   ChosenBoxesPtr boxesOf(const LookPtr& look, const FramePlanPtr& plan);
 
   Device& device_;
+  WorkerPool& pool_;
   const SessionOptions session_;
   Memo<TimeStep, BoxStore> box_store_;
   const std::unique_ptr<StaleCheck> stale_check_;  // checks the blocks that residency_ reads
@@ -128,6 +130,7 @@ class Session {
   const std::unique_ptr<LearntRanges> learnt_;     // notes their ranges; null: all are known
   Residency residency_;
   Planner planner_;
+  ArrivingLight light_;
   Memo<BoxesKey, const ChosenBoxes> boxes_;
   TimeStep step_;
   std::optional<TimeStep> afterwards_;

@@ -58,6 +58,8 @@ struct OptionKind {
   // The flags that stand for the words on a command line; empty: no flag says the word.
   std::vector<std::string_view> flags = {};
   std::string_view needs = {};  // a flag that the option is printed with
+  // The value that the option alone stands for on a command line; empty: it needs one.
+  std::string_view bare = {};
 };
 
 // The object of a saved view that an option is in: "camera", "look", or the view itself.

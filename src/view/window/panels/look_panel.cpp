@@ -63,6 +63,23 @@ void maps(WindowState& window) {
   window.log.control("map");
 }
 
+// Whether matter takes light away.
+void lightAround(WindowState& window) {
+  ImGui::BeginDisabled(!window.volume.look.lit);
+  const auto box = [&](const char* label, auto member) {
+    bool is_on = (window.state().lighting.*member).value_or(0) > 0;
+    if (ImGui::Checkbox(label, &is_on))
+      window.edit([&](ViewState& next) {
+        next.lighting.*member = is_on ? std::optional(1.0) : std::nullopt;
+      });
+    window.log.control(label);
+  };
+  box("shadows", &PictureOptions::Lighting::shadows);
+  ImGui::SameLine();
+  box("occlusion", &PictureOptions::Lighting::occlusion);
+  ImGui::EndDisabled();
+}
+
 void light(WindowState& window) {
   bool is_lit = window.volume.look.lit;
   if (ImGui::Checkbox("light", &is_lit))
@@ -111,6 +128,7 @@ void lookPanel(WindowState& window) {
   maps(window);
   windowAndLevel(window);
   light(window);
+  lightAround(window);
   if (ImGui::Button("chosen look")) {
     window.edit([&](ViewState& next) { next.look = LookOptions{}; });
   }

@@ -1,0 +1,98 @@
+// The light of a sample, see lighting.h and LightVolume. Included once a target.
+
+HWY_INLINE V shine(const KernelFrame& frame, V x) {
+  if (frame.whole_shininess > 0) {
+    V result = all(1.0F);
+    for (int n = frame.whole_shininess; n > 0; n /= 2) {
+      if ((n & 1) != 0) result = hn::Mul(result, x);
+      x = hn::Mul(x, x);
+    }
+    return result;
+  }
+  const V power = hn::Exp(
+      F(), hn::Mul(all(frame.shininess), hn::Log(F(), hn::Max(x, all(1e-37F)))));
+  return frame.shininess > 0 ? hn::IfThenElseZero(hn::Gt(x, hn::Zero(F())), power) : all(1.0F);
+}
+
+// Device values a world unit, camera space, divided by `unit`; its length squared.
+struct Gradient {
+  V3 g;
+  V unit, squared;
+};
+HWY_INLINE Gradient gradientOf(const KernelBox& box, V3 difference) {
+  // Computed in units of the steepest axis, since squares of the values themselves may overflow.
+  const V unit = hn::Max(
+      hn::Max(hn::Abs(difference.x), hn::Max(hn::Abs(difference.y), hn::Abs(difference.z))),
+      all(1e-30F));
+  const V scale = hn::Div(all(1.0F), unit);
+  difference = {hn::Mul(difference.x, scale), hn::Mul(difference.y, scale),
+                hn::Mul(difference.z, scale)};
+  const auto& [a, b, c] = box.gradient;
+  const V3 g{dot3({a[0], b[0], c[0]}, difference), dot3({a[1], b[1], c[1]}, difference),
+             dot3({a[2], b[2], c[2]}, difference)};
+  return {g, unit, hn::MulAdd(g.z, g.z, hn::MulAdd(g.y, g.y, hn::Mul(g.x, g.x)))};
+}
+
+// The shares of light that arrive at a sample, see LightVolume.
+struct Arriving {
+  V key, open;
+};
+// A call of its own, since few frames have a light volume.
+HWY_NOINLINE Arriving arrivingAt(const KernelFrame& frame, const KernelBox& box, V3 at) {
+  const auto& [x, y, z] = box.light_axes;
+  const Float3 &scale = box.light_scale, &start = box.light_start;
+  const V3 place{hn::MulAdd(along(at, x), all(scale[0]), all(start[0])),
+                 hn::MulAdd(along(at, y), all(scale[1]), all(start[1])),
+                 hn::MulAdd(along(at, z), all(scale[2]), all(start[2]))};
+  const Float3 &hi = frame.light_hi, &last = frame.light_last, &stride = frame.light_stride;
+  const V none = hn::Zero(F());
+  const Cells texels{{none, none, none},
+                     {all(hi[0]), all(hi[1]), all(hi[2])},
+                     {all(last[0]), all(last[1]), all(last[2])},
+                     {all(stride[0]), all(stride[1]), all(stride[2])}};
+  const Place cell = placeAt(texels, clamped(texels, place));
+  const auto row = static_cast<int64_t>(stride[1]), plane = static_cast<int64_t>(stride[2]);
+  Pair key[4], open[4];
+  const int64_t more[4] = {0, row, plane, row + plane};
+  for (int i = 0; i < 4; ++i) {
+    const auto [first, second] = wideAt(frame.light + more[i], cell.offset);
+    const Pair one = pairIn<DeviceType::kU16>(first), next = pairIn<DeviceType::kU16>(second);
+    key[i] = {one.first, next.first};
+    open[i] = {one.second, next.second};
+  }
+  const V unit = all(static_cast<float>(1 / kAllLight));
+  return {hn::Mul(unit, withinRows(key, cell)), hn::Mul(unit, withinRows(open, cell))};
+}
+
+// Applies lighting.h with this `flat` at a place in texels; `color` is premultiplied.
+HWY_INLINE Color shaded(const KernelFrame& frame, const KernelBox& box, const V3& at,
+                        const Color& color, const Gradient& gradient, float flatness) {
+  const bool all_arrives = frame.light == nullptr;
+  const V one = all(1.0F);
+  const Arriving light = all_arrives ? Arriving{one, one} : arrivingAt(frame, box, at);
+  const V to_unit = hn::Div(all(1.0F), hn::Sqrt(hn::Max(gradient.squared, all(1e-37F))));
+  V diffuse = hn::Zero(F()), specular = hn::Zero(F());
+  for (size_t i = 0; i < frame.toward.size(); ++i) {
+    const V facing = hn::Abs(dot3(frame.toward[i], gradient.g));
+    const V mirrored = hn::Mul(to_unit, hn::Abs(dot3(frame.halfway[i], gradient.g)));
+    const V share = i == 0 ? light.key : light.open;
+    diffuse = all_arrives ? hn::Add(diffuse, facing) : hn::MulAdd(share, facing, diffuse);
+    const V strength = all(frame.specular[i]);
+    specular = hn::MulAdd(all_arrives ? strength : hn::Mul(share, strength),
+                          shine(frame, mirrored), specular);
+  }
+  const V ambient = all(frame.ambient);
+  const V bright =
+      hn::MulAdd(to_unit, diffuse, all_arrives ? ambient : hn::Mul(light.open, ambient));
+  const V gleam = hn::Mul(color.a, specular);
+  const V flat = hn::Div(all(flatness), gradient.unit);
+  const V part = hn::Div(gradient.squared,
+                         hn::Max(hn::MulAdd(flat, flat, gradient.squared), all(1e-37F)));
+  V rest = hn::Sub(one, part);
+  if (!all_arrives)
+    rest = hn::Mul(rest, between(light.open, light.key, all(frame.key_share),
+                                 all(1 - frame.key_share)));
+  return {between(color.r, hn::MulAdd(color.r, bright, gleam), part, rest),
+          between(color.g, hn::MulAdd(color.g, bright, gleam), part, rest),
+          between(color.b, hn::MulAdd(color.b, bright, gleam), part, rest), color.a};
+}

@@ -1,0 +1,122 @@
+#include "src/render/light/arriving_light.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "src/render/camera/index_space.h"
+#include "src/render/light/light_sweep.h"
+
+namespace sluice {
+namespace {
+
+// The sweep of light from a direction of the world.
+Sweep sweepFrom(const VolumeLayout& layout, const CoarseGrid& grid, Vec3d toward, double reach) {
+  const Vec3d texels = indexFromWorldDirection(layout, normalized(toward)) / toDouble(grid.voxels);
+  return {texels, 1 / finestSpacing(layout), reach};
+}
+
+std::vector<float> ambientLight(const VolumeLayout& layout, const CoarseExtinction& matter,
+                                WorkerPool& pool, const StopToken& stop) {
+  double longest = 0;
+  for (int a = 0; a < 3; ++a)
+    longest = std::max(longest, layout.spacing[a] * static_cast<double>(layout.dims[a]));
+  const double reach = kAmbientReach * longest / finestSpacing(layout);
+  std::vector<float> sums(matter.per_length.size(), 0.0F);
+  constexpr float kWeight = 2.0F / kAmbientDirections;
+  const auto add = [&](Vec3d toward) {
+    stop.throwIfStopped();
+    addLight(matter, sweepFrom(layout, matter.grid, toward, reach), kWeight, pool, sums);
+  };
+  for (const double end : {-1.0, 1.0}) {
+    for (int a = 0; a < 3; ++a) {
+      Vec3d toward;
+      toward[a] = end;
+      add(toward);
+    }
+    for (const double y : {-1.0, 1.0})
+      for (const double x : {-1.0, 1.0}) add({x, y, end});
+  }
+  for (float& sum : sums) sum = std::min(sum, 1.0F);
+  return sums;
+}
+
+// What the options show of the volume; empty: all.
+std::vector<HalfSpace> shownSpaces(const VolumeLayout& layout, const FrameOptions& options) {
+  std::vector<HalfSpace> spaces;
+  if (options.crop) {
+    const Box3 cells = cropCells(options, layout.dims);
+    for (int a = 0; a < 3; ++a) {
+      Vec3d normal;
+      normal[a] = 1;
+      if (cells.hi[a] < layout.dims[a] - 1)
+        spaces.push_back({normal, static_cast<double>(cells.hi[a])});
+      if (cells.lo[a] > 0) spaces.push_back({-normal, -static_cast<double>(cells.lo[a])});
+    }
+  }
+  for (const WorldPlane& plane : options.clip_planes) {
+    HalfSpace space;
+    for (int a = 0; a < 3; ++a)
+      space.normal[a] = dot(layout.axes[static_cast<size_t>(a)], plane.normal) * layout.spacing[a];
+    space.offset = plane.offset - dot(layout.origin, plane.normal);
+    spaces.push_back(space);
+  }
+  return spaces;
+}
+
+// The number of a texel for a share of the light, of which `strength` may be taken away.
+uint16_t numberOf(double share, double strength) {
+  return static_cast<uint16_t>(std::lround(kAllLight * (1 - strength * (1 - share))));
+}
+
+}  // namespace
+
+LightVolumePtr ArrivingLight::of(const TimeStep& step, const LookPtr& look, MatterFrom from,
+                                 const View& view, const FrameOptions& options, WorkerPool& pool) {
+  const Lighting& lighting = options.lighting;
+  if (!lighting.looksAround()) return nullptr;
+  const VolumeLayout& layout = step.source->layout();
+  const CoarseExtinctionPtr whole = matter_.of({step.source, step.time, look, from}, [&] {
+    return coarseExtinction(step, *look, from, pool, options.stop);
+  });
+  const std::vector<HalfSpace> spaces = shownSpaces(layout, options);
+  const CoarseExtinctionPtr matter =
+      spaces.empty() ? whole : shown_.of({whole, spaces}, [&] { return within(*whole, spaces); });
+  const Vec3d key = lighting.lights[0].toward;
+  const Sweep to_key = sweepFrom(layout, matter->grid,
+                                 view.right * key.x + view.up * key.y - view.forward * key.z, 0);
+  const Vec3d direction = lighting.shadows > 0 ? to_key.toward : Vec3d{};
+  return light_.of({matter, direction, lighting.shadows, lighting.occlusion}, [&] {
+    const size_t count = matter->per_length.size();
+    Numbers of_key(lighting.shadows > 0 ? count : 0, 0.0F);
+    if (lighting.shadows > 0) addLight(*matter, to_key, 1, pool, of_key);
+    std::shared_ptr<const Numbers> ambient;
+    if (lighting.occlusion > 0)
+      ambient =
+          ambient_.of(matter, [&] { return ambientLight(layout, *matter, pool, options.stop); });
+    LightVolume light;
+    light.dims = matter->grid.texels;
+    const Vec3d voxels = toDouble(matter->grid.voxels);
+    light.scale = Vec3d{1, 1, 1} / voxels;
+    light.offset = matter->grid.centerOf({0, 0, 0}) / voxels * -1.0;
+    light.texels.reserve(2 * count);
+    for (size_t i = 0; i < count; ++i) {
+      light.texels.push_back(of_key.empty() ? static_cast<uint16_t>(kAllLight)
+                                            : numberOf(of_key[i], lighting.shadows));
+      light.texels.push_back(ambient == nullptr ? static_cast<uint16_t>(kAllLight)
+                                                : numberOf((*ambient)[i], lighting.occlusion));
+    }
+    return light;
+  });
+}
+
+uint64_t lightBytes(const VolumeLayout& layout, int threads) {
+  const auto texels = static_cast<uint64_t>(coarseGrid(layout).count());
+  // Extinctions, whole and cropped, and the sums that they are means of, or the key and the ambient
+  // light; the light volume, and its copy on a device that has textures in memory.
+  constexpr uint64_t kTexelBytes = 2 * sizeof(float) + 2 * sizeof(double) + 8;
+  const uint64_t read = static_cast<uint64_t>(std::min(kMostCoarseVoxelsRead, volume(layout.dims)));
+  return texels * kTexelBytes +
+         static_cast<uint64_t>(threads) * read * bytesPerVoxel(deviceMap(layout).type) * 2;
+}
+
+}  // namespace sluice

@@ -1,0 +1,300 @@
+#include "src/render/light/coarse_extinction.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <type_traits>
+
+#include "src/base/error.h"
+#include "src/render/camera/index_space.h"
+#include "src/volume/device_reader.h"
+
+namespace sluice {
+namespace {
+
+// A thread reads whole rows of the volume, of so many voxels across as chunks of files often have,
+// and at most so many voxels at once.
+constexpr int64_t kTileVoxels = 64, kMostVoxels = kMostCoarseVoxelsRead;
+// Surface area for each pair of neighbours on its two sides, in faces of voxels: the mean over all
+// directions of 1 / (|n.x| + |n.y| + |n.z|).
+constexpr double kAreaOfPair = 2.0 / 3;
+
+constexpr double kMostOfLength = 16 * std::numbers::ln2;
+
+double extinctionOf(double opacity) {
+  return opacity < 1 ? std::min(-std::log1p(-std::max(opacity, 0.0)), kMostOfLength)
+                     : kMostOfLength;
+}
+
+// The opacity of a mean and a spread, see ExpectedLook. `exact`: without spread.
+double expectedOpacity(const ExpectedLook& look, double mean, double spread, double exact) {
+  const ValueRange values = look.device_range;
+  const double span = values.hi - values.lo;
+  if (!(span > 0) || !(spread > 0)) return exact;
+  const double row = std::sqrt(spread / span) * look.rows;
+  const double at_row = std::clamp(row - 1, 0.0, look.rows - 1.0);
+  const double at_entry =
+      std::clamp((mean - values.lo) / span * (look.entries - 1), 0.0, look.entries - 1.0);
+  const auto opacityAt = [&](int in_row, int entry) {
+    const int at =
+        std::min(in_row, look.rows - 1) * look.entries + std::min(entry, look.entries - 1);
+    return static_cast<double>(look.rgba[4 * static_cast<size_t>(at) + 3]);
+  };
+  const int r = static_cast<int>(at_row), e = static_cast<int>(at_entry);
+  const double lower = std::lerp(opacityAt(r, e), opacityAt(r, e + 1), at_entry - e);
+  const double upper = std::lerp(opacityAt(r + 1, e), opacityAt(r + 1, e + 1), at_entry - e);
+  return std::lerp(exact, std::lerp(lower, upper, at_row - r), std::min(row, 1.0));
+}
+
+// The level whose voxels are read.
+struct ReadLevel {
+  VolumeSource* source = nullptr;
+  VolumeSource* spreads = nullptr;
+  LevelPlacement placement;
+};
+ReadLevel levelFor(const TimeStep& step, const CoarseGrid& grid, MatterFrom from) {
+  ReadLevel level{step.source, nullptr, {}};
+  if (from == MatterFrom::kFinest) return level;
+  const PyramidLayout pyramid = step.layout();
+  for (size_t i = 0; i < step.coarser.size(); ++i) {
+    const LevelPlacement& placement = pyramid.level(static_cast<int>(i) + 1).placement;
+    for (int a = 0; a < 3; ++a)
+      if (placement.scale[a] > static_cast<double>(grid.voxels[a]) + 1e-6) return level;
+    level = {step.coarser[i].source, step.coarser[i].spreads, placement};
+  }
+  return level;
+}
+
+// The sums of a texel.
+struct Sum {
+  double extinction = 0;
+  int64_t voxels = 0;
+};
+
+class Maker {
+ public:
+  Maker(const TimeStep& step, const Look& look, MatterFrom from, const StopToken& stop)
+      : step_(step),
+        look_(look),
+        stop_(stop),
+        layout_(step.source->layout()),
+        grid_(coarseGrid(layout_)),
+        level_(levelFor(step, grid_, from)),
+        level_dims_(level_.source->layout().dims),
+        type_(step.ranges->map.type) {
+    // One number for each value of integers, else for each entry.
+    const size_t values = type_ == DeviceType::kU8 ? 256 : type_ == DeviceType::kU16 ? 65536 : 0;
+    const std::vector<float>& opacity = look.table.opacity();
+    for (size_t i = 0; i < (values > 0 ? values : opacity.size()); ++i) {
+      const size_t entry = values > 0 ? entryOf(static_cast<double>(i)) : i;
+      extinctions_.push_back(static_cast<float>(extinctionOf(opacity[entry])));
+    }
+    for (int a = 0; a < 3; ++a)
+      of_pair_[a] = kAreaOfPair * finestSpacing(layout_) / layout_.spacing[a];
+    for (const SurfaceLevel& surface : look.table.surfaces())
+      meetings_.push_back(extinctionOf(surface.opacity));
+  }
+
+  CoarseExtinction make(WorkerPool& pool) {
+    sums_.resize(static_cast<size_t>(grid_.count()));
+    // Tiles of whole texels: no two threads have the same one.
+    const Vec3i texels = grid_.texels;
+    Vec3i side = texels, tiles{1, 1, 1};
+    for (const int a : {1, 2}) {
+      side[a] = std::max<int64_t>(1, kTileVoxels / grid_.voxels[a]);
+      tiles[a] = (texels[a] + side[a] - 1) / side[a];
+    }
+    pool.parallelFor(tiles.y * tiles.z, [&](int64_t tile) {
+      const Vec3i first = Vec3i{0, tile % tiles.y, tile / tiles.y} * side;
+      addVoxels({firstVoxelOf(first), firstVoxelOf(min(first + side, texels))});
+    });
+    CoarseExtinction result{grid_, {}};
+    result.per_length.reserve(sums_.size());
+    for (const Sum& sum : sums_)
+      result.per_length.push_back(static_cast<float>(
+          sum.voxels > 0 ? sum.extinction / static_cast<double>(sum.voxels) : 0));
+    return result;
+  }
+
+ private:
+  // The level's first voxel whose centre is not below the texel.
+  Vec3i firstVoxelOf(Vec3i texel) const {
+    const Vec3d begin = toDouble(texel * grid_.voxels) - Vec3d{0.5, 0.5, 0.5};
+    const Vec3d at = level_.placement.levelFromFinest(begin);
+    Vec3i voxel;
+    for (int a = 0; a < 3; ++a)
+      voxel[a] = texel[a] >= grid_.texels[a]
+                     ? level_dims_[a]
+                     : std::clamp<int64_t>(static_cast<int64_t>(std::ceil(at[a] - 1e-9)), 0,
+                                           level_dims_[a]);
+    return voxel;
+  }
+  Vec3i texelOf(Vec3i voxel) const {
+    const Vec3d at = level_.placement.finestFromLevel(toDouble(voxel)) + Vec3d{0.5, 0.5, 0.5};
+    Vec3i texel;
+    for (int a = 0; a < 3; ++a)
+      texel[a] = std::clamp<int64_t>(
+          static_cast<int64_t>(std::floor(at[a] / static_cast<double>(grid_.voxels[a]) + 1e-9)), 0,
+          grid_.texels[a] - 1);
+    return texel;
+  }
+
+  void addVoxels(const Box3& voxels) {
+    if (voxels.empty()) return;
+    if (voxels.count() <= kMostVoxels) {
+      stop_.throwIfStopped();
+      visitDeviceType(type_, [&](auto zero) {
+        addRead<decltype(zero)>(voxels);
+        return 0;
+      });
+      return;
+    }
+    const Vec3i size = voxels.size();
+    const int axis = size.x > 8 * kTileVoxels ? 0 : size.z > 1 ? 2 : size.y > 1 ? 1 : 0;
+    Box3 lower = voxels, upper = voxels;
+    lower.hi[axis] = upper.lo[axis] = (voxels.lo[axis] + voxels.hi[axis]) / 2;
+    addVoxels(lower);
+    addVoxels(upper);
+  }
+
+  template <class Voxel>
+  std::vector<Voxel> read(VolumeSource& source, const Box3& box) const {
+    std::vector<Voxel> voxels(static_cast<size_t>(box.count()));
+    DeviceReader(source).read(step_.time, {box, std::as_writable_bytes(std::span(voxels))});
+    return voxels;
+  }
+
+  template <class Voxel>
+  void addRead(const Box3& voxels) {
+    // Surfaces look at the next voxels, too.
+    Box3 box = voxels;
+    if (!meetings_.empty())
+      for (int a = 0; a < 3; ++a) box.hi[a] = std::min(box.hi[a] + 1, level_dims_[a]);
+    const std::vector<Voxel> values = read<Voxel>(*level_.source, box);
+    std::vector<Voxel> spreads;
+    const ExpectedLook* expected = look_.look_up->expected.get();
+    if (level_.spreads != nullptr && expected != nullptr)
+      spreads = read<Voxel>(*level_.spreads, box);
+    const Vec3i size = box.size();
+    Vec3i at = voxels.lo;
+    std::vector<size_t> texel_x;
+    for (; at.x < voxels.hi.x; ++at.x) texel_x.push_back(static_cast<size_t>(texelOf(at).x));
+    at.x = voxels.lo.x;
+    for (at.z = voxels.lo.z; at.z < voxels.hi.z; ++at.z)
+      for (at.y = voxels.lo.y; at.y < voxels.hi.y; ++at.y) {
+        const Vec3i row = at - box.lo, texel = texelOf(at);
+        Sum* const sums =
+            &sums_[static_cast<size_t>((texel.z * grid_.texels.y + texel.y) * grid_.texels.x)];
+        auto i = static_cast<size_t>((row.z * size.y + row.y) * size.x);
+        for (size_t x = 0; x < texel_x.size(); ++x, ++i) {
+          double extinction = extinctionAt(values[i]);
+          if (!spreads.empty()) {
+            const double exact = -std::expm1(-extinction);
+            extinction = extinctionOf(expectedOpacity(*expected, static_cast<double>(values[i]),
+                                                      static_cast<double>(spreads[i]), exact));
+          }
+          if (!meetings_.empty())
+            extinction += meetingsAt(values, i, size, {at.x + static_cast<int64_t>(x), at.y, at.z});
+          sums[texel_x[x]].extinction += extinction;
+          ++sums[texel_x[x]].voxels;
+        }
+      }
+  }
+
+  size_t entryOf(double value) const { return static_cast<size_t>(look_.table.entryOf(value)); }
+  template <class Voxel>
+  double extinctionAt(Voxel value) const {
+    if constexpr (std::is_integral_v<Voxel>) return extinctions_[value];
+    if (value < kNoNumber) return 0;
+    return extinctions_[entryOf(static_cast<double>(value))];
+  }
+  // The extinctions of the surfaces between voxel i of a box and the next ones along each axis.
+  template <class Voxel>
+  double meetingsAt(const std::vector<Voxel>& values, size_t i, Vec3i size, Vec3i voxel) const {
+    const std::array<size_t, 3> next{1, static_cast<size_t>(size.x),
+                                     static_cast<size_t>(size.x * size.y)};
+    double sum = 0;
+    for (int a = 0; a < 3; ++a)
+      if (voxel[a] + 1 < level_dims_[a])
+        sum += of_pair_[a] *
+               meetingsBetween(static_cast<double>(values[i]),
+                               static_cast<double>(values[i + next[static_cast<size_t>(a)]]));
+    return sum;
+  }
+  // The extinctions of the surfaces between two neighbours.
+  double meetingsBetween(double one, double other) const {
+    if (std::min(one, other) < kNoNumber) return 0;
+    double sum = 0;
+    for (size_t i = 0; i < meetings_.size(); ++i) {
+      const double level = look_.table.surfaces()[i].level;
+      if ((one >= level) != (other >= level)) sum += meetings_[i];
+    }
+    return sum;
+  }
+
+  // Below it lies the stand-in for NaN.
+  static constexpr double kNoNumber = -2e30;
+
+  const TimeStep& step_;
+  const Look& look_;
+  const StopToken& stop_;
+  const VolumeLayout& layout_;
+  const CoarseGrid grid_;
+  const ReadLevel level_;
+  const Vec3i level_dims_;
+  const DeviceType type_;
+  std::vector<float> extinctions_;  // by value of integers, by entry of the table for floats
+  std::vector<double> meetings_;    // by surface
+  Vec3d of_pair_;
+  std::vector<Sum> sums_;
+};
+
+}  // namespace
+
+CoarseGrid coarseGrid(const VolumeLayout& layout) {
+  double longest = 0;
+  for (int a = 0; a < 3; ++a)
+    longest = std::max(longest, layout.spacing[a] * static_cast<double>(layout.dims[a]));
+  const double pitch = longest / static_cast<double>(kMostLightTexels);
+  CoarseGrid grid;
+  for (int a = 0; a < 3; ++a) {
+    grid.voxels[a] =
+        std::max<int64_t>(1, static_cast<int64_t>(std::ceil(pitch / layout.spacing[a] - 1e-9)));
+    grid.texels[a] = std::max<int64_t>(2, (layout.dims[a] + grid.voxels[a] - 1) / grid.voxels[a]);
+  }
+  return grid;
+}
+
+CoarseExtinction coarseExtinction(const TimeStep& step, const Look& look, MatterFrom from,
+                                  WorkerPool& pool, const StopToken& stop) {
+  if (!look.table.magnitudes().empty())
+    fail(
+        "{}: --shadows and --occlusion-light do not follow opacities that depend on gradients; "
+        "leave out --modulate, or take a transfer function without gradients",
+        step.source->layout().name);
+  return Maker(step, look, from, stop).make(pool);
+}
+
+CoarseExtinction within(const CoarseExtinction& whole, const std::vector<HalfSpace>& shown) {
+  CoarseExtinction result = whole;
+  const CoarseGrid& grid = whole.grid;
+  Vec3i at;
+  size_t i = 0;
+  for (at.z = 0; at.z < grid.texels.z; ++at.z)
+    for (at.y = 0; at.y < grid.texels.y; ++at.y)
+      for (at.x = 0; at.x < grid.texels.x; ++at.x, ++i) {
+        double share = 1;
+        for (const HalfSpace& half : shown) {
+          double width = 0;  // of the texel, across the plane
+          for (int a = 0; a < 3; ++a)
+            width += std::abs(half.normal[a]) * static_cast<double>(grid.voxels[a]);
+          const double beyond = dot(half.normal, grid.centerOf(at)) - half.offset;
+          share *= std::clamp(0.5 - beyond / width, 0.0, 1.0);
+        }
+        result.per_length[i] = static_cast<float>(result.per_length[i] * share);
+      }
+  return result;
+}
+
+}  // namespace sluice
