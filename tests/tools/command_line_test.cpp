@@ -248,7 +248,7 @@ TEST(CommandLine, aNearMissIsAnsweredWithTheRightWord) {
       {"render --colormap x", "--map"},
       {"render --outptu a.png", "did you mean --output?"},
       {"render --mode mipp", "did you mean mip?"},
-      {"render --mode vr", "composite, mip, minip or average"},
+      {"render --mode vr", "composite, mip, minip, average or attenuated-mip"},
       {"render --map viridus", "did you mean viridis?"},
       {"render --policy arcs", "did you mean arc?"},
       {"simulate --policies lru,beladi", "did you mean belady?"},
