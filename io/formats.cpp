@@ -371,16 +371,16 @@ void requireTaken(const std::string& name, const Format& format, const OpenOptio
   const bool is_described = options.dims || options.time_steps || options.type ||
                             options.byte_order || options.skip_bytes != 0;
   if (is_described && !format.takes.description)
-    fail(
+    failRequest(
         "{}: the file contains its size and type; leave out --dims, --type, --endian and --skip, "
         "which are for raw files",
         name);
   if (!options.grid.empty() && !format.takes.grid)
-    fail("{}: --grid {} is for {}, which this is not; leave it out", name, options.grid,
-         takers(&Format::Takes::grid));
+    failRequest("{}: --grid {} is for {}, which this is not; leave it out", name, options.grid,
+                takers(&Format::Takes::grid));
   if (options.channel.given() && !format.takes.channel)
-    fail("{}: --channel {} is for {}, which this is not; leave it out", name,
-         options.channel.text(), takers(&Format::Takes::channel));
+    failRequest("{}: --channel {} is for {}, which this is not; leave it out", name,
+                options.channel.text(), takers(&Format::Takes::channel));
   if (!options.spacing) return;
   const Vec3d s = *options.spacing;
   for (int a = 0; a < 3; ++a) {

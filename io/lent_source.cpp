@@ -84,7 +84,7 @@ class LentBoxSource final : public VolumeSource {
 
 std::unique_ptr<VolumeSource> lentBoxSource(FillRegion fill, VolumeLayout layout, const Box3& there,
                                             Vec3i outside) {
-  if (!fill) fail("{}: expected an array, found none", layout.name);
+  if (!fill) failRequest("{}: expected an array, found none", layout.name);
   return std::make_unique<LentBoxSource>(std::move(fill), std::move(layout), there, outside);
 }
 
@@ -92,7 +92,7 @@ VolumeLayout lentLayout(VolumeLayout layout, const std::array<Vec3d, 3>& steps, 
   int64_t voxels = 1;
   for (const int64_t extent : {layout.dims.x, layout.dims.y, layout.dims.z, layout.time_steps})
     if (extent < 1 || __builtin_mul_overflow(voxels, extent, &voxels) || voxels > kMostVoxels)
-      fail(
+      failRequest(
           "{}: expected dims and time steps of at least 1, and at most 2^59 voxels, found {} x {} "
           "x {} in {} steps",
           layout.name, layout.dims.x, layout.dims.y, layout.dims.z, layout.time_steps);
@@ -102,7 +102,7 @@ VolumeLayout lentLayout(VolumeLayout layout, const std::array<Vec3d, 3>& steps, 
 }
 
 std::unique_ptr<VolumeSource> lentSource(FillRegion fill, VolumeLayout layout) {
-  if (!fill) fail("{}: expected a function that gives voxels, found none", layout.name);
+  if (!fill) failRequest("{}: expected a function that gives voxels, found none", layout.name);
   return std::make_unique<LentSource>(std::move(fill), std::move(layout));
 }
 
@@ -114,7 +114,7 @@ std::array<int64_t, 4> packedStrides(const VolumeLayout& layout) {
 
 FillRegion fillFrom(const void* first, const VolumeLayout& layout,
                     const std::array<int64_t, 4>& strides) {
-  if (first == nullptr) fail("{}: expected an array, found none", layout.name);
+  if (first == nullptr) failRequest("{}: expected an array, found none", layout.name);
   const auto* voxels = static_cast<const std::byte*>(first);
   const size_t voxel_bytes = bytesPerVoxel(layout.type);
   return [=](int64_t time, const Box3& box, std::span<std::byte> out) {

@@ -61,7 +61,8 @@ class Held {
     if (getpid() != process_)
       throw Error(
           "this volume was opened before the process was forked, and its threads are missing here: "
-          "open it again, or start processes with multiprocessing's method 'spawn'");
+          "open it again, or start processes with multiprocessing's method 'spawn'",
+          Error::Kind::kRequest);
     return *object_;
   }
 

@@ -19,9 +19,10 @@ PreparedTrace traceOf(const SimulationRequest& request) {
   if (request.format) {
     format = parseTraceFormat(*request.format);
     if (!format)
-      fail("format: expected text, binary, csv, oracleGeneral or din, found {}", *request.format);
+      failRequest("format: expected text, binary, csv, oracleGeneral or din, found {}",
+                  *request.format);
   }
-  if (request.page_bytes < 1) fail("page_bytes: expected at least 1, found 0");
+  if (request.page_bytes < 1) failRequest("page_bytes: expected at least 1, found 0");
   const auto reader = openTrace(request.trace, format, request.page_bytes);
   TracePreparer preparer(reader->pageBytes(), reader->carriesClusters());
   TraceRecord record;
@@ -35,7 +36,7 @@ std::vector<PolicyKind> policiesOf(const std::vector<std::string>& names) {
   std::vector<PolicyKind> kinds;
   for (const std::string& word : names) {
     const std::optional<PolicyKind> kind = parsePolicy(word);
-    if (!kind) fail("policies: no policy is called {}", word);
+    if (!kind) failRequest("policies: no policy is called {}", word);
     kinds.push_back(*kind);
   }
   if (!kinds.empty()) return kinds;
@@ -49,7 +50,7 @@ std::vector<PolicyKind> policiesOf(const std::vector<std::string>& names) {
 std::string simulatedRows(const SimulationRequest& request) {
   const std::vector<PolicyKind> policies = policiesOf(request.policies);
   for (const uint64_t pages : request.sizes)
-    if (pages < 1) fail("sizes: expected at least one page, found 0");
+    if (pages < 1) failRequest("sizes: expected at least one page, found 0");
   const PreparedTrace trace = traceOf(request);
   const std::vector<uint64_t> sizes =
       request.sizes.empty() ? defaultSizes(trace, kUsualPages) : request.sizes;

@@ -29,7 +29,8 @@ DecodeDicomFrame* openDecoder(const std::string& volume) {
                        kDicomModuleVersionName, kDicomModuleVersion})
         .get<DecodeDicomFrame*>(kDecodeDicomFrame);
   } catch (const Error& error) {
-    fail("{}: a compressed DICOM image, which is not read without {}", volume, error.what());
+    failAs(error.kind(), "{}: a compressed DICOM image, which is not read without {}", volume,
+           error.what());
   }
 }
 

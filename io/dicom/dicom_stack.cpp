@@ -401,8 +401,8 @@ const DicomStack& chooseDicomStack(const std::string& path, const std::vector<Di
     const auto found = std::find_if(stacks.begin(), stacks.end(),
                                     [&](const DicomStack& stack) { return stack.name == name; });
     if (found == stacks.end())
-      fail("{}: --grid {}: no series of that number, expected one of {}", path, name,
-           others(nullptr));
+      failRequest("{}: --grid {}: no series of that number, expected one of {}", path, name,
+                  others(nullptr));
     return *found;
   }
   const DicomStack& largest = *std::max_element(

@@ -30,8 +30,8 @@ std::string listed(int64_t first, int64_t count, std::span<const std::string> na
 
 void requireNumber(const std::string& path, int64_t number, int64_t channels) {
   if (number < 0 || number >= channels)
-    fail("{}: --channel {}: the volume has {} channel{}, counted from 0", path, number, channels,
-         channels == 1 ? "" : "s");
+    failRequest("{}: --channel {}: the volume has {} channel{}, counted from 0", path, number,
+                channels, channels == 1 ? "" : "s");
 }
 
 int64_t numberOf(const std::string& path, const std::string& name,
@@ -39,15 +39,15 @@ int64_t numberOf(const std::string& path, const std::string& name,
   const auto found = std::find(names.begin(), names.end(), name);
   if (found == names.end() && name.find(',') != std::string::npos) {
     wishedChannels(path, {std::nullopt, name}, names, channels);  // throws for a wrong one
-    fail("{}: --channel {}: one channel is read here, expected one of {}", path, name,
-         listed(0, channels, names));
+    failRequest("{}: --channel {}: one channel is read here, expected one of {}", path, name,
+                listed(0, channels, names));
   }
   if (name.empty() || found == names.end() || found - names.begin() >= channels)
-    fail("{}: --channel {}: the volume has no channel of that name, expected one of {}", path, name,
-         listed(0, channels, names));
+    failRequest("{}: --channel {}: the volume has no channel of that name, expected one of {}",
+                path, name, listed(0, channels, names));
   if (std::find(found + 1, names.end(), name) != names.end())
-    fail("{}: --channel {}: several channels have that name, expected a number: {}", path, name,
-         listed(0, channels, names));
+    failRequest("{}: --channel {}: several channels have that name, expected a number: {}", path,
+                name, listed(0, channels, names));
   return found - names.begin();
 }
 
@@ -58,7 +58,8 @@ std::vector<int64_t> wishedChannels(const std::string& path, const ChannelWish& 
   std::vector<int64_t> wished;
   const auto add = [&](int64_t channel) {
     if (std::ranges::find(wished, channel) != wished.end())
-      fail("{}: --channel {}: channel {} comes twice", path, wish.text(), shown(channel, names));
+      failRequest("{}: --channel {}: channel {} comes twice", path, wish.text(),
+                  shown(channel, names));
     wished.push_back(channel);
   };
   const bool is_one = wish.number || std::ranges::find(names, wish.name) != names.end() ||
@@ -79,8 +80,8 @@ std::vector<int64_t> wishedChannels(const std::string& path, const ChannelWish& 
     at = end + 1;
   }
   if (wished.size() > kMostChannels)
-    fail("{}: --channel {}: {} channels, a picture shows {} together at the most", path,
-         wish.text(), wished.size(), kMostChannels);
+    failRequest("{}: --channel {}: {} channels, a picture shows {} together at the most", path,
+                wish.text(), wished.size(), kMostChannels);
   return wished;
 }
 

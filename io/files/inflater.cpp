@@ -23,7 +23,7 @@ struct Inflater::State {
 Inflater::Inflater(std::shared_ptr<File> file, uint64_t offset)
     : file_(std::move(file)), offset_(offset), state_(std::make_unique<State>()) {
   if (inflateInit2(&state_->stream, kGzipOrZlib) != Z_OK)
-    fail("{}: not enough memory to decode it", file_->path());
+    failMemory("{}: not enough memory to decode it", file_->path());
 }
 
 Inflater::~Inflater() {

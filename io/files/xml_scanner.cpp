@@ -90,7 +90,7 @@ void scanXml(const ByteInput& input, const std::string& path, const XmlHandlers&
   scan.handlers = &handlers;
   const std::unique_ptr<std::remove_pointer_t<XML_Parser>, decltype(&XML_ParserFree)> parser(
       XML_ParserCreate(nullptr), &XML_ParserFree);
-  if (!parser) fail("{}: not enough memory to read it", path);
+  if (!parser) failMemory("{}: not enough memory to read it", path);
   scan.parser = parser.get();
   XML_SetUserData(parser.get(), &scan);
   XML_SetElementHandler(parser.get(), beginTag, endTag);
@@ -98,7 +98,7 @@ void scanXml(const ByteInput& input, const std::string& path, const XmlHandlers&
   XML_SetStartDoctypeDeclHandler(parser.get(), beginDoctype);
   for (uint64_t offset = 0;;) {
     void* const room = XML_GetBuffer(parser.get(), kPieceBytes);
-    if (room == nullptr) fail("{}: not enough memory to read it", path);
+    if (room == nullptr) failMemory("{}: not enough memory to read it", path);
     const size_t got = input(offset, {static_cast<std::byte*>(room), kPieceBytes});
     offset += got;
     const bool is_last = got < kPieceBytes;

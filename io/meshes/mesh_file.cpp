@@ -22,7 +22,7 @@ const fs::path& seekable(const fs::path& path) {
   std::error_code unknown;
   const fs::file_status status = fs::status(path, unknown);
   if (fs::is_fifo(status) || fs::is_socket(status))
-    fail(
+    failRequest(
         "{}: is a pipe, but a mesh has its number of triangles at its beginning, which is written "
         "last; give the name of a file",
         path.string());
@@ -89,7 +89,7 @@ void MeshFile::encode(std::span<const MeshTriangle> triangles, MeshPart& part) c
 void MeshFile::expectNumbers() const {
   const bool has_vertices = vertices_ <= encoding_.most_vertices;
   if (has_vertices && triangles_ <= encoding_.most_triangles) return;
-  fail(
+  failRequest(
       "{}: more than {} {}, which is all that {} can count; write another format, a part (--crop) "
       "or a coarser level (--level)",
       path_.string(), has_vertices ? encoding_.most_triangles : encoding_.most_vertices,

@@ -189,7 +189,7 @@ struct ExrFile::Impl {
       throw;
     } catch (const std::exception& e) {
       stream.throwFailure();
-      fail("{}: cannot be written: {}", path.string(), e.what());
+      failSystem("{}: cannot be written: {}", path.string(), e.what());
     }
     stream.throwFailure();
     stop.throwIfStopped();

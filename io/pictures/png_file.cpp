@@ -97,7 +97,7 @@ class Encoder {
     writer_.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &writer_, Writer::onError,
                                           Writer::onWarning);
     writer_.info = writer_.png == nullptr ? nullptr : png_create_info_struct(writer_.png);
-    if (writer_.info == nullptr) fail("{}: libpng cannot be used (version or memory)", name_);
+    if (writer_.info == nullptr) failSystem("{}: libpng cannot be used (version or memory)", name_);
     require(writer_.begin(width, height));
   }
   void addRows(const Rgba8Picture& rows) {
@@ -111,7 +111,7 @@ class Encoder {
   void require(bool is_written) const {
     writer_.stop.throwIfStopped();
     if (writer_.thrown) std::rethrow_exception(writer_.thrown);
-    if (!is_written) fail("{}: cannot be written: {}", name_, writer_.message);
+    if (!is_written) failSystem("{}: cannot be written: {}", name_, writer_.message);
   }
 
   const std::string name_;

@@ -66,7 +66,7 @@ DeflateRows::DeflateRows(std::vector<std::byte> stored, const DeflateForm& form,
     fail("{}: {} compressed bytes, expected fewer than 4 GiB", where_, stored_.size());
   stream_->zlib.next_in = reinterpret_cast<Bytef*>(const_cast<std::byte*>(stored_.data()));
   stream_->zlib.avail_in = static_cast<uInt>(stored_.size());
-  if (inflateInit(&stream_->zlib) != Z_OK) fail("{}: not enough memory to decode it", where_);
+  if (inflateInit(&stream_->zlib) != Z_OK) failMemory("{}: not enough memory to decode it", where_);
 }
 
 DeflateRows::~DeflateRows() {

@@ -104,7 +104,7 @@ class PngPicture final : public SlicePicture {
     message_[0] = '\0';
     png_ = png_create_read_struct(PNG_LIBPNG_VER_STRING, this, onError, onWarning);
     info_ = png_ == nullptr ? nullptr : png_create_info_struct(png_);
-    if (info_ == nullptr) fail("{}: libpng cannot be used (version or memory)", file_.path());
+    if (info_ == nullptr) failSystem("{}: libpng cannot be used (version or memory)", file_.path());
     if (!readHeader()) {
       stop();
       failPng();

@@ -27,7 +27,7 @@ Picture annotated(const Picture& picture, const Annotations& annotations, int fi
                 kAnnotateVersion, kAnnotateModuleVersion})
         .get<DrawAnnotations*>(kDrawAnnotations)(picture, annotations, first_row, drawn);
   } catch (const Error& error) {
-    fail("no annotations: {}", error.what());
+    failAs(error.kind(), "no annotations: {}", error.what());
   }
   return drawn;
 }

@@ -22,8 +22,8 @@ Picture drawAnnotations(const Picture& picture, const Annotations& annotations, 
   SLUICE_CHECK_EQ(picture.width, size.width);
   SLUICE_CHECK_LE(first_row + picture.height, size.height);
   if (std::min(size.width, size.height) < kLeastAnnotatedPixels)
-    fail("a picture of {} x {} pixels is too small for --annotate, which needs {} x {}", size.width,
-         size.height, kLeastAnnotatedPixels, kLeastAnnotatedPixels);
+    failRequest("a picture of {} x {} pixels is too small for --annotate, which needs {} x {}",
+                size.width, size.height, kLeastAnnotatedPixels, kLeastAnnotatedPixels);
   Pen pen(picture.width, picture.height, emOf(size), isLight(annotations.background), first_row);
   drawColorBar(pen, annotations);
   drawScaleBar(pen, annotations);

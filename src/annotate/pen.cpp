@@ -46,9 +46,9 @@ Pen::Pen(int width, int height, double em, bool light_below, int first_row)
   cairo_select_font_face(cairo, "sans-serif", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
   cairo_set_font_size(cairo, em_);
   if (cairo_status(cairo) != CAIRO_STATUS_SUCCESS)
-    fail("annotations cannot be drawn: {}", cairo_status_to_string(cairo_status(cairo)));
+    failSystem("annotations cannot be drawn: {}", cairo_status_to_string(cairo_status(cairo)));
   if (!(widthOf("0") > 0))
-    fail("annotations cannot be drawn: no font is installed; install fonts-dejavu-core");
+    failSystem("annotations cannot be drawn: no font is installed; install fonts-dejavu-core");
 }
 
 Pen::~Pen() = default;

@@ -1,5 +1,6 @@
 #include "src/base/error.h"
 
+#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
 #include <system_error>
@@ -8,8 +9,24 @@
 
 namespace sluice {
 
+Error::Kind kindOf(int error_number) {
+  switch (error_number) {
+    case ENOENT:
+    case ENOTDIR:
+    case EISDIR:
+    case EACCES:
+    case ELOOP:
+    case ENAMETOOLONG:
+      return Error::Kind::kInput;
+    case ENOMEM:
+      return Error::Kind::kMemory;
+    default:
+      return Error::Kind::kSystem;
+  }
+}
+
 void failErrno(const std::string& what, int error_number) {
-  throw Error(fmt::format("{}: {}", what, std::generic_category().message(error_number)));
+  failAs(kindOf(error_number), "{}: {}", what, std::generic_category().message(error_number));
 }
 
 namespace internal {

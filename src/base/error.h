@@ -14,12 +14,31 @@ namespace sluice {
 
 // Throws Error with a line made from a fmt format string. Start it with the path.
 template <class... Args>
+[[noreturn]] void failAs(Error::Kind kind, fmt::format_string<Args...> format, Args&&... args) {
+  throw Error(fmt::format(format, std::forward<Args>(args)...), kind);
+}
+template <class... Args>
 [[noreturn]] void fail(fmt::format_string<Args...> format, Args&&... args) {
-  throw Error(fmt::format(format, std::forward<Args>(args)...));
+  failAs(Error::Kind::kInput, format, std::forward<Args>(args)...);
+}
+template <class... Args>
+[[noreturn]] void failRequest(fmt::format_string<Args...> format, Args&&... args) {
+  failAs(Error::Kind::kRequest, format, std::forward<Args>(args)...);
+}
+template <class... Args>
+[[noreturn]] void failMemory(fmt::format_string<Args...> format, Args&&... args) {
+  failAs(Error::Kind::kMemory, format, std::forward<Args>(args)...);
+}
+template <class... Args>
+[[noreturn]] void failSystem(fmt::format_string<Args...> format, Args&&... args) {
+  failAs(Error::Kind::kSystem, format, std::forward<Args>(args)...);
 }
 
-// Error with strerror(error_number) at the end: "<what>: <reason>".
+// Error with strerror(error_number) at the end: "<what>: <reason>". Its kind is kInput if a name
+// leads to no file that may be used, and kSystem otherwise.
 [[noreturn]] void failErrno(const std::string& what, int error_number);
+// The kind of a failed call of the system.
+Error::Kind kindOf(int error_number);
 
 namespace internal {
 [[noreturn]] void checkFailed(const char* file, int line, const char* condition,

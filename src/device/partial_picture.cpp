@@ -31,7 +31,7 @@ uint64_t PartialPicture::bytes() const {
 
 void checkPartRoom(uint64_t bytes, uint64_t most_bytes) {
   if (bytes <= most_bytes) return;
-  fail(
+  failMemory(
       "a part of the picture takes {}, --memory leaves {} to it; give more --memory or a smaller "
       "--size",
       formatBytes(bytes), formatBytes(most_bytes));
@@ -49,7 +49,7 @@ std::vector<PartRecord> partRecords(std::span<const std::byte> tile, int channel
   std::vector<PartRecord> records;
   while (!tile.empty()) {
     PartRecord record;
-    if (tile.size() < sizeof record.header) fail("a part of a picture is cut off");
+    if (tile.size() < sizeof record.header) failSystem("a part of a picture is cut off");
     std::memcpy(&record.header, tile.data(), sizeof record.header);
     tile = tile.subspan(sizeof record.header);
     uint32_t pixels = 0;
@@ -57,7 +57,7 @@ std::vector<PartRecord> partRecords(std::span<const std::byte> tile, int channel
       pixels += static_cast<uint32_t>(std::popcount(word));
     const size_t bytes = size_t{pixels} * static_cast<size_t>(channels) * sizeof(float);
     if (pixels != record.header.pixels || tile.size() < bytes)
-      fail("a part of a picture is cut off");
+      failSystem("a part of a picture is cut off");
     record.numbers = tile.first(bytes);
     tile = tile.subspan(bytes);
     records.push_back(record);

@@ -197,8 +197,8 @@ void GlDevice::beginFrame(const FrameSetup& setup, const StopToken& stop) {
   if (colors) chooseShading(setup, variant_);
   const int64_t most = limits().max_picture_size;
   if (std::max(setup.size.width, setup.size.height) > most)
-    fail("a picture of {} x {} pixels: the GL driver draws at most {} along an axis",
-         setup.size.width, setup.size.height, most);
+    failRequest("a picture of {} x {} pixels: the GL driver draws at most {} along an axis",
+                setup.size.width, setup.size.height, most);
   frame_rows_ = rows_.value_or(PictureRows{0, setup.size.height});
   frame_rows_.hi = std::min(frame_rows_.hi, setup.size.height);
   SLUICE_CHECK(!rows_ || !setup.is_part);

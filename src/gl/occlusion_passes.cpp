@@ -109,7 +109,8 @@ void OcclusionPasses::resize(Plane& plane, PictureSize size) {
   gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
   gl_.FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, plane.texture, 0);
   if (gl_.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
-    fail("the GL driver cannot draw an opacity map of {} x {} pixels", size.width, size.height);
+    failSystem("the GL driver cannot draw an opacity map of {} x {} pixels", size.width,
+               size.height);
   plane.size = size;
 }
 
@@ -127,7 +128,8 @@ void OcclusionPasses::resizeDepth(PictureSize size) {
   gl_.DrawBuffers(1, &none);
   gl_.ReadBuffer(GL_NONE);
   if (gl_.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
-    fail("the GL driver cannot draw a depth buffer of {} x {} pixels", size.width, size.height);
+    failSystem("the GL driver cannot draw a depth buffer of {} x {} pixels", size.width,
+               size.height);
   depth_size_ = size;
 }
 

@@ -43,7 +43,8 @@ void RenderTarget::resize(PictureSize size) {
   }
   if (gl_.GetError() != GL_NO_ERROR ||
       gl_.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
-    fail("the GL driver cannot draw a float picture of {} x {} pixels", size.width, size.height);
+    failSystem("the GL driver cannot draw a float picture of {} x {} pixels", size.width,
+               size.height);
   size_ = size;
 }
 

@@ -103,7 +103,8 @@ ScreenPicture ScreenTextures::make(GLuint picture, PictureSize size,
   gl_.BindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
   gl_.FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, slot.texture, 0);
   if (gl_.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
-    fail("the GL driver cannot draw a screen's picture of {} x {} pixels", size.width, size.height);
+    failSystem("the GL driver cannot draw a screen's picture of {} x {} pixels", size.width,
+               size.height);
   gl_.Viewport(0, 0, size.width, size.height);
   for (const GLenum off : {GL_BLEND, GL_CULL_FACE, GL_DEPTH_TEST, GL_SCISSOR_TEST})
     gl_.Disable(off);

@@ -55,8 +55,9 @@ GLuint TexturePool::create(Vec3i size_vox, Format format) {
                  type, nullptr);
   if (gl_.GetError() != GL_NO_ERROR) {
     gl_.DeleteTextures(1, &texture);
-    fail("the GL driver has no room for a texture of {} x {} x {} texels ({}); give fewer --pages",
-         size_vox.x, size_vox.y, size_vox.z, formatBytes(bytesOf(size_vox, format)));
+    failSystem(
+        "the GL driver has no room for a texture of {} x {} x {} texels ({}); give fewer --pages",
+        size_vox.x, size_vox.y, size_vox.z, formatBytes(bytesOf(size_vox, format)));
   }
   return texture;
 }

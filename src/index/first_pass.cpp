@@ -46,7 +46,7 @@ FirstPass planFirstPass(VolumeSource& source, int64_t time, const BlockLayout& l
           (sizeof(int64_t) +
            kEnds * device_bytes * (1 + kAxes * static_cast<double>(layout.planes())));
   if (array_bytes > static_cast<double>(memory_bytes))
-    fail(
+    failMemory(
         "{}: {} x {} x {} voxels in blocks of {} a side have {} of min-max arrays, --memory is {}; "
         "give --memory {} or more, or a larger --block",
         voxels.name, voxels.dims.x, voxels.dims.y, voxels.dims.z, layout.size,
@@ -57,7 +57,7 @@ FirstPass planFirstPass(VolumeSource& source, int64_t time, const BlockLayout& l
                                (bytesPerVoxel(voxels.type) + static_cast<uint64_t>(device_bytes));
   const uint64_t thread_bytes = source.heldBytesAThread() + block_bytes;
   if (thread_bytes > memory_bytes)
-    fail(
+    failMemory(
         "{}: reading it takes {} at a time (decoded chunks or rows, and a block), --memory is {}; "
         "give --memory {} or more to look at it, and twice that to draw it",
         voxels.name, formatBytes(thread_bytes), formatBytes(memory_bytes),

@@ -213,7 +213,7 @@ IndexWritten writeIndex(const IndexPlaces& places, const IndexKey& key,
   std::error_code status;
   std::filesystem::create_directories(places.written, status);
   try {
-    if (status) fail("{}: {}", places.written.string(), status.message());
+    if (status) failSystem("{}: {}", places.written.string(), status.message());
     const std::filesystem::path path = places.written / fileName(key.what);
     writeFile(path, key, blob);
     result.path = path;

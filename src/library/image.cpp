@@ -9,8 +9,8 @@ namespace {
 Rgba8Picture shown(const Image& image, const std::optional<std::array<float, 3>>& background) {
   const auto width = static_cast<size_t>(image.width), height = static_cast<size_t>(image.height);
   if (image.width < 1 || image.height < 1 || image.rgba.size() != width * height * 4)
-    fail("an image of {} x {} pixels with {} values in rgba: must be 4 a pixel", image.width,
-         image.height, image.rgba.size());
+    failRequest("an image of {} x {} pixels with {} values in rgba: must be 4 a pixel", image.width,
+                image.height, image.rgba.size());
   const Picture picture{image.width, image.height, image.rgba, {}};
   return toRgba8(background ? over(picture, *background) : picture);
 }

@@ -29,8 +29,8 @@ PartBoxes boxesOf(const LentPart& part) {
   const Vec3i below = vecOf(part.box.ghosts_below), above = vecOf(part.box.ghosts_above);
   for (int a = 0; a < 3; ++a)
     if (below[a] < 0 || above[a] < 0)
-      fail("{}: {} ghosts below and {} above along {}: must be 0 or more", part.layout.name,
-           below[a], above[a], "xyz"[a]);
+      failRequest("{}: {} ghosts below and {} above along {}: must be 0 or more", part.layout.name,
+                  below[a], above[a], "xyz"[a]);
   const Box3 own{vecOf(part.box.lo), vecOf(part.box.hi)};
   // Ghosts may reach out of the volume, as in periodic simulations.
   return {own, {own.lo - below, own.hi + above}};
@@ -70,7 +70,7 @@ bool checkGhosts(Team& team, const LentBoxes& boxes, const PartBoxes& part,
                  const std::string& name) {
   const Box3 needed = boxes.voxelsFor(team.rank(), false);
   if (!part.there.contains(needed))
-    fail(
+    failRequest(
         "{}: its array has the voxels from ({}, {}, {}) to ({}, {}, {}), but pictures need those "
         "from ({}, {}, {}) to ({}, {}, {}); lend one layer of ghosts above, and for lit pictures "
         "one below and two above",
@@ -182,12 +182,13 @@ SharedVolume openShared(const LentPart& part, std::shared_ptr<Ranks::Impl> ranks
   Team& team = ranks->team;
   const VolumeLayout& layout = part.layout;
   if (layout.time_steps != 1)
-    fail("{}: {} time steps, expected the one that is in memory now", layout.name,
-         layout.time_steps);
+    failRequest("{}: {} time steps, expected the one that is in memory now", layout.name,
+                layout.time_steps);
   for (int a = 0; a < 3; ++a)
     if (part.box.hi[static_cast<size_t>(a)] - part.box.lo[static_cast<size_t>(a)] < 2)
-      fail("{}: its box has {} voxels along {}, expected at least 2", layout.name,
-           part.box.hi[static_cast<size_t>(a)] - part.box.lo[static_cast<size_t>(a)], "xyz"[a]);
+      failRequest("{}: its box has {} voxels along {}, expected at least 2", layout.name,
+                  part.box.hi[static_cast<size_t>(a)] - part.box.lo[static_cast<size_t>(a)],
+                  "xyz"[a]);
   expectAgreement(team, factsOf(layout), "lend boxes of one volume");
   const PartBoxes boxes = boxesOf(part);
   auto in_situ = std::make_shared<InSitu>();

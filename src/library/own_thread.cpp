@@ -10,7 +10,7 @@ void OwnThread::run(const std::function<void()>& call) {
   {
     const MutexLock lock(mutex_);
     if (running_ == std::this_thread::get_id())
-      fail("called from within a call that is under way, as its progress function is");
+      failRequest("called from within a call that is under way, as its progress function is");
   }
   const MutexLock turn(turn_);
   {

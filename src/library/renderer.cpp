@@ -53,7 +53,7 @@ Renderer::Renderer(Renderer&&) noexcept = default;
 Renderer& Renderer::operator=(Renderer&&) noexcept = default;
 
 Renderer::Impl& Renderer::impl() const {
-  if (impl_ == nullptr) fail("a Renderer that was moved from: it draws no more");
+  if (impl_ == nullptr) failRequest("a Renderer that was moved from: it draws no more");
   return *impl_;
 }
 

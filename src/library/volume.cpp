@@ -137,7 +137,7 @@ Volume Volume::borrow(const void* first, const ArrayLayout& layout, const LentBo
                       const Ranks& ranks, const std::optional<ArrayStrides>& strides,
                       const VolumeOptions& options, const ProgressFunction& progress,
                       const std::stop_token& stop) {
-  if (ranks.impl_ == nullptr) fail("Ranks that were moved from: they are none any more");
+  if (ranks.impl_ == nullptr) failRequest("Ranks that were moved from: they are none any more");
   auto impl = std::make_shared<Impl>();
   translated([&] {
     ProgressTeller teller(progress, stop);
@@ -164,13 +164,13 @@ Volume Volume::fromFunction(FillBox fill, const ArrayLayout& layout, const Volum
 
 ValueHistogram Volume::histogram(int bins) const {
   info();  // throws if there is none
-  if (bins < 1) fail("a histogram of {} bins: must be at least 1", bins);
+  if (bins < 1) failRequest("a histogram of {} bins: must be at least 1", bins);
   const Histogram made = histogramOf(impl_->volume.values.counts, static_cast<size_t>(bins));
   return {made.range.lo, made.range.hi, made.counts};
 }
 
 const VolumeInfo& Volume::info() const {
-  if (impl_ == nullptr) fail("a Volume that was moved from: it is open no more");
+  if (impl_ == nullptr) failRequest("a Volume that was moved from: it is open no more");
   return impl_->info;
 }
 

@@ -24,7 +24,7 @@ Level levelOf(const IndexedVolume& volume, int64_t number) {
   if (number == 0) return {*volume.source, {}};
   const std::span<const CoarserLevel> levels = coarserLevels(*volume.source);
   if (number > static_cast<int64_t>(levels.size()))
-    fail(
+    failRequest(
         "{}: has no level {}, only {}; --levels always makes coarser ones, and so does sluice pack",
         volume.name, number,
         levels.empty() ? std::string("level 0") : fmt::format("0 to {}", levels.size()));
@@ -49,8 +49,8 @@ Box3 regionCells(const SurfaceOptions& options, const Level& level, Vec3i finest
   }
   cells = intersect(cells, all);
   if (cells.empty())
-    fail("{}: the crop has no cell between voxels of {} x {} x {}; give a larger one", name, dims.x,
-         dims.y, dims.z);
+    failRequest("{}: the crop has no cell between voxels of {} x {} x {}; give a larger one", name,
+                dims.x, dims.y, dims.z);
   return cells;
 }
 

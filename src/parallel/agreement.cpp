@@ -31,7 +31,7 @@ void put(ByteWriter& to, const std::string& text) {
 
 std::string textFrom(ByteReader& from) {
   std::vector<char> text;
-  if (!from.list(text)) fail("a rank's statement of what it draws is cut off");
+  if (!from.list(text)) failSystem("a rank's statement of what it draws is cut off");
   return {text.begin(), text.end()};
 }
 
@@ -40,7 +40,7 @@ Statement statementIn(const Message& message) {
   Statement statement{{}, textFrom(from)};
   while (!from.left().empty()) {
     Fact fact{textFrom(from), textFrom(from)};
-    if (!from.value(fact.digest)) fail("a rank's statement of what it draws is cut off");
+    if (!from.value(fact.digest)) failSystem("a rank's statement of what it draws is cut off");
     statement.facts.push_back(std::move(fact));
   }
   return statement;
@@ -147,8 +147,9 @@ void expectAgreement(Team& team, const std::vector<Fact>& facts, std::string_vie
     const auto others = std::count_if(
         all.begin() + static_cast<int64_t>(rank) + 1, all.end(),
         [&](const Message& other) { return !differences(statementIn(other), first).empty(); });
-    fail("rank {} of {} would draw something else than rank 0{}: {}; {}", rank, all.size(),
-         others > 0 ? fmt::format(" (and {} more ranks)", others) : "", joined(found), here.advice);
+    failRequest("rank {} of {} would draw something else than rank 0{}: {}; {}", rank, all.size(),
+                others > 0 ? fmt::format(" (and {} more ranks)", others) : "", joined(found),
+                here.advice);
   }
 }
 

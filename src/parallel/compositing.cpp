@@ -30,11 +30,11 @@ void visitTiles(const Message& message, size_t tiles, const Visit& visit) {
   std::span<const std::byte> rest = message;
   while (!rest.empty()) {
     TileHeader header;
-    if (rest.size() < sizeof header) fail("a message of parts of a picture is cut off");
+    if (rest.size() < sizeof header) failSystem("a message of parts of a picture is cut off");
     std::memcpy(&header, rest.data(), sizeof header);
     rest = rest.subspan(sizeof header);
     if (header.tile >= tiles || header.bytes > rest.size())
-      fail("a message of parts of a picture is cut off");
+      failSystem("a message of parts of a picture is cut off");
     visit(static_cast<size_t>(header.tile), rest.first(header.bytes));
     rest = rest.subspan(header.bytes);
   }

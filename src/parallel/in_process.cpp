@@ -129,7 +129,7 @@ std::vector<std::string> runInProcess(int ranks, const std::function<void(Team& 
   may_begin = all ? 1 : 0;
   may_begin.notify_all();
   for (auto& thread : threads) thread.join();
-  if (!all) fail("{} threads for as many ranks: the system starts {}", ranks, threads.size());
+  if (!all) failSystem("{} threads for as many ranks: the system starts {}", ranks, threads.size());
   return ends;
 }
 

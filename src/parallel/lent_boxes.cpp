@@ -47,19 +47,20 @@ LentBoxes::LentBoxes(std::vector<Box3> boxes, Vec3i dims, const std::string& nam
   for (size_t rank = 0; rank < boxes_.size(); ++rank) {
     const Box3& box = boxes_[rank];
     if (box.empty() || !boxOf(dims).contains(box))
-      fail("{}: rank {} lends the box from {}, expected one with voxels, within {} x {} x {}", name,
-           rank, printBox(box), dims.x, dims.y, dims.z);
+      failRequest(
+          "{}: rank {} lends the box from {}, expected one with voxels, within {} x {} x {}", name,
+          rank, printBox(box), dims.x, dims.y, dims.z);
     voxels += box.count();
   }
   if (voxels < volume(dims))
-    fail("{}: the ranks lend {} of {} voxels; each voxel must be in the box of one rank", name,
-         voxels, volume(dims));
+    failRequest("{}: the ranks lend {} of {} voxels; each voxel must be in the box of one rank",
+                name, voxels, volume(dims));
   std::vector<int> ranks(boxes_.size());
   std::iota(ranks.begin(), ranks.end(), 0);
   root_ = part(std::move(ranks), name);
   if (voxels > volume(dims))
-    fail("{}: the ranks lend {} voxels in all, which are more than its {}", name, voxels,
-         volume(dims));
+    failRequest("{}: the ranks lend {} voxels in all, which are more than its {}", name, voxels,
+                volume(dims));
 }
 
 int LentBoxes::part(std::vector<int> ranks, const std::string& name) {
@@ -82,7 +83,7 @@ int LentBoxes::part(std::vector<int> ranks, const std::string& name) {
     return static_cast<int>(nodes_.size()) - 1;
   }
   const auto boxOfRank = [&](size_t i) { return printBox(boxes_[static_cast<size_t>(ranks[i])]); };
-  fail(
+  failRequest(
       "{}: the boxes of the ranks cannot be put in order: no plane along an axis parts {} of them, "
       "such as those of ranks {} ({}) and {} ({}); divide the volume by planes, as a grid of boxes "
       "or a k-d tree does",

@@ -26,7 +26,7 @@ void check(int result, const char* what) {
   int length = 0;
   MPI_Error_string(result, text.data(), &length);
   text.resize(static_cast<size_t>(length));
-  fail("MPI: {}: {}", what, text);
+  failSystem("MPI: {}: {}", what, text);
 }
 
 // Messages on their way. MPI reads and writes these buffers until every request is complete.

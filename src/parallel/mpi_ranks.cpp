@@ -53,7 +53,8 @@ MpiKind kindInProcess() {
   auto* const version_of =
       reinterpret_cast<VersionOf*>(dlsym(RTLD_DEFAULT, "MPI_Get_library_version"));
   if (version_of == nullptr)
-    fail("expected a program that is linked to MPI, found none; ranks share a communicator of it");
+    failSystem(
+        "expected a program that is linked to MPI, found none; ranks share a communicator of it");
   constexpr size_t kMostText = 8192;  // MPICH's limit, which is the larger one
   std::string text(kMostText, '\0');
   int length = 0;
@@ -81,7 +82,7 @@ Launch launchOf(const std::function<const char*(const char* variable)>& environm
 
 std::unique_ptr<Communicator> joinRanks(const Launch& launch) {
   if (!launch.has_kind)
-    fail(
+    failSystem(
         "started {} times by srun without MPI, so that the ranks cannot meet; give srun --mpi=pmix "
         "or --mpi=pmi2, or use mpirun",
         launch.ranks);
@@ -89,8 +90,8 @@ std::unique_ptr<Communicator> joinRanks(const Launch& launch) {
   try {
     moduleFor(launch.kind).get<JoinMpi*>(kJoinMpi)(ranks);
   } catch (const Error& error) {
-    fail("started as {} ranks of {}, which do not meet: {}", launch.ranks, name(launch.kind),
-         error.what());
+    failAs(error.kind(), "started as {} ranks of {}, which do not meet: {}", launch.ranks,
+           name(launch.kind), error.what());
   }
   SLUICE_CHECK_EQ(ranks->ranks(), launch.ranks);
   return ranks;

@@ -90,7 +90,7 @@ std::vector<Message> Team::exchange(std::vector<Message> to, uint64_t most_bytes
     for (size_t giver = 0; giver < count; ++giver)
       if (giver != r) sum += all[giver * each + 2 + r];
     if (sum > all[r * each + 1])
-      sluice::fail(
+      failMemory(
           "rank {} of {}: other ranks' parts of the picture take {}, its --memory leaves {}; give "
           "more --memory or a smaller --size",
           r, count, formatBytes(sum), formatBytes(all[r * each + 1]));

@@ -62,8 +62,9 @@ Shares sharesFor(const SurfaceRequest& request, int threads) {
     --shares.threads;
   const uint64_t least = needs(shares.row_blocks, shares.threads);
   if (least > request.memory_bytes)
-    fail("{}: a surface needs at least {} for its voxels and triangles, {} are left of --memory",
-         request.source.layout().name, formatBytes(least), formatBytes(request.memory_bytes));
+    failMemory(
+        "{}: a surface needs at least {} for its voxels and triangles, {} are left of --memory",
+        request.source.layout().name, formatBytes(least), formatBytes(request.memory_bytes));
   shares.waiting_bytes =
       std::min(PieceMesher::kPartBytes * static_cast<uint64_t>(4 * shares.threads),
                PieceMesher::kPartBytes + (request.memory_bytes - least) / 2);

@@ -178,7 +178,7 @@ TextureBuffer::BatchPtr TextureBuffer::begin(const TexturePlan& plan, const Chun
     chunks_.countNoRoom();
     bytes += bytesOf(plan, plan.chunks[position]);
   }
-  fail(
+  failMemory(
       "the texture buffer of {} cannot hold {} more in addition to the {} in use; give more "
       "--memory, a smaller --block or fewer --pages",
       formatBytes(chunks_.budgetBytes()), formatBytes(bytes), formatBytes(chunks_.takenBytes()));

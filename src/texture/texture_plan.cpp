@@ -78,8 +78,8 @@ void addBlocks(TexturePlan& plan, const VisibleBlocks& visible, const PlanOption
     return;
   }
   if (layout.blockCount() > kMostBlocks)
-    fail("--algorithm {} loads every block, here {}; use trimmed or merged", name(algorithm),
-         layout.blockCount());
+    failRequest("--algorithm {} loads every block, here {}; use trimmed or merged", name(algorithm),
+                layout.blockCount());
   reserveLarge(blocks, static_cast<size_t>(layout.blockCount()));
   size_t next = 0;
   for (int64_t block = 0; block < layout.blockCount(); ++block) {
@@ -289,7 +289,7 @@ TexturePlan planTextures(const PyramidLayout& pyramid, const VisibleBlocks& visi
       numbersOfBlocks(pyramid, visible) * page.pagesOf(Vec3i{side, side, side});
   const int64_t capacity_blocks = page.pages / block_pages;
   if (capacity_blocks < 1)
-    fail(
+    failMemory(
         "a block of {0} x {0} x {0} voxels takes {1} pages and the texture cache has {2}; give "
         "--pages {1} or a smaller --block",
         side, block_pages, page.pages);

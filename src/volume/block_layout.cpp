@@ -22,7 +22,7 @@ BlockLayout blockLayout(Vec3i dims, int64_t size, int ghost, const char* where) 
     countable = !__builtin_mul_overflow(blocks, layout.grid[a], &blocks) && countable;
   }
   if (!countable)
-    fail(
+    failRequest(
         "{}: {} x {} x {} voxels make {} x {} x {} blocks of {}, more than 2^63; give a larger "
         "--block",
         where, dims.x, dims.y, dims.z, layout.grid.x, layout.grid.y, layout.grid.z, size);

@@ -74,7 +74,7 @@ void VolumeBuffer::freeSome(MutexLock& lock, const BlockName& key, uint64_t byte
   } else if (const EntryPtr last = blocks_.coldest()) {
     packOrDrop(lock, last, key);
   } else {
-    fail(
+    failMemory(
         "the volume buffer of {} cannot hold {} more in addition to the {} in use; give more "
         "--memory or a smaller --block",
         formatBytes(blocks_.budgetBytes()), formatBytes(bytes), formatBytes(blocks_.takenBytes()));

@@ -50,7 +50,7 @@ std::unique_ptr<Scene> openScene(const RenderArguments& arguments,
   } catch (const Error& error) {
     // The volume knows its step as --time, which the user did not give.
     if (saved->file.state.time == 0) throw;
-    fail("{}: {}", saved->name, error.what());
+    failAs(error.kind(), "{}: {}", saved->name, error.what());
   }
 }
 

@@ -46,8 +46,8 @@ std::vector<std::string> basisFiles(const CullingArguments& culling) {
 
 SeriesOptions seriesOptions(const CullingArguments& culling, const IndexedVolume& volume) {
   if (culling.part % kDetail != 0)
-    fail("--part {}: a part has {} cubes a side; give a multiple of {}", culling.part, kDetail,
-         kDetail);
+    failRequest("--part {}: a part has {} cubes a side; give a multiple of {}", culling.part,
+                kDetail, kDetail);
   SeriesOptions options;
   options.difference = culling.difference;
   options.part_cells = culling.part;
@@ -87,10 +87,10 @@ Series::Series(Scene& scene, const CullingArguments& culling, const ResourceArgu
     : scene_(scene), frame_(frame), is_auto_(culling.culling == Culling::kAuto) {
   if (scene.share) scene.share->dealEachPicture(scene.volume.source->layout().time_steps > 1);
   if (culling.culling != Culling::kNone && !scene.more.empty())
-    fail("{}: --culling looks at one channel, not {}; give one --channel", scene.volume.name,
-         scene.layers().size());
+    failRequest("{}: --culling looks at one channel, not {}; give one --channel", scene.volume.name,
+                scene.layers().size());
   if (is_auto_ && scene.share)
-    fail("--culling auto measures one process; give ranks --culling toc or none");
+    failRequest("--culling auto measures one process; give ranks --culling toc or none");
   if (culling.culling != Culling::kNone)
     scene.inTurn([&] {
       if (is_auto_)

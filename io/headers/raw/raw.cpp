@@ -31,11 +31,12 @@ std::string typesOfSize(uint64_t voxel_bytes) {
   const uint64_t skip = static_cast<uint64_t>(skip_bytes);
   const uint64_t bytes = file.sizeBytes() - std::min(file.sizeBytes(), skip);
   const std::string fitting = size_known && bytes % voxels == 0 ? typesOfSize(bytes / voxels) : "";
-  if (!size_known) fail("{}: voxel type unknown; give --type", file.path());
-  fail("{}: voxel type unknown; {} bytes / ({} x {} x {} x {} steps) = {:g} bytes a voxel: {}",
-       file.path(), bytes, layout.dims.x, layout.dims.y, layout.dims.z, layout.time_steps,
-       static_cast<double>(bytes) / static_cast<double>(voxels),
-       fitting.empty() ? "no type fits, --dims or --skip is wrong" : "give --type " + fitting);
+  if (!size_known) failRequest("{}: voxel type unknown; give --type", file.path());
+  failRequest(
+      "{}: voxel type unknown; {} bytes / ({} x {} x {} x {} steps) = {:g} bytes a voxel: {}",
+      file.path(), bytes, layout.dims.x, layout.dims.y, layout.dims.z, layout.time_steps,
+      static_cast<double>(bytes) / static_cast<double>(voxels),
+      fitting.empty() ? "no type fits, --dims or --skip is wrong" : "give --type " + fitting);
 }
 
 void demandExactSize(const File& file, const VolumeDescription& description) {
@@ -49,8 +50,8 @@ void demandExactSize(const File& file, const VolumeDescription& description) {
   if (layout.time_steps == 1 && rest > voxels_bytes && rest % voxels_bytes == 0)
     advice = fmt::format("these are {} time steps: give --dims {},{},{},{}", rest / voxels_bytes,
                          layout.dims.x, layout.dims.y, layout.dims.z, rest / voxels_bytes);
-  fail("{}: {} expected, {} found; {}", file.path(), sizeArithmetic(layout, description.byte_skip),
-       size, advice);
+  failRequest("{}: {} expected, {} found; {}", file.path(),
+              sizeArithmetic(layout, description.byte_skip), size, advice);
 }
 
 void setByteOrderAndSpacing(const std::string& path, const RawOptions& options,
@@ -59,13 +60,13 @@ void setByteOrderAndSpacing(const std::string& path, const RawOptions& options,
       options.byte_order.value_or(from_name.byte_order.value_or(std::endian::little));
   const Vec3d spacing = options.spacing.value_or(Vec3d{1, 1, 1});
   if (!(spacing.x > 0 && spacing.y > 0 && spacing.z > 0))
-    fail("{}: --spacing {},{},{} must be above 0", path, spacing.x, spacing.y, spacing.z);
+    failRequest("{}: --spacing {},{},{} must be above 0", path, spacing.x, spacing.y, spacing.z);
   setSteps(path, {{spacing.x, 0, 0}, {0, spacing.y, 0}, {0, 0, spacing.z}}, description.layout);
 }
 
 void setSkip(const std::string& path, const RawOptions& options, VolumeDescription& description) {
   if (options.skip_bytes < 0 || options.skip_bytes > kMostSkipBytes)
-    fail("{}: --skip {} is not from 0 to {}", path, options.skip_bytes, kMostSkipBytes);
+    failRequest("{}: --skip {} is not from 0 to {}", path, options.skip_bytes, kMostSkipBytes);
   description.byte_skip = options.skip_bytes;
 }
 
@@ -84,8 +85,8 @@ VolumeDescription describe(const File& file, const RawOptions& options, bool com
   VolumeLayout& layout = description.layout;
   const std::optional<Vec3i> dims = options.dims ? options.dims : from_name.dims;
   if (!dims)
-    fail("{}: dimensions unknown; give --dims X,Y,Z or put them into the name, such as {}",
-         file.path(), kExampleName);
+    failRequest("{}: dimensions unknown; give --dims X,Y,Z or put them into the name, such as {}",
+                file.path(), kExampleName);
   layout.dims = *dims;
   // Dimensions that the user gave replace all four of the name.
   layout.time_steps = (options.dims ? options.time_steps : from_name.time_steps).value_or(1);
@@ -116,15 +117,15 @@ std::unique_ptr<VolumeSource> openRawSlices(const std::vector<std::filesystem::p
   SLUICE_CHECK(!files.empty());
   const std::string first = files[0].string();
   if (!options.dims || !options.type)
-    fail("{}: raw slices need --dims X,Y,{} and --type T", first, files.size());
+    failRequest("{}: raw slices need --dims X,Y,{} and --type T", first, files.size());
   VolumeDescription description;
   VolumeLayout& layout = description.layout;
   layout.dims = *options.dims;
   layout.type = *options.type;
   if (options.time_steps.value_or(1) != 1 || layout.dims.z != static_cast<int64_t>(files.size()))
-    fail("{}: {} raw slices, but --dims is {} x {} x {} x {} steps; give --dims {},{},{}", first,
-         files.size(), layout.dims.x, layout.dims.y, layout.dims.z, options.time_steps.value_or(1),
-         layout.dims.x, layout.dims.y, files.size());
+    failRequest("{}: {} raw slices, but --dims is {} x {} x {} x {} steps; give --dims {},{},{}",
+                first, files.size(), layout.dims.x, layout.dims.y, layout.dims.z,
+                options.time_steps.value_or(1), layout.dims.x, layout.dims.y, files.size());
   setSkip(first, options, description);
   setByteOrderAndSpacing(first, options, {}, description);
   const auto slice_bytes = static_cast<uint64_t>(checkedVolumeBytes(first, layout) / layout.dims.z);
@@ -135,9 +136,10 @@ std::unique_ptr<VolumeSource> openRawSlices(const std::vector<std::filesystem::p
   for (const std::filesystem::path& path : files) {
     auto file = std::make_shared<File>(path, keep);
     if (file->sizeBytes() != slice_bytes + skip)
-      fail("{}: {} x {} x {} bytes ({}) + {} skipped = {} bytes of a slice expected, {} found",
-           path.string(), layout.dims.x, layout.dims.y, bytesPerVoxel(layout.type),
-           name(layout.type), skip, slice_bytes + skip, file->sizeBytes());
+      failRequest(
+          "{}: {} x {} x {} bytes ({}) + {} skipped = {} bytes of a slice expected, {} found",
+          path.string(), layout.dims.x, layout.dims.y, bytesPerVoxel(layout.type),
+          name(layout.type), skip, slice_bytes + skip, file->sizeBytes());
     segments.push_back({std::move(file), skip});
   }
   layout.name = files[0].filename().string();

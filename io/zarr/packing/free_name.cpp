@@ -35,8 +35,8 @@ bool belongsToStore(const fs::path& name) {
 void requireNothingForeign(const fs::path& store) {
   for (const auto& entry : fs::recursive_directory_iterator(store)) {
     if (belongsToStore(entry.path().filename()) && !entry.is_symlink()) continue;
-    fail("{}: is not replaced, since {} is not part of a Zarr store; move it away", store.string(),
-         entry.path().string());
+    failRequest("{}: is not replaced, since {} is not part of a Zarr store; move it away",
+                store.string(), entry.path().string());
   }
 }
 
@@ -44,12 +44,13 @@ void requireNothingForeign(const fs::path& store) {
 
 void requireFreeName(const fs::path& output, bool replace) {
   if (withoutSlash(output).extension() != ".zarr")
-    fail("{}: expected a name ending in .zarr", output.string());
+    failRequest("{}: expected a name ending in .zarr", output.string());
   std::error_code ignored;
   if (!fs::exists(output, ignored)) return;
-  if (!replace) fail("{}: exists; --force replaces it once the new one is whole", output.string());
+  if (!replace)
+    failRequest("{}: exists; --force replaces it once the new one is whole", output.string());
   if (!isZarr(folderPlace(output)))
-    fail("{}: is no Zarr store and is not replaced", output.string());
+    failRequest("{}: is no Zarr store and is not replaced", output.string());
   requireNothingForeign(output);
 }
 

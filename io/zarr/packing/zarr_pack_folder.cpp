@@ -40,7 +40,7 @@ Descriptor openedFile(const fs::path& path, int flags) {
 void makeFolders(const fs::path& path) {
   std::error_code status;
   fs::create_directories(path, status);
-  if (status) fail("{}: cannot be made: {}", path.string(), status.message());
+  if (status) failSystem("{}: cannot be made: {}", path.string(), status.message());
 }
 
 void renamePath(const fs::path& from, const fs::path& to) {
@@ -120,8 +120,8 @@ void ZarrPackFolder::lock() {
     if (flock(file.get(), LOCK_EX | LOCK_NB) != 0) {
       const int reason = errno;
       if (reason != EWOULDBLOCK) failErrno(fmt::format("{}: cannot be locked", path), reason);
-      fail("{}: another sluice is packing to it; wait for it or choose another name",
-           output_.string());
+      failRequest("{}: another sluice is packing to it; wait for it or choose another name",
+                  output_.string());
     }
     struct stat opened = {}, named = {};
     if (fstat(file.get(), &opened) == 0 && stat(path.c_str(), &named) == 0 &&
@@ -158,10 +158,11 @@ void ZarrPackFolder::checkParameters(const std::string& source_identity,
     for (const char* const part : {"store", "journal", "pack.json"}) {
       std::error_code status;
       fs::remove_all(folder_ / part, status);
-      if (status) fail("{}: cannot be removed: {}", (folder_ / part).string(), status.message());
+      if (status)
+        failSystem("{}: cannot be removed: {}", (folder_ / part).string(), status.message());
     }
   } else if (!reason.empty()) {
-    fail(
+    failRequest(
         "{}: holds a store that was begun {}; give the volume and options of that run, or remove "
         "it to start again",
         folder_.string(), reason);

@@ -28,13 +28,13 @@ void setShards(Vec3i voxels, ZarrArray& array) {
     const size_t axis = array.axes() - 1 - static_cast<size_t>(a);
     const int64_t side = array.chunks[axis];
     if (voxels[a] < side || voxels[a] % side != 0 || voxels[a] / side > kMostChunksAFile)
-      fail("--shard {},{},{}: expected multiples of the chunks' {} voxels", voxels.x, voxels.y,
-           voxels.z, side);
+      failRequest("--shard {},{},{}: expected multiples of the chunks' {} voxels", voxels.x,
+                  voxels.y, voxels.z, side);
     array.files[axis] = voxels[a];
     chunks *= voxels[a] / side;
     if (chunks > kMostChunksAFile)
-      fail("--shard {},{},{}: more than {} chunks of {} voxels a side", voxels.x, voxels.y,
-           voxels.z, kMostChunksAFile, side);
+      failRequest("--shard {},{},{}: more than {} chunks of {} voxels a side", voxels.x, voxels.y,
+                  voxels.z, kMostChunksAFile, side);
   }
   array.prefix = "c";
   array.has_crc = true;
@@ -62,9 +62,9 @@ std::vector<LevelShape> levelsFor(const VolumeLayout& layout, const PackOptions&
   if (!options.with_levels) return {};
   const std::vector<LevelShape> levels = levelShapes(layout, options.chunk_voxels, options.levels);
   if (options.levels && static_cast<int64_t>(levels.size()) < *options.levels)
-    fail("--levels {}: {} x {} x {} voxels in chunks of {} have {} coarser levels at most",
-         *options.levels, layout.dims.x, layout.dims.y, layout.dims.z, options.chunk_voxels,
-         levels.size());
+    failRequest("--levels {}: {} x {} x {} voxels in chunks of {} have {} coarser levels at most",
+                *options.levels, layout.dims.x, layout.dims.y, layout.dims.z, options.chunk_voxels,
+                levels.size());
   return levels;
 }
 
@@ -229,7 +229,7 @@ class Packer {
         table + pending +
         static_cast<uint64_t>(pool_.threads()) * (ChunkPacker::threadBytes(chunk) + making);
     if (options_.memory_bytes < fixed + chunk)
-      fail(
+      failMemory(
           "--memory {}: too small to pack with {} threads and chunks of {}{}; give --memory {} or "
           "more{}",
           options_.memory_bytes, pool_.threads(), formatBytes(chunk),

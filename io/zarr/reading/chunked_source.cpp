@@ -70,7 +70,8 @@ ChunkedSource::ChunkedSource(const ChunkedVolume& volume, OpenedArray opened, si
   view_ = viewZarr(array, image, channel.given(), volume.said_by);
   view_.layout.name = volume.title + (image.level_set ? " (level set)" : "");
   if (channel.given() && !view_.channel)
-    fail("{}: --channel {}: the volume has no channels; leave it out", volume.name, channel.text());
+    failRequest("{}: --channel {}: the volume has no channels; leave it out", volume.name,
+                channel.text());
   channel_names_ = image.channels;
   channel_looks_ = image.looks;
   view_.layout.notes = array.notes;

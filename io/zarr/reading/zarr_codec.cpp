@@ -57,7 +57,8 @@ void decodeDeflate(std::span<const std::byte> stored, std::span<std::byte> chunk
                    const std::string& path) {
   z_stream stream = {};
   constexpr int kGzipOrZlib = 15 + 32;
-  if (inflateInit2(&stream, kGzipOrZlib) != Z_OK) fail("{}: not enough memory to decode it", path);
+  if (inflateInit2(&stream, kGzipOrZlib) != Z_OK)
+    failMemory("{}: not enough memory to decode it", path);
   // A chunk and its file are below 2^32 bytes.
   stream.next_in = reinterpret_cast<Bytef*>(const_cast<std::byte*>(stored.data()));
   stream.avail_in = static_cast<uInt>(stored.size());

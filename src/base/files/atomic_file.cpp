@@ -75,7 +75,7 @@ int openDirectly(const std::filesystem::path& path) {
     std::this_thread::sleep_for(kPause);
   }
   if (file < 0 && errno == ENXIO)
-    fail("{}: cannot be written: nobody reads this pipe", path.string());
+    failSystem("{}: cannot be written: nobody reads this pipe", path.string());
   if (file >= 0) fcntl(file, F_SETFL, fcntl(file, F_GETFL) & ~O_NONBLOCK);
   return file;
 }
@@ -86,7 +86,7 @@ AtomicFile::AtomicFile(std::filesystem::path path) : path_(followed(std::move(pa
   std::error_code ignored;
   const std::filesystem::file_status status = std::filesystem::status(path_, ignored);
   if (std::filesystem::is_directory(status))
-    fail("{}: is a folder; give the name of a file", path_.string());
+    failRequest("{}: is a folder; give the name of a file", path_.string());
   if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
     temporary_ = path_;
     file_.reset(openDirectly(temporary_));

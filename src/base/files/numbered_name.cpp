@@ -26,7 +26,8 @@ std::optional<NumberPlace> numberPlace(const std::string& name, const std::strin
   const size_t percent = file.find('%'), hash = file.find('#');
   if (percent == std::string::npos && hash == std::string::npos) return std::nullopt;
   const auto refuse = [&] {
-    fail("{}: expected one place for the number, as in turn_####.png or turn_%04d.png", name);
+    failRequest("{}: expected one place for the number, as in turn_####.png or turn_%04d.png",
+                name);
   };
   NumberPlace place;
   if (hash != std::string::npos) {

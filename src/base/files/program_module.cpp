@@ -97,9 +97,9 @@ std::string modulePath(const std::string& file) {
     if (folder.is_absolute() || isTrusted(program, path)) return path.string();
     if (!refused) refused = path;
   }
-  if (path.empty()) fail("{}: this system does not tell where the program lies", file);
+  if (path.empty()) failSystem("{}: this system does not tell where the program lies", file);
   if (refused)
-    fail(
+    failSystem(
         "{}: users who cannot replace {} could have put it there; let its owner alone write to "
         "both and to their folders",
         refused->string(), program.string());
@@ -113,8 +113,8 @@ SharedLibrary openModule(const ProgramModule& module) {
   SharedLibrary library(std::span(&path, 1), module.hint);
   const std::string_view version = library.get<const char* (*)()>(module.version_function)();
   if (version != module.version)
-    fail("{} belongs to sluice {}, expected {}; install sluice again", path, version,
-         module.version);
+    failSystem("{} belongs to sluice {}, expected {}; install sluice again", path, version,
+               module.version);
   return library;
 }
 

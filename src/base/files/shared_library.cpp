@@ -17,7 +17,7 @@ SharedLibrary::SharedLibrary(std::span<const std::string> names, const std::stri
     const char* said = dlerror();
     if (&name == &names.front()) reason = said != nullptr ? said : name + ": does not open";
   }
-  fail("{} ({})", reason, hint);
+  failSystem("{} ({})", reason, hint);
 }
 
 void* SharedLibrary::find(const char* symbol) const {
@@ -26,7 +26,8 @@ void* SharedLibrary::find(const char* symbol) const {
 
 void* SharedLibrary::require(const char* symbol) const {
   void* const address = find(symbol);
-  if (address == nullptr) fail("{}: has no function {}, is it the right library?", name_, symbol);
+  if (address == nullptr)
+    failSystem("{}: has no function {}, is it the right library?", name_, symbol);
   return address;
 }
 

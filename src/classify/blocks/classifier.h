@@ -88,7 +88,7 @@ inline bool showsBackground(const SliceRanges& ranges, const OpacityTable& table
     return false;
   const int64_t blocks = blocksOf(ranges.layout, crop).count();
   if (blocks > kMostBackgroundBlocks)
-    fail(
+    failRequest(
         "the value outside the stored region ({}) is visible under this transfer function and "
         "would fill {} blocks; make its opacity 0 or crop the volume",
         ranges.map.valueOf(ranges.background), blocks);

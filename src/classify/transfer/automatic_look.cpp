@@ -363,7 +363,8 @@ std::vector<LabelStyle> labelStylesOf(const ValueCounts& counts, std::string_vie
     const ValueRange range = rangeOf(counts);
     const double first = std::ceil(range.lo), span = std::floor(range.hi) - first;
     if (!(span < static_cast<double>(kMostLabels)))
-      fail("labels from {} to {}: expected at most {} of them", range.lo, range.hi, kMostLabels);
+      failRequest("labels from {} to {}: expected at most {} of them", range.lo, range.hi,
+                  kMostLabels);
     for (int i = 0; i <= static_cast<int>(span); ++i) values.push_back(first + i);
   }
   if (values.empty()) values = {0};

@@ -189,8 +189,8 @@ std::optional<std::vector<ColorPoint>> colorMap(std::string_view name) {
 std::vector<ColorPoint> requireColorMap(std::string_view name, const std::string& where) {
   auto points = colorMap(name);
   if (!points) {
-    fail("{}: expected one of {}, or a colour ({}, #RRGGBB), found '{}'", where,
-         fmt::join(kNames, ", "), fmt::join(kColorNames, ", "), name);
+    failRequest("{}: expected one of {}, or a colour ({}, #RRGGBB), found '{}'", where,
+                fmt::join(kNames, ", "), fmt::join(kColorNames, ", "), name);
   }
   return *std::move(points);
 }

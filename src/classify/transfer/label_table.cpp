@@ -156,8 +156,8 @@ void applyLooks(std::vector<LabelStyle>& styles, const std::vector<LabelLook>& l
     if (!look.color.empty()) {
       rgb = solidColor(look.color);
       if (!rgb)
-        fail("--label {}: there is no colour {}; give RRGGBB or one of {}", labelLookText(look),
-             look.color, fmt::join(solidColorNames(), ", "));
+        failRequest("--label {}: there is no colour {}; give RRGGBB or one of {}",
+                    labelLookText(look), look.color, fmt::join(solidColorNames(), ", "));
     }
     for (LabelStyle& style : styles) {
       if (style.label < look.first || style.label > look.last) continue;

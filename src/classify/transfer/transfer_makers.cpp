@@ -56,8 +56,8 @@ TransferFunction modulateByGradient(TransferFunction transfer, double full_magni
     fail("{}: expected a transfer function without gradients to modulate, found one with them",
          transfer.name);
   if (!(full_magnitude > 0))
-    fail("{}: expected a gradient magnitude above 0 to modulate by, found {}", transfer.name,
-         full_magnitude);
+    failRequest("{}: expected a gradient magnitude above 0 to modulate by, found {}", transfer.name,
+                full_magnitude);
   transfer.gradients = {{0, {{0, 0}}}, {full_magnitude, {{0, 1}}}};
   transfer.name += ", modulated";
   validate(transfer, transfer.name);

@@ -130,8 +130,8 @@ void prepareGlEnvironment() {
   // Mesa does not look whether it got the memory that it asked for. Its libraries take 160 MiB.
   constexpr size_t kLeastAddresses = size_t{352} << 20;
   if (!KeptAddresses(kLeastAddresses).areThere())
-    fail("OpenGL needs {} more of addresses than `ulimit -v` leaves; raise it",
-         formatBytes(kLeastAddresses));
+    failSystem("OpenGL needs {} more of addresses than `ulimit -v` leaves; raise it",
+               formatBytes(kLeastAddresses));
   setenv("GALLIVM_PERF", kExactSampling, 0);
   setenv("EGL_LOG_LEVEL", "fatal", 0);
   // llvmpipe's own most is 16. It waits forever for threads that it does not get: if they are
@@ -194,7 +194,7 @@ std::unique_ptr<GlContext> createContext(GlChoice choice, const GlLibraries& lib
     context = attempts.attempt("osmesa", [&] { return createOsmesaContext(libraries); });
   if (context == nullptr && has_egl) context = trySoftwareEgl(attempts, libraries, devices);
   if (context == nullptr)
-    fail("no OpenGL 3.3 context with --gl {}: {}", name(choice), attempts.reasons());
+    failSystem("no OpenGL 3.3 context with --gl {}: {}", name(choice), attempts.reasons());
   return context;
 }
 

@@ -108,7 +108,7 @@ EGLDisplay deviceDisplay(const EglApi& egl, int index) {
   const std::vector<EGLDeviceEXT> devices = devicesOf(egl);
   if (index < 0 || static_cast<size_t>(index) >= devices.size() || !egl.has_device_platform ||
       egl.get_platform_display == nullptr)
-    fail("EGL has no device {} (it lists {})", index, devices.size());
+    failSystem("EGL has no device {} (it lists {})", index, devices.size());
   return egl.get_platform_display(EGL_PLATFORM_DEVICE_EXT, devices[static_cast<size_t>(index)],
                                   nullptr);
 }
@@ -119,14 +119,14 @@ EGLDisplay openDisplay(const EglApi& egl, EglTarget target) {
     display = deviceDisplay(egl, target.device);
   } else if (target.platform == EglPlatform::kSurfaceless) {
     if (!egl.has_surfaceless || egl.get_platform_display == nullptr)
-      fail("EGL has no surfaceless platform");
+      failSystem("EGL has no surfaceless platform");
     display = egl.get_platform_display(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr);
   } else {
     display = egl.get_display(EGL_DEFAULT_DISPLAY);
   }
-  if (display == EGL_NO_DISPLAY) fail("EGL opens no display ({:#06x})", egl.get_error());
+  if (display == EGL_NO_DISPLAY) failSystem("EGL opens no display ({:#06x})", egl.get_error());
   if (!egl.initialize(display, nullptr, nullptr))
-    fail(
+    failSystem(
         "EGL does not initialise its display ({:#06x}): no display server, no driver, or no right "
         "to open the device",
         egl.get_error());
@@ -137,7 +137,7 @@ class EglContext : public GlContext {
  public:
   EglContext(const EglApi& egl, EGLDisplay display, std::string device)
       : GlContext("egl", std::move(device)), egl_(egl), display_(display) {
-    if (!egl_.bind_api(EGL_OPENGL_API)) fail("EGL offers OpenGL ES only, not OpenGL");
+    if (!egl_.bind_api(EGL_OPENGL_API)) failSystem("EGL offers OpenGL ES only, not OpenGL");
     const char* const extensions = egl_.query_string(display_, EGL_EXTENSIONS);
     const bool needs_surface = !contains(extensions, "EGL_KHR_surfaceless_context");
     const EGLConfig config = !needs_surface && contains(extensions, "EGL_KHR_no_config_context")
@@ -157,7 +157,7 @@ class EglContext : public GlContext {
     }
     const EGLint error = egl_.get_error();
     destroySurface();
-    fail("EGL offers no core profile of 3.3 or higher ({:#06x})", error);
+    failSystem("EGL offers no core profile of 3.3 or higher ({:#06x})", error);
   }
   ~EglContext() override {
     release();
@@ -174,7 +174,7 @@ class EglContext : public GlContext {
   void bind() override {
     // The API is a state of the thread, which may be another one than the creator's.
     if (!egl_.bind_api(EGL_OPENGL_API) || !egl_.make_current(display_, surface_, surface_, handle_))
-      fail("EGL does not make its context current ({:#06x})", egl_.get_error());
+      failSystem("EGL does not make its context current ({:#06x})", egl_.get_error());
   }
   void unbind() noexcept override {
     egl_.make_current(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
@@ -188,14 +188,15 @@ class EglContext : public GlContext {
     EGLConfig config = nullptr;
     EGLint count = 0;
     if (!egl_.choose_config(display_, attributes.data(), &config, 1, &count) || count < 1)
-      fail("EGL offers no configuration for OpenGL ({:#06x})", egl_.get_error());
+      failSystem("EGL offers no configuration for OpenGL ({:#06x})", egl_.get_error());
     return config;
   }
   // A surface of one pixel, for drivers that make no context current without a surface.
   void createSurface(EGLConfig config) {
     const std::array<EGLint, 5> attributes{EGL_WIDTH, 1, EGL_HEIGHT, 1, EGL_NONE};
     surface_ = egl_.create_pbuffer(display_, config, attributes.data());
-    if (surface_ == EGL_NO_SURFACE) fail("EGL creates no surface ({:#06x})", egl_.get_error());
+    if (surface_ == EGL_NO_SURFACE)
+      failSystem("EGL creates no surface ({:#06x})", egl_.get_error());
   }
   void destroySurface() noexcept {
     if (surface_ != EGL_NO_SURFACE) egl_.destroy_surface(display_, surface_);

@@ -47,7 +47,7 @@ class OsmesaContext : public GlContext {
       handle_ = api_.create(attributes.data(), nullptr);
       if (handle_ != nullptr) break;
     }
-    if (handle_ == nullptr) fail("OSMesa offers no core profile of 3.3 or higher");
+    if (handle_ == nullptr) failSystem("OSMesa offers no core profile of 3.3 or higher");
   }
   ~OsmesaContext() override {
     release();
@@ -62,7 +62,7 @@ class OsmesaContext : public GlContext {
  protected:
   void bind() override {
     if (!api_.make_current(handle_, picture_.data(), GL_UNSIGNED_BYTE, kSize, kSize))
-      fail("OSMesa does not make its context current");
+      failSystem("OSMesa does not make its context current");
   }
   void unbind() noexcept override { api_.make_current(nullptr, nullptr, GL_UNSIGNED_BYTE, 0, 0); }
 

@@ -18,7 +18,7 @@ GLuint compile(const GlFunctions& gl, GLenum kind, const std::string& source) {
   std::array<char, 1024> log{};
   gl.GetShaderInfoLog(shader, static_cast<GLsizei>(log.size()), nullptr, log.data());
   gl.DeleteShader(shader);
-  fail("the GL driver refuses a shader: {}", log.data());
+  failSystem("the GL driver refuses a shader: {}", log.data());
 }
 
 }  // namespace
@@ -38,7 +38,7 @@ GlProgram::GlProgram(const GlFunctions& gl, const std::string& vertex, const std
   std::array<char, 1024> log{};
   gl.GetProgramInfoLog(program_, static_cast<GLsizei>(log.size()), nullptr, log.data());
   gl.DeleteProgram(program_);
-  fail("the GL driver refuses to link a program: {}", log.data());
+  failSystem("the GL driver refuses to link a program: {}", log.data());
 }
 
 GlProgram::~GlProgram() {

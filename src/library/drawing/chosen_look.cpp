@@ -209,14 +209,15 @@ class Chooser {
   Vec3d colorOf(const SurfaceLook& surface) const {
     if (surface.color.empty()) return colorAt(chosen_.transfer, surface.value);
     if (const auto rgb = solidColor(surface.color)) return *rgb;
-    fail("--iso {}: there is no colour {}; give RRGGBB or one of {}", surfaceLookText(surface),
-         surface.color, fmt::join(solidColorNames(), ", "));
+    failRequest("--iso {}: there is no colour {}; give RRGGBB or one of {}",
+                surfaceLookText(surface), surface.color, fmt::join(solidColorNames(), ", "));
   }
 
   void addSurfaces() {
     if (!drawsSurfaces()) return;
     if (chosen_.transfer.labels)
-      fail("--iso draws surfaces between values, which labels do not have; leave out --labels");
+      failRequest(
+          "--iso draws surfaces between values, which labels do not have; leave out --labels");
     std::string text;
     for (const SurfaceLook& look : look_.surfaces) {
       chosen_.transfer.surfaces.push_back({look.value, look.opacity, colorOf(look)});

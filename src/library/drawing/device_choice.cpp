@@ -32,7 +32,7 @@ std::unique_ptr<Device> makeDevice(const DeviceArguments& arguments, WorkerPool&
   if (auto context = contextFor(arguments)) return std::make_unique<GlDevice>(std::move(context));
 #else
   if (arguments.device == DeviceChoice::kGl || arguments.gl != GlChoice::kAuto)
-    fail("this sluice was built without OpenGL (SLUICE_GL=OFF); give --device cpu");
+    failSystem("this sluice was built without OpenGL (SLUICE_GL=OFF); give --device cpu");
 #endif
   return std::make_unique<CpuDevice>(pool, arguments.simd);
 }

@@ -284,11 +284,12 @@ std::optional<VoxelProbe> probeAlong(const ProbeRequest& request, Session& sessi
 SliceValues sliceOf(const SliceOptions& slice, Session& session, const TimeStep& step,
                     const StopToken& stop) {
   const BlockLayout& layout = step.ranges->layout;
-  if (slice.axis < 0 || slice.axis > 2) fail("slice of axis {}: must be 0, 1 or 2", slice.axis);
+  if (slice.axis < 0 || slice.axis > 2)
+    failRequest("slice of axis {}: must be 0, 1 or 2", slice.axis);
   if (slice.at < 0 || slice.at >= layout.dims[slice.axis])
-    fail("slice {} of axis {}: the volume has {}, counted from 0", slice.at, slice.axis,
-         layout.dims[slice.axis]);
-  if (slice.most < 1) fail("slice of {} values a side: must be at least 1", slice.most);
+    failRequest("slice {} of axis {}: the volume has {}, counted from 0", slice.at, slice.axis,
+                layout.dims[slice.axis]);
+  if (slice.most < 1) failRequest("slice of {} values a side: must be at least 1", slice.most);
   const int across = slice.axis == 0 ? 1 : 0, down = slice.axis == 2 ? 1 : 2;
   const int64_t longest = std::max(layout.dims[across], layout.dims[down]);
   SliceValues result;

@@ -54,7 +54,7 @@ uint64_t composedBytes(uint64_t part_bytes, PictureSize size, uint64_t memory_by
   const uint64_t bytes = part_bytes + static_cast<uint64_t>(size.width) *
                                           static_cast<uint64_t>(size.height) * kComposedPixelBytes;
   if (bytes > memory_bytes)
-    fail(
+    failMemory(
         "--memory {} is too small: the picture takes {} on each rank; give more --memory or a "
         "smaller --size",
         formatBytes(memory_bytes), formatBytes(bytes));
@@ -95,8 +95,8 @@ Scene::Scene(SceneInputs inputs, const LookArguments& asked_look, const FrameOpt
   drawn_look = lookText();
   if (inputs.team != nullptr) {
     if (!more.empty())
-      fail("{}: several ranks draw one channel, not {}; give one --channel", volume.name,
-           layers().size());
+      failRequest("{}: several ranks draw one channel, not {}; give one --channel", volume.name,
+                  layers().size());
     const int level = frame.cut ? frame.cut->level.value_or(0) : 0;
     const Dealing dealing = inputs.lent != nullptr
                                 ? dealLent(std::move(inputs.lent))
@@ -133,8 +133,8 @@ void Scene::openSession(const FrameOptions& frame, uint64_t more_bytes) {
     } catch (const Error& error) {
       for (Layer* opened : layers()) opened->session.reset();  // none outlives the device
       if (more.empty()) throw;
-      fail("{} ({} channels share the memory evenly, and this is the part of one)", error.what(),
-           layers().size());
+      failAs(error.kind(), "{} ({} channels share the memory evenly, and this is the part of one)",
+             error.what(), layers().size());
     }
   chooseBlocksBy(nullptr);
 }
@@ -376,8 +376,9 @@ std::string Scene::emptyLayers(const SceneFrame& frame, int64_t time, const Fram
 
 void Scene::recordTo(const std::string& path) {
   if (!path.empty() && !more.empty())
-    fail("{}: a trace records the texture cache of one channel, not of {}; give one --channel",
-         path, layers().size());
+    failRequest(
+        "{}: a trace records the texture cache of one channel, not of {}; give one --channel", path,
+        layers().size());
   session->recordTo(nullptr);
   if (trace != nullptr) trace->finish();
   trace.reset();

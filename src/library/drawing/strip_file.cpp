@@ -49,7 +49,7 @@ StripFile::StripFile(const std::filesystem::path& path, StripFileLook look, cons
                      StopToken stop)
     : path_(path), look_(std::move(look)), of_(of), stop_(std::move(stop)) {
   const std::optional<PictureKind> kind = pictureKind(path);
-  if (!kind) fail("{}: pictures are written as .png or .exr", path.string());
+  if (!kind) failRequest("{}: pictures are written as .png or .exr", path.string());
   const PictureSize size = of.options.size;
   if (kind == PictureKind::kPng)
     png_ = std::make_unique<PngFile>(path, size.width, size.height, stop_);

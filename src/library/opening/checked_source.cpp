@@ -30,13 +30,13 @@ std::unique_ptr<VolumeSource> checkedSource(std::unique_ptr<VolumeSource> opened
   const std::string name = withoutSecrets(arguments.inputs.front());
   constexpr const char* kCounted = "time steps are counted from 0, not by the files' numbers";
   if (step)
-    fail("{}: --time {}: {}: the file of that number is step {} of {}; give --time {}{}", name,
-         arguments.time, kCounted, *step, steps, *step, gap);
+    failRequest("{}: --time {}: {}: the file of that number is step {} of {}; give --time {}{}",
+                name, arguments.time, kCounted, *step, steps, *step, gap);
   if (beyond_numbers)
-    fail("{}: --time {}: {}: the last file has number {} and is step {} of {}{}", name,
-         arguments.time, kCounted, numbers->back(), steps - 1, steps, gap);
-  fail("{}: --time {}: the volume has {} time step{}, counted from 0{}", name, arguments.time,
-       steps, steps == 1 ? "" : "s", gap);
+    failRequest("{}: --time {}: {}: the last file has number {} and is step {} of {}{}", name,
+                arguments.time, kCounted, numbers->back(), steps - 1, steps, gap);
+  failRequest("{}: --time {}: the volume has {} time step{}, counted from 0{}", name,
+              arguments.time, steps, steps == 1 ? "" : "s", gap);
 }
 
 }  // namespace sluice

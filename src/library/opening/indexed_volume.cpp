@@ -135,7 +135,7 @@ IndexedVolume indexVolume(std::unique_ptr<VolumeSource> source, const VolumeArgu
                    pass.memory_bytes, pass.stop, pass.announce});
   const auto layoutOf = [&](int ghost) {
     if (block - 1 - 2 * ghost < 1)
-      fail(
+      failRequest(
           "{}: blocks of {} voxels a side have no room for the border that a picture takes; give a "
           "larger --block",
           volume.name, block);

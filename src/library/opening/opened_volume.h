@@ -9,6 +9,8 @@
 #include <system_error>
 #include <vector>
 
+#include "src/base/error.h"
+#include "src/base/field_names.h"
 #include "src/base/threads/stop_token.h"
 #include "src/library/in_situ.h"
 #include "src/library/opening/indexed_volume.h"
@@ -28,8 +30,8 @@ struct OpenedVolume {
 
 struct Volume::Impl : OpenedVolume {};
 
-// Runs a call of the library with its exceptions translated: Interrupted becomes Cancelled, and
-// errors of the C++ library about files and threads become Error.
+// Runs a call of the library with its exceptions translated: Interrupted becomes Cancelled, errors
+// of the C++ library about files and threads become Error, and errors name fields for options.
 template <class Call>
 auto translated(const Call& call) {
   try {
@@ -37,7 +39,11 @@ auto translated(const Call& call) {
   } catch (const Interrupted&) {
     throw Cancelled();
   } catch (const std::system_error& error) {  // includes those of std::filesystem
-    throw Error(error.what());
+    throw Error(error.what(), kindOf(error.code().value()));
+  } catch (const FieldError&) {
+    throw;
+  } catch (const Error& error) {
+    throw FieldError(error);
   }
 }
 

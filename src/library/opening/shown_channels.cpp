@@ -173,7 +173,7 @@ std::string lookOptions(const LookArguments& asked, const std::vector<const Show
 
 void requireShown(const LookArguments& asked, const std::vector<const ShownChannel*>& shown) {
   if (!asked.surfaces.empty() && shown.size() > 1)
-    fail("--iso draws surfaces of one channel, not of {}; give one --channel", shown.size());
+    failRequest("--iso draws surfaces of one channel, not of {}; give one --channel", shown.size());
   for (const ChannelLook& look : asked.channels) {
     const bool is_shown = std::ranges::any_of(shown, [&](const ShownChannel* channel) {
       return isLookOf(look, channel->number, channel->name);
@@ -181,7 +181,8 @@ void requireShown(const LookArguments& asked, const std::vector<const ShownChann
     if (is_shown) continue;
     std::string list;
     for (const ShownChannel* channel : shown) list += (list.empty() ? "" : ", ") + channel->title();
-    fail("--look {}: that channel is not shown; the picture shows {}", channelLookText(look), list);
+    failRequest("--look {}: that channel is not shown; the picture shows {}", channelLookText(look),
+                list);
   }
 }
 

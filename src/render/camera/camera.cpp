@@ -70,25 +70,27 @@ Orbit orbitOf(const Camera& camera, const VolumeLayout& layout, PictureSize size
 
 void requireFinite(Vec3d v, const char* what) {
   if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.z))
-    fail("the camera's {} at {}, {}, {}: must be finite", what, v.x, v.y, v.z);
+    failRequest("the camera's {} at {}, {}, {}: must be finite", what, v.x, v.y, v.z);
 }
 
 }  // namespace
 
 void requireValid(const Camera& camera, PictureSize size) {
   if (size.width < 1 || size.height < 1)
-    fail("a picture of {} x {} pixels: both must be at least 1", size.width, size.height);
+    failRequest("a picture of {} x {} pixels: both must be at least 1", size.width, size.height);
   if (!(camera.zoom > 0) || !std::isfinite(camera.zoom))
-    fail("a zoom of {}: must be above 0", camera.zoom);
+    failRequest("a zoom of {}: must be above 0", camera.zoom);
   if (!(camera.field_of_view_deg > 0 && camera.field_of_view_deg < 180))
-    fail("a field of view of {} degrees: must be above 0 and below 180", camera.field_of_view_deg);
+    failRequest("a field of view of {} degrees: must be above 0 and below 180",
+                camera.field_of_view_deg);
   if (!std::isfinite(camera.azimuth_deg))
-    fail("an azimuth of {} degrees: must be finite", camera.azimuth_deg);
+    failRequest("an azimuth of {} degrees: must be finite", camera.azimuth_deg);
   if (!std::isfinite(camera.elevation_deg))
-    fail("an elevation of {} degrees: must be finite", camera.elevation_deg);
+    failRequest("an elevation of {} degrees: must be finite", camera.elevation_deg);
   if (!camera.up) return;
   requireFinite(*camera.up, "up direction");
-  if (!(length(*camera.up) > 0)) fail("the camera's up direction is 0, 0, 0: must have a length");
+  if (!(length(*camera.up) > 0))
+    failRequest("the camera's up direction is 0, 0, 0: must have a length");
 }
 
 ViewAxes axesOf(const Camera& camera, WorldFrame frame) {
@@ -100,16 +102,16 @@ ViewAxes axesOf(const Camera& camera, WorldFrame frame) {
 View resolve(const Camera& camera, const VolumeLayout& layout, PictureSize size, double step_vox) {
   requireValid(camera, size);
   if (!(step_vox > 0) || !std::isfinite(step_vox))
-    fail("a step of {} voxels: must be above 0", step_vox);
+    failRequest("a step of {} voxels: must be above 0", step_vox);
   const Orbit orbit = orbitOf(camera, layout, size);
   requireFinite(orbit.eye, "eye");
   requireFinite(orbit.target, "target");
   requireFinite(orbit.up, "up direction");
   const Vec3d toward = orbit.target - orbit.eye;
-  if (!(length(toward) > 0)) fail("the camera's eye lies on its target");
+  if (!(length(toward) > 0)) failRequest("the camera's eye lies on its target");
   const Vec3d side = cross(toward, orbit.up);
   if (!(length(side) > 1e-9 * length(toward) * length(orbit.up)))
-    fail("the camera's up direction lies along its view");
+    failRequest("the camera's up direction lies along its view");
 
   View view;
   view.projection = camera.projection;
@@ -134,7 +136,7 @@ View resolve(const Camera& camera, const VolumeLayout& layout, PictureSize size,
   constexpr double kMostSlices = 1 << 24;
   const double slices = (last_depth - view.first_depth) / view.step;
   if (!(slices <= kMostSlices))
-    fail(
+    failRequest(
         "{}: --step {}: {:.3g} slices along the view, of which at most {} can be drawn; give "
         "--step {:.2g} or more",
         layout.name, step_vox, slices, static_cast<int64_t>(kMostSlices),

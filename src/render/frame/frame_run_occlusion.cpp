@@ -11,7 +11,7 @@ namespace sluice {
 void FrameRun::startOcclusion() {
   if (options_.occlusion == Occlusion::kOff) return;
   if (!traitsOf(options_.mode).hides)
-    fail(
+    failRequest(
         "occlusion follows from opacity, which only composite pictures have; leave out "
         "--occlusion");
   const FramePlan& plan = *values_.plan;

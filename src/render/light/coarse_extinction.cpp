@@ -269,7 +269,7 @@ CoarseGrid coarseGrid(const VolumeLayout& layout) {
 CoarseExtinction coarseExtinction(const TimeStep& step, const Look& look, MatterFrom from,
                                   WorkerPool& pool, const StopToken& stop) {
   if (!look.table.magnitudes().empty())
-    fail(
+    failRequest(
         "{}: --shadows and --occlusion-light do not follow opacities that depend on gradients; "
         "leave out --modulate, or take a transfer function without gradients",
         step.source->layout().name);

@@ -83,7 +83,7 @@ Budgets shareMemory(uint64_t memory_bytes, const PageGeometry& page, TexelPlace 
   const uint64_t least_buffers = leastBufferBytes(page, needs);
   const uint64_t textures = textureMemoryBytes(page, texels);
   if (memory_bytes < textures + least_buffers)
-    fail(
+    failMemory(
         "--memory {} is too small: {} of textures and {} of buffers are the least that works; "
         "give --memory {} or fewer --pages",
         formatBytes(memory_bytes), formatBytes(textures), formatBytes(least_buffers),

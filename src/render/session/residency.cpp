@@ -77,8 +77,8 @@ Residency::Made Residency::makeResident(const FramePlan& plan, ChunkPosition pos
   const TextureCache::Answer answer = cache_.request(id, static_cast<uint32_t>(chunk.pages),
                                                      TextureBuffer::bytesOf(plan.textures, chunk));
   if (answer.outcome == Outcome::kDoesNotFit)
-    fail("a cluster needs more than the texture cache's {} pages; give more --pages",
-         cache_.capacityPages());
+    failMemory("a cluster needs more than the texture cache's {} pages; give more --pages",
+               cache_.capacityPages());
   cache_.pin(id);
   if (answer.outcome != Outcome::kLoaded) return {};
   Stopwatch watch;

@@ -14,7 +14,7 @@ namespace {
 
 void requireReplaceable(const std::string& path, FileKind kind) {
   if (!mayReplace(path, kind))
-    fail("{}: exists and is not {}; give another name", path, nameOf(kind));
+    failRequest("{}: exists and is not {}; give another name", path, nameOf(kind));
 }
 
 }  // namespace
@@ -58,9 +58,9 @@ void DrawingJobs::run(const SavePictureJob& task, const Job& job) {
 }
 
 void DrawingJobs::beginFilm(const FilmWish& film) {
-  if (frameCount(film.path) == 0) fail("a film without key frames; add a view first");
+  if (frameCount(film.path) == 0) failRequest("a film without key frames; add a view first");
   if (!isNumbered(film.name))
-    fail("{}: frames need a place for their numbers, as in frame_%04d.png", film.name);
+    failRequest("{}: frames need a place for their numbers, as in frame_%04d.png", film.name);
   std::vector<std::string> writes{pathFileFor(film.name)};
   for (int64_t i = 0; i < frameCount(film.path); ++i)
     writes.push_back(numberedName(film.name, i, true).string());

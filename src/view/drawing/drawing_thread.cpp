@@ -5,6 +5,8 @@
 
 #include <utility>
 
+#include "src/base/field_names.h"
+
 namespace sluice {
 namespace {
 
@@ -55,7 +57,7 @@ void DrawingThread::run() {
     } catch (const Cancelled&) {
       queue_.noteCancelled(*job);
     } catch (const std::exception& error) {
-      news_.add([&](News& news) { news.failures.emplace_back(error.what()); });
+      news_.add([&](News& news) { news.failures.push_back(lineInOptions(error)); });
       queue_.noteFailed(*job);
     }
   }

@@ -19,7 +19,7 @@ std::string endOf(const std::string& path) {
 
 void requirePictureName(const std::string& path) {
   const std::string end = endOf(path);
-  if (end != ".png" && end != ".exr") fail("{}: pictures are written as .png or .exr", path);
+  if (end != ".png" && end != ".exr") failRequest("{}: pictures are written as .png or .exr", path);
 }
 
 void drawToFile(Renderer& renderer, const std::string& path, const ViewState& state, int width,

@@ -13,7 +13,7 @@ RunWindow* openWindowModule() {
                        kWindowVersion, kWindowModuleVersion})
         .get<RunWindow*>(kRunWindow);
   } catch (const Error& error) {
-    fail("no window here, sluice render draws without one: {}", error.what());
+    failAs(error.kind(), "no window here, sluice render draws without one: {}", error.what());
   }
 }
 
