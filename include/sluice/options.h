@@ -16,8 +16,12 @@ namespace sluice {
 // labels, threshold. Otherwise they are chosen from the values. Opacities given with a
 // transfer_file keep the colours of that file.
 struct LookOptions {
+  // What a ray shows: its colours one behind the other; its greatest, least or mean value; or the
+  // greatest of its values dimmed by those in front of them.
   enum class Mode { kComposite, kMaximum, kMinimum, kAverage, kAttenuatedMaximum };
+  // Whether light falls on surfaces, by the gradient.
   enum class Light { kChosen, kOn, kOff };
+  // The opacity of a value.
   struct Opacity {
     double value = 0;
     double opacity = 0;  // 0 to 1, of one voxel length of the finest spacing
@@ -169,6 +173,11 @@ struct PictureOptions {
   // as stored, the only level of other volumes and modes.
   double pixel_error = 1;
   std::optional<int> level = {};
+  // Refines levels until the blocks of the picture would exceed this many bytes as they are stored;
+  // 0: no limit.
+  uint64_t max_bytes = 0;
+  // Refines parts where level 0 shows something thinner than two coarse voxels.
+  bool keep_thin = false;
   std::optional<Box> crop = {};
   std::vector<Plane> clip_planes = {};  // at most 6
   bool with_depth = false;              // composite mode

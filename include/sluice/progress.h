@@ -6,6 +6,7 @@
 
 namespace sluice {
 
+// Work that takes a while, and how much of it is done.
 struct Progress {
   enum class Stage {
     kIndexing,  // the first opening of a volume passes over its voxels: bytes

@@ -37,6 +37,16 @@ struct VolumeOptions {
   // channels look (OME) show its active channels, and those of other files the first channel.
   std::string channel_name = {};
 
+  // Volumes at addresses (https://..., s3://...).
+  struct Web {
+    std::string cache_folder = {};  // keeps what was read; empty: nothing is kept
+    uint64_t cache_bytes = 0;       // the limit of that folder
+    // The key of requests to s3://; empty: they are not signed.
+    std::string access_key = {}, secret_key = {}, session_token = {};
+    std::string region = {};    // empty: us-east-1
+    std::string endpoint = {};  // "http://127.0.0.1:9000"; empty: Amazon's
+  };
+
   // For a series: whether the value range, looks chosen by it, and fits cover all steps, whose
   // indices are then made when the volume is opened. Otherwise range and look follow from the step
   // `time`, and fits from the step that is drawn.
@@ -53,6 +63,12 @@ struct VolumeOptions {
   // a few thousandths of the volume's size. Empty: none, and each opening passes over the voxels,
   // unless an index lies next to the volume.
   std::string index_folder = {};
+  // Whether coarser levels are made, once and beside the index, for a volume whose file has none:
+  // never, but those that were made before are used; if it is large; always; or never, and those
+  // that were made are not used either.
+  enum class Levels { kKept, kAuto, kAlways, kNone };
+  Levels levels = Levels::kKept;
+  Web web = {};
   std::string temporary_folder = {};  // for decoding; empty: /var/tmp, or /tmp
   uint64_t memory_bytes = 0;          // limit for the pass; 0: half of the machine's
   int threads = 0;                    // for the pass; 0: one a core

@@ -8,7 +8,8 @@
 namespace sluice {
 namespace {
 
-constexpr std::array<std::string_view, 3> kSchemes = {"http://", "https://", "s3://"};
+constexpr std::string_view kBucketScheme = "s3://";
+constexpr std::array<std::string_view, 3> kSchemes = {"http://", "https://", kBucketScheme};
 
 std::string_view schemeOf(std::string_view name) {
   for (const std::string_view scheme : kSchemes)
@@ -44,11 +45,15 @@ bool isAddress(std::string_view name) {
   return !schemeOf(name).empty();
 }
 
+bool isBucketAddress(std::string_view name) {
+  return name.starts_with(kBucketScheme);
+}
+
 Address parseAddress(const std::string& name, const BucketAccess& buckets) {
   const std::string_view scheme = schemeOf(name);
   std::string_view rest = std::string_view(name).substr(scheme.size());
   Address address;
-  if (scheme == "s3://") {
+  if (scheme == kBucketScheme) {
     address = bucketAddress(rest, buckets);
   } else {
     rest = rest.substr(0, rest.find('#'));

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <string_view>
 
@@ -11,6 +12,8 @@ namespace sluice {
 
 // Whether a name is an address, and not a file's.
 bool isAddress(std::string_view name);
+// Whether it is that of a bucket: s3://BUCKET/KEY.
+bool isBucketAddress(std::string_view name);
 
 // A server of buckets, and the key for signed requests; without one, requests are not signed.
 struct BucketAccess {
@@ -28,6 +31,8 @@ struct WebCache {
 
 struct WebOptions {
   BucketAccess buckets = {};
+  // Finds `buckets` when the first s3:// address is opened; not set: they are known.
+  std::function<BucketAccess()> find_buckets = {};
   WebCache cache = {};
 };
 

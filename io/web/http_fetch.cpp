@@ -68,7 +68,7 @@ bool HttpFetch::takeHead(const HttpHead& head) {
   if (head.status != kOk && head.status != kPart) return true;
   try {
     if (head.is_encoded)
-      fail(
+      failSystem(
           "{}: expected the object as it is, found a Content-Encoding; the server must not "
           "compress it",
           name_);
@@ -90,7 +90,7 @@ bool HttpFetch::takeHead(const HttpHead& head) {
     }
     const uint64_t from = head.status == kPart ? *head.first_byte : 0;
     if (from > next() || next() - from > kMostSkippedBytes || first_ + out_.size() > whole_)
-      fail(
+      failSystem(
           "{}: expected its bytes from {} to {}, found an answer with those from {} on, of {}; the "
           "server must be able to send parts of objects",
           name_, next(), first_ + out_.size(), from, whole_);
@@ -138,7 +138,7 @@ HttpFetch::Outcome HttpFetch::run(const StopToken& stop) {
     if (is_answer && isComplete()) return Outcome::kRead;
     if (head_.status == kNotModified && !has_room_) return Outcome::kUnchanged;
     if (head_.status == kNotFound || head_.status == kGone) {
-      if (has_room_) fail("{}: went away while it was read; open it again", name_);
+      if (has_room_) failSystem("{}: went away while it was read; open it again", name_);
       return Outcome::kMissing;
     }
     if (head_.status != 0 && !is_answer && !mayPass(head_.status)) refuse(head_);
@@ -153,9 +153,9 @@ HttpFetch::Outcome HttpFetch::run(const StopToken& stop) {
                                   ? fmt::format("status {} of the server", head_.status)
                               : end.fault.empty() ? "an answer that is too short"
                                                   : end.fault;
-      fail("{}: expected {}, found {}; tried {} times in {:.0f} s", name_,
-           has_room_ ? fmt::format("{} bytes", out_.size()) : "an object", why, std::max(tries, 1),
-           spent);
+      failSystem("{}: expected {}, found {}; tried {} times in {:.0f} s", name_,
+                 has_room_ ? fmt::format("{} bytes", out_.size()) : "an object", why,
+                 std::max(tries, 1), spent);
     }
     const double wait = kFirstWait * static_cast<double>(1 << std::clamp(tries - 1, 0, 5));
     waitFor(std::clamp(head_.retry_after_s, std::min(wait, kMostWait), kMostWait), stop);

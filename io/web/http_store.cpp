@@ -140,7 +140,7 @@ std::string HttpStore::stampOf(const std::string& key) {
 }
 
 void HttpStore::list(const std::string& folder, const std::function<void(const Entry&)>&) {
-  fail("{}: a web server does not list its objects", nameOf(folder));
+  failRequest("{}: a web server does not list its objects", nameOf(folder));
 }
 
 }  // namespace sluice

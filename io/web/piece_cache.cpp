@@ -118,7 +118,7 @@ PieceCache::PieceCache(fs::path folder, uint64_t budget_bytes)
   if (is_new) fs::permissions(folder_, kFolderMode, error);
   if (!error && !Usage(folder_ / "usage")) error.assign(errno, std::generic_category());
   if (error)
-    fail(
+    failSystem(
         "{}: expected a folder for the cache of web pages' pieces, found: {}; name another one "
         "with "
         "--cache-dir",

@@ -26,7 +26,7 @@ extern "C" void sluiceOpenWebStore(const sluice::Address& address,
                                    std::shared_ptr<sluice::ChunkStore>& store) {
   using namespace sluice;
   if (curl_global_init(CURL_GLOBAL_DEFAULT) != CURLE_OK)
-    fail("{}: libcurl cannot begin", printedAddress(address));
+    failSystem("{}: libcurl cannot begin", printedAddress(address));
   store = std::make_shared<HttpStore>(address, credentialsFor(address, options.buckets),
                                       options.cache, stop);
 }

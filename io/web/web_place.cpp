@@ -13,16 +13,18 @@ OpenWebStore* webModule(const std::string& address) {
                {"sluice_web.so", "sluice's module for the web", kOpenWebVersion, kWebModuleVersion})
         .get<OpenWebStore*>(kOpenWebStore);
   } catch (const Error& error) {
-    fail("{}: an address, which is not read without {}", address, error.what());
+    failAs(error.kind(), "{}: an address, which is not read without {}", address, error.what());
   }
 }
 
 }  // namespace
 
 StorePlace webPlace(const std::string& address, const WebOptions& options, const StopToken& stop) {
-  const Address parsed = parseAddress(address, options.buckets);
+  WebOptions known = options;
+  if (isBucketAddress(address) && options.find_buckets) known.buckets = options.find_buckets();
+  const Address parsed = parseAddress(address, known.buckets);
   StorePlace place{nullptr, parsed.key};
-  webModule(printedAddress(parsed))(parsed, options, stop, place.store);
+  webModule(printedAddress(parsed))(parsed, known, stop, place.store);
   return place;
 }
 

@@ -25,12 +25,12 @@ std::array<T, 3> asArray(Vec3<T> v) {
 }
 
 void requireFinite(const char* field, double value) {
-  if (!std::isfinite(value)) fail("{} {}: must be finite", field, value);
+  if (!std::isfinite(value)) failRequest("{} {}: must be finite", field, value);
 }
 
 int threadsOf(int threads) {
   if (threads < 0 || threads > kMostThreads)
-    fail("threads {}: must be 0, one a core, or up to {}", threads, kMostThreads);
+    failRequest("threads {}: must be 0, one a core, or up to {}", threads, kMostThreads);
   return threads;
 }
 
@@ -43,7 +43,7 @@ DeviceChoice deviceOf(RendererOptions::Device device) {
     case RendererOptions::Device::kCpu:
       return DeviceChoice::kCpu;
   }
-  fail("device {}: no such device", static_cast<int>(device));
+  failRequest("device {}: no such device", static_cast<int>(device));
 }
 
 ViewName viewName(ViewOptions::From from) {
@@ -65,22 +65,23 @@ ViewName viewName(ViewOptions::From from) {
     case ViewOptions::From::kThreeQuarter:
       return ViewName::kThreeQuarter;
   }
-  fail("view.from {}: no such view", static_cast<int>(from));
+  failRequest("view.from {}: no such view", static_cast<int>(from));
 }
 
 Framing framingOf(const ViewOptions::Framing& given) {
   for (const double value :
        {given.target[0], given.target[1], given.target[2], given.reach, given.right, given.up})
     requireFinite("view.framing", value);
-  if (!(given.reach > 0)) fail("view.framing.reach {}: must be above 0", given.reach);
+  if (!(given.reach > 0)) failRequest("view.framing.reach {}: must be above 0", given.reach);
   return {vec(given.target), given.reach, given.right, given.up};
 }
 
 VoxelType typeOf(const std::string& name, const std::string& type) {
   const std::optional<VoxelType> known = parseVoxelType(type);
   if (!known)
-    fail("{}: voxel type \"{}\" is not known, expected u8, i8, u16, i16, u32, i32, f32 or f64",
-         name, type);
+    failRequest(
+        "{}: voxel type \"{}\" is not known, expected u8, i8, u16, i16, u32, i32, f32 or f64", name,
+        type);
   return *known;
 }
 
@@ -88,18 +89,44 @@ Box3 cropOf(const PictureOptions::Box& given, Vec3i dims) {
   const Box3 box{vec(given.lo), vec(given.hi)};
   const Box3 cells{box.lo, box.hi - Vec3i{1, 1, 1}};
   if (box.empty() || cells.empty() || !boxOf(dims).contains(box))
-    fail(
+    failRequest(
         "crop {},{},{} to {},{},{}: must hold two voxels along each axis and lie within the "
         "volume's {} x {} x {}",
         box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z, dims.x, dims.y, dims.z);
   return box;
 }
 
+WebOptions webOptions(const VolumeOptions::Web& web) {
+  WebOptions options;
+  options.cache = {web.cache_folder, web.cache_folder.empty() ? 0 : web.cache_bytes};
+  BucketAccess& buckets = options.buckets;
+  buckets.endpoint = web.endpoint;
+  if (!web.region.empty()) buckets.region = web.region;
+  if (!web.secret_key.empty()) buckets.access_key = web.access_key;
+  buckets.secret_key = web.secret_key;
+  buckets.session_token = web.session_token;
+  return options;
+}
+
+LevelsWish levelsWish(VolumeOptions::Levels levels) {
+  switch (levels) {
+    case VolumeOptions::Levels::kKept:
+      return LevelsWish::kKept;
+    case VolumeOptions::Levels::kAuto:
+      return LevelsWish::kAuto;
+    case VolumeOptions::Levels::kAlways:
+      return LevelsWish::kAlways;
+    case VolumeOptions::Levels::kNone:
+      return LevelsWish::kNone;
+  }
+  failRequest("levels {}: no such wish", static_cast<int>(levels));
+}
+
 }  // namespace
 
 VolumeArguments volumeArguments(const std::vector<std::string>& paths,
                                 const VolumeOptions& options) {
-  if (paths.empty()) fail("a volume of no files: name at least one");
+  if (paths.empty()) failRequest("a volume of no files: name at least one");
   VolumeArguments arguments;
   arguments.inputs = paths;
   arguments.time = options.time;
@@ -113,6 +140,7 @@ VolumeArguments volumeArguments(const std::vector<std::string>& paths,
   open.grid = options.grid;
   open.channel = {options.channel, options.channel_name};
   open.decode.folder = options.temporary_folder;
+  open.web = webOptions(options.web);
   return arguments;
 }
 
@@ -127,8 +155,8 @@ VolumeLayout volumeLayout(const ArrayLayout& array) {
   for (size_t a = 0; a < 3; ++a) {
     const Vec3d axis = vec(array.axes[a]);
     if (!(array.spacing[a] > 0) || !(length(axis) > 0))
-      fail("{}: spacing {} along {}: must be above 0, and the axis must have a length", layout.name,
-           array.spacing[a], "xyz"[a]);
+      failRequest("{}: spacing {} along {}: must be above 0, and the axis must have a length",
+                  layout.name, array.spacing[a], "xyz"[a]);
     steps[a] = axis * (array.spacing[a] / length(axis));
   }
   return lentLayout(std::move(layout), steps, vec(array.origin));
@@ -138,7 +166,7 @@ MachineOptions machineOptions(const VolumeOptions& options) {
   MachineOptions machine;
   machine.memory_bytes = options.memory_bytes;
   machine.threads = threadsOf(options.threads);
-  machine.levels = LevelsWish::kKept;  // nobody would hear what is written
+  machine.levels = levelsWish(options.levels);
   return machine;
 }
 
@@ -164,7 +192,7 @@ Mode modeOf(const LookOptions& look) {
     case LookOptions::Mode::kAttenuatedMaximum:
       return Mode::kAttenuatedMip;
   }
-  fail("mode {}: no such mode", static_cast<int>(look.mode));
+  failRequest("mode {}: no such mode", static_cast<int>(look.mode));
 }
 
 LookArguments lookArguments(const LookOptions& look, bool whole_series) {
@@ -174,7 +202,7 @@ LookArguments lookArguments(const LookOptions& look, bool whole_series) {
   arguments.threshold = look.threshold;
   if (look.threshold) requireFinite("threshold", *look.threshold);
   if (look.opacity && !(*look.opacity >= 0 && *look.opacity <= 1))
-    fail("opacity {}: must be from 0 to 1", *look.opacity);
+    failRequest("opacity {}: must be from 0 to 1", *look.opacity);
   arguments.opacity = look.opacity;
   arguments.transfer_file = look.transfer_file;
   arguments.map = look.map;
@@ -184,8 +212,9 @@ LookArguments lookArguments(const LookOptions& look, bool whole_series) {
   for (const LookOptions::Label& label : look.label_looks) {
     LabelLook own{label.first, label.last, label.color, label.opacity};
     if (parseLabelLook(labelLookText(own)) != own)
-      fail("label_looks: {}: expected labels that ascend, a colour and an opacity from 0 to 1",
-           labelLookText(own));
+      failRequest(
+          "label_looks: {}: expected labels that ascend, a colour and an opacity from 0 to 1",
+          labelLookText(own));
     arguments.label_looks.push_back(std::move(own));
   }
   arguments.labels =
@@ -193,7 +222,8 @@ LookArguments lookArguments(const LookOptions& look, bool whole_series) {
   if (look.range) {
     for (const double end : *look.range) requireFinite("range", end);
     if ((*look.range)[0] == (*look.range)[1])
-      fail("range {} to {}: must be two different values", (*look.range)[0], (*look.range)[1]);
+      failRequest("range {} to {}: must be two different values", (*look.range)[0],
+                  (*look.range)[1]);
     arguments.range = {(*look.range)[0], (*look.range)[1]};
   }
   for (const LookOptions::Channel& channel : look.channels) {
@@ -201,7 +231,7 @@ LookArguments lookArguments(const LookOptions& look, bool whole_series) {
     if (channel.range) own.range = {(*channel.range)[0], (*channel.range)[1]};
     // A look is valid only if a text can say it.
     if (parseChannelLook(channelLookText(own)) != own)
-      fail(
+      failRequest(
           "channels: {}: expected a channel, a range of two different values and an opacity from "
           "0 to 1",
           channelLookText(own));
@@ -210,15 +240,15 @@ LookArguments lookArguments(const LookOptions& look, bool whole_series) {
   for (const LookOptions::Surface& surface : look.surfaces) {
     SurfaceLook own{surface.value, surface.opacity, surface.color};
     if (parseSurfaceLook(surfaceLookText(own)) != own)
-      fail("surfaces: {}: expected a finite value, an opacity from 0 to 1 and a colour",
-           surfaceLookText(own));
+      failRequest("surfaces: {}: expected a finite value, an opacity from 0 to 1 and a colour",
+                  surfaceLookText(own));
     arguments.surfaces.push_back(std::move(own));
   }
   if (arguments.surfaces.size() > kMostSurfaces)
-    fail("surfaces: {} of them, at most {}", arguments.surfaces.size(), kMostSurfaces);
+    failRequest("surfaces: {} of them, at most {}", arguments.surfaces.size(), kMostSurfaces);
   if (look.attenuation) {
     if (!(*look.attenuation >= 0 && *look.attenuation <= kMostAttenuation))
-      fail("attenuation {}: must be from 0 to {}", *look.attenuation, kMostAttenuation);
+      failRequest("attenuation {}: must be from 0 to {}", *look.attenuation, kMostAttenuation);
     arguments.attenuation = *look.attenuation;
   }
   arguments.shade = look.light == LookOptions::Light::kOn;
@@ -226,7 +256,8 @@ LookArguments lookArguments(const LookOptions& look, bool whole_series) {
   arguments.modulate = look.full_gradient.has_value();
   if (look.full_gradient) {
     requireFinite("full_gradient", *look.full_gradient);
-    if (!(*look.full_gradient > 0)) fail("full_gradient {}: must be above 0", *look.full_gradient);
+    if (!(*look.full_gradient > 0))
+      failRequest("full_gradient {}: must be above 0", *look.full_gradient);
     arguments.full_gradient = *look.full_gradient;
   }
   return arguments;
@@ -257,7 +288,7 @@ FitChoice fitChoice(const ViewOptions& view) {
     case ViewOptions::Fit::kVolume:
       return Fit::kVolume;
   }
-  fail("view.fit {}: no such fit", static_cast<int>(*view.fit));
+  failRequest("view.fit {}: no such fit", static_cast<int>(*view.fit));
 }
 
 ViewOptions::Framing framingOf(const Framing& framing) {
@@ -275,7 +306,7 @@ void setLighting(const PictureOptions::Lighting& lighting, FrameOptions& options
   }
   const auto set = [](const char* field, const std::optional<double>& share, double& held) {
     if (!share) return;
-    if (!(*share >= 0 && *share <= 1)) fail("{} {}: must be from 0 to 1", field, *share);
+    if (!(*share >= 0 && *share <= 1)) failRequest("{} {}: must be from 0 to 1", field, *share);
     held = *share;
   };
   set("lighting.ambient", lighting.ambient, light.ambient);
@@ -303,19 +334,22 @@ FrameOptions frameOptions(const PictureOptions& picture, const VolumeLayout& lay
   resolve(options.camera, layout, options.size, options.step_vox);  // throws
   requireStep(picture.time, layout);
   requireFinite("pixel_error", picture.pixel_error);
-  if (!(picture.pixel_error > 0)) fail("pixel_error {}: must be above 0", picture.pixel_error);
+  if (!(picture.pixel_error > 0))
+    failRequest("pixel_error {}: must be above 0", picture.pixel_error);
   if (picture.level && *picture.level < 0)
-    fail("level {}: levels are counted from 0", *picture.level);
+    failRequest("level {}: levels are counted from 0", *picture.level);
   if (picture.level != 0) {
     options.cut = CutOptions{.pixel_error = picture.pixel_error, .level = picture.level};
-    options.cut->is_default = !picture.level;
+    options.cut->is_default = !picture.level && picture.max_bytes == 0;
+    options.cut->keeps_thin = picture.keep_thin;
+    if (picture.max_bytes != 0) options.cut->most_stored_bytes = picture.max_bytes;
   }
   if (picture.crop) options.crop = cropOf(*picture.crop, layout.dims);
   if (picture.with_depth && !traitsOf(mode).has_colors)
-    fail("with_depth: depth exists only in composite mode, since it is weighted by opacity");
+    failRequest("with_depth: depth exists only in composite mode, since it is weighted by opacity");
   options.with_depth = picture.with_depth;
   if (picture.clip_planes.size() > kMostClipPlanes)
-    fail("clip_planes: {} of them, at most {}", picture.clip_planes.size(), kMostClipPlanes);
+    failRequest("clip_planes: {} of them, at most {}", picture.clip_planes.size(), kMostClipPlanes);
   for (const PictureOptions::Plane& plane : picture.clip_planes) {
     for (const double value : {plane.normal[0], plane.normal[1], plane.normal[2], plane.offset})
       requireFinite("clip_planes", value);
@@ -324,7 +358,7 @@ FrameOptions frameOptions(const PictureOptions& picture, const VolumeLayout& lay
   if (picture.time_limit_s) {
     requireFinite("time_limit_s", *picture.time_limit_s);
     if (*picture.time_limit_s < 0)
-      fail("time_limit_s {}: must be 0 or more", *picture.time_limit_s);
+      failRequest("time_limit_s {}: must be 0 or more", *picture.time_limit_s);
     options.time_limit_s = picture.time_limit_s;
   }
   if (picture.next_time) requireStep(*picture.next_time, layout);
@@ -333,8 +367,8 @@ FrameOptions frameOptions(const PictureOptions& picture, const VolumeLayout& lay
 
 void requireStep(int64_t time, const VolumeLayout& layout) {
   if (time < 0 || time >= layout.time_steps)
-    fail("{}: time {}: the volume has {} time step{}, counted from 0", layout.name, time,
-         layout.time_steps, layout.time_steps == 1 ? "" : "s");
+    failRequest("{}: time {}: the volume has {} time step{}, counted from 0", layout.name, time,
+                layout.time_steps, layout.time_steps == 1 ? "" : "s");
 }
 
 std::string frameName(WorldFrame frame) {

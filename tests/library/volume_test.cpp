@@ -130,6 +130,24 @@ TEST(Volume, anIndexThatCannotBeKeptIsAWarning) {
   EXPECT_THAT(volume.info().warnings.front(), HasSubstr(in_the_way));
 }
 
+TEST(Volume, makesCoarserLevelsIfAskedTo) {
+  using Levels = VolumeOptions::Levels;
+  const TempFolder folder;
+  const auto file = folder.write("a_96x96x96_uint8.raw", std::string(96 * 96 * 96, 'a')).string();
+  const auto levelsFor = [&](Levels levels) {
+    return Volume(file, {.index_folder = (folder / "index").string(), .levels = levels})
+        .info()
+        .levels;
+  };
+  EXPECT_EQ(levelsFor(Levels::kKept), 1);
+  EXPECT_EQ(levelsFor(Levels::kAuto), 1) << "it is small";
+  const int made = levelsFor(Levels::kAlways);
+  EXPECT_GT(made, 1);
+  EXPECT_EQ(levelsFor(Levels::kKept), made);
+  EXPECT_EQ(levelsFor(Levels::kNone), 1);
+  EXPECT_THAT(errorOf([&] { levelsFor(static_cast<Levels>(9)); }), HasSubstr("levels 9"));
+}
+
 TEST(Image, isWrittenOverABackgroundOrNot) {
   const TempFolder folder;
   const Image image{2, 1, {0.5F, 0, 0, 0.5F, 0, 0, 0, 0}, {}};

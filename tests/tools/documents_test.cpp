@@ -36,7 +36,7 @@ TEST(CommandLinePage, namesEveryEnvironmentVariableThatTheSourcesAskForAndNoOthe
     for (const auto& entry : fs::recursive_directory_iterator(fs::path(SLUICE_SOURCE_DIR) / folder))
       if (entry.path().extension() == ".cpp")
         asked.merge(matches(readFile(entry.path()),
-                            "(?:getenv|setenv|folderFrom|textFrom)\\(\"([A-Z_]+)\""));
+                            "(?:getenv|setenv|folderFrom|textFrom|variable)\\(\"([A-Z_]+)\""));
   ASSERT_GE(asked.size(), 5U);
   EXPECT_EQ(matches(section(page(), "Environment"), "\\n\\| `([A-Z_]+)`"), asked);
 }

@@ -144,7 +144,7 @@ class Completions(unittest.TestCase):
             offered = said('bash', '--norc', '-c',
                            f'. {script}; COMP_WORDS=({words}); COMP_CWORD=$((${{#COMP_WORDS[@]}} - 1)); _sluice; '
                            'printf "%s\\n" "${COMPREPLY[@]}"').split()
-            expected = re.findall(r'(?:^      |^  -., )(--[a-z-]+)', help_text(command), re.M)
+            expected = re.findall(r'(?:^      |^  -., )(--[a-z0-9-]+)', help_text(command), re.M)
             self.assertEqual(sorted(offered), sorted(expected), command)
 
     @needs('fish')

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <fstream>
 #include <optional>
+#include <sstream>
 
 #include "io/pictures/exr_file.h"
 #include "io/pictures/png_file.h"
@@ -23,6 +24,26 @@ TEST(Program, printsItsVersionAndHelp) {
     const CommandResult help = program.run(std::string(command) + " --help");
     EXPECT_EQ(help.status, 0) << command;
     EXPECT_NE(help.output.find("--json"), std::string::npos) << command;
+  }
+}
+
+// Options that would change nothing are not taken.
+TEST(Program, commandsTakeNoOptionsThatTheyIgnore) {
+  const Program program;
+  const std::string reading = "--device cpu,--gl egl,--simd avx2,--pages 64,--policy fifo,--seed 3";
+  const std::string window =
+      "--simd avx2,--pages 64,--policy fifo,--seed 3,--page 8x8x8,--block 16,--algorithm clipped,"
+      "--merge paper,--partition boxes,--occlusion cull,--opacity-threshold 0.9,--time-limit 1";
+  for (const auto& [command, options] : {std::pair<std::string, std::string>{"info", reading},
+                                         {"prepare", reading},
+                                         {"bench packing", reading},
+                                         {"view", window}}) {
+    std::istringstream listed(options);
+    for (std::string option; std::getline(listed, option, ',');) {
+      const CommandResult result = program.run(command + " synth:cube " + option);
+      EXPECT_EQ(result.status, 2) << command << " " << option << ": " << result.output;
+      EXPECT_TRUE(isOneLine(result.output)) << result.output;
+    }
   }
 }
 

@@ -81,7 +81,7 @@ Bench addPackingBench(CLI::App& app) {
   CLI::App* packing = app.add_subcommand(
       "packing", "Measures compression of a volume's blocks in memory, by codec, on one core");
   addVolumeOptions(*packing, bench->volume);
-  addResourceOptions(*packing, bench->resources);
+  addReadingOptions(*packing, bench->resources);
   return {packing, [bench](const Show& show) {
             return show(benchPacking(bench->volume, bench->resources), printPacking);
           }};

@@ -217,8 +217,8 @@ Bench addWindowBench(CLI::App& app) {
             const IndexWish wish = indexWish(bench->resources.index_dir);
             ViewBench asked;
             if (!wish.disabled) asked.drawing.index_folder = wish.folder.string();
-            asked.volume =
-                viewedVolume(bench->volume, bench->resources, asked.drawing.index_folder);
+            asked.volume = viewedVolume(bench->volume, bench->resources, asked.drawing.index_folder,
+                                        !bench->look.this_step);
             asked.drawing.renderer = rendererOptions(bench->resources);
             asked.drawing.state.look = state.look;
             asked.drawing.state.view = state.view;

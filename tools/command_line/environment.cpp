@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <string_view>
 
+#include "io/web/bucket_access.h"
 #include "src/gl/contexts/gl_choice.h"
 #include "tools/command_line/progress_line.h"
 
@@ -62,15 +63,7 @@ std::filesystem::path webCacheFolder() {
 }
 
 BucketAccess bucketAccess() {
-  BucketAccess access;
-  access.endpoint = textFrom("AWS_ENDPOINT_URL");
-  for (const std::string& region : {textFrom("AWS_DEFAULT_REGION"), textFrom("AWS_REGION")})
-    if (!region.empty()) access.region = region;
-  access.access_key = textFrom("AWS_ACCESS_KEY_ID");
-  access.secret_key = textFrom("AWS_SECRET_ACCESS_KEY");
-  if (access.secret_key.empty()) access.access_key.clear();
-  access.session_token = textFrom("AWS_SESSION_TOKEN");
-  return access;
+  return bucketAccess(textFrom);
 }
 
 Launch launchOfProcess() {

@@ -28,8 +28,8 @@ DecodeOptions decodeOptions();
 // empty: neither is set.
 std::filesystem::path webCacheFolder();
 
-// Where s3:// addresses lead: AWS_ENDPOINT_URL, AWS_REGION or AWS_DEFAULT_REGION, and the key of
-// AWS_ACCESS_KEY_ID, AWS_SECRET_ACCESS_KEY and AWS_SESSION_TOKEN if the first two are set.
+// Where s3:// addresses lead, and the key for them: io/web/bucket_access.h with this process's
+// environment. Throws Error.
 BucketAccess bucketAccess();
 
 // The rank that a launcher has started this process as, and the number of ranks.

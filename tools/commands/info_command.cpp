@@ -130,7 +130,7 @@ Command addInfo(CLI::App& program) {
   addVolumeOptions(*app, arguments->volume);
   const OptionGroup listed(*app, "Volume");
   listed.flag("--levels", arguments->levels, "Lists the levels of resolution and their places");
-  addResourceOptions(*app, arguments->resources);
+  addReadingOptions(*app, arguments->resources);
   const OptionGroup output(*app, kOutputHeading);
   addQuietOption(output, arguments->resources.quiet);
   addJsonOption(output, arguments->json);

@@ -430,6 +430,7 @@ Command addPlan(CLI::App& program) {
       "  sluice plan bonsai.nii.gz --threshold 40 --partition boxes");
   addVolumeOptions(*app, arguments->volume);
   addPictureOptions(*app, arguments->look, arguments->frame, arguments->fit);
+  addFrameOptions(*app, arguments->frame);
   addCullingOptions(*app, arguments->culling, true);
   addLevelOptions(*app, arguments->levels, arguments->resources);
   addResourceOptions(*app, arguments->resources);

@@ -104,7 +104,7 @@ Command addPrepare(CLI::App& program) {
   addVolumeOptions(*app, arguments->volume);
   addLookOptions(*app, std::make_shared<ViewState>(), arguments->look, arguments->frame);
   addCullingOptions(*app, arguments->culling, false);
-  addResourceOptions(*app, arguments->resources);
+  addReadingOptions(*app, arguments->resources);
   const OptionGroup output(*app, kOutputHeading);
   addQuietOption(output, arguments->resources.quiet);
   addJsonOption(output, arguments->json);

@@ -132,6 +132,7 @@ Command addSimulate(CLI::App& program) {
   const size_t before = app->get_options().size();
   addVolumeOptions(*app, turn.volume);
   addPictureOptions(*app, turn.look, turn.frame, turn.fit);
+  addFrameOptions(*app, turn.frame);
   addLevelOptions(*app, turn.levels, turn.resources);
   // These options leave out data depending on the picture or on the clock, which a simulation
   // lacks.

@@ -59,6 +59,9 @@ DrawingOptions drawingOptions(const ViewArguments& arguments) {
   options.state = viewState(*arguments.asked, arguments.volume, arguments.look);
   options.trace_file = arguments.trace_file;
   options.check_outputs = checkSaved;
+  options.web_of = [web = arguments.volume.open.web](const std::vector<std::string>& paths) {
+    return webOf(web, paths);
+  };
   const IndexWish wish = indexWish(arguments.resources.index_dir);
   if (!wish.disabled) options.index_folder = wish.folder.string();
   return options;
@@ -83,7 +86,8 @@ int run(const ViewArguments& arguments, const CLI::App& app) {
   RunWindow* const run_window = openWindowModule();
   DrawingOptions options = drawingOptions(arguments);
   WindowRequest request;
-  request.volume = viewedVolume(arguments.volume, arguments.resources, options.index_folder);
+  request.volume = viewedVolume(arguments.volume, arguments.resources, options.index_folder,
+                                !arguments.look.this_step);
   if (!arguments.state_file.empty()) {
     StateFile file = readState(arguments.state_file, interruption());
     if (request.volume.paths.empty() && file.volume) request.volume = *file.volume;
@@ -137,7 +141,11 @@ Command addView(CLI::App& program) {
   output.text("--log", "FILE", arguments->log_file,
               "Writes events, a JSON object per line: places of controls, pictures, measurements");
   arguments->asked = addPictureOptions(*app, arguments->look, arguments->frame, arguments->fit);
-  addResourceOptions(*app, arguments->resources);
+  const OptionGroup machine(*app, kMachineHeading);
+  addMemoryOption(machine, arguments->resources);
+  addThreadsOption(machine, arguments->resources.threads);
+  addDeviceOptions(machine, arguments->resources.device);
+  addIndexDirOption(machine, arguments->resources.index_dir);
   return [arguments, app] { return run(*arguments, *app); };
 }
 

@@ -38,17 +38,25 @@ void addDeviceOptions(const OptionGroup& group, DeviceArguments& arguments) {
           {"auto", DeviceChoice::kAuto}, {"gl", DeviceChoice::kGl}, {"cpu", DeviceChoice::kCpu}},
       arguments.device,
       "Device that draws: auto uses GL on a GPU or if --gl is given, else the CPU");
+  group.choice(
+      "--gl",
+      Words<GlChoice>{
+          {"auto", GlChoice::kAuto}, {"osmesa", GlChoice::kOsmesa}, {"egl", GlChoice::kEgl}},
+      arguments.gl, "Library for OpenGL contexts");
+}
+
+void addSimdOption(const OptionGroup& group, DeviceArguments& arguments) {
   Words<SimdTarget> targets;
   for (const SimdTarget target : {SimdTarget::kAuto, SimdTarget::kPlain, SimdTarget::kSse4,
                                   SimdTarget::kAvx2, SimdTarget::kAvx512})
     targets.push_back({std::string(name(target)), target});
   group.choice("--simd", targets, arguments.simd,
                "Best instruction set that the CPU device may use");
-  group.choice(
-      "--gl",
-      Words<GlChoice>{
-          {"auto", GlChoice::kAuto}, {"osmesa", GlChoice::kOsmesa}, {"egl", GlChoice::kEgl}},
-      arguments.gl, "Library for OpenGL contexts");
+}
+
+void addMemoryOption(const OptionGroup& group, MachineOptions& machine) {
+  group.bytes("--memory", machine.memory_bytes,
+              "Budget for blocks, chunks and software textures (half of the machine's memory)");
 }
 
 void addQuietOption(const OptionGroup& group, bool& quiet) {
@@ -73,32 +81,46 @@ void addJsonOption(const OptionGroup& group, bool& json, const std::string& help
   group.flag("--json", json, help);
 }
 
-void addResourceOptions(CLI::App& app, ResourceArguments& arguments) {
-  const OptionGroup group(app, kMachineHeading);
-  group.bytes("--memory", arguments.memory_bytes,
-              "Budget for blocks, chunks and software textures (half of the machine's memory)");
-  addThreadsOption(group, arguments.threads);
-  addDeviceOptions(group, arguments.device);
+namespace {
+
+// The size of blocks: a page gives it, if no block does.
+void addBlockOptions(const OptionGroup& group, ResourceArguments& arguments) {
   group.parsed(
       "--page", "AxBxC", kPageSizes, parsePageOption,
       [&arguments](Vec3i page) { arguments.page_vox = page; },
       "Texture page in voxels (the 64 KiB page of the voxel type)");
   group.parsed(
-      "--pages", "N", fmt::format("a power of two from 1 to {}", kMostCachePages),
-      [](const std::string& word) { return powerOfTwo(word, 1, kMostCachePages); },
-      [&arguments](int64_t pages) { arguments.pages = pages; },
-      "Pages of the texture cache, a power of two (as many as memory allows)");
-  group.parsed(
       "--block", "2^d", fmt::format("a power of two from {} to {}", kLeastBlock, kMostBlock),
       [](const std::string& word) { return powerOfTwo(word, kLeastBlock, kMostBlock); },
       [&arguments](int64_t block) { arguments.block = block; },
       "Voxels per side of a volume block, 4 to 1024 (the page's longest side)");
+}
+
+}  // namespace
+
+void addReadingOptions(CLI::App& app, ResourceArguments& arguments) {
+  const OptionGroup group(app, kMachineHeading);
+  addMemoryOption(group, arguments);
+  addThreadsOption(group, arguments.threads);
+  addBlockOptions(group, arguments);
+  addIndexDirOption(group, arguments.index_dir);
+}
+
+void addResourceOptions(CLI::App& app, ResourceArguments& arguments) {
+  addReadingOptions(app, arguments);
+  const OptionGroup group(app, kMachineHeading);
+  addDeviceOptions(group, arguments.device);
+  addSimdOption(group, arguments.device);
+  group.parsed(
+      "--pages", "N", fmt::format("a power of two from 1 to {}", kMostCachePages),
+      [](const std::string& word) { return powerOfTwo(word, 1, kMostCachePages); },
+      [&arguments](int64_t pages) { arguments.pages = pages; },
+      "Pages of the texture cache, a power of two (as many as memory allows)");
   const Words<PolicyKind> policies =
       wordsOf<PolicyKind>(onlinePolicies(), [](PolicyKind kind) { return name(kind); });
   group.choice("--policy", policies, arguments.policy,
                "Replacement policy of the texture cache: " + listed(namesOf(policies)));
   group.number("--seed", "N", arguments.seed, {}, "Seed of the random policy");
-  addIndexDirOption(group, arguments.index_dir);
 }
 
 }  // namespace sluice

@@ -23,13 +23,18 @@ void addVolumeOptions(CLI::App& app, VolumeArguments& arguments,
 void addCullingOptions(CLI::App& app, CullingArguments& arguments, bool chooses);
 void addLookOptions(CLI::App& app, const AskedView& asked, LookArguments& look,
                     FrameOptions& frame);
-// The groups View (the camera) and Drawing (how to draw).
+// The groups View (the camera), Light and Drawing (what a picture shows).
 void addViewOptions(CLI::App& app, const AskedView& asked, FrameOptions& options);
+// The rest of the group Drawing: how a frame comes about.
+void addFrameOptions(CLI::App& app, FrameOptions& options);
 // Look, view and fit of the commands that choose a good first picture.
 AskedView addPictureOptions(CLI::App& app, LookArguments& look, FrameOptions& frame,
                             FitChoice& fit);
 void addLevelOptions(CLI::App& app, LevelArguments& arguments, ResourceArguments& resources);
+// The group of memory and device, for commands that draw as `render` does.
 void addResourceOptions(CLI::App& app, ResourceArguments& arguments);
+// The part of it for commands that only read a volume and its index.
+void addReadingOptions(CLI::App& app, ResourceArguments& arguments);
 
 // "64x32x32" as --page takes it, no longer than a block along any axis; nullopt: something else.
 std::optional<Vec3i> parsePageOption(const std::string& word);
@@ -53,7 +58,10 @@ CLI::Option* addLevelOption(const OptionGroup& group, std::optional<int64_t>& le
                             const std::string& help);
 void addLevelsOption(const OptionGroup& group, MachineOptions& machine);
 void addThreadsOption(const OptionGroup& group, int& threads);
+void addMemoryOption(const OptionGroup& group, MachineOptions& machine);
+// --device and --gl.
 void addDeviceOptions(const OptionGroup& group, DeviceArguments& arguments);
+void addSimdOption(const OptionGroup& group, DeviceArguments& arguments);
 // Pictures, or frames that are measured: int64_t or int.
 template <class Number>
 void addFramesOption(const OptionGroup& group, Number& frames, const std::string& help) {

@@ -1,5 +1,7 @@
 #include "tools/options/view_arguments.h"
 
+#include <algorithm>
+
 namespace sluice {
 namespace {
 
@@ -11,7 +13,7 @@ std::array<T, 3> asArray(Vec3<T> v) {
 }  // namespace
 
 ViewedVolume viewedVolume(const VolumeArguments& volume, const ResourceArguments& resources,
-                          const std::string& index_folder) {
+                          const std::string& index_folder, bool whole_series) {
   ViewedVolume viewed;
   viewed.paths = volume.inputs;
   VolumeOptions& options = viewed.options;
@@ -25,12 +27,20 @@ ViewedVolume viewedVolume(const VolumeArguments& volume, const ResourceArguments
   options.grid = open.grid;
   options.channel = open.channel.number;
   options.channel_name = open.channel.name;
+  options.whole_series = whole_series;
   options.time = volume.time;
   options.index_folder = index_folder;
   options.temporary_folder = open.decode.folder;
   options.memory_bytes = resources.memory_bytes;
   options.threads = resources.threads;
   return viewed;
+}
+
+VolumeOptions::Web webOf(const WebOptions& web, const std::vector<std::string>& paths) {
+  BucketAccess buckets = web.buckets;
+  if (web.find_buckets && std::ranges::any_of(paths, isBucketAddress)) buckets = web.find_buckets();
+  return {web.cache.folder.string(), web.cache.budget_bytes, buckets.access_key, buckets.secret_key,
+          buckets.session_token,     buckets.region,         buckets.endpoint};
 }
 
 ViewState viewState(const ViewState& asked, const VolumeArguments& volume,

@@ -82,6 +82,12 @@ void addDrawingOptions(CLI::App& app, const AskedView& asked, FrameOptions& opti
              options.clip_planes.push_back({{n[0], n[1], n[2]}, offset});
            })
       ->trigger_on_parse();
+}
+
+}  // namespace
+
+void addFrameOptions(CLI::App& app, FrameOptions& options) {
+  const OptionGroup group(app, "Drawing");
   group.choice("--algorithm",
                wordsOf<Algorithm>(std::array{Algorithm::kConventional, Algorithm::kClipped,
                                              Algorithm::kTrimmed, Algorithm::kMerged},
@@ -115,8 +121,6 @@ void addDrawingOptions(CLI::App& app, const AskedView& asked, FrameOptions& opti
       "Others: leaves out blocks that are not read in time, and prints the missing share (waits "
       "for all)");
 }
-
-}  // namespace
 
 void addViewOptions(CLI::App& app, const AskedView& asked, FrameOptions& options) {
   options.stop = interruption();

@@ -29,7 +29,9 @@ struct DrawingOptions {
   std::string state_file;
   std::optional<ViewPath> path;  // the path saved with it
   std::string index_folder;      // for volumes that name none
-  std::string trace_file;        // empty: none; of the volume that is opened first
+  // How these paths are read if they are addresses; not set: without a cache and without a key.
+  std::function<VolumeOptions::Web(const std::vector<std::string>& paths)> web_of;
+  std::string trace_file;  // empty: none; of the volume that is opened first
   // Throws Error if one of `writes` must not be written: it is one of `reads`, or an existing file
   // of another kind. Empty: all may be.
   std::function<void(const std::vector<std::string>& reads, const std::vector<std::string>& writes)>
