@@ -15,6 +15,7 @@ struct LevelReport {
   uint64_t budget_bytes = 0;  // limit of current_bytes and peak_bytes
 };
 
+// The last picture, and the levels of memory as they are now.
 struct RenderReport {
   // The last picture: wall clock time, and the part of it for drawing; the share left out at its
   // time limit (Image::missing_share); blocks that it found empty, trimmed and full.
@@ -54,12 +55,12 @@ struct RenderReport {
 struct PicturePlan {
   // Blocks that are empty, trimmed and full.
   int64_t white = 0, grey = 0, black = 0;
-  // How blocks may be trimmed and merged: conventional, clipped, trimmed, merged, in this order.
-  // Pictures are drawn merged.
+  // The textures of one way to trim and merge blocks.
   struct Algorithm {
     std::string name;
     uint64_t chunks = 0, pages = 0, bytes = 0, binds = 0;
   };
+  // Conventional, clipped, trimmed and merged. Pictures are drawn merged.
   std::array<Algorithm, 4> algorithms;
   uint64_t clusters = 0;
   // A first picture reads the blocks that show something: their number, and the bytes of their
@@ -67,6 +68,7 @@ struct PicturePlan {
   int64_t read_blocks = 0;
   uint64_t read_voxel_bytes = 0;
 
+  // The memory that the picture takes.
   struct Memory {
     // RendererOptions::memory_bytes, the least that works, and what the picture takes of it; parts
     // of that for the min-max arrays and for the pixels.
@@ -78,13 +80,14 @@ struct PicturePlan {
   };
   Memory memory;
 
-  // Levels of resolution in the picture, the finest first; empty for a volume with one level. The
-  // other members are as in RenderReport.
+  // The part of the picture that one level of resolution draws.
   struct Level {
     int level = 0;
     int64_t blocks = 0, cells = 0;
   };
+  // The finest first; empty for a volume with one level.
   std::vector<Level> levels;
+  // As in RenderReport.
   double coarse_share = 0;
   bool is_refined = true;
 
@@ -99,15 +102,33 @@ struct ValueHistogram {
 
 // A look as it is drawn, even if it was chosen automatically.
 struct ShownLook {
+  // The colour of a value.
   struct Color {
     double value = 0;
     std::array<double, 3> rgb;  // 0 to 1, as shown on a screen
   };
+  // The opacity of a value, from 0 to 1, of one voxel length.
   struct Opacity {
     double value = 0, opacity = 0;
   };
-  std::vector<Color> colors;       // ascending by value, linear in between
-  std::vector<Opacity> opacities;  // the same
+  // The name that a table gives to a label.
+  struct LabelName {
+    double label = 0;
+    std::string name;
+  };
+  // How one of several channels looks that pictures show together.
+  struct Channel {
+    std::string channel;          // its number, as LookOptions::Channel names it
+    std::string name;             // as the file has it; may be empty
+    std::array<double, 3> rgb;    // the colour at the end of the range
+    std::array<double, 2> range;  // its colours span these values
+    double opacity = 0;           // the greatest, of one voxel length
+  };
+  std::vector<Color> colors;           // ascending by value, linear in between
+  std::vector<Opacity> opacities;      // the same
+  std::vector<Color> surfaces;         // in the order of LookOptions::surfaces
+  std::vector<Channel> channels;       // empty if pictures show one
+  std::vector<LabelName> label_names;  // of a table, ascending by label
   bool lit = false, labels = false;
   std::string options;   // Renderer::lookText()
   std::string transfer;  // the transfer function as a file of ours holds it, JSON

@@ -3,13 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <unordered_map>
 #include <utility>
 
 #include "src/base/error.h"
-#include "src/base/files/byte_stream.h"
-#include "src/base/values/digest.h"
-#include "src/classify/transfer/transfer_file.h"
 #include "src/library/conversions.h"
 #include "src/library/drawing/exr_contents.h"
 #include "src/library/drawing/picture_plan.h"
@@ -18,7 +14,6 @@
 #include "src/library/drawing/view_fit.h"
 #include "src/library/in_situ.h"
 #include "src/library/opening/step_ranges.h"
-#include "src/parallel/agreement.h"
 #include "src/render/blocks/cut_rules.h"
 #include "src/render/camera/index_space.h"
 
@@ -123,56 +118,6 @@ std::optional<Framing> Drawing::framingFor(const std::vector<Camera>& cameras, F
   return framingOf(*points, cameras, layout().frame, options.size);
 }
 
-void Drawing::refuseInSitu(const char* call) const {
-  if (opened_->in_situ != nullptr)
-    fail("{}: {} is not for a volume of which each rank has a part; ranks draw() together",
-         opened_->volume.name, call);
-}
-
-std::vector<Vec3d> Drawing::pointsOfRanks(std::vector<Vec3d> own) const {
-  ByteWriter mine;
-  mine.list(own);
-  std::vector<Vec3d> all, more;
-  for (const Message& message : opened_->in_situ->team().gatherAll(mine.bytes)) {
-    ByteReader from(message);
-    SLUICE_CHECK(from.list(more));
-    all.insert(all.end(), more.begin(), more.end());
-  }
-  return all;
-}
-
-void Drawing::expectSameRequest(const PictureOptions& picture) const {
-  expectAgreement(opened_->in_situ->team(),
-                  {{"the look", scene_.lookText()},
-                   {"the number of looks set", std::to_string(looks_)},
-                   {"the size", fmt::format("{}x{}", picture.width, picture.height)}},
-                  "draw the same picture on every rank");
-}
-
-void Drawing::expectSamePicture(const FrameOptions& options, const View& view) const {
-  const InSitu& in_situ = *opened_->in_situ;
-  Digest place;
-  for (const Vec3d& vector : {view.eye, view.right, view.up, view.forward})
-    for (int a = 0; a < 3; ++a) place.add(static_cast<float>(vector[a]));
-  place.add(static_cast<float>(view.half_height));
-  const Box3 crop = options.crop.value_or(boxOf(layout().dims));
-  for (int a = 0; a < 3; ++a) {
-    place.add(crop.lo[a]);
-    place.add(crop.hi[a]);
-  }
-  expectAgreement(in_situ.team(),
-                  {{"the look", scene_.lookOf(options)}, {"the view", "", place.value()}},
-                  "draw the same picture on every rank");
-  const TransferFunction& transfer = scene_.look.transfer;
-  const bool looks_around = options.shades || scene_.integrates(options) ||
-                            !transfer.gradients.empty() || !transfer.surfaces.empty();
-  if (looks_around && !in_situ.can_look_around)
-    fail(
-        "{}: lit pictures, surfaces and --quality need one layer of ghosts below and two above on "
-        "each rank; lend them, or set LookOptions::light to kOff",
-        opened_->volume.name);
-}
-
 FrameOptions Drawing::framed(const PictureOptions& picture, const TimeStep& step,
                              const IndexPass& pass) {
   FrameOptions options = frameOptions(picture, layout(), mode_);
@@ -208,7 +153,7 @@ Drawing::ReadyFrame Drawing::ready(const PictureOptions& picture, const IndexPas
     expectSamePicture(options, resolve(options.camera, layout(), options.size, options.step_vox));
   if (opened_->in_situ != nullptr && opened_->in_situ->team().ranks() > 1 &&
       options.lighting.looksAround())
-    fail(
+    failRequest(
         "lighting.shadows and lighting.occlusion need the whole volume, of which a rank has a "
         "part");
   options.stop = teller.stop();
@@ -379,8 +324,8 @@ void Drawing::writeExr(const std::string& path, const Image& image, const Pictur
   const auto pixels = static_cast<size_t>(image.width) * static_cast<size_t>(image.height);
   if (image.width != picture.width || image.height != picture.height ||
       image.rgba.size() != pixels * 4)
-    fail("{}: an image of {} x {} pixels with {} values, expected {} x {}", path, image.width,
-         image.height, image.rgba.size(), picture.width, picture.height);
+    failRequest("{}: an image of {} x {} pixels with {} values, expected {} x {}", path,
+                image.width, image.height, image.rgba.size(), picture.width, picture.height);
   const ProgressFunction nobody;
   ProgressTeller teller(nobody, {});
   const Reading reading(*this, teller);
@@ -393,94 +338,12 @@ void Drawing::writeExr(const std::string& path, const Image& image, const Pictur
                    ExrPrecision::kFloat);
 }
 
-ShownLook Drawing::shownLook() const {
-  ShownLook shown;
-  for (const ColorPoint& point : scene_.look.transfer.colors)
-    shown.colors.push_back({point.value, {point.rgb.x, point.rgb.y, point.rgb.z}});
-  for (const OpacityPoint& point : scene_.look.transfer.opacities)
-    shown.opacities.push_back({point.value, point.opacity});
-  shown.lit = scene_.look.lit;
-  shown.labels = scene_.look.transfer.labels;
-  shown.options = scene_.lookText();
-  shown.transfer = writeTransferFunction(scene_.look.transfer);
-  shown.warnings = scene_.look.warnings;
-  return shown;
-}
-
-RenderReport Drawing::report(bool maps) const {
-  const auto level = [](const CacheCounters& c) {
-    return LevelReport{.requests = c.requests,
-                       .hits = c.hits,
-                       .misses = c.misses,
-                       .loads = c.loads,
-                       .evictions = c.evictions,
-                       .current_bytes = c.current_bytes,
-                       .peak_bytes = c.peak_bytes,
-                       .budget_bytes = c.budget_bytes};
-  };
-  const TextureCache& cache = scene_.session->textureCache();
-  const LevelCounters counters = scene_.levelCounters();
-  RenderReport report;
-  report.seconds = report_.seconds;
-  report.draw_seconds = report_.stages.draw;
-  report.missing_share = report_.missing_share;
-  report.step_vox = report_.step_vox;
-  report.why_empty = why_empty_;
-  report.empty_channels = empty_channels_;
-  report.white = report_.white;
-  report.grey = report_.grey;
-  report.black = report_.black;
-  if (report_.cut) {
-    report.coarse_share = report_.cut->coarse_share;
-    report.is_refined = report_.cut->is_final;
-    report.will_improve = report_.cut->will_improve;
-    for (const CutSummary::Level& shown : report_.cut->levels) report.levels.push_back(shown.level);
-  }
-  report.pages_loaded = report_.pages_loaded;
-  report.read_bytes = scene_.storedBytesRead();
-  report.volume_buffer = level(counters.volume_buffer);
-  report.texture_buffer = level(counters.texture_buffer);
-  report.texture_cache = level(counters.texture_cache);
-  report.pages = counters.pages;
-  report.page_bytes = static_cast<uint64_t>(scene_.session->page().pageBytes());
-  if (!maps) return report;
-  // The first channel's chunks, numbered in the order of their first pages.
-  std::unordered_map<ChunkId, uint32_t> numbers;
-  for (const ChunkId chunk : cache.pageMap())
-    report.page_chunks.push_back(
-        chunk == TextureCache::kNoChunk
-            ? 0
-            : numbers.try_emplace(chunk, static_cast<uint32_t>(numbers.size() + 1)).first->second);
-  const Vec3i grid = opened_->volume.layout.grid;
-  report.block_grid = {grid.x, grid.y, grid.z};
-  report.block_classes = blockClasses();
-  return report;
-}
-
-std::vector<uint8_t> Drawing::blockClasses() const {
-  const int64_t blocks = opened_->volume.layout.blockCount();
-  const VisibleBlocksPtr visible = scene_.session->lastVisible();
-  if (visible == nullptr || blocks > RenderReport::kMostMappedBlocks) return {};
-  std::vector<uint8_t> classes(static_cast<size_t>(blocks), 0);
-  const BlockLayout& finest = opened_->volume.layout;
-  const PyramidLayout pyramid = opened_->volume.step().layout();
-  for (const ObjectBlock& block : visible->blocks) {
-    const uint8_t kind = block.kind == BlockClass::kBlack ? 2 : 1;
-    const Box3 covered = pyramid.finestBlocksOf(block.name);
-    for (int64_t z = covered.lo.z; z < covered.hi.z; ++z)
-      for (int64_t y = covered.lo.y; y < covered.hi.y; ++y)
-        for (int64_t x = covered.lo.x; x < covered.hi.x; ++x)
-          classes[static_cast<size_t>(finest.idOf({x, y, z}))] = kind;
-  }
-  return classes;
-}
-
 PicturePlan Drawing::plan(const PictureOptions& picture, ProgressTeller& teller) {
   refuseInSitu("plan()");
   const Reading reading(*this, teller);
   if (!scene_.more.empty())
-    fail("{}: a plan is of one channel, not {}; open the volume with one", scene_.volume.name,
-         scene_.layers().size());
+    failRequest("{}: a plan is of one channel, not {}; open the volume with one",
+                scene_.volume.name, scene_.layers().size());
   const TimeStep step = stepAt(picture.time, reading.pass);
   return planOf(scene_, step, looked(picture, step, reading.pass));
 }

@@ -18,7 +18,7 @@ static_assert(sizeof(DrawnVertex) == sizeof(ImDrawVert));
 template <class Function>
 Function load(const char* name) {
   const auto function = reinterpret_cast<Function>(glfwGetProcAddress(name));
-  if (function == nullptr) fail("the window's OpenGL has no {}; 3.3 is needed", name);
+  if (function == nullptr) failSystem("the window's OpenGL has no {}; 3.3 is needed", name);
   return function;
 }
 
@@ -111,7 +111,7 @@ void Canvas::resize(int width, int height) {
   glClear(GL_COLOR_BUFFER_BIT);
   glDisable(GL_SCISSOR_TEST);
   gl_->bind(GL_FRAMEBUFFER, 0);
-  if (!is_complete) fail("the window's OpenGL cannot draw {} x {} pixels", width, height);
+  if (!is_complete) failSystem("the window's OpenGL cannot draw {} x {} pixels", width, height);
   width_ = width;
   height_ = height;
   is_new_ = true;

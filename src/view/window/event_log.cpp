@@ -13,7 +13,7 @@ namespace sluice {
 EventLog::EventLog(const std::string& path) {
   if (path.empty()) return;
   file_.open(path, std::ios::trunc);
-  if (!file_.is_open()) fail("{}: the window's log cannot be written there", path);
+  if (!file_.is_open()) failSystem("{}: the window's log cannot be written there", path);
   write({{"sluice", "log"}});  // by which the next run knows the file (FileKind)
 }
 

@@ -18,8 +18,8 @@ constexpr uint64_t kMostSaid = 20;  // errors of OpenGL in the log
 [[noreturn]] void failOf(const std::string& what) {
   const char* said = nullptr;
   glfwGetError(&said);
-  fail("{}{}; `sluice render` draws without a window", what,
-       said != nullptr ? fmt::format(": {}", said) : "");
+  failSystem("{}{}; `sluice render` draws without a window", what,
+             said != nullptr ? fmt::format(": {}", said) : "");
 }
 
 Events& eventsOf(GLFWwindow* window) {

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -91,6 +92,7 @@ struct SeriesPlayer {
 struct PanelChoices {
   bool is_log_histogram = true;
   bool shows_help = false, shows_open = false, shows_maps = false, shows_axes = true;
+  std::map<std::string, double> hidden_opacities;  // of channels, from before they were hidden
   std::string transfer_file, picture_file = "picture.png", state_file = "view.json";
 };
 

@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "src/view/state/look_edit.h"
 #include "src/view/state/transfer_edit.h"
 #include "src/view/window/panels/panels.h"
 
@@ -80,6 +81,14 @@ void lightAround(WindowState& window) {
   ImGui::EndDisabled();
 }
 
+void newSurface(WindowState& window) {
+  ImGui::BeginDisabled(!takesSurface(window.state().look, window.volume.look));
+  if (ImGui::Button("add a surface"))
+    window.edit([&](ViewState& next) { next.look = withSurface(next.look, window.valueRange()); });
+  window.log.control("add a surface");
+  ImGui::EndDisabled();
+}
+
 void light(WindowState& window) {
   bool is_lit = window.volume.look.lit;
   if (ImGui::Checkbox("light", &is_lit))
@@ -129,6 +138,8 @@ void lookPanel(WindowState& window) {
   windowAndLevel(window);
   light(window);
   lightAround(window);
+  ImGui::SameLine();
+  newSurface(window);
   if (ImGui::Button("chosen look")) {
     window.edit([&](ViewState& next) { next.look = LookOptions{}; });
   }

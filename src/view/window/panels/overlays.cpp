@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "src/view/state/look_edit.h"
 #include "src/view/window/panels/panels.h"
 
 namespace sluice {
@@ -90,9 +91,9 @@ void value(const WindowState& window, const Area& area, ImDrawList& to) {
   if (!window.pointer.value) return;
   const auto& [voxel, world, found] = *window.pointer.value;
   text(to, {area.x + 10, area.y + 10},
-       fmt::format("{:.5g} at {:.4g}, {:.4g}, {:.4g} {} (voxel {:.0f}, {:.0f}, {:.0f})", found,
-                   world[0], world[1], world[2], unitOf(window.info()), voxel[0], voxel[1],
-                   voxel[2]));
+       fmt::format("{} at {:.4g}, {:.4g}, {:.4g} {} (voxel {:.0f}, {:.0f}, {:.0f})",
+                   valueText(window.volume.look, found), world[0], world[1], world[2],
+                   unitOf(window.info()), voxel[0], voxel[1], voxel[2]));
 }
 
 }  // namespace

@@ -8,7 +8,9 @@ namespace sluice {
 
 // The sections of the window's own panel, one below the other.
 void lookPanel(WindowState& window);
+void channelsPanel(WindowState& window);
 void transferPanel(WindowState& window);
+void surfacesPanel(WindowState& window);
 void viewPanel(WindowState& window);
 void cutPanel(WindowState& window);
 void timePanel(WindowState& window);

@@ -36,7 +36,10 @@ void sidePanel(WindowState& window, const Area& area) {
                                               0, window.volume.news->device.find(',')))
                                   .c_str());
     section(window, "look", true, lookPanel);
-    section(window, "opacity over values", true, transferPanel);
+    const bool has_channels = !window.volume.look.channels.empty();
+    if (has_channels) section(window, "channels", true, channelsPanel);
+    if (!window.state().look.surfaces.empty()) section(window, "surfaces", true, surfacesPanel);
+    section(window, "opacity over values", !has_channels, transferPanel);
     if (info.time_steps > 1) section(window, "time", true, timePanel);
     section(window, "view", true, viewPanel);
     section(window, "cut", false, cutPanel);

@@ -11,7 +11,7 @@
 namespace sluice {
 namespace {
 
-constexpr float kHeight = 130, kReach = 9;  // screen units
+constexpr float kHeight = 106, kReach = 9;  // screen units
 
 struct Plot {
   ImVec2 lo, size;

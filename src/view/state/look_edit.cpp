@@ -1,0 +1,61 @@
+#include "src/view/state/look_edit.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <numeric>
+
+#include "src/base/looks/surface_look.h"
+
+namespace sluice {
+
+LookOptions::Channel& channelOf(LookOptions& look, std::string_view channel) {
+  const auto known = std::ranges::find(look.channels, channel, &LookOptions::Channel::channel);
+  if (known != look.channels.end()) return *known;
+  return look.channels.emplace_back(LookOptions::Channel{.channel = std::string(channel)});
+}
+
+std::string colorText(const Rgb& rgb) {
+  std::string text;
+  for (const double part : rgb)
+    text += fmt::format("{:02x}", std::lround(std::clamp(part, 0.0, 1.0) * 255));
+  return text;
+}
+
+Rgb colorAt(const ShownLook& look, double value) {
+  const auto above = std::ranges::upper_bound(look.colors, value, {}, &ShownLook::Color::value);
+  if (look.colors.empty()) return {1, 1, 1};
+  if (above == look.colors.begin()) return above->rgb;
+  const ShownLook::Color& below = *std::prev(above);
+  if (above == look.colors.end()) return below.rgb;
+  const double share = (value - below.value) / (above->value - below.value);
+  Rgb rgb{};
+  for (size_t i = 0; i < 3; ++i) rgb[i] = std::lerp(below.rgb[i], above->rgb[i], share);
+  return rgb;
+}
+
+std::string valueText(const ShownLook& look, double value) {
+  const auto named =
+      std::ranges::lower_bound(look.label_names, value, {}, &ShownLook::LabelName::label);
+  if (named == look.label_names.end() || named->label != value) return fmt::format("{:.5g}", value);
+  return fmt::format("{:g} ({})", value, named->name);
+}
+
+bool takesSurface(const LookOptions& look, const ShownLook& shown) {
+  return look.mode == LookOptions::Mode::kComposite && !shown.labels && shown.channels.empty() &&
+         look.surfaces.size() < kMostSurfaces;
+}
+
+LookOptions withSurface(LookOptions look, std::array<double, 2> values) {
+  double value = look.threshold.value_or(std::midpoint(values[0], values[1]));
+  const double step = (values[1] - values[0]) / 16;
+  while (step > 0 && std::ranges::find(look.surfaces, value, &LookOptions::Surface::value) !=
+                         look.surfaces.end())
+    value = value + step <= values[1] ? value + step : values[0] + step / 3;
+  look.surfaces.push_back({.value = value});
+  return look;
+}
+
+}  // namespace sluice

@@ -1,0 +1,32 @@
+// Editing how channels and surfaces look. Pure functions from one look to the next.
+#pragma once
+
+#include <sluice/options.h>
+#include <sluice/report.h>
+
+#include <array>
+#include <string>
+#include <string_view>
+
+namespace sluice {
+
+using Rgb = std::array<double, 3>;  // 0 to 1, as shown on a screen
+
+// What `look` says of this channel, to be changed; says nothing new if it was not named before.
+LookOptions::Channel& channelOf(LookOptions& look, std::string_view channel);
+
+// "ff8800", a colour as options have it.
+std::string colorText(const Rgb& rgb);
+// The colour of a value.
+Rgb colorAt(const ShownLook& look, double value);
+
+// "3 (liver)" for a label that has a name, else the value as people write it.
+std::string valueText(const ShownLook& look, double value);
+
+// Whether another surface may be added to a picture with this look.
+bool takesSurface(const LookOptions& look, const ShownLook& shown);
+// One more surface: at the threshold if there is one, else in the middle of the values. Surfaces
+// that it has already lie elsewhere.
+LookOptions withSurface(LookOptions look, std::array<double, 2> values);
+
+}  // namespace sluice

@@ -1,0 +1,100 @@
+// A row for each of several channels: whether it shows, its colour, the values that its colours
+// span, and its opacity.
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <algorithm>
+
+#include "src/view/state/look_edit.h"
+#include "src/view/window/panels/panels.h"
+
+namespace sluice {
+namespace {
+
+using Channel = ShownLook::Channel;
+
+// As the user set it last: the picture that shows it may not be there yet.
+LookOptions::Channel asked(const WindowState& window, const Channel& channel) {
+  LookOptions look = window.state().look;
+  return channelOf(look, channel.channel);
+}
+
+template <class Change>
+void edit(WindowState& window, const Channel& channel, const Change& change) {
+  window.edit([&](ViewState& next) { change(channelOf(next.look, channel.channel)); });
+}
+
+// A channel that is hidden has no opacity; shown again, it has the one from before.
+void showing(WindowState& window, const Channel& channel) {
+  const double opacity = asked(window, channel).opacity.value_or(channel.opacity);
+  bool shows = opacity > 0;
+  if (ImGui::Checkbox("##shows", &shows)) {
+    auto& before = window.panels.hidden_opacities;
+    std::optional<double> next = 0.0;
+    if (!shows)
+      before[channel.channel] = opacity;
+    else
+      next =
+          before.contains(channel.channel) ? std::optional(before[channel.channel]) : std::nullopt;
+    edit(window, channel, [&](LookOptions::Channel& own) { own.opacity = next; });
+  }
+  window.log.control(fmt::format("channel {} shows", channel.channel));
+}
+
+void color(WindowState& window, const Channel& channel) {
+  std::array<float, 3> rgb{};
+  std::ranges::transform(channel.rgb, rgb.begin(),
+                         [](double part) { return static_cast<float>(part); });
+  if (ImGui::ColorEdit3("##color", rgb.data(),
+                        ImGuiColorEditFlags_NoInputs | ImGuiColorEditFlags_NoLabel))
+    edit(window, channel, [&](LookOptions::Channel& own) {
+      own.map = colorText(
+          {static_cast<double>(rgb[0]), static_cast<double>(rgb[1]), static_cast<double>(rgb[2])});
+    });
+  window.log.control(fmt::format("channel {} color", channel.channel));
+}
+
+void range(WindowState& window, const Channel& channel) {
+  const auto values = asked(window, channel).range.value_or(channel.range);
+  auto lo = static_cast<float>(values[0]), hi = static_cast<float>(values[1]);
+  const auto speed = std::max(std::abs(hi - lo) / 300, 1e-6F);
+  ImGui::SetNextItemWidth(-1);
+  if (ImGui::DragFloatRange2("##range", &lo, &hi, speed, 0, 0, "from %.5g", "to %.5g") && lo != hi)
+    edit(window, channel, [&](LookOptions::Channel& own) {
+      own.range = {static_cast<double>(lo), static_cast<double>(hi)};
+      if (!own.opacity) own.opacity = channel.opacity;  // a range alone has another one
+    });
+  window.log.control(fmt::format("channel {} range", channel.channel));
+}
+
+void opacity(WindowState& window, const Channel& channel) {
+  const double now = asked(window, channel).opacity.value_or(channel.opacity);
+  auto shown = static_cast<float>(now);
+  ImGui::SetNextItemWidth(-1);
+  ImGui::BeginDisabled(!(now > 0));
+  if (ImGui::SliderFloat("##opacity", &shown, 0.001F, 1, "opacity %.3f",
+                         ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp))
+    edit(window, channel,
+         [&](LookOptions::Channel& own) { own.opacity = static_cast<double>(shown); });
+  ImGui::EndDisabled();
+  window.log.control(fmt::format("channel {} opacity", channel.channel));
+}
+
+}  // namespace
+
+void channelsPanel(WindowState& window) {
+  for (const Channel& channel : window.volume.look.channels) {
+    ImGui::PushID(channel.channel.c_str());
+    showing(window, channel);
+    ImGui::SameLine();
+    color(window, channel);
+    ImGui::SameLine();
+    ImGui::TextUnformatted(
+        (channel.name.empty() ? "channel " + channel.channel : channel.name).c_str());
+    range(window, channel);
+    opacity(window, channel);
+    ImGui::PopID();
+  }
+}
+
+}  // namespace sluice

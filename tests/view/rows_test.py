@@ -1,0 +1,104 @@
+#!/usr/bin/env python3
+"""The rows of the window's panel for channels and for surfaces: what they change reaches the picture and the saved view."""
+import json
+import pathlib
+import sys
+
+import window_driver
+from window_driver import Display, Window
+
+SIZE = ['--size', '480x980', '--device', 'cpu']
+
+
+def save(window, folder):
+    mark = window.mark()
+    window.click('save view')
+    window.wait(lambda line: line.get('saved', '').endswith('view.json'), since=mark)
+    return json.loads(pathlib.Path(folder, 'view.json').read_text(encoding='utf-8'))['look']
+
+
+def changed(window, change):
+    mark = window.mark()
+    change()
+    window.whole(mark)
+
+
+def slide(window, control, to):
+    """Drags a slider to a part of its width."""
+    window.drag(window.place(control, 0.5), window.place(control, to))
+
+
+def channels(folder):
+    import numpy
+    import tifffile
+    z, y, x = numpy.mgrid[:24, :32, :40]
+    places = [(12, 10, 12), (12, 20, 26), (12, 16, 20)]
+    stack = numpy.stack([(4000 * numpy.exp(-((z - c) ** 2 + (y - b) ** 2 + (x - a) ** 2) / 40)).astype('u2')
+                         for c, b, a in places], axis=1)
+    tifffile.imwrite(pathlib.Path(folder, 'cells.ome.tif'), stack, ome=True,
+                     metadata={'axes': 'ZCYX', 'Channel': {'Name': ['DAPI', 'GFP', 'RFP']}})
+    with Display(960, 1000) as display, Window(display, sys.argv[1], ['cells.ome.tif', '--channel', '0,1,2', *SIZE],
+                                               folder) as window:
+        window.wait('opened')
+        window.whole(0)
+        window.place('channel 2 opacity')
+        window.shot('channels')
+        changed(window, lambda: window.click('channel 1 shows', x=0.1))
+        assert {'channel': '1', 'opacity': 0} in looks(save(window, folder)), save(window, folder)
+        window.shot('channels without one')
+        changed(window, lambda: window.click('channel 1 shows', x=0.1))
+        changed(window, lambda: slide(window, 'channel 0 opacity', 0.8))
+        changed(window, lambda: window.drag(window.place('channel 2 range', 0.2), window.place('channel 2 range', 0.45)))
+        own = {each['channel']: each for each in looks(save(window, folder))}
+        assert own['1'].get('opacity', 1) > 0, own
+        assert 0 < own['0']['opacity'] < 1, own
+        assert own['2']['range'][0] > 0, own
+        assert abs(own['2']['opacity'] - own['1']['opacity']) < 1e-6, own
+        window.shot('channels changed')
+        assert window.end()['gl_errors'] == 0
+
+
+def looks(look):
+    """The texts of --look as values."""
+    found = []
+    for text in look['channels']:
+        channel, _, rest = text.partition(':')
+        parts = rest.split(',')
+        one = {'channel': channel}
+        if parts[0]:
+            one['map'] = parts[0]
+        for part in parts[1:]:
+            if ':' in part:
+                one['range'] = [float(value) for value in part.split(':')]
+            else:
+                one['opacity'] = float(part)
+        found.append(one)
+    return found
+
+
+def surfaces(folder):
+    with Display(960, 1000) as display, Window(display, sys.argv[1], ['synth:shells,dims=48x48x48', *SIZE], folder) as window:
+        window.wait('opened')
+        window.whole(0)
+        changed(window, lambda: window.click('add a surface'))
+        window.shot('a surface')
+        changed(window, lambda: slide(window, 'surface 0 value', 0.3))
+        changed(window, lambda: slide(window, 'surface 0 opacity', 0.6))
+        changed(window, lambda: window.click('add a surface'))
+        one, other = save(window, folder)['surfaces']
+        value, opacity = (float(part) for part in one.split(':')[:2])
+        assert 40 < value < 110 and 0.3 < opacity < 0.9, one
+        assert abs(float(other.split(':')[0]) - value) > 1, other
+        window.shot('two surfaces')
+        changed(window, lambda: window.click('remove surface 0'))
+        assert save(window, folder)['surfaces'] == [other]
+        assert window.end()['gl_errors'] == 0
+
+
+if __name__ == '__main__':
+    missing = []
+    try:
+        import tifffile  # noqa: F401
+    except ImportError:
+        missing = ['tifffile']
+    window_driver.run(channels, surfaces, also_missing=missing)
