@@ -5,7 +5,11 @@
 #include <pybind11/stl/filesystem.h>
 #include <sluice/sluice.h>
 
+#include <algorithm>
+#include <exception>
 #include <memory>
+#include <string>
+#include <string_view>
 #include <utility>
 
 #include "python/arrays.h"
@@ -13,9 +17,23 @@
 #include "python/renderer_handle.h"
 #include "python/running.h"
 #include "python/simulation.h"
+#include "src/base/field_names.h"
 
 namespace sluice::python {
 namespace {
+
+VolumeOptions::Levels levelsOf(const py::handle& value) {
+  using Levels = VolumeOptions::Levels;
+  if (value.is_none()) return Levels::kKept;
+  const auto word = py::str(value).cast<std::string>();
+  for (const auto& [name, levels] : {std::pair("auto", Levels::kAuto),
+                                     {"always", Levels::kAlways},
+                                     {"kept", Levels::kKept},
+                                     {"none", Levels::kNone}})
+    if (word == name) return levels;
+  throw py::value_error("levels: expected 'auto', 'always', 'kept' or 'none', found " +
+                        py::repr(value).cast<std::string>());
+}
 
 VolumeOptions volumeOptions(const py::dict& keywords) {
   VolumeOptions options;
@@ -37,8 +55,16 @@ VolumeOptions volumeOptions(const py::dict& keywords) {
   take("time", options.time);
   take("index_dir", options.index_folder);
   take("temporary_dir", options.temporary_folder);
+  take("cache_dir", options.web.cache_folder);
+  take("cache", options.web.cache_bytes);
+  take("access_key", options.web.access_key);
+  take("secret_key", options.web.secret_key);
+  take("session_token", options.web.session_token);
+  take("region", options.web.region);
+  take("endpoint", options.web.endpoint);
   take("memory", options.memory_bytes);
   take("threads", options.threads);
+  if (keywords.contains("levels")) options.levels = levelsOf(keywords["levels"]);
   return options;
 }
 
@@ -100,9 +126,42 @@ py::tuple histogramOf(const VolumeHandle& handle, int bins) {
                         arrayOf(std::move(edges), {count + 1}));
 }
 
+// A message of the library with keywords for the options that it names.
+std::string inKeywords(const Error& error) {
+  return renamed(lineInOptions(error), [](std::string_view option) {
+    std::string keyword(option.substr(2));
+    std::ranges::replace(keyword, '-', '_');
+    return keyword;
+  });
+}
+
+const char* nameOf(Error::Kind kind) {
+  switch (kind) {
+    case Error::Kind::kInput:
+      return "input";
+    case Error::Kind::kRequest:
+      return "request";
+    case Error::Kind::kMemory:
+      return "memory";
+    case Error::Kind::kSystem:
+      return "system";
+  }
+  return "system";
+}
+
 // Exceptions of the library. `Cancelled` reaches Python if a call was stopped by another's Ctrl-C.
 void addErrors(py::module_& module) {
-  py::register_exception<Error>(module, "Error", PyExc_RuntimeError);
+  static const py::object type = py::exception<Error>(module, "Error", PyExc_RuntimeError);
+  type.attr("__module__") = "sluice";
+  py::register_exception_translator([](std::exception_ptr thrown) {
+    try {
+      std::rethrow_exception(std::move(thrown));
+    } catch (const Error& error) {
+      const py::object raised = type(inKeywords(error));
+      raised.attr("kind") = nameOf(error.kind());
+      PyErr_SetObject(type.ptr(), raised.ptr());
+    }
+  });
   py::register_exception<Cancelled>(module, "Cancelled", PyExc_RuntimeError);
 }
 

@@ -213,6 +213,15 @@ const std::map<std::string, PictureSetter>& pictureSetters() {
        [](AskedPicture& asked, const py::handle& value) {
          setNumber("level", "a whole number from 0", {0, 60}, value, asked.picture.level.emplace());
        }},
+      {"max_bytes",
+       [](AskedPicture& asked, const py::handle& value) {
+         setNumber("max_bytes", "a number of bytes from 0", {0, 9e18}, value,
+                   asked.picture.max_bytes);
+       }},
+      {"keep_thin",
+       [](AskedPicture& asked, const py::handle& value) {
+         asked.picture.keep_thin = taken<bool>("keep_thin", "True or False", value);
+       }},
       {"time_limit",
        [](AskedPicture& asked, const py::handle& value) {
          setNumber("time_limit", "seconds from 0", {0, 1e9}, value,

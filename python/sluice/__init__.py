@@ -14,6 +14,7 @@ Calls may come from any thread, and let other threads run meanwhile. Ctrl-C ends
 second. What goes wrong with a file or a request raises sluice.Error, in one line.
 """
 
+import configparser as _configparser
 import json as _json
 import os as _os
 import struct as _struct
@@ -22,6 +23,7 @@ import zlib as _zlib
 import numpy as _numpy
 
 from . import _sluice
+from ._notebook import turned_picture as _turned_picture
 from ._sluice import Cancelled, Error
 
 __all__ = ['Cancelled', 'Error', 'Renderer', 'Volume', 'from_array', 'from_function', 'open', 'simulate']
@@ -43,23 +45,60 @@ def _bytes(size):
         raise ValueError(f"memory: expected bytes as in 512000000 or '512M', found {size!r}") from None
 
 
-def _index_folder(index_dir):
-    """The folder that `sluice` itself keeps indices in, unless another one is named; '' is none."""
-    if index_dir is not None:
-        return _os.fspath(index_dir)
-    if _os.environ.get('SLUICE_INDEX') == 'off':
-        return ''
-    for variable, below in (('SLUICE_INDEX_DIR', ''), ('XDG_CACHE_HOME', 'sluice/index'),
-                            ('HOME', '.cache/sluice/index')):
+def _folder(*places):
+    """The first folder that an environment variable names by its absolute path; '' if none does."""
+    for variable, below in places:
         folder = _os.environ.get(variable, '')
         if folder.startswith('/'):
             return _os.path.join(folder, below) if below else folder
     return ''
 
 
+def _index_folder(index_dir):
+    """The folder that `sluice` itself keeps indices in, unless another one is named; '' is none."""
+    if index_dir is not None:
+        return _os.fspath(index_dir)
+    if _os.environ.get('SLUICE_INDEX') == 'off':
+        return ''
+    return _folder(('SLUICE_INDEX_DIR', ''), ('XDG_CACHE_HOME', 'sluice/index'), ('HOME', '.cache/sluice/index'))
+
+
+def _cache(size, folder):
+    """The options of the folder for what is read from the web, as --cache and --cache-dir have them."""
+    if size is None and folder is None:
+        return {}
+    return dict(cache=_bytes(size or '20G'), cache_dir=_os.fspath(folder) if folder is not None else _folder(
+        ('XDG_CACHE_HOME', 'sluice/web'), ('HOME', '.cache/sluice/web')))
+
+
+def _key():
+    """The key for buckets, from where Amazon's own tools look for it (docs/web.md)."""
+    environment = _os.environ.get
+    profile = environment('AWS_PROFILE') or 'default'
+    said = {}
+    for variable, name, section in (
+            ('AWS_CONFIG_FILE', 'config', profile if profile == 'default' else f'profile {profile}'),
+            ('AWS_SHARED_CREDENTIALS_FILE', 'credentials', profile)):
+        file = _configparser.RawConfigParser(strict=False)
+        file.read(environment(variable) or _os.path.expanduser(f'~/.aws/{name}'))
+        if file.has_section(section):
+            said.update(file[section])
+    if environment('AWS_PROFILE') and not said:
+        error = Error(f'AWS_PROFILE: no profile {profile} in ~/.aws; correct the name or unset it')
+        error.kind = 'request'
+        raise error
+    key = dict(access_key=said.get('aws_access_key_id'), secret_key=said.get('aws_secret_access_key'),
+               session_token=said.get('aws_session_token'))
+    if environment('AWS_ACCESS_KEY_ID') and environment('AWS_SECRET_ACCESS_KEY'):
+        key = dict(access_key=environment('AWS_ACCESS_KEY_ID'), secret_key=environment('AWS_SECRET_ACCESS_KEY'),
+                   session_token=environment('AWS_SESSION_TOKEN'))
+    return dict(key, region=environment('AWS_REGION') or environment('AWS_DEFAULT_REGION') or said.get('region'),
+                endpoint=environment('AWS_ENDPOINT_URL') or said.get('endpoint_url'))
+
+
 def open(path, *, dims=None, type=None, endian=None, skip=None, time_steps=None, spacing=None, grid=None,
-         channel=None, time=0, whole_series=True, opens_soon=False, index_dir=None, memory=None, threads=None,
-         progress=None):
+         channel=None, time=0, whole_series=True, opens_soon=False, index_dir=None, levels=None, cache=None,
+         cache_dir=None, memory=None, threads=None, progress=None):
     """Opens a volume and returns a Volume.
 
     `path` is what `sluice render` takes: a file, a folder, a pattern such as 'step_%03d.nrrd', an
@@ -69,7 +108,10 @@ def open(path, *, dims=None, type=None, endian=None, skip=None, time_steps=None,
     or a list of them that pictures show together, as they do the active channels of an OME file.
 
     The first opening passes over the voxels and keeps an index in `index_dir`, by default the
-    folder that `sluice` uses; '' keeps none. `memory` ('512M' or bytes) bounds that pass.
+    folder that `sluice` uses; '' keeps none. `memory` ('512M' or bytes) bounds that pass. `levels`
+    says whether it makes coarser levels of a file that has none: 'auto' if it is large, 'always',
+    'none', or, by default, only uses those that were 'kept' before. `cache` ('20G' or bytes) is the
+    limit of a folder, `cache_dir`, that keeps what is read from addresses on the web.
     `progress(stage, done, total)` is called with 'indexing' or 'decoding' and bytes.
 
     With `opens_soon`, a large or distant volume whose file has coarser levels is opened without that
@@ -85,7 +127,10 @@ def open(path, *, dims=None, type=None, endian=None, skip=None, time_steps=None,
     paths = [path] if isinstance(path, (str, _os.PathLike)) else list(path)
     options = dict(dims=dims, type=type, big_endian=endian == 'big', skip=skip, time_steps=time_steps,
                    spacing=spacing, grid=grid, whole_series=whole_series, opens_soon=opens_soon, time=time,
-                   index_dir=_index_folder(index_dir), memory=_bytes(memory), threads=threads)
+                   index_dir=_index_folder(index_dir), levels=levels, memory=_bytes(memory), threads=threads)
+    options.update(_cache(cache, cache_dir))
+    if any(str(each).startswith('s3://') for each in paths):
+        options.update(_key())
     if isinstance(channel, (list, tuple)):
         channel = ','.join(map(str, channel)) if len(channel) > 1 else channel[0]
     options['channel_name' if isinstance(channel, str) else 'channel'] = channel
@@ -232,6 +277,13 @@ class Volume:
         """The plane `at` of the axis 'x', 'y' or 'z' as floats; see Renderer.slice()."""
         return self._renderer().slice(axis, at, time=time, most=most)
 
+    def widget(self, **options):
+        """A picture for a notebook with sliders that turn it; needs the package ipywidgets.
+
+        `options` are those of render(). With a `threshold` there is a slider for it, too.
+        """
+        return _turned_picture(self.render, _png, self.value_range, options)
+
     def probe(self, right, down, **options):
         """The voxel seen at a point of a picture; see Renderer.probe()."""
         return self._renderer().probe(right, down, **options)
@@ -261,7 +313,7 @@ class Renderer:
         `options` are those of `sluice render`: threshold, opacity, opacities, transfer, map, range,
         labels, mode, shade, full_gradient, view, azimuth, elevation, zoom, projection, fov, up,
         eye, target, fit, time, step, crop, clip, background; and of the picture `size` ((width,
-        height) or one number), `pixel_error`, `level` and `time_limit` (seconds). With depth=True
+        height) or one number), `pixel_error`, `level`, `max_bytes`, `keep_thin` and `time_limit` (seconds). With depth=True
         the result is a pair, the second of shape (height, width): the distance from the eye in
         world units, inf where nothing shows.
 

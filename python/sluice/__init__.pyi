@@ -11,13 +11,17 @@ _Triple = Sequence[float]
 _Progress = Callable[[str, int, int], object]
 _Fill = Callable[[int, tuple[int, int, int], tuple[int, int, int]], ArrayLike]
 
-class Error(RuntimeError): ...
+class Error(RuntimeError):
+    kind: Literal['input', 'request', 'memory', 'system']
+
 class Cancelled(RuntimeError): ...
 
 class PictureOptions(TypedDict, total=False):
     size: int | tuple[int, int] | None
     pixel_error: float | None
     level: int | None
+    max_bytes: int | None
+    keep_thin: bool | None
     time_limit: float | None
     projection: Literal['ortho', 'perspective'] | None
     zoom: float | None
@@ -72,6 +76,9 @@ def open(
     whole_series: bool = ...,
     opens_soon: bool = ...,
     index_dir: _Path | None = ...,
+    levels: Literal['auto', 'always', 'kept', 'none'] | None = ...,
+    cache: int | str | None = ...,
+    cache_dir: _Path | None = ...,
     memory: int | str | None = ...,
     threads: int | None = ...,
     progress: _Progress | None = ...,
@@ -145,6 +152,7 @@ class Volume(_Draws):
     def time_steps(self) -> int: ...
     @property
     def value_range(self) -> tuple[float, float]: ...
+    def widget(self, **options: Unpack[PictureOptions]) -> Any: ...
     def histogram(self, bins: int = ...) -> tuple[NDArray[numpy.uint64], NDArray[numpy.float64]]: ...
 
 class Renderer(_Draws):

@@ -5,6 +5,8 @@
 import ast
 import doctest
 import gc
+import gzip
+import importlib.util
 import json
 import os
 import pathlib
@@ -15,6 +17,7 @@ import sys
 import tempfile
 import threading
 import time
+import types
 import unittest
 import zlib
 
@@ -57,6 +60,18 @@ def read_png(path):
                 line[x] = (filtered[x] + {1: left, 3: (left + up) // 2, 4: paeth}[kind]) % 256
         out[y] = line
     return out.reshape(height, width, channels)
+
+
+def nifti(path, array):
+    """Writes an array of bytes, indexed [z, y, x], as a NIfTI-1 file."""
+    header = bytearray(352)
+    struct.pack_into('<i', header, 0, 348)
+    struct.pack_into('<8h', header, 40, 3, *array.shape[::-1], 1, 1, 1, 1)
+    struct.pack_into('<2h', header, 70, 2, 8)
+    struct.pack_into('<8f', header, 76, 1, 1, 1, 1, 0, 0, 0, 0)
+    struct.pack_into('<2f', header, 108, 352, 1)
+    header[344:348] = b'n+1\0'
+    pathlib.Path(path).write_bytes(gzip.compress(bytes(header) + array.tobytes()))
 
 
 def ball(dtype='u1', size=24):
@@ -290,6 +305,24 @@ class Plans(unittest.TestCase):
         self.assertEqual(report['volume_buffer']['loads'], plan['read']['blocks'])
         self.assertEqual(report['pages_loaded'], plan['algorithms']['merged']['pages'])
 
+    def test_are_of_levels_that_an_opening_made(self):
+        with tempfile.TemporaryDirectory() as folder:
+            name = os.path.join(folder, 'ball_96x96x96_uint8.raw')
+            z, y, x = numpy.mgrid[:96, :96, :96] - 47.5
+            voxels = (200 * numpy.clip(2 - (x * x + y * y + z * z) / 900, 0, 1)).astype('u1')
+            voxels[10, 10, 20:60] = 255
+            pathlib.Path(name).write_bytes(voxels.tobytes())
+            volume = sluice.open(name, index_dir=folder, levels='always')
+
+            def coarse_share(**options):
+                return volume.plan(threshold=220, fit='volume', **options)['cut']['coarse_share']
+            self.assertEqual(coarse_share(size=32), 1)
+            self.assertLess(coarse_share(size=32, keep_thin=True), 1)
+            self.assertEqual(coarse_share(size=128, pixel_error=0.5), 0)
+            self.assertEqual(coarse_share(size=128, pixel_error=0.5, max_bytes=1 << 16), 1)
+            with self.assertRaisesRegex(ValueError, 'levels: expected'):
+                sluice.open(name, levels='some')
+
     def test_name_the_levels_of_a_store(self):
         with tempfile.TemporaryDirectory() as folder:
             store = os.path.join(folder, 's.zarr')
@@ -331,6 +364,46 @@ class Requests(unittest.TestCase):
             sluice.Renderer(volume, memory='lots')
         with self.assertRaisesRegex(sluice.Error, 'no/such/file.nrrd'):
             sluice.open('no/such/file.nrrd')
+
+    def test_that_fail_say_what_has_to_change_in_words_of_python(self):
+        volume = sluice.from_array(ball())
+        for call, kind, words in [
+            (lambda: sluice.open('no/such/file.nrrd'), 'input', 'no/such/file.nrrd'),
+            (lambda: sluice.Renderer(volume, memory=10), 'memory', '^memory .* give memory'),
+            (lambda: volume.render(map='pinkish'), 'request', 'map'),
+            (lambda: volume.render(iso='5:0.4:pinkish'), 'request', '^iso 5:0.4:pinkish: there is no colour'),
+            (lambda: volume.render(level=5), 'request', 'level 5'),
+            (lambda: volume.save('/dev/full/picture.png'), 'input', '/dev/full')]:
+            with self.subTest(words), self.assertRaisesRegex(sluice.Error, words) as caught:
+                call()
+            self.assertEqual(caught.exception.kind, kind)
+            self.assertNotIn('--', str(caught.exception))
+
+    def test_of_buckets_find_a_key_where_amazons_tools_do(self):
+        before = dict(os.environ)
+        with tempfile.TemporaryDirectory() as folder:
+            home = pathlib.Path(folder)
+            (home / '.aws').mkdir()
+            (home / '.aws/credentials').write_text('[lab]\naws_access_key_id = A\naws_secret_access_key = B=%C\n')
+            (home / '.aws/config').write_text('[profile lab]\nregion = us-west-2\n[default]\nregion = sa-east-1\n')
+            try:
+                for name in [name for name in os.environ if name.startswith('AWS_')]:
+                    del os.environ[name]
+                os.environ.update(HOME=folder)
+                self.assertEqual(sluice._key()['region'], 'sa-east-1')
+                self.assertIsNone(sluice._key()['access_key'])
+                os.environ['AWS_PROFILE'] = 'lab'
+                self.assertEqual(sluice._key(), dict(access_key='A', secret_key='B=%C', session_token=None,
+                                                     region='us-west-2', endpoint=None))
+                os.environ.update(AWS_ACCESS_KEY_ID='D', AWS_SECRET_ACCESS_KEY='E', AWS_REGION='eu-west-1')
+                self.assertEqual(sluice._key(), dict(access_key='D', secret_key='E', session_token=None,
+                                                     region='eu-west-1', endpoint=None))
+                os.environ['AWS_PROFILE'] = 'lap'
+                with self.assertRaisesRegex(sluice.Error, 'no profile lap'):
+                    sluice.open('s3://bucket/key')
+            finally:
+                os.environ.clear()
+                os.environ.update(before)
 
     def test_take_none_as_the_default(self):
         volume = sluice.from_array(ball())
@@ -446,6 +519,95 @@ class Levels(unittest.TestCase):
                 self.assertEqual(table[column].tolist(), [row[column] for row in rows])
             with self.assertRaisesRegex(sluice.Error, 'no policy is called best'):
                 sluice.simulate(trace, policies=['best'])
+
+
+class Documents(unittest.TestCase):
+    """The examples of docs/python.md, run one after another as they stand."""
+
+    def test_have_examples_that_run(self):
+        page = (pathlib.Path(__file__).parents[2] / 'docs/python.md').read_text()
+        examples, lines = [], []
+        for line in page.splitlines() + ['end']:
+            if line.startswith('    '):
+                lines.append(line[4:])
+            elif line and lines:
+                examples.append('\n'.join(lines))
+                lines = []
+        programs = [each for each in examples if 'export ' not in each]
+        self.assertGreaterEqual(len(programs), 7)
+        before = os.getcwd()
+        with tempfile.TemporaryDirectory() as folder:
+            os.chdir(folder)
+            try:
+                self.run_in_order(programs)
+                self.assertEqual(len(list(pathlib.Path().glob('turn_*.png'))), 36)
+                self.assertTrue(pathlib.Path('bonsai.exr').stat().st_size > 1000)
+            finally:
+                os.chdir(before)
+
+    def run_in_order(self, programs):
+        nifti('bonsai.nii.gz', ball(size=64))
+        pathlib.Path('large.raw').write_bytes(bytes(64**3))
+        names = {}
+        for program in programs:
+            needed = [word for word in ('matplotlib', 'tqdm', 'pandas') if f'import {word}' in program
+                      or f'from {word}' in program]
+            missing = [word for word in needed if importlib.util.find_spec(word) is None]
+            if missing:
+                print(f'not run, since there is no {missing[0]}: {program.splitlines()[0]}')
+                continue
+            program = program.replace('2048', '64').replace('256, 128, 256', '64, 32, 64')
+            if 'matplotlib' in needed:
+                program = "import matplotlib\nmatplotlib.use('agg')\n" + program
+            exec(compile(program, 'docs/python.md', 'exec'), names)  # pylint: disable=exec-used
+            if 'figure' in program:
+                picture = read_png('figure.png')
+                self.assertGreater(picture.shape[1], 500)
+                self.assertGreater(len(numpy.unique(picture.reshape(-1, picture.shape[2]), axis=0)), 100)
+
+
+class Widgets(unittest.TestCase):
+    def setUp(self):
+        if importlib.util.find_spec('ipywidgets') is None:
+            sys.modules['ipywidgets'] = stand_in_widgets()
+            self.addCleanup(sys.modules.pop, 'ipywidgets')
+
+    def test_draw_anew_when_a_slider_moves(self):
+        volume = sluice.from_array(ball(size=32))
+        box = volume.widget(size=48, threshold=100, elevation=15)
+        image, azimuth, elevation, threshold = box.children
+        first = bytes(image.value)
+        self.assertEqual(first, sluice._png(volume.render(size=48, threshold=100, elevation=15, fit='volume')))
+        azimuth.value = 45
+        self.assertEqual(bytes(image.value), sluice._png(volume.render(
+            size=48, threshold=100, azimuth=45, elevation=15, fit='volume')))
+        threshold.value = threshold.max
+        self.assertNotEqual(bytes(image.value), first)
+        self.assertEqual(elevation.value, 15)
+
+    def test_have_no_slider_for_a_look_without_threshold(self):
+        self.assertEqual(len(sluice.from_array(ball()).widget(size=16).children), 3)
+
+
+def stand_in_widgets():
+    """The part of ipywidgets that the widget uses, for machines without it."""
+    class Widget:
+        def __init__(self, **traits):
+            self.observers = []
+            self.__dict__.update(traits)
+
+        def observe(self, call, _):
+            self.observers.append(call)
+
+        def __setattr__(self, name, value):
+            self.__dict__[name] = value
+            for call in self.observers if name == 'value' else []:
+                call(value)
+
+    module = types.ModuleType('ipywidgets')
+    module.FloatSlider = module.Image = Widget
+    module.VBox = lambda children: Widget(children=tuple(children))
+    return module
 
 
 class Docstrings(unittest.TestCase):

@@ -1,0 +1,27 @@
+"""Pictures in notebooks that sliders turn."""
+
+
+def turned_picture(render, png, value_range, options):
+    """The widget of Volume.widget(); `render` and `png` draw a picture and encode it."""
+    try:
+        import ipywidgets
+    except ImportError:
+        raise ImportError('sluice: the widget needs the package ipywidgets (python3-ipywidgets)') from None
+    options = {'fit': 'volume', **options}
+
+    def slider(name, low, high, at, step):
+        return ipywidgets.FloatSlider(value=options.pop(name, at), min=low, max=high, step=step, description=name)
+
+    sliders = {'azimuth': slider('azimuth', -180, 180, 0, 5), 'elevation': slider('elevation', -90, 90, 0, 5)}
+    if options.get('threshold') is not None:
+        low, high = value_range
+        sliders['threshold'] = slider('threshold', low, high, None, (high - low) / 255 or 1)
+    image = ipywidgets.Image(format='png')
+
+    def draw(_=None):
+        image.value = png(render(**options, **{name: each.value for name, each in sliders.items()}))
+
+    for each in sliders.values():
+        each.observe(draw, 'value')
+    draw()
+    return ipywidgets.VBox([image, *sliders.values()])
