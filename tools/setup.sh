@@ -36,6 +36,8 @@ test_packages=(
   man-db groff mandoc zsh fish desktop-file-utils shared-mime-info libxml2-utils
   # The documents and the library's headers as pages.
   mkdocs doxygen
+  # The library's binary interface, and the figure among Python's examples.
+  abigail-tools python3-matplotlib
 )
 
 case "${1-all}" in

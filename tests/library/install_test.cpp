@@ -38,8 +38,8 @@ class Installed : public testing::Test {
   const TempFolder folder_;
 };
 
-TEST_F(Installed, theExampleDrawsWhatTheProgramDraws) {
-  build(SLUICE_SOURCE_DIR "/examples/turntable");
+TEST_F(Installed, theTurntableDrawsWhatTheProgramDraws) {
+  build(SLUICE_SOURCE_DIR "/examples");
   run(SLUICE_PROGRAM " synth shells -q -o shells_40x40x40_uint8.raw --dims 40,40,40");
   const std::string said = run("build/turntable shells_40x40x40_uint8.raw 90 out.png");
   EXPECT_THAT(said, HasSubstr("shells_40x40x40_uint8.raw on "));
@@ -69,6 +69,20 @@ TEST_F(Installed, theExampleDrawsWhatTheProgramDraws) {
   EXPECT_EQ(failed.status, 1);
   EXPECT_THAT(failed.output, HasSubstr("turntable: none_8x8x8_uint8.raw"));
   EXPECT_FALSE(std::filesystem::exists(folder_ / "no.png"));
+}
+
+TEST_F(Installed, examplesDoTheirJobs) {
+  build(SLUICE_SOURCE_DIR "/examples");
+  EXPECT_THAT(run("build/array drops.png"), HasSubstr("values from "));
+  EXPECT_GT(visiblePixels(readPng(folder_ / "drops.png").rgba), 5000U);
+  run("build/custom_source gyroid.png");
+  EXPECT_GT(visiblePixels(readPng(folder_ / "gyroid.png").rgba), 100000U);
+  const std::string said =
+      run("build/cache_study synth:shells,dims=96x96x96 90 turn.trace && " SLUICE_PROGRAM
+          " simulate turn.trace --policies lru");
+  EXPECT_THAT(said, HasSubstr("1024 MiB"));
+  EXPECT_THAT(said, HasSubstr("lru"));
+  EXPECT_EQ(runCommand("cd " + shellQuoted(folder_.path().string()) + " && build/array").status, 2);
 }
 
 TEST_F(Installed, headersStandAloneAndShowNothingElse) {

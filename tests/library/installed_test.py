@@ -143,7 +143,7 @@ class Installed(unittest.TestCase):
         exported = set(re.findall(r' [TWVBDR] (.*?)(?:@@.*)?$', run('nm', '-DC', '--defined-only', library), re.M))
         # The members of the classes; none of their public functions is inline.
         declared = set()
-        for header, owner in [('image', 'Image'), ('renderer', 'Renderer'), ('volume', 'Volume')]:
+        for header, owner in [('image', 'Image'), ('renderer', 'Renderer'), ('volume', 'Volume'), ('in_situ', 'Ranks')]:
             text = re.sub(r'//.*', '', (self.prefix / f'include/sluice/{header}.h').read_text())
             body = re.search(rf'^(?:class|struct) {owner} {{(.*?)(?:^ private:|^}};)', text, re.M | re.S)[1]
             declared |= {f'sluice::{owner}::{name}' for name in

@@ -81,10 +81,10 @@ print(sluice.from_array(numpy.arange(4096, dtype="u2").reshape(16, 16, 16)).rend
 
 step "find_package and pkg-config"
 add g++ make cmake pkg-config
-cp -r "$source/examples/turntable" "$root/tmp/turntable"
-inside sh -ec 'cd /tmp/turntable; cmake -B build -DCMAKE_BUILD_TYPE=Release >/dev/null; cmake --build build >/dev/null
+cp -r "$source/examples" "$root/tmp/examples"
+inside sh -ec 'cd /tmp/examples; cmake -B build -DCMAKE_BUILD_TYPE=Release >/dev/null; cmake --build build >/dev/null
   build/turntable synth:phantom,dims=64x64x64 20 /tmp/t.png >/dev/null; test -s /tmp/t.png
-  g++ -std=c++20 main.cpp -o by_pkg_config $(pkg-config --cflags --libs sluice)
+  g++ -std=c++20 turntable.cpp -o by_pkg_config $(pkg-config --cflags --libs sluice)
   ./by_pkg_config synth:phantom,dims=64x64x64 20 /tmp/t2.png >/dev/null; cmp /tmp/t.png /tmp/t2.png'
 
 step "removed"
