@@ -1,4 +1,5 @@
 // sluice render: pictures of a volume, as PNG or EXR.
+#include <algorithm>
 #include <chrono>
 #include <memory>
 
@@ -27,6 +28,23 @@ const char* whyPlain(const Arguments& arguments, const Scene& scene) {
   return scene.look.transfer.labels
              ? "a picture of labels"
              : "a picture from levels of resolution; --level 0 leaves them out";
+}
+
+// Options that were given for nothing, one line each.
+void warnOfIdleOptions(const Arguments& arguments, CLI::App& app, const Scene& scene) {
+  if (arguments.frame.integrates && !scene.integrates(arguments.frame))
+    printWarning(fmt::format("{}: --quality changes nothing in {}", scene.volume.name,
+                             whyPlain(arguments, scene)));
+  const auto layers = scene.layers();
+  const bool is_lit = traitsOf(arguments.frame.mode).has_colors &&
+                      std::ranges::any_of(layers, [](const Layer* each) { return each->look.lit; });
+  for (const char* option :
+       {"--light", "--ambient", "--diffuse", "--specular", "--shadows", "--occlusion-light"})
+    if (!is_lit && app.count(option) > 0)
+      printWarning(
+          fmt::format("{}: {} changes nothing in a picture without lighting; --shade in "
+                      "composite mode lights it",
+                      scene.volume.name, option));
 }
 
 int run(Arguments& arguments, CLI::App& app, Team* team) {
@@ -82,9 +100,7 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
     for (const Layer* layer : scene.layers())
       for (const std::string& warning : layer->look.warnings) printWarning(warning);
   if (scene.volume.stand_in && !arguments.resources.quiet) printWarning(scene.volume.standInNote());
-  if (is_first && arguments.frame.integrates && !scene.integrates(arguments.frame))
-    printWarning(fmt::format("{}: --quality changes nothing in {}", scene.volume.name,
-                             whyPlain(arguments, scene)));
+  if (is_first) warnOfIdleOptions(arguments, app, scene);
   if (team != nullptr) expectSameScene(*team, scene, cameras, arguments.frame);
   RenderJob job{arguments, to_draw,  cameras,  output, {},
                 scene,     is_first, has_step, began,  std::move(earlier_pictures)};
@@ -189,6 +205,7 @@ Command addRender(CLI::App& program) {
   addQuietOption(output, arguments->resources.quiet);
   addJsonOption(output, arguments->json, "Prints the report instead of a summary");
   arguments->asked = addPictureOptions(*app, arguments->look, arguments->frame, arguments->fit);
+  addFrameOptions(*app, arguments->frame);
   addCullingOptions(*app, arguments->culling, true);
   OptionGroup(*app, kSeriesHeading)
       .flag("--continue", arguments->resume, "Draws only the pictures that do not exist yet");
