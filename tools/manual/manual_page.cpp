@@ -135,6 +135,16 @@ std::string optionList(const CommandText& command) {
   return text;
 }
 
+constexpr const char* kExitStatus =
+    ".SH EXIT STATUS\n"
+    ".TP\n.B 0\nSuccess, and all output was written.\n"
+    ".TP\n.B 1\nBad input or a bad environment. One line on standard error names the file or "
+    "option, "
+    "the expected and the found value.\n"
+    ".TP\n.B 2\nWrong usage.\n"
+    ".TP\n.BR 129 \", \" 130 \", \" 143\n"
+    "Ended by SIGHUP, SIGINT or SIGTERM, after its temporary files were removed.\n";
+
 // The other commands of its list, and the one above.
 std::string seeAlso(const CommandText& command, const CommandText& program) {
   std::string text;
@@ -165,7 +175,7 @@ std::string manualPage(const CommandText& command, const CommandText& program) {
          ".SH NAME\n" + escaped(dashed(command.name)) + " \\- " + escaped(summary) + "\n" +
          synopsis(command) + ".SH DESCRIPTION\n" + line(command.summary + ".") +
          paragraphs(command.description) + commandList(command) + optionList(command) +
-         seeAlso(command, program);
+         kExitStatus + seeAlso(command, program);
 }
 
 }  // namespace sluice
