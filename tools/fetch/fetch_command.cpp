@@ -183,8 +183,7 @@ Command addFetch(CLI::App& program) {
   auto arguments = std::make_shared<FetchArguments>();
   CLI::App* app = program.add_subcommand(
       "fetch",
-      "Copies a public volume to this machine: one of datasets.md, or any file or store by its "
-      "address\n\n"
+      "Copies a public volume by its name, or any file or store by its address\n\n"
       "  sluice fetch --list\n"
       "  sluice fetch NAME --accept-licence\n\n"
       "The terms are printed first. A run that ends early goes on where it stopped when it is "
@@ -196,7 +195,7 @@ Command addFetch(CLI::App& program) {
       ->group("Volume");
   const OptionGroup volume(*app, "Volume");
   volume.flag("--list", arguments->lists, "Lists the volumes that have names, with their sizes");
-  volume.flag("--accept-licence,--accept-license", arguments->accepts,
+  volume.flag("--accept-licence", arguments->accepts,
               "Accepts the terms that are printed; without it, no named volume is fetched");
   volume.parsed(
       "--sha256", "DIGITS", "64 hexadecimal digits", checksum,
