@@ -16,7 +16,7 @@
 namespace sluice {
 namespace {
 
-// Of the format in which learnt ranges are kept, but for that of the ranges themselves.
+// The version of the format in which learnt ranges are kept; the ranges have their own.
 constexpr uint32_t kLearntVersion = 1;
 
 std::string nameOf(const VolumeSource& source, int64_t time, const BlockLayout& layout) {

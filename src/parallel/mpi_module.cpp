@@ -93,7 +93,7 @@ class Underway {
 
 class MpiRanks : public Communicator {
  public:
-  // Of all processes; begins MPI.
+  // The ranks are all processes. Begins MPI.
   MpiRanks() {
     int is_begun = 0;
     check(MPI_Initialized(&is_begun), "cannot begin");
@@ -102,7 +102,7 @@ class MpiRanks : public Communicator {
       check(MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &level), "cannot begin");
     findPlace();
   }
-  // Of a program's communicator.
+  // The ranks are those of a program's communicator.
   explicit MpiRanks(MPI_Comm of_program) : is_shared_(true) {
     check(MPI_Comm_dup(of_program, &all_), "cannot share the communicator");
     findPlace();

@@ -40,13 +40,13 @@ class ObjectBoxes {
   // Cells in all object boxes, on all threads of `pool`.
   int64_t cellCount(WorkerPool& pool) const;
 
-  // What blocks show whose values all lie between two device values, a cell of which shows if a
-  // value between those of its voxels does.
+  // How much blocks show whose values all lie between two device values. A cell shows if a value
+  // between those of its voxels does.
   enum class Shown { kNothing, kSomething, kEverything };
   Shown shownBetween(double lo, double hi) const;
 
  private:
-  // In cells of the block, which has fewer than 2^16 along an axis. All 0: not made yet.
+  // A box in cells of its block, which has fewer than 2^16 along an axis. All 0: not made yet.
   struct PackedBox {
     std::array<uint16_t, 3> lo, hi;
     bool isMade() const { return hi[0] != 0 || lo[0] != 0; }
@@ -71,8 +71,8 @@ class ObjectBoxes {
   const Box3 crop_;
   const AnyClassifier classifier_;
   const bool shows_background_;
-  // Of each block of the grid. Zeroed memory that the system gives as it is touched: most of it
-  // never is.
+  // A box for each block of the grid, in zeroed memory that the system gives as it is touched: most
+  // of it never is.
   const std::unique_ptr<PackedBox[], Free> boxes_;
 };
 

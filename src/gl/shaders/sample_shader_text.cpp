@@ -4,7 +4,7 @@ namespace sluice {
 
 const char* const kSampleText = R"(
 #if LIGHT_VOLUME
-// Of index positions from the rays' common origin: the place in the light volume.
+// These turn an index position, from the rays' common origin, into a place in the light volume.
 uniform vec3 light_scale, light_offset;
 #endif
 void main() {

@@ -28,7 +28,7 @@ IndexedRanges rangesOfStep(const IndexedVolume& volume, int64_t time, const Inde
 // step. Throws as rangesOfStep() does.
 TimeStep stepOfSeries(const IndexedVolume& volume, int64_t time, const IndexPass& pass);
 
-// For the opening of a volume, whose source, places, layout and levels are set. All throw Error,
+// These open a volume whose source, places, layout and levels are set. All throw Error and
 // Interrupted.
 //
 // Whether a volume is drawn at level 0 from an index that is there already, without further levels.

@@ -22,8 +22,8 @@ bool followsFinest(const TimeStep& step);
 // The blocks that are asked for are classified, and no others: of a million blocks, a picture of
 // coarse levels needs the few that bound what shows.
 //
-// Of a finest level that nobody has listed (SliceRanges::is_listed), nothing is taken for the
-// levels above it. It is listed when its own blocks are asked for, as are other levels that nobody
+// A finest level that nobody has listed (SliceRanges::is_listed) tells nothing about the levels
+// above it. It is listed when its own blocks are asked for, as are other levels that nobody
 // has read: a picture of coarse levels lists few files.
 //
 // One thread at a time.
