@@ -84,7 +84,7 @@ add g++ make cmake pkg-config
 cp -r "$source/examples" "$root/tmp/examples"
 inside sh -ec 'cd /tmp/examples; cmake -B build -DCMAKE_BUILD_TYPE=Release >/dev/null; cmake --build build >/dev/null
   build/turntable synth:phantom,dims=64x64x64 20 /tmp/t.png >/dev/null; test -s /tmp/t.png
-  g++ -std=c++20 turntable.cpp -o by_pkg_config $(pkg-config --cflags --libs sluice)
+  g++ -std=c++20 turntable/main.cpp -o by_pkg_config $(pkg-config --cflags --libs sluice)
   ./by_pkg_config synth:phantom,dims=64x64x64 20 /tmp/t2.png >/dev/null; cmp /tmp/t.png /tmp/t2.png'
 
 step "removed"
