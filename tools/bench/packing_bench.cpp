@@ -82,6 +82,7 @@ Bench addPackingBench(CLI::App& app) {
       "packing", "Measures compression of a volume's blocks in memory, by codec, on one core");
   addVolumeOptions(*packing, bench->volume);
   addReadingOptions(*packing, bench->resources);
+  takeIdleOptions(*packing);
   return {packing, [bench](const Show& show) {
             return show(benchPacking(bench->volume, bench->resources), printPacking);
           }};

@@ -134,6 +134,7 @@ Command addInfo(CLI::App& program) {
   const OptionGroup output(*app, kOutputHeading);
   addQuietOption(output, arguments->resources.quiet);
   addJsonOption(output, arguments->json);
+  takeIdleOptions(*app);
   return [arguments] {
     Workers pool(arguments->resources.threads);
     IndexNeeds needs = kUsualNeeds;

@@ -108,6 +108,7 @@ Command addPrepare(CLI::App& program) {
   const OptionGroup output(*app, kOutputHeading);
   addQuietOption(output, arguments->resources.quiet);
   addJsonOption(output, arguments->json);
+  takeIdleOptions(*app);
   return [arguments, app] { return run(*arguments, *app); };
 }
 

@@ -146,6 +146,7 @@ Command addView(CLI::App& program) {
   addThreadsOption(machine, arguments->resources.threads);
   addDeviceOptions(machine, arguments->resources.device);
   addIndexDirOption(machine, arguments->resources.index_dir);
+  takeIdleOptions(*app);
   return [arguments, app] { return run(*arguments, *app); };
 }
 

@@ -4,6 +4,7 @@
 #include <bit>
 
 #include "cache/model/page_geometry.h"
+#include "tools/command_line/console.h"
 #include "tools/options/shared_options.h"
 
 namespace sluice {
@@ -121,6 +122,25 @@ void addResourceOptions(CLI::App& app, ResourceArguments& arguments) {
   group.choice("--policy", policies, arguments.policy,
                "Replacement policy of the texture cache: " + listed(namesOf(policies)));
   group.number("--seed", "N", arguments.seed, {}, "Seed of the random policy");
+}
+
+void takeIdleOptions(CLI::App& app) {
+  CLI::App drawing;
+  drawing.set_help_flag();
+  ResourceArguments resources;
+  FrameOptions frame;
+  addResourceOptions(drawing, resources);
+  addFrameOptions(drawing, frame);
+  for (const CLI::Option* option : drawing.get_options()) {
+    const std::string name = option->get_name();
+    if (app.get_option_no_throw(name) != nullptr) continue;
+    const auto warn = [&app, name](const std::string&) {
+      const CLI::Option* const quiet = app.get_option_no_throw("--quiet");
+      if (quiet == nullptr || quiet->count() == 0)
+        printWarning(fmt::format("{} changes nothing here", name));
+    };
+    app.add_option_function<std::string>(name, warn)->group("");
+  }
 }
 
 }  // namespace sluice

@@ -35,6 +35,10 @@ void addLevelOptions(CLI::App& app, LevelArguments& arguments, ResourceArguments
 void addResourceOptions(CLI::App& app, ResourceArguments& arguments);
 // The part of it for commands that only read a volume and its index.
 void addReadingOptions(CLI::App& app, ResourceArguments& arguments);
+// Takes those options of drawing that the command does not have, for scripts that give the same
+// ones to several commands. No help lists them, and each that is given is a warning. To be called
+// last.
+void takeIdleOptions(CLI::App& app);
 
 // "64x32x32" as --page takes it, no longer than a block along any axis; nullopt: something else.
 std::optional<Vec3i> parsePageOption(const std::string& word);
