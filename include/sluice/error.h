@@ -12,7 +12,7 @@ namespace sluice {
 // their fields in these headers.
 class Error : public std::runtime_error {
  public:
-  // What has to change before the same call works.
+  // The kind tells what has to change before the same call works.
   enum class Kind {
     kInput,    // the data: a file is missing, damaged, or of no known kind
     kRequest,  // the options, which this volume or device does not allow

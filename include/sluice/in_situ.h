@@ -24,8 +24,9 @@ namespace sluice {
 
 // The ranks of a communicator of yours. A handle: copies are the same ranks.
 //
-// What all ranks must call together, and in the same order: the constructor, Volume::borrow() with
-// these ranks, the constructor of a Renderer of that volume, and its draw(). Each runs on the
+// All ranks must make these calls together, and in the same order: the constructor,
+// Volume::borrow() with these ranks, the constructor of a Renderer of that volume, and its draw().
+// Each runs on the
 // thread that calls it, which must be the one that may call MPI. If one rank fails, all throw its
 // Error.
 class Ranks {

@@ -16,7 +16,7 @@ namespace sluice {
 // labels, threshold. Otherwise they are chosen from the values. Opacities given with a
 // transfer_file keep the colours of that file.
 struct LookOptions {
-  // What a ray shows: its colours one behind the other; its greatest, least or mean value; or the
+  // A ray shows its colours one behind the other; its greatest, least or mean value; or the
   // greatest of its values dimmed by those in front of them.
   enum class Mode { kComposite, kMaximum, kMinimum, kAverage, kAttenuatedMaximum };
   // Whether light falls on surfaces, by the gradient.
@@ -152,9 +152,9 @@ struct PictureOptions {
     // Shares of a colour that all light reflects, and light on a surface that faces it; and of
     // white in a highlight. Each from 0 to 1.
     std::optional<double> ambient = {}, diffuse = {}, specular = {};
-    // How much of the key light matter on its way takes away, and how much of all other light
-    // matter around a place does; each from 0 to 1, unset: 0. Not for opacities that depend on
-    // gradients.
+    // The share of the key light that matter on its way takes away, and the share of all other
+    // light that matter around a place does; each from 0 to 1, unset: 0. Not for opacities that
+    // depend on gradients.
     std::optional<double> shadows = {}, occlusion = {};
     friend bool operator==(const Lighting&, const Lighting&) = default;
   };

@@ -87,7 +87,7 @@ struct PicturePlan {
   };
   // The finest first; empty for a volume with one level.
   std::vector<Level> levels;
-  // As in RenderReport.
+  // These have the same meaning as in RenderReport.
   double coarse_share = 0;
   bool is_refined = true;
 
@@ -116,7 +116,7 @@ struct ShownLook {
     double label = 0;
     std::string name;
   };
-  // How one of several channels looks that pictures show together.
+  // The look of one of several channels that pictures show together.
   struct Channel {
     std::string channel;          // its number, as LookOptions::Channel names it
     std::string name;             // as the file has it; may be empty

@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 
 constexpr mode_t kFileMode = 0644;
 
-// What FILE.part-of says of the object that FILE.part has the first bytes of.
+// FILE.part-of says this of the object that FILE.part has the first bytes of.
 struct Known {
   std::string name, stamp;
   uint64_t bytes = 0;

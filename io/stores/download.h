@@ -17,7 +17,7 @@
 
 namespace sluice {
 
-// What is known of an object before it is read.
+// The facts that are known of an object before it is read.
 struct ExpectedObject {
   std::optional<uint64_t> bytes = {};
   std::string sha256 = {};  // 64 digits in lower case; empty: not known

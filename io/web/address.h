@@ -50,8 +50,8 @@ Address parseAddress(const std::string& name, const BucketAccess& buckets = {});
 // The address without name, password and query: for messages, reports and titles.
 std::string printedAddress(const Address& address);
 
-// What a user named, without name, password and query if it is an address: for messages, reports
-// and names of files.
+// The name that a user gave, for messages, reports and names of files: an address loses its user,
+// password and query.
 std::string withoutSecrets(const std::string& name);
 
 }  // namespace sluice

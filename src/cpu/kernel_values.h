@@ -151,7 +151,7 @@ struct Kernels {
   uint64_t (*count)(const KernelFrame& frame, const KernelBox* boxes, const uint32_t* indices,
                     size_t count, const TilePixels& tile) = nullptr;
 
-  // What draws frames of a mode.
+  // The kernel that draws frames of a mode.
   auto drawing(Combining combining) const {
     return combining == Combining::kBlend ? composite : other;
   }

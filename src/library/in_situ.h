@@ -22,7 +22,7 @@ struct Ranks::Impl {
 };
 Ranks ranksOf(std::unique_ptr<Communicator> communicator);
 
-// What a volume in parts has beside its own voxels. Constant.
+// A volume in parts has this beside its own voxels. Constant.
 struct InSitu {
   std::shared_ptr<Ranks::Impl> ranks;
   std::shared_ptr<const LentBoxes> boxes;

@@ -53,7 +53,7 @@ TEST(LargePages, areWishedForWhereAWholeOneFits) {
   if (std::FILE* known = std::fopen("/sys/kernel/mm/transparent_hugepage/enabled", "r")) {
     std::fclose(known);
   } else {
-    GTEST_SKIP() << "this kernel has no large pages";
+    GTEST_SKIP() << "this kernel has no /sys/kernel/mm/transparent_hugepage";
   }
   const Mapping mapping(6 * kLarge);
   std::byte* const page = mapping.page();

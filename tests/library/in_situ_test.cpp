@@ -37,7 +37,7 @@ struct Field {
   Vec3i size() const { return {dims[0], dims[1], dims[2]}; }
 };
 
-// What a rank of a simulation has: its box with ghosts, as far as the volume reaches.
+// A rank of a simulation has its box with ghosts, as far as the volume reaches.
 struct Part {
   LentBox box;
   std::vector<uint16_t> voxels;

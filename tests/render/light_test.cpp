@@ -55,7 +55,7 @@ TEST_F(LightTest, aSlabLetsThroughWhatItsThicknessLeaves) {
         const double stretched = std::sqrt(1 + slant * slant);
         std::vector<float> light(matter.per_length.size(), 0.0F);
         addLight(matter, {toward, stretched, 0}, 1, pool, light);
-        // In the middle, where nothing comes from beside the slab.
+        // These lie in the middle, where nothing comes from beside the slab.
         Vec3i before{texels / Vec3i{2, 2, 2}}, behind = before;
         before[axis] = from_above ? 13 : 6;
         behind[axis] = from_above ? 6 : 13;

@@ -1,4 +1,4 @@
-// What shows below the blocks of coarser levels, against all blocks of the finest level one by one.
+// ShownLevels against all blocks of the finest level, one by one.
 #include "src/render/blocks/shown_levels.h"
 
 #include <gtest/gtest.h>

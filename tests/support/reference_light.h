@@ -29,7 +29,7 @@ class ReferenceLight {
   double extinctionOf(const ReferenceScene& scene, const ReferenceValues& values,
                       Vec3i voxel) const;
   double shownShare(const ReferenceScene& scene, Vec3d index) const;
-  // What arrives at each texel from a direction of the world.
+  // The share of light that arrives at each texel from a direction of the world.
   std::vector<double> arriving(Vec3d toward, double reach_vox) const;
 
   const VolumeLayout& layout_;

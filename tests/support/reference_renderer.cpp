@@ -360,7 +360,8 @@ class Renderer {
     }
     return {colorAt(scene_.transfer, value), 1, 0};
   }
-  // What a value counts as.
+  // The number by which values are compared: in the attenuated mode their place between the ends of
+  // the colours, from 0 to 1.
   double counted(double value) const {
     const auto& colors = scene_.transfer.colors;
     const double lo = colors.front().value, hi = colors.back().value;

@@ -72,7 +72,7 @@ TEST_F(FetchProgram, goesOnAfterItWasKilled) {
   uint64_t whole = 0;
   for (const WebRequest& r : server.requests())
     if (r.status == 206) whole += r.bytes;
-  // What was on its way when it was killed comes twice, and nothing else does.
+  // Only the pieces that were on their way when it was killed come twice.
   EXPECT_LE(whole, content_.size() + (size_t{5} << 23));
 }
 

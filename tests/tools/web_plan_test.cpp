@@ -1,4 +1,4 @@
-// What `plan` says of a volume on a server, against what the server was asked for.
+// `plan` of a volume on a server, against what the server was asked for.
 #include <gmock/gmock.h>
 
 #include <cctype>

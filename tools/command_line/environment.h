@@ -28,8 +28,8 @@ DecodeOptions decodeOptions();
 // empty: neither is set.
 std::filesystem::path webCacheFolder();
 
-// Where s3:// addresses lead, and the key for them: io/web/bucket_access.h with this process's
-// environment. Throws Error.
+// The server of s3:// addresses and the key for them: bucketAccess() of io/web/bucket_access.h with
+// this process's environment. Throws Error.
 BucketAccess bucketAccess();
 
 // The rank that a launcher has started this process as, and the number of ranks.

@@ -1,5 +1,5 @@
-// What a picture of a store of chunks reads, as the plan command prints it: requests and bytes of a
-// server, and how often chunks are decoded.
+// The reads of a picture from a store of chunks, as the plan command prints them: requests and
+// bytes of a server, and how often chunks are decoded.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -13,8 +13,9 @@
 
 namespace sluice {
 
-// What opening a volume on a server reads before a picture can be planned, of all its channels;
-// nullopt: nothing, or the volume is a file of this machine. Reads metadata alone. Throws Error.
+// The reads of all channels when a volume on a server is opened, before a picture can be planned;
+// nullopt: nothing is read, or the volume is a file of this machine. Reads metadata alone. Throws
+// Error.
 std::optional<PassForecast> passOverServer(const VolumeArguments& volume, const LookArguments& look,
                                            const ResourceArguments& resources,
                                            const FrameOptions& frame);

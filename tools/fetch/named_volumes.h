@@ -23,7 +23,7 @@ struct NamedVolume {
   uint64_t bytes() const;
   // The licence, or what takes its place, in a line.
   std::string terms() const;
-  // What `sluice render` needs beside the file's name; empty, or with a space in front.
+  // The options that `sluice render` needs beside the file's name; empty, or with a space in front.
   std::string options() const;
 };
 

@@ -13,7 +13,8 @@ namespace sluice {
 // `whole_series`: see VolumeOptions.
 ViewedVolume viewedVolume(const VolumeArguments& volume, const ResourceArguments& resources,
                           const std::string& index_folder, bool whole_series);
-// How these paths are read if they are addresses. Throws Error: see bucketAccess().
+// The cache and the key with which these paths are read if they are addresses. Throws Error as
+// bucketAccess() does.
 VolumeOptions::Web webOf(const WebOptions& web, const std::vector<std::string>& paths);
 // The view that was asked for, with the time step and the flags of the look, which the options hold
 // apart. The volume is opened whole, so its range covers all steps.

@@ -93,7 +93,7 @@ class ZarrChunkFiles final : public ChunkedArray {
   // written after the volume was opened.
   bool readFile(int64_t file, const PieceBytes& wanted, const Room& room);
   void readIndex(int64_t file, std::span<std::byte> index);
-  // Where a shard's index lies in its file.
+  // The place of a shard's index in its file.
   PieceBytes indexPiece() const;
   // Files that turned out not to be there, so that a server is seldom asked for them again.
   void rememberMissing(int64_t file);

@@ -18,8 +18,8 @@ struct StoredReads {
   int64_t indices = 0;      // of shards
   int64_t kept = 0;         // of both: those of which a cache on this machine has a copy
   uint64_t most_bytes = 0;  // of the others, at most: compressed chunks have a bound only
-  // How often chunks are decoded at most: each once if the memory holds all of them, else once for
-  // each box that needs it. And the memory that they take decoded.
+  // The most times that chunks are decoded: each once if the memory holds all of them, else once
+  // for each box that needs it. And the memory that they take decoded.
   int64_t decodes = 0;
   uint64_t decoded_bytes = 0;
 

@@ -1,4 +1,4 @@
-// What a Drawing does together with other ranks, each of which has a part of the volume.
+// The work of a Drawing together with other ranks, each of which has a part of the volume.
 #include <fmt/format.h>
 
 #include "src/base/error.h"

@@ -1,4 +1,4 @@
-// What a Drawing tells of its look, of its last picture and of the levels of memory.
+// A Drawing's reports on its look, its last picture and the levels of memory.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -48,7 +48,7 @@ AlgorithmCosts algorithmCosts(const IndexedVolume& volume, const PlannedBlocks& 
 struct Forecast {
   int64_t blocks = 0;        // blocks that show something
   uint64_t voxel_bytes = 0;  // decoded bytes of those blocks, as a first frame reads them
-  // What a first frame reads of a store of chunks; unset: the volume is none.
+  // The reads of a first frame from a store of chunks; unset: the volume is none.
   std::optional<StoredReads> stored = {};
   // The memory that MachineOptions::memory_bytes bounds: its value, the least that works, and the
   // frame's need.
@@ -63,8 +63,8 @@ struct Forecast {
   bool fits() const { return least_bytes <= budget_bytes && peakBytes() <= machine_bytes; }
 };
 
-// What reading a level of the volume from end to end takes of a store of chunks, with its spreads;
-// level 0 has no spreads. Throws Error.
+// The reads of a level of the volume, from end to end and with its spreads, which level 0 has not;
+// nullopt: the volume is no store of chunks. Throws Error.
 std::optional<StoredReads> storedReadsOfLevel(VolumeSource& source, int64_t time, int level);
 
 // `page`: with as many pages as the picture has. `plan_bytes`: bytes of the textures that the

@@ -25,10 +25,10 @@ struct IndexNeeds {
   // The kind of values that coarser levels must hold. If the volume's scale is negative, its levels
   // hold the other extreme of the stored numbers.
   LevelValues values = LevelValues::kMeans;
-  // With levels: a volume that has no index of its finest level is opened with a stand-in.
+  // A volume with levels that has no index of its finest level is opened with a stand-in.
   bool may_stand_in = false;
-  // With may_stand_in: a volume that has neither levels nor an index is opened with a sample of its
-  // voxels, for which so many seconds may be spent; unset: it is passed over.
+  // If it may have a stand-in, a volume that has neither levels nor an index is opened with a
+  // sample of its voxels, for which so many seconds may be spent; unset: it is passed over.
   std::optional<double> sample_seconds = {};
   // A volume that takes long to pass over is opened with all levels of its file and with a
   // stand-in, see hurriedNeeds().

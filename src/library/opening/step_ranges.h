@@ -12,10 +12,10 @@ namespace sluice {
 
 class SideLevels;
 
-// What is known of a step's finest level.
+// The ranges that are known of a step's finest level.
 struct StepValues {
   std::shared_ptr<const IndexedRanges> index;
-  // If the level was not read: the index of the level that stands for it. Null: it was.
+  // The index of the level that stands for it, if it was not read. Null: it was.
   std::shared_ptr<const IndexedRanges> stand_in;
 };
 // The values of any step of the volume, known in the way in which its own step's are. Throws Error,

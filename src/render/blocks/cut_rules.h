@@ -12,9 +12,9 @@
 
 namespace sluice {
 
-// What the voxels of coarser levels must be of the finest ones for a picture of this mode, of
-// values or labels. `value_scale`: the value of a stored number more; if it is negative, the
-// greatest value has the least number, of which levels are made.
+// The kind of values that coarser levels must hold for a picture of this mode, of values or labels.
+// `value_scale`: the value of a stored number more; if it is negative, the greatest value has the
+// least number, of which levels are made.
 constexpr LevelValues levelValuesFor(Mode mode, bool has_labels, double value_scale) {
   if (has_labels) return LevelValues::kModes;
   return traitsOf(deviceMode(mode, value_scale)).level_values;

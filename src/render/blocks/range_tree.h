@@ -16,7 +16,7 @@ namespace sluice {
 
 class RangeTree {
  public:
-  // What is known of the finest blocks in the region of a block. Values are device values.
+  // The range of the known finest blocks in the region of a block, in device values.
   struct Node {
     float lo = 0, hi = -1;  // of the known ones; lo > hi: there are none
     bool has_unknown = false;

@@ -62,7 +62,7 @@ class ShownLevels {
   // finest one, or if nothing is known of it.
   ObjectBoxes* boxesOf(int level);
   std::unique_ptr<ObjectBoxes> madeBoxes(int level) const;
-  // What of the region of a block shows at the finest level, as far as its ranges tell at once.
+  // How much of the region of a block shows at the finest level, as far as its ranges tell at once.
   Shown shownBelow(int level, Vec3i index);
   // The hull of the finest level's object boxes in the region of a block, in finest cells.
   const Box3& hullOf(int level, Vec3i index);

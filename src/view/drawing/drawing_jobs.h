@@ -29,7 +29,8 @@ struct DrawingOptions {
   std::string state_file;
   std::optional<ViewPath> path;  // the path saved with it
   std::string index_folder;      // for volumes that name none
-  // How these paths are read if they are addresses; not set: without a cache and without a key.
+  // Gives the cache and the key with which these paths are read if they are addresses; not set:
+  // neither.
   std::function<VolumeOptions::Web(const std::vector<std::string>& paths)> web_of;
   std::string trace_file;  // empty: none; of the volume that is opened first
   // Throws Error if one of `writes` must not be written: it is one of `reads`, or an existing file

@@ -12,7 +12,7 @@ namespace sluice {
 
 using Rgb = std::array<double, 3>;  // 0 to 1, as shown on a screen
 
-// What `look` says of this channel, to be changed; says nothing new if it was not named before.
+// The channel's own look within `look`, to be changed; an empty one is added if there is none.
 LookOptions::Channel& channelOf(LookOptions& look, std::string_view channel);
 
 // "ff8800", a colour as options have it.

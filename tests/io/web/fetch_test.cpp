@@ -27,7 +27,7 @@ using testing::StartsWith;
 
 std::string sha256Of(std::string_view text) {
   Sha256 sha;
-  // In pieces of many lengths.
+  // The pieces have many lengths.
   for (size_t at = 0, bytes = 1; at < text.size(); at += bytes, bytes = bytes * 2 % 211 + 1)
     sha.add(std::as_bytes(std::span(text.substr(at, bytes))));
   return sha.finish();

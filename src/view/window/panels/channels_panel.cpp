@@ -13,7 +13,7 @@ namespace {
 
 using Channel = ShownLook::Channel;
 
-// As the user set it last: the picture that shows it may not be there yet.
+// The look that the user set last. The picture that shows it may not be there yet.
 LookOptions::Channel asked(const WindowState& window, const Channel& channel) {
   LookOptions look = window.state().look;
   return channelOf(look, channel.channel);
