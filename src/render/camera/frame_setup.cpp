@@ -53,19 +53,6 @@ std::array<double, 4> rowOf(const View& view, const VolumeLayout& layout, Vec3d 
   return row;
 }
 
-std::vector<ClipPlane> clipPlanes(const std::vector<WorldPlane>& planes,
-                                  const VolumeLayout& layout) {
-  std::vector<ClipPlane> result;
-  for (const WorldPlane& plane : planes) {
-    ClipPlane clip;
-    for (int a = 0; a < 3; ++a)
-      clip.normal[a] = dot(layout.axes[static_cast<size_t>(a)], plane.normal) * layout.spacing[a];
-    clip.offset = plane.offset - dot(layout.origin, plane.normal);
-    result.push_back(clip);
-  }
-  return result;
-}
-
 // The first slice in front of a perspective eye.
 int64_t firstSlice(const View& view) {
   if (view.projection == Projection::kOrtho || view.first_depth > 0) return 0;
@@ -100,6 +87,19 @@ FrameSetup setupOf(const View& view, const VolumeLayout& layout, const OpacityTa
 }
 
 }  // namespace
+
+std::vector<ClipPlane> clipPlanes(const std::vector<WorldPlane>& planes,
+                                  const VolumeLayout& layout) {
+  std::vector<ClipPlane> result;
+  for (const WorldPlane& plane : planes) {
+    ClipPlane clip;
+    for (int a = 0; a < 3; ++a)
+      clip.normal[a] = dot(layout.axes[static_cast<size_t>(a)], plane.normal) * layout.spacing[a];
+    clip.offset = plane.offset - dot(layout.origin, plane.normal);
+    result.push_back(clip);
+  }
+  return result;
+}
 
 FrameSetup viewSetup(const View& view, const VolumeLayout& layout,
                      const std::vector<WorldPlane>& planes) {

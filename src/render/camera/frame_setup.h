@@ -26,6 +26,10 @@ FrameSetup frameSetup(const View& view, const VolumeLayout& layout, const Look& 
 FrameSetup viewSetup(const View& view, const VolumeLayout& layout,
                      const std::vector<WorldPlane>& clip_planes);
 
+// Clip planes of the world in index space.
+std::vector<ClipPlane> clipPlanes(const std::vector<WorldPlane>& planes,
+                                  const VolumeLayout& layout);
+
 // The most voxels between two slices along any axis, of all rays of the view.
 double longestStep(const View& view, const VolumeLayout& layout);
 // The most for a frame that integrates: the values half as far from a sample lie within the ghost

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "src/render/camera/frame_setup.h"
 #include "src/render/camera/index_space.h"
 #include "src/render/light/light_sweep.h"
 
@@ -40,27 +41,22 @@ std::vector<float> ambientLight(const VolumeLayout& layout, const CoarseExtincti
   return sums;
 }
 
-// What the options show of the volume; empty: all.
-std::vector<HalfSpace> shownSpaces(const VolumeLayout& layout, const FrameOptions& options) {
-  std::vector<HalfSpace> spaces;
+// The planes of the crop and the clip planes, in index space; empty: all of the volume shows.
+std::vector<ClipPlane> planesAround(const VolumeLayout& layout, const FrameOptions& options) {
+  std::vector<ClipPlane> planes;
   if (options.crop) {
     const Box3 cells = cropCells(options, layout.dims);
     for (int a = 0; a < 3; ++a) {
       Vec3d normal;
       normal[a] = 1;
       if (cells.hi[a] < layout.dims[a] - 1)
-        spaces.push_back({normal, static_cast<double>(cells.hi[a])});
-      if (cells.lo[a] > 0) spaces.push_back({-normal, -static_cast<double>(cells.lo[a])});
+        planes.push_back({normal, static_cast<double>(cells.hi[a])});
+      if (cells.lo[a] > 0) planes.push_back({-normal, -static_cast<double>(cells.lo[a])});
     }
   }
-  for (const WorldPlane& plane : options.clip_planes) {
-    HalfSpace space;
-    for (int a = 0; a < 3; ++a)
-      space.normal[a] = dot(layout.axes[static_cast<size_t>(a)], plane.normal) * layout.spacing[a];
-    space.offset = plane.offset - dot(layout.origin, plane.normal);
-    spaces.push_back(space);
-  }
-  return spaces;
+  const std::vector<ClipPlane> clips = clipPlanes(options.clip_planes, layout);
+  planes.insert(planes.end(), clips.begin(), clips.end());
+  return planes;
 }
 
 // The number of a texel for a share of the light, of which `strength` may be taken away.
@@ -78,9 +74,9 @@ LightVolumePtr ArrivingLight::of(const TimeStep& step, const LookPtr& look, Matt
   const CoarseExtinctionPtr whole = matter_.of({step.source, step.time, look, from}, [&] {
     return coarseExtinction(step, *look, from, pool, options.stop);
   });
-  const std::vector<HalfSpace> spaces = shownSpaces(layout, options);
+  const std::vector<ClipPlane> planes = planesAround(layout, options);
   const CoarseExtinctionPtr matter =
-      spaces.empty() ? whole : shown_.of({whole, spaces}, [&] { return within(*whole, spaces); });
+      planes.empty() ? whole : shown_.of({whole, planes}, [&] { return within(*whole, planes); });
   const Vec3d key = lighting.lights[0].toward;
   const Sweep to_key = sweepFrom(layout, matter->grid,
                                  view.right * key.x + view.up * key.y - view.forward * key.z, 0);

@@ -39,7 +39,7 @@ class ArrivingLight {
   };
   struct ShownKey {
     Identity<CoarseExtinction> matter;
-    std::vector<HalfSpace> shown;
+    std::vector<ClipPlane> shown;
     friend bool operator==(const ShownKey&, const ShownKey&) = default;
   };
   using Numbers = std::vector<float>;

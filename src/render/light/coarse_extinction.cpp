@@ -276,7 +276,7 @@ CoarseExtinction coarseExtinction(const TimeStep& step, const Look& look, Matter
   return Maker(step, look, from, stop).make(pool);
 }
 
-CoarseExtinction within(const CoarseExtinction& whole, const std::vector<HalfSpace>& shown) {
+CoarseExtinction within(const CoarseExtinction& whole, const std::vector<ClipPlane>& shown) {
   CoarseExtinction result = whole;
   const CoarseGrid& grid = whole.grid;
   Vec3i at;
@@ -285,7 +285,7 @@ CoarseExtinction within(const CoarseExtinction& whole, const std::vector<HalfSpa
     for (at.y = 0; at.y < grid.texels.y; ++at.y)
       for (at.x = 0; at.x < grid.texels.x; ++at.x, ++i) {
         double share = 1;
-        for (const HalfSpace& half : shown) {
+        for (const ClipPlane& half : shown) {
           double width = 0;  // of the texel, across the plane
           for (int a = 0; a < 3; ++a)
             width += std::abs(half.normal[a]) * static_cast<double>(grid.voxels[a]);

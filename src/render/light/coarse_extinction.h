@@ -16,6 +16,7 @@
 
 #include "src/base/threads/stop_token.h"
 #include "src/base/threads/worker_pool.h"
+#include "src/device/frame_values.h"
 #include "src/render/blocks/look.h"
 #include "src/render/blocks/time_step.h"
 
@@ -49,13 +50,7 @@ enum class MatterFrom { kFinest, kLevels };
 CoarseExtinction coarseExtinction(const TimeStep& step, const Look& look, MatterFrom from,
                                   WorkerPool& pool, const StopToken& stop);
 
-// The half-spaces of index space in which the volume shows: dot(normal, p) <= offset.
-struct HalfSpace {
-  Vec3d normal;
-  double offset = 0;
-  friend bool operator==(const HalfSpace&, const HalfSpace&) = default;
-};
-// The same with what lies outside left out, a texel that a plane cuts in proportion.
-CoarseExtinction within(const CoarseExtinction& whole, const std::vector<HalfSpace>& shown);
+// The same without what the planes cut away, and a texel through which one goes in proportion.
+CoarseExtinction within(const CoarseExtinction& whole, const std::vector<ClipPlane>& shown);
 
 }  // namespace sluice
