@@ -37,6 +37,7 @@ struct RayGrid {
 struct ClipPlane {
   Vec3d normal;
   double offset = 0;
+  friend bool operator==(const ClipPlane&, const ClipPlane&) = default;
 };
 
 // Colours and opacities by device value: entry e of `rgba` is for device values around

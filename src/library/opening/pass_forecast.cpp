@@ -13,17 +13,11 @@
 namespace sluice {
 namespace {
 
-bool isFaithful(const CoarserLevel& level) {
-  return showsAsFinest(level.values, level.spreads != nullptr);
-}
-
 // The levels that nest, of those that a picture with these needs may be drawn from.
 PyramidLayout pyramidOf(const VolumeSource& source, const BlockLayout& finest,
                         const IndexNeeds& needs) {
   PyramidLayout pyramid(finest);
-  if (needs.levels == LevelNeeds::kFinest) return pyramid;
-  for (const CoarserLevel& level : coarserLevels(source)) {
-    if (needs.levels == LevelNeeds::kFaithful && !isFaithful(level)) break;
+  for (const CoarserLevel& level : levelsFor(source, needs)) {
     const int numbers = level.spreads != nullptr ? 2 : 1;
     if (!pyramid.add(level.source->layout().dims, level.placement, numbers).empty()) break;
   }
@@ -33,9 +27,10 @@ PyramidLayout pyramidOf(const VolumeSource& source, const BlockLayout& finest,
 }  // namespace
 
 std::optional<PassForecast> passForecast(VolumeSource& source, const VolumeArguments& arguments,
-                                         const MachineOptions& machine, const IndexNeeds& needs,
+                                         const MachineOptions& machine, const IndexNeeds& asked,
                                          const IndexWish& wish) {
   const VolumeLayout& layout = source.layout();
+  const IndexNeeds needs = storedNeeds(asked, deviceMap(layout));
   const PageGeometry page = pageShape(machine, deviceMap(layout));
   const int64_t side = machine.block.value_or(blockSizeFor(page.size_vox));
   // Volumes with levels have a layer more (indexed_volume.h).
@@ -53,8 +48,9 @@ std::optional<PassForecast> passForecast(VolumeSource& source, const VolumeArgum
   bool is_known = false;
   for (int level = forecast.level; level < pyramid.levels(); ++level) {
     // Levels above show as the first one does, or need an index of their own.
-    if (level > forecast.level && isFaithful(coarserLevels(source)[static_cast<size_t>(level) - 1]))
-      continue;
+    const CoarserLevel* const above =
+        level > forecast.level ? &coarserLevels(source)[static_cast<size_t>(level) - 1] : nullptr;
+    if (above != nullptr && showsAsFinest(above->values, above->spreads != nullptr)) continue;
     const auto reads = storedReadsOfLevel(source, arguments.time, level);
     is_known = is_known || reads.has_value();
     forecast.reads += reads.value_or(StoredReads());
