@@ -1,7 +1,9 @@
-// A word that may name a colour.
+// Words for colours.
 #pragma once
 
 #include <algorithm>
+#include <span>
+#include <string>
 #include <string_view>
 
 namespace sluice {
@@ -12,5 +14,8 @@ inline bool isColorWord(std::string_view word) {
     return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '-';
   });
 }
+
+// "ff8800", the word for red, green and blue from 0 to 1.
+std::string colorWord(std::span<const double> rgb);
 
 }  // namespace sluice

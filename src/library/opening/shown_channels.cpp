@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <utility>
 
 #include "io/web/address.h"
 #include "src/base/error.h"
 #include "src/base/files/shell_word.h"
+#include "src/base/looks/color_word.h"
 #include "src/classify/transfer/color_maps.h"
 #include "src/classify/transfer/transfer_makers.h"
 #include "src/library/opening/checked_source.h"
@@ -21,12 +21,6 @@ namespace {
 // Colours that people of any colour vision tell apart come first, and two of them add up to white.
 constexpr std::array<const char*, kMostChannels> kUsualColors = {
     "00ff00", "ff00ff", "00ffff", "ffff00", "ff0000", "0000ff", "ff8000", "ffffff"};
-
-std::string hexOf(const std::array<double, 3>& color) {
-  std::string text;
-  for (const double part : color) text += fmt::format("{:02x}", std::lround(255 * part));
-  return text;
-}
 
 // Black adds nothing.
 bool isSeen(const std::optional<std::array<double, 3>>& color) {
@@ -41,7 +35,7 @@ ShownChannel shownChannel(const VolumeSource& source, int64_t number, size_t pla
   ShownChannel shown{.number = number, .color = kUsualColors[place]};
   if (at < names.size()) shown.name = names[at];
   if (at >= looks.size()) return shown;
-  if (isSeen(looks[at].color)) shown.color = hexOf(*looks[at].color);
+  if (isSeen(looks[at].color)) shown.color = colorWord(*looks[at].color);
   if (looks[at].window) {
     const auto valueOf = [&](double stored) {
       return stored * layout.value_scale + layout.value_offset;

@@ -17,13 +17,6 @@ LookOptions::Channel& channelOf(LookOptions& look, std::string_view channel) {
   return look.channels.emplace_back(LookOptions::Channel{.channel = std::string(channel)});
 }
 
-std::string colorText(const Rgb& rgb) {
-  std::string text;
-  for (const double part : rgb)
-    text += fmt::format("{:02x}", std::lround(std::clamp(part, 0.0, 1.0) * 255));
-  return text;
-}
-
 Rgb colorAt(const ShownLook& look, double value) {
   const auto above = std::ranges::upper_bound(look.colors, value, {}, &ShownLook::Color::value);
   if (look.colors.empty()) return {1, 1, 1};

@@ -15,8 +15,6 @@ using Rgb = std::array<double, 3>;  // 0 to 1, as shown on a screen
 // The channel's own look within `look`, to be changed; an empty one is added if there is none.
 LookOptions::Channel& channelOf(LookOptions& look, std::string_view channel);
 
-// "ff8800", a colour as options have it.
-std::string colorText(const Rgb& rgb);
 // The colour of a value.
 Rgb colorAt(const ShownLook& look, double value);
 

@@ -4,9 +4,9 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "src/base/files/shell_word.h"
+#include "src/base/looks/color_word.h"
 #include "src/view/state/option_table.h"
 
 namespace sluice {
@@ -16,14 +16,6 @@ template <class List>
 std::string listed(const List& values) {
   std::string text;
   for (const auto& value : values) text += fmt::format("{}{}", text.empty() ? "" : ",", value);
-  return text;
-}
-
-// A value as --background takes it.
-std::string hexOf(const OptionReals& color) {
-  std::string text;
-  for (const double channel : color)
-    text += fmt::format("{:02x}", std::clamp(static_cast<int>(std::lround(channel * 255)), 0, 255));
   return text;
 }
 
@@ -59,7 +51,7 @@ void addWords(std::vector<OptionWord>& words, const OptionEntry& entry, const Op
   } else if (entry.kind.form == OptionForm::kFlag) {
     words.emplace_back(entry.option, "");
   } else if (entry.kind.form == OptionForm::kColor) {
-    words.emplace_back(entry.option, hexOf(std::get<OptionReals>(value)));
+    words.emplace_back(entry.option, colorWord(std::get<OptionReals>(value)));
   } else if (entry.kind.form == OptionForm::kPlanes) {
     for (const OptionReals& plane : std::get<std::vector<OptionReals>>(value))
       words.emplace_back(entry.option, listed(plane));

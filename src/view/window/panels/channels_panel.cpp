@@ -4,6 +4,7 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "src/view/state/look_edit.h"
 #include "src/view/window/panels/panels.h"
@@ -42,15 +43,8 @@ void showing(WindowState& window, const Channel& channel) {
 }
 
 void color(WindowState& window, const Channel& channel) {
-  std::array<float, 3> rgb{};
-  std::ranges::transform(channel.rgb, rgb.begin(),
-                         [](double part) { return static_cast<float>(part); });
-  if (ImGui::ColorEdit3("##color", rgb.data(),
-                        ImGuiColorEditFlags_NoInputs | ImGuiColorEditFlags_NoLabel))
-    edit(window, channel, [&](LookOptions::Channel& own) {
-      own.map = colorText(
-          {static_cast<double>(rgb[0]), static_cast<double>(rgb[1]), static_cast<double>(rgb[2])});
-    });
+  if (const auto chosen = colorField(channel.rgb))
+    edit(window, channel, [&](LookOptions::Channel& own) { own.map = *chosen; });
   window.log.control(fmt::format("channel {} color", channel.channel));
 }
 

@@ -2,6 +2,10 @@
 // the user's actions.
 #pragma once
 
+#include <array>
+#include <optional>
+#include <string>
+
 #include "src/view/window/window_state.h"
 
 namespace sluice {
@@ -17,6 +21,10 @@ void timePanel(WindowState& window);
 void levelsPanel(WindowState& window);
 void filmPanel(WindowState& window);
 void filePanel(WindowState& window);
+
+// A field that shows a colour. The word of the colour that the user chose there in this frame, if
+// there is one.
+std::optional<std::string> colorField(const std::array<double, 3>& rgb);
 
 // The rest of it. Places in screen units.
 struct Area {

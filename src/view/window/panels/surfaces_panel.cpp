@@ -2,8 +2,6 @@
 #include <fmt/format.h>
 #include <imgui.h>
 
-#include <algorithm>
-
 #include "src/view/state/look_edit.h"
 #include "src/view/window/panels/panels.h"
 
@@ -20,16 +18,10 @@ bool row(WindowState& window, size_t index) {
   window.log.control(fmt::format("remove surface {}", index));
   ImGui::SameLine();
   const ShownLook& look = window.volume.look;
-  std::array<float, 3> rgb{};
-  std::ranges::transform(
-      index < look.surfaces.size() ? look.surfaces[index].rgb : colorAt(look, surface.value),
-      rgb.begin(), [](double part) { return static_cast<float>(part); });
-  if (ImGui::ColorEdit3("##color", rgb.data(),
-                        ImGuiColorEditFlags_NoInputs | ImGuiColorEditFlags_NoLabel))
-    edit([&](LookOptions::Surface& next) {
-      next.color = colorText(
-          {static_cast<double>(rgb[0]), static_cast<double>(rgb[1]), static_cast<double>(rgb[2])});
-    });
+  const bool is_drawn = index < look.surfaces.size();
+  const Rgb rgb = is_drawn ? look.surfaces[index].rgb : colorAt(look, surface.value);
+  if (const auto chosen = colorField(rgb))
+    edit([&](LookOptions::Surface& next) { next.color = *chosen; });
   window.log.control(fmt::format("surface {} color", index));
   ImGui::SameLine();
   const auto range = window.valueRange();
