@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 
+#include <cstdlib>
 #include <fstream>
 #include <random>
 #include <sstream>
@@ -14,6 +15,10 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
+
+// Pieces of 8 MiB come several at once and end together. Once the first ones are there, others are
+// still on their way.
+constexpr size_t kEnoughForTwoRounds = size_t{56} << 20;
 
 class FetchProgram : public testing::Test {
  protected:
@@ -32,6 +37,20 @@ class FetchProgram : public testing::Test {
   std::string content_;
   const Program program_;
 };
+
+// A profile that is not there matters to buckets alone.
+TEST_F(FetchProgram, looksForAKeyOnlyIfABucketIsNamed) {
+  makeFile(1000);
+  const WebServer server(served_.path());
+  const std::string file = "/head_256x256x256_uint16.raw";
+  setenv("AWS_PROFILE", "nobody", 1);
+  const CommandResult plain = program_.run("fetch -q " + server.address() + file);
+  const CommandResult bucket = program_.run("fetch -q s3://bucket" + file);
+  unsetenv("AWS_PROFILE");
+  EXPECT_EQ(plain.status, 0) << plain.output;
+  EXPECT_EQ(bucket.status, 1);
+  EXPECT_THAT(bucket.output, HasSubstr("AWS_PROFILE: no profile nobody"));
+}
 
 TEST_F(FetchProgram, copiesAFileByItsAddress) {
   makeFile(100000);
@@ -59,7 +78,7 @@ TEST_F(FetchProgram, copiesAFileByItsAddress) {
 }
 
 TEST_F(FetchProgram, goesOnAfterItWasKilled) {
-  makeFile(size_t{32} << 20);
+  makeFile(kEnoughForTwoRounds);
   const WebServer server(served_.path(), "shaped");
   const std::string address = server.address() + "/head_256x256x256_uint16.raw";
   program_.signalled("fetch -q " + address, "KILL",
@@ -77,7 +96,7 @@ TEST_F(FetchProgram, goesOnAfterItWasKilled) {
 }
 
 TEST_F(FetchProgram, endsWithinASecondOfASignalAndGoesOn) {
-  makeFile(size_t{32} << 20);
+  makeFile(kEnoughForTwoRounds);
   const WebServer server(served_.path(), "shaped");
   const std::string address = server.address() + "/head_256x256x256_uint16.raw";
   const CommandResult stopped = program_.signalled(

@@ -43,7 +43,8 @@ Wanted wantedBy(const FetchArguments& arguments) {
   Wanted wanted;
   wanted.expected.sha256 = arguments.sha256;
   if (isAddress(arguments.what)) {
-    const Address address = parseAddress(arguments.what, bucketAccess());
+    const BucketAccess access = isBucketAddress(arguments.what) ? bucketAccess() : BucketAccess{};
+    const Address address = parseAddress(arguments.what, access);
     wanted.address = arguments.what;
     wanted.shown_address = printedAddress(address);
     wanted.target = address.key.substr(address.key.rfind('/') + 1);
@@ -151,7 +152,7 @@ int run(const FetchArguments& arguments) {
   FetchOptions options;
   options.expected = wanted.expected;
   options.open.stop = interruption();
-  options.open.web.buckets = bucketAccess();
+  options.open.web.find_buckets = [] { return bucketAccess(); };
   options.download.stop = interruption();
   const Stopwatch watch;
   FetchedVolume fetched;
