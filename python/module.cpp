@@ -35,6 +35,21 @@ VolumeOptions::Levels levelsOf(const py::handle& value) {
                         py::repr(value).cast<std::string>());
 }
 
+// The keywords of volumeOptions() for the key of buckets; `variable` is os.environ.get.
+py::dict bucketAccess(const py::function& variable) {
+  const VolumeOptions::Web web = Volume::bucketAccess([&](const std::string& name) {
+    const py::object value = variable(name);
+    return value.is_none() ? std::string() : value.cast<std::string>();
+  });
+  py::dict keywords;
+  keywords["access_key"] = web.access_key;
+  keywords["secret_key"] = web.secret_key;
+  keywords["session_token"] = web.session_token;
+  keywords["region"] = web.region;
+  keywords["endpoint"] = web.endpoint;
+  return keywords;
+}
+
 VolumeOptions volumeOptions(const py::dict& keywords) {
   VolumeOptions options;
   const auto take = [&](const char* keyword, auto& held) {
@@ -169,6 +184,7 @@ void addErrors(py::module_& module) {
 
 PYBIND11_MODULE(_sluice, module) {
   addErrors(module);
+  module.def("bucket_access", &bucketAccess, py::arg("variable"));
   py::class_<ArrayPlace>(module, "ArrayPlace")
       .def(py::init(
                [](const Triple& spacing, const Triple& origin, std::string unit, std::string name) {

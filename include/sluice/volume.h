@@ -10,6 +10,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <stop_token>
@@ -144,6 +145,12 @@ class Volume {
                              const VolumeOptions& options = {},
                              const ProgressFunction& progress = {},
                              const std::stop_token& stop = {});
+
+  // The key for s3:// addresses, their region and server, from where Amazon's own tools look for
+  // them: `variable` gives a variable of the environment, or nothing if it is not set. The cache is
+  // none. Throws Error if AWS_PROFILE names a profile that no file has.
+  static VolumeOptions::Web bucketAccess(
+      const std::function<std::string(const std::string& name)>& variable);
 
   const VolumeInfo& info() const;
   // The values of all voxels; for a series that was opened whole, of all its steps. Requires: bins

@@ -14,7 +14,6 @@ Calls may come from any thread, and let other threads run meanwhile. Ctrl-C ends
 second. What goes wrong with a file or a request raises sluice.Error, in one line.
 """
 
-import configparser as _configparser
 import json as _json
 import os as _os
 import struct as _struct
@@ -71,31 +70,6 @@ def _cache(size, folder):
         ('XDG_CACHE_HOME', 'sluice/web'), ('HOME', '.cache/sluice/web')))
 
 
-def _key():
-    """The key for buckets, from where Amazon's own tools look for it (docs/web.md)."""
-    environment = _os.environ.get
-    profile = environment('AWS_PROFILE') or 'default'
-    said = {}
-    for variable, name, section in (
-            ('AWS_CONFIG_FILE', 'config', profile if profile == 'default' else f'profile {profile}'),
-            ('AWS_SHARED_CREDENTIALS_FILE', 'credentials', profile)):
-        file = _configparser.RawConfigParser(strict=False)
-        file.read(environment(variable) or _os.path.expanduser(f'~/.aws/{name}'))
-        if file.has_section(section):
-            said.update(file[section])
-    if environment('AWS_PROFILE') and not said:
-        error = Error(f'AWS_PROFILE: no profile {profile} in ~/.aws; correct the name or unset it')
-        error.kind = 'request'
-        raise error
-    key = dict(access_key=said.get('aws_access_key_id'), secret_key=said.get('aws_secret_access_key'),
-               session_token=said.get('aws_session_token'))
-    if environment('AWS_ACCESS_KEY_ID') and environment('AWS_SECRET_ACCESS_KEY'):
-        key = dict(access_key=environment('AWS_ACCESS_KEY_ID'), secret_key=environment('AWS_SECRET_ACCESS_KEY'),
-                   session_token=environment('AWS_SESSION_TOKEN'))
-    return dict(key, region=environment('AWS_REGION') or environment('AWS_DEFAULT_REGION') or said.get('region'),
-                endpoint=environment('AWS_ENDPOINT_URL') or said.get('endpoint_url'))
-
-
 def open(path, *, dims=None, type=None, endian=None, skip=None, time_steps=None, spacing=None, grid=None,
          channel=None, time=0, whole_series=True, opens_soon=False, index_dir=None, levels=None, cache=None,
          cache_dir=None, memory=None, threads=None, progress=None):
@@ -130,7 +104,7 @@ def open(path, *, dims=None, type=None, endian=None, skip=None, time_steps=None,
                    index_dir=_index_folder(index_dir), levels=levels, memory=_bytes(memory), threads=threads)
     options.update(_cache(cache, cache_dir))
     if any(str(each).startswith('s3://') for each in paths):
-        options.update(_key())
+        options.update(_sluice.bucket_access(_os.environ.get))
     if isinstance(channel, (list, tuple)):
         channel = ','.join(map(str, channel)) if len(channel) > 1 else channel[0]
     options['channel_name' if isinstance(channel, str) else 'channel'] = channel

@@ -162,6 +162,14 @@ VolumeLayout volumeLayout(const ArrayLayout& array) {
   return lentLayout(std::move(layout), steps, vec(array.origin));
 }
 
+VolumeOptions::Web webAccess(const BucketAccess& buckets) {
+  return {.access_key = buckets.access_key,
+          .secret_key = buckets.secret_key,
+          .session_token = buckets.session_token,
+          .region = buckets.region,
+          .endpoint = buckets.endpoint};
+}
+
 MachineOptions machineOptions(const VolumeOptions& options) {
   MachineOptions machine;
   machine.memory_bytes = options.memory_bytes;

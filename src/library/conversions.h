@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "io/web/address.h"
 #include "src/base/values/picture.h"
 #include "src/library/requests.h"
 #include "src/render/camera/frame_options.h"
@@ -20,6 +21,7 @@ VolumeArguments volumeArguments(const std::vector<std::string>& paths,
 VolumeLayout volumeLayout(const ArrayLayout& array);
 // Options without a device, for the pass over a volume.
 MachineOptions machineOptions(const VolumeOptions& options);
+VolumeOptions::Web webAccess(const BucketAccess& buckets);
 MachineOptions machineOptions(const RendererOptions& options);
 
 LookArguments lookArguments(const LookOptions& look, bool whole_series);

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "io/lent_source.h"
+#include "io/web/bucket_access.h"
 #include "src/base/error.h"
 #include "src/base/values/value_counts.h"
 #include "src/library/conversions.h"
@@ -167,6 +168,13 @@ ValueHistogram Volume::histogram(int bins) const {
   if (bins < 1) failRequest("a histogram of {} bins: must be at least 1", bins);
   const Histogram made = histogramOf(impl_->volume.values.counts, static_cast<size_t>(bins));
   return {made.range.lo, made.range.hi, made.counts};
+}
+
+VolumeOptions::Web Volume::bucketAccess(
+    const std::function<std::string(const std::string& name)>& variable) {
+  return translated([&] {
+    return webAccess(sluice::bucketAccess([&](const char* name) { return variable(name); }));
+  });
 }
 
 const VolumeInfo& Volume::info() const {

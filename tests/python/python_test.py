@@ -390,14 +390,16 @@ class Requests(unittest.TestCase):
                 for name in [name for name in os.environ if name.startswith('AWS_')]:
                     del os.environ[name]
                 os.environ.update(HOME=folder)
-                self.assertEqual(sluice._key()['region'], 'sa-east-1')
-                self.assertIsNone(sluice._key()['access_key'])
+                def key():
+                    return sluice._sluice.bucket_access(os.environ.get)
+                self.assertEqual(key()['region'], 'sa-east-1')
+                self.assertEqual(key()['access_key'], '')
                 os.environ['AWS_PROFILE'] = 'lab'
-                self.assertEqual(sluice._key(), dict(access_key='A', secret_key='B=%C', session_token=None,
-                                                     region='us-west-2', endpoint=None))
+                self.assertEqual(key(), dict(access_key='A', secret_key='B=%C', session_token='',
+                                                     region='us-west-2', endpoint=''))
                 os.environ.update(AWS_ACCESS_KEY_ID='D', AWS_SECRET_ACCESS_KEY='E', AWS_REGION='eu-west-1')
-                self.assertEqual(sluice._key(), dict(access_key='D', secret_key='E', session_token=None,
-                                                     region='eu-west-1', endpoint=None))
+                self.assertEqual(key(), dict(access_key='D', secret_key='E', session_token='',
+                                                     region='eu-west-1', endpoint=''))
                 os.environ['AWS_PROFILE'] = 'lap'
                 with self.assertRaisesRegex(sluice.Error, 'no profile lap'):
                     sluice.open('s3://bucket/key')

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "src/base/looks/color_word.h"
+
 namespace sluice {
 namespace {
 
@@ -16,8 +18,8 @@ TEST(LookEdit, keepsOneLookAChannel) {
 }
 
 TEST(LookEdit, writesColorsAsOptionsHaveThem) {
-  EXPECT_EQ(colorText({1, 0.5333, 0}), "ff8800");
-  EXPECT_EQ(colorText({-1, 2, 1.0 / 255}), "00ff01");
+  EXPECT_EQ(colorWord(Rgb{1, 0.5333, 0}), "ff8800");
+  EXPECT_EQ(colorWord(Rgb{-1, 2, 1.0 / 255}), "00ff01");
 }
 
 TEST(LookEdit, hasTheColorsOfTheMap) {

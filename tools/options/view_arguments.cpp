@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "src/library/conversions.h"
+
 namespace sluice {
 namespace {
 
@@ -39,8 +41,10 @@ ViewedVolume viewedVolume(const VolumeArguments& volume, const ResourceArguments
 VolumeOptions::Web webOf(const WebOptions& web, const std::vector<std::string>& paths) {
   BucketAccess buckets = web.buckets;
   if (web.find_buckets && std::ranges::any_of(paths, isBucketAddress)) buckets = web.find_buckets();
-  return {web.cache.folder.string(), web.cache.budget_bytes, buckets.access_key, buckets.secret_key,
-          buckets.session_token,     buckets.region,         buckets.endpoint};
+  VolumeOptions::Web options = webAccess(buckets);
+  options.cache_folder = web.cache.folder.string();
+  options.cache_bytes = web.cache.budget_bytes;
+  return options;
 }
 
 ViewState viewState(const ViewState& asked, const VolumeArguments& volume,
