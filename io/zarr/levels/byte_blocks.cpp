@@ -1,5 +1,7 @@
 #include "io/zarr/levels/byte_blocks.h"
 
+#include <cstring>
+
 #if defined(__x86_64__)
 #include <immintrin.h>
 #endif
@@ -49,72 +51,73 @@ struct Bytes {
   __m256i a, b, c, d;
 };
 
-[[gnu::target("avx2")]] inline bool areOneValue(const Bytes& rows) {
-  const __m256i value = _mm256_broadcastb_epi8(_mm256_castsi256_si128(rows.a));
+[[gnu::target("avx2")]] inline bool areAll(uint8_t byte, const Bytes& rows) {
+  const __m256i value = _mm256_set1_epi8(static_cast<char>(byte));
   const __m256i others = _mm256_or_si256(
       _mm256_or_si256(_mm256_xor_si256(rows.a, value), _mm256_xor_si256(rows.b, value)),
       _mm256_or_si256(_mm256_xor_si256(rows.c, value), _mm256_xor_si256(rows.d, value)));
   return _mm256_testz_si256(others, others) != 0;
 }
 
-// The 16 blocks from `at` on, all of one value.
-[[gnu::target("avx2")]] inline void fill(uint8_t value, int64_t at, const ByteBlocks& to) {
-  const __m256i sum = _mm256_set1_epi32(8 * value), square = _mm256_set1_epi32(8 * value * value);
-  store({sum, sum}, to.sums + at);
-  store({square, square}, to.squares + at);
-  _mm_storeu_si128(reinterpret_cast<__m128i*>(to.means + at),
-                   _mm_set1_epi8(static_cast<char>(value)));
-  _mm_storeu_si128(reinterpret_cast<__m128i*>(to.spreads + at), _mm_setzero_si128());
+// The sums of 16 blocks of eight bytes, and of their squares.
+struct BlockNumbers {
+  __m256i sums;  // 16 bits each, in the order of the blocks
+  Halves squares;
+};
+
+[[gnu::target("avx2")]] inline BlockNumbers sumsOf(const Bytes& numbers) {
+  const __m256i zero = _mm256_setzero_si256(), ones = _mm256_set1_epi8(1);
+  BlockNumbers blocks{zero, {zero, zero}};
+  for (const __m256i bytes : {numbers.a, numbers.b, numbers.c, numbers.d}) {
+    const Halves wide{_mm256_unpacklo_epi8(bytes, zero), _mm256_unpackhi_epi8(bytes, zero)};
+    blocks.sums = _mm256_add_epi16(blocks.sums, _mm256_maddubs_epi16(bytes, ones));
+    blocks.squares.low =
+        _mm256_add_epi32(blocks.squares.low, _mm256_madd_epi16(wide.low, wide.low));
+    blocks.squares.high =
+        _mm256_add_epi32(blocks.squares.high, _mm256_madd_epi16(wide.high, wide.high));
+  }
+  return blocks;
+}
+
+// The means and the spreads of 16 blocks.
+[[gnu::target("avx2")]] inline void finish(const BlockNumbers& blocks, uint8_t* means,
+                                           uint8_t* spreads) {
+  const __m256i zero = _mm256_setzero_si256(), sums = blocks.sums;
+  // Half of the divisor less one, and one more if the mean is odd: ties go to the even mean.
+  const __m256i is_odd = _mm256_and_si256(_mm256_srli_epi16(sums, 3), _mm256_set1_epi16(1));
+  store(
+      _mm256_srli_epi16(_mm256_add_epi16(_mm256_add_epi16(sums, _mm256_set1_epi16(3)), is_odd), 3),
+      means);
+  const Halves wide{_mm256_unpacklo_epi16(sums, zero), _mm256_unpackhi_epi16(sums, zero)};
+  const Halves variances{variancesOf(wide.low, blocks.squares.low),
+                         variancesOf(wide.high, blocks.squares.high)};
+  store(_mm256_packs_epi32(spreadsOf(variances.low), spreadsOf(variances.high)), spreads);
+}
+
+[[gnu::target("avx2")]] inline void finishOneValue(uint8_t value, uint8_t* means,
+                                                   uint8_t* spreads) {
+  _mm_storeu_si128(reinterpret_cast<__m128i*>(means), _mm_set1_epi8(static_cast<char>(value)));
+  _mm_storeu_si128(reinterpret_cast<__m128i*>(spreads), _mm_setzero_si128());
 }
 
 [[gnu::target("avx2")]] int64_t makeWide(const std::array<const uint8_t*, 4>& rows, int64_t blocks,
                                          const ByteBlocks& to) {
   constexpr int64_t kBlocks = 16;
-  const __m256i zero = _mm256_setzero_si256(), ones = _mm256_set1_epi8(1);
+  const __m256i zero = _mm256_setzero_si256();
   int64_t x = 0;
   for (; x + kBlocks <= blocks; x += kBlocks) {
     const Bytes numbers{loaded(rows[0] + 2 * x), loaded(rows[1] + 2 * x), loaded(rows[2] + 2 * x),
                         loaded(rows[3] + 2 * x)};
-    // Air is often one value throughout.
-    if (areOneValue(numbers)) {
-      fill(rows[0][2 * x], x, to);
-      continue;
-    }
-    __m256i sums = zero;
-    Halves squares{zero, zero};
-    for (const __m256i bytes : {numbers.a, numbers.b, numbers.c, numbers.d}) {
-      const Halves wide{_mm256_unpacklo_epi8(bytes, zero), _mm256_unpackhi_epi8(bytes, zero)};
-      sums = _mm256_add_epi16(sums, _mm256_maddubs_epi16(bytes, ones));
-      squares.low = _mm256_add_epi32(squares.low, _mm256_madd_epi16(wide.low, wide.low));
-      squares.high = _mm256_add_epi32(squares.high, _mm256_madd_epi16(wide.high, wide.high));
-    }
-    const Halves wide_sums{_mm256_unpacklo_epi16(sums, zero), _mm256_unpackhi_epi16(sums, zero)};
-    store(wide_sums, to.sums + x);
-    store(squares, to.squares + x);
-    // Half of the divisor less one, and one more if the mean is odd: ties go to the even mean.
-    const __m256i is_odd = _mm256_and_si256(_mm256_srli_epi16(sums, 3), _mm256_set1_epi16(1));
-    const __m256i means = _mm256_srli_epi16(
-        _mm256_add_epi16(_mm256_add_epi16(sums, _mm256_set1_epi16(3)), is_odd), 3);
-    store(means, to.means + x);
-    const Halves variances{variancesOf(wide_sums.low, squares.low),
-                           variancesOf(wide_sums.high, squares.high)};
-    store(_mm256_packs_epi32(spreadsOf(variances.low), spreadsOf(variances.high)), to.spreads + x);
+    const BlockNumbers made = sumsOf(numbers);
+    store({_mm256_unpacklo_epi16(made.sums, zero), _mm256_unpackhi_epi16(made.sums, zero)},
+          to.sums + x);
+    store(made.squares, to.squares + x);
+    finish(made, to.means + x, to.spreads + x);
   }
   return x;
 }
 
-// The sums of pairs of neighbours in 16 numbers of each of four rows.
-[[gnu::target("avx2")]] inline __m256i sumsOfPairs(const std::array<const int32_t*, 4>& rows,
-                                                   int64_t at) {
-  __m256i sums = _mm256_setzero_si256();
-  for (const int32_t* const row : rows) {
-    const auto* const from = reinterpret_cast<const __m256i*>(row + at);
-    sums = _mm256_add_epi32(
-        sums, _mm256_hadd_epi32(_mm256_loadu_si256(from), _mm256_loadu_si256(from + 1)));
-  }
-  return _mm256_permute4x64_epi64(sums, 0xd8);  // in the order of the blocks
-}
-
+// Eight numbers below 2^31 as doubles.
 [[gnu::target("avx2")]] inline void store(__m256i numbers, double* to) {
   _mm256_storeu_pd(to, _mm256_cvtepi32_pd(_mm256_castsi256_si128(numbers)));
   _mm256_storeu_pd(to + 4, _mm256_cvtepi32_pd(_mm256_extracti128_si256(numbers, 1)));
@@ -132,24 +135,71 @@ struct Bytes {
   return _mm256_cvtpd_epi32(_mm256_mul_pd(root, _mm256_set1_pd(2.0 / 64)));
 }
 
-[[gnu::target("avx2")]] int64_t makeCoarserWide(const FinerByteBlocks& rows, int64_t blocks,
-                                                const CoarserByteBlocks& to) {
+// Eight blocks of 64 bytes.
+[[gnu::target("avx2")]] inline void finishCoarser(__m256i sums, __m256i squares, int64_t at,
+                                                  const TwoLevelsOfBytes& to) {
+  store(sums, to.coarser_sums + at);
+  store(squares, to.coarser_squares + at);
+  const __m256i is_odd = _mm256_and_si256(_mm256_srli_epi32(sums, 6), _mm256_set1_epi32(1));
+  const __m256i means =
+      _mm256_srli_epi32(_mm256_add_epi32(_mm256_add_epi32(sums, _mm256_set1_epi32(31)), is_odd), 6);
+  storeBytes(_mm256_castsi256_si128(means), _mm256_extracti128_si256(means, 1),
+             to.coarser_means + at);
+  // Both are at most (64 * 255)^2, below 2^28.
+  const __m256i variances =
+      _mm256_sub_epi32(_mm256_slli_epi32(squares, 6), _mm256_mullo_epi32(sums, sums));
+  storeBytes(coarserSpreadsOf(_mm256_castsi256_si128(variances)),
+             coarserSpreadsOf(_mm256_extracti128_si256(variances, 1)), to.coarser_spreads + at);
+}
+
+// Eight blocks of 64 bytes that are all one value.
+[[gnu::target("avx2")]] inline void finishCoarserOneValue(uint8_t value, int64_t at,
+                                                          const TwoLevelsOfBytes& to) {
+  store(_mm256_set1_epi32(64 * value), to.coarser_sums + at);
+  store(_mm256_set1_epi32(64 * value * value), to.coarser_squares + at);
+  std::memset(to.coarser_means + at, value, 8);
+  std::memset(to.coarser_spreads + at, 0, 8);
+}
+
+[[gnu::target("avx2")]] int64_t makeTwoWide(const std::array<const uint8_t*, 16>& rows,
+                                            int64_t blocks, const TwoLevelsOfBytes& to) {
   constexpr int64_t kBlocks = 8;
+  constexpr size_t kFinerRows = 4;
+  const __m256i zero = _mm256_setzero_si256(), ones = _mm256_set1_epi16(1);
   int64_t x = 0;
   for (; x + kBlocks <= blocks; x += kBlocks) {
-    const __m256i sums = sumsOfPairs(rows.sums, 2 * x);
-    const __m256i squares = sumsOfPairs(rows.squares, 2 * x);
-    store(sums, to.sums + x);
-    store(squares, to.squares + x);
-    const __m256i is_odd = _mm256_and_si256(_mm256_srli_epi32(sums, 6), _mm256_set1_epi32(1));
-    const __m256i means = _mm256_srli_epi32(
-        _mm256_add_epi32(_mm256_add_epi32(sums, _mm256_set1_epi32(31)), is_odd), 6);
-    storeBytes(_mm256_castsi256_si128(means), _mm256_extracti128_si256(means, 1), to.means + x);
-    // Both are at most (64 * 255)^2, below 2^28.
-    const __m256i variances =
-        _mm256_sub_epi32(_mm256_slli_epi32(squares, 6), _mm256_mullo_epi32(sums, sums));
-    storeBytes(coarserSpreadsOf(_mm256_castsi256_si128(variances)),
-               coarserSpreadsOf(_mm256_extracti128_si256(variances, 1)), to.spreads + x);
+    __m256i sums = zero;
+    Halves squares{zero, zero};
+    const uint8_t value = rows[0][4 * x];
+    bool is_one_value = true;
+    for (size_t row = 0; row < kFinerRows; ++row) {
+      const uint8_t* const* const from = rows.data() + 4 * row;
+      const Bytes numbers{loaded(from[0] + 4 * x), loaded(from[1] + 4 * x), loaded(from[2] + 4 * x),
+                          loaded(from[3] + 4 * x)};
+      uint8_t* const means = to.means[row] + 2 * x;
+      uint8_t* const spreads = to.spreads[row] + 2 * x;
+      // Air is often one value throughout.
+      if (areAll(value, numbers)) {
+        finishOneValue(value, means, spreads);
+        sums = _mm256_add_epi16(sums, _mm256_set1_epi16(static_cast<int16_t>(8 * value)));
+        const __m256i square = _mm256_set1_epi32(8 * value * value);
+        squares.low = _mm256_add_epi32(squares.low, square);
+        squares.high = _mm256_add_epi32(squares.high, square);
+        continue;
+      }
+      is_one_value = false;
+      const BlockNumbers made = sumsOf(numbers);
+      finish(made, means, spreads);
+      sums = _mm256_add_epi16(sums, made.sums);
+      squares.low = _mm256_add_epi32(squares.low, made.squares.low);
+      squares.high = _mm256_add_epi32(squares.high, made.squares.high);
+    }
+    if (is_one_value)
+      finishCoarserOneValue(value, x, to);
+    else
+      // Neighbouring pairs; both sums are in the order of the blocks.
+      finishCoarser(_mm256_madd_epi16(sums, ones), _mm256_hadd_epi32(squares.low, squares.high), x,
+                    to);
   }
   return x;
 }
@@ -165,17 +215,17 @@ int64_t makeByteBlocks(const std::array<const uint8_t*, 4>& rows, int64_t blocks
                        const ByteBlocks& to) {
   return hasAvx2() ? makeWide(rows, blocks, to) : 0;
 }
-int64_t makeCoarserByteBlocks(const FinerByteBlocks& rows, int64_t blocks,
-                              const CoarserByteBlocks& to) {
-  return hasAvx2() ? makeCoarserWide(rows, blocks, to) : 0;
+int64_t makeTwoLevelsOfBytes(const std::array<const uint8_t*, 16>& rows, int64_t blocks,
+                             const TwoLevelsOfBytes& to) {
+  return hasAvx2() ? makeTwoWide(rows, blocks, to) : 0;
 }
 #else
 int64_t makeByteBlocks(const std::array<const uint8_t*, 4>& /*rows*/, int64_t /*blocks*/,
                        const ByteBlocks& /*to*/) {
   return 0;
 }
-int64_t makeCoarserByteBlocks(const FinerByteBlocks& /*rows*/, int64_t /*blocks*/,
-                              const CoarserByteBlocks& /*to*/) {
+int64_t makeTwoLevelsOfBytes(const std::array<const uint8_t*, 16>& /*rows*/, int64_t /*blocks*/,
+                             const TwoLevelsOfBytes& /*to*/) {
   return 0;
 }
 #endif

@@ -21,17 +21,19 @@ struct ByteBlocks {
 int64_t makeByteBlocks(const std::array<const uint8_t*, 4>& rows, int64_t blocks,
                        const ByteBlocks& to);
 
-// The same of the next coarser level, whose blocks are of 2 x 2 x 2 such blocks: 64 bytes.
-struct FinerByteBlocks {
-  std::array<const int32_t*, 4> sums, squares;  // four rows each
+// Two levels at once: blocks of 4 x 4 x 4 bytes, each of which is 2 x 2 x 2 of the blocks above.
+// The sums of the finer level stay in registers.
+struct TwoLevelsOfBytes {
+  std::array<uint8_t*, 4> means, spreads;  // the finer level's rows, in the order of `rows`
+  // The coarser level's row.
+  double* coarser_sums = nullptr;
+  double* coarser_squares = nullptr;
+  uint8_t* coarser_means = nullptr;
+  uint8_t* coarser_spreads = nullptr;
 };
-struct CoarserByteBlocks {
-  double* sums = nullptr;
-  double* squares = nullptr;
-  uint8_t* means = nullptr;
-  uint8_t* spreads = nullptr;
-};
-int64_t makeCoarserByteBlocks(const FinerByteBlocks& rows, int64_t blocks,
-                              const CoarserByteBlocks& to);
+// `rows`: four for each row of finer blocks. Returns how many blocks of the coarser level it has
+// made: `blocks` rounded down to whole vectors; 0 on processors without AVX2.
+int64_t makeTwoLevelsOfBytes(const std::array<const uint8_t*, 16>& rows, int64_t blocks,
+                             const TwoLevelsOfBytes& to);
 
 }  // namespace sluice

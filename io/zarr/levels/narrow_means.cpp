@@ -130,7 +130,12 @@ class Pass {
       FirstSquare<T>* const squares = to.squares + y * sizes_.front().x;
       int64_t made = 0;
       if constexpr (std::is_same_v<T, uint8_t>) {
-        if (rows.count == 4 && step.x == 2) made = makeByteBlocks(rows.row, y, z);
+        if (hasBlocksOf64(y / 2, z / 2)) {
+          if (y % 2 == 0 && z % 2 == 0) makeTwoLevels(y / 2, z / 2);
+          made = 2 * made_of_64_;
+        } else if (rows.count == 4 && step.x == 2) {
+          made = makeByteBlocks(rows.row, y, z);
+        }
       }
       using Narrow = std::conditional_t<sizeof(T) == 1, int16_t, int32_t>;
       addRows<Narrow>(
@@ -157,6 +162,38 @@ class Pass {
         rows, cube_.size.x / 2,
         {plane.sums + row, plane.squares + row, reinterpret_cast<uint8_t*>(part.voxels) + at,
          reinterpret_cast<uint8_t*>(part.spreads) + at});
+  }
+
+  // Whether a row of the second level is of blocks of 4 x 4 x 4 voxels, but for the last ones.
+  bool hasBlocksOf64(int64_t y, int64_t z) const {
+    return levels_.size() > 1 && levels_[0].step == Vec3i{2, 2, 2} &&
+           levels_[1].step == Vec3i{4, 4, 4} && (y + 1) * 4 <= cube_.size.y &&
+           (z + 1) * 4 <= cube_.size.z;
+  }
+  // The first blocks of such a row, and of the four rows of the first level below it. The sums of
+  // the latter are not kept: nothing else needs them.
+  void makeTwoLevels(int64_t y, int64_t z) {
+    std::array<const uint8_t*, 16> rows{};
+    TwoLevelsOfBytes to;
+    const LevelPart &finer = levels_[0], &coarser = levels_[1];
+    for (size_t row = 0; row < 4; ++row) {
+      const int64_t py = 2 * y + static_cast<int64_t>(row % 2);
+      const int64_t pz = 2 * z + static_cast<int64_t>(row / 2);
+      const int64_t at = pz * finer.plane_stride + py * finer.row_stride;
+      to.means[row] = reinterpret_cast<uint8_t*>(finer.voxels) + at;
+      to.spreads[row] = reinterpret_cast<uint8_t*>(finer.spreads) + at;
+      for (size_t i = 0; i < 4; ++i)
+        rows[4 * row + i] = cube_.voxels +
+                            (2 * pz + static_cast<int64_t>(i / 2)) * cube_.plane_stride +
+                            (2 * py + static_cast<int64_t>(i % 2)) * cube_.row_stride;
+    }
+    const Plane<double, double>& plane = coarser_[1][static_cast<size_t>(z % 2)];
+    const int64_t at = z * coarser.plane_stride + y * coarser.row_stride;
+    to.coarser_sums = plane.sums + y * sizes_[1].x;
+    to.coarser_squares = plane.squares + y * sizes_[1].x;
+    to.coarser_means = reinterpret_cast<uint8_t*>(coarser.voxels) + at;
+    to.coarser_spreads = reinterpret_cast<uint8_t*>(coarser.spreads) + at;
+    made_of_64_ = makeTwoLevelsOfBytes(rows, cube_.size.x / 4, to);
   }
 
   // The planes of coarser levels that end with plane z of the first one.
@@ -186,29 +223,11 @@ class Pass {
         return finer[static_cast<size_t>(pz % 2)].squares + py * finer_size.x;
       });
       int64_t made = 0;
-      if constexpr (std::is_same_v<T, uint8_t> && std::is_same_v<Sum, int32_t>) {
-        if (areOf64(level, y, z)) made = makeBlocksOf64({sums.row, squares.row}, y, z, to);
-      }
+      if (level == 1 && std::is_same_v<T, uint8_t> && hasBlocksOf64(y, z)) made = made_of_64_;
       addRows<Sum>(sums, finer_size.x, step.x, same, to.sums + y * size.x, made);
       addRows<Square>(squares, finer_size.x, step.x, same, to.squares + y * size.x, made);
       finishRow(level, y, z, to.sums + y * size.x, to.squares + y * size.x, made);
     }
-  }
-
-  // Whether the blocks of a row are of 4 x 4 x 4 voxels, but for the last ones.
-  bool areOf64(size_t level, int64_t y, int64_t z) const {
-    return levels_[0].step == Vec3i{2, 2, 2} && levels_[level].step == Vec3i{4, 4, 4} &&
-           (y + 1) * 4 <= cube_.size.y && (z + 1) * 4 <= cube_.size.z;
-  }
-  // The first of them; returns how many.
-  int64_t makeBlocksOf64(const FinerByteBlocks& rows, int64_t y, int64_t z,
-                         const Plane<double, double>& to) const {
-    const LevelPart& part = levels_[1];
-    const int64_t at = z * part.plane_stride + y * part.row_stride, row = y * sizes_[1].x;
-    return makeCoarserByteBlocks(
-        rows, cube_.size.x / 4,
-        {to.sums + row, to.squares + row, reinterpret_cast<uint8_t*>(part.voxels) + at,
-         reinterpret_cast<uint8_t*>(part.spreads) + at});
   }
 
   // The rows of numbers below row y of plane z.
@@ -254,6 +273,8 @@ class Pass {
   std::vector<Vec3i> sizes_;  // blocks of each level
   Planes<int32_t, FirstSquare<T>> first_;
   std::vector<Planes<double, double>> coarser_;  // of each level but the first
+  // Blocks of rows that makeTwoLevels() has made, the same of all rows.
+  int64_t made_of_64_ = 0;
 };
 
 }  // namespace
