@@ -7,9 +7,8 @@ struct Color {
 // exp(x), and 2^x of it.
 HWY_INLINE V powerOfTwo(V x) { return hn::Exp(F(), hn::Mul(x, all(0.693147180559945F))); }
 
-HWY_INLINE Color entryAt(const KernelFrame& frame, VI entry) {
-  const Quad rgba =
-      quadAt(reinterpret_cast<const std::byte*>(frame.entries), hn::ShiftLeft<4>(entry));
+HWY_INLINE Color entryAt(const float* entries, VI entry) {
+  const Quad rgba = quadAt(reinterpret_cast<const std::byte*>(entries), hn::ShiftLeft<4>(entry));
   return {rgba.of[0], rgba.of[1], rgba.of[2], rgba.of[3]};
 }
 
@@ -41,8 +40,8 @@ HWY_INLINE Color colorAt(const KernelFrame& frame, V entry) {
   }
   const VI first = hn::ConvertTo(I(), entry);
   const VI last = hn::Set(I(), static_cast<int32_t>(frame.last_entry));
-  const Color a = entryAt(frame, first);
-  const Color b = entryAt(frame, hn::Min(hn::Add(first, hn::Set(I(), 1)), last));
+  const Color a = entryAt(frame.entries, first);
+  const Color b = entryAt(frame.entries, hn::Min(hn::Add(first, hn::Set(I(), 1)), last));
   const V part = hn::Sub(entry, hn::ConvertTo(F(), first)), rest = hn::Sub(all(1.0F), part);
   return {between(a.r, b.r, part, rest), between(a.g, b.g, part, rest),
           between(a.b, b.b, part, rest), between(a.a, b.a, part, rest)};

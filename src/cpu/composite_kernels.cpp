@@ -36,11 +36,15 @@ enum class Shading {
   kLength,     // the opacity corrected for the ray: perspective views
   kGradients,  // light, or factors of the opacity; either view
   kSpread,     // chunks with spreads; with or without gradients, either view
+  kShares,     // the same of labels: chunks with shares
   // Pre-integrated: a sample stands for the values between two places, see FrameSetup::integrates.
   kSegments,
   kSegmentGradients,
   kSurfaces,  // with surfaces, see FrameSetup::has_surfaces; with or without gradients, either view
 };
+constexpr bool hasTwoNumbers(Shading shading) {
+  return shading == Shading::kSpread || shading == Shading::kShares;
+}
 constexpr bool isIntegrated(Shading shading) {
   return shading == Shading::kSegments || shading == Shading::kSegmentGradients;
 }
@@ -54,7 +58,7 @@ struct Pixels {
 
 template <DeviceType kType, Shading kShading>
 HWY_INLINE V3 differencesOf(const KernelBox& box, const V3& at, const Place& place) {
-  if constexpr (kShading == Shading::kSpread)
+  if constexpr (hasTwoNumbers(kShading))
     return {differenceAlong<kType, true>(box, at, 0), differenceAlong<kType, true>(box, at, 1),
             differenceAlong<kType, true>(box, at, 2)};
   else
@@ -62,9 +66,28 @@ HWY_INLINE V3 differencesOf(const KernelBox& box, const V3& at, const Place& pla
                           : differencesWithoutMargin<kType>(box, at);
 }
 
+// The colour of a label of which a texel's finest voxels have a share.
+template <DeviceType kType>
+HWY_INLINE Color sharedColorOf(const KernelFrame& frame, const KernelBox& box, const V3& at,
+                               const Place& place, V label, V share, V ray_length) {
+  const V entry = entryOf(frame, label);
+  Gradient gradient{};
+  if (frame.lit || frame.rows > 0)
+    gradient = gradientOf(box, differencesOf<kType, Shading::kShares>(box, at, place));
+  const Color one = entryAt(frame.label_entries, wholeOf(hn::Add(entry, all(0.5F))));
+  V a = hn::Mul(one.a, share);
+  if (frame.rows > 0)
+    a = hn::Mul(a, factorAt(frame, hn::Mul(gradient.unit, hn::Sqrt(gradient.squared)), entry));
+  a = corrected(a, hn::Mul(ray_length, all(frame.slice_length)));
+  const Color color{hn::Mul(one.r, a), hn::Mul(one.g, a), hn::Mul(one.b, a), a};
+  return frame.lit ? shaded(frame, box, at, color, gradient, frame.flat) : color;
+}
+
 template <DeviceType kType, Shading kShading>
 HWY_INLINE Color colorOf(const KernelFrame& frame, const KernelBox& box, const V3& at,
                          const Place& place, V value, V square, V ray_length) {
+  if constexpr (kShading == Shading::kShares)
+    return sharedColorOf<kType>(frame, box, at, place, value, square, ray_length);
   const V entry = entryOf(frame, value);
   Color color = colorAt(frame, entry);
   if constexpr (kShading == Shading::kLength) {
@@ -129,7 +152,7 @@ constexpr float kTurnsAfterLeap = 4, kTurnsBetweenLooks = 8;
 // A sample a lane, at slice k of the box.
 struct Sample {
   V k, value;
-  V square;  // of the spread
+  V square;  // of the spread; of labels the share
   M active;
   // For gradients.
   V3 at;
@@ -160,6 +183,10 @@ struct Passage {
     if constexpr (kShading == Shading::kSpread) {
       const SpreadValue both = spreadAt<kType>(box, place, frame.spread_scale);
       return {k, both.mean, both.square, hn::Lt(k, end), at, place};
+    } else if constexpr (kShading == Shading::kShares) {
+      const auto unit = static_cast<float>(1 / wholeShare(kType));
+      const SharedLabel both = sharedLabelAt<kType>(box, place, unit);
+      return {k, both.label, both.share, hn::Lt(k, end), at, place};
     } else {
       const V value = frame.labels ? labelAt<kType>(box, place) : valueAt<kType>(box, place);
       return {k, value, value, hn::Lt(k, end), at, place};
@@ -229,7 +256,7 @@ struct Passage {
       for (int j = turns; j > 0; --j) {
         const Sample next = take(k, end);
         k = hn::Add(k, one);
-        if constexpr (kShading == Shading::kGradients || kShading == Shading::kSpread) {
+        if constexpr (kShading == Shading::kGradients || hasTwoNumbers(kShading)) {
           if (!blend(next, pixels)) return;
         } else {
           if (has_last && !blend(last, pixels)) return;
@@ -320,8 +347,8 @@ HWY_INLINE void drawPacket(const KernelFrame& frame, const KernelBox& box,
   const V ray_length = kShading == Shading::kTable ? all(1.0F) : rayLengthOf(frame, packet);
   // A value that stands for NaN is so large that even a rounding error's share of it would show.
   const bool clamps = kType == DeviceType::kF32 || kShading == Shading::kGradients ||
-                      kShading == Shading::kSpread || kShading == Shading::kSurfaces ||
-                      frame.labels || box.clamps;
+                      hasTwoNumbers(kShading) || kShading == Shading::kSurfaces || frame.labels ||
+                      box.clamps;
   Passage<kType, kShading> passage{frame,
                                    box,
                                    texelsAt(box, voxelsOf(positions, packet)),
@@ -387,7 +414,9 @@ void drawTyped(const KernelFrame& frame, const KernelBox* boxes, const uint32_t*
   for (size_t i = 0; i < count; ++i) {
     if (i % kBoxesBetweenLooks == 0 && isThrough(frame, tile)) return;
     const KernelBox& box = boxes[indices[i]];
-    if (box.has_spread)
+    if (box.has_spread && frame.labels)
+      drawBox<kType, Shading::kShares>(frame, box, tile);
+    else if (box.has_spread)
       drawBox<kType, Shading::kSpread>(frame, box, tile);
     else if (frame.surfaces > 0)
       drawBox<kType, Shading::kSurfaces>(frame, box, tile);

@@ -86,6 +86,7 @@ void FrameTables::setLookUp(const LookUpTables& tables) {
   const auto last = static_cast<double>(last_entry);
   const double per_value = range.hi > range.lo ? last / (range.hi - range.lo) : 0;
   frame_.entries = tables.entries.data();
+  frame_.label_entries = tables.key.look_up->rgba.data();
   if (!tables.packed.entries.empty()) {
     frame_.packed_entries = tables.packed.entries.data();
     frame_.color_unit = tables.packed.color_unit;

@@ -69,6 +69,8 @@ struct KernelFrame {
   const float* expected = nullptr;
   float mean_scale = 0, mean_offset = 0, spread_scale = 0;
   int expected_entries = 0, expected_rows = 0;
+  // For chunks with shares: LookUp::rgba, whose opacities are those of a unit length.
+  const float* label_entries = nullptr;
 
   // Gradients: lit, or factors of the opacity.
   bool lit = false, corrects = false;
@@ -107,7 +109,7 @@ struct KernelBox {
   Float3 storage_lo{}, storage_hi{};  // the chunk's first and last texel
   const std::byte* texels = nullptr;  // the first of the box
   Float3 stride{};                    // in bytes
-  bool has_spread = false;            // two numbers a texel
+  bool has_spread = false;            // two numbers a texel, see ChunkTexels
   bool has_margin = false;            // a texel more on every side
   // Device values a world unit, camera space, of a value more a texel along each texel axis.
   std::array<Float3, 3> gradient{};

@@ -124,8 +124,9 @@ void setRanges(const ChunkTexels& chunk, int64_t margin, LeapGrid& grid) {
       });
 }
 
+// `expected`: null for labels.
 template <class T>
-void setRangesOfSpreads(const ChunkTexels& chunk, const ExpectedLook& expected, LeapGrid& grid) {
+void setRangesOfSpreads(const ChunkTexels& chunk, const ExpectedLook* expected, LeapGrid& grid) {
   const auto* texels = reinterpret_cast<const T*>(chunk.bytes.get());
   const int64_t columns = chunk.storage_vox.x;
   std::vector<SpreadBounds<T>> bounds(static_cast<size_t>(columns));
@@ -141,7 +142,7 @@ void setRangesOfSpreads(const ChunkTexels& chunk, const ExpectedLook& expected, 
                        std::max(all.means.hi, more.means.hi)};
           all.spread = std::max(all.spread, more.spread);
         }
-        *out++ = shownBy(all, expected);
+        *out++ = expected == nullptr ? all.means : shownBy(all, *expected);
       });
 }
 
@@ -218,7 +219,6 @@ void spreadAlong(std::span<uint8_t> distances, int64_t count, int64_t stride,
 }  // namespace
 
 LeapGrid leapGrid(const ChunkTexels& chunk, const ExpectedLook* expected, int64_t margin) {
-  SLUICE_CHECK(!chunk.has_spread || expected != nullptr);
   const Vec3i storage = chunk.storage_vox;
   LeapGrid grid;
   grid.margin = margin;
@@ -229,7 +229,7 @@ LeapGrid leapGrid(const ChunkTexels& chunk, const ExpectedLook* expected, int64_
   visitDeviceType(chunk.type, [&](auto tag) {
     using T = decltype(tag);
     if (chunk.has_spread)
-      setRangesOfSpreads<T>(chunk, *expected, grid);
+      setRangesOfSpreads<T>(chunk, expected, grid);
     else
       setRanges<T>(chunk, margin, grid);
   });

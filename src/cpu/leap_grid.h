@@ -38,7 +38,8 @@ struct LeapGrid {
   int64_t margin = 0;      // texels beside a brick that count as its own
 };
 
-// Makes the grid without distances. `expected` gives the look of spreads, if the chunk has them.
+// Makes the grid without distances. `expected` gives the look of spreads, if the chunk has them;
+// null: the second numbers are shares of labels, which show no other values.
 // `margin`: a sample shows values up to so many texels from it, of a chunk without spreads.
 LeapGrid leapGrid(const ChunkTexels& chunk, const ExpectedLook* expected = nullptr,
                   int64_t margin = 0);

@@ -179,36 +179,72 @@ HWY_INLINE SpreadValue spreadAt(const KernelBox& box, const Place& place, float 
 // Below it lie the stand-in for NaN and whatever is interpolated with it.
 HWY_INLINE M isNoNumber(V value) { return hn::Lt(value, all(-2e30F)); }
 
-// The value that has the greatest weight among the eight texels around, see LookUp. A call of its own: its
-// 64 comparisons inside each kernel took a large share of the compiler's time.
-template <DeviceType kType>
-HWY_NOINLINE V labelAt(const KernelBox& box, Place place) {
-  const Rows rows = rowsAround<kType>(box, place.offset);
-  const V one = all(1.0F);
-  alignas(64) float values[8][kMostLanes], weights[8][kMostLanes];
+// Eight numbers of each lane, those of the texels around a place.
+struct EightNumbers {
+  alignas(64) float of[8][kMostLanes];
+  HWY_INLINE V at(int i) const { return hn::Load(F(), of[i]); }
+};
+HWY_INLINE EightNumbers eightOf(const Pair (&rows)[4]) {
+  EightNumbers numbers;
   for (int row = 0; row < 4; ++row) {
-    const Pair& pair = rows.pair[row];
+    hn::Store(rows[row].first, F(), numbers.of[2 * row]);
+    hn::Store(rows[row].second, F(), numbers.of[2 * row + 1]);
+  }
+  return numbers;
+}
+HWY_INLINE EightNumbers weightsAt(const Place& place) {
+  const V one = all(1.0F);
+  EightNumbers weights;
+  for (int row = 0; row < 4; ++row) {
     const V weight = hn::Mul((row & 1) != 0 ? place.fy : hn::Sub(one, place.fy),
                              (row & 2) != 0 ? place.fz : hn::Sub(one, place.fz));
-    hn::Store(pair.first, F(), values[2 * row]);
-    hn::Store(pair.second, F(), values[2 * row + 1]);
-    hn::Store(hn::Mul(weight, hn::Sub(one, place.fx)), F(), weights[2 * row]);
-    hn::Store(hn::Mul(weight, place.fx), F(), weights[2 * row + 1]);
+    hn::Store(hn::Mul(weight, hn::Sub(one, place.fx)), F(), weights.of[2 * row]);
+    hn::Store(hn::Mul(weight, place.fx), F(), weights.of[2 * row + 1]);
   }
+  return weights;
+}
+HWY_INLINE V heaviestOf(const EightNumbers& values, const EightNumbers& weights) {
   const V tie = all(static_cast<float>(kLabelTie));
-  V best = hn::Load(F(), values[0]), most = all(-1.0F);
+  V best = values.at(0), most = all(-1.0F);
   for (int i = 0; i < 8; ++i) {
-    const V value = hn::Load(F(), values[i]);
+    const V value = values.at(i);
     V weight = hn::Zero(F());
     for (int k = 0; k < 8; ++k)
-      weight = hn::Add(weight, hn::IfThenElseZero(hn::Eq(hn::Load(F(), values[k]), value),
-                                                  hn::Load(F(), weights[k])));
+      weight =
+          hn::Add(weight, hn::IfThenElseZero(hn::Eq(values.at(k), value), weights.at(k)));
     const M wins = hn::Or(hn::Gt(weight, hn::Add(most, tie)),
                           hn::And(hn::Gt(weight, hn::Sub(most, tie)), hn::Gt(value, best)));
     best = hn::IfThenElse(wins, value, best);
     most = hn::IfThenElse(wins, weight, most);
   }
   return best;
+}
+
+// The value that has the greatest weight among the eight texels around, see LookUp. A call of its own: its
+// 64 comparisons inside each kernel took a large share of the compiler's time.
+template <DeviceType kType>
+HWY_NOINLINE V labelAt(const KernelBox& box, Place place) {
+  return heaviestOf(eightOf(rowsAround<kType>(box, place.offset).pair), weightsAt(place));
+}
+// The same in a chunk with two numbers a texel, and the label's share, see ChunkTexels: its mean
+// over the texels that have the label. `unit`: 1 / the number that stands for all finest voxels.
+struct SharedLabel {
+  V label, share;
+};
+template <DeviceType kType>
+HWY_NOINLINE SharedLabel sharedLabelAt(const KernelBox& box, Place place, float unit) {
+  const SpreadRows rows = spreadRowsAround<kType>(box, place.offset);
+  const EightNumbers values = eightOf(rows.mean), weights = weightsAt(place);
+  const EightNumbers others = eightOf(rows.spread);
+  const V label = heaviestOf(values, weights);
+  V whole = hn::Zero(F()), lost = hn::Zero(F());
+  for (int i = 0; i < 8; ++i) {
+    const V weight = hn::IfThenElseZero(hn::Eq(values.at(i), label), weights.at(i));
+    whole = hn::Add(whole, weight);
+    lost = hn::MulAdd(weight, others.at(i), lost);
+  }
+  const V part = hn::Div(hn::Mul(lost, all(unit)), hn::Max(whole, all(1e-20F)));
+  return {label, hn::Sub(all(1.0F), hn::Min(hn::Max(part, hn::Zero(F())), all(1.0F)))};
 }
 
 // Half of the difference; a NaN neighbour tells nothing of the slope along its axis.

@@ -13,7 +13,8 @@ namespace sluice {
 
 // The texels of a chunk in whole pages, x fastest. A texel is one number, or with `has_spread` two,
 // one after the other: the mean of the values that it stands for, and their spread in the same unit
-// (expected_look.h). Immutable once filled; any thread may read.
+// (expected_look.h); or the most frequent label among them, and the share of the others, of which
+// wholeShare() stands for all. Immutable once filled; any thread may read.
 struct ChunkTexels {
   Vec3i storage_vox;
   DeviceType type = DeviceType::kU8;
@@ -23,6 +24,18 @@ struct ChunkTexels {
   size_t texelBytes() const { return bytesPerVoxel(type) * (has_spread ? 2 : 1); }
   std::span<std::byte> span() const { return {bytes.get(), byte_count}; }
 };
+// The second number of a texel of labels if all values below it were others.
+constexpr double wholeShare(DeviceType type) {
+  switch (type) {
+    case DeviceType::kU8:
+      return 0xFF;
+    case DeviceType::kU16:
+      return 0xFFFF;
+    case DeviceType::kF32:
+      break;
+  }
+  return 1;
+}
 using ChunkTexelsPtr = std::shared_ptr<const ChunkTexels>;
 
 }  // namespace sluice

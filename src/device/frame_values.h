@@ -58,7 +58,9 @@ struct LookUp {
   std::vector<float> factors = {};
   // Composite only: values are labels, see TransferFunction. A sample takes the value whose texels,
   // among the eight around it, have the greatest weight together; of two values with the same
-  // weight (to kLabelTie), the greater.
+  // weight (to kLabelTie), the greater. In chunks with shares (ChunkTexels) its opacity of a unit
+  // length is multiplied by its mean share in these texels, so that a label that fills a part of a
+  // coarse voxel shows as much as it does in fine ones.
   bool labels = false;
   // Composite only, not of labels: see FrameSetup::has_surfaces. Ascending by level, at most
   // kMostSurfaces. Values within `surface_tie` of a level may be on either of its sides by
@@ -200,7 +202,7 @@ constexpr OuterFaces outerFaces(const FrameSetup& setup, const Box3& cells) {
 // Whether chunks with spreads may be drawn.
 inline bool drawsSpreads(const FrameSetup& setup) {
   const LookUp& look_up = *setup.look_up;
-  return !traitsOf(setup.mode).has_colors || (look_up.expected != nullptr && !look_up.labels);
+  return !traitsOf(setup.mode).has_colors || look_up.labels || look_up.expected != nullptr;
 }
 
 // A square grid of side x side cells on a plane of index space, seen from the eye: rows x, y and w

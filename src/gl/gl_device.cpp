@@ -240,11 +240,16 @@ GlProgram& GlDevice::frameProgram(Vec3d scale, bool has_spread) {
   SLUICE_CHECK(!has_spread || drawsSpreads(setup_));
   ShaderVariant variant = variant_;
   variant.scaled = scale != kOne;
-  variant.spread = has_spread && traitsOf(setup_.mode).has_colors;
+  variant.spread = has_spread && traitsOf(setup_.mode).has_colors && !variant.labels;
+  variant.shares = has_spread && variant.labels;
   GlProgram& program = programFor(variant);
   if (told_.insert(variant).second) {
     setFrame(program);
     if (variant.spread) look_.setExpected(setup_, program);
+    if (variant.shares) {
+      program.set("share_unit", valueScale(setup_.type) / wholeShare(setup_.type));
+      program.set("unit_lengths", setup_.slice_length);
+    }
     if (variant.integrates) look_.setSums(setup_, program);
   }
   if (variant.scaled) program.set("texel_scale", scale);

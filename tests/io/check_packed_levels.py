@@ -1,7 +1,8 @@
 """Compares the levels of a store with what NumPy makes of its level 0.
 
 check_packed_levels.py STORE mean|max|min|mode: every voxel of a level is compared with that of its block, a
-level's place with its scale. Levels of means have spreads: twice NumPy's standard deviation. Several words with
+level's place with its scale. Levels of means have spreads: twice NumPy's standard deviation; levels of modes have
+shares: the part of a block that is not its mode. Several words with
 commas between: the further levels lie in groups of their own, which the attributes name. Prints "level shape step"
 a line for each level, x first.
 """
@@ -29,9 +30,14 @@ def mode(block):
     return values[np.argmax(counts)]
 
 
-def blocks(voxels, step, make):
+def others(block):
+    values, counts = np.unique(block, return_counts=True)
+    return 1 - counts.max() / block.size
+
+
+def blocks(voxels, step, make, dtype=None):
     """Of a volume; blocks at the upper ends may have fewer voxels."""
-    out = np.empty([-(-n // s) for n, s in zip(voxels.shape, step)], voxels.dtype)
+    out = np.empty([-(-n // s) for n, s in zip(voxels.shape, step)], dtype or voxels.dtype)
     for index in np.ndindex(out.shape):
         out[index] = make(voxels[tuple(slice(i * s, (i + 1) * s) for i, s in zip(index, step))])
     return out
@@ -65,7 +71,7 @@ own = group.attrs["sluice"] if "sluice" in group.attrs else {}
 spreads = own.get("spreads")
 folders = own.get("levels", {})
 assert sorted(folders) == sorted(further), folders
-assert (spreads is not None) == (how == "mean")
+assert (spreads is not None) == (how in ("mean", "mode"))
 assert image["type"] == how
 extremes = {"max": np.maximum, "min": np.minimum}
 kinds = {"u1": "u1", "i1": "u1", "u2": "u2", "i2": "u2"}
@@ -98,4 +104,11 @@ for i, dataset in enumerate(image["datasets"][1:], 1):
         else:
             expected = extreme(voxels, step[space:], extremes[how]) if how in extremes else blocks(voxels, step[space:], mode)
             assert np.array_equal(found, expected)
+        if how == "mode":
+            kept = group[f"{spreads}/{dataset['path']}"][outer]
+            assert kept.dtype == kinds.get(fine.dtype.str[1:], "f4"), kept.dtype
+            whole = np.iinfo(kept.dtype).max if kept.dtype.kind == "u" else 1
+            expected = whole * blocks(voxels, step[space:], others, "f8")
+            assert expected.max() > 0 and kept.shape == expected.shape
+            assert np.abs(kept - expected).max() <= (0.5 + 1e-9 if whole > 1 else 1e-6)
     print(i, *coarse.shape[:space - 1 if space else None:-1], *step[:space - 1 if space else None:-1])

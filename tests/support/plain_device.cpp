@@ -298,7 +298,8 @@ void PlainDevice::take(const Ray& ray, const BoxDraw& box, const ChunkTexels& ch
       if (value < kNoNumber && !setup_.has_surfaces) return true;
       if (value >= kNoNumber) rgba = lookedUp(look_up, value, look_up.interpolates || !composite);
     }
-    const double spread = chunk.has_spread && composite ? spreadAt(chunk, texel) : 0;
+    const double spread = chunk.has_spread && composite && !labels ? spreadAt(chunk, texel) : 0;
+    if (chunk.has_spread && labels) rgba[3] *= shareAt(chunk, texel, value);
     if (rgba[3] <= 0 && !(spread > 0)) {
       if (setup_.has_surfaces) blendSurfaces(ray, box, chunk, k, {}, pixel);
       return true;

@@ -98,6 +98,14 @@ double labelAt(const ChunkTexels& chunk, Vec3d at) {
   return best;
 }
 
+double shareAt(const ChunkTexels& chunk, Vec3d at, double label) {
+  const auto hasLabel = [&](Vec3i texel) { return texelAt(chunk, texel) == label; };
+  const double whole = interpolated(at, [&](Vec3i texel) { return hasLabel(texel) ? 1.0 : 0.0; });
+  const double others = interpolated(
+      at, [&](Vec3i texel) { return hasLabel(texel) ? texelAt(chunk, texel, 1) : 0.0; });
+  return 1 - others / whole / wholeShare(chunk.type);
+}
+
 MeanLook::MeanLook(const LookUp& look_up) {
   const size_t entries = look_up.rgba.size() / 4;
   const ValueRange range = look_up.device_range;

@@ -22,6 +22,9 @@ double spreadAt(const ChunkTexels& chunk, Vec3d at);
 // The value with the greatest weight among the eight texels around; of two with the same weight,
 // the greater.
 double labelAt(const ChunkTexels& chunk, Vec3d at);
+// The mean share of a label there, 0 to 1, in the texels around that have it. Requires: the chunk
+// has shares.
+double shareAt(const ChunkTexels& chunk, Vec3d at, double label);
 
 // The table's entry of a device value, interpolated between two entries if it interpolates.
 std::array<double, 4> lookedUp(const LookUp& look_up, double value, bool interpolates);

@@ -236,6 +236,36 @@ TEST_F(ExtremeLevels, labelsAreDrawnFromTheMostFrequentOnes) {
   EXPECT_LT(meanDifference(coarse, picture()), 4);
 }
 
+// Plates of one voxel fill half of the voxels of level 1 that have their label, and a quarter of
+// those of level 2 that do.
+TEST_F(ExtremeLevels, thinLabelsDoNotGrow) {
+  std::string labels;
+  for (int z = 0; z < 64; ++z)
+    for (int y = 0; y < 64; ++y)
+      for (int x = 0; x < 64; ++x)
+        labels += static_cast<char>(z % 8 == 3 ? 20 : z % 4 == 1 ? 30 : 40);
+  writeFile(program_.folder / "l_64x64x64_uint8.raw", labels);
+  run("pack l_64x64x64_uint8.raw -o l.zarr --chunk 16 --levels 2 --downsample mode");
+  EXPECT_THAT(run("info l.zarr --levels"), HasSubstr("modes, share: u8"));
+  // The opacity of label 20 alone.
+  const auto opacity = [&](const std::string& more) {
+    const json report = program_.json(
+        "render l.zarr --labels --label all=:0 --label 20=ffffff:0.2 --background 000000 "
+        "--no-shade --block 16 --size 64 --view plain --azimuth 30 --fit volume -o x.png --force " +
+        more);
+    if (report.contains("cut")) {
+      EXPECT_EQ(report["cut"]["spreads"], true);
+    }
+    const auto rgba = picture();
+    double sum = 0;
+    for (size_t i = 0; i < rgba.size(); i += 4) sum += rgba[i];
+    return sum;
+  };
+  const double fine = opacity("--level 0");
+  EXPECT_GT(fine, 0);
+  EXPECT_NEAR(opacity("--level 1") / fine, 1, 0.1);
+}
+
 // The greatest value of a coarse voxel may be hidden while others of its voxels show.
 TEST_F(ExtremeLevels, areNotDrawnIfTheLookHidesExtremesOfWhatItShows) {
   pack("max");

@@ -41,7 +41,8 @@ void printLevels(const VolumeSource& source) {
   size_t level = 0;
   for (const CoarserLevel& coarser : coarserLevels(source))
     line(++level, coarser.source->layout().dims, coarser.placement,
-         fmt::format("; {}, spread: {}", wordOf(coarser.values),
+         fmt::format("; {}, {}: {}", wordOf(coarser.values),
+                     coarser.values == LevelValues::kModes ? "share" : "spread",
                      coarser.spreads == nullptr ? "none" : name(coarser.spreads->layout().type)));
   for (const LevelValues values : kLevelKinds)
     if (const auto levels = levelsOfKind(source, values); !levels.empty())

@@ -194,7 +194,8 @@ std::string originText(const CutSummary& cut) {
     case LevelValues::kMinima:
       return "from the least values below each voxel";
     case LevelValues::kModes:
-      return "from the most frequent labels below each voxel";
+      return cut.has_spreads ? "from the most frequent labels below each voxel and their shares"
+                             : "from the most frequent labels below each voxel";
     case LevelValues::kMeans:
     case LevelValues::kUnknown:
       break;
@@ -230,7 +231,10 @@ std::string cutLine(const CutSummary& cut) {
           : fmt::format(
                 "{:.1f} % of what shows is drawn coarser than it is stored, at level {}, {}",
                 100 * cut.coarse_share, levels, originText(cut));
-  if (cut.spread)
+  if (cut.spread && cut.values == LevelValues::kModes)
+    line += fmt::format("; up to {:.0f} % of a voxel has other labels, {:.1f} % on average",
+                        100 * cut.spread->largest, 100 * cut.spread->mean);
+  else if (cut.spread)
     line +=
         fmt::format(" of up to {:.4g}, {:.3g} on average", cut.spread->largest, cut.spread->mean);
   if (cut.thin_blocks > 0)

@@ -18,12 +18,17 @@ void gather(BlockSums& block, const BlockSums& more) {
   block.count += more.count;
 }
 
-// The number that stands most often in `values`, which are put in order.
+// The number that stands most often in `values`, and how often. The values are put in order.
 template <class T>
-T modeOf(std::vector<T>& values) {
+struct ModeCount {
+  T mode{};
+  size_t count = 0;
+};
+template <class T>
+ModeCount<T> modeOf(std::vector<T>& values) {
   if (values.empty()) {
-    if constexpr (std::is_floating_point_v<T>) return std::numeric_limits<T>::quiet_NaN();
-    return T{};
+    if constexpr (std::is_floating_point_v<T>) return {std::numeric_limits<T>::quiet_NaN(), 0};
+    return {};
   }
   std::sort(values.begin(), values.end());
   T mode = values.front();
@@ -37,7 +42,18 @@ T modeOf(std::vector<T>& values) {
     }
     i = end;
   }
-  return mode;
+  return {mode, most};
+}
+
+// The share of the values that are not the mode, as a number of its type.
+template <class Share>
+Share shareOf(size_t others, size_t all) {
+  if (others == 0) return 0;
+  const double share = static_cast<double>(others) / static_cast<double>(all);
+  if constexpr (std::is_floating_point_v<Share>)
+    return static_cast<Share>(share);
+  else
+    return static_cast<Share>(rounded(share * std::numeric_limits<Share>::max()));
 }
 
 template <class F>
@@ -107,7 +123,11 @@ void putModes(const CubeVoxels<T>& cube, const LevelPart& part) {
       if (isNumber(value)) values.push_back(value);
     });
     const int64_t at = p.z * part.plane_stride + p.y * part.row_stride + p.x;
-    reinterpret_cast<T*>(part.voxels)[at] = modeOf(values);
+    const ModeCount<T> found = modeOf(values);
+    reinterpret_cast<T*>(part.voxels)[at] = found.mode;
+    if (part.spreads != nullptr)
+      reinterpret_cast<SpreadOf<T>*>(part.spreads)[at] =
+          shareOf<SpreadOf<T>>(values.size() - found.count, values.size());
   });
 }
 

@@ -1,5 +1,6 @@
-// gatheredLevels: the levels of means with their spreads, or of modes, of a cube of voxels of any
-// type. Block by block in doubles; narrow_means.h does the same for most bytes, faster.
+// gatheredLevels: the levels of means with their spreads, or of modes with their shares, of a cube
+// of voxels of any type. Block by block in doubles; narrow_means.h does the same for most bytes,
+// faster.
 #pragma once
 
 #include <span>

@@ -20,7 +20,7 @@ struct CubeVoxels {
 struct LevelPart {
   Vec3i step;                    // finest voxels of a voxel of the level
   std::byte* voxels = nullptr;   // the first of them
-  std::byte* spreads = nullptr;  // of the same voxel; null: the level has no spreads
+  std::byte* spreads = nullptr;  // of the same voxel, or its share; null: the level has none
   int64_t row_stride = 0, plane_stride = 0;
 };
 

@@ -15,9 +15,9 @@ namespace sluice {
 // The value of a coarse voxel, from its block of finer ones. NaN counts only if a block has nothing
 // else. If several values are most frequent, kMode takes the least.
 enum class Downsample { kMean, kMax, kMin, kMode };
-// Whether the levels have spreads.
+// Whether the levels have a second number for each voxel (CoarserLevel::spreads).
 constexpr bool keepsSpreads(Downsample how) {
-  return how == Downsample::kMean;
+  return how == Downsample::kMean || how == Downsample::kMode;
 }
 LevelValues valuesOf(Downsample how);
 // The way to make levels of these values; kMean if they are unknown.

@@ -209,7 +209,9 @@ void ChunkedSource::placeLevels(const ChunkedVolume& volume, const std::vector<s
       place.offset = (*claim.translation - *finest.translation) / *finest.scale;
     const bool has_spreads = spread_sources_[i] != nullptr;
     levels_above_.push_back({level_sources_[i].get(), place, spread_sources_[i].get(), false,
-                             has_spreads ? LevelValues::kMeans : image.level_values});
+                             has_spreads && image.level_values != LevelValues::kModes
+                                 ? LevelValues::kMeans
+                                 : image.level_values});
   }
   std::stable_sort(levels_above_.begin(), levels_above_.end(),
                    [](const CoarserLevel& a, const CoarserLevel& b) {

@@ -24,8 +24,8 @@ struct LevelPlacement {
   Vec3d levelFromFinest(Vec3d index) const { return (index - offset) / scale; }
 };
 
-// The type that spreads of voxels of `type` are kept in: as wide as the numbers that are drawn, and
-// never negative.
+// The type that spreads and shares of voxels of `type` are kept in: as wide as the numbers that are
+// drawn, and never negative.
 constexpr VoxelType spreadType(VoxelType type) {
   switch (type) {
     case VoxelType::kU8:
@@ -51,9 +51,11 @@ enum class LevelValues { kUnknown, kMeans, kMaxima, kMinima, kModes };
 struct CoarserLevel {
   VolumeSource* source = nullptr;  // owned by the source it is a level of
   LevelPlacement placement;        // among the voxels of that source
-  // If the voxels are means: the spread of the finest voxels that each stands for, which is twice
-  // their standard deviation in units of stored values, of type spreadType(). Its dims and time
-  // steps are the level's. Null: no spread is known.
+  // A second number for each voxel, of type spreadType(). If the voxels are means: the spread of
+  // the finest voxels that each stands for, which is twice their standard deviation in units of
+  // stored values. If they are modes: the share of those finest voxels that have another value, 0
+  // for none and the greatest number of the type (1 of floats) for all. The dims and time steps are
+  // the level's. Null: it is not known.
   VolumeSource* spreads = nullptr;
   bool is_computed = false;  // from voxels of the finest level whenever it is read
   LevelValues values = LevelValues::kUnknown;

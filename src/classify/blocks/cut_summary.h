@@ -10,7 +10,8 @@
 namespace sluice {
 
 // The spreads of coarse voxels (volume_levels.h) in units of values: how much the finest values
-// differ below the voxels that are shown.
+// differ below the voxels that are shown. Of labels: the share, up to 1, of the finest voxels that
+// have another label.
 struct StandingSpread {
   double largest = 0, mean = 0;
 };
@@ -24,8 +25,8 @@ struct CutSummary {
   std::vector<Level> levels;  // the levels that are drawn, the finest first
   // The share of the finest cells showing something that lies in regions drawn at a coarser level.
   double coarse_share = 0;
-  // Whether all coarser ones have spreads beside their means: what is drawn of them is what their
-  // finest voxels look like on average.
+  // Whether all coarser ones have spreads beside their means, or shares beside their labels: what
+  // is drawn of them is what their finest voxels look like on average.
   bool has_spreads = false;
   LevelValues values = LevelValues::kUnknown;  // what the voxels of coarser levels are
   // False: a budget or the time ended the refinement before the pixel error was reached.
@@ -35,7 +36,7 @@ struct CutSummary {
   // Coarser blocks in the picture below which the finest level shows something thinner than two of
   // their voxels: they may show next to nothing of it.
   int64_t thin_blocks = 0;
-  // The spread of the blocks whose voxels were read; unset before that, and without spreads.
+  // The spread or share of the blocks whose voxels were read; unset before that, and without.
   std::optional<StandingSpread> spread;
 };
 

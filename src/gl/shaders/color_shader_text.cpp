@@ -28,8 +28,33 @@ vec4 labelColor(float entry) {
   return texelFetch(look_up, ivec2(i % LABEL_ROW, i / LABEL_ROW), 0);
 }
 
-// The value that has the greatest weight among the eight texels around, see LookUp.
-float labelAt(vec3 at) {
+#if SHARES
+uniform float share_unit;    // 1 / the second number of a texel none of which has the label
+uniform float unit_lengths;  // between samples
+// The colour of a label, premultiplied, if its opacity of a unit length is multiplied by `share`.
+// `rgba` is the look-up's, see lookUpTexels().
+vec4 sharedColor(vec4 rgba, float share, float ray_length) {
+#if PERSPECTIVE || GRADIENT_ROWS > 0
+  vec3 rgb = rgba.rgb;
+#else
+  vec3 rgb = rgba.rgb / max(rgba.a, 1e-20);
+#endif
+#if GRADIENT_ROWS > 0
+  float one = rgba.a;
+#elif PERSPECTIVE
+  float one = 1.0 - exp2(rgba.a / unit_lengths);
+#else
+  float one = rgba.a < 1.0 ? 1.0 - exp2(log2(1.0 - rgba.a) / unit_lengths) : 1.0;
+#endif
+  one *= share;
+  float a = one < 1.0 ? 1.0 - exp2(unit_lengths * ray_length * log2(1.0 - one)) : 1.0;
+  return vec4(rgb * a, a);
+}
+#endif
+
+// The value that has the greatest weight among the eight texels around, see LookUp; and, if chunks
+// have shares, its mean share in those that have it.
+vec2 labelAt(vec3 at) {
   const float kTie = 1e-3;
   ivec3 last = textureSize(chunk, 0) - 1;
   vec3 texel = at / texel_size - 0.5;
@@ -39,11 +64,18 @@ float labelAt(vec3 at) {
   ivec3 next = min(first + 1, last);
   float values[8];
   float weights[8];
+#if SHARES
+  float others[8];
+#endif
   for (int i = 0; i < 8; ++i) {
     bvec3 upper = bvec3((i & 1) != 0, (i & 2) != 0, (i & 4) != 0);
     vec3 w = mix(1.0 - t, t, upper);
-    values[i] = texelFetch(chunk, ivec3(upper.x ? next.x : first.x, upper.y ? next.y : first.y,
-                                        upper.z ? next.z : first.z), 0).r;
+    vec2 both = texelFetch(chunk, ivec3(upper.x ? next.x : first.x, upper.y ? next.y : first.y,
+                                        upper.z ? next.z : first.z), 0).rg;
+    values[i] = both.r;
+#if SHARES
+    others[i] = both.g;
+#endif
     weights[i] = w.x * w.y * w.z;
   }
   float best = values[0], most = -1.0;
@@ -55,7 +87,17 @@ float labelAt(vec3 at) {
       most = weight;
     }
   }
-  return best;
+#if SHARES
+  float whole = 0.0, lost = 0.0;
+  for (int i = 0; i < 8; ++i)
+    if (values[i] == best) {
+      whole += weights[i];
+      lost += weights[i] * others[i];
+    }
+  return vec2(best, 1.0 - clamp(lost * share_unit / max(whole, 1e-20), 0.0, 1.0));
+#else
+  return vec2(best, 1.0);
+#endif
 }
 #endif
 

@@ -105,7 +105,7 @@ void main() {
 #if LABELS
       // Between labels the hardware's value is none of them. It is 0 where all of them are.
       for (bool again = value != 0.0; again; again = false) {
-        float label = labelAt(at);
+        float label = labelAt(at).r;
         shows = label >= visible.x && label <= visible.y;
       }
 #endif
@@ -129,7 +129,8 @@ void main() {
                   (sums_line.x + 1.0);
 #else
 #if LABELS
-    value = labelAt(at);
+    vec2 label = labelAt(at);
+    value = label.r;
 #elif PLANES && FLOATS
     // A loop, since software GL skips no `if`.
     for (bool again = IS_NO_NUMBER(vec3(value)).x; again; again = false) value = valueOnPlane(at);
@@ -174,6 +175,16 @@ void main() {
 #elif PERSPECTIVE
     color.a = 1.0 - exp2(color.a * ray_length);
     color.rgb *= color.a;
+#endif
+#if SHARES
+#if GRADIENT_ROWS > 0
+    color = sharedColor(labelColor(entry), label.g * factor, ray_length);
+#else
+    color = sharedColor(labelColor(entry), label.g, ray_length);
+#endif
+#if FLOATS
+    if (IS_NO_NUMBER(vec3(value)).x) color = vec4(0.0);
+#endif
 #endif
 #if SPREAD
     color = expectedColor(value, spreadShareAt(at), factor, ray_length, color);

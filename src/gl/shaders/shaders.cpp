@@ -30,6 +30,7 @@ std::string definitions(const ShaderVariant& v) {
                                                  {"PLANES", v.planes},
                                                  {"SCALED", v.scaled},
                                                  {"SPREAD", v.spread},
+                                                 {"SHARES", v.shares},
                                                  {"INTEGRATES", v.integrates},
                                                  {"SURFACES", v.surfaces},
                                                  {"HAS_OPACITIES", v.has_opacities},

@@ -27,6 +27,7 @@ struct ShaderVariant {
   bool labels = false;        // values are names, see LookUp
   bool planes = false;        // samples lie on voxel planes, see FrameSetup
   bool spread = false;        // chunks have spreads, see ExpectedLook
+  bool shares = false;        // of labels: chunks have shares, see ChunkTexels
   bool scaled = false;        // texels are not voxels, see TexelMap
   bool integrates = false;    // segments in place of samples, see FrameSetup
   int surfaces = 0;           // how many surfaces there are, see FrameSetup

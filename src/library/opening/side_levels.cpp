@@ -22,8 +22,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Raised when the meaning of the levels changes.
-constexpr uint32_t kSideLevelsVersion = 1;
+// Raised when the meaning of the levels changes. The second version of modes has shares.
+constexpr uint32_t versionOf(Downsample how) {
+  return how == Downsample::kMode ? 2 : 1;
+}
 
 // Reports damaged levels once, and has them made again at the next opening.
 class DamageReport {
@@ -115,7 +117,7 @@ class LeveledVolume final : public ForwardingSource {
       CoarserLevel above{mended(*level.source, Numbers::kVoxels, shape),
                          placedAbove(below.placement, level.placement)};
       above.values = level.values;
-      // The spread of an own level's voxels is not that of the finest ones.
+      // The spread or share of an own level's voxels is not that of the finest ones.
       if (own.empty() && level.spreads != nullptr)
         above.spreads = mended(*level.spreads, Numbers::kSpreads, shape);
       levels_.push_back(above);
@@ -159,7 +161,7 @@ std::string kindOf(Downsample how) {
 
 IndexKey keyOf(const VolumeSource& source, int64_t time, Downsample how) {
   return {source.identity(), "levels-" + kindOf(how) + selectionOf(source.layout(), time),
-          kSideLevelsVersion};
+          versionOf(how)};
 }
 
 // The group in a folder of indices.

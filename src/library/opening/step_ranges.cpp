@@ -53,7 +53,7 @@ StandIn standInOf(const IndexedVolume& volume, int64_t time, const IndexPass& pa
   if (stand_in.index == nullptr) stand_in.index = indexOfLevel(volume, level, time, pass);
   stand_in.device_range = stand_in.index->ranges.device_range;
   const CoarserLevel& at = levelAt(volume, level);
-  if (at.spreads != nullptr)
+  if (at.spreads != nullptr && at.values != LevelValues::kModes)
     stand_in.device_range = rangeOfSpreads(at, stand_in.device_range, time, pass.pool, pass.stop);
   return stand_in;
 }

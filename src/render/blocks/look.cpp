@@ -33,8 +33,9 @@ Look makeLook(const TimeStep& step, TransferFunction transfer, Mode mode) {
   }
   OpacityTable table(transfer, step.ranges->map, step.ranges->device_range);
   LookUp look_up = lookUp(table, finestSpacing(step.source->layout()));
-  const bool has_spreads = std::ranges::any_of(
-      step.coarser, [](const CoarserStep& level) { return level.spreads != nullptr; });
+  const bool has_spreads = std::ranges::any_of(step.coarser, [](const CoarserStep& level) {
+    return level.spreads != nullptr && level.valuesShown() == LevelValues::kMeans;
+  });
   if (has_spreads && traitsOf(mode).has_colors && !table.labels())
     look_up.expected = std::make_shared<const ExpectedLook>(expectedLook(
         look_up, table.volumeRange(),

@@ -1,5 +1,5 @@
 // SpreadTally: the spreads of coarse blocks as they are read, so that a report can state how much
-// the values vary below the voxels that a picture shows.
+// the values vary below the voxels that a picture shows; or, of labels, the shares of others.
 //
 // Any thread may call.
 #pragma once
@@ -21,8 +21,8 @@ class SpreadTally {
 
   // Notes the spreads of a block that was just read; a block without spreads is ignored.
   void note(const BlockName& name, const VolumeBlock& block) SLUICE_EXCLUDES(mutex_);
-  // The spreads of all blocks of a picture that were read and not forgotten so far, in units of
-  // values; nullopt if none of its blocks has spreads. `scale`: values in a device value.
+  // The spreads of all blocks of a picture that were read and not forgotten so far, times `scale`;
+  // nullopt if none of its blocks has spreads.
   std::optional<StandingSpread> of(const VisibleBlocks& blocks, double scale) const
       SLUICE_EXCLUDES(mutex_);
 

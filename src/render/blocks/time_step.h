@@ -23,7 +23,9 @@ struct CoarserStep {
   VolumeSource* spreads = nullptr;  // CoarserLevel::spreads
   LevelValues values = LevelValues::kUnknown;
 
-  LevelValues valuesShown() const { return spreads != nullptr ? LevelValues::kMeans : values; }
+  LevelValues valuesShown() const {
+    return spreads != nullptr && values != LevelValues::kModes ? LevelValues::kMeans : values;
+  }
   friend bool operator==(const CoarserStep&, const CoarserStep&) = default;
 };
 

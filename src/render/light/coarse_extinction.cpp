@@ -7,6 +7,7 @@
 #include <type_traits>
 
 #include "src/base/error.h"
+#include "src/device/chunk_texels.h"
 #include "src/render/camera/index_space.h"
 #include "src/volume/device_reader.h"
 
@@ -172,9 +173,10 @@ class Maker {
     if (!meetings_.empty())
       for (int a = 0; a < 3; ++a) box.hi[a] = std::min(box.hi[a] + 1, level_dims_[a]);
     const std::vector<Voxel> values = read<Voxel>(*level_.source, box);
-    std::vector<Voxel> spreads;
+    std::vector<Voxel> spreads;  // or shares, of labels
     const ExpectedLook* expected = look_.look_up->expected.get();
-    if (level_.spreads != nullptr && expected != nullptr)
+    const bool has_labels = look_.table.labels();
+    if (level_.spreads != nullptr && (expected != nullptr || has_labels))
       spreads = read<Voxel>(*level_.spreads, box);
     const Vec3i size = box.size();
     Vec3i at = voxels.lo;
@@ -190,9 +192,11 @@ class Maker {
         for (size_t x = 0; x < texel_x.size(); ++x, ++i) {
           double extinction = extinctionAt(values[i]);
           if (!spreads.empty()) {
-            const double exact = -std::expm1(-extinction);
-            extinction = extinctionOf(expectedOpacity(*expected, static_cast<double>(values[i]),
-                                                      static_cast<double>(spreads[i]), exact));
+            const double exact = -std::expm1(-extinction), second = static_cast<double>(spreads[i]);
+            extinction =
+                extinctionOf(has_labels ? exact * (1 - second / wholeShare(type_))
+                                        : expectedOpacity(*expected, static_cast<double>(values[i]),
+                                                          second, exact));
           }
           if (!meetings_.empty())
             extinction += meetingsAt(values, i, size, {at.x + static_cast<int64_t>(x), at.y, at.z});
