@@ -59,8 +59,7 @@ struct Pixels {
 template <DeviceType kType, Shading kShading>
 HWY_INLINE V3 differencesOf(const KernelBox& box, const V3& at, const Place& place) {
   if constexpr (hasTwoNumbers(kShading))
-    return {differenceAlong<kType, true>(box, at, 0), differenceAlong<kType, true>(box, at, 1),
-            differenceAlong<kType, true>(box, at, 2)};
+    return differencesWithoutMargin<kType, true>(box, at);
   else
     return box.has_margin ? differencesAt<kType>(box, place)
                           : differencesWithoutMargin<kType>(box, at);
@@ -98,7 +97,9 @@ HWY_INLINE Color colorOf(const KernelFrame& frame, const KernelBox& box, const V
   if constexpr (kShading == Shading::kGradients || kShading == Shading::kSpread ||
                 kShading == Shading::kSurfaces) {
     Gradient gradient{};
-    if (kShading == Shading::kGradients || frame.lit || frame.rows > 0)
+    // The opacity of spreads may not need it: then only samples that show something do.
+    const bool comes_later = kShading == Shading::kSpread && frame.rows == 0;
+    if (!comes_later && (kShading == Shading::kGradients || frame.lit || frame.rows > 0))
       gradient = gradientOf(box, differencesOf<kType, kShading>(box, at, place));
     V factor = all(1.0F);
     if (frame.rows > 0) {
@@ -116,6 +117,10 @@ HWY_INLINE Color colorOf(const KernelFrame& frame, const KernelBox& box, const V
     if constexpr (kShading == Shading::kSpread)
       color = expectedColor(frame, value, square, factor,
                             hn::Mul(ray_length, all(frame.slice_length)), color);
+    if (comes_later) {
+      if (!frame.lit || hn::AllFalse(F(), hn::Gt(color.a, hn::Zero(F())))) return color;
+      gradient = gradientOf(box, differencesOf<kType, kShading>(box, at, place));
+    }
     if (frame.lit) color = shaded(frame, box, at, color, gradient, frame.flat);
   }
   return color;

@@ -281,10 +281,10 @@ HWY_INLINE V differenceAlong(const KernelBox& box, V3 at, int axis) {
 
 // The differences along each axis. If chunks have a margin, differencesAt() does it with fewer reads; the rest
 // is rare and so long that it is a call of its own.
-template <DeviceType kType>
+template <DeviceType kType, bool kSpread = false>
 HWY_NOINLINE V3 differencesWithoutMargin(const KernelBox& box, V3 at) {
-  return {differenceAlong<kType>(box, at, 0), differenceAlong<kType>(box, at, 1),
-          differenceAlong<kType>(box, at, 2)};
+  return {differenceAlong<kType, kSpread>(box, at, 0), differenceAlong<kType, kSpread>(box, at, 1),
+          differenceAlong<kType, kSpread>(box, at, 2)};
 }
 
 // Texels of four rows along x, from one before a place on.
