@@ -3,6 +3,7 @@
 // one, so that one machine tests all.
 #pragma once
 
+#include <array>
 #include <string_view>
 #include <vector>
 
@@ -13,6 +14,9 @@ struct Kernels;  // kernel_values.h
 // kAuto is the best that works. kPlain works on any processor (kept for those older than SSE4.1,
 // and, on other architectures, for their own instructions).
 enum class SimdTarget { kAuto, kPlain, kSse4, kAvx2, kAvx512 };
+inline constexpr std::array kSimdTargets = {SimdTarget::kAuto, SimdTarget::kPlain,
+                                            SimdTarget::kSse4, SimdTarget::kAvx2,
+                                            SimdTarget::kAvx512};
 
 // "auto", "plain", "sse4", "avx2", "avx512".
 std::string_view name(SimdTarget target);

@@ -66,6 +66,11 @@ using FitChoice = std::optional<Fit>;
 // used either.
 enum class LevelsWish { kAuto, kAlways, kKept, kNone };
 
+// Limits of MachineOptions; blocks and pages are powers of two.
+inline constexpr int kMostThreads = 1024;
+inline constexpr int64_t kMostCachePages = int64_t{1} << 31;
+inline constexpr int64_t kLeastBlock = 4, kMostBlock = 1024;  // a page's side is at most a block's
+
 // Resources that drawing may take.
 struct MachineOptions {
   uint64_t memory_bytes = 0;  // 0: half of the machine's memory

@@ -163,12 +163,6 @@ std::string_view name(MergeOrder order) {
   return kOrderNames[static_cast<size_t>(order)];
 }
 
-std::optional<MergeOrder> parseMergeOrder(std::string_view text) {
-  for (size_t i = 0; i < kOrderNames.size(); ++i)
-    if (kOrderNames[i] == text) return static_cast<MergeOrder>(i);
-  return std::nullopt;
-}
-
 int64_t MergedChunk::thickness() const {
   int64_t most = 0;
   for (const Column& column : columns) most = std::max(most, column.thickness);

@@ -11,8 +11,8 @@
 // caller may number blocks as it likes.
 #pragma once
 
+#include <array>
 #include <cstdint>
-#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -26,8 +26,8 @@ enum class MergeOrder {
   // (first-fit decreasing by height), then columns of like height go side by side.
   kFirstFit,
 };
+inline constexpr std::array kMergeOrders = {MergeOrder::kPaper, MergeOrder::kFirstFit};
 std::string_view name(MergeOrder order);  // "paper", "first-fit"
-std::optional<MergeOrder> parseMergeOrder(std::string_view text);
 
 struct MergeBlock {
   int64_t block = 0;

@@ -246,12 +246,6 @@ std::string_view name(Algorithm algorithm) {
   return kAlgorithmNames[static_cast<size_t>(algorithm)];
 }
 
-std::optional<Algorithm> parseAlgorithm(std::string_view text) {
-  for (size_t i = 0; i < kAlgorithmNames.size(); ++i)
-    if (kAlgorithmNames[i] == text) return static_cast<Algorithm>(i);
-  return std::nullopt;
-}
-
 int64_t TexturePlan::pageCount() const {
   int64_t pages = 0;
   for (const Chunk& chunk : chunks) pages += chunk.pages;

@@ -29,7 +29,6 @@ enum class Algorithm { kConventional, kClipped, kTrimmed, kMerged };
 inline constexpr std::array<Algorithm, 4> kAlgorithms = {
     Algorithm::kConventional, Algorithm::kClipped, Algorithm::kTrimmed, Algorithm::kMerged};
 std::string_view name(Algorithm algorithm);
-std::optional<Algorithm> parseAlgorithm(std::string_view text);
 
 // The volume axes that become texture x, y and z: a turn that brings the trimming axis to z.
 constexpr std::array<int, 3> textureAxes(int trimming_axis) {

@@ -348,12 +348,5 @@ TEST(GlEnvironment, softwareGlGetsMoreThreadsThanProcessorsUnlessTheUserSays) {
   if (before != nullptr) setenv("LP_NUM_THREADS", kept.c_str(), 1);
 }
 
-TEST(GlChoice, namesGoBothWays) {
-  for (const GlChoice choice : {GlChoice::kAuto, GlChoice::kOsmesa, GlChoice::kEgl})
-    EXPECT_EQ(parseGlChoice(name(choice)), choice);
-  EXPECT_EQ(parseGlChoice("glx"), std::nullopt);
-  EXPECT_EQ(parseGlChoice(""), std::nullopt);
-}
-
 }  // namespace
 }  // namespace sluice

@@ -333,13 +333,6 @@ TEST(TexturePlan, conventionalRefusesAVolumeOfTooManyBlocks) {
   EXPECT_EQ(planned(layout, one, kSparse, Algorithm::kMerged).chunks.size(), 1U);
 }
 
-TEST(TexturePlan, namesOfAlgorithmsAreTakenBack) {
-  for (const Algorithm algorithm : kAlgorithms)
-    EXPECT_EQ(parseAlgorithm(name(algorithm)), algorithm);
-  EXPECT_EQ(parseAlgorithm("Trimmed"), std::nullopt);
-  EXPECT_EQ(parseAlgorithm(""), std::nullopt);
-}
-
 TEST(TextureAxes, turnTheTrimmingAxisToZ) {
   EXPECT_EQ(turned({10, 20, 30}, 0), (Vec3i{20, 30, 10}));
   EXPECT_EQ(turned({10, 20, 30}, 1), (Vec3i{30, 10, 20}));

@@ -10,10 +10,6 @@
 namespace sluice {
 namespace {
 
-constexpr int64_t kMostThreads = 1024;
-constexpr int64_t kMostCachePages = int64_t{1} << 31;
-constexpr int64_t kLeastBlock = 4, kMostBlock = 1024;
-
 std::optional<int64_t> powerOfTwo(const std::string& word, int64_t least, int64_t most) {
   const auto number = parseIn<int64_t>(word, {least, most});
   if (!number || !std::has_single_bit(static_cast<uint64_t>(*number))) return std::nullopt;
@@ -39,20 +35,14 @@ void addDeviceOptions(const OptionGroup& group, DeviceArguments& arguments) {
           {"auto", DeviceChoice::kAuto}, {"gl", DeviceChoice::kGl}, {"cpu", DeviceChoice::kCpu}},
       arguments.device,
       "Device that draws: auto uses GL on a GPU or if --gl is given, else the CPU");
-  group.choice(
-      "--gl",
-      Words<GlChoice>{
-          {"auto", GlChoice::kAuto}, {"osmesa", GlChoice::kOsmesa}, {"egl", GlChoice::kEgl}},
-      arguments.gl, "Library for OpenGL contexts");
+  group.choice("--gl", wordsOf<GlChoice>(kGlChoices, [](GlChoice each) { return name(each); }),
+               arguments.gl, "Library for OpenGL contexts");
 }
 
 void addSimdOption(const OptionGroup& group, DeviceArguments& arguments) {
-  Words<SimdTarget> targets;
-  for (const SimdTarget target : {SimdTarget::kAuto, SimdTarget::kPlain, SimdTarget::kSse4,
-                                  SimdTarget::kAvx2, SimdTarget::kAvx512})
-    targets.push_back({std::string(name(target)), target});
-  group.choice("--simd", targets, arguments.simd,
-               "Best instruction set that the CPU device may use");
+  group.choice("--simd",
+               wordsOf<SimdTarget>(kSimdTargets, [](SimdTarget each) { return name(each); }),
+               arguments.simd, "Best instruction set that the CPU device may use");
 }
 
 void addMemoryOption(const OptionGroup& group, MachineOptions& machine) {

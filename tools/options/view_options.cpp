@@ -88,26 +88,19 @@ void addDrawingOptions(CLI::App& app, const AskedView& asked, FrameOptions& opti
 
 void addFrameOptions(CLI::App& app, FrameOptions& options) {
   const OptionGroup group(app, "Drawing");
-  group.choice("--algorithm",
-               wordsOf<Algorithm>(std::array{Algorithm::kConventional, Algorithm::kClipped,
-                                             Algorithm::kTrimmed, Algorithm::kMerged},
-                                  [](Algorithm algorithm) { return name(algorithm); }),
-               options.algorithm,
-               "How blocks are trimmed and merged: algorithms I to IV of Tong 1999");
   group.choice(
-      "--merge",
-      Words<MergeOrder>{{"paper", MergeOrder::kPaper}, {"first-fit", MergeOrder::kFirstFit}},
-      options.merge_order, "Order of the merge operations");
+      "--algorithm", wordsOf<Algorithm>(kAlgorithms, [](Algorithm each) { return name(each); }),
+      options.algorithm, "How blocks are trimmed and merged: algorithms I to IV of Tong 1999");
+  group.choice("--merge",
+               wordsOf<MergeOrder>(kMergeOrders, [](MergeOrder each) { return name(each); }),
+               options.merge_order, "Order of the merge operations");
   group.choice("--partition",
-               Words<Partition>{{"blocks", Partition::kBlocks}, {"boxes", Partition::kBoxes}},
+               wordsOf<Partition>(kPartitions, [](Partition each) { return name(each); }),
                options.partition,
                "Draws the object box of each block, or its visible growing boxes, which are "
                "computed once for a volume and kept with its index");
   group.choice("--occlusion",
-               Words<Occlusion>{{"off", Occlusion::kOff},
-                                {"map", Occlusion::kMap},
-                                {"cull", Occlusion::kCull},
-                                {"clip", Occlusion::kClip}},
+               wordsOf<Occlusion>(kOcclusions, [](Occlusion each) { return name(each); }),
                options.occlusion,
                "Skips hidden parts: cull skips hidden boxes, clip also skips hidden parts of "
                "boxes; map makes the opacity map but skips nothing");

@@ -108,24 +108,6 @@ std::unique_ptr<GlContext> trySoftwareEgl(Attempts& attempts, const GlLibraries&
 
 }  // namespace
 
-std::optional<GlChoice> parseGlChoice(std::string_view text) {
-  for (const GlChoice choice : {GlChoice::kAuto, GlChoice::kOsmesa, GlChoice::kEgl})
-    if (text == name(choice)) return choice;
-  return std::nullopt;
-}
-
-std::string_view name(GlChoice choice) {
-  switch (choice) {
-    case GlChoice::kOsmesa:
-      return "osmesa";
-    case GlChoice::kEgl:
-      return "egl";
-    case GlChoice::kAuto:
-      break;
-  }
-  return "auto";
-}
-
 void prepareGlEnvironment() {
   // Mesa does not look whether it got the memory that it asked for. Its libraries take 160 MiB.
   constexpr size_t kLeastAddresses = size_t{352} << 20;

@@ -26,7 +26,6 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -35,10 +34,6 @@
 #include "src/gl/contexts/gl_functions.h"
 
 namespace sluice {
-
-// "auto", "osmesa", "egl"; nullopt when it is none of them.
-std::optional<GlChoice> parseGlChoice(std::string_view text);
-std::string_view name(GlChoice choice);
 
 // The names the libraries are looked for under, in this order.
 struct GlLibraries {

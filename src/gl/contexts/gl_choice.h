@@ -2,7 +2,8 @@
 // it.
 #pragma once
 
-#include <optional>
+#include <array>
+#include <cstddef>
 #include <string_view>
 
 namespace sluice {
@@ -15,6 +16,11 @@ namespace sluice {
 // kEgl is the first that works of: each hardware device, each software device, the surfaceless
 // platform, the default display.
 enum class GlChoice { kAuto, kOsmesa, kEgl };
+inline constexpr std::array kGlChoices = {GlChoice::kAuto, GlChoice::kOsmesa, GlChoice::kEgl};
+constexpr std::string_view name(GlChoice choice) {
+  constexpr std::array<std::string_view, kGlChoices.size()> kNames = {"auto", "osmesa", "egl"};
+  return kNames[static_cast<size_t>(choice)];
+}
 
 // A flag for Mesa that pictures need, see context.h.
 inline constexpr const char* kExactSampling = "no_aos_sampling";

@@ -2,7 +2,9 @@
 // data.
 #pragma once
 
+#include <array>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "src/base/threads/progress_meter.h"
@@ -26,6 +28,10 @@ struct WorldPlane {
 // The boxes that are drawn of a texture block: its object box, or the visible ones of its growing
 // boxes (Li 2003), which hold fewer empty cells. The picture is the same.
 enum class Partition { kBlocks, kBoxes };
+inline constexpr std::array kPartitions = {Partition::kBlocks, Partition::kBoxes};
+constexpr std::string_view name(Partition partition) {
+  return partition == Partition::kBlocks ? "blocks" : "boxes";
+}
 
 // Opaque enough to leave out everything behind (Li 2003, section 4.1).
 inline constexpr double kDefaultOpaque = 0.95;

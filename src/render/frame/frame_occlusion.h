@@ -6,9 +6,11 @@
 // map's values. One thread.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <utility>
 
 #include "src/base/values/vec.h"
@@ -22,6 +24,13 @@ namespace sluice {
 
 // The paper's ESS, ESS+M (maps are made and asked, nothing is left out), ESS+C and ESS+CC.
 enum class Occlusion { kOff, kMap, kCull, kClip };
+inline constexpr std::array kOcclusions = {Occlusion::kOff, Occlusion::kMap, Occlusion::kCull,
+                                           Occlusion::kClip};
+constexpr std::string_view name(Occlusion occlusion) {
+  constexpr std::array<std::string_view, kOcclusions.size()> kNames = {"off", "map", "cull",
+                                                                       "clip"};
+  return kNames[static_cast<size_t>(occlusion)];
+}
 
 struct OcclusionReport {
   int updates_wanted = 0, updates = 0;  // updates of the map: k and k' (section 4.4)
