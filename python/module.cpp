@@ -77,6 +77,8 @@ VolumeOptions volumeOptions(const py::dict& keywords) {
   take("session_token", options.web.session_token);
   take("region", options.web.region);
   take("endpoint", options.web.endpoint);
+  take("block", options.block);
+  take("page", options.page);
   take("memory", options.memory_bytes);
   take("threads", options.threads);
   if (keywords.contains("levels")) options.levels = levelsOf(keywords["levels"]);
@@ -196,11 +198,11 @@ PYBIND11_MODULE(_sluice, module) {
       .def("histogram", &histogramOf, py::arg("bins"));
   py::class_<RendererHandle>(module, "Renderer")
       .def(py::init([](const VolumeHandle& volume, const std::string& device, uint64_t memory,
-                       int threads) {
-             return std::make_unique<RendererHandle>(volume, device, memory, threads);
+                       int threads, const py::dict& pipeline) {
+             return std::make_unique<RendererHandle>(volume, device, memory, threads, pipeline);
            }),
            py::arg("volume"), py::arg("device"), py::arg("memory"), py::arg("threads"),
-           py::keep_alive<1, 2>())
+           py::arg("pipeline"), py::keep_alive<1, 2>())
       .def("render", &RendererHandle::render)
       .def("save", &RendererHandle::save)
       .def("plan", &RendererHandle::plan)

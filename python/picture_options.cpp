@@ -227,6 +227,11 @@ const std::map<std::string, PictureSetter>& pictureSetters() {
          setNumber("time_limit", "seconds from 0", {0, 1e9}, value,
                    asked.picture.time_limit_s.emplace());
        }},
+      {"opacity_threshold",
+       [](AskedPicture& asked, const py::handle& value) {
+         setNumber("opacity_threshold", "a number above 0, up to 1", {0, 1, true}, value,
+                   asked.picture.opacity_threshold.emplace());
+       }},
       {"depth",
        [](AskedPicture& asked, const py::handle& value) {
          asked.picture.with_depth = taken<bool>("depth", "True or False", value);

@@ -2,6 +2,7 @@
 
 #include <pybind11/stl.h>
 
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -10,10 +11,32 @@
 namespace sluice::python {
 namespace {
 
+PipelineOptions pipelineOf(const py::dict& keywords) {
+  PipelineOptions pipeline;
+  py::dict left = keywords.attr("copy")();
+  const auto take = [&](const char* keyword, auto& held) {
+    const py::object value = left.attr("pop")(keyword, py::none());
+    if (!value.is_none()) held = value.cast<std::remove_reference_t<decltype(held)>>();
+  };
+  take("algorithm", pipeline.algorithm);
+  take("merge", pipeline.merge);
+  take("partition", pipeline.partition);
+  take("occlusion", pipeline.occlusion);
+  take("policy", pipeline.policy);
+  take("seed", pipeline.seed);
+  take("pages", pipeline.pages);
+  take("simd", pipeline.simd);
+  take("gl", pipeline.gl);
+  for (const auto& [keyword, value] : left)
+    throw py::type_error("unexpected keyword " + py::repr(keyword).cast<std::string>());
+  return pipeline;
+}
+
 Renderer makeRenderer(const Volume& volume, const std::string& device, uint64_t memory_bytes,
-                      int threads) {
+                      int threads, const py::dict& pipeline) {
   using Device = RendererOptions::Device;
-  RendererOptions options{.memory_bytes = memory_bytes, .threads = threads};
+  RendererOptions options{
+      .memory_bytes = memory_bytes, .threads = threads, .pipeline = pipelineOf(pipeline)};
   if (device == "gl")
     options.device = Device::kGl;
   else if (device == "cpu")
@@ -76,8 +99,8 @@ py::dict levelOf(const LevelReport& level) {
 }  // namespace
 
 RendererHandle::RendererHandle(const VolumeHandle& volume, const std::string& device,
-                               uint64_t memory_bytes, int threads)
-    : renderer_(makeRenderer(volume.volume.get(), device, memory_bytes, threads)) {}
+                               uint64_t memory_bytes, int threads, const py::dict& pipeline)
+    : renderer_(makeRenderer(volume.volume.get(), device, memory_bytes, threads, pipeline)) {}
 
 py::object RendererHandle::render(const VolumeHandle& volume, const py::object& progress,
                                   const py::kwargs& keywords) {

@@ -15,9 +15,10 @@ namespace sluice::python {
 
 class RendererHandle {
  public:
-  // `device`: "auto", "gl" or "cpu". Throws ValueError, Error.
+  // `device`: "auto", "gl" or "cpu"; `pipeline`: fields of PipelineOptions. Throws TypeError,
+  // ValueError, Error.
   RendererHandle(const VolumeHandle& volume, const std::string& device, uint64_t memory_bytes,
-                 int threads);
+                 int threads, const py::dict& pipeline);
 
   // python/sluice/__init__.py documents each method. `keywords`: picture_options.h.
   py::object render(const VolumeHandle& volume, const py::object& progress,

@@ -181,6 +181,9 @@ struct PictureOptions {
   std::optional<Box> crop = {};
   std::vector<Plane> clip_planes = {};  // at most 6
   bool with_depth = false;              // composite mode
+  // The opacity at which a ray ends and hides what is behind, above 0, up to 1; 1 changes no
+  // picture. Unset: 1, with PipelineOptions::occlusion 0.95.
+  std::optional<double> opacity_threshold = {};
   // How long the picture may wait for data that is not in memory. Unset: waits for all data. A
   // volume of one level: data still missing then is left out of the picture (Image::missing_share),
   // and reading goes on for the next one. A volume with levels of resolution: the picture is whole,
@@ -203,6 +206,25 @@ struct SliceOptions {
   int most = 1024;  // values along a side: of more voxels every second, third, ... is taken
 };
 
+// How pictures are made, for those who study or measure it: each way gives the same picture, except
+// that `occlusion` may leave out what an opacity_threshold below 1 hides. Words as `sluice render`
+// takes them; empty: its default.
+struct PipelineOptions {
+  std::string algorithm = {};  // trims and merges blocks (Tong 1999): "conventional" (I),
+                               // "clipped", "trimmed", "merged" (IV)
+  std::string merge = {};      // the order in which blocks merge: "paper", "first-fit"
+  // Draws the object boxes of "blocks", or their visible growing "boxes" (Li 2003), always of the
+  // finest level.
+  std::string partition = {};
+  // Composite mode: skips what is hidden: "off", "map", "cull", "clip" (Li 2003).
+  std::string occlusion = {};
+  std::string policy = {};            // of the texture cache: "lru", "arc", ...
+  uint64_t seed = 1;                  // of the policy "random"
+  std::optional<int64_t> pages = {};  // of the texture cache, a power of two; unset: by memory
+  std::string simd = {};              // the best instructions that the CPU may use: "avx2", ...
+  std::string gl = {};                // the library for OpenGL contexts: "osmesa", "egl"
+};
+
 // Resources that drawing may take.
 struct RendererOptions {
   // kGl: OpenGL on a GPU, or by Mesa's software renderer. kAuto: a GPU if there is one, else the
@@ -215,6 +237,7 @@ struct RendererOptions {
   int threads = 0;  // to classify and, on the CPU, draw; at least as many read; 0: one a core
   // Unless the CPU draws: the context to draw in, for Renderer::drawOnScreen().
   std::shared_ptr<const ScreenContext> screen = {};
+  PipelineOptions pipeline = {};
   // Width and height of the largest picture for Renderer::drawToFile() and drawRows(): memory_bytes
   // then bounds the drawing and writing of such pictures, too. 0: pictures come on top.
   int rows_width = 0, rows_height = 0;

@@ -71,8 +71,13 @@ struct VolumeOptions {
   Levels levels = Levels::kKept;
   Web web = {};
   std::string temporary_folder = {};  // for decoding; empty: /var/tmp, or /tmp
-  uint64_t memory_bytes = 0;          // limit for the pass; 0: half of the machine's
-  int threads = 0;                    // for the pass; 0: one a core
+  // Voxels along the sides of a block, the unit of reading: a power of two from 4 to 1024; and of a
+  // page of the texture cache, powers of two. Unset: the longest side of the page; what the 64 KiB
+  // page of graphics hardware holds of the voxel type.
+  std::optional<int64_t> block = {};
+  std::optional<std::array<int64_t, 3>> page = {};
+  uint64_t memory_bytes = 0;  // limit for the pass; 0: half of the machine's
+  int threads = 0;            // for the pass; 0: one a core
 };
 
 // Properties of a volume. Plain data.

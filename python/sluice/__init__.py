@@ -72,7 +72,7 @@ def _cache(size, folder):
 
 def open(path, *, dims=None, type=None, endian=None, skip=None, time_steps=None, spacing=None, grid=None,
          channel=None, time=0, whole_series=True, opens_soon=False, index_dir=None, levels=None, cache=None,
-         cache_dir=None, memory=None, threads=None, progress=None):
+         cache_dir=None, block=None, page=None, memory=None, threads=None, progress=None):
     """Opens a volume and returns a Volume.
 
     `path` is what `sluice render` takes: a file, a folder, a pattern such as 'step_%03d.nrrd', an
@@ -86,7 +86,9 @@ def open(path, *, dims=None, type=None, endian=None, skip=None, time_steps=None,
     says whether it makes coarser levels of a file that has none: 'auto' if it is large, 'always',
     'none', or, by default, only uses those that were 'kept' before. `cache` ('20G' or bytes) is the
     limit of a folder, `cache_dir`, that keeps what is read from addresses on the web.
-    `progress(stage, done, total)` is called with 'indexing' or 'decoding' and bytes.
+    `block` is the side of the blocks that are read, a power of two, and `page` (x, y, z) the texels
+    of a page of textures. `progress(stage, done, total)` is called with 'indexing' or 'decoding' and
+    bytes.
 
     With `opens_soon`, a large or distant volume whose file has coarser levels is opened without that
     pass: the range of values and looks come from a coarse level, which `warnings` says, and pictures
@@ -101,7 +103,8 @@ def open(path, *, dims=None, type=None, endian=None, skip=None, time_steps=None,
     paths = [path] if isinstance(path, (str, _os.PathLike)) else list(path)
     options = dict(dims=dims, type=type, big_endian=endian == 'big', skip=skip, time_steps=time_steps,
                    spacing=spacing, grid=grid, whole_series=whole_series, opens_soon=opens_soon, time=time,
-                   index_dir=_index_folder(index_dir), levels=levels, memory=_bytes(memory), threads=threads)
+                   index_dir=_index_folder(index_dir), levels=levels, block=block, page=page, memory=_bytes(memory),
+                   threads=threads)
     options.update(_cache(cache, cache_dir))
     if any(str(each).startswith('s3://') for each in paths):
         options.update(_sluice.bucket_access(_os.environ.get))
@@ -274,11 +277,19 @@ class Renderer:
 
     `device` is 'auto', 'gl' or 'cpu'. `memory` ('512M' or bytes, by default half of the machine's)
     is a hard bound on the voxels in memory.
+
+    `pipeline` has options of `sluice render` for those who study how pictures are made: algorithm,
+    merge, partition, occlusion, policy, seed, pages, simd, gl. The pictures are the same but for
+    rounding.
+
+        >>> plain = sluice.Renderer(volume, device='cpu', algorithm='conventional', pages=64)
+        >>> int(abs(plain.render(size=64).astype(int) - renderer.render(size=64)).max())
+        1
     """
 
-    def __init__(self, volume, *, device='auto', memory=None, threads=None):
+    def __init__(self, volume, *, device='auto', memory=None, threads=None, **pipeline):
         self._volume = volume._handle
-        self._handle = _sluice.Renderer(volume._handle, device, _bytes(memory), threads or 0)
+        self._handle = _sluice.Renderer(volume._handle, device, _bytes(memory), threads or 0, pipeline)
 
     def render(self, *, progress=None, **options):
         """Draws a picture and returns it as bytes of shape (height, width, 4): red, green, blue,
@@ -287,8 +298,8 @@ class Renderer:
         `options` are those of `sluice render`: threshold, opacity, opacities, transfer, map, range,
         labels, mode, shade, full_gradient, view, azimuth, elevation, zoom, projection, fov, up,
         eye, target, fit, time, step, crop, clip, background; and of the picture `size` ((width,
-        height) or one number), `pixel_error`, `level`, `max_bytes`, `keep_thin` and `time_limit` (seconds). With depth=True
-        the result is a pair, the second of shape (height, width): the distance from the eye in
+        height) or one number), `pixel_error`, `level`, `max_bytes`, `keep_thin`, `time_limit` (seconds)
+        and `opacity_threshold`. With depth=True the result is a pair, the second of shape (height, width): the distance from the eye in
         world units, inf where nothing shows.
 
         progress(stage, done, total) is called with 'drawing' and groups of blocks.

@@ -23,6 +23,7 @@ class PictureOptions(TypedDict, total=False):
     max_bytes: int | None
     keep_thin: bool | None
     time_limit: float | None
+    opacity_threshold: float | None
     projection: Literal['ortho', 'perspective'] | None
     zoom: float | None
     fov: float | None
@@ -79,6 +80,8 @@ def open(
     levels: Literal['auto', 'always', 'kept', 'none'] | None = ...,
     cache: int | str | None = ...,
     cache_dir: _Path | None = ...,
+    block: int | None = ...,
+    page: Sequence[int] | None = ...,
     memory: int | str | None = ...,
     threads: int | None = ...,
     progress: _Progress | None = ...,
@@ -163,6 +166,15 @@ class Renderer(_Draws):
         device: Literal['auto', 'gl', 'cpu'] = ...,
         memory: int | str | None = ...,
         threads: int | None = ...,
+        algorithm: Literal['conventional', 'clipped', 'trimmed', 'merged'] | None = ...,
+        merge: Literal['paper', 'first-fit'] | None = ...,
+        partition: Literal['blocks', 'boxes'] | None = ...,
+        occlusion: Literal['off', 'map', 'cull', 'clip'] | None = ...,
+        policy: str | None = ...,
+        seed: int | None = ...,
+        pages: int | None = ...,
+        simd: Literal['auto', 'plain', 'sse4', 'avx2', 'avx512'] | None = ...,
+        gl: Literal['auto', 'osmesa', 'egl'] | None = ...,
     ) -> None: ...
     @property
     def look(self) -> str: ...

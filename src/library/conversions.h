@@ -35,6 +35,8 @@ FitChoice fitChoice(const ViewOptions& view);
 FrameOptions frameOptions(const PictureOptions& picture, const VolumeLayout& layout, Mode mode);
 void setLighting(const PictureOptions::Lighting& lighting, FrameOptions& options);
 void setQuality(PictureOptions::Quality quality, FrameOptions& options);
+// To be called once the mode and the levels to draw are set.
+void setPipeline(const PipelineOptions& pipeline, FrameOptions& options);
 ViewOptions::Framing framingOf(const Framing& framing);
 void requireStep(int64_t time, const VolumeLayout& layout);
 // The name as in VolumeInfo::frame.

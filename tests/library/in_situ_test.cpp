@@ -111,8 +111,8 @@ RendererOptions onCpu(uint64_t memory_bytes = uint64_t{64} << 20) {
 }
 
 Drawn drawInSitu(const Field& field, const std::vector<Box3>& boxes, const LookOptions& look,
-                 const std::vector<PictureOptions>& pictures, int64_t below = 1,
-                 int64_t above = 2) {
+                 const std::vector<PictureOptions>& pictures, int64_t below = 1, int64_t above = 2,
+                 const RendererOptions& machine = onCpu()) {
   Drawn drawn;
   std::vector<std::unique_ptr<Communicator>> ranks = inProcessRanks(static_cast<int>(boxes.size()));
   std::vector<std::thread> threads;
@@ -126,7 +126,7 @@ Drawn drawInSitu(const Field& field, const std::vector<Box3>& boxes, const LookO
         EXPECT_EQ(all.rank(), static_cast<int>(rank));
         const Volume volume = Volume::borrow(part.voxels.data(), field.layout(), part.box, all, {},
                                              {.memory_bytes = uint64_t{64} << 20, .threads = 1});
-        Renderer renderer(volume, look, onCpu());
+        Renderer renderer(volume, look, machine);
         for (const PictureOptions& picture : pictures) {
           Image image = renderer.draw(picture);
           const RenderReport report = renderer.report();
@@ -186,6 +186,39 @@ TEST(InSitu, ranksDrawThePictureOfOneProcess) {
       }
     }
   }
+}
+
+TEST(InSitu, eachWayOfThePipelineGivesThatPicture) {
+  const Field field({97, 70, 83});
+  const LookOptions look{.threshold = 2600, .opacity = 0.4};
+  const std::vector<PictureOptions> pictures = {pictureFrom(30, true)};
+  const std::vector<Box3> boxes = bisected(field.size(), 4, 5);
+  const Drawn usual = drawInSitu(field, boxes, look, pictures);
+  for (const PipelineOptions& pipeline :
+       std::vector<PipelineOptions>{{.algorithm = "clipped"},
+                                    {.partition = "boxes"},
+                                    {.occlusion = "cull"},
+                                    {.occlusion = "clip"},
+                                    {.policy = "arc", .pages = 16}}) {
+    SCOPED_TRACE(pipeline.algorithm + pipeline.partition + pipeline.occlusion + pipeline.policy);
+    RendererOptions machine = onCpu();
+    machine.pipeline = pipeline;
+    PictureOptions picture = pictures.front();
+    picture.opacity_threshold = 1;
+    const Drawn drawn = drawInSitu(field, boxes, look, {picture}, 1, 2, machine);
+    EXPECT_THAT(drawn.failures, Each(""));
+    ASSERT_EQ(drawn.images.size(), 1U);
+    EXPECT_LE(largestDifference(drawn.images[0], usual.images[0]), 1.0 / 255);
+  }
+}
+
+TEST(InSitu, wholeBlocksAreRefused) {
+  const Field field({40, 40, 40});
+  const std::vector<Box3> boxes = {{{0, 0, 0}, {20, 40, 40}}, {{20, 0, 0}, {40, 40, 40}}};
+  RendererOptions machine = onCpu();
+  machine.pipeline.algorithm = "conventional";
+  EXPECT_THAT(drawInSitu(field, boxes, {}, {}, 1, 2, machine).failures,
+              Each(HasSubstr("pipeline.algorithm conventional draws blocks whole")));
 }
 
 TEST(InSitu, valuesAreThoseOfTheWholeVolume) {

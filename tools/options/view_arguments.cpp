@@ -63,6 +63,7 @@ RendererOptions rendererOptions(const ResourceArguments& resources) {
   RendererOptions options;
   options.memory_bytes = resources.memory_bytes;
   options.threads = resources.threads;
+  options.pipeline.gl = name(resources.device.gl);
   switch (resources.device.device) {
     case DeviceChoice::kAuto:
       options.device = RendererOptions::Device::kAuto;

@@ -28,6 +28,9 @@ FrameOptions sessionFrame(const OpenedVolume* opened, const LookOptions& look,
   frame.mode = modeOf(look);
   frame.size = {std::max(0, options.rows_width), std::max(0, options.rows_height)};
   if (opened->in_situ != nullptr) frame.crop = opened->in_situ->ownVoxels();
+  setPipeline(options.pipeline, frame);
+  if (opened->in_situ != nullptr && frame.algorithm == Algorithm::kConventional)
+    failRequest("pipeline.algorithm conventional draws blocks whole, of which a rank has parts");
   return frame;
 }
 
@@ -68,7 +71,8 @@ Drawing::Drawing(std::shared_ptr<const OpenedVolume> opened, const LookOptions& 
     : opened_(std::move(opened)),
       scene_(sceneOf(opened_, look, options)),
       mode_(modeOf(look)),
-      session_frame_(sessionFrame(opened_.get(), look, options)) {
+      session_frame_(sessionFrame(opened_.get(), look, options)),
+      pipeline_(options.pipeline) {
   if (options.screen != nullptr) screen_ = dynamic_cast<DrawsForScreens*>(scene_.device.get());
 }
 
@@ -118,9 +122,15 @@ std::optional<Framing> Drawing::framingFor(const std::vector<Camera>& cameras, F
   return framingOf(*points, cameras, layout().frame, options.size);
 }
 
+FrameOptions Drawing::asked(const PictureOptions& picture) const {
+  FrameOptions options = frameOptions(picture, layout(), mode_);
+  setPipeline(pipeline_, options);
+  return options;
+}
+
 FrameOptions Drawing::framed(const PictureOptions& picture, const TimeStep& step,
                              const IndexPass& pass) {
-  FrameOptions options = frameOptions(picture, layout(), mode_);
+  FrameOptions options = asked(picture);
   // Ranks know the values of a brick that they share in parts, so that the visible part of all is
   // found to a brick: they fit the volume unless they are asked for more.
   const bool fits = opened_->in_situ == nullptr || picture.view.fit.has_value();
@@ -202,7 +212,7 @@ Image Drawing::draw(const PictureOptions& picture, ProgressTeller& teller) {
 Image Drawing::drawWhole(const PictureOptions& picture, std::optional<ScreenPicture>* kept,
                          ProgressTeller& teller) {
   const Reading reading(*this, teller);
-  frameOptions(picture, layout(), mode_);  // throws before anything is read
+  asked(picture);  // throws before anything is read
   const ReadyFrame of = ready(picture, reading.pass, teller);
   SceneFrame frame = drawFrame(
       of, {{0, of.options.size.height}}, [](const Picture& /*whole*/) {}, teller);
@@ -225,7 +235,7 @@ void Drawing::drawRows(const PictureOptions& picture,
                        const std::function<void(const Image& rows)>& take, ProgressTeller& teller) {
   refuseInSitu("drawRows()");
   const Reading reading(*this, teller);
-  frameOptions(picture, layout(), mode_);  // throws before anything is read
+  asked(picture);  // throws before anything is read
   const auto takeFew = [&](const Picture& rows, int /*above*/) {
     take({.width = rows.width, .height = rows.height, .rgba = rows.rgba, .depth = rows.depth});
   };
@@ -242,7 +252,7 @@ void Drawing::drawToFile(const std::string& path, const PictureOptions& picture,
   const Reading reading(*this, teller);
   PictureOptions in_file = picture;
   in_file.with_depth = traitsOf(mode_).has_colors && pictureKind(path) == PictureKind::kExr;
-  frameOptions(in_file, layout(), mode_);  // throws before anything is read
+  asked(in_file);  // throws before anything is read
   const ReadyFrame frame = ready(in_file, reading.pass, teller);
   const std::string look = scene_.lookOf(frame.options);
   StripFile file(path, {background, false, {}},
@@ -281,13 +291,12 @@ void Drawing::fit(std::span<PictureOptions> pictures, ProgressTeller& teller) {
   std::vector<Camera> cameras;
   for (PictureOptions picture : pictures) {
     picture.view.framing.reset();
-    cameras.push_back(frameOptions(picture, layout(), mode_).camera);
+    cameras.push_back(asked(picture).camera);
   }
   const PictureOptions& first = pictures.front();
   const FitChoice choice = fitChoice(first.view);
   const std::optional<Framing> framing =
-      framingFor(cameras, choice, frameOptions(first, layout(), mode_),
-                 stepAt(first.time, reading.pass), reading.pass);
+      framingFor(cameras, choice, asked(first), stepAt(first.time, reading.pass), reading.pass);
   for (PictureOptions& picture : pictures) {
     if (picture.view.look_at) continue;
     picture.view.fit = first.view.fit;

@@ -92,7 +92,9 @@ class Drawing {
                        ProgressTeller& teller);
   // Keeps a frame's part of report().
   void keepReport(const ReadyFrame& frame, const SceneFrame& drawn, const IndexPass& pass);
-  // All options except those of the look and the machine, with the camera framed.
+  // All options except those of the look and the machine. Throws Error if one is invalid.
+  FrameOptions asked(const PictureOptions& picture) const;
+  // The same with the camera framed.
   FrameOptions framed(const PictureOptions& picture, const TimeStep& step, const IndexPass& pass);
   // The same with the options that follow from the look.
   FrameOptions looked(const PictureOptions& picture, const TimeStep& step, const IndexPass& pass);
@@ -111,7 +113,8 @@ class Drawing {
   Scene scene_;
   Mode mode_;
   FrameOptions session_frame_;  // frames that the session has memory for
-  int64_t looks_ = 0;           // looks set so far
+  const PipelineOptions pipeline_;
+  int64_t looks_ = 0;  // looks set so far
   // The step that is drawn and the one that is read ahead.
   std::array<Memo<int64_t, const std::vector<TimeStep>>, 2> steps_;
   FrameReport report_;                 // report of the last frame

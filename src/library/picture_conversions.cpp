@@ -1,38 +1,16 @@
 #include "src/library/conversions.h"
 
-#include <bit>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string_view>
 #include <utility>
 
-#include "io/lent_source.h"
 #include "src/base/error.h"
+#include "src/library/checked_values.h"
 
 namespace sluice {
 namespace {
-
-constexpr int kMostThreads = 1024;
-
-Vec3d vec(const std::array<double, 3>& v) {
-  return {v[0], v[1], v[2]};
-}
-Vec3i vec(const std::array<int64_t, 3>& v) {
-  return {v[0], v[1], v[2]};
-}
-template <class T>
-std::array<T, 3> asArray(Vec3<T> v) {
-  return {v.x, v.y, v.z};
-}
-
-void requireFinite(const char* field, double value) {
-  if (!std::isfinite(value)) failRequest("{} {}: must be finite", field, value);
-}
-
-int threadsOf(int threads) {
-  if (threads < 0 || threads > kMostThreads)
-    failRequest("threads {}: must be 0, one a core, or up to {}", threads, kMostThreads);
-  return threads;
-}
 
 DeviceChoice deviceOf(RendererOptions::Device device) {
   switch (device) {
@@ -76,15 +54,6 @@ Framing framingOf(const ViewOptions::Framing& given) {
   return {vec(given.target), given.reach, given.right, given.up};
 }
 
-VoxelType typeOf(const std::string& name, const std::string& type) {
-  const std::optional<VoxelType> known = parseVoxelType(type);
-  if (!known)
-    failRequest(
-        "{}: voxel type \"{}\" is not known, expected u8, i8, u16, i16, u32, i32, f32 or f64", name,
-        type);
-  return *known;
-}
-
 Box3 cropOf(const PictureOptions::Box& given, Vec3i dims) {
   const Box3 box{vec(given.lo), vec(given.hi)};
   const Box3 cells{box.lo, box.hi - Vec3i{1, 1, 1}};
@@ -96,95 +65,54 @@ Box3 cropOf(const PictureOptions::Box& given, Vec3i dims) {
   return box;
 }
 
-WebOptions webOptions(const VolumeOptions::Web& web) {
-  WebOptions options;
-  options.cache = {web.cache_folder, web.cache_folder.empty() ? 0 : web.cache_bytes};
-  BucketAccess& buckets = options.buckets;
-  buckets.endpoint = web.endpoint;
-  if (!web.region.empty()) buckets.region = web.region;
-  if (!web.secret_key.empty()) buckets.access_key = web.access_key;
-  buckets.secret_key = web.secret_key;
-  buckets.session_token = web.session_token;
-  return options;
-}
-
-LevelsWish levelsWish(VolumeOptions::Levels levels) {
-  switch (levels) {
-    case VolumeOptions::Levels::kKept:
-      return LevelsWish::kKept;
-    case VolumeOptions::Levels::kAuto:
-      return LevelsWish::kAuto;
-    case VolumeOptions::Levels::kAlways:
-      return LevelsWish::kAlways;
-    case VolumeOptions::Levels::kNone:
-      return LevelsWish::kNone;
+// Sets what a word of a list names; an empty one changes nothing.
+template <class Value, class List>
+void setByWord(const char* field, const std::string& word, const List& values, Value& held) {
+  if (word.empty()) return;
+  const auto at = std::ranges::find_if(
+      values, [&](Value each) { return std::string_view(name(each)) == word; });
+  if (at != std::ranges::end(values)) {
+    held = *at;
+    return;
   }
-  failRequest("levels {}: no such wish", static_cast<int>(levels));
+  std::string words;
+  for (const Value each : values) words += (words.empty() ? "" : ", ") + std::string(name(each));
+  failRequest("pipeline.{} \"{}\": expected one of {}", field, word, words);
 }
 
 }  // namespace
-
-VolumeArguments volumeArguments(const std::vector<std::string>& paths,
-                                const VolumeOptions& options) {
-  if (paths.empty()) failRequest("a volume of no files: name at least one");
-  VolumeArguments arguments;
-  arguments.inputs = paths;
-  arguments.time = options.time;
-  OpenOptions& open = arguments.open;
-  if (options.dims) open.dims = vec(*options.dims);
-  open.time_steps = options.time_steps;
-  if (!options.type.empty()) open.type = typeOf(paths.front(), options.type);
-  if (options.big_endian) open.byte_order = std::endian::big;
-  open.skip_bytes = options.skip_bytes;
-  if (options.spacing) open.spacing = vec(*options.spacing);
-  open.grid = options.grid;
-  open.channel = {options.channel, options.channel_name};
-  open.decode.folder = options.temporary_folder;
-  open.web = webOptions(options.web);
-  return arguments;
-}
-
-VolumeLayout volumeLayout(const ArrayLayout& array) {
-  VolumeLayout layout;
-  layout.name = array.name.empty() ? "array" : array.name;
-  layout.dims = vec(array.dims);
-  layout.time_steps = array.time_steps;
-  layout.unit = array.unit;
-  layout.type = typeOf(layout.name, array.type);
-  std::array<Vec3d, 3> steps;
-  for (size_t a = 0; a < 3; ++a) {
-    const Vec3d axis = vec(array.axes[a]);
-    if (!(array.spacing[a] > 0) || !(length(axis) > 0))
-      failRequest("{}: spacing {} along {}: must be above 0, and the axis must have a length",
-                  layout.name, array.spacing[a], "xyz"[a]);
-    steps[a] = axis * (array.spacing[a] / length(axis));
-  }
-  return lentLayout(std::move(layout), steps, vec(array.origin));
-}
-
-VolumeOptions::Web webAccess(const BucketAccess& buckets) {
-  return {.access_key = buckets.access_key,
-          .secret_key = buckets.secret_key,
-          .session_token = buckets.session_token,
-          .region = buckets.region,
-          .endpoint = buckets.endpoint};
-}
-
-MachineOptions machineOptions(const VolumeOptions& options) {
-  MachineOptions machine;
-  machine.memory_bytes = options.memory_bytes;
-  machine.threads = threadsOf(options.threads);
-  machine.levels = levelsWish(options.levels);
-  return machine;
-}
 
 MachineOptions machineOptions(const RendererOptions& options) {
   MachineOptions machine;
   machine.device.device = deviceOf(options.device);
   machine.device.lent = options.screen;
   machine.memory_bytes = options.memory_bytes;
-  machine.threads = threadsOf(options.threads);
+  machine.threads = checkedThreads(options.threads);
+  const PipelineOptions& pipeline = options.pipeline;
+  setByWord("gl", pipeline.gl, kGlChoices, machine.device.gl);
+  setByWord("simd", pipeline.simd, kSimdTargets, machine.device.simd);
+  setByWord("policy", pipeline.policy, onlinePolicies(), machine.policy);
+  machine.seed = pipeline.seed;
+  machine.pages = pipeline.pages;
+  if (pipeline.pages) requirePowerOfTwo("pipeline.pages", *pipeline.pages, 1, kMostCachePages);
   return machine;
+}
+
+void setPipeline(const PipelineOptions& pipeline, FrameOptions& options) {
+  setByWord("algorithm", pipeline.algorithm, kAlgorithms, options.algorithm);
+  setByWord("merge", pipeline.merge, kMergeOrders, options.merge_order);
+  setByWord("partition", pipeline.partition, kPartitions, options.partition);
+  setByWord("occlusion", pipeline.occlusion, kOcclusions, options.occlusion);
+  if (options.occlusion != Occlusion::kOff && !traitsOf(options.mode).has_colors)
+    failRequest("pipeline.occlusion {}: only composite pictures have opacity that hides",
+                pipeline.occlusion);
+  if (options.partition == Partition::kBoxes && options.cut) {
+    if (!options.cut->is_default || options.cut->keeps_thin)
+      failRequest(
+          "pipeline.partition boxes draws the finest level alone; leave out level, pixel_error, "
+          "max_bytes and keep_thin");
+    options.cut.reset();
+  }
 }
 
 Mode modeOf(const LookOptions& look) {
@@ -356,6 +284,10 @@ FrameOptions frameOptions(const PictureOptions& picture, const VolumeLayout& lay
   if (picture.with_depth && !traitsOf(mode).has_colors)
     failRequest("with_depth: depth exists only in composite mode, since it is weighted by opacity");
   options.with_depth = picture.with_depth;
+  if (picture.opacity_threshold &&
+      !(*picture.opacity_threshold > 0 && *picture.opacity_threshold <= 1))
+    failRequest("opacity_threshold {}: must be above 0, up to 1", *picture.opacity_threshold);
+  options.opacity_threshold = picture.opacity_threshold;
   if (picture.clip_planes.size() > kMostClipPlanes)
     failRequest("clip_planes: {} of them, at most {}", picture.clip_planes.size(), kMostClipPlanes);
   for (const PictureOptions::Plane& plane : picture.clip_planes) {
@@ -371,46 +303,6 @@ FrameOptions frameOptions(const PictureOptions& picture, const VolumeLayout& lay
   }
   if (picture.next_time) requireStep(*picture.next_time, layout);
   return options;
-}
-
-void requireStep(int64_t time, const VolumeLayout& layout) {
-  if (time < 0 || time >= layout.time_steps)
-    failRequest("{}: time {}: the volume has {} time step{}, counted from 0", layout.name, time,
-                layout.time_steps, layout.time_steps == 1 ? "" : "s");
-}
-
-std::string frameName(WorldFrame frame) {
-  switch (frame) {
-    case WorldFrame::kRas:
-      return "RAS";
-    case WorldFrame::kLps:
-      return "LPS";
-    case WorldFrame::kPictureRows:
-      return "rows";
-    case WorldFrame::kYUp:
-      return "y-up";
-    case WorldFrame::kNone:
-      break;
-  }
-  return "";
-}
-
-VolumeInfo volumeInfo(const VolumeLayout& layout, ValueRange values,
-                      const std::vector<std::string>& notes) {
-  return {.name = layout.name,
-          .dims = asArray(layout.dims),
-          .type = std::string(name(layout.type)),
-          .spacing = asArray(layout.spacing),
-          .origin = asArray(layout.origin),
-          .unit = layout.unit,
-          .axes = {asArray(layout.axes[0]), asArray(layout.axes[1]), asArray(layout.axes[2])},
-          .frame = frameName(layout.frame),
-          .time_steps = layout.time_steps,
-          .channels = {},
-          .was_opened_soon = false,
-          .value_range = {values.lo, values.hi},
-          .warnings = notes,
-          .files = {}};
 }
 
 }  // namespace sluice
