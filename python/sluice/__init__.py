@@ -257,7 +257,8 @@ class Volume:
     def widget(self, **options):
         """A picture for a notebook with sliders that turn it; needs the package ipywidgets.
 
-        `options` are those of render(). With a `threshold` there is a slider for it, too.
+        `options` are those of render(); the background is black unless they have one. With a
+        `threshold` there is a slider for it, too.
         """
         return _turned_picture(self.render, _png, self.value_range, options)
 

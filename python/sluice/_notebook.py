@@ -7,7 +7,7 @@ def turned_picture(render, png, value_range, options):
         import ipywidgets
     except ImportError:
         raise ImportError('sluice: the widget needs the package ipywidgets (python3-ipywidgets)') from None
-    options = {'fit': 'volume', **options}
+    options = {'fit': 'volume', 'background': '000000', **options}
 
     def slider(name, low, high, at, step):
         return ipywidgets.FloatSlider(value=options.pop(name, at), min=low, max=high, step=step, description=name)
@@ -16,7 +16,8 @@ def turned_picture(render, png, value_range, options):
     if options.get('threshold') is not None:
         low, high = value_range
         sliders['threshold'] = slider('threshold', low, high, None, (high - low) / 255 or 1)
-    image = ipywidgets.Image(format='png')
+    # A box stretches what it holds: a pixel of the picture shall be one of the screen.
+    image = ipywidgets.Image(format='png', layout={'align_self': 'flex-start'})
 
     def draw(_=None):
         image.value = png(render(**options, **{name: each.value for name, each in sliders.items()}))

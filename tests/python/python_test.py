@@ -579,13 +579,16 @@ class Widgets(unittest.TestCase):
         box = volume.widget(size=48, threshold=100, elevation=15)
         image, azimuth, elevation, threshold = box.children
         first = bytes(image.value)
-        self.assertEqual(first, sluice._png(volume.render(size=48, threshold=100, elevation=15, fit='volume')))
+        self.assertEqual(first, sluice._png(volume.render(
+            size=48, threshold=100, elevation=15, fit='volume', background='000000')))
         azimuth.value = 45
         self.assertEqual(bytes(image.value), sluice._png(volume.render(
-            size=48, threshold=100, azimuth=45, elevation=15, fit='volume')))
+            size=48, threshold=100, azimuth=45, elevation=15, fit='volume', background='000000')))
         threshold.value = threshold.max
         self.assertNotEqual(bytes(image.value), first)
         self.assertEqual(elevation.value, 15)
+        clear = volume.widget(size=48, threshold=100, background=None).children[0]
+        self.assertEqual(bytes(clear.value), sluice._png(volume.render(size=48, threshold=100, fit='volume')))
 
     def test_have_no_slider_for_a_look_without_threshold(self):
         self.assertEqual(len(sluice.from_array(ball()).widget(size=16).children), 3)
