@@ -1,24 +1,28 @@
 #!/usr/bin/env bash
 # Installs what sluice needs on Debian 12, as root or through sudo. Quick and quiet when it is there.
-#   tools/setup.sh build   what building and drawing need
-#   tools/setup.sh         what the tests and gates need, too
+#   tools/setup.sh picture   what building the program and drawing need
+#   tools/setup.sh build     what its modules need, too: OpenVDB, DICOM, HDF5, the web, ranks, the window, Python
+#   tools/setup.sh           what the tests and gates need, too
 set -euo pipefail
 
-build_packages=(
-  # To build.
+picture_packages=(
   g++ cmake ninja-build pkg-config
-  libopenvdb-dev libboost-dev libopenexr-dev libosmesa6-dev libegl-dev libgl-dev libtbb-dev
+  libopenexr-dev libosmesa6-dev libegl-dev libgl-dev
   libblosc-dev libzstd-dev libcli11-dev libfmt-dev nlohmann-json3-dev libpng-dev libtiff-dev zlib1g-dev
-  libcairo2-dev libxxhash-dev libhwy-dev libcurl4-openssl-dev
-  libgdcm-dev libexpat1-dev libhdf5-dev liblz4-dev liblzma-dev
+  libcairo2-dev libxxhash-dev libhwy-dev libexpat1-dev liblz4-dev liblzma-dev
+  # To write in pictures.
+  fonts-dejavu-core
+)
+build_packages=(
+  libopenvdb-dev libboost-dev libtbb-dev libcurl4-openssl-dev libgdcm-dev libhdf5-dev
   # Pictures by several ranks; libmpich-dev in its place, or beside it, does as well.
   libopenmpi-dev
   # The window's module; without these the rest is built all the same.
   libglfw3-dev libimgui-dev libstb-dev
   # The Python package; without these the rest is built all the same.
   python3-dev python3-numpy pybind11-dev
-  # To draw.
-  libosmesa6 libegl1 libegl-mesa0 libgl1-mesa-dri fonts-dejavu-core
+  # To draw with OpenGL.
+  libosmesa6 libegl1 libegl-mesa0 libgl1-mesa-dri
 )
 test_packages=(
   ccache libgtest-dev libgmock-dev
@@ -36,14 +40,15 @@ test_packages=(
   man-db groff mandoc zsh fish desktop-file-utils shared-mime-info libxml2-utils
   # The documents and the library's headers as pages.
   mkdocs doxygen
-  # The library's binary interface, and the figure among Python's examples.
-  abigail-tools python3-matplotlib
+  # The library's binary interface, the figure among Python's examples, and the widget.
+  abigail-tools python3-matplotlib python3-ipywidgets
 )
 
 case "${1-all}" in
-  build) packages=("${build_packages[@]}") ;;
-  all) packages=("${build_packages[@]}" "${test_packages[@]}") ;;
-  *) echo "setup.sh: expected 'build' or nothing, found '$1'" >&2; exit 2 ;;
+  picture) packages=("${picture_packages[@]}") ;;
+  build) packages=("${picture_packages[@]}" "${build_packages[@]}") ;;
+  all) packages=("${picture_packages[@]}" "${build_packages[@]}" "${test_packages[@]}") ;;
+  *) echo "setup.sh: expected 'picture', 'build' or nothing, found '$1'" >&2; exit 2 ;;
 esac
 
 missing=()

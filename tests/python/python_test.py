@@ -247,6 +247,37 @@ class Arrays(unittest.TestCase):
         volume = sluice.from_array(stored)
         self.assertTrue((volume.render(size=40, threshold=20) == self.picture(array)).all())
 
+    def test_of_dask_are_computed_box_by_box(self):
+        try:
+            import dask.array
+        except ImportError:
+            self.skipTest('python3-dask is not installed')
+        array = ball('i2', 40)
+        computed = []
+
+        def seen(block):
+            computed.append(block.shape)
+            return block
+
+        lazy = dask.array.from_array(array, chunks=(16, 16, 16)).map_blocks(seen, dtype='i2', meta=array[:0])
+        volume = sluice.from_array(lazy)
+        self.assertTrue((volume.render(size=40, threshold=20) == self.picture(array)).all())
+        self.assertLessEqual(max(computed), (16, 16, 16))
+
+    def test_of_xarray_are_those_inside(self):
+        try:
+            import xarray
+        except ImportError:
+            self.skipTest('python3-xarray is not installed')
+        array = ball('i2', 40)
+        named = xarray.DataArray(array, dims=('z', 'y', 'x'), coords={'x': numpy.arange(array.shape[2]) * 0.5}, name='ball')
+        kinds = [named, named.transpose('x', 'y', 'z').transpose('z', 'y', 'x')]
+        if importlib.util.find_spec('dask') is not None:
+            kinds.append(named.chunk(16))
+        for each in kinds:
+            volume = sluice.from_array(each)
+            self.assertTrue((volume.render(size=40, threshold=20) == self.picture(array)).all())
+
     def test_that_a_function_gives_may_fail(self):
         calls = []
 
