@@ -8,20 +8,30 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 caller=$OLDPWD
+mkdir -p out
 
-tools/setup.sh build
+tools/setup.sh picture
+# Packages of the modules come while the program is compiled.
+tools/setup.sh build >out/setup.txt 2>&1 &
+setup=$!
+add_modules() {
+  wait "$setup" || { cat out/setup.txt >&2; exit 1; }
+  cmake --preset demo -DSLUICE_VDB=ON >/dev/null
+}
 # Sources are compiled in batches, for half of the time. `cmake --preset release` compiles each by
 # itself again, as one does who edits them, and brings the tests back.
-cmake --preset demo >/dev/null
+cmake --preset demo -DSLUICE_VDB=OFF >/dev/null
 cmake --build --preset demo
-[[ "$*" != *.vdb* ]] || cmake --build --preset demo --target sluice_modules
 
-mkdir -p out
 picture=$PWD/out/picture.png
 sluice=$PWD/build/release/sluice
 if (($# > 0)); then
+  # A module may be what reads the file.
+  add_modules
+  cmake --build --preset demo --target sluice_modules
   cd "$caller"
   "$sluice" render "$@" -o "$picture"
+  cd "$OLDPWD"
 else
   "$sluice" render synth:phantom,dims=256x256x256 -o "$picture" --crop 0,0,0,256,128,256 \
     --opacity 0.1 --annotate
@@ -29,4 +39,5 @@ fi
 echo "The picture is $picture"
 
 echo "Building the rest: the window, OpenVDB, ranks, the library"
+add_modules
 cmake --build build/release

@@ -40,8 +40,8 @@ test_packages=(
   man-db groff mandoc zsh fish desktop-file-utils shared-mime-info libxml2-utils
   # The documents and the library's headers as pages.
   mkdocs doxygen
-  # The library's binary interface, the figure among Python's examples, and the widget.
-  abigail-tools python3-matplotlib python3-ipywidgets
+  # The library's binary interface; what Python's examples and tests take with it.
+  abigail-tools python3-matplotlib python3-ipywidgets python3-dask python3-xarray python3-pandas
 )
 
 case "${1-all}" in
