@@ -62,6 +62,7 @@ ALLOWED = {
     'tools/bench': None,
     'tools/command_line': None,
     'tools/commands': None,
+    'tools/plan': None,
     'tools/fetch': None,
     'tools/manual': None,
     'tools/options': None,

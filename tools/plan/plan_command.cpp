@@ -11,18 +11,17 @@
 #include "src/base/error.h"
 #include "src/base/threads/clock.h"
 #include "src/base/values/bytes.h"
-#include "src/index/box_store.h"
-#include "src/index/volume_boxes.h"
 #include "src/library/drawing/picture_cost.h"
 #include "tools/command_line/console.h"
 #include "tools/command_line/interrupt.h"
 #include "tools/command_line/progress_line.h"
 #include "tools/commands/commands.h"
-#include "tools/commands/plan_forecast.h"
-#include "tools/commands/plan_server.h"
 #include "tools/options/shared_options.h"
 #include "tools/outputs/report.h"
 #include "tools/pages/report_file.h"
+#include "tools/plan/plan_boxes.h"
+#include "tools/plan/plan_forecast.h"
+#include "tools/plan/plan_server.h"
 #include "tools/scene/open_scene.h"
 #include "tools/scene/series.h"
 #include "tools/scene/workers.h"
@@ -88,78 +87,6 @@ void print(const AlgorithmCosts& costs, Algorithm algorithm, double classify_sec
   say("{} cluster{} of {} x {} blocks; classified in {:.2f} ms, planned in {:.2f} ms\n",
       chosen.clusters, chosen.clusters == 1 ? "" : "s", chosen.cluster_blocks.x,
       chosen.cluster_blocks.y, 1e3 * classify_seconds, 1e3 * chosen.seconds);
-}
-
-// Growing boxes, compared with the two partitions that they lie between: one object box a block,
-// and bricks that know the transfer function.
-struct PlannedBoxes {
-  PartitionCost cost;
-  int64_t object_boxes = 0, object_cells = 0;
-  int64_t pieces_kept = 0;  // pieces of the index
-  double seconds = 0;
-};
-
-PlannedBoxes planBoxes(const PlanArguments& arguments, const IndexedVolume& volume,
-                       const PlannedBlocks& shown, WorkerPool& pool) {
-  const SliceRanges& ranges = volume.index->ranges;
-  const Box3 crop = cropCells(arguments.frame, ranges.layout.dims);
-  PlannedBoxes planned;
-  for (const ObjectBlock& block : shown.blocks->blocks) {
-    ++planned.object_boxes;
-    planned.object_cells += block.cells.count();
-  }
-  Stopwatch watch;
-  ProgressMeter progress =
-      arguments.resources.quiet ? ProgressMeter() : ProgressMeter(progressLine("growing boxes"));
-  // The pass is made for the bricks; the boxes that a picture needs are kept on the way.
-  BoxIndexWriter index(*volume.source, volume.places, arguments.volume.time, ranges);
-  planned.cost = partitionCost(
-      *volume.source, arguments.volume.time, ranges, shown.look->table, crop, pool, progress,
-      std::min(memoryBudget(arguments.resources) / 2, kMostGrowingBytes),
-      [&](int64_t block, const BoxTree& tree) { index.add(block, tree); }, interruption());
-  planned.pieces_kept = index.piecesWritten();
-  planned.seconds = watch.lap();
-  return planned;
-}
-
-void print(const PlannedBoxes& planned) {
-  const PartitionCost& cost = planned.cost;
-  const auto share = [&](int64_t cells) {
-    return cost.perfect_cells == 0
-               ? 0.0
-               : static_cast<double>(cells) / static_cast<double>(cost.perfect_cells);
-  };
-  say("\n{:<16} {:>9} {:>14} {:>9}   cells that a frame samples\n", "partition", "visible", "cells",
-      "of 8^3");
-  say("{:<16} {:>9} {:>14} {:>9.2f}\n", "object boxes", planned.object_boxes, planned.object_cells,
-      share(planned.object_cells));
-  say("{:<16} {:>9} {:>14} {:>9.2f}\n", "growing boxes", cost.visible_boxes, cost.visible_cells,
-      share(cost.visible_cells));
-  say("{:<16} {:>9} {:>14} {:>9.2f}\n", "bricks of 8^3", cost.perfect_bricks, cost.perfect_cells,
-      share(cost.perfect_cells));
-  say("{} boxes grown, {} in BSP trees ({} uniform, {} gradient, {} other) with {} textures; "
-      "{} blocks read and partitioned in {:.2f} s\n",
-      cost.grown, cost.boxes, cost.types[0], cost.types[1], cost.types[2], cost.textures,
-      cost.blocks, planned.seconds);
-}
-
-nlohmann::json boxesJson(const PlannedBoxes& planned) {
-  const PartitionCost& cost = planned.cost;
-  return {{"boxes", cost.boxes},
-          {"grown_boxes", cost.grown},
-          {"textures", cost.textures},
-          {"uniform_boxes", cost.types[0]},
-          {"gradient_boxes", cost.types[1]},
-          {"other_boxes", cost.types[2]},
-          {"visible_boxes", cost.visible_boxes},
-          {"visible_cells", cost.visible_cells},
-          {"object_boxes", planned.object_boxes},
-          {"object_cells", planned.object_cells},
-          {"perfect_bricks", cost.perfect_bricks},
-          {"perfect_cells", cost.perfect_cells},
-          {"blocks_read", cost.blocks},
-          {"index_pieces", planned.pieces_kept},
-          {"seconds", planned.seconds}};
 }
 
 // A channel of the picture with its look and its plans. Most volumes have one.
@@ -319,7 +246,8 @@ void planChannel(const PlanArguments& arguments, PlannedChannel& channel, Planne
                           .pages;
   channel.costs = algorithmCosts(volume, channel.shown, arguments.frame, volume.page, pool);
   if (arguments.frame.partition == Partition::kBoxes)
-    channel.boxes = planBoxes(arguments, volume, channel.shown, pool);
+    channel.boxes = planBoxes({arguments.frame, arguments.resources, arguments.volume.time}, volume,
+                              channel.shown, pool);
   const AlgorithmCost& chosen = channel.costs[static_cast<size_t>(arguments.frame.algorithm)];
   channel.forecast = forecastOf(volume, *channel.shown.blocks, volume.page, chosen.bytes, others,
                                 arguments.frame, arguments.resources);

@@ -1,4 +1,4 @@
-#include "tools/commands/plan_server.h"
+#include "tools/plan/plan_server.h"
 
 #include <fmt/format.h>
 

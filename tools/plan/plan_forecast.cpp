@@ -1,4 +1,4 @@
-#include "tools/commands/plan_forecast.h"
+#include "tools/plan/plan_forecast.h"
 
 #include "src/base/values/bytes.h"
 #include "tools/command_line/console.h"
