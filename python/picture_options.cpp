@@ -315,6 +315,7 @@ AskedPicture askedPicture(const py::kwargs& keywords, const VolumeInfo& volume) 
   asked.picture.time = of_view.time;
   asked.picture.step_vox = of_view.step_vox;
   asked.picture.quality = of_view.quality;
+  asked.picture.jitter = of_view.jitter;
   asked.picture.lighting = of_view.lighting;
   asked.picture.crop = of_view.crop;
   asked.picture.clip_planes = of_view.clip_planes;

@@ -84,6 +84,8 @@ picture wave 'The Marschner-Lobb signal: its values fill the whole range, so it 
   'sluice render synth:marschner-lobb,dims=128x128x128,type=f32 -o wave.png --up 0,0,1 --annotate'
 picture rings 'Vortex rings in a flow' \
   'sluice render synth:flow,dims=160x160x160,type=f32 -o rings.png --map turbo --background 101418'
+picture depths 'A bonsai, the greatest value of each ray in the colour of its depth' \
+  'sluice render data/bonsai.nii.gz -o depths.png --mode depth-mip --background 000000'
 
 # The contact sheet.
 tile=176

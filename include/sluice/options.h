@@ -16,9 +16,10 @@ namespace sluice {
 // labels, threshold. Otherwise they are chosen from the values. Opacities given with a
 // transfer_file keep the colours of that file.
 struct LookOptions {
-  // A ray shows its colours one behind the other; its greatest, least or mean value; or the
-  // greatest of its values dimmed by those in front of them.
-  enum class Mode { kComposite, kMaximum, kMinimum, kAverage, kAttenuatedMaximum };
+  // A ray shows its colours one behind the other; its greatest, least or mean value; the greatest
+  // of its values dimmed by those in front of them; or its greatest value in a colour for its
+  // depth.
+  enum class Mode { kComposite, kMaximum, kMinimum, kAverage, kAttenuatedMaximum, kDepthMaximum };
   // Whether light falls on surfaces, by the gradient.
   enum class Light { kChosen, kOn, kOff };
   // The opacity of a value.
@@ -156,6 +157,10 @@ struct PictureOptions {
     // light that matter around a place does; each from 0 to 1, unset: 0. Not for opacities that
     // depend on gradients.
     std::optional<double> shadows = {}, occlusion = {};
+    // The share by which colours at the farthest corner of what is shown are darkened, in
+    // proportion to the depth behind the nearest corner; from 0 to 1, unset: 0. Composite mode, lit
+    // or not.
+    std::optional<double> depth_cueing = {};
     friend bool operator==(const Lighting&, const Lighting&) = default;
   };
 
@@ -166,6 +171,9 @@ struct PictureOptions {
   // 1/2 if pixels are smaller than voxels, otherwise 1.
   std::optional<double> step_vox = {};
   Quality quality = Quality::kPlain;
+  // The share of the distance between samples over which the samples of neighbouring rays are
+  // spread, by blue noise, from 0 to 1: fine grain in place of rings. Composite mode; unset: 0.
+  std::optional<double> jitter = {};
   Lighting lighting = {};
   // Volumes with levels of resolution that have spreads, in composite mode and not of labels: each
   // part is drawn at the coarsest level whose voxels are at most this many pixels wide, above 0, as

@@ -34,7 +34,7 @@ class PictureOptions(TypedDict, total=False):
     azimuth: float | None
     elevation: float | None
     fit: Literal['visible', 'volume'] | None
-    mode: Literal['composite', 'mip', 'minip', 'average', 'attenuated-mip'] | None
+    mode: Literal['composite', 'mip', 'minip', 'average', 'attenuated-mip', 'depth-mip'] | None
     attenuation: float | None
     shade: bool | Literal['chosen', 'on', 'off'] | None
     threshold: float | None
@@ -52,12 +52,14 @@ class PictureOptions(TypedDict, total=False):
     time: int | None
     step: float | None
     quality: Literal['plain', 'fast', 'normal', 'high'] | None
+    jitter: float | None
     light: tuple[float, float] | None
     ambient: float | None
     diffuse: float | None
     specular: float | None
     shadows: float | None
     occlusion_light: float | None
+    depth_cueing: float | None
     crop: Sequence[int] | None
     clip: Sequence[Sequence[float]] | None
     background: str | _Triple | None

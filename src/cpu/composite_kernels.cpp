@@ -13,6 +13,7 @@
 #include "src/cpu/kernel_values.h"
 #include "src/cpu/leap_grid.h"
 #include "src/cpu/packed_entries.h"
+#include "src/device/blue_noise.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace sluice::HWY_NAMESPACE {
@@ -174,6 +175,7 @@ struct Passage {
   const KernelFrame& frame;
   const KernelBox& box;
   V3 first, pace;
+  V first_slice;  // the place of the box's first slice, in slices
   V ray_length;
   Cells cells;
   bool clamps;
@@ -221,10 +223,17 @@ struct Passage {
   }
 
   // Blends the colour at slice k of the box. Whether some lane goes on.
-  HWY_INLINE bool add(const Color& color, M shows, V k, Pixels& pixels) {
+  HWY_INLINE bool add(Color color, M shows, V k, Pixels& pixels) {
     const V left = hn::IfThenElseZero(shows, hn::Sub(all(1.0F), pixels.sum.a));
+    const V slice = hn::Add(k, first_slice);
+    if (frame.cue_most > 0) {
+      const V dark = hn::MulAdd(slice, all(frame.cue_step), all(frame.cue_start));
+      const V within = hn::Min(hn::Max(dark, hn::Zero(F())), all(frame.cue_most));
+      const V bright = hn::Sub(all(1.0F), within);
+      color = {hn::Mul(color.r, bright), hn::Mul(color.g, bright), hn::Mul(color.b, bright),
+               color.a};
+    }
     if (frame.with_depth) {
-      const V slice = hn::Add(k, all(box.first_slice + 0.5F));
       const V depth = hn::MulAdd(slice, all(frame.depth_step), all(frame.first_depth));
       pixels.depth_sum = hn::MulAdd(hn::Mul(left, color.a), depth, pixels.depth_sum);
     }
@@ -354,10 +363,12 @@ HWY_INLINE void drawPacket(const KernelFrame& frame, const KernelBox& box,
   const bool clamps = kType == DeviceType::kF32 || kShading == Shading::kGradients ||
                       hasTwoNumbers(kShading) || kShading == Shading::kSurfaces || frame.labels ||
                       box.clamps;
+  const V3 first = texelsAt(box, voxelsOf(positions, packet)), pace = texelsAlong(box, step);
   Passage<kType, kShading> passage{frame,
                                    box,
-                                   texelsAt(box, voxelsOf(positions, packet)),
-                                   texelsAlong(box, step),
+                                   fartherBy(packet.jitter, pace, first),
+                                   pace,
+                                   hn::Add(packet.jitter, all(box.first_slice + 0.5F)),
                                    ray_length,
                                    cellsOf(box),
                                    clamps,

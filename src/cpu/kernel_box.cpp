@@ -5,6 +5,7 @@
 
 #include "src/base/error.h"
 #include "src/cpu/floats.h"
+#include "src/device/depth_code.h"
 
 namespace sluice {
 namespace {
@@ -127,6 +128,20 @@ void setLight(const LightVolume& light, const BoxDraw& box, KernelBox& out) {
   }
 }
 
+// Requires: texel_start is set.
+void setDepth(const FrameSetup& setup, const BoxDraw& box, KernelBox& out) {
+  const std::array<double, 4> row = depthRow(setup);
+  double start = row[3];
+  for (int a = 0; a < 3; ++a) {
+    const auto i = static_cast<size_t>(a), axis = static_cast<size_t>(box.texels.axes[i]);
+    const double along = row[axis] / box.texels.scale[a];
+    out.depth_along[i] = static_cast<float>(along);
+    start += row[axis] * static_cast<double>(box.cells.lo[static_cast<int>(axis)]) -
+             along * double{out.texel_start[axis]};
+  }
+  out.depth_start = static_cast<float>(start);
+}
+
 void setLeaps(const LeapGrid& leaps, Vec3i lo, KernelBox& out) {
   if (volume(leaps.bricks) > kMostOffset) return;  // their numbers would not be exact
   out.distances = leaps.distances.data();
@@ -170,6 +185,7 @@ void appendPart(const FrameSetup& setup, const BoxDraw& box, const ChunkTexels* 
     const TexelSpan span = texelsOf(box, chunk->storage_vox);
     setTexels(box, *chunk, span, result);
     if (leaps != nullptr) setLeaps(*leaps, span.lo, result);
+    if (traitsOf(setup.mode).codes_depth) setDepth(setup, box, result);
     if (setup.light != nullptr) setLight(*setup.light, box, result);
   }
   out.push_back(result);

@@ -5,6 +5,7 @@
 
 #include "src/base/error.h"
 #include "src/cpu/floats.h"
+#include "src/device/blue_noise.h"
 
 namespace sluice {
 namespace {
@@ -32,6 +33,7 @@ FrameTables::FrameTables(const FrameSetup& setup, const LookUpTables& look_up) {
   frame_.height = setup.size.height;
   frame_.combining = traits.combining;
   frame_.on_planes = traits.on_planes;
+  frame_.codes_depth = traits.codes_depth;
   frame_.type = setup.type;
   frame_.perspective = setup.projection == Projection::kPerspective;
   frame_.with_depth = colors && setup.with_depth;
@@ -66,6 +68,16 @@ void FrameTables::setRays(const FrameSetup& setup) {
   frame_.first_depth = static_cast<float>(setup.first_depth);
   frame_.depth_step = static_cast<float>(setup.depth_step);
   frame_.slice_length = static_cast<float>(setup.slice_length);
+  if (setup.jitter > 0) {
+    frame_.noise = blueNoise().data();
+    frame_.jitter = static_cast<float>(setup.jitter);
+  }
+  if (const auto [near, far] = setup.shown_depths; setup.depth_cueing > 0 && far > near) {
+    const double a_depth = setup.depth_cueing / (far - near);
+    frame_.cue_start = static_cast<float>((setup.first_depth - near) * a_depth);
+    frame_.cue_step = static_cast<float>(setup.depth_step * a_depth);
+    frame_.cue_most = static_cast<float>(setup.depth_cueing);
+  }
   frame_.planes_a_voxel = static_cast<float>(setup.planes_a_voxel);
   frame_.end_margin = static_cast<float>(endMargin(setup.planes_a_voxel));
   frame_.pixel_ray = {static_cast<float>(2 * setup.tan_half_x / setup.size.width),

@@ -24,10 +24,16 @@ inline constexpr int kMostLanes = 16;
 struct KernelFrame {
   int width = 0, height = 0;
   Combining combining = Combining::kBlend;
-  bool on_planes = false;  // see ModeTraits
+  bool on_planes = false, codes_depth = false;  // see ModeTraits
   DeviceType type = DeviceType::kU8;
   Float3 origin_dx{}, origin_dy{}, step0{}, step_dx{}, step_dy{};
   float first_slice = 0, first_depth = 0, depth_step = 1, slice_length = 1;
+  // FrameSetup::depth_cueing: the part by which slice k + 1/2 is darkened is cue_start + k *
+  // cue_step, from 0 to cue_most.
+  float cue_start = 0, cue_step = 0, cue_most = 0;
+  // FrameSetup::jitter: blueNoise(), or null if there is none, and the share of it.
+  const float* noise = nullptr;
+  float jitter = 0;
   int clip_planes = 0;
   std::array<std::array<float, 4>, kMostClipPlanes> clip_plane{};  // normal, offset from origin0
   float planes_a_voxel = 1, end_margin = 0;                        // see endMargin()
@@ -117,6 +123,10 @@ struct KernelBox {
   // chunk's axes light_axes * light_scale + light_start.
   std::array<int, 3> light_axes{0, 1, 2};
   Float3 light_scale{}, light_start{};
+  // Modes that colour by depth: depth_start + dot(depth_along, texel coordinates along the chunk's
+  // axes) is a depth from 0 to 1.
+  Float3 depth_along{};
+  float depth_start = 0;
   Float3 size{};  // in voxels
   // Maximum and minimum: 0 for a face at which rays enter or leave what is shown, else kInside, far
   // beyond any slice.

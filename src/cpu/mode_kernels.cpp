@@ -13,6 +13,8 @@
 
 #include "src/cpu/kernel_values.h"
 #include "src/cpu/packed_entries.h"
+#include "src/device/blue_noise.h"
+#include "src/device/depth_code.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace sluice::HWY_NAMESPACE {
@@ -68,6 +70,27 @@ struct Numbers {
   V of[3];
 };
 
+// The places of values in FrameSetup::window.
+HWY_INLINE V placeIn(const KernelFrame& frame, V value) {
+  const V place = hn::Mul(hn::Sub(value, all(frame.window_lo)), all(frame.window_scale));
+  return hn::Min(hn::Max(place, hn::Zero(F())), all(1.0F));
+}
+
+// Takes samples whose colour is made by depth, see depth_code.h.
+HWY_INLINE void takeDepth(const KernelFrame& frame, const KernelBox& box, const V3& at, V value,
+                          V part, M shows, Numbers& numbers) {
+  constexpr auto kNearest = static_cast<float>(kDepthSteps - 1);
+  const V depth = hn::Add(dot3(box.depth_along, at), all(box.depth_start));
+  const V within = hn::Min(hn::Max(depth, hn::Zero(F())), all(1.0F));
+  const V nearness = hn::Floor(hn::NegMulAdd(within, all(kNearest), all(kNearest + 0.5F)));
+  const V step = hn::Floor(hn::MulAdd(hn::Mul(placeIn(frame, value), part), all(kPlaceSteps),
+                                      all(static_cast<float>(kPlaceShift))));
+  const V code = hn::MulAdd(step, all(kDepthSteps), nearness);
+  auto& [first, second, third] = numbers.of;
+  first = hn::IfThenElse(shows, hn::Max(first, code), first);
+  second = hn::IfThenElse(shows, hn::Max(second, part), second);
+}
+
 // Takes samples of these values and parts, those that show something. `attenuation`: of the way
 // from sample to sample.
 HWY_INLINE void takeSample(const KernelFrame& frame, V value, V part, V attenuation, M shows,
@@ -89,9 +112,7 @@ HWY_INLINE void takeSample(const KernelFrame& frame, V value, V part, V attenuat
       return;
     }
     case Combining::kAttenuated: {
-      const V place = hn::Mul(hn::Sub(value, all(frame.window_lo)), all(frame.window_scale));
-      const V within = hn::Min(hn::Max(place, hn::Zero(F())), one);
-      const V level = hn::IfThenElseZero(shows, hn::Mul(within, part));
+      const V level = hn::IfThenElseZero(shows, hn::Mul(placeIn(frame, value), part));
       const V clear = hn::Sub(one, second);
       first = hn::Max(first, hn::Mul(clear, level));
       const V dimmed = hn::Sub(one, hn::Exp(F(), hn::Neg(hn::Mul(attenuation, level))));
@@ -133,7 +154,10 @@ HWY_INLINE void drawPacket(const KernelFrame& frame, const KernelBox& box,
     const V part = hn::IfThenElseZero(counts, partAt(frame, entryOf(frame, value)));
     const M shows = hn::Gt(part, hn::Zero(F()));
     if (hn::AllFalse(F(), shows)) continue;
-    takeSample(frame, value, part, attenuation, shows, numbers);
+    if (frame.codes_depth)
+      takeDepth(frame, box, at, value, part, shows, numbers);
+    else
+      takeSample(frame, value, part, attenuation, shows, numbers);
   }
 }
 

@@ -51,6 +51,7 @@ HWY_INLINE V3 ordered(const V3& v, const std::array<int, 3>& axes) {
 // are in the picture.
 struct Packet {
   V px, py, tile_px, tile_py;
+  V jitter;  // slices lie farther by it
   M inside;
 };
 // The packets of the tile that may see the box: the corners of the first and beyond the last, in
@@ -74,12 +75,22 @@ struct LanePlaces {
   }
 };
 constexpr LanePlaces kLanePlaces;
+HWY_INLINE V jitterAt(const KernelFrame& frame, int x, int y) {
+  if (frame.noise == nullptr) return hn::Zero(F());
+  alignas(64) float noise[kMostLanes];
+  for (int lane = 0; lane < kLanes; ++lane) {
+    const int column = (x + lane % kPacketWidth) % kBlueNoiseSide;
+    const int row = (y + lane / kPacketWidth) % kBlueNoiseSide;
+    noise[lane] = frame.noise[row * kBlueNoiseSide + column];
+  }
+  return hn::Mul(hn::Load(F(), noise), all(frame.jitter));
+}
 HWY_INLINE Packet packetAt(const KernelFrame& frame, const TilePixels& tile, int x, int y) {
   const V tile_px = hn::Add(hn::Load(F(), kLanePlaces.column), all(static_cast<float>(x) + 0.5F));
   const V tile_py = hn::Add(hn::Load(F(), kLanePlaces.row), all(static_cast<float>(y) + 0.5F));
   const V px = hn::Add(tile_px, all(static_cast<float>(tile.x)));
   const V py = hn::Add(tile_py, all(static_cast<float>(tile.y)));
-  return {px, py, tile_px, tile_py,
+  return {px, py, tile_px, tile_py, jitterAt(frame, tile.x + x, tile.y + y),
           hn::And(hn::Lt(px, all(static_cast<float>(frame.width))),
                   hn::Lt(py, all(static_cast<float>(frame.height))))};
 }
@@ -129,6 +140,12 @@ HWY_INLINE V3 stepOf(const KernelFrame& frame, const Packet& packet) {
   return planesAt(frame.step0, frame.step_dx, frame.step_dy, packet.px, packet.py);
 }
 
+// A place, farther along a way.
+HWY_INLINE V3 fartherBy(V part, const V3& way, const V3& place) {
+  return {hn::MulAdd(part, way.x, place.x), hn::MulAdd(part, way.y, place.y),
+          hn::MulAdd(part, way.z, place.z)};
+}
+
 // The step kept away from 0, so that one may divide by it.
 HWY_INLINE V safe(V step) {
   return hn::IfThenElse(hn::Lt(hn::Abs(step), all(1e-12F)), all(1e-12F), step);
@@ -158,8 +175,8 @@ struct Slices {
 HWY_INLINE Slices slicesIn(const KernelFrame& frame, const KernelBox& box, const Packet& packet,
                            const V3& step) {
   const Float3 start{0, 0, 0};
-  const V3 origin =
-      planesAt(start, frame.origin_dx, frame.origin_dy, packet.px, packet.py);
+  V3 origin = planesAt(start, frame.origin_dx, frame.origin_dy, packet.px, packet.py);
+  if (frame.noise != nullptr) origin = fartherBy(packet.jitter, step, origin);
   V from = all(frame.first_slice), to = all(1e15F);
   clipAxis(box.lo[0], box.hi[0], origin.x, step.x, from, to);
   clipAxis(box.lo[1], box.hi[1], origin.y, step.y, from, to);

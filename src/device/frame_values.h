@@ -96,8 +96,11 @@ struct FrameSetup {
   RayGrid rays;
   // Rows x, y and w of clip space, from (index position, 1).
   std::array<std::array<double, 4>, 3> clip_from_index{};
-  int64_t first_slice = 0;                 // slices below lie behind the eye
-  double first_depth = 0, depth_step = 1;  // world depth of slice k: first + (k + 1/2) * step
+  int64_t first_slice = 0;                   // slices below lie behind the eye
+  double first_depth = 0, depth_step = 1;    // world depth of slice k: first + (k + 1/2) * step
+  std::array<double, 4> depth_from_index{};  // the row that takes (index position, 1) to its depth
+  // World depths of the nearest and the farthest corner of `shown`, in front of a perspective eye.
+  std::array<double, 2> shown_depths{};
   // Unit lengths between samples: this for a parallel view; for a perspective one times the length
   // of (u tan_half.x, v tan_half.y, 1), u and v from -1 to 1. Opacity is corrected by it.
   double slice_length = 1;
@@ -113,6 +116,9 @@ struct FrameSetup {
   // `length` being the unit lengths between samples. Samples that do not take part count as 0.
   std::array<double, 2> window{0, 1};
   double attenuation = 0;
+  // Modes that colour by depth (depth_code.h): colours from the nearest corner of what is shown to
+  // the farthest, at even distances, linear in between. `window` as above, ascending in values.
+  std::vector<Vec3d> depth_colors;
   double opacity_threshold = 1;      // a ray ends inside a box at this opacity; 1: never
   bool with_depth = false;           // composite only: the picture gets a depth channel
   bool counts_taken = false;         // composite only, not with depth: takenSamples() can be asked
@@ -139,6 +145,12 @@ struct FrameSetup {
   // end, and the first slice of a box leaves one that is within half of the tie of the value at its
   // near end. So none is lost between two boxes.
   bool has_surfaces = false;
+  // Composite only: colours are darkened by this share at the farthest of `shown_depths`, by none
+  // at the nearest, and in proportion in between.
+  double depth_cueing = 0;
+  // Composite only: the slices of the ray of pixel (x, y) lie farther by this share, 0 to 1, of a
+  // slice times blueNoise() at (x, y): slice k at k + 1/2 + jitter * noise.
+  double jitter = 0;
   // Others draw the rest of the picture: it ends with Device::endPart(), or, of modes other than
   // composite and a device without it, with a picture of the numbers of partial_picture.h.
   bool is_part = false;

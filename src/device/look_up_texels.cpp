@@ -1,5 +1,7 @@
 #include "src/device/look_up_texels.h"
 
+#include "src/device/depth_code.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -94,12 +96,34 @@ std::array<double, 2> visibleValues(const LookUp& look_up) {
 }
 
 void scaleValues(const FrameSetup& setup, double device_unit, std::vector<float>& rgba) {
-  if (traitsOf(setup.mode).combining == Combining::kAttenuated) return;  // places in a window
+  const ModeTraits& traits = traitsOf(setup.mode);
+  // Places in a window, or codes of them.
+  if (traits.combining == Combining::kAttenuated || traits.codes_depth) return;
   for (size_t i = 0; i < rgba.size(); i += 4)
     if (std::abs(rgba[i]) < kNothingSeen) rgba[i] *= static_cast<float>(device_unit);
 }
 
+namespace {
+
+void resolveDepths(const FrameSetup& setup, std::span<float> rgba) {
+  for (size_t i = 0; i < rgba.size(); i += 4) {
+    const double code = rgba[i];
+    const bool seen = code >= 0;
+    const float part = seen ? std::min(rgba[i + 1], 1.0F) : 0;
+    const Vec3d rgb = seen ? depthColor(setup, depthOfCode(code)) * placeOfCode(code) : Vec3d{};
+    for (int c = 0; c < 3; ++c)
+      rgba[i + static_cast<size_t>(c)] = static_cast<float>(rgb[c]) * part;
+    rgba[i + 3] = part;
+  }
+}
+
+}  // namespace
+
 void resolveMode(const FrameSetup& setup, double device_unit, std::span<float> rgba) {
+  if (traitsOf(setup.mode).codes_depth) {
+    resolveDepths(setup, rgba);
+    return;
+  }
   const auto& table = setup.look_up->rgba;
   const size_t entries = table.size() / 4;
   const ValueRange range = setup.look_up->device_range;

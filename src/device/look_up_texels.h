@@ -40,7 +40,8 @@ std::array<double, 2> visibleValues(const LookUp& look_up);
 // Numbers 0 and 1 of a pixel are: maximum, the greatest value and its share of visibility; minimum,
 // the least value and 1 - the greatest share; average, the sum of values times their shares and the
 // sum of shares; attenuated maximum, the greatest dimmed place in FrameSetup::window, and as number
-// 2 the greatest share. A value of 1 there is `device_unit` device values; a value beyond 2e38
+// 2 the greatest share; modes that colour by depth, the greatest depthCode() and the greatest
+// share. A value of 1 there is `device_unit` device values; a value beyond 2e38
 // means that nothing is seen.
 void resolveMode(const FrameSetup& setup, double device_unit, std::span<float> rgba);
 // Changes the numbers in place to those for a unit of 1.

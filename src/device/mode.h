@@ -12,7 +12,7 @@
 
 namespace sluice {
 
-enum class Mode : uint8_t { kComposite, kMip, kMinip, kAverage, kAttenuatedMip };
+enum class Mode : uint8_t { kComposite, kMip, kMinip, kAverage, kAttenuatedMip, kDepthMip };
 
 // How samples of a ray, and parts of a picture, are put together. The shaders know these by number.
 enum class Combining : uint8_t {
@@ -38,6 +38,8 @@ struct ModeTraits {
   bool hides = true;
   // Samples lie on voxel planes, see FrameSetup, and not on the view's slices.
   bool on_planes = false;
+  // The greatest value is found together with its depth, which makes the colour: see depth_code.h.
+  bool codes_depth = false;
   // The mode that takes this one's part if a greater device value stands for a lesser value.
   Mode for_negated = Mode::kComposite;
   // A pixel shows nothing if this number of it has its first value, which all its numbers have.
@@ -49,7 +51,7 @@ struct ModeTraits {
   bool suits_levels = true;
 };
 
-inline constexpr std::array<ModeTraits, 5> kModeTraits{{
+inline constexpr std::array<ModeTraits, 6> kModeTraits{{
     {.mode = Mode::kComposite},
     {.mode = Mode::kMip,
      .combining = Combining::kGreatest,
@@ -85,6 +87,18 @@ inline constexpr std::array<ModeTraits, 5> kModeTraits{{
      .hides = false,
      .for_negated = Mode::kAttenuatedMip,
      .telling_number = 2,
+     .suits_levels = false},
+    {.mode = Mode::kDepthMip,
+     .combining = Combining::kGreatest,
+     .has_colors = false,
+     .needs_order = false,
+     .hides = false,
+     .on_planes = true,
+     .codes_depth = true,
+     .for_negated = Mode::kDepthMip,
+     .telling_number = 0,
+     .first_value = std::numeric_limits<float>::lowest(),
+     .level_values = LevelValues::kMaxima,
      .suits_levels = false},
 }};
 

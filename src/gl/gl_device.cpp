@@ -14,7 +14,7 @@ namespace {
 
 // Boxes a draw call: bounded by the smallest legal buffer texture (65536 texels).
 constexpr size_t kBoxesPerDraw = 65536 / kTexelsPerBox;
-// Texture units; 1, those from 3 to 5, and 7 belong to LookTextures.
+// Texture units; 1, those from 3 to 5, 7 and 8 belong to LookTextures.
 constexpr GLenum kChunkUnit = 0, kBoxUnit = 2, kKeptUnit = 6;
 
 std::array<float, 3> asFloats(Vec3d v) {
@@ -132,6 +132,7 @@ void GlDevice::setView(GlProgram& program) {
     for (const float v : asFloats(plane.normal)) planes.push_back(v);
     planes.push_back(static_cast<float>(plane.offset - dot(plane.normal, rays.origin0)));
   }
+  if (setup_.jitter > 0) look_.setJitter(setup_, program);
   if (!planes.empty())
     program.set4("clip_planes", planes.data(), static_cast<int>(setup_.clip_planes.size()));
 }
@@ -193,7 +194,10 @@ void GlDevice::beginFrame(const FrameSetup& setup, const StopToken& stop) {
               .clip_planes = static_cast<int>(setup.clip_planes.size()),
               .labels = colors && setup.look_up->labels,
               .planes = traits.on_planes,
-              .integrates = setup.integrates};
+              .codes_depth = traits.codes_depth,
+              .integrates = setup.integrates,
+              .cues_depth = setup.depth_cueing > 0,
+              .jitters = setup.jitter > 0};
   if (colors) chooseShading(setup, variant_);
   const int64_t most = limits().max_picture_size;
   if (std::max(setup.size.width, setup.size.height) > most)
@@ -227,13 +231,9 @@ void GlDevice::setFrame(GlProgram& program) {
   const ModeTraits& traits = traitsOf(setup_.mode);
   if (traits.has_colors) setShading(setup_, variant_, program);
   if (variant_.light_volume) look_.setLight(setup_, program);
-  if (traits.combining == Combining::kAttenuated) {
-    const auto [lo, hi] = setup_.window;
-    const double scale = valueScale(setup_.type);
-    program.set("kept", static_cast<int>(kKeptUnit));
-    program.set("window_texels", Vec3d{lo / scale, lo == hi ? 0 : scale / (hi - lo),
-                                       setup_.attenuation * setup_.slice_length});
-  }
+  if (traits.combining == Combining::kAttenuated) program.set("kept", static_cast<int>(kKeptUnit));
+  setWindow(setup_, program);
+  if (variant_.cues_depth) setCueing(setup_, program);
 }
 
 GlProgram& GlDevice::frameProgram(Vec3d scale, bool has_spread) {
@@ -333,6 +333,7 @@ uint64_t GlDevice::countSamples(std::span<const BoxDraw> boxes) {
   counting.counts = true;
   counting.clip_planes = variant_.clip_planes;
   counting.planes = variant_.planes;
+  counting.jitters = variant_.jitters;
   gl_.BindFramebuffer(GL_FRAMEBUFFER, target_.framebuffer());
   target_.attachSecond(true);
   const GLenum output = GL_COLOR_ATTACHMENT1;

@@ -5,12 +5,14 @@
 #include <utility>
 #include <vector>
 
+#include "src/device/blue_noise.h"
 #include "src/gl/shaders/shading.h"
 
 namespace sluice {
 namespace {
 
-constexpr GLenum kLookUpUnit = 1, kFactorUnit = 3, kExpectedUnit = 4, kSumsUnit = 5, kLightUnit = 7;
+constexpr GLenum kLookUpUnit = 1, kFactorUnit = 3, kExpectedUnit = 4, kSumsUnit = 5, kLightUnit = 7,
+                 kNoiseUnit = 8;
 
 // Filter of the bound table's texture.
 void setFilter(const GlFunctions& gl, GLint filter) {
@@ -24,12 +26,12 @@ void setFilter(const GlFunctions& gl, GLint filter) {
 }  // namespace
 
 LookTextures::LookTextures(const GlFunctions& gl) : gl_(gl) {
-  for (GLuint* const texture : {&look_up_, &factors_, &expected_, &sums_, &light_})
+  for (GLuint* const texture : {&look_up_, &factors_, &expected_, &sums_, &light_, &noise_})
     gl_.GenTextures(1, texture);
 }
 
 LookTextures::~LookTextures() {
-  for (const GLuint texture : {look_up_, factors_, expected_, sums_, light_})
+  for (const GLuint texture : {look_up_, factors_, expected_, sums_, light_, noise_})
     gl_.DeleteTextures(1, &texture);
 }
 
@@ -121,6 +123,18 @@ void LookTextures::setLight(const FrameSetup& setup, GlProgram& program) {
   const Vec3d origin = setup.rays.origin0 * light.scale + light.offset + Vec3d{0.5, 0.5, 0.5};
   program.set("light_scale", light.scale / texels);
   program.set("light_offset", origin / texels);
+}
+
+void LookTextures::setJitter(const FrameSetup& setup, GlProgram& program) {
+  gl_.ActiveTexture(GL_TEXTURE0 + kNoiseUnit);
+  gl_.BindTexture(GL_TEXTURE_2D, noise_);
+  if (!has_noise_)
+    gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_R32F, kBlueNoiseSide, kBlueNoiseSide, 0, GL_RED, GL_FLOAT,
+                   blueNoise().data());
+  has_noise_ = true;
+  setFilter(gl_, GL_NEAREST);
+  program.set("noise", static_cast<int>(kNoiseUnit));
+  program.set("jitter_share", setup.jitter);
 }
 
 void LookTextures::setExpected(const FrameSetup& setup, GlProgram& program) {

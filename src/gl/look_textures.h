@@ -1,7 +1,7 @@
 // LookTextures: the tables of a look as textures: its colours and opacities, the factors of its
 // gradients, the expected look of coarse voxels, and the sums of a pre-integrated look; and the
-// light volume of a frame. A table is uploaded only if it is not in its texture yet. The context
-// must be current in every call.
+// light volume of a frame and its noise. A table is uploaded only if it is not in its texture yet.
+// The context must be current in every call.
 #pragma once
 
 #include "src/device/integrated_look.h"
@@ -26,17 +26,20 @@ class LookTextures {
   void setSums(const FrameSetup& setup, GlProgram& program);
   // Requires: the frame has a light volume.
   void setLight(const FrameSetup& setup, GlProgram& program);
+  // Requires: the frame jitters.
+  void setJitter(const FrameSetup& setup, GlProgram& program);
 
  private:
   // Uploads the look-up into the bound texture, and factors into theirs.
   void uploadLookUp(const FrameSetup& setup, const ShaderVariant& variant);
 
   const GlFunctions& gl_;
-  GLuint look_up_ = 0, factors_ = 0, expected_ = 0, sums_ = 0, light_ = 0;
+  GLuint look_up_ = 0, factors_ = 0, expected_ = 0, sums_ = 0, light_ = 0, noise_ = 0;
   // The textures' contents; without a look: none yet.
   LookUpKey look_up_key_;
   ExpectedLookPtr expected_look_;
   LightVolumePtr light_volume_;
+  bool has_noise_ = false;
   LookUpPtr summed_look_;  // the look-up that integrated_ is made of
   IntegratedLook integrated_;
 };

@@ -127,6 +127,8 @@ Mode modeOf(const LookOptions& look) {
       return Mode::kAverage;
     case LookOptions::Mode::kAttenuatedMaximum:
       return Mode::kAttenuatedMip;
+    case LookOptions::Mode::kDepthMaximum:
+      return Mode::kDepthMip;
   }
   failRequest("mode {}: no such mode", static_cast<int>(look.mode));
 }
@@ -250,6 +252,7 @@ void setLighting(const PictureOptions::Lighting& lighting, FrameOptions& options
   set("lighting.specular", lighting.specular, light.specular);
   set("lighting.shadows", lighting.shadows, light.shadows);
   set("lighting.occlusion", lighting.occlusion, light.occlusion);
+  set("lighting.depth_cueing", lighting.depth_cueing, options.depth_cueing);
 }
 
 void setQuality(PictureOptions::Quality quality, FrameOptions& options) {
@@ -266,6 +269,9 @@ FrameOptions frameOptions(const PictureOptions& picture, const VolumeLayout& lay
   options.mode = mode;
   if (picture.step_vox) options.step_vox = *picture.step_vox;
   setQuality(picture.quality, options);
+  if (picture.jitter && !(*picture.jitter >= 0 && *picture.jitter <= 1))
+    failRequest("jitter {}: must be from 0 to 1", *picture.jitter);
+  options.jitter = picture.jitter.value_or(0);
   setLighting(picture.lighting, options);
   resolve(options.camera, layout, options.size, options.step_vox);  // throws
   requireStep(picture.time, layout);

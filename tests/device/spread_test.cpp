@@ -89,6 +89,8 @@ FrameSetup setupOf(const Seen& seen, DeviceType type) {
                                 layout, OpacityTable(transfer, map, kRange), map, options);
   setup.type = type;
   setup.lit = seen.lit;
+  setup.window = {0, 255};
+  setup.depth_colors = {{1, 0.6, 0.1}, {0.1, 0.3, 0.9}};
   LookUp look_up = *setup.look_up;
   look_up.expected = std::make_shared<const ExpectedLook>(expectedLook(look_up, kRange));
   setup.look_up = std::make_shared<const LookUp>(std::move(look_up));
@@ -155,7 +157,8 @@ TEST_F(SpreadTest, noSpreadIsThePictureOfTheMeans) {
 
 TEST_F(SpreadTest, modesOtherThanCompositeLookAtMeansAlone) {
   for (const DeviceType type : kTypes)
-    for (const Mode mode : {Mode::kMip, Mode::kMinip, Mode::kAverage, Mode::kAttenuatedMip}) {
+    for (const Mode mode :
+         {Mode::kMip, Mode::kMinip, Mode::kAverage, Mode::kAttenuatedMip, Mode::kDepthMip}) {
       const FrameSetup setup = setupOf({Projection::kPerspective, mode}, type);
       const Picture one = drawOn(*device_, setup, chunkOf(noiseAt, type, false));
       EXPECT_GT(mostOpacity(one), 0.1);

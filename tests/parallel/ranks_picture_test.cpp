@@ -52,7 +52,8 @@ TEST_F(RanksPicture, withShadows) {
 TEST_F(RanksPicture, otherModes) {
   const auto source = spacedBlobs();
   for (const Projection projection : kProjections)
-    for (const Mode mode : {Mode::kMip, Mode::kMinip, Mode::kAverage, Mode::kAttenuatedMip}) {
+    for (const Mode mode :
+         {Mode::kMip, Mode::kMinip, Mode::kAverage, Mode::kAttenuatedMip, Mode::kDepthMip}) {
       SCOPED_TRACE(fmt::format("projection {} mode {}", static_cast<int>(projection),
                                static_cast<int>(mode)));
       FrameOptions options = obliqueView(projection);
@@ -121,8 +122,8 @@ TEST_F(RanksPicture, withOcclusion) {
 TEST_F(RanksPicture, onADeviceOfWholePictures) {
   const auto source = blobs({30, 26, 28});
   const auto maker = [] { return std::make_unique<PlainDevice>(); };
-  for (const Mode mode :
-       {Mode::kComposite, Mode::kMip, Mode::kMinip, Mode::kAverage, Mode::kAttenuatedMip})
+  for (const Mode mode : {Mode::kComposite, Mode::kMip, Mode::kMinip, Mode::kAverage,
+                          Mode::kAttenuatedMip, Mode::kDepthMip})
     for (const int64_t pages : {8, 1 << 12}) {
       SCOPED_TRACE(fmt::format("mode {} pages {}", static_cast<int>(mode), pages));
       FrameOptions options = obliqueView(Projection::kPerspective, {50, 37});

@@ -122,8 +122,8 @@ TEST_F(CropAndClipTest, planesThatKeepAllOrNothing) {
 TEST_F(CropAndClipTest, cropClipModesAndDepthTogether) {
   RenderScene scene(device(), *source_, transfer_, {.block_vox = 8});
   const Vec3d normal{0.3, -0.5, 0.8};
-  for (const Mode mode :
-       {Mode::kComposite, Mode::kMip, Mode::kMinip, Mode::kAverage, Mode::kAttenuatedMip}) {
+  for (const Mode mode : {Mode::kComposite, Mode::kMip, Mode::kMinip, Mode::kAverage,
+                          Mode::kAttenuatedMip, Mode::kDepthMip}) {
     FrameOptions options = obliqueView(Projection::kPerspective, {64, 60});
     options.crop = Box3{{3, 4, 5}, {30, 26, 20}};
     options.clip_planes = {{normal, dot(normal, center())}};

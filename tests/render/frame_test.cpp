@@ -31,8 +31,8 @@ TEST(FrameTest, otherModesAndDepthAndPlanesMeetItToo) {
   PlainDevice device;
   const TransferFunction transfer = thresholdTransfer(9000, {0, 51400}, 0.2, "viridis");
   RenderScene scene(device, *source, transfer, {.block_vox = 16});
-  for (const Mode mode :
-       {Mode::kComposite, Mode::kMip, Mode::kMinip, Mode::kAverage, Mode::kAttenuatedMip}) {
+  for (const Mode mode : {Mode::kComposite, Mode::kMip, Mode::kMinip, Mode::kAverage,
+                          Mode::kAttenuatedMip, Mode::kDepthMip}) {
     FrameOptions options = smallView();
     options.mode = mode;
     options.clip_planes = {{{1, 0.2, 0.1}, 30}};

@@ -71,8 +71,8 @@ TEST_F(PartitionTest, cropsClipPlanesModesAndStepsGiveTheSamePicture) {
   const Vec3d center =
       worldFromIndex(source->layout(), toDouble(source->layout().dims - Vec3i{1, 1, 1}) * 0.5);
   RenderScene scene(device(), *source, someTransfer(), kLargeBlocks);
-  for (const Mode mode :
-       {Mode::kComposite, Mode::kMip, Mode::kMinip, Mode::kAverage, Mode::kAttenuatedMip})
+  for (const Mode mode : {Mode::kComposite, Mode::kMip, Mode::kMinip, Mode::kAverage,
+                          Mode::kAttenuatedMip, Mode::kDepthMip})
     for (const Projection projection : kProjections)
       for (const double step : {0.5, 1.0, 1.7})
         for (const int cut : {0, 1, 2, 3}) {

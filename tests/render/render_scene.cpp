@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <limits>
 
+#include "src/device/blue_noise.h"
 #include "src/render/camera/index_space.h"
 #include "tests/device/suite_device.h"
 
@@ -30,6 +31,8 @@ ReferenceMode referenceMode(Mode mode) {
       return ReferenceMode::kAverage;
     case Mode::kAttenuatedMip:
       return ReferenceMode::kAttenuatedMaximum;
+    case Mode::kDepthMip:
+      return ReferenceMode::kMaximumByDepth;
     case Mode::kComposite:
       break;
   }
@@ -55,7 +58,8 @@ Rounding roundingOf(const OpacityTable& table, const ValueMap& map) {
   return {.step_value = (table.stepEntries() + 1) * entry,
           .end_value = (table.stepEntries() + 4) * entry,
           .face_vox = 1e-4,
-          .label_weight = 1e-3};
+          .label_weight = 1e-3,
+          .place_steps = 1};
 }
 
 float doubtOf(const FloatPicture& a, const FloatPicture& b, size_t pixel) {
@@ -119,6 +123,13 @@ FloatPicture RenderScene::reference(const FrameOptions& options) const {
   scene.value_range = valueRangeOf(source_, options_.time);
   scene.integrates = options.integrates;
   scene.attenuation = transfer_.attenuation;
+  scene.depth_cueing = options.depth_cueing;
+  scene.jitter = options.jitter;
+  scene.jitterOf = [height = options.size.height](int i, int j) {
+    const int y = height - 1 - j;  // rows of the mask go upwards
+    return double{
+        blueNoise()[static_cast<size_t>(y % kBlueNoiseSide * kBlueNoiseSide + i % kBlueNoiseSide)]};
+  };
   scene.opacity_threshold = rayThreshold(options);
   scene.rounding = roundingOf({transfer_, ranges_->map, ranges_->device_range}, ranges_->map);
   return renderReference(

@@ -6,6 +6,8 @@
 #include <limits>
 
 #include "src/base/error.h"
+#include "src/device/blue_noise.h"
+#include "src/device/depth_code.h"
 #include "tests/support/plain_lighting.h"
 #include "tests/support/plain_sampling.h"
 #include "tests/support/plain_surfaces.h"
@@ -31,6 +33,7 @@ int clampedInt(double v) {
 struct PlainDevice::Ray {
   Vec3d origin, step;
   double length = 1;  // length between two slices, in units of FrameSetup::slice_length
+  double jitter = 0;  // slices by which the ray begins farther away
 
   Vec3d at(double slice) const { return origin + step * (slice + 0.5); }
   // Slices [from, to) inside the box and the clip planes.
@@ -171,6 +174,9 @@ PlainDevice::Ray PlainDevice::rayOf(int x, int y) const {
   const double px = x + 0.5, py = y + 0.5;
   Ray ray{rays.origin0 + rays.origin_dx * px + rays.origin_dy * py,
           rays.step0 + rays.step_dx * px + rays.step_dy * py};
+  ray.jitter = setup_.jitter * double{blueNoise()[static_cast<size_t>(
+                                   y % kBlueNoiseSide * kBlueNoiseSide + x % kBlueNoiseSide)]};
+  ray.origin = ray.origin + ray.step * ray.jitter;
   if (setup_.projection == Projection::kPerspective)
     ray.length = length(Vec3d{(2 * px / setup_.size.width - 1) * setup_.tan_half_x,
                               (2 * py / setup_.size.height - 1) * setup_.tan_half_y, 1});
@@ -233,9 +239,10 @@ struct PlainDevice::Sample {
   double opacity = 0, depth = 0;
 };
 
-void PlainDevice::blend(const Sample& sample, Pixel& pixel) {
+void PlainDevice::blend(const Sample& sample, Pixel& pixel) const {
   const double weight = (1 - pixel.opacity) * sample.opacity;
-  pixel.rgb = pixel.rgb + sample.rgb * weight;
+  const double dark = setup_.depth_cueing * placeOfDepth(sample.depth);
+  pixel.rgb = pixel.rgb + sample.rgb * (weight * (1 - dark));
   pixel.depth_sum += weight * sample.depth;
   pixel.opacity += weight;
 }
@@ -256,7 +263,9 @@ void PlainDevice::blendSurfaces(const Ray& ray, const BoxDraw& box, const ChunkT
     const Vec3d rgb = setup_.lit ? litPlainly(setup_, ray.at(k - 0.5 + surface.part),
                                               surface.level.rgb, surface.gradient, 0)
                                  : surface.level.rgb;
-    blend({rgb, surface.level.opacity, setup_.first_depth + (k + from) * setup_.depth_step}, pixel);
+    blend({rgb, surface.level.opacity,
+           setup_.first_depth + (k + ray.jitter + from) * setup_.depth_step},
+          pixel);
   }
   blend(partOf(sample, 1 - from), pixel);
 }
@@ -308,9 +317,18 @@ void PlainDevice::take(const Ray& ray, const BoxDraw& box, const ChunkTexels& ch
       const bool replaces = pixel.count == 0 ||
                             (setup_.mode == Mode::kMip && value > pixel.value) ||
                             (setup_.mode == Mode::kMinip && value < pixel.value);
-      if (setup_.mode == Mode::kAttenuatedMip) {
-        const auto [lo, hi] = setup_.window;
-        const double level = lo == hi ? 0 : std::clamp((value - lo) / (hi - lo), 0.0, 1.0);
+      const auto [lo, hi] = setup_.window;
+      const double level = lo == hi ? 0 : std::clamp((value - lo) / (hi - lo), 0.0, 1.0);
+      if (setup_.mode == Mode::kDepthMip) {
+        // The greater of two places in whole steps wins, and of two in one step the nearer.
+        const double step = std::floor(level * kPlaceSteps + kPlaceShift);
+        const double depth = setup_.first_depth + (k + 0.5) * setup_.depth_step;
+        if (pixel.count == 0 || step > pixel.value ||
+            (step == pixel.value && depth < pixel.depth)) {
+          pixel.value = step;
+          pixel.depth = depth;
+        }
+      } else if (setup_.mode == Mode::kAttenuatedMip) {
         pixel.value = std::max(pixel.value, level * (1 - pixel.dimmed));
         pixel.dimmed = 1 - (1 - pixel.dimmed) * std::exp(-setup_.attenuation * level *
                                                          setup_.slice_length * ray.length);
@@ -350,7 +368,8 @@ void PlainDevice::take(const Ray& ray, const BoxDraw& box, const ChunkTexels& ch
       rgb = sum / opacity;
     }
     if (setup_.lit) rgb = litPlainly(setup_, p, rgb, gradient, setup_.flat);
-    const Sample sample{rgb, opacity, setup_.first_depth + (k + 0.5) * setup_.depth_step};
+    const Sample sample{rgb, opacity,
+                        setup_.first_depth + (k + ray.jitter + 0.5) * setup_.depth_step};
     if (setup_.has_surfaces)
       blendSurfaces(ray, box, chunk, k, sample, pixel);
     else
@@ -411,6 +430,11 @@ uint64_t PlainDevice::countSamples(std::span<const BoxDraw> boxes) {
   return samples;
 }
 
+double PlainDevice::placeOfDepth(double depth) const {
+  const auto [near, far] = setup_.shown_depths;
+  return far > near ? std::clamp((depth - near) / (far - near), 0.0, 1.0) : 0;
+}
+
 Picture PlainDevice::endFrame() {
   drawNow();
   stop_.throwIfStopped();
@@ -426,11 +450,21 @@ Picture PlainDevice::endFrame() {
       std::array<double, 4> rgba{pixel.rgb.x, pixel.rgb.y, pixel.rgb.z, pixel.opacity};
       if (setup_.mode != Mode::kComposite && setup_.is_part) {
         const bool sums = setup_.mode == Mode::kAverage, seen = pixel.count > 0;
-        rgba[0] = seen ? pixel.value : traitsOf(setup_.mode).first_value;
-        rgba[1] = sums                                ? static_cast<double>(pixel.count)
-                  : setup_.mode == Mode::kMip && seen ? 1
-                                                      : pixel.dimmed;
+        const bool greatest = setup_.mode == Mode::kMip || setup_.mode == Mode::kDepthMip;
+        rgba[0] = !seen ? traitsOf(setup_.mode).first_value
+                  : setup_.mode == Mode::kDepthMip
+                      ? depthCode((pixel.value) / kPlaceSteps, placeOfDepth(pixel.depth))
+                      : pixel.value;
+        rgba[1] = sums ? static_cast<double>(pixel.count) : greatest && seen ? 1 : pixel.dimmed;
         rgba[2] = setup_.mode == Mode::kAttenuatedMip && seen ? 1 : 0;
+      } else if (setup_.mode == Mode::kDepthMip && pixel.count > 0) {
+        const auto& colors = setup_.depth_colors;
+        const double at = placeOfDepth(pixel.depth) * static_cast<double>(colors.size() - 1);
+        const auto before = static_cast<size_t>(at);
+        const Vec3d a = colors[before], b = colors[std::min(before + 1, colors.size() - 1)];
+        const double part = at - static_cast<double>(before);
+        const Vec3d rgb = (a * (1 - part) + b * part) * std::min(pixel.value / kPlaceSteps, 1.0);
+        rgba = {rgb.x, rgb.y, rgb.z, 1};
       } else if (setup_.mode != Mode::kComposite && pixel.count > 0) {
         const double taken = setup_.mode == Mode::kAverage ? static_cast<double>(pixel.count) : 1;
         const double value = setup_.mode == Mode::kAttenuatedMip

@@ -55,6 +55,7 @@ class PlainDevice : public Device {
     // Other modes: of the samples that took part.
     double value = 0;
     double dimmed = 0;  // attenuated maximum: what is taken from values behind
+    double depth = 0;   // depth-coded maximum: of the sample that counts, as FrameSetup has it
     int64_t count = 0;
     bool is_stopped = false;
   };
@@ -62,6 +63,8 @@ class PlainDevice : public Device {
   struct Sample;
 
   Ray rayOf(int x, int y) const;
+  // From 0 to 1, see depthCode().
+  double placeOfDepth(double depth) const;
   template <class Visit>
   void eachPixelOf(const Box3& cells, Visit&& visit) const;
   template <class Visit>
@@ -69,7 +72,7 @@ class PlainDevice : public Device {
   void drawNow();
   void drawBox(const BoxDraw& box);
   void take(const Ray& ray, const BoxDraw& box, const ChunkTexels& chunk, Pixel& pixel);
-  static void blend(const Sample& sample, Pixel& pixel);
+  void blend(const Sample& sample, Pixel& pixel) const;
   void blendSurfaces(const Ray& ray, const BoxDraw& box, const ChunkTexels& chunk, double k,
                      const Sample& sample, Pixel& pixel) const;
   Pixel& at(int x, int y) {

@@ -8,6 +8,7 @@
 #include <limits>
 #include <memory>
 #include <thread>
+#include <vector>
 
 #include "src/base/error.h"
 #include "tests/support/reference_extinction.h"
@@ -44,18 +45,21 @@ struct IndexFromWorld {
   }
 };
 
-// The depth of the corner that is farthest from the eye; no sample lies beyond.
-double farthestDepth(const VolumeLayout& layout, const View& view) {
-  double depth = -std::numeric_limits<double>::infinity();
+// The depths of the corners of these voxels that are nearest to the eye and farthest from it.
+std::array<double, 2> depthsOf(const VolumeLayout& layout, const View& view, const Box3& voxels) {
+  std::array<double, 2> depths{std::numeric_limits<double>::infinity(),
+                               -std::numeric_limits<double>::infinity()};
   for (int corner = 0; corner < 8; ++corner) {
     Vec3d world = layout.origin;
-    for (int a = 0; a < 3; ++a)
-      if ((corner >> a & 1) != 0)
-        world = world + layout.axes[static_cast<size_t>(a)] *
-                            (layout.spacing[a] * static_cast<double>(layout.dims[a] - 1));
-    depth = std::max(depth, dot(world - view.eye, view.forward));
+    for (int a = 0; a < 3; ++a) {
+      const int64_t voxel = (corner >> a & 1) != 0 ? voxels.hi[a] - 1 : voxels.lo[a];
+      world = world + layout.axes[static_cast<size_t>(a)] *
+                          (layout.spacing[a] * static_cast<double>(voxel));
+    }
+    const double depth = dot(world - view.eye, view.forward);
+    depths = {std::min(depths[0], depth), std::max(depths[1], depth)};
   }
-  return depth;
+  return depths;
 }
 
 class Renderer {
@@ -69,7 +73,10 @@ class Renderer {
         index_from_world_(layout_),
         crop_(scene.crop ? intersect(*scene.crop, boxOf(layout_.dims)) : boxOf(layout_.dims)),
         finest_(std::min({layout_.spacing.x, layout_.spacing.y, layout_.spacing.z})),
-        last_depth_(farthestDepth(layout_, view)) {}
+        last_depth_(depthsOf(layout_, view, boxOf(layout_.dims))[1]),
+        depths_(depthsOf(layout_, view, crop_)) {
+    if (view.projection == Projection::kPerspective) depths_[0] = std::max(depths_[0], 0.0);
+  }
 
   struct Pixel {
     Vec3d rgb;
@@ -86,8 +93,9 @@ class Renderer {
     const bool ortho = view_.projection == Projection::kOrtho;
     const Vec3d start = ortho ? view_.eye + aside : view_.eye;
     const Vec3d direction = ortho ? view_.forward : view_.forward + aside;
-    if (scene_.integrates) return integrated(start, direction);
-    return scene_.mode == ReferenceMode::kComposite ? composite(start, direction)
+    const double farther = scene_.jitter > 0 ? scene_.jitter * scene_.jitterOf(i, j) : 0;
+    if (scene_.integrates) return integrated(start, direction, farther);
+    return scene_.mode == ReferenceMode::kComposite ? composite(start, direction, farther)
                                                     : project(start, direction);
   }
 
@@ -108,7 +116,7 @@ class Renderer {
     return view_.first_depth + (static_cast<double>(k) + 0.5) * view_.step;
   }
 
-  // Calls sample(position) at both ends of the ray's way through what is shown, grown by
+  // Calls sample(position, depth) at both ends of the ray's way through what is shown, grown by
   // `grown_vox`, and between them on the voxel planes of one axis.
   template <class F>
   void eachOnPlanes(Vec3d start, Vec3d direction, double grown_vox, F&& sample) const {
@@ -135,7 +143,7 @@ class Renderer {
       keep(plane.offset + grown_vox * finest_ * length(plane.normal) - dot(plane.normal, start),
            -dot(plane.normal, direction));
     if (enter > leave) return;
-    sample(clampedTo(crop_, from + d * enter));
+    sample(clampedTo(crop_, from + d * enter), enter);
     const auto parts = static_cast<int64_t>(std::ceil(finest_ / view_.step - 1e-6));
     const double a_voxel = static_cast<double>(std::max<int64_t>(1, parts));
     const auto count = static_cast<int64_t>(static_cast<double>(layout_.dims[axis] - 1) * a_voxel);
@@ -145,19 +153,22 @@ class Renderer {
       if (depth < enter || depth > leave) continue;
       Vec3d p = from + d * depth;
       p[axis] = place;
-      sample(clampedTo(crop_, p));
+      sample(clampedTo(crop_, p), depth);
     }
-    sample(clampedTo(crop_, from + d * leave));
+    sample(clampedTo(crop_, from + d * leave), leave);
   }
 
-  // Calls sample(Sample) at the slices, front to back, until it returns false.
+  // Calls sample(Sample) at the slices, each farther by so much of a slice, front to back, until it
+  // returns false.
   template <class F>
-  void eachSample(Vec3d start, Vec3d direction, F&& sample) const {
+  void eachSample(Vec3d start, Vec3d direction, double farther, F&& sample) const {
     const double near = scene_.rounding.face_vox;
     for (int64_t k = 0;; ++k) {
-      const double depth = view_.first_depth + (static_cast<double>(k) + 0.5) * view_.step;
-      if (depth > last_depth_ + near * view_.step) return;
-      if (depth <= 0 && view_.projection == Projection::kPerspective) continue;
+      const double place = static_cast<double>(k) + 0.5;
+      const double depth = view_.first_depth + (place + farther) * view_.step;
+      const double middle = view_.first_depth + place * view_.step;
+      if (depth > last_depth_ + (1 + near) * view_.step) return;
+      if (middle <= 0 && view_.projection == Projection::kPerspective) continue;
       const Vec3d world = start + direction * depth;
       const Vec3d p = index_from_world_(world);
       if (!counts(p, world, near)) continue;
@@ -235,9 +246,10 @@ class Renderer {
   void blend(Pixel& out, const Sample& sample, Vec3d rgb, double a) const {
     add(out, litAt(sample.p, rgb), a, sample.depth);
   }
-  static void add(Pixel& out, Vec3d rgb, double a, double depth) {
+  void add(Pixel& out, Vec3d rgb, double a, double depth) const {
     const double weight = (1 - out.opacity) * a;
-    out.rgb = out.rgb + rgb * weight;
+    const double place = std::clamp((depth - depths_[0]) / (depths_[1] - depths_[0]), 0.0, 1.0);
+    out.rgb = out.rgb + rgb * (weight * (1 - scene_.depth_cueing * place));
     out.depth += weight * depth;
     out.opacity += weight;
   }
@@ -274,12 +286,12 @@ class Renderer {
     add(out, rgb, 1 - std::pow(1 - a, 1 - from), sample.depth);
   }
 
-  Pixel composite(Vec3d start, Vec3d direction) const {
+  Pixel composite(Vec3d start, Vec3d direction, double farther) const {
     const double voxel_lengths = view_.step * length(direction) / finest_;
     // Lit colours may be brighter than white.
     const double brightest = scene_.lighting ? kBrightestLit : 1;
     Pixel out;
-    eachSample(start, direction, [&](const Sample& sample) {
+    eachSample(start, direction, farther, [&](const Sample& sample) {
       const bool labels = scene_.transfer.labels;
       const ReferenceValues::Label label =
           labels ? values_.labelAt(sample.p) : ReferenceValues::Label{};
@@ -300,7 +312,7 @@ class Renderer {
     return out;
   }
 
-  Pixel integrated(Vec3d start, Vec3d direction) const {
+  Pixel integrated(Vec3d start, Vec3d direction, double farther) const {
     const double voxel_lengths = view_.step * length(direction) / finest_;
     const double brightest = scene_.lighting ? kBrightestLit : 1;
     const auto valueAt = [&](double depth) {
@@ -308,7 +320,7 @@ class Renderer {
           clampedTo(boxOf(layout_.dims), index_from_world_(start + direction * depth)));
     };
     Pixel out;
-    eachSample(start, direction, [&](const Sample& sample) {
+    eachSample(start, direction, farther, [&](const Sample& sample) {
       double front = valueAt(sample.depth - view_.step / 2);
       double back = valueAt(sample.depth + view_.step / 2);
       if (std::isnan(front)) front = back;
@@ -330,12 +342,15 @@ class Renderer {
 
   // The maximum, minimum or mean of some samples, or their attenuated maximum.
   struct Projected {
-    double value = 0;
+    double value = 0, depth = 0;
     double in_front = 0;  // sum of the places of the samples so far
     int64_t taken = 0;
     // `attenuation`: of a sample's length.
-    void take(ReferenceMode mode, double v, double attenuation) {
-      if (mode == ReferenceMode::kAttenuatedMaximum) {
+    void take(ReferenceMode mode, double v, double attenuation, double at_depth) {
+      if (mode == ReferenceMode::kMaximumByDepth) {
+        if (taken == 0 || v > value || (v == value && at_depth < depth)) depth = at_depth;
+        value = taken == 0 ? v : std::max(value, v);
+      } else if (mode == ReferenceMode::kAttenuatedMaximum) {
         value = std::max(value, v * std::exp(-attenuation * in_front));
         in_front += v;
       } else if (taken == 0)
@@ -354,6 +369,15 @@ class Renderer {
     const bool mean = scene_.mode == ReferenceMode::kAverage;
     const double taken = mean ? static_cast<double>(projected.taken) : 1;
     double value = projected.value / taken;
+    if (scene_.mode == ReferenceMode::kMaximumByDepth) {
+      const auto [near, far] = depths_;
+      const double nearness = 1 - std::clamp((projected.depth - near) / (far - near), 0.0, 1.0);
+      const auto& colors = scene_.transfer.colors;
+      return {
+          colorAt(scene_.transfer, std::lerp(colors.front().value, colors.back().value, nearness)) *
+              std::min(value / kPlaceSteps, 1.0),
+          1, 0};
+    }
     if (scene_.mode == ReferenceMode::kAttenuatedMaximum) {
       const auto& colors = scene_.transfer.colors;
       value = std::lerp(colors.front().value, colors.back().value, value);
@@ -362,9 +386,12 @@ class Renderer {
   }
   // The number by which values are compared: in the attenuated mode their place between the ends of
   // the colours, from 0 to 1.
+  static constexpr double kPlaceSteps = 4094;
   double counted(double value) const {
     const auto& colors = scene_.transfer.colors;
     const double lo = colors.front().value, hi = colors.back().value;
+    if (scene_.mode == ReferenceMode::kMaximumByDepth)
+      return std::floor(std::clamp((value - lo) / (hi - lo), 0.0, 1.0) * kPlaceSteps + 0.618);
     if (scene_.mode != ReferenceMode::kAttenuatedMaximum) return value;
     return std::clamp((value - lo) / (hi - lo), 0.0, 1.0);
   }
@@ -373,34 +400,46 @@ class Renderer {
     // The result exactly; without the samples that rounding may leave out; with those that it may
     // add.
     Projected exact, least, most;
+    std::vector<Projected> of_depths;  // kMaximumByDepth: each sample alone
     const double attenuation = scene_.attenuation * view_.step * length(direction) / finest_;
-    const auto take = [&](Vec3d p, bool surely, bool exactly, bool perhaps) {
+    const auto take = [&](Vec3d p, double depth, bool surely, bool exactly, bool perhaps) {
       const double value = values_.at(p);
       const double reach = scene_.rounding.end_value;
       const bool shows = opacityAt(scene_.transfer, value) > 0;
       const bool shows_below = opacityAt(scene_.transfer, value - reach) > 0;
       const bool shows_above = opacityAt(scene_.transfer, value + reach) > 0;
       const auto takeInto = [&](Projected& projected) {
-        projected.take(scene_.mode, counted(value), attenuation);
+        projected.take(scene_.mode, counted(value), attenuation, depth);
       };
       if (exactly && shows) takeInto(exact);
+      if (scene_.mode == ReferenceMode::kMaximumByDepth && perhaps && shows)
+        takeInto(of_depths.emplace_back());
       if (surely && shows && shows_below && shows_above) takeInto(least);
       if (perhaps && (shows || shows_below || shows_above)) takeInto(most);
     };
     if (scene_.mode == ReferenceMode::kAverage ||
         scene_.mode == ReferenceMode::kAttenuatedMaximum) {
-      eachSample(start, direction, [&](const Sample& sample) {
-        take(sample.p, !sample.near_face, sample.counts, true);
+      eachSample(start, direction, 0, [&](const Sample& sample) {
+        take(sample.p, sample.depth, !sample.near_face, sample.counts, true);
         return true;
       });
     } else {
       const double near = scene_.rounding.face_vox;
-      eachOnPlanes(start, direction, 0, [&](Vec3d p) { take(p, false, true, false); });
-      eachOnPlanes(start, direction, -near, [&](Vec3d p) { take(p, true, false, false); });
-      eachOnPlanes(start, direction, near, [&](Vec3d p) { take(p, false, false, true); });
+      eachOnPlanes(start, direction, 0,
+                   [&](Vec3d p, double depth) { take(p, depth, false, true, false); });
+      eachOnPlanes(start, direction, -near,
+                   [&](Vec3d p, double depth) { take(p, depth, true, false, false); });
+      eachOnPlanes(start, direction, near,
+                   [&](Vec3d p, double depth) { take(p, depth, false, false, true); });
     }
     Pixel out = pixelOf(exact);
-    for (const Pixel& other : {pixelOf(least), pixelOf(most)}) {
+    std::vector<Projected> others{least, most};
+    // Samples that are almost the greatest: rounding may choose one of them.
+    if (scene_.rounding.place_steps > 0)
+      for (const Projected& sample : of_depths)
+        if (sample.value >= exact.value - scene_.rounding.place_steps) others.push_back(sample);
+    for (const Projected& other_samples : others) {
+      const Pixel other = pixelOf(other_samples);
       out.doubt = std::max(out.doubt, std::abs(other.opacity - out.opacity));
       for (int c = 0; c < 3; ++c)
         out.doubt = std::max(out.doubt, std::abs(other.rgb[c] - out.rgb[c]));
@@ -444,6 +483,7 @@ class Renderer {
   const Box3 crop_;
   const double finest_;
   const double last_depth_;
+  std::array<double, 2> depths_;  // of the crop box, the first in front of a perspective eye
 };
 
 }  // namespace

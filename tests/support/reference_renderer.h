@@ -20,6 +20,7 @@
 // (src/volume/device_voxel.h). Reads the whole time step into memory.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -42,6 +43,11 @@ enum class ReferenceMode {
   // exp(-attenuation * s), where s is the integral of these places over the way in front of it in
   // voxel lengths of the finest spacing. The colour of the greatest, opaque.
   kAttenuatedMaximum,
+  // The greatest place between the ends of the colours, in steps of 1 / 4094 beginning at
+  // -0.618 / 4094, and of places in one step the nearest. Its colour is that of the transfer
+  // function between its last colour, at the depth of the nearest corner of the crop box (in front
+  // of a perspective eye), and its first, at that of the farthest corner; times the step's place.
+  kMaximumByDepth,
 };
 
 // A sample is kept if dot(normal, world position) <= offset.
@@ -62,6 +68,8 @@ struct Rounding {
   double face_vox = 0;
   // Labels: a weight among the eight voxels.
   double label_weight = 0;
+  // kMaximumByDepth: a place may lie so many steps off.
+  double place_steps = 0;
 };
 
 struct ReferenceScene {
@@ -78,7 +86,13 @@ struct ReferenceScene {
   // gradients are for the mean of the two values. If one of them is no number, the other counts.
   // Requires: no step in the transfer function.
   bool integrates = false;
-  double attenuation = 0;        // of kAttenuatedMaximum
+  double attenuation = 0;  // of kAttenuatedMaximum
+  // Composite: a sample's colour is darkened by this share at the depth of the farthest corner of
+  // the crop box, by none at that of the nearest, as far as those of kMaximumByDepth.
+  double depth_cueing = 0;
+  // Composite: the slices of the ray of pixel (i, j) lie farther by jitter times this function.
+  double jitter = 0;
+  std::function<double(int i, int j)> jitterOf;
   double opacity_threshold = 1;  // a ray ends once its opacity has reached this
   Rounding rounding;
 };

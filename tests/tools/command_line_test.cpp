@@ -95,7 +95,7 @@ TEST(CommandLine, helpFitsAHundredColumnsAndShowsDefaults) {
       EXPECT_LE(shown.size(), kHelpColumns) << place.app->get_name() << ": " << shown;
   const std::string help = line.program->get_subcommand("render")->help();
   for (const char* part : {"-s, --size WxH", "[512x512]", "-t, --threshold VALUE", "-o, --output",
-                           "-j, --threads", "composite|mip|minip|average", "[composite]",
+                           "-j, --threads", "composite, mip, minip,", "[composite]",
                            "Look:", "View:", "Drawing:", "Output:", "Volume:"})
     EXPECT_NE(help.find(part), std::string::npos) << part;
 }
@@ -256,7 +256,7 @@ TEST(CommandLine, aNearMissIsAnsweredWithTheRightWord) {
       {"render --colormap x", "--map"},
       {"render --outptu a.png", "did you mean --output?"},
       {"render --mode mipp", "did you mean mip?"},
-      {"render --mode vr", "composite, mip, minip, average or attenuated-mip"},
+      {"render --mode vr", "composite, mip, minip, average, attenuated-mip or depth-mip"},
       {"render --map viridus", "did you mean viridis?"},
       {"render --policy arcs", "did you mean arc?"},
       {"simulate --policies lru,beladi", "did you mean belady?"},

@@ -171,6 +171,29 @@ TEST_F(Looks, matterTakesLightAway) {
               HasSubstr("--modulate"));
 }
 
+TEST_F(Looks, depthCuesAndJitterAreOptions) {
+  const auto picture = [&](const std::string& more) {
+    EXPECT_EQ(
+        program_.run(fmt::format("render --force --size 64 -o a.png {} {}", kSmall, more)).status,
+        0);
+    return bytesOf("a.png");
+  };
+  const std::string plain = picture("");
+  EXPECT_EQ(plain, picture("--depth-cueing=0 --jitter=0"));
+  EXPECT_NE(plain, picture("--jitter"));
+  EXPECT_EQ(picture("--depth-cueing"), picture("--depth-cueing=1"));
+  EXPECT_NE(picture("--mode mip --map turbo"), picture("--mode depth-mip"));
+  for (const char* device : {"cpu", "gl"})
+    for (const char* more : {"--depth-cueing=0.7 --jitter", "--mode depth-mip",
+                             "--iso 90:0.5 --depth-cueing --projection perspective"}) {
+      const nlohmann::json found =
+          report(fmt::format("{} {} --block 16 --verify --device {}", kSmall, more, device));
+      EXPECT_LE(found["verify"]["max_difference"].get<double>(), 1) << device << more;
+    }
+  EXPECT_THAT(refusal(std::string(kSmall) + " --depth-cueing=2", 2), HasSubstr("--depth-cueing"));
+  EXPECT_THAT(refusal(std::string(kSmall) + " --jitter --mode mip"), HasSubstr("--mode composite"));
+}
+
 TEST_F(Looks, attenuationDimsMaxima) {
   const auto picture = [&](const std::string& more) {
     EXPECT_EQ(

@@ -14,7 +14,7 @@ constexpr size_t kNamesColumns = 30;  // left column; longer names have a line o
 
 // Commands whose --help is short, and what it leaves out.
 constexpr std::array<std::string_view, 3> kDrawing = {"render", "view", "plan"};
-constexpr std::array<std::string_view, 51> kRare = {
+constexpr std::array<std::string_view, 53> kRare = {
     // how bytes and numbers of a file are taken
     "endian", "skip", "grid", "this-step", "index-dir", "cache", "cache-dir",
     // outputs
@@ -23,7 +23,8 @@ constexpr std::array<std::string_view, 51> kRare = {
     "fov", "eye", "target", "up", "fit",
     // the look in detail
     "opacities", "modulate", "full-gradient", "step", "opacity-threshold", "labels-table", "light",
-    "attenuation", "ambient", "diffuse", "specular", "shadows", "occlusion-light", "quality",
+    "attenuation", "ambient", "diffuse", "specular", "shadows", "occlusion-light", "depth-cueing",
+    "quality", "jitter",
     // how a picture is made, with the same result
     "algorithm", "merge", "partition", "occlusion", "culling", "difference", "directions", "part",
     "detail", "basis",

@@ -101,6 +101,10 @@ void checkOutput(const Arguments& arguments) {
     fail("--shadows and --occlusion-light need --mode composite, since other modes are not lit");
   if (arguments.frame.lighting.looksAround() && arguments.look.no_shade)
     fail("--shadows and --occlusion-light light the picture; leave out --no-shade");
+  if (!traitsOf(arguments.frame.mode).has_colors)
+    for (const auto& [value, option] : {std::pair(arguments.frame.depth_cueing, "--depth-cueing"),
+                                        std::pair(arguments.frame.jitter, "--jitter")})
+      if (value > 0) fail("{} needs --mode composite", option);
   if (!arguments.look.surfaces.empty() && arguments.culling.culling != Culling::kNone)
     fail("--culling knows nothing of surfaces; leave out --culling or --iso");
   if (arguments.culling.culling != Culling::kNone && !traitsOf(arguments.frame.mode).hides)

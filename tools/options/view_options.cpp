@@ -67,9 +67,10 @@ void addDrawingOptions(CLI::App& app, const AskedView& asked, FrameOptions& opti
       numberText(options.step_vox));
   table.add("--quality",
             [&options](const ViewState& state) { setQuality(state.quality, options); });
+  table.add("--jitter", [&options](const ViewState& state) { options.jitter = *state.jitter; });
   const TableOptions light(app, "Light", asked);
-  for (const char* option :
-       {"--light", "--ambient", "--diffuse", "--specular", "--shadows", "--occlusion-light"})
+  for (const char* option : {"--light", "--ambient", "--diffuse", "--specular", "--shadows",
+                             "--occlusion-light", "--depth-cueing"})
     light.add(option, [&options](const ViewState& state) { setLighting(state.lighting, options); });
   table.add("--crop", [&options](const ViewState& state) {
     const auto& [lo, hi] = *state.crop;

@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "src/annotate/annotate.h"
+#include "src/render/camera/frame_setup.h"
 #include "src/render/camera/index_space.h"
 #include "tools/command_line/interrupt.h"
 
@@ -15,6 +17,21 @@ namespace {
 std::string labelName(const ChosenLook& look, double label) {
   const auto found = look.label_names.find(label);
   return found == look.label_names.end() ? fmt::format("{:.7g}", label) : found->second;
+}
+
+// The colours of a picture by depth: of world units behind the nearest corner of what it shows.
+void showDepths(std::array<double, 2> depths_shown, Annotations& annotations) {
+  const auto [near, far] = depths_shown;
+  annotations.range = {0, far - near};
+  TransferFunction depths;
+  const TransferFunction& look = annotations.transfer;
+  const double first = look.colors.front().value, last = look.colors.back().value;
+  for (size_t i = look.colors.size(); i-- > 0;) {
+    const double share = last > first ? (last - look.colors[i].value) / (last - first) : 0;
+    depths.colors.push_back({share * (far - near), look.colors[i].rgb});
+  }
+  depths.opacities = {{0, 1}, {far - near, 1}};
+  annotations.transfer = std::move(depths);
 }
 
 Annotations annotationsOf(const PictureOutput& output, const FrameOptions& options,
@@ -30,6 +47,8 @@ Annotations annotationsOf(const PictureOutput& output, const FrameOptions& optio
   annotations.unit = layout.unit;
   annotations.transfer = scene.look.transfer;
   annotations.range = scene.volume.valueRange();
+  if (traitsOf(options.mode).codes_depth)
+    showDepths(shownDepths(annotations.view, layout, options), annotations);
   if (scene.look.transfer.labels)
     for (const ValueCount& entry : scene.volume.values.counts.entries)
       if (entry.lo == entry.hi && opacityAt(scene.look.transfer, entry.lo) > 0)

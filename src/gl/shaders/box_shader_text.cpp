@@ -139,6 +139,17 @@ layout(location = 0) out vec4 result;
 uniform vec4 clip_planes[CLIP_PLANES];
 #endif
 
+// How much farther the slices of a pixel's ray lie, see FrameSetup::jitter.
+#if JITTERS
+uniform sampler2D noise;
+uniform float jitter_share;
+float jitterAt(vec2 pixel) {
+  return jitter_share * texelFetch(noise, ivec2(pixel) % textureSize(noise, 0), 0).r;
+}
+#else
+float jitterAt(vec2 pixel) { return 0.0; }
+#endif
+
 // The first slice past the face at distance t. Both boxes at a face compute the same number.
 vec3 sliceAt(vec3 t, vec3 step) {
   return mix(floor(t) + 1.0, ceil(t), greaterThan(step, vec3(0.0)));
@@ -256,8 +267,8 @@ void main() {
 #else
 void main() {
   vec2 pixel = gl_FragCoord.xy + vec2(0.0, first_row);
-  ivec2 range = slices(pixel.x * origin_dx + pixel.y * origin_dy,
-                       step0 + pixel.x * step_dx + pixel.y * step_dy);
+  vec3 step = step0 + pixel.x * step_dx + pixel.y * step_dy;
+  ivec2 range = slices(pixel.x * origin_dx + pixel.y * origin_dy + jitterAt(pixel) * step, step);
   if (range.x >= range.y) discard;
   result = vec4(float(range.y - range.x));
 }

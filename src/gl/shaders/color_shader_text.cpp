@@ -15,9 +15,24 @@ layout(location = 1) out vec4 taken;  // samples; of opacity 0, so that they add
 #endif
 #if COMBINING == 4
 uniform sampler2D kept;      // the target before this box
+#endif
+#if COMBINING == 4 || CODES_DEPTH
 // FrameSetup::window: its first value, 1 / its length; the attenuation from slice to slice.
 uniform vec3 window_texels;
 #endif
+#if CODES_DEPTH
+uniform vec4 depth_row;      // depthRow() of positions from the rays' common origin
+#endif
+#if CUES_DEPTH
+uniform vec3 depth_cue;      // how much slice -1/2 is darkened, each slice more, and the most
+#endif
+// A colour at a slice, which may lie between two, as it shows through depth cueing.
+vec4 cued(vec4 color, float slice) {
+#if CUES_DEPTH
+  color.rgb *= 1.0 - clamp(depth_cue.x + (slice + 0.5) * depth_cue.y, 0.0, depth_cue.z);
+#endif
+  return color;
+}
 vec3 textureOrder(vec3 v) { return turn == 2 ? v : turn == 0 ? v.yzx : v.zxy; }
 
 #if LABELS

@@ -7,6 +7,10 @@ const char* const kSampleText = R"(
 // These turn an index position, from the rays' common origin, into a place in the light volume.
 uniform vec3 light_scale, light_offset;
 #endif
+// See depth_code.h.
+#define PLACE_STEPS 4094.0
+#define PLACE_SHIFT 0.618
+#define DEPTH_STEPS 4096.0
 void main() {
   vec2 pixel = gl_FragCoord.xy + vec2(0.0, first_row);
 #if PLANES
@@ -16,10 +20,11 @@ void main() {
   if (range.x >= range.y) discard;
 #else
   vec3 step = step0 + pixel.x * step_dx + pixel.y * step_dy;
-  ivec2 range = slices(pixel.x * origin_dx + pixel.y * origin_dy, step);
+  float jitter = jitterAt(pixel);
+  ivec2 range = slices(pixel.x * origin_dx + pixel.y * origin_dy + jitter * step, step);
   if (range.x >= range.y) discard;
   vec3 along = textureOrder(step * TEXEL_SCALE) * texel_size;
-  vec3 first = texel0 + pixel.x * texel_dx + pixel.y * texel_dy;
+  vec3 first = texel0 + pixel.x * texel_dx + pixel.y * texel_dy + jitter * along;
 #endif
 #if PERSPECTIVE
   float ray_length = length(vec3(pixel.x * pixel_ray.x + pixel_ray.y, pixel.y * pixel_ray.z + pixel_ray.w, 1.0));
@@ -33,7 +38,7 @@ void main() {
   vec3 light_along = step * light_scale;
   vec3 light_first =
       (pixel.x * origin_dx + pixel.y * origin_dy + 0.5 * step) * light_scale + light_offset;
-#define LIGHT_AT(k) (light_first + (k) * light_along)
+#define LIGHT_AT(k) (light_first + (jitter + (k)) * light_along)
 #else
 #define LIGHT_AT(k) vec3(0.0)
 #endif
@@ -47,6 +52,9 @@ void main() {
   vec2 window = window_texels.xy;
   float attenuation = window_texels.z * ray_length;
 #else
+#if CODES_DEPTH
+  vec2 window = window_texels.xy;
+#endif
   vec4 sum = COMBINING == 1 ? vec4(-3e38) : COMBINING == 2 ? vec4(3e38) : vec4(0.0);
 #endif
 #if WITH_DEPTH
@@ -215,15 +223,15 @@ void main() {
           float part = crossing(first, along, h, level, from, value_from, back, up);
           vec4 before = partOf(color, part - from);
 #if WITH_DEPTH
-          weighted_depth += (1.0 - sum.a) * before.a * (first_depth + (float(k) + 0.5) * depth_step);
+          weighted_depth += (1.0 - sum.a) * before.a * (first_depth + (float(k) + jitter + 0.5) * depth_step);
 #endif
-          sum += (1.0 - sum.a) * before;
+          sum += (1.0 - sum.a) * cued(before, float(k) + jitter);
           vec4 surface = surfaceColor(first + (h + part) * along, level, surface_colors[i],
                                       LIGHT_AT(float(k) - 0.5 + part));
 #if WITH_DEPTH
-          weighted_depth += (1.0 - sum.a) * surface.a * (first_depth + (float(k) + part) * depth_step);
+          weighted_depth += (1.0 - sum.a) * surface.a * (first_depth + (float(k) + jitter + part) * depth_step);
 #endif
-          sum += (1.0 - sum.a) * surface;
+          sum += (1.0 - sum.a) * cued(surface, float(k) + jitter - 0.5 + part);
           from = part;
           value_from = level;
         }
@@ -232,18 +240,30 @@ void main() {
     color = partOf(color, 1.0 - from);
 #endif
 #if WITH_DEPTH
-    weighted_depth += (1.0 - sum.a) * color.a * (first_depth + (float(k) + 0.5) * depth_step);
+    weighted_depth += (1.0 - sum.a) * color.a * (first_depth + (float(k) + jitter + 0.5) * depth_step);
 #endif
-    sum += (1.0 - sum.a) * color;
+    sum += (1.0 - sum.a) * cued(color, float(k) + jitter);
 #if STOPS_EARLY
     if (sum.a >= stop_opacity) break;
 #endif
 #else
     // A sample's part (alpha) moves its value toward the end that loses: to (max, greatest part),
-    // (min, 1 - greatest part), (sum, sum of parts), or (dimmed max, what dims those behind,
-    // greatest part).
+    // (min, 1 - greatest part), (sum, sum of parts), (dimmed max, what dims those behind, greatest
+    // part), or, by depth, (code of the greatest, greatest part).
     float part = color.a;
-#if COMBINING == 1
+#if CODES_DEPTH
+    // The hardware's interpolation is too coarse to tell values from each other: those that may be
+    // the greatest are read exactly. A loop, since software GL skips no `if`.
+    float level = clamp((value - window.x) * window.y, 0.0, 1.0) * part;
+    for (bool again = part > 0.0 && level * PLACE_STEPS > sum.r / DEPTH_STEPS - 64.0; again;
+         again = false) {
+      level = clamp((exactAt(at) - window.x) * window.y, 0.0, 1.0) * part;
+      float depth = clamp(dot(depth_row.xyz, box_lo + voxel) + depth_row.w, 0.0, 1.0);
+      float code = floor(level * PLACE_STEPS + PLACE_SHIFT) * DEPTH_STEPS +
+                   floor((1.0 - depth) * (DEPTH_STEPS - 1.0) + 0.5);
+      sum.rg = max(sum.rg, vec2(code, part));
+    }
+#elif COMBINING == 1
     if (part > 0.0) sum.rg = max(sum.rg, vec2(mix(least, value, part), part));
 #elif COMBINING == 2
     if (part > 0.0) sum.rg = min(sum.rg, vec2(mix(greatest, value, part), 1.0 - part));

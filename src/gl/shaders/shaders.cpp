@@ -28,6 +28,7 @@ std::string definitions(const ShaderVariant& v) {
                                                  {"GOES_AHEAD", v.goes_ahead},
                                                  {"LABELS", v.labels},
                                                  {"PLANES", v.planes},
+                                                 {"CODES_DEPTH", v.codes_depth},
                                                  {"SCALED", v.scaled},
                                                  {"SPREAD", v.spread},
                                                  {"SHARES", v.shares},
@@ -35,6 +36,8 @@ std::string definitions(const ShaderVariant& v) {
                                                  {"SURFACES", v.surfaces},
                                                  {"HAS_OPACITIES", v.has_opacities},
                                                  {"LIGHT_VOLUME", v.light_volume},
+                                                 {"CUES_DEPTH", v.cues_depth},
+                                                 {"JITTERS", v.jitters},
                                                  {"OBLIQUE", v.oblique}};
   std::string lines;
   for (const auto& [name, value] : numbers) lines += fmt::format("#define {} {}\n", name, value);

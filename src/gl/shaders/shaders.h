@@ -26,6 +26,7 @@ struct ShaderVariant {
   bool goes_ahead = false;    // with gradients: leaves out samples that show nothing
   bool labels = false;        // values are names, see LookUp
   bool planes = false;        // samples lie on voxel planes, see FrameSetup
+  bool codes_depth = false;   // the greatest value is kept with its depth, see depth_code.h
   bool spread = false;        // chunks have spreads, see ExpectedLook
   bool shares = false;        // of labels: chunks have shares, see ChunkTexels
   bool scaled = false;        // texels are not voxels, see TexelMap
@@ -33,6 +34,8 @@ struct ShaderVariant {
   int surfaces = 0;           // how many surfaces there are, see FrameSetup
   bool has_opacities = true;  // with surfaces: the look-up shows something else, too
   bool light_volume = false;  // lit: light arrives as FrameSetup::light has it
+  bool cues_depth = false;    // far colours are darkened, see FrameSetup::depth_cueing
+  bool jitters = false;       // slices are moved along the ray, see FrameSetup::jitter
   bool oblique = false;       // with gradients: the volume's axes are not at right angles
   friend auto operator<=>(const ShaderVariant&, const ShaderVariant&) = default;
 };

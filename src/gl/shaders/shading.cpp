@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "src/device/depth_code.h"
 #include "src/device/look_up_texels.h"
 
 namespace sluice {
@@ -144,6 +145,28 @@ void setShading(const FrameSetup& setup, const ShaderVariant& variant, GlProgram
   program.set4("first_rows", rows.data(), 1);
   program.set4("gradient_rows", rows.data(), variant.gradient_rows);
   program.set("slice_length", setup.slice_length);
+}
+
+void setCueing(const FrameSetup& setup, GlProgram& program) {
+  const auto [near, far] = setup.shown_depths;
+  const double a_depth = far > near ? setup.depth_cueing / (far - near) : 0;
+  program.set("depth_cue", Vec3d{(setup.first_depth - near) * a_depth, setup.depth_step * a_depth,
+                                 setup.depth_cueing});
+}
+
+void setWindow(const FrameSetup& setup, GlProgram& program) {
+  const ModeTraits& traits = traitsOf(setup.mode);
+  if (traits.combining != Combining::kAttenuated && !traits.codes_depth) return;
+  const auto [lo, hi] = setup.window;
+  const double scale = valueScale(setup.type);
+  program.set("window_texels", Vec3d{lo / scale, lo == hi ? 0 : scale / (hi - lo),
+                                     setup.attenuation * setup.slice_length});
+  if (!traits.codes_depth) return;
+  // For positions from the rays' common origin.
+  const std::array<double, 4> row = depthRow(setup);
+  const Vec3d along{row[0], row[1], row[2]};
+  const Floats line = Floats().add(along).add(row[3] + dot(along, setup.rays.origin0));
+  program.set4("depth_row", line.data(), 1);
 }
 
 }  // namespace sluice

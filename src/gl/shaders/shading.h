@@ -22,4 +22,11 @@ void chooseShading(const FrameSetup& setup, ShaderVariant& variant);
 // Sets the uniforms of such a variant. Requires: the program is in use.
 void setShading(const FrameSetup& setup, const ShaderVariant& variant, GlProgram& program);
 
+// Sets FrameSetup::depth_cueing. Requires: the program is in use.
+void setCueing(const FrameSetup& setup, GlProgram& program);
+
+// Sets what modes need that see values as places in FrameSetup::window; nothing in other modes.
+// Requires: the program is in use.
+void setWindow(const FrameSetup& setup, GlProgram& program);
+
 }  // namespace sluice

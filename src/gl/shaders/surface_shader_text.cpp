@@ -3,6 +3,27 @@
 namespace sluice {
 
 const char* const kSurfaceText = R"(
+#if SURFACES > 0 || CODES_DEPTH
+// The value at a place. The hardware's interpolation has a few bits a voxel, so the eight texels
+// are read one by one.
+float exactAt(vec3 at) {
+  ivec3 last = textureSize(chunk, 0) - 1;
+  vec3 texel = clamp(at / texel_size - 0.5, vec3(0.0), vec3(last));
+  vec3 low = floor(texel);
+  vec3 t = texel - low;
+  ivec3 a = ivec3(low), b = min(a + 1, last);
+  vec4 lower = vec4(texelFetch(chunk, a, 0).r, texelFetch(chunk, ivec3(b.x, a.yz), 0).r,
+                   texelFetch(chunk, ivec3(a.x, b.y, a.z), 0).r,
+                   texelFetch(chunk, ivec3(b.xy, a.z), 0).r);
+  vec4 upper = vec4(texelFetch(chunk, ivec3(a.xy, b.z), 0).r,
+                  texelFetch(chunk, ivec3(b.x, a.y, b.z), 0).r,
+                  texelFetch(chunk, ivec3(a.x, b.yz), 0).r, texelFetch(chunk, b, 0).r);
+  vec4 plane = lower * (1.0 - t.z) + upper * t.z;
+  vec2 row = plane.xy * (1.0 - t.y) + plane.zw * t.y;
+  return row.x * (1.0 - t.x) + row.y * t.x;
+}
+#endif
+
 #if SURFACES > 0
 uniform float surface_levels[SURFACES];  // texel values, ascending
 uniform vec4 surface_colors[SURFACES];   // premultiplied
@@ -21,25 +42,6 @@ bool mayMeet(float front, float back) {
   may = may && !IS_NO_NUMBER(vec3(min(front, back))).x;
 #endif
   return may;
-}
-
-// The value at a place. The hardware's interpolation has a few bits a voxel, so the eight texels
-// are read one by one.
-float exactAt(vec3 at) {
-  ivec3 last = textureSize(chunk, 0) - 1;
-  vec3 texel = clamp(at / texel_size - 0.5, vec3(0.0), vec3(last));
-  vec3 low = floor(texel);
-  vec3 t = texel - low;
-  ivec3 a = ivec3(low), b = min(a + 1, last);
-  vec4 lower = vec4(texelFetch(chunk, a, 0).r, texelFetch(chunk, ivec3(b.x, a.yz), 0).r,
-                   texelFetch(chunk, ivec3(a.x, b.y, a.z), 0).r,
-                   texelFetch(chunk, ivec3(b.xy, a.z), 0).r);
-  vec4 upper = vec4(texelFetch(chunk, ivec3(a.xy, b.z), 0).r,
-                  texelFetch(chunk, ivec3(b.x, a.y, b.z), 0).r,
-                  texelFetch(chunk, ivec3(a.x, b.yz), 0).r, texelFetch(chunk, b, 0).r);
-  vec4 plane = lower * (1.0 - t.z) + upper * t.z;
-  vec2 row = plane.xy * (1.0 - t.y) + plane.zw * t.y;
-  return row.x * (1.0 - t.x) + row.y * t.x;
 }
 
 // See FrameSetup::has_surfaces.

@@ -21,6 +21,8 @@ namespace {
 
 // The map of modes that use values alone: grey, as radiologists use it.
 constexpr std::string_view kModeMap = "grey";
+// The map of depths.
+constexpr std::string_view kDepthMap = "turbo";
 
 std::string_view mapOr(const LookArguments& look, std::string_view otherwise) {
   return look.map.empty() ? otherwise : std::string_view(look.map);
@@ -150,7 +152,7 @@ class Chooser {
   }
 
   void wholeRange() {
-    const std::string_view map = mapOr(look_, kModeMap);
+    const std::string_view map = mapOr(look_, traitsOf(mode_).codes_depth ? kDepthMap : kModeMap);
     chosen_.transfer = wholeRangeTransfer(map, map_range_);
     addMap(map);
     add(rangeOption(map_range_));

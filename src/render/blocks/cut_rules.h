@@ -17,6 +17,7 @@ namespace sluice {
 // least number, of which levels are made.
 constexpr LevelValues levelValuesFor(Mode mode, bool has_labels, double value_scale) {
   if (has_labels) return LevelValues::kModes;
+  if (traitsOf(mode).codes_depth && value_scale < 0) return LevelValues::kMinima;
   return traitsOf(deviceMode(mode, value_scale)).level_values;
 }
 // Whether such levels can show what the finest level shows, so that a picture may be drawn from

@@ -48,6 +48,7 @@ struct FrameOptions {
   Occlusion occlusion = Occlusion::kOff;  // composite only
   bool shades = true;                     // by sessions opened lit; they may draw a frame without
   Lighting lighting;                      // Applies if the frame is lit
+  double depth_cueing = 0, jitter = 0;    // see FrameSetup
   std::optional<CutOptions> cut;          // unset: the finest level alone is drawn
   std::optional<Box3> crop;  // voxels; the part between its outer voxel planes is shown
   std::vector<WorldPlane> clip_planes;

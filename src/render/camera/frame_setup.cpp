@@ -59,10 +59,36 @@ int64_t firstSlice(const View& view) {
   return static_cast<int64_t>(std::floor(-view.first_depth / view.step - 0.5)) + 1;
 }
 
+std::array<double, 2> depthsOf(const FrameSetup& setup, const Box3& cells) {
+  std::array<double, 2> depths{1e300, -1e300};
+  const auto& row = setup.depth_from_index;
+  for (int corner = 0; corner < 8; ++corner) {
+    double depth = row[3];
+    for (int a = 0; a < 3; ++a)
+      depth += row[static_cast<size_t>(a)] *
+               static_cast<double>((corner >> a & 1) != 0 ? cells.hi[a] : cells.lo[a]);
+    depths = {std::min(depths[0], depth), std::max(depths[1], depth)};
+  }
+  if (setup.projection == Projection::kPerspective) depths[0] = std::max(depths[0], 0.0);
+  return depths;
+}
+
+// The colours of the transfer function, from the last one at the nearest depth to the first at the
+// farthest, so that near things are bright and warm in most maps.
+std::vector<Vec3d> depthColors(const TransferFunction& transfer) {
+  constexpr int kColors = 1024;
+  std::vector<Vec3d> colors;
+  const double lo = transfer.colors.front().value, hi = transfer.colors.back().value;
+  for (int i = 0; i < kColors; ++i)
+    colors.push_back(colorAt(transfer, std::lerp(hi, lo, i / (kColors - 1.0))));
+  return colors;
+}
+
 FrameSetup setupOf(const View& view, const VolumeLayout& layout, const OpacityTable& table,
                    LookUpPtr look_up, const ValueMap& map, const FrameOptions& options) {
   FrameSetup setup = viewSetup(view, layout, options.clip_planes);
   setup.shown = cropCells(options, layout.dims);
+  setup.shown_depths = depthsOf(setup, setup.shown);
   setup.type = map.type;
   setup.look_up = std::move(look_up);
   setup.mode = deviceMode(options.mode, map.scale);
@@ -72,6 +98,10 @@ FrameSetup setupOf(const View& view, const VolumeLayout& layout, const OpacityTa
              std::ceil(setup.slice_length > 0 ? std::min(1 / setup.slice_length, 1e6) - 1e-6 : 1)));
   setup.opacity_threshold = rayThreshold(options);
   setup.with_depth = options.with_depth;
+  if (traitsOf(setup.mode).has_colors) {
+    setup.depth_cueing = options.depth_cueing;
+    setup.jitter = options.jitter;
+  }
   setup.shades_every_sample = options.shades_every_sample;
   setup.skips = options.skips && !options.shades_every_sample;
   setup.lighting = options.lighting;
@@ -120,6 +150,7 @@ FrameSetup viewSetup(const View& view, const VolumeLayout& layout,
   setup.first_slice = firstSlice(view);
   setup.first_depth = view.first_depth;
   setup.depth_step = view.step;
+  setup.depth_from_index = rowOf(view, layout, view.forward);
   setup.slice_length = view.step / finestSpacing(layout);
   setup.shown = boxOf(layout.dims - Vec3i{1, 1, 1});
   setup.clip_planes = clipPlanes(planes, layout);
@@ -140,6 +171,7 @@ FrameSetup frameSetup(const View& view, const VolumeLayout& layout, const Look& 
   const std::vector<ColorPoint>& colors = look.transfer.colors;
   setup.window = {map.deviceOf(colors.front().value), map.deviceOf(colors.back().value)};
   setup.attenuation = look.transfer.attenuation;
+  if (traitsOf(setup.mode).codes_depth) setup.depth_colors = depthColors(look.transfer);
   // Rays or pixels may stop, or leap, so that fewer samples are taken than lie in the frame's
   // boxes.
   setup.counts_taken = options.count_samples && traitsOf(options.mode).hides &&
@@ -158,6 +190,11 @@ double longestStep(const View& view, const VolumeLayout& layout) {
       longest = std::max({longest, std::abs(step.x), std::abs(step.y), std::abs(step.z)});
     }
   return longest;
+}
+
+std::array<double, 2> shownDepths(const View& view, const VolumeLayout& layout,
+                                  const FrameOptions& options) {
+  return depthsOf(viewSetup(view, layout, {}), cropCells(options, layout.dims));
 }
 
 EyePosition eyePosition(const View& view, const VolumeLayout& layout) {

@@ -25,6 +25,9 @@ FrameSetup frameSetup(const View& view, const VolumeLayout& layout, const Look& 
 // The view's part of it alone: rays, clip space, slices and clip planes.
 FrameSetup viewSetup(const View& view, const VolumeLayout& layout,
                      const std::vector<WorldPlane>& clip_planes);
+// FrameSetup::shown_depths of such a frame.
+std::array<double, 2> shownDepths(const View& view, const VolumeLayout& layout,
+                                  const FrameOptions& options);
 
 // Clip planes of the world in index space.
 std::vector<ClipPlane> clipPlanes(const std::vector<WorldPlane>& planes,

@@ -40,7 +40,7 @@ std::vector<float> brightnessOf(const LookUp& look_up) {
 
 std::optional<KeptRay> keptRay(const LookUp& look_up, Mode mode) {
   if (traitsOf(mode).has_colors) return KeptRay::kBrightest;
-  if (!isExtreme(mode)) return std::nullopt;
+  if (!isExtreme(mode) || traitsOf(mode).codes_depth) return std::nullopt;
   const std::vector<float> brightness = brightnessOf(look_up);
   const bool is_greatest = traitsOf(mode).combining == Combining::kGreatest;
   if (std::ranges::is_sorted(brightness))

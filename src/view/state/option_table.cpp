@@ -258,8 +258,11 @@ std::vector<OptionEntry> makeTable() {
                       hasNoPlace}),
 
       in(&Look::mode,
-         {"mode", "--mode", 9, wordOf({"composite", "mip", "minip", "average", "attenuated-mip"}),
-          "", "How the samples along a ray are combined"}),
+         {"mode", "--mode", 9,
+          wordOf({"composite", "mip", "minip", "average", "attenuated-mip", "depth-mip"}), "",
+          "How the samples along a ray are combined: composite, mip, minip, average, "
+          "attenuated-mip "
+          "or depth-mip"}),
       in(&Look::attenuation,
          {"attenuation",
           "--attenuation",
@@ -361,6 +364,14 @@ std::vector<OptionEntry> makeTable() {
           "How rays are sampled: plain takes single values; the others take all values between "
           "samples, at the chosen step (normal), twice (fast) or half of it (high)",
           isIntegrated}),
+      in(&ViewState::jitter,
+         {"jitter",
+          "--jitter",
+          46,
+          {.form = Form::kNumber, .limits = kShare, .bare = "1"},
+          "SHARE",
+          "Moves the samples of each pixel's ray by up to half the distance between samples, "
+          "--jitter=SHARE by less: fine grain in place of rings"}),
       in(&PictureOptions::Lighting::key,
          {"key_light",
           "--light",
@@ -405,6 +416,14 @@ std::vector<OptionEntry> makeTable() {
           "SHARE",
           "Matter around a place keeps other light away from it (ambient occlusion); "
           "--occlusion-light=SHARE less of it, from 0 to 1"}),
+      in(&PictureOptions::Lighting::depth_cueing,
+         {"depth_cueing",
+          "--depth-cueing",
+          53,
+          {.form = Form::kNumber, .limits = kShare, .bare = "1"},
+          "SHARE",
+          "Darkens what is far away, lit or not: the farthest corner of the volume or --crop turns "
+          "black; --depth-cueing=SHARE darkens it less, from 0 to 1"}),
       in(&ViewState::crop, {"crop",
                             "--crop",
                             42,

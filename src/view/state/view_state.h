@@ -20,6 +20,7 @@ struct ViewState {
   int64_t time = 0;
   std::optional<double> step_vox;  // unset: as PictureOptions has it
   PictureOptions::Quality quality = PictureOptions::Quality::kPlain;
+  std::optional<double> jitter;
   PictureOptions::Lighting lighting;
   std::optional<PictureOptions::Box> crop;
   std::vector<PictureOptions::Plane> clip_planes;
@@ -44,6 +45,7 @@ inline PictureOptions pictureOf(const ViewState& state, int width, int height) {
   picture.time = state.time;
   picture.step_vox = state.step_vox;
   picture.quality = state.quality;
+  picture.jitter = state.jitter;
   picture.lighting = state.lighting;
   picture.crop = state.crop;
   picture.clip_planes = state.clip_planes;

@@ -23,7 +23,7 @@ constexpr std::array<Line, 31> kLines = {{
     {"1 2 3 4 5 6, 0", "front, back, left, right, top, bottom, three-quarter"},
     {"P", "perspective or parallel"},
     {"T, Shift T", "threshold up, down"},
-    {"M", "mode: composite, maximum, minimum, average, attenuated"},
+    {"M", "mode: composite, maximum, minimum, average, attenuated, by depth"},
     {"L", "light"},
     {"G", "opacity by the gradient"},
     {"B", "background: none, black, white"},

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "src/view/state/option_table.h"
 #include "src/view/state/transfer_edit.h"
 #include "src/view/window/panels/panels.h"
 
@@ -88,8 +89,9 @@ void look(WindowState& window, const ImGuiIO& io) {
     const double by = (io.KeyShift ? -0.01 : 0.01) * (all[1] - all[0]);
     next.look = withThreshold(next.look, std::clamp(now + by, all[0], all[1]), all);
   }
+  const auto modes = static_cast<int>(optionEntry("--mode").kind.words.size());
   if (pressed(GLFW_KEY_M))
-    next.look.mode = static_cast<LookOptions::Mode>((static_cast<int>(next.look.mode) + 1) % 5);
+    next.look.mode = static_cast<LookOptions::Mode>((static_cast<int>(next.look.mode) + 1) % modes);
   if (pressed(GLFW_KEY_L))
     next.look.light = window.volume.look.lit ? LookOptions::Light::kOff : LookOptions::Light::kOn;
   if (pressed(GLFW_KEY_G))

@@ -39,7 +39,8 @@ void opacitySlider(WindowState& window) {
 }
 
 void modes(WindowState& window) {
-  constexpr std::array kNames{"composite", "maximum", "minimum", "average", "attenuated maximum"};
+  constexpr std::array kNames{"composite",          "maximum",         "minimum", "average",
+                              "attenuated maximum", "maximum by depth"};
   int mode = static_cast<int>(window.state().look.mode);
   ImGui::SetNextItemWidth(-1);
   if (ImGui::Combo("##mode", &mode, kNames.data(), static_cast<int>(kNames.size()))) {
@@ -64,7 +65,7 @@ void maps(WindowState& window) {
   window.log.control("map");
 }
 
-// Whether matter takes light away.
+// Whether matter takes light away, and distance.
 void lightAround(WindowState& window) {
   ImGui::BeginDisabled(!window.volume.look.lit);
   const auto box = [&](const char* label, auto member) {
@@ -78,6 +79,9 @@ void lightAround(WindowState& window) {
   box("shadows", &PictureOptions::Lighting::shadows);
   ImGui::SameLine();
   box("occlusion", &PictureOptions::Lighting::occlusion);
+  ImGui::EndDisabled();
+  ImGui::BeginDisabled(window.state().look.mode != LookOptions::Mode::kComposite);
+  box("darker far away", &PictureOptions::Lighting::depth_cueing);
   ImGui::EndDisabled();
 }
 

@@ -65,6 +65,7 @@ void scaleBar(const WindowState& window, const Area& area, float pixels, ImDrawL
 void colorBar(const WindowState& window, const Area& area, ImDrawList& to) {
   const auto& colors = window.volume.look.colors;
   if (colors.size() < 2 || window.volume.look.labels) return;
+  if (window.state().look.mode == LookOptions::Mode::kDepthMaximum) return;  // colours of depths
   const float x = area.x + area.width - 24, top = area.y + 20;
   const float height = std::min(160.0F, area.height / 3);
   const double lo = colors.front().value, hi = colors.back().value;
