@@ -179,8 +179,9 @@ struct Passage {
   V ray_length;
   Cells cells;
   bool clamps;
-  V in_box;  // opacity
-  M going;   // lanes that take samples still
+  V in_box;               // opacity
+  M going;                // lanes that take samples still
+  V3 step, place_origin;  // with surfaces: in voxels; the ray's start, from placeBase()
 
   HWY_INLINE Sample take(V k, V end) const {
     V3 at{hn::MulAdd(k, pace.x, first.x), hn::MulAdd(k, pace.y, first.y),
@@ -341,6 +342,7 @@ struct Passage {
 
   // The same with surfaces; surfaces.inl has these.
   void goBySurfaces(V k, V end, bool leaps, Pixels& pixels);
+  V sharedEndAt(V k, const Cells& stored) const;
   SliceColor sliceAt(V k, V end, M within) const;
   bool blendWhole(V k, V end, M within, Pixels& pixels);
   bool blendParts(V k, V end, M within, M meets, const Stretch& stretch, const Cells& stored,
@@ -373,7 +375,9 @@ HWY_INLINE void drawPacket(const KernelFrame& frame, const KernelBox& box,
                                    cellsOf(box),
                                    clamps,
                                    hn::Zero(F()),
-                                   meets};
+                                   meets,
+                                   step,
+                                   placeOriginOf(frame, packet, step)};
   const V end = hn::Add(slices.from, slices.count);
   if constexpr (kShading == Shading::kSurfaces)
     passage.goBySurfaces(slices.from, end, box.distances != nullptr, pixels);

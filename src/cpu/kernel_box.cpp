@@ -164,6 +164,7 @@ void appendPart(const FrameSetup& setup, const BoxDraw& box, const ChunkTexels* 
   const Vec3d lo = toDouble(box.cells.lo), hi = toDouble(box.cells.hi);
   result.lo = asFloats(lo - rays.origin0);
   result.hi = asFloats(hi - rays.origin0);
+  result.corner = asFloats(lo - placeBase(setup));
   result.axes = box.texels.axes;
   setScale(setup, box, result);
   result.layer = box.layer;

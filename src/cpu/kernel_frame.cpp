@@ -59,6 +59,7 @@ FrameTables::FrameTables(const FrameSetup& setup, const LookUpTables& look_up) {
 
 void FrameTables::setRays(const FrameSetup& setup) {
   const RayGrid& rays = setup.rays;
+  frame_.place_origin = asFloats(rays.origin0 - placeBase(setup));
   frame_.origin_dx = asFloats(rays.origin_dx);
   frame_.origin_dy = asFloats(rays.origin_dy);
   frame_.step0 = asFloats(rays.step0);
@@ -133,7 +134,6 @@ void FrameTables::setLookUp(const LookUpTables& tables) {
 
 void FrameTables::setSurfaces(const LookUp& look_up) {
   SLUICE_CHECK_LE(look_up.surfaces.size(), kMostSurfaces);
-  frame_.surface_tie = static_cast<float>(look_up.surface_tie);
   for (const SurfaceLevel& surface : look_up.surfaces) {
     const auto i = static_cast<size_t>(frame_.surfaces++);
     frame_.level[i] = static_cast<float>(surface.level);

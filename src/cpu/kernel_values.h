@@ -67,7 +67,7 @@ struct KernelFrame {
   int surfaces = 0;
   std::array<float, kMostSurfaces> level{}, surface_opacity{};
   std::array<std::array<float, kMostSurfaces>, 3> surface_rgb{};
-  float surface_tie = 0;
+  Float3 place_origin{};  // of the pixel at the lower left corner, from placeBase()
   bool has_opacities = true;
 
   // For chunks with spreads: LookUp::expected as premultiplied rows. A mean's entry is mean *
@@ -127,7 +127,8 @@ struct KernelBox {
   // axes) is a depth from 0 to 1.
   Float3 depth_along{};
   float depth_start = 0;
-  Float3 size{};  // in voxels
+  Float3 corner{};  // the lower corner, in voxels from placeBase()
+  Float3 size{};    // in voxels
   // Maximum and minimum: 0 for a face at which rays enter or leave what is shown, else kInside, far
   // beyond any slice.
   Float3 inside_lo{}, inside_hi{};

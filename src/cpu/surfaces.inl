@@ -1,28 +1,18 @@
 // Surfaces where values pass a level, see FrameSetup::has_surfaces, and how a Passage meets them.
 // Included once a target.
 
-// The values at both ends of a slice's way, and whether the slice is the first or last of the box.
+// The values at both ends of a slice's way.
 struct Stretch {
   V front, back;
-  M is_first, is_last;
 };
 
-// Whether the values pass the level, or come so close to it that this box has to say so.
-HWY_INLINE M meetsLevel(const KernelFrame& frame, const Stretch& stretch, V level) {
-  const V tie = all(frame.surface_tie);
-  const M passes = hn::Xor(hn::Ge(stretch.front, level), hn::Ge(stretch.back, level));
-  const V front_off = hn::Abs(hn::Sub(stretch.front, level));
-  const M of_last_box =
-      hn::And(stretch.is_first, hn::Lt(front_off, hn::Mul(tie, all(0.5F))));
-  const M at_end = hn::And(
-      stretch.is_last, hn::And(hn::Lt(hn::Abs(hn::Sub(stretch.back, level)), tie),
-                               hn::Ge(front_off, tie)));
-  return hn::Or(hn::AndNot(of_last_box, passes), at_end);
+HWY_INLINE M meetsLevel(const Stretch& stretch, V level) {
+  return hn::Xor(hn::Ge(stretch.front, level), hn::Ge(stretch.back, level));
 }
 HWY_INLINE M meetsAny(const KernelFrame& frame, const Stretch& stretch) {
-  M meets = meetsLevel(frame, stretch, all(frame.level[0]));
+  M meets = meetsLevel(stretch, all(frame.level[0]));
   for (int i = 1; i < frame.surfaces; ++i)
-    meets = hn::Or(meets, meetsLevel(frame, stretch, all(frame.level[static_cast<size_t>(i)])));
+    meets = hn::Or(meets, meetsLevel(stretch, all(frame.level[static_cast<size_t>(i)])));
   return meets;
 }
 
@@ -116,23 +106,38 @@ struct SliceColor {
   M shows;
 };
 
-// Slices [k, end), each with the surfaces on its way. `begin`: each ray's first slice in the box.
+// The value half a slice before slice k of the box: neighbouring boxes find the same at the place
+// that they share, see FrameSetup::has_surfaces.
+template <DeviceType kType, Shading kShading>
+HWY_INLINE V Passage<kType, kShading>::sharedEndAt(V k, const Cells& stored) const {
+  const V turn = hn::Add(k, all(box.first_slice));
+  const V grid = all(kPlaceGrid), cell = all(1.0F / kPlaceGrid);
+  const auto localAt = [&](size_t axis, V origin, V step) {
+    const V place = hn::Round(hn::Mul(hn::MulAdd(turn, step, origin), grid));
+    return hn::Sub(hn::Mul(place, cell), all(box.corner[axis]));
+  };
+  const V3 voxels{localAt(0, place_origin.x, step.x), localAt(1, place_origin.y, step.y),
+                  localAt(2, place_origin.z, step.z)};
+  return valueAt<kType>(box, placeAt(stored, clamped(stored, texelsAt(box, voxels))));
+}
+
+// Slices [k, end), each with the surfaces on its way.
 template <DeviceType kType, Shading kShading>
 HWY_INLINE void Passage<kType, kShading>::goBySurfaces(V k, V end, bool leaps, Pixels& pixels) {
   const BrickWay way = leaps ? brickWay(box, first, pace) : noBrickWay();
   const Cells stored = storedCells(box);
-  const V half = all(0.5F), one = all(1.0F), begin = k;
+  const V one = all(1.0F);
   V front = k;
   bool has_front = false;
   for (;;) {
     bool leapt = false;
     const int turns = turnsFrom(k, end, way, leaps, leapt);
     if (turns == 0) break;
-    if (!has_front || leapt) front = endAt(hn::Sub(k, half), stored);
+    if (!has_front || leapt) front = sharedEndAt(k, stored);
     has_front = true;
     for (int j = turns; j > 0; --j, k = hn::Add(k, one)) {
-      const V back = endAt(hn::Add(k, half), stored);
-      const Stretch stretch{front, back, hn::Eq(k, begin), hn::Ge(hn::Add(k, one), end)};
+      const V back = sharedEndAt(hn::Add(k, one), stored);
+      const Stretch stretch{front, back};
       front = back;
       const M within = taking(hn::Lt(k, end), pixels);
       M numbers = within;
@@ -181,7 +186,7 @@ HWY_NOINLINE bool Passage<kType, kShading>::blendParts(V k, V end, M within, M m
   bool goes = true;
   for (int n = 0; n < frame.surfaces; ++n) {
     const MetSurface surface = surfaceOf(frame, up, n);
-    const M hit = hn::And(meets, meetsLevel(frame, stretch, surface.level));
+    const M hit = hn::And(meets, meetsLevel(stretch, surface.level));
     if (hn::AllFalse(F(), hit)) continue;
     const V part =
         crossing<kType>(box, stored, placeAlong,

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -63,10 +64,8 @@ struct LookUp {
   // coarse voxel shows as much as it does in fine ones.
   bool labels = false;
   // Composite only, not of labels: see FrameSetup::has_surfaces. Ascending by level, at most
-  // kMostSurfaces. Values within `surface_tie` of a level may be on either of its sides by
-  // rounding.
+  // kMostSurfaces.
   std::vector<SurfaceLevel> surfaces = {};
-  double surface_tie = 0;
   // Composite only, not of labels: how texels of chunks with spreads look. Modes other than
   // composite look at the means alone, and so do gradients. Null if no such chunk is drawn.
   ExpectedLookPtr expected = {};
@@ -140,10 +139,10 @@ struct FrameSetup {
   // slice k shows of the opacities is divided by the surfaces in proportion to the parts of the
   // way.
   //
-  // Neighbouring boxes compute the values at the place between two slices alike but for rounding.
-  // The last slice of a box takes a surface whose level is within the tie of the value at its far
-  // end, and the first slice of a box leaves one that is within half of the tie of the value at its
-  // near end. So none is lost between two boxes.
+  // The place between two slices is computed without the box, in steps of 1 / kPlaceGrid voxels
+  // from a voxel that all boxes share, and the values there from the texels as they are. So
+  // neighbouring boxes find the same value, and exactly one of them has a surface next to their
+  // face.
   bool has_surfaces = false;
   // Composite only: colours are darkened by this share at the farthest of `shown_depths`, by none
   // at the nearest, and in proportion in between.
@@ -164,6 +163,13 @@ struct FrameSetup {
   std::vector<ClipPlane> clip_planes;  // at most kMostClipPlanes
 };
 inline constexpr size_t kMostClipPlanes = 6;
+// See FrameSetup::has_surfaces. A power of two, so that differences of such places are exact.
+inline constexpr int kPlaceGrid = 8192;
+// The voxel from which such places count.
+inline Vec3d placeBase(const FrameSetup& setup) {
+  const Vec3d origin = setup.rays.origin0;
+  return {std::floor(origin.x), std::floor(origin.y), std::floor(origin.z)};
+}
 
 // The map from index positions to the texels of a box: index position p has the coordinate
 // p[axes[a]] * scale[a] + offset[a] along axis a of the chunk, texel centres at integers.

@@ -66,7 +66,6 @@ class OpacityTable {
   const std::vector<SurfaceLevel>& surfaces() const { return surfaces_; }
   // Values this close to a level may be on either of its sides by rounding; half of the distance
   // from a surface's value to its level.
-  double surfaceTie() const { return surface_tie_; }
 
   // The device values that show something, surfaces too, whatever the gradient.
   const ShownValues& shown() const { return shown_; }

@@ -21,7 +21,8 @@ void main() {
 #else
   vec3 step = step0 + pixel.x * step_dx + pixel.y * step_dy;
   float jitter = jitterAt(pixel);
-  ivec2 range = slices(pixel.x * origin_dx + pixel.y * origin_dy + jitter * step, step);
+  vec3 origin = pixel.x * origin_dx + pixel.y * origin_dy + jitter * step;
+  ivec2 range = slices(origin, step);
   if (range.x >= range.y) discard;
   vec3 along = textureOrder(step * TEXEL_SCALE) * texel_size;
   vec3 first = texel0 + pixel.x * texel_dx + pixel.y * texel_dy + jitter * along;
@@ -212,14 +213,14 @@ void main() {
     // A loop, since software GL skips no `if`.
     for (bool again = mayMeet(near_end, far_end); again; again = false) {
       float h = float(k - first_k) - 0.5;
-      float front = exactAt(first + h * along), back = exactAt(first + (h + 1.0) * along);
+      float front = sharedEndAt(origin, step, float(k), first + h * along);
+      float back = sharedEndAt(origin, step, float(k + 1), first + (h + 1.0) * along);
       bool up = back > front;
       float value_from = front;
       for (int n = 0; n < SURFACES; ++n) {
         int i = up ? n : SURFACES - 1 - n;
         float level = surface_levels[i];
-        for (bool meets = meetsLevel(front, back, level, k == range.x, k + 1 == range.y); meets;
-             meets = false) {
+        for (bool meets = meetsLevel(front, back, level); meets; meets = false) {
           float part = crossing(first, along, h, level, from, value_from, back, up);
           vec4 before = partOf(color, part - from);
 #if WITH_DEPTH

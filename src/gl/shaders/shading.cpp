@@ -93,7 +93,8 @@ void setSurfaces(const FrameSetup& setup, GlProgram& program) {
   const auto count = static_cast<int>(look_up.surfaces.size());
   program.set1("surface_levels", levels.data(), count);
   program.set4("surface_colors", colors.data(), count);
-  program.set2("surface_ties", look_up.surface_tie / scale, range * kFilterShare / scale);
+  program.set("surface_tie", range * kFilterShare / scale);
+  program.set("place_origin", setup.rays.origin0 - placeBase(setup));
   setVisible(setup, program);
 }
 

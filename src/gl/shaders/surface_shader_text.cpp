@@ -6,9 +6,9 @@ const char* const kSurfaceText = R"(
 #if SURFACES > 0 || CODES_DEPTH
 // The value at a place. The hardware's interpolation has a few bits a voxel, so the eight texels
 // are read one by one.
-float exactAt(vec3 at) {
+float exactAtTexel(vec3 texel) {
   ivec3 last = textureSize(chunk, 0) - 1;
-  vec3 texel = clamp(at / texel_size - 0.5, vec3(0.0), vec3(last));
+  texel = clamp(texel, vec3(0.0), vec3(last));
   vec3 low = floor(texel);
   vec3 t = texel - low;
   ivec3 a = ivec3(low), b = min(a + 1, last);
@@ -22,20 +22,21 @@ float exactAt(vec3 at) {
   vec2 row = plane.xy * (1.0 - t.y) + plane.zw * t.y;
   return row.x * (1.0 - t.x) + row.y * t.x;
 }
+float exactAt(vec3 at) { return exactAtTexel(at / texel_size - 0.5); }
 #endif
 
 #if SURFACES > 0
 uniform float surface_levels[SURFACES];  // texel values, ascending
 uniform vec4 surface_colors[SURFACES];   // premultiplied
-// How close to a level rounding may move a value, and the same for the hardware's interpolation.
-uniform vec2 surface_ties;
+uniform float surface_tie;    // how much the hardware's interpolation may move a value
+uniform vec3 place_origin;    // of the rays' common origin, from placeBase()
 
 float placeValue(vec3 at) { return textureLod(chunk, at, 0.0).r; }
 
 // Whether an exact look at the values of both ends may find a level between them.
 bool mayMeet(float front, float back) {
   bool may = false;
-  float lo = min(front, back) - surface_ties.y, hi = max(front, back) + surface_ties.y;
+  float lo = min(front, back) - surface_tie, hi = max(front, back) + surface_tie;
   for (int i = 0; i < SURFACES; ++i)
     may = may || (surface_levels[i] >= lo && surface_levels[i] <= hi);
 #if FLOATS
@@ -44,12 +45,19 @@ bool mayMeet(float front, float back) {
   return may;
 }
 
-// See FrameSetup::has_surfaces.
-bool meetsLevel(float front, float back, float level, bool is_first, bool is_last) {
+// The value where the ray passes from slice turn - 1 to slice `turn`: neighbouring boxes find the
+// same at the place that they share, see FrameSetup::has_surfaces. `at`: about the same place in the
+// texture.
+float sharedEndAt(vec3 origin, vec3 step, float turn, vec3 at) {
+  const float kGrid = 8192.0;
+  vec3 place = round((place_origin + origin + turn * step) * kGrid) / kGrid;
+  vec3 local = textureOrder(place - round(box_lo + place_origin));
+  vec3 corner = round(at / texel_size - 0.5 - local);
+  return exactAtTexel(corner + local);
+}
+
+bool meetsLevel(float front, float back, float level) {
   bool passes = (front >= level) != (back >= level);
-  float off = abs(front - level);
-  if (is_first && off < 0.5 * surface_ties.x) passes = false;
-  if (is_last && abs(back - level) < surface_ties.x && off >= surface_ties.x) passes = true;
 #if FLOATS
   if (IS_NO_NUMBER(vec3(min(front, back))).x) passes = false;
 #endif

@@ -22,7 +22,6 @@ LookUp lookUp(const OpacityTable& table, double finest_spacing) {
   result.factors = table.factors();
   result.labels = table.labels();
   result.surfaces = table.surfaces();
-  result.surface_tie = table.surfaceTie();
   return result;
 }
 
