@@ -1,6 +1,7 @@
 #include "io/web/http_client.h"
 
 #include <curl/curl.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
@@ -18,7 +19,7 @@ namespace {
 constexpr long kConnections = 16;    // to one server
 constexpr long kConnectSeconds = 8;  // until a connection stands
 constexpr long kSilentSeconds = 8;   // until a connection without a byte is given up
-constexpr long kRedirects = 5;
+constexpr int kRedirects = 5;
 constexpr int kPollMs = 1000;  // a wake-up comes before
 constexpr std::chrono::milliseconds kAskStopEvery(50);
 
@@ -48,6 +49,42 @@ void takeContentRange(std::string_view value, HttpHead& head) {
 // A stamp is an ETag, which is quoted, or a time.
 bool isEntityTag(const std::string& stamp) {
   return stamp.find('"') != std::string::npos;
+}
+
+constexpr bool isRedirect(int status) {
+  return status == 301 || status == 302 || status == 303 || status == 307 || status == 308;
+}
+
+struct Server {
+  std::string scheme, host, port;
+
+  std::string address() const {
+    const bool is_usual = port == (scheme == "https" ? "443" : "80");
+    return fmt::format("{}://{}{}{}", scheme, host, is_usual ? "" : ":", is_usual ? "" : port);
+  }
+};
+
+Server serverOf(const char* url) {
+  Server server;
+  CURLU* const parsed = curl_url();
+  curl_url_set(parsed, CURLUPART_URL, url, 0);
+  const auto take = [&](CURLUPart part, std::string& to) {
+    char* text = nullptr;
+    if (curl_url_get(parsed, part, &text, CURLU_DEFAULT_PORT) == CURLUE_OK) to = text;
+    curl_free(text);
+  };
+  take(CURLUPART_SCHEME, server.scheme);
+  take(CURLUPART_HOST, server.host);
+  take(CURLUPART_PORT, server.port);
+  curl_url_cleanup(parsed);
+  return server;
+}
+
+// Whether a server may send to this place: one of its own, or the same one by https.
+bool staysAt(const Server& from, const Server& to) {
+  if (from.host != to.host) return false;
+  return (from.scheme == to.scheme && from.port == to.port) ||
+         (from.scheme == "http" && to.scheme == "https");
 }
 
 // Faults of the network and of a busy server, which others do not have.
@@ -85,6 +122,9 @@ void takeHeaderLine(std::string_view line, HttpHead& head) {
 
 struct HttpClient::Transfer {
   const HttpGet& request;
+  std::string url;  // where the server has sent so far
+  int redirects = 0;
+  bool follows = true;
   CURL* easy = nullptr;
   curl_slist* headers = nullptr;
   HttpHead head = {};
@@ -94,6 +134,20 @@ struct HttpClient::Transfer {
   bool is_done = false;
   HttpEnd end = {};
 
+  // Why the place that the server sends to is not asked; empty: it is `url` now.
+  std::string redirect() {
+    const char* to = nullptr;
+    curl_easy_getinfo(easy, CURLINFO_REDIRECT_URL, &to);
+    if (to == nullptr) return "a redirection that says no place";
+    const Server next = serverOf(to);
+    if (!staysAt(serverOf(url.c_str()), next))
+      return fmt::format("that the server sends to another one, {}; give that address",
+                         next.address());
+    if (++redirects > kRedirects) return fmt::format("more than {} redirections", kRedirects);
+    url = to;
+    head = {};
+    return "";
+  }
   bool tellHead() {
     if (is_head_told) return true;
     is_head_told = true;
@@ -106,6 +160,7 @@ struct HttpClient::Transfer {
   }
   static size_t takeBody(char* bytes, size_t one, size_t count, void* self) {
     auto& transfer = *static_cast<Transfer*>(self);
+    if (transfer.follows && isRedirect(transfer.head.status)) return one * count;
     const std::span<const std::byte> body(reinterpret_cast<const std::byte*>(bytes), one * count);
     return transfer.tellHead() && transfer.request.on_body(body) ? body.size()
                                                                  : CURL_WRITEFUNC_ERROR;
@@ -129,7 +184,9 @@ HttpClient::~HttpClient() {
 }
 
 HttpEnd HttpClient::get(const HttpGet& request, const StopToken& stop) {
-  Transfer transfer{.request = request};
+  Transfer transfer{.request = request, .url = request.url};
+  // A signature is for one place.
+  transfer.follows = credentials_.signs_with.empty();
   MutexLock lock(mutex_);
   waiting_.push_back(&transfer);
   curl_multi_wakeup(multi_);
@@ -147,13 +204,9 @@ HttpEnd HttpClient::get(const HttpGet& request, const StopToken& stop) {
 void HttpClient::begin(Transfer& transfer) {
   CURL* const easy = transfer.easy = curl_easy_init();
   const HttpGet& request = transfer.request;
-  curl_easy_setopt(easy, CURLOPT_URL, request.url.c_str());
+  curl_easy_setopt(easy, CURLOPT_URL, transfer.url.c_str());
   if (!request.range.empty()) curl_easy_setopt(easy, CURLOPT_RANGE, request.range.c_str());
   curl_easy_setopt(easy, CURLOPT_PROTOCOLS_STR, "http,https");
-  curl_easy_setopt(easy, CURLOPT_REDIR_PROTOCOLS_STR, "http,https");
-  // A signature is for one server, and the token that comes with it is for no other.
-  curl_easy_setopt(easy, CURLOPT_FOLLOWLOCATION, credentials_.signs_with.empty() ? 1L : 0L);
-  curl_easy_setopt(easy, CURLOPT_MAXREDIRS, kRedirects);
   curl_easy_setopt(easy, CURLOPT_NOSIGNAL, 1L);
   curl_easy_setopt(easy, CURLOPT_PIPEWAIT, 1L);  // one connection for many, if the server can
   curl_easy_setopt(easy, CURLOPT_HTTP_VERSION, CURL_HTTP_VERSION_2TLS);
@@ -183,10 +236,14 @@ void HttpClient::begin(Transfer& transfer) {
   curl_multi_add_handle(multi_, easy);
 }
 
-void HttpClient::finish(Transfer& transfer, HttpEnd end) {
+void HttpClient::release(Transfer& transfer) {
   curl_multi_remove_handle(multi_, transfer.easy);
   curl_easy_cleanup(transfer.easy);
-  curl_slist_free_all(transfer.headers);
+  curl_slist_free_all(std::exchange(transfer.headers, nullptr));
+}
+
+void HttpClient::finish(Transfer& transfer, HttpEnd end) {
+  release(transfer);
   const MutexLock lock(mutex_);
   transfer.end = std::move(end);
   transfer.is_done = true;
@@ -219,7 +276,14 @@ void HttpClient::run() {
       curl_easy_getinfo(message->easy_handle, CURLINFO_PRIVATE, &transfer);
       const CURLcode code = message->data.result;
       HttpEnd end;
-      if (code == CURLE_OK) {
+      if (code == CURLE_OK && transfer->follows && isRedirect(transfer->head.status)) {
+        end.fault = transfer->redirect();
+        if (end.fault.empty()) {
+          release(*transfer);
+          begin(*transfer);
+          continue;
+        }
+      } else if (code == CURLE_OK) {
         transfer->tellHead();  // an answer without a body
       } else {
         const char* text = transfer->message[0] != 0 ? transfer->message.data() : nullptr;

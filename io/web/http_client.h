@@ -2,7 +2,8 @@
 // own.
 //
 // A request waits for its answer; what the answer brings is handed to it on the client's thread. An
-// answer is taken as it comes: trying again is its caller's decision.
+// answer is taken as it comes: trying again is its caller's decision. A server that sends to
+// another place of its own is followed, and one that sends to another server is not.
 #pragma once
 
 #include <cstddef>
@@ -70,6 +71,7 @@ class HttpClient {
   struct Transfer;
   void run();
   void begin(Transfer& transfer);
+  void release(Transfer& transfer);
   void finish(Transfer& transfer, HttpEnd end);
 
   const HttpCredentials credentials_;

@@ -16,6 +16,8 @@ range, the status and the bytes of the body. An ETag that is sent back is answer
   changed   from the twentieth request on, every object has another ETag
   forbidden status 403 for what is not there
   gzip      a Content-Encoding
+  moved     an object is found below /moved/, and the server says so
+  to=URL    every object is found on another server, and this one says so
   shaped    answers begin after 50 ms, and all together send 100 Mbit/s at most, and none goes wrong
 """
 import http.server
@@ -62,6 +64,15 @@ class Handler(http.server.BaseHTTPRequestHandler):
 
     def do_GET(self):
         path = self.path.split('?')[0].lstrip('/')
+        if fault.startswith('to=') or (fault == 'moved' and not path.startswith('moved/')):
+            place = fault[3:] + self.path if fault != 'moved' else '/moved' + self.path
+            self.send_response(302)
+            self.send_header('Location', place)
+            self.send_header('Content-Length', '5')
+            self.end_headers()
+            self.wfile.write(b'moved')
+            return
+        path = path.removeprefix('moved/')
         file = folder / path
         with lock:
             counted['all'] += 1

@@ -99,6 +99,17 @@ TEST_F(WebVolume, faultsThatDoNotPassAreOneLine) {
   }
 }
 
+TEST_F(WebVolume, aServerIsFollowedToItsOwnPlacesAndToNoOtherServer) {
+  const WebServer moved(root(), "moved"), other(root()), sends(root(), "to=" + other.address());
+  EXPECT_TRUE(voxelsFrom(moved, "one_shard") == voxelsOf("one_shard"));
+  const std::string error = voxelsFrom(sends, "one_shard");
+  EXPECT_THAT(error,
+              AllOf(StartsWith(sends.address() + "/one_shard"),
+                    HasSubstr("that the server sends to another one, " + other.address() + ";"),
+                    Not(HasSubstr("\n"))));
+  EXPECT_THAT(other.requests(), testing::IsEmpty());
+}
+
 // A small object may come whole where a part was asked for.
 TEST_F(WebVolume, aServerWithoutPartsSendsSmallObjectsWhole) {
   const WebServer server(root(), "whole");
