@@ -2,12 +2,16 @@
 #include <sluice/renderer.h>
 
 #include <gmock/gmock.h>
+#include <malloc.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <cstring>
 #include <random>
 #include <set>
 
+#include "src/base/threads/clock.h"
 #include "src/library/in_situ.h"
 #include "src/parallel/in_process.h"
 
@@ -248,6 +252,65 @@ TEST(InSitu, aRankHoldsNoMoreThanItsOwnBlocks) {
   const Drawn seven =
       drawInSitu(field, bisected(field.size(), 7, 5), look, {pictureFrom(30, true)});
   EXPECT_LT(seven.most_peak_bytes, one.most_peak_bytes);
+}
+
+// The peak of a process that draws with so many ranks, beyond the arrays that they lend.
+int64_t peakBeyondTheArrays(int ranks, uint64_t memory_bytes) {
+  std::array<int, 2> said{};
+  if (pipe(said.data()) != 0) fail("no pipe");
+  const pid_t child = fork();
+  if (child == 0) {
+    mallopt(M_MMAP_THRESHOLD, 128 << 10);  // freed memory is gone, as docs/library.md says
+    const Field field({256, 240, 200});
+    const LookOptions look{.threshold = 500, .opacity = 0.05};
+    const std::vector<Box3> boxes = bisected(field.size(), ranks, 5);
+    std::vector<Part> parts;
+    for (const Box3& box : boxes) parts.emplace_back(field, box, 1, 2);
+    const auto before = static_cast<int64_t>(peakResidentBytes());
+    std::vector<std::unique_ptr<Communicator>> all = inProcessRanks(static_cast<int>(boxes.size()));
+    std::vector<std::thread> threads;
+    for (size_t rank = 0; rank < parts.size(); ++rank)
+      threads.emplace_back([&, rank] {
+        const Volume volume =
+            Volume::borrow(parts[rank].voxels.data(), field.layout(), parts[rank].box,
+                           ranksOf(std::move(all[rank])), {}, {.memory_bytes = memory_bytes});
+        Renderer(volume, look, onCpu(memory_bytes)).draw(pictureFrom(30, true));
+      });
+    for (std::thread& thread : threads) thread.join();
+    const int64_t beyond = static_cast<int64_t>(peakResidentBytes()) - before;
+    _exit(write(said[1], &beyond, sizeof beyond) == sizeof beyond ? 0 : 1);
+  }
+  close(said[1]);
+  int64_t beyond = -1;
+  if (read(said[0], &beyond, sizeof beyond) != sizeof beyond) beyond = -1;
+  close(said[0]);
+  waitpid(child, nullptr, 0);
+  return beyond;
+}
+
+// Whatever ranks there are in a process, each takes what it was given and a little for its program.
+TEST(InSitu, aRankTakesNoMoreThanItsMemory) {
+  constexpr int64_t kMemory = int64_t{24} << 20, kProgram = int64_t{12} << 20;
+  for (const int ranks : {1, 2, 4, 7}) {
+    const int64_t beyond = peakBeyondTheArrays(ranks, kMemory);
+    EXPECT_GT(beyond, 0) << ranks;
+    EXPECT_LE(beyond, ranks * kMemory + kProgram) << ranks;
+    RecordProperty("beyond_" + std::to_string(ranks), std::to_string(beyond >> 20) + " MiB");
+  }
+}
+
+TEST(InSitu, lightThatLooksAroundIsRefused) {
+  const Field field({40, 40, 40});
+  const std::vector<Box3> boxes = {{{0, 0, 0}, {20, 40, 40}}, {{20, 0, 0}, {40, 40, 40}}};
+  const LookOptions lit{.threshold = 2600, .light = LookOptions::Light::kOn};
+  for (const PictureOptions::Lighting& lighting :
+       {PictureOptions::Lighting{.shadows = 0.5}, PictureOptions::Lighting{.occlusion = 0.5}}) {
+    PictureOptions picture = pictureFrom(30, false);
+    picture.lighting = lighting;
+    EXPECT_THAT(drawInSitu(field, boxes, lit, {picture}).failures,
+                Each(HasSubstr("lighting.shadows and lighting.occlusion need the whole volume")));
+    EXPECT_THAT(drawInSitu(field, {boxOf(field.size())}, lit, {picture}).failures, Each(""));
+  }
 }
 
 TEST(InSitu, boxesThatAreNoPartitionAreOneLineAtEveryRank) {
