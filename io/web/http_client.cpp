@@ -1,7 +1,6 @@
 #include "io/web/http_client.h"
 
 #include <curl/curl.h>
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
@@ -10,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "io/web/redirect.h"
 #include "src/base/error.h"
 #include "src/base/threads/threads.h"
 
@@ -18,9 +18,11 @@ namespace {
 
 constexpr long kConnections = 16;    // to one server
 constexpr long kConnectSeconds = 8;  // until a connection stands
-constexpr long kSilentSeconds = 8;   // until a connection without a byte is given up
+constexpr long kSilentSeconds = 7;   // until a connection is given up that is slower than
+constexpr long kLeastSpeed = 128;    // bytes a second
 constexpr int kRedirects = 5;
-constexpr int kPollMs = 1000;  // a wake-up comes before
+constexpr uint64_t kMostRedirectBytes = 1 << 16;  // of a body, which says no more than the header
+constexpr int kPollMs = 1000;                     // a wake-up comes before
 constexpr std::chrono::milliseconds kAskStopEvery(50);
 
 std::string_view trimmed(std::string_view text) {
@@ -51,40 +53,8 @@ bool isEntityTag(const std::string& stamp) {
   return stamp.find('"') != std::string::npos;
 }
 
-constexpr bool isRedirect(int status) {
+bool isRedirect(int status) {
   return status == 301 || status == 302 || status == 303 || status == 307 || status == 308;
-}
-
-struct Server {
-  std::string scheme, host, port;
-
-  std::string address() const {
-    const bool is_usual = port == (scheme == "https" ? "443" : "80");
-    return fmt::format("{}://{}{}{}", scheme, host, is_usual ? "" : ":", is_usual ? "" : port);
-  }
-};
-
-Server serverOf(const char* url) {
-  Server server;
-  CURLU* const parsed = curl_url();
-  curl_url_set(parsed, CURLUPART_URL, url, 0);
-  const auto take = [&](CURLUPart part, std::string& to) {
-    char* text = nullptr;
-    if (curl_url_get(parsed, part, &text, CURLU_DEFAULT_PORT) == CURLUE_OK) to = text;
-    curl_free(text);
-  };
-  take(CURLUPART_SCHEME, server.scheme);
-  take(CURLUPART_HOST, server.host);
-  take(CURLUPART_PORT, server.port);
-  curl_url_cleanup(parsed);
-  return server;
-}
-
-// Whether a server may send to this place: one of its own, or the same one by https.
-bool staysAt(const Server& from, const Server& to) {
-  if (from.host != to.host) return false;
-  return (from.scheme == to.scheme && from.port == to.port) ||
-         (from.scheme == "http" && to.scheme == "https");
 }
 
 // Faults of the network and of a busy server, which others do not have.
@@ -121,33 +91,21 @@ void takeHeaderLine(std::string_view line, HttpHead& head) {
 }
 
 struct HttpClient::Transfer {
+  explicit Transfer(const HttpGet& get) : request(get), url(get.url) {}
+
   const HttpGet& request;
-  std::string url;  // where the server has sent so far
-  int redirects = 0;
-  bool follows = true;
   CURL* easy = nullptr;
   curl_slist* headers = nullptr;
   HttpHead head = {};
   bool is_head_told = false;
+  std::string url;  // now, after redirects
+  int redirects = 0;
+  uint64_t redirect_bytes = 0;  // of bodies that were dropped
   std::array<char, CURL_ERROR_SIZE> message{};
   bool is_stopped = false;  // guarded by the client's mutex, as the rest
   bool is_done = false;
   HttpEnd end = {};
 
-  // Why the place that the server sends to is not asked; empty: it is `url` now.
-  std::string redirect() {
-    const char* to = nullptr;
-    curl_easy_getinfo(easy, CURLINFO_REDIRECT_URL, &to);
-    if (to == nullptr) return "a redirection that says no place";
-    const Server next = serverOf(to);
-    if (!staysAt(serverOf(url.c_str()), next))
-      return fmt::format("that the server sends to another one, {}; give that address",
-                         next.address());
-    if (++redirects > kRedirects) return fmt::format("more than {} redirections", kRedirects);
-    url = to;
-    head = {};
-    return "";
-  }
   bool tellHead() {
     if (is_head_told) return true;
     is_head_told = true;
@@ -160,8 +118,11 @@ struct HttpClient::Transfer {
   }
   static size_t takeBody(char* bytes, size_t one, size_t count, void* self) {
     auto& transfer = *static_cast<Transfer*>(self);
-    if (transfer.follows && isRedirect(transfer.head.status)) return one * count;
     const std::span<const std::byte> body(reinterpret_cast<const std::byte*>(bytes), one * count);
+    if (isRedirect(transfer.head.status)) {
+      transfer.redirect_bytes += body.size();
+      return transfer.redirect_bytes <= kMostRedirectBytes ? body.size() : CURL_WRITEFUNC_ERROR;
+    }
     return transfer.tellHead() && transfer.request.on_body(body) ? body.size()
                                                                  : CURL_WRITEFUNC_ERROR;
   }
@@ -184,9 +145,7 @@ HttpClient::~HttpClient() {
 }
 
 HttpEnd HttpClient::get(const HttpGet& request, const StopToken& stop) {
-  Transfer transfer{.request = request, .url = request.url};
-  // A signature is for one place.
-  transfer.follows = credentials_.signs_with.empty();
+  Transfer transfer(request);
   MutexLock lock(mutex_);
   waiting_.push_back(&transfer);
   curl_multi_wakeup(multi_);
@@ -204,14 +163,17 @@ HttpEnd HttpClient::get(const HttpGet& request, const StopToken& stop) {
 void HttpClient::begin(Transfer& transfer) {
   CURL* const easy = transfer.easy = curl_easy_init();
   const HttpGet& request = transfer.request;
-  curl_easy_setopt(easy, CURLOPT_URL, transfer.url.c_str());
+  curl_easy_setopt(easy, CURLOPT_URL, request.url.c_str());
   if (!request.range.empty()) curl_easy_setopt(easy, CURLOPT_RANGE, request.range.c_str());
   curl_easy_setopt(easy, CURLOPT_PROTOCOLS_STR, "http,https");
+  // libcurl would follow a redirect to any host; follow() has the rule.
+  curl_easy_setopt(easy, CURLOPT_FOLLOWLOCATION, 0L);
   curl_easy_setopt(easy, CURLOPT_NOSIGNAL, 1L);
   curl_easy_setopt(easy, CURLOPT_PIPEWAIT, 1L);  // one connection for many, if the server can
   curl_easy_setopt(easy, CURLOPT_HTTP_VERSION, CURL_HTTP_VERSION_2TLS);
   curl_easy_setopt(easy, CURLOPT_CONNECTTIMEOUT, kConnectSeconds);
-  curl_easy_setopt(easy, CURLOPT_LOW_SPEED_LIMIT, 1L);
+  curl_easy_setopt(easy, CURLOPT_QUICK_EXIT, 1L);  // a stop waits for no name server
+  curl_easy_setopt(easy, CURLOPT_LOW_SPEED_LIMIT, kLeastSpeed);
   curl_easy_setopt(easy, CURLOPT_LOW_SPEED_TIME, kSilentSeconds);
   curl_easy_setopt(easy, CURLOPT_USERAGENT, "sluice/" SLUICE_VERSION);
   curl_easy_setopt(easy, CURLOPT_ERRORBUFFER, transfer.message.data());
@@ -236,14 +198,30 @@ void HttpClient::begin(Transfer& transfer) {
   curl_multi_add_handle(multi_, easy);
 }
 
-void HttpClient::release(Transfer& transfer) {
+std::optional<HttpEnd> HttpClient::follow(Transfer& transfer) {
+  const char* to = nullptr;
+  curl_easy_getinfo(transfer.easy, CURLINFO_REDIRECT_URL, &to);
+  if (to == nullptr)
+    return HttpEnd{fmt::format("status {} of the server, a redirect that does not tell where to",
+                               transfer.head.status),
+                   false};
+  const bool has_credentials = !credentials_.user.empty();
+  if (std::string fault = redirectFault(transfer.url, to, has_credentials); !fault.empty())
+    return HttpEnd{std::move(fault), false};
+  if (++transfer.redirects > kRedirects)
+    return HttpEnd{fmt::format("more than {} redirects", kRedirects), false};
+  transfer.url = to;
+  transfer.head = {};
   curl_multi_remove_handle(multi_, transfer.easy);
-  curl_easy_cleanup(transfer.easy);
-  curl_slist_free_all(std::exchange(transfer.headers, nullptr));
+  curl_easy_setopt(transfer.easy, CURLOPT_URL, transfer.url.c_str());
+  curl_multi_add_handle(multi_, transfer.easy);
+  return std::nullopt;
 }
 
 void HttpClient::finish(Transfer& transfer, HttpEnd end) {
-  release(transfer);
+  curl_multi_remove_handle(multi_, transfer.easy);
+  curl_easy_cleanup(transfer.easy);
+  curl_slist_free_all(transfer.headers);
   const MutexLock lock(mutex_);
   transfer.end = std::move(end);
   transfer.is_done = true;
@@ -276,18 +254,16 @@ void HttpClient::run() {
       curl_easy_getinfo(message->easy_handle, CURLINFO_PRIVATE, &transfer);
       const CURLcode code = message->data.result;
       HttpEnd end;
-      if (code == CURLE_OK && transfer->follows && isRedirect(transfer->head.status)) {
-        end.fault = transfer->redirect();
-        if (end.fault.empty()) {
-          release(*transfer);
-          begin(*transfer);
-          continue;
-        }
+      if (code == CURLE_OK && isRedirect(transfer->head.status)) {
+        std::optional<HttpEnd> refused = follow(*transfer);
+        if (!refused) continue;
+        end = std::move(*refused);
       } else if (code == CURLE_OK) {
         transfer->tellHead();  // an answer without a body
       } else {
         const char* text = transfer->message[0] != 0 ? transfer->message.data() : nullptr;
-        end = {text != nullptr ? text : curl_easy_strerror(code), mayPass(code)};
+        end = {text != nullptr ? text : curl_easy_strerror(code), mayPass(code),
+               code == CURLE_OPERATION_TIMEDOUT};
       }
       std::erase(going, transfer);
       finish(*transfer, std::move(end));

@@ -2,8 +2,8 @@
 // own.
 //
 // A request waits for its answer; what the answer brings is handed to it on the client's thread. An
-// answer is taken as it comes: trying again is its caller's decision. A server that sends to
-// another place of its own is followed, and one that sends to another server is not.
+// answer is taken as it comes: trying again is its caller's decision. Redirects are followed as far
+// as they stay at the server (io/web/redirect.h).
 #pragma once
 
 #include <cstddef>
@@ -54,8 +54,9 @@ struct HttpGet {
 };
 
 struct HttpEnd {
-  std::string fault;      // why no answer came, or not all of it; empty: it came
-  bool may_pass = false;  // the same request may succeed later
+  std::string fault;       // why no answer came, or not all of it; empty: it came
+  bool may_pass = false;   // the same request may succeed later
+  bool is_silent = false;  // the server said nothing for too long
 };
 
 class HttpClient {
@@ -71,7 +72,8 @@ class HttpClient {
   struct Transfer;
   void run();
   void begin(Transfer& transfer);
-  void release(Transfer& transfer);
+  // Asks again where a redirect leads. Returns the end instead if it leads to another server.
+  std::optional<HttpEnd> follow(Transfer& transfer);
   void finish(Transfer& transfer, HttpEnd end);
 
   const HttpCredentials credentials_;

@@ -20,6 +20,9 @@ constexpr int kMostTries = 6;
 constexpr double kMostSeconds = 15, kFirstWait = 0.05, kMostWait = 5;
 // What is read and dropped of an object of which a part was wanted.
 constexpr uint64_t kMostSkippedBytes = 1 << 20;
+// A try that brings fewer counts as one without a byte: a server that trickles, or that falls
+// silent in each answer, would be waited for without end.
+constexpr uint64_t kLeastTryBytes = 1 << 10, kLeastSilentTryBytes = 4 << 20;
 
 bool mayPass(int status) {
   return status == kTimeout || status == kTooMany || status >= kServerFault;
@@ -142,7 +145,7 @@ HttpFetch::Outcome HttpFetch::run(const StopToken& stop) {
       return Outcome::kMissing;
     }
     if (head_.status != 0 && !is_answer && !mayPass(head_.status)) refuse(head_);
-    if (got_ > before) {
+    if (got_ - before >= (end.is_silent ? kLeastSilentTryBytes : kLeastTryBytes)) {
       since = Clock::now();
       tries = 0;
     }
@@ -153,8 +156,10 @@ HttpFetch::Outcome HttpFetch::run(const StopToken& stop) {
                                   ? fmt::format("status {} of the server", head_.status)
                               : end.fault.empty() ? "an answer that is too short"
                                                   : end.fault;
-      failSystem("{}: expected {}, found {}; tried {} times in {:.0f} s", name_,
-                 has_room_ ? fmt::format("{} bytes", out_.size()) : "an object", why,
+      const std::string wanted =
+          has_room_ ? fmt::format("{} bytes", out_.size()) : std::string("an object");
+      if (!may_pass) failSystem("{}: expected {}, found {}", name_, wanted, why);
+      failSystem("{}: expected {}, found {}; tried {} times in {:.0f} s", name_, wanted, why,
                  std::max(tries, 1), spent);
     }
     const double wait = kFirstWait * static_cast<double>(1 << std::clamp(tries - 1, 0, 5));

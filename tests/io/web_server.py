@@ -18,6 +18,10 @@ range, the status and the bytes of the body. An ETag that is sent back is answer
   gzip      a Content-Encoding
   moved     an object is found below /moved/, and the server says so
   to=URL    every object is found on another server, and this one says so
+  loop      the server says of every place that an object is found elsewhere
+  late      the first connection gets no answer
+  stall-metadata, stall-chunks  an answer of that kind ends half way, and its connection stays
+  trickle   a byte each half second
   shaped    answers begin after 50 ms, and all together send 100 Mbit/s at most, and none goes wrong
 """
 import http.server
@@ -64,22 +68,30 @@ class Handler(http.server.BaseHTTPRequestHandler):
 
     def do_GET(self):
         path = self.path.split('?')[0].lstrip('/')
-        if fault.startswith('to=') or (fault == 'moved' and not path.startswith('moved/')):
-            place = fault[3:] + self.path if fault != 'moved' else '/moved' + self.path
+        file = folder / path
+        to = None
+        if fault == 'moved' and path.startswith('moved/'):
+            file = folder / path.removeprefix('moved/')
+        elif fault in ('moved', 'loop'):
+            to = '/moved/' + path
+        elif fault.startswith('to='):
+            to = fault.removeprefix('to=') + '/' + path
+        if to:
+            log.write(f'{path} {self.headers.get("Range", "-")} 302 5 {self.headers.get("Authorization", "-")}\n')
             self.send_response(302)
-            self.send_header('Location', place)
+            self.send_header('Location', to)
             self.send_header('Content-Length', '5')
             self.end_headers()
-            self.wfile.write(b'moved')
+            self.wfile.write(b'there')
             return
-        path = path.removeprefix('moved/')
-        file = folder / path
         with lock:
             counted['all'] += 1
             is_chunk = not file.name.startswith(('.z', 'zarr.json'))
             counted['chunks'] += is_chunk
             goes_wrong = is_chunk and counted['chunks'] % 3 == 0
             stamp = 'second' if fault == 'changed' and counted['all'] >= 20 else 'first'
+        if fault == 'late' and counted['all'] == 1:
+            time.sleep(60)
         if fault in ('delay', 'shaped'):
             time.sleep(0.05)
         status = 200
@@ -117,7 +129,14 @@ class Handler(http.server.BaseHTTPRequestHandler):
         self.end_headers()
         if goes_wrong and fault == 'drop':
             part = part[:len(part) // 2]
-        if fault == 'shaped':
+        if fault == ('stall-chunks' if is_chunk else 'stall-metadata') and status in (200, 206):
+            self.wfile.write(part[:len(part) // 2])
+            time.sleep(60)
+        if fault == 'trickle':
+            for byte in part:
+                self.wfile.write(bytes([byte]))
+                time.sleep(0.5)
+        elif fault == 'shaped':
             self.send_shaped(part)
         else:
             self.wfile.write(part)
@@ -127,6 +146,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
 
 server = http.server.ThreadingHTTPServer(('127.0.0.1', 0), Handler)
 server.daemon_threads = True
+server.handle_error = lambda *_: None  # connections that the client gives up
 threading.Thread(target=server.serve_forever, daemon=True).start()
 print(server.server_port, flush=True)
 sys.stdin.read()

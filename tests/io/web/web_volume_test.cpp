@@ -8,8 +8,8 @@
 #include "io/web/address.h"
 #include "io/zarr/reading/zarr_source.h"
 #include "tests/io/python_volumes.h"
+#include "tests/io/web/web_case.h"
 #include "tests/io/web/web_server.h"
-#include "tests/io/zarr/zarr_case.h"
 
 namespace sluice {
 namespace {
@@ -18,11 +18,6 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 using testing::StartsWith;
-
-struct WebCase : ZarrCase {
-  static constexpr const char* kScript = "make_zarr3.py";
-  static constexpr const char* kModules = "numpy, numcodecs";
-};
 
 class WebVolume : public PythonVolumesTest<WebCase> {
  protected:
