@@ -18,6 +18,12 @@ except ImportError:
 warnings.filterwarnings('ignore')
 
 PROGRAM = sys.argv[1]
+sys.path.insert(0, sys.argv[2])
+try:
+    import sluice
+except ImportError as error:
+    print(f'left out, {error}: arrays that are lent')
+    sluice = None
 ENVIRONMENT = dict(os.environ, XDG_CACHE_HOME='cache')
 SPACING = (0.5, 0.75, 1.25)  # along x, y, z
 SHAPE = (44, 60, 72)  # z, y, x
@@ -52,6 +58,37 @@ def nrrd():
         file.write('NRRD0004\ntype: ushort\ndimension: 3\nsizes: 72 60 44\nspacings: 0.5 0.75 1.25\nendian: little\nencoding: raw\n'
                    'data file: v.raw\n')
     return ['v.nhdr']
+
+
+@needs()
+def raw():
+    FINE.tofile('v_72x60x44_uint16.raw')
+    return ['v_72x60x44_uint16.raw']
+
+
+@needs('pydicom')
+def dicom():
+    from pydicom.dataset import FileDataset, FileMetaDataset
+    from pydicom.uid import CTImageStorage, ExplicitVRLittleEndian, generate_uid
+    os.mkdir('v.dicom')
+    series, study = generate_uid(), generate_uid()
+    for z, plane in enumerate(FINE):
+        about = FileMetaDataset()
+        about.MediaStorageSOPClassUID, about.MediaStorageSOPInstanceUID = CTImageStorage, generate_uid()
+        about.TransferSyntaxUID = ExplicitVRLittleEndian
+        slice_ = FileDataset(f'v.dicom/{z:02}.dcm', {}, file_meta=about, preamble=bytes(128))
+        slice_.is_little_endian, slice_.is_implicit_VR = True, False
+        slice_.SOPClassUID, slice_.SOPInstanceUID = CTImageStorage, about.MediaStorageSOPInstanceUID
+        slice_.StudyInstanceUID, slice_.SeriesInstanceUID, slice_.Modality = study, series, 'OT'
+        slice_.Rows, slice_.Columns = plane.shape
+        slice_.PixelSpacing = [SPACING[1], SPACING[0]]  # between rows first
+        slice_.ImageOrientationPatient = [1, 0, 0, 0, 1, 0]
+        slice_.ImagePositionPatient = [0, 0, z * SPACING[2]]
+        slice_.InstanceNumber, slice_.SamplesPerPixel, slice_.PhotometricInterpretation = z + 1, 1, 'MONOCHROME2'
+        slice_.BitsAllocated, slice_.BitsStored, slice_.HighBit, slice_.PixelRepresentation = 16, 16, 15, 0
+        slice_.PixelData = plane.tobytes()
+        slice_.save_as(f'v.dicom/{z:02}.dcm')
+    return ['v.dicom']
 
 
 @needs('nibabel')
@@ -143,6 +180,8 @@ def hdf5():
 
 
 def run(*words):
+    if words[1].endswith('.raw'):
+        words += ('--spacing', ','.join(map(str, SPACING)))  # its name cannot say this
     done = subprocess.run([PROGRAM, *words], capture_output=True, env=ENVIRONMENT)
     assert done.returncode == 0, (words, done.stderr.decode())
     return done.stdout
@@ -158,6 +197,14 @@ def is_read(volume):
 
 def picture(volume, *options):
     run('render', volume, '-o', 'p.png', '--force', *VIEW, *options)
+    with open('p.png', 'rb') as file:
+        return hashlib.md5(file.read()).hexdigest()
+
+
+def lent_picture(**options):
+    """Of the array itself, lent through the Python package."""
+    volume = sluice.from_array(FINE, spacing=SPACING)
+    volume.save('p.png', threshold=15000, size=(200, 160), eye=(100, 80, 60), target=(17, 22, 27), up=(0, 1, 0), **options)
     with open('p.png', 'rb') as file:
         return hashlib.md5(file.read()).hexdigest()
 
@@ -178,7 +225,7 @@ def fail_unless_one(kind, found):
 
 def main():
     others, packed = [], ['two.zarr', 'three.zarr', 'shards.zarr']
-    for write in (nrrd, nifti, vtk_files, ome_tiff, ome_zarr, n5, hdf5):
+    for write in (nrrd, raw, nifti, vtk_files, ome_tiff, ome_zarr, n5, hdf5, dicom):
         try:
             for module in write.modules:
                 importlib.import_module(module)
@@ -189,8 +236,9 @@ def main():
     for name, options in zip(packed, ([], ['--zarr', '3'], ['--zarr', '3', '--shard', '64,64,64'])):
         run('pack', 'v.nhdr', '-o', name, '--levels', '1', '--chunk', '32', *options)
     files = others + packed
-    fail_unless_one('pictures', {file: picture(file, '--levels', 'none') for file in files})
-    fail_unless_one('lit pictures', {file: picture(file, '--levels', 'none', '--shade') for file in files})
+    lent, lent_lit = ({'lent': lent_picture()}, {'lent': lent_picture(shade=True)}) if sluice else ({}, {})
+    fail_unless_one('pictures', {file: picture(file, '--levels', 'none') for file in files} | lent)
+    fail_unless_one('lit pictures', {file: picture(file, '--levels', 'none', '--shade') for file in files} | lent_lit)
     fail_unless_one('plans', {file: plan(file) for file in files})
     fail_unless_one('coarse levels', {file: picture(file, '--level', '1') for file in others if file in ('v.zarr', 'v.n5', 'v.ims')})
     # These have spreads, so that they are drawn otherwise.
