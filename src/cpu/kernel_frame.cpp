@@ -161,6 +161,8 @@ void FrameTables::setLights(const FrameSetup& setup) {
   const Vec3i texels = setup.light->dims;
   constexpr int64_t kTexelBytes = 2 * sizeof(uint16_t);
   frame_.light = reinterpret_cast<const std::byte*>(setup.light->texels.data());
+  frame_.key_light_varies = setup.light->key_varies;
+  frame_.other_light_varies = setup.light->other_varies;
   frame_.light_hi = asFloats(toDouble(texels - Vec3i{1, 1, 1}));
   frame_.light_last = asFloats(toDouble(texels - Vec3i{2, 2, 2}));
   frame_.light_stride = asFloats(toDouble(Vec3i{1, texels.x, texels.x * texels.y} * kTexelBytes));

@@ -87,6 +87,7 @@ struct KernelFrame {
   // FrameSetup::light: its texels, the last and the last but one along each axis, and strides in
   // bytes; null: all light arrives.
   const std::byte* light = nullptr;
+  bool key_light_varies = true, other_light_varies = true;  // see LightVolume
   Float3 light_hi{}, light_last{}, light_stride{};
   float key_share = 0;
   int rows = 0, factor_entries = 0;

@@ -37,6 +37,23 @@ HWY_INLINE Gradient gradientOf(const KernelBox& box, V3 difference) {
 struct Arriving {
   V key, open;
 };
+// `kKey`, `kOther`: whether this number of the texels varies.
+template <bool kKey, bool kOther>
+HWY_INLINE Arriving arrivingIn(const KernelFrame& frame, const Place& cell) {
+  const auto row = static_cast<int64_t>(frame.light_stride[1]);
+  const auto plane = static_cast<int64_t>(frame.light_stride[2]);
+  const int64_t more[4] = {0, row, plane, row + plane};
+  Pair key[4], open[4];
+  for (int i = 0; i < 4; ++i) {
+    const auto [first, second] = wideAt(frame.light + more[i], cell.offset);
+    const Pair one = pairIn<DeviceType::kU16>(first), next = pairIn<DeviceType::kU16>(second);
+    key[i] = {one.first, next.first};
+    open[i] = {one.second, next.second};
+  }
+  const V unit = all(static_cast<float>(1 / kAllLight)), whole = all(1.0F);
+  return {kKey ? hn::Mul(unit, withinRows(key, cell)) : whole,
+          kOther ? hn::Mul(unit, withinRows(open, cell)) : whole};
+}
 // A call of its own, since few frames have a light volume.
 HWY_NOINLINE Arriving arrivingAt(const KernelFrame& frame, const KernelBox& box, V3 at) {
   const auto& [x, y, z] = box.light_axes;
@@ -51,17 +68,9 @@ HWY_NOINLINE Arriving arrivingAt(const KernelFrame& frame, const KernelBox& box,
                      {all(last[0]), all(last[1]), all(last[2])},
                      {all(stride[0]), all(stride[1]), all(stride[2])}};
   const Place cell = placeAt(texels, clamped(texels, place));
-  const auto row = static_cast<int64_t>(stride[1]), plane = static_cast<int64_t>(stride[2]);
-  Pair key[4], open[4];
-  const int64_t more[4] = {0, row, plane, row + plane};
-  for (int i = 0; i < 4; ++i) {
-    const auto [first, second] = wideAt(frame.light + more[i], cell.offset);
-    const Pair one = pairIn<DeviceType::kU16>(first), next = pairIn<DeviceType::kU16>(second);
-    key[i] = {one.first, next.first};
-    open[i] = {one.second, next.second};
-  }
-  const V unit = all(static_cast<float>(1 / kAllLight));
-  return {hn::Mul(unit, withinRows(key, cell)), hn::Mul(unit, withinRows(open, cell))};
+  if (!frame.key_light_varies) return arrivingIn<false, true>(frame, cell);
+  if (!frame.other_light_varies) return arrivingIn<true, false>(frame, cell);
+  return arrivingIn<true, true>(frame, cell);
 }
 
 // Applies lighting.h with this `flat` at a place in texels; `color` is premultiplied.

@@ -23,6 +23,8 @@ struct LightVolume {
   Vec3d scale{1, 1, 1}, offset;
   // x fastest, two numbers a texel, of kAllLight: of the key light, and of all other light.
   std::vector<uint16_t> texels;
+  // Whether either is less than all of it anywhere: a device need not look at what is not.
+  bool key_varies = true, other_varies = true;
 };
 using LightVolumePtr = std::shared_ptr<const LightVolume>;
 

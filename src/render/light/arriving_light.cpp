@@ -94,6 +94,8 @@ LightVolumePtr ArrivingLight::of(const TimeStep& step, const LookPtr& look, Matt
     const Vec3d voxels = toDouble(matter->grid.voxels);
     light.scale = Vec3d{1, 1, 1} / voxels;
     light.offset = matter->grid.centerOf({0, 0, 0}) / voxels * -1.0;
+    light.key_varies = !of_key.empty();
+    light.other_varies = ambient != nullptr;
     light.texels.reserve(2 * count);
     for (size_t i = 0; i < count; ++i) {
       light.texels.push_back(of_key.empty() ? static_cast<uint16_t>(kAllLight)
