@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <cstring>
+#include <vector>
 
 #include "io/stores/folder_store.h"
 #include "io/zarr/reading/zarr_source.h"
@@ -70,6 +72,39 @@ TEST_F(ZarrInAStore, hasItsLevelsAndAnErrorForAPieceThatChanges) {
 TEST_F(ZarrInAStore, aLevelByItselfHasItsScaleFromAround) {
   const ZarrSource source(StorePlace{mapOf("image"), "scale1/image"});
   EXPECT_EQ(source.layout().spacing, (Vec3d{2, 2, 6}));
+}
+
+// The index, at the end of the shard, says where each inner chunk lies: offset and length of each,
+// x fastest, and a checksum of 4 bytes.
+TEST_F(ZarrInAStore, aBoxOfAShardTakesItsInnerChunksAndOneIndex) {
+  constexpr Vec3i kInner{5, 4, 2}, kInners{4, 4, 8};
+  constexpr uint64_t kIndexBytes = 16 * kInners.x * kInners.y * kInners.z + 4;
+  const std::vector<Box3> boxes = {{{0, 0, 0}, {1, 1, 1}},
+                                   {{0, 0, 0}, {10, 4, 2}},
+                                   {{3, 2, 1}, {6, 6, 5}},
+                                   {{6, 1, 1}, {9, 3, 7}}};
+  for (const Box3& box : boxes) {
+    const auto map = mapOf("one_shard");
+    ZarrSource source(StorePlace{map, ""});
+    const std::string& shard = map->pieces.at("c/0/0/0");
+    uint64_t needed = 0;
+    for (int64_t z = box.lo.z / kInner.z; z * kInner.z < box.hi.z; ++z)
+      for (int64_t y = box.lo.y / kInner.y; y * kInner.y < box.hi.y; ++y)
+        for (int64_t x = box.lo.x / kInner.x; x * kInner.x < box.hi.x; ++x) {
+          const auto entry = static_cast<uint64_t>((z * kInners.y + y) * kInners.x + x);
+          uint64_t length = 0;
+          std::memcpy(&length, shard.data() + shard.size() - kIndexBytes + 16 * entry + 8, 8);
+          needed += length;
+        }
+    source.holdAtMost(uint64_t{1} << 20);
+    readBox(source, box, 0);
+    uint64_t indices = 0, bytes = 0;
+    for (const auto& [from, count] : map->parts["c/0/0/0"])
+      (from == PieceBytes::From::kEnd ? indices : bytes) += count;
+    EXPECT_EQ(indices, kIndexBytes);
+    EXPECT_GE(bytes, needed);
+    EXPECT_LE(static_cast<double>(bytes), 1.05 * static_cast<double>(needed));
+  }
 }
 
 // A shard that goes away after its index was read is no shard of fill values.

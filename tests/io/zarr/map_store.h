@@ -7,6 +7,8 @@
 #include <map>
 #include <mutex>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "io/stores/chunk_store.h"
 #include "src/base/error.h"
@@ -34,6 +36,10 @@ class MapStore final : public ChunkStore {
     if (found == pieces.end()) return false;
     const std::string& piece = found->second;
     const std::span<std::byte> out = room({piece.size(), has_changed});
+    {
+      const std::lock_guard lock(mutex_);
+      parts[key].emplace_back(wanted.from, out.size());
+    }
     const bool is_last = wanted.from == PieceBytes::From::kEnd;
     const size_t from = is_last ? piece.size() - out.size() : wanted.offset;
     if (from + out.size() > piece.size()) fail("{}: too short", nameOf(key));
@@ -46,6 +52,8 @@ class MapStore final : public ChunkStore {
 
   std::map<std::string, std::string> pieces;
   std::map<std::string, int> reads;  // how often each was asked for
+  // What was read of each, in its order: from its start or its end, and how many bytes.
+  std::map<std::string, std::vector<std::pair<PieceBytes::From, uint64_t>>> parts;
   bool has_changed = false;
 
  private:
