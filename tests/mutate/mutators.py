@@ -33,7 +33,7 @@ def apply(rng, kind, folder):
         way = missing
     try:
         said = way(rng, path)
-    except (ValueError, IndexError, struct.error, OSError, zlib.error, EOFError):
+    except (ValueError, IndexError, struct.error, OSError, zlib.error, EOFError, RecursionError):  # deeply nested JSON
         said = None
     return f"{path.name}: {said or damage(rng, path)}"
 
