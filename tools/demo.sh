@@ -11,11 +11,9 @@ caller=$OLDPWD
 mkdir -p out
 
 tools/setup.sh picture
-# Packages of the modules come while the program is compiled.
-tools/setup.sh build >out/setup.txt 2>&1 &
-setup=$!
+# What the modules need comes after the picture: unpacking it takes both processors, as compiling does.
 add_modules() {
-  wait "$setup" || { cat out/setup.txt >&2; exit 1; }
+  tools/setup.sh build
   cmake --preset demo -DSLUICE_VDB=ON >/dev/null
 }
 # Sources are compiled in batches, for half of the time. `cmake --preset release` compiles each by
