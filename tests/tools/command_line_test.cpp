@@ -268,6 +268,7 @@ TEST(CommandLine, aNearMissIsAnsweredWithTheRightWord) {
       {"bench", "limit, render"},
       {"render --size", "expected WxH after it"},
       {"render --size=", "expected WxH after the '='"},
+      {"render --shadows=", "--shadows: expected a value after the '='"},
       {"render --size 4 --size 5", "--size is given twice"},
       {"render -s 4 --size 5", "--size is given twice"},
       {"render -x", "no option -x"}};
@@ -292,6 +293,13 @@ TEST(CommandLine, distancesAreThoseOfInsertingDeletingReplacingAndSwapping) {
   EXPECT_EQ(editDistance("outptu", "output"), 1U);
   EXPECT_EQ(editDistance("MIP", "mip"), 0U);
   EXPECT_EQ(nearest("zebra", {"lion", "tiger"}), "");
+}
+
+TEST(CommandLine, aFlagsWrongValueIsNamedOnce) {
+  const Program program;
+  for (const char* option : {"--shadows", "--occlusion-light", "--depth-cueing", "--jitter"})
+    EXPECT_EQ(program.run("render synth:cube -o a.png " + std::string(option) + "=2").output,
+              "sluice: " + std::string(option) + ": expected a number from 0 to 1, found '2'\n");
 }
 
 TEST(CommandLine, aFullDeviceOrAClosedOutputIsStatusOne) {

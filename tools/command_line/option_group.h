@@ -161,7 +161,8 @@ class OptionGroup {
                           const std::string& help) const {
     const auto check = [=](const std::string& word) {
       const auto value = parse(word);
-      if (!value) refuse(name, word, expected);
+      // The parser puts the name in front.
+      if (!value) throw CLI::ValidationError("expected " + expected + ", found '" + word + "'");
       take(*value);
     };
     return app_.add_flag(name + "{" + bare + "}", help)->each(check)->group(heading_);

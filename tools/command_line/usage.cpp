@@ -114,7 +114,8 @@ class Walk {
     const CLI::Option* option = app_->get_option_no_throw(name);
     if (option == nullptr) return unknownOption(program_, *app_, name);
     if (equals + 1 == word.size())
-      return fmt::format("{}: expected {} after the '='", name, option->get_type_name());
+      return fmt::format("{}: expected {} after the '='", name,
+                         option->get_expected_max() == 0 ? "a value" : option->get_type_name());
     return take(*option, name, equals != std::string::npos);
   }
 
