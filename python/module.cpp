@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "python/arrays.h"
+#include "python/keywords.h"
 #include "python/picture_options.h"
 #include "python/renderer_handle.h"
 #include "python/running.h"
@@ -52,10 +53,7 @@ py::dict bucketAccess(const py::function& variable) {
 
 VolumeOptions volumeOptions(const py::dict& keywords) {
   VolumeOptions options;
-  const auto take = [&](const char* keyword, auto& held) {
-    if (keywords.contains(keyword) && !keywords[keyword].is_none())
-      held = keywords[keyword].cast<std::remove_reference_t<decltype(held)>>();
-  };
+  const auto take = [&](const char* keyword, auto& held) { takeKeyword(keywords, keyword, held); };
   take("dims", options.dims);
   take("type", options.type);
   take("big_endian", options.big_endian);
@@ -145,11 +143,14 @@ py::tuple histogramOf(const VolumeHandle& handle, int bins) {
 
 // A message of the library with keywords for the options that it names.
 std::string inKeywords(const Error& error) {
-  return renamed(lineInOptions(error), [](std::string_view option) {
+  std::string line = renamed(lineInOptions(error), [](std::string_view option) {
     std::string keyword(option.substr(2));
     std::ranges::replace(keyword, '-', '_');
     return keyword;
   });
+  // These fields are keywords of Renderer().
+  constexpr std::string_view kPipeline = "pipeline.";
+  return line.starts_with(kPipeline) ? line.substr(kPipeline.size()) : line;
 }
 
 const char* nameOf(Error::Kind kind) {

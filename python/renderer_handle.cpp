@@ -2,10 +2,10 @@
 
 #include <pybind11/stl.h>
 
-#include <type_traits>
 #include <utility>
 #include <vector>
 
+#include "python/keywords.h"
 #include "python/picture_options.h"
 
 namespace sluice::python {
@@ -15,8 +15,8 @@ PipelineOptions pipelineOf(const py::dict& keywords) {
   PipelineOptions pipeline;
   py::dict left = keywords.attr("copy")();
   const auto take = [&](const char* keyword, auto& held) {
-    const py::object value = left.attr("pop")(keyword, py::none());
-    if (!value.is_none()) held = value.cast<std::remove_reference_t<decltype(held)>>();
+    takeKeyword(keywords, keyword, held);
+    left.attr("pop")(keyword, py::none());
   };
   take("algorithm", pipeline.algorithm);
   take("merge", pipeline.merge);

@@ -395,6 +395,20 @@ class Requests(unittest.TestCase):
             sluice.Renderer(volume, memory='lots')
         with self.assertRaisesRegex(sluice.Error, 'no/such/file.nrrd'):
             sluice.open('no/such/file.nrrd')
+        for options, error, words in [
+                (dict(algorithm='V'), sluice.Error, '^algorithm "V": expected one of conventional, '),
+                (dict(pages=3), sluice.Error, '^pages 3: '), (dict(pages='a'), TypeError, '^pages: .*whole number'),
+                (dict(policy=4), TypeError, '^policy: expected text, found 4'),
+                (dict(seed=-1), TypeError, '^seed: .* from 0, found -1'), (dict(wheels=4), TypeError, 'wheels')]:
+            with self.subTest(options), self.assertRaisesRegex(error, words):
+                sluice.Renderer(volume, **options)
+        for options, error, words in [
+                (dict(block=17), sluice.Error, '^block 17: '), (dict(block='x'), TypeError, '^block: .*whole number'),
+                (dict(page=(1, 2)), TypeError, '^page: expected three whole numbers'),
+                (dict(dims='x'), TypeError, '^dims: '), (dict(spacing=2), TypeError, '^spacing: expected three numbers'),
+                (dict(grid=4), TypeError, '^grid: '), (dict(opens_soon='x'), TypeError, '^opens_soon: ')]:
+            with self.subTest(options), self.assertRaisesRegex(error, words):
+                sluice.open('synth:cube,dims=20x16x12', **options)
 
     def test_that_fail_say_what_has_to_change_in_words_of_python(self):
         volume = sluice.from_array(ball())
