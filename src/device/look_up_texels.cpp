@@ -75,12 +75,13 @@ ShownValues shownValues(const LookUp& look_up) {
   std::vector<int> of_surfaces;
   for (const SurfaceLevel& surface : look_up.surfaces)
     of_surfaces.push_back(all.entryOf(surface.level));
-  return {look_up.device_range, entries,
-          [&](int entry) {
-            return look_up.rgba[4 * static_cast<size_t>(entry) + 3] > 0 ||
-                   std::ranges::find(of_surfaces, entry) != of_surfaces.end();
-          },
-          ShownValues::reachOf(look_up.labels, look_up.device_range, entries)};
+  return {
+      look_up.device_range, entries,
+      [&](int entry) {
+        return look_up.rgba[4 * static_cast<size_t>(entry) + 3] > 0 ||
+               (!of_surfaces.empty() && std::ranges::find(of_surfaces, entry) != of_surfaces.end());
+      },
+      ShownValues::reachOf(look_up.labels, look_up.device_range, entries)};
 }
 
 std::array<double, 2> visibleValues(const LookUp& look_up) {

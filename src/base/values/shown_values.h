@@ -50,8 +50,13 @@ class ShownValues {
       : lo_(range.lo),
         entries_a_value_(range.hi > range.lo ? (entries - 1) / (range.hi - range.lo) : 0),
         entries_(entries) {
-    for (int entry = 0; entry < entries; ++entry)
-      if (shows(entry)) add(entry, reach == Reach::kBeside ? 1 : 0);
+    const int beside = reach == Reach::kBeside ? 1 : 0;
+    for (int entry = 0; entry < entries; ++entry) {
+      if (!shows(entry)) continue;
+      const int first = entry;
+      while (entry + 1 < entries && shows(entry + 1)) ++entry;
+      add(first - beside, entry + beside);
+    }
   }
 
   // The nearest entry, clamped to the table.
@@ -79,12 +84,12 @@ class ShownValues {
   friend bool operator==(const ShownValues&, const ShownValues&) = default;
 
  private:
-  // Takes in an entry that shows; they come in ascending order.
-  void add(int entry, int reach) {
-    if (!intervals_.empty() && entry - reach <= intervals_.back().last + 1)
-      intervals_.back().last = entry + reach;
+  // They come in ascending order.
+  void add(int first, int last) {
+    if (!intervals_.empty() && first <= intervals_.back().last + 1)
+      intervals_.back().last = last;
     else
-      intervals_.push_back({entry - reach, entry + reach});
+      intervals_.push_back({first, last});
   }
 
   double lo_ = 0, entries_a_value_ = 0;
@@ -97,6 +102,12 @@ class ShownValues {
 template <class T>
 class ShownVoxels {
  public:
+  // Ranges that reach up to `lo` and down to `hi` show. If the entries that show lie between two
+  // neighbouring integers, lo is the integer above them and hi the one below.
+  struct Interval {
+    T lo, hi;
+  };
+
   explicit ShownVoxels(const ShownValues& shown) {
     for (const auto [first, last] : shown.intervals()) {
       const int64_t from = firstOfEntry(shown, first), end = firstOfEntry(shown, last + 1);
@@ -113,6 +124,9 @@ class ShownVoxels {
     return first != intervals_.end() && first->lo <= hi;
   }
 
+  // Ascending at both ends. any(lo, hi) if one of them has lo <= its hi and hi >= its lo.
+  const std::vector<Interval>& intervals() const { return intervals_; }
+
   // True only if any() holds for every range inside lo to hi, since one interval contains them.
   // Requires: lo <= hi.
   bool allPartsOf(T lo, T hi) const {
@@ -123,12 +137,6 @@ class ShownVoxels {
   }
 
  private:
-  // Ranges that reach up to `lo` and down to `hi` show. If the entries that show lie between two
-  // neighbouring integers, lo is the integer above them and hi the one below.
-  struct Interval {
-    T lo, hi;
-  };
-
   // The finite values of T in ascending order are nth(0) to nth(kCount - 1).
   static constexpr int64_t kCount =
       std::is_integral_v<T> ? int64_t{1} << (8 * sizeof(T)) : int64_t{2} * 0x7f800000;

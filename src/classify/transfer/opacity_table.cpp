@@ -1,10 +1,13 @@
 #include "src/classify/transfer/opacity_table.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstring>
 
 #include "src/base/error.h"
+#include "src/base/wide_vectors.h"
 #include "src/classify/transfer/segments.h"
 
 namespace sluice {
@@ -69,11 +72,15 @@ int entryCount(ValueRange range, int most) {
 int spreadSteps(std::vector<float>& entries) {
   const std::vector<float> sharp = entries;
   const auto last = static_cast<ptrdiff_t>(sharp.size()) - 1;
-  const auto stepAt = [&](ptrdiff_t i) {
-    return std::abs(sharp[static_cast<size_t>(i) + 1] - sharp[static_cast<size_t>(i)]);
-  };
-  float largest = 0;
-  for (ptrdiff_t i = 0; i < last; ++i) largest = std::max(largest, stepAt(i));
+  // Some more steps of nothing, so that the loop for the greatest takes eight at once.
+  constexpr size_t kLanes = 8;
+  std::vector<float> steps(sharp.size() + kLanes);
+  for (size_t i = 0; i + 1 < sharp.size(); ++i) steps[i] = std::abs(sharp[i + 1] - sharp[i]);
+  std::array<float, kLanes> lanes{};
+  for (size_t i = 0; i < sharp.size(); i += kLanes)
+    for (size_t lane = 0; lane < kLanes; ++lane)
+      lanes[lane] = std::max(lanes[lane], steps[i + lane]);
+  const float largest = std::ranges::max(lanes);
   // One part more than needed, for the colours and slopes next to the step.
   const auto parts = static_cast<int>(std::min(largest / kVisible, 1000.0F)) + 2;
   const int step_entries =
@@ -83,7 +90,7 @@ int spreadSteps(std::vector<float>& entries) {
   // close together.
   ptrdiff_t done = 0;  // entries below are final
   for (ptrdiff_t step = 0; step < last; ++step) {
-    if (stepAt(step) <= kVisible) continue;
+    if (steps[static_cast<size_t>(step)] <= kVisible) continue;
     for (ptrdiff_t i = std::max(done, step + 1 - step_entries); i <= step; ++i) {
       float sum = 0;
       for (ptrdiff_t k = i; k <= i + step_entries; ++k)
@@ -109,21 +116,12 @@ OpacityTable::OpacityTable(const TransferFunction& transfer, const ValueMap& map
                                                                               : most_entries);
   const auto size = static_cast<size_t>(count);
   opacity_.resize(size);
-  rgb_.resize(3 * size);
-  SegmentCursor colors(transfer.colors);
-  SegmentCursor opacities(transfer.opacities);
-  for (size_t i = 0; i < size; ++i) {
-    const double value = map.valueOf(deviceAt(i));
-    const Vec3d color = colorIn(colors.at(value));
-    opacity_[i] = static_cast<float>(opacityIn(opacities.at(value)));
-    for (int channel = 0; channel < 3; ++channel)
-      rgb_[3 * i + static_cast<size_t>(channel)] = static_cast<float>(color[channel]);
-  }
+  rgba_.resize(4 * size);
+  inWideVectors([&] { sample(transfer, map); });
   // Labels lie on their entries, or far from steps.
-  if (!labels_) {
-    step_entries_ = spreadSteps(opacity_);
-    must_interpolate_ = neighborsDiffer();
-  }
+  if (!labels_) step_entries_ = spreadSteps(opacity_);
+  for (size_t i = 0; i < size; ++i) rgba_[4 * i + 3] = opacity_[i];
+  if (!labels_) must_interpolate_ = neighborsDiffer();
   addSurfaces(transfer, map);
   shown_ = ShownValues(
       range_, count,
@@ -132,15 +130,42 @@ OpacityTable::OpacityTable(const TransferFunction& transfer, const ValueMap& map
   addGradients(transfer, map);
 }
 
+void OpacityTable::sample(const TransferFunction& transfer, const ValueMap& map) {
+  const size_t size = opacity_.size();
+  std::vector<double> values(size), ways(size), parts(size);
+  // Copies, so that the loop can be vectorized.
+  const ValueRange range = range_;
+  const ValueMap to_value = map;
+  const auto last = std::max(1.0, static_cast<double>(size) - 1);
+  double* const out = values.data();
+  for (int i = 0; i < entries(); ++i)
+    out[i] = to_value.valueOf(range.lo + (range.hi - range.lo) * i / last);
+  const auto put = [&](const auto& run, float* out, size_t stride) {
+    for (size_t i = run.first; i < run.end; ++i) out[stride * i] = static_cast<float>(parts[i]);
+  };
+  eachRun(transfer.opacities, values, [&](const SegmentRun<OpacityPoint>& run) {
+    waysOf(run, values, ways);
+    lerpRun(run.a.opacity, run.b.opacity, run.of(ways), run.of(parts));
+    put(run, opacity_.data(), 1);
+  });
+  eachRun(transfer.colors, values, [&](const SegmentRun<ColorPoint>& run) {
+    waysOf(run, values, ways);
+    for (int c = 0; c < 3; ++c) {
+      lerpRun(run.a.rgb[c], run.b.rgb[c], run.of(ways), run.of(parts));
+      put(run, rgba_.data() + c, 4);
+    }
+  });
+}
+
 void OpacityTable::addSurfaces(const TransferFunction& transfer, const ValueMap& map) {
   // Rounding grows with the values. Rounding of positions, of a few millionths of a voxel, grows
   // with their range. A wider tie would let more surfaces be met twice where two boxes meet.
   const double of_range = (range_.hi - range_.lo) / (1 << 17);
   const double of_values = std::max(std::abs(range_.lo), std::abs(range_.hi)) / (1 << 20);
-  surface_tie_ = std::max(of_range, of_values) / 2;
+  // Values this close to a level may be on either of its sides by rounding.
+  const double tie = std::max(of_range, of_values) / 2;
   for (const IsoSurface& surface : transfer.surfaces)
-    surfaces_.push_back(
-        {map.deviceOf(surface.value) - 2 * surface_tie_, surface.opacity, surface.rgb});
+    surfaces_.push_back({map.deviceOf(surface.value) - 2 * tie, surface.opacity, surface.rgb});
   std::ranges::sort(surfaces_, {}, &SurfaceLevel::level);
   const ShownValues all(range_, entries(), [](int) { return true; });
   for (const SurfaceLevel& surface : surfaces_)
@@ -187,14 +212,23 @@ bool OpacityTable::showsAny(double lo, double hi, double gradient_lo, double gra
 }
 
 bool OpacityTable::neighborsDiffer() const {
-  for (size_t i = 0; i + 1 < opacity_.size(); ++i) {
+  for (size_t i = 0; i + 1 < opacity_.size(); ++i)
     if (std::abs(opacity_[i + 1] - opacity_[i]) > kVisible) return true;
-    for (size_t c = 0; c < 3; ++c)
-      if (std::abs(opacity_[i + 1] * rgb_[3 * i + 3 + c] - opacity_[i] * rgb_[3 * i + c]) >
-          kVisible)
-        return true;
+  // Four numbers at once: the last one stands for nothing.
+  using Numbers [[gnu::vector_size(16)]] = float;
+  const auto shownAt = [this](size_t entry) {
+    Numbers rgba;
+    std::memcpy(&rgba, &rgba_[4 * entry], sizeof rgba);
+    return rgba * opacity_[entry];
+  };
+  Numbers before = shownAt(0);
+  auto differs = before != before;
+  for (size_t i = 1; i < opacity_.size(); ++i) {
+    const Numbers now = shownAt(i), change = now - before;
+    differs |= (change > kVisible) | (change < -kVisible);
+    before = now;
   }
-  return false;
+  return differs[0] != 0 || differs[1] != 0 || differs[2] != 0;
 }
 
 }  // namespace sluice

@@ -53,8 +53,8 @@ class OpacityTable {
   bool labels() const { return labels_; }
   // Whether neighbouring entries differ by so much that a sample must interpolate.
   bool mustInterpolate() const { return must_interpolate_; }
-  // r, g, b of each entry, not premultiplied.
-  const std::vector<float>& rgb() const { return rgb_; }
+  // r, g, b of each entry, not premultiplied, and its opacity.
+  const std::vector<float>& rgba() const { return rgba_; }
 
   // The gradient magnitudes of the rows, in device values per voxel length of the finest spacing.
   // Empty: the gradient makes no difference.
@@ -64,9 +64,6 @@ class OpacityTable {
 
   // Ascending by level.
   const std::vector<SurfaceLevel>& surfaces() const { return surfaces_; }
-  // Values this close to a level may be on either of its sides by rounding; half of the distance
-  // from a surface's value to its level.
-
   // The device values that show something, surfaces too, whatever the gradient.
   const ShownValues& shown() const { return shown_; }
   // shown().anyIn(lo, hi) for samples whose gradient's magnitude is between `gradient_lo` and
@@ -74,6 +71,7 @@ class OpacityTable {
   bool showsAny(double lo, double hi, double gradient_lo, double gradient_hi) const;
 
  private:
+  void sample(const TransferFunction& transfer, const ValueMap& map);
   void addGradients(const TransferFunction& transfer, const ValueMap& map);
   void addSurfaces(const TransferFunction& transfer, const ValueMap& map);
   bool isSurfaceEntry(int entry) const;
@@ -85,12 +83,11 @@ class OpacityTable {
 
   ValueRange range_, volume_range_;
   std::vector<float> opacity_;
-  std::vector<float> rgb_;
+  std::vector<float> rgba_;
   int step_entries_ = 0;
   bool must_interpolate_ = false, labels_ = false;
   std::vector<SurfaceLevel> surfaces_;
   std::vector<int> surface_entries_;  // the nearest ones of their levels
-  double surface_tie_ = 0;
   ShownValues shown_;
   std::vector<double> magnitudes_;
   std::vector<float> factors_;

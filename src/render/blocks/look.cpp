@@ -11,12 +11,7 @@ LookUp lookUp(const OpacityTable& table, double finest_spacing) {
   LookUp result;
   result.device_range = table.deviceRange();
   result.interpolates = table.mustInterpolate();
-  result.rgba.resize(4 * static_cast<size_t>(table.entries()));
-  for (size_t i = 0; i < static_cast<size_t>(table.entries()); ++i) {
-    for (size_t channel = 0; channel < 3; ++channel)
-      result.rgba[4 * i + channel] = table.rgb()[3 * i + channel];
-    result.rgba[4 * i + 3] = table.opacity()[i];
-  }
+  result.rgba = table.rgba();
   for (const double magnitude : table.magnitudes())
     result.magnitudes.push_back(magnitude / finest_spacing);
   result.factors = table.factors();

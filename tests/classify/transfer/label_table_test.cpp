@@ -105,7 +105,7 @@ TEST(LabelTable, everyOfManyLabelsHasItsOwnEntry) {
   for (int i = 0; i < 65536; ++i) {
     const auto at = static_cast<size_t>(i);
     ASSERT_EQ(table.opacity()[at], i % 3 == 0 ? 0.0F : 0.5F) << i;
-    ASSERT_EQ(table.rgb()[3 * at + 1], static_cast<float>(i / 256 / 255.0)) << i;
+    ASSERT_EQ(table.rgba()[4 * at + 1], static_cast<float>(i / 256 / 255.0)) << i;
     ASSERT_EQ(table.shown().anyIn(i, i), i % 3 != 0) << i;
   }
 }

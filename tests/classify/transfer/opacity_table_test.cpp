@@ -87,7 +87,7 @@ TEST(OpacityTable, entriesHoldTheTransferFunction) {
     const double value = 2 * deviceOf(table, entry) - 20;
     ASSERT_NEAR(table.opacity()[static_cast<size_t>(entry)], opacityAt(transfer, value), 1e-6);
     for (int c = 0; c < 3; ++c)
-      ASSERT_NEAR(table.rgb()[static_cast<size_t>(3 * entry + c)], colorAt(transfer, value)[c],
+      ASSERT_NEAR(table.rgba()[static_cast<size_t>(4 * entry + c)], colorAt(transfer, value)[c],
                   1e-6);
   }
 }
@@ -231,7 +231,7 @@ TEST(OpacityTable, aValueFarOffLeavesTheEntriesToWhereTheTransferFunctionChanges
     for (const double value : {0.0, 0.1, 0.3, 0.55, 0.9, 1.0}) {
       const auto entry = static_cast<size_t>(table.entryOf(value));
       EXPECT_NEAR(table.opacity()[entry], opacityAt(transfer, value), 1e-4);
-      EXPECT_NEAR(table.rgb()[3 * entry], colorAt(transfer, value).x, 1e-4);
+      EXPECT_NEAR(table.rgba()[4 * entry], colorAt(transfer, value).x, 1e-4);
     }
     EXPECT_FLOAT_EQ(table.opacity()[static_cast<size_t>(table.entryOf(range.hi))],
                     static_cast<float>(opacityAt(transfer, range.hi)));

@@ -213,21 +213,40 @@ TEST(GradientFactor, rowsAreValidated) {
   validate(most, "most");
 }
 
-TEST(TransferFunction, aCursorFindsTheSegmentsThatASearchFinds) {
-  // Steps, a far end, and values at, between and beyond the points, up, down and at random.
-  const std::vector<OpacityPoint> points{{-2, 0.1}, {1, 0.3}, {1, 0.7},
-                                         {1, 0.2},  {5, 1},   {1e300, 0}};
-  std::vector<double> values{-1e300, -2, -1, 1, 1.5, 5, 6, 1e300, 1.5e300};
-  const size_t ascending = values.size();
-  for (size_t i = ascending; i-- > 0;) values.push_back(values[i]);
-  std::mt19937 random(7);
-  for (int i = 0; i < 200; ++i) values.push_back(values[random() % ascending]);
-  SegmentCursor cursor(points);
-  for (const double value : values) {
-    const Segment<OpacityPoint> found = cursor.at(value), expected = segmentAt(points, value);
-    EXPECT_EQ(&found.a, &expected.a) << value;
-    EXPECT_EQ(&found.b, &expected.b) << value;
-    EXPECT_EQ(found.t, expected.t) << value;
+TEST(TransferFunction, runsAreTheSegmentsThatASearchFinds) {
+  // Steps, a far end, and values at, between and beyond the points, up and down.
+  const std::vector<OpacityPoint> points{{-2, 0.1}, {1, 0.3},   {1, 0.7},      {1, 0.2},
+                                         {5, 1},    {1e300, 0}, {1.7e308, 0.5}};
+  std::vector<double> values{-1e300, -2, -1, 1, 1.5, 5, 6, 1e300, 1.5e300, 1.7e308};
+  for (const bool descends : {false, true}) {
+    if (descends) std::ranges::reverse(values);
+    std::vector<double> ways(values.size());
+    size_t next = 0;
+    eachRun(points, values, [&](const SegmentRun<OpacityPoint>& run) {
+      EXPECT_EQ(run.first, next);
+      waysOf(run, values, ways);
+      for (next = run.first; next < run.end; ++next) {
+        const Segment<OpacityPoint> expected = segmentAt(points, values[next]);
+        EXPECT_EQ(&run.a, &expected.a) << values[next];
+        EXPECT_EQ(&run.b, &expected.b) << values[next];
+        EXPECT_EQ(ways[next], expected.t) << values[next];
+      }
+    });
+    EXPECT_EQ(next, values.size());
+  }
+}
+
+TEST(TransferFunction, aRunIsInterpolatedToTheLastBit) {
+  std::mt19937_64 random(11);
+  std::uniform_real_distribution<double> part(-1, 1), way(0, 1);
+  for (int i = 0; i < 200; ++i) {
+    const double a = i % 5 == 0 ? 0 : part(random), b = i % 7 == 0 ? a : part(random);
+    std::vector<double> ways{0, 1, std::nextafter(1, 0)};
+    while (ways.size() < 40) ways.push_back(way(random));
+    std::vector<double> out(ways.size());
+    lerpRun(a, b, ways, out);
+    for (size_t k = 0; k < ways.size(); ++k)
+      ASSERT_EQ(out[k], std::lerp(a, b, ways[k])) << a << ' ' << b << ' ' << ways[k];
   }
 }
 
