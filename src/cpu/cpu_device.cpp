@@ -24,6 +24,9 @@ constexpr size_t kMostPutOffBoxes = 1 << 16;
 // If more than this share of a chunk's bricks shows something, looking for empty ones costs more
 // than it saves.
 constexpr double kMostShownToLeap = 0.9;
+// Leap grids of evicted chunks, beyond as many as are resident, after which those of lost texels
+// are thrown away.
+constexpr size_t kMostEvicted = 64;
 // Boxes of a tile between two looks whether to stop.
 constexpr size_t kBoxesBetweenStops = 256;
 
@@ -68,7 +71,13 @@ DeviceLimits CpuDevice::limits() const {
 }
 
 void CpuDevice::makeResident(uint64_t id, ChunkTexelsPtr texels) {
-  const bool fresh = resident_.emplace(id, Resident{std::move(texels), false, {}, 0}).second;
+  Leaps leaps;
+  if (const auto known = evicted_.find(texels.get()); known != evicted_.end()) {
+    if (known->second.texels.lock() == texels) leaps = std::move(known->second.leaps);
+    evicted_.erase(known);
+  }
+  const bool fresh =
+      resident_.emplace(id, Resident{std::move(texels), false, std::move(leaps)}).second;
   SLUICE_CHECK(fresh);
 }
 
@@ -76,7 +85,12 @@ void CpuDevice::evict(uint64_t id) {
   const auto found = resident_.find(id);
   SLUICE_CHECK(found != resident_.end());
   if (found->second.is_put_off) drawNow();
+  auto [texels, is_put_off, leaps] = std::move(found->second);
   resident_.erase(found);
+  if (leaps.grid) evicted_[texels.get()] = {texels, std::move(leaps)};
+  texels.reset();
+  if (evicted_.size() > resident_.size() + kMostEvicted)
+    std::erase_if(evicted_, [](const auto& known) { return known.second.texels.expired(); });
 }
 
 void CpuDevice::beginFrame(const FrameSetup& setup, const StopToken& stop) {
@@ -139,14 +153,15 @@ void CpuDevice::prepareLeaps() {
   std::vector<Resident*> stale;
   for (auto& [id, chunk] : resident_) {
     if (!chunk.is_put_off) continue;
-    if (chunk.leaps && chunk.leaps->margin != margin) chunk.leaps.reset();
-    if (!chunk.leaps || chunk.leaps_for != shown_number_) stale.push_back(&chunk);
+    Leaps& leaps = chunk.leaps;
+    if (leaps.grid && leaps.grid->margin != margin) leaps.grid.reset();
+    if (!leaps.grid || leaps.made_for != shown_number_) stale.push_back(&chunk);
   }
   pool_.parallelFor(static_cast<int64_t>(stale.size()), [&](int64_t i) {
-    Resident& chunk = *stale[static_cast<size_t>(i)];
-    if (!chunk.leaps) chunk.leaps = leapGrid(*chunk.texels, setup_.look_up->expected.get(), margin);
-    setDistances(*chunk.leaps, chunk.texels->type, shown_);
-    chunk.leaps_for = shown_number_;
+    auto& [texels, is_put_off, leaps] = *stale[static_cast<size_t>(i)];
+    if (!leaps.grid) leaps.grid = leapGrid(*texels, setup_.look_up->expected.get(), margin);
+    setDistances(*leaps.grid, texels->type, shown_);
+    leaps.made_for = shown_number_;
   });
 }
 
@@ -159,8 +174,8 @@ void CpuDevice::drawNow(const Then& then, Keep keep) {
   for (const BoxDraw& box : put_off_) {
     const Resident& chunk = resident_.at(box.chunk);
     SLUICE_CHECK(!chunk.texels->has_spread || drawsSpreads(setup_));
-    const bool leaps = leaps_ && chunk.leaps->shown_share < kMostShownToLeap;
-    appendBox(setup_, box, chunk.texels.get(), leaps ? &*chunk.leaps : nullptr, boxes);
+    const bool leaps = leaps_ && chunk.leaps.grid->shown_share < kMostShownToLeap;
+    appendBox(setup_, box, chunk.texels.get(), leaps ? &*chunk.leaps.grid : nullptr, boxes);
   }
   forgetPutOff();
   const TileBins bins = binsOf(boxes);

@@ -56,11 +56,20 @@ class CpuDevice : public Device, public DrawsRows {
   std::optional<PictureRows> rows() const override { return rows_; }
 
  private:
+  struct Leaps {
+    std::optional<LeapGrid> grid;  // once the chunk was drawn
+    uint64_t made_for = 0;         // which `shown_number_` its distances are of
+  };
   struct Resident {
     ChunkTexelsPtr texels;
-    bool is_put_off = false;        // boxes of it are
-    std::optional<LeapGrid> leaps;  // once it was drawn
-    uint64_t leaps_for = 0;         // which `shown_number_` its distances are of
+    bool is_put_off = false;  // boxes of it are
+    Leaps leaps;
+  };
+  // Of a chunk that was evicted: it comes back with the same texels if it is still in the level
+  // below, as when a threshold goes to and fro.
+  struct Evicted {
+    std::weak_ptr<const ChunkTexels> texels;
+    Leaps leaps;
   };
 
   void forgetPutOff();
@@ -80,6 +89,7 @@ class CpuDevice : public Device, public DrawsRows {
   const Kernels& kernels_;
   const std::string renderer_;
   std::unordered_map<uint64_t, Resident> resident_;
+  std::unordered_map<const ChunkTexels*, Evicted> evicted_;
   FrameSetup setup_;
   std::optional<LookUpTables> look_up_;  // for the last frame
   std::optional<FrameTables> tables_;    // for the current frame

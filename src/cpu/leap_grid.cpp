@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <span>
 #include <type_traits>
 
 #include "src/base/error.h"
+#include "src/base/wide_vectors.h"
 
 namespace sluice {
 namespace {
@@ -146,74 +148,100 @@ void setRangesOfSpreads(const ChunkTexels& chunk, const ExpectedLook* expected, 
       });
 }
 
-// Of each value of one byte the least `hi` for which a sample from it to `hi` may show something;
-// 256: none. Bricks are many more than bytes.
-std::array<uint16_t, 256> leastShown(const ShownValues& shown) {
-  std::array<uint16_t, 256> least{};
-  uint16_t hi = 0;
-  for (uint16_t lo = 0; lo < 256; ++lo) {
-    hi = std::max(hi, lo);
-    while (hi < 256 && !shown.anyIn(lo, hi)) ++hi;
-    least[lo] = hi;
+// Sets 1 where something may show, otherwise 0.
+template <class T>
+void markShown(const Range<T>* ranges, const ShownVoxels<T>& shown, std::span<uint8_t> marks) {
+  // Of a few intervals each is one loop over the bricks.
+  constexpr size_t kFewIntervals = 4;
+  if (shown.intervals().size() > kFewIntervals) {
+    for (size_t i = 0; i < marks.size(); ++i)
+      marks[i] = ranges[i].lo <= ranges[i].hi && shown.any(ranges[i].lo, ranges[i].hi) ? 1 : 0;
+    return;
   }
-  return least;
-}
-
-// 0 where something may show, otherwise kMostDistance. Returns how many bricks show something.
-size_t markShown(const LeapGrid& grid, DeviceType type, const ShownValues& shown,
-                 std::span<uint8_t> distances) {
-  size_t count = 0;
-  const auto mark = [&](size_t i, bool shows) {
-    distances[i] = shows ? 0 : kMostDistance;
-    count += shows ? 1 : 0;
-  };
-  visitDeviceType(type, [&](auto tag) {
-    using T = decltype(tag);
-    const auto* ranges = reinterpret_cast<const Range<T>*>(grid.ranges.data());
-    if constexpr (std::is_same_v<T, uint8_t>) {
-      const std::array<uint16_t, 256> least = leastShown(shown);
-      for (size_t i = 0; i < distances.size(); ++i)
-        mark(i, ranges[i].lo <= ranges[i].hi && ranges[i].hi >= least[ranges[i].lo]);
-    } else {
-      for (size_t i = 0; i < distances.size(); ++i)
-        mark(i, shown.anyIn(static_cast<double>(ranges[i].lo), static_cast<double>(ranges[i].hi)));
+  std::ranges::fill(marks, uint8_t{0});
+  for (const auto [lo, hi] : shown.intervals())
+    for (size_t i = 0; i < marks.size(); ++i) {
+      const Range<T> range = ranges[i];
+      const bool shows = (range.lo <= hi) & (range.hi >= lo) & (range.lo <= range.hi);
+      marks[i] = static_cast<uint8_t>(marks[i] | static_cast<uint8_t>(shows));
     }
-  });
-  return count;
 }
 
-// Takes into `out` the distance over the bricks `in`, which are `way` bricks away.
-void takeFrom(const uint8_t* __restrict in, uint8_t way, uint8_t* __restrict out, int64_t count) {
-  for (int64_t i = 0; i < count; ++i) out[i] = std::min(out[i], std::max(in[i], way));
+// A bit a brick, in their order, so that one operation spreads 64 bricks. Before and behind lie
+// `margin` words of nothing.
+struct BrickBits {
+  BrickBits(size_t bricks, size_t margin)
+      : margin(margin), words(2 * margin + (bricks + 63) / 64) {}
+  size_t margin;
+  std::vector<uint64_t> words;
+  size_t size() const { return words.size() - 2 * margin; }
+  uint64_t* begin() { return words.data() + margin; }
+  const uint64_t* begin() const { return words.data() + margin; }
+  uint8_t byte(size_t i) const { return static_cast<uint8_t>(begin()[i / 8] >> (8 * (i % 8))); }
+};
+
+// The bits of bricks that are not the first ones of their line along an axis, lines of `count`
+// bricks at distances of `stride`.
+BrickBits notFirst(size_t bricks, size_t margin, size_t count, size_t stride) {
+  BrickBits bits(bricks, margin);
+  std::fill_n(bits.begin(), bits.size(), ~uint64_t{0});
+  // Nothing spreads behind the last brick.
+  if (bricks % 64 != 0) bits.begin()[bricks / 64] = (uint64_t{1} << (bricks % 64)) - 1;
+  for (size_t line = 0; line < bricks; line += count * stride)
+    for (size_t i = line; i < std::min(line + stride, bricks); ++i)
+      bits.begin()[i / 64] &= ~(uint64_t{1} << (i % 64));
+  return bits;
 }
 
-// The distance of the greatest axis is separable: along x those of a line, then for each further
-// axis the least, over the bricks of a line, of the greater of their distance and the way to them.
-void spreadAlongX(std::span<uint8_t> distances, int64_t count) {
-  // A line with nothing on both sides, so that each way is one loop without a condition.
-  const auto columns = static_cast<size_t>(count);
-  std::vector<uint8_t> before(columns + 2 * kMostDistance, kMostDistance);
-  for (size_t line = 0; line < distances.size(); line += columns) {
-    uint8_t* const out = distances.data() + line;
-    std::copy_n(out, columns, before.data() + kMostDistance);
-    for (uint8_t way = 1; way < kMostDistance; ++way) {
-      takeFrom(before.data() + kMostDistance - way, way, out, count);
-      takeFrom(before.data() + kMostDistance + way, way, out, count);
-    }
+// out = in and the neighbours of its bricks at a distance of `stride` bits, in one line.
+void spread(const BrickBits& in, const BrickBits& not_first, size_t stride, BrickBits& out) {
+  const auto words = static_cast<ptrdiff_t>(stride / 64), size = static_cast<ptrdiff_t>(in.size());
+  const auto bits = static_cast<int>(stride % 64);
+  const uint64_t *const from = in.begin(), *const mask = not_first.begin();
+  uint64_t* const to = out.begin();
+  // Two shifts, since one by 64 bits is not defined.
+  for (ptrdiff_t i = 0; i < size; ++i) {
+    const uint64_t up = (from[i - words] << bits) | ((from[i - words - 1] >> 1) >> (63 - bits));
+    const ptrdiff_t a = i + words, b = a + 1;
+    const uint64_t down =
+        ((from[a] & mask[a]) >> bits) | (((from[b] & mask[b]) << 1) << (63 - bits));
+    to[i] = from[i] | (up & mask[i]) | down;
   }
 }
 
-// `stride` is the axis's, of which there are `count` bricks.
-void spreadAlong(std::span<uint8_t> distances, int64_t count, int64_t stride,
-                 std::vector<uint8_t>& before) {
-  before.assign(distances.begin(), distances.end());
-  const int64_t line = count * stride, all = static_cast<int64_t>(distances.size());
-  for (int64_t at = 0; at < all; at += line)
-    for (uint8_t way = 1; way < kMostDistance && way < count; ++way) {
-      const int64_t shift = way * stride;
-      takeFrom(before.data() + at, way, distances.data() + at + shift, line - shift);
-      takeFrom(before.data() + at + shift, way, distances.data() + at, line - shift);
-    }
+// Byte i of entry e is bit i of e.
+constexpr std::array<uint64_t, 256> kBytesOfBits = [] {
+  std::array<uint64_t, 256> bytes{};
+  for (size_t e = 0; e < 256; ++e)
+    for (size_t bit = 0; bit < 8; ++bit) bytes[e] |= uint64_t{e >> bit & 1} << (8 * bit);
+  return bytes;
+}();
+
+// Turns the marks of bricks that show, in whole eights, into the distances to them.
+void spreadMarks(Vec3i size, std::span<uint8_t> marks) {
+  const auto x = static_cast<size_t>(size.x), y = static_cast<size_t>(size.y);
+  const auto bricks = static_cast<size_t>(volume(size));
+  const size_t margin = x * y / 64 + 2;
+  BrickBits bits(bricks, margin), other = bits;
+  constexpr uint64_t kBitsOfBytes = 0x0102040810204080;
+  const auto eights = marks.size() / 8;
+  for (size_t i = 0; i < eights; ++i) {
+    uint64_t bytes;
+    std::memcpy(&bytes, &marks[8 * i], sizeof bytes);
+    bits.begin()[i / 8] |= (bytes * kBitsOfBytes >> 56) << (8 * (i % 8));
+  }
+  const BrickBits inner_x = notFirst(bricks, margin, x, 1),
+                  inner_y = notFirst(bricks, margin, y, x);
+  const BrickBits inner_z = notFirst(bricks, margin, static_cast<size_t>(size.z), x * y);
+  std::vector<uint64_t> distances(eights, kMostDistance * uint64_t{0x0101010101010101});
+  for (int distance = 0; distance < kMostDistance; ++distance) {
+    for (size_t i = 0; i < eights; ++i) distances[i] -= kBytesOfBits[bits.byte(i)];
+    spread(bits, inner_x, 1, other);
+    spread(other, inner_y, x, bits);
+    spread(bits, inner_z, x * y, other);
+    std::swap(bits, other);
+  }
+  std::memcpy(marks.data(), distances.data(), marks.size());
 }
 
 }  // namespace
@@ -226,28 +254,33 @@ LeapGrid leapGrid(const ChunkTexels& chunk, const ExpectedLook* expected, int64_
     grid.bricks[a] = (std::max<int64_t>(storage[a] - 1, 1) + kBrickSide - 1) / kBrickSide;
   const auto bricks = static_cast<size_t>(volume(grid.bricks));
   grid.ranges.resize(bricks * 2 * bytesPerVoxel(chunk.type));
-  visitDeviceType(chunk.type, [&](auto tag) {
-    using T = decltype(tag);
-    if (chunk.has_spread)
-      setRangesOfSpreads<T>(chunk, expected, grid);
-    else
-      setRanges<T>(chunk, margin, grid);
+  inWideVectors([&] {
+    visitDeviceType(chunk.type, [&](auto tag) {
+      using T = decltype(tag);
+      if (chunk.has_spread)
+        setRangesOfSpreads<T>(chunk, expected, grid);
+      else
+        setRanges<T>(chunk, margin, grid);
+    });
   });
   return grid;
 }
 
 void setDistances(LeapGrid& grid, DeviceType type, const ShownValues& shown) {
   const auto bricks = static_cast<size_t>(volume(grid.bricks));
-  grid.distances.assign(bricks + 4, 0);
-  const std::span distances(grid.distances.data(), bricks);
-  const size_t count = markShown(grid, type, shown, distances);
-  grid.shown_share = static_cast<double>(count) / static_cast<double>(bricks);
-  if (count == 0) return;
-  const Vec3i size = grid.bricks;
-  std::vector<uint8_t> before;
-  spreadAlongX(distances, size.x);
-  spreadAlong(distances, size.y, size.x, before);
-  spreadAlong(distances, size.z, size.x * size.y, before);
+  const size_t eights = (bricks + 7) / 8 * 8;
+  grid.distances.assign(eights + 4, 0);
+  const std::span marks(grid.distances.data(), eights);
+  inWideVectors([&] {
+    visitDeviceType(type, [&](auto tag) {
+      using T = decltype(tag);
+      markShown(reinterpret_cast<const Range<T>*>(grid.ranges.data()), ShownVoxels<T>(shown),
+                marks.first(bricks));
+    });
+    const auto count = std::count(marks.begin(), marks.end(), uint8_t{1});
+    grid.shown_share = static_cast<double>(count) / static_cast<double>(bricks);
+    spreadMarks(grid.bricks, marks);
+  });
 }
 
 }  // namespace sluice

@@ -264,5 +264,36 @@ TEST(LeapGridTest, leapsFollowTheLook) {
   }
 }
 
+// A device keeps the bricks of a chunk that was evicted, too: not for other texels, even at the
+// same address.
+TEST(LeapGridTest, aChunkThatComesBackLeapsAsBefore) {
+  VolumeLayout layout;
+  layout.dims = kDims;
+  FrameOptions options;
+  options.size = {67, 59};
+  const FrameSetup setup = setupOf(layout, options, {{0, 0}, {99, 0}, {100, 0.1}, {255, 0.3}});
+  const Drawn expected = draw(SimdTarget::kAuto, setup, true);
+  TestCpuDevice kept;
+  ChunkTexelsPtr texels = texelsOf(DeviceType::kU8);
+  for (int turn = 0; turn < 3; ++turn) {
+    kept.makeResident(1, texels);
+    const Drawn drawn = drawOn(kept, setup, true);
+    EXPECT_EQ(drawn.picture.rgba, expected.picture.rgba);
+    EXPECT_EQ(drawn.taken, expected.taken);
+    kept.evict(1);
+  }
+  for (int turn = 0; turn < 20; ++turn) {
+    texels.reset();
+    const auto value = static_cast<std::byte>(turn % 2 == 0 ? 0 : 200);
+    texels = chunkTexels(kDims, DeviceType::kU8,
+                         std::vector<std::byte>(static_cast<size_t>(volume(kDims)), value));
+    kept.makeResident(1, texels);
+    const Picture picture = drawOn(kept, setup, true).picture;
+    const bool shows = std::ranges::any_of(picture.rgba, [](float part) { return part > 0; });
+    EXPECT_EQ(shows, turn % 2 != 0);
+    kept.evict(1);
+  }
+}
+
 }  // namespace
 }  // namespace sluice
