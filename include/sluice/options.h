@@ -157,8 +157,8 @@ struct PictureOptions {
     // light that matter around a place does; each from 0 to 1, unset: 0. Not for opacities that
     // depend on gradients.
     std::optional<double> shadows = {}, occlusion = {};
-    // The share by which colours at the farthest corner of what is shown are darkened, in
-    // proportion to the depth behind the nearest corner; from 0 to 1, unset: 0. Composite mode, lit
+    // The share by which colours at the farthest part of what the look shows are darkened, in
+    // proportion to the depth behind the nearest part; from 0 to 1, unset: 0. Composite mode, lit
     // or not.
     std::optional<double> depth_cueing = {};
     friend bool operator==(const Lighting&, const Lighting&) = default;

@@ -20,7 +20,7 @@ inline constexpr int kDepthSteps = 4096;
 inline constexpr int kPlaceSteps = 4094;
 inline constexpr double kPlaceShift = 0.618;
 
-// `depth`: from 0 at the nearest corner of what is shown to 1 at the farthest.
+// `depth`: from 0 at the nearest of FrameSetup::shown_depths to 1 at the farthest.
 inline double depthCode(double place, double depth) {
   const double nearness = std::floor((1 - std::clamp(depth, 0.0, 1.0)) * (kDepthSteps - 1) + 0.5);
   return std::floor(place * kPlaceSteps + kPlaceShift) * kDepthSteps + nearness;

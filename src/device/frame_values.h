@@ -98,7 +98,9 @@ struct FrameSetup {
   int64_t first_slice = 0;                   // slices below lie behind the eye
   double first_depth = 0, depth_step = 1;    // world depth of slice k: first + (k + 1/2) * step
   std::array<double, 4> depth_from_index{};  // the row that takes (index position, 1) to its depth
-  // World depths of the nearest and the farthest corner of `shown`, in front of a perspective eye.
+  // World depths between which depth colours samples: of what the transfer function shows, or of
+  // the corners of `shown`; in front of a perspective eye. Samples beyond have the colours of the
+  // ends.
   std::array<double, 2> shown_depths{};
   // Unit lengths between samples: this for a parallel view; for a perspective one times the length
   // of (u tan_half.x, v tan_half.y, 1), u and v from -1 to 1. Opacity is corrected by it.
@@ -115,8 +117,8 @@ struct FrameSetup {
   // `length` being the unit lengths between samples. Samples that do not take part count as 0.
   std::array<double, 2> window{0, 1};
   double attenuation = 0;
-  // Modes that colour by depth (depth_code.h): colours from the nearest corner of what is shown to
-  // the farthest, at even distances, linear in between. `window` as above, ascending in values.
+  // Modes that colour by depth (depth_code.h): colours from the nearest of `shown_depths` to the
+  // farthest, at even distances, linear in between. `window` as above, ascending in values.
   std::vector<Vec3d> depth_colors;
   double opacity_threshold = 1;      // a ray ends inside a box at this opacity; 1: never
   bool with_depth = false;           // composite only: the picture gets a depth channel

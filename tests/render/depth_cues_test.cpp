@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
+#include <vector>
 
 #include "src/device/blue_noise.h"
 #include "src/render/camera/index_space.h"
@@ -113,6 +115,54 @@ TEST_F(DepthCuesTest, cuedPicturesAreTheReferencePicture) {
       options.crop = Box3{{3, 4, 5}, {55, 46, 50}};
       expectRightPicture(*source, surfaces, options, options, true);
     }
+}
+
+// What shows may take a part of the volume's depth: its nearest part is bright, its farthest black.
+TEST_F(DepthCuesTest, depthsAreThoseOfWhatShows) {
+  const auto source = makeMemorySource<uint8_t>(
+      Vec3i{16, 16, 41}, [](auto, auto, int64_t z) { return z >= 10 && z <= 20 ? 200.0 : 0.0; });
+  const VolumeLayout& layout = source->layout();
+  const auto shown = std::make_shared<const std::vector<Vec3d>>(
+      std::vector{worldFromIndex(layout, {0, 0, 10}), worldFromIndex(layout, {15, 15, 20})});
+  TransferFunction green{{{0, {0, 1, 0}}}, {{90, 0}, {100, 1}}, "opaque"};
+  for (const int64_t block : {8, 16, 64}) {
+    RenderScene scene(device(), *source, green, {.block_vox = block});
+    FrameOptions options = fromAbove(layout, Mode::kComposite);
+    options.step_vox = 0.25;
+    options.depth_cueing = 1;
+    // The upper face is the nearest; seen from below, the lower one.
+    options.shown_points = shown;
+    EXPECT_NEAR(scene.draw(options).at(8, 8)[1], 1, 0.06) << block;
+    // Half of it is left at half its depth.
+    options.crop = Box3{{0, 0, 0}, {16, 16, 16}};
+    EXPECT_NEAR(scene.draw(options).at(8, 8)[1], 1, 0.06) << block;
+    options.crop.reset();
+    options.clip_planes = {{{0, 0, 1}, worldFromIndex(layout, {0, 0, 15}).z}};
+    EXPECT_NEAR(scene.draw(options).at(8, 8)[1], 0.5, 0.06) << block;
+  }
+  RenderScene maximum(device(), *source, redToBlue(0, 200), {.block_vox = 8});
+  FrameOptions options = fromAbove(layout, Mode::kDepthMip);
+  options.shown_points = shown;
+  EXPECT_NEAR(maximum.draw(options).at(8, 8)[2], 1, 0.003);
+  options.clip_planes = {{{0, 0, 1}, worldFromIndex(layout, {0, 0, 15}).z}};
+  EXPECT_NEAR(maximum.draw(options).at(8, 8)[2], 0.5, 0.003);
+}
+
+TEST_F(DepthCuesTest, picturesOfShownDepthsAreTheReferencePicture) {
+  const auto source = spacedBlobs();
+  const VolumeLayout& layout = source->layout();
+  FrameOptions options = obliqueView(kProjections[0]);
+  options.shown_points = std::make_shared<const std::vector<Vec3d>>(
+      std::vector{worldFromIndex(layout, {20, 18, 16}), worldFromIndex(layout, {40, 30, 35})});
+  for (const Projection projection : kProjections) {
+    options.camera.projection = projection;
+    options.depth_cueing = 0.8;
+    options.mode = Mode::kComposite;
+    expectRightPicture(*source, someTransfer(), options, options, true);
+    options.mode = Mode::kDepthMip;
+    expectRightPicture(*source, wholeRangeTransfer("turbo", valueRangeOf(*source)), options,
+                       options, false);
+  }
 }
 
 TEST_F(DepthCuesTest, jitteredPicturesAreTheReferencePicture) {

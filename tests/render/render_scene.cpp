@@ -124,6 +124,7 @@ FloatPicture RenderScene::reference(const FrameOptions& options) const {
   scene.integrates = options.integrates;
   scene.attenuation = transfer_.attenuation;
   scene.depth_cueing = options.depth_cueing;
+  if (options.shown_points != nullptr) scene.shown_points = *options.shown_points;
   scene.jitter = options.jitter;
   scene.jitterOf = [height = options.size.height](int i, int j) {
     const int y = height - 1 - j;  // rows of the mask go upwards

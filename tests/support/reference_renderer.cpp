@@ -45,10 +45,9 @@ struct IndexFromWorld {
   }
 };
 
-// The depths of the corners of these voxels that are nearest to the eye and farthest from it.
-std::array<double, 2> depthsOf(const VolumeLayout& layout, const View& view, const Box3& voxels) {
-  std::array<double, 2> depths{std::numeric_limits<double>::infinity(),
-                               -std::numeric_limits<double>::infinity()};
+// The corners of the box through the outermost of these voxels.
+std::vector<Vec3d> cornersOf(const VolumeLayout& layout, const Box3& voxels) {
+  std::vector<Vec3d> corners;
   for (int corner = 0; corner < 8; ++corner) {
     Vec3d world = layout.origin;
     for (int a = 0; a < 3; ++a) {
@@ -56,6 +55,16 @@ std::array<double, 2> depthsOf(const VolumeLayout& layout, const View& view, con
       world = world + layout.axes[static_cast<size_t>(a)] *
                           (layout.spacing[a] * static_cast<double>(voxel));
     }
+    corners.push_back(world);
+  }
+  return corners;
+}
+
+// The depths of the nearest of these points and of the farthest.
+std::array<double, 2> depthsOf(const View& view, const std::vector<Vec3d>& points) {
+  std::array<double, 2> depths{std::numeric_limits<double>::infinity(),
+                               -std::numeric_limits<double>::infinity()};
+  for (const Vec3d& world : points) {
     const double depth = dot(world - view.eye, view.forward);
     depths = {std::min(depths[0], depth), std::max(depths[1], depth)};
   }
@@ -73,8 +82,9 @@ class Renderer {
         index_from_world_(layout_),
         crop_(scene.crop ? intersect(*scene.crop, boxOf(layout_.dims)) : boxOf(layout_.dims)),
         finest_(std::min({layout_.spacing.x, layout_.spacing.y, layout_.spacing.z})),
-        last_depth_(depthsOf(layout_, view, boxOf(layout_.dims))[1]),
-        depths_(depthsOf(layout_, view, crop_)) {
+        last_depth_(depthsOf(view, cornersOf(layout_, boxOf(layout_.dims)))[1]),
+        depths_(depthsOf(
+            view, scene.shown_points.empty() ? cornersOf(layout_, crop_) : scene.shown_points)) {
     if (view.projection == Projection::kPerspective) depths_[0] = std::max(depths_[0], 0.0);
   }
 
@@ -483,7 +493,7 @@ class Renderer {
   const Box3 crop_;
   const double finest_;
   const double last_depth_;
-  std::array<double, 2> depths_;  // of the crop box, the first in front of a perspective eye
+  std::array<double, 2> depths_;  // of what is shown, the first in front of a perspective eye
 };
 
 }  // namespace

@@ -87,9 +87,11 @@ struct ReferenceScene {
   // Requires: no step in the transfer function.
   bool integrates = false;
   double attenuation = 0;  // of kAttenuatedMaximum
-  // Composite: a sample's colour is darkened by this share at the depth of the farthest corner of
-  // the crop box, by none at that of the nearest, as far as those of kMaximumByDepth.
+  // Composite: a sample's colour is darkened by this share at the farthest depth, by none at the
+  // nearest. These depths, and those of kMaximumByDepth, belong to the points given here, or, if
+  // there are none, to the corners of the crop box.
   double depth_cueing = 0;
+  std::vector<Vec3d> shown_points;  // world space, inside the crop box
   // Composite: the slices of the ray of pixel (i, j) lie farther by jitter times this function.
   double jitter = 0;
   std::function<double(int i, int j)> jitterOf;

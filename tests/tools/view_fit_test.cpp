@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "src/classify/transfer/transfer_makers.h"
+#include "src/render/camera/frame_setup.h"
+#include "src/render/camera/index_space.h"
 #include "tests/support/temp_folder.h"
 #include "tools/scene/open_scene.h"
 
@@ -109,6 +111,31 @@ TEST_F(ViewFitTest, aTurnIsOnceAroundWithOneFraming) {
 TEST_F(ViewFitTest, nothingVisibleFallsBackToTheSphere) {
   frame_.crop = Box3{{0, 0, 0}, {48, 10, 48}};
   EXPECT_FALSE(fittedAlone().front().framing.has_value());
+}
+
+// The depths of a picture that depends on them are those of the cube, for any size of blocks.
+TEST_F(ViewFitTest, depthsAreThoseOfWhatShows) {
+  const TransferFunction transfer = thresholdTransfer(100, {0, 200});
+  WorkerPool pool(2);
+  for (const int64_t block : {8, 16, 64}) {
+    resources_.block = block;
+    const IndexedVolume volume = openIndexed(arguments_, resources_, IndexNeeds{}, pool);
+    const VolumeLayout& layout = volume.source->layout();
+    frame_.depth_cueing = 0;
+    const FitRequest request{{{volume, volume.step(), transfer}}, frame_, true};
+    EXPECT_EQ(depthPoints(request, resources_, pool), nullptr);
+    frame_.depth_cueing = 1;
+    frame_.shown_points = depthPoints(request, resources_, pool);
+    const View view = resolve(frame_.camera, layout, frame_.size, 1);
+    const auto [near, far] = shownDepths(view, layout, frame_);
+    // Seen along y: cells begin a voxel before the cube and end one behind it.
+    const double middle = dot(worldFromIndex(layout, {23.5, 23.5, 23.5}) - view.eye, view.forward);
+    EXPECT_NEAR(near, middle - 4.5, 1e-9) << block;
+    EXPECT_NEAR(far, middle + 4.5, 1e-9) << block;
+    frame_.shown_points = nullptr;
+    const auto [front, back] = shownDepths(view, layout, frame_);
+    EXPECT_NEAR(back - front, kFittedSide - 1, 1e-9);
+  }
 }
 
 }  // namespace

@@ -83,6 +83,7 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
   checkLastStep(arguments);
   const Room room = arguments.annotate ? annotationRoom(arguments.frame.size) : Room{};
   FittedScene fitted = openFitted(arguments, saved, outputs, team, room);
+  arguments.frame.shown_points = fitted.shown_points;
   const PictureOutput output = pictureOutput(arguments);
   const bool has_step = app.count("--step") > 0;
   std::vector<RefinedPicture> earlier_pictures;
@@ -92,6 +93,7 @@ int run(Arguments& arguments, CLI::App& app, Team* team) {
         {arguments, to_draw, fitted.cameras, output, {}, *fitted.scene, is_first, has_step, began});
     fitted = {};
     fitted = openFitted(arguments, saved, outputs, team, room, FinestLevel::kMayWait);
+    arguments.frame.shown_points = fitted.shown_points;
   }
   Scene& scene = *fitted.scene;
   requireOneChannel(arguments, scene);

@@ -130,10 +130,14 @@ Verification verify(Scene& scene, const VerifiedView& view, FrameOptions options
     std::vector<FittedVolume> fitted;
     for (size_t i = 0; i < layers.size(); ++i)
       fitted.push_back({volumes[i], volumes[i].step(), layers[i]->look.transfer});
-    fitCameras(cameras, view.fit, {std::move(fitted), options, true}, view.room, pass);
+    const FitRequest request{std::move(fitted), options, true};
+    fitCameras(cameras, view.fit, request, view.room, pass);
+    options.shown_points = depthPoints(request, pass);
     options.camera = cameras.at(view.frame);
-  } else if (fitOf(cameras, view.fit) == Fit::kVisible) {
-    result.unchecked.emplace_back("the fit to all time steps");
+  } else {
+    if (fitOf(cameras, view.fit) == Fit::kVisible)
+      result.unchecked.emplace_back("the fit to all time steps");
+    if (colorsByDepth(options)) result.unchecked.emplace_back("the depths of all time steps");
   }
   // Slices of the finest level lie closer than those of a picture from coarser ones.
   if (is_cut && !view.has_step)

@@ -19,7 +19,7 @@ std::string labelName(const ChosenLook& look, double label) {
   return found == look.label_names.end() ? fmt::format("{:.7g}", label) : found->second;
 }
 
-// The colours of a picture by depth: of world units behind the nearest corner of what it shows.
+// The colours of a picture by depth: of world units behind the nearest part of what it shows.
 void showDepths(std::array<double, 2> depths_shown, Annotations& annotations) {
   const auto [near, far] = depths_shown;
   annotations.range = {0, far - near};

@@ -61,9 +61,9 @@ FittedScene fittedScene(const RenderArguments& arguments, const std::optional<Sa
   Scene& scene = *fitted.scene;
   fitted.asked = camerasOf(arguments, scene.volume.source->layout().frame);
   fitted.cameras = fitted.asked;
-  fitCameras(fitted.cameras, arguments.fit,
-             {fittedVolumes(scene), arguments.frame, arguments.look.this_step}, room,
-             arguments.resources, scene.pool);
+  const FitRequest request{fittedVolumes(scene), arguments.frame, arguments.look.this_step};
+  fitCameras(fitted.cameras, arguments.fit, request, room, arguments.resources, scene.pool);
+  fitted.shown_points = depthPoints(request, arguments.resources, scene.pool);
   return fitted;
 }
 

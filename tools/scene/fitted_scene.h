@@ -16,6 +16,7 @@ namespace sluice {
 struct FittedScene {
   std::unique_ptr<Scene> scene;
   std::vector<Camera> asked, cameras;
+  std::shared_ptr<const std::vector<Vec3d>> shown_points;  // see FrameOptions
 };
 
 // The finest level is read at the opening only if a picture shows it, or an option compares with

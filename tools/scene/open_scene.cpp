@@ -108,6 +108,13 @@ void fitCameras(std::vector<Camera>& cameras, FitChoice choice, const FitRequest
              {pool, progress, memoryBudget(resources), interruption()});
 }
 
+std::shared_ptr<const std::vector<Vec3d>> depthPoints(const FitRequest& request,
+                                                      const ResourceArguments& resources,
+                                                      WorkerPool& pool) {
+  ProgressMeter progress(indexingLine(resources));
+  return depthPoints(request, {pool, progress, memoryBudget(resources), interruption()});
+}
+
 TransferFunction transferFor(const IndexedVolume& volume, const LookArguments& look) {
   return lookFor(volume, look, Mode::kComposite).transfer;
 }

@@ -2,6 +2,7 @@
 // their warnings and progress.
 #pragma once
 
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -41,6 +42,10 @@ bool mustReadFinest(const Scene& scene, const FrameOptions& frame, std::span<con
 // fitCameras() with progress, until a signal comes.
 void fitCameras(std::vector<Camera>& cameras, FitChoice choice, const FitRequest& request,
                 Room room, const ResourceArguments& resources, WorkerPool& pool);
+// depthPoints() in the same way.
+std::shared_ptr<const std::vector<Vec3d>> depthPoints(const FitRequest& request,
+                                                      const ResourceArguments& resources,
+                                                      WorkerPool& pool);
 
 // lookFor() of a composite picture.
 TransferFunction transferFor(const IndexedVolume& volume, const LookArguments& look);

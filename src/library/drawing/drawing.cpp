@@ -97,13 +97,11 @@ std::vector<TimeStep> Drawing::stepsAt(int64_t time, const IndexPass& pass) {
   });
 }
 
-std::optional<Framing> Drawing::framingFor(const std::vector<Camera>& cameras, FitChoice choice,
-                                           const FrameOptions& options, const TimeStep& step,
-                                           const IndexPass& pass) {
-  if (fitOf(cameras, choice) == Fit::kVolume) return std::nullopt;
+Drawing::Points Drawing::shownPoints(const FrameOptions& options, const TimeStep& step,
+                                     const IndexPass& pass) {
   const bool this_step = !opened_->whole_series;
   const PointsKey key{this_step ? step.time : 0, options.crop, looks_};
-  const Points points = points_.of(key, [&] {
+  return points_.of(key, [&] {
     const std::vector<TimeStep> steps = stepsAt(step.time, pass);
     std::vector<FittedVolume> volumes;
     for (size_t i = 0; i < steps.size(); ++i) {
@@ -119,7 +117,13 @@ std::optional<Framing> Drawing::framingFor(const std::vector<Camera>& cameras, F
                              ? std::vector<Vec3d>()
                              : visiblePoints({std::move(volumes), own, this_step}, pass));
   });
-  return framingOf(*points, cameras, layout().frame, options.size);
+}
+
+std::optional<Framing> Drawing::framingFor(const std::vector<Camera>& cameras, FitChoice choice,
+                                           const FrameOptions& options, const TimeStep& step,
+                                           const IndexPass& pass) {
+  if (fitOf(cameras, choice) == Fit::kVolume) return std::nullopt;
+  return framingOf(*shownPoints(options, step, pass), cameras, layout().frame, options.size);
 }
 
 FrameOptions Drawing::asked(const PictureOptions& picture) const {
@@ -134,6 +138,7 @@ FrameOptions Drawing::framed(const PictureOptions& picture, const TimeStep& step
   // Ranks know the values of a brick that they share in parts, so that the visible part of all is
   // found to a brick: they fit the volume unless they are asked for more.
   const bool fits = opened_->in_situ == nullptr || picture.view.fit.has_value();
+  if (fits && colorsByDepth(options)) options.shown_points = shownPoints(options, step, pass);
   if (!options.camera.framing && fits)
     options.camera.framing =
         framingFor({options.camera}, fitChoice(picture.view), options, step, pass);

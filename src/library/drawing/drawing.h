@@ -103,6 +103,8 @@ class Drawing {
   // such step.
   std::vector<TimeStep> stepsAt(int64_t time, const IndexPass& pass);
   TimeStep stepAt(int64_t time, const IndexPass& pass) { return stepsAt(time, pass).front(); }
+  // The corners of what the looks show, see visiblePoints().
+  Points shownPoints(const FrameOptions& options, const TimeStep& step, const IndexPass& pass);
   // The framing for pictures from all these cameras together; null if they need none.
   std::optional<Framing> framingFor(const std::vector<Camera>& cameras, FitChoice choice,
                                     const FrameOptions& options, const TimeStep& step,

@@ -29,11 +29,13 @@ std::vector<Vec3d> Drawing::pointsOfRanks(std::vector<Vec3d> own) const {
 }
 
 void Drawing::expectSameRequest(const PictureOptions& picture) const {
-  expectAgreement(opened_->in_situ->team(),
-                  {{"the look", scene_.lookText()},
-                   {"the number of looks set", std::to_string(looks_)},
-                   {"the size", fmt::format("{}x{}", picture.width, picture.height)}},
-                  "draw the same picture on every rank");
+  expectAgreement(
+      opened_->in_situ->team(),
+      {{"the look", scene_.lookText()},
+       {"the number of looks set", std::to_string(looks_)},
+       {"the size", fmt::format("{}x{}", picture.width, picture.height)},
+       {"the depth cueing", fmt::format("{}", picture.lighting.depth_cueing.value_or(0))}},
+      "draw the same picture on every rank");
 }
 
 void Drawing::expectSamePicture(const FrameOptions& options, const View& view) const {

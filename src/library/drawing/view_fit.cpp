@@ -60,6 +60,12 @@ std::vector<Vec3d> visiblePoints(const FitRequest& request, const IndexPass& pas
   return points;
 }
 
+std::shared_ptr<const std::vector<Vec3d>> depthPoints(const FitRequest& request,
+                                                      const IndexPass& pass) {
+  if (!colorsByDepth(request.frame)) return nullptr;
+  return std::make_shared<const std::vector<Vec3d>>(visiblePoints(request, pass));
+}
+
 void fitCameras(std::vector<Camera>& cameras, FitChoice choice, const FitRequest& request,
                 Room room, const IndexPass& pass) {
   if (fitOf(cameras, choice) == Fit::kVolume) return;

@@ -1,6 +1,7 @@
 // Fits what is visible into the picture: --fit.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "src/library/opening/indexed_volume.h"
@@ -35,6 +36,10 @@ std::vector<Box3> shownCells(const IndexedVolume& volume, const StepValues& valu
 // any size of block. Looks at every time step that counts; reads voxels only of steps that have no
 // index yet.
 std::vector<Vec3d> visiblePoints(const FitRequest& request, const IndexPass& pass);
+
+// The same for FrameOptions::shown_points; null if the frames do not depend on depth.
+std::shared_ptr<const std::vector<Vec3d>> depthPoints(const FitRequest& request,
+                                                      const IndexPass& pass);
 
 // Gives all cameras one framing.
 void fitCameras(std::vector<Camera>& cameras, FitChoice choice, const FitRequest& request,

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -49,8 +50,11 @@ struct FrameOptions {
   bool shades = true;                     // by sessions opened lit; they may draw a frame without
   Lighting lighting;                      // Applies if the frame is lit
   double depth_cueing = 0, jitter = 0;    // see FrameSetup
-  std::optional<CutOptions> cut;          // unset: the finest level alone is drawn
-  std::optional<Box3> crop;  // voxels; the part between its outer voxel planes is shown
+  // World positions whose hull holds what the transfer function shows, for pictures whose colours
+  // depend on depth. Null or none: the corners of cropCells().
+  std::shared_ptr<const std::vector<Vec3d>> shown_points = {};
+  std::optional<CutOptions> cut;  // unset: the finest level alone is drawn
+  std::optional<Box3> crop;       // voxels; the part between its outer voxel planes is shown
   std::vector<WorldPlane> clip_planes;
   Algorithm algorithm = Algorithm::kMerged;
   MergeOrder merge_order = MergeOrder::kPaper;
@@ -99,6 +103,12 @@ inline double rayThreshold(const FrameOptions& options) {
       break;
   }
   return 1;
+}
+
+// Whether a picture depends on FrameSetup::shown_depths.
+inline bool colorsByDepth(const FrameOptions& options) {
+  const ModeTraits& traits = traitsOf(options.mode);
+  return traits.codes_depth || (traits.has_colors && options.depth_cueing > 0);
 }
 
 // The cells that options.crop lets show: those between its outer voxel planes.

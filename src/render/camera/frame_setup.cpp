@@ -88,7 +88,7 @@ FrameSetup setupOf(const View& view, const VolumeLayout& layout, const OpacityTa
                    LookUpPtr look_up, const ValueMap& map, const FrameOptions& options) {
   FrameSetup setup = viewSetup(view, layout, options.clip_planes);
   setup.shown = cropCells(options, layout.dims);
-  setup.shown_depths = depthsOf(setup, setup.shown);
+  setup.shown_depths = shownDepths(view, layout, options);
   setup.type = map.type;
   setup.look_up = std::move(look_up);
   setup.mode = deviceMode(options.mode, map.scale);
@@ -194,7 +194,15 @@ double longestStep(const View& view, const VolumeLayout& layout) {
 
 std::array<double, 2> shownDepths(const View& view, const VolumeLayout& layout,
                                   const FrameOptions& options) {
-  return depthsOf(viewSetup(view, layout, {}), cropCells(options, layout.dims));
+  const auto corners = depthsOf(viewSetup(view, layout, {}), cropCells(options, layout.dims));
+  if (options.shown_points == nullptr) return corners;
+  std::array<double, 2> depths{1e300, -1e300};
+  for (const Vec3d& point : *options.shown_points) {
+    const double depth = dot(point - view.eye, view.forward);
+    depths = {std::min(depths[0], depth), std::max(depths[1], depth)};
+  }
+  depths = {std::max(depths[0], corners[0]), std::min(depths[1], corners[1])};
+  return depths[0] < depths[1] ? depths : corners;
 }
 
 EyePosition eyePosition(const View& view, const VolumeLayout& layout) {

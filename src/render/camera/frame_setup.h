@@ -25,7 +25,8 @@ FrameSetup frameSetup(const View& view, const VolumeLayout& layout, const Look& 
 // The view's part of it alone: rays, clip space, slices and clip planes.
 FrameSetup viewSetup(const View& view, const VolumeLayout& layout,
                      const std::vector<WorldPlane>& clip_planes);
-// FrameSetup::shown_depths of such a frame.
+// FrameSetup::shown_depths of such a frame: those of FrameOptions::shown_points, as far as they lie
+// between the corners of cropCells().
 std::array<double, 2> shownDepths(const View& view, const VolumeLayout& layout,
                                   const FrameOptions& options);
 

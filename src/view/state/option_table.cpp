@@ -422,7 +422,7 @@ std::vector<OptionEntry> makeTable() {
           53,
           {.form = Form::kNumber, .limits = kShare, .bare = "1"},
           "SHARE",
-          "Darkens what is far away, lit or not: the farthest corner of the volume or --crop turns "
+          "Darkens what is far away, lit or not: the farthest part of what shows turns "
           "black; --depth-cueing=SHARE darkens it less, from 0 to 1"}),
       in(&ViewState::crop, {"crop",
                             "--crop",
