@@ -10,11 +10,13 @@
 #include <hwy/contrib/math/math-inl.h>
 // clang-format on
 
+#include "src/cpu/kernel_set.h"
 #include "src/cpu/kernel_values.h"
 #include "src/cpu/leap_grid.h"
 #include "src/cpu/packed_entries.h"
 #include "src/device/blue_noise.h"
 
+#if SLUICE_HAS_KERNELS
 HWY_BEFORE_NAMESPACE();
 namespace sluice::HWY_NAMESPACE {
 namespace {
@@ -469,3 +471,4 @@ void drawComposite(const KernelFrame& frame, const KernelBox* boxes, const uint3
 
 }  // namespace sluice::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
+#endif

@@ -11,11 +11,13 @@
 #include <hwy/contrib/math/math-inl.h>
 // clang-format on
 
+#include "src/cpu/kernel_set.h"
 #include "src/cpu/kernel_values.h"
 #include "src/cpu/packed_entries.h"
 #include "src/device/blue_noise.h"
 #include "src/device/depth_code.h"
 
+#if SLUICE_HAS_KERNELS
 HWY_BEFORE_NAMESPACE();
 namespace sluice::HWY_NAMESPACE {
 namespace {
@@ -226,3 +228,4 @@ void packetShape(int& width, int& height) {
 
 }  // namespace sluice::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
+#endif

@@ -10,7 +10,7 @@
 
 namespace sluice {
 
-// Compiled once a target, in composite_kernels.cpp and mode_kernels.cpp.
+// Compiled once an instruction set, see kernel_set.h.
 #define SLUICE_DECLARE_KERNELS(target)                                                             \
   namespace target {                                                                               \
   void drawComposite(const KernelFrame& frame, const KernelBox* boxes, const uint32_t* indices,    \
@@ -60,13 +60,13 @@ Kernels kernels(const char* name, void (*shape)(int&, int&), DrawTile composite,
 const std::vector<TargetKernels>& compiled() {
   static const std::vector<TargetKernels> all = {
     {SimdTarget::kPlain, HWY_STATIC_TARGET, SLUICE_KERNELS("plain", HWY_NAMESPACE)},
-#if (HWY_TARGETS & HWY_SSE4) && HWY_STATIC_TARGET != HWY_SSE4
+#if (HWY_TARGETS & HWY_SSE4) && HWY_STATIC_TARGET != HWY_SSE4 && defined(SLUICE_HAS_SSE4)
     {SimdTarget::kSse4, HWY_SSE4, SLUICE_KERNELS("sse4", N_SSE4)},
 #endif
-#if (HWY_TARGETS & HWY_AVX2) && HWY_STATIC_TARGET != HWY_AVX2
+#if (HWY_TARGETS & HWY_AVX2) && HWY_STATIC_TARGET != HWY_AVX2 && defined(SLUICE_HAS_AVX2)
     {SimdTarget::kAvx2, HWY_AVX2, SLUICE_KERNELS("avx2", N_AVX2)},
 #endif
-#if (HWY_TARGETS & HWY_AVX3) && HWY_STATIC_TARGET != HWY_AVX3
+#if (HWY_TARGETS & HWY_AVX3) && HWY_STATIC_TARGET != HWY_AVX3 && defined(SLUICE_HAS_AVX3)
     {SimdTarget::kAvx512, HWY_AVX3, SLUICE_KERNELS("avx512", N_AVX3)},
 #endif
   };

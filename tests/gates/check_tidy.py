@@ -50,7 +50,8 @@ def groups_of(root, build):
     """Lists of (path, flags), a folder's sources split into groups of at most GROUP."""
     folders = {}
     for path, flags in sources_of(root, build):
-        folders.setdefault(path.parent, {})[path] = flags
+        # Of a source that is compiled several times, for instruction sets, the first.
+        folders.setdefault(path.parent, {}).setdefault(path, flags)
     for files in folders.values():
         listed = sorted(files.items())
         for start in range(0, len(listed), GROUP):
