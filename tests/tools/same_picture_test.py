@@ -19,6 +19,7 @@ warnings.filterwarnings('ignore')
 
 PROGRAM = sys.argv[1]
 sys.path.insert(0, sys.argv[2])
+DATA = sys.argv[3]  # the folder of real volumes
 try:
     import sluice
 except ImportError as error:
@@ -179,6 +180,66 @@ def hdf5():
     return ['v.h5:/volume', 'v.ims']
 
 
+@needs('h5py')
+def big_data_viewer():
+    import h5py
+    with h5py.File('v.bdv.h5', 'w') as file:
+        file['s00/resolutions'] = np.array([[1.0, 1, 1], [2, 2, 2]])
+        file['s00/subdivisions'] = np.array([[18, 15, 11]] * 2, 'int32')
+        for level, values in enumerate((FINE, COARSE)):
+            # BigDataViewer's voxels are unsigned, whatever HDF5 is told.
+            file.create_dataset(f't00000/s00/{level}/cells', data=values.view('int16'), chunks=(11, 15, 18), compression='gzip')
+    affine = ' '.join(f'{SPACING[row] if row == column else 0}' for row in range(3) for column in range(4))
+    with open('v.xml', 'w') as file:
+        file.write(f'''<?xml version="1.0" encoding="UTF-8"?>
+<SpimData version="0.2"><BasePath type="relative">.</BasePath><SequenceDescription>
+<ImageLoader format="bdv.hdf5"><hdf5 type="relative">v.bdv.h5</hdf5></ImageLoader>
+<ViewSetups><ViewSetup><id>0</id><name>density</name><size>{SHAPE[2]} {SHAPE[1]} {SHAPE[0]}</size></ViewSetup></ViewSetups>
+<Timepoints type="range"><first>0</first><last>0</last></Timepoints></SequenceDescription>
+<ViewRegistrations><ViewRegistration timepoint="0" setup="0"><ViewTransform type="affine"><affine>{affine}</affine></ViewTransform>
+</ViewRegistration></ViewRegistrations></SpimData>''')
+    return ['v.xml']
+
+
+def zarrita_files():
+    """Arrays of Zarr 3 that zarrita wrote, each with an NRRD of the same numbers that NumPy writes here: they count."""
+    data = os.path.join(DATA, 'formats/zarr/zarr_v3/from_zarrita/data.zarr')
+    if not os.path.isdir(data):
+        print(f'left out, no {data}: Zarr 3 by zarrita')
+        return {}
+    with open(os.path.join(data, '3d.chunked.compressed.sharded.i2/zarr.json')) as file:
+        assert json.load(file)['codecs'][0]['name'] == 'sharding_indexed'
+    pairs = {}
+    for name, side in (('3d.chunked.compressed.sharded.i2', 4), ('3d.contiguous.compressed.sharded.i2', 3), ('3d.chunked.i2', 3),
+                       ('3d.chunked.mixed.i2.F', 3), ('3d.chunked.mixed.compressed.sharded.i2', 3)):
+        file = f'count{side}.nrrd'
+        with open(file, 'wb') as counted:
+            counted.write(f'NRRD0004\ntype: short\ndimension: 3\nsizes: {side} {side} {side}\nendian: little\nencoding: raw\n\n'.encode())
+            counted.write(np.arange(side**3, dtype='<i2').tobytes())
+        pairs[os.path.join(data, name)] = file
+    return pairs
+
+
+@needs('zarr')
+def zarr_python_3():
+    """A volume of Zarr 3 by zarr-python, from its version 3 on, in files and in shards."""
+    import zarr
+    if int(zarr.__version__.split('.')[0]) < 3:
+        print(f'left out, zarr-python is {zarr.__version__}: its Zarr 3')
+        return []
+    for name, shards in (('v3.zarr', None), ('v3s.zarr', (32, 64, 96))):
+        image = zarr.open_group(name, mode='w', zarr_format=3)
+        scale, levels = np.array(SPACING[::-1]), []
+        for level, values in enumerate((FINE, COARSE)):
+            image.create_array(str(level), data=values, chunks=(16, 32, 32), shards=shards)
+            levels.append({'path': str(level), 'coordinateTransformations': [
+                {'type': 'scale', 'scale': list(scale * 2**level)},
+                {'type': 'translation', 'translation': list(scale * 0.5 * level)}]})
+        axes = [{'name': axis, 'type': 'space', 'unit': 'micrometer'} for axis in 'zyx']
+        image.attrs['ome'] = {'version': '0.5', 'multiscales': [{'axes': axes, 'datasets': levels}]}
+    return ['v3.zarr', 'v3s.zarr']
+
+
 def run(*words):
     if words[1].endswith('.raw'):
         words += ('--spacing', ','.join(map(str, SPACING)))  # its name cannot say this
@@ -195,8 +256,8 @@ def is_read(volume):
     return 'which is not read without' not in done.stderr
 
 
-def picture(volume, *options):
-    run('render', volume, '-o', 'p.png', '--force', *VIEW, *options)
+def picture(volume, *options, view=VIEW):
+    run('render', volume, '-o', 'p.png', '--force', *view, *options)
     with open('p.png', 'rb') as file:
         return hashlib.md5(file.read()).hexdigest()
 
@@ -225,7 +286,7 @@ def fail_unless_one(kind, found):
 
 def main():
     others, packed = [], ['two.zarr', 'three.zarr', 'shards.zarr']
-    for write in (nrrd, raw, nifti, vtk_files, ome_tiff, ome_zarr, n5, hdf5, dicom):
+    for write in (nrrd, raw, nifti, vtk_files, ome_tiff, ome_zarr, zarr_python_3, n5, hdf5, big_data_viewer, dicom):
         try:
             for module in write.modules:
                 importlib.import_module(module)
@@ -240,7 +301,9 @@ def main():
     fail_unless_one('pictures', {file: picture(file, '--levels', 'none') for file in files} | lent)
     fail_unless_one('lit pictures', {file: picture(file, '--levels', 'none', '--shade') for file in files} | lent_lit)
     fail_unless_one('plans', {file: plan(file) for file in files})
-    fail_unless_one('coarse levels', {file: picture(file, '--level', '1') for file in others if file in ('v.zarr', 'v.n5', 'v.ims')})
+    fail_unless_one('coarse levels', {file: picture(file, '--level', '1') for file in others if file in ('v.zarr', 'v3.zarr', 'v3s.zarr', 'v.n5', 'v.ims', 'v.xml')})
+    for file, counted in zarrita_files().items():
+        fail_unless_one('pictures', {name: picture(name, view=['--threshold', '5', '--size', '80']) for name in (file, counted)})
     # These have spreads, so that they are drawn otherwise.
     fail_unless_one('packed coarse levels', {file: picture(file, '--level', '1') for file in packed})
 
