@@ -28,6 +28,8 @@ test_packages=(
   ccache libgtest-dev libgmock-dev
   # Ranks under both MPIs, and over hosts that are network namespaces.
   openmpi-bin mpich libmpich-dev iproute2
+  # A server that speaks HTTP/2, and a certificate for it.
+  nghttp2-server openssl
   # Sanitizers, gates, and the programs of others that results are checked against.
   clang clang-format clang-tidy libclang-rt-14-dev
   xvfb xdotool libxtst6 tidy

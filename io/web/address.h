@@ -29,11 +29,17 @@ struct WebCache {
   uint64_t budget_bytes = 0;
 };
 
+// Certificates of authorities, in place of the system's; empty: the system's.
+struct WebCertificates {
+  std::string file, folder;  // of PEM; as `openssl rehash` arranges them
+};
+
 struct WebOptions {
   BucketAccess buckets = {};
   // Finds `buckets` when the first s3:// address is opened; not set: they are known.
   std::function<BucketAccess()> find_buckets = {};
   WebCache cache = {};
+  WebCertificates certificates = {};
 };
 
 struct Address {

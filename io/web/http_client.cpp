@@ -128,8 +128,10 @@ struct HttpClient::Transfer {
   }
 };
 
-HttpClient::HttpClient(HttpCredentials credentials)
-    : credentials_(std::move(credentials)), multi_(curl_multi_init()) {
+HttpClient::HttpClient(HttpCredentials credentials, WebCertificates certificates)
+    : credentials_(std::move(credentials)),
+      certificates_(std::move(certificates)),
+      multi_(curl_multi_init()) {
   curl_multi_setopt(multi_, CURLMOPT_MAX_HOST_CONNECTIONS, kConnections);
   thread_ = startThread([this] { run(); });
 }
@@ -182,6 +184,10 @@ void HttpClient::begin(Transfer& transfer) {
   curl_easy_setopt(easy, CURLOPT_HEADERDATA, &transfer);
   curl_easy_setopt(easy, CURLOPT_WRITEFUNCTION, Transfer::takeBody);
   curl_easy_setopt(easy, CURLOPT_WRITEDATA, &transfer);
+  if (!certificates_.file.empty())
+    curl_easy_setopt(easy, CURLOPT_CAINFO, certificates_.file.c_str());
+  if (!certificates_.folder.empty())
+    curl_easy_setopt(easy, CURLOPT_CAPATH, certificates_.folder.c_str());
   if (!credentials_.user.empty())
     curl_easy_setopt(easy, CURLOPT_USERPWD, credentials_.user.c_str());
   if (!credentials_.signs_with.empty())

@@ -17,6 +17,7 @@
 #include <string_view>
 #include <thread>
 
+#include "io/web/address.h"
 #include "src/base/threads/mutex.h"
 #include "src/base/threads/stop_token.h"
 
@@ -61,7 +62,7 @@ struct HttpEnd {
 
 class HttpClient {
  public:
-  explicit HttpClient(HttpCredentials credentials);
+  explicit HttpClient(HttpCredentials credentials, WebCertificates certificates = {});
   // Requires: no thread is in get().
   ~HttpClient();
 
@@ -77,6 +78,7 @@ class HttpClient {
   void finish(Transfer& transfer, HttpEnd end);
 
   const HttpCredentials credentials_;
+  const WebCertificates certificates_;
   void* const multi_;  // CURLM, used on the thread
   Mutex mutex_;
   Condition ended_;

@@ -25,9 +25,12 @@ std::string cacheName(const std::string& object, const PieceBytes& wanted) {
 
 }  // namespace
 
-HttpStore::HttpStore(Address address, HttpCredentials credentials, const WebCache& cache,
+HttpStore::HttpStore(Address address, HttpCredentials credentials, const WebOptions& options,
                      StopToken stop)
-    : address_(std::move(address)), stop_(std::move(stop)), client_(std::move(credentials)) {
+    : address_(std::move(address)),
+      stop_(std::move(stop)),
+      client_(std::move(credentials), options.certificates) {
+  const WebCache& cache = options.cache;
   if (cache.budget_bytes > 0) cache_.emplace(cache.folder, cache.budget_bytes);
 }
 

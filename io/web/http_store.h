@@ -21,7 +21,8 @@ namespace sluice {
 class HttpStore final : public ChunkStore {
  public:
   // Throws Error: the cache's folder cannot be written.
-  HttpStore(Address address, HttpCredentials credentials, const WebCache& cache, StopToken stop);
+  HttpStore(Address address, HttpCredentials credentials, const WebOptions& options,
+            StopToken stop);
 
   std::string wholeKey(const std::string& key) const override;
   std::string nameOf(const std::string& key) const override { return address_.server + "/" + key; }

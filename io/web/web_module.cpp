@@ -27,6 +27,6 @@ extern "C" void sluiceOpenWebStore(const sluice::Address& address,
   using namespace sluice;
   if (curl_global_init(CURL_GLOBAL_DEFAULT) != CURLE_OK)
     failSystem("{}: libcurl cannot begin", printedAddress(address));
-  store = std::make_shared<HttpStore>(address, credentialsFor(address, options.buckets),
-                                      options.cache, stop);
+  store =
+      std::make_shared<HttpStore>(address, credentialsFor(address, options.buckets), options, stop);
 }

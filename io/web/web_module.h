@@ -19,6 +19,6 @@ inline constexpr const char* kOpenWebStore = "sluiceOpenWebStore";
 
 // The module exports this before anything is called: the version of sluice and of this interface.
 inline constexpr const char* kOpenWebVersion = "sluiceOpenWebVersion";
-inline constexpr const char* kWebModuleVersion = SLUICE_VERSION " web module 2";
+inline constexpr const char* kWebModuleVersion = SLUICE_VERSION " web module 3";
 
 }  // namespace sluice

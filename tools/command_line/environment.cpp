@@ -66,6 +66,11 @@ BucketAccess bucketAccess() {
   return bucketAccess(textFrom);
 }
 
+WebCertificates webCertificates() {
+  if (std::string bundle = textFrom("CURL_CA_BUNDLE"); !bundle.empty()) return {bundle, ""};
+  return {textFrom("SSL_CERT_FILE"), textFrom("SSL_CERT_DIR")};
+}
+
 Launch launchOfProcess() {
   return launchOf([](const char* variable) { return std::getenv(variable); });
 }

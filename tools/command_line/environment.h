@@ -32,6 +32,9 @@ std::filesystem::path webCacheFolder();
 // this process's environment. Throws Error.
 BucketAccess bucketAccess();
 
+// $CURL_CA_BUNDLE, or else $SSL_CERT_FILE and $SSL_CERT_DIR: the variables that curl looks at.
+WebCertificates webCertificates();
+
 // The rank that a launcher has started this process as, and the number of ranks.
 Launch launchOfProcess();
 

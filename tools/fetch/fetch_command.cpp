@@ -153,6 +153,7 @@ int run(const FetchArguments& arguments) {
   options.expected = wanted.expected;
   options.open.stop = interruption();
   options.open.web.find_buckets = [] { return bucketAccess(); };
+  options.open.web.certificates = webCertificates();
   options.download.stop = interruption();
   const Stopwatch watch;
   FetchedVolume fetched;

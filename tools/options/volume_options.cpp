@@ -95,6 +95,7 @@ void addVolumeOptions(CLI::App& app, VolumeArguments& arguments, std::optional<T
   arguments.open.decode = decodeOptions();
   arguments.open.stop = interruption();
   arguments.open.web.find_buckets = [] { return bucketAccess(); };
+  arguments.open.web.certificates = webCertificates();
   app.add_option(
          "volume", arguments.inputs,
          "Files (FILE.h5:/SET), a folder of slices or DICOM images, a Zarr or N5 store or its "
