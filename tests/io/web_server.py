@@ -20,7 +20,9 @@ range, the status and the bytes of the body. An ETag that is sent back is answer
   to=URL    every object is found on another server, and this one says so
   loop      the server says of every place that an object is found elsewhere
   late      the first connection gets no answer
-  stall-metadata, stall-chunks  an answer of that kind ends half way, and its connection stays
+  stall-metadata, stall-levels, stall-chunks  an answer of that kind ends half way, and its connection stays
+  deaf      no answer begins
+  later     status 503, with Retry-After: 5, for each chunk
   trickle   a byte each half second
   shaped    answers begin after 50 ms, and all together send 100 Mbit/s at most, and none goes wrong
 """
@@ -88,16 +90,18 @@ class Handler(http.server.BaseHTTPRequestHandler):
             counted['all'] += 1
             is_chunk = not file.name.startswith(('.z', 'zarr.json'))
             counted['chunks'] += is_chunk
-            goes_wrong = is_chunk and counted['chunks'] % 3 == 0
+            goes_wrong = is_chunk and (counted['chunks'] % 3 == 0 or fault == 'later')
             stamp = 'second' if fault == 'changed' and counted['all'] >= 20 else 'first'
-        if fault == 'late' and counted['all'] == 1:
+        if fault == 'deaf':
+            log.write(f'{path} - 0 0 -\n')
+        if fault == 'deaf' or fault == 'late' and counted['all'] == 1:
             time.sleep(60)
         if fault in ('delay', 'shaped'):
             time.sleep(0.05)
         status = 200
         if not file.is_file():
             status = 403 if fault == 'forbidden' else 404
-        elif goes_wrong and fault in ('busy', 'broken'):
+        elif goes_wrong and fault in ('busy', 'broken', 'later'):
             status = 429 if fault == 'busy' else 503
         if status != 200:
             body, first, last, is_part = b'no', 0, 1, False
@@ -122,14 +126,17 @@ class Handler(http.server.BaseHTTPRequestHandler):
             self.send_header('Content-Range', f'bytes {first}-{last}/{len(body)}')
         if status in (200, 206, 304):
             self.send_header('ETag', tag)
-        if status == 429:
-            self.send_header('Retry-After', '0')
+        if fault in ('busy', 'later') and status in (429, 503):
+            self.send_header('Retry-After', '0' if fault == 'busy' else '5')
         if fault == 'gzip':
             self.send_header('Content-Encoding', 'gzip')
         self.end_headers()
         if goes_wrong and fault == 'drop':
             part = part[:len(part) // 2]
-        if fault == ('stall-chunks' if is_chunk else 'stall-metadata') and status in (200, 206):
+        kinds = ['stall-chunks'] if is_chunk else ['stall-metadata']
+        if not is_chunk and file.parent.name.isdigit() and file.parent.name != '0':
+            kinds.append('stall-levels')
+        if fault in kinds and status in (200, 206):
             self.wfile.write(part[:len(part) // 2])
             time.sleep(60)
         if fault == 'trickle':

@@ -59,6 +59,8 @@ class WebServer {
 
   // "http://HOST:PORT", without a slash at its end.
   const std::string& address() const { return address_; }
+  // The file with a line for each request.
+  std::filesystem::path log() const { return log_ / "log"; }
   // So far, in their order.
   std::vector<WebRequest> requests() const {
     std::istringstream lines(readFile(log_ / "log"));
